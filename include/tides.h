@@ -1,0 +1,26 @@
+/* TIDES: event cameras in continuous time from dynamic Gaussian-splatting scenes.
+ *
+ * Conventions, everywhere:
+ *   time                seconds (double) in calls, integer nanoseconds in events
+ *   _dot                d/dt, per second; a dual is (value, time derivative)
+ *   world               right-handed; camera axes are OpenCV's: x right, y down, z forward
+ *   matrices            row-major, column vectors; quaternions wxyz; angles in radians
+ *   pixels              (0, 0) top left, its centre at (0.5, 0.5); images are (height x width), row 0 on top
+ *   polarity            +1 or -1
+ *   structs             start from their *_defaults function where they have one; it sets `size`
+ * Read the headers in the order below: it is the order of the pipeline. */
+#ifndef TIDES_H
+#define TIDES_H
+
+#include "tides/base.h"
+#include "tides/device.h"
+#include "tides/trajectory.h"
+#include "tides/scene.h"
+#include "tides/camera.h"
+#include "tides/render.h"
+#include "tides/simulate.h"
+#include "tides/events.h"
+#include "tides/image.h"
+#include "tides/run.h"
+
+#endif

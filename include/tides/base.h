@@ -1,0 +1,80 @@
+/* Status codes, error text, progress, version: what every other header builds on.
+ *
+ * Every call that can fail returns a tides_status and takes a nullable tides_error as its last parameter. On failure the
+ * error holds one line: what was wrong, where (file, line, key), and how to put it right; output parameters are then left
+ * untouched unless the call says otherwise. The library never prints, exits or aborts.
+ *
+ * Thread rule for all objects: one object is used by one thread at a time; different objects may be used by different
+ * threads. A `const` object may be read by several threads at once. */
+#ifndef TIDES_BASE_H
+#define TIDES_BASE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define TIDES_VERSION_MAJOR 0
+#define TIDES_VERSION_MINOR 1
+#define TIDES_VERSION_PATCH 0
+
+/* Raised whenever the events of an unchanged run file may change. */
+#define TIDES_NUMERICS 1
+
+#if defined(__GNUC__)
+#define TIDES_API __attribute__((visibility("default")))
+#define TIDES_MUST_CHECK __attribute__((warn_unused_result))
+#else
+#define TIDES_API
+#define TIDES_MUST_CHECK
+#endif
+
+/* One list: the enum, the names and the texts can't drift apart. */
+#define TIDES_STATUS_LIST(X)                                             \
+    X(OK, 0, "success")                                                  \
+    X(BAD_ARGUMENT, 1, "an argument is out of range or inconsistent")    \
+    X(NO_MEMORY, 2, "out of memory")                                     \
+    X(FILE_NOT_FOUND, 3, "a file can't be opened")                       \
+    X(BAD_FILE, 4, "a file isn't what it claims to be")                  \
+    X(WRITE_FAILED, 5, "a file can't be written")                        \
+    X(BAD_CONFIG, 6, "a run file or setting is wrong")                   \
+    X(UNSUPPORTED, 7, "this version can't do that")                      \
+    X(NO_DEVICE, 8, "no OpenCL device matches")                          \
+    X(DEVICE_FAILED, 9, "an OpenCL call or kernel build failed")         \
+    X(CANCELLED, 10, "stopped on request")                               \
+    X(OUT_OF_RANGE, 11, "a time lies outside what the data covers")
+
+/* Width pinned apart from the enum, so that the ABI doesn't depend on the compiler's choice. */
+typedef int32_t tides_status;
+
+enum {
+#define TIDES_STATUS_ENUM(name, value, text) TIDES_##name = value,
+    TIDES_STATUS_LIST(TIDES_STATUS_ENUM)
+#undef TIDES_STATUS_ENUM
+};
+
+/* What went wrong. Plain value, owned by the caller; `text` is always terminated. */
+typedef struct tides_error {
+    tides_status status;
+    char text[1020];
+} tides_error;
+
+/* "TIDES_BAD_FILE"; static storage; "TIDES_UNKNOWN_STATUS" for anything else. */
+TIDES_API const char *tides_status_name(tides_status status);
+
+/* "a file isn't what it claims to be"; static storage. */
+TIDES_API const char *tides_status_text(tides_status status);
+
+/* "0.1.0"; static storage. */
+TIDES_API const char *tides_version(void);
+
+/* Called now and then by long work, on the calling thread, with the fraction done in [0, 1] and a word for the stage
+ * ("building kernels", "simulating"). A non-zero return stops the work with TIDES_CANCELLED; what was flushed stays. */
+typedef int (*tides_progress)(void *user, double fraction, const char *stage);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

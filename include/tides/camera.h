@@ -1,0 +1,55 @@
+/* The camera: pinhole intrinsics, and paths read from the files that people have. */
+#ifndef TIDES_CAMERA_H
+#define TIDES_CAMERA_H
+
+#include "tides/trajectory.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A pinhole: u = fx x/z + cx, v = fy y/z + cy; pixel (0,0) is the top left one and its centre lies at (0.5, 0.5). */
+typedef struct tides_intrinsics {
+    int32_t width, height; /* [px] */
+    double fx, fy, cx, cy; /* [px] */
+} tides_intrinsics;
+
+/* How to read a path file; fill with tides_path_options_defaults. */
+typedef struct tides_path_options {
+    uint32_t size;          /* sizeof this struct, set by the defaults function */
+    int32_t reserved;
+    double duration;        /* [s] files without times (cameras.json, transforms.json): poses are spread evenly over
+                               [0, duration]; files with trainer's times in [0, 1] (D-NeRF): times are multiplied by it */
+    double start;           /* [s] subtracted from every time of the file, after scaling */
+    int32_t rebase;         /* 1: `start` is ignored and the first sample is put at 0 */
+    int32_t reserved2;
+} tides_path_options;
+
+TIDES_API void tides_path_options_defaults(tides_path_options *options); /* duration 1, start 0, rebase 0 */
+
+/* What a path file says. */
+typedef struct tides_path {
+    tides_trajectory *trajectory; /* owned by the caller after success */
+    tides_intrinsics intrinsics;  /* fields the file doesn't give are 0 */
+    char format[32];              /* "tides", "transforms", "cameras", "tum", "esim" */
+} tides_path;
+
+/* Reads a camera path; the format is found from the content, not from the name:
+ *   tides       our JSON (written by tides_path_save; documented in camera_tides.c)
+ *   transforms  nerfstudio / instant-ngp / Blender / D-NeRF transforms.json (OpenGL axes, converted)
+ *   cameras     INRIA cameras.json
+ *   tum         text `t tx ty tz qx qy qz qw`, seconds
+ *   esim        csv `t_ns, x, y, z, qx, qy, qz, qw`
+ * Also serves for objects' trajectories (axes are then whatever the file means by its body frame; only transforms.json is
+ * converted). Errors name file, line or key. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_path_load(const char *file, const tides_path_options *options, tides_path *path,
+                                                        tides_error *error);
+
+/* Writes our JSON: intrinsics (nullable) and the samples, rates included where the path has them. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_path_save(const char *file, const tides_trajectory *trajectory,
+                                                        const tides_intrinsics *intrinsics, tides_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

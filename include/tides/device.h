@@ -1,0 +1,52 @@
+/* Where the arithmetic runs: an OpenCL device, or the scalar double-precision reference. */
+#ifndef TIDES_DEVICE_H
+#define TIDES_DEVICE_H
+
+#include "tides/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct tides_device tides_device;
+
+enum { TIDES_DEVICE_CPU = 1, TIDES_DEVICE_GPU = 2, TIDES_DEVICE_OTHER = 3, TIDES_DEVICE_REFERENCE = 4 };
+
+/* One row of `tides devices`. Plain value. */
+typedef struct tides_device_info {
+    int32_t kind;           /* TIDES_DEVICE_CPU, _GPU, _OTHER, _REFERENCE */
+    int32_t index;          /* what SPEC may name; -1 for the reference */
+    char name[128];         /* CL_DEVICE_NAME */
+    char platform[128];     /* CL_PLATFORM_NAME */
+    char driver[128];       /* CL_DEVICE_VERSION and CL_DRIVER_VERSION */
+    int32_t compute_units;
+    int32_t lanes;          /* pixels per work-item that kernels are built for */
+    uint64_t memory_bytes;
+} tides_device_info;
+
+/* Opens the device that `spec` names; NULL or "" reads the environment's TIDES_DEVICE, and "auto" where that is unset.
+ *   auto           the first GPU, else the first CPU
+ *   cpu, gpu       the first of that kind
+ *   reference      scalar C in double precision, no OpenCL
+ *   reference-f32  the same functions in single precision: equals the kernels bit for bit (tests)
+ *   2              index in the list of tides_device_list
+ *   pocl, nvidia   a part of the platform's or device's name, case ignored
+ * Nothing matches: TIDES_NO_DEVICE, and the text lists what exists. Never falls back to another device by itself.
+ * The caller closes it after everything made from it. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_device_open(const char *spec, tides_device **device, tides_error *error);
+
+/* NULL is fine. */
+TIDES_API void tides_device_close(tides_device *device);
+
+/* Fills `info` for an open device. */
+TIDES_API void tides_device_describe(const tides_device *device, tides_device_info *info);
+
+/* Writes at most `capacity` rows to `rows` (nullable when capacity is 0) and the number that exists to `count`: the OpenCL
+ * devices in index order; no OpenCL platform at all is success with count 0. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_device_list(tides_device_info *rows, int32_t capacity, int32_t *count,
+                                                          tides_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,51 @@
+/* Float images to and from OpenEXR, and PNG pictures. */
+#ifndef TIDES_IMAGE_H
+#define TIDES_IMAGE_H
+
+#include "tides/events.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* One named channel of an EXR file. */
+typedef struct tides_channel {
+    const char *name;    /* e.g. "L_dot"; EXR sorts them by name */
+    const float *pixels; /* (height x width), row 0 on top */
+} tides_channel;
+
+enum { TIDES_EXR_NONE = 0, TIDES_EXR_ZIPS = 2, TIDES_EXR_ZIP = 3 };
+
+/* Writes 32-bit float channels to a scan-line EXR; written beside and renamed. `attributes` (nullable) is a list of
+ * name, value string pairs ended by NULL. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_exr_write(const char *path, int32_t width, int32_t height,
+                                                        const tides_channel *channels, int32_t count, int32_t compression,
+                                                        const char *const *attributes, tides_error *error);
+
+/* An EXR file in memory. */
+typedef struct tides_exr tides_exr;
+TIDES_MUST_CHECK TIDES_API tides_status tides_exr_read(const char *path, tides_exr **exr, tides_error *error);
+TIDES_API void tides_exr_destroy(tides_exr *exr); /* NULL is fine */
+TIDES_API void tides_exr_size(const tides_exr *exr, int32_t *width, int32_t *height, int32_t *channels);
+TIDES_API const char *tides_exr_name(const tides_exr *exr, int32_t channel);   /* lives as long as exr; NULL out of range */
+TIDES_API const float *tides_exr_pixels(const tides_exr *exr, int32_t channel); /* (height x width); likewise */
+
+/* 8-bit pictures. `rgb` is (height x width x 3), row 0 on top. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_png_write(const char *path, int32_t width, int32_t height, const uint8_t *rgb,
+                                                        tides_error *error);
+
+/* Pictures of data, into rgb (height x width x 3), caller's memory.
+ * grey: linear values to sRGB grey; `white` is the value shown as white.
+ * signed: diverging blue-white-red (colour-blind safe) of values in [-limit, limit]; limit <= 0 takes the 99.5th percentile.
+ * events: red ON and blue OFF over `base` (nullable: mid grey), brighter where a pixel fired more often. */
+TIDES_API void tides_picture_grey(const double *values, int32_t width, int32_t height, double white, uint8_t *rgb);
+TIDES_API void tides_picture_rgb(const double *r, const double *g, const double *b, int32_t width, int32_t height,
+                                 uint8_t *rgb);
+TIDES_API void tides_picture_signed(const double *values, int32_t width, int32_t height, double limit, uint8_t *rgb);
+TIDES_API void tides_picture_events(const tides_event *events, size_t count, const double *base, int32_t width,
+                                    int32_t height, uint8_t *rgb);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

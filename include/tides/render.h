@@ -1,0 +1,95 @@
+/* Images and their exact time derivatives: one forward-mode pass (paper, Sec. 3.1 and 3.2). */
+#ifndef TIDES_RENDER_H
+#define TIDES_RENDER_H
+
+#include "tides/camera.h"
+#include "tides/device.h"
+#include "tides/scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Which renderer's decisions an image is formed with (lib/render/rules.c has each constant and where it comes from). */
+enum {
+    TIDES_RULES_SMOOTH = 0, /* 3DGS made continuous in time: the default */
+    TIDES_RULES_INRIA = 1,  /* graphdeco-inria's rasteriser */
+    TIDES_RULES_GSPLAT = 2  /* gsplat 1.5 */
+};
+
+/* Image formation; fill with tides_image_params_defaults. */
+typedef struct tides_image_params {
+    uint32_t size;        /* sizeof this struct */
+    int32_t rules;        /* TIDES_RULES_* */
+    int32_t antialias;    /* 1: opacity times sqrt(det before / det after dilation) */
+    int32_t sh_degree;    /* bands above this are ignored, 0..4 */
+    double dilation;      /* added to the diagonal of the 2D covariance [px^2] */
+    double luminance[3];  /* Y = luminance . (r, g, b) */
+    double log_eps;       /* L = ln(Y + log_eps), > 0 */
+    double background[3]; /* r g b, >= 0 */
+} tides_image_params;
+
+/* smooth, 0, 4, 0.3, (0.2126, 0.7152, 0.0722), 1e-3, black. */
+TIDES_API void tides_image_params_defaults(tides_image_params *params);
+
+/* Planes that a frame may have, in the order of tides_channel_name. */
+enum {
+    TIDES_Y = 0,             /* luminance                                            [1]   */
+    TIDES_L = 1,             /* log_luminance = ln(Y + log_eps)                      [1]   */
+    TIDES_L_DOT = 2,         /* log_luminance_dot                                    [1/s] */
+    TIDES_ALPHA = 3,         /* 1 - final transmittance                              [1]   */
+    TIDES_ALPHA_DOT = 4,     /*                                                      [1/s] */
+    TIDES_COVERAGE = 5,      /* accumulated blending mass, the sum of blend weights  [1]   */
+    TIDES_CONTRIBUTORS = 6,  /* splats blended                                       [count] */
+    TIDES_R = 7, TIDES_G = 8, TIDES_B = 9,              /* linear colour             [1]   */
+    TIDES_R_DOT = 10, TIDES_G_DOT = 11, TIDES_B_DOT = 12, /*                         [1/s] */
+    TIDES_Z = 13,            /* mean depth of what is blended, 0 where alpha is 0    [scene units] */
+    TIDES_Z_DOT = 14,        /*                                                      [scene units/s] */
+    TIDES_CHANNELS = 15
+};
+
+/* "Y", "L", "L_dot", "A", "A_dot", "coverage", "contributors", "R", ...; NULL out of range. */
+TIDES_API const char *tides_channel_name(int32_t channel);
+
+/* Where a frame goes: plane pointers, each (height x width), row 0 on top, caller's memory, NULL where not wanted. Values of
+ * single-precision devices are widened, not recomputed. Asking for colour or depth costs; the rest comes with the pass. */
+typedef struct tides_frame {
+    double *plane[TIDES_CHANNELS];
+} tides_frame;
+
+/* What a renderer or a run did. Plain value; counts only grow. */
+typedef struct tides_render_stats {
+    uint64_t tile_jobs;           /* (tile, time) pairs composited */
+    uint64_t tile_jobs_skipped;   /* tiles without a candidate: background by formula */
+    uint64_t gaussians_total;     /* Gaussians in the scene */
+    uint64_t gaussians_projected; /* (Gaussian, tile job) projections */
+    uint64_t gaussians_culled;    /* of these, not touching their tile at that time */
+    uint64_t sweeps;              /* times that tile candidate lists were made */
+    uint64_t pairs_evaluated;     /* (splat, pixel) pairs composited, in blocks of 16 */
+    double time_build_s, time_sweep_s, time_project_s, time_sort_s, time_composite_s, time_transfer_s;
+    int32_t tiles;                /* tiles in a full frame */
+    int32_t reserved;
+} tides_render_stats;
+
+typedef struct tides_renderer tides_renderer;
+
+/* A renderer of `scene` through a camera. `device` and `scene` must outlive it; the scene must not change meanwhile.
+ * Builds kernels (seconds the first time; `progress`, nullable, is told). Width and height 1..16384. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_create(tides_device *device, const tides_scene *scene,
+                                                              const tides_intrinsics *intrinsics,
+                                                              const tides_image_params *params, tides_progress progress,
+                                                              void *user, tides_renderer **renderer, tides_error *error);
+
+/* NULL is fine. */
+TIDES_API void tides_renderer_destroy(tides_renderer *renderer);
+
+/* One frame at `time` [s] seen from `camera` (body = OpenCV camera axes). */
+TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera,
+                                                             double time, const tides_frame *frame, tides_error *error);
+
+TIDES_API void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *stats);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

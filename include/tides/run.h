@@ -1,0 +1,69 @@
+/* The run file: one JSON text that says what to simulate (DESIGN 6), and the table of its parameters. */
+#ifndef TIDES_RUN_H
+#define TIDES_RUN_H
+
+#include "tides/simulate.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { TIDES_PARAM_NUMBER = 0, TIDES_PARAM_INTEGER, TIDES_PARAM_BOOLEAN, TIDES_PARAM_STRING, TIDES_PARAM_CHOICE,
+       TIDES_PARAM_VECTOR3, TIDES_PARAM_OBJECTS };
+
+/* One row of the parameter table, from which the JSON reader, --set, --help, man page and bindings are made. */
+typedef struct tides_param {
+    const char *key;      /* "sensor.threshold_on" */
+    int32_t type;         /* TIDES_PARAM_* */
+    const char *unit;     /* "log units", or "" */
+    double lower, upper;  /* inclusive bounds of numbers; 0 and 0 for the rest */
+    const char *fallback; /* default as JSON text; NULL: required */
+    const char *choices;  /* "smooth|inria|gsplat", or NULL */
+    const char *sentence; /* what it does */
+    int32_t available;    /* 0: part of the contract, but this version only takes the default */
+} tides_param;
+
+/* The table; static storage, `count` (nullable) receives its length. */
+TIDES_API const tides_param *tides_params(size_t *count);
+
+typedef struct tides_run tides_run;
+
+/* Reads a run file. `overrides` (nullable, `count` of them) are "key=value" texts, value as JSON or bare text, applied after the
+ * file. Unknown keys are errors that name the nearest known key; values out of range name the key, the value and the range;
+ * a key that this version doesn't act on is an error unless it holds its default. Relative paths are relative to the file. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_run_load(const char *file, const char *const *overrides, size_t count,
+                                                       tides_run **run, tides_error *error);
+
+/* The same from JSON text; `directory` is what relative paths refer to. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_run_parse(const char *text, const char *directory, const char *const *overrides,
+                                                        size_t count, tides_run **run, tides_error *error);
+
+TIDES_API void tides_run_destroy(tides_run *run); /* NULL is fine */
+
+/* What the run file says, as the structs that the library takes. Plain value; strings live as long as the run. */
+typedef struct tides_run_values {
+    tides_intrinsics intrinsics; /* zeros where neither given nor yet taken from the path file */
+    tides_image_params image;
+    tides_sensor sensor;
+    tides_stepping stepping;
+    double start, stop;
+    const char *scene_file, *camera_file, *device, *seed, *method;
+    const char *json;            /* the run with every default filled in, as written into event files */
+} tides_run_values;
+TIDES_API void tides_run_get(const tides_run *run, tides_run_values *values);
+
+/* Opens what the run names: the scene with its objects, and the camera's path; intrinsics from the run file win over the path
+ * file's, and missing ones are an error that names the key. The caller destroys scene and trajectory. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera,
+                                                       tides_intrinsics *intrinsics, tides_error *error);
+
+/* A run file as a new user wants it: every key with its default, one comment-free JSON object. The caller frees `text` with
+ * tides_free. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_run_template(const char *scene_file, const char *camera_file, char **text,
+                                                           tides_error *error);
+TIDES_API void tides_free(void *memory);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

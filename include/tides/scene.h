@@ -1,0 +1,76 @@
+/* What is looked at: one or more sets of Gaussians, each at rest or moving as a rigid object.
+ *
+ * Parameters are raw, as trained: opacity is a logit, scale a logarithm, quaternions (wxyz) need not be normalised, colour
+ * is spherical harmonics in INRIA's order and sign (reference: Kerbl et al. 2023; constants in kernels/sh.h). */
+#ifndef TIDES_SCENE_H
+#define TIDES_SCENE_H
+
+#include "tides/trajectory.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct tides_scene tides_scene;
+
+enum { TIDES_SH_DEGREE_MAX = 4 };
+
+/* Gaussians as arrays. Plain value; the arrays belong to whoever filled it. K = (sh_degree + 1)^2. */
+typedef struct tides_gaussians {
+    int64_t count;              /* N */
+    int32_t sh_degree;          /* 0..4 */
+    int32_t reserved;
+    const float *mean;          /* [scene units]            (N x 3) */
+    const float *log_scale;     /* ln [scene units]         (N x 3) */
+    const float *quaternion;    /* wxyz, raw                (N x 4) */
+    const float *opacity_logit; /*                          (N) */
+    const float *sh;            /* coefficient, then r g b  (N x K x 3) */
+} tides_gaussians;
+
+/* An empty scene. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_scene_create(tides_scene **scene, tides_error *error);
+
+/* NULL is fine. */
+TIDES_API void tides_scene_destroy(tides_scene *scene);
+
+/* Adds a copy of `gaussians` as one object. `trajectory` (nullable: at rest) moves it: p_world = scale R(t) p + position(t);
+ * it is copied too. `scale` > 0. `name` (nullable) is for people. N = 0, NaN or Inf, a zero quaternion, a scale beyond
+ * float's range: TIDES_BAD_ARGUMENT naming index and property. `index` (nullable) receives the object's number. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add(tides_scene *scene, const tides_gaussians *gaussians,
+                                                        const tides_trajectory *trajectory, double scale, const char *name,
+                                                        int32_t *index, tides_error *error);
+
+/* Reads a file and adds what it holds: a 3DGS .ply (by property name: any order, type and endianness, ASCII too) as one
+ * object, or TIDES's own .h5 as all its objects. The format is found from the content. For a .ply, `trajectory` (nullable)
+ * and `scale` work as in tides_scene_add; for an .h5 they move the whole (only where its objects are at rest). */
+TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add_file(tides_scene *scene, const char *file,
+                                                             const tides_trajectory *trajectory, double scale,
+                                                             tides_error *error);
+
+/* Writes `file`, by its ending: .h5 holds everything (layout documented in lib/scene/scene_hdf5.c); .ply holds one object at
+ * rest, in INRIA's binary layout (TIDES_UNSUPPORTED for more). Written beside and renamed. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_error *error);
+
+/* Number of objects; all Gaussians; the largest SH degree. */
+TIDES_API int32_t tides_scene_objects(const tides_scene *scene);
+TIDES_API int64_t tides_scene_count(const tides_scene *scene);
+TIDES_API int32_t tides_scene_sh_degree(const tides_scene *scene);
+
+/* One object, as views that live as long as the scene and until the next add. */
+typedef struct tides_object {
+    tides_gaussians gaussians;
+    const tides_trajectory *trajectory; /* NULL: at rest */
+    double scale;
+    const char *name;
+    const char *source; /* file it came from, or "" */
+} tides_object;
+TIDES_MUST_CHECK TIDES_API tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_object *object,
+                                                           tides_error *error);
+
+/* Axis-aligned box of the means, objects at their start or, for a static path, in place. */
+TIDES_API void tides_scene_bounds(const tides_scene *scene, double lower[3], double upper[3]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

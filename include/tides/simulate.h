@@ -1,0 +1,91 @@
+/* The simulator: from a scene and a camera path to a sorted stream of events. */
+#ifndef TIDES_SIMULATE_H
+#define TIDES_SIMULATE_H
+
+#include "tides/events.h"
+#include "tides/render.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The comparator; fill with tides_sensor_defaults (0.2, 0.2, 64). */
+typedef struct tides_sensor {
+    uint32_t size;
+    int32_t max_events_per_step; /* per pixel and step, >= 1; what is cut off is counted, and fires at the step's end */
+    double threshold_on;         /* C+ [log units], > 0 */
+    double threshold_off;        /* C- [log units], > 0 */
+} tides_sensor;
+TIDES_API void tides_sensor_defaults(tides_sensor *sensor);
+
+/* How S is modelled between two renders (paper Eq. 12; DESIGN 3.2). */
+enum {
+    TIDES_MODEL_LINEAR = 0,    /* S0 + S0_dot d */
+    TIDES_MODEL_QUADRATIC = 1, /* through S0, S0_dot, S1 */
+    TIDES_MODEL_HERMITE = 2,   /* the cubic through S0, S0_dot, S1, S1_dot */
+    TIDES_MODEL_SECANT = 3     /* S0 to S1 in a straight line: what ESIM assumes */
+};
+
+enum { TIDES_STEPPING_FIXED = 0 };
+
+/* Step control; fill with tides_stepping_defaults (fixed, hermite, 1 ms). */
+typedef struct tides_stepping {
+    uint32_t size;
+    int32_t mode;  /* TIDES_STEPPING_FIXED */
+    int32_t model; /* TIDES_MODEL_* */
+    int32_t reserved;
+    double step_s; /* [s] > 0; the last step is shortened to end at `stop` */
+} tides_stepping;
+TIDES_API void tides_stepping_defaults(tides_stepping *stepping);
+
+/* What a run did. Field for field what --stats writes (DESIGN 6). */
+typedef struct tides_stats {
+    tides_render_stats render;
+    uint64_t events, events_on, events_off;
+    uint64_t events_truncated;  /* crossings beyond max_events_per_step in a step, moved to the step's end */
+    uint64_t events_caught_up;  /* crossings that the local model missed or put out of range, fired at the step's end */
+    uint64_t steps;             /* (tile, step) pairs accepted */
+    uint64_t steps_rejected;
+    double worst_residual;      /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
+    double renders_full_frame_equivalent; /* tile jobs, skipped ones included, over tiles */
+    double simulated_s, run_time_s, real_time_factor; /* simulated / run time */
+    double time_compare_s, time_sink_s, time_other_s;
+    uint64_t peak_memory_bytes; /* of the process */
+} tides_stats;
+
+/* Receives events in order; `count` may be 0. Non-zero stops the run: TIDES_CANCELLED, or the status it stored itself. */
+typedef int (*tides_event_sink)(void *user, const tides_event *events, size_t count);
+
+typedef struct tides_simulator tides_simulator;
+
+/* A simulator on its own renderer. `device`, `scene` and `camera` must outlive it. Pixel state starts at `start` [s]: each
+ * reference is the signal there. The camera's path (and every object's) must cover [start, stop]: TIDES_OUT_OF_RANGE. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_create(tides_device *device, const tides_scene *scene,
+                                                               const tides_trajectory *camera,
+                                                               const tides_intrinsics *intrinsics,
+                                                               const tides_image_params *image, const tides_sensor *sensor,
+                                                               const tides_stepping *stepping, double start, double stop,
+                                                               tides_progress progress, void *user,
+                                                               tides_simulator **simulator, tides_error *error);
+
+/* NULL is fine. */
+TIDES_API void tides_simulator_destroy(tides_simulator *simulator);
+
+/* Advances to `until` (at most stop), giving `sink` the events of each packet, sorted by (t, y, x, polarity). Event times are
+ * nanoseconds from time 0 of the run, floored. Steps lie on the grid start + k step_s whatever `until` is, so a run cut into
+ * several calls gives the same events: times between grid points end at the last grid point before them, except `stop`. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink,
+                                                            void *sink_user, tides_progress progress, void *user,
+                                                            tides_error *error);
+
+TIDES_API void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats);
+
+/* The state of every pixel, planes (height x width), caller's memory, each nullable: the signal at the time reached, the
+ * reference, and the counts of events. The invariant: -threshold_off < signal - reference < threshold_on. */
+TIDES_API void tides_simulator_state(const tides_simulator *simulator, double *signal, double *reference, uint32_t *count_on,
+                                     uint32_t *count_off);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

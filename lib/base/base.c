@@ -1,0 +1,185 @@
+/* Status names, error texts, checked allocation, small text and file helpers. */
+#include "td_base.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <time.h>
+
+#define TD_TEXT(x) #x
+#define TD_VERSION_TEXT(major, minor, patch) TD_TEXT(major) "." TD_TEXT(minor) "." TD_TEXT(patch)
+
+const char *tides_status_name(tides_status status) {
+    switch (status) {
+#define TD_NAME(name, value, text) case value: return "TIDES_" #name;
+        TIDES_STATUS_LIST(TD_NAME)
+#undef TD_NAME
+        default: return "TIDES_UNKNOWN_STATUS";
+    }
+}
+
+const char *tides_status_text(tides_status status) {
+    switch (status) {
+#define TD_STATUS_TEXT(name, value, text) case value: return text;
+        TIDES_STATUS_LIST(TD_STATUS_TEXT)
+#undef TD_STATUS_TEXT
+        default: return "unknown status";
+    }
+}
+
+const char *tides_version(void) {
+    return TD_VERSION_TEXT(TIDES_VERSION_MAJOR, TIDES_VERSION_MINOR, TIDES_VERSION_PATCH);
+}
+
+tides_status td_fail(tides_error *error, tides_status status, const char *format, ...) {
+    if (error) {
+        va_list arguments;
+        va_start(arguments, format);
+        error->status = status;
+        vsnprintf(error->text, sizeof error->text, format, arguments);
+        va_end(arguments);
+    }
+    return status;
+}
+
+tides_status td_fail_within(tides_error *error, tides_status status, const char *format, ...) {
+    if (!error) return status;
+    char inner[sizeof error->text];
+    memcpy(inner, error->text, sizeof inner);
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vsnprintf(error->text, sizeof error->text, format, arguments);
+    va_end(arguments);
+    if (length < 0 || (size_t)length >= sizeof error->text) return status;
+    snprintf(error->text + length, sizeof error->text - (size_t)length, ": %s", inner);
+    return status;
+}
+
+void *td_alloc(size_t count, size_t size, tides_error *error) {
+    void *memory = NULL;
+    if (size == 0 || count <= SIZE_MAX / size) memory = calloc(count ? count : 1, size ? size : 1);
+    if (!memory)
+        td_fail(error, TIDES_NO_MEMORY, "out of memory: %zu items of %zu bytes were asked for", count, size);
+    return memory;
+}
+
+tides_status td_reserve(void **array, size_t *capacity, size_t needed, size_t size, tides_error *error) {
+    if (needed <= *capacity) return TIDES_OK;
+    size_t grown = *capacity + *capacity / 2;
+    if (grown < needed) grown = needed;
+    void *memory = grown <= SIZE_MAX / size ? realloc(*array, grown * size) : NULL;
+    if (!memory)
+        return td_fail(error, TIDES_NO_MEMORY, "out of memory: %zu items of %zu bytes were asked for", grown, size);
+    *array = memory;
+    *capacity = grown;
+    return TIDES_OK;
+}
+
+char *td_strdup(const char *text, tides_error *error) {
+    size_t bytes = strlen(text) + 1;
+    char *copy = td_alloc(bytes, 1, error);
+    if (copy) memcpy(copy, text, bytes);
+    return copy;
+}
+
+char *td_format(tides_error *error, const char *format, ...) {
+    va_list arguments, again;
+    va_start(arguments, format);
+    va_copy(again, arguments);
+    int length = vsnprintf(NULL, 0, format, arguments);
+    va_end(arguments);
+    char *text = length < 0 ? NULL : td_alloc((size_t)length + 1, 1, error);
+    if (text) vsnprintf(text, (size_t)length + 1, format, again);
+    va_end(again);
+    return text;
+}
+
+/* Size of an open file, or -1 with the error filled. */
+static long td_file_size(FILE *file, const char *path, size_t limit, tides_error *error) {
+    long size = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
+    if (size < 0 || fseek(file, 0, SEEK_SET) != 0) {
+        td_fail(error, TIDES_BAD_FILE, "%s: is not a regular file", path);
+        return -1;
+    }
+    if ((size_t)size > limit) {
+        td_fail(error, TIDES_BAD_FILE, "%s: %ld bytes is more than the %zu that such a file may have", path, size, limit);
+        return -1;
+    }
+    return size;
+}
+
+tides_status td_read_file(const char *path, size_t limit, char **data, size_t *bytes, tides_error *error) {
+    FILE *file = fopen(path, "rb");
+    if (!file) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
+    tides_status status = TIDES_BAD_FILE;
+    char *memory = NULL;
+    long size = td_file_size(file, path, limit, error);
+    if (size < 0) goto done;
+    memory = td_alloc((size_t)size + 1, 1, error);
+    if (!memory) {
+        status = TIDES_NO_MEMORY;
+        goto done;
+    }
+    if (fread(memory, 1, (size_t)size, file) != (size_t)size) {
+        td_fail(error, TIDES_BAD_FILE, "%s: reading stopped early: %s", path, ferror(file) ? strerror(errno) : "end of file");
+        goto done;
+    }
+    *data = memory;
+    *bytes = (size_t)size;
+    memory = NULL;
+    status = TIDES_OK;
+done:
+    free(memory);
+    fclose(file);
+    return status;
+}
+
+char *td_part_name(const char *path, tides_error *error) { return td_format(error, "%s.part", path); }
+
+tides_status td_commit_file(const char *part, const char *path, tides_error *error) {
+    if (rename(part, path) == 0) return TIDES_OK;
+    return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be put in place (%s); the data is in %s", path, strerror(errno), part);
+}
+
+/* Levenshtein distance, rows of at most 128 characters; longer names are simply far. */
+static size_t td_edit_distance(const char *a, const char *b) {
+    size_t row[129], length_a = strlen(a), length_b = strlen(b);
+    if (length_a > 128 || length_b > 128) return SIZE_MAX;
+    for (size_t j = 0; j <= length_b; j++) row[j] = j;
+    for (size_t i = 1; i <= length_a; i++) {
+        size_t diagonal = row[0];
+        row[0] = i;
+        for (size_t j = 1; j <= length_b; j++) {
+            size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
+            size_t best = row[j] < row[j - 1] ? row[j] + 1 : row[j - 1] + 1;
+            diagonal = row[j];
+            row[j] = replaced < best ? replaced : best;
+        }
+    }
+    return row[length_b];
+}
+
+const char *td_nearest(const char *name, const char *const *names) {
+    const char *nearest = NULL;
+    size_t least = strlen(name) / 2 + 1; /* more than half the letters wrong is not a slip */
+    for (; *names; names++) {
+        size_t distance = td_edit_distance(name, *names);
+        if (distance < least) {
+            least = distance;
+            nearest = *names;
+        }
+    }
+    return nearest;
+}
+
+double td_now(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+uint64_t td_peak_memory(void) {
+    struct rusage usage;
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? (uint64_t)usage.ru_maxrss * 1024u : 0;
+}

@@ -1,0 +1,50 @@
+/* Internal: error texts, checked allocation, small text and file helpers shared by all of lib/. */
+#ifndef TD_BASE_H
+#define TD_BASE_H
+
+#include "tides/base.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+#if defined(__GNUC__)
+#define TD_PRINTF(text, first) __attribute__((__format__(__printf__, text, first)))
+#else
+#define TD_PRINTF(text, first)
+#endif
+
+/* Fills a nullable error and returns `status`, so that a failure is `return td_fail(error, TIDES_BAD_FILE, "...", ...)`.
+ * One line: what, where, how to fix. */
+tides_status td_fail(tides_error *error, tides_status status, const char *format, ...) TD_PRINTF(3, 4);
+
+/* Puts "prefix: " before the text that `error` already holds (to add where); returns its status. */
+tides_status td_fail_within(tides_error *error, tides_status status, const char *format, ...) TD_PRINTF(3, 4);
+
+/* count * size bytes, zeroed, overflow checked; never returns NULL for 0 bytes. NULL: out of memory, error filled. */
+void *td_alloc(size_t count, size_t size, tides_error *error);
+
+/* Grows `*array` (elements of `size` bytes, `*capacity` of them) to hold at least `needed`; contents kept. */
+tides_status td_reserve(void **array, size_t *capacity, size_t needed, size_t size, tides_error *error);
+
+char *td_strdup(const char *text, tides_error *error);
+
+/* A formatted string, allocated. */
+char *td_format(tides_error *error, const char *format, ...) TD_PRINTF(2, 3);
+
+/* Reads a whole file; `*bytes` gets its size, a NUL follows the data. TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE above `limit`. */
+tides_status td_read_file(const char *path, size_t limit, char **data, size_t *bytes, tides_error *error);
+
+/* Files are written beside and renamed: `td_part_name` gives "PATH.part" (allocated); `td_commit_file` renames it onto PATH. */
+char *td_part_name(const char *path, tides_error *error);
+tides_status td_commit_file(const char *part, const char *path, tides_error *error);
+
+/* The entry of `names` (NULL-terminated) nearest to `name` by edit distance; NULL where nothing is near. */
+const char *td_nearest(const char *name, const char *const *names);
+
+/* Monotonic clock [s]. */
+double td_now(void);
+
+/* Peak resident memory of the process [bytes]; 0 where unknown. */
+uint64_t td_peak_memory(void);
+
+#endif

@@ -1,0 +1,12 @@
+/* The kernel files embedded in the library by kernels/cl2c.sh. */
+#ifndef TD_KERNEL_SOURCE_H
+#define TD_KERNEL_SOURCE_H
+
+typedef struct td_kernel_source {
+    const char *name;         /* "project.cl"; NULL ends the table */
+    const char *const *lines; /* each ends in a newline; NULL ends the list */
+} td_kernel_source;
+
+extern const td_kernel_source td_kernel_sources[];
+
+#endif
