@@ -1,0 +1,86 @@
+/* Which pixels a splat may reach: its screen box, and the 4x4 blocks of a tile that its ellipse touches. */
+#ifndef TD_EXTENT_H
+#define TD_EXTENT_H
+
+#include "projection.h"
+
+/* Largest whole number not above x, for |x| < 2^22, without floor() (DESIGN 3.5). */
+TD_INLINE td_lanes td_floor(td_lanes x) {
+#ifdef TD_REAL_DOUBLE
+    td_real magic = 6755399441055744.0; /* 1.5 * 2^52 */
+#else
+    td_real magic = 12582912.0f;        /* 1.5 * 2^23 */
+#endif
+    td_lanes nearest = (x + magic) - magic;
+    return nearest - td_select(td_splat(0.0f), td_splat(1.0f), nearest > x);
+}
+TD_INLINE td_lanes td_ceil(td_lanes x) { return -td_floor(-x); }
+
+/* Half-widths of the box around the splat [px]. Rounding is on the generous side: a block too many costs time, one too few
+ * would cut a visible splat. */
+TD_INLINE void td_half_widths(const td_shape *shape, td_lanes *rx, td_lanes *ry) {
+    td_lanes power = td_larger(shape->power, td_splat(0.0f));
+    *rx = td_fma(td_sqrt(power * shape->a.v), TD_REAL(1.0001), TD_REAL(0.01));
+    *ry = td_fma(td_sqrt(power * shape->c.v), TD_REAL(1.0001), TD_REAL(0.01));
+}
+
+/* INRIA: ceil(3 sqrt(lambda_max)); a splat is seen only by the 16x16 tiles that the square of that radius touches. gsplat: per
+ * axis ceil(min(3.33, sqrt(2 ln(255 opacity))) sqrt(cov_ii)). Returns a mask of the Gaussians whose rectangle holds the tile. */
+TD_INLINE td_mask td_rectangle_holds(const td_shape *shape, const td_image *image, int tile_x, int tile_y) {
+    td_lanes rx, ry;
+    if (image->extent_rule == TD_EXTENT_INRIA) {
+        td_lanes mid = 0.5f * (shape->a.v + shape->c.v);
+        td_lanes half_gap = 0.5f * (shape->a.v - shape->c.v);
+        td_lanes gap2 = td_fma(half_gap, half_gap, shape->b.v * shape->b.v); /* mid^2 - det */
+        rx = 3.0f * td_sqrt(mid + td_sqrt(td_larger(gap2, td_splat(TD_REAL(0.1)))));
+        ry = rx;
+    } else {
+        td_lanes sigmas = td_smaller(td_splat(TD_REAL(3.33)), td_sqrt(td_larger(shape->power, td_splat(0.0f))));
+        rx = sigmas * td_sqrt(shape->a.v);
+        ry = sigmas * td_sqrt(shape->c.v);
+    }
+    rx = td_ceil(td_smaller(rx, td_splat(TD_REAL(1e6))));
+    ry = td_ceil(td_smaller(ry, td_splat(TD_REAL(1e6))));
+    /* Tile borders against [u - r, u + r), as the two renderers round it; INRIA's pixel centres are whole numbers. */
+    td_lanes shift = td_splat(image->extent_rule == TD_EXTENT_INRIA ? TD_REAL(0.5) : TD_REAL(0.0));
+    td_lanes u = shape->u.v - shift, v = shape->v.v - shift;
+    td_real reach = image->extent_rule == TD_EXTENT_INRIA ? TD_REAL(15.0) : TD_REAL(16.0);
+    return (u - rx < (td_real)(tile_x + TD_TILE)) & (u + rx + reach >= (td_real)(tile_x + TD_TILE)) &
+           (v - ry < (td_real)(tile_y + TD_TILE)) & (v + ry + reach >= (td_real)(tile_y + TD_TILE));
+}
+
+/* The x range of the ellipse within the strip of pixel centres y0 .. y0 + 3, as 4 bits of the blocks of that row. */
+TD_INLINE td_mask td_block_row(const td_shape *shape, td_lanes rx, td_lanes ry, int tile_x, int y) {
+    td_lanes from = (td_real)y + 0.5f - shape->v.v, to = (td_real)y + 3.5f - shape->v.v;
+    td_mask touched = (from <= ry) & (to >= -ry);
+    /* The boundary is x(dy) = (b/c) dy +- k sqrt(ry^2 - dy^2); its right end lies at dy = (b/a) rx, the left at minus that.
+     * Each side is convex, so within the strip it is extreme at the nearest dy. */
+    td_lanes slope = shape->b.v / shape->c.v;
+    td_lanes k = td_sqrt(1.0f / (shape->c.v * shape->conic[0].v));
+    td_lanes end = shape->b.v / shape->a.v * rx;
+    td_lanes dy_right = td_smaller(td_larger(end, from), to), dy_left = td_smaller(td_larger(-end, from), to);
+    td_lanes half_right = td_sqrt(td_larger(td_fma(ry, ry, -(dy_right * dy_right)), td_splat(0.0f)));
+    td_lanes half_left = td_sqrt(td_larger(td_fma(ry, ry, -(dy_left * dy_left)), td_splat(0.0f)));
+    td_lanes margin = td_fma(rx, TD_REAL(1e-4), TD_REAL(0.01));
+    td_lanes right = td_fma(slope, dy_right, td_fma(k, half_right, shape->u.v + margin));
+    td_lanes left = td_fma(slope, dy_left, shape->u.v - margin - k * half_left);
+    td_mask bits = touched & 0;
+    for (int i = 0; i < 4; i++) {
+        td_real x = (td_real)(tile_x + 4 * i);
+        bits |= td_mask_bit(touched & (left <= x + 3.5f) & (right >= x + 0.5f), 1 << i);
+    }
+    return bits;
+}
+
+/* 16 bits: bit 4 j + i says that the splat reaches block (i, j) of the tile. 0: not visible in this tile. */
+TD_INLINE td_mask td_block_mask(const td_shape *shape, const td_image *image, int tile_x, int tile_y) {
+    td_lanes rx, ry;
+    td_half_widths(shape, &rx, &ry);
+    td_mask visible = shape->visible;
+    if (image->extent_rule != TD_EXTENT_ELLIPSE) visible = visible & td_rectangle_holds(shape, image, tile_x, tile_y);
+    td_mask bits = visible & 0;
+    for (int j = 0; j < 4; j++) bits |= td_block_row(shape, rx, ry, tile_x, tile_y + 4 * j) << (4 * j);
+    return td_mask_bit(visible, bits);
+}
+
+#endif

@@ -1,0 +1,89 @@
+/* What crosses the bus: plain structs of 4-byte members (8-byte reals in the double reference), the same on both sides. Sizes
+ * and offsets are compared by kernels/layout_check.cl in the tests. */
+#ifndef TD_LAYOUT_H
+#define TD_LAYOUT_H
+
+#include "numerics.h"
+
+enum {
+    TD_TILE = 16,              /* pixels on a side of a tile: 16 blocks of 4x4 */
+    TD_TILE_PIXELS = 256,
+    TD_PAD = 16,               /* objects and candidate lists are padded to this, so that a vector never mixes objects */
+    TD_GEOMETRY_STRIDE = 16,   /* reals per Gaussian */
+    TD_RECORD_STRIDE = 16,     /* reals per splat record */
+    TD_COLOUR_STRIDE = 8,      /* reals per splat colour record */
+    TD_NO_GAUSSIAN = -1        /* padding in a candidate list */
+};
+
+/* Gaussian, activated, in its object's coordinates; reals at index * TD_GEOMETRY_STRIDE. Rates have the same layout. */
+enum {
+    TD_G_MEAN = 0,    /* 3 */
+    TD_G_OPACITY = 3, /* 1, in (0, 1) */
+    TD_G_FACTOR = 4   /* 9, row-major M = R(q) diag(scale): covariance = M M^T */
+};
+
+/* A splat as the compositor reads it: ln alpha = ln2 (log2_opacity + qxx dx^2 + qxy dx dy + qyy dy^2), and its rate
+ * k0 + dx (kx + kxx dx + kxy dy) + dy (ky + kyy dy), for (dx, dy) = pixel centre - mean2d. */
+enum {
+    TD_R_U = 0, TD_R_V, TD_R_QXX, TD_R_QXY, TD_R_QYY, TD_R_LOG2_OPACITY, TD_R_LUMINANCE, TD_R_LUMINANCE_DOT,
+    TD_R_K0, TD_R_KX, TD_R_KY, TD_R_KXX, TD_R_KXY, TD_R_KYY, TD_R_DEPTH, TD_R_DEPTH_DOT
+};
+
+/* Planes of a tile's output, TD_TILE_PIXELS reals each. SIGNAL: the first two only. */
+enum {
+    TD_OUT_L = 0, TD_OUT_L_DOT,
+    TD_OUT_Y, TD_OUT_ALPHA, TD_OUT_ALPHA_DOT, TD_OUT_CONTRIBUTORS,
+    TD_OUT_R, TD_OUT_G, TD_OUT_B, TD_OUT_R_DOT, TD_OUT_G_DOT, TD_OUT_B_DOT, TD_OUT_Z, TD_OUT_Z_DOT,
+    TD_OUT_SIGNAL = 2, TD_OUT_DIAGNOSTICS = 6, TD_OUT_COLOUR = 14
+};
+
+/* Object to camera at one time: p_camera = r p_object + t (an object's scale is inside r); eye is the camera's centre in the
+ * object's coordinates, so that SH of every degree turns with the object. [slot][object] */
+typedef struct td_view {
+    td_real r[9], r_dot[9], t[3], t_dot[3], eye[3], eye_dot[3], padding[2];
+} td_view;
+
+/* What lies behind everything at one time. [slot] */
+typedef struct td_backdrop {
+    td_real colour[3], luminance, colour_dot[3], luminance_dot;
+} td_backdrop;
+
+/* One tile at one time. `candidates` .. + `count` are in the candidate list, `records` is where its splats go; `count` is a
+ * multiple of TD_PAD. `out` is the tile's place in the output. */
+typedef struct td_job {
+    int x, y; /* the tile's top left pixel */
+    int slot;
+    int candidates, count;
+    int records;
+    int out;
+    int capacity; /* keys: the power of two that holds count */
+} td_job;
+
+
+/* Decisions of the image formation, resolved from tides_image_params by lib/render/rules.c. */
+enum { TD_CUT_NONE = 0, TD_CUT_HARD = 1, TD_CUT_TAPER = 2 };
+enum { TD_STOP_NONE = 0, TD_STOP_BELOW = 1, TD_STOP_BELOW_OR_AT = 2, TD_STOP_BOUND = 3 };
+enum { TD_EXTENT_ELLIPSE = 0, TD_EXTENT_INRIA = 1, TD_EXTENT_GSPLAT = 2 };
+
+typedef struct td_image {
+    td_real fx, fy, cx, cy;
+    td_real limit_x0, limit_x1, limit_y0, limit_y1; /* clamps of x/z and y/z in the Jacobian */
+    td_real dilation;    /* [px^2] */
+    td_real antialias_floor;
+    td_real near, near_full; /* opacity fades in between; equal: a hard cull */
+    td_real alpha_max;
+    td_real cut, cut_full;   /* splat_alpha below cut is 0; TAPER: rises to its full value at cut_full */
+    td_real stop;            /* transmittance, or for BOUND what the rest may change in L */
+    td_real log_eps;
+    td_real luminance[3];
+    td_real padding[2];
+    int width, height;
+    int objects;
+    int sh_degree, sh_stride; /* evaluated bands; reals per Gaussian in the SH array */
+    int antialias, cut_rule, stop_rule, extent_rule;
+    int moving;               /* Gaussians have rates of their own */
+    int outputs;              /* TD_OUT_SIGNAL, _DIAGNOSTICS or _COLOUR */
+    int padding_int;
+} td_image;
+
+#endif

@@ -1,0 +1,23 @@
+/* One work-group per tile job: its candidates, TD_LANES at a time, to splat records (record.h). */
+#include "record.h"
+#include "specialise.h"
+
+__kernel void td_project(__constant const td_image *image_buffer, __global const td_job *jobs, __global const int *candidates,
+                         __global const int *object, __global const td_view *views, __global const float *geometry,
+                         __global const float *rates, __global const float *sh, __global const float *sh_rates,
+                         __global float *records, __global float *colours, __global int *masks) {
+    const td_image image = td_specialised(image_buffer);
+    const td_job job = jobs[get_group_id(0)];
+    td_source source;
+    source.geometry = geometry;
+    source.rates = rates;
+    source.sh = sh;
+    source.sh_rates = sh_rates;
+    td_sink sink;
+    sink.records = records;
+    sink.colours = colours;
+    sink.masks = masks;
+    int step = (int)get_local_size(0) * TD_LANES;
+    for (int first = (int)get_local_id(0) * TD_LANES; first < job.count; first += step)
+        td_project_group(&job, first, candidates, object, views, &image, &source, &sink);
+}

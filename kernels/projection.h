@@ -1,0 +1,183 @@
+/* EWA projection of Gaussians to splats, values and rates (paper, Sec. 3.1 and 3.2; gaussian_splatting: Zwicker et al. 2002).
+ *
+ * The covariance is kept as its factor M (Sigma = M M^T), so the projected covariance A A^T with A = J W M is never indefinite
+ * in floating point, and its determinant comes without cancellation: |a0 x a1|^2 for the rows of A (Lagrange's identity). */
+#ifndef TD_PROJECTION_H
+#define TD_PROJECTION_H
+
+#include "dual.h"
+#include "layout.h"
+#include "sh.h"
+
+/* A group of Gaussians in the view of one camera. Continuous values may be meaningless where `visible` is 0. */
+typedef struct td_shape {
+    td_dual depth;           /* camera z */
+    td_dual u, v;            /* mean2d [px] */
+    td_dual a, b, c;         /* covariance after dilation: (a b; b c) [px^2] */
+    td_dual conic[3];        /* its inverse: xx, xy, yy [1/px^2] */
+    td_dual opacity;         /* with antialiasing and near fade */
+    td_lanes compensation;   /* the antialiasing factor, 1 where off */
+    td_lanes power;          /* the ellipse's d^T Q d at the cut: 2 ln(opacity / cut) */
+    td_mask visible;
+} td_shape;
+
+/* A 2x3 matrix: what maps object displacements to pixels, and its product with the factor. */
+typedef struct td_matrix23 {
+    td_dual row[2][3];
+} td_matrix23;
+
+/* The Gaussians' own arrays; `rates` is only read where the image says that they move. */
+typedef struct td_source {
+    TD_GLOBAL const td_real *geometry, *rates; /* TD_GEOMETRY_STRIDE per Gaussian */
+    TD_GLOBAL const td_real *sh, *sh_rates;    /* sh_stride per Gaussian */
+} td_source;
+
+/* Geometry entry k of the Gaussians at `index` (already times the stride). */
+TD_INLINE td_dual td_entry(const td_source *source, const td_image *image, td_index index, int k) {
+    td_lanes rate = td_splat(0.0f);
+    if (image->moving) rate = td_gather(source->rates, index + k);
+    return td_dual_make(td_gather(source->geometry, index + k), rate);
+}
+
+/* sum_j (m_j + dt mdot_j) p_j + offset, for a uniform row m of a moving frame */
+TD_INLINE td_dual td_view_row(TD_GLOBAL const td_real *m, TD_GLOBAL const td_real *m_dot, const td_dual p[3], td_real offset,
+                              td_real offset_dot) {
+    td_dual sum = td_dual_make(td_splat(offset), td_splat(offset_dot));
+    for (int j = 0; j < 3; j++)
+        sum = td_dual_fma(td_dual_make(td_splat(m[j]), td_splat(m_dot[j])), p[j], sum);
+    return sum;
+}
+
+/* T = J R, the Jacobian of the pinhole after the view's rotation. (x_z, y_z) = (x/z, y/z). */
+TD_INLINE td_matrix23 td_screen_map(TD_GLOBAL const td_view *view, const td_image *image, td_dual x_z, td_dual y_z,
+                                    td_dual inverse_z) {
+    td_matrix23 t;
+    td_dual slope_x = td_dual_clamp(x_z, image->limit_x0, image->limit_x1);
+    td_dual slope_y = td_dual_clamp(y_z, image->limit_y0, image->limit_y1);
+    td_dual j00 = td_dual_scale(inverse_z, image->fx), j11 = td_dual_scale(inverse_z, image->fy);
+    for (int j = 0; j < 3; j++) {
+        td_dual rx = td_dual_make(td_splat(view->r[j]), td_splat(view->r_dot[j]));
+        td_dual ry = td_dual_make(td_splat(view->r[3 + j]), td_splat(view->r_dot[3 + j]));
+        td_dual rz = td_dual_make(td_splat(view->r[6 + j]), td_splat(view->r_dot[6 + j]));
+        t.row[0][j] = td_dual_mul(j00, td_dual_sub(rx, td_dual_mul(slope_x, rz)));
+        t.row[1][j] = td_dual_mul(j11, td_dual_sub(ry, td_dual_mul(slope_y, rz)));
+    }
+    return t;
+}
+
+TD_INLINE td_dual td_dual_dot3(const td_dual a[3], const td_dual b[3]) {
+    return td_dual_fma(a[0], b[0], td_dual_fma(a[1], b[1], td_dual_mul(a[2], b[2])));
+}
+
+/* A = T M, with the Gaussians' factors M. */
+TD_INLINE td_matrix23 td_project_factor(const td_matrix23 *t, const td_source *source, const td_image *image, td_index index) {
+    td_matrix23 a;
+    for (int i = 0; i < 2; i++)
+        for (int j = 0; j < 3; j++) a.row[i][j] = td_dual_make(td_splat(0.0f), td_splat(0.0f));
+    for (int k = 0; k < 3; k++)
+        for (int j = 0; j < 3; j++) {
+            td_dual m = td_entry(source, image, index, TD_G_FACTOR + 3 * k + j);
+            for (int i = 0; i < 2; i++)
+                a.row[i][j] = image->moving ? td_dual_fma(t->row[i][k], m, a.row[i][j])
+                                            : td_dual_fma_still(t->row[i][k], m.v, a.row[i][j]);
+        }
+    return a;
+}
+
+/* |a0 x a1|^2: the determinant of A A^T. */
+TD_INLINE td_dual td_factor_determinant(const td_matrix23 *a) {
+    td_dual n[3];
+    for (int j = 0; j < 3; j++) {
+        int k = (j + 1) % 3, l = (j + 2) % 3;
+        n[j] = td_dual_fma(a->row[0][k], a->row[1][l], td_dual_negate(td_dual_mul(a->row[0][l], a->row[1][k])));
+    }
+    return td_dual_dot3(n, n);
+}
+
+/* Covariance, conic and antialiasing factor from A. */
+TD_INLINE td_dual td_shape_covariance(td_shape *shape, const td_matrix23 *a, const td_image *image) {
+    td_dual xx = td_dual_dot3(a->row[0], a->row[0]), yy = td_dual_dot3(a->row[1], a->row[1]);
+    td_real dilation = image->dilation;
+    shape->a = td_dual_offset(xx, dilation);
+    shape->b = td_dual_dot3(a->row[0], a->row[1]);
+    shape->c = td_dual_offset(yy, dilation);
+    td_dual det0 = td_factor_determinant(a);
+    td_dual det = td_dual_offset(td_dual_add(det0, td_dual_scale(td_dual_add(xx, yy), dilation)), dilation * dilation);
+    td_dual inverse = td_dual_reciprocal(det);
+    shape->conic[0] = td_dual_mul(shape->c, inverse);
+    shape->conic[1] = td_dual_negate(td_dual_mul(shape->b, inverse));
+    shape->conic[2] = td_dual_mul(shape->a, inverse);
+    shape->visible = shape->visible & (det.v > 0.0f);
+    td_dual ratio = td_dual_mul(det0, inverse);
+    td_mask floored = ratio.v <= image->antialias_floor;
+    td_dual floor_value = td_dual_make(td_splat(image->antialias_floor), td_splat(0.0f));
+    return td_dual_sqrt(td_dual_select(ratio, floor_value, floored));
+}
+
+/* Opacity as composited: antialiasing, the fade at the near plane, and whether anything is left above the cut. */
+TD_INLINE void td_shape_opacity(td_shape *shape, td_dual opacity, td_dual compensation, const td_image *image) {
+    shape->compensation = td_splat(1.0f);
+    if (image->antialias) {
+        opacity = td_dual_mul(opacity, compensation);
+        shape->compensation = compensation.v;
+    }
+    if (image->near_full > image->near) {
+        td_real scale = 1 / (image->near_full - image->near);
+        td_dual x = td_dual_clamp(td_dual_scale(td_dual_offset(shape->depth, -image->near), scale), 0, 1);
+        opacity = td_dual_mul(opacity, td_dual_make(td_smootherstep(x.v), td_smootherstep_slope(x.v) * x.d));
+    }
+    shape->opacity = opacity;
+    /* Without a cut the ellipse ends where single precision does; log of a tiny positive number only. */
+    td_real cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
+    shape->visible = shape->visible & (opacity.v > cut);
+    shape->power = 2.0f * td_log(td_select(td_splat(1.0f), opacity.v / cut, shape->visible));
+}
+
+/* Projects the Gaussians at `gaussian` (indices; TD_NO_GAUSSIAN lanes come out invisible). */
+TD_INLINE td_shape td_project_shape(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
+                                    td_index gaussian) {
+    td_shape shape;
+    td_index index = (gaussian & ~(gaussian >> 31)) * TD_GEOMETRY_STRIDE; /* padding reads Gaussian 0 */
+    td_dual mean[3];
+    for (int j = 0; j < 3; j++) mean[j] = td_entry(source, image, index, TD_G_MEAN + j);
+    td_dual x = td_view_row(view->r, view->r_dot, mean, view->t[0], view->t_dot[0]);
+    td_dual y = td_view_row(view->r + 3, view->r_dot + 3, mean, view->t[1], view->t_dot[1]);
+    td_dual z = td_view_row(view->r + 6, view->r_dot + 6, mean, view->t[2], view->t_dot[2]);
+    shape.depth = z;
+    shape.visible = (z.v > image->near) & (gaussian >= 0);
+    /* What lies behind the near plane is invisible anyway: keep its arithmetic finite. */
+    td_dual safe = td_dual_select(td_dual_make(td_splat(1.0f), td_splat(0.0f)), z, z.v > image->near);
+    td_dual inverse_z = td_dual_reciprocal(safe);
+    td_dual x_z = td_dual_mul(x, inverse_z), y_z = td_dual_mul(y, inverse_z);
+    shape.u = td_dual_offset(td_dual_scale(x_z, image->fx), image->cx);
+    shape.v = td_dual_offset(td_dual_scale(y_z, image->fy), image->cy);
+    td_matrix23 map = td_screen_map(view, image, x_z, y_z, inverse_z);
+    td_matrix23 a = td_project_factor(&map, source, image, index);
+    td_dual compensation = td_shape_covariance(&shape, &a, image);
+    td_shape_opacity(&shape, td_entry(source, image, index, TD_G_OPACITY), compensation, image);
+    return shape;
+}
+
+/* The unit direction from the eye to the mean, in the object's coordinates, and the colour seen along it. */
+TD_INLINE td_colour td_project_colour(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
+                                      td_index gaussian) {
+    td_index safe = gaussian & ~(gaussian >> 31);
+    td_index index = safe * TD_GEOMETRY_STRIDE;
+    td_dual d[3];
+    for (int j = 0; j < 3; j++) {
+        td_dual eye = td_dual_make(td_splat(view->eye[j]), td_splat(view->eye_dot[j]));
+        d[j] = td_dual_sub(td_entry(source, image, index, TD_G_MEAN + j), eye);
+    }
+    /* A Gaussian at the eye itself is behind the near plane; the offset only keeps 1/length finite. */
+    td_dual length = td_dual_sqrt(td_dual_offset(td_dual_dot3(d, d), TD_REAL(1e-30)));
+    td_dual inverse = td_dual_reciprocal(length);
+    td_sh_source sh;
+    sh.sh = source->sh;
+    sh.rates = source->sh_rates;
+    sh.index = safe * image->sh_stride;
+    sh.moving = image->moving;
+    return td_sh_colour(td_dual_mul(d[0], inverse), td_dual_mul(d[1], inverse), td_dual_mul(d[2], inverse), &sh,
+                        image->sh_degree);
+}
+
+#endif

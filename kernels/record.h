@@ -1,0 +1,76 @@
+/* From a projected Gaussian to the record that the compositor reads (layout.h), for a group of candidates of one tile job. */
+#ifndef TD_RECORD_H
+#define TD_RECORD_H
+
+#include "extent.h"
+
+/* Where a group's records go: TD_LANES neighbours. `colours` only where colour is asked for. */
+typedef struct td_sink {
+    TD_GLOBAL td_real *records; /* TD_RECORD_STRIDE each */
+    TD_GLOBAL td_real *colours; /* TD_COLOUR_STRIDE each: r g b and their rates */
+    TD_GLOBAL int *masks;       /* blocks touched; 0: no splat here */
+} td_sink;
+
+/* ln alpha as a quadratic in pixel offsets, in units of log2, and its rate. */
+TD_INLINE void td_store_shape(const td_shape *shape, TD_GLOBAL td_real *records) {
+    const td_real half_log2_e = TD_REAL(0.72134752044448170368); /* log2(e) / 2 */
+    const td_dual *q = shape->conic;
+    td_lanes opacity = td_select(td_splat(1.0f), shape->opacity.v, shape->visible);
+    td_scatter(records, TD_RECORD_STRIDE, TD_R_U, shape->u.v);
+    td_scatter(records, TD_RECORD_STRIDE, TD_R_V, shape->v.v);
+    td_scatter(records, TD_RECORD_STRIDE, TD_R_QXX, -half_log2_e * q[0].v);
+    td_scatter(records, TD_RECORD_STRIDE, TD_R_QXY, -2 * half_log2_e * q[1].v);
+    td_scatter(records, TD_RECORD_STRIDE, TD_R_QYY, -half_log2_e * q[2].v);
+    td_scatter(records, TD_RECORD_STRIDE, TD_R_LOG2_OPACITY, 2 * half_log2_e * td_log(opacity));
+    td_scatter(records, TD_RECORD_STRIDE, TD_R_K0, shape->opacity.d / opacity);
+    td_scatter(records, TD_RECORD_STRIDE, TD_R_KX, td_fma(q[0].v, shape->u.d, q[1].v * shape->v.d));
+    td_scatter(records, TD_RECORD_STRIDE, TD_R_KY, td_fma(q[1].v, shape->u.d, q[2].v * shape->v.d));
+    td_scatter(records, TD_RECORD_STRIDE, TD_R_KXX, -0.5f * q[0].d);
+    td_scatter(records, TD_RECORD_STRIDE, TD_R_KXY, -q[1].d);
+    td_scatter(records, TD_RECORD_STRIDE, TD_R_KYY, -0.5f * q[2].d);
+    td_scatter(records, TD_RECORD_STRIDE, TD_R_DEPTH, shape->depth.v);
+    td_scatter(records, TD_RECORD_STRIDE, TD_R_DEPTH_DOT, shape->depth.d);
+}
+
+/* Luminance always; colour where asked for. */
+TD_INLINE void td_store_colour(const td_colour *colour, const td_image *image, const td_sink *sink) {
+    td_dual luminance = td_dual_scale(colour->channel[0], image->luminance[0]);
+    luminance = td_dual_plus(luminance, image->luminance[1], colour->channel[1]);
+    luminance = td_dual_plus(luminance, image->luminance[2], colour->channel[2]);
+    td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_LUMINANCE, luminance.v);
+    td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_LUMINANCE_DOT, luminance.d);
+    if (image->outputs < TD_OUT_COLOUR) return;
+    for (int c = 0; c < 3; c++) {
+        td_scatter(sink->colours, TD_COLOUR_STRIDE, c, colour->channel[c].v);
+        td_scatter(sink->colours, TD_COLOUR_STRIDE, 3 + c, colour->channel[c].d);
+    }
+}
+
+/* Projects TD_LANES candidates of a job and stores their records and masks. A group with no splat stores masks only. */
+TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
+                                     const td_job *job, td_index gaussian, const td_sink *sink) {
+    td_shape shape = td_project_shape(view, image, source, gaussian);
+    td_mask blocks = td_block_mask(&shape, image, job->x, job->y);
+    td_store_ints(sink->masks, blocks);
+    if (!td_any(blocks != 0)) return;
+    td_store_shape(&shape, sink->records);
+    td_colour colour = td_project_colour(view, image, source, gaussian);
+    td_store_colour(&colour, image, sink);
+}
+
+/* The same for candidates [first, first + TD_LANES) of a job, finding views and places. */
+TD_INLINE void td_project_group(const td_job *job, int first, TD_GLOBAL const int *candidates, TD_GLOBAL const int *object,
+                                TD_GLOBAL const td_view *views, const td_image *image, const td_source *source,
+                                const td_sink *all) {
+    td_index gaussian = td_load_ints(candidates + job->candidates + first);
+    int leader = candidates[job->candidates + (first & ~(TD_PAD - 1))]; /* padded: one object per TD_PAD candidates */
+    TD_GLOBAL const td_view *view = views + job->slot * image->objects + object[leader];
+    int at = job->records + first;
+    td_sink sink;
+    sink.records = all->records + at * TD_RECORD_STRIDE;
+    sink.colours = all->colours + (image->outputs < TD_OUT_COLOUR ? 0 : at * TD_COLOUR_STRIDE);
+    sink.masks = all->masks + at;
+    td_project_candidates(view, image, source, job, gaussian, &sink);
+}
+
+#endif

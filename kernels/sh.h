@@ -1,0 +1,110 @@
+/* Colour from spherical harmonics and its rate through the view direction (paper, Sec. 3.2). Basis order, signs and constants
+ * are INRIA's (Kerbl et al. 2023), degree 4 as in gsplat; colour = max(0, 1/2 + sum_k Y_k(d) sh_k) per channel. */
+#ifndef TD_SH_H
+#define TD_SH_H
+
+#include "dual.h"
+
+typedef struct td_colour {
+    td_dual channel[3];
+} td_colour;
+
+/* Where a group of Gaussians' coefficients are: reals at index + 3 k + channel. `rates` only where `moving`. */
+typedef struct td_sh_source {
+    TD_GLOBAL const td_real *sh;
+    TD_GLOBAL const td_real *rates;
+    td_index index;
+    int moving;
+} td_sh_source;
+
+/* colour += basis * coefficient k */
+TD_INLINE void td_sh_add(td_colour *colour, td_dual basis, const td_sh_source *source, int k) {
+    for (int c = 0; c < 3; c++) {
+        td_index index = source->index + (3 * k + c);
+        td_lanes sh = td_gather(source->sh, index);
+        colour->channel[c] = td_dual_fma_still(basis, sh, colour->channel[c]);
+        if (source->moving)
+            colour->channel[c].d = td_fma(basis.v, td_gather(source->rates, index), colour->channel[c].d);
+    }
+}
+
+/* Polynomials of the unit direction that several bands share. */
+typedef struct td_sh_direction {
+    td_dual x, y, z, xx, yy, zz, xy, yz, xz;
+} td_sh_direction;
+
+TD_INLINE td_dual td_sh_term(td_real number, td_dual a, td_dual b) { return td_dual_scale(td_dual_mul(a, b), number); }
+
+TD_INLINE void td_sh_degree_1(td_colour *colour, const td_sh_direction *d, const td_sh_source *source) {
+    td_sh_add(colour, td_dual_scale(d->y, -TD_REAL(0.4886025119029199)), source, 1);
+    td_sh_add(colour, td_dual_scale(d->z, TD_REAL(0.4886025119029199)), source, 2);
+    td_sh_add(colour, td_dual_scale(d->x, -TD_REAL(0.4886025119029199)), source, 3);
+}
+
+TD_INLINE void td_sh_degree_2(td_colour *colour, const td_sh_direction *d, const td_sh_source *source) {
+    td_dual xx_yy = td_dual_sub(d->xx, d->yy);
+    td_dual zz2 = td_dual_sub(td_dual_sub(td_dual_scale(d->zz, 2), d->xx), d->yy);
+    td_sh_add(colour, td_dual_scale(d->xy, TD_REAL(1.0925484305920792)), source, 4);
+    td_sh_add(colour, td_dual_scale(d->yz, -TD_REAL(1.0925484305920792)), source, 5);
+    td_sh_add(colour, td_dual_scale(zz2, TD_REAL(0.31539156525252005)), source, 6);
+    td_sh_add(colour, td_dual_scale(d->xz, -TD_REAL(1.0925484305920792)), source, 7);
+    td_sh_add(colour, td_dual_scale(xx_yy, TD_REAL(0.5462742152960396)), source, 8);
+}
+
+TD_INLINE void td_sh_degree_3(td_colour *colour, const td_sh_direction *d, const td_sh_source *source) {
+    td_dual xx_yy = td_dual_sub(d->xx, d->yy);
+    td_dual xx3_yy = td_dual_sub(td_dual_scale(d->xx, 3), d->yy);
+    td_dual xx_yy3 = td_dual_sub(d->xx, td_dual_scale(d->yy, 3));
+    td_dual zz4 = td_dual_sub(td_dual_sub(td_dual_scale(d->zz, 4), d->xx), d->yy);
+    td_dual zz2 = td_dual_plus(td_dual_plus(td_dual_scale(d->zz, 2), -3, d->xx), -3, d->yy);
+    td_sh_add(colour, td_sh_term(-TD_REAL(0.5900435899266435), d->y, xx3_yy), source, 9);
+    td_sh_add(colour, td_sh_term(TD_REAL(2.890611442640554), d->xy, d->z), source, 10);
+    td_sh_add(colour, td_sh_term(-TD_REAL(0.4570457994644658), d->y, zz4), source, 11);
+    td_sh_add(colour, td_sh_term(TD_REAL(0.3731763325901154), d->z, zz2), source, 12);
+    td_sh_add(colour, td_sh_term(-TD_REAL(0.4570457994644658), d->x, zz4), source, 13);
+    td_sh_add(colour, td_sh_term(TD_REAL(1.445305721320277), d->z, xx_yy), source, 14);
+    td_sh_add(colour, td_sh_term(-TD_REAL(0.5900435899266435), d->x, xx_yy3), source, 15);
+}
+
+TD_INLINE void td_sh_degree_4(td_colour *colour, const td_sh_direction *d, const td_sh_source *source) {
+    td_dual xx_yy = td_dual_sub(d->xx, d->yy);
+    td_dual xx3_yy = td_dual_sub(td_dual_scale(d->xx, 3), d->yy);
+    td_dual xx_yy3 = td_dual_sub(d->xx, td_dual_scale(d->yy, 3));
+    td_dual zz7_1 = td_dual_offset(td_dual_scale(d->zz, 7), -1);
+    td_dual zz7_3 = td_dual_offset(td_dual_scale(d->zz, 7), -3);
+    td_dual zonal = td_dual_offset(td_dual_mul(d->zz, td_dual_offset(td_dual_scale(d->zz, 35), -30)), 3);
+    td_dual sectoral = td_dual_sub(td_dual_mul(d->xx, xx_yy3), td_dual_mul(d->yy, xx3_yy));
+    td_sh_add(colour, td_sh_term(TD_REAL(2.5033429417967046), d->xy, xx_yy), source, 16);
+    td_sh_add(colour, td_sh_term(-TD_REAL(1.7701307697799304), d->yz, xx3_yy), source, 17);
+    td_sh_add(colour, td_sh_term(TD_REAL(0.9461746957575601), d->xy, zz7_1), source, 18);
+    td_sh_add(colour, td_sh_term(-TD_REAL(0.6690465435572892), d->yz, zz7_3), source, 19);
+    td_sh_add(colour, td_dual_scale(zonal, TD_REAL(0.10578554691520431)), source, 20);
+    td_sh_add(colour, td_sh_term(-TD_REAL(0.6690465435572892), d->xz, zz7_3), source, 21);
+    td_sh_add(colour, td_sh_term(TD_REAL(0.47308734787878004), xx_yy, zz7_1), source, 22);
+    td_sh_add(colour, td_sh_term(-TD_REAL(1.7701307697799304), d->xz, xx_yy3), source, 23);
+    td_sh_add(colour, td_dual_scale(sectoral, TD_REAL(0.6258357354491761)), source, 24);
+}
+
+/* Colour seen along the unit direction (x, y, z). Clamped channels have rate 0. */
+TD_INLINE td_colour td_sh_colour(td_dual x, td_dual y, td_dual z, const td_sh_source *source, int degree) {
+    td_colour colour;
+    for (int c = 0; c < 3; c++) colour.channel[c] = td_dual_make(td_splat(0.5f), td_splat(0.0f));
+    td_sh_add(&colour, td_dual_make(td_splat(TD_REAL(0.28209479177387814)), td_splat(0.0f)), source, 0);
+    td_sh_direction d;
+    d.x = x, d.y = y, d.z = z;
+    if (degree > 0) td_sh_degree_1(&colour, &d, source);
+    if (degree > 1) {
+        d.xx = td_dual_mul(x, x), d.yy = td_dual_mul(y, y), d.zz = td_dual_mul(z, z);
+        d.xy = td_dual_mul(x, y), d.yz = td_dual_mul(y, z), d.xz = td_dual_mul(x, z);
+        td_sh_degree_2(&colour, &d, source);
+    }
+    if (degree > 2) td_sh_degree_3(&colour, &d, source);
+    if (degree > 3) td_sh_degree_4(&colour, &d, source);
+    for (int c = 0; c < 3; c++) {
+        td_mask lit = colour.channel[c].v > 0.0f;
+        colour.channel[c] = td_dual_select(td_dual_make(td_splat(0.0f), td_splat(0.0f)), colour.channel[c], lit);
+    }
+    return colour;
+}
+
+#endif

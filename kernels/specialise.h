@@ -1,0 +1,20 @@
+/* The image's constants as a kernel sees them: read from the buffer, with the decisions that the prelude fixes at build time
+ * put in as literals, so that what is switched off is not even compiled. */
+#ifndef TD_SPECIALISE_H
+#define TD_SPECIALISE_H
+
+#include "layout.h"
+
+TD_INLINE td_image td_specialised(__constant const td_image *buffer) {
+    td_image image = *buffer;
+    image.sh_degree = TD_BUILD_SH_DEGREE;
+    image.antialias = TD_BUILD_ANTIALIAS;
+    image.cut_rule = TD_BUILD_CUT_RULE;
+    image.stop_rule = TD_BUILD_STOP_RULE;
+    image.extent_rule = TD_BUILD_EXTENT_RULE;
+    image.moving = TD_BUILD_MOVING;
+    image.outputs = TD_BUILD_OUTPUTS;
+    return image;
+}
+
+#endif

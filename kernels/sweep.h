@@ -1,0 +1,73 @@
+/* The screen box that a Gaussian's splat stays within while time runs over an interval: what tile candidate lists are made of.
+ *
+ * The splat is projected at the interval's start, middle and end. Its mean's path lies near the cubic through the ends with
+ * their rates; that cubic lies within its Bezier points; and the middle tells how far the path strays from it. */
+#ifndef TD_SWEEP_H
+#define TD_SWEEP_H
+
+#include "extent.h"
+
+/* Smallest and largest of the Bezier points of the cubic through (p0, rate r0) and (p1, rate r1), widened by four times the
+ * distance at the middle (a quartic term that shows as e there is at most e within; the rest is safety). */
+TD_INLINE void td_sweep_range(td_dual start, td_dual middle, td_dual end, td_real duration, td_lanes *lower, td_lanes *upper) {
+    td_real third = duration / 3;
+    td_lanes b1 = td_fma(start.d, third, start.v), b2 = td_fma(end.d, -third, end.v);
+    td_lanes centre = 0.125f * (start.v + end.v) + 0.375f * (b1 + b2);
+    td_lanes stray = middle.v - centre;
+    stray = 4.0f * td_larger(stray, -stray);
+    *lower = td_smaller(td_smaller(start.v, end.v), td_smaller(td_smaller(b1, b2), middle.v)) - stray;
+    *upper = td_larger(td_larger(start.v, end.v), td_larger(td_larger(b1, b2), middle.v)) + stray;
+}
+
+/* Largest of three half-widths, plus their spread: they too may bulge between the samples. */
+TD_INLINE td_lanes td_sweep_width(td_lanes a, td_lanes b, td_lanes c) {
+    td_lanes most = td_larger(td_larger(a, b), c), least = td_smaller(td_smaller(a, b), c);
+    return most + (most - least);
+}
+
+/* Box [x0, y0, x1, y1] of TD_LANES Gaussians from `first`, at boxes + 4 i; empty (x0 > x1) where never visible. `views`: start,
+ * middle and end for every object. Whatever crosses the near plane in the interval gets the whole image. */
+TD_INLINE void td_sweep_group(TD_GLOBAL const td_view *views, const td_image *image, const td_source *source,
+                              TD_GLOBAL const int *object, int first, td_real duration, TD_GLOBAL td_real *boxes) {
+    td_index gaussian;
+#if TD_LANES == 16
+    gaussian = first + (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+#elif TD_LANES == 8
+    gaussian = first + (int8)(0, 1, 2, 3, 4, 5, 6, 7);
+#elif TD_LANES == 4
+    gaussian = first + (int4)(0, 1, 2, 3);
+#else
+    gaussian = first;
+#endif
+    td_shape s[3];
+    td_lanes rx[3], ry[3];
+    int which = object[first];
+    for (int i = 0; i < 3; i++) {
+        s[i] = td_project_shape(views + i * image->objects + which, image, source, gaussian);
+        td_half_widths(&s[i], &rx[i], &ry[i]);
+        rx[i] = td_select(td_splat(0.0f), rx[i], s[i].visible);
+        ry[i] = td_select(td_splat(0.0f), ry[i], s[i].visible);
+    }
+    td_mask ever = s[0].visible | s[1].visible | s[2].visible;
+    td_mask behind = (s[0].depth.v <= image->near) | (s[1].depth.v <= image->near) | (s[2].depth.v <= image->near);
+    td_lanes z0, z1;
+    td_sweep_range(s[0].depth, s[1].depth, s[2].depth, duration, &z0, &z1);
+    td_index entry = gaussian * TD_GEOMETRY_STRIDE + TD_G_OPACITY;
+    td_mask opaque = td_gather(source->geometry, entry) > (image->cut_rule == TD_CUT_NONE ? 0.0f : image->cut);
+    td_mask crosses = opaque & (((z0 <= image->near) & (z1 > image->near)) | (behind & ever));
+    td_lanes x0, x1, y0, y1;
+    td_sweep_range(s[0].u, s[1].u, s[2].u, duration, &x0, &x1);
+    td_sweep_range(s[0].v, s[1].v, s[2].v, duration, &y0, &y1);
+    td_lanes wide = td_sweep_width(rx[0], rx[1], rx[2]), high = td_sweep_width(ry[0], ry[1], ry[2]);
+    td_lanes width = td_splat((td_real)image->width), height = td_splat((td_real)image->height);
+    x0 = td_select(td_select(width + 1.0f, x0 - wide, ever), td_splat(0.0f), crosses);
+    x1 = td_select(td_select(td_splat(-1.0f), x1 + wide, ever), width, crosses);
+    y0 = td_select(td_select(height + 1.0f, y0 - high, ever), td_splat(0.0f), crosses);
+    y1 = td_select(td_select(td_splat(-1.0f), y1 + high, ever), height, crosses);
+    td_scatter(boxes, 4, 0, x0);
+    td_scatter(boxes, 4, 1, y0);
+    td_scatter(boxes, 4, 2, x1);
+    td_scatter(boxes, 4, 3, y1);
+}
+
+#endif

@@ -1,0 +1,196 @@
+/* Finding, opening and describing devices by one SPEC string. */
+#include "td_device.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_PLATFORMS = 16, MAX_DEVICES = 64 };
+
+/* Everything that could be opened, in index order. */
+typedef struct device_list {
+    tides_device_info info[MAX_DEVICES];
+    cl_platform_id platform[MAX_DEVICES];
+    cl_device_id id[MAX_DEVICES];
+    int32_t count;
+} device_list;
+
+static int32_t kind_of(cl_device_id id) {
+    cl_device_type type = 0;
+    clGetDeviceInfo(id, CL_DEVICE_TYPE, sizeof type, &type, NULL);
+    if (type & CL_DEVICE_TYPE_GPU) return TIDES_DEVICE_GPU;
+    return type & CL_DEVICE_TYPE_CPU ? TIDES_DEVICE_CPU : TIDES_DEVICE_OTHER;
+}
+
+/* Pixels per work-item: a 4x4 block on a CPU, where a vector of sixteen hides latency even in two halves; one on a GPU. */
+static int32_t lanes_of(int32_t kind) { return kind == TIDES_DEVICE_CPU ? 16 : 1; }
+
+static void describe(cl_platform_id platform, cl_device_id id, int32_t index, tides_device_info *info) {
+    memset(info, 0, sizeof *info);
+    char version[64] = "", driver[60] = "";
+    cl_uint units = 0;
+    cl_ulong memory = 0;
+    info->kind = kind_of(id);
+    info->index = index;
+    info->lanes = lanes_of(info->kind);
+    clGetDeviceInfo(id, CL_DEVICE_NAME, sizeof info->name - 1, info->name, NULL);
+    clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof info->platform - 1, info->platform, NULL);
+    clGetDeviceInfo(id, CL_DEVICE_VERSION, sizeof version - 1, version, NULL);
+    clGetDeviceInfo(id, CL_DRIVER_VERSION, sizeof driver - 1, driver, NULL);
+    snprintf(info->driver, sizeof info->driver, "%s, driver %s", version, driver);
+    clGetDeviceInfo(id, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
+    clGetDeviceInfo(id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof memory, &memory, NULL);
+    info->compute_units = (int32_t)units;
+    info->memory_bytes = memory;
+}
+
+/* No platform at all is an empty list, not an error: the ICD loader reports it by a code of its own (-1001). */
+static void enumerate(device_list *list) {
+    cl_platform_id platforms[MAX_PLATFORMS];
+    cl_uint platform_count = 0;
+    list->count = 0;
+    if (clGetPlatformIDs(MAX_PLATFORMS, platforms, &platform_count) != CL_SUCCESS) return;
+    if (platform_count > MAX_PLATFORMS) platform_count = MAX_PLATFORMS;
+    for (cl_uint p = 0; p < platform_count; p++) {
+        cl_device_id ids[MAX_DEVICES];
+        cl_uint count = 0;
+        if (clGetDeviceIDs(platforms[p], CL_DEVICE_TYPE_ALL, MAX_DEVICES, ids, &count) != CL_SUCCESS) continue;
+        for (cl_uint d = 0; d < count && list->count < MAX_DEVICES; d++) {
+            int32_t at = list->count++;
+            list->platform[at] = platforms[p];
+            list->id[at] = ids[d];
+            describe(platforms[p], ids[d], at, &list->info[at]);
+        }
+    }
+}
+
+tides_status tides_device_list(tides_device_info *rows, int32_t capacity, int32_t *count, tides_error *error) {
+    if (!count || capacity < 0 || (capacity > 0 && !rows))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_device_list: rows must hold capacity >= 0 entries and count be given");
+    device_list *list = td_alloc(1, sizeof *list, error);
+    if (!list) return TIDES_NO_MEMORY;
+    enumerate(list);
+    for (int32_t i = 0; i < list->count && i < capacity; i++) rows[i] = list->info[i];
+    *count = list->count;
+    free(list);
+    return TIDES_OK;
+}
+
+/* Case-blind search of `part` in `text`. */
+static int contains(const char *text, const char *part) {
+    size_t length = strlen(part);
+    for (; *text; text++) {
+        size_t i = 0;
+        while (i < length && text[i] && tolower((unsigned char)text[i]) == tolower((unsigned char)part[i])) i++;
+        if (i == length) return 1;
+    }
+    return 0;
+}
+
+static int32_t first_of_kind(const device_list *list, int32_t kind) {
+    for (int32_t i = 0; i < list->count; i++)
+        if (list->info[i].kind == kind) return i;
+    return -1;
+}
+
+/* Which entry of the list `spec` means; -1 for none. */
+static int32_t match(const device_list *list, const char *spec) {
+    if (strcmp(spec, "cpu") == 0) return first_of_kind(list, TIDES_DEVICE_CPU);
+    if (strcmp(spec, "gpu") == 0) return first_of_kind(list, TIDES_DEVICE_GPU);
+    if (strcmp(spec, "auto") == 0) {
+        int32_t gpu = first_of_kind(list, TIDES_DEVICE_GPU);
+        return gpu >= 0 ? gpu : first_of_kind(list, TIDES_DEVICE_CPU);
+    }
+    char *end;
+    long index = strtol(spec, &end, 10);
+    if (*spec && !*end) return index >= 0 && index < list->count ? (int32_t)index : -1;
+    for (int32_t i = 0; i < list->count; i++)
+        if (contains(list->info[i].name, spec) || contains(list->info[i].platform, spec)) return i;
+    return -1;
+}
+
+/* The error for a SPEC without a match: says what exists, or how to get something. */
+static tides_status fail_no_match(const device_list *list, const char *spec, tides_error *error) {
+    if (list->count == 0)
+        return td_fail(error, TIDES_NO_DEVICE,
+                       "device '%s': no OpenCL device was found; install one (Debian: apt install pocl-opencl-icd) or use "
+                       "--device reference", spec);
+    char names[600] = "";
+    for (int32_t i = 0; i < list->count; i++) {
+        size_t used = strlen(names);
+        snprintf(names + used, sizeof names - used, "%s%d = %.60s (%.40s)", i ? ", " : "", i, list->info[i].name,
+                 list->info[i].platform);
+    }
+    return td_fail(error, TIDES_NO_DEVICE, "device '%s': nothing matches; there are: %s, and 'reference'", spec, names);
+}
+
+static void open_reference(tides_device *device, int single_precision) {
+    device->single_precision = single_precision;
+    device->info.kind = TIDES_DEVICE_REFERENCE;
+    device->info.index = -1;
+    device->info.lanes = 1;
+    device->info.compute_units = 1;
+    snprintf(device->info.name, sizeof device->info.name, "%s", single_precision ? "reference-f32" : "reference");
+    snprintf(device->info.platform, sizeof device->info.platform, "scalar C");
+    snprintf(device->info.driver, sizeof device->info.driver, "%s precision, no OpenCL", single_precision ? "single" : "double");
+}
+
+static tides_status open_opencl(tides_device *device, const char *spec, tides_error *error) {
+    tides_status status = TIDES_OK;
+    cl_int code = CL_SUCCESS;
+    cl_device_fp_config rounding = 0;
+    device_list *list = td_alloc(1, sizeof *list, error);
+    if (!list) return TIDES_NO_MEMORY;
+    enumerate(list);
+    int32_t at = match(list, spec);
+    if (at < 0) {
+        status = fail_no_match(list, spec, error);
+        goto done;
+    }
+    device->info = list->info[at];
+    device->platform = list->platform[at];
+    device->id = list->id[at];
+    clGetDeviceInfo(device->id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof rounding, &rounding, NULL);
+    device->correctly_rounded = (rounding & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+    device->context = clCreateContext(NULL, 1, &device->id, NULL, NULL, &code);
+    if (code != CL_SUCCESS) {
+        status = td_cl_fail(error, code, "clCreateContext");
+        goto done;
+    }
+    device->queue = clCreateCommandQueue(device->context, device->id, CL_QUEUE_PROFILING_ENABLE, &code);
+    if (code != CL_SUCCESS) status = td_cl_fail(error, code, "clCreateCommandQueue");
+done:
+    free(list);
+    return status;
+}
+
+tides_status tides_device_open(const char *spec, tides_device **device, tides_error *error) {
+    if (!device) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_device_open: device must not be NULL");
+    if (!spec || !*spec) spec = getenv("TIDES_DEVICE");
+    if (!spec || !*spec) spec = "auto";
+    tides_device *opened = td_alloc(1, sizeof *opened, error);
+    if (!opened) return TIDES_NO_MEMORY;
+    tides_status status = TIDES_OK;
+    if (strcmp(spec, "reference") == 0)
+        open_reference(opened, 0);
+    else if (strcmp(spec, "reference-f32") == 0)
+        open_reference(opened, 1);
+    else
+        status = open_opencl(opened, spec, error);
+    if (status != TIDES_OK) {
+        tides_device_close(opened);
+        return status;
+    }
+    *device = opened;
+    return TIDES_OK;
+}
+
+void tides_device_close(tides_device *device) {
+    if (!device) return;
+    td_programs_release(device);
+    if (device->queue) clReleaseCommandQueue(device->queue);
+    if (device->context) clReleaseContext(device->context);
+    free(device);
+}
+
+void tides_device_describe(const tides_device *device, tides_device_info *info) { *info = device->info; }

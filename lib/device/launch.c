@@ -1,0 +1,62 @@
+/* Buffers and launches on an OpenCL device, with their time. */
+#include "td_launch.h"
+
+tides_status td_buffer_reserve(tides_device *device, td_buffer *buffer, size_t bytes, tides_error *error) {
+    if (bytes <= buffer->bytes) return TIDES_OK;
+    cl_int code = CL_SUCCESS;
+    size_t grown = buffer->bytes ? bytes + bytes / 4 : bytes;
+    cl_mem memory = clCreateBuffer(device->context, CL_MEM_READ_WRITE, grown, NULL, &code);
+    if (code != CL_SUCCESS)
+        return td_fail(error, TIDES_NO_MEMORY, "device %.60s: a buffer of %zu bytes can't be had (%s)", device->info.name, grown,
+                       td_cl_name(code));
+    td_buffer_release(buffer);
+    buffer->memory = memory;
+    buffer->bytes = grown;
+    return TIDES_OK;
+}
+
+void td_buffer_release(td_buffer *buffer) {
+    if (buffer->memory) clReleaseMemObject(buffer->memory);
+    buffer->memory = NULL;
+    buffer->bytes = 0;
+}
+
+tides_status td_buffer_write(tides_device *device, td_buffer *buffer, const void *data, size_t bytes, tides_error *error) {
+    tides_status status = td_buffer_reserve(device, buffer, bytes ? bytes : 1, error);
+    if (status != TIDES_OK || bytes == 0) return status;
+    TD_CL(clEnqueueWriteBuffer(device->queue, buffer->memory, CL_TRUE, 0, bytes, data, 0, NULL, NULL));
+done:
+    return status;
+}
+
+tides_status td_buffer_read(tides_device *device, const td_buffer *buffer, void *data, size_t bytes, tides_error *error) {
+    tides_status status = TIDES_OK;
+    if (bytes == 0) return status;
+    TD_CL(clEnqueueReadBuffer(device->queue, buffer->memory, CL_TRUE, 0, bytes, data, 0, NULL, NULL));
+done:
+    return status;
+}
+
+tides_status td_launch(tides_device *device, cl_kernel kernel, cl_uint dimensions, const size_t *global, const size_t *local,
+                       const td_argument *arguments, cl_uint count, cl_event *event, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (cl_uint i = 0; i < count; i++) {
+        if (arguments[i].buffer)
+            TD_CL(clSetKernelArg(kernel, i, sizeof arguments[i].buffer->memory, &arguments[i].buffer->memory));
+        else
+            TD_CL(clSetKernelArg(kernel, i, arguments[i].bytes, arguments[i].value));
+    }
+    TD_CL(clEnqueueNDRangeKernel(device->queue, kernel, dimensions, NULL, global, local, 0, NULL, event));
+done:
+    return status;
+}
+
+double td_event_seconds(cl_event *event) {
+    cl_ulong begun = 0, ended = 0;
+    if (!*event) return 0;
+    clGetEventProfilingInfo(*event, CL_PROFILING_COMMAND_START, sizeof begun, &begun, NULL);
+    clGetEventProfilingInfo(*event, CL_PROFILING_COMMAND_END, sizeof ended, &ended, NULL);
+    clReleaseEvent(*event);
+    *event = NULL;
+    return ended > begun ? 1e-9 * (double)(ended - begun) : 0;
+}

@@ -1,0 +1,134 @@
+/* Building kernels: prelude and source to a cl_program, once per device, file and set of defines. PoCL and the vendors' drivers
+ * cache binaries on disk themselves, so this keeps only a table in memory. */
+#include "td_device.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct td_program_entry {
+    char *key; /* file and defines */
+    cl_program program;
+    td_program_entry *next;
+};
+
+const char *td_cl_name(cl_int code) {
+    switch (code) {
+#define NAME(x) case x: return #x;
+        NAME(CL_SUCCESS) NAME(CL_DEVICE_NOT_FOUND) NAME(CL_DEVICE_NOT_AVAILABLE) NAME(CL_COMPILER_NOT_AVAILABLE)
+        NAME(CL_MEM_OBJECT_ALLOCATION_FAILURE) NAME(CL_OUT_OF_RESOURCES) NAME(CL_OUT_OF_HOST_MEMORY)
+        NAME(CL_PROFILING_INFO_NOT_AVAILABLE) NAME(CL_BUILD_PROGRAM_FAILURE) NAME(CL_MAP_FAILURE) NAME(CL_INVALID_VALUE)
+        NAME(CL_INVALID_PLATFORM) NAME(CL_INVALID_DEVICE) NAME(CL_INVALID_CONTEXT) NAME(CL_INVALID_COMMAND_QUEUE)
+        NAME(CL_INVALID_MEM_OBJECT) NAME(CL_INVALID_BUILD_OPTIONS) NAME(CL_INVALID_PROGRAM)
+        NAME(CL_INVALID_PROGRAM_EXECUTABLE) NAME(CL_INVALID_KERNEL_NAME) NAME(CL_INVALID_KERNEL) NAME(CL_INVALID_ARG_INDEX)
+        NAME(CL_INVALID_ARG_VALUE) NAME(CL_INVALID_ARG_SIZE) NAME(CL_INVALID_KERNEL_ARGS) NAME(CL_INVALID_WORK_DIMENSION)
+        NAME(CL_INVALID_WORK_GROUP_SIZE) NAME(CL_INVALID_WORK_ITEM_SIZE) NAME(CL_INVALID_EVENT) NAME(CL_INVALID_OPERATION)
+        NAME(CL_INVALID_BUFFER_SIZE) NAME(CL_INVALID_GLOBAL_WORK_SIZE)
+#undef NAME
+        default: return "unknown OpenCL error";
+    }
+}
+
+tides_status td_cl_fail(tides_error *error, cl_int code, const char *call) {
+    int length = (int)strcspn(call, "("); /* the call's name is enough */
+    return td_fail(error, TIDES_DEVICE_FAILED, "OpenCL: %.*s failed with %s (%d)", length, call, td_cl_name(code), (int)code);
+}
+
+/* The compiler's first lines: enough to say where it is. */
+static tides_status fail_build(const tides_device *device, cl_program program, const char *file, tides_error *error) {
+    char *log = NULL;
+    size_t bytes = 0;
+    clGetProgramBuildInfo(program, device->id, CL_PROGRAM_BUILD_LOG, 0, NULL, &bytes);
+    log = td_alloc(bytes + 1, 1, NULL);
+    if (log) clGetProgramBuildInfo(program, device->id, CL_PROGRAM_BUILD_LOG, bytes, log, NULL);
+    tides_status status = td_fail(error, TIDES_DEVICE_FAILED, "kernel %s doesn't build on %.60s: %.700s", file, device->info.name,
+                                  log ? log : "(no log)");
+    if (error) /* one line */
+        for (char *c = error->text; *c; c++)
+            if (*c == '\n' || *c == '\r') *c = ' ';
+    free(log);
+    return status;
+}
+
+/* The prelude owns the pragma: it only governs text after it, so it must be the first line of all. */
+static char *make_prelude(const tides_device *device, const char *defines, tides_error *error) {
+    return td_format(error, "#pragma OPENCL FP_CONTRACT OFF\n#define TD_OPENCL 1\n#define TD_LANES %d\n%s", (int)device->info.lanes,
+                     defines);
+}
+
+static tides_status build(tides_device *device, const char *file, const char *defines, cl_program *program, tides_error *error) {
+    tides_status status = TIDES_NO_MEMORY;
+    td_source_text text = {0};
+    cl_program built = NULL;
+    cl_int code = CL_SUCCESS;
+    char *prelude = make_prelude(device, defines, error);
+    if (!prelude) goto done;
+    status = td_reserve((void **)&text.piece, &text.capacity, 1, sizeof *text.piece, error);
+    if (status != TIDES_OK) goto done;
+    text.piece[text.count++] = prelude;
+    prelude = NULL;
+    if ((status = td_source_gather(&text, file, error)) != TIDES_OK) goto done;
+    built = clCreateProgramWithSource(device->context, (cl_uint)text.count, (const char **)(void *)text.piece, NULL, &code);
+    TD_CL(code);
+    code = clBuildProgram(built, 1, &device->id,
+                          device->correctly_rounded ? "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt" : "-cl-std=CL1.2",
+                          NULL, NULL);
+    if (code != CL_SUCCESS) {
+        status = fail_build(device, built, file, error);
+        goto done;
+    }
+    *program = built;
+    built = NULL;
+done:
+    if (built) clReleaseProgram(built);
+    td_source_release(&text);
+    free(prelude);
+    return status;
+}
+
+static tides_status find_program(tides_device *device, const char *file, const char *defines, cl_program *program,
+                                 tides_error *error) {
+    tides_status status = TIDES_NO_MEMORY;
+    td_program_entry *entry = NULL;
+    char *key = td_format(error, "%s\n%s", file, defines);
+    if (!key) return TIDES_NO_MEMORY;
+    for (entry = device->programs; entry; entry = entry->next)
+        if (strcmp(entry->key, key) == 0) {
+            *program = entry->program;
+            free(key);
+            return TIDES_OK;
+        }
+    entry = td_alloc(1, sizeof *entry, error);
+    if (!entry) goto done;
+    if ((status = build(device, file, defines, &entry->program, error)) != TIDES_OK) goto done;
+    *program = entry->program;
+    entry->key = key;
+    entry->next = device->programs;
+    device->programs = entry;
+    return TIDES_OK;
+done:
+    free(entry);
+    free(key);
+    return status;
+}
+
+tides_status td_kernel_create(tides_device *device, const char *file, const char *defines, const char *name, cl_kernel *kernel,
+                              tides_error *error) {
+    cl_program program = NULL;
+    cl_int code = CL_SUCCESS;
+    tides_status status = find_program(device, file, defines, &program, error);
+    if (status != TIDES_OK) return status;
+    cl_kernel made = clCreateKernel(program, name, &code);
+    if (code != CL_SUCCESS) return td_cl_fail(error, code, "clCreateKernel");
+    *kernel = made;
+    return TIDES_OK;
+}
+
+void td_programs_release(tides_device *device) {
+    while (device->programs) {
+        td_program_entry *entry = device->programs;
+        device->programs = entry->next;
+        clReleaseProgram(entry->program);
+        free(entry->key);
+        free(entry);
+    }
+}

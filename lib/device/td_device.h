@@ -1,0 +1,56 @@
+/* Internal: an open device, its kernels, and the one place that includes OpenCL. */
+#ifndef TD_DEVICE_H
+#define TD_DEVICE_H
+
+#include "td_base.h"
+#include "tides/device.h"
+
+#include <CL/cl.h>
+
+typedef struct td_program_entry td_program_entry;
+
+struct tides_device {
+    tides_device_info info;
+    int single_precision; /* reference only: 1 for reference-f32 */
+    int correctly_rounded; /* divide and sqrt can be asked to round correctly */
+    cl_platform_id platform;
+    cl_device_id id;
+    cl_context context;
+    cl_command_queue queue;
+    td_program_entry *programs; /* built so far, newest first */
+};
+
+/* "CL_OUT_OF_RESOURCES"; "CL error -9999" style numbers come out as "unknown OpenCL error". */
+const char *td_cl_name(cl_int code);
+
+/* Fills the error with the call that failed and the code's name. */
+tides_status td_cl_fail(tides_error *error, cl_int code, const char *call);
+
+/* Runs an OpenCL call; on failure fills the error, sets `status` and goes to `done`. */
+#define TD_CL(call)                                        \
+    do {                                                   \
+        cl_int td_code = (call);                           \
+        if (td_code != CL_SUCCESS) {                       \
+            status = td_cl_fail(error, td_code, #call);    \
+            goto done;                                     \
+        }                                                  \
+    } while (0)
+
+/* The kernel `name` of kernel file `file` built with `defines` ("#define A 1\n..."), from the device's table or newly built.
+ * The caller releases the kernel. */
+tides_status td_kernel_create(tides_device *device, const char *file, const char *defines, const char *name, cl_kernel *kernel,
+                              tides_error *error);
+
+/* Releases every program of the table. */
+void td_programs_release(tides_device *device);
+
+/* A kernel file's text with its includes put in (each once), as the pieces that clCreateProgramWithSource takes. From
+ * $TIDES_KERNEL_DIR where set, else from the library. */
+typedef struct td_source_text {
+    char **piece;
+    size_t count, capacity;
+} td_source_text;
+tides_status td_source_gather(td_source_text *text, const char *file, tides_error *error);
+void td_source_release(td_source_text *text);
+
+#endif

@@ -1,0 +1,36 @@
+/* Internal: buffers and launches on an OpenCL device, with their time. */
+#ifndef TD_LAUNCH_H
+#define TD_LAUNCH_H
+
+#include "td_device.h"
+
+/* A buffer that grows; contents are lost when it does. */
+typedef struct td_buffer {
+    cl_mem memory;
+    size_t bytes;
+} td_buffer;
+
+tides_status td_buffer_reserve(tides_device *device, td_buffer *buffer, size_t bytes, tides_error *error);
+void td_buffer_release(td_buffer *buffer);
+
+/* Reserves and copies `bytes` from host memory; blocking. */
+tides_status td_buffer_write(tides_device *device, td_buffer *buffer, const void *data, size_t bytes, tides_error *error);
+tides_status td_buffer_read(tides_device *device, const td_buffer *buffer, void *data, size_t bytes, tides_error *error);
+
+/* One kernel argument: a buffer, or `bytes` of a value. */
+typedef struct td_argument {
+    const td_buffer *buffer;
+    const void *value;
+    size_t bytes;
+} td_argument;
+#define TD_BUFFER_ARGUMENT(b) {&(b), NULL, 0}
+#define TD_VALUE_ARGUMENT(v) {NULL, &(v), sizeof(v)}
+
+/* Sets the arguments and enqueues: the only place that does. `local` may be NULL. `event` (nullable) is the caller's. */
+tides_status td_launch(tides_device *device, cl_kernel kernel, cl_uint dimensions, const size_t *global, const size_t *local,
+                       const td_argument *arguments, cl_uint count, cl_event *event, tides_error *error);
+
+/* Seconds that a finished event ran; releases it and sets it to NULL. */
+double td_event_seconds(cl_event *event);
+
+#endif

@@ -1,0 +1,299 @@
+/* The renderer's stages on an OpenCL device: four launches for any number of (tile, time) jobs. */
+#include "td_launch.h"
+#include "td_backend.h"
+
+#include <stdlib.h>
+
+enum { STAGES = 3, OUTPUT_KINDS = 3 };
+
+typedef struct opencl_backend {
+    td_backend base;
+    tides_device *device;
+    td_image_numbers numbers;
+    td_image image;
+    int gaussians, objects;
+    cl_kernel sweep_kernel, sort_kernel;
+    cl_kernel project_kernel[OUTPUT_KINDS], composite_kernel[OUTPUT_KINDS]; /* by outputs; built when first wanted */
+    td_buffer image_buffer, object, geometry, rates, sh, sh_rates; /* the scene */
+    td_buffer views, backdrops, boxes;                             /* an interval */
+    td_buffer candidates, jobs;                                    /* a batch */
+    td_buffer records, colours, masks, keys, order, sorted_masks, counts, brightest, planes, blended;
+    uint64_t candidates_serial; /* of what the device has */
+    float *host;                /* staging for numbers that change precision */
+    int *host_ints;
+    size_t host_capacity, host_ints_capacity;
+} opencl_backend;
+
+static int kind_of_outputs(int outputs) { return outputs == TD_OUT_SIGNAL ? 0 : outputs == TD_OUT_DIAGNOSTICS ? 1 : 2; }
+
+/* Copies doubles to a device buffer of floats. */
+static tides_status write_reals(opencl_backend *b, td_buffer *buffer, const double *from, size_t count, tides_error *error) {
+    tides_status status = td_reserve((void **)&b->host, &b->host_capacity, count, sizeof *b->host, error);
+    if (status != TIDES_OK) return status;
+    for (size_t i = 0; i < count; i++) b->host[i] = (float)from[i];
+    return td_buffer_write(b->device, buffer, b->host, count * sizeof *b->host, error);
+}
+
+/* What the image fixes is compiled in; DESIGN 3.6: what is off costs nothing. */
+static char *make_defines(const opencl_backend *b, int outputs, tides_error *error) {
+    const td_image *image = &b->image;
+    return td_format(error,
+                     "#define TD_BUILD_SH_DEGREE %d\n#define TD_BUILD_ANTIALIAS %d\n#define TD_BUILD_CUT_RULE %d\n"
+                     "#define TD_BUILD_STOP_RULE %d\n#define TD_BUILD_EXTENT_RULE %d\n#define TD_BUILD_MOVING %d\n"
+                     "#define TD_BUILD_OUTPUTS %d\n",
+                     image->sh_degree, image->antialias, image->cut_rule, image->stop_rule, image->extent_rule, image->moving,
+                     outputs);
+}
+
+static tides_status make_kernel(opencl_backend *b, const char *file, const char *name, int outputs, cl_kernel *kernel,
+                                tides_error *error) {
+    if (*kernel) return TIDES_OK;
+    char *defines = make_defines(b, outputs, error);
+    if (!defines) return TIDES_NO_MEMORY;
+    double begun = td_now();
+    tides_status status = td_kernel_create(b->device, file, defines, name, kernel, error);
+    b->base.stats.time_build_s += td_now() - begun;
+    free(defines);
+    return status;
+}
+
+static tides_status prepare(td_backend *backend, int outputs, tides_error *error) {
+    opencl_backend *b = (opencl_backend *)backend;
+    int kind = kind_of_outputs(outputs);
+    /* Records only differ by whether there is colour: diagnostics share the projection of the signal. */
+    int record_outputs = outputs < TD_OUT_COLOUR ? TD_OUT_SIGNAL : TD_OUT_COLOUR;
+    tides_status status = make_kernel(b, "project.cl", "td_project", record_outputs, &b->project_kernel[kind], error);
+    if (status == TIDES_OK)
+        status = make_kernel(b, "composite.cl", "td_composite", outputs, &b->composite_kernel[kind], error);
+    return status;
+}
+
+static tides_status sweep(td_backend *backend, const double *views, double duration, float *boxes, tides_error *error) {
+    opencl_backend *b = (opencl_backend *)backend;
+    double begun = td_now();
+    size_t bytes = (size_t)b->gaussians * 4 * sizeof *boxes;
+    tides_status status = write_reals(b, &b->views, views, (size_t)3 * b->objects * TD_VIEW_REALS, error);
+    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->boxes, bytes, error);
+    if (status != TIDES_OK) return status;
+    float seconds = (float)duration;
+    cl_int count = b->gaussians;
+    size_t global = (size_t)(b->gaussians / b->device->info.lanes);
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->object),
+                                     TD_BUFFER_ARGUMENT(b->views),        TD_BUFFER_ARGUMENT(b->geometry),
+                                     TD_BUFFER_ARGUMENT(b->rates),        TD_VALUE_ARGUMENT(seconds),
+                                     TD_VALUE_ARGUMENT(count),            TD_BUFFER_ARGUMENT(b->boxes)};
+    status = td_launch(b->device, b->sweep_kernel, 1, &global, NULL, arguments, 8, NULL, error);
+    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->boxes, boxes, bytes, error);
+    backend->stats.sweeps++;
+    backend->stats.time_sweep_s += td_now() - begun;
+    return status;
+}
+
+/* Room for the batch on the device. */
+static tides_status reserve_batch(opencl_backend *b, const td_batch *batch, int tiles, tides_error *error) {
+    size_t records = (size_t)batch->records, jobs = (size_t)batch->job_count;
+    size_t colours = batch->outputs < TD_OUT_COLOUR ? 1 : records * TD_COLOUR_STRIDE;
+    struct {
+        td_buffer *buffer;
+        size_t bytes;
+    } wanted[] = {
+        {&b->records, records * TD_RECORD_STRIDE * sizeof(cl_float)},
+        {&b->colours, colours * sizeof(cl_float)},
+        {&b->masks, records * sizeof(cl_int)},
+        {&b->keys, 2 * records * sizeof(cl_long)},
+        {&b->order, records * sizeof(cl_int)},
+        {&b->sorted_masks, records * sizeof(cl_int)},
+        {&b->counts, jobs * sizeof(cl_int)},
+        {&b->brightest, jobs * sizeof(cl_float)},
+        {&b->planes, (size_t)tiles * batch->outputs * TD_TILE_PIXELS * sizeof(cl_float)},
+        {&b->blended, jobs * (TD_TILE_PIXELS / b->device->info.lanes) * sizeof(cl_int)},
+    };
+    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
+        tides_status status = td_buffer_reserve(b->device, wanted[i].buffer, wanted[i].bytes, error);
+        if (status != TIDES_OK) return status;
+    }
+    return TIDES_OK;
+}
+
+/* The batch's own data to the device; jobs are renumbered so that output k of this launch is job k. */
+static tides_status write_batch(opencl_backend *b, const td_batch *batch, tides_error *error) {
+    size_t jobs = (size_t)batch->job_count;
+    tides_status status = reserve_batch(b, batch, batch->job_count, error);
+    if (status == TIDES_OK)
+        status = write_reals(b, &b->views, batch->views, (size_t)batch->slots * b->objects * TD_VIEW_REALS, error);
+    if (status == TIDES_OK)
+        status = write_reals(b, &b->backdrops, batch->backdrops, (size_t)batch->slots * TD_BACKDROP_REALS, error);
+    if (status == TIDES_OK && b->candidates_serial != batch->candidates_serial) {
+        status = td_buffer_write(b->device, &b->candidates, batch->candidates,
+                                 (size_t)batch->candidate_count * sizeof *batch->candidates, error);
+        b->candidates_serial = batch->candidates_serial;
+    }
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&b->host_ints, &b->host_ints_capacity, jobs * TD_JOB_INTS, sizeof *b->host_ints, error);
+    if (status != TIDES_OK) return status;
+    td_job *renumbered = (td_job *)(void *)b->host_ints;
+    for (size_t i = 0; i < jobs; i++) {
+        renumbered[i] = batch->jobs[i];
+        renumbered[i].out = (int)i;
+    }
+    return td_buffer_write(b->device, &b->jobs, renumbered, jobs * sizeof *renumbered, error);
+}
+
+/* Candidates of a job are shared by its group's items: one item on a CPU, a warp or two on a GPU. */
+static size_t group_size(const opencl_backend *b) { return b->device->info.lanes > 1 ? 1 : 64; }
+
+static tides_status launch_project(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
+    size_t local = group_size(b), global = (size_t)batch->job_count * local;
+    const td_argument arguments[] = {
+        TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->jobs),     TD_BUFFER_ARGUMENT(b->candidates),
+        TD_BUFFER_ARGUMENT(b->object),       TD_BUFFER_ARGUMENT(b->views),    TD_BUFFER_ARGUMENT(b->geometry),
+        TD_BUFFER_ARGUMENT(b->rates),        TD_BUFFER_ARGUMENT(b->sh),       TD_BUFFER_ARGUMENT(b->sh_rates),
+        TD_BUFFER_ARGUMENT(b->records),      TD_BUFFER_ARGUMENT(b->colours),  TD_BUFFER_ARGUMENT(b->masks)};
+    return td_launch(b->device, b->project_kernel[kind_of_outputs(batch->outputs)], 1, &global, &local, arguments, 12, event,
+                     error);
+}
+
+static tides_status launch_sort(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
+    size_t local = group_size(b), global = (size_t)batch->job_count * local;
+    const td_argument arguments[] = {
+        TD_BUFFER_ARGUMENT(b->jobs), TD_BUFFER_ARGUMENT(b->backdrops), TD_BUFFER_ARGUMENT(b->records),
+        TD_BUFFER_ARGUMENT(b->masks), TD_BUFFER_ARGUMENT(b->keys), TD_BUFFER_ARGUMENT(b->order),
+        TD_BUFFER_ARGUMENT(b->sorted_masks), TD_BUFFER_ARGUMENT(b->counts), TD_BUFFER_ARGUMENT(b->brightest)};
+    return td_launch(b->device, b->sort_kernel, 1, &global, &local, arguments, 9, event, error);
+}
+
+static tides_status launch_composite(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
+    size_t items = (size_t)(TD_TILE_PIXELS / b->device->info.lanes);
+    size_t global[2] = {items, (size_t)batch->job_count}, local[2] = {items, 1};
+    const td_argument arguments[] = {
+        TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->jobs),         TD_BUFFER_ARGUMENT(b->backdrops),
+        TD_BUFFER_ARGUMENT(b->records),      TD_BUFFER_ARGUMENT(b->colours),      TD_BUFFER_ARGUMENT(b->order),
+        TD_BUFFER_ARGUMENT(b->sorted_masks), TD_BUFFER_ARGUMENT(b->counts),       TD_BUFFER_ARGUMENT(b->brightest),
+        TD_BUFFER_ARGUMENT(b->planes),       TD_BUFFER_ARGUMENT(b->blended)};
+    return td_launch(b->device, b->composite_kernel[kind_of_outputs(batch->outputs)], 2, global, local, arguments, 11, event,
+                     error);
+}
+
+/* Planes back to the caller, tile by tile to its place, widened. */
+static tides_status read_planes(opencl_backend *b, const td_batch *batch, double *planes, tides_error *error) {
+    size_t tile = (size_t)batch->outputs * TD_TILE_PIXELS, total = tile * (size_t)batch->job_count;
+    tides_status status = td_reserve((void **)&b->host, &b->host_capacity, total, sizeof *b->host, error);
+    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->planes, b->host, total * sizeof *b->host, error);
+    for (int i = 0; i < batch->job_count && status == TIDES_OK; i++) {
+        const float *from = b->host + (size_t)i * tile;
+        double *to = planes + (size_t)batch->jobs[i].out * tile;
+        for (size_t k = 0; k < tile; k++) to[k] = from[k];
+    }
+    return status;
+}
+
+/* Counts of the batch: splats per job and pairs per work-item. */
+static tides_status read_counts(opencl_backend *b, const td_batch *batch, tides_error *error) {
+    size_t jobs = (size_t)batch->job_count, lanes = (size_t)b->device->info.lanes, items = jobs * (TD_TILE_PIXELS / lanes);
+    tides_render_stats *stats = &b->base.stats;
+    tides_status status = td_reserve((void **)&b->host_ints, &b->host_ints_capacity, items, sizeof *b->host_ints, error);
+    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->blended, b->host_ints, items * sizeof *b->host_ints, error);
+    if (status != TIDES_OK) return status;
+    for (size_t i = 0; i < items; i++) stats->pairs_evaluated += lanes * (size_t)b->host_ints[i];
+    status = td_buffer_read(b->device, &b->counts, b->host_ints, jobs * sizeof *b->host_ints, error);
+    if (status != TIDES_OK) return status;
+    stats->tile_jobs += jobs;
+    for (size_t i = 0; i < jobs; i++) {
+        stats->gaussians_projected += (uint64_t)batch->jobs[i].count;
+        stats->gaussians_culled += (uint64_t)(batch->jobs[i].count - b->host_ints[i]);
+    }
+    return TIDES_OK;
+}
+
+static tides_status render(td_backend *backend, const td_batch *batch, double *planes, tides_error *error) {
+    opencl_backend *b = (opencl_backend *)backend;
+    cl_event events[STAGES] = {NULL, NULL, NULL};
+    tides_render_stats *stats = &backend->stats;
+    tides_status status = prepare(backend, batch->outputs, error);
+    double begun = td_now(), computed;
+    if (status == TIDES_OK) status = write_batch(b, batch, error);
+    if (status == TIDES_OK) status = launch_project(b, batch, &events[0], error);
+    if (status == TIDES_OK) status = launch_sort(b, batch, &events[1], error);
+    if (status == TIDES_OK) status = launch_composite(b, batch, &events[2], error);
+    if (status == TIDES_OK) TD_CL(clFinish(b->device->queue));
+done:
+    computed = td_event_seconds(&events[0]);
+    stats->time_project_s += computed;
+    double sorting = td_event_seconds(&events[1]), compositing = td_event_seconds(&events[2]);
+    stats->time_sort_s += sorting;
+    stats->time_composite_s += compositing;
+    computed += sorting + compositing;
+    if (status == TIDES_OK) status = read_planes(b, batch, planes, error);
+    if (status == TIDES_OK) status = read_counts(b, batch, error);
+    stats->time_transfer_s += td_now() - begun - computed;
+    return status;
+}
+
+static void empty_pixel(const td_backend *backend, const double *backdrop, double *planes, int outputs) {
+    td_empty_pixel_f32(&((const opencl_backend *)backend)->numbers, backdrop, planes, outputs);
+}
+
+static void destroy(td_backend *backend) {
+    opencl_backend *b = (opencl_backend *)backend;
+    cl_kernel kernels[2 + 2 * OUTPUT_KINDS] = {b->sweep_kernel, b->sort_kernel};
+    for (int i = 0; i < OUTPUT_KINDS; i++) {
+        kernels[2 + 2 * i] = b->project_kernel[i];
+        kernels[3 + 2 * i] = b->composite_kernel[i];
+    }
+    for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
+        if (kernels[i]) clReleaseKernel(kernels[i]);
+    td_buffer *buffers[] = {&b->image_buffer, &b->object, &b->geometry, &b->rates, &b->sh, &b->sh_rates, &b->views,
+                            &b->backdrops, &b->boxes, &b->candidates, &b->jobs, &b->records, &b->colours, &b->masks, &b->keys,
+                            &b->order, &b->sorted_masks, &b->counts, &b->brightest, &b->planes, &b->blended};
+    for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
+    free(b->host);
+    free(b->host_ints);
+    free(b);
+}
+
+static const td_backend_class opencl_class = {sweep, render, empty_pixel, prepare, destroy};
+
+/* The scene to the device. Arrays that aren't there get one float, since kernels want an argument. */
+static tides_status write_store(opencl_backend *b, const td_store *store, tides_error *error) {
+    static const double none[1] = {0};
+    size_t geometry = (size_t)store->count * TD_GEOMETRY_STRIDE, sh = (size_t)store->count * store->sh_stride;
+    tides_status status = td_buffer_write(b->device, &b->object, store->object, (size_t)store->count * sizeof *store->object, error);
+    if (status == TIDES_OK) status = write_reals(b, &b->geometry, store->geometry, geometry, error);
+    if (status == TIDES_OK)
+        status = write_reals(b, &b->rates, store->rates ? store->rates : none, store->rates ? geometry : 1, error);
+    if (status == TIDES_OK)
+        status = write_reals(b, &b->sh_rates, store->sh_rates ? store->sh_rates : none, store->sh_rates ? sh : 1, error);
+    if (status != TIDES_OK) return status;
+    if (store->sh_wide) return write_reals(b, &b->sh, store->sh_wide, sh, error);
+    return td_buffer_write(b->device, &b->sh, store->sh, sh * sizeof *store->sh, error);
+}
+
+/* The image in the device's precision: reals, then ints. */
+static tides_status write_image(opencl_backend *b, tides_error *error) {
+    float reals[TD_IMAGE_REALS];
+    for (int i = 0; i < TD_IMAGE_REALS; i++) reals[i] = (float)b->numbers.real[i];
+    memcpy(&b->image, reals, sizeof reals);
+    memcpy((char *)&b->image + sizeof reals, b->numbers.whole, sizeof b->numbers.whole);
+    return td_buffer_write(b->device, &b->image_buffer, &b->image, sizeof b->image, error);
+}
+
+tides_status td_backend_create_opencl(tides_device *device, const td_store *store, const td_image_numbers *image,
+                                      td_backend **backend, tides_error *error) {
+    opencl_backend *b = td_alloc(1, sizeof *b, error);
+    if (!b) return TIDES_NO_MEMORY;
+    b->base.type = &opencl_class;
+    b->device = device;
+    b->numbers = *image;
+    b->gaussians = store->count;
+    b->objects = store->objects;
+    tides_status status = write_image(b, error);
+    if (status == TIDES_OK) status = write_store(b, store, error);
+    if (status == TIDES_OK) status = make_kernel(b, "sweep.cl", "td_sweep", TD_OUT_SIGNAL, &b->sweep_kernel, error);
+    if (status == TIDES_OK) status = make_kernel(b, "sort.cl", "td_sort", TD_OUT_SIGNAL, &b->sort_kernel, error);
+    if (status != TIDES_OK) {
+        destroy(&b->base);
+        return status;
+    }
+    *backend = &b->base;
+    return TIDES_OK;
+}

@@ -1,0 +1,86 @@
+/* Tile candidate lists: for each 16x16 tile the Gaussians whose swept box touches it, in index order. A counting sort in two
+ * passes over the boxes. */
+#include "td_render.h"
+
+#include <limits.h>
+#include <stdlib.h>
+
+tides_status td_candidates_create(int width, int height, td_candidates *candidates, tides_error *error) {
+    memset(candidates, 0, sizeof *candidates);
+    candidates->tiles_x = (width + TD_TILE - 1) / TD_TILE;
+    candidates->tiles_y = (height + TD_TILE - 1) / TD_TILE;
+    size_t tiles = (size_t)candidates->tiles_x * candidates->tiles_y;
+    candidates->first = td_alloc(tiles + 1, sizeof *candidates->first, error);
+    candidates->fill = td_alloc(tiles, sizeof *candidates->fill, error);
+    candidates->last_object = td_alloc(tiles, sizeof *candidates->last_object, error);
+    if (candidates->first && candidates->fill && candidates->last_object) return TIDES_OK;
+    td_candidates_release(candidates);
+    return TIDES_NO_MEMORY;
+}
+
+void td_candidates_release(td_candidates *candidates) {
+    free(candidates->first);
+    free(candidates->list);
+    free(candidates->fill);
+    free(candidates->last_object);
+    memset(candidates, 0, sizeof *candidates);
+}
+
+typedef struct tile_range {
+    int x0, y0, x1, y1; /* inclusive; empty where x0 > x1 or y0 > y1 */
+} tile_range;
+
+static tile_range tiles_of(const td_candidates *candidates, const float *box) {
+    tile_range range = {0, 0, -1, -1};
+    float limit_x = (float)(TD_TILE * candidates->tiles_x), limit_y = (float)(TD_TILE * candidates->tiles_y);
+    if (!(box[0] < limit_x && box[1] < limit_y && box[2] >= 0 && box[3] >= 0)) return range;
+    range.x0 = box[0] > 0 ? (int)box[0] / TD_TILE : 0;
+    range.y0 = box[1] > 0 ? (int)box[1] / TD_TILE : 0;
+    range.x1 = box[2] < limit_x ? (int)box[2] / TD_TILE : candidates->tiles_x - 1;
+    range.y1 = box[3] < limit_y ? (int)box[3] / TD_TILE : candidates->tiles_y - 1;
+    return range;
+}
+
+/* One pass over all boxes. `list` NULL: counts into fill; else writes there. Each object's share is padded to TD_PAD. */
+static void pass(td_candidates *candidates, const td_store *store, const float *boxes, int *list) {
+    int tiles = candidates->tiles_x * candidates->tiles_y;
+    for (int t = 0; t < tiles; t++) {
+        candidates->last_object[t] = -1;
+        candidates->fill[t] = list ? candidates->first[t] : 0;
+    }
+    for (int g = 0; g < store->count; g++) {
+        tile_range range = tiles_of(candidates, boxes + 4 * (size_t)g);
+        int object = store->object[g];
+        for (int y = range.y0; y <= range.y1; y++)
+            for (int x = range.x0; x <= range.x1; x++) {
+                int t = y * candidates->tiles_x + x;
+                if (candidates->last_object[t] != object) {
+                    candidates->last_object[t] = object;
+                    candidates->fill[t] = (candidates->fill[t] + TD_PAD - 1) / TD_PAD * TD_PAD;
+                }
+                if (list) list[candidates->fill[t]] = g;
+                candidates->fill[t]++;
+            }
+    }
+}
+
+tides_status td_candidates_build(td_candidates *candidates, const td_store *store, const float *boxes, tides_error *error) {
+    int tiles = candidates->tiles_x * candidates->tiles_y;
+    int64_t total = 0;
+    pass(candidates, store, boxes, NULL);
+    for (int t = 0; t < tiles; t++) {
+        candidates->first[t] = (int)total;
+        total += (candidates->fill[t] + TD_PAD - 1) / TD_PAD * TD_PAD;
+        if (total > INT_MAX / TD_RECORD_STRIDE)
+            return td_fail(error, TIDES_UNSUPPORTED, "scene: its splats touch the tiles of this image more than %d times; use a "
+                           "smaller image or fewer Gaussians", INT_MAX / TD_RECORD_STRIDE);
+    }
+    candidates->first[tiles] = (int)total;
+    tides_status status = td_reserve((void **)&candidates->list, &candidates->capacity, total ? (size_t)total : 1,
+                                     sizeof *candidates->list, error);
+    if (status != TIDES_OK) return status;
+    memset(candidates->list, 0xff, (size_t)total * sizeof *candidates->list); /* TD_NO_GAUSSIAN */
+    pass(candidates, store, boxes, candidates->list);
+    candidates->serial++;
+    return TIDES_OK;
+}

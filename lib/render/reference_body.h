@@ -1,0 +1,247 @@
+/* The renderer's stages as plain loops over the functions of kernels/: the double-precision reference, and in single precision
+ * the oracle that the OpenCL kernels equal to the bit. Included by reference_f64.c and reference_f32.c, which define
+ * TD_REFERENCE_CREATE and, for double, TD_REAL_DOUBLE. */
+#include "kernels/block.h"
+#include "kernels/record.h"
+#include "kernels/sweep.h"
+#include "td_backend.h"
+
+#include <stdlib.h>
+
+/* A splat's place in the front-to-back order. */
+typedef struct reference_key {
+    td_real depth;
+    int candidate;
+} reference_key;
+
+typedef struct reference {
+    td_backend base;
+    td_image image;
+    td_source source;
+    int gaussians;
+    int *object;
+    td_real *arrays[4];  /* geometry, rates, sh, sh_rates: what `source` points to */
+    td_view *views;      /* (slots x objects) */
+    td_backdrop *backdrops;
+    td_real *records, *colours, *planes;
+    reference_key *keys;
+    int *masks, *order, *sorted_masks;
+    size_t view_capacity, backdrop_capacity, record_capacity[7];
+} reference;
+
+typedef char td_view_has_these_reals[sizeof(td_view) == TD_VIEW_REALS * sizeof(td_real) ? 1 : -1];
+typedef char td_backdrop_has_these_reals[sizeof(td_backdrop) == TD_BACKDROP_REALS * sizeof(td_real) ? 1 : -1];
+typedef char td_image_has_these_numbers[sizeof(td_image) == TD_IMAGE_REALS * sizeof(td_real) + TD_IMAGE_INTS * sizeof(int) ? 1 : -1];
+
+static void narrow(const double *from, td_real *to, size_t count) {
+    for (size_t i = 0; i < count; i++) to[i] = (td_real)from[i];
+}
+
+static td_image unpack_image(const td_image_numbers *numbers) {
+    td_image image;
+    td_real reals[TD_IMAGE_REALS];
+    narrow(numbers->real, reals, TD_IMAGE_REALS);
+    memcpy(&image, reals, sizeof reals);
+    memcpy((char *)&image + sizeof reals, numbers->whole, sizeof numbers->whole);
+    return image;
+}
+
+/* A copy of an array in this precision; success with NULL for NULL. */
+static tides_status copy_array(const double *from, size_t count, td_real **to, tides_error *error) {
+    if (!from) return TIDES_OK;
+    *to = td_alloc(count, sizeof **to, error);
+    if (!*to) return TIDES_NO_MEMORY;
+    narrow(from, *to, count);
+    return TIDES_OK;
+}
+
+static tides_status copy_views(reference *r, const double *views, int slots, tides_error *error) {
+    size_t count = (size_t)slots * r->image.objects;
+    tides_status status = td_reserve((void **)&r->views, &r->view_capacity, count, sizeof *r->views, error);
+    if (status == TIDES_OK) narrow(views, (td_real *)r->views, count * TD_VIEW_REALS);
+    return status;
+}
+
+static tides_status sweep(td_backend *backend, const double *views, double duration, float *boxes, tides_error *error) {
+    reference *r = (reference *)backend;
+    double begun = td_now();
+    tides_status status = copy_views(r, views, 3, error);
+    if (status != TIDES_OK) return status;
+    for (int i = 0; i < r->gaussians; i++) {
+        td_real box[4];
+        td_sweep_group(r->views, &r->image, &r->source, r->object, i, (td_real)duration, box);
+        for (int k = 0; k < 4; k++) boxes[4 * (size_t)i + k] = (float)box[k];
+    }
+    backend->stats.sweeps++;
+    backend->stats.time_sweep_s += td_now() - begun;
+    return TIDES_OK;
+}
+
+/* Makes room for the stages of one job. */
+static tides_status reserve_records(reference *r, size_t count, int outputs, tides_error *error) {
+    size_t *capacity = r->record_capacity;
+    tides_status status = td_reserve((void **)&r->records, &capacity[0], count * TD_RECORD_STRIDE, sizeof *r->records, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&r->colours, &capacity[1], count * TD_COLOUR_STRIDE, sizeof *r->colours, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&r->masks, &capacity[2], count, sizeof *r->masks, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&r->keys, &capacity[3], count, sizeof *r->keys, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&r->order, &capacity[4], count, sizeof *r->order, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&r->sorted_masks, &capacity[5], count, sizeof *r->sorted_masks, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&r->planes, &capacity[6], (size_t)outputs * TD_TILE_PIXELS, sizeof *r->planes, error);
+    return status;
+}
+
+static int compare_keys(const void *a, const void *b) {
+    const reference_key *x = a, *y = b;
+    if (x->depth != y->depth) return x->depth < y->depth ? -1 : 1;
+    return x->candidate < y->candidate ? -1 : x->candidate > y->candidate;
+}
+
+static void project_job(reference *r, const td_job *job, const td_batch *batch, const td_image *image) {
+    td_job local = *job; /* one job's records at a time */
+    td_sink sink;
+    local.records = 0;
+    sink.records = r->records;
+    sink.colours = r->colours;
+    sink.masks = r->masks;
+    for (int i = 0; i < job->count; i++) td_project_group(&local, i, batch->candidates, r->object, r->views, image, &r->source, &sink);
+}
+
+static td_list sort_job(reference *r, const td_job *job) {
+    td_list list = {r->records, r->colours, r->order, r->sorted_masks, 0, r->backdrops[job->slot].luminance};
+    for (int i = 0; i < job->count; i++)
+        if (r->masks[i]) {
+            reference_key key = {r->records[i * TD_RECORD_STRIDE + TD_R_DEPTH], i};
+            td_real luminance = r->records[i * TD_RECORD_STRIDE + TD_R_LUMINANCE];
+            list.brightest = luminance > list.brightest ? luminance : list.brightest;
+            r->keys[list.count++] = key;
+        }
+    qsort(r->keys, (size_t)list.count, sizeof *r->keys, compare_keys);
+    for (int i = 0; i < list.count; i++) {
+        r->order[i] = r->keys[i].candidate;
+        r->sorted_masks[i] = r->masks[r->keys[i].candidate];
+    }
+    return list;
+}
+
+static void composite_job(reference *r, const td_job *job, const td_list *list, const td_image *image, double *planes) {
+    size_t pairs = 0;
+    for (int pixel = 0; pixel < TD_TILE_PIXELS; pixel++)
+        pairs += (size_t)td_composite_block(job, list, image, &r->backdrops[job->slot], pixel / 16, pixel % 16, r->planes);
+    for (int i = 0; i < image->outputs * TD_TILE_PIXELS; i++) planes[i] = r->planes[i];
+    r->base.stats.pairs_evaluated += pairs;
+}
+
+static void count_job(td_backend *backend, const td_job *job, int splats) {
+    backend->stats.tile_jobs++;
+    backend->stats.gaussians_projected += (uint64_t)job->count;
+    backend->stats.gaussians_culled += (uint64_t)(job->count - splats);
+}
+
+static tides_status render(td_backend *backend, const td_batch *batch, double *planes, tides_error *error) {
+    reference *r = (reference *)backend;
+    td_image image = r->image;
+    image.outputs = batch->outputs;
+    tides_status status = copy_views(r, batch->views, batch->slots, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&r->backdrops, &r->backdrop_capacity, (size_t)batch->slots, sizeof *r->backdrops, error);
+    if (status != TIDES_OK) return status;
+    narrow(batch->backdrops, (td_real *)r->backdrops, (size_t)batch->slots * TD_BACKDROP_REALS);
+    for (int i = 0; i < batch->job_count; i++) {
+        const td_job *job = &batch->jobs[i];
+        double begun = td_now();
+        status = reserve_records(r, (size_t)job->count, batch->outputs, error);
+        if (status != TIDES_OK) return status;
+        project_job(r, job, batch, &image);
+        double projected = td_now();
+        td_list list = sort_job(r, job);
+        double sorted = td_now();
+        composite_job(r, job, &list, &image, planes + (size_t)job->out * batch->outputs * TD_TILE_PIXELS);
+        backend->stats.time_project_s += projected - begun;
+        backend->stats.time_sort_s += sorted - projected;
+        backend->stats.time_composite_s += td_now() - sorted;
+        count_job(backend, job, list.count);
+    }
+    return TIDES_OK;
+}
+
+/* One pixel whose list is empty, in this precision. */
+static void empty_pixel_of(const td_image *image, const double *wide_backdrop, double *planes, int outputs) {
+    static const int no_list[1] = {0};
+    td_real out[TD_OUT_COLOUR * TD_TILE_PIXELS];
+    td_backdrop backdrop;
+    narrow(wide_backdrop, (td_real *)&backdrop, TD_BACKDROP_REALS);
+    td_image own = *image;
+    own.outputs = outputs;
+    td_job job = {0, 0, 0, 0, 0, 0, 0, 0};
+    td_list list = {out, out, no_list, no_list, 0, backdrop.luminance};
+    td_composite_block(&job, &list, &own, &backdrop, 0, 0, out);
+    for (int k = 0; k < outputs; k++) planes[k] = out[k * TD_TILE_PIXELS];
+}
+
+static void empty_pixel(const td_backend *backend, const double *backdrop, double *planes, int outputs) {
+    empty_pixel_of(&((const reference *)backend)->image, backdrop, planes, outputs);
+}
+
+static tides_status prepare(td_backend *backend, int outputs, tides_error *error) {
+    (void)backend, (void)outputs, (void)error; /* nothing to build */
+    return TIDES_OK;
+}
+
+static void destroy(td_backend *backend) {
+    reference *r = (reference *)backend;
+    for (int i = 0; i < 4; i++) free(r->arrays[i]);
+    free(r->object);
+    free(r->views);
+    free(r->backdrops);
+    free(r->records);
+    free(r->colours);
+    free(r->planes);
+    free(r->keys);
+    free(r->masks);
+    free(r->order);
+    free(r->sorted_masks);
+    free(r);
+}
+
+static const td_backend_class reference_class = {sweep, render, empty_pixel, prepare, destroy};
+
+/* Copies the store's arrays in this precision; SH comes as floats or doubles. */
+static tides_status copy_store(reference *r, const td_store *store, tides_error *error) {
+    size_t geometry = (size_t)store->count * TD_GEOMETRY_STRIDE, sh = (size_t)store->count * store->sh_stride;
+    r->object = td_alloc((size_t)store->count, sizeof *r->object, error);
+    if (!r->object) return TIDES_NO_MEMORY;
+    memcpy(r->object, store->object, (size_t)store->count * sizeof *r->object);
+    tides_status status = copy_array(store->geometry, geometry, &r->arrays[0], error);
+    if (status == TIDES_OK) status = copy_array(store->rates, geometry, &r->arrays[1], error);
+    if (status == TIDES_OK) status = copy_array(store->sh_wide, sh, &r->arrays[2], error);
+    if (status == TIDES_OK) status = copy_array(store->sh_rates, sh, &r->arrays[3], error);
+    if (status != TIDES_OK || store->sh_wide) return status;
+    r->arrays[2] = td_alloc(sh, sizeof *r->arrays[2], error);
+    if (!r->arrays[2]) return TIDES_NO_MEMORY;
+    for (size_t i = 0; i < sh; i++) r->arrays[2][i] = store->sh[i];
+    return TIDES_OK;
+}
+
+tides_status TD_REFERENCE_CREATE(const td_store *store, const td_image_numbers *image, td_backend **backend,
+                                 tides_error *error) {
+    reference *r = td_alloc(1, sizeof *r, error);
+    if (!r) return TIDES_NO_MEMORY;
+    r->base.type = &reference_class;
+    r->image = unpack_image(image);
+    r->image.objects = store->objects;
+    r->image.moving = store->rates != NULL;
+    r->gaussians = store->count;
+    tides_status status = copy_store(r, store, error);
+    if (status != TIDES_OK) {
+        destroy(&r->base);
+        return status;
+    }
+    r->source.geometry = r->arrays[0];
+    r->source.rates = r->arrays[1];
+    r->source.sh = r->arrays[2];
+    r->source.sh_rates = r->arrays[3];
+    *backend = &r->base;
+    return TIDES_OK;
+}

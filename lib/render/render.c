@@ -1,0 +1,272 @@
+/* The renderer: sweep for candidates, then project, sort and composite (tile, time) jobs on a backend, and put tiles together to
+ * frames. Whole frames are all tiles at one time: one path, not two. */
+#include "td_render.h"
+
+#include <stdlib.h>
+
+enum { RECORD_LIMIT = 1 << 20 }; /* records per launch: 64 MB of them */
+
+static const char *const channel_names[TIDES_CHANNELS] = {"Y", "L", "L_dot", "A", "A_dot", "coverage", "contributors", "R", "G",
+                                                          "B", "R_dot", "G_dot", "B_dot", "Z", "Z_dot"};
+
+/* Where each channel is among a backend's planes. Coverage, the sum of blend weights, is 1 - T = alpha by telescoping. */
+static const int channel_planes[TIDES_CHANNELS] = {TD_OUT_Y, TD_OUT_L, TD_OUT_L_DOT, TD_OUT_ALPHA, TD_OUT_ALPHA_DOT, TD_OUT_ALPHA,
+                                                   TD_OUT_CONTRIBUTORS, TD_OUT_R, TD_OUT_G, TD_OUT_B, TD_OUT_R_DOT, TD_OUT_G_DOT,
+                                                   TD_OUT_B_DOT, TD_OUT_Z, TD_OUT_Z_DOT};
+
+const char *tides_channel_name(int32_t channel) {
+    return channel >= 0 && channel < TIDES_CHANNELS ? channel_names[channel] : NULL;
+}
+
+static tides_status create_backend(tides_renderer *renderer, tides_error *error) {
+    td_image_numbers numbers = td_image_pack(&renderer->image);
+    tides_device_info info;
+    tides_device_describe(renderer->device, &info);
+    if (info.kind != TIDES_DEVICE_REFERENCE)
+        return td_backend_create_opencl(renderer->device, &renderer->store, &numbers, &renderer->backend, error);
+    if (strcmp(info.name, "reference") == 0)
+        return td_backend_create_f64(&renderer->store, &numbers, &renderer->backend, error);
+    return td_backend_create_f32(&renderer->store, &numbers, &renderer->backend, error);
+}
+
+/* The backdrop doesn't change with time in this version: its rates are 0. */
+static void set_backdrop(td_backdrop *backdrop, const tides_image_params *params) {
+    memset(backdrop, 0, sizeof *backdrop);
+    for (int c = 0; c < 3; c++) {
+        backdrop->colour[c] = params->background[c];
+        backdrop->luminance += params->luminance[c] * params->background[c];
+    }
+}
+
+static tides_status check_arguments(const tides_device *device, const tides_scene *scene, const tides_intrinsics *intrinsics,
+                                    const tides_image_params *params, tides_renderer **renderer, tides_error *error) {
+    if (device && scene && intrinsics && params && renderer) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_ARGUMENT,
+                   "tides_renderer_create: device, scene, intrinsics, params and renderer must all be given");
+}
+
+tides_status tides_renderer_create(tides_device *device, const tides_scene *scene, const tides_intrinsics *intrinsics,
+                                   const tides_image_params *params, tides_progress progress, void *user,
+                                   tides_renderer **renderer, tides_error *error) {
+    tides_status status = check_arguments(device, scene, intrinsics, params, renderer, error);
+    if (status != TIDES_OK) return status;
+    tides_renderer *made = td_alloc(1, sizeof *made, error);
+    if (!made) return TIDES_NO_MEMORY;
+    made->device = device;
+    made->scene = scene;
+    made->record_limit = RECORD_LIMIT;
+    status = td_image_resolve(params, intrinsics, tides_scene_sh_degree(scene), &made->image, error);
+    if (status == TIDES_OK) status = td_store_create(scene, &made->store, error);
+    if (status != TIDES_OK) goto done;
+    made->image.objects = made->store.objects;
+    made->stats.gaussians_total = (uint64_t)made->store.real_count;
+    status = td_candidates_create(intrinsics->width, intrinsics->height, &made->candidates, error);
+    if (status != TIDES_OK) goto done;
+    made->stats.tiles = made->candidates.tiles_x * made->candidates.tiles_y;
+    made->boxes = td_alloc((size_t)made->store.count * 4, sizeof *made->boxes, error);
+    made->backdrops = td_alloc(1, sizeof *made->backdrops, error);
+    if (!made->boxes || !made->backdrops) {
+        status = TIDES_NO_MEMORY;
+        goto done;
+    }
+    made->backdrop_capacity = 1;
+    set_backdrop(made->backdrops, params);
+    if (progress && progress(user, 0, "building kernels")) {
+        status = td_fail(error, TIDES_CANCELLED, "stopped on request while building kernels");
+        goto done;
+    }
+    double begun = td_now();
+    status = create_backend(made, error);
+    made->stats.time_build_s = td_now() - begun;
+    if (status == TIDES_OK) {
+        *renderer = made;
+        made = NULL;
+    }
+done:
+    tides_renderer_destroy(made);
+    return status;
+}
+
+void tides_renderer_destroy(tides_renderer *renderer) {
+    if (!renderer) return;
+    if (renderer->backend) renderer->backend->type->destroy(renderer->backend);
+    td_candidates_release(&renderer->candidates);
+    td_store_release(&renderer->store);
+    free(renderer->boxes);
+    free(renderer->views);
+    free(renderer->backdrops);
+    free(renderer->jobs);
+    free(renderer->empty);
+    free(renderer);
+}
+
+void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *stats) {
+    *stats = renderer->stats;
+    const tides_render_stats *done = &renderer->backend->stats;
+    stats->tile_jobs = done->tile_jobs;
+    stats->gaussians_projected = done->gaussians_projected;
+    stats->gaussians_culled = done->gaussians_culled;
+    stats->pairs_evaluated = done->pairs_evaluated;
+    stats->sweeps = done->sweeps;
+    stats->time_build_s += done->time_build_s;
+    stats->time_sweep_s += done->time_sweep_s;
+    stats->time_project_s = done->time_project_s;
+    stats->time_sort_s = done->time_sort_s;
+    stats->time_composite_s = done->time_composite_s;
+    stats->time_transfer_s = done->time_transfer_s;
+}
+
+/* Views of every object at each time, and a backdrop for each. */
+static tides_status make_views(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
+                               tides_error *error) {
+    size_t objects = (size_t)renderer->store.objects;
+    tides_status status = td_reserve((void **)&renderer->views, &renderer->view_capacity, (size_t)slots * objects,
+                                     sizeof *renderer->views, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&renderer->backdrops, &renderer->backdrop_capacity, (size_t)slots,
+                            sizeof *renderer->backdrops, error);
+    for (int i = 0; i < slots && status == TIDES_OK; i++) {
+        renderer->backdrops[i] = renderer->backdrops[0];
+        status = td_views_at(renderer->scene, camera, times[i], renderer->views + (size_t)i * objects, error);
+    }
+    return status;
+}
+
+tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                               tides_error *error) {
+    const double times[3] = {start, 0.5 * (start + stop), stop};
+    tides_status status = make_views(renderer, camera, times, 3, error);
+    if (status == TIDES_OK)
+        status = renderer->backend->type->sweep(renderer->backend, (const double *)renderer->views, stop - start, renderer->boxes, error);
+    double begun = td_now();
+    if (status == TIDES_OK) status = td_candidates_build(&renderer->candidates, &renderer->store, renderer->boxes, error);
+    renderer->stats.time_sweep_s += td_now() - begun;
+    return status;
+}
+
+/* Longest lists first, so that no thread is left with one at the end; then by place, to be a total order. */
+static int by_falling_count(const void *a, const void *b) {
+    const td_job *x = a, *y = b;
+    if (x->count != y->count) return x->count > y->count ? -1 : 1;
+    return x->out < y->out ? -1 : x->out > y->out;
+}
+
+static int power_of_two(int count) {
+    int power = TD_PAD;
+    while (power < count) power *= 2;
+    return power;
+}
+
+/* Requests to jobs, longest first, and the list of requests without candidates; returns the number of jobs. */
+static int make_jobs(tides_renderer *renderer, const td_request *requests, int count, int *empty_count) {
+    const td_candidates *candidates = &renderer->candidates;
+    int jobs = 0;
+    *empty_count = 0;
+    for (int i = 0; i < count; i++) {
+        int tile = requests[i].tile, first = candidates->first[tile];
+        int length = candidates->first[tile + 1] - first;
+        if (length == 0) {
+            renderer->empty[(*empty_count)++] = i;
+            continue;
+        }
+        td_job job = {tile % candidates->tiles_x * TD_TILE, tile / candidates->tiles_x * TD_TILE, requests[i].slot, first, length,
+                      0, i, power_of_two(length)};
+        renderer->jobs[jobs++] = job;
+    }
+    qsort(renderer->jobs, (size_t)jobs, sizeof *renderer->jobs, by_falling_count);
+    return jobs;
+}
+
+/* Runs the jobs in launches of at most record_limit records (a single job may need more). */
+static tides_status run_jobs(tides_renderer *renderer, td_batch *batch, td_job *jobs, int count, double *planes,
+                             tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (int from = 0, to = 0; from < count && status == TIDES_OK; from = to) {
+        int records = 0;
+        for (to = from; to < count && (to == from || records + jobs[to].count <= renderer->record_limit); to++) {
+            jobs[to].records = records;
+            records += jobs[to].count;
+        }
+        batch->jobs = jobs + from;
+        batch->job_count = to - from;
+        batch->records = records;
+        status = renderer->backend->type->render(renderer->backend, batch, planes, error);
+    }
+    return status;
+}
+
+/* Tiles that nothing can reach: the backdrop by formula. */
+static void fill_empty(tides_renderer *renderer, const td_request *requests, int empty_count, int outputs, double *planes) {
+    double pixel[TD_OUT_COLOUR];
+    for (int i = 0; i < empty_count; i++) {
+        int request = renderer->empty[i];
+        renderer->backend->type->empty_pixel(renderer->backend, (const double *)&renderer->backdrops[requests[request].slot], pixel,
+                                             outputs);
+        double *tile = planes + (size_t)request * outputs * TD_TILE_PIXELS;
+        for (int k = 0; k < outputs * TD_TILE_PIXELS; k++) tile[k] = pixel[k / TD_TILE_PIXELS];
+    }
+    renderer->stats.tile_jobs_skipped += (uint64_t)empty_count;
+}
+
+tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
+                               const td_request *requests, int count, int outputs, double *planes, tides_error *error) {
+    tides_status status = make_views(renderer, camera, times, slots, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&renderer->jobs, &renderer->job_capacity, (size_t)count, sizeof *renderer->jobs, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&renderer->empty, &renderer->empty_capacity, (size_t)count, sizeof *renderer->empty, error);
+    if (status != TIDES_OK) return status;
+    int empty_count;
+    int jobs = make_jobs(renderer, requests, count, &empty_count);
+    td_batch batch = {0};
+    batch.views = (const double *)renderer->views;
+    batch.backdrops = (const double *)renderer->backdrops;
+    batch.slots = slots;
+    batch.candidates = renderer->candidates.list;
+    batch.candidate_count = renderer->candidates.first[renderer->stats.tiles];
+    batch.candidates_serial = renderer->candidates.serial;
+    batch.outputs = outputs;
+    status = run_jobs(renderer, &batch, renderer->jobs, jobs, planes, error);
+    if (status == TIDES_OK) fill_empty(renderer, requests, empty_count, outputs, planes);
+    return status;
+}
+
+/* Copies one plane of every tile to its place in an image. */
+static void assemble(const tides_renderer *renderer, const double *tiles, int plane, int outputs, double *image) {
+    int width = renderer->image.width, height = renderer->image.height, tiles_x = renderer->candidates.tiles_x;
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++) {
+            size_t tile = (size_t)(y / TD_TILE * tiles_x + x / TD_TILE);
+            image[(size_t)y * width + x] = tiles[(tile * outputs + plane) * TD_TILE_PIXELS + td_tile_pixel(x % TD_TILE, y % TD_TILE)];
+        }
+}
+
+/* The fewest planes that hold every channel asked for; 0 where none is. */
+static int outputs_for(const tides_frame *frame) {
+    int outputs = 0;
+    for (int c = 0; c < TIDES_CHANNELS; c++) {
+        if (!frame->plane[c]) continue;
+        int needed = c == TIDES_L || c == TIDES_L_DOT ? TD_OUT_SIGNAL : c <= TIDES_CONTRIBUTORS ? TD_OUT_DIAGNOSTICS : TD_OUT_COLOUR;
+        outputs = needed > outputs ? needed : outputs;
+    }
+    return outputs;
+}
+
+tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time,
+                                  const tides_frame *frame, tides_error *error) {
+    if (!renderer || !camera || !frame)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_renderer_frame: renderer, camera and frame must be given");
+    int outputs = outputs_for(frame), tiles = renderer->stats.tiles;
+    if (outputs == 0) return TIDES_OK;
+    td_request *requests = td_alloc((size_t)tiles, sizeof *requests, error);
+    double *planes = td_alloc((size_t)tiles * outputs * TD_TILE_PIXELS, sizeof *planes, error);
+    tides_status status = requests && planes ? TIDES_OK : TIDES_NO_MEMORY;
+    for (int i = 0; i < tiles && status == TIDES_OK; i++) requests[i].tile = i;
+    if (status == TIDES_OK) status = td_renderer_sweep(renderer, camera, time, time, error);
+    if (status == TIDES_OK) status = td_renderer_tiles(renderer, camera, &time, 1, requests, tiles, outputs, planes, error);
+    for (int c = 0; c < TIDES_CHANNELS && status == TIDES_OK; c++)
+        if (frame->plane[c]) assemble(renderer, planes, channel_planes[c], outputs, frame->plane[c]);
+    free(planes);
+    free(requests);
+    return status;
+}

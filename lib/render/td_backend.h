@@ -1,0 +1,79 @@
+/* Internal: what a device does for the renderer. Three classes: OpenCL kernels, the double-precision reference, and the
+ * reference in single precision; all run the same functions of kernels/ in the same stages.
+ *
+ * Numbers pass as doubles in the layouts of kernels/layout.h whatever the class computes in, because a file is compiled in one
+ * precision only: td_view is TD_VIEW_REALS reals, td_backdrop TD_BACKDROP_REALS, td_image reals first and then ints. */
+#ifndef TD_BACKEND_H
+#define TD_BACKEND_H
+
+#include "kernels/layout.h"
+#include "td_base.h"
+#include "tides/render.h"
+
+enum { TD_VIEW_REALS = 32, TD_BACKDROP_REALS = 8, TD_IMAGE_REALS = 22, TD_IMAGE_INTS = 12, TD_JOB_INTS = 8 };
+
+/* Numbers of an image, for any precision. */
+typedef struct td_image_numbers {
+    double real[TD_IMAGE_REALS];
+    int whole[TD_IMAGE_INTS];
+} td_image_numbers;
+
+/* All Gaussians of a scene at one state, activated; objects padded to TD_PAD with Gaussians of opacity 0. Exactly one of `sh`
+ * and `sh_wide` is set; rates are NULL unless the Gaussians move by themselves. Borrowed by the backend while it is created. */
+typedef struct td_store {
+    int count;     /* padded: a multiple of TD_PAD */
+    int real_count;/* Gaussians without the padding */
+    int objects;
+    int sh_stride; /* reals per Gaussian */
+    int *object;         /* (count) */
+    double *geometry;    /* (count x TD_GEOMETRY_STRIDE) */
+    double *rates;       /* likewise, or NULL */
+    float *sh;           /* (count x sh_stride) */
+    double *sh_wide;     /* likewise, in double */
+    double *sh_rates;    /* likewise, or NULL */
+} td_store;
+
+/* Jobs for one run of all stages. Everything is borrowed for the call. */
+typedef struct td_batch {
+    const double *views;     /* (slots x objects x TD_VIEW_REALS) */
+    const double *backdrops; /* (slots x TD_BACKDROP_REALS) */
+    int slots;
+    const td_job *jobs;
+    int job_count;
+    const int *candidates;   /* what the jobs point into */
+    int candidate_count;
+    uint64_t candidates_serial; /* changes with the candidates: devices keep a copy */
+    int records;             /* records that the jobs use */
+    int outputs;             /* TD_OUT_SIGNAL, _DIAGNOSTICS or _COLOUR */
+} td_batch;
+
+typedef struct td_backend td_backend;
+
+typedef struct td_backend_class {
+    /* The box (x0, y0, x1, y1) [px] of each Gaussian over an interval; views: (3 x objects x TD_VIEW_REALS). */
+    tides_status (*sweep)(td_backend *backend, const double *views, double duration, float *boxes, tides_error *error);
+    /* All stages; planes: (outputs x TD_TILE_PIXELS) per job at job.out. */
+    tides_status (*render)(td_backend *backend, const td_batch *batch, double *planes, tides_error *error);
+    /* One pixel with nothing in front of the backdrop, in the class's own arithmetic: (outputs). */
+    void (*empty_pixel)(const td_backend *backend, const double *backdrop, double *planes, int outputs);
+    /* Gets kernels for these outputs ready. */
+    tides_status (*prepare)(td_backend *backend, int outputs, tides_error *error);
+    void (*destroy)(td_backend *backend);
+} td_backend_class;
+
+struct td_backend {
+    const td_backend_class *type;
+    tides_render_stats stats; /* jobs, counts and stage times */
+};
+
+tides_status td_backend_create_f64(const td_store *store, const td_image_numbers *image, td_backend **backend,
+                                   tides_error *error);
+tides_status td_backend_create_f32(const td_store *store, const td_image_numbers *image, td_backend **backend,
+                                   tides_error *error);
+tides_status td_backend_create_opencl(tides_device *device, const td_store *store, const td_image_numbers *image,
+                                      td_backend **backend, tides_error *error);
+
+/* The single-precision empty pixel: what every float class answers. */
+void td_empty_pixel_f32(const td_image_numbers *image, const double *backdrop, double *planes, int outputs);
+
+#endif

@@ -1,0 +1,84 @@
+/* Internal: the parts of the renderer (lib/render). Files that include this are compiled in double. */
+#ifndef TD_RENDER_H
+#define TD_RENDER_H
+
+#ifndef TD_REAL_DOUBLE
+#define TD_REAL_DOUBLE
+#endif
+#include "td_backend.h"
+
+/* Image parameters and intrinsics to the image formation's numbers (rules.c). */
+tides_status td_image_resolve(const tides_image_params *params, const tides_intrinsics *intrinsics, int scene_sh_degree,
+                              td_image *image, tides_error *error);
+
+/* A td_image as numbers for any precision. */
+td_image_numbers td_image_pack(const td_image *image);
+
+/* The scene's Gaussians, activated (store.c). */
+tides_status td_store_create(const tides_scene *scene, td_store *store, tides_error *error);
+void td_store_release(td_store *store);
+
+/* One Gaussian's activation: raw parameters and their rates (nullable) to geometry and rates (nullable) (store.c). */
+void td_activate(const double mean[3], const double log_scale[3], const double quaternion[4], double opacity_logit,
+                 double *geometry);
+void td_activate_rates(const double mean_dot[3], const double log_scale[3], const double log_scale_dot[3],
+                       const double quaternion[4], const double quaternion_dot[4], double opacity_logit,
+                       double opacity_logit_dot, double *rates);
+
+/* The view of one object from a camera: object pose NULL for one at rest (view.c). */
+void td_view_make(const tides_pose *camera, const tides_pose *object, double scale, td_view *view);
+
+/* Views of every object of `scene` at `time`: (objects) (view.c). */
+tides_status td_views_at(const tides_scene *scene, const tides_trajectory *camera, double time, td_view *views,
+                         tides_error *error);
+
+/* Which Gaussians each tile may see during an interval (candidates.c). */
+typedef struct td_candidates {
+    int tiles_x, tiles_y;
+    int *first;      /* (tiles + 1) into `list`; multiples of TD_PAD */
+    int *list;       /* Gaussian indices, ascending, each object's padded to TD_PAD with TD_NO_GAUSSIAN */
+    size_t capacity; /* of `list` */
+    int *fill, *last_object; /* (tiles) scratch */
+    uint64_t serial;
+} td_candidates;
+tides_status td_candidates_create(int width, int height, td_candidates *candidates, tides_error *error);
+void td_candidates_release(td_candidates *candidates);
+tides_status td_candidates_build(td_candidates *candidates, const td_store *store, const float *boxes, tides_error *error);
+
+/* A tile at a time of the current interval; `slot` indexes the times given. */
+typedef struct td_request {
+    int tile, slot;
+} td_request;
+
+struct tides_renderer {
+    tides_device *device;
+    const tides_scene *scene;
+    td_image image;
+    td_store store;
+    td_backend *backend;
+    td_candidates candidates;
+    float *boxes;       /* (store.count x 4) */
+    td_view *views;     /* (slots x objects) */
+    td_backdrop *backdrops;
+    size_t view_capacity, backdrop_capacity;
+    td_job *jobs;
+    size_t job_capacity;
+    int *empty;         /* requests without candidates */
+    size_t empty_capacity;
+    int record_limit;   /* records per launch */
+    tides_render_stats stats;
+};
+
+/* Makes candidate lists that hold for every time in [start, stop]. */
+tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                               tides_error *error);
+
+/* Renders requests at `times` within the swept interval; planes: (requests x outputs x TD_TILE_PIXELS), pixels block by block
+ * (td_tile_pixel). */
+tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
+                               const td_request *requests, int count, int outputs, double *planes, tides_error *error);
+
+/* Where pixel (x, y) of a tile is in a plane: 4x4 blocks, row by row. */
+static inline int td_tile_pixel(int x, int y) { return 64 * (y >> 2) + 16 * (x >> 2) + 4 * (y & 3) + (x & 3); }
+
+#endif

@@ -1,0 +1,58 @@
+/* Object to camera at one time, with its rate: the product of two rigid motions. */
+#include "td_render.h"
+
+typedef double matrix3[9];
+
+/* out = a^T b */
+static void transpose_times(const matrix3 a, const matrix3 b, matrix3 out) {
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) out[3 * i + j] = a[i] * b[j] + a[3 + i] * b[3 + j] + a[6 + i] * b[6 + j];
+}
+
+/* out = a^T v */
+static void transpose_apply(const matrix3 a, const double v[3], double out[3]) {
+    for (int i = 0; i < 3; i++) out[i] = a[i] * v[0] + a[3 + i] * v[1] + a[6 + i] * v[2];
+}
+
+static const tides_pose at_rest = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0}, {0}, {0}};
+
+/* p_camera = Rc^T (s Ro p + o - c); the eye in object coordinates is Ro^T (c - o) / s. */
+void td_view_make(const tides_pose *camera, const tides_pose *object, double scale, td_view *view) {
+    if (!object) object = &at_rest;
+    matrix3 a, b;
+    double to_object[3], to_object_dot[3], from_eye[3], turned[3];
+    memset(view, 0, sizeof *view);
+    transpose_times(camera->rotation, object->rotation, a);
+    for (int i = 0; i < 9; i++) view->r[i] = scale * a[i];
+    transpose_times(camera->rotation_dot, object->rotation, a);
+    transpose_times(camera->rotation, object->rotation_dot, b);
+    for (int i = 0; i < 9; i++) view->r_dot[i] = scale * (a[i] + b[i]);
+    for (int i = 0; i < 3; i++) {
+        to_object[i] = object->position[i] - camera->position[i];
+        to_object_dot[i] = object->position_dot[i] - camera->position_dot[i];
+    }
+    transpose_apply(camera->rotation, to_object, view->t);
+    transpose_apply(camera->rotation_dot, to_object, turned);
+    transpose_apply(camera->rotation, to_object_dot, from_eye);
+    for (int i = 0; i < 3; i++) view->t_dot[i] = turned[i] + from_eye[i];
+    transpose_apply(object->rotation, to_object, from_eye);
+    for (int i = 0; i < 3; i++) view->eye[i] = -from_eye[i] / scale;
+    transpose_apply(object->rotation_dot, to_object, turned);
+    transpose_apply(object->rotation, to_object_dot, from_eye);
+    for (int i = 0; i < 3; i++) view->eye_dot[i] = -(turned[i] + from_eye[i]) / scale;
+}
+
+tides_status td_views_at(const tides_scene *scene, const tides_trajectory *camera, double time, td_view *views,
+                         tides_error *error) {
+    tides_pose eye, pose;
+    tides_status status = tides_trajectory_at(camera, time, &eye, error);
+    if (status != TIDES_OK) return td_fail_within(error, status, "camera path");
+    for (int32_t i = 0; i < tides_scene_objects(scene); i++) {
+        tides_object object;
+        status = tides_scene_object(scene, i, &object, error);
+        if (status == TIDES_OK && object.trajectory) status = tides_trajectory_at(object.trajectory, time, &pose, error);
+        if (status != TIDES_OK) return td_fail_within(error, status, "path of object %d", (int)i);
+        td_view_make(&eye, object.trajectory ? &pose : NULL, object.scale, &views[i]);
+    }
+    return TIDES_OK;
+}
