@@ -32,14 +32,14 @@ TD_INLINE void td_block_offsets(int first, td_lanes *x, td_lanes *y) {
 }
 
 /* Can any lane still change? Looked at every eighth splat only. */
-TD_INLINE int td_list_goes_on(const td_image *image, td_real brightest, const td_pixels *pixels) {
+TD_INLINE int td_list_goes_on(const td_image *image, td_real brightest, const td_composite *pixels) {
     if (image->stop_rule == TD_STOP_BOUND) return td_any(td_bound_live(image, brightest, pixels));
     if (image->stop_rule == TD_STOP_NONE) return 1;
     return td_any(pixels->live);
 }
 
 /* Blends the splats that touch `block`; returns how many. */
-TD_INLINE int td_composite_list(const td_list *list, const td_image *image, int block, td_pixels *pixels) {
+TD_INLINE int td_composite_list(const td_list *list, const td_image *image, int block, td_composite *pixels) {
     int blended = 0;
     for (int i = 0; i < list->count; i++) {
         if (((list->masks[i] >> block) & 1) == 0) continue;
@@ -71,8 +71,8 @@ TD_INLINE int td_composite_block(const td_job *job, const td_list *list, const t
     td_block_offsets(first, &x, &y);
     x = x + ((td_real)(job->x + 4 * (block & 3)) + 0.5f);
     y = y + ((td_real)(job->y + 4 * (block >> 2)) + 0.5f);
-    td_pixels pixels;
-    td_pixels_start(&pixels, x, y);
+    td_composite pixels;
+    td_composite_start(&pixels, x, y);
     int blended = td_composite_list(list, image, block, &pixels);
     TD_GLOBAL td_real *out = planes + 16 * block + first;
     td_lanes signal[3];

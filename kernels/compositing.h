@@ -5,17 +5,19 @@
 #include "layout.h"
 
 /* TD_LANES pixels on their way down the list. */
-typedef struct td_pixels {
+typedef struct td_composite {
     td_lanes x, y;                             /* pixel centres [px] */
     td_lanes transmittance, transmittance_dot; /* T, T_dot */
     td_lanes luminance, luminance_dot;         /* sum of w lum, and its rate */
     td_lanes contributors;
     td_mask live;                              /* not yet terminated */
-    td_lanes colour[6], depth, depth_dot;      /* only where colour is asked for */
-} td_pixels;
+    td_lanes colour[6];                        /* from here on only where colour is asked for */
+    td_lanes depth, depth_dot;                 /* sum of w z, and its rate */
+    td_lanes weight, weight_dot;               /* sum of w: 1 - T without its cancellation */
+} td_composite;
 
 /* Splat alpha and rate at the pixels: tau and tau_dot (paper, Eq. 2 and 7), before the termination mask. */
-TD_INLINE void td_splat_alpha(TD_GLOBAL const td_real *record, const td_image *image, const td_pixels *pixels, td_lanes *tau,
+TD_INLINE void td_splat_alpha(TD_GLOBAL const td_real *record, const td_image *image, const td_composite *pixels, td_lanes *tau,
                               td_lanes *tau_dot, td_mask *seen) {
     td_lanes dx = pixels->x - record[TD_R_U], dy = pixels->y - record[TD_R_V];
     td_lanes power = td_fma(record[TD_R_QYY] * dy, dy, record[TD_R_LOG2_OPACITY]);
@@ -47,13 +49,13 @@ TD_INLINE td_mask td_continue(const td_image *image, td_lanes transmittance_afte
 
 /* BOUND: the rest of the list can't change L by more than `stop`: T times the brightest colour in the list against Y. The
  * splat that takes T there is blended. T falls and Y rises, so a lane that stops stays stopped by itself. */
-TD_INLINE td_mask td_bound_live(const td_image *image, td_real brightest, const td_pixels *pixels) {
+TD_INLINE td_mask td_bound_live(const td_image *image, td_real brightest, const td_composite *pixels) {
     return pixels->transmittance * brightest > image->stop * (pixels->luminance + image->log_eps);
 }
 
 /* Blends one splat into the pixels; colour record only where the image wants colour. */
 TD_INLINE void td_blend(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
-                        td_real brightest, td_pixels *pixels) {
+                        td_real brightest, td_composite *pixels) {
     td_lanes tau, tau_dot;
     td_mask seen;
     td_splat_alpha(record, image, pixels, &tau, &tau_dot, &seen);
@@ -84,9 +86,11 @@ TD_INLINE void td_blend(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real
     td_real z = record[TD_R_DEPTH], z_dot = record[TD_R_DEPTH_DOT];
     pixels->depth = td_fma(w, z, pixels->depth);
     pixels->depth_dot = td_fma(w_dot, z, td_fma(w, z_dot, pixels->depth_dot));
+    pixels->weight = pixels->weight + w;
+    pixels->weight_dot = pixels->weight_dot + w_dot;
 }
 
-TD_INLINE void td_pixels_start(td_pixels *pixels, td_lanes x, td_lanes y) {
+TD_INLINE void td_composite_start(td_composite *pixels, td_lanes x, td_lanes y) {
     pixels->x = x;
     pixels->y = y;
     pixels->transmittance = td_splat(1.0f);
@@ -94,11 +98,11 @@ TD_INLINE void td_pixels_start(td_pixels *pixels, td_lanes x, td_lanes y) {
     pixels->luminance = pixels->luminance_dot = pixels->contributors = td_splat(0.0f);
     pixels->live = x == x;
     for (int c = 0; c < 6; c++) pixels->colour[c] = td_splat(0.0f);
-    pixels->depth = pixels->depth_dot = td_splat(0.0f);
+    pixels->depth = pixels->depth_dot = pixels->weight = pixels->weight_dot = td_splat(0.0f);
 }
 
 /* Y, L and their rates with the backdrop behind (paper, Eq. 3, 4 and 9): planes[0] = L, [1] = L_dot, [2] = Y. */
-TD_INLINE void td_finish_signal(const td_pixels *pixels, td_real backdrop, td_real backdrop_dot, td_real log_eps,
+TD_INLINE void td_finish_signal(const td_composite *pixels, td_real backdrop, td_real backdrop_dot, td_real log_eps,
                                 td_lanes planes[3]) {
     td_lanes t = pixels->transmittance;
     td_lanes y = td_fma(t, backdrop, pixels->luminance);
@@ -109,19 +113,17 @@ TD_INLINE void td_finish_signal(const td_pixels *pixels, td_real backdrop, td_re
 }
 
 /* Colour planes in the order of TD_OUT_R ..: r g b, their rates, mean depth and its rate. */
-TD_INLINE void td_finish_colour(const td_pixels *pixels, TD_GLOBAL const td_backdrop *backdrop, td_lanes planes[8]) {
+TD_INLINE void td_finish_colour(const td_composite *pixels, TD_GLOBAL const td_backdrop *backdrop, td_lanes planes[8]) {
     td_lanes t = pixels->transmittance, t_dot = pixels->transmittance_dot;
     for (int c = 0; c < 3; c++) {
         planes[c] = td_fma(t, backdrop->colour[c], pixels->colour[c]);
         planes[3 + c] = td_fma(t_dot, backdrop->colour[c], td_fma(t, backdrop->colour_dot[c], pixels->colour[3 + c]));
     }
-    td_lanes alpha = 1 - t;
-    td_mask some = alpha > 0.0f;
-    td_lanes divisor = td_select(td_splat(1.0f), alpha, some);
+    td_mask some = pixels->weight > 0.0f;
+    td_lanes divisor = td_select(td_splat(1.0f), pixels->weight, some);
     td_lanes depth = pixels->depth / divisor;
     planes[6] = td_select(td_splat(0.0f), depth, some);
-    /* (D / alpha)_dot with alpha_dot = -T_dot */
-    planes[7] = td_select(td_splat(0.0f), td_fma(depth, t_dot, pixels->depth_dot) / divisor, some);
+    planes[7] = td_select(td_splat(0.0f), td_fma(-depth, pixels->weight_dot, pixels->depth_dot) / divisor, some);
 }
 
 #endif

@@ -2,7 +2,7 @@
 #include "record.h"
 #include "specialise.h"
 
-__kernel void td_project(__constant const td_image *image_buffer, __global const td_job *jobs, __global const int *candidates,
+__kernel void td_project_jobs(__constant const td_image *image_buffer, __global const td_job *jobs, __global const int *candidates,
                          __global const int *object, __global const td_view *views, __global const float *geometry,
                          __global const float *rates, __global const float *sh, __global const float *sh_rates,
                          __global float *records, __global float *colours, __global int *masks) {

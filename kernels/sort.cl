@@ -118,7 +118,7 @@ static int td_sort_job(__global const td_job *job, __global const float *records
 #endif
 
 /* order and sorted_masks: what td_list wants; counts[job], brightest[job]. Keys have twice the room of the records. */
-__kernel void td_sort(__global const td_job *jobs, __global const td_backdrop *backdrops, __global const float *records,
+__kernel void td_sort_jobs(__global const td_job *jobs, __global const td_backdrop *backdrops, __global const float *records,
                       __global const int *masks, __global long *keys, __global int *order, __global int *sorted_masks,
                       __global int *counts, __global float *brightest) {
     __local int shared;

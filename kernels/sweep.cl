@@ -2,7 +2,7 @@
 #include "sweep.h"
 #include "specialise.h"
 
-__kernel void td_sweep(__constant const td_image *image_buffer, __global const int *object, __global const td_view *views,
+__kernel void td_sweep_gaussians(__constant const td_image *image_buffer, __global const int *object, __global const td_view *views,
                        __global const float *geometry, __global const float *rates, float duration, int count,
                        __global float *boxes) {
     const td_image image = td_specialised(image_buffer);

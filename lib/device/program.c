@@ -49,10 +49,13 @@ static tides_status fail_build(const tides_device *device, cl_program program, c
     return status;
 }
 
-/* The prelude owns the pragma: it only governs text after it, so it must be the first line of all. */
+/* The prelude owns the pragma: it only governs text after it, so it must be the first line of all. Vectors wider than the
+ * device's registers never cross a program's border here: clang's note about their calling convention is noise. */
 static char *make_prelude(const tides_device *device, const char *defines, tides_error *error) {
-    return td_format(error, "#pragma OPENCL FP_CONTRACT OFF\n#define TD_OPENCL 1\n#define TD_LANES %d\n%s", (int)device->info.lanes,
-                     defines);
+    return td_format(error, "#pragma OPENCL FP_CONTRACT OFF\n"
+                     "#ifdef __clang__\n#pragma clang diagnostic ignored \"-Wpsabi\"\n#endif\n"
+                     "#define TD_OPENCL 1\n#define TD_LANES %d\n%s",
+                     (int)device->info.lanes, defines);
 }
 
 static tides_status build(tides_device *device, const char *file, const char *defines, cl_program *program, tides_error *error) {

@@ -57,17 +57,6 @@ static tides_status make_kernel(opencl_backend *b, const char *file, const char 
     return status;
 }
 
-static tides_status prepare(td_backend *backend, int outputs, tides_error *error) {
-    opencl_backend *b = (opencl_backend *)backend;
-    int kind = kind_of_outputs(outputs);
-    /* Records only differ by whether there is colour: diagnostics share the projection of the signal. */
-    int record_outputs = outputs < TD_OUT_COLOUR ? TD_OUT_SIGNAL : TD_OUT_COLOUR;
-    tides_status status = make_kernel(b, "project.cl", "td_project", record_outputs, &b->project_kernel[kind], error);
-    if (status == TIDES_OK)
-        status = make_kernel(b, "composite.cl", "td_composite", outputs, &b->composite_kernel[kind], error);
-    return status;
-}
-
 static tides_status sweep(td_backend *backend, const double *views, double duration, float *boxes, tides_error *error) {
     opencl_backend *b = (opencl_backend *)backend;
     double begun = td_now();
@@ -205,32 +194,84 @@ static tides_status read_counts(opencl_backend *b, const td_batch *batch, tides_
     return TIDES_OK;
 }
 
-static tides_status render(td_backend *backend, const td_batch *batch, double *planes, tides_error *error) {
-    opencl_backend *b = (opencl_backend *)backend;
+/* All launches of a batch, with the time of each stage; prepared kernels. */
+static tides_status run_stages(opencl_backend *b, const td_batch *batch, double *stage_seconds, tides_error *error) {
     cl_event events[STAGES] = {NULL, NULL, NULL};
-    tides_render_stats *stats = &backend->stats;
-    tides_status status = prepare(backend, batch->outputs, error);
-    double begun = td_now(), computed;
-    if (status == TIDES_OK) status = write_batch(b, batch, error);
+    tides_status status = write_batch(b, batch, error);
     if (status == TIDES_OK) status = launch_project(b, batch, &events[0], error);
     if (status == TIDES_OK) status = launch_sort(b, batch, &events[1], error);
     if (status == TIDES_OK) status = launch_composite(b, batch, &events[2], error);
     if (status == TIDES_OK) TD_CL(clFinish(b->device->queue));
 done:
-    computed = td_event_seconds(&events[0]);
-    stats->time_project_s += computed;
-    double sorting = td_event_seconds(&events[1]), compositing = td_event_seconds(&events[2]);
-    stats->time_sort_s += sorting;
-    stats->time_composite_s += compositing;
-    computed += sorting + compositing;
+    for (int i = 0; i < STAGES; i++) stage_seconds[i] = td_event_seconds(&events[i]);
+    return status;
+}
+
+/* One tile without candidates: drivers such as PoCL compile when a kernel first runs, and that belongs to the build's time. */
+static tides_status warm_up(opencl_backend *b, int outputs, tides_error *error) {
+    static const td_job nothing = {0, 0, 0, 0, 0, 0, 0, TD_PAD};
+    static const double backdrop[TD_BACKDROP_REALS] = {0};
+    static const int candidate = TD_NO_GAUSSIAN;
+    double seconds[STAGES];
+    double *views = td_alloc((size_t)b->objects * TD_VIEW_REALS, sizeof *views, error);
+    if (!views) return TIDES_NO_MEMORY;
+    td_batch batch = {views, backdrop, 1, &nothing, 1, &candidate, 1, b->candidates_serial - 1, TD_PAD, outputs};
+    tides_status status = run_stages(b, &batch, seconds, error);
+    free(views);
+    return status;
+}
+
+static tides_status prepare(td_backend *backend, int outputs, tides_error *error) {
+    opencl_backend *b = (opencl_backend *)backend;
+    int kind = kind_of_outputs(outputs);
+    if (b->composite_kernel[kind]) return TIDES_OK;
+    /* Records only differ by whether there is colour: diagnostics share the projection of the signal. */
+    int record_outputs = outputs < TD_OUT_COLOUR ? TD_OUT_SIGNAL : TD_OUT_COLOUR;
+    tides_status status = make_kernel(b, "project.cl", "td_project_jobs", record_outputs, &b->project_kernel[kind], error);
+    if (status == TIDES_OK)
+        status = make_kernel(b, "composite.cl", "td_composite_jobs", outputs, &b->composite_kernel[kind], error);
+    double begun = td_now();
+    if (status == TIDES_OK) status = warm_up(b, outputs, error);
+    b->base.stats.time_build_s += td_now() - begun;
+    return status;
+}
+
+static tides_status render(td_backend *backend, const td_batch *batch, double *planes, tides_error *error) {
+    opencl_backend *b = (opencl_backend *)backend;
+    tides_render_stats *stats = &backend->stats;
+    tides_status status = prepare(backend, batch->outputs, error);
+    if (status != TIDES_OK) return status;
+    double begun = td_now(), seconds[STAGES];
+    status = run_stages(b, batch, seconds, error);
+    stats->time_project_s += seconds[0];
+    stats->time_sort_s += seconds[1];
+    stats->time_composite_s += seconds[2];
     if (status == TIDES_OK) status = read_planes(b, batch, planes, error);
     if (status == TIDES_OK) status = read_counts(b, batch, error);
-    stats->time_transfer_s += td_now() - begun - computed;
+    stats->time_transfer_s += td_now() - begun - seconds[0] - seconds[1] - seconds[2];
     return status;
 }
 
 static void empty_pixel(const td_backend *backend, const double *backdrop, double *planes, int outputs) {
     td_empty_pixel_f32(&((const opencl_backend *)backend)->numbers, backdrop, planes, outputs);
+}
+
+static tides_status inspect(td_backend *backend, td_stages *stages, tides_error *error) {
+    opencl_backend *b = (opencl_backend *)backend;
+    size_t records = (size_t)stages->records, reals = records * TD_RECORD_STRIDE;
+    float brightest;
+    tides_status status = td_reserve((void **)&b->host, &b->host_capacity, reals, sizeof *b->host, error);
+    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->records, b->host, reals * sizeof *b->host, error);
+    if (status != TIDES_OK) return status;
+    for (size_t i = 0; i < reals; i++) stages->record[i] = b->host[i];
+    status = td_buffer_read(b->device, &b->masks, stages->mask, records * sizeof(int), error);
+    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->order, stages->order, records * sizeof(int), error);
+    if (status == TIDES_OK)
+        status = td_buffer_read(b->device, &b->sorted_masks, stages->sorted_mask, records * sizeof(int), error);
+    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->counts, &stages->count, sizeof stages->count, error);
+    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->brightest, &brightest, sizeof brightest, error);
+    if (status == TIDES_OK) stages->brightest = brightest;
+    return status;
 }
 
 static void destroy(td_backend *backend) {
@@ -251,7 +292,7 @@ static void destroy(td_backend *backend) {
     free(b);
 }
 
-static const td_backend_class opencl_class = {sweep, render, empty_pixel, prepare, destroy};
+static const td_backend_class opencl_class = {sweep, render, empty_pixel, prepare, inspect, destroy};
 
 /* The scene to the device. Arrays that aren't there get one float, since kernels want an argument. */
 static tides_status write_store(opencl_backend *b, const td_store *store, tides_error *error) {
@@ -288,8 +329,8 @@ tides_status td_backend_create_opencl(tides_device *device, const td_store *stor
     b->objects = store->objects;
     tides_status status = write_image(b, error);
     if (status == TIDES_OK) status = write_store(b, store, error);
-    if (status == TIDES_OK) status = make_kernel(b, "sweep.cl", "td_sweep", TD_OUT_SIGNAL, &b->sweep_kernel, error);
-    if (status == TIDES_OK) status = make_kernel(b, "sort.cl", "td_sort", TD_OUT_SIGNAL, &b->sort_kernel, error);
+    if (status == TIDES_OK) status = make_kernel(b, "sweep.cl", "td_sweep_gaussians", TD_OUT_SIGNAL, &b->sweep_kernel, error);
+    if (status == TIDES_OK) status = make_kernel(b, "sort.cl", "td_sort_jobs", TD_OUT_SIGNAL, &b->sort_kernel, error);
     if (status != TIDES_OK) {
         destroy(&b->base);
         return status;

@@ -27,6 +27,8 @@ typedef struct reference {
     reference_key *keys;
     int *masks, *order, *sorted_masks;
     size_t view_capacity, backdrop_capacity, record_capacity[7];
+    int last_count; /* of the last job: for inspect */
+    td_real last_brightest;
 } reference;
 
 typedef char td_view_has_these_reals[sizeof(td_view) == TD_VIEW_REALS * sizeof(td_real) ? 1 : -1];
@@ -122,6 +124,8 @@ static td_list sort_job(reference *r, const td_job *job) {
         r->order[i] = r->keys[i].candidate;
         r->sorted_masks[i] = r->masks[r->keys[i].candidate];
     }
+    r->last_count = list.count;
+    r->last_brightest = list.brightest;
     return list;
 }
 
@@ -189,6 +193,19 @@ static tides_status prepare(td_backend *backend, int outputs, tides_error *error
     return TIDES_OK;
 }
 
+static tides_status inspect(td_backend *backend, td_stages *stages, tides_error *error) {
+    const reference *r = (const reference *)backend;
+    size_t records = (size_t)stages->records;
+    (void)error;
+    for (size_t i = 0; i < records * TD_RECORD_STRIDE; i++) stages->record[i] = r->records[i];
+    memcpy(stages->mask, r->masks, records * sizeof *r->masks);
+    memcpy(stages->order, r->order, records * sizeof *r->order);
+    memcpy(stages->sorted_mask, r->sorted_masks, records * sizeof *r->sorted_masks);
+    stages->count = r->last_count;
+    stages->brightest = r->last_brightest;
+    return TIDES_OK;
+}
+
 static void destroy(td_backend *backend) {
     reference *r = (reference *)backend;
     for (int i = 0; i < 4; i++) free(r->arrays[i]);
@@ -205,7 +222,7 @@ static void destroy(td_backend *backend) {
     free(r);
 }
 
-static const td_backend_class reference_class = {sweep, render, empty_pixel, prepare, destroy};
+static const td_backend_class reference_class = {sweep, render, empty_pixel, prepare, inspect, destroy};
 
 /* Copies the store's arrays in this precision; SH comes as floats or doubles. */
 static tides_status copy_store(reference *r, const td_store *store, tides_error *error) {

@@ -49,6 +49,16 @@ typedef struct td_batch {
 
 typedef struct td_backend td_backend;
 
+/* The stages' results for one job, as inspect copies them: caller's arrays for `records` candidates. Records and colours mean
+ * something only where the mask isn't 0; order and sorted_masks up to `count`. */
+typedef struct td_stages {
+    int records;
+    double *record;     /* (records x TD_RECORD_STRIDE) */
+    int *mask, *order, *sorted_mask; /* (records) */
+    int count;
+    double brightest;
+} td_stages;
+
 typedef struct td_backend_class {
     /* The box (x0, y0, x1, y1) [px] of each Gaussian over an interval; views: (3 x objects x TD_VIEW_REALS). */
     tides_status (*sweep)(td_backend *backend, const double *views, double duration, float *boxes, tides_error *error);
@@ -58,6 +68,8 @@ typedef struct td_backend_class {
     void (*empty_pixel)(const td_backend *backend, const double *backdrop, double *planes, int outputs);
     /* Gets kernels for these outputs ready. */
     tides_status (*prepare)(td_backend *backend, int outputs, tides_error *error);
+    /* What the last batch, of one job, left behind (tests): each array (records), its `count` and `brightest`. */
+    tides_status (*inspect)(td_backend *backend, td_stages *stages, tides_error *error);
     void (*destroy)(td_backend *backend);
 } td_backend_class;
 

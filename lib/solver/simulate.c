@@ -1,0 +1,147 @@
+/* The run: render, compare, advance.
+ *
+ *   sweep      candidate lists of every tile for a batch of steps
+ *   render     each tile at each step's end, in one launch: S and S_dot
+ *   compare    each tile over each step: events
+ *   emit       the batch's events, sorted, as one packet
+ *
+ * Steps lie on the grid start + k step_s. How many go into a batch changes the cost, never the events. */
+#include "td_event_sort.h"
+#include "td_simulator.h"
+
+/* A longer batch has wider swept boxes, so more candidates that miss their tile: above the first share the batch is halved, below
+ * the second it is doubled. */
+static const double too_many_culled = 0.5, few_culled = 0.3;
+
+/* Copies one rendered tile, kept block by block, to the rows of a sample. */
+static void store_tile(const tides_simulator *s, int t, const double *planes, td_sample *sample) {
+    const td_tile *tile = &s->tile[t];
+    double *S = sample->S + s->first_pixel[t], *S_dot = sample->S_dot + s->first_pixel[t];
+    for (int y = 0, i = 0; i < tile->count; y++)
+        for (int x = 0; x < tile->width; x++, i++) {
+            int at = td_tile_pixel(x, y);
+            S[i] = planes[TD_OUT_L * TD_TILE_PIXELS + at];
+            S_dot[i] = planes[TD_OUT_L_DOT * TD_TILE_PIXELS + at];
+        }
+}
+
+/* Renders all tiles at grid points [first, first + count) into s->planes. */
+static tides_status render_steps(tides_simulator *s, int64_t first, int count, tides_error *error) {
+    double times[TD_BATCH_STEPS];
+    for (int k = 0; k < count; k++) times[k] = td_grid_time(s, first + k);
+    for (int i = 0; i < count * s->tiles; i++) {
+        s->requests[i].tile = i % s->tiles;
+        s->requests[i].slot = i / s->tiles;
+    }
+    tides_status status = td_renderer_sweep(s->renderer, s->camera, times[0], times[count - 1], error);
+    if (status != TIDES_OK) return status;
+    return td_renderer_tiles(s->renderer, s->camera, times, count, s->requests, count * s->tiles, TD_OUT_SIGNAL, s->planes,
+                             error);
+}
+
+static void store_step(tides_simulator *s, int k, td_sample *sample) {
+    size_t tile_reals = (size_t)TD_OUT_SIGNAL * TD_TILE_PIXELS;
+    for (int t = 0; t < s->tiles; t++) store_tile(s, t, s->planes + ((size_t)k * s->tiles + t) * tile_reals, sample);
+}
+
+/* The first sample: every pixel's reference is the signal there. */
+static tides_status begin(tides_simulator *s, tides_error *error) {
+    tides_status status = render_steps(s, 0, 1, error);
+    if (status != TIDES_OK) return status;
+    store_step(s, 0, &s->now);
+    td_pixels_reset(&s->pixels, s->now.S, s->first_pixel[s->tiles]);
+    s->started = 1;
+    return TIDES_OK;
+}
+
+/* The comparator over one step of every tile; afterwards the step's end is now. */
+static tides_status compare_step(tides_simulator *s, tides_error *error) {
+    td_step step;
+    tides_status status = td_step_between(td_grid_time(s, s->step), td_grid_time(s, s->step + 1), &step, error);
+    for (int t = 0; t < s->tiles && status == TIDES_OK; t++) {
+        size_t at = s->first_pixel[t];
+        td_signals signals = {s->now.S + at, s->now.S_dot + at, s->next.S + at, s->next.S_dot + at};
+        td_pixels pixels = {s->pixels.initial + at, s->pixels.reference + at, s->pixels.count_on + at,
+                            s->pixels.count_off + at};
+        status = td_comparator_step(&s->comparator, &step, &s->tile[t], &signals, &pixels, &s->events, &s->counts, error);
+    }
+    if (status != TIDES_OK) return status;
+    td_sample passed = s->now;
+    s->now = s->next;
+    s->next = passed;
+    s->step++;
+    s->stats.steps += (uint64_t)s->tiles;
+    return TIDES_OK;
+}
+
+/* Sorts the packet and gives it away. */
+static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
+    tides_status status = td_reserve((void **)&s->scratch, &s->scratch_capacity, s->events.count, sizeof *s->scratch, error);
+    if (status != TIDES_OK) return status;
+    double begun = td_now();
+    td_event_sort(s->events.events, s->scratch, s->events.count);
+    s->stats.time_compare_s += td_now() - begun;
+    begun = td_now();
+    int stopped = sink && sink(user, s->events.events, s->events.count);
+    s->stats.time_sink_s += td_now() - begun;
+    s->events.count = 0;
+    return stopped ? td_fail(error, TIDES_CANCELLED, "stopped by the event sink at %g s", td_grid_time(s, s->step)) : TIDES_OK;
+}
+
+/* Longer batches while few candidates miss their tiles, shorter ones when many do. */
+static void adapt_batch(tides_simulator *s, const tides_render_stats *before) {
+    tides_render_stats after;
+    tides_renderer_stats(s->renderer, &after);
+    double projected = (double)(after.gaussians_projected - before->gaussians_projected);
+    double culled = (double)(after.gaussians_culled - before->gaussians_culled);
+    if (culled > too_many_culled * projected && s->batch > 1)
+        s->batch /= 2;
+    else if (culled < few_culled * projected || projected == 0)
+        s->batch = 2 * s->batch < s->batch_limit ? 2 * s->batch : s->batch_limit;
+}
+
+/* One batch of at most `count` steps. */
+static tides_status advance(tides_simulator *s, int64_t count, tides_event_sink sink, void *user, tides_error *error) {
+    tides_render_stats before;
+    tides_renderer_stats(s->renderer, &before);
+    int steps = count < s->batch ? (int)count : s->batch;
+    tides_status status = render_steps(s, s->step + 1, steps, error);
+    if (status != TIDES_OK) return status;
+    double begun = td_now();
+    for (int k = 0; k < steps && status == TIDES_OK; k++) {
+        store_step(s, k, &s->next);
+        status = compare_step(s, error);
+    }
+    s->stats.time_compare_s += td_now() - begun;
+    adapt_batch(s, &before);
+    tides_status emitted = emit(s, sink, user, status == TIDES_OK ? error : NULL);
+    return status == TIDES_OK ? emitted : status;
+}
+
+/* The last grid point at or before `until`. */
+static int64_t last_step_until(const tides_simulator *s, double until) {
+    if (until >= s->stop) return s->steps;
+    int64_t k = (int64_t)((until - s->start) / s->step_s);
+    while (k < s->steps && td_grid_time(s, k + 1) <= until) k++;
+    while (k > 0 && td_grid_time(s, k) > until) k--;
+    return k < 0 ? 0 : k;
+}
+
+tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink, void *sink_user,
+                                 tides_progress progress, void *user, tides_error *error) {
+    if (!simulator) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: simulator must be given");
+    if (!(until >= simulator->start))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: until %g s is before the start, %g s", until,
+                       simulator->start);
+    double begun = td_now();
+    tides_status status = TIDES_OK;
+    int64_t last = last_step_until(simulator, until);
+    if (!simulator->started) status = begin(simulator, error);
+    while (status == TIDES_OK && simulator->step < last) {
+        status = advance(simulator, last - simulator->step, sink, sink_user, error);
+        if (status == TIDES_OK && progress && progress(user, (double)simulator->step / (double)simulator->steps, "simulating"))
+            status = td_fail(error, TIDES_CANCELLED, "stopped on request at %g s", td_grid_time(simulator, simulator->step));
+    }
+    simulator->stats.run_time_s += td_now() - begun;
+    return status;
+}

@@ -1,0 +1,187 @@
+/* Making, asking and freeing a simulator. simulate.c has the run itself. */
+#include "td_simulator.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { BATCH_TILES = 1 << 14 }; /* (tile, step) samples per launch at most: 64 MB of planes */
+
+/* Steps of a run at most: past this, k step_s and its neighbours are no longer told apart in nanoseconds. */
+static const double most_steps = 1e12;
+
+void tides_sensor_defaults(tides_sensor *sensor) {
+    static const tides_sensor defaults = {sizeof defaults, 64, 0.2, 0.2};
+    *sensor = defaults;
+}
+
+void tides_stepping_defaults(tides_stepping *stepping) {
+    static const tides_stepping defaults = {sizeof defaults, TIDES_STEPPING_FIXED, TIDES_MODEL_HERMITE, 0, 1e-3};
+    *stepping = defaults;
+}
+
+static tides_status check_arguments(const tides_sensor *sensor, const tides_stepping *stepping, double start, double stop,
+                                    tides_error *error) {
+    if (sensor->size > sizeof *sensor || stepping->size > sizeof *stepping)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_create: a struct's size is from a newer version of TIDES");
+    if (stepping->mode != TIDES_STEPPING_FIXED)
+        return td_fail(error, TIDES_UNSUPPORTED, "stepping.mode: %d is none of TIDES_STEPPING_*", (int)stepping->mode);
+    if (!isfinite(start) || !isfinite(stop) || !(stop > start))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "time: start %g s, stop %g s; stop must be a time after start", start, stop);
+    if (start < 0)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "time.start: %g s is before time 0, where event times begin", start);
+    if (!(stepping->step_s > 0) || !((stop - start) / stepping->step_s < most_steps))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "stepping.step_s: %g s must be above 0 and make fewer than %g steps",
+                       stepping->step_s, most_steps);
+    return TIDES_OK;
+}
+
+/* Fails where a path doesn't cover the run. */
+static tides_status check_covers(const tides_trajectory *trajectory, const char *what, double start, double stop,
+                                 tides_error *error) {
+    double from, to;
+    tides_trajectory_range(trajectory, &from, &to);
+    if (from <= start && to >= stop) return TIDES_OK;
+    return td_fail(error, TIDES_OUT_OF_RANGE,
+                   "%s covers %g to %g s, but the run goes from %g to %g s; change time.start and "
+                   "time.stop",
+                   what, from, to, start, stop);
+}
+
+static tides_status check_paths(const tides_scene *scene, const tides_trajectory *camera, double start, double stop,
+                                tides_error *error) {
+    tides_status status = check_covers(camera, "the camera's path", start, stop, error);
+    for (int32_t i = 0; i < tides_scene_objects(scene) && status == TIDES_OK; i++) {
+        tides_object object;
+        char what[64];
+        snprintf(what, sizeof what, "the path of object %d", (int)i);
+        status = tides_scene_object(scene, i, &object, error);
+        if (status == TIDES_OK && object.trajectory) status = check_covers(object.trajectory, what, start, stop, error);
+    }
+    return status;
+}
+
+/* Tiles in reading order, those at the right and lower border cut to the image. */
+static void lay_tiles(tides_simulator *s, int width, int height) {
+    int tiles_x = s->renderer->candidates.tiles_x;
+    size_t pixel = 0;
+    for (int t = 0; t < s->tiles; t++) {
+        int x0 = t % tiles_x * TD_TILE, y0 = t / tiles_x * TD_TILE;
+        int w = width - x0 < TD_TILE ? width - x0 : TD_TILE, h = height - y0 < TD_TILE ? height - y0 : TD_TILE;
+        td_tile tile = {x0, y0, w, w * h};
+        s->tile[t] = tile;
+        s->first_pixel[t] = pixel;
+        pixel += (size_t)tile.count;
+    }
+    s->first_pixel[s->tiles] = pixel;
+}
+
+static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *error) {
+    size_t samples = (size_t)s->batch_limit * s->tiles;
+    int ok = (s->tile = td_alloc((size_t)s->tiles, sizeof *s->tile, error)) != NULL;
+    ok = ok && (s->first_pixel = td_alloc((size_t)s->tiles + 1, sizeof *s->first_pixel, error)) != NULL;
+    ok = ok && (s->requests = td_alloc(samples, sizeof *s->requests, error)) != NULL;
+    ok = ok && (s->planes = td_alloc(samples * TD_OUT_SIGNAL * TD_TILE_PIXELS, sizeof *s->planes, error)) != NULL;
+    double **reals[] = {&s->pixels.initial, &s->pixels.reference, &s->now.S, &s->now.S_dot, &s->next.S, &s->next.S_dot};
+    for (size_t i = 0; ok && i < sizeof reals / sizeof *reals; i++)
+        ok = (*reals[i] = td_alloc(pixels, sizeof **reals[i], error)) != NULL;
+    ok = ok && (s->pixels.count_on = td_alloc(pixels, sizeof *s->pixels.count_on, error)) != NULL;
+    ok = ok && (s->pixels.count_off = td_alloc(pixels, sizeof *s->pixels.count_off, error)) != NULL;
+    return ok ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+tides_status tides_simulator_create(tides_device *device, const tides_scene *scene, const tides_trajectory *camera,
+                                    const tides_intrinsics *intrinsics, const tides_image_params *image,
+                                    const tides_sensor *sensor, const tides_stepping *stepping, double start, double stop,
+                                    tides_progress progress, void *user, tides_simulator **simulator, tides_error *error) {
+    if (!device || !scene || !camera || !intrinsics || !image || !sensor || !stepping || !simulator)
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "tides_simulator_create: every argument but progress, user and error must be given");
+    tides_status status = check_arguments(sensor, stepping, start, stop, error);
+    if (status == TIDES_OK) status = check_paths(scene, camera, start, stop, error);
+    if (status != TIDES_OK) return status;
+    double begun = td_now();
+    tides_simulator *s = td_alloc(1, sizeof *s, error);
+    if (!s) return TIDES_NO_MEMORY;
+    td_comparator comparator = {sensor->threshold_on, sensor->threshold_off, stepping->model, sensor->max_events_per_step, 0};
+    s->comparator = comparator;
+    s->camera = camera;
+    s->start = start;
+    s->stop = stop;
+    s->step_s = stepping->step_s;
+    /* A last step shorter than a millionth of the others is rounding of stop - start, not a step. */
+    s->steps = (int64_t)ceil((stop - start) / stepping->step_s - 1e-6);
+    if (s->steps < 1) s->steps = 1;
+    status = td_comparator_check(&s->comparator, error);
+    if (status == TIDES_OK)
+        status = tides_renderer_create(device, scene, intrinsics, image, progress, user, &s->renderer, error);
+    if (status == TIDES_OK) {
+        s->width = intrinsics->width;
+        s->tiles = s->renderer->stats.tiles;
+        s->batch = 1;
+        s->batch_limit = BATCH_TILES / s->tiles;
+        if (s->batch_limit > TD_BATCH_STEPS) s->batch_limit = TD_BATCH_STEPS;
+        if (s->batch_limit < 1) s->batch_limit = 1;
+        status = allocate(s, (size_t)intrinsics->width * intrinsics->height, error);
+    }
+    if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, TD_OUT_SIGNAL, error);
+    if (status != TIDES_OK) {
+        tides_simulator_destroy(s);
+        return status;
+    }
+    lay_tiles(s, intrinsics->width, intrinsics->height);
+    s->stats.run_time_s = td_now() - begun; /* building kernels is part of the run */
+    *simulator = s;
+    return TIDES_OK;
+}
+
+void tides_simulator_destroy(tides_simulator *simulator) {
+    if (!simulator) return;
+    tides_renderer_destroy(simulator->renderer);
+    double *reals[] = {simulator->pixels.initial, simulator->pixels.reference, simulator->now.S, simulator->now.S_dot,
+                       simulator->next.S,         simulator->next.S_dot,       simulator->planes};
+    for (size_t i = 0; i < sizeof reals / sizeof *reals; i++) free(reals[i]);
+    free(simulator->pixels.count_on);
+    free(simulator->pixels.count_off);
+    free(simulator->tile);
+    free(simulator->first_pixel);
+    free(simulator->requests);
+    free(simulator->events.events);
+    free(simulator->scratch);
+    free(simulator);
+}
+
+void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats) {
+    *stats = simulator->stats;
+    tides_renderer_stats(simulator->renderer, &stats->render);
+    const tides_render_stats *render = &stats->render;
+    stats->events_on = simulator->counts.events_on;
+    stats->events_off = simulator->counts.events_off;
+    stats->events = stats->events_on + stats->events_off;
+    stats->events_truncated = simulator->counts.truncated;
+    stats->events_caught_up = simulator->counts.caught_up;
+    stats->renders_full_frame_equivalent = (double)(render->tile_jobs + render->tile_jobs_skipped) / simulator->tiles;
+    stats->simulated_s = simulator->started ? td_grid_time(simulator, simulator->step) - simulator->start : 0;
+    stats->real_time_factor = stats->run_time_s > 0 ? stats->simulated_s / stats->run_time_s : 0;
+    double known = render->time_build_s + render->time_sweep_s + render->time_project_s + render->time_sort_s +
+                   render->time_composite_s + render->time_transfer_s + stats->time_compare_s + stats->time_sink_s;
+    stats->time_other_s = stats->run_time_s - known;
+    stats->peak_memory_bytes = td_peak_memory();
+    if (simulator->started)
+        stats->worst_residual = td_comparator_worst_residual(&simulator->comparator, &simulator->pixels, simulator->now.S,
+                                                             simulator->first_pixel[simulator->tiles]);
+}
+
+void tides_simulator_state(const tides_simulator *simulator, double *signal, double *reference, uint32_t *count_on,
+                           uint32_t *count_off) {
+    for (int t = 0; t < simulator->tiles; t++) {
+        const td_tile *tile = &simulator->tile[t];
+        for (int i = 0; i < tile->count; i++) {
+            size_t from = simulator->first_pixel[t] + (size_t)i;
+            size_t to = (size_t)(tile->y0 + i / tile->width) * simulator->width + (size_t)(tile->x0 + i % tile->width);
+            if (signal) signal[to] = simulator->now.S[from];
+            if (reference) reference[to] = simulator->pixels.reference[from];
+            if (count_on) count_on[to] = simulator->pixels.count_on[from];
+            if (count_off) count_off[to] = simulator->pixels.count_off[from];
+        }
+    }
+}

@@ -1,0 +1,43 @@
+/* Internal: the simulator's state (simulator.c makes it, simulate.c advances it). */
+#ifndef TD_SIMULATOR_H
+#define TD_SIMULATOR_H
+
+#include "render/td_render.h"
+#include "td_comparator.h"
+
+enum { TD_BATCH_STEPS = 16 }; /* steps per launch at most */
+
+/* S and S_dot of every pixel at one time, tile by tile, each tile's pixels row by row. */
+typedef struct td_sample {
+    double *S, *S_dot; /* (pixels) */
+} td_sample;
+
+struct tides_simulator {
+    tides_renderer *renderer;
+    const tides_trajectory *camera;
+    td_comparator comparator;
+    double start, stop, step_s; /* [s] */
+    int64_t steps;              /* of the whole run */
+    int64_t step;               /* steps taken */
+    int started;                /* the first sample is there */
+    int width, tiles;
+    td_tile *tile;       /* (tiles) */
+    size_t *first_pixel; /* (tiles + 1): where a tile's pixels begin in the arrays below */
+    td_pixels pixels;
+    td_sample now, next;    /* at the step's two ends */
+    int batch, batch_limit; /* steps per launch: now, and at most */
+    td_request *requests;   /* (batch_limit x tiles) */
+    double *planes;         /* (batch_limit x tiles x TD_OUT_SIGNAL x TD_TILE_PIXELS) */
+    td_event_buffer events; /* of the packet */
+    tides_event *scratch;   /* for sorting */
+    size_t scratch_capacity;
+    td_comparator_counts counts;
+    tides_stats stats; /* times and steps; the rest is put together when asked for */
+};
+
+/* Time of grid point k [s]: a product, not a running sum; the last one is `stop`. */
+static inline double td_grid_time(const tides_simulator *simulator, int64_t k) {
+    return k >= simulator->steps ? simulator->stop : simulator->start + (double)k * simulator->step_s;
+}
+
+#endif
