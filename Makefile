@@ -1,9 +1,14 @@
-# TIDES. `make help` lists the targets. Configurations live side by side: build/<CONFIG>/, CONFIG = release | debug | asan.
+# TIDES. `make help` lists the targets. Configurations live side by side: build/<CONFIG>/, CONFIG = release | debug | asan | clang | fuzz.
 
 CONFIG     ?= release
-CC         ?= gcc
+ifeq ($(origin CC),default) # make's own default is cc
+CC         := $(if $(filter clang fuzz,$(CONFIG)),clang-14,gcc)
+endif
 PREFIX     ?= /usr/local
 DESTDIR    ?=
+BINDIR     ?= $(PREFIX)/bin
+LIBDIR     ?= $(PREFIX)/lib
+INCLUDEDIR ?= $(PREFIX)/include
 PYTHON     ?= /usr/bin/python3
 PKG_CONFIG ?= pkg-config
 TIDES_SHARED ?= ../shared
@@ -20,16 +25,26 @@ DEPS := libpng libcjson $(HDF5) OpenCL zlib
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wundef -Wmissing-prototypes -Wstrict-prototypes -Wcast-qual \
             -Wpointer-arith -Wwrite-strings -Wconversion -Wno-sign-conversion
 OPTIMISE_release := -O3 -g
+OPTIMISE_clang   := -O3 -g
 OPTIMISE_debug   := -O0 -g3
 OPTIMISE_asan    := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+# With sanitisers gcc also reports error texts that may be cut to fit: they are meant to be.
+ifeq ($(CONFIG)$(findstring clang,$(CC)),asan)
+OPTIMISE_asan += -Wno-format-truncation
+endif
+OPTIMISE_fuzz    := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
 OPTIMISE := $(OPTIMISE_$(CONFIG))
 # OpenEXR's headers use C11 anonymous structs: system headers, so that -Wpedantic leaves them alone.
-CPPFLAGS += -Iinclude -Ilib/base -Ilib -I. $(shell $(PKG_CONFIG) --cflags $(DEPS) 2>/dev/null) -DCL_TARGET_OPENCL_VERSION=120 \
-            -D_POSIX_C_SOURCE=200809L $(patsubst -I%,-isystem %,$(shell $(PKG_CONFIG) --cflags-only-I OpenEXR 2>/dev/null))
+TIDES_CPPFLAGS := -Iinclude -Ilib/base -Ilib/device -Ilib -I. $(shell $(PKG_CONFIG) --cflags $(DEPS) 2>/dev/null) \
+                  -DCL_TARGET_OPENCL_VERSION=120 -D_POSIX_C_SOURCE=200809L \
+                  $(patsubst -I%,-isystem %,$(shell $(PKG_CONFIG) --cflags-only-I OpenEXR 2>/dev/null))
 # -ffp-contract=off: host and device agree to the bit (DESIGN, Numbers).
-CFLAGS   += -std=c99 $(OPTIMISE) -ffp-contract=off -fno-math-errno -fPIC -fvisibility=hidden -pthread $(WARNINGS) $(WERROR)
-LDLIBS   += $(shell $(PKG_CONFIG) --libs $(DEPS) 2>/dev/null) -lOpenEXRCore -lm -pthread
-WERROR   ?=
+TIDES_CFLAGS := -std=c99 $(OPTIMISE) -ffp-contract=off -fno-math-errno -fPIC -fvisibility=hidden -pthread $(WARNINGS)
+TIDES_LDLIBS := $(shell $(PKG_CONFIG) --libs $(DEPS) 2>/dev/null) -lOpenEXRCore -lm -pthread
+# CPPFLAGS, CFLAGS, LDFLAGS and LDLIBS are the user's, and come last so that they win.
+COMPILE := $(CC) $(TIDES_CPPFLAGS) $(CPPFLAGS) $(TIDES_CFLAGS) $(CFLAGS)
+LINK    := $(CC) $(TIDES_CFLAGS) $(CFLAGS) $(LDFLAGS)
+WERROR  ?=
 
 # -- sources -----------------------------------------------------------------------------------------------------------
 KERNELS  := $(wildcard kernels/*.h kernels/*.cl)
@@ -45,10 +60,10 @@ GOLDEN   := $(patsubst %.c,$(OUT)/%,$(wildcard tests/golden/test_*.c))
 .PHONY: all
 all: build/tides build/libtides.so ## Build the library and the command line tool (default)
 
-# Flags that change rebuild what they changed.
+# Flags that change rebuild what they changed (all but WERROR: it changes no object).
 $(OUT)/.flags: FORCE
 	@mkdir -p $(@D)
-	@echo '$(CC) $(CPPFLAGS) $(CFLAGS)' | cmp -s - $@ || echo '$(CC) $(CPPFLAGS) $(CFLAGS)' > $@
+	@echo '$(COMPILE)' | cmp -s - $@ || echo '$(COMPILE)' > $@
 .PHONY: FORCE
 FORCE:
 
@@ -57,29 +72,151 @@ $(OUT)/kernels_embedded.c: kernels/cl2c.sh $(KERNELS)
 	sh kernels/cl2c.sh $(KERNELS) > $@.part && mv $@.part $@
 $(OUT)/%.o: %.c $(OUT)/.flags
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c $< -o $@
+	$(COMPILE) $(WERROR) -MMD -MP -c $< -o $@
 $(OUT)/kernels_embedded.o: $(OUT)/kernels_embedded.c $(OUT)/.flags
-	$(CC) $(CPPFLAGS) $(CFLAGS) -c $< -o $@
+	$(COMPILE) $(WERROR) -c $< -o $@
 
 $(OUT)/libtides.a: $(LIB_OBJ)
 	@rm -f $@
 	$(AR) rcs $@ $(LIB_OBJ)
 $(OUT)/libtides.so.$(VERSION): $(LIB_OBJ)
-	$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,libtides.so.$(MAJOR) -Wl,--no-undefined -o $@ $(LIB_OBJ) $(LDLIBS)
+	$(LINK) -shared -Wl,-soname,libtides.so.$(MAJOR) -Wl,--no-undefined -o $@ $(LIB_OBJ) $(TIDES_LDLIBS) $(LDLIBS)
 	ln -sf libtides.so.$(VERSION) $(OUT)/libtides.so.$(MAJOR)
 	ln -sf libtides.so.$(VERSION) $(OUT)/libtides.so
 $(OUT)/tides: $(CLI_OBJ) $(OUT)/libtides.so.$(VERSION)
-	$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $(CLI_OBJ) -L$(OUT) -ltides -Wl,-rpath,'$$ORIGIN:$$ORIGIN/../lib' $(LDLIBS)
-build/tides: $(OUT)/tides
-	ln -sf $(CONFIG)/tides $@
-build/libtides.so: $(OUT)/libtides.so.$(VERSION)
-	ln -sf $(CONFIG)/libtides.so $@
+	$(LINK) -o $@ $(CLI_OBJ) -L$(OUT) -ltides -Wl,-rpath,'$$ORIGIN:$$ORIGIN/../lib' $(TIDES_LDLIBS) $(LDLIBS)
+# The links say which configuration was asked for last, whatever the files' ages are.
+build/tides: $(OUT)/tides FORCE
+	@ln -sfn $(OUT:build/%=%)/tides $@
+build/libtides.so: $(OUT)/libtides.so.$(VERSION) FORCE
+	@ln -sfn $(OUT:build/%=%)/libtides.so $@
 
 # Tests reach internals, so they link the objects, not the shared library.
 $(OUT)/tests/%: $(OUT)/tests/%.o $(SUPPORT_OBJ) $(OUT)/libtides.a
-	$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $< $(SUPPORT_OBJ) $(OUT)/libtides.a $(LDLIBS) -lcmocka
+	$(LINK) -o $@ $< $(SUPPORT_OBJ) $(OUT)/libtides.a $(TIDES_LDLIBS) $(LDLIBS) -lcmocka
 
 .PHONY: tests
 tests: $(TESTS) $(GOLDEN) ## Build the test programs
 
--include $(LIB_OBJ:.o=.d) $(CLI_OBJ:.o=.d) $(TESTS:=.d) $(GOLDEN:=.d) $(SUPPORT_OBJ:.o=.d)
+# Fuzz targets define LLVMFuzzerTestOneInput; libFuzzer has the main (tests/fuzz/README.md).
+FUZZ     := $(patsubst %.c,$(OUT)/%,$(wildcard tests/fuzz/fuzz_*.c))
+$(OUT)/tests/fuzz/fuzz_%: $(OUT)/tests/fuzz/fuzz_%.o $(OUT)/libtides.a
+	$(LINK) -fsanitize=fuzzer -o $@ $^ $(TIDES_LDLIBS) $(LDLIBS)
+# Benchmarks of the test tree: programs that print their own table.
+BENCH    := $(patsubst %.c,$(OUT)/%,$(wildcard tests/bench/bench_*.c))
+
+.SECONDARY: # keep the tests' objects
+-include $(LIB_OBJ:.o=.d) $(CLI_OBJ:.o=.d) $(TESTS:=.d) $(GOLDEN:=.d) $(FUZZ:=.d) $(BENCH:=.d) $(SUPPORT_OBJ:.o=.d)
+
+# -- set-up and demo ---------------------------------------------------------------------------------------------------
+# The flags above are found when make starts, so whatever installs packages starts make afresh before it builds.
+JOBS ?= $(shell nproc 2>/dev/null || echo 2)
+AGAIN = $(MAKE) --no-print-directory $(if $(filter -j% --jobserver-auth=%,$(MAKEFLAGS)),,-j$(JOBS))
+
+.PHONY: deps deps-lint demo demo-built
+deps: ## Install the Debian packages that are missing (root or sudo), and print the line for doing it by hand
+	@sh scripts/deps.sh build
+deps-lint: ## The same, with the tools that lint, check-clang and check-valgrind need
+	@sh scripts/deps.sh lint
+demo: ## Install what is missing, build, and simulate the demo scene into build/demo
+	@sh scripts/deps.sh build -q
+	@$(AGAIN) all
+	@$(AGAIN) demo-built
+demo-built:
+	build/tides demo -o build/demo
+	@ls -l build/demo
+
+# -- checks ------------------------------------------------------------------------------------------------------------
+RUN_TESTS = CC='$(CC)' PYTHON='$(PYTHON)' PKG_CONFIG='$(PKG_CONFIG)' MAKE='$(MAKE)' CONFIG='$(CONFIG)' OUT='$(OUT)' \
+            TIDES='$(CURDIR)/$(OUT)/tides' bash scripts/run_tests.sh $(OUT)/logs
+SCRIPTS := tests/unit/test_headers.sh scripts/check_symbols.sh scripts/install_check.sh $(wildcard tests/cli/run.sh) \
+           scripts/python_tests.sh
+
+.PHONY: check check-built check-golden check-golden-built check-asan check-asan-built check-valgrind check-valgrind-built \
+        check-clang check-clang-built install-check
+check: ## Install what is missing, build without warnings, run every test
+	@sh scripts/deps.sh build -q
+	@$(AGAIN) WERROR=-Werror all tests
+	@$(AGAIN) check-built
+check-built:
+	@$(RUN_TESTS) $(TESTS) $(GOLDEN) $(SCRIPTS)
+check-golden: ## Compare with other people's results in TIDES_SHARED=DIR (default ../shared)
+	@sh scripts/deps.sh build -q
+	@$(AGAIN) $(GOLDEN)
+	@$(AGAIN) check-golden-built
+check-golden-built:
+	@$(RUN_TESTS) $(GOLDEN)
+check-asan: ## Run the test programs and the CLI tests with the address and undefined behaviour sanitisers
+	@sh scripts/deps.sh build -q
+	@$(AGAIN) CONFIG=asan tests build/asan/tides
+	@$(AGAIN) CONFIG=asan check-asan-built
+check-asan-built:
+	@ASAN_OPTIONS=detect_stack_use_after_return=1:$$ASAN_OPTIONS LSAN_OPTIONS=suppressions=$(CURDIR)/scripts/lsan.supp:print_suppressions=0 \
+	    $(RUN_TESTS) $(TESTS) $(GOLDEN) $(wildcard tests/cli/run.sh)
+check-valgrind: ## Run the unit tests and a small simulation on the reference device under valgrind
+	@sh scripts/deps.sh lint -q
+	@$(AGAIN) all tests
+	@$(AGAIN) check-valgrind-built
+check-valgrind-built:
+	@VALGRIND_PROGRAMS='$(filter $(OUT)/tests/unit/%,$(TESTS))' $(RUN_TESTS) scripts/check_valgrind.sh
+check-clang: ## Build with clang without warnings and run the test programs
+	@sh scripts/deps.sh lint -q
+	@$(AGAIN) CONFIG=clang WERROR=-Werror tests build/clang/tides
+	@$(AGAIN) CONFIG=clang check-clang-built
+check-clang-built:
+	@$(RUN_TESTS) $(TESTS) $(GOLDEN)
+install-check: all ## Install into an empty folder, build a program there with pkg-config, run it, uninstall
+	@MAKE='$(MAKE)' CC='$(CC)' PKG_CONFIG='$(PKG_CONFIG)' CONFIG='$(CONFIG)' sh scripts/install_check.sh
+
+.PHONY: lint lint-built format fuzz fuzz-built bench bench-built
+lint: ## clang-format, clang-tidy, cppcheck, and the kernels through clang's OpenCL front end
+	@sh scripts/deps.sh lint -q
+	@$(AGAIN) lint-built
+lint-built:
+	@TIDY_FLAGS='$(TIDES_CPPFLAGS) -std=c99' JOBS=$(JOBS) sh scripts/lint.sh
+format: ## Rewrite C files and kernels in the style of .clang-format
+	clang-format-14 -i $$(sh scripts/sources.sh)
+FUZZ_SECONDS ?= 30
+fuzz: ## Run each target of tests/fuzz with libFuzzer and sanitisers for FUZZ_SECONDS=30
+	@sh scripts/deps.sh lint -q
+	@$(AGAIN) CONFIG=fuzz fuzz-built
+fuzz-built: $(FUZZ)
+	@failed=0; for target in $(FUZZ); do sh scripts/fuzz.sh $$target $(FUZZ_SECONDS) || failed=1; done; exit $$failed
+bench: ## Run the benchmarks of tests/bench, where there are any
+	@sh scripts/deps.sh build -q
+	@$(AGAIN) bench-built
+bench-built: $(BENCH) all
+	@$(if $(BENCH),,echo 'tests/bench holds no benchmark yet')
+	@set -e; for program in $(BENCH); do $$program; done
+
+# -- install -----------------------------------------------------------------------------------------------------------
+HEADERS := $(wildcard include/tides/*.h)
+.PHONY: install uninstall dist clean
+install: all ## Install below PREFIX=/usr/local (also DESTDIR, BINDIR, LIBDIR, INCLUDEDIR)
+	install -d '$(DESTDIR)$(BINDIR)' '$(DESTDIR)$(LIBDIR)/pkgconfig' '$(DESTDIR)$(INCLUDEDIR)/tides'
+	install -m 755 $(OUT)/tides '$(DESTDIR)$(BINDIR)/tides'
+	install -m 755 $(OUT)/libtides.so.$(VERSION) '$(DESTDIR)$(LIBDIR)/libtides.so.$(VERSION)'
+	ln -sf libtides.so.$(VERSION) '$(DESTDIR)$(LIBDIR)/libtides.so.$(MAJOR)'
+	ln -sf libtides.so.$(MAJOR) '$(DESTDIR)$(LIBDIR)/libtides.so'
+	install -m 644 include/tides.h '$(DESTDIR)$(INCLUDEDIR)/tides.h'
+	install -m 644 $(HEADERS) '$(DESTDIR)$(INCLUDEDIR)/tides'
+	sed -e "s|@up@|$$(realpath -m --relative-to='$(LIBDIR)/pkgconfig' '$(PREFIX)')|" -e 's|@version@|$(VERSION)|' \
+	    -e 's|@libdir@|$(patsubst $(PREFIX)/%,$${prefix}/%,$(LIBDIR))|' \
+	    -e 's|@includedir@|$(patsubst $(PREFIX)/%,$${prefix}/%,$(INCLUDEDIR))|' lib/tides.pc.in \
+	    > '$(DESTDIR)$(LIBDIR)/pkgconfig/tides.pc'
+	chmod 644 '$(DESTDIR)$(LIBDIR)/pkgconfig/tides.pc'
+uninstall: ## Remove what install put there
+	rm -f '$(DESTDIR)$(BINDIR)/tides' '$(DESTDIR)$(LIBDIR)/pkgconfig/tides.pc' '$(DESTDIR)$(INCLUDEDIR)/tides.h' \
+	    $(foreach end,so so.$(MAJOR) so.$(VERSION),'$(DESTDIR)$(LIBDIR)/libtides.$(end)') \
+	    $(patsubst include/%,'$(DESTDIR)$(INCLUDEDIR)/%',$(HEADERS))
+	-rmdir '$(DESTDIR)$(INCLUDEDIR)/tides'
+dist: ## Pack the committed sources: build/tides-VERSION.tar.gz
+	@mkdir -p build
+	git archive --format=tar.gz --prefix=tides-$(VERSION)/ -o build/tides-$(VERSION).tar.gz HEAD
+clean: ## Remove build/
+	rm -rf build
+
+.PHONY: help
+help: ## Print this
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  %-16s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
+	@echo "Variables: CONFIG=release|debug|asan|clang  PREFIX DESTDIR  TIDES_SHARED=DIR  CC CFLAGS LDFLAGS  JOBS=N"

@@ -30,12 +30,13 @@ TIDES_API void tides_path_options_defaults(tides_path_options *options); /* dura
 /* What a path file says. */
 typedef struct tides_path {
     tides_trajectory *trajectory; /* owned by the caller after success */
-    tides_intrinsics intrinsics;  /* fields the file doesn't give are 0 */
+    tides_intrinsics intrinsics;  /* fields the file doesn't give, or gives differently from frame to frame, are 0 */
+    double field_of_view_x;       /* [rad] where the file gives one (Blender and D-NeRF give no width with it), else 0 */
     char format[32];              /* "tides", "transforms", "cameras", "tum", "esim" */
 } tides_path;
 
 /* Reads a camera path; the format is found from the content, not from the name:
- *   tides       our JSON (written by tides_path_save; documented in camera_tides.c)
+ *   tides       our JSON (written by tides_path_save; documented in path_tides.c)
  *   transforms  nerfstudio / instant-ngp / Blender / D-NeRF transforms.json (OpenGL axes, converted)
  *   cameras     INRIA cameras.json
  *   tum         text `t tx ty tz qx qy qz qw`, seconds

@@ -51,7 +51,7 @@ TIDES_API void tides_event_writer_abandon(tides_event_writer *writer);
 typedef struct tides_event_summary {
     uint64_t count, count_on;
     int64_t first_ns, last_ns; /* 0 where empty */
-    int32_t width, height;
+    int32_t width, height;     /* 0 where the file doesn't say */
     char layout[32];           /* "tides", "dsec" */
     char version[32];          /* of the writer, or "" */
 } tides_event_summary;
@@ -60,7 +60,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_events_summary(const char *path, t
                                                              tides_error *error);
 
 /* Reads events [first, first + count) of an HDF5 file in the DSEC layout into `events` (caller's memory); `got` receives how
- * many there were. Times from events/t_ns where present, else events/t in microseconds plus t_offset. */
+ * many there were. Times from events/t_ns where present, else events/t in microseconds plus t_offset; foreign files come in
+ * their own order. On failure `events` may hold some of them. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_events_read(const char *path, uint64_t first, size_t count, tides_event *events,
                                                           size_t *got, tides_error *error);
 

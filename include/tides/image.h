@@ -37,13 +37,20 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_png_write(const char *path, int32_
 /* Pictures of data, into rgb (height x width x 3), caller's memory.
  * grey: linear values to sRGB grey; `white` is the value shown as white.
  * signed: diverging blue-white-red (colour-blind safe) of values in [-limit, limit]; limit <= 0 takes the 99.5th percentile.
- * events: red ON and blue OFF over `base` (nullable: mid grey), brighter where a pixel fired more often. */
+ * events: red ON and blue OFF over `base` (linear, 1 is white; nullable: mid grey), brighter where a pixel fired more often,
+ *   violet where it fired both ways.
+ * What is NaN is magenta. */
 TIDES_API void tides_picture_grey(const double *values, int32_t width, int32_t height, double white, uint8_t *rgb);
 TIDES_API void tides_picture_rgb(const double *r, const double *g, const double *b, int32_t width, int32_t height,
                                  uint8_t *rgb);
 TIDES_API void tides_picture_signed(const double *values, int32_t width, int32_t height, double limit, uint8_t *rgb);
 TIDES_API void tides_picture_events(const tides_event *events, size_t count, const double *base, int32_t width,
                                     int32_t height, uint8_t *rgb);
+
+/* Draws ASCII text into a picture, its top left corner at (x, y), in cells of `scale` px: a character takes 6 by 9 cells, '\n'
+ * starts the next line, and what isn't printable ASCII is a box. Clipped at the borders. */
+TIDES_API void tides_picture_text(uint8_t *rgb, int32_t width, int32_t height, int32_t x, int32_t y, int32_t scale,
+                                  const uint8_t colour[3], const char *text);
 
 #ifdef __cplusplus
 }

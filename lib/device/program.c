@@ -6,7 +6,7 @@
 #include <string.h>
 
 struct td_program_entry {
-    char *key; /* file and defines */
+    char *key; /* file, lanes and defines */
     cl_program program;
     td_program_entry *next;
 };
@@ -92,7 +92,7 @@ static tides_status find_program(tides_device *device, const char *file, const c
                                  tides_error *error) {
     tides_status status = TIDES_NO_MEMORY;
     td_program_entry *entry = NULL;
-    char *key = td_format(error, "%s\n%s", file, defines);
+    char *key = td_format(error, "%s\n%d lanes\n%s", file, (int)device->info.lanes, defines);
     if (!key) return TIDES_NO_MEMORY;
     for (entry = device->programs; entry; entry = entry->next)
         if (strcmp(entry->key, key) == 0) {

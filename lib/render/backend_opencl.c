@@ -24,6 +24,9 @@ typedef struct opencl_backend {
     size_t host_capacity, host_ints_capacity;
 } opencl_backend;
 
+/* Work-items that share a job's candidates, or neighbouring Gaussians: one on a CPU, a warp or two on a GPU. */
+static size_t group_size(const opencl_backend *b) { return b->device->info.lanes > 1 ? 1 : 64; }
+
 static int kind_of_outputs(int outputs) { return outputs == TD_OUT_SIGNAL ? 0 : outputs == TD_OUT_DIAGNOSTICS ? 1 : 2; }
 
 /* Copies doubles to a device buffer of floats. */
@@ -66,12 +69,14 @@ static tides_status sweep(td_backend *backend, const double *views, double durat
     if (status != TIDES_OK) return status;
     float seconds = (float)duration;
     cl_int count = b->gaussians;
-    size_t global = (size_t)(b->gaussians / b->device->info.lanes);
+    /* A local size is always given: left to itself PoCL takes a divisor of the count, and compiles anew for every scene. */
+    size_t local = group_size(b), groups = (size_t)(b->gaussians / b->device->info.lanes);
+    size_t global = (groups + local - 1) / local * local;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->object),
                                      TD_BUFFER_ARGUMENT(b->views),        TD_BUFFER_ARGUMENT(b->geometry),
                                      TD_BUFFER_ARGUMENT(b->rates),        TD_VALUE_ARGUMENT(seconds),
                                      TD_VALUE_ARGUMENT(count),            TD_BUFFER_ARGUMENT(b->boxes)};
-    status = td_launch(b->device, b->sweep_kernel, 1, &global, NULL, arguments, 8, NULL, error);
+    status = td_launch(b->device, b->sweep_kernel, 1, &global, &local, arguments, 8, NULL, error);
     if (status == TIDES_OK) status = td_buffer_read(b->device, &b->boxes, boxes, bytes, error);
     backend->stats.sweeps++;
     backend->stats.time_sweep_s += td_now() - begun;
@@ -127,9 +132,6 @@ static tides_status write_batch(opencl_backend *b, const td_batch *batch, tides_
     }
     return td_buffer_write(b->device, &b->jobs, renumbered, jobs * sizeof *renumbered, error);
 }
-
-/* Candidates of a job are shared by its group's items: one item on a CPU, a warp or two on a GPU. */
-static size_t group_size(const opencl_backend *b) { return b->device->info.lanes > 1 ? 1 : 64; }
 
 static tides_status launch_project(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
     size_t local = group_size(b), global = (size_t)batch->job_count * local;

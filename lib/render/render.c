@@ -75,9 +75,7 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
         status = td_fail(error, TIDES_CANCELLED, "stopped on request while building kernels");
         goto done;
     }
-    double begun = td_now();
     status = create_backend(made, error);
-    made->stats.time_build_s = td_now() - begun;
     if (status == TIDES_OK) {
         *renderer = made;
         made = NULL;
@@ -108,7 +106,7 @@ void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *st
     stats->gaussians_culled = done->gaussians_culled;
     stats->pairs_evaluated = done->pairs_evaluated;
     stats->sweeps = done->sweeps;
-    stats->time_build_s += done->time_build_s;
+    stats->time_build_s = done->time_build_s;
     stats->time_sweep_s += done->time_sweep_s;
     stats->time_project_s = done->time_project_s;
     stats->time_sort_s = done->time_sort_s;

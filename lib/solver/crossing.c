@@ -1,7 +1,8 @@
 /* Crossings of a cubic local model with a moving pair of levels (paper Eq. 13; DESIGN 3.2).
  *
- * The model is cut at its extrema. On each monotone piece a level is crossed if and only if the piece's end has reached it, so no
- * pair of crossings within a step can cancel and go unseen, and each crossing has a bracket before any equation is solved. */
+ * The model is cut at its extrema. On each monotone piece a level is crossed if and only if the piece's end has reached it,
+ * so no pair of crossings within a step can cancel and go unseen, and each crossing has a bracket before any equation is
+ * solved. */
 #include "td_crossing.h"
 
 #include <float.h>
@@ -30,10 +31,10 @@ static double share(double a, double b) {
     return same_sign ? a / (a + b) : 0.0;
 }
 
-/* The slope is d0 u^2 + 2 d1 u s + d2 s^2 with u = 1 - s: a quadratic in the ratio r = s / u, where all of 0 < s < 1 is r > 0.
+/* The slope is d0 u^2 + 2 d1 u s + d2 s^2 with u = 1 - s: a quadratic in the ratio r = s / u, where r > 0 is all of 0 < s < 1.
  * With q = -(d1 + sign(d1) sqrt(d1^2 - d0 d2)) its roots are q / d2 and d0 / q. Back in s both are shares of quantities of one
  * sign, so nothing cancels, and a vanishing d2 or d0 merely moves its root to an end. What can cancel is the discriminant where
- * the two extrema nearly meet; the piece between them is then lower than rounding, so it doesn't matter whether they are seen. */
+ * the two extrema nearly meet; the piece between them is then lower than rounding, and it doesn't matter whether it is seen. */
 int td_model_extrema(const td_model *model, double s[2]) {
     const double *b = model->control;
     double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2];
@@ -82,8 +83,8 @@ void td_crossing_begin(td_crossing_walk *walk, const td_model *model) {
  * the work: 64 halvings leave 5e-20 of a step. */
 enum { NEWTON_TRIES = 8, TRIES = NEWTON_TRIES + 2 * 64 };
 
-/* The place in (low, high] where S - reference reaches `rise` (ON above 0, OFF below), given that it has at `high` and hasn't at
- * `low`. Safeguarded Newton: each try shrinks the bracket, and a Newton step that leaves it is replaced by its middle. */
+/* The place in (low, high] where S - reference reaches `rise` (ON above 0, OFF below), given that it has at `high` and hasn't
+ * at `low`. Safeguarded Newton: each try shrinks the bracket, and a Newton step that leaves it is replaced by its middle. */
 static double solve(const td_model *model, double reference, double rise, double low, double high, double value_high) {
     double direction = rise > 0.0 ? 1.0 : -1.0;
     double value_low = td_model_value(model, low);

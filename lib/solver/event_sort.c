@@ -1,7 +1,7 @@
 /* Radix sort of events by (t, y, x, polarity).
  *
- * Least significant digit first, in two keys: the place (y, x, polarity), then the time. Both count from the smallest that occurs,
- * so that a packet of 1 ms from a 346x260 sensor has 19 + 20 bits: four passes of 11 bits. */
+ * Least significant digit first, in two keys: the place (y, x, polarity), then the time. Both count from the smallest that
+ * occurs, so that a packet of 1 ms from a 346x260 sensor has 19 + 20 bits: four passes of 11 bits. */
 #include "td_event_sort.h"
 
 #include <string.h>

@@ -1,0 +1,105 @@
+/* Shared by the commands of `tides`: option parsing, error lines, facts, progress. The tool uses only the public headers. */
+#ifndef CLI_H
+#define CLI_H
+
+#include "tides.h"
+
+#include <cjson/cJSON.h>
+
+#if defined(__GNUC__)
+#define CLI_PRINTF(text, first) __attribute__((__format__(__printf__, text, first)))
+#else
+#define CLI_PRINTF(text, first)
+#endif
+
+/* Exit codes. CLI_GO isn't one: it says that parsing went well and the command should run. */
+enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_GO = -1 };
+
+/* What every command takes. */
+typedef struct cli_common {
+    int32_t quiet, verbose, json, help;
+    const char *device; /* NULL: not given */
+} cli_common;
+
+/* An option that may be given several times. */
+enum { CLI_LIST_MAX = 256 };
+typedef struct cli_list {
+    const char *items[CLI_LIST_MAX];
+    size_t count;
+} cli_list;
+
+/* One option; exactly one of flag, text, list is where its value goes. A table of them ends with a NULL name. */
+typedef struct cli_option {
+    const char *name;     /* "--output" */
+    char letter;          /* 'o', or 0 */
+    const char *argument; /* "FILE"; NULL for a switch */
+    const char *help;
+    int32_t *flag;
+    const char **text;
+    cli_list *list;
+} cli_option;
+
+typedef struct cli_command cli_command;
+struct cli_command {
+    const char *name;
+    const char *arguments; /* of the usage line: "RUN.json -o EVENTS.h5" */
+    const char *summary;   /* one line */
+    const char *details;   /* paragraphs below the options, or NULL */
+    int32_t positionals;   /* how many it takes, exactly */
+    int (*run)(const cli_command *command, int argc, char **argv);
+};
+
+/* The commands (cmd_*.c): argv[0] is the command's name; the result is the exit code. */
+int cmd_demo(const cli_command *command, int argc, char **argv);
+int cmd_devices(const cli_command *command, int argc, char **argv);
+int cmd_info(const cli_command *command, int argc, char **argv);
+int cmd_render(const cli_command *command, int argc, char **argv);
+int cmd_simulate(const cli_command *command, int argc, char **argv);
+int cmd_convert(const cli_command *command, int argc, char **argv);
+
+/* options.c: fills the options' targets, `common`, and `positional` (command->positionals of them). CLI_GO, or the exit code:
+ * CLI_OK after --help was answered, CLI_USAGE after an error was printed. */
+int cli_parse(const cli_command *command, const cli_option *options, int argc, char **argv, cli_common *common,
+              const char **positional);
+/* A finite number from the text of `option`; CLI_GO or CLI_USAGE. */
+int cli_number(const cli_command *command, const char *option, const char *text, double *number);
+
+/* help.c */
+void cli_help_command(const cli_command *command, const cli_option *options);
+void cli_help_keys(void); /* the run file's keys, from the parameter table */
+
+/* output.c: "tides: ..." on stderr, one line. */
+int cli_fail(const tides_error *error); /* CLI_FAILED */
+int cli_failed(const char *format, ...) CLI_PRINTF(1, 2);
+int cli_usage(const cli_command *command, const char *format, ...) CLI_PRINTF(2, 3); /* CLI_USAGE */
+void cli_note(const cli_common *common, const char *format, ...) CLI_PRINTF(2, 3);   /* only with -v */
+/* Prints facts as JSON, or as aligned text; deletes them. NULL facts: out of memory. */
+int cli_print_facts(cJSON *facts, int32_t json);
+/* 1234567 -> "1.23 M"; returns `text`. */
+const char *cli_count(double number, char text[24]);
+/* Whether `path` will be writable later: an early answer for outputs that come at the end of long work. */
+tides_status cli_check_writable(const char *path, tides_error *error);
+/* Writes text beside and renames. */
+tides_status cli_write_text(const char *path, const char *text, tides_error *error);
+/* Fills an error the way the library does. */
+tides_status cli_error(tides_error *error, tides_status status, const char *format, ...) CLI_PRINTF(3, 4);
+
+/* suggest.c: the entry of a NULL-terminated list that `name` was probably meant to be, or NULL. */
+const char *cli_nearest(const char *name, const char *const *names);
+
+/* progress.c: a tides_progress for stderr. Zero it, set quiet, and events where they are counted; cli_progress_end clears the
+ * bar. */
+typedef struct cli_progress {
+    int32_t quiet;
+    const uint64_t *events; /* counted so far, or NULL */
+    char stage[48];
+    double began, drawn;
+    int32_t terminal, decile;
+} cli_progress;
+int cli_progress_step(void *progress, double fraction, const char *stage);
+void cli_progress_end(cli_progress *progress);
+double cli_now(void);
+/* From here on Ctrl-C only makes cli_progress_step return 1; a second one ends the process. */
+void cli_catch_interrupt(void);
+
+#endif

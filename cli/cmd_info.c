@@ -1,0 +1,213 @@
+/* tides info: what a file holds. The kind of file is found from its first bytes. */
+#include "cli.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* -- scenes --------------------------------------------------------------------------------------------------------- */
+
+static cJSON *object_json(const tides_object *object) {
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddStringToObject(json, "name", object->name && object->name[0] ? object->name : "-");
+    cJSON_AddNumberToObject(json, "gaussians", (double)object->gaussians.count);
+    cJSON_AddNumberToObject(json, "sh_degree", object->gaussians.sh_degree);
+    cJSON_AddNumberToObject(json, "scale", object->scale);
+    cJSON_AddBoolToObject(json, "moving", object->trajectory != NULL && !tides_trajectory_is_static(object->trajectory));
+    double start, stop;
+    if (object->trajectory) {
+        tides_trajectory_range(object->trajectory, &start, &stop);
+        if (isfinite(start) && isfinite(stop)) {
+            cJSON_AddNumberToObject(json, "start_s", start);
+            cJSON_AddNumberToObject(json, "stop_s", stop);
+        }
+    }
+    return json;
+}
+
+static tides_status scene_facts(const char *file, cJSON *facts, tides_error *error) {
+    tides_scene *scene = NULL;
+    tides_status status = tides_scene_create(&scene, error);
+    if (status == TIDES_OK) status = tides_scene_add_file(scene, file, NULL, 1.0, error);
+    if (status != TIDES_OK) goto done;
+    double lower[3], upper[3];
+    tides_scene_bounds(scene, lower, upper);
+    cJSON_AddStringToObject(facts, "kind", "scene");
+    cJSON_AddNumberToObject(facts, "gaussians", (double)tides_scene_count(scene));
+    cJSON_AddNumberToObject(facts, "sh_degree", tides_scene_sh_degree(scene));
+    cJSON_AddItemToObject(facts, "lower", cJSON_CreateDoubleArray(lower, 3));
+    cJSON_AddItemToObject(facts, "upper", cJSON_CreateDoubleArray(upper, 3));
+    cJSON *objects = cJSON_AddArrayToObject(facts, "objects");
+    for (int32_t i = 0; i < tides_scene_objects(scene) && status == TIDES_OK; i++) {
+        tides_object object;
+        status = tides_scene_object(scene, i, &object, error);
+        if (status == TIDES_OK) cJSON_AddItemToArray(objects, object_json(&object));
+    }
+done:
+    tides_scene_destroy(scene);
+    return status;
+}
+
+/* -- paths ---------------------------------------------------------------------------------------------------------- */
+
+static void intrinsics_facts(const tides_intrinsics *camera, cJSON *facts) {
+    if (camera->width) cJSON_AddNumberToObject(facts, "width", camera->width);
+    if (camera->height) cJSON_AddNumberToObject(facts, "height", camera->height);
+    const struct {
+        const char *name;
+        double value;
+    } rest[] = {{"fx", camera->fx}, {"fy", camera->fy}, {"cx", camera->cx}, {"cy", camera->cy}};
+    for (size_t i = 0; i < sizeof rest / sizeof rest[0]; i++)
+        if (rest[i].value > 0 || rest[i].value < 0) cJSON_AddNumberToObject(facts, rest[i].name, rest[i].value);
+}
+
+/* Length of the path and the box around its samples. */
+static tides_status extent_facts(const tides_trajectory *path, cJSON *facts, tides_error *error) {
+    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY}, last[3] = {0}, length = 0;
+    for (size_t i = 0; i < tides_trajectory_count(path); i++) {
+        tides_pose_sample sample;
+        tides_status status = tides_trajectory_sample(path, i, &sample, error);
+        if (status != TIDES_OK) return status;
+        double square = 0;
+        for (int k = 0; k < 3; k++) {
+            lower[k] = fmin(lower[k], sample.position[k]);
+            upper[k] = fmax(upper[k], sample.position[k]);
+            square += (sample.position[k] - last[k]) * (sample.position[k] - last[k]);
+            last[k] = sample.position[k];
+        }
+        if (i) length += sqrt(square);
+    }
+    cJSON_AddNumberToObject(facts, "length", length);
+    if (tides_trajectory_count(path)) {
+        cJSON_AddItemToObject(facts, "lower", cJSON_CreateDoubleArray(lower, 3));
+        cJSON_AddItemToObject(facts, "upper", cJSON_CreateDoubleArray(upper, 3));
+    }
+    return TIDES_OK;
+}
+
+static tides_status path_facts(const char *file, cJSON *facts, tides_error *error) {
+    tides_path_options options;
+    tides_path_options_defaults(&options);
+    tides_path path = {.trajectory = NULL};
+    tides_status status = tides_path_load(file, &options, &path, error);
+    if (status != TIDES_OK) return status;
+    double start, stop;
+    tides_trajectory_range(path.trajectory, &start, &stop);
+    cJSON_AddStringToObject(facts, "kind", "path");
+    cJSON_AddStringToObject(facts, "format", path.format);
+    cJSON_AddNumberToObject(facts, "samples", (double)tides_trajectory_count(path.trajectory));
+    cJSON_AddBoolToObject(facts, "static", tides_trajectory_is_static(path.trajectory));
+    if (isfinite(start) && isfinite(stop)) {
+        cJSON_AddNumberToObject(facts, "start_s", start);
+        cJSON_AddNumberToObject(facts, "stop_s", stop);
+    }
+    intrinsics_facts(&path.intrinsics, facts);
+    status = extent_facts(path.trajectory, facts, error);
+    tides_trajectory_destroy(path.trajectory);
+    return status;
+}
+
+/* -- events --------------------------------------------------------------------------------------------------------- */
+
+static void event_facts(const tides_event_summary *s, cJSON *facts) {
+    const double duration = 1e-9 * (double)(s->last_ns - s->first_ns);
+    cJSON_AddStringToObject(facts, "kind", "events");
+    cJSON_AddStringToObject(facts, "layout", s->layout);
+    if (s->version[0]) cJSON_AddStringToObject(facts, "version", s->version);
+    cJSON_AddNumberToObject(facts, "width", s->width);
+    cJSON_AddNumberToObject(facts, "height", s->height);
+    cJSON_AddNumberToObject(facts, "events", (double)s->count);
+    cJSON_AddNumberToObject(facts, "events_on", (double)s->count_on);
+    cJSON_AddNumberToObject(facts, "events_off", (double)(s->count - s->count_on));
+    cJSON_AddNumberToObject(facts, "first_ns", (double)s->first_ns);
+    cJSON_AddNumberToObject(facts, "last_ns", (double)s->last_ns);
+    cJSON_AddNumberToObject(facts, "duration_s", duration);
+    if (duration > 0) cJSON_AddNumberToObject(facts, "rate_hz", (double)s->count / duration);
+}
+
+/* HDF5 holds events or a scene; what it is neither of is told with both reasons. */
+static tides_status hdf5_facts(const char *file, cJSON *facts, tides_error *error) {
+    tides_event_summary summary;
+    tides_error events = {TIDES_OK, ""}, scene = {TIDES_OK, ""};
+    if (tides_events_summary(file, &summary, &events) == TIDES_OK) {
+        event_facts(&summary, facts);
+        return TIDES_OK;
+    }
+    if (scene_facts(file, facts, &scene) == TIDES_OK) return TIDES_OK;
+    return cli_error(error, TIDES_BAD_FILE, "%s: HDF5, but neither events (%.300s) nor a scene (%.300s)", file, events.text,
+                     scene.text);
+}
+
+/* -- images --------------------------------------------------------------------------------------------------------- */
+
+static cJSON *channel_json(const char *name, const float *pixels, size_t count) {
+    double least = INFINITY, most = -INFINITY, sum = 0;
+    size_t finite = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (!isfinite(pixels[i])) continue;
+        least = fmin(least, pixels[i]);
+        most = fmax(most, pixels[i]);
+        sum += pixels[i];
+        finite++;
+    }
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddStringToObject(json, "name", name);
+    if (finite) {
+        cJSON_AddNumberToObject(json, "min", least);
+        cJSON_AddNumberToObject(json, "max", most);
+        cJSON_AddNumberToObject(json, "mean", sum / (double)finite);
+    }
+    if (finite < count) cJSON_AddNumberToObject(json, "not_finite", (double)(count - finite));
+    return json;
+}
+
+static tides_status exr_facts(const char *file, cJSON *facts, tides_error *error) {
+    tides_exr *exr = NULL;
+    tides_status status = tides_exr_read(file, &exr, error);
+    if (status != TIDES_OK) return status;
+    int32_t width, height, count;
+    tides_exr_size(exr, &width, &height, &count);
+    cJSON_AddStringToObject(facts, "kind", "exr");
+    cJSON_AddNumberToObject(facts, "width", width);
+    cJSON_AddNumberToObject(facts, "height", height);
+    cJSON *channels = cJSON_AddArrayToObject(facts, "channels");
+    for (int32_t i = 0; i < count; i++)
+        cJSON_AddItemToArray(channels,
+                             channel_json(tides_exr_name(exr, i), tides_exr_pixels(exr, i), (size_t)width * (size_t)height));
+    tides_exr_destroy(exr);
+    return TIDES_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------------------- */
+
+static tides_status facts_of(const char *file, cJSON *facts, tides_error *error) {
+    unsigned char head[8] = {0};
+    FILE *stream = fopen(file, "rb");
+    if (!stream) return cli_error(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", file, strerror(errno));
+    size_t got = fread(head, 1, sizeof head, stream);
+    const int32_t failed = ferror(stream);
+    fclose(stream);
+    if (failed) return cli_error(error, TIDES_BAD_FILE, "%s: can't be read: %s", file, strerror(errno));
+    if (got == 0) return cli_error(error, TIDES_BAD_FILE, "%s: is empty", file);
+    if (memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0) return hdf5_facts(file, facts, error);
+    if (memcmp(head, "\x76\x2f\x31\x01", 4) == 0) return exr_facts(file, facts, error);
+    if (memcmp(head, "ply", 3) == 0) return scene_facts(file, facts, error);
+    return path_facts(file, facts, error); /* text: its reader says best what is wrong */
+}
+
+int cmd_info(const cli_command *command, int argc, char **argv) {
+    cli_common common;
+    const char *file = NULL;
+    const cli_option options[] = {{NULL, 0, NULL, NULL, NULL, NULL, NULL}};
+    int code = cli_parse(command, options, argc, argv, &common, &file);
+    if (code != CLI_GO) return code;
+    tides_error error = {TIDES_OK, ""};
+    cJSON *facts = cJSON_CreateObject();
+    cJSON_AddStringToObject(facts, "file", file);
+    if (facts && facts_of(file, facts, &error) != TIDES_OK) {
+        cJSON_Delete(facts);
+        return cli_fail(&error);
+    }
+    return cli_print_facts(facts, common.json);
+}

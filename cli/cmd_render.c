@@ -1,0 +1,68 @@
+/* tides render: one frame as EXR, and as a picture. */
+#include "session.h"
+
+#include <stdio.h>
+
+/* What was asked for. */
+typedef struct render_request {
+    const char *run, *exr, *png, *time;
+    int32_t rgb, depth;
+    cli_list sets;
+} render_request;
+
+static cJSON *facts_of(const cli_session *session, double time, const render_request *request) {
+    cJSON *facts = cJSON_CreateObject();
+    cJSON_AddNumberToObject(facts, "time_s", time);
+    cJSON_AddNumberToObject(facts, "width", session->intrinsics.width);
+    cJSON_AddNumberToObject(facts, "height", session->intrinsics.height);
+    cJSON_AddStringToObject(facts, "device", session->info.name);
+    if (request->exr) cJSON_AddStringToObject(facts, "exr", request->exr);
+    if (request->png) cJSON_AddStringToObject(facts, "png", request->png);
+    return facts;
+}
+
+static tides_status render(const cli_session *session, double time, const render_request *request, const cli_common *common,
+                           tides_error *error) {
+    cli_progress progress = {.quiet = common->quiet};
+    cli_frame frame;
+    const int32_t wanted = (request->rgb ? CLI_FRAME_RGB : 0) | (request->depth ? CLI_FRAME_DEPTH : 0);
+    cli_catch_interrupt();
+    tides_status status = cli_frame_render(session, time, wanted, &progress, &frame, error);
+    cli_progress_end(&progress);
+    if (status != TIDES_OK) return status;
+    if (request->exr) status = cli_frame_write_exr(&frame, request->exr, time, session, error);
+    if (status == TIDES_OK && request->png) status = cli_preview_write(request->png, &frame, NULL, error);
+    cli_frame_free(&frame);
+    return status;
+}
+
+int cmd_render(const cli_command *command, int argc, char **argv) {
+    cli_common common;
+    render_request request = {.run = NULL};
+    const cli_option options[] = {
+        {"--time", 't', "T", "time of the frame [s]; time.start where not given", NULL, &request.time, NULL},
+        {"--output", 'o', "OUT.exr", "float channels as OpenEXR", NULL, &request.exr, NULL},
+        {"--png", 0, "OUT.png", "picture of Y and L_dot side by side", NULL, &request.png, NULL},
+        {"--rgb", 0, NULL, "render colour too", &request.rgb, NULL, NULL},
+        {"--depth", 0, NULL, "render depth too", &request.depth, NULL, NULL},
+        {"--set", 0, "KEY=VALUE", "override a key of the run file; may be repeated", NULL, NULL, &request.sets},
+        {NULL, 0, NULL, NULL, NULL, NULL, NULL},
+    };
+    int code = cli_parse(command, options, argc, argv, &common, &request.run);
+    if (code != CLI_GO) return code;
+    if (!request.exr && !request.png) return cli_usage(command, "the output is missing: -o OUT.exr, or --png OUT.png");
+    double time = 0;
+    if (request.time && (code = cli_number(command, "--time", request.time, &time)) != CLI_GO) return code;
+
+    tides_error error = {TIDES_OK, ""};
+    cli_session session;
+    if (cli_session_open(request.run, &request.sets, &common, &session, &error) != TIDES_OK) return cli_fail(&error);
+    if (!request.time) time = session.values.start;
+    code = CLI_OK;
+    if (render(&session, time, &request, &common, &error) != TIDES_OK)
+        code = cli_fail(&error);
+    else if (common.json || common.verbose)
+        code = cli_print_facts(facts_of(&session, time, &request), common.json);
+    cli_session_close(&session);
+    return code;
+}

@@ -1,0 +1,32 @@
+/* tides simulate: a run file to events. */
+#include "session.h"
+
+#include <stdio.h>
+#include <string.h>
+
+int cmd_simulate(const cli_command *command, int argc, char **argv) {
+    cli_common common;
+    cli_list sets = {.count = 0};
+    const char *run = NULL, *output = NULL, *seed = NULL, *stats = NULL, *preview = NULL;
+    const cli_option options[] = {
+        {"--output", 'o', "EVENTS.h5", "where events go (required)", NULL, &output, NULL},
+        {"--set", 0, "KEY=VALUE", "override a key of the run file; may be repeated", NULL, NULL, &sets},
+        {"--seed", 0, "N", "short for --set seed=N", NULL, &seed, NULL},
+        {"--stats", 0, "FILE.json", "write statistics of the run", NULL, &stats, NULL},
+        {"--preview", 0, "FILE.png", "picture of image, L_dot and events in the middle of the run", NULL, &preview, NULL},
+        {NULL, 0, NULL, NULL, NULL, NULL, NULL},
+    };
+    int code = cli_parse(command, options, argc, argv, &common, &run);
+    if (code == CLI_OK) cli_help_keys();
+    if (code != CLI_GO) return code;
+    if (!output) return cli_usage(command, "the output is missing: -o EVENTS.h5");
+    char seed_set[64];
+    if (seed) {
+        if (strlen(seed) > 32) return cli_usage(command, "--seed %s: not a 64-bit number", seed);
+        if (sets.count == CLI_LIST_MAX) return cli_usage(command, "--set is given over %d times", CLI_LIST_MAX - 1);
+        snprintf(seed_set, sizeof seed_set, "seed=%s", seed);
+        sets.items[sets.count++] = seed_set;
+    }
+    const cli_job job = {.run = run, .events = output, .stats = stats, .preview = preview, .sets = &sets};
+    return cli_job_run(&job, &common);
+}

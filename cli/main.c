@@ -1,0 +1,72 @@
+/* `tides`: finds the command and runs it. Exit codes: 0 ok, 1 failed, 2 usage; errors are one line on stderr. */
+#include "cli.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const cli_command commands[] = {
+    {"demo", "[-o DIR]", "Make a dynamic scene, simulate it, and leave everything in a directory.",
+     "Writes the scene, camera path, run file, events.h5, preview.png, frame.exr and stats.json.", 0, cmd_demo},
+    {"devices", "", "List OpenCL devices and show which one is used.", NULL, 0, cmd_devices},
+    {"info", "FILE", "Show what a scene, path, event or EXR file holds.", "The kind of file is found from its content.", 1,
+     cmd_info},
+    {"render", "RUN.json --time T -o OUT.exr", "Render one frame with its exact time derivative.",
+     "Channels: Y, L, L_dot, A, A_dot, coverage, contributors; with --rgb R, G, B and with --depth Z, and their _dot.\n"
+     "The keys for --set are listed by tides simulate --help.",
+     1, cmd_render},
+    {"simulate", "RUN.json -o EVENTS.h5", "Simulate events with continuous-time timestamps.",
+     "Events go to HDF5 in the DSEC layout, with nanosecond times in events/t_ns. Ctrl-C leaves what was simulated in "
+     "EVENTS.h5.part.",
+     1, cmd_simulate},
+    {"convert", "IN OUT", "Convert a scene between .ply and .h5.",
+     "The input's format is found from its content, the output's from its ending.", 2, cmd_convert},
+};
+
+enum { COMMANDS = sizeof commands / sizeof commands[0] };
+
+static void print_help(void) {
+    printf(
+        "usage: tides COMMAND ...\n\nEvent cameras in continuous time, from dynamic Gaussian-splatting scenes.\n\ncommands:\n");
+    for (size_t i = 0; i < COMMANDS; i++) printf("  %-10s %s\n", commands[i].name, commands[i].summary);
+    printf("\ntides COMMAND --help explains a command; tides --version prints the version.\n");
+}
+
+static int unknown_command(const char *name) {
+    const char *names[COMMANDS + 1] = {NULL};
+    for (size_t i = 0; i < COMMANDS; i++) names[i] = commands[i].name;
+    const char *nearest = cli_nearest(name, names);
+    if (nearest) return cli_usage(NULL, "unknown command %s; did you mean %s?", name, nearest);
+    return cli_usage(NULL, "unknown command %s", name);
+}
+
+static int run(int argc, char **argv) {
+    const char *name = argc > 1 ? argv[1] : NULL;
+    if (!name) return cli_usage(NULL, "a command is missing");
+    if (strcmp(name, "--version") == 0) {
+        printf("tides %s\n", tides_version());
+        return CLI_OK;
+    }
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || (strcmp(name, "help") == 0 && argc == 2)) {
+        print_help();
+        return CLI_OK;
+    }
+    if (strcmp(name, "help") == 0) { /* tides help render = tides render --help */
+        char flag[] = "--help";
+        char *again[] = {argv[0], argv[2], flag, NULL};
+        return argv[2][0] == '-' || strcmp(argv[2], "help") == 0 ? cli_usage(NULL, "help takes a command's name")
+                                                                 : run(3, again);
+    }
+    for (size_t i = 0; i < COMMANDS; i++)
+        if (strcmp(commands[i].name, name) == 0) return commands[i].run(&commands[i], argc - 1, argv + 1);
+    return name[0] == '-' ? cli_usage(NULL, "unknown option %s", name) : unknown_command(name);
+}
+
+int main(int argc, char **argv) {
+    int code = run(argc, argv);
+    /* A full disk or a closed pipe behind stdout is a failure like any other. */
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        fputs("tides: standard output can't be written\n", stderr);
+        if (code == CLI_OK) code = CLI_FAILED;
+    }
+    return code;
+}

@@ -1,0 +1,130 @@
+/* One option parser for all commands: --name VALUE, --name=VALUE, -n VALUE, -nVALUE, -qv, "--" ends options; options and
+ * operands may be mixed. Every command takes the common options. */
+#include "cli.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { COMMON_OPTIONS = 5, NAMES_MAX = 32 };
+
+typedef struct parser {
+    const cli_command *command;
+    const cli_option *own;
+    cli_option common[COMMON_OPTIONS];
+    char **argv;
+    int argc, at;
+} parser;
+
+static void fill_common(cli_option options[COMMON_OPTIONS], cli_common *common) {
+    const cli_option made[COMMON_OPTIONS] = {
+        {"--device", 0, "SPEC", NULL, NULL, &common->device, NULL},
+        {"--json", 0, NULL, NULL, &common->json, NULL, NULL},
+        {"--quiet", 'q', NULL, NULL, &common->quiet, NULL, NULL},
+        {"--verbose", 'v', NULL, NULL, &common->verbose, NULL, NULL},
+        {"--help", 'h', NULL, NULL, &common->help, NULL, NULL},
+    };
+    memcpy(options, made, sizeof made);
+}
+
+/* The option called `name` (its first `length` characters), or by its letter where name is NULL. */
+static const cli_option *find(const parser *p, const char *name, size_t length, char letter) {
+    for (const cli_option *o = p->own; o->name; o++)
+        if (name ? strlen(o->name) == length && memcmp(o->name, name, length) == 0 : o->letter == letter) return o;
+    for (const cli_option *o = p->common; o < p->common + COMMON_OPTIONS; o++)
+        if (name ? strlen(o->name) == length && memcmp(o->name, name, length) == 0 : o->letter == letter) return o;
+    return NULL;
+}
+
+static int unknown(const parser *p, const char *name, size_t length) {
+    const char *names[NAMES_MAX + 1] = {NULL};
+    size_t count = 0;
+    for (const cli_option *o = p->own; o->name && count < NAMES_MAX - COMMON_OPTIONS; o++) names[count++] = o->name;
+    for (size_t i = 0; i < COMMON_OPTIONS; i++) names[count++] = p->common[i].name;
+    char given[64];
+    snprintf(given, sizeof given, "%.*s", (int)(length < sizeof given ? length : sizeof given - 1), name);
+    const char *nearest = given[1] == '-' ? cli_nearest(given, names) : NULL;
+    if (nearest) return cli_usage(p->command, "unknown option %s; did you mean %s?", given, nearest);
+    return cli_usage(p->command, "unknown option %s", given);
+}
+
+/* Stores a value, or sets a switch where `value` is NULL. */
+static int store(const parser *p, const cli_option *option, const char *value) {
+    if (option->flag)
+        *option->flag = 1;
+    else if (option->text && *option->text)
+        return cli_usage(p->command, "%s is given twice", option->name);
+    else if (option->text)
+        *option->text = value;
+    else if (option->list->count == CLI_LIST_MAX)
+        return cli_usage(p->command, "%s is given over %d times", option->name, CLI_LIST_MAX);
+    else
+        option->list->items[option->list->count++] = value;
+    return CLI_GO;
+}
+
+/* The argument that follows an option. */
+static int store_next(parser *p, const cli_option *option) {
+    if (p->at + 1 >= p->argc)
+        return cli_usage(p->command, "%s needs a value: %s %s", option->name, option->name, option->argument);
+    return store(p, option, p->argv[++p->at]);
+}
+
+static int parse_long(parser *p, const char *text) {
+    size_t length = strcspn(text, "=");
+    const cli_option *option = find(p, text, length, 0);
+    if (!option) return unknown(p, text, length);
+    if (text[length] && !option->argument) return cli_usage(p->command, "%s takes no value", option->name);
+    if (text[length]) return store(p, option, text + length + 1);
+    return option->argument ? store_next(p, option) : store(p, option, NULL);
+}
+
+static int parse_letters(parser *p, const char *text) {
+    for (const char *letter = text + 1; *letter; letter++) {
+        const cli_option *option = find(p, NULL, 0, *letter);
+        if (!option) return unknown(p, (const char[]){'-', *letter, '\0'}, 2);
+        if (option->argument) return letter[1] ? store(p, option, letter + 1) : store_next(p, option);
+        int code = store(p, option, NULL);
+        if (code != CLI_GO) return code;
+    }
+    return CLI_GO;
+}
+
+int cli_parse(const cli_command *command, const cli_option *options, int argc, char **argv, cli_common *common,
+              const char **positional) {
+    parser p = {.command = command, .own = options, .argv = argv, .argc = argc};
+    memset(common, 0, sizeof *common);
+    fill_common(p.common, common);
+    int32_t given = 0, ended = 0;
+    for (p.at = 1; p.at < argc; p.at++) {
+        const char *text = argv[p.at];
+        int code = CLI_GO;
+        if (!ended && strcmp(text, "--") == 0)
+            ended = 1;
+        else if (!ended && text[0] == '-' && text[1] == '-')
+            code = parse_long(&p, text);
+        else if (!ended && text[0] == '-' && text[1])
+            code = parse_letters(&p, text);
+        else if (given == command->positionals)
+            code = cli_usage(command, "\"%s\" is one argument too many", text);
+        else
+            positional[given++] = text;
+        if (code != CLI_GO) return code;
+    }
+    if (common->help) {
+        cli_help_command(command, options);
+        return CLI_OK;
+    }
+    if (given < command->positionals)
+        return cli_usage(command, "too few arguments: tides %s %s", command->name, command->arguments);
+    return CLI_GO;
+}
+
+int cli_number(const cli_command *command, const char *option, const char *text, double *number) {
+    char *end = NULL;
+    double value = strtod(text, &end);
+    if (end == text || *end || !isfinite(value)) return cli_usage(command, "%s %s: not a number", option, text);
+    *number = value;
+    return CLI_GO;
+}

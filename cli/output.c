@@ -1,0 +1,168 @@
+/* What the tool writes: error lines, facts as text or JSON, small files. */
+#include "cli.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int cli_fail(const tides_error *error) {
+    fprintf(stderr, "tides: %s\n", error->text[0] ? error->text : tides_status_text(error->status));
+    return CLI_FAILED;
+}
+
+int cli_failed(const char *format, ...) {
+    va_list arguments;
+    fputs("tides: ", stderr);
+    va_start(arguments, format);
+    vfprintf(stderr, format, arguments);
+    va_end(arguments);
+    fputc('\n', stderr);
+    return CLI_FAILED;
+}
+
+int cli_usage(const cli_command *command, const char *format, ...) {
+    va_list arguments;
+    fputs("tides: ", stderr);
+    va_start(arguments, format);
+    vfprintf(stderr, format, arguments);
+    va_end(arguments);
+    fprintf(stderr, "; see tides %s%s--help\n", command ? command->name : "", command ? " " : "");
+    return CLI_USAGE;
+}
+
+void cli_note(const cli_common *common, const char *format, ...) {
+    if (!common->verbose || common->quiet) return;
+    va_list arguments;
+    fputs("tides: ", stderr);
+    va_start(arguments, format);
+    vfprintf(stderr, format, arguments);
+    va_end(arguments);
+    fputc('\n', stderr);
+}
+
+tides_status cli_error(tides_error *error, tides_status status, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    error->status = status;
+    vsnprintf(error->text, sizeof error->text, format, arguments);
+    va_end(arguments);
+    return status;
+}
+
+const char *cli_count(double number, char text[24]) {
+    static const char *const suffixes[] = {"", " k", " M", " G", " T"};
+    size_t i = 0;
+    while (i + 1 < sizeof suffixes / sizeof suffixes[0] && fabs(number) >= 999.5) {
+        number /= 1000.0;
+        i++;
+    }
+    snprintf(text, 24, "%.3g%s", number, suffixes[i]);
+    return text;
+}
+
+/* -- facts ---------------------------------------------------------------------------------------------------------- */
+
+static void print_scalar(const cJSON *value) {
+    if (cJSON_IsString(value))
+        printf("%s", value->valuestring);
+    else if (cJSON_IsBool(value))
+        printf("%s", cJSON_IsTrue(value) ? "yes" : "no");
+    else if (cJSON_IsNumber(value))
+        printf(value->valuedouble == floor(value->valuedouble) ? "%.0f" : "%.7g", value->valuedouble);
+    else
+        printf("-");
+}
+
+static int32_t is_scalar(const cJSON *value) { return !cJSON_IsObject(value) && !cJSON_IsArray(value); }
+
+/* An object's fields one per line, names padded to the longest; an object in a list is one line. */
+static void print_fields(const cJSON *object, int indent) {
+    size_t widest = 0;
+    for (const cJSON *field = object->child; field; field = field->next)
+        if (strlen(field->string) > widest) widest = strlen(field->string);
+    for (const cJSON *field = object->child; field; field = field->next) {
+        printf("%*s%-*s", indent, "", (int)widest + 2, field->string);
+        if (is_scalar(field)) {
+            print_scalar(field);
+            putchar('\n');
+        } else if (cJSON_IsArray(field) && (!field->child || is_scalar(field->child))) {
+            for (const cJSON *item = field->child; item; item = item->next) {
+                print_scalar(item);
+                if (item->next) fputs("  ", stdout);
+            }
+            putchar('\n');
+        } else if (cJSON_IsArray(field)) {
+            putchar('\n');
+            for (const cJSON *item = field->child; item; item = item->next) {
+                printf("%*s", indent + 2, "");
+                for (const cJSON *part = item->child; part; part = part->next) {
+                    printf("%s ", part->string);
+                    print_scalar(part);
+                    if (part->next) fputs("  ", stdout);
+                }
+                putchar('\n');
+            }
+        } else {
+            putchar('\n');
+            print_fields(field, indent + 2);
+        }
+    }
+}
+
+int cli_print_facts(cJSON *facts, int32_t json) {
+    if (!facts) return cli_failed("out of memory");
+    char *text = json ? cJSON_Print(facts) : NULL;
+    if (text)
+        puts(text);
+    else if (!json)
+        print_fields(facts, 0);
+    int code = json && !text ? cli_failed("out of memory") : CLI_OK;
+    cJSON_free(text);
+    cJSON_Delete(facts);
+    return code;
+}
+
+/* -- files ---------------------------------------------------------------------------------------------------------- */
+
+static char *part_name(const char *path, tides_error *error) {
+    size_t bytes = strlen(path) + sizeof ".part";
+    char *part = malloc(bytes);
+    if (part)
+        snprintf(part, bytes, "%s.part", path);
+    else
+        cli_error(error, TIDES_NO_MEMORY, "out of memory: %s", path);
+    return part;
+}
+
+tides_status cli_check_writable(const char *path, tides_error *error) {
+    char *part = part_name(path, error);
+    if (!part) return TIDES_NO_MEMORY;
+    FILE *file = fopen(part, "ab");
+    tides_status status = TIDES_OK;
+    if (!file)
+        status = cli_error(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path, strerror(errno));
+    else {
+        fclose(file);
+        remove(part);
+    }
+    free(part);
+    return status;
+}
+
+tides_status cli_write_text(const char *path, const char *text, tides_error *error) {
+    char *part = part_name(path, error);
+    if (!part) return TIDES_NO_MEMORY;
+    tides_status status = TIDES_OK;
+    FILE *file = fopen(part, "wb");
+    int32_t written = file && fputs(text, file) >= 0 && fputc('\n', file) != EOF;
+    if (file && fclose(file) != 0) written = 0;
+    if (!written || rename(part, path) != 0) {
+        status = cli_error(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path, strerror(errno));
+        if (file) remove(part);
+    }
+    free(part);
+    return status;
+}

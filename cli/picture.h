@@ -1,0 +1,17 @@
+/* A canvas for pictures made of labelled panels. */
+#ifndef CLI_PICTURE_H
+#define CLI_PICTURE_H
+
+#include <stdint.h>
+
+typedef struct cli_canvas {
+    int32_t width, height;
+    uint8_t *rgb; /* (height x width x 3) */
+} cli_canvas;
+
+/* picture.c: white canvas for `count` panels of width x height in a row; pixels is NULL when out of memory. */
+cli_canvas cli_canvas_create(int32_t count, int32_t width, int32_t height);
+/* Puts a panel's picture (height x width x 3) and its label at place `index`. */
+void cli_canvas_panel(cli_canvas *canvas, int32_t index, int32_t width, int32_t height, const uint8_t *rgb, const char *label);
+
+#endif

@@ -1,0 +1,81 @@
+/* Progress of long work on stderr: a bar on a terminal, a line per 10 % elsewhere, and a clean stop on Ctrl-C. */
+#include "cli.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+/* Signal handlers reach nothing but a flag of this type: the only writable global of the tool. */
+static volatile sig_atomic_t interrupted;
+
+static void on_interrupt(int number) {
+    (void)number;
+    interrupted = 1;
+}
+
+/* Handles a signal, unless whoever started us wanted it ignored (nohup, background jobs of scripts). */
+static void catch_one(int number) {
+    struct sigaction action, before;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = on_interrupt;
+    action.sa_flags = (int)(SA_RESETHAND | SA_RESTART); /* the second Ctrl-C gets the default: end at once */
+    sigemptyset(&action.sa_mask);
+    if (sigaction(number, NULL, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(number, &action, NULL);
+}
+
+void cli_catch_interrupt(void) {
+    catch_one(SIGINT);
+    catch_one(SIGTERM);
+}
+
+double cli_now(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void draw_bar(const cli_progress *p, double fraction, double elapsed) {
+    static const char full[] = "##############################", empty[] = "..............................";
+    enum { WIDTH = sizeof full - 1 };
+    int done = (int)(fraction * WIDTH);
+    fprintf(stderr, "\r%-18s [%.*s%.*s] %3d %%", p->stage, done, full, WIDTH - done, empty, (int)(100.0 * fraction));
+    if (fraction > 0.01 && elapsed > 0.5) fprintf(stderr, "  %.0f s left", elapsed * (1.0 - fraction) / fraction);
+    char rate[24];
+    if (p->events && *p->events && elapsed > 0) fprintf(stderr, "  %s events/s", cli_count((double)*p->events / elapsed, rate));
+    fputs("\033[K", stderr);
+}
+
+static void start_stage(cli_progress *p, const char *stage, double now) {
+    snprintf(p->stage, sizeof p->stage, "%s", stage);
+    p->began = now;
+    p->drawn = 0;
+    p->decile = 0;
+    p->terminal = isatty(STDERR_FILENO);
+}
+
+int cli_progress_step(void *progress, double fraction, const char *stage) {
+    cli_progress *p = progress;
+    double now = cli_now();
+    if (strncmp(p->stage, stage ? stage : "", sizeof p->stage - 1) != 0 || p->began <= 0)
+        start_stage(p, stage ? stage : "", now);
+    if (!(fraction >= 0)) fraction = 0;
+    if (fraction > 1) fraction = 1;
+    const int32_t decile = (int32_t)(10.0 * fraction);
+    if (p->quiet) return interrupted != 0;
+    if (p->terminal && (now - p->drawn > 0.1 || fraction >= 1)) {
+        draw_bar(p, fraction, now - p->began);
+        p->drawn = now;
+    } else if (!p->terminal && decile > p->decile) {
+        if (now - p->began > 1.0) fprintf(stderr, "tides: %s: %d %%\n", p->stage, 10 * decile);
+        p->decile = decile;
+    }
+    return interrupted != 0;
+}
+
+void cli_progress_end(cli_progress *progress) {
+    if (progress->terminal && progress->drawn > 0 && !progress->quiet) fputs("\r\033[K", stderr);
+    progress->drawn = 0;
+    progress->began = 0;
+}

@@ -1,0 +1,57 @@
+/* A run with everything open that it names, and what commands do with it. */
+#ifndef CLI_SESSION_H
+#define CLI_SESSION_H
+
+#include "cli.h"
+
+typedef struct cli_session {
+    tides_run *run;
+    tides_run_values values;
+    tides_scene *scene;
+    tides_trajectory *camera;
+    tides_intrinsics intrinsics;
+    tides_device *device;
+    tides_device_info info;
+} cli_session;
+
+/* Opens run file, scene, camera and device; `sets` are --set texts. On failure nothing stays open. */
+tides_status cli_session_open(const char *file, const cli_list *sets, const cli_common *common, cli_session *session,
+                              tides_error *error);
+void cli_session_close(cli_session *session);
+
+/* frame.c: the wanted planes of one frame, in memory. */
+typedef struct cli_frame {
+    int32_t width, height;
+    double *plane[TIDES_CHANNELS]; /* NULL where not rendered */
+} cli_frame;
+enum { CLI_FRAME_PLAIN = 0, CLI_FRAME_RGB = 1, CLI_FRAME_DEPTH = 2 };
+tides_status cli_frame_render(const cli_session *session, double time, int32_t wanted, cli_progress *progress, cli_frame *frame,
+                              tides_error *error);
+void cli_frame_free(cli_frame *frame);
+/* Every plane as a float channel, with time, run and version as attributes. */
+tides_status cli_frame_write_exr(const cli_frame *frame, const char *path, double time, const cli_session *session,
+                                 tides_error *error);
+
+/* Events of a time window, kept while a run goes by. */
+typedef struct cli_window {
+    int64_t first_ns, stop_ns; /* [first, stop) */
+    tides_event *events;
+    size_t count, capacity;
+} cli_window;
+
+/* preview.c: labelled panels side by side: Y or colour, L_dot, and with a window its events. */
+tides_status cli_preview_write(const char *path, const cli_frame *frame, const cli_window *window, tides_error *error);
+
+/* job.c: the main job. */
+typedef struct cli_job {
+    const char *run, *events;          /* files in and out */
+    const char *stats, *preview, *exr; /* more files out, each nullable; exr is the preview's frame */
+    const cli_list *sets;
+} cli_job;
+/* Simulates, writes, and prints the summary (or with --json the statistics). The exit code. */
+int cli_job_run(const cli_job *job, const cli_common *common);
+
+/* stats.c: the statistics of DESIGN 6 as JSON; NULL: out of memory. */
+cJSON *cli_stats_json(const tides_stats *stats, const cli_session *session);
+
+#endif

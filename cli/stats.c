@@ -1,0 +1,82 @@
+/* The statistics of a run as JSON (DESIGN 6). */
+#include "session.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Each stage, and `other`: the rest of the run time, so that the parts sum to the whole. */
+static int32_t add_times(cJSON *root, const tides_stats *s) {
+    cJSON *times = cJSON_AddObjectToObject(root, "time_s");
+    const struct {
+        const char *name;
+        double seconds;
+    } parts[] = {
+        {"build", s->render.time_build_s},
+        {"sweep", s->render.time_sweep_s},
+        {"project", s->render.time_project_s},
+        {"sort", s->render.time_sort_s},
+        {"composite", s->render.time_composite_s},
+        {"transfer", s->render.time_transfer_s},
+        {"compare", s->time_compare_s},
+        {"sink", s->time_sink_s},
+        {"other", s->time_other_s},
+    };
+    int32_t ok = times != NULL;
+    for (size_t i = 0; ok && i < sizeof parts / sizeof parts[0]; i++)
+        ok = cJSON_AddNumberToObject(times, parts[i].name, parts[i].seconds) != NULL;
+    return ok;
+}
+
+static int32_t add_counts(cJSON *root, const tides_stats *s) {
+    const struct {
+        const char *name;
+        double count;
+    } parts[] = {
+        {"events", (double)s->events},
+        {"events_on", (double)s->events_on},
+        {"events_off", (double)s->events_off},
+        {"events_truncated", (double)s->events_truncated},
+        {"events_caught_up", (double)s->events_caught_up},
+        {"events_suppressed", 0}, /* sensor.b_min and the readout don't exist yet: nothing suppresses or drops */
+        {"events_dropped", 0},
+        {"renders_full_frame_equivalent", s->renders_full_frame_equivalent},
+        {"tiles", s->render.tiles},
+        {"tile_jobs", (double)s->render.tile_jobs},
+        {"tile_jobs_skipped", (double)s->render.tile_jobs_skipped},
+        {"gaussians_total", (double)s->render.gaussians_total},
+        {"gaussians_projected", (double)s->render.gaussians_projected},
+        {"gaussians_culled", (double)s->render.gaussians_culled},
+        {"sweeps", (double)s->render.sweeps},
+        {"pairs_evaluated", (double)s->render.pairs_evaluated},
+        {"steps", (double)s->steps},
+        {"steps_rejected", (double)s->steps_rejected},
+        {"worst_residual", s->worst_residual},
+        {"simulated_s", s->simulated_s},
+        {"run_time_s", s->run_time_s},
+        {"real_time_factor", s->real_time_factor},
+        {"peak_memory_bytes", (double)s->peak_memory_bytes},
+    };
+    int32_t ok = 1;
+    for (size_t i = 0; ok && i < sizeof parts / sizeof parts[0]; i++)
+        ok = cJSON_AddNumberToObject(root, parts[i].name, parts[i].count) != NULL;
+    /* The error that step control estimates: fixed steps estimate none. */
+    return ok && cJSON_AddNullToObject(root, "worst_error");
+}
+
+cJSON *cli_stats_json(const tides_stats *stats, const cli_session *session) {
+    cJSON *root = cJSON_CreateObject();
+    int32_t ok = root && add_counts(root, stats) && add_times(root, stats);
+    ok = ok && cJSON_AddStringToObject(root, "device", session->info.name);
+    ok = ok && cJSON_AddStringToObject(root, "platform", session->info.platform);
+    ok = ok && cJSON_AddNumberToObject(root, "lanes", session->info.lanes);
+    ok = ok && cJSON_AddNumberToObject(root, "width", session->intrinsics.width);
+    ok = ok && cJSON_AddNumberToObject(root, "height", session->intrinsics.height);
+    ok = ok && cJSON_AddStringToObject(root, "version", tides_version());
+    ok = ok && cJSON_AddNumberToObject(root, "numerics", TIDES_NUMERICS);
+    ok = ok && cJSON_AddStringToObject(root, "seed", session->values.seed);
+    if (!ok) {
+        cJSON_Delete(root);
+        root = NULL;
+    }
+    return root;
+}

@@ -1,0 +1,174 @@
+/* Camera path files: finds the format from the content, hands on to its reader, puts the samples on their time line. */
+#include "tides/camera.h"
+
+#include "camera/td_path.h"
+#include "td_base.h"
+
+#include <locale.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TD_LARGEST_PATH ((size_t)1 << 30) /* [bytes]: days at 200 Hz */
+
+void tides_path_options_defaults(tides_path_options *options) {
+    memset(options, 0, sizeof *options);
+    options->size = sizeof *options;
+    options->duration = 1.0;
+}
+
+td_path_sample *td_path_append(td_path_reader *reader, size_t place) {
+    void *samples = reader->samples;
+    size_t needed = reader->count < 64 ? 64 : reader->count + 1;
+    if (td_reserve(&samples, &reader->capacity, needed, sizeof *reader->samples, reader->error) != TIDES_OK) return NULL;
+    reader->samples = samples;
+    td_path_sample *sample = reader->samples + reader->count++;
+    memset(sample, 0, sizeof *sample);
+    sample->place = place;
+    return sample;
+}
+
+long double td_path_offset(const td_path_reader *reader, long double first) {
+    return reader->options->rebase ? first : (long double)reader->options->start;
+}
+
+void td_path_spread(td_path_reader *reader) {
+    double steps = reader->count > 1 ? (double)(reader->count - 1) : 1.0;
+    for (size_t i = 0; i < reader->count; i++) reader->samples[i].time = reader->options->duration * ((double)i / steps);
+}
+
+void td_path_share_intrinsics(tides_intrinsics *common, const tides_intrinsics *other, int first) {
+    if (first) {
+        *common = *other;
+        return;
+    }
+    if (common->width != other->width) common->width = 0;
+    if (common->height != other->height) common->height = 0;
+    if (common->fx != other->fx) common->fx = 0.0;
+    if (common->fy != other->fy) common->fy = 0.0;
+    if (common->cx != other->cx) common->cx = 0.0;
+    if (common->cy != other->cy) common->cy = 0.0;
+}
+
+/* "FILE:12" or "FILE: frames[12]". */
+static void name_place(const td_path_reader *reader, size_t place, char *text, size_t bytes) {
+    if (reader->list)
+        snprintf(text, bytes, "%s: %s[%zu]", reader->file, reader->list, place);
+    else
+        snprintf(text, bytes, "%s:%zu", reader->file, place);
+}
+
+/* Times must strictly increase; says at which line or entry they don't. */
+static tides_status check_order(const td_path_reader *reader) {
+    for (size_t i = 1; i < reader->count; i++) {
+        const td_path_sample *before = reader->samples + i - 1, *here = before + 1;
+        if (here->time > before->time) continue;
+        char place[512];
+        name_place(reader, here->place, place, sizeof place);
+        const char *word = reader->list ? "entry" : "line";
+        if (here->time == before->time)
+            return td_fail(reader->error, TIDES_BAD_FILE, "%s: its time, %.17Lg s, is also that of %s %zu; drop one of the two",
+                           place, here->time, word, before->place);
+        return td_fail(reader->error, TIDES_BAD_FILE,
+                       "%s: its time, %.17Lg s, comes before that of %s %zu, %.17Lg s; sort the file by time", place,
+                       here->time, word, before->place, before->time);
+    }
+    return TIDES_OK;
+}
+
+/* The trajectory through the reader's samples, with `start` or `rebase` applied. */
+static tides_status make_trajectory(td_path_reader *reader) {
+    if (reader->count == 0) return td_fail(reader->error, TIDES_BAD_FILE, "%s: holds no poses", reader->file);
+    tides_status status = check_order(reader);
+    if (status != TIDES_OK) return status;
+    tides_pose_sample *samples = td_alloc(reader->count, sizeof *samples, reader->error);
+    if (!samples) return TIDES_NO_MEMORY;
+    long double offset = td_path_offset(reader, reader->samples[0].time);
+    for (size_t i = 0; i < reader->count; i++) {
+        samples[i] = reader->samples[i].pose;
+        samples[i].time = (double)(reader->samples[i].time - offset);
+    }
+    status = tides_trajectory_create(samples, reader->count, &reader->path.trajectory, reader->error);
+    if (status == TIDES_BAD_ARGUMENT) status = TIDES_BAD_FILE; /* here the argument is what the file says */
+    if (status != TIDES_OK) td_fail_within(reader->error, status, "%s", reader->file);
+    if (status != TIDES_OK && reader->error) reader->error->status = status;
+    free(samples);
+    return status;
+}
+
+/* The JSON formats tell themselves apart by their root. */
+static tides_status read_json(td_path_reader *reader) {
+    cJSON *root = td_json_parse(reader);
+    if (!root) return TIDES_BAD_FILE;
+    const cJSON *format = cJSON_GetObjectItemCaseSensitive(root, "format");
+    tides_status status;
+    if (cJSON_IsArray(root))
+        status = td_path_read_cameras(reader, root);
+    else if (cJSON_IsString(format) && strcmp(format->valuestring, "tides-path") == 0)
+        status = td_path_read_tides(reader, root);
+    else if (td_json_has(root, "frames"))
+        status = td_path_read_transforms(reader, root);
+    else
+        status =
+            td_fail(reader->error, TIDES_BAD_FILE,
+                    "%s: is JSON but no path: expected \"format\": \"tides-path\", a transforms.json with \"frames\", or the "
+                    "list of a cameras.json",
+                    reader->file);
+    cJSON_Delete(root);
+    return status;
+}
+
+static tides_status check_options(const tides_path_options *options, tides_error *error) {
+    if (options->size < sizeof *options)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "path options: fill them with tides_path_options_defaults first");
+    if (!isfinite(options->duration) || !(options->duration > 0.0))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "path options: duration is %g s; it must be above 0", options->duration);
+    if (!isfinite(options->start)) return td_fail(error, TIDES_BAD_ARGUMENT, "path options: start must be finite");
+    return TIDES_OK;
+}
+
+/* Detection and reading, in the C locale. */
+static tides_status read_path(td_path_reader *reader) {
+    if (reader->bytes >= 3 && memcmp(reader->text, "\xEF\xBB\xBF", 3) == 0) { /* UTF-8 byte order mark, from Windows editors */
+        reader->text += 3;
+        reader->bytes -= 3;
+    }
+    const char *nul = memchr(reader->text, 0, reader->bytes);
+    if (nul)
+        return td_fail(reader->error, TIDES_BAD_FILE, "%s: has a zero byte at %zu: a path file is text or JSON", reader->file,
+                       (size_t)(nul - reader->text));
+    size_t blank = strspn(reader->text, " \t\r\n");
+    char first = reader->text[blank];
+    tides_status status = first == '{' || first == '[' ? read_json(reader) : td_path_read_text(reader);
+    if (status != TIDES_OK || reader->path.trajectory) return status;
+    return make_trajectory(reader);
+}
+
+tides_status td_path_parse(const char *file, const char *text, size_t bytes, const tides_path_options *options,
+                           tides_path *path, tides_error *error) {
+    td_path_reader reader = {.file = file, .text = text, .bytes = bytes, .options = options, .error = error};
+    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0); /* the program's may have a decimal comma */
+    if (plain == (locale_t)0) return td_fail(error, TIDES_NO_MEMORY, "out of memory for a locale");
+    locale_t before = uselocale(plain);
+    tides_status status = read_path(&reader);
+    uselocale(before);
+    freelocale(plain);
+    free(reader.samples);
+    if (status == TIDES_OK) *path = reader.path;
+    return status;
+}
+
+tides_status tides_path_load(const char *file, const tides_path_options *options, tides_path *path, tides_error *error) {
+    if (!file || !path) return td_fail(error, TIDES_BAD_ARGUMENT, "a path needs a file name and a place for the result");
+    tides_path_options defaults;
+    tides_path_options_defaults(&defaults);
+    if (!options) options = &defaults;
+    tides_status status = check_options(options, error);
+    if (status != TIDES_OK) return status;
+    char *text = NULL;
+    size_t bytes = 0;
+    status = td_read_file(file, TD_LARGEST_PATH, &text, &bytes, error);
+    if (status == TIDES_OK) status = td_path_parse(file, text, bytes, options, path, error);
+    free(text);
+    return status;
+}

@@ -1,0 +1,48 @@
+/* INRIA's cameras.json: a list of {id, img_name, width, height, position, rotation, fx, fy}. `position` is the camera's centre,
+ * `rotation` its camera-to-world matrix by rows, in OpenCV axes. There are no times (poses are spread over `duration`, in
+ * the order of the list) and no principal point: that renderer takes the image's middle. Keys we don't know are ignored. */
+#include "camera/td_path.h"
+
+#include "td_base.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static tides_status read_intrinsics(td_path_reader *reader, const cJSON *item, const char *where, tides_intrinsics *out) {
+    const struct {
+        const char *key;
+        double *value;
+    } focal[] = {{"fx", &out->fx}, {"fy", &out->fy}};
+    tides_status status = td_json_pixels(reader, item, where, "width", &out->width);
+    if (status == TIDES_OK) status = td_json_pixels(reader, item, where, "height", &out->height);
+    for (int k = 0; k < 2 && status == TIDES_OK; k++) {
+        status = td_json_number(reader, item, where, focal[k].key, focal[k].value);
+        if (status == TIDES_OK && !(*focal[k].value > 0.0)) return td_json_fail(reader, where, focal[k].key, "must be above 0");
+    }
+    out->cx = 0.5 * out->width;
+    out->cy = 0.5 * out->height;
+    return status;
+}
+
+tides_status td_path_read_cameras(td_path_reader *reader, const cJSON *root) {
+    const cJSON *item;
+    size_t index = 0;
+    reader->list = "";
+    strcpy(reader->path.format, "cameras");
+    cJSON_ArrayForEach(item, root) {
+        char where[48];
+        double rotation[9];
+        tides_intrinsics intrinsics = {0};
+        snprintf(where, sizeof where, "[%zu]", index);
+        td_path_sample *sample = td_path_append(reader, index++);
+        if (!sample) return TIDES_NO_MEMORY;
+        tides_status status = td_json_vector(reader, item, where, "position", sample->pose.position, 3);
+        if (status == TIDES_OK) status = td_json_matrix(reader, item, where, "rotation", rotation, 3, 3);
+        if (status == TIDES_OK) status = td_json_rotation(reader, where, "rotation", rotation, sample->pose.quaternion);
+        if (status == TIDES_OK) status = read_intrinsics(reader, item, where, &intrinsics);
+        if (status != TIDES_OK) return status;
+        td_path_share_intrinsics(&reader->path.intrinsics, &intrinsics, reader->count == 1);
+    }
+    td_path_spread(reader);
+    return TIDES_OK;
+}

@@ -1,0 +1,89 @@
+/* Writes a path as TIDES's own JSON (path_tides.c), one sample per line, numbers with 17 digits so that they read back as
+ * they were. The file is written beside and renamed, so that a path file is never half there. */
+#include "tides/camera.h"
+
+#include "camera/td_rotation.h"
+#include "td_base.h"
+
+#include <errno.h>
+#include <locale.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void write_vector(FILE *out, const char *key, const double *values, int count) {
+    fprintf(out, ", \"%s\": [", key);
+    for (int k = 0; k < count; k++) fprintf(out, "%s%.17g", k ? ", " : "", values[k]);
+    fputc(']', out);
+}
+
+static void write_path(FILE *out, const tides_trajectory *trajectory, const tides_intrinsics *camera) {
+    size_t count = tides_trajectory_count(trajectory);
+    fputs("{\n  \"format\": \"tides-path\", \"version\": 1,\n", out);
+    if (camera)
+        fprintf(out,
+                "  \"intrinsics\": {\"width\": %d, \"height\": %d, \"fx\": %.17g, \"fy\": %.17g, \"cx\": %.17g, \"cy\": "
+                "%.17g},\n",
+                (int)camera->width, (int)camera->height, camera->fx, camera->fy, camera->cx, camera->cy);
+    fputs("  \"samples\": [\n", out);
+    for (size_t i = 0; i < count; i++) {
+        tides_pose_sample sample;
+        if (tides_trajectory_sample(trajectory, i, &sample, NULL) != TIDES_OK) continue; /* can't be: i < count */
+        fprintf(out, "    {\"t\": %.17g", sample.time);
+        write_vector(out, "position", sample.position, 3);
+        write_vector(out, "quaternion", sample.quaternion, 4);
+        if (sample.has_rates) {
+            write_vector(out, "velocity", sample.velocity, 3);
+            write_vector(out, "angular_velocity", sample.angular_velocity, 3);
+        }
+        fprintf(out, "}%s\n", i + 1 < count ? "," : "");
+    }
+    fputs("  ]\n}\n", out);
+}
+
+/* What tides_path_load would refuse isn't written. */
+static tides_status check_intrinsics(const tides_intrinsics *camera, tides_error *error) {
+    const double numbers[] = {camera->fx, camera->fy, camera->cx, camera->cy};
+    int positive = camera->width >= 1 && camera->height >= 1 && camera->fx > 0.0 && camera->fy > 0.0;
+    if (positive && td_all_finite(numbers, 4)) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_ARGUMENT,
+                   "intrinsics %dx%d, fx %g, fy %g, cx %g, cy %g: sizes and focal lengths must be above 0, all values finite; "
+                   "pass "
+                   "NULL to leave them out",
+                   (int)camera->width, (int)camera->height, camera->fx, camera->fy, camera->cx, camera->cy);
+}
+
+tides_status tides_path_save(const char *file, const tides_trajectory *trajectory, const tides_intrinsics *intrinsics,
+                             tides_error *error) {
+    if (!file || !trajectory) return td_fail(error, TIDES_BAD_ARGUMENT, "saving a path needs a file name and a trajectory");
+    if (intrinsics && check_intrinsics(intrinsics, error) != TIDES_OK) return TIDES_BAD_ARGUMENT;
+    char *part = td_part_name(file, error);
+    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0); /* JSON has decimal points whatever the program's locale */
+    FILE *out = NULL;
+    tides_status status = TIDES_NO_MEMORY;
+    if (!part) goto done;
+    if (plain == (locale_t)0) {
+        td_fail(error, status, "out of memory for a locale");
+        goto done;
+    }
+    status = TIDES_WRITE_FAILED;
+    out = fopen(part, "wb");
+    if (!out) {
+        td_fail(error, status, "%s: can't be written: %s", part, strerror(errno));
+        goto done;
+    }
+    locale_t before = uselocale(plain);
+    write_path(out, trajectory, intrinsics);
+    uselocale(before);
+    int broken = ferror(out);
+    broken = fclose(out) != 0 || broken;
+    if (broken) {
+        td_fail(error, status, "%s: writing failed: %s; is the disk full?", part, strerror(errno));
+        remove(part);
+        goto done;
+    }
+    status = td_commit_file(part, file, error);
+done:
+    if (plain != (locale_t)0) freelocale(plain);
+    free(part);
+    return status;
+}

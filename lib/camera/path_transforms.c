@@ -1,0 +1,119 @@
+/* transforms.json as nerfstudio, instant-ngp, Blender and D-NeRF write it.
+ *
+ * `transform_matrix` is camera-to-world in OpenGL axes (x right, y up, z back), so its y and z columns change sign here.
+ * Intrinsics are fl_x fl_y cx cy w h, for all frames or per frame; fl_x and fl_y may be given as camera_angle_x and
+ * camera_angle_y instead, a missing fl_y is fl_x, a missing principal point the image's middle. A Blender file without a
+ * size gives path.field_of_view_x alone. Distortion is ignored: what is simulated is a pinhole on that path.
+ *
+ * Frames with `time` are sorted by it. Trainers scale time to [0, 1]: such times are multiplied by the option `duration`;
+ * times beyond 1 are seconds already. Frames without times are spread over `duration` in the order of the list. Keys we
+ * don't know are ignored. */
+#include "camera/td_path.h"
+
+#include "td_base.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A positive number of the frame, or of the root where the frame has none; `value` is untouched where neither has. */
+static tides_status inherited(td_path_reader *reader, const cJSON *frame, const cJSON *root, const char *where, const char *key,
+                              double *value) {
+    int own = td_json_has(frame, key);
+    if (!own && !td_json_has(root, key)) return TIDES_OK;
+    double number = 0.0;
+    tides_status status = td_json_number(reader, own ? frame : root, own ? where : "", key, &number);
+    if (status != TIDES_OK) return status;
+    if (!(number > 0.0)) return td_json_fail(reader, own ? where : "", key, "must be above 0");
+    *value = number;
+    return TIDES_OK;
+}
+
+/* Focal length [px] of a field of view across `pixels`. */
+static double focal_length(double angle, double pixels) { return 0.5 * pixels / tan(0.5 * angle); }
+
+static tides_status read_intrinsics(td_path_reader *reader, const cJSON *frame, const cJSON *root, const char *where,
+                                    tides_intrinsics *out, double *angle_x) {
+    static const char *const keys[] = {"w", "h", "fl_x", "fl_y", "cx", "cy", "camera_angle_x", "camera_angle_y"};
+    double v[8] = {0};
+    for (int k = 0; k < 8; k++) {
+        tides_status status = inherited(reader, frame, root, where, keys[k], v + k);
+        if (status != TIDES_OK) return status;
+    }
+    for (int k = 0; k < 2; k++) {
+        if (v[k] > INT32_MAX || v[k] != floor(v[k]))
+            return td_json_fail(reader, where, keys[k], "must be a whole number of pixels");
+        if (v[6 + k] >= 3.14159265358979323846)
+            return td_json_fail(reader, where, keys[6 + k], "is a field of view in radians and must be below pi");
+        if (v[2 + k] <= 0.0 && v[6 + k] > 0.0 && v[k] > 0.0) v[2 + k] = focal_length(v[6 + k], v[k]);
+    }
+    if (v[3] <= 0.0) v[3] = v[2];
+    out->width = (int32_t)v[0];
+    out->height = (int32_t)v[1];
+    out->fx = v[2];
+    out->fy = v[3];
+    out->cx = v[4] > 0.0 ? v[4] : 0.5 * v[0];
+    out->cy = v[5] > 0.0 ? v[5] : 0.5 * v[1];
+    *angle_x = v[6];
+    return TIDES_OK;
+}
+
+static tides_status read_pose(td_path_reader *reader, const cJSON *frame, const char *where, tides_pose_sample *pose) {
+    double matrix[12], rotation[9];
+    tides_status status = td_json_matrix(reader, frame, where, "transform_matrix", matrix, 3, 4);
+    if (status != TIDES_OK) return status;
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) rotation[3 * i + j] = j == 0 ? matrix[4 * i] : -matrix[4 * i + j];
+        pose->position[i] = matrix[4 * i + 3];
+    }
+    return td_json_rotation(reader, where, "transform_matrix", rotation, pose->quaternion);
+}
+
+static int by_time(const void *left, const void *right) {
+    const td_path_sample *a = left, *b = right;
+    if (a->time != b->time) return a->time < b->time ? -1 : 1;
+    return a->place < b->place ? -1 : a->place > b->place;
+}
+
+/* Times of all frames, sorted and scaled; or spread evenly where the file has none. */
+static tides_status settle_times(td_path_reader *reader, size_t timed) {
+    if (timed == 0) {
+        td_path_spread(reader);
+        return TIDES_OK;
+    }
+    if (timed != reader->count)
+        return td_fail(reader->error, TIDES_BAD_FILE, "%s: only %zu of %zu frames have a \"time\": give it to all or to none",
+                       reader->file, timed, reader->count);
+    qsort(reader->samples, reader->count, sizeof *reader->samples, by_time);
+    int normalised = reader->samples[0].time >= 0.0L && reader->samples[reader->count - 1].time <= 1.0L;
+    for (size_t i = 0; normalised && i < reader->count; i++) reader->samples[i].time *= reader->options->duration;
+    return TIDES_OK;
+}
+
+tides_status td_path_read_transforms(td_path_reader *reader, const cJSON *root) {
+    const cJSON *frames = cJSON_GetObjectItemCaseSensitive(root, "frames"), *frame;
+    if (!cJSON_IsArray(frames)) return td_json_fail(reader, "", "frames", "must be a list");
+    size_t index = 0, timed = 0;
+    reader->list = "frames";
+    strcpy(reader->path.format, "transforms");
+    cJSON_ArrayForEach(frame, frames) {
+        char where[48];
+        tides_intrinsics intrinsics = {0};
+        double angle_x = 0.0, time = 0.0;
+        snprintf(where, sizeof where, "frames[%zu]", index);
+        td_path_sample *sample = td_path_append(reader, index++);
+        if (!sample) return TIDES_NO_MEMORY;
+        tides_status status = read_pose(reader, frame, where, &sample->pose);
+        if (status == TIDES_OK) status = read_intrinsics(reader, frame, root, where, &intrinsics, &angle_x);
+        if (status == TIDES_OK && td_json_has(frame, "time")) {
+            status = td_json_number(reader, frame, where, "time", &time);
+            timed++;
+        }
+        if (status != TIDES_OK) return status;
+        sample->time = time;
+        td_path_share_intrinsics(&reader->path.intrinsics, &intrinsics, index == 1);
+        if (index == 1) reader->path.field_of_view_x = angle_x;
+        if (reader->path.field_of_view_x != angle_x) reader->path.field_of_view_x = 0.0;
+    }
+    return settle_times(reader, timed);
+}

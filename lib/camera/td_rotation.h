@@ -1,0 +1,35 @@
+/* Internal: 3-vectors, unit quaternions (wxyz) and rotation matrices (row-major), in double, with their rates. */
+#ifndef TD_ROTATION_H
+#define TD_ROTATION_H
+
+#include "tides/base.h"
+
+double td_dot3(const double a[3], const double b[3]);
+void td_cross3(const double a[3], const double b[3], double out[3]);
+double td_length3(const double a[3]);
+
+/* 1 if all `count` numbers are finite. */
+int td_all_finite(const double *numbers, size_t count);
+
+/* Matrix of a unit quaternion. */
+void td_rotation_from_quaternion(const double q[4], double rotation[9]);
+
+/* Rate of that matrix where the quaternion has the rate `q_dot` (tangent to the sphere). */
+void td_rotation_rate(const double q[4], const double q_dot[4], double rotation_dot[9]);
+
+/* Unit quaternion, w >= 0, of a rotation matrix; the best conditioned of the four formulas is taken. */
+void td_quaternion_from_rotation(const double rotation[9], double q[4]);
+
+/* q_dot = 1/2 omega q for an angular velocity in world axes. */
+void td_quaternion_rate(const double q[4], const double omega[3], double q_dot[4]);
+
+/* Scales q to length 1 in place; 0 where it is zero, NaN or infinite. */
+int td_normalise_quaternion(double q[4]);
+
+/* A camera at `position` that looks at `target`, OpenCV axes, the image's top towards `up`. `velocity` is that of the
+ * camera; `omega` (nullable) gets the angular velocity in world axes. 0 where the target is at the camera or straight
+ * above or below it along `up`. */
+int td_look_at(const double position[3], const double velocity[3], const double target[3], const double up[3],
+               double rotation[9], double omega[3]);
+
+#endif

@@ -1,0 +1,233 @@
+/* A rigid motion over time: samples, the curve through them, pose and exact rate at any time.
+ *
+ * Position and quaternion are one curve in R^7 (curve.c). Signs of the quaternions are aligned with their predecessors
+ * (q and -q are the same rotation), and the curve's quaternion is divided by its length; that is as smooth as the curve (C2,
+ * C3 with rates), passes exactly through the samples, takes uneven times as they are, and its rate is the quotient rule.
+ * The division needs a length away from zero: neighbouring samples must lie less than TD_MOST_TURN apart.
+ *
+ * Times are kept relative to the first sample, so that offsets such as ROS stamps of 1e9 s cost no precision. */
+#include "tides/trajectory.h"
+
+#include "camera/td_curve.h"
+#include "camera/td_rotation.h"
+#include "td_base.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Largest turn between neighbouring samples [rad]: 179 degrees. At 180 the way round isn't determined. */
+#define TD_MOST_TURN 3.1241393610698500
+
+/* Lengths that the curve's quaternion may have between samples, and points per segment where it is looked at. Samples that
+ * turn evenly stay within 0.93 and 1.1, random rotations at random times within 0.5 and 2 in 95 % of all paths of eight; a
+ * quick turn beside a long gap makes the spline swing there, and beyond these lengths by half a turn or more. */
+#define TD_LEAST_LENGTH 0.1
+#define TD_MOST_LENGTH 10.0
+#define TD_LENGTH_PROBES 8
+
+struct tides_trajectory {
+    tides_pose_sample *samples; /* quaternions normalised and sign-aligned */
+    size_t count;
+    td_curve *curve; /* NULL: static */
+};
+
+static tides_status check_samples(const tides_pose_sample *samples, size_t count, tides_error *error) {
+    for (size_t i = 0; i < count; i++) {
+        const tides_pose_sample *s = samples + i;
+        if (!isfinite(s->time) || !td_all_finite(s->position, 3) || !td_all_finite(s->quaternion, 4))
+            return td_fail(error, TIDES_BAD_ARGUMENT, "sample %zu: time, position and quaternion must be finite numbers", i);
+        if (s->has_rates && (!td_all_finite(s->velocity, 3) || !td_all_finite(s->angular_velocity, 3)))
+            return td_fail(error, TIDES_BAD_ARGUMENT, "sample %zu: velocity and angular velocity must be finite numbers", i);
+        if (i && s->time > s[-1].time && !(s->time - samples->time > s[-1].time - samples->time))
+            return td_fail(error, TIDES_BAD_ARGUMENT,
+                           "samples %zu and %zu: their times %.17g s and %.17g s are too close, or too far from the first "
+                           "sample's %.17g s, to be told apart in double precision",
+                           i - 1, i, s[-1].time, s->time, samples->time);
+        if (i && !(s->time > s[-1].time))
+            return td_fail(error, TIDES_BAD_ARGUMENT,
+                           "sample %zu: its time %.17g s %s that of sample %zu, %.17g s; times must strictly increase%s", i,
+                           s->time, s->time < s[-1].time ? "comes before" : "equals", i - 1, s[-1].time,
+                           s->time < s[-1].time ? ": sort the samples" : ": drop one of the two");
+    }
+    return TIDES_OK;
+}
+
+/* Normalises the quaternions, and gives each the sign that is nearer to its predecessor. */
+static tides_status align_quaternions(tides_pose_sample *samples, size_t count, tides_error *error) {
+    for (size_t i = 0; i < count; i++) {
+        double *q = samples[i].quaternion, dot = 0.0;
+        if (!td_normalise_quaternion(q))
+            return td_fail(error, TIDES_BAD_ARGUMENT, "sample %zu: its quaternion is zero; give a rotation (1 0 0 0 is none)",
+                           i);
+        if (i == 0) continue;
+        for (int k = 0; k < 4; k++) dot += q[k] * samples[i - 1].quaternion[k];
+        for (int k = 0; k < 4; k++) q[k] = dot < 0.0 ? -q[k] : q[k];
+        double turn = 2.0 * acos(fmin(fabs(dot), 1.0));
+        if (turn >= TD_MOST_TURN)
+            return td_fail(error, TIDES_BAD_ARGUMENT,
+                           "samples %zu and %zu (%.17g s and %.17g s) are turned by %.1f degrees against each other; which way "
+                           "round isn't determined: give denser samples",
+                           i - 1, i, samples[i - 1].time, samples[i].time, turn * 57.29577951308232);
+    }
+    return TIDES_OK;
+}
+
+/* Angular velocities that turn by more than TD_MOST_TURN within a segment say that the samples skip turns. */
+static tides_status check_angular_velocities(const tides_pose_sample *samples, size_t count, tides_error *error) {
+    for (size_t i = 0; i + 1 < count; i++) {
+        double from = td_length3(samples[i].angular_velocity), to = td_length3(samples[i + 1].angular_velocity);
+        double span = samples[i + 1].time - samples[i].time;
+        if (fmax(from, to) * span >= TD_MOST_TURN)
+            return td_fail(error, TIDES_BAD_ARGUMENT,
+                           "samples %zu and %zu (%.17g s and %.17g s): an angular velocity of %g rad/s turns by %.1f degrees "
+                           "between them; give samples less than 179 degrees apart",
+                           i, i + 1, samples[i].time, samples[i + 1].time, fmax(from, to),
+                           fmax(from, to) * span * 57.29577951308232);
+    }
+    return TIDES_OK;
+}
+
+/* What check_samples can't see: the curve overflows, or its quaternion strays from the unit sphere between samples. */
+static tides_status check_curve(const tides_trajectory *trajectory, tides_error *error) {
+    const tides_pose_sample *s = trajectory->samples;
+    for (size_t i = 0; i + 1 < trajectory->count; i++)
+        for (int probe = 1; probe < TD_LENGTH_PROBES; probe++) {
+            double from = s[i].time - s[0].time, to = s[i + 1].time - s[0].time, value[TD_CURVE_WIDTH], rate[TD_CURVE_WIDTH];
+            td_curve_at(trajectory->curve, i, from + (to - from) * probe / TD_LENGTH_PROBES, value, rate);
+            if (!td_all_finite(value, TD_CURVE_WIDTH) || !td_all_finite(rate, TD_CURVE_WIDTH))
+                return td_fail(error, TIDES_BAD_ARGUMENT,
+                               "the path between samples %zu and %zu (%.17g s and %.17g s) exceeds double precision: positions "
+                               "are too large or times too close",
+                               i, i + 1, s[i].time, s[i + 1].time);
+            const double *q = value + 3;
+            double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+            if (!(square > TD_LEAST_LENGTH * TD_LEAST_LENGTH && square < TD_MOST_LENGTH * TD_MOST_LENGTH))
+                return td_fail(error, TIDES_BAD_ARGUMENT,
+                               "the rotation between samples %zu and %zu (%.17g s and %.17g s) isn't determined by its "
+                               "neighbours, which turn far faster: give denser samples there",
+                               i, i + 1, s[i].time, s[i + 1].time);
+        }
+    return TIDES_OK;
+}
+
+/* The curve through the (aligned) samples of a path that moves. */
+static tides_status build_curve(tides_trajectory *trajectory, tides_error *error) {
+    size_t count = trajectory->count;
+    const tides_pose_sample *samples = trajectory->samples;
+    int with_rates = 1;
+    for (size_t i = 0; i < count; i++) with_rates = with_rates && samples[i].has_rates;
+    if (with_rates && check_angular_velocities(samples, count, error) != TIDES_OK) return TIDES_BAD_ARGUMENT;
+    td_knot *knots = td_alloc(count, sizeof *knots, error);
+    if (!knots) return TIDES_NO_MEMORY;
+    for (size_t i = 0; i < count; i++) {
+        knots[i].time = samples[i].time - samples[0].time;
+        memcpy(knots[i].value, samples[i].position, sizeof samples[i].position);
+        memcpy(knots[i].value + 3, samples[i].quaternion, sizeof samples[i].quaternion);
+        memcpy(knots[i].rate, samples[i].velocity, sizeof samples[i].velocity);
+        td_quaternion_rate(samples[i].quaternion, samples[i].angular_velocity, knots[i].rate + 3);
+    }
+    trajectory->curve = td_curve_create(knots, count, with_rates, error);
+    free(knots);
+    return trajectory->curve ? check_curve(trajectory, error) : TIDES_NO_MEMORY;
+}
+
+tides_status tides_trajectory_create(const tides_pose_sample *samples, size_t count, tides_trajectory **trajectory,
+                                     tides_error *error) {
+    if (!samples || !trajectory || count == 0)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "a trajectory needs at least one sample and a place for the result");
+    tides_status status = check_samples(samples, count, error);
+    if (status != TIDES_OK) return status;
+    status = TIDES_NO_MEMORY;
+    tides_trajectory *made = td_alloc(1, sizeof *made, error);
+    if (!made) goto done;
+    made->count = count;
+    made->samples = td_alloc(count, sizeof *samples, error);
+    if (!made->samples) goto done;
+    memcpy(made->samples, samples, count * sizeof *samples);
+    status = align_quaternions(made->samples, count, error);
+    if (status == TIDES_OK && count > 1) status = build_curve(made, error);
+    if (status != TIDES_OK) goto done;
+    *trajectory = made;
+    made = NULL;
+done:
+    tides_trajectory_destroy(made);
+    return status;
+}
+
+tides_status tides_trajectory_create_static(const double position[3], const double quaternion[4], tides_trajectory **trajectory,
+                                            tides_error *error) {
+    if (!position || !quaternion)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "a static trajectory needs a position and a quaternion");
+    tides_pose_sample sample = {0};
+    memcpy(sample.position, position, sizeof sample.position);
+    memcpy(sample.quaternion, quaternion, sizeof sample.quaternion);
+    return tides_trajectory_create(&sample, 1, trajectory, error);
+}
+
+void tides_trajectory_destroy(tides_trajectory *trajectory) {
+    if (!trajectory) return;
+    td_curve_destroy(trajectory->curve);
+    free(trajectory->samples);
+    free(trajectory);
+}
+
+/* The unit quaternion and its rate from those of the curve, which aren't of unit length. */
+static void normalise_with_rate(double q[4], double q_dot[4]) {
+    double square = 0.0, along = 0.0;
+    for (int k = 0; k < 4; k++) square += q[k] * q[k];
+    double length = sqrt(square);
+    for (int k = 0; k < 4; k++) {
+        q[k] /= length;
+        q_dot[k] /= length;
+        along += q[k] * q_dot[k];
+    }
+    for (int k = 0; k < 4; k++) q_dot[k] -= along * q[k];
+}
+
+tides_status tides_trajectory_at(const tides_trajectory *trajectory, double time, tides_pose *pose, tides_error *error) {
+    if (!trajectory || !pose || isnan(time))
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "a pose needs a trajectory, a time that is a number, and a place for the result");
+    const tides_pose_sample *first = trajectory->samples, *last = first + trajectory->count - 1;
+    if (!trajectory->curve) {
+        memset(pose, 0, sizeof *pose);
+        memcpy(pose->position, first->position, sizeof pose->position);
+        td_rotation_from_quaternion(first->quaternion, pose->rotation);
+        return TIDES_OK;
+    }
+    if (time < first->time || time > last->time)
+        return td_fail(error, TIDES_OUT_OF_RANGE,
+                       "time %.17g s lies outside the path, which covers %.17g s to %.17g s: shorten the run or give a longer "
+                       "path",
+                       time, first->time, last->time);
+    double relative = time - first->time, value[TD_CURVE_WIDTH], rate[TD_CURVE_WIDTH];
+    td_curve_at(trajectory->curve, td_curve_find(trajectory->curve, relative), relative, value, rate);
+    memcpy(pose->position, value, sizeof pose->position);
+    memcpy(pose->position_dot, rate, sizeof pose->position_dot);
+    normalise_with_rate(value + 3, rate + 3);
+    td_rotation_from_quaternion(value + 3, pose->rotation);
+    td_rotation_rate(value + 3, rate + 3, pose->rotation_dot);
+    return TIDES_OK;
+}
+
+void tides_trajectory_range(const tides_trajectory *trajectory, double *start, double *stop) {
+    int moves = trajectory && trajectory->curve;
+    if (start) *start = moves ? trajectory->samples[0].time : -INFINITY;
+    if (stop) *stop = moves ? trajectory->samples[trajectory->count - 1].time : INFINITY;
+}
+
+int32_t tides_trajectory_is_static(const tides_trajectory *trajectory) { return trajectory && !trajectory->curve; }
+
+size_t tides_trajectory_count(const tides_trajectory *trajectory) { return trajectory ? trajectory->count : 0; }
+
+tides_status tides_trajectory_sample(const tides_trajectory *trajectory, size_t index, tides_pose_sample *sample,
+                                     tides_error *error) {
+    if (!trajectory || !sample)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "a sample needs a trajectory and a place for the result");
+    if (index >= trajectory->count)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "sample %zu doesn't exist; the path has %zu samples, numbered from 0", index,
+                       trajectory->count);
+    *sample = trajectory->samples[index];
+    return TIDES_OK;
+}

@@ -1,0 +1,145 @@
+/* HDF5 without noise: silence, reasons, file access properties, root attributes. */
+#include "td_event_h5.h"
+
+#include <stdio.h>
+#include <string.h>
+
+void td_h5_quiet_begin(td_h5_quiet *saved) {
+    saved->function = NULL;
+    saved->data = NULL;
+    H5Eget_auto2(H5E_DEFAULT, &saved->function, &saved->data);
+    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+}
+
+void td_h5_quiet_end(const td_h5_quiet *saved) { H5Eset_auto2(H5E_DEFAULT, saved->function, saved->data); }
+
+/* Entry 0 of an upward walk is where the failure began. The driver's entries wrap the system's message in addresses and times
+ * that help nobody: only the message is kept. */
+static herr_t take_reason(unsigned n, const H5E_error2_t *entry, void *user) {
+    td_h5_reason *reason = user;
+    if (n > 0 || !entry->desc) return 0;
+    static const char mark[] = "error message = '";
+    const char *start = strstr(entry->desc, mark);
+    if (start) start += sizeof mark - 1;
+    const char *end = start ? strchr(start, '\'') : NULL;
+    if (!end) {
+        start = entry->desc;
+        end = start + strlen(start);
+    }
+    snprintf(reason->text, sizeof reason->text, "%.*s", (int)(end - start), start);
+    return 0;
+}
+
+const char *td_h5_reason_text(td_h5_reason *reason) {
+    reason->text[0] = '\0';
+    H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take_reason, reason);
+    if (!reason->text[0]) snprintf(reason->text, sizeof reason->text, "HDF5 gives no reason");
+    for (char *c = reason->text; *c; c++)
+        if (*c == '\n') *c = ' ';
+    return reason->text;
+}
+
+hid_t td_h5_file_access(void) {
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    if (access < 0) return access;
+    herr_t failed = H5Pset_fapl_sec2(access);
+    if (failed >= 0) failed = H5Pset_libver_bounds(access, H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST);
+#if H5_VERSION_GE(1, 10, 7)
+    if (failed >= 0) failed = H5Pset_file_locking(access, 1, 1);
+#endif
+    if (failed >= 0) return access;
+    H5Pclose(access);
+    return H5I_INVALID_HID;
+}
+
+static hid_t text_type(void) {
+    hid_t type = H5Tcopy(H5T_C_S1);
+    if (type < 0) return type;
+    if (H5Tset_size(type, H5T_VARIABLE) >= 0 && H5Tset_cset(type, H5T_CSET_UTF8) >= 0) return type;
+    H5Tclose(type);
+    return H5I_INVALID_HID;
+}
+
+static herr_t write_attribute(hid_t file, const char *name, hid_t file_type, hid_t memory_type, const void *value) {
+    hid_t space = H5Screate(H5S_SCALAR);
+    hid_t attribute = space < 0 ? -1 : H5Acreate2(file, name, file_type, space, H5P_DEFAULT, H5P_DEFAULT);
+    herr_t failed = attribute < 0 ? -1 : H5Awrite(attribute, memory_type, value);
+    td_h5_close(attribute);
+    td_h5_close(space);
+    return failed;
+}
+
+herr_t td_h5_write_text(hid_t file, const char *name, const char *text) {
+    hid_t type = text_type();
+    herr_t failed = type < 0 ? -1 : write_attribute(file, name, type, type, &text);
+    td_h5_close(type);
+    return failed;
+}
+
+herr_t td_h5_write_int(hid_t file, const char *name, hid_t type, int64_t value) {
+    return write_attribute(file, name, type, H5T_NATIVE_INT64, &value);
+}
+
+/* Opens a scalar attribute of the given class with its type; 0 where there is none. */
+static int open_attribute(hid_t file, const char *name, H5T_class_t class, hid_t *attribute, hid_t *type) {
+    if (H5Aexists(file, name) <= 0) return 0;
+    *attribute = H5Aopen(file, name, H5P_DEFAULT);
+    hid_t space = *attribute < 0 ? -1 : H5Aget_space(*attribute);
+    *type = *attribute < 0 ? -1 : H5Aget_type(*attribute);
+    int usable = space >= 0 && *type >= 0 && H5Tget_class(*type) == class && H5Sget_simple_extent_npoints(space) == 1;
+    td_h5_close(space);
+    if (usable) return 1;
+    td_h5_close(*type);
+    td_h5_close(*attribute);
+    return 0;
+}
+
+/* Variable and fixed length can't be converted into each other by HDF5, so each is read as what it is. */
+int td_h5_read_text(hid_t file, const char *name, char *text, size_t size) {
+    hid_t attribute, type;
+    if (!open_attribute(file, name, H5T_STRING, &attribute, &type)) return 0;
+    int got = 0;
+    char fixed[256] = {0};
+    char *variable = NULL;
+    if (H5Tis_variable_str(type) > 0) {
+        if (H5Aread(attribute, type, &variable) >= 0 && variable) got = 1;
+    } else if (H5Tget_size(type) < sizeof fixed && H5Aread(attribute, type, fixed) >= 0) {
+        got = 1;
+    }
+    if (got) snprintf(text, size, "%s", variable ? variable : fixed);
+    if (variable) H5free_memory(variable);
+    td_h5_close(type);
+    td_h5_close(attribute);
+    return got;
+}
+
+int td_h5_read_int(hid_t file, const char *name, int64_t *value) {
+    hid_t attribute, type;
+    if (!open_attribute(file, name, H5T_INTEGER, &attribute, &type)) return 0;
+    int64_t read = 0;
+    int got = H5Aread(attribute, H5T_NATIVE_INT64, &read) >= 0;
+    if (got) *value = read;
+    td_h5_close(type);
+    td_h5_close(attribute);
+    return got;
+}
+
+static void close_any(hid_t id) {
+    switch (H5Iget_type(id)) {
+        case H5I_DATASET: H5Dclose(id); break;
+        case H5I_ATTR: H5Aclose(id); break;
+        case H5I_DATASPACE: H5Sclose(id); break;
+        case H5I_DATATYPE: H5Tclose(id); break;
+        case H5I_GROUP: H5Gclose(id); break;
+        case H5I_GENPROP_LST: H5Pclose(id); break;
+        case H5I_FILE: H5Fclose(id); break;
+        default: break;
+    }
+}
+
+void td_h5_close(hid_t id) {
+    if (id < 0) return;
+    hid_t stack = H5Eget_num(H5E_DEFAULT) > 0 ? H5Eget_current_stack() : H5I_INVALID_HID;
+    close_any(id);
+    if (stack >= 0) H5Eset_current_stack(stack); /* takes the copy over */
+}

@@ -1,0 +1,297 @@
+/* The HDF5 side of an event file being written.
+ *
+ * What keeps a .part readable whenever the process dies:
+ *   - between two flushes nothing reaches the file but new chunks in fresh space: whole chunks are written once and never
+ *     again (only the last, at the end, is partial), and the metadata cache may not evict;
+ *   - a flush has two steps. The first writes chunks and metadata; only then the second sets the attribute `count`. Readers
+ *     take `count` events, so a death between the steps costs nothing but the chunk in flight;
+ *   - space is claimed before HDF5 starts to write. A disk that is full is so noticed while nothing in the file has changed;
+ *     HDF5 itself would go on and write metadata about chunks that aren't there. */
+#include "td_event_store.h"
+
+#include "td_base.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+static const char *const column_names[TD_COLUMNS] = {"/events/p", "/events/t", "/events/x", "/events/y", "/events/t_ns"};
+
+/* Not a table: HDF5's predefined types are variables behind macros. */
+static hid_t column_file_type(int column) {
+    switch (column) {
+        case TD_COLUMN_P: return H5T_STD_U8LE;
+        case TD_COLUMN_T: return H5T_STD_U32LE;
+        case TD_COLUMN_NS: return H5T_STD_I64LE;
+        default: return H5T_STD_U16LE;
+    }
+}
+
+static hid_t column_memory_type(int column) {
+    switch (column) {
+        case TD_COLUMN_P: return H5T_NATIVE_UINT8;
+        case TD_COLUMN_T: return H5T_NATIVE_UINT32;
+        case TD_COLUMN_NS: return H5T_NATIVE_INT64;
+        default: return H5T_NATIVE_UINT16;
+    }
+}
+
+enum { BYTES_PER_EVENT = 1 + 4 + 2 + 2 + 8 };
+
+static void gather_column(int column, const tides_event *events, size_t count, void *out) {
+    uint8_t *p = out;
+    uint32_t *t = out;
+    uint16_t *xy = out;
+    int64_t *ns = out;
+    switch (column) {
+        case TD_COLUMN_P:
+            for (size_t i = 0; i < count; i++) p[i] = events[i].polarity > 0;
+            break;
+        case TD_COLUMN_T:
+            for (size_t i = 0; i < count; i++) t[i] = (uint32_t)(events[i].t / 1000); /* floor: t is not negative */
+            break;
+        case TD_COLUMN_X:
+            for (size_t i = 0; i < count; i++) xy[i] = events[i].x;
+            break;
+        case TD_COLUMN_Y:
+            for (size_t i = 0; i < count; i++) xy[i] = events[i].y;
+            break;
+        default:
+            for (size_t i = 0; i < count; i++) ns[i] = events[i].t;
+            break;
+    }
+}
+
+/* ---- creation ---- */
+
+/* Shuffle and deflate 1 are as small as Blosc here and need no plugin. Modification times are off so that the same events make
+ * the same bytes. */
+static hid_t create_dataset(hid_t file, const char *name, hid_t type, hsize_t chunk) {
+    const hsize_t none = 0, unlimited = H5S_UNLIMITED;
+    hid_t dataset = -1, space = H5Screate_simple(1, &none, &unlimited), creation = H5Pcreate(H5P_DATASET_CREATE);
+    if (space >= 0 && creation >= 0 && H5Pset_chunk(creation, 1, &chunk) >= 0 && H5Pset_shuffle(creation) >= 0 &&
+        H5Pset_deflate(creation, 1) >= 0 && H5Pset_obj_track_times(creation, 0) >= 0)
+        dataset = H5Dcreate2(file, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+    td_h5_close(creation);
+    td_h5_close(space);
+    return dataset;
+}
+
+static herr_t create_datasets(td_event_store *store) {
+    hid_t group = H5Gcreate2(store->file, "/events", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    if (group < 0) return -1;
+    td_h5_close(group);
+    for (int c = 0; c < TD_COLUMNS; c++) {
+        store->columns[c] = create_dataset(store->file, column_names[c], column_file_type(c), TD_EVENT_CHUNK);
+        if (store->columns[c] < 0) return -1;
+    }
+    store->index = create_dataset(store->file, "/ms_to_idx", H5T_STD_U64LE, TD_INDEX_CHUNK);
+    return store->index < 0 ? -1 : 0;
+}
+
+/* DSEC's t_offset is a scalar dataset. Ours is 0: an offset beyond 2^32 makes DSEC's own reader fail under NumPy 2. */
+static herr_t create_offset(hid_t file) {
+    const int64_t zero = 0;
+    hid_t creation = H5Pcreate(H5P_DATASET_CREATE), space = H5Screate(H5S_SCALAR), dataset = -1;
+    if (creation >= 0 && space >= 0 && H5Pset_obj_track_times(creation, 0) >= 0)
+        dataset = H5Dcreate2(file, "/t_offset", H5T_STD_I64LE, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+    herr_t failed = dataset < 0 ? -1 : H5Dwrite(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &zero);
+    td_h5_close(dataset);
+    td_h5_close(space);
+    td_h5_close(creation);
+    return failed;
+}
+
+static herr_t create_attributes(td_event_store *store, const tides_event_file *facts) {
+    hid_t file = store->file;
+    if (td_h5_write_text(file, "format", TD_EVENT_FORMAT) < 0) return -1;
+    if (td_h5_write_int(file, "version", H5T_STD_I32LE, TD_EVENT_FORMAT_VERSION) < 0) return -1;
+    if (td_h5_write_text(file, "tides_version", tides_version()) < 0) return -1;
+    if (td_h5_write_int(file, "width", H5T_STD_I32LE, facts->width) < 0) return -1;
+    if (td_h5_write_int(file, "height", H5T_STD_I32LE, facts->height) < 0) return -1;
+    if (facts->seed && td_h5_write_text(file, "seed", facts->seed) < 0) return -1;
+    if (facts->run && td_h5_write_text(file, "run", facts->run) < 0) return -1;
+    if (td_h5_write_int(file, "count", H5T_STD_I64LE, 0) < 0) return -1;
+    if (td_h5_write_int(file, "stop_ns", H5T_STD_I64LE, -1) < 0) return -1;
+    store->count = H5Aopen(file, "count", H5P_DEFAULT);
+    store->stop = H5Aopen(file, "stop_ns", H5P_DEFAULT);
+    return store->count < 0 || store->stop < 0 ? -1 : 0;
+}
+
+/* Metadata may leave the cache only when we flush. Its growth is a few kilobytes per million events. */
+static herr_t forbid_evictions(hid_t file) {
+    H5AC_cache_config_t config = {.version = H5AC__CURR_CACHE_CONFIG_VERSION};
+    if (H5Fget_mdc_config(file, &config) < 0) return -1;
+    config.incr_mode = H5C_incr__off;
+    config.flash_incr_mode = H5C_flash_incr__off;
+    config.decr_mode = H5C_decr__off;
+    config.evictions_enabled = 0;
+    return H5Fset_mdc_config(file, &config);
+}
+
+/* HDF5 locks a file only after it has emptied it: two runs told to write the same file would ruin each other. */
+static tides_status claim_file(const char *path, tides_error *error) {
+    int descriptor = open(path, O_RDWR | O_CREAT, 0666);
+    if (descriptor < 0) return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", path, strerror(errno));
+    int in_use = flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    close(descriptor); /* and unlocks */
+    if (!in_use) return TIDES_OK;
+    return td_fail(error, TIDES_WRITE_FAILED, "%s: is being written by another run: wait for it, or name another file", path);
+}
+
+static herr_t create_all(td_event_store *store, const char *path, const tides_event_file *facts) {
+    hid_t access = td_h5_file_access();
+    store->file = access < 0 ? -1 : H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    td_h5_close(access);
+    if (store->file < 0 || forbid_evictions(store->file) < 0) return -1;
+    if (create_attributes(store, facts) < 0 || create_datasets(store) < 0 || create_offset(store->file) < 0) return -1;
+    return H5Fflush(store->file, H5F_SCOPE_LOCAL);
+}
+
+tides_status td_event_store_create(td_event_store *store, const char *path, const tides_event_file *facts, tides_error *error) {
+    *store = (td_event_store){.file = -1, .index = -1, .count = -1, .stop = -1};
+    for (int c = 0; c < TD_COLUMNS; c++) store->columns[c] = -1;
+    tides_status status = claim_file(path, error);
+    if (status != TIDES_OK) return status;
+    store->scratch = td_alloc(TD_EVENT_CHUNK, sizeof(int64_t), error);
+    if (!store->scratch) return TIDES_NO_MEMORY;
+    if (create_all(store, path, facts) >= 0) return TIDES_OK;
+    td_h5_reason reason;
+    td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", path, td_h5_reason_text(&reason));
+    td_event_store_close(store);
+    unlink(path); /* a shell without datasets is no use to anyone */
+    return TIDES_WRITE_FAILED;
+}
+
+/* ---- space ---- */
+
+static int file_descriptor(hid_t file) {
+    void *handle = NULL;
+    return H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) >= 0 && handle ? *(int *)handle : -1;
+}
+
+/* Claims `bytes` behind the end of the file. 0, or the system's error: no space, quota, file size limit. File systems that
+ * can't claim are taken at their word. */
+static int claim_space(hid_t file, uint64_t bytes) {
+    hsize_t size = 0;
+    int descriptor = file_descriptor(file);
+    if (descriptor < 0 || H5Fget_filesize(file, &size) < 0) return 0;
+    int failed = posix_fallocate(descriptor, (off_t)size, (off_t)bytes);
+    return failed == EINVAL || failed == EOPNOTSUPP || failed == ENOSYS ? 0 : failed;
+}
+
+/* Gives back what was claimed and not used. It is only space: a failure here costs nothing. */
+static void release_space(hid_t file) {
+    hsize_t size = 0;
+    int descriptor = file_descriptor(file);
+    if (descriptor >= 0 && H5Fget_filesize(file, &size) >= 0 && ftruncate(descriptor, (off_t)size) != 0) return;
+}
+
+/* What `events` events and `entries` index entries can need: raw sizes (deflate may add 5 bytes per 16 kB), and per dataset and
+ * chunk a B-tree node or two of 2 kB. */
+static uint64_t space_needed(uint64_t events, uint64_t entries) {
+    if (events > 0) events = TD_EVENT_CHUNK; /* a partial chunk takes a whole one before deflate */
+    uint64_t index_chunks = entries / TD_INDEX_CHUNK + 2;
+    uint64_t raw = events * BYTES_PER_EVENT + index_chunks * TD_INDEX_CHUNK * sizeof(uint64_t);
+    return raw + raw / 1024 + 65536 + 64 * index_chunks;
+}
+
+/* ---- growth ---- */
+
+static herr_t write_rows(hid_t dataset, hid_t type, uint64_t first, size_t count, const void *data) {
+    const hsize_t start = first, rows = count, total = first + count;
+    if (H5Dset_extent(dataset, &total) < 0) return -1;
+    hid_t memory = H5Screate_simple(1, &rows, NULL), file = H5Dget_space(dataset);
+    herr_t failed = -1;
+    if (memory >= 0 && file >= 0 && H5Sselect_hyperslab(file, H5S_SELECT_SET, &start, NULL, &rows, NULL) >= 0)
+        failed = H5Dwrite(dataset, type, memory, file, H5P_DEFAULT, data);
+    td_h5_close(file);
+    td_h5_close(memory);
+    return failed;
+}
+
+static herr_t write_pending(td_event_store *store) {
+    if (store->pending_count == 0) return 0;
+    if (write_rows(store->index, H5T_NATIVE_UINT64, store->index_rows, store->pending_count, store->pending) < 0) return -1;
+    store->index_rows += store->pending_count;
+    store->pending_count = 0;
+    return 0;
+}
+
+/* Every millisecond before `end` that has no entry yet starts at event `row`. */
+static herr_t add_index(td_event_store *store, uint64_t end, uint64_t row) {
+    for (; store->next_ms < end; store->next_ms++) {
+        store->pending[store->pending_count++] = row;
+        if (store->pending_count == TD_INDEX_CHUNK && write_pending(store) < 0) return -1;
+    }
+    return 0;
+}
+
+/* Milliseconds that begin at or before `t`: those whose first event is known once an event at `t` is. */
+static uint64_t milliseconds_begun(int64_t t) { return (uint64_t)(t / 1000000) + 1; }
+
+static herr_t append_events(td_event_store *store, const tides_event *events, size_t count) {
+    for (int c = 0; c < TD_COLUMNS; c++) {
+        gather_column(c, events, count, store->scratch);
+        if (write_rows(store->columns[c], column_memory_type(c), store->rows, count, store->scratch) < 0) return -1;
+    }
+    for (size_t i = 0; i < count; i++)
+        if (add_index(store, milliseconds_begun(events[i].t), store->rows + i) < 0) return -1;
+    return 0;
+}
+
+/* The two steps of a flush: see the top. */
+static herr_t commit_rows(td_event_store *store, uint64_t rows) {
+    int64_t count = (int64_t)rows;
+    if (H5Fflush(store->file, H5F_SCOPE_LOCAL) < 0 || H5Awrite(store->count, H5T_NATIVE_INT64, &count) < 0 ||
+        H5Fflush(store->file, H5F_SCOPE_LOCAL) < 0)
+        return -1;
+    store->rows = rows;
+    return 0;
+}
+
+static tides_status hdf5_failure(tides_error *error) {
+    td_h5_reason reason;
+    return td_fail(error, TIDES_WRITE_FAILED, "%s", td_h5_reason_text(&reason));
+}
+
+tides_status td_event_store_append(td_event_store *store, const tides_event *events, size_t count, tides_error *error) {
+    if (count == 0) return TIDES_OK;
+    uint64_t begun = milliseconds_begun(events[count - 1].t);
+    int no_space = claim_space(store->file, space_needed(count, begun > store->next_ms ? begun - store->next_ms : 0));
+    if (no_space) {
+        release_space(store->file);
+        return td_fail(error, TIDES_WRITE_FAILED, "%s", strerror(no_space));
+    }
+    if (append_events(store, events, count) < 0 || commit_rows(store, store->rows + count) < 0) return hdf5_failure(error);
+    release_space(store->file);
+    return TIDES_OK;
+}
+
+tides_status td_event_store_complete(td_event_store *store, uint64_t entries, int64_t stop_ns, tides_error *error) {
+    int no_space = claim_space(store->file, space_needed(0, entries > store->next_ms ? entries - store->next_ms : 0));
+    if (no_space) {
+        release_space(store->file);
+        return td_fail(error, TIDES_WRITE_FAILED, "%s", strerror(no_space));
+    }
+    if (add_index(store, entries, store->rows) < 0 || write_pending(store) < 0 ||
+        H5Awrite(store->stop, H5T_NATIVE_INT64, &stop_ns) < 0 || H5Fflush(store->file, H5F_SCOPE_LOCAL) < 0)
+        return hdf5_failure(error);
+    release_space(store->file);
+    return TIDES_OK;
+}
+
+herr_t td_event_store_close(td_event_store *store) {
+    for (int c = 0; c < TD_COLUMNS; c++) td_h5_close(store->columns[c]);
+    td_h5_close(store->index);
+    td_h5_close(store->count);
+    td_h5_close(store->stop);
+    herr_t failed = store->file < 0 ? 0 : H5Fclose(store->file);
+    free(store->scratch);
+    *store = (td_event_store){.file = -1, .index = -1, .count = -1, .stop = -1};
+    for (int c = 0; c < TD_COLUMNS; c++) store->columns[c] = -1;
+    return failed;
+}

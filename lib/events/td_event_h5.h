@@ -1,0 +1,52 @@
+/* Internal: what the writer and the reader of event files share: the names of the layout, and how to talk to HDF5 quietly. */
+#ifndef TD_EVENT_H5_H
+#define TD_EVENT_H5_H
+
+#include "tides/events.h"
+
+#include <hdf5.h>
+
+/* Version of the layout that this library writes, and the newest that it reads (root attribute "version"). */
+#define TD_EVENT_FORMAT "tides-events"
+#define TD_EVENT_FORMAT_VERSION 1
+
+enum {
+    /* Events per HDF5 chunk and per write. 65536 is 1.1 MB before deflate: large enough for it to find its runs, small enough
+     * that a killed run loses less than a hundredth of a second of a busy 10 Mev/s stream. */
+    TD_EVENT_CHUNK = 65536,
+    TD_INDEX_CHUNK = 1024 /* entries of ms_to_idx per chunk: about a second */
+};
+
+/* HDF5 prints its error stack unless told otherwise, and the setting is the process's (or thread's): it is switched off for the
+ * length of one call of ours and put back, because the program around us may use HDF5 too. The stack itself stays readable. */
+typedef struct td_h5_quiet {
+    H5E_auto2_t function;
+    void *data;
+} td_h5_quiet;
+
+void td_h5_quiet_begin(td_h5_quiet *saved);
+void td_h5_quiet_end(const td_h5_quiet *saved);
+
+/* Why the last HDF5 call failed, in HDF5's or the system's own words; to be asked before any other HDF5 call. */
+typedef struct td_h5_reason {
+    char text[400];
+} td_h5_reason;
+const char *td_h5_reason_text(td_h5_reason *reason);
+
+/* Access properties for event files: the default driver, metadata in the oldest format (its superblock carries no "open for
+ * writing" mark, which would make the file of a killed process unreadable), and no failure on file systems without locks.
+ * Negative on failure. */
+hid_t td_h5_file_access(void);
+
+/* Root attributes. Strings are written with variable length: a fixed one may not exceed 64 kB, and run files do. All return
+ * negative on failure; the readers return 0 where the attribute is absent (or of another kind) and 1 where it was read. */
+herr_t td_h5_write_text(hid_t file, const char *name, const char *text);
+herr_t td_h5_write_int(hid_t file, const char *name, hid_t type, int64_t value);
+int td_h5_read_text(hid_t file, const char *name, char *text, size_t size);
+int td_h5_read_int(hid_t file, const char *name, int64_t *value);
+
+/* Closes a dataset, attribute, space, type ... by what it is; negative ids are fine. Keeps the error stack, which HDF5 would
+ * clear, so that cleaning up doesn't lose the reason. */
+void td_h5_close(hid_t id);
+
+#endif

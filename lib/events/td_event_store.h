@@ -1,0 +1,33 @@
+/* Internal: the HDF5 side of an event file being written: its datasets, grown chunk by chunk, and its index. */
+#ifndef TD_EVENT_STORE_H
+#define TD_EVENT_STORE_H
+
+#include "td_event_h5.h"
+
+enum { TD_COLUMN_P, TD_COLUMN_T, TD_COLUMN_X, TD_COLUMN_Y, TD_COLUMN_NS, TD_COLUMNS };
+
+typedef struct td_event_store {
+    hid_t file, columns[TD_COLUMNS], index, count, stop; /* the last two are attributes */
+    uint64_t rows;                                       /* events in the datasets */
+    uint64_t index_rows;                                 /* entries of ms_to_idx in its dataset */
+    uint64_t next_ms;                                    /* first millisecond without an entry, written or pending */
+    uint64_t pending[TD_INDEX_CHUNK];                    /* entries that wait for their chunk to fill */
+    size_t pending_count;
+    void *scratch; /* one column of one chunk */
+} td_event_store;
+
+/* Creates `path` (replacing it) with empty datasets and all attributes, and flushes it. On failure neither store nor file is
+ * left. */
+tides_status td_event_store_create(td_event_store *store, const char *path, const tides_event_file *facts, tides_error *error);
+
+/* Writes `count` <= TD_EVENT_CHUNK checked events and makes them durable against the death of the process. On failure the
+ * error's text is the bare reason, and what was flushed before stays readable. */
+tides_status td_event_store_append(td_event_store *store, const tides_event *events, size_t count, tides_error *error);
+
+/* Completes ms_to_idx to `entries` entries (never fewer than there are), notes the end, flushes. */
+tides_status td_event_store_complete(td_event_store *store, uint64_t entries, int64_t stop_ns, tides_error *error);
+
+/* Closes all that is open and frees the scratch; negative where HDF5 couldn't close the file. */
+herr_t td_event_store_close(td_event_store *store);
+
+#endif

@@ -1,0 +1,31 @@
+/* The sRGB transfer function and the diverging colour map. */
+#include "td_colour_map.h"
+
+#include <math.h>
+
+static double clamp(double value, double low, double high) { return value < low ? low : value > high ? high : value; }
+
+/* IEC 61966-2-1. */
+uint8_t td_srgb(double linear) {
+    double c = clamp(linear, 0.0, 1.0);
+    c = c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1.0 / 2.4) - 0.055;
+    return (uint8_t)(255.0 * c + 0.5);
+}
+
+/* Made for TIDES in CIE Lab: hues 282 degrees (blue) and 33 (red), which people with any colour blindness tell apart;
+ * lightness 97 - 67 |v|^1.1 alike on both sides, so that equal magnitudes look equally strong; chroma up to 62 where sRGB
+ * reaches it. */
+/* clang-format off */
+static const uint8_t anchors[17][3] = {
+    {0, 70, 139}, {0, 92, 177}, {0, 114, 217}, {66, 136, 240}, {109, 158, 254}, {153, 181, 255},
+    {188, 204, 255}, {219, 226, 255}, {246, 246, 246}, {255, 219, 213}, {255, 189, 179}, {255, 156, 142},
+    {245, 124, 110}, {226, 95, 83}, {201, 69, 60}, {166, 52, 46}, {131, 36, 32},
+};
+/* clang-format on */
+
+void td_colour_signed(double value, uint8_t rgb[3]) {
+    double position = (clamp(value, -1.0, 1.0) + 1.0) * 8.0;
+    int below = position >= 16.0 ? 15 : (int)position;
+    double part = position - below;
+    for (int c = 0; c < 3; c++) rgb[c] = (uint8_t)((1.0 - part) * anchors[below][c] + part * anchors[below + 1][c] + 0.5);
+}

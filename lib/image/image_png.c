@@ -1,0 +1,85 @@
+/* Writes 8-bit RGB pictures with libpng. */
+#include "tides/image.h"
+
+#include "td_base.h"
+
+#include <errno.h>
+#include <png.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* libpng leaves by longjmp. All that it works on lives here, not in locals of the function that calls setjmp, whose values would
+ * be undefined afterwards. */
+typedef struct png_job {
+    FILE *file;
+    int32_t width, height;
+    const uint8_t *rgb;
+    png_structp png;
+    png_infop info;
+    int32_t y;
+    char message[200];
+} png_job;
+
+static void on_error(png_structp png, png_const_charp message) {
+    png_job *job = png_get_error_ptr(png);
+    snprintf(job->message, sizeof job->message, "%s", message);
+    png_longjmp(png, 1);
+}
+
+static void on_warning(png_structp png, png_const_charp message) {
+    (void)png;
+    (void)message;
+}
+
+/* 0, or -1 with job->message filled. */
+static int write_picture(png_job *job) {
+    if (setjmp(png_jmpbuf(job->png))) return -1;
+    png_init_io(job->png, job->file);
+    png_set_user_limits(job->png, INT32_MAX, INT32_MAX); /* libpng's default of a million pixels a side */
+    png_set_IHDR(job->png, job->info, (png_uint_32)job->width, (png_uint_32)job->height, 8, PNG_COLOR_TYPE_RGB,
+                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_sRGB(job->png, job->info, PNG_sRGB_INTENT_PERCEPTUAL);
+    png_write_info(job->png, job->info);
+    for (job->y = 0; job->y < job->height; job->y++)
+        png_write_row(job->png, job->rgb + (size_t)job->y * (size_t)job->width * 3);
+    png_write_end(job->png, NULL);
+    return 0;
+}
+
+static tides_status encode(png_job *job, const char *path, tides_error *error) {
+    job->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, job, on_error, on_warning);
+    if (!job->png) return td_fail(error, TIDES_NO_MEMORY, "%s: out of memory", path);
+    tides_status status = TIDES_OK;
+    job->info = png_create_info_struct(job->png);
+    if (!job->info)
+        status = td_fail(error, TIDES_NO_MEMORY, "%s: out of memory", path);
+    else if (write_picture(job) != 0)
+        status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path, job->message);
+    png_destroy_write_struct(&job->png, &job->info);
+    return status;
+}
+
+static tides_status write_part(png_job *job, const char *path, const char *part, tides_error *error) {
+    job->file = fopen(part, "wb");
+    if (!job->file) return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", path, strerror(errno));
+    tides_status status = encode(job, path, error);
+    if (fclose(job->file) != 0 && status == TIDES_OK) /* what was buffered may find no room */
+        status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path, strerror(errno));
+    if (status == TIDES_OK) return td_commit_file(part, path, error);
+    unlink(part);
+    return status;
+}
+
+tides_status tides_png_write(const char *path, int32_t width, int32_t height, const uint8_t *rgb, tides_error *error) {
+    if (!path || !rgb) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_png_write: an argument is NULL");
+    if (width < 1 || height < 1)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "%s: a picture can't be %d x %d px", path, width, height);
+    char *part = td_part_name(path, error);
+    if (!part) return TIDES_NO_MEMORY;
+    png_job job = {.width = width, .height = height, .rgb = rgb};
+    tides_status status = write_part(&job, path, part, error);
+    free(part);
+    return status;
+}

@@ -1,0 +1,171 @@
+/* Pictures of data: linear values, signed values, events, and text over them. */
+#include "tides/image.h"
+
+#include "td_colour_map.h"
+#include "td_font.h"
+
+#include <math.h>
+#include <string.h>
+
+static size_t pixels_of(int32_t width, int32_t height) { return width > 0 && height > 0 ? (size_t)width * (size_t)height : 0; }
+
+static const uint8_t nan_colour[3] = TD_COLOUR_NAN;
+
+/* ---- values ---- */
+
+void tides_picture_grey(const double *values, int32_t width, int32_t height, double white, uint8_t *rgb) {
+    double scale = white > 0.0 ? 1.0 / white : 1.0;
+    size_t pixels = pixels_of(width, height);
+    for (size_t i = 0; i < pixels; i++) {
+        if (isnan(values[i]))
+            memcpy(rgb + 3 * i, nan_colour, 3);
+        else
+            memset(rgb + 3 * i, td_srgb(values[i] * scale), 3);
+    }
+}
+
+void tides_picture_rgb(const double *r, const double *g, const double *b, int32_t width, int32_t height, uint8_t *rgb) {
+    size_t pixels = pixels_of(width, height);
+    for (size_t i = 0; i < pixels; i++) {
+        uint8_t *pixel = rgb + 3 * i;
+        if (isnan(r[i]) || isnan(g[i]) || isnan(b[i])) {
+            memcpy(pixel, nan_colour, 3);
+            continue;
+        }
+        pixel[0] = td_srgb(r[i]);
+        pixel[1] = td_srgb(g[i]);
+        pixel[2] = td_srgb(b[i]);
+    }
+}
+
+/* ---- signed values ---- */
+
+/* Non-negative floats order like the integers that their bits spell, so a percentile can be found digit by digit, 11 bits at a
+ * time, without sorting, memory, or a way to fail. Float is exact enough for a limit of colours. */
+static uint32_t magnitude_bits(double value) {
+    float magnitude = (float)fabs(value);
+    uint32_t bits;
+    memcpy(&bits, &magnitude, sizeof bits);
+    return bits;
+}
+
+static int32_t counts(double value) { return isfinite(value) && isfinite((float)value); }
+
+/* One digit more: among the finite values whose bits above `shift + 11` equal those of `known`, finds the digit at `shift` of the
+ * one with `*rank` values below it, and leaves in `*rank` how many of those share the digit. */
+static uint32_t next_digit(const double *values, size_t count, uint32_t known, int shift, size_t *rank) {
+    size_t histogram[2048] = {0};
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits = magnitude_bits(values[i]);
+        if (counts(values[i]) && (uint64_t)bits >> (shift + 11) == (uint64_t)known >> (shift + 11))
+            histogram[(bits >> shift) & 2047]++;
+    }
+    uint32_t digit = 0;
+    while (digit < 2047 && *rank >= histogram[digit]) *rank -= histogram[digit++];
+    return digit;
+}
+
+/* The smallest magnitude that `fraction` of the finite values don't exceed; 0 where none is finite. */
+static double magnitude_percentile(const double *values, size_t count, double fraction) {
+    size_t finite = 0;
+    for (size_t i = 0; i < count; i++) finite += (size_t)counts(values[i]);
+    if (finite == 0) return 0.0;
+    size_t rank = (size_t)(fraction * (double)(finite - 1));
+    uint32_t bits = 0;
+    for (int shift = 22; shift >= 0; shift -= 11) bits |= next_digit(values, count, bits, shift, &rank) << shift;
+    float magnitude;
+    memcpy(&magnitude, &bits, sizeof magnitude);
+    return (double)magnitude;
+}
+
+void tides_picture_signed(const double *values, int32_t width, int32_t height, double limit, uint8_t *rgb) {
+    size_t pixels = pixels_of(width, height);
+    if (!(limit > 0.0)) limit = magnitude_percentile(values, pixels, 0.995);
+    /* An image of which less than a two-hundredth moves has percentile 0: then the sign is all that is shown. */
+    for (size_t i = 0; i < pixels; i++) {
+        double value = values[i];
+        if (isnan(value))
+            memcpy(rgb + 3 * i, nan_colour, 3);
+        else
+            td_colour_signed(limit > 0.0 ? value / limit : value == 0.0 ? 0.0 : copysign(1.0, value), rgb + 3 * i);
+    }
+}
+
+/* ---- events ---- */
+
+enum { SEEN_ON, SEEN_OFF };
+
+/* The picture's own bytes hold the counts, up to 255 each, until they are turned into colours: no memory, no way to fail. */
+static void count_events(const tides_event *events, size_t count, int32_t width, int32_t height, uint8_t *rgb) {
+    memset(rgb, 0, 3 * pixels_of(width, height));
+    for (size_t i = 0; i < count; i++) {
+        const tides_event *e = &events[i];
+        if (e->x >= width || e->y >= height) continue;
+        uint8_t *seen = rgb + 3 * ((size_t)e->y * (size_t)width + e->x) + (e->polarity > 0 ? SEEN_ON : SEEN_OFF);
+        if (*seen < 255) ++*seen;
+    }
+}
+
+/* Greys stay between 40 and 160, so that neither dark nor bright surroundings swallow the colours. */
+static double dimmed_grey(double value) { return isnan(value) ? 100.0 : 40.0 + 120.0 / 255.0 * td_srgb(value); }
+
+/* One event covers 65 % of the base, and its colour is dark; each further one takes it closer to the bright end. A pixel that
+ * fired both ways lies between red and blue by its shares: violet. */
+static void event_colour(unsigned on, unsigned off, double grey, uint8_t rgb[3]) {
+    static const double dark[2][3] = {{175, 20, 20}, {20, 60, 185}}, bright[2][3] = {{255, 85, 60}, {90, 175, 255}};
+    double total = on + off, share = on / total;
+    double cover = 1.0 - 0.35 * pow(0.5, total - 1.0), brightness = 1.0 - pow(0.7, total - 1.0);
+    for (int c = 0; c < 3; c++) {
+        double red = dark[0][c] + brightness * (bright[0][c] - dark[0][c]);
+        double blue = dark[1][c] + brightness * (bright[1][c] - dark[1][c]);
+        rgb[c] = (uint8_t)((1.0 - cover) * grey + cover * (share * red + (1.0 - share) * blue) + 0.5);
+    }
+}
+
+void tides_picture_events(const tides_event *events, size_t count, const double *base, int32_t width, int32_t height,
+                          uint8_t *rgb) {
+    size_t pixels = pixels_of(width, height);
+    count_events(events, count, width, height, rgb);
+    for (size_t i = 0; i < pixels; i++) {
+        uint8_t *pixel = rgb + 3 * i;
+        double grey = base ? dimmed_grey(base[i]) : 100.0;
+        if (pixel[SEEN_ON] || pixel[SEEN_OFF])
+            event_colour(pixel[SEEN_ON], pixel[SEEN_OFF], grey, pixel);
+        else
+            memset(pixel, (int)(grey + 0.5), 3);
+    }
+}
+
+/* ---- text ---- */
+
+/* Fills the part of a square that lies inside the picture. 64-bit: a far corner may not wrap round into sight. */
+static void fill_square(uint8_t *rgb, int32_t width, int32_t height, int64_t x, int64_t y, int32_t side,
+                        const uint8_t colour[3]) {
+    int64_t right = x + side < width ? x + side : width, bottom = y + side < height ? y + side : height;
+    for (int64_t row = y > 0 ? y : 0; row < bottom; row++)
+        for (int64_t column = x > 0 ? x : 0; column < right; column++)
+            memcpy(rgb + 3 * ((size_t)row * (size_t)width + (size_t)column), colour, 3);
+}
+
+static void draw_glyph(uint8_t *rgb, int32_t width, int32_t height, int64_t x, int64_t y, int32_t scale,
+                       const uint8_t colour[3], const uint8_t *glyph) {
+    for (int row = 0; row < TD_GLYPH_HEIGHT; row++)
+        for (int column = 0; column < TD_GLYPH_WIDTH; column++)
+            if (glyph[row] >> (TD_GLYPH_WIDTH - 1 - column) & 1)
+                fill_square(rgb, width, height, x + (int64_t)column * scale, y + (int64_t)row * scale, scale, colour);
+}
+
+void tides_picture_text(uint8_t *rgb, int32_t width, int32_t height, int32_t x, int32_t y, int32_t scale,
+                        const uint8_t colour[3], const char *text) {
+    if (scale < 1 || width < 1 || height < 1) return;
+    int64_t at_x = x, at_y = y;
+    for (; *text; text++) {
+        if (*text == '\n') {
+            at_x = x;
+            at_y += (int64_t)(TD_GLYPH_HEIGHT + 2) * scale;
+            continue;
+        }
+        if (at_x < width && at_y < height) draw_glyph(rgb, width, height, at_x, at_y, scale, colour, td_glyph(*text));
+        at_x += (int64_t)(TD_GLYPH_WIDTH + 1) * scale;
+    }
+}

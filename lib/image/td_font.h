@@ -1,0 +1,12 @@
+/* Internal: a bitmap font of 5 x 7 cells for labels in previews. */
+#ifndef TD_FONT_H
+#define TD_FONT_H
+
+#include <stdint.h>
+
+enum { TD_GLYPH_WIDTH = 5, TD_GLYPH_HEIGHT = 7 };
+
+/* The rows of a character, top first; bit 4 is the leftmost cell. Characters outside 32..126 are a hollow box. */
+const uint8_t *td_glyph(char character);
+
+#endif

@@ -1,0 +1,125 @@
+/* The parameter table: every key of the run file, once. The JSON reader, --set, --help, the run written into event files and
+ * the template are all made from it.
+ *
+ * A row with available = 0 is part of the contract (DESIGN 6) whose feature this version doesn't have: such a key may be
+ * written with its default, so that run files don't change when the feature comes. */
+#include "td_run.h"
+
+#include <string.h>
+
+#define NUMBER(key, unit, lower, upper, fallback, sentence) \
+    { key, TIDES_PARAM_NUMBER, unit, lower, upper, fallback, NULL, sentence, 1 }
+#define INTEGER(key, unit, lower, upper, fallback, sentence) \
+    { key, TIDES_PARAM_INTEGER, unit, lower, upper, fallback, NULL, sentence, 1 }
+#define BOOLEAN(key, fallback, sentence) \
+    { key, TIDES_PARAM_BOOLEAN, "", 0, 0, fallback, NULL, sentence, 1 }
+#define STRING(key, fallback, sentence) \
+    { key, TIDES_PARAM_STRING, "", 0, 0, fallback, NULL, sentence, 1 }
+#define CHOICE(key, choices, fallback, sentence) \
+    { key, TIDES_PARAM_CHOICE, "", 0, 0, fallback, choices, sentence, 1 }
+#define VECTOR3(key, unit, lower, upper, fallback, sentence) \
+    { key, TIDES_PARAM_VECTOR3, unit, lower, upper, fallback, NULL, sentence, 1 }
+#define OBJECTS(key, fallback, sentence) \
+    { key, TIDES_PARAM_OBJECTS, "", 0, 0, fallback, NULL, sentence, 1 }
+#define LATER_NUMBER(key, unit, lower, upper, fallback, sentence) \
+    { key, TIDES_PARAM_NUMBER, unit, lower, upper, fallback, NULL, sentence, 0 }
+#define LATER_INTEGER(key, unit, lower, upper, fallback, sentence) \
+    { key, TIDES_PARAM_INTEGER, unit, lower, upper, fallback, NULL, sentence, 0 }
+#define LATER_BOOLEAN(key, fallback, sentence) \
+    { key, TIDES_PARAM_BOOLEAN, "", 0, 0, fallback, NULL, sentence, 0 }
+#define LATER_CHOICE(key, choices, fallback, sentence) \
+    { key, TIDES_PARAM_CHOICE, "", 0, 0, fallback, choices, sentence, 0 }
+#define LATER_VECTOR3(key, unit, lower, upper, fallback, sentence) \
+    { key, TIDES_PARAM_VECTOR3, unit, lower, upper, fallback, NULL, sentence, 0 }
+
+/* Events carry 64-bit nanoseconds: 9.2e9 s is the last second that fits (clocks that count from 1970 do). */
+#define LAST_SECOND 9.2e9
+
+static const tides_param table[] = {
+    STRING("scene.file", "null", "splat file (.ply or .h5); may be left out where scene.objects are given"),
+    VECTOR3("scene.background", "", 0, 1e6, "[0,0,0]", "linear colour behind everything"),
+    LATER_NUMBER("scene.duration_s", "s", 1e-9, LAST_SECOND, "null", "seconds that a dynamic scene's own time [0, 1] lasts"),
+    OBJECTS("scene.objects", "[]", "more splat files, each {file, trajectory, scale}; a trajectory moves it as a rigid body"),
+
+    STRING("camera.file", NULL, "path of the camera: TIDES JSON, transforms.json, cameras.json, TUM text or ESIM csv"),
+    INTEGER("camera.width", "px", 1, 16384, "null", "image width; null takes the path file's"),
+    INTEGER("camera.height", "px", 1, 16384, "null", "image height; null takes the path file's"),
+    NUMBER("camera.fx", "px", 1e-3, 1e9, "null", "focal length along x; null takes the path file's"),
+    NUMBER("camera.fy", "px", 1e-3, 1e9, "null", "focal length along y; null takes the path file's, else fx"),
+    NUMBER("camera.cx", "px", -1e6, 1e6, "null", "principal point; null takes the path file's, else the image centre"),
+    NUMBER("camera.cy", "px", -1e6, 1e6, "null", "principal point; null takes the path file's, else the image centre"),
+    NUMBER("camera.duration_s", "s", 1e-9, LAST_SECOND, "1.0", "length of paths whose file has no times, or times in [0, 1]"),
+    NUMBER("camera.start_s", "s", -LAST_SECOND, LAST_SECOND, "0.0", "subtracted from every time of the path file"),
+    BOOLEAN("camera.rebase", "false", "put the path's first sample at time 0 (camera.start_s is then ignored)"),
+
+    NUMBER("time.start", "s", 0, LAST_SECOND, "0.0", "where the run begins; pixels rest at the signal of this moment"),
+    NUMBER("time.stop", "s", 0, LAST_SECOND, "1.0", "where the run ends"),
+
+    CHOICE("image.rules", "smooth|inria|gsplat", "\"smooth\"", "whose cutoffs form the image; smooth has no jumps in time"),
+    BOOLEAN("image.antialias", "false", "compensate opacity for the dilation (scenes trained with mip-splatting's filter)"),
+    INTEGER("image.sh_degree", "", 0, 4, "4", "spherical-harmonics bands above this degree are ignored"),
+    NUMBER("image.dilation", "px^2", 0, 100, "0.3", "added to the diagonal of every splat's 2-D covariance"),
+    VECTOR3("image.luminance", "", 0, 100, "[0.2126,0.7152,0.0722]", "weights of r, g, b in luminance Y"),
+    NUMBER("image.log_eps", "", 1e-9, 1e6, "0.001", "L = ln(Y + log_eps)"),
+
+    NUMBER("sensor.threshold_on", "log units", 1e-4, 100, "0.2", "C+: rise of L that fires an ON event"),
+    NUMBER("sensor.threshold_off", "log units", 1e-4, 100, "0.2", "C-: fall of L that fires an OFF event"),
+    LATER_NUMBER("sensor.threshold_sigma", "log units", 0, 100, "0.0", "spread of the thresholds from pixel to pixel"),
+    LATER_NUMBER("sensor.refractory_s", "s", 0, 10, "0.0", "time after an event in which a pixel can't fire"),
+    LATER_CHOICE("sensor.refractory_law", "hold|drop_keep|drop_consume", "\"hold\"", "what a pixel does meanwhile"),
+    LATER_NUMBER("sensor.leak_rate_hz", "Hz", 0, 1e6, "0.0", "rate of ON events from the reference's leak"),
+    LATER_NUMBER("sensor.b_min", "", 0, 1, "0.0", "pixels with less coverage than this stay silent"),
+    INTEGER("sensor.max_events_per_step", "", 1, 65535, "64",
+            "events per pixel and step placed in time; the rest fire at its end"),
+
+    LATER_NUMBER("frontend.psf_sigma_px", "px", 0, 100, "0.0", "Gaussian blur of the optics"),
+    LATER_NUMBER("frontend.photoreceptor_cutoff_hz", "Hz", 0, 1e9, "0.0", "low-pass of the photoreceptor; 0 is off"),
+    LATER_VECTOR3("frontend.center_surround", "px, px, 1", 0, 1e3, "null", "sigmas and weight of the surround; null is off"),
+    LATER_NUMBER("frontend.shot_noise_hz", "Hz", 0, 1e9, "0.0", "rate of noise events per pixel"),
+    LATER_NUMBER("frontend.noise_rms", "log units", 0, 100, "0.0", "photoreceptor noise"),
+    LATER_NUMBER("frontend.hot_pixel_fraction", "", 0, 1, "0.0", "part of the pixels that fire without cause"),
+
+    LATER_CHOICE("stepping.mode", "fixed|risk|error", "\"fixed\"", "how the step is chosen"),
+    CHOICE("stepping.model", "hermite|quadratic|linear|secant", "\"hermite\"", "how L is modelled between two renders"),
+    NUMBER("stepping.step_s", "s", 1e-9, 1e3, "0.001", "time between two renders"),
+    LATER_NUMBER("stepping.min_step_s", "s", 1e-9, 1e3, "1e-06", "steps aren't split below this"),
+    LATER_NUMBER("stepping.tolerance", "", 1e-9, 1e3, "0.01", "error of the model, in thresholds, above which a step is split"),
+    LATER_NUMBER("stepping.risk.w_b", "", 0, 1, "0.3", "weight of coverage in the risk score"),
+    LATER_NUMBER("stepping.risk.w_c", "", 0, 1, "0.3", "weight of contributors in the risk score"),
+    LATER_NUMBER("stepping.risk.w_alpha", "", 0, 1, "0.4", "weight of |alpha_dot| in the risk score"),
+    LATER_BOOLEAN("stepping.local", "true", "each tile has its own step, where the mode chooses steps"),
+
+    LATER_BOOLEAN("readout.enabled", "false", "send events through the readout arbiter"),
+    LATER_INTEGER("readout.tile_px", "px", 1, 4096, "16", "side of an arbiter's tile"),
+    LATER_NUMBER("readout.tick_s", "s", 1e-9, 1, "1e-06", "time that the scanner stays at a tile"),
+    LATER_INTEGER("readout.k0", "", 1, 1e6, "32", "events released per tick at rest"),
+    LATER_NUMBER("readout.beta_k", "", 0, 1, "0.5", "how activity lowers the release"),
+    LATER_NUMBER("readout.p0", "", 0, 1, "0.0", "drop probability at rest"),
+    LATER_NUMBER("readout.eta", "", 0, 1, "0.2", "how activity raises the drop probability"),
+    LATER_NUMBER("readout.sigma0_s", "s", 0, 1, "0.0", "timestamp jitter at rest"),
+    LATER_NUMBER("readout.gamma_sigma_s", "s", 0, 1, "1e-05", "how activity raises the jitter"),
+    LATER_INTEGER("readout.queue_capacity", "", 1, 1e9, "65536", "events that a tile's queue holds"),
+
+    LATER_CHOICE("method", "tides|esim|v2e|iebcs|dvs-voltmeter", "\"tides\"", "simulator, or the baseline to compare with"),
+    STRING("device", "\"auto\"",
+           "reference, cpu, gpu, an index or a part of a device's name; auto: TIDES_DEVICE, else the best"),
+    STRING("seed", "\"0\"", "64-bit number, in quotes, that all randomness comes from"),
+};
+
+const tides_param *tides_params(size_t *count) {
+    if (count) *count = sizeof table / sizeof table[0];
+    return table;
+}
+
+const tides_param *td_param_find(const char *key) {
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++)
+        if (strcmp(table[i].key, key) == 0) return &table[i];
+    return NULL;
+}
+
+int32_t td_param_is_group(const char *key) {
+    size_t length = strlen(key);
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++)
+        if (strncmp(table[i].key, key, length) == 0 && table[i].key[length] == '.') return 1;
+    return 0;
+}

@@ -1,0 +1,179 @@
+/* A run file as an object: load, parse, and what it says as the library's structs. */
+#include "td_run.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A run file is a page of text; more is another kind of file given by mistake. */
+enum { RUN_FILE_LIMIT = 1 << 22 };
+
+const cJSON *td_run_value(const tides_run *run, const char *key) {
+    const tides_param *row = td_param_find(key);
+    return row ? run->values[row - tides_params(NULL)] : NULL;
+}
+
+double td_run_number(const tides_run *run, const char *key) {
+    const cJSON *value = td_run_value(run, key);
+    return cJSON_IsNumber(value) ? value->valuedouble : 0.0;
+}
+
+static int32_t run_integer(const tides_run *run, const char *key) { return (int32_t)td_run_number(run, key); }
+
+static int32_t run_boolean(const tides_run *run, const char *key) { return cJSON_IsTrue(td_run_value(run, key)) ? 1 : 0; }
+
+/* The text of a row, NULL where it is null. */
+static const char *run_text(const tides_run *run, const char *key) {
+    const cJSON *value = td_run_value(run, key);
+    return cJSON_IsString(value) ? value->valuestring : NULL;
+}
+
+static void run_vector(const tides_run *run, const char *key, double vector[3]) {
+    for (int i = 0; i < 3; i++) vector[i] = cJSON_GetArrayItem(td_run_value(run, key), i)->valuedouble;
+}
+
+char *td_run_resolve(const tides_run *run, const char *path, tides_error *error) {
+    if (path[0] == '/' || !run->directory[0]) return td_strdup(path, error);
+    const char *slash = run->directory[strlen(run->directory) - 1] == '/' ? "" : "/";
+    return td_format(error, "%s%s%s", run->directory, slash, path);
+}
+
+/* What no single row can say. */
+static tides_status check_whole(const tides_run *run, tides_error *error) {
+    size_t count;
+    const tides_param *rows = tides_params(&count);
+    for (size_t i = 0; i < count; i++)
+        if (!run->values[i])
+            return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is missing: %s", run->origin, rows[i].key, rows[i].sentence);
+    if (!run_text(run, "scene.file") && cJSON_GetArraySize(td_run_value(run, "scene.objects")) == 0)
+        return td_fail(error, TIDES_BAD_CONFIG, "%s: scene.file is missing: name a splat file, here or in scene.objects",
+                       run->origin);
+    double start = td_run_number(run, "time.start"), stop = td_run_number(run, "time.stop");
+    if (stop <= start)
+        return td_fail(error, TIDES_BAD_CONFIG, "%s: time.stop = %.12g s is not after time.start = %.12g s", run->origin, stop,
+                       start);
+    return TIDES_OK;
+}
+
+/* The texts that are derived from the values: resolved paths and the whole run as JSON. */
+static tides_status derive(tides_run *run, tides_error *error) {
+    const char *scene_file = run_text(run, "scene.file");
+    if (scene_file && !(run->scene_file = td_run_resolve(run, scene_file, error))) return TIDES_NO_MEMORY;
+    if (!(run->camera_file = td_run_resolve(run, run_text(run, "camera.file"), error))) return TIDES_NO_MEMORY;
+    return td_run_print(run->values, &run->json, error);
+}
+
+static tides_status parse(const char *text, size_t bytes, const char *origin, const char *directory,
+                          const char *const *overrides, size_t count, tides_run **run, tides_error *error) {
+    tides_status status = TIDES_NO_MEMORY;
+    tides_run *made = td_alloc(1, sizeof *made, error);
+    if (!made) return status;
+    if (!(made->origin = td_strdup(origin, error)) || !(made->directory = td_strdup(directory, error))) goto done;
+    if (!(made->values = td_run_defaults(error))) goto done;
+    status = td_run_read(made, text, bytes, error);
+    for (size_t i = 0; status == TIDES_OK && i < count; i++) status = td_run_override(made, overrides[i], error);
+    if (status == TIDES_OK) status = check_whole(made, error);
+    if (status == TIDES_OK) status = derive(made, error);
+    if (status != TIDES_OK) goto done;
+    *run = made;
+    made = NULL;
+done:
+    tides_run_destroy(made);
+    return status;
+}
+
+/* "a/b/run.json" -> "a/b/"; "run.json" -> "". */
+static char *directory_of(const char *file, tides_error *error) {
+    const char *slash = strrchr(file, '/');
+    return td_format(error, "%.*s", slash ? (int)(slash - file + 1) : 0, file);
+}
+
+tides_status tides_run_load(const char *file, const char *const *overrides, size_t count, tides_run **run, tides_error *error) {
+    if (!file || !run || (count && !overrides))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_load: file, run or overrides is NULL");
+    char *text = NULL, *directory = NULL;
+    size_t bytes = 0;
+    tides_status status = td_read_file(file, RUN_FILE_LIMIT, &text, &bytes, error);
+    if (status != TIDES_OK) return status;
+    directory = directory_of(file, error);
+    status = directory ? parse(text, bytes, file, directory, overrides, count, run, error) : TIDES_NO_MEMORY;
+    free(directory);
+    free(text);
+    return status;
+}
+
+tides_status tides_run_parse(const char *text, const char *directory, const char *const *overrides, size_t count,
+                             tides_run **run, tides_error *error) {
+    if (!text || !run || (count && !overrides))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_parse: text, run or overrides is NULL");
+    return parse(text, strlen(text), "run", directory ? directory : "", overrides, count, run, error);
+}
+
+void tides_run_destroy(tides_run *run) {
+    if (!run) return;
+    td_run_free_values(run->values);
+    free(run->origin);
+    free(run->directory);
+    free(run->scene_file);
+    free(run->camera_file);
+    free(run->json);
+    free(run);
+}
+
+/* Position of `text` in "a|b|c". Values have been checked, so it is there. */
+static int32_t choice_index(const char *choices, const char *text) {
+    int32_t index = 0;
+    for (const char *at = choices; *at; index++) {
+        size_t length = strcspn(at, "|");
+        if (strlen(text) == length && memcmp(at, text, length) == 0) return index;
+        at += length + (at[length] == '|');
+    }
+    return 0;
+}
+
+static int32_t run_choice(const tides_run *run, const char *key) {
+    return choice_index(td_param_find(key)->choices, run_text(run, key));
+}
+
+static void get_image(const tides_run *run, tides_image_params *image) {
+    static const int32_t rules[] = {TIDES_RULES_SMOOTH, TIDES_RULES_INRIA, TIDES_RULES_GSPLAT};
+    tides_image_params_defaults(image);
+    image->rules = rules[run_choice(run, "image.rules")];
+    image->antialias = run_boolean(run, "image.antialias");
+    image->sh_degree = run_integer(run, "image.sh_degree");
+    image->dilation = td_run_number(run, "image.dilation");
+    image->log_eps = td_run_number(run, "image.log_eps");
+    run_vector(run, "image.luminance", image->luminance);
+    run_vector(run, "scene.background", image->background);
+}
+
+static void get_intrinsics(const tides_run *run, tides_intrinsics *intrinsics) {
+    intrinsics->width = run_integer(run, "camera.width");
+    intrinsics->height = run_integer(run, "camera.height");
+    intrinsics->fx = td_run_number(run, "camera.fx");
+    intrinsics->fy = td_run_number(run, "camera.fy");
+    intrinsics->cx = td_run_number(run, "camera.cx");
+    intrinsics->cy = td_run_number(run, "camera.cy");
+}
+
+void tides_run_get(const tides_run *run, tides_run_values *values) {
+    static const int32_t models[] = {TIDES_MODEL_HERMITE, TIDES_MODEL_QUADRATIC, TIDES_MODEL_LINEAR, TIDES_MODEL_SECANT};
+    memset(values, 0, sizeof *values);
+    get_intrinsics(run, &values->intrinsics);
+    get_image(run, &values->image);
+    tides_sensor_defaults(&values->sensor);
+    values->sensor.threshold_on = td_run_number(run, "sensor.threshold_on");
+    values->sensor.threshold_off = td_run_number(run, "sensor.threshold_off");
+    values->sensor.max_events_per_step = run_integer(run, "sensor.max_events_per_step");
+    tides_stepping_defaults(&values->stepping);
+    values->stepping.mode = TIDES_STEPPING_FIXED; /* the only available one: the table refuses the rest */
+    values->stepping.model = models[run_choice(run, "stepping.model")];
+    values->stepping.step_s = td_run_number(run, "stepping.step_s");
+    values->start = td_run_number(run, "time.start");
+    values->stop = td_run_number(run, "time.stop");
+    values->scene_file = run->scene_file;
+    values->camera_file = run->camera_file;
+    values->device = run_text(run, "device");
+    values->seed = run_text(run, "seed");
+    values->method = run_text(run, "method");
+    values->json = run->json;
+}

@@ -1,0 +1,115 @@
+/* Reads a run file's JSON text and --set assignments into one value per row of the table. */
+#include "td_run.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Copies `value` to its row's place. */
+static tides_status store(tides_run *run, const tides_param *row, const cJSON *value, tides_error *error) {
+    cJSON *copy = cJSON_Duplicate(value, 1);
+    if (!copy) return td_fail(error, TIDES_NO_MEMORY, "out of memory: copying %s", row->key);
+    cJSON **place = &run->values[row - tides_params(NULL)];
+    cJSON_Delete(*place);
+    *place = copy;
+    return TIDES_OK;
+}
+
+static int32_t is_repeated(const cJSON *item) {
+    for (const cJSON *other = item->next; other; other = other->next)
+        if (strcmp(other->string, item->string) == 0) return 1;
+    return 0;
+}
+
+/* Reads one object of the file; `group` is its dotted key ("" at the top). Recursion ends with the table's groups. */
+static tides_status read_object(tides_run *run, const cJSON *object, const char *group, tides_error *error) {
+    const cJSON *item;
+    cJSON_ArrayForEach(item, object) {
+        char key[TD_KEY_MAX];
+        int length = snprintf(key, sizeof key, "%s%s%s", group, group[0] ? "." : "", item->string);
+        const tides_param *row = td_param_find(key);
+        int32_t is_group = td_param_is_group(key);
+        /* A dot inside a name would make a second way to write a key. */
+        if (length < 0 || (size_t)length >= sizeof key || !(row || is_group) || strchr(item->string, '.'))
+            return td_param_unknown(run->origin, key, error);
+        if (is_repeated(item)) return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is given twice; keep one", run->origin, key);
+        if (is_group && !cJSON_IsObject(item))
+            return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is not an object; write \"%s\": { ... }", run->origin, key,
+                           item->string);
+        tides_status status = row ? td_param_check(row, item, run->origin, error) : read_object(run, item, key, error);
+        if (status == TIDES_OK && row) status = store(run, row, item, error);
+        if (status != TIDES_OK) return status;
+    }
+    return TIDES_OK;
+}
+
+/* The byte at which cJSON gave up. Where it wanted a key's quote and found something else it is one too far. */
+static size_t error_offset(const char *text, size_t bytes, const char *at) {
+    size_t offset = at && at >= text ? (size_t)(at - text) : 0;
+    if (offset > bytes) offset = bytes;
+    if (offset < 2 || strchr("\" \t\r\n", text[offset - 1])) return offset;
+    size_t before = offset - 1;
+    while (before > 0 && strchr(" \t\r\n", text[before - 1])) before--;
+    return before > 0 && (text[before - 1] == '{' || text[before - 1] == ',') ? offset - 1 : offset;
+}
+
+/* The error for text that isn't JSON. */
+static tides_status bad_syntax(const tides_run *run, const char *text, size_t bytes, const char *at, tides_error *error) {
+    size_t offset = error_offset(text, bytes, at), line = 1, column = 1;
+    for (size_t i = 0; i < offset; i++) {
+        column = text[i] == '\n' ? 1 : column + 1;
+        line += text[i] == '\n';
+    }
+    char near_it[24];
+    snprintf(near_it, sizeof near_it, "%.20s", text + offset);
+    near_it[strcspn(near_it, "\r\n")] = '\0';
+    td_one_line(near_it);
+    return td_fail(error, TIDES_BAD_CONFIG,
+                   "%s:%zu:%zu: not valid JSON from here on: %s%s%s; look for a comma, quote or brace too many or too few",
+                   run->origin, line, column, near_it[0] ? "\"" : "", near_it[0] ? near_it : "end of line",
+                   near_it[0] ? "\"" : "");
+}
+
+tides_status td_run_read(tides_run *run, const char *text, size_t bytes, tides_error *error) {
+    const char *nul = memchr(text, '\0', bytes);
+    if (nul) return td_fail(error, TIDES_BAD_CONFIG, "%s: byte %zu is 0; not a text file", run->origin, (size_t)(nul - text));
+    const char *end = NULL;
+    cJSON *root = cJSON_ParseWithLengthOpts(text, bytes + 1, &end, 1);
+    if (!root) return bad_syntax(run, text, bytes, end, error);
+    tides_status status = cJSON_IsObject(root)
+                              ? read_object(run, root, "", error)
+                              : td_fail(error, TIDES_BAD_CONFIG, "%s: a run file is one JSON object { ... }", run->origin);
+    cJSON_Delete(root);
+    return status;
+}
+
+/* The value of an assignment: JSON where it is JSON and the row doesn't hold text; else the bare text. So device=0,
+ * seed=18446744073709551615 and scene.file=a.ply need no quotes. */
+static cJSON *assigned_value(const tides_param *row, const char *text) {
+    cJSON *value = cJSON_ParseWithOpts(text, NULL, 1);
+    const int32_t holds_text = row->type == TIDES_PARAM_STRING || row->type == TIDES_PARAM_CHOICE;
+    const int32_t nullable = row->fallback && strcmp(row->fallback, "null") == 0;
+    if (value && holds_text && !cJSON_IsString(value) && !(nullable && cJSON_IsNull(value))) {
+        cJSON_Delete(value);
+        value = NULL;
+    }
+    return value ? value : cJSON_CreateString(text);
+}
+
+tides_status td_run_override(tides_run *run, const char *assignment, tides_error *error) {
+    const char *equals = strchr(assignment, '=');
+    if (!equals || equals == assignment)
+        return td_fail(error, TIDES_BAD_CONFIG, "--set %.100s: write key=value, such as sensor.threshold_on=0.3", assignment);
+    char key[TD_KEY_MAX];
+    snprintf(key, sizeof key, "%.*s", (int)(equals - assignment < TD_KEY_MAX ? equals - assignment : TD_KEY_MAX), assignment);
+    const tides_param *row = td_param_find(key);
+    if (!row && td_param_is_group(key))
+        return td_fail(error, TIDES_BAD_CONFIG, "--set: %s is a group of keys; set one of them, such as %s.NAME=value", key,
+                       key);
+    if (!row) return td_param_unknown("--set", key, error);
+    cJSON *value = assigned_value(row, equals + 1);
+    if (!value) return td_fail(error, TIDES_NO_MEMORY, "out of memory: reading --set %s", key);
+    tides_status status = td_param_check(row, value, "--set", error);
+    if (status == TIDES_OK) status = store(run, row, value, error);
+    cJSON_Delete(value);
+    return status;
+}

@@ -1,0 +1,155 @@
+/* Opens what a run names: the scene with its moving objects, and the camera's path with its intrinsics. */
+#include "td_run.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Whether a path covers the run; `file` and `key` say whose it is. */
+static tides_status check_cover(const tides_run *run, const tides_trajectory *trajectory, const char *file, const char *key,
+                                tides_error *error) {
+    double first, last, start = td_run_number(run, "time.start"), stop = td_run_number(run, "time.stop");
+    tides_trajectory_range(trajectory, &first, &last);
+    if (first <= start && stop <= last) return TIDES_OK;
+    return td_fail(error, TIDES_OUT_OF_RANGE,
+                   "%s: %s: the motion in %s covers [%.12g, %.12g] s, but the run needs [%.12g, %.12g] s; change time.start "
+                   "and "
+                   "time.stop%s",
+                   run->origin, key, file, first, last, start, stop,
+                   strcmp(key, "camera.file") == 0 ? ", or camera.start_s, camera.rebase or camera.duration_s" : "");
+}
+
+/* What a file brought into the scene, from object `first` on, must cover the run too: an .h5 may hold moving objects. */
+static tides_status check_motion(const tides_run *run, const tides_scene *scene, int32_t first, const char *file,
+                                 const char *key, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (int32_t i = first; status == TIDES_OK && i < tides_scene_objects(scene); i++) {
+        tides_object object;
+        status = tides_scene_object(scene, i, &object, error);
+        if (status == TIDES_OK && object.trajectory) status = check_cover(run, object.trajectory, file, key, error);
+    }
+    return status;
+}
+
+/* Adds a splat file; `key` is what names it. */
+static tides_status add_file(const tides_run *run, tides_scene *scene, const char *file, const tides_trajectory *motion,
+                             double scale, const char *key, tides_error *error) {
+    const int32_t first = tides_scene_objects(scene);
+    tides_status status = tides_scene_add_file(scene, file, motion, scale, error);
+    return status == TIDES_OK ? check_motion(run, scene, first, file, key, error) : status;
+}
+
+/* Adds scene.objects[index]. */
+static tides_status add_object(const tides_run *run, const cJSON *object, int index, tides_scene *scene, tides_error *error) {
+    const cJSON *motion = cJSON_GetObjectItemCaseSensitive(object, "trajectory");
+    const cJSON *size = cJSON_GetObjectItemCaseSensitive(object, "scale");
+    char key[TD_KEY_MAX], path_key[TD_KEY_MAX];
+    snprintf(key, sizeof key, "scene.objects[%d].file", index);
+    snprintf(path_key, sizeof path_key, "scene.objects[%d].trajectory", index);
+    tides_path path = {.trajectory = NULL};
+    char *path_file = NULL;
+    tides_status status = TIDES_NO_MEMORY;
+    char *file = td_run_resolve(run, cJSON_GetObjectItemCaseSensitive(object, "file")->valuestring, error);
+    if (!file) goto done;
+    if (cJSON_IsString(motion)) {
+        path_file = td_run_resolve(run, motion->valuestring, error);
+        if (!path_file) goto done;
+        tides_path_options options;
+        tides_path_options_defaults(&options);
+        status = tides_path_load(path_file, &options, &path, error);
+        if (status == TIDES_OK) status = check_cover(run, path.trajectory, path_file, path_key, error);
+        if (status != TIDES_OK) goto done;
+    }
+    status = add_file(run, scene, file, path.trajectory, size ? size->valuedouble : 1.0, key, error);
+done:
+    tides_trajectory_destroy(path.trajectory);
+    free(path_file);
+    free(file);
+    return status;
+}
+
+static tides_status open_scene(const tides_run *run, tides_scene **scene, tides_error *error) {
+    tides_scene *made = NULL;
+    tides_status status = tides_scene_create(&made, error);
+    if (status != TIDES_OK) return status;
+    if (run->scene_file) status = add_file(run, made, run->scene_file, NULL, 1.0, "scene.file", error);
+    const cJSON *object;
+    int index = 0;
+    cJSON_ArrayForEach(object, td_run_value(run, "scene.objects")) {
+        if (status == TIDES_OK) status = add_object(run, object, index++, made, error);
+    }
+    if (status == TIDES_OK)
+        *scene = made;
+    else
+        tides_scene_destroy(made);
+    return status;
+}
+
+/* Path files leave what they don't know at 0. */
+static double given_or(double value, double otherwise) { return value > 0 || value < 0 ? value : otherwise; }
+
+/* What the run file and the path file say together. The path file's focal length and centre belong to its own image size:
+ * they are taken only where the run keeps that size, since neither cropping nor scaling is what everybody means. An angle of
+ * view holds at any size. */
+static tides_status merge_intrinsics(const tides_run *run, const tides_path *file, tides_intrinsics *merged,
+                                     tides_error *error) {
+    tides_run_values values;
+    tides_run_get(run, &values);
+    const tides_intrinsics *path = &file->intrinsics;
+    tides_intrinsics own = values.intrinsics, theirs = *path;
+    if (own.width == 0) own.width = path->width;
+    if (own.height == 0) own.height = path->height;
+    const int32_t resized = (path->width && path->width != own.width) || (path->height && path->height != own.height);
+    if (resized) theirs.fx = theirs.fy = theirs.cx = theirs.cy = 0;
+    own.fx = given_or(own.fx, theirs.fx);
+    if (file->field_of_view_x > 0) own.fx = given_or(own.fx, 0.5 * own.width / tan(0.5 * file->field_of_view_x));
+    own.fy = given_or(given_or(own.fy, theirs.fy), own.fx);
+    const char *missing = own.width == 0 ? "width" : own.height == 0 ? "height" : own.fx > 0 ? NULL : "fx";
+    if (missing && resized)
+        return td_fail(error, TIDES_BAD_CONFIG,
+                       "%s: camera.%s is missing: that of %s is for %dx%d px, the run wants %dx%d; set camera.%s [px]",
+                       run->origin, missing, run->camera_file, path->width, path->height, own.width, own.height, missing);
+    if (missing)
+        return td_fail(error, TIDES_BAD_CONFIG, "%s: camera.%s is missing: %s doesn't give it either; set camera.%s [px]",
+                       run->origin, missing, run->camera_file, missing);
+    if (!cJSON_IsNumber(td_run_value(run, "camera.cx"))) own.cx = given_or(theirs.cx, 0.5 * own.width);
+    if (!cJSON_IsNumber(td_run_value(run, "camera.cy"))) own.cy = given_or(theirs.cy, 0.5 * own.height);
+    *merged = own;
+    return TIDES_OK;
+}
+
+static tides_status open_camera(const tides_run *run, tides_trajectory **camera, tides_intrinsics *intrinsics,
+                                tides_error *error) {
+    tides_path_options options;
+    tides_path_options_defaults(&options);
+    options.duration = td_run_number(run, "camera.duration_s");
+    options.start = td_run_number(run, "camera.start_s");
+    options.rebase = cJSON_IsTrue(td_run_value(run, "camera.rebase")) ? 1 : 0;
+    tides_path path = {.trajectory = NULL};
+    tides_status status = tides_path_load(run->camera_file, &options, &path, error);
+    if (status != TIDES_OK) return status;
+    status = check_cover(run, path.trajectory, run->camera_file, "camera.file", error);
+    if (status == TIDES_OK) status = merge_intrinsics(run, &path, intrinsics, error);
+    if (status == TIDES_OK)
+        *camera = path.trajectory;
+    else
+        tides_trajectory_destroy(path.trajectory);
+    return status;
+}
+
+tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera, tides_intrinsics *intrinsics,
+                            tides_error *error) {
+    if (!run || !scene || !camera || !intrinsics)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_open: run, scene, camera or intrinsics is NULL");
+    tides_trajectory *path = NULL;
+    tides_intrinsics size = {0};
+    tides_status status = open_camera(run, &path, &size, error); /* first: it is small, and most slips are in it */
+    if (status == TIDES_OK) status = open_scene(run, scene, error);
+    if (status != TIDES_OK) {
+        tides_trajectory_destroy(path);
+        return status;
+    }
+    *camera = path;
+    *intrinsics = size;
+    return TIDES_OK;
+}

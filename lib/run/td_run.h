@@ -1,0 +1,50 @@
+/* Internal: a parsed run file is one JSON value per row of the parameter table; everything else is derived from that. */
+#ifndef TD_RUN_H
+#define TD_RUN_H
+
+#include "td_base.h"
+#include "tides/run.h"
+
+#include <cjson/cJSON.h>
+
+/* Longest dotted key that is looked at; longer ones are unknown by construction. */
+enum { TD_KEY_MAX = 96 };
+
+struct tides_run {
+    char *origin;      /* what errors call the text: the file's name, or "run" */
+    char *directory;   /* what relative paths refer to */
+    cJSON **values;    /* one per row of the table; NULL where required and not (yet) given */
+    char *scene_file;  /* resolved; NULL where the scene is made of objects only */
+    char *camera_file; /* resolved */
+    char *json;        /* every key, defaults filled in */
+};
+
+/* params.c: row of `key`, or NULL; 1 where `key` is the first part of some row's key ("sensor", "stepping.risk"). */
+const tides_param *td_param_find(const char *key);
+int32_t td_param_is_group(const char *key);
+
+/* params_suggest.c: the error for a key that isn't in the table, naming the nearest one that is; control characters in text
+ * from outside to '?', so that an error stays one line. */
+tides_status td_param_unknown(const char *where, const char *key, tides_error *error);
+void td_one_line(char *text);
+
+/* run_value.c: 1 where `value` equals the row's default; whether `value` may stand at `row`, errors starting with `where`. */
+int32_t td_param_is_default(const tides_param *row, const cJSON *value);
+tides_status td_param_check(const tides_param *row, const cJSON *value, const char *where, tides_error *error);
+
+/* run_json.c: reads `bytes` of JSON text into run->values, and one "key=value" on top of it. */
+tides_status td_run_read(tides_run *run, const char *text, size_t bytes, tides_error *error);
+tides_status td_run_override(tides_run *run, const char *assignment, tides_error *error);
+
+/* run_write.c: the table's defaults as JSON values, NULL when out of memory; nested JSON text of one value per row (NULL rows
+ * are left out). */
+cJSON **td_run_defaults(tides_error *error);
+tides_status td_run_print(cJSON *const *values, char **text, tides_error *error);
+void td_run_free_values(cJSON **values);
+
+/* run.c: the value of a row that is known to be in the table; `path` against the run's directory, allocated. */
+const cJSON *td_run_value(const tides_run *run, const char *key);
+double td_run_number(const tides_run *run, const char *key); /* 0 where null */
+char *td_run_resolve(const tides_run *run, const char *path, tides_error *error);
+
+#endif

@@ -1,0 +1,136 @@
+/* Arrays of Gaussians: made, copied, freed, and checked before anything is rendered from them. */
+#include "td_base.h"
+#include "td_scene.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+tides_status td_gaussians_create(td_gaussians *gaussians, int64_t count, int32_t sh_degree, tides_error *error) {
+    if (count < 1)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "count is %lld: an object needs at least one Gaussian", (long long)count);
+    if (sh_degree < 0 || sh_degree > TIDES_SH_DEGREE_MAX)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "sh_degree is %d: must be 0 to %d", (int)sh_degree, TIDES_SH_DEGREE_MAX);
+    if ((uint64_t)count > SIZE_MAX)
+        return td_fail(error, TIDES_NO_MEMORY, "%lld Gaussians don't fit in this machine's memory", (long long)count);
+    size_t n = (size_t)count;
+    td_gaussians made = {count, sh_degree, NULL, NULL, NULL, NULL, NULL};
+    made.mean = td_alloc(n, 3 * sizeof(float), error);
+    if (made.mean) made.log_scale = td_alloc(n, 3 * sizeof(float), error);
+    if (made.log_scale) made.quaternion = td_alloc(n, 4 * sizeof(float), error);
+    if (made.quaternion) made.opacity_logit = td_alloc(n, sizeof(float), error);
+    if (made.opacity_logit) made.sh = td_alloc(n, td_sh_coefficients(sh_degree) * 3 * sizeof(float), error);
+    if (!made.sh) {
+        td_gaussians_free(&made);
+        return TIDES_NO_MEMORY;
+    }
+    *gaussians = made;
+    return TIDES_OK;
+}
+
+tides_status td_gaussians_copy(td_gaussians *gaussians, const tides_gaussians *source, tides_error *error) {
+    if (!source->mean || !source->log_scale || !source->quaternion || !source->opacity_logit || !source->sh)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "%s is NULL: all five arrays are needed",
+                       !source->mean         ? "mean"
+                       : !source->log_scale  ? "log_scale"
+                       : !source->quaternion ? "quaternion"
+                       : !source->sh         ? "sh"
+                                             : "opacity_logit");
+    td_gaussians made;
+    tides_status status = td_gaussians_create(&made, source->count, source->sh_degree, error);
+    if (status) return status;
+    size_t n = (size_t)made.count;
+    memcpy(made.mean, source->mean, n * 3 * sizeof(float));
+    memcpy(made.log_scale, source->log_scale, n * 3 * sizeof(float));
+    memcpy(made.quaternion, source->quaternion, n * 4 * sizeof(float));
+    memcpy(made.opacity_logit, source->opacity_logit, n * sizeof(float));
+    memcpy(made.sh, source->sh, n * td_sh_coefficients(made.sh_degree) * 3 * sizeof(float));
+    *gaussians = made;
+    return TIDES_OK;
+}
+
+void td_gaussians_free(td_gaussians *gaussians) {
+    free(gaussians->mean);
+    free(gaussians->log_scale);
+    free(gaussians->quaternion);
+    free(gaussians->opacity_logit);
+    free(gaussians->sh);
+    memset(gaussians, 0, sizeof *gaussians);
+}
+
+tides_gaussians td_gaussians_view(const td_gaussians *gaussians) {
+    return (tides_gaussians){.count = gaussians->count,
+                             .sh_degree = gaussians->sh_degree,
+                             .mean = gaussians->mean,
+                             .log_scale = gaussians->log_scale,
+                             .quaternion = gaussians->quaternion,
+                             .opacity_logit = gaussians->opacity_logit,
+                             .sh = gaussians->sh};
+}
+
+/* What a check needs to fail with. */
+typedef struct complaint {
+    tides_status blame;
+    tides_error *error;
+} complaint;
+
+/* `width` values per Gaussian; `rows` > 0 names them name[i / rows][i % rows], as for sh. */
+static tides_status check_finite(const char *name, const float *values, int64_t count, size_t width, size_t rows, complaint c) {
+    size_t total = (size_t)count * width;
+    for (size_t i = 0; i < total; i++) {
+        if (isfinite(values[i])) continue;
+        char where[48] = "";
+        size_t k = i % width;
+        if (rows)
+            snprintf(where, sizeof where, "[%zu][%zu]", k / rows, k % rows);
+        else if (width > 1)
+            snprintf(where, sizeof where, "[%zu]", k);
+        return td_fail(c.error, c.blame, "Gaussian %zu: %s%s is %s: every value must be finite", i / width, name, where,
+                       isnan(values[i]) ? "nan"
+                       : values[i] > 0  ? "inf"
+                                        : "-inf");
+    }
+    return TIDES_OK;
+}
+
+/* The sum of squares must be a normal float, since kernels divide by its root in single precision. */
+static tides_status check_quaternions(const td_gaussians *gaussians, complaint c) {
+    for (int64_t i = 0; i < gaussians->count; i++) {
+        const float *q = gaussians->quaternion + 4 * i;
+        double squares = (double)q[0] * q[0] + (double)q[1] * q[1] + (double)q[2] * q[2] + (double)q[3] * q[3];
+        if (squares >= FLT_MIN && squares <= FLT_MAX) continue;
+        return td_fail(c.error, c.blame,
+                       "Gaussian %lld: quaternion (%g %g %g %g) has norm %g: too %s to be normalised in single precision",
+                       (long long)i, (double)q[0], (double)q[1], (double)q[2], (double)q[3], sqrt(squares),
+                       squares < 1 ? "small" : "large");
+    }
+    return TIDES_OK;
+}
+
+/* In place, means and scales are multiplied by the object's scale. */
+static tides_status check_range(const td_gaussians *gaussians, double scale, complaint c) {
+    double most = log(FLT_MAX) - log(scale);
+    for (int64_t i = 0; i < 3 * gaussians->count; i++) {
+        int bad_scale = gaussians->log_scale[i] > most;
+        if (!bad_scale && fabs(gaussians->mean[i] * scale) <= FLT_MAX) continue;
+        return td_fail(c.error, c.blame, "Gaussian %lld: %s[%d] is %g: %s times the object's scale %g is beyond float's range",
+                       (long long)(i / 3), bad_scale ? "log_scale" : "mean", (int)(i % 3),
+                       (double)(bad_scale ? gaussians->log_scale[i] : gaussians->mean[i]), bad_scale ? "its exponential" : "it",
+                       scale);
+    }
+    return TIDES_OK;
+}
+
+tides_status td_gaussians_check(const td_gaussians *gaussians, double scale, tides_status blame, tides_error *error) {
+    complaint c = {blame, error};
+    int64_t n = gaussians->count;
+    tides_status status = check_finite("mean", gaussians->mean, n, 3, 0, c);
+    if (!status) status = check_finite("log_scale", gaussians->log_scale, n, 3, 0, c);
+    if (!status) status = check_finite("quaternion", gaussians->quaternion, n, 4, 0, c);
+    if (!status) status = check_finite("opacity_logit", gaussians->opacity_logit, n, 1, 0, c);
+    if (!status) status = check_finite("sh", gaussians->sh, n, 3 * td_sh_coefficients(gaussians->sh_degree), 3, c);
+    if (!status) status = check_quaternions(gaussians, c);
+    if (!status) status = check_range(gaussians, scale, c);
+    return status;
+}

@@ -1,0 +1,223 @@
+/* Groups, attributes and datasets of HDF5 files, with messages that say where. Every handle is closed on every path. */
+#include "td_base.h"
+#include "td_place.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* No text in a scene file is longer; guards the memory that a damaged one could ask for. */
+enum { TEXT_MAX = 1 << 20 };
+
+/* Deflate, the strongest filter in common use, shrinks by at most this factor (zlib's documentation): values beyond file size
+ * times this can't be in the file, whatever its header says. */
+enum { DEFLATE_MAX = 1032 };
+
+static tides_status enter(const td_place *parent, const char *name, hid_t id, td_place *place) {
+    *place = *parent;
+    place->id = id;
+    const char *slash = strcmp(parent->where, "/") == 0 ? "" : "/";
+    snprintf(place->where, sizeof place->where, "%.40s%s%.20s", parent->where, slash, name);
+    return TIDES_OK;
+}
+
+tides_status td_place_open(const td_place *parent, const char *name, td_place *place) {
+    hid_t id = H5Gopen2(parent->id, name, H5P_DEFAULT);
+    if (id >= 0) return enter(parent, name, id, place);
+    return td_fail(parent->error, TIDES_BAD_FILE, "%s: group %s is missing in %s, or damaged", parent->file, name,
+                   parent->where);
+}
+
+static tides_status fail_write(const td_place *place, const char *name) {
+    return td_fail(place->error, TIDES_NO_MEMORY, "%s: %s in %s can't be added to the file's image: out of memory?",
+                   place->file, name, place->where);
+}
+
+tides_status td_place_create(const td_place *parent, const char *name, td_place *place) {
+    hid_t id = H5Gcreate2(parent->id, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    return id >= 0 ? enter(parent, name, id, place) : fail_write(parent, name);
+}
+
+int td_place_has(const td_place *place, const char *name) { return H5Lexists(place->id, name, H5P_DEFAULT) > 0; }
+
+/* -- attributes -- */
+
+static tides_status fail_attribute(const td_place *place, const char *name, const char *expected) {
+    return td_fail(place->error, TIDES_BAD_FILE, "%s: attribute %s of %s is missing or isn't %s", place->file, name,
+                   place->where, expected);
+}
+
+/* Opens an attribute that holds exactly one value; negative where there is none. */
+static hid_t open_attribute(const td_place *place, const char *name) {
+    hid_t attribute = H5Aexists(place->id, name) > 0 ? H5Aopen(place->id, name, H5P_DEFAULT) : H5I_INVALID_HID;
+    if (attribute < 0) return H5I_INVALID_HID;
+    hid_t space = H5Aget_space(attribute);
+    hssize_t points = space >= 0 ? H5Sget_simple_extent_npoints(space) : -1;
+    if (space >= 0) H5Sclose(space);
+    if (points == 1) return attribute;
+    H5Aclose(attribute);
+    return H5I_INVALID_HID;
+}
+
+/* Whether the attribute holds an integer or, where `real`, any number. */
+static int is_number(hid_t attribute, int real) {
+    hid_t type = H5Aget_type(attribute);
+    H5T_class_t class = type >= 0 ? H5Tget_class(type) : H5T_NO_CLASS;
+    if (type >= 0) H5Tclose(type);
+    return class == H5T_INTEGER || (real && class == H5T_FLOAT);
+}
+
+static tides_status read_number(const td_place *place, const char *name, hid_t memory_type, int real, void *value) {
+    hid_t attribute = open_attribute(place, name);
+    int done = attribute >= 0 && is_number(attribute, real) && H5Aread(attribute, memory_type, value) >= 0;
+    if (attribute >= 0) H5Aclose(attribute);
+    return done ? TIDES_OK : fail_attribute(place, name, real ? "a number" : "a whole number");
+}
+
+tides_status td_place_read_int(const td_place *place, const char *name, int32_t *value) {
+    return read_number(place, name, H5T_NATIVE_INT32, 0, value);
+}
+
+tides_status td_place_read_double(const td_place *place, const char *name, double *value) {
+    return read_number(place, name, H5T_NATIVE_DOUBLE, 1, value);
+}
+
+/* Text of a fixed length, as numpy writes bytes: padded with NUL. */
+static int read_fixed_text(hid_t attribute, hid_t type, char **text, tides_error *error) {
+    size_t bytes = H5Tget_size(type);
+    if (bytes == 0 || bytes > TEXT_MAX) return 0;
+    char *copy = td_alloc(bytes + 1, 1, error);
+    if (!copy) return 0;
+    if (H5Aread(attribute, type, copy) < 0) {
+        free(copy);
+        return 0;
+    }
+    *text = copy;
+    return 1;
+}
+
+/* Text of any length, as h5py writes str: HDF5 allocates, and its own call must free. */
+static int read_free_text(hid_t attribute, hid_t type, char **text, tides_error *error) {
+    char *lent = NULL;
+    if (H5Aread(attribute, type, &lent) < 0) return 0;
+    *text = td_strdup(lent ? lent : "", error);
+    H5free_memory(lent);
+    return *text != NULL;
+}
+
+tides_status td_place_read_text(const td_place *place, const char *name, char **text) {
+    char *found = NULL;
+    int done = 0;
+    hid_t attribute = open_attribute(place, name);
+    hid_t type = attribute >= 0 ? H5Aget_type(attribute) : H5I_INVALID_HID;
+    if (type >= 0 && H5Tget_class(type) == H5T_STRING)
+        done = H5Tis_variable_str(type) > 0 ? read_free_text(attribute, type, &found, place->error)
+                                            : read_fixed_text(attribute, type, &found, place->error);
+    if (type >= 0) H5Tclose(type);
+    if (attribute >= 0) H5Aclose(attribute);
+    if (!done) return fail_attribute(place, name, "a text");
+    *text = found;
+    return TIDES_OK;
+}
+
+static tides_status write_attribute(const td_place *place, const char *name, hid_t file_type, hid_t memory_type,
+                                    const void *value) {
+    hid_t space = H5Screate(H5S_SCALAR), attribute = H5I_INVALID_HID;
+    if (space >= 0) attribute = H5Acreate2(place->id, name, file_type, space, H5P_DEFAULT, H5P_DEFAULT);
+    int done = attribute >= 0 && H5Awrite(attribute, memory_type, value) >= 0;
+    if (attribute >= 0 && H5Aclose(attribute) < 0) done = 0;
+    if (space >= 0) H5Sclose(space);
+    return done ? TIDES_OK : fail_write(place, name);
+}
+
+tides_status td_place_write_int(const td_place *place, const char *name, int32_t value) {
+    return write_attribute(place, name, H5T_STD_I32LE, H5T_NATIVE_INT32, &value);
+}
+
+tides_status td_place_write_double(const td_place *place, const char *name, double value) {
+    return write_attribute(place, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
+}
+
+tides_status td_place_write_text(const td_place *place, const char *name, const char *text) {
+    hid_t type = H5Tcopy(H5T_C_S1);
+    int ready = type >= 0 && H5Tset_size(type, H5T_VARIABLE) >= 0 && H5Tset_cset(type, H5T_CSET_UTF8) >= 0;
+    tides_status status = ready ? write_attribute(place, name, type, type, &text) : fail_write(place, name);
+    if (type >= 0) H5Tclose(type);
+    return status;
+}
+
+/* -- datasets -- */
+
+/* Opens a dataset of floating-point numbers; negative where there is none. */
+static hid_t open_floats(const td_place *place, const char *name) {
+    hid_t set = td_place_has(place, name) ? H5Dopen2(place->id, name, H5P_DEFAULT) : H5I_INVALID_HID;
+    if (set < 0) return H5I_INVALID_HID;
+    hid_t type = H5Dget_type(set);
+    int floats = type >= 0 && H5Tget_class(type) == H5T_FLOAT;
+    if (type >= 0) H5Tclose(type);
+    if (floats) return set;
+    H5Dclose(set);
+    return H5I_INVALID_HID;
+}
+
+/* Whether `shape` has no more values than the dataset's stored bytes, and the file, can hold. */
+static int is_plausible(const td_place *place, hid_t set, int rank, const uint64_t *shape) {
+    hsize_t file_bytes = 0, stored = H5Dget_storage_size(set);
+    hid_t file = H5Iget_file_id(place->id);
+    int known = file >= 0 && H5Fget_filesize(file, &file_bytes) >= 0;
+    if (file >= 0) H5Fclose(file);
+    if (!known || stored > file_bytes) return 0;
+    uint64_t room = (uint64_t)stored * DEFLATE_MAX;
+    for (int i = 0; i < rank; i++) {
+        if (shape[i] == 0) return 1;
+        room /= shape[i]; /* the floor of floors is the floor of the whole quotient */
+    }
+    return room >= 1;
+}
+
+tides_status td_place_shape(const td_place *place, const char *name, int rank, uint64_t shape[TD_PLACE_RANK_MAX]) {
+    hsize_t found[TD_PLACE_RANK_MAX] = {0, 0, 0};
+    uint64_t result[TD_PLACE_RANK_MAX] = {0, 0, 0};
+    hid_t set = open_floats(place, name);
+    if (set < 0)
+        return td_fail(place->error, TIDES_BAD_FILE, "%s: dataset %s of %s is missing or doesn't hold floating-point numbers",
+                       place->file, name, place->where);
+    tides_status status = TIDES_OK;
+    hid_t space = H5Dget_space(set);
+    if (space < 0 || H5Sget_simple_extent_ndims(space) != rank || H5Sget_simple_extent_dims(space, found, NULL) != rank)
+        status = td_fail(place->error, TIDES_BAD_FILE, "%s: dataset %s of %s should have %d dimensions", place->file, name,
+                         place->where, rank);
+    for (int i = 0; i < rank; i++) result[i] = found[i];
+    if (!status && !is_plausible(place, set, rank, result))
+        status = td_fail(place->error, TIDES_BAD_FILE,
+                         "%s: dataset %s of %s claims %llu rows, more than the file holds: is it truncated?", place->file, name,
+                         place->where, (unsigned long long)result[0]);
+    if (space >= 0) H5Sclose(space);
+    H5Dclose(set);
+    if (!status) memcpy(shape, result, (size_t)rank * sizeof *shape);
+    return status;
+}
+
+tides_status td_place_read(const td_place *place, const char *name, hid_t memory_type, void *values) {
+    hid_t set = open_floats(place, name);
+    int done = set >= 0 && H5Dread(set, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
+    if (set >= 0) H5Dclose(set);
+    if (done) return TIDES_OK;
+    return td_fail(place->error, TIDES_BAD_FILE, "%s: dataset %s of %s can't be read: is the file truncated or damaged?",
+                   place->file, name, place->where);
+}
+
+tides_status td_place_write(const td_place *place, const char *name, hid_t file_type, hid_t memory_type, int rank,
+                            const uint64_t *shape, const void *values) {
+    hsize_t extent[TD_PLACE_RANK_MAX] = {0, 0, 0};
+    for (int i = 0; i < rank && i < TD_PLACE_RANK_MAX; i++) extent[i] = shape[i];
+    hid_t space = H5Screate_simple(rank, extent, NULL), set = H5I_INVALID_HID;
+    hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+    /* Without the times of creation, the same scene makes the same bytes. */
+    if (space >= 0 && properties >= 0 && H5Pset_obj_track_times(properties, 0) >= 0)
+        set = H5Dcreate2(place->id, name, file_type, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+    int done = set >= 0 && H5Dwrite(set, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
+    if (set >= 0 && H5Dclose(set) < 0) done = 0;
+    if (properties >= 0) H5Pclose(properties);
+    if (space >= 0) H5Sclose(space);
+    return done ? TIDES_OK : fail_write(place, name);
+}

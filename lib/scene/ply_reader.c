@@ -1,0 +1,189 @@
+/* 3D Gaussian splatting scenes from PLY files: which property is which array.
+ *
+ * Element vertex holds one Gaussian per row, its properties found by name:
+ *     x y z                 mean
+ *     f_dc_0 .. f_dc_2      sh, coefficient 0 of red, green, blue
+ *     f_rest_0 ..           sh, the others, channel by channel: f_rest_[c (K - 1) + k - 1] is coefficient k of channel c;
+ *                           0, 9, 24, 45 or 72 of them for degrees 0 to 4
+ *     opacity               logit
+ *     scale_0 .. scale_2    natural logarithms
+ *     rot_0 .. rot_3        quaternion w x y z
+ *     filter_3D             optional: mip-splatting's filter, folded in (mip_filter.c)
+ * Everything else (normals, colours, other elements) is skipped. Writers: INRIA, gsplat, nerfstudio, SuperSplat and others. */
+#include "td_base.h"
+#include "td_ply.h"
+#include "td_scene.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* What binding works on. */
+typedef struct binding {
+    const td_ply_file *file;
+    const td_ply_header *header;
+    const td_ply_element *vertex;
+    td_ply_column *columns; /* one per property of vertex */
+    tides_error *error;
+} binding;
+
+/* Other models that reuse the container: reading them as 3DGS would be silently wrong. */
+static tides_status check_kind(const binding *b) {
+    static const struct {
+        const char *property, *kind;
+    } others[] = {{"packed_position", "a compressed PLY (PlayCanvas, SuperSplat)"},
+                  {"trbf_center", "a SpacetimeGaussians model"},
+                  {"motion_xyz_0_0", "an Ex4DGS dynamic model"},
+                  {"xyz_disp_0", "an Ex4DGS static model"}};
+    const char *kind = td_ply_find_element(b->header, "chunk") ? others[0].kind : NULL;
+    for (size_t i = 0; i < b->vertex->properties && !kind; i++)
+        for (size_t k = 0; k < sizeof others / sizeof others[0]; k++)
+            if (td_ply_word_is(b->header->properties[b->vertex->first_property + i].name, others[k].property))
+                kind = others[k].kind;
+    if (!kind) return TIDES_OK;
+    return td_fail(b->error, TIDES_UNSUPPORTED, "%s: is %s, which this version can't read: convert it to a plain 3DGS .ply",
+                   b->file->path, kind);
+}
+
+/* The property's number in vertex; b->vertex->properties where it isn't there. */
+static size_t find_property(const binding *b, const char *name) {
+    size_t i = 0;
+    while (i < b->vertex->properties && !td_ply_word_is(b->header->properties[b->vertex->first_property + i].name, name)) i++;
+    return i;
+}
+
+static tides_status bind(const binding *b, const char *name, float *base, size_t stride) {
+    size_t found = find_property(b, name);
+    if (found == b->vertex->properties)
+        return td_fail(b->error, TIDES_BAD_FILE,
+                       "%s: line %zu: element vertex has no property %s among its %zu: this isn't a 3DGS scene", b->file->path,
+                       b->vertex->line, name, b->vertex->properties);
+    if (b->header->properties[b->vertex->first_property + found].count_type)
+        return td_fail(b->error, TIDES_BAD_FILE, "%s: property %s of element vertex is a list: it should be one number",
+                       b->file->path, name);
+    for (size_t i = found + 1; i < b->vertex->properties; i++)
+        if (td_ply_word_is(b->header->properties[b->vertex->first_property + i].name, name))
+            return td_fail(b->error, TIDES_BAD_FILE, "%s: element vertex has two properties %s", b->file->path, name);
+    b->columns[found] = (td_ply_column){base, stride};
+    return TIDES_OK;
+}
+
+/* The degree that the number of f_rest_* properties stands for. */
+static tides_status find_sh_degree(const binding *b, int32_t *degree) {
+    size_t count = 0;
+    for (size_t i = 0; i < b->vertex->properties; i++) {
+        td_ply_word name = b->header->properties[b->vertex->first_property + i].name;
+        count += name.length > 7 && memcmp(name.text, "f_rest_", 7) == 0;
+    }
+    for (int32_t d = 0; d <= TIDES_SH_DEGREE_MAX; d++) {
+        if (count != 3 * (td_sh_coefficients(d) - 1)) continue;
+        *degree = d;
+        return TIDES_OK;
+    }
+    return td_fail(b->error, TIDES_BAD_FILE,
+                   "%s: element vertex has %zu f_rest properties: SH degrees 0 to 4 have 0, 9, 24, 45 or 72", b->file->path,
+                   count);
+}
+
+static tides_status bind_sh(const binding *b, const td_gaussians *g) {
+    size_t coefficients = td_sh_coefficients(g->sh_degree), rest = coefficients - 1;
+    char name[32];
+    tides_status status = TIDES_OK;
+    for (size_t c = 0; c < 3 && !status; c++) {
+        snprintf(name, sizeof name, "f_dc_%zu", c);
+        status = bind(b, name, g->sh + c, 3 * coefficients);
+        for (size_t k = 0; k < rest && !status; k++) {
+            snprintf(name, sizeof name, "f_rest_%zu", c * rest + k);
+            status = bind(b, name, g->sh + 3 * (k + 1) + c, 3 * coefficients);
+        }
+    }
+    return status;
+}
+
+/* `filter` stays NULL where the file has none. */
+static tides_status bind_all(const binding *b, const td_gaussians *g, float **filter) {
+    const struct {
+        const char *name;
+        float *base;
+        size_t stride;
+    } single[] = {{"x", g->mean, 3},
+                  {"y", g->mean + 1, 3},
+                  {"z", g->mean + 2, 3},
+                  {"opacity", g->opacity_logit, 1},
+                  {"scale_0", g->log_scale, 3},
+                  {"scale_1", g->log_scale + 1, 3},
+                  {"scale_2", g->log_scale + 2, 3},
+                  {"rot_0", g->quaternion, 4},
+                  {"rot_1", g->quaternion + 1, 4},
+                  {"rot_2", g->quaternion + 2, 4},
+                  {"rot_3", g->quaternion + 3, 4}};
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; i < sizeof single / sizeof single[0] && !status; i++)
+        status = bind(b, single[i].name, single[i].base, single[i].stride);
+    if (!status) status = bind_sh(b, g);
+    if (status || find_property(b, "filter_3D") == b->vertex->properties) return status;
+    *filter = td_alloc((size_t)g->count, sizeof **filter, b->error);
+    return *filter ? bind(b, "filter_3D", *filter, 1) : TIDES_NO_MEMORY;
+}
+
+/* Skips the elements before vertex and reads vertex. */
+static tides_status read_rows(const binding *b) {
+    td_ply_cursor cursor = {b->header->body, b->header->lines};
+    tides_status status = TIDES_OK;
+    for (const td_ply_element *e = b->header->elements; e <= b->vertex && !status; e++)
+        status = td_ply_rows_read(b->file, b->header, e, e == b->vertex ? b->columns : NULL, &cursor, b->error);
+    return status;
+}
+
+/* Everything that the header alone can tell, before memory is asked for. */
+static tides_status check_header(const binding *b, int32_t *degree) {
+    tides_status status = check_kind(b);
+    if (!status) status = find_sh_degree(b, degree);
+    if (status) return status;
+    if (b->vertex->count == 0)
+        return td_fail(b->error, TIDES_BAD_FILE, "%s: line %zu: element vertex has 0 rows: there is no Gaussian in this file",
+                       b->file->path, b->vertex->line);
+    td_ply_cursor start = {b->header->body, b->header->lines};
+    return td_ply_rows_fit(b->file, b->header, b->vertex, &start, b->error);
+}
+
+static tides_status check_filter(const binding *b, const float *filter) {
+    for (uint64_t i = 0; filter && i < b->vertex->count; i++)
+        if (!(filter[i] - filter[i] == 0)) /* NaN or infinite */
+            return td_fail(b->error, TIDES_BAD_FILE, "%s: Gaussian %llu: filter_3D is not finite", b->file->path,
+                           (unsigned long long)i);
+    return TIDES_OK;
+}
+
+static tides_status read_gaussians(binding *b, td_gaussians *gaussians) {
+    td_gaussians made;
+    memset(&made, 0, sizeof made);
+    float *filter = NULL;
+    int32_t degree = 0;
+    tides_status status = check_header(b, &degree);
+    if (status) return status;
+    b->columns = td_alloc(b->vertex->properties, sizeof *b->columns, b->error);
+    status = b->columns ? td_gaussians_create(&made, (int64_t)b->vertex->count, degree, b->error) : TIDES_NO_MEMORY;
+    if (!status) status = bind_all(b, &made, &filter);
+    if (!status) status = read_rows(b);
+    if (!status) status = check_filter(b, filter);
+    if (!status && filter) td_gaussians_fold_filter(&made, filter);
+    free(filter);
+    free(b->columns);
+    if (status)
+        td_gaussians_free(&made);
+    else
+        *gaussians = made;
+    return status;
+}
+
+tides_status td_ply_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
+    td_ply_file file = {path, data, size};
+    td_ply_header header;
+    tides_status status = td_ply_header_parse(&file, &header, error);
+    if (status) return status;
+    binding b = {.file = &file, .header = &header, .vertex = td_ply_find_element(&header, "vertex"), .error = error};
+    status = b.vertex ? read_gaussians(&b, gaussians)
+                      : td_fail(error, TIDES_BAD_FILE, "%s: has no element vertex: this isn't a 3DGS scene", path);
+    td_ply_header_free(&header);
+    return status;
+}

@@ -1,0 +1,245 @@
+/* The rows of one element of a PLY file, binary in either order or ASCII, into columns of floats.
+ *
+ * Each row is walked property by property, since a list makes its length its own. ASCII rows are lines, as the format
+ * demands, so that a value too many or too few is found where it is; blank lines are skipped. */
+#include "td_base.h"
+#include "td_ply.h"
+
+#include <float.h>
+#include <locale.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What all functions here need to know. */
+typedef struct reader {
+    const td_ply_file *file;
+    const td_ply_element *element;
+    const td_ply_property *properties;
+    const td_ply_column *columns; /* NULL: skip */
+    int format;
+    size_t at, line;
+    tides_error *error;
+} reader;
+
+/* A double beyond float's range would be undefined as a cast. */
+static float narrow(double value) {
+    if (value > FLT_MAX) return INFINITY;
+    if (value < -FLT_MAX) return -INFINITY;
+    return (float)value;
+}
+
+static void store(const reader *r, size_t property, uint64_t row, double value) {
+    const td_ply_column *column = r->columns ? &r->columns[property] : NULL;
+    if (column && column->base) column->base[row * column->stride] = narrow(value);
+}
+
+/* The least bytes that a row may take: lists may be empty, numbers one digit. */
+static size_t least_row_bytes(const td_ply_property *properties, size_t count, int format) {
+    if (format == TD_PLY_ASCII) return 2 * count; /* a digit and a blank or line end each */
+    size_t bytes = 0;
+    for (size_t i = 0; i < count; i++)
+        bytes += td_ply_type_bytes(properties[i].count_type ? properties[i].count_type : properties[i].type);
+    return bytes;
+}
+
+tides_status td_ply_rows_fit(const td_ply_file *file, const td_ply_header *header, const td_ply_element *element,
+                             const td_ply_cursor *cursor, tides_error *error) {
+    if (element->properties == 0) return TIDES_OK; /* rows without bytes */
+    size_t row = least_row_bytes(header->properties + element->first_property, element->properties, header->format);
+    size_t left = file->size - cursor->at;
+    size_t usable = left + (header->format == TD_PLY_ASCII); /* the last line end may be missing */
+    if (element->count <= usable / row) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_FILE,
+                   "%s: line %zu: element %s declares %llu rows of at least %zu bytes, but only %zu bytes are left at byte "
+                   "%zu: the "
+                   "file is truncated or its header wrong",
+                   file->path, element->line, TD_PLY_QUOTE(element->name), (unsigned long long)element->count, row, left,
+                   cursor->at);
+}
+
+/* -- binary -- */
+
+/* The compiler makes one load (and a swap) of each; no host order is assumed. */
+static uint32_t load16(const unsigned char *b, int big) {
+    return big ? (uint32_t)b[0] << 8 | b[1] : (uint32_t)b[1] << 8 | b[0];
+}
+
+static uint32_t load32(const unsigned char *b, int big) {
+    return big ? (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3]
+               : (uint32_t)b[3] << 24 | (uint32_t)b[2] << 16 | (uint32_t)b[1] << 8 | b[0];
+}
+
+static double load_float32(const unsigned char *b, int big) {
+    uint32_t bits = load32(b, big);
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return (double)value;
+}
+
+static double load_float64(const unsigned char *b, int big) {
+    uint64_t bits = (uint64_t)load32(b + (big ? 0 : 4), big) << 32 | load32(b + (big ? 4 : 0), big);
+    double value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static double load(const unsigned char *b, int type, int big) {
+    switch (type) {
+        case TD_PLY_INT8: return b[0] < 0x80 ? b[0] : (int)b[0] - 0x100;
+        case TD_PLY_UINT8: return b[0];
+        case TD_PLY_INT16: return (int32_t)load16(b, big) - (load16(b, big) & 0x8000u ? 0x10000 : 0);
+        case TD_PLY_UINT16: return load16(b, big);
+        case TD_PLY_INT32: return (double)((int64_t)load32(b, big) - (load32(b, big) & 0x80000000u ? INT64_C(0x100000000) : 0));
+        case TD_PLY_UINT32: return load32(b, big);
+        case TD_PLY_FLOAT64: return load_float64(b, big);
+        default: return load_float32(b, big);
+    }
+}
+
+static tides_status fail_truncated(const reader *r, size_t property, uint64_t row) {
+    return td_fail(r->error, TIDES_BAD_FILE,
+                   "%s: ends at byte %zu, within row %llu of %llu of element %s (property %s): truncated?", r->file->path,
+                   r->file->size, (unsigned long long)row, (unsigned long long)r->element->count,
+                   TD_PLY_QUOTE(r->element->name), TD_PLY_QUOTE(r->properties[property].name));
+}
+
+static tides_status skip_binary_list(reader *r, size_t property, uint64_t row) {
+    const td_ply_property *list = &r->properties[property];
+    size_t size = td_ply_type_bytes(list->count_type);
+    if (r->file->size - r->at < size) return fail_truncated(r, property, row);
+    double length = load(r->file->data + r->at, list->count_type, r->format == TD_PLY_BIG_ENDIAN);
+    if (length < 0)
+        return td_fail(r->error, TIDES_BAD_FILE, "%s: byte %zu: list %s of row %llu has %.0f entries", r->file->path, r->at,
+                       TD_PLY_QUOTE(list->name), (unsigned long long)row, length);
+    r->at += size;
+    uint64_t bytes = (uint64_t)length * td_ply_type_bytes(list->type); /* below 2^32 times 8 */
+    if (r->file->size - r->at < bytes) return fail_truncated(r, property, row);
+    r->at += (size_t)bytes;
+    return TIDES_OK;
+}
+
+static tides_status read_binary_row(reader *r, uint64_t row) {
+    int big = r->format == TD_PLY_BIG_ENDIAN;
+    for (size_t i = 0; i < r->element->properties; i++) {
+        if (r->properties[i].count_type) {
+            tides_status status = skip_binary_list(r, i, row);
+            if (status) return status;
+            continue;
+        }
+        size_t size = td_ply_type_bytes(r->properties[i].type);
+        if (r->file->size - r->at < size) return fail_truncated(r, i, row);
+        if (r->columns && r->columns[i].base) store(r, i, row, load(r->file->data + r->at, r->properties[i].type, big));
+        r->at += size;
+    }
+    return TIDES_OK;
+}
+
+/* -- ASCII -- */
+
+/* The next word of [*at, end); length 0 at the end. */
+static td_ply_word next_word(const char **at, const char *end) {
+    const char *p = *at;
+    while (p < end && (*p == ' ' || *p == '\t' || *p == '\r')) p++;
+    td_ply_word word = {p, 0};
+    while (p < end && *p != ' ' && *p != '\t' && *p != '\r') p++;
+    word.length = (size_t)(p - word.text);
+    *at = p;
+    return word;
+}
+
+/* Needs the C locale. Longer than any number that a program prints: not a number. */
+static int parse_number(td_ply_word word, double *value) {
+    char text[128], *end;
+    if (word.length == 0 || word.length >= sizeof text) return 0;
+    memcpy(text, word.text, word.length);
+    text[word.length] = '\0';
+    *value = strtod(text, &end);
+    return end == text + word.length;
+}
+
+/* One number of property `i`, or a message: the line ends early, or holds something else. */
+static tides_status ascii_number(const reader *r, size_t i, const char **at, const char *end, double *value) {
+    td_ply_word word = next_word(at, end);
+    if (parse_number(word, value)) return TIDES_OK;
+    const char *name = TD_PLY_QUOTE(r->properties[i].name);
+    if (word.length == 0)
+        return td_fail(r->error, TIDES_BAD_FILE, "%s: line %zu: ends before property %s, number %zu of %zu", r->file->path,
+                       r->line, name, i + 1, r->element->properties);
+    return td_fail(r->error, TIDES_BAD_FILE, "%s: line %zu: property %s is '%s', which is not a number", r->file->path, r->line,
+                   name, TD_PLY_QUOTE(word));
+}
+
+static tides_status read_ascii_property(const reader *r, size_t i, uint64_t row, const char **at, const char *end) {
+    double value = 0, entry;
+    tides_status status = ascii_number(r, i, at, end, &value);
+    if (status) return status;
+    if (!r->properties[i].count_type) {
+        store(r, i, row, value);
+        return TIDES_OK;
+    }
+    if (!(value >= 0 && value <= UINT32_MAX && value == floor(value)))
+        return td_fail(r->error, TIDES_BAD_FILE, "%s: line %zu: list %s has %g entries", r->file->path, r->line,
+                       TD_PLY_QUOTE(r->properties[i].name), value);
+    for (double k = 0; k < value && !status; k++) status = ascii_number(r, i, at, end, &entry);
+    return status;
+}
+
+/* The next line that isn't blank, as [*at, *end). */
+static tides_status next_ascii_line(reader *r, uint64_t row, const char **at, const char **end) {
+    const char *data_end = (const char *)r->file->data + r->file->size;
+    while (r->at < r->file->size) {
+        *at = (const char *)r->file->data + r->at;
+        *end = memchr(*at, '\n', r->file->size - r->at);
+        if (!*end) *end = data_end;
+        r->at += (size_t)(*end - *at) + (*end < data_end);
+        r->line++;
+        const char *probe = *at;
+        if (next_word(&probe, *end).length) return TIDES_OK;
+    }
+    return fail_truncated(r, 0, row);
+}
+
+static tides_status read_ascii_row(reader *r, uint64_t row) {
+    const char *at = NULL, *end = NULL;
+    tides_status status = next_ascii_line(r, row, &at, &end);
+    if (status) return status;
+    for (size_t i = 0; i < r->element->properties && !status; i++) status = read_ascii_property(r, i, row, &at, end);
+    if (status) return status;
+    td_ply_word rest = next_word(&at, end);
+    if (rest.length == 0) return TIDES_OK;
+    return td_fail(r->error, TIDES_BAD_FILE, "%s: line %zu: more values than the %zu that element %s has, from '%s' on",
+                   r->file->path, r->line, r->element->properties, TD_PLY_QUOTE(r->element->name), TD_PLY_QUOTE(rest));
+}
+
+static tides_status read_ascii_rows(reader *r) {
+    /* strtod reads "1.5" as 1 where the program around us has chosen a locale with a decimal comma. */
+    locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    if (!c_locale) return td_fail(r->error, TIDES_NO_MEMORY, "%s: the C locale can't be had", r->file->path);
+    locale_t before = uselocale(c_locale);
+    tides_status status = TIDES_OK;
+    for (uint64_t row = 0; row < r->element->count && !status; row++) status = read_ascii_row(r, row);
+    uselocale(before);
+    freelocale(c_locale);
+    return status;
+}
+
+tides_status td_ply_rows_read(const td_ply_file *file, const td_ply_header *header, const td_ply_element *element,
+                              const td_ply_column *columns, td_ply_cursor *cursor, tides_error *error) {
+    if (element->properties == 0) return TIDES_OK; /* rows without bytes, or blank lines */
+    tides_status status = td_ply_rows_fit(file, header, element, cursor, error);
+    if (status) return status;
+    reader r = {.file = file,
+                .element = element,
+                .properties = header->properties + element->first_property,
+                .columns = columns,
+                .format = header->format,
+                .at = cursor->at,
+                .line = cursor->line,
+                .error = error};
+    if (header->format == TD_PLY_ASCII) status = read_ascii_rows(&r);
+    for (uint64_t row = 0; header->format != TD_PLY_ASCII && row < element->count && !status; row++)
+        status = read_binary_row(&r, row);
+    if (!status) *cursor = (td_ply_cursor){r.at, r.line};
+    return status;
+}

@@ -1,0 +1,159 @@
+/* The object store: sets of Gaussians, each with its trajectory, scale and name. Everything that enters is checked here. */
+#include "td_base.h"
+#include "td_scene.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+tides_status tides_scene_create(tides_scene **scene, tides_error *error) {
+    if (!scene) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_scene_create: scene is NULL");
+    tides_scene *made = td_alloc(1, sizeof *made, error);
+    if (!made) return TIDES_NO_MEMORY;
+    *scene = made;
+    return TIDES_OK;
+}
+
+static void object_free(td_object *object) {
+    td_gaussians_free(&object->gaussians);
+    tides_trajectory_destroy(object->trajectory);
+    free(object->name);
+    free(object->source);
+}
+
+void td_scene_truncate(tides_scene *scene, size_t count) {
+    while (scene->count > count) object_free(&scene->objects[--scene->count]);
+}
+
+void tides_scene_destroy(tides_scene *scene) {
+    if (!scene) return;
+    td_scene_truncate(scene, 0);
+    free(scene->objects);
+    free(scene);
+}
+
+/* A path of its own for the object, made through the public calls: sampled again, it is the same curve. */
+static tides_status copy_trajectory(const tides_trajectory *trajectory, tides_trajectory **copy, tides_error *error) {
+    size_t count = tides_trajectory_count(trajectory);
+    tides_pose_sample *samples = td_alloc(count, sizeof *samples, error);
+    tides_status status = samples ? TIDES_OK : TIDES_NO_MEMORY;
+    for (size_t i = 0; i < count && !status; i++) status = tides_trajectory_sample(trajectory, i, &samples[i], error);
+    if (!status) status = tides_trajectory_create(samples, count, copy, error);
+    free(samples);
+    return status;
+}
+
+static tides_status object_fill(td_object *object, const td_gaussians *gaussians, const tides_trajectory *trajectory,
+                                double scale, const char *name, const char *source, tides_error *error) {
+    if (!(scale > 0 && scale <= FLT_MAX))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "scale is %g: must be a positive number within float's range", scale);
+    tides_status status = td_gaussians_check(gaussians, scale, source ? TIDES_BAD_FILE : TIDES_BAD_ARGUMENT, error);
+    if (status) return status;
+    if (trajectory && (status = copy_trajectory(trajectory, &object->trajectory, error)) != TIDES_OK) return status;
+    object->name = td_strdup(name, error);
+    object->source = td_strdup(source ? source : "", error);
+    object->scale = scale;
+    return object->name && object->source ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,
+                           const char *name, const char *source, int32_t *index, tides_error *error) {
+    if (scene->count >= INT32_MAX)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "a scene holds at most %d objects", (int)INT32_MAX);
+    void *objects = scene->objects;
+    tides_status status = td_reserve(&objects, &scene->capacity, scene->count + 1, sizeof *scene->objects, error);
+    scene->objects = objects;
+    if (status) return status;
+    char numbered[32];
+    snprintf(numbered, sizeof numbered, "object %zu", scene->count);
+    td_object object;
+    memset(&object, 0, sizeof object);
+    status = object_fill(&object, gaussians, trajectory, scale, name ? name : numbered, source, error);
+    if (status) {
+        object_free(&object); /* its gaussians are still the caller's: `object` has none yet */
+        return name ? td_fail_within(error, status, "object %zu ('%.80s')", scene->count, name)
+                    : td_fail_within(error, status, "%s", numbered);
+    }
+    object.gaussians = *gaussians;
+    memset(gaussians, 0, sizeof *gaussians);
+    if (index) *index = (int32_t)scene->count;
+    scene->objects[scene->count++] = object;
+    return TIDES_OK;
+}
+
+tides_status tides_scene_add(tides_scene *scene, const tides_gaussians *gaussians, const tides_trajectory *trajectory,
+                             double scale, const char *name, int32_t *index, tides_error *error) {
+    if (!scene || !gaussians)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_scene_add: %s is NULL", scene ? "gaussians" : "scene");
+    td_gaussians copy;
+    tides_status status = td_gaussians_copy(&copy, gaussians, error);
+    if (status) return td_fail_within(error, status, "object %zu ('%.80s')", scene->count, name ? name : "");
+    status = td_scene_take(scene, &copy, trajectory, scale, name, NULL, index, error);
+    td_gaussians_free(&copy); /* empty where it was taken */
+    return status;
+}
+
+int32_t tides_scene_objects(const tides_scene *scene) { return scene ? (int32_t)scene->count : 0; }
+
+int64_t tides_scene_count(const tides_scene *scene) {
+    int64_t count = 0;
+    for (size_t i = 0; scene && i < scene->count; i++) count += scene->objects[i].gaussians.count;
+    return count;
+}
+
+int32_t tides_scene_sh_degree(const tides_scene *scene) {
+    int32_t degree = 0;
+    for (size_t i = 0; scene && i < scene->count; i++)
+        if (scene->objects[i].gaussians.sh_degree > degree) degree = scene->objects[i].gaussians.sh_degree;
+    return degree;
+}
+
+tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_object *object, tides_error *error) {
+    if (!scene || !object)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_scene_object: %s is NULL", scene ? "object" : "scene");
+    if (index < 0 || (size_t)index >= scene->count)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "object %d doesn't exist: the scene has %zu", (int)index, scene->count);
+    const td_object *found = &scene->objects[index];
+    *object = (tides_object){.gaussians = td_gaussians_view(&found->gaussians),
+                             .trajectory = found->trajectory,
+                             .scale = found->scale,
+                             .name = found->name,
+                             .source = found->source};
+    return TIDES_OK;
+}
+
+/* The object's pose where its path begins; no path: the identity. */
+static void pose_at_start(const td_object *object, tides_pose *pose) {
+    static const tides_pose identity = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    *pose = identity;
+    if (!object->trajectory) return;
+    double start, stop;
+    tides_trajectory_range(object->trajectory, &start, &stop);
+    tides_pose found;
+    if (tides_trajectory_at(object->trajectory, isfinite(start) ? start : 0, &found, NULL) == TIDES_OK) *pose = found;
+}
+
+static void grow_bounds(const td_object *object, double lower[3], double upper[3]) {
+    tides_pose pose;
+    pose_at_start(object, &pose);
+    for (int64_t i = 0; i < object->gaussians.count; i++) {
+        const float *p = object->gaussians.mean + 3 * i;
+        for (int row = 0; row < 3; row++) {
+            const double *r = pose.rotation + 3 * row;
+            double x = object->scale * (r[0] * p[0] + r[1] * p[1] + r[2] * p[2]) + pose.position[row];
+            if (x < lower[row]) lower[row] = x;
+            if (x > upper[row]) upper[row] = x;
+        }
+    }
+}
+
+/* An empty scene has the box [0, 0]. */
+void tides_scene_bounds(const tides_scene *scene, double lower[3], double upper[3]) {
+    int empty = !scene || scene->count == 0;
+    for (int axis = 0; axis < 3; axis++) {
+        lower[axis] = empty ? 0 : INFINITY;
+        upper[axis] = empty ? 0 : -INFINITY;
+    }
+    for (size_t i = 0; !empty && i < scene->count; i++) grow_bounds(&scene->objects[i], lower, upper);
+}

@@ -1,0 +1,164 @@
+/* TIDES's own scene file, HDF5, written; the layout is documented in scene_hdf5.c.
+ *
+ * The file is built in memory and written in one go: when a write to disk fails, HDF5 can neither close its file nor free it,
+ * and complains on stderr when the program ends. The price is memory for two copies of the scene meanwhile. */
+#include "td_base.h"
+#include "td_place.h"
+#include "td_scene.h"
+#include "td_scene_hdf5.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+static tides_status fail_write(const td_place *root) {
+    return td_fail(root->error, TIDES_NO_MEMORY, "%s: the file's image can't be made: out of memory?", root->file);
+}
+
+/* The bytes beside `path`, then in its place. */
+static tides_status write_image(const char *path, const char *image, size_t size, tides_error *error) {
+    char *part = td_part_name(path, error);
+    if (!part) return TIDES_NO_MEMORY;
+    tides_status status;
+    FILE *out = fopen(part, "wb");
+    int written = out && fwrite(image, 1, size, out) == size, reason = errno;
+    if (out && fclose(out) != 0 && written) { /* a full disk may show no earlier */
+        written = 0;
+        reason = errno;
+    }
+    if (!written)
+        status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", part, strerror(reason));
+    else
+        status = td_commit_file(part, path, error);
+    if (out && !written) remove(part);
+    free(part);
+    return status;
+}
+
+static tides_status write_gaussians(const td_place *place, const td_gaussians *g) {
+    const hid_t stored = H5T_IEEE_F32LE, given = H5T_NATIVE_FLOAT;
+    uint64_t n = (uint64_t)g->count, k = td_sh_coefficients(g->sh_degree);
+    tides_status status = td_place_write_int(place, "sh_degree", g->sh_degree);
+    if (!status) status = td_place_write(place, "mean", stored, given, 2, (uint64_t[]){n, 3}, g->mean);
+    if (!status) status = td_place_write(place, "log_scale", stored, given, 2, (uint64_t[]){n, 3}, g->log_scale);
+    if (!status) status = td_place_write(place, "quaternion", stored, given, 2, (uint64_t[]){n, 4}, g->quaternion);
+    if (!status) status = td_place_write(place, "opacity_logit", stored, given, 1, (uint64_t[]){n}, g->opacity_logit);
+    if (!status) status = td_place_write(place, "sh", stored, given, 3, (uint64_t[]){n, k, 3}, g->sh);
+    return status;
+}
+
+/* `width` doubles of each sample, `offset` bytes into it. */
+static tides_status write_column(const td_place *place, const char *name, const tides_pose_sample *samples, size_t count,
+                                 size_t width, size_t offset) {
+    double *values = td_alloc(count, width * sizeof *values, place->error);
+    if (!values) return TIDES_NO_MEMORY;
+    for (size_t i = 0; i < count; i++) memcpy(values + i * width, (const char *)&samples[i] + offset, width * sizeof *values);
+    tides_status status =
+        td_place_write(place, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, width > 1 ? 2 : 1, (uint64_t[]){count, width}, values);
+    free(values);
+    return status;
+}
+
+static tides_status write_samples(const td_place *place, const tides_pose_sample *samples, size_t count) {
+    int rates = 1; /* a path has them only where all samples do */
+    for (size_t i = 0; i < count; i++) rates = rates && samples[i].has_rates;
+    tides_status status = write_column(place, "time", samples, count, 1, offsetof(tides_pose_sample, time));
+    if (!status) status = write_column(place, "position", samples, count, 3, offsetof(tides_pose_sample, position));
+    if (!status) status = write_column(place, "quaternion", samples, count, 4, offsetof(tides_pose_sample, quaternion));
+    if (status || !rates) return status;
+    status = write_column(place, "velocity", samples, count, 3, offsetof(tides_pose_sample, velocity));
+    if (status) return status;
+    return write_column(place, "angular_velocity", samples, count, 3, offsetof(tides_pose_sample, angular_velocity));
+}
+
+static tides_status write_trajectory(const td_place *object, const tides_trajectory *trajectory) {
+    size_t count = tides_trajectory_count(trajectory);
+    tides_pose_sample *samples = td_alloc(count, sizeof *samples, object->error);
+    if (!samples) return TIDES_NO_MEMORY;
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; i < count && !status; i++) status = tides_trajectory_sample(trajectory, i, &samples[i], object->error);
+    td_place place;
+    if (!status) status = td_place_create(object, "trajectory", &place);
+    if (!status) {
+        status = write_samples(&place, samples, count);
+        H5Gclose(place.id);
+    }
+    free(samples);
+    return status;
+}
+
+static tides_status write_object(const td_place *place, const td_object *object) {
+    tides_status status = td_place_write_text(place, "name", object->name);
+    if (!status) status = td_place_write_text(place, "source", object->source);
+    if (!status) status = td_place_write_double(place, "scale", object->scale);
+    if (!status) status = write_gaussians(place, &object->gaussians);
+    if (!status && object->trajectory) status = write_trajectory(place, object->trajectory);
+    return status;
+}
+
+static tides_status write_objects(const td_place *root, const tides_scene *scene) {
+    td_place objects, object;
+    tides_status status = td_place_create(root, "objects", &objects);
+    if (status) return status;
+    for (size_t i = 0; i < scene->count && !status; i++) {
+        char number[16];
+        snprintf(number, sizeof number, "%d", (int)i);
+        status = td_place_create(&objects, number, &object);
+        if (status) break;
+        status = write_object(&object, &scene->objects[i]);
+        H5Gclose(object.id);
+    }
+    H5Gclose(objects.id);
+    return status;
+}
+
+static tides_status write_root(const td_place *root, const tides_scene *scene) {
+    tides_status status = td_place_write_text(root, "format", TD_SCENE_HDF5_FORMAT);
+    if (!status) status = td_place_write_int(root, "version", TD_SCENE_HDF5_VERSION);
+    if (!status) status = td_place_write_text(root, "tides_version", tides_version());
+    if (!status) status = td_place_write_int(root, "objects", (int32_t)scene->count);
+    return status ? status : write_objects(root, scene);
+}
+
+/* A file that lives in memory only; negative on failure. The name is never opened. */
+static hid_t create_in_memory(const char *name) {
+    enum { GROW_BY = 1 << 20 }; /* bytes; grown in place, and rounded off again by get_image */
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS), file = H5I_INVALID_HID;
+    if (access >= 0 && H5Pset_fapl_core(access, GROW_BY, 0) >= 0) file = H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    if (access >= 0) H5Pclose(access);
+    return file;
+}
+
+static tides_status get_image(const td_place *root, char **image, size_t *size) {
+    ssize_t bytes = H5Fflush(root->id, H5F_SCOPE_LOCAL) >= 0 ? H5Fget_file_image(root->id, NULL, 0) : -1;
+    if (bytes <= 0) return fail_write(root);
+    char *copy = td_alloc((size_t)bytes, 1, root->error);
+    if (!copy) return TIDES_NO_MEMORY;
+    if (H5Fget_file_image(root->id, copy, (size_t)bytes) != bytes) {
+        free(copy);
+        return fail_write(root);
+    }
+    *image = copy;
+    *size = (size_t)bytes;
+    return TIDES_OK;
+}
+
+static tides_status make_image(const tides_scene *scene, const char *path, char **image, size_t *size, tides_error *error) {
+    td_place root = {.id = create_in_memory(path), .file = path, .where = "/", .error = error};
+    if (root.id < 0) return fail_write(&root);
+    tides_status status = write_root(&root, scene);
+    if (!status) status = get_image(&root, image, size);
+    H5Fclose(root.id);
+    return status;
+}
+
+tides_status td_scene_hdf5_write(const tides_scene *scene, const char *path, tides_error *error) {
+    char *image = NULL;
+    size_t size = 0;
+    tides_status status;
+    H5E_BEGIN_TRY { status = make_image(scene, path, &image, &size, error); }
+    H5E_END_TRY
+    if (!status) status = write_image(path, image, size, error);
+    free(image);
+    return status;
+}

@@ -1,0 +1,68 @@
+/* Internal: the object store behind tides_scene, and what its readers and writers share. */
+#ifndef TD_SCENE_H
+#define TD_SCENE_H
+
+#include "tides/scene.h"
+
+/* Gaussians whose arrays we own: the writable twin of tides_gaussians, with the same shapes and units. */
+typedef struct td_gaussians {
+    int64_t count;
+    int32_t sh_degree;
+    float *mean, *log_scale, *quaternion, *opacity_logit, *sh;
+} td_gaussians;
+
+typedef struct td_object {
+    td_gaussians gaussians;
+    tides_trajectory *trajectory; /* NULL: at rest */
+    double scale;
+    char *name, *source;
+} td_object;
+
+struct tides_scene {
+    td_object *objects;
+    size_t count, capacity;
+};
+
+/* K: coefficients per channel of a degree. */
+static inline size_t td_sh_coefficients(int32_t degree) { return (size_t)(degree + 1) * (size_t)(degree + 1); }
+
+/* -- gaussians.c -- */
+
+/* Zeroed arrays for `count` >= 1 Gaussians of a degree in 0..4. */
+tides_status td_gaussians_create(td_gaussians *gaussians, int64_t count, int32_t sh_degree, tides_error *error);
+tides_status td_gaussians_copy(td_gaussians *gaussians, const tides_gaussians *source, tides_error *error);
+void td_gaussians_free(td_gaussians *gaussians); /* leaves an empty one: may be called twice */
+tides_gaussians td_gaussians_view(const td_gaussians *gaussians);
+
+/* Fails with `blame` (TIDES_BAD_ARGUMENT, TIDES_BAD_FILE), naming Gaussian and property, unless the values can be rendered:
+ * all finite, quaternions that can be normalised, means and exp(log_scale) within float's range, times `scale` too. */
+tides_status td_gaussians_check(const td_gaussians *gaussians, double scale, tides_status blame, tides_error *error);
+
+/* Folds the smoothing filter that mip-splatting trains beside its Gaussians, one size [scene units] each, into their scale
+ * and opacity (mip_filter.c). */
+void td_gaussians_fold_filter(td_gaussians *gaussians, const float *filter);
+
+/* -- scene.c -- */
+
+/* Appends an object, taking over the arrays of `gaussians` (left empty on success, untouched on failure); trajectory and
+ * texts are copied. `name` may be NULL; so may `source`: then the arrays are a caller's, and bad values TIDES_BAD_ARGUMENT,
+ * where otherwise they are TIDES_BAD_FILE. */
+tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,
+                           const char *name, const char *source, int32_t *index, tides_error *error);
+
+/* Drops the objects from number `count` on: undoes a half-done addition. */
+void td_scene_truncate(tides_scene *scene, size_t count);
+
+/* -- readers and writers: ply_reader.c, ply_writer.c, scene_hdf5.c, scene_hdf5_write.c -- */
+
+/* From memory; `path` is only for messages. TIDES_BAD_FILE, TIDES_UNSUPPORTED, TIDES_NO_MEMORY. */
+tides_status td_ply_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
+
+/* `scale` multiplies means and scales on their way out. */
+tides_status td_ply_write(const char *path, const td_gaussians *gaussians, double scale, tides_error *error);
+
+tides_status td_scene_hdf5_read(tides_scene *scene, const char *path, const tides_trajectory *trajectory, double scale,
+                                tides_error *error);
+tides_status td_scene_hdf5_write(const tides_scene *scene, const char *path, tides_error *error);
+
+#endif

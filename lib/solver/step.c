@@ -1,0 +1,36 @@
+/* Time steps: seconds in double become whole nanoseconds and an offset. */
+#include "td_step.h"
+#include "td_base.h"
+
+#include <float.h>
+#include <math.h>
+
+/* Seconds to whole nanoseconds and a fraction in [0, 1). */
+static int64_t split_time(double seconds, double *fraction) {
+    double ns = seconds * 1e9, nearest = round(ns), below = floor(ns);
+    /* seconds is known to half a unit in its last place, the product to as much again. */
+    int is_whole = fabs(ns - nearest) <= 2.0 * DBL_EPSILON * fabs(ns);
+    *fraction = is_whole ? 0.0 : ns - below;
+    return (int64_t)(is_whole ? nearest : below);
+}
+
+tides_status td_step_between(double start, double stop, td_step *step, tides_error *error) {
+    const double furthest = 9.2e9; /* [s]; int64 nanoseconds end at 9.22e9 s */
+    if (!(start >= -furthest && stop <= furthest && start < stop))
+        return td_fail(error, TIDES_OUT_OF_RANGE, "a step from %.17g s to %.17g s: times must ascend, within +-%g s", start,
+                       stop, furthest);
+    double start_fraction, stop_fraction;
+    int64_t start_ns = split_time(start, &start_fraction), stop_ns = split_time(stop, &stop_fraction);
+    double length = (double)(stop_ns - start_ns) + (stop_fraction - start_fraction);
+    if (!(length > 0.0))
+        return td_fail(error, TIDES_OUT_OF_RANGE,
+                       "a step from %.17g s to %.17g s is shorter than a double resolves: make steps longer", start, stop);
+    *step = (td_step){start_ns, stop_ns, start_fraction, length, length * 1e-9};
+    return TIDES_OK;
+}
+
+int64_t td_step_time(const td_step *step, double s) {
+    if (s >= 1.0) return step->stop_ns;
+    int64_t ns = step->start_ns + (int64_t)(step->start_fraction + s * step->length_ns);
+    return ns < step->stop_ns ? ns : step->stop_ns;
+}

@@ -1,0 +1,25 @@
+/* Internal: a time step, and times within it to a fraction of a nanosecond, however long the run has lasted. */
+#ifndef TD_STEP_H
+#define TD_STEP_H
+
+#include "tides/base.h"
+
+/* One step (start, stop], in whole nanoseconds plus offsets. Steps lie on a grid of double seconds, start + k step_s (a
+ * product, not a running sum); a double at 1000 s resolves 1e-4 ns. An event is at floor(start_fraction + s length_ns) ns
+ * after start_ns: what is rounded in that is small numbers, however long the run has lasted. */
+typedef struct td_step {
+    int64_t start_ns, stop_ns; /* both ends, floored [ns] */
+    double start_fraction;     /* what flooring took from the start [ns], in [0, 1) */
+    double length_ns;          /* [ns] > 0 */
+    double length_s;           /* the same [s]: h */
+} td_step;
+
+/* The step between two times [s]. The same double always becomes the same nanosecond, so that one step's stop is the next one's
+ * start; a double that is a whole nanosecond to within its own rounding is that nanosecond (1.001 s isn't 1000999999 ns).
+ * TIDES_OUT_OF_RANGE where they aren't finite and ascending, or beyond 292 years. */
+TIDES_MUST_CHECK tides_status td_step_between(double start, double stop, td_step *step, tides_error *error);
+
+/* Time of an event at s in [0, 1], floored [ns]; at s = 1 exactly stop_ns, never beyond it. */
+int64_t td_step_time(const td_step *step, double s);
+
+#endif

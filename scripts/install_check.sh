@@ -1,0 +1,30 @@
+#!/bin/sh
+# Installs into an empty folder, builds programs against what is there through pkg-config, runs them, and uninstalls again.
+# environment: MAKE, CC, PKG_CONFIG, CONFIG
+set -eu
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+prefix=/opt/tides
+root=$work/root$prefix
+install_to() { ${MAKE:-make} --no-print-directory -s CONFIG="${CONFIG:-release}" "$1" DESTDIR="$work/root" PREFIX=$prefix; }
+
+install_to install
+export PKG_CONFIG_PATH="$root/lib/pkgconfig"
+flags=$(${PKG_CONFIG:-pkg-config} --cflags --libs tides)
+echo "pkg-config: $flags"
+for program in ten_lines simulate; do
+    # shellcheck disable=SC2086
+    ${CC:-gcc} -std=c99 -Wall -Wextra -Wpedantic -Werror tests/install/$program.c $flags -o "$work/$program"
+done
+echo "ten_lines:" && LD_LIBRARY_PATH="$root/lib" "$work/ten_lines" tests/install/scene.ply
+echo "simulate:" && LD_LIBRARY_PATH="$root/lib" "$work/simulate" tests/install/run.json
+
+# The tool finds its library by itself, and says the version that pkg-config says.
+version=$("$root/bin/tides" --version)
+echo "$version"
+case $version in *"$(${PKG_CONFIG:-pkg-config} --modversion tides)"*) ;; *) echo "version differs from tides.pc"; exit 1 ;; esac
+readelf -d "$root/lib/libtides.so" | grep -q 'SONAME.*libtides\.so\.[0-9]*\]' || { echo "libtides.so has no soname"; exit 1; }
+
+install_to uninstall
+left=$(find "$work/root" -type f -o -type l)
+[ -z "$left" ] || { echo "uninstall left:"; echo "$left"; exit 1; }

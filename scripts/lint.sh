@@ -1,0 +1,63 @@
+#!/bin/sh
+# Format, static analysis, kernels through clang's OpenCL front end, sizes, shell syntax. Every stage runs; any finding fails.
+# environment: TIDY_FLAGS compiler flags, JOBS processes at a time. usage: lint.sh [STAGE...], default all
+set -u
+jobs=${JOBS:-2}
+failed=
+stages=${*:-format tidy cppcheck kernels sizes shell}
+
+stage_format() { clang-format-14 --dry-run --Werror $(sh scripts/sources.sh); }
+
+stage_tidy() {
+    find lib cli tests -name '*.c' ! -path 'tests/install/*' | LC_ALL=C sort |
+        xargs -P "$jobs" -I{} sh -c 'clang-tidy-14 --quiet {} -- $TIDY_FLAGS 2>/dev/null'
+}
+
+# Whether a pointer could be const is a matter of taste to cppcheck 2.10's style checks; the rest of its classes are on.
+stage_cppcheck() {
+    cppcheck --quiet --std=c99 --library=posix --enable=warning,performance,portability --inline-suppr --error-exitcode=1 \
+        -j "$jobs" --suppress=missingIncludeSystem -D'H5E_BEGIN_TRY={' -D'H5E_END_TRY=}' -Iinclude -Ilib/base -Ilib -I. \
+        lib cli tests/support
+}
+
+# As lib/device/program.c builds them: one pixel per work-item, as on GPUs, and the width that CPUs get. Every switch of
+# kernels/specialise.h is given a value.
+stage_kernels() {
+    found=0
+    switches=$(grep -oh 'TD_BUILD_[A-Z_0-9]*' kernels/* | sort -u | sed 's/.*/-D&=1/')
+    for program in kernels/*.cl; do
+        for lanes in 1 16; do
+            clang-14 -x cl -cl-std=CL1.2 -Xclang -finclude-default-header -fsyntax-only -Wall -Wextra -Werror -Ikernels \
+                -DTD_OPENCL=1 -DTD_LANES=$lanes $switches "$program" || found=1
+        done
+    done
+    return $found
+}
+
+stage_sizes() {
+    sh scripts/sources.sh | xargs awk '
+        length($0) > 128 { printf "%s:%d: %d columns (at most 128)\n", FILENAME, FNR, length($0); bad = 1 }
+        FNR == 500       { printf "%s: 500 lines or more: split it\n", FILENAME; bad = 1 }
+        FNR == 1 && FILENAME !~ /install/ && !/^\/\*/ { printf "%s:1: no opening comment\n", FILENAME; bad = 1 }
+        /[ \t]$/         { printf "%s:%d: space at the end of the line\n", FILENAME, FNR; bad = 1 }
+        END { exit bad }'
+}
+
+stage_shell() {
+    found=0
+    for script in scripts/*.sh kernels/*.sh tests/*/*.sh .ci/run; do
+        case $(head -n 1 "$script") in *bash) bash -n "$script" ;; *) sh -n "$script" ;; esac || found=1
+    done
+    return $found
+}
+
+for stage in $stages; do
+    if output=$("stage_$stage" 2>&1); then
+        echo "ok   $stage"
+    else
+        failed="$failed $stage"
+        echo "FAIL $stage"
+        echo "$output" | sed 's/^/     | /'
+    fi
+done
+[ -z "$failed" ] || { echo "lint failed:$failed (make format rewrites the format)"; exit 1; }

@@ -1,0 +1,15 @@
+# What exists is listed; what doesn't exist is an error that lists what does.
+unset TIDES_DEVICE
+make_scene
+expect 0 tides devices --device reference
+out "^\* -     reference"
+expect 0 tides devices --device reference --json
+out '"kind":[[:space:]]*"reference"'
+refuse 1 "nosuchdevice.*reference" tides simulate run.json -o e.h5 --device nosuchdevice
+refuse 1 "nosuchdevice.*reference" tides simulate run.json -o e.h5 --set device=nosuchdevice
+TIDES_DEVICE=nosuchdevice refuse 1 "nosuchdevice.*reference" tides simulate run.json -o e.h5
+expect 1 tides devices --device 77
+err "77"
+# The option wins over the environment.
+export TIDES_DEVICE=nosuchdevice
+expect 0 tides simulate run.json -qo e.h5 --device reference

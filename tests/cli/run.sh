@@ -1,0 +1,30 @@
+#!/bin/bash
+# Runs every case of this directory against a built `tides`, each in a scratch directory of its own.
+# usage: [TIDES=path/to/tides] run.sh [CASE...]     a case is a file NAME.sh here; harness.bash has its vocabulary
+set -u
+
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+tool=${TIDES:-$here/../../build/tides}
+[ -x "$tool" ] || { echo "$tool: not built; run make, or set TIDES" >&2; exit 2; }
+scratch=$(mktemp -d "${TMPDIR:-/tmp}/tides-cli-XXXXXX")
+trap 'rm -rf "$scratch"' EXIT
+mkdir "$scratch/bin"
+ln -s "$(realpath "$tool")" "$scratch/bin/tides"
+export PATH=$scratch/bin:$PATH
+unset TIDES_DEVICE
+
+passed=0 failed=0 skipped=0
+[ $# -gt 0 ] || set -- "$here"/*.sh
+for case in "$@"; do
+    name=$(basename "$case" .sh)
+    [ "$name" = run ] && continue
+    mkdir -p "$scratch/$name"
+    (cd "$scratch/$name" && source "$here/harness.bash" && source "$here/$name.sh") >"$scratch/$name.log" 2>&1
+    case $? in
+        0) passed=$((passed + 1)); echo "ok   $name" ;;
+        77) skipped=$((skipped + 1)); echo "skip $name: $(tail -n 1 "$scratch/$name.log")" ;;
+        *) failed=$((failed + 1)); echo "FAIL $name"; sed 's/^/     | /' "$scratch/$name.log" ;;
+    esac
+done
+echo "$passed passed, $failed failed, $skipped skipped"
+[ "$failed" = 0 ]

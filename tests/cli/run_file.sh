@@ -1,0 +1,25 @@
+# Wrong run files and settings: exit 1, one line with key, value, range.
+make_scene
+run() { refuse 1 "$1" tides simulate run.json -o e.h5 "${@:2}"; }
+run "unknown key \"sensor.treshold_on\"; did you mean \"sensor.threshold_on\"\?" --set sensor.treshold_on=1
+run "camera.width = 0 is out of range; it must lie in \[1, 16384\] px" --set camera.width=0
+run "image.log_eps = \"nan\" is not a number" --set image.log_eps=nan
+run "sensor.threshold_on = -1 is out of range" --set sensor.threshold_on=-1
+run "time.stop = 0 s is not after time.start = 0 s" --set time.stop=0
+run "stepping.mode = \"error\" is not available in this version; leave it at \"fixed\"" --set stepping.mode=error
+run "method = \"esim\" is not available" --set method=esim
+run "seed = \"x\" is not a 64-bit number" --seed x
+run "image.rules = \"smoth\" is none of smooth, inria, gsplat" --set image.rules=smoth
+run "--set foo: write key=value" --set foo
+missing e.h5
+missing e.h5.part
+run_text() { printf '%s' "$2" >bad.json; refuse 1 "$1" tides simulate bad.json -o e.h5; }
+run_text "bad.json:1:[0-9]+: not valid JSON" '{"scene": '
+run_text "bad.json:3:1: not valid JSON" '{"time": {"stop": 1},
+
+]}'
+run_text "bad.json: unknown key \"senor\"; did you mean \"sensor\"" '{"senor": {}}'
+run_text "bad.json: seed is given twice" '{"seed": "1", "seed": "2"}'
+run_text "bad.json: camera.file is missing" '{"scene": {"file": "scene.ply"}}'
+run_text "bad.json: time.stop = \"1\" is not a number" '{"time": {"stop": "1"}}'
+run_text "bad.json: camera.width = 0 is out of range" '{"camera": {"width": 0}}'

@@ -1,0 +1,19 @@
+# Wrong command lines: exit 2, one line, a suggestion where a slip is likely.
+refuse 2 "a command is missing; see tides --help" tides
+refuse 2 "unknown command simulat; did you mean simulate\?" tides simulat
+refuse 2 "unknown command rednr; did you mean render\?" tides rednr
+refuse 2 "unknown command xyzzy" tides xyzzy
+refuse 2 "unknown option --versoin" tides --versoin
+refuse 2 "unknown option --outptu; did you mean --output\?" tides simulate run.json --outptu x
+refuse 2 "unknown option --state; did you mean --stats\?" tides simulate run.json --state=x
+refuse 2 "unknown option -x" tides simulate -x
+refuse 2 "too few arguments: tides simulate RUN.json" tides simulate -o x.h5
+refuse 2 "the output is missing: -o EVENTS.h5" tides simulate run.json
+refuse 2 "the output is missing" tides render run.json
+refuse 2 "\"b\" is one argument too many" tides info a b
+refuse 2 "--output needs a value" tides simulate run.json -o
+refuse 2 "--output is given twice" tides simulate run.json -o a -o b
+refuse 2 "--json takes no value" tides devices --json=yes
+refuse 2 "--time abc: not a number" tides render run.json -o x.exr --time abc
+refuse 2 "--time nan: not a number" tides render run.json -o x.exr --time nan
+refuse 2 "--time 1s: not a number" tides render run.json -o x.exr --time 1s

@@ -1,0 +1,373 @@
+/* What must hold of the comparator for any signals: random cubics against dense sampling, steps cut in pieces, the invariant
+ * after every step, and the rejection of whole tiles against solving every pixel. The seed is printed; TIDES_TEST_SEED sets
+ * it. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "solver/td_comparator.h"
+#include "solver/td_crossing.h"
+#include "td_base.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PIXELS = 256 };
+
+typedef struct rig {
+    td_comparator comparator;
+    double S0[PIXELS], S0_dot[PIXELS], S1[PIXELS], S1_dot[PIXELS];
+    double initial[PIXELS], reference[PIXELS];
+    uint32_t count_on[PIXELS], count_off[PIXELS];
+    td_event_buffer buffer;
+    td_comparator_counts counts;
+} rig;
+
+/* -- random input -------------------------------------------------------------------------------------------------------- */
+
+static uint64_t random_state;
+
+static uint64_t next_random(void) { /* xorshift64*: Vigna 2016 */
+    random_state ^= random_state >> 12;
+    random_state ^= random_state << 25;
+    random_state ^= random_state >> 27;
+    return random_state * 2685821657736338717ULL;
+}
+
+static double uniform(double low, double high) { return low + (high - low) * ((double)(next_random() >> 11) * 0x1p-53); }
+
+/* Sizes from far below a threshold to many of them. */
+static double any_size(double typical) {
+    double sign = next_random() >> 63 ? 1.0 : -1.0;
+    return sign * typical * pow(10.0, uniform(-3.0, 1.3));
+}
+
+static void seed_tests(uint64_t salt) {
+    const char *text = getenv("TIDES_TEST_SEED");
+    uint64_t seed = text ? strtoull(text, NULL, 10) : 20240611;
+    print_message("seed %" PRIu64 "\n", seed);
+    random_state = (seed ^ salt) * 0x9E3779B97F4A7C15ULL | 1;
+}
+
+/* -- the rig ------------------------------------------------------------------------------------------------------------- */
+
+static rig *new_rig(int32_t model, double on, double off) {
+    rig *r = td_alloc(1, sizeof *r, NULL);
+    assert_non_null(r);
+    r->comparator = (td_comparator){.threshold_on = on, .threshold_off = off, .model = model, .max_events_per_step = 1000};
+    return r;
+}
+
+static void free_rig(rig *r) {
+    free(r->buffer.events);
+    free(r);
+}
+
+static void reset(rig *r, int32_t count) {
+    td_pixels pixels = {r->initial, r->reference, r->count_on, r->count_off};
+    td_pixels_reset(&pixels, r->S0, (size_t)count);
+    r->buffer.count = 0;
+    memset(&r->counts, 0, sizeof r->counts);
+}
+
+static void advance(rig *r, int32_t count, double start, double stop) {
+    td_tile tile = {0, 0, 16, count};
+    td_signals signals = {r->S0, r->S0_dot, r->S1, r->S1_dot};
+    td_pixels pixels = {r->initial, r->reference, r->count_on, r->count_off};
+    td_step step;
+    tides_error error = {0, ""};
+    if (td_step_between(start, stop, &step, &error) != TIDES_OK ||
+        td_comparator_step(&r->comparator, &step, &tile, &signals, &pixels, &r->buffer, &r->counts, &error) != TIDES_OK)
+        fail_msg("%s", error.text);
+}
+
+static void assert_invariant(const rig *r, int32_t count) {
+    for (int32_t i = 0; i < count; i++) {
+        double residual = r->S1[i] - r->reference[i];
+        assert_true(residual < r->comparator.threshold_on && residual > -r->comparator.threshold_off);
+        assert_true(r->reference[i] == td_reference(&r->comparator, r->initial[i], r->count_on[i], r->count_off[i]));
+    }
+}
+
+/* -- the oracle ---------------------------------------------------------------------------------------------------------- */
+
+/* a0 + a1 s + a2 s^2 + a3 s^3, in powers: another form than the solver's, evaluated in long double. */
+typedef struct power {
+    long double a[4];
+} power;
+
+static long double power_value(const power *p, long double s) { return p->a[0] + s * (p->a[1] + s * (p->a[2] + s * p->a[3])); }
+static double power_slope(const power *p, double s) { return (double)(p->a[1] + s * (2.0L * p->a[2] + s * 3.0L * p->a[3])); }
+
+static power hermite_power(double S0, double rate0, double S1, double rate1) {
+    long double change = (long double)S1 - S0;
+    return (power){{S0, rate0, 3.0L * change - 2.0L * rate0 - rate1, (long double)rate0 + rate1 - 2.0L * change}};
+}
+
+typedef struct oracle_event {
+    double s; /* the first sample at which it had happened */
+    int polarity;
+} oracle_event;
+
+enum { ORACLE_SAMPLES = 4000, ORACLE_MAX = 4000 };
+
+/* The highest (sign > 0) or lowest place in [low, high], by golden section. */
+static double find_extremum(const power *p, double low, double high, double sign) {
+    const double golden = 0.61803398874989485;
+    for (int i = 0; i < 60; i++) {
+        double a = high - golden * (high - low), b = low + golden * (high - low);
+        if (sign * (double)(power_value(p, a) - power_value(p, b)) > 0.0)
+            high = b;
+        else
+            low = a;
+    }
+    return 0.5 * (low + high);
+}
+
+static int oracle_visit(long double value, double s, double on, double off, double *reference, oracle_event *events,
+                        int count) {
+    while (count < ORACLE_MAX && (value - *reference >= on || value - *reference <= -off)) {
+        int polarity = value - *reference >= on ? 1 : -1;
+        *reference += polarity > 0 ? on : -off;
+        events[count++] = (oracle_event){s, polarity};
+    }
+    return count;
+}
+
+/* A comparator that looks at 4000 samples in turn, and at the extremum wherever three samples show one. */
+static int run_oracle(const power *p, double on, double off, oracle_event *events) {
+    double reference = (double)p->a[0];
+    int count = 0;
+    for (int k = 1; k <= ORACLE_SAMPLES; k++) {
+        double width = 1.0 / ORACLE_SAMPLES, s = k * width;
+        long double before = power_value(p, s - width), here = power_value(p, s), after = power_value(p, s + width);
+        long double earlier = power_value(p, s - 2.0 * width);
+        for (int look = 0; look < 2; look++) { /* an extremum in this interval shows in one of the triples about it */
+            long double left = look ? before : earlier, middle = look ? here : before, right = look ? after : here;
+            double sign = middle > left && middle >= right ? 1.0 : middle < left && middle <= right ? -1.0 : 0.0;
+            double from = look ? s - width : s - 2.0 * width, peak;
+            if (sign == 0.0) continue;
+            peak = find_extremum(p, from, from + 2.0 * width, sign);
+            if (peak > s - width && peak <= s)
+                count = oracle_visit(power_value(p, peak), peak, on, off, &reference, events, count);
+        }
+        count = oracle_visit(here, s, on, off, &reference, events, count);
+    }
+    return count;
+}
+
+/* -- properties ---------------------------------------------------------------------------------------------------------- */
+
+/* The cubic's events are those of a comparator that samples the same polynomial densely: the same polarities in the same order,
+ * each no later than the sample that shows it and no more than an interval before. */
+static void events_equal_dense_sampling(void **state) {
+    (void)state;
+    seed_tests(1);
+    static oracle_event expected[ORACLE_MAX];
+    for (int trial = 0; trial < 600; trial++) {
+        double on = uniform(0.05, 0.5), off = uniform(0.05, 0.5);
+        rig *r = new_rig(TIDES_MODEL_HERMITE, on, off);
+        r->S0[0] = uniform(-5.0, 1.0);
+        r->S1[0] = r->S0[0] + any_size(0.3);
+        r->S0_dot[0] = any_size(1.0);
+        r->S1_dot[0] = any_size(1.0);
+        reset(r, 1);
+        advance(r, 1, 0.0, 1.0);
+        power p = hermite_power(r->S0[0], r->S0_dot[0], r->S1[0], r->S1_dot[0]);
+        int count = run_oracle(&p, on, off, expected);
+        if ((size_t)count != r->buffer.count) fail_msg("trial %d: %zu events, not %d", trial, r->buffer.count, count);
+        for (int k = 0; k < count; k++) {
+            double s = 1e-9 * (double)r->buffer.events[k].t;
+            assert_int_equal(r->buffer.events[k].polarity, expected[k].polarity);
+            assert_true(s <= expected[k].s + 1e-12 && s >= expected[k].s - 1.0 / ORACLE_SAMPLES - 2e-9);
+        }
+        assert_int_equal(r->counts.caught_up + r->counts.truncated, 0);
+        assert_invariant(r, 1);
+        free_rig(r);
+    }
+}
+
+/* Each crossing lies where the polynomial has its level, to rounding. */
+static void crossings_lie_on_their_levels(void **state) {
+    (void)state;
+    seed_tests(2);
+    for (int trial = 0; trial < 20000; trial++) {
+        double on = uniform(0.05, 0.5), off = uniform(0.05, 0.5), reference = uniform(-5.0, 1.0);
+        double S0 = reference, S1 = reference + any_size(0.3), rate0 = any_size(1.0), rate1 = any_size(1.0);
+        power p = hermite_power(S0, rate0, S1, rate1);
+        td_model model = td_model_fit(TIDES_MODEL_HERMITE, 1.0, S0, rate0, S1, rate1);
+        td_crossing_walk walk;
+        td_crossing_begin(&walk, &model);
+        double before = 0.0, size = fabs(S0) + fabs(S1 - S0) + fabs(rate0) + fabs(rate1);
+        int polarity;
+        while ((polarity = td_crossing_next(&walk, reference, on, off)) != 0) {
+            reference += polarity > 0 ? on : -off;
+            double error = fabs((double)(power_value(&p, walk.s) - reference)), slope = fabs(power_slope(&p, walk.s));
+            if (!(error <= 4e-16 * (4.0 * size + slope)))
+                fail_msg("trial %d: %g off the level at s = %.17g", trial, error, walk.s);
+            assert_true(walk.s >= before && walk.s <= 1.0);
+            before = walk.s;
+        }
+    }
+}
+
+/* One cubic over a millisecond at 1000 s, in one step and in n: the same events, each within 2 ns. */
+static void cutting_a_step_changes_nothing(void **state) {
+    (void)state;
+    seed_tests(3);
+    for (int trial = 0; trial < 500; trial++) {
+        double on = uniform(0.05, 0.5), off = uniform(0.05, 0.5), h = 1e-3, start = 1000.0;
+        rig *whole = new_rig(TIDES_MODEL_HERMITE, on, off), *cut = new_rig(TIDES_MODEL_HERMITE, on, off);
+        int pieces = 2 + (int)(next_random() % 20);
+        double S0 = uniform(-5.0, 1.0), S1 = S0 + any_size(0.3), rate0 = any_size(1.0), rate1 = any_size(1.0);
+        power p = hermite_power(S0, rate0, S1, rate1);
+        whole->S0[0] = cut->S0[0] = S0;
+        whole->S1[0] = S1;
+        whole->S0_dot[0] = rate0 / h;
+        whole->S1_dot[0] = rate1 / h;
+        reset(whole, 1);
+        reset(cut, 1);
+        advance(whole, 1, start, start + h);
+        for (int k = 0; k < pieces; k++) {
+            double a = (double)k / pieces, b = (double)(k + 1) / pieces;
+            cut->S0[0] = k ? cut->S1[0] : S0;
+            cut->S1[0] = k + 1 < pieces ? (double)power_value(&p, b) : S1;
+            cut->S0_dot[0] = power_slope(&p, a) / h;
+            cut->S1_dot[0] = power_slope(&p, b) / h;
+            advance(cut, 1, start + a * h, start + b * h);
+            assert_invariant(cut, 1);
+        }
+        if (whole->buffer.count != cut->buffer.count)
+            fail_msg("trial %d: %zu events in %d pieces, not %zu", trial, cut->buffer.count, pieces, whole->buffer.count);
+        for (size_t k = 0; k < cut->buffer.count; k++) {
+            assert_int_equal(cut->buffer.events[k].polarity, whole->buffer.events[k].polarity);
+            assert_in_range(cut->buffer.events[k].t - whole->buffer.events[k].t + 2, 0, 4);
+        }
+        assert_true(cut->reference[0] == whole->reference[0]);
+        free_rig(whole);
+        free_rig(cut);
+    }
+}
+
+/* What any run must satisfy: checked pixel by pixel on the events of one step. */
+static void assert_orderly(const rig *r, size_t first, int64_t start_ns, int64_t stop_ns) {
+    int64_t last[PIXELS];
+    for (int i = 0; i < PIXELS; i++) last[i] = start_ns;
+    for (size_t k = first; k < r->buffer.count; k++) {
+        const tides_event *event = &r->buffer.events[k];
+        int i = event->y * 16 + event->x;
+        assert_true(event->t >= last[i] && event->t <= stop_ns);
+        assert_true(event->polarity == 1 || event->polarity == -1);
+        last[i] = event->t;
+    }
+}
+
+/* Signals that jump, with rates that have nothing to do with them, by every model and with few events allowed per step. */
+static void the_invariant_holds_after_every_step(void **state) {
+    (void)state;
+    seed_tests(4);
+    for (int trial = 0; trial < 40; trial++) {
+        rig *r = new_rig(trial % 4, uniform(0.01, 0.5), uniform(0.01, 0.5));
+        r->comparator.max_events_per_step = 1 + (int32_t)(next_random() % 8);
+        for (int i = 0; i < PIXELS; i++) r->S1[i] = r->S0[i] = uniform(-7.0, 1.0);
+        reset(r, PIXELS);
+        for (int k = 0; k < 30; k++) {
+            for (int i = 0; i < PIXELS; i++) {
+                r->S0[i] = r->S1[i];
+                r->S1[i] = next_random() % 4 ? r->S0[i] + any_size(0.02) : uniform(-7.0, 1.0);
+                r->S0_dot[i] = any_size(1e3);
+                r->S1_dot[i] = any_size(1e3);
+            }
+            size_t first = r->buffer.count;
+            advance(r, PIXELS, k * 1e-3, (k + 1) * 1e-3);
+            assert_invariant(r, PIXELS);
+            assert_orderly(r, first, k * 1000000LL, (k + 1) * 1000000LL);
+        }
+        uint64_t on = 0, off = 0;
+        for (int i = 0; i < PIXELS; i++) {
+            on += r->count_on[i];
+            off += r->count_off[i];
+        }
+        assert_true(on == r->counts.events_on && off == r->counts.events_off && on + off == r->buffer.count);
+        assert_true(r->counts.truncated > 0);
+        free_rig(r);
+    }
+}
+
+/* A value on the grid of C/4: control values and extrema then land exactly on levels all the time. */
+static double on_grid(double step, int range) {
+    return step * (double)((int)(next_random() % (uint64_t)(2 * range + 1)) - range);
+}
+
+/* Rejecting whole tiles never keeps a pixel from firing: events and state equal those of solving every pixel, to the bit, for
+ * random signals and for signals that sit exactly on levels, and for NaN and infinities among them. */
+static void rejection_changes_nothing(void **state) {
+    (void)state;
+    seed_tests(5);
+    static const double odd[] = {NAN, INFINITY, -INFINITY, 1e300};
+    for (int trial = 0; trial < 400; trial++) {
+        rig *fast = new_rig(trial % 4, 0.25, trial % 8 < 4 ? 0.25 : 0.5);
+        int exact = trial % 3 == 0;
+        fast->comparator.max_events_per_step = 16;
+        for (int i = 0; i < PIXELS; i++) {
+            double S0 = fast->S0[i] = exact ? on_grid(0.0625, 8) : uniform(-5.0, 1.0);
+            fast->S1[i] = S0 + (exact ? on_grid(0.0625, 6) : any_size(0.05));
+            fast->S0_dot[i] = exact ? on_grid(0.0625, 12) : any_size(0.1);
+            fast->S1_dot[i] = exact ? on_grid(0.0625, 12) : any_size(0.1);
+            double *where[] = {&fast->S0[i], &fast->S0_dot[i], &fast->S1_dot[i]};
+            uint64_t which = next_random() % 3; /* from a reference of 1e300 it would fire for ever, and is refused */
+            if (next_random() % 100 == 0) *where[which] = odd[next_random() % (which ? 4 : 3)];
+        }
+        reset(fast, PIXELS);
+        rig *slow = td_alloc(1, sizeof *slow, NULL);
+        assert_non_null(slow);
+        *slow = *fast;
+        slow->comparator.exhaustive = 1;
+        advance(fast, PIXELS, 0.0, 1.0);
+        advance(slow, PIXELS, 0.0, 1.0);
+        assert_int_equal(fast->buffer.count, slow->buffer.count);
+        if (fast->buffer.count)
+            assert_memory_equal(fast->buffer.events, slow->buffer.events, fast->buffer.count * sizeof *fast->buffer.events);
+        assert_memory_equal(fast->reference, slow->reference, sizeof fast->reference);
+        assert_memory_equal(fast->count_on, slow->count_on, sizeof fast->count_on);
+        assert_memory_equal(fast->count_off, slow->count_off, sizeof fast->count_off);
+        assert_int_equal(fast->counts.nonfinite, slow->counts.nonfinite);
+        assert_int_equal(slow->counts.solved, PIXELS);
+        assert_true(fast->counts.solved < PIXELS);
+        free_rig(fast);
+        free_rig(slow);
+    }
+}
+
+/* With equal thresholds a pixel that comes back has the reference that it had there before, whatever happened meanwhile. */
+static void references_do_not_drift(void **state) {
+    (void)state;
+    seed_tests(6);
+    rig *r = new_rig(TIDES_MODEL_SECANT, 0.1, 0.1);
+    r->comparator.max_events_per_step = 100;
+    r->S1[0] = r->S0[0] = 0.3;
+    reset(r, 1);
+    for (int k = 0; k < 20000; k++) {
+        r->S0[0] = r->S1[0];
+        r->S1[0] = k % 2 ? 0.3 : uniform(-2.0, 2.0);
+        advance(r, 1, k * 1e-3, (k + 1) * 1e-3);
+        int64_t net = (int64_t)r->count_on[0] - (int64_t)r->count_off[0];
+        assert_true(r->reference[0] == 0.3 + (double)net * 0.1);
+        if (k % 2) assert_in_range(net + 1, 0, 2); /* hysteresis: within one threshold of the level */
+    }
+    assert_true(r->buffer.count > 100000);
+    free_rig(r);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(events_equal_dense_sampling),    cmocka_unit_test(crossings_lie_on_their_levels),
+        cmocka_unit_test(cutting_a_step_changes_nothing), cmocka_unit_test(the_invariant_holds_after_every_step),
+        cmocka_unit_test(rejection_changes_nothing),      cmocka_unit_test(references_do_not_drift),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,41 @@
+/* Test support: reads numpy's .npz and .npy files, little-endian; arrays come out in C order. */
+#ifndef TESTS_SUPPORT_NPZ_H
+#define TESTS_SUPPORT_NPZ_H
+
+#include <stddef.h>
+
+typedef struct npz npz;
+
+enum { NPZ_DIMENSIONS_MAX = 8 };
+
+typedef struct npz_array {
+    char dtype[256];                  /* "<f8"; a structured array's whole list: "[('x', '<f4'), ...]" */
+    int ndim;                         /* 0: a scalar */
+    size_t shape[NPZ_DIMENSIONS_MAX]; /* entries from ndim on are 1 */
+    size_t count, item;               /* elements, and bytes of one */
+    const void *data;                 /* aligned for any type; lives as long as the npz */
+} npz_array;
+
+/* Opens an .npz, or an .npy as one array called "data". NULL, with the reason on stderr, where that fails. */
+npz *npz_open(const char *path);
+
+/* NULL is fine. */
+void npz_close(npz *file);
+
+/* Number of arrays and the name of each (without ".npy"), in file order; NULL out of range. */
+size_t npz_count(const npz *file);
+const char *npz_name(const npz *file, size_t index);
+
+/* One array, read when first asked for; NULL where absent (silent), or where it can't be read (reason on stderr). */
+const npz_array *npz_get(npz *file, const char *name);
+
+/* Any numeric array as doubles, `*count` (nullable) of them; the caller frees it. NULL where absent or not numeric. */
+double *npz_doubles(npz *file, const char *name, size_t *count);
+
+/* The first element as an integer; LONG_MIN, with the reason on stderr, where absent or not numeric. */
+long npz_int(npz *file, const char *name);
+
+/* A text scalar (<U) as UTF-8, cut to fit; "" where absent or no text. */
+void npz_string(npz *file, const char *name, char *out, size_t size);
+
+#endif
