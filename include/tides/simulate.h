@@ -26,15 +26,20 @@ enum {
     TIDES_MODEL_SECANT = 3     /* S0 to S1 in a straight line: what ESIM assumes */
 };
 
-enum { TIDES_STEPPING_FIXED = 0 };
+/* How steps are chosen. ERROR: each macro step of step_s is halved, tile by tile, until the embedded estimate of the model's
+ * error is within the tolerance wherever a pixel may reach a threshold (DESIGN 3.2). */
+enum { TIDES_STEPPING_FIXED = 0, TIDES_STEPPING_ERROR = 2 };
 
-/* Step control; fill with tides_stepping_defaults (fixed, hermite, 1 ms). */
+/* Step control; fill with tides_stepping_defaults (fixed, hermite, local, 1 ms, 1 us, 0.01, 0). */
 typedef struct tides_stepping {
     uint32_t size;
-    int32_t mode;  /* TIDES_STEPPING_FIXED */
-    int32_t model; /* TIDES_MODEL_* */
-    int32_t reserved;
-    double step_s; /* [s] > 0; the last step is shortened to end at `stop` */
+    int32_t mode;            /* TIDES_STEPPING_* */
+    int32_t model;           /* TIDES_MODEL_* */
+    int32_t local;           /* ERROR: 1 gives each 16x16 tile its own steps, 0 the whole image the same */
+    double step_s;           /* [s] > 0: the step, or the longest; the last is shortened to end at `stop` */
+    double min_step_s;       /* [s] > 0: ERROR doesn't halve steps that are no longer than this */
+    double tolerance;        /* ERROR: estimated error of S, in units of the smaller threshold, > 0 */
+    double time_tolerance_s; /* ERROR: estimated error of event times [s]; 0: not asked for */
 } tides_stepping;
 TIDES_API void tides_stepping_defaults(tides_stepping *stepping);
 
@@ -44,8 +49,11 @@ typedef struct tides_stats {
     uint64_t events, events_on, events_off;
     uint64_t events_truncated;  /* crossings beyond max_events_per_step in a step, moved to the step's end */
     uint64_t events_caught_up;  /* crossings that the local model missed or put out of range, fired at the step's end */
-    uint64_t steps;             /* (tile, step) pairs accepted */
-    uint64_t steps_rejected;
+    uint64_t steps;             /* (tile, step) pairs that went to the comparator */
+    uint64_t steps_rejected;    /* of these, halved: (tile, step) pairs that were too coarse */
+    uint64_t steps_at_minimum;  /* accepted above the tolerance because they were as short as min_step_s */
+    double worst_error;         /* largest estimate among accepted steps [thresholds]; 0 under fixed steps, which estimate none */
+    double worst_error_s;       /* the same in time [s] */
     double worst_residual;      /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
     double renders_full_frame_equivalent; /* tile jobs, skipped ones included, over tiles */
     double simulated_s, run_time_s, real_time_factor; /* simulated / run time */

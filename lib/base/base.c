@@ -51,8 +51,13 @@ tides_status td_fail_within(tides_error *error, tides_status status, const char 
     va_start(arguments, format);
     int length = vsnprintf(error->text, sizeof error->text, format, arguments);
     va_end(arguments);
-    if (length < 0 || (size_t)length >= sizeof error->text) return status;
-    snprintf(error->text + length, sizeof error->text - (size_t)length, ": %s", inner);
+    if (length < 0 || (size_t)length + 2 >= sizeof error->text) return status;
+    char *end = error->text + length;
+    size_t room = sizeof error->text - (size_t)length - 3, wanted = strlen(inner); /* ": " and the terminator */
+    size_t kept = wanted < room ? wanted : room;
+    memcpy(end, ": ", 2);
+    memcpy(end + 2, inner, kept);
+    end[2 + kept] = 0;
     return status;
 }
 

@@ -50,6 +50,16 @@ void td_path_share_intrinsics(tides_intrinsics *common, const tides_intrinsics *
     if (common->cy != other->cy) common->cy = 0.0;
 }
 
+const char *td_path_quote(const char *word, size_t bytes, char out[TD_QUOTE]) {
+    size_t length = bytes < TD_QUOTE ? bytes : TD_QUOTE - 1;
+    for (size_t i = 0; i < length; i++) {
+        unsigned char c = (unsigned char)word[i];
+        out[i] = c < ' ' || c == 127 ? '?' : word[i];
+    }
+    out[length] = '\0';
+    return out;
+}
+
 /* "FILE:12" or "FILE: frames[12]". */
 static void name_place(const td_path_reader *reader, size_t place, char *text, size_t bytes) {
     if (reader->list)

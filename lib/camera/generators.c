@@ -239,7 +239,7 @@ static void prepare_shake(const tides_handheld *handheld, shake *s) {
     for (int i = 0; i < TD_SINES; i++) s->amplitude[i] /= sqrt(power);
     for (int axis = 0; axis < TD_AXES; axis++)
         for (int i = 0; i < TD_SINES; i++)
-            s->phase[axis][i] = 2.0 * TD_PI * uniform(handheld->seed, (uint64_t)(axis * TD_SINES + i));
+            s->phase[axis][i] = 2.0 * TD_PI * uniform(handheld->seed, (uint64_t)axis * TD_SINES + (uint64_t)i);
 }
 
 tides_status tides_trajectory_create_handheld(const tides_handheld *handheld, tides_trajectory **trajectory,

@@ -62,7 +62,7 @@ tides_status td_json_matrix(td_path_reader *reader, const cJSON *object, const c
     int good = 0;
     for (; cJSON_IsArray(list) && row && good < rows; row = row->next, good++)
         if (!read_numbers(row, values + good * columns, columns)) break;
-    if (good == rows) return TIDES_OK;
+    if (good == rows && !row) return TIDES_OK;
     const char *problem = list ? "must be" : "is missing: give";
     return td_fail(reader->error, TIDES_BAD_FILE, "%s: %s%s%s: %s a matrix, a list of %d rows of %d finite numbers",
                    reader->file, where, *where ? "." : "", key, problem, rows, columns);
@@ -86,15 +86,17 @@ tides_status td_json_check_keys(td_path_reader *reader, const cJSON *object, con
         while (*known && strcmp(*known, item->string) != 0) known++;
         if (*known && cJSON_GetObjectItemCaseSensitive(object, item->string) == item) continue;
         if (*known) return td_json_fail(reader, where, item->string, "is given twice; keep one");
+        char word[TD_QUOTE];
         const char *nearest = td_nearest(item->string, keys);
         return td_fail(reader->error, TIDES_BAD_FILE, "%s: %s%s%s: unknown key%s%s%s", reader->file, where, *where ? "." : "",
-                       item->string, nearest ? "; did you mean \"" : "", nearest ? nearest : "", nearest ? "\"?" : "");
+                       td_path_quote(item->string, strlen(item->string), word), nearest ? "; did you mean \"" : "",
+                       nearest ? nearest : "", nearest ? "\"?" : "");
     }
     return TIDES_OK;
 }
 
-/* Largest difference of R^T R from the identity that still is a rotation: files with four decimals are in, scaled, sheared
- * and transposed-by-mistake matrices (which have a translation in the wrong place) are out. */
+/* Largest difference of R^T R from the identity that still is a rotation: files with four decimals are in, scaled and sheared
+ * matrices are out. */
 #define TD_ROTATION_TOLERANCE 1e-3
 
 tides_status td_json_rotation(td_path_reader *reader, const char *where, const char *key, const double rotation[9],

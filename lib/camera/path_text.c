@@ -25,9 +25,9 @@ static const char *skip_blanks(const char *c) { return c + strspn(c, " \t\r"); }
 static int line_ends(const char *c) { return *c == '\n' || *c == '\0' || *c == '#'; }
 
 static tides_status fail_column(const td_path_reader *reader, size_t line, int column, const char *at) {
-    int length = (int)strcspn(at, " \t\r\n,");
-    return td_fail(reader->error, TIDES_BAD_FILE, "%s:%zu: column %d (%s) must be a finite number, not \"%.*s\"", reader->file,
-                   line, column + 1, column_names[column], length > 32 ? 32 : length, at);
+    char word[TD_QUOTE];
+    return td_fail(reader->error, TIDES_BAD_FILE, "%s:%zu: column %d (%s) must be a finite number, not \"%s\"", reader->file,
+                   line, column + 1, column_names[column], td_path_quote(at, strcspn(at, " \t\r\n,"), word));
 }
 
 /* Eight numbers of one line. */
@@ -77,7 +77,7 @@ tides_status td_path_read_text(td_path_reader *reader) {
         }
         c = *end ? end + 1 : end;
     }
-    strcpy(reader->path.format, commas == 1 ? "esim" : "tum");
+    snprintf(reader->path.format, sizeof reader->path.format, "%s", commas == 1 ? "esim" : "tum");
     long double duration = reader->count ? reader->samples[reader->count - 1].time - reader->samples[0].time : 0.0L;
     if (commas == 1 && duration > 0.0L && duration < TD_SHORTEST_ESIM)
         return td_fail(reader->error, TIDES_BAD_FILE,

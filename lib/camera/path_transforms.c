@@ -59,9 +59,12 @@ static tides_status read_intrinsics(td_path_reader *reader, const cJSON *frame, 
 }
 
 static tides_status read_pose(td_path_reader *reader, const cJSON *frame, const char *where, tides_pose_sample *pose) {
-    double matrix[12], rotation[9];
-    tides_status status = td_json_matrix(reader, frame, where, "transform_matrix", matrix, 3, 4);
+    double matrix[16] = {[15] = 1.0}, rotation[9];
+    int rows = cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(frame, "transform_matrix")) == 3 ? 3 : 4;
+    tides_status status = td_json_matrix(reader, frame, where, "transform_matrix", matrix, rows, 4);
     if (status != TIDES_OK) return status;
+    if (matrix[12] != 0.0 || matrix[13] != 0.0 || matrix[14] != 0.0 || matrix[15] != 1.0)
+        return td_json_fail(reader, where, "transform_matrix", "must end in the row 0 0 0 1: is it transposed?");
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) rotation[3 * i + j] = j == 0 ? matrix[4 * i] : -matrix[4 * i + j];
         pose->position[i] = matrix[4 * i + 3];

@@ -80,7 +80,7 @@ int td_normalise_quaternion(double q[4]) {
     if (!td_all_finite(q, 4) || !(largest > 0.0)) return 0;
     double unit = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     if (fabs(unit - 1.0) <= 8.0 * DBL_EPSILON) return 1; /* already: a path that is saved and read stays as it was to the bit */
-    double scaled[4], sum = 0.0;                         /* scaled first: squares of very large or small numbers over- or underflow */
+    double scaled[4], sum = 0.0; /* scaled first: squares of very large or small numbers over- or underflow */
     for (int k = 0; k < 4; k++) {
         scaled[k] = q[k] / largest;
         sum += scaled[k] * scaled[k];

@@ -52,7 +52,7 @@ tides_status td_json_number(td_path_reader *reader, const cJSON *object, const c
 tides_status td_json_vector(td_path_reader *reader, const cJSON *object, const char *where, const char *key, double *values,
                             int count);
 
-/* The first `rows` rows of a row-major matrix; the file may have more. */
+/* A row-major matrix. */
 tides_status td_json_matrix(td_path_reader *reader, const cJSON *object, const char *where, const char *key, double *values,
                             int rows, int columns);
 
@@ -66,6 +66,11 @@ tides_status td_json_check_keys(td_path_reader *reader, const cJSON *object, con
 
 /* Fails with TIDES_BAD_FILE and "FILE: WHERE.KEY: TEXT". */
 tides_status td_json_fail(td_path_reader *reader, const char *where, const char *key, const char *text);
+
+/* A word of the file for a message: at most TD_QUOTE - 1 characters, control characters replaced, so that the message stays
+ * one line. Returns `out`. */
+#define TD_QUOTE 41
+const char *td_path_quote(const char *word, size_t bytes, char out[TD_QUOTE]);
 
 /* Quaternion of a 3x3 rotation of a file; fails where it isn't one. */
 tides_status td_json_rotation(td_path_reader *reader, const char *where, const char *key, const double rotation[9],

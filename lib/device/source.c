@@ -80,7 +80,10 @@ static tides_status add_body(td_source_text *text, const char *file, char *body,
             if (*to) to++;
             line++;
         }
-        if (to > from) status = add_piece(text, td_format(error, "%.*s", (int)(to - from), from), error);
+        if (to > from) { /* an open last line is closed: what follows must begin one */
+            const char *end = to[-1] == '\n' ? "" : "\n";
+            status = add_piece(text, td_format(error, "%.*s%s", (int)(to - from), from, end), error);
+        }
         if (status != TIDES_OK || !*to) break;
         if (!has_file(text, name)) status = gather(text, name, depth + 1, error);
         line++;

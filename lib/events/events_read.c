@@ -286,7 +286,7 @@ static tides_status count_on(const event_source *source, uint64_t *on, tides_err
 }
 
 static tides_status read_time(const event_source *source, uint64_t row, int64_t *ns, tides_error *error) {
-    int64_t stored;
+    int64_t stored = 0;
     tides_status status = read_column(source, READ_T, row, 1, &stored, error);
     return status == TIDES_OK ? convert_time(source, row, stored, ns, error) : status;
 }

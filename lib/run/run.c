@@ -119,25 +119,32 @@ void tides_run_destroy(tides_run *run) {
     free(run);
 }
 
-/* Position of `text` in "a|b|c". Values have been checked, so it is there. */
-static int32_t choice_index(const char *choices, const char *text) {
-    int32_t index = 0;
-    for (const char *at = choices; *at; index++) {
-        size_t length = strcspn(at, "|");
-        if (strlen(text) == length && memcmp(at, text, length) == 0) return index;
-        at += length + (at[length] == '|');
-    }
-    return 0;
-}
+/* What a choice's name stands for in the library's structs. */
+typedef struct named_constant {
+    const char *name; /* NULL ends a list */
+    int32_t value;
+} named_constant;
 
-static int32_t run_choice(const tides_run *run, const char *key) {
-    return choice_index(td_param_find(key)->choices, run_text(run, key));
+static const named_constant rules[] = {{"smooth", TIDES_RULES_SMOOTH},
+                                       {"inria", TIDES_RULES_INRIA},
+                                       {"gsplat", TIDES_RULES_GSPLAT},
+                                       {NULL, 0}};
+static const named_constant models[] = {{"hermite", TIDES_MODEL_HERMITE},
+                                        {"quadratic", TIDES_MODEL_QUADRATIC},
+                                        {"linear", TIDES_MODEL_LINEAR},
+                                        {"secant", TIDES_MODEL_SECANT},
+                                        {NULL, 0}};
+
+/* The table has checked the name against its choices, so it is in the list. */
+static int32_t run_constant(const tides_run *run, const char *key, const named_constant *list) {
+    const char *name = run_text(run, key);
+    while (list->name && strcmp(list->name, name) != 0) list++;
+    return list->value;
 }
 
 static void get_image(const tides_run *run, tides_image_params *image) {
-    static const int32_t rules[] = {TIDES_RULES_SMOOTH, TIDES_RULES_INRIA, TIDES_RULES_GSPLAT};
     tides_image_params_defaults(image);
-    image->rules = rules[run_choice(run, "image.rules")];
+    image->rules = run_constant(run, "image.rules", rules);
     image->antialias = run_boolean(run, "image.antialias");
     image->sh_degree = run_integer(run, "image.sh_degree");
     image->dilation = td_run_number(run, "image.dilation");
@@ -156,7 +163,6 @@ static void get_intrinsics(const tides_run *run, tides_intrinsics *intrinsics) {
 }
 
 void tides_run_get(const tides_run *run, tides_run_values *values) {
-    static const int32_t models[] = {TIDES_MODEL_HERMITE, TIDES_MODEL_QUADRATIC, TIDES_MODEL_LINEAR, TIDES_MODEL_SECANT};
     memset(values, 0, sizeof *values);
     get_intrinsics(run, &values->intrinsics);
     get_image(run, &values->image);
@@ -166,7 +172,7 @@ void tides_run_get(const tides_run *run, tides_run_values *values) {
     values->sensor.max_events_per_step = run_integer(run, "sensor.max_events_per_step");
     tides_stepping_defaults(&values->stepping);
     values->stepping.mode = TIDES_STEPPING_FIXED; /* the only available one: the table refuses the rest */
-    values->stepping.model = models[run_choice(run, "stepping.model")];
+    values->stepping.model = run_constant(run, "stepping.model", models);
     values->stepping.step_s = td_run_number(run, "stepping.step_s");
     values->start = td_run_number(run, "time.start");
     values->stop = td_run_number(run, "time.stop");

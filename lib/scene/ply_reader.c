@@ -51,7 +51,8 @@ static size_t find_property(const binding *b, const char *name) {
     return i;
 }
 
-static tides_status bind(const binding *b, const char *name, float *base, size_t stride) {
+/* Sends a property to array[at], array[at + stride] ...; a NULL array only makes sure that it could be sent somewhere. */
+static tides_status bind(const binding *b, const char *name, float *array, size_t at, size_t stride) {
     size_t found = find_property(b, name);
     if (found == b->vertex->properties)
         return td_fail(b->error, TIDES_BAD_FILE,
@@ -63,7 +64,7 @@ static tides_status bind(const binding *b, const char *name, float *base, size_t
     for (size_t i = found + 1; i < b->vertex->properties; i++)
         if (td_ply_word_is(b->header->properties[b->vertex->first_property + i].name, name))
             return td_fail(b->error, TIDES_BAD_FILE, "%s: element vertex has two properties %s", b->file->path, name);
-    b->columns[found] = (td_ply_column){base, stride};
+    if (array) b->columns[found] = (td_ply_column){array + at, stride};
     return TIDES_OK;
 }
 
@@ -90,39 +91,40 @@ static tides_status bind_sh(const binding *b, const td_gaussians *g) {
     tides_status status = TIDES_OK;
     for (size_t c = 0; c < 3 && !status; c++) {
         snprintf(name, sizeof name, "f_dc_%zu", c);
-        status = bind(b, name, g->sh + c, 3 * coefficients);
+        status = bind(b, name, g->sh, c, 3 * coefficients);
         for (size_t k = 0; k < rest && !status; k++) {
             snprintf(name, sizeof name, "f_rest_%zu", c * rest + k);
-            status = bind(b, name, g->sh + 3 * (k + 1) + c, 3 * coefficients);
+            status = bind(b, name, g->sh, 3 * (k + 1) + c, 3 * coefficients);
         }
     }
     return status;
 }
 
-/* `filter` stays NULL where the file has none. */
-static tides_status bind_all(const binding *b, const td_gaussians *g, float **filter) {
+static int has_filter(const binding *b) { return find_property(b, "filter_3D") < b->vertex->properties; }
+
+/* Binds everything, or, where `g` has a degree but no arrays yet, makes sure that everything is there. */
+static tides_status bind_all(const binding *b, const td_gaussians *g, float *filter) {
     const struct {
         const char *name;
-        float *base;
-        size_t stride;
-    } single[] = {{"x", g->mean, 3},
-                  {"y", g->mean + 1, 3},
-                  {"z", g->mean + 2, 3},
-                  {"opacity", g->opacity_logit, 1},
-                  {"scale_0", g->log_scale, 3},
-                  {"scale_1", g->log_scale + 1, 3},
-                  {"scale_2", g->log_scale + 2, 3},
-                  {"rot_0", g->quaternion, 4},
-                  {"rot_1", g->quaternion + 1, 4},
-                  {"rot_2", g->quaternion + 2, 4},
-                  {"rot_3", g->quaternion + 3, 4}};
+        float *array;
+        size_t at, stride;
+    } single[] = {{"x", g->mean, 0, 3},
+                  {"y", g->mean, 1, 3},
+                  {"z", g->mean, 2, 3},
+                  {"opacity", g->opacity_logit, 0, 1},
+                  {"scale_0", g->log_scale, 0, 3},
+                  {"scale_1", g->log_scale, 1, 3},
+                  {"scale_2", g->log_scale, 2, 3},
+                  {"rot_0", g->quaternion, 0, 4},
+                  {"rot_1", g->quaternion, 1, 4},
+                  {"rot_2", g->quaternion, 2, 4},
+                  {"rot_3", g->quaternion, 3, 4}};
     tides_status status = TIDES_OK;
     for (size_t i = 0; i < sizeof single / sizeof single[0] && !status; i++)
-        status = bind(b, single[i].name, single[i].base, single[i].stride);
+        status = bind(b, single[i].name, single[i].array, single[i].at, single[i].stride);
     if (!status) status = bind_sh(b, g);
-    if (status || find_property(b, "filter_3D") == b->vertex->properties) return status;
-    *filter = td_alloc((size_t)g->count, sizeof **filter, b->error);
-    return *filter ? bind(b, "filter_3D", *filter, 1) : TIDES_NO_MEMORY;
+    if (!status && has_filter(b)) status = bind(b, "filter_3D", filter, 0, 1);
+    return status;
 }
 
 /* Skips the elements before vertex and reads vertex. */
@@ -138,6 +140,7 @@ static tides_status read_rows(const binding *b) {
 static tides_status check_header(const binding *b, int32_t *degree) {
     tides_status status = check_kind(b);
     if (!status) status = find_sh_degree(b, degree);
+    if (!status) status = bind_all(b, &(td_gaussians){.sh_degree = *degree}, NULL);
     if (status) return status;
     if (b->vertex->count == 0)
         return td_fail(b->error, TIDES_BAD_FILE, "%s: line %zu: element vertex has 0 rows: there is no Gaussian in this file",
@@ -163,7 +166,9 @@ static tides_status read_gaussians(binding *b, td_gaussians *gaussians) {
     if (status) return status;
     b->columns = td_alloc(b->vertex->properties, sizeof *b->columns, b->error);
     status = b->columns ? td_gaussians_create(&made, (int64_t)b->vertex->count, degree, b->error) : TIDES_NO_MEMORY;
-    if (!status) status = bind_all(b, &made, &filter);
+    if (!status && has_filter(b) && !(filter = td_alloc((size_t)made.count, sizeof *filter, b->error)))
+        status = TIDES_NO_MEMORY;
+    if (!status) status = bind_all(b, &made, filter);
     if (!status) status = read_rows(b);
     if (!status) status = check_filter(b, filter);
     if (!status && filter) td_gaussians_fold_filter(&made, filter);

@@ -51,9 +51,8 @@ tides_status td_ply_rows_fit(const td_ply_file *file, const td_ply_header *heade
     size_t usable = left + (header->format == TD_PLY_ASCII); /* the last line end may be missing */
     if (element->count <= usable / row) return TIDES_OK;
     return td_fail(error, TIDES_BAD_FILE,
-                   "%s: line %zu: element %s declares %llu rows of at least %zu bytes, but only %zu bytes are left at byte "
-                   "%zu: the "
-                   "file is truncated or its header wrong",
+                   "%s: line %zu: element %s declares %llu rows of at least %zu bytes, but only %zu bytes are left at "
+                   "byte %zu: the file is truncated or its header wrong",
                    file->path, element->line, TD_PLY_QUOTE(element->name), (unsigned long long)element->count, row, left,
                    cursor->at);
 }

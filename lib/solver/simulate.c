@@ -5,7 +5,8 @@
  *   compare    each tile over each step: events
  *   emit       the batch's events, sorted, as one packet
  *
- * Steps lie on the grid start + k step_s. How many go into a batch changes the cost, never the events. */
+ * Steps lie on the grid start + k step_s. Fixed steps are rendered several to a launch; how many changes the cost, never the
+ * events. Under error control each of them is a macro step, which refine.c halves where a tile needs it. */
 #include "td_event_sort.h"
 #include "td_simulator.h"
 
@@ -113,9 +114,50 @@ static tides_status advance(tides_simulator *s, int64_t count, tides_event_sink 
         status = compare_step(s, error);
     }
     s->stats.time_compare_s += td_now() - begun;
+    s->broken = status != TIDES_OK;
     adapt_batch(s, &before);
     tides_status emitted = emit(s, sink, user, status == TIDES_OK ? error : NULL);
     return status == TIDES_OK ? emitted : status;
+}
+
+/* The comparator over one tile's steps of a macro step, in time order; its last sample is then now. */
+static tides_status compare_refined_tile(tides_simulator *s, int t, double start, double stop, tides_error *error) {
+    const td_refine *r = &s->refine;
+    const td_tile *tile = &s->tile[t];
+    size_t at = s->first_pixel[t], bytes = (size_t)tile->count * sizeof(double);
+    td_pixels pixels = {s->pixels.initial + at, s->pixels.reference + at, s->pixels.count_on + at, s->pixels.count_off + at};
+    const double *end = NULL;
+    for (int32_t i = t; i >= 0; i = r->step[i].next) {
+        const double *begin = r->samples + (size_t)r->step[i].begin * 2 * TD_TILE_PIXELS;
+        end = r->samples + (size_t)r->step[i].end * 2 * TD_TILE_PIXELS;
+        td_signals signals = {begin, begin + TD_TILE_PIXELS, end, end + TD_TILE_PIXELS};
+        td_step step;
+        tides_status status = td_step_between(td_refine_time(r, start, stop, r->step[i].from),
+                                              td_refine_time(r, start, stop, r->step[i].to), &step, error);
+        if (status == TIDES_OK)
+            status = td_comparator_step(&s->comparator, &step, tile, &signals, &pixels, &s->events, &s->counts, error);
+        if (status != TIDES_OK) return status;
+        s->stats.steps++;
+    }
+    memcpy(s->now.S + at, end, bytes);
+    memcpy(s->now.S_dot + at, end + TD_TILE_PIXELS, bytes);
+    return TIDES_OK;
+}
+
+/* One macro step, refined tile by tile. */
+static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
+    double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
+    tides_status status = td_refine_macro_step(s, start, stop, error);
+    if (status != TIDES_OK) return status;
+    double begun = td_now();
+    for (int t = 0; t < s->tiles && status == TIDES_OK; t++) status = compare_refined_tile(s, t, start, stop, error);
+    s->stats.time_compare_s += td_now() - begun;
+    if (status != TIDES_OK) {
+        s->broken = 1;
+        return status;
+    }
+    s->step++;
+    return emit(s, sink, user, error);
 }
 
 /* The last grid point at or before `until`. */
@@ -130,6 +172,8 @@ static int64_t last_step_until(const tides_simulator *s, double until) {
 tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink, void *sink_user,
                                  tides_progress progress, void *user, tides_error *error) {
     if (!simulator) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: simulator must be given");
+    if (simulator->broken)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: an earlier error left a step half done; make a new simulator");
     if (!(until >= simulator->start))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: until %g s is before the start, %g s", until,
                        simulator->start);
@@ -138,7 +182,9 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
     int64_t last = last_step_until(simulator, until);
     if (!simulator->started) status = begin(simulator, error);
     while (status == TIDES_OK && simulator->step < last) {
-        status = advance(simulator, last - simulator->step, sink, sink_user, error);
+        status = simulator->mode == TIDES_STEPPING_FIXED
+                     ? advance(simulator, last - simulator->step, sink, sink_user, error)
+                     : advance_refined(simulator, sink, sink_user, error);
         if (status == TIDES_OK && progress && progress(user, (double)simulator->step / (double)simulator->steps, "simulating"))
             status = td_fail(error, TIDES_CANCELLED, "stopped on request at %g s", td_grid_time(simulator, simulator->step));
     }

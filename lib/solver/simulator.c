@@ -15,7 +15,7 @@ void tides_sensor_defaults(tides_sensor *sensor) {
 }
 
 void tides_stepping_defaults(tides_stepping *stepping) {
-    static const tides_stepping defaults = {sizeof defaults, TIDES_STEPPING_FIXED, TIDES_MODEL_HERMITE, 0, 1e-3};
+    static const tides_stepping defaults = {sizeof defaults, TIDES_STEPPING_FIXED, TIDES_MODEL_HERMITE, 1, 1e-3, 1e-6, 0.01, 0};
     *stepping = defaults;
 }
 
@@ -23,7 +23,7 @@ static tides_status check_arguments(const tides_sensor *sensor, const tides_step
                                     tides_error *error) {
     if (sensor->size > sizeof *sensor || stepping->size > sizeof *stepping)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_create: a struct's size is from a newer version of TIDES");
-    if (stepping->mode != TIDES_STEPPING_FIXED)
+    if (stepping->mode != TIDES_STEPPING_FIXED && stepping->mode != TIDES_STEPPING_ERROR)
         return td_fail(error, TIDES_UNSUPPORTED, "stepping.mode: %d is none of TIDES_STEPPING_*", (int)stepping->mode);
     if (!isfinite(start) || !isfinite(stop) || !(stop > start))
         return td_fail(error, TIDES_BAD_ARGUMENT, "time: start %g s, stop %g s; stop must be a time after start", start, stop);
@@ -32,6 +32,19 @@ static tides_status check_arguments(const tides_sensor *sensor, const tides_step
     if (!(stepping->step_s > 0) || !((stop - start) / stepping->step_s < most_steps))
         return td_fail(error, TIDES_BAD_ARGUMENT, "stepping.step_s: %g s must be above 0 and make fewer than %g steps",
                        stepping->step_s, most_steps);
+    return TIDES_OK;
+}
+
+/* What only adaptive steps read. */
+static tides_status check_adaptive(const tides_stepping *stepping, tides_error *error) {
+    if (stepping->mode == TIDES_STEPPING_FIXED) return TIDES_OK;
+    if (stepping->model != TIDES_MODEL_HERMITE)
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "stepping.model: adaptive steps estimate the error of the hermite model only; use it, or mode fixed");
+    if (!(stepping->min_step_s > 0) || !(stepping->tolerance > 0) || !(stepping->time_tolerance_s >= 0))
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "stepping: min_step_s %g and tolerance %g must be above 0, time_tolerance_s %g not below",
+                       stepping->min_step_s, stepping->tolerance, stepping->time_tolerance_s);
     return TIDES_OK;
 }
 
@@ -97,6 +110,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "tides_simulator_create: every argument but progress, user and error must be given");
     tides_status status = check_arguments(sensor, stepping, start, stop, error);
+    if (status == TIDES_OK) status = check_adaptive(stepping, error);
     if (status == TIDES_OK) status = check_paths(scene, camera, start, stop, error);
     if (status != TIDES_OK) return status;
     double begun = td_now();
@@ -108,6 +122,11 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     s->start = start;
     s->stop = stop;
     s->step_s = stepping->step_s;
+    s->mode = stepping->mode;
+    s->local = stepping->local != 0;
+    s->min_step_s = stepping->min_step_s;
+    s->tolerance = stepping->tolerance;
+    s->time_tolerance_s = stepping->time_tolerance_s;
     /* A last step shorter than a millionth of the others is rounding of stop - start, not a step. */
     s->steps = (int64_t)ceil((stop - start) / stepping->step_s - 1e-6);
     if (s->steps < 1) s->steps = 1;
@@ -137,6 +156,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
 void tides_simulator_destroy(tides_simulator *simulator) {
     if (!simulator) return;
     tides_renderer_destroy(simulator->renderer);
+    td_refine_release(&simulator->refine);
     double *reals[] = {simulator->pixels.initial, simulator->pixels.reference, simulator->now.S, simulator->now.S_dot,
                        simulator->next.S,         simulator->next.S_dot,       simulator->planes};
     for (size_t i = 0; i < sizeof reals / sizeof *reals; i++) free(reals[i]);

@@ -4,6 +4,7 @@
 
 #include "render/td_render.h"
 #include "td_comparator.h"
+#include "td_refine.h"
 
 enum { TD_BATCH_STEPS = 16 }; /* steps per launch at most */
 
@@ -17,6 +18,10 @@ struct tides_simulator {
     const tides_trajectory *camera;
     td_comparator comparator;
     double start, stop, step_s; /* [s] */
+    int mode, local;            /* TIDES_STEPPING_*; each tile has its own steps */
+    double min_step_s, tolerance, time_tolerance_s;
+    td_refine refine;           /* TIDES_STEPPING_ERROR */
+    int broken;                 /* a step failed half way: the pixels no longer agree on the time */
     int64_t steps;              /* of the whole run */
     int64_t step;               /* steps taken */
     int started;                /* the first sample is there */

@@ -103,10 +103,17 @@ static void random_paths(void **state) {
 
 static void generators(void **state) {
     (void)state;
-    const tides_orbit orbit = {.target = {1, 2, 3}, .up = {0.2, -1, 0.1}, .radius = 2, .height = 1, .angular_speed = 6, .stop = 1};
+    const tides_orbit orbit =
+        {.target = {1, 2, 3}, .up = {0.2, -1, 0.1}, .radius = 2, .height = 1, .angular_speed = 6, .stop = 1};
     const tides_dolly dolly = {.from = {-3, 0, 1}, .to = {3, 1, 1}, .target = {0, 3, 0}, .up = {0, 0, 1}, .stop = 2};
-    const tides_handheld hand = {.position = {0, -3, 1}, .target = {0, 0, 1},       .up = {0, 0, 1}, .position_amplitude = 0.02,
-                                 .rotation_amplitude = 0.03, .frequency = 1.5, .seed = 11,      .stop = 3};
+    const tides_handheld hand = {.position = {0, -3, 1},
+                                 .target = {0, 0, 1},
+                                 .up = {0, 0, 1},
+                                 .position_amplitude = 0.02,
+                                 .rotation_amplitude = 0.03,
+                                 .frequency = 1.5,
+                                 .seed = 11,
+                                 .stop = 3};
     tides_trajectory *path = NULL;
     assert_int_equal(tides_trajectory_create_orbit(&orbit, &path, NULL), TIDES_OK);
     check_rates(path, "orbit");

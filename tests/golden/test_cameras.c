@@ -18,8 +18,8 @@
 #define TOLERANCE 1e-13 /* files and goldens are in double with all digits */
 
 typedef struct golden {
-    double *poses;      /* count matrices, camera to world, OpenCV axes */
-    double *times, *k;  /* count times [s]; 3x3 intrinsics */
+    double *poses;     /* count matrices, camera to world, OpenCV axes */
+    double *times, *k; /* count times [s]; 3x3 intrinsics */
     size_t count;
 } golden;
 

@@ -52,7 +52,8 @@ static const quantity quantities[QUANTITIES] = {
 typedef struct precision {
     const char *name;
     double tolerance;
-    void (*project)(const td_image_numbers *image, const double *view, const td_store *store, int gaussian, golden_splat *splat);
+    void (*project)(const td_image_numbers *image, const double *view, const td_store *store, int gaussian,
+                    golden_splat *splat);
     int (*tile)(const td_image_numbers *image, const double *view, const td_store *store, int gaussian, int x, int y);
     int border_share; /* one (Gaussian, tile) pair in so many may come out differently; 0: none */
 } precision;
@@ -113,7 +114,7 @@ static void note(worst *w, double error, double size, const worst *where) {
     double relative = error == 0 ? 0 : error / size;
     if (relative <= w->error) return;
     *w = *where;
-    w->error = relative == relative ? relative : INFINITY;
+    w->error = isnan(relative) ? INFINITY : relative;
 }
 
 static void compare_splat(const golden_splat *got, const golden_splat *want, const sizes *s, int time, int gaussian, worst *w) {
@@ -188,8 +189,8 @@ static int visit_splats(void *user, const char *path, const char *name) {
         const precision *p = &precisions[k];
         worst w = compare_splats(&file, p);
         int wrong = !(w.error <= p->tolerance);
-        print_message("    %-32s %s  %.1e (%s%s, time %d, Gaussian %d)%s\n", name, p->name, w.error, w.name, w.rate ? "_dot" : "",
-                      w.time, w.gaussian, wrong ? "  TOO LARGE" : "");
+        print_message("    %-32s %s  %.1e (%s%s, time %d, Gaussian %d)%s\n", name, p->name, w.error, w.name,
+                      w.rate ? "_dot" : "", w.time, w.gaussian, wrong ? "  TOO LARGE" : "");
         total->failures += wrong;
     }
     golden_close(&file);

@@ -1,5 +1,6 @@
 /* Images against other people's renderers: every file of $TIDES_SHARED/golden/render, rendered whole by the double reference,
- * by the same functions in single precision, and by the first OpenCL CPU device.
+ * by the same functions in single precision, and by the first OpenCL CPU device, which must equal single precision to the bit
+ * (unless it can't round division and square root correctly).
  *
  * Errors are relative to the largest of their plane in the file: a rate crosses 0 within every image. Away from the documented
  * cutoffs they stay below 1e-9 in double and 1e-4 in single precision, and the numbers of blended splats are equal.
@@ -12,6 +13,7 @@
 #include <cmocka.h>
 
 #include "render/td_render.h"
+#include "td_device.h"
 
 #include "tests/support/golden_render.h"
 #include "tests/support/render_frame.h"
@@ -49,8 +51,8 @@ enum { IN_DOUBLE, IN_SINGLE, IN_OPENCL, RENDERERS };
 typedef struct renderer {
     const char *name;
     double tolerance;
-    double margin;       /* nearer to a cutoff than this, a pixel is excepted */
-    double share;        /* of pixels that may be */
+    double margin; /* nearer to a cutoff than this, a pixel is excepted */
+    double share;  /* of pixels that may be */
 } renderer;
 static const renderer renderers[RENDERERS] = {
     {"double", 1e-9, 1e-12, 1e-3},
@@ -78,9 +80,12 @@ static td_backend *make_backend(const run *r, int which, const td_store *store, 
     td_backend *backend = NULL;
     tides_error error;
     tides_status status;
-    if (which == IN_DOUBLE) status = td_backend_create_f64(store, image, &backend, &error);
-    else if (which == IN_SINGLE) status = td_backend_create_f32(store, image, &backend, &error);
-    else status = td_backend_create_opencl(r->device, store, image, &backend, &error);
+    if (which == IN_DOUBLE)
+        status = td_backend_create_f64(store, image, &backend, &error);
+    else if (which == IN_SINGLE)
+        status = td_backend_create_f32(store, image, &backend, &error);
+    else
+        status = td_backend_create_opencl(r->device, store, image, &backend, &error);
     scene_expect_ok(status, &error);
     return backend;
 }
@@ -128,7 +133,7 @@ static void compare_plane(const golden_file *file, const renderer *who, const pl
         double error = fabs(got[i] - want[(first + i) * p->channels + p->channel]);
         double relative = error == 0 ? 0 : error / largest;
         if (relative <= worst->error || near_cutoff(file, first + i, who->margin)) continue;
-        worst->error = relative == relative ? relative : INFINITY;
+        worst->error = isnan(relative) ? INFINITY : relative;
         worst->name = p->name;
         worst->pixel = first + i;
     }
@@ -142,9 +147,19 @@ static void compare_counts(const golden_file *file, const renderer *who, const d
     for (size_t i = 0; i < pixels; i++) {
         int excepted = near_cutoff(file, first + i, who->margin);
         worst->excepted += (size_t)excepted;
-        if (file->has_tiles) worst->miscounted += !excepted && got[i] != want[first + i];
-        else worst->miscounted += !(got[i] <= want[first + i]);
+        if (file->has_tiles)
+            worst->miscounted += !excepted && got[i] != want[first + i];
+        else
+            worst->miscounted += !(got[i] <= want[first + i]);
     }
+}
+
+/* The device's frame against the host's in single precision. */
+static void expect_single(const run *r, const golden_file *file, int time, const double *frame) {
+    if (!r->device->correctly_rounded) return;
+    double *single = render_time(r, file, time, IN_SINGLE);
+    assert_memory_equal(frame, single, (size_t)TD_OUT_COLOUR * file->width * file->height * sizeof *frame);
+    free(single);
 }
 
 static result compare_file(const run *r, const golden_file *file, int which) {
@@ -154,6 +169,7 @@ static result compare_file(const run *r, const golden_file *file, int which) {
         double *frame = render_time(r, file, t, which);
         for (int p = 0; p < PLANES; p++) compare_plane(file, &renderers[which], &planes[p], frame, first, &worst);
         compare_counts(file, &renderers[which], frame, first, &worst);
+        if (which == IN_OPENCL) expect_single(r, file, t, frame);
         free(frame);
     }
     return worst;

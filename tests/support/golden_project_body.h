@@ -79,7 +79,8 @@ static void put_shape(const td_shape *shape, golden_splat *splat) {
     splat->visible = shape->visible != 0;
 }
 
-void GOLDEN_PROJECT(const td_image_numbers *image, const double *view, const td_store *store, int gaussian, golden_splat *splat) {
+void GOLDEN_PROJECT(const td_image_numbers *image, const double *view, const td_store *store, int gaussian,
+                    golden_splat *splat) {
     probe p;
     probe_fill(&p, image, view, store, gaussian);
     put_activation(&p, splat);

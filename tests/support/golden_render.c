@@ -20,9 +20,9 @@ typedef struct golden_mode {
     int rules, antialias;
 } golden_mode;
 static const golden_mode modes[] = {
-    {"inria", TIDES_RULES_INRIA, 0},         {"inria_aa", TIDES_RULES_INRIA, 1},   {"ideal", TIDES_RULES_INRIA, 0},
-    {"gsplat153", TIDES_RULES_GSPLAT, 0},    {"gsplat153_aa", TIDES_RULES_GSPLAT, 1},
-    {"gsplat160", TIDES_RULES_GSPLAT, 0},    {"gsplat160_aa", TIDES_RULES_GSPLAT, 1},
+    {"ideal", TIDES_RULES_INRIA, 0},         {"inria", TIDES_RULES_INRIA, 0},         {"inria_aa", TIDES_RULES_INRIA, 1},
+    {"gsplat153", TIDES_RULES_GSPLAT, 0},    {"gsplat153_aa", TIDES_RULES_GSPLAT, 1}, {"gsplat160", TIDES_RULES_GSPLAT, 0},
+    {"gsplat160_aa", TIDES_RULES_GSPLAT, 1},
 };
 
 static const golden_mode *find_mode(const char *name) {
@@ -100,7 +100,8 @@ td_store golden_store(const golden_file *file, int time, int sh_degree) {
     store.sh_wide = calloc(count * (size_t)store.sh_stride, sizeof *store.sh_wide);
     store.sh_rates = calloc(count * (size_t)store.sh_stride, sizeof *store.sh_rates);
     assert_true(store.object && store.geometry && store.rates && store.sh_wide && store.sh_rates);
-    for (int i = 0; i < file->gaussians; i++) activate(file, (size_t)time * (size_t)file->gaussians + (size_t)i, &store, (size_t)i);
+    for (int i = 0; i < file->gaussians; i++)
+        activate(file, (size_t)time * (size_t)file->gaussians + (size_t)i, &store, (size_t)i);
     return store;
 }
 
@@ -169,11 +170,10 @@ td_image_numbers golden_image(const golden_file *file, int sh_degree, int output
     return td_image_pack(&image);
 }
 
-/* R(q), row by row, as the dot product of a unit quaternion's products with fixed numbers; bilinear, so that the rate is
- * R(q, q_dot) + R(q_dot, q). */
+/* Entry of R(q), written as a bilinear form R(q, q) of the unit quaternion, so that its rate is R(q, q_dot) + R(q_dot, q). */
 static double rotation_entry(const double a[4], const double b[4], int i, int j) {
-    int k = 3 - i - j; /* the third axis, where i != j */
-    double sign = (j + 3 - i) % 3 == 1 ? -1 : 1;
+    int k = 3 - i - j;                           /* the third axis, where i != j */
+    double sign = (j - i + 3) % 3 == 1 ? -1 : 1; /* of w x_k: minus above the diagonal in cyclic order */
     if (i == j) return a[0] * b[0] + 2 * a[1 + i] * b[1 + i] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
     return 2 * (a[1 + i] * b[1 + j] + sign * a[0] * b[1 + k]);
 }
@@ -182,7 +182,8 @@ static void put_rotation(const input_row *q, golden_splat *splat) {
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
             splat->value[SPLAT_ROTATION + 3 * i + j] = rotation_entry(q->value, q->value, i, j);
-            splat->rate[SPLAT_ROTATION + 3 * i + j] = rotation_entry(q->value, q->rate, i, j) + rotation_entry(q->rate, q->value, i, j);
+            splat->rate[SPLAT_ROTATION + 3 * i + j] =
+                rotation_entry(q->value, q->rate, i, j) + rotation_entry(q->rate, q->value, i, j);
         }
 }
 
@@ -190,10 +191,17 @@ void golden_expected(const golden_file *file, int time, int gaussian, golden_spl
     static const struct {
         const char *name;
         int at, reals;
-    } arrays[] = {{"scale", SPLAT_SCALE, 3},   {"opacity", SPLAT_OPACITY, 1}, {"cov3", SPLAT_COV3, 6},
-                  {"pc", SPLAT_PC, 3},         {"u", SPLAT_U, 2},             {"depth", SPLAT_DEPTH, 1},
-                  {"cov2", SPLAT_COV2, 3},     {"conic", SPLAT_CONIC, 3},     {"color", SPLAT_COLOUR, 3},
-                  {"comp", SPLAT_COMP, 1},     {"opacity_eff", SPLAT_OPACITY_EFF, 1}};
+    } arrays[] = {{"scale", SPLAT_SCALE, 3},
+                  {"opacity", SPLAT_OPACITY, 1},
+                  {"cov3", SPLAT_COV3, 6},
+                  {"pc", SPLAT_PC, 3},
+                  {"u", SPLAT_U, 2},
+                  {"depth", SPLAT_DEPTH, 1},
+                  {"cov2", SPLAT_COV2, 3},
+                  {"conic", SPLAT_CONIC, 3},
+                  {"color", SPLAT_COLOUR, 3},
+                  {"comp", SPLAT_COMP, 1},
+                  {"opacity_eff", SPLAT_OPACITY_EFF, 1}};
     size_t i = (size_t)time * (size_t)file->gaussians + (size_t)gaussian;
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) {
         input_row row = row_of(file, arrays[k].name, i, (size_t)arrays[k].reals);

@@ -18,7 +18,7 @@ typedef struct golden_file {
 golden_file golden_open(const char *path);
 void golden_close(golden_file *file);
 
-/* A whole array; fails the test where it is absent or of another type. `shape` NULL-safe facts are in the struct. */
+/* A whole array, times first, then Gaussians or pixels; fails the test where it is absent or of another type. */
 const double *golden_reals(const golden_file *file, const char *name);
 const int32_t *golden_ints(const golden_file *file, const char *name);
 const uint8_t *golden_bytes(const golden_file *file, const char *name);
@@ -34,8 +34,19 @@ td_image_numbers golden_image(const golden_file *file, int sh_degree, int output
 
 /* Per-Gaussian quantities: where each begins in a golden_splat. */
 enum {
-    SPLAT_SCALE = 0, SPLAT_ROTATION = 3, SPLAT_OPACITY = 12, SPLAT_COV3 = 13, SPLAT_PC = 19, SPLAT_U = 22, SPLAT_DEPTH = 24,
-    SPLAT_COV2 = 25, SPLAT_CONIC = 28, SPLAT_COLOUR = 31, SPLAT_OPACITY_EFF = 34, SPLAT_COMP = 35, SPLAT_REALS = 36
+    SPLAT_SCALE = 0,
+    SPLAT_ROTATION = 3,
+    SPLAT_OPACITY = 12,
+    SPLAT_COV3 = 13,
+    SPLAT_PC = 19,
+    SPLAT_U = 22,
+    SPLAT_DEPTH = 24,
+    SPLAT_COV2 = 25,
+    SPLAT_CONIC = 28,
+    SPLAT_COLOUR = 31,
+    SPLAT_OPACITY_EFF = 34,
+    SPLAT_COMP = 35,
+    SPLAT_REALS = 36
 };
 
 /* One Gaussian on its way to the screen, with rates. Rotation instead of the quaternion, whose sign means nothing. */
@@ -44,7 +55,7 @@ typedef struct golden_splat {
     int visible; /* in front of the camera and above the cut */
 } golden_splat;
 
-/* What the file says; whether `visible` is left 0. */
+/* What the file says, in our convention of pixel centres; `visible` stays 0 (the file has `keep`). */
 void golden_expected(const golden_file *file, int time, int gaussian, golden_splat *splat);
 
 /* What kernels/ make of it in each precision (golden_project_f32.c, golden_project_f64.c), and whether the rectangle holds the

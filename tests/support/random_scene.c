@@ -132,7 +132,8 @@ void random_scene_free(random_scene *scene) {
 }
 
 /* One Gaussian's raw parameters and their rates at `time` into its place in the store. */
-static void activate_at(const random_scene *s, int gaussian, double time, double *raw, double *rate, td_store *store, size_t at) {
+static void activate_at(const random_scene *s, int gaussian, double time, double *raw, double *rate, td_store *store,
+                        size_t at) {
     size_t from = (size_t)gaussian * (size_t)s->parameters;
     for (int k = 0; k < s->parameters; k++) {
         double bend = s->raw[2][from + (size_t)k];

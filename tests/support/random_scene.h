@@ -11,15 +11,15 @@
 /* What to make. The camera is near (0, 0, -4) and looks along +z; means fill a box around the origin. */
 typedef struct random_recipe {
     uint64_t seed;
-    int count, objects;   /* Gaussians in all; objects >= 1, each with its share: 0 at rest, the others moving and scaled */
-    int sh_degree;        /* 0..4 */
-    int moving;           /* 1: raw parameters have rates (of the order of `speed`), and the store holds them */
-    int width, height;    /* [px] */
-    double spread;        /* half a side of the box [scene units]; from 4 on, some are at and behind the camera */
-    double size;          /* typical standard deviation [scene units]; each axis 1/3 to 3 times that */
+    int count, objects; /* Gaussians in all; objects >= 1, each with its share: 0 at rest, the others moving and scaled */
+    int sh_degree;      /* 0..4 */
+    int moving;         /* 1: raw parameters have rates (of the order of `speed`), and the store holds them */
+    int width, height;  /* [px] */
+    double spread;      /* half a side of the box [scene units]; from 4 on, some are at and behind the camera */
+    double size;        /* typical standard deviation [scene units]; each axis 1/3 to 3 times that */
     double opacity_min, opacity_max; /* in (0, 1) */
-    double speed;         /* of raw parameters [1/s] */
-    double camera_speed;  /* [scene units/s] and [rad/s], roughly; 0: at rest */
+    double speed;                    /* of raw parameters [1/s] */
+    double camera_speed;             /* [scene units/s] and [rad/s], roughly; 0: at rest */
 } random_recipe;
 
 /* 60 Gaussians of degree 3 in 1 object at rest, 64x48 px, spread 1.5, size 0.12, opacity 0.1 to 0.9, speed 1, camera_speed 1. */
@@ -28,10 +28,10 @@ random_recipe random_recipe_defaults(uint64_t seed);
 typedef struct random_scene {
     random_recipe recipe;
     tides_intrinsics camera;
-    tides_scene *scene;       /* state at time 0, objects with their trajectories */
-    tides_trajectory *path;   /* the camera's, for times in [0, 1]; samples every 0.25 s */
-    int parameters;           /* raw parameters per Gaussian, in the order of RANDOM_MEAN .. RANDOM_SH */
-    double *raw[3];           /* (count x parameters): value at time 0, rate there, second derivative */
+    tides_scene *scene;     /* state at time 0, objects with their trajectories */
+    tides_trajectory *path; /* the camera's, for times in [0, 1]; samples every 0.25 s */
+    int parameters;         /* raw parameters per Gaussian, in the order of RANDOM_MEAN .. RANDOM_SH */
+    double *raw[3];         /* (count x parameters): value at time 0, rate there, second derivative */
 } random_scene;
 enum { RANDOM_MEAN = 0, RANDOM_LOG_SCALE = 3, RANDOM_QUATERNION = 6, RANDOM_LOGIT = 10, RANDOM_SH = 11 };
 

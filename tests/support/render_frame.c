@@ -36,10 +36,12 @@ static void find_candidates(td_backend *backend, const frame_input *input, int w
     float *boxes = malloc((size_t)input->store->count * 4 * sizeof *boxes);
     tides_error error;
     assert_non_null(boxes);
-    if (which == FRAME_ALL) box_everything(input, boxes);
-    else box_swept(backend, input, boxes);
+    if (which == FRAME_ALL)
+        box_everything(input, boxes);
+    else
+        box_swept(backend, input, boxes);
     scene_expect_ok(td_candidates_create(input->width, input->height, candidates, &error), &error);
-    /* A backend keeps a copy of the candidates of a serial, and one backend renders frames with several lists here. */
+    /* A backend keeps its copy of the candidates while their serial stays, and here every frame has its own lists. */
     candidates->serial = 2 * backend->stats.tile_jobs + (uint64_t)which;
     scene_expect_ok(td_candidates_build(candidates, input->store, boxes, &error), &error);
     free(boxes);
@@ -53,7 +55,8 @@ static int make_jobs(const td_candidates *candidates, td_job *jobs, int *records
         int first = candidates->first[t], length = candidates->first[t + 1] - first, capacity = TD_PAD;
         if (length == 0) continue;
         while (capacity < length) capacity *= 2;
-        td_job job = {t % candidates->tiles_x * TD_TILE, t / candidates->tiles_x * TD_TILE, 0, first, length, *records, t, capacity};
+        td_job job =
+            {t % candidates->tiles_x * TD_TILE, t / candidates->tiles_x * TD_TILE, 0, first, length, *records, t, capacity};
         jobs[count++] = job;
         *records += length;
     }

@@ -1,5 +1,7 @@
-/* Random Gaussians, and PLY files of every kind made from them. Fails by abort: there is nothing to recover in a test. */
+/* Random Gaussians, scenes and paths of them, and PLY files of every kind. Aborts where only memory can be lacking. */
 #include "scene_make.h"
+
+#include "scene_folder.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -65,6 +67,59 @@ int scene_same(const td_gaussians *a, const tides_gaussians *b) {
     return !memcmp(a->mean, b->mean, 3 * n) && !memcmp(a->log_scale, b->log_scale, 3 * n) &&
            !memcmp(a->quaternion, b->quaternion, 4 * n) && !memcmp(a->opacity_logit, b->opacity_logit, n) &&
            !memcmp(a->sh, b->sh, 3 * n * td_sh_coefficients(a->sh_degree));
+}
+
+/* -- scenes -- */
+
+tides_scene *scene_new(void) {
+    tides_error error = {0, ""};
+    tides_scene *scene = NULL;
+    scene_expect_ok(tides_scene_create(&scene, &error), &error);
+    return scene;
+}
+
+void scene_add(tides_scene *scene, const td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,
+               const char *name) {
+    tides_error error = {0, ""};
+    tides_gaussians view = td_gaussians_view(gaussians);
+    scene_expect_ok(tides_scene_add(scene, &view, trajectory, scale, name, NULL, &error), &error);
+}
+
+tides_object scene_object_of(const tides_scene *scene, int32_t index) {
+    tides_error error = {0, ""};
+    tides_object object;
+    scene_expect_ok(tides_scene_object(scene, index, &object, &error), &error);
+    return object;
+}
+
+void scene_save(const tides_scene *scene, const char *path) {
+    tides_error error = {0, ""};
+    scene_expect_ok(tides_scene_save(scene, path, &error), &error);
+}
+
+void scene_load(tides_scene *scene, const char *path, const tides_trajectory *trajectory, double scale) {
+    tides_error error = {0, ""};
+    scene_expect_ok(tides_scene_add_file(scene, path, trajectory, scale, &error), &error);
+}
+
+tides_trajectory *scene_path(int rates) {
+    tides_pose_sample samples[4];
+    memset(samples, 0, sizeof samples);
+    for (int i = 0; i < 4; i++) {
+        double angle = 0.5 * i;
+        samples[i].time = 0.25 * i - 3;
+        samples[i].position[0] = cos(angle);
+        samples[i].position[2] = 7 + i;
+        samples[i].quaternion[0] = cos(angle / 2);
+        samples[i].quaternion[2] = sin(angle / 2);
+        samples[i].velocity[1] = 0.1 * i;
+        samples[i].angular_velocity[1] = 2;
+        samples[i].has_rates = rates;
+    }
+    tides_error error = {0, ""};
+    tides_trajectory *path = NULL;
+    scene_expect_ok(tides_trajectory_create(samples, 4, &path, &error), &error);
+    return path;
 }
 
 /* -- PLY -- */

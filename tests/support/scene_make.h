@@ -38,6 +38,17 @@ typedef struct scene_recipe {
 enum { SCENE_FLOAT = 6, SCENE_DOUBLE = 7 };
 scene_bytes scene_ply(const td_gaussians *gaussians, const scene_recipe *recipe);
 
+/* The public calls, failing the test with their message where they fail. */
+tides_scene *scene_new(void);
+void scene_add(tides_scene *scene, const td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,
+               const char *name);
+tides_object scene_object_of(const tides_scene *scene, int32_t index);
+void scene_save(const tides_scene *scene, const char *path);
+void scene_load(tides_scene *scene, const char *path, const tides_trajectory *trajectory, double scale);
+
+/* A path of four samples that moves and turns, with rates of its own or without. */
+tides_trajectory *scene_path(int rates);
+
 /* splitmix64: the next number of a seeded sequence. */
 uint64_t scene_next(uint64_t *seed);
 

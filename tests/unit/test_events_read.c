@@ -226,10 +226,12 @@ static tides_event *golden_truth(size_t *count) {
     if (shared_path(path, sizeof path, "golden/events/truth.npy") != 0) return NULL;
     npz *file = npz_open(path);
     const npz_array *rows = file ? npz_get(file, "data") : NULL;
-    assert_non_null(rows);
+    tides_event *events = rows ? calloc(rows->count, sizeof *events) : NULL;
+    if (!events) {
+        fail_msg("%s can't be read", path);
+        return NULL;
+    }
     assert_int_equal(rows->item, 13);
-    tides_event *events = calloc(rows->count, sizeof *events);
-    assert_non_null(events);
     for (size_t i = 0; i < rows->count; i++) {
         const unsigned char *row = (const unsigned char *)rows->data + 13 * i;
         int64_t t;
@@ -247,9 +249,12 @@ static tides_event *golden_truth(size_t *count) {
 static void test_golden(void **state) {
     (void)state;
     static const char *const names[] = {"golden/events/tiny_dsec_none.h5", "golden/events/tiny_dsec_gzip.h5"};
-    size_t count;
+    size_t count = 0;
     tides_event *events = golden_truth(&count);
-    if (!events) skip();
+    if (!events) {
+        skip();
+        return; /* for analysers, which don't know that skip leaves */
+    }
     for (size_t n = 0; n < 2; n++) {
         char path[1024];
         assert_int_equal(shared_path(path, sizeof path, names[n]), 0);
@@ -263,9 +268,12 @@ static void test_golden_blosc(void **state) {
     char path[1024];
     if (shared_path(path, sizeof path, "golden/events/tiny_dsec_blosc.h5") != 0) skip();
     if (H5Zfilter_avail(32001) > 0) { /* somebody has the plugin: then it must simply work */
-        size_t count;
+        size_t count = 0;
         tides_event *events = golden_truth(&count);
-        if (!events) skip();
+        if (!events) {
+            skip();
+            return;
+        }
         for (size_t i = 0; i < count; i++) events[i].t += INT64_C(50000000000000); /* this file has DSEC's own t_offset */
         assert_file_holds(path, events, count);
         free(events);

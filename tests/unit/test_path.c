@@ -98,7 +98,8 @@ static void tum(void **state) {
 
 static void esim(void **state) {
     (void)state;
-    tides_path path = load_text("# timestamp, x, y, z, qx, qy, qz, qw\n500000000,1,2,3,0,0,0,1\n1250000000.0, 4,5 ,6,.6,0,0,.8\n", NULL);
+    tides_path path =
+        load_text("# timestamp, x, y, z, qx, qy, qz, qw\n500000000,1,2,3,0,0,0,1\n1250000000.0, 4,5 ,6,.6,0,0,.8\n", NULL);
     assert_string_equal(path.format, "esim");
     assert_sample(&path, 0, 0.5, at_first, none);
     assert_sample(&path, 1, 1.25, at_second, about_x);
@@ -124,13 +125,12 @@ static void stamps_keep_their_nanoseconds(void **state) {
     tides_trajectory_destroy(path.trajectory);
 }
 
-static const char cameras_text[] =
-    "[{\"id\": 0, \"img_name\": \"a\", \"width\": 640, \"height\": 480, \"position\": [1, 2, 3],"
-    "  \"rotation\": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], \"fy\": 510, \"fx\": 500},"
-    " {\"id\": 1, \"width\": 640, \"height\": 480, \"position\": [1, 2, 3],"
-    "  \"rotation\": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], \"fy\": 510, \"fx\": 501},"
-    " {\"id\": 2, \"width\": 640, \"height\": 480, \"position\": [4, 5, 6],"
-    "  \"rotation\": [[1, 0, 0], [0, 0.28, -0.96], [0, 0.96, 0.28]], \"fy\": 510, \"fx\": 500}]";
+static const char cameras_text[] = "[{\"id\": 0, \"img_name\": \"a\", \"width\": 640, \"height\": 480, \"position\": [1, 2, 3],"
+                                   "  \"rotation\": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], \"fy\": 510, \"fx\": 500},"
+                                   " {\"id\": 1, \"width\": 640, \"height\": 480, \"position\": [1, 2, 3],"
+                                   "  \"rotation\": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], \"fy\": 510, \"fx\": 501},"
+                                   " {\"id\": 2, \"width\": 640, \"height\": 480, \"position\": [4, 5, 6],"
+                                   "  \"rotation\": [[1, 0, 0], [0, 0.28, -0.96], [0, 0.96, 0.28]], \"fy\": 510, \"fx\": 500}]";
 
 static void cameras(void **state) {
     (void)state;
@@ -169,8 +169,9 @@ static void transforms_of_trainers(void **state) {
     tides_path_options options;
     tides_path_options_defaults(&options);
     options.duration = 10.0;
-    tides_path path = load_text("{\"camera_angle_x\": 0.7, \"frames\": [{\"time\": 0.25, " FRAME_ONE "}, {\"time\": 1, " FRAME_TWO "}]}",
-                                &options);
+    tides_path path =
+        load_text("{\"camera_angle_x\": 0.7, \"frames\": [{\"time\": 0.25, " FRAME_ONE "}, {\"time\": 1, " FRAME_TWO "}]}",
+                  &options);
     assert_sample(&path, 0, 2.5, at_first, none); /* times in [0, 1] are scaled */
     assert_sample(&path, 1, 10.0, at_second, about_x);
     assert_intrinsics(&path, 0, 0, 0, 0, 0, 0);
@@ -228,7 +229,10 @@ static void save_and_load(void **state) {
     (void)state;
     tides_path path = load_text(tides_text, NULL), again;
     for (int round = 0; round < 2; round++) {
-        if (round == 1 && !setlocale(LC_NUMERIC, "de_DE.UTF-8")) break;
+        if (round == 1 && !setlocale(LC_NUMERIC, "de_DE.UTF-8")) {
+            print_message("    no locale with a decimal comma here\n");
+            break;
+        }
         assert_int_equal(tides_path_save(file, path.trajectory, &path.intrinsics, NULL), TIDES_OK);
         again = load(file, NULL);
         assert_memory_equal(&again.intrinsics, &path.intrinsics, sizeof path.intrinsics);
@@ -264,22 +268,30 @@ static void save_and_load(void **state) {
 /* Generators in a file make what their functions make; options move them in time. */
 static void generators(void **state) {
     (void)state;
-    const tides_orbit orbit = {.target = {1, 2, 3}, .up = {0, -1, 0}, .radius = 2, .height = 0.5, .angular_speed = 3, .start = 4, .stop = 5};
+    const tides_orbit orbit =
+        {.target = {1, 2, 3}, .up = {0, -1, 0}, .radius = 2, .height = 0.5, .angular_speed = 3, .start = 4, .stop = 5};
     const tides_dolly dolly = {.from = {-1, -1, 0}, .to = {1, -1, 0}, .up = {0, 0, 1}, .stop = 1};
-    const tides_handheld hand = {.position = {0, -3, 1}, .up = {0, 0, 1}, .position_amplitude = 0.02, .rotation_amplitude = 0.03,
-                                 .frequency = 1.5, .seed = UINT64_C(18446744073709551615), .stop = 1};
+    const tides_handheld hand = {.position = {0, -3, 1},
+                                 .up = {0, 0, 1},
+                                 .position_amplitude = 0.02,
+                                 .rotation_amplitude = 0.03,
+                                 .frequency = 1.5,
+                                 .seed = UINT64_C(18446744073709551615),
+                                 .stop = 1};
     tides_path_options options;
     tides_path_options_defaults(&options);
     options.rebase = 1;
     tides_trajectory *expected = NULL;
-    tides_path path = load_text("{\"format\": \"tides-path\", \"version\": 1, \"orbit\": {\"target\": [1, 2, 3], \"up\": [0, -1, 0],"
-                                "\"radius\": 2, \"height\": 0.5, \"angular_speed\": 3, \"start\": 4, \"stop\": 5}}",
-                                &options);
+    tides_path path =
+        load_text("{\"format\": \"tides-path\", \"version\": 1, \"orbit\": {\"target\": [1, 2, 3], \"up\": [0, -1, 0],"
+                  "\"radius\": 2, \"height\": 0.5, \"angular_speed\": 3, \"start\": 4, \"stop\": 5}}",
+                  &options);
     assert_int_equal(tides_trajectory_create_orbit(&orbit, &expected, NULL), TIDES_OK);
     assert_same_poses(expected, path.trajectory, 4.0);
     tides_trajectory_destroy(expected);
     tides_trajectory_destroy(path.trajectory);
-    path = load_text("{\"format\": \"tides-path\", \"version\": 1, \"intrinsics\": {\"width\": 8, \"height\": 6, \"fx\": 9, \"fy\": 9,"
+    path = load_text("{\"format\": \"tides-path\", \"version\": 1, \"intrinsics\": {\"width\": 8, \"height\": 6, \"fx\": 9, "
+                     "\"fy\": 9,"
                      "\"cx\": 4, \"cy\": 3}, \"dolly\": {\"from\": [-1, -1, 0], \"to\": [1, -1, 0], \"target\": [0, 0, 0],"
                      "\"up\": [0, 0, 1], \"stop\": 1}}",
                      NULL);
@@ -288,10 +300,11 @@ static void generators(void **state) {
     assert_same_poses(expected, path.trajectory, 0.0);
     tides_trajectory_destroy(expected);
     tides_trajectory_destroy(path.trajectory);
-    path = load_text("{\"format\": \"tides-path\", \"version\": 1, \"handheld\": {\"position\": [0, -3, 1], \"target\": [0, 0, 0],"
-                     "\"up\": [0, 0, 1], \"position_amplitude\": 0.02, \"rotation_amplitude\": 0.03, \"frequency\": 1.5,"
-                     "\"seed\": \"18446744073709551615\", \"stop\": 1}}",
-                     NULL);
+    path =
+        load_text("{\"format\": \"tides-path\", \"version\": 1, \"handheld\": {\"position\": [0, -3, 1], \"target\": [0, 0, 0],"
+                  "\"up\": [0, 0, 1], \"position_amplitude\": 0.02, \"rotation_amplitude\": 0.03, \"frequency\": 1.5,"
+                  "\"seed\": \"18446744073709551615\", \"stop\": 1}}",
+                  NULL);
     assert_int_equal(tides_trajectory_create_handheld(&hand, &expected, NULL), TIDES_OK);
     assert_same_poses(expected, path.trajectory, 0.0);
     tides_trajectory_destroy(expected);
@@ -310,7 +323,8 @@ static int load_real(void *loaded, const char *name, const char *base) {
         for (int k = 0; k < 9; k++) fastest = fmax(fastest, fabs(pose.rotation_dot[k]) * (stop - start) / steps);
         for (int k = 0; k < 3; k++) fastest = fmax(fastest, fabs(pose.position_dot[k]) * (stop - start) / steps);
     }
-    print_message("    %s: %s, %.0f poses, %.9g to %.9g s, up to %.3g per sample\n", base, path.format, steps + 1.0, start, stop, fastest);
+    print_message("    %s: %s, %.0f poses, %.9g to %.9g s, up to %.3g per sample\n", base, path.format, steps + 1.0, start,
+                  stop, fastest);
     assert_true(fastest < 10.0); /* per sample: no wild swings */
     tides_trajectory_destroy(path.trajectory);
     ++*(int *)loaded;
@@ -341,17 +355,10 @@ static void real_cameras(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(tum),
-        cmocka_unit_test(esim),
-        cmocka_unit_test(stamps_keep_their_nanoseconds),
-        cmocka_unit_test(cameras),
-        cmocka_unit_test(transforms),
-        cmocka_unit_test(transforms_of_trainers),
-        cmocka_unit_test(tides),
-        cmocka_unit_test(save_and_load),
-        cmocka_unit_test(generators),
-        cmocka_unit_test(real_paths),
-        cmocka_unit_test(real_cameras),
+        cmocka_unit_test(tum),        cmocka_unit_test(esim),          cmocka_unit_test(stamps_keep_their_nanoseconds),
+        cmocka_unit_test(cameras),    cmocka_unit_test(transforms),    cmocka_unit_test(transforms_of_trainers),
+        cmocka_unit_test(tides),      cmocka_unit_test(save_and_load), cmocka_unit_test(generators),
+        cmocka_unit_test(real_paths), cmocka_unit_test(real_cameras),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -124,6 +124,7 @@ static void transforms(void **state) {
         {"{\"frames\": [{}]}", "F: frames[0].transform_matrix: is missing"},
         {"{\"frames\": [{\"transform_matrix\": [[1,0,0,1],[0,1,0,2]]}]}", "frames[0].transform_matrix: must be a matrix"},
         {"{\"frames\": [{\"transform_matrix\": [[1,0,0,1],[0,1,0,2],[0,0,1.1,3]]}]}", "columns are off unit length"},
+        {"{\"frames\": [{\"transform_matrix\": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[1,2,3,1]]}]}", "0 0 0 1: is it transposed?"},
         {"{\"frames\": [{" FRAME ", \"time\": 0}, {" FRAME "}]}", "only 1 of 2 frames have a \"time\""},
         {"{\"frames\": [{" FRAME ", \"time\": \"0\"}]}", "frames[0].time: must be a finite number"},
         {"{\"frames\": [{" FRAME ", \"time\": 1}, {" FRAME ", \"time\": 0}, {" FRAME ", \"time\": 1}]}",
@@ -145,18 +146,22 @@ static void tides_samples(void **state) {
         {"{\"format\": \"tides-path\", \"samples\": []}", "F: version: is missing"},
         {HEAD "\"samples\": []}", "F: holds no poses"},
         {HEAD "\"sampels\": []}", "F: sampels: unknown key; did you mean \"samples\"?"},
+        {HEAD "\"two\nlines\": []}", "F: two?lines: unknown key"}, /* found by the fuzzer: the message had two lines */
         {HEAD "\"zzzzzzzzz\": []}", "F: zzzzzzzzz: unknown key"},
         {HEAD "\"version\": 1, \"samples\": []}", "F: version: is given twice"},
         {HEAD "\"samples\": [], \"intrinsics\": {}}", "F: intrinsics.width: is missing"},
-        {"{\"format\": \"tides-path\", \"version\": 1}", "needs exactly one of \"samples\", \"orbit\", \"dolly\", \"handheld\", but has 0"},
+        {"{\"format\": \"tides-path\", \"version\": 1}",
+         "needs exactly one of \"samples\", \"orbit\", \"dolly\", \"handheld\", but has 0"},
         {HEAD "\"samples\": [], \"orbit\": {}}", "but has 2"},
         {HEAD "\"samples\": 3}", "F: samples: must be a list"},
         {HEAD "\"samples\": [3]}", "F: samples[0]: must be an object"},
         {HEAD "\"samples\": [{" POSE "}]}", "F: samples[0].t: is missing"},
         {HEAD "\"samples\": [{\"t\": 0, " POSE ", \"velocty\": [0, 0, 0]}]}", "did you mean \"velocity\"?"},
         {HEAD "\"samples\": [{\"t\": 0, " POSE ", \"velocity\": [0, 0, 0]}]}", "samples[0].angular_velocity: is missing"},
-        {HEAD "\"samples\": [{\"t\": 0, \"position\": [0, 0, 0], \"quaternion\": [0, 0, 0, 0]}]}", "sample 0: its quaternion is zero"},
-        {HEAD "\"samples\": [{\"t\": 1, " POSE "}, {\"t\": 1, " POSE "}]}", "F: samples[1]: its time, 1 s, is also that of entry 0"},
+        {HEAD "\"samples\": [{\"t\": 0, \"position\": [0, 0, 0], \"quaternion\": [0, 0, 0, 0]}]}",
+         "sample 0: its quaternion is zero"},
+        {HEAD "\"samples\": [{\"t\": 1, " POSE "}, {\"t\": 1, " POSE "}]}",
+         "F: samples[1]: its time, 1 s, is also that of entry 0"},
         {HEAD "\"samples\": [{\"t\": 1, " POSE "}, {\"t\": 0, " POSE "}]}", "sort the file by time"},
         {HEAD "\"samples\": [], \"intrinsics\": {\"width\": 3, \"height\": 2, \"fx\": 1, \"fy\": 0, \"cx\": 0, \"cy\": 0}}",
          "intrinsics.fx, fy: must be above 0"},
@@ -167,7 +172,7 @@ static void tides_samples(void **state) {
 }
 
 #define ORBIT "\"target\": [0, 0, 0], \"up\": [0, 0, 1], \"radius\": 1, \"angular_speed\": 1, \"stop\": 1"
-#define HAND                                                                                                             \
+#define HAND                                                                                                                   \
     "\"position\": [1, 0, 0], \"target\": [0, 0, 0], \"up\": [0, 0, 1], \"position_amplitude\": 0, \"rotation_amplitude\": 0," \
     "\"frequency\": 1, \"stop\": 1"
 
@@ -216,8 +221,8 @@ static void bad_calls(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(empty_and_binary), cmocka_unit_test(tum_and_esim),     cmocka_unit_test(json_in_general),
-        cmocka_unit_test(cameras),          cmocka_unit_test(transforms),       cmocka_unit_test(tides_samples),
+        cmocka_unit_test(empty_and_binary), cmocka_unit_test(tum_and_esim), cmocka_unit_test(json_in_general),
+        cmocka_unit_test(cameras),          cmocka_unit_test(transforms),   cmocka_unit_test(tides_samples),
         cmocka_unit_test(tides_generators), cmocka_unit_test(bad_calls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,5 @@
-/* The object store: what goes in comes out, what can't be rendered is refused by name, trajectories are copied; and writing PLY:
- * round trips, unwritable places, a full disk. */
+/* The object store: what goes in comes out, what can't be rendered is refused by name, trajectories are copied; and
+ * writing PLY: round trips, unwritable places, a full disk. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,30 +17,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static tides_scene *new_scene(void) {
-    tides_error error = {0, ""};
-    tides_scene *scene = NULL;
-    scene_expect_ok(tides_scene_create(&scene, &error), &error);
-    return scene;
-}
-
-static void add(tides_scene *scene, const td_gaussians *g, const tides_trajectory *trajectory, double scale, const char *name) {
-    tides_error error = {0, ""};
-    tides_gaussians view = td_gaussians_view(g);
-    scene_expect_ok(tides_scene_add(scene, &view, trajectory, scale, name, NULL, &error), &error);
-}
-
-static tides_object object_of(const tides_scene *scene, int32_t index) {
-    tides_error error = {0, ""};
-    tides_object object;
-    scene_expect_ok(tides_scene_object(scene, index, &object, &error), &error);
-    return object;
-}
-
 static void test_store(void **state) {
     (void)state;
     tides_error error = {0, ""};
-    tides_scene *scene = new_scene();
+    tides_scene *scene = scene_new();
     assert_int_equal(tides_scene_objects(scene), 0);
     assert_int_equal(tides_scene_count(scene), 0);
     assert_int_equal(tides_scene_sh_degree(scene), 0);
@@ -56,7 +36,7 @@ static void test_store(void **state) {
     assert_int_equal(tides_scene_count(scene), 25);
     assert_int_equal(tides_scene_sh_degree(scene), 4);
     for (int32_t i = 0; i < 5; i++) {
-        tides_object object = object_of(scene, i);
+        tides_object object = scene_object_of(scene, i);
         assert_true(scene_same(&all[i], &object.gaussians));
         assert_true(object.gaussians.mean != all[i].mean); /* a copy */
         assert_true(object.scale == 1 + i && object.trajectory == NULL);
@@ -74,7 +54,7 @@ static void test_store(void **state) {
 static void test_null_arguments(void **state) {
     (void)state;
     tides_error error = {0, ""};
-    tides_scene *scene = new_scene();
+    tides_scene *scene = scene_new();
     tides_object object;
     tides_gaussians none = {.count = 1};
     assert_int_equal(tides_scene_create(NULL, &error), TIDES_BAD_ARGUMENT);
@@ -112,7 +92,7 @@ static void test_bad_values(void **state) {
                  {QUATERNION, -1, 1e20f, 1, "Gaussian 2: quaternion|too large"},
                  {OPACITY, 3, NAN, 1, "Gaussian 3: opacity_logit is nan"},
                  {SH, 2 * 27 + 3 * 5 + 1, -INFINITY, 1, "Gaussian 2: sh[5][1] is -inf"}};
-    tides_scene *scene = new_scene();
+    tides_scene *scene = scene_new();
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         tides_error error = {0, ""};
         td_gaussians g = scene_random(30, 4, 2, SCENE_TRAINED);
@@ -137,7 +117,7 @@ static void test_bad_values(void **state) {
 static void test_bad_counts_and_scales(void **state) {
     (void)state;
     tides_error error = {0, ""};
-    tides_scene *scene = new_scene();
+    tides_scene *scene = scene_new();
     td_gaussians g = scene_random(31, 4, 0, SCENE_TRAINED);
     tides_gaussians view = td_gaussians_view(&g);
     static const double scales[] = {0, -1, NAN, INFINITY, 1e300};
@@ -167,12 +147,12 @@ static void test_bad_counts_and_scales(void **state) {
 static void test_bounds(void **state) {
     (void)state;
     double lower[3] = {1, 1, 1}, upper[3] = {-1, -1, -1};
-    tides_scene *scene = new_scene();
+    tides_scene *scene = scene_new();
     tides_scene_bounds(scene, lower, upper);
     for (int axis = 0; axis < 3; axis++) assert_true(lower[axis] == 0 && upper[axis] == 0);
     td_gaussians g = scene_random(32, 2, 0, SCENE_TRAINED);
     memcpy(g.mean, (float[]){1, 2, 3, -1, 0, 5}, 6 * sizeof(float));
-    add(scene, &g, NULL, 2, NULL);
+    scene_add(scene, &g, NULL, 2, NULL);
     tides_scene_bounds(scene, lower, upper);
     assert_true(lower[0] == -2 && lower[1] == 0 && lower[2] == 6 && upper[0] == 2 && upper[1] == 4 && upper[2] == 10);
 
@@ -183,13 +163,13 @@ static void test_bounds(void **state) {
     const tides_pose_sample samples[] = {{.time = 5, .position = {100, 0, 0}, .quaternion = {h, 0, 0, h}},
                                          {.time = 6, .position = {1000, 0, 0}, .quaternion = {h, 0, 0, h}}};
     scene_expect_ok(tides_trajectory_create(samples, 2, &path, &error), &error);
-    add(scene, &g, path, 1, NULL); /* (x, y) to (100 - y, x) */
+    scene_add(scene, &g, path, 1, NULL); /* (x, y) to (100 - y, x) */
     tides_trajectory_destroy(path);
     tides_scene_bounds(scene, lower, upper);
     assert_true(fabs(upper[0] - 100) < 1e-12 && lower[0] == -2 && upper[1] == 4 && fabs(lower[1] + 1) < 1e-12);
 
     scene_expect_ok(tides_trajectory_create_static((double[]){0, 0, -50}, (double[]){1, 0, 0, 0}, &path, &error), &error);
-    add(scene, &g, path, 1, NULL);
+    scene_add(scene, &g, path, 1, NULL);
     tides_trajectory_destroy(path);
     tides_scene_bounds(scene, lower, upper);
     assert_true(lower[2] == -47 && upper[2] == 10);
@@ -204,10 +184,10 @@ static void test_trajectory_is_copied(void **state) {
     tides_trajectory *path = NULL;
     tides_orbit orbit = {.up = {0, 0, 1}, .radius = 2, .angular_speed = 3, .stop = 1};
     scene_expect_ok(tides_trajectory_create_orbit(&orbit, &path, &error), &error);
-    tides_scene *scene = new_scene();
+    tides_scene *scene = scene_new();
     td_gaussians g = scene_random(33, 2, 0, SCENE_TRAINED);
-    add(scene, &g, path, 1, NULL);
-    tides_object object = object_of(scene, 0);
+    scene_add(scene, &g, path, 1, NULL);
+    tides_object object = scene_object_of(scene, 0);
     assert_non_null(object.trajectory);
     assert_ptr_not_equal(object.trajectory, path);
     for (int i = 0; i <= 100; i++) {
@@ -219,7 +199,7 @@ static void test_trajectory_is_copied(void **state) {
     }
     tides_trajectory_destroy(path);
     tides_pose pose;
-    scene_expect_ok(tides_trajectory_at(object_of(scene, 0).trajectory, 0.5, &pose, &error), &error);
+    scene_expect_ok(tides_trajectory_at(scene_object_of(scene, 0).trajectory, 0.5, &pose, &error), &error);
     td_gaussians_free(&g);
     tides_scene_destroy(scene);
 }
@@ -229,13 +209,13 @@ static void test_trajectory_is_copied(void **state) {
 static void test_ply_round_trip(void **state) {
     tides_error error = {0, ""};
     for (int32_t degree = 0; degree <= TIDES_SH_DEGREE_MAX; degree++) {
-        tides_scene *scene = new_scene(), *again = new_scene();
+        tides_scene *scene = scene_new(), *again = scene_new();
         td_gaussians g = scene_random(40 + (uint64_t)degree, 17, degree, SCENE_TRAINED);
-        add(scene, &g, NULL, 1, "x");
+        scene_add(scene, &g, NULL, 1, "x");
         const char *path = scene_in_folder(*state, "a.b.ply");
         scene_expect_ok(tides_scene_save(scene, path, &error), &error);
         scene_expect_ok(tides_scene_add_file(again, path, NULL, 3, &error), &error);
-        tides_object object = object_of(again, 0);
+        tides_object object = scene_object_of(again, 0);
         assert_true(scene_same(&g, &object.gaussians));
         assert_string_equal(object.name, "a.b");
         assert_string_equal(object.source, path);
@@ -258,10 +238,10 @@ static void test_ply_layout(void **state) {
         "property float scale_1\nproperty float scale_2\nproperty float rot_0\nproperty float rot_1\nproperty float rot_2\n"
         "property float rot_3\nend_header\n";
     tides_error error = {0, ""};
-    tides_scene *scene = new_scene();
+    tides_scene *scene = scene_new();
     td_gaussians g = scene_random(50, 2, 1, SCENE_TRAINED);
     g.mean[0] = 1; /* 0x3f800000 */
-    add(scene, &g, NULL, 1, NULL);
+    scene_add(scene, &g, NULL, 1, NULL);
     const char *path = scene_in_folder(*state, "s.ply");
     scene_expect_ok(tides_scene_save(scene, path, &error), &error);
     size_t size;
@@ -277,13 +257,13 @@ static void test_ply_layout(void **state) {
 /* A PLY has no place for an object's scale: it goes into means and scales. */
 static void test_ply_scale(void **state) {
     tides_error error = {0, ""};
-    tides_scene *scene = new_scene();
+    tides_scene *scene = scene_new();
     td_gaussians g = scene_random(51, 5, 1, SCENE_TRAINED);
-    add(scene, &g, NULL, 2, NULL);
+    scene_add(scene, &g, NULL, 2, NULL);
     const char *path = scene_in_folder(*state, "s.ply");
     scene_expect_ok(tides_scene_save(scene, path, &error), &error);
     scene_expect_ok(tides_scene_add_file(scene, path, NULL, 1, &error), &error);
-    tides_object object = object_of(scene, 1);
+    tides_object object = scene_object_of(scene, 1);
     for (size_t i = 0; i < 15; i++) {
         assert_true(object.gaussians.mean[i] == 2 * g.mean[i]);
         assert_true(fabs(object.gaussians.log_scale[i] - (g.log_scale[i] + log(2))) < 1e-6);
@@ -294,20 +274,20 @@ static void test_ply_scale(void **state) {
 
 static void test_save_refusals(void **state) {
     tides_error error = {0, ""};
-    tides_scene *scene = new_scene();
+    tides_scene *scene = scene_new();
     td_gaussians g = scene_random(52, 5, 1, SCENE_TRAINED);
     const char *ply = scene_in_folder(*state, "s.ply");
     scene_expect_error(tides_scene_save(scene, ply, &error), TIDES_BAD_ARGUMENT, &error, "s.ply|scene is empty");
-    add(scene, &g, NULL, 1, NULL);
+    scene_add(scene, &g, NULL, 1, NULL);
     scene_expect_error(tides_scene_save(scene, "s.splat", &error), TIDES_BAD_ARGUMENT, &error, "s.splat|.h5 or .ply");
     scene_expect_error(tides_scene_save(scene, "ply", &error), TIDES_BAD_ARGUMENT, &error, ".h5 or .ply");
-    add(scene, &g, NULL, 1, NULL);
+    scene_add(scene, &g, NULL, 1, NULL);
     scene_expect_error(tides_scene_save(scene, ply, &error), TIDES_UNSUPPORTED, &error, "s.ply|one object|has 2|.h5");
     tides_scene_destroy(scene);
-    scene = new_scene();
+    scene = scene_new();
     tides_trajectory *path = NULL;
     scene_expect_ok(tides_trajectory_create_static((double[]){0, 0, 0}, (double[]){1, 0, 0, 0}, &path, &error), &error);
-    add(scene, &g, path, 1, "fan");
+    scene_add(scene, &g, path, 1, "fan");
     scene_expect_error(tides_scene_save(scene, ply, &error), TIDES_UNSUPPORTED, &error, "trajectory of 'fan'|.h5");
     assert_int_not_equal(access(ply, F_OK), 0);
     tides_trajectory_destroy(path);
@@ -319,9 +299,9 @@ static void test_save_refusals(void **state) {
  * /dev/full, in the place of the .part file. */
 static void test_unwritable(void **state) {
     tides_error error = {0, ""};
-    tides_scene *scene = new_scene();
+    tides_scene *scene = scene_new();
     td_gaussians g = scene_random(53, 2000, 3, SCENE_TRAINED);
-    add(scene, &g, NULL, 1, NULL);
+    scene_add(scene, &g, NULL, 1, NULL);
     static const char *const names[] = {"s.ply", "s.h5"}, *const parts[] = {"s.ply.part", "s.h5.part"},
                              *const missing[] = {"none/s.ply", "none/s.h5"};
     for (int i = 0; i < 2; i++) {
@@ -349,7 +329,7 @@ static void test_unwritable(void **state) {
 
 static void test_unreadable(void **state) {
     tides_error error = {0, ""};
-    tides_scene *scene = new_scene();
+    tides_scene *scene = scene_new();
     const char *path = scene_in_folder(*state, "s.ply");
     scene_expect_error(tides_scene_add_file(scene, path, NULL, 1, &error), TIDES_FILE_NOT_FOUND, &error, "s.ply|No such file");
     scene_expect_error(tides_scene_add_file(scene, *state, NULL, 1, &error), TIDES_BAD_FILE, &error, "not a regular file");
@@ -366,7 +346,7 @@ static void test_unreadable(void **state) {
 /* A file's bad values are the file's fault; a bad scale is the caller's. */
 static void test_bad_values_in_file(void **state) {
     tides_error error = {0, ""};
-    tides_scene *scene = new_scene();
+    tides_scene *scene = scene_new();
     td_gaussians g = scene_random(54, 3, 0, SCENE_TRAINED);
     const char *path = scene_in_folder(*state, "s.ply");
     scene_bytes bytes = scene_ply(&g, &(scene_recipe){.format = SCENE_LITTLE, .type = SCENE_FLOAT});

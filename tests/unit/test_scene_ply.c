@@ -1,5 +1,5 @@
-/* Reading PLY scenes: every encoding, type, order and degree, made by the test itself; mip-splatting's filter; every way of being
- * wrong, with its message; real files. */
+/* Reading PLY scenes: every encoding, type, order and degree, made by the test itself; mip-splatting's filter; every way
+ * of being wrong, with its message; real files. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -197,76 +197,89 @@ static scene_bytes edited(const char *find, const char *replacement) {
     return bytes;
 }
 
+/* `find` is replaced in `valid`; the message must hold each part of `expected`. */
+static const struct {
+    const char *find, *replacement;
+    tides_status status;
+    const char *expected;
+} refusals[] = {
+    {valid, "", TIDES_BAD_FILE, "empty"},
+    {"ply\n", "", TIDES_BAD_FILE, "line 1|should be 'ply'|format ascii"},
+    {"ply\n", "ply", TIDES_BAD_FILE, "line 1|should be 'ply'"},
+    {"format ascii 1.0\n", "", TIDES_BAD_FILE, "line 17|no format line"},
+    {"format ascii 1.0\n", "format ascii 1.0\nformat ascii 1.0\n", TIDES_BAD_FILE, "line 3|second format"},
+    {"format ascii 1.0", "format ascii", TIDES_BAD_FILE, "line 2|format ENCODING 1.0"},
+    {"ascii 1.0", "ascii 2.0", TIDES_BAD_FILE, "line 2|1.0|'2.0'"},
+    {"ascii", "binary_middle_endian", TIDES_BAD_FILE, "line 2|binary_middle_endian|binary_little_endian"},
+    {"vertex 2", "vertex", TIDES_BAD_FILE, "line 3|element NAME COUNT"},
+    {"vertex 2", "vertex -2", TIDES_BAD_FILE, "line 3|'-2'"},
+    {"vertex 2", "vertex 2.5", TIDES_BAD_FILE, "line 3|'2.5'"},
+    {"vertex 2", "vertex 0x2", TIDES_BAD_FILE, "line 3|'0x2'"},
+    {"vertex 2", "vertex 18446744073709551616", TIDES_BAD_FILE, "line 3|18446744073709551616"},
+    {"vertex 2", "vertex 18446744073709551615", TIDES_BAD_FILE, "line 3|18446744073709551615 rows|truncated"},
+    {"vertex 2", "vertex 9223372036854775808", TIDES_BAD_FILE, "line 3|9223372036854775808 rows"},
+    {"vertex 2", "vertex 1000000000", TIDES_BAD_FILE, "line 3|1000000000 rows|62 bytes are left|byte 351"},
+    {"vertex 2", "vertex 0", TIDES_BAD_FILE, "line 3|0 rows"},
+    {"vertex 2", "vertex 3", TIDES_BAD_FILE, "3 rows|left"},
+    {"vertex 2", "vertices 2", TIDES_BAD_FILE, "no element vertex"},
+    {"vertex 2\n", "vertex 2\nelement vertex 2\n", TIDES_BAD_FILE, "line 4|second element|vertex"},
+    {"element vertex 2\n", "", TIDES_BAD_FILE, "line 3|before any element"},
+    {"element vertex 2\n", "element chunk 1\nelement vertex 2\n", TIDES_UNSUPPORTED, "compressed PLY|convert"},
+    {"float x", "uint packed_position", TIDES_UNSUPPORTED, "compressed PLY"},
+    {"float x", "float trbf_center", TIDES_UNSUPPORTED, "SpacetimeGaussians"},
+    {"float x", "float motion_xyz_0_0", TIDES_UNSUPPORTED, "Ex4DGS"},
+    {"float x", "half x", TIDES_BAD_FILE, "line 4|unknown type|'half'"},
+    {"float x", "float", TIDES_BAD_FILE, "line 4|property TYPE NAME"},
+    {"float x", "list float float x", TIDES_BAD_FILE, "line 4|integer type|'float'"},
+    {"float x", "list uchar x", TIDES_BAD_FILE, "line 4|property list"},
+    {"float x", "list uchar float x", TIDES_BAD_FILE, "property x|list"},
+    {"float x", "float y", TIDES_BAD_FILE, "no property x"},
+    {"float x", "float x\nproperty float x", TIDES_BAD_FILE, "two properties x"},
+    {"float opacity", "float opacities", TIDES_BAD_FILE, "line 3|no property opacity"},
+    {"float f_dc_1", "float g", TIDES_BAD_FILE, "no property f_dc_1"},
+    {"float scale_2", "float g", TIDES_BAD_FILE, "no property scale_2"},
+    {"float rot_3", "float g", TIDES_BAD_FILE, "no property rot_3"},
+    {"float opacity", "float opacity\nproperty float f_rest_0", TIDES_BAD_FILE, "1 f_rest|0, 9, 24, 45 or 72"},
+    {"end_header\n", "", TIDES_BAD_FILE, "line 18|end_header|1 2 3"},
+    {"end_header\n", "\xff\x01 rubbish\x7f\n", TIDES_BAD_FILE, "line 18|'?? rubbish?'"},
+    {"end_header\n1 2 3 0 0 0 0 -1 -1 -1 1 0 0 0\n4 5 6 0 0 0 0 -2 -2 -2 1 0 0 0\n", "", TIDES_BAD_FILE,
+     "breaks off|without an end_header"},
+    {"end_header\n1 2 3 0 0 0 0 -1 -1 -1 1 0 0 0\n4 5 6 0 0 0 0 -2 -2 -2 1 0 0 0\n", "end_header", TIDES_BAD_FILE,
+     "breaks off in line 18"},
+    {"1 2 3 0 0", "1 2 3 0", TIDES_BAD_FILE, "line 19|ends before property rot_3, number 14 of 14"},
+    {"1 2 3", "1 2 3 4", TIDES_BAD_FILE, "line 19|more values than the 14"},
+    {"4 5 6", "4 five 6", TIDES_BAD_FILE, "line 20|property y is 'five'"},
+    {"4 5 6", "4 5, 6", TIDES_BAD_FILE, "line 20|property y is '5,'"},
+    {"\n4 5 6 0 0 0 0 -2 -2 -2 1 0 0 0\n", "                                        \n", TIDES_BAD_FILE, "row 1 of 2|byte"},
+    {"element vertex 2\n", "element a 1\nproperty list char char b\nelement vertex 2\n", TIDES_BAD_FILE, "line 21|more values"},
+};
+
 static void test_refusals(void **state) {
     (void)state;
-    static const struct {
-        const char *find, *replacement;
-        tides_status status;
-        const char *expected;
-    } cases[] = {
-        {valid, "", TIDES_BAD_FILE, "empty"},
-        {"ply\n", "", TIDES_BAD_FILE, "line 1|should be 'ply'|format ascii"},
-        {"ply\n", "ply", TIDES_BAD_FILE, "line 1|should be 'ply'"},
-        {"format ascii 1.0\n", "", TIDES_BAD_FILE, "line 17|no format line"},
-        {"format ascii 1.0\n", "format ascii 1.0\nformat ascii 1.0\n", TIDES_BAD_FILE, "line 3|second format"},
-        {"format ascii 1.0", "format ascii", TIDES_BAD_FILE, "line 2|format ENCODING 1.0"},
-        {"ascii 1.0", "ascii 2.0", TIDES_BAD_FILE, "line 2|1.0|'2.0'"},
-        {"ascii", "binary_middle_endian", TIDES_BAD_FILE, "line 2|binary_middle_endian|binary_little_endian"},
-        {"vertex 2", "vertex", TIDES_BAD_FILE, "line 3|element NAME COUNT"},
-        {"vertex 2", "vertex -2", TIDES_BAD_FILE, "line 3|'-2'"},
-        {"vertex 2", "vertex 2.5", TIDES_BAD_FILE, "line 3|'2.5'"},
-        {"vertex 2", "vertex 0x2", TIDES_BAD_FILE, "line 3|'0x2'"},
-        {"vertex 2", "vertex 18446744073709551616", TIDES_BAD_FILE, "line 3|18446744073709551616"},
-        {"vertex 2", "vertex 18446744073709551615", TIDES_BAD_FILE, "line 3|18446744073709551615 rows|truncated"},
-        {"vertex 2", "vertex 9223372036854775808", TIDES_BAD_FILE, "line 3|9223372036854775808 rows"},
-        {"vertex 2", "vertex 1000000000", TIDES_BAD_FILE, "line 3|1000000000 rows|62 bytes are left|byte 351"},
-        {"vertex 2", "vertex 0", TIDES_BAD_FILE, "line 3|0 rows"},
-        {"vertex 2", "vertex 3", TIDES_BAD_FILE, "3 rows|left"},
-        {"vertex 2", "vertices 2", TIDES_BAD_FILE, "no element vertex"},
-        {"vertex 2\n", "vertex 2\nelement vertex 2\n", TIDES_BAD_FILE, "line 4|second element|vertex"},
-        {"element vertex 2\n", "", TIDES_BAD_FILE, "line 3|before any element"},
-        {"element vertex 2\n", "element chunk 1\nelement vertex 2\n", TIDES_UNSUPPORTED, "compressed PLY|convert"},
-        {"float x", "uint packed_position", TIDES_UNSUPPORTED, "compressed PLY"},
-        {"float x", "float trbf_center", TIDES_UNSUPPORTED, "SpacetimeGaussians"},
-        {"float x", "float motion_xyz_0_0", TIDES_UNSUPPORTED, "Ex4DGS"},
-        {"float x", "half x", TIDES_BAD_FILE, "line 4|unknown type|'half'"},
-        {"float x", "float", TIDES_BAD_FILE, "line 4|property TYPE NAME"},
-        {"float x", "list float float x", TIDES_BAD_FILE, "line 4|integer type|'float'"},
-        {"float x", "list uchar x", TIDES_BAD_FILE, "line 4|property list"},
-        {"float x", "list uchar float x", TIDES_BAD_FILE, "property x|list"},
-        {"float x", "float y", TIDES_BAD_FILE, "no property x"},
-        {"float x", "float x\nproperty float x", TIDES_BAD_FILE, "two properties x"},
-        {"float opacity", "float opacities", TIDES_BAD_FILE, "line 3|no property opacity"},
-        {"float f_dc_1", "float g", TIDES_BAD_FILE, "no property f_dc_1"},
-        {"float scale_2", "float g", TIDES_BAD_FILE, "no property scale_2"},
-        {"float rot_3", "float g", TIDES_BAD_FILE, "no property rot_3"},
-        {"float opacity", "float opacity\nproperty float f_rest_0", TIDES_BAD_FILE, "1 f_rest|0, 9, 24, 45 or 72"},
-        {"end_header\n", "", TIDES_BAD_FILE, "line 18|end_header|1 2 3"},
-        {"end_header\n", "\xff\x01 rubbish\x7f\n", TIDES_BAD_FILE, "line 18|'?? rubbish?'"},
-        {"end_header\n1 2 3 0 0 0 0 -1 -1 -1 1 0 0 0\n4 5 6 0 0 0 0 -2 -2 -2 1 0 0 0\n", "", TIDES_BAD_FILE,
-         "breaks off|without an end_header"},
-        {"end_header\n1 2 3 0 0 0 0 -1 -1 -1 1 0 0 0\n4 5 6 0 0 0 0 -2 -2 -2 1 0 0 0\n", "end_header", TIDES_BAD_FILE,
-         "breaks off in line 18"},
-        {"1 2 3 0 0", "1 2 3 0", TIDES_BAD_FILE, "line 19|ends before property rot_3, number 14 of 14"},
-        {"1 2 3", "1 2 3 4", TIDES_BAD_FILE, "line 19|more values than the 14"},
-        {"4 5 6", "4 five 6", TIDES_BAD_FILE, "line 20|property y is 'five'"},
-        {"4 5 6", "4 5, 6", TIDES_BAD_FILE, "line 20|property y is '5,'"},
-        {"\n4 5 6 0 0 0 0 -2 -2 -2 1 0 0 0\n", "                                        \n", TIDES_BAD_FILE, "row 1 of 2|byte"},
-        {"element vertex 2\n", "element a 1\nproperty list char char b\nelement vertex 2\n", TIDES_BAD_FILE,
-         "line 21|more values"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    for (size_t i = 0; i < sizeof refusals / sizeof refusals[0]; i++) {
         td_gaussians g;
         memset(&g, 0x5a, sizeof g);
         td_gaussians untouched = g;
         tides_error error = {0, ""};
-        scene_bytes bytes = edited(cases[i].find, cases[i].replacement);
-        scene_expect_error(parse(&bytes, &g, &error), cases[i].status, &error, cases[i].expected);
-        scene_expect_error(error.status, cases[i].status, &error, "t.ply");
+        scene_bytes bytes = edited(refusals[i].find, refusals[i].replacement);
+        scene_expect_error(parse(&bytes, &g, &error), refusals[i].status, &error, refusals[i].expected);
+        scene_expect_error(error.status, refusals[i].status, &error, "t.ply");
         assert_memory_equal(&g, &untouched, sizeof g);
-        assert_int_equal(parse(&bytes, &g, NULL), cases[i].status); /* the error is nullable */
+        assert_int_equal(parse(&bytes, &g, NULL), refusals[i].status); /* the error is nullable */
         free(bytes.data);
     }
+}
+
+/* Rows without bytes fit any file, however many: what is missing must be found before memory is asked for. */
+static void test_no_properties(void **state) {
+    (void)state;
+    static const char text[] = "ply\nformat binary_little_endian 1.0\nelement vertex 1000000000000000\nend_header\n";
+    scene_bytes bytes = {0};
+    scene_bytes_add(&bytes, text, sizeof text - 1);
+    tides_error error = {0, ""};
+    td_gaussians g;
+    scene_expect_error(parse(&bytes, &g, &error), TIDES_BAD_FILE, &error, "line 3|no property x among its 0");
+    free(bytes.data);
 }
 
 static void test_bad_lists(void **state) {
@@ -437,6 +450,7 @@ int main(void) {
         cmocka_unit_test(test_filter),
         cmocka_unit_test(test_filter_extremes),
         cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_no_properties),
         cmocka_unit_test(test_bad_lists),
         cmocka_unit_test(test_every_truncation),
         cmocka_unit_test(test_bad_filter),

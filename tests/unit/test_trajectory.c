@@ -180,7 +180,7 @@ static void error_falls_with_the_order(void **state) {
     double cubic = worst_error(51, 0), cubic_half = worst_error(101, 0);
     double quintic = worst_error(26, 1), quintic_half = worst_error(51, 1);
     print_message("    cubic %.3g -> %.3g, quintic %.3g -> %.3g\n", cubic, cubic_half, quintic, quintic_half);
-    assert_true(cubic / cubic_half > 12.0); /* order 4: 16, ends included */
+    assert_true(cubic / cubic_half > 12.0);     /* order 4: 16, ends included */
     assert_true(quintic / quintic_half > 24.0); /* order 5 at the ends: 32 */
     assert_true(cubic < 1e-5 && quintic < 1e-6);
 }
@@ -333,7 +333,8 @@ static void expect_refusal(int with_rates, void (*spoil)(tides_pose_sample *samp
     tides_error error = {0, ""};
     random_samples(samples, with_rates);
     spoil(samples);
-    if (tides_trajectory_create(samples, COUNT, &path, &error) != TIDES_BAD_ARGUMENT) fail_msg("accepted, instead of \"%s\"", words);
+    if (tides_trajectory_create(samples, COUNT, &path, &error) != TIDES_BAD_ARGUMENT)
+        fail_msg("accepted, instead of \"%s\"", words);
     assert_int_equal(error.status, TIDES_BAD_ARGUMENT);
     assert_null(path);
     if (!strstr(error.text, words)) fail_msg("\"%s\" lacks \"%s\"", error.text, words);

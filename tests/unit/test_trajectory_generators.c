@@ -62,8 +62,14 @@ static void camera_looks_at_its_target(void **state) {
 /* An orbit about +z seen from above turns counterclockwise from +x. */
 static void orbit_follows_its_formula(void **state) {
     (void)state;
-    const tides_orbit o = {.target = {1, 2, 3}, .up = {0, 0, 2}, .radius = 2, .height = 1.5, .start_angle = 0.4,
-                           .angular_speed = -6, .start = 10, .stop = 12};
+    const tides_orbit o = {.target = {1, 2, 3},
+                           .up = {0, 0, 2},
+                           .radius = 2,
+                           .height = 1.5,
+                           .start_angle = 0.4,
+                           .angular_speed = -6,
+                           .start = 10,
+                           .stop = 12};
     tides_trajectory *path = NULL;
     assert_int_equal(tides_trajectory_create_orbit(&o, &path, NULL), TIDES_OK);
     double worst = 0.0;
@@ -73,7 +79,8 @@ static void orbit_follows_its_formula(void **state) {
         const double right[3] = {-sin(a), cos(a), 0}; /* looking inwards, counterclockwise is to the right */
         const double forward[3] = {-cos(a) * o.radius / norm, -sin(a) * o.radius / norm, -o.height / norm};
         double down[3];
-        tides_pose expected = {.position = {1 + 2 * cos(a), 2 + 2 * sin(a), 4.5}, .position_dot = {12 * sin(a), -12 * cos(a), 0}};
+        tides_pose expected = {.position = {1 + 2 * cos(a), 2 + 2 * sin(a), 4.5},
+                               .position_dot = {12 * sin(a), -12 * cos(a), 0}};
         td_cross3(forward, right, down);
         for (int k = 0; k < 3; k++) {
             expected.rotation[3 * k] = right[k];
@@ -154,8 +161,15 @@ static void dolly_follows_its_formula(void **state) {
     }
 }
 
-static const tides_handheld shaky = {.position = {0, -3, 1}, .target = {0, 0, 1}, .up = {0, 0, 1}, .position_amplitude = 0.02,
-                                     .rotation_amplitude = 0.03, .frequency = 1.5, .seed = 11, .start = 5, .stop = 205};
+static const tides_handheld shaky = {.position = {0, -3, 1},
+                                     .target = {0, 0, 1},
+                                     .up = {0, 0, 1},
+                                     .position_amplitude = 0.02,
+                                     .rotation_amplitude = 0.03,
+                                     .frequency = 1.5,
+                                     .seed = 11,
+                                     .start = 5,
+                                     .stop = 205};
 
 /* Sum of the four sines with unit rms whose phases are fitted to a generated path: the formula, found from the outside. */
 static double residual_of_sines(const double *signal, int count, double step, double amplitude) {
@@ -246,13 +260,13 @@ static void handheld_rates_are_those_of_the_formula(void **state) {
     tides_trajectory_destroy(path);
 }
 
-#define expect_refusal(call, words)                                                                                   \
-    do {                                                                                                              \
-        tides_trajectory *path = NULL;                                                                                \
-        tides_error error = {0, ""};                                                                                  \
-        assert_int_equal(call, TIDES_BAD_ARGUMENT);                                                                   \
-        assert_null(path);                                                                                            \
-        if (!strstr(error.text, words)) fail_msg("\"%s\" lacks \"%s\"", error.text, words);                           \
+#define expect_refusal(call, words)                                                         \
+    do {                                                                                    \
+        tides_trajectory *path = NULL;                                                      \
+        tides_error error = {0, ""};                                                        \
+        assert_int_equal(call, TIDES_BAD_ARGUMENT);                                         \
+        assert_null(path);                                                                  \
+        if (!strstr(error.text, words)) fail_msg("\"%s\" lacks \"%s\"", error.text, words); \
     } while (0)
 
 static void bad_generators_are_refused(void **state) {

@@ -1,0 +1,45 @@
+/* The embedded error estimate of a tile's step. */
+#include "td_estimate.h"
+
+#include <math.h>
+
+/* The largest value of s^2 (1 - s) on [0, 1]: cubic and quadratic differ by s^2 (1 - s) times the difference of their end rates. */
+static const double bulge = 4.0 / 27.0;
+
+static double larger(double a, double b) { return a > b ? a : b; }
+static double smaller(double a, double b) { return a < b ? a : b; }
+
+/* Is there a level reference + n C in [low, high]? */
+static int reaches_level(double low, double high, double reference, double threshold) {
+    return floor((high - reference) / threshold) > floor((low - reference) / threshold) ||
+           floor((low - reference) / threshold) * threshold + reference == low;
+}
+
+/* May the pixel's signal touch a level within the step? The range of its control values, widened by the estimate. */
+static int may_fire(double S0, double rate0, double S1, double rate1, double error, double reference, double threshold) {
+    double a = S0 + rate0 / 3, b = S1 - rate1 / 3;
+    double low = smaller(smaller(S0, S1), smaller(a, b)) - error;
+    double high = larger(larger(S0, S1), larger(a, b)) + error;
+    return reaches_level(low, high, reference, threshold);
+}
+
+td_estimate td_estimate_step(const td_comparator *comparator, double h, const td_signals *signals, const double *reference,
+                             int32_t count) {
+    td_estimate worst = {0, 0};
+    double threshold = comparator->threshold_on;
+    int equal = threshold == comparator->threshold_off;
+    for (int32_t i = 0; i < count; i++) {
+        double S0 = signals->S0[i], S1 = signals->S1[i], rise = S1 - S0;
+        double rate0 = h * signals->S0_dot[i], rate1 = h * signals->S1_dot[i];
+        /* The mirror image differs from the cubic by h S0_dot - (2 (S1 - S0) - h S1_dot): the same number. */
+        double error = bulge * fabs(rate1 + rate0 - 2 * rise);
+        /* Where the signal hardly rises, the time of a crossing is only as good as the range that it moves in. */
+        double moved = larger(fabs(rise), error);
+        /* Most pixels are no worse than one already seen: they needn't be asked about levels. NaN: the comparator passes it over. */
+        if (!(error > worst.error || error * h > worst.seconds * moved)) continue;
+        if (equal && !may_fire(S0, rate0, S1, rate1, error, reference[i], threshold)) continue;
+        worst.error = larger(worst.error, error);
+        worst.seconds = larger(worst.seconds, error * h / moved);
+    }
+    return worst;
+}

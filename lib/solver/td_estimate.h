@@ -1,0 +1,23 @@
+/* Internal: how wrong the local model may be on a step, seen from the two renders that it already has. */
+#ifndef TD_ESTIMATE_H
+#define TD_ESTIMATE_H
+
+#include "td_comparator.h"
+
+/* What one tile's step looks like. */
+typedef struct td_estimate {
+    double error;   /* largest estimated error of S over the pixels that may reach a threshold [log units] */
+    double seconds; /* the largest such error divided by its pixel's slope [s] */
+} td_estimate;
+
+/* The embedded estimate (DESIGN 3.2): the cubic against the quadratic through S0, S0_dot, S1 and its mirror image through S0, S1,
+ * S1_dot. Their difference is greatest at a third of the step, 4/27 |h S1_dot - (2 (S1 - S0) - h S0_dot)|: the cubic itself is
+ * one order better, so it bounds the cubic's error on steps where halving helps at all.
+ *
+ * Only pixels count whose signal may reach a threshold within the step: those whose control values, widened by the estimate,
+ * have a level between them. With equal thresholds every level that a pixel may ever fire at is reference + n C, whatever
+ * happens before the step within the same macro step; with unequal ones every pixel counts that moves. */
+td_estimate td_estimate_step(const td_comparator *comparator, double h, const td_signals *signals, const double *reference,
+                             int32_t count);
+
+#endif

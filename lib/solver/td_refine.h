@@ -1,0 +1,45 @@
+/* Internal: adaptive steps. Within a macro step each tile has its own list of steps, made by halving those whose estimated error
+ * is too large. A job is (tile, time); the jobs of one refinement level go to the device in one launch. */
+#ifndef TD_REFINE_H
+#define TD_REFINE_H
+
+#include "render/td_render.h"
+#include "tides/simulate.h"
+
+/* One step of one tile: [from, to] in units of the macro step / 2^depth. `next` continues the tile's list in time. */
+typedef struct td_refine_step {
+    uint32_t from, to;
+    int32_t begin, end; /* samples at both ends */
+    int32_t next;       /* index, or -1 */
+    int32_t tile;
+} td_refine_step;
+
+/* Workspace of a macro step, reused from one to the next. */
+typedef struct td_refine {
+    int depth;                 /* halvings at most */
+    td_refine_step *step;
+    size_t steps, step_capacity;
+    double *samples;           /* (sample x 2 x TD_TILE_PIXELS): S, then S_dot, row by row */
+    size_t sample_count, sample_capacity;
+    int32_t *pending;          /* steps to be halved on this level */
+    size_t pending_count, pending_capacity;
+    int32_t *halved;           /* steps that came of it */
+    size_t halved_capacity;
+    double *times;             /* the level's distinct times */
+    size_t time_capacity;
+    td_request *requests;
+    size_t request_capacity;
+    double *planes;
+    size_t plane_capacity;
+} td_refine;
+
+/* Renders and accepts steps for the macro step that begins at s->now: its steps are the lists that begin at refine->step[tile].
+ * Nothing of the simulator's pixel state changes. */
+tides_status td_refine_macro_step(tides_simulator *s, double start, double stop, tides_error *error);
+
+/* Time of position `at` in the macro step: exact at both ends, the same double wherever it is asked for. */
+double td_refine_time(const td_refine *refine, double start, double stop, uint32_t at);
+
+void td_refine_release(td_refine *refine);
+
+#endif
