@@ -50,6 +50,11 @@ static int32_t add_counts(cJSON *root, const tides_stats *s) {
         {"pairs_evaluated", (double)s->render.pairs_evaluated},
         {"steps", (double)s->steps},
         {"steps_rejected", (double)s->steps_rejected},
+        {"steps_at_minimum", (double)s->steps_at_minimum},
+        {"worst_error", s->worst_error},
+        {"error_p50_s", s->error_p50_s},
+        {"error_p95_s", s->error_p95_s},
+        {"error_p99_s", s->error_p99_s},
         {"worst_residual", s->worst_residual},
         {"simulated_s", s->simulated_s},
         {"run_time_s", s->run_time_s},
@@ -59,8 +64,7 @@ static int32_t add_counts(cJSON *root, const tides_stats *s) {
     int32_t ok = 1;
     for (size_t i = 0; ok && i < sizeof parts / sizeof parts[0]; i++)
         ok = cJSON_AddNumberToObject(root, parts[i].name, parts[i].count) != NULL;
-    /* The error that step control estimates: fixed steps estimate none. */
-    return ok && cJSON_AddNullToObject(root, "worst_error");
+    return ok;
 }
 
 cJSON *cli_stats_json(const tides_stats *stats, const cli_session *session) {

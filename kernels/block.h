@@ -2,7 +2,7 @@
 #ifndef TD_BLOCK_H
 #define TD_BLOCK_H
 
-#include "compositing.h"
+#include "soft_order.h"
 
 /* A sorted job as the compositor reads it. */
 typedef struct td_list {
@@ -38,16 +38,23 @@ TD_INLINE int td_list_goes_on(const td_image *image, td_real brightest, const td
     return td_any(pixels->live);
 }
 
-/* Blends the splats that touch `block`; returns how many. */
+/* Blends the splats that touch `block`, in hard or soft depth order; returns how many. */
 TD_INLINE int td_composite_list(const td_list *list, const td_image *image, int block, td_composite *pixels) {
     int blended = 0;
+    td_window window;
+    window.first = window.count = 0;
     for (int i = 0; i < list->count; i++) {
         if (((list->masks[i] >> block) & 1) == 0) continue;
         int at = list->order[i];
-        td_blend(list->records + at * TD_RECORD_STRIDE, list->colours + at * TD_COLOUR_STRIDE, image, list->brightest, pixels);
+        if (image->soft_order)
+            td_window_push(&window, image, list->records, list->colours, at, list->brightest, pixels);
+        else
+            td_blend(list->records + at * TD_RECORD_STRIDE, list->colours + at * TD_COLOUR_STRIDE, image, list->brightest,
+                     pixels);
         blended++;
         if ((blended & 7) == 0 && !td_list_goes_on(image, list->brightest, pixels)) break;
     }
+    while (window.count > 0) td_window_pop(&window, image, list->records, list->colours, pixels);
     return blended;
 }
 

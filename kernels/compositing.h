@@ -53,31 +53,30 @@ TD_INLINE td_mask td_bound_live(const td_image *image, td_real brightest, const 
     return pixels->transmittance * brightest > image->stop * (pixels->luminance + image->log_eps);
 }
 
-/* Blends one splat into the pixels; colour record only where the image wants colour. */
-TD_INLINE void td_blend(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
-                        td_real brightest, td_composite *pixels) {
-    td_lanes tau, tau_dot;
+/* tau and its rate with the termination rule applied: 0 where the pixel doesn't blend this splat. */
+TD_INLINE void td_visible_alpha(TD_GLOBAL const td_real *record, const td_image *image, td_real brightest, td_composite *pixels,
+                                td_lanes *tau, td_lanes *tau_dot) {
     td_mask seen;
-    td_splat_alpha(record, image, pixels, &tau, &tau_dot, &seen);
-    td_lanes t = pixels->transmittance, t_dot = pixels->transmittance_dot;
+    td_splat_alpha(record, image, pixels, tau, tau_dot, &seen);
     if (image->stop_rule == TD_STOP_BOUND) {
         seen = seen & td_bound_live(image, brightest, pixels);
     } else if (image->stop_rule != TD_STOP_NONE) {
         /* These rules test every splat above the cut and drop the one that takes T below the stop. */
-        td_mask on = td_continue(image, t * (1 - tau), pixels->live);
+        td_mask on = td_continue(image, pixels->transmittance * (1 - *tau), pixels->live);
         pixels->live = td_select_mask(pixels->live, on, seen);
         seen = seen & pixels->live;
     }
-    tau = td_select(td_splat(0.0f), tau, seen);
-    tau_dot = td_select(td_splat(0.0f), tau_dot, seen);
-    td_lanes w = t * tau;
-    td_lanes w_dot = td_fma(t, tau_dot, t_dot * tau);
+    *tau = td_select(td_splat(0.0f), *tau, seen);
+    *tau_dot = td_select(td_splat(0.0f), *tau_dot, seen);
+    if (image->outputs >= TD_OUT_DIAGNOSTICS) pixels->contributors = pixels->contributors + td_mask_to_real(seen);
+}
+
+/* Adds a splat of blend weight w to the sums; its colour record only where the image wants colour. */
+TD_INLINE void td_accumulate(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image, td_lanes w,
+                             td_lanes w_dot, td_composite *pixels) {
     td_real luminance = record[TD_R_LUMINANCE], luminance_dot = record[TD_R_LUMINANCE_DOT];
     pixels->luminance = td_fma(w, luminance, pixels->luminance);
     pixels->luminance_dot = td_fma(w_dot, luminance, td_fma(w, luminance_dot, pixels->luminance_dot));
-    pixels->transmittance = t - w;
-    pixels->transmittance_dot = t_dot - w_dot;
-    if (image->outputs >= TD_OUT_DIAGNOSTICS) pixels->contributors = pixels->contributors + td_mask_to_real(seen);
     if (image->outputs < TD_OUT_COLOUR) return;
     for (int c = 0; c < 3; c++) {
         pixels->colour[c] = td_fma(w, colour[c], pixels->colour[c]);
@@ -88,6 +87,19 @@ TD_INLINE void td_blend(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real
     pixels->depth_dot = td_fma(w_dot, z, td_fma(w, z_dot, pixels->depth_dot));
     pixels->weight = pixels->weight + w;
     pixels->weight_dot = pixels->weight_dot + w_dot;
+}
+
+/* Blends one splat in hard order (paper, Eq. 2 and 8). */
+TD_INLINE void td_blend(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
+                        td_real brightest, td_composite *pixels) {
+    td_lanes tau, tau_dot;
+    td_visible_alpha(record, image, brightest, pixels, &tau, &tau_dot);
+    td_lanes t = pixels->transmittance, t_dot = pixels->transmittance_dot;
+    td_lanes w = t * tau;
+    td_lanes w_dot = td_fma(t, tau_dot, t_dot * tau);
+    td_accumulate(record, colour, image, w, w_dot, pixels);
+    pixels->transmittance = t - w;
+    pixels->transmittance_dot = t_dot - w_dot;
 }
 
 TD_INLINE void td_composite_start(td_composite *pixels, td_lanes x, td_lanes y) {

@@ -76,14 +76,15 @@ typedef struct td_image {
     td_real stop;            /* transmittance, or for BOUND what the rest may change in L */
     td_real log_eps;
     td_real luminance[3];
-    td_real padding[2];
+    td_real soft_depth;      /* relative depth within which two splats swap gradually (soft_order.h) */
+    td_real padding;
     int width, height;
     int objects;
     int sh_degree, sh_stride; /* evaluated bands; reals per Gaussian in the SH array */
     int antialias, cut_rule, stop_rule, extent_rule;
     int moving;               /* Gaussians have rates of their own */
     int outputs;              /* TD_OUT_SIGNAL, _DIAGNOSTICS or _COLOUR */
-    int padding_int;
+    int soft_order;           /* 1: soft depth order */
 } td_image;
 
 #endif

@@ -14,6 +14,7 @@ TD_INLINE td_image td_specialised(__constant const td_image *buffer) {
     image.extent_rule = TD_BUILD_EXTENT_RULE;
     image.moving = TD_BUILD_MOVING;
     image.outputs = TD_BUILD_OUTPUTS;
+    image.soft_order = TD_BUILD_SOFT_ORDER;
     return image;
 }
 

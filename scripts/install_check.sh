@@ -6,6 +6,10 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 prefix=/opt/tides
 root=$work/root$prefix
+# A make inside a test has no share in the outer make's job server; its variables (CFLAGS=...) stay.
+MAKEFLAGS=$(echo " ${MAKEFLAGS-}" | sed -e 's/ -j[0-9]*//g' -e 's/ --jobserver-[^ ]*//g')
+export MAKEFLAGS
+
 install_to() { ${MAKE:-make} --no-print-directory -s CONFIG="${CONFIG:-release}" "$1" DESTDIR="$work/root" PREFIX=$prefix; }
 
 install_to install

@@ -53,7 +53,8 @@ typedef struct tides_stats {
     uint64_t steps_rejected;    /* of these, halved: (tile, step) pairs that were too coarse */
     uint64_t steps_at_minimum;  /* accepted above the tolerance because they were as short as min_step_s */
     double worst_error;         /* largest estimate among accepted steps [thresholds]; 0 under fixed steps, which estimate none */
-    double worst_error_s;       /* the same in time [s] */
+    double error_p50_s, error_p95_s, error_p99_s; /* estimated timing error that so many percent of the events stay below [s];
+                                                     likewise 0 under fixed steps */
     double worst_residual;      /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
     double renders_full_frame_equivalent; /* tile jobs, skipped ones included, over tiles */
     double simulated_s, run_time_s, real_time_factor; /* simulated / run time */

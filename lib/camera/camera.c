@@ -28,8 +28,13 @@ td_path_sample *td_path_append(td_path_reader *reader, size_t place) {
     return sample;
 }
 
-long double td_path_offset(const td_path_reader *reader, long double first) {
-    return reader->options->rebase ? first : (long double)reader->options->start;
+double td_path_since(const td_path_sample *sample, const td_path_sample *origin) {
+    return (sample->time - origin->time) + (sample->low - origin->low);
+}
+
+td_path_sample td_path_origin(const td_path_reader *reader, const td_path_sample *first) {
+    td_path_sample given = {.time = reader->options->start};
+    return reader->options->rebase ? *first : given;
 }
 
 void td_path_spread(td_path_reader *reader) {
@@ -72,16 +77,17 @@ static void name_place(const td_path_reader *reader, size_t place, char *text, s
 static tides_status check_order(const td_path_reader *reader) {
     for (size_t i = 1; i < reader->count; i++) {
         const td_path_sample *before = reader->samples + i - 1, *here = before + 1;
-        if (here->time > before->time) continue;
+        double step = td_path_since(here, before);
+        if (step > 0.0) continue;
         char place[512];
         name_place(reader, here->place, place, sizeof place);
         const char *word = reader->list ? "entry" : "line";
-        if (here->time == before->time)
-            return td_fail(reader->error, TIDES_BAD_FILE, "%s: its time, %.17Lg s, is also that of %s %zu; drop one of the two",
+        if (step == 0.0)
+            return td_fail(reader->error, TIDES_BAD_FILE, "%s: its time, %.15g s, is also that of %s %zu; drop one of the two",
                            place, here->time, word, before->place);
         return td_fail(reader->error, TIDES_BAD_FILE,
-                       "%s: its time, %.17Lg s, comes before that of %s %zu, %.17Lg s; sort the file by time", place,
-                       here->time, word, before->place, before->time);
+                       "%s: its time, %.15g s, comes before that of %s %zu, %.15g s; sort the file by time", place, here->time,
+                       word, before->place, before->time);
     }
     return TIDES_OK;
 }
@@ -93,10 +99,10 @@ static tides_status make_trajectory(td_path_reader *reader) {
     if (status != TIDES_OK) return status;
     tides_pose_sample *samples = td_alloc(reader->count, sizeof *samples, reader->error);
     if (!samples) return TIDES_NO_MEMORY;
-    long double offset = td_path_offset(reader, reader->samples[0].time);
+    td_path_sample origin = td_path_origin(reader, reader->samples);
     for (size_t i = 0; i < reader->count; i++) {
         samples[i] = reader->samples[i].pose;
-        samples[i].time = (double)(reader->samples[i].time - offset);
+        samples[i].time = td_path_since(reader->samples + i, &origin);
     }
     status = tides_trajectory_create(samples, reader->count, &reader->path.trajectory, reader->error);
     if (status == TIDES_BAD_ARGUMENT) status = TIDES_BAD_FILE; /* here the argument is what the file says */

@@ -5,6 +5,7 @@
 #include "camera/td_rotation.h"
 #include "td_base.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,12 +18,19 @@ static const char *const column_names[TD_COLUMNS] = {"time", "x", "y", "z", "qx"
 #define TD_QUATERNION_TOLERANCE 0.05
 
 /* An ESIM file shorter than this was written in seconds. */
-#define TD_SHORTEST_ESIM 1e-6L /* [s] */
+#define TD_SHORTEST_ESIM 1e-6 /* [s] */
 
 static const char *skip_blanks(const char *c) { return c + strspn(c, " \t\r"); }
 
 /* 1 where the line at `c` holds nothing more. */
 static int line_ends(const char *c) { return *c == '\n' || *c == '\0' || *c == '#'; }
+
+/* Reads the finite number at `c`; returns what follows it, or `c` where there is none. */
+static const char *read_number(const char *c, double *value) {
+    char *end = NULL;
+    *value = strtod(c, &end);
+    return isfinite(*value) ? end : c;
+}
 
 static tides_status fail_column(const td_path_reader *reader, size_t line, int column, const char *at) {
     char word[TD_QUOTE];
@@ -30,37 +38,63 @@ static tides_status fail_column(const td_path_reader *reader, size_t line, int c
                    line, column + 1, column_names[column], td_path_quote(at, strcspn(at, " \t\r\n,"), word));
 }
 
+/* Reads the time at `c`, seconds or nanoseconds, with the digits that a double has no room for in `low`. `*end` is behind it,
+ * or at `c` where there is no finite number. */
+static void read_time(const char *c, int nanoseconds, td_path_sample *sample, const char **end) {
+    char *after = NULL;
+    double value = strtod(c, &after);
+    *end = isfinite(value) ? after : c;
+    sample->time = nanoseconds ? value / 1e9 : value;
+    sample->low = 0.0;
+    size_t sign = strspn(c, "+-"), digits = strspn(c + sign, "0123456789"), decimals = 0;
+    const char *point = c + sign + digits;
+    if (*point == '.') decimals = 1 + strspn(point + 1, "0123456789");
+    errno = 0;
+    long long units = strtoll(c, NULL, 10), per_second = nanoseconds ? 1000000000 : 1;
+    if (point + decimals != after || errno != 0) return; /* an exponent, or too long for 64 bits: the double must do */
+    long long seconds = units / per_second;
+    double fraction = decimals > 1 ? strtod(point, NULL) : 0.0;
+    double rest = ((double)(units % per_second) + (*c == '-' ? -fraction : fraction)) / (double)per_second;
+    sample->low = ((double)seconds - sample->time) + rest;
+}
+
+/* Seven numbers after the time. */
+static void set_pose(const double v[TD_COLUMNS], tides_pose_sample *pose) {
+    memcpy(pose->position, v + 1, sizeof pose->position);
+    pose->quaternion[0] = v[7]; /* the files write w last */
+    memcpy(pose->quaternion + 1, v + 4, 3 * sizeof *v);
+}
+
 /* Eight numbers of one line. */
-static tides_status read_line(const td_path_reader *reader, size_t line, const char *c, int commas, long double v[TD_COLUMNS]) {
+static tides_status read_line(const td_path_reader *reader, const char *c, int commas, td_path_sample *sample) {
+    double v[TD_COLUMNS] = {0};
     int column = 0;
-    for (c = skip_blanks(c); !line_ends(c); column++) {
-        if (column == TD_COLUMNS) break;
-        char *end = NULL;
-        v[column] = strtold(c, &end);
-        if (end == c || !isfinite((double)v[column])) return fail_column(reader, line, column, c);
+    size_t line = sample->place;
+    for (c = skip_blanks(c); !line_ends(c) && column < TD_COLUMNS; column++) {
+        const char *end = c;
+        if (column == 0)
+            read_time(c, commas, sample, &end);
+        else
+            end = read_number(c, v + column);
         const char *next = skip_blanks(end);
-        if (!line_ends(next) && (commas ? *next != ',' : next == end)) return fail_column(reader, line, column, c);
+        if (end == c || (!line_ends(next) && (commas ? *next != ',' : next == end)))
+            return fail_column(reader, line, column, c);
         c = commas && *next == ',' ? skip_blanks(next + 1) : next;
     }
+    set_pose(v, &sample->pose);
     if (column == TD_COLUMNS && line_ends(c)) return TIDES_OK;
     return td_fail(reader->error, TIDES_BAD_FILE, "%s:%zu: %s than 8 columns; %s has %s", reader->file, line,
                    column < TD_COLUMNS ? "fewer" : "more", commas ? "an ESIM csv" : "a TUM file",
                    commas ? "t_ns, x, y, z, qx, qy, qz, qw" : "t tx ty tz qx qy qz qw");
 }
 
-static tides_status add_sample(td_path_reader *reader, size_t line, const long double v[TD_COLUMNS], long double time_unit) {
-    td_path_sample *sample = td_path_append(reader, line);
-    if (!sample) return TIDES_NO_MEMORY;
-    sample->time = v[0] * time_unit;
-    for (int k = 0; k < 3; k++) sample->pose.position[k] = (double)v[1 + k];
-    double *q = sample->pose.quaternion, square = 0.0;
-    q[0] = (double)v[7]; /* the files write w last */
-    for (int k = 0; k < 3; k++) q[1 + k] = (double)v[4 + k];
-    for (int k = 0; k < 4; k++) square += q[k] * q[k];
-    if (fabs(sqrt(square) - 1.0) <= TD_QUATERNION_TOLERANCE) return TIDES_OK;
+static tides_status check_quaternion(const td_path_reader *reader, const td_path_sample *sample) {
+    const double *q = sample->pose.quaternion;
+    double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (fabs(length - 1.0) <= TD_QUATERNION_TOLERANCE) return TIDES_OK;
     return td_fail(reader->error, TIDES_BAD_FILE,
                    "%s:%zu: the quaternion's length is %.4g instead of 1: columns 5 to 8 must be qx qy qz qw", reader->file,
-                   line, sqrt(square));
+                   sample->place, length);
 }
 
 tides_status td_path_read_text(td_path_reader *reader) {
@@ -70,19 +104,20 @@ tides_status td_path_read_text(td_path_reader *reader) {
         const char *end = c + strcspn(c, "\n"), *data = skip_blanks(c);
         if (!line_ends(data)) {
             if (commas < 0) commas = memchr(c, ',', (size_t)(end - c)) != NULL;
-            long double v[TD_COLUMNS] = {0};
-            tides_status status = read_line(reader, line, data, commas, v);
-            if (status == TIDES_OK) status = add_sample(reader, line, v, commas ? 1e-9L : 1.0L);
+            td_path_sample *sample = td_path_append(reader, line);
+            tides_status status = sample ? read_line(reader, data, commas, sample) : TIDES_NO_MEMORY;
+            if (status == TIDES_OK) status = check_quaternion(reader, sample);
             if (status != TIDES_OK) return status;
         }
         c = *end ? end + 1 : end;
     }
     snprintf(reader->path.format, sizeof reader->path.format, "%s", commas == 1 ? "esim" : "tum");
-    long double duration = reader->count ? reader->samples[reader->count - 1].time - reader->samples[0].time : 0.0L;
-    if (commas == 1 && duration > 0.0L && duration < TD_SHORTEST_ESIM)
+    if (commas != 1 || reader->count < 2) return TIDES_OK;
+    double duration = td_path_since(reader->samples + reader->count - 1, reader->samples);
+    if (duration > 0.0 && duration < TD_SHORTEST_ESIM)
         return td_fail(reader->error, TIDES_BAD_FILE,
-                       "%s: lasts %.3Lg ns: the times of an ESIM csv are nanoseconds; for seconds put blanks instead of commas "
+                       "%s: lasts %.3g ns: the times of an ESIM csv are nanoseconds; for seconds put blanks instead of commas "
                        "(TUM)",
-                       reader->file, duration * 1e9L);
+                       reader->file, duration * 1e9);
     return TIDES_OK;
 }

@@ -70,9 +70,10 @@ static tides_status read_seed(td_path_reader *reader, const cJSON *object, uint6
 
 /* `start` and `rebase` move a generated path as they would move samples. */
 static void shift_range(const td_path_reader *reader, double *start, double *stop) {
-    double offset = (double)td_path_offset(reader, *start);
-    *start -= offset;
-    *stop -= offset;
+    const td_path_sample first = {.time = *start};
+    double origin = td_path_origin(reader, &first).time;
+    *start -= origin;
+    *stop -= origin;
 }
 
 static tides_status read_orbit(td_path_reader *reader, const cJSON *object) {

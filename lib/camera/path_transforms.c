@@ -88,7 +88,7 @@ static tides_status settle_times(td_path_reader *reader, size_t timed) {
         return td_fail(reader->error, TIDES_BAD_FILE, "%s: only %zu of %zu frames have a \"time\": give it to all or to none",
                        reader->file, timed, reader->count);
     qsort(reader->samples, reader->count, sizeof *reader->samples, by_time);
-    int normalised = reader->samples[0].time >= 0.0L && reader->samples[reader->count - 1].time <= 1.0L;
+    int normalised = reader->samples[0].time >= 0.0 && reader->samples[reader->count - 1].time <= 1.0;
     for (size_t i = 0; normalised && i < reader->count; i++) reader->samples[i].time *= reader->options->duration;
     return TIDES_OK;
 }

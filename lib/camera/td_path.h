@@ -6,11 +6,11 @@
 
 #include <cjson/cJSON.h>
 
-/* One pose of a file. The time is kept in long double until `start` has been subtracted: stamps of 1e9 s with nanoseconds
- * need 60 bits of mantissa, of which double has 53. */
+/* One pose of a file. Its time is `time` + `low` until `start` has been subtracted: stamps of 1e9 s with nanoseconds need 60
+ * bits of mantissa, of which a double has 53, so that text formats keep what the double loses. */
 typedef struct td_path_sample {
     tides_pose_sample pose; /* its time isn't set yet */
-    long double time;       /* [s] */
+    double time, low;       /* [s] */
     size_t place;           /* line number, or index in the file's list */
 } td_path_sample;
 
@@ -33,8 +33,11 @@ tides_status td_path_parse(const char *file, const char *text, size_t bytes, con
 /* A new sample at the end, zeroed; NULL: out of memory. */
 td_path_sample *td_path_append(td_path_reader *reader, size_t place);
 
-/* Time that `start` and `rebase` take from every time of the file whose first one is `first`. */
-long double td_path_offset(const td_path_reader *reader, long double first);
+/* Time of `sample` since that of `origin` [s]. */
+double td_path_since(const td_path_sample *sample, const td_path_sample *origin);
+
+/* The time that `start` and `rebase` put at 0, for a file whose first sample is `first`. */
+td_path_sample td_path_origin(const td_path_reader *reader, const td_path_sample *first);
 
 /* Gives the samples even times over [0, duration], for files without times. */
 void td_path_spread(td_path_reader *reader);

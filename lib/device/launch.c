@@ -37,6 +37,20 @@ done:
     return status;
 }
 
+tides_status td_buffer_send(tides_device *device, const td_buffer *buffer, const void *data, size_t bytes, tides_error *error) {
+    tides_status status = TIDES_OK;
+    TD_CL(clEnqueueWriteBuffer(device->queue, buffer->memory, CL_FALSE, 0, bytes, data, 0, NULL, NULL));
+done:
+    return status;
+}
+
+tides_status td_buffer_fetch(tides_device *device, const td_buffer *buffer, void *data, size_t bytes, tides_error *error) {
+    tides_status status = TIDES_OK;
+    TD_CL(clEnqueueReadBuffer(device->queue, buffer->memory, CL_FALSE, 0, bytes, data, 0, NULL, NULL));
+done:
+    return status;
+}
+
 tides_status td_launch(tides_device *device, cl_kernel kernel, cl_uint dimensions, const size_t *global, const size_t *local,
                        const td_argument *arguments, cl_uint count, cl_event *event, tides_error *error) {
     tides_status status = TIDES_OK;

@@ -17,6 +17,10 @@ void td_buffer_release(td_buffer *buffer);
 tides_status td_buffer_write(tides_device *device, td_buffer *buffer, const void *data, size_t bytes, tides_error *error);
 tides_status td_buffer_read(tides_device *device, const td_buffer *buffer, void *data, size_t bytes, tides_error *error);
 
+/* The same without waiting: `data` must stay as it is until the queue has finished, and td_buffer_send doesn't reserve. */
+tides_status td_buffer_send(tides_device *device, const td_buffer *buffer, const void *data, size_t bytes, tides_error *error);
+tides_status td_buffer_fetch(tides_device *device, const td_buffer *buffer, void *data, size_t bytes, tides_error *error);
+
 /* One kernel argument: a buffer, or `bytes` of a value. */
 typedef struct td_argument {
     const td_buffer *buffer;

@@ -43,9 +43,9 @@ static char *make_defines(const opencl_backend *b, int outputs, tides_error *err
     return td_format(error,
                      "#define TD_BUILD_SH_DEGREE %d\n#define TD_BUILD_ANTIALIAS %d\n#define TD_BUILD_CUT_RULE %d\n"
                      "#define TD_BUILD_STOP_RULE %d\n#define TD_BUILD_EXTENT_RULE %d\n#define TD_BUILD_MOVING %d\n"
-                     "#define TD_BUILD_OUTPUTS %d\n",
+                     "#define TD_BUILD_OUTPUTS %d\n#define TD_BUILD_SOFT_ORDER %d\n",
                      image->sh_degree, image->antialias, image->cut_rule, image->stop_rule, image->extent_rule, image->moving,
-                     outputs);
+                     outputs, image->soft_order);
 }
 
 static tides_status make_kernel(opencl_backend *b, const char *file, const char *name, int outputs, cl_kernel *kernel,
@@ -83,8 +83,37 @@ static tides_status sweep(td_backend *backend, const double *views, double durat
     return status;
 }
 
+/* Host memory of a batch: what goes to the device and what comes back, all at once, so that only its end is waited for. */
+typedef struct staging {
+    float *views, *backdrops, *planes;
+    td_job *jobs;
+    int *blended, *counts;
+    size_t view_reals, backdrop_reals, plane_reals, blended_count;
+} staging;
+
+static tides_status lay_staging(opencl_backend *b, const td_batch *batch, staging *s, tides_error *error) {
+    size_t jobs = (size_t)batch->job_count;
+    s->view_reals = (size_t)batch->slots * b->objects * TD_VIEW_REALS;
+    s->backdrop_reals = (size_t)batch->slots * TD_BACKDROP_REALS;
+    s->plane_reals = jobs * batch->outputs * TD_TILE_PIXELS;
+    s->blended_count = jobs * (TD_TILE_PIXELS / b->device->info.lanes);
+    size_t reals = s->view_reals + s->backdrop_reals + s->plane_reals, ints = jobs * TD_JOB_INTS + s->blended_count + jobs;
+    tides_status status = td_reserve((void **)&b->host, &b->host_capacity, reals, sizeof *b->host, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&b->host_ints, &b->host_ints_capacity, ints, sizeof *b->host_ints, error);
+    if (status != TIDES_OK) return status;
+    s->views = b->host;
+    s->backdrops = s->views + s->view_reals;
+    s->planes = s->backdrops + s->backdrop_reals;
+    s->jobs = (td_job *)(void *)b->host_ints; /* a td_job is TD_JOB_INTS ints */
+    s->blended = b->host_ints + jobs * TD_JOB_INTS;
+    s->counts = s->blended + s->blended_count;
+    return TIDES_OK;
+}
+
 /* Room for the batch on the device. */
-static tides_status reserve_batch(opencl_backend *b, const td_batch *batch, int tiles, tides_error *error) {
+static tides_status reserve_batch(opencl_backend *b, const td_batch *batch, int tiles, staging *s, tides_error *error) {
+    tides_status laid = lay_staging(b, batch, s, error);
+    if (laid != TIDES_OK) return laid;
     size_t records = (size_t)batch->records, jobs = (size_t)batch->job_count;
     size_t colours = batch->outputs < TD_OUT_COLOUR ? 1 : records * TD_COLOUR_STRIDE;
     struct {
@@ -100,7 +129,10 @@ static tides_status reserve_batch(opencl_backend *b, const td_batch *batch, int 
         {&b->counts, jobs * sizeof(cl_int)},
         {&b->brightest, jobs * sizeof(cl_float)},
         {&b->planes, (size_t)tiles * batch->outputs * TD_TILE_PIXELS * sizeof(cl_float)},
-        {&b->blended, jobs * (TD_TILE_PIXELS / b->device->info.lanes) * sizeof(cl_int)},
+        {&b->blended, s->blended_count * sizeof(cl_int)},
+        {&b->views, s->view_reals * sizeof(cl_float)},
+        {&b->backdrops, s->backdrop_reals * sizeof(cl_float)},
+        {&b->jobs, jobs * sizeof(td_job)},
     };
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         tides_status status = td_buffer_reserve(b->device, wanted[i].buffer, wanted[i].bytes, error);
@@ -110,27 +142,34 @@ static tides_status reserve_batch(opencl_backend *b, const td_batch *batch, int 
 }
 
 /* The batch's own data to the device; jobs are renumbered so that output k of this launch is job k. */
-static tides_status write_batch(opencl_backend *b, const td_batch *batch, tides_error *error) {
+static tides_status send_batch(opencl_backend *b, const td_batch *batch, const staging *s, tides_error *error) {
     size_t jobs = (size_t)batch->job_count;
-    tides_status status = reserve_batch(b, batch, batch->job_count, error);
-    if (status == TIDES_OK)
-        status = write_reals(b, &b->views, batch->views, (size_t)batch->slots * b->objects * TD_VIEW_REALS, error);
-    if (status == TIDES_OK)
-        status = write_reals(b, &b->backdrops, batch->backdrops, (size_t)batch->slots * TD_BACKDROP_REALS, error);
-    if (status == TIDES_OK && b->candidates_serial != batch->candidates_serial) {
+    for (size_t i = 0; i < s->view_reals; i++) s->views[i] = (float)batch->views[i];
+    for (size_t i = 0; i < s->backdrop_reals; i++) s->backdrops[i] = (float)batch->backdrops[i];
+    for (size_t i = 0; i < jobs; i++) {
+        s->jobs[i] = batch->jobs[i];
+        s->jobs[i].out = (int)i;
+    }
+    tides_status status = TIDES_OK;
+    if (b->candidates_serial != batch->candidates_serial) {
         status = td_buffer_write(b->device, &b->candidates, batch->candidates,
                                  (size_t)batch->candidate_count * sizeof *batch->candidates, error);
         b->candidates_serial = batch->candidates_serial;
     }
+    if (status == TIDES_OK) status = td_buffer_send(b->device, &b->views, s->views, s->view_reals * sizeof *s->views, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&b->host_ints, &b->host_ints_capacity, jobs * TD_JOB_INTS, sizeof *b->host_ints, error);
-    if (status != TIDES_OK) return status;
-    td_job *renumbered = (td_job *)(void *)b->host_ints;
-    for (size_t i = 0; i < jobs; i++) {
-        renumbered[i] = batch->jobs[i];
-        renumbered[i].out = (int)i;
-    }
-    return td_buffer_write(b->device, &b->jobs, renumbered, jobs * sizeof *renumbered, error);
+        status = td_buffer_send(b->device, &b->backdrops, s->backdrops, s->backdrop_reals * sizeof *s->backdrops, error);
+    if (status == TIDES_OK) status = td_buffer_send(b->device, &b->jobs, s->jobs, jobs * sizeof *s->jobs, error);
+    return status;
+}
+
+static tides_status fetch_batch(opencl_backend *b, const td_batch *batch, const staging *s, tides_error *error) {
+    tides_status status = td_buffer_fetch(b->device, &b->planes, s->planes, s->plane_reals * sizeof *s->planes, error);
+    if (status == TIDES_OK)
+        status = td_buffer_fetch(b->device, &b->blended, s->blended, s->blended_count * sizeof *s->blended, error);
+    if (status == TIDES_OK)
+        status = td_buffer_fetch(b->device, &b->counts, s->counts, (size_t)batch->job_count * sizeof *s->counts, error);
+    return status;
 }
 
 static tides_status launch_project(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
@@ -165,46 +204,40 @@ static tides_status launch_composite(opencl_backend *b, const td_batch *batch, c
                      error);
 }
 
-/* Planes back to the caller, tile by tile to its place, widened. */
-static tides_status read_planes(opencl_backend *b, const td_batch *batch, double *planes, tides_error *error) {
-    size_t tile = (size_t)batch->outputs * TD_TILE_PIXELS, total = tile * (size_t)batch->job_count;
-    tides_status status = td_reserve((void **)&b->host, &b->host_capacity, total, sizeof *b->host, error);
-    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->planes, b->host, total * sizeof *b->host, error);
-    for (int i = 0; i < batch->job_count && status == TIDES_OK; i++) {
-        const float *from = b->host + (size_t)i * tile;
+/* Planes to the caller, tile by tile to its place, widened. */
+static void place_planes(const td_batch *batch, const staging *s, double *planes) {
+    size_t tile = (size_t)batch->outputs * TD_TILE_PIXELS;
+    for (int i = 0; i < batch->job_count; i++) {
+        const float *from = s->planes + (size_t)i * tile;
         double *to = planes + (size_t)batch->jobs[i].out * tile;
         for (size_t k = 0; k < tile; k++) to[k] = from[k];
     }
-    return status;
 }
 
-/* Counts of the batch: splats per job and pairs per work-item. */
-static tides_status read_counts(opencl_backend *b, const td_batch *batch, tides_error *error) {
-    size_t jobs = (size_t)batch->job_count, lanes = (size_t)b->device->info.lanes, items = jobs * (TD_TILE_PIXELS / lanes);
+/* Splats per job and pairs per work-item. */
+static void add_counts(opencl_backend *b, const td_batch *batch, const staging *s) {
     tides_render_stats *stats = &b->base.stats;
-    tides_status status = td_reserve((void **)&b->host_ints, &b->host_ints_capacity, items, sizeof *b->host_ints, error);
-    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->blended, b->host_ints, items * sizeof *b->host_ints, error);
-    if (status != TIDES_OK) return status;
-    for (size_t i = 0; i < items; i++) stats->pairs_evaluated += lanes * (size_t)b->host_ints[i];
-    status = td_buffer_read(b->device, &b->counts, b->host_ints, jobs * sizeof *b->host_ints, error);
-    if (status != TIDES_OK) return status;
-    stats->tile_jobs += jobs;
-    for (size_t i = 0; i < jobs; i++) {
+    for (size_t i = 0; i < s->blended_count; i++)
+        stats->pairs_evaluated += (uint64_t)b->device->info.lanes * (uint64_t)s->blended[i];
+    stats->tile_jobs += (uint64_t)batch->job_count;
+    for (int i = 0; i < batch->job_count; i++) {
         stats->gaussians_projected += (uint64_t)batch->jobs[i].count;
-        stats->gaussians_culled += (uint64_t)(batch->jobs[i].count - b->host_ints[i]);
+        stats->gaussians_culled += (uint64_t)(batch->jobs[i].count - s->counts[i]);
     }
-    return TIDES_OK;
 }
 
-/* All launches of a batch, with the time of each stage; prepared kernels. */
-static tides_status run_stages(opencl_backend *b, const td_batch *batch, double *stage_seconds, tides_error *error) {
+/* All of a batch on the device, with the time of each stage; kernels are prepared. */
+static tides_status run_stages(opencl_backend *b, const td_batch *batch, staging *s, double *stage_seconds, tides_error *error) {
     cl_event events[STAGES] = {NULL, NULL, NULL};
-    tides_status status = write_batch(b, batch, error);
+    tides_status status = reserve_batch(b, batch, batch->job_count, s, error);
+    if (status == TIDES_OK) status = send_batch(b, batch, s, error);
     if (status == TIDES_OK) status = launch_project(b, batch, &events[0], error);
     if (status == TIDES_OK) status = launch_sort(b, batch, &events[1], error);
     if (status == TIDES_OK) status = launch_composite(b, batch, &events[2], error);
-    if (status == TIDES_OK) TD_CL(clFinish(b->device->queue));
-done:
+    if (status == TIDES_OK) status = fetch_batch(b, batch, s, error);
+    /* Also after a failure: what was sent still reads host memory. */
+    cl_int finished = clFinish(b->device->queue);
+    if (status == TIDES_OK && finished != CL_SUCCESS) status = td_cl_fail(error, finished, "clFinish");
     for (int i = 0; i < STAGES; i++) stage_seconds[i] = td_event_seconds(&events[i]);
     return status;
 }
@@ -215,10 +248,11 @@ static tides_status warm_up(opencl_backend *b, int outputs, tides_error *error) 
     static const double backdrop[TD_BACKDROP_REALS] = {0};
     static const int candidate = TD_NO_GAUSSIAN;
     double seconds[STAGES];
+    staging s;
     double *views = td_alloc((size_t)b->objects * TD_VIEW_REALS, sizeof *views, error);
     if (!views) return TIDES_NO_MEMORY;
     td_batch batch = {views, backdrop, 1, &nothing, 1, &candidate, 1, b->candidates_serial - 1, TD_PAD, outputs};
-    tides_status status = run_stages(b, &batch, seconds, error);
+    tides_status status = run_stages(b, &batch, &s, seconds, error);
     free(views);
     return status;
 }
@@ -244,12 +278,15 @@ static tides_status render(td_backend *backend, const td_batch *batch, double *p
     tides_status status = prepare(backend, batch->outputs, error);
     if (status != TIDES_OK) return status;
     double begun = td_now(), seconds[STAGES];
-    status = run_stages(b, batch, seconds, error);
+    staging s;
+    status = run_stages(b, batch, &s, seconds, error);
     stats->time_project_s += seconds[0];
     stats->time_sort_s += seconds[1];
     stats->time_composite_s += seconds[2];
-    if (status == TIDES_OK) status = read_planes(b, batch, planes, error);
-    if (status == TIDES_OK) status = read_counts(b, batch, error);
+    if (status == TIDES_OK) {
+        place_planes(batch, &s, planes);
+        add_counts(b, batch, &s);
+    }
     stats->time_transfer_s += td_now() - begun - seconds[0] - seconds[1] - seconds[2];
     return status;
 }

@@ -129,6 +129,7 @@ static const named_constant rules[] = {{"smooth", TIDES_RULES_SMOOTH},
                                        {"inria", TIDES_RULES_INRIA},
                                        {"gsplat", TIDES_RULES_GSPLAT},
                                        {NULL, 0}};
+static const named_constant modes[] = {{"fixed", TIDES_STEPPING_FIXED}, {"error", TIDES_STEPPING_ERROR}, {NULL, 0}};
 static const named_constant models[] = {{"hermite", TIDES_MODEL_HERMITE},
                                         {"quadratic", TIDES_MODEL_QUADRATIC},
                                         {"linear", TIDES_MODEL_LINEAR},
@@ -171,9 +172,13 @@ void tides_run_get(const tides_run *run, tides_run_values *values) {
     values->sensor.threshold_off = td_run_number(run, "sensor.threshold_off");
     values->sensor.max_events_per_step = run_integer(run, "sensor.max_events_per_step");
     tides_stepping_defaults(&values->stepping);
-    values->stepping.mode = TIDES_STEPPING_FIXED; /* the only available one: the table refuses the rest */
+    values->stepping.mode = run_constant(run, "stepping.mode", modes);
     values->stepping.model = run_constant(run, "stepping.model", models);
     values->stepping.step_s = td_run_number(run, "stepping.step_s");
+    values->stepping.min_step_s = td_run_number(run, "stepping.min_step_s");
+    values->stepping.tolerance = td_run_number(run, "stepping.tolerance");
+    values->stepping.time_tolerance_s = td_run_number(run, "stepping.time_tolerance_s");
+    values->stepping.local = run_boolean(run, "stepping.local");
     values->start = td_run_number(run, "time.start");
     values->stop = td_run_number(run, "time.stop");
     values->scene_file = run->scene_file;

@@ -37,9 +37,9 @@ tides_status td_gaussians_copy(td_gaussians *gaussians, const tides_gaussians *s
                        : !source->quaternion ? "quaternion"
                        : !source->sh         ? "sh"
                                              : "opacity_logit");
-    td_gaussians made;
+    td_gaussians made = {0};
     tides_status status = td_gaussians_create(&made, source->count, source->sh_degree, error);
-    if (status) return status;
+    if (!made.sh) return status;
     size_t n = (size_t)made.count;
     memcpy(made.mean, source->mean, n * 3 * sizeof(float));
     memcpy(made.log_scale, source->log_scale, n * 3 * sizeof(float));
@@ -110,7 +110,7 @@ static tides_status check_quaternions(const td_gaussians *gaussians, complaint c
 
 /* In place, means and scales are multiplied by the object's scale. */
 static tides_status check_range(const td_gaussians *gaussians, double scale, complaint c) {
-    double most = log(FLT_MAX) - log(scale);
+    double most = log((double)FLT_MAX) - log(scale);
     for (int64_t i = 0; i < 3 * gaussians->count; i++) {
         int bad_scale = gaussians->log_scale[i] > most;
         if (!bad_scale && fabs(gaussians->mean[i] * scale) <= FLT_MAX) continue;

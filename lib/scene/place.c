@@ -159,15 +159,15 @@ static hid_t open_floats(const td_place *place, const char *name) {
     return H5I_INVALID_HID;
 }
 
-/* Whether `shape` has no more values than the dataset's stored bytes, and the file, can hold. */
-static int is_plausible(const td_place *place, hid_t set, int rank, const uint64_t *shape) {
+/* Whether a shape, filled up with ones, has no more values than the dataset's stored bytes, and the file, can hold. */
+static int is_plausible(const td_place *place, hid_t set, const uint64_t shape[TD_PLACE_RANK_MAX]) {
     hsize_t file_bytes = 0, stored = H5Dget_storage_size(set);
     hid_t file = H5Iget_file_id(place->id);
     int known = file >= 0 && H5Fget_filesize(file, &file_bytes) >= 0;
     if (file >= 0) H5Fclose(file);
     if (!known || stored > file_bytes) return 0;
     uint64_t room = (uint64_t)stored * DEFLATE_MAX;
-    for (int i = 0; i < rank; i++) {
+    for (int i = 0; i < TD_PLACE_RANK_MAX; i++) {
         if (shape[i] == 0) return 1;
         room /= shape[i]; /* the floor of floors is the floor of the whole quotient */
     }
@@ -176,7 +176,7 @@ static int is_plausible(const td_place *place, hid_t set, int rank, const uint64
 
 tides_status td_place_shape(const td_place *place, const char *name, int rank, uint64_t shape[TD_PLACE_RANK_MAX]) {
     hsize_t found[TD_PLACE_RANK_MAX] = {0, 0, 0};
-    uint64_t result[TD_PLACE_RANK_MAX] = {0, 0, 0};
+    uint64_t result[TD_PLACE_RANK_MAX] = {1, 1, 1};
     hid_t set = open_floats(place, name);
     if (set < 0)
         return td_fail(place->error, TIDES_BAD_FILE, "%s: dataset %s of %s is missing or doesn't hold floating-point numbers",
@@ -186,8 +186,8 @@ tides_status td_place_shape(const td_place *place, const char *name, int rank, u
     if (space < 0 || H5Sget_simple_extent_ndims(space) != rank || H5Sget_simple_extent_dims(space, found, NULL) != rank)
         status = td_fail(place->error, TIDES_BAD_FILE, "%s: dataset %s of %s should have %d dimensions", place->file, name,
                          place->where, rank);
-    for (int i = 0; i < rank; i++) result[i] = found[i];
-    if (!status && !is_plausible(place, set, rank, result))
+    for (int i = 0; i < rank && i < TD_PLACE_RANK_MAX && !status; i++) result[i] = found[i];
+    if (!status && !is_plausible(place, set, result))
         status = td_fail(place->error, TIDES_BAD_FILE,
                          "%s: dataset %s of %s claims %llu rows, more than the file holds: is it truncated?", place->file, name,
                          place->where, (unsigned long long)result[0]);

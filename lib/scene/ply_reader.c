@@ -64,7 +64,8 @@ static tides_status bind(const binding *b, const char *name, float *array, size_
     for (size_t i = found + 1; i < b->vertex->properties; i++)
         if (td_ply_word_is(b->header->properties[b->vertex->first_property + i].name, name))
             return td_fail(b->error, TIDES_BAD_FILE, "%s: element vertex has two properties %s", b->file->path, name);
-    if (array) b->columns[found] = (td_ply_column){array + at, stride};
+    if (array) b->columns[found].base = array + at;
+    if (array) b->columns[found].stride = stride;
     return TIDES_OK;
 }
 

@@ -3,7 +3,6 @@
  * Level 0 renders every tile at the macro step's end. Each level then looks at the steps that are new, and halves those whose
  * estimated error is above the tolerance, until none is left or min_step_s is reached. All tiles' midpoints of a level are one
  * batch for the renderer; equal times share a slot. Without `local` one tile's failure halves the step of all. */
-#include "td_estimate.h"
 #include "td_simulator.h"
 
 #include <math.h>
@@ -121,7 +120,6 @@ static int too_coarse(tides_simulator *s, const td_refine *r, const td_refine_st
     if (coarse && !shortest) return 1;
     s->stats.steps_at_minimum += (uint64_t)(coarse && shortest);
     if (estimate.error > s->stats.worst_error * threshold) s->stats.worst_error = estimate.error / threshold;
-    if (estimate.seconds > s->stats.worst_error_s) s->stats.worst_error_s = estimate.seconds;
     return 0;
 }
 

@@ -137,6 +137,7 @@ static tides_status compare_refined_tile(tides_simulator *s, int t, double start
         if (status == TIDES_OK)
             status = td_comparator_step(&s->comparator, &step, tile, &signals, &pixels, &s->events, &s->counts, error);
         if (status != TIDES_OK) return status;
+        td_timing_add(&s->timing, &s->comparator, step.length_s, &signals, tile->count);
         s->stats.steps++;
     }
     memcpy(s->now.S + at, end, bytes);

@@ -185,6 +185,9 @@ void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats)
     double known = render->time_build_s + render->time_sweep_s + render->time_project_s + render->time_sort_s +
                    render->time_composite_s + render->time_transfer_s + stats->time_compare_s + stats->time_sink_s;
     stats->time_other_s = stats->run_time_s - known;
+    stats->error_p50_s = td_timing_percentile(&simulator->timing, 0.50);
+    stats->error_p95_s = td_timing_percentile(&simulator->timing, 0.95);
+    stats->error_p99_s = td_timing_percentile(&simulator->timing, 0.99);
     stats->peak_memory_bytes = td_peak_memory();
     if (simulator->started)
         stats->worst_residual = td_comparator_worst_residual(&simulator->comparator, &simulator->pixels, simulator->now.S,

@@ -20,4 +20,16 @@ typedef struct td_estimate {
 td_estimate td_estimate_step(const td_comparator *comparator, double h, const td_signals *signals, const double *reference,
                              int32_t count);
 
+/* Estimated timing errors of a run's events: each pixel's step weighs in with the number of thresholds that it moves through. */
+enum { TD_TIMING_BINS = 256, TD_TIMING_PER_OCTAVE = 4 };
+typedef struct td_timing {
+    double weight[TD_TIMING_BINS]; /* bin k: errors from 2^(k / 4 - 48) s on */
+} td_timing;
+
+/* Adds one accepted step. */
+void td_timing_add(td_timing *timing, const td_comparator *comparator, double h, const td_signals *signals, int32_t count);
+
+/* The error [s] that `share` (0 to 1) of the events stay below; 0 where nothing moved. */
+double td_timing_percentile(const td_timing *timing, double share);
+
 #endif

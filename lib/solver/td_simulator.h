@@ -3,7 +3,7 @@
 #define TD_SIMULATOR_H
 
 #include "render/td_render.h"
-#include "td_comparator.h"
+#include "td_estimate.h"
 #include "td_refine.h"
 
 enum { TD_BATCH_STEPS = 16 }; /* steps per launch at most */
@@ -21,6 +21,7 @@ struct tides_simulator {
     int mode, local;            /* TIDES_STEPPING_*; each tile has its own steps */
     double min_step_s, tolerance, time_tolerance_s;
     td_refine refine;           /* TIDES_STEPPING_ERROR */
+    td_timing timing;           /* likewise: estimated errors of event times */
     int broken;                 /* a step failed half way: the pixels no longer agree on the time */
     int64_t steps;              /* of the whole run */
     int64_t step;               /* steps taken */

@@ -1,8 +1,8 @@
 /* One Gaussian that passes in front of a backdrop, against the formula.
  *
- * A round Gaussian of standard deviation s at (X(t), 0, z), X = X0 + v t, seen along +z from the origin: with k = (f s / z)^2 and
- * p = X / z its splat is axis-aligned, at (u, cy) with u = f p + cx, with variances a = k (1 + p^2) + dilation and c = k +
- * dilation, so
+ * A round Gaussian of standard deviation s at (X, 0, z) with X = X0 + v t is seen along +z from the origin. With
+ * k = (f s / z)^2 and p = X / z its splat is axis-aligned, lies at (u, cy) with u = f p + cx, and has variances
+ * a = k (1 + p^2) + dilation and c = k + dilation, so
  *   alpha     = o exp(-dx^2 / 2a - dy^2 / 2c)
  *   alpha_dot = alpha (dx u_dot / a + dx^2 a_dot / 2a^2),   u_dot = f v / z,   a_dot = 2 k p v / z
  *   Y         = B + alpha (l - B)                           for a splat of luminance l and a backdrop of luminance B

@@ -1,6 +1,6 @@
 /* Rates of the double reference against central differences of the double reference itself, on random scenes.
  *
- * A frame is rendered at t, t +- h/2 and t +- h from everything that moves (raw parameters, rigid objects, camera, backdrop), so
+ * A frame is rendered at t, t +- h/2 and t +- h from everything that moves (raw parameters, rigid objects, camera, backdrop):
  * the whole chain from trajectories and activations to pixels is differenced. Richardson's extrapolation of the two central
  * differences has an error of O(h^4), some 1e-12 here, and rounding puts in 1e-16 / h = 2e-11. 1e-6 of the largest rate of a
  * plane is asked.

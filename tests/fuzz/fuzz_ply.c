@@ -14,14 +14,13 @@ static void check_refusal(tides_status status, const tides_error *error) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    td_gaussians gaussians, untouched;
-    memset(&gaussians, 0x5a, sizeof gaussians);
-    untouched = gaussians;
+    float untouched = 0;
+    td_gaussians gaussians = {-1, -1, &untouched, &untouched, &untouched, &untouched, &untouched};
     tides_error error = {0, ""};
     tides_status status = td_ply_parse("fuzz", data, size, &gaussians, &error);
     if (status != TIDES_OK) {
         check_refusal(status, &error);
-        if (memcmp(&gaussians, &untouched, sizeof gaussians) != 0) abort();
+        if (gaussians.count != -1 || gaussians.mean != &untouched || gaussians.sh != &untouched) abort();
         return 0;
     }
     /* Every Gaussian takes at least 14 bytes of the file: memory is bounded by what was read. */

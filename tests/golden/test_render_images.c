@@ -90,7 +90,7 @@ static td_backend *make_backend(const run *r, int which, const td_store *store, 
     return backend;
 }
 
-/* One time of a file, rendered with swept candidates and with all Gaussians for every tile: both come out the same, to the bit. */
+/* One time of a file, rendered with swept candidates and with all Gaussians for every tile: the same, to the bit. */
 static double *render_time(const run *r, const golden_file *file, int time, int which) {
     int degree = degree_for(file, which);
     td_store store = golden_store(file, time, degree);

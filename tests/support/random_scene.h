@@ -22,7 +22,7 @@ typedef struct random_recipe {
     double camera_speed;             /* [scene units/s] and [rad/s], roughly; 0: at rest */
 } random_recipe;
 
-/* 60 Gaussians of degree 3 in 1 object at rest, 64x48 px, spread 1.5, size 0.12, opacity 0.1 to 0.9, speed 1, camera_speed 1. */
+/* 60 Gaussians of degree 3 in 1 object at rest, 64x48 px, spread 1.5, size 0.12, opacity 0.1 to 0.9, both speeds 1. */
 random_recipe random_recipe_defaults(uint64_t seed);
 
 typedef struct random_scene {
@@ -38,8 +38,8 @@ enum { RANDOM_MEAN = 0, RANDOM_LOG_SCALE = 3, RANDOM_QUATERNION = 6, RANDOM_LOGI
 random_scene random_scene_make(const random_recipe *recipe);
 void random_scene_free(random_scene *scene);
 
-/* The store at `time`: with rates and sh_wide where the scene is moving, else what td_store_create makes of the scene (float SH).
- * Freed with td_store_release. */
+/* The store at `time`: with rates and sh_wide where the scene is moving, else what td_store_create makes of the scene, with SH
+ * in float. Freed with td_store_release. */
 td_store random_scene_store(const random_scene *scene, double time);
 
 /* Views at `slots` times in [0, 1]: (slots x objects x TD_VIEW_REALS); backdrops: (slots x TD_BACKDROP_REALS), changing with

@@ -77,8 +77,9 @@ static double *assemble(const td_candidates *candidates, const frame_input *inpu
     for (int plane = 0; plane < input->outputs; plane++)
         for (int y = 0; y < input->height; y++)
             for (int x = 0; x < input->width; x++) {
-                size_t tile = (size_t)(y / TD_TILE * candidates->tiles_x + x / TD_TILE);
-                *at++ = tiles[(tile * input->outputs + plane) * TD_TILE_PIXELS + td_tile_pixel(x % TD_TILE, y % TD_TILE)];
+                int tile = y / TD_TILE * candidates->tiles_x + x / TD_TILE;
+                *at++ =
+                    tiles[((size_t)tile * input->outputs + plane) * TD_TILE_PIXELS + td_tile_pixel(x % TD_TILE, y % TD_TILE)];
             }
     return image;
 }
@@ -90,7 +91,7 @@ double *frame_render(td_backend *backend, const frame_input *input, int which) {
     find_candidates(backend, input, which, &candidates);
     int tiles = candidates.tiles_x * candidates.tiles_y;
     td_job *jobs = malloc((size_t)tiles * sizeof *jobs);
-    double *planes = malloc((size_t)tiles * input->outputs * TD_TILE_PIXELS * sizeof *planes);
+    double *planes = calloc((size_t)tiles * input->outputs * TD_TILE_PIXELS, sizeof *planes);
     assert_true(jobs && planes);
     fill_with_backdrop(backend, input, tiles, planes);
     batch.views = input->views;

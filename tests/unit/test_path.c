@@ -115,13 +115,22 @@ static void stamps_keep_their_nanoseconds(void **state) {
     options.start = 77.0; /* ignored */
     tides_path path = load_text("1403636579758555392,1,2,3,0,0,0,1\n1403636579763555401,1,2,3,0,0,0,1\n", &options);
     assert_near(sample_of(&path, 0).time, 0.0, 0.0);
-    assert_near(sample_of(&path, 1).time, 0.005000009, 2e-10); /* 80-bit seconds resolve 1.4e9 s to 1e-10 s */
+    assert_near(sample_of(&path, 1).time, 0.005000009, 2e-16);
     tides_trajectory_destroy(path.trajectory);
     options.rebase = 0;
     options.start = 1403636579.5;
     path = load_text("1403636579.758555392 1 2 3 0 0 0 1\n1403636580.0 1 2 3 0 0 0 1\n", &options);
-    assert_near(sample_of(&path, 0).time, 0.258555392, 2e-10);
+    assert_near(sample_of(&path, 0).time, 0.258555392, 2e-16);
     assert_near(sample_of(&path, 1).time, 0.5, 0.0);
+    tides_trajectory_destroy(path.trajectory);
+    path = load_text("-2.3 1 2 3 0 0 0 1\n-1e-1 1 2 3 0 0 0 1\n3.3 1 2 3 0 0 0 1\n", NULL); /* nothing subtracted: as written */
+    assert_near(sample_of(&path, 0).time, -2.3, 0.0);
+    assert_near(sample_of(&path, 1).time, -0.1, 0.0);
+    assert_near(sample_of(&path, 2).time, 3.3, 0.0);
+    tides_trajectory_destroy(path.trajectory);
+    path = load_text("-2300000000.0,1,2,3,0,0,0,1\n3.3e9,1,2,3,0,0,0,1\n", NULL);
+    assert_near(sample_of(&path, 0).time, -2.3, 0.0);
+    assert_near(sample_of(&path, 1).time, 3.3, 0.0);
     tides_trajectory_destroy(path.trajectory);
 }
 

@@ -65,6 +65,7 @@ static void tum_and_esim(void **state) {
         {"0 1 2 3 0 0 0 0\n", "F:1: the quaternion's length is 0 instead of 1"},
         {"0 1 2 3 0 0 0 1.2\n", "F:1: the quaternion's length is 1.2 instead of 1"},
         {"0 1 2 3 0 0 0 1\n\n0 1 2 3 0 0 0 1\n", "F:3: its time, 0 s, is also that of line 1; drop one of the two"},
+        {"1403636579.7585553921 1 2 3 0 0 0 1\n1403636579.7585553920 1 2 3 0 0 0 1\n", "F:2: its time"},
         {"2 1 2 3 0 0 0 1\n1 1 2 3 0 0 0 1\n", "F:2: its time, 1 s, comes before that of line 1, 2 s; sort the file by time"},
         {"0 1 2 3 0 0 0 1\n1 1 2 3 0 0 1 0\n", "F: samples 0 and 1 (0 s and 1 s) are turned by 180.0 degrees"},
         {"0,1,2,3,0,0,0\n", "F:1: fewer than 8 columns; an ESIM csv has t_ns"},

@@ -138,13 +138,13 @@ static void test_filter(void **state) {
     for (size_t i = 0; i < 50; i++) {
         double f = filter[i], before = 1, after = 1;
         for (size_t axis = 0; axis < 3; axis++) {
-            double s = exp(g.log_scale[3 * i + axis]), grown = sqrt(s * s + f * f);
-            assert_true(fabs(exp(read.log_scale[3 * i + axis]) - grown) <= 1e-6 * grown);
+            double s = exp((double)g.log_scale[3 * i + axis]), grown = sqrt(s * s + f * f);
+            assert_true(fabs(exp((double)read.log_scale[3 * i + axis]) - grown) <= 1e-6 * grown);
             before *= s * s;
             after *= grown * grown;
         }
-        double opacity = 1 / (1 + exp(-g.opacity_logit[i])) * sqrt(before / after);
-        assert_true(fabs(1 / (1 + exp(-read.opacity_logit[i])) - opacity) <= 1e-6 * opacity);
+        double opacity = 1 / (1 + exp(-(double)g.opacity_logit[i])) * sqrt(before / after);
+        assert_true(fabs(1 / (1 + exp(-(double)read.opacity_logit[i])) - opacity) <= 1e-6 * opacity);
     }
     assert_memory_equal(g.log_scale, read.log_scale, 3 * sizeof(float)); /* a filter of 0 keeps the bits */
     assert_memory_equal(g.opacity_logit, read.opacity_logit, sizeof(float));
