@@ -153,12 +153,15 @@ check-asan: ## Run the test programs and the CLI tests with the address and unde
 check-asan-built:
 	@ASAN_OPTIONS=detect_stack_use_after_return=1:$$ASAN_OPTIONS LSAN_OPTIONS=suppressions=$(CURDIR)/scripts/lsan.supp:print_suppressions=0 \
 	    $(RUN_TESTS) $(TESTS) $(GOLDEN) $(wildcard tests/cli/run.sh)
-check-valgrind: ## Run the unit tests and a small simulation on the reference device under valgrind
+# Those of the unit tests that neither load an OpenCL driver nor kill themselves.
+VALGRIND := $(filter $(addprefix $(OUT)/tests/unit/test_,base comparator crossing event_sort events events_read image_exr \
+            image_png npz path run run_open scene scene_hdf5 scene_ply trajectory),$(TESTS))
+check-valgrind: ## Run unit tests and a small simulation on the reference device under valgrind
 	@sh scripts/deps.sh lint -q
 	@$(AGAIN) all tests
 	@$(AGAIN) check-valgrind-built
 check-valgrind-built:
-	@VALGRIND_PROGRAMS='$(filter $(OUT)/tests/unit/%,$(TESTS))' $(RUN_TESTS) scripts/check_valgrind.sh
+	@TEST_TIMEOUT=1800 VALGRIND_PROGRAMS='$(VALGRIND)' $(RUN_TESTS) scripts/check_valgrind.sh
 check-clang: ## Build with clang without warnings and run the test programs
 	@sh scripts/deps.sh lint -q
 	@$(AGAIN) CONFIG=clang WERROR=-Werror tests build/clang/tides

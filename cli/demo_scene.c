@@ -142,7 +142,7 @@ static tides_status write_run(const char *directory, tides_error *error) {
              "  \"time\":     { \"start\": 0.0, \"stop\": %.17g },\n"
              "  \"image\":    { \"rules\": \"smooth\", \"log_eps\": 0.01 },\n"
              "  \"sensor\":   { \"threshold_on\": 0.2, \"threshold_off\": 0.2 },\n"
-             "  \"stepping\": { \"model\": \"hermite\", \"step_s\": 0.0005 },\n"
+             "  \"stepping\": { \"mode\": \"error\", \"step_s\": 0.01, \"tolerance\": 0.01 },\n"
              "  \"seed\":     \"1\"\n"
              "}",
              DURATION);

@@ -58,18 +58,6 @@ TD_INLINE int td_composite_list(const td_list *list, const td_image *image, int 
     return blended;
 }
 
-TD_INLINE void td_store_lanes(TD_GLOBAL td_real *plane, td_lanes value) {
-#if TD_LANES == 16
-    vstore16(value, 0, plane);
-#elif TD_LANES == 8
-    vstore8(value, 0, plane);
-#elif TD_LANES == 4
-    vstore4(value, 0, plane);
-#else
-    plane[0] = value;
-#endif
-}
-
 /* Composites pixels [first, first + TD_LANES) of block `block` (0..15) of a job, into the tile's planes (block by block: pixel
  * 16 * block + first). Returns the number of splats blended. */
 TD_INLINE int td_composite_block(const td_job *job, const td_list *list, const td_image *image,

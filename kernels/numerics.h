@@ -126,6 +126,19 @@ TD_INLINE void td_store_ints(TD_GLOBAL int *array, td_index value) {
 #endif
 }
 
+/* TD_LANES neighbours of a plane. */
+TD_INLINE void td_store_lanes(TD_GLOBAL td_real *plane, td_lanes value) {
+#if TD_LANES == 16
+    vstore16(value, 0, plane);
+#elif TD_LANES == 8
+    vstore8(value, 0, plane);
+#elif TD_LANES == 4
+    vstore4(value, 0, plane);
+#else
+    plane[0] = value;
+#endif
+}
+
 /* Entry k of TD_LANES records `stride` apart. */
 TD_INLINE void td_scatter(TD_GLOBAL td_real *records, int stride, int k, td_lanes value) {
 #if TD_LANES == 1

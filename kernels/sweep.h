@@ -25,10 +25,26 @@ TD_INLINE td_lanes td_sweep_width(td_lanes a, td_lanes b, td_lanes c) {
     return most + (most - least);
 }
 
+/* Length of a move of the mean in units of the splat's diameter along it, out to where it is cut off. */
+TD_INLINE td_lanes td_move(const td_shape *shape, td_lanes dx, td_lanes dy) {
+    td_lanes q = dx * td_fma(shape->conic[0].v, dx, 2.0f * shape->conic[1].v * dy) + shape->conic[2].v * dy * dy;
+    td_lanes radius2 = td_select(td_splat(1.0f), shape->power, shape->power > 0.0f);
+    return 0.5f * td_sqrt(td_larger(q, td_splat(0.0f)) / radius2);
+}
+
+/* How many of its own diameters each splat travels in the interval: what passes a pixel between two samples unseen. */
+TD_INLINE td_lanes td_travel(const td_shape s[3], td_mask ever) {
+    td_lanes first = td_move(&s[1], s[1].u.v - s[0].u.v, s[1].v.v - s[0].v.v);
+    td_lanes second = td_move(&s[1], s[2].u.v - s[1].u.v, s[2].v.v - s[1].v.v);
+    return td_select(td_splat(0.0f), first + second, ever & s[1].visible);
+}
+
 /* Box [x0, y0, x1, y1] of TD_LANES Gaussians from `first`, at boxes + 4 i; empty (x0 > x1) where never visible. `views`: start,
- * middle and end for every object. Whatever crosses the near plane in the interval gets the whole image. */
+ * middle and end for every object. Whatever crosses the near plane in the interval gets the whole image. travel[i]: see td_travel;
+ * 0 at the near plane, where splats fade. */
 TD_INLINE void td_sweep_group(TD_GLOBAL const td_view *views, const td_image *image, const td_source *source,
-                              TD_GLOBAL const int *object, int first, td_real duration, TD_GLOBAL td_real *boxes) {
+                              TD_GLOBAL const int *object, int first, td_real duration, TD_GLOBAL td_real *boxes,
+                              TD_GLOBAL td_real *travel) {
     td_index gaussian;
 #if TD_LANES == 16
     gaussian = first + (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
@@ -68,6 +84,7 @@ TD_INLINE void td_sweep_group(TD_GLOBAL const td_view *views, const td_image *im
     td_scatter(boxes, 4, 1, y0);
     td_scatter(boxes, 4, 2, x1);
     td_scatter(boxes, 4, 3, y1);
+    td_store_lanes(travel, td_select(td_travel(s, ever), td_splat(0.0f), crosses));
 }
 
 #endif

@@ -39,6 +39,18 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_append(tides_event_wr
 /* Number of events appended so far. */
 TIDES_API uint64_t tides_event_writer_count(const tides_event_writer *writer);
 
+/* Makes everything appended so far survive the death of the process: whole chunks are in the .part already, the events after
+ * them go to `path` + ".part.tail". A failure leaves what was safe as it was, and the writer usable. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_flush(tides_event_writer *writer, tides_error *error);
+
+/* Goes on with a recording that was interrupted: opens the .part (and its tail) that a writer of `path` left, abandoned or
+ * killed, and drops every event after the first `count`. These must have been flushed, or be in an abandoned file; the
+ * file that _finish makes is then the same as that of a recording in one piece. `file` must have the size that the .part has;
+ * its run text replaces the .part's. TIDES_FILE_NOT_FOUND without a .part; TIDES_BAD_FILE where it holds fewer events, is of
+ * another size, or damaged: it is then left as it was, unless the damage was only found while cutting. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_resume(const char *path, const tides_event_file *file, uint64_t count,
+                                                                  tides_event_writer **writer, tides_error *error);
+
 /* Flushes, completes the index, closes and renames. The writer is gone afterwards whatever is returned. `stop_ns` is the end
  * of the recording: ms_to_idx covers it. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_finish(tides_event_writer *writer, int64_t stop_ns,

@@ -26,20 +26,30 @@ enum {
     TIDES_MODEL_SECANT = 3     /* S0 to S1 in a straight line: what ESIM assumes */
 };
 
-/* How steps are chosen. ERROR: each macro step of step_s is halved, tile by tile, until the embedded estimate of the model's
- * error is within the tolerance wherever a pixel may reach a threshold (DESIGN 3.2). */
-enum { TIDES_STEPPING_FIXED = 0, TIDES_STEPPING_ERROR = 2 };
+/* How steps are chosen. FIXED: every step_s. The others halve each macro step of step_s, tile by tile. ERROR: until the
+ * embedded estimate of the model's error is within the tolerance wherever a pixel may reach a threshold (DESIGN 3.2). RISK: until
+ * it is as short as the paper's risk score asks for (Eq. 13; lib/solver/control.c has the norms and kappa). Both may be asked for. */
+enum { TIDES_STEPPING_FIXED = 0, TIDES_STEPPING_RISK = 1, TIDES_STEPPING_ERROR = 2, TIDES_STEPPING_ERROR_RISK = 3 };
 
-/* Step control; fill with tides_stepping_defaults (fixed, hermite, local, 1 ms, 1 us, 0.01, 0). */
+/* Weights of the risk score: coverage, contributors, |alpha_dot|. */
+typedef struct tides_risk {
+    double w_b, w_c, w_alpha;
+} tides_risk;
+
+/* Step control; fill with tides_stepping_defaults (error, hermite, local, 10 ms, 1 us, 0.01, 0, 0, 0.3 0.3 0.4). */
 typedef struct tides_stepping {
     uint32_t size;
     int32_t mode;            /* TIDES_STEPPING_* */
     int32_t model;           /* TIDES_MODEL_* */
-    int32_t local;           /* ERROR: 1 gives each 16x16 tile its own steps, 0 the whole image the same */
+    int32_t local;           /* 1: each 16x16 tile goes its own way: none where nothing moves, steps of its own where they are
+                                chosen; 0: whole frames, the same steps for all */
     double step_s;           /* [s] > 0: the step, or the longest; the last is shortened to end at `stop` */
-    double min_step_s;       /* [s] > 0: ERROR doesn't halve steps that are no longer than this */
+    double min_step_s;       /* [s] > 0: steps that are no longer than this aren't halved */
     double tolerance;        /* ERROR: estimated error of S, in units of the smaller threshold, > 0 */
     double time_tolerance_s; /* ERROR: estimated error of event times [s]; 0: not asked for */
+    double budget;           /* renders that halving may cost in the whole run, in full frames; what is over it goes first where
+                                the measures are worst. 0: no bound */
+    tides_risk risk;         /* RISK */
 } tides_stepping;
 TIDES_API void tides_stepping_defaults(tides_stepping *stepping);
 
@@ -51,12 +61,14 @@ typedef struct tides_stats {
     uint64_t events_caught_up;  /* crossings that the local model missed or put out of range, fired at the step's end */
     uint64_t steps;             /* (tile, step) pairs that went to the comparator */
     uint64_t steps_rejected;    /* of these, halved: (tile, step) pairs that were too coarse */
+    uint64_t steps_over_budget; /* accepted above the tolerance because the budget was used up */
     uint64_t steps_at_minimum;  /* accepted above the tolerance because they were as short as min_step_s */
     double worst_error;         /* largest estimate among accepted steps [thresholds]; 0 under fixed steps, which estimate none */
     double error_p50_s, error_p95_s, error_p99_s; /* estimated timing error that so many percent of the events stay below [s];
                                                      likewise 0 under fixed steps */
     double worst_residual;      /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
-    double renders_full_frame_equivalent; /* tile jobs, skipped ones included, over tiles */
+    uint64_t tile_steps_still;  /* (tile, step) pairs in which nothing moved: neither rendered nor compared */
+    double renders_full_frame_equivalent; /* tile jobs over tiles */
     double simulated_s, run_time_s, real_time_factor; /* simulated / run time */
     double time_compare_s, time_sink_s, time_other_s;
     uint64_t peak_memory_bytes; /* of the process */
@@ -93,6 +105,19 @@ TIDES_API void tides_simulator_stats(const tides_simulator *simulator, tides_sta
  * reference, and the counts of events. The invariant: -threshold_off < signal - reference < threshold_on. */
 TIDES_API void tides_simulator_state(const tides_simulator *simulator, double *signal, double *reference, uint32_t *count_on,
                                      uint32_t *count_off);
+
+/* Writes the run's state to `path`, HDF5, beside and renamed (layout documented in lib/solver/checkpoint.c), between two calls
+ * of tides_simulator_run; a progress that stops the run makes such a place. A new simulator that restores it gives the rest of
+ * the events, the same to the bit. `run` (nullable) is the run file as JSON, for tides_simulator_restore to compare with. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_save(const tides_simulator *simulator, const char *run,
+                                                             const char *path, tides_error *error);
+
+/* Puts a new simulator, which hasn't run yet, where a saved one was: tides_simulator_run goes on from there, and the statistics
+ * count both. TIDES_BAD_CONFIG naming what differs where the checkpoint is of another run: `run` (nullable) in anything but
+ * time.stop and device, the scene, the camera, the sensor, the stepping, the start, the device's precision. The stop may be
+ * another one after the time of the checkpoint. TIDES_BAD_FILE where the file is damaged. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_restore(tides_simulator *simulator, const char *run, const char *path,
+                                                                tides_error *error);
 
 #ifdef __cplusplus
 }

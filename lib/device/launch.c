@@ -29,12 +29,17 @@ done:
     return status;
 }
 
-tides_status td_buffer_read(tides_device *device, const td_buffer *buffer, void *data, size_t bytes, tides_error *error) {
+tides_status td_buffer_read_part(tides_device *device, const td_buffer *buffer, void *data, size_t offset, size_t bytes,
+                                 tides_error *error) {
     tides_status status = TIDES_OK;
     if (bytes == 0) return status;
-    TD_CL(clEnqueueReadBuffer(device->queue, buffer->memory, CL_TRUE, 0, bytes, data, 0, NULL, NULL));
+    TD_CL(clEnqueueReadBuffer(device->queue, buffer->memory, CL_TRUE, offset, bytes, (char *)data + offset, 0, NULL, NULL));
 done:
     return status;
+}
+
+tides_status td_buffer_read(tides_device *device, const td_buffer *buffer, void *data, size_t bytes, tides_error *error) {
+    return td_buffer_read_part(device, buffer, data, 0, bytes, error);
 }
 
 tides_status td_buffer_send(tides_device *device, const td_buffer *buffer, const void *data, size_t bytes, tides_error *error) {

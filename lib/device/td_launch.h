@@ -16,6 +16,9 @@ void td_buffer_release(td_buffer *buffer);
 /* Reserves and copies `bytes` from host memory; blocking. */
 tides_status td_buffer_write(tides_device *device, td_buffer *buffer, const void *data, size_t bytes, tides_error *error);
 tides_status td_buffer_read(tides_device *device, const td_buffer *buffer, void *data, size_t bytes, tides_error *error);
+/* The bytes [offset, offset + bytes) of the buffer, to the same place in `data`. */
+tides_status td_buffer_read_part(tides_device *device, const td_buffer *buffer, void *data, size_t offset, size_t bytes,
+                                 tides_error *error);
 
 /* The same without waiting: `data` must stay as it is until the queue has finished, and td_buffer_send doesn't reserve. */
 tides_status td_buffer_send(tides_device *device, const td_buffer *buffer, const void *data, size_t bytes, tides_error *error);

@@ -52,6 +52,16 @@ hid_t td_h5_file_access(void) {
     return H5I_INVALID_HID;
 }
 
+herr_t td_h5_forbid_evictions(hid_t file) {
+    H5AC_cache_config_t config = {.version = H5AC__CURR_CACHE_CONFIG_VERSION};
+    if (H5Fget_mdc_config(file, &config) < 0) return -1;
+    config.incr_mode = H5C_incr__off;
+    config.flash_incr_mode = H5C_flash_incr__off;
+    config.decr_mode = H5C_decr__off;
+    config.evictions_enabled = 0;
+    return H5Fset_mdc_config(file, &config);
+}
+
 static hid_t text_type(void) {
     hid_t type = H5Tcopy(H5T_C_S1);
     if (type < 0) return type;

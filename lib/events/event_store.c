@@ -18,7 +18,10 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-static const char *const column_names[TD_COLUMNS] = {"/events/p", "/events/t", "/events/x", "/events/y", "/events/t_ns"};
+const char *td_event_column_name(int column) {
+    static const char *const names[TD_COLUMNS] = {"/events/p", "/events/t", "/events/x", "/events/y", "/events/t_ns"};
+    return names[column];
+}
 
 /* Not a table: HDF5's predefined types are variables behind macros. */
 static hid_t column_file_type(int column) {
@@ -85,7 +88,7 @@ static herr_t create_datasets(td_event_store *store) {
     if (group < 0) return -1;
     td_h5_close(group);
     for (int c = 0; c < TD_COLUMNS; c++) {
-        store->columns[c] = create_dataset(store->file, column_names[c], column_file_type(c), TD_EVENT_CHUNK);
+        store->columns[c] = create_dataset(store->file, td_event_column_name(c), column_file_type(c), TD_EVENT_CHUNK);
         if (store->columns[c] < 0) return -1;
     }
     store->index = create_dataset(store->file, "/ms_to_idx", H5T_STD_U64LE, TD_INDEX_CHUNK);
@@ -121,21 +124,13 @@ static herr_t create_attributes(td_event_store *store, const tides_event_file *f
     return store->count < 0 || store->stop < 0 ? -1 : 0;
 }
 
-/* Metadata may leave the cache only when we flush. Its growth is a few kilobytes per million events. */
-static herr_t forbid_evictions(hid_t file) {
-    H5AC_cache_config_t config = {.version = H5AC__CURR_CACHE_CONFIG_VERSION};
-    if (H5Fget_mdc_config(file, &config) < 0) return -1;
-    config.incr_mode = H5C_incr__off;
-    config.flash_incr_mode = H5C_flash_incr__off;
-    config.decr_mode = H5C_decr__off;
-    config.evictions_enabled = 0;
-    return H5Fset_mdc_config(file, &config);
-}
-
 /* HDF5 locks a file only after it has emptied it: two runs told to write the same file would ruin each other. */
-static tides_status claim_file(const char *path, tides_error *error) {
-    int descriptor = open(path, O_RDWR | O_CREAT, 0666);
-    if (descriptor < 0) return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", path, strerror(errno));
+tides_status td_event_store_claim(const char *path, int create, tides_error *error) {
+    int descriptor = open(path, create ? O_RDWR | O_CREAT : O_RDWR, 0666);
+    if (descriptor < 0 && errno == ENOENT && !create)
+        return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
+    if (descriptor < 0)
+        return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be %s: %s", path, create ? "created" : "written", strerror(errno));
     int in_use = flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
     close(descriptor); /* and unlocks */
     if (!in_use) return TIDES_OK;
@@ -146,15 +141,19 @@ static herr_t create_all(td_event_store *store, const char *path, const tides_ev
     hid_t access = td_h5_file_access();
     store->file = access < 0 ? -1 : H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
     td_h5_close(access);
-    if (store->file < 0 || forbid_evictions(store->file) < 0) return -1;
+    if (store->file < 0 || td_h5_forbid_evictions(store->file) < 0) return -1;
     if (create_attributes(store, facts) < 0 || create_datasets(store) < 0 || create_offset(store->file) < 0) return -1;
     return H5Fflush(store->file, H5F_SCOPE_LOCAL);
 }
 
-tides_status td_event_store_create(td_event_store *store, const char *path, const tides_event_file *facts, tides_error *error) {
+void td_event_store_reset(td_event_store *store) {
     *store = (td_event_store){.file = -1, .index = -1, .count = -1, .stop = -1};
     for (int c = 0; c < TD_COLUMNS; c++) store->columns[c] = -1;
-    tides_status status = claim_file(path, error);
+}
+
+tides_status td_event_store_create(td_event_store *store, const char *path, const tides_event_file *facts, tides_error *error) {
+    td_event_store_reset(store);
+    tides_status status = td_event_store_claim(path, 1, error);
     if (status != TIDES_OK) return status;
     store->scratch = td_alloc(TD_EVENT_CHUNK, sizeof(int64_t), error);
     if (!store->scratch) return TIDES_NO_MEMORY;
@@ -221,8 +220,7 @@ static herr_t write_pending(td_event_store *store) {
     return 0;
 }
 
-/* Every millisecond before `end` that has no entry yet starts at event `row`. */
-static herr_t add_index(td_event_store *store, uint64_t end, uint64_t row) {
+herr_t td_event_store_index(td_event_store *store, uint64_t end, uint64_t row) {
     for (; store->next_ms < end; store->next_ms++) {
         store->pending[store->pending_count++] = row;
         if (store->pending_count == TD_INDEX_CHUNK && write_pending(store) < 0) return -1;
@@ -230,16 +228,13 @@ static herr_t add_index(td_event_store *store, uint64_t end, uint64_t row) {
     return 0;
 }
 
-/* Milliseconds that begin at or before `t`: those whose first event is known once an event at `t` is. */
-static uint64_t milliseconds_begun(int64_t t) { return (uint64_t)(t / 1000000) + 1; }
-
 static herr_t append_events(td_event_store *store, const tides_event *events, size_t count) {
     for (int c = 0; c < TD_COLUMNS; c++) {
         gather_column(c, events, count, store->scratch);
         if (write_rows(store->columns[c], column_memory_type(c), store->rows, count, store->scratch) < 0) return -1;
     }
     for (size_t i = 0; i < count; i++)
-        if (add_index(store, milliseconds_begun(events[i].t), store->rows + i) < 0) return -1;
+        if (td_event_store_index(store, td_milliseconds_begun(events[i].t), store->rows + i) < 0) return -1;
     return 0;
 }
 
@@ -260,7 +255,7 @@ static tides_status hdf5_failure(tides_error *error) {
 
 tides_status td_event_store_append(td_event_store *store, const tides_event *events, size_t count, tides_error *error) {
     if (count == 0) return TIDES_OK;
-    uint64_t begun = milliseconds_begun(events[count - 1].t);
+    uint64_t begun = td_milliseconds_begun(events[count - 1].t);
     int no_space = claim_space(store->file, space_needed(count, begun > store->next_ms ? begun - store->next_ms : 0));
     if (no_space) {
         release_space(store->file);
@@ -277,7 +272,7 @@ tides_status td_event_store_complete(td_event_store *store, uint64_t entries, in
         release_space(store->file);
         return td_fail(error, TIDES_WRITE_FAILED, "%s", strerror(no_space));
     }
-    if (add_index(store, entries, store->rows) < 0 || write_pending(store) < 0 ||
+    if (td_event_store_index(store, entries, store->rows) < 0 || write_pending(store) < 0 ||
         H5Awrite(store->stop, H5T_NATIVE_INT64, &stop_ns) < 0 || H5Fflush(store->file, H5F_SCOPE_LOCAL) < 0)
         return hdf5_failure(error);
     release_space(store->file);
@@ -291,7 +286,6 @@ herr_t td_event_store_close(td_event_store *store) {
     td_h5_close(store->stop);
     herr_t failed = store->file < 0 ? 0 : H5Fclose(store->file);
     free(store->scratch);
-    *store = (td_event_store){.file = -1, .index = -1, .count = -1, .stop = -1};
-    for (int c = 0; c < TD_COLUMNS; c++) store->columns[c] = -1;
+    td_event_store_reset(store);
     return failed;
 }

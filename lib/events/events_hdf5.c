@@ -13,7 +13,8 @@
  * All datasets are chunked, shuffled and deflated (level 1). The microseconds end after 71.6 minutes, as in DSEC.
  *
  * A file grows as PATH.part; event_store.c says why it stays readable whatever happens to the process. In a .part, ms_to_idx
- * lags behind (whole chunks only), and the datasets may hold rows beyond `count` that mean nothing. */
+ * lags behind (whole chunks only), and the datasets may hold rows beyond `count` that mean nothing. What a flush finds after the
+ * last whole chunk goes to PATH.part.tail (event_tail.c), from which an interrupted recording is resumed. */
 #include "tides/events.h"
 
 #include "td_base.h"
@@ -26,7 +27,7 @@
 #include <unistd.h>
 
 struct tides_event_writer {
-    char *path, *part;
+    char *path, *part, *tail;
     int32_t width, height;
     td_event_store store;
     tides_event *buffer; /* TD_EVENT_CHUNK of them */
@@ -54,9 +55,26 @@ static tides_status check_facts(const char *path, const tides_event_file *file, 
 
 static void free_writer(tides_event_writer *writer) {
     free(writer->buffer);
+    free(writer->tail);
     free(writer->part);
     free(writer->path);
     free(writer);
+}
+
+/* A writer that has nothing open yet; NULL: out of memory. */
+static tides_event_writer *make_writer(const char *path, const tides_event_file *file, tides_error *error) {
+    tides_event_writer *made = td_alloc(1, sizeof *made, error);
+    if (!made) return NULL;
+    made->width = file->width;
+    made->height = file->height;
+    td_event_store_reset(&made->store);
+    made->path = td_strdup(path, error);
+    made->part = made->path ? td_part_name(path, error) : NULL;
+    made->tail = made->part ? td_format(error, "%s.tail", made->part) : NULL;
+    made->buffer = made->tail ? td_alloc(TD_EVENT_CHUNK, sizeof *made->buffer, error) : NULL;
+    if (made->buffer) return made;
+    free_writer(made);
+    return NULL;
 }
 
 tides_status tides_event_writer_open(const char *path, const tides_event_file *file, tides_event_writer **writer,
@@ -64,25 +82,19 @@ tides_status tides_event_writer_open(const char *path, const tides_event_file *f
     if (!path || !file || !writer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_open: an argument is NULL");
     tides_status status = check_facts(path, file, error);
     if (status != TIDES_OK) return status;
-    status = TIDES_NO_MEMORY;
-    tides_event_writer *made = td_alloc(1, sizeof *made, error);
-    if (!made) return status;
-    made->width = file->width;
-    made->height = file->height;
-    made->path = td_strdup(path, error);
-    made->part = made->path ? td_part_name(path, error) : NULL;
-    made->buffer = made->part ? td_alloc(TD_EVENT_CHUNK, sizeof *made->buffer, error) : NULL;
-    if (!made->buffer) goto done;
+    tides_event_writer *made = make_writer(path, file, error);
+    if (!made) return TIDES_NO_MEMORY;
     td_h5_quiet quiet;
     td_h5_quiet_begin(&quiet);
     status = td_event_store_create(&made->store, made->part, file, error);
     td_h5_quiet_end(&quiet);
-    if (status != TIDES_OK) goto done;
+    if (status != TIDES_OK) {
+        free_writer(made);
+        return status;
+    }
+    unlink(made->tail); /* of an earlier run, whose .part is gone now */
     *writer = made;
-    made = NULL;
-done:
-    if (made) free_writer(made);
-    return status;
+    return TIDES_OK;
 }
 
 /* ---- appending ---- */
@@ -175,6 +187,79 @@ tides_status tides_event_writer_append(tides_event_writer *writer, const tides_e
 
 uint64_t tides_event_writer_count(const tides_event_writer *writer) { return writer->store.rows + writer->buffered; }
 
+/* ---- surviving, and going on ---- */
+
+tides_status tides_event_writer_flush(tides_event_writer *writer, tides_error *error) {
+    if (!writer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_flush: the writer is NULL");
+    if (writer->failure.status != TIDES_OK) return repeat_failure(writer, error);
+    if (writer->buffered == 0) return TIDES_OK; /* whole chunks are in the file as soon as they are whole */
+    const tides_event_file facts = {writer->width, writer->height, NULL, NULL};
+    td_h5_quiet quiet;
+    td_h5_quiet_begin(&quiet);
+    tides_status status =
+        td_event_tail_write(writer->tail, &facts, writer->store.rows, writer->buffer, writer->buffered, error);
+    td_h5_quiet_end(&quiet);
+    return status;
+}
+
+/* Events [rows, rows + buffered), after the last whole chunk that stays: from the tail, or from the .part itself where it has
+ * gone on past them; then they become the tail before the .part is cut. */
+static tides_status find_tail(tides_event_writer *writer, uint64_t rows, tides_error *error) {
+    if (writer->buffered == 0) return TIDES_OK;
+    size_t got = 0;
+    tides_error reason = {0};
+    tides_status status = td_event_tail_read(writer->tail, rows, writer->buffer, writer->buffered, &reason);
+    if (status == TIDES_OK) return check_events(writer, writer->buffer, writer->buffered, error);
+    status = tides_events_read(writer->part, rows, writer->buffered, writer->buffer, &got, error);
+    if (status != TIDES_OK) return status;
+    if (got < writer->buffered)
+        return td_fail(error, TIDES_BAD_FILE,
+                       "%s: ends %zu events before event %" PRIu64 ", where the run was interrupted (%s): start anew", writer->part,
+                       writer->buffered - got, rows + writer->buffered, reason.text);
+    status = check_events(writer, writer->buffer, writer->buffered, error);
+    const tides_event_file facts = {writer->width, writer->height, NULL, NULL};
+    return status == TIDES_OK ? td_event_tail_write(writer->tail, &facts, rows, writer->buffer, writer->buffered, error) : status;
+}
+
+/* The last event, against which the next one's order is checked. */
+static tides_status find_last(tides_event_writer *writer, uint64_t count, tides_error *error) {
+    size_t got = 1;
+    if (count == 0) return TIDES_OK;
+    tides_status status = TIDES_OK;
+    if (writer->buffered > 0)
+        writer->last = writer->buffer[writer->buffered - 1];
+    else
+        status = tides_events_read(writer->part, count - 1, 1, &writer->last, &got, error);
+    if (status == TIDES_OK && got == 0)
+        return td_fail(error, TIDES_BAD_FILE, "%s: holds fewer than %" PRIu64 " events: start anew", writer->part, count);
+    writer->has_last = status == TIDES_OK;
+    return status;
+}
+
+tides_status tides_event_writer_resume(const char *path, const tides_event_file *file, uint64_t count,
+                                       tides_event_writer **writer, tides_error *error) {
+    if (!path || !file || !writer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_resume: an argument is NULL");
+    tides_status status = check_facts(path, file, error);
+    if (status != TIDES_OK) return status;
+    tides_event_writer *made = make_writer(path, file, error);
+    if (!made) return TIDES_NO_MEMORY;
+    uint64_t rows = count / TD_EVENT_CHUNK * TD_EVENT_CHUNK;
+    td_h5_quiet quiet;
+    td_h5_quiet_begin(&quiet);
+    status = td_event_store_claim(made->part, 0, error);
+    made->buffered = (size_t)(count - rows);
+    if (status == TIDES_OK) status = find_tail(made, rows, error);
+    if (status == TIDES_OK) status = find_last(made, count, error);
+    if (status == TIDES_OK) status = td_event_store_reopen(&made->store, made->part, file, rows, error);
+    td_h5_quiet_end(&quiet);
+    if (status != TIDES_OK) {
+        free_writer(made);
+        return status;
+    }
+    *writer = made;
+    return TIDES_OK;
+}
+
 /* ---- ending ---- */
 
 /* Entries of ms_to_idx: DSEC's reader looks up ceil(end / 1 ms) and the millisecond after the last event. */
@@ -222,6 +307,7 @@ tides_status tides_event_writer_finish(tides_event_writer *writer, int64_t stop_
         repeat_failure(writer, error);
     else
         status = td_commit_file(writer->part, writer->path, error);
+    if (status == TIDES_OK) unlink(writer->tail);
     free_writer(writer);
     return status;
 }
@@ -230,11 +316,12 @@ void tides_event_writer_abandon(tides_event_writer *writer) {
     if (!writer) return;
     td_h5_quiet quiet;
     td_h5_quiet_begin(&quiet);
-    if (flush_buffer(writer) == TIDES_OK) {
+    int safe = flush_buffer(writer) == TIDES_OK;
+    if (safe) {
         tides_status ignored = td_event_store_complete(&writer->store, writer->store.next_ms, -1, NULL);
         (void)ignored; /* only the index's last entries are at stake */
     }
-    td_event_store_close(&writer->store);
+    if (td_event_store_close(&writer->store) >= 0 && safe) unlink(writer->tail); /* the .part has all of it */
     td_h5_quiet_end(&quiet);
     free_writer(writer);
 }

@@ -38,6 +38,9 @@ const char *td_h5_reason_text(td_h5_reason *reason);
  * Negative on failure. */
 hid_t td_h5_file_access(void);
 
+/* Metadata of a file being written may leave the cache only when we flush. Its growth is a few kilobytes per million events. */
+herr_t td_h5_forbid_evictions(hid_t file);
+
 /* Root attributes. Strings are written with variable length: a fixed one may not exceed 64 kB, and run files do. All return
  * negative on failure; the readers return 0 where the attribute is absent (or of another kind) and 1 where it was read. */
 herr_t td_h5_write_text(hid_t file, const char *name, const char *text);

@@ -16,9 +16,30 @@ typedef struct td_event_store {
     void *scratch; /* one column of one chunk */
 } td_event_store;
 
+/* "/events/p" ... */
+const char *td_event_column_name(int column);
+
+/* Milliseconds that begin at or before `t`: those whose first event is known once an event at `t` is. */
+static inline uint64_t td_milliseconds_begun(int64_t t) { return (uint64_t)(t / 1000000) + 1; }
+
+/* A store with nothing open. */
+void td_event_store_reset(td_event_store *store);
+
+/* Fails where another process writes `path`, or it can't be written; `create` makes it where it isn't there. */
+tides_status td_event_store_claim(const char *path, int create, tides_error *error);
+
 /* Creates `path` (replacing it) with empty datasets and all attributes, and flushes it. On failure neither store nor file is
  * left. */
 tides_status td_event_store_create(td_event_store *store, const char *path, const tides_event_file *facts, tides_error *error);
+
+/* Opens the unfinished file `path` and cuts it back to its first `rows` events, a multiple of TD_EVENT_CHUNK, as if no more had
+ * ever been appended (event_reopen.c). `facts` must fit the file; its run text replaces the file's. Before that cut begins, a
+ * failure leaves the file as it was. */
+tides_status td_event_store_reopen(td_event_store *store, const char *path, const tides_event_file *facts, uint64_t rows,
+                                   tides_error *error);
+
+/* Every millisecond before `end` that has no entry yet starts at event `row`. */
+herr_t td_event_store_index(td_event_store *store, uint64_t end, uint64_t row);
 
 /* Writes `count` <= TD_EVENT_CHUNK checked events and makes them durable against the death of the process. On failure the
  * error's text is the bare reason, and what was flushed before stays readable. */
@@ -29,5 +50,14 @@ tides_status td_event_store_complete(td_event_store *store, uint64_t entries, in
 
 /* Closes all that is open and frees the scratch; negative where HDF5 couldn't close the file. */
 herr_t td_event_store_close(td_event_store *store);
+
+/* The events after an unfinished file's last whole chunk, kept in a file of their own (event_tail.c): events [first, first +
+ * count). Written beside and renamed. */
+tides_status td_event_tail_write(const char *path, const tides_event_file *facts, uint64_t first, const tides_event *events,
+                                 size_t count, tides_error *error);
+
+/* Reads `count` events from number `first` on, which must be where the tail begins; TIDES_BAD_FILE where it begins elsewhere or
+ * holds fewer. */
+tides_status td_event_tail_read(const char *path, uint64_t first, tides_event *events, size_t count, tides_error *error);
 
 #endif

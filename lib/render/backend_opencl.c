@@ -15,7 +15,7 @@ typedef struct opencl_backend {
     cl_kernel sweep_kernel, sort_kernel;
     cl_kernel project_kernel[OUTPUT_KINDS], composite_kernel[OUTPUT_KINDS]; /* by outputs; built when first wanted */
     td_buffer image_buffer, object, geometry, rates, sh, sh_rates; /* the scene */
-    td_buffer views, backdrops, boxes;                             /* an interval */
+    td_buffer views, backdrops, boxes, travel;                     /* an interval */
     td_buffer candidates, jobs;                                    /* a batch */
     td_buffer records, colours, masks, keys, order, sorted_masks, counts, brightest, planes, blended;
     uint64_t candidates_serial; /* of what the device has */
@@ -60,24 +60,32 @@ static tides_status make_kernel(opencl_backend *b, const char *file, const char 
     return status;
 }
 
-static tides_status sweep(td_backend *backend, const double *views, double duration, float *boxes, tides_error *error) {
+static tides_status sweep(td_backend *backend, const double *views, double duration, int begin, int end, float *boxes,
+                          float *travel, tides_error *error) {
     opencl_backend *b = (opencl_backend *)backend;
     double begun = td_now();
-    size_t bytes = (size_t)b->gaussians * 4 * sizeof *boxes;
+    size_t bytes = (size_t)b->gaussians * sizeof(cl_float);
     tides_status status = write_reals(b, &b->views, views, (size_t)3 * b->objects * TD_VIEW_REALS, error);
-    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->boxes, bytes, error);
+    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->boxes, 4 * bytes, error);
+    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->travel, bytes, error);
     if (status != TIDES_OK) return status;
     float seconds = (float)duration;
-    cl_int count = b->gaussians;
+    cl_int from = begin, to = end;
     /* A local size is always given: left to itself PoCL takes a divisor of the count, and compiles anew for every scene. */
-    size_t local = group_size(b), groups = (size_t)(b->gaussians / b->device->info.lanes);
+    size_t local = group_size(b), groups = (size_t)((end - begin) / b->device->info.lanes);
     size_t global = (groups + local - 1) / local * local;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->object),
-                                     TD_BUFFER_ARGUMENT(b->views),        TD_BUFFER_ARGUMENT(b->geometry),
-                                     TD_BUFFER_ARGUMENT(b->rates),        TD_VALUE_ARGUMENT(seconds),
-                                     TD_VALUE_ARGUMENT(count),            TD_BUFFER_ARGUMENT(b->boxes)};
-    status = td_launch(b->device, b->sweep_kernel, 1, &global, &local, arguments, 8, NULL, error);
-    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->boxes, boxes, bytes, error);
+    const td_argument arguments[] = {
+        TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->object), TD_BUFFER_ARGUMENT(b->views),
+        TD_BUFFER_ARGUMENT(b->geometry),     TD_BUFFER_ARGUMENT(b->rates),  TD_VALUE_ARGUMENT(seconds),
+        TD_VALUE_ARGUMENT(from),             TD_VALUE_ARGUMENT(to),         TD_BUFFER_ARGUMENT(b->boxes),
+        TD_BUFFER_ARGUMENT(b->travel)};
+    status = td_launch(b->device, b->sweep_kernel, 1, &global, &local, arguments, 10, NULL, error);
+    if (status == TIDES_OK)
+        status = td_buffer_read_part(b->device, &b->boxes, boxes, 4 * (size_t)begin * sizeof *boxes,
+                                     4 * (size_t)(end - begin) * sizeof *boxes, error);
+    if (status == TIDES_OK)
+        status = td_buffer_read_part(b->device, &b->travel, travel, (size_t)begin * sizeof *travel,
+                                     (size_t)(end - begin) * sizeof *travel, error);
     backend->stats.sweeps++;
     backend->stats.time_sweep_s += td_now() - begun;
     return status;
@@ -323,7 +331,7 @@ static void destroy(td_backend *backend) {
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
         if (kernels[i]) clReleaseKernel(kernels[i]);
     td_buffer *buffers[] = {&b->image_buffer, &b->object, &b->geometry, &b->rates, &b->sh, &b->sh_rates, &b->views,
-                            &b->backdrops, &b->boxes, &b->candidates, &b->jobs, &b->records, &b->colours, &b->masks, &b->keys,
+                            &b->backdrops, &b->boxes, &b->travel, &b->candidates, &b->jobs, &b->records, &b->colours, &b->masks, &b->keys,
                             &b->order, &b->sorted_masks, &b->counts, &b->brightest, &b->planes, &b->blended};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     free(b->host);
@@ -357,6 +365,20 @@ static tides_status write_image(opencl_backend *b, tides_error *error) {
     return td_buffer_write(b->device, &b->image_buffer, &b->image, sizeof b->image, error);
 }
 
+/* One group of Gaussians swept, for the same reason as warm_up. */
+static tides_status warm_sweep(opencl_backend *b, tides_error *error) {
+    float boxes[4 * TD_PAD], travel[TD_PAD];
+    double begun = td_now();
+    double *views = td_alloc((size_t)3 * b->objects * TD_VIEW_REALS, sizeof *views, error);
+    if (!views) return TIDES_NO_MEMORY;
+    tides_status status = sweep(&b->base, views, 0, 0, TD_PAD, boxes, travel, error);
+    free(views);
+    b->base.stats.sweeps = 0;
+    b->base.stats.time_sweep_s = 0;
+    b->base.stats.time_build_s += td_now() - begun;
+    return status;
+}
+
 tides_status td_backend_create_opencl(tides_device *device, const td_store *store, const td_image_numbers *image,
                                       td_backend **backend, tides_error *error) {
     opencl_backend *b = td_alloc(1, sizeof *b, error);
@@ -370,6 +392,7 @@ tides_status td_backend_create_opencl(tides_device *device, const td_store *stor
     if (status == TIDES_OK) status = write_store(b, store, error);
     if (status == TIDES_OK) status = make_kernel(b, "sweep.cl", "td_sweep_gaussians", TD_OUT_SIGNAL, &b->sweep_kernel, error);
     if (status == TIDES_OK) status = make_kernel(b, "sort.cl", "td_sort_jobs", TD_OUT_SIGNAL, &b->sort_kernel, error);
+    if (status == TIDES_OK) status = warm_sweep(b, error);
     if (status != TIDES_OK) {
         destroy(&b->base);
         return status;

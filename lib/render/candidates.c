@@ -13,7 +13,10 @@ tides_status td_candidates_create(int width, int height, td_candidates *candidat
     candidates->first = td_alloc(tiles + 1, sizeof *candidates->first, error);
     candidates->fill = td_alloc(tiles, sizeof *candidates->fill, error);
     candidates->last_object = td_alloc(tiles, sizeof *candidates->last_object, error);
-    if (candidates->first && candidates->fill && candidates->last_object) return TIDES_OK;
+    candidates->travel = td_alloc(tiles, sizeof *candidates->travel, error);
+    candidates->moving = td_alloc(tiles, sizeof *candidates->moving, error);
+    if (candidates->first && candidates->fill && candidates->last_object && candidates->travel && candidates->moving)
+        return TIDES_OK;
     td_candidates_release(candidates);
     return TIDES_NO_MEMORY;
 }
@@ -23,6 +26,8 @@ void td_candidates_release(td_candidates *candidates) {
     free(candidates->list);
     free(candidates->fill);
     free(candidates->last_object);
+    free(candidates->travel);
+    free(candidates->moving);
     memset(candidates, 0, sizeof *candidates);
 }
 
@@ -64,7 +69,25 @@ static void pass(td_candidates *candidates, const td_store *store, const float *
     }
 }
 
-tides_status td_candidates_build(td_candidates *candidates, const td_store *store, const float *boxes, tides_error *error) {
+/* Which tiles see something move, and how far at most. */
+static void note_motion(td_candidates *candidates, const td_store *store, const float *travel, const uint8_t *object_moves) {
+    int tiles = candidates->tiles_x * candidates->tiles_y;
+    for (int t = 0; t < tiles; t++) {
+        float most = 0;
+        uint8_t moving = 0;
+        for (int i = candidates->first[t]; i < candidates->first[t + 1]; i++) {
+            int g = candidates->list[i];
+            if (g == TD_NO_GAUSSIAN || !object_moves[store->object[g]]) continue;
+            moving = 1;
+            most = travel[g] > most ? travel[g] : most;
+        }
+        candidates->travel[t] = most;
+        candidates->moving[t] = moving;
+    }
+}
+
+tides_status td_candidates_build(td_candidates *candidates, const td_store *store, const float *boxes, const float *travel,
+                                 const uint8_t *object_moves, tides_error *error) {
     int tiles = candidates->tiles_x * candidates->tiles_y;
     int64_t total = 0;
     pass(candidates, store, boxes, NULL);
@@ -81,6 +104,7 @@ tides_status td_candidates_build(td_candidates *candidates, const td_store *stor
     if (status != TIDES_OK) return status;
     memset(candidates->list, 0xff, (size_t)total * sizeof *candidates->list); /* TD_NO_GAUSSIAN */
     pass(candidates, store, boxes, candidates->list);
+    note_motion(candidates, store, travel, object_moves);
     candidates->serial++;
     return TIDES_OK;
 }

@@ -18,7 +18,6 @@ typedef struct reference {
     td_backend base;
     td_image image;
     td_source source;
-    int gaussians;
     int *object;
     td_real *arrays[4];  /* geometry, rates, sh, sh_rates: what `source` points to */
     td_view *views;      /* (slots x objects) */
@@ -64,15 +63,17 @@ static tides_status copy_views(reference *r, const double *views, int slots, tid
     return status;
 }
 
-static tides_status sweep(td_backend *backend, const double *views, double duration, float *boxes, tides_error *error) {
+static tides_status sweep(td_backend *backend, const double *views, double duration, int from, int to, float *boxes,
+                          float *travel, tides_error *error) {
     reference *r = (reference *)backend;
     double begun = td_now();
     tides_status status = copy_views(r, views, 3, error);
     if (status != TIDES_OK) return status;
-    for (int i = 0; i < r->gaussians; i++) {
-        td_real box[4];
-        td_sweep_group(r->views, &r->image, &r->source, r->object, i, (td_real)duration, box);
+    for (int i = from; i < to; i++) {
+        td_real box[4], way;
+        td_sweep_group(r->views, &r->image, &r->source, r->object, i, (td_real)duration, box, &way);
         for (int k = 0; k < 4; k++) boxes[4 * (size_t)i + k] = (float)box[k];
+        travel[i] = (float)way;
     }
     backend->stats.sweeps++;
     backend->stats.time_sweep_s += td_now() - begun;
@@ -249,7 +250,6 @@ tides_status TD_REFERENCE_CREATE(const td_store *store, const td_image_numbers *
     r->image = unpack_image(image);
     r->image.objects = store->objects;
     r->image.moving = store->rates != NULL;
-    r->gaussians = store->count;
     tides_status status = copy_store(r, store, error);
     if (status != TIDES_OK) {
         destroy(&r->base);

@@ -45,6 +45,21 @@ static tides_status check_arguments(const tides_device *device, const tides_scen
                    "tides_renderer_create: device, scene, intrinsics, params and renderer must all be given");
 }
 
+/* Arrays whose sizes the store gives, and where each object begins in it. */
+static tides_status allocate(tides_renderer *renderer, tides_error *error) {
+    size_t count = (size_t)renderer->store.count, objects = (size_t)renderer->store.objects;
+    renderer->boxes = td_alloc(count * 4, sizeof *renderer->boxes, error);
+    renderer->travel = td_alloc(count, sizeof *renderer->travel, error);
+    renderer->object_first = td_alloc(objects + 1, sizeof *renderer->object_first, error);
+    renderer->object_moves = td_alloc(objects, sizeof *renderer->object_moves, error);
+    renderer->backdrops = td_alloc(1, sizeof *renderer->backdrops, error);
+    if (!renderer->boxes || !renderer->travel || !renderer->object_first || !renderer->object_moves || !renderer->backdrops)
+        return TIDES_NO_MEMORY;
+    for (size_t i = count; i-- > 0;) renderer->object_first[renderer->store.object[i]] = (int)i;
+    renderer->object_first[objects] = (int)count;
+    return TIDES_OK;
+}
+
 tides_status tides_renderer_create(tides_device *device, const tides_scene *scene, const tides_intrinsics *intrinsics,
                                    const tides_image_params *params, tides_progress progress, void *user,
                                    tides_renderer **renderer, tides_error *error) {
@@ -63,12 +78,8 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     status = td_candidates_create(intrinsics->width, intrinsics->height, &made->candidates, error);
     if (status != TIDES_OK) goto done;
     made->stats.tiles = made->candidates.tiles_x * made->candidates.tiles_y;
-    made->boxes = td_alloc((size_t)made->store.count * 4, sizeof *made->boxes, error);
-    made->backdrops = td_alloc(1, sizeof *made->backdrops, error);
-    if (!made->boxes || !made->backdrops) {
-        status = TIDES_NO_MEMORY;
-        goto done;
-    }
+    status = allocate(made, error);
+    if (status != TIDES_OK) goto done;
     made->backdrop_capacity = 1;
     set_backdrop(made->backdrops, params);
     if (progress && progress(user, 0, "building kernels")) {
@@ -91,6 +102,9 @@ void tides_renderer_destroy(tides_renderer *renderer) {
     td_candidates_release(&renderer->candidates);
     td_store_release(&renderer->store);
     free(renderer->boxes);
+    free(renderer->travel);
+    free(renderer->object_first);
+    free(renderer->object_moves);
     free(renderer->views);
     free(renderer->backdrops);
     free(renderer->jobs);
@@ -130,14 +144,55 @@ static tides_status make_views(tides_renderer *renderer, const tides_trajectory 
     return status;
 }
 
+/* Which objects move against the camera. */
+static tides_status note_moves(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error) {
+    int camera_moves = !tides_trajectory_is_static(camera);
+    for (int32_t i = 0; i < renderer->store.objects; i++) {
+        tides_object object;
+        tides_status status = tides_scene_object(renderer->scene, i, &object, error);
+        if (status != TIDES_OK) return status;
+        renderer->object_moves[i] =
+            (uint8_t)(camera_moves || (object.trajectory && !tides_trajectory_is_static(object.trajectory)));
+    }
+    return TIDES_OK;
+}
+
+/* Boxes of every Gaussian; where the camera rests where it rested, only of the objects that move. */
+static tides_status sweep_boxes(tides_renderer *renderer, const tides_trajectory *camera, double start, double duration,
+                                tides_error *error) {
+    const double *views = (const double *)renderer->views;
+    const td_backend_class *type = renderer->backend->type;
+    tides_pose pose;
+    tides_status status = tides_trajectory_at(camera, start, &pose, error);
+    if (status != TIDES_OK) return status;
+    int rests = tides_trajectory_is_static(camera);
+    int kept = rests && renderer->rested && memcmp(&pose, &renderer->rest_pose, sizeof pose) == 0;
+    renderer->rested = 0;
+    for (int i = 0; i < renderer->store.objects && status == TIDES_OK;) {
+        int begin = renderer->object_first[i], wanted = !kept || renderer->object_moves[i];
+        while (i < renderer->store.objects && (!kept || renderer->object_moves[i]) == wanted) i++; /* neighbours in one go */
+        if (wanted)
+            status = type->sweep(renderer->backend, views, duration, begin, renderer->object_first[i], renderer->boxes,
+                                 renderer->travel, error);
+        else renderer->stats.gaussians_still += (uint64_t)(renderer->object_first[i] - begin);
+    }
+    if (status == TIDES_OK && rests) {
+        renderer->rested = 1;
+        renderer->rest_pose = pose;
+    }
+    return status;
+}
+
 tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                tides_error *error) {
     const double times[3] = {start, 0.5 * (start + stop), stop};
     tides_status status = make_views(renderer, camera, times, 3, error);
-    if (status == TIDES_OK)
-        status = renderer->backend->type->sweep(renderer->backend, (const double *)renderer->views, stop - start, renderer->boxes, error);
+    if (status == TIDES_OK) status = note_moves(renderer, camera, error);
+    if (status == TIDES_OK) status = sweep_boxes(renderer, camera, start, stop - start, error);
     double begun = td_now();
-    if (status == TIDES_OK) status = td_candidates_build(&renderer->candidates, &renderer->store, renderer->boxes, error);
+    if (status == TIDES_OK)
+        status = td_candidates_build(&renderer->candidates, &renderer->store, renderer->boxes, renderer->travel,
+                                     renderer->object_moves, error);
     renderer->stats.time_sweep_s += td_now() - begun;
     return status;
 }

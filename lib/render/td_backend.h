@@ -60,8 +60,10 @@ typedef struct td_stages {
 } td_stages;
 
 typedef struct td_backend_class {
-    /* The box (x0, y0, x1, y1) [px] of each Gaussian over an interval; views: (3 x objects x TD_VIEW_REALS). */
-    tides_status (*sweep)(td_backend *backend, const double *views, double duration, float *boxes, tides_error *error);
+    /* For Gaussians [begin, end), multiples of TD_PAD: the box (x0, y0, x1, y1) [px] of each over an interval, and the diameters
+     * that it travels; views: (3 x objects x TD_VIEW_REALS); boxes: (count x 4), travel: (count), of the whole store. */
+    tides_status (*sweep)(td_backend *backend, const double *views, double duration, int begin, int end, float *boxes,
+                          float *travel, tides_error *error);
     /* All stages; planes: (outputs x TD_TILE_PIXELS) per job at job.out. */
     tides_status (*render)(td_backend *backend, const td_batch *batch, double *planes, tides_error *error);
     /* One pixel with nothing in front of the backdrop, in the class's own arithmetic: (outputs). */

@@ -39,11 +39,16 @@ typedef struct td_candidates {
     int *list;       /* Gaussian indices, ascending, each object's padded to TD_PAD with TD_NO_GAUSSIAN */
     size_t capacity; /* of `list` */
     int *fill, *last_object; /* (tiles) scratch */
+    float *travel;   /* (tiles) most diameters that one of its candidates travels in the interval */
+    uint8_t *moving; /* (tiles) 1 if one of its candidates moves on the screen */
     uint64_t serial;
 } td_candidates;
 tides_status td_candidates_create(int width, int height, td_candidates *candidates, tides_error *error);
 void td_candidates_release(td_candidates *candidates);
-tides_status td_candidates_build(td_candidates *candidates, const td_store *store, const float *boxes, tides_error *error);
+
+/* Lists from boxes (count x 4), travel (count) and which objects move against the camera (objects). */
+tides_status td_candidates_build(td_candidates *candidates, const td_store *store, const float *boxes, const float *travel,
+                                 const uint8_t *object_moves, tides_error *error);
 
 /* A tile at a time of the current interval; `slot` indexes the times given. */
 typedef struct td_request {
@@ -58,6 +63,11 @@ struct tides_renderer {
     td_backend *backend;
     td_candidates candidates;
     float *boxes;       /* (store.count x 4) */
+    float *travel;      /* (store.count) */
+    int *object_first;  /* (objects + 1) an object's Gaussians in the store */
+    uint8_t *object_moves; /* (objects) against the camera */
+    int rested;            /* the last sweep saw a camera at rest, at rest_pose: boxes of what doesn't move hold on */
+    tides_pose rest_pose;
     td_view *views;     /* (slots x objects) */
     td_backdrop *backdrops;
     size_t view_capacity, backdrop_capacity;

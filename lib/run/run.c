@@ -129,7 +129,11 @@ static const named_constant rules[] = {{"smooth", TIDES_RULES_SMOOTH},
                                        {"inria", TIDES_RULES_INRIA},
                                        {"gsplat", TIDES_RULES_GSPLAT},
                                        {NULL, 0}};
-static const named_constant modes[] = {{"fixed", TIDES_STEPPING_FIXED}, {"error", TIDES_STEPPING_ERROR}, {NULL, 0}};
+static const named_constant modes[] = {{"fixed", TIDES_STEPPING_FIXED},
+                                       {"risk", TIDES_STEPPING_RISK},
+                                       {"error", TIDES_STEPPING_ERROR},
+                                       {"error_risk", TIDES_STEPPING_ERROR_RISK},
+                                       {NULL, 0}};
 static const named_constant models[] = {{"hermite", TIDES_MODEL_HERMITE},
                                         {"quadratic", TIDES_MODEL_QUADRATIC},
                                         {"linear", TIDES_MODEL_LINEAR},
@@ -179,6 +183,10 @@ void tides_run_get(const tides_run *run, tides_run_values *values) {
     values->stepping.tolerance = td_run_number(run, "stepping.tolerance");
     values->stepping.time_tolerance_s = td_run_number(run, "stepping.time_tolerance_s");
     values->stepping.local = run_boolean(run, "stepping.local");
+    values->stepping.budget = td_run_number(run, "stepping.budget");
+    values->stepping.risk.w_b = td_run_number(run, "stepping.risk.w_b");
+    values->stepping.risk.w_c = td_run_number(run, "stepping.risk.w_c");
+    values->stepping.risk.w_alpha = td_run_number(run, "stepping.risk.w_alpha");
     values->start = td_run_number(run, "time.start");
     values->stop = td_run_number(run, "time.stop");
     values->scene_file = run->scene_file;

@@ -26,28 +26,43 @@ static void store_tile(const tides_simulator *s, int t, const double *planes, td
         }
 }
 
-/* Renders all tiles at grid points [first, first + count) into s->planes. */
-static tides_status render_steps(tides_simulator *s, int64_t first, int count, tides_error *error) {
+void td_list_moving(tides_simulator *s) {
+    const td_candidates *candidates = &s->renderer->candidates;
+    s->moving_count = 0;
+    for (int t = 0; t < s->tiles; t++)
+        if (!s->local || !s->started || candidates->moving[t]) s->moving[s->moving_count++] = t;
+}
+
+/* Renders what moves between grid point `from` and the last of [first, first + count), at these, into s->planes. */
+static tides_status render_steps(tides_simulator *s, int64_t from, int64_t first, int count, tides_error *error) {
     double times[TD_BATCH_STEPS];
     for (int k = 0; k < count; k++) times[k] = td_grid_time(s, first + k);
-    for (int i = 0; i < count * s->tiles; i++) {
-        s->requests[i].tile = i % s->tiles;
-        s->requests[i].slot = i / s->tiles;
-    }
-    tides_status status = td_renderer_sweep(s->renderer, s->camera, times[0], times[count - 1], error);
+    tides_status status = td_renderer_sweep(s->renderer, s->camera, td_grid_time(s, from), times[count - 1], error);
     if (status != TIDES_OK) return status;
-    return td_renderer_tiles(s->renderer, s->camera, times, count, s->requests, count * s->tiles, TD_OUT_SIGNAL, s->planes,
-                             error);
+    td_list_moving(s);
+    int requests = count * s->moving_count;
+    for (int i = 0; i < requests; i++) {
+        s->requests[i].tile = s->moving[i % s->moving_count];
+        s->requests[i].slot = i / s->moving_count;
+    }
+    if (requests == 0) return TIDES_OK;
+    return td_renderer_tiles(s->renderer, s->camera, times, count, s->requests, requests, TD_OUT_SIGNAL, s->planes, error);
 }
 
+/* Step k of the batch into a sample; tiles at rest stay as they are now. */
 static void store_step(tides_simulator *s, int k, td_sample *sample) {
-    size_t tile_reals = (size_t)TD_OUT_SIGNAL * TD_TILE_PIXELS;
-    for (int t = 0; t < s->tiles; t++) store_tile(s, t, s->planes + ((size_t)k * s->tiles + t) * tile_reals, sample);
+    size_t tile_reals = (size_t)TD_OUT_SIGNAL * TD_TILE_PIXELS, bytes = s->first_pixel[s->tiles] * sizeof(double);
+    if (s->moving_count < s->tiles) {
+        memcpy(sample->S, s->now.S, bytes);
+        memcpy(sample->S_dot, s->now.S_dot, bytes);
+    }
+    for (int i = 0; i < s->moving_count; i++)
+        store_tile(s, s->moving[i], s->planes + ((size_t)k * s->moving_count + i) * tile_reals, sample);
 }
 
-/* The first sample: every pixel's reference is the signal there. */
+/* The first sample, of all tiles: every pixel's reference is the signal there. */
 static tides_status begin(tides_simulator *s, tides_error *error) {
-    tides_status status = render_steps(s, 0, 1, error);
+    tides_status status = render_steps(s, 0, 0, 1, error);
     if (status != TIDES_OK) return status;
     store_step(s, 0, &s->now);
     td_pixels_reset(&s->pixels, s->now.S, s->first_pixel[s->tiles]);
@@ -55,11 +70,12 @@ static tides_status begin(tides_simulator *s, tides_error *error) {
     return TIDES_OK;
 }
 
-/* The comparator over one step of every tile; afterwards the step's end is now. */
+/* The comparator over one step of every tile that moves; afterwards the step's end is now. */
 static tides_status compare_step(tides_simulator *s, tides_error *error) {
     td_step step;
     tides_status status = td_step_between(td_grid_time(s, s->step), td_grid_time(s, s->step + 1), &step, error);
-    for (int t = 0; t < s->tiles && status == TIDES_OK; t++) {
+    for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {
+        int t = s->moving[i];
         size_t at = s->first_pixel[t];
         td_signals signals = {s->now.S + at, s->now.S_dot + at, s->next.S + at, s->next.S_dot + at};
         td_pixels pixels = {s->pixels.initial + at, s->pixels.reference + at, s->pixels.count_on + at,
@@ -71,7 +87,8 @@ static tides_status compare_step(tides_simulator *s, tides_error *error) {
     s->now = s->next;
     s->next = passed;
     s->step++;
-    s->stats.steps += (uint64_t)s->tiles;
+    s->stats.steps += (uint64_t)s->moving_count;
+    s->stats.tile_steps_still += (uint64_t)(s->tiles - s->moving_count);
     return TIDES_OK;
 }
 
@@ -106,7 +123,7 @@ static tides_status advance(tides_simulator *s, int64_t count, tides_event_sink 
     tides_render_stats before;
     tides_renderer_stats(s->renderer, &before);
     int steps = count < s->batch ? (int)count : s->batch;
-    tides_status status = render_steps(s, s->step + 1, steps, error);
+    tides_status status = render_steps(s, s->step, s->step + 1, steps, error);
     if (status != TIDES_OK) return status;
     double begun = td_now();
     for (int k = 0; k < steps && status == TIDES_OK; k++) {
@@ -128,6 +145,7 @@ static tides_status compare_refined_tile(tides_simulator *s, int t, double start
     td_pixels pixels = {s->pixels.initial + at, s->pixels.reference + at, s->pixels.count_on + at, s->pixels.count_off + at};
     const double *end = NULL;
     for (int32_t i = t; i >= 0; i = r->step[i].next) {
+        s->tile_risk[t] = r->risk[r->step[i].end];
         const double *begin = r->samples + (size_t)r->step[i].begin * 2 * TD_TILE_PIXELS;
         end = r->samples + (size_t)r->step[i].end * 2 * TD_TILE_PIXELS;
         td_signals signals = {begin, begin + TD_TILE_PIXELS, end, end + TD_TILE_PIXELS};
@@ -151,7 +169,9 @@ static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, v
     tides_status status = td_refine_macro_step(s, start, stop, error);
     if (status != TIDES_OK) return status;
     double begun = td_now();
-    for (int t = 0; t < s->tiles && status == TIDES_OK; t++) status = compare_refined_tile(s, t, start, stop, error);
+    for (int i = 0; i < s->moving_count && status == TIDES_OK; i++)
+        status = compare_refined_tile(s, s->moving[i], start, stop, error);
+    s->stats.tile_steps_still += (uint64_t)(s->tiles - s->moving_count);
     s->stats.time_compare_s += td_now() - begun;
     if (status != TIDES_OK) {
         s->broken = 1;

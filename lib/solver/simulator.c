@@ -15,7 +15,8 @@ void tides_sensor_defaults(tides_sensor *sensor) {
 }
 
 void tides_stepping_defaults(tides_stepping *stepping) {
-    static const tides_stepping defaults = {sizeof defaults, TIDES_STEPPING_FIXED, TIDES_MODEL_HERMITE, 1, 1e-3, 1e-6, 0.01, 0};
+    static const tides_stepping defaults = {sizeof defaults, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE, 1, 0.01, 1e-6, 0.01, 0, 0,
+                                            {0.3, 0.3, 0.4}};
     *stepping = defaults;
 }
 
@@ -23,7 +24,7 @@ static tides_status check_arguments(const tides_sensor *sensor, const tides_step
                                     tides_error *error) {
     if (sensor->size > sizeof *sensor || stepping->size > sizeof *stepping)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_create: a struct's size is from a newer version of TIDES");
-    if (stepping->mode != TIDES_STEPPING_FIXED && stepping->mode != TIDES_STEPPING_ERROR)
+    if (stepping->mode < TIDES_STEPPING_FIXED || stepping->mode > TIDES_STEPPING_ERROR_RISK)
         return td_fail(error, TIDES_UNSUPPORTED, "stepping.mode: %d is none of TIDES_STEPPING_*", (int)stepping->mode);
     if (!isfinite(start) || !isfinite(stop) || !(stop > start))
         return td_fail(error, TIDES_BAD_ARGUMENT, "time: start %g s, stop %g s; stop must be a time after start", start, stop);
@@ -38,13 +39,18 @@ static tides_status check_arguments(const tides_sensor *sensor, const tides_step
 /* What only adaptive steps read. */
 static tides_status check_adaptive(const tides_stepping *stepping, tides_error *error) {
     if (stepping->mode == TIDES_STEPPING_FIXED) return TIDES_OK;
-    if (stepping->model != TIDES_MODEL_HERMITE)
+    if ((stepping->mode & TIDES_STEPPING_ERROR) && stepping->model != TIDES_MODEL_HERMITE)
         return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "stepping.model: adaptive steps estimate the error of the hermite model only; use it, or mode fixed");
-    if (!(stepping->min_step_s > 0) || !(stepping->tolerance > 0) || !(stepping->time_tolerance_s >= 0))
-        return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "stepping: min_step_s %g and tolerance %g must be above 0, time_tolerance_s %g not below",
-                       stepping->min_step_s, stepping->tolerance, stepping->time_tolerance_s);
+                       "stepping.model: error control estimates the error of the hermite model only; use it, or another mode");
+    if (!(stepping->min_step_s > 0) || !(stepping->tolerance > 0))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "stepping: min_step_s %g and tolerance %g must be above 0",
+                       stepping->min_step_s, stepping->tolerance);
+    if (!(stepping->time_tolerance_s >= 0) || !(stepping->budget >= 0))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "stepping: time_tolerance_s %g and budget %g must not be below 0",
+                       stepping->time_tolerance_s, stepping->budget);
+    if (!(stepping->risk.w_b >= 0) || !(stepping->risk.w_c >= 0) || !(stepping->risk.w_alpha >= 0))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "stepping.risk: weights %g, %g and %g must not be below 0", stepping->risk.w_b,
+                       stepping->risk.w_c, stepping->risk.w_alpha);
     return TIDES_OK;
 }
 
@@ -93,6 +99,8 @@ static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *err
     int ok = (s->tile = td_alloc((size_t)s->tiles, sizeof *s->tile, error)) != NULL;
     ok = ok && (s->first_pixel = td_alloc((size_t)s->tiles + 1, sizeof *s->first_pixel, error)) != NULL;
     ok = ok && (s->requests = td_alloc(samples, sizeof *s->requests, error)) != NULL;
+    ok = ok && (s->tile_risk = td_alloc((size_t)s->tiles, sizeof *s->tile_risk, error)) != NULL;
+    ok = ok && (s->moving = td_alloc((size_t)s->tiles, sizeof *s->moving, error)) != NULL;
     ok = ok && (s->planes = td_alloc(samples * TD_OUT_SIGNAL * TD_TILE_PIXELS, sizeof *s->planes, error)) != NULL;
     double **reals[] = {&s->pixels.initial, &s->pixels.reference, &s->now.S, &s->now.S_dot, &s->next.S, &s->next.S_dot};
     for (size_t i = 0; ok && i < sizeof reals / sizeof *reals; i++)
@@ -127,6 +135,9 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     s->min_step_s = stepping->min_step_s;
     s->tolerance = stepping->tolerance;
     s->time_tolerance_s = stepping->time_tolerance_s;
+    s->budget = stepping->budget;
+    s->risk = stepping->risk;
+    s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
     /* A last step shorter than a millionth of the others is rounding of stop - start, not a step. */
     s->steps = (int64_t)ceil((stop - start) / stepping->step_s - 1e-6);
     if (s->steps < 1) s->steps = 1;
@@ -143,6 +154,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
         status = allocate(s, (size_t)intrinsics->width * intrinsics->height, error);
     }
     if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, TD_OUT_SIGNAL, error);
+    if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, s->outputs, error);
     if (status != TIDES_OK) {
         tides_simulator_destroy(s);
         return status;
@@ -165,6 +177,8 @@ void tides_simulator_destroy(tides_simulator *simulator) {
     free(simulator->tile);
     free(simulator->first_pixel);
     free(simulator->requests);
+    free(simulator->moving);
+    free(simulator->tile_risk);
     free(simulator->events.events);
     free(simulator->scratch);
     free(simulator);
@@ -179,7 +193,7 @@ void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats)
     stats->events = stats->events_on + stats->events_off;
     stats->events_truncated = simulator->counts.truncated;
     stats->events_caught_up = simulator->counts.caught_up;
-    stats->renders_full_frame_equivalent = (double)(render->tile_jobs + render->tile_jobs_skipped) / simulator->tiles;
+    stats->renders_full_frame_equivalent = (double)render->tile_jobs / simulator->tiles;
     stats->simulated_s = simulator->started ? td_grid_time(simulator, simulator->step) - simulator->start : 0;
     stats->real_time_factor = stats->run_time_s > 0 ? stats->simulated_s / stats->run_time_s : 0;
     double known = render->time_build_s + render->time_sweep_s + render->time_project_s + render->time_sort_s +

@@ -12,6 +12,7 @@ typedef struct td_refine_step {
     int32_t begin, end; /* samples at both ends */
     int32_t next;       /* index, or -1 */
     int32_t tile;
+    double excess;      /* how far above its limit the step's worst measure is: halved above 1 */
 } td_refine_step;
 
 /* Workspace of a macro step, reused from one to the next. */
@@ -21,6 +22,8 @@ typedef struct td_refine {
     size_t steps, step_capacity;
     double *samples;           /* (sample x 2 x TD_TILE_PIXELS): S, then S_dot, row by row */
     size_t sample_count, sample_capacity;
+    double *risk;              /* (sample): the tile's risk score there */
+    size_t risk_capacity;
     int32_t *pending;          /* steps to be halved on this level */
     size_t pending_count, pending_capacity;
     int32_t *halved;           /* steps that came of it */
@@ -33,6 +36,11 @@ typedef struct td_refine {
     size_t plane_capacity;
 } td_refine;
 
+/* S of a sample, then S_dot. */
+static inline double *td_refine_sample(const td_refine *refine, int32_t sample) {
+    return refine->samples + (size_t)sample * 2 * TD_TILE_PIXELS;
+}
+
 /* Renders and accepts steps for the macro step that begins at s->now: its steps are the lists that begin at refine->step[tile].
  * Nothing of the simulator's pixel state changes. */
 tides_status td_refine_macro_step(tides_simulator *s, double start, double stop, tides_error *error);
@@ -41,5 +49,9 @@ tides_status td_refine_macro_step(tides_simulator *s, double start, double stop,
 double td_refine_time(const td_refine *refine, double start, double stop, uint32_t at);
 
 void td_refine_release(td_refine *refine);
+
+/* Which of the `count` new steps `fresh` are too long: refine->pending (control.c). */
+tides_status td_control_steps(tides_simulator *s, const int32_t *fresh, size_t count, double start, double stop,
+                              tides_error *error);
 
 #endif

@@ -19,7 +19,10 @@ struct tides_simulator {
     td_comparator comparator;
     double start, stop, step_s; /* [s] */
     int mode, local;            /* TIDES_STEPPING_*; each tile has its own steps */
-    double min_step_s, tolerance, time_tolerance_s;
+    double min_step_s, tolerance, time_tolerance_s, budget;
+    tides_risk risk;
+    int outputs;                /* planes that each sample renders: risk wants diagnostics */
+    double *tile_risk;          /* (tiles) at the time reached */
     td_refine refine;           /* TIDES_STEPPING_ERROR */
     td_timing timing;           /* likewise: estimated errors of event times */
     int broken;                 /* a step failed half way: the pixels no longer agree on the time */
@@ -33,6 +36,8 @@ struct tides_simulator {
     td_sample now, next;    /* at the step's two ends */
     int batch, batch_limit; /* steps per launch: now, and at most */
     td_request *requests;   /* (batch_limit x tiles) */
+    int *moving;            /* (tiles) those that can change in the interval swept last, */
+    int moving_count;       /* so many of them */
     double *planes;         /* (batch_limit x tiles x TD_OUT_SIGNAL x TD_TILE_PIXELS) */
     td_event_buffer events; /* of the packet */
     tides_event *scratch;   /* for sorting */
@@ -40,6 +45,12 @@ struct tides_simulator {
     td_comparator_counts counts;
     tides_stats stats; /* times and steps; the rest is put together when asked for */
 };
+
+/* Lists the tiles that can change in the interval that was swept last; all of them where tiles don't go their own ways. */
+void td_list_moving(tides_simulator *simulator);
+
+/* Largest risk score of a tile's pixels, from planes of TD_OUT_DIAGNOSTICS. */
+double td_tile_risk(const tides_simulator *simulator, const td_tile *tile, const double *planes);
 
 /* Time of grid point k [s]: a product, not a running sum; the last one is `stop`. */
 static inline double td_grid_time(const tides_simulator *simulator, int64_t k) {

@@ -6,7 +6,8 @@ run "camera.width = 0 is out of range; it must lie in \[1, 16384\] px" --set cam
 run "image.log_eps = \"nan\" is not a number" --set image.log_eps=nan
 run "sensor.threshold_on = -1 is out of range" --set sensor.threshold_on=-1
 run "time.stop = 0 s is not after time.start = 0 s" --set time.stop=0
-run "stepping.mode = \"risk\" is none of fixed, error" --set stepping.mode=risk
+run "stepping.mode = \"riks\" is none of fixed, risk, error, error_risk" --set stepping.mode=riks
+run "error control estimates the error of the hermite model only" --set stepping.model=linear
 run "sensor.leak_rate_hz = 1 is not available in this version; leave it at 0.0" --set sensor.leak_rate_hz=1
 run "method = \"esim\" is not available" --set method=esim
 run "seed = \"x\" is not a 64-bit number" --seed x

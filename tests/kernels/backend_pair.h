@@ -39,8 +39,8 @@ typedef struct backend_pair {
     td_backend *backend[2];
     double *views, *backdrops; /* of pair_times */
     td_candidates candidates;
-    td_job *jobs;              /* every tile that has candidates, at every slot */
-    int job_count, records;    /* of all jobs together; `out` is a permutation of 0 .. job_count - 1 */
+    td_job *jobs;           /* every tile that has candidates, at every slot */
+    int job_count, records; /* of all jobs together; `out` is a permutation of 0 .. job_count - 1 */
 } backend_pair;
 
 /* Opens the OpenCL CPU device with kernels of `lanes` pixels per item (0: its own choice); skips the test where there's none. */
@@ -67,7 +67,8 @@ static inline void pair_make_jobs(backend_pair *pair) {
         int first = lists->first[tile], count = lists->first[tile + 1] - first, capacity = TD_PAD;
         if (count == 0) continue;
         while (capacity < count) capacity *= 2;
-        td_job job = {tile % lists->tiles_x * TD_TILE, tile / lists->tiles_x * TD_TILE, slot, first, count, pair->records, 0, capacity};
+        td_job job =
+            {tile % lists->tiles_x * TD_TILE, tile / lists->tiles_x * TD_TILE, slot, first, count, pair->records, 0, capacity};
         pair->jobs[pair->job_count++] = job;
         pair->records += count;
     }
@@ -77,20 +78,30 @@ static inline void pair_make_jobs(backend_pair *pair) {
 /* Boxes from both backends, equal; candidate lists from them. */
 static inline void pair_sweep(backend_pair *pair) {
     size_t reals = (size_t)pair->store.count * 4;
-    float *boxes[2];
+    float *boxes[2], *travel[2];
+    uint8_t *moves = calloc((size_t)pair->store.objects, sizeof *moves);
     tides_error error;
+    assert_non_null(moves);
     for (int k = 0; k < 2; k++) {
+        travel[k] = calloc((size_t)pair->store.count, sizeof *travel[k]);
+        assert_non_null(travel[k]);
         boxes[k] = calloc(reals, sizeof *boxes[k]);
         assert_non_null(boxes[k]);
         scene_expect_ok(pair->backend[k]->type->sweep(pair->backend[k], pair->views, pair_times[PAIR_SLOTS - 1] - pair_times[0],
-                                                      boxes[k], &error), &error);
+                                                      0, pair->store.count, boxes[k], travel[k], &error),
+                        &error);
     }
+    assert_memory_equal(travel[0], travel[1], (size_t)pair->store.count * sizeof *travel[0]);
     for (size_t i = 0; i < reals; i++)
         if (memcmp(&boxes[0][i], &boxes[1][i], sizeof(float)) != 0)
             fail_msg("%s: box entry %d of Gaussian %d: %.9g on the device, %.9g in the reference", pair->name, (int)(i % 4),
                      (int)(i / 4), (double)boxes[0][i], (double)boxes[1][i]);
-    scene_expect_ok(td_candidates_create(pair->scene.camera.width, pair->scene.camera.height, &pair->candidates, &error), &error);
-    scene_expect_ok(td_candidates_build(&pair->candidates, &pair->store, boxes[0], &error), &error);
+    scene_expect_ok(td_candidates_create(pair->scene.camera.width, pair->scene.camera.height, &pair->candidates, &error),
+                    &error);
+    scene_expect_ok(td_candidates_build(&pair->candidates, &pair->store, boxes[0], travel[0], moves, &error), &error);
+    free(moves);
+    free(travel[0]);
+    free(travel[1]);
     free(boxes[0]);
     free(boxes[1]);
 }
@@ -128,8 +139,15 @@ static inline void pair_free(backend_pair *pair) {
 }
 
 static inline td_batch pair_batch(const backend_pair *pair, const td_job *jobs, int job_count, int records, int outputs) {
-    td_batch batch = {pair->views, pair->backdrops, PAIR_SLOTS, jobs, job_count, pair->candidates.list,
-                      pair->candidates.first[pair->candidates.tiles_x * pair->candidates.tiles_y], pair->candidates.serial, records,
+    td_batch batch = {pair->views,
+                      pair->backdrops,
+                      PAIR_SLOTS,
+                      jobs,
+                      job_count,
+                      pair->candidates.list,
+                      pair->candidates.first[pair->candidates.tiles_x * pair->candidates.tiles_y],
+                      pair->candidates.serial,
+                      records,
                       outputs};
     return batch;
 }
@@ -148,8 +166,9 @@ static inline double *pair_compare_planes(backend_pair *pair, int outputs) {
     }
     for (size_t i = 0; i < reals; i++)
         if (memcmp(&planes[0][i], &planes[1][i], sizeof(double)) != 0)
-            fail_msg("%s, %d planes: job with out %d, plane %d, pixel %d: %.9g on the device, %.9g in the reference", pair->name,
-                     outputs, (int)(i / tile), (int)(i % tile / TD_TILE_PIXELS), (int)(i % TD_TILE_PIXELS), planes[0][i], planes[1][i]);
+            fail_msg("%s, %d planes: job with out %d, plane %d, pixel %d: %.9g on the device, %.9g in the reference",
+                     pair->name, outputs, (int)(i / tile), (int)(i % tile / TD_TILE_PIXELS), (int)(i % TD_TILE_PIXELS),
+                     planes[0][i], planes[1][i]);
     free(planes[PAIR_DEVICE]);
     return planes[PAIR_REFERENCE];
 }
@@ -158,8 +177,13 @@ static inline double *pair_compare_planes(backend_pair *pair, int outputs) {
 
 static inline td_stages pair_stages_make(int records) {
     size_t count = (size_t)records;
-    td_stages stages = {records, calloc(count * TD_RECORD_STRIDE, sizeof(double)), calloc(count, sizeof(int)),
-                        calloc(count, sizeof(int)), calloc(count, sizeof(int)), -1, -1};
+    td_stages stages = {records,
+                        calloc(count * TD_RECORD_STRIDE, sizeof(double)),
+                        calloc(count, sizeof(int)),
+                        calloc(count, sizeof(int)),
+                        calloc(count, sizeof(int)),
+                        -1,
+                        -1};
     assert_true(stages.record && stages.mask && stages.order && stages.sorted_mask);
     return stages;
 }
@@ -188,8 +212,8 @@ static inline td_stages pair_stages_of(backend_pair *pair, int which, const td_j
 static inline void pair_compare_records(const char *name, const td_stages *device, const td_stages *reference) {
     for (int i = 0; i < reference->records; i++) {
         if (device->mask[i] != reference->mask[i])
-            fail_msg("%s: candidate %d touches blocks %x on the device, %x in the reference", name, i, (unsigned)device->mask[i],
-                     (unsigned)reference->mask[i]);
+            fail_msg("%s: candidate %d touches blocks %x on the device, %x in the reference", name, i,
+                     (unsigned)device->mask[i], (unsigned)reference->mask[i]);
         if (!reference->mask[i]) continue;
         for (int k = i * TD_RECORD_STRIDE; k < (i + 1) * TD_RECORD_STRIDE; k++)
             if (memcmp(&device->record[k], &reference->record[k], sizeof(double)) != 0)
@@ -235,7 +259,8 @@ static inline void pair_compare_empty_pixel(backend_pair *pair) {
         for (int slot = 0; slot < PAIR_SLOTS; slot++) {
             double planes[2][TD_OUT_COLOUR];
             for (int k = 0; k < 2; k++)
-                pair->backend[k]->type->empty_pixel(pair->backend[k], pair->backdrops + slot * TD_BACKDROP_REALS, planes[k], outputs[i]);
+                pair->backend[k]->type->empty_pixel(pair->backend[k], pair->backdrops + slot * TD_BACKDROP_REALS, planes[k],
+                                                    outputs[i]);
             assert_memory_equal(planes[0], planes[1], (size_t)outputs[i] * sizeof(double));
         }
 }

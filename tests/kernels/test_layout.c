@@ -11,12 +11,17 @@
 
 enum { NUMBERS = 8 };
 
-static const int expected[NUMBERS] = {
-    (int)sizeof(td_view),           (int)sizeof(td_backdrop),       (int)sizeof(td_job),           (int)sizeof(td_image),
-    (int)offsetof(td_view, eye_dot), (int)offsetof(td_image, width), (int)offsetof(td_image, outputs), (int)offsetof(td_job, capacity)};
+static const int expected[NUMBERS] = {(int)sizeof(td_view),
+                                      (int)sizeof(td_backdrop),
+                                      (int)sizeof(td_job),
+                                      (int)sizeof(td_image),
+                                      (int)offsetof(td_view, eye_dot),
+                                      (int)offsetof(td_image, width),
+                                      (int)offsetof(td_image, outputs),
+                                      (int)offsetof(td_job, capacity)};
 
-static const char *const names[NUMBERS] = {"sizeof(td_view)",  "sizeof(td_backdrop)", "sizeof(td_job)",   "sizeof(td_image)",
-                                           "td_view.eye_dot",  "td_image.width",      "td_image.outputs", "td_job.capacity"};
+static const char *const names[NUMBERS] = {"sizeof(td_view)", "sizeof(td_backdrop)", "sizeof(td_job)",   "sizeof(td_image)",
+                                           "td_view.eye_dot", "td_image.width",      "td_image.outputs", "td_job.capacity"};
 
 /* What the device answers; `numbers` are -1 where it wrote nothing. */
 static tides_status ask(tides_device *device, int *numbers, tides_error *error) {

@@ -17,17 +17,16 @@ static const uint64_t SEED = 20240607;
 static const char *const names[FUNCTIONS] = {"td_exp2", "td_log", "td_floor", "td_smootherstep"};
 
 /* One thread per TD_LANES numbers; inputs and outputs function by function. */
-static const char kernel_text[] =
-    "__kernel void td_numerics(__global const float *in, __global float *out, int count) {\n"
-    "    int i = (int)get_global_id(0) * TD_LANES;\n"
-    "    float lane[TD_LANES];\n"
-    "    td_index at;\n"
-    "    for (int k = 0; k < TD_LANES; k++) ((__private int *)&at)[k] = i + k;\n"
-    "    td_scatter(out + i, 1, 0, td_exp2(td_gather(in, at)));\n"
-    "    td_scatter(out + i + count, 1, 0, td_log(td_gather(in + count, at)));\n"
-    "    td_scatter(out + i + 2 * count, 1, 0, td_floor(td_gather(in + 2 * count, at)));\n"
-    "    td_scatter(out + i + 3 * count, 1, 0, td_smootherstep(td_gather(in + 3 * count, at)));\n"
-    "}\n";
+static const char kernel_text[] = "__kernel void td_numerics(__global const float *in, __global float *out, int count) {\n"
+                                  "    int i = (int)get_global_id(0) * TD_LANES;\n"
+                                  "    float lane[TD_LANES];\n"
+                                  "    td_index at;\n"
+                                  "    for (int k = 0; k < TD_LANES; k++) ((__private int *)&at)[k] = i + k;\n"
+                                  "    td_scatter(out + i, 1, 0, td_exp2(td_gather(in, at)));\n"
+                                  "    td_scatter(out + i + count, 1, 0, td_log(td_gather(in + count, at)));\n"
+                                  "    td_scatter(out + i + 2 * count, 1, 0, td_floor(td_gather(in + 2 * count, at)));\n"
+                                  "    td_scatter(out + i + 3 * count, 1, 0, td_smootherstep(td_gather(in + 3 * count, at)));\n"
+                                  "}\n";
 
 typedef struct numbers {
     float *in, *host, *device; /* (FUNCTIONS x COUNT) */
@@ -50,7 +49,8 @@ static float any_positive(uint64_t *state) {
 /* Inputs where each function is defined; the first few are where it is most likely to go wrong. */
 static void make_inputs(float *in) {
     static const float hard[FUNCTIONS][8] = {{0.0f, 127.0f, -126.0f, -126.5f, -1e30f, 0.5f, -0.5f, 1.0f},
-                                             {1.0f, 0.99999994f, 1.0000001f, 0x1p-126f, 3.4028235e38f, 0.70710678f, 0.70710677f, 1e-3f},
+                                             {1.0f, 0.99999994f, 1.0000001f, 0x1p-126f, 3.4028235e38f, 0.70710678f, 0.70710677f,
+                                              1e-3f},
                                              {0.0f, -0.0f, 0.99999994f, -0.00000001f, -1.0f, 4194303.5f, -4194303.5f, 2.5f},
                                              {0.0f, 1.0f, 0.5f, 1e-20f, 0.99999994f, 1e-38f, 0.25f, 0.75f}};
     uint64_t state = SEED;
@@ -140,8 +140,8 @@ static tides_status run(tides_device *device, cl_program program, int lanes, con
 static void compare_bits(const numbers *n, int lanes) {
     for (size_t i = 0; i < (size_t)FUNCTIONS * COUNT; i++)
         if (memcmp(&n->host[i], &n->device[i], sizeof(float)) != 0)
-            fail_msg("%s(%.9g), %d lanes: %.9g on the device, %.9g on the host", names[i / COUNT], n->in[i], lanes, n->device[i],
-                     n->host[i]);
+            fail_msg("%s(%.9g), %d lanes: %.9g on the device, %.9g on the host", names[i / COUNT], n->in[i], lanes,
+                     n->device[i], n->host[i]);
 }
 
 static void test_device_equals_host(void **state) {

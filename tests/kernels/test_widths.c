@@ -97,8 +97,8 @@ static void test_16_lanes(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_1_lane), cmocka_unit_test(test_4_lanes), cmocka_unit_test(test_8_lanes),
-                                       cmocka_unit_test(test_16_lanes)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_1_lane), cmocka_unit_test(test_4_lanes),
+                                       cmocka_unit_test(test_8_lanes), cmocka_unit_test(test_16_lanes)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,14 +1,12 @@
-/* What must hold for any image, on random scenes: the order of the input doesn't matter, candidate lists are conservative,
- * batches don't matter, time runs both ways, values are in their ranges; and on real scenes the smooth rules look like inria's. */
+/* What must hold for any image, on random scenes: the order of the input doesn't matter, time runs both ways, values
+ * are in their ranges; and on real scenes the smooth rules look like inria's. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "render/td_render.h"
-#include "tests/support/random_scene.h"
-#include "tests/support/scene_folder.h"
+#include "tests/property/renderer_of.h"
 #include "tests/support/scene_make.h"
 #include "tests/support/shared.h"
 
@@ -16,33 +14,8 @@
 #include <stdlib.h>
 
 static const uint64_t SEED = 4242;
-enum { OUTPUTS = TD_OUT_DIAGNOSTICS, RULES = 3 };
 
 /* -- helpers ---------------------------------------------------------------------------------------------------------------- */
-
-static tides_device *open_device(const char *spec) {
-    tides_device *device = NULL;
-    tides_error error;
-    scene_expect_ok(tides_device_open(spec, &device, &error), &error);
-    return device;
-}
-
-/* The OpenCL CPU device, or the reference where there's none. */
-static tides_device *open_fast_device(void) {
-    tides_device *device = NULL;
-    return tides_device_open("cpu", &device, NULL) == TIDES_OK ? device : open_device("reference-f32");
-}
-
-static tides_renderer *make_renderer(tides_device *device, const tides_scene *scene, const tides_intrinsics *camera, int rules) {
-    tides_renderer *renderer = NULL;
-    tides_image_params params;
-    tides_error error;
-    tides_image_params_defaults(&params);
-    params.rules = rules;
-    params.background[1] = 0.2;
-    scene_expect_ok(tides_renderer_create(device, scene, camera, &params, NULL, NULL, &renderer, &error), &error);
-    return renderer;
-}
 
 /* A frame's planes; freed with free_frame. */
 static tides_frame make_frame(const tides_intrinsics *camera, int channels) {
@@ -73,16 +46,6 @@ static tides_frame render_scene(tides_device *device, const tides_scene *scene, 
     return frame;
 }
 
-static random_recipe recipe_of(uint64_t trial) {
-    random_recipe recipe = random_recipe_defaults(SEED + trial);
-    recipe.count = 120;
-    recipe.objects = 3;
-    recipe.sh_degree = 1;
-    recipe.width = 61;
-    recipe.height = 43;
-    return recipe;
-}
-
 /* A copy of a scene, each object changed by `edit`: Gaussians (in new arrays) or path, both optional. */
 typedef td_gaussians (*edit_gaussians)(const tides_gaussians *gaussians, uint64_t *seed);
 typedef tides_trajectory *(*edit_path)(const tides_trajectory *path);
@@ -98,7 +61,9 @@ static tides_scene *copy_scene(const tides_scene *scene, edit_gaussians edit, ed
         if (edit) own = edit(&object.gaussians, &seed);
         tides_gaussians gaussians = edit ? td_gaussians_view(&own) : object.gaussians;
         tides_trajectory *turned = turn && object.trajectory ? turn(object.trajectory) : NULL;
-        scene_expect_ok(tides_scene_add(copy, &gaussians, turned ? turned : object.trajectory, object.scale, NULL, NULL, &error), &error);
+        scene_expect_ok(tides_scene_add(copy, &gaussians, turned ? turned : object.trajectory, object.scale, NULL, NULL,
+                                        &error),
+                        &error);
         tides_trajectory_destroy(turned);
         td_gaussians_free(&own);
     }
@@ -133,14 +98,15 @@ static void expect_same_frames(const tides_frame *a, const tides_frame *b, int p
     for (int c = 0; c < TIDES_CHANNELS; c++)
         for (int i = 0; i < pixels && a->plane[c]; i++)
             if (memcmp(&a->plane[c][i], &b->plane[c][i], sizeof(double)) != 0)
-                fail_msg("%s: channel %s, pixel %d: %.17g and %.17g", what, tides_channel_name(c), i, a->plane[c][i], b->plane[c][i]);
+                fail_msg("%s: channel %s, pixel %d: %.17g and %.17g", what, tides_channel_name(c), i, a->plane[c][i],
+                         b->plane[c][i]);
 }
 
 static void test_order_of_gaussians_does_not_matter(void **state) {
     (void)state;
     tides_device *device = open_device("reference"); /* in double no two depths are equal */
     for (uint64_t trial = 0; trial < 6; trial++) {
-        random_recipe recipe = recipe_of(trial);
+        random_recipe recipe = recipe_of(SEED + trial);
         random_scene s = random_scene_make(&recipe);
         tides_scene *other = copy_scene(s.scene, shuffled, NULL, trial);
         tides_frame a = render_scene(device, s.scene, &s.camera, (int)trial % RULES, s.path, 0.3);
@@ -152,203 +118,6 @@ static void test_order_of_gaussians_does_not_matter(void **state) {
         random_scene_free(&s);
     }
     tides_device_close(device);
-}
-
-/* -- candidate lists --------------------------------------------------------------------------------------------------------- */
-
-/* Every tile at each time from the lists that the renderer has, into planes (slots x tiles x OUTPUTS x TD_TILE_PIXELS). */
-static double *render_tiles(tides_renderer *renderer, const tides_trajectory *path, const double *times, int slots) {
-    int tiles = renderer->stats.tiles;
-    double *planes = malloc((size_t)slots * (size_t)tiles * OUTPUTS * TD_TILE_PIXELS * sizeof *planes);
-    td_request *requests = malloc((size_t)slots * (size_t)tiles * sizeof *requests);
-    tides_error error;
-    assert_true(planes && requests);
-    for (int i = 0; i < slots * tiles; i++) requests[i].tile = i % tiles, requests[i].slot = i / tiles;
-    scene_expect_ok(td_renderer_tiles(renderer, path, times, slots, requests, slots * tiles, OUTPUTS, planes, &error), &error);
-    free(requests);
-    return planes;
-}
-
-static void sweep(tides_renderer *renderer, const tides_trajectory *path, double start, double stop) {
-    tides_error error;
-    scene_expect_ok(td_renderer_sweep(renderer, path, start, stop, &error), &error);
-}
-
-/* Lists that hold every Gaussian. */
-static void list_everything(tides_renderer *renderer) {
-    tides_error error;
-    for (int i = 0; i < renderer->store.count; i++) {
-        float *box = renderer->boxes + 4 * (size_t)i;
-        box[0] = box[1] = 0;
-        box[2] = (float)renderer->image.width;
-        box[3] = (float)renderer->image.height;
-    }
-    scene_expect_ok(td_candidates_build(&renderer->candidates, &renderer->store, renderer->boxes, &error), &error);
-}
-
-/* Fails where two sets of tiles differ within the image. */
-static void expect_same_tiles(const tides_renderer *renderer, const double *a, const double *b, const double *times, int slots, const char *what) {
-    int tiles_x = renderer->candidates.tiles_x, tiles = renderer->stats.tiles;
-    size_t tile = OUTPUTS * TD_TILE_PIXELS;
-    for (int slot = 0; slot < slots; slot++)
-        for (int y = 0; y < renderer->image.height; y++)
-            for (int x = 0; x < renderer->image.width; x++)
-                for (int k = 0; k < OUTPUTS; k++) {
-                    size_t which = (size_t)(slot * tiles + y / TD_TILE * tiles_x + x / TD_TILE);
-                    size_t at = which * tile + (size_t)(k * TD_TILE_PIXELS + td_tile_pixel(x % TD_TILE, y % TD_TILE));
-                    if (memcmp(&a[at], &b[at], sizeof *a) != 0)
-                        fail_msg("%s: plane %d at (%d, %d), time %.9g: %.9g and %.9g", what, k, x, y, times[slot], a[at], b[at]);
-                }
-}
-
-enum { SLOTS = 5 };
-
-/* Lists for [start, start + length] give what lists of everything give, at any time in it. */
-static void check_lists(tides_renderer *renderer, const random_scene *s, double start, double length, uint64_t trial) {
-    char what[100];
-    double times[SLOTS] = {start, start + 0.13 * length, start + 0.5 * length, start + 0.81 * length, start + length};
-    snprintf(what, sizeof what, "trial %d, lists for %g ms", (int)trial, 1e3 * length);
-    sweep(renderer, s->path, start, times[SLOTS - 1]);
-    int listed = renderer->candidates.first[renderer->stats.tiles];
-    double *swept = render_tiles(renderer, s->path, times, SLOTS);
-    list_everything(renderer);
-    assert_true(listed < renderer->candidates.first[renderer->stats.tiles]); /* the lists do leave something out */
-    double *full = render_tiles(renderer, s->path, times, SLOTS);
-    expect_same_tiles(renderer, full, swept, times, SLOTS, what);
-    for (int i = 0; i < SLOTS; i++) {
-        sweep(renderer, s->path, times[i], times[i]);
-        double *exact = render_tiles(renderer, s->path, &times[i], 1);
-        expect_same_tiles(renderer, full + (size_t)i * (size_t)renderer->stats.tiles * OUTPUTS * TD_TILE_PIXELS, exact, &times[i], 1, "lists for the time itself");
-        free(exact);
-    }
-    free(swept);
-    free(full);
-}
-
-/* Objects that move up to about 2 units/s and cameras up to about 10, with Gaussians in front of, around and behind them. */
-static random_recipe fast_recipe(uint64_t trial) {
-    random_recipe recipe = recipe_of(100 + trial);
-    recipe.sh_degree = 0;
-    recipe.camera_speed = trial % 4 == 0 ? 6 : 3;
-    recipe.spread = trial % 3 == 0 ? 4.5 : 1.5;
-    recipe.size = trial % 2 == 0 ? 0.02 : 0.12;
-    return recipe;
-}
-
-static const double lengths[] = {1e-3, 3e-3, 10e-3, 25e-3, 50e-3};
-enum { LENGTHS = sizeof lengths / sizeof *lengths };
-
-/* For boxes, up to nearly the distance of the paths' samples: beyond it, what a splat does is no longer near a cubic. */
-static const double box_lengths[] = {1e-3, 10e-3, 50e-3, 100e-3, 200e-3};
-enum { BOX_LENGTHS = sizeof box_lengths / sizeof *box_lengths };
-
-static double random_start(uint64_t *seed, double length) { return (1 - length) * (double)(scene_next(seed) >> 11) * 0x1p-53; }
-
-static void test_candidate_lists_are_conservative(void **state) {
-    (void)state;
-    tides_device *device = open_fast_device();
-    for (uint64_t trial = 0; trial < 12; trial++) {
-        random_recipe recipe = fast_recipe(trial);
-        random_scene s = random_scene_make(&recipe);
-        tides_renderer *renderer = make_renderer(device, s.scene, &s.camera, (int)trial % RULES);
-        uint64_t seed = recipe.seed;
-        for (int i = 0; i < LENGTHS; i++) check_lists(renderer, &s, random_start(&seed, lengths[i]), lengths[i], trial);
-        tides_renderer_destroy(renderer);
-        random_scene_free(&s);
-    }
-    tides_device_close(device);
-}
-
-/* How far a splat's box at one time reaches out of a swept box, within the image [px]; 0 where either is outside of it. */
-static double overhang(const tides_renderer *renderer, const float *swept, const float *now) {
-    double right = renderer->image.width, bottom = renderer->image.height;
-    if (!(now[0] < right && now[1] < bottom && now[2] > 0 && now[3] > 0)) return 0;
-    double x = fmax(swept[0] - fmax(now[0], 0), fmin(now[2], right) - swept[2]);
-    double y = fmax(swept[1] - fmax(now[1], 0), fmin(now[3], bottom) - swept[3]);
-    return fmax(fmax(x, y), 0);
-}
-
-/* The largest overhang over times within [start, start + length]. */
-static double worst_overhang(tides_renderer *renderer, const random_scene *s, double start, double length) {
-    enum { TIMES = 16 };
-    size_t bytes = (size_t)renderer->store.count * 4 * sizeof(float);
-    float *swept = malloc(bytes);
-    double worst = 0;
-    assert_non_null(swept);
-    sweep(renderer, s->path, start, start + length);
-    memcpy(swept, renderer->boxes, bytes);
-    for (int k = 0; k <= TIMES; k++) {
-        double time = start + length * k / TIMES;
-        sweep(renderer, s->path, time, time);
-        for (int i = 0; i < renderer->store.count; i++)
-            worst = fmax(worst, overhang(renderer, swept + 4 * (size_t)i, renderer->boxes + 4 * (size_t)i));
-    }
-    free(swept);
-    return worst;
-}
-
-/* Tiles are coarse and edges faint, so wrong boxes need not show in images: here they are looked at themselves. Both are a
- * hundredth of a pixel wider than the splat, which is what rounding may use up. */
-static void test_swept_boxes_hold_the_splats(void **state) {
-    (void)state;
-    double worst = 0;
-    tides_device *device = open_fast_device();
-    for (uint64_t trial = 0; trial < 40; trial++) {
-        random_recipe recipe = fast_recipe(trial);
-        random_scene s = random_scene_make(&recipe);
-        tides_renderer *renderer = make_renderer(device, s.scene, &s.camera, (int)trial % RULES);
-        uint64_t seed = recipe.seed;
-        for (int i = 0; i < BOX_LENGTHS; i++) {
-            double start = random_start(&seed, box_lengths[i]);
-            worst = fmax(worst, worst_overhang(renderer, &s, start, box_lengths[i]));
-        }
-        tides_renderer_destroy(renderer);
-        random_scene_free(&s);
-    }
-    print_message("swept boxes: splats reach out by at most %.3g px\n", worst);
-    assert_true(worst < 0.01);
-    tides_device_close(device);
-}
-
-/* -- batches ----------------------------------------------------------------------------------------------------------------- */
-
-static void check_batches(const char *spec) {
-    static const double times[SLOTS] = {0.50, 0.502, 0.504, 0.506, 0.508};
-    static const int limits[] = {1, 100, 1000};
-    random_recipe recipe = recipe_of(200);
-    random_scene s = random_scene_make(&recipe);
-    tides_device *device = NULL;
-    if (tides_device_open(spec, &device, NULL) == TIDES_OK) {
-        tides_renderer *renderer = make_renderer(device, s.scene, &s.camera, TIDES_RULES_SMOOTH);
-        int tiles = renderer->stats.tiles, record_limit = renderer->record_limit;
-        sweep(renderer, s.path, times[0], times[SLOTS - 1]);
-        double *all = render_tiles(renderer, s.path, times, SLOTS);
-        for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) { /* in several launches */
-            renderer->record_limit = limits[i];
-            double *cut = render_tiles(renderer, s.path, times, SLOTS);
-            expect_same_tiles(renderer, all, cut, times, SLOTS, "small record limit");
-            free(cut);
-        }
-        renderer->record_limit = record_limit;
-        for (int i = 0; i < SLOTS * tiles; i++) { /* one by one */
-            td_request request = {i % tiles, 0};
-            double tile[OUTPUTS * TD_TILE_PIXELS];
-            tides_error error;
-            scene_expect_ok(td_renderer_tiles(renderer, s.path, &times[i / tiles], 1, &request, 1, OUTPUTS, tile, &error), &error);
-            assert_memory_equal(tile, all + (size_t)i * OUTPUTS * TD_TILE_PIXELS, sizeof tile);
-        }
-        free(all);
-        tides_renderer_destroy(renderer);
-    }
-    tides_device_close(device);
-    random_scene_free(&s);
-}
-
-static void test_batches_do_not_matter(void **state) {
-    (void)state;
-    check_batches("reference");
-    check_batches("reference-f32");
-    check_batches("cpu");
 }
 
 /* -- time -------------------------------------------------------------------------------------------------------------------- */
@@ -371,7 +140,8 @@ static tides_trajectory *backwards(const tides_trajectory *path) {
 
 /* 1: a rate, which changes its sign when time runs backwards. */
 static int is_rate(int channel) {
-    return channel == TIDES_L_DOT || channel == TIDES_ALPHA_DOT || (channel >= TIDES_R_DOT && channel <= TIDES_B_DOT) || channel == TIDES_Z_DOT;
+    return channel == TIDES_L_DOT || channel == TIDES_ALPHA_DOT || (channel >= TIDES_R_DOT && channel <= TIDES_B_DOT) ||
+           channel == TIDES_Z_DOT;
 }
 
 static void test_time_runs_both_ways(void **state) {
@@ -379,7 +149,7 @@ static void test_time_runs_both_ways(void **state) {
     tides_device *device = open_device("reference");
     double worst = 0;
     for (uint64_t trial = 0; trial < 3; trial++) {
-        random_recipe recipe = recipe_of(300 + trial);
+        random_recipe recipe = recipe_of(SEED + 300 + trial);
         random_scene s = random_scene_make(&recipe);
         tides_scene *other = copy_scene(s.scene, NULL, backwards, 0);
         tides_trajectory *back = backwards(s.path);
@@ -387,7 +157,8 @@ static void test_time_runs_both_ways(void **state) {
         tides_frame b = render_scene(device, other, &s.camera, TIDES_RULES_SMOOTH, back, 1 - 0.37);
         for (int c = 0; c < TIDES_CHANNELS; c++)
             for (int i = 0; i < recipe.width * recipe.height; i++) {
-                double sign = is_rate(c) ? -1 : 1, difference = fabs(a.plane[c][i] - sign * b.plane[c][i]) / (1 + fabs(a.plane[c][i]));
+                double sign = is_rate(c) ? -1 : 1,
+                       difference = fabs(a.plane[c][i] - sign * b.plane[c][i]) / (1 + fabs(a.plane[c][i]));
                 worst = fmax(worst, difference);
             }
         free_frame(&a);
@@ -406,7 +177,7 @@ static void test_nothing_moves_where_nothing_moves(void **state) {
     (void)state;
     static const double position[3] = {0.1, -0.2, -4}, quaternion[4] = {1, 0.02, -0.01, 0.03};
     tides_device *device = open_device("reference-f32");
-    random_recipe recipe = recipe_of(400);
+    random_recipe recipe = recipe_of(SEED + 400);
     recipe.objects = 1; /* the one at rest */
     random_scene s = random_scene_make(&recipe);
     tides_trajectory *still = NULL;
@@ -428,7 +199,8 @@ static void test_nothing_moves_where_nothing_moves(void **state) {
 
 static void check_ranges(const tides_frame *frame, int pixels, double rounding) {
     for (int i = 0; i < pixels; i++) {
-        double alpha = frame->plane[TIDES_ALPHA][i], contributors = frame->plane[TIDES_CONTRIBUTORS][i], Y = frame->plane[TIDES_Y][i];
+        double alpha = frame->plane[TIDES_ALPHA][i], contributors = frame->plane[TIDES_CONTRIBUTORS][i],
+               Y = frame->plane[TIDES_Y][i];
         for (int c = 0; c < TIDES_CHANNELS; c++)
             if (!isfinite(frame->plane[c][i])) fail_msg("%s of pixel %d is %g", tides_channel_name(c), i, frame->plane[c][i]);
         assert_true(alpha >= 0 && alpha <= 1);
@@ -438,7 +210,8 @@ static void check_ranges(const tides_frame *frame, int pixels, double rounding) 
         assert_true(frame->plane[TIDES_COVERAGE][i] == alpha);
         assert_true(contributors > 0 || (alpha == 0 && frame->plane[TIDES_Z][i] == 0));
         assert_true(fabs(frame->plane[TIDES_L][i] - log(Y + 1e-3)) < rounding * (1 + fabs(frame->plane[TIDES_L][i])));
-        double weighted = 0.2126 * frame->plane[TIDES_R][i] + 0.7152 * frame->plane[TIDES_G][i] + 0.0722 * frame->plane[TIDES_B][i];
+        double weighted =
+            0.2126 * frame->plane[TIDES_R][i] + 0.7152 * frame->plane[TIDES_G][i] + 0.0722 * frame->plane[TIDES_B][i];
         assert_true(fabs(weighted - Y) < 10 * rounding * (1 + Y));
     }
 }
@@ -452,7 +225,7 @@ static void test_values_are_in_their_ranges(void **state) {
     for (int run = 0; run < 2; run++) {
         tides_device *device = open_device(runs[run].device);
         for (uint64_t trial = 0; trial < 9; trial++) {
-            random_recipe recipe = recipe_of(500 + trial);
+            random_recipe recipe = recipe_of(SEED + 500 + trial);
             recipe.spread = trial % 3 == 0 ? 6 : 1.5;
             recipe.size = pow(10, -4 + (double)(trial % 5));
             recipe.opacity_min = 1e-6;
@@ -548,12 +321,11 @@ static void test_smooth_looks_like_inria(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_order_of_gaussians_does_not_matter), cmocka_unit_test(test_candidate_lists_are_conservative),
-        cmocka_unit_test(test_swept_boxes_hold_the_splats),
-        cmocka_unit_test(test_batches_do_not_matter),              cmocka_unit_test(test_time_runs_both_ways),
-        cmocka_unit_test(test_nothing_moves_where_nothing_moves),  cmocka_unit_test(test_values_are_in_their_ranges),
-        cmocka_unit_test(test_smooth_looks_like_inria)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_order_of_gaussians_does_not_matter),
+                                       cmocka_unit_test(test_time_runs_both_ways),
+                                       cmocka_unit_test(test_nothing_moves_where_nothing_moves),
+                                       cmocka_unit_test(test_values_are_in_their_ranges),
+                                       cmocka_unit_test(test_smooth_looks_like_inria)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -22,28 +22,34 @@ static void box_everything(const frame_input *input, float *boxes) {
 }
 
 /* Boxes of the interval of length 0 at the frame's time. */
-static void box_swept(td_backend *backend, const frame_input *input, float *boxes) {
+static void box_swept(td_backend *backend, const frame_input *input, float *boxes, float *travel) {
     size_t reals = (size_t)input->store->objects * TD_VIEW_REALS;
     double *views = malloc(3 * reals * sizeof *views);
     tides_error error;
     assert_non_null(views);
     for (int i = 0; i < 3; i++) memcpy(views + (size_t)i * reals, input->views, reals * sizeof *views);
-    scene_expect_ok(backend->type->sweep(backend, views, 0, boxes, &error), &error);
+    scene_expect_ok(backend->type->sweep(backend, views, 0, 0, input->store->count, boxes, travel, &error), &error);
     free(views);
 }
 
 static void find_candidates(td_backend *backend, const frame_input *input, int which, td_candidates *candidates) {
     float *boxes = malloc((size_t)input->store->count * 4 * sizeof *boxes);
+    float *travel = calloc((size_t)input->store->count, sizeof *travel);
+    uint8_t *moves = calloc((size_t)input->store->objects, sizeof *moves);
     tides_error error;
     assert_non_null(boxes);
+    assert_non_null(travel);
+    assert_non_null(moves);
     if (which == FRAME_ALL)
         box_everything(input, boxes);
     else
-        box_swept(backend, input, boxes);
+        box_swept(backend, input, boxes, travel);
     scene_expect_ok(td_candidates_create(input->width, input->height, candidates, &error), &error);
     /* A backend keeps its copy of the candidates while their serial stays, and here every frame has its own lists. */
     candidates->serial = 2 * backend->stats.tile_jobs + (uint64_t)which;
-    scene_expect_ok(td_candidates_build(candidates, input->store, boxes, &error), &error);
+    scene_expect_ok(td_candidates_build(candidates, input->store, boxes, travel, moves, &error), &error);
+    free(moves);
+    free(travel);
     free(boxes);
 }
 

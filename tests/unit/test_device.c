@@ -171,9 +171,10 @@ static void test_errors_name_the_kernel(void **state) {
     tides_device *device = open_device("0");
     cl_kernel untouched = (cl_kernel)(void *)&device, kernel = untouched;
     tides_error error;
-    scene_expect_error(td_kernel_create(device, "nothing.cl", "", "f", &kernel, &error), TIDES_DEVICE_FAILED, &error, "nothing.cl");
-    scene_expect_error(td_kernel_create(device, "layout_check.cl", "", "td_no_such_kernel", &kernel, &error), TIDES_DEVICE_FAILED,
-                       &error, "clCreateKernel|CL_INVALID_KERNEL_NAME");
+    scene_expect_error(td_kernel_create(device, "nothing.cl", "", "f", &kernel, &error), TIDES_DEVICE_FAILED, &error,
+                       "nothing.cl");
+    scene_expect_error(td_kernel_create(device, "layout_check.cl", "", "td_no_such_kernel", &kernel, &error),
+                       TIDES_DEVICE_FAILED, &error, "clCreateKernel|CL_INVALID_KERNEL_NAME");
     assert_ptr_equal(kernel, untouched);
     tides_device_close(device);
     assert_string_equal(td_cl_name(CL_OUT_OF_RESOURCES), "CL_OUT_OF_RESOURCES");
@@ -242,10 +243,12 @@ static void test_reference_renders_without_opencl(void **state) {
 }
 
 static int run_without_opencl(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_no_platform_is_an_empty_list),     cmocka_unit_test(test_no_platform_says_what_to_do),
-        cmocka_unit_test(test_list_is_consistent),               cmocka_unit_test(test_references_need_no_opencl),
-        cmocka_unit_test(test_reference_renders_without_opencl), cmocka_unit_test(test_environment_is_the_default)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_no_platform_is_an_empty_list),
+                                       cmocka_unit_test(test_no_platform_says_what_to_do),
+                                       cmocka_unit_test(test_list_is_consistent),
+                                       cmocka_unit_test(test_references_need_no_opencl),
+                                       cmocka_unit_test(test_reference_renders_without_opencl),
+                                       cmocka_unit_test(test_environment_is_the_default)};
     return cmocka_run_group_tests_name("without OpenCL", tests, NULL, NULL);
 }
 

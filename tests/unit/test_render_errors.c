@@ -33,6 +33,7 @@ static int set_up(void **state) {
     tides_image_params_defaults(&f->params);
     tides_sensor_defaults(&f->sensor);
     tides_stepping_defaults(&f->stepping);
+    f->stepping.mode = TIDES_STEPPING_FIXED; /* the modes that choose steps check more, in an order of their own */
     *state = f;
     return 0;
 }
@@ -47,12 +48,12 @@ static int tear_down(void **state) {
 
 /* -- renderer --------------------------------------------------------------------------------------------------------------- */
 
-static void expect_refused(const fixture *f, const tides_intrinsics *camera, const tides_image_params *params, tides_status wanted,
-                           const char *words) {
+static void expect_refused(const fixture *f, const tides_intrinsics *camera, const tides_image_params *params,
+                           tides_status wanted, const char *words) {
     tides_renderer *untouched = (tides_renderer *)&wanted, *renderer = untouched;
     tides_error error;
-    scene_expect_error(tides_renderer_create(f->device, f->scene.scene, camera, params, NULL, NULL, &renderer, &error), wanted, &error,
-                       words);
+    scene_expect_error(tides_renderer_create(f->device, f->scene.scene, camera, params, NULL, NULL, &renderer, &error), wanted,
+                       &error, words);
     assert_ptr_equal(renderer, untouched);
 }
 
@@ -61,11 +62,16 @@ static void test_cameras(void **state) {
     static const struct {
         tides_intrinsics camera;
         const char *words;
-    } wrong[] = {{{0, 10, 1, 1, 0, 0}, "0 x 10|width"},        {{10, 0, 1, 1, 0, 0}, "10 x 0|height"},
-                 {{-5, 10, 1, 1, 0, 0}, "-5 x 10"},            {{16385, 10, 1, 1, 0, 0}, "16385|16384"},
-                 {{10, INT32_MAX, 1, 1, 0, 0}, "2147483647"},  {{10, 10, 0, 1, 0, 0}, "fx 0|positive"},
-                 {{10, 10, 1, -2, 0, 0}, "fy -2"},             {{10, 10, NAN, 1, 0, 0}, "fx|nan"},
-                 {{10, 10, 1, INFINITY, 0, 0}, "fy inf"},      {{10, 10, 1, 1, NAN, 0}, "cx|nan|finite"},
+    } wrong[] = {{{0, 10, 1, 1, 0, 0}, "0 x 10|width"},
+                 {{10, 0, 1, 1, 0, 0}, "10 x 0|height"},
+                 {{-5, 10, 1, 1, 0, 0}, "-5 x 10"},
+                 {{16385, 10, 1, 1, 0, 0}, "16385|16384"},
+                 {{10, INT32_MAX, 1, 1, 0, 0}, "2147483647"},
+                 {{10, 10, 0, 1, 0, 0}, "fx 0|positive"},
+                 {{10, 10, 1, -2, 0, 0}, "fy -2"},
+                 {{10, 10, NAN, 1, 0, 0}, "fx|nan"},
+                 {{10, 10, 1, INFINITY, 0, 0}, "fy inf"},
+                 {{10, 10, 1, 1, NAN, 0}, "cx|nan|finite"},
                  {{10, 10, 1, 1, 0, -INFINITY}, "cy -inf"}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
         expect_refused(f, &wrong[i].camera, &f->params, TIDES_BAD_ARGUMENT, wrong[i].words);
@@ -74,9 +80,10 @@ static void test_cameras(void **state) {
 static void test_image_params(void **state) {
     const fixture *f = *state;
     tides_image_params wrong[13];
-    static const char *const words[] = {"newer version", "image.rules|3",  "image.rules|-1", "image.sh_degree|5", "image.sh_degree|-1",
-                                        "image.dilation", "image.dilation", "image.log_eps|0", "image.log_eps",   "image.luminance[1]",
-                                        "image.luminance[2]", "scene.background[0]", "scene.background[2]"};
+    static const char *const words[] = {"newer version",      "image.rules|3",      "image.rules|-1",     "image.sh_degree|5",
+                                        "image.sh_degree|-1", "image.dilation",     "image.dilation",     "image.log_eps|0",
+                                        "image.log_eps",      "image.luminance[1]", "image.luminance[2]", "scene.background[0]",
+                                        "scene.background[2]"};
     for (int i = 0; i < 13; i++) wrong[i] = f->params;
     wrong[0].size = sizeof *wrong + 8;
     wrong[1].rules = 3;
@@ -102,16 +109,20 @@ static void test_missing_arguments(void **state) {
     tides_frame frame = {{NULL}};
     tides_error error;
     assert_int_equal(tides_renderer_create(NULL, scene, camera, &f->params, NULL, NULL, &renderer, NULL), TIDES_BAD_ARGUMENT);
-    assert_int_equal(tides_renderer_create(f->device, NULL, camera, &f->params, NULL, NULL, &renderer, NULL), TIDES_BAD_ARGUMENT);
-    assert_int_equal(tides_renderer_create(f->device, scene, NULL, &f->params, NULL, NULL, &renderer, NULL), TIDES_BAD_ARGUMENT);
+    assert_int_equal(tides_renderer_create(f->device, NULL, camera, &f->params, NULL, NULL, &renderer, NULL),
+                     TIDES_BAD_ARGUMENT);
+    assert_int_equal(tides_renderer_create(f->device, scene, NULL, &f->params, NULL, NULL, &renderer, NULL),
+                     TIDES_BAD_ARGUMENT);
     assert_int_equal(tides_renderer_create(f->device, scene, camera, NULL, NULL, NULL, &renderer, NULL), TIDES_BAD_ARGUMENT);
-    scene_expect_error(tides_renderer_create(f->device, scene, camera, &f->params, NULL, NULL, NULL, &error), TIDES_BAD_ARGUMENT,
-                       &error, "tides_renderer_create");
+    scene_expect_error(tides_renderer_create(f->device, scene, camera, &f->params, NULL, NULL, NULL, &error),
+                       TIDES_BAD_ARGUMENT, &error, "tides_renderer_create");
     assert_null(renderer);
     scene_expect_ok(tides_renderer_create(f->device, scene, camera, &f->params, NULL, NULL, &renderer, &error), &error);
-    scene_expect_error(tides_renderer_frame(renderer, NULL, 0, &frame, &error), TIDES_BAD_ARGUMENT, &error, "tides_renderer_frame");
+    scene_expect_error(tides_renderer_frame(renderer, NULL, 0, &frame, &error), TIDES_BAD_ARGUMENT, &error,
+                       "tides_renderer_frame");
     scene_expect_error(tides_renderer_frame(renderer, f->scene.path, 0, NULL, &error), TIDES_BAD_ARGUMENT, &error, "frame");
-    scene_expect_ok(tides_renderer_frame(renderer, f->scene.path, 0, &frame, &error), &error); /* no plane wanted: nothing to do */
+    scene_expect_ok(tides_renderer_frame(renderer, f->scene.path, 0, &frame, &error),
+                    &error); /* no plane wanted: nothing to do */
     tides_renderer_destroy(renderer);
     tides_renderer_destroy(NULL);
     assert_null(tides_channel_name(-1));
@@ -141,10 +152,14 @@ static void test_times_outside_the_path(void **state) {
     double plane[PIXELS];
     tides_frame frame = {{plane}};
     for (int i = 0; i < PIXELS; i++) plane[i] = -3;
-    scene_expect_ok(tides_renderer_create(f->device, f->scene.scene, &f->scene.camera, &f->params, NULL, NULL, &renderer, &error), &error);
+    scene_expect_ok(tides_renderer_create(f->device, f->scene.scene, &f->scene.camera, &f->params, NULL, NULL, &renderer,
+                                          &error),
+                    &error);
     for (int i = 0; i < 2; i++)
-        scene_expect_error(tides_renderer_frame(renderer, f->scene.path, times[i], &frame, &error), TIDES_OUT_OF_RANGE, &error, "camera path");
-    scene_expect_error(tides_renderer_frame(renderer, f->scene.path, NAN, &frame, &error), TIDES_BAD_ARGUMENT, &error, "camera path|time");
+        scene_expect_error(tides_renderer_frame(renderer, f->scene.path, times[i], &frame, &error), TIDES_OUT_OF_RANGE, &error,
+                           "camera path");
+    scene_expect_error(tides_renderer_frame(renderer, f->scene.path, NAN, &frame, &error), TIDES_BAD_ARGUMENT, &error,
+                       "camera path|time");
     for (int i = 0; i < PIXELS; i++) assert_true(plane[i] == -3);
     scene_expect_ok(tides_renderer_frame(renderer, f->scene.path, 1, &frame, &error), &error);
     for (int i = 0; i < PIXELS; i++) assert_true(plane[i] >= 0);
@@ -162,7 +177,8 @@ static void test_progress_stops_the_build(void **state) {
     const char *stage = NULL;
     tides_renderer *renderer = NULL;
     tides_error error;
-    scene_expect_error(tides_renderer_create(f->device, f->scene.scene, &f->scene.camera, &f->params, stop_at_once, &stage, &renderer, &error),
+    scene_expect_error(tides_renderer_create(f->device, f->scene.scene, &f->scene.camera, &f->params, stop_at_once, &stage,
+                                             &renderer, &error),
                        TIDES_CANCELLED, &error, "building kernels");
     assert_string_equal(stage, "building kernels");
     assert_null(renderer);
@@ -173,8 +189,9 @@ static void test_progress_stops_the_build(void **state) {
 static void expect_no_run(const fixture *f, double start, double stop, tides_status wanted, const char *words) {
     tides_simulator *untouched = (tides_simulator *)&wanted, *simulator = untouched;
     tides_error error;
-    scene_expect_error(tides_simulator_create(f->device, f->scene.scene, f->scene.path, &f->scene.camera, &f->params, &f->sensor,
-                                              &f->stepping, start, stop, NULL, NULL, &simulator, &error), wanted, &error, words);
+    scene_expect_error(tides_simulator_create(f->device, f->scene.scene, f->scene.path, &f->scene.camera, &f->params,
+                                              &f->sensor, &f->stepping, start, stop, NULL, NULL, &simulator, &error),
+                       wanted, &error, words);
     assert_ptr_equal(simulator, untouched);
 }
 
@@ -216,10 +233,13 @@ static void test_run_until_before_the_start(void **state) {
     const fixture *f = *state;
     tides_simulator *simulator = NULL;
     tides_error error;
-    scene_expect_ok(tides_simulator_create(f->device, f->scene.scene, f->scene.path, &f->scene.camera, &f->params, &f->sensor, &f->stepping,
-                                           0.5, 0.6, NULL, NULL, &simulator, &error), &error);
-    scene_expect_error(tides_simulator_run(simulator, 0.4, NULL, NULL, NULL, NULL, &error), TIDES_BAD_ARGUMENT, &error, "until|0.4|0.5");
-    scene_expect_error(tides_simulator_run(simulator, NAN, NULL, NULL, NULL, NULL, &error), TIDES_BAD_ARGUMENT, &error, "until");
+    scene_expect_ok(tides_simulator_create(f->device, f->scene.scene, f->scene.path, &f->scene.camera, &f->params, &f->sensor,
+                                           &f->stepping, 0.5, 0.6, NULL, NULL, &simulator, &error),
+                    &error);
+    scene_expect_error(tides_simulator_run(simulator, 0.4, NULL, NULL, NULL, NULL, &error), TIDES_BAD_ARGUMENT, &error,
+                       "until|0.4|0.5");
+    scene_expect_error(tides_simulator_run(simulator, NAN, NULL, NULL, NULL, NULL, &error), TIDES_BAD_ARGUMENT, &error,
+                       "until");
     scene_expect_error(tides_simulator_run(NULL, 0.6, NULL, NULL, NULL, NULL, &error), TIDES_BAD_ARGUMENT, &error, "simulator");
     tides_simulator_destroy(simulator);
     tides_simulator_destroy(NULL);
@@ -275,18 +295,17 @@ static void test_kernel_folder_that_is_not_there(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cameras),
-        cmocka_unit_test(test_image_params),
-        cmocka_unit_test(test_missing_arguments),
-        cmocka_unit_test(test_empty_scene),
-        cmocka_unit_test(test_times_outside_the_path),
-        cmocka_unit_test(test_progress_stops_the_build),
-        cmocka_unit_test(test_times_of_a_run),
-        cmocka_unit_test(test_sensor_and_stepping),
-        cmocka_unit_test(test_run_until_before_the_start),
-        cmocka_unit_test(test_kernel_that_does_not_compile),
-        cmocka_unit_test(test_kernel_folder_that_is_not_there)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_cameras),
+                                       cmocka_unit_test(test_image_params),
+                                       cmocka_unit_test(test_missing_arguments),
+                                       cmocka_unit_test(test_empty_scene),
+                                       cmocka_unit_test(test_times_outside_the_path),
+                                       cmocka_unit_test(test_progress_stops_the_build),
+                                       cmocka_unit_test(test_times_of_a_run),
+                                       cmocka_unit_test(test_sensor_and_stepping),
+                                       cmocka_unit_test(test_run_until_before_the_start),
+                                       cmocka_unit_test(test_kernel_that_does_not_compile),
+                                       cmocka_unit_test(test_kernel_folder_that_is_not_there)};
     unsetenv("TIDES_KERNEL_DIR");
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

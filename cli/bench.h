@@ -1,0 +1,138 @@
+/* `tides bench`: scenes, measured runs against exact streams, tables and pictures. */
+#ifndef CLI_BENCH_H
+#define CLI_BENCH_H
+
+#include "cli.h"
+
+#include <stdio.h>
+
+/* -- scenes (bench_scenes.c) ------------------------------------------------------------------------------------------------ */
+
+/* Events in memory. */
+typedef struct bench_stream {
+    tides_event *events;
+    size_t count, capacity;
+} bench_stream;
+
+/* The exact stream of an image rule: hermite at `rate` fixed steps per second. Doubling the rate from half of it moved the
+ * 99th percentile of the events by `shift_p99_us`, and left `shift_mismatch_percent` of them without a counterpart. */
+typedef struct bench_truth {
+    bench_stream stream;
+    double rate, shift_p99_us, shift_mismatch_percent;
+} bench_truth;
+
+enum { BENCH_RULES = 2 }; /* TIDES_RULES_SMOOTH and TIDES_RULES_INRIA have exact streams */
+
+typedef struct bench_scene {
+    char name[64];
+    const char *sentence;
+    tides_scene *scene;
+    tides_trajectory *camera;
+    tides_intrinsics intrinsics;
+    tides_image_params image;
+    tides_sensor sensor;
+    double start, stop; /* [s] */
+    double macro_step_s; /* the longest step that controlled stepping may take */
+    bench_truth truth[BENCH_RULES];
+} bench_scene;
+
+/* The names of the built-in scenes, NULL-terminated. */
+const char *const *bench_scene_names(void);
+/* Makes the scene called `name`, or one of a trained .ply file that is looked at from a camera in orbit. `quick`: small and
+ * short. A built-in scene whose file isn't there is TIDES_FILE_NOT_FOUND. */
+tides_status bench_scene_make(const char *name, int32_t quick, bench_scene *scene, tides_error *error);
+void bench_scene_free(bench_scene *scene);
+
+/* bench_parts.c: what the built-in scenes are made of. */
+tides_status bench_add_wall(tides_scene *scene, tides_error *error);          /* the demo's wall */
+tides_status bench_add_room(tides_scene *scene, tides_error *error);          /* wall, table, balls */
+tides_status bench_add_fan(tides_scene *scene, double stop, tides_error *error); /* stand, guard, and blades that turn */
+/* A ball of `radius` that moves at `speed` [m/s] along x and is at `centre` halfway to `stop`. */
+tides_status bench_add_flying_ball(tides_scene *scene, const double centre[3], double radius, double speed, double stop,
+                                   tides_error *error);
+/* A disc with sectors in two colours that turns about its axis, which is z. */
+tides_status bench_add_turning_disc(tides_scene *scene, const double centre[3], double radius, double turns_per_s, double stop,
+                                    tides_error *error);
+
+/* -- measured runs (bench_run.c) --------------------------------------------------------------------------------------------- */
+
+/* What every run of a benchmark needs. */
+typedef struct bench {
+    const cli_common *common;
+    const char *directory;
+    int32_t quick;
+    tides_device *device;
+    tides_device_info info;
+    cli_progress progress; /* only asked whether to stop */
+} bench;
+
+/* Events further apart than this aren't taken for each other. */
+#define BENCH_MATCH_LIMIT_S 1e-3
+
+/* One row of the results. */
+typedef struct bench_row {
+    char scene[64];
+    const char *method, *unit, *image;
+    double setting;
+    double run_time_s;   /* of tides_simulator_run without kernel builds; the better one of `runs` */
+    int32_t runs;
+    tides_stats stats;
+    tides_match match;
+} bench_row;
+
+typedef struct bench_rows {
+    bench_row *rows;
+    size_t count, capacity;
+} bench_rows;
+
+/* Appends an empty row; NULL: out of memory. */
+bench_row *bench_rows_add(bench_rows *rows, tides_error *error);
+
+/* Simulates once; run time and statistics go to the row, the events to the stream (emptied before; nullable). */
+tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
+                            const tides_stepping *stepping, bench_stream *stream, bench_row *row, tides_error *error);
+/* The exact stream of the scene under `rules`, by doubling the rate of steps until nothing moves, or to a limit. */
+tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides_error *error);
+/* Runs a row again where it was short, for the better run time; else simulates and matches it against the truth. */
+tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
+                           const tides_stepping *stepping, bench_row *row, tides_error *error);
+/* A line on stderr. */
+void bench_say(const bench *b, const char *format, ...) CLI_PRINTF(2, 3);
+void bench_say_row(const bench *b, const bench_row *row);
+/* "smooth", "inria". */
+const char *bench_rules_name(int32_t rules);
+
+/* The scenes called for (all built-in ones where there are no names), each handed to `visit`; those whose files are absent are
+ * skipped with a line. */
+typedef tides_status (*bench_visit)(void *user, bench *b, bench_scene *scene, tides_error *error);
+tides_status bench_each_scene(bench *b, const cli_list *names, bench_visit visit, void *user, tides_error *error);
+
+/* -- results ------------------------------------------------------------------------------------------------------------------ */
+
+/* bench_table.c: what a run was made on; then NAME.json and NAME.csv below the directory. */
+cJSON *bench_header(const bench *b, const char *name);
+int32_t bench_header_scene(cJSON *header, const bench_scene *scene);
+tides_status bench_write(const bench *b, const char *name, cJSON *header, const bench_rows *rows, tides_error *error);
+tides_status bench_path(const bench *b, const char *name, const char *ending, char *path, size_t size, tides_error *error);
+
+/* bench_summary.c: run time and renders that a method needs for a target, between its settings. */
+typedef struct bench_need {
+    double run_time_s, renders, mismatch_percent;
+    int32_t bound; /* 0: interpolated; 1: at most this, the cheapest setting does; -1: above this, the finest doesn't */
+} bench_need;
+enum { BENCH_P95 = 0, BENCH_MEDIAN = 1 };
+/* 0 where there is no row of the method. */
+int32_t bench_needed(const bench_rows *rows, const char *scene, const char *method, int32_t measure, double target_us,
+                     bench_need *need);
+/* Prints what each method needs on a scene for p95 <= 2 us and a median of 0.05 us, and how honest the estimates were. */
+void bench_summary(const bench_rows *rows, const char *scene, FILE *out);
+
+/* bench_figure.c: pictures of the rows. */
+tides_status bench_figure_curves(const bench *b, const bench_rows *rows, tides_error *error);
+tides_status bench_figure_bars(const bench *b, const bench_rows *rows, tides_error *error);
+
+/* bench_accuracy.c, bench_ablation.c; the exit code is the command's. */
+tides_status bench_accuracy(bench *b, const cli_list *scenes, tides_error *error);
+tides_status bench_ablation(bench *b, const cli_list *scenes, tides_error *error);
+
+#endif

@@ -1,0 +1,192 @@
+/* The benchmark's pictures: a panel for each scene. */
+#include "bench.h"
+#include "bench_plot.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SCENES_MAX = CLI_LIST_MAX, CURVES_MAX = 16, POINTS_MAX = 32, PANEL_COLUMNS = 3 };
+enum { PANEL_WIDTH = 620, PANEL_HEIGHT = 460, LEFT = 96, RIGHT = 24, TOP = 44, BOTTOM = 64, LEGEND = 44, HEADING = 34 };
+
+/* Errors below the unit of event times are drawn at half of it [us]. */
+#define LEAST_ERROR_US 5e-4
+
+typedef enum quantity { RUN_TIME, RENDERS } quantity;
+
+/* A method's curve in one scene. */
+typedef struct curve_data {
+    double x[POINTS_MAX], y[POINTS_MAX];
+    plot_curve curve;
+} curve_data;
+
+/* The scenes of the rows, each where it occurs first. */
+static int32_t find_scenes(const bench_rows *rows, size_t first[SCENES_MAX]) {
+    int32_t count = 0;
+    for (size_t i = 0; i < rows->count; i++) {
+        int32_t k = 0;
+        while (k < count && strcmp(rows->rows[first[k]].scene, rows->rows[i].scene) != 0) k++;
+        if (k == count && count < SCENES_MAX) first[count++] = i;
+    }
+    return count;
+}
+
+static plot_panel lay_panel(int32_t index) {
+    const int32_t x = index % PANEL_COLUMNS * PANEL_WIDTH, y = HEADING + index / PANEL_COLUMNS * PANEL_HEIGHT;
+    return (plot_panel){.left = x + LEFT, .top = y + TOP, .right = x + PANEL_WIDTH - RIGHT, .bottom = y + PANEL_HEIGHT - BOTTOM};
+}
+
+static cli_canvas make_canvas(int32_t panels, tides_error *error) {
+    const int32_t columns = panels < PANEL_COLUMNS ? panels : PANEL_COLUMNS;
+    /* One panel is too narrow for the legend. */
+    cli_canvas canvas = plot_canvas(PANEL_WIDTH * (columns < 2 ? 2 : columns),
+                                    HEADING + PANEL_HEIGHT * ((panels + PANEL_COLUMNS - 1) / PANEL_COLUMNS) + LEGEND);
+    if (!canvas.rgb) cli_error(error, TIDES_NO_MEMORY, "out of memory: a picture of %dx%d px", canvas.width, canvas.height);
+    return canvas;
+}
+
+static tides_status write_canvas(const bench *b, cli_canvas *canvas, const char *name, tides_error *error) {
+    char path[4200];
+    tides_status status = bench_path(b, name, ".png", path, sizeof path, error);
+    if (status == TIDES_OK) status = tides_png_write(path, canvas->width, canvas->height, canvas->rgb, error);
+    free(canvas->rgb);
+    return status;
+}
+
+/* -- curves ------------------------------------------------------------------------------------------------------------ */
+
+/* Puts a point where it belongs in order of x. */
+static void insert(curve_data *c, double x, double y) {
+    if (c->curve.count == POINTS_MAX || !isfinite(y) || !(x > 0)) return;
+    int32_t at = c->curve.count++;
+    for (; at > 0 && c->x[at - 1] > x; at--) {
+        c->x[at] = c->x[at - 1];
+        c->y[at] = c->y[at - 1];
+    }
+    c->x[at] = x;
+    c->y[at] = fmax(y, LEAST_ERROR_US);
+}
+
+/* One curve for each method of the scene, in the order of the results, which is the same in all scenes. */
+static int32_t collect(const bench_rows *rows, const char *scene, quantity what, curve_data curves[CURVES_MAX]) {
+    int32_t count = 0;
+    for (size_t i = 0; i < rows->count; i++) {
+        const bench_row *row = &rows->rows[i];
+        if (strcmp(row->scene, scene) != 0) continue;
+        int32_t k = 0;
+        while (k < count && strcmp(curves[k].curve.label, row->method) != 0) k++;
+        if (k == CURVES_MAX) continue;
+        if (k == count) {
+            memset(&curves[k], 0, sizeof curves[k]);
+            curves[k].curve = (plot_curve){row->method, curves[k].x, curves[k].y, 0, k};
+            count++;
+        }
+        insert(&curves[k], what == RUN_TIME ? row->run_time_s : row->stats.renders_full_frame_equivalent, row->match.dt_p95_us);
+    }
+    return count;
+}
+
+static void fit(plot_panel *panel, const curve_data *curves, int32_t count) {
+    panel->x_low = panel->y_low = INFINITY;
+    panel->x_high = panel->y_high = 0;
+    for (int32_t k = 0; k < count; k++)
+        for (int32_t i = 0; i < curves[k].curve.count; i++) {
+            panel->x_low = fmin(panel->x_low, curves[k].x[i]);
+            panel->x_high = fmax(panel->x_high, curves[k].x[i]);
+            panel->y_low = fmin(panel->y_low, curves[k].y[i]);
+            panel->y_high = fmax(panel->y_high, curves[k].y[i]);
+        }
+    plot_round_range(&panel->x_low, &panel->x_high);
+    plot_round_range(&panel->y_low, &panel->y_high);
+}
+
+static tides_status draw_curves(const bench *b, const bench_rows *rows, quantity what, tides_error *error) {
+    size_t first[SCENES_MAX];
+    plot_curve legend[CURVES_MAX];
+    const int32_t scenes = find_scenes(rows, first);
+    curve_data *curves = malloc(CURVES_MAX * sizeof *curves);
+    cli_canvas canvas = make_canvas(scenes, error);
+    int32_t count = 0;
+    if (!curves || !canvas.rgb) {
+        free(curves);
+        free(canvas.rgb);
+        return cli_error(error, TIDES_NO_MEMORY, "out of memory: the pictures");
+    }
+    char heading[256];
+    snprintf(heading, sizeof heading, "tides %s on %s: %s for an error of event times, each against its image's exact events", tides_version(),
+             b->info.name, what == RUN_TIME ? "run time" : "renders");
+    plot_text(&canvas, 16, 12, 2, heading);
+    for (int32_t s = 0; s < scenes; s++) {
+        const char *scene = rows->rows[first[s]].scene;
+        plot_panel panel = lay_panel(s);
+        count = collect(rows, scene, what, curves);
+        fit(&panel, curves, count);
+        panel.title = scene;
+        panel.x_label = what == RUN_TIME ? "run time [s]" : "renders [full frames]";
+        panel.y_label = "p95 |dt| [us]";
+        plot_axes(&canvas, &panel, 1);
+        plot_target(&canvas, &panel, 2.0);
+        for (int32_t k = 0; k < count; k++) plot_draw(&canvas, &panel, &curves[k].curve);
+        for (int32_t k = 0; k < count; k++) legend[k] = curves[k].curve;
+    }
+    plot_legend(&canvas, LEFT, canvas.height - 30, legend, count);
+    free(curves);
+    return write_canvas(b, &canvas, what == RUN_TIME ? "accuracy_time" : "accuracy_renders", error);
+}
+
+tides_status bench_figure_curves(const bench *b, const bench_rows *rows, tides_error *error) {
+    tides_status status = draw_curves(b, rows, RUN_TIME, error);
+    return status == TIDES_OK ? draw_curves(b, rows, RENDERS, error) : status;
+}
+
+/* -- bars -------------------------------------------------------------------------------------------------------------- */
+
+enum { BAR_LABEL = 236, BAR_VALUE = 96 }; /* [px] to the left and right of the bars */
+
+static void draw_bars(cli_canvas *canvas, plot_panel *panel, const bench_rows *rows, size_t first) {
+    const char *scene = rows->rows[first].scene;
+    size_t last = first;
+    panel->x_low = INFINITY;
+    panel->x_high = 0;
+    for (; last < rows->count && strcmp(rows->rows[last].scene, scene) == 0; last++) {
+        const double error = rows->rows[last].match.dt_p95_us;
+        if (!isfinite(error)) continue;
+        panel->x_low = fmin(panel->x_low, fmax(error, LEAST_ERROR_US));
+        panel->x_high = fmax(panel->x_high, error);
+    }
+    panel->x_low *= 0.4; /* so that the shortest bar is seen */
+    plot_round_range(&panel->x_low, &panel->x_high);
+    panel->left += BAR_LABEL - LEFT;
+    panel->right -= BAR_VALUE - RIGHT;
+    panel->title = scene;
+    panel->x_label = "p95 |dt| [us]";
+    panel->y_label = "";
+    plot_axes(canvas, panel, 0);
+    const int32_t pitch = (panel->bottom - panel->top) / (int32_t)(last - first);
+    for (size_t i = first; i < last; i++) {
+        const bench_row *row = &rows->rows[i];
+        const int32_t top = panel->top + (int32_t)(i - first) * pitch, middle = top + pitch / 2 - 7;
+        char value[32];
+        plot_bar(canvas, panel, top + pitch / 6, top + pitch - pitch / 6, fmax(row->match.dt_p95_us, LEAST_ERROR_US), i == first);
+        plot_text(canvas, panel->left - 10 - plot_text_width(row->method, 2), middle, 2, row->method);
+        snprintf(value, sizeof value, "%.3g", row->match.dt_p95_us);
+        plot_text(canvas, panel->right + 8, middle, 2, value);
+    }
+}
+
+tides_status bench_figure_bars(const bench *b, const bench_rows *rows, tides_error *error) {
+    size_t first[SCENES_MAX];
+    const int32_t scenes = find_scenes(rows, first);
+    cli_canvas canvas = make_canvas(scenes, error);
+    if (!canvas.rgb) return TIDES_NO_MEMORY;
+    char heading[256];
+    snprintf(heading, sizeof heading, "tides %s on %s: what the parts are worth, as errors against the exact events", tides_version(),
+             b->info.name);
+    plot_text(&canvas, 16, 12, 2, heading);
+    for (int32_t s = 0; s < scenes; s++) {
+        plot_panel panel = lay_panel(s);
+        draw_bars(&canvas, &panel, rows, first[s]);
+    }
+    return write_canvas(b, &canvas, "ablation", error);
+}

@@ -1,0 +1,42 @@
+/* A small plotting helper: panels with logarithmic axes, curves with markers, bars. */
+#ifndef CLI_BENCH_PLOT_H
+#define CLI_BENCH_PLOT_H
+
+#include "picture.h"
+
+/* The palette of Okabe and Ito, which colour-blind people can tell apart, without its yellow (too pale on white). */
+enum { PLOT_COLOURS = 7, PLOT_MARKERS = 5 };
+
+/* One curve. `style` picks colour and marker; -1 draws nothing. */
+typedef struct plot_curve {
+    const char *label;
+    const double *x, *y; /* above 0 to be drawn */
+    int32_t count, style;
+} plot_curve;
+
+/* A panel: its frame within the canvas [px], the ranges of its logarithmic axes, and its texts. */
+typedef struct plot_panel {
+    int32_t left, top, right, bottom;
+    double x_low, x_high, y_low, y_high;
+    const char *title, *x_label, *y_label;
+} plot_panel;
+
+/* White; rgb is NULL where memory ran out. */
+cli_canvas plot_canvas(int32_t width, int32_t height);
+void plot_text(cli_canvas *canvas, int32_t x, int32_t y, int32_t scale, const char *text);
+/* In pixels, `scale` px per cell. */
+int32_t plot_text_width(const char *text, int32_t scale);
+
+/* Grows [*low, *high] to whole powers of ten, or to 1, 2, 5 within a decade. */
+void plot_round_range(double *low, double *high);
+/* Frame, grid, ticks and texts; without `y_ticks` the vertical axis has none (bars have labels there). */
+void plot_axes(cli_canvas *canvas, const plot_panel *panel, int32_t y_ticks);
+void plot_draw(cli_canvas *canvas, const plot_panel *panel, const plot_curve *curve);
+/* A dashed line across the panel at y. */
+void plot_target(cli_canvas *canvas, const plot_panel *panel, double y);
+/* A sample of each curve beside its label, in a row from (x, y) on. */
+void plot_legend(cli_canvas *canvas, int32_t x, int32_t y, const plot_curve *curves, int32_t count);
+/* A bar from the left edge to `value`, between two rows of pixels. */
+void plot_bar(cli_canvas *canvas, const plot_panel *panel, int32_t top, int32_t bottom, double value, int32_t style);
+
+#endif

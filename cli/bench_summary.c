@@ -1,0 +1,115 @@
+/* What a method needs to reach a target: between its settings, in logarithms, on the envelope of what it reached so far. */
+#include "bench.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { SETTINGS_MAX = 32 };
+
+/* Errors below the unit of event times, 1 ns, are this [us]: half of it. */
+#define LEAST_ERROR_US 5e-4
+
+typedef struct point {
+    double renders, run_time_s, error_us, mismatch_percent;
+} point;
+
+/* The method's settings on the scene in order of renders, each with the least error up to there. */
+static int envelope(const bench_rows *rows, const char *scene, const char *method, int32_t measure, point points[SETTINGS_MAX]) {
+    int count = 0;
+    for (size_t i = 0; i < rows->count && count < SETTINGS_MAX; i++) {
+        const bench_row *row = &rows->rows[i];
+        const double error = measure == BENCH_P95 ? row->match.dt_p95_us : row->match.dt_median_us;
+        if (strcmp(row->scene, scene) != 0 || strcmp(row->method, method) != 0 || !isfinite(error)) continue;
+        const point p = {row->stats.renders_full_frame_equivalent, row->run_time_s, fmax(error, LEAST_ERROR_US),
+                         row->match.mismatch_percent};
+        int at = count++;
+        for (; at > 0 && points[at - 1].renders > p.renders; at--) points[at] = points[at - 1];
+        points[at] = p;
+    }
+    int kept = 0;
+    for (int i = 0; i < count; i++)
+        if (kept == 0 || points[i].error_us < points[kept - 1].error_us) points[kept++] = points[i];
+    return kept;
+}
+
+/* Between a and b at `share`, in logarithms. */
+static double between(double a, double b, double share) { return exp(log(a) + share * (log(b) - log(a))); }
+
+int32_t bench_needed(const bench_rows *rows, const char *scene, const char *method, int32_t measure, double target_us,
+                     bench_need *need) {
+    point p[SETTINGS_MAX];
+    const int count = envelope(rows, scene, method, measure, p);
+    if (count == 0) return 0;
+    int first = 0;
+    while (first < count && p[first].error_us > target_us) first++;
+    const point *to = &p[first < count ? first : count - 1];
+    *need = (bench_need){to->run_time_s, to->renders, to->mismatch_percent, first == count ? -1 : first == 0 ? 1 : 0};
+    if (need->bound) return 1;
+    const point *from = to - 1;
+    const double share = (log(target_us) - log(from->error_us)) / (log(to->error_us) - log(from->error_us));
+    need->run_time_s = between(from->run_time_s, to->run_time_s, share);
+    need->renders = between(from->renders, to->renders, share);
+    return 1;
+}
+
+static const char *const bound_sign[] = {">", "", "<"}; /* by bound + 1 */
+
+static void print_need(FILE *out, const bench_need *need) {
+    char time[24], renders[24];
+    const char *sign = bound_sign[need->bound + 1];
+    snprintf(time, sizeof time, "%s%.3g", sign, need->run_time_s);
+    snprintf(renders, sizeof renders, "%s%.4g", sign, need->renders);
+    fprintf(out, " %8s s %8s", time, renders);
+}
+
+/* A ratio of two needs: a bound on one of them makes it a bound. Both bounds in opposite senses say nothing. */
+static void print_ratio(FILE *out, double above, int32_t bound_above, double below, int32_t bound_below) {
+    char text[32];
+    const int32_t bound = bound_above ? bound_above : -bound_below;
+    const int32_t unknown = bound_above && bound_below && bound_above == bound_below;
+    if (unknown)
+        snprintf(text, sizeof text, "?");
+    else
+        snprintf(text, sizeof text, "%s%.3g", bound_sign[bound + 1], above / below);
+    fprintf(out, " %8s", text);
+}
+
+static void print_target(FILE *out, const bench_rows *rows, const char *scene, int32_t measure, double target_us) {
+    static const char *const others[] = {"esim", "quadratic", "hermite", "error_global", "esim_inria"};
+    bench_need error, other;
+    char label[48];
+    snprintf(label, sizeof label, "%s <= %g us", measure == BENCH_P95 ? "p95" : "median", target_us);
+    if (!bench_needed(rows, scene, "error", measure, target_us, &error)) return;
+    fprintf(out, "%-13s %-17s %-13s", scene, label, "error");
+    print_need(out, &error);
+    fprintf(out, " %8s %8s %10.3g\n", "1", "1", error.mismatch_percent);
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+        if (!bench_needed(rows, scene, others[i], measure, target_us, &other)) continue;
+        fprintf(out, "%-13s %-17s %-13s", scene, label, others[i]);
+        print_need(out, &other);
+        print_ratio(out, other.run_time_s, other.bound, error.run_time_s, error.bound);
+        print_ratio(out, other.renders, other.bound, error.renders, error.bound);
+        fprintf(out, " %10.3g\n", other.mismatch_percent);
+    }
+}
+
+/* Is the estimate honest? What was asked, what the run says it reached, and what it reached. */
+static void print_estimates(FILE *out, const bench_rows *rows, const char *scene) {
+    for (size_t i = 0; i < rows->count; i++) {
+        const bench_row *row = &rows->rows[i];
+        if (strcmp(row->scene, scene) != 0 || strcmp(row->method, "error_time") != 0) continue;
+        fprintf(out, "%-13s asked %g us: median %.3g, p95 %.3g, p99 %.3g us by its own estimate; %.3g, %.3g, %.3g, max %.3g us measured\n",
+                scene, 1e6 * row->setting, 1e6 * row->stats.error_p50_s, 1e6 * row->stats.error_p95_s,
+                1e6 * row->stats.error_p99_s, row->match.dt_median_us, row->match.dt_p95_us, row->match.dt_p99_us,
+                row->match.dt_max_us);
+    }
+}
+
+void bench_summary(const bench_rows *rows, const char *scene, FILE *out) {
+    fprintf(out, "%-13s %-17s %-13s %10s %8s %8s %8s %10s\n", "scene", "target", "method", "run time", "renders", "x time",
+            "x renders", "mismatch %");
+    print_target(out, rows, scene, BENCH_P95, 2.0);
+    print_target(out, rows, scene, BENCH_MEDIAN, 0.05);
+    print_estimates(out, rows, scene);
+}

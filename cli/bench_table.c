@@ -1,0 +1,174 @@
+/* Results of a benchmark as JSON and CSV. */
+#include "bench.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+/* One column: JSON and CSV are both made from the list of them. */
+typedef struct column {
+    const char *name;
+    double value;
+} column;
+
+enum { COLUMNS = 21 };
+
+static void columns_of(const bench_row *r, column columns[COLUMNS]) {
+    const column made[COLUMNS] = {
+        {"run_time_s", r->run_time_s},
+        {"renders", r->stats.renders_full_frame_equivalent},
+        {"dt_median_us", r->match.dt_median_us},
+        {"dt_p95_us", r->match.dt_p95_us},
+        {"dt_p99_us", r->match.dt_p99_us},
+        {"dt_max_us", r->match.dt_max_us},
+        {"dt_mean_us", r->match.dt_mean_us},
+        {"mismatch_percent", r->match.mismatch_percent},
+        {"missing", (double)r->match.missing},
+        {"spurious", (double)r->match.spurious},
+        {"events", (double)r->match.simulated},
+        {"events_exact", (double)r->match.reference},
+        {"estimated_p50_us", 1e6 * r->stats.error_p50_s},
+        {"estimated_p95_us", 1e6 * r->stats.error_p95_s},
+        {"estimated_p99_us", 1e6 * r->stats.error_p99_s},
+        {"worst_error", r->stats.worst_error},
+        {"worst_residual", r->stats.worst_residual},
+        {"steps", (double)r->stats.steps},
+        {"steps_rejected", (double)r->stats.steps_rejected},
+        {"steps_at_minimum", (double)r->stats.steps_at_minimum},
+        {"runs", r->runs},
+    };
+    memcpy(columns, made, sizeof made);
+}
+
+tides_status bench_path(const bench *b, const char *name, const char *ending, char *path, size_t size, tides_error *error) {
+    int length = snprintf(path, size, "%s/%s%s", b->directory, name, ending);
+    if (length >= 0 && (size_t)length < size) return TIDES_OK;
+    return cli_error(error, TIDES_BAD_ARGUMENT, "%.100s...: the path is too long", b->directory);
+}
+
+/* -- JSON ------------------------------------------------------------------------------------------------------------------ */
+
+cJSON *bench_header(const bench *b, const char *name) {
+    char date[32] = "";
+    const time_t now = time(NULL);
+    struct tm utc;
+    if (gmtime_r(&now, &utc)) strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", &utc);
+    cJSON *header = cJSON_CreateObject();
+    int32_t ok = header && cJSON_AddStringToObject(header, "bench", name);
+    ok = ok && cJSON_AddStringToObject(header, "version", tides_version());
+    ok = ok && cJSON_AddNumberToObject(header, "numerics", TIDES_NUMERICS);
+    ok = ok && cJSON_AddStringToObject(header, "device", b->info.name);
+    ok = ok && cJSON_AddStringToObject(header, "platform", b->info.platform);
+    ok = ok && cJSON_AddNumberToObject(header, "lanes", b->info.lanes);
+    ok = ok && cJSON_AddNumberToObject(header, "cores", (double)sysconf(_SC_NPROCESSORS_ONLN));
+    ok = ok && cJSON_AddStringToObject(header, "date", date);
+    ok = ok && cJSON_AddBoolToObject(header, "quick", b->quick);
+    ok = ok && cJSON_AddNumberToObject(header, "match_limit_us", 1e6 * BENCH_MATCH_LIMIT_S);
+    ok = ok && cJSON_AddArrayToObject(header, "scenes");
+    if (ok) return header;
+    cJSON_Delete(header);
+    return NULL;
+}
+
+static int32_t add_truth(cJSON *list, const bench_truth *truth, int32_t rules) {
+    cJSON *json = cJSON_CreateObject();
+    if (!cJSON_AddItemToArray(list, json)) return 0;
+    return cJSON_AddStringToObject(json, "image", bench_rules_name(rules)) &&
+           cJSON_AddNumberToObject(json, "events", (double)truth->stream.count) &&
+           cJSON_AddNumberToObject(json, "steps_per_s", truth->rate) &&
+           cJSON_AddNumberToObject(json, "halved_p99_us", truth->shift_p99_us) &&
+           cJSON_AddNumberToObject(json, "halved_mismatch_percent", truth->shift_mismatch_percent);
+}
+
+int32_t bench_header_scene(cJSON *header, const bench_scene *scene) {
+    cJSON *json = cJSON_CreateObject();
+    if (!cJSON_AddItemToArray(cJSON_GetObjectItem(header, "scenes"), json)) return 0;
+    int32_t ok = cJSON_AddStringToObject(json, "scene", scene->name) &&
+                 cJSON_AddStringToObject(json, "what", scene->sentence) &&
+                 cJSON_AddNumberToObject(json, "gaussians", (double)tides_scene_count(scene->scene)) &&
+                 cJSON_AddNumberToObject(json, "width", scene->intrinsics.width) &&
+                 cJSON_AddNumberToObject(json, "height", scene->intrinsics.height) &&
+                 cJSON_AddNumberToObject(json, "start_s", scene->start) && cJSON_AddNumberToObject(json, "stop_s", scene->stop) &&
+                 cJSON_AddNumberToObject(json, "macro_step_s", scene->macro_step_s) &&
+                 cJSON_AddNumberToObject(json, "threshold", scene->sensor.threshold_on) &&
+                 cJSON_AddNumberToObject(json, "log_eps", scene->image.log_eps);
+    cJSON *truths = ok ? cJSON_AddArrayToObject(json, "exact") : NULL;
+    ok = truths != NULL;
+    for (int32_t rules = 0; ok && rules < BENCH_RULES; rules++)
+        if (scene->truth[rules].stream.count) ok = add_truth(truths, &scene->truth[rules], rules);
+    return ok;
+}
+
+/* NaN (no event was matched) has no JSON: null. */
+static int32_t add_row(cJSON *list, const bench_row *row) {
+    column columns[COLUMNS];
+    columns_of(row, columns);
+    cJSON *json = cJSON_CreateObject();
+    if (!cJSON_AddItemToArray(list, json)) return 0;
+    int32_t ok = cJSON_AddStringToObject(json, "scene", row->scene) && cJSON_AddStringToObject(json, "method", row->method) &&
+                 cJSON_AddNumberToObject(json, "setting", row->setting) && cJSON_AddStringToObject(json, "unit", row->unit) &&
+                 cJSON_AddStringToObject(json, "image", row->image);
+    for (size_t i = 0; ok && i < COLUMNS; i++)
+        ok = isfinite(columns[i].value) ? cJSON_AddNumberToObject(json, columns[i].name, columns[i].value) != NULL
+                                        : cJSON_AddNullToObject(json, columns[i].name) != NULL;
+    return ok;
+}
+
+static tides_status write_json(const bench *b, const char *name, cJSON *header, const bench_rows *rows, tides_error *error) {
+    char path[4200];
+    tides_status status = bench_path(b, name, ".json", path, sizeof path, error);
+    if (status != TIDES_OK) return status;
+    cJSON *list = cJSON_AddArrayToObject(header, "results");
+    int32_t ok = list != NULL;
+    for (size_t i = 0; ok && i < rows->count; i++) ok = add_row(list, &rows->rows[i]);
+    char *text = ok ? cJSON_Print(header) : NULL;
+    status = text ? cli_write_text(path, text, error) : cli_error(error, TIDES_NO_MEMORY, "out of memory: %s", path);
+    if (status == TIDES_OK && b->common->json) puts(text);
+    cJSON_free(text);
+    return status;
+}
+
+/* -- CSV ------------------------------------------------------------------------------------------------------------------- */
+
+static void print_csv(FILE *out, const bench_rows *rows) {
+    column columns[COLUMNS];
+    for (size_t i = 0; i < rows->count; i++) {
+        const bench_row *row = &rows->rows[i];
+        columns_of(row, columns);
+        if (i == 0) {
+            fputs("scene,method,setting,unit,image", out);
+            for (size_t k = 0; k < COLUMNS; k++) fprintf(out, ",%s", columns[k].name);
+            fputc('\n', out);
+        }
+        fprintf(out, "%s,%s,%.9g,%s,%s", row->scene, row->method, row->setting, row->unit, row->image);
+        for (size_t k = 0; k < COLUMNS; k++)
+            if (isfinite(columns[k].value)) fprintf(out, ",%.9g", columns[k].value);
+            else fputc(',', out);
+        fputc('\n', out);
+    }
+}
+
+static tides_status write_csv(const bench *b, const char *name, const bench_rows *rows, tides_error *error) {
+    char path[4200], part[4210];
+    tides_status status = bench_path(b, name, ".csv", path, sizeof path, error);
+    if (status != TIDES_OK) return status;
+    snprintf(part, sizeof part, "%s.part", path);
+    FILE *out = fopen(part, "wb");
+    int32_t ok = out != NULL;
+    if (ok) {
+        print_csv(out, rows);
+        ok = !ferror(out);
+        ok = fclose(out) == 0 && ok;
+    }
+    if (ok && rename(part, path) == 0) return TIDES_OK;
+    if (out) remove(part);
+    return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be written", path);
+}
+
+tides_status bench_write(const bench *b, const char *name, cJSON *header, const bench_rows *rows, tides_error *error) {
+    tides_status status = write_json(b, name, header, rows, error);
+    return status == TIDES_OK ? write_csv(b, name, rows, error) : status;
+}

@@ -1,0 +1,199 @@
+/* Opening the .part of an interrupted run to go on with it.
+ *
+ * It is cut back to whole chunks, so that no chunk is ever written twice (event_store.c), in an order that lets the process die
+ * at any moment and the file stay readable: first `count` goes down, and only then the rows beyond it are given up; freed space
+ * isn't used again before that is in the file. */
+#include "td_event_store.h"
+
+#include "td_base.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+static tides_status fail_reopen(const char *path, const char *what, tides_error *error) {
+    td_h5_reason reason;
+    const char *text = td_h5_reason_text(&reason);
+    return td_fail(error, TIDES_BAD_FILE, "%s: %s: %s; simulate from the beginning", path, what, text);
+}
+
+/* ---- what is there ---- */
+
+static tides_status check_facts(const td_event_store *store, const char *path, const tides_event_file *facts,
+                                tides_error *error) {
+    char format[32] = "";
+    int64_t version = 0, width = 0, height = 0;
+    td_h5_read_text(store->file, "format", format, sizeof format);
+    if (strcmp(format, TD_EVENT_FORMAT) != 0)
+        return td_fail(error, TIDES_BAD_FILE, "%s: isn't an event file of TIDES and can't be continued", path);
+    td_h5_read_int(store->file, "version", &version);
+    if (version != TD_EVENT_FORMAT_VERSION)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "%s: has version %" PRId64 " of the layout, this library continues version %d: use the version that wrote it",
+                       path, version, TD_EVENT_FORMAT_VERSION);
+    td_h5_read_int(store->file, "width", &width);
+    td_h5_read_int(store->file, "height", &height);
+    if (width != facts->width || height != facts->height)
+        return td_fail(error, TIDES_BAD_FILE, "%s: holds %" PRId64 " x %" PRId64 " px, the run has %d x %d: it is another run's",
+                       path, width, height, facts->width, facts->height);
+    return TIDES_OK;
+}
+
+/* Rows of a one-dimensional dataset with chunks of `chunk`; -1 where it is none. */
+static hssize_t rows_of(hid_t dataset, hsize_t chunk) {
+    hsize_t found = 0;
+    hid_t creation = H5Dget_create_plist(dataset), space = H5Dget_space(dataset);
+    int fits = creation >= 0 && space >= 0 && H5Pget_layout(creation) == H5D_CHUNKED &&
+               H5Pget_chunk(creation, 1, &found) == 1 && found == chunk && H5Sget_simple_extent_ndims(space) == 1;
+    hssize_t rows = fits ? H5Sget_simple_extent_npoints(space) : -1;
+    td_h5_close(space);
+    td_h5_close(creation);
+    return rows;
+}
+
+static tides_status open_all(td_event_store *store, const char *path, uint64_t rows, tides_error *error) {
+    int64_t count = 0;
+    for (int c = 0; c < TD_COLUMNS; c++) {
+        store->columns[c] = H5Dopen2(store->file, td_event_column_name(c), H5P_DEFAULT);
+        if (store->columns[c] < 0 || rows_of(store->columns[c], TD_EVENT_CHUNK) < (hssize_t)rows)
+            return td_fail(error, TIDES_BAD_FILE, "%s: %s is damaged, or lacks some of its %" PRIu64 " events: start anew", path,
+                           td_event_column_name(c), rows);
+    }
+    store->index = H5Dopen2(store->file, "/ms_to_idx", H5P_DEFAULT);
+    store->count = H5Aopen(store->file, "count", H5P_DEFAULT);
+    store->stop = H5Aopen(store->file, "stop_ns", H5P_DEFAULT);
+    if (store->index < 0 || store->count < 0 || store->stop < 0 || rows_of(store->index, TD_INDEX_CHUNK) < 0)
+        return fail_reopen(path, "is damaged", error);
+    if (!td_h5_read_int(store->file, "count", &count) || count < (int64_t)rows)
+        return td_fail(error, TIDES_BAD_FILE, "%s: holds %" PRId64 " events, %" PRIu64 " of the run are missing: start anew", path,
+                       count, rows - (uint64_t)(count > 0 ? count : 0));
+    return TIDES_OK;
+}
+
+/* ---- the cut ---- */
+
+static herr_t cut_dataset(hid_t dataset, hsize_t rows) { return H5Dset_extent(dataset, &rows); }
+
+/* HDF5 takes the end of the file from its superblock. What a process wrote just before it died may lie beyond: new things go
+ * behind that too. */
+static herr_t keep_clear_of_leftovers(hid_t file) {
+#if H5_VERSION_GE(1, 10, 2)
+    return H5Fincrement_filesize(file, 0);
+#else
+    (void)file;
+    return 0;
+#endif
+}
+
+/* 1 where the attribute is there and holds another text: that of a run whose stop was moved. */
+static int is_other_text(hid_t file, const char *name, const char *text) {
+    size_t size = text ? strlen(text) + 2 : 0; /* room to see that the file's is longer */
+    char *found = text ? td_alloc(size, 1, NULL) : NULL;
+    int other = found && td_h5_read_text(file, name, found, size) && strcmp(found, text) != 0;
+    free(found);
+    return other;
+}
+
+static herr_t replace_text(hid_t file, const char *name, const char *text) {
+    if (!is_other_text(file, name, text)) return 0;
+    return H5Adelete(file, name) < 0 ? -1 : td_h5_write_text(file, name, text);
+}
+
+static herr_t cut_back(td_event_store *store, const tides_event_file *facts, uint64_t rows) {
+    const int64_t count = (int64_t)rows, running = -1;
+    if (keep_clear_of_leftovers(store->file) < 0 || H5Awrite(store->count, H5T_NATIVE_INT64, &count) < 0 ||
+        H5Awrite(store->stop, H5T_NATIVE_INT64, &running) < 0 || H5Fflush(store->file, H5F_SCOPE_LOCAL) < 0)
+        return -1;
+    for (int c = 0; c < TD_COLUMNS; c++)
+        if (cut_dataset(store->columns[c], rows) < 0) return -1;
+    if (cut_dataset(store->index, store->index_rows) < 0) return -1;
+    if (replace_text(store->file, "run", facts->run) < 0) return -1;
+    store->rows = rows;
+    return H5Fflush(store->file, H5F_SCOPE_LOCAL);
+}
+
+/* A chunk that isn't there would be read as zeros. */
+static tides_status check_chunks(const td_event_store *store, const char *path, tides_error *error) {
+#if H5_VERSION_GE(1, 10, 5)
+    for (int c = 0; c < TD_COLUMNS; c++) {
+        hsize_t chunks = 0;
+        hid_t space = H5Dget_space(store->columns[c]);
+        herr_t failed = H5Dget_num_chunks(store->columns[c], space, &chunks);
+        td_h5_close(space);
+        if (failed < 0 || chunks != store->rows / TD_EVENT_CHUNK)
+            return td_fail(error, TIDES_BAD_FILE, "%s: %s has lost chunks: start anew", path, td_event_column_name(c));
+    }
+#else
+    (void)store, (void)path, (void)error;
+#endif
+    return TIDES_OK;
+}
+
+/* ---- the index ---- */
+
+static herr_t read_rows(hid_t dataset, hid_t type, uint64_t first, size_t count, void *out) {
+    const hsize_t start = first, rows = count;
+    hid_t memory = H5Screate_simple(1, &rows, NULL), file = H5Dget_space(dataset);
+    herr_t failed = -1;
+    if (memory >= 0 && file >= 0 && H5Sselect_hyperslab(file, H5S_SELECT_SET, &start, NULL, &rows, NULL) >= 0)
+        failed = H5Dread(dataset, type, memory, file, H5P_DEFAULT, out);
+    td_h5_close(file);
+    td_h5_close(memory);
+    return failed;
+}
+
+/* How much of the index stays: whole chunks, of milliseconds that kept events have begun. */
+static herr_t choose_index(td_event_store *store, uint64_t rows) {
+    int64_t last = -1;
+    if (rows > 0 && read_rows(store->columns[TD_COLUMN_NS], H5T_NATIVE_INT64, rows - 1, 1, &last) < 0) return -1;
+    uint64_t entries = last >= 0 ? td_milliseconds_begun(last) : 0, there = (uint64_t)rows_of(store->index, TD_INDEX_CHUNK);
+    if (there < entries) entries = there;
+    store->index_rows = store->next_ms = entries / TD_INDEX_CHUNK * TD_INDEX_CHUNK;
+    return 0;
+}
+
+/* Entries after the last whole chunk were waiting in memory, and are found again from the events. */
+static herr_t rebuild_index(td_event_store *store) {
+    uint64_t row = 0;
+    int64_t *t = store->scratch;
+    if (store->index_rows > 0 && read_rows(store->index, H5T_NATIVE_UINT64, store->index_rows - 1, 1, &row) < 0) return -1;
+    if (row > store->rows) return -1;
+    while (row < store->rows) {
+        uint64_t block = TD_EVENT_CHUNK - row % TD_EVENT_CHUNK; /* to a chunk's border: it is decompressed once */
+        if (read_rows(store->columns[TD_COLUMN_NS], H5T_NATIVE_INT64, row, (size_t)block, t) < 0) return -1;
+        for (uint64_t i = 0; i < block; i++)
+            if (t[i] < 0 || td_event_store_index(store, td_milliseconds_begun(t[i]), row + i) < 0) return -1;
+        row += block;
+    }
+    return 0;
+}
+
+/* ---- all of it ---- */
+
+static tides_status reopen(td_event_store *store, const char *path, const tides_event_file *facts, uint64_t rows,
+                           tides_error *error) {
+    hid_t access = td_h5_file_access();
+    store->file = access < 0 ? -1 : H5Fopen(path, H5F_ACC_RDWR, access);
+    td_h5_close(access);
+    if (store->file < 0 || td_h5_forbid_evictions(store->file) < 0) return fail_reopen(path, "can't be opened", error);
+    tides_status status = check_facts(store, path, facts, error);
+    if (status == TIDES_OK) status = open_all(store, path, rows, error);
+    if (status != TIDES_OK) return status;
+    if (choose_index(store, rows) < 0) return fail_reopen(path, "can't be read", error);
+    if (cut_back(store, facts, rows) < 0) return fail_reopen(path, "can't be cut back", error);
+    status = check_chunks(store, path, error);
+    if (status == TIDES_OK && rebuild_index(store) < 0) status = fail_reopen(path, "can't be read", error);
+    return status;
+}
+
+tides_status td_event_store_reopen(td_event_store *store, const char *path, const tides_event_file *facts, uint64_t rows,
+                                   tides_error *error) {
+    td_event_store_reset(store);
+    tides_status status = td_event_store_claim(path, 0, error);
+    if (status != TIDES_OK) return status;
+    store->scratch = td_alloc(TD_EVENT_CHUNK, sizeof(int64_t), error);
+    if (!store->scratch) return TIDES_NO_MEMORY;
+    status = reopen(store, path, facts, rows, error);
+    if (status != TIDES_OK) td_event_store_close(store);
+    return status;
+}

@@ -1,0 +1,67 @@
+/* The tail of an unfinished event file: the events after its last whole chunk.
+ *
+ * Chunks of the .part are written once and never again, or a death while one is rewritten would take events along that were safe
+ * before (event_store.c). A partial chunk can't go there in mid-run, so a flush puts it into PATH.part.tail: an event file of its
+ * own in the layout of events_hdf5.c, with one more attribute, `first`: the number of its first event in the stream. It is
+ * replaced whole, by a rename. */
+#include "td_event_store.h"
+
+#include "td_base.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+static tides_status write_store(const char *part, const tides_event_file *facts, uint64_t first, const tides_event *events,
+                                size_t count, tides_error *error) {
+    td_event_store store;
+    const tides_event_file bare = {facts->width, facts->height, NULL, NULL}; /* the .part says the rest */
+    tides_status status = td_event_store_create(&store, part, &bare, error);
+    if (status != TIDES_OK) return status;
+    tides_error reason = {0};
+    if (td_h5_write_int(store.file, "first", H5T_STD_I64LE, (int64_t)first) < 0) {
+        td_h5_reason text;
+        status = td_fail(&reason, TIDES_WRITE_FAILED, "%s", td_h5_reason_text(&text));
+    }
+    if (status == TIDES_OK) status = td_event_store_append(&store, events, count, &reason);
+    if (td_event_store_close(&store) < 0 && status == TIDES_OK) {
+        td_h5_reason text;
+        status = td_fail(&reason, TIDES_WRITE_FAILED, "%s", td_h5_reason_text(&text));
+    }
+    return status == TIDES_OK ? status : td_fail(error, status, "%s: can't be written: %s", part, reason.text);
+}
+
+tides_status td_event_tail_write(const char *path, const tides_event_file *facts, uint64_t first, const tides_event *events,
+                                 size_t count, tides_error *error) {
+    char *part = td_part_name(path, error);
+    if (!part) return TIDES_NO_MEMORY;
+    tides_status status = write_store(part, facts, first, events, count, error);
+    if (status == TIDES_OK) status = td_commit_file(part, path, error);
+    if (status != TIDES_OK) unlink(part);
+    free(part);
+    return status;
+}
+
+/* The attribute `first`, or -1. */
+static int64_t read_first(const char *path) {
+    int64_t first = -1;
+    hid_t access = td_h5_file_access();
+    hid_t file = access < 0 ? -1 : H5Fopen(path, H5F_ACC_RDONLY, access);
+    if (file >= 0 && !td_h5_read_int(file, "first", &first)) first = -1;
+    td_h5_close(file);
+    td_h5_close(access);
+    return first;
+}
+
+tides_status td_event_tail_read(const char *path, uint64_t first, tides_event *events, size_t count, tides_error *error) {
+    td_h5_quiet quiet;
+    td_h5_quiet_begin(&quiet);
+    int64_t begins = read_first(path);
+    td_h5_quiet_end(&quiet);
+    if (begins < 0 || (uint64_t)begins != first)
+        return td_fail(error, TIDES_BAD_FILE, "%s: is missing, or doesn't begin with event %" PRIu64, path, first);
+    size_t got = 0;
+    tides_status status = tides_events_read(path, 0, count, events, &got, error);
+    if (status != TIDES_OK || got == count) return status;
+    return td_fail(error, TIDES_BAD_FILE, "%s: holds %zu events, %zu were expected", path, got, count);
+}

@@ -1,0 +1,224 @@
+/* Saving a simulator and restoring it: a run cut between two steps goes on as if it had never stopped, to the bit.
+ *
+ * The state at the end of a step is what the next one begins with: S and S_dot there, and per pixel where it began and how often
+ * it has fired; the reference follows from these (td_reference). Layout of the file, HDF5, version 1:
+ *
+ *     /                    attributes  format           text    "tides-checkpoint"
+ *                                      version          int     1
+ *                                      tides_version    text    of the writer; for people
+ *                                      run              text    the run file as JSON, or ""
+ *                                      step             double  steps taken, on the grid start + step x step_s
+ *                                      time             double  [s] where that is
+ *     /run_is              attributes  one per fact of td_facts_gather: a double, or 16 hexadecimal digits; its key says what
+ *     /statistics          attributes  one double each: totals so far, named as in tides_stats
+ *     /signal, /signal_dot double (height x width)  S [log units], S_dot [log units/s]
+ *     /initial             double (height x width)  S_init [log units]
+ *     /count_on, /count_off  u4   (height x width)  n_on, n_off
+ *     /timing_errors       double (256)             weights of td_timing, not of a pixel
+ *
+ * Images are in image order, so that other tiles can take them up; all datasets are shuffled and deflated. Behind the HDF5 file
+ * comes the seal (checkpoint_file.c). */
+#include "td_checkpoint.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+
+/* -- facts --------------------------------------------------------------------------------------------------------------------- */
+
+static void print_checksum(uint64_t checksum, char text[17]) { snprintf(text, 17, "%016" PRIx64, checksum); }
+
+static tides_status write_facts(const td_place *place, const td_fact *facts) {
+    tides_status status = TIDES_OK;
+    for (int i = 0; i < TD_FACTS && status == TIDES_OK; i++) {
+        char text[17];
+        print_checksum(facts[i].checksum, text);
+        status = facts[i].is_checksum ? td_place_write_text(place, facts[i].key, text)
+                                      : td_place_write_double(place, facts[i].key, facts[i].number);
+    }
+    return status;
+}
+
+static tides_status check_fact(const td_place *place, const td_fact *fact) {
+    if (fact->is_checksum) {
+        char wanted[17], *found = NULL;
+        print_checksum(fact->checksum, wanted);
+        tides_status status = td_place_read_text(place, fact->key, &found);
+        if (status == TIDES_OK && strcmp(found, wanted) != 0)
+            status = td_fail(place->error, TIDES_BAD_CONFIG, "%s: is of another run: the %s changed since", place->file, fact->key);
+        free(found);
+        return status;
+    }
+    double found = 0;
+    tides_status status = td_place_read_double(place, fact->key, &found);
+    if (status == TIDES_OK && found != fact->number)
+        status = td_fail(place->error, TIDES_BAD_CONFIG, "%s: is of another run: %s is %.15g there and %.15g here", place->file,
+                         fact->key, found, fact->number);
+    return status;
+}
+
+static tides_status check_facts(const td_place *place, const td_fact *facts) {
+    tides_status status = TIDES_OK;
+    for (int i = 0; i < TD_FACTS && status == TIDES_OK; i++) status = check_fact(place, &facts[i]);
+    return status;
+}
+
+/* -- saving -------------------------------------------------------------------------------------------------------------------- */
+
+static tides_status write_root(const td_place *root, const tides_simulator *s, const char *run) {
+    tides_status status = td_place_write_text(root, "format", TD_CHECKPOINT_FORMAT);
+    if (status == TIDES_OK) status = td_place_write_int(root, "version", TD_CHECKPOINT_VERSION);
+    if (status == TIDES_OK) status = td_place_write_text(root, "tides_version", tides_version());
+    if (status == TIDES_OK) status = td_place_write_text(root, "run", run ? run : "");
+    if (status == TIDES_OK) status = td_place_write_double(root, "step", (double)s->step);
+    if (status == TIDES_OK) status = td_place_write_double(root, "time", td_grid_time(s, s->step));
+    return status;
+}
+
+static tides_status write_all(const td_place *root, const tides_simulator *s, const char *run, const td_fact *facts,
+                              td_planes *planes) {
+    td_place group;
+    tides_status status = write_root(root, s, run);
+    if (status == TIDES_OK) status = td_place_create(root, "run_is", &group);
+    if (status != TIDES_OK) return status;
+    status = write_facts(&group, facts);
+    H5Gclose(group.id);
+    if (status == TIDES_OK) status = td_place_create(root, "statistics", &group);
+    if (status != TIDES_OK) return status;
+    status = td_totals_write(s, &group);
+    H5Gclose(group.id);
+    return status == TIDES_OK ? td_planes_write(planes, s, root) : status;
+}
+
+static tides_status save(const tides_simulator *s, const char *run, const char *path, const td_fact *facts, td_planes *planes,
+                         tides_error *error) {
+    td_place root = {.id = td_checkpoint_image_create(), .file = path, .where = "/", .error = error};
+    if (root.id < 0) return td_fail(error, TIDES_NO_MEMORY, "%s: a file in memory can't be made", path);
+    tides_status status = write_all(&root, s, run, facts, planes);
+    if (status == TIDES_OK) status = td_checkpoint_image_write(root.id, path, error);
+    H5Fclose(root.id);
+    return status;
+}
+
+tides_status tides_simulator_save(const tides_simulator *simulator, const char *run, const char *path, tides_error *error) {
+    if (!simulator || !path)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_save: simulator and path must be given");
+    if (simulator->broken)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "%s: an earlier error left a step half done: there is no state to save", path);
+    if (!simulator->started)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "%s: the run hasn't begun: call tides_simulator_run first", path);
+    td_fact facts[TD_FACTS];
+    td_planes planes;
+    tides_status status = td_facts_gather(simulator, facts, error);
+    if (status == TIDES_OK) status = td_planes_create(&planes, simulator, error);
+    if (status != TIDES_OK) return status;
+    td_planes_take(&planes, simulator);
+    H5E_BEGIN_TRY { status = save(simulator, run, path, facts, &planes, error); }
+    H5E_END_TRY
+    td_planes_free(&planes);
+    return status;
+}
+
+/* -- restoring ----------------------------------------------------------------------------------------------------------------- */
+
+/* All that a checkpoint says. */
+typedef struct contents {
+    int64_t step;
+    double totals[TD_TOTALS];
+    td_planes planes;
+} contents;
+
+static tides_status check_version(const td_place *root) {
+    char *format = NULL;
+    int32_t version = 0;
+    int known = td_place_read_text(root, "format", &format) == TIDES_OK && strcmp(format, TD_CHECKPOINT_FORMAT) == 0;
+    free(format);
+    if (!known) return td_fail(root->error, TIDES_BAD_FILE, "%s: is HDF5 but not a checkpoint of TIDES", root->file);
+    tides_status status = td_place_read_int(root, "version", &version);
+    if (status != TIDES_OK || version == TD_CHECKPOINT_VERSION) return status;
+    return td_fail(root->error, TIDES_UNSUPPORTED,
+                   "%s: has version %d of the checkpoint's layout; TIDES %s reads version %d: use the version that wrote it",
+                   root->file, (int)version, tides_version(), TD_CHECKPOINT_VERSION);
+}
+
+static tides_status check_run(const td_place *root, const char *run) {
+    char *saved = NULL;
+    tides_status status = td_place_read_text(root, "run", &saved);
+    if (status == TIDES_OK && run && saved[0]) status = td_facts_compare_runs(root->file, saved, run, root->error);
+    free(saved);
+    return status;
+}
+
+/* The step must be on this run's grid too: a last step that an earlier stop cut short isn't. */
+static tides_status read_step(const td_place *root, const tides_simulator *s, int64_t *step) {
+    double steps = 0, time = 0;
+    tides_status status = td_place_read_double(root, "step", &steps);
+    if (status == TIDES_OK) status = td_place_read_double(root, "time", &time);
+    if (status != TIDES_OK) return status;
+    if (!(steps >= 0) || steps > 1e15 || steps != (double)(int64_t)steps)
+        return td_fail(root->error, TIDES_BAD_FILE, "%s: step is %g, no number of steps", root->file, steps);
+    if (steps > (double)s->steps || time > s->stop)
+        return td_fail(root->error, TIDES_BAD_CONFIG, "%s: was made at %.12g s, after time.stop = %.12g s", root->file, time,
+                       s->stop);
+    if (time != td_grid_time(s, (int64_t)steps))
+        return td_fail(root->error, TIDES_BAD_CONFIG,
+                       "%s: was made at %.17g s, which is no end of a step now that time.stop is %.12g s: only a run that "
+                       "stopped before its end can be extended",
+                       root->file, time, s->stop);
+    *step = (int64_t)steps;
+    return TIDES_OK;
+}
+
+static tides_status check_is_same(const td_place *root, const char *run, const td_fact *facts) {
+    td_place group;
+    tides_status status = check_version(root);
+    if (status == TIDES_OK) status = check_run(root, run);
+    if (status == TIDES_OK) status = td_place_open(root, "run_is", &group);
+    if (status != TIDES_OK) return status;
+    status = check_facts(&group, facts);
+    H5Gclose(group.id);
+    return status;
+}
+
+static tides_status read_all(const td_place *root, const tides_simulator *s, const char *run, const td_fact *facts,
+                             contents *got) {
+    td_place group;
+    tides_status status = check_is_same(root, run, facts);
+    if (status == TIDES_OK) status = read_step(root, s, &got->step);
+    if (status == TIDES_OK) status = td_place_open(root, "statistics", &group);
+    if (status != TIDES_OK) return status;
+    status = td_totals_read(&group, got->totals);
+    H5Gclose(group.id);
+    return status == TIDES_OK ? td_planes_read(&got->planes, s, root) : status;
+}
+
+static tides_status read_file(const tides_simulator *s, const char *run, const char *path, const td_fact *facts, contents *got,
+                              tides_error *error) {
+    td_place root = {.id = -1, .file = path, .where = "/", .error = error};
+    tides_status status = td_checkpoint_image_read(path, &root.id, error);
+    if (status != TIDES_OK) return status;
+    status = read_all(&root, s, run, facts, got);
+    H5Fclose(root.id);
+    return status;
+}
+
+tides_status tides_simulator_restore(tides_simulator *simulator, const char *run, const char *path, tides_error *error) {
+    if (!simulator || !path)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_restore: simulator and path must be given");
+    if (simulator->started || simulator->broken)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "%s: the simulator has run already: restore into a new one", path);
+    td_fact facts[TD_FACTS];
+    contents got;
+    tides_status status = td_facts_gather(simulator, facts, error);
+    if (status == TIDES_OK) status = td_planes_create(&got.planes, simulator, error);
+    if (status != TIDES_OK) return status;
+    H5E_BEGIN_TRY { status = read_file(simulator, run, path, facts, &got, error); }
+    H5E_END_TRY
+    if (status == TIDES_OK) {
+        td_planes_give(&got.planes, simulator);
+        td_totals_add(simulator, got.totals);
+        simulator->step = got.step;
+        simulator->started = 1;
+    }
+    td_planes_free(&got.planes);
+    return status;
+}

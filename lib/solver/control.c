@@ -1,0 +1,142 @@
+/* Step control: which steps of a refinement level are too long.
+ *
+ *   error   the embedded estimate of the model's error, against tolerance C and time_tolerance_s (estimate.c)
+ *   risk    the paper's score of mixed visibility, against the step's share of the macro step (paper, Eq. 13)
+ *   unseen  in either mode: a splat that could pass a pixel between two samples (sweep.h)
+ *
+ * Each gives the factor by which the step is above its limit; the largest decides. Where a budget of renders is set and a level
+ * asks for more, the steps furthest above their limits go first. Without `local` one tile's wish halves the step of all. */
+#include "td_simulator.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Diameters that a splat may travel between two samples: within half of one, no splat passes a pixel without being seen there. */
+static const double most_travel = 0.5;
+
+static const double most_contributors = 64; /* splats under a pixel at which the risk's norm(c) is 1 */
+static const double least_share = 1.0 / 32;  /* of the macro step, that a tile of risk 1 may take at once */
+
+static double larger(double a, double b) { return a > b ? a : b; }
+static double smaller(double a, double b) { return a < b ? a : b; }
+
+/* The largest risk score of a tile's pixels: w_b (1 - b) + w_c norm(c) + w_alpha norm(|alpha_dot|), clipped to [0, 1].
+ * norm(c) = c / 64, norm(|alpha_dot|) = the opacity that would change within the longest step, both at most 1. */
+double td_tile_risk(const tides_simulator *s, const td_tile *tile, const double *planes) {
+    double most = 0;
+    for (int y = 0, i = 0; i < tile->count; y++)
+        for (int x = 0; x < tile->width; x++, i++) {
+            int at = td_tile_pixel(x, y);
+            double b = planes[TD_OUT_ALPHA * TD_TILE_PIXELS + at];
+            double c = smaller(planes[TD_OUT_CONTRIBUTORS * TD_TILE_PIXELS + at] / most_contributors, 1);
+            double a = smaller(fabs(planes[TD_OUT_ALPHA_DOT * TD_TILE_PIXELS + at]) * s->step_s, 1);
+            most = larger(most, s->risk.w_b * (1 - b) + s->risk.w_c * c + s->risk.w_alpha * a);
+        }
+    return smaller(most, 1);
+}
+
+/* kappa(r): the share of the macro step that a tile of risk r may take at once, from 1 at r = 0 to 1/32 at r = 1. */
+static double step_factor(double risk) { return 1 / (1 + (1 / least_share - 1) * risk); }
+
+/* How far the estimated error is above its limits. */
+static double error_excess(tides_simulator *s, const td_refine_step *step, double start, double stop, double *error) {
+    const td_refine *r = &s->refine;
+    const double *begin = td_refine_sample(r, step->begin), *end = td_refine_sample(r, step->end);
+    td_signals signals = {begin, begin + TD_TILE_PIXELS, end, end + TD_TILE_PIXELS};
+    double h = td_refine_time(r, start, stop, step->to) - td_refine_time(r, start, stop, step->from);
+    td_estimate estimate = td_estimate_step(&s->comparator, h, &signals, s->pixels.reference + s->first_pixel[step->tile],
+                                            s->tile[step->tile].count);
+    double threshold = smaller(s->comparator.threshold_on, s->comparator.threshold_off);
+    *error = estimate.error / threshold;
+    double excess = *error / s->tolerance;
+    return s->time_tolerance_s > 0 ? larger(excess, estimate.seconds / s->time_tolerance_s) : excess;
+}
+
+/* Judges one step; 1 where it is to be halved. One of the shortest length is accepted whatever the measures say. */
+static int too_long(tides_simulator *s, td_refine_step *step, double start, double stop) {
+    const td_refine *r = &s->refine;
+    double share = (double)(step->to - step->from) / (double)((uint32_t)1 << r->depth), error = 0;
+    step->excess = share * s->renderer->candidates.travel[step->tile] / most_travel;
+    if (s->mode & TIDES_STEPPING_ERROR) step->excess = larger(step->excess, error_excess(s, step, start, stop, &error));
+    if (s->mode & TIDES_STEPPING_RISK)
+        step->excess = larger(step->excess, share / step_factor(larger(r->risk[step->begin], r->risk[step->end])));
+    int wanted = step->excess > 1 && step->to - step->from > 1;
+    if (wanted) return 1;
+    s->stats.steps_at_minimum += (uint64_t)(step->excess > 1);
+    s->stats.worst_error = larger(s->stats.worst_error, error);
+    return 0;
+}
+
+static int contains(const uint32_t *sorted, size_t count, uint32_t value) {
+    size_t low = 0, high = count;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (sorted[middle] < value) low = middle + 1;
+        else high = middle;
+    }
+    return low < count && sorted[low] == value;
+}
+
+static int by_position(const void *a, const void *b) {
+    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* One step for the whole image: whatever one tile wants halved is halved in all. */
+static tides_status join_tiles(td_refine *r, const int32_t *fresh, size_t count, tides_error *error) {
+    uint32_t *wanted = td_alloc(r->pending_count, sizeof *wanted, error);
+    if (!wanted) return TIDES_NO_MEMORY;
+    size_t wanted_count = r->pending_count;
+    for (size_t i = 0; i < wanted_count; i++) wanted[i] = r->step[r->pending[i]].from;
+    qsort(wanted, wanted_count, sizeof *wanted, by_position);
+    r->pending_count = 0;
+    for (size_t i = 0; i < count; i++)
+        if (contains(wanted, wanted_count, r->step[fresh[i]].from)) r->pending[r->pending_count++] = fresh[i];
+    free(wanted);
+    return TIDES_OK;
+}
+
+/* A pending step and what orders it. */
+typedef struct wish {
+    double excess;
+    int32_t step;
+} wish;
+
+static int by_falling_excess(const void *a, const void *b) {
+    const wish *x = a, *y = b;
+    if (x->excess != y->excess) return x->excess > y->excess ? -1 : 1;
+    return x->step < y->step ? -1 : x->step > y->step;
+}
+
+/* Cuts the pending steps to what is left of the macro step's share of the budget. */
+static tides_status keep_to_budget(tides_simulator *s, td_refine *r, tides_error *error) {
+    double share = s->budget * s->tiles / (double)s->steps, used = (double)r->sample_count - s->moving_count;
+    size_t left = share > used ? (size_t)(share - used) : 0;
+    if (s->budget <= 0 || r->pending_count <= left) return TIDES_OK;
+    wish *wishes = td_alloc(r->pending_count, sizeof *wishes, error);
+    if (!wishes) return TIDES_NO_MEMORY;
+    for (size_t i = 0; i < r->pending_count; i++) {
+        wish next = {r->step[r->pending[i]].excess, r->pending[i]};
+        wishes[i] = next;
+    }
+    qsort(wishes, r->pending_count, sizeof *wishes, by_falling_excess);
+    s->stats.steps_over_budget += r->pending_count - left;
+    r->pending_count = left;
+    for (size_t i = 0; i < left; i++) r->pending[i] = wishes[i].step;
+    free(wishes);
+    return TIDES_OK;
+}
+
+tides_status td_control_steps(tides_simulator *s, const int32_t *fresh, size_t count, double start, double stop,
+                              tides_error *error) {
+    td_refine *r = &s->refine;
+    tides_status status = td_reserve((void **)&r->pending, &r->pending_capacity, count, sizeof *r->pending, error);
+    if (status != TIDES_OK) return status;
+    r->pending_count = 0;
+    for (size_t i = 0; i < count; i++)
+        if (too_long(s, &r->step[fresh[i]], start, stop)) r->pending[r->pending_count++] = fresh[i];
+    if (!s->local && r->pending_count > 0) status = join_tiles(r, fresh, count, error);
+    if (status == TIDES_OK) status = keep_to_budget(s, r, error);
+    s->stats.steps_rejected += r->pending_count;
+    return status;
+}
