@@ -31,7 +31,7 @@ typedef struct bench_scene {
     tides_intrinsics intrinsics;
     tides_image_params image;
     tides_sensor sensor;
-    double start, stop; /* [s] */
+    double start, stop;  /* [s] */
     double macro_step_s; /* the longest step that controlled stepping may take */
     bench_truth truth[BENCH_RULES];
 } bench_scene;
@@ -44,8 +44,8 @@ tides_status bench_scene_make(const char *name, int32_t quick, bench_scene *scen
 void bench_scene_free(bench_scene *scene);
 
 /* bench_parts.c: what the built-in scenes are made of. */
-tides_status bench_add_wall(tides_scene *scene, tides_error *error);          /* the demo's wall */
-tides_status bench_add_room(tides_scene *scene, tides_error *error);          /* wall, table, balls */
+tides_status bench_add_wall(tides_scene *scene, tides_error *error);             /* the demo's wall */
+tides_status bench_add_room(tides_scene *scene, tides_error *error);             /* wall, table, balls */
 tides_status bench_add_fan(tides_scene *scene, double stop, tides_error *error); /* stand, guard, and blades that turn */
 /* A ball of `radius` that moves at `speed` [m/s] along x and is at `centre` halfway to `stop`. */
 tides_status bench_add_flying_ball(tides_scene *scene, const double centre[3], double radius, double speed, double stop,
@@ -74,7 +74,8 @@ typedef struct bench_row {
     char scene[64];
     const char *method, *unit, *image;
     double setting;
-    double run_time_s;   /* of tides_simulator_run without kernel builds; the better one of `runs` */
+    double frames;     /* times that equal steps ask for; `renders` is less where still tiles are skipped. 0: other steps */
+    double run_time_s; /* of tides_simulator_run without kernel builds; the better one of `runs` */
     int32_t runs;
     tides_stats stats;
     tides_match match;
@@ -117,7 +118,7 @@ tides_status bench_path(const bench *b, const char *name, const char *ending, ch
 
 /* bench_summary.c: run time and renders that a method needs for a target, between its settings. */
 typedef struct bench_need {
-    double run_time_s, renders, mismatch_percent;
+    double run_time_s, renders, frames, mismatch_percent; /* frames: renders without skipping still tiles */
     int32_t bound; /* 0: interpolated; 1: at most this, the cheapest setting does; -1: above this, the finest doesn't */
 } bench_need;
 enum { BENCH_P95 = 0, BENCH_MEDIAN = 1 };

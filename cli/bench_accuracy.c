@@ -1,6 +1,7 @@
 /* tides bench accuracy: run time against the error of event times, method by method, each against its image's exact events. */
 #include "bench.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,8 +16,8 @@ typedef struct method {
     double settings[SETTINGS_MAX], quick[SETTINGS_MAX];
 } method;
 
-/* `risk` (the paper's score) comes with stepping.mode = risk: it will be a row here with its own unit.
- * clang-format off */
+/* `risk` (the paper's score) comes with stepping.mode = risk: it will be a row here, its setting kappa's scale. */
+/* clang-format off */
 static const method methods[] = {
     {"esim",         TIDES_RULES_SMOOTH, TIDES_STEPPING_FIXED, TIDES_MODEL_SECANT,    1, RATE,
      {500, 1000, 2000, 4000, 8000, 16000, 32000, 64000}, {2000, 4000, 16000, 32000}},
@@ -54,7 +55,8 @@ static tides_stepping stepping_of(const method *m, const bench_scene *scene, dou
 
 /* Once through all settings. The methods take turns, so that what else the machine does hits all alike. `first` is the row of
  * the scene's first result; on the second pass the rows are there. */
-static tides_status pass(bench *b, const bench_scene *scene, bench_rows *rows, size_t first, int32_t again, tides_error *error) {
+static tides_status pass(bench *b, const bench_scene *scene, bench_rows *rows, size_t first, int32_t again,
+                         tides_error *error) {
     size_t at = first;
     for (size_t k = 0; k < SETTINGS_MAX; k++)
         for (size_t i = 0; i < METHODS; i++) {
@@ -66,6 +68,7 @@ static tides_status pass(bench *b, const bench_scene *scene, bench_rows *rows, s
             row->method = m->name;
             row->unit = unit_names[m->unit];
             row->setting = setting;
+            row->frames = m->unit == RATE ? round(setting * (scene->stop - scene->start)) + 1 : 0;
             const tides_stepping stepping = stepping_of(m, scene, setting);
             tides_status status = bench_measure(b, scene, m->rules, &scene->sensor, &stepping, row, error);
             if (status != TIDES_OK) return status;
@@ -100,7 +103,8 @@ static tides_status visit(void *user, bench *b, bench_scene *scene, tides_error 
     tides_status status = TIDES_OK;
     for (int32_t rules = 0; rules < BENCH_RULES && status == TIDES_OK; rules++)
         status = bench_find_truth(b, scene, rules, error);
-    for (int32_t again = 0; again < 2 && status == TIDES_OK; again++) status = pass(b, scene, &j->rows, first, again, error);
+    for (int32_t again = 0; again < (b->quick ? 1 : 2) && status == TIDES_OK; again++)
+        status = pass(b, scene, &j->rows, first, again, error);
     if (status != TIDES_OK) return status;
     check_truth(b, scene, &j->rows, first);
     if (!bench_header_scene(j->header, scene)) return cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
@@ -110,7 +114,8 @@ static tides_status visit(void *user, bench *b, bench_scene *scene, tides_error 
 /* One table of what each scene needs. */
 static void print_summary(const bench_rows *rows) {
     for (size_t i = 0; i < rows->count; i++)
-        if (i == 0 || strcmp(rows->rows[i].scene, rows->rows[i - 1].scene) != 0) bench_summary(rows, rows->rows[i].scene, stdout);
+        if (i == 0 || strcmp(rows->rows[i].scene, rows->rows[i - 1].scene) != 0)
+            bench_summary(rows, rows->rows[i].scene, stdout);
 }
 
 tides_status bench_accuracy(bench *b, const cli_list *scenes, tides_error *error) {

@@ -34,7 +34,8 @@ static int32_t find_scenes(const bench_rows *rows, size_t first[SCENES_MAX]) {
 
 static plot_panel lay_panel(int32_t index) {
     const int32_t x = index % PANEL_COLUMNS * PANEL_WIDTH, y = HEADING + index / PANEL_COLUMNS * PANEL_HEIGHT;
-    return (plot_panel){.left = x + LEFT, .top = y + TOP, .right = x + PANEL_WIDTH - RIGHT, .bottom = y + PANEL_HEIGHT - BOTTOM};
+    return (
+        plot_panel){.left = x + LEFT, .top = y + TOP, .right = x + PANEL_WIDTH - RIGHT, .bottom = y + PANEL_HEIGHT - BOTTOM};
 }
 
 static cli_canvas make_canvas(int32_t panels, tides_error *error) {
@@ -56,16 +57,11 @@ static tides_status write_canvas(const bench *b, cli_canvas *canvas, const char 
 
 /* -- curves ------------------------------------------------------------------------------------------------------------ */
 
-/* Puts a point where it belongs in order of x. */
-static void insert(curve_data *c, double x, double y) {
+/* Appends a point: curves run from setting to setting. */
+static void append(curve_data *c, double x, double y) {
     if (c->curve.count == POINTS_MAX || !isfinite(y) || !(x > 0)) return;
-    int32_t at = c->curve.count++;
-    for (; at > 0 && c->x[at - 1] > x; at--) {
-        c->x[at] = c->x[at - 1];
-        c->y[at] = c->y[at - 1];
-    }
-    c->x[at] = x;
-    c->y[at] = fmax(y, LEAST_ERROR_US);
+    c->x[c->curve.count] = x;
+    c->y[c->curve.count++] = fmax(y, LEAST_ERROR_US);
 }
 
 /* One curve for each method of the scene, in the order of the results, which is the same in all scenes. */
@@ -82,7 +78,7 @@ static int32_t collect(const bench_rows *rows, const char *scene, quantity what,
             curves[k].curve = (plot_curve){row->method, curves[k].x, curves[k].y, 0, k};
             count++;
         }
-        insert(&curves[k], what == RUN_TIME ? row->run_time_s : row->stats.renders_full_frame_equivalent, row->match.dt_p95_us);
+        append(&curves[k], what == RUN_TIME ? row->run_time_s : row->stats.renders_full_frame_equivalent, row->match.dt_p95_us);
     }
     return count;
 }
@@ -114,8 +110,8 @@ static tides_status draw_curves(const bench *b, const bench_rows *rows, quantity
         return cli_error(error, TIDES_NO_MEMORY, "out of memory: the pictures");
     }
     char heading[256];
-    snprintf(heading, sizeof heading, "tides %s on %s: %s for an error of event times, each against its image's exact events", tides_version(),
-             b->info.name, what == RUN_TIME ? "run time" : "renders");
+    snprintf(heading, sizeof heading, "tides %s on %s: %s for an error of event times, each against its image's exact events",
+             tides_version(), b->info.name, what == RUN_TIME ? "run time" : "renders");
     plot_text(&canvas, 16, 12, 2, heading);
     for (int32_t s = 0; s < scenes; s++) {
         const char *scene = rows->rows[first[s]].scene;
@@ -168,7 +164,8 @@ static void draw_bars(cli_canvas *canvas, plot_panel *panel, const bench_rows *r
         const bench_row *row = &rows->rows[i];
         const int32_t top = panel->top + (int32_t)(i - first) * pitch, middle = top + pitch / 2 - 7;
         char value[32];
-        plot_bar(canvas, panel, top + pitch / 6, top + pitch - pitch / 6, fmax(row->match.dt_p95_us, LEAST_ERROR_US), i == first);
+        plot_bar(canvas, panel, top + pitch / 6, top + pitch - pitch / 6, fmax(row->match.dt_p95_us, LEAST_ERROR_US),
+                 i == first);
         plot_text(canvas, panel->left - 10 - plot_text_width(row->method, 2), middle, 2, row->method);
         snprintf(value, sizeof value, "%.3g", row->match.dt_p95_us);
         plot_text(canvas, panel->right + 8, middle, 2, value);
@@ -181,8 +178,8 @@ tides_status bench_figure_bars(const bench *b, const bench_rows *rows, tides_err
     cli_canvas canvas = make_canvas(scenes, error);
     if (!canvas.rgb) return TIDES_NO_MEMORY;
     char heading[256];
-    snprintf(heading, sizeof heading, "tides %s on %s: what the parts are worth, as errors against the exact events", tides_version(),
-             b->info.name);
+    snprintf(heading, sizeof heading, "tides %s on %s: what the parts are worth, as errors against the exact events",
+             tides_version(), b->info.name);
     plot_text(&canvas, 16, 12, 2, heading);
     for (int32_t s = 0; s < scenes; s++) {
         plot_panel panel = lay_panel(s);

@@ -45,7 +45,9 @@ static void build_blades(demo_splats *splats, const void *shape) {
     demo_blades(splats);
 }
 
-tides_status bench_add_wall(tides_scene *scene, tides_error *error) { return add(scene, "wall", build_wall, NULL, NULL, error); }
+tides_status bench_add_wall(tides_scene *scene, tides_error *error) {
+    return add(scene, "wall", build_wall, NULL, NULL, error);
+}
 
 tides_status bench_add_room(tides_scene *scene, tides_error *error) {
     tides_status status = bench_add_wall(scene, error);
@@ -96,7 +98,8 @@ tides_status bench_add_fan(tides_scene *scene, double stop, tides_error *error) 
     demo_fan_axes(m);
     /* Ry(a) Rx(b), the angles read back from the matrix. */
     const double a = atan2(-m[6], m[0]), b = atan2(-m[5], m[4]);
-    const double rest[4] = {cos(a / 2) * cos(b / 2), cos(a / 2) * sin(b / 2), sin(a / 2) * cos(b / 2), -sin(a / 2) * sin(b / 2)};
+    const double rest[4] = {cos(a / 2) * cos(b / 2), cos(a / 2) * sin(b / 2), sin(a / 2) * cos(b / 2),
+                            -sin(a / 2) * sin(b / 2)};
     tides_trajectory *path = NULL;
     tides_status status = add(scene, "stand", build_stand, NULL, NULL, error);
     if (status == TIDES_OK) status = turning(centre, rest, 4.0, stop, &path, error);

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const uint8_t colours[PLOT_COLOURS][3] = {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {0, 0, 0},
+static const uint8_t colours[PLOT_COLOURS][3] = {{0, 114, 178},   {213, 94, 0},  {0, 158, 115}, {0, 0, 0},
                                                  {204, 121, 167}, {230, 159, 0}, {86, 180, 233}};
 static const uint8_t ink[3] = {30, 30, 30}, grid[3] = {225, 225, 225}, frame[3] = {110, 110, 110};
 
@@ -60,11 +60,11 @@ static void line(cli_canvas *canvas, double ax, double ay, double bx, double by,
 /* How far (x, y) is outside a marker of size 1 about the origin. */
 static double marker_distance(int32_t marker, double x, double y) {
     switch (marker) {
-        case 0: return hypot(x, y) - 1;                             /* disc */
-        case 1: return fmax(fabs(x), fabs(y)) - 0.9;                /* square */
-        case 2: return fmax(0.866 * fabs(x) - 0.5 * y, y) - 0.6;    /* triangle, point up */
-        case 3: return 0.707 * (fabs(x) + fabs(y)) - 0.85;          /* diamond */
-        default: return fmax(0.866 * fabs(x) + 0.5 * y, -y) - 0.6;  /* triangle, point down */
+        case 0: return hypot(x, y) - 1;                            /* disc */
+        case 1: return fmax(fabs(x), fabs(y)) - 0.9;               /* square */
+        case 2: return fmax(0.866 * fabs(x) - 0.5 * y, y) - 0.6;   /* triangle, point up */
+        case 3: return 0.707 * (fabs(x) + fabs(y)) - 0.85;         /* diamond */
+        default: return fmax(0.866 * fabs(x) + 0.5 * y, -y) - 0.6; /* triangle, point down */
     }
 }
 
@@ -161,8 +161,7 @@ void plot_draw(cli_canvas *canvas, const plot_panel *p, const plot_curve *curve)
             line(canvas, place_x(p, curve->x[i - 1]), place_y(p, curve->y[i - 1]), place_x(p, curve->x[i]),
                  place_y(p, curve->y[i]), colours[curve->style % PLOT_COLOURS]);
     for (int32_t i = 0; i < curve->count; i++)
-        if (inside(p, curve->x[i], curve->y[i]))
-            marker(canvas, place_x(p, curve->x[i]), place_y(p, curve->y[i]), curve->style);
+        if (inside(p, curve->x[i], curve->y[i])) marker(canvas, place_x(p, curve->x[i]), place_y(p, curve->y[i]), curve->style);
 }
 
 void plot_target(cli_canvas *canvas, const plot_panel *p, double y) {

@@ -11,12 +11,13 @@
 #define SHORT_RUN_S 2.0
 
 /* The exact stream is found by doubling from FIRST to at most LAST steps per second, until the 99th percentile of the events
- * moves by no more than the unit that they are counted in. Streams of an image with jumps never settle: a jump is placed as
- * well as the steps are short. */
+ * moves by no more than the unit that they are counted in, or a run takes LONG_RUN_S, so that the next takes twice that. Streams
+ * of an image with jumps never settle: a jump is placed as well as the steps are short. */
 #define TRUTH_FIRST_RATE 32000.0
-#define TRUTH_LAST_RATE 256000.0
-#define TRUTH_QUICK_RATE 128000.0
+#define TRUTH_LAST_RATE 512000.0
+#define TRUTH_QUICK_RATE 64000.0
 #define TRUTH_SETTLED_US 1e-3
+#define LONG_RUN_S 6.0
 
 /* -- talk --------------------------------------------------------------------------------------------------------------- */
 
@@ -81,9 +82,9 @@ tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, c
     tides_stats before;
     image.rules = rules;
     if (stream) stream->count = 0;
-    tides_status status = tides_simulator_create(b->device, scene->scene, scene->camera, &scene->intrinsics, &image, sensor,
-                                                 stepping, scene->start, scene->stop, cli_progress_step, &b->progress,
-                                                 &simulator, error);
+    tides_status status =
+        tides_simulator_create(b->device, scene->scene, scene->camera, &scene->intrinsics, &image, sensor, stepping,
+                               scene->start, scene->stop, cli_progress_step, &b->progress, &simulator, error);
     if (status != TIDES_OK) return status;
     tides_simulator_stats(simulator, &before);
     const double began = cli_now();
@@ -109,8 +110,8 @@ tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, co
     row->image = bench_rules_name(rules);
     tides_status status = bench_simulate(b, scene, rules, sensor, stepping, &stream, row, error);
     if (status == TIDES_OK && !again)
-        status = tides_match_events(truth->stream.events, truth->stream.count, stream.events, stream.count,
-                                    BENCH_MATCH_LIMIT_S, &row->match, error);
+        status = tides_match_events(truth->stream.events, truth->stream.count, stream.events, stream.count, BENCH_MATCH_LIMIT_S,
+                                    &row->match, error);
     free(stream.events);
     if (status == TIDES_OK && !again) bench_say_row(b, row);
     return status;
@@ -119,33 +120,36 @@ tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, co
 /* -- truth --------------------------------------------------------------------------------------------------------------- */
 
 static tides_status simulate_exact(bench *b, const bench_scene *scene, int32_t rules, double rate, bench_stream *stream,
-                                   tides_error *error) {
-    bench_row unused;
+                                   double *seconds, tides_error *error) {
+    bench_row run;
     tides_stepping stepping;
-    memset(&unused, 0, sizeof unused);
+    memset(&run, 0, sizeof run);
     tides_stepping_defaults(&stepping);
     stepping.mode = TIDES_STEPPING_FIXED;
     stepping.model = TIDES_MODEL_HERMITE;
     stepping.step_s = 1 / rate;
-    return bench_simulate(b, scene, rules, &scene->sensor, &stepping, stream, &unused, error);
+    tides_status status = bench_simulate(b, scene, rules, &scene->sensor, &stepping, stream, &run, error);
+    *seconds = run.run_time_s;
+    return status;
 }
 
 tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides_error *error) {
     bench_truth *truth = &scene->truth[rules];
     bench_stream coarse = {.events = NULL}, fine = {.events = NULL};
     const double last = b->quick ? TRUTH_QUICK_RATE : TRUTH_LAST_RATE;
-    double rate = TRUTH_FIRST_RATE;
+    double rate = TRUTH_FIRST_RATE, seconds = 0;
     int32_t settled = 0;
     tides_match moved = {.matched = 0};
-    tides_status status = simulate_exact(b, scene, rules, rate, &fine, error);
-    while (status == TIDES_OK && !settled && rate < last) {
+    tides_status status = simulate_exact(b, scene, rules, rate, &fine, &seconds, error);
+    while (status == TIDES_OK && !settled && rate < last && seconds < LONG_RUN_S) {
         bench_stream spare = coarse;
         coarse = fine;
         fine = spare;
         rate *= 2;
-        status = simulate_exact(b, scene, rules, rate, &fine, error);
+        status = simulate_exact(b, scene, rules, rate, &fine, &seconds, error);
         if (status == TIDES_OK)
-            status = tides_match_events(fine.events, fine.count, coarse.events, coarse.count, BENCH_MATCH_LIMIT_S, &moved, error);
+            status =
+                tides_match_events(fine.events, fine.count, coarse.events, coarse.count, BENCH_MATCH_LIMIT_S, &moved, error);
         settled = moved.mismatch_percent == 0 && moved.dt_p99_us <= TRUTH_SETTLED_US;
     }
     free(coarse.events);
@@ -156,7 +160,9 @@ tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides
         return status;
     }
     *truth = (bench_truth){fine, rate, moved.dt_p99_us, moved.mismatch_percent};
-    bench_say(b, "%-13s exact stream of the %s image: %zu events at %.6g steps/s; halving them moves p99 by %.3g us, %.3g %% mismatched",
+    bench_say(b,
+              "%-13s exact stream of the %s image: %zu events at %.6g steps/s; halving them moves p99 by %.3g us, %.3g %% "
+              "mismatched",
               scene->name, bench_rules_name(rules), fine.count, rate, truth->shift_p99_us, truth->shift_mismatch_percent);
     return TIDES_OK;
 }
@@ -170,7 +176,9 @@ static int32_t is_built_in(const char *name) {
 }
 
 tides_status bench_each_scene(bench *b, const cli_list *names, bench_visit visit, void *user, tides_error *error) {
-    const char *const *all = bench_scene_names();
+    /* The others take too long for a look; --scene has them. */
+    static const char *const quick_names[] = {"fan", "occluder", "nearly_static", "playbot", NULL};
+    const char *const *all = b->quick ? quick_names : bench_scene_names();
     tides_status status = TIDES_OK;
     size_t visited = 0;
     for (size_t i = 0; status == TIDES_OK && (names->count ? i < names->count : all[i] != NULL); i++) {

@@ -11,17 +11,19 @@ enum { SETTINGS_MAX = 32 };
 #define LEAST_ERROR_US 5e-4
 
 typedef struct point {
-    double renders, run_time_s, error_us, mismatch_percent;
+    double renders, frames, run_time_s, error_us, mismatch_percent;
 } point;
 
 /* The method's settings on the scene in order of renders, each with the least error up to there. */
-static int envelope(const bench_rows *rows, const char *scene, const char *method, int32_t measure, point points[SETTINGS_MAX]) {
+static int envelope(const bench_rows *rows, const char *scene, const char *method, int32_t measure,
+                    point points[SETTINGS_MAX]) {
     int count = 0;
     for (size_t i = 0; i < rows->count && count < SETTINGS_MAX; i++) {
         const bench_row *row = &rows->rows[i];
         const double error = measure == BENCH_P95 ? row->match.dt_p95_us : row->match.dt_median_us;
         if (strcmp(row->scene, scene) != 0 || strcmp(row->method, method) != 0 || !isfinite(error)) continue;
-        const point p = {row->stats.renders_full_frame_equivalent, row->run_time_s, fmax(error, LEAST_ERROR_US),
+        const double renders = row->stats.renders_full_frame_equivalent;
+        const point p = {renders, row->frames > 0 ? row->frames : renders, row->run_time_s, fmax(error, LEAST_ERROR_US),
                          row->match.mismatch_percent};
         int at = count++;
         for (; at > 0 && points[at - 1].renders > p.renders; at--) points[at] = points[at - 1];
@@ -44,12 +46,16 @@ int32_t bench_needed(const bench_rows *rows, const char *scene, const char *meth
     int first = 0;
     while (first < count && p[first].error_us > target_us) first++;
     const point *to = &p[first < count ? first : count - 1];
-    *need = (bench_need){to->run_time_s, to->renders, to->mismatch_percent, first == count ? -1 : first == 0 ? 1 : 0};
+    *need = (bench_need){to->run_time_s, to->renders, to->frames, to->mismatch_percent,
+                         first == count ? -1
+                         : first == 0   ? 1
+                                        : 0};
     if (need->bound) return 1;
     const point *from = to - 1;
     const double share = (log(target_us) - log(from->error_us)) / (log(to->error_us) - log(from->error_us));
     need->run_time_s = between(from->run_time_s, to->run_time_s, share);
     need->renders = between(from->renders, to->renders, share);
+    need->frames = between(from->frames, to->frames, share);
     return 1;
 }
 
@@ -83,13 +89,14 @@ static void print_target(FILE *out, const bench_rows *rows, const char *scene, i
     if (!bench_needed(rows, scene, "error", measure, target_us, &error)) return;
     fprintf(out, "%-13s %-17s %-13s", scene, label, "error");
     print_need(out, &error);
-    fprintf(out, " %8s %8s %10.3g\n", "1", "1", error.mismatch_percent);
+    fprintf(out, " %8s %8s %8s %10.3g\n", "1", "1", "1", error.mismatch_percent);
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         if (!bench_needed(rows, scene, others[i], measure, target_us, &other)) continue;
         fprintf(out, "%-13s %-17s %-13s", scene, label, others[i]);
         print_need(out, &other);
         print_ratio(out, other.run_time_s, other.bound, error.run_time_s, error.bound);
         print_ratio(out, other.renders, other.bound, error.renders, error.bound);
+        print_ratio(out, other.frames, other.bound, error.renders, error.bound);
         fprintf(out, " %10.3g\n", other.mismatch_percent);
     }
 }
@@ -99,7 +106,9 @@ static void print_estimates(FILE *out, const bench_rows *rows, const char *scene
     for (size_t i = 0; i < rows->count; i++) {
         const bench_row *row = &rows->rows[i];
         if (strcmp(row->scene, scene) != 0 || strcmp(row->method, "error_time") != 0) continue;
-        fprintf(out, "%-13s asked %g us: median %.3g, p95 %.3g, p99 %.3g us by its own estimate; %.3g, %.3g, %.3g, max %.3g us measured\n",
+        fprintf(out,
+                "%-13s asked %g us: median %.3g, p95 %.3g, p99 %.3g us by its own estimate; %.3g, %.3g, %.3g, max %.3g us "
+                "measured\n",
                 scene, 1e6 * row->setting, 1e6 * row->stats.error_p50_s, 1e6 * row->stats.error_p95_s,
                 1e6 * row->stats.error_p99_s, row->match.dt_median_us, row->match.dt_p95_us, row->match.dt_p99_us,
                 row->match.dt_max_us);
@@ -107,8 +116,8 @@ static void print_estimates(FILE *out, const bench_rows *rows, const char *scene
 }
 
 void bench_summary(const bench_rows *rows, const char *scene, FILE *out) {
-    fprintf(out, "%-13s %-17s %-13s %10s %8s %8s %8s %10s\n", "scene", "target", "method", "run time", "renders", "x time",
-            "x renders", "mismatch %");
+    fprintf(out, "%-13s %-17s %-13s %10s %8s %8s %9s %8s %10s\n", "scene", "target", "method", "run time", "renders", "x time",
+            "x renders", "x frames", "mismatch %");
     print_target(out, rows, scene, BENCH_P95, 2.0);
     print_target(out, rows, scene, BENCH_MEDIAN, 0.05);
     print_estimates(out, rows, scene);

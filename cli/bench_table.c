@@ -14,12 +14,13 @@ typedef struct column {
     double value;
 } column;
 
-enum { COLUMNS = 21 };
+enum { COLUMNS = 22 };
 
 static void columns_of(const bench_row *r, column columns[COLUMNS]) {
     const column made[COLUMNS] = {
         {"run_time_s", r->run_time_s},
         {"renders", r->stats.renders_full_frame_equivalent},
+        {"frames", r->frames > 0 ? r->frames : NAN},
         {"dt_median_us", r->match.dt_median_us},
         {"dt_p95_us", r->match.dt_p95_us},
         {"dt_p99_us", r->match.dt_p99_us},
@@ -86,15 +87,15 @@ static int32_t add_truth(cJSON *list, const bench_truth *truth, int32_t rules) {
 int32_t bench_header_scene(cJSON *header, const bench_scene *scene) {
     cJSON *json = cJSON_CreateObject();
     if (!cJSON_AddItemToArray(cJSON_GetObjectItem(header, "scenes"), json)) return 0;
-    int32_t ok = cJSON_AddStringToObject(json, "scene", scene->name) &&
-                 cJSON_AddStringToObject(json, "what", scene->sentence) &&
-                 cJSON_AddNumberToObject(json, "gaussians", (double)tides_scene_count(scene->scene)) &&
-                 cJSON_AddNumberToObject(json, "width", scene->intrinsics.width) &&
-                 cJSON_AddNumberToObject(json, "height", scene->intrinsics.height) &&
-                 cJSON_AddNumberToObject(json, "start_s", scene->start) && cJSON_AddNumberToObject(json, "stop_s", scene->stop) &&
-                 cJSON_AddNumberToObject(json, "macro_step_s", scene->macro_step_s) &&
-                 cJSON_AddNumberToObject(json, "threshold", scene->sensor.threshold_on) &&
-                 cJSON_AddNumberToObject(json, "log_eps", scene->image.log_eps);
+    int32_t ok =
+        cJSON_AddStringToObject(json, "scene", scene->name) && cJSON_AddStringToObject(json, "what", scene->sentence) &&
+        cJSON_AddNumberToObject(json, "gaussians", (double)tides_scene_count(scene->scene)) &&
+        cJSON_AddNumberToObject(json, "width", scene->intrinsics.width) &&
+        cJSON_AddNumberToObject(json, "height", scene->intrinsics.height) &&
+        cJSON_AddNumberToObject(json, "start_s", scene->start) && cJSON_AddNumberToObject(json, "stop_s", scene->stop) &&
+        cJSON_AddNumberToObject(json, "macro_step_s", scene->macro_step_s) &&
+        cJSON_AddNumberToObject(json, "threshold", scene->sensor.threshold_on) &&
+        cJSON_AddNumberToObject(json, "log_eps", scene->image.log_eps);
     cJSON *truths = ok ? cJSON_AddArrayToObject(json, "exact") : NULL;
     ok = truths != NULL;
     for (int32_t rules = 0; ok && rules < BENCH_RULES; rules++)
@@ -102,7 +103,7 @@ int32_t bench_header_scene(cJSON *header, const bench_scene *scene) {
     return ok;
 }
 
-/* NaN (no event was matched) has no JSON: null. */
+/* NaN (no event was matched, no frames to count) has no JSON: null. */
 static int32_t add_row(cJSON *list, const bench_row *row) {
     column columns[COLUMNS];
     columns_of(row, columns);
@@ -145,8 +146,10 @@ static void print_csv(FILE *out, const bench_rows *rows) {
         }
         fprintf(out, "%s,%s,%.9g,%s,%s", row->scene, row->method, row->setting, row->unit, row->image);
         for (size_t k = 0; k < COLUMNS; k++)
-            if (isfinite(columns[k].value)) fprintf(out, ",%.9g", columns[k].value);
-            else fputc(',', out);
+            if (isfinite(columns[k].value))
+                fprintf(out, ",%.9g", columns[k].value);
+            else
+                fputc(',', out);
         fputc('\n', out);
     }
 }

@@ -49,7 +49,7 @@ int cmd_demo(const cli_command *command, int argc, char **argv) {
     if (status == TIDES_OK) status = demo_scene_write(directory, &error);
     if (status == TIDES_OK) {
         static const cli_list no_sets = {.count = 0};
-        const cli_job job = {files->run, files->events, files->stats, files->preview, files->exr, &no_sets};
+        const cli_job job = {files->run, files->events, files->stats, files->preview, files->exr, &no_sets, 0, 0};
         code = cli_job_run(&job, &common);
     } else {
         code = cli_fail(&error);

@@ -12,31 +12,23 @@
 /* Where events go while the simulator runs. */
 typedef struct job_sink {
     tides_event_writer *writer;
-    cli_window *window; /* or NULL */
-    uint64_t events;    /* so far, for the progress bar */
-    tides_error error;  /* of the first failure */
+    uint64_t events;   /* so far, for the progress bar */
+    tides_error error; /* of the first failure */
 } job_sink;
 
-/* Keeps those of the window. */
-static tides_status keep(cli_window *window, const tides_event *events, size_t count, tides_error *error) {
-    for (size_t i = 0; i < count; i++) {
-        if (events[i].t < window->first_ns || events[i].t >= window->stop_ns) continue;
-        if (window->count == window->capacity) {
-            size_t capacity = window->capacity ? 2 * window->capacity : 4096;
-            tides_event *grown = realloc(window->events, capacity * sizeof *grown);
-            if (!grown) return cli_error(error, TIDES_NO_MEMORY, "out of memory: events of the preview");
-            window->events = grown;
-            window->capacity = capacity;
-        }
-        window->events[window->count++] = events[i];
-    }
-    return TIDES_OK;
-}
+/* What a job holds while it works. */
+typedef struct job_state {
+    cli_session session;
+    cli_progress progress;
+    cli_checkpoint checkpoint;
+    tides_simulator *simulator;
+    job_sink sink;
+    tides_stats stats;
+} job_state;
 
 static int take(void *user, const tides_event *events, size_t count) {
     job_sink *sink = user;
     tides_status status = tides_event_writer_append(sink->writer, events, count, &sink->error);
-    if (status == TIDES_OK && sink->window) status = keep(sink->window, events, count, &sink->error);
     if (status == TIDES_OK) sink->events += count;
     return status;
 }
@@ -57,32 +49,93 @@ static tides_status check_outputs(const cli_job *job, tides_error *error) {
     return status;
 }
 
-static tides_status simulate(const cli_session *s, job_sink *sink, cli_progress *progress, tides_stats *stats,
-                             tides_error *error) {
-    tides_simulator *simulator = NULL;
-    tides_status status = tides_simulator_create(s->device, s->scene, s->camera, &s->intrinsics, &s->values.image,
-                                                 &s->values.sensor, &s->values.stepping, s->values.start, s->values.stop,
-                                                 cli_progress_step, progress, &simulator, error);
+static tides_event_file facts_of(const cli_session *s) {
+    return (tides_event_file){s->intrinsics.width, s->intrinsics.height, s->values.json, s->values.seed};
+}
+
+static tides_status make_simulator(job_state *state, tides_error *error) {
+    const cli_session *s = &state->session;
+    return tides_simulator_create(s->device, s->scene, s->camera, &s->intrinsics, &s->values.image, &s->values.sensor,
+                                  &s->values.stepping, s->values.start, s->values.stop, cli_progress_step, &state->progress,
+                                  &state->simulator, error);
+}
+
+/* An empty event file, and a simulator at the start; what an earlier run left goes, its checkpoint first. */
+static tides_status start_anew(job_state *state, const char *events, tides_error *error) {
+    const tides_event_file facts = facts_of(&state->session);
+    tides_status status = cli_checkpoint_remove(&state->checkpoint, error);
+    if (status == TIDES_OK) status = tides_event_writer_open(events, &facts, &state->sink.writer, error);
+    return status == TIDES_OK ? make_simulator(state, error) : status;
+}
+
+/* Both where the checkpoint was made. */
+static tides_status start_again(job_state *state, const char *events, tides_error *error) {
+    const tides_event_file facts = facts_of(&state->session);
+    tides_status status = make_simulator(state, error);
     if (status == TIDES_OK)
-        status = tides_simulator_run(simulator, s->values.stop, take, sink, cli_progress_step, progress, error);
-    if (sink->error.status != TIDES_OK) { /* the sink's reason is the true one */
-        *error = sink->error;
-        status = error->status;
+        status = tides_simulator_restore(state->simulator, state->session.values.json, state->checkpoint.path, error);
+    if (status != TIDES_OK) return status;
+    tides_simulator_stats(state->simulator, &state->stats);
+    state->sink.events = state->stats.events;
+    return tides_event_writer_resume(events, &facts, state->sink.events, &state->sink.writer, error);
+}
+
+static tides_status start(const cli_job *job, const cli_common *common, job_state *state, tides_error *error) {
+    int there = job->resume && cli_checkpoint_exists(&state->checkpoint);
+    if (there) {
+        tides_status status = start_again(state, job->events, error);
+        if (status == TIDES_OK)
+            cli_note(common, "going on at %.6g s, after %llu events", state->session.values.start + state->stats.simulated_s,
+                     (unsigned long long)state->sink.events);
+        return status;
     }
-    if (simulator) tides_simulator_stats(simulator, stats);
-    tides_simulator_destroy(simulator);
+    if (job->resume && !common->quiet)
+        fprintf(stderr, "tides: %s isn't there: starting from the beginning\n", state->checkpoint.path);
+    return start_anew(state, job->events, error);
+}
+
+/* To the end of the run, with a stop wherever a checkpoint is due, or at the user's. */
+static tides_status simulate(job_state *state, tides_error *error) {
+    job_sink *sink = &state->sink;
+    tides_status status = TIDES_CANCELLED;
+    while (status == TIDES_CANCELLED && !state->checkpoint.interrupted) {
+        status = tides_simulator_run(state->simulator, state->session.values.stop, take, sink, cli_checkpoint_step,
+                                     &state->checkpoint, error);
+        if (sink->error.status != TIDES_OK) { /* the sink's reason is the true one */
+            *error = sink->error;
+            status = error->status;
+        } else if (status == TIDES_CANCELLED) {
+            cli_checkpoint_save(&state->checkpoint, state->simulator, sink->writer, &state->session);
+        }
+    }
+    tides_simulator_stats(state->simulator, &state->stats);
     return status;
 }
 
-static tides_status write_pictures(const cli_job *job, const cli_session *session, const cli_window *window,
-                                   cli_progress *progress, tides_error *error) {
+/* The event file is complete: then nobody needs the checkpoint. */
+static tides_status finish_events(job_state *state, tides_error *error) {
+    tides_event_writer *writer = state->sink.writer;
+    state->sink.writer = NULL; /* gone whatever _finish returns */
+    tides_status status = tides_event_writer_finish(writer, (int64_t)floor(1e9 * state->session.values.stop), error);
+    return status == TIDES_OK ? cli_checkpoint_remove(&state->checkpoint, error) : status;
+}
+
+static tides_status write_preview(const cli_job *job, const cli_session *session, const cli_frame *frame, tides_error *error) {
+    cli_window window = middle(session);
+    tides_status status = cli_window_read(job->events, &window, error);
+    if (status == TIDES_OK) status = cli_preview_write(job->preview, frame, &window, error);
+    free(window.events);
+    return status;
+}
+
+static tides_status write_pictures(const cli_job *job, const cli_session *session, cli_progress *progress, tides_error *error) {
     if (!job->preview && !job->exr) return TIDES_OK;
     cli_frame frame;
     const double time = 0.5 * (session->values.start + session->values.stop);
     progress->events = NULL;
     tides_status status = cli_frame_render(session, time, CLI_FRAME_RGB, progress, &frame, error);
     if (status != TIDES_OK) return status;
-    if (job->preview) status = cli_preview_write(job->preview, &frame, window, error);
+    if (job->preview) status = write_preview(job, session, &frame, error);
     if (status == TIDES_OK && job->exr) status = cli_frame_write_exr(&frame, job->exr, time, session, error);
     cli_frame_free(&frame);
     return status;
@@ -113,49 +166,48 @@ static void print_summary(const tides_stats *stats, const cli_session *session) 
 }
 
 /* Stopped on request: what was simulated stays readable, and the user is told where. */
-static int stopped(const cli_job *job, uint64_t events) {
-    return cli_failed("stopped on request; the %llu events so far are in %s.part", (unsigned long long)events, job->events);
+static int stopped(const cli_job *job, const job_state *state) {
+    return cli_failed("stopped on request; the %llu events so far are in %s.part%s", (unsigned long long)state->sink.events,
+                      job->events, state->checkpoint.saved ? "; --resume goes on from there" : "");
+}
+
+static tides_status work(const cli_job *job, const cli_common *common, job_state *state, tides_error *error) {
+    state->progress.events = &state->sink.events;
+    tides_status status = check_outputs(job, error);
+    if (status == TIDES_OK)
+        status = cli_checkpoint_begin(&state->checkpoint, job->events, job->checkpoint_s, &state->progress, error);
+    if (status == TIDES_OK) status = start(job, common, state, error);
+    if (status == TIDES_OK) status = simulate(state, error);
+    tides_simulator_destroy(state->simulator); /* its memory may be needed for the pictures */
+    state->simulator = NULL;
+    cli_progress_end(&state->progress);
+    if (status == TIDES_OK) status = finish_events(state, error);
+    if (status == TIDES_OK && job->stats) status = write_stats(job->stats, &state->stats, &state->session, error);
+    if (status == TIDES_OK) status = write_pictures(job, &state->session, &state->progress, error);
+    cli_progress_end(&state->progress);
+    return status;
 }
 
 int cli_job_run(const cli_job *job, const cli_common *common) {
-    cli_session session;
     tides_error error = {TIDES_OK, ""};
-    job_sink sink = {.writer = NULL};
-    cli_window window = {.events = NULL};
-    tides_stats stats = {.events = 0};
-    cli_progress progress = {.quiet = common->quiet, .events = &sink.events};
-
-    tides_status status = cli_session_open(job->run, job->sets, common, &session, &error);
-    if (status != TIDES_OK) return cli_fail(&error);
-    const tides_event_file facts = {session.intrinsics.width, session.intrinsics.height, session.values.json,
-                                    session.values.seed};
-    window = middle(&session);
-    if (job->preview) sink.window = &window;
+    job_state state;
+    memset(&state, 0, sizeof state);
+    state.progress.quiet = common->quiet;
+    if (cli_session_open(job->run, job->sets, common, &state.session, &error) != TIDES_OK) return cli_fail(&error);
     cli_catch_interrupt();
-    status = check_outputs(job, &error);
-    if (status == TIDES_OK) status = tides_event_writer_open(job->events, &facts, &sink.writer, &error);
-    if (status == TIDES_OK) status = simulate(&session, &sink, &progress, &stats, &error);
-    cli_progress_end(&progress);
-    if (status == TIDES_OK) {
-        tides_event_writer *writer = sink.writer;
-        sink.writer = NULL; /* gone whatever _finish returns */
-        status = tides_event_writer_finish(writer, (int64_t)floor(1e9 * session.values.stop), &error);
-    }
-    if (status == TIDES_OK && job->stats) status = write_stats(job->stats, &stats, &session, &error);
-    if (status == TIDES_OK) status = write_pictures(job, &session, &window, &progress, &error);
-    cli_progress_end(&progress);
+    tides_status status = work(job, common, &state, &error);
 
     int code = CLI_OK;
-    if (status == TIDES_CANCELLED && sink.writer)
-        code = stopped(job, sink.events);
+    if (status == TIDES_CANCELLED && state.sink.writer)
+        code = stopped(job, &state);
     else if (status != TIDES_OK)
         code = cli_fail(&error);
     else if (common->json)
-        code = cli_print_facts(cli_stats_json(&stats, &session), 1);
+        code = cli_print_facts(cli_stats_json(&state.stats, &state.session), 1);
     else if (!common->quiet)
-        print_summary(&stats, &session);
-    tides_event_writer_abandon(sink.writer);
-    free(window.events);
-    cli_session_close(&session);
+        print_summary(&state.stats, &state.session);
+    tides_event_writer_abandon(state.sink.writer);
+    cli_checkpoint_end(&state.checkpoint);
+    cli_session_close(&state.session);
     return code;
 }

@@ -32,21 +32,46 @@ void cli_frame_free(cli_frame *frame);
 tides_status cli_frame_write_exr(const cli_frame *frame, const char *path, double time, const cli_session *session,
                                  tides_error *error);
 
-/* Events of a time window, kept while a run goes by. */
+/* Events of a time window. */
 typedef struct cli_window {
     int64_t first_ns, stop_ns; /* [first, stop) */
     tides_event *events;
-    size_t count, capacity;
+    size_t count;
 } cli_window;
+/* window.c: fills events and count from an event file; the caller frees the events. */
+tides_status cli_window_read(const char *path, cli_window *window, tides_error *error);
 
 /* preview.c: labelled panels side by side: Y or colour, L_dot, and with a window its events. */
 tides_status cli_preview_write(const char *path, const cli_frame *frame, const cli_window *window, tides_error *error);
+
+/* checkpoint.c: when a running job saves its state, and where. */
+typedef struct cli_checkpoint {
+    char *path;          /* EVENTS.h5.checkpoint */
+    double every;        /* [s] of wall time; 0: never */
+    double due;          /* when the next one is, as cli_now */
+    int32_t interrupted; /* the last stop was the user's */
+    int32_t saved;       /* the last one worked */
+    int32_t warned;
+    cli_progress *progress;
+} cli_checkpoint;
+tides_status cli_checkpoint_begin(cli_checkpoint *checkpoint, const char *events, double every, cli_progress *progress,
+                                  tides_error *error);
+int cli_checkpoint_exists(const cli_checkpoint *checkpoint);
+tides_status cli_checkpoint_remove(const cli_checkpoint *checkpoint, tides_error *error); /* none there is fine */
+/* A tides_progress that also stops the simulator where a checkpoint is due. */
+int cli_checkpoint_step(void *checkpoint, double fraction, const char *stage);
+/* Saves the pair of events and state. A failure is told, once, and the run goes on. */
+void cli_checkpoint_save(cli_checkpoint *checkpoint, const tides_simulator *simulator, tides_event_writer *writer,
+                         const cli_session *session);
+void cli_checkpoint_end(cli_checkpoint *checkpoint);
 
 /* job.c: the main job. */
 typedef struct cli_job {
     const char *run, *events;          /* files in and out */
     const char *stats, *preview, *exr; /* more files out, each nullable; exr is the preview's frame */
     const cli_list *sets;
+    double checkpoint_s; /* [s] between checkpoints; 0: none */
+    int32_t resume;      /* go on where a checkpoint is */
 } cli_job;
 /* Simulates, writes, and prints the summary (or with --json the statistics). The exit code. */
 int cli_job_run(const cli_job *job, const cli_common *common);

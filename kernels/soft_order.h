@@ -12,7 +12,7 @@
 
 #include "compositing.h"
 
-enum { TD_WINDOW = 8 }; /* splats that wait at most; one more pushes the first out early, in hard order */
+enum { TD_WINDOW = 32 }; /* splats that wait at most; one more pushes the first out early, in hard order */
 
 typedef struct td_window {
     td_lanes tau[TD_WINDOW], tau_dot[TD_WINDOW];

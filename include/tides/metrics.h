@@ -17,7 +17,7 @@ typedef struct tides_match {
     double mismatch_percent;       /* 100 (missing + spurious) / reference; 0 where both are empty, infinite where only the
                                       reference is */
     double dt_median_us, dt_p95_us, dt_p99_us, dt_max_us;
-    double dt_mean_us;             /* of the signed simulated - reference: the bias */
+    double dt_mean_us; /* of the signed simulated - reference: the bias */
 } tides_match;
 
 /* Matches the events of each pixel and polarity in order of time: of all pairings that don't cross and pair nothing further
@@ -25,8 +25,8 @@ typedef struct tides_match {
  * costs one mismatch and doesn't shift its neighbours. Each event is offered the 64 counterparts nearest to it in time.
  * Streams may be in any order, 0 events are fine; neither is changed. n log n. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_match_events(const tides_event *reference, size_t reference_count,
-                                                           const tides_event *simulated, size_t simulated_count,
-                                                           double limit_s, tides_match *match, tides_error *error);
+                                                           const tides_event *simulated, size_t simulated_count, double limit_s,
+                                                           tides_match *match, tides_error *error);
 
 #ifdef __cplusplus
 }

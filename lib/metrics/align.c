@@ -80,7 +80,8 @@ static void fill(td_align *align, const int64_t *a, size_t count_a, const int64_
 }
 
 /* Walks back from the table's last cell. Pairs come out in falling order, which is all the same to percentiles. */
-static tides_status trace(td_align *align, const int64_t *a, size_t count_a, const int64_t *b, size_t count_b, tides_error *error) {
+static tides_status trace(td_align *align, const int64_t *a, size_t count_a, const int64_t *b, size_t count_b,
+                          tides_error *error) {
     size_t j = count_b;
     for (size_t i = count_a; i-- > 0;) {
         const uint8_t *choice = align->choice + i * TD_ALIGN_BAND;

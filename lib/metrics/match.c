@@ -30,10 +30,11 @@ static tides_event *sorted_copy(const tides_event *events, size_t count, const c
     for (size_t i = 0; i < count; i++) {
         const tides_event *event = &events[i];
         if ((event->polarity == 1 || event->polarity == -1) && event->t < time_limit && event->t > -time_limit) continue;
-        *status = td_fail(error, TIDES_BAD_ARGUMENT,
-                          "tides_match_events: event %zu of the %s stream has polarity %d and time %lld ns; polarities are 1 or "
-                          "-1, and times within 146 years of 0",
-                          i, name, event->polarity, (long long)event->t);
+        *status =
+            td_fail(error, TIDES_BAD_ARGUMENT,
+                    "tides_match_events: event %zu of the %s stream has polarity %d and time %lld ns; polarities are 1 or "
+                    "-1, and times within 146 years of 0",
+                    i, name, event->polarity, (long long)event->t);
         return NULL;
     }
     tides_event *copy = td_alloc(count, sizeof *copy, error);
@@ -115,7 +116,8 @@ tides_status tides_match_events(const tides_event *reference, size_t reference_c
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_match_events: both streams and match must be given");
     double limit = 1e9 * limit_s;
     if (!(limit >= 1 && limit <= TD_ALIGN_LIMIT_MAX))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_match_events: limit_s is %g s; it must lie between 1e-9 and 10 s", limit_s);
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_match_events: limit_s is %g s; it must lie between 1e-9 and 10 s",
+                       limit_s);
     td_align align = {.score = NULL};
     tides_event *a = NULL, *b = NULL;
     tides_status status = TIDES_OK;

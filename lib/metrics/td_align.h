@@ -11,15 +11,15 @@ enum { TD_ALIGN_BAND = 64 }; /* counterparts that a reference event is offered *
 
 /* Workspace, reused from list to list. Zero it to begin with. */
 typedef struct td_align {
-    int64_t *score;          /* one row of the table */
+    int64_t *score; /* one row of the table */
     size_t score_capacity;
-    uint8_t *choice;         /* (row x TD_ALIGN_BAND): how each cell was reached */
+    uint8_t *choice; /* (row x TD_ALIGN_BAND): how each cell was reached */
     size_t choice_capacity;
     struct td_align_window {
-        size_t low, high;    /* [low, high) of b */
-    } *window;               /* that each row is offered */
+        size_t low, high; /* [low, high) of b */
+    } * window;           /* that each row is offered */
     size_t window_capacity;
-    int64_t *dt;             /* of the pairs found so far, over all lists: simulated - reference [ns] */
+    int64_t *dt; /* of the pairs found so far, over all lists: simulated - reference [ns] */
     size_t pairs, dt_capacity;
 } td_align;
 

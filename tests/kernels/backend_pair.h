@@ -43,7 +43,7 @@ typedef struct backend_pair {
     int job_count, records; /* of all jobs together; `out` is a permutation of 0 .. job_count - 1 */
 } backend_pair;
 
-/* Opens the OpenCL CPU device with kernels of `lanes` pixels per item (0: its own choice); skips the test where there's none. */
+/* Opens the OpenCL CPU device, for kernels of `lanes` pixels per item; skips the test where there's no such device. */
 static inline tides_device *pair_device(int lanes) {
     tides_device *device = NULL;
     tides_error error;
@@ -53,7 +53,7 @@ static inline tides_device *pair_device(int lanes) {
         skip();
     }
     scene_expect_ok(status, &error);
-    if (lanes) device->info.lanes = lanes;
+    device->info.lanes = lanes;
     return device;
 }
 
@@ -173,7 +173,7 @@ static inline double *pair_compare_planes(backend_pair *pair, int outputs) {
     return planes[PAIR_REFERENCE];
 }
 
-/* -- the stages of one job -------------------------------------------------------------------------------------------------- */
+/* -- the stages of one job ----------------------------------------------------------------------------------------- */
 
 static inline td_stages pair_stages_make(int records) {
     size_t count = (size_t)records;

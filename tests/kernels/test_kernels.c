@@ -12,7 +12,7 @@
 
 static const uint64_t SEED = 71;
 
-/* -- scenes ----------------------------------------------------------------------------------------------------------------- */
+/* -- scenes -------------------------------------------------------------------------------------------------------- */
 
 static random_recipe ordinary(void) { return pair_ordinary(SEED); }
 
@@ -85,7 +85,7 @@ static const scene_kind kinds[] = {{"ordinary", ordinary, NULL},
                                    {"extreme opacities", extreme_opacities, make_opacities_extreme}};
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
-/* -- settings --------------------------------------------------------------------------------------------------------------- */
+/* -- settings ------------------------------------------------------------------------------------------------------ */
 
 /* Each setting is a set of kernels to build, about a second each, so this is a cover and not a product: each rule with each of
  * antialias and moving; every degree, evaluated in full and cut; every width (test_widths.c has them on one scene). Planes of

@@ -94,7 +94,7 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* -- device ---------------------------------------------------------------------------------------------------------------- */
+/* -- device -------------------------------------------------------------------------------------------------------- */
 
 /* numerics.h and its users, then the kernel, as program.c would put them together. */
 static tides_status build(tides_device *device, int lanes, cl_program *program, tides_error *error) {
@@ -166,7 +166,7 @@ static void test_device_equals_host(void **state) {
     if (status != TIDES_OK) fail_msg("%s", error.text);
 }
 
-/* -- accuracy -------------------------------------------------------------------------------------------------------------- */
+/* -- accuracy ------------------------------------------------------------------------------------------------------ */
 
 /* Distance of a float from the true value, in units of the truth's last place. */
 static double ulps(float value, double truth) {

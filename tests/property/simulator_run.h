@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* -- running ----------------------------------------------------------------------------------------------------------------- */
+/* -- running ------------------------------------------------------------------------------------------------------- */
 
 /* What to simulate. */
 typedef struct job {
@@ -119,7 +119,7 @@ static inline outcome run(const job *j) {
     return o;
 }
 
-/* -- checks ------------------------------------------------------------------------------------------------------------------ */
+/* -- checks -------------------------------------------------------------------------------------------------------- */
 
 static inline int compare_events(const tides_event *a, const tides_event *b) {
     if (a->t != b->t) return a->t < b->t ? -1 : 1;
@@ -173,7 +173,7 @@ static inline void expect_same(const outcome *a, const outcome *b, const char *w
                      (long long)b->events[k].t);
 }
 
-/* -- scenes ------------------------------------------------------------------------------------------------------------------ */
+/* -- scenes -------------------------------------------------------------------------------------------------------- */
 
 static inline random_scene make_scene(uint64_t seed) {
     random_recipe recipe = random_recipe_defaults(seed);

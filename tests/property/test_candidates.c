@@ -15,7 +15,7 @@
 static const uint64_t SEED = 4242;
 enum { OUTPUTS = TD_OUT_DIAGNOSTICS };
 
-/* -- candidate lists --------------------------------------------------------------------------------------------------------- */
+/* -- candidate lists ----------------------------------------------------------------------------------------------- */
 
 /* Every tile at each time from the lists that the renderer has, into planes (slots x tiles x OUTPUTS x TD_TILE_PIXELS). */
 static double *render_tiles(tides_renderer *renderer, const tides_trajectory *path, const double *times, int slots) {
@@ -190,7 +190,7 @@ static void test_swept_boxes_hold_the_splats(void **state) {
     tides_device_close(device);
 }
 
-/* -- batches ----------------------------------------------------------------------------------------------------------------- */
+/* -- batches ------------------------------------------------------------------------------------------------------- */
 
 static void check_batches(const char *spec) {
     static const double times[SLOTS] = {0.50, 0.502, 0.504, 0.506, 0.508};

@@ -15,7 +15,7 @@
 
 static const uint64_t SEED = 4242;
 
-/* -- helpers ---------------------------------------------------------------------------------------------------------------- */
+/* -- helpers ------------------------------------------------------------------------------------------------------- */
 
 /* A frame's planes; freed with free_frame. */
 static tides_frame make_frame(const tides_intrinsics *camera, int channels) {
@@ -70,7 +70,7 @@ static tides_scene *copy_scene(const tides_scene *scene, edit_gaussians edit, ed
     return copy;
 }
 
-/* -- the order of the Gaussians ---------------------------------------------------------------------------------------------- */
+/* -- the order of the Gaussians ------------------------------------------------------------------------------------ */
 
 static td_gaussians shuffled(const tides_gaussians *gaussians, uint64_t *seed) {
     td_gaussians own;
@@ -120,7 +120,7 @@ static void test_order_of_gaussians_does_not_matter(void **state) {
     tides_device_close(device);
 }
 
-/* -- time -------------------------------------------------------------------------------------------------------------------- */
+/* -- time ---------------------------------------------------------------------------------------------------------- */
 
 /* The path over [0, 1] run backwards. */
 static tides_trajectory *backwards(const tides_trajectory *path) {
@@ -195,7 +195,7 @@ static void test_nothing_moves_where_nothing_moves(void **state) {
     tides_device_close(device);
 }
 
-/* -- ranges ------------------------------------------------------------------------------------------------------------------ */
+/* -- ranges -------------------------------------------------------------------------------------------------------- */
 
 static void check_ranges(const tides_frame *frame, int pixels, double rounding) {
     for (int i = 0; i < pixels; i++) {
@@ -241,7 +241,7 @@ static void test_values_are_in_their_ranges(void **state) {
     }
 }
 
-/* -- real scenes ------------------------------------------------------------------------------------------------------------- */
+/* -- real scenes --------------------------------------------------------------------------------------------------- */
 
 /* Peak signal to noise ratio of two frames' colours as 8-bit displays show them [dB]. */
 static double psnr(const tides_frame *a, const tides_frame *b, int pixels) {

@@ -1,5 +1,6 @@
-/* What must hold for any run: the comparator's invariant, counts, a sorted stream, and that nothing but the scene, the camera and
- * the step decides the events: not batches, not how a run is cut into calls, stopped and taken up again. On random scenes. */
+/* What must hold for any run: the comparator's invariant, counts, a sorted stream, and that nothing but the scene, the camera
+ * and the step decides the events: not batches, not how a run is cut into calls, stopped and taken up again. On random
+ * scenes. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -10,7 +11,7 @@
 
 static const uint64_t SEED = 90210;
 
-/* -- properties -------------------------------------------------------------------------------------------------------------- */
+/* -- properties ---------------------------------------------------------------------------------------------------- */
 
 static void test_invariant_and_stream(void **state) {
     static const int32_t models[] = {TIDES_MODEL_LINEAR, TIDES_MODEL_QUADRATIC, TIDES_MODEL_HERMITE, TIDES_MODEL_SECANT};
@@ -153,7 +154,7 @@ static void test_nothing_moves_no_event(void **state) {
     random_scene_free(&scene);
 }
 
-/* -- stopping ---------------------------------------------------------------------------------------------------------------- */
+/* -- stopping ------------------------------------------------------------------------------------------------------ */
 
 /* Returns how often the run was stopped. */
 static int check_stopping_sink(const job *j) {

@@ -273,7 +273,7 @@ static void save_middle(const job *j, const char *run, const char *path) {
     tides_simulator *s = make_simulator(j, device);
     outcome *o = new_outcome();
     tides_error error;
-    advance(s, 0.24, o);
+    advance(s, 0.2401, o);
     scene_expect_ok(tides_simulator_save(s, run, path, &error), &error);
     tides_simulator_destroy(s);
     free_outcome(o);
@@ -483,7 +483,7 @@ static void test_misuse(void **state) {
     scene_expect_error(tides_simulator_save(s, NULL, path, &error), TIDES_BAD_ARGUMENT, &error, "hasn't begun");
     scene_expect_error(tides_simulator_save(s, NULL, NULL, &error), TIDES_BAD_ARGUMENT, &error, "must be given");
     scene_expect_error(tides_simulator_restore(NULL, NULL, path, &error), TIDES_BAD_ARGUMENT, &error, "must be given");
-    advance(s, 0.24, o);
+    advance(s, 0.2401, o);
     scene_expect_error(tides_simulator_save(s, NULL, nowhere, &error), TIDES_WRITE_FAILED, &error, "x.checkpoint|can't be written");
     scene_expect_ok(tides_simulator_save(s, NULL, path, &error), &error);
     scene_expect_error(tides_simulator_restore(s, NULL, path, &error), TIDES_BAD_ARGUMENT, &error, "has run already");

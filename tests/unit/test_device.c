@@ -62,7 +62,7 @@ static void expect_no_open(const char *spec, tides_status wanted, const char *wo
     assert_int_equal(tides_device_open(spec, &device, NULL), wanted); /* error is nullable */
 }
 
-/* -- with or without OpenCL --------------------------------------------------------------------------------------------------- */
+/* -- with or without OpenCL ---------------------------------------------------------------------------------------- */
 
 static void test_list_is_consistent(void **state) {
     (void)state;
@@ -127,7 +127,7 @@ static void test_environment_is_the_default(void **state) {
     unsetenv("TIDES_DEVICE");
 }
 
-/* -- with OpenCL ------------------------------------------------------------------------------------------------------------- */
+/* -- with OpenCL --------------------------------------------------------------------------------------------------- */
 
 static void test_opening_by_index_kind_and_name(void **state) {
     (void)state;
@@ -200,7 +200,7 @@ static void test_programs_are_built_once(void **state) {
     tides_device_close(device);
 }
 
-/* -- without OpenCL ---------------------------------------------------------------------------------------------------------- */
+/* -- without OpenCL ------------------------------------------------------------------------------------------------ */
 
 static void test_no_platform_is_an_empty_list(void **state) {
     (void)state;

@@ -46,7 +46,7 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* -- renderer --------------------------------------------------------------------------------------------------------------- */
+/* -- renderer ------------------------------------------------------------------------------------------------------ */
 
 static void expect_refused(const fixture *f, const tides_intrinsics *camera, const tides_image_params *params,
                            tides_status wanted, const char *words) {
@@ -184,7 +184,7 @@ static void test_progress_stops_the_build(void **state) {
     assert_null(renderer);
 }
 
-/* -- simulator -------------------------------------------------------------------------------------------------------------- */
+/* -- simulator ----------------------------------------------------------------------------------------------------- */
 
 static void expect_no_run(const fixture *f, double start, double stop, tides_status wanted, const char *words) {
     tides_simulator *untouched = (tides_simulator *)&wanted, *simulator = untouched;
@@ -245,7 +245,7 @@ static void test_run_until_before_the_start(void **state) {
     tides_simulator_destroy(NULL);
 }
 
-/* -- kernels ---------------------------------------------------------------------------------------------------------------- */
+/* -- kernels ------------------------------------------------------------------------------------------------------- */
 
 /* The library's kernels as files, with `broken_line` put before line `number` of `file`. */
 static void write_kernels(void *folder, const char *file, int number, const char *broken_line) {

@@ -33,7 +33,7 @@ static int count_of(const char *text, const char *part) {
     return count;
 }
 
-/* -- the library's own ------------------------------------------------------------------------------------------------------ */
+/* -- the library's own --------------------------------------------------------------------------------------------- */
 
 static const td_kernel_source *embedded(const char *name) {
     for (const td_kernel_source *source = td_kernel_sources; source->name; source++)
@@ -105,7 +105,7 @@ static void test_unknown_file(void **state) {
     td_source_release(&text);
 }
 
-/* -- from a folder ---------------------------------------------------------------------------------------------------------- */
+/* -- from a folder ------------------------------------------------------------------------------------------------- */
 
 static void put(void **state, const char *name, const char *text) {
     scene_file_write(scene_in_folder(*state, name), text, strlen(text));

@@ -1,0 +1,60 @@
+# A benchmark leaves tables that agree with each other and pictures, refuses nonsense, and stops when asked to.
+refuse 2 "no benchmark is called acuracy; did you mean accuracy\?" tides bench acuracy
+refuse 2 "no benchmark is called speed; there are accuracy and ablation" tides bench speed
+refuse 2 "too few arguments" tides bench
+refuse 2 "--scene ocluder: neither a scene nor a file; did you mean occluder\?" tides bench accuracy --scene ocluder
+touch taken
+refuse 1 "taken: can't be made" tides bench accuracy -o taken
+echo "not splats" >bad.ply
+refuse 1 "bad.ply" tides bench accuracy -q -o bad --scene bad.ply
+
+unset TIDES_DEVICE
+expect 0 tides devices --json
+grep -q '"index":[[:space:]]*[0-9]' out || skip "no OpenCL device here: the reference would take too long"
+
+expect 0 tides bench accuracy --quick --scene occluder -o made
+out "occluder +p95 <= 2 us +error "
+out "occluder +p95 <= 2 us +esim "
+out "median <= 0.05 us +error_global"
+out "asked 10 us: median .* by its own estimate; .* measured"
+err "exact stream of the smooth image: [0-9]+ events"
+for file in accuracy.json accuracy.csv accuracy_time.png accuracy_renders.png; do exists made/$file; done
+ls made | grep -q part && fail "a .part is left"
+for key in device version cores date run_time_s renders dt_median_us dt_p95_us dt_p99_us mismatch_percent events halved_p99_us; do
+    grep -q "\"$key\":" made/accuracy.json || fail "accuracy.json lacks $key"
+done
+# As many results in both tables; every method is there, on its image.
+[ "$(grep -c '"method":' made/accuracy.json)" = $(($(wc -l <made/accuracy.csv) - 1)) ] || fail "JSON and CSV differ in length"
+for method in esim quadratic hermite error error_time error_global; do
+    grep -q "^occluder,$method,.*,smooth," made/accuracy.csv || fail "no $method"
+done
+grep -q "^occluder,esim_inria,.*,inria," made/accuracy.csv || fail "no esim on the inria image"
+# What must be true whatever the machine: finer is better, the cubic beats the secant at equal steps, pixels end within their
+# thresholds.
+column() { awk -F, -v name="$1" -v method="$2" -v setting="$3" '
+    NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } $2 == method && $3 == setting { print $at[name] }' made/accuracy.csv; }
+less() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && b != "" && a < b) }' || fail "$3: $1 isn't below $2"; }
+less "$(column dt_p95_us esim 32000)" "$(column dt_p95_us esim 2000)" "p95 of 32000 against 2000 frames/s"
+less "$(column dt_p95_us hermite 2000)" "$(column dt_p95_us esim 2000)" "p95 of the cubic against the secant"
+less "$(column dt_p95_us error 0.003)" "$(column dt_p95_us error 0.1)" "p95 of tolerance 0.003 against 0.1"
+less "$(column worst_residual error 0.003)" 1 "the residual"
+
+expect 0 tides bench ablation --quick --json -q --scene occluder -o made
+grep -q '"bench":[[:space:]]*"ablation"' out || fail "--json should print the results"
+for file in ablation.json ablation.csv ablation.png; do exists made/$file; done
+for variant in full global_step one_event fixed_step fixed_quadratic fixed_linear finite_difference; do
+    grep -q "^occluder,$variant," made/ablation.csv || fail "no $variant"
+done
+
+set -m # so that the job doesn't start with SIGINT ignored
+tides bench accuracy --quick --scene fan -o stopped >out 2>err &
+for _ in $(seq 200); do
+    grep -q "Gaussians" err && break
+    sleep 0.05
+done
+sleep 0.5
+kill -INT $!
+wait $!
+[ $? = 1 ] || fail "the exit code should be 1"
+tail -n 1 err | grep -q "stopped on request; nothing was written" || fail "it should say that it was stopped"
+missing stopped/accuracy.json

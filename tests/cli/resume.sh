@@ -1,0 +1,124 @@
+# A run that is interrupted, by Ctrl-C or by kill -9, goes on with --resume and ends with the very events of a run in one piece.
+make_scene
+awk 'BEGIN { for (i = 0; i <= 400; i++) printf "%g %g 0 0 0 0 0 1\n", i * 0.01, 0.3 * sin(i * 0.3) }' >path.txt
+set -m # so that jobs don't start with SIGINT ignored
+
+# The datasets' bytes, without the attributes (a run that was extended is another run file).
+datasets() {
+    "${PYTHON:-/usr/bin/python3}" - "$@" <<-'PY'
+	import sys
+	import h5py
+	files = [h5py.File(name, "r") for name in sys.argv[1:3]]
+	for name in ("t_ns", "t", "x", "y", "p"):
+	    a, b = (f["events/" + name] for f in files)
+	    assert a.dtype == b.dtype and a[:].tobytes() == b[:].tobytes(), name
+	a, b = (f["ms_to_idx"][:] for f in files)
+	assert a.dtype == b.dtype and a.tobytes() == b.tobytes(), "ms_to_idx"
+	for name in ("count", "stop_ns", "width", "height"):
+	    assert files[0].attrs[name] == files[1].attrs[name], name
+	assert files[0].attrs["run"] == files[1].attrs["run"], "run"
+	PY
+}
+"${PYTHON:-/usr/bin/python3}" -c 'import h5py' 2>/dev/null && have_h5py=1 || have_h5py=
+same() {
+    if [ -n "$have_h5py" ]; then
+        datasets "$1" "$2" || fail "$1 and $2 differ"
+    else
+        cmp -s "$1" "$2" || fail "$1 and $2 differ"
+    fi
+}
+
+# interrupt SIGNAL OPTIONS...: starts a run of e.h5 and sends the signal once there is a (new) checkpoint.
+interrupt() {
+    local signal=$1 before after
+    shift
+    before=$(stat -c %i:%Y e.h5.checkpoint 2>/dev/null)
+    tides simulate run.json -qo e.h5 --checkpoint 0.05 "$@" >out 2>err &
+    for _ in $(seq 600); do
+        after=$(stat -c %i:%Y e.h5.checkpoint 2>/dev/null)
+        [ -n "$after" ] && [ "$after" != "$before" ] && break
+        sleep 0.02
+    done
+    kill -"$signal" $! || fail "the run ended before it was interrupted"
+    wait $!
+    code=$?
+    exists e.h5.checkpoint
+    exists e.h5.part
+    missing e.h5
+}
+
+small="--set sensor.threshold_on=0.03 --set sensor.threshold_off=0.03 --set time.stop=2"
+for mode in "--set stepping.mode=fixed --set stepping.step_s=0.0007" "--set stepping.mode=error --set stepping.step_s=0.005"; do
+    expect 0 tides simulate run.json -o whole.h5 --json $small $mode
+    count=$(value out events)
+    for signal in KILL INT TERM; do
+        interrupt $signal $small $mode
+        if [ $signal != KILL ]; then
+            [ $code = 1 ] || fail "the exit code should be 1"
+            error_line "stopped on request; the [0-9]+ events so far are in e.h5.part; --resume goes on from there"
+            missing e.h5.part.tail
+        fi
+        expect 0 tides info e.h5.part
+        # Interrupted again while it goes on, then to the end.
+        interrupt KILL --resume $small $mode
+        expect 0 tides simulate run.json -o e.h5 --resume --stats s.json --preview p.png $small $mode
+        same whole.h5 e.h5
+        [ "$(value s.json events)" = "$count" ] || fail "the statistics count $(value s.json events) events of $count"
+        for left in e.h5.part e.h5.part.tail e.h5.checkpoint e.h5.checkpoint.part; do missing $left; done
+        expect 0 tides simulate run.json -o e2.h5 --preview p2.png $small $mode
+        cmp -s p.png p2.png || fail "the previews differ"
+        rm e.h5 s.json p.png
+    done
+done
+
+# A later stop extends an interrupted run.
+interrupt KILL $small $mode
+expect 0 tides simulate run.json -qo e.h5 --resume $small $mode --set time.stop=2.5
+expect 0 tides simulate run.json -qo whole.h5 $small $mode --set time.stop=2.5
+same whole.h5 e.h5
+rm e.h5
+
+# Other runs are refused, and nothing is lost by asking.
+interrupt KILL $small $mode
+cp e.h5.checkpoint kept.checkpoint
+cp e.h5.part kept.part
+refuse 1 "e.h5.checkpoint: is of another run: image.log_eps is 0.001 there and 0.002 here" \
+    tides simulate run.json -qo e.h5 --resume $small $mode --set image.log_eps=0.002
+mv scene.ply scene.kept
+sed 's/ 3 -1.9 / 3 -1.8 /' scene.kept >scene.ply
+refuse 1 "e.h5.checkpoint: is of another run: the scene changed" tides simulate run.json -qo e.h5 --resume $small $mode
+mv scene.kept scene.ply
+head -c 3000 kept.checkpoint >e.h5.checkpoint
+refuse 1 "e.h5.checkpoint: .*damaged or cut short" tides simulate run.json -qo e.h5 --resume $small $mode
+cp kept.checkpoint e.h5.checkpoint
+mv e.h5.part moved
+refuse 1 "e.h5.part: can't be opened" tides simulate run.json -qo e.h5 --resume $small $mode
+mv moved e.h5.part
+cmp -s e.h5.part kept.part || fail "e.h5.part was touched"
+expect 0 tides simulate run.json -qo e.h5 --resume $small $mode
+rm e.h5
+
+# Without --resume a run starts anew; with it but without a checkpoint too, and says so.
+interrupt KILL $small $mode
+expect 0 tides simulate run.json -qo e.h5 $small $mode
+missing e.h5.checkpoint
+missing e.h5.part.tail
+expect 0 tides simulate run.json -o e3.h5 --resume $small $mode
+err "tides: e3.h5.checkpoint isn't there: starting from the beginning"
+same e.h5 e3.h5
+expect 0 tides simulate run.json -qo e3.h5 --resume $small $mode
+silent
+
+# No checkpoints where none are wanted.
+tides simulate run.json -qo none.h5 --checkpoint 0 $small $mode >out 2>err &
+for _ in $(seq 100); do
+    [ -s none.h5.part ] && break
+    sleep 0.02
+done
+sleep 0.2
+kill -INT $!
+wait $!
+error_line "events so far are in none.h5.part$"
+missing none.h5.checkpoint
+refuse 2 "--checkpoint -1: give seconds" tides simulate run.json -o e.h5 --checkpoint -1
+refuse 2 "--checkpoint x: not a number" tides simulate run.json -o e.h5 --checkpoint x
