@@ -38,16 +38,36 @@ TD_INLINE int td_list_goes_on(const td_image *image, td_real brightest, const td
     return td_any(pixels->live);
 }
 
+/* The first place at or after i in the list whose splat touches `block`; the list's count where there is none. */
+TD_INLINE int td_next_in_block(const td_list *list, int block, int i) {
+    while (i < list->count && ((list->masks[i] >> block) & 1) == 0) i++;
+    return i;
+}
+
+TD_INLINE td_real td_list_depth(const td_list *list, int i) { return list->records[list->order[i] * TD_RECORD_STRIDE + TD_R_DEPTH]; }
+
+/* Place i of the list in soft order: through the window if what is before or behind is near, else directly. */
+TD_INLINE void td_blend_soft(const td_list *list, const td_image *image, int i, int next, td_window *window,
+                             td_composite *pixels) {
+    int at = list->order[i];
+    td_real z = list->records[at * TD_RECORD_STRIDE + TD_R_DEPTH];
+    td_window_advance(window, image, list->records, list->colours, z, pixels);
+    if (window->count == 0 && (next == list->count || !td_is_near(image, z, td_list_depth(list, next))))
+        td_blend(list->records + at * TD_RECORD_STRIDE, list->colours + at * TD_COLOUR_STRIDE, image, list->brightest, pixels);
+    else
+        td_window_push(window, image, list->records, at, list->brightest, pixels);
+}
+
 /* Blends the splats that touch `block`, in hard or soft depth order; returns how many. */
 TD_INLINE int td_composite_list(const td_list *list, const td_image *image, int block, td_composite *pixels) {
     int blended = 0;
     td_window window;
     window.first = window.count = 0;
-    for (int i = 0; i < list->count; i++) {
-        if (((list->masks[i] >> block) & 1) == 0) continue;
+    for (int i = td_next_in_block(list, block, 0), next; i < list->count; i = next) {
+        next = td_next_in_block(list, block, i + 1);
         int at = list->order[i];
         if (image->soft_order)
-            td_window_push(&window, image, list->records, list->colours, at, list->brightest, pixels);
+            td_blend_soft(list, image, i, next, &window, pixels);
         else
             td_blend(list->records + at * TD_RECORD_STRIDE, list->colours + at * TD_COLOUR_STRIDE, image, list->brightest,
                      pixels);

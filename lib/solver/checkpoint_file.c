@@ -104,7 +104,7 @@ static tides_status check_seal(const char *path, const char *bytes, size_t size,
 tides_status td_checkpoint_image_read(const char *path, hid_t *image, tides_error *error) {
     char *bytes = NULL;
     size_t size = 0;
-    tides_status status = td_read_file(path, SIZE_MAX, &bytes, &size, error);
+    tides_status status = td_read_file(path, SIZE_MAX / 4, &bytes, &size, error);
     if (status == TIDES_OK) status = check_seal(path, bytes, size, error);
     if (status == TIDES_OK) {
         hid_t access = core_access();
