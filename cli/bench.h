@@ -6,7 +6,7 @@
 
 #include <stdio.h>
 
-/* -- scenes (bench_scenes.c) ------------------------------------------------------------------------------------------------ */
+/* -- scenes (bench_scenes.c) ------------------------------------------------------------------------------------------ */
 
 /* Events in memory. */
 typedef struct bench_stream {
@@ -54,7 +54,7 @@ tides_status bench_add_flying_ball(tides_scene *scene, const double centre[3], d
 tides_status bench_add_turning_disc(tides_scene *scene, const double centre[3], double radius, double turns_per_s, double stop,
                                     tides_error *error);
 
-/* -- measured runs (bench_run.c) --------------------------------------------------------------------------------------------- */
+/* -- measured runs (bench_run.c) -------------------------------------------------------------------------------------- */
 
 /* What every run of a benchmark needs. */
 typedef struct bench {
@@ -108,7 +108,7 @@ const char *bench_rules_name(int32_t rules);
 typedef tides_status (*bench_visit)(void *user, bench *b, bench_scene *scene, tides_error *error);
 tides_status bench_each_scene(bench *b, const cli_list *names, bench_visit visit, void *user, tides_error *error);
 
-/* -- results ------------------------------------------------------------------------------------------------------------------ */
+/* -- results ---------------------------------------------------------------------------------------------------------- */
 
 /* bench_table.c: what a run was made on; then NAME.json and NAME.csv below the directory. */
 cJSON *bench_header(const bench *b, const char *name);

@@ -43,38 +43,69 @@ typedef struct job {
     cJSON *header;
 } job;
 
-/* `renders` is what full took; 0 on the first row. */
-static tides_stepping stepping_of(const variant *v, const bench_scene *scene, double renders) {
+/* `steps` is how many a fixed step has: compute-matched. */
+static tides_stepping stepping_of(const variant *v, const bench_scene *scene, double steps) {
     tides_stepping s;
     tides_stepping_defaults(&s);
     s.mode = v->mode;
     s.model = v->model;
     s.local = v->local;
-    s.step_s = scene->macro_step_s;
+    s.step_s = v->mode == TIDES_STEPPING_FIXED ? (scene->stop - scene->start) / steps : scene->macro_step_s;
     s.min_step_s = 1e-6;
     s.tolerance = TOLERANCE;
     s.time_tolerance_s = 0;
-    if (v->mode == TIDES_STEPPING_FIXED) s.step_s = (scene->stop - scene->start) / fmax(1, round(renders) - 1);
     return s;
+}
+
+/* How many equal steps take as many renders as `renders`. Tiles at rest cost no render under equal steps either, so this asks
+ * the simulator: renders are one frame at the start and a share of one for each step, and the share hardly changes. */
+static tides_status match_compute(bench *b, const bench_scene *scene, double renders, double *steps, tides_error *error) {
+    enum { TRIES = 3 };
+    static const variant fixed = {"", TIDES_STEPPING_FIXED, TIDES_MODEL_HERMITE, 1, 0};
+    double guess = fmax(1, round(renders - 1));
+    for (int32_t i = 0; i < TRIES; i++) {
+        bench_row run;
+        memset(&run, 0, sizeof run);
+        const tides_stepping stepping = stepping_of(&fixed, scene, guess);
+        tides_status status = bench_simulate(b, scene, TIDES_RULES_SMOOTH, &scene->sensor, &stepping, NULL, &run, error);
+        if (status != TIDES_OK) return status;
+        const double share = (run.stats.renders_full_frame_equivalent - 1) / guess;
+        const double better = share > 0 ? fmax(1, round((renders - 1) / share)) : guess;
+        const int32_t enough = fabs(better - guess) <= 0.02 * guess;
+        guess = better;
+        if (enough) break;
+    }
+    *steps = guess;
+    return TIDES_OK;
+}
+
+/* One row of the table; on a second pass it is there already. */
+static tides_status measure(bench *b, const bench_scene *scene, const variant *v, double steps, bench_row *row,
+                            tides_error *error) {
+    const int32_t fixed = v->mode == TIDES_STEPPING_FIXED;
+    const tides_stepping stepping = stepping_of(v, scene, steps);
+    tides_sensor sensor = scene->sensor;
+    if (v->events_per_step) sensor.max_events_per_step = v->events_per_step;
+    row->method = v->name;
+    row->unit = fixed ? "frames/s" : "tolerance";
+    row->setting = fixed ? 1 / stepping.step_s : TOLERANCE;
+    row->frames = fixed ? steps + 1 : 0;
+    return bench_measure(b, scene, TIDES_RULES_SMOOTH, &sensor, &stepping, row, error);
 }
 
 static tides_status visit(void *user, bench *b, bench_scene *scene, tides_error *error) {
     job *j = user;
     const size_t first = j->rows.count;
+    const int32_t passes = b->quick ? 1 : 2;
+    double steps = 1;
     tides_status status = bench_find_truth(b, scene, TIDES_RULES_SMOOTH, error);
-    for (int32_t again = 0; again < (b->quick ? 1 : 2) && status == TIDES_OK; again++)
+    for (int32_t pass = 0; pass < passes; pass++)
         for (size_t i = 0; i < VARIANTS && status == TIDES_OK; i++) {
-            const variant *v = &variants[i];
-            bench_row *row = again ? &j->rows.rows[first + i] : bench_rows_add(&j->rows, error);
+            bench_row *row = pass ? &j->rows.rows[first + i] : bench_rows_add(&j->rows, error);
             if (!row) return TIDES_NO_MEMORY;
-            const tides_stepping stepping = stepping_of(v, scene, j->rows.rows[first].stats.renders_full_frame_equivalent);
-            tides_sensor sensor = scene->sensor;
-            if (v->events_per_step) sensor.max_events_per_step = v->events_per_step;
-            row->method = v->name;
-            row->unit = v->mode == TIDES_STEPPING_FIXED ? "frames/s" : "tolerance";
-            row->setting = v->mode == TIDES_STEPPING_FIXED ? 1 / stepping.step_s : TOLERANCE;
-            row->frames = v->mode == TIDES_STEPPING_FIXED ? round(row->setting * (scene->stop - scene->start)) + 1 : 0;
-            status = bench_measure(b, scene, TIDES_RULES_SMOOTH, &sensor, &stepping, row, error);
+            status = measure(b, scene, &variants[i], steps, row, error);
+            if (status == TIDES_OK && i == 0 && pass == 0)
+                status = match_compute(b, scene, row->stats.renders_full_frame_equivalent, &steps, error);
         }
     if (status == TIDES_OK && !bench_header_scene(j->header, scene))
         status = cli_error(error, TIDES_NO_MEMORY, "out of memory: results");

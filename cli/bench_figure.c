@@ -138,7 +138,7 @@ tides_status bench_figure_curves(const bench *b, const bench_rows *rows, tides_e
 
 /* -- bars -------------------------------------------------------------------------------------------------------------- */
 
-enum { BAR_LABEL = 236, BAR_VALUE = 96 }; /* [px] to the left and right of the bars */
+enum { BAR_LABEL = 236, BAR_VALUE = 168 }; /* [px] to the left and right of the bars */
 
 static void draw_bars(cli_canvas *canvas, plot_panel *panel, const bench_rows *rows, size_t first) {
     const char *scene = rows->rows[first].scene;
@@ -156,7 +156,7 @@ static void draw_bars(cli_canvas *canvas, plot_panel *panel, const bench_rows *r
     panel->left += BAR_LABEL - LEFT;
     panel->right -= BAR_VALUE - RIGHT;
     panel->title = scene;
-    panel->x_label = "p95 |dt| [us]";
+    panel->x_label = "p95 |dt| [us] (renders)";
     panel->y_label = "";
     plot_axes(canvas, panel, 0);
     const int32_t pitch = (panel->bottom - panel->top) / (int32_t)(last - first);
@@ -167,7 +167,7 @@ static void draw_bars(cli_canvas *canvas, plot_panel *panel, const bench_rows *r
         plot_bar(canvas, panel, top + pitch / 6, top + pitch - pitch / 6, fmax(row->match.dt_p95_us, LEAST_ERROR_US),
                  i == first);
         plot_text(canvas, panel->left - 10 - plot_text_width(row->method, 2), middle, 2, row->method);
-        snprintf(value, sizeof value, "%.3g", row->match.dt_p95_us);
+        snprintf(value, sizeof value, "%.3g (%.3g)", row->match.dt_p95_us, row->stats.renders_full_frame_equivalent);
         plot_text(canvas, panel->right + 8, middle, 2, value);
     }
 }

@@ -10,14 +10,17 @@
 /* Runs shorter than this [s] are repeated. */
 #define SHORT_RUN_S 2.0
 
-/* The exact stream is found by doubling from FIRST to at most LAST steps per second, until the 99th percentile of the events
- * moves by no more than the unit that they are counted in, or a run takes LONG_RUN_S, so that the next takes twice that. Streams
- * of an image with jumps never settle: a jump is placed as well as the steps are short. */
-#define TRUTH_FIRST_RATE 32000.0
+/* The exact stream is found by doubling the steps per second until the 99th percentile of the events moves by no more than the
+ * unit that they are counted in. It is at least twice as fine as the finest method (LEAST); beyond that, doubling ends at LAST,
+ * or where a run takes LONG_RUN_S, so that the next would take twice that. Two things keep streams from settling: jumps in the
+ * image are placed as well as the steps are short, and single precision moves the events of slow pixels. */
+#define TRUTH_FIRST_RATE 64000.0
+#define TRUTH_LEAST_RATE 128000.0
 #define TRUTH_LAST_RATE 512000.0
-#define TRUTH_QUICK_RATE 64000.0
 #define TRUTH_SETTLED_US 1e-3
 #define LONG_RUN_S 6.0
+/* With --quick, whose finest method has 32000 frames per second, from a half of this to this. */
+#define TRUTH_QUICK_RATE 64000.0
 
 /* -- talk --------------------------------------------------------------------------------------------------------------- */
 
@@ -136,12 +139,12 @@ static tides_status simulate_exact(bench *b, const bench_scene *scene, int32_t r
 tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides_error *error) {
     bench_truth *truth = &scene->truth[rules];
     bench_stream coarse = {.events = NULL}, fine = {.events = NULL};
-    const double last = b->quick ? TRUTH_QUICK_RATE : TRUTH_LAST_RATE;
-    double rate = TRUTH_FIRST_RATE, seconds = 0;
+    const double least = b->quick ? TRUTH_QUICK_RATE : TRUTH_LEAST_RATE, last = b->quick ? TRUTH_QUICK_RATE : TRUTH_LAST_RATE;
+    double rate = b->quick ? 0.5 * TRUTH_QUICK_RATE : TRUTH_FIRST_RATE, seconds = 0;
     int32_t settled = 0;
     tides_match moved = {.matched = 0};
     tides_status status = simulate_exact(b, scene, rules, rate, &fine, &seconds, error);
-    while (status == TIDES_OK && !settled && rate < last && seconds < LONG_RUN_S) {
+    while (status == TIDES_OK && rate < last && (rate < least || (!settled && seconds < LONG_RUN_S))) {
         bench_stream spare = coarse;
         coarse = fine;
         fine = spare;

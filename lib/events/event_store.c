@@ -172,9 +172,7 @@ static int file_descriptor(hid_t file) {
     return H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) >= 0 && handle ? *(int *)handle : -1;
 }
 
-/* Claims `bytes` behind the end of the file. 0, or the system's error: no space, quota, file size limit. File systems that
- * can't claim are taken at their word. */
-static int claim_space(hid_t file, uint64_t bytes) {
+int td_event_claim_space(hid_t file, uint64_t bytes) {
     hsize_t size = 0;
     int descriptor = file_descriptor(file);
     if (descriptor < 0 || H5Fget_filesize(file, &size) < 0) return 0;
@@ -256,7 +254,7 @@ static tides_status hdf5_failure(tides_error *error) {
 tides_status td_event_store_append(td_event_store *store, const tides_event *events, size_t count, tides_error *error) {
     if (count == 0) return TIDES_OK;
     uint64_t begun = td_milliseconds_begun(events[count - 1].t);
-    int no_space = claim_space(store->file, space_needed(count, begun > store->next_ms ? begun - store->next_ms : 0));
+    int no_space = td_event_claim_space(store->file, space_needed(count, begun > store->next_ms ? begun - store->next_ms : 0));
     if (no_space) {
         release_space(store->file);
         return td_fail(error, TIDES_WRITE_FAILED, "%s", strerror(no_space));
@@ -267,7 +265,7 @@ tides_status td_event_store_append(td_event_store *store, const tides_event *eve
 }
 
 tides_status td_event_store_complete(td_event_store *store, uint64_t entries, int64_t stop_ns, tides_error *error) {
-    int no_space = claim_space(store->file, space_needed(0, entries > store->next_ms ? entries - store->next_ms : 0));
+    int no_space = td_event_claim_space(store->file, space_needed(0, entries > store->next_ms ? entries - store->next_ms : 0));
     if (no_space) {
         release_space(store->file);
         return td_fail(error, TIDES_WRITE_FAILED, "%s", strerror(no_space));

@@ -18,7 +18,8 @@ enum { READ_P, READ_T, READ_X, READ_Y, READ_COLUMNS };
 typedef struct event_source {
     const char *path;
     hid_t file, columns[READ_COLUMNS];
-    uint64_t count;
+    uint64_t rows[READ_COLUMNS];
+    uint64_t count; /* events: what every column has, at most */
     int32_t nanoseconds; /* 1: the time column holds [ns] and no offset; 0: [us] after `offset` */
     int64_t offset;
     char format[32];
@@ -96,16 +97,25 @@ static tides_status open_columns(event_source *source, tides_error *error) {
                            source->path, names[c]);
     }
     source->nanoseconds = exists(source->file, "/events", "/events/t_ns");
-    uint64_t rows[READ_COLUMNS];
     for (int c = 0; c < READ_COLUMNS; c++) {
         const char *name = c == READ_T && source->nanoseconds ? "/events/t_ns" : names[c];
-        tides_status status = open_column(source, name, c, &rows[c], error);
+        tides_status status = open_column(source, name, c, &source->rows[c], error);
         if (status != TIDES_OK) return status;
-        if (rows[c] != rows[0])
-            return td_fail(error, TIDES_BAD_FILE, "%s: %s has %" PRIu64 " rows, but /events/p has %" PRIu64, source->path, name,
-                           rows[c], rows[0]);
+        if (c == 0 || source->rows[c] < source->count) source->count = source->rows[c];
     }
-    source->count = rows[0];
+    return TIDES_OK;
+}
+
+/* Columns of different length are damage, but for an unfinished file of ours: its writer may have died while they grew. */
+static tides_status check_rows(const event_source *source, tides_error *error) {
+    static const char *const names[READ_COLUMNS] = {"p", "t", "x", "y"};
+    int64_t stop = 0;
+    int own = strcmp(source->format, TD_EVENT_FORMAT) == 0;
+    if (own && td_h5_read_int(source->file, "stop_ns", &stop) && stop < 0) return TIDES_OK;
+    for (int c = 1; c < READ_COLUMNS; c++)
+        if (source->rows[c] != source->rows[0])
+            return td_fail(error, TIDES_BAD_FILE, "%s: /events/%s%s has %" PRIu64 " rows, but /events/p has %" PRIu64, source->path,
+                           names[c], c == READ_T && source->nanoseconds ? "_ns" : "", source->rows[c], source->rows[0]);
     return TIDES_OK;
 }
 
@@ -125,7 +135,8 @@ static tides_status read_offset(event_source *source, tides_error *error) {
 static tides_status read_own_facts(event_source *source, tides_error *error) {
     int64_t version = 0, count = 0;
     td_h5_read_text(source->file, "format", source->format, sizeof source->format);
-    if (strcmp(source->format, TD_EVENT_FORMAT) != 0) return TIDES_OK;
+    tides_status status = check_rows(source, error);
+    if (status != TIDES_OK || strcmp(source->format, TD_EVENT_FORMAT) != 0) return status;
     if (!td_h5_read_int(source->file, "version", &version) || version < 1)
         return td_fail(error, TIDES_BAD_FILE, "%s: has no usable attribute version", source->path);
     if (version > TD_EVENT_FORMAT_VERSION)

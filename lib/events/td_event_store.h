@@ -38,6 +38,10 @@ tides_status td_event_store_create(td_event_store *store, const char *path, cons
 tides_status td_event_store_reopen(td_event_store *store, const char *path, const tides_event_file *facts, uint64_t rows,
                                    tides_error *error);
 
+/* Claims `bytes` behind the end of the file. 0, or the system's error: no space, quota, file size limit. File systems that
+ * can't claim are taken at their word. */
+int td_event_claim_space(hid_t file, uint64_t bytes);
+
 /* Every millisecond before `end` that has no entry yet starts at event `row`. */
 herr_t td_event_store_index(td_event_store *store, uint64_t end, uint64_t row);
 

@@ -51,6 +51,10 @@ static tides_status check_whole(const tides_run *run, tides_error *error) {
     if (stop <= start)
         return td_fail(error, TIDES_BAD_CONFIG, "%s: time.stop = %.12g s is not after time.start = %.12g s", run->origin, stop,
                        start);
+    const char *mode = run_text(run, "stepping.mode"), *model = run_text(run, "stepping.model");
+    if (strncmp(mode, "error", 5) == 0 && strcmp(model, "hermite") != 0)
+        return td_fail(error, TIDES_BAD_CONFIG, "%s: stepping.model = \"%s\": error control estimates the error of the hermite "
+                       "model only; set stepping.mode to \"fixed\" or \"risk\"", run->origin, model);
     return TIDES_OK;
 }
 

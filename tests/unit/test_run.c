@@ -119,24 +119,31 @@ static void every_key_reaches_its_field(void **state) {
 
 static void choices_reach_their_constants(void **state) {
     (void)state;
+    enum { FIXED = TIDES_STEPPING_FIXED, ERROR = TIDES_STEPPING_ERROR }; /* other models than hermite want fixed steps */
     static const struct {
         const char *set;
-        int32_t rules, model;
-    } cases[] = {{"image.rules=smooth", TIDES_RULES_SMOOTH, TIDES_MODEL_HERMITE},
-                 {"image.rules=inria", TIDES_RULES_INRIA, TIDES_MODEL_HERMITE},
-                 {"image.rules=gsplat", TIDES_RULES_GSPLAT, TIDES_MODEL_HERMITE},
-                 {"stepping.model=linear", 0, TIDES_MODEL_LINEAR},
-                 {"stepping.model=quadratic", 0, TIDES_MODEL_QUADRATIC},
-                 {"stepping.model=hermite", 0, TIDES_MODEL_HERMITE},
-                 {"stepping.model=\"secant\"", 0, TIDES_MODEL_SECANT}};
+        int32_t rules, mode, model;
+    } cases[] = {{"image.rules=smooth", TIDES_RULES_SMOOTH, FIXED, TIDES_MODEL_HERMITE},
+                 {"image.rules=inria", TIDES_RULES_INRIA, FIXED, TIDES_MODEL_HERMITE},
+                 {"image.rules=gsplat", TIDES_RULES_GSPLAT, FIXED, TIDES_MODEL_HERMITE},
+                 {"stepping.model=linear", 0, FIXED, TIDES_MODEL_LINEAR},
+                 {"stepping.model=quadratic", 0, FIXED, TIDES_MODEL_QUADRATIC},
+                 {"stepping.model=hermite", 0, FIXED, TIDES_MODEL_HERMITE},
+                 {"stepping.model=\"secant\"", 0, FIXED, TIDES_MODEL_SECANT},
+                 {"stepping.mode=error", 0, ERROR, TIDES_MODEL_HERMITE},
+                 {"stepping.mode=risk", 0, TIDES_STEPPING_RISK, TIDES_MODEL_HERMITE},
+                 {"stepping.mode=error_risk", 0, TIDES_STEPPING_ERROR_RISK, TIDES_MODEL_HERMITE}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        tides_run *run = accepted("{" BASE "}", &cases[i].set, 1);
+        const char *set[] = {"stepping.mode=fixed", cases[i].set};
+        tides_run *run = accepted("{" BASE "}", set, 2);
         tides_run_values values;
         tides_run_get(run, &values);
         assert_int_equal(values.image.rules, cases[i].rules);
+        assert_int_equal(values.stepping.mode, cases[i].mode);
         assert_int_equal(values.stepping.model, cases[i].model);
         tides_run_destroy(run);
     }
+    REFUSED("{" BASE "}", "stepping.model=linear", TIDES_BAD_CONFIG, "stepping.model = \"linear\"", "hermite model only");
 }
 
 static void overrides_win_in_order(void **state) {
