@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* Runs shorter than this [s] are repeated. */
-#define SHORT_RUN_S 2.0
+#define SHORT_RUN_S 1.0
 
 /* The exact stream is found by doubling the steps per second until the 99th percentile of the events moves by no more than the
  * unit that they are counted in. It is at least twice as fine as the finest method (LEAST); beyond that, doubling ends at LAST,
@@ -18,7 +18,7 @@
 #define TRUTH_LEAST_RATE 128000.0
 #define TRUTH_LAST_RATE 512000.0
 #define TRUTH_SETTLED_US 1e-3
-#define LONG_RUN_S 6.0
+#define LONG_RUN_S 4.0
 /* With --quick, whose finest method has 32000 frames per second, from a half of this to this. */
 #define TRUTH_QUICK_RATE 64000.0
 

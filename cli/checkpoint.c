@@ -8,7 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A checkpoint that takes long, of a large image on a slow disk, comes less often: this much simulation per second of saving. */
+/* A checkpoint that takes long, of a large image on a slow disk, comes less often: this much simulation per second of saving.
+ * */
 static const double least_work = 50.0;
 
 tides_status cli_checkpoint_begin(cli_checkpoint *c, const char *events, double every, cli_progress *progress,

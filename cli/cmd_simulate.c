@@ -36,7 +36,12 @@ int cmd_simulate(const cli_command *command, int argc, char **argv) {
         snprintf(seed_set, sizeof seed_set, "seed=%s", seed);
         sets.items[sets.count++] = seed_set;
     }
-    const cli_job job = {.run = run, .events = output, .stats = stats, .preview = preview, .sets = &sets,
-                         .checkpoint_s = checkpoint_s, .resume = resume};
+    const cli_job job = {.run = run,
+                         .events = output,
+                         .stats = stats,
+                         .preview = preview,
+                         .sets = &sets,
+                         .checkpoint_s = checkpoint_s,
+                         .resume = resume};
     return cli_job_run(&job, &common);
 }

@@ -29,13 +29,15 @@ static tides_status check_facts(const td_event_store *store, const char *path, c
     td_h5_read_int(store->file, "version", &version);
     if (version != TD_EVENT_FORMAT_VERSION)
         return td_fail(error, TIDES_UNSUPPORTED,
-                       "%s: has version %" PRId64 " of the layout, this library continues version %d: use the version that wrote it",
+                       "%s: has version %" PRId64
+                       " of the layout, this library continues version %d: use the version that wrote it",
                        path, version, TD_EVENT_FORMAT_VERSION);
     td_h5_read_int(store->file, "width", &width);
     td_h5_read_int(store->file, "height", &height);
     if (width != facts->width || height != facts->height)
-        return td_fail(error, TIDES_BAD_FILE, "%s: holds %" PRId64 " x %" PRId64 " px, the run has %d x %d: it is another run's",
-                       path, width, height, facts->width, facts->height);
+        return td_fail(error, TIDES_BAD_FILE,
+                       "%s: holds %" PRId64 " x %" PRId64 " px, the run has %d x %d: it is another run's", path, width, height,
+                       facts->width, facts->height);
     return TIDES_OK;
 }
 
@@ -56,8 +58,8 @@ static tides_status open_all(td_event_store *store, const char *path, uint64_t r
     for (int c = 0; c < TD_COLUMNS; c++) {
         store->columns[c] = H5Dopen2(store->file, td_event_column_name(c), H5P_DEFAULT);
         if (store->columns[c] < 0 || rows_of(store->columns[c], TD_EVENT_CHUNK) < (hssize_t)rows)
-            return td_fail(error, TIDES_BAD_FILE, "%s: %s is damaged, or lacks some of its %" PRIu64 " events: start anew", path,
-                           td_event_column_name(c), rows);
+            return td_fail(error, TIDES_BAD_FILE, "%s: %s is damaged, or lacks some of its %" PRIu64 " events: start anew",
+                           path, td_event_column_name(c), rows);
     }
     store->index = H5Dopen2(store->file, "/ms_to_idx", H5P_DEFAULT);
     store->count = H5Aopen(store->file, "count", H5P_DEFAULT);
@@ -65,8 +67,8 @@ static tides_status open_all(td_event_store *store, const char *path, uint64_t r
     if (store->index < 0 || store->count < 0 || store->stop < 0 || rows_of(store->index, TD_INDEX_CHUNK) < 0)
         return fail_reopen(path, "is damaged", error);
     if (!td_h5_read_int(store->file, "count", &count) || count < (int64_t)rows)
-        return td_fail(error, TIDES_BAD_FILE, "%s: holds %" PRId64 " events, %" PRIu64 " of the run are missing: start anew", path,
-                       count, rows - (uint64_t)(count > 0 ? count : 0));
+        return td_fail(error, TIDES_BAD_FILE, "%s: holds %" PRId64 " events, %" PRIu64 " of the run are missing: start anew",
+                       path, count, rows - (uint64_t)(count > 0 ? count : 0));
     return TIDES_OK;
 }
 
@@ -77,8 +79,8 @@ static herr_t cut_dataset(hid_t dataset, hsize_t rows) { return H5Dset_extent(da
 enum { GAP = 4096 }; /* bytes */
 
 /* HDF5 takes the end of the file from its superblock. What a process wrote just before it died may lie beyond: new things go
- * behind that too. And behind a gap, so that nothing that is freed ends where the file ends: HDF5 would cut the file short before
- * the superblock says so, and a death in between would leave a file that can't be opened. */
+ * behind that too. And behind a gap, so that nothing that is freed ends where the file ends: HDF5 would cut the file short
+ * before the superblock says so, and a death in between would leave a file that can't be opened. */
 static herr_t keep_clear_of_leftovers(hid_t file) {
 #if H5_VERSION_GE(1, 10, 2)
     if (td_event_claim_space(file, 2 * GAP) != 0) return -1;

@@ -1,9 +1,9 @@
 /* The tail of an unfinished event file: the events after its last whole chunk.
  *
- * Chunks of the .part are written once and never again, or a death while one is rewritten would take events along that were safe
- * before (event_store.c). A partial chunk can't go there in mid-run, so a flush puts it into PATH.part.tail: an event file of its
- * own in the layout of events_hdf5.c, with one more attribute, `first`: the number of its first event in the stream. It is
- * replaced whole, by a rename. */
+ * Chunks of the .part are written once and never again, or a death while one is rewritten would take events along that were
+ * safe before (event_store.c). A partial chunk can't go there in mid-run, so a flush puts it into PATH.part.tail: an event file
+ * of its own in the layout of events_hdf5.c, with one more attribute, `first`: the number of its first event in the stream. It
+ * is replaced whole, by a rename. */
 #include "td_event_store.h"
 
 #include "td_base.h"

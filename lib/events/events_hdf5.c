@@ -13,8 +13,8 @@
  * All datasets are chunked, shuffled and deflated (level 1). The microseconds end after 71.6 minutes, as in DSEC.
  *
  * A file grows as PATH.part; event_store.c says why it stays readable whatever happens to the process. In a .part, ms_to_idx
- * lags behind (whole chunks only), and the datasets may hold rows beyond `count` that mean nothing. What a flush finds after the
- * last whole chunk goes to PATH.part.tail (event_tail.c), from which an interrupted recording is resumed. */
+ * lags behind (whole chunks only), and the datasets may hold rows beyond `count` that mean nothing. What a flush finds after
+ * the last whole chunk goes to PATH.part.tail (event_tail.c), from which an interrupted recording is resumed. */
 #include "tides/events.h"
 
 #include "td_base.h"
@@ -214,11 +214,12 @@ static tides_status find_tail(tides_event_writer *writer, uint64_t rows, tides_e
     if (status != TIDES_OK) return status;
     if (got < writer->buffered)
         return td_fail(error, TIDES_BAD_FILE,
-                       "%s: ends %zu events before event %" PRIu64 ", where the run was interrupted (%s): start anew", writer->part,
-                       writer->buffered - got, rows + writer->buffered, reason.text);
+                       "%s: ends %zu events before event %" PRIu64 ", where the run was interrupted (%s): start anew",
+                       writer->part, writer->buffered - got, rows + writer->buffered, reason.text);
     status = check_events(writer, writer->buffer, writer->buffered, error);
     const tides_event_file facts = {writer->width, writer->height, NULL, NULL};
-    return status == TIDES_OK ? td_event_tail_write(writer->tail, &facts, rows, writer->buffer, writer->buffered, error) : status;
+    return status == TIDES_OK ? td_event_tail_write(writer->tail, &facts, rows, writer->buffer, writer->buffered, error)
+                              : status;
 }
 
 /* The last event, against which the next one's order is checked. */

@@ -19,7 +19,7 @@ typedef struct event_source {
     const char *path;
     hid_t file, columns[READ_COLUMNS];
     uint64_t rows[READ_COLUMNS];
-    uint64_t count; /* events: what every column has, at most */
+    uint64_t count;      /* events: what every column has, at most */
     int32_t nanoseconds; /* 1: the time column holds [ns] and no offset; 0: [us] after `offset` */
     int64_t offset;
     char format[32];
@@ -114,8 +114,9 @@ static tides_status check_rows(const event_source *source, tides_error *error) {
     if (own && td_h5_read_int(source->file, "stop_ns", &stop) && stop < 0) return TIDES_OK;
     for (int c = 1; c < READ_COLUMNS; c++)
         if (source->rows[c] != source->rows[0])
-            return td_fail(error, TIDES_BAD_FILE, "%s: /events/%s%s has %" PRIu64 " rows, but /events/p has %" PRIu64, source->path,
-                           names[c], c == READ_T && source->nanoseconds ? "_ns" : "", source->rows[c], source->rows[0]);
+            return td_fail(error, TIDES_BAD_FILE, "%s: /events/%s%s has %" PRIu64 " rows, but /events/p has %" PRIu64,
+                           source->path, names[c], c == READ_T && source->nanoseconds ? "_ns" : "", source->rows[c],
+                           source->rows[0]);
     return TIDES_OK;
 }
 

@@ -1,7 +1,7 @@
 /* Saving a simulator and restoring it: a run cut between two steps goes on as if it had never stopped, to the bit.
  *
- * The state at the end of a step is what the next one begins with: S and S_dot there, and per pixel where it began and how often
- * it has fired; the reference follows from these (td_reference). Layout of the file, HDF5, version 1:
+ * The state at the end of a step is what the next one begins with: S and S_dot there, and per pixel where it began and how
+ * often it has fired; the reference follows from these (td_reference). Layout of the file, HDF5, version 1:
  *
  *     /                    attributes  format           text    "tides-checkpoint"
  *                                      version          int     1
@@ -14,16 +14,17 @@
  *     /signal, /signal_dot double (height x width)  S [log units], S_dot [log units/s]
  *     /initial             double (height x width)  S_init [log units]
  *     /count_on, /count_off  u4   (height x width)  n_on, n_off
+ *     /tile_risk           double (tiles)           risk of each 16x16 tile, in reading order
  *     /timing_errors       double (256)             weights of td_timing, not of a pixel
  *
- * Images are in image order, so that other tiles can take them up; all datasets are shuffled and deflated. Behind the HDF5 file
- * comes the seal (checkpoint_file.c). */
+ * Images are in image order, so that other tiles can take them up (but for the risk). All datasets are shuffled and
+ * deflated. Behind the HDF5 file comes the seal (checkpoint_file.c). */
 #include "td_checkpoint.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 
-/* -- facts --------------------------------------------------------------------------------------------------------------------- */
+/* -- facts ----------------------------------------------------------------------------------------------------------------- */
 
 static void print_checksum(uint64_t checksum, char text[17]) { snprintf(text, 17, "%016" PRIx64, checksum); }
 
@@ -44,7 +45,8 @@ static tides_status check_fact(const td_place *place, const td_fact *fact) {
         print_checksum(fact->checksum, wanted);
         tides_status status = td_place_read_text(place, fact->key, &found);
         if (status == TIDES_OK && strcmp(found, wanted) != 0)
-            status = td_fail(place->error, TIDES_BAD_CONFIG, "%s: is of another run: the %s changed since", place->file, fact->key);
+            status =
+                td_fail(place->error, TIDES_BAD_CONFIG, "%s: is of another run: the %s changed since", place->file, fact->key);
         free(found);
         return status;
     }
@@ -62,7 +64,7 @@ static tides_status check_facts(const td_place *place, const td_fact *facts) {
     return status;
 }
 
-/* -- saving -------------------------------------------------------------------------------------------------------------------- */
+/* -- saving ---------------------------------------------------------------------------------------------------------------- */
 
 static tides_status write_root(const td_place *root, const tides_simulator *s, const char *run) {
     tides_status status = td_place_write_text(root, "format", TD_CHECKPOINT_FORMAT);
@@ -103,7 +105,8 @@ tides_status tides_simulator_save(const tides_simulator *simulator, const char *
     if (!simulator || !path)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_save: simulator and path must be given");
     if (simulator->broken)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "%s: an earlier error left a step half done: there is no state to save", path);
+        return td_fail(error, TIDES_BAD_ARGUMENT, "%s: an earlier error left a step half done: there is no state to save",
+                       path);
     if (!simulator->started)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: the run hasn't begun: call tides_simulator_run first", path);
     td_fact facts[TD_FACTS];
@@ -118,7 +121,7 @@ tides_status tides_simulator_save(const tides_simulator *simulator, const char *
     return status;
 }
 
-/* -- restoring ----------------------------------------------------------------------------------------------------------------- */
+/* -- restoring ------------------------------------------------------------------------------------------------------------- */
 
 /* All that a checkpoint says. */
 typedef struct contents {

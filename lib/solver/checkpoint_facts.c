@@ -1,6 +1,6 @@
 /* What makes two simulators parts of one run: everything that decides events, as numbers, and where it is too much for that, as
- * checksums. Left out is what doesn't: the stop (a run may be extended), tiles, batches, and the device as far as it computes in
- * the same precision. */
+ * checksums. Left out is what doesn't: the stop (a run may be extended), tiles, batches, and the device as far as it computes
+ * in the same precision. */
 #include "td_checkpoint.h"
 
 #include <cjson/cJSON.h>
@@ -85,6 +85,10 @@ tides_status td_facts_gather(const tides_simulator *s, td_fact facts[TD_FACTS], 
         {"stepping.min_step_s", 0, s->min_step_s, 0},
         {"stepping.tolerance", 0, s->tolerance, 0},
         {"stepping.time_tolerance_s", 0, s->time_tolerance_s, 0},
+        {"stepping.budget per step", 0, s->budget / (double)s->steps, 0},
+        {"stepping.risk.w_b", 0, s->risk.w_b, 0},
+        {"stepping.risk.w_c", 0, s->risk.w_c, 0},
+        {"stepping.risk.w_alpha", 0, s->risk.w_alpha, 0},
         {"scene", 1, 0, scene},
         {"camera path", 1, 0, path},
         {"image parameters or intrinsics", 1, 0, image_checksum(s->renderer)},
@@ -107,7 +111,8 @@ static void print_value(const cJSON *value, char text[VALUE_MAX]) {
 }
 
 /* The first key, depth first, whose values differ, with both; 0 where there is none. */
-static int find_difference(const cJSON *saved, const cJSON *given, const char *key, char found[KEY_MAX], const cJSON *values[2]) {
+static int find_difference(const cJSON *saved, const cJSON *given, const char *key, char found[KEY_MAX],
+                           const cJSON *values[2]) {
     if (may_differ(key) || cJSON_Compare(saved, given, 1)) return 0;
     char inner[KEY_MAX];
     if (cJSON_IsObject(saved) && cJSON_IsObject(given)) {

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-/* -- pixels -------------------------------------------------------------------------------------------------------------------- */
+/* -- pixels ---------------------------------------------------------------------------------------------------------------- */
 
 void td_planes_free(td_planes *p) {
     free(p->signal);
@@ -11,6 +11,7 @@ void td_planes_free(td_planes *p) {
     free(p->initial);
     free(p->count_on);
     free(p->count_off);
+    free(p->tile_risk);
 }
 
 tides_status td_planes_create(td_planes *p, const tides_simulator *s, tides_error *error) {
@@ -21,6 +22,7 @@ tides_status td_planes_create(td_planes *p, const tides_simulator *s, tides_erro
     ok = ok && (p->initial = td_alloc(pixels, sizeof *p->initial, error)) != NULL;
     ok = ok && (p->count_on = td_alloc(pixels, sizeof *p->count_on, error)) != NULL;
     ok = ok && (p->count_off = td_alloc(pixels, sizeof *p->count_off, error)) != NULL;
+    ok = ok && (p->tile_risk = td_alloc((size_t)s->tiles, sizeof *p->tile_risk, error)) != NULL;
     if (ok) return TIDES_OK;
     td_planes_free(p);
     return TIDES_NO_MEMORY;
@@ -62,15 +64,17 @@ static void set_references(const tides_simulator *s) {
 void td_planes_take(td_planes *p, const tides_simulator *s) {
     exchange(s, p, 0);
     memcpy(p->timing, s->timing.weight, sizeof p->timing);
+    memcpy(p->tile_risk, s->tile_risk, (size_t)s->tiles * sizeof *p->tile_risk);
 }
 
 void td_planes_give(const td_planes *p, tides_simulator *s) {
     exchange(s, p, 1);
     memcpy(s->timing.weight, p->timing, sizeof p->timing);
+    memcpy(s->tile_risk, p->tile_risk, (size_t)s->tiles * sizeof *p->tile_risk);
     set_references(s);
 }
 
-/* -- datasets ------------------------------------------------------------------------------------------------------------------ */
+/* -- datasets -------------------------------------------------------------------------------------------------------------- */
 
 /* A dataset of the layout; its memory is of the same type. */
 typedef struct dataset {
@@ -80,14 +84,18 @@ typedef struct dataset {
     void *values;
 } dataset;
 
-enum { DATASETS = 6 };
+enum { DATASETS = 7 };
 
 static void list_datasets(const tides_simulator *s, td_planes *p, dataset list[DATASETS]) {
     const hsize_t width = (hsize_t)s->width, height = (hsize_t)s->renderer->image.height;
     const dataset all[DATASETS] = {
-        {"signal", 0, {height, width}, p->signal},     {"signal_dot", 0, {height, width}, p->signal_dot},
-        {"initial", 0, {height, width}, p->initial},   {"count_on", 1, {height, width}, p->count_on},
-        {"count_off", 1, {height, width}, p->count_off}, {"timing_errors", 0, {TD_TIMING_BINS, 0}, p->timing},
+        {"signal", 0, {height, width}, p->signal},
+        {"signal_dot", 0, {height, width}, p->signal_dot},
+        {"initial", 0, {height, width}, p->initial},
+        {"count_on", 1, {height, width}, p->count_on},
+        {"count_off", 1, {height, width}, p->count_off},
+        {"timing_errors", 0, {TD_TIMING_BINS, 0}, p->timing},
+        {"tile_risk", 0, {(hsize_t)s->tiles, 0}, p->tile_risk},
     };
     memcpy(list, all, sizeof all);
 }
@@ -107,10 +115,10 @@ static tides_status write_dataset(const td_place *root, const dataset *d) {
     hsize_t chunk[2];
     chunk_of(d, chunk);
     hid_t space = H5Screate_simple(rank_of(d), d->extent, NULL), creation = H5Pcreate(H5P_DATASET_CREATE);
-    int ready = space >= 0 && creation >= 0 && H5Pset_chunk(creation, rank_of(d), chunk) >= 0 && H5Pset_shuffle(creation) >= 0 &&
-                H5Pset_deflate(creation, 1) >= 0 && H5Pset_obj_track_times(creation, 0) >= 0;
-    hid_t set = ready ? H5Dcreate2(root->id, d->name, d->is_count ? H5T_STD_U32LE : H5T_IEEE_F64LE, space, H5P_DEFAULT, creation,
-                                   H5P_DEFAULT)
+    int ready = space >= 0 && creation >= 0 && H5Pset_chunk(creation, rank_of(d), chunk) >= 0 &&
+                H5Pset_shuffle(creation) >= 0 && H5Pset_deflate(creation, 1) >= 0 && H5Pset_obj_track_times(creation, 0) >= 0;
+    hid_t set = ready ? H5Dcreate2(root->id, d->name, d->is_count ? H5T_STD_U32LE : H5T_IEEE_F64LE, space, H5P_DEFAULT,
+                                   creation, H5P_DEFAULT)
                       : H5I_INVALID_HID;
     hid_t memory = d->is_count ? H5T_NATIVE_UINT32 : H5T_NATIVE_DOUBLE;
     int done = set >= 0 && H5Dwrite(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, d->values) >= 0;

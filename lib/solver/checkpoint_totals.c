@@ -12,9 +12,12 @@ typedef struct total {
     size_t offset;
 } total;
 
-#define COUNT(name, place, owner, member) {name, place, 0, 0, offsetof(owner, member)}
-#define REAL(name, place, owner, member) {name, place, 1, 0, offsetof(owner, member)}
-#define LARGEST(name, place, owner, member) {name, place, 1, 1, offsetof(owner, member)}
+#define COUNT(name, place, owner, member) \
+    { name, place, 0, 0, offsetof(owner, member) }
+#define REAL(name, place, owner, member) \
+    { name, place, 1, 0, offsetof(owner, member) }
+#define LARGEST(name, place, owner, member) \
+    { name, place, 1, 1, offsetof(owner, member) }
 
 static const total totals[TD_TOTALS] = {
     COUNT("events_on", SIMULATOR, tides_simulator, counts.events_on),
@@ -26,6 +29,8 @@ static const total totals[TD_TOTALS] = {
     COUNT("steps", SIMULATOR, tides_simulator, stats.steps),
     COUNT("steps_rejected", SIMULATOR, tides_simulator, stats.steps_rejected),
     COUNT("steps_at_minimum", SIMULATOR, tides_simulator, stats.steps_at_minimum),
+    COUNT("steps_over_budget", SIMULATOR, tides_simulator, stats.steps_over_budget),
+    COUNT("tile_steps_still", SIMULATOR, tides_simulator, stats.tile_steps_still),
     LARGEST("worst_error", SIMULATOR, tides_simulator, stats.worst_error),
     REAL("run_time_s", SIMULATOR, tides_simulator, stats.run_time_s),
     REAL("time_compare_s", SIMULATOR, tides_simulator, stats.time_compare_s),
@@ -34,6 +39,7 @@ static const total totals[TD_TOTALS] = {
     COUNT("tile_jobs_skipped", RENDERER, tides_render_stats, tile_jobs_skipped),
     COUNT("gaussians_projected", BACKEND, tides_render_stats, gaussians_projected),
     COUNT("gaussians_culled", BACKEND, tides_render_stats, gaussians_culled),
+    COUNT("gaussians_still", RENDERER, tides_render_stats, gaussians_still),
     COUNT("sweeps", BACKEND, tides_render_stats, sweeps),
     COUNT("pairs_evaluated", BACKEND, tides_render_stats, pairs_evaluated),
     REAL("time_build_s", BACKEND, tides_render_stats, time_build_s),

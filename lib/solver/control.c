@@ -60,6 +60,7 @@ static int too_long(tides_simulator *s, td_refine_step *step, double start, doub
     if (s->mode & TIDES_STEPPING_ERROR) step->excess = larger(step->excess, error_excess(s, step, start, stop, &error));
     if (s->mode & TIDES_STEPPING_RISK)
         step->excess = larger(step->excess, share / step_factor(larger(r->risk[step->begin], r->risk[step->end])));
+    step->error = error;
     int wanted = step->excess > 1 && step->to - step->from > 1;
     if (wanted) return 1;
     s->stats.steps_at_minimum += (uint64_t)(step->excess > 1);
@@ -110,7 +111,8 @@ static int by_falling_excess(const void *a, const void *b) {
 
 /* Cuts the pending steps to what is left of the macro step's share of the budget. */
 static tides_status keep_to_budget(tides_simulator *s, td_refine *r, tides_error *error) {
-    double share = s->budget * s->tiles / (double)s->steps, used = (double)r->sample_count - s->moving_count;
+    /* Both ends of the macro step aren't halving's doing. */
+    double share = s->budget * s->tiles / (double)s->steps, used = (double)r->sample_count - 2.0 * s->moving_count;
     size_t left = share > used ? (size_t)(share - used) : 0;
     if (s->budget <= 0 || r->pending_count <= left) return TIDES_OK;
     wish *wishes = td_alloc(r->pending_count, sizeof *wishes, error);
@@ -121,6 +123,8 @@ static tides_status keep_to_budget(tides_simulator *s, td_refine *r, tides_error
     }
     qsort(wishes, r->pending_count, sizeof *wishes, by_falling_excess);
     s->stats.steps_over_budget += r->pending_count - left;
+    for (size_t i = left; i < r->pending_count; i++)
+        s->stats.worst_error = larger(s->stats.worst_error, r->step[wishes[i].step].error);
     r->pending_count = left;
     for (size_t i = 0; i < left; i++) r->pending[i] = wishes[i].step;
     free(wishes);

@@ -53,7 +53,7 @@ static tides_status begin_samples(tides_simulator *s, td_refine *r, tides_error 
         double *sample = td_refine_sample(r, i);
         memcpy(sample, s->now.S + s->first_pixel[t], (size_t)s->tile[t].count * sizeof *sample);
         memcpy(sample + TD_TILE_PIXELS, s->now.S_dot + s->first_pixel[t], (size_t)s->tile[t].count * sizeof *sample);
-        td_refine_step whole = {0, (uint32_t)1 << r->depth, i, s->moving_count + i, -1, t, 0};
+        td_refine_step whole = {0, (uint32_t)1 << r->depth, i, s->moving_count + i, -1, t, 0, 0};
         r->step[t] = whole;
     }
     r->steps = (size_t)s->tiles;

@@ -70,10 +70,18 @@ static tides_status begin(tides_simulator *s, tides_error *error) {
     return TIDES_OK;
 }
 
+/* The step between two times. What fires at its very end is a nanosecond earlier, except at the run's: so a packet never ends
+ * with the nanosecond that the next one begins with, and the stream is in order however it is cut into packets. */
+static tides_status step_between(const tides_simulator *s, double start, double stop, td_step *step, tides_error *error) {
+    tides_status status = td_step_between(start, stop, step, error);
+    if (status == TIDES_OK && stop < s->stop && step->stop_ns > step->start_ns) step->stop_ns--;
+    return status;
+}
+
 /* The comparator over one step of every tile that moves; afterwards the step's end is now. */
 static tides_status compare_step(tides_simulator *s, tides_error *error) {
     td_step step;
-    tides_status status = td_step_between(td_grid_time(s, s->step), td_grid_time(s, s->step + 1), &step, error);
+    tides_status status = step_between(s, td_grid_time(s, s->step), td_grid_time(s, s->step + 1), &step, error);
     for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {
         int t = s->moving[i];
         size_t at = s->first_pixel[t];
@@ -150,8 +158,8 @@ static tides_status compare_refined_tile(tides_simulator *s, int t, double start
         end = r->samples + (size_t)r->step[i].end * 2 * TD_TILE_PIXELS;
         td_signals signals = {begin, begin + TD_TILE_PIXELS, end, end + TD_TILE_PIXELS};
         td_step step;
-        tides_status status = td_step_between(td_refine_time(r, start, stop, r->step[i].from),
-                                              td_refine_time(r, start, stop, r->step[i].to), &step, error);
+        tides_status status = step_between(s, td_refine_time(r, start, stop, r->step[i].from),
+                                           td_refine_time(r, start, stop, r->step[i].to), &step, error);
         if (status == TIDES_OK)
             status = td_comparator_step(&s->comparator, &step, tile, &signals, &pixels, &s->events, &s->counts, error);
         if (status != TIDES_OK) return status;

@@ -1,5 +1,5 @@
-/* Internal: the parts of a checkpoint: its file as sealed bytes, and what tells one run from another. checkpoint.c documents the
- * layout. */
+/* Internal: the parts of a checkpoint: its file as sealed bytes, and what tells one run from another. checkpoint.c documents
+ * the layout. */
 #ifndef TD_CHECKPOINT_H
 #define TD_CHECKPOINT_H
 
@@ -28,13 +28,13 @@ tides_status td_checkpoint_image_read(const char *path, hid_t *image, tides_erro
 
 /* A fact that must be the same for both parts of a run. */
 typedef struct td_fact {
-    const char *key;   /* attribute; for people, the run file's key where there is one */
+    const char *key; /* attribute; for people, the run file's key where there is one */
     int is_checksum;
-    double number;     /* where it isn't a checksum */
+    double number; /* where it isn't a checksum */
     uint64_t checksum;
 } td_fact;
 
-enum { TD_FACTS = 18 };
+enum { TD_FACTS = 22 };
 tides_status td_facts_gather(const tides_simulator *simulator, td_fact facts[TD_FACTS], tides_error *error);
 
 /* TIDES_BAD_CONFIG naming the first key that two run files (JSON) have different values of, other than those that don't change
@@ -43,10 +43,11 @@ tides_status td_facts_compare_runs(const char *path, const char *saved, const ch
 
 /* -- the pixels (checkpoint_pixels.c) -- */
 
-/* The state of all pixels in image order, and the estimated timing errors. */
+/* The state of all pixels in image order, the tiles' risk, and the estimated timing errors. */
 typedef struct td_planes {
     double *signal, *signal_dot, *initial; /* (height x width) */
     uint32_t *count_on, *count_off;
+    double *tile_risk; /* (tiles) */
     double timing[TD_TIMING_BINS];
 } td_planes;
 
@@ -59,7 +60,7 @@ tides_status td_planes_read(td_planes *planes, const tides_simulator *simulator,
 
 /* -- the statistics (checkpoint_totals.c) -- */
 
-enum { TD_TOTALS = 26 };
+enum { TD_TOTALS = 29 };
 tides_status td_totals_write(const tides_simulator *simulator, const td_place *place);
 tides_status td_totals_read(const td_place *place, double values[TD_TOTALS]);
 

@@ -13,6 +13,7 @@ typedef struct td_refine_step {
     int32_t next;       /* index, or -1 */
     int32_t tile;
     double excess;      /* how far above its limit the step's worst measure is: halved above 1 */
+    double error;       /* estimated error of S [thresholds]; 0 where it isn't asked for */
 } td_refine_step;
 
 /* Workspace of a macro step, reused from one to the next. */

@@ -30,7 +30,7 @@ static void expect_same_datasets(const char *a, const char *b) {
     }
 }
 
-/* -- children that die ------------------------------------------------------------------------------------------------------- */
+/* -- children that die ----------------------------------------------------------------------------------------------------- */
 
 /* What a child does: goes on at `from`, appends in portions and flushes now and then, up to `to`; tells each flushed count. */
 typedef struct errand {
@@ -159,7 +159,7 @@ static void test_kills(void **state) {
     free(events);
 }
 
-/* -- places to cut ----------------------------------------------------------------------------------------------------------- */
+/* -- places to cut --------------------------------------------------------------------------------------------------------- */
 
 /* Around chunk borders; the state that resumes may be older than the last flush, by chunks too. */
 static void test_cuts_around_chunks(void **state) {
@@ -239,7 +239,7 @@ static void test_run_text(void **state) {
     assert_string_equal(text, other.run);
 }
 
-/* -- what is refused --------------------------------------------------------------------------------------------------------- */
+/* -- what is refused ------------------------------------------------------------------------------------------------------- */
 
 static void refuse(const char *path, const tides_event_file *file, uint64_t count, tides_status wanted, const char *words) {
     tides_event_writer *writer = NULL;

@@ -1,0 +1,238 @@
+/* The embedded error estimate of a tile's step against closed forms, which pixels it counts, and the histogram of timing errors. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "solver/td_estimate.h"
+#include "tests/support/scene_make.h"
+
+#include <math.h>
+#include <string.h>
+
+static const uint64_t SEED = 31415;
+
+static const double H = 0.01, C = 0.2; /* [s], [log units] */
+static const double BULGE = 4.0 / 27.0;
+
+static double between(uint64_t *seed, double lower, double upper) {
+    return lower + (upper - lower) * (double)(scene_next(seed) >> 11) * 0x1p-53;
+}
+
+static td_comparator comparator_of(double on, double off) {
+    td_comparator comparator = {on, off, TIDES_MODEL_HERMITE, 64, 0};
+    return comparator;
+}
+
+/* One pixel: signals at both ends of [0, h], and the reference. */
+typedef struct pixel {
+    double S0, S0_dot, S1, S1_dot, reference;
+} pixel;
+
+static td_estimate estimate_of(const td_comparator *comparator, double h, const pixel *p) {
+    td_signals signals = {&p->S0, &p->S0_dot, &p->S1, &p->S1_dot};
+    return td_estimate_step(comparator, h, &signals, &p->reference, 1);
+}
+
+static void expect_near(double got, double want, double size, const char *what) {
+    if (!(fabs(got - want) <= 1e-12 * size)) fail_msg("%s: %.17g, not %.17g", what, got, want);
+}
+
+/* S(t) = a + b t + c t^2 + d t^3 on [0, h]; the reference is the signal's beginning, a level: every pixel counts. */
+static pixel cubic(double h, double a, double b, double c, double d) {
+    pixel p = {a, b, a + h * (b + h * (c + h * d)), b + h * (2 * c + 3 * h * d), a};
+    return p;
+}
+
+/* -- closed forms -------------------------------------------------------------------------------------------------- */
+
+/* Of a cubic, rate1 + rate0 - 2 rise is d h^3, so the estimate is 4/27 |d| h^3; and that is the greatest distance between the
+ * cubic and the quadratic through S0, S0_dot and S1, found here by looking. */
+static void test_cubic_signals(void **state) {
+    (void)state;
+    td_comparator comparator = comparator_of(C, C);
+    uint64_t seed = SEED;
+    for (int trial = 0; trial < 200; trial++) {
+        double h = between(&seed, 1e-4, 0.1), b = between(&seed, -1, 1) / h, c = between(&seed, -1, 1) / (h * h);
+        double d = between(&seed, -1, 1) / (h * h * h), a = between(&seed, -5, 5);
+        pixel p = cubic(h, a, b, c, d);
+        td_estimate estimate = estimate_of(&comparator, h, &p);
+        double error = BULGE * fabs(d) * h * h * h, moved = fmax(fabs(p.S1 - p.S0), error), most = 0;
+        expect_near(estimate.error, error, 10, "error");
+        expect_near(estimate.error, BULGE * fabs(h * p.S1_dot + h * p.S0_dot - 2 * (p.S1 - p.S0)), 1, "error as DESIGN has it");
+        expect_near(estimate.seconds, error * h / moved, 100 * h, "seconds");
+        for (int i = 0; i <= 3000; i++) {
+            double s = i / 3000.0, t = s * h, rise = p.S1 - p.S0;
+            double quadratic = a + b * t + (rise - b * h) * s * s;
+            most = fmax(most, fabs(a + t * (b + t * (c + t * d)) - quadratic));
+        }
+        assert_true(fabs(most - estimate.error) < 1e-6); /* 2/3 is among the places looked at */
+    }
+}
+
+static void test_quadratic_signals_have_no_error(void **state) {
+    (void)state;
+    td_comparator comparator = comparator_of(C, C);
+    uint64_t seed = SEED + 1;
+    for (int trial = 0; trial < 100; trial++) {
+        pixel p = cubic(H, between(&seed, -1, 1), between(&seed, -99, 99), between(&seed, -1e4, 1e4), 0);
+        expect_near(estimate_of(&comparator, H, &p).error, 0, 1, "error");
+    }
+    pixel still = {0.3, 0, 0.3, 0, 0.3};
+    td_estimate estimate = estimate_of(&comparator, H, &still);
+    assert_true(estimate.error == 0 && estimate.seconds == 0);
+}
+
+/* The estimate bounds the error of the cubic where halving helps: S = A sin(w t + phase) with w h small. */
+static void test_bounds_the_models_error(void **state) {
+    (void)state;
+    td_comparator comparator = comparator_of(C, C);
+    uint64_t seed = SEED + 2;
+    for (int trial = 0; trial < 200; trial++) {
+        double w = between(&seed, 0.05, 0.3) / H, phase = between(&seed, -1.2, 1.2); /* away from where the third rate is 0 */
+        pixel p = {sin(phase), w * cos(phase), sin(w * H + phase), w * cos(w * H + phase), sin(phase)};
+        double worst = 0, rise = p.S1 - p.S0, r0 = H * p.S0_dot, r1 = H * p.S1_dot;
+        for (int i = 0; i <= 100; i++) {
+            double s = i / 100.0, model = p.S0 + s * (r0 + s * (3 * rise - 2 * r0 - r1 + s * (r0 + r1 - 2 * rise)));
+            worst = fmax(worst, fabs(model - sin(w * s * H + phase)));
+        }
+        assert_true(worst <= estimate_of(&comparator, H, &p).error);
+    }
+}
+
+/* -- which pixels count -------------------------------------------------------------------------------------------- */
+
+/* A pixel that bends by `bend` (estimate BULGE * bend) around a signal of 0, its hull (Bezier values) within +- bend / 3. */
+static pixel bending(double bend, double reference) {
+    pixel p = {0, bend / H, 0, bend / H, reference};
+    p.S0_dot = p.S1_dot = 0.5 * bend / H; /* rate0 + rate1 = bend, rise 0: Bezier values 0, bend/6, -bend/6, 0 */
+    return p;
+}
+
+static void test_only_pixels_near_a_level_count(void **state) {
+    (void)state;
+    td_comparator equal = comparator_of(C, C), unequal = comparator_of(C, 1.3 * C);
+    const double bend = 0.06, error = BULGE * bend, reach = bend / 6 + error; /* 0.0189 */
+    static const int levels[] = {-3, -1, 0, 1, 2, 40};
+    for (size_t i = 0; i < sizeof levels / sizeof *levels; i++) {
+        double level = levels[i] * C; /* the reference is so far below: a level is at 0 */
+        for (int side = -1; side <= 1; side += 2) {
+            pixel touches = bending(bend, -level + side * 0.999 * reach), misses = bending(bend, -level + side * 1.001 * reach);
+            expect_near(estimate_of(&equal, H, &touches).error, error, 1, "hull on a level");
+            assert_true(estimate_of(&equal, H, &misses).error == 0);
+            assert_true(estimate_of(&equal, H, &misses).seconds == 0);
+            expect_near(estimate_of(&unequal, H, &misses).error, error, 1, "unequal thresholds");
+        }
+    }
+    pixel middle = bending(bend, 0.5 * C);
+    assert_true(estimate_of(&equal, H, &middle).error == 0);
+    expect_near(estimate_of(&unequal, H, &middle).error, error, 1, "unequal thresholds, half-way");
+}
+
+/* Of many pixels the worst counts, whatever their order; NaN is passed over. */
+static void test_worst_of_many(void **state) {
+    (void)state;
+    enum { COUNT = 64 };
+    td_comparator comparator = comparator_of(C, C);
+    double S0[COUNT], S0_dot[COUNT], S1[COUNT], S1_dot[COUNT], reference[COUNT];
+    td_signals signals = {S0, S0_dot, S1, S1_dot};
+    uint64_t seed = SEED + 3;
+    for (int trial = 0; trial < 100; trial++) {
+        td_estimate worst = {0, 0};
+        for (int i = 0; i < COUNT; i++) {
+            pixel p = {between(&seed, -0.1, 0.1), between(&seed, -3, 3), between(&seed, -0.1, 0.1), between(&seed, -3, 3),
+                       between(&seed, -1, 1)};
+            if (i % 7 == 3) p.S0 = NAN;
+            if (i % 7 == 4) p.S1_dot = NAN;
+            S0[i] = p.S0, S0_dot[i] = p.S0_dot, S1[i] = p.S1, S1_dot[i] = p.S1_dot, reference[i] = p.reference;
+            td_estimate one = estimate_of(&comparator, H, &p);
+            assert_true(i % 7 != 3 && i % 7 != 4 ? !isnan(one.error) : one.error == 0 && one.seconds == 0);
+            worst.error = fmax(worst.error, one.error);
+            worst.seconds = fmax(worst.seconds, one.seconds);
+        }
+        td_estimate all = td_estimate_step(&comparator, H, &signals, reference, COUNT);
+        assert_true(all.error == worst.error && all.seconds == worst.seconds && all.error > 0);
+    }
+    td_estimate none = td_estimate_step(&comparator, H, &signals, reference, 0);
+    assert_true(none.error == 0 && none.seconds == 0);
+}
+
+/* -- timing errors ------------------------------------------------------------------------------------------------- */
+
+/* One pixel that rises by `rise` and whose crossings are off by `seconds`. */
+static void add_pixel(td_timing *timing, const td_comparator *comparator, double rise, double seconds) {
+    pixel p = {0, 0, rise, 0, 0};
+    p.S1_dot = (2 * rise + seconds / H * fabs(rise) / BULGE) / H;
+    td_signals signals = {&p.S0, &p.S0_dot, &p.S1, &p.S1_dot};
+    td_timing_add(timing, comparator, H, &signals, 1);
+}
+
+/* A percentile is at or above the true one, by a quarter octave at most. */
+static void expect_percentile(const td_timing *timing, double share, double want) {
+    double got = td_timing_percentile(timing, share);
+    if (!(got >= want * (1 - 1e-9) && got <= want * exp2(0.25) * (1 + 1e-9)))
+        fail_msg("%g of the events: %g s, not %g s", share, got, want);
+}
+
+static void test_timing_percentiles(void **state) {
+    (void)state;
+    td_comparator comparator = comparator_of(C, C);
+    td_timing timing;
+    memset(&timing, 0, sizeof timing);
+    assert_true(td_timing_percentile(&timing, 0.5) == 0);
+    for (int i = 1; i <= 1000; i++) add_pixel(&timing, &comparator, i % 2 ? C : -C, 1e-9 * i * i); /* 1 ns to 1 ms */
+    expect_percentile(&timing, 0.5, 250e-6);
+    expect_percentile(&timing, 0.95, 902.5e-6);
+    expect_percentile(&timing, 0.99, 980.1e-6);
+    expect_percentile(&timing, 1, 1e-3);
+}
+
+/* A pixel weighs in with the thresholds that it moves through; one that hardly moves, or is NaN, doesn't. */
+static void test_timing_weights(void **state) {
+    (void)state;
+    td_comparator comparator = comparator_of(0.5 * C, 1.5 * C); /* their mean counts */
+    td_timing timing, before;
+    memset(&timing, 0, sizeof timing);
+    add_pixel(&timing, &comparator, 9 * C, 1e-6);
+    add_pixel(&timing, &comparator, C, 1e-3);
+    expect_percentile(&timing, 0.89, 1e-6);
+    expect_percentile(&timing, 0.91, 1e-3);
+    before = timing;
+    add_pixel(&timing, &comparator, 0.001 * C, 1e-3);
+    add_pixel(&timing, &comparator, NAN, 1e-3);
+    add_pixel(&timing, &comparator, 0, 0);
+    assert_memory_equal(&timing, &before, sizeof timing);
+}
+
+/* Errors below the first bin are no error; none is above the step, as long as that is among the bins. */
+static void test_timing_ends(void **state) {
+    (void)state;
+    td_comparator comparator = comparator_of(C, C);
+    td_timing timing;
+    memset(&timing, 0, sizeof timing);
+    pixel p = {0, C / H, C, C / H, 0}; /* a straight line */
+    td_signals signals = {&p.S0, &p.S0_dot, &p.S1, &p.S1_dot};
+    td_timing_add(&timing, &comparator, H, &signals, 1);
+    assert_true(td_timing_percentile(&timing, 0.99) == 0);
+    memset(&timing, 0, sizeof timing);
+    add_pixel(&timing, &comparator, C, 1e3);
+    expect_percentile(&timing, 0.5, H);
+    memset(&timing, 0, sizeof timing);
+    p.S1_dot = 1e30;
+    td_timing_add(&timing, &comparator, 1e9, &signals, 1); /* beyond the last bin */
+    assert_true(td_timing_percentile(&timing, 0.5) == exp2(16));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_cubic_signals),
+                                       cmocka_unit_test(test_quadratic_signals_have_no_error),
+                                       cmocka_unit_test(test_bounds_the_models_error),
+                                       cmocka_unit_test(test_only_pixels_near_a_level_count),
+                                       cmocka_unit_test(test_worst_of_many),
+                                       cmocka_unit_test(test_timing_percentiles),
+                                       cmocka_unit_test(test_timing_weights),
+                                       cmocka_unit_test(test_timing_ends)};
+    print_message("seed %llu\n", (unsigned long long)SEED);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
