@@ -32,6 +32,12 @@ const char *tides_version(void) {
     return TD_VERSION_TEXT(TIDES_VERSION_MAJOR, TIDES_VERSION_MINOR, TIDES_VERSION_PATCH);
 }
 
+/* Names from outside may hold anything; an error stays one line of printable text. */
+static void one_line(char *text) {
+    for (; *text; text++)
+        if ((unsigned char)*text < 0x20 || *text == 0x7f) *text = '?';
+}
+
 tides_status td_fail(tides_error *error, tides_status status, const char *format, ...) {
     if (error) {
         va_list arguments;
@@ -39,6 +45,7 @@ tides_status td_fail(tides_error *error, tides_status status, const char *format
         error->status = status;
         vsnprintf(error->text, sizeof error->text, format, arguments);
         va_end(arguments);
+        one_line(error->text);
     }
     return status;
 }
@@ -58,6 +65,7 @@ tides_status td_fail_within(tides_error *error, tides_status status, const char 
     memcpy(end, ": ", 2);
     memcpy(end + 2, inner, kept);
     end[2 + kept] = 0;
+    one_line(error->text);
     return status;
 }
 

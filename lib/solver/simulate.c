@@ -151,11 +151,10 @@ static tides_status compare_refined_tile(tides_simulator *s, int t, double start
     const td_tile *tile = &s->tile[t];
     size_t at = s->first_pixel[t], bytes = (size_t)tile->count * sizeof(double);
     td_pixels pixels = {s->pixels.initial + at, s->pixels.reference + at, s->pixels.count_on + at, s->pixels.count_off + at};
-    const double *end = NULL;
+    int32_t last = r->step[t].end;
     for (int32_t i = t; i >= 0; i = r->step[i].next) {
-        s->tile_risk[t] = r->risk[r->step[i].end];
-        const double *begin = r->samples + (size_t)r->step[i].begin * 2 * TD_TILE_PIXELS;
-        end = r->samples + (size_t)r->step[i].end * 2 * TD_TILE_PIXELS;
+        last = r->step[i].end;
+        const double *begin = td_refine_sample(r, r->step[i].begin), *end = td_refine_sample(r, last);
         td_signals signals = {begin, begin + TD_TILE_PIXELS, end, end + TD_TILE_PIXELS};
         td_step step;
         tides_status status = step_between(s, td_refine_time(r, start, stop, r->step[i].from),
@@ -166,8 +165,10 @@ static tides_status compare_refined_tile(tides_simulator *s, int t, double start
         td_timing_add(&s->timing, &s->comparator, step.length_s, &signals, tile->count);
         s->stats.steps++;
     }
-    memcpy(s->now.S + at, end, bytes);
-    memcpy(s->now.S_dot + at, end + TD_TILE_PIXELS, bytes);
+    const double *reached = td_refine_sample(r, last);
+    memcpy(s->now.S + at, reached, bytes);
+    memcpy(s->now.S_dot + at, reached + TD_TILE_PIXELS, bytes);
+    s->tile_risk[t] = r->risk[last];
     return TIDES_OK;
 }
 

@@ -1,6 +1,7 @@
 /* Soft depth order (kernels/soft_order.h) in the double reference: the image is continuous in time while splats swap places in
  * depth, with exact rates; it is the closed form
- *   Y = sum_k w_k l_k + T B,   w_k = tau_k prod_{j != k} (1 - tau_j f_kj),   f_kj = smootherstep(1/2 + (z_k - z_j) / (2 delta z))
+ *   Y = sum_k w_k l_k + T B,   w_k = tau_k prod_{j != k} (1 - tau_j f_kj),
+ *   f_kj = smootherstep(1/2 + (z_k - z_j) / (2 delta z)),
  * with z the farther depth; and it is hard order where splats are apart. Each tau is what the splat shows alone. */
 #include <stdarg.h>
 #include <stddef.h>
@@ -127,8 +128,13 @@ static double between(uint64_t *seed, double lower, double upper) {
 /* Splats that overlap, with depths within `spread` of DEPTH, relatively; some of them the very same. */
 static void draw(splat *splats, int count, double spread, uint64_t *seed) {
     for (int i = 0; i < count; i++) {
-        splat s = {between(seed, -0.6, 0.6), between(seed, -0.5, 0.5), DEPTH * (1 + between(seed, -spread, spread)), 0,
-                   between(seed, 0.2, 0.6),  between(seed, 0.1, 0.95), between(seed, -1.5, 2)};
+        splat s = {between(seed, -0.6, 0.6),
+                   between(seed, -0.5, 0.5),
+                   DEPTH * (1 + between(seed, -spread, spread)),
+                   0,
+                   between(seed, 0.2, 0.6),
+                   between(seed, 0.1, 0.95),
+                   between(seed, -1.5, 2)};
         if (i > 0 && i % 5 == 0) s.z = splats[i - 1].z;
         splats[i] = s;
     }
@@ -261,7 +267,9 @@ static void test_swaps_are_continuous(void **state) {
 }
 
 static void test_rates_through_swaps(void **state) {
-    static const int pairs[][2] = {{TD_OUT_L, TD_OUT_L_DOT}, {TD_OUT_ALPHA, TD_OUT_ALPHA_DOT}, {TD_OUT_R, TD_OUT_R_DOT},
+    static const int pairs[][2] = {{TD_OUT_L, TD_OUT_L_DOT},
+                                   {TD_OUT_ALPHA, TD_OUT_ALPHA_DOT},
+                                   {TD_OUT_R, TD_OUT_R_DOT},
                                    {TD_OUT_Z, TD_OUT_Z_DOT}};
     const double speed = 1, h = 1e-6, swap = DELTA * DEPTH / speed;
     (void)state;

@@ -1,0 +1,311 @@
+/* The steps that adaptive control takes, tile by tile: within their limits and no shorter than they must be, none where nothing
+ * moves, and none so long that a splat passes a tile unseen between two samples. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "tests/property/refine_world.h"
+
+static const uint64_t SEED = 16180;
+
+/* -- the steps themselves ------------------------------------------------------------------------------------------ */
+
+/* Calls `check` after each macro step, with the events that it gave. */
+typedef void (*step_check)(const tides_simulator *s, const job *j, double start, double stop, const outcome *o, size_t first);
+
+static outcome advance_step_by_step(const job *j, tides_simulator *s, step_check check) {
+    outcome o = {0};
+    begin(j, s, &o);
+    for (int64_t k = 0; k < s->steps; k++) {
+        tides_error error;
+        double start = td_grid_time(s, k), stop = td_grid_time(s, k + 1);
+        size_t first = o.count;
+        scene_expect_ok(tides_simulator_run(s, stop, collect, &o, NULL, NULL, &error), &error);
+        check(s, j, start, stop, &o, first);
+    }
+    finish(s, &o);
+    return o;
+}
+
+static outcome run_step_by_step(const job *j, step_check check) {
+    tides_device *device = open_device(j->device);
+    tides_simulator *s = make_simulator(j, device);
+    outcome o = advance_step_by_step(j, s, check);
+    tides_simulator_destroy(s);
+    tides_device_close(device);
+    return o;
+}
+
+/* The factor by which a step of `share` of the macro step is above the limits (DESIGN 3.2; control.c), and its risk. */
+static double excess_of(const tides_simulator *s, const job *j, const td_refine_step *step, double share, double h,
+                        double *risk) {
+    const td_refine *r = &s->refine;
+    const double *from = td_refine_sample(r, step->begin), *to = td_refine_sample(r, step->end);
+    td_signals signals = {from, from + TD_TILE_PIXELS, to, to + TD_TILE_PIXELS};
+    td_estimate e = td_estimate_step(&s->comparator, h, &signals, s->pixels.reference + s->first_pixel[step->tile],
+                                     s->tile[step->tile].count);
+    double excess = 2 * share * s->renderer->candidates.travel[step->tile];
+    *risk = fmax(r->risk[step->begin], r->risk[step->end]);
+    if (j->stepping.mode & TIDES_STEPPING_RISK) excess = fmax(excess, share * (1 + 31 * *risk));
+    if (j->stepping.mode & TIDES_STEPPING_ERROR)
+        excess = fmax(excess, e.error / (j->stepping.tolerance * j->sensor.threshold_on));
+    return excess;
+}
+
+/* Each moving tile's steps cover the macro step without gap, none above its limits but those of the shortest length. With equal
+ * thresholds references move by whole thresholds, so that estimates are the same after the step as before. */
+static void check_lists(const tides_simulator *s, const job *j, double start, double stop, const outcome *o, size_t first) {
+    const td_refine *r = &s->refine;
+    const uint32_t whole = (uint32_t)1 << r->depth;
+    (void)o;
+    (void)first;
+    assert_true((stop - start) / whole <= j->stepping.min_step_s * 1.00001 || whole == 1);
+    assert_true((stop - start) / whole > 0.5 * j->stepping.min_step_s);
+    for (int i = 0; i < s->moving_count; i++) {
+        uint32_t reached = 0;
+        double most_risk = 0, most_excess = 0, steps = 0;
+        for (int32_t k = s->moving[i]; k >= 0; k = r->step[k].next, steps++) {
+            const td_refine_step *step = &r->step[k];
+            double share = (step->to - step->from) / (double)whole, risk;
+            double h = td_refine_time(r, start, stop, step->to) - td_refine_time(r, start, stop, step->from);
+            double excess = excess_of(s, j, step, share, h, &risk);
+            assert_true(step->from == reached && step->to > reached && step->tile == s->moving[i]);
+            assert_true(step->next < 0 || step->end == r->step[step->next].begin);
+            if (excess > 1 + 1e-9 && step->to - step->from > 1) fail_msg("tile %d: %g above the limit", step->tile, excess);
+            most_risk = fmax(most_risk, risk);
+            most_excess = fmax(most_excess, excess);
+            reached = step->to;
+        }
+        assert_true(reached == whole);
+        /* Under risk a step is halved only where twice its length is too long: no tile takes more than its risk asks for. */
+        double travel = s->renderer->candidates.travel[s->moving[i]];
+        if (j->stepping.mode == TIDES_STEPPING_RISK && j->stepping.local)
+            assert_true(steps <= fmax(fmax(2 * (1 + 31 * most_risk), 4 * travel), 1));
+    }
+}
+
+static void test_steps_are_within_their_limits(void **state) {
+    static const int modes[] = {TIDES_STEPPING_ERROR, TIDES_STEPPING_RISK, TIDES_STEPPING_ERROR_RISK};
+    (void)state;
+    for (int trial = 0; trial < 6; trial++) {
+        world w = make_world(SEED + 60 + (uint64_t)trial, trial % KINDS);
+        job j = job_in(&w);
+        j.stop = 0.32;
+        j.stepping.mode = modes[trial % 3];
+        j.stepping.min_step_s = 1e-4;
+        j.stepping.local = trial != 4;
+        outcome o = run_step_by_step(&j, check_lists);
+        assert_true(o.stats.steps_rejected > 0);
+        free_outcome(&o);
+        free_world(&w);
+    }
+}
+
+/* Risk from |alpha_dot| alone: short steps where a silhouette passes, whole ones where nothing becomes opaque or clear. */
+static void test_risk_follows_silhouettes(void **state) {
+    (void)state;
+    world w = make_world(SEED + 70, OBJECT_MOVES);
+    job j = job_in(&w);
+    j.stepping.mode = TIDES_STEPPING_RISK;
+    j.stepping.risk.w_b = j.stepping.risk.w_c = j.stepping.risk.w_alpha = 0;
+    outcome none = run_step_by_step(&j, check_lists);
+    j.stepping.risk.w_alpha = 1;
+    outcome some = run_step_by_step(&j, check_lists);
+    j.stepping.risk.w_alpha = 4;
+    outcome more = run_step_by_step(&j, check_lists);
+    assert_true(none.stats.steps < some.stats.steps && some.stats.steps < more.stats.steps);
+    assert_true(none.stats.tile_steps_still == more.stats.tile_steps_still); /* nothing is rendered where nothing moves */
+    free_outcome(&none);
+    free_outcome(&some);
+    free_outcome(&more);
+    free_world(&w);
+}
+
+/* With unequal thresholds a pixel's levels aren't known beforehand: each that moves counts, near a level or not. */
+static void test_unequal_thresholds_count_every_pixel(void **state) {
+    (void)state;
+    world w = make_world(SEED + 71, CAMERA_MOVES);
+    job j = job_in(&w);
+    j.stop = 0.32;
+    j.sensor.threshold_on = j.sensor.threshold_off = 0.4;
+    outcome equal = run(&j);
+    j.sensor.threshold_off = 0.4 * (1 + 1e-9);
+    outcome unequal = run_step_by_step(&j, check_lists);
+    tides_match m = match(&equal, &unequal);
+    assert_true(unequal.stats.steps > equal.stats.steps && m.mismatch_percent < 0.3 && m.dt_median_us < 1);
+    check_stream(&j, &unequal);
+    check_state(&j, &unequal);
+    free_outcome(&equal);
+    free_outcome(&unequal);
+    free_world(&w);
+}
+
+/* -- nothing moves, nothing is done -------------------------------------------------------------------------------- */
+
+/* No event in a tile that isn't listed as moving. */
+static void check_still_tiles(const tides_simulator *s, const job *j, double start, double stop, const outcome *o,
+                              size_t first) {
+    (void)start;
+    (void)stop;
+    assert_true(s->moving_count > 0 && s->moving_count < s->tiles);
+    for (size_t k = first; k < o->count; k++) {
+        int tiles_x = (j->camera.width + TD_TILE - 1) / TD_TILE,
+            tile = o->events[k].y / TD_TILE * tiles_x + o->events[k].x / TD_TILE;
+        assert_true(s->renderer->candidates.moving[tile]);
+    }
+}
+
+static void test_still_tiles_get_no_job(void **state) {
+    enum { OBJECT_AT_REST = 32 }; /* 30 Gaussians, padded */
+    (void)state;
+    for (int trial = 0; trial < 3; trial++) {
+        world w = make_world(SEED + 80 + (uint64_t)trial, OBJECT_MOVES);
+        job j = job_in(&w);
+        outcome o = run_step_by_step(&j, check_still_tiles);
+        const tides_stats *stats = &o.stats;
+        uint64_t tiles = (uint64_t)tiles_of(&j), macro_steps = 4;
+        assert_true(stats->tile_steps_still > 0);
+        /* Each moving tile begins with one step per macro step; each halving is one more step and one more job. */
+        assert_true(stats->steps == macro_steps * tiles - stats->tile_steps_still + stats->steps_rejected);
+        assert_true(stats->render.tile_jobs + stats->render.tile_jobs_skipped == tiles + stats->steps);
+        assert_true(stats->render.gaussians_still == macro_steps * OBJECT_AT_REST);
+        free_outcome(&o);
+        free_world(&w);
+    }
+}
+
+/* -- the travel guard ---------------------------------------------------------------------------------------------- */
+
+/* A backend whose sweeps say that nothing travels. */
+typedef struct blind_class {
+    td_backend_class type;
+    const td_backend_class *seeing;
+} blind_class;
+
+static tides_status sweep_blindly(td_backend *backend, const double *views, double duration, int first, int end, float *boxes,
+                                  float *travel, tides_error *error) {
+    const blind_class *blind = (const void *)backend->type;
+    tides_status status = blind->seeing->sweep(backend, views, duration, first, end, boxes, travel, error);
+    for (int i = first; i < end; i++) travel[i] = 0;
+    return status;
+}
+
+/* One small opaque ball that flies past the camera, out of the image on one side at 0 s, on the other at 10 ms. */
+static tides_scene *make_ball(double x, double y) {
+    const float mean[3] = {0, 0, 0}, quaternion[4] = {1, 0, 0, 0}, log_scale[3] = {-3, -3, -3}, logit = 5, sh[3] = {2, 2, 2};
+    tides_gaussians gaussian = {1, 0, 0, mean, log_scale, quaternion, &logit, sh};
+    tides_pose_sample samples[3] = {{0}};
+    tides_trajectory *path = NULL;
+    tides_scene *scene = NULL;
+    tides_error error;
+    for (int i = 0; i < 3; i++) { /* a straight line */
+        samples[i].time = 0.01 * i;
+        samples[i].position[0] = x * (2 * i - 1);
+        samples[i].position[1] = y * (2 * i - 1);
+        samples[i].position[2] = 4;
+        samples[i].quaternion[0] = 1;
+    }
+    scene_expect_ok(tides_trajectory_create(samples, 3, &path, &error), &error);
+    scene_expect_ok(tides_scene_create(&scene, &error), &error);
+    scene_expect_ok(tides_scene_add(scene, &gaussian, path, 1, NULL, NULL, &error), &error);
+    tides_trajectory_destroy(path);
+    return scene;
+}
+
+/* The whole run without the guard. */
+static outcome run_blindly(const job *j) {
+    outcome o = {0};
+    tides_error error;
+    tides_device *device = open_device(j->device);
+    tides_simulator *s = make_simulator(j, device);
+    blind_class blind = {*s->renderer->backend->type, s->renderer->backend->type};
+    blind.type.sweep = sweep_blindly;
+    s->renderer->backend->type = &blind.type;
+    begin(j, s, &o);
+    scene_expect_ok(tides_simulator_run(s, j->stop, collect, &o, NULL, NULL, &error), &error);
+    finish(s, &o);
+    tides_simulator_destroy(s);
+    tides_device_close(device);
+    return o;
+}
+
+static void test_nothing_passes_unseen(void **state) {
+    static const double position[3] = {0, 0, 0}, quaternion[4] = {1, 0, 0, 0}, ways[][2] = {{3, 0}, {0, -3}, {-3, 3}};
+    (void)state;
+    for (size_t k = 0; k < sizeof ways / sizeof *ways; k++) {
+        tides_scene *ball = make_ball(ways[k][0], ways[k][1]);
+        tides_trajectory *still = NULL;
+        scene_expect_ok(tides_trajectory_create_static(position, quaternion, &still, NULL), NULL);
+        job j = {.device = "reference-f32", .scene = ball, .path = still, .camera = {40, 40, 40, 40, 20, 20}, .stop = 0.02};
+        tides_sensor_defaults(&j.sensor);
+        tides_stepping_defaults(&j.stepping);
+        outcome guarded = run(&j), blind = run_blindly(&j);
+        j.stepping.mode = TIDES_STEPPING_FIXED;
+        j.stepping.step_s = 1e-5;
+        outcome truth = run(&j);
+        tides_match m = match(&truth, &guarded);
+        assert_true(truth.count > 500 && blind.count == 0 && blind.stats.steps_rejected == 0);
+        if (!(m.mismatch_percent < 1 && m.dt_p95_us < 5))
+            fail_msg("%zu events of %zu, mismatched %g %%, p95 %g us", guarded.count, truth.count, m.mismatch_percent,
+                     m.dt_p95_us);
+        free_outcome(&guarded);
+        free_outcome(&blind);
+        free_outcome(&truth);
+        tides_trajectory_destroy(still);
+        tides_scene_destroy(ball);
+    }
+}
+
+/* -- the shortest step --------------------------------------------------------------------------------------------- */
+
+/* As run_step_by_step, with an image formed by `rules`. */
+static outcome run_under_rules(const job *j, int rules) {
+    tides_device *device = open_device(j->device);
+    tides_simulator *s = NULL;
+    tides_image_params params;
+    tides_error error;
+    tides_image_params_defaults(&params);
+    params.rules = rules;
+    scene_expect_ok(tides_simulator_create(device, j->scene, j->path, &j->camera, &params, &j->sensor, &j->stepping, j->start,
+                                           j->stop, NULL, NULL, &s, &error),
+                    &error);
+    outcome o = advance_step_by_step(j, s, check_lists);
+    tides_simulator_destroy(s);
+    tides_device_close(device);
+    return o;
+}
+
+/* inria's image jumps: where it does, no step is short enough, and the shortest must do. Smooth comes within the tolerance. */
+static void test_shortest_step(void **state) {
+    (void)state;
+    world w = make_world(SEED + 95, CAMERA_MOVES);
+    job j = job_in(&w);
+    j.stop = 0.32;
+    uint64_t last = 0;
+    for (int depth = 0; depth <= 6; depth += 2) {
+        j.stepping.min_step_s = j.stepping.step_s / (1 << depth);
+        outcome o = run_under_rules(&j, TIDES_RULES_INRIA), smooth = run_under_rules(&j, TIDES_RULES_SMOOTH);
+        assert_true(o.stats.steps > last && o.stats.steps <= 2 * (uint64_t)tiles_of(&j) << depth);
+        assert_true(o.stats.steps_at_minimum > 0 && o.stats.worst_error > j.stepping.tolerance);
+        if (depth == 6) assert_true(o.stats.steps_at_minimum > 10 * smooth.stats.steps_at_minimum);
+        check_stream(&j, &o);
+        check_state(&j, &o);
+        last = o.stats.steps;
+        free_outcome(&o);
+        free_outcome(&smooth);
+    }
+    free_world(&w);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_steps_are_within_their_limits),
+                                       cmocka_unit_test(test_risk_follows_silhouettes),
+                                       cmocka_unit_test(test_unequal_thresholds_count_every_pixel),
+                                       cmocka_unit_test(test_still_tiles_get_no_job),
+                                       cmocka_unit_test(test_nothing_passes_unseen),
+                                       cmocka_unit_test(test_shortest_step)};
+    print_message("seed %llu\n", (unsigned long long)SEED);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
