@@ -159,6 +159,7 @@ static void draw_bars(cli_canvas *canvas, plot_panel *panel, const bench_rows *r
     panel->x_label = "p95 |dt| [us] (renders)";
     panel->y_label = "";
     plot_axes(canvas, panel, 0);
+    if (last <= first) return;
     const int32_t pitch = (panel->bottom - panel->top) / (int32_t)(last - first);
     for (size_t i = first; i < last; i++) {
         const bench_row *row = &rows->rows[i];

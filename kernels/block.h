@@ -10,7 +10,7 @@ typedef struct td_list {
     TD_GLOBAL const int *order;                 /* front to back: where in the records */
     TD_GLOBAL const int *masks;                 /* blocks touched, in the same order */
     int count;
-    td_real brightest;                          /* largest luminance in the list and behind it */
+    td_real brightest; /* largest luminance in the list and behind it */
 } td_list;
 
 /* Pixel offsets within a 4x4 block of the lanes that begin at pixel `first`. */
@@ -44,7 +44,9 @@ TD_INLINE int td_next_in_block(const td_list *list, int block, int i) {
     return i;
 }
 
-TD_INLINE td_real td_list_depth(const td_list *list, int i) { return list->records[list->order[i] * TD_RECORD_STRIDE + TD_R_DEPTH]; }
+TD_INLINE td_real td_list_depth(const td_list *list, int i) {
+    return list->records[list->order[i] * TD_RECORD_STRIDE + TD_R_DEPTH];
+}
 
 /* Place i of the list in soft order: through the window if what is before or behind is near, else directly. */
 TD_INLINE void td_blend_soft(const td_list *list, const td_image *image, int i, int next, td_window *window,

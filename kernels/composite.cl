@@ -3,9 +3,10 @@
 #include "specialise.h"
 
 __kernel void td_composite_jobs(__constant const td_image *image_buffer, __global const td_job *jobs,
-                           __global const td_backdrop *backdrops, __global const float *records, __global const float *colours,
-                           __global const int *order, __global const int *sorted_masks, __global const int *counts,
-                           __global const float *brightest, __global float *planes, __global int *blended) {
+                                __global const td_backdrop *backdrops, __global const float *records,
+                                __global const float *colours, __global const int *order, __global const int *sorted_masks,
+                                __global const int *counts, __global const float *brightest, __global float *planes,
+                                __global int *blended) {
     const td_image image = td_specialised(image_buffer);
     int job_index = (int)get_global_id(1);
     int pixel = (int)get_global_id(0) * TD_LANES;

@@ -10,10 +10,10 @@ typedef struct td_composite {
     td_lanes transmittance, transmittance_dot; /* T, T_dot */
     td_lanes luminance, luminance_dot;         /* sum of w lum, and its rate */
     td_lanes contributors;
-    td_mask live;                              /* not yet terminated */
-    td_lanes colour[6];                        /* from here on only where colour is asked for */
-    td_lanes depth, depth_dot;                 /* sum of w z, and its rate */
-    td_lanes weight, weight_dot;               /* sum of w: 1 - T without its cancellation */
+    td_mask live;                /* not yet terminated */
+    td_lanes colour[6];          /* from here on only where colour is asked for */
+    td_lanes depth, depth_dot;   /* sum of w z, and its rate */
+    td_lanes weight, weight_dot; /* sum of w: 1 - T without its cancellation */
 } td_composite;
 
 /* Splat alpha and rate at the pixels: tau and tau_dot (paper, Eq. 2 and 7), before the termination mask. */
@@ -72,8 +72,8 @@ TD_INLINE void td_visible_alpha(TD_GLOBAL const td_real *record, const td_image 
 }
 
 /* Adds a splat of blend weight w to the sums; its colour record only where the image wants colour. */
-TD_INLINE void td_accumulate(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image, td_lanes w,
-                             td_lanes w_dot, td_composite *pixels) {
+TD_INLINE void td_accumulate(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
+                             td_lanes w, td_lanes w_dot, td_composite *pixels) {
     td_real luminance = record[TD_R_LUMINANCE], luminance_dot = record[TD_R_LUMINANCE_DOT];
     pixels->luminance = td_fma(w, luminance, pixels->luminance);
     pixels->luminance_dot = td_fma(w_dot, luminance, td_fma(w, luminance_dot, pixels->luminance_dot));

@@ -9,7 +9,7 @@ TD_INLINE td_lanes td_floor(td_lanes x) {
 #ifdef TD_REAL_DOUBLE
     td_real magic = 6755399441055744.0; /* 1.5 * 2^52 */
 #else
-    td_real magic = 12582912.0f;        /* 1.5 * 2^23 */
+    td_real magic = 12582912.0f; /* 1.5 * 2^23 */
 #endif
     td_lanes nearest = (x + magic) - magic;
     return nearest - td_select(td_splat(0.0f), td_splat(1.0f), nearest > x);
@@ -25,7 +25,7 @@ TD_INLINE void td_half_widths(const td_shape *shape, td_lanes *rx, td_lanes *ry)
 }
 
 /* INRIA: ceil(3 sqrt(lambda_max)); a splat is seen only by the 16x16 tiles that the square of that radius touches. gsplat: per
- * axis ceil(min(3.33, sqrt(2 ln(255 opacity))) sqrt(cov_ii)). Returns a mask of the Gaussians whose rectangle holds the tile. */
+ * axis ceil(min(3.33, sqrt(2 ln(255 opacity))) sqrt(cov_ii)). The mask of the Gaussians whose rectangle holds the tile. */
 TD_INLINE td_mask td_rectangle_holds(const td_shape *shape, const td_image *image, int tile_x, int tile_y) {
     td_lanes rx, ry;
     if (image->extent_rule == TD_EXTENT_INRIA) {

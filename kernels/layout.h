@@ -6,15 +6,16 @@
 #include "numerics.h"
 
 enum {
-    TD_TILE = 16,              /* pixels on a side of a tile: 16 blocks of 4x4 */
+    TD_TILE = 16, /* pixels on a side of a tile: 16 blocks of 4x4 */
     TD_TILE_PIXELS = 256,
-    TD_PAD = 16,               /* objects and candidate lists are padded to this, so that a vector never mixes objects */
-    TD_GEOMETRY_STRIDE = 16,   /* reals per Gaussian */
-    TD_RECORD_STRIDE = 16,     /* reals per splat record */
-    TD_COLOUR_STRIDE = 8,      /* reals per splat colour record */
-    TD_NO_GAUSSIAN = -1        /* padding in a candidate list */
+    TD_PAD = 16,             /* objects and candidate lists are padded to this, so that a vector never mixes objects */
+    TD_GEOMETRY_STRIDE = 16, /* reals per Gaussian */
+    TD_RECORD_STRIDE = 16,   /* reals per splat record */
+    TD_COLOUR_STRIDE = 8,    /* reals per splat colour record */
+    TD_NO_GAUSSIAN = -1      /* padding in a candidate list */
 };
 
+/* clang-format off */
 /* Gaussian, activated, in its object's coordinates; reals at index * TD_GEOMETRY_STRIDE. Rates have the same layout. */
 enum {
     TD_G_MEAN = 0,    /* 3 */
@@ -36,6 +37,7 @@ enum {
     TD_OUT_R, TD_OUT_G, TD_OUT_B, TD_OUT_R_DOT, TD_OUT_G_DOT, TD_OUT_B_DOT, TD_OUT_Z, TD_OUT_Z_DOT,
     TD_OUT_SIGNAL = 2, TD_OUT_DIAGNOSTICS = 6, TD_OUT_COLOUR = 14
 };
+/* clang-format on */
 
 /* Object to camera at one time: p_camera = r p_object + t (an object's scale is inside r); eye is the camera's centre in the
  * object's coordinates, so that SH of every degree turns with the object. [slot][object] */
@@ -59,7 +61,6 @@ typedef struct td_job {
     int capacity; /* keys: the power of two that holds count */
 } td_job;
 
-
 /* Decisions of the image formation, resolved from tides_image_params by lib/render/rules.c. */
 enum { TD_CUT_NONE = 0, TD_CUT_HARD = 1, TD_CUT_TAPER = 2 };
 enum { TD_STOP_NONE = 0, TD_STOP_BELOW = 1, TD_STOP_BELOW_OR_AT = 2, TD_STOP_BOUND = 3 };
@@ -68,23 +69,23 @@ enum { TD_EXTENT_ELLIPSE = 0, TD_EXTENT_INRIA = 1, TD_EXTENT_GSPLAT = 2 };
 typedef struct td_image {
     td_real fx, fy, cx, cy;
     td_real limit_x0, limit_x1, limit_y0, limit_y1; /* clamps of x/z and y/z in the Jacobian */
-    td_real dilation;    /* [px^2] */
+    td_real dilation;                               /* [px^2] */
     td_real antialias_floor;
     td_real near, near_full; /* opacity fades in between; equal: a hard cull */
     td_real alpha_max;
-    td_real cut, cut_full;   /* splat_alpha below cut is 0; TAPER: rises to its full value at cut_full */
-    td_real stop;            /* transmittance, or for BOUND what the rest may change in L */
+    td_real cut, cut_full; /* splat_alpha below cut is 0; TAPER: rises to its full value at cut_full */
+    td_real stop;          /* transmittance, or for BOUND what the rest may change in L */
     td_real log_eps;
     td_real luminance[3];
-    td_real soft_depth;      /* relative depth within which two splats swap gradually (soft_order.h) */
+    td_real soft_depth; /* relative depth within which two splats swap gradually (soft_order.h) */
     td_real padding;
     int width, height;
     int objects;
     int sh_degree, sh_stride; /* evaluated bands; reals per Gaussian in the SH array */
     int antialias, cut_rule, stop_rule, extent_rule;
-    int moving;               /* Gaussians have rates of their own */
-    int outputs;              /* TD_OUT_SIGNAL, _DIAGNOSTICS or _COLOUR */
-    int soft_order;           /* 1: soft depth order */
+    int moving;     /* Gaussians have rates of their own */
+    int outputs;    /* TD_OUT_SIGNAL, _DIAGNOSTICS or _COLOUR */
+    int soft_order; /* 1: soft depth order */
 } td_image;
 
 #endif

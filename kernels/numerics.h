@@ -199,9 +199,9 @@ TD_INLINE int td_any(td_mask mask) {
 #endif
 }
 
-/* 2^x for x <= 127, error < 1.8 ulp on the float side, exact for whole x. Below -126 it stays at 2^-126.
- * Degree 5 polynomial on [-1/2, 1/2] through 1 at 0, its coefficients searched as floats for the least error in ulp as evaluated
- * here (a rounded minimax polynomial is at 2.6); the magic constant 1.5 * 2^23 rounds. */
+/* 2^x for x <= 127, error < 1.8 ulp on the float side, exact for whole x. Below -126 it stays at 2^-126. Degree 5 polynomial on
+ * [-1/2, 1/2] through 1 at 0, its coefficients searched as floats for the least error in ulp as evaluated here (a rounded
+ * minimax polynomial is at 2.6); the magic constant 1.5 * 2^23 rounds. */
 TD_INLINE td_lanes td_exp2(td_lanes x) {
 #ifdef TD_REAL_DOUBLE
     return exp2(x);

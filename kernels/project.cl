@@ -2,10 +2,11 @@
 #include "record.h"
 #include "specialise.h"
 
-__kernel void td_project_jobs(__constant const td_image *image_buffer, __global const td_job *jobs, __global const int *candidates,
-                         __global const int *object, __global const td_view *views, __global const float *geometry,
-                         __global const float *rates, __global const float *sh, __global const float *sh_rates,
-                         __global float *records, __global float *colours, __global int *masks) {
+__kernel void td_project_jobs(__constant const td_image *image_buffer, __global const td_job *jobs,
+                              __global const int *candidates, __global const int *object, __global const td_view *views,
+                              __global const float *geometry, __global const float *rates, __global const float *sh,
+                              __global const float *sh_rates, __global float *records, __global float *colours,
+                              __global int *masks) {
     const td_image image = td_specialised(image_buffer);
     const td_job job = jobs[get_group_id(0)];
     td_source source;

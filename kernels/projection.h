@@ -11,13 +11,13 @@
 
 /* A group of Gaussians in the view of one camera. Continuous values may be meaningless where `visible` is 0. */
 typedef struct td_shape {
-    td_dual depth;           /* camera z */
-    td_dual u, v;            /* mean2d [px] */
-    td_dual a, b, c;         /* covariance after dilation: (a b; b c) [px^2] */
-    td_dual conic[3];        /* its inverse: xx, xy, yy [1/px^2] */
-    td_dual opacity;         /* with antialiasing and near fade */
-    td_lanes compensation;   /* the antialiasing factor, 1 where off */
-    td_lanes power;          /* the ellipse's d^T Q d at the cut: 2 ln(opacity / cut) */
+    td_dual depth;         /* camera z */
+    td_dual u, v;          /* mean2d [px] */
+    td_dual a, b, c;       /* covariance after dilation: (a b; b c) [px^2] */
+    td_dual conic[3];      /* its inverse: xx, xy, yy [1/px^2] */
+    td_dual opacity;       /* with antialiasing and near fade */
+    td_lanes compensation; /* the antialiasing factor, 1 where off */
+    td_lanes power;        /* the ellipse's d^T Q d at the cut: 2 ln(opacity / cut) */
     td_mask visible;
 } td_shape;
 
@@ -43,8 +43,7 @@ TD_INLINE td_dual td_entry(const td_source *source, const td_image *image, td_in
 TD_INLINE td_dual td_view_row(TD_GLOBAL const td_real *m, TD_GLOBAL const td_real *m_dot, const td_dual p[3], td_real offset,
                               td_real offset_dot) {
     td_dual sum = td_dual_make(td_splat(offset), td_splat(offset_dot));
-    for (int j = 0; j < 3; j++)
-        sum = td_dual_fma(td_dual_make(td_splat(m[j]), td_splat(m_dot[j])), p[j], sum);
+    for (int j = 0; j < 3; j++) sum = td_dual_fma(td_dual_make(td_splat(m[j]), td_splat(m_dot[j])), p[j], sum);
     return sum;
 }
 

@@ -23,8 +23,7 @@ TD_INLINE void td_sh_add(td_colour *colour, td_dual basis, const td_sh_source *s
         td_index index = source->index + (3 * k + c);
         td_lanes sh = td_gather(source->sh, index);
         colour->channel[c] = td_dual_fma_still(basis, sh, colour->channel[c]);
-        if (source->moving)
-            colour->channel[c].d = td_fma(basis.v, td_gather(source->rates, index), colour->channel[c].d);
+        if (source->moving) colour->channel[c].d = td_fma(basis.v, td_gather(source->rates, index), colour->channel[c].d);
     }
 }
 

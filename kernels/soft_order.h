@@ -1,12 +1,13 @@
-/* Compositing with a soft depth order: where two splats swap places in depth, hard order makes the image jump; here each is seen
- * through the other gradually while their depths cross (DESIGN 3.1).
+/* Compositing with a soft depth order: where two splats swap places in depth, hard order makes the image jump; here each is
+ * seen through the other gradually while their depths cross (DESIGN 3.1).
  *
- * Splat k is seen through prod (1 - tau_j f_kj) over all others, where f_kj, how far j stands in front of k, goes from 0 to 1 as
- * (z_k - z_j) / max(z_k, z_j) goes from -delta to delta, delta = image->soft_depth; smootherstep, so the rates don't jump either.
- * Splats apart by more than that composite as always; the final transmittance stays prod (1 - tau_j). For a pair the weights
- * still sum to 1 - T. Depth is the splat's, the same for all pixels: which pairs are near is decided once per work-item.
+ * Splat k is seen through prod (1 - tau_j f_kj) over all others, where f_kj, how far j stands in front of k, goes from 0 to 1
+ * as (z_k - z_j) / max(z_k, z_j) goes from -delta to delta, delta = image->soft_depth; smootherstep, so the rates don't jump
+ * either. Splats apart by more than that composite as always; the final transmittance stays prod (1 - tau_j). For a pair the
+ * weights still sum to 1 - T. Depth is the splat's, the same for all pixels: which pairs are near is decided once per
+ * work-item.
  *
- * Splats come front to back, so those near the newest are the last few: a window that each leaves when the depth has moved on. */
+ * Splats come front to back, so those near the newest are the last few: a window that each leaves once the depth is past it. */
 #ifndef TD_SOFT_ORDER_H
 #define TD_SOFT_ORDER_H
 
@@ -47,11 +48,12 @@ TD_INLINE void td_window_pop(td_window *window, const td_image *image, TD_GLOBAL
                              TD_GLOBAL const td_real *colours, td_composite *pixels) {
     int i = window->first;
     TD_GLOBAL const td_real *record = records + window->record[i] * TD_RECORD_STRIDE;
-    td_accumulate(record, colours + window->record[i] * TD_COLOUR_STRIDE, image, window->weight[i], window->weight_dot[i], pixels);
+    td_accumulate(record, colours + window->record[i] * TD_COLOUR_STRIDE, image, window->weight[i], window->weight_dot[i],
+                  pixels);
     td_lanes t = pixels->transmittance;
     pixels->transmittance = td_fma(-t, window->tau[i], t);
-    pixels->transmittance_dot = td_fma(-pixels->transmittance_dot, window->tau[i],
-                                       td_fma(-t, window->tau_dot[i], pixels->transmittance_dot));
+    pixels->transmittance_dot =
+        td_fma(-pixels->transmittance_dot, window->tau[i], td_fma(-t, window->tau_dot[i], pixels->transmittance_dot));
     window->first = (i + 1) % TD_WINDOW;
     window->count--;
 }

@@ -1,5 +1,5 @@
-/* One work-group per tile job: bitonic sort of its splats by (depth, candidate), a total order, so that the image doesn't depend
- * on the device. Keys are positive float bits above the candidate's number, compared as signed 64-bit integers.
+/* One work-group per tile job: bitonic sort of its splats by (depth, candidate), a total order, so that the image doesn't
+ * depend on the device. Keys are positive float bits above the candidate's number, compared as signed 64-bit integers.
  *
  * On a CPU one work-item runs the whole network on vectors of eight keys with min and max (6 times faster in PoCL than the
  * version with barriers: DESIGN 3.5); on a GPU a work-group shares it. */
@@ -119,8 +119,8 @@ static int td_sort_job(__global const td_job *job, __global const float *records
 
 /* order and sorted_masks: what td_list wants; counts[job], brightest[job]. Keys have twice the room of the records. */
 __kernel void td_sort_jobs(__global const td_job *jobs, __global const td_backdrop *backdrops, __global const float *records,
-                      __global const int *masks, __global long *keys, __global int *order, __global int *sorted_masks,
-                      __global int *counts, __global float *brightest) {
+                           __global const int *masks, __global long *keys, __global int *order, __global int *sorted_masks,
+                           __global int *counts, __global float *brightest) {
     __local int shared;
     __global const td_job *job = jobs + get_group_id(0);
     __global const float *job_records = records + job->records * TD_RECORD_STRIDE;

@@ -40,8 +40,8 @@ TD_INLINE td_lanes td_travel(const td_shape s[3], td_mask ever) {
 }
 
 /* Box [x0, y0, x1, y1] of TD_LANES Gaussians from `first`, at boxes + 4 i; empty (x0 > x1) where never visible. `views`: start,
- * middle and end for every object. Whatever crosses the near plane in the interval gets the whole image. travel[i]: see td_travel;
- * 0 at the near plane, where splats fade. */
+ * middle and end for every object. Whatever crosses the near plane in the interval gets the whole image. travel[i]: see
+ * td_travel; 0 at the near plane, where splats fade. */
 TD_INLINE void td_sweep_group(TD_GLOBAL const td_view *views, const td_image *image, const td_source *source,
                               TD_GLOBAL const int *object, int first, td_real duration, TD_GLOBAL td_real *boxes,
                               TD_GLOBAL td_real *travel) {

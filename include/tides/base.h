@@ -32,18 +32,18 @@ extern "C" {
 #endif
 
 /* One list: the enum, the names and the texts can't drift apart. */
-#define TIDES_STATUS_LIST(X)                                             \
-    X(OK, 0, "success")                                                  \
-    X(BAD_ARGUMENT, 1, "an argument is out of range or inconsistent")    \
-    X(NO_MEMORY, 2, "out of memory")                                     \
-    X(FILE_NOT_FOUND, 3, "a file can't be opened")                       \
-    X(BAD_FILE, 4, "a file isn't what it claims to be")                  \
-    X(WRITE_FAILED, 5, "a file can't be written")                        \
-    X(BAD_CONFIG, 6, "a run file or setting is wrong")                   \
-    X(UNSUPPORTED, 7, "this version can't do that")                      \
-    X(NO_DEVICE, 8, "no OpenCL device matches")                          \
-    X(DEVICE_FAILED, 9, "an OpenCL call or kernel build failed")         \
-    X(CANCELLED, 10, "stopped on request")                               \
+#define TIDES_STATUS_LIST(X)                                          \
+    X(OK, 0, "success")                                               \
+    X(BAD_ARGUMENT, 1, "an argument is out of range or inconsistent") \
+    X(NO_MEMORY, 2, "out of memory")                                  \
+    X(FILE_NOT_FOUND, 3, "a file can't be opened")                    \
+    X(BAD_FILE, 4, "a file isn't what it claims to be")               \
+    X(WRITE_FAILED, 5, "a file can't be written")                     \
+    X(BAD_CONFIG, 6, "a run file or setting is wrong")                \
+    X(UNSUPPORTED, 7, "this version can't do that")                   \
+    X(NO_DEVICE, 8, "no OpenCL device matches")                       \
+    X(DEVICE_FAILED, 9, "an OpenCL call or kernel build failed")      \
+    X(CANCELLED, 10, "stopped on request")                            \
     X(OUT_OF_RANGE, 11, "a time lies outside what the data covers")
 
 /* Width pinned apart from the enum, so that the ABI doesn't depend on the compiler's choice. */

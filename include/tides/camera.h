@@ -16,12 +16,12 @@ typedef struct tides_intrinsics {
 
 /* How to read a path file; fill with tides_path_options_defaults. */
 typedef struct tides_path_options {
-    uint32_t size;          /* sizeof this struct, set by the defaults function */
+    uint32_t size; /* sizeof this struct, set by the defaults function */
     int32_t reserved;
-    double duration;        /* [s] files without times (cameras.json, transforms.json): poses are spread evenly over
+    double duration; /* [s] files without times (cameras.json, transforms.json): poses are spread evenly over
                                [0, duration]; files with trainer's times in [0, 1] (D-NeRF): times are multiplied by it */
-    double start;           /* [s] subtracted from every time of the file, after scaling */
-    int32_t rebase;         /* 1: `start` is ignored and the first sample is put at 0 */
+    double start;    /* [s] subtracted from every time of the file, after scaling */
+    int32_t rebase;  /* 1: `start` is ignored and the first sample is put at 0 */
     int32_t reserved2;
 } tides_path_options;
 

@@ -14,13 +14,13 @@ enum { TIDES_DEVICE_CPU = 1, TIDES_DEVICE_GPU = 2, TIDES_DEVICE_OTHER = 3, TIDES
 
 /* One row of `tides devices`. Plain value. */
 typedef struct tides_device_info {
-    int32_t kind;           /* TIDES_DEVICE_CPU, _GPU, _OTHER, _REFERENCE */
-    int32_t index;          /* what SPEC may name; -1 for the reference */
-    char name[128];         /* CL_DEVICE_NAME */
-    char platform[128];     /* CL_PLATFORM_NAME */
-    char driver[128];       /* CL_DEVICE_VERSION and CL_DRIVER_VERSION */
+    int32_t kind;       /* TIDES_DEVICE_CPU, _GPU, _OTHER, _REFERENCE */
+    int32_t index;      /* what SPEC may name; -1 for the reference */
+    char name[128];     /* CL_DEVICE_NAME */
+    char platform[128]; /* CL_PLATFORM_NAME */
+    char driver[128];   /* CL_DEVICE_VERSION and CL_DRIVER_VERSION */
     int32_t compute_units;
-    int32_t lanes;          /* pixels per work-item that kernels are built for */
+    int32_t lanes; /* pixels per work-item that kernels are built for */
     uint64_t memory_bytes;
 } tides_device_info;
 

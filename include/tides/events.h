@@ -18,9 +18,9 @@ typedef struct tides_event {
 
 /* Facts written into the file's attributes. Plain value; strings are copied. */
 typedef struct tides_event_file {
-    int32_t width, height;   /* [px] */
-    const char *run;         /* run file as JSON text, or NULL */
-    const char *seed;        /* or NULL */
+    int32_t width, height; /* [px] */
+    const char *run;       /* run file as JSON text, or NULL */
+    const char *seed;      /* or NULL */
 } tides_event_file;
 
 typedef struct tides_event_writer tides_event_writer;
@@ -48,8 +48,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_flush(tides_event_wri
  * file that _finish makes is then the same as that of a recording in one piece. `file` must have the size that the .part has;
  * its run text replaces the .part's. TIDES_FILE_NOT_FOUND without a .part; TIDES_BAD_FILE where it holds fewer events, is of
  * another size, or damaged: it is then left as it was, unless the damage was only found while cutting. */
-TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_resume(const char *path, const tides_event_file *file, uint64_t count,
-                                                                  tides_event_writer **writer, tides_error *error);
+TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_resume(const char *path, const tides_event_file *file,
+                                                                  uint64_t count, tides_event_writer **writer,
+                                                                  tides_error *error);
 
 /* Flushes, completes the index, closes and renames. The writer is gone afterwards whatever is returned. `stop_ns` is the end
  * of the recording: ms_to_idx covers it. */

@@ -27,7 +27,7 @@ typedef struct tides_exr tides_exr;
 TIDES_MUST_CHECK TIDES_API tides_status tides_exr_read(const char *path, tides_exr **exr, tides_error *error);
 TIDES_API void tides_exr_destroy(tides_exr *exr); /* NULL is fine */
 TIDES_API void tides_exr_size(const tides_exr *exr, int32_t *width, int32_t *height, int32_t *channels);
-TIDES_API const char *tides_exr_name(const tides_exr *exr, int32_t channel);   /* lives as long as exr; NULL out of range */
+TIDES_API const char *tides_exr_name(const tides_exr *exr, int32_t channel);    /* lives as long as exr; NULL out of range */
 TIDES_API const float *tides_exr_pixels(const tides_exr *exr, int32_t channel); /* (height x width); likewise */
 
 /* 8-bit pictures. `rgb` is (height x width x 3), row 0 on top. */
@@ -44,8 +44,8 @@ TIDES_API void tides_picture_grey(const double *values, int32_t width, int32_t h
 TIDES_API void tides_picture_rgb(const double *r, const double *g, const double *b, int32_t width, int32_t height,
                                  uint8_t *rgb);
 TIDES_API void tides_picture_signed(const double *values, int32_t width, int32_t height, double limit, uint8_t *rgb);
-TIDES_API void tides_picture_events(const tides_event *events, size_t count, const double *base, int32_t width,
-                                    int32_t height, uint8_t *rgb);
+TIDES_API void tides_picture_events(const tides_event *events, size_t count, const double *base, int32_t width, int32_t height,
+                                    uint8_t *rgb);
 
 /* Draws ASCII text into a picture, its top left corner at (x, y), in cells of `scale` px: a character takes 6 by 9 cells, '\n'
  * starts the next line, and what isn't printable ASCII is a box. Clipped at the borders. */

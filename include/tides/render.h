@@ -32,6 +32,7 @@ typedef struct tides_image_params {
 /* smooth, 0, 4, 0.3, (0.2126, 0.7152, 0.0722), 1e-3, black. */
 TIDES_API void tides_image_params_defaults(tides_image_params *params);
 
+/* clang-format off */
 /* Planes that a frame may have, in the order of tides_channel_name. */
 enum {
     TIDES_Y = 0,             /* luminance                                            [1]   */
@@ -47,6 +48,7 @@ enum {
     TIDES_Z_DOT = 14,        /*                                                      [scene units/s] */
     TIDES_CHANNELS = 15
 };
+/* clang-format on */
 
 /* "Y", "L", "L_dot", "A", "A_dot", "coverage", "contributors", "R", ...; NULL out of range. */
 TIDES_API const char *tides_channel_name(int32_t channel);
@@ -68,7 +70,7 @@ typedef struct tides_render_stats {
     uint64_t sweeps;              /* times that Gaussians were swept for tile candidate lists */
     uint64_t pairs_evaluated;     /* (splat, pixel) pairs composited, in blocks of 16 */
     double time_build_s, time_sweep_s, time_project_s, time_sort_s, time_composite_s, time_transfer_s;
-    int32_t tiles;                /* tiles in a full frame */
+    int32_t tiles; /* tiles in a full frame */
     int32_t reserved;
 } tides_render_stats;
 

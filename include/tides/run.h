@@ -8,8 +8,15 @@
 extern "C" {
 #endif
 
-enum { TIDES_PARAM_NUMBER = 0, TIDES_PARAM_INTEGER, TIDES_PARAM_BOOLEAN, TIDES_PARAM_STRING, TIDES_PARAM_CHOICE,
-       TIDES_PARAM_VECTOR3, TIDES_PARAM_OBJECTS };
+enum {
+    TIDES_PARAM_NUMBER = 0,
+    TIDES_PARAM_INTEGER,
+    TIDES_PARAM_BOOLEAN,
+    TIDES_PARAM_STRING,
+    TIDES_PARAM_CHOICE,
+    TIDES_PARAM_VECTOR3,
+    TIDES_PARAM_OBJECTS
+};
 
 /* One row of the parameter table, from which the JSON reader, --set, --help, man page and bindings are made. */
 typedef struct tides_param {
@@ -28,8 +35,8 @@ TIDES_API const tides_param *tides_params(size_t *count);
 
 typedef struct tides_run tides_run;
 
-/* Reads a run file. `overrides` (nullable, `count` of them) are "key=value" texts, value as JSON or bare text, applied after the
- * file. Unknown keys are errors that name the nearest known key; values out of range name the key, the value and the range;
+/* Reads a run file. `overrides` (nullable, `count` of them) are "key=value" texts, value as JSON or bare text, applied after
+ * the file. Unknown keys are errors that name the nearest known key; values out of range name the key, the value and the range;
  * a key that this version doesn't act on is an error unless it holds its default. Relative paths are relative to the file. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_run_load(const char *file, const char *const *overrides, size_t count,
                                                        tides_run **run, tides_error *error);
@@ -48,7 +55,7 @@ typedef struct tides_run_values {
     tides_stepping stepping;
     double start, stop;
     const char *scene_file, *camera_file, *device, *seed, *method;
-    const char *json;            /* the run with every default filled in, as written into event files */
+    const char *json; /* the run with every default filled in, as written into event files */
 } tides_run_values;
 TIDES_API void tides_run_get(const tides_run *run, tides_run_values *values);
 

@@ -17,8 +17,8 @@ enum { TIDES_SH_DEGREE_MAX = 4 };
 
 /* Gaussians as arrays. Plain value; the arrays belong to whoever filled it. K = (sh_degree + 1)^2. */
 typedef struct tides_gaussians {
-    int64_t count;              /* N */
-    int32_t sh_degree;          /* 0..4 */
+    int64_t count;     /* N */
+    int32_t sh_degree; /* 0..4 */
     int32_t reserved;
     const float *mean;          /* [scene units]            (N x 3) */
     const float *log_scale;     /* ln [scene units]         (N x 3) */

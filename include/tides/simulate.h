@@ -27,8 +27,9 @@ enum {
 };
 
 /* How steps are chosen. FIXED: every step_s. The others halve each macro step of step_s, tile by tile. ERROR: until the
- * embedded estimate of the model's error is within the tolerance wherever a pixel may reach a threshold (DESIGN 3.2). RISK: until
- * it is as short as the paper's risk score asks for (Eq. 13; lib/solver/control.c has the norms and kappa). Both may be asked for. */
+ * embedded estimate of the model's error is within the tolerance wherever a pixel may reach a threshold (DESIGN 3.2). RISK:
+ * until it is as short as the paper's risk score asks for (Eq. 13; lib/solver/control.c has the norms and kappa). Both may be
+ * asked for. */
 enum { TIDES_STEPPING_FIXED = 0, TIDES_STEPPING_RISK = 1, TIDES_STEPPING_ERROR = 2, TIDES_STEPPING_ERROR_RISK = 3 };
 
 /* Weights of the risk score: coverage, contributors, |alpha_dot|. */
@@ -63,11 +64,11 @@ typedef struct tides_stats {
     uint64_t steps_rejected;    /* of these, halved: (tile, step) pairs that were too coarse */
     uint64_t steps_over_budget; /* accepted above the tolerance because the budget was used up */
     uint64_t steps_at_minimum;  /* accepted above the tolerance because they were as short as min_step_s */
-    double worst_error;         /* largest estimate among accepted steps [thresholds]; 0 under fixed steps, which estimate none */
+    double worst_error; /* largest estimate among accepted steps [thresholds]; 0 under fixed steps, which estimate none */
     double error_p50_s, error_p95_s, error_p99_s; /* estimated timing error that so many percent of the events stay below [s];
                                                      likewise 0 under fixed steps */
-    double worst_residual;      /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
-    uint64_t tile_steps_still;  /* (tile, step) pairs in which nothing moved: neither rendered nor compared */
+    double worst_residual;                /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
+    uint64_t tile_steps_still;            /* (tile, step) pairs in which nothing moved: neither rendered nor compared */
     double renders_full_frame_equivalent; /* tile jobs over tiles */
     double simulated_s, run_time_s, real_time_factor; /* simulated / run time */
     double time_compare_s, time_sink_s, time_other_s;
@@ -81,13 +82,10 @@ typedef struct tides_simulator tides_simulator;
 
 /* A simulator on its own renderer. `device`, `scene` and `camera` must outlive it. Pixel state starts at `start` [s]: each
  * reference is the signal there. The camera's path (and every object's) must cover [start, stop]: TIDES_OUT_OF_RANGE. */
-TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_create(tides_device *device, const tides_scene *scene,
-                                                               const tides_trajectory *camera,
-                                                               const tides_intrinsics *intrinsics,
-                                                               const tides_image_params *image, const tides_sensor *sensor,
-                                                               const tides_stepping *stepping, double start, double stop,
-                                                               tides_progress progress, void *user,
-                                                               tides_simulator **simulator, tides_error *error);
+TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_create(
+    tides_device *device, const tides_scene *scene, const tides_trajectory *camera, const tides_intrinsics *intrinsics,
+    const tides_image_params *image, const tides_sensor *sensor, const tides_stepping *stepping, double start, double stop,
+    tides_progress progress, void *user, tides_simulator **simulator, tides_error *error);
 
 /* NULL is fine. */
 TIDES_API void tides_simulator_destroy(tides_simulator *simulator);

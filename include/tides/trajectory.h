@@ -91,7 +91,7 @@ typedef struct tides_handheld {
     double rotation_amplitude; /* [rad], rms per axis */
     double frequency;          /* [Hz], of the slowest sine; the fastest is 5 times that */
     uint64_t seed;
-    double start, stop;        /* [s] */
+    double start, stop; /* [s] */
 } tides_handheld;
 TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_create_handheld(const tides_handheld *handheld,
                                                                          tides_trajectory **trajectory, tides_error *error);

@@ -10,6 +10,7 @@
 #define TD_TEXT(x) #x
 #define TD_VERSION_TEXT(major, minor, patch) TD_TEXT(major) "." TD_TEXT(minor) "." TD_TEXT(patch)
 
+/* clang-format off */
 const char *tides_status_name(tides_status status) {
     switch (status) {
 #define TD_NAME(name, value, text) case value: return "TIDES_" #name;
@@ -27,10 +28,9 @@ const char *tides_status_text(tides_status status) {
         default: return "unknown status";
     }
 }
+/* clang-format on */
 
-const char *tides_version(void) {
-    return TD_VERSION_TEXT(TIDES_VERSION_MAJOR, TIDES_VERSION_MINOR, TIDES_VERSION_PATCH);
-}
+const char *tides_version(void) { return TD_VERSION_TEXT(TIDES_VERSION_MAJOR, TIDES_VERSION_MINOR, TIDES_VERSION_PATCH); }
 
 /* Names from outside may hold anything; an error stays one line of printable text. */
 static void one_line(char *text) {
@@ -72,8 +72,7 @@ tides_status td_fail_within(tides_error *error, tides_status status, const char 
 void *td_alloc(size_t count, size_t size, tides_error *error) {
     void *memory = NULL;
     if (size == 0 || count <= SIZE_MAX / size) memory = calloc(count ? count : 1, size ? size : 1);
-    if (!memory)
-        td_fail(error, TIDES_NO_MEMORY, "out of memory: %zu items of %zu bytes were asked for", count, size);
+    if (!memory) td_fail(error, TIDES_NO_MEMORY, "out of memory: %zu items of %zu bytes were asked for", count, size);
     return memory;
 }
 
@@ -82,8 +81,7 @@ tides_status td_reserve(void **array, size_t *capacity, size_t needed, size_t si
     size_t grown = *capacity + *capacity / 2;
     if (grown < needed) grown = needed;
     void *memory = grown <= SIZE_MAX / size ? realloc(*array, grown * size) : NULL;
-    if (!memory)
-        return td_fail(error, TIDES_NO_MEMORY, "out of memory: %zu items of %zu bytes were asked for", grown, size);
+    if (!memory) return td_fail(error, TIDES_NO_MEMORY, "out of memory: %zu items of %zu bytes were asked for", grown, size);
     *array = memory;
     *capacity = grown;
     return TIDES_OK;

@@ -114,7 +114,8 @@ static tides_status fail_no_match(const device_list *list, const char *spec, tid
     if (list->count == 0)
         return td_fail(error, TIDES_NO_DEVICE,
                        "device '%s': no OpenCL device was found; install one (Debian: apt install pocl-opencl-icd) or use "
-                       "--device reference", spec);
+                       "--device reference",
+                       spec);
     char names[600] = "";
     for (int32_t i = 0; i < list->count; i++) {
         size_t used = strlen(names);
@@ -132,7 +133,8 @@ static void open_reference(tides_device *device, int single_precision) {
     device->info.compute_units = 1;
     snprintf(device->info.name, sizeof device->info.name, "%s", single_precision ? "reference-f32" : "reference");
     snprintf(device->info.platform, sizeof device->info.platform, "scalar C");
-    snprintf(device->info.driver, sizeof device->info.driver, "%s precision, no OpenCL", single_precision ? "single" : "double");
+    snprintf(device->info.driver, sizeof device->info.driver, "%s precision, no OpenCL",
+             single_precision ? "single" : "double");
 }
 
 static tides_status open_opencl(tides_device *device, const char *spec, tides_error *error) {

@@ -11,6 +11,7 @@ struct td_program_entry {
     td_program_entry *next;
 };
 
+/* clang-format off */
 const char *td_cl_name(cl_int code) {
     switch (code) {
 #define NAME(x) case x: return #x;
@@ -27,6 +28,7 @@ const char *td_cl_name(cl_int code) {
         default: return "unknown OpenCL error";
     }
 }
+/* clang-format on */
 
 tides_status td_cl_fail(tides_error *error, cl_int code, const char *call) {
     int length = (int)strcspn(call, "("); /* the call's name is enough */
@@ -40,8 +42,8 @@ static tides_status fail_build(const tides_device *device, cl_program program, c
     clGetProgramBuildInfo(program, device->id, CL_PROGRAM_BUILD_LOG, 0, NULL, &bytes);
     log = td_alloc(bytes + 1, 1, NULL);
     if (log) clGetProgramBuildInfo(program, device->id, CL_PROGRAM_BUILD_LOG, bytes, log, NULL);
-    tides_status status = td_fail(error, TIDES_DEVICE_FAILED, "kernel %s doesn't build on %.60s: %.700s", file, device->info.name,
-                                  log ? log : "(no log)");
+    tides_status status = td_fail(error, TIDES_DEVICE_FAILED, "kernel %s doesn't build on %.60s: %.700s", file,
+                                  device->info.name, log ? log : "(no log)");
     if (error) /* one line */
         for (char *c = error->text; *c; c++)
             if (*c == '\n' || *c == '\r') *c = ' ';
@@ -52,13 +54,15 @@ static tides_status fail_build(const tides_device *device, cl_program program, c
 /* The prelude owns the pragma: it only governs text after it, so it must be the first line of all. Vectors wider than the
  * device's registers never cross a program's border here: clang's note about their calling convention is noise. */
 static char *make_prelude(const tides_device *device, const char *defines, tides_error *error) {
-    return td_format(error, "#pragma OPENCL FP_CONTRACT OFF\n"
+    return td_format(error,
+                     "#pragma OPENCL FP_CONTRACT OFF\n"
                      "#ifdef __clang__\n#pragma clang diagnostic ignored \"-Wpsabi\"\n#endif\n"
                      "#define TD_OPENCL 1\n#define TD_LANES %d\n%s",
                      (int)device->info.lanes, defines);
 }
 
-static tides_status build(tides_device *device, const char *file, const char *defines, cl_program *program, tides_error *error) {
+static tides_status build(tides_device *device, const char *file, const char *defines, cl_program *program,
+                          tides_error *error) {
     tides_status status = TIDES_NO_MEMORY;
     td_source_text text = {0};
     cl_program built = NULL;

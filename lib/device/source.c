@@ -99,12 +99,14 @@ static tides_status gather(td_source_text *text, const char *file, int depth, ti
     if (depth > MAX_DEPTH) return td_fail(error, TIDES_DEVICE_FAILED, "kernel file %s: includes are nested too deeply", file);
     tides_status status = add_piece(text, td_format(error, "#line 1 \"%s\"\n", file), error);
     if (status == TIDES_OK) status = load_file(file, &body, error);
-    if (status == TIDES_OK) status = add_body(text, file, body, depth, error);
+    if (status == TIDES_OK && body) status = add_body(text, file, body, depth, error);
     free(body);
     return status;
 }
 
-tides_status td_source_gather(td_source_text *text, const char *file, tides_error *error) { return gather(text, file, 0, error); }
+tides_status td_source_gather(td_source_text *text, const char *file, tides_error *error) {
+    return gather(text, file, 0, error);
+}
 
 void td_source_release(td_source_text *text) {
     for (size_t i = 0; i < text->count; i++) free(text->piece[i]);

@@ -11,7 +11,7 @@ typedef struct td_program_entry td_program_entry;
 
 struct tides_device {
     tides_device_info info;
-    int single_precision; /* reference only: 1 for reference-f32 */
+    int single_precision;  /* reference only: 1 for reference-f32 */
     int correctly_rounded; /* divide and sqrt can be asked to round correctly */
     cl_platform_id platform;
     cl_device_id id;
@@ -27,13 +27,13 @@ const char *td_cl_name(cl_int code);
 tides_status td_cl_fail(tides_error *error, cl_int code, const char *call);
 
 /* Runs an OpenCL call; on failure fills the error, sets `status` and goes to `done`. */
-#define TD_CL(call)                                        \
-    do {                                                   \
-        cl_int td_code = (call);                           \
-        if (td_code != CL_SUCCESS) {                       \
-            status = td_cl_fail(error, td_code, #call);    \
-            goto done;                                     \
-        }                                                  \
+#define TD_CL(call)                                     \
+    do {                                                \
+        cl_int td_code = (call);                        \
+        if (td_code != CL_SUCCESS) {                    \
+            status = td_cl_fail(error, td_code, #call); \
+            goto done;                                  \
+        }                                               \
     } while (0)
 
 /* The kernel `name` of kernel file `file` built with `defines` ("#define A 1\n..."), from the device's table or newly built.

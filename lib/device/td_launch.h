@@ -30,8 +30,10 @@ typedef struct td_argument {
     const void *value;
     size_t bytes;
 } td_argument;
-#define TD_BUFFER_ARGUMENT(b) {&(b), NULL, 0}
-#define TD_VALUE_ARGUMENT(v) {NULL, &(v), sizeof(v)}
+#define TD_BUFFER_ARGUMENT(b) \
+    { &(b), NULL, 0 }
+#define TD_VALUE_ARGUMENT(v) \
+    { NULL, &(v), sizeof(v) }
 
 /* Sets the arguments and enqueues: the only place that does. `local` may be NULL. `event` (nullable) is the caller's. */
 tides_status td_launch(tides_device *device, cl_kernel kernel, cl_uint dimensions, const size_t *global, const size_t *local,

@@ -2,7 +2,8 @@
  *
  * A defect of its encoder, up to and including 3.4.7 (Debian 12 has 3.1.5), is worked round here: where a chunk deflates to
  * exactly its own size, the deflated bytes are written, but readers take a chunk of that size as stored raw, so the scan lines
- * come back as noise, with no error anywhere. 3.4.8 stores such a chunk raw (its CHANGES.md, PR 2307); so does compress_or_store. */
+ * come back as noise, with no error anywhere. 3.4.8 stores such a chunk raw (its CHANGES.md, PR 2307); so does
+ * compress_or_store. */
 #include "td_base.h"
 #include "td_exr.h"
 

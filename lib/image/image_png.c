@@ -10,8 +10,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* libpng leaves by longjmp. All that it works on lives here, not in locals of the function that calls setjmp, whose values would
- * be undefined afterwards. */
+/* libpng leaves by longjmp. All that it works on lives here, not in locals of the function that calls setjmp, whose values
+ * would be undefined afterwards. */
 typedef struct png_job {
     FILE *file;
     int32_t width, height;

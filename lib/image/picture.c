@@ -51,8 +51,8 @@ static uint32_t magnitude_bits(double value) {
 
 static int32_t counts(double value) { return isfinite(value) && isfinite((float)value); }
 
-/* One digit more: among the finite values whose bits above `shift + 11` equal those of `known`, finds the digit at `shift` of the
- * one with `*rank` values below it, and leaves in `*rank` how many of those share the digit. */
+/* One digit more: among the finite values whose bits above `shift + 11` equal those of `known`, finds the digit at `shift` of
+ * the one with `*rank` values below it, and leaves in `*rank` how many of those share the digit. */
 static uint32_t next_digit(const double *values, size_t count, uint32_t known, int shift, size_t *rank) {
     size_t histogram[2048] = {0};
     for (size_t i = 0; i < count; i++) {

@@ -14,9 +14,9 @@ typedef struct opencl_backend {
     int gaussians, objects;
     cl_kernel sweep_kernel, sort_kernel;
     cl_kernel project_kernel[OUTPUT_KINDS], composite_kernel[OUTPUT_KINDS]; /* by outputs; built when first wanted */
-    td_buffer image_buffer, object, geometry, rates, sh, sh_rates; /* the scene */
-    td_buffer views, backdrops, boxes, travel;                     /* an interval */
-    td_buffer candidates, jobs;                                    /* a batch */
+    td_buffer image_buffer, object, geometry, rates, sh, sh_rates;          /* the scene */
+    td_buffer views, backdrops, boxes, travel;                              /* an interval */
+    td_buffer candidates, jobs;                                             /* a batch */
     td_buffer records, colours, masks, keys, order, sorted_masks, counts, brightest, planes, blended;
     uint64_t candidates_serial; /* of what the device has */
     float *host;                /* staging for numbers that change precision */
@@ -74,11 +74,16 @@ static tides_status sweep(td_backend *backend, const double *views, double durat
     /* A local size is always given: left to itself PoCL takes a divisor of the count, and compiles anew for every scene. */
     size_t local = group_size(b), groups = (size_t)((end - begin) / b->device->info.lanes);
     size_t global = (groups + local - 1) / local * local;
-    const td_argument arguments[] = {
-        TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->object), TD_BUFFER_ARGUMENT(b->views),
-        TD_BUFFER_ARGUMENT(b->geometry),     TD_BUFFER_ARGUMENT(b->rates),  TD_VALUE_ARGUMENT(seconds),
-        TD_VALUE_ARGUMENT(from),             TD_VALUE_ARGUMENT(to),         TD_BUFFER_ARGUMENT(b->boxes),
-        TD_BUFFER_ARGUMENT(b->travel)};
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),
+                                     TD_BUFFER_ARGUMENT(b->object),
+                                     TD_BUFFER_ARGUMENT(b->views),
+                                     TD_BUFFER_ARGUMENT(b->geometry),
+                                     TD_BUFFER_ARGUMENT(b->rates),
+                                     TD_VALUE_ARGUMENT(seconds),
+                                     TD_VALUE_ARGUMENT(from),
+                                     TD_VALUE_ARGUMENT(to),
+                                     TD_BUFFER_ARGUMENT(b->boxes),
+                                     TD_BUFFER_ARGUMENT(b->travel)};
     status = td_launch(b->device, b->sweep_kernel, 1, &global, &local, arguments, 10, NULL, error);
     if (status == TIDES_OK)
         status = td_buffer_read_part(b->device, &b->boxes, boxes, 4 * (size_t)begin * sizeof *boxes,
@@ -107,7 +112,8 @@ static tides_status lay_staging(opencl_backend *b, const td_batch *batch, stagin
     s->blended_count = jobs * (TD_TILE_PIXELS / b->device->info.lanes);
     size_t reals = s->view_reals + s->backdrop_reals + s->plane_reals, ints = jobs * TD_JOB_INTS + s->blended_count + jobs;
     tides_status status = td_reserve((void **)&b->host, &b->host_capacity, reals, sizeof *b->host, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&b->host_ints, &b->host_ints_capacity, ints, sizeof *b->host_ints, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&b->host_ints, &b->host_ints_capacity, ints, sizeof *b->host_ints, error);
     if (status != TIDES_OK) return status;
     s->views = b->host;
     s->backdrops = s->views + s->view_reals;
@@ -182,32 +188,35 @@ static tides_status fetch_batch(opencl_backend *b, const td_batch *batch, const 
 
 static tides_status launch_project(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
     size_t local = group_size(b), global = (size_t)batch->job_count * local;
-    const td_argument arguments[] = {
-        TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->jobs),     TD_BUFFER_ARGUMENT(b->candidates),
-        TD_BUFFER_ARGUMENT(b->object),       TD_BUFFER_ARGUMENT(b->views),    TD_BUFFER_ARGUMENT(b->geometry),
-        TD_BUFFER_ARGUMENT(b->rates),        TD_BUFFER_ARGUMENT(b->sh),       TD_BUFFER_ARGUMENT(b->sh_rates),
-        TD_BUFFER_ARGUMENT(b->records),      TD_BUFFER_ARGUMENT(b->colours),  TD_BUFFER_ARGUMENT(b->masks)};
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->jobs),
+                                     TD_BUFFER_ARGUMENT(b->candidates),   TD_BUFFER_ARGUMENT(b->object),
+                                     TD_BUFFER_ARGUMENT(b->views),        TD_BUFFER_ARGUMENT(b->geometry),
+                                     TD_BUFFER_ARGUMENT(b->rates),        TD_BUFFER_ARGUMENT(b->sh),
+                                     TD_BUFFER_ARGUMENT(b->sh_rates),     TD_BUFFER_ARGUMENT(b->records),
+                                     TD_BUFFER_ARGUMENT(b->colours),      TD_BUFFER_ARGUMENT(b->masks)};
     return td_launch(b->device, b->project_kernel[kind_of_outputs(batch->outputs)], 1, &global, &local, arguments, 12, event,
                      error);
 }
 
 static tides_status launch_sort(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
     size_t local = group_size(b), global = (size_t)batch->job_count * local;
-    const td_argument arguments[] = {
-        TD_BUFFER_ARGUMENT(b->jobs), TD_BUFFER_ARGUMENT(b->backdrops), TD_BUFFER_ARGUMENT(b->records),
-        TD_BUFFER_ARGUMENT(b->masks), TD_BUFFER_ARGUMENT(b->keys), TD_BUFFER_ARGUMENT(b->order),
-        TD_BUFFER_ARGUMENT(b->sorted_masks), TD_BUFFER_ARGUMENT(b->counts), TD_BUFFER_ARGUMENT(b->brightest)};
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->jobs),         TD_BUFFER_ARGUMENT(b->backdrops),
+                                     TD_BUFFER_ARGUMENT(b->records),      TD_BUFFER_ARGUMENT(b->masks),
+                                     TD_BUFFER_ARGUMENT(b->keys),         TD_BUFFER_ARGUMENT(b->order),
+                                     TD_BUFFER_ARGUMENT(b->sorted_masks), TD_BUFFER_ARGUMENT(b->counts),
+                                     TD_BUFFER_ARGUMENT(b->brightest)};
     return td_launch(b->device, b->sort_kernel, 1, &global, &local, arguments, 9, event, error);
 }
 
 static tides_status launch_composite(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
     size_t items = (size_t)(TD_TILE_PIXELS / b->device->info.lanes);
     size_t global[2] = {items, (size_t)batch->job_count}, local[2] = {items, 1};
-    const td_argument arguments[] = {
-        TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->jobs),         TD_BUFFER_ARGUMENT(b->backdrops),
-        TD_BUFFER_ARGUMENT(b->records),      TD_BUFFER_ARGUMENT(b->colours),      TD_BUFFER_ARGUMENT(b->order),
-        TD_BUFFER_ARGUMENT(b->sorted_masks), TD_BUFFER_ARGUMENT(b->counts),       TD_BUFFER_ARGUMENT(b->brightest),
-        TD_BUFFER_ARGUMENT(b->planes),       TD_BUFFER_ARGUMENT(b->blended)};
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->jobs),
+                                     TD_BUFFER_ARGUMENT(b->backdrops),    TD_BUFFER_ARGUMENT(b->records),
+                                     TD_BUFFER_ARGUMENT(b->colours),      TD_BUFFER_ARGUMENT(b->order),
+                                     TD_BUFFER_ARGUMENT(b->sorted_masks), TD_BUFFER_ARGUMENT(b->counts),
+                                     TD_BUFFER_ARGUMENT(b->brightest),    TD_BUFFER_ARGUMENT(b->planes),
+                                     TD_BUFFER_ARGUMENT(b->blended)};
     return td_launch(b->device, b->composite_kernel[kind_of_outputs(batch->outputs)], 2, global, local, arguments, 11, event,
                      error);
 }
@@ -235,7 +244,8 @@ static void add_counts(opencl_backend *b, const td_batch *batch, const staging *
 }
 
 /* All of a batch on the device, with the time of each stage; kernels are prepared. */
-static tides_status run_stages(opencl_backend *b, const td_batch *batch, staging *s, double *stage_seconds, tides_error *error) {
+static tides_status run_stages(opencl_backend *b, const td_batch *batch, staging *s, double *stage_seconds,
+                               tides_error *error) {
     cl_event events[STAGES] = {NULL, NULL, NULL};
     tides_status status = reserve_batch(b, batch, batch->job_count, s, error);
     if (status == TIDES_OK) status = send_batch(b, batch, s, error);
@@ -330,9 +340,10 @@ static void destroy(td_backend *backend) {
     }
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
         if (kernels[i]) clReleaseKernel(kernels[i]);
-    td_buffer *buffers[] = {&b->image_buffer, &b->object, &b->geometry, &b->rates, &b->sh, &b->sh_rates, &b->views,
-                            &b->backdrops, &b->boxes, &b->travel, &b->candidates, &b->jobs, &b->records, &b->colours, &b->masks, &b->keys,
-                            &b->order, &b->sorted_masks, &b->counts, &b->brightest, &b->planes, &b->blended};
+    td_buffer *buffers[] = {&b->image_buffer, &b->object,    &b->geometry, &b->rates,  &b->sh,         &b->sh_rates,
+                            &b->views,        &b->backdrops, &b->boxes,    &b->travel, &b->candidates, &b->jobs,
+                            &b->records,      &b->colours,   &b->masks,    &b->keys,   &b->order,      &b->sorted_masks,
+                            &b->counts,       &b->brightest, &b->planes,   &b->blended};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     free(b->host);
     free(b->host_ints);
@@ -345,7 +356,8 @@ static const td_backend_class opencl_class = {sweep, render, empty_pixel, prepar
 static tides_status write_store(opencl_backend *b, const td_store *store, tides_error *error) {
     static const double none[1] = {0};
     size_t geometry = (size_t)store->count * TD_GEOMETRY_STRIDE, sh = (size_t)store->count * store->sh_stride;
-    tides_status status = td_buffer_write(b->device, &b->object, store->object, (size_t)store->count * sizeof *store->object, error);
+    tides_status status =
+        td_buffer_write(b->device, &b->object, store->object, (size_t)store->count * sizeof *store->object, error);
     if (status == TIDES_OK) status = write_reals(b, &b->geometry, store->geometry, geometry, error);
     if (status == TIDES_OK)
         status = write_reals(b, &b->rates, store->rates ? store->rates : none, store->rates ? geometry : 1, error);

@@ -95,8 +95,10 @@ tides_status td_candidates_build(td_candidates *candidates, const td_store *stor
         candidates->first[t] = (int)total;
         total += (candidates->fill[t] + TD_PAD - 1) / TD_PAD * TD_PAD;
         if (total > INT_MAX / TD_RECORD_STRIDE)
-            return td_fail(error, TIDES_UNSUPPORTED, "scene: its splats touch the tiles of this image more than %d times; use a "
-                           "smaller image or fewer Gaussians", INT_MAX / TD_RECORD_STRIDE);
+            return td_fail(error, TIDES_UNSUPPORTED,
+                           "scene: its splats touch the tiles of this image more than %d times; use a "
+                           "smaller image or fewer Gaussians",
+                           INT_MAX / TD_RECORD_STRIDE);
     }
     candidates->first[tiles] = (int)total;
     tides_status status = td_reserve((void **)&candidates->list, &candidates->capacity, total ? (size_t)total : 1,

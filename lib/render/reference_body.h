@@ -19,8 +19,8 @@ typedef struct reference {
     td_image image;
     td_source source;
     int *object;
-    td_real *arrays[4];  /* geometry, rates, sh, sh_rates: what `source` points to */
-    td_view *views;      /* (slots x objects) */
+    td_real *arrays[4]; /* geometry, rates, sh, sh_rates: what `source` points to */
+    td_view *views;     /* (slots x objects) */
     td_backdrop *backdrops;
     td_real *records, *colours, *planes;
     reference_key *keys;
@@ -32,7 +32,8 @@ typedef struct reference {
 
 typedef char td_view_has_these_reals[sizeof(td_view) == TD_VIEW_REALS * sizeof(td_real) ? 1 : -1];
 typedef char td_backdrop_has_these_reals[sizeof(td_backdrop) == TD_BACKDROP_REALS * sizeof(td_real) ? 1 : -1];
-typedef char td_image_has_these_numbers[sizeof(td_image) == TD_IMAGE_REALS * sizeof(td_real) + TD_IMAGE_INTS * sizeof(int) ? 1 : -1];
+typedef char
+    td_image_has_these_numbers[sizeof(td_image) == TD_IMAGE_REALS * sizeof(td_real) + TD_IMAGE_INTS * sizeof(int) ? 1 : -1];
 
 static void narrow(const double *from, td_real *to, size_t count) {
     for (size_t i = 0; i < count; i++) to[i] = (td_real)from[i];
@@ -108,7 +109,8 @@ static void project_job(reference *r, const td_job *job, const td_batch *batch, 
     sink.records = r->records;
     sink.colours = r->colours;
     sink.masks = r->masks;
-    for (int i = 0; i < job->count; i++) td_project_group(&local, i, batch->candidates, r->object, r->views, image, &r->source, &sink);
+    for (int i = 0; i < job->count; i++)
+        td_project_group(&local, i, batch->candidates, r->object, r->views, image, &r->source, &sink);
 }
 
 static td_list sort_job(reference *r, const td_job *job) {
@@ -174,7 +176,7 @@ static tides_status render(td_backend *backend, const td_batch *batch, double *p
 /* One pixel whose list is empty, in this precision. */
 static void empty_pixel_of(const td_image *image, const double *wide_backdrop, double *planes, int outputs) {
     static const int no_list[1] = {0};
-    td_real out[TD_OUT_COLOUR * TD_TILE_PIXELS];
+    td_real out[TD_OUT_COLOUR * TD_TILE_PIXELS] = {0};
     td_backdrop backdrop;
     narrow(wide_backdrop, (td_real *)&backdrop, TD_BACKDROP_REALS);
     td_image own = *image;

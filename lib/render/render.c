@@ -1,18 +1,19 @@
-/* The renderer: sweep for candidates, then project, sort and composite (tile, time) jobs on a backend, and put tiles together to
- * frames. Whole frames are all tiles at one time: one path, not two. */
+/* The renderer: sweep for candidates, then project, sort and composite (tile, time) jobs on a backend, and put tiles together
+ * to frames. Whole frames are all tiles at one time: one path, not two. */
 #include "td_render.h"
 
 #include <stdlib.h>
 
 enum { RECORD_LIMIT = 1 << 20 }; /* records per launch: 64 MB of them */
 
-static const char *const channel_names[TIDES_CHANNELS] = {"Y", "L", "L_dot", "A", "A_dot", "coverage", "contributors", "R", "G",
-                                                          "B", "R_dot", "G_dot", "B_dot", "Z", "Z_dot"};
+static const char *const channel_names[TIDES_CHANNELS] = {"Y", "L", "L_dot", "A",     "A_dot", "coverage", "contributors", "R",
+                                                          "G", "B", "R_dot", "G_dot", "B_dot", "Z",        "Z_dot"};
 
 /* Where each channel is among a backend's planes. Coverage, the sum of blend weights, is 1 - T = alpha by telescoping. */
-static const int channel_planes[TIDES_CHANNELS] = {TD_OUT_Y, TD_OUT_L, TD_OUT_L_DOT, TD_OUT_ALPHA, TD_OUT_ALPHA_DOT, TD_OUT_ALPHA,
-                                                   TD_OUT_CONTRIBUTORS, TD_OUT_R, TD_OUT_G, TD_OUT_B, TD_OUT_R_DOT, TD_OUT_G_DOT,
-                                                   TD_OUT_B_DOT, TD_OUT_Z, TD_OUT_Z_DOT};
+static const int channel_planes[TIDES_CHANNELS] = {TD_OUT_Y,         TD_OUT_L,     TD_OUT_L_DOT,        TD_OUT_ALPHA,
+                                                   TD_OUT_ALPHA_DOT, TD_OUT_ALPHA, TD_OUT_CONTRIBUTORS, TD_OUT_R,
+                                                   TD_OUT_G,         TD_OUT_B,     TD_OUT_R_DOT,        TD_OUT_G_DOT,
+                                                   TD_OUT_B_DOT,     TD_OUT_Z,     TD_OUT_Z_DOT};
 
 const char *tides_channel_name(int32_t channel) {
     return channel >= 0 && channel < TIDES_CHANNELS ? channel_names[channel] : NULL;
@@ -174,7 +175,8 @@ static tides_status sweep_boxes(tides_renderer *renderer, const tides_trajectory
         if (wanted)
             status = type->sweep(renderer->backend, views, duration, begin, renderer->object_first[i], renderer->boxes,
                                  renderer->travel, error);
-        else renderer->stats.gaussians_still += (uint64_t)(renderer->object_first[i] - begin);
+        else
+            renderer->stats.gaussians_still += (uint64_t)(renderer->object_first[i] - begin);
     }
     if (status == TIDES_OK && rests) {
         renderer->rested = 1;
@@ -222,8 +224,14 @@ static int make_jobs(tides_renderer *renderer, const td_request *requests, int c
             renderer->empty[(*empty_count)++] = i;
             continue;
         }
-        td_job job = {tile % candidates->tiles_x * TD_TILE, tile / candidates->tiles_x * TD_TILE, requests[i].slot, first, length,
-                      0, i, power_of_two(length)};
+        td_job job = {tile % candidates->tiles_x * TD_TILE,
+                      tile / candidates->tiles_x * TD_TILE,
+                      requests[i].slot,
+                      first,
+                      length,
+                      0,
+                      i,
+                      power_of_two(length)};
         renderer->jobs[jobs++] = job;
     }
     qsort(renderer->jobs, (size_t)jobs, sizeof *renderer->jobs, by_falling_count);
@@ -253,8 +261,8 @@ static void fill_empty(tides_renderer *renderer, const td_request *requests, int
     double pixel[TD_OUT_COLOUR];
     for (int i = 0; i < empty_count; i++) {
         int request = renderer->empty[i];
-        renderer->backend->type->empty_pixel(renderer->backend, (const double *)&renderer->backdrops[requests[request].slot], pixel,
-                                             outputs);
+        renderer->backend->type->empty_pixel(renderer->backend, (const double *)&renderer->backdrops[requests[request].slot],
+                                             pixel, outputs);
         double *tile = planes + (size_t)request * outputs * TD_TILE_PIXELS;
         for (int k = 0; k < outputs * TD_TILE_PIXELS; k++) tile[k] = pixel[k / TD_TILE_PIXELS];
     }
@@ -267,7 +275,8 @@ tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory 
     if (status == TIDES_OK)
         status = td_reserve((void **)&renderer->jobs, &renderer->job_capacity, (size_t)count, sizeof *renderer->jobs, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&renderer->empty, &renderer->empty_capacity, (size_t)count, sizeof *renderer->empty, error);
+        status =
+            td_reserve((void **)&renderer->empty, &renderer->empty_capacity, (size_t)count, sizeof *renderer->empty, error);
     if (status != TIDES_OK) return status;
     int empty_count;
     int jobs = make_jobs(renderer, requests, count, &empty_count);
@@ -289,8 +298,9 @@ static void assemble(const tides_renderer *renderer, const double *tiles, int pl
     int width = renderer->image.width, height = renderer->image.height, tiles_x = renderer->candidates.tiles_x;
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
-            size_t tile = (size_t)(y / TD_TILE * tiles_x + x / TD_TILE);
-            image[(size_t)y * width + x] = tiles[(tile * outputs + plane) * TD_TILE_PIXELS + td_tile_pixel(x % TD_TILE, y % TD_TILE)];
+            int tile = y / TD_TILE * tiles_x + x / TD_TILE;
+            image[(size_t)y * width + x] =
+                tiles[((size_t)tile * outputs + plane) * TD_TILE_PIXELS + (size_t)td_tile_pixel(x % TD_TILE, y % TD_TILE)];
         }
 }
 
@@ -299,7 +309,9 @@ static int outputs_for(const tides_frame *frame) {
     int outputs = 0;
     for (int c = 0; c < TIDES_CHANNELS; c++) {
         if (!frame->plane[c]) continue;
-        int needed = c == TIDES_L || c == TIDES_L_DOT ? TD_OUT_SIGNAL : c <= TIDES_CONTRIBUTORS ? TD_OUT_DIAGNOSTICS : TD_OUT_COLOUR;
+        int needed = c == TIDES_L || c == TIDES_L_DOT ? TD_OUT_SIGNAL
+                     : c <= TIDES_CONTRIBUTORS        ? TD_OUT_DIAGNOSTICS
+                                                      : TD_OUT_COLOUR;
         outputs = needed > outputs ? needed : outputs;
     }
     return outputs;

@@ -13,11 +13,11 @@
 enum { MAX_PIXELS = 16384 };
 
 static const double alpha_cut = 1.0 / 255.0;
-static const double near_fade = 1.25;       /* smooth: full opacity at 1.25 times the near plane */
+static const double near_fade = 1.25;        /* smooth: full opacity at 1.25 times the near plane */
 static const double taper_begin = 0.1 / 255; /* measured best of those tried (DESIGN 3.1) */
 static const double stop_change = 1e-5;      /* smooth: what termination may change in L */
-static const double soft_depth = 1e-4;     /* smooth: relative depth of a swap: half the renders of hard order, 10 to 30 % dearer */
-static const double jacobian_margin = 0.3;   /* of tan(fov/2), beyond the image's border */
+static const double soft_depth = 1e-4; /* smooth: relative depth of a swap: half the renders of hard order, 10 to 30 % dearer */
+static const double jacobian_margin = 0.3; /* of tan(fov/2), beyond the image's border */
 
 static void set_inria(td_image *image) {
     image->near = image->near_full = 0.2;
@@ -66,13 +66,14 @@ static void set_limits(td_image *image, int32_t rules, const tides_intrinsics *c
 
 static tides_status check_intrinsics(const tides_intrinsics *camera, tides_error *error) {
     if (camera->width < 1 || camera->width > MAX_PIXELS || camera->height < 1 || camera->height > MAX_PIXELS)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "camera: %d x %d pixels; width and height must be 1 to %d", (int)camera->width,
-                       (int)camera->height, MAX_PIXELS);
+        return td_fail(error, TIDES_BAD_ARGUMENT, "camera: %d x %d pixels; width and height must be 1 to %d",
+                       (int)camera->width, (int)camera->height, MAX_PIXELS);
     if (!(camera->fx > 0) || !(camera->fy > 0) || !isfinite(camera->fx) || !isfinite(camera->fy))
         return td_fail(error, TIDES_BAD_ARGUMENT, "camera: fx %g, fy %g; focal lengths must be positive numbers of pixels",
                        camera->fx, camera->fy);
     if (!isfinite(camera->cx) || !isfinite(camera->cy))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "camera: cx %g, cy %g; the principal point must be finite", camera->cx, camera->cy);
+        return td_fail(error, TIDES_BAD_ARGUMENT, "camera: cx %g, cy %g; the principal point must be finite", camera->cx,
+                       camera->cy);
     return TIDES_OK;
 }
 
@@ -98,8 +99,8 @@ static tides_status check_params(const tides_image_params *params, tides_error *
 }
 
 void tides_image_params_defaults(tides_image_params *params) {
-    static const tides_image_params defaults = {sizeof defaults, TIDES_RULES_SMOOTH, 0, TIDES_SH_DEGREE_MAX, 0.3,
-                                                {0.2126, 0.7152, 0.0722}, 1e-3, {0, 0, 0}};
+    static const tides_image_params defaults =
+        {sizeof defaults, TIDES_RULES_SMOOTH, 0, TIDES_SH_DEGREE_MAX, 0.3, {0.2126, 0.7152, 0.0722}, 1e-3, {0, 0, 0}};
     *params = defaults;
 }
 
@@ -109,9 +110,12 @@ tides_status td_image_resolve(const tides_image_params *params, const tides_intr
     if (status == TIDES_OK) status = check_params(params, error);
     if (status != TIDES_OK) return status;
     memset(image, 0, sizeof *image);
-    if (params->rules == TIDES_RULES_INRIA) set_inria(image);
-    else if (params->rules == TIDES_RULES_GSPLAT) set_gsplat(image);
-    else set_smooth(image);
+    if (params->rules == TIDES_RULES_INRIA)
+        set_inria(image);
+    else if (params->rules == TIDES_RULES_GSPLAT)
+        set_gsplat(image);
+    else
+        set_smooth(image);
     set_limits(image, params->rules, intrinsics);
     image->fx = intrinsics->fx;
     image->fy = intrinsics->fy;

@@ -21,16 +21,16 @@ typedef struct td_image_numbers {
 /* All Gaussians of a scene at one state, activated; objects padded to TD_PAD with Gaussians of opacity 0. Exactly one of `sh`
  * and `sh_wide` is set; rates are NULL unless the Gaussians move by themselves. Borrowed by the backend while it is created. */
 typedef struct td_store {
-    int count;     /* padded: a multiple of TD_PAD */
-    int real_count;/* Gaussians without the padding */
+    int count;      /* padded: a multiple of TD_PAD */
+    int real_count; /* Gaussians without the padding */
     int objects;
-    int sh_stride; /* reals per Gaussian */
-    int *object;         /* (count) */
-    double *geometry;    /* (count x TD_GEOMETRY_STRIDE) */
-    double *rates;       /* likewise, or NULL */
-    float *sh;           /* (count x sh_stride) */
-    double *sh_wide;     /* likewise, in double */
-    double *sh_rates;    /* likewise, or NULL */
+    int sh_stride;    /* reals per Gaussian */
+    int *object;      /* (count) */
+    double *geometry; /* (count x TD_GEOMETRY_STRIDE) */
+    double *rates;    /* likewise, or NULL */
+    float *sh;        /* (count x sh_stride) */
+    double *sh_wide;  /* likewise, in double */
+    double *sh_rates; /* likewise, or NULL */
 } td_store;
 
 /* Jobs for one run of all stages. Everything is borrowed for the call. */
@@ -40,11 +40,11 @@ typedef struct td_batch {
     int slots;
     const td_job *jobs;
     int job_count;
-    const int *candidates;   /* what the jobs point into */
+    const int *candidates; /* what the jobs point into */
     int candidate_count;
     uint64_t candidates_serial; /* changes with the candidates: devices keep a copy */
-    int records;             /* records that the jobs use */
-    int outputs;             /* TD_OUT_SIGNAL, _DIAGNOSTICS or _COLOUR */
+    int records;                /* records that the jobs use */
+    int outputs;                /* TD_OUT_SIGNAL, _DIAGNOSTICS or _COLOUR */
 } td_batch;
 
 typedef struct td_backend td_backend;
@@ -53,15 +53,15 @@ typedef struct td_backend td_backend;
  * something only where the mask isn't 0; order and sorted_masks up to `count`. */
 typedef struct td_stages {
     int records;
-    double *record;     /* (records x TD_RECORD_STRIDE) */
+    double *record;                  /* (records x TD_RECORD_STRIDE) */
     int *mask, *order, *sorted_mask; /* (records) */
     int count;
     double brightest;
 } td_stages;
 
 typedef struct td_backend_class {
-    /* For Gaussians [begin, end), multiples of TD_PAD: the box (x0, y0, x1, y1) [px] of each over an interval, and the diameters
-     * that it travels; views: (3 x objects x TD_VIEW_REALS); boxes: (count x 4), travel: (count), of the whole store. */
+    /* For Gaussians [begin, end), multiples of TD_PAD: the box (x0, y0, x1, y1) [px] of each over an interval, and the
+     * diameters that it travels; views: (3 x objects x TD_VIEW_REALS); boxes (count x 4) and travel (count) of the whole store. */
     tides_status (*sweep)(td_backend *backend, const double *views, double duration, int begin, int end, float *boxes,
                           float *travel, tides_error *error);
     /* All stages; planes: (outputs x TD_TILE_PIXELS) per job at job.out. */

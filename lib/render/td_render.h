@@ -35,12 +35,12 @@ tides_status td_views_at(const tides_scene *scene, const tides_trajectory *camer
 /* Which Gaussians each tile may see during an interval (candidates.c). */
 typedef struct td_candidates {
     int tiles_x, tiles_y;
-    int *first;      /* (tiles + 1) into `list`; multiples of TD_PAD */
-    int *list;       /* Gaussian indices, ascending, each object's padded to TD_PAD with TD_NO_GAUSSIAN */
-    size_t capacity; /* of `list` */
+    int *first;              /* (tiles + 1) into `list`; multiples of TD_PAD */
+    int *list;               /* Gaussian indices, ascending, each object's padded to TD_PAD with TD_NO_GAUSSIAN */
+    size_t capacity;         /* of `list` */
     int *fill, *last_object; /* (tiles) scratch */
-    float *travel;   /* (tiles) most diameters that one of its candidates travels in the interval */
-    uint8_t *moving; /* (tiles) 1 if one of its candidates moves on the screen */
+    float *travel;           /* (tiles) most diameters that one of its candidates travels in the interval */
+    uint8_t *moving;         /* (tiles) 1 if one of its candidates moves on the screen */
     uint64_t serial;
 } td_candidates;
 tides_status td_candidates_create(int width, int height, td_candidates *candidates, tides_error *error);
@@ -62,20 +62,20 @@ struct tides_renderer {
     td_store store;
     td_backend *backend;
     td_candidates candidates;
-    float *boxes;       /* (store.count x 4) */
-    float *travel;      /* (store.count) */
-    int *object_first;  /* (objects + 1) an object's Gaussians in the store */
+    float *boxes;          /* (store.count x 4) */
+    float *travel;         /* (store.count) */
+    int *object_first;     /* (objects + 1) an object's Gaussians in the store */
     uint8_t *object_moves; /* (objects) against the camera */
     int rested;            /* the last sweep saw a camera at rest, at rest_pose: boxes of what doesn't move hold on */
     tides_pose rest_pose;
-    td_view *views;     /* (slots x objects) */
+    td_view *views; /* (slots x objects) */
     td_backdrop *backdrops;
     size_t view_capacity, backdrop_capacity;
     td_job *jobs;
     size_t job_capacity;
-    int *empty;         /* requests without candidates */
+    int *empty; /* requests without candidates */
     size_t empty_capacity;
-    int record_limit;   /* records per launch */
+    int record_limit; /* records per launch */
     tides_render_stats stats;
 };
 

@@ -53,8 +53,10 @@ static tides_status check_whole(const tides_run *run, tides_error *error) {
                        start);
     const char *mode = run_text(run, "stepping.mode"), *model = run_text(run, "stepping.model");
     if (strncmp(mode, "error", 5) == 0 && strcmp(model, "hermite") != 0)
-        return td_fail(error, TIDES_BAD_CONFIG, "%s: stepping.model = \"%s\": error control estimates the error of the hermite "
-                       "model only; set stepping.mode to \"fixed\" or \"risk\"", run->origin, model);
+        return td_fail(error, TIDES_BAD_CONFIG,
+                       "%s: stepping.model = \"%s\": error control estimates the error of the hermite "
+                       "model only; set stepping.mode to \"fixed\" or \"risk\"",
+                       run->origin, model);
     return TIDES_OK;
 }
 

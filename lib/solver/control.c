@@ -11,11 +11,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Diameters that a splat may travel between two samples: within half of one, no splat passes a pixel without being seen there. */
+/* Diameters that a splat may travel between two samples: within half of one, none passes a pixel without being seen there. */
 static const double most_travel = 0.5;
 
 static const double most_contributors = 64; /* splats under a pixel at which the risk's norm(c) is 1 */
-static const double least_share = 1.0 / 32;  /* of the macro step, that a tile of risk 1 may take at once */
+static const double least_share = 1.0 / 32; /* of the macro step, that a tile of risk 1 may take at once */
 
 static double larger(double a, double b) { return a > b ? a : b; }
 static double smaller(double a, double b) { return a < b ? a : b; }
@@ -72,8 +72,10 @@ static int contains(const uint32_t *sorted, size_t count, uint32_t value) {
     size_t low = 0, high = count;
     while (low < high) {
         size_t middle = (low + high) / 2;
-        if (sorted[middle] < value) low = middle + 1;
-        else high = middle;
+        if (sorted[middle] < value)
+            low = middle + 1;
+        else
+            high = middle;
     }
     return low < count && sorted[low] == value;
 }

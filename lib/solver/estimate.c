@@ -3,11 +3,12 @@
 
 #include <math.h>
 
-/* The largest value of s^2 (1 - s) on [0, 1]: cubic and quadratic differ by s^2 (1 - s) times the difference of their end rates. */
+/* The largest value of s^2 (1 - s) on [0, 1]: cubic and quadratic differ by s^2 (1 - s) times the difference of their end
+ * rates. */
 static const double bulge = 4.0 / 27.0;
 
-/* What single precision leaves of S on its way through the renderer: an error below it is rounding, which no halving removes, and
- * divided by the slope of a pixel that hardly moves it would look like any time. */
+/* What single precision leaves of S on its way through the renderer: an error below it is rounding, which no halving removes,
+ * and divided by the slope of a pixel that hardly moves it would look like any time. */
 static const double noise = 1e-6;
 
 static double larger(double a, double b) { return a > b ? a : b; }
@@ -39,7 +40,8 @@ td_estimate td_estimate_step(const td_comparator *comparator, double h, const td
         double error = bulge * fabs(rate1 + rate0 - 2 * rise);
         /* Where the signal hardly rises, the time of a crossing is only as good as the range that it moves in. */
         double moved = larger(fabs(rise), error);
-        /* Most pixels are no worse than one already seen: they needn't be asked about levels. NaN: the comparator passes it over. */
+        /* Most pixels are no worse than one already seen: they needn't be asked about levels. NaN: the comparator passes it
+         * over. */
         double timed = larger(error - noise, 0);
         if (!(error > worst.error || timed * h > worst.seconds * moved)) continue;
         if (equal && !may_fire(S0, rate0, S1, rate1, error, reference[i], threshold)) continue;

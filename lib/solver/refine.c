@@ -1,8 +1,8 @@
 /* Adaptive steps: which (tile, time) jobs a macro step needs.
  *
- * Level 0 renders every tile in which something moves at the macro step's end. Each level then halves those of the new steps that
- * the controller (control.c) finds too long, until there is none or min_step_s is reached. All tiles' midpoints of a level are one
- * batch for the renderer; equal times share a slot. */
+ * Level 0 renders every tile in which something moves at the macro step's end. Each level then halves those of the new steps
+ * that the controller (control.c) finds too long, until there is none or min_step_s is reached. All tiles' midpoints of a level
+ * are one batch for the renderer; equal times share a slot. */
 #include "td_simulator.h"
 
 #include <math.h>
@@ -40,10 +40,9 @@ static void store_sample(const tides_simulator *s, td_refine *r, int t, const do
 
 /* The samples that the moving tiles begin the macro step with: what the last one ended with. Tile t's list begins at step t. */
 static tides_status begin_samples(tides_simulator *s, td_refine *r, tides_error *error) {
-    tides_status status = td_reserve((void **)&r->samples, &r->sample_capacity, (size_t)s->tiles * 4 * TD_TILE_PIXELS,
-                                     sizeof *r->samples, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&r->step, &r->step_capacity, (size_t)s->tiles, sizeof *r->step, error);
+    tides_status status =
+        td_reserve((void **)&r->samples, &r->sample_capacity, (size_t)s->tiles * 4 * TD_TILE_PIXELS, sizeof *r->samples, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&r->step, &r->step_capacity, (size_t)s->tiles, sizeof *r->step, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&r->risk, &r->risk_capacity, 2 * (size_t)s->tiles, sizeof *r->risk, error);
     if (status != TIDES_OK) return status;
@@ -103,8 +102,7 @@ static tides_status render_samples(tides_simulator *s, td_refine *r, const int32
     }
     status = td_renderer_tiles(s->renderer, s->camera, r->times, slots, r->requests, count, s->outputs, r->planes, error);
     if (status != TIDES_OK) return status;
-    for (int i = 0; i < count; i++)
-        store_sample(s, r, tiles[i], r->planes + (size_t)i * reals, (int32_t)(first + (size_t)i));
+    for (int i = 0; i < count; i++) store_sample(s, r, tiles[i], r->planes + (size_t)i * reals, (int32_t)(first + (size_t)i));
     r->sample_count += (size_t)count;
     return TIDES_OK;
 }

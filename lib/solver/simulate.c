@@ -10,8 +10,8 @@
 #include "td_event_sort.h"
 #include "td_simulator.h"
 
-/* A longer batch has wider swept boxes, so more candidates that miss their tile: above the first share the batch is halved, below
- * the second it is doubled. */
+/* A longer batch has wider swept boxes, so more candidates that miss their tile: above the first share the batch is halved,
+ * below the second it is doubled. */
 static const double too_many_culled = 0.5, few_culled = 0.3;
 
 /* Copies one rendered tile, kept block by block, to the rows of a sample. */
@@ -203,7 +203,8 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
                                  tides_progress progress, void *user, tides_error *error) {
     if (!simulator) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: simulator must be given");
     if (simulator->broken)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: an earlier error left a step half done; make a new simulator");
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "tides_simulator_run: an earlier error left a step half done; make a new simulator");
     if (!(until >= simulator->start))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: until %g s is before the start, %g s", until,
                        simulator->start);
@@ -212,9 +213,8 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
     int64_t last = last_step_until(simulator, until);
     if (!simulator->started) status = begin(simulator, error);
     while (status == TIDES_OK && simulator->step < last) {
-        status = simulator->mode == TIDES_STEPPING_FIXED
-                     ? advance(simulator, last - simulator->step, sink, sink_user, error)
-                     : advance_refined(simulator, sink, sink_user, error);
+        status = simulator->mode == TIDES_STEPPING_FIXED ? advance(simulator, last - simulator->step, sink, sink_user, error)
+                                                         : advance_refined(simulator, sink, sink_user, error);
         if (status == TIDES_OK && progress && progress(user, (double)simulator->step / (double)simulator->steps, "simulating"))
             status = td_fail(error, TIDES_CANCELLED, "stopped on request at %g s", td_grid_time(simulator, simulator->step));
     }

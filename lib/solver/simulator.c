@@ -15,8 +15,8 @@ void tides_sensor_defaults(tides_sensor *sensor) {
 }
 
 void tides_stepping_defaults(tides_stepping *stepping) {
-    static const tides_stepping defaults = {sizeof defaults, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE, 1, 0.01, 1e-6, 0.01, 0, 0,
-                                            {0.3, 0.3, 0.4}};
+    static const tides_stepping defaults =
+        {sizeof defaults, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE, 1, 0.01, 1e-6, 0.01, 0, 0, {0.3, 0.3, 0.4}};
     *stepping = defaults;
 }
 
@@ -49,8 +49,8 @@ static tides_status check_adaptive(const tides_stepping *stepping, tides_error *
         return td_fail(error, TIDES_BAD_ARGUMENT, "stepping: time_tolerance_s %g and budget %g must not be below 0",
                        stepping->time_tolerance_s, stepping->budget);
     if (!(stepping->risk.w_b >= 0) || !(stepping->risk.w_c >= 0) || !(stepping->risk.w_alpha >= 0))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "stepping.risk: weights %g, %g and %g must not be below 0", stepping->risk.w_b,
-                       stepping->risk.w_c, stepping->risk.w_alpha);
+        return td_fail(error, TIDES_BAD_ARGUMENT, "stepping.risk: weights %g, %g and %g must not be below 0",
+                       stepping->risk.w_b, stepping->risk.w_c, stepping->risk.w_alpha);
     return TIDES_OK;
 }
 

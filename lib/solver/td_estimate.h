@@ -10,9 +10,9 @@ typedef struct td_estimate {
     double seconds; /* the largest such error divided by its pixel's slope [s] */
 } td_estimate;
 
-/* The embedded estimate (DESIGN 3.2): the cubic against the quadratic through S0, S0_dot, S1 and its mirror image through S0, S1,
- * S1_dot. Their difference is greatest at a third of the step, 4/27 |h S1_dot - (2 (S1 - S0) - h S0_dot)|: the cubic itself is
- * one order better, so it bounds the cubic's error on steps where halving helps at all.
+/* The embedded estimate (DESIGN 3.2): the cubic against the quadratic through S0, S0_dot, S1 and its mirror image through S0,
+ * S1, S1_dot. Their difference is greatest at a third of the step, 4/27 |h S1_dot - (2 (S1 - S0) - h S0_dot)|: the cubic itself
+ * is one order better, so it bounds the cubic's error on steps where halving helps at all.
  *
  * Only pixels count whose signal may reach a threshold within the step: those whose control values, widened by the estimate,
  * have a level between them. With equal thresholds every level that a pixel may ever fire at is reference + n C, whatever
@@ -20,7 +20,7 @@ typedef struct td_estimate {
 td_estimate td_estimate_step(const td_comparator *comparator, double h, const td_signals *signals, const double *reference,
                              int32_t count);
 
-/* Estimated timing errors of a run's events: each pixel's step weighs in with the number of thresholds that it moves through. */
+/* Estimated timing errors of a run's events: each pixel's step weighs in with the thresholds that it moves through. */
 enum { TD_TIMING_BINS = 256, TD_TIMING_PER_OCTAVE = 4 };
 typedef struct td_timing {
     double weight[TD_TIMING_BINS]; /* bin k: errors from 2^(k / 4 - 48) s on */

@@ -1,5 +1,5 @@
-/* Internal: adaptive steps. Within a macro step each tile has its own list of steps, made by halving those whose estimated error
- * is too large. A job is (tile, time); the jobs of one refinement level go to the device in one launch. */
+/* Internal: adaptive steps. Within a macro step each tile has its own list of steps, made by halving those whose estimated
+ * error is too large. A job is (tile, time); the jobs of one refinement level go to the device in one launch. */
 #ifndef TD_REFINE_H
 #define TD_REFINE_H
 
@@ -12,24 +12,24 @@ typedef struct td_refine_step {
     int32_t begin, end; /* samples at both ends */
     int32_t next;       /* index, or -1 */
     int32_t tile;
-    double excess;      /* how far above its limit the step's worst measure is: halved above 1 */
-    double error;       /* estimated error of S [thresholds]; 0 where it isn't asked for */
+    double excess; /* how far above its limit the step's worst measure is: halved above 1 */
+    double error;  /* estimated error of S [thresholds]; 0 where it isn't asked for */
 } td_refine_step;
 
 /* Workspace of a macro step, reused from one to the next. */
 typedef struct td_refine {
-    int depth;                 /* halvings at most */
+    int depth; /* halvings at most */
     td_refine_step *step;
     size_t steps, step_capacity;
-    double *samples;           /* (sample x 2 x TD_TILE_PIXELS): S, then S_dot, row by row */
+    double *samples; /* (sample x 2 x TD_TILE_PIXELS): S, then S_dot, row by row */
     size_t sample_count, sample_capacity;
-    double *risk;              /* (sample): the tile's risk score there */
+    double *risk; /* (sample): the tile's risk score there */
     size_t risk_capacity;
-    int32_t *pending;          /* steps to be halved on this level */
+    int32_t *pending; /* steps to be halved on this level */
     size_t pending_count, pending_capacity;
-    int32_t *halved;           /* steps that came of it */
+    int32_t *halved; /* steps that came of it */
     size_t halved_capacity;
-    double *times;             /* the level's distinct times */
+    double *times; /* the level's distinct times */
     size_t time_capacity;
     td_request *requests;
     size_t request_capacity;

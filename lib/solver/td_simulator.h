@@ -21,14 +21,14 @@ struct tides_simulator {
     int mode, local;            /* TIDES_STEPPING_*; each tile has its own steps */
     double min_step_s, tolerance, time_tolerance_s, budget;
     tides_risk risk;
-    int outputs;                /* planes that each sample renders: risk wants diagnostics */
-    double *tile_risk;          /* (tiles) at the time reached */
-    td_refine refine;           /* TIDES_STEPPING_ERROR */
-    td_timing timing;           /* likewise: estimated errors of event times */
-    int broken;                 /* a step failed half way: the pixels no longer agree on the time */
-    int64_t steps;              /* of the whole run */
-    int64_t step;               /* steps taken */
-    int started;                /* the first sample is there */
+    int outputs;       /* planes that each sample renders: risk wants diagnostics */
+    double *tile_risk; /* (tiles) at the time reached */
+    td_refine refine;  /* TIDES_STEPPING_ERROR */
+    td_timing timing;  /* likewise: estimated errors of event times */
+    int broken;        /* a step failed half way: the pixels no longer agree on the time */
+    int64_t steps;     /* of the whole run */
+    int64_t step;      /* steps taken */
+    int started;       /* the first sample is there */
     int width, tiles;
     td_tile *tile;       /* (tiles) */
     size_t *first_pixel; /* (tiles + 1): where a tile's pixels begin in the arrays below */

@@ -77,7 +77,8 @@ static void run(tides_device *device, const tides_scene *scene, const tides_traj
     tides_renderer_stats(renderer, &after);
     qsort(total, FRAMES, sizeof *total, by_value);
     double per = 1e3 / FRAMES;
-    printf("%-7s %2d lanes  best %7.2f  median %7.2f ms | sweep %6.2f project %6.2f sort %6.2f composite %6.2f transfer %6.2f | "
+    printf("%-7s %2d lanes  best %7.2f  median %7.2f ms | sweep %6.2f project %6.2f sort %6.2f composite %6.2f transfer %6.2f "
+           "| "
            "%6.0f k projected, %6.2f M pairs\n",
            rules == TIDES_RULES_SMOOTH ? "smooth" : "inria", (int)device->info.lanes, total[0], total[FRAMES / 2],
            per * (after.time_sweep_s - before.time_sweep_s), per * (after.time_project_s - before.time_project_s),
@@ -97,8 +98,10 @@ int main(int argc, char **argv) {
     tides_trajectory *camera;
     double lower[3], upper[3];
     stop_on(tides_scene_create(&scene, &error), &error);
-    if (argc > 1 && argv[1][0]) stop_on(tides_scene_add_file(scene, argv[1], NULL, 1, &error), &error);
-    else add_random(scene);
+    if (argc > 1 && argv[1][0])
+        stop_on(tides_scene_add_file(scene, argv[1], NULL, 1, &error), &error);
+    else
+        add_random(scene);
     int width = argc > 4 ? atoi(argv[3]) : 346, height = argc > 4 ? atoi(argv[4]) : 260;
     tides_scene_bounds(scene, lower, upper);
     tides_orbit orbit = {{0}, {0, -1, 0}, 0, 0, 0, 1.0, 0, 1};

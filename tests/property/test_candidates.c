@@ -60,8 +60,8 @@ static void expect_same_tiles(const tides_renderer *renderer, const double *a, c
         for (int y = 0; y < renderer->image.height; y++)
             for (int x = 0; x < renderer->image.width; x++)
                 for (int k = 0; k < OUTPUTS; k++) {
-                    size_t which = (size_t)(slot * tiles + y / TD_TILE * tiles_x + x / TD_TILE);
-                    size_t at = which * tile + (size_t)(k * TD_TILE_PIXELS + td_tile_pixel(x % TD_TILE, y % TD_TILE));
+                    int which = slot * tiles + y / TD_TILE * tiles_x + x / TD_TILE;
+                    size_t at = (size_t)which * tile + (size_t)(k * TD_TILE_PIXELS + td_tile_pixel(x % TD_TILE, y % TD_TILE));
                     if (memcmp(&a[at], &b[at], sizeof *a) != 0)
                         fail_msg("%s: plane %d at (%d, %d), time %.9g: %.9g and %.9g", what, k, x, y, times[slot], a[at],
                                  b[at]);

@@ -1,4 +1,5 @@
-/* The writer of event files: round trips, portions, the index, what it refuses, and that files are replaced whole or not at all. */
+/* The writer of event files: round trips, portions, the index, what it refuses, and that files are replaced whole or not at
+ * all. */
 #include "test_events_common.h"
 
 static const tides_event_file facts = {.width = 346, .height = 260, .run = "{\"seed\": \"7\"}", .seed = "7"};
