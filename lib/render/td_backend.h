@@ -61,7 +61,8 @@ typedef struct td_stages {
 
 typedef struct td_backend_class {
     /* For Gaussians [begin, end), multiples of TD_PAD: the box (x0, y0, x1, y1) [px] of each over an interval, and the
-     * diameters that it travels; views: (3 x objects x TD_VIEW_REALS); boxes (count x 4) and travel (count) of the whole store. */
+     * diameters that it travels. views: (3 x objects x TD_VIEW_REALS); boxes (count x 4) and travel (count) are the whole
+     * store's. */
     tides_status (*sweep)(td_backend *backend, const double *views, double duration, int begin, int end, float *boxes,
                           float *travel, tides_error *error);
     /* All stages; planes: (outputs x TD_TILE_PIXELS) per job at job.out. */
