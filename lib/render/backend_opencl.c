@@ -125,7 +125,7 @@ static tides_status lay_staging(opencl_backend *b, const td_batch *batch, stagin
 }
 
 /* Room for the batch on the device. */
-static tides_status reserve_batch(opencl_backend *b, const td_batch *batch, int tiles, staging *s, tides_error *error) {
+static tides_status reserve_batch(opencl_backend *b, const td_batch *batch, staging *s, tides_error *error) {
     tides_status laid = lay_staging(b, batch, s, error);
     if (laid != TIDES_OK) return laid;
     size_t records = (size_t)batch->records, jobs = (size_t)batch->job_count;
@@ -142,7 +142,7 @@ static tides_status reserve_batch(opencl_backend *b, const td_batch *batch, int 
         {&b->sorted_masks, records * sizeof(cl_int)},
         {&b->counts, jobs * sizeof(cl_int)},
         {&b->brightest, jobs * sizeof(cl_float)},
-        {&b->planes, (size_t)tiles * batch->outputs * TD_TILE_PIXELS * sizeof(cl_float)},
+        {&b->planes, s->plane_reals * sizeof(cl_float)},
         {&b->blended, s->blended_count * sizeof(cl_int)},
         {&b->views, s->view_reals * sizeof(cl_float)},
         {&b->backdrops, s->backdrop_reals * sizeof(cl_float)},
@@ -247,7 +247,7 @@ static void add_counts(opencl_backend *b, const td_batch *batch, const staging *
 static tides_status run_stages(opencl_backend *b, const td_batch *batch, staging *s, double *stage_seconds,
                                tides_error *error) {
     cl_event events[STAGES] = {NULL, NULL, NULL};
-    tides_status status = reserve_batch(b, batch, batch->job_count, s, error);
+    tides_status status = reserve_batch(b, batch, s, error);
     if (status == TIDES_OK) status = send_batch(b, batch, s, error);
     if (status == TIDES_OK) status = launch_project(b, batch, &events[0], error);
     if (status == TIDES_OK) status = launch_sort(b, batch, &events[1], error);

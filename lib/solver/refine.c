@@ -27,15 +27,9 @@ static int depth_for(double length, double min_step) {
 
 /* Copies one rendered tile, kept block by block, to a sample's rows, and notes its risk. */
 static void store_sample(const tides_simulator *s, td_refine *r, int t, const double *planes, int32_t index) {
-    const td_tile *tile = &s->tile[t];
     double *sample = td_refine_sample(r, index);
-    for (int y = 0, i = 0; i < tile->count; y++)
-        for (int x = 0; x < tile->width; x++, i++) {
-            int at = td_tile_pixel(x, y);
-            sample[i] = planes[TD_OUT_L * TD_TILE_PIXELS + at];
-            sample[TD_TILE_PIXELS + i] = planes[TD_OUT_L_DOT * TD_TILE_PIXELS + at];
-        }
-    r->risk[index] = s->outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, tile, planes);
+    td_unpack_tile(&s->tile[t], planes, sample, sample + TD_TILE_PIXELS);
+    r->risk[index] = s->outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, &s->tile[t], planes);
 }
 
 /* The samples that the moving tiles begin the macro step with: what the last one ended with. Tile t's list begins at step t. */

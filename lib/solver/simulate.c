@@ -14,16 +14,9 @@
  * below the second it is doubled. */
 static const double too_many_culled = 0.5, few_culled = 0.3;
 
-/* Copies one rendered tile, kept block by block, to the rows of a sample. */
+/* One rendered tile to its place in a sample. */
 static void store_tile(const tides_simulator *s, int t, const double *planes, td_sample *sample) {
-    const td_tile *tile = &s->tile[t];
-    double *S = sample->S + s->first_pixel[t], *S_dot = sample->S_dot + s->first_pixel[t];
-    for (int y = 0, i = 0; i < tile->count; y++)
-        for (int x = 0; x < tile->width; x++, i++) {
-            int at = td_tile_pixel(x, y);
-            S[i] = planes[TD_OUT_L * TD_TILE_PIXELS + at];
-            S_dot[i] = planes[TD_OUT_L_DOT * TD_TILE_PIXELS + at];
-        }
+    td_unpack_tile(&s->tile[t], planes, sample->S + s->first_pixel[t], sample->S_dot + s->first_pixel[t]);
 }
 
 void td_list_moving(tides_simulator *s) {

@@ -52,6 +52,16 @@ void td_list_moving(tides_simulator *simulator);
 /* Largest risk score of a tile's pixels, from planes of TD_OUT_DIAGNOSTICS. */
 double td_tile_risk(const tides_simulator *simulator, const td_tile *tile, const double *planes);
 
+/* S and S_dot of a rendered tile, whose planes are kept block by block, as rows of the tile's pixels. */
+static inline void td_unpack_tile(const td_tile *tile, const double *planes, double *S, double *S_dot) {
+    for (int y = 0, i = 0; i < tile->count; y++)
+        for (int x = 0; x < tile->width; x++, i++) {
+            int at = td_tile_pixel(x, y);
+            S[i] = planes[TD_OUT_L * TD_TILE_PIXELS + at];
+            S_dot[i] = planes[TD_OUT_L_DOT * TD_TILE_PIXELS + at];
+        }
+}
+
 /* Time of grid point k [s]: a product, not a running sum; the last one is `stop`. */
 static inline double td_grid_time(const tides_simulator *simulator, int64_t k) {
     return k >= simulator->steps ? simulator->stop : simulator->start + (double)k * simulator->step_s;
