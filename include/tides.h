@@ -15,6 +15,7 @@
 #include "tides/base.h"
 #include "tides/device.h"
 #include "tides/trajectory.h"
+#include "tides/motion.h"
 #include "tides/scene.h"
 #include "tides/camera.h"
 #include "tides/render.h"
