@@ -88,8 +88,8 @@ struct tides_motion {
 tides_status td_motion_create(const td_motion_class *type, double start, double stop, tides_motion **motion,
                               tides_error *error);
 
-/* Adds a field of `rank` 1..4, taking over `value` (malloc'd, product of shape floats) also on failure. Values that aren't finite:
- * TIDES_BAD_FILE naming the field. */
+/* Adds a field of `rank` 1..4, taking over `value` (malloc'd, product of shape floats) also on failure. Values that aren't
+ * finite: TIDES_BAD_FILE naming the field. */
 tides_status td_motion_take_field(tides_motion *motion, const char *name, int rank, const uint64_t *shape, float *value,
                                   tides_error *error);
 tides_status td_motion_set(tides_motion *motion, const char *name, double value, tides_error *error);
