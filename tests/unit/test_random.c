@@ -1,4 +1,4 @@
-/* Counter-based random numbers: the generator's published values, independence of what they are for, and their distributions. */
+/* Counter-based random numbers: the published values, independence of what they are for, and their distributions. */
 #include "sensor/td_random.h"
 
 #include <math.h>
