@@ -21,6 +21,7 @@
 #include "tides/render.h"
 #include "tides/simulate.h"
 #include "tides/events.h"
+#include "tides/readout.h"
 #include "tides/image.h"
 #include "tides/metrics.h"
 #include "tides/run.h"
