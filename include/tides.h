@@ -19,6 +19,7 @@
 #include "tides/scene.h"
 #include "tides/camera.h"
 #include "tides/render.h"
+#include "tides/sensor.h"
 #include "tides/simulate.h"
 #include "tides/events.h"
 #include "tides/readout.h"
