@@ -1,8 +1,8 @@
 /* How good a stream is: distances between streams of events.
  *
- * Definitions: Sec. 4.3 of the paper where it gives them; what it leaves open (pooling, units, truncation) is fixed here, at each
- * field. Values are undefined where they would divide by nothing: those are NaN in C and null in JSON. No number of a simulated
- * stream means much alone: the reference's own value stands beside it. */
+ * Definitions: Sec. 4.3 of the paper where it gives them; what it leaves open (pooling, units, truncation) is fixed here, at
+ * each field. Values are undefined where they would divide by nothing: those are NaN in C and null in JSON. No number of a
+ * simulated stream means much alone: the reference's own value stands beside it. */
 #ifndef TIDES_METRICS_H
 #define TIDES_METRICS_H
 
@@ -82,8 +82,9 @@ typedef struct tides_metrics_options {
     double match_limit_s;        /* as limit_s of tides_match_events */
 } tides_metrics_options;
 
-/* TIDES_METRICS_DEFAULT; whole streams; tick 1 us; floor 0.5 us; bins of 1, 0.2 and 5 ms, tiles of 16 px, 20 events, 1e-3; speed
- * from the reference, windows of 50 ms, cells of 1 px; 100 /s; 10 ms; 10 ms (0.3 of a frame at 30 /s); 2 px and 5 ms; 1 ms. */
+/* TIDES_METRICS_DEFAULT; whole streams; tick 1 us; floor 0.5 us; bins of 1, 0.2 and 5 ms, tiles of 16 px, 20 events, 1e-3;
+ * speed from the reference, windows of 50 ms, cells of 1 px; 100 /s; 10 ms; 10 ms (0.3 of a frame at 30 /s); 2 px and 5 ms;
+ * 1 ms. */
 TIDES_API void tides_metrics_options_defaults(tides_metrics_options *options);
 
 /* Intervals and the inverse Gaussian IG(mean, shape) with the largest likelihood: shape = 1 / (mean(1/tau) - 1/mean(tau)),
@@ -125,9 +126,9 @@ typedef struct tides_metrics {
     uint64_t fano_tiles[TIDES_FANO_BINS];  /* tiles compared */
     double fano_coverage[TIDES_FANO_BINS]; /* of the reference's tiles with enough events */
 
-    /* Events as points (x, y, v t), each polarity and window by itself, one point per cell (the mean of its events); distances to
-     * the nearest point of the other stream, at most chamfer_limit_px; C = (mean + mean) / 2, averaged over the terms with their
-     * numbers of points. A term with one stream empty counts as the limit. */
+    /* Events as points (x, y, v t), each polarity and window by itself, one point per cell (the mean of its events);
+     * distances to the nearest point of the other stream, at most chamfer_limit_px; C = (mean + mean) / 2, averaged over the
+     * terms with their numbers of points. A term with one stream empty counts as the limit. */
     double speed_px_per_s; /* v: given, or 1 / median time to the latest event of the 4-neighbours and polarity within 50 ms */
     double chamfer_px;
     double chamfer_fraction;                                 /* of the diagonal */
@@ -147,11 +148,11 @@ typedef struct tides_metrics {
     tides_match match;
 } tides_metrics;
 
-/* Compares two streams, each in order of time (else TIDES_BAD_ARGUMENT, as for events outside the sensor). 0 events are fine.
- * Pure: touches nothing but `metrics`, so that several threads may compare at once, the same streams too. `progress` (nullable)
- * may cancel. Memory beside the streams: about 40 bytes per event and 40 per pixel, 40 more per event with MATCH. n log n, but for
- * two: VICTOR_PURPURA takes, for each event, as long as there are events of its pixel within 2 / cost, KERNEL as there are events
- * within 9 standard deviations of time. */
+/* Compares two streams, each in order of time (else TIDES_BAD_ARGUMENT, as for events outside the sensor). 0 events are
+ * fine. Pure: touches nothing but `metrics`, so that several threads may compare at once, the same streams too. `progress`
+ * (nullable) may cancel. Memory beside the streams: about 40 bytes per event and 40 per pixel, 40 more per event with MATCH.
+ * n log n, but for two: VICTOR_PURPURA takes, for each event, as long as there are events of its pixel within 2 / cost,
+ * KERNEL as there are events within 9 standard deviations of time. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_metrics_compare(const tides_event *reference, size_t reference_count,
                                                               const tides_event *simulated, size_t simulated_count,
                                                               const tides_metrics_options *options, tides_progress progress,

@@ -1,5 +1,5 @@
-/* Motion-scaled Chamfer distance (paper, Sec. 4.3): events as points (x, y, v t), so that a time error counts as the way that the
- * image moves in it. Windows and polarities are compared by themselves, with one point per cell of space. */
+/* Motion-scaled Chamfer distance (paper, Sec. 4.3): events as points (x, y, v t), so that a time error counts as the way
+ * that the image moves in it. Windows and polarities are compared by themselves, with one point per cell of space. */
 #include "td_metrics.h"
 #include "td_point_tree.h"
 
@@ -57,7 +57,8 @@ static void add_to_point(cloud *made, cell *here, uint64_t serial, const double 
     made->weights[here->point] += 1.0;
 }
 
-/* One point per cell: the mean of its events. Streams are in order of time, so a slab of cells is finished when the next begins. */
+/* One point per cell: the mean of its events. Streams are in order of time, so a slab of cells is finished when the next
+ * begins. */
 static tides_status thin(chamfer *f, const tides_event *events, size_t count, int polarity, int64_t window_ns, cloud *made) {
     const double edge = f->compare->options->cell_px;
     double slab = -1.0;

@@ -1,4 +1,5 @@
-/* Fano-factor error (paper, Sec. 4.3): how bursty each tile's events are, F = Var(N) / E[N] of the counts in equal bins of time.
+/* Fano-factor error (paper, Sec. 4.3): how bursty each tile's events are, F = Var(N) / E[N] of the counts in equal bins of
+ * time.
  *
  * Bins are the whole ones of the interval. Streams are in order of time, so each tile only has to remember its present bin. */
 #include "td_metrics.h"

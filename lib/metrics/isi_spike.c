@@ -1,8 +1,8 @@
 /* ISI spike ratio (paper, Sec. 4.3): the fraction of intervals near zero or at the quanta of a clock.
  *
- * Near zero is at most 1 us. With a known clock, intervals within 1 us of a multiple of its period count. Without one, spikes are
- * found in the histogram of intervals up to 50 ms, in ticks: a bin is a spike where it holds at least 8 (median + 1) intervals, the
- * median being that of the bins up to 50 ticks away, and what it holds above the median counts. */
+ * Near zero is at most 1 us. With a known clock, intervals within 1 us of a multiple of its period count. Without one,
+ * spikes are found in the histogram of intervals up to 50 ms, in ticks: a bin is a spike where it holds at least 8 (median +
+ * 1) intervals, the median being that of the bins up to 50 ticks away, and what it holds above the median counts. */
 #include "td_metrics.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
-/* A k-d tree in an array: a range's middle point splits it along its longest side, ranges of a few points are searched through. */
+/* A k-d tree in an array: a range's middle point splits it along its longest side, ranges of a few points are searched
+ * through. */
 #include "td_point_tree.h"
 
 #include <math.h>
@@ -73,8 +74,8 @@ static inline double square_distance(const td_point *a, const td_point *b) {
     return x * x + y * y + z * z;
 }
 
-/* `outside` is how far the query lies outside the range's box along each axis, `beyond` the sum of the squares (Arya & Mount 1993):
- * nothing in the range is nearer. */
+/* `outside` is how far the query lies outside the range's box along each axis, `beyond` the sum of the squares (Arya & Mount
+ * 1993): nothing in the range is nearer. */
 typedef struct search {
     const td_point *query;
     double outside[3];

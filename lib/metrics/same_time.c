@@ -1,4 +1,5 @@
-/* Same-ts (paper, Sec. 4.3): the fraction of events that share their timestamp with another event of the sensor, or of their tile. */
+/* Same-ts (paper, Sec. 4.3): the fraction of events that share their timestamp with another event of the sensor, or of their
+ * tile. */
 #include "td_metrics.h"
 
 #include <math.h>

@@ -16,9 +16,9 @@ typedef struct sums {
     uint64_t over;
 } sums;
 
-/* D^2 = sum over all pairs of events, and each with itself, of w_i w_j exp(-|t_i - t_j| / tau), where w is 1 for a and -1 for b (van
- * Rossum 2001, scaled so that one event against none is 1). In order of time the sum over all earlier events decays from one time
- * to the next. Simultaneous events count together, so that equal trains give exactly 0. */
+/* D^2 = sum over all pairs of events, and each with itself, of w_i w_j exp(-|t_i - t_j| / tau), where w is 1 for a and -1
+ * for b (van Rossum 2001, scaled so that one event against none is 1). In order of time the sum over all earlier events
+ * decays from one time to the next. Simultaneous events count together, so that equal trains give exactly 0. */
 static double van_rossum(const train *a, const train *b, double tau_ns) {
     size_t i = 0, j = 0;
     double square = 0, filtered = 0;
