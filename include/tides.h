@@ -22,6 +22,7 @@
 #include "tides/events.h"
 #include "tides/image.h"
 #include "tides/metrics.h"
+#include "tides/representations.h"
 #include "tides/run.h"
 
 #endif

@@ -94,7 +94,8 @@ static void floors(void **state) {
     assert_near("near zero", m.simulated.isi_spike, 1.0);
 }
 
-/* 40 intervals of 4 ms and 60 of all lengths: the 40 stand out. With a clock of 2 ms they count as well, with one of 3 they don't. */
+/* 40 intervals of 4 ms and 60 of all lengths: the 40 stand out. With a clock of 2 ms they count as well, with one of 3.1 they
+ * don't. */
 static void spikes_on_a_clock(void **state) {
     (void)state;
     tides_event a[101];
