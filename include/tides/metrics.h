@@ -150,7 +150,7 @@ typedef struct tides_metrics {
 
 /* Compares two streams, each in order of time (else TIDES_BAD_ARGUMENT, as for events outside the sensor). 0 events are
  * fine. Pure: touches nothing but `metrics`, so that several threads may compare at once, the same streams too. `progress`
- * (nullable) may cancel. Memory beside the streams: about 40 bytes per event and 40 per pixel, 40 more per event with MATCH.
+ * (nullable) may cancel. Memory beside the streams: about 40 bytes per event and 50 per pixel.
  * n log n, but for two: VICTOR_PURPURA takes, for each event, as long as there are events of its pixel within 2 / cost,
  * KERNEL as there are events within 9 standard deviations of time. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_metrics_compare(const tides_event *reference, size_t reference_count,

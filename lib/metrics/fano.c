@@ -68,7 +68,7 @@ static void compare_tiles(const td_compare *c, const tile_bins *a, const tile_bi
 
 tides_status td_compare_fano(td_compare *c) {
     const int32_t edge = c->options->fano_tile_px;
-    const size_t across = (size_t)((c->width - 1) / edge + 1), count = across * (size_t)((c->height - 1) / edge + 1);
+    const size_t across = td_tiles(c->width, edge), count = across * td_tiles(c->height, edge);
     tile_bins *tiles = td_alloc(2 * count, sizeof *tiles, c->error);
     if (!tiles) return TIDES_NO_MEMORY;
     for (int which = 0; which < TIDES_FANO_BINS; which++) {

@@ -18,12 +18,11 @@ static int ascending(const void *left, const void *right) {
 }
 
 static double median_around(const uint64_t *histogram, size_t bins, size_t bin) {
-    uint64_t around[2 * REACH + 1];
+    uint64_t around[2 * REACH + 1] = {0};
     const size_t low = bin > REACH ? bin - REACH : 0, high = bin + REACH + 1 < bins ? bin + REACH + 1 : bins;
     for (size_t i = low; i < high; i++) around[i - low] = histogram[i];
-    const size_t count = high - low;
-    qsort(around, count, sizeof *around, ascending);
-    return 0.5 * (double)(around[(count - 1) / 2] + around[count / 2]);
+    qsort(around, high - low, sizeof *around, ascending);
+    return td_median(around, high - low);
 }
 
 static double spikes(const uint64_t *histogram, size_t bins, size_t first) {

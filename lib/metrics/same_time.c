@@ -37,7 +37,7 @@ static void shares(const td_stream *stream, int32_t tile, size_t across, tile_co
 
 tides_status td_compare_same_time(td_compare *c) {
     const int32_t tile = c->options->fano_tile_px;
-    const size_t across = (size_t)((c->width - 1) / tile + 1), down = (size_t)((c->height - 1) / tile + 1);
+    const size_t across = td_tiles(c->width, tile), down = td_tiles(c->height, tile);
     const td_stream *streams[2] = {&c->reference, &c->simulated};
     tides_stream_metrics *out[2] = {&c->metrics->reference, &c->metrics->simulated};
     for (int s = 0; s < 2; s++) {

@@ -27,6 +27,11 @@ void td_sort_values(uint64_t *values, uint64_t *scratch, size_t count) {
     if (from != values && count) memcpy(values, from, count * sizeof *values);
 }
 
+double td_median(const uint64_t *sorted, size_t count) {
+    const size_t low = (count - 1) / 2, high = count / 2;
+    return 0.5 * ((double)sorted[low] + (double)sorted[high]);
+}
+
 void td_sum_add(td_sum *sum, double value) {
     double total = sum->total + value;
     sum->lost += fabs(sum->total) >= fabs(value) ? sum->total - total + value : value - total + sum->total;

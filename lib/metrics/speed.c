@@ -52,7 +52,7 @@ tides_status td_compare_speed(const td_compare *c, double *speed) {
         for (size_t i = 0; i < places; i++) s.latest[i] = INT64_MIN;
         const size_t found = crossing_times(&c->reference, &s, times);
         td_sort_values(times, scratch, found);
-        if (found) *speed = 1e9 / (0.5 * ((double)times[(found - 1) / 2] + (double)times[found / 2]));
+        if (found) *speed = 1e9 / td_median(times, found);
     }
     free(s.latest);
     free(times);

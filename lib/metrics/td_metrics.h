@@ -30,6 +30,9 @@ typedef struct td_compare {
 
 static inline size_t td_compare_pixels(const td_compare *c) { return (size_t)c->width * (size_t)c->height; }
 
+/* How many tiles of `edge` px cover `size` px; 1 where there are none. */
+static inline size_t td_tiles(int32_t size, int32_t edge) { return size > 0 ? ((size_t)size - 1) / (size_t)edge + 1 : 1; }
+
 /* TIDES_CANCELLED where the caller wants to stop. */
 tides_status td_compare_report(const td_compare *c, double fraction, const char *stage);
 
@@ -49,6 +52,9 @@ int64_t td_floor_to(int64_t value, int64_t step); /* downwards, of negative valu
 
 /* sort.c: ascending; `scratch` is memory for as many values. */
 void td_sort_values(uint64_t *values, uint64_t *scratch, size_t count);
+
+/* Between the middle two where `count` (above 0) is even. */
+double td_median(const uint64_t *sorted, size_t count);
 
 /* A sum with the rounding errors of its additions added back (Neumaier 1974). Zero it to begin with. */
 typedef struct td_sum {

@@ -66,7 +66,7 @@ int main(int argc, char **argv) {
     tides_event *a = calloc(count + 1, sizeof *a), *b = calloc(count + 1, sizeof *b);
     tides_event *scratch = calloc(count + 1, sizeof *scratch);
     tides_metrics metrics;
-    if (!a || !b || !scratch || !(speed > 0)) return 1;
+    if (!a || !b || !scratch || !(speed > 0)) exit(1);
     make_stream(a, scratch, count, speed, 1, 1e-3);
     make_stream(b, scratch, fewer, speed, 2, 2e-3);
     free(scratch);
