@@ -175,25 +175,42 @@ static double nearest_of_all(const td_point *points, size_t count, const td_poin
     return bound;
 }
 
-/* Points at random, on a coarse grid (many coordinates and points alike), on a line; queries inside and far away. */
+/* Clouds that try a tree: at random; on a coarse grid, many coordinates and points alike; on a line; on six arms of a star, so
+ * that from its middle the ends of all are about as near. */
+enum { CLOUD = 400, KINDS = 4 };
+
+static void make_cloud(int kind, td_point *points, uint64_t *random) {
+    for (size_t i = 0; i < CLOUD; i++) {
+        for (int k = 0; k < 3; k++) {
+            const double value = 20 * random_uniform(random);
+            points[i].at[k] = kind == 1 ? 5 * floor(value / 5) : kind == 2 && k ? 3.0 : kind == 3 ? 9 + 0.1 * value : value;
+        }
+        if (kind == 3) points[i].at[i % 3] += (i % 2 ? 1 : -1) * (9 + random_uniform(random));
+    }
+}
+
+static td_point make_query(int kind, int number, uint64_t *random) {
+    td_point q;
+    for (int k = 0; k < 3; k++) {
+        const double value = random_uniform(random);
+        q.at[k] = kind == 3 ? 9 + 2 * value : number % 5 ? 20 * value : 100 * value - 40; /* every fifth is far away */
+    }
+    return q;
+}
+
 static void nearest_points(void **state) {
     (void)state;
-    for (int round = 0; round < 300; round++) {
+    for (int round = 0; round < 400; round++) {
         uint64_t random = 1 + (uint64_t)round;
-        td_point points[400], sorted[400];
-        uint8_t axes[400];
-        const size_t count = (size_t)(random_uniform(&random) * 400);
-        for (size_t i = 0; i < count; i++)
-            for (int k = 0; k < 3; k++) {
-                const double value = 20 * random_uniform(&random);
-                points[i].at[k] = round % 3 == 1 ? floor(value / 5) : round % 3 == 2 && k ? 3.0 : value;
-            }
+        td_point points[CLOUD], sorted[CLOUD];
+        uint8_t axes[CLOUD];
+        const size_t count = (size_t)(random_uniform(&random) * CLOUD);
+        make_cloud(round % KINDS, points, &random);
         memcpy(sorted, points, sizeof points);
         const td_point_tree tree = td_point_tree_build(sorted, axes, count);
-        for (int query = 0; query < 50; query++) {
-            td_point q;
-            const double bound = query % 2 ? 1e9 : 4.0;
-            for (int k = 0; k < 3; k++) q.at[k] = (query % 5 ? 20 : 100) * random_uniform(&random) - (query % 5 ? 0 : 40);
+        for (int number = 0; number < 100; number++) {
+            const td_point q = make_query(round % KINDS, number, &random);
+            const double bound = number % 2 ? 1e9 : 90.0;
             if (td_point_tree_nearest(&tree, &q, bound) != nearest_of_all(points, count, &q, bound))
                 fail_msg("seed %d: not the nearest of %zu points", round + 1, count);
         }
