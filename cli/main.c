@@ -20,6 +20,10 @@ static const cli_command commands[] = {
      1, cmd_simulate},
     {"convert", "IN OUT", "Convert a scene between .ply and .h5.",
      "The input's format is found from its content, the output's from its ending.", 2, cmd_convert},
+    {"metrics", "REFERENCE SIMULATED [--only LIST]", "Compare a simulated event stream with a reference.",
+     "Values are undefined (-, in JSON null) where they would divide by nothing. include/tides/metrics.h defines each one.\n"
+     "The kernel distance takes long, and match wants an exact reference: both only where asked for.",
+     2, cmd_metrics},
     {"bench", "accuracy|ablation [-o DIR] [--quick] [--scene NAME]", "Measure run time against the error of event times.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
      "ablation: what each part of the method is worth; ablation.json, .csv and a plot.\n"

@@ -25,6 +25,7 @@
 #include "tides/readout.h"
 #include "tides/image.h"
 #include "tides/metrics.h"
+#include "tides/representations.h"
 #include "tides/run.h"
 
 #endif
