@@ -44,6 +44,7 @@ typedef struct td_tensor {
 typedef struct td_value td_value;
 struct td_value {
     int kind;
+    int mark;     /* used while a tree is being built */
     size_t count; /* text: bytes; list, tuple: items; dict: pairs */
     union {
         int64_t integer;  /* TD_VALUE_BOOL (0 or 1), TD_VALUE_INT */
