@@ -22,7 +22,8 @@ typedef struct td_zip {
     const char *path; /* for messages */
     const unsigned char *bytes;
     size_t size;
-    td_zip_member *members;
+    td_zip_member *members; /* in the directory's order */
+    const td_zip_member **by_name;
     size_t count;
 } td_zip;
 

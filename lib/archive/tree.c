@@ -123,6 +123,8 @@ static tides_status check(const char *path, td_value *value, int depth, tides_er
     if (depth > TD_VALUE_DEPTH_MAX)
         return td_fail(error, TIDES_BAD_FILE, "%s: its values are nested more than %d deep, which no trainer writes", path,
                        TD_VALUE_DEPTH_MAX);
+    if (value->kind > TD_VALUE_TENSOR)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: holds a Python class or function as a value, which isn't read", path);
     int holds = value->kind == TD_VALUE_LIST || value->kind == TD_VALUE_TUPLE || value->kind == TD_VALUE_DICT;
     size_t items = holds ? value->count << (value->kind == TD_VALUE_DICT) : 0;
     tides_status status = TIDES_OK;

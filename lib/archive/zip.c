@@ -74,6 +74,16 @@ static tides_status read_directory(td_zip *zip, size_t end, size_t at, tides_err
     return TIDES_OK;
 }
 
+static int compare_names(const void *a, const void *b) {
+    const td_zip_member *const *first = a, *const *second = b;
+    return strcmp((*first)->name, (*second)->name);
+}
+
+static void sort_names(td_zip *zip) {
+    for (size_t i = 0; i < zip->count; i++) zip->by_name[i] = &zip->members[i];
+    qsort(zip->by_name, zip->count, sizeof *zip->by_name, compare_names);
+}
+
 tides_status td_zip_open(td_zip *zip, const char *path, const void *bytes, size_t size, tides_error *error) {
     td_zip opened = {.path = path, .bytes = bytes, .size = size};
     size_t end = find_end(bytes, size);
@@ -89,9 +99,11 @@ tides_status td_zip_open(td_zip *zip, const char *path, const void *bytes, size_
     if (start > end || count > (end - start) / CENTRAL_BYTES)
         return td_fail(error, TIDES_BAD_FILE, "%s: the ZIP directory (%zu entries at byte %zu) doesn't fit in the file", path,
                        count, start);
-    if (!(opened.members = td_alloc(count, sizeof *opened.members, error))) return TIDES_NO_MEMORY;
-    opened.count = count;
-    tides_status status = read_directory(&opened, end, start, error);
+    opened.members = td_alloc(count, sizeof *opened.members, error);
+    opened.by_name = opened.members ? td_alloc(count, sizeof *opened.by_name, error) : NULL;
+    opened.count = opened.by_name ? count : 0;
+    tides_status status = opened.by_name ? read_directory(&opened, end, start, error) : TIDES_NO_MEMORY;
+    if (!status) sort_names(&opened);
     if (status)
         td_zip_close(&opened);
     else
@@ -102,12 +114,20 @@ tides_status td_zip_open(td_zip *zip, const char *path, const void *bytes, size_
 void td_zip_close(td_zip *zip) {
     for (size_t i = 0; i < zip->count; i++) free(zip->members[i].name);
     free(zip->members);
+    free(zip->by_name);
     *zip = (td_zip){.path = NULL};
 }
 
 const td_zip_member *td_zip_find(const td_zip *zip, const char *name) {
-    for (size_t i = 0; i < zip->count; i++)
-        if (strcmp(zip->members[i].name, name) == 0) return &zip->members[i];
+    for (size_t low = 0, high = zip->count; low < high;) {
+        size_t middle = low + (high - low) / 2;
+        int side = strcmp(name, zip->by_name[middle]->name);
+        if (side == 0) return zip->by_name[middle];
+        if (side < 0)
+            high = middle;
+        else
+            low = middle + 1;
+    }
     return NULL;
 }
 
