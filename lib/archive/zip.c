@@ -6,7 +6,7 @@
 #include <string.h>
 #include <zlib.h>
 
-enum { END_BYTES = 22, CENTRAL_BYTES = 46, LOCAL_BYTES = 30, COMMENT_MAX = 65535, LOCATOR_BYTES = 20 };
+enum { END_BYTES = 22, CENTRAL_BYTES = 46, LOCAL_BYTES = 30, COMMENT_MAX = 65535 };
 
 static uint32_t u16(const unsigned char *p) { return (uint32_t)p[0] | (uint32_t)p[1] << 8; }
 static uint32_t u32(const unsigned char *p) { return u16(p) | u16(p + 2) << 16; }
@@ -92,7 +92,8 @@ tides_status td_zip_open(td_zip *zip, const char *path, const void *bytes, size_
                        path);
     const unsigned char *p = opened.bytes + end;
     size_t start = u32(p + 16), count = u16(p + 10);
-    if (count == UINT16_MAX || start == UINT32_MAX || (end >= LOCATOR_BYTES && memcmp(p - LOCATOR_BYTES, "PK\6\7", 4) == 0))
+    /* Torch adds ZIP64's end records to every archive; only ones here say that they are needed. */
+    if (count == UINT16_MAX || start == UINT32_MAX)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: is a ZIP64 archive (4 GiB or more), which isn't read", path);
     if (u16(p + 8) != count)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: is one part of a ZIP archive in several, which isn't read", path);
