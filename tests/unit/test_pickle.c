@@ -288,6 +288,17 @@ static void test_depth(void **state) {
     PICKLE(&b, ".");
     refuse(b.data, b.size, TIDES_BAD_FILE, "nested more than 64");
     free(b.data);
+    /* The same depth in chains of 50 that hang on each other's ends, each looked at by itself first. */
+    b = (scene_bytes){0};
+    PICKLE(&b, "\x80\x02(Nq\x00");
+    for (int chain = 0; chain < 4; chain++) {
+        PICKLE(&b, "h\x00");
+        for (int i = 0; i < 50; i++) PICKLE(&b, "\x85");
+        PICKLE(&b, "q\x00");
+    }
+    PICKLE(&b, "t.");
+    refuse(b.data, b.size, TIDES_BAD_FILE, "nested more than 64");
+    free(b.data);
     /* A billion laughs: 60 levels of the same list twice are few values, and quickly checked. */
     b = (scene_bytes){0};
     PICKLE(&b, "\x80\x02]");
