@@ -36,7 +36,7 @@ static tides_status put(td_pickle *p, td_value *value) {
     void *stack = p->stack;
     tides_status status = td_reserve(&stack, &p->stack_capacity, p->depth + 1, sizeof *p->stack, p->error);
     p->stack = stack;
-    if (!status) p->stack[p->depth++] = value;
+    if (!status && p->stack) p->stack[p->depth++] = value;
     return status;
 }
 
