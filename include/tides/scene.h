@@ -45,6 +45,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add(tides_scene *scene, cons
  *   .spz     Niantic's, versions 1 to 4 (axes turned to those of a 3DGS .ply)
  *   .ksplat  mkkellogg's, all three compressions
  *   .splat   antimatter15's
+ *   .sog     PlayCanvas's version 2; also unpacked, as a folder with a meta.json or by that file
  * The format is found from the content; a .splat, which has no header, from its name. Opacities of exactly 0 and 1 in the
  * packed formats become 2^-24 and 1 - 2^-24, whose logits are finite; scales of 0 float's smallest normal number. For an .h5,
  * `trajectory` (nullable) and `scale` move the whole (only where its objects are at rest); else they work as in
