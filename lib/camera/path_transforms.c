@@ -13,7 +13,6 @@
 #include "td_base.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A positive number of the frame, or of the root where the frame has none; `value` is untouched where neither has. */
@@ -72,12 +71,6 @@ static tides_status read_pose(td_path_reader *reader, const cJSON *frame, const 
     return td_json_rotation(reader, where, "transform_matrix", rotation, pose->quaternion);
 }
 
-static int by_time(const void *left, const void *right) {
-    const td_path_sample *a = left, *b = right;
-    if (a->time != b->time) return a->time < b->time ? -1 : 1;
-    return a->place < b->place ? -1 : a->place > b->place;
-}
-
 /* Times of all frames, sorted and scaled; or spread evenly where the file has none. */
 static tides_status settle_times(td_path_reader *reader, size_t timed) {
     if (timed == 0) {
@@ -87,7 +80,7 @@ static tides_status settle_times(td_path_reader *reader, size_t timed) {
     if (timed != reader->count)
         return td_fail(reader->error, TIDES_BAD_FILE, "%s: only %zu of %zu frames have a \"time\": give it to all or to none",
                        reader->file, timed, reader->count);
-    qsort(reader->samples, reader->count, sizeof *reader->samples, by_time);
+    td_path_sort(reader);
     int normalised = reader->samples[0].time >= 0.0 && reader->samples[reader->count - 1].time <= 1.0;
     for (size_t i = 0; normalised && i < reader->count; i++) reader->samples[i].time *= reader->options->duration;
     return TIDES_OK;

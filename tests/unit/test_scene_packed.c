@@ -1,4 +1,4 @@
-/* .splat, compressed PLY, .ksplat and SOG made by the test: values, every way of being wrong, and how a file's kind is found. */
+/* .splat, compressed PLY and .ksplat made by the test: values, every way of being wrong, and how a file's kind is found. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -73,7 +73,7 @@ static const char *const packed_text =
     "property uint packed_position\nproperty uint packed_rotation\nproperty uint packed_scale\n"
     "property uint packed_color\n";
 
-/* Words of Gaussian 0 and 257; the others are zero. Chunk c has bounds c - 1 and c + 1 in everything but colour, 0.25 to 0.75. */
+/* Words of Gaussian 0 and 257; the others are zero. Chunk c has bounds c - 1 and c + 1, and for colours 0.25 and 0.75. */
 static scene_bytes make_ply(int coloured, int rest) {
     scene_bytes b = {0};
     char line[64];
