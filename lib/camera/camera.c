@@ -190,25 +190,22 @@ static tides_status read_text(td_path_reader *reader) {
     return td_path_read_text(reader);
 }
 
-/* COLMAP's binary files have no magic number: their names say what they are. */
-static tides_status read_binary(td_path_reader *reader, size_t zero) {
-    if (td_colmap_is_named(reader->file, "images.bin")) return td_path_read_colmap(reader, 1);
-    if (td_colmap_is_named(reader->file, "cameras.bin")) return td_path_refuse_cameras(reader, 1);
-    return td_fail(reader->error, TIDES_BAD_FILE,
-                   "%s: has a zero byte at %zu: a path file is text or JSON, or poses_bounds.npy, or COLMAP's images.bin",
-                   reader->file, zero);
-}
-
 /* Detection and reading, in the C locale. */
 static tides_status read_path(td_path_reader *reader, const char *folder) {
     if (folder) return td_path_read_nerfies_folder(reader, folder);
+    /* COLMAP's binary files have no magic number: their names say what they are. */
+    if (td_colmap_is_named(reader->file, "images.bin")) return td_path_read_colmap(reader, 1);
+    if (td_colmap_is_named(reader->file, "cameras.bin")) return td_path_refuse_cameras(reader, 1);
     if (reader->bytes >= 3 && memcmp(reader->text, "\xEF\xBB\xBF", 3) == 0) { /* UTF-8 byte order mark, from Windows editors */
         reader->text += 3;
         reader->bytes -= 3;
     }
     if (reader->bytes >= 6 && memcmp(reader->text, "\x93NUMPY", 6) == 0) return td_path_read_llff(reader);
     const char *nul = memchr(reader->text, 0, reader->bytes);
-    if (nul) return read_binary(reader, (size_t)(nul - reader->text));
+    if (nul)
+        return td_fail(reader->error, TIDES_BAD_FILE,
+                       "%s: has a zero byte at %zu: a path file is text or JSON, or poses_bounds.npy, or COLMAP's images.bin",
+                       reader->file, (size_t)(nul - reader->text));
     size_t blank = strspn(reader->text, " \t\r\n");
     char first = reader->text[blank];
     return first == '{' || first == '[' ? read_json(reader) : read_text(reader);

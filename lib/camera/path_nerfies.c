@@ -208,6 +208,11 @@ tides_status td_path_read_nerfies_folder(td_path_reader *reader, const char *fol
     strcpy(reader->path.format, "nerfies");
     reader->list = "cameras";
     tides_status status = list_names(reader, folder, &all);
+    if (!status && all.count == 0)
+        status = td_fail(reader->error, TIDES_BAD_FILE,
+                         "%s: no camera path is in this folder: looked for COLMAP's images.bin or .txt, transforms.json, "
+                         "cameras.json, poses_bounds.npy, EuRoC's data.csv, and nerfies' camera/*.json",
+                         folder);
     if (!status) status = load_scene(&n, folder);
     if (!status) status = load_metadata(&n, folder);
     for (size_t i = 0; i < all.count && !status; i++) status = read_file(&n, folder, all.list[i]);
