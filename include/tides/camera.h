@@ -19,8 +19,8 @@ typedef struct tides_path_options {
     uint32_t size; /* sizeof this struct, set by the defaults function */
     int32_t reserved;
     double duration;       /* [s] files without times (cameras.json, COLMAP, LLFF ...): poses are spread evenly over
-                               [0, duration], in the file's order or that of names; files with trainer's times in [0, 1] (D-NeRF,
-                               nerfies): times are multiplied by it */
+                               [0, duration], in the order of the file or of names; files with trainer's times in [0, 1]
+                               (D-NeRF, nerfies): times are multiplied by it */
     double start;          /* [s] subtracted from every time of the file, after scaling */
     int32_t rebase;        /* 1: `start` is ignored and the first sample is put at 0 */
     int32_t raw_positions; /* nerfies: 1 leaves positions as the camera files have them (as 4DGaussians trains) instead of

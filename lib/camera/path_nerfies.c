@@ -2,8 +2,8 @@
  * camera's centre), focal_length, principal_point, pixel_aspect_ratio, image_size; skew and distortion aren't simulated. A
  * single file is a camera at rest. A folder camera/ of them, or the dataset's folder around it, is a path:
  *
- *   scene.json     beside that folder (or the files): `center` and `scale` make p = (position - center) scale, unless the option
- *                  raw_positions leaves the positions alone, which is how 4DGaussians trains
+ *   scene.json     beside that folder (or the files): `center` and `scale` make p = (position - center) scale, unless
+ *                  option raw_positions leaves the positions alone, which is how 4DGaussians trains
  *   metadata.json  in the same place: the name's warp_id (or time_id) over the largest is the time in [0, 1], which the option
  *                  `duration` multiplies; without it, files are spread over `duration` in the order of their names
  *

@@ -47,7 +47,8 @@ void td_path_sort(td_path_reader *reader);
 /* Gives the samples even times over [0, duration], for files without times. */
 void td_path_spread(td_path_reader *reader);
 
-/* The file or folder to read where `folder` is given; NULL where nothing known is in it (path_folder.c). The caller frees it. */
+/* The file or folder to read where `folder` is given, for the caller to free; NULL where nothing known is in it
+ * (path_folder.c). */
 tides_status td_path_find(const char *folder, char **file, tides_error *error);
 
 /* One reader per format. */
@@ -82,7 +83,7 @@ void td_text_time(const char *c, int nanoseconds, td_path_sample *sample, const 
 /* The quaternion's length must be about 1; `where` and `columns` name line and columns in the message. */
 tides_status td_path_check_quaternion(const td_path_reader *reader, const char *where, const double q[4], const char *columns);
 
-/* -- bytes: little-endian numbers one after the other; 0 where too few are left (path_bytes.c) ------------------------------ */
+/* -- bytes: little-endian numbers one after the other; 0 where too few are left (path_bytes.c) ---------------------------- */
 
 typedef struct td_bytes {
     const char *at;
