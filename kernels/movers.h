@@ -3,6 +3,7 @@
 #define TD_MOVERS_H
 
 #include "motion.h"
+#include "motion_polynomial.h"
 
 #ifdef TD_BUILD_MODEL
 #define TD_HAS_MODEL(code) (TD_BUILD_MODEL == (code))
@@ -13,8 +14,8 @@
 /* TD_LANES Gaussians of one object (numbers within the object) at a moment, to `sink`. `data` begins with the object's. */
 TD_INLINE void td_move_group(TD_GLOBAL const td_mover *mover, TD_GLOBAL const td_real *data, TD_GLOBAL const td_real *moment,
                              td_index gaussian, const td_theta_sink *sink) {
-    (void)mover, (void)data, (void)moment, (void)gaussian, (void)sink;
-    /* one line per model: if (TD_HAS_MODEL(TD_MOTION_NAME) && mover->model == TD_MOTION_NAME) td_NAME_move(...) */
+    if (TD_HAS_MODEL(TD_MOTION_POLYNOMIAL) && mover->model == TD_MOTION_POLYNOMIAL)
+        td_polynomial_move(mover, data, moment, gaussian, sink);
 }
 
 #endif
