@@ -28,7 +28,12 @@ TIDES_API void tides_motion_range(const tides_motion *motion, double *start, dou
 /* Polynomials in time with a bell of opacity (SpacetimeGaussians, Li et al. 2024): with dt = tau - opacity_centre,
  *   mean = mean_0 + c_1 dt + c_2 dt^2 + c_3 dt^3,   quaternion = (quaternion_0 + quaternion_dot dt) normalised,
  *   opacity = sigmoid(opacity_logit) exp(-(dt / e^opacity_log_width)^2);   scales and colours stay.
- * Its trainer's tau is (frame - first frame) / frames, from 0 to 1. */
+ * Its trainer's tau is (frame - first frame) / frames, from 0 to 1.
+ *
+ * The full model has nine features instead of a colour, (feature, dt feature_dot), which are composited and make a pixel's
+ * colour: out(feature_0..2 + W_2 relu(W_1 (feature_3..8, centre of the camera, direction of the pixel))), with out the sigmoid
+ * (`sandwich`), a clamp to 0..1 (`sandwichnoact`) or nothing (`sandwichnoactss`). */
+enum { TIDES_DECODER_NONE = 0, TIDES_DECODER_SIGMOID = 1, TIDES_DECODER_CLAMP = 2, TIDES_DECODER_PLAIN = 3 };
 typedef struct tides_polynomial_motion {
     int64_t count;                  /* N */
     double start, stop;             /* [tau] */
@@ -37,7 +42,11 @@ typedef struct tides_polynomial_motion {
     const float *mean_coefficient;  /* c_1, c_2, c_3: xyz each [scene units / tau^k]  (N x 9) */
     const float *quaternion_dot;    /* wxyz [1 / tau]           (N x 4) */
     int32_t plain_colour;           /* 1: colours are as given, not cut at 0 (the lite model) */
-    int32_t reserved;
+    int32_t decoder;                /* TIDES_DECODER_...; the full model where not TIDES_DECODER_NONE: */
+    const float *feature;           /* albedo 3, then 3 more     (N x 6) */
+    const float *feature_dot;       /* of the last 3 of nine: dt times these [1 / tau]  (N x 3) */
+    const float *decoder_first;     /* W_1, row-major           (6 x 12) */
+    const float *decoder_second;    /* W_2                      (3 x 6) */
 } tides_polynomial_motion;
 TIDES_MUST_CHECK TIDES_API tides_status tides_motion_create_polynomial(const tides_polynomial_motion *arrays,
                                                                        tides_motion **motion, tides_error *error);

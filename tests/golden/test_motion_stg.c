@@ -77,7 +77,12 @@ static void compare_file(stg_file *file) {
     tides_error error = {0, ""};
     tides_motion *motion = NULL;
     double *t = golden_doubles(file->archive, "t", &frames);
-    const tides_polynomial_motion arrays = {file->count, 0, 1, file->centre, file->width, file->coefficient, file->omega, 0, 0};
+    const tides_polynomial_motion arrays = {.count = file->count,
+                                            .stop = 1,
+                                            .opacity_centre = file->centre,
+                                            .opacity_log_width = file->width,
+                                            .mean_coefficient = file->coefficient,
+                                            .quaternion_dot = file->omega};
     const tides_gaussians gaussians = {file->count, 0, 0, file->mean, file->scale, file->quaternion, file->opacity, file->sh};
     if (tides_motion_create_polynomial(&arrays, &motion, &error) != TIDES_OK) fail_msg("%s", error.text);
     for (int i = 0; i < GOLDEN_PRECISIONS * (int)frames; i++) {

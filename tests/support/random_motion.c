@@ -48,7 +48,12 @@ static tides_motion *polynomial(uint64_t *state, const tides_gaussians *gaussian
     (void)gaussians;
     float *centre = numbers(state, N, -0.2, 1.2), *width = numbers(state, N, -2, 1.5);
     float *coefficient = numbers(state, 9 * N, -0.8, 0.8), *q = numbers(state, 4 * N, -1, 1);
-    const tides_polynomial_motion arrays = {N, 0, 1, centre, width, coefficient, q, 0, 0};
+    const tides_polynomial_motion arrays = {.count = N,
+                                            .stop = 1,
+                                            .opacity_centre = centre,
+                                            .opacity_log_width = width,
+                                            .mean_coefficient = coefficient,
+                                            .quaternion_dot = q};
     expect_ok(tides_motion_create_polynomial(&arrays, &motion, &error), &error);
     free(centre), free(width), free(coefficient), free(q);
     return motion;
