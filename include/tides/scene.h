@@ -5,6 +5,7 @@
 #ifndef TIDES_SCENE_H
 #define TIDES_SCENE_H
 
+#include "tides/motion.h"
 #include "tides/trajectory.h"
 
 #ifdef __cplusplus
@@ -40,6 +41,17 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add(tides_scene *scene, cons
                                                         const tides_trajectory *trajectory, double scale, const char *name,
                                                         int32_t *index, tides_error *error);
 
+/* The same for Gaussians that move by themselves, `gaussians` being the motion's canonical ones. The motion is taken over on
+ * success. Its own time, start to stop, runs from second 0 of the scene to duration_s (0: stop - start seconds); what it gives
+ * is then moved by the trajectory and scaled like any object. TIDES_BAD_FILE where motion and Gaussians don't belong together. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add_moving(tides_scene *scene, const tides_gaussians *gaussians,
+                                                               tides_motion *motion, double duration_s,
+                                                               const tides_trajectory *trajectory, double scale,
+                                                               const char *name, int32_t *index, tides_error *error);
+
+/* Makes the motions of all objects last `duration_s` > 0. Returns how many there are. */
+TIDES_API int32_t tides_scene_set_duration(tides_scene *scene, double duration_s);
+
 /* Reads a file and adds what it holds: a 3DGS .ply (by property name: any order, type and endianness, ASCII too) as one
  * object, or TIDES's own .h5 as all its objects. The format is found from the content. For a .ply, `trajectory` (nullable)
  * and `scale` work as in tides_scene_add; for an .h5 they move the whole (only where its objects are at rest). */
@@ -62,7 +74,9 @@ typedef struct tides_object {
     const tides_trajectory *trajectory; /* NULL: at rest */
     double scale;
     const char *name;
-    const char *source; /* file it came from, or "" */
+    const char *source;         /* file it came from, or "" */
+    const tides_motion *motion; /* NULL: the Gaussians don't move by themselves */
+    double duration_s;          /* [s] how long the motion lasts; 0 without one */
 } tides_object;
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_object *object,
                                                            tides_error *error);
