@@ -11,6 +11,7 @@
 tides_status td_stg_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
 tides_status td_fudan4d_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
 tides_status td_dyn3dgs_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
+tides_status td_freetime_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
 tides_status td_frames_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
 
 /* The zeroth coefficient that shows as this plain colour. */

@@ -38,7 +38,7 @@ static void run_kernel(tides_device *device, const move_job *job, kernel_run *ou
     tides_error error = {0, ""};
     td_buffer buffer[OUT + 4] = {{0}};
     char defines[64];
-    int stride = SH;
+    int stride = SH, first = 0;
     cl_kernel kernel = NULL;
     const size_t global = 4, local = 4;
     td_move_job whole = {0, 0, 0, COUNT, 0, {0}};
@@ -56,12 +56,19 @@ static void run_kernel(tides_device *device, const move_job *job, kernel_run *ou
     memset(out, 0, sizeof *out);
     for (int i = 0; i < 4; i++)
         expect_ok(td_buffer_write(device, &buffer[OUT + i], results[i], (i < 2 ? G : S) * sizeof(float), &error), &error);
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(buffer[MOVERS]),    TD_BUFFER_ARGUMENT(buffer[DATA]),
-                                     TD_BUFFER_ARGUMENT(buffer[MOMENTS]),   TD_BUFFER_ARGUMENT(buffer[JOBS]),
-                                     TD_BUFFER_ARGUMENT(buffer[GAUSSIANS]), TD_VALUE_ARGUMENT(stride),
-                                     TD_BUFFER_ARGUMENT(buffer[OUT]),       TD_BUFFER_ARGUMENT(buffer[OUT + 1]),
-                                     TD_BUFFER_ARGUMENT(buffer[OUT + 2]),   TD_BUFFER_ARGUMENT(buffer[OUT + 3])};
-    expect_ok(td_launch(device, kernel, 1, &global, &local, arguments, 10, NULL, &error), &error);
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(buffer[MOVERS]),
+                                     TD_BUFFER_ARGUMENT(buffer[DATA]),
+                                     TD_BUFFER_ARGUMENT(buffer[MOMENTS]),
+                                     TD_BUFFER_ARGUMENT(buffer[JOBS]),
+                                     TD_BUFFER_ARGUMENT(buffer[GAUSSIANS]),
+                                     TD_VALUE_ARGUMENT(first),
+                                     TD_VALUE_ARGUMENT(stride),
+                                     TD_VALUE_ARGUMENT(first),
+                                     TD_BUFFER_ARGUMENT(buffer[OUT]),
+                                     TD_BUFFER_ARGUMENT(buffer[OUT + 1]),
+                                     TD_BUFFER_ARGUMENT(buffer[OUT + 2]),
+                                     TD_BUFFER_ARGUMENT(buffer[OUT + 3])};
+    expect_ok(td_launch(device, kernel, 1, &global, &local, arguments, 12, NULL, &error), &error);
     for (int i = 0; i < 4; i++)
         expect_ok(td_buffer_read(device, &buffer[OUT + i], results[i], (i < 2 ? G : S) * sizeof(float), &error), &error);
     for (int i = 0; i < OUT + 4; i++) td_buffer_release(&buffer[i]);
