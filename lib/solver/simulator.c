@@ -154,6 +154,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
         status = td_grid_create(start, stop, stepping->step_s, s->renderer->moved.knots, s->renderer->moved.knot_count,
                                 stepping->min_step_s, &s->grid, error);
     if (status == TIDES_OK) {
+        s->renderer->side = -1; /* each sample but the first ends a step */
         s->steps = s->grid.steps;
         s->width = intrinsics->width;
         s->tiles = s->renderer->stats.tiles;
@@ -207,8 +208,9 @@ void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats)
     stats->renders_full_frame_equivalent = (double)render->tile_jobs / simulator->tiles;
     stats->simulated_s = simulator->started ? td_grid_time(simulator, simulator->step) - simulator->start : 0;
     stats->real_time_factor = stats->run_time_s > 0 ? stats->simulated_s / stats->run_time_s : 0;
-    double known = render->time_build_s + render->time_motion_s + render->time_sweep_s + render->time_project_s + render->time_sort_s +
-                   render->time_composite_s + render->time_transfer_s + stats->time_compare_s + stats->time_sink_s;
+    double known = render->time_build_s + render->time_motion_s + render->time_sweep_s + render->time_project_s +
+                   render->time_sort_s + render->time_composite_s + render->time_transfer_s + stats->time_compare_s +
+                   stats->time_sink_s;
     stats->time_other_s = stats->run_time_s - known;
     stats->error_p50_s = td_timing_percentile(&simulator->timing, 0.50);
     stats->error_p95_s = td_timing_percentile(&simulator->timing, 0.95);
