@@ -8,6 +8,20 @@
 
 /* -- scenes --------------------------------------------------------------------------------------------------------- */
 
+/* Model, its own time, how long that lasts here, how many Gaussians move, and bends in time. */
+static cJSON *motion_json(const tides_object *object) {
+    cJSON *json = cJSON_CreateObject();
+    double start, stop;
+    tides_motion_range(object->motion, &start, &stop);
+    cJSON_AddStringToObject(json, "model", tides_motion_model(object->motion));
+    cJSON_AddNumberToObject(json, "start", start);
+    cJSON_AddNumberToObject(json, "stop", stop);
+    cJSON_AddNumberToObject(json, "duration_s", object->duration_s);
+    cJSON_AddNumberToObject(json, "moving", (double)tides_motion_moving(object->motion, &object->gaussians));
+    cJSON_AddNumberToObject(json, "knots", (double)tides_motion_knots(object->motion));
+    return json;
+}
+
 static cJSON *object_json(const tides_object *object) {
     cJSON *json = cJSON_CreateObject();
     cJSON_AddStringToObject(json, "name", object->name && object->name[0] ? object->name : "-");
@@ -23,6 +37,7 @@ static cJSON *object_json(const tides_object *object) {
             cJSON_AddNumberToObject(json, "stop_s", stop);
         }
     }
+    if (object->motion) cJSON_AddItemToObject(json, "motion", motion_json(object));
     return json;
 }
 

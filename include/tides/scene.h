@@ -81,6 +81,11 @@ typedef struct tides_object {
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_object *object,
                                                            tides_error *error);
 
+/* How many of an object's Gaussians move, the others being the same at all times; -1 without memory to find out. And how many
+ * times there are at which their rates may jump. */
+TIDES_API int64_t tides_motion_moving(const tides_motion *motion, const tides_gaussians *gaussians);
+TIDES_API uint64_t tides_motion_knots(const tides_motion *motion);
+
 /* Axis-aligned box of the means, objects at their start or, for a static path, in place. */
 TIDES_API void tides_scene_bounds(const tides_scene *scene, double lower[3], double upper[3]);
 
