@@ -8,7 +8,7 @@
 #ifndef TD_MOTION_POLYNOMIAL_H
 #define TD_MOTION_POLYNOMIAL_H
 
-#include "motion.h"
+#include "motion_bell.h"
 
 /* clang-format off */
 /* A Gaussian's numbers, activated by lib/motion/polynomial.c. */
@@ -28,16 +28,6 @@ enum {
 /* Three entries from k on, at rest. */
 TD_INLINE void td_polynomial_load(TD_GLOBAL const td_real *data, td_index index, int k, td_dual out[3]) {
     for (int i = 0; i < 3; i++) out[i] = td_dual_make(td_gather(data, index + (k + i)), td_splat(0.0f));
-}
-
-/* opacity_0 exp(-(dt / width)^2). From exp(-80) on it rests: nothing can be seen, and single precision would overflow. */
-TD_INLINE td_dual td_polynomial_opacity(TD_GLOBAL const td_real *data, td_index index, td_dual dt) {
-    td_lanes narrowness = td_gather(data, index + TD_POLYNOMIAL_NARROWNESS);
-    td_dual x = td_dual_make(dt.v * narrowness, dt.d * narrowness);
-    td_dual power = td_dual_clamp(td_dual_mul(x, x), -1, 80);
-    td_dual bell = td_dual_exp(td_dual_negate(power));
-    td_lanes peak = td_gather(data, index + TD_POLYNOMIAL_OPACITY);
-    return td_dual_make(bell.v * peak, bell.d * peak);
 }
 
 TD_INLINE void td_polynomial_move(TD_GLOBAL const td_mover *mover, TD_GLOBAL const td_real *data,
@@ -61,7 +51,9 @@ TD_INLINE void td_polynomial_move(TD_GLOBAL const td_mover *mover, TD_GLOBAL con
     td_theta_normalise(q);
     td_polynomial_load(data, index, TD_POLYNOMIAL_SCALE, scale);
     td_theta_factor(&theta, q, scale);
-    theta.opacity = td_polynomial_opacity(data, index, dt);
+    td_dual bell = td_motion_bell(dt, td_gather(data, index + TD_POLYNOMIAL_NARROWNESS));
+    td_lanes peak = td_gather(data, index + TD_POLYNOMIAL_OPACITY);
+    theta.opacity = td_dual_make(bell.v * peak, bell.d * peak);
     for (int i = 0; i < 3; i++) theta.origin[i] = theta.mean[i];
     td_theta_store(&theta, sink);
 }

@@ -3,7 +3,9 @@
 #define TD_MOVERS_H
 
 #include "motion.h"
+#include "motion_keyframes.h"
 #include "motion_polynomial.h"
+#include "motion_rotor.h"
 
 #ifdef TD_BUILD_MODEL
 #define TD_HAS_MODEL(code) (TD_BUILD_MODEL == (code))
@@ -16,6 +18,9 @@ TD_INLINE void td_move_group(TD_GLOBAL const td_mover *mover, TD_GLOBAL const td
                              td_index gaussian, const td_theta_sink *sink) {
     if (TD_HAS_MODEL(TD_MOTION_POLYNOMIAL) && mover->model == TD_MOTION_POLYNOMIAL)
         td_polynomial_move(mover, data, moment, gaussian, sink);
+    if (TD_HAS_MODEL(TD_MOTION_ROTOR) && mover->model == TD_MOTION_ROTOR) td_rotor_move(mover, data, moment, gaussian, sink);
+    if (TD_HAS_MODEL(TD_MOTION_KEYFRAMES) && mover->model == TD_MOTION_KEYFRAMES)
+        td_keyframes_move(mover, data, moment, gaussian, sink);
 }
 
 #endif

@@ -4,8 +4,7 @@
 #include <string.h>
 
 static const td_motion_class *const classes[] = {
-    &td_polynomial_class,
-    NULL,
+    &td_polynomial_class, &td_rotor_class, &td_keyframes_class, &td_callback_class, NULL,
 };
 
 const td_motion_class *td_motion_class_find(const char *name) {

@@ -85,6 +85,20 @@ const td_motion_class td_polynomial_class = {.name = "polynomial",
                                              .pack = pack,
                                              .find_moving = find_moving};
 
+/* The full model's nine features and its decoder. */
+static tides_status add_decoder(tides_motion *made, const tides_polynomial_motion *arrays, tides_error *error) {
+    const uint64_t first[2] = {6, 12}, second[2] = {3, 6};
+    if (arrays->decoder < TIDES_DECODER_SIGMOID || arrays->decoder > TIDES_DECODER_PLAIN)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "polynomial motion: decoder is %d: must be from %d to %d", arrays->decoder,
+                       TIDES_DECODER_NONE, TIDES_DECODER_PLAIN);
+    tides_status status = td_motion_copy_rows(made, "feature", arrays->count, 6, arrays->feature, error);
+    if (status == TIDES_OK) status = td_motion_copy_rows(made, "feature_dot", arrays->count, 3, arrays->feature_dot, error);
+    if (status == TIDES_OK) status = td_motion_copy_field(made, "decoder_first", 2, first, arrays->decoder_first, error);
+    if (status == TIDES_OK) status = td_motion_copy_field(made, "decoder_second", 2, second, arrays->decoder_second, error);
+    if (status == TIDES_OK) status = td_motion_set(made, "decoder", arrays->decoder, error);
+    return status;
+}
+
 tides_status tides_motion_create_polynomial(const tides_polynomial_motion *arrays, tides_motion **motion, tides_error *error) {
     tides_motion *made = NULL;
     int64_t count = arrays->count;
@@ -97,6 +111,7 @@ tides_status tides_motion_create_polynomial(const tides_polynomial_motion *array
     if (status == TIDES_OK) status = td_motion_copy_rows(made, "opacity_log_width", count, 1, arrays->opacity_log_width, error);
     if (status == TIDES_OK) status = td_motion_copy_rows(made, "mean_coefficient", count, 9, arrays->mean_coefficient, error);
     if (status == TIDES_OK) status = td_motion_copy_rows(made, "quaternion_dot", count, 4, arrays->quaternion_dot, error);
+    if (status == TIDES_OK && arrays->decoder != TIDES_DECODER_NONE) status = add_decoder(made, arrays, error);
     if (status == TIDES_OK && arrays->plain_colour) status = td_motion_set(made, "plain_colour", 1, error);
     return td_motion_finish(status, made, motion);
 }

@@ -5,6 +5,9 @@
 #include "td_motion.h"
 
 extern const td_motion_class td_polynomial_class;
+extern const td_motion_class td_rotor_class;
+extern const td_motion_class td_keyframes_class;
+extern const td_motion_class td_callback_class;
 
 /* Adds a copy of a caller's array of `rank` extents; NULL, NaN or Inf: TIDES_BAD_ARGUMENT naming it. */
 tides_status td_motion_copy_field(tides_motion *motion, const char *name, int rank, const uint64_t *shape, const float *value,

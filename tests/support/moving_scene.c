@@ -123,7 +123,9 @@ tides_motion *polynomial_motion_make(uint64_t seed, int64_t count, double speed)
         for (int k = 0; k < 9 && i % 4; k++) mean[9 * i + k] = (float)(speed * random_number(seed, g, 10 + (uint64_t)k));
         for (int k = 0; k < 4 && i % 4; k++) turn[4 * i + k] = (float)(speed * random_number(seed, g, 20 + (uint64_t)k));
     }
-    tides_polynomial_motion arrays = {count, 0, 1, centre, width, mean, turn, 0, 0};
+    tides_polynomial_motion arrays = {.count = count, .stop = 1, .opacity_centre = centre, .opacity_log_width = width};
+    arrays.mean_coefficient = mean;
+    arrays.quaternion_dot = turn;
     scene_expect_ok(tides_motion_create_polynomial(&arrays, &motion, &error), &error);
     free(centre);
     free(width);
