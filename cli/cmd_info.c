@@ -9,18 +9,16 @@
 
 /* -- scenes --------------------------------------------------------------------------------------------------------- */
 
-/* Model, its own time, how long that lasts here, how many Gaussians move, and bends in time. */
-static cJSON *motion_json(const tides_object *object) {
-    cJSON *json = cJSON_CreateObject();
+/* Model, how many Gaussians it moves, its own time and how long that lasts here, and times at which rates may jump. */
+static void add_motion(cJSON *json, const tides_object *object) {
     double start, stop;
     tides_motion_range(object->motion, &start, &stop);
-    cJSON_AddStringToObject(json, "model", tides_motion_model(object->motion));
-    cJSON_AddNumberToObject(json, "start", start);
-    cJSON_AddNumberToObject(json, "stop", stop);
+    cJSON_AddStringToObject(json, "motion", tides_motion_model(object->motion));
+    cJSON_AddNumberToObject(json, "gaussians_moving", (double)tides_motion_moving(object->motion, &object->gaussians));
+    cJSON_AddNumberToObject(json, "own_start", start);
+    cJSON_AddNumberToObject(json, "own_stop", stop);
     cJSON_AddNumberToObject(json, "duration_s", object->duration_s);
-    cJSON_AddNumberToObject(json, "moving", (double)tides_motion_moving(object->motion, &object->gaussians));
     cJSON_AddNumberToObject(json, "knots", (double)tides_motion_knots(object->motion));
-    return json;
 }
 
 static cJSON *object_json(const tides_object *object) {
@@ -29,7 +27,8 @@ static cJSON *object_json(const tides_object *object) {
     cJSON_AddNumberToObject(json, "gaussians", (double)object->gaussians.count);
     cJSON_AddNumberToObject(json, "sh_degree", object->gaussians.sh_degree);
     cJSON_AddNumberToObject(json, "scale", object->scale);
-    cJSON_AddBoolToObject(json, "moving", object->trajectory != NULL && !tides_trajectory_is_static(object->trajectory));
+    cJSON_AddBoolToObject(json, "moving",
+                          object->motion || (object->trajectory && !tides_trajectory_is_static(object->trajectory)));
     double start, stop;
     if (object->trajectory) {
         tides_trajectory_range(object->trajectory, &start, &stop);
@@ -38,7 +37,7 @@ static cJSON *object_json(const tides_object *object) {
             cJSON_AddNumberToObject(json, "stop_s", stop);
         }
     }
-    if (object->motion) cJSON_AddItemToObject(json, "motion", motion_json(object));
+    if (object->motion) add_motion(json, object);
     return json;
 }
 

@@ -142,7 +142,7 @@ static tides_scene *flying(const random_scene *from, int rigid) {
         width[i] = 60;
         mean[9 * i] = 0.5f;
     }
-    tides_polynomial_motion arrays = {o.gaussians.count, 0, 1, zeros, width, mean, zeros, 0, 0};
+    tides_polynomial_motion arrays = {o.gaussians.count, 0, 1, zeros, width, mean, zeros, .plain_colour = 0};
     scene_expect_ok(tides_motion_create_polynomial(&arrays, &motion, &error), &error);
     scene_expect_ok(tides_scene_add_moving(scene, &o.gaussians, motion, 1, NULL, 1, NULL, NULL, &error), &error);
     free(zeros);
@@ -323,7 +323,7 @@ static tides_scene *one_moves(const random_scene *from, int which) {
     assert_true(zeros && width && mean);
     for (size_t i = 0; i < n; i++) width[i] = 60;
     if (which >= 0) mean[9 * which] = 1;
-    tides_polynomial_motion arrays = {o.gaussians.count, 0, 1, zeros, width, mean, zeros, 0, 0};
+    tides_polynomial_motion arrays = {o.gaussians.count, 0, 1, zeros, width, mean, zeros, .plain_colour = 0};
     scene_expect_ok(tides_motion_create_polynomial(&arrays, &motion, &error), &error);
     scene_expect_ok(tides_scene_add_moving(scene, &o.gaussians, motion, 1, NULL, 1, NULL, NULL, &error), &error);
     free(zeros);
