@@ -42,8 +42,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add(tides_scene *scene, cons
                                                         int32_t *index, tides_error *error);
 
 /* The same for Gaussians that move by themselves, `gaussians` being the motion's canonical ones. The motion is taken over on
- * success. Its own time, start to stop, runs from second 0 of the scene to duration_s (0: stop - start seconds); what it gives
- * is then moved by the trajectory and scaled like any object. TIDES_BAD_FILE where motion and Gaussians don't belong together. */
+ * success. Its own time, start to stop, runs from second 0 of the scene to duration_s (0: stop - start seconds); what it
+ * gives is then moved by the trajectory and scaled like any object. TIDES_BAD_FILE where motion and Gaussians don't belong
+ * together. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add_moving(tides_scene *scene, const tides_gaussians *gaussians,
                                                                tides_motion *motion, double duration_s,
                                                                const tides_trajectory *trajectory, double scale,

@@ -22,8 +22,8 @@ typedef struct td_place {
 tides_status td_place_open(const td_place *parent, const char *name, td_place *place);
 tides_status td_place_create(const td_place *parent, const char *name, td_place *place);
 
-/* How many links (or attributes) there are, and the name of number i in alphabetical order; names that don't fit in `size` bytes
- * with their NUL are TIDES_BAD_FILE. */
+/* How many links (or attributes) there are, and the name of number i in alphabetical order; names that don't fit in `size`
+ * bytes with their NUL are TIDES_BAD_FILE. */
 size_t td_place_links(const td_place *place);
 size_t td_place_attributes(const td_place *place);
 tides_status td_place_link_name(const td_place *place, size_t i, char *name, size_t size);

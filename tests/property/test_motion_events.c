@@ -1,5 +1,6 @@
-/* Events of scenes whose Gaussians move by themselves: the same whatever the device, the batch and the cut; the same from a rigid
- * path and from a motion; right behind a knot; nothing spent on what rests; and a run cut at a knot goes on as if it weren't. */
+/* Events of scenes whose Gaussians move by themselves: the same whatever the device, the batch and the cut; the same from a
+ * rigid path and from a motion; right behind a knot; nothing spent on what rests; and a run cut at a knot goes on as if it
+ * weren't. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
