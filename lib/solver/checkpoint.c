@@ -1,7 +1,8 @@
 /* Saving a simulator and restoring it: a run cut between two steps goes on as if it had never stopped, to the bit.
  *
  * The state at the end of a step is what the next one begins with: S and S_dot there, and per pixel where it began and how
- * often it has fired; the reference follows from these (td_reference). Layout of the file, HDF5, version 2 (1 lacked the totals of motion):
+ * often it has fired; the reference follows from these (td_reference). Layout of the file, HDF5, version 2 (1 lacked the
+ * totals of motion):
  *
  *     /                    attributes  format           text    "tides-checkpoint"
  *                                      version          int     2

@@ -5,8 +5,9 @@
  *   compare    each tile over each step: events
  *   emit       the batch's events, sorted, as one packet
  *
- * Steps lie on the grid start + k step_s, joined by the knots of motions. Fixed steps are rendered several to a launch; how many changes the cost, never the
- * events. Under error control each of them is a macro step, which refine.c halves where a tile needs it. */
+ * Steps lie on the grid start + k step_s, joined by the knots of motions. Fixed steps are rendered several to a launch; how
+ * many changes the cost, never the events. Under error control each of them is a macro step, which refine.c halves where a
+ * tile needs it. */
 #include "td_event_sort.h"
 #include "td_simulator.h"
 
@@ -31,8 +32,8 @@ tides_status td_turn_knot(tides_simulator *s, tides_error *error) {
     if (!s->started || s->moving_count == 0 || !td_grid_is_knot(&s->grid, s->step)) return TIDES_OK;
     for (int i = 0; i < s->moving_count; i++) s->requests[i] = (td_request){s->moving[i], 0};
     s->renderer->side = 1;
-    tides_status status = td_renderer_tiles(s->renderer, s->camera, &time, 1, s->requests, s->moving_count, TD_OUT_SIGNAL,
-                                            s->planes, error);
+    tides_status status =
+        td_renderer_tiles(s->renderer, s->camera, &time, 1, s->requests, s->moving_count, TD_OUT_SIGNAL, s->planes, error);
     s->renderer->side = -1;
     for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {
         int t = s->moving[i];
@@ -76,7 +77,7 @@ static void store_step(tides_simulator *s, int k, td_sample *sample) {
 static tides_status begin(tides_simulator *s, tides_error *error) {
     s->renderer->side = 1;
     tides_status status = render_steps(s, 0, 0, 1, error);
-    s->renderer->side = -1; /* from here on each sample ends a step */
+    s->renderer->side = -1;
     if (status != TIDES_OK) return status;
     store_step(s, 0, &s->now);
     td_pixels_reset(&s->pixels, s->now.S, s->first_pixel[s->tiles]);

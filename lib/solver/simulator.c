@@ -10,11 +10,6 @@ enum { BATCH_TILES = 1 << 14 }; /* (tile, step) samples per launch at most: 64 M
 /* Steps of a run at most: past this, k step_s and its neighbours are no longer told apart in nanoseconds. */
 static const double most_steps = 1e12;
 
-void tides_sensor_defaults(tides_sensor *sensor) {
-    static const tides_sensor defaults = {sizeof defaults, 64, 0.2, 0.2};
-    *sensor = defaults;
-}
-
 void tides_stepping_defaults(tides_stepping *stepping) {
     static const tides_stepping defaults =
         {sizeof defaults, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE, 1, 0.01, 1e-6, 0.01, 0, 0, {0.3, 0.3, 0.4}};
@@ -154,6 +149,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
         status = td_grid_create(start, stop, stepping->step_s, s->renderer->moved.knots, s->renderer->moved.knot_count,
                                 stepping->min_step_s, &s->grid, error);
     if (status == TIDES_OK) {
+        s->renderer->side = -1; /* each sample but the first ends a step */
         s->steps = s->grid.steps;
         s->width = intrinsics->width;
         s->tiles = s->renderer->stats.tiles;
@@ -207,8 +203,9 @@ void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats)
     stats->renders_full_frame_equivalent = (double)render->tile_jobs / simulator->tiles;
     stats->simulated_s = simulator->started ? td_grid_time(simulator, simulator->step) - simulator->start : 0;
     stats->real_time_factor = stats->run_time_s > 0 ? stats->simulated_s / stats->run_time_s : 0;
-    double known = render->time_build_s + render->time_motion_s + render->time_sweep_s + render->time_project_s + render->time_sort_s +
-                   render->time_composite_s + render->time_transfer_s + stats->time_compare_s + stats->time_sink_s;
+    double known = render->time_build_s + render->time_motion_s + render->time_sweep_s + render->time_project_s +
+                   render->time_sort_s + render->time_composite_s + render->time_transfer_s + stats->time_compare_s +
+                   stats->time_sink_s;
     stats->time_other_s = stats->run_time_s - known;
     stats->error_p50_s = td_timing_percentile(&simulator->timing, 0.50);
     stats->error_p95_s = td_timing_percentile(&simulator->timing, 0.95);

@@ -1,4 +1,5 @@
-/* Internal: the times that steps begin and end at: start + k step_s, joined by the knots of motions, at which rates may jump. */
+/* Internal: the times that steps begin and end at: start + k step_s, joined by the knots of motions, at which rates may
+ * jump. */
 #ifndef TD_GRID_H
 #define TD_GRID_H
 
@@ -18,7 +19,8 @@ typedef struct td_grid {
     int64_t *replaced; /* (knots) regular points that gave way up to and with this knot */
 } td_grid;
 
-/* A grid for [start, stop] with steps of step_s; `knots` [s] ascending, anywhere, are copied. `gap` [s] is at most half a step. */
+/* A grid for [start, stop] with steps of step_s; `knots` [s] ascending, anywhere, are copied. `gap` [s] is at most half a
+ * step. */
 tides_status td_grid_create(double start, double stop, double step_s, const double *knots, size_t count, double gap,
                             td_grid *grid, tides_error *error);
 void td_grid_release(td_grid *grid);

@@ -62,7 +62,8 @@ static void check_at(uint64_t seed, int degree, double time) {
         for (int i = 0; i < PIXELS; i++) largest = fmax(largest, fabs(rate[i]));
         for (int i = 0; i < PIXELS; i++) {
             double f[NODES], h = STEP;
-            for (int k = 0; k < NODES; k++) f[k] = frames[(size_t)k * 2 * PAIRS * PIXELS + (size_t)(2 * p) * PIXELS + (size_t)i];
+            for (int k = 0; k < NODES; k++)
+                f[k] = frames[(size_t)k * 2 * PAIRS * PIXELS + (size_t)(2 * p) * PIXELS + (size_t)i];
             double whole = (f[4] - 2 * f[2] + f[0]) / h, half = (f[3] - 2 * f[2] + f[1]) / (0.5 * h);
             if (fabs(whole - 2 * half) > KINK * largest) {
                 kinks++;
@@ -71,8 +72,8 @@ static void check_at(uint64_t seed, int degree, double time) {
             moving += fabs(rate[i]) > 0.01 * largest;
             double difference = (4 * (f[3] - f[1]) / h - (f[4] - f[0]) / (2 * h)) / 3;
             if (!(fabs(rate[i] - difference) <= TOLERANCE * largest))
-                fail_msg("seed %d, degree %d, channel %s, pixel %d: rate %.12g, difference %.12g, largest %g", (int)seed, degree,
-                         tides_channel_name(values[p]), i, rate[i], difference, largest);
+                fail_msg("seed %d, degree %d, channel %s, pixel %d: rate %.12g, difference %.12g, largest %g", (int)seed,
+                         degree, tides_channel_name(values[p]), i, rate[i], difference, largest);
         }
     }
     if (kinks > 0.01 * PAIRS * PIXELS || moving < 0.2 * PAIRS * PIXELS)

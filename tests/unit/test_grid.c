@@ -44,7 +44,8 @@ static void expect_points(const td_grid *grid, const double *points, const int *
     }
 }
 
-/* By hand: before and behind a regular point that gives way, two at one of them, at and outside the ends, and close to these. */
+/* By hand: before and behind a regular point that gives way, two at one of them, at and outside the ends, and close to
+ * these. */
 static void test_by_hand(void **state) {
     (void)state;
     const double knots[] = {-1, 0, 0.01, 0.95, 1.5, 2.05, 2.95, 3.02, 4.5, 4.9, 4.99, 5, 7};
