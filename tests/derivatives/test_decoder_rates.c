@@ -82,8 +82,8 @@ static void view_render(const view_of *view, double time, double *out) {
     scene_expect_ok(tides_renderer_frame(view->renderer, view->camera, time, &frame, &error), &error);
 }
 
-/* Kinks (a relu, a clamp, alpha_max) and the stop, which the smooth rules bound, may lie within a difference: at such pixels the
- * two one-sided ones disagree. */
+/* Kinks (a relu, a clamp, alpha_max) and the stop, which the smooth rules bound, may lie within a difference: there the two
+ * one-sided ones disagree. */
 static void test_rates_equal_differences(void **state) {
     static double before[CHANNELS * PIXELS], here[CHANNELS * PIXELS], after[CHANNELS * PIXELS];
     const double h = 2e-6;
