@@ -1,10 +1,10 @@
 /* The motion models that there are. */
-#include "td_motion.h"
+#include "td_models.h"
 
 #include <string.h>
 
 static const td_motion_class *const classes[] = {
-    NULL, /* one line per model */
+    &td_polynomial_class, &td_rotor_class, &td_keyframes_class, &td_callback_class, NULL,
 };
 
 const td_motion_class *td_motion_class_find(const char *name) {

@@ -1,5 +1,5 @@
 /* Trained models as scenes: one reader per method. */
-#include "scene/td_model_dir.h"
+#include "scene/td_method_arrays.h"
 #include "td_base.h"
 #include "td_model_files.h"
 
@@ -33,10 +33,60 @@ static tides_status read_gsplat(tides_scene *scene, const td_model_dir *dir, con
     return status;
 }
 
+/* Gaussians and their motion, as one object. */
+typedef tides_status opener(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
+
+static tides_status add_moving(tides_scene *scene, const td_model_dir *dir, opener *open, const tides_trajectory *trajectory,
+                               double scale, tides_error *error) {
+    td_gaussians gaussians;
+    tides_motion *motion = NULL;
+    const char *source = dir->points ? dir->points : dir->weights ? dir->weights : dir->folder;
+    memset(&gaussians, 0, sizeof gaussians);
+    tides_status status = open(dir, &gaussians, &motion, error);
+    if (status) return status;
+    status = td_scene_take(scene, &gaussians, trajectory, scale, name_of(dir, "model"), source, NULL, error);
+    if (!status) {
+        status = td_scene_give_motion(scene, motion, 0, error);
+        if (status) td_scene_truncate(scene, scene->count - 1);
+    }
+    if (status) {
+        td_fail_within(error, status, "%s", source);
+        tides_motion_destroy(motion);
+    }
+    td_gaussians_free(&gaussians);
+    return status;
+}
+
+static tides_status read_stg(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
+                             tides_error *error) {
+    return add_moving(scene, dir, td_stg_open, trajectory, scale, error);
+}
+
+static tides_status read_fudan4d(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
+                                 tides_error *error) {
+    return add_moving(scene, dir, td_fudan4d_open, trajectory, scale, error);
+}
+
+static tides_status read_dyn3dgs(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
+                                 tides_error *error) {
+    return add_moving(scene, dir, td_dyn3dgs_open, trajectory, scale, error);
+}
+
+static tides_status read_frames(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
+                                tides_error *error) {
+    return add_moving(scene, dir, td_frames_open, trajectory, scale, error);
+}
+
+static tides_status read_freetime(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
+                                  tides_error *error) {
+    return add_moving(scene, dir, td_freetime_open, trajectory, scale, error);
+}
+
 /* One line per method that can be read. */
 static reader *const readers[TD_METHODS] = {
-    [TD_METHOD_INRIA] = read_inria,
-    [TD_METHOD_GSPLAT] = read_gsplat,
+    [TD_METHOD_INRIA] = read_inria,       [TD_METHOD_GSPLAT] = read_gsplat,   [TD_METHOD_STG] = read_stg,
+    [TD_METHOD_FUDAN4D] = read_fudan4d,   [TD_METHOD_DYN3DGS] = read_dyn3dgs, [TD_METHOD_FRAMES] = read_frames,
+    [TD_METHOD_FREETIME] = read_freetime,
 };
 
 tides_status td_scene_add_model(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,

@@ -16,6 +16,8 @@ typedef struct td_object {
     tides_trajectory *trajectory; /* NULL: at rest */
     double scale;
     char *name, *source;
+    tides_motion *motion; /* NULL: none; owned */
+    double duration_s;
 } td_object;
 
 struct tides_scene {
@@ -49,6 +51,9 @@ void td_gaussians_fold_filter(td_gaussians *gaussians, const float *filter);
  * where otherwise they are TIDES_BAD_FILE. */
 tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,
                            const char *name, const char *source, int32_t *index, tides_error *error);
+
+/* Gives the last object added a motion, taken over on success; duration_s 0 is that of its own clock (scene_motion.c). */
+tides_status td_scene_give_motion(tides_scene *scene, tides_motion *motion, double duration_s, tides_error *error);
 
 /* Drops the objects from number `count` on: undoes a half-done addition. */
 void td_scene_truncate(tides_scene *scene, size_t count);

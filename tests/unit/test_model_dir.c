@@ -6,10 +6,12 @@
 #include <cmocka.h>
 
 #include "scene/td_model_dir.h"
+#include "motion/td_motion.h"
 #include "tests/support/archive_make.h"
 #include "tests/support/scene_folder.h"
 
 #include <stdio.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -125,6 +127,8 @@ static void test_deformed(void **state) {
 }
 
 static const char stg[] = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float trbf_center\nend_header\n";
+static const char stg_of_one[] = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float trbf_center\n"
+                                 "end_header\n1 0.5\n";
 static const char ex4dgs[] = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float xyz_disp_0\nend_header\n";
 
 static void test_other_layouts(void **state) {
@@ -135,7 +139,9 @@ static void test_other_layouts(void **state) {
     put_text(*state, "s/point_cloud/iteration_25000/point_cloud.pt", "");
     expect(*state, "s", TD_METHOD_STG, 25000, "s/point_cloud/iteration_25000/point_cloud.ply",
            "s/point_cloud/iteration_25000/point_cloud.pt");
-    expect_refused(*state, "s", TIDES_UNSUPPORTED, "SpacetimeGaussians");
+    expect_refused(*state, "s", TIDES_BAD_FILE, "point_cloud.ply|no Gaussian");
+    put_text(*state, "s/point_cloud/iteration_25000/point_cloud.ply", stg_of_one);
+    expect_refused(*state, "s", TIDES_BAD_FILE, "point_cloud.ply|no number 'y'");
     put_text(*state, "x/point_cloud/iteration_1/point_cloud.ply", ex4dgs);
     put_text(*state, "x/point_cloud/iteration_1/dynamic_point_cloud.ply", ex4dgs);
     expect(*state, "x", TD_METHOD_EX4DGS, 1, "x/point_cloud/iteration_1/point_cloud.ply",
@@ -148,7 +154,8 @@ static void test_other_layouts(void **state) {
     expect(*state, "b", TD_METHOD_FUDAN4D, -1, NULL, "b/chkpnt_best.pth");
     put_text(*state, "p/params.npz", "");
     expect(*state, "p", TD_METHOD_DYN3DGS, -1, NULL, "p/params.npz");
-    expect_refused(*state, "p", TIDES_UNSUPPORTED, "Dynamic3DGaussians");
+    expect_refused(*state, "p", TIDES_BAD_FILE, "params.npz");
+    expect_refused(*state, "c", TIDES_BAD_FILE, "chkpnt30000.pth");
     put_text(*state, "nothing/readme", "");
     expect_refused(*state, "nothing", TIDES_BAD_FILE, "nothing: is no folder of a trained model|params.npz");
     expect_refused(*state, "absent", TIDES_FILE_NOT_FOUND, "absent");
@@ -168,7 +175,15 @@ static void test_frames(void **state) {
     expect_path(dir.frames[0], *state, "t/time_00000.ply");
     expect_path(dir.frames[10], *state, "t/time_00010.ply");
     td_model_dir_free(&dir);
-    expect_refused(*state, "t", TIDES_UNSUPPORTED, "one .ply per time");
+    tides_scene *scene = scene_new();
+    scene_load(scene, scene_in_folder(*state, "t"), NULL, 1);
+    const tides_motion *motion = scene_object_of(scene, 0).motion;
+    assert_string_equal(tides_motion_model(motion), "keyframes");
+    assert_true(motion->start == 0 && motion->stop == 1 && td_motion_field(motion, "mean")->shape[0] == 12);
+    assert_null(td_motion_field(motion, "sh")); /* the same in every frame */
+    tides_scene_destroy(scene);
+    put_ply(*state, "t/time_00005.ply", 2);
+    expect_refused(*state, "t", TIDES_BAD_FILE, "time_00005.ply|2 Gaussians");
 }
 
 /* -- gsplat -- */
@@ -182,7 +197,7 @@ static void add_tensor(scene_bytes *pickle, const char *name, int storage, int n
     pickle_tensor(pickle, "FloatStorage", key, count, 0, ndim, shape, stride);
 }
 
-enum { PLAIN, NOT_FINITE, NO_SH, WRONG_SH, FREETIME };
+enum { PLAIN, NOT_FINITE, NO_SH, WRONG_SH, FREETIME, NO_TIMES };
 
 /* Two Gaussians of degree 1, values 0.01, 0.02 .. in each storage. */
 static void put_checkpoint(void *folder, const char *name, int kind) {
@@ -200,7 +215,9 @@ static void put_checkpoint(void *folder, const char *name, int kind) {
     add_tensor(&pickle, "opacities", 3, 1, (const int32_t[]){2});
     add_tensor(&pickle, "sh0", 4, 3, (const int32_t[]){2, 1, 3});
     if (kind != NO_SH) add_tensor(&pickle, "shN", 5, 3, (const int32_t[]){2, kind == WRONG_SH ? 4 : 3, 3});
-    if (kind == FREETIME) add_tensor(&pickle, "velocities", 0, 2, (const int32_t[]){2, 3});
+    if (kind == FREETIME || kind == NO_TIMES) add_tensor(&pickle, "velocities", 0, 2, (const int32_t[]){2, 3});
+    if (kind == FREETIME) add_tensor(&pickle, "times", 3, 2, (const int32_t[]){2, 1});
+    if (kind == FREETIME) add_tensor(&pickle, "durations", 3, 2, (const int32_t[]){2, 1});
     PICKLE(&pickle, "uu.");
     float means[6];
     memcpy(means, values, sizeof means);
@@ -234,13 +251,28 @@ static void test_gsplat(void **state) {
     expect_refused(*state, "n.pt", TIDES_BAD_FILE, "n.pt|tensor means|element 4|finite");
     put_checkpoint(*state, "w.pt", WRONG_SH);
     expect_refused(*state, "w.pt", TIDES_BAD_FILE, "w.pt|shN");
+    put_checkpoint(*state, "v.pt", NO_TIMES);
+    expect_refused(*state, "v.pt", TIDES_BAD_FILE, "v.pt|times");
+}
+
+/* Velocities become the first coefficients; a duration's bell has a 1/2 that a width's doesn't. */
+static void test_freetime(void **state) {
     put_checkpoint(*state, "v.pt", FREETIME);
-    expect_refused(*state, "v.pt", TIDES_UNSUPPORTED, "FreeTimeGS");
+    tides_scene *scene = scene_new();
+    scene_load(scene, scene_in_folder(*state, "v.pt"), NULL, 1);
+    const tides_motion *motion = scene_object_of(scene, 0).motion;
+    assert_string_equal(tides_motion_model(motion), "polynomial");
+    const float *velocity = td_motion_field(motion, "mean_coefficient")->value;
+    assert_true(velocity[1] == 0.01f * 2 && velocity[9] == 0.01f * 4 && velocity[3] == 0);
+    assert_true(td_motion_field(motion, "opacity_centre")->value[1] == 0.01f * 2);
+    double width = exp((double)td_motion_field(motion, "opacity_log_width")->value[1]), duration = exp(0.02);
+    assert_true(fabs(width * width - 2 * duration * duration) < 1e-6);
+    tides_scene_destroy(scene);
 }
 
 int main(void) {
 #define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, scene_folder_setup, scene_folder_teardown)
-    const struct CMUnitTest tests[] = {IN_FOLDER(test_inria), IN_FOLDER(test_deformed), IN_FOLDER(test_other_layouts),
-                                       IN_FOLDER(test_frames), IN_FOLDER(test_gsplat)};
+    const struct CMUnitTest tests[] = {IN_FOLDER(test_inria),  IN_FOLDER(test_deformed), IN_FOLDER(test_other_layouts),
+                                       IN_FOLDER(test_frames), IN_FOLDER(test_gsplat),   IN_FOLDER(test_freetime)};
     return cmocka_run_group_tests_name("model_dir", tests, NULL, NULL);
 }
