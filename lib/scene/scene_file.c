@@ -1,5 +1,6 @@
 /* Scene files: which reader a file's content asks for, which writer a file's ending asks for. */
 #include "td_base.h"
+#include "td_model_dir.h"
 #include "td_scene.h"
 #include "td_splat.h"
 
@@ -39,20 +40,44 @@ static tides_status read_gaussians(const char *file, reader with, td_gaussians *
     return status;
 }
 
-static tides_status add_gaussians(tides_scene *scene, const char *file, reader with, const tides_trajectory *trajectory,
-                                  double scale, tides_error *error) {
-    char *name = NULL;
+/* A NULL name: the file's. */
+static tides_status add_gaussians(tides_scene *scene, const char *file, reader with, const char *name,
+                                  const tides_trajectory *trajectory, double scale, tides_error *error) {
+    char *stem = NULL;
     td_gaussians gaussians;
     memset(&gaussians, 0, sizeof gaussians);
     tides_status status = read_gaussians(file, with, &gaussians, error);
     if (status) goto done;
-    status = (name = stem_of(file, error)) ? TIDES_OK : TIDES_NO_MEMORY;
-    if (!status) status = td_scene_take(scene, &gaussians, trajectory, scale, name, file, NULL, error);
+    status = (stem = stem_of(file, error)) ? TIDES_OK : TIDES_NO_MEMORY;
+    if (!status) status = td_scene_take(scene, &gaussians, trajectory, scale, name ? name : stem, file, NULL, error);
     if (status) td_fail_within(error, status, "%s", file);
 done:
-    free(name);
+    free(stem);
     td_gaussians_free(&gaussians);
     return status;
+}
+
+tides_status td_scene_add_ply(tides_scene *scene, const char *file, const char *name, const tides_trajectory *trajectory,
+                              double scale, tides_error *error) {
+    return add_gaussians(scene, file, (reader){td_ply_parse, NULL}, name, trajectory, scale, error);
+}
+
+static tides_status add_model(tides_scene *scene, const char *path, const tides_trajectory *trajectory, double scale,
+                              tides_error *error) {
+    td_model_dir dir;
+    tides_status status = td_model_dir_find(path, &dir, error);
+    if (status) return status;
+    status = td_scene_add_model(scene, &dir, trajectory, scale, error);
+    td_model_dir_free(&dir);
+    return status;
+}
+
+/* 1 where a trainer left it; any folder may be one, so its content is asked. */
+static int is_model(const char *path) {
+    td_model_dir dir;
+    if (!td_model_dir_is(path) || td_model_dir_find(path, &dir, NULL) != TIDES_OK) return 0;
+    td_model_dir_free(&dir);
+    return 1;
 }
 
 /* The file's start: what detection looks at. */
@@ -127,7 +152,8 @@ static tides_status read_beginning(const char *file, beginning *b, tides_error *
 
 int32_t tides_scene_is_file(const char *file) {
     beginning start;
-    return file && read_beginning(file, &start, NULL) == TIDES_OK && format_of(&start) < FORMATS;
+    if (!file || read_beginning(file, &start, NULL) != TIDES_OK) return 0;
+    return format_of(&start) < FORMATS || is_model(file);
 }
 
 tides_status tides_scene_add_file(tides_scene *scene, const char *file, const tides_trajectory *trajectory, double scale,
@@ -140,18 +166,15 @@ tides_status tides_scene_add_file(tides_scene *scene, const char *file, const ti
     beginning start;
     tides_status status = read_beginning(file, &start, error);
     if (status) return status;
+    if (td_model_dir_is(file) && !is_sog_folder(&start)) return add_model(scene, file, trajectory, scale, error);
     size_t format = format_of(&start);
-    if (format == FORMATS && start.folder)
-        return td_fail(error, TIDES_BAD_FILE, "%s: is a folder, not a regular file, and has no meta.json as a SOG scene would",
-                       file);
     if (format == FORMATS)
         return td_fail(error, TIDES_BAD_FILE,
-                       "%s: is no scene: neither a PLY file (no 'ply' at byte 0), nor .spz, .sog, .ksplat, .splat or an HDF5 "
-                       "one: "
-                       "convert it to a 3DGS .ply first",
+                       "%s: is no scene: neither a PLY file (no 'ply' at byte 0) nor an HDF5 one, nor .spz, .sog, .ksplat or "
+                       ".splat: convert it to a 3DGS .ply first",
                        file);
     reader with = formats[format].with;
-    if (with.parse || with.read) return add_gaussians(scene, file, with, trajectory, scale, error);
+    if (with.parse || with.read) return add_gaussians(scene, file, with, NULL, trajectory, scale, error);
     return td_scene_hdf5_read(scene, file, trajectory, scale, error);
 }
 
