@@ -17,7 +17,8 @@ int td_zstd_lies(uint64_t size, size_t packed) { return size >> 15 > packed; }
 /* As many bytes as zlib's counters take at once. */
 static unsigned part(size_t bytes) { return bytes > 1u << 30 ? 1u << 30 : (unsigned)bytes; }
 
-/* Fills `out`; Z_OK where the stream goes on, Z_STREAM_END where it ends within it, an error else. `beyond` is room for one byte. */
+/* Fills `out`; Z_OK where the stream goes on, Z_STREAM_END where it ends within it, an error else. `beyond` is room for one
+ * byte. */
 static int inflate_all(z_stream *stream, const unsigned char *in, size_t bytes, unsigned char *out, size_t size, size_t *made,
                        unsigned char *beyond) {
     size_t taken = 0;
