@@ -22,6 +22,10 @@ static const cli_command commands[] = {
      "IN is .ply (compressed too), .spz, .splat, .ksplat, .sog or .h5, found from its content; OUT's ending says what is "
      "written.",
      2, cmd_convert},
+    {"metrics", "REFERENCE SIMULATED [--only LIST]", "Compare a simulated event stream with a reference.",
+     "Values are undefined (-, in JSON null) where they would divide by nothing. include/tides/metrics.h defines each one.\n"
+     "The kernel distance takes long, and match wants an exact reference: both only where asked for.",
+     2, cmd_metrics},
     {"bench", "accuracy|ablation [-o DIR] [--quick] [--scene NAME]", "Measure run time against the error of event times.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
      "ablation: what each part of the method is worth; ablation.json, .csv and a plot.\n"

@@ -72,14 +72,6 @@ static tides_status add_model(tides_scene *scene, const char *path, const tides_
     return status;
 }
 
-/* 1 where a trainer left it; any folder may be one, so its content is asked. */
-static int is_model(const char *path) {
-    td_model_dir dir;
-    if (!td_model_dir_is(path) || td_model_dir_find(path, &dir, NULL) != TIDES_OK) return 0;
-    td_model_dir_free(&dir);
-    return 1;
-}
-
 /* The file's start: what detection looks at. */
 typedef struct beginning {
     const char *file;
@@ -152,8 +144,8 @@ static tides_status read_beginning(const char *file, beginning *b, tides_error *
 
 int32_t tides_scene_is_file(const char *file) {
     beginning start;
-    if (!file || read_beginning(file, &start, NULL) != TIDES_OK) return 0;
-    return format_of(&start) < FORMATS || is_model(file);
+    if (file && td_model_dir_is(file)) return 1;
+    return file && read_beginning(file, &start, NULL) == TIDES_OK && format_of(&start) < FORMATS;
 }
 
 tides_status tides_scene_add_file(tides_scene *scene, const char *file, const tides_trajectory *trajectory, double scale,
@@ -166,12 +158,12 @@ tides_status tides_scene_add_file(tides_scene *scene, const char *file, const ti
     beginning start;
     tides_status status = read_beginning(file, &start, error);
     if (status) return status;
-    if (td_model_dir_is(file) && !is_sog_folder(&start)) return add_model(scene, file, trajectory, scale, error);
     size_t format = format_of(&start);
+    if (start.folder ? format == FORMATS : td_model_dir_is(file)) return add_model(scene, file, trajectory, scale, error);
     if (format == FORMATS)
         return td_fail(error, TIDES_BAD_FILE,
-                       "%s: is no scene: neither a PLY file (no 'ply' at byte 0) nor an HDF5 one, nor .spz, .sog, .ksplat or "
-                       ".splat: convert it to a 3DGS .ply first",
+                       "%s: is no scene: neither a PLY file (no 'ply' at byte 0), nor .spz, .sog, .ksplat, .splat or an HDF5 "
+                       "one: convert it to a 3DGS .ply first",
                        file);
     reader with = formats[format].with;
     if (with.parse || with.read) return add_gaussians(scene, file, with, NULL, trajectory, scale, error);
