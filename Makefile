@@ -155,7 +155,8 @@ check-asan-built:
 	    $(RUN_TESTS) $(TESTS) $(GOLDEN) $(wildcard tests/cli/run.sh)
 # Those of the unit tests that neither load an OpenCL driver nor kill themselves.
 VALGRIND := $(filter $(addprefix $(OUT)/tests/unit/test_,base comparator crossing event_sort events events_read image_exr \
-            image_png model_dir npy npz path pickle pyrepr run run_open scene scene_hdf5 scene_ply trajectory zip),$(TESTS))
+            image_png model_dir npy npz path path_datasets pickle pyrepr run run_open scene scene_hdf5 scene_packed scene_ply scene_sog scene_spz \
+            trajectory zip),$(TESTS))
 check-valgrind: ## Run unit tests and a small simulation on the reference device under valgrind
 	@sh scripts/deps.sh lint -q
 	@$(AGAIN) all tests

@@ -42,9 +42,7 @@ static const tides_param table[] = {
     NUMBER("scene.duration_s", "s", 1e-9, LAST_SECOND, "null", "seconds that motions last; null takes the scene's own"),
     OBJECTS("scene.objects", "[]", "more splat files, each {file, trajectory, scale}; a trajectory moves it as a rigid body"),
 
-    STRING("camera.file", NULL,
-           "path of the camera: TIDES JSON, or a file or folder of COLMAP, nerfstudio, INRIA, LLFF, nerfies, TUM, EuRoC, ESIM "
-           "or KITTI"),
+    STRING("camera.file", NULL, "camera path: TIDES JSON, COLMAP, nerfstudio, INRIA, LLFF, nerfies, TUM, EuRoC, ESIM, KITTI"),
     INTEGER("camera.width", "px", 1, 16384, "null", "image width; null takes the path file's"),
     INTEGER("camera.height", "px", 1, 16384, "null", "image height; null takes the path file's"),
     NUMBER("camera.fx", "px", 1e-3, 1e9, "null", "focal length along x; null takes the path file's"),

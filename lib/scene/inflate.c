@@ -17,8 +17,10 @@ int td_zstd_lies(uint64_t size, size_t packed) { return size >> 15 > packed; }
 /* As many bytes as zlib's counters take at once. */
 static unsigned part(size_t bytes) { return bytes > 1u << 30 ? 1u << 30 : (unsigned)bytes; }
 
-/* Fills `out`; Z_OK where the stream goes on, Z_STREAM_END where it ends within it, an error else. */
-static int inflate_all(z_stream *stream, const unsigned char *in, size_t bytes, unsigned char *out, size_t size, size_t *made) {
+/* Fills `out`; Z_OK where the stream goes on, Z_STREAM_END where it ends within it, an error else. `beyond` is room for one
+ * byte. */
+static int inflate_all(z_stream *stream, const unsigned char *in, size_t bytes, unsigned char *out, size_t size, size_t *made,
+                       unsigned char *beyond) {
     size_t taken = 0;
     int code = Z_OK;
     *made = 0;
@@ -33,10 +35,10 @@ static int inflate_all(z_stream *stream, const unsigned char *in, size_t bytes, 
         *made += before_out - stream->avail_out;
     }
     if (code != Z_OK) return code;
-    unsigned char beyond; /* one byte more tells whether the stream ends here, and then compares its checksum */
+    /* One byte more tells whether the stream ends here, and then compares its checksum. */
     stream->next_in = in + taken;
     stream->avail_in = part(bytes - taken);
-    stream->next_out = &beyond;
+    stream->next_out = beyond;
     stream->avail_out = 1;
     code = inflate(stream, Z_NO_FLUSH);
     return code == Z_STREAM_END && stream->avail_out == 0 ? Z_OK : code;
@@ -45,11 +47,12 @@ static int inflate_all(z_stream *stream, const unsigned char *in, size_t bytes, 
 tides_status td_gunzip(const char *path, const void *gzip, size_t bytes, unsigned char *out, size_t size, int *more,
                        tides_error *error) {
     z_stream stream;
+    unsigned char beyond = 0;
     memset(&stream, 0, sizeof stream);
     if (inflateInit2(&stream, 16 + MAX_WBITS) != Z_OK) /* 16: a gzip header */
         return td_fail(error, TIDES_NO_MEMORY, "%s: out of memory for unpacking", path);
     size_t made = 0;
-    int code = inflate_all(&stream, gzip, bytes, out, size, &made);
+    int code = inflate_all(&stream, gzip, bytes, out, size, &made, &beyond);
     inflateEnd(&stream);
     if (code == Z_MEM_ERROR) return td_fail(error, TIDES_NO_MEMORY, "%s: out of memory for unpacking", path);
     if (code == Z_DATA_ERROR || code == Z_NEED_DICT)

@@ -147,7 +147,7 @@ static tides_status parse_meta(sog *s) {
 /* -- pictures into Gaussians -- */
 
 static tides_status unpack_means(const sog *s, const td_gaussians *g) {
-    double low[3], high[3];
+    double low[3] = {0}, high[3] = {0};
     picture bytes[2] = {{0}, {0}};
     tides_status status = read_numbers(s, "means", "mins", low, 3);
     if (!status) status = read_numbers(s, "means", "maxs", high, 3);
@@ -233,7 +233,7 @@ static tides_status unpack(const sog *s, const td_gaussians *g) {
 }
 
 static tides_status read_sog(sog *s, td_gaussians *gaussians) {
-    td_gaussians made;
+    td_gaussians made = {0};
     picture probe = {0}; /* a count that no picture bears out costs no memory */
     tides_status status = parse_meta(s);
     if (!status) status = read_picture(s, "quats", 0, s->count, &probe);

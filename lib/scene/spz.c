@@ -216,8 +216,9 @@ static tides_status open_streams(spz *s, const unsigned char *data, size_t size,
     size_t at = 0;
     tides_status status = check_table(s, data, size, &at);
     if (status) return status;
-    unsigned char *memory = td_alloc(HEADER + s->total, 1, s->error), *out = memory + HEADER;
+    unsigned char *memory = td_alloc(HEADER + s->total, 1, s->error);
     if (!memory) return TIDES_NO_MEMORY;
+    unsigned char *out = memory + HEADER;
     for (size_t i = 0; i < s->streams && !status; i++) {
         size_t packed = (size_t)td_le64(data + td_le32(data + 16) + ENTRY * i);
         status = td_unzstd(s->path, names[i], data + at, packed, out, s->bytes[i], s->error);

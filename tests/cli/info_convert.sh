@@ -22,6 +22,23 @@ out "^kind +path"
 out "^format +tum"
 out "^samples +3"
 out "^stop_s +0.04"
+# A packed splat file: two Gaussians of 32 bytes, colour 128, opacity 255, rotation (1 0 0 0).
+splat='\0\0\200\077\0\0\0\100\0\0\100\100\0\0\200\077\0\0\200\077\0\0\200\077\200\200\200\377\377\200\200\200'
+printf "$splat$splat" >two.splat
+expect 0 tides info two.splat
+out "^gaussians +2"
+expect 0 tides convert two.splat two.ply
+out "two.ply: 2 Gaussians"
+expect 0 tides info two.ply --json
+out '"upper":[[:space:]]*\[1, 2, 3\]'
+printf "$splat\0" >odd.splat
+refuse 1 "odd.splat.*32 bytes per Gaussian" tides convert odd.splat odd.ply
+mkdir colmap
+printf '1 OPENCV 640 480 500 500 320 240 0.1 0 0 0\n' >colmap/cameras.txt
+printf '1 1 0 0 0 0 0 0 1 a.png\n\n2 1 0 0 0 1 0 0 1 b.png\n\n' >colmap/images.txt
+expect 0 tides info colmap
+out "^format +colmap"
+out "^distortion +ignored"
 printf 'hello\n' >text
 expect 1 tides info text
 error_line "text"

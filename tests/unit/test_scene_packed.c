@@ -200,7 +200,7 @@ static void packed_ply_refused(void **state) {
     scene_bytes_add(&lie, vertex + strlen("element vertex 258"),
                     b.size - (size_t)(vertex - b.data) - strlen("element vertex 258"));
     char *sh = strstr(lie.data, "element sh 258");
-    memcpy(sh, "comment ......", strlen("element sh 258"));
+    memcpy(sh, "comment", 7); /* comment sh 258 */
     splat_refused(td_ply_parse, &lie, TIDES_BAD_FILE, "declares 1000000000 rows");
     free(lie.data);
     free(b.data);
@@ -247,7 +247,8 @@ static scene_bytes make_ksplat(unsigned mode, unsigned degree) {
     splat_zeros(&b, SECTION_AT + 2048 - b.size);
     splat_u32(&b, 1);
     splat_u32(&b, 2);
-    for (int c = 0; c < 9; c++) splat_float(&b, (float)(10 * (c / 3 + 1) + c % 3));
+    for (int bucket = 1; bucket <= 3; bucket++)
+        for (int c = 0; c < 3; c++) splat_float(&b, (float)(10 * bucket + c));
     for (unsigned i = 0; i <= ROWS; i++) {
         size_t start = b.size;
         for (unsigned k = 0; k < 3; k++) mode ? splat_u16(&b, 1000 + 100 * i + k) : splat_float(&b, (float)i + 0.5f * (float)k);

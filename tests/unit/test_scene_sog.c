@@ -188,7 +188,8 @@ static void kinds(void **state) {
                        "sh0.webp|can't be opened");
     remove(scene_in_folder(*state, "meta.json"));
     assert_int_equal(tides_scene_is_file(*state), 0);
-    scene_expect_error(tides_scene_add_file(scene, *state, NULL, 1, &error), TIDES_BAD_FILE, &error, "is a folder|meta.json");
+    scene_expect_error(tides_scene_add_file(scene, *state, NULL, 1, &error), TIDES_BAD_FILE, &error,
+                       "no folder of a trained model");
     tides_scene_destroy(scene);
     free(b.data);
 }
