@@ -3,6 +3,7 @@
 #define TD_MOVERS_H
 
 #include "motion.h"
+#include "motion_hexplane.h"
 
 #ifdef TD_BUILD_MODEL
 #define TD_HAS_MODEL(code) (TD_BUILD_MODEL == (code))
@@ -14,6 +15,8 @@
 TD_INLINE void td_move_group(TD_GLOBAL const td_mover *mover, TD_GLOBAL const td_real *data, TD_GLOBAL const td_real *moment,
                              td_index gaussian, const td_theta_sink *sink) {
     (void)mover, (void)data, (void)moment, (void)gaussian, (void)sink;
+    if (TD_HAS_MODEL(TD_MOTION_HEXPLANE) && mover->model == TD_MOTION_HEXPLANE)
+        td_hexplane_move(mover, data, moment, gaussian, sink);
     /* one line per model: if (TD_HAS_MODEL(TD_MOTION_NAME) && mover->model == TD_MOTION_NAME) td_NAME_move(...) */
 }
 
