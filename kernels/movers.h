@@ -4,6 +4,7 @@
 
 #include "motion.h"
 #include "motion_hexplane.h"
+#include "motion_network.h"
 
 #ifdef TD_BUILD_MODEL
 #define TD_HAS_MODEL(code) (TD_BUILD_MODEL == (code))
@@ -17,6 +18,8 @@ TD_INLINE void td_move_group(TD_GLOBAL const td_mover *mover, TD_GLOBAL const td
     (void)mover, (void)data, (void)moment, (void)gaussian, (void)sink;
     if (TD_HAS_MODEL(TD_MOTION_HEXPLANE) && mover->model == TD_MOTION_HEXPLANE)
         td_hexplane_move(mover, data, moment, gaussian, sink);
+    if (TD_HAS_MODEL(TD_MOTION_NETWORK) && mover->model == TD_MOTION_NETWORK)
+        td_network_move(mover, data, moment, gaussian, sink);
     /* one line per model: if (TD_HAS_MODEL(TD_MOTION_NAME) && mover->model == TD_MOTION_NAME) td_NAME_move(...) */
 }
 

@@ -116,3 +116,32 @@ tides_motion *random_hexplane_make(const random_hexplane_recipe *recipe) {
     make_heads(motion, &state, recipe);
     return motion;
 }
+
+/* -- Deformable-3DGS ------------------------------------------------------------------------------------------------ */
+
+random_network_recipe random_network_defaults(uint64_t seed) {
+    return (random_network_recipe){seed, 256, 8, 5, 10, 0, 0, 0, 0.2};
+}
+
+tides_motion *random_network_make(const random_network_recipe *recipe) {
+    tides_motion *motion = NULL;
+    tides_error error = {0};
+    uint64_t state = recipe->seed;
+    int embedded = 1 + 2 * recipe->octaves, inputs = 63 + (recipe->time_width ? recipe->times : embedded);
+    expect(td_motion_create(td_motion_class_find("network"), 0, 1, &motion, &error), &error);
+    if (recipe->time_width) {
+        random_layer(motion, &state, "timenet.0", recipe->time_width, embedded, 1);
+        random_layer(motion, &state, "timenet.2", recipe->times, recipe->time_width, 1);
+    }
+    for (int layer = 0; layer < recipe->layers; layer++) {
+        char name[32];
+        int columns = (layer == 0 || layer == recipe->skip ? inputs : 0) + (layer > 0 ? recipe->width : 0);
+        snprintf(name, sizeof name, "linear.%d", layer);
+        random_layer(motion, &state, name, recipe->width, columns, 1);
+    }
+    random_layer(motion, &state, recipe->screw ? "branch_w" : "gaussian_warp", 3, recipe->width, recipe->strength);
+    if (recipe->screw) random_layer(motion, &state, "branch_v", 3, recipe->width, recipe->strength);
+    random_layer(motion, &state, "gaussian_rotation", 4, recipe->width, recipe->strength);
+    random_layer(motion, &state, "gaussian_scaling", 3, recipe->width, 0.05 * recipe->strength);
+    return motion;
+}

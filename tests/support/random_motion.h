@@ -28,7 +28,21 @@ typedef struct random_hexplane_recipe {
 random_hexplane_recipe random_hexplane_defaults(uint64_t seed);
 tides_motion *random_hexplane_make(const random_hexplane_recipe *recipe);
 
-/* Adds or replaces an array of uniform numbers in [-1, 1] * strength + offset. */
+/* Deformable-3DGS. */
+typedef struct random_network_recipe {
+    uint64_t seed;
+    int width, layers, skip; /* this layer gets the inputs once more */
+    int octaves;             /* of the time */
+    int time_width, times;   /* of a network over the time; 0: none */
+    int screw;               /* is_6dof */
+    double strength;         /* what is added is of this order */
+} random_network_recipe;
+
+/* The trainer's: width 256, 8 layers, inputs again at 5, 10 octaves. */
+random_network_recipe random_network_defaults(uint64_t seed);
+tides_motion *random_network_make(const random_network_recipe *recipe);
+
+/* Adds an array of uniform numbers in [-1, 1] * strength + offset. */
 void random_field(tides_motion *motion, uint64_t *state, const char *name, int rank, const uint64_t *shape, double strength,
                   double offset);
 
