@@ -192,7 +192,7 @@ static tides_status facts_of(const char *file, cJSON *facts, tides_error *error)
     if (got == 0) return cli_error(error, TIDES_BAD_FILE, "%s: is empty", file);
     if (memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0) return hdf5_facts(file, facts, error);
     if (memcmp(head, "\x76\x2f\x31\x01", 4) == 0) return exr_facts(file, facts, error);
-    if (memcmp(head, "ply", 3) == 0) return scene_facts(file, facts, error);
+    if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
     return path_facts(file, facts, error); /* text: its reader says best what is wrong */
 }
 
