@@ -5,7 +5,7 @@
  * of alternating rounds, beside what the device's fma units gave at best in the same rounds. */
 #include "tests/bench/plain_hexplane.h"
 #include "tests/support/motion_device.h"
-#include "tests/support/random_motion.h"
+#include "tests/support/random_network.h"
 
 #include "motion/td_hexplane.h"
 #include "motion/td_network.h"

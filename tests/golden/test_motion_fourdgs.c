@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "tests/support/golden_motion.h"
+#include "tests/support/golden_rows.h"
 #include "tests/support/shared.h"
 
 #include <stdlib.h>
@@ -26,8 +26,8 @@ static void compare_times(const char *name, const packed_motion *packed, npz *fi
     for (size_t i = 0; i < times; i++) {
         motion_rows f64 = motion_rows_f64(packed, t[i], 1, NULL, packed->count, SH_STRIDE);
         motion_rows f32 = motion_rows_f32(packed, t[i], 1, NULL, packed->count, SH_STRIDE);
-        golden_compare(file, &names, i, &f64, has_rates(t[i]), &wide);
-        golden_compare(file, &names, i, &f32, has_rates(t[i]), &narrow);
+        golden_rows_compare(file, &names, i, &f64, has_rates(t[i]), &wide);
+        golden_rows_compare(file, &names, i, &f32, has_rates(t[i]), &narrow);
         motion_rows_free(&f64);
         motion_rows_free(&f32);
     }

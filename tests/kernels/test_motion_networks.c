@@ -8,7 +8,7 @@
 
 #include "motion/td_hexplane.h"
 #include "tests/support/motion_device.h"
-#include "tests/support/random_motion.h"
+#include "tests/support/random_network.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* Test support: rows of geometry against other people's means, scales, rotations, opacities and spherical harmonics. Errors
  * fail the running cmocka test. */
-#ifndef TESTS_SUPPORT_GOLDEN_MOTION_H
-#define TESTS_SUPPORT_GOLDEN_MOTION_H
+#ifndef TESTS_SUPPORT_GOLDEN_ROWS_H
+#define TESTS_SUPPORT_GOLDEN_ROWS_H
 
 #include "scene/td_method.h"
 #include "tests/support/motion_rows.h"
@@ -23,7 +23,7 @@ typedef struct golden_errors {
 } golden_errors;
 
 /* Rows at the `time`-th time of the file; `rates` 0 leaves the rates out. */
-void golden_compare(npz *file, const golden_names *names, size_t time, const motion_rows *rows, int rates,
+void golden_rows_compare(npz *file, const golden_names *names, size_t time, const motion_rows *rows, int rates,
                     golden_errors *errors);
 
 #endif

@@ -1,4 +1,4 @@
-#include "tests/support/golden_motion.h"
+#include "tests/support/golden_rows.h"
 
 #include "archive/td_pyrepr.h"
 #include "td_base.h"
@@ -131,7 +131,7 @@ static void compare_factors(npz *file, const golden_names *names, size_t time, c
     drop(&turn);
 }
 
-void golden_compare(npz *file, const golden_names *names, size_t time, const motion_rows *rows, int rates,
+void golden_rows_compare(npz *file, const golden_names *names, size_t time, const motion_rows *rows, int rates,
                     golden_errors *errors) {
     slice mean = take(file, names->mean, time), opacity = take(file, names->opacity, time);
     assert_int_equal(mean.count, 3 * rows->count);

@@ -1,4 +1,4 @@
-#include "tests/support/random_motion.h"
+#include "tests/support/random_network.h"
 
 #include "motion/td_hexplane.h"
 
@@ -14,7 +14,7 @@ static double uniform(uint64_t *state) { /* splitmix64, in [-1, 1) */
 
 static void expect(tides_status status, const tides_error *error) {
     if (status == TIDES_OK) return;
-    fprintf(stderr, "random_motion: %s\n", error->text);
+    fprintf(stderr, "random_network: %s\n", error->text);
     abort();
 }
 

@@ -1,6 +1,6 @@
 /* Test support: seeded random networks of 4DGaussians and Deformable-3DGS, and Gaussians for them. Memory errors abort. */
-#ifndef TESTS_SUPPORT_RANDOM_MOTION_H
-#define TESTS_SUPPORT_RANDOM_MOTION_H
+#ifndef TESTS_SUPPORT_RANDOM_NETWORK_H
+#define TESTS_SUPPORT_RANDOM_NETWORK_H
 
 #include "motion/td_motion.h"
 
