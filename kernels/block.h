@@ -10,7 +10,7 @@ typedef struct td_list {
     TD_GLOBAL const int *order;                 /* front to back: where in the records */
     TD_GLOBAL const int *masks;                 /* blocks touched, in the same order */
     int count;
-    td_real brightest; /* largest luminance in the list and behind it */
+    td_real brightest; /* largest |luminance| in the list and behind it */
 } td_list;
 
 /* Pixel offsets within a 4x4 block of the lanes that begin at pixel `first`. */

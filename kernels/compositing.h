@@ -119,6 +119,9 @@ TD_INLINE void td_finish_signal(const td_composite *pixels, td_real backdrop, td
     td_lanes t = pixels->transmittance;
     td_lanes y = td_fma(t, backdrop, pixels->luminance);
     td_lanes y_dot = td_fma(pixels->transmittance_dot, backdrop, td_fma(t, backdrop_dot, pixels->luminance_dot));
+    td_mask below = y < 0.0f; /* only colours without a floor come here: black */
+    y = td_select(y, td_splat(0.0f), below);
+    y_dot = td_select(y_dot, td_splat(0.0f), below);
     planes[0] = td_log(y + log_eps);
     planes[1] = y_dot / (y + log_eps);
     planes[2] = y;

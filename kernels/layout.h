@@ -43,7 +43,9 @@ enum {
 /* Object to camera at one time: p_camera = r p_object + t (an object's scale is inside r); eye is the camera's centre in the
  * object's coordinates, so that SH of every degree turns with the object. [slot][object] */
 typedef struct td_view {
-    td_real r[9], r_dot[9], t[3], t_dot[3], eye[3], eye_dot[3], padding[2];
+    td_real r[9], r_dot[9], t[3], t_dot[3], eye[3], eye_dot[3];
+    td_real colour_floor; /* colour is clamped from below here: at 0, or far below it for methods that don't clamp */
+    td_real padding;
 } td_view;
 
 /* What lies behind everything at one time. [slot] */
@@ -84,7 +86,7 @@ typedef struct td_image {
     int objects;
     int sh_degree, sh_stride; /* evaluated bands; reals per Gaussian in the SH array */
     int antialias, cut_rule, stop_rule, extent_rule;
-    int moving;     /* Gaussians have rates of their own */
+    int moving;     /* some Gaussians have rates of their own */
     int outputs;    /* TD_OUT_SIGNAL, _DIAGNOSTICS or _COLOUR */
     int soft_order; /* 1: soft depth order */
 } td_image;

@@ -4,7 +4,10 @@
 
 #include "motion.h"
 #include "motion_hexplane.h"
+#include "motion_keyframes.h"
 #include "motion_network.h"
+#include "motion_polynomial.h"
+#include "motion_rotor.h"
 
 #ifdef TD_BUILD_MODEL
 #define TD_HAS_MODEL(code) (TD_BUILD_MODEL == (code))
@@ -15,12 +18,15 @@
 /* TD_LANES Gaussians of one object (numbers within the object) at a moment, to `sink`. `data` begins with the object's. */
 TD_INLINE void td_move_group(TD_GLOBAL const td_mover *mover, TD_GLOBAL const td_real *data, TD_GLOBAL const td_real *moment,
                              td_index gaussian, const td_theta_sink *sink) {
-    (void)mover, (void)data, (void)moment, (void)gaussian, (void)sink;
+    if (TD_HAS_MODEL(TD_MOTION_POLYNOMIAL) && mover->model == TD_MOTION_POLYNOMIAL)
+        td_polynomial_move(mover, data, moment, gaussian, sink);
+    if (TD_HAS_MODEL(TD_MOTION_ROTOR) && mover->model == TD_MOTION_ROTOR) td_rotor_move(mover, data, moment, gaussian, sink);
+    if (TD_HAS_MODEL(TD_MOTION_KEYFRAMES) && mover->model == TD_MOTION_KEYFRAMES)
+        td_keyframes_move(mover, data, moment, gaussian, sink);
     if (TD_HAS_MODEL(TD_MOTION_HEXPLANE) && mover->model == TD_MOTION_HEXPLANE)
         td_hexplane_move(mover, data, moment, gaussian, sink);
     if (TD_HAS_MODEL(TD_MOTION_NETWORK) && mover->model == TD_MOTION_NETWORK)
         td_network_move(mover, data, moment, gaussian, sink);
-    /* one line per model: if (TD_HAS_MODEL(TD_MOTION_NAME) && mover->model == TD_MOTION_NAME) td_NAME_move(...) */
 }
 
 #endif

@@ -102,6 +102,23 @@ TD_INLINE td_lanes td_gather(TD_GLOBAL const td_real *array, td_index i) {
 #endif
 }
 
+/* The same for ints. */
+TD_INLINE td_index td_gather_ints(TD_GLOBAL const int *array, td_index i) {
+#if TD_LANES == 16
+    return (int16)(array[i.s0], array[i.s1], array[i.s2], array[i.s3], array[i.s4], array[i.s5], array[i.s6], array[i.s7],
+                   array[i.s8], array[i.s9], array[i.sa], array[i.sb], array[i.sc], array[i.sd], array[i.se], array[i.sf]);
+#elif TD_LANES == 8
+    return (int8)(array[i.s0], array[i.s1], array[i.s2], array[i.s3], array[i.s4], array[i.s5], array[i.s6], array[i.s7]);
+#elif TD_LANES == 4
+    return (int4)(array[i.x], array[i.y], array[i.z], array[i.w]);
+#else
+    return array[i];
+#endif
+}
+
+/* The larger of an index and 0. */
+TD_INLINE td_index td_not_below_0(td_index i) { return i & ~(i >> 31); }
+
 /* TD_LANES neighbours of an int or real array. */
 TD_INLINE td_index td_load_ints(TD_GLOBAL const int *array) {
 #if TD_LANES == 16

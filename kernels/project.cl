@@ -5,8 +5,8 @@
 __kernel void td_project_jobs(__constant const td_image *image_buffer, __global const td_job *jobs,
                               __global const int *candidates, __global const int *object, __global const td_view *views,
                               __global const float *geometry, __global const float *rates, __global const float *sh,
-                              __global const float *sh_rates, __global float *records, __global float *colours,
-                              __global int *masks) {
+                              __global const float *sh_rates, __global const int *owners, int first_rate, int first_moved,
+                              __global float *records, __global float *colours, __global int *masks) {
     const td_image image = td_specialised(image_buffer);
     const td_job job = jobs[get_group_id(0)];
     td_source source;
@@ -14,6 +14,9 @@ __kernel void td_project_jobs(__constant const td_image *image_buffer, __global 
     source.rates = rates;
     source.sh = sh;
     source.sh_rates = sh_rates;
+    source.owners = owners;
+    source.first_rate = first_rate;
+    source.first_moved = first_moved;
     td_sink sink;
     sink.records = records;
     sink.colours = colours;

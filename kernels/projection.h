@@ -26,16 +26,37 @@ typedef struct td_matrix23 {
     td_dual row[2][3];
 } td_matrix23;
 
-/* The Gaussians' own arrays; `rates` is only read where the image says that they move. */
+/* The Gaussians' own arrays, a row each: first those of the store, then, from `first_moved` on, what Gaussians that move by
+ * themselves are at a time (motion.h). Rows from `first_rate` on have rates, which begin there; none has where the image says
+ * that nothing moves. */
 typedef struct td_source {
-    TD_GLOBAL const td_real *geometry, *rates; /* TD_GEOMETRY_STRIDE per Gaussian */
-    TD_GLOBAL const td_real *sh, *sh_rates;    /* sh_stride per Gaussian */
+    TD_GLOBAL const td_real *geometry, *rates; /* TD_GEOMETRY_STRIDE per row */
+    TD_GLOBAL const td_real *sh, *sh_rates;    /* sh_stride per row */
+    TD_GLOBAL const int *owners;               /* of each moved row: its Gaussian in the store, and the row of its SH */
+    int first_rate, first_moved;
+    int rated, moved, sh_rated; /* whether the rows in hand have rates, are moved ones, and have rates of SH (td_source_of) */
 } td_source;
 
-/* Geometry entry k of the Gaussians at `index` (already times the stride). */
+/* The source for a group of rows that begins with `leader`: all of a group are of one kind. */
+TD_INLINE td_source td_source_of(const td_source *all, const td_image *image, int leader) {
+    td_source source = *all;
+    source.rated = image->moving && leader >= all->first_rate;
+    source.moved = image->moving && leader >= all->first_moved;
+    source.sh_rated = source.rated;
+    if (source.moved) source.sh_rated = all->owners[2 * (leader - all->first_moved) + 1] >= all->first_rate;
+    return source;
+}
+
+/* The store's Gaussian whose row is `leader`. */
+TD_INLINE int td_owner_of(const td_source *source, int leader) {
+    return source->moved ? source->owners[2 * (leader - source->first_moved)] : leader;
+}
+
+/* Geometry entry k of the rows at `index` (already times the stride). */
 TD_INLINE td_dual td_entry(const td_source *source, const td_image *image, td_index index, int k) {
     td_lanes rate = td_splat(0.0f);
-    if (image->moving) rate = td_gather(source->rates, index + k);
+    if (image->moving && source->rated)
+        rate = td_gather(source->rates, td_not_below_0(index - source->first_rate * TD_GEOMETRY_STRIDE) + k);
     return td_dual_make(td_gather(source->geometry, index + k), rate);
 }
 
@@ -132,11 +153,11 @@ TD_INLINE void td_shape_opacity(td_shape *shape, td_dual opacity, td_dual compen
     shape->power = 2.0f * td_log(td_select(td_splat(1.0f), opacity.v / cut, shape->visible));
 }
 
-/* Projects the Gaussians at `gaussian` (indices; TD_NO_GAUSSIAN lanes come out invisible). */
+/* Projects the Gaussians at `gaussian` (rows; TD_NO_GAUSSIAN lanes come out invisible). */
 TD_INLINE td_shape td_project_shape(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
                                     td_index gaussian) {
     td_shape shape;
-    td_index index = (gaussian & ~(gaussian >> 31)) * TD_GEOMETRY_STRIDE; /* padding reads Gaussian 0 */
+    td_index index = td_not_below_0(gaussian) * TD_GEOMETRY_STRIDE; /* padding reads row 0 */
     td_dual mean[3];
     for (int j = 0; j < 3; j++) mean[j] = td_entry(source, image, index, TD_G_MEAN + j);
     td_dual x = td_view_row(view->r, view->r_dot, mean, view->t[0], view->t_dot[0]);
@@ -157,24 +178,34 @@ TD_INLINE td_shape td_project_shape(TD_GLOBAL const td_view *view, const td_imag
     return shape;
 }
 
-/* The unit direction from the eye to the mean, in the object's coordinates, and the colour seen along it. */
+/* Rows of the spherical harmonics of the Gaussians at `row`. */
+TD_INLINE td_sh_source td_sh_source_of(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
+                                       td_index row) {
+    td_sh_source sh;
+    sh.sh = source->sh;
+    sh.rates = source->sh_rates;
+    if (image->moving && source->moved) row = td_gather_ints(source->owners, 2 * td_not_below_0(row - source->first_moved) + 1);
+    sh.index = row * image->sh_stride;
+    sh.rate_index = td_not_below_0(row - source->first_rate) * image->sh_stride;
+    sh.moving = image->moving && source->sh_rated;
+    sh.floor = view->colour_floor;
+    return sh;
+}
+
+/* The unit direction from the eye to the Gaussian's origin, in the object's coordinates, and the colour seen along it. */
 TD_INLINE td_colour td_project_colour(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
                                       td_index gaussian) {
-    td_index safe = gaussian & ~(gaussian >> 31);
+    td_index safe = td_not_below_0(gaussian);
     td_index index = safe * TD_GEOMETRY_STRIDE;
     td_dual d[3];
     for (int j = 0; j < 3; j++) {
         td_dual eye = td_dual_make(td_splat(view->eye[j]), td_splat(view->eye_dot[j]));
-        d[j] = td_dual_sub(td_entry(source, image, index, TD_G_MEAN + j), eye);
+        d[j] = td_dual_sub(td_entry(source, image, index, TD_G_ORIGIN + j), eye);
     }
     /* A Gaussian at the eye itself is behind the near plane; the offset only keeps 1/length finite. */
     td_dual length = td_dual_sqrt(td_dual_offset(td_dual_dot3(d, d), TD_REAL(1e-30)));
     td_dual inverse = td_dual_reciprocal(length);
-    td_sh_source sh;
-    sh.sh = source->sh;
-    sh.rates = source->sh_rates;
-    sh.index = safe * image->sh_stride;
-    sh.moving = image->moving;
+    td_sh_source sh = td_sh_source_of(view, image, source, safe);
     return td_sh_colour(td_dual_mul(d[0], inverse), td_dual_mul(d[1], inverse), td_dual_mul(d[2], inverse), &sh,
                         image->sh_degree);
 }

@@ -64,13 +64,14 @@ TD_INLINE void td_project_group(const td_job *job, int first, TD_GLOBAL const in
                                 const td_sink *all) {
     td_index gaussian = td_load_ints(candidates + job->candidates + first);
     int leader = candidates[job->candidates + (first & ~(TD_PAD - 1))]; /* padded: one object per TD_PAD candidates */
-    TD_GLOBAL const td_view *view = views + job->slot * image->objects + object[leader];
+    td_source own = td_source_of(source, image, leader);
+    TD_GLOBAL const td_view *view = views + job->slot * image->objects + object[td_owner_of(&own, leader)];
     int at = job->records + first;
     td_sink sink;
     sink.records = all->records + at * TD_RECORD_STRIDE;
     sink.colours = all->colours + (image->outputs < TD_OUT_COLOUR ? 0 : at * TD_COLOUR_STRIDE);
     sink.masks = all->masks + at;
-    td_project_candidates(view, image, source, job, gaussian, &sink);
+    td_project_candidates(view, image, &own, job, gaussian, &sink);
 }
 
 #endif

@@ -1,5 +1,5 @@
 /* Colour from spherical harmonics and its rate through the view direction (paper, Sec. 3.2). Basis order, signs and constants
- * are INRIA's (Kerbl et al. 2023), degree 4 as in gsplat; colour = max(0, 1/2 + sum_k Y_k(d) sh_k) per channel. */
+ * are INRIA's (Kerbl et al. 2023), degree 4 as in gsplat; colour = max(floor, 1/2 + sum_k Y_k(d) sh_k) per channel, floor 0 in 3DGS. */
 #ifndef TD_SH_H
 #define TD_SH_H
 
@@ -9,12 +9,14 @@ typedef struct td_colour {
     td_dual channel[3];
 } td_colour;
 
-/* Where a group of Gaussians' coefficients are: reals at index + 3 k + channel. `rates` only where `moving`. */
+/* Where a group of Gaussians' coefficients are: reals at index + 3 k + channel, rates at rate_index + likewise where
+ * `moving`. */
 typedef struct td_sh_source {
     TD_GLOBAL const td_real *sh;
     TD_GLOBAL const td_real *rates;
-    td_index index;
+    td_index index, rate_index;
     int moving;
+    td_real floor; /* of colour */
 } td_sh_source;
 
 /* colour += basis * coefficient k */
@@ -23,7 +25,9 @@ TD_INLINE void td_sh_add(td_colour *colour, td_dual basis, const td_sh_source *s
         td_index index = source->index + (3 * k + c);
         td_lanes sh = td_gather(source->sh, index);
         colour->channel[c] = td_dual_fma_still(basis, sh, colour->channel[c]);
-        if (source->moving) colour->channel[c].d = td_fma(basis.v, td_gather(source->rates, index), colour->channel[c].d);
+        if (source->moving)
+            colour->channel[c].d =
+                td_fma(basis.v, td_gather(source->rates, source->rate_index + (3 * k + c)), colour->channel[c].d);
     }
 }
 
@@ -100,8 +104,8 @@ TD_INLINE td_colour td_sh_colour(td_dual x, td_dual y, td_dual z, const td_sh_so
     if (degree > 2) td_sh_degree_3(&colour, &d, source);
     if (degree > 3) td_sh_degree_4(&colour, &d, source);
     for (int c = 0; c < 3; c++) {
-        td_mask lit = colour.channel[c].v > 0.0f;
-        colour.channel[c] = td_dual_select(td_dual_make(td_splat(0.0f), td_splat(0.0f)), colour.channel[c], lit);
+        td_mask lit = colour.channel[c].v > source->floor;
+        colour.channel[c] = td_dual_select(td_dual_make(td_splat(source->floor), td_splat(0.0f)), colour.channel[c], lit);
     }
     return colour;
 }

@@ -135,6 +135,7 @@ __kernel void td_sort_jobs(__global const td_job *jobs, __global const td_backdr
     float most = backdrops[job->slot].luminance;
     for (int i = 0; i < count; i++) {
         float luminance = job_records[(int)(job_keys[i] & 0xffffffffL) * TD_RECORD_STRIDE + TD_R_LUMINANCE];
+        luminance = luminance > 0.0f ? luminance : -luminance;
         most = luminance > most ? luminance : most;
     }
     counts[get_group_id(0)] = count;

@@ -39,27 +39,50 @@ TD_INLINE td_lanes td_travel(const td_shape s[3], td_mask ever) {
     return td_select(td_splat(0.0f), first + second, ever & s[1].visible);
 }
 
-/* Box [x0, y0, x1, y1] of TD_LANES Gaussians from `first`, at boxes + 4 i; empty (x0 > x1) where never visible. `views`: start,
- * middle and end for every object. Whatever crosses the near plane in the interval gets the whole image. travel[i]: see
- * td_travel; 0 at the near plane, where splats fade. */
-TD_INLINE void td_sweep_group(TD_GLOBAL const td_view *views, const td_image *image, const td_source *source,
-                              TD_GLOBAL const int *object, int first, td_real duration, TD_GLOBAL td_real *boxes,
-                              TD_GLOBAL td_real *travel) {
-    td_index gaussian;
+/* first, first + 1 .. in each lane */
+TD_INLINE td_index td_count_from(int first) {
 #if TD_LANES == 16
-    gaussian = first + (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    return first + (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
 #elif TD_LANES == 8
-    gaussian = first + (int8)(0, 1, 2, 3, 4, 5, 6, 7);
+    return first + (int8)(0, 1, 2, 3, 4, 5, 6, 7);
 #elif TD_LANES == 4
-    gaussian = first + (int4)(0, 1, 2, 3);
+    return first + (int4)(0, 1, 2, 3);
 #else
-    gaussian = first;
+    return first;
 #endif
+}
+
+/* Gaussians whose own opacity changes may be visible only between the samples: gives all three the greatest opacity that the
+ * cubic through them reaches, and so the ellipse out to where that one is cut. */
+TD_INLINE void td_sweep_opacity(td_shape s[3], const td_image *image, td_real duration) {
+    td_lanes lower, upper;
+    td_real cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
+    td_sweep_range(s[0].opacity, s[1].opacity, s[2].opacity, duration, &lower, &upper);
+    td_mask in_front = (s[0].depth.v > image->near) & (s[1].depth.v > image->near) & (s[2].depth.v > image->near);
+    td_mask reached = in_front & (upper > cut);
+    td_lanes power = 2.0f * td_log(td_select(td_splat(1.0f), upper / cut, reached));
+    for (int i = 0; i < 3; i++) {
+        s[i].visible = s[i].visible | reached;
+        s[i].power = td_larger(s[i].power, power);
+    }
+}
+
+/* Box [x0, y0, x1, y1] of TD_LANES Gaussians of an object, at boxes + 4 i; empty (x0 > x1) where never visible. They are in
+ * neighbouring rows from row[0] at the interval's start, row[1] in its middle and row[2] at its end; `views` likewise, for
+ * every object. Whatever crosses the near plane in the interval gets the whole image. travel[i]: see td_travel; 0 at the near
+ * plane, where splats fade. */
+TD_INLINE void td_sweep_group(TD_GLOBAL const td_view *views, const td_image *image, const td_source *all,
+                              TD_GLOBAL const int *object, const int row[3], td_real duration, TD_GLOBAL td_real *boxes,
+                              TD_GLOBAL td_real *travel) {
     td_shape s[3];
     td_lanes rx[3], ry[3];
-    int which = object[first];
+    td_source own = td_source_of(all, image, row[0]);
+    const td_source *source = &own;
+    int which = object[td_owner_of(source, row[0])];
+    for (int i = 0; i < 3; i++)
+        s[i] = td_project_shape(views + i * image->objects + which, image, source, td_count_from(row[i]));
+    if (image->moving && source->moved) td_sweep_opacity(s, image, duration);
     for (int i = 0; i < 3; i++) {
-        s[i] = td_project_shape(views + i * image->objects + which, image, source, gaussian);
         td_half_widths(&s[i], &rx[i], &ry[i]);
         rx[i] = td_select(td_splat(0.0f), rx[i], s[i].visible);
         ry[i] = td_select(td_splat(0.0f), ry[i], s[i].visible);
@@ -68,8 +91,11 @@ TD_INLINE void td_sweep_group(TD_GLOBAL const td_view *views, const td_image *im
     td_mask behind = (s[0].depth.v <= image->near) | (s[1].depth.v <= image->near) | (s[2].depth.v <= image->near);
     td_lanes z0, z1;
     td_sweep_range(s[0].depth, s[1].depth, s[2].depth, duration, &z0, &z1);
-    td_index entry = gaussian * TD_GEOMETRY_STRIDE + TD_G_OPACITY;
-    td_mask opaque = td_gather(source->geometry, entry) > (image->cut_rule == TD_CUT_NONE ? 0.0f : image->cut);
+    td_real cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(0.0) : image->cut;
+    td_mask opaque = td_gather(source->geometry, td_count_from(row[0]) * TD_GEOMETRY_STRIDE + TD_G_OPACITY) > cut;
+    if (image->moving && source->moved)
+        for (int i = 1; i < 3; i++)
+            opaque |= td_gather(source->geometry, td_count_from(row[i]) * TD_GEOMETRY_STRIDE + TD_G_OPACITY) > cut;
     td_mask crosses = opaque & (((z0 <= image->near) & (z1 > image->near)) | (behind & ever));
     td_lanes x0, x1, y0, y1;
     td_sweep_range(s[0].u, s[1].u, s[2].u, duration, &x0, &x1);

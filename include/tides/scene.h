@@ -5,6 +5,7 @@
 #ifndef TIDES_SCENE_H
 #define TIDES_SCENE_H
 
+#include "tides/motion.h"
 #include "tides/trajectory.h"
 
 #ifdef __cplusplus
@@ -40,11 +41,26 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add(tides_scene *scene, cons
                                                         const tides_trajectory *trajectory, double scale, const char *name,
                                                         int32_t *index, tides_error *error);
 
+/* The same for Gaussians that move by themselves, `gaussians` being the motion's canonical ones. The motion is taken over on
+ * success. Its own time, start to stop, runs from second 0 of the scene to duration_s (0: stop - start seconds); what it gives
+ * is then moved by the trajectory and scaled like any object. TIDES_BAD_FILE where motion and Gaussians don't belong together. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add_moving(tides_scene *scene, const tides_gaussians *gaussians,
+                                                               tides_motion *motion, double duration_s,
+                                                               const tides_trajectory *trajectory, double scale,
+                                                               const char *name, int32_t *index, tides_error *error);
+
+/* Makes the motions of all objects last `duration_s` > 0. Returns how many there are. */
+TIDES_API int32_t tides_scene_set_duration(tides_scene *scene, double duration_s);
+
 /* Reads a file and adds what it holds: TIDES's own .h5 as all its objects, anything else as one object:
  *   .ply     3DGS by property name (any order, type and endianness, ASCII too), and PlayCanvas's compressed kind
  *   .spz     Niantic's, versions 1 to 4 (axes turned to those of a 3DGS .ply)
  *   .ksplat  mkkellogg's, all three compressions
  *   .splat   antimatter15's
+ *   a folder that a trainer left: the newest point_cloud/iteration_N/point_cloud.ply in it; gsplat's ckpt_N_rank0.pt, also by
+ *            itself; models that move, with their motion, those of SpacetimeGaussians, Fudan's 4d-gaussian-splatting,
+ *            Dynamic3DGaussians and FreeTimeGS, and sequences gaussian_pertimestamp/time_NNNNN.ply (lib/scene/method_*.c). A
+ *            model that moves in a way this version can't read: TIDES_UNSUPPORTED naming the method
  * The format is found from the content; a .splat, which has no header, from its name. Opacities of exactly 0 and 1 in the
  * packed formats become 2^-24 and 1 - 2^-24, whose logits are finite; scales of 0 float's smallest normal number. For an .h5,
  * `trajectory` (nullable) and `scale` move the whole (only where its objects are at rest); else they work as in
@@ -72,7 +88,9 @@ typedef struct tides_object {
     const tides_trajectory *trajectory; /* NULL: at rest */
     double scale;
     const char *name;
-    const char *source; /* file it came from, or "" */
+    const char *source;         /* file it came from, or "" */
+    const tides_motion *motion; /* NULL: the Gaussians don't move by themselves */
+    double duration_s;          /* [s] how long the motion lasts; 0 without one */
 } tides_object;
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_object *object,
                                                            tides_error *error);

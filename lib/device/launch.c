@@ -21,6 +21,30 @@ void td_buffer_release(td_buffer *buffer) {
     buffer->bytes = 0;
 }
 
+tides_status td_buffer_grow(tides_device *device, td_buffer *buffer, size_t bytes, tides_error *error) {
+    if (bytes <= buffer->bytes) return TIDES_OK;
+    td_buffer grown = {NULL, 0};
+    tides_status status = td_buffer_reserve(device, &grown, bytes + bytes / 2, error);
+    if (status != TIDES_OK) return status;
+    if (buffer->bytes)
+        TD_CL(clEnqueueCopyBuffer(device->queue, buffer->memory, grown.memory, 0, 0, buffer->bytes, 0, NULL, NULL));
+    td_buffer_release(buffer); /* once the copy is done */
+    *buffer = grown;
+    return status;
+done:
+    td_buffer_release(&grown);
+    return status;
+}
+
+tides_status td_buffer_write_at(tides_device *device, const td_buffer *buffer, size_t offset, const void *data, size_t bytes,
+                                tides_error *error) {
+    tides_status status = TIDES_OK;
+    if (bytes == 0) return status;
+    TD_CL(clEnqueueWriteBuffer(device->queue, buffer->memory, CL_TRUE, offset, bytes, data, 0, NULL, NULL));
+done:
+    return status;
+}
+
 tides_status td_buffer_write(tides_device *device, td_buffer *buffer, const void *data, size_t bytes, tides_error *error) {
     tides_status status = td_buffer_reserve(device, buffer, bytes ? bytes : 1, error);
     if (status != TIDES_OK || bytes == 0) return status;

@@ -13,9 +13,15 @@ typedef struct td_buffer {
 tides_status td_buffer_reserve(tides_device *device, td_buffer *buffer, size_t bytes, tides_error *error);
 void td_buffer_release(td_buffer *buffer);
 
+/* As td_buffer_reserve, but what the buffer holds stays. */
+tides_status td_buffer_grow(tides_device *device, td_buffer *buffer, size_t bytes, tides_error *error);
+
 /* Reserves and copies `bytes` from host memory; blocking. */
 tides_status td_buffer_write(tides_device *device, td_buffer *buffer, const void *data, size_t bytes, tides_error *error);
 tides_status td_buffer_read(tides_device *device, const td_buffer *buffer, void *data, size_t bytes, tides_error *error);
+/* To `offset` bytes into a buffer that is large enough; blocking. */
+tides_status td_buffer_write_at(tides_device *device, const td_buffer *buffer, size_t offset, const void *data, size_t bytes,
+                                tides_error *error);
 /* The bytes [offset, offset + bytes) of the buffer, to the same place in `data`. */
 tides_status td_buffer_read_part(tides_device *device, const td_buffer *buffer, void *data, size_t offset, size_t bytes,
                                  tides_error *error);

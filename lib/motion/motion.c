@@ -105,6 +105,23 @@ void td_motion_moment(const tides_motion *motion, double tau, double tau_dot, in
     if (motion->type->moment) motion->type->moment(motion, tau, side, real);
 }
 
+tides_status td_motion_time(const tides_motion *motion, double duration_s, double time, double *tau, double *tau_dot,
+                            tides_error *error) {
+    const double slack = 1e-9; /* [s] what event times resolve */
+    if (!(time >= -slack && time <= duration_s + slack))
+        return td_fail(error, TIDES_OUT_OF_RANGE,
+                       "%.12g s is outside the motion's time, 0 to %.12g s; change the time, or scene.duration_s", time,
+                       duration_s);
+    *tau_dot = (motion->stop - motion->start) / duration_s;
+    *tau = time <= 0 ? motion->start : time >= duration_s ? motion->stop : motion->start + time * *tau_dot;
+    return TIDES_OK;
+}
+
+void td_motion_find_moving(const tides_motion *motion, const tides_gaussians *gaussians, uint8_t *moving) {
+    memset(moving, 1, (size_t)gaussians->count);
+    if (motion->type->find_moving) motion->type->find_moving(motion, gaussians, moving);
+}
+
 void td_mover_release(td_mover_numbers *numbers) {
     free(numbers->data);
     memset(numbers, 0, sizeof *numbers);

@@ -14,6 +14,9 @@
 #include "tides/motion.h"
 #include "tides/scene.h"
 
+/* Setting of motions whose method doesn't clamp colour at 0 (SpacetimeGaussians, Dynamic3DGaussians). */
+#define TD_PLAIN_COLOUR "plain_colour"
+
 enum { TD_FIELD_RANK_MAX = 4, TD_FIELDS_MAX = 128, TD_SETTINGS_MAX = 48 };
 
 /* A named array of a model; float32 as trained, finite. */
@@ -107,6 +110,28 @@ tides_status td_motion_need_field(const tides_motion *motion, const char *name, 
 void td_motion_moment(const tides_motion *motion, double tau, double tau_dot, int side, double real[TD_MOMENT_REALS]);
 
 void td_mover_release(td_mover_numbers *numbers);
+
+/* Own time of scene second `time` where [start, stop] lasts duration_s seconds: exact at both ends, and a nanosecond beyond
+ * them is the end. TIDES_OUT_OF_RANGE naming scene.duration_s further out. */
+tides_status td_motion_time(const tides_motion *motion, double duration_s, double time, double *tau, double *tau_dot,
+                            tides_error *error);
+
+/* moving[i] = 0 where Gaussian i is the same at all times. */
+void td_motion_find_moving(const tides_motion *motion, const tides_gaussians *gaussians, uint8_t *moving);
+
+/* -- rows.c -- */
+
+/* Where rows go. SH only where the model moves it: else both may be NULL. */
+typedef struct td_motion_sink {
+    double *geometry, *rates; /* (count x TD_GEOMETRY_STRIDE) */
+    double *sh, *sh_rates;    /* (count x sh_stride) */
+    int sh_stride;
+} td_motion_sink;
+
+/* Rows of Gaussians index[0 .. count) in double, rates per second for tau_dot [1/s]. `numbers` from the class's pack. */
+tides_status td_motion_rows(const tides_motion *motion, const tides_gaussians *gaussians, const td_mover_numbers *numbers,
+                            double tau, double tau_dot, int side, int fades, const int32_t *index, int64_t count,
+                            const td_motion_sink *sink, tides_error *error);
 
 /* The class of a name from a file, or NULL (classes.c: one line per model). */
 const td_motion_class *td_motion_class_find(const char *name);

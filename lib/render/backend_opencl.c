@@ -1,40 +1,23 @@
 /* The renderer's stages on an OpenCL device: four launches for any number of (tile, time) jobs. */
-#include "td_launch.h"
-#include "td_backend.h"
+#include "td_opencl.h"
 
 #include <stdlib.h>
 
-enum { STAGES = 3, OUTPUT_KINDS = 3 };
-
-typedef struct opencl_backend {
-    td_backend base;
-    tides_device *device;
-    td_image_numbers numbers;
-    td_image image;
-    int gaussians, objects;
-    cl_kernel sweep_kernel, sort_kernel;
-    cl_kernel project_kernel[OUTPUT_KINDS], composite_kernel[OUTPUT_KINDS]; /* by outputs; built when first wanted */
-    td_buffer image_buffer, object, geometry, rates, sh, sh_rates;          /* the scene */
-    td_buffer views, backdrops, boxes, travel;                              /* an interval */
-    td_buffer candidates, jobs;                                             /* a batch */
-    td_buffer records, colours, masks, keys, order, sorted_masks, counts, brightest, planes, blended;
-    uint64_t candidates_serial; /* of what the device has */
-    float *host;                /* staging for numbers that change precision */
-    int *host_ints;
-    size_t host_capacity, host_ints_capacity;
-} opencl_backend;
-
-/* Work-items that share a job's candidates, or neighbouring Gaussians: one on a CPU, a warp or two on a GPU. */
-static size_t group_size(const opencl_backend *b) { return b->device->info.lanes > 1 ? 1 : 64; }
+enum { STAGES = 3 };
 
 static int kind_of_outputs(int outputs) { return outputs == TD_OUT_SIGNAL ? 0 : outputs == TD_OUT_DIAGNOSTICS ? 1 : 2; }
 
-/* Copies doubles to a device buffer of floats. */
-static tides_status write_reals(opencl_backend *b, td_buffer *buffer, const double *from, size_t count, tides_error *error) {
+tides_status td_opencl_write_reals_at(opencl_backend *b, td_buffer *buffer, size_t first, const double *from, size_t count,
+                                      tides_error *error) {
     tides_status status = td_reserve((void **)&b->host, &b->host_capacity, count, sizeof *b->host, error);
     if (status != TIDES_OK) return status;
     for (size_t i = 0; i < count; i++) b->host[i] = (float)from[i];
-    return td_buffer_write(b->device, buffer, b->host, count * sizeof *b->host, error);
+    return td_buffer_write_at(b->device, buffer, first * sizeof *b->host, b->host, count * sizeof *b->host, error);
+}
+
+tides_status td_opencl_write_reals(opencl_backend *b, td_buffer *buffer, const double *from, size_t count, tides_error *error) {
+    tides_status status = td_buffer_reserve(b->device, buffer, (count ? count : 1) * sizeof(cl_float), error);
+    return status == TIDES_OK ? td_opencl_write_reals_at(b, buffer, 0, from, count, error) : status;
 }
 
 /* What the image fixes is compiled in; DESIGN 3.6: what is off costs nothing. */
@@ -60,31 +43,39 @@ static tides_status make_kernel(opencl_backend *b, const char *file, const char 
     return status;
 }
 
-static tides_status sweep(td_backend *backend, const double *views, double duration, int begin, int end, float *boxes,
-                          float *travel, tides_error *error) {
+static tides_status sweep_moved(td_backend *backend, const double *views, double duration, int begin, int end, const int row[3],
+                                float *boxes, float *travel, tides_error *error) {
     opencl_backend *b = (opencl_backend *)backend;
     double begun = td_now();
     size_t bytes = (size_t)b->gaussians * sizeof(cl_float);
-    tides_status status = write_reals(b, &b->views, views, (size_t)3 * b->objects * TD_VIEW_REALS, error);
+    tides_status status = td_opencl_write_reals(b, &b->views, views, (size_t)3 * b->objects * TD_VIEW_REALS, error);
     if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->boxes, 4 * bytes, error);
     if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->travel, bytes, error);
     if (status != TIDES_OK) return status;
     float seconds = (float)duration;
-    cl_int from = begin, to = end;
+    cl_int from = begin, to = end, first_rate = b->first_rate, first_moved = b->gaussians;
+    cl_int row0 = row[0], row1 = row[1], row2 = row[2];
     /* A local size is always given: left to itself PoCL takes a divisor of the count, and compiles anew for every scene. */
-    size_t local = group_size(b), groups = (size_t)((end - begin) / b->device->info.lanes);
+    size_t local = td_opencl_group_size(b), groups = (size_t)((end - begin) / b->device->info.lanes);
     size_t global = (groups + local - 1) / local * local;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),
                                      TD_BUFFER_ARGUMENT(b->object),
                                      TD_BUFFER_ARGUMENT(b->views),
                                      TD_BUFFER_ARGUMENT(b->geometry),
                                      TD_BUFFER_ARGUMENT(b->rates),
+                                     TD_BUFFER_ARGUMENT(b->owners),
+                                     TD_VALUE_ARGUMENT(first_rate),
+                                     TD_VALUE_ARGUMENT(first_moved),
                                      TD_VALUE_ARGUMENT(seconds),
                                      TD_VALUE_ARGUMENT(from),
                                      TD_VALUE_ARGUMENT(to),
+                                     TD_VALUE_ARGUMENT(row0),
+                                     TD_VALUE_ARGUMENT(row1),
+                                     TD_VALUE_ARGUMENT(row2),
                                      TD_BUFFER_ARGUMENT(b->boxes),
                                      TD_BUFFER_ARGUMENT(b->travel)};
-    status = td_launch(b->device, b->sweep_kernel, 1, &global, &local, arguments, 10, NULL, error);
+    status = td_launch(b->device, b->sweep_kernel, 1, &global, &local, arguments,
+                       (cl_uint)(sizeof arguments / sizeof *arguments), NULL, error);
     if (status == TIDES_OK)
         status = td_buffer_read_part(b->device, &b->boxes, boxes, 4 * (size_t)begin * sizeof *boxes,
                                      4 * (size_t)(end - begin) * sizeof *boxes, error);
@@ -94,6 +85,12 @@ static tides_status sweep(td_backend *backend, const double *views, double durat
     backend->stats.sweeps++;
     backend->stats.time_sweep_s += td_now() - begun;
     return status;
+}
+
+static tides_status sweep(td_backend *backend, const double *views, double duration, int begin, int end, float *boxes,
+                          float *travel, tides_error *error) {
+    const int row[3] = {begin, begin, begin};
+    return sweep_moved(backend, views, duration, begin, end, row, boxes, travel, error);
 }
 
 /* Host memory of a batch: what goes to the device and what comes back, all at once, so that only its end is waited for. */
@@ -187,19 +184,22 @@ static tides_status fetch_batch(opencl_backend *b, const td_batch *batch, const 
 }
 
 static tides_status launch_project(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
-    size_t local = group_size(b), global = (size_t)batch->job_count * local;
+    size_t local = td_opencl_group_size(b), global = (size_t)batch->job_count * local;
+    cl_int first_rate = b->first_rate, first_moved = b->gaussians;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->jobs),
                                      TD_BUFFER_ARGUMENT(b->candidates),   TD_BUFFER_ARGUMENT(b->object),
                                      TD_BUFFER_ARGUMENT(b->views),        TD_BUFFER_ARGUMENT(b->geometry),
                                      TD_BUFFER_ARGUMENT(b->rates),        TD_BUFFER_ARGUMENT(b->sh),
-                                     TD_BUFFER_ARGUMENT(b->sh_rates),     TD_BUFFER_ARGUMENT(b->records),
-                                     TD_BUFFER_ARGUMENT(b->colours),      TD_BUFFER_ARGUMENT(b->masks)};
-    return td_launch(b->device, b->project_kernel[kind_of_outputs(batch->outputs)], 1, &global, &local, arguments, 12, event,
-                     error);
+                                     TD_BUFFER_ARGUMENT(b->sh_rates),     TD_BUFFER_ARGUMENT(b->owners),
+                                     TD_VALUE_ARGUMENT(first_rate),       TD_VALUE_ARGUMENT(first_moved),
+                                     TD_BUFFER_ARGUMENT(b->records),      TD_BUFFER_ARGUMENT(b->colours),
+                                     TD_BUFFER_ARGUMENT(b->masks)};
+    return td_launch(b->device, b->project_kernel[kind_of_outputs(batch->outputs)], 1, &global, &local, arguments,
+                     (cl_uint)(sizeof arguments / sizeof *arguments), event, error);
 }
 
 static tides_status launch_sort(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
-    size_t local = group_size(b), global = (size_t)batch->job_count * local;
+    size_t local = td_opencl_group_size(b), global = (size_t)batch->job_count * local;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->jobs),         TD_BUFFER_ARGUMENT(b->backdrops),
                                      TD_BUFFER_ARGUMENT(b->records),      TD_BUFFER_ARGUMENT(b->masks),
                                      TD_BUFFER_ARGUMENT(b->keys),         TD_BUFFER_ARGUMENT(b->order),
@@ -333,8 +333,8 @@ static tides_status inspect(td_backend *backend, td_stages *stages, tides_error 
 
 static void destroy(td_backend *backend) {
     opencl_backend *b = (opencl_backend *)backend;
-    cl_kernel kernels[2 + 2 * OUTPUT_KINDS] = {b->sweep_kernel, b->sort_kernel};
-    for (int i = 0; i < OUTPUT_KINDS; i++) {
+    cl_kernel kernels[2 + 2 * TD_OUTPUT_KINDS] = {b->sweep_kernel, b->sort_kernel};
+    for (int i = 0; i < TD_OUTPUT_KINDS; i++) {
         kernels[2 + 2 * i] = b->project_kernel[i];
         kernels[3 + 2 * i] = b->composite_kernel[i];
     }
@@ -345,12 +345,14 @@ static void destroy(td_backend *backend) {
                             &b->records,      &b->colours,   &b->masks,    &b->keys,   &b->order,      &b->sorted_masks,
                             &b->counts,       &b->brightest, &b->planes,   &b->blended};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
+    td_opencl_motion_release(b);
     free(b->host);
     free(b->host_ints);
     free(b);
 }
 
-static const td_backend_class opencl_class = {sweep, render, empty_pixel, prepare, inspect, destroy};
+static const td_backend_class opencl_class = {sweep,   render,  empty_pixel,    prepare,
+                                              inspect, destroy, td_opencl_move, sweep_moved};
 
 /* The scene to the device. Arrays that aren't there get one float, since kernels want an argument. */
 static tides_status write_store(opencl_backend *b, const td_store *store, tides_error *error) {
@@ -358,13 +360,14 @@ static tides_status write_store(opencl_backend *b, const td_store *store, tides_
     size_t geometry = (size_t)store->count * TD_GEOMETRY_STRIDE, sh = (size_t)store->count * store->sh_stride;
     tides_status status =
         td_buffer_write(b->device, &b->object, store->object, (size_t)store->count * sizeof *store->object, error);
-    if (status == TIDES_OK) status = write_reals(b, &b->geometry, store->geometry, geometry, error);
+    if (status == TIDES_OK) status = td_opencl_write_reals(b, &b->geometry, store->geometry, geometry, error);
     if (status == TIDES_OK)
-        status = write_reals(b, &b->rates, store->rates ? store->rates : none, store->rates ? geometry : 1, error);
+        status = td_opencl_write_reals(b, &b->rates, store->rates ? store->rates : none, store->rates ? geometry : 1, error);
     if (status == TIDES_OK)
-        status = write_reals(b, &b->sh_rates, store->sh_rates ? store->sh_rates : none, store->sh_rates ? sh : 1, error);
+        status =
+            td_opencl_write_reals(b, &b->sh_rates, store->sh_rates ? store->sh_rates : none, store->sh_rates ? sh : 1, error);
     if (status != TIDES_OK) return status;
-    if (store->sh_wide) return write_reals(b, &b->sh, store->sh_wide, sh, error);
+    if (store->sh_wide) return td_opencl_write_reals(b, &b->sh, store->sh_wide, sh, error);
     return td_buffer_write(b->device, &b->sh, store->sh, sh * sizeof *store->sh, error);
 }
 
@@ -400,8 +403,11 @@ tides_status td_backend_create_opencl(tides_device *device, const td_store *stor
     b->numbers = *image;
     b->gaussians = store->count;
     b->objects = store->objects;
+    b->first_rate = store->rates ? 0 : store->count;
     tides_status status = write_image(b, error);
+    b->image.moving = store->rates != NULL || store->movers.count > 0;
     if (status == TIDES_OK) status = write_store(b, store, error);
+    if (status == TIDES_OK) status = td_opencl_motion_create(b, &store->movers, error);
     if (status == TIDES_OK) status = make_kernel(b, "sweep.cl", "td_sweep_gaussians", TD_OUT_SIGNAL, &b->sweep_kernel, error);
     if (status == TIDES_OK) status = make_kernel(b, "sort.cl", "td_sort_jobs", TD_OUT_SIGNAL, &b->sort_kernel, error);
     if (status == TIDES_OK) status = warm_sweep(b, error);

@@ -2,6 +2,7 @@
  * the oracle that the OpenCL kernels equal to the bit. Included by reference_f64.c and reference_f32.c, which define
  * TD_REFERENCE_CREATE and, for double, TD_REAL_DOUBLE. */
 #include "kernels/block.h"
+#include "kernels/movers.h"
 #include "kernels/record.h"
 #include "kernels/sweep.h"
 #include "td_backend.h"
@@ -20,7 +21,13 @@ typedef struct reference {
     td_source source;
     int *object;
     td_real *arrays[4]; /* geometry, rates, sh, sh_rates: what `source` points to */
-    td_view *views;     /* (slots x objects) */
+    int count, rows;    /* of the store; moved ones behind it that there is room for */
+    td_mover *movers;
+    td_real *data, *moments;
+    int *owners; /* (2 x rows) */
+    int moves_sh, kinds;
+    size_t moment_capacity;
+    td_view *views; /* (slots x objects) */
     td_backdrop *backdrops;
     td_real *records, *colours, *planes;
     reference_key *keys;
@@ -32,6 +39,8 @@ typedef struct reference {
 
 typedef char td_view_has_these_reals[sizeof(td_view) == TD_VIEW_REALS * sizeof(td_real) ? 1 : -1];
 typedef char td_backdrop_has_these_reals[sizeof(td_backdrop) == TD_BACKDROP_REALS * sizeof(td_real) ? 1 : -1];
+typedef char
+    td_mover_has_these_numbers[sizeof(td_mover) == TD_MOVER_REALS * sizeof(td_real) + TD_MOVER_WHOLE * sizeof(int) ? 1 : -1];
 typedef char
     td_image_has_these_numbers[sizeof(td_image) == TD_IMAGE_REALS * sizeof(td_real) + TD_IMAGE_INTS * sizeof(int) ? 1 : -1];
 
@@ -64,15 +73,16 @@ static tides_status copy_views(reference *r, const double *views, int slots, tid
     return status;
 }
 
-static tides_status sweep(td_backend *backend, const double *views, double duration, int from, int to, float *boxes,
-                          float *travel, tides_error *error) {
+static tides_status sweep_moved(td_backend *backend, const double *views, double duration, int from, int to, const int row[3],
+                                float *boxes, float *travel, tides_error *error) {
     reference *r = (reference *)backend;
     double begun = td_now();
     tides_status status = copy_views(r, views, 3, error);
     if (status != TIDES_OK) return status;
     for (int i = from; i < to; i++) {
         td_real box[4], way;
-        td_sweep_group(r->views, &r->image, &r->source, r->object, i, (td_real)duration, box, &way);
+        const int rows[3] = {row[0] + i - from, row[1] + i - from, row[2] + i - from};
+        td_sweep_group(r->views, &r->image, &r->source, r->object, rows, (td_real)duration, box, &way);
         for (int k = 0; k < 4; k++) boxes[4 * (size_t)i + k] = (float)box[k];
         travel[i] = (float)way;
     }
@@ -80,6 +90,89 @@ static tides_status sweep(td_backend *backend, const double *views, double durat
     backend->stats.time_sweep_s += td_now() - begun;
     return TIDES_OK;
 }
+
+static tides_status sweep(td_backend *backend, const double *views, double duration, int from, int to, float *boxes,
+                          float *travel, tides_error *error) {
+    const int row[3] = {from, from, from};
+    return sweep_moved(backend, views, duration, from, to, row, boxes, travel, error);
+}
+
+/* -- moved rows ---------------------------------------------------------------------------------------------------- */
+
+/* An array grown to `count` numbers, keeping what it has. */
+static tides_status grow(td_real **array, size_t count, tides_error *error) {
+    td_real *grown = realloc(*array, count * sizeof *grown);
+    if (!grown) return td_fail(error, TIDES_NO_MEMORY, "out of memory: %zu numbers for moving Gaussians", count);
+    *array = grown;
+    return TIDES_OK;
+}
+
+/* Room for `rows` moved rows behind the store's. */
+static tides_status grow_rows(reference *r, int rows, tides_error *error) {
+    if (rows <= r->rows) return TIDES_OK;
+    size_t all = (size_t)r->count + (size_t)rows, sh = r->moves_sh ? (size_t)r->image.sh_stride : 0;
+    int *owners = realloc(r->owners, 2 * (size_t)rows * sizeof *owners);
+    if (!owners) return td_fail(error, TIDES_NO_MEMORY, "out of memory: %d rows of moving Gaussians", rows);
+    r->source.owners = r->owners = owners;
+    tides_status status = grow(&r->arrays[0], all * TD_GEOMETRY_STRIDE, error);
+    if (status == TIDES_OK) status = grow(&r->arrays[1], (size_t)rows * TD_GEOMETRY_STRIDE, error);
+    if (status == TIDES_OK && sh) status = grow(&r->arrays[2], all * sh, error);
+    if (status == TIDES_OK && sh) status = grow(&r->arrays[3], (size_t)rows * sh, error);
+    r->source.geometry = r->arrays[0];
+    r->source.rates = r->arrays[1];
+    r->source.sh = r->arrays[2];
+    r->source.sh_rates = r->arrays[3];
+    if (status == TIDES_OK) r->rows = rows;
+    return status;
+}
+
+static td_theta_sink sink_of(const reference *r, int row) {
+    size_t rate = (size_t)(row - r->count), sh = r->moves_sh ? (size_t)r->image.sh_stride : 0;
+    td_theta_sink sink = {r->arrays[0] + (size_t)row * TD_GEOMETRY_STRIDE,
+                          r->arrays[1] + rate * TD_GEOMETRY_STRIDE,
+                          r->arrays[2] + (size_t)row * sh,
+                          sh ? r->arrays[3] + rate * sh : NULL,
+                          r->image.sh_stride,
+                          0};
+    return sink;
+}
+
+static void run_move_job(reference *r, const td_move_job *job, const td_move_batch *moves) {
+    const td_mover *mover = r->movers + job->mover;
+    const td_real *moment = r->moments + (size_t)job->moment * TD_MOMENT_REALS;
+    for (int i = 0; i < job->count; i++) {
+        td_theta_sink sink = sink_of(r, job->row + i);
+        sink.tau_dot = moment[TD_MOMENT_TAU_DOT];
+        td_move_group(mover, r->data + mover->data, moment, moves->gaussians[job->first + i], &sink);
+    }
+}
+
+static void take_host_rows(reference *r, const td_host_rows *run, const td_move_batch *moves) {
+    td_theta_sink sink = sink_of(r, run->row);
+    size_t count = (size_t)run->count, from = (size_t)run->from, sh = (size_t)r->image.sh_stride;
+    narrow(moves->host_geometry + from * TD_GEOMETRY_STRIDE, sink.geometry, count * TD_GEOMETRY_STRIDE);
+    narrow(moves->host_rates + from * TD_GEOMETRY_STRIDE, sink.rates, count * TD_GEOMETRY_STRIDE);
+    if (!moves->host_sh) return;
+    narrow(moves->host_sh + from * sh, sink.sh, count * sh);
+    narrow(moves->host_sh_rates + from * sh, sink.sh_rates, count * sh);
+}
+
+static tides_status move(td_backend *backend, const td_move_batch *moves, tides_error *error) {
+    reference *r = (reference *)backend;
+    double begun = td_now();
+    size_t reals = (size_t)moves->moment_count * TD_MOMENT_REALS;
+    tides_status status = grow_rows(r, moves->row + moves->row_count - r->count, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&r->moments, &r->moment_capacity, reals, sizeof *r->moments, error);
+    if (status != TIDES_OK) return status;
+    narrow(moves->moments, r->moments, reals);
+    memcpy(r->owners + 2 * (size_t)(moves->row - r->count), moves->owners, 2 * (size_t)moves->row_count * sizeof *r->owners);
+    for (int i = 0; i < moves->kind_first[r->kinds]; i++) run_move_job(r, &moves->jobs[i], moves);
+    for (int i = 0; i < moves->host_runs; i++) take_host_rows(r, &moves->host[i], moves);
+    backend->stats.time_motion_s += td_now() - begun;
+    return status;
+}
+
+/* -- jobs ---------------------------------------------------------------------------------------------------------- */
 
 /* Makes room for the stages of one job. */
 static tides_status reserve_records(reference *r, size_t count, int outputs, tides_error *error) {
@@ -119,6 +212,7 @@ static td_list sort_job(reference *r, const td_job *job) {
         if (r->masks[i]) {
             reference_key key = {r->records[i * TD_RECORD_STRIDE + TD_R_DEPTH], i};
             td_real luminance = r->records[i * TD_RECORD_STRIDE + TD_R_LUMINANCE];
+            luminance = luminance > 0 ? luminance : -luminance;
             list.brightest = luminance > list.brightest ? luminance : list.brightest;
             r->keys[list.count++] = key;
         }
@@ -213,6 +307,10 @@ static void destroy(td_backend *backend) {
     reference *r = (reference *)backend;
     for (int i = 0; i < 4; i++) free(r->arrays[i]);
     free(r->object);
+    free(r->movers);
+    free(r->data);
+    free(r->moments);
+    free(r->owners);
     free(r->views);
     free(r->backdrops);
     free(r->records);
@@ -225,7 +323,7 @@ static void destroy(td_backend *backend) {
     free(r);
 }
 
-static const td_backend_class reference_class = {sweep, render, empty_pixel, prepare, inspect, destroy};
+static const td_backend_class reference_class = {sweep, render, empty_pixel, prepare, inspect, destroy, move, sweep_moved};
 
 /* Copies the store's arrays in this precision; SH comes as floats or doubles. */
 static tides_status copy_store(reference *r, const td_store *store, tides_error *error) {
@@ -244,6 +342,21 @@ static tides_status copy_store(reference *r, const td_store *store, tides_error 
     return TIDES_OK;
 }
 
+static tides_status copy_movers(reference *r, const td_movers *movers, tides_error *error) {
+    if (movers->count == 0) return TIDES_OK;
+    r->kinds = movers->kinds;
+    r->moves_sh = movers->moves_sh;
+    r->movers = td_alloc((size_t)movers->count, sizeof *r->movers, error);
+    if (!r->movers) return TIDES_NO_MEMORY;
+    for (int i = 0; i < movers->count; i++) {
+        td_real reals[TD_MOVER_REALS];
+        narrow(movers->row[i].real, reals, TD_MOVER_REALS);
+        memcpy(&r->movers[i], reals, sizeof reals);
+        memcpy((char *)&r->movers[i] + sizeof reals, movers->row[i].whole, sizeof movers->row[i].whole);
+    }
+    return copy_array(movers->data, movers->data_count, &r->data, error);
+}
+
 tides_status TD_REFERENCE_CREATE(const td_store *store, const td_image_numbers *image, td_backend **backend,
                                  tides_error *error) {
     reference *r = td_alloc(1, sizeof *r, error);
@@ -251,8 +364,10 @@ tides_status TD_REFERENCE_CREATE(const td_store *store, const td_image_numbers *
     r->base.type = &reference_class;
     r->image = unpack_image(image);
     r->image.objects = store->objects;
-    r->image.moving = store->rates != NULL;
+    r->image.moving = store->rates != NULL || store->movers.count > 0;
+    r->count = store->count;
     tides_status status = copy_store(r, store, error);
+    if (status == TIDES_OK) status = copy_movers(r, &store->movers, error);
     if (status != TIDES_OK) {
         destroy(&r->base);
         return status;
@@ -261,6 +376,8 @@ tides_status TD_REFERENCE_CREATE(const td_store *store, const td_image_numbers *
     r->source.rates = r->arrays[1];
     r->source.sh = r->arrays[2];
     r->source.sh_rates = r->arrays[3];
+    r->source.first_rate = store->rates ? 0 : store->count;
+    r->source.first_moved = store->count;
     *backend = &r->base;
     return TIDES_OK;
 }

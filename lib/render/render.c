@@ -4,7 +4,10 @@
 
 #include <stdlib.h>
 
-enum { RECORD_LIMIT = 1 << 20 }; /* records per launch: 64 MB of them */
+enum {
+    RECORD_LIMIT = 1 << 20, /* records per launch: 64 MB of them */
+    ROW_LIMIT = 1 << 20     /* rows of moving Gaussians per launch, and as many kept between launches: 128 MB each */
+};
 
 static const char *const channel_names[TIDES_CHANNELS] = {"Y", "L", "L_dot", "A",     "A_dot", "coverage", "contributors", "R",
                                                           "G", "B", "R_dot", "G_dot", "B_dot", "Z",        "Z_dot"};
@@ -71,8 +74,11 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     made->device = device;
     made->scene = scene;
     made->record_limit = RECORD_LIMIT;
+    made->row_limit = ROW_LIMIT;
+    made->side = 1;
     status = td_image_resolve(params, intrinsics, tides_scene_sh_degree(scene), &made->image, error);
-    if (status == TIDES_OK) status = td_store_create(scene, &made->store, error);
+    if (status == TIDES_OK) status = td_store_create(scene, params->rules == TIDES_RULES_SMOOTH, &made->store, error);
+    if (status == TIDES_OK) status = td_moved_create(scene, &made->store, made->row_limit, &made->moved, error);
     if (status != TIDES_OK) goto done;
     made->image.objects = made->store.objects;
     made->stats.gaussians_total = (uint64_t)made->store.real_count;
@@ -101,6 +107,7 @@ void tides_renderer_destroy(tides_renderer *renderer) {
     if (!renderer) return;
     if (renderer->backend) renderer->backend->type->destroy(renderer->backend);
     td_candidates_release(&renderer->candidates);
+    td_moved_release(&renderer->moved);
     td_store_release(&renderer->store);
     free(renderer->boxes);
     free(renderer->travel);
@@ -121,7 +128,9 @@ void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *st
     stats->gaussians_culled = done->gaussians_culled;
     stats->pairs_evaluated = done->pairs_evaluated;
     stats->sweeps = done->sweeps;
+    stats->gaussians_moved = done->gaussians_moved;
     stats->time_build_s = done->time_build_s;
+    stats->time_motion_s = done->time_motion_s;
     stats->time_sweep_s += done->time_sweep_s;
     stats->time_project_s = done->time_project_s;
     stats->time_sort_s = done->time_sort_s;
@@ -140,7 +149,10 @@ static tides_status make_views(tides_renderer *renderer, const tides_trajectory 
                             sizeof *renderer->backdrops, error);
     for (int i = 0; i < slots && status == TIDES_OK; i++) {
         renderer->backdrops[i] = renderer->backdrops[0];
-        status = td_views_at(renderer->scene, camera, times[i], renderer->views + (size_t)i * objects, error);
+        td_view *views = renderer->views + (size_t)i * objects;
+        status = td_views_at(renderer->scene, camera, times[i], views, error);
+        /* An object of the scene may be two of the store: from the last on, each still finds its view in place. */
+        for (size_t k = objects; k-- > 0 && status == TIDES_OK;) views[k] = views[renderer->store.scene_object[k]];
     }
     return status;
 }
@@ -150,15 +162,23 @@ static tides_status note_moves(tides_renderer *renderer, const tides_trajectory 
     int camera_moves = !tides_trajectory_is_static(camera);
     for (int32_t i = 0; i < renderer->store.objects; i++) {
         tides_object object;
-        tides_status status = tides_scene_object(renderer->scene, i, &object, error);
+        tides_status status = tides_scene_object(renderer->scene, renderer->store.scene_object[i], &object, error);
         if (status != TIDES_OK) return status;
-        renderer->object_moves[i] =
-            (uint8_t)(camera_moves || (object.trajectory && !tides_trajectory_is_static(object.trajectory)));
+        renderer->object_moves[i] = (uint8_t)(camera_moves || renderer->store.mover[i] >= 0 ||
+                                              (object.trajectory && !tides_trajectory_is_static(object.trajectory)));
     }
     return TIDES_OK;
 }
 
-/* Boxes of every Gaussian; where the camera rests where it rested, only of the objects that move. */
+/* What a sweep does about an object of the store. MOVED: td_moved_sweep does. */
+enum { BOX_WANTED, BOX_KEPT, BOX_MOVED };
+
+static int box_kind(const tides_renderer *renderer, int object, int kept) {
+    if (renderer->store.mover[object] >= 0) return BOX_MOVED;
+    return kept && !renderer->object_moves[object] ? BOX_KEPT : BOX_WANTED;
+}
+
+/* Boxes of every Gaussian that doesn't move by itself; where the camera rests where it rested, only of the objects that move. */
 static tides_status sweep_boxes(tides_renderer *renderer, const tides_trajectory *camera, double start, double duration,
                                 tides_error *error) {
     const double *views = (const double *)renderer->views;
@@ -170,12 +190,12 @@ static tides_status sweep_boxes(tides_renderer *renderer, const tides_trajectory
     int kept = rests && renderer->rested && memcmp(&pose, &renderer->rest_pose, sizeof pose) == 0;
     renderer->rested = 0;
     for (int i = 0; i < renderer->store.objects && status == TIDES_OK;) {
-        int begin = renderer->object_first[i], wanted = !kept || renderer->object_moves[i];
-        while (i < renderer->store.objects && (!kept || renderer->object_moves[i]) == wanted) i++; /* neighbours in one go */
-        if (wanted)
+        int begin = renderer->object_first[i], kind = box_kind(renderer, i, kept);
+        while (i < renderer->store.objects && box_kind(renderer, i, kept) == kind) i++; /* neighbours in one go */
+        if (kind == BOX_WANTED)
             status = type->sweep(renderer->backend, views, duration, begin, renderer->object_first[i], renderer->boxes,
                                  renderer->travel, error);
-        else
+        else if (kind == BOX_KEPT)
             renderer->stats.gaussians_still += (uint64_t)(renderer->object_first[i] - begin);
     }
     if (status == TIDES_OK && rests) {
@@ -191,6 +211,9 @@ tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory 
     tides_status status = make_views(renderer, camera, times, 3, error);
     if (status == TIDES_OK) status = note_moves(renderer, camera, error);
     if (status == TIDES_OK) status = sweep_boxes(renderer, camera, start, stop - start, error);
+    if (status == TIDES_OK && renderer->moved.moving)
+        status = td_moved_sweep(&renderer->moved, renderer->backend, (const double *)renderer->views, start, stop,
+                                renderer->side, renderer->row_limit, renderer->boxes, renderer->travel, error);
     double begun = td_now();
     if (status == TIDES_OK)
         status = td_candidates_build(&renderer->candidates, &renderer->store, renderer->boxes, renderer->travel,
@@ -199,8 +222,7 @@ tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory 
     return status;
 }
 
-/* Longest lists first, so that no thread is left with one at the end; then by place, to be a total order. */
-static int by_falling_count(const void *a, const void *b) {
+int td_job_by_falling_count(const void *a, const void *b) {
     const td_job *x = a, *y = b;
     if (x->count != y->count) return x->count > y->count ? -1 : 1;
     return x->out < y->out ? -1 : x->out > y->out;
@@ -234,7 +256,7 @@ static int make_jobs(tides_renderer *renderer, const td_request *requests, int c
                       power_of_two(length)};
         renderer->jobs[jobs++] = job;
     }
-    qsort(renderer->jobs, (size_t)jobs, sizeof *renderer->jobs, by_falling_count);
+    qsort(renderer->jobs, (size_t)jobs, sizeof *renderer->jobs, td_job_by_falling_count);
     return jobs;
 }
 
@@ -288,7 +310,8 @@ tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory 
     batch.candidate_count = renderer->candidates.first[renderer->stats.tiles];
     batch.candidates_serial = renderer->candidates.serial;
     batch.outputs = outputs;
-    status = run_jobs(renderer, &batch, renderer->jobs, jobs, planes, error);
+    status = renderer->moved.moving ? td_moved_run(renderer, &batch, times, renderer->jobs, jobs, planes, error)
+                                    : run_jobs(renderer, &batch, renderer->jobs, jobs, planes, error);
     if (status == TIDES_OK) fill_empty(renderer, requests, empty_count, outputs, planes);
     return status;
 }

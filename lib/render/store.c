@@ -1,5 +1,6 @@
 /* Activation: raw parameters to what the projection reads, values and rates (paper, Sec. 3.2), and the padded arrays of a whole
  * scene. Done once, in double. */
+#include "motion/td_motion.h"
 #include "td_render.h"
 
 #include <limits.h>
@@ -36,7 +37,7 @@ void td_activate(const double mean[3], const double log_scale[3], const double q
     double q[4], r[9];
     normalise(quaternion, q);
     rotation_of(q, r);
-    for (int i = 0; i < 3; i++) geometry[TD_G_MEAN + i] = mean[i];
+    for (int i = 0; i < 3; i++) geometry[TD_G_MEAN + i] = geometry[TD_G_ORIGIN + i] = mean[i];
     geometry[TD_G_OPACITY] = sigmoid(opacity_logit);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) geometry[TD_G_FACTOR + 3 * i + j] = r[3 * i + j] * exp(log_scale[j]);
@@ -53,7 +54,7 @@ void td_activate_rates(const double mean_dot[3], const double log_scale[3], cons
     rotation_of(q, r);
     rotation_rate_of(q, p, r_dot);
     double opacity = sigmoid(opacity_logit);
-    for (int i = 0; i < 3; i++) rates[TD_G_MEAN + i] = mean_dot[i];
+    for (int i = 0; i < 3; i++) rates[TD_G_MEAN + i] = rates[TD_G_ORIGIN + i] = mean_dot[i];
     rates[TD_G_OPACITY] = opacity * (1 - opacity) * opacity_logit_dot;
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
@@ -64,66 +65,143 @@ static void widen(const float *from, double *to, int count) {
     for (int i = 0; i < count; i++) to[i] = from[i];
 }
 
-/* One object's Gaussians into the store from index `first` on. Coefficients of a lower degree than the scene's are padded
- * with zeros. */
-static void add_object(const tides_gaussians *gaussians, int object, int first, td_store *store) {
-    int own = 3 * (gaussians->sh_degree + 1) * (gaussians->sh_degree + 1);
+/* -- parts ---------------------------------------------------------------------------------------------------------- */
+
+/* Gaussians of one scene object that are all at rest in it, or all move by themselves: an object of the store. */
+typedef struct store_part {
+    int object;        /* in the scene */
+    int moving, first; /* in the store */
+    int64_t count;
+} store_part;
+
+typedef struct store_plan {
+    store_part *parts;
+    int count;
+    uint8_t *moving; /* of every Gaussian of the scene, object by object */
+    int64_t padded;
+} store_plan;
+
+static void add_part(store_plan *plan, int object, int moving, int64_t count) {
+    if (count == 0) return;
+    store_part added = {object, moving, 0, count};
+    added.first = plan->padded < INT_MAX ? (int)plan->padded : 0; /* too many are refused afterwards */
+    plan->parts[plan->count++] = added;
+    plan->padded += (count + TD_PAD - 1) / TD_PAD * TD_PAD;
+}
+
+/* What goes where: each object's Gaussians at rest first. */
+static tides_status make_plan(const tides_scene *scene, store_plan *plan, tides_error *error) {
+    uint8_t *moving = plan->moving = td_alloc((size_t)tides_scene_count(scene) + 1, 1, error);
+    plan->parts = td_alloc(2 * (size_t)tides_scene_objects(scene) + 1, sizeof *plan->parts, error);
+    if (!plan->parts || !plan->moving) return TIDES_NO_MEMORY;
+    for (int32_t i = 0; i < tides_scene_objects(scene); i++) {
+        tides_object object;
+        int64_t still = 0;
+        tides_status status = tides_scene_object(scene, i, &object, error);
+        if (status != TIDES_OK) return status;
+        if (object.motion) td_motion_find_moving(object.motion, &object.gaussians, moving);
+        for (int64_t k = 0; k < object.gaussians.count; k++) still += !moving[k];
+        add_part(plan, i, 0, still);
+        add_part(plan, i, 1, object.gaussians.count - still);
+        moving += object.gaussians.count;
+    }
+    return TIDES_OK;
+}
+
+static void free_plan(store_plan *plan) {
+    free(plan->parts);
+    free(plan->moving);
+}
+
+/* One part's Gaussians into the store. Coefficients of a lower degree than the scene's are padded with zeros. Those that move
+ * stay invisible here. */
+static void add_part_rows(const tides_gaussians *gaussians, const uint8_t *moving, const store_part *part, int number,
+                          td_store *store) {
+    int own = 3 * (gaussians->sh_degree + 1) * (gaussians->sh_degree + 1), g = part->first;
     for (int64_t i = 0; i < gaussians->count; i++) {
+        if (moving[i] != part->moving) continue;
         double mean[3], log_scale[3], quaternion[4];
         widen(gaussians->mean + 3 * i, mean, 3);
         widen(gaussians->log_scale + 3 * i, log_scale, 3);
         widen(gaussians->quaternion + 4 * i, quaternion, 4);
-        size_t at = (size_t)(first + i);
-        td_activate(mean, log_scale, quaternion, gaussians->opacity_logit[i], store->geometry + at * TD_GEOMETRY_STRIDE);
-        memcpy(store->sh + at * store->sh_stride, gaussians->sh + i * own, own * sizeof *store->sh);
+        double *row = store->geometry + (size_t)g * TD_GEOMETRY_STRIDE;
+        td_activate(mean, log_scale, quaternion, gaussians->opacity_logit[i], row);
+        if (part->moving) row[TD_G_OPACITY] = 0;
+        memcpy(store->sh + (size_t)g * store->sh_stride, gaussians->sh + i * own, own * sizeof *store->sh);
+        store->number[g++] = (int)i;
     }
-    for (int i = first; i < store->count; i++) store->object[i] = object; /* the next object overwrites its own part */
+    for (int last = g - 1; g % TD_PAD; g++) store->number[g] = store->number[last];
+    for (int i = part->first; i < g; i++) store->object[i] = number;
 }
 
-/* Count with every object padded; -1 where it is more than 32-bit indices reach. */
-static int padded_count(const tides_scene *scene, int sh_stride) {
-    int64_t padded = 0;
-    for (int32_t i = 0; i < tides_scene_objects(scene); i++) {
-        tides_object object;
-        if (tides_scene_object(scene, i, &object, NULL) != TIDES_OK) return -1;
-        padded += (object.gaussians.count + TD_PAD - 1) / TD_PAD * TD_PAD;
-        int64_t widest = sh_stride > TD_GEOMETRY_STRIDE ? sh_stride : TD_GEOMETRY_STRIDE;
-        if (padded > INT_MAX / widest) return -1;
+/* An object's parts, from number `first` on, and its motion. */
+static tides_status add_object(const tides_scene *scene, const store_plan *plan, int first, const uint8_t *moving, int fades,
+                               td_store *store, tides_error *error) {
+    tides_object object;
+    int which = plan->parts[first].object, still = -1, mover = -1;
+    tides_status status = tides_scene_object(scene, which, &object, error);
+    for (int p = first; p < plan->count && plan->parts[p].object == which && status == TIDES_OK; p++) {
+        add_part_rows(&object.gaussians, moving, &plan->parts[p], p, store);
+        store->scene_object[p] = which;
+        store->mover[p] = -1;
+        if (plan->parts[p].moving)
+            mover = p;
+        else
+            still = p;
     }
-    return (int)padded;
+    if (status != TIDES_OK || !object.motion) return status;
+    td_resting resting = {0, 0};
+    if (still >= 0) resting.first = plan->parts[still].first, resting.count = plan->parts[still].count;
+    status = td_store_add_motion(&object, &resting, mover, fades, store, error);
+    return status == TIDES_OK ? status : td_fail_within(error, status, "motion of object %d", which);
 }
 
-tides_status td_store_create(const tides_scene *scene, td_store *store, tides_error *error) {
+static tides_status allocate(td_store *store, tides_error *error) {
+    size_t count = (size_t)store->count, objects = (size_t)store->objects;
+    store->object = td_alloc(count, sizeof *store->object, error);
+    store->number = td_alloc(count, sizeof *store->number, error);
+    store->geometry = td_alloc(count * TD_GEOMETRY_STRIDE, sizeof *store->geometry, error);
+    store->sh = td_alloc(count * (size_t)store->sh_stride, sizeof *store->sh, error);
+    store->scene_object = td_alloc(objects, sizeof *store->scene_object, error);
+    store->mover = td_alloc(objects, sizeof *store->mover, error);
+    int all = store->object && store->number && store->geometry && store->sh && store->scene_object && store->mover;
+    return all ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+static tides_status fill(const tides_scene *scene, const store_plan *plan, int fades, td_store *store, tides_error *error) {
     int degree = tides_scene_sh_degree(scene);
-    td_store made = {0};
-    made.objects = tides_scene_objects(scene);
-    made.sh_stride = 3 * (degree + 1) * (degree + 1);
-    made.count = padded_count(scene, made.sh_stride);
-    made.real_count = (int)tides_scene_count(scene);
-    if (made.count < 0)
+    store->objects = plan->count;
+    store->sh_stride = 3 * (degree + 1) * (degree + 1);
+    store->real_count = (int)tides_scene_count(scene);
+    int64_t widest = store->sh_stride > TD_GEOMETRY_STRIDE ? store->sh_stride : TD_GEOMETRY_STRIDE;
+    if (plan->padded > INT_MAX / widest)
         return td_fail(error, TIDES_UNSUPPORTED, "scene: %lld Gaussians of SH degree %d are more than 32-bit indices reach",
                        (long long)tides_scene_count(scene), degree);
-    if (made.count == 0) return td_fail(error, TIDES_BAD_ARGUMENT, "scene: holds no Gaussian; add one before rendering");
-    made.object = td_alloc(made.count, sizeof *made.object, error);
-    made.geometry = td_alloc((size_t)made.count * TD_GEOMETRY_STRIDE, sizeof *made.geometry, error);
-    made.sh = td_alloc((size_t)made.count * made.sh_stride, sizeof *made.sh, error);
-    if (!made.object || !made.geometry || !made.sh) {
+    store->count = (int)plan->padded;
+    if (store->count == 0) return td_fail(error, TIDES_BAD_ARGUMENT, "scene: holds no Gaussian; add one before rendering");
+    tides_status status = allocate(store, error);
+    const uint8_t *moving = plan->moving;
+    for (int p = 0; p < plan->count && status == TIDES_OK;) {
+        int object = plan->parts[p].object, first = p;
+        int64_t count = 0;
+        for (; p < plan->count && plan->parts[p].object == object; p++) count += plan->parts[p].count;
+        status = add_object(scene, plan, first, moving, fades, store, error);
+        moving += count;
+    }
+    return status;
+}
+
+tides_status td_store_create(const tides_scene *scene, int fades, td_store *store, tides_error *error) {
+    td_store made = {0};
+    store_plan plan = {0};
+    tides_status status = make_plan(scene, &plan, error);
+    if (status == TIDES_OK) status = fill(scene, &plan, fades, &made, error);
+    free_plan(&plan);
+    if (status == TIDES_OK)
+        *store = made;
+    else
         td_store_release(&made);
-        return TIDES_NO_MEMORY;
-    }
-    int first = 0;
-    for (int32_t i = 0; i < made.objects; i++) {
-        tides_object object;
-        tides_status status = tides_scene_object(scene, i, &object, error);
-        if (status != TIDES_OK) {
-            td_store_release(&made);
-            return status;
-        }
-        add_object(&object.gaussians, i, first, &made);
-        first += (int)((object.gaussians.count + TD_PAD - 1) / TD_PAD * TD_PAD);
-    }
-    *store = made;
-    return TIDES_OK;
+    return status;
 }
 
 void td_store_release(td_store *store) {
@@ -133,5 +211,12 @@ void td_store_release(td_store *store) {
     free(store->sh);
     free(store->sh_wide);
     free(store->sh_rates);
+    free(store->scene_object);
+    free(store->mover);
+    free(store->number);
+    free(store->movers.row);
+    free(store->movers.kind);
+    free(store->movers.kinds_of);
+    free(store->movers.data);
     memset(store, 0, sizeof *store);
 }

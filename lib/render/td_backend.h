@@ -2,15 +2,23 @@
  * reference in single precision; all run the same functions of kernels/ in the same stages.
  *
  * Numbers pass as doubles in the layouts of kernels/layout.h whatever the class computes in, because a file is compiled in one
- * precision only: td_view is TD_VIEW_REALS reals, td_backdrop TD_BACKDROP_REALS, td_image reals first and then ints. */
+ * precision only: td_view is TD_VIEW_REALS reals, td_backdrop TD_BACKDROP_REALS, td_image and td_mover reals first and then
+ * ints. */
 #ifndef TD_BACKEND_H
 #define TD_BACKEND_H
 
-#include "kernels/layout.h"
+#include "kernels/motion.h"
 #include "td_base.h"
 #include "tides/render.h"
 
-enum { TD_VIEW_REALS = 32, TD_BACKDROP_REALS = 8, TD_IMAGE_REALS = 22, TD_IMAGE_INTS = 12, TD_JOB_INTS = 8 };
+enum {
+    TD_VIEW_REALS = 32,
+    TD_BACKDROP_REALS = 8,
+    TD_IMAGE_REALS = 22,
+    TD_IMAGE_INTS = 12,
+    TD_JOB_INTS = 8,
+    TD_MOVER_WHOLE = TD_MOVER_INTS + 8
+};
 
 /* Numbers of an image, for any precision. */
 typedef struct td_image_numbers {
@@ -18,20 +26,71 @@ typedef struct td_image_numbers {
     int whole[TD_IMAGE_INTS];
 } td_image_numbers;
 
+/* A td_mover as numbers, for any precision. */
+typedef struct td_mover_row {
+    double real[TD_MOVER_REALS];
+    int whole[TD_MOVER_WHOLE];
+} td_mover_row;
+
+/* A kernel that moves Gaussians: a model, and the sizes that it is compiled with. */
+typedef struct td_move_kind {
+    int model; /* TD_MOTION_HOST: none, rows come from the host */
+    char defines[256];
+} td_move_kind;
+
+/* The motions of a scene. */
+typedef struct td_movers {
+    int count;
+    td_mover_row *row; /* (count) */
+    int *kind;         /* (count) */
+    int kinds;
+    td_move_kind *kinds_of; /* (kinds) */
+    double *data;           /* (data_count) of all movers */
+    size_t data_count;
+    int moves_sh; /* 1: one of them moves SH */
+} td_movers;
+
 /* All Gaussians of a scene at one state, activated; objects padded to TD_PAD with Gaussians of opacity 0. Exactly one of `sh`
- * and `sh_wide` is set; rates are NULL unless the Gaussians move by themselves. Borrowed by the backend while it is created. */
+ * and `sh_wide` is set; rates are NULL unless every Gaussian has them. Where only some of a scene's object move by themselves
+ * it makes two objects here, first those at rest, then the others, whose rows have opacity 0: what they are at a time goes to
+ * moved rows behind all of these. Borrowed by the backend while it is created. */
 typedef struct td_store {
     int count;      /* padded: a multiple of TD_PAD */
     int real_count; /* Gaussians without the padding */
     int objects;
-    int sh_stride;    /* reals per Gaussian */
-    int *object;      /* (count) */
-    double *geometry; /* (count x TD_GEOMETRY_STRIDE) */
-    double *rates;    /* likewise, or NULL */
-    float *sh;        /* (count x sh_stride) */
-    double *sh_wide;  /* likewise, in double */
-    double *sh_rates; /* likewise, or NULL */
+    int sh_stride;     /* reals per Gaussian */
+    int *object;       /* (count) */
+    double *geometry;  /* (count x TD_GEOMETRY_STRIDE) */
+    double *rates;     /* likewise, or NULL */
+    float *sh;         /* (count x sh_stride) */
+    double *sh_wide;   /* likewise, in double */
+    double *sh_rates;  /* likewise, or NULL */
+    int *scene_object; /* (objects) in the scene */
+    int *mover;        /* (objects) that moves its Gaussians, or -1 */
+    int *number;       /* (count) of the Gaussian in its scene object; the last again in padding */
+    td_movers movers;
 } td_store;
+
+/* Rows that the host has worked out (TD_MOTION_HOST): `count` rows from `row` on are in the batch's arrays from `from` on. */
+typedef struct td_host_rows {
+    int row, count, from;
+} td_host_rows;
+
+/* Moved rows to work out. Everything is borrowed for the call. */
+typedef struct td_move_batch {
+    const double *moments; /* (moment_count x TD_MOMENT_REALS) */
+    int moment_count;
+    const td_move_job *jobs; /* kind by kind */
+    const int *kind_first;   /* (kinds + 1) into `jobs` */
+    const int *gaussians;    /* (gaussian_count) numbers within the scene's objects */
+    int gaussian_count;
+    int row, row_count; /* the rows that are written, by jobs and from the host; from store.count on */
+    const int *owners;  /* (2 x row_count) the Gaussian in the store, and the row of its SH */
+    const td_host_rows *host;
+    int host_runs, host_count;
+    const double *host_geometry, *host_rates; /* (host_count x TD_GEOMETRY_STRIDE) */
+    const double *host_sh, *host_sh_rates;    /* (host_count x sh_stride), or NULL where no mover moves SH */
+} td_move_batch;
 
 /* Jobs for one run of all stages. Everything is borrowed for the call. */
 typedef struct td_batch {
@@ -74,6 +133,11 @@ typedef struct td_backend_class {
     /* What the last batch, of one job, left behind (tests): each array (records), its `count` and `brightest`. */
     tides_status (*inspect)(td_backend *backend, td_stages *stages, tides_error *error);
     void (*destroy)(td_backend *backend);
+    /* Works out moved rows; others stay as they are. Jobs of batches, and sweeps, may then ask for them. */
+    tides_status (*move)(td_backend *backend, const td_move_batch *moves, tides_error *error);
+    /* As sweep, for Gaussians that move by themselves, whose rows begin at row[0], [1] and [2] at the three times. */
+    tides_status (*sweep_moved)(td_backend *backend, const double *views, double duration, int begin, int end, const int row[3],
+                                float *boxes, float *travel, tides_error *error);
 } td_backend_class;
 
 struct td_backend {

@@ -5,7 +5,7 @@
 #ifndef TD_REAL_DOUBLE
 #define TD_REAL_DOUBLE
 #endif
-#include "td_backend.h"
+#include "td_moved.h"
 
 /* Image parameters and intrinsics to the image formation's numbers (rules.c). */
 tides_status td_image_resolve(const tides_image_params *params, const tides_intrinsics *intrinsics, int scene_sh_degree,
@@ -14,8 +14,19 @@ tides_status td_image_resolve(const tides_image_params *params, const tides_intr
 /* A td_image as numbers for any precision. */
 td_image_numbers td_image_pack(const td_image *image);
 
-/* The scene's Gaussians, activated (store.c). */
-tides_status td_store_create(const tides_scene *scene, td_store *store, tides_error *error);
+/* The scene's Gaussians, activated, and its motions; `fades` is td_mover.fades (store.c). */
+tides_status td_store_create(const tides_scene *scene, int fades, td_store *store, tides_error *error);
+
+/* Rows of the store. */
+typedef struct td_resting {
+    int first;
+    int64_t count;
+} td_resting;
+
+/* An object's motion: the rows of those Gaussians that it leaves at rest, and a mover for object `moving_part` of the store,
+ * the others; -1 where there's none (store_motion.c). */
+tides_status td_store_add_motion(const tides_object *object, const td_resting *resting, int moving_part, int fades,
+                                 td_store *store, tides_error *error);
 void td_store_release(td_store *store);
 
 /* One Gaussian's activation: raw parameters and their rates (nullable) to geometry and rates (nullable) (store.c). */
@@ -56,6 +67,9 @@ typedef struct td_request {
 } td_request;
 
 struct tides_renderer {
+    td_moved moved; /* Gaussians that move by themselves */
+    int side;       /* of knots that rates are asked for: -1 what ends there, +1 what begins */
+    int row_limit;  /* moved rows at a time */
     tides_device *device;
     const tides_scene *scene;
     td_image image;
@@ -87,6 +101,16 @@ tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory 
  * (td_tile_pixel). */
 tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
                                const td_request *requests, int count, int outputs, double *planes, tides_error *error);
+
+/* -- for scenes with motion (moved_jobs.c) -- */
+
+/* Runs jobs, sorted or not, whose candidates are the sweep's: works out the rows that they need, in launches that stay below
+ * the limits. Jobs are changed. */
+tides_status td_moved_run(tides_renderer *renderer, td_batch *batch, const double *times, td_job *jobs, int count,
+                          double *planes, tides_error *error);
+
+/* Longest lists first, so that no thread is left with one at the end; then by place, to be a total order (qsort, of td_job). */
+int td_job_by_falling_count(const void *a, const void *b);
 
 /* Where pixel (x, y) of a tile is in a plane: 4x4 blocks, row by row. */
 static inline int td_tile_pixel(int x, int y) { return 64 * (y >> 2) + 16 * (x >> 2) + 4 * (y & 3) + (x & 3); }

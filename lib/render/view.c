@@ -1,5 +1,9 @@
 /* Object to camera at one time, with its rate: the product of two rigid motions. */
+#include "motion/td_motion.h"
 #include "td_render.h"
+
+/* Below any colour that a method has: it doesn't clamp them. */
+static const double no_floor = -1e30;
 
 typedef double matrix3[9];
 
@@ -53,6 +57,7 @@ tides_status td_views_at(const tides_scene *scene, const tides_trajectory *camer
         if (status == TIDES_OK && object.trajectory) status = tides_trajectory_at(object.trajectory, time, &pose, error);
         if (status != TIDES_OK) return td_fail_within(error, status, "path of object %d", (int)i);
         td_view_make(&eye, object.trajectory ? &pose : NULL, object.scale, &views[i]);
+        if (object.motion && td_motion_setting(object.motion, TD_PLAIN_COLOUR, 0) != 0) views[i].colour_floor = no_floor;
     }
     return TIDES_OK;
 }

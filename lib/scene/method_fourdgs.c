@@ -1,7 +1,8 @@
 /* 4DGaussians (Wu et al. 2024): point_cloud.ply, deformation.pth beside it, and the options of training in cfg_args. */
 #include "archive/td_pickle.h"
 #include "motion/td_hexplane.h"
-#include "scene/td_method.h"
+#include "scene/td_method_arrays.h"
+#include "scene/td_method_networks.h"
 
 #include <string.h>
 
@@ -46,9 +47,5 @@ tides_status td_fourdgs_open(const td_model_dir *dir, td_gaussians *gaussians, t
     if (status == TIDES_OK) status = td_torch_open(dir->weights, &tree, error);
     if (status == TIDES_OK) status = td_method_fields(made, td_tree_root(tree), "deformation_net.", wanted, error);
     td_tree_free(tree);
-    status = td_method_finish(dir, status, &points, &made, error);
-    if (status != TIDES_OK) return status;
-    *gaussians = points;
-    *motion = made;
-    return TIDES_OK;
+    return td_arrays_finish(status, dir->weights, &points, made, gaussians, motion, error);
 }

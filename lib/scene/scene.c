@@ -18,6 +18,7 @@ tides_status tides_scene_create(tides_scene **scene, tides_error *error) {
 static void object_free(td_object *object) {
     td_gaussians_free(&object->gaussians);
     tides_trajectory_destroy(object->trajectory);
+    tides_motion_destroy(object->motion);
     free(object->name);
     free(object->source);
 }
@@ -119,7 +120,9 @@ tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_o
                              .trajectory = found->trajectory,
                              .scale = found->scale,
                              .name = found->name,
-                             .source = found->source};
+                             .source = found->source,
+                             .motion = found->motion,
+                             .duration_s = found->duration_s};
     return TIDES_OK;
 }
 

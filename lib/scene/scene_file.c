@@ -1,5 +1,6 @@
 /* Scene files: which reader a file's content asks for, which writer a file's ending asks for. */
 #include "td_base.h"
+#include "td_model_dir.h"
 #include "td_scene.h"
 #include "td_splat.h"
 
@@ -26,9 +27,10 @@ static int ends_in(const char *text, const char *ending) {
 /* A format that is parsed from memory. */
 typedef tides_status parser(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
 
-static tides_status add_parsed(tides_scene *scene, const char *file, parser *parse, const tides_trajectory *trajectory,
-                               double scale, tides_error *error) {
-    char *data = NULL, *name = NULL;
+/* A NULL name: the file's. */
+static tides_status add_parsed(tides_scene *scene, const char *file, parser *parse, const char *name,
+                               const tides_trajectory *trajectory, double scale, tides_error *error) {
+    char *data = NULL, *stem = NULL;
     size_t size = 0;
     td_gaussians gaussians;
     memset(&gaussians, 0, sizeof gaussians);
@@ -36,12 +38,27 @@ static tides_status add_parsed(tides_scene *scene, const char *file, parser *par
     if (!status) status = parse(file, data, size, &gaussians, error);
     free(data);
     if (status) goto done;
-    status = (name = stem_of(file, error)) ? TIDES_OK : TIDES_NO_MEMORY;
-    if (!status) status = td_scene_take(scene, &gaussians, trajectory, scale, name, file, NULL, error);
+    status = (stem = stem_of(file, error)) ? TIDES_OK : TIDES_NO_MEMORY;
+    if (!status) status = td_scene_take(scene, &gaussians, trajectory, scale, name ? name : stem, file, NULL, error);
     if (status) td_fail_within(error, status, "%s", file);
 done:
-    free(name);
+    free(stem);
     td_gaussians_free(&gaussians);
+    return status;
+}
+
+tides_status td_scene_add_ply(tides_scene *scene, const char *file, const char *name, const tides_trajectory *trajectory,
+                              double scale, tides_error *error) {
+    return add_parsed(scene, file, td_ply_parse, name, trajectory, scale, error);
+}
+
+static tides_status add_model(tides_scene *scene, const char *path, const tides_trajectory *trajectory, double scale,
+                              tides_error *error) {
+    td_model_dir dir;
+    tides_status status = td_model_dir_find(path, &dir, error);
+    if (status) return status;
+    status = td_scene_add_model(scene, &dir, trajectory, scale, error);
+    td_model_dir_free(&dir);
     return status;
 }
 
@@ -103,6 +120,7 @@ static tides_status read_beginning(const char *file, beginning *b, tides_error *
 
 int32_t tides_scene_is_file(const char *file) {
     beginning start;
+    if (file && td_model_dir_is(file)) return 1;
     return file && read_beginning(file, &start, NULL) == TIDES_OK && format_of(&start) < FORMATS;
 }
 
@@ -113,6 +131,7 @@ tides_status tides_scene_add_file(tides_scene *scene, const char *file, const ti
     if (!(scale > 0 && scale <= FLT_MAX))
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: scale is %g: must be a positive number within float's range", file,
                        scale);
+    if (td_model_dir_is(file)) return add_model(scene, file, trajectory, scale, error);
     beginning start;
     tides_status status = read_beginning(file, &start, error);
     if (status) return status;
@@ -122,7 +141,7 @@ tides_status tides_scene_add_file(tides_scene *scene, const char *file, const ti
                        "%s: is no scene: neither a PLY file (no 'ply' at byte 0), nor .spz, .ksplat, .splat or an HDF5 one: "
                        "convert it to a 3DGS .ply first",
                        file);
-    if (formats[format].parse) return add_parsed(scene, file, formats[format].parse, trajectory, scale, error);
+    if (formats[format].parse) return add_parsed(scene, file, formats[format].parse, NULL, trajectory, scale, error);
     return td_scene_hdf5_read(scene, file, trajectory, scale, error);
 }
 

@@ -16,6 +16,8 @@ typedef struct td_object {
     tides_trajectory *trajectory; /* NULL: at rest */
     double scale;
     char *name, *source;
+    tides_motion *motion; /* NULL: none; owned */
+    double duration_s;
 } td_object;
 
 struct tides_scene {
@@ -50,6 +52,9 @@ void td_gaussians_fold_filter(td_gaussians *gaussians, const float *filter);
 tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,
                            const char *name, const char *source, int32_t *index, tides_error *error);
 
+/* Gives the last object added a motion, taken over on success; duration_s 0 is that of its own clock (scene_motion.c). */
+tides_status td_scene_give_motion(tides_scene *scene, tides_motion *motion, double duration_s, tides_error *error);
+
 /* Drops the objects from number `count` on: undoes a half-done addition. */
 void td_scene_truncate(tides_scene *scene, size_t count);
 
@@ -57,6 +62,10 @@ void td_scene_truncate(tides_scene *scene, size_t count);
 
 /* From memory; `path` is only for messages. TIDES_BAD_FILE, TIDES_UNSUPPORTED, TIDES_NO_MEMORY. */
 tides_status td_ply_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
+
+/* Reads a .ply as one object; a NULL `name` is the file's (scene_file.c). */
+tides_status td_scene_add_ply(tides_scene *scene, const char *file, const char *name, const tides_trajectory *trajectory,
+                              double scale, tides_error *error);
 
 /* `scale` multiplies means and scales on their way out. */
 tides_status td_ply_write(const char *path, const td_gaussians *gaussians, double scale, tides_error *error);

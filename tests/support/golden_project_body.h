@@ -38,6 +38,11 @@ static void probe_fill(probe *p, const td_image_numbers *numbers, const double *
     p->source.rates = p->rates;
     p->source.sh = p->sh;
     p->source.sh_rates = p->sh_rates;
+    p->source.owners = NULL;
+    p->source.first_rate = 0;
+    p->source.first_moved = 1;
+    p->source.rated = p->source.sh_rated = 1;
+    p->source.moved = 0;
 }
 
 static void put(golden_splat *splat, int at, td_dual x) {

@@ -132,7 +132,7 @@ static void compare_factors(npz *file, const golden_names *names, size_t time, c
 }
 
 void golden_rows_compare(npz *file, const golden_names *names, size_t time, const motion_rows *rows, int rates,
-                    golden_errors *errors) {
+                         golden_errors *errors) {
     slice mean = take(file, names->mean, time), opacity = take(file, names->opacity, time);
     assert_int_equal(mean.count, 3 * rows->count);
     assert_int_equal(opacity.count, rows->count);

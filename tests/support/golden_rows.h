@@ -3,7 +3,7 @@
 #ifndef TESTS_SUPPORT_GOLDEN_ROWS_H
 #define TESTS_SUPPORT_GOLDEN_ROWS_H
 
-#include "scene/td_method.h"
+#include "scene/td_method_networks.h"
 #include "tests/support/motion_rows.h"
 #include "tests/support/npz.h"
 
@@ -24,6 +24,6 @@ typedef struct golden_errors {
 
 /* Rows at the `time`-th time of the file; `rates` 0 leaves the rates out. */
 void golden_rows_compare(npz *file, const golden_names *names, size_t time, const motion_rows *rows, int rates,
-                    golden_errors *errors);
+                         golden_errors *errors);
 
 #endif

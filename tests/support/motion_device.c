@@ -3,13 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* td_mover in single precision, whatever this file is compiled in. */
-typedef struct mover_f32 {
-    float real[TD_MOVER_REALS];
-    int own[TD_MOVER_INTS];
-    int model, data, count, moves_sh, fades, padding[3];
-} mover_f32;
-
 static void expect(tides_status status, const char *what, const tides_error *error) {
     if (status == TIDES_OK) return;
     fprintf(stderr, "motion_device: %s: %s\n", what, error->text);
@@ -26,16 +19,13 @@ static void send_reals(tides_device *device, td_buffer *buffer, const double *fr
 }
 
 static void send_mover(motion_device *on) {
-    const td_mover_numbers *numbers = &on->packed->numbers;
     tides_error error = {0};
-    mover_f32 mover;
-    memset(&mover, 0, sizeof mover);
-    for (int i = 0; i < TD_MOVER_REALS; i++) mover.real[i] = (float)numbers->real[i];
-    memcpy(mover.own, numbers->own, sizeof mover.own);
-    mover.model = on->packed->motion->type->code;
-    mover.count = on->packed->count;
-    mover.moves_sh = numbers->moves_sh;
-    expect(td_buffer_write(on->device, &on->mover, &mover, sizeof mover, &error), "write", &error);
+    move_job job = motion_rows_job(on->packed, NULL, NULL, 0);
+    void *mover = calloc(1, move_mover_bytes());
+    if (!mover) abort();
+    move_mover_f32(&job, mover);
+    expect(td_buffer_write(on->device, &on->mover, mover, move_mover_bytes(), &error), "write", &error);
+    free(mover);
 }
 
 motion_device motion_device_make(tides_device *device, const packed_motion *packed, int capacity, int sh_stride) {
@@ -79,7 +69,7 @@ void motion_device_set(motion_device *on, const int *index, int count, int job_s
     }
     expect(td_buffer_write(on->device, &on->index, list, (size_t)padded * sizeof *list, &error), "write", &error);
     expect(td_buffer_write(on->device, &on->jobs, job, (size_t)jobs * sizeof *job, &error), "write", &error);
-    on->rows = jobs;
+    on->jobs_count = jobs;
     free(list);
     free(job);
 }
@@ -87,17 +77,19 @@ void motion_device_set(motion_device *on, const int *index, int count, int job_s
 double motion_device_run(motion_device *on, double tau, int side) {
     tides_error error = {0};
     double moment[TD_MOMENT_REALS];
-    size_t local = 1, global = (size_t)on->rows;
+    size_t local = 1, global = (size_t)on->jobs_count;
+    int first = 0;
     td_motion_moment(on->packed->motion, tau, 1, side, moment);
     send_reals(on->device, &on->moment, moment, TD_MOMENT_REALS);
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(on->mover),    TD_BUFFER_ARGUMENT(on->data),
                                      TD_BUFFER_ARGUMENT(on->moment),   TD_BUFFER_ARGUMENT(on->jobs),
-                                     TD_BUFFER_ARGUMENT(on->index),    TD_VALUE_ARGUMENT(on->sh_stride),
+                                     TD_BUFFER_ARGUMENT(on->index),    TD_VALUE_ARGUMENT(first),
+                                     TD_VALUE_ARGUMENT(on->sh_stride), TD_VALUE_ARGUMENT(first),
                                      TD_BUFFER_ARGUMENT(on->geometry), TD_BUFFER_ARGUMENT(on->rates),
                                      TD_BUFFER_ARGUMENT(on->sh),       TD_BUFFER_ARGUMENT(on->sh_rates)};
     clFinish(on->device->queue);
     double begun = td_now();
-    expect(td_launch(on->device, on->kernel, 1, &global, &local, arguments, 10, NULL, &error), "launch", &error);
+    expect(td_launch(on->device, on->kernel, 1, &global, &local, arguments, 12, NULL, &error), "launch", &error);
     clFinish(on->device->queue);
     return td_now() - begun;
 }

@@ -10,7 +10,7 @@ typedef struct motion_device {
     tides_device *device;
     const packed_motion *packed;
     cl_kernel kernel;
-    int capacity, sh_stride, rows;
+    int capacity, sh_stride, jobs_count;
     td_buffer mover, data, moment, jobs, index, geometry, rates, sh, sh_rates;
 } motion_device;
 

@@ -1,6 +1,6 @@
 #include "tests/support/motion_rows.h"
 
-#include "tests/support/motion_plain.h"
+#include "tests/support/move.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -42,34 +42,39 @@ void motion_rows_free(motion_rows *rows) {
     memset(rows, 0, sizeof *rows);
 }
 
-static motion_rows evaluate(void (*precision)(const motion_plain *), const packed_motion *packed, double tau, int side,
+move_job motion_rows_job(const packed_motion *packed, const double *moment, const int *gaussian, int count) {
+    const td_mover_numbers *numbers = &packed->numbers;
+    return (move_job){.model = packed->motion->type->code,
+                      .moves_sh = numbers->moves_sh,
+                      .real = numbers->real,
+                      .own = numbers->own,
+                      .data = numbers->data,
+                      .data_count = numbers->data_count,
+                      .moment = moment,
+                      .gaussian = gaussian,
+                      .gaussians = packed->count,
+                      .count = count};
+}
+
+static motion_rows evaluate(void (*precision)(const move_job *, move_rows *), const packed_motion *packed, double tau, int side,
                             const int *index, int count, int sh_stride) {
     double moment[TD_MOMENT_REALS];
     motion_rows rows = motion_rows_make(packed, count, sh_stride);
-    const td_mover_numbers *numbers = &packed->numbers;
+    move_rows to = {sh_stride, rows.geometry, rows.rates, rows.sh, rows.sh_rates};
+    int *all = malloc(((size_t)count + 1) * sizeof *all);
+    expect(all != NULL, "out of memory", NULL);
+    for (int i = 0; i < count; i++) all[i] = index ? index[i] : i;
     td_motion_moment(packed->motion, tau, 1, side, moment);
-    motion_plain plain = {packed->motion->type->code,
-                          packed->count,
-                          numbers->real,
-                          numbers->data,
-                          moment,
-                          numbers->data_count,
-                          numbers->own,
-                          index,
-                          count,
-                          sh_stride,
-                          rows.geometry,
-                          rows.rates,
-                          rows.sh,
-                          rows.sh_rates};
-    precision(&plain);
+    move_job job = motion_rows_job(packed, moment, all, count);
+    precision(&job, &to);
+    free(all);
     return rows;
 }
 
 motion_rows motion_rows_f64(const packed_motion *packed, double tau, int side, const int *index, int count, int sh_stride) {
-    return evaluate(motion_plain_f64, packed, tau, side, index, count, sh_stride);
+    return evaluate(move_f64, packed, tau, side, index, count, sh_stride);
 }
 
 motion_rows motion_rows_f32(const packed_motion *packed, double tau, int side, const int *index, int count, int sh_stride) {
-    return evaluate(motion_plain_f32, packed, tau, side, index, count, sh_stride);
+    return evaluate(move_f32, packed, tau, side, index, count, sh_stride);
 }

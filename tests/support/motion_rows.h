@@ -3,6 +3,7 @@
 #define TESTS_SUPPORT_MOTION_ROWS_H
 
 #include "motion/td_motion.h"
+#include "tests/support/move.h"
 
 /* A motion, packed for its Gaussians. */
 typedef struct packed_motion {
@@ -26,6 +27,9 @@ typedef struct motion_rows {
 motion_rows motion_rows_f64(const packed_motion *packed, double tau, int side, const int *index, int count, int sh_stride);
 motion_rows motion_rows_f32(const packed_motion *packed, double tau, int side, const int *index, int count, int sh_stride);
 void motion_rows_free(motion_rows *rows);
+
+/* Those Gaussians as move.h takes them; everything is borrowed. */
+move_job motion_rows_job(const packed_motion *packed, const double *moment, const int *gaussian, int count);
 
 /* Empty rows to fill. */
 motion_rows motion_rows_make(const packed_motion *packed, int count, int sh_stride);

@@ -1,6 +1,6 @@
-/* Internal: readers of what the trainers of deformation networks leave in a model directory. */
-#ifndef TD_METHOD_H
-#define TD_METHOD_H
+/* Internal: readers of methods whose motion is a deformation network. */
+#ifndef TD_METHOD_NETWORKS_H
+#define TD_METHOD_NETWORKS_H
 
 #include "scene/td_model_dir.h"
 #include "scene/td_scene.h"
@@ -11,7 +11,7 @@
 tides_status td_fourdgs_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
 tides_status td_deformable_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
 
-/* -- method_parts.c -- */
+/* -- method_networks.c -- */
 
 /* The .ply of a model directory. */
 tides_status td_method_points(const td_model_dir *dir, td_gaussians *gaussians, tides_error *error);
@@ -23,9 +23,5 @@ tides_status td_method_fields(tides_motion *motion, const td_value *dict, const 
 
 /* An option of training, a number or truth value, `fallback` where the file doesn't have it. */
 double td_method_option(const td_model_dir *dir, const char *key, double fallback);
-
-/* Checks the motion against the Gaussians; on failure frees both, names the file, and hands out nothing. */
-tides_status td_method_finish(const td_model_dir *dir, tides_status status, td_gaussians *gaussians, tides_motion **motion,
-                              tides_error *error);
 
 #endif

@@ -1,5 +1,5 @@
 /* What the readers of deformation networks share. */
-#include "scene/td_method.h"
+#include "scene/td_method_networks.h"
 
 #include "motion/td_motion.h"
 
@@ -53,15 +53,4 @@ double td_method_option(const td_model_dir *dir, const char *key, double fallbac
     const td_value *value = td_value_get(dir->cfg ? td_tree_root(dir->cfg) : NULL, key);
     double number = fallback;
     return td_value_number(value, &number) ? number : fallback;
-}
-
-tides_status td_method_finish(const td_model_dir *dir, tides_status status, td_gaussians *gaussians, tides_motion **motion,
-                              tides_error *error) {
-    tides_gaussians view = td_gaussians_view(gaussians);
-    if (status == TIDES_OK) status = (*motion)->type->check(*motion, &view, error);
-    if (status == TIDES_OK) return TIDES_OK;
-    tides_motion_destroy(*motion);
-    *motion = NULL;
-    td_gaussians_free(gaussians);
-    return td_fail_within(error, status, "%s", dir->weights);
 }

@@ -1,0 +1,117 @@
+/* SpacetimeGaussians as data: checks, and the numbers of kernels/motion_polynomial.h. */
+#include "td_models.h"
+
+#include "kernels/motion_polynomial.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Widths from e^-80 to e^80 keep 1 / width within single precision. */
+static const double LOG_WIDTH_MOST = 80;
+
+/* The model's fields: opacity_centre (N) [tau], opacity_log_width (N) ln [tau], mean_coefficient (N x 9)
+ * [scene units / tau^k], quaternion_dot (N x 4) [1 / tau]. */
+typedef struct polynomial_fields {
+    const td_field *centre, *log_width, *coefficient, *quaternion_dot;
+} polynomial_fields;
+
+static tides_status find_fields(const tides_motion *motion, int64_t count, polynomial_fields *fields, tides_error *error) {
+    tides_status status = td_motion_need_rows(motion, "opacity_centre", count, 1, &fields->centre, error);
+    if (status == TIDES_OK) status = td_motion_need_rows(motion, "opacity_log_width", count, 1, &fields->log_width, error);
+    if (status == TIDES_OK) status = td_motion_need_rows(motion, "mean_coefficient", count, 9, &fields->coefficient, error);
+    if (status == TIDES_OK) status = td_motion_need_rows(motion, "quaternion_dot", count, 4, &fields->quaternion_dot, error);
+    return status;
+}
+
+static tides_status check(const tides_motion *motion, const tides_gaussians *gaussians, tides_error *error) {
+    polynomial_fields fields;
+    tides_status status = find_fields(motion, gaussians->count, &fields, error);
+    if (status != TIDES_OK) return status;
+    for (int64_t i = 0; i < gaussians->count; i++)
+        if (fabs(fields.log_width->value[i]) > LOG_WIDTH_MOST)
+            return td_fail(error, TIDES_BAD_FILE,
+                           "polynomial motion: opacity_log_width %lld is %g: must be from -%g to %g (a logarithm)",
+                           (long long)i, fields.log_width->value[i], LOG_WIDTH_MOST, LOG_WIDTH_MOST);
+    return TIDES_OK;
+}
+
+static void widen(const float *from, int64_t row, int width, double *to) {
+    for (int i = 0; i < width; i++) to[i] = from[row * width + i];
+}
+
+static void pack_row(const polynomial_fields *fields, const tides_gaussians *gaussians, int64_t i, double *row) {
+    widen(gaussians->mean, i, 3, row + TD_POLYNOMIAL_MEAN);
+    widen(fields->coefficient->value, i, 9, row + TD_POLYNOMIAL_COEFFICIENT);
+    row[TD_POLYNOMIAL_CENTRE] = fields->centre->value[i];
+    row[TD_POLYNOMIAL_NARROWNESS] = exp(-(double)fields->log_width->value[i]);
+    row[TD_POLYNOMIAL_OPACITY] = td_sigmoid(gaussians->opacity_logit[i]);
+    widen(gaussians->quaternion, i, 4, row + TD_POLYNOMIAL_QUATERNION);
+    widen(fields->quaternion_dot->value, i, 4, row + TD_POLYNOMIAL_QUATERNION_DOT);
+    for (int k = 0; k < 3; k++) row[TD_POLYNOMIAL_SCALE + k] = exp((double)gaussians->log_scale[3 * i + k]);
+}
+
+static tides_status pack(const tides_motion *motion, const tides_gaussians *gaussians, td_mover_numbers *numbers,
+                         tides_error *error) {
+    polynomial_fields fields;
+    tides_status status = find_fields(motion, gaussians->count, &fields, error);
+    if (status == TIDES_OK) status = td_mover_create_rows(numbers, "polynomial", gaussians->count, TD_POLYNOMIAL_STRIDE, error);
+    for (int64_t i = 0; i < gaussians->count && status == TIDES_OK; i++)
+        pack_row(&fields, gaussians, i, numbers->data + i * TD_POLYNOMIAL_STRIDE);
+    return status;
+}
+
+static int all_zero(const td_field *field, int64_t row, int width) {
+    for (int k = 0; k < width; k++)
+        if (field->value[row * width + k] != 0) return 0;
+    return 1;
+}
+
+/* A Gaussian rests if nothing drives it and its bell is so wide that opacity keeps single precision's last bit throughout. */
+static void find_moving(const tides_motion *motion, const tides_gaussians *gaussians, uint8_t *moving) {
+    const double unseen = ldexp(1, -25);
+    polynomial_fields fields;
+    if (find_fields(motion, gaussians->count, &fields, NULL) != TIDES_OK) return;
+    for (int64_t i = 0; i < gaussians->count; i++) {
+        double centre = fields.centre->value[i];
+        double reach = fmax(fabs(motion->start - centre), fabs(motion->stop - centre));
+        double x = reach * exp(-(double)fields.log_width->value[i]);
+        moving[i] = !(all_zero(fields.coefficient, i, 9) && all_zero(fields.quaternion_dot, i, 4) && x * x < unseen);
+    }
+}
+
+const td_motion_class td_polynomial_class = {.name = "polynomial",
+                                             .code = TD_MOTION_POLYNOMIAL,
+                                             .check = check,
+                                             .pack = pack,
+                                             .find_moving = find_moving};
+
+/* The full model's nine features and its decoder. */
+static tides_status add_decoder(tides_motion *made, const tides_polynomial_motion *arrays, tides_error *error) {
+    const uint64_t first[2] = {6, 12}, second[2] = {3, 6};
+    if (arrays->decoder < TIDES_DECODER_SIGMOID || arrays->decoder > TIDES_DECODER_PLAIN)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "polynomial motion: decoder is %d: must be from %d to %d", arrays->decoder,
+                       TIDES_DECODER_NONE, TIDES_DECODER_PLAIN);
+    tides_status status = td_motion_copy_rows(made, "feature", arrays->count, 6, arrays->feature, error);
+    if (status == TIDES_OK) status = td_motion_copy_rows(made, "feature_dot", arrays->count, 3, arrays->feature_dot, error);
+    if (status == TIDES_OK) status = td_motion_copy_field(made, "decoder_first", 2, first, arrays->decoder_first, error);
+    if (status == TIDES_OK) status = td_motion_copy_field(made, "decoder_second", 2, second, arrays->decoder_second, error);
+    if (status == TIDES_OK) status = td_motion_set(made, "decoder", arrays->decoder, error);
+    return status;
+}
+
+tides_status tides_motion_create_polynomial(const tides_polynomial_motion *arrays, tides_motion **motion, tides_error *error) {
+    tides_motion *made = NULL;
+    int64_t count = arrays->count;
+    *motion = NULL;
+    if (count < 1)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "polynomial motion: count is %lld: must be at least 1", (long long)count);
+    tides_status status = td_motion_create(&td_polynomial_class, arrays->start, arrays->stop, &made, error);
+    if (status != TIDES_OK) return status;
+    status = td_motion_copy_rows(made, "opacity_centre", count, 1, arrays->opacity_centre, error);
+    if (status == TIDES_OK) status = td_motion_copy_rows(made, "opacity_log_width", count, 1, arrays->opacity_log_width, error);
+    if (status == TIDES_OK) status = td_motion_copy_rows(made, "mean_coefficient", count, 9, arrays->mean_coefficient, error);
+    if (status == TIDES_OK) status = td_motion_copy_rows(made, "quaternion_dot", count, 4, arrays->quaternion_dot, error);
+    if (status == TIDES_OK && arrays->decoder != TIDES_DECODER_NONE) status = add_decoder(made, arrays, error);
+    if (status == TIDES_OK && arrays->plain_colour) status = td_motion_set(made, "plain_colour", 1, error);
+    return td_motion_finish(status, made, motion);
+}

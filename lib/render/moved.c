@@ -1,0 +1,125 @@
+/* Who moves by itself in a scene, and when rates of that may jump. */
+#include "td_moved.h"
+
+#include "motion/td_motion.h"
+
+#include <stdlib.h>
+
+/* Times closer than this are the same: what event times resolve [s]. */
+static const double same_time = 1e-9;
+
+static tides_status find_knots(td_moved_part *part, tides_error *error) {
+    const tides_motion *motion = part->of.motion;
+    part->knots = motion->type->knots ? motion->type->knots(motion, NULL, 0) : 0;
+    if (part->knots == 0) return TIDES_OK;
+    part->knot_s = td_alloc(part->knots, sizeof *part->knot_s, error);
+    part->knot_tau = td_alloc(part->knots, sizeof *part->knot_tau, error);
+    if (!part->knot_s || !part->knot_tau) return TIDES_NO_MEMORY;
+    motion->type->knots(motion, part->knot_tau, part->knots);
+    for (size_t i = 0; i < part->knots; i++)
+        part->knot_s[i] = (part->knot_tau[i] - motion->start) * (part->of.duration_s / (motion->stop - motion->start));
+    return TIDES_OK;
+}
+
+static tides_status add_part(const tides_scene *scene, int object, int first, int end, td_moved *moved, tides_error *error) {
+    const td_store *store = moved->store;
+    td_moved_part *part = &moved->part[store->mover[object]];
+    tides_status status = tides_scene_object(scene, store->scene_object[object], &part->of, error);
+    if (status != TIDES_OK) return status;
+    part->object = object;
+    part->first = first;
+    part->base = moved->moving;
+    while (part->count < end - first &&
+           (part->count == 0 || store->number[first + part->count] > store->number[first + part->count - 1]))
+        part->count++; /* padding repeats the last number */
+    part->moves_sh = store->movers.row[store->mover[object]].whole[TD_MOVER_INTS + 3];
+    part->hosted = part->of.motion->type->evaluate != NULL;
+    moved->moving += end - first;
+    return find_knots(part, error);
+}
+
+static int by_value(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* The knots of all parts as one list. */
+static tides_status join_knots(td_moved *moved, tides_error *error) {
+    size_t total = 0, kept = 0;
+    for (int i = 0; i < moved->parts; i++) total += moved->part[i].knots;
+    if (total == 0) return TIDES_OK;
+    moved->knots = td_alloc(total, sizeof *moved->knots, error);
+    if (!moved->knots) return TIDES_NO_MEMORY;
+    total = 0;
+    for (int i = 0; i < moved->parts; i++)
+        for (size_t k = 0; k < moved->part[i].knots; k++) moved->knots[total++] = moved->part[i].knot_s[k];
+    qsort(moved->knots, total, sizeof *moved->knots, by_value);
+    for (size_t k = 0; k < total; k++)
+        if (kept == 0 || moved->knots[k] - moved->knots[kept - 1] > same_time) moved->knots[kept++] = moved->knots[k];
+    moved->knot_count = kept;
+    return TIDES_OK;
+}
+
+static tides_status fill(const tides_scene *scene, int row_limit, td_moved *moved, tides_error *error) {
+    const td_store *store = moved->store;
+    tides_status status = TIDES_OK;
+    moved->parts = store->movers.count;
+    if (moved->parts == 0) return TIDES_OK;
+    moved->part = td_alloc((size_t)moved->parts, sizeof *moved->part, error);
+    moved->rows.kind_first = td_alloc((size_t)store->movers.kinds + 1, sizeof *moved->rows.kind_first, error);
+    if (!moved->part || !moved->rows.kind_first) return TIDES_NO_MEMORY;
+    for (int g = 0; g < store->count && status == TIDES_OK;) {
+        int object = store->object[g], first = g;
+        while (g < store->count && store->object[g] == object) g++;
+        if (store->mover[object] >= 0) status = add_part(scene, object, first, g, moved, error);
+    }
+    if (status == TIDES_OK) status = join_knots(moved, error);
+    if (status != TIDES_OK) return status;
+    moved->stamp = td_alloc((size_t)moved->moving, sizeof *moved->stamp, error);
+    moved->row_of = td_alloc((size_t)moved->moving, sizeof *moved->row_of, error);
+    if (moved->moving <= row_limit / TD_KEPT) moved->kept_rows = TD_KEPT * moved->moving;
+    for (int k = 0; k < TD_KEPT; k++) moved->kept[k].row = store->count + k * moved->moving;
+    return moved->stamp && moved->row_of ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+tides_status td_moved_create(const tides_scene *scene, const td_store *store, int row_limit, td_moved *moved,
+                             tides_error *error) {
+    memset(moved, 0, sizeof *moved);
+    moved->store = store;
+    tides_status status = fill(scene, row_limit, moved, error);
+    if (status != TIDES_OK) td_moved_release(moved);
+    return status;
+}
+
+void td_moved_release(td_moved *moved) {
+    td_moving_rows *rows = &moved->rows;
+    for (int i = 0; i < moved->parts && moved->part; i++) {
+        free(moved->part[i].knot_s);
+        free(moved->part[i].knot_tau);
+    }
+    free(moved->part);
+    free(moved->knots);
+    free(moved->stamp);
+    free(moved->row_of);
+    free(moved->list);
+    free(rows->gaussians);
+    free(rows->owners);
+    free(rows->moments);
+    free(rows->jobs);
+    free(rows->kind_first);
+    free(rows->host);
+    for (int i = 0; i < 4; i++) free(rows->host_row[i]);
+    memset(moved, 0, sizeof *moved);
+}
+
+int td_moved_is_knot(const td_moved *moved, double time) {
+    size_t low = 0, high = moved->knot_count;
+    while (low < high) { /* the first that isn't before `time`, to a nanosecond */
+        size_t middle = low + (high - low) / 2;
+        if (moved->knots[middle] < time - same_time)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < moved->knot_count && moved->knots[low] <= time + same_time;
+}

@@ -1,0 +1,144 @@
+/* Batches of rows of Gaussians that move by themselves: runs of one part at one time, for kernels or from the host. */
+#include "td_moved.h"
+
+#include "motion/td_motion.h"
+
+#include <stdlib.h>
+
+enum { JOB_LENGTH = 256 }; /* Gaussians per work-group: many short ones keep all threads busy */
+
+void td_rows_begin(td_moved *moved, int row) {
+    td_moving_rows *rows = &moved->rows;
+    rows->row = row;
+    rows->count = rows->moment_count = rows->job_count = rows->host_runs = rows->host_count = 0;
+}
+
+tides_status td_rows_reserve(td_moved *moved, int more, tides_error *error) {
+    td_moving_rows *rows = &moved->rows;
+    size_t count = (size_t)rows->count + (size_t)more;
+    tides_status status =
+        td_reserve((void **)&rows->gaussians, &rows->gaussian_capacity, count, sizeof *rows->gaussians, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&rows->owners, &rows->owner_capacity, 2 * count, sizeof *rows->owners, error);
+    return status;
+}
+
+void td_rows_add(td_moved *moved, const td_moved_part *part, int gaussian) {
+    td_moving_rows *rows = &moved->rows;
+    int i = rows->count++;
+    rows->gaussians[i] = moved->store->number[gaussian];
+    rows->owners[2 * i] = gaussian;
+    rows->owners[2 * i + 1] = part->moves_sh ? rows->row + i : gaussian;
+}
+
+/* Own time of a second: at a knot exactly the knot's, so that it is clear which side of it rates are asked for. */
+static tides_status own_time(const td_moved_part *part, double time, double *tau, double *tau_dot, tides_error *error) {
+    const double same_time = 1e-9; /* [s] */
+    tides_status status = td_motion_time(part->of.motion, part->of.duration_s, time, tau, tau_dot, error);
+    if (status != TIDES_OK) return td_fail_within(error, status, "object '%.80s'", part->of.name);
+    size_t low = 0, high = part->knots;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (part->knot_s[middle] < time - same_time)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    if (low < part->knots && part->knot_s[low] <= time + same_time) *tau = part->knot_tau[low];
+    return TIDES_OK;
+}
+
+static tides_status add_host_run(td_moved *moved, const td_moved_part *part, int first, const double at[2], int side,
+                                 tides_error *error) {
+    td_moving_rows *rows = &moved->rows;
+    size_t from = (size_t)rows->host_count, count = (size_t)(rows->count - first), sh = (size_t)moved->store->sh_stride;
+    size_t width[4] = {TD_GEOMETRY_STRIDE, TD_GEOMETRY_STRIDE, sh, sh};
+    int arrays = moved->store->movers.moves_sh ? 4 : 2;
+    tides_status status =
+        td_reserve((void **)&rows->host, &rows->host_capacity, (size_t)rows->host_runs + 1, sizeof *rows->host, error);
+    for (int i = 0; i < arrays && status == TIDES_OK; i++)
+        status = td_reserve((void **)&rows->host_row[i], &rows->host_row_capacity[i], (from + count) * width[i],
+                            sizeof *rows->host_row[i], error);
+    if (status != TIDES_OK) return status;
+    td_mover_numbers numbers; /* a callback reads none */
+    memset(&numbers, 0, sizeof numbers);
+    numbers.moves_sh = part->moves_sh;
+    td_motion_sink sink = {rows->host_row[0] + from * TD_GEOMETRY_STRIDE, rows->host_row[1] + from * TD_GEOMETRY_STRIDE, NULL,
+                           NULL, moved->store->sh_stride};
+    for (int i = 2; i < arrays; i++) memset(rows->host_row[i] + from * sh, 0, count * sh * sizeof(double));
+    if (part->moves_sh) sink.sh = rows->host_row[2] + from * sh, sink.sh_rates = rows->host_row[3] + from * sh;
+    td_host_rows run = {rows->row + first, (int)count, (int)from};
+    rows->host[rows->host_runs++] = run;
+    rows->host_count += (int)count;
+    return td_motion_rows(part->of.motion, &part->of.gaussians, &numbers, at[0], at[1], side, 0, rows->gaussians + first,
+                          (int64_t)count, &sink, error);
+}
+
+static tides_status add_jobs(td_moved *moved, const td_moved_part *part, int first, const double at[2], int side,
+                             tides_error *error) {
+    td_moving_rows *rows = &moved->rows;
+    int count = rows->count - first, jobs = (count + JOB_LENGTH - 1) / JOB_LENGTH;
+    tides_status status = td_reserve((void **)&rows->moments, &rows->moment_capacity,
+                                     ((size_t)rows->moment_count + 1) * TD_MOMENT_REALS, sizeof *rows->moments, error);
+    if (status == TIDES_OK)
+        status =
+            td_reserve((void **)&rows->jobs, &rows->job_capacity, (size_t)(rows->job_count + jobs), sizeof *rows->jobs, error);
+    if (status != TIDES_OK) return status;
+    td_motion_moment(part->of.motion, at[0], at[1], side, rows->moments + (size_t)rows->moment_count * TD_MOMENT_REALS);
+    for (int i = first; i < rows->count; i += JOB_LENGTH) {
+        td_move_job job = {moved->store->mover[part->object],
+                           rows->moment_count,
+                           i,
+                           rows->count - i < JOB_LENGTH ? rows->count - i : JOB_LENGTH,
+                           rows->row + i,
+                           {0}};
+        rows->jobs[rows->job_count++] = job;
+    }
+    rows->moment_count++;
+    return TIDES_OK;
+}
+
+tides_status td_rows_end_run(td_moved *moved, const td_moved_part *part, int first, double time, int side, tides_error *error) {
+    td_moving_rows *rows = &moved->rows;
+    double at[2]; /* own time, and its rate */
+    if (rows->count == first) return TIDES_OK;
+    tides_status status = td_rows_reserve(moved, TD_PAD, error);
+    if (status == TIDES_OK) status = own_time(part, time, &at[0], &at[1], error);
+    if (status != TIDES_OK) return status;
+    int last = rows->owners[2 * (rows->count - 1)];
+    while ((rows->count - first) % TD_PAD) td_rows_add(moved, part, last);
+    side = time <= 0 ? 1 : time >= part->of.duration_s ? -1 : side; /* there's nothing beyond the ends */
+    return part->hosted ? add_host_run(moved, part, first, at, side, error) : add_jobs(moved, part, first, at, side, error);
+}
+
+/* Jobs kind by kind; they are few kinds, mostly one. */
+static tides_status sort_by_kind(td_moved *moved, tides_error *error) {
+    td_moving_rows *rows = &moved->rows;
+    const td_movers *movers = &moved->store->movers;
+    size_t count = (size_t)rows->job_count;
+    td_move_job *sorted = td_alloc(count + 1, sizeof *sorted, error);
+    if (!sorted) return TIDES_NO_MEMORY;
+    int at = 0;
+    for (int kind = 0; kind < movers->kinds; kind++) {
+        rows->kind_first[kind] = at;
+        for (size_t i = 0; i < count; i++)
+            if (movers->kind[rows->jobs[i].mover] == kind) sorted[at++] = rows->jobs[i];
+    }
+    rows->kind_first[movers->kinds] = at;
+    if (count) memcpy(rows->jobs, sorted, count * sizeof *sorted);
+    free(sorted);
+    return TIDES_OK;
+}
+
+tides_status td_rows_send(td_moved *moved, td_backend *backend, tides_error *error) {
+    td_moving_rows *rows = &moved->rows;
+    if (rows->count == 0) return TIDES_OK;
+    tides_status status = sort_by_kind(moved, error);
+    if (status != TIDES_OK) return status;
+    td_move_batch batch = {rows->moments,     rows->moment_count, rows->jobs,        rows->kind_first,
+                           rows->gaussians,   rows->count,        rows->row,         rows->count,
+                           rows->owners,      rows->host,         rows->host_runs,   rows->host_count,
+                           rows->host_row[0], rows->host_row[1],  rows->host_row[2], rows->host_row[3]};
+    backend->stats.gaussians_moved += (uint64_t)rows->count;
+    return backend->type->move(backend, &batch, error);
+}

@@ -1,0 +1,132 @@
+/* Gaussians that move by themselves, on an OpenCL device: a launch per model, from a batch's moments to moved rows. */
+#include "td_opencl.h"
+
+#include <stdlib.h>
+
+/* The movers in the device's precision. */
+static tides_status write_movers(opencl_backend *b, const td_movers *movers, tides_error *error) {
+    td_mover *made = td_alloc((size_t)movers->count, sizeof *made, error);
+    if (!made) return TIDES_NO_MEMORY;
+    for (int i = 0; i < movers->count; i++) {
+        float reals[TD_MOVER_REALS];
+        for (int k = 0; k < TD_MOVER_REALS; k++) reals[k] = (float)movers->row[i].real[k];
+        memcpy(&made[i], reals, sizeof reals);
+        memcpy((char *)&made[i] + sizeof reals, movers->row[i].whole, sizeof movers->row[i].whole);
+    }
+    tides_status status = td_buffer_write(b->device, &b->mover_buffer, made, (size_t)movers->count * sizeof *made, error);
+    free(made);
+    return status;
+}
+
+static tides_status make_kernel(opencl_backend *b, const td_move_kind *kind, cl_kernel *kernel, tides_error *error) {
+    if (kind->model == TD_MOTION_HOST) return TIDES_OK;
+    char *defines = td_format(error, "#define TD_BUILD_MODEL %d\n%s", kind->model, kind->defines);
+    if (!defines) return TIDES_NO_MEMORY;
+    tides_status status = td_kernel_create(b->device, "motion.cl", defines, "td_move_gaussians", kernel, error);
+    free(defines);
+    return status;
+}
+
+tides_status td_opencl_motion_create(opencl_backend *b, const td_movers *movers, tides_error *error) {
+    double begun = td_now();
+    b->movers = movers->count;
+    b->kinds = movers->kinds;
+    b->moves_sh = movers->moves_sh;
+    tides_status status = td_buffer_reserve(b->device, &b->owners, 2 * sizeof(cl_int), error); /* kernels want an argument */
+    if (status != TIDES_OK || movers->count == 0) return status;
+    b->move_kernel = td_alloc((size_t)movers->kinds, sizeof *b->move_kernel, error);
+    if (!b->move_kernel) return TIDES_NO_MEMORY;
+    status = write_movers(b, movers, error);
+    if (status == TIDES_OK)
+        status = td_opencl_write_reals(b, &b->motion_data, movers->data, movers->data_count ? movers->data_count : 1, error);
+    for (int i = 0; i < movers->kinds && status == TIDES_OK; i++)
+        status = make_kernel(b, &movers->kinds_of[i], &b->move_kernel[i], error);
+    b->base.stats.time_build_s += td_now() - begun;
+    return status;
+}
+
+void td_opencl_motion_release(opencl_backend *b) {
+    td_buffer *buffers[] = {&b->mover_buffer, &b->motion_data, &b->owners, &b->moments, &b->move_jobs, &b->move_gaussians};
+    for (int i = 0; i < b->kinds && b->move_kernel; i++)
+        if (b->move_kernel[i]) clReleaseKernel(b->move_kernel[i]);
+    for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
+    free(b->move_kernel);
+}
+
+/* Room for moved rows up to row `end`, keeping what is there. */
+static tides_status grow_rows(opencl_backend *b, size_t end, tides_error *error) {
+    size_t rows = end - (size_t)b->gaussians, row = TD_GEOMETRY_STRIDE * sizeof(cl_float);
+    size_t sh = b->moves_sh ? (size_t)b->image.sh_stride * sizeof(cl_float) : 0;
+    tides_status status = td_buffer_grow(b->device, &b->owners, 2 * rows * sizeof(cl_int), error);
+    if (status == TIDES_OK) status = td_buffer_grow(b->device, &b->geometry, end * row, error);
+    if (status == TIDES_OK) status = td_buffer_grow(b->device, &b->rates, rows * row, error);
+    if (status == TIDES_OK && sh) status = td_buffer_grow(b->device, &b->sh, end * sh, error);
+    if (status == TIDES_OK && sh) status = td_buffer_grow(b->device, &b->sh_rates, rows * sh, error);
+    return status;
+}
+
+static tides_status send_moves(opencl_backend *b, const td_move_batch *moves, tides_error *error) {
+    size_t jobs = (size_t)moves->kind_first[b->kinds], first = (size_t)(moves->row - b->gaussians);
+    tides_status status = grow_rows(b, (size_t)moves->row + (size_t)moves->row_count, error);
+    if (status == TIDES_OK)
+        status = td_buffer_write_at(b->device, &b->owners, 2 * first * sizeof(cl_int), moves->owners,
+                                    2 * (size_t)moves->row_count * sizeof(cl_int), error);
+    if (status != TIDES_OK || jobs == 0) return status;
+    status = td_opencl_write_reals(b, &b->moments, moves->moments, (size_t)moves->moment_count * TD_MOMENT_REALS, error);
+    if (status == TIDES_OK) status = td_buffer_write(b->device, &b->move_jobs, moves->jobs, jobs * sizeof *moves->jobs, error);
+    if (status == TIDES_OK)
+        status = td_buffer_write(b->device, &b->move_gaussians, moves->gaussians,
+                                 (size_t)moves->gaussian_count * sizeof *moves->gaussians, error);
+    return status;
+}
+
+/* Jobs [first, end) of one kind. */
+static tides_status launch_kind(opencl_backend *b, int kind, int first, int end, tides_error *error) {
+    size_t local = td_opencl_group_size(b), global = (size_t)(end - first) * local;
+    cl_int sh_stride = b->image.sh_stride, first_row = b->gaussians, first_job = first;
+    if (first == end) return TIDES_OK;
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->mover_buffer),
+                                     TD_BUFFER_ARGUMENT(b->motion_data),
+                                     TD_BUFFER_ARGUMENT(b->moments),
+                                     TD_BUFFER_ARGUMENT(b->move_jobs),
+                                     TD_BUFFER_ARGUMENT(b->move_gaussians),
+                                     TD_VALUE_ARGUMENT(first_job),
+                                     TD_VALUE_ARGUMENT(sh_stride),
+                                     TD_VALUE_ARGUMENT(first_row),
+                                     TD_BUFFER_ARGUMENT(b->geometry),
+                                     TD_BUFFER_ARGUMENT(b->rates),
+                                     TD_BUFFER_ARGUMENT(b->sh),
+                                     TD_BUFFER_ARGUMENT(b->sh_rates)};
+    return td_launch(b->device, b->move_kernel[kind], 1, &global, &local, arguments,
+                     (cl_uint)(sizeof arguments / sizeof *arguments), NULL, error);
+}
+
+static tides_status write_host_rows(opencl_backend *b, const td_move_batch *moves, const td_host_rows *run,
+                                    tides_error *error) {
+    size_t row = (size_t)run->row, rate = row - (size_t)b->gaussians, from = (size_t)run->from;
+    size_t geometry = (size_t)run->count * TD_GEOMETRY_STRIDE, stride = (size_t)b->image.sh_stride;
+    size_t sh = (size_t)run->count * stride;
+    tides_status status = td_opencl_write_reals_at(b, &b->geometry, row * TD_GEOMETRY_STRIDE,
+                                                   moves->host_geometry + from * TD_GEOMETRY_STRIDE, geometry, error);
+    if (status == TIDES_OK)
+        status = td_opencl_write_reals_at(b, &b->rates, rate * TD_GEOMETRY_STRIDE,
+                                          moves->host_rates + from * TD_GEOMETRY_STRIDE, geometry, error);
+    if (status != TIDES_OK || !moves->host_sh) return status;
+    status = td_opencl_write_reals_at(b, &b->sh, row * stride, moves->host_sh + from * stride, sh, error);
+    if (status == TIDES_OK)
+        status = td_opencl_write_reals_at(b, &b->sh_rates, rate * stride, moves->host_sh_rates + from * stride, sh, error);
+    return status;
+}
+
+tides_status td_opencl_move(td_backend *backend, const td_move_batch *moves, tides_error *error) {
+    opencl_backend *b = (opencl_backend *)backend;
+    double begun = td_now();
+    tides_status status = send_moves(b, moves, error);
+    for (int i = 0; i < b->kinds && status == TIDES_OK; i++)
+        status = launch_kind(b, i, moves->kind_first[i], moves->kind_first[i + 1], error);
+    for (int i = 0; i < moves->host_runs && status == TIDES_OK; i++) status = write_host_rows(b, moves, &moves->host[i], error);
+    cl_int finished = clFinish(b->device->queue);
+    if (status == TIDES_OK && finished != CL_SUCCESS) status = td_cl_fail(error, finished, "clFinish");
+    backend->stats.time_motion_s += td_now() - begun;
+    return status;
+}

@@ -1,0 +1,96 @@
+/* Internal: Gaussians that move by themselves, as the renderer keeps them: who they are, and the rows that a backend is asked to
+ * work out for them at the times of a sweep or of a batch of jobs. Compiled in double. */
+#ifndef TD_MOVED_H
+#define TD_MOVED_H
+
+#include "td_backend.h"
+#include "tides/scene.h"
+
+/* An object of the store that moves by itself; as many as there are movers, in their order. */
+typedef struct td_moved_part {
+    int object;                /* in the store */
+    int first, count;          /* its Gaussians there, without padding */
+    int base;                  /* number of the first among all that move, padded like the store */
+    int moves_sh, hosted;      /* rows have SH of their own; come from the host */
+    tides_object of;           /* the scene's object: motion, Gaussians, how long the motion lasts */
+    double *knot_s, *knot_tau; /* (knots) in seconds of the scene, ascending, and of its own time */
+    size_t knots;
+} td_moved_part;
+
+/* Rows of all that move at one time, kept from one sweep to the next. */
+typedef struct td_kept {
+    double time;
+    int side, is_there;
+    int row; /* of the first */
+} td_kept;
+
+enum { TD_KEPT = 3 };
+
+/* A td_move_batch being put together: entry i is row `row` + i. */
+typedef struct td_moving_rows {
+    int row, count;
+    int *gaussians, *owners; /* (count), (2 x count) */
+    size_t gaussian_capacity, owner_capacity;
+    double *moments;
+    int moment_count;
+    size_t moment_capacity;
+    td_move_job *jobs;
+    int job_count;
+    size_t job_capacity;
+    int *kind_first; /* (kinds + 1) */
+    td_host_rows *host;
+    int host_runs, host_count;
+    size_t host_capacity, host_row_capacity[4];
+    double *host_row[4]; /* geometry, rates, sh, sh_rates of (host_count) rows */
+} td_moving_rows;
+
+typedef struct td_moved {
+    int parts;
+    td_moved_part *part;
+    const td_store *store;
+    int moving;    /* Gaussians, padded; 0: nothing moves by itself */
+    double *knots; /* (knot_count) of all parts [s], ascending, distinct by more than a nanosecond */
+    size_t knot_count;
+    td_kept kept[TD_KEPT];
+    int kept_rows;   /* rows that are kept: TD_KEPT x moving, or 0 where that is too much */
+    uint32_t *stamp; /* (moving) serial of the slot that last wanted the Gaussian */
+    int *row_of;     /* (moving) its row there */
+    uint32_t serial;
+    int lowest, highest; /* that the slot wants */
+    td_moving_rows rows;
+    int *list; /* candidates of a launch */
+    size_t list_capacity;
+    uint64_t serial_of_list;
+} td_moved;
+
+/* Finds what moves in the scene that `store`, which must outlive it, was made of. At most `row_limit` rows are kept. */
+tides_status td_moved_create(const tides_scene *scene, const td_store *store, int row_limit, td_moved *moved,
+                             tides_error *error);
+void td_moved_release(td_moved *moved);
+
+/* 1 where rates of some motion may jump at `time`, to a nanosecond. */
+int td_moved_is_knot(const td_moved *moved, double time);
+
+/* -- rows (moved_rows.c) -- */
+
+/* Begins a batch of rows, the first of which is `row`. */
+void td_rows_begin(td_moved *moved, int row);
+
+/* Adds a Gaussian of a part, by its number in the store; its row is moved->rows.row + rows.count then. Room must be there. */
+tides_status td_rows_reserve(td_moved *moved, int more, tides_error *error);
+void td_rows_add(td_moved *moved, const td_moved_part *part, int gaussian);
+
+/* Ends a run of Gaussians of one part that began at entry `first`: pads it and asks for it at `time`. */
+tides_status td_rows_end_run(td_moved *moved, const td_moved_part *part, int first, double time, int side, tides_error *error);
+
+/* Has the backend work out the batch. */
+tides_status td_rows_send(td_moved *moved, td_backend *backend, tides_error *error);
+
+/* -- sweeps (moved_sweep.c) -- */
+
+/* Boxes and travel of all that moves over [start, stop], as td_backend_class.sweep gives them. At an instant, start = stop,
+ * rates are those of `side`. */
+tides_status td_moved_sweep(td_moved *moved, td_backend *backend, const double *views, double start, double stop, int side,
+                            int row_limit, float *boxes, float *travel, tides_error *error);
+
+#endif

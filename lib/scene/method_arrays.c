@@ -1,0 +1,23 @@
+/* What the readers of arrays share. */
+#include "scene/td_method_arrays.h"
+
+#include "motion/td_motion.h"
+
+float td_sh_of_colour(double colour) { return (float)((colour - 0.5) / 0.28209479177387814); /* kernels/sh.h */ }
+
+tides_status td_arrays_finish(tides_status status, const char *path, td_gaussians *made, tides_motion *moves,
+                              td_gaussians *gaussians, tides_motion **motion, tides_error *error) {
+    if (status == TIDES_OK) {
+        const tides_gaussians view = td_gaussians_view(made);
+        status = td_gaussians_check(made, 1, TIDES_BAD_FILE, error);
+        if (status == TIDES_OK) status = moves->type->check(moves, &view, error);
+    }
+    if (status == TIDES_OK) {
+        *gaussians = *made;
+        *motion = moves;
+        return TIDES_OK;
+    }
+    tides_motion_destroy(moves);
+    td_gaussians_free(made);
+    return td_fail_within(error, status, "%s", path);
+}

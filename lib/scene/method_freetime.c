@@ -1,0 +1,56 @@
+/* FreeTimeGS (Wang et al. 2025) as gsplat's checkpoints hold it: the splats' own arrays (gsplat_checkpoint.c) and
+ *     times [N, 1]   durations [N, 1] (ln)   velocities [N, 3]
+ * mean = mean_0 + velocity dt and opacity = sigmoid exp(-(dt / duration)^2 / 2) with dt = tau - time and durations of at least
+ * 0.02: a polynomial motion. tau is from 0 to 1. */
+#include "scene/td_method_arrays.h"
+
+#include "archive/td_pickle.h"
+#include "td_base.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double DURATION_LEAST = 0.02;
+
+/* Velocities to the first of three coefficients; durations to ln of a width without the 1/2. */
+static tides_status make_motion(int64_t count, const float *times, float *durations, const float *velocities,
+                                tides_motion **motion, tides_error *error) {
+    float *coefficient = td_alloc((size_t)count, 9 * sizeof *coefficient, error);
+    float *still = td_alloc((size_t)count, 4 * sizeof *still, error);
+    tides_status status = coefficient && still ? TIDES_OK : TIDES_NO_MEMORY;
+    for (int64_t i = 0; i < count && status == TIDES_OK; i++) {
+        durations[i] = (float)(log(fmax(exp((double)durations[i]), DURATION_LEAST)) + 0.5 * log(2));
+        for (int k = 0; k < 3; k++) coefficient[9 * i + k] = velocities[3 * i + k];
+    }
+    const tides_polynomial_motion arrays = {.count = count,
+                                            .stop = 1,
+                                            .opacity_centre = times,
+                                            .opacity_log_width = durations,
+                                            .mean_coefficient = coefficient,
+                                            .quaternion_dot = still};
+    if (status == TIDES_OK) status = tides_motion_create_polynomial(&arrays, motion, error);
+    free(coefficient);
+    free(still);
+    return status;
+}
+
+tides_status td_freetime_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error) {
+    td_tree *tree = NULL;
+    td_gaussians made = {0};
+    tides_motion *moves = NULL;
+    float *times = NULL, *durations = NULL, *velocities = NULL;
+    tides_status status = td_gsplat_read(dir->weights, &made, error);
+    if (status != TIDES_OK) return status;
+    status = td_torch_open(dir->weights, &tree, error);
+    const td_value *splats = status == TIDES_OK ? td_value_get(td_tree_root(tree), "splats") : NULL;
+    const int64_t one[] = {made.count, 1}, three[] = {made.count, 3};
+    if (status == TIDES_OK) status = td_value_floats(splats, "times", 2, one, &times, error);
+    if (status == TIDES_OK) status = td_value_floats(splats, "durations", 2, one, &durations, error);
+    if (status == TIDES_OK) status = td_value_floats(splats, "velocities", 2, three, &velocities, error);
+    td_tree_free(tree);
+    if (status == TIDES_OK) status = make_motion(made.count, times, durations, velocities, &moves, error);
+    free(times);
+    free(durations);
+    free(velocities);
+    return td_arrays_finish(status, dir->weights, &made, moves, gaussians, motion, error);
+}

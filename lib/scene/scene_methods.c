@@ -1,0 +1,108 @@
+/* Trained models as scenes: one reader per method. */
+#include "scene/td_method_arrays.h"
+#include "scene/td_method_networks.h"
+#include "td_base.h"
+#include "td_model_files.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Reads what model_dir.c found; as td_scene_add_model. */
+typedef tides_status reader(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
+                            tides_error *error);
+
+/* The folder's name is the object's, where it has one. */
+static const char *name_of(const td_model_dir *dir, const char *otherwise) {
+    const char *name = td_base_name(dir->folder);
+    return name[0] && strcmp(name, ".") != 0 && strcmp(name, "..") != 0 ? name : otherwise;
+}
+
+static tides_status read_inria(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
+                               tides_error *error) {
+    return td_scene_add_ply(scene, dir->points, name_of(dir, "point_cloud"), trajectory, scale, error);
+}
+
+static tides_status read_gsplat(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
+                                tides_error *error) {
+    td_gaussians gaussians;
+    memset(&gaussians, 0, sizeof gaussians);
+    tides_status status = td_gsplat_read(dir->weights, &gaussians, error);
+    if (status) return status;
+    status = td_scene_take(scene, &gaussians, trajectory, scale, name_of(dir, "gsplat"), dir->weights, NULL, error);
+    if (status) td_fail_within(error, status, "%s", dir->weights);
+    td_gaussians_free(&gaussians);
+    return status;
+}
+
+/* Gaussians and their motion, as one object. */
+typedef tides_status opener(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
+
+static tides_status add_moving(tides_scene *scene, const td_model_dir *dir, opener *open, const tides_trajectory *trajectory,
+                               double scale, tides_error *error) {
+    td_gaussians gaussians;
+    tides_motion *motion = NULL;
+    const char *source = dir->points ? dir->points : dir->weights ? dir->weights : dir->folder;
+    memset(&gaussians, 0, sizeof gaussians);
+    tides_status status = open(dir, &gaussians, &motion, error);
+    if (status) return status;
+    status = td_scene_take(scene, &gaussians, trajectory, scale, name_of(dir, "model"), source, NULL, error);
+    if (!status) {
+        status = td_scene_give_motion(scene, motion, 0, error);
+        if (status) td_scene_truncate(scene, scene->count - 1);
+    }
+    if (status) {
+        td_fail_within(error, status, "%s", source);
+        tides_motion_destroy(motion);
+    }
+    td_gaussians_free(&gaussians);
+    return status;
+}
+
+static tides_status read_stg(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
+                             tides_error *error) {
+    return add_moving(scene, dir, td_stg_open, trajectory, scale, error);
+}
+
+static tides_status read_fudan4d(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
+                                 tides_error *error) {
+    return add_moving(scene, dir, td_fudan4d_open, trajectory, scale, error);
+}
+
+static tides_status read_dyn3dgs(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
+                                 tides_error *error) {
+    return add_moving(scene, dir, td_dyn3dgs_open, trajectory, scale, error);
+}
+
+static tides_status read_frames(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
+                                tides_error *error) {
+    return add_moving(scene, dir, td_frames_open, trajectory, scale, error);
+}
+
+static tides_status read_fourdgs(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
+                                 tides_error *error) {
+    return add_moving(scene, dir, td_fourdgs_open, trajectory, scale, error);
+}
+
+static tides_status read_deformable(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory,
+                                    double scale, tides_error *error) {
+    return add_moving(scene, dir, td_deformable_open, trajectory, scale, error);
+}
+
+static tides_status read_freetime(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
+                                  tides_error *error) {
+    return add_moving(scene, dir, td_freetime_open, trajectory, scale, error);
+}
+
+/* One line per method that can be read. */
+static reader *const readers[TD_METHODS] = {
+    [TD_METHOD_INRIA] = read_inria,       [TD_METHOD_GSPLAT] = read_gsplat,   [TD_METHOD_STG] = read_stg,
+    [TD_METHOD_FUDAN4D] = read_fudan4d,   [TD_METHOD_DYN3DGS] = read_dyn3dgs, [TD_METHOD_FRAMES] = read_frames,
+    [TD_METHOD_FREETIME] = read_freetime, [TD_METHOD_FOURDGS] = read_fourdgs, [TD_METHOD_DEFORMABLE] = read_deformable,
+};
+
+tides_status td_scene_add_model(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
+                                tides_error *error) {
+    if (readers[dir->method]) return readers[dir->method](scene, dir, trajectory, scale, error);
+    return td_fail(error, TIDES_UNSUPPORTED, "%s: holds a model of %s, whose motion this version can't read", dir->folder,
+                   td_method_name(dir->method));
+}

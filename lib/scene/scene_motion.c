@@ -1,0 +1,43 @@
+/* Objects whose Gaussians move by themselves. */
+#include "motion/td_motion.h"
+#include "td_scene.h"
+
+#include <math.h>
+
+tides_status td_scene_give_motion(tides_scene *scene, tides_motion *motion, double duration_s, tides_error *error) {
+    td_object *object = &scene->objects[scene->count - 1];
+    tides_gaussians gaussians = td_gaussians_view(&object->gaussians);
+    double own = motion->stop - motion->start;
+    if (!(duration_s >= 0 && isfinite(duration_s)))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "duration_s is %g: must be a number of seconds, 0 for the motion's own",
+                       duration_s);
+    tides_status status = motion->type->check(motion, &gaussians, error);
+    if (status) return status;
+    object->motion = motion;
+    object->duration_s = duration_s > 0 ? duration_s : own;
+    return TIDES_OK;
+}
+
+tides_status tides_scene_add_moving(tides_scene *scene, const tides_gaussians *gaussians, tides_motion *motion,
+                                    double duration_s, const tides_trajectory *trajectory, double scale, const char *name,
+                                    int32_t *index, tides_error *error) {
+    if (!motion) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_scene_add_moving: motion is NULL");
+    tides_status status = tides_scene_add(scene, gaussians, trajectory, scale, name, index, error);
+    if (status) return status;
+    status = td_scene_give_motion(scene, motion, duration_s, error);
+    if (status) {
+        td_fail_within(error, status, "object %zu", scene->count - 1);
+        td_scene_truncate(scene, scene->count - 1);
+    }
+    return status;
+}
+
+int32_t tides_scene_set_duration(tides_scene *scene, double duration_s) {
+    int32_t count = 0;
+    for (size_t i = 0; scene && i < scene->count; i++)
+        if (scene->objects[i].motion) {
+            scene->objects[i].duration_s = duration_s;
+            count++;
+        }
+    return count;
+}

@@ -1,0 +1,24 @@
+/* Internal: readers of methods whose motion is arrays per Gaussian. Each gives raw Gaussians and their motion, both the
+ * caller's on success. TIDES_BAD_FILE naming what is missing or doesn't fit; TIDES_UNSUPPORTED naming what this version can't
+ * do. */
+#ifndef TD_METHOD_ARRAYS_H
+#define TD_METHOD_ARRAYS_H
+
+#include "scene/td_model_dir.h"
+#include "scene/td_scene.h"
+#include "tides/motion.h"
+
+tides_status td_stg_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
+tides_status td_fudan4d_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
+tides_status td_dyn3dgs_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
+tides_status td_freetime_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
+tides_status td_frames_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
+
+/* The zeroth coefficient that shows as this plain colour. */
+float td_sh_of_colour(double colour);
+
+/* Checks the motion against the Gaussians; on failure frees both and hands out nothing. */
+tides_status td_arrays_finish(tides_status status, const char *path, td_gaussians *made, tides_motion *moves,
+                              td_gaussians *gaussians, tides_motion **motion, tides_error *error);
+
+#endif
