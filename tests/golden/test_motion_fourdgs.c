@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "scene/td_method_networks.h"
 #include "tests/support/golden_rows.h"
 #include "tests/support/shared.h"
 
@@ -41,13 +42,14 @@ static void compare_times(const char *name, const packed_motion *packed, npz *fi
 static int visit(void *user, const char *path, const char *name) {
     char golden[512];
     td_gaussians gaussians = {0};
+    td_model_dir dir;
     tides_motion *motion = NULL;
     tides_error error = {0};
     (void)user;
     snprintf(golden, sizeof golden, "%s/golden_theta.npz", path);
     npz *file = npz_open(golden);
     assert_non_null(file);
-    td_model_dir dir = golden_model_find(path, "%s/point_cloud/%s/deformation.pth");
+    if (td_model_dir_find(path, &dir, &error) != TIDES_OK) fail_msg("%s", error.text);
     if (td_fourdgs_open(&dir, &gaussians, &motion, &error) != TIDES_OK) fail_msg("%s", error.text);
     tides_gaussians view = td_gaussians_view(&gaussians);
     packed_motion packed = packed_motion_make(motion, &view);
@@ -55,7 +57,7 @@ static int visit(void *user, const char *path, const char *name) {
     packed_motion_free(&packed);
     tides_motion_destroy(motion);
     td_gaussians_free(&gaussians);
-    golden_model_free(&dir);
+    td_model_dir_free(&dir);
     npz_close(file);
     return 0;
 }

@@ -1,9 +1,5 @@
 #include "tests/support/golden_rows.h"
 
-#include "archive/td_pyrepr.h"
-#include "td_base.h"
-#include "tests/support/shared.h"
-
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -13,36 +9,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static int keep_name(void *user, const char *path, const char *name) {
-    (void)path;
-    snprintf(user, 64, "%s", name);
-    return 0;
-}
-
-td_model_dir golden_model_find(const char *folder, const char *weights) {
-    td_model_dir dir;
-    tides_error error = {0};
-    char iteration[64] = "", *points = td_format(NULL, "%s/point_cloud", folder);
-    memset(&dir, 0, sizeof dir);
-    assert_int_equal(shared_scan(points, "", keep_name, iteration), 1);
-    dir.folder = td_strdup(folder, NULL);
-    dir.points = td_format(NULL, "%s/%s/point_cloud.ply", points, iteration);
-    dir.weights = td_format(NULL, weights, folder, iteration);
-    char *cfg = td_format(NULL, "%s/cfg_args", folder);
-    if (td_pyrepr_open(cfg, &dir.cfg, &error) != TIDES_OK) fail_msg("%s", error.text);
-    free(cfg);
-    free(points);
-    return dir;
-}
-
-void golden_model_free(td_model_dir *dir) {
-    free(dir->folder);
-    free(dir->points);
-    free(dir->weights);
-    td_tree_free(dir->cfg);
-    memset(dir, 0, sizeof *dir);
-}
 
 /* An array at one time, and its rates; owned. */
 typedef struct slice {

@@ -3,14 +3,8 @@
 #ifndef TESTS_SUPPORT_GOLDEN_ROWS_H
 #define TESTS_SUPPORT_GOLDEN_ROWS_H
 
-#include "scene/td_method_networks.h"
 #include "tests/support/motion_rows.h"
 #include "tests/support/npz.h"
-
-/* A model directory found by hand: the only iteration below FOLDER/`points`, and `weights` with %s for that iteration's name.
- * The caller frees it with golden_model_free. */
-td_model_dir golden_model_find(const char *folder, const char *weights);
-void golden_model_free(td_model_dir *dir);
 
 /* Names of the file's arrays, each with its rate under NAME_dot. */
 typedef struct golden_names {
