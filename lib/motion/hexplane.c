@@ -125,7 +125,8 @@ static tides_status check(const tides_motion *motion, const tides_gaussians *gau
 
 static int time_rows(const tides_motion *motion) { return (int)td_hexplane_plane(motion, 0, 2)->shape[2]; }
 
-/* Rates are the left cell's at t = 1, where nothing begins (PyTorch clips the row, and gives 0), and at t = 0 the right one's. */
+/* Rates at t = 1, where nothing begins, are the left cell's (PyTorch clips the row there, and gives 0), and at t = 0 the right
+ * one's. */
 static void moment(const tides_motion *motion, double tau, int side, double real[TD_MOMENT_REALS]) {
     int rows = time_rows(motion), first = td_hexplane_first_row(rows);
     double t = tau < 0 ? 0 : tau > 1 ? 1 : tau;

@@ -1,4 +1,5 @@
-/* Deformable-3D-Gaussians against its own code, differentiated in double precision: every model of $TIDES_SHARED/golden/deformable. */
+/* Deformable-3D-Gaussians against its own code, differentiated in double precision: every model of
+ * $TIDES_SHARED/golden/deformable. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,7 +1,9 @@
+/* Motions on an OpenCL device. Aborts where the device fails. */
 #include "tests/support/motion_device.h"
 
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 static void expect(tides_status status, const char *what, const tides_error *error) {
     if (status == TIDES_OK) return;
@@ -74,7 +76,18 @@ void motion_device_set(motion_device *on, const int *index, int count, int job_s
     free(job);
 }
 
-double motion_device_run(motion_device *on, double tau, int side) {
+motion_time motion_time_now(void) {
+    struct timespec processor = {0};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &processor);
+    return (motion_time){td_now(), (double)processor.tv_sec + 1e-9 * (double)processor.tv_nsec};
+}
+
+motion_time motion_time_since(motion_time begun) {
+    motion_time now = motion_time_now();
+    return (motion_time){now.elapsed - begun.elapsed, now.processor - begun.processor};
+}
+
+motion_time motion_device_run(motion_device *on, double tau, int side) {
     tides_error error = {0};
     double moment[TD_MOMENT_REALS];
     size_t local = 1, global = (size_t)on->jobs_count;
@@ -88,10 +101,10 @@ double motion_device_run(motion_device *on, double tau, int side) {
                                      TD_BUFFER_ARGUMENT(on->geometry), TD_BUFFER_ARGUMENT(on->rates),
                                      TD_BUFFER_ARGUMENT(on->sh),       TD_BUFFER_ARGUMENT(on->sh_rates)};
     clFinish(on->device->queue);
-    double begun = td_now();
+    motion_time begun = motion_time_now();
     expect(td_launch(on->device, on->kernel, 1, &global, &local, arguments, 12, NULL, &error), "launch", &error);
     clFinish(on->device->queue);
-    return td_now() - begun;
+    return motion_time_since(begun);
 }
 
 static void read_reals(motion_device *on, const td_buffer *buffer, double *to, size_t count) {

@@ -21,8 +21,16 @@ void motion_device_free(motion_device *on);
 /* Sets what the next launches work out: Gaussians index[0 .. count) (NULL: all in order) in jobs of at most `job_size`. */
 void motion_device_set(motion_device *on, const int *index, int count, int job_size);
 
-/* One launch at own time tau, finished; returns its seconds. */
-double motion_device_run(motion_device *on, double tau, int side);
+/* Seconds of a launch: on the clock, and of all the process's threads together (a machine with other work to do shows there
+ * what the work takes). */
+typedef struct motion_time {
+    double elapsed, processor;
+} motion_time;
+motion_time motion_time_now(void);
+motion_time motion_time_since(motion_time begun);
+
+/* One launch at own time tau, finished. */
+motion_time motion_device_run(motion_device *on, double tau, int side);
 
 /* The rows of the last launch. */
 motion_rows motion_device_read(motion_device *on, int count);

@@ -1,3 +1,4 @@
+/* Rows of motions, over move.h. Aborts where the motion or memory fails. */
 #include "tests/support/motion_rows.h"
 
 #include "tests/support/move.h"

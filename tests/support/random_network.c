@@ -1,3 +1,4 @@
+/* Random deformation networks. Aborts where memory fails. */
 #include "tests/support/random_network.h"
 
 #include "motion/td_hexplane.h"
