@@ -19,7 +19,8 @@
 
 enum { COUNT = 5 };
 
-/* torch.save of an OrderedDict of the motion's arrays with `prefix` before their names, and one more key that no reader knows. */
+/* torch.save of an OrderedDict of the motion's arrays with `prefix` before their names, and one more key that no reader knows
+ * of. */
 static void write_weights(const char *path, const tides_motion *motion, const char *prefix) {
     scene_bytes pickle = {0};
     pickle_storage_bytes storages[TD_FIELDS_MAX];
