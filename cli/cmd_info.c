@@ -9,13 +9,26 @@
 
 /* -- scenes --------------------------------------------------------------------------------------------------------- */
 
+/* Model, how many Gaussians it moves, its own time and how long that lasts here, and times at which rates may jump. */
+static void add_motion(cJSON *json, const tides_object *object) {
+    double start, stop;
+    tides_motion_range(object->motion, &start, &stop);
+    cJSON_AddStringToObject(json, "motion", tides_motion_model(object->motion));
+    cJSON_AddNumberToObject(json, "gaussians_moving", (double)tides_motion_moving(object->motion, &object->gaussians));
+    cJSON_AddNumberToObject(json, "own_start", start);
+    cJSON_AddNumberToObject(json, "own_stop", stop);
+    cJSON_AddNumberToObject(json, "duration_s", object->duration_s);
+    cJSON_AddNumberToObject(json, "knots", (double)tides_motion_knots(object->motion));
+}
+
 static cJSON *object_json(const tides_object *object) {
     cJSON *json = cJSON_CreateObject();
     cJSON_AddStringToObject(json, "name", object->name && object->name[0] ? object->name : "-");
     cJSON_AddNumberToObject(json, "gaussians", (double)object->gaussians.count);
     cJSON_AddNumberToObject(json, "sh_degree", object->gaussians.sh_degree);
     cJSON_AddNumberToObject(json, "scale", object->scale);
-    cJSON_AddBoolToObject(json, "moving", object->trajectory != NULL && !tides_trajectory_is_static(object->trajectory));
+    cJSON_AddBoolToObject(json, "moving",
+                          object->motion || (object->trajectory && !tides_trajectory_is_static(object->trajectory)));
     double start, stop;
     if (object->trajectory) {
         tides_trajectory_range(object->trajectory, &start, &stop);
@@ -24,6 +37,7 @@ static cJSON *object_json(const tides_object *object) {
             cJSON_AddNumberToObject(json, "stop_s", stop);
         }
     }
+    if (object->motion) add_motion(json, object);
     return json;
 }
 

@@ -12,6 +12,7 @@ static int32_t add_times(cJSON *root, const tides_stats *s) {
         double seconds;
     } parts[] = {
         {"build", s->render.time_build_s},
+        {"motion", s->render.time_motion_s},
         {"sweep", s->render.time_sweep_s},
         {"project", s->render.time_project_s},
         {"sort", s->render.time_sort_s},
@@ -45,6 +46,7 @@ static int32_t add_counts(cJSON *root, const tides_stats *s) {
         {"tile_jobs_skipped", (double)s->render.tile_jobs_skipped},
         {"tile_steps_still", (double)s->tile_steps_still},
         {"gaussians_still", (double)s->render.gaussians_still},
+        {"gaussians_moved", (double)s->render.gaussians_moved},
         {"gaussians_total", (double)s->render.gaussians_total},
         {"gaussians_projected", (double)s->render.gaussians_projected},
         {"gaussians_culled", (double)s->render.gaussians_culled},

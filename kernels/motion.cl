@@ -1,5 +1,5 @@
-/* One work-group per move job: its Gaussians, TD_LANES at a time, to rows of geometry and rates (movers.h). Rates begin with row
- * first_row's. */
+/* One work-group per move job: its Gaussians, TD_LANES at a time, to rows of geometry and rates (movers.h). Rates begin with
+ * row first_row's. */
 #include "movers.h"
 
 __kernel void td_move_gaussians(__global const td_mover *movers, __global const float *data, __global const float *moments,

@@ -1,7 +1,7 @@
 /* 4-D Gaussians seen at a time (4d-gaussian-splatting of Fudan, Yang et al. 2024): a Gaussian in space and time, sliced at tau,
  * is one in space whose mean drifts evenly, whose covariance is the same at all times, and whose opacity is a bell.
  *
- *   dt = tau - centre      mean = mean_0 + velocity dt      opacity = opacity_0 marginal      marginal = exp(-dt^2 / (2 variance))
+ *   dt = tau - centre     mean = mean_0 + velocity dt     opacity = opacity_0 marginal     marginal = exp(-dt^2 / (2 variance))
  *   sh_j = sum_k cos(2 pi k dt / period) sh_kj
  *
  * Their renderer drops what has marginal <= 0.05: a jump of 5 % of the opacity. Where the image is made continuous (`fades`),

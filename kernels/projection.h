@@ -198,9 +198,10 @@ TD_INLINE td_colour td_project_colour(TD_GLOBAL const td_view *view, const td_im
     td_index safe = td_not_below_0(gaussian);
     td_index index = safe * TD_GEOMETRY_STRIDE;
     td_dual d[3];
+    int origin = image->moving ? TD_G_ORIGIN : TD_G_MEAN; /* the same for what doesn't move, and at hand */
     for (int j = 0; j < 3; j++) {
         td_dual eye = td_dual_make(td_splat(view->eye[j]), td_splat(view->eye_dot[j]));
-        d[j] = td_dual_sub(td_entry(source, image, index, TD_G_ORIGIN + j), eye);
+        d[j] = td_dual_sub(td_entry(source, image, index, origin + j), eye);
     }
     /* A Gaussian at the eye itself is behind the near plane; the offset only keeps 1/length finite. */
     td_dual length = td_dual_sqrt(td_dual_offset(td_dual_dot3(d, d), TD_REAL(1e-30)));

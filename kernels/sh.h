@@ -1,5 +1,6 @@
-/* Colour from spherical harmonics and its rate through the view direction (paper, Sec. 3.2). Basis order, signs and constants
- * are INRIA's (Kerbl et al. 2023), degree 4 as in gsplat; colour = max(floor, 1/2 + sum_k Y_k(d) sh_k) per channel, floor 0 in 3DGS. */
+/* Colour from spherical harmonics and its rate through the view direction (paper, Sec. 3.2). Basis order, signs and
+ * constants are INRIA's (Kerbl et al. 2023), degree 4 as in gsplat; colour = max(floor, 1/2 + sum_k Y_k(d) sh_k) per
+ * channel, floor 0 in 3DGS. */
 #ifndef TD_SH_H
 #define TD_SH_H
 

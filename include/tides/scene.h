@@ -42,8 +42,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add(tides_scene *scene, cons
                                                         int32_t *index, tides_error *error);
 
 /* The same for Gaussians that move by themselves, `gaussians` being the motion's canonical ones. The motion is taken over on
- * success. Its own time, start to stop, runs from second 0 of the scene to duration_s (0: stop - start seconds); what it gives
- * is then moved by the trajectory and scaled like any object. TIDES_BAD_FILE where motion and Gaussians don't belong together. */
+ * success. Its own time, start to stop, runs from second 0 of the scene to duration_s (0: stop - start seconds); what it
+ * gives is then moved by the trajectory and scaled like any object. TIDES_BAD_FILE where motion and Gaussians don't belong
+ * together. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add_moving(tides_scene *scene, const tides_gaussians *gaussians,
                                                                tides_motion *motion, double duration_s,
                                                                const tides_trajectory *trajectory, double scale,
@@ -94,6 +95,11 @@ typedef struct tides_object {
 } tides_object;
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_object *object,
                                                            tides_error *error);
+
+/* How many of an object's Gaussians move, the others being the same at all times; -1 without memory to find out. And how many
+ * times there are at which their rates may jump. */
+TIDES_API int64_t tides_motion_moving(const tides_motion *motion, const tides_gaussians *gaussians);
+TIDES_API uint64_t tides_motion_knots(const tides_motion *motion);
 
 /* Axis-aligned box of the means, objects at their start or, for a static path, in place. */
 TIDES_API void tides_scene_bounds(const tides_scene *scene, double lower[3], double upper[3]);

@@ -178,7 +178,8 @@ static int box_kind(const tides_renderer *renderer, int object, int kept) {
     return kept && !renderer->object_moves[object] ? BOX_KEPT : BOX_WANTED;
 }
 
-/* Boxes of every Gaussian that doesn't move by itself; where the camera rests where it rested, only of the objects that move. */
+/* Boxes of every Gaussian that doesn't move by itself; where the camera rests where it rested, only of the objects that
+ * move. */
 static tides_status sweep_boxes(tides_renderer *renderer, const tides_trajectory *camera, double start, double duration,
                                 tides_error *error) {
     const double *views = (const double *)renderer->views;

@@ -1,5 +1,5 @@
-/* Internal: Gaussians that move by themselves, as the renderer keeps them: who they are, and the rows that a backend is asked to
- * work out for them at the times of a sweep or of a batch of jobs. Compiled in double. */
+/* Internal: Gaussians that move by themselves, as the renderer keeps them: who they are, and the rows that a backend is
+ * asked to work out for them at the times of a sweep or of a batch of jobs. Compiled in double. */
 #ifndef TD_MOVED_H
 #define TD_MOVED_H
 

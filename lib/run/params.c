@@ -38,7 +38,7 @@
 static const tides_param table[] = {
     STRING("scene.file", "null", "splat file (.ply or .h5); may be left out where scene.objects are given"),
     VECTOR3("scene.background", "", 0, 1e6, "[0,0,0]", "linear colour behind everything"),
-    LATER_NUMBER("scene.duration_s", "s", 1e-9, LAST_SECOND, "null", "seconds that a dynamic scene's own time [0, 1] lasts"),
+    NUMBER("scene.duration_s", "s", 1e-9, LAST_SECOND, "null", "seconds that motions last; null takes the scene's own"),
     OBJECTS("scene.objects", "[]", "more splat files, each {file, trajectory, scale}; a trajectory moves it as a rigid body"),
 
     STRING("camera.file", NULL, "path of the camera: TIDES JSON, transforms.json, cameras.json, TUM text or ESIM csv"),

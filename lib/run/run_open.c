@@ -68,6 +68,14 @@ done:
     return status;
 }
 
+/* scene.duration_s, where it is given; a scene without motion has no use for it. */
+static tides_status set_duration(const tides_run *run, tides_scene *scene, tides_error *error) {
+    if (!cJSON_IsNumber(td_run_value(run, "scene.duration_s"))) return TIDES_OK;
+    if (tides_scene_set_duration(scene, td_run_number(run, "scene.duration_s")) > 0) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_CONFIG,
+                   "%s: scene.duration_s is given, but no object of the scene moves by itself; leave it out", run->origin);
+}
+
 static tides_status open_scene(const tides_run *run, tides_scene **scene, tides_error *error) {
     tides_scene *made = NULL;
     tides_status status = tides_scene_create(&made, error);
@@ -78,6 +86,7 @@ static tides_status open_scene(const tides_run *run, tides_scene **scene, tides_
     cJSON_ArrayForEach(object, td_run_value(run, "scene.objects")) {
         if (status == TIDES_OK) status = add_object(run, object, index++, made, error);
     }
+    if (status == TIDES_OK) status = set_duration(run, made, error);
     if (status == TIDES_OK)
         *scene = made;
     else

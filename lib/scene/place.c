@@ -175,8 +175,8 @@ static int is_plausible(const td_place *place, hid_t set, const uint64_t shape[T
 }
 
 tides_status td_place_shape(const td_place *place, const char *name, int rank, uint64_t shape[TD_PLACE_RANK_MAX]) {
-    hsize_t found[TD_PLACE_RANK_MAX] = {0, 0, 0};
-    uint64_t result[TD_PLACE_RANK_MAX] = {1, 1, 1};
+    hsize_t found[TD_PLACE_RANK_MAX] = {0};
+    uint64_t result[TD_PLACE_RANK_MAX] = {1, 1, 1, 1};
     hid_t set = open_floats(place, name);
     if (set < 0)
         return td_fail(place->error, TIDES_BAD_FILE, "%s: dataset %s of %s is missing or doesn't hold floating-point numbers",
@@ -208,7 +208,7 @@ tides_status td_place_read(const td_place *place, const char *name, hid_t memory
 
 tides_status td_place_write(const td_place *place, const char *name, hid_t file_type, hid_t memory_type, int rank,
                             const uint64_t *shape, const void *values) {
-    hsize_t extent[TD_PLACE_RANK_MAX] = {0, 0, 0};
+    hsize_t extent[TD_PLACE_RANK_MAX] = {0};
     for (int i = 0; i < rank && i < TD_PLACE_RANK_MAX; i++) extent[i] = shape[i];
     hid_t space = H5Screate_simple(rank, extent, NULL), set = H5I_INVALID_HID;
     hid_t properties = H5Pcreate(H5P_DATASET_CREATE);

@@ -153,6 +153,9 @@ static tides_status save_ply(const tides_scene *scene, const char *file, tides_e
     if (object->trajectory)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: a .ply has no place for the trajectory of '%.80s': save it as .h5", file,
                        object->name);
+    if (object->motion)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: a .ply has no place for the motion of '%.80s': save it as .h5", file,
+                       object->name);
     return td_ply_write(file, &object->gaussians, object->scale, error);
 }
 

@@ -1,7 +1,7 @@
-/* TIDES's own scene file, HDF5, read. Version 1 of the layout:
+/* TIDES's own scene file, HDF5, read. Version 2 of the layout (1 has no motion, and is still written where there's none):
  *
  *     /                        attributes  format        text   "tides-scene"
- *                                          version       int    1
+ *                                          version       int    1 or 2
  *                                          tides_version text   of the writer; for people
  *                                          objects       int    number of objects, >= 1
  *     /objects/0, 1, 2 ...     attributes  name, source  text   as in tides_object
@@ -17,6 +17,13 @@
  *                                          position      double (M x 3)      [scene units]
  *                                          quaternion    double (M x 4)      wxyz, body to world
  *                                          velocity, angular_velocity   double (M x 3), both or neither
+ *
+ *     /objects/0/motion        only where the Gaussians move by themselves
+ *                              attributes  model         text   as tides_motion_model says
+ *                                          start, stop   double [own time]
+ *                                          duration_s    double [s]
+ *     /objects/0/motion/settings  attributes  a double each
+ *     /objects/0/motion/fields    datasets    float, 1 to 4 dimensions; names and shapes are the model's (lib/motion)
  *
  * Units and meanings are those of tides/scene.h and tides/trajectory.h. Reading takes any width and order of floating-point
  * numbers, and datasets that are chunked or compressed: files made with h5py work. Unknown attributes and datasets are left
@@ -165,16 +172,26 @@ static tides_status read_object(tides_scene *scene, const td_place *place, const
     td_gaussians gaussians;
     memset(&gaussians, 0, sizeof gaussians);
     tides_trajectory *own = NULL;
-    double scale = 0;
+    tides_motion *motion = NULL;
+    double scale = 0, duration_s = 0;
     tides_status status = td_place_read_double(place, "scale", &scale);
     if (!status && !(scale > 0 && scale <= FLT_MAX))
         status = td_fail(place->error, TIDES_BAD_FILE, "%s: scale of %s is %g: should be positive, within float's range",
                          place->file, place->where, scale);
     if (!status) status = read_trajectory(place, &own);
     if (!status) status = read_gaussians(place, &gaussians);
+    if (!status) status = td_motion_hdf5_read(place, &motion, &duration_s);
     if (!status) status = take_object(scene, place, moved, &gaussians, own, scale);
+    if (!status && motion) {
+        status = td_scene_give_motion(scene, motion, duration_s, place->error);
+        if (status)
+            td_fail_within(place->error, status, "%s: %s", place->file, place->where);
+        else
+            motion = NULL; /* the scene's now */
+    }
     td_gaussians_free(&gaussians); /* empty where it was taken */
     tides_trajectory_destroy(own);
+    tides_motion_destroy(motion);
     return status;
 }
 
@@ -209,10 +226,10 @@ static tides_status check_version(const td_place *root) {
         return td_fail(root->error, TIDES_BAD_FILE, "%s: is HDF5 but not a TIDES scene (attribute format isn't \"%s\")",
                        root->file, TD_SCENE_HDF5_FORMAT);
     tides_status status = td_place_read_int(root, "version", &version);
-    if (status || version == TD_SCENE_HDF5_VERSION) return status;
+    if (status || (version >= TD_SCENE_HDF5_STILL && version <= TD_SCENE_HDF5_VERSION)) return status;
     return td_fail(root->error, TIDES_UNSUPPORTED,
-                   "%s: has version %d of the scene layout; TIDES %s reads version %d: update TIDES", root->file, (int)version,
-                   tides_version(), TD_SCENE_HDF5_VERSION);
+                   "%s: has version %d of the scene layout; TIDES %s reads versions 1 to %d: update TIDES", root->file,
+                   (int)version, tides_version(), TD_SCENE_HDF5_VERSION);
 }
 
 static tides_status read_file(tides_scene *scene, const char *path, const placement *moved, tides_error *error) {

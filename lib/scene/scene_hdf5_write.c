@@ -93,6 +93,7 @@ static tides_status write_object(const td_place *place, const td_object *object)
     if (!status) status = td_place_write_double(place, "scale", object->scale);
     if (!status) status = write_gaussians(place, &object->gaussians);
     if (!status && object->trajectory) status = write_trajectory(place, object->trajectory);
+    if (!status && object->motion) status = td_motion_hdf5_write(place, object->motion, object->duration_s);
     return status;
 }
 
@@ -112,9 +113,15 @@ static tides_status write_objects(const td_place *root, const tides_scene *scene
     return status;
 }
 
+static int32_t version_for(const tides_scene *scene) {
+    for (size_t i = 0; i < scene->count; i++)
+        if (scene->objects[i].motion) return TD_SCENE_HDF5_VERSION;
+    return TD_SCENE_HDF5_STILL;
+}
+
 static tides_status write_root(const td_place *root, const tides_scene *scene) {
     tides_status status = td_place_write_text(root, "format", TD_SCENE_HDF5_FORMAT);
-    if (!status) status = td_place_write_int(root, "version", TD_SCENE_HDF5_VERSION);
+    if (!status) status = td_place_write_int(root, "version", version_for(scene));
     if (!status) status = td_place_write_text(root, "tides_version", tides_version());
     if (!status) status = td_place_write_int(root, "objects", (int32_t)scene->count);
     return status ? status : write_objects(root, scene);

@@ -3,6 +3,7 @@
 #include "td_scene.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 tides_status td_scene_give_motion(tides_scene *scene, tides_motion *motion, double duration_s, tides_error *error) {
     td_object *object = &scene->objects[scene->count - 1];
@@ -40,4 +41,18 @@ int32_t tides_scene_set_duration(tides_scene *scene, double duration_s) {
             count++;
         }
     return count;
+}
+
+int64_t tides_motion_moving(const tides_motion *motion, const tides_gaussians *gaussians) {
+    uint8_t *moving = td_alloc((size_t)gaussians->count + 1, 1, NULL);
+    int64_t count = 0;
+    if (!moving) return -1;
+    td_motion_find_moving(motion, gaussians, moving);
+    for (int64_t i = 0; i < gaussians->count; i++) count += moving[i] != 0;
+    free(moving);
+    return count;
+}
+
+uint64_t tides_motion_knots(const tides_motion *motion) {
+    return motion->type->knots ? (uint64_t)motion->type->knots(motion, NULL, 0) : 0;
 }

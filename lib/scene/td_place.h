@@ -22,6 +22,16 @@ typedef struct td_place {
 tides_status td_place_open(const td_place *parent, const char *name, td_place *place);
 tides_status td_place_create(const td_place *parent, const char *name, td_place *place);
 
+/* How many links (or attributes) there are, and the name of number i in alphabetical order; names that don't fit in `size`
+ * bytes with their NUL are TIDES_BAD_FILE. */
+size_t td_place_links(const td_place *place);
+size_t td_place_attributes(const td_place *place);
+tides_status td_place_link_name(const td_place *place, size_t i, char *name, size_t size);
+tides_status td_place_attribute_name(const td_place *place, size_t i, char *name, size_t size);
+
+/* The rank of a dataset of floating-point numbers, 1 to TD_PLACE_RANK_MAX; TIDES_BAD_FILE for anything else. */
+tides_status td_place_rank(const td_place *place, const char *name, int *rank);
+
 /* 1 where a link of this name exists. */
 int td_place_has(const td_place *place, const char *name);
 
@@ -33,7 +43,7 @@ tides_status td_place_write_int(const td_place *place, const char *name, int32_t
 tides_status td_place_write_double(const td_place *place, const char *name, double value);
 tides_status td_place_write_text(const td_place *place, const char *name, const char *text);
 
-enum { TD_PLACE_RANK_MAX = 3 };
+enum { TD_PLACE_RANK_MAX = 4 };
 
 /* The shape of a dataset of floating-point numbers; TIDES_BAD_FILE where its rank isn't `rank`, it holds another kind of
  * values, or it claims more of them than a file of this size can hold. */

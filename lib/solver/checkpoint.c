@@ -1,13 +1,14 @@
 /* Saving a simulator and restoring it: a run cut between two steps goes on as if it had never stopped, to the bit.
  *
  * The state at the end of a step is what the next one begins with: S and S_dot there, and per pixel where it began and how
- * often it has fired; the reference follows from these (td_reference). Layout of the file, HDF5, version 1:
+ * often it has fired; the reference follows from these (td_reference). Layout of the file, HDF5, version 2 (1 lacked the
+ * totals of motion):
  *
  *     /                    attributes  format           text    "tides-checkpoint"
- *                                      version          int     1
+ *                                      version          int     2
  *                                      tides_version    text    of the writer; for people
  *                                      run              text    the run file as JSON, or ""
- *                                      step             double  steps taken, on the grid start + step x step_s
+ *                                      step             double  number of the grid point reached (td_grid.h)
  *                                      time             double  [s] where that is
  *     /run_is              attributes  one per fact of td_facts_gather: a double, or 16 hexadecimal digits; its key says what
  *     /statistics          attributes  one double each: totals so far, named as in tides_stats

@@ -1,6 +1,7 @@
 /* What makes two simulators parts of one run: everything that decides events, as numbers, and where it is too much for that, as
  * checksums. Left out is what doesn't: the stop (a run may be extended), tiles, batches, and the device as far as it computes
  * in the same precision. */
+#include "motion/td_motion.h"
 #include "td_checkpoint.h"
 
 #include <cjson/cJSON.h>
@@ -8,6 +9,25 @@
 #include <string.h>
 
 /* -- checksums of what is looked at -- */
+
+/* A callback's own state isn't seen: the caller answers for it. */
+static void add_motion(uint64_t *sum, const tides_object *object) {
+    const tides_motion *motion = object->motion;
+    const double times[] = {motion->start, motion->stop, object->duration_s};
+    *sum = td_checksum(*sum, motion->type->name, strlen(motion->type->name));
+    *sum = td_checksum(*sum, times, sizeof times);
+    for (int i = 0; i < motion->settings; i++) {
+        *sum = td_checksum(*sum, motion->setting[i].name, strlen(motion->setting[i].name));
+        *sum = td_checksum(*sum, &motion->setting[i].value, sizeof motion->setting[i].value);
+    }
+    for (int i = 0; i < motion->fields; i++) {
+        const td_field *field = &motion->field[i];
+        size_t count = 1;
+        for (int k = 0; k < field->rank; k++) count *= (size_t)field->shape[k];
+        *sum = td_checksum(*sum, field->name, strlen(field->name));
+        *sum = td_checksum(*sum, field->value, count * sizeof *field->value);
+    }
+}
 
 static tides_status add_trajectory(uint64_t *sum, const tides_trajectory *trajectory, tides_error *error) {
     size_t count = trajectory ? tides_trajectory_count(trajectory) : 0;
@@ -35,6 +55,7 @@ static tides_status add_object(uint64_t *sum, const tides_object *object, tides_
     *sum = td_checksum(*sum, g->quaternion, 4 * n * sizeof *g->quaternion);
     *sum = td_checksum(*sum, g->opacity_logit, n * sizeof *g->opacity_logit);
     *sum = td_checksum(*sum, g->sh, 3 * k * n * sizeof *g->sh);
+    if (object->motion) add_motion(sum, object);
     return add_trajectory(sum, object->trajectory, error);
 }
 

@@ -40,9 +40,11 @@ static const total totals[TD_TOTALS] = {
     COUNT("gaussians_projected", BACKEND, tides_render_stats, gaussians_projected),
     COUNT("gaussians_culled", BACKEND, tides_render_stats, gaussians_culled),
     COUNT("gaussians_still", RENDERER, tides_render_stats, gaussians_still),
+    COUNT("gaussians_moved", BACKEND, tides_render_stats, gaussians_moved),
     COUNT("sweeps", BACKEND, tides_render_stats, sweeps),
     COUNT("pairs_evaluated", BACKEND, tides_render_stats, pairs_evaluated),
     REAL("time_build_s", BACKEND, tides_render_stats, time_build_s),
+    REAL("time_motion_s", BACKEND, tides_render_stats, time_motion_s),
     REAL("time_sweep_s", BACKEND, tides_render_stats, time_sweep_s),
     REAL("time_sweep_host_s", RENDERER, tides_render_stats, time_sweep_s), /* the two are added up when asked for */
     REAL("time_project_s", BACKEND, tides_render_stats, time_project_s),

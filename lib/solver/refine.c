@@ -155,7 +155,8 @@ tides_status td_refine_macro_step(tides_simulator *s, double start, double stop,
     if (status != TIDES_OK) return status;
     td_list_moving(s);
     if (s->moving_count == 0) return TIDES_OK;
-    status = begin_samples(s, r, error);
+    status = td_turn_knot(s, error);
+    if (status == TIDES_OK) status = begin_samples(s, r, error);
     if (status == TIDES_OK) status = render_ends(s, r, stop, error);
     if (status == TIDES_OK) status = td_reserve((void **)&r->halved, &r->halved_capacity, r->steps, sizeof *r->halved, error);
     if (status != TIDES_OK) return status;

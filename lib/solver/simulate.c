@@ -5,8 +5,9 @@
  *   compare    each tile over each step: events
  *   emit       the batch's events, sorted, as one packet
  *
- * Steps lie on the grid start + k step_s. Fixed steps are rendered several to a launch; how many changes the cost, never the
- * events. Under error control each of them is a macro step, which refine.c halves where a tile needs it. */
+ * Steps lie on the grid start + k step_s, joined by the knots of motions. Fixed steps are rendered several to a launch; how
+ * many changes the cost, never the events. Under error control each of them is a macro step, which refine.c halves where a
+ * tile needs it. */
 #include "td_event_sort.h"
 #include "td_simulator.h"
 
@@ -26,6 +27,23 @@ void td_list_moving(tides_simulator *s) {
         if (!s->local || !s->started || candidates->moving[t]) s->moving[s->moving_count++] = t;
 }
 
+tides_status td_turn_knot(tides_simulator *s, tides_error *error) {
+    const double time = td_grid_time(s, s->step);
+    if (!s->started || s->moving_count == 0 || !td_grid_is_knot(&s->grid, s->step)) return TIDES_OK;
+    for (int i = 0; i < s->moving_count; i++) s->requests[i] = (td_request){s->moving[i], 0};
+    s->renderer->side = 1;
+    tides_status status =
+        td_renderer_tiles(s->renderer, s->camera, &time, 1, s->requests, s->moving_count, TD_OUT_SIGNAL, s->planes, error);
+    s->renderer->side = -1;
+    for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {
+        int t = s->moving[i];
+        double S[TD_TILE_PIXELS]; /* is the same on both sides */
+        td_unpack_tile(&s->tile[t], s->planes + (size_t)i * TD_OUT_SIGNAL * TD_TILE_PIXELS, S,
+                       s->now.S_dot + s->first_pixel[t]);
+    }
+    return status;
+}
+
 /* Renders what moves between grid point `from` and the last of [first, first + count), at these, into s->planes. */
 static tides_status render_steps(tides_simulator *s, int64_t from, int64_t first, int count, tides_error *error) {
     double times[TD_BATCH_STEPS];
@@ -33,6 +51,8 @@ static tides_status render_steps(tides_simulator *s, int64_t from, int64_t first
     tides_status status = td_renderer_sweep(s->renderer, s->camera, td_grid_time(s, from), times[count - 1], error);
     if (status != TIDES_OK) return status;
     td_list_moving(s);
+    status = td_turn_knot(s, error);
+    if (status != TIDES_OK) return status;
     int requests = count * s->moving_count;
     for (int i = 0; i < requests; i++) {
         s->requests[i].tile = s->moving[i % s->moving_count];
@@ -55,7 +75,9 @@ static void store_step(tides_simulator *s, int k, td_sample *sample) {
 
 /* The first sample, of all tiles: every pixel's reference is the signal there. */
 static tides_status begin(tides_simulator *s, tides_error *error) {
+    s->renderer->side = 1;
     tides_status status = render_steps(s, 0, 0, 1, error);
+    s->renderer->side = -1;
     if (status != TIDES_OK) return status;
     store_step(s, 0, &s->now);
     td_pixels_reset(&s->pixels, s->now.S, s->first_pixel[s->tiles]);
@@ -119,11 +141,18 @@ static void adapt_batch(tides_simulator *s, const tides_render_stats *before) {
         s->batch = 2 * s->batch < s->batch_limit ? 2 * s->batch : s->batch_limit;
 }
 
+/* As many of the next `count` steps as there are until a knot: only a batch may begin at one. */
+static int steps_to_knot(const tides_simulator *s, int count) {
+    for (int k = 1; k < count; k++)
+        if (td_grid_is_knot(&s->grid, s->step + k)) return k;
+    return count;
+}
+
 /* One batch of at most `count` steps. */
 static tides_status advance(tides_simulator *s, int64_t count, tides_event_sink sink, void *user, tides_error *error) {
     tides_render_stats before;
     tides_renderer_stats(s->renderer, &before);
-    int steps = count < s->batch ? (int)count : s->batch;
+    int steps = steps_to_knot(s, count < s->batch ? (int)count : s->batch);
     tides_status status = render_steps(s, s->step, s->step + 1, steps, error);
     if (status != TIDES_OK) return status;
     double begun = td_now();
@@ -183,15 +212,6 @@ static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, v
     return emit(s, sink, user, error);
 }
 
-/* The last grid point at or before `until`. */
-static int64_t last_step_until(const tides_simulator *s, double until) {
-    if (until >= s->stop) return s->steps;
-    int64_t k = (int64_t)((until - s->start) / s->step_s);
-    while (k < s->steps && td_grid_time(s, k + 1) <= until) k++;
-    while (k > 0 && td_grid_time(s, k) > until) k--;
-    return k < 0 ? 0 : k;
-}
-
 tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink, void *sink_user,
                                  tides_progress progress, void *user, tides_error *error) {
     if (!simulator) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: simulator must be given");
@@ -203,7 +223,7 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
                        simulator->start);
     double begun = td_now();
     tides_status status = TIDES_OK;
-    int64_t last = last_step_until(simulator, until);
+    int64_t last = td_grid_last_until(&simulator->grid, until);
     if (!simulator->started) status = begin(simulator, error);
     while (status == TIDES_OK && simulator->step < last) {
         status = simulator->mode == TIDES_STEPPING_FIXED ? advance(simulator, last - simulator->step, sink, sink_user, error)

@@ -1,4 +1,5 @@
 /* Making, asking and freeing a simulator. simulate.c has the run itself. */
+#include "motion/td_motion.h"
 #include "td_simulator.h"
 
 #include <math.h>
@@ -8,11 +9,6 @@ enum { BATCH_TILES = 1 << 14 }; /* (tile, step) samples per launch at most: 64 M
 
 /* Steps of a run at most: past this, k step_s and its neighbours are no longer told apart in nanoseconds. */
 static const double most_steps = 1e12;
-
-void tides_sensor_defaults(tides_sensor *sensor) {
-    static const tides_sensor defaults = {sizeof defaults, 64, 0.2, 0.2};
-    *sensor = defaults;
-}
 
 void tides_stepping_defaults(tides_stepping *stepping) {
     static const tides_stepping defaults =
@@ -66,6 +62,13 @@ static tides_status check_covers(const tides_trajectory *trajectory, const char 
                    what, from, to, start, stop);
 }
 
+static tides_status check_motion(const tides_object *object, int number, double start, double stop, tides_error *error) {
+    double tau, tau_dot;
+    tides_status status = td_motion_time(object->motion, object->duration_s, start, &tau, &tau_dot, error);
+    if (status == TIDES_OK) status = td_motion_time(object->motion, object->duration_s, stop, &tau, &tau_dot, error);
+    return status == TIDES_OK ? status : td_fail_within(error, status, "the run, at object %d", number);
+}
+
 static tides_status check_paths(const tides_scene *scene, const tides_trajectory *camera, double start, double stop,
                                 tides_error *error) {
     tides_status status = check_covers(camera, "the camera's path", start, stop, error);
@@ -75,6 +78,7 @@ static tides_status check_paths(const tides_scene *scene, const tides_trajectory
         snprintf(what, sizeof what, "the path of object %d", (int)i);
         status = tides_scene_object(scene, i, &object, error);
         if (status == TIDES_OK && object.trajectory) status = check_covers(object.trajectory, what, start, stop, error);
+        if (status == TIDES_OK && object.motion) status = check_motion(&object, i, start, stop, error);
     }
     return status;
 }
@@ -138,13 +142,15 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     s->budget = stepping->budget;
     s->risk = stepping->risk;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
-    /* A last step shorter than a millionth of the others is rounding of stop - start, not a step. */
-    s->steps = (int64_t)ceil((stop - start) / stepping->step_s - 1e-6);
-    if (s->steps < 1) s->steps = 1;
     status = td_comparator_check(&s->comparator, error);
     if (status == TIDES_OK)
         status = tides_renderer_create(device, scene, intrinsics, image, progress, user, &s->renderer, error);
+    if (status == TIDES_OK)
+        status = td_grid_create(start, stop, stepping->step_s, s->renderer->moved.knots, s->renderer->moved.knot_count,
+                                stepping->min_step_s, &s->grid, error);
     if (status == TIDES_OK) {
+        s->renderer->side = -1; /* each sample but the first ends a step */
+        s->steps = s->grid.steps;
         s->width = intrinsics->width;
         s->tiles = s->renderer->stats.tiles;
         s->batch = 1;
@@ -169,6 +175,7 @@ void tides_simulator_destroy(tides_simulator *simulator) {
     if (!simulator) return;
     tides_renderer_destroy(simulator->renderer);
     td_refine_release(&simulator->refine);
+    td_grid_release(&simulator->grid);
     double *reals[] = {simulator->pixels.initial, simulator->pixels.reference, simulator->now.S, simulator->now.S_dot,
                        simulator->next.S,         simulator->next.S_dot,       simulator->planes};
     for (size_t i = 0; i < sizeof reals / sizeof *reals; i++) free(reals[i]);
@@ -196,8 +203,9 @@ void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats)
     stats->renders_full_frame_equivalent = (double)render->tile_jobs / simulator->tiles;
     stats->simulated_s = simulator->started ? td_grid_time(simulator, simulator->step) - simulator->start : 0;
     stats->real_time_factor = stats->run_time_s > 0 ? stats->simulated_s / stats->run_time_s : 0;
-    double known = render->time_build_s + render->time_sweep_s + render->time_project_s + render->time_sort_s +
-                   render->time_composite_s + render->time_transfer_s + stats->time_compare_s + stats->time_sink_s;
+    double known = render->time_build_s + render->time_motion_s + render->time_sweep_s + render->time_project_s +
+                   render->time_sort_s + render->time_composite_s + render->time_transfer_s + stats->time_compare_s +
+                   stats->time_sink_s;
     stats->time_other_s = stats->run_time_s - known;
     stats->error_p50_s = td_timing_percentile(&simulator->timing, 0.50);
     stats->error_p95_s = td_timing_percentile(&simulator->timing, 0.95);

@@ -8,7 +8,7 @@
 
 /* Raised when a reader of the version before couldn't make sense of the file. */
 #define TD_CHECKPOINT_FORMAT "tides-checkpoint"
-enum { TD_CHECKPOINT_VERSION = 1 };
+enum { TD_CHECKPOINT_VERSION = 2 };
 
 /* -- the file (checkpoint_file.c) -- */
 
@@ -60,7 +60,7 @@ tides_status td_planes_read(td_planes *planes, const tides_simulator *simulator,
 
 /* -- the statistics (checkpoint_totals.c) -- */
 
-enum { TD_TOTALS = 29 };
+enum { TD_TOTALS = 31 };
 tides_status td_totals_write(const tides_simulator *simulator, const td_place *place);
 tides_status td_totals_read(const td_place *place, double values[TD_TOTALS]);
 

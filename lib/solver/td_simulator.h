@@ -4,6 +4,7 @@
 
 #include "render/td_render.h"
 #include "td_estimate.h"
+#include "td_grid.h"
 #include "td_refine.h"
 
 enum { TD_BATCH_STEPS = 16 }; /* steps per launch at most */
@@ -18,6 +19,7 @@ struct tides_simulator {
     const tides_trajectory *camera;
     td_comparator comparator;
     double start, stop, step_s; /* [s] */
+    td_grid grid;               /* where steps begin and end */
     int mode, local;            /* TIDES_STEPPING_*; each tile has its own steps */
     double min_step_s, tolerance, time_tolerance_s, budget;
     tides_risk risk;
@@ -62,9 +64,11 @@ static inline void td_unpack_tile(const td_tile *tile, const double *planes, dou
         }
 }
 
-/* Time of grid point k [s]: a product, not a running sum; the last one is `stop`. */
-static inline double td_grid_time(const tides_simulator *simulator, int64_t k) {
-    return k >= simulator->steps ? simulator->stop : simulator->start + (double)k * simulator->step_s;
-}
+/* Time of grid point k [s]; the last one is `stop`. */
+static inline double td_grid_time(const tides_simulator *simulator, int64_t k) { return td_grid_at(&simulator->grid, k); }
+
+/* At a knot of some motion, where a step begins: the S_dot of the tiles that move (td_list_moving) becomes that of what begins
+ * there. The interval is swept already. */
+tides_status td_turn_knot(tides_simulator *simulator, tides_error *error);
 
 #endif

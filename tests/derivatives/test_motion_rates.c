@@ -1,107 +1,121 @@
-/* Rates of every motion model equal central differences of its double reference to 1e-6 of the largest rate, at random times,
- * with cuts that fade and with hard ones (away from those jumps). */
+/* Rates of images of Gaussians that move by themselves against central differences of the double reference: the chain from a
+ * model's own clock to pixels. Only what jumps is switched off (the stop); test_render_rates.c says how kinks are left out. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "tests/support/move.h"
-#include "tests/support/random_motion.h"
+#include "tests/property/renderer_of.h"
+#include "tests/support/moving_scene.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { N = RANDOM_MOTION_GAUSSIANS, TIMES = 12, SH = 48, REALS = TD_GEOMETRY_STRIDE + SH };
-static const uint64_t SEED = 4001;
-static const double TAU_DOT = 0.7; /* rates come out per second */
+#define STEP 1e-6 /* h [s] */
+#define TOLERANCE 1e-6
+#define KINK 1e-7
+enum { NODES = 5, WIDTH = 48, HEIGHT = 32, PIXELS = WIDTH * HEIGHT };
 
-/* Geometry, then SH, of all Gaussians at one time. */
-typedef struct rows_at {
-    double value[N * REALS], rate[N * REALS];
-} rows_at;
+static const int values[] = {TIDES_L, TIDES_ALPHA, TIDES_R, TIDES_G, TIDES_B};
+static const int rates[] = {TIDES_L_DOT, TIDES_ALPHA_DOT, TIDES_R_DOT, TIDES_G_DOT, TIDES_B_DOT};
+enum { PAIRS = sizeof values / sizeof *values };
 
-static void rows_take(const move_rows *rows, rows_at *out) {
-    for (int i = 0; i < N; i++)
-        for (int k = 0; k < REALS; k++) {
-            int in_sh = k >= TD_GEOMETRY_STRIDE, at = in_sh ? i * SH + k - TD_GEOMETRY_STRIDE : i * TD_GEOMETRY_STRIDE + k;
-            out->value[i * REALS + k] = in_sh ? rows->sh[at] : rows->geometry[at];
-            out->rate[i * REALS + k] = in_sh ? rows->sh_rates[at] : rows->rates[at];
-        }
+/* A renderer whose image has no stop. */
+static tides_renderer *smooth_renderer(tides_device *device, const moving_scene *s) {
+    tides_renderer *renderer = make_renderer(device, s->scene, &s->base.camera, TIDES_RULES_SMOOTH);
+    tides_error error;
+    renderer->image.stop = 0;
+    td_image_numbers numbers = td_image_pack(&renderer->image);
+    renderer->backend->type->destroy(renderer->backend);
+    scene_expect_ok(td_backend_create_f64(&renderer->store, &numbers, &renderer->backend, &error), &error);
+    return renderer;
 }
 
-static void evaluate(const random_motion *made, const td_mover_numbers *numbers, double tau, int fades, rows_at *out) {
-    static double geometry[N * TD_GEOMETRY_STRIDE], rates[N * TD_GEOMETRY_STRIDE], sh[N * SH], sh_rates[N * SH];
-    move_rows rows = {SH, geometry, rates, sh, sh_rates};
-    double moment[TD_MOMENT_REALS];
-    int gaussian[N];
-    memset(sh, 0, sizeof sh);
-    memset(sh_rates, 0, sizeof sh_rates);
-    for (int i = 0; i < N; i++) gaussian[i] = i;
-    td_motion_moment(made->motion, tau, TAU_DOT, 1, moment);
-    const move_job job = {made->motion->type->code,
-                          fades,
-                          numbers->moves_sh,
-                          numbers->real,
-                          numbers->own,
-                          numbers->data,
-                          numbers->data_count,
-                          moment,
-                          gaussian,
-                          N,
-                          N};
-    move_f64(&job, &rows);
-    rows_take(&rows, out);
-}
-
-/* A hard cut between the two times: opacity is 0 on one side only. */
-static int jumps(const rows_at *before, const rows_at *after, int gaussian) {
-    int at = gaussian * REALS + TD_G_OPACITY;
-    return (before->value[at] == 0) != (after->value[at] == 0);
-}
-
-/* Differences by entry, against the largest rate of that entry over all Gaussians. */
-static double compare(const random_motion *made, const rows_at *before, const rows_at *here, const rows_at *after,
-                      double span) {
-    double worst = 0;
-    for (int k = 0; k < REALS; k++) {
-        double largest = 1e-3, error = 0;
-        for (int i = 0; i < N; i++) {
-            int at = i * REALS + k;
-            double difference = (after->value[at] - before->value[at]) / span * TAU_DOT;
-            if (jumps(before, after, i)) continue;
-            largest = fmax(largest, fabs(here->rate[at]));
-            error = fmax(error, fabs(difference - here->rate[at]));
-        }
-        if (error > 1e-6 * largest) fail_msg("%s: entry %d is off by %g of %g", made->name, k, error, largest);
-        worst = fmax(worst, error / largest);
+static void render(tides_renderer *renderer, const tides_trajectory *path, double time, double *planes) {
+    tides_frame frame = {{NULL}};
+    tides_error error;
+    for (int p = 0; p < PAIRS; p++) {
+        frame.plane[values[p]] = planes + 2 * p * PIXELS;
+        frame.plane[rates[p]] = planes + (2 * p + 1) * PIXELS;
     }
-    return worst;
+    scene_expect_ok(tides_renderer_frame(renderer, path, time, &frame, &error), &error);
 }
 
-static void test_rates_equal_differences(void **state) {
-    static rows_at before, here, after;
+static void check_at(uint64_t seed, int degree, double time) {
+    static const double offset[NODES] = {-1, -0.5, 0, 0.5, 1};
+    tides_device *device = open_device("reference");
+    random_recipe recipe = recipe_of(seed);
+    recipe.width = WIDTH;
+    recipe.height = HEIGHT;
+    recipe.sh_degree = degree;
+    moving_scene s = moving_scene_make(&recipe, 0.6);
+    tides_renderer *renderer = smooth_renderer(device, &s);
+    double *frames = calloc((size_t)NODES * 2 * PAIRS * PIXELS, sizeof *frames);
+    int kinks = 0, moving = 0;
+    assert_non_null(frames);
+    for (int k = 0; k < NODES; k++)
+        render(renderer, s.base.path, time + STEP * offset[k], frames + (size_t)k * 2 * PAIRS * PIXELS);
+    for (int p = 0; p < PAIRS; p++) {
+        const double *rate = frames + (size_t)2 * 2 * PAIRS * PIXELS + (size_t)(2 * p + 1) * PIXELS;
+        double largest = 0;
+        for (int i = 0; i < PIXELS; i++) largest = fmax(largest, fabs(rate[i]));
+        for (int i = 0; i < PIXELS; i++) {
+            double f[NODES], h = STEP;
+            for (int k = 0; k < NODES; k++)
+                f[k] = frames[(size_t)k * 2 * PAIRS * PIXELS + (size_t)(2 * p) * PIXELS + (size_t)i];
+            double whole = (f[4] - 2 * f[2] + f[0]) / h, half = (f[3] - 2 * f[2] + f[1]) / (0.5 * h);
+            if (fabs(whole - 2 * half) > KINK * largest) {
+                kinks++;
+                continue;
+            }
+            moving += fabs(rate[i]) > 0.01 * largest;
+            double difference = (4 * (f[3] - f[1]) / h - (f[4] - f[0]) / (2 * h)) / 3;
+            if (!(fabs(rate[i] - difference) <= TOLERANCE * largest))
+                fail_msg("seed %d, degree %d, channel %s, pixel %d: rate %.12g, difference %.12g, largest %g", (int)seed,
+                         degree, tides_channel_name(values[p]), i, rate[i], difference, largest);
+        }
+    }
+    if (kinks > 0.01 * PAIRS * PIXELS || moving < 0.2 * PAIRS * PIXELS)
+        fail_msg("seed %d: %d at kinks, %d moving", (int)seed, kinks, moving);
+    free(frames);
+    tides_renderer_destroy(renderer);
+    moving_scene_free(&s);
+    tides_device_close(device);
+}
+
+static void test_rates(void **state) {
     (void)state;
-    for (int kind = 0; kind < random_motion_kinds(); kind++) {
-        random_motion made = random_motion_make(kind, SEED);
-        td_mover_numbers numbers = {0};
-        double start = made.motion->start, range = made.motion->stop - start, h = 1e-6 * range, worst = 0;
-        assert_int_equal(made.motion->type->pack(made.motion, &made.gaussians, &numbers, NULL), TIDES_OK);
-        for (int i = 0; i < 2 * TIMES; i++) {
-            double tau = start + range * (0.013 + 0.97 * (i / 2) / TIMES);
-            evaluate(&made, &numbers, tau - h, i % 2, &before);
-            evaluate(&made, &numbers, tau, i % 2, &here);
-            evaluate(&made, &numbers, tau + h, i % 2, &after);
-            worst = fmax(worst, compare(&made, &before, &here, &after, (tau + h) - (tau - h)));
-        }
-        print_message("%s: at most %.2g of the largest rate\n", made.name, worst);
-        td_mover_release(&numbers);
-        random_motion_free(&made);
+    for (int degree = 0; degree < 4; degree++) {
+        check_at(700 + (uint64_t)degree, degree, 0.3217); /* before the knot */
+        check_at(710 + (uint64_t)degree, degree, 0.6431); /* and after it */
     }
+}
+
+/* A frame beyond the motion's time is refused in words that help. */
+static void test_time_out_of_range(void **state) {
+    (void)state;
+    tides_device *device = open_device("reference-f32");
+    random_recipe recipe = recipe_of(730);
+    moving_scene s = moving_scene_make(&recipe, 0.6);
+    tides_renderer *renderer = make_renderer(device, s.scene, &s.base.camera, TIDES_RULES_SMOOTH);
+    double *plane = calloc((size_t)recipe.width * (size_t)recipe.height, sizeof *plane);
+    tides_frame frame = {{NULL}};
+    tides_error error;
+    frame.plane[TIDES_L] = plane;
+    assert_int_equal(tides_scene_set_duration(s.scene, 0.5), 2);
+    tides_renderer_destroy(renderer);
+    renderer = make_renderer(device, s.scene, &s.base.camera, TIDES_RULES_SMOOTH);
+    scene_expect_ok(tides_renderer_frame(renderer, s.base.path, 0.5, &frame, &error), &error);
+    assert_int_equal(tides_renderer_frame(renderer, s.base.path, 0.51, &frame, &error), TIDES_OUT_OF_RANGE);
+    assert_non_null(strstr(error.text, "scene.duration_s"));
+    free(plane);
+    tides_renderer_destroy(renderer);
+    moving_scene_free(&s);
+    tides_device_close(device);
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_rates_equal_differences)};
-    print_message("seed %llu\n", (unsigned long long)SEED);
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_rates), cmocka_unit_test(test_time_out_of_range)};
+    return cmocka_run_group_tests_name("rates of moving Gaussians", tests, NULL, NULL);
 }

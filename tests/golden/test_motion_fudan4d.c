@@ -133,7 +133,7 @@ static td_colour colour_of(const fudan_file *file, const move_rows *rows, int i,
         square = td_dual_fma(d[k], d[k], square);
     }
     td_dual inverse = td_dual_reciprocal(td_dual_sqrt(square));
-    const td_sh_source source = {sh, rows->sh_rates + i * ENTRIES, 0, moves};
+    const td_sh_source source = {sh, rows->sh_rates + i * ENTRIES, 0, 0, moves, 0};
     return td_sh_colour(td_dual_mul(d[0], inverse), td_dual_mul(d[1], inverse), td_dual_mul(d[2], inverse), &source, 3);
 }
 

@@ -1,5 +1,6 @@
-/* Scenes whose Gaussians move by themselves: the OpenCL kernels equal the single-precision reference to the bit, at every vector
- * width, and neither the way that a batch is cut, nor rows kept from the sweep, nor lists of fewer candidates change a bit. */
+/* Scenes whose Gaussians move by themselves: the OpenCL kernels equal the single-precision reference to the bit, at every
+ * vector width, and neither the way that a batch is cut, nor rows kept from the sweep, nor lists of fewer candidates change
+ * a bit. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -156,7 +157,7 @@ static void test_lists_are_conservative(void **state) {
         tides_error error;
         for (int i = 0; i < count; i++) {
             float *box = renderer->boxes + 4 * (size_t)i;
-            int padding = i + 1 < count && i % TD_PAD && renderer->store.number[i] == renderer->store.number[i - 1];
+            int padding = i % TD_PAD && renderer->store.number[i] == renderer->store.number[i - 1];
             box[0] = box[1] = 0;
             box[2] = padding ? -1 : (float)renderer->image.width;
             box[3] = padding ? -1 : (float)renderer->image.height;

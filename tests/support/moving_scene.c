@@ -1,3 +1,4 @@
+/* Scenes in which Gaussians move by themselves, of three kinds. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

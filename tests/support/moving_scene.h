@@ -5,8 +5,8 @@
 
 #include "tests/support/random_scene.h"
 
-/* The host's model, "bent": the mean goes in a straight line that is bent at the knot, colour (SH) and opacity change with time;
- * own time is [2, 5], the knot at 2 + 3 KNOT. Gaussians whose number is a multiple of 3 rest. */
+/* The host's model, "bent": the mean goes in a straight line that is bent at the knot, colour (SH) and opacity change with
+ * time; own time is [2, 5], the knot at 2 + 3 KNOT. Gaussians whose number is a multiple of 3 rest. */
 tides_motion *bent_motion_make(uint64_t seed, double speed);
 
 #define MOVING_KNOT 0.4375 /* of the duration */

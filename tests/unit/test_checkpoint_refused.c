@@ -132,7 +132,7 @@ static void test_versions_and_nonsense(void **state) {
     edit(path, "version", TD_CHECKPOINT_VERSION);
     accept(&j, NULL, path);
     edit(path, "version", TD_CHECKPOINT_VERSION + 1);
-    refuse(&j, NULL, path, TIDES_UNSUPPORTED, "edited.checkpoint|version 2|reads version 1");
+    refuse(&j, NULL, path, TIDES_UNSUPPORTED, "edited.checkpoint|version 3|reads version 2");
     edit(path, "version", TD_CHECKPOINT_VERSION);
     edit(path, "step", -1);
     refuse(&j, NULL, path, TIDES_BAD_FILE, "step is -1");

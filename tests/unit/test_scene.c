@@ -332,7 +332,8 @@ static void test_unreadable(void **state) {
     tides_scene *scene = scene_new();
     const char *path = scene_in_folder(*state, "s.ply");
     scene_expect_error(tides_scene_add_file(scene, path, NULL, 1, &error), TIDES_FILE_NOT_FOUND, &error, "s.ply|No such file");
-    scene_expect_error(tides_scene_add_file(scene, *state, NULL, 1, &error), TIDES_BAD_FILE, &error, "no folder of a trained model");
+    scene_expect_error(tides_scene_add_file(scene, *state, NULL, 1, &error), TIDES_BAD_FILE, &error,
+                       "no folder of a trained model");
     scene_file_write(path, "", 0);
     scene_expect_error(tides_scene_add_file(scene, path, NULL, 1, &error), TIDES_BAD_FILE, &error, "s.ply: is empty");
     scene_file_write(path, "NGSP", 4);

@@ -1,0 +1,37 @@
+/* Internal: the times that steps begin and end at: start + k step_s, joined by the knots of motions, at which rates may
+ * jump. */
+#ifndef TD_GRID_H
+#define TD_GRID_H
+
+#include "tides/base.h"
+
+#include <stddef.h>
+
+/* Points are numbered from 0, at `start`, to `steps`, at `stop`. Regular points are products, not running sums; one that is
+ * closer to a knot than `gap` gives way to it, so that no sliver of a step is left. */
+typedef struct td_grid {
+    double start, stop, step_s;
+    int64_t regular; /* steps without the knots */
+    int64_t steps;
+    size_t knots;
+    double *knot;      /* (knots) [s], ascending, within (start, stop) */
+    int64_t *point;    /* (knots) number of the knot's point */
+    int64_t *replaced; /* (knots) regular points that gave way up to and with this knot */
+} td_grid;
+
+/* A grid for [start, stop] with steps of step_s; `knots` [s] ascending, anywhere, are copied. `gap` [s] is at most half a
+ * step. */
+tides_status td_grid_create(double start, double stop, double step_s, const double *knots, size_t count, double gap,
+                            td_grid *grid, tides_error *error);
+void td_grid_release(td_grid *grid);
+
+/* Time of point k [s]: `stop` from `steps` on. */
+double td_grid_at(const td_grid *grid, int64_t k);
+
+/* 1 where point k is a knot. */
+int td_grid_is_knot(const td_grid *grid, int64_t k);
+
+/* The last point at or before `time`; 0 where there is none. */
+int64_t td_grid_last_until(const td_grid *grid, double time);
+
+#endif

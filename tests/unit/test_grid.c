@@ -1,0 +1,95 @@
+/* The grid of steps: regular points as ever without knots, knots as points of their own, no slivers, and the way back from a
+ * time to a point. Compared with a grid made the slow way: a sorted list. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "solver/td_grid.h"
+#include "tests/support/scene_folder.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static td_grid make(double start, double stop, double step, const double *knots, size_t count, double gap) {
+    td_grid grid;
+    tides_error error;
+    scene_expect_ok(td_grid_create(start, stop, step, knots, count, gap, &grid, &error), &error);
+    return grid;
+}
+
+static void test_without_knots(void **state) {
+    (void)state;
+    td_grid grid = make(0.2, 0.2795, 2e-3, NULL, 0, 1e-6);
+    assert_int_equal(grid.steps, 40);
+    for (int64_t k = 0; k < 40; k++) {
+        assert_true(td_grid_at(&grid, k) == 0.2 + (double)k * 2e-3);
+        assert_false(td_grid_is_knot(&grid, k));
+    }
+    assert_true(td_grid_at(&grid, 40) == 0.2795 && td_grid_at(&grid, 41) == 0.2795);
+    assert_int_equal(td_grid_last_until(&grid, 0.1), 0);
+    assert_int_equal(td_grid_last_until(&grid, 0.2039), 1);
+    assert_int_equal(td_grid_last_until(&grid, 1), 40);
+    td_grid_release(&grid);
+}
+
+static void expect_points(const td_grid *grid, const double *points, const int *is_knot, int count) {
+    assert_int_equal(grid->steps, count - 1);
+    for (int k = 0; k < count; k++) {
+        if (td_grid_at(grid, k) != points[k]) fail_msg("point %d: %.17g, not %.17g", k, td_grid_at(grid, k), points[k]);
+        assert_int_equal(td_grid_is_knot(grid, k), is_knot[k]);
+        assert_int_equal(td_grid_last_until(grid, points[k]), k);
+        if (k) assert_int_equal(td_grid_last_until(grid, 0.5 * (points[k - 1] + points[k])), k - 1);
+    }
+}
+
+/* By hand: before and behind a regular point that gives way, two at one of them, at and outside the ends, and close to
+ * these. */
+static void test_by_hand(void **state) {
+    (void)state;
+    const double knots[] = {-1, 0, 0.01, 0.95, 1.5, 2.05, 2.95, 3.02, 4.5, 4.9, 4.99, 5, 7};
+    const double points[] = {0, 0.01, 0.95, 1.5, 2.05, 2.95, 3.02, 4, 4.5, 4.9, 4.99, 5};
+    const int is_knot[] = {0, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 0};
+    td_grid grid = make(0, 5, 1, knots, sizeof knots / sizeof *knots, 0.1);
+    expect_points(&grid, points, is_knot, sizeof points / sizeof *points);
+    td_grid_release(&grid);
+}
+
+static int by_value(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* The same the slow way: a regular point between the ends stays unless a knot is within the gap of it. */
+static void test_against_a_list(void **state) {
+    enum { TRIALS = 300, MOST = 60 };
+    (void)state;
+    srand(77);
+    for (int trial = 0; trial < TRIALS; trial++) {
+        double knots[MOST], points[2 * MOST + 32], gap = 0.2 * rand() / RAND_MAX;
+        int is_knot[2 * MOST + 32], count = rand() % MOST, total = 0, regular = 1 + rand() % 20;
+        for (int i = 0; i < count; i++) knots[i] = 1 + (regular + 2.0) * rand() / RAND_MAX - 1;
+        qsort(knots, (size_t)count, sizeof *knots, by_value);
+        for (int r = 0; r <= regular; r++) {
+            int stays = 1;
+            for (int i = 0; i < count && r > 0 && r < regular; i++)
+                if (fabs(knots[i] - (1.0 + r)) < gap && knots[i] > 1 && knots[i] < 1.0 + regular) stays = 0;
+            if (stays) points[total++] = 1.0 + r;
+        }
+        for (int i = 0; i < count; i++)
+            if (knots[i] > 1 + 1e-9 && knots[i] < 1.0 + regular - 1e-9) points[total++] = knots[i];
+        qsort(points, (size_t)total, sizeof *points, by_value);
+        for (int k = 0; k < total; k++) is_knot[k] = bsearch(&points[k], knots, (size_t)count, sizeof *knots, by_value) != NULL;
+        td_grid grid = make(1, 1.0 + regular, 1, knots, (size_t)count, gap);
+        expect_points(&grid, points, is_knot, total);
+        td_grid_release(&grid);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_without_knots), cmocka_unit_test(test_by_hand),
+                                       cmocka_unit_test(test_against_a_list)};
+    print_message("seed 77\n");
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
