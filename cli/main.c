@@ -18,8 +18,10 @@ static const cli_command commands[] = {
      "Events go to HDF5 in the DSEC layout, with nanosecond times in events/t_ns. Ctrl-C leaves what was simulated in "
      "EVENTS.h5.part.",
      1, cmd_simulate},
-    {"convert", "IN OUT", "Convert a scene between .ply and .h5.",
-     "The input's format is found from its content, the output's from its ending.", 2, cmd_convert},
+    {"convert", "IN OUT", "Convert a scene to .ply or .h5.",
+     "IN is .ply (compressed too), .spz, .splat, .ksplat, .sog or .h5, found from its content; OUT's ending says what is "
+     "written.",
+     2, cmd_convert},
     {"bench", "accuracy|ablation [-o DIR] [--quick] [--scene NAME]", "Measure run time against the error of event times.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
      "ablation: what each part of the method is worth; ablation.json, .csv and a plot.\n"

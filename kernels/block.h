@@ -2,6 +2,7 @@
 #ifndef TD_BLOCK_H
 #define TD_BLOCK_H
 
+#include "decoder.h"
 #include "soft_order.h"
 
 /* A sorted job as the compositor reads it. */
@@ -10,7 +11,9 @@ typedef struct td_list {
     TD_GLOBAL const int *order;                 /* front to back: where in the records */
     TD_GLOBAL const int *masks;                 /* blocks touched, in the same order */
     int count;
-    td_real brightest; /* largest |luminance| in the list and behind it */
+    td_real brightest;                /* largest |luminance| in the list and behind it; with a decoder, largest |feature| */
+    TD_GLOBAL const td_view *view;    /* the first object's, and the decoder's weights: for a decoder only */
+    TD_GLOBAL const td_real *weights; /* (TD_DECODER_REALS) */
 } td_list;
 
 /* Pixel offsets within a 4x4 block of the lanes that begin at pixel `first`. */
@@ -55,7 +58,8 @@ TD_INLINE void td_blend_soft(const td_list *list, const td_image *image, int i, 
     td_real z = list->records[at * TD_RECORD_STRIDE + TD_R_DEPTH];
     td_window_advance(window, image, list->records, list->colours, z, pixels);
     if (window->count == 0 && (next == list->count || !td_is_near(image, z, td_list_depth(list, next))))
-        td_blend(list->records + at * TD_RECORD_STRIDE, list->colours + at * TD_COLOUR_STRIDE, image, list->brightest, pixels);
+        td_blend(list->records + at * TD_RECORD_STRIDE, list->colours + at * td_colour_stride(image), image, list->brightest,
+                 pixels);
     else
         td_window_push(window, image, list->records, at, list->brightest, pixels);
 }
@@ -71,8 +75,8 @@ TD_INLINE int td_composite_list(const td_list *list, const td_image *image, int 
         if (image->soft_order)
             td_blend_soft(list, image, i, next, &window, pixels);
         else
-            td_blend(list->records + at * TD_RECORD_STRIDE, list->colours + at * TD_COLOUR_STRIDE, image, list->brightest,
-                     pixels);
+            td_blend(list->records + at * TD_RECORD_STRIDE, list->colours + at * td_colour_stride(image), image,
+                     list->brightest, pixels);
         blended++;
         if ((blended & 7) == 0 && !td_list_goes_on(image, list->brightest, pixels)) break;
     }
@@ -89,11 +93,13 @@ TD_INLINE int td_composite_block(const td_job *job, const td_list *list, const t
     x = x + ((td_real)(job->x + 4 * (block & 3)) + 0.5f);
     y = y + ((td_real)(job->y + 4 * (block >> 2)) + 0.5f);
     td_composite pixels;
-    td_composite_start(&pixels, x, y);
+    td_composite_start(&pixels, x, y, image);
     int blended = td_composite_list(list, image, block, &pixels);
     TD_GLOBAL td_real *out = planes + 16 * block + first;
     td_lanes signal[3];
-    td_finish_signal(&pixels, backdrop->luminance, backdrop->luminance_dot, image->log_eps, signal);
+    td_composite shown = pixels;
+    if (image->decoder) shown = td_develop(image, list->view, list->weights, &pixels);
+    td_finish_signal(&shown, backdrop->luminance, backdrop->luminance_dot, image->log_eps, signal);
     td_store_lanes(out + TD_OUT_L * TD_TILE_PIXELS, signal[0]);
     td_store_lanes(out + TD_OUT_L_DOT * TD_TILE_PIXELS, signal[1]);
     if (image->outputs >= TD_OUT_DIAGNOSTICS) {
@@ -104,7 +110,7 @@ TD_INLINE int td_composite_block(const td_job *job, const td_list *list, const t
     }
     if (image->outputs >= TD_OUT_COLOUR) {
         td_lanes colour[8];
-        td_finish_colour(&pixels, backdrop, colour);
+        td_finish_colour(&shown, backdrop, colour);
         for (int c = 0; c < 8; c++) td_store_lanes(out + (TD_OUT_R + c) * TD_TILE_PIXELS, colour[c]);
     }
     return blended;

@@ -6,14 +6,16 @@ __kernel void td_composite_jobs(__constant const td_image *image_buffer, __globa
                                 __global const td_backdrop *backdrops, __global const float *records,
                                 __global const float *colours, __global const int *order, __global const int *sorted_masks,
                                 __global const int *counts, __global const float *brightest, __global float *planes,
-                                __global int *blended) {
+                                __global int *blended, __global const td_view *views, __global const float *weights) {
     const td_image image = td_specialised(image_buffer);
     int job_index = (int)get_global_id(1);
     int pixel = (int)get_global_id(0) * TD_LANES;
     const td_job job = jobs[job_index];
     td_list list;
     list.records = records + job.records * TD_RECORD_STRIDE;
-    list.colours = colours + (image.outputs < TD_OUT_COLOUR ? 0 : job.records * TD_COLOUR_STRIDE);
+    list.colours = colours + (td_has_colours(&image) ? job.records * td_colour_stride(&image) : 0);
+    list.view = views + job.slot * image.objects;
+    list.weights = weights;
     list.order = order + job.records;
     list.masks = sorted_masks + job.records;
     list.count = counts[job_index];

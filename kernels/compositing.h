@@ -10,10 +10,11 @@ typedef struct td_composite {
     td_lanes transmittance, transmittance_dot; /* T, T_dot */
     td_lanes luminance, luminance_dot;         /* sum of w lum, and its rate */
     td_lanes contributors;
-    td_mask live;                /* not yet terminated */
-    td_lanes colour[6];          /* from here on only where colour is asked for */
-    td_lanes depth, depth_dot;   /* sum of w z, and its rate */
-    td_lanes weight, weight_dot; /* sum of w: 1 - T without its cancellation */
+    td_mask live;                      /* not yet terminated */
+    td_lanes colour[6];                /* from here on only where colour is asked for */
+    td_lanes depth, depth_dot;         /* sum of w z, and its rate */
+    td_lanes weight, weight_dot;       /* sum of w: 1 - T without its cancellation */
+    td_lanes feature[2 * TD_FEATURES]; /* only with a decoder: sums of w f, then their rates */
 } td_composite;
 
 /* Splat alpha and rate at the pixels: tau and tau_dot (paper, Eq. 2 and 7), before the termination mask. */
@@ -50,6 +51,7 @@ TD_INLINE td_mask td_continue(const td_image *image, td_lanes transmittance_afte
 /* BOUND: the rest of the list can't change L by more than `stop`: T times the brightest colour in the list against Y. The
  * splat that takes T there is blended. T falls and Y rises, so a lane that stops stays stopped by itself. */
 TD_INLINE td_mask td_bound_live(const td_image *image, td_real brightest, const td_composite *pixels) {
+    if (image->decoder) brightest = brightest * image->decoder_gain; /* Y is 0 or more whatever comes */
     return pixels->transmittance * brightest > image->stop * (pixels->luminance + image->log_eps);
 }
 
@@ -74,11 +76,19 @@ TD_INLINE void td_visible_alpha(TD_GLOBAL const td_real *record, const td_image 
 /* Adds a splat of blend weight w to the sums; its colour record only where the image wants colour. */
 TD_INLINE void td_accumulate(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
                              td_lanes w, td_lanes w_dot, td_composite *pixels) {
-    td_real luminance = record[TD_R_LUMINANCE], luminance_dot = record[TD_R_LUMINANCE_DOT];
-    pixels->luminance = td_fma(w, luminance, pixels->luminance);
-    pixels->luminance_dot = td_fma(w_dot, luminance, td_fma(w, luminance_dot, pixels->luminance_dot));
+    if (image->decoder) {
+        for (int k = 0; k < TD_FEATURES; k++) {
+            td_lanes rate = td_fma(w, colour[TD_FEATURES + k], pixels->feature[TD_FEATURES + k]);
+            pixels->feature[k] = td_fma(w, colour[k], pixels->feature[k]);
+            pixels->feature[TD_FEATURES + k] = td_fma(w_dot, colour[k], rate);
+        }
+    } else {
+        td_real luminance = record[TD_R_LUMINANCE], luminance_dot = record[TD_R_LUMINANCE_DOT];
+        pixels->luminance = td_fma(w, luminance, pixels->luminance);
+        pixels->luminance_dot = td_fma(w_dot, luminance, td_fma(w, luminance_dot, pixels->luminance_dot));
+    }
     if (image->outputs < TD_OUT_COLOUR) return;
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 3 && !image->decoder; c++) {
         pixels->colour[c] = td_fma(w, colour[c], pixels->colour[c]);
         pixels->colour[3 + c] = td_fma(w_dot, colour[c], td_fma(w, colour[3 + c], pixels->colour[3 + c]));
     }
@@ -102,7 +112,7 @@ TD_INLINE void td_blend(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real
     pixels->transmittance_dot = t_dot - w_dot;
 }
 
-TD_INLINE void td_composite_start(td_composite *pixels, td_lanes x, td_lanes y) {
+TD_INLINE void td_composite_start(td_composite *pixels, td_lanes x, td_lanes y, const td_image *image) {
     pixels->x = x;
     pixels->y = y;
     pixels->transmittance = td_splat(1.0f);
@@ -110,6 +120,7 @@ TD_INLINE void td_composite_start(td_composite *pixels, td_lanes x, td_lanes y) 
     pixels->luminance = pixels->luminance_dot = pixels->contributors = td_splat(0.0f);
     pixels->live = x == x;
     for (int c = 0; c < 6; c++) pixels->colour[c] = td_splat(0.0f);
+    for (int k = 0; k < 2 * TD_FEATURES && image->decoder; k++) pixels->feature[k] = td_splat(0.0f);
     pixels->depth = pixels->depth_dot = pixels->weight = pixels->weight_dot = td_splat(0.0f);
 }
 

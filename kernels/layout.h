@@ -12,6 +12,9 @@ enum {
     TD_GEOMETRY_STRIDE = 16, /* reals per Gaussian */
     TD_RECORD_STRIDE = 16,   /* reals per splat record */
     TD_COLOUR_STRIDE = 8,    /* reals per splat colour record */
+    TD_FEATURES = 9,         /* composited instead of colour where a decoder makes the colour (decoder.h) */
+    TD_FEATURE_STRIDE = 20,  /* reals per splat's features: values, then rates */
+    TD_DECODER_REALS = 90,   /* its weights: W_1 (6 x 12), W_2 (3 x 6) */
     TD_NO_GAUSSIAN = -1      /* padding in a candidate list */
 };
 
@@ -80,8 +83,8 @@ typedef struct td_image {
     td_real stop;          /* transmittance, or for BOUND what the rest may change in L */
     td_real log_eps;
     td_real luminance[3];
-    td_real soft_depth; /* relative depth within which two splats swap gradually (soft_order.h) */
-    td_real padding;
+    td_real soft_depth;   /* relative depth within which two splats swap gradually (soft_order.h) */
+    td_real decoder_gain; /* most that Y changes per largest |feature| */
     int width, height;
     int objects;
     int sh_degree, sh_stride; /* evaluated bands; reals per Gaussian in the SH array */
@@ -89,6 +92,12 @@ typedef struct td_image {
     int moving;     /* some Gaussians have rates of their own */
     int outputs;    /* TD_OUT_SIGNAL, _DIAGNOSTICS or _COLOUR */
     int soft_order; /* 1: soft depth order */
+    int decoder;    /* TD_DECODER_...; 0: splats have colours */
+    int padding;
 } td_image;
+
+/* Whether splats have colour records, and reals per record. */
+TD_INLINE int td_has_colours(const td_image *image) { return image->decoder || image->outputs >= TD_OUT_COLOUR; }
+TD_INLINE int td_colour_stride(const td_image *image) { return image->decoder ? TD_FEATURE_STRIDE : TD_COLOUR_STRIDE; }
 
 #endif

@@ -21,8 +21,11 @@ enum {
     TD_POLYNOMIAL_QUATERNION = 15,  /* 4, raw */
     TD_POLYNOMIAL_QUATERNION_DOT = 19, /* 4 */
     TD_POLYNOMIAL_SCALE = 23,       /* 3 */
-    TD_POLYNOMIAL_STRIDE = 26
+    TD_POLYNOMIAL_FEATURE = 26,     /* 6, then 3 that dt multiplies: only with a decoder */
+    TD_POLYNOMIAL_STRIDE_MOST = 35
 };
+/* td_mover.own */
+enum { TD_POLYNOMIAL_STRIDE = 0 };
 /* clang-format on */
 
 /* Three entries from k on, at rest. */
@@ -30,13 +33,22 @@ TD_INLINE void td_polynomial_load(TD_GLOBAL const td_real *data, td_index index,
     for (int i = 0; i < 3; i++) out[i] = td_dual_make(td_gather(data, index + (k + i)), td_splat(0.0f));
 }
 
+/* The nine features go where others have SH. */
+TD_INLINE void td_polynomial_features(TD_GLOBAL const td_real *data, td_index index, td_dual dt, const td_theta_sink *sink) {
+    for (int k = 0; k < TD_FEATURES; k++) {
+        td_lanes value = td_gather(data, index + (TD_POLYNOMIAL_FEATURE + k));
+        td_dual feature = td_dual_make(value, td_splat(0.0f));
+        if (k >= 6) feature = td_dual_make(value * dt.v, value);
+        td_theta_store_sh(feature, k, sink);
+    }
+}
+
 TD_INLINE void td_polynomial_move(TD_GLOBAL const td_mover *mover, TD_GLOBAL const td_real *data,
                                   TD_GLOBAL const td_real *moment, td_index gaussian, const td_theta_sink *sink) {
     td_theta theta;
     td_dual scale[3], q[4];
-    td_index index = gaussian * TD_POLYNOMIAL_STRIDE;
+    td_index index = gaussian * mover->own[TD_POLYNOMIAL_STRIDE];
     td_dual dt = td_dual_make(td_tau_since(moment, td_gather(data, index + TD_POLYNOMIAL_CENTRE)), td_splat(1.0f));
-    (void)mover;
     td_polynomial_load(data, index, TD_POLYNOMIAL_COEFFICIENT + 6, theta.mean);
     for (int power = 2; power >= 0; power--)
         for (int i = 0; i < 3; i++) {
@@ -56,6 +68,7 @@ TD_INLINE void td_polynomial_move(TD_GLOBAL const td_mover *mover, TD_GLOBAL con
     theta.opacity = td_dual_make(bell.v * peak, bell.d * peak);
     for (int i = 0; i < 3; i++) theta.origin[i] = theta.mean[i];
     td_theta_store(&theta, sink);
+    if (mover->moves_sh) td_polynomial_features(data, index, dt, sink);
 }
 
 #endif

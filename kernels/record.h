@@ -7,7 +7,7 @@
 /* Where a group's records go: TD_LANES neighbours. `colours` only where colour is asked for. */
 typedef struct td_sink {
     TD_GLOBAL td_real *records; /* TD_RECORD_STRIDE each */
-    TD_GLOBAL td_real *colours; /* TD_COLOUR_STRIDE each: r g b and their rates */
+    TD_GLOBAL td_real *colours; /* td_colour_stride each: r g b and their rates, or features and theirs */
     TD_GLOBAL int *masks;       /* blocks touched; 0: no splat here */
 } td_sink;
 
@@ -46,6 +46,22 @@ TD_INLINE void td_store_colour(const td_colour *colour, const td_image *image, c
     }
 }
 
+/* Features, which stand where the SH of others are; the largest in place of luminance. */
+TD_INLINE void td_store_features(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
+                                 td_index gaussian, const td_sink *sink) {
+    td_sh_source from = td_sh_source_of(view, image, source, td_not_below_0(gaussian));
+    td_lanes largest = td_splat(0.0f);
+    for (int k = 0; k < TD_FEATURES; k++) {
+        td_lanes value = td_gather(from.sh, from.index + k), rate = td_splat(0.0f);
+        if (from.moving) rate = td_gather(from.rates, from.rate_index + k);
+        td_scatter(sink->colours, TD_FEATURE_STRIDE, k, value);
+        td_scatter(sink->colours, TD_FEATURE_STRIDE, TD_FEATURES + k, rate);
+        largest = td_larger(largest, td_larger(value, -value));
+    }
+    td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_LUMINANCE, largest);
+    td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_LUMINANCE_DOT, td_splat(0.0f));
+}
+
 /* Projects TD_LANES candidates of a job and stores their records and masks. A group with no splat stores masks only. */
 TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
                                      const td_job *job, td_index gaussian, const td_sink *sink) {
@@ -54,6 +70,10 @@ TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_ima
     td_store_ints(sink->masks, blocks);
     if (!td_any(blocks != 0)) return;
     td_store_shape(&shape, sink->records);
+    if (image->decoder) {
+        td_store_features(view, image, source, gaussian, sink);
+        return;
+    }
     td_colour colour = td_project_colour(view, image, source, gaussian);
     td_store_colour(&colour, image, sink);
 }
@@ -69,7 +89,7 @@ TD_INLINE void td_project_group(const td_job *job, int first, TD_GLOBAL const in
     int at = job->records + first;
     td_sink sink;
     sink.records = all->records + at * TD_RECORD_STRIDE;
-    sink.colours = all->colours + (image->outputs < TD_OUT_COLOUR ? 0 : at * TD_COLOUR_STRIDE);
+    sink.colours = all->colours + (td_has_colours(image) ? at * td_colour_stride(image) : 0);
     sink.masks = all->masks + at;
     td_project_candidates(view, image, &own, job, gaussian, &sink);
 }

@@ -48,8 +48,8 @@ TD_INLINE void td_window_pop(td_window *window, const td_image *image, TD_GLOBAL
                              TD_GLOBAL const td_real *colours, td_composite *pixels) {
     int i = window->first;
     TD_GLOBAL const td_real *record = records + window->record[i] * TD_RECORD_STRIDE;
-    td_accumulate(record, colours + window->record[i] * TD_COLOUR_STRIDE, image, window->weight[i], window->weight_dot[i],
-                  pixels);
+    td_accumulate(record, colours + window->record[i] * td_colour_stride(image), image, window->weight[i],
+                  window->weight_dot[i], pixels);
     td_lanes t = pixels->transmittance;
     pixels->transmittance = td_fma(-t, window->tau[i], t);
     pixels->transmittance_dot =

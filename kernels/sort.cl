@@ -73,6 +73,7 @@ static int td_sort_job(__global const td_job *job, __global const float *records
                        __global long *keys, __local int *shared) {
     (void)shared;
     int count = 0;
+    if (job->count == 0) return 0; /* a job without candidates has no keys either */
     for (int i = 0; i < job->count; i++)
         if (masks[i]) keys[count++] = td_key(records, masks, i);
     int capacity = 8;
@@ -101,6 +102,7 @@ static void td_bitonic_level(__global long *keys, int n, int stride, int flip) {
 
 static int td_sort_job(__global const td_job *job, __global const float *records, __global const int *masks,
                        __global long *keys, __local int *shared) {
+    if (job->count == 0) return 0;
     if (get_local_id(0) == 0) *shared = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
     for (int i = (int)get_local_id(0); i < job->capacity; i += (int)get_local_size(0)) {

@@ -15,6 +15,7 @@ TD_INLINE td_image td_specialised(__constant const td_image *buffer) {
     image.moving = TD_BUILD_MOVING;
     image.outputs = TD_BUILD_OUTPUTS;
     image.soft_order = TD_BUILD_SOFT_ORDER;
+    image.decoder = TD_BUILD_DECODER;
     return image;
 }
 

@@ -13,19 +13,39 @@ static const double LOG_WIDTH_MOST = 80;
  * [scene units / tau^k], quaternion_dot (N x 4) [1 / tau]. */
 typedef struct polynomial_fields {
     const td_field *centre, *log_width, *coefficient, *quaternion_dot;
+    const td_field *feature, *feature_dot; /* NULL without a decoder */
 } polynomial_fields;
 
 static tides_status find_fields(const tides_motion *motion, int64_t count, polynomial_fields *fields, tides_error *error) {
+    memset(fields, 0, sizeof *fields);
     tides_status status = td_motion_need_rows(motion, "opacity_centre", count, 1, &fields->centre, error);
     if (status == TIDES_OK) status = td_motion_need_rows(motion, "opacity_log_width", count, 1, &fields->log_width, error);
     if (status == TIDES_OK) status = td_motion_need_rows(motion, "mean_coefficient", count, 9, &fields->coefficient, error);
     if (status == TIDES_OK) status = td_motion_need_rows(motion, "quaternion_dot", count, 4, &fields->quaternion_dot, error);
+    if (status != TIDES_OK || td_motion_setting(motion, "decoder", 0) == 0) return status;
+    status = td_motion_need_rows(motion, "feature", count, 6, &fields->feature, error);
+    if (status == TIDES_OK) status = td_motion_need_rows(motion, "feature_dot", count, 3, &fields->feature_dot, error);
+    return status;
+}
+
+/* The decoder's arrays, where the setting says that there is one. */
+static tides_status check_decoder(const tides_motion *motion, tides_error *error) {
+    const uint64_t first[2] = {6, 12}, second[2] = {3, 6};
+    const td_field *field = NULL;
+    double decoder = td_motion_setting(motion, "decoder", 0);
+    if (decoder == 0) return TIDES_OK;
+    if (decoder != TIDES_DECODER_SIGMOID && decoder != TIDES_DECODER_CLAMP && decoder != TIDES_DECODER_PLAIN)
+        return td_fail(error, TIDES_BAD_FILE, "polynomial motion: setting 'decoder' is %g: must be from %d to %d", decoder,
+                       TIDES_DECODER_NONE, TIDES_DECODER_PLAIN);
+    tides_status status = td_motion_need_field(motion, "decoder_first", 2, first, &field, error);
+    if (status == TIDES_OK) status = td_motion_need_field(motion, "decoder_second", 2, second, &field, error);
     return status;
 }
 
 static tides_status check(const tides_motion *motion, const tides_gaussians *gaussians, tides_error *error) {
     polynomial_fields fields;
     tides_status status = find_fields(motion, gaussians->count, &fields, error);
+    if (status == TIDES_OK) status = check_decoder(motion, error);
     if (status != TIDES_OK) return status;
     for (int64_t i = 0; i < gaussians->count; i++)
         if (fabs(fields.log_width->value[i]) > LOG_WIDTH_MOST)
@@ -54,9 +74,17 @@ static tides_status pack(const tides_motion *motion, const tides_gaussians *gaus
                          tides_error *error) {
     polynomial_fields fields;
     tides_status status = find_fields(motion, gaussians->count, &fields, error);
-    if (status == TIDES_OK) status = td_mover_create_rows(numbers, "polynomial", gaussians->count, TD_POLYNOMIAL_STRIDE, error);
-    for (int64_t i = 0; i < gaussians->count && status == TIDES_OK; i++)
-        pack_row(&fields, gaussians, i, numbers->data + i * TD_POLYNOMIAL_STRIDE);
+    int stride = fields.feature ? TD_POLYNOMIAL_STRIDE_MOST : TD_POLYNOMIAL_FEATURE;
+    if (status == TIDES_OK) status = td_mover_create_rows(numbers, "polynomial", gaussians->count, stride, error);
+    for (int64_t i = 0; i < gaussians->count && status == TIDES_OK; i++) {
+        double *row = numbers->data + i * stride;
+        pack_row(&fields, gaussians, i, row);
+        if (!fields.feature) continue;
+        widen(fields.feature->value, i, 6, row + TD_POLYNOMIAL_FEATURE);
+        widen(fields.feature_dot->value, i, 3, row + TD_POLYNOMIAL_FEATURE + 6);
+    }
+    numbers->own[TD_POLYNOMIAL_STRIDE] = stride;
+    numbers->moves_sh = fields.feature != NULL;
     return status;
 }
 
@@ -75,7 +103,8 @@ static void find_moving(const tides_motion *motion, const tides_gaussians *gauss
         double centre = fields.centre->value[i];
         double reach = fmax(fabs(motion->start - centre), fabs(motion->stop - centre));
         double x = reach * exp(-(double)fields.log_width->value[i]);
-        moving[i] = !(all_zero(fields.coefficient, i, 9) && all_zero(fields.quaternion_dot, i, 4) && x * x < unseen);
+        moving[i] = !(all_zero(fields.coefficient, i, 9) && all_zero(fields.quaternion_dot, i, 4) && x * x < unseen &&
+                      (!fields.feature_dot || all_zero(fields.feature_dot, i, 3)));
     }
 }
 

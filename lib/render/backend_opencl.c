@@ -26,9 +26,9 @@ static char *make_defines(const opencl_backend *b, int outputs, tides_error *err
     return td_format(error,
                      "#define TD_BUILD_SH_DEGREE %d\n#define TD_BUILD_ANTIALIAS %d\n#define TD_BUILD_CUT_RULE %d\n"
                      "#define TD_BUILD_STOP_RULE %d\n#define TD_BUILD_EXTENT_RULE %d\n#define TD_BUILD_MOVING %d\n"
-                     "#define TD_BUILD_OUTPUTS %d\n#define TD_BUILD_SOFT_ORDER %d\n",
+                     "#define TD_BUILD_OUTPUTS %d\n#define TD_BUILD_SOFT_ORDER %d\n#define TD_BUILD_DECODER %d\n",
                      image->sh_degree, image->antialias, image->cut_rule, image->stop_rule, image->extent_rule, image->moving,
-                     outputs, image->soft_order);
+                     outputs, image->soft_order, image->decoder);
 }
 
 static tides_status make_kernel(opencl_backend *b, const char *file, const char *name, int outputs, cl_kernel *kernel,
@@ -125,8 +125,10 @@ static tides_status lay_staging(opencl_backend *b, const td_batch *batch, stagin
 static tides_status reserve_batch(opencl_backend *b, const td_batch *batch, staging *s, tides_error *error) {
     tides_status laid = lay_staging(b, batch, s, error);
     if (laid != TIDES_OK) return laid;
-    size_t records = (size_t)batch->records, jobs = (size_t)batch->job_count;
-    size_t colours = batch->outputs < TD_OUT_COLOUR ? 1 : records * TD_COLOUR_STRIDE;
+    size_t records = (size_t)(batch->records > 0 ? batch->records : 1), jobs = (size_t)batch->job_count;
+    td_image image = b->image;
+    image.outputs = batch->outputs;
+    size_t colours = td_has_colours(&image) ? records * (size_t)td_colour_stride(&image) : 1;
     struct {
         td_buffer *buffer;
         size_t bytes;
@@ -216,8 +218,9 @@ static tides_status launch_composite(opencl_backend *b, const td_batch *batch, c
                                      TD_BUFFER_ARGUMENT(b->colours),      TD_BUFFER_ARGUMENT(b->order),
                                      TD_BUFFER_ARGUMENT(b->sorted_masks), TD_BUFFER_ARGUMENT(b->counts),
                                      TD_BUFFER_ARGUMENT(b->brightest),    TD_BUFFER_ARGUMENT(b->planes),
-                                     TD_BUFFER_ARGUMENT(b->blended)};
-    return td_launch(b->device, b->composite_kernel[kind_of_outputs(batch->outputs)], 2, global, local, arguments, 11, event,
+                                     TD_BUFFER_ARGUMENT(b->blended),      TD_BUFFER_ARGUMENT(b->views),
+                                     TD_BUFFER_ARGUMENT(b->decoder)};
+    return td_launch(b->device, b->composite_kernel[kind_of_outputs(batch->outputs)], 2, global, local, arguments, 13, event,
                      error);
 }
 
@@ -340,10 +343,10 @@ static void destroy(td_backend *backend) {
     }
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
         if (kernels[i]) clReleaseKernel(kernels[i]);
-    td_buffer *buffers[] = {&b->image_buffer, &b->object,    &b->geometry, &b->rates,  &b->sh,         &b->sh_rates,
-                            &b->views,        &b->backdrops, &b->boxes,    &b->travel, &b->candidates, &b->jobs,
-                            &b->records,      &b->colours,   &b->masks,    &b->keys,   &b->order,      &b->sorted_masks,
-                            &b->counts,       &b->brightest, &b->planes,   &b->blended};
+    td_buffer *buffers[] = {&b->image_buffer, &b->object,    &b->geometry, &b->rates,   &b->sh,         &b->sh_rates,
+                            &b->views,        &b->backdrops, &b->boxes,    &b->travel,  &b->candidates, &b->jobs,
+                            &b->records,      &b->colours,   &b->masks,    &b->keys,    &b->order,      &b->sorted_masks,
+                            &b->counts,       &b->brightest, &b->planes,   &b->blended, &b->decoder};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     td_opencl_motion_release(b);
     free(b->host);
@@ -366,6 +369,9 @@ static tides_status write_store(opencl_backend *b, const td_store *store, tides_
     if (status == TIDES_OK)
         status =
             td_opencl_write_reals(b, &b->sh_rates, store->sh_rates ? store->sh_rates : none, store->sh_rates ? sh : 1, error);
+    if (status == TIDES_OK)
+        status = td_opencl_write_reals(b, &b->decoder, store->decoder ? store->decoder : none,
+                                       store->decoder ? TD_DECODER_REALS : 1, error);
     if (status != TIDES_OK) return status;
     if (store->sh_wide) return td_opencl_write_reals(b, &b->sh, store->sh_wide, sh, error);
     return td_buffer_write(b->device, &b->sh, store->sh, sh * sizeof *store->sh, error);

@@ -23,7 +23,7 @@ typedef struct reference {
     td_real *arrays[4]; /* geometry, rates, sh, sh_rates: what `source` points to */
     int count, rows;    /* of the store; moved ones behind it that there is room for */
     td_mover *movers;
-    td_real *data, *moments;
+    td_real *data, *moments, *decoder;
     int *owners; /* (2 x rows) */
     int moves_sh, kinds;
     size_t moment_capacity;
@@ -179,7 +179,7 @@ static tides_status reserve_records(reference *r, size_t count, int outputs, tid
     size_t *capacity = r->record_capacity;
     tides_status status = td_reserve((void **)&r->records, &capacity[0], count * TD_RECORD_STRIDE, sizeof *r->records, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&r->colours, &capacity[1], count * TD_COLOUR_STRIDE, sizeof *r->colours, error);
+        status = td_reserve((void **)&r->colours, &capacity[1], count * TD_FEATURE_STRIDE, sizeof *r->colours, error);
     if (status == TIDES_OK) status = td_reserve((void **)&r->masks, &capacity[2], count, sizeof *r->masks, error);
     if (status == TIDES_OK) status = td_reserve((void **)&r->keys, &capacity[3], count, sizeof *r->keys, error);
     if (status == TIDES_OK) status = td_reserve((void **)&r->order, &capacity[4], count, sizeof *r->order, error);
@@ -207,7 +207,8 @@ static void project_job(reference *r, const td_job *job, const td_batch *batch, 
 }
 
 static td_list sort_job(reference *r, const td_job *job) {
-    td_list list = {r->records, r->colours, r->order, r->sorted_masks, 0, r->backdrops[job->slot].luminance};
+    const td_view *view = r->views + job->slot * r->image.objects;
+    td_list list = {r->records, r->colours, r->order, r->sorted_masks, 0, r->backdrops[job->slot].luminance, view, r->decoder};
     for (int i = 0; i < job->count; i++)
         if (r->masks[i]) {
             reference_key key = {r->records[i * TD_RECORD_STRIDE + TD_R_DEPTH], i};
@@ -275,8 +276,9 @@ static void empty_pixel_of(const td_image *image, const double *wide_backdrop, d
     narrow(wide_backdrop, (td_real *)&backdrop, TD_BACKDROP_REALS);
     td_image own = *image;
     own.outputs = outputs;
+    own.decoder = 0; /* then no pixel is the same as another */
     td_job job = {0, 0, 0, 0, 0, 0, 0, 0};
-    td_list list = {out, out, no_list, no_list, 0, backdrop.luminance};
+    td_list list = {out, out, no_list, no_list, 0, backdrop.luminance, NULL, NULL};
     td_composite_block(&job, &list, &own, &backdrop, 0, 0, out);
     for (int k = 0; k < outputs; k++) planes[k] = out[k * TD_TILE_PIXELS];
 }
@@ -310,6 +312,7 @@ static void destroy(td_backend *backend) {
     free(r->movers);
     free(r->data);
     free(r->moments);
+    free(r->decoder);
     free(r->owners);
     free(r->views);
     free(r->backdrops);
@@ -368,6 +371,7 @@ tides_status TD_REFERENCE_CREATE(const td_store *store, const td_image_numbers *
     r->count = store->count;
     tides_status status = copy_store(r, store, error);
     if (status == TIDES_OK) status = copy_movers(r, &store->movers, error);
+    if (status == TIDES_OK) status = copy_array(store->decoder, TD_DECODER_REALS, &r->decoder, error);
     if (status != TIDES_OK) {
         destroy(&r->base);
         return status;

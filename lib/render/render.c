@@ -81,6 +81,8 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     if (status == TIDES_OK) status = td_moved_create(scene, &made->store, made->row_limit, &made->moved, error);
     if (status != TIDES_OK) goto done;
     made->image.objects = made->store.objects;
+    made->image.sh_stride = made->store.sh_stride;
+    td_image_set_decoder(scene, &made->store, &made->image);
     made->stats.gaussians_total = (uint64_t)made->store.real_count;
     status = td_candidates_create(intrinsics->width, intrinsics->height, &made->candidates, error);
     if (status != TIDES_OK) goto done;
@@ -219,6 +221,8 @@ tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory 
     if (status == TIDES_OK)
         status = td_candidates_build(&renderer->candidates, &renderer->store, renderer->boxes, renderer->travel,
                                      renderer->object_moves, error);
+    if (status == TIDES_OK && renderer->image.decoder && renderer->object_moves[0]) /* what is behind everything moves too */
+        memset(renderer->candidates.moving, 1, (size_t)renderer->stats.tiles);
     renderer->stats.time_sweep_s += td_now() - begun;
     return status;
 }
@@ -292,6 +296,20 @@ static void fill_empty(tides_renderer *renderer, const td_request *requests, int
     renderer->stats.tile_jobs_skipped += (uint64_t)empty_count;
 }
 
+/* With a decoder such tiles are jobs too: what it makes of nothing depends on the ray. */
+static tides_status run_empty(tides_renderer *renderer, td_batch *batch, const td_request *requests, int count, double *planes,
+                              tides_error *error) {
+    int tiles_x = renderer->candidates.tiles_x;
+    if (count == 0) return TIDES_OK;
+    for (int i = 0; i < count; i++) {
+        int request = renderer->empty[i], tile = requests[request].tile;
+        const td_job job =
+            {tile % tiles_x * TD_TILE, tile / tiles_x * TD_TILE, requests[request].slot, 0, 0, 0, request, TD_PAD};
+        renderer->jobs[i] = job;
+    }
+    return run_jobs(renderer, batch, renderer->jobs, count, planes, error);
+}
+
 tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
                                const td_request *requests, int count, int outputs, double *planes, tides_error *error) {
     tides_status status = make_views(renderer, camera, times, slots, error);
@@ -313,6 +331,7 @@ tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory 
     batch.outputs = outputs;
     status = renderer->moved.moving ? td_moved_run(renderer, &batch, times, renderer->jobs, jobs, planes, error)
                                     : run_jobs(renderer, &batch, renderer->jobs, jobs, planes, error);
+    if (status == TIDES_OK && renderer->image.decoder) return run_empty(renderer, &batch, requests, empty_count, planes, error);
     if (status == TIDES_OK) fill_empty(renderer, requests, empty_count, outputs, planes);
     return status;
 }

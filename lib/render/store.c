@@ -172,6 +172,7 @@ static tides_status fill(const tides_scene *scene, const store_plan *plan, int f
     int degree = tides_scene_sh_degree(scene);
     store->objects = plan->count;
     store->sh_stride = 3 * (degree + 1) * (degree + 1);
+    if (store->decoder && store->sh_stride < TD_FEATURES) store->sh_stride = TD_FEATURES;
     store->real_count = (int)tides_scene_count(scene);
     int64_t widest = store->sh_stride > TD_GEOMETRY_STRIDE ? store->sh_stride : TD_GEOMETRY_STRIDE;
     if (plan->padded > INT_MAX / widest)
@@ -195,6 +196,7 @@ tides_status td_store_create(const tides_scene *scene, int fades, td_store *stor
     td_store made = {0};
     store_plan plan = {0};
     tides_status status = make_plan(scene, &plan, error);
+    if (status == TIDES_OK) status = td_store_find_decoder(scene, &made, error);
     if (status == TIDES_OK) status = fill(scene, &plan, fades, &made, error);
     free_plan(&plan);
     if (status == TIDES_OK)
@@ -213,6 +215,7 @@ void td_store_release(td_store *store) {
     free(store->sh_rates);
     free(store->scene_object);
     free(store->mover);
+    free(store->decoder);
     free(store->number);
     free(store->movers.row);
     free(store->movers.kind);

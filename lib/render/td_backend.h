@@ -15,7 +15,7 @@ enum {
     TD_VIEW_REALS = 32,
     TD_BACKDROP_REALS = 8,
     TD_IMAGE_REALS = 22,
-    TD_IMAGE_INTS = 12,
+    TD_IMAGE_INTS = 14,
     TD_JOB_INTS = 8,
     TD_MOVER_WHOLE = TD_MOVER_INTS + 8
 };
@@ -69,6 +69,7 @@ typedef struct td_store {
     int *mover;        /* (objects) that moves its Gaussians, or -1 */
     int *number;       /* (count) of the Gaussian in its scene object; the last again in padding */
     td_movers movers;
+    double *decoder; /* (TD_DECODER_REALS) weights; NULL without a decoder */
 } td_store;
 
 /* Rows that the host has worked out (TD_MOTION_HOST): `count` rows from `row` on are in the batch's arrays from `from` on. */

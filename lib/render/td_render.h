@@ -36,6 +36,11 @@ void td_activate_rates(const double mean_dot[3], const double log_scale[3], cons
                        const double quaternion[4], const double quaternion_dot[4], double opacity_logit,
                        double opacity_logit_dot, double *rates);
 
+/* The decoder of a scene that has one (decoder.c): its weights in store->decoder; TIDES_UNSUPPORTED where other objects are
+ * beside it. Then what the image says of it. */
+tides_status td_store_find_decoder(const tides_scene *scene, td_store *store, tides_error *error);
+void td_image_set_decoder(const tides_scene *scene, const td_store *store, td_image *image);
+
 /* The view of one object from a camera: object pose NULL for one at rest (view.c). */
 void td_view_make(const tides_pose *camera, const tides_pose *object, double scale, td_view *view);
 

@@ -1,4 +1,4 @@
-/* Dynamic3DGaussians (Luiten et al. 2024): params.npz with, per frame, means3D [T, N, 3], rgb_colors [T, N, 3] (plain colour) and
+/* Dynamic3DGaussians (Luiten et al. 2024): params.npz with, per frame, means3D [T, N, 3], rgb_colors [T, N, 3] (plain) and
  * unnorm_rotations [T, N, 4], and once logit_opacities [N, 1] and log_scales [N, 3]. Frames are 1/30 s apart, as in the
  * Panoptic data that it was made for. */
 #include "scene/td_method_arrays.h"

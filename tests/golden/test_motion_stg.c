@@ -15,7 +15,8 @@ typedef struct stg_file {
     const char *name;
     npz *archive;
     int count;
-    float *mean, *scale, *quaternion, *opacity, *sh, *centre, *width, *coefficient, *omega;
+    float *mean, *scale, *quaternion, *opacity, *sh, *centre, *width, *coefficient, *omega, *f_dc, *f_t;
+    int full;
 } stg_file;
 
 static stg_file file_open(const char *name, npz *archive) {
@@ -31,15 +32,29 @@ static stg_file file_open(const char *name, npz *archive) {
     file.width = golden_floats(archive, "raw_trbf_scale", NULL);
     file.coefficient = golden_floats(archive, "raw_motion", NULL);
     file.omega = golden_floats(archive, "raw_omega", NULL);
+    file.f_t = golden_floats(archive, "raw_f_t", NULL);
+    file.f_dc = golden_floats(archive, "raw_f_dc", &reals);
+    file.full = (int)reals == 6 * file.count;
     assert_non_null(file.sh);
     return file;
 }
 
 static void file_free(stg_file *file) {
-    float *const arrays[] = {file->mean,   file->scale, file->quaternion,  file->opacity, file->sh,
-                             file->centre, file->width, file->coefficient, file->omega};
+    float *const arrays[] = {file->mean,  file->scale,       file->quaternion, file->opacity, file->sh, file->centre,
+                             file->width, file->coefficient, file->omega,      file->f_dc,    file->f_t};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) free(arrays[i]);
     npz_close(file->archive);
+}
+
+/* Nine features and their rates. */
+static void compare_features(const stg_file *file, int frame, int precision, const move_rows *rows) {
+    double *value = golden_doubles(file->archive, "features", NULL), *dot = golden_doubles(file->archive, "features_dot", NULL);
+    golden_part part = {file->name, "features", file->count, 9, 0, rows->sh_stride, golden_tolerance[precision], NULL};
+    golden_compare(&part, rows->sh, value + frame * file->count * 9);
+    part.name = "features_dot";
+    golden_compare(&part, rows->sh_rates, dot + frame * file->count * 9);
+    free(value);
+    free(dot);
 }
 
 /* One array and its rate at time `frame` of the file. */
@@ -77,12 +92,18 @@ static void compare_file(stg_file *file) {
     tides_error error = {0, ""};
     tides_motion *motion = NULL;
     double *t = golden_doubles(file->archive, "t", &frames);
-    const tides_polynomial_motion arrays = {.count = file->count,
-                                            .stop = 1,
-                                            .opacity_centre = file->centre,
-                                            .opacity_log_width = file->width,
-                                            .mean_coefficient = file->coefficient,
-                                            .quaternion_dot = file->omega};
+    float weights[72] = {0}; /* of a decoder: not looked at here */
+    tides_polynomial_motion arrays = {.count = file->count,
+                                      .stop = 1,
+                                      .opacity_centre = file->centre,
+                                      .opacity_log_width = file->width,
+                                      .mean_coefficient = file->coefficient,
+                                      .quaternion_dot = file->omega};
+    if (file->full) {
+        arrays.decoder = TIDES_DECODER_SIGMOID;
+        arrays.feature = file->f_dc, arrays.feature_dot = file->f_t;
+        arrays.decoder_first = arrays.decoder_second = weights;
+    }
     const tides_gaussians gaussians = {file->count, 0, 0, file->mean, file->scale, file->quaternion, file->opacity, file->sh};
     if (tides_motion_create_polynomial(&arrays, &motion, &error) != TIDES_OK) fail_msg("%s", error.text);
     for (int i = 0; i < GOLDEN_PRECISIONS * (int)frames; i++) {
@@ -92,6 +113,7 @@ static void compare_file(stg_file *file) {
         compare(file, "means", 3, TD_G_ORIGIN, frame, precision, &rows);
         compare(file, "opacity", 1, TD_G_OPACITY, frame, precision, &rows);
         compare_factors(file, frame, precision, &rows);
+        if (file->full) compare_features(file, frame, precision, &rows);
         golden_rows_free(&rows);
     }
     tides_motion_destroy(motion);

@@ -59,7 +59,7 @@ void archive_add(archive_make *archive, const char *name, const void *data, size
 
 scene_bytes archive_end(archive_make *archive) {
     size_t offset = archive->bytes.size;
-    scene_bytes_add(&archive->bytes, archive->central.data, archive->central.size);
+    if (archive->count) scene_bytes_add(&archive->bytes, archive->central.data, archive->central.size);
     scene_bytes_add(&archive->bytes, "PK\5\6\0\0\0\0", 8);
     archive_number(&archive->bytes, archive->count, 2);
     archive_number(&archive->bytes, archive->count, 2);

@@ -37,7 +37,7 @@ static double *reals(size_t count) {
 
 move_rows golden_move(const tides_motion *motion, const tides_gaussians *gaussians, double tau, int fades, int precision) {
     size_t count = (size_t)gaussians->count;
-    int entries = 3 * (gaussians->sh_degree + 1) * (gaussians->sh_degree + 1);
+    int sh = 3 * (gaussians->sh_degree + 1) * (gaussians->sh_degree + 1), entries = sh < TD_FEATURES ? TD_FEATURES : sh;
     move_rows rows = {entries, reals(count * TD_GEOMETRY_STRIDE), reals(count * TD_GEOMETRY_STRIDE),
                       reals(count * (size_t)entries), reals(count * (size_t)entries)};
     td_mover_numbers numbers = {0};

@@ -59,6 +59,24 @@ static tides_motion *polynomial(uint64_t *state, const tides_gaussians *gaussian
     return motion;
 }
 
+static tides_motion *with_decoder(uint64_t *state, const tides_gaussians *gaussians) {
+    tides_error error = {0, ""};
+    tides_motion *motion = NULL;
+    (void)gaussians;
+    float *centre = numbers(state, N, -0.2, 1.2), *width = numbers(state, N, -2, 1.5);
+    float *coefficient = numbers(state, 9 * N, -0.8, 0.8), *q = numbers(state, 4 * N, -1, 1);
+    float *feature = numbers(state, 6 * N, -1, 1), *feature_dot = numbers(state, 3 * N, -2, 2);
+    float *first = numbers(state, 72, -0.6, 0.6), *second = numbers(state, 18, -0.6, 0.6);
+    tides_polynomial_motion arrays = {.count = N, .stop = 1, .opacity_centre = centre, .opacity_log_width = width};
+    arrays.mean_coefficient = coefficient, arrays.quaternion_dot = q;
+    arrays.decoder = TIDES_DECODER_SIGMOID;
+    arrays.feature = feature, arrays.feature_dot = feature_dot;
+    arrays.decoder_first = first, arrays.decoder_second = second;
+    expect_ok(tides_motion_create_polynomial(&arrays, &motion, &error), &error);
+    free(centre), free(width), free(coefficient), free(q), free(feature), free(feature_dot), free(first), free(second);
+    return motion;
+}
+
 static tides_motion *rotor_of(uint64_t *state, const tides_gaussians *gaussians, int tilts, int harmonics) {
     tides_error error = {0, ""};
     tides_motion *motion = NULL;
@@ -113,7 +131,8 @@ typedef struct motion_kind {
     int sh_degree;
     tides_motion *(*make)(uint64_t *state, const tides_gaussians *gaussians);
 } motion_kind;
-static const motion_kind kinds[] = {{"polynomial", 0, polynomial},
+static const motion_kind kinds[] = {{"polynomial, decoder", 0, with_decoder}, /* RANDOM_MOTION_DECODER */
+                                    {"polynomial", 0, polynomial},
                                     {"rotor, tilting, 2 harmonics", 3, tilting_rotor},
                                     {"rotor, standing", 0, standing_rotor},
                                     {"keyframes, every parameter", 1, full_keyframes},

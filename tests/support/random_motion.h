@@ -5,7 +5,7 @@
 
 #include "motion/td_motion.h"
 
-enum { RANDOM_MOTION_GAUSSIANS = 48, RANDOM_MOTION_FRAMES = 7 };
+enum { RANDOM_MOTION_GAUSSIANS = 48, RANDOM_MOTION_FRAMES = 7, RANDOM_MOTION_DECODER = 0 };
 
 typedef struct random_motion {
     const char *name;
