@@ -86,8 +86,8 @@ TIDES_API void tides_event_writer_abandon(tides_event_writer *writer);
 
 /* What is known of a file when it is opened. */
 typedef struct tides_event_facts {
-    char format[32];       /* "evt3" ...; of HDF5 its layout: "tides", "dsec", "eds", "mvsec", "v2e", "timostoff", "m3ed", "rvt" */
-    char version[32];      /* of TIDES that wrote it, or "" */
+    char format[32];  /* "evt3" ...; of HDF5 its layout: "tides", "dsec", "eds", "mvsec", "v2e", "timostoff", "m3ed", "rvt" */
+    char version[32]; /* of TIDES that wrote it, or "" */
     int32_t width, height; /* [px]; 0 where the file doesn't say */
     int32_t counted;       /* 1: count is known without reading the file */
     uint64_t count;
@@ -98,15 +98,15 @@ typedef struct tides_event_reader tides_event_reader;
 /* Opens an event file of any format, found from what it holds, or of the named format. Events come in the file's order, in
  * nanoseconds on the file's clock. TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE (no event file, or a damaged one), TIDES_UNSUPPORTED. A
  * reader is for one thread at a time. */
-TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_open(const char *path, const char *format, tides_event_reader **reader,
-                                                                tides_error *error);
+TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_open(const char *path, const char *format,
+                                                                tides_event_reader **reader, tides_error *error);
 
 TIDES_API void tides_event_reader_facts(const tides_event_reader *reader, tides_event_facts *facts);
 
 /* The next events, up to `capacity`; `*got` is 0 only at the end of the file (or where capacity is). A damaged file fails where the
  * damage is: what was read before stays good, and every later call fails the same. */
-TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_read(tides_event_reader *reader, tides_event *events, size_t capacity,
-                                                                size_t *got, tides_error *error);
+TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_read(tides_event_reader *reader, tides_event *events,
+                                                                size_t capacity, size_t *got, tides_error *error);
 
 /* NULL is fine. */
 TIDES_API void tides_event_reader_close(tides_event_reader *reader);

@@ -46,9 +46,12 @@ static tides_status open_aedat2(td_event_stream *stream, tides_error *error) {
     }
 }
 
-static uint32_t big32(const unsigned char *p) { return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3]; }
+static uint32_t big32(const unsigned char *p) {
+    return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
+}
 
-static tides_status read_aedat2(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got, tides_error *error) {
+static tides_status read_aedat2(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got,
+                                tides_error *error) {
     while (*got < capacity) {
         tides_status status = td_input_fill(&stream->input, RECORD, error);
         if (status != TIDES_OK) return status;
@@ -59,9 +62,12 @@ static tides_status read_aedat2(td_event_stream *stream, tides_event *events, si
         if (address & 0x80000400u) continue; /* images, external events */
         int32_t x = stream->facts.width - 1 - (int32_t)(address >> 12 & 1023);
         int32_t y = stream->facts.height - 1 - (int32_t)(address >> 22 & 511);
-        if (x < 0 || y < 0) return td_event_bad(stream, stream->done + *got, "lies outside the sensor that the header says", error);
-        events[(*got)++] = (tides_event){
-            .t = time * INT64_C(1000), .x = (uint16_t)x, .y = (uint16_t)y, .polarity = address >> 11 & 1 ? 1 : -1};
+        if (x < 0 || y < 0)
+            return td_event_bad(stream, stream->done + *got, "lies outside the sensor that the header says", error);
+        events[(*got)++] = (tides_event){.t = time * INT64_C(1000),
+                                         .x = (uint16_t)x,
+                                         .y = (uint16_t)y,
+                                         .polarity = address >> 11 & 1 ? 1 : -1};
     }
     return TIDES_OK;
 }

@@ -11,8 +11,8 @@
 
 enum {
     COMPRESSION_ZSTD_HIGH = 4,
-    HEADER_MOST = 1 << 24,  /* bytes: an XML of a few kilobytes in every recorder */
-    PACKET_MOST = 1 << 28   /* bytes of one packet, unpacked: 16 million events */
+    HEADER_MOST = 1 << 24, /* bytes: an XML of a few kilobytes in every recorder */
+    PACKET_MOST = 1 << 28  /* bytes of one packet, unpacked: 16 million events */
 };
 
 typedef struct aedat4_state {
@@ -90,7 +90,8 @@ static tides_status parse_description(td_event_stream *stream, const char *xml, 
     while (type && strncmp(type, "EVTS", 4) != 0) type = attribute(type, "typeIdentifier");
     if (!type) return td_fail(error, TIDES_UNSUPPORTED, "%s: holds no stream of events (EVTS)", stream->input.path);
     state->stream = stream_number(xml, type);
-    const char *width = attribute(type, "sizeX"), *height = attribute(type, "sizeY"), *other = attribute(type, "typeIdentifier");
+    const char *width = attribute(type, "sizeX"), *height = attribute(type, "sizeY"),
+               *other = attribute(type, "typeIdentifier");
     if (!width || !height || (other && (width > other || height > other))) return TIDES_OK;
     long size[2] = {strtol(width, NULL, 10), strtol(height, NULL, 10)};
     if (size[0] < 1 || size[1] < 1 || size[0] > 65536 || size[1] > 65536) return TIDES_OK;
@@ -164,7 +165,7 @@ static tides_status unpack(td_event_stream *stream, size_t packed, flat *payload
     int zstd = state->compression >= TD_AEDAT4_ZSTD;
     size_t bytes = 0;
     tides_status status = (zstd ? td_zstd_unpack : td_lz4_unpack)(state->packed, packed, PACKET_MOST, &state->payload,
-                                                                 &state->payload_capacity, &bytes, error);
+                                                                  &state->payload_capacity, &bytes, error);
     if (status == TIDES_BAD_FILE) return bad_packet(stream, zstd ? "isn't Zstandard" : "isn't an LZ4 frame", error);
     *payload = (flat){state->payload, bytes};
     return status;
@@ -209,17 +210,20 @@ static tides_status take_event(td_event_stream *stream, uint64_t number, const u
     uint32_t x = td_get16(p + 8), y = td_get16(p + 10);
     *event = (tides_event){.x = (uint16_t)x, .y = (uint16_t)y, .polarity = p[12] ? 1 : -1};
     if ((x | y) & 0x8000) return td_event_bad(stream, number, "has a negative coordinate", error);
-    if (!td_event_microseconds((int64_t)td_get64(p), &event->t)) return td_event_bad(stream, number, "lies beyond 292 years", error);
+    if (!td_event_microseconds((int64_t)td_get64(p), &event->t))
+        return td_event_bad(stream, number, "lies beyond 292 years", error);
     return TIDES_OK;
 }
 
-static tides_status read_aedat4(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got, tides_error *error) {
+static tides_status read_aedat4(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got,
+                                tides_error *error) {
     aedat4_state *state = stream->state;
     while (*got < capacity) {
         tides_status status = state->taken == state->events ? next_packet(stream, error) : TIDES_OK;
         if (status != TIDES_OK || state->events == 0) return status;
         for (; state->taken < state->events && *got < capacity; state->taken++, ++*got) {
-            status = take_event(stream, stream->done + *got, state->first + TD_AEDAT4_EVENT * state->taken, &events[*got], error);
+            status =
+                take_event(stream, stream->done + *got, state->first + TD_AEDAT4_EVENT * state->taken, &events[*got], error);
             if (status != TIDES_OK) return status;
         }
     }

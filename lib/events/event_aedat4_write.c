@@ -156,7 +156,8 @@ static void put_table(td_event_sink *sink, const aedat4_writer *w) {
     put_words(between, 0, entry, 7);
     if (w->count) td_sink_bytes(sink, between, first - shared);
     for (size_t i = 0; i < w->count; i++)
-        put_entry(sink, &w->entries[i], (uint32_t)(first + ENTRY_STEP * i - shared), i + 1 < w->count ? ENTRY_STEP : ENTRY_STEP - 4);
+        put_entry(sink, &w->entries[i], (uint32_t)(first + ENTRY_STEP * i - shared),
+                  i + 1 < w->count ? ENTRY_STEP : ENTRY_STEP - 4);
 }
 
 tides_status td_aedat4_complete(td_event_sink *sink, int64_t stop_ns, tides_error *error) {

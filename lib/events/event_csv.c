@@ -17,9 +17,12 @@ static const struct {
     const char *name;
     int field, digits;
 } names[] = {
-    {"t", TD_ROW_T, 3},          {"t_us", TD_ROW_T, 3},      {"timestamp", TD_ROW_T, 3}, {"timestamp_us", TD_ROW_T, 3},
-    {"t_ns", TD_ROW_T, 0},       {"timestamp_ns", TD_ROW_T, 0}, {"t_s", TD_ROW_T, 9},    {"x", TD_ROW_X, 0},
-    {"y", TD_ROW_Y, 0},          {"p", TD_ROW_P, 0},         {"on", TD_ROW_P, 0},        {"pol", TD_ROW_P, 0},
+    {"t", TD_ROW_T, 3},         {"t_us", TD_ROW_T, 3},
+    {"timestamp", TD_ROW_T, 3}, {"timestamp_us", TD_ROW_T, 3},
+    {"t_ns", TD_ROW_T, 0},      {"timestamp_ns", TD_ROW_T, 0},
+    {"t_s", TD_ROW_T, 9},       {"x", TD_ROW_X, 0},
+    {"y", TD_ROW_Y, 0},         {"p", TD_ROW_P, 0},
+    {"on", TD_ROW_P, 0},        {"pol", TD_ROW_P, 0},
     {"polarity", TD_ROW_P, 0},
 };
 
@@ -102,7 +105,8 @@ static tides_status create_csv_ns(td_event_sink *sink, tides_error *error) {
 static tides_status write_rows(td_event_sink *sink, const tides_event *events, size_t count, int64_t unit) {
     for (size_t i = 0; i < count && !sink->failed; i++) {
         char line[80];
-        snprintf(line, sizeof line, "%" PRId64 ",%u,%u,%d\n", events[i].t / unit, events[i].x, events[i].y, events[i].polarity > 0);
+        snprintf(line, sizeof line, "%" PRId64 ",%u,%u,%d\n", events[i].t / unit, events[i].x, events[i].y,
+                 events[i].polarity > 0);
         td_sink_text(sink, line);
     }
     return TIDES_OK;
@@ -162,7 +166,8 @@ static tides_status write_openeb(td_event_sink *sink, const tides_event *events,
     (void)error;
     for (size_t i = 0; i < count && !sink->failed; i++) {
         char line[80];
-        snprintf(line, sizeof line, "%u,%u,%d,%" PRId64 "\n", events[i].x, events[i].y, events[i].polarity > 0, events[i].t / 1000);
+        snprintf(line, sizeof line, "%u,%u,%d,%" PRId64 "\n", events[i].x, events[i].y, events[i].polarity > 0,
+                 events[i].t / 1000);
         td_sink_text(sink, line);
     }
     return TIDES_OK;

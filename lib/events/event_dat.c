@@ -30,7 +30,8 @@ static tides_status open_dat(td_event_stream *stream, tides_error *error) {
     td_input_skip(&stream->input, 2);
     if (header.version == 1 || (type != TYPE_CD && type != TYPE_2D) || size != RECORD)
         return td_fail(error, TIDES_UNSUPPORTED,
-                       "%s: holds version %d of DAT with records of type %u and %u bytes: only version 2 with events (type 12, 8 "
+                       "%s: holds version %d of DAT with records of type %u and %u bytes: only version 2 with events (type 12, "
+                       "8 "
                        "bytes) can be read",
                        stream->input.path, header.version, type, size);
     return TIDES_OK;
@@ -49,7 +50,8 @@ static tides_status read_dat(td_event_stream *stream, tides_event *events, size_
         td_input_skip(&stream->input, RECORD);
         int64_t turns = *before / TURN + (*before % TURN - t >= TURN / 2);
         *before = turns * TURN + t;
-        if (!td_event_microseconds(*before, &t)) return td_event_bad(stream, stream->done + *got, "lies beyond 292 years", error);
+        if (!td_event_microseconds(*before, &t))
+            return td_event_bad(stream, stream->done + *got, "lies beyond 292 years", error);
         events[(*got)++] =
             (tides_event){.t = t, .x = word & 0x3fff, .y = word >> 14 & 0x3fff, .polarity = word >> 28 & 1 ? 1 : -1};
     }
@@ -72,7 +74,8 @@ static tides_status create_dat(td_event_sink *sink, tides_error *error) {
 static const char *check_dat(const tides_event *event, const tides_event *previous) {
     int64_t from = previous ? previous->t / 1000 : 0, t = event->t / 1000;
     return t / TURN != from / TURN && t - from > TURN / 2
-               ? "can't be told from an earlier one: DAT's clock begins anew every 4294.967296 s, and the silence before it is longer "
+               ? "can't be told from an earlier one: DAT's clock begins anew every 4294.967296 s, and the silence before it is "
+                 "longer "
                  "than half of that: count from the first event (--rebase), or use another format"
                : NULL;
 }

@@ -88,10 +88,10 @@ static tides_status create_es(td_event_sink *sink, tides_error *error) {
 /* 7874 bytes for every second without events. */
 static const char *check_es(const tides_event *event, const tides_event *previous) {
     int64_t from = previous ? previous->t : 0;
-    return event->t - from > INT64_C(100000) * 1000000000
-               ? "comes more than 10^5 s after the one before it, and Event Stream takes a byte every 127 us: count from the first "
-                 "event (--rebase)"
-               : NULL;
+    return event->t - from > INT64_C(100000) * 1000000000 ? "comes more than 10^5 s after the one before it, and Event Stream "
+                                                            "takes a byte every 127 us: count from the first "
+                                                            "event (--rebase)"
+                                                          : NULL;
 }
 
 static tides_status write_es(td_event_sink *sink, const tides_event *events, size_t count, tides_error *error) {

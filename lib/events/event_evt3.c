@@ -162,9 +162,9 @@ static tides_status write_evt3(td_event_sink *sink, const tides_event *events, s
 /* 488 bytes for every second without events. */
 static const char *check_evt3(const tides_event *event, const tides_event *previous) {
     int64_t from = previous ? previous->t : 0;
-    return event->t - from > INT64_C(1000000) * 1000000000
-               ? "comes more than 10^6 s after the one before it, and EVT 3.0 counts every 4 ms: count from the first event (--rebase)"
-               : NULL;
+    return event->t - from > INT64_C(1000000) * 1000000000 ? "comes more than 10^6 s after the one before it, and EVT 3.0 "
+                                                             "counts every 4 ms: count from the first event (--rebase)"
+                                                           : NULL;
 }
 
 static void discard_evt3(td_event_sink *sink) { free(sink->state); }

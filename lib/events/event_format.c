@@ -9,9 +9,25 @@
 
 /* In the order of detection: magic numbers first, then headers, then plain text, then what has nothing but its size. */
 const td_event_format *const td_event_formats[] = {
-    &td_format_ecf,  &td_format_hdf5,   &td_format_aedat4,     &td_format_aedat2, &td_format_es,  &td_format_evt3,
-    &td_format_evt21, &td_format_evt2,  &td_format_dat,        &td_format_csv,    &td_format_csv_ns, &td_format_csv_openeb,
-    &td_format_e2vid, &td_format_ecd,   &td_format_nmnist,     NULL,
+    &td_format_ecf,
+    &td_format_hdf5,
+    &td_format_aedat4,
+    &td_format_aedat2,
+    &td_format_es,
+    &td_format_evt3,
+    &td_format_evt21,
+    &td_format_evt2,
+    &td_format_dat,
+    &td_format_csv,
+    &td_format_csv_ns,
+    &td_format_csv_openeb,
+    &td_format_npy,
+    &td_format_npz,
+    &td_format_ergb,
+    &td_format_e2vid,
+    &td_format_ecd,
+    &td_format_nmnist,
+    NULL,
 };
 
 enum { FORMATS_MAX = 32 };
@@ -25,8 +41,9 @@ tides_status td_event_format_named(const char *name, const td_event_format **for
         return TIDES_OK;
     }
     const char *nearest = td_nearest(name, names);
-    return td_fail(error, TIDES_BAD_ARGUMENT, "\"%s\" is no format of event files%s%s%s", name, nearest ? "; did you mean " : "",
-                   nearest ? nearest : "", nearest ? "?" : ": tides convert --help lists them");
+    return td_fail(error, TIDES_BAD_ARGUMENT, "\"%s\" is no format of event files%s%s%s", name,
+                   nearest ? "; did you mean " : "", nearest ? nearest : "",
+                   nearest ? "?" : ": tides convert --help lists them");
 }
 
 static tides_status probe_file(const char *path, td_event_probe *probe, tides_error *error) {
@@ -53,7 +70,8 @@ tides_status td_event_format_detect(const char *path, const td_event_format **fo
         *format = td_event_formats[i];
         return TIDES_OK;
     }
-    return td_fail(error, TIDES_BAD_FILE, "%s: isn't an event file that is known by its content: name its format (--from)", path);
+    return td_fail(error, TIDES_BAD_FILE, "%s: isn't an event file that is known by its content: name its format (--from)",
+                   path);
 }
 
 /* Whether `endings` ("a b") holds the ending of `path`; a longer one is meant where both fit. */
@@ -80,7 +98,8 @@ tides_status td_event_format_for(const char *path, const td_event_format **forma
     if (best > 0) return TIDES_OK;
     if (ending && ending[1] && ending != path)
         return td_fail(error, TIDES_UNSUPPORTED,
-                       "%s: no format of event files ends in %s: use .h5, .raw, .dat, .es, .aedat4, .npy, .npz, .csv or .txt, or "
+                       "%s: no format of event files ends in %s: use .h5, .raw, .dat, .es, .aedat4, .npy, .npz, .csv or .txt, "
+                       "or "
                        "name the format (--to)",
                        path, ending);
     *format = &td_format_hdf5;

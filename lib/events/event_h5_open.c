@@ -127,7 +127,8 @@ static tides_status open_column(td_event_source *source, td_h5_column *c, int ti
     size_t bytes = type < 0 ? 0 : H5Tget_size(type);
     int table = c->column >= 0, dimensions = space < 0 ? -1 : H5Sget_simple_extent_ndims(space);
     hsize_t extent[2] = {0, 4};
-    int shaped = dimensions == (table ? 2 : 1) && H5Sget_simple_extent_dims(space, extent, NULL) == dimensions && extent[1] == 4;
+    int shaped =
+        dimensions == (table ? 2 : 1) && H5Sget_simple_extent_dims(space, extent, NULL) == dimensions && extent[1] == 4;
     td_h5_close(space);
     td_h5_close(type);
     c->real = class == H5T_FLOAT;
@@ -135,8 +136,9 @@ static tides_status open_column(td_event_source *source, td_h5_column *c, int ti
     if (!numbers || !shaped) return wrong_shape(source, c, error);
     c->rows = extent[0];
     tides_status status = td_h5_check_filters(source->path, c->name, c->dataset, error);
-    return status == TIDES_OK ? td_h5_check_storage(source->path, c->name, c->dataset, c->rows, table ? 4 * bytes : bytes, error)
-                              : status;
+    return status == TIDES_OK
+               ? td_h5_check_storage(source->path, c->name, c->dataset, c->rows, table ? 4 * bytes : bytes, error)
+               : status;
 }
 
 static tides_status open_columns(td_event_source *source, const layout *found, tides_error *error) {

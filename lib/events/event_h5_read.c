@@ -16,7 +16,11 @@ static herr_t read_rows(const td_h5_column *c, uint64_t first, size_t count, int
     int bytes = type >= 0 && H5Tget_class(type) == H5T_ENUM; /* HDF5 has no conversion from enumerations */
     herr_t failed = -1;
     if (memory >= 0 && file >= 0 && H5Sselect_hyperslab(file, H5S_SELECT_SET, start, NULL, rows, NULL) >= 0)
-        failed = H5Dread(c->dataset, bytes ? type : c->real ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64, memory, file, H5P_DEFAULT, out);
+        failed = H5Dread(c->dataset,
+                         bytes     ? type
+                         : c->real ? H5T_NATIVE_DOUBLE
+                                   : H5T_NATIVE_INT64,
+                         memory, file, H5P_DEFAULT, out);
     if (failed >= 0 && bytes) /* widened in place, from the last */
         for (size_t i = count; i-- > 0;) out[i] = ((const int8_t *)out)[i];
     td_h5_close(file);
@@ -25,13 +29,13 @@ static herr_t read_rows(const td_h5_column *c, uint64_t first, size_t count, int
     return failed;
 }
 
-static tides_status read_column(const td_event_source *source, const td_h5_column *c, uint64_t first, size_t count, int64_t *out,
-                                tides_error *error) {
+static tides_status read_column(const td_event_source *source, const td_h5_column *c, uint64_t first, size_t count,
+                                int64_t *out, tides_error *error) {
     if (read_rows(c, first, count, out) >= 0) return TIDES_OK;
     td_h5_reason reason;
     const char *text = td_h5_reason_text(&reason);
-    return td_fail(error, TIDES_BAD_FILE, "%s: %s, rows %" PRIu64 " to %" PRIu64 ", can't be read: %s", source->path, c->name + 1,
-                   first, first + count - 1, text);
+    return td_fail(error, TIDES_BAD_FILE, "%s: %s, rows %" PRIu64 " to %" PRIu64 ", can't be read: %s", source->path,
+                   c->name + 1, first, first + count - 1, text);
 }
 
 /* ---- values ---- */
@@ -44,8 +48,8 @@ static tides_status bad_row(const td_event_source *source, const td_h5_column *c
 
 static tides_status bad_real(const td_event_source *source, const td_h5_column *c, uint64_t row, double value, const char *want,
                              tides_error *error) {
-    return td_fail(error, TIDES_BAD_FILE, "%s: %s of event %" PRIu64 " is %g: should be %s", source->path, c->name + 1, row, value,
-                   want);
+    return td_fail(error, TIDES_BAD_FILE, "%s: %s of event %" PRIu64 " is %g: should be %s", source->path, c->name + 1, row,
+                   value, want);
 }
 
 /* Replaces doubles by integers: times from seconds to nanoseconds, others as they are. */

@@ -23,14 +23,14 @@ static tides_status open_nmnist(td_event_stream *stream, tides_error *error) {
     return TIDES_OK; /* the sensor's size isn't told: 34 x 34 in one set, 233 x 173 in the other */
 }
 
-static tides_status read_nmnist(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got, tides_error *error) {
+static tides_status read_nmnist(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got,
+                                tides_error *error) {
     while (*got < capacity) {
         tides_status status = td_input_fill(&stream->input, RECORD, error);
         if (status != TIDES_OK) return status;
         const unsigned char *p = stream->input.data;
         if (stream->input.ready < RECORD) return stream->input.ready ? td_event_cut_off(stream, error) : TIDES_OK;
-        events[(*got)++] =
-            (tides_event){.t = time_us(p) * INT64_C(1000), .x = p[0], .y = p[1], .polarity = p[2] >> 7 ? 1 : -1};
+        events[(*got)++] = (tides_event){.t = time_us(p) * INT64_C(1000), .x = p[0], .y = p[1], .polarity = p[2] >> 7 ? 1 : -1};
         td_input_skip(&stream->input, RECORD);
     }
     return TIDES_OK;

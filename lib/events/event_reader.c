@@ -81,7 +81,8 @@ static tides_status check_batch(const tides_event_reader *reader, size_t count, 
     for (size_t i = 0; i < count; i++) {
         const tides_event *e = &reader->batch[i];
         if (e->x < facts->width && e->y < facts->height) continue;
-        return td_fail(error, TIDES_BAD_FILE, "%s: event %llu at (%u, %u) lies outside the %d x %d px that the file itself says",
+        return td_fail(error, TIDES_BAD_FILE,
+                       "%s: event %llu at (%u, %u) lies outside the %d x %d px that the file itself says",
                        reader->stream.input.path, (unsigned long long)(reader->stream.done + i), e->x, e->y, facts->width,
                        facts->height);
     }

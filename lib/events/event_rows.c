@@ -34,7 +34,8 @@ int td_event_split(char *line, char separator, char *words[TD_ROW_COLUMNS_MAX]) 
     return count;
 }
 
-tides_status td_event_rows_line(td_event_stream *stream, td_event_rows *rows, char line[TD_ROW_LINE], int *got, tides_error *error) {
+tides_status td_event_rows_line(td_event_stream *stream, td_event_rows *rows, char line[TD_ROW_LINE], int *got,
+                                tides_error *error) {
     do {
         tides_status status = td_input_line(&stream->input, line, TD_ROW_LINE, got, error);
         if (status != TIDES_OK || !*got) return status;
@@ -75,7 +76,8 @@ tides_status td_event_rows_parse(const td_event_stream *stream, const td_event_r
     return TIDES_OK;
 }
 
-tides_status td_event_rows_read(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got, tides_error *error) {
+tides_status td_event_rows_read(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got,
+                                tides_error *error) {
     td_event_rows *rows = stream->state;
     while (*got < capacity) {
         char line[TD_ROW_LINE];

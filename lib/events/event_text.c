@@ -38,7 +38,9 @@ static int detect_e2vid(const td_event_probe *probe) {
     return !line || td_event_rows_numeric(line, length, ' ', 4);
 }
 
-static tides_status open_ecd(td_event_stream *stream, tides_error *error) { return td_event_rows_begin(stream, &seconds, error); }
+static tides_status open_ecd(td_event_stream *stream, tides_error *error) {
+    return td_event_rows_begin(stream, &seconds, error);
+}
 
 static tides_status open_e2vid(td_event_stream *stream, tides_error *error) {
     tides_status status = td_event_rows_begin(stream, &seconds, error);

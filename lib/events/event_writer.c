@@ -23,14 +23,15 @@ int32_t tides_event_format_at(size_t index, tides_event_format *format) {
     while (td_event_formats[count]) count++;
     if (!format || index >= count) return 0;
     const td_event_format *f = td_event_formats[index];
-    *format = (tides_event_format){f->name, f->summary, f->endings ? f->endings : "", f->read != NULL, f->create != NULL,
-                                   f->tick_ns};
+    *format =
+        (tides_event_format){f->name, f->summary, f->endings ? f->endings : "", f->read != NULL, f->create != NULL, f->tick_ns};
     return 1;
 }
 
 /* ---- opening ---- */
 
-static tides_status check_file(const char *path, const td_event_format *format, const tides_event_file *file, tides_error *error) {
+static tides_status check_file(const char *path, const td_event_format *format, const tides_event_file *file,
+                               tides_error *error) {
     /* Coordinates are 16 bits wide. */
     if (file->width < 1 || file->height < 1 || file->width > 65536 || file->height > 65536)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: an event file can't be %d x %d px: give 1 to 65536", path, file->width,

@@ -71,7 +71,8 @@ static tides_status create_hdf5(td_event_sink *sink, tides_error *error) {
 
 static const char *check_hdf5(const tides_event *event, const tides_event *previous) {
     (void)previous;
-    return event->t > LAST_TIME ? "is too late: the file's 32-bit microseconds end after 4294.967295 s: write several files" : NULL;
+    return event->t > LAST_TIME ? "is too late: the file's 32-bit microseconds end after 4294.967295 s: write several files"
+                                : NULL;
 }
 
 static tides_status write_failed(td_event_sink *sink, tides_status status, const char *reason, tides_error *error) {
@@ -127,8 +128,8 @@ static tides_status find_tail(td_event_sink *sink, uint64_t rows, tides_error *e
     if (status != TIDES_OK) return status;
     if (got < w->buffered)
         return td_fail(error, TIDES_BAD_FILE,
-                       "%s: ends %zu events before event %" PRIu64 ", where the run was interrupted (%s): start anew", sink->part,
-                       w->buffered - got, rows + w->buffered, reason.text);
+                       "%s: ends %zu events before event %" PRIu64 ", where the run was interrupted (%s): start anew",
+                       sink->part, w->buffered - got, rows + w->buffered, reason.text);
     status = td_event_check(&td_format_hdf5, sink, w->buffer, w->buffered, error);
     const tides_event_file facts = {sink->width, sink->height, NULL, NULL};
     return status == TIDES_OK ? td_event_tail_write(w->tail, &facts, rows, w->buffer, w->buffered, error) : status;

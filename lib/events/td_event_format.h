@@ -15,8 +15,8 @@ enum {
 /* What a format is detected from. */
 typedef struct td_event_probe {
     const char *path;
-    uint64_t size; /* of the file [bytes] */
-    size_t bytes;  /* in head */
+    uint64_t size;                /* of the file [bytes] */
+    size_t bytes;                 /* in head */
     char head[TD_EVENT_HEAD + 1]; /* NUL-terminated */
 } td_event_probe;
 
@@ -69,10 +69,10 @@ typedef struct td_event_sink {
     uint64_t count;         /* appended */
     tides_event last;
     int32_t has_last;
-    FILE *file;      /* NULL for formats with `library` */
-    uint64_t at;     /* bytes written to `file` */
-    int failed;      /* errno of the first failed write to `file`, or 0 */
-    void *state;     /* the format's; freed by its discard */
+    FILE *file;  /* NULL for formats with `library` */
+    uint64_t at; /* bytes written to `file` */
+    int failed;  /* errno of the first failed write to `file`, or 0 */
+    void *state; /* the format's; freed by its discard */
     td_event_ticks *ticks;
 } td_event_sink;
 
@@ -120,7 +120,7 @@ extern const td_event_format *const td_event_formats[];
 
 extern const td_event_format td_format_hdf5, td_format_ecf, td_format_aedat4, td_format_aedat2, td_format_es, td_format_dat,
     td_format_evt2, td_format_evt21, td_format_evt3, td_format_csv, td_format_csv_ns, td_format_csv_openeb, td_format_e2vid,
-    td_format_ecd, td_format_nmnist;
+    td_format_ecd, td_format_nmnist, td_format_npy, td_format_npz, td_format_ergb;
 
 /* By name; TIDES_BAD_ARGUMENT names the nearest. */
 tides_status td_event_format_named(const char *name, const td_event_format **format, tides_error *error);
@@ -148,12 +148,12 @@ tides_status td_event_cut_off(const td_event_stream *stream, tides_error *error)
 
 /* Lines "% key value" before the data of Prophesee's files (event_header.c). */
 typedef struct td_event_header {
-    char evt[16];     /* "3.0" of "% evt 3.0", or "" */
-    char format[16];  /* "EVT3" of "% format EVT3;...", or "" */
-    int32_t version;  /* of "% Version 2", else 0 */
+    char evt[16];    /* "3.0" of "% evt 3.0", or "" */
+    char format[16]; /* "EVT3" of "% format EVT3;...", or "" */
+    int32_t version; /* of "% Version 2", else 0 */
     int32_t width, height;
-    int32_t swapped;  /* EVT 2.1 with its 32-bit halves the other way round */
-    size_t bytes;     /* of the header; 0: none */
+    int32_t swapped; /* EVT 2.1 with its 32-bit halves the other way round */
+    size_t bytes;    /* of the header; 0: none */
 } td_event_header;
 /* From the first bytes of a file. */
 void td_event_header_parse(const char *head, size_t bytes, td_event_header *header);

@@ -23,7 +23,7 @@ typedef struct td_event_source {
     uint64_t next;       /* to be read */
     int32_t nanoseconds; /* 1: the time column holds [ns] and no offset; 0: [us] after `offset`, or real seconds */
     int64_t offset;
-    char format[32]; /* root attribute of our own files, else "" */
+    char format[32];  /* root attribute of our own files, else "" */
     int64_t *scratch; /* the columns of one block */
 } td_event_source;
 

@@ -19,7 +19,8 @@ typedef struct td_event_rows {
 int td_event_split(char *line, char separator, char *words[TD_ROW_COLUMNS_MAX]);
 
 /* The next line that isn't empty or a comment ('#'). */
-tides_status td_event_rows_line(td_event_stream *stream, td_event_rows *rows, char line[TD_ROW_LINE], int *got, tides_error *error);
+tides_status td_event_rows_line(td_event_stream *stream, td_event_rows *rows, char line[TD_ROW_LINE], int *got,
+                                tides_error *error);
 
 /* One event of a line; fails with the line's number and what is wrong. */
 tides_status td_event_rows_parse(const td_event_stream *stream, const td_event_rows *rows, char *line, tides_event *event,
