@@ -50,11 +50,15 @@ static tides_status probe_file(const char *path, td_event_probe *probe, tides_er
     struct stat there;
     FILE *file = fopen(path, "rb");
     if (!file) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
+    if (fstat(fileno(file), &there) != 0 || S_ISDIR(there.st_mode)) {
+        fclose(file);
+        return td_fail(error, TIDES_BAD_FILE, "%s: is a folder: name a file in it", path);
+    }
     memset(probe, 0, sizeof *probe);
     probe->path = path;
     probe->bytes = fread(probe->head, 1, TD_EVENT_HEAD, file);
     int unreadable = ferror(file) ? errno : 0;
-    if (stat(path, &there) == 0 && there.st_size > 0) probe->size = (uint64_t)there.st_size;
+    if (there.st_size > 0) probe->size = (uint64_t)there.st_size;
     fclose(file);
     if (unreadable) return td_fail(error, TIDES_BAD_FILE, "%s: can't be read: %s", path, strerror(unreadable));
     if (probe->bytes == 0) return td_fail(error, TIDES_BAD_FILE, "%s: is empty", path);
@@ -70,7 +74,10 @@ tides_status td_event_format_detect(const char *path, const td_event_format **fo
         *format = td_event_formats[i];
         return TIDES_OK;
     }
-    return td_fail(error, TIDES_BAD_FILE, "%s: isn't an event file that is known by its content: name its format (--from)",
+    return td_fail(error, TIDES_BAD_FILE,
+                   "%s: isn't known by its content as an event file (HDF5, AEDAT, EVT, DAT, ES, numpy, CSV, text): name its "
+                   "format "
+                   "(--from)",
                    path);
 }
 

@@ -9,28 +9,30 @@
 #include <unistd.h>
 
 /* A layout: the datasets of polarity, time, x, y, and where they are columns of a table, which. Times are integer microseconds or
- * real seconds. `mark` is there in this layout only. */
+ * real seconds (`real`; a table then holds nothing else). `mark` is there in this layout only. */
 typedef struct layout {
     const char *name, *mark, *datasets[TD_H5_COLUMNS];
-    int32_t columns[TD_H5_COLUMNS];
+    int32_t columns[TD_H5_COLUMNS], real;
 } layout;
 
 enum { OWN = -1 };
 
 static const layout layouts[] = {
-    {"rvt", "/events/height", {"/events/p", "/events/t", "/events/x", "/events/y"}, {OWN, OWN, OWN, OWN}},
-    {"dsec", "/events/p", {"/events/p", "/events/t", "/events/x", "/events/y"}, {OWN, OWN, OWN, OWN}},
-    {"timostoff", "/events/ps", {"/events/ps", "/events/ts", "/events/xs", "/events/ys"}, {OWN, OWN, OWN, OWN}},
+    {"rvt", "/events/height", {"/events/p", "/events/t", "/events/x", "/events/y"}, {OWN, OWN, OWN, OWN}, 0},
+    {"dsec", "/events/p", {"/events/p", "/events/t", "/events/x", "/events/y"}, {OWN, OWN, OWN, OWN}, 0},
+    {"timostoff", "/events/ps", {"/events/ps", "/events/ts", "/events/xs", "/events/ys"}, {OWN, OWN, OWN, OWN}, 1},
     {"m3ed",
      "/prophesee/left/p",
      {"/prophesee/left/p", "/prophesee/left/t", "/prophesee/left/x", "/prophesee/left/y"},
-     {OWN, OWN, OWN, OWN}},
+     {OWN, OWN, OWN, OWN},
+     0},
     {"mvsec",
      "/davis/left/events",
      {"/davis/left/events", "/davis/left/events", "/davis/left/events", "/davis/left/events"},
-     {3, 2, 0, 1}},
-    {"eds", "/p", {"/p", "/t", "/x", "/y"}, {OWN, OWN, OWN, OWN}},
-    {"v2e", "/events", {"/events", "/events", "/events", "/events"}, {3, 0, 1, 2}},
+     {3, 2, 0, 1},
+     1},
+    {"eds", "/p", {"/p", "/t", "/x", "/y"}, {OWN, OWN, OWN, OWN}, 0},
+    {"v2e", "/events", {"/events", "/events", "/events", "/events"}, {3, 0, 1, 2}, 0},
 };
 
 enum { LAYOUTS = sizeof layouts / sizeof *layouts, DSEC = 1, V2E = LAYOUTS - 1 };
@@ -116,9 +118,9 @@ static tides_status wrong_shape(const td_event_source *source, const td_h5_colum
     return td_fail(error, TIDES_BAD_FILE, "%s: %s should be a one-dimensional dataset of integers", source->path, c->name);
 }
 
-/* Opens a dataset of numbers (or h5py's booleans, an enumeration of bytes) that this HDF5 can decompress. Only tables and times may
- * hold real numbers. */
-static tides_status open_column(td_event_source *source, td_h5_column *c, int times, tides_error *error) {
+/* Opens a dataset of integers (or h5py's booleans, an enumeration of bytes) that this HDF5 can decompress; of real numbers only where
+ * the layout has them. */
+static tides_status open_column(td_event_source *source, td_h5_column *c, int real, tides_error *error) {
     c->dataset = H5Dopen2(source->file, c->name, H5P_DEFAULT);
     if (c->dataset < 0)
         return td_fail(error, TIDES_BAD_FILE, "%s: %s can't be opened: it should be a dataset", source->path, c->name);
@@ -132,7 +134,7 @@ static tides_status open_column(td_event_source *source, td_h5_column *c, int ti
     td_h5_close(space);
     td_h5_close(type);
     c->real = class == H5T_FLOAT;
-    int numbers = class == H5T_INTEGER || (class == H5T_ENUM && bytes == 1 && !table) || (c->real && (table || times));
+    int numbers = class == H5T_INTEGER || (class == H5T_ENUM && bytes == 1 && !table) || (c->real && real);
     if (!numbers || !shaped) return wrong_shape(source, c, error);
     c->rows = extent[0];
     tides_status status = td_h5_check_filters(source->path, c->name, c->dataset, error);
@@ -153,7 +155,8 @@ static tides_status open_columns(td_event_source *source, const layout *found, t
     if (source->nanoseconds) source->columns[TD_H5_T].name = "/events/t_ns";
     for (int c = 0; c < TD_H5_COLUMNS; c++) {
         td_h5_column *column = &source->columns[c];
-        tides_status status = open_column(source, column, c == TD_H5_T, error);
+        tides_status status =
+            open_column(source, column, c == TD_H5_T ? found->real : column->column >= 0 && found->real, error);
         if (status != TIDES_OK) return status;
         if (c == 0 || column->rows < source->count) source->count = column->rows;
     }

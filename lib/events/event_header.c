@@ -55,7 +55,7 @@ void td_event_header_parse(const char *head, size_t bytes, td_event_header *head
         snprintf(text, sizeof text, "%.*s", (int)(length < sizeof text ? length : sizeof text - 1), line);
         parse_line(text, header);
         header->bytes += length + 1;
-        if (strncmp(text, "% end", 5) == 0) return;
+        if (strcmp(text, "% end") == 0 || strcmp(text, "% end\r") == 0) return; /* "% endianness" isn't it */
     }
 }
 
