@@ -140,14 +140,6 @@ static tides_status write_evt2(td_event_sink *sink, const tides_event *events, s
     return TIDES_OK;
 }
 
-/* A word of TIME_HIGH can count a thousand years in a minute of writing; still, 10^8 s are absolute times, not a recording. */
-static const char *check_evt2(const tides_event *event, const tides_event *previous) {
-    (void)previous;
-    return event->t > INT64_C(100000000) * 1000000000
-               ? "has an absolute time, which takes EVT 2.0 many turns of its clock: count from the first event (--rebase)"
-               : NULL;
-}
-
 static void discard_evt2(td_event_sink *sink) { free(sink->state); }
 
 const td_event_format td_format_evt2 = {
@@ -161,7 +153,6 @@ const td_event_format td_format_evt2 = {
     .read = read_evt2,
     .close = close_evt,
     .create = create_evt2,
-    .check = check_evt2,
     .write = write_evt2,
     .discard = discard_evt2,
 };

@@ -234,7 +234,7 @@ static tides_status create_writer(td_event_sink *sink, int zipped, tides_error *
 static tides_status create_npy(td_event_sink *sink, tides_error *error) {
     tides_status status = create_writer(sink, 0, error);
     npy_writer *w = sink->state;
-    return status == TIDES_OK ? td_npy_writer_begin(w->file, "data", "[('x', '<i2'), ('y', '<i2'), ('t', '<i8'), ('p', 'i1')]",
+    return status == TIDES_OK ? td_npy_writer_begin(w->file, "data", "[('x', '<i2'), ('y', '<i2'), ('t', '<i8'), ('p', '|i1')]",
                                                     RECORD, 1, NULL, error)
                               : status;
 }
