@@ -15,11 +15,13 @@ static const cli_command commands[] = {
      "The keys for --set are listed by tides simulate --help.",
      1, cmd_render},
     {"simulate", "RUN.json -o EVENTS.h5", "Simulate events with continuous-time timestamps.",
-     "Events go to HDF5 in the DSEC layout, with nanosecond times in events/t_ns. Ctrl-C leaves what was simulated in "
-     "EVENTS.h5.part.",
+     "Events go to HDF5 in the DSEC layout, with nanosecond times in events/t_ns, or by the ending to another format (.raw, "
+     ".dat, .es,\n"
+     ".aedat4, .npy, .npz, .csv, .txt), most in microseconds. Ctrl-C leaves what was simulated in EVENTS.h5.part.",
      1, cmd_simulate},
-    {"convert", "IN OUT", "Convert a scene between .ply and .h5.",
+    {"convert", "IN OUT", "Convert a scene (.ply, .h5) or an event file to another format.",
      "The input's format is found from its content, the output's from its ending.", 2, cmd_convert},
+    {"cut", "IN OUT --start S --stop S", "Cut a stretch of time or a window out of an event file.", NULL, 2, cmd_cut},
     {"bench", "accuracy|ablation [-o DIR] [--quick] [--scene NAME]", "Measure run time against the error of event times.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
      "ablation: what each part of the method is worth; ablation.json, .csv and a plot.\n"

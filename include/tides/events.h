@@ -133,6 +133,35 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_events_summary(const char *path, t
 TIDES_MUST_CHECK TIDES_API tides_status tides_events_read(const char *path, uint64_t first, size_t count, tides_event *events,
                                                           size_t *got, tides_error *error);
 
+/* What of a file is kept on the way into another. */
+typedef struct tides_event_conversion {
+    const char *from, *to;               /* names of formats; NULL: by content, by ending */
+    int32_t width, height;               /* of the sensor [px]; 0: what the file says, else what its events reach */
+    int64_t start_ns, stop_ns;           /* events with start <= t < stop are kept */
+    int32_t x, y, cut_width, cut_height; /* and those in this window, which becomes the sensor; cut_width 0: all */
+    int32_t rebase;                      /* 1: times count from the file's first event, those of start and stop too */
+} tides_event_conversion;
+
+typedef struct tides_event_conversion_report {
+    uint64_t read, written;
+    uint64_t disorder;         /* events earlier than the one before them in the file: they were put in order */
+    uint64_t collapsed;        /* as tides_event_writer_collapsed */
+    int64_t first_ns, last_ns; /* as written; 0 where nothing was */
+    int32_t width, height;
+    char from[32], to[32];
+} tides_event_conversion_report;
+
+/* Everything, by content and by ending. */
+TIDES_API void tides_event_conversion_defaults(tides_event_conversion *conversion);
+
+/* Converts and cuts an event file, streamed in a few megabytes. Events of one time are sorted by y, x, polarity; events that are late
+ * by up to 65536 places are put in order, and more is TIDES_BAD_FILE. The output is a complete new file or what was there before.
+ * `progress` may be NULL; it returns non-zero to stop (TIDES_CANCELLED). */
+TIDES_MUST_CHECK TIDES_API tides_status tides_events_convert(const char *in, const char *out,
+                                                             const tides_event_conversion *conversion, tides_progress progress,
+                                                             void *user, tides_event_conversion_report *report,
+                                                             tides_error *error);
+
 #ifdef __cplusplus
 }
 #endif

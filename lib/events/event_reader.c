@@ -125,6 +125,12 @@ tides_status tides_event_reader_read(tides_event_reader *reader, tides_event *ev
     return td_fail(error, reader->failure.status, "%s", reader->failure.text);
 }
 
+double td_event_reader_part(const tides_event_reader *reader) {
+    const td_event_stream *stream = &reader->stream;
+    if (stream->facts.counted) return stream->facts.count ? (double)stream->done / (double)stream->facts.count : 1.0;
+    return stream->input.size ? (double)stream->input.at / (double)stream->input.size : -1.0;
+}
+
 /* ---- whole files ---- */
 
 static void add_event(tides_event_summary *s, const tides_event *e, int64_t before) {

@@ -185,7 +185,8 @@ static tides_status check_event(const td_event_format *format, const td_event_si
     if (event->polarity != 1 && event->polarity != -1)
         return refuse(event, index, TIDES_BAD_ARGUMENT, "has no polarity: give +1 or -1", error);
     if (event->t < 0)
-        return refuse(event, index, TIDES_BAD_ARGUMENT, "lies before time 0: count times from the run's start", error);
+        return refuse(event, index, TIDES_BAD_ARGUMENT,
+                      "lies before time 0: count times from the run's start, or from the first event (--rebase)", error);
     if (previous && before(event, previous))
         return refuse(event, index, TIDES_BAD_ARGUMENT, "comes before the one ahead of it: sort by t, y, x, polarity", error);
     const char *why = format->check ? format->check(event, previous) : NULL;

@@ -135,6 +135,9 @@ tides_status td_event_format_for(const char *path, const td_event_format **forma
 tides_status td_event_check(const td_event_format *format, const td_event_sink *sink, const tides_event *events, size_t count,
                             tides_error *error);
 
+/* How much of the file is read, 0 to 1; negative where that isn't known. */
+double td_event_reader_part(const tides_event_reader *reader);
+
 /* ---- what several formats need ---- */
 
 /* [us] to [ns]; 0 where 64 bits don't hold it. */
