@@ -25,8 +25,8 @@ typedef struct tides_event_file {
 
 typedef struct tides_event_writer tides_event_writer;
 
-/* The formats of event files: name ("evt3"), a few words, the endings of files that are written in it ("" where it is only chosen by
- * name), and what the library does with it. */
+/* The formats of event files: name ("evt3"), a few words, the endings of files that are written in it ("" where it is only
+ * chosen by name), and what the library does with it. */
 typedef struct tides_event_format {
     const char *name, *summary, *endings;
     int32_t reads, writes;
@@ -36,9 +36,10 @@ typedef struct tides_event_format {
 /* Format number `index` from 0 on, its texts constant; 1, or 0 behind the last. */
 TIDES_API int32_t tides_event_format_at(size_t index, tides_event_format *format);
 
-/* Starts an event file in the named format, or where `format` is NULL in that of the path's ending (.h5, .raw, .dat, .es, .aedat4,
- * .npy, .npz, .csv, .txt; HDF5 without one). Every format is streamed, floors times to its tick, bridges the turns of its clock by
- * its own rule, and is written as `path` + ".part". TIDES_UNSUPPORTED: the format isn't written, or the sensor is too large for it. */
+/* Starts an event file in the named format, or where `format` is NULL in that of the path's ending (.h5, .raw, .dat, .es,
+ * .aedat4, .npy, .npz, .csv, .txt; HDF5 without one). Every format is streamed, floors times to its tick, bridges the turns
+ * of its clock by its own rule, and is written as `path` + ".part". TIDES_UNSUPPORTED: the format isn't written, or the
+ * sensor is too large for it. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_open_as(const char *path, const char *format,
                                                                    const tides_event_file *file, tides_event_writer **writer,
                                                                    tides_error *error);
@@ -49,9 +50,10 @@ TIDES_API int32_t tides_event_writer_can_resume(const char *path);
 /* Events appended so far that share their pixel and the format's tick with an earlier one: their distance in time is lost. */
 TIDES_API uint64_t tides_event_writer_collapsed(const tides_event_writer *writer);
 
-/* The same in the format of the path's ending. HDF5, the native one: the DSEC layout (events/{p,t,x,y}, ms_to_idx, t_offset), with
- * events/t_ns and our attributes added; layout documented in lib/events/events_hdf5.c. Written as `path` + ".part" and renamed by
- * _finish, so that `path` is either the old file or a complete new one; what was flushed to the .part stays readable. */
+/* The same in the format of the path's ending. HDF5, the native one: the DSEC layout (events/{p,t,x,y}, ms_to_idx, t_offset),
+ * with events/t_ns and our attributes added; layout documented in lib/events/events_hdf5.c. Written as `path` + ".part" and
+ * renamed by _finish, so that `path` is either the old file or a complete new one; what was flushed to the .part stays
+ * readable. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_open(const char *path, const tides_event_file *file,
                                                                 tides_event_writer **writer, tides_error *error);
 
@@ -64,7 +66,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_append(tides_event_wr
 TIDES_API uint64_t tides_event_writer_count(const tides_event_writer *writer);
 
 /* Makes everything appended so far survive the death of the process: whole chunks are in the .part already, the events after
- * them go to `path` + ".part.tail". HDF5 only: TIDES_UNSUPPORTED for other formats. A failure leaves what was safe as it was, and the writer usable. */
+ * them go to `path` + ".part.tail". HDF5 only: TIDES_UNSUPPORTED for other formats. A failure leaves what was safe as it was,
+ * and the writer usable. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_flush(tides_event_writer *writer, tides_error *error);
 
 /* Goes on with a recording that was interrupted: opens the .part (and its tail) that a writer of `path` left, abandoned or
@@ -96,15 +99,15 @@ typedef struct tides_event_facts {
 typedef struct tides_event_reader tides_event_reader;
 
 /* Opens an event file of any format, found from what it holds, or of the named format. Events come in the file's order, in
- * nanoseconds on the file's clock. TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE (no event file, or a damaged one), TIDES_UNSUPPORTED. A
- * reader is for one thread at a time. */
+ * nanoseconds on the file's clock. TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE (no event file, or a damaged one), TIDES_UNSUPPORTED.
+ * A reader is for one thread at a time. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_open(const char *path, const char *format,
                                                                 tides_event_reader **reader, tides_error *error);
 
 TIDES_API void tides_event_reader_facts(const tides_event_reader *reader, tides_event_facts *facts);
 
-/* The next events, up to `capacity`; `*got` is 0 only at the end of the file (or where capacity is). A damaged file fails where the
- * damage is: what was read before stays good, and every later call fails the same. */
+/* The next events, up to `capacity`; `*got` is 0 only at the end of the file (or where capacity is). A damaged file fails
+ * where the damage is: what was read before stays good, and every later call fails the same. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_read(tides_event_reader *reader, tides_event *events,
                                                                 size_t capacity, size_t *got, tides_error *error);
 
@@ -126,10 +129,10 @@ typedef struct tides_event_summary {
 TIDES_MUST_CHECK TIDES_API tides_status tides_events_summary(const char *path, tides_event_summary *summary,
                                                              tides_error *error);
 
-/* Reads events [first, first + count) of a file of any format into `events` (caller's memory); `got` receives how many there were.
- * HDF5 in the layout of DSEC is read from there on, others from their beginning. Times of that layout are those of events/t_ns where
- * present, else events/t in microseconds plus t_offset; foreign files come in their own order. On failure `events` may hold some of
- * them. */
+/* Reads events [first, first + count) of a file of any format into `events` (caller's memory); `got` receives how many there
+ * were. HDF5 in the layout of DSEC is read from there on, others from their beginning. Times of that layout are those of
+ * events/t_ns where present, else events/t in microseconds plus t_offset; foreign files come in their own order. On failure
+ * `events` may hold some of them. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_events_read(const char *path, uint64_t first, size_t count, tides_event *events,
                                                           size_t *got, tides_error *error);
 
@@ -154,9 +157,9 @@ typedef struct tides_event_conversion_report {
 /* Everything, by content and by ending. */
 TIDES_API void tides_event_conversion_defaults(tides_event_conversion *conversion);
 
-/* Converts and cuts an event file, streamed in a few megabytes. Events of one time are sorted by y, x, polarity; events that are late
- * by up to 65536 places are put in order, and more is TIDES_BAD_FILE. The output is a complete new file or what was there before.
- * `progress` may be NULL; it returns non-zero to stop (TIDES_CANCELLED). */
+/* Converts and cuts an event file, streamed in a few megabytes. Events of one time are sorted by y, x, polarity; events that
+ * are late by up to 65536 places are put in order, and more is TIDES_BAD_FILE. The output is a complete new file or what was
+ * there before. `progress` may be NULL; it returns non-zero to stop (TIDES_CANCELLED). */
 TIDES_MUST_CHECK TIDES_API tides_status tides_events_convert(const char *in, const char *out,
                                                              const tides_event_conversion *conversion, tides_progress progress,
                                                              void *user, tides_event_conversion_report *report,

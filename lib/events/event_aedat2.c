@@ -1,6 +1,6 @@
 /* AEDAT 2.0 of jAER and v2e, read (.aedat): text lines that begin with '#', then per event a 32-bit address and a time in
- * microseconds, both big-endian. Addresses of the DAVIS: bit 31 set for images, y in bits 22 to 30 and x in bits 12 to 21, both
- * counted from the far corner, polarity in bit 11, bit 10 set for external events. */
+ * microseconds, both big-endian. Addresses of the DAVIS: bit 31 set for images, y in bits 22 to 30 and x in bits 12 to 21,
+ * both counted from the far corner, polarity in bit 11, bit 10 set for external events. */
 #include "td_event_format.h"
 
 #include "td_base.h"

@@ -1,7 +1,7 @@
-/* AEDAT 4.0 of iniVation, read (.aedat4): "#!AER-DAT4.0\r\n", a flatbuffer IOHE (compression, position of the table of packets,
- * description as XML), then packets {stream, bytes, payload} up to that table or the end of the file. A payload of the stream whose
- * type is EVTS is a flatbuffer with a vector of 16-byte events (t [us] i64, x i16, y i16, polarity u8), as it is or compressed with
- * LZ4 or Zstandard. The table at the end isn't needed: recorders that were killed leave none. */
+/* AEDAT 4.0 of iniVation, read (.aedat4): "#!AER-DAT4.0\r\n", a flatbuffer IOHE (compression, position of the table of
+ * packets, description as XML), then packets {stream, bytes, payload} up to that table or the end of the file. A payload of
+ * the stream whose type is EVTS is a flatbuffer with a vector of 16-byte events (t [us] i64, x i16, y i16, polarity u8), as
+ * it is or compressed with LZ4 or Zstandard. The table at the end isn't needed: recorders that were killed leave none. */
 #include "td_aedat4.h"
 
 #include "td_base.h"

@@ -1,5 +1,5 @@
-/* AEDAT 4.0, written: uncompressed packets of up to 4096 events, and the table of packets that dv's tools seek with. Byte layout as
- * the flatbuffers compiler makes it: tables are of constant size, only lengths and offsets change. */
+/* AEDAT 4.0, written: uncompressed packets of up to 4096 events, and the table of packets that dv's tools seek with. Byte
+ * layout as the flatbuffers compiler makes it: tables are of constant size, only lengths and offsets change. */
 #include "td_aedat4.h"
 
 #include "td_base.h"
@@ -134,7 +134,8 @@ static void put_entry(td_event_sink *sink, const packet_entry *e, uint32_t to_vi
     td_sink_bytes(sink, table, bytes);
 }
 
-/* Head, a vector of offsets, the virtual table that all entries share, the entries; each entry's 64-bit fields are aligned. */
+/* Head, a vector of offsets, the virtual table that all entries share, the entries; each entry's 64-bit fields are
+ * aligned. */
 static void put_table(td_event_sink *sink, const aedat4_writer *w) {
     static const uint16_t root[] = {6, 8, 4, 0}, entry[] = {14, 44, 4, 12, 20, 28, 36};
     size_t shared = 32 + 4 * w->count, first = (shared + 14 + 3) / 8 * 8 + 4;

@@ -1,7 +1,7 @@
 /* Comma-separated values (.csv), in three dialects:
  *   csv         faery's: header "t,x@WIDTH,y@HEIGHT,on", times in microseconds
  *   csv-ns      ours: header "t_ns,x@WIDTH,y@HEIGHT,p", times in nanoseconds
- *   csv-openeb  Prophesee's: "%geometry:WIDTH,HEIGHT" (older tools leave it out), then x,y,p,t in microseconds without a header
+ *   csv-openeb  Prophesee's: "%geometry:WIDTH,HEIGHT" (older tools leave it out), then x,y,p,t in microseconds
  * A header may have other names, columns in any order, and more of them. */
 #include "td_event_rows.h"
 

@@ -1,5 +1,6 @@
-/* Prophesee DAT, version 2 (.dat): a text header, two bytes (type 0x0c, size 8), then per event the time in 32-bit microseconds and
- * polarity << 28 | y << 14 | x. The time begins anew every 2^32 us (71.6 min): a fall by half of that is a new turn. */
+/* Prophesee DAT, version 2 (.dat): a text header, two bytes (type 0x0c, size 8), then per event the time in 32-bit
+ * microseconds and polarity << 28 | y << 14 | x. The time begins anew every 2^32 us (71.6 min): a fall by half of that is a
+ * new turn. */
 #include "td_event_format.h"
 
 #include "td_base.h"

@@ -1,5 +1,5 @@
-/* Decimal numbers of text files, exactly: binary floating point would move microseconds of absolute times, and the C library's
- * parser follows the locale. */
+/* Decimal numbers of text files, exactly: binary floating point would move microseconds of absolute times, and the C
+ * library's parser follows the locale. */
 #include "td_event_format.h"
 
 #include <string.h>

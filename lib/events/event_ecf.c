@@ -1,5 +1,5 @@
-/* Prophesee's HDF5 files, read: the compound /CD/events {x, y, p, t [us]}, whose chunks are unpacked here, so that their plugin for HDF5
- * isn't needed. */
+/* Prophesee's HDF5 files, read: the compound /CD/events {x, y, p, t [us]}, whose chunks are unpacked here, so that their
+ * plugin for HDF5 isn't needed. */
 #include "td_ecf.h"
 
 #include "td_base.h"

@@ -1,8 +1,8 @@
 /* The codec of Prophesee's HDF5 files, after its public description (hdf5_ecf). A chunk is
  *   u32       count << 2 | how x, y and polarity are packed
  *   u64       time of the first event [us]
- *   times     bytes step << 4 | count: the time moves on by the step (0 to 14), and so many events have it; count 15: as u16 behind.
- *             Before it, bytes 0xf0 | nibble give a longer step, lowest nibble first.
+ *   times     bytes step << 4 | count: the time moves on by the step (0 to 14), and so many events have it;
+ *             count 15: as u16 behind. Before it, bytes 0xf0 | nibble give a longer step, lowest nibble first.
  * and then, with bit 1 of the first word, four events in three u32, 24 bits each: y << 12 | x << 1 | polarity; without it
  *   rows      u16 y << 5 | count of events in it; count 31: as u16 behind
  * and with bit 0 four events in three u16, 12 bits each: x << 1 | polarity; without it

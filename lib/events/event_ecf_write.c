@@ -1,5 +1,5 @@
-/* Prophesee's HDF5 files, written as openeb reads them: /CD/events in packed chunks, /CD/indexes with one entry for every 2 ms,
- * an empty /EXT_TRIGGER, and attributes that name the sensor. Chunks are packed here and written as they are. */
+/* Prophesee's HDF5 files, written as openeb reads them: /CD/events in packed chunks, /CD/indexes with one entry for every 2
+ * ms, an empty /EXT_TRIGGER, and attributes that name the sensor. Chunks are packed here and written as they are. */
 #include "td_ecf.h"
 
 #include "td_base.h"

@@ -1,6 +1,6 @@
-/* Event Stream 2.0 of kind DVS (.es): "Event Stream", version 2.0.0, kind 1, width and height as 16 bits; then per event a byte
- * dt << 1 | polarity with dt below 127 us, x and y as 16 bits, and before it a byte 0xff for every 127 us more. y counts from below.
- * Times are microseconds without an end. */
+/* Event Stream 2.0 of kind DVS (.es): "Event Stream", version 2.0.0, kind 1, width and height as 16 bits; then per event a
+ * byte dt << 1 | polarity with dt below 127 us, x and y as 16 bits, and before it a byte 0xff for every 127 us more. y counts
+ * from below. Times are microseconds without an end. */
 #include "td_event_format.h"
 
 #include "td_base.h"

@@ -1,10 +1,12 @@
 /* Prophesee EVT 2.0 and 2.1 (.raw): words with 6 bits of time in each event and TIME_HIGH words in between.
  *
  *   2.0, 32 bits: TIME_HIGH 0x8 << 28 | t >> 6;  event polarity << 28 | (t & 63) << 22 | x << 11 | y
- *   2.1, 64 bits: TIME_HIGH 0x8 << 60 | (t >> 6) << 32;  events polarity << 60 | (t & 63) << 54 | x << 43 | y << 32 | mask, where bit
- *        i of the mask is an event at x + i
+ *   2.1, 64 bits: TIME_HIGH 0x8 << 60 | (t >> 6) << 32;  events polarity << 60 | (t & 63) << 54 | x << 43 | y << 32 | mask
  *
- * Times are microseconds; the 28 bits of TIME_HIGH begin anew every 2^34 us (4 h 46 min): a fall by half of that is a new turn. */
+ * where bit i of the mask is an event at x + i.
+ *
+ * Times are microseconds; the 28 bits of TIME_HIGH begin anew every 2^34 us (4 h 46 min): a fall by half of that is a new
+ * turn. */
 #include "td_event_format.h"
 
 #include "td_base.h"

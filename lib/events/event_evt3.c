@@ -1,10 +1,12 @@
-/* Prophesee EVT 3.0 (.raw): 16-bit words whose top four bits say what they change; events take time and row from what came before.
+/* Prophesee EVT 3.0 (.raw): 16-bit words whose top four bits say what they change; events take time and row from what came
+ * before.
  *
  *   0x0 row y, 11 bits               0x2 event: polarity << 11 | x          0x3 start of vectors: polarity << 11 | x
  *   0x4 vector: 12 pixels from the   0x5 vector of 8 pixels                 0x6 low 12 bits of the time
  *       start, which moves on        0x8 high 12 bits of the time           others: triggers, the sensor's own words
  *
- * Times are microseconds; 24 bits begin anew every 16.777216 s: a fall of the high part by half of its range is a new turn. */
+ * Times are microseconds; 24 bits begin anew every 16.777216 s: a fall of the high part by half of its range is a new
+ * turn. */
 #include "td_event_format.h"
 
 #include "td_base.h"
@@ -71,8 +73,8 @@ static size_t take_vector(evt3_state *state, uint32_t mask, uint32_t width, tide
     return count;
 }
 
-/* One word: the events that it makes. A recording may begin between two times: what comes before the first has none, and is passed
- * over, as Prophesee's own reader does. */
+/* One word: the events that it makes. A recording may begin between two times: what comes before the first has none, and is
+ * passed over, as Prophesee's own reader does. */
 static size_t take_word(evt3_state *state, uint32_t word, tides_event *events) {
     uint32_t value = word & 0xfff;
     switch (word >> 12) {

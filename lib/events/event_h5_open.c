@@ -8,8 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A layout: the datasets of polarity, time, x, y, and where they are columns of a table, which. Times are integer microseconds or
- * real seconds (`real`; a table then holds nothing else). `mark` is there in this layout only. */
+/* A layout: the datasets of polarity, time, x, y, and where they are columns of a table, which. Times are integer
+ * microseconds or real seconds (`real`; a table then holds nothing else). `mark` is there in this layout only. */
 typedef struct layout {
     const char *name, *mark, *datasets[TD_H5_COLUMNS];
     int32_t columns[TD_H5_COLUMNS], real;
@@ -118,8 +118,8 @@ static tides_status wrong_shape(const td_event_source *source, const td_h5_colum
     return td_fail(error, TIDES_BAD_FILE, "%s: %s should be a one-dimensional dataset of integers", source->path, c->name);
 }
 
-/* Opens a dataset of integers (or h5py's booleans, an enumeration of bytes) that this HDF5 can decompress; of real numbers only where
- * the layout has them. */
+/* Opens a dataset of integers (or h5py's booleans, an enumeration of bytes) that this HDF5 can decompress; of real numbers
+ * only where the layout has them. */
 static tides_status open_column(td_event_source *source, td_h5_column *c, int real, tides_error *error) {
     c->dataset = H5Dopen2(source->file, c->name, H5P_DEFAULT);
     if (c->dataset < 0)

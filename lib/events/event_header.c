@@ -1,4 +1,5 @@
-/* The text in front of Prophesee's binary files: lines that begin with '%'. Keys as openeb, faery and expelliarmus read them. */
+/* The text in front of Prophesee's binary files: lines that begin with '%'. Keys as openeb, faery and expelliarmus read
+ * them. */
 #include "td_event_format.h"
 
 #include "td_base.h"
@@ -43,8 +44,8 @@ static void parse_line(const char *line, td_event_header *header) {
     }
 }
 
-/* The header ends with "% end", or at the first line that doesn't begin with "% ". A line of the data can begin so too: then it
- * isn't printable text, or doesn't end. */
+/* The header ends with "% end", or at the first line that doesn't begin with "% ". A line of the data can begin so too: then
+ * it isn't printable text, or doesn't end. */
 void td_event_header_parse(const char *head, size_t bytes, td_event_header *header) {
     memset(header, 0, sizeof *header);
     while (header->bytes + 2 < bytes && memcmp(head + header->bytes, "% ", 2) == 0) {

@@ -1,5 +1,5 @@
-/* The files of N-MNIST and N-Caltech101, read (.bin): 5 bytes an event, x, y, polarity << 7 | time's bits 22 to 16, 15 to 8, 7 to 0,
- * in microseconds. Nothing in them says what they are: the ending, the size and rising times do. */
+/* The files of N-MNIST and N-Caltech101, read (.bin): 5 bytes an event, x, y, polarity << 7 | time's bits 22 to 16, 15 to 8,
+ * 7 to 0, in microseconds. Nothing in them says what they are: the ending, the size and rising times do. */
 #include "td_event_format.h"
 
 #include <string.h>

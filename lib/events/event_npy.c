@@ -1,5 +1,5 @@
-/* Numpy's files: .npy with one structured array whose fields are t, x, y and p (tonic's dtype), times in microseconds; .npz with one
- * array per column:
+/* Numpy's files: .npy with one structured array whose fields are t, x, y and p (tonic's dtype), times in microseconds; .npz
+ * with one array per column:
  *   keys x, y, t, p                        t in nanoseconds (rpg_vid2e, and what is written here)
  *   the same, coordinates beyond 8191      HS-ERGB: coordinates are 1/32 px, t in microseconds
  *   keys x, y, timestamp, polarity         BS-ERGB: the same, and what lies left of or above the image wraps around 65536

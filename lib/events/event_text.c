@@ -1,5 +1,5 @@
-/* Text with blanks between columns, `t x y p` and times in seconds (.txt): of the Event Camera Dataset and v2e, with '#' comments,
- * and of E2VID, whose first line is the sensor's width and height. Written with nine decimals: nothing is lost. */
+/* Text with blanks between columns, `t x y p` and times in seconds (.txt): of the Event Camera Dataset and v2e, with '#'
+ * comments, and of E2VID, whose first line is the sensor's width and height. Written with nine decimals: nothing is lost. */
 #include "td_event_rows.h"
 
 #include "td_base.h"

@@ -1,5 +1,5 @@
-/* LZ4 frames (https://github.com/lz4/lz4/blob/dev/doc/lz4_Frame_format.md) and Zstandard, as AEDAT 4 packets use them. LZ4 is a page
- * of code, and needs no library. Checksums aren't verified: a damaged frame shows in the events' own structure. */
+/* LZ4 frames (https://github.com/lz4/lz4/blob/dev/doc/lz4_Frame_format.md) and Zstandard, as AEDAT 4 packets use them. LZ4 is
+ * a page of code, and needs no library. Checksums aren't verified: a damaged frame shows in the events' own structure. */
 #include "td_aedat4.h"
 
 #include "td_base.h"

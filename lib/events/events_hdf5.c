@@ -71,9 +71,10 @@ static tides_status create_hdf5(td_event_sink *sink, tides_error *error) {
 
 static const char *check_hdf5(const tides_event *event, const tides_event *previous) {
     (void)previous;
-    return event->t > LAST_TIME ? "is too late: the file's 32-bit microseconds end after 4294.967295 s: write several files, or "
-                                  "count from the first event (--rebase)"
-                                : NULL;
+    return event->t > LAST_TIME
+               ? "is too late: the file's 32-bit microseconds end after 4294.967295 s: write several files, or "
+                 "count from the first event (--rebase)"
+               : NULL;
 }
 
 static tides_status write_failed(td_event_sink *sink, tides_status status, const char *reason, tides_error *error) {

@@ -12,8 +12,8 @@ tides_status td_aedat4_write(td_event_sink *sink, const tides_event *events, siz
 tides_status td_aedat4_complete(td_event_sink *sink, int64_t stop_ns, tides_error *error);
 void td_aedat4_discard(td_event_sink *sink);
 
-/* Unpack one frame into `*out`, which grows with `*capacity`; `*got` bytes, at most `most`. TIDES_BAD_FILE where the bytes are no
- * such frame, or unpack to more; TIDES_NO_MEMORY. */
+/* Unpack one frame into `*out`, which grows with `*capacity`; `*got` bytes, at most `most`. TIDES_BAD_FILE where the bytes
+ * are no such frame, or unpack to more; TIDES_NO_MEMORY. */
 tides_status td_lz4_unpack(const unsigned char *data, size_t bytes, size_t most, unsigned char **out, size_t *capacity,
                            size_t *got, tides_error *error);
 tides_status td_zstd_unpack(const unsigned char *data, size_t bytes, size_t most, unsigned char **out, size_t *capacity,

@@ -44,8 +44,8 @@ void td_input_skip(td_event_input *input, size_t bytes);
 /* Copies `bytes` out, however many; TIDES_BAD_FILE where the file ends before. */
 tides_status td_input_copy(td_event_input *input, void *out, size_t bytes, tides_error *error);
 
-/* The next line without its end, NUL-terminated, in the caller's buffer; `*got` is 0 at the end of the file. Lines of `size` bytes
- * or more are TIDES_BAD_FILE. */
+/* The next line without its end, NUL-terminated, in the caller's buffer; `*got` is 0 at the end of the file. Lines of `size`
+ * bytes or more are TIDES_BAD_FILE. */
 tides_status td_input_line(td_event_input *input, char *line, size_t size, int *got, tides_error *error);
 
 /* ---- a file being read ---- */
@@ -95,14 +95,14 @@ typedef struct td_event_format {
     /* 1 where the file is of this format; NULL: only by name. */
     int (*detect)(const td_event_probe *probe);
 
-    /* Reading; all NULL where the format is only written. open fills the facts; read leaves 0 in `got` only at the end. close is
-     * called after a failed open too. */
+    /* Reading; all NULL where the format is only written. open fills the facts; read leaves 0 in `got` only at the end. close
+     * is called after a failed open too. */
     tides_status (*open)(td_event_stream *stream, tides_error *error);
     tides_status (*read)(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got, tides_error *error);
     void (*close)(td_event_stream *stream);
 
-    /* Writing; all NULL where it is only read. Events come checked and in order. `check` (nullable) says why an event can't be
-     * stored after `previous` (nullable), or NULL. `complete` makes the file whole; `discard` frees the state. */
+    /* Writing; all NULL where it is only read. Events come checked and in order. `check` (nullable) says why an event can't
+     * be stored after `previous` (nullable), or NULL. `complete` makes the file whole; `discard` frees the state. */
     tides_status (*create)(td_event_sink *sink, tides_error *error);
     const char *(*check)(const tides_event *event, const tides_event *previous);
     tides_status (*write)(td_event_sink *sink, const tides_event *events, size_t count, tides_error *error);
@@ -131,7 +131,8 @@ tides_status td_event_format_detect(const char *path, const td_event_format **fo
 /* Of a file to write, by its ending; HDF5 where it has none. */
 tides_status td_event_format_for(const char *path, const td_event_format **format, tides_error *error);
 
-/* Events may follow in a file: order, size, polarity, and what the format itself asks. TIDES_BAD_ARGUMENT, TIDES_UNSUPPORTED. */
+/* Events may follow in a file: order, size, polarity, and what the format itself asks. TIDES_BAD_ARGUMENT,
+ * TIDES_UNSUPPORTED. */
 tides_status td_event_check(const td_event_format *format, const td_event_sink *sink, const tides_event *events, size_t count,
                             tides_error *error);
 
@@ -165,8 +166,8 @@ tides_status td_event_header_read(td_event_stream *stream, td_event_header *head
 /* Writes that of an EVT file: "2.0", "EVT2". */
 void td_event_header_write(td_event_sink *sink, const char *evt, const char *format);
 
-/* Numbers of text, exactly and in any locale (event_decimal.c). `digits`: value * 10^digits, rounded to the nearest integer, half
- * away from zero. 0 where [text, text + length) is no number or 64 bits don't hold it. */
+/* Numbers of text, exactly and in any locale (event_decimal.c). `digits`: value * 10^digits, rounded to the nearest integer,
+ * half away from zero. 0 where [text, text + length) is no number or 64 bits don't hold it. */
 int td_decimal(const char *text, size_t length, int digits, int64_t *value);
 /* A whole number ("12", "12.0") from `least` to `most`. */
 int td_decimal_whole(const char *text, size_t length, int64_t least, int64_t most, int64_t *value);

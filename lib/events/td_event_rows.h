@@ -6,7 +6,8 @@
 
 enum { TD_ROW_T, TD_ROW_X, TD_ROW_Y, TD_ROW_P, TD_ROW_FIELDS, TD_ROW_COLUMNS_MAX = 16, TD_ROW_LINE = 1024 };
 
-/* Where a line's columns are: the number of each field's column, how many there are, and 10^digits = nanoseconds per unit of time. */
+/* Where a line's columns are: the number of each field's column, how many there are, and 10^digits = nanoseconds per unit of
+ * time. */
 typedef struct td_event_rows {
     int column[TD_ROW_FIELDS];
     int columns;

@@ -1,5 +1,5 @@
-/* Every format that is written reads back as what was written, floored to its tick: bursts, silences beyond each turn of its clock,
- * simultaneous events, the corners of the sensor, nothing at all. And what a format can't hold is refused. */
+/* Every format that is written reads back as what was written, floored to its tick: bursts, silences beyond each turn of its
+ * clock, simultaneous events, the corners of the sensor, nothing at all. And what a format can't hold is refused. */
 #include "test_events_common.h"
 
 /* What a format is tried with: the largest sensor, the longest silence that its clock or the test's time allows [ns]. */
@@ -115,8 +115,8 @@ static void test_random_streams(void **state) {
     }
 }
 
-/* Four corners at one time, one pixel's pair within a microsecond, a first event later than 0, times just around each tick of the
- * clocks: 64 us, 4096 us, 127 us, 2^24 us. */
+/* Four corners at one time, one pixel's pair within a microsecond, a first event later than 0, times just around each tick of
+ * the clocks: 64 us, 4096 us, 127 us, 2^24 us. */
 static void test_edges(void **state) {
     const int64_t us[] = {63, 64, 126, 127, 128, 254, 4095, 4096, 4097, 8191, 8192, 1 << 24, (1 << 24) + 4096, (1 << 25) - 1};
     enum { TIMES = sizeof us / sizeof *us };
