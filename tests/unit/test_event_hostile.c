@@ -74,30 +74,47 @@ static void test_cut_off(void **state) {
     }
 }
 
-static void test_altered(void **state) {
+typedef struct alteration {
+    const char *path, *name;
+} alteration;
+
+/* 150 variants of one file, half of them changed in their first bytes. */
+static void alter(void *result, void *user) {
+    const alteration *a = user;
+    uint64_t *seed = result;
+    char text[512];
+    size_t bytes;
     tides_event *events, *read = calloc(1 << 17, sizeof *read);
-    assert_non_null(read);
+    char *data = make_file(a->path, &events, &bytes), *altered = malloc(bytes);
+    assert_true(read && altered);
+    for (size_t i = 0; i < 150; i++) {
+        memcpy(altered, data, bytes);
+        for (uint64_t edits = 1 + random_next(seed) % 4; edits > 0; edits--) {
+            size_t where = (size_t)(random_next(seed) % (i % 2 || bytes < 1000 ? bytes : 1000));
+            altered[where] = (char)random_next(seed);
+        }
+        put_bytes(a->path, altered, bytes);
+        read_all(a->path, read, 1 << 17, text);
+    }
+    free(altered);
+    free(data);
+    free(events);
+    free(read);
+}
+
+/* HDF5 1.10 itself doesn't get over a damaged file, and complains when the process ends: it is given one of its own. */
+static void test_altered(void **state) {
     uint64_t seed = 2026;
     print_message("seed %llu\n", (unsigned long long)seed);
     for (size_t n = 0; n < NAMES; n++) {
-        char path[700], text[512];
-        size_t bytes;
+        char path[700];
         snprintf(path, sizeof path, "%s", in_folder(*state, names[n]));
-        char *data = make_file(path, &events, &bytes), *altered = malloc(bytes);
-        for (size_t i = 0; i < 150; i++) {
-            memcpy(altered, data, bytes);
-            for (uint64_t edits = 1 + random_next(&seed) % 4; edits > 0; edits--) {
-                size_t where = (size_t)(random_next(&seed) % (i % 2 ? bytes : bytes < 1000 ? bytes : 1000)); /* headers too */
-                altered[where] = (char)random_next(&seed);
-            }
-            put_bytes(path, altered, bytes);
-            read_all(path, read, 1 << 17, text);
-        }
-        free(altered);
-        free(data);
-        free(events);
+        alteration a = {path, names[n]};
+        if (strstr(names[n], ".h5") || strstr(names[n], ".hdf5"))
+            run_limited(RLIM_INFINITY, alter, &seed, sizeof seed, &a);
+        else
+            alter(&seed, &a);
     }
-    free(read);
 }
 
 /* ---- lies ---- */
@@ -132,7 +149,7 @@ static void test_lies(void **state) {
     LIE("size.txt", "0 240\n0.1 2 3 1\n", "first line");
     LIE("outside.txt", "2 2\n0.1 2 1 1\n", "outside the 2 x 2 px");
     LIE("geometry.csv", "%geometry:5\n0,0,1,5\n", "WIDTH,HEIGHT");
-    LIE("fields.npy", "\x93NUMPY\x01\x00\x36\x00{'descr': '<f8', 'fortran_order': False, 'shape': (1,)}\n12345678",
+    LIE("fields.npy", "\x93NUMPY\x01\x00\x38\x00{'descr': '<f8', 'fortran_order': False, 'shape': (1,)}\n12345678",
         "fields t, x, y and p");
     LIE("dvs.aedat", "#!AER-DAT2.0\r\n# AEChip: DVS128\r\n\x00\x00\x00\x00", "DVS128");
     LIE("io.aedat4",
