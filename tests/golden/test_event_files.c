@@ -2,6 +2,7 @@
  * And a real recording. */
 #include "tests/unit/test_events_common.h"
 
+#include "events/td_ecf.h"
 #include "tests/support/npz.h"
 #include "tests/support/shared.h"
 
@@ -147,6 +148,28 @@ static void test_golden_files(void **state) {
     assert_true(files > 2);
 }
 
+/* These bytes were verified with Prophesee's own decoder when the reference was made: ours must
+ * be the same. */
+static void test_ecf_bytes(void **state) {
+    char where[1024], path[1100];
+    unsigned char stored[1024], packed[4096];
+    truth t;
+    (void)state;
+    if (shared_path(where, sizeof where, "golden/events") != 0) skip();
+    read_truth(where, "truth.npy", &t);
+    snprintf(path, sizeof path, "%s/tiny_ecf.hdf5", where);
+    hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), dataset = H5Dopen2(file, "/CD/events", H5P_DEFAULT);
+    const hsize_t first = 0;
+    hsize_t bytes = 0;
+    uint32_t skipped = 0;
+    assert_true(H5Dget_chunk_storage_size(dataset, &first, &bytes) >= 0 && bytes <= sizeof stored);
+    assert_true(H5Dread_chunk(dataset, H5P_DEFAULT, &first, &skipped, stored) >= 0);
+    H5Dclose(dataset);
+    H5Fclose(file);
+    assert_int_equal(td_ecf_pack(t.events, t.count, packed), bytes);
+    assert_memory_equal(packed, stored, bytes);
+}
+
 /* 50 000 real events: none lost, in order, inside the sensor, and both polarities. Its own text is the truth. */
 static void test_real_recording(void **state) {
     char path[1024];
@@ -181,6 +204,7 @@ static void test_real_recording(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_golden_files),
+        cmocka_unit_test(test_ecf_bytes),
         cmocka_unit_test(test_real_recording),
     };
     return cmocka_run_group_tests_name("golden: event files", tests, NULL, NULL);
