@@ -49,13 +49,18 @@ static void put_words(unsigned char *out, size_t at, const uint16_t *words, size
     for (size_t i = 0; i < count; i++) td_put16(out + at + 2 * i, words[i]);
 }
 
+/* Four letters, without an end. */
+static void put_identifier(unsigned char *out, const char *letters) {
+    for (int i = 0; i < 4; i++) out[i] = (unsigned char)letters[i];
+}
+
 static void put_header(td_event_sink *sink, const char *text) {
     static const uint16_t virtual_table[] = {10, 24, 4, 8, 16}; /* sizes, then where the three fields are */
     size_t length = strlen(text), bytes = (HEADER_FIXED + length + 1 + 3) / 8 * 8 + 4; /* with its end, padded */
     unsigned char head[HEADER_FIXED] = {0}, padding[8] = {0};
     td_put32(head, (uint32_t)(bytes - 4));
     td_put32(head + 4, 24); /* the root table, from here */
-    memcpy(head + 8, "IOHE", 4);
+    put_identifier(head + 8, "IOHE");
     put_words(head, 18, virtual_table, 5);
     td_put32(head + 28, 10); /* back to its virtual table */
     td_put32(head + 32, TD_AEDAT4_NONE);
@@ -90,7 +95,7 @@ static tides_status end_packet(td_event_sink *sink, tides_error *error) {
     td_put32(head + 4, (uint32_t)bytes);
     td_put32(buffer, (uint32_t)(bytes - 4));
     td_put32(buffer + 4, 16);
-    memcpy(buffer + 8, "EVTS", 4);
+    put_identifier(buffer + 8, "EVTS");
     put_words(buffer, 12, virtual_table, 4);
     td_put32(buffer + 20, 8);
     td_put32(buffer + 24, 4);
@@ -143,7 +148,7 @@ static void put_table(td_event_sink *sink, const aedat4_writer *w) {
     unsigned char head[32] = {0}, between[32] = {0};
     td_put32(head, (uint32_t)(bytes - 4));
     td_put32(head + 4, 16);
-    memcpy(head + 8, "FTAB", 4);
+    put_identifier(head + 8, "FTAB");
     put_words(head, 12, root, 4);
     td_put32(head + 20, 8);
     td_put32(head + 24, 4);

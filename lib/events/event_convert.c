@@ -2,6 +2,7 @@
 #include "td_base.h"
 #include "td_event_format.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -51,8 +52,8 @@ static tides_status write_first(converter *c, size_t count, tides_error *error) 
     if (count == 0) return TIDES_OK;
     if (c->report.written == 0) c->report.first_ns = c->events[0].t;
     if (c->report.written > 0 && c->events[0].t < c->report.last_ns)
-        return td_fail(error, TIDES_BAD_FILE, "%s: an event at %lld ns is more than %d places late: sort the file first", c->in,
-                       (long long)(c->events[0].t + c->base), WINDOW);
+        return td_fail(error, TIDES_BAD_FILE, "%s: an event at %" PRId64 " ns is more than %d places late: sort the file first",
+                       c->in, c->events[0].t + c->base, WINDOW);
     tides_status status = tides_event_writer_append(c->writer, c->events, count, error);
     c->report.last_ns = c->events[count - 1].t;
     c->report.written += count;

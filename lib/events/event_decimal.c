@@ -57,7 +57,7 @@ static int scan(const char *text, size_t length, number *n) {
 
 /* Adds a digit below INT64_MAX; 0 on overflow. */
 static int append(uint64_t *value, int digit) {
-    if (*value > (INT64_MAX - 9) / 10) return 0;
+    if (*value > (uint64_t)(INT64_MAX - digit) / 10) return 0;
     *value = 10 * *value + (uint64_t)digit;
     return 1;
 }
@@ -70,6 +70,7 @@ int td_decimal(const char *text, size_t length, int digits, int64_t *value) {
     for (long i = 0; n.count > 0 && i < whole; i++)
         if (!append(&sum, i < (long)n.count ? n.digits[i] - '0' : 0)) return 0;
     if (whole >= 0 && whole < (long)n.count && n.digits[whole] >= '5') sum++;
+    if (sum > INT64_MAX) return 0;
     *value = n.negative ? -(int64_t)sum : (int64_t)sum;
     return 1;
 }

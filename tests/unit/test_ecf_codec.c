@@ -4,7 +4,8 @@
 
 #include "events/td_ecf.h"
 
-/* Five events: 10 us at (7, 3) +, 10 us at (8, 3) +, 10 us at (12, 3) -, 75 us (65 later) at (2047, 2047) -, 76 us at (0, 0) +. */
+/* Five events: 10 us at (7, 3) +, 10 us at (8, 3) +, 10 us at (12, 3) -, 75 us (65 later) at (2047, 2047) -, 76 us at (0, 0)
+ * +. */
 static const tides_event five[] = {{.t = 10000, .x = 7, .y = 3, .polarity = 1},
                                    {.t = 10000, .x = 8, .y = 3, .polarity = 1},
                                    {.t = 10000, .x = 12, .y = 3, .polarity = -1},
@@ -88,11 +89,33 @@ static void test_random_chunks(void **state) {
     free(read);
 }
 
+/* Any byte may be another: refused, or events within the room. */
+static void test_altered(void **state) {
+    const struct {
+        const unsigned char *data;
+        size_t bytes;
+    } chunks[] = {{masked, sizeof masked}, {packed_x, sizeof packed_x}};
+    uint64_t seed = 99;
+    (void)state;
+    for (int i = 0; i < 20000; i++) {
+        const size_t c = (size_t)i % 2;
+        unsigned char *altered = malloc(chunks[c].bytes);
+        tides_event read[8];
+        size_t count = 0;
+        memcpy(altered, chunks[c].data, chunks[c].bytes);
+        for (int edits = 0; edits < 3; edits++)
+            altered[random_next(&seed) % chunks[c].bytes] = (unsigned char)random_next(&seed);
+        if (td_ecf_unpack(altered, chunks[c].bytes, read, 8, &count)) assert_true(count <= 8);
+        free(altered);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_three_ways),
         cmocka_unit_test(test_long_runs),
         cmocka_unit_test(test_random_chunks),
+        cmocka_unit_test(test_altered),
     };
     return cmocka_run_group_tests_name("events: Prophesee's codec", tests, NULL, NULL);
 }
