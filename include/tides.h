@@ -15,13 +15,17 @@
 #include "tides/base.h"
 #include "tides/device.h"
 #include "tides/trajectory.h"
+#include "tides/motion.h"
 #include "tides/scene.h"
 #include "tides/camera.h"
 #include "tides/render.h"
+#include "tides/sensor.h"
 #include "tides/simulate.h"
 #include "tides/events.h"
+#include "tides/readout.h"
 #include "tides/image.h"
 #include "tides/metrics.h"
+#include "tides/representations.h"
 #include "tides/run.h"
 
 #endif

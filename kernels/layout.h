@@ -20,7 +20,8 @@ enum {
 enum {
     TD_G_MEAN = 0,    /* 3 */
     TD_G_OPACITY = 3, /* 1, in (0, 1) */
-    TD_G_FACTOR = 4   /* 9, row-major M = R(q) diag(scale): covariance = M M^T */
+    TD_G_FACTOR = 4,  /* 9, row-major M = R(q) diag(scale): covariance = M M^T */
+    TD_G_ORIGIN = 13  /* 3, what the direction of view is taken to: the mean, but for some methods */
 };
 
 /* A splat as the compositor reads it: ln alpha = ln2 (log2_opacity + qxx dx^2 + qxy dx dy + qyy dy^2), and its rate

@@ -13,7 +13,8 @@ typedef struct tides_event {
     int64_t t;       /* [ns] from the run's time zero */
     uint16_t x, y;   /* [px] */
     int8_t polarity; /* +1 or -1 */
-    uint8_t reserved[3];
+    uint8_t cause;   /* TIDES_CAUSE_*: the signal, or which noise */
+    uint8_t reserved[2];
 } tides_event;
 
 /* Facts written into the file's attributes. Plain value; strings are copied. */

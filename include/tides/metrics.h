@@ -1,4 +1,8 @@
-/* How good a stream is: distances between streams of events. */
+/* How good a stream is: distances between streams of events.
+ *
+ * Definitions: Sec. 4.3 of the paper where it gives them; what it leaves open (pooling, units, truncation) is fixed here, at
+ * each field. Values are undefined where they would divide by nothing: those are NaN in C and null in JSON. No number of a
+ * simulated stream means much alone: the reference's own value stands beside it. */
 #ifndef TIDES_METRICS_H
 #define TIDES_METRICS_H
 
@@ -27,6 +31,132 @@ typedef struct tides_match {
 TIDES_MUST_CHECK TIDES_API tides_status tides_match_events(const tides_event *reference, size_t reference_count,
                                                            const tides_event *simulated, size_t simulated_count, double limit_s,
                                                            tides_match *match, tides_error *error);
+
+/* The families of values, or-ed together in tides_metrics_options.wanted. */
+enum {
+    TIDES_METRIC_COUNTS = 1,            /* count ratio, ON fraction, count correlation */
+    TIDES_METRIC_ISI = 2,               /* IG-NLL, W1 of log ISI, ISI spike */
+    TIDES_METRIC_SAME_TIME = 4,         /* Same-ts */
+    TIDES_METRIC_FANO = 8,              /* Fano error */
+    TIDES_METRIC_CHAMFER = 16,          /* motion-scaled Chamfer */
+    TIDES_METRIC_VICTOR_PURPURA = 32,   /* edit distance of spike trains */
+    TIDES_METRIC_VAN_ROSSUM = 64,       /* L2 distance of filtered spike trains */
+    TIDES_METRIC_TIME_DIFFERENCE = 128, /* to the nearest event of the same pixel and polarity */
+    TIDES_METRIC_KERNEL = 256,          /* 3-D Gaussian kernel; quadratic in the event rate, so not in the default set */
+    TIDES_METRIC_MATCH = 512,           /* tides_match_events; for an exact reference, so not in the default set */
+    TIDES_METRICS_DEFAULT = 255,
+    TIDES_METRICS_ALL = 1023
+};
+
+/* Which intervals between events of a pixel are counted. */
+enum {
+    TIDES_PAIRS_ANY = 0,   /* of consecutive events */
+    TIDES_PAIRS_SAME = 1,  /* of consecutive events of equal polarity */
+    TIDES_PAIRS_SPLIT = 2, /* of consecutive events of each polarity by itself */
+    TIDES_PAIRS = 3
+};
+
+enum { TIDES_FANO_BINS = 3 };
+
+/* What is compared, and how; fill with tides_metrics_options_defaults. */
+typedef struct tides_metrics_options {
+    uint32_t size;             /* sizeof this struct */
+    uint32_t wanted;           /* TIDES_METRIC_* */
+    int32_t width, height;     /* sensor [px]; 0, 0: as large as the events need */
+    int32_t roi[4];            /* x, y, width, height [px]: only events in it, coordinates from its corner; width 0: all */
+    int64_t start_ns, stop_ns; /* only events in [start, stop); equal: from the first event of both to the last, whole ticks */
+    int64_t tick_ns;           /* times are floored to this clock (but for `match`); 0: as they are */
+    double isi_floor_s;        /* shorter intervals count as this, > 0 */
+    double clock_s;            /* ISI spike: period of a known clock; 0: find the spikes */
+    double fano_bin_s[TIDES_FANO_BINS];
+    int32_t fano_tile_px;        /* edge of the tiles of Fano error and Same-ts, > 0 */
+    int32_t fano_events_min;     /* tiles with fewer events than this, in either stream, are left out */
+    double fano_epsilon;         /* added to both Fano factors before the logarithm, > 0 */
+    double speed_px_per_s;       /* Chamfer: v; 0: from the reference */
+    double window_s;             /* Chamfer: events of one window are compared */
+    double cell_px;              /* Chamfer: edge of the cells of which each keeps one point */
+    double victor_purpura_per_s; /* cost of shifting an event by a second; adding or removing one costs 1 */
+    double van_rossum_s;         /* time constant of the filter */
+    double difference_limit_s;   /* time difference: longer ones, and missing events, count as this */
+    double kernel_px, kernel_s;  /* standard deviations of the Gaussian kernel */
+    double match_limit_s;        /* as limit_s of tides_match_events */
+} tides_metrics_options;
+
+/* TIDES_METRICS_DEFAULT; whole streams; tick 1 us; floor 0.5 us; bins of 1, 0.2 and 5 ms, tiles of 16 px, 20 events, 1e-3;
+ * speed from the reference, windows of 50 ms, cells of 1 px; 100 /s; 10 ms; 10 ms (0.3 of a frame at 30 /s); 2 px and 5 ms;
+ * 1 ms. */
+TIDES_API void tides_metrics_options_defaults(tides_metrics_options *options);
+
+/* Intervals and the inverse Gaussian IG(mean, shape) with the largest likelihood: shape = 1 / (mean(1/tau) - 1/mean(tau)),
+ * 1/shape at least 1e-6 / mean. */
+typedef struct tides_interval_fit {
+    uint64_t count, floored; /* intervals; those shorter than the floor */
+    double mean_s, shape_s;  /* NaN without intervals */
+} tides_interval_fit;
+
+/* What can be said of one stream. */
+typedef struct tides_stream_metrics {
+    uint64_t events;    /* in the interval and region */
+    double on_fraction; /* ON events / events */
+    tides_interval_fit intervals[TIDES_PAIRS];
+    double isi_spike;             /* fraction of intervals (any) of at most 1 us or on a clock: lib/metrics/isi_spike.c */
+    double same_time;             /* fraction of events that share their tick with another event of the sensor */
+    double same_time_tile;        /* of their tile */
+    double fano[TIDES_FANO_BINS]; /* mean Fano factor (variance / mean of the bins' counts) over the compared tiles */
+    double van_rossum_norm;       /* squared van Rossum distance from no events at all, summed like van_rossum */
+} tides_stream_metrics;
+
+/* A simulated stream against a reference. */
+typedef struct tides_metrics {
+    uint32_t computed;         /* TIDES_METRIC_*: the rest is NaN and 0 */
+    int32_t width, height;     /* [px] of the sensor, or of the region of interest */
+    int64_t start_ns, stop_ns; /* the interval */
+    tides_stream_metrics reference, simulated;
+
+    double count_ratio;       /* simulated / reference events */
+    double count_correlation; /* Pearson's, of events per pixel; NaN where either stream has the same count everywhere */
+
+    /* Negative log-likelihood of the reference's intervals [nats per interval, tau in seconds] under the fit to the simulated
+     * ones, and under their own fit; excess is the difference: the Kullback-Leibler divergence of the fits, free of units, not
+     * negative. NaN under 2 simulated intervals or 1 of the reference. Blind to batching shorter than the intervals. */
+    double ig_nll[TIDES_PAIRS], ig_nll_self[TIDES_PAIRS], ig_nll_excess[TIDES_PAIRS];
+    double isi_w1; /* Wasserstein-1 distance of log10 intervals (any) [decades] */
+
+    double fano_error[TIDES_FANO_BINS];    /* mean |ln((F_simulated + epsilon) / (F_reference + epsilon))| over the tiles */
+    uint64_t fano_tiles[TIDES_FANO_BINS];  /* tiles compared */
+    double fano_coverage[TIDES_FANO_BINS]; /* of the reference's tiles with enough events */
+
+    /* Events as points (x, y, v t), each polarity and window by itself, one point per cell (the mean of its events);
+     * distances to the nearest point of the other stream, at most chamfer_limit_px; C = (mean + mean) / 2, averaged over the
+     * terms with their numbers of points. A term with one stream empty counts as the limit. */
+    double speed_px_per_s; /* v: given, or 1 / median time to the latest event of the 4-neighbours and polarity within 50 ms */
+    double chamfer_px;
+    double chamfer_fraction;                                 /* of the diagonal */
+    double chamfer_limit_px;                                 /* min(v window, diagonal) */
+    double chamfer_to_simulated_px, chamfer_to_reference_px; /* means of all points of the reference, of the simulated stream */
+    uint64_t chamfer_terms, chamfer_one_sided;
+
+    /* Spike-train distances between the trains of each pixel and polarity, summed. */
+    double victor_purpura;          /* least cost of turning one train into the other */
+    double victor_purpura_fraction; /* of the cost of removing and adding everything: 0 identical, 1 nothing near */
+    double van_rossum;              /* squared: sum of w_i w_j exp(-|t_i - t_j| / tau), w = 1 and -1 */
+    double van_rossum_fraction;     /* of the two norms' sum: 0 identical, 1 nothing near */
+
+    double time_difference_us;     /* mean over the reference's events (V2CE, stage 2), at most difference_limit_s */
+    uint64_t time_difference_over; /* events with a longer one, or with none */
+    double kernel_distance;        /* squared distance of the streams under the Gaussian kernel, polarity as sign */
+    tides_match match;
+} tides_metrics;
+
+/* Compares two streams, each in order of time (else TIDES_BAD_ARGUMENT, as for events outside the sensor). 0 events are
+ * fine. Pure: touches nothing but `metrics`, so that several threads may compare at once, the same streams too. `progress`
+ * (nullable) may cancel. Memory beside the streams: about 40 bytes per event and 50 per pixel.
+ * n log n, but for two: VICTOR_PURPURA takes, for each event, as long as there are events of its pixel within 2 / cost,
+ * KERNEL as there are events within 9 standard deviations of time. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_metrics_compare(const tides_event *reference, size_t reference_count,
+                                                              const tides_event *simulated, size_t simulated_count,
+                                                              const tides_metrics_options *options, tides_progress progress,
+                                                              void *user, tides_metrics *metrics, tides_error *error);
 
 #ifdef __cplusplus
 }

@@ -45,6 +45,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add(tides_scene *scene, cons
  *   .spz     Niantic's, versions 1 to 4 (axes turned to those of a 3DGS .ply)
  *   .ksplat  mkkellogg's, all three compressions
  *   .splat   antimatter15's
+ *   .sog     PlayCanvas's version 2; also unpacked, as a folder with a meta.json or by that file
  *   a folder that a trainer left: the newest point_cloud/iteration_N/point_cloud.ply in it; gsplat's ckpt_N_rank0.pt, also by
  *            itself. A model that moves in a way this version can't read: TIDES_UNSUPPORTED naming the method
  * The format is found from the content; a .splat, which has no header, from its name. Opacities of exactly 0 and 1 in the

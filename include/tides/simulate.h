@@ -4,19 +4,11 @@
 
 #include "tides/events.h"
 #include "tides/render.h"
+#include "tides/sensor.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* The comparator; fill with tides_sensor_defaults (0.2, 0.2, 64). */
-typedef struct tides_sensor {
-    uint32_t size;
-    int32_t max_events_per_step; /* per pixel and step, >= 1; what is cut off is counted, and fires at the step's end */
-    double threshold_on;         /* C+ [log units], > 0 */
-    double threshold_off;        /* C- [log units], > 0 */
-} tides_sensor;
-TIDES_API void tides_sensor_defaults(tides_sensor *sensor);
 
 /* How S is modelled between two renders (paper Eq. 12; DESIGN 3.2). */
 enum {

@@ -87,10 +87,11 @@ static size_t write_shape(const td_npy_writer *w, uint64_t rows, char *text, siz
 
 /* Magic, version 1.0, length, dict, padding and line end; `bytes` of it in all. */
 static void write_header(const td_npy_writer *w, char header[HEADER_MAX], size_t bytes) {
+    static const char magic[8] = {'\x93', 'N', 'U', 'M', 'P', 'Y', 1, 0};
     char shape[256];
     write_shape(w, w->rows, shape, sizeof shape);
     memset(header, ' ', bytes);
-    memcpy(header, "\x93NUMPY\1\0", 8);
+    memcpy(header, magic, sizeof magic);
     header[8] = (char)((bytes - 10) & 255);
     header[9] = (char)((bytes - 10) >> 8);
     int length =

@@ -103,7 +103,10 @@ static tides_status read_entry(td_npz *npz, size_t index, tides_error *error) {
 tides_status td_npz_get(td_npz *npz, const char *name, const td_npy_array **array, tides_error *error) {
     size_t i = 0;
     while (i < npz->count && strcmp(npz->entries[i].name, name) != 0) i++;
-    if (i == npz->count) return td_fail(error, TIDES_BAD_FILE, "%s: holds no array %s", npz->path, name);
+    if (i == npz->count) {
+        td_fail(error, TIDES_BAD_FILE, "%s: holds no array %s", npz->path, name);
+        return TIDES_BAD_FILE;
+    }
     tides_status status = npz->entries[i].owned ? TIDES_OK : read_entry(npz, i, error);
     if (!status) *array = &npz->entries[i].array;
     return status;
@@ -111,7 +114,7 @@ tides_status td_npz_get(td_npz *npz, const char *name, const td_npy_array **arra
 
 static tides_status check_shape(const td_npz *npz, const char *name, const td_npy_array *array, int ndim, const int64_t *shape,
                                 tides_error *error) {
-    int64_t found[TD_NPY_DIMENSIONS_MAX];
+    int64_t found[TD_NPY_DIMENSIONS_MAX] = {0};
     int fits = array->ndim == ndim;
     for (int d = 0; d < array->ndim; d++) found[d] = (int64_t)array->shape[d];
     for (int d = 0; d < ndim && fits; d++) fits = shape[d] < 0 || shape[d] == found[d];

@@ -31,21 +31,17 @@ static tides_status read_number(td_pickle *p, size_t count, uint64_t *value) {
     return TIDES_OK;
 }
 
-/* `value` may be NULL, which stands for memory that wasn't there. */
-static tides_status push(td_pickle *p, td_value *value) {
+/* A NULL value is a mark. */
+static tides_status put(td_pickle *p, td_value *value) {
     void *stack = p->stack;
-    if (!value) return TIDES_NO_MEMORY;
     tides_status status = td_reserve(&stack, &p->stack_capacity, p->depth + 1, sizeof *p->stack, p->error);
     p->stack = stack;
-    if (!status) p->stack[p->depth++] = value;
+    if (!status && p->stack) p->stack[p->depth++] = value;
     return status;
 }
 
-static tides_status push_mark(td_pickle *p) {
-    tides_status status = push(p, (td_value *)p->tree); /* any address: the mark goes over it */
-    if (!status) p->stack[p->depth - 1] = NULL;
-    return status;
-}
+/* A NULL value is memory that wasn't there. */
+static tides_status push(td_pickle *p, td_value *value) { return value ? put(p, value) : TIDES_NO_MEMORY; }
 
 /* The value on top goes to `*value`. */
 static tides_status pop(td_pickle *p, td_value **value) {
@@ -229,7 +225,7 @@ static tides_status check_protocol(td_pickle *p) {
 static tides_status step(td_pickle *p, int op) {
     switch (op) {
         case OP_PROTO: return check_protocol(p);
-        case OP_MARK: return push_mark(p);
+        case OP_MARK: return put(p, NULL);
         case OP_NONE: return push(p, td_tree_value(p->tree, TD_VALUE_NONE, p->error));
         case OP_TRUE: return push(p, td_tree_integer(p->tree, TD_VALUE_BOOL, 1, p->error));
         case OP_FALSE: return push(p, td_tree_integer(p->tree, TD_VALUE_BOOL, 0, p->error));

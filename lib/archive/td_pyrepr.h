@@ -7,7 +7,8 @@
 
 #include "archive/td_value.h"
 
-/* Reads a file of at most 1 MiB. On success the caller frees the tree. TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE, TIDES_NO_MEMORY. */
+/* Reads a file of at most 1 MiB. On success the caller frees the tree. TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE,
+ * TIDES_NO_MEMORY. */
 tides_status td_pyrepr_open(const char *path, td_tree **tree, tides_error *error);
 
 /* The same from memory, which is not needed afterwards; `path` is for messages only. */

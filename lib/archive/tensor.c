@@ -73,9 +73,13 @@ tides_status td_tensor_doubles(const td_tensor *tensor, double **values, tides_e
 
 tides_status td_value_tensor(const td_value *dict, const char *key, const td_tensor **tensor, tides_error *error) {
     const td_value *value = td_value_get(dict, key);
-    if (!value) return td_fail(error, TIDES_BAD_FILE, "there is no tensor %s", key);
-    if (value->kind != TD_VALUE_TENSOR)
-        return td_fail(error, TIDES_BAD_FILE, "%s is a %s: a tensor was expected", key, td_value_kind(value));
+    if (!value || value->kind != TD_VALUE_TENSOR) {
+        if (value)
+            td_fail(error, TIDES_BAD_FILE, "%s is a %s: a tensor was expected", key, td_value_kind(value));
+        else
+            td_fail(error, TIDES_BAD_FILE, "there is no tensor %s", key);
+        return TIDES_BAD_FILE;
+    }
     *tensor = value->as.tensor;
     return TIDES_OK;
 }

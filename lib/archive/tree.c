@@ -112,25 +112,32 @@ tides_status td_tree_put(td_tree *tree, td_value *dict, td_value *key, td_value 
     return TIDES_OK;
 }
 
-enum { UNSEEN, OPEN, DONE };
+/* A value's mark: whether it is being entered, or else 1 more than the levels that were found below it. */
+enum { UNSEEN = 0, OPEN = -1 };
 
-/* Each value is entered once, however often it is shared. */
+static int levels_below(const td_value *value) { return value->mark - 1; }
+
+/* Each value is entered once, however often it is shared; its depth is looked at wherever it stands. */
 static tides_status check(const char *path, td_value *value, int depth, tides_error *error) {
-    if (value->mark == DONE) return TIDES_OK;
     if (value->mark == OPEN)
         return td_fail(error, TIDES_BAD_FILE, "%s: a %s in it contains itself, which no trainer writes", path,
                        td_value_kind(value));
-    if (depth > TD_VALUE_DEPTH_MAX)
-        return td_fail(error, TIDES_BAD_FILE, "%s: its values are nested more than %d deep, which no trainer writes", path,
-                       TD_VALUE_DEPTH_MAX);
     if (value->kind > TD_VALUE_TENSOR)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: holds a Python class or function as a value, which isn't read", path);
-    int holds = value->kind == TD_VALUE_LIST || value->kind == TD_VALUE_TUPLE || value->kind == TD_VALUE_DICT;
+    if (depth + (value->mark == UNSEEN ? 0 : levels_below(value)) > TD_VALUE_DEPTH_MAX)
+        return td_fail(error, TIDES_BAD_FILE, "%s: its values are nested more than %d deep, which no trainer writes", path,
+                       TD_VALUE_DEPTH_MAX);
+    if (value->mark != UNSEEN) return TIDES_OK;
+    int holds = value->kind == TD_VALUE_LIST || value->kind == TD_VALUE_TUPLE || value->kind == TD_VALUE_DICT, levels = 0;
     size_t items = holds ? value->count << (value->kind == TD_VALUE_DICT) : 0;
     tides_status status = TIDES_OK;
     value->mark = OPEN;
-    for (size_t i = 0; i < items && !status; i++) status = check(path, value->as.items[i], depth + 1, error);
-    value->mark = DONE;
+    for (size_t i = 0; i < items && !status; i++) {
+        td_value *item = value->as.items[i];
+        status = check(path, item, depth + 1, error);
+        if (!status && levels_below(item) + 1 > levels) levels = levels_below(item) + 1;
+    }
+    value->mark = levels + 1;
     return status;
 }
 

@@ -11,6 +11,7 @@
  * Compression 0: all floats. 1: the centre is 3 uint16, (v - range) edge / (2 range) from that of its bucket; scale, rotation
  * and SH are halfs. 2: as 1, with SH of 8 bits between the header's bounds. SH goes band by band, within a band channel by
  * channel. The frame is that of the 3DGS .ply it was made from. */
+#include "archive/td_numbers.h"
 #include "td_base.h"
 #include "td_splat.h"
 
@@ -115,7 +116,7 @@ static tides_status parse_section(const ksplat *k, size_t number, size_t at, sec
 
 /* Number `i` of a row's part at `b`: a float, or a half. */
 static double number_at(unsigned mode, const unsigned char *b, size_t i) {
-    return mode == 0 ? (double)td_le_float(b + 4 * i) : td_splat_half(td_le16(b + 2 * i));
+    return mode == 0 ? (double)td_le_float(b + 4 * i) : td_float_bits(td_le16(b + 2 * i), 2);
 }
 
 static double sh_at(const ksplat *k, const unsigned char *b, size_t i) {

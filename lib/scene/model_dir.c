@@ -313,8 +313,26 @@ static int ends_in(const char *text, const char *ending) {
     return length >= tail && strcmp(text + length - tail, ending) == 0;
 }
 
+/* As td_model_dir_find, without cfg_args. */
+static tides_status find(const char *path, td_model_dir *dir, tides_error *error) {
+    struct stat facts;
+    *dir = (td_model_dir){.iteration = -1};
+    if (stat(path, &facts) != 0) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
+    int is_folder = S_ISDIR(facts.st_mode);
+    dir->folder = is_folder ? plain_path(path, error) : folder_of(path, error);
+    tides_status status = dir->folder ? TIDES_OK : TIDES_NO_MEMORY;
+    if (!status && is_folder) status = enter_folder(dir, error);
+    if (!status) status = is_folder ? recognise(dir, error) : enter_file(dir, path, error);
+    return status;
+}
+
 int td_model_dir_is(const char *path) {
-    if (td_is_folder(path)) return 1;
+    if (td_is_folder(path)) {
+        td_model_dir dir;
+        int found = find(path, &dir, NULL) == TIDES_OK;
+        td_model_dir_free(&dir);
+        return found;
+    }
     if (!td_is_file(path)) return 0;
     if (ends_in(path, ".ply"))
         return td_ply_file_has(path, "trbf_center") || td_ply_file_has(path, "xyz_disp_0") ||
@@ -328,14 +346,8 @@ int td_model_dir_is(const char *path) {
 }
 
 tides_status td_model_dir_find(const char *path, td_model_dir *dir, tides_error *error) {
-    td_model_dir found = {.iteration = -1};
-    struct stat facts;
-    if (stat(path, &facts) != 0) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
-    int is_folder = S_ISDIR(facts.st_mode);
-    found.folder = is_folder ? plain_path(path, error) : folder_of(path, error);
-    tides_status status = found.folder ? TIDES_OK : TIDES_NO_MEMORY;
-    if (!status && is_folder) status = enter_folder(&found, error);
-    if (!status) status = is_folder ? recognise(&found, error) : enter_file(&found, path, error);
+    td_model_dir found;
+    tides_status status = find(path, &found, error);
     if (!status) status = read_cfg(&found, error);
     if (status)
         td_model_dir_free(&found);

@@ -28,14 +28,6 @@ void td_splat_rebuild(const double others[3], unsigned largest, float q[4]) {
     q[largest] = (float)sqrt(rest > 0 ? rest : 0);
 }
 
-double td_splat_half(unsigned bits) {
-    unsigned exponent = bits >> 10 & 31, fraction = bits & 1023;
-    double size = exponent == 0    ? ldexp(fraction, -24)
-                  : exponent == 31 ? (fraction ? NAN : INFINITY)
-                                   : ldexp(1024 + fraction, (int)exponent - 25);
-    return bits & 0x8000 ? -size : size;
-}
-
 float td_le_float(const unsigned char *b) {
     uint32_t bits = td_le32(b);
     float value;

@@ -17,6 +17,7 @@
  *
  * The axes are right, up, back; a 3DGS .ply's are right, down, front: y and z change sign, and with them the SH coefficients
  * that are odd in y and z together. Flag 1, "trained with antialiasing", is image.antialias of a run: not part of a scene. */
+#include "archive/td_numbers.h"
 #include "td_base.h"
 #include "td_splat.h"
 
@@ -120,7 +121,7 @@ static void unpack(const spz *s, const unsigned char *data, const td_gaussians *
     for (size_t i = 0; i < s->count; i++) {
         float *q = g->quaternion + 4 * i;
         for (size_t k = 0; k < 3; k++) {
-            double value = s->version == 1 ? td_splat_half(td_le16(position + 6 * i + 2 * k))
+            double value = s->version == 1 ? td_float_bits(td_le16(position + 6 * i + 2 * k), 2)
                                            : fixed_point(position + 9 * i + 3 * k, unit);
             g->mean[3 * i + k] = (float)(k ? -value : value);
             g->log_scale[3 * i + k] = (float)scale[3 * i + k] / 16.0f - 10.0f;

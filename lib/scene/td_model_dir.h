@@ -34,8 +34,8 @@ typedef struct td_model_dir {
 /* "4DGaussians" ..; static storage. */
 const char *td_method_name(int method);
 
-/* 1 where `path` is a folder, or a file that a model is recognised by: a ZIP archive named .pth, .pt or .npz, or a .ply with
- * the properties of a moving model. */
+/* 1 where `path` is a folder in which a model is found, or a file that a model is recognised by: a ZIP archive named .pth,
+ * .pt or .npz, or a .ply with the properties of a moving model. */
 int td_model_dir_is(const char *path);
 
 /* `path`: the model's folder, one of the folders point_cloud/iteration_N in it (that iteration is then taken; else the

@@ -1,5 +1,5 @@
 /* Internal: readers of packed splat files, one per format, and what they share: little-endian loads, and the numbers that
- * quantised bytes stand for. Nothing here looks at files: bytes in, Gaussians out. */
+ * quantised bytes stand for. */
 #ifndef TD_SPLAT_H
 #define TD_SPLAT_H
 
@@ -24,6 +24,12 @@ tides_status td_spz_parse(const char *path, const void *data, size_t size, td_ga
 enum { TD_KSPLAT_START = 24 };
 int td_ksplat_is(const void *start, size_t size, uint64_t file_size);
 tides_status td_ksplat_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
+
+/* SOG: a .sog in memory; a folder with meta.json, or that file. */
+tides_status td_sog_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
+tides_status td_sog_read_folder(const char *path, td_gaussians *gaussians, tides_error *error);
+int td_sog_is_meta(const char *path); /* 1 where the file's name is meta.json */
+int td_sog_is_zip(const char *path);  /* 1 where the file is a ZIP with a meta.json */
 
 /* -- inflate.c: gzip and zstd into a buffer of known size -------------------------------------------------------------- */
 
@@ -54,9 +60,6 @@ float td_splat_dc(double colour);
 
 /* Quaternion wxyz of its three components but the largest, in order, and which that is (0..3 in w, x, y, z order). */
 void td_splat_rebuild(const double others[3], unsigned largest, float q[4]);
-
-/* IEEE 754 binary16. */
-double td_splat_half(unsigned bits);
 
 /* Little-endian. */
 static inline uint32_t td_le16(const unsigned char *b) { return (uint32_t)b[0] | (uint32_t)b[1] << 8; }

@@ -9,11 +9,6 @@ enum { BATCH_TILES = 1 << 14 }; /* (tile, step) samples per launch at most: 64 M
 /* Steps of a run at most: past this, k step_s and its neighbours are no longer told apart in nanoseconds. */
 static const double most_steps = 1e12;
 
-void tides_sensor_defaults(tides_sensor *sensor) {
-    static const tides_sensor defaults = {sizeof defaults, 64, 0.2, 0.2};
-    *sensor = defaults;
-}
-
 void tides_stepping_defaults(tides_stepping *stepping) {
     static const tides_stepping defaults =
         {sizeof defaults, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE, 1, 0.01, 1e-6, 0.01, 0, 0, {0.3, 0.3, 0.4}};

@@ -1,0 +1,224 @@
+/* tides metrics: a simulated stream against a reference. */
+#include "metrics_report.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const struct family {
+    const char *name;
+    uint32_t wanted;
+} families[] = {
+    {"counts", TIDES_METRIC_COUNTS},         {"isi", TIDES_METRIC_ISI},
+    {"same-ts", TIDES_METRIC_SAME_TIME},     {"fano", TIDES_METRIC_FANO},
+    {"chamfer", TIDES_METRIC_CHAMFER},       {"victor-purpura", TIDES_METRIC_VICTOR_PURPURA},
+    {"van-rossum", TIDES_METRIC_VAN_ROSSUM}, {"time-difference", TIDES_METRIC_TIME_DIFFERENCE},
+    {"kernel", TIDES_METRIC_KERNEL},         {"match", TIDES_METRIC_MATCH},
+};
+enum { FAMILIES = sizeof families / sizeof families[0] };
+
+/* The command line's texts; NULL where not given. */
+typedef struct arguments {
+    const char *files[2];
+    const char *only, *roi, *window, *from, *to, *speed, *clock;
+    int32_t exact;
+} arguments;
+
+/* ---- the command line ---- */
+
+static int unknown_family(const cli_command *command, const char *name) {
+    const char *names[FAMILIES + 1] = {NULL};
+    for (size_t i = 0; i < FAMILIES; i++) names[i] = families[i].name;
+    const char *nearest = cli_nearest(name, names);
+    if (nearest) return cli_usage(command, "--only: no metric is called %s; did you mean %s?", name, nearest);
+    return cli_usage(command, "--only: no metric is called %s", name);
+}
+
+/* "isi,chamfer" */
+static int parse_only(const cli_command *command, const char *text, uint32_t *wanted) {
+    *wanted = 0;
+    for (;;) {
+        char name[32];
+        const size_t length = strcspn(text, ",");
+        size_t i = 0;
+        snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : sizeof name - 1), text);
+        while (i < FAMILIES && strcmp(families[i].name, name) != 0) i++;
+        if (i == FAMILIES) return unknown_family(command, name);
+        *wanted |= families[i].wanted;
+        if (!text[length]) return CLI_GO;
+        text += length + 1;
+    }
+}
+
+/* "x,y,width,height" */
+static int parse_roi(const cli_command *command, const char *text, int32_t roi[4]) {
+    const char *at = text;
+    for (int i = 0; i < 4; i++) {
+        char *end = NULL;
+        errno = 0;
+        const long value = strtol(at, &end, 10);
+        if (end == at || errno || value < (i < 2 ? 0 : 1) || value > 65536 || *end != (i < 3 ? ',' : '\0'))
+            return cli_usage(command, "--roi %s: should be x,y,width,height in pixels", text);
+        roi[i] = (int32_t)value;
+        at = end + 1;
+    }
+    return CLI_GO;
+}
+
+/* Leaves `value` as it is where nothing was given. */
+static int parse_positive(const cli_command *command, const char *name, const char *text, double *value) {
+    if (!text) return CLI_GO;
+    const int code = cli_number(command, name, text, value);
+    if (code != CLI_GO || *value > 0) return code;
+    return cli_usage(command, "%s %s: should be above 0", name, text);
+}
+
+static int parse_time(const cli_command *command, const char *name, const char *text, int64_t *ns) {
+    double seconds = 0;
+    if (!text) return CLI_GO;
+    const int code = cli_number(command, name, text, &seconds);
+    if (code != CLI_GO) return code;
+    if (fabs(seconds) > 2e9) return cli_usage(command, "%s %s: is beyond 63 years", name, text);
+    *ns = llround(1e9 * seconds);
+    return CLI_GO;
+}
+
+static int parse_options(const cli_command *command, const arguments *given, tides_metrics_options *options) {
+    int code = given->only ? parse_only(command, given->only, &options->wanted) : CLI_GO;
+    if (given->exact) options->wanted |= TIDES_METRIC_MATCH;
+    if (code == CLI_GO && given->roi) code = parse_roi(command, given->roi, options->roi);
+    if (code == CLI_GO) code = parse_positive(command, "--window", given->window, &options->window_s);
+    if (code == CLI_GO) code = parse_positive(command, "--speed", given->speed, &options->speed_px_per_s);
+    if (code == CLI_GO) code = parse_positive(command, "--clock", given->clock, &options->clock_s);
+    if (code != CLI_GO || (!given->from && !given->to)) return code;
+    /* One end alone: the other is as far as times go (both times lie within 73 years of 0). */
+    options->start_ns = INT64_C(-2305843009213693952);
+    options->stop_ns = INT64_C(2305843009213693952);
+    code = parse_time(command, "--from", given->from, &options->start_ns);
+    if (code == CLI_GO) code = parse_time(command, "--to", given->to, &options->stop_ns);
+    if (code == CLI_GO && options->start_ns >= options->stop_ns) return cli_usage(command, "--from must come before --to");
+    return code;
+}
+
+/* ---- the streams ---- */
+
+typedef struct stream {
+    tides_event *events;
+    size_t count;
+    tides_event_summary summary;
+} stream;
+
+static tides_status read_stream(const char *file, stream *s, tides_error *error) {
+    tides_status status = tides_events_summary(file, &s->summary, error);
+    if (status != TIDES_OK) return status;
+    if (s->summary.count > SIZE_MAX / sizeof *s->events - 1)
+        return cli_error(error, TIDES_NO_MEMORY, "%s: too many events for this machine", file);
+    s->events = malloc(((size_t)s->summary.count + 1) * sizeof *s->events);
+    if (!s->events) return cli_error(error, TIDES_NO_MEMORY, "%s: out of memory for its events", file);
+    return tides_events_read(file, 0, (size_t)s->summary.count, s->events, &s->count, error);
+}
+
+/* The sensor's size: what the files say, where they do and agree. */
+static tides_status set_sensor(const char *const files[2], const stream s[2], tides_metrics_options *o, tides_error *error) {
+    const tides_event_summary *a = &s[0].summary, *b = &s[1].summary;
+    if (a->width && b->width && (a->width != b->width || a->height != b->height))
+        return cli_error(error, TIDES_BAD_ARGUMENT, "%s is %dx%d px and %s %dx%d px: streams of one size can be compared",
+                         files[0], a->width, a->height, files[1], b->width, b->height);
+    const tides_event_summary *known = a->width && a->height ? a : b;
+    if (known->width && known->height) {
+        o->width = known->width;
+        o->height = known->height;
+    }
+    return TIDES_OK;
+}
+
+/* One end of the interval alone: the other is the streams'. */
+static void close_interval(const stream s[2], tides_metrics_options *o) {
+    const int64_t open = INT64_C(2305843009213693952);
+    int64_t first = 0, last = 0;
+    int32_t any = 0;
+    for (int i = 0; i < 2; i++) {
+        if (s[i].count == 0) continue;
+        if (!any || s[i].summary.first_ns < first) first = s[i].summary.first_ns;
+        if (!any || s[i].summary.last_ns > last) last = s[i].summary.last_ns;
+        any = 1;
+    }
+    if (o->start_ns == -open) o->start_ns = first < o->stop_ns ? first : o->stop_ns - 1;
+    if (o->stop_ns == open) o->stop_ns = (last > o->start_ns ? last : o->start_ns) + 1;
+}
+
+/* ---- the work ---- */
+
+/* A bar only for work that takes longer than a second. */
+typedef struct waiting {
+    cli_progress bar;
+    int32_t quiet;
+    double began;
+} waiting;
+
+static int step(void *user, double fraction, const char *stage) {
+    waiting *w = user;
+    w->bar.quiet = w->quiet || cli_now() - w->began < 1.0;
+    return cli_progress_step(&w->bar, fraction, stage);
+}
+
+static tides_status compare(const char *const files[2], stream s[2], tides_metrics_options *options, const cli_common *common,
+                            tides_metrics *metrics, tides_error *error) {
+    tides_status status = read_stream(files[0], &s[0], error);
+    if (status == TIDES_OK) status = read_stream(files[1], &s[1], error);
+    if (status == TIDES_OK) status = set_sensor(files, s, options, error);
+    if (status != TIDES_OK) return status;
+    if (options->start_ns != options->stop_ns) close_interval(s, options);
+    waiting w = {.quiet = common->quiet, .began = cli_now()};
+    status = tides_metrics_compare(s[0].events, s[0].count, s[1].events, s[1].count, options, step, &w, metrics, error);
+    cli_progress_end(&w.bar);
+    return status;
+}
+
+static int report(const char *const files[2], const tides_metrics *metrics, const tides_metrics_options *options,
+                  int32_t json) {
+    cJSON *facts = cli_metrics_json(metrics, options);
+    if (!facts) return cli_failed("out of memory");
+    if (!json) {
+        cli_metrics_print(facts);
+        cJSON_Delete(facts);
+        return CLI_OK;
+    }
+    cJSON_AddStringToObject(facts, "reference_file", files[0]);
+    cJSON_AddStringToObject(facts, "simulated_file", files[1]);
+    return cli_print_facts(facts, 1);
+}
+
+int cmd_metrics(const cli_command *command, int argc, char **argv) {
+    cli_common common;
+    arguments given = {{NULL, NULL}, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0};
+    const cli_option options[] = {
+        {"--only", 0, "LIST", "counts,isi,same-ts,fano,chamfer,victor-purpura,van-rossum,time-difference,kernel,match", NULL,
+         &given.only, NULL},
+        {"--exact", 0, NULL, "the reference is exact: also match its events one by one", &given.exact, NULL, NULL},
+        {"--window", 0, "S", "Chamfer: length of a window in seconds (0.05)", NULL, &given.window, NULL},
+        {"--speed", 0, "PX_PER_S", "Chamfer: how fast the image moves (found from the reference)", NULL, &given.speed, NULL},
+        {"--clock", 0, "S", "ISI spike: period of a clock in seconds (found from the intervals)", NULL, &given.clock, NULL},
+        {"--roi", 0, "X,Y,W,H", "only events of this region", NULL, &given.roi, NULL},
+        {"--from", 0, "S", "only events from this time on", NULL, &given.from, NULL},
+        {"--to", 0, "S", "only events before this time", NULL, &given.to, NULL},
+        {NULL, 0, NULL, NULL, NULL, NULL, NULL},
+    };
+    int code = cli_parse(command, options, argc, argv, &common, given.files);
+    if (code != CLI_GO) return code;
+    tides_metrics_options wanted;
+    tides_metrics_options_defaults(&wanted);
+    if ((code = parse_options(command, &given, &wanted)) != CLI_GO) return code;
+
+    tides_error error = {TIDES_OK, ""};
+    tides_metrics metrics;
+    stream streams[2] = {{NULL, 0, {0}}, {NULL, 0, {0}}};
+    cli_catch_interrupt();
+    const tides_status status = compare(given.files, streams, &wanted, &common, &metrics, &error);
+    code = status == TIDES_OK ? report(given.files, &metrics, &wanted, common.json) : cli_fail(&error);
+    free(streams[0].events);
+    free(streams[1].events);
+    return code;
+}

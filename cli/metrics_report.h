@@ -1,0 +1,14 @@
+/* The result of tides metrics, as JSON or as a table. */
+#ifndef CLI_METRICS_REPORT_H
+#define CLI_METRICS_REPORT_H
+
+#include "cli.h"
+
+/* {"reference": {...}, "simulated": {...}, "comparison": {...}}: values by family as wanted, null where undefined; NULL: out of
+ * memory. */
+cJSON *cli_metrics_json(const tides_metrics *metrics, const tides_metrics_options *options);
+
+/* The same as text: the streams' values side by side, then the comparison's. */
+void cli_metrics_print(const cJSON *report);
+
+#endif

@@ -1,0 +1,86 @@
+/* The readout: how events leave a sensor whose bus carries only so many of them at a time (paper, "Derivative-conditioned
+ * finite-bandwidth readout"; DESIGN 3.4).
+ *
+ * Pixels queue; a scanner serves one queue per tick. An event that is served in the tick in which it fired keeps its time; one
+ * that had to wait gets the start of the tick that serves it. So nothing leaves before it fired, and an infinite rate (tick_s
+ * = 0) changes nothing.
+ *
+ *   TILES        one FIFO queue per tile. The scanner goes to the next tile, row by row, that has something, and takes up to
+ *                K_m = floor(k0 (1 - beta_k psi_m)), at least 1, of its events.
+ *   ROWS         one queue per row of pixels, as in DAVIS346's synchronous readout: the scanner takes the rows in turn, empty
+ *                or not, one per tick, and stamps all that waits in it with the end of the tick.
+ *   BOTTLENECK   a single queue for the whole sensor, k0 events per tick.
+ *
+ * psi_m in [0, 1] is a tile's activity (tides_arbiter_activity). Events are dropped on arrival with probability p0 + eta psi_m,
+ * and where a queue is full; times get jitter of standard deviation sigma0 + gamma_sigma psi_m, never to before the event.
+ * Random numbers depend on the seed and the event alone. */
+#ifndef TIDES_READOUT_H
+#define TIDES_READOUT_H
+
+#include "tides/events.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { TIDES_READOUT_TILES = 0, TIDES_READOUT_ROWS = 1, TIDES_READOUT_BOTTLENECK = 2 };
+
+/* Fill with tides_readout_defaults (disabled; tiles of 16, 1 us, 32, 0.5, 0, 0.2, 0, 10 us, 65536). */
+typedef struct tides_readout {
+    uint32_t size;
+    int32_t enabled;                /* for runs; an arbiter itself doesn't ask */
+    int32_t kind;                   /* TIDES_READOUT_* */
+    int32_t tile_px;                /* side of a tile [px], >= 1 */
+    int32_t k0;                     /* events per tick at rest, >= 1 */
+    int32_t queue_capacity;         /* events that wait in one queue, >= 1 */
+    double tick_s;                  /* [s]: whole nanoseconds; 0: infinite rate */
+    double beta_k;                  /* in [0, 1] */
+    double p0, eta;                 /* in [0, 1] */
+    double sigma0_s, gamma_sigma_s; /* [s] >= 0 */
+} tides_readout;
+TIDES_API void tides_readout_defaults(tides_readout *readout);
+
+/* What became of the events. in = out + dropped + overflowed + waiting, always. */
+typedef struct tides_readout_stats {
+    uint64_t in, out;
+    uint64_t dropped;    /* by chance */
+    uint64_t overflowed; /* their queue was full */
+    uint64_t waiting;    /* in queues, or held until the order is certain */
+    uint64_t delayed;    /* left later than they fired, jitter aside */
+    uint64_t ticks;      /* in which something was served; idle ones are skipped */
+    double worst_delay_s;
+} tides_readout_stats;
+
+typedef struct tides_arbiter tides_arbiter;
+
+/* Receives events in order (t, y, x, polarity), with the time [ns] at which each fired. Non-zero stops: TIDES_CANCELLED. */
+typedef int (*tides_readout_sink)(void *user, const tides_event *events, const int64_t *fired, size_t count);
+
+/* For sensors of width x height pixels, at most 65536 each. TIDES_BAD_ARGUMENT naming the field. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_arbiter_create(const tides_readout *readout, int32_t width, int32_t height,
+                                                             uint64_t seed, tides_arbiter **arbiter, tides_error *error);
+
+/* NULL is fine. */
+TIDES_API void tides_arbiter_destroy(tides_arbiter *arbiter);
+
+/* Tiles of tile_px, across and down; a ROWS or BOTTLENECK arbiter has them too, for drops and jitter. */
+TIDES_API void tides_arbiter_tiles(const tides_arbiter *arbiter, int32_t *across, int32_t *down);
+
+/* psi of every tile (across x down), each in [0, 1], for events pushed from now on. Copied. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_arbiter_activity(tides_arbiter *arbiter, const double *psi, tides_error *error);
+
+/* Takes `count` events, sorted and not before any pushed earlier (else TIDES_BAD_ARGUMENT and none is taken), and gives `sink`
+ * (nullable) what has left by then. How a stream is cut into pushes doesn't matter. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_arbiter_push(tides_arbiter *arbiter, const tides_event *events, size_t count,
+                                                           tides_readout_sink sink, void *user, tides_error *error);
+
+/* Gives `sink` all that still waits: the scanner goes on until the queues are empty. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_arbiter_finish(tides_arbiter *arbiter, tides_readout_sink sink, void *user,
+                                                             tides_error *error);
+
+TIDES_API void tides_arbiter_stats(const tides_arbiter *arbiter, tides_readout_stats *stats);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,83 @@
+/* The sensor between log-luminance and events, in continuous time and physical units (DESIGN 3.3, 3.4; paper, "Comparator and
+ * sensor model"). Every block is off by default and costs nothing then.
+ *
+ *   L -> PSF -> photoreceptor (low-pass, or the circuit) -> centre-surround -> + noise -> S -> comparator -> events
+ *
+ * A pixel fires ON where S - S_ref reaches C+ and OFF where it reaches -C-. Random numbers depend on the seed and on the pixel
+ * alone, never on steps, tiles, devices or where a run is cut. */
+#ifndef TIDES_SENSOR_H
+#define TIDES_SENSOR_H
+
+#include "tides/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What a pixel does for refractory_s after an event.
+ *   HOLD          it is held in reset, and its reference is the signal at the end: what the circuit does
+ *   DROP_KEEP     crossings are dropped, and the reference stays: what is left fires at the end (v2e)
+ *   DROP_CONSUME  crossings are dropped, and the reference moves with them: that contrast is lost (ESIM) */
+enum { TIDES_REFRACTORY_HOLD = 0, TIDES_REFRACTORY_DROP_KEEP = 1, TIDES_REFRACTORY_DROP_CONSUME = 2 };
+
+/* Blur of the logarithm and its rate, as in the paper, or of luminance before the logarithm, as optics do. */
+enum { TIDES_PSF_LOG = 0, TIDES_PSF_LINEAR = 1 };
+
+/* FIRST_ORDER: one pole at photoreceptor_cutoff_hz. CIRCUIT: the pixel's chain of a second-order photoreceptor, a source
+ * follower and a difference amplifier (simulators notes, 1.4). */
+enum { TIDES_BANDWIDTH_FIRST_ORDER = 0, TIDES_BANDWIDTH_CIRCUIT = 1 };
+
+/* Whether the pole stays where it is, or goes with luminance as v2e has it: cutoff (DN + 20) / 275, DN = 255 Y. */
+enum { TIDES_PHOTORECEPTOR_CONSTANT = 0, TIDES_PHOTORECEPTOR_INTENSITY = 1 };
+
+/* Constants of TIDES_BANDWIDTH_CIRCUIT; the defaults are a DVS128's (simulators notes, 1.4). */
+typedef struct tides_circuit {
+    double photocurrent_a;     /* at Y = 1 [A] */
+    double dark_current_a;     /* [A] */
+    double gain, kappa;        /* amplifier gain A, back-gate coefficient */
+    double thermal_v;          /* V_T [V] */
+    double photodiode_f;       /* C_p [F] */
+    double miller_f;           /* C_mil [F] */
+    double output_s;           /* tau_out [s] */
+    double source_follower_hz; /* 0: left out */
+    double difference_hz;      /* 0: left out */
+} tides_circuit;
+
+/* Event causes: tides_event.cause. */
+enum { TIDES_CAUSE_SIGNAL = 0, TIDES_CAUSE_LEAK = 1, TIDES_CAUSE_SHOT = 2, TIDES_CAUSE_HOT = 3 };
+
+/* Fill with tides_sensor_defaults: thresholds 0.2, 64 events per step, all else off. */
+typedef struct tides_sensor {
+    uint32_t size;
+    int32_t max_events_per_step; /* per pixel and step, >= 1; what is cut off is counted, and fires at the step's end */
+    double threshold_on;         /* C+ [log units], > 0 */
+    double threshold_off;        /* C- [log units], > 0 */
+
+    double threshold_sigma; /* standard deviation of C+ and of C- from pixel to pixel, independent, drawn once [log units] */
+    double threshold_min;   /* no pixel's threshold is below this [log units], > 0 */
+    double refractory_s;    /* [s] */
+    int32_t refractory_law; /* TIDES_REFRACTORY_* */
+    int32_t psf_domain;     /* TIDES_PSF_* */
+    double leak_rate_hz;    /* ON events per second that the reference's drift makes in a pixel at rest [Hz] */
+    double leak_sigma;      /* decades of log-normal spread of that rate from pixel to pixel */
+    double b_min;           /* pixels with less coverage than this stay silent, in [0, 1] */
+    double shot_noise_hz;   /* noise events, ON and OFF together, of a pixel in the dark [Hz] */
+    double hot_pixel_fraction, hot_pixel_rate_hz;
+    double dead_pixel_fraction;
+
+    double psf_sigma_px;            /* [px] */
+    double photoreceptor_cutoff_hz; /* -3 dB [Hz]; 0: off */
+    int32_t photoreceptor_law;      /* TIDES_PHOTORECEPTOR_* */
+    int32_t bandwidth;              /* TIDES_BANDWIDTH_* */
+    tides_circuit circuit;
+    double surround_lambda_px; /* space constant of the surround's diffuser [px]; 0: off */
+    double surround_tau_s;     /* its time constant [s] */
+    double noise_rms;          /* additive Ornstein-Uhlenbeck noise [log units] */
+    double noise_cutoff_hz;    /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
+} tides_sensor;
+TIDES_API void tides_sensor_defaults(tides_sensor *sensor);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

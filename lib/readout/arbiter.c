@@ -1,0 +1,297 @@
+/* The readout arbiter: arrivals to queues, a scanner over ticks, and what has left in order.
+ *
+ * Tick k covers [k tick, (k + 1) tick). What arrives within a tick may leave within it. Ticks in which nothing waits are
+ * skipped, whatever their number. Everything is decided by the events' own times, so it doesn't matter how they are pushed. */
+#include "tides/readout.h"
+#include "sensor/td_random.h"
+#include "td_base.h"
+#include "td_queues.h"
+#include "td_release.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SIDE_MAX = 65536 };
+
+struct tides_arbiter {
+    tides_readout readout;
+    int32_t width, height, across, down;
+    uint64_t seed;
+    int64_t tick_ns; /* 0: infinite rate */
+    int jitters;
+    int32_t *tile_row, *tile_column; /* (height), (width): first tile of the row's tiles, tile within it */
+    double *psi;                     /* (tiles) */
+    int32_t *release;                /* (tiles) K_m */
+    td_queues queues;
+    int32_t next_queue; /* where the scanner goes on */
+    int64_t tick;       /* the first that hasn't been served */
+    int64_t tick_end;   /* of the tick of the last arrival */
+    int64_t last_t;     /* of what was pushed */
+    td_release out;
+    tides_readout_stats stats;
+};
+
+void tides_readout_defaults(tides_readout *readout) {
+    *readout = (tides_readout){.size = sizeof *readout, .tile_px = 16, .k0 = 32, .queue_capacity = 65536, .tick_s = 1e-6};
+    readout->beta_k = 0.5;
+    readout->eta = 0.2;
+    readout->gamma_sigma_s = 1e-5;
+}
+
+/* -- creation ------------------------------------------------------------------------------------------------------------ */
+
+static tides_status check_number(const char *name, double value, double most, tides_error *error) {
+    if (value >= 0 && value <= most) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_ARGUMENT, "readout: %s is %g; it must lie in [0, %g]", name, value, most);
+}
+
+static tides_status check_count(const char *name, int32_t value, tides_error *error) {
+    if (value >= 1) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_ARGUMENT, "readout: %s is %d; it must be at least 1", name, (int)value);
+}
+
+static tides_status check(const tides_readout *r, int32_t width, int32_t height, tides_error *error) {
+    tides_status status = TIDES_OK;
+    if (r->size != sizeof *r)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "readout: start from tides_readout_defaults, which sets size");
+    if (r->kind < TIDES_READOUT_TILES || r->kind > TIDES_READOUT_BOTTLENECK)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "readout: kind is %d; it must be one of TIDES_READOUT_*", (int)r->kind);
+    if (width < 1 || height < 1 || width > SIDE_MAX || height > SIDE_MAX)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "readout: %d x %d pixels; sides must lie in [1, %d]", (int)width, (int)height,
+                       (int)SIDE_MAX);
+    const struct {
+        const char *name;
+        int32_t value;
+    } counts[] = {{"tile_px", r->tile_px}, {"k0", r->k0}, {"queue_capacity", r->queue_capacity}};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts && status == TIDES_OK; i++)
+        status = check_count(counts[i].name, counts[i].value, error);
+    const struct {
+        const char *name;
+        double value, most;
+    } numbers[] = {{"tick_s", r->tick_s, 1}, {"beta_k", r->beta_k, 1},     {"p0", r->p0, 1},
+                   {"eta", r->eta, 1},       {"sigma0_s", r->sigma0_s, 1}, {"gamma_sigma_s", r->gamma_sigma_s, 1}};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers && status == TIDES_OK; i++)
+        status = check_number(numbers[i].name, numbers[i].value, numbers[i].most, error);
+    if (status == TIDES_OK && r->tick_s > 0 && r->tick_s < 1e-9)
+        status = td_fail(error, TIDES_BAD_ARGUMENT, "readout: tick_s is %g; it must be 0 or at least 1e-9", r->tick_s);
+    return status;
+}
+
+static int32_t queue_count(const tides_arbiter *a) {
+    if (a->readout.kind == TIDES_READOUT_ROWS) return a->height;
+    return a->readout.kind == TIDES_READOUT_BOTTLENECK ? 1 : a->across * a->down;
+}
+
+static void set_release(tides_arbiter *a, int32_t tile) {
+    double share = 1 - a->readout.beta_k * a->psi[tile];
+    int32_t k = (int32_t)floor((double)a->readout.k0 * share);
+    a->release[tile] = k > 1 ? k : 1; /* a tile that could never be emptied would hold its events for ever */
+}
+
+static tides_status allocate(tides_arbiter *a, tides_error *error) {
+    int32_t tiles = a->across * a->down;
+    a->psi = td_alloc((size_t)tiles, sizeof *a->psi, error);
+    a->release = td_alloc((size_t)tiles, sizeof *a->release, error);
+    a->tile_row = td_alloc((size_t)a->height, sizeof *a->tile_row, error);
+    a->tile_column = td_alloc((size_t)a->width, sizeof *a->tile_column, error);
+    if (!a->psi || !a->release || !a->tile_row || !a->tile_column) return TIDES_NO_MEMORY;
+    for (int32_t i = 0; i < tiles; i++) set_release(a, i);
+    for (int32_t y = 0; y < a->height; y++) a->tile_row[y] = y / a->readout.tile_px * a->across;
+    for (int32_t x = 0; x < a->width; x++) a->tile_column[x] = x / a->readout.tile_px;
+    return td_queues_create(&a->queues, queue_count(a), a->readout.queue_capacity, error);
+}
+
+tides_status tides_arbiter_create(const tides_readout *readout, int32_t width, int32_t height, uint64_t seed,
+                                  tides_arbiter **arbiter, tides_error *error) {
+    if (!readout || !arbiter)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_arbiter_create: readout and arbiter must be given");
+    tides_status status = check(readout, width, height, error);
+    if (status != TIDES_OK) return status;
+    tides_arbiter *a = td_alloc(1, sizeof *a, error);
+    if (!a) return TIDES_NO_MEMORY;
+    a->readout = *readout;
+    a->width = width;
+    a->height = height;
+    a->across = (width + readout->tile_px - 1) / readout->tile_px;
+    a->down = (height + readout->tile_px - 1) / readout->tile_px;
+    a->seed = seed;
+    a->tick_ns = (int64_t)llround(readout->tick_s * 1e9);
+    a->last_t = INT64_MIN;
+    a->tick = a->tick_end = INT64_MIN;
+    a->jitters = readout->sigma0_s + readout->gamma_sigma_s > 0;
+    status = allocate(a, error);
+    if (status != TIDES_OK) {
+        tides_arbiter_destroy(a);
+        return status;
+    }
+    *arbiter = a;
+    return TIDES_OK;
+}
+
+void tides_arbiter_destroy(tides_arbiter *arbiter) {
+    if (!arbiter) return;
+    td_queues_release(&arbiter->queues);
+    td_release_free(&arbiter->out);
+    free(arbiter->psi);
+    free(arbiter->release);
+    free(arbiter->tile_row);
+    free(arbiter->tile_column);
+    free(arbiter);
+}
+
+void tides_arbiter_tiles(const tides_arbiter *arbiter, int32_t *across, int32_t *down) {
+    *across = arbiter->across;
+    *down = arbiter->down;
+}
+
+tides_status tides_arbiter_activity(tides_arbiter *arbiter, const double *psi, tides_error *error) {
+    int32_t tiles = arbiter->across * arbiter->down;
+    for (int32_t i = 0; i < tiles; i++)
+        if (!(psi[i] >= 0 && psi[i] <= 1))
+            return td_fail(error, TIDES_BAD_ARGUMENT, "tides_arbiter_activity: tile %d has %g; it must lie in [0, 1]", (int)i,
+                           psi[i]);
+    for (int32_t i = 0; i < tiles; i++) {
+        arbiter->psi[i] = psi[i];
+        set_release(arbiter, i);
+    }
+    return TIDES_OK;
+}
+
+void tides_arbiter_stats(const tides_arbiter *arbiter, tides_readout_stats *stats) {
+    *stats = arbiter->stats;
+    stats->waiting = arbiter->queues.waiting + td_release_held(&arbiter->out);
+}
+
+/* -- arrivals ------------------------------------------------------------------------------------------------------------ */
+
+/* An event's own number for random draws: a pixel fires at most once per polarity and nanosecond that matters here. */
+static td_random_bits draw(const tides_arbiter *a, const tides_event *event, uint32_t purpose) {
+    uint32_t pixel = (uint32_t)event->y * (uint32_t)a->width + event->x;
+    return td_random(a->seed, pixel, 2 * (uint64_t)event->t + (event->polarity > 0), purpose);
+}
+
+static int is_dropped(const tides_arbiter *a, const tides_event *event, int32_t tile) {
+    double probability = a->readout.p0 + a->readout.eta * a->psi[tile];
+    if (probability <= 0) return 0;
+    td_random_bits bits = draw(a, event, TD_RANDOM_DROP);
+    return td_random_uniform(&bits, 0) < probability;
+}
+
+static int32_t tile_of(const tides_arbiter *a, const tides_event *event) {
+    return a->tile_row[event->y] + a->tile_column[event->x];
+}
+
+/* Leaves at `t`, give or take its jitter. */
+static tides_status leave(tides_arbiter *a, const tides_event *event, int32_t tile, int64_t t, tides_error *error) {
+    tides_event left = *event;
+    left.t = t;
+    if (t > event->t) {
+        double delay = (double)(t - event->t) * 1e-9;
+        a->stats.delayed++;
+        if (delay > a->stats.worst_delay_s) a->stats.worst_delay_s = delay;
+    }
+    if (a->jitters) {
+        double sigma = a->readout.sigma0_s + a->readout.gamma_sigma_s * a->psi[tile], normal[2];
+        td_random_bits bits = draw(a, event, TD_RANDOM_JITTER);
+        td_random_normals(&bits, normal);
+        left.t += (int64_t)llround(sigma * 1e9 * normal[0]);
+        if (left.t < event->t) left.t = event->t;
+    }
+    a->stats.out++;
+    return td_release_add(&a->out, &left, event->t, error);
+}
+
+static tides_status arrive(tides_arbiter *a, const tides_event *event, tides_error *error) {
+    int32_t tile = tile_of(a, event), queue = tile;
+    int full = 0;
+    a->stats.in++;
+    if (is_dropped(a, event, tile)) {
+        a->stats.dropped++;
+        return TIDES_OK;
+    }
+    if (a->tick_ns == 0) return leave(a, event, tile, event->t, error); /* an infinite rate: nobody waits */
+    if (a->readout.kind == TIDES_READOUT_ROWS) queue = event->y;
+    if (a->readout.kind == TIDES_READOUT_BOTTLENECK) queue = 0;
+    tides_status status = td_queues_append(&a->queues, queue, event, tile, &full, error);
+    a->stats.overflowed += (uint64_t)full;
+    return status;
+}
+
+/* -- ticks --------------------------------------------------------------------------------------------------------------- */
+
+/* One tick of the scanner, over what has arrived: everything of a row, or K_m events of the next queue that has some. */
+static tides_status serve(tides_arbiter *a, tides_error *error) {
+    int64_t start = a->tick * a->tick_ns;
+    int rows = a->readout.kind == TIDES_READOUT_ROWS;
+    int32_t queue =
+        rows ? (int32_t)(((a->tick % a->height) + a->height) % a->height) : td_queues_next(&a->queues, a->next_queue);
+    int32_t most = rows ? INT32_MAX : a->readout.k0;
+    if (a->readout.kind == TIDES_READOUT_TILES) most = a->release[queue];
+    tides_status status = TIDES_OK;
+    a->stats.ticks++;
+    for (int32_t k = 0; k < most && a->queues.length[queue] > 0 && status == TIDES_OK; k++) {
+        const td_waiting *waiting = td_queues_head(&a->queues, queue);
+        int64_t fired = waiting->event.t;
+        int64_t t = rows ? start + a->tick_ns : fired > start ? fired : start;
+        status = leave(a, &waiting->event, waiting->tile, t, error);
+        td_queues_take(&a->queues, queue);
+    }
+    a->next_queue = queue + 1;
+    a->tick++;
+    return status;
+}
+
+/* The tick that holds time t, floored for times before 0 too. */
+static int64_t tick_of(const tides_arbiter *a, int64_t t) {
+    return t >= 0 ? t / a->tick_ns : -((-t + a->tick_ns - 1) / a->tick_ns);
+}
+
+/* Serves every tick before the one that holds `t`. */
+static tides_status serve_until(tides_arbiter *a, int64_t t, tides_error *error) {
+    if (t < a->tick_end) return TIDES_OK;
+    int64_t now = tick_of(a, t);
+    tides_status status = TIDES_OK;
+    while (a->queues.waiting > 0 && a->tick < now && status == TIDES_OK) status = serve(a, error);
+    if (a->tick < now) a->tick = now; /* idle ticks */
+    a->tick_end = (now + 1) * a->tick_ns;
+    return status;
+}
+
+/* Nothing that is still to come leaves before this. */
+static int64_t certain_until(const tides_arbiter *a) {
+    double sigma = a->readout.sigma0_s + a->readout.gamma_sigma_s;
+    int64_t start = a->tick_ns ? a->tick * a->tick_ns : a->last_t;
+    return a->jitters ? start - (int64_t)ceil(TD_NORMAL_MAX * sigma * 1e9) : start;
+}
+
+static tides_status check_order(tides_arbiter *a, const tides_event *events, size_t count, tides_error *error) {
+    int64_t last = a->last_t;
+    for (size_t i = 0; i < count; i++) {
+        const tides_event *e = &events[i];
+        if (e->t < last || e->x >= a->width || e->y >= a->height)
+            return td_fail(error, TIDES_BAD_ARGUMENT,
+                           "tides_arbiter_push: event %zu at %lld ns, pixel (%d, %d), is out of order or outside the sensor", i,
+                           (long long)e->t, e->x, e->y);
+        last = e->t;
+    }
+    return TIDES_OK;
+}
+
+tides_status tides_arbiter_push(tides_arbiter *arbiter, const tides_event *events, size_t count, tides_readout_sink sink,
+                                void *user, tides_error *error) {
+    tides_status status = check_order(arbiter, events, count, error);
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) {
+        if (arbiter->tick_ns) status = serve_until(arbiter, events[i].t, error);
+        if (status == TIDES_OK) status = arrive(arbiter, &events[i], error);
+        arbiter->last_t = events[i].t;
+    }
+    if (status != TIDES_OK || count == 0) return status;
+    return td_release_emit(&arbiter->out, certain_until(arbiter), sink, user, error);
+}
+
+tides_status tides_arbiter_finish(tides_arbiter *arbiter, tides_readout_sink sink, void *user, tides_error *error) {
+    tides_status status = TIDES_OK;
+    while (arbiter->queues.waiting > 0 && status == TIDES_OK) status = serve(arbiter, error);
+    return status == TIDES_OK ? td_release_emit(&arbiter->out, INT64_MAX, sink, user, error) : status;
+}

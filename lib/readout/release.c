@@ -1,0 +1,115 @@
+/* What has left, in order: waiting and jitter make it come out of order within a bounded time. */
+#include "td_release.h"
+#include "solver/td_event_sort.h"
+#include "td_base.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void td_release_free(td_release *release) {
+    free(release->events);
+    free(release->fired);
+    memset(release, 0, sizeof *release);
+}
+
+static tides_status grow(td_release *release, tides_error *error) {
+    void *events = release->events, *fired = release->fired;
+    tides_status status = td_reserve(&events, &release->events_capacity, release->count + 1, sizeof *release->events, error);
+    release->events = events;
+    if (status == TIDES_OK)
+        status = td_reserve(&fired, &release->fired_capacity, release->count + 1, sizeof *release->fired, error);
+    release->fired = fired;
+    return status;
+}
+
+tides_status td_release_add(td_release *release, const tides_event *event, int64_t fired, tides_error *error) {
+    if (release->count >= release->events_capacity || release->count >= release->fired_capacity) {
+        tides_status status = grow(release, error);
+        if (status != TIDES_OK) return status;
+    }
+    release->events[release->count] = *event;
+    release->fired[release->count++] = fired;
+    return TIDES_OK;
+}
+
+size_t td_release_held(const td_release *release) { return release->count; }
+
+/* Is x after y? A total order, so that how the stream was pushed doesn't show; most pairs differ in time. */
+static inline int is_after(const tides_event *x, int64_t x_fired, const tides_event *y, int64_t y_fired) {
+    if (x->t != y->t) return x->t > y->t;
+    int order = td_event_compare(x, y);
+    return order ? order > 0 : x_fired > y_fired;
+}
+
+/* Puts every event where it belongs. What waits is short of a tick or a few widths of jitter out of place, so each moves a
+ * few places; gives up, with 0, after `moves` of them. */
+static int insert_each(td_release *release, size_t moves) {
+    tides_event *events = release->events;
+    int64_t *fired = release->fired;
+    for (size_t i = 1; i < release->count; i++) {
+        tides_event event = events[i];
+        int64_t when = fired[i];
+        size_t to = i;
+        for (; to > 0 && is_after(&events[to - 1], fired[to - 1], &event, when); to--) {
+            events[to] = events[to - 1];
+            fired[to] = fired[to - 1];
+        }
+        events[to] = event;
+        fired[to] = when;
+        if (i - to > moves) return 0;
+        moves -= i - to;
+    }
+    return 1;
+}
+
+typedef struct left {
+    tides_event event;
+    int64_t fired;
+} left;
+
+static int by_time(const void *a, const void *b) {
+    const left *x = a, *y = b;
+    if (is_after(&x->event, x->fired, &y->event, y->fired)) return 1;
+    return is_after(&y->event, y->fired, &x->event, x->fired) ? -1 : 0;
+}
+
+static tides_status sort_all(td_release *release, tides_error *error) {
+    left *all = td_alloc(release->count, sizeof *all, error);
+    if (!all) return TIDES_NO_MEMORY;
+    for (size_t i = 0; i < release->count; i++) all[i] = (left){release->events[i], release->fired[i]};
+    qsort(all, release->count, sizeof *all, by_time);
+    for (size_t i = 0; i < release->count; i++) {
+        release->events[i] = all[i].event;
+        release->fired[i] = all[i].fired;
+    }
+    free(all);
+    return TIDES_OK;
+}
+
+/* How many of the sorted ones left before `certain`. */
+static size_t count_before(const td_release *release, int64_t certain) {
+    size_t low = 0, high = release->count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (release->events[middle].t < certain)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+tides_status td_release_emit(td_release *release, int64_t certain, tides_readout_sink sink, void *user, tides_error *error) {
+    const size_t moves_each = 32; /* beyond this a sort is faster */
+    if (!insert_each(release, moves_each * release->count)) {
+        tides_status status = sort_all(release, error);
+        if (status != TIDES_OK) return status;
+    }
+    size_t count = count_before(release, certain);
+    if (count == 0) return TIDES_OK;
+    int stopped = sink && sink(user, release->events, release->fired, count);
+    release->count -= count;
+    memmove(release->events, release->events + count, release->count * sizeof *release->events);
+    memmove(release->fired, release->fired + count, release->count * sizeof *release->fired);
+    return stopped ? td_fail(error, TIDES_CANCELLED, "stopped by the sink of the readout") : TIDES_OK;
+}

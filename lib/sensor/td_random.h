@@ -1,0 +1,41 @@
+/* Internal: random numbers by counter. Each is a function of (seed, pixel, index, purpose), so that streams do not depend on
+ * tiles, threads, devices or where a run was cut (DESIGN 3.3).
+ *
+ * Philox4x32-10: J. Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011. */
+#ifndef TD_RANDOM_H
+#define TD_RANDOM_H
+
+#include <stdint.h>
+
+/* What a number is for: two uses never share one. Add at the end; the values are part of the stream's definition. */
+enum {
+    TD_RANDOM_THRESHOLD = 1,
+    TD_RANDOM_LEAK = 2,
+    TD_RANDOM_SHOT_ON = 3,
+    TD_RANDOM_SHOT_OFF = 4,
+    TD_RANDOM_HOT = 5,
+    TD_RANDOM_DEAD = 6,
+    TD_RANDOM_NOISE = 7,
+    TD_RANDOM_DROP = 8,
+    TD_RANDOM_JITTER = 9
+};
+
+/* 128 random bits. */
+typedef struct td_random_bits {
+    uint32_t word[4];
+} td_random_bits;
+td_random_bits td_random(uint64_t seed, uint32_t pixel, uint64_t index, uint32_t purpose);
+
+/* Philox itself, ten rounds. */
+td_random_bits td_philox(const uint32_t counter[4], const uint32_t key[2]);
+
+/* Uniform in (0, 1), 53 bits, never an end; from words 0 and 1, or 2 and 3. */
+double td_random_uniform(const td_random_bits *bits, int half);
+
+/* Two independent standard normals (Box and Muller). */
+void td_random_normals(const td_random_bits *bits, double normal[2]);
+
+/* Exponential of mean 1. */
+double td_random_exponential(const td_random_bits *bits, int half);
+
+#endif
