@@ -25,13 +25,14 @@ static int convert_scene(const char *in, const char *out, const cli_common *comm
     return code;
 }
 
-/* What opens as events is events. HDF5, numpy and ZIP files may hold a scene as well. */
-static int holds_events(const char *in) {
+/* What opens as events is events; HDF5, numpy and ZIP files may hold a scene as well. Neither, or events that lack something that
+ * their reader names (a plugin): its reason is the one that helps. */
+static int is_scene(const char *in) {
     tides_event_reader *reader = NULL;
     tides_error error;
-    if (tides_event_reader_open(in, NULL, &reader, &error) != TIDES_OK) return 0;
+    tides_status status = tides_event_reader_open(in, NULL, &reader, &error);
     tides_event_reader_close(reader);
-    return 1;
+    return status != TIDES_OK && status != TIDES_UNSUPPORTED && tides_scene_is_file(in);
 }
 
 int cmd_convert(const cli_command *command, int argc, char **argv) {
@@ -53,6 +54,6 @@ int cmd_convert(const cli_command *command, int argc, char **argv) {
     if (code == CLI_GO && height) code = cli_size(command, "--height", height, &what.height);
     if (code != CLI_GO) return code;
     const int asked = what.from || what.to || width || height || what.rebase;
-    if (asked || holds_events(files[0])) return cli_event_convert(files[0], files[1], &what, &common);
-    return convert_scene(files[0], files[1], &common);
+    if (!asked && is_scene(files[0])) return convert_scene(files[0], files[1], &common);
+    return cli_event_convert(files[0], files[1], &what, &common);
 }

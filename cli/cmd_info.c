@@ -155,6 +155,10 @@ static tides_status hdf5_facts(const char *file, cJSON *facts, tides_error *erro
         event_facts(&summary, facts);
         return TIDES_OK;
     }
+    if (events.status == TIDES_UNSUPPORTED) { /* events, and what their reader lacks */
+        *error = events;
+        return error->status;
+    }
     if (scene_facts(file, facts, &scene) == TIDES_OK) return TIDES_OK;
     return cli_error(error, TIDES_BAD_FILE, "%s: HDF5, but neither events (%.300s) nor a scene (%.300s)", file, events.text,
                      scene.text);
