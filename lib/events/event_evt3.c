@@ -47,6 +47,7 @@ static tides_status open_evt3(td_event_stream *stream, tides_error *error) {
     stream->state = state;
     if (!state) return TIDES_NO_MEMORY;
     state->high = -1;
+    state->polarity = -1; /* vectors before their first start: at x 0, OFF, as in Prophesee's reader */
     return td_event_header_read(stream, &header, error);
 }
 

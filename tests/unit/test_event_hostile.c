@@ -207,6 +207,20 @@ static void test_disorder(void **state) {
     }
 }
 
+/* Found by the fuzzer: a vector of pixels before any word that says where it starts, and its polarity. */
+static void test_vector_first(void **state) {
+    static const char data[] = "% evt 3.0\n% end\n\x00\x80\x05\x40";
+    char path[700], text[512];
+    tides_event read[4];
+    snprintf(path, sizeof path, "%s", in_folder(*state, "vector.raw"));
+    put_bytes(path, data, sizeof data - 1);
+    assert_int_equal(read_all(path, read, 4, text), 2);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(read[i].x, 2 * i);
+        assert_int_equal(read[i].polarity, -1);
+    }
+}
+
 /* ---- compressed packets ---- */
 
 enum { REPEATS = 100, PAYLOAD = 32 + 16 * REPEATS, HEAD = 8 };
@@ -275,6 +289,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_lies, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(test_huge_count, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(test_disorder, folder_setup, folder_teardown),
+        cmocka_unit_test_setup_teardown(test_vector_first, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(test_compressed, folder_setup, folder_teardown),
     };
     return cmocka_run_group_tests_name("events: hostile files", tests, NULL, NULL);
