@@ -193,7 +193,7 @@ static tides_status next_packet(td_event_stream *stream, tides_error *error) {
         if (status != TIDES_OK) return status;
         uint64_t bytes = td_get32(head + 4);
         if (bytes > state->end - stream->input.at) return td_event_cut_off(stream, error);
-        status = td_reserve((void **)&state->packed, &state->packed_capacity, (size_t)bytes, 1, error);
+        status = td_reserve((void **)&state->packed, &state->packed_capacity, (size_t)bytes + 1, 1, error); /* never NULL */
         if (status == TIDES_OK) status = td_input_copy(&stream->input, state->packed, (size_t)bytes, error);
         if (status != TIDES_OK) return status;
         if ((int32_t)td_get32(head) != state->stream) continue;

@@ -41,13 +41,13 @@ enum { LAYOUTS = sizeof layouts / sizeof *layouts, DSEC = 1, V2E = LAYOUTS - 1 }
 
 int td_h5_exists(hid_t file, const char *path) {
     char part[128];
-    for (const char *at = path; (at = strchr(at + 1, '/')) || 1;) {
-        size_t length = at ? (size_t)(at - path) : strlen(path);
+    for (size_t length = 1; path[length - 1];) {
+        length += strcspn(path + length, "/");
         snprintf(part, sizeof part, "%.*s", (int)length, path);
         if (H5Lexists(file, part, H5P_DEFAULT) <= 0) return 0;
-        if (!at) return 1;
+        length++;
     }
-    return 0;
+    return 1;
 }
 
 tides_status td_h5_open_file(const char *path, hid_t *file, tides_error *error) {

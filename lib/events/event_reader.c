@@ -3,6 +3,7 @@
 #include "td_event_format.h"
 #include "td_event_h5.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -82,9 +83,8 @@ static tides_status check_batch(const tides_event_reader *reader, size_t count, 
         const tides_event *e = &reader->batch[i];
         if (e->x < facts->width && e->y < facts->height) continue;
         return td_fail(error, TIDES_BAD_FILE,
-                       "%s: event %llu at (%u, %u) lies outside the %d x %d px that the file itself says",
-                       reader->stream.input.path, (unsigned long long)(reader->stream.done + i), e->x, e->y, facts->width,
-                       facts->height);
+                       "%s: event %" PRIu64 " at (%u, %u) lies outside the %d x %d px that the file itself says",
+                       reader->stream.input.path, reader->stream.done + i, e->x, e->y, facts->width, facts->height);
     }
     return TIDES_OK;
 }

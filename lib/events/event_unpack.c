@@ -11,7 +11,7 @@
 
 enum { FRAME_MAGIC = 0x184D2204, FLAG_DICTIONARY = 1, FLAG_CHECKSUM = 4, FLAG_SIZE = 8, FLAG_BLOCK_CHECKSUM = 16, STORED = 31 };
 
-/* Bytes that are left, and what was unpacked so far. */
+/* Bytes that are left, and what was unpacked so far. `out` grows with `capacity`. */
 typedef struct lz4 {
     const unsigned char *at, *end;
     unsigned char **out;

@@ -148,7 +148,7 @@ static void test_lies(void **state) {
         "damaged");
     char line[3000];
     memset(line, '1', sizeof line);
-    memcpy(line, "0.1 2 3 1\n", 10);
+    line[snprintf(line, sizeof line, "0.1 2 3 1\n")] = '1';
     expect_text(state, "line.txt", line, sizeof line, "longer than any line");
 }
 
@@ -221,6 +221,26 @@ static void test_vector_first(void **state) {
     }
 }
 
+/* Found by the fuzzer: a packet of no bytes. */
+static void test_empty_packet(void **state) {
+    char path[700], text[512];
+    size_t bytes;
+    tides_event read[4];
+    snprintf(path, sizeof path, "%s", in_folder(*state, "empty.aedat4"));
+    write_all(path, &(tides_event_file){.width = 8, .height = 8}, NULL, 0, 0);
+    char *data = slurp(path, &bytes);
+    const size_t packets = 14 + 4 + ((unsigned char)data[14] | (size_t)(unsigned char)data[15] << 8);
+    char *longer = calloc(packets + 8, 1); /* stream 0, 0 bytes */
+    assert_non_null(longer);
+    memcpy(longer, data, packets);
+    memset(longer + 14 + 36, 0xff, 8); /* no table of packets */
+    put_bytes(path, longer, packets + 8);
+    assert_int_equal(read_all(path, read, 4, text), 0);
+    assert_non_null(strstr(text, "cut off"));
+    free(longer);
+    free(data);
+}
+
 /* ---- compressed packets ---- */
 
 enum { REPEATS = 100, PAYLOAD = 32 + 16 * REPEATS, HEAD = 8 };
@@ -289,6 +309,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_lies, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(test_huge_count, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(test_disorder, folder_setup, folder_teardown),
+        cmocka_unit_test_setup_teardown(test_empty_packet, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(test_vector_first, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(test_compressed, folder_setup, folder_teardown),
     };
