@@ -25,8 +25,8 @@ static int convert_scene(const char *in, const char *out, const cli_common *comm
     return code;
 }
 
-/* What opens as events is events; HDF5, numpy and ZIP files may hold a scene as well. Neither, or events that lack something that
- * their reader names (a plugin): its reason is the one that helps. */
+/* What opens as events is events; HDF5, numpy and ZIP files may hold a scene as well. Neither, or events that lack something
+ * that their reader names (a plugin): its reason is the one that helps. */
 static int is_scene(const char *in) {
     tides_event_reader *reader = NULL;
     tides_error error;

@@ -96,7 +96,8 @@ static tides_status unpack_blocks(lz4 *z, int checksums) {
 
 tides_status td_lz4_unpack(const unsigned char *data, size_t bytes, size_t most, unsigned char **out, size_t *capacity,
                            size_t *got, tides_error *error) {
-    lz4 z = {data, data + bytes, out, capacity, 0, most, error};
+    lz4 z = {.at = data, .end = data + bytes, .out = out, .most = most, .error = error};
+    z.capacity = capacity;
     if (bytes < 7 || td_get32(data) != FRAME_MAGIC || data[4] >> 6 != 1) return damaged(&z);
     unsigned flags = data[4];
     size_t header = 7 + (flags & FLAG_SIZE ? 8 : 0) + (flags & FLAG_DICTIONARY ? 4 : 0);
