@@ -60,6 +60,20 @@ def _bind(library: ctypes.CDLL, path: str) -> SimpleNamespace:
     return functions
 
 
+def _check_sizes(functions: SimpleNamespace, path: str) -> None:
+    """Structs that say their size must have the one that this package knows: else library and package are of different headers."""
+    for name, (_, arguments) in _api.FUNCTIONS.items():
+        struct = getattr(arguments[0], "_type_", None) if name.endswith("_defaults") else None
+        if struct is None or struct._fields_[0][0] != "size":
+            continue
+        room = ctypes.create_string_buffer(ctypes.sizeof(struct) + 4096)  # a larger struct must not write past the end
+        filled = ctypes.cast(room, ctypes.POINTER(struct))
+        getattr(functions, name)(filled, *([0] * (len(arguments) - 1)))
+        if filled.contents.size != ctypes.sizeof(struct):
+            raise ImportError(f"{path}: {struct.__name__} has another size than in this package: run make and make python")
+
+
 _cdll, PATH = _load()
 #: Every public function by its C name. `lib.tides_version()`.
 lib = _bind(_cdll, PATH)
+_check_sizes(lib, PATH)

@@ -70,5 +70,6 @@ class Renderer(Handle):
     def stats(self) -> Facts:
         """What was done so far: tile_jobs, pairs_evaluated, time_composite_s ..."""
         stats = _api.tides_render_stats()
-        lib.tides_renderer_stats(self._pointer, byref(stats))
+        with self._lock:
+            lib.tides_renderer_stats(self._pointer, byref(stats))
         return plain(stats)

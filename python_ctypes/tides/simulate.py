@@ -106,9 +106,11 @@ class Simulation(Handle):
     # -- running ----------------------------------------------------------------------------------------------------
     def _advance(self, until: float, sink: Callable[..., int], progress: Progress, due: Callable[[], Any] | None = None) -> None:
         with self._lock, Reporter(progress, self._stopping, due) as step:
-            self._stopping.clear()
             taken = _api.tides_event_sink(kept(sink, 1))
-            call("tides_simulator_run", self._pointer, until, taken, None, step, None)
+            try:
+                call("tides_simulator_run", self._pointer, until, taken, None, step, None)
+            finally:
+                self._stopping.clear()
 
     def run(self, until: float | None = None, progress: Progress = None) -> np.ndarray:
         """Events from where the simulation is to `until` [s] (None: stop), as EVENT (n), sorted by (t, y, x, p). Where it is ended
@@ -165,7 +167,7 @@ class Simulation(Handle):
         return job.finish()
 
     def cancel(self) -> None:
-        """Stops the call that another thread is in: there, Cancelled is raised."""
+        """Stops the call that another thread is in, or else the next one: there, Cancelled is raised."""
         self._stopping.set()
 
     # -- state ------------------------------------------------------------------------------------------------------
@@ -173,7 +175,8 @@ class Simulation(Handle):
     def stats(self) -> Facts:
         """What was done so far, field for field what `tides simulate --stats` writes."""
         stats = _api.tides_stats()
-        lib.tides_simulator_stats(self._pointer, byref(stats))
+        with self._lock:
+            lib.tides_simulator_stats(self._pointer, byref(stats))
         return plain(stats)
 
     @property
