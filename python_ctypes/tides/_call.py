@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import signal
 import threading
 from typing import Any, Callable
 
@@ -14,16 +15,44 @@ from ._library import lib
 
 _local = threading.local()
 
-NO_PROGRESS = _api.tides_progress()
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGALRM, signal.SIGUSR1)  # whose handlers people let raise
+
+
+class _Signals:
+    """Python's handlers of signals, kept from raising in a callback of C.
+
+    A handler runs where the interpreter next looks, which while C works is the first instruction of a callback: before any
+    `try` of ours. What it raises there would be printed and lost. So it is caught, and raised when C has returned.
+    """
+
+    def __enter__(self) -> None:
+        self.replaced: list[tuple[int, Any]] = []
+        if threading.current_thread() is threading.main_thread():  # only there do handlers run
+            for number in _SIGNALS:
+                handler = signal.getsignal(number)
+                if callable(handler) and not isinstance(getattr(handler, "__self__", None), _Signals):
+                    self.replaced.append((number, handler))
+                    signal.signal(number, self._handle)
+
+    def _handle(self, number: int, frame: Any) -> None:
+        try:
+            dict(self.replaced)[number](number, frame)
+        except BaseException as raised:
+            _local.raised = raised
+
+    def __exit__(self, *_: Any) -> None:
+        for number, handler in self.replaced:
+            signal.signal(number, handler)
 
 
 def call(name: str, *arguments: Any) -> None:
-    """Calls a function that returns a tides_status and takes a tides_error last. What a callback raised meanwhile comes first:
-    Ctrl-C is such a thing."""
+    """Calls a function that returns a tides_status and takes a tides_error last. What a callback or a signal's handler raised
+    meanwhile comes first: Ctrl-C is such a thing."""
     error = _api.tides_error()
     outer, _local.raised = getattr(_local, "raised", None), None
     try:
-        status = getattr(lib, name)(*arguments, error)
+        with _Signals():
+            status = getattr(lib, name)(*arguments, error)
         raised = _local.raised
     finally:
         _local.raised = outer
@@ -33,13 +62,19 @@ def call(name: str, *arguments: Any) -> None:
         raise errors.make(status, text(lib.tides_status_name(status)), text(error.text))
 
 
+def pending() -> bool:
+    """Whether something is to be raised when C returns: work that can stop should."""
+    return getattr(_local, "raised", None) is not None
+
+
 def kept(function: Callable[..., int], stop: int) -> Callable[..., int]:
-    """A callback that never raises into C: the exception is kept for `call`, and `stop` is what C is told."""
+    """A callback that never raises into C: the exception is kept for `call`, and `stop` is what C is told. It does its work while
+    a signal's exception is pending: events on their way to a sink would be lost."""
 
     def guarded(*arguments: Any) -> int:
         try:
             return function(*arguments)
-        except BaseException as raised:  # KeyboardInterrupt too
+        except BaseException as raised:
             _local.raised = raised
             return stop
 

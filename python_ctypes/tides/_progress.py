@@ -7,7 +7,7 @@ import threading
 from typing import Any, Callable, Union
 
 from . import _api
-from ._call import kept, text
+from ._call import kept, pending, text
 
 #: None: silent. True: a bar of tqdm where that is installed, else a line on stderr per tenth. A function: called with the
 #: fraction done and the stage's name; it stops the work by returning something true (Cancelled) or by raising.
@@ -59,6 +59,8 @@ class Reporter:
         self._shown: Any = None
 
     def _step(self, _user: Any, fraction: float, stage: bytes) -> int:
+        if pending():
+            return 1
         if self._shown is not None:
             self._shown(fraction, text(stage))
         stop = self._progress(fraction, text(stage)) if callable(self._progress) else False

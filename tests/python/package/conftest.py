@@ -3,11 +3,11 @@
 import collections
 import os
 
+import numpy as np
 import pytest
+import tides
 
-os.environ.setdefault("TIDES_DEVICE", "reference")
-tides = pytest.importorskip("tides")
-np = pytest.importorskip("numpy")
+os.environ.setdefault("TIDES_DEVICE", "reference")  # where a test names none
 
 SIZE = (48, 36)
 CALLS = collections.Counter()

@@ -3,10 +3,9 @@
 import json
 import math
 
+import numpy as np
 import pytest
-
-tides = pytest.importorskip("tides")
-np = pytest.importorskip("numpy")
+import tides
 
 RUN = "tests/install/run.json"
 

@@ -2,12 +2,10 @@
 
 import gc
 
+import numpy as np
 import pytest
-
-tides = pytest.importorskip("tides")
-np = pytest.importorskip("numpy")
-
-from conftest import make_cloud  # noqa: E402
+import tides
+from conftest import make_cloud
 
 
 def same(a, b):

@@ -7,11 +7,10 @@ import sys
 from pathlib import Path
 
 import pytest
-
-tides = pytest.importorskip("tides")
+import tides
 api = tides.api
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 GENERATE = ROOT / "python_ctypes" / "generate.py"
 COMPILER = os.environ.get("CC", "cc").split()
 
