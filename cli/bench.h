@@ -14,11 +14,13 @@ typedef struct bench_stream {
     size_t count, capacity;
 } bench_stream;
 
-/* The exact stream of an image rule: hermite at `rate` fixed steps per second. Doubling the rate from half of it moved the
- * 99th percentile of the events by `shift_p99_us`, and left `shift_mismatch_percent` of them without a counterpart. */
+/* The exact stream of an image rule: hermite at `steps_per_s`, finer by tile where `tolerance` asks for it (0: equal steps).
+ * `moved` is how the last halving of its steps moved it. */
 typedef struct bench_truth {
     bench_stream stream;
-    double rate, shift_p99_us, shift_mismatch_percent;
+    double steps_per_s, tolerance;
+    tides_match moved;
+    double worst_residual;
 } bench_truth;
 
 enum { BENCH_RULES = 2 }; /* TIDES_RULES_SMOOTH and TIDES_RULES_INRIA have exact streams */
@@ -79,6 +81,7 @@ typedef struct bench_row {
     int32_t runs;
     tides_stats stats;
     tides_match match;
+    double exact_share; /* how far the exact stream itself may be off, as a share of the errors measured against it */
 } bench_row;
 
 typedef struct bench_rows {
@@ -92,8 +95,6 @@ bench_row *bench_rows_add(bench_rows *rows, tides_error *error);
 /* Simulates once; run time and statistics go to the row, the events to the stream (emptied before; nullable). */
 tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
                             const tides_stepping *stepping, bench_stream *stream, bench_row *row, tides_error *error);
-/* The exact stream of the scene under `rules`, by doubling the rate of steps until nothing moves, or to a limit. */
-tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides_error *error);
 /* Runs a row again where it was short, for the better run time; else simulates and matches it against the truth. */
 tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
                            const tides_stepping *stepping, bench_row *row, tides_error *error);
@@ -108,11 +109,15 @@ const char *bench_rules_name(int32_t rules);
 typedef tides_status (*bench_visit)(void *user, bench *b, bench_scene *scene, tides_error *error);
 tides_status bench_each_scene(bench *b, const cli_list *names, bench_visit visit, void *user, tides_error *error);
 
+/* bench_truth.c: the exact stream of the scene under `rules`, by halving steps until nothing moves, or to a limit. */
+tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides_error *error);
+
 /* -- results ---------------------------------------------------------------------------------------------------------- */
 
 /* bench_table.c: what a run was made on; then NAME.json and NAME.csv below the directory. */
 cJSON *bench_header(const bench *b, const char *name);
-int32_t bench_header_scene(cJSON *header, const bench_scene *scene);
+/* `rows` (nullable) adds the verdicts. */
+int32_t bench_header_scene(cJSON *header, const bench_scene *scene, const bench_rows *rows);
 tides_status bench_write(const bench *b, const char *name, cJSON *header, const bench_rows *rows, tides_error *error);
 tides_status bench_path(const bench *b, const char *name, const char *ending, char *path, size_t size, tides_error *error);
 
@@ -127,6 +132,23 @@ int32_t bench_needed(const bench_rows *rows, const char *scene, const char *meth
                      bench_need *need);
 /* Prints what each method needs on a scene for p95 <= 2 us and a median of 0.05 us, and how honest the estimates were. */
 void bench_summary(const bench_rows *rows, const char *scene, FILE *out);
+
+/* bench_verdict.c */
+#define BENCH_EXACT_SHARE 0.01         /* the truth is a hundred times better than what is measured by it (DESIGN 7) */
+#define BENCH_MISMATCH_TOLERANCE 0.003 /* at this tolerance */
+#define BENCH_MISMATCH_PERCENT 0.01    /* no more events than this may lack a counterpart */
+typedef struct bench_verdict {
+    int32_t rows, estimated, honest, within_share;
+    double exact_share, worst_residual, mismatch_percent; /* mismatch: NaN without a row at that tolerance */
+} bench_verdict;
+/* 1 where median, p95 and p99 of the true errors are no larger than the run's own estimates of them; 0 where one is; -1 where
+ * the run made no estimate, or no event was matched. */
+int32_t bench_is_honest(const bench_row *row);
+/* The largest share that the exact stream's last refinement has in median, p95 or p99; what is below the unit of event times
+ * counts as nothing. */
+double bench_exact_share(const bench_truth *truth, const tides_match *match);
+bench_verdict bench_judge(const bench_rows *rows, const char *scene);
+void bench_print_verdict(const bench_rows *rows, const char *scene, FILE *out);
 
 /* bench_figure.c: pictures of the rows. */
 tides_status bench_figure_curves(const bench *b, const bench_rows *rows, tides_error *error);

@@ -107,7 +107,7 @@ static tides_status visit(void *user, bench *b, bench_scene *scene, tides_error 
             if (status == TIDES_OK && i == 0 && pass == 0)
                 status = match_compute(b, scene, row->stats.renders_full_frame_equivalent, &steps, error);
         }
-    if (status == TIDES_OK && !bench_header_scene(j->header, scene))
+    if (status == TIDES_OK && !bench_header_scene(j->header, scene, NULL))
         status = cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
     return status;
 }

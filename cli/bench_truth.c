@@ -1,0 +1,95 @@
+/* The exact stream of an image: what every error of a benchmark is measured against (DESIGN 7).
+ *
+ * Refined level by level until the last refinement moves nothing. Under `smooth` a level has half the step of the one before
+ * everywhere: its tolerance is a sixteenth, since the cubic's error falls with the fourth power, and its longest step is half, in
+ * case the estimate is blind somewhere. It is rendered by the double-precision reference, so that what single precision does to
+ * event times counts as an error of whoever uses it. Where the image jumps (`inria`) there is no order of convergence to go by:
+ * equal steps, thousands of them, on the device that is measured. */
+#include "bench.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Nothing moves: the unit that events are counted in. */
+#define SETTLED_US 1e-3
+/* No level after one that took this: it would take twice that. */
+#define LONG_RUN_S 100.0     /* in double */
+#define LONG_EQUAL_RUN_S 4.0 /* equal steps */
+
+/* Smooth images: the first level's tolerance and its steps per longest step. */
+#define FIRST_TOLERANCE 1e-3
+#define LAST_TOLERANCE 1e-7
+#define FIRST_SPLIT 8
+#define LEAST_STEP_S 1e-8
+
+/* Images that jump: steps per second. LEAST is twice what the finest method has; with --quick half as fine. */
+#define FIRST_RATE 64000.0
+#define LEAST_RATE 128000.0
+#define LAST_RATE 512000.0
+
+static tides_stepping level_of(const bench_scene *scene, int32_t rules, int32_t quick, int32_t level) {
+    tides_stepping s;
+    tides_stepping_defaults(&s);
+    s.model = TIDES_MODEL_HERMITE;
+    if (rules == TIDES_RULES_SMOOTH) {
+        s.mode = TIDES_STEPPING_ERROR;
+        s.step_s = ldexp(scene->macro_step_s / FIRST_SPLIT, -level);
+        s.tolerance = ldexp(FIRST_TOLERANCE, -4 * level);
+        s.min_step_s = LEAST_STEP_S;
+    } else {
+        s.mode = TIDES_STEPPING_FIXED;
+        s.step_s = ldexp(quick ? 2 / FIRST_RATE : 1 / FIRST_RATE, -level);
+    }
+    return s;
+}
+
+/* Is another level worth its time? */
+static int32_t goes_on(const tides_stepping *done, int32_t rules, int32_t quick, int32_t level, const tides_match *moved,
+                       double seconds) {
+    const int32_t settled = level > 0 && moved->mismatch_percent == 0 && moved->dt_p99_us <= SETTLED_US;
+    if (level == 0) return 1;
+    if (rules == TIDES_RULES_SMOOTH) return !settled && seconds < LONG_RUN_S && done->tolerance / 16 >= LAST_TOLERANCE;
+    const double rate = 1 / done->step_s, half = quick ? 0.5 : 1;
+    if (rate < half * LEAST_RATE * 0.999) return 1;
+    return !settled && !quick && seconds < LONG_EQUAL_RUN_S && rate < LAST_RATE * 0.999;
+}
+
+tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides_error *error) {
+    bench_stream coarse = {.events = NULL}, fine = {.events = NULL};
+    bench_row run;
+    tides_match moved = {.matched = 0};
+    tides_stepping stepping = level_of(scene, rules, b->quick, 0);
+    bench on = *b;
+    tides_status status = TIDES_OK;
+    if (rules == TIDES_RULES_SMOOTH) status = tides_device_open("reference", &on.device, error);
+    for (int32_t level = 0; status == TIDES_OK; level++) {
+        const bench_stream spare = coarse;
+        coarse = fine;
+        fine = spare;
+        memset(&run, 0, sizeof run);
+        stepping = level_of(scene, rules, b->quick, level);
+        status = bench_simulate(&on, scene, rules, &scene->sensor, &stepping, &fine, &run, error);
+        if (status == TIDES_OK && level > 0)
+            status =
+                tides_match_events(fine.events, fine.count, coarse.events, coarse.count, BENCH_MATCH_LIMIT_S, &moved, error);
+        if (status != TIDES_OK || !goes_on(&stepping, rules, b->quick, level, &moved, run.run_time_s)) break;
+    }
+    if (on.device != b->device) tides_device_close(on.device);
+    free(coarse.events);
+    if (status == TIDES_OK && fine.count == 0)
+        status = cli_error(error, TIDES_BAD_ARGUMENT, "scene %s: nothing fires, so nothing can be measured", scene->name);
+    if (status != TIDES_OK) {
+        free(fine.events);
+        return status;
+    }
+    const double tolerance = stepping.mode == TIDES_STEPPING_FIXED ? 0 : stepping.tolerance;
+    scene->truth[rules] = (bench_truth){fine, 1 / stepping.step_s, tolerance, moved, run.stats.worst_residual};
+    bench_say(b,
+              "%-13s exact stream of the %s image: %zu events, %.6g steps/s%s; halving the steps moved median %.3g, p95 %.3g, "
+              "p99 %.3g, max %.3g us, %llu of them mismatched",
+              scene->name, bench_rules_name(rules), fine.count, 1 / stepping.step_s, tolerance > 0 ? " and finer by tile" : "",
+              moved.dt_median_us, moved.dt_p95_us, moved.dt_p99_us, moved.dt_max_us,
+              (unsigned long long)(moved.missing + moved.spurious));
+    return TIDES_OK;
+}
