@@ -15,8 +15,18 @@ void tides_sensor_defaults(tides_sensor *sensor) {
 }
 
 void tides_stepping_defaults(tides_stepping *stepping) {
-    static const tides_stepping defaults =
-        {sizeof defaults, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE, 1, 0.01, 1e-6, 0.01, 0, 0, {0.3, 0.3, 0.4}};
+    static const tides_stepping defaults = {sizeof defaults,
+                                            TIDES_STEPPING_ERROR,
+                                            TIDES_MODEL_HERMITE,
+                                            1,
+                                            0.01,
+                                            1e-6,
+                                            0.01,
+                                            0,
+                                            0,
+                                            {0.3, 0.3, 0.4},
+                                            TIDES_SLOPE_EXACT,
+                                            0};
     *stepping = defaults;
 }
 
@@ -26,6 +36,11 @@ static tides_status check_arguments(const tides_sensor *sensor, const tides_step
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_create: a struct's size is from a newer version of TIDES");
     if (stepping->mode < TIDES_STEPPING_FIXED || stepping->mode > TIDES_STEPPING_ERROR_RISK)
         return td_fail(error, TIDES_UNSUPPORTED, "stepping.mode: %d is none of TIDES_STEPPING_*", (int)stepping->mode);
+    if (stepping->slope != TIDES_SLOPE_EXACT && stepping->slope != TIDES_SLOPE_DIFFERENCE)
+        return td_fail(error, TIDES_UNSUPPORTED, "stepping.slope: %d is none of TIDES_SLOPE_*", (int)stepping->slope);
+    if (stepping->slope == TIDES_SLOPE_DIFFERENCE && stepping->mode != TIDES_STEPPING_FIXED)
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "stepping.slope: differences need fixed steps; the control of the others judges exact slopes");
     if (!isfinite(start) || !isfinite(stop) || !(stop > start))
         return td_fail(error, TIDES_BAD_ARGUMENT, "time: start %g s, stop %g s; stop must be a time after start", start, stop);
     if (start < 0)
@@ -137,6 +152,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     s->time_tolerance_s = stepping->time_tolerance_s;
     s->budget = stepping->budget;
     s->risk = stepping->risk;
+    s->slope = stepping->slope;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
     /* A last step shorter than a millionth of the others is rounding of stop - start, not a step. */
     s->steps = (int64_t)ceil((stop - start) / stepping->step_s - 1e-6);
