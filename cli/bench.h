@@ -33,8 +33,9 @@ typedef struct bench_scene {
     tides_intrinsics intrinsics;
     tides_image_params image;
     tides_sensor sensor;
-    double start, stop;  /* [s] */
-    double macro_step_s; /* the longest step that controlled stepping may take */
+    double start, stop;     /* [s] */
+    double macro_step_s;    /* the longest step that controlled stepping may take */
+    const char *image_name; /* of another image than the rules' own, or NULL */
     bench_truth truth[BENCH_RULES];
 } bench_scene;
 
@@ -63,6 +64,7 @@ typedef struct bench {
     const cli_common *common;
     const char *directory;
     int32_t quick;
+    int32_t float_truth; /* exact streams from the device that is measured: quicker, good to some 10 ns */
     tides_device *device;
     tides_device_info info;
     cli_progress progress; /* only asked whether to stop */
@@ -111,6 +113,8 @@ tides_status bench_each_scene(bench *b, const cli_list *names, bench_visit visit
 
 /* bench_truth.c: the exact stream of the scene under `rules`, by halving steps until nothing moves, or to a limit. */
 tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides_error *error);
+/* 1 where nothing in the image jumps. */
+int32_t bench_is_continuous(const tides_image_params *image);
 
 /* -- results ---------------------------------------------------------------------------------------------------------- */
 
@@ -154,8 +158,22 @@ void bench_print_verdict(const bench_rows *rows, const char *scene, FILE *out);
 tides_status bench_figure_curves(const bench *b, const bench_rows *rows, tides_error *error);
 tides_status bench_figure_bars(const bench *b, const bench_rows *rows, tides_error *error);
 
-/* bench_accuracy.c, bench_ablation.c; the exit code is the command's. */
+/* bench_jumps.c: an image beside others, apart from events. */
+typedef struct bench_jumps {
+    double per_pixel_s; /* jumps of L above 0.001 [1/s per pixel] */
+    double sum_per_s;   /* their sizes, added up [log units/s per pixel] */
+    double largest;     /* [log units] */
+    double psnr;        /* of the colours against inria's, peak 1 [dB] */
+    double furthest;    /* largest difference of a colour channel from inria's, */
+    int32_t x, y;       /* in this pixel, */
+    double time;        /* at this time [s] */
+} bench_jumps;
+tides_status bench_find_jumps(bench *b, const bench_scene *scene, const tides_image_params *image, bench_jumps *jumps,
+                              tides_error *error);
+
+/* bench_accuracy.c, bench_ablation.c, bench_image.c; the exit code is the command's. */
 tides_status bench_accuracy(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_ablation(bench *b, const cli_list *scenes, tides_error *error);
+tides_status bench_image(bench *b, const cli_list *scenes, tides_error *error);
 
 #endif

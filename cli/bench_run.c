@@ -97,7 +97,7 @@ tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, co
     const bench_truth *truth = &scene->truth[rules];
     bench_stream stream = {.events = NULL};
     snprintf(row->scene, sizeof row->scene, "%s", scene->name);
-    row->image = bench_rules_name(rules);
+    row->image = scene->image_name ? scene->image_name : bench_rules_name(rules);
     tides_status status = bench_simulate(b, scene, rules, sensor, stepping, &stream, row, error);
     if (status == TIDES_OK && !again)
         status = tides_match_events(truth->stream.events, truth->stream.count, stream.events, stream.count, BENCH_MATCH_LIMIT_S,
