@@ -14,11 +14,9 @@
 void bench_say(const bench *b, const char *format, ...) {
     if (b->common->quiet) return;
     va_list arguments;
-    fputs("tides: ", stderr);
     va_start(arguments, format);
-    vfprintf(stderr, format, arguments);
+    cli_say(format, arguments, "\n");
     va_end(arguments);
-    fputc('\n', stderr);
 }
 
 void bench_say_row(const bench *b, const bench_row *row) {

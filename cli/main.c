@@ -20,9 +20,10 @@ static const cli_command commands[] = {
      1, cmd_simulate},
     {"convert", "IN OUT", "Convert a scene between .ply and .h5.",
      "The input's format is found from its content, the output's from its ending.", 2, cmd_convert},
-    {"bench", "accuracy|ablation [-o DIR] [--quick] [--scene NAME]", "Measure run time against the error of event times.",
+    {"bench", "accuracy|ablation|image [-o DIR] [--quick] [--scene NAME]", "Measure run time against the error of event times.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
      "ablation: what each part of the method is worth; ablation.json, .csv and a plot.\n"
+     "image: what each measure that makes the image continuous in time is worth and costs; image.json and .csv.\n"
      "Scenes: fan, handheld, occluder, nearly_static; trained and playbot where $TIDES_SHARED/data has them.",
      1, cmd_bench},
 };
