@@ -95,7 +95,7 @@ static int32_t add_verdict(cJSON *json, const bench_rows *rows, const char *scen
     const bench_verdict v = bench_judge(rows, scene);
     return cJSON_AddNumberToObject(json, "runs", v.rows) && cJSON_AddNumberToObject(json, "runs_with_estimate", v.estimated) &&
            cJSON_AddNumberToObject(json, "runs_with_honest_estimate", v.honest) &&
-           cJSON_AddNumberToObject(json, "runs_with_exact_enough_truth", v.within_share) &&
+           cJSON_AddNumberToObject(json, "runs_with_exact_enough_truth", v.within_share[0] + v.within_share[1]) &&
            (isfinite(v.mismatch_percent)
                 ? cJSON_AddNumberToObject(json, "mismatch_percent_at_0.003", v.mismatch_percent) != NULL
                 : cJSON_AddNullToObject(json, "mismatch_percent_at_0.003") != NULL) &&

@@ -19,7 +19,7 @@
 
 /* Smooth images: the first level's tolerance and its steps per longest step. */
 #define FIRST_TOLERANCE 1e-3
-#define LAST_TOLERANCE 1e-7
+#define LAST_TOLERANCE 1e-9
 #define LAST_FLOAT_TOLERANCE 3e-6 /* what single precision lets the estimate see: 1e-6 of L among thresholds of 0.2 */
 #define FIRST_SPLIT 8
 #define LEAST_STEP_S 1e-8

@@ -34,8 +34,10 @@ bench_verdict bench_judge(const bench_rows *rows, const char *scene) {
         v.rows++;
         v.estimated += honest >= 0;
         v.honest += honest == 1;
-        v.within_share += row->exact_share <= BENCH_EXACT_SHARE;
-        v.exact_share = fmax(v.exact_share, row->exact_share);
+        const int32_t rules = strcmp(row->image, bench_rules_name(TIDES_RULES_INRIA)) == 0;
+        v.of_image[rules]++;
+        v.within_share[rules] += row->exact_share <= BENCH_EXACT_SHARE;
+        v.exact_share[rules] = fmax(v.exact_share[rules], row->exact_share);
         v.worst_residual = fmax(v.worst_residual, row->stats.worst_residual);
         if (strcmp(row->method, "error") == 0 && row->setting == BENCH_MISMATCH_TOLERANCE)
             v.mismatch_percent = row->match.mismatch_percent;
@@ -51,7 +53,10 @@ void bench_print_verdict(const bench_rows *rows, const char *scene, FILE *out) {
             BENCH_MISMATCH_TOLERANCE, BENCH_MISMATCH_PERCENT, v.mismatch_percent <= BENCH_MISMATCH_PERCENT ? "kept" : "missed");
     fprintf(out, "%-13s pixels: S - S_ref reaches %.6g of a threshold at most: %s\n", scene, v.worst_residual,
             v.worst_residual < 1 ? "within" : "beyond");
-    fprintf(out,
-            "%-13s exact streams: in %d of %d runs halving their steps moves less than %g of the error measured (worst %.2g)\n",
-            scene, (int)v.within_share, (int)v.rows, BENCH_EXACT_SHARE, v.exact_share);
+    for (int32_t rules = 0; rules < BENCH_RULES; rules++)
+        fprintf(out,
+                "%-13s exact stream, %s: in %d of %d runs halving its steps moves less than %g of the error measured (most "
+                "%.2g)\n",
+                scene, bench_rules_name(rules), (int)v.within_share[rules], (int)v.of_image[rules], BENCH_EXACT_SHARE,
+                v.exact_share[rules]);
 }

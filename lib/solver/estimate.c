@@ -51,16 +51,18 @@ td_estimate td_estimate_step(const td_comparator *comparator, double h, const td
     return worst;
 }
 
-/* Pixels that move by less than this share of a threshold fire hardly ever: not worth a logarithm. */
+/* Pixels that would move by less than this share of a threshold in a longest step fire hardly ever: not worth a logarithm. In
+ * short steps everyone moves little. */
 static const double least_move = 0.02;
 static const double first_octave = -48; /* 2^-48 s: far below a nanosecond */
 
 void td_timing_add(td_timing *timing, const td_comparator *comparator, double h, const td_signals *signals, int32_t count) {
     double threshold = 0.5 * (comparator->threshold_on + comparator->threshold_off);
+    double least = least_move * threshold * (timing->longest_s > 0 ? smaller(h / timing->longest_s, 1) : 1);
     for (int32_t i = 0; i < count; i++) {
         double rise = signals->S1[i] - signals->S0[i], moved = fabs(rise);
-        if (!(moved > least_move * threshold)) continue;
-        double error = bulge * fabs(h * (signals->S1_dot[i] + signals->S0_dot[i]) - 2 * rise);
+        if (!(moved > least)) continue;
+        double error = larger(bulge * fabs(h * (signals->S1_dot[i] + signals->S0_dot[i]) - 2 * rise), timing->rounding);
         double at = TD_TIMING_PER_OCTAVE * (log2(error * h / larger(moved, error) + 1e-300) - first_octave);
         int bin = at > 0 ? (int)at : 0;
         timing->weight[bin < TD_TIMING_BINS ? bin : TD_TIMING_BINS - 1] += moved / threshold;

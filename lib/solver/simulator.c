@@ -153,6 +153,8 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     s->budget = stepping->budget;
     s->risk = stepping->risk;
     s->slope = stepping->slope;
+    s->timing.longest_s = stepping->step_s;
+    s->timing.rounding = td_is_double(device) ? 0 : TD_SINGLE_ROUNDING;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
     /* A last step shorter than a millionth of the others is rounding of stop - start, not a step. */
     s->steps = (int64_t)ceil((stop - start) / stepping->step_s - 1e-6);

@@ -47,6 +47,9 @@ struct tides_simulator {
     tides_stats stats; /* times and steps; the rest is put together when asked for */
 };
 
+/* 1 where the device computes in double precision (checkpoint_facts.c). */
+int td_is_double(const tides_device *device);
+
 /* Lists the tiles that can change in the interval that was swept last; all of them where tiles don't go their own ways. */
 void td_list_moving(tides_simulator *simulator);
 

@@ -20,7 +20,7 @@ out "occluder +error_time +1e-05 s .* honest"
 out "estimates: [1-9][0-9]* of [1-9][0-9]* runs that estimate"
 out "mismatch: .* at tolerance 0.003, at most 0.01 % asked: kept"
 out "pixels: S - S_ref reaches 0.99.* of a threshold at most: within"
-out "exact streams: in .* runs halving their steps"
+out "exact stream, smooth: in ([0-9]+) of \1 runs halving its steps"
 err "exact stream of the smooth image: [0-9]+ events"
 for file in accuracy.json accuracy.csv accuracy_time.png accuracy_renders.png; do exists made/$file; done
 ls made | grep -q part && fail "a .part is left"
