@@ -173,6 +173,10 @@ typedef struct bench_jumps {
 tides_status bench_find_jumps(bench *b, const bench_scene *scene, const tides_image_params *image, bench_jumps *jumps,
                               tides_error *error);
 
+/* Run time of a frame with L and L_dot in each of the images, best of many that take turns [s]. */
+tides_status bench_frame_costs(bench *b, const bench_scene *scene, const tides_image_params *images, size_t count,
+                               double *seconds, tides_error *error);
+
 /* bench_accuracy.c, bench_ablation.c, bench_image.c; the exit code is the command's. */
 tides_status bench_accuracy(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_ablation(bench *b, const cli_list *scenes, tides_error *error);

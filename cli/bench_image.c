@@ -76,7 +76,7 @@ typedef struct image_facts {
     char scene[64];
     const char *name;
     bench_jumps jumps;
-    double frame_s;           /* run time of a frame under equal steps */
+    double frame_s;           /* run time of a frame */
     size_t equal, controlled; /* rows */
 } image_facts;
 
@@ -118,8 +118,19 @@ static tides_status measure_image(bench *b, bench_scene *scene, job *j, image_fa
         }
         status = measure(b, scene, modes[i], &j->rows.rows[*at], error);
     }
-    const bench_row *equal = &j->rows.rows[facts->equal];
-    if (status == TIDES_OK) facts->frame_s = equal->run_time_s / equal->frames;
+    return status;
+}
+
+/* The variants' frames side by side, into the facts from the first on. */
+static tides_status measure_costs(bench *b, const bench_scene *scene, const tides_image_params *base, image_facts *facts,
+                                  tides_error *error) {
+    tides_image_params images[VARIANTS];
+    double seconds[VARIANTS];
+    size_t count = 0;
+    for (size_t i = 0; i < VARIANTS; i++)
+        if (!b->quick || variants[i].quick) images[count++] = image_of(&variants[i], base);
+    tides_status status = bench_frame_costs(b, scene, images, count, seconds, error);
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) facts[i].frame_s = seconds[i];
     return status;
 }
 
@@ -147,6 +158,7 @@ static tides_status visit(void *user, bench *b, bench_scene *scene, tides_error 
             status = measure_image(b, scene, j, facts, again, error);
         }
     }
+    if (status == TIDES_OK) status = measure_costs(b, scene, &base, &j->facts[first], error);
     if (status == TIDES_OK && !bench_header_scene(j->header, scene, NULL))
         status = cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
     return status;

@@ -1,4 +1,4 @@
-/* How often and how far L jumps in an image, and how far its colours are from inria's. */
+/* How often and how far L jumps in an image, how far its colours are from inria's, and what a frame costs. */
 #include "bench.h"
 
 #include <math.h>
@@ -10,7 +10,7 @@
 #define SAMPLE_S (1.0 / 64000)
 #define LEAST_JUMP 1e-3 /* [log units]: half a percent of a threshold of 0.2 */
 
-enum { SAMPLES = 128, QUICK_SAMPLES = 16, VIEWS = 5 };
+enum { SAMPLES = 128, QUICK_SAMPLES = 16, VIEWS = 5, ROUNDS = 40, QUICK_ROUNDS = 4 };
 
 /* L and L_dot of two neighbouring samples, or the colours of two images. */
 typedef struct planes {
@@ -119,5 +119,29 @@ tides_status bench_find_jumps(bench *b, const bench_scene *scene, const tides_im
     if (status == TIDES_OK) status = look(scene, renderers, jumps, error);
     tides_renderer_destroy(renderers[0]);
     tides_renderer_destroy(renderers[1]);
+    return status;
+}
+
+tides_status bench_frame_costs(bench *b, const bench_scene *scene, const tides_image_params *images, size_t count,
+                               double *seconds, tides_error *error) {
+    const int32_t rounds = b->quick ? QUICK_ROUNDS : ROUNDS;
+    planes p;
+    tides_renderer **renderers = calloc(count, sizeof(tides_renderer *));
+    tides_status status = TIDES_OK;
+    if (!make_planes(&p, 2, (size_t)scene->intrinsics.width * (size_t)scene->intrinsics.height) || !renderers)
+        status = cli_error(error, TIDES_NO_MEMORY, "out of memory: frames");
+    for (size_t i = 0; i < count && status == TIDES_OK; i++)
+        if (!(renderers[i] = make_renderer(b, scene, &images[i], error))) status = error->status;
+    const tides_frame frame = {.plane = {[TIDES_L] = p.at[0], [TIDES_L_DOT] = p.at[1]}};
+    for (int32_t round = -1; round < rounds; round++) /* the first warms up */
+        for (size_t i = 0; i < count && status == TIDES_OK; i++) {
+            const double began = cli_now();
+            status = tides_renderer_frame(renderers[i], scene->camera, scene->start, &frame, error);
+            const double took = cli_now() - began;
+            if (round <= 0 || took < seconds[i]) seconds[i] = took;
+        }
+    for (size_t i = 0; renderers && i < count; i++) tides_renderer_destroy(renderers[i]);
+    free(renderers);
+    free_planes(&p);
     return status;
 }

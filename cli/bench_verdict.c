@@ -51,7 +51,7 @@ void bench_print_verdict(const bench_rows *rows, const char *scene, FILE *out) {
             (int)v.honest, (int)v.estimated);
     fprintf(out, "%-13s mismatch: %.3g %% at tolerance %g, at most %g %% asked: %s\n", scene, v.mismatch_percent,
             BENCH_MISMATCH_TOLERANCE, BENCH_MISMATCH_PERCENT, v.mismatch_percent <= BENCH_MISMATCH_PERCENT ? "kept" : "missed");
-    fprintf(out, "%-13s pixels: S - S_ref reaches %.6g of a threshold at most: %s\n", scene, v.worst_residual,
+    fprintf(out, "%-13s pixels: S - S_ref reaches %.9g of a threshold at most: %s\n", scene, v.worst_residual,
             v.worst_residual < 1 ? "within" : "beyond");
     for (int32_t rules = 0; rules < BENCH_RULES; rules++)
         fprintf(out,
