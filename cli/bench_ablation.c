@@ -1,5 +1,5 @@
-/* tides bench ablation: what each part of the method is worth, as errors against the exact stream: the paper's table of ablations,
- * as far as the parts exist, and what this library adds to it. A row is one line of the table below.
+/* tides bench ablation: what each part of the method is worth, as errors against the exact stream: the paper's table of
+ * ablations, as far as the parts exist, and what this library adds to it. A row is one line of the table below.
  *
  *   full                     cubic, error control tile by tile: the default. No risk-gated refinement (paper).
  *   with_risk                risk control in addition
@@ -104,8 +104,8 @@ static tides_status count_renders(bench *b, const bench_scene *scene, double ste
     return status;
 }
 
-/* How many equal steps take as many renders as `renders`: a share of a frame each, which hardly depends on their length, after a
- * first frame of its own. */
+/* How many equal steps take as many renders as `renders`: a share of a frame each, which hardly depends on their length,
+ * after a first frame of its own. */
 static tides_status match_compute(bench *b, const bench_scene *scene, double renders, double *steps, tides_error *error) {
     enum { TRIES = 3 };
     double guess = fmax(2, round(renders)), one, some;

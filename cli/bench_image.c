@@ -1,6 +1,6 @@
-/* tides bench image: what each measure that makes 3DGS continuous in time is worth and costs. Each image is measured against its
- * own exact events: at equal steps, where a jump misplaces events, and under error control, where it costs renders. An image is
- * one line of the table.
+/* tides bench image: what each measure that makes 3DGS continuous in time is worth and costs. Each image is measured against
+ * its own exact events: at equal steps, where a jump misplaces events, and under error control, where it costs renders. An
+ * image is one line of the table.
  *
  *   smooth            all measures, as they are by default
  *   hard_*            smooth without one of them

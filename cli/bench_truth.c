@@ -1,10 +1,10 @@
 /* The exact stream of an image: what every error of a benchmark is measured against (DESIGN 7).
  *
  * Refined level by level until the last refinement moves nothing. Under `smooth` a level has half the step of the one before
- * everywhere: its tolerance is a sixteenth, since the cubic's error falls with the fourth power, and its longest step is half, in
- * case the estimate is blind somewhere. It is rendered by the double-precision reference, so that what single precision does to
- * event times counts as an error of whoever uses it. Where the image jumps (`inria`) there is no order of convergence to go by:
- * equal steps, thousands of them, on the device that is measured. */
+ * everywhere: its tolerance is a sixteenth, since the cubic's error falls with the fourth power, and its longest step is half,
+ * in case the estimate is blind somewhere. It is rendered by the double-precision reference, so that what single precision
+ * does to event times counts as an error of whoever uses it. Where the image jumps (`inria`) there is no order of convergence
+ * to go by: equal steps, thousands of them, on the device that is measured. */
 #include "bench.h"
 
 #include <math.h>
