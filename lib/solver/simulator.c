@@ -153,7 +153,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     s->budget = stepping->budget;
     s->risk = stepping->risk;
     s->slope = stepping->slope;
-    s->timing.longest_s = stepping->step_s;
+    s->timing.slow_s = 1;
     s->timing.rounding = td_is_double(device) ? 0 : TD_SINGLE_ROUNDING;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
     /* A last step shorter than a millionth of the others is rounding of stop - start, not a step. */

@@ -221,7 +221,7 @@ static void test_timing_floor(void **state) {
     memset(&timing, 0, sizeof timing);
     add_pixel(&timing, &comparator, 0.01 * C, 1e-3 * H);
     assert_true(td_timing_percentile(&timing, 1) == 0);
-    timing.longest_s = 4 * H; /* in which it would move by 0.04 C */
+    timing.slow_s = 4 * H; /* in which it would move by 0.04 C */
     add_pixel(&timing, &comparator, 0.01 * C, 1e-3 * H);
     expect_percentile(&timing, 1, 1e-3 * H);
 }
