@@ -163,7 +163,7 @@ static void test_a_tolerance_in_time(void **state) {
 /* -- budget -------------------------------------------------------------------------------------------------------- */
 
 static void test_budget(void **state) {
-    static const double budgets[] = {1, 4, 12, 1e6};
+    static const double budgets[] = {1, 2.6, 4, 12, 1e6};
     (void)state;
     for (int trial = 0; trial < 4; trial++) {
         world w = make_world(SEED + 90 + (uint64_t)trial, trial % KINDS);
