@@ -13,13 +13,15 @@
 
 /* Nothing moves: the unit that events are counted in. */
 #define SETTLED_US 1e-3
-/* No level after one that took this: it would take twice that. */
-#define LONG_RUN_S 100.0     /* in double */
-#define LONG_EQUAL_RUN_S 4.0 /* equal steps */
+/* No level after one that took so many full renders: it would take twice that. Renders, not seconds, so that the exact stream
+ * doesn't depend on what else the machine does. */
+#define LONG_RENDERS 400.0        /* in double */
+#define LONG_EQUAL_RENDERS 1000.0 /* equal steps */
 
 /* Smooth images: the first level's tolerance and its steps per longest step. */
 #define FIRST_TOLERANCE 1e-3
 #define LAST_TOLERANCE 1e-9
+#define LAST_QUICK_TOLERANCE 1e-7
 #define LAST_FLOAT_TOLERANCE 3e-6 /* what single precision lets the estimate see: 1e-6 of L among thresholds of 0.2 */
 #define FIRST_SPLIT 8
 #define LEAST_STEP_S 1e-8
@@ -53,14 +55,14 @@ static tides_stepping level_of(const bench_scene *scene, int32_t continuous, int
 
 /* Is another level worth its time? */
 static int32_t goes_on(const bench *b, const tides_stepping *done, int32_t continuous, int32_t level, const tides_match *moved,
-                       double seconds) {
+                       double renders) {
     const int32_t settled = level > 0 && moved->mismatch_percent == 0 && moved->dt_p99_us <= SETTLED_US;
-    const double last_tolerance = b->float_truth ? LAST_FLOAT_TOLERANCE : LAST_TOLERANCE;
+    const double last_tolerance = b->float_truth ? LAST_FLOAT_TOLERANCE : b->quick ? LAST_QUICK_TOLERANCE : LAST_TOLERANCE;
     if (level == 0) return 1;
-    if (continuous) return !settled && seconds < LONG_RUN_S && done->tolerance / 16 >= last_tolerance;
+    if (continuous) return !settled && renders < LONG_RENDERS && done->tolerance / 16 >= last_tolerance;
     const double rate = 1 / done->step_s, half = b->quick ? 0.5 : 1;
     if (rate < half * LEAST_RATE * 0.999) return 1;
-    return !settled && !b->quick && seconds < LONG_EQUAL_RUN_S && rate < LAST_RATE * 0.999;
+    return !settled && !b->quick && renders < LONG_EQUAL_RENDERS && rate < LAST_RATE * 0.999;
 }
 
 tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides_error *error) {
@@ -85,7 +87,8 @@ tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides
         if (status == TIDES_OK && level > 0)
             status =
                 tides_match_events(fine.events, fine.count, coarse.events, coarse.count, BENCH_MATCH_LIMIT_S, &moved, error);
-        if (status != TIDES_OK || !goes_on(b, &stepping, continuous, level, &moved, run.run_time_s)) break;
+        if (status != TIDES_OK || !goes_on(b, &stepping, continuous, level, &moved, run.stats.renders_full_frame_equivalent))
+            break;
     }
     if (on.device != b->device) tides_device_close(on.device);
     free(coarse.events);
