@@ -50,8 +50,11 @@ TIDES_API void tides_stepping_defaults(tides_stepping *stepping);
 typedef struct tides_stats {
     tides_render_stats render;
     uint64_t events, events_on, events_off;
-    uint64_t events_truncated;  /* crossings beyond max_events_per_step in a step, moved to the step's end */
-    uint64_t events_caught_up;  /* crossings that the local model missed or put out of range, fired at the step's end */
+    uint64_t events_truncated; /* crossings beyond max_events_per_step in a step, moved to the step's end */
+    uint64_t events_caught_up; /* crossings that the local model missed or put out of range, fired at the step's end */
+    uint64_t events_by_cause[TIDES_CAUSES]; /* of `events`, by TIDES_CAUSE_* */
+    uint64_t events_suppressed; /* by sensor.b_min: crossings put off to where their pixel became visible, noise events lost */
+    uint64_t events_refractory; /* crossings consumed and noise events lost in refractory periods */
     uint64_t steps;             /* (tile, step) pairs that went to the comparator */
     uint64_t steps_rejected;    /* of these, halved: (tile, step) pairs that were too coarse */
     uint64_t steps_over_budget; /* accepted above the tolerance because the budget was used up */
@@ -91,8 +94,10 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_run(tides_simulator *sim
 
 TIDES_API void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats);
 
-/* The state of every pixel, planes (height x width), caller's memory, each nullable: the signal at the time reached, the
- * reference, and the counts of events. The invariant: -threshold_off < signal - reference < threshold_on. */
+/* The state of every pixel, planes (height x width), caller's memory, each nullable: the signal at the time reached as the
+ * comparator sees it (with the leak's ramp, which begins at 0 at the run's start), the reference, and the counts of events
+ * since the reference was last taken from the signal: at the start, at noise events and at the end of a hold. The invariant,
+ * with the pixel's own thresholds and where it is neither held nor masked: -threshold_off < signal - reference < threshold_on. */
 TIDES_API void tides_simulator_state(const tides_simulator *simulator, double *signal, double *reference, uint32_t *count_on,
                                      uint32_t *count_off);
 

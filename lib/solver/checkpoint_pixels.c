@@ -36,14 +36,14 @@ static void exchange(const tides_simulator *s, const td_planes *p, int into_simu
             size_t in = s->first_pixel[t] + (size_t)i;
             size_t out = (size_t)(tile->y0 + i / tile->width) * (size_t)s->width + (size_t)(tile->x0 + i % tile->width);
             if (into_simulator) {
-                s->now.S[in] = p->signal[out];
-                s->now.S_dot[in] = p->signal_dot[out];
+                s->now.plane[TD_KEPT_S][in] = p->signal[out];
+                s->now.plane[TD_KEPT_S_DOT][in] = p->signal_dot[out];
                 s->pixels.initial[in] = p->initial[out];
                 s->pixels.count_on[in] = p->count_on[out];
                 s->pixels.count_off[in] = p->count_off[out];
             } else {
-                p->signal[out] = s->now.S[in];
-                p->signal_dot[out] = s->now.S_dot[in];
+                p->signal[out] = s->now.plane[TD_KEPT_S][in];
+                p->signal_dot[out] = s->now.plane[TD_KEPT_S_DOT][in];
                 p->initial[out] = s->pixels.initial[in];
                 p->count_on[out] = s->pixels.count_on[in];
                 p->count_off[out] = s->pixels.count_off[in];
