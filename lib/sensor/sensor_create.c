@@ -90,6 +90,8 @@ static tides_status allocate(td_sensor *sensor, tides_error *error) {
                          &sensor->held_until,   &sensor->since,         &sensor->wake};
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         if (!(*arrays[k] = td_alloc(sensor->count, sizeof **arrays[k], error))) return TIDES_NO_MEMORY;
+    sensor->reach = td_alloc(sensor->count, sizeof *sensor->reach, error);
+    if (!sensor->reach) return TIDES_NO_MEMORY;
     return td_noise_create(&sensor->sensor, sensor->count, &sensor->noise, error);
 }
 
@@ -134,6 +136,7 @@ void td_sensor_release(td_sensor *sensor) {
     double *arrays[] = {sensor->threshold_on, sensor->threshold_off, sensor->leak,
                         sensor->held_until,   sensor->since,         sensor->wake};
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
+    free(sensor->reach);
     td_noise_release(&sensor->noise);
     memset(sensor, 0, sizeof *sensor);
 }

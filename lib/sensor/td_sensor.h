@@ -47,6 +47,7 @@ typedef struct td_sensor {
     double *held_until;                   /* end of the refractory period that is still to be dealt with; -INFINITY: none */
     double *since;                        /* last event, re-reference or consumed crossing: where the ramp's share begins */
     double *wake;                         /* the first time that the pixel must be looked at whatever its signal does */
+    unsigned char *reach;                 /* 1: may have fired in this macro step (td_estimate_sensor) */
     td_noise noise;
     td_sensor_counts counts;
 } td_sensor;

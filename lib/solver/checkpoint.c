@@ -15,6 +15,7 @@
  *     /initial             double (height x width)  S_init [log units]
  *     /count_on, /count_off  u4   (height x width)  n_on, n_off
  *     /tile_risk           double (tiles)           risk of each 16x16 tile, in reading order
+ *     /held_until ...      double, u4 (height x width)  state of the sensor's blocks that are on (checkpoint_optional.c)
  *     /timing_errors       double (256)             weights of td_timing, not of a pixel
  *
  * Images are in image order, so that other tiles can take them up (but for the risk). All datasets are shuffled and
