@@ -94,9 +94,10 @@ static tides_status compare_step(tides_simulator *s, tides_error *error) {
     s->now = s->next;
     s->next = passed;
     s->step++;
+    if (s->scan.arbiter) status = td_scan_step(s, error);
     s->stats.steps += (uint64_t)s->moving_count;
     s->stats.tile_steps_still += (uint64_t)(s->tiles - s->moving_count);
-    return TIDES_OK;
+    return status;
 }
 
 /* Sorts the packet and gives it away. */
@@ -107,9 +108,10 @@ static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, 
     td_event_sort(s->events.events, s->scratch, s->events.count);
     s->stats.time_compare_s += td_now() - begun;
     begun = td_now();
-    int stopped = sink && sink(user, s->events.events, s->events.count);
+    int left = s->scan.arbiter != NULL; /* or from the pixels */
+    int stopped = sink && sink(user, left ? s->scan.events : s->events.events, left ? s->scan.count : s->events.count);
     s->stats.time_sink_s += td_now() - begun;
-    s->events.count = 0;
+    s->events.count = s->scan.count = 0;
     return stopped ? td_fail(error, TIDES_CANCELLED, "stopped by the event sink at %g s", td_grid_time(s, s->step)) : TIDES_OK;
 }
 
@@ -191,7 +193,9 @@ static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, v
         return status;
     }
     s->step++;
-    return emit(s, sink, user, error);
+    if (s->scan.arbiter) status = td_scan_step(s, error);
+    s->broken = status != TIDES_OK;
+    return status == TIDES_OK ? emit(s, sink, user, error) : status;
 }
 
 /* The last grid point at or before `until`. */

@@ -171,6 +171,7 @@ void tides_simulator_destroy(tides_simulator *simulator) {
     if (!simulator) return;
     tides_renderer_destroy(simulator->renderer);
     td_refine_release(&simulator->refine);
+    td_scan_release(&simulator->scan);
     td_sensor_release(&simulator->sensor);
     for (int p = 0; p < TD_KEPT_ALL; p++) {
         free(simulator->now.plane[p]);
@@ -214,6 +215,16 @@ void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats)
     if (!simulator->sensor.on) stats->events_by_cause[TIDES_CAUSE_SIGNAL] = stats->events;
     stats->events_suppressed = simulator->sensor.counts.suppressed;
     stats->events_refractory = simulator->sensor.counts.refractory;
+    stats->events_written = stats->events;
+    if (simulator->scan.arbiter) {
+        tides_readout_stats readout;
+        tides_arbiter_stats(simulator->scan.arbiter, &readout);
+        stats->events_written = readout.out - td_release_held(&simulator->scan.arbiter->out);
+        stats->events_dropped = readout.dropped + readout.overflowed;
+        stats->events_overflowed = readout.overflowed;
+        stats->events_delayed = readout.delayed;
+        stats->worst_delay_s = readout.worst_delay_s;
+    }
     if (simulator->started) stats->worst_residual = td_worst_residual(simulator);
 }
 

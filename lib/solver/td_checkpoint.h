@@ -34,7 +34,7 @@ typedef struct td_fact {
     uint64_t checksum;
 } td_fact;
 
-enum { TD_FACTS = 23 };
+enum { TD_FACTS = 24 };
 tides_status td_facts_gather(const tides_simulator *simulator, td_fact facts[TD_FACTS], tides_error *error);
 
 /* TIDES_BAD_CONFIG naming the first key that two run files (JSON) have different values of, other than those that don't change
@@ -65,6 +65,11 @@ void td_planes_take(td_planes *planes, const tides_simulator *simulator); /* out
 void td_planes_give(const td_planes *planes, tides_simulator *simulator); /* and into one, with the references */
 tides_status td_planes_write(td_planes *planes, const tides_simulator *simulator, const td_place *root);
 tides_status td_planes_read(td_planes *planes, const tides_simulator *simulator, const td_place *root);
+
+/* -- the readout (checkpoint_readout.c): nothing where the run has none; `arbiter` is the caller's, NULL after a failure or not -- */
+
+tides_status td_readout_write(const tides_simulator *simulator, const td_place *root);
+tides_status td_readout_read(const tides_simulator *simulator, const td_place *root, tides_arbiter **arbiter);
 
 /* -- the statistics (checkpoint_totals.c) -- */
 

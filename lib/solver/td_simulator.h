@@ -6,6 +6,7 @@
 #include "td_estimate.h"
 #include "sensor/td_sensor.h"
 #include "td_refine.h"
+#include "td_scan.h"
 
 enum { TD_BATCH_STEPS = 16 }; /* steps per launch at most */
 
@@ -25,6 +26,7 @@ struct tides_simulator {
     double min_step_s, tolerance, time_tolerance_s, budget;
     tides_risk risk;
     int outputs;       /* planes that each sample renders: risk, a mask and the readout want diagnostics */
+    td_scan scan;      /* the readout, where one is attached */
     int planes_kept;   /* of these, TD_KEPT_SIGNAL or TD_KEPT_ALL */
     double *tile_risk; /* (tiles) at the time reached */
     td_refine refine;  /* TIDES_STEPPING_ERROR */
@@ -86,6 +88,9 @@ tides_status td_compare_tile(tides_simulator *simulator, int tile, const td_step
 
 /* The sensor over one step of the tiles in which nothing moves, where it wants that. */
 tides_status td_compare_still(tides_simulator *simulator, const td_step *step, tides_error *error);
+
+/* With a readout: the events of the step that ends at the grid point reached go through it (scan.c). */
+tides_status td_scan_step(tides_simulator *simulator, tides_error *error);
 
 /* What a pixel's comparator sees at the time reached: S with its leak's ramp. */
 double td_signal_now(const tides_simulator *simulator, size_t pixel);

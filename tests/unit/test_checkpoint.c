@@ -122,7 +122,7 @@ static void test_bits_of_pixels(void **state) {
 static void test_totals_are_complete(void **state) {
     (void)state;
     assert_int_equal(sizeof(tides_render_stats), 120);
-    assert_int_equal(sizeof(tides_stats), 304);
+    assert_int_equal(sizeof(tides_stats), 392);
 }
 
 /* -- other stops ----------------------------------------------------------------------------------------------------------- */
