@@ -212,6 +212,7 @@ static tides_status find_tail(tides_event_writer *writer, uint64_t rows, tides_e
     tides_status status = td_event_tail_read(writer->tail, rows, writer->buffer, writer->buffered, &reason);
     if (status == TIDES_OK) return check_events(writer, writer->buffer, writer->buffered, error);
     status = tides_events_read(writer->part, rows, writer->buffered, writer->buffer, &got, error);
+    if (status == TIDES_OK) status = tides_events_causes(writer->part, rows, got, writer->buffer, error);
     if (status != TIDES_OK) return status;
     if (got < writer->buffered)
         return td_fail(error, TIDES_BAD_FILE,
