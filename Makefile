@@ -22,7 +22,7 @@ VERSION := $(MAJOR).$(call version,MINOR).$(call version,PATCH)
 
 # -- flags -------------------------------------------------------------------------------------------------------------
 HDF5 := $(shell $(PKG_CONFIG) --exists hdf5-serial 2>/dev/null && echo hdf5-serial || echo hdf5)
-DEPS := libpng libcjson $(HDF5) OpenCL zlib
+DEPS := libpng libcjson $(HDF5) OpenCL zlib libzstd libwebp
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wundef -Wmissing-prototypes -Wstrict-prototypes -Wcast-qual \
             -Wpointer-arith -Wwrite-strings -Wconversion -Wno-sign-conversion
 OPTIMISE_release := -O3 -g
@@ -160,7 +160,7 @@ check-asan-built:
 	    $(RUN_TESTS) $(TESTS) $(GOLDEN) $(wildcard tests/cli/run.sh)
 # Those of the unit tests that neither load an OpenCL driver nor kill themselves.
 VALGRIND := $(filter $(addprefix $(OUT)/tests/unit/test_,base comparator crossing event_sort events events_read image_exr \
-            image_png npz path run run_open scene scene_hdf5 scene_ply trajectory),$(TESTS))
+            image_png model_dir npy npz path pickle pyrepr run run_open scene scene_hdf5 scene_ply trajectory zip),$(TESTS))
 check-valgrind: ## Run unit tests and a small simulation on the reference device under valgrind
 	@sh scripts/deps.sh lint -q
 	@$(AGAIN) all tests

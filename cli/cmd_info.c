@@ -1,10 +1,11 @@
-/* tides info: what a file holds. The kind of file is found from its first bytes. */
+/* tides info: what a file or folder holds. The kind of file is found from its content. */
 #include "cli.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* -- scenes --------------------------------------------------------------------------------------------------------- */
 
@@ -103,6 +104,7 @@ static tides_status path_facts(const char *file, cJSON *facts, tides_error *erro
         cJSON_AddNumberToObject(facts, "stop_s", stop);
     }
     intrinsics_facts(&path.intrinsics, facts);
+    if (path.distorted) cJSON_AddStringToObject(facts, "distortion", "ignored");
     status = extent_facts(path.trajectory, facts, error);
     tides_trajectory_destroy(path.trajectory);
     return status;
@@ -183,6 +185,9 @@ static tides_status exr_facts(const char *file, cJSON *facts, tides_error *error
 
 static tides_status facts_of(const char *file, cJSON *facts, tides_error *error) {
     unsigned char head[8] = {0};
+    struct stat folder;
+    if (stat(file, &folder) == 0 && S_ISDIR(folder.st_mode))
+        return tides_scene_is_file(file) ? scene_facts(file, facts, error) : path_facts(file, facts, error);
     FILE *stream = fopen(file, "rb");
     if (!stream) return cli_error(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", file, strerror(errno));
     size_t got = fread(head, 1, sizeof head, stream);
@@ -192,7 +197,7 @@ static tides_status facts_of(const char *file, cJSON *facts, tides_error *error)
     if (got == 0) return cli_error(error, TIDES_BAD_FILE, "%s: is empty", file);
     if (memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0) return hdf5_facts(file, facts, error);
     if (memcmp(head, "\x76\x2f\x31\x01", 4) == 0) return exr_facts(file, facts, error);
-    if (memcmp(head, "ply", 3) == 0) return scene_facts(file, facts, error);
+    if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
     return path_facts(file, facts, error); /* text: its reader says best what is wrong */
 }
 

@@ -18,8 +18,10 @@ static const cli_command commands[] = {
      "Events go to HDF5 in the DSEC layout, with nanosecond times in events/t_ns. Ctrl-C leaves what was simulated in "
      "EVENTS.h5.part.",
      1, cmd_simulate},
-    {"convert", "IN OUT", "Convert a scene between .ply and .h5.",
-     "The input's format is found from its content, the output's from its ending.", 2, cmd_convert},
+    {"convert", "IN OUT", "Convert a scene to .ply or .h5.",
+     "IN is .ply (compressed too), .spz, .splat, .ksplat, .sog or .h5, found from its content; OUT's ending says what is "
+     "written.",
+     2, cmd_convert},
     {"metrics", "REFERENCE SIMULATED [--only LIST]", "Compare a simulated event stream with a reference.",
      "Values are undefined (-, in JSON null) where they would divide by nothing. include/tides/metrics.h defines each one.\n"
      "The kernel distance takes long, and match wants an exact reference: both only where asked for.",

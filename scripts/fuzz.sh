@@ -10,6 +10,10 @@ mkdir -p "$corpus"
 awk -v name="$name" '$1 == name {print $2}' tests/fuzz/seeds.txt | while read -r seed; do
     cp "$seed" "$corpus/seed_$(echo "$seed" | tr '/' '_')"
 done
+# Binary formats: made by a program.
+seeds=build/fuzz-seeds
+python3 tests/fuzz/make_seeds.py "$seeds" || exit 1
+[ ! -d "$seeds/$name" ] || cp "$seeds/$name"/* "$corpus"
 echo "$name for $seconds s (corpus: $corpus)"
 log=$corpus.log
 if "$program" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -max_len=65536 -artifact_prefix="$corpus." \

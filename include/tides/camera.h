@@ -18,11 +18,13 @@ typedef struct tides_intrinsics {
 typedef struct tides_path_options {
     uint32_t size; /* sizeof this struct, set by the defaults function */
     int32_t reserved;
-    double duration; /* [s] files without times (cameras.json, transforms.json): poses are spread evenly over
-                               [0, duration]; files with trainer's times in [0, 1] (D-NeRF): times are multiplied by it */
-    double start;    /* [s] subtracted from every time of the file, after scaling */
-    int32_t rebase;  /* 1: `start` is ignored and the first sample is put at 0 */
-    int32_t reserved2;
+    double duration;       /* [s] files without times (cameras.json, COLMAP, LLFF ...): poses are spread evenly over
+                               [0, duration], in the order of the file or of names; files with trainer's times in [0, 1]
+                               (D-NeRF, nerfies): times are multiplied by it */
+    double start;          /* [s] subtracted from every time of the file, after scaling */
+    int32_t rebase;        /* 1: `start` is ignored and the first sample is put at 0 */
+    int32_t raw_positions; /* nerfies: 1 leaves positions as the camera files have them (as 4DGaussians trains) instead of
+                               applying scene.json (as Nerfies, HyperNeRF and Deformable-3D-Gaussians do) */
 } tides_path_options;
 
 TIDES_API void tides_path_options_defaults(tides_path_options *options); /* duration 1, start 0, rebase 0 */
@@ -32,17 +34,26 @@ typedef struct tides_path {
     tides_trajectory *trajectory; /* owned by the caller after success */
     tides_intrinsics intrinsics;  /* fields the file doesn't give, or gives differently from frame to frame, are 0 */
     double field_of_view_x;       /* [rad] where the file gives one (Blender and D-NeRF give no width with it), else 0 */
-    char format[32];              /* "tides", "transforms", "cameras", "tum", "esim" */
+    char format[32];   /* "tides", "transforms", "cameras", "tum", "esim", "euroc", "kitti", "colmap", "llff", "nerfies" */
+    int32_t distorted; /* 1: the file gives lens distortion. It isn't simulated: what is, is the pinhole that agrees
+                                     with the lens at its axis, whose intrinsics these are */
+    int32_t reserved;
 } tides_path;
 
-/* Reads a camera path; the format is found from the content, not from the name:
+/* Reads a camera path; the format is found from the content, not from the name (but for COLMAP's binary files):
  *   tides       our JSON (written by tides_path_save; documented in path_tides.c)
  *   transforms  nerfstudio / instant-ngp / Blender / D-NeRF transforms.json (OpenGL axes, converted)
  *   cameras     INRIA cameras.json
+ *   colmap      images.txt or images.bin, with cameras.txt or .bin beside it: all camera models
+ *   llff        poses_bounds.npy (also Neu3D)
+ *   nerfies     a camera's JSON; a folder camera/ of them with scene.json and metadata.json beside it (also HyperNeRF)
  *   tum         text `t tx ty tz qx qy qz qw`, seconds
  *   esim        csv `t_ns, x, y, z, qx, qy, qz, qw`
- * Also serves for objects' trajectories (axes are then whatever the file means by its body frame; only transforms.json is
- * converted). Errors name file, line or key. */
+ *   euroc       state_groundtruth csv, `t_ns, x, y, z, qw, qx, qy, qz ...` of the body, with the camera's T_BS from sensor.yaml
+ *   kitti       12 numbers per line
+ * A folder is searched for one of these (path_folder.c: what for, and in which order). Also serves for objects' trajectories
+ * (axes are then whatever the file means by its body frame; what isn't in OpenCV axes is converted). Errors name file, line
+ * or key. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_path_load(const char *file, const tides_path_options *options, tides_path *path,
                                                         tides_error *error);
 

@@ -40,12 +40,25 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add(tides_scene *scene, cons
                                                         const tides_trajectory *trajectory, double scale, const char *name,
                                                         int32_t *index, tides_error *error);
 
-/* Reads a file and adds what it holds: a 3DGS .ply (by property name: any order, type and endianness, ASCII too) as one
- * object, or TIDES's own .h5 as all its objects. The format is found from the content. For a .ply, `trajectory` (nullable)
- * and `scale` work as in tides_scene_add; for an .h5 they move the whole (only where its objects are at rest). */
+/* Reads a file and adds what it holds: TIDES's own .h5 as all its objects, anything else as one object:
+ *   .ply     3DGS by property name (any order, type and endianness, ASCII too), and PlayCanvas's compressed kind
+ *   .spz     Niantic's, versions 1 to 4 (axes turned to those of a 3DGS .ply)
+ *   .ksplat  mkkellogg's, all three compressions
+ *   .splat   antimatter15's
+ *   .sog     PlayCanvas's version 2; also unpacked, as a folder with a meta.json or by that file
+ *   a folder that a trainer left: the newest point_cloud/iteration_N/point_cloud.ply in it; gsplat's ckpt_N_rank0.pt, also by
+ *            itself. A model that moves in a way this version can't read: TIDES_UNSUPPORTED naming the method
+ * The format is found from the content; a .splat, which has no header, from its name. Opacities of exactly 0 and 1 in the
+ * packed formats become 2^-24 and 1 - 2^-24, whose logits are finite; scales of 0 float's smallest normal number. For an .h5,
+ * `trajectory` (nullable) and `scale` move the whole (only where its objects are at rest); else they work as in
+ * tides_scene_add. A file that lies about its size, or holds NaN: TIDES_BAD_FILE, before memory is spent on it. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add_file(tides_scene *scene, const char *file,
                                                              const tides_trajectory *trajectory, double scale,
                                                              tides_error *error);
+
+/* 1 where tides_scene_add_file would take `file` for a scene, by the same signs; whether it can be read is another matter.
+ * 0 also where it can't be opened. */
+TIDES_API int32_t tides_scene_is_file(const char *file);
 
 /* Writes `file`, by its ending: .h5 holds everything (layout documented in lib/scene/scene_hdf5.c); .ply holds one object at
  * rest, in INRIA's binary layout (TIDES_UNSUPPORTED for more). Written beside and renamed. */

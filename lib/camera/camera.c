@@ -1,6 +1,7 @@
 /* Camera path files: finds the format from the content, hands on to its reader, puts the samples on their time line. */
 #include "tides/camera.h"
 
+#include "camera/td_colmap.h"
 #include "camera/td_path.h"
 #include "td_base.h"
 
@@ -8,8 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define TD_LARGEST_PATH ((size_t)1 << 30) /* [bytes]: days at 200 Hz */
+#include <sys/stat.h>
 
 void tides_path_options_defaults(tides_path_options *options) {
     memset(options, 0, sizeof *options);
@@ -40,6 +40,16 @@ td_path_sample td_path_origin(const td_path_reader *reader, const td_path_sample
 void td_path_spread(td_path_reader *reader) {
     double steps = reader->count > 1 ? (double)(reader->count - 1) : 1.0;
     for (size_t i = 0; i < reader->count; i++) reader->samples[i].time = reader->options->duration * ((double)i / steps);
+}
+
+static int by_time(const void *left, const void *right) {
+    const td_path_sample *a = left, *b = right;
+    if (a->time != b->time) return a->time < b->time ? -1 : 1;
+    return a->place < b->place ? -1 : a->place > b->place;
+}
+
+void td_path_sort(td_path_reader *reader) {
+    if (reader->count > 0) qsort(reader->samples, reader->count, sizeof *reader->samples, by_time);
 }
 
 void td_path_share_intrinsics(tides_intrinsics *common, const tides_intrinsics *other, int first) {
@@ -124,12 +134,13 @@ static tides_status read_json(td_path_reader *reader) {
         status = td_path_read_tides(reader, root);
     else if (td_json_has(root, "frames"))
         status = td_path_read_transforms(reader, root);
+    else if (td_json_has(root, "orientation"))
+        status = td_path_read_nerfies(reader, root);
     else
-        status =
-            td_fail(reader->error, TIDES_BAD_FILE,
-                    "%s: is JSON but no path: expected \"format\": \"tides-path\", a transforms.json with \"frames\", or the "
-                    "list of a cameras.json",
-                    reader->file);
+        status = td_fail(reader->error, TIDES_BAD_FILE,
+                         "%s: is JSON but no path: expected \"format\": \"tides-path\", a transforms.json with \"frames\", a "
+                         "nerfies camera with \"orientation\", or the list of a cameras.json",
+                         reader->file);
     cJSON_Delete(root);
     return status;
 }
@@ -143,34 +154,108 @@ static tides_status check_options(const tides_path_options *options, tides_error
     return TIDES_OK;
 }
 
+/* What a text's first line with data looks like: its columns, between commas or blanks, and which of them is no number. */
+typedef struct text_shape {
+    int columns, commas, first_word; /* first_word: columns where all are numbers */
+} text_shape;
+
+static text_shape shape_of(const char *text) {
+    text_shape shape = {0, 0, 0};
+    const char *c = td_text_skip(text);
+    while (*c && td_text_ends(c)) {
+        c += strcspn(c, "\n");
+        c = td_text_skip(c + (*c == '\n'));
+    }
+    shape.commas = memchr(c, ',', strcspn(c, "\n")) != NULL;
+    for (int numbers = 1; !td_text_ends(c); shape.columns++) {
+        double value;
+        const char *end = td_text_number(c, &value);
+        numbers = numbers && end != c && strchr(", \t\r\n", *end); /* at the text's end too */
+        shape.first_word += numbers;
+        c += strcspn(c, shape.commas ? ",\n" : " \t\r\n");
+        c = td_text_skip(c + (*c == ','));
+    }
+    return shape;
+}
+
+/* Text formats tell themselves apart by the columns of their first line with data; EuRoC's of 8 by the names above them. */
+static tides_status read_text(td_path_reader *reader) {
+    text_shape shape = shape_of(reader->text);
+    const char *names = strstr(reader->text, "q_RS_w");
+    if (shape.commas && (shape.columns >= 17 || (names && (size_t)(names - reader->text) < strcspn(reader->text, "\n"))))
+        return td_path_read_euroc(reader);
+    if (!shape.commas && shape.columns == 12 && shape.first_word == 12) return td_path_read_kitti(reader);
+    if (!shape.commas && shape.columns >= 10 && shape.first_word >= 9) return td_path_read_colmap(reader, 0);
+    if (!shape.commas && shape.columns >= 7 && shape.first_word == 1) return td_path_refuse_cameras(reader, 0);
+    return td_path_read_text(reader);
+}
+
 /* Detection and reading, in the C locale. */
-static tides_status read_path(td_path_reader *reader) {
+static tides_status read_path(td_path_reader *reader, const char *folder) {
+    if (folder) return td_path_read_nerfies_folder(reader, folder);
+    /* COLMAP's binary files have no magic number: their names say what they are. */
+    if (td_colmap_is_named(reader->file, "images.bin")) return td_path_read_colmap(reader, 1);
+    if (td_colmap_is_named(reader->file, "cameras.bin")) return td_path_refuse_cameras(reader, 1);
     if (reader->bytes >= 3 && memcmp(reader->text, "\xEF\xBB\xBF", 3) == 0) { /* UTF-8 byte order mark, from Windows editors */
         reader->text += 3;
         reader->bytes -= 3;
     }
+    if (reader->bytes >= 6 && memcmp(reader->text, "\x93NUMPY", 6) == 0) return td_path_read_llff(reader);
     const char *nul = memchr(reader->text, 0, reader->bytes);
     if (nul)
-        return td_fail(reader->error, TIDES_BAD_FILE, "%s: has a zero byte at %zu: a path file is text or JSON", reader->file,
-                       (size_t)(nul - reader->text));
+        return td_fail(reader->error, TIDES_BAD_FILE,
+                       "%s: has a zero byte at %zu: a path file is text or JSON, or poses_bounds.npy, or COLMAP's images.bin",
+                       reader->file, (size_t)(nul - reader->text));
     size_t blank = strspn(reader->text, " \t\r\n");
     char first = reader->text[blank];
-    tides_status status = first == '{' || first == '[' ? read_json(reader) : td_path_read_text(reader);
-    if (status != TIDES_OK || reader->path.trajectory) return status;
-    return make_trajectory(reader);
+    return first == '{' || first == '[' ? read_json(reader) : read_text(reader);
+}
+
+/* Reads text or, where it isn't NULL, a folder of nerfies cameras. */
+static tides_status parse(td_path_reader *reader, const char *folder, tides_path *path) {
+    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0); /* the program's may have a decimal comma */
+    if (plain == (locale_t)0) return td_fail(reader->error, TIDES_NO_MEMORY, "out of memory for a locale");
+    locale_t before = uselocale(plain);
+    tides_status status = read_path(reader, folder);
+    if (status == TIDES_OK && !reader->path.trajectory) status = make_trajectory(reader);
+    uselocale(before);
+    freelocale(plain);
+    free(reader->samples);
+    if (status == TIDES_OK) *path = reader->path;
+    return status;
 }
 
 tides_status td_path_parse(const char *file, const char *text, size_t bytes, const tides_path_options *options,
                            tides_path *path, tides_error *error) {
     td_path_reader reader = {.file = file, .text = text, .bytes = bytes, .options = options, .error = error};
-    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0); /* the program's may have a decimal comma */
-    if (plain == (locale_t)0) return td_fail(error, TIDES_NO_MEMORY, "out of memory for a locale");
-    locale_t before = uselocale(plain);
-    tides_status status = read_path(&reader);
-    uselocale(before);
-    freelocale(plain);
-    free(reader.samples);
-    if (status == TIDES_OK) *path = reader.path;
+    return parse(&reader, NULL, path);
+}
+
+static tides_status load_file(const char *file, const tides_path_options *options, tides_path *path, tides_error *error) {
+    char *text = NULL;
+    size_t bytes = 0;
+    tides_status status = td_read_file(file, TD_LARGEST_PATH, &text, &bytes, error);
+    if (status == TIDES_OK) status = td_path_parse(file, text, bytes, options, path, error);
+    free(text);
+    return status;
+}
+
+static int is_folder(const char *file) {
+    struct stat facts;
+    return stat(file, &facts) == 0 && S_ISDIR(facts.st_mode);
+}
+
+/* A folder with one of the files that are known, or of nerfies cameras. */
+static tides_status load_folder(const char *folder, const tides_path_options *options, tides_path *path, tides_error *error) {
+    char *file = NULL;
+    tides_status status = td_path_find(folder, &file, error);
+    if (!status && file && !is_folder(file)) {
+        status = load_file(file, options, path, error);
+    } else if (!status) {
+        td_path_reader reader = {.file = folder, .text = "", .options = options, .error = error};
+        status = parse(&reader, file ? file : folder, path);
+    }
+    free(file);
     return status;
 }
 
@@ -181,10 +266,5 @@ tides_status tides_path_load(const char *file, const tides_path_options *options
     if (!options) options = &defaults;
     tides_status status = check_options(options, error);
     if (status != TIDES_OK) return status;
-    char *text = NULL;
-    size_t bytes = 0;
-    status = td_read_file(file, TD_LARGEST_PATH, &text, &bytes, error);
-    if (status == TIDES_OK) status = td_path_parse(file, text, bytes, options, path, error);
-    free(text);
-    return status;
+    return is_folder(file) ? load_folder(file, options, path, error) : load_file(file, options, path, error);
 }

@@ -20,13 +20,11 @@ static const char *const column_names[TD_COLUMNS] = {"time", "x", "y", "z", "qx"
 /* An ESIM file shorter than this was written in seconds. */
 #define TD_SHORTEST_ESIM 1e-6 /* [s] */
 
-static const char *skip_blanks(const char *c) { return c + strspn(c, " \t\r"); }
+const char *td_text_skip(const char *c) { return c + strspn(c, " \t\r"); }
 
-/* 1 where the line at `c` holds nothing more. */
-static int line_ends(const char *c) { return *c == '\n' || *c == '\0' || *c == '#'; }
+int td_text_ends(const char *c) { return *c == '\n' || *c == '\0' || *c == '#'; }
 
-/* Reads the finite number at `c`; returns what follows it, or `c` where there is none. */
-static const char *read_number(const char *c, double *value) {
+const char *td_text_number(const char *c, double *value) {
     char *end = NULL;
     *value = strtod(c, &end);
     return isfinite(*value) ? end : c;
@@ -38,9 +36,7 @@ static tides_status fail_column(const td_path_reader *reader, size_t line, int c
                    line, column + 1, column_names[column], td_path_quote(at, strcspn(at, " \t\r\n,"), word));
 }
 
-/* Reads the time at `c`, seconds or nanoseconds, with the digits that a double has no room for in `low`. `*end` is behind it,
- * or at `c` where there is no finite number. */
-static void read_time(const char *c, int nanoseconds, td_path_sample *sample, const char **end) {
+void td_text_time(const char *c, int nanoseconds, td_path_sample *sample, const char **end) {
     char *after = NULL;
     double value = strtod(c, &after);
     *end = isfinite(value) ? after : c;
@@ -70,43 +66,44 @@ static tides_status read_line(const td_path_reader *reader, const char *c, int c
     double v[TD_COLUMNS] = {0};
     int column = 0;
     size_t line = sample->place;
-    for (c = skip_blanks(c); !line_ends(c) && column < TD_COLUMNS; column++) {
+    for (c = td_text_skip(c); !td_text_ends(c) && column < TD_COLUMNS; column++) {
         const char *end = c;
         if (column == 0)
-            read_time(c, commas, sample, &end);
+            td_text_time(c, commas, sample, &end);
         else
-            end = read_number(c, v + column);
-        const char *next = skip_blanks(end);
-        if (end == c || (!line_ends(next) && (commas ? *next != ',' : next == end)))
+            end = td_text_number(c, v + column);
+        const char *next = td_text_skip(end);
+        if (end == c || (!td_text_ends(next) && (commas ? *next != ',' : next == end)))
             return fail_column(reader, line, column, c);
-        c = commas && *next == ',' ? skip_blanks(next + 1) : next;
+        c = commas && *next == ',' ? td_text_skip(next + 1) : next;
     }
     set_pose(v, &sample->pose);
-    if (column == TD_COLUMNS && line_ends(c)) return TIDES_OK;
+    if (column == TD_COLUMNS && td_text_ends(c)) return TIDES_OK;
     return td_fail(reader->error, TIDES_BAD_FILE, "%s:%zu: %s than 8 columns; %s has %s", reader->file, line,
                    column < TD_COLUMNS ? "fewer" : "more", commas ? "an ESIM csv" : "a TUM file",
                    commas ? "t_ns, x, y, z, qx, qy, qz, qw" : "t tx ty tz qx qy qz qw");
 }
 
-static tides_status check_quaternion(const td_path_reader *reader, const td_path_sample *sample) {
-    const double *q = sample->pose.quaternion;
+tides_status td_path_check_quaternion(const td_path_reader *reader, const char *where, const double q[4], const char *columns) {
     double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     if (fabs(length - 1.0) <= TD_QUATERNION_TOLERANCE) return TIDES_OK;
-    return td_fail(reader->error, TIDES_BAD_FILE,
-                   "%s:%zu: the quaternion's length is %.4g instead of 1: columns 5 to 8 must be qx qy qz qw", reader->file,
-                   sample->place, length);
+    return td_fail(reader->error, TIDES_BAD_FILE, "%s%s%s: the quaternion's length is %.4g instead of 1: %s must be %s",
+                   reader->file, *where == ':' ? "" : ": ", where, length, *where == ':' ? "columns 5 to 8" : "the numbers",
+                   columns);
 }
 
 tides_status td_path_read_text(td_path_reader *reader) {
     int commas = -1; /* known from the first line with data on */
     size_t line = 1;
+    char where[32];
     for (const char *c = reader->text; *c; line++) {
-        const char *end = c + strcspn(c, "\n"), *data = skip_blanks(c);
-        if (!line_ends(data)) {
+        const char *end = c + strcspn(c, "\n"), *data = td_text_skip(c);
+        if (!td_text_ends(data)) {
             if (commas < 0) commas = memchr(c, ',', (size_t)(end - c)) != NULL;
             td_path_sample *sample = td_path_append(reader, line);
             tides_status status = sample ? read_line(reader, data, commas, sample) : TIDES_NO_MEMORY;
-            if (status == TIDES_OK) status = check_quaternion(reader, sample);
+            snprintf(where, sizeof where, ":%zu", line);
+            if (status == TIDES_OK) status = td_path_check_quaternion(reader, where, sample->pose.quaternion, "qx qy qz qw");
             if (status != TIDES_OK) return status;
         }
         c = *end ? end + 1 : end;

@@ -3,7 +3,7 @@
  * `transform_matrix` is camera-to-world in OpenGL axes (x right, y up, z back), so its y and z columns change sign here.
  * Intrinsics are fl_x fl_y cx cy w h, for all frames or per frame; fl_x and fl_y may be given as camera_angle_x and
  * camera_angle_y instead, a missing fl_y is fl_x, a missing principal point the image's middle. A Blender file without a
- * size gives path.field_of_view_x alone. Distortion is ignored: what is simulated is a pinhole on that path.
+ * size gives path.field_of_view_x alone. Distortion is only reported, by path.distorted: what is simulated is a pinhole.
  *
  * Frames with `time` are sorted by it. Trainers scale time to [0, 1]: such times are multiplied by the option `duration`;
  * times beyond 1 are seconds already. Frames without times are spread over `duration` in the order of the list. Keys we
@@ -13,7 +13,6 @@
 #include "td_base.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A positive number of the frame, or of the root where the frame has none; `value` is untouched where neither has. */
@@ -58,6 +57,19 @@ static tides_status read_intrinsics(td_path_reader *reader, const cJSON *frame, 
     return TIDES_OK;
 }
 
+/* 1 where the camera bends lines: a coefficient that isn't 0, or a fisheye's model. */
+static int is_distorted(const cJSON *camera) {
+    static const char *const keys[] = {"k1", "k2", "k3", "k4", "p1", "p2", "distortion_params"};
+    const cJSON *model = cJSON_GetObjectItemCaseSensitive(camera, "camera_model"), *item;
+    int bent = cJSON_IsString(model) && strstr(model->valuestring, "FISHEYE") != NULL;
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
+        const cJSON *value = cJSON_GetObjectItemCaseSensitive(camera, keys[k]);
+        bent |= cJSON_IsNumber(value) && value->valuedouble != 0.0;
+        cJSON_ArrayForEach(item, value) { bent |= cJSON_IsNumber(item) && item->valuedouble != 0.0; }
+    }
+    return bent;
+}
+
 static tides_status read_pose(td_path_reader *reader, const cJSON *frame, const char *where, tides_pose_sample *pose) {
     double matrix[16] = {[15] = 1.0}, rotation[9];
     int rows = cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(frame, "transform_matrix")) == 3 ? 3 : 4;
@@ -72,12 +84,6 @@ static tides_status read_pose(td_path_reader *reader, const cJSON *frame, const 
     return td_json_rotation(reader, where, "transform_matrix", rotation, pose->quaternion);
 }
 
-static int by_time(const void *left, const void *right) {
-    const td_path_sample *a = left, *b = right;
-    if (a->time != b->time) return a->time < b->time ? -1 : 1;
-    return a->place < b->place ? -1 : a->place > b->place;
-}
-
 /* Times of all frames, sorted and scaled; or spread evenly where the file has none. */
 static tides_status settle_times(td_path_reader *reader, size_t timed) {
     if (timed == 0) {
@@ -87,7 +93,7 @@ static tides_status settle_times(td_path_reader *reader, size_t timed) {
     if (timed != reader->count)
         return td_fail(reader->error, TIDES_BAD_FILE, "%s: only %zu of %zu frames have a \"time\": give it to all or to none",
                        reader->file, timed, reader->count);
-    qsort(reader->samples, reader->count, sizeof *reader->samples, by_time);
+    td_path_sort(reader);
     int normalised = reader->samples[0].time >= 0.0 && reader->samples[reader->count - 1].time <= 1.0;
     for (size_t i = 0; normalised && i < reader->count; i++) reader->samples[i].time *= reader->options->duration;
     return TIDES_OK;
@@ -115,6 +121,7 @@ tides_status td_path_read_transforms(td_path_reader *reader, const cJSON *root) 
         if (status != TIDES_OK) return status;
         sample->time = time;
         td_path_share_intrinsics(&reader->path.intrinsics, &intrinsics, index == 1);
+        reader->path.distorted |= is_distorted(root) || is_distorted(frame);
         if (index == 1) reader->path.field_of_view_x = angle_x;
         if (reader->path.field_of_view_x != angle_x) reader->path.field_of_view_x = 0.0;
     }

@@ -39,14 +39,60 @@ double td_path_since(const td_path_sample *sample, const td_path_sample *origin)
 /* The time that `start` and `rebase` put at 0, for a file whose first sample is `first`. */
 td_path_sample td_path_origin(const td_path_reader *reader, const td_path_sample *first);
 
+#define TD_LARGEST_PATH ((size_t)1 << 30) /* [bytes] of a file: days at 200 Hz */
+
+/* Sorts the samples by time, then by place. */
+void td_path_sort(td_path_reader *reader);
+
 /* Gives the samples even times over [0, duration], for files without times. */
 void td_path_spread(td_path_reader *reader);
 
+/* The file or folder to read where `folder` is given, for the caller to free; NULL where nothing known is in it
+ * (path_folder.c). */
+tides_status td_path_find(const char *folder, char **file, tides_error *error);
+
 /* One reader per format. */
-tides_status td_path_read_text(td_path_reader *reader);
+tides_status td_path_read_text(td_path_reader *reader); /* TUM and ESIM */
+tides_status td_path_read_euroc(td_path_reader *reader);
+tides_status td_path_read_kitti(td_path_reader *reader);
+tides_status td_path_read_llff(td_path_reader *reader);
+tides_status td_path_read_colmap(td_path_reader *reader, int binary);
+tides_status td_path_read_nerfies(td_path_reader *reader, const cJSON *root);
+tides_status td_path_read_nerfies_folder(td_path_reader *reader, const char *folder);
 tides_status td_path_read_tides(td_path_reader *reader, const cJSON *root);
 tides_status td_path_read_transforms(td_path_reader *reader, const cJSON *root);
 tides_status td_path_read_cameras(td_path_reader *reader, const cJSON *root);
+
+/* COLMAP's images with the cameras given, and the message for a file that only holds cameras. */
+struct td_colmap_cameras;
+tides_status td_path_read_images(td_path_reader *reader, int binary, const struct td_colmap_cameras *cameras);
+tides_status td_path_refuse_cameras(td_path_reader *reader, int binary);
+
+/* -- text: what lines of numbers are made of (path_text.c) ---------------------------------------------------------------- */
+
+const char *td_text_skip(const char *c); /* behind blanks */
+int td_text_ends(const char *c);         /* 1 where the line at `c` holds nothing more */
+
+/* Reads the finite number at `c`; returns what follows it, or `c` where there is none. */
+const char *td_text_number(const char *c, double *value);
+
+/* Reads the time at `c`, seconds or nanoseconds, with the digits that a double has no room for in `low`. `*end` is behind it,
+ * or at `c` where there is no finite number. */
+void td_text_time(const char *c, int nanoseconds, td_path_sample *sample, const char **end);
+
+/* The quaternion's length must be about 1; `where` and `columns` name line and columns in the message. */
+tides_status td_path_check_quaternion(const td_path_reader *reader, const char *where, const double q[4], const char *columns);
+
+/* -- bytes: little-endian numbers one after the other; 0 where too few are left (path_bytes.c) ---------------------------- */
+
+typedef struct td_bytes {
+    const char *at;
+    size_t left;
+} td_bytes;
+
+int td_bytes_skip(td_bytes *b, uint64_t bytes);
+int td_bytes_number(td_bytes *b, size_t bytes, uint64_t *value);
+int td_bytes_double(td_bytes *b, double *value);
 
 /* -- JSON: `where` is the path of `object` ("frames[3]", "" for the root); failures name file, path and key ------------- */
 

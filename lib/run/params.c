@@ -32,12 +32,15 @@
 #define LAST_SECOND 9.2e9
 
 static const tides_param table[] = {
-    STRING("scene.file", "null", "splat file (.ply or .h5); may be left out where scene.objects are given"),
+    STRING("scene.file", "null",
+           "splats (.ply, .h5, .spz, .splat, .ksplat, .sog); may be left out where scene.objects are given"),
     VECTOR3("scene.background", "", 0, 1e6, "[0,0,0]", "linear colour behind everything"),
     LATER_NUMBER("scene.duration_s", "s", 1e-9, LAST_SECOND, "null", "seconds that a dynamic scene's own time [0, 1] lasts"),
     OBJECTS("scene.objects", "[]", "more splat files, each {file, trajectory, scale}; a trajectory moves it as a rigid body"),
 
-    STRING("camera.file", NULL, "path of the camera: TIDES JSON, transforms.json, cameras.json, TUM text or ESIM csv"),
+    STRING("camera.file", NULL,
+           "path of the camera: TIDES JSON, or a file or folder of COLMAP, nerfstudio, INRIA, LLFF, nerfies, TUM, EuRoC, ESIM "
+           "or KITTI"),
     INTEGER("camera.width", "px", 1, 16384, "null", "image width; null takes the path file's"),
     INTEGER("camera.height", "px", 1, 16384, "null", "image height; null takes the path file's"),
     NUMBER("camera.fx", "px", 1e-3, 1e9, "null", "focal length along x; null takes the path file's"),
@@ -46,6 +49,7 @@ static const tides_param table[] = {
     NUMBER("camera.cy", "px", -1e6, 1e6, "null", "principal point; null takes the path file's, else the image centre"),
     NUMBER("camera.duration_s", "s", 1e-9, LAST_SECOND, "1.0", "length of paths whose file has no times, or times in [0, 1]"),
     NUMBER("camera.start_s", "s", -LAST_SECOND, LAST_SECOND, "0.0", "subtracted from every time of the path file"),
+    BOOLEAN("camera.raw_positions", "false", "nerfies: leave out scene.json's scale and center (as 4DGaussians does)"),
     BOOLEAN("camera.rebase", "false", "put the path's first sample at time 0 (camera.start_s is then ignored)"),
 
     NUMBER("time.start", "s", 0, LAST_SECOND, "0.0", "where the run begins; pixels rest at the signal of this moment"),

@@ -124,6 +124,7 @@ static tides_status open_camera(const tides_run *run, tides_trajectory **camera,
     tides_path_options_defaults(&options);
     options.duration = td_run_number(run, "camera.duration_s");
     options.start = td_run_number(run, "camera.start_s");
+    options.raw_positions = cJSON_IsTrue(td_run_value(run, "camera.raw_positions")) ? 1 : 0;
     options.rebase = cJSON_IsTrue(td_run_value(run, "camera.rebase")) ? 1 : 0;
     tides_path path = {.trajectory = NULL};
     tides_status status = tides_path_load(run->camera_file, &options, &path, error);

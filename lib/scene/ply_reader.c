@@ -9,10 +9,12 @@
  *     scale_0 .. scale_2    natural logarithms
  *     rot_0 .. rot_3        quaternion w x y z
  *     filter_3D             optional: mip-splatting's filter, folded in (mip_filter.c)
- * Everything else (normals, colours, other elements) is skipped. Writers: INRIA, gsplat, nerfstudio, SuperSplat and others. */
+ * Everything else (normals, colours, other elements) is skipped. Writers: INRIA, gsplat, nerfstudio, SuperSplat and others.
+ * Compressed files are handed to ply_packed.c. */
 #include "td_base.h"
 #include "td_ply.h"
 #include "td_scene.h"
+#include "td_splat.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -30,11 +32,10 @@ typedef struct binding {
 static tides_status check_kind(const binding *b) {
     static const struct {
         const char *property, *kind;
-    } others[] = {{"packed_position", "a compressed PLY (PlayCanvas, SuperSplat)"},
-                  {"trbf_center", "a SpacetimeGaussians model"},
+    } others[] = {{"trbf_center", "a SpacetimeGaussians model"},
                   {"motion_xyz_0_0", "an Ex4DGS dynamic model"},
                   {"xyz_disp_0", "an Ex4DGS static model"}};
-    const char *kind = td_ply_find_element(b->header, "chunk") ? others[0].kind : NULL;
+    const char *kind = NULL;
     for (size_t i = 0; i < b->vertex->properties && !kind; i++)
         for (size_t k = 0; k < sizeof others / sizeof others[0]; k++)
             if (td_ply_word_is(b->header->properties[b->vertex->first_property + i].name, others[k].property))
@@ -188,8 +189,12 @@ tides_status td_ply_parse(const char *path, const void *data, size_t size, td_ga
     tides_status status = td_ply_header_parse(&file, &header, error);
     if (status) return status;
     binding b = {.file = &file, .header = &header, .vertex = td_ply_find_element(&header, "vertex"), .error = error};
-    status = b.vertex ? read_gaussians(&b, gaussians)
-                      : td_fail(error, TIDES_BAD_FILE, "%s: has no element vertex: this isn't a 3DGS scene", path);
+    if (!b.vertex)
+        status = td_fail(error, TIDES_BAD_FILE, "%s: has no element vertex: this isn't a 3DGS scene", path);
+    else if (td_ply_is_packed(&header))
+        status = td_ply_packed_read(&file, &header, gaussians, error);
+    else
+        status = read_gaussians(&b, gaussians);
     td_ply_header_free(&header);
     return status;
 }

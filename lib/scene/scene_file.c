@@ -1,6 +1,8 @@
 /* Scene files: which reader a file's content asks for, which writer a file's ending asks for. */
 #include "td_base.h"
+#include "td_model_dir.h"
 #include "td_scene.h"
+#include "td_splat.h"
 
 #include <errno.h>
 #include <float.h>
@@ -17,50 +19,133 @@ static char *stem_of(const char *path, tides_error *error) {
     return td_format(error, "%.*s", (int)(dot && dot > start ? (size_t)(dot - start) : strlen(start)), start);
 }
 
-static tides_status add_ply(tides_scene *scene, const char *file, const tides_trajectory *trajectory, double scale,
-                            tides_error *error) {
-    char *data = NULL, *name = NULL;
+static int ends_in(const char *text, const char *ending) {
+    size_t length = strlen(text), tail = strlen(ending);
+    return length >= tail && strcmp(text + length - tail, ending) == 0;
+}
+
+/* A format whose files are parsed from memory, or which reads what it needs; NULL, NULL: td_scene_hdf5_read. */
+typedef struct reader {
+    tides_status (*parse)(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
+    tides_status (*read)(const char *path, td_gaussians *gaussians, tides_error *error);
+} reader;
+
+static tides_status read_gaussians(const char *file, reader with, td_gaussians *gaussians, tides_error *error) {
+    if (with.read) return with.read(file, gaussians, error);
+    char *data = NULL;
     size_t size = 0;
+    tides_status status = td_read_file(file, SIZE_MAX - 1, &data, &size, error);
+    if (!status) status = with.parse(file, data, size, gaussians, error);
+    free(data);
+    return status;
+}
+
+/* A NULL name: the file's. */
+static tides_status add_gaussians(tides_scene *scene, const char *file, reader with, const char *name,
+                                  const tides_trajectory *trajectory, double scale, tides_error *error) {
+    char *stem = NULL;
     td_gaussians gaussians;
     memset(&gaussians, 0, sizeof gaussians);
-    tides_status status = td_read_file(file, SIZE_MAX - 1, &data, &size, error);
-    if (!status) status = td_ply_parse(file, data, size, &gaussians, error);
-    free(data);
+    tides_status status = read_gaussians(file, with, &gaussians, error);
     if (status) goto done;
-    status = (name = stem_of(file, error)) ? TIDES_OK : TIDES_NO_MEMORY;
-    if (!status) status = td_scene_take(scene, &gaussians, trajectory, scale, name, file, NULL, error);
+    status = (stem = stem_of(file, error)) ? TIDES_OK : TIDES_NO_MEMORY;
+    if (!status) status = td_scene_take(scene, &gaussians, trajectory, scale, name ? name : stem, file, NULL, error);
     if (status) td_fail_within(error, status, "%s", file);
 done:
-    free(name);
+    free(stem);
     td_gaussians_free(&gaussians);
     return status;
 }
 
-enum { IS_PLY = 1, IS_HDF5 };
+tides_status td_scene_add_ply(tides_scene *scene, const char *file, const char *name, const tides_trajectory *trajectory,
+                              double scale, tides_error *error) {
+    return add_gaussians(scene, file, (reader){td_ply_parse, NULL}, name, trajectory, scale, error);
+}
 
-/* Asks the content; `*kind` is set on success. */
-static tides_status detect(const char *file, int *kind, tides_error *error) {
+static tides_status add_model(tides_scene *scene, const char *path, const tides_trajectory *trajectory, double scale,
+                              tides_error *error) {
+    td_model_dir dir;
+    tides_status status = td_model_dir_find(path, &dir, error);
+    if (status) return status;
+    status = td_scene_add_model(scene, &dir, trajectory, scale, error);
+    td_model_dir_free(&dir);
+    return status;
+}
+
+/* The file's start: what detection looks at. */
+typedef struct beginning {
+    const char *file;
+    int folder; /* 1: no file, and nothing below is known */
+    unsigned char bytes[TD_KSPLAT_START];
+    size_t got;
+    uint64_t size;
+} beginning;
+
+static int is_ply(const beginning *b) {
+    return b->got >= 4 && memcmp(b->bytes, "ply", 3) == 0 && (b->bytes[3] == '\n' || b->bytes[3] == '\r');
+}
+
+static int is_spz(const beginning *b) { return td_spz_is(b->bytes, b->got); }
+
+static int is_hdf5(const beginning *b) {
+    htri_t found;
+    if (b->folder) return 0;
+    H5E_BEGIN_TRY { found = H5Fis_hdf5(b->file); }
+    H5E_END_TRY
+    return found > 0;
+}
+
+/* A .ksplat has no magic number and a .splat not even a header, so that their names count too. */
+static int is_ksplat(const beginning *b) { return td_ksplat_is(b->bytes, b->got, b->size) || ends_in(b->file, ".ksplat"); }
+static int is_splat(const beginning *b) { return ends_in(b->file, ".splat"); }
+
+static int is_sog(const beginning *b) { return b->got >= 4 && memcmp(b->bytes, "PK\3\4", 4) == 0 && td_sog_is_zip(b->file); }
+
+static int is_sog_folder(const beginning *b) {
+    if (!b->folder) return td_sog_is_meta(b->file);
+    char *meta = td_format(NULL, "%s/meta.json", b->file);
+    struct stat facts;
+    int found = meta && stat(meta, &facts) == 0;
+    free(meta);
+    return found;
+}
+
+/* One line per format, surest first. */
+static const struct {
+    int (*is)(const beginning *b);
+    reader with;
+} formats[] = {{is_ply, {td_ply_parse, NULL}},    {is_spz, {td_spz_parse, NULL}},
+               {is_sog, {td_sog_parse, NULL}},    {is_sog_folder, {NULL, td_sog_read_folder}},
+               {is_hdf5, {NULL, NULL}},           {is_ksplat, {td_ksplat_parse, NULL}},
+               {is_splat, {td_splat_parse, NULL}}};
+enum { FORMATS = sizeof formats / sizeof formats[0] };
+
+/* Index into `formats`; FORMATS where the content is none of them. */
+static size_t format_of(const beginning *b) {
+    size_t i = 0;
+    while (i < FORMATS && !formats[i].is(b)) i++;
+    return i;
+}
+
+static tides_status read_beginning(const char *file, beginning *b, tides_error *error) {
     struct stat facts;
     if (stat(file, &facts) != 0) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", file, strerror(errno));
+    *b = (beginning){.file = file, .folder = S_ISDIR(facts.st_mode)};
+    if (b->folder) return TIDES_OK;
     if (!S_ISREG(facts.st_mode)) return td_fail(error, TIDES_BAD_FILE, "%s: is not a regular file", file);
     FILE *in = fopen(file, "rb");
     if (!in) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", file, strerror(errno));
-    char start[4] = "";
-    size_t got = fread(start, 1, sizeof start, in);
+    b->size = (uint64_t)facts.st_size;
+    b->got = fread(b->bytes, 1, sizeof b->bytes, in);
     fclose(in);
-    if (got == 0) return td_fail(error, TIDES_BAD_FILE, "%s: is empty: a .ply or .h5 scene was expected", file);
-    if (got == sizeof start && memcmp(start, "ply", 3) == 0 && (start[3] == '\n' || start[3] == '\r')) {
-        *kind = IS_PLY;
-        return TIDES_OK;
-    }
-    htri_t is_hdf5;
-    H5E_BEGIN_TRY { is_hdf5 = H5Fis_hdf5(file); }
-    H5E_END_TRY
-    if (is_hdf5 <= 0)
-        return td_fail(error, TIDES_BAD_FILE,
-                       "%s: is neither a PLY file (no 'ply' at byte 0) nor an HDF5 one: convert it to a 3DGS .ply first", file);
-    *kind = IS_HDF5;
+    if (b->got == 0) return td_fail(error, TIDES_BAD_FILE, "%s: is empty: a .ply or .h5 scene was expected", file);
     return TIDES_OK;
+}
+
+int32_t tides_scene_is_file(const char *file) {
+    beginning start;
+    if (file && td_model_dir_is(file)) return 1;
+    return file && read_beginning(file, &start, NULL) == TIDES_OK && format_of(&start) < FORMATS;
 }
 
 tides_status tides_scene_add_file(tides_scene *scene, const char *file, const tides_trajectory *trajectory, double scale,
@@ -70,16 +155,19 @@ tides_status tides_scene_add_file(tides_scene *scene, const char *file, const ti
     if (!(scale > 0 && scale <= FLT_MAX))
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: scale is %g: must be a positive number within float's range", file,
                        scale);
-    int kind = 0;
-    tides_status status = detect(file, &kind, error);
+    beginning start;
+    tides_status status = read_beginning(file, &start, error);
     if (status) return status;
-    if (kind == IS_PLY) return add_ply(scene, file, trajectory, scale, error);
+    size_t format = format_of(&start);
+    if (start.folder ? format == FORMATS : td_model_dir_is(file)) return add_model(scene, file, trajectory, scale, error);
+    if (format == FORMATS)
+        return td_fail(error, TIDES_BAD_FILE,
+                       "%s: is no scene: neither a PLY file (no 'ply' at byte 0), nor .spz, .sog, .ksplat, .splat or an HDF5 "
+                       "one: convert it to a 3DGS .ply first",
+                       file);
+    reader with = formats[format].with;
+    if (with.parse || with.read) return add_gaussians(scene, file, with, NULL, trajectory, scale, error);
     return td_scene_hdf5_read(scene, file, trajectory, scale, error);
-}
-
-static int ends_in(const char *text, const char *ending) {
-    size_t length = strlen(text), tail = strlen(ending);
-    return length >= tail && strcmp(text + length - tail, ending) == 0;
 }
 
 static tides_status save_ply(const tides_scene *scene, const char *file, tides_error *error) {

@@ -58,6 +58,10 @@ void td_scene_truncate(tides_scene *scene, size_t count);
 /* From memory; `path` is only for messages. TIDES_BAD_FILE, TIDES_UNSUPPORTED, TIDES_NO_MEMORY. */
 tides_status td_ply_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
 
+/* Reads a .ply as one object; a NULL `name` is the file's (scene_file.c). */
+tides_status td_scene_add_ply(tides_scene *scene, const char *file, const char *name, const tides_trajectory *trajectory,
+                              double scale, tides_error *error);
+
 /* `scale` multiplies means and scales on their way out. */
 tides_status td_ply_write(const char *path, const td_gaussians *gaussians, double scale, tides_error *error);
 

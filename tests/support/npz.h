@@ -1,20 +1,11 @@
-/* Test support: reads numpy's .npz and .npy files, little-endian; arrays come out in C order. */
+/* Test support: numpy's files through the library's own reader (lib/archive/td_npy.h), with reasons on stderr. */
 #ifndef TESTS_SUPPORT_NPZ_H
 #define TESTS_SUPPORT_NPZ_H
 
-#include <stddef.h>
+#include "archive/td_npy.h"
 
-typedef struct npz npz;
-
-enum { NPZ_DIMENSIONS_MAX = 8 };
-
-typedef struct npz_array {
-    char dtype[256];                  /* "<f8"; a structured array's whole list: "[('x', '<f4'), ...]" */
-    int ndim;                         /* 0: a scalar */
-    size_t shape[NPZ_DIMENSIONS_MAX]; /* entries from ndim on are 1 */
-    size_t count, item;               /* elements, and bytes of one */
-    const void *data;                 /* aligned for any type; lives as long as the npz */
-} npz_array;
+typedef td_npz npz;
+typedef td_npy_array npz_array;
 
 /* Opens an .npz, or an .npy as one array called "data". NULL, with the reason on stderr, where that fails. */
 npz *npz_open(const char *path);

@@ -4,7 +4,7 @@
 
 #include "tides/base.h"
 
-/* *state becomes the folder's path, below $TMPDIR or /tmp; teardown removes it with all files in it. */
+/* *state becomes the folder's path, below $TMPDIR or /tmp; teardown removes it with all that is in it. */
 int scene_folder_setup(void **state);
 int scene_folder_teardown(void **state);
 

@@ -10,99 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-#include <zlib.h>
 
+#include "tests/support/archive_make.h"
 #include "tests/support/npz.h"
 #include "tests/support/shared.h"
-
-typedef struct buffer {
-    unsigned char bytes[8192];
-    size_t size;
-} buffer;
-
-static void put(buffer *b, const void *data, size_t size) {
-    assert_true(b->size + size <= sizeof b->bytes);
-    memcpy(b->bytes + b->size, data, size);
-    b->size += size;
-}
-
-static void put_number(buffer *b, unsigned long value, int bytes) {
-    for (int i = 0; i < bytes; i++, value >>= 8) put(b, &(unsigned char){(unsigned char)(value & 255)}, 1);
-}
-
-static void put_npy(buffer *b, int version, const char *header, const void *data, size_t size) {
-    put(b, "\x93NUMPY", 6);
-    put_number(b, (unsigned long)version, 1);
-    put_number(b, 0, 1);
-    put_number(b, strlen(header), version == 1 ? 2 : 4);
-    put(b, header, strlen(header));
-    put(b, data, size);
-}
-
-/* The fields that local and central headers share, from "version needed" to the lengths. */
-static void put_facts(buffer *b, int deflated, unsigned long crc, size_t packed, size_t size, size_t name, size_t extra) {
-    put_number(b, 20, 2);
-    put_number(b, 0, 2);
-    put_number(b, deflated ? 8 : 0, 2);
-    put_number(b, 0, 4);
-    put_number(b, crc, 4);
-    put_number(b, packed, 4);
-    put_number(b, size, 4);
-    put_number(b, name, 2);
-    put_number(b, extra, 2);
-}
-
-static size_t deflate_raw(const unsigned char *data, size_t size, unsigned char *out, size_t capacity) {
-    z_stream stream = {0};
-    assert_int_equal(deflateInit2(&stream, 9, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY), Z_OK);
-    unsigned char copy[4096];
-    assert_true(size <= sizeof copy);
-    memcpy(copy, data, size);
-    stream.next_in = copy;
-    stream.avail_in = (uInt)size;
-    stream.next_out = out;
-    stream.avail_out = (uInt)capacity;
-    assert_int_equal(deflate(&stream, Z_FINISH), Z_STREAM_END);
-    size_t packed = stream.total_out;
-    deflateEnd(&stream);
-    return packed;
-}
-
-/* Adds a member to `archive` and its record to `central`; the local header gets 8 bytes of extra field, as numpy writes. */
-static void put_member(buffer *archive, buffer *central, const char *name, const buffer *npy, int deflated) {
-    unsigned char packed[4096];
-    size_t bytes = npy->size, offset = archive->size;
-    if (deflated)
-        bytes = deflate_raw(npy->bytes, npy->size, packed, sizeof packed);
-    else
-        memcpy(packed, npy->bytes, bytes);
-    unsigned long crc = crc32(0, npy->bytes, (uInt)npy->size);
-    put(archive, "PK\3\4", 4);
-    put_facts(archive, deflated, crc, bytes, npy->size, strlen(name), 8);
-    put(archive, name, strlen(name));
-    put_number(archive, 0, 8);
-    put(archive, packed, bytes);
-    put(central, "PK\1\2", 4);
-    put_number(central, 20, 2);
-    put_facts(central, deflated, crc, bytes, npy->size, strlen(name), 0);
-    put_number(central, 0, 10);
-    put_number(central, 0, 4);
-    central->size -= 4; /* the offset replaces the last field */
-    put_number(central, offset, 4);
-    put(central, name, strlen(name));
-}
-
-static void put_end(buffer *archive, const buffer *central, unsigned long count) {
-    size_t offset = archive->size;
-    put(archive, central->bytes, central->size);
-    put(archive, "PK\5\6\0\0\0\0", 8);
-    put_number(archive, count, 2);
-    put_number(archive, count, 2);
-    put_number(archive, central->size, 4);
-    put_number(archive, offset, 4);
-    put_number(archive, 2, 2);
-    put(archive, "hi", 2);
-}
 
 static char scratch[1024];
 
@@ -131,31 +42,33 @@ static npz *open_bytes(const void *bytes, size_t size) {
     return opened;
 }
 
-static void make_archive(buffer *archive) {
+static void add_array(archive_make *archive, const char *name, int version, const char *header, const void *data, size_t size,
+                      int deflated) {
+    scene_bytes npy = {0};
+    archive_npy(&npy, version, header, data, size);
+    archive_add(archive, name, npy.data, npy.size, deflated);
+    free(npy.data);
+}
+
+static scene_bytes make_archive(void) {
     static const double grid[6] = {1, 2, 3, 4, 5, -6.5};
     static const int16_t shorts[3] = {-7, 300, 5};
     static const uint32_t text[3] = {'p', 0xb5, 0}; /* p, micro sign, padding */
-    static buffer central, npy;
-    central.size = npy.size = archive->size = 0;
-    put_npy(&npy, 1, "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }   \n", grid, sizeof grid);
-    put_member(archive, &central, "grid.npy", &npy, 1);
-    npy.size = 0;
-    put_npy(&npy, 2, "{'descr': '<i2', 'fortran_order': False, 'shape': (3,), }\n", shorts, sizeof shorts);
-    put_member(archive, &central, "shorts.npy", &npy, 0);
-    npy.size = 0;
-    put_npy(&npy, 1, "{'descr': '<U3', 'fortran_order': False, 'shape': (), }\n", text, sizeof text);
-    put_member(archive, &central, "text.npy", &npy, 0);
-    npy.size = 0;
-    put_npy(&npy, 1, "{'descr': '<f8', 'fortran_order': True, 'shape': (3, 2), }\n", grid, sizeof grid);
-    put_member(archive, &central, "turned.npy", &npy, 1);
-    put_end(archive, &central, 4);
+    archive_make archive = {{0}, {0}, 0};
+    add_array(&archive, "grid.npy", 1, "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }   \n", grid, sizeof grid,
+              1);
+    add_array(&archive, "shorts.npy", 2, "{'descr': '<i2', 'fortran_order': False, 'shape': (3,), }\n", shorts, sizeof shorts,
+              0);
+    add_array(&archive, "text.npy", 1, "{'descr': '<U3', 'fortran_order': False, 'shape': (), }\n", text, sizeof text, 0);
+    add_array(&archive, "turned.npy", 1, "{'descr': '<f8', 'fortran_order': True, 'shape': (3, 2), }\n", grid, sizeof grid, 1);
+    return archive_end(&archive);
 }
 
 static void test_arrays(void **state) {
     (void)state;
-    static buffer archive;
-    make_archive(&archive);
-    npz *file = open_bytes(archive.bytes, archive.size);
+    scene_bytes archive = make_archive();
+    npz *file = open_bytes(archive.data, archive.size);
+    free(archive.data);
     assert_non_null(file);
     assert_int_equal(npz_count(file), 4);
     assert_string_equal(npz_name(file, 1), "shorts");
@@ -176,9 +89,9 @@ static void test_arrays(void **state) {
 
 static void test_helpers(void **state) {
     (void)state;
-    static buffer archive;
-    make_archive(&archive);
-    npz *file = open_bytes(archive.bytes, archive.size);
+    scene_bytes archive = make_archive();
+    npz *file = open_bytes(archive.data, archive.size);
+    free(archive.data);
     assert_non_null(file);
     size_t count = 0;
     double *shorts = npz_doubles(file, "shorts", &count);
@@ -206,11 +119,12 @@ static void test_helpers(void **state) {
 
 static void test_single_npy(void **state) {
     (void)state;
-    static buffer npy;
-    npy.size = 0;
+    scene_bytes npy = {0};
     static const unsigned char rows[6] = {1, 0, 9, 2, 0, 8};
-    put_npy(&npy, 1, "{'descr': [('x', '<i2'), ('p', '|b1')], 'fortran_order': False, 'shape': (2,), }\n", rows, sizeof rows);
-    npz *file = open_bytes(npy.bytes, npy.size);
+    archive_npy(&npy, 1, "{'descr': [('x', '<i2'), ('p', '|b1')], 'fortran_order': False, 'shape': (2,), }\n", rows,
+                sizeof rows);
+    npz *file = open_bytes(npy.data, npy.size);
+    free(npy.data);
     assert_non_null(file);
     const npz_array *data = npz_get(file, "data");
     assert_non_null(data);
@@ -239,23 +153,23 @@ static void speak(int kept) {
 /* Truncations and flipped bytes: no crash (the sanitisers watch), and a broken member is never handed out. */
 static void test_damage(void **state) {
     (void)state;
-    static buffer archive, damaged;
-    make_archive(&archive);
+    scene_bytes archive = make_archive();
     size_t opened = 0, wrong = 0;
     int kept = silence();
     for (size_t size = 0; size < archive.size; size += 7) { /* the directory is at the end, so none of these can open */
-        npz *file = open_bytes(archive.bytes, size);
+        npz *file = open_bytes(archive.data, size);
         opened += file != NULL;
         npz_close(file);
     }
     for (size_t at = 0; at < archive.size; at += 3) {
-        damaged = archive;
-        damaged.bytes[at] ^= 0x55;
-        npz *file = open_bytes(damaged.bytes, damaged.size);
+        archive.data[at] ^= 0x55;
+        npz *file = open_bytes(archive.data, archive.size);
+        archive.data[at] ^= 0x55;
         const npz_array *grid = file ? npz_get(file, "grid") : NULL;
         wrong += grid && ((const double *)grid->data)[5] != -6.5;
         npz_close(file);
     }
+    free(archive.data);
     npz *absent = npz_open("/nonexistent/file.npz");
     speak(kept);
     assert_int_equal(opened, 0);

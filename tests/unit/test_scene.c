@@ -332,11 +332,12 @@ static void test_unreadable(void **state) {
     tides_scene *scene = scene_new();
     const char *path = scene_in_folder(*state, "s.ply");
     scene_expect_error(tides_scene_add_file(scene, path, NULL, 1, &error), TIDES_FILE_NOT_FOUND, &error, "s.ply|No such file");
-    scene_expect_error(tides_scene_add_file(scene, *state, NULL, 1, &error), TIDES_BAD_FILE, &error, "not a regular file");
+    scene_expect_error(tides_scene_add_file(scene, *state, NULL, 1, &error), TIDES_BAD_FILE, &error,
+                       "no folder of a trained model");
     scene_file_write(path, "", 0);
     scene_expect_error(tides_scene_add_file(scene, path, NULL, 1, &error), TIDES_BAD_FILE, &error, "s.ply: is empty");
-    scene_file_write(path, "NGSP", 4);
-    scene_expect_error(tides_scene_add_file(scene, path, NULL, 1, &error), TIDES_BAD_FILE, &error, "neither a PLY|nor an HDF5");
+    scene_file_write(path, "JUNK", 4);
+    scene_expect_error(tides_scene_add_file(scene, path, NULL, 1, &error), TIDES_BAD_FILE, &error, "neither a PLY|an HDF5");
     scene_file_write(path, "ply", 3);
     scene_expect_error(tides_scene_add_file(scene, path, NULL, 1, &error), TIDES_BAD_FILE, &error, "s.ply|neither");
     assert_int_equal(tides_scene_objects(scene), 0);

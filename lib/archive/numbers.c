@@ -1,0 +1,39 @@
+/* Numbers as files store them, and shapes as messages show them. */
+#include "archive/td_numbers.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* IEEE 754 binary16: 5 bits of exponent (bias 15), 10 of fraction. */
+static double half(uint32_t bits) {
+    int exponent = (int)(bits >> 10 & 31), fraction = (int)(bits & 1023);
+    double magnitude = exponent == 31 ? (fraction ? NAN : INFINITY)
+                       : exponent     ? ldexp(1024 + fraction, exponent - 25)
+                                      : ldexp(fraction, -24);
+    return bits & 0x8000u ? -magnitude : magnitude;
+}
+
+double td_float_bits(uint64_t bits, size_t bytes) {
+    if (bytes == 2) return half((uint32_t)bits & 0xffffu);
+    if (bytes == 4) {
+        uint32_t low = (uint32_t)bits;
+        float value;
+        memcpy(&value, &low, sizeof value);
+        return (double)value;
+    }
+    double value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+const char *td_shape_text(int ndim, const int64_t *shape, char text[TD_SHAPE_BYTES]) {
+    size_t used = (size_t)snprintf(text, TD_SHAPE_BYTES, "[");
+    for (int d = 0; d < ndim && d < 8; d++) { /* 8 times at most 22 characters */
+        const char *comma = d ? ", " : "";
+        used += shape[d] < 0 ? (size_t)snprintf(text + used, TD_SHAPE_BYTES - used, "%sany", comma)
+                             : (size_t)snprintf(text + used, TD_SHAPE_BYTES - used, "%s%lld", comma, (long long)shape[d]);
+    }
+    snprintf(text + used, TD_SHAPE_BYTES - used, "]");
+    return text;
+}

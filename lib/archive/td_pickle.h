@@ -1,0 +1,24 @@
+/* Internal: what torch.save writes (.pth, .pt: a ZIP of a pickle of protocol 2 and raw storages; torch >= 1.6) as a tree of
+ * plain values. Nothing is executed or looked up: a pickle is a list of instructions for a small stack machine, and the
+ * ones that would call a function are obeyed for the few that only put data together:
+ *     collections.OrderedDict, torch._utils._rebuild_tensor_v2, torch._utils._rebuild_parameter,
+ *     torch.*Storage, torch.Size, numpy scalars (numpy.core.multiarray.scalar, numpy.dtype, _codecs.encode)
+ * Any other global is refused by its name, any other instruction by its number. A parameter is its tensor; a dict's
+ * attributes (state_dict's _metadata) are dropped.
+ * Depth, instructions, values and memo are bounded; cycles are refused. */
+#ifndef TD_PICKLE_H
+#define TD_PICKLE_H
+
+#include "archive/td_value.h"
+
+/* Reads a file. On success the caller frees the tree. TIDES_FILE_NOT_FOUND; TIDES_BAD_FILE; TIDES_UNSUPPORTED (files from
+ * before torch 1.6, other globals, big-endian storages, other dtypes); TIDES_NO_MEMORY. */
+tides_status td_torch_open(const char *path, td_tree **tree, tides_error *error);
+
+/* The same from memory that outlives the tree; `path` is for messages only. */
+tides_status td_torch_parse(const char *path, const void *bytes, size_t size, td_tree **tree, tides_error *error);
+
+/* A bare pickle of protocol 2 without storages. */
+tides_status td_pickle_parse(const char *path, const void *bytes, size_t size, td_tree **tree, tides_error *error);
+
+#endif

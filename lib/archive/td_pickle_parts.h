@@ -1,0 +1,49 @@
+/* Internal: what the files of the pickle reader share. */
+#ifndef TD_PICKLE_PARTS_H
+#define TD_PICKLE_PARTS_H
+
+#include "archive/td_tree.h"
+#include "archive/td_zip.h"
+
+/* Values that exist only while a pickle is being read: td_tree_check refuses them in a finished tree. */
+enum { TD_PICKLE_GLOBAL = TD_VALUE_TENSOR + 1, TD_PICKLE_STORAGE, TD_PICKLE_DTYPE };
+
+/* A member of the archive with the type that a pickle gives it. */
+typedef struct td_storage {
+    int dtype;
+    int64_t count; /* elements */
+    const unsigned char *data;
+} td_storage;
+
+/* Where storages come from (torch.c); NULL for a bare pickle. */
+typedef struct td_torch td_torch;
+
+typedef struct td_pickle {
+    const char *path;
+    const unsigned char *bytes;
+    size_t size, at;
+    td_tree *tree;
+    td_torch *torch;
+    td_value **stack; /* NULL: a mark */
+    size_t depth, stack_capacity;
+    td_value **memo;
+    size_t memo_count;
+    tides_error *error;
+} td_pickle;
+
+/* Runs the instructions; `*root` is what is left (pickle.c). The caller checks the tree. */
+tides_status td_pickle_run(td_pickle *pickle, td_value **root);
+
+/* The instructions that would import, call and configure (pickle_call.c). `*made` is set on success. */
+tides_status td_pickle_global(td_pickle *pickle, const char *module, size_t module_length, const char *name, size_t name_length,
+                              td_value **made);
+tides_status td_pickle_call(td_pickle *pickle, const td_value *callee, const td_value *arguments, td_value **made);
+tides_status td_pickle_build(td_pickle *pickle, const td_value *object, const td_value *state);
+
+/* The dtype of a storage's global, -1 where the value is none. */
+int td_pickle_storage_dtype(const td_value *value);
+
+/* The storage that a persistent id names: ('storage', type, key, location, elements) (torch.c). */
+tides_status td_pickle_persistent(td_pickle *pickle, const td_value *id, td_value **made);
+
+#endif

@@ -1,0 +1,178 @@
+/* COLMAP's cameras, as text: lines of `ID MODEL WIDTH HEIGHT PARAMETERS`, '#' starts a comment; or binary, little-endian:
+ * uint64 count, then {uint32 id, int32 model, uint64 width, uint64 height, double parameters} each.
+ *
+ * A model's parameters begin with f, cx, cy or fx, fy, cx, cy; the rest bends lines. What is simulated is a pinhole: the one
+ * that agrees with the lens at its axis, so that distortion is left out here, and reported once, by tides_path.distorted.
+ * Pixel centres are at 0.5 in COLMAP as in TIDES. */
+#include "camera/td_colmap.h"
+
+#include "camera/td_path.h"
+#include "td_base.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { MODELS = 11, PARAMETERS_MAX = 12, BINARY_CAMERA = 24 };
+
+static const struct {
+    const char *name;
+    int parameters, focals;
+} models[MODELS] = {{"SIMPLE_PINHOLE", 3, 1},
+                    {"PINHOLE", 4, 2},
+                    {"SIMPLE_RADIAL", 4, 1},
+                    {"RADIAL", 5, 1},
+                    {"OPENCV", 8, 2},
+                    {"OPENCV_FISHEYE", 8, 2},
+                    {"FULL_OPENCV", 12, 2},
+                    {"FOV", 5, 2},
+                    {"SIMPLE_RADIAL_FISHEYE", 4, 1},
+                    {"RADIAL_FISHEYE", 5, 1},
+                    {"THIN_PRISM_FISHEYE", 12, 2}};
+
+/* A fisheye bends lines whatever its parameters are. */
+static int is_fisheye(int model) { return strstr(models[model].name, "FISHEYE") != NULL; }
+
+int td_colmap_is_named(const char *file, const char *name) {
+    const char *slash = strrchr(file, '/');
+    return strcmp(slash ? slash + 1 : file, name) == 0;
+}
+
+/* One camera of the file. */
+typedef struct entry {
+    uint32_t id;
+    int model;
+    double width, height, parameters[PARAMETERS_MAX];
+} entry;
+
+static tides_status add_entry(const char *file, const entry *e, td_colmap_cameras *cameras, tides_error *error) {
+    const double *p = e->parameters;
+    int two = models[e->model].focals == 2, distorted = is_fisheye(e->model);
+    for (int k = 2 + models[e->model].focals; k < models[e->model].parameters; k++) distorted |= p[k] != 0.0;
+    if (!(e->width >= 1 && e->width <= INT32_MAX && e->height >= 1 && e->height <= INT32_MAX))
+        return td_fail(error, TIDES_BAD_FILE, "%s: camera %lu: its size, %g x %g, must be whole numbers of pixels from 1 on",
+                       file, (unsigned long)e->id, e->width, e->height);
+    for (int k = 0; k < models[e->model].parameters; k++)
+        if (!isfinite(p[k]) || (k < models[e->model].focals && !(p[k] > 0)))
+            return td_fail(error, TIDES_BAD_FILE, "%s: camera %lu: parameter %d of its %s is %g: must be finite%s", file,
+                           (unsigned long)e->id, k + 1, models[e->model].name, p[k],
+                           k < models[e->model].focals ? " and above 0" : "");
+    if (td_colmap_find(cameras, e->id))
+        return td_fail(error, TIDES_BAD_FILE, "%s: camera %lu is there twice", file, (unsigned long)e->id);
+    void *list = cameras->list;
+    if (td_reserve(&list, &cameras->capacity, cameras->count + 1, sizeof *cameras->list, error)) return TIDES_NO_MEMORY;
+    cameras->list = list;
+    cameras->list[cameras->count++] =
+        (td_colmap_camera){e->id, distorted, {(int32_t)e->width, (int32_t)e->height, p[0], p[two], p[1 + two], p[2 + two]}};
+    return TIDES_OK;
+}
+
+/* -- text -- */
+
+static tides_status parse_line(const char *file, size_t line, const char *c, td_colmap_cameras *cameras, tides_error *error) {
+    entry e = {0};
+    char *end;
+    double id = 0, *const numbers[] = {&id, &e.width, &e.height};
+    for (int k = 0; k < 3; k++) {
+        const char *after = td_text_number(c, numbers[k]);
+        if (after == c || *numbers[k] != floor(*numbers[k]) || !(id >= 0 && id <= UINT32_MAX))
+            return td_fail(error, TIDES_BAD_FILE, "%s:%zu: must be ID MODEL WIDTH HEIGHT and the model's parameters", file,
+                           line);
+        c = td_text_skip(after);
+        if (k > 0) continue;
+        size_t length = strcspn(c, " \t\r\n");
+        char word[TD_QUOTE];
+        e.model = 0;
+        while (e.model < MODELS && (strlen(models[e.model].name) != length || strncmp(models[e.model].name, c, length) != 0))
+            e.model++;
+        if (e.model == MODELS)
+            return td_fail(error, TIDES_UNSUPPORTED, "%s:%zu: unknown camera model \"%s\"", file, line,
+                           td_path_quote(c, length, word));
+        c = td_text_skip(c + length);
+    }
+    int count = 0;
+    for (; count < models[e.model].parameters && !td_text_ends(c); count++, c = td_text_skip(end)) {
+        e.parameters[count] = strtod(c, &end);
+        if (end == c) break;
+    }
+    e.id = (uint32_t)id;
+    if (count == models[e.model].parameters && td_text_ends(c)) return add_entry(file, &e, cameras, error);
+    return td_fail(error, TIDES_BAD_FILE, "%s:%zu: %s needs %d numbers after the size", file, line, models[e.model].name,
+                   models[e.model].parameters);
+}
+
+static tides_status parse_text(const char *file, const char *c, td_colmap_cameras *cameras, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (size_t line = 1; *c && !status; line++) {
+        const char *data = td_text_skip(c);
+        if (!td_text_ends(data)) status = parse_line(file, line, data, cameras, error);
+        c += strcspn(c, "\n");
+        c += *c == '\n';
+    }
+    return status;
+}
+
+/* -- binary -- */
+
+static tides_status parse_binary(const char *file, const char *data, size_t bytes, td_colmap_cameras *cameras,
+                                 tides_error *error) {
+    td_bytes b = {data, bytes};
+    uint64_t count = 0, width, height, id, model;
+    if (!td_bytes_number(&b, 8, &count)) return td_fail(error, TIDES_BAD_FILE, "%s: ends within its count: truncated?", file);
+    for (uint64_t i = 0; i < count; i++) {
+        entry e = {0};
+        int whole = td_bytes_number(&b, 4, &id) && td_bytes_number(&b, 4, &model) && td_bytes_number(&b, 8, &width) &&
+                    td_bytes_number(&b, 8, &height);
+        if (whole && model >= MODELS)
+            return td_fail(error, TIDES_UNSUPPORTED, "%s: camera %llu has the unknown model %lu", file, (unsigned long long)i,
+                           (unsigned long)model);
+        for (int k = 0; whole && k < models[model].parameters; k++) whole = td_bytes_double(&b, &e.parameters[k]);
+        if (!whole)
+            return td_fail(error, TIDES_BAD_FILE, "%s: ends within camera %llu of %llu: truncated?", file,
+                           (unsigned long long)i, (unsigned long long)count);
+        e.id = (uint32_t)id;
+        e.model = (int)model;
+        e.width = (double)width;
+        e.height = (double)height;
+        tides_status status = add_entry(file, &e, cameras, error);
+        if (status) return status;
+    }
+    return TIDES_OK;
+}
+
+tides_status td_colmap_parse_cameras(const char *file, const char *data, size_t bytes, int binary, td_colmap_cameras *cameras,
+                                     tides_error *error) {
+    td_colmap_cameras made = {NULL, 0, 0};
+    tides_status status = binary ? parse_binary(file, data, bytes, &made, error) : parse_text(file, data, &made, error);
+    if (!status && made.count == 0) status = td_fail(error, TIDES_BAD_FILE, "%s: holds no camera", file);
+    if (status)
+        free(made.list);
+    else
+        *cameras = made;
+    return status;
+}
+
+tides_status td_colmap_load_cameras(const char *file, int binary, td_colmap_cameras *cameras, tides_error *error) {
+    const char *slash = strrchr(file, '/');
+    for (int k = 0; k < 2; k++) {
+        int as_binary = k == 0 ? binary : !binary;
+        char *beside = td_format(error, "%.*scameras.%s", (int)(slash ? slash - file + 1 : 0), file, as_binary ? "bin" : "txt");
+        if (!beside) return TIDES_NO_MEMORY;
+        char *data = NULL;
+        size_t bytes = 0;
+        int there = access(beside, F_OK) == 0;
+        tides_status status = there ? td_read_file(beside, TD_LARGEST_PATH, &data, &bytes, error) : TIDES_OK;
+        if (there && !status) status = td_colmap_parse_cameras(beside, data, bytes, as_binary, cameras, error);
+        free(data);
+        free(beside);
+        if (there || status) return status;
+    }
+    return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: needs COLMAP's cameras.bin or cameras.txt beside it", file);
+}
+
+const td_colmap_camera *td_colmap_find(const td_colmap_cameras *cameras, uint32_t id) {
+    for (size_t i = 0; i < cameras->count; i++)
+        if (cameras->list[i].id == id) return &cameras->list[i];
+    return NULL;
+}

@@ -1,0 +1,26 @@
+/* Little-endian numbers of binary camera files, one after the other, never beyond the end. */
+#include "camera/td_path.h"
+
+#include "archive/td_numbers.h"
+
+int td_bytes_skip(td_bytes *b, uint64_t bytes) {
+    if (bytes > b->left) return 0;
+    b->at += bytes;
+    b->left -= (size_t)bytes;
+    return 1;
+}
+
+int td_bytes_number(td_bytes *b, size_t bytes, uint64_t *value) {
+    const char *at = b->at;
+    *value = 0;
+    if (!td_bytes_skip(b, bytes)) return 0;
+    for (size_t i = 0; i < bytes; i++) *value |= (uint64_t)(unsigned char)at[i] << 8 * i;
+    return 1;
+}
+
+int td_bytes_double(td_bytes *b, double *value) {
+    uint64_t bits;
+    int good = td_bytes_number(b, 8, &bits);
+    *value = td_float_bits(bits, 8);
+    return good;
+}

@@ -1,0 +1,170 @@
+/* COLMAP's images.txt and images.bin, with the cameras beside them (colmap.c).
+ *
+ * Text: two lines per image, `ID QW QX QY QZ TX TY TZ CAMERA_ID NAME` and one of points, which is skipped (it may be empty);
+ * '#' at a line's start is a comment. Binary, little-endian: uint64 count, then {uint32 id, double q[4], double t[3], uint32
+ * camera, name ending in 0, uint64 points, 24 bytes for each}. q and t map the world to the camera in OpenCV axes.
+ *
+ * There are no times: images are put in the order of their names, which in a video's is the order of time, and spread over
+ * `duration`. */
+#include "camera/td_path.h"
+
+#include "camera/td_colmap.h"
+#include "camera/td_rotation.h"
+#include "td_base.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NUMBERS = 9, POINT_BYTES = 24 };
+
+/* An image, with its name where it stands in the file: not terminated. */
+typedef struct image {
+    const char *name;
+    size_t length;
+    td_path_sample sample;
+} image;
+
+typedef struct images {
+    td_path_reader *reader;
+    const td_colmap_cameras *cameras;
+    image *list;
+    size_t count, capacity;
+} images;
+
+/* `v`: id, q, t, camera. Body to world is the inverse of what the file has. */
+static tides_status set_pose(const images *m, const char *where, const double v[NUMBERS], tides_pose_sample *pose) {
+    double q[4] = {v[1], v[2], v[3], v[4]}, rotation[9];
+    tides_status status = td_path_check_quaternion(m->reader, where, q, "QW QX QY QZ");
+    if (status || !td_normalise_quaternion(q)) return status;
+    td_rotation_from_quaternion(q, rotation);
+    for (int i = 0; i < 3; i++) {
+        pose->position[i] = -(rotation[i] * v[5] + rotation[3 + i] * v[6] + rotation[6 + i] * v[7]);
+        pose->quaternion[i + 1] = -q[i + 1];
+    }
+    pose->quaternion[0] = q[0];
+    return TIDES_OK;
+}
+
+/* `where` names line or image in messages. */
+static tides_status add(images *m, const char *where, size_t place, const double v[NUMBERS], const char *name, size_t length) {
+    void *list = m->list;
+    if (td_reserve(&list, &m->capacity, m->count + 1, sizeof *m->list, m->reader->error)) return TIDES_NO_MEMORY;
+    m->list = list;
+    image *made = m->list + m->count;
+    *made = (image){.name = name, .length = length, .sample = {.place = place}};
+    for (int k = 0; k < NUMBERS; k++)
+        if (!isfinite(v[k]))
+            return td_fail(m->reader->error, TIDES_BAD_FILE, "%s: %s: its pose must be finite numbers", m->reader->file, where);
+    tides_status status = set_pose(m, where, v, &made->sample.pose);
+    if (status) return status;
+    const td_colmap_camera *camera = v[8] >= 0 && v[8] <= UINT32_MAX ? td_colmap_find(m->cameras, (uint32_t)v[8]) : NULL;
+    if (!camera)
+        return td_fail(m->reader->error, TIDES_BAD_FILE, "%s: %s: camera %g isn't among the %zu of the cameras file",
+                       m->reader->file, where, v[8], m->cameras->count);
+    td_path_share_intrinsics(&m->reader->path.intrinsics, &camera->intrinsics, m->count == 0);
+    m->reader->path.distorted |= camera->distorted;
+    m->count++;
+    return TIDES_OK;
+}
+
+static tides_status read_line(images *m, size_t line, const char *c) {
+    double v[NUMBERS];
+    char where[32];
+    snprintf(where, sizeof where, "line %zu", line);
+    for (int k = 0; k < NUMBERS; k++) {
+        const char *after = td_text_number(c, v + k);
+        if (after == c || (*after != ' ' && *after != '\t'))
+            return td_fail(m->reader->error, TIDES_BAD_FILE,
+                           "%s:%zu: an image is ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, with its points on the next line",
+                           m->reader->file, line);
+        c = td_text_skip(after);
+    }
+    return add(m, where, line, v, c, strcspn(c, "\r\n"));
+}
+
+static tides_status read_text(images *m) {
+    tides_status status = TIDES_OK;
+    const char *c = m->reader->text;
+    for (size_t line = 1; *c && !status; line++) {
+        const char *data = td_text_skip(c);
+        int has_image = !td_text_ends(data);
+        if (has_image) status = read_line(m, line, data);
+        for (int k = 0; k < 1 + has_image && *c; k++) { /* an image's points are on the line behind it */
+            c += strcspn(c, "\n");
+            c += *c == '\n';
+        }
+        line += (size_t)has_image;
+    }
+    return status;
+}
+
+static tides_status read_binary(images *m) {
+    td_bytes b = {m->reader->text, m->reader->bytes};
+    uint64_t count = 0, points, whole;
+    if (!td_bytes_number(&b, 8, &count))
+        return td_fail(m->reader->error, TIDES_BAD_FILE, "%s: ends within its count: truncated?", m->reader->file);
+    for (uint64_t i = 0; i < count; i++) {
+        double v[NUMBERS];
+        char where[40];
+        snprintf(where, sizeof where, "images[%llu]", (unsigned long long)i);
+        int good = td_bytes_number(&b, 4, &whole);
+        v[0] = (double)whole;
+        for (int k = 1; k < 8 && good; k++) good = td_bytes_double(&b, v + k);
+        good = good && td_bytes_number(&b, 4, &whole);
+        v[8] = (double)whole;
+        const char *name = b.at, *end = good ? memchr(name, 0, b.left) : NULL;
+        good = end && td_bytes_skip(&b, (uint64_t)(end - name) + 1) && td_bytes_number(&b, 8, &points) &&
+               points <= b.left / POINT_BYTES && td_bytes_skip(&b, points * POINT_BYTES);
+        if (!good)
+            return td_fail(m->reader->error, TIDES_BAD_FILE, "%s: ends within image %llu of %llu: truncated?", m->reader->file,
+                           (unsigned long long)i, (unsigned long long)count);
+        tides_status status = add(m, where, (size_t)i, v, name, (size_t)(end - name));
+        if (status) return status;
+    }
+    return TIDES_OK;
+}
+
+static int by_name(const void *left, const void *right) {
+    const image *a = left, *b = right;
+    int order = memcmp(a->name, b->name, a->length < b->length ? a->length : b->length);
+    if (order != 0 || a->length != b->length) return order ? order : a->length < b->length ? -1 : 1;
+    return a->sample.place < b->sample.place ? -1 : a->sample.place > b->sample.place;
+}
+
+tides_status td_path_read_images(td_path_reader *reader, int binary, const td_colmap_cameras *cameras) {
+    images m = {.reader = reader, .cameras = cameras};
+    strcpy(reader->path.format, "colmap");
+    reader->list = binary ? "images" : NULL;
+    tides_status status = binary ? read_binary(&m) : read_text(&m);
+    if (!status && m.count > 0) qsort(m.list, m.count, sizeof *m.list, by_name);
+    for (size_t i = 0; i < m.count && !status; i++) {
+        td_path_sample *sample = td_path_append(reader, m.list[i].sample.place);
+        status = sample ? TIDES_OK : TIDES_NO_MEMORY;
+        if (sample) *sample = m.list[i].sample;
+    }
+    if (!status) td_path_spread(reader);
+    free(m.list);
+    return status;
+}
+
+tides_status td_path_read_colmap(td_path_reader *reader, int binary) {
+    td_colmap_cameras cameras = {NULL, 0, 0};
+    tides_status status = td_colmap_load_cameras(reader->file, binary, &cameras, reader->error);
+    if (!status) status = td_path_read_images(reader, binary, &cameras);
+    free(cameras.list);
+    return status;
+}
+
+tides_status td_path_refuse_cameras(td_path_reader *reader, int binary) {
+    td_colmap_cameras cameras;
+    tides_status status = td_colmap_parse_cameras(reader->file, reader->text, reader->bytes, binary, &cameras, reader->error);
+    if (status) return status;
+    const tides_intrinsics *first = &cameras.list[0].intrinsics;
+    status = td_fail(reader->error, TIDES_BAD_FILE,
+                     "%s: holds %zu camera%s (%dx%d px, fx %.6g) but no poses: give COLMAP's images.%s, or the folder of both",
+                     reader->file, cameras.count, cameras.count == 1 ? "" : "s", (int)first->width, (int)first->height,
+                     first->fx, binary ? "bin" : "txt");
+    free(cameras.list);
+    return status;
+}

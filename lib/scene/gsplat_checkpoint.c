@@ -1,0 +1,84 @@
+/* gsplat's checkpoint, {"step", "splats": {means [N, 3], scales [N, 3] (log), quats [N, 4] (wxyz, raw), opacities [N] (logit),
+ * sh0 [N, 1, 3], shN [N, K - 1, 3]}}: the parameters as they are (gsplat, examples/simple_trainer.py). */
+#include "archive/td_pickle.h"
+#include "scene/td_model_dir.h"
+#include "td_base.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* The degree that shN's extent stands for; -1 where there is none. */
+static int32_t degree_of(const td_value *splats) {
+    const td_value *rest = td_value_get(splats, "shN");
+    if (!rest) return 0;
+    for (int32_t d = 0; d <= TIDES_SH_DEGREE_MAX; d++)
+        if (rest->kind == TD_VALUE_TENSOR && rest->as.tensor->ndim == 3 &&
+            rest->as.tensor->shape[1] + 1 == (int64_t)td_sh_coefficients(d))
+            return d;
+    return -1;
+}
+
+static tides_status read_array(const td_value *splats, const char *key, int ndim, const int64_t *shape, float *out,
+                               tides_error *error) {
+    float *values = NULL;
+    size_t count = 1;
+    tides_status status = td_value_floats(splats, key, ndim, shape, &values, error);
+    if (status) return status;
+    for (int d = 0; d < ndim; d++) count *= (size_t)shape[d];
+    memcpy(out, values, count * sizeof *values);
+    free(values);
+    return TIDES_OK;
+}
+
+/* Coefficient 0 from sh0, the others from shN, Gaussian by Gaussian. */
+static tides_status read_sh(const td_value *splats, const td_gaussians *g, tides_error *error) {
+    int64_t rest = (int64_t)td_sh_coefficients(g->sh_degree) - 1;
+    float *first = NULL, *others = NULL;
+    tides_status status = td_value_floats(splats, "sh0", 3, (const int64_t[]){g->count, 1, 3}, &first, error);
+    if (!status && rest) status = td_value_floats(splats, "shN", 3, (const int64_t[]){g->count, rest, 3}, &others, error);
+    for (int64_t i = 0; i < g->count && !status; i++) {
+        float *out = g->sh + 3 * (rest + 1) * i;
+        memcpy(out, first + 3 * i, 3 * sizeof *out);
+        if (rest) memcpy(out + 3, others + 3 * rest * i, 3 * (size_t)rest * sizeof *out);
+    }
+    free(first);
+    free(others);
+    return status;
+}
+
+static tides_status read_splats(const td_value *splats, td_gaussians *gaussians, tides_error *error) {
+    const td_tensor *means = NULL;
+    int32_t degree = degree_of(splats);
+    td_gaussians made;
+    memset(&made, 0, sizeof made);
+    tides_status status = td_value_tensor(splats, "means", &means, error);
+    if (!status) status = td_tensor_check_shape(means, "means", 2, (const int64_t[]){-1, 3}, error);
+    if (!status && degree < 0)
+        status = td_fail(error, TIDES_BAD_FILE,
+                         "tensor shN isn't of shape [N, 0, 3], [N, 3, 3], [N, 8, 3], [N, 15, 3] or "
+                         "[N, 24, 3]: SH degrees 0 to 4 are read");
+    if (!status && means->count == 0) status = td_fail(error, TIDES_BAD_FILE, "tensor means is empty: there is no Gaussian");
+    if (!status) status = td_gaussians_create(&made, means->shape[0], degree, error);
+    if (!status) status = read_array(splats, "means", 2, (const int64_t[]){made.count, 3}, made.mean, error);
+    if (!status) status = read_array(splats, "scales", 2, (const int64_t[]){made.count, 3}, made.log_scale, error);
+    if (!status) status = read_array(splats, "quats", 2, (const int64_t[]){made.count, 4}, made.quaternion, error);
+    if (!status) status = read_array(splats, "opacities", 1, (const int64_t[]){made.count}, made.opacity_logit, error);
+    if (!status) status = read_sh(splats, &made, error);
+    if (status)
+        td_gaussians_free(&made);
+    else
+        *gaussians = made;
+    return status;
+}
+
+tides_status td_gsplat_read(const char *path, td_gaussians *gaussians, tides_error *error) {
+    td_tree *tree = NULL;
+    tides_status status = td_torch_open(path, &tree, error);
+    if (status) return status;
+    const td_value *splats = td_value_get(td_tree_root(tree), "splats");
+    status = splats ? read_splats(splats, gaussians, error)
+                    : td_fail(error, TIDES_BAD_FILE, "holds no \"splats\": this isn't a checkpoint of gsplat");
+    if (status) td_fail_within(error, status, "%s", path);
+    td_tree_free(tree);
+    return status;
+}

@@ -1,0 +1,357 @@
+/* Recognising a trained model by what its trainer leaves in its folder. */
+#include "scene/td_model_dir.h"
+#include "archive/td_pickle.h"
+#include "archive/td_pyrepr.h"
+#include "archive/td_zip.h"
+#include "td_base.h"
+#include "td_model_files.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+const char *td_method_name(int method) {
+    static const char *const names[TD_METHODS] = {[TD_METHOD_INRIA] = "3D Gaussian Splatting",
+                                                  [TD_METHOD_FOURDGS] = "4DGaussians",
+                                                  [TD_METHOD_DEFORMABLE] = "Deformable-3D-Gaussians",
+                                                  [TD_METHOD_STG] = "SpacetimeGaussians",
+                                                  [TD_METHOD_FUDAN4D] = "4d-gaussian-splatting",
+                                                  [TD_METHOD_DYN3DGS] = "Dynamic3DGaussians",
+                                                  [TD_METHOD_FRAMES] = "one .ply per time",
+                                                  [TD_METHOD_EX4DGS] = "Ex4DGS",
+                                                  [TD_METHOD_GSPLAT] = "gsplat",
+                                                  [TD_METHOD_FREETIME] = "FreeTimeGS"};
+    return method >= 0 && method < TD_METHODS ? names[method] : "unknown";
+}
+
+void td_model_dir_free(td_model_dir *dir) {
+    for (size_t i = 0; i < dir->frame_count; i++) free(dir->frames[i]);
+    free(dir->frames);
+    free(dir->folder);
+    free(dir->points);
+    free(dir->weights);
+    td_tree_free(dir->cfg);
+    *dir = (td_model_dir){.iteration = -1};
+}
+
+/* -- paths -- */
+
+/* "FOLDER/name" goes to `*out` where that file exists; else `*out` stays. */
+static tides_status take_file(char **out, const char *folder, const char *name, tides_error *error) {
+    char *path = td_format(error, "%s/%s", folder, name);
+    if (!path) return TIDES_NO_MEMORY;
+    if (!td_is_file(path)) {
+        free(path);
+        return TIDES_OK;
+    }
+    free(*out);
+    *out = path;
+    return TIDES_OK;
+}
+
+/* The folder that holds `path`; "." where it is a bare name. */
+static char *folder_of(const char *path, tides_error *error) {
+    const char *name = td_base_name(path);
+    if (name == path) return td_strdup(".", error);
+    size_t length = (size_t)(name - path);
+    return td_format(error, "%.*s", (int)(length > 1 ? length - 1 : 1), path);
+}
+
+/* A copy without slashes at its end. */
+static char *plain_path(const char *path, tides_error *error) {
+    size_t length = strlen(path);
+    while (length > 1 && path[length - 1] == '/') length--;
+    return td_format(error, "%.*s", (int)length, path);
+}
+
+/* Replaces `*path` by the folder `levels` above. */
+static tides_status climb(char **path, int levels, tides_error *error) {
+    for (int i = 0; i < levels; i++) {
+        char *above = folder_of(*path, error);
+        if (!above) return TIDES_NO_MEMORY;
+        free(*path);
+        *path = above;
+    }
+    return TIDES_OK;
+}
+
+/* -- methods with point_cloud/iteration_N -- */
+
+/* Files of one iteration: its .ply, and deform.pth where the model has a folder for it. */
+static tides_status take_iteration(td_model_dir *dir, const char *iteration, int64_t number, int deformable,
+                                   tides_error *error) {
+    char *deform = NULL;
+    tides_status status = take_file(&dir->points, iteration, "point_cloud.ply", error);
+    if (status || !dir->points) return status;
+    if (deformable) {
+        if (!(deform = td_format(error, "%s/deform/iteration_%lld", dir->folder, (long long)number))) return TIDES_NO_MEMORY;
+        status = take_file(&dir->weights, deform, "deform.pth", error);
+        free(deform);
+        if (!status && !dir->weights) { /* an iteration without its network is none */
+            free(dir->points);
+            dir->points = NULL;
+        }
+    }
+    if (dir->points) dir->iteration = number;
+    return status;
+}
+
+/* The newest iteration that is complete. */
+static tides_status find_iteration(td_model_dir *dir, int deformable, tides_error *error) {
+    td_numbered_list list = {.items = NULL};
+    char *folder = td_format(error, "%s/point_cloud", dir->folder);
+    tides_status status = folder ? td_scan_numbered(folder, "iteration_", "", &list, error) : TIDES_NO_MEMORY;
+    td_numbered_sort(&list);
+    for (size_t i = list.count; i-- > 0 && !status && !dir->points;)
+        status = take_iteration(dir, list.items[i].path, list.items[i].number, deformable, error);
+    td_numbered_free(&list);
+    free(folder);
+    return status;
+}
+
+/* The method, by what is in and beside the .ply. */
+static tides_status judge_points(td_model_dir *dir, tides_error *error) {
+    char *beside = folder_of(dir->points, error);
+    tides_status status = beside ? TIDES_OK : TIDES_NO_MEMORY;
+    dir->method = TD_METHOD_INRIA;
+    if (status) return status;
+    if (dir->weights) {
+        dir->method = TD_METHOD_DEFORMABLE;
+    } else if (td_ply_file_has(dir->points, "trbf_center")) {
+        dir->method = TD_METHOD_STG;
+        status = take_file(&dir->weights, beside, "point_cloud.pt", error);
+    } else if (td_ply_file_has(dir->points, "xyz_disp_0") || td_ply_file_has(dir->points, "motion_xyz_0_0")) {
+        dir->method = TD_METHOD_EX4DGS;
+        status = take_file(&dir->weights, beside, "dynamic_point_cloud.ply", error);
+    } else {
+        status = take_file(&dir->weights, beside, "deformation.pth", error);
+        if (dir->weights) dir->method = TD_METHOD_FOURDGS;
+    }
+    free(beside);
+    return status;
+}
+
+/* -- the others -- */
+
+/* The file with the greatest number in a folder goes to `weights`. */
+static tides_status take_newest(td_model_dir *dir, const char *folder, const char *before, const char *after,
+                                tides_error *error) {
+    td_numbered_list list = {.items = NULL};
+    tides_status status = td_scan_numbered(folder, before, after, &list, error);
+    td_numbered_sort(&list);
+    if (!status && list.count && !dir->weights) {
+        dir->weights = list.items[list.count - 1].path;
+        dir->iteration = list.items[list.count - 1].number;
+        list.items[list.count - 1].path = NULL;
+    }
+    td_numbered_free(&list);
+    return status;
+}
+
+/* gsplat's checkpoints and FreeTimeGS's differ in their tensors only. */
+static tides_status judge_checkpoint(td_model_dir *dir, tides_error *error) {
+    td_tree *tree = NULL;
+    tides_status status = td_torch_open(dir->weights, &tree, error);
+    if (status) return status;
+    const td_value *splats = td_value_get(td_tree_root(tree), "splats");
+    dir->method = td_value_get(splats, "velocities") ? TD_METHOD_FREETIME : TD_METHOD_GSPLAT;
+    td_tree_free(tree);
+    return TIDES_OK;
+}
+
+static tides_status find_checkpoint(td_model_dir *dir, int *found, tides_error *error) {
+    char *folder = td_format(error, "%s/ckpts", dir->folder);
+    if (!folder) return TIDES_NO_MEMORY;
+    const char *const folders[] = {dir->folder, folder}, *const endings[] = {"_rank0.pt", ".pt"};
+    tides_status status = TIDES_OK;
+    for (int i = 0; i < 4 && !status; i++) status = take_newest(dir, folders[i / 2], "ckpt_", endings[i % 2], error);
+    free(folder);
+    *found = !status && dir->weights;
+    return *found ? judge_checkpoint(dir, error) : status;
+}
+
+static tides_status find_fudan(td_model_dir *dir, int *found, tides_error *error) {
+    tides_status status = take_newest(dir, dir->folder, "chkpnt", ".pth", error);
+    if (!status && !dir->weights) status = take_file(&dir->weights, dir->folder, "chkpnt_best.pth", error);
+    *found = !status && dir->weights;
+    dir->method = TD_METHOD_FUDAN4D;
+    return status;
+}
+
+static tides_status find_params(td_model_dir *dir, int *found, tides_error *error) {
+    tides_status status = take_file(&dir->weights, dir->folder, "params.npz", error);
+    *found = !status && dir->weights;
+    dir->method = TD_METHOD_DYN3DGS;
+    return status;
+}
+
+static tides_status find_points(td_model_dir *dir, int *found, tides_error *error) {
+    char *deform = td_format(error, "%s/deform", dir->folder);
+    tides_status status = deform ? TIDES_OK : TIDES_NO_MEMORY;
+    if (!status && !dir->points) status = find_iteration(dir, td_is_folder(deform), error);
+    if (!status && !dir->points) status = take_file(&dir->points, dir->folder, "point_cloud.ply", error);
+    free(deform);
+    *found = !status && dir->points;
+    return *found ? judge_points(dir, error) : status;
+}
+
+/* The series, where there is no model that could make it at any time. */
+static tides_status find_frames(td_model_dir *dir, int *found, tides_error *error) {
+    td_numbered_list list = {.items = NULL};
+    char *folder = td_format(error, "%s/gaussian_pertimestamp", dir->folder);
+    tides_status status = folder ? td_scan_numbered(folder, "time_", ".ply", &list, error) : TIDES_NO_MEMORY;
+    if (!status && !list.count) status = td_scan_numbered(dir->folder, "time_", ".ply", &list, error);
+    td_numbered_sort(&list);
+    if (!status && list.count && !(dir->frames = td_alloc(list.count, sizeof *dir->frames, error))) status = TIDES_NO_MEMORY;
+    for (size_t i = 0; i < list.count && !status; i++) {
+        dir->frames[dir->frame_count++] = list.items[i].path;
+        list.items[i].path = NULL;
+    }
+    td_numbered_free(&list);
+    free(folder);
+    *found = dir->frame_count > 0;
+    if (*found) dir->method = TD_METHOD_FRAMES;
+    return status;
+}
+
+/* A plain .ply at rest gives way to the series that was made with it. */
+static tides_status recognise(td_model_dir *dir, tides_error *error) {
+    static tides_status (*const looks[])(td_model_dir *, int *, tides_error *) = {find_points, find_params, find_fudan,
+                                                                                  find_checkpoint};
+    int found = 0, series = 0;
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; i < sizeof looks / sizeof looks[0] && !status && !found; i++) status = looks[i](dir, &found, error);
+    if (!status && (!found || dir->method == TD_METHOD_INRIA)) status = find_frames(dir, &series, error);
+    if (!status && !found && !series)
+        status = td_fail(error, TIDES_BAD_FILE,
+                         "%s: is no folder of a trained model: none of point_cloud/iteration_N/point_cloud.ply (with "
+                         "deform/iteration_N/deform.pth where there is a folder deform), params.npz, chkpntN.pth, ckpt_N.pt, "
+                         "gaussian_pertimestamp/time_N.ply is in it",
+                         dir->folder);
+    return status;
+}
+
+static tides_status read_cfg(td_model_dir *dir, tides_error *error) {
+    char *path = NULL;
+    tides_status status = take_file(&path, dir->folder, "cfg_args", error);
+    if (!status && path) status = td_pyrepr_open(path, &dir->cfg, error);
+    free(path);
+    return status;
+}
+
+/* -- where to look -- */
+
+/* MODEL/point_cloud/iteration_N, or MODEL/point_cloud: the model's folder, and that iteration. */
+static tides_status enter_folder(td_model_dir *dir, tides_error *error) {
+    int64_t number = td_numbered(td_base_name(dir->folder), "iteration_", "");
+    if (number < 0) number = td_numbered(td_base_name(dir->folder), "coarse_iteration_", "");
+    char *above = folder_of(dir->folder, error);
+    tides_status status = above ? TIDES_OK : TIDES_NO_MEMORY;
+    if (!status && number >= 0 && strcmp(td_base_name(above), "point_cloud") == 0) {
+        char *iteration = dir->folder, *deform = NULL;
+        status = climb(&above, 1, error);
+        dir->folder = above;
+        above = NULL;
+        if (!status && !(deform = td_format(error, "%s/deform", dir->folder))) status = TIDES_NO_MEMORY;
+        if (!status) status = take_iteration(dir, iteration, number, td_is_folder(deform), error);
+        free(iteration);
+        free(deform);
+    } else if (!status && strcmp(td_base_name(dir->folder), "point_cloud") == 0) {
+        status = climb(&dir->folder, 1, error);
+    }
+    free(above);
+    return status;
+}
+
+/* A network says nothing without its Gaussians. */
+static int is_network(const char *path) {
+    const char *name = td_base_name(path);
+    return strcmp(name, "deform.pth") == 0 || strcmp(name, "deformation.pth") == 0 || strcmp(name, "point_cloud.pt") == 0;
+}
+
+/* A checkpoint or .npz: the file itself is what was asked for, whatever else lies beside it. */
+static tides_status enter_weights(td_model_dir *dir, const char *path, tides_error *error) {
+    const char *name = td_base_name(path);
+    size_t length = strlen(name);
+    int is_npz = length > 4 && strcmp(name + length - 4, ".npz") == 0;
+    if (!(dir->weights = td_strdup(path, error))) return TIDES_NO_MEMORY;
+    if (is_npz || strncmp(name, "chkpnt", 6) == 0) {
+        dir->method = is_npz ? TD_METHOD_DYN3DGS : TD_METHOD_FUDAN4D;
+        dir->iteration = td_numbered(name, "chkpnt", ".pth");
+        return TIDES_OK;
+    }
+    dir->iteration = td_numbered(name, "ckpt_", "_rank0.pt");
+    if (dir->iteration < 0) dir->iteration = td_numbered(name, "ckpt_", ".pt");
+    return judge_checkpoint(dir, error);
+}
+
+/* The folder iteration_N that the network lies in tells which Gaussians are its own. */
+static tides_status enter_network(td_model_dir *dir, const char *path, tides_error *error) {
+    int64_t number = td_numbered(td_base_name(dir->folder), "iteration_", "");
+    tides_status status = climb(&dir->folder, 2, error);
+    char *iteration = status ? NULL : td_format(error, "%s/point_cloud/iteration_%lld", dir->folder, (long long)number);
+    if (!iteration) return TIDES_NO_MEMORY;
+    status = take_iteration(dir, iteration, number, strcmp(td_base_name(path), "deform.pth") == 0, error);
+    if (!status && !dir->points)
+        status = td_fail(error, TIDES_BAD_FILE, "%s: its Gaussians aren't in %s/point_cloud.ply", path, iteration);
+    free(iteration);
+    return status ? status : judge_points(dir, error);
+}
+
+static tides_status enter_file(td_model_dir *dir, const char *path, tides_error *error) {
+    size_t length = strlen(path);
+    if (is_network(path)) return enter_network(dir, path, error);
+    if (length < 4 || strcmp(path + length - 4, ".ply") != 0) return enter_weights(dir, path, error);
+    if (!(dir->points = td_strdup(path, error))) return TIDES_NO_MEMORY;
+    tides_status status = enter_folder(dir, error);
+    return status ? status : judge_points(dir, error);
+}
+
+static int ends_in(const char *text, const char *ending) {
+    size_t length = strlen(text), tail = strlen(ending);
+    return length >= tail && strcmp(text + length - tail, ending) == 0;
+}
+
+/* As td_model_dir_find, without cfg_args. */
+static tides_status find(const char *path, td_model_dir *dir, tides_error *error) {
+    struct stat facts;
+    *dir = (td_model_dir){.iteration = -1};
+    if (stat(path, &facts) != 0) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
+    int is_folder = S_ISDIR(facts.st_mode);
+    dir->folder = is_folder ? plain_path(path, error) : folder_of(path, error);
+    tides_status status = dir->folder ? TIDES_OK : TIDES_NO_MEMORY;
+    if (!status && is_folder) status = enter_folder(dir, error);
+    if (!status) status = is_folder ? recognise(dir, error) : enter_file(dir, path, error);
+    return status;
+}
+
+int td_model_dir_is(const char *path) {
+    if (td_is_folder(path)) {
+        td_model_dir dir;
+        int found = find(path, &dir, NULL) == TIDES_OK;
+        td_model_dir_free(&dir);
+        return found;
+    }
+    if (!td_is_file(path)) return 0;
+    if (ends_in(path, ".ply"))
+        return td_ply_file_has(path, "trbf_center") || td_ply_file_has(path, "xyz_disp_0") ||
+               td_ply_file_has(path, "motion_xyz_0_0");
+    if (!ends_in(path, ".pth") && !ends_in(path, ".pt") && !ends_in(path, ".npz")) return 0;
+    char start[4];
+    FILE *file = fopen(path, "rb");
+    size_t got = file ? fread(start, 1, sizeof start, file) : 0;
+    if (file) fclose(file);
+    return td_zip_is(start, got);
+}
+
+tides_status td_model_dir_find(const char *path, td_model_dir *dir, tides_error *error) {
+    td_model_dir found;
+    tides_status status = find(path, &found, error);
+    if (!status) status = read_cfg(&found, error);
+    if (status)
+        td_model_dir_free(&found);
+    else
+        *dir = found;
+    return status;
+}

@@ -1,0 +1,287 @@
+/* SOG version 2 (PlayCanvas's "spatially ordered Gaussians"): meta.json beside lossless WebP pictures, in a folder or packed
+ * into a .sog, which is a ZIP. Pixel i, row by row, belongs to Gaussian i:
+ *
+ *     means    two pictures, the low and the high byte of r g b: v / 65535 between mins and maxs is sign(x) ln(1 + |x|)
+ *     quats    r g b: the three components but the largest, (v / 255 - 1/2) sqrt(2); alpha: 252 + the largest's number, wxyz
+ *     scales   r g b: into a codebook of 256 natural logarithms
+ *     sh0      r g b: into a codebook of 256 constant coefficients; alpha: opacity, of 255
+ *     shN      optional, a palette: the second picture has the label, low byte r, high byte g; label n's coefficient k is at
+ *              x = (n mod 64) K' + k, y = n / 64 of the first one (K' = 3, 8, 15 for 1, 2, 3 bands), r g b into a codebook
+ *
+ * Version 1, which has no "version", is TIDES_UNSUPPORTED. */
+#include "archive/td_zip.h"
+#include "td_base.h"
+#include "td_splat.h"
+
+#include <cjson/cJSON.h>
+#include <locale.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <webp/decode.h>
+
+enum { CODEBOOK = 256, PALETTE_COLUMNS = 64, LARGEST = 16383 /* pixels along a WebP picture's edge */ };
+
+typedef struct sog {
+    const char *path;
+    const char *folder; /* NULL: the files are in `zip` */
+    td_zip zip;
+    cJSON *meta;
+    size_t count;
+    int32_t degree;
+    tides_error *error;
+} sog;
+
+typedef struct picture {
+    unsigned char *rgba;
+    size_t width, height;
+} picture;
+
+static tides_status fail(const sog *s, const char *where, const char *text) {
+    return td_fail(s->error, TIDES_BAD_FILE, "%s: %s: %s", s->path, where, text);
+}
+
+/* -- files -- */
+
+/* `*data` lives until `*owned` is freed and `s` closed. */
+static tides_status read_member(const sog *s, const char *name, const unsigned char **data, size_t *size, void **owned) {
+    *owned = NULL;
+    if (s->folder) {
+        char *file = td_format(s->error, "%s%s", s->folder, name), *text = NULL;
+        tides_status status = file ? td_read_file(file, SIZE_MAX - 1, &text, size, s->error) : TIDES_NO_MEMORY;
+        free(file);
+        *owned = text;
+        *data = (const unsigned char *)text;
+        return status;
+    }
+    const td_zip_member *member = td_zip_find(&s->zip, name);
+    if (!member) return td_fail(s->error, TIDES_BAD_FILE, "%s: holds no %.80s, which a .sog needs", s->path, name);
+    *size = member->size;
+    return td_zip_read(&s->zip, member, data, owned, s->error);
+}
+
+/* The entry's file `number`. It is a name beside meta.json: nothing outside of the folder is looked at. */
+static tides_status file_name(const sog *s, const char *entry, int number, const char **name) {
+    const cJSON *files = cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(s->meta, entry), "files");
+    const cJSON *file = cJSON_GetArrayItem(files, number);
+    if (!cJSON_IsString(file) || !*file->valuestring || strchr(file->valuestring, '/') || strchr(file->valuestring, '\\'))
+        return fail(s, entry, "needs a list \"files\" of names without folders");
+    *name = file->valuestring;
+    return TIDES_OK;
+}
+
+/* A picture of at least `pixels` pixels, and of not many more: its size is believed only then. */
+static tides_status read_picture(const sog *s, const char *entry, int number, size_t pixels, picture *out) {
+    const char *name = NULL;
+    const unsigned char *data = NULL;
+    void *owned = NULL;
+    size_t size = 0;
+    int width = 0, height = 0;
+    tides_status status = file_name(s, entry, number, &name);
+    if (!status) status = read_member(s, name, &data, &size, &owned);
+    if (!status && !WebPGetInfo(data, size, &width, &height)) status = fail(s, name, "isn't a WebP picture");
+    if (status) goto done;
+    if ((size_t)width * (size_t)height < pixels || (size_t)width * (size_t)height / 4 > pixels + LARGEST) {
+        status = td_fail(s->error, TIDES_BAD_FILE, "%s: %.80s has %dx%d pixels where meta.json asks for %zu", s->path, name,
+                         width, height, pixels);
+        goto done;
+    }
+    *out = (picture){WebPDecodeRGBA(data, size, &width, &height), (size_t)width, (size_t)height};
+    if (!out->rgba) status = fail(s, name, "can't be decoded: truncated or damaged");
+done:
+    free(owned);
+    return status;
+}
+
+/* -- meta.json -- */
+
+/* `count` finite numbers of entry.key. */
+static tides_status read_numbers(const sog *s, const char *entry, const char *key, double *values, int count) {
+    const cJSON *list = cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(s->meta, entry), key), *item;
+    int good = 0;
+    if (cJSON_IsArray(list) && cJSON_GetArraySize(list) == count) {
+        cJSON_ArrayForEach(item, list) {
+            if (!cJSON_IsNumber(item) || !(fabs(item->valuedouble) <= 3.4e38)) break; /* within float's range */
+            values[good++] = item->valuedouble;
+        }
+    }
+    if (good == count) return TIDES_OK;
+    return td_fail(s->error, TIDES_BAD_FILE, "%s: %s.%s must be a list of %d numbers", s->path, entry, key, count);
+}
+
+/* A whole number from 1 to `most`; 0 where it isn't one. */
+static size_t whole(const cJSON *object, const char *key, double most) {
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, key);
+    if (!cJSON_IsNumber(item) || !(item->valuedouble >= 1 && item->valuedouble <= most)) return 0;
+    return item->valuedouble == floor(item->valuedouble) ? (size_t)item->valuedouble : 0;
+}
+
+static tides_status parse_meta(sog *s) {
+    const unsigned char *text = NULL;
+    void *owned = NULL;
+    size_t size = 0;
+    tides_status status = read_member(s, "meta.json", &text, &size, &owned);
+    if (!status) {
+        locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0); /* the program's may have a decimal comma */
+        locale_t before = plain ? uselocale(plain) : (locale_t)0;
+        s->meta = cJSON_ParseWithLength((const char *)text, size);
+        if (plain) {
+            uselocale(before);
+            freelocale(plain);
+        }
+        if (!s->meta) status = fail(s, "meta.json", "isn't valid JSON");
+    }
+    free(owned);
+    if (status) return status;
+    const cJSON *palette = cJSON_GetObjectItemCaseSensitive(s->meta, "shN");
+    size_t bands = palette ? whole(palette, "bands", 3) : 0;
+    if (whole(s->meta, "version", 1e9) != 2)
+        return td_fail(s->error, TIDES_UNSUPPORTED, "%s: is no SOG of version 2: convert it with splat-transform", s->path);
+    s->count = whole(s->meta, "count", (double)LARGEST * LARGEST);
+    if (s->count == 0) return fail(s, "count", "must be a whole number from 1 on that fits in a picture");
+    if (palette && bands == 0) return fail(s, "shN.bands", "must be 1, 2 or 3");
+    s->degree = (int32_t)bands;
+    return TIDES_OK;
+}
+
+/* -- pictures into Gaussians -- */
+
+static tides_status unpack_means(const sog *s, const td_gaussians *g) {
+    double low[3], high[3];
+    picture bytes[2] = {{0}, {0}};
+    tides_status status = read_numbers(s, "means", "mins", low, 3);
+    if (!status) status = read_numbers(s, "means", "maxs", high, 3);
+    for (int b = 0; b < 2 && !status; b++) status = read_picture(s, "means", b, s->count, &bytes[b]);
+    for (size_t i = 0; i < s->count && !status; i++)
+        for (size_t c = 0; c < 3; c++) {
+            double t = (bytes[0].rgba[4 * i + c] | bytes[1].rgba[4 * i + c] << 8) / 65535.0;
+            double value = low[c] + (high[c] - low[c]) * t, size = expm1(fabs(value));
+            g->mean[3 * i + c] = (float)(value < 0 ? -size : size);
+        }
+    for (int b = 0; b < 2; b++) WebPFree(bytes[b].rgba);
+    return status;
+}
+
+static tides_status unpack_quaternions(const sog *s, const td_gaussians *g) {
+    picture quats = {0};
+    tides_status status = read_picture(s, "quats", 0, s->count, &quats);
+    for (size_t i = 0; i < s->count && !status; i++) {
+        const unsigned char *pixel = quats.rgba + 4 * i;
+        double others[3];
+        for (size_t c = 0; c < 3; c++) others[c] = (pixel[c] / 255.0 - 0.5) * sqrt(2.0);
+        if (pixel[3] >= 252)
+            td_splat_rebuild(others, pixel[3] - 252u, g->quaternion + 4 * i);
+        else
+            status = td_fail(s->error, TIDES_BAD_FILE, "%s: Gaussian %zu: alpha of its rotation is %d: must be 252 to 255",
+                             s->path, i, pixel[3]);
+    }
+    WebPFree(quats.rgba);
+    return status;
+}
+
+/* r g b of `entry`'s picture through its codebook; alpha, where `opacity` isn't NULL, to logits. */
+static tides_status unpack_codes(const sog *s, const char *entry, float *out, size_t stride, float *opacity) {
+    double codes[CODEBOOK];
+    picture indices = {0};
+    tides_status status = read_numbers(s, entry, "codebook", codes, CODEBOOK);
+    if (!status) status = read_picture(s, entry, 0, s->count, &indices);
+    for (size_t i = 0; i < s->count && !status; i++) {
+        const unsigned char *pixel = indices.rgba + 4 * i;
+        for (size_t c = 0; c < 3; c++) out[stride * i + c] = (float)codes[pixel[c]];
+        if (opacity) opacity[i] = td_splat_logit(pixel[3] / 255.0);
+    }
+    WebPFree(indices.rgba);
+    return status;
+}
+
+static tides_status unpack_palette(const sog *s, const td_gaussians *g) {
+    size_t coefficients = td_sh_coefficients(s->degree), rest = coefficients - 1;
+    size_t entries = whole(cJSON_GetObjectItemCaseSensitive(s->meta, "shN"), "count", 65536);
+    size_t rows = (entries + PALETTE_COLUMNS - 1) / PALETTE_COLUMNS;
+    double codes[CODEBOOK];
+    picture palette = {0}, labels = {0};
+    tides_status status = entries ? read_numbers(s, "shN", "codebook", codes, CODEBOOK)
+                                  : fail(s, "shN.count", "must be a whole number from 1 to 65536");
+    if (!status) status = read_picture(s, "shN", 0, rows * PALETTE_COLUMNS * rest, &palette);
+    if (!status && palette.width != PALETTE_COLUMNS * rest)
+        status = fail(s, "shN", "its palette must have 64 entries in a row");
+    if (!status) status = read_picture(s, "shN", 1, s->count, &labels);
+    for (size_t i = 0; i < s->count && !status; i++) {
+        size_t label = labels.rgba[4 * i] | (size_t)labels.rgba[4 * i + 1] << 8;
+        if (label >= entries) {
+            status = td_fail(s->error, TIDES_BAD_FILE, "%s: Gaussian %zu: SH label %zu of a palette of %zu", s->path, i, label,
+                             entries);
+            break;
+        }
+        size_t at = label / PALETTE_COLUMNS * palette.width + label % PALETTE_COLUMNS * rest;
+        for (size_t k = 0; k < rest; k++)
+            for (size_t c = 0; c < 3; c++)
+                g->sh[3 * (coefficients * i + k + 1) + c] = (float)codes[palette.rgba[4 * (at + k) + c]];
+    }
+    WebPFree(palette.rgba);
+    WebPFree(labels.rgba);
+    return status;
+}
+
+static tides_status unpack(const sog *s, const td_gaussians *g) {
+    tides_status status = unpack_means(s, g);
+    if (!status) status = unpack_quaternions(s, g);
+    if (!status) status = unpack_codes(s, "scales", g->log_scale, 3, NULL);
+    if (!status) status = unpack_codes(s, "sh0", g->sh, 3 * td_sh_coefficients(s->degree), g->opacity_logit);
+    if (!status && s->degree > 0) status = unpack_palette(s, g);
+    return status;
+}
+
+static tides_status read_sog(sog *s, td_gaussians *gaussians) {
+    td_gaussians made;
+    picture probe = {0}; /* a count that no picture bears out costs no memory */
+    tides_status status = parse_meta(s);
+    if (!status) status = read_picture(s, "quats", 0, s->count, &probe);
+    WebPFree(probe.rgba);
+    if (!status) status = td_gaussians_create(&made, (int64_t)s->count, s->degree, s->error);
+    if (!status) {
+        status = unpack(s, &made);
+        if (status)
+            td_gaussians_free(&made);
+        else
+            *gaussians = made;
+    }
+    cJSON_Delete(s->meta);
+    return status;
+}
+
+tides_status td_sog_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
+    sog s = {.path = path, .error = error};
+    tides_status status = td_zip_open(&s.zip, path, data, size, error);
+    if (!status) status = read_sog(&s, gaussians);
+    td_zip_close(&s.zip);
+    return status;
+}
+
+tides_status td_sog_read_folder(const char *path, td_gaussians *gaussians, tides_error *error) {
+    const char *slash = strrchr(path, '/');
+    int inside = td_sog_is_meta(path);
+    char *folder = inside ? td_format(error, "%.*s", (int)(slash ? slash - path + 1 : 0), path) : td_format(error, "%s/", path);
+    if (!folder) return TIDES_NO_MEMORY;
+    sog s = {.path = path, .folder = folder, .error = error};
+    tides_status status = read_sog(&s, gaussians);
+    free(folder);
+    return status;
+}
+
+int td_sog_is_meta(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return strcmp(slash ? slash + 1 : path, "meta.json") == 0;
+}
+
+int td_sog_is_zip(const char *path) {
+    char *data = NULL;
+    size_t size = 0;
+    td_zip zip;
+    memset(&zip, 0, sizeof zip);
+    int found = td_read_file(path, SIZE_MAX - 1, &data, &size, NULL) == TIDES_OK && td_zip_is(data, size) &&
+                td_zip_open(&zip, path, data, size, NULL) == TIDES_OK && td_zip_find(&zip, "meta.json") != NULL;
+    td_zip_close(&zip);
+    free(data);
+    return found;
+}

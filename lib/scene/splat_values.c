@@ -1,0 +1,36 @@
+/* What the bytes of packed splat files stand for. In double until the last step, so that a value is rounded once. */
+#include "td_splat.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#define SH_C0 0.28209479177387814 /* the constant band, 1 / (2 sqrt(pi)) */
+
+float td_splat_logit(double opacity) {
+    const double least = 0x1p-24;
+    if (opacity < least) opacity = least;
+    if (opacity > 1 - least) opacity = 1 - least;
+    return (float)log(opacity / (1 - opacity));
+}
+
+float td_splat_log_scale(double scale) { return (float)log(scale == 0 ? (double)FLT_MIN : scale); }
+
+float td_splat_dc(double colour) { return (float)((colour - 0.5) / SH_C0); }
+
+void td_splat_rebuild(const double others[3], unsigned largest, float q[4]) {
+    double rest = 1;
+    for (unsigned i = 0, k = 0; i < 4; i++) {
+        if (i == largest) continue;
+        rest -= others[k] * others[k];
+        q[i] = (float)others[k++];
+    }
+    q[largest] = (float)sqrt(rest > 0 ? rest : 0);
+}
+
+float td_le_float(const unsigned char *b) {
+    uint32_t bits = td_le32(b);
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}

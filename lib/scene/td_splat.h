@@ -1,0 +1,70 @@
+/* Internal: readers of packed splat files, one per format, and what they share: little-endian loads, and the numbers that
+ * quantised bytes stand for. */
+#ifndef TD_SPLAT_H
+#define TD_SPLAT_H
+
+#include "scene/td_ply.h"
+#include "scene/td_scene.h"
+
+/* -- readers: `path` is for messages only; `gaussians` is untouched on failure. TIDES_BAD_FILE, TIDES_UNSUPPORTED,
+ *    TIDES_NO_MEMORY. Values are decoded, not judged: td_scene_take does that. ------------------------------------------- */
+
+/* A PLY whose element vertex holds packed_position and its like (ply_packed.c). */
+int td_ply_is_packed(const td_ply_header *header);
+tides_status td_ply_packed_read(const td_ply_file *file, const td_ply_header *header, td_gaussians *gaussians,
+                                tides_error *error);
+
+tides_status td_splat_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
+
+/* 1 where the bytes begin as a .spz (gzip, or its magic number) does. */
+int td_spz_is(const void *start, size_t size);
+tides_status td_spz_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
+
+/* 1 where the header is a .ksplat's; it needs TD_KSPLAT_START bytes of the file. */
+enum { TD_KSPLAT_START = 24 };
+int td_ksplat_is(const void *start, size_t size, uint64_t file_size);
+tides_status td_ksplat_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
+
+/* SOG: a .sog in memory; a folder with meta.json, or that file. */
+tides_status td_sog_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
+tides_status td_sog_read_folder(const char *path, td_gaussians *gaussians, tides_error *error);
+int td_sog_is_meta(const char *path); /* 1 where the file's name is meta.json */
+int td_sog_is_zip(const char *path);  /* 1 where the file is a ZIP with a meta.json */
+
+/* -- inflate.c: gzip and zstd into a buffer of known size -------------------------------------------------------------- */
+
+/* Unpacks the first `size` bytes of a gzip file: out of memory before `out` is full is impossible, since `out` is the
+ * caller's. `*more` is set where the stream goes on behind them; where it ends there, its checksum has been compared. */
+tides_status td_gunzip(const char *path, const void *gzip, size_t bytes, unsigned char *out, size_t size, int *more,
+                       tides_error *error);
+
+/* 1 where `size` bytes can't possibly come out of `packed` bytes of gzip, or of zstd: to be asked before memory is. */
+int td_gzip_lies(uint64_t size, size_t packed);
+int td_zstd_lies(uint64_t size, size_t packed);
+
+/* Exactly `size` bytes out of one zstd frame; `what` names it in messages. */
+tides_status td_unzstd(const char *path, const char *what, const void *frame, size_t bytes, unsigned char *out, size_t size,
+                       tides_error *error);
+
+/* -- splat_values.c ------------------------------------------------------------------------------------------------------ */
+
+/* Logit of an opacity in [0, 1]. The ends, whose logits are infinite, become the nearest that float tells from them:
+ * 2^-24 and 1 - 2^-24. */
+float td_splat_logit(double opacity);
+
+/* Natural logarithm of a scale. 0, a flat Gaussian, becomes float's smallest normal number; NaN where negative. */
+float td_splat_log_scale(double scale);
+
+/* The constant SH coefficient of a colour: colour = 1/2 + C0 dc. */
+float td_splat_dc(double colour);
+
+/* Quaternion wxyz of its three components but the largest, in order, and which that is (0..3 in w, x, y, z order). */
+void td_splat_rebuild(const double others[3], unsigned largest, float q[4]);
+
+/* Little-endian. */
+static inline uint32_t td_le16(const unsigned char *b) { return (uint32_t)b[0] | (uint32_t)b[1] << 8; }
+static inline uint32_t td_le32(const unsigned char *b) { return td_le16(b) | td_le16(b + 2) << 16; }
+static inline uint64_t td_le64(const unsigned char *b) { return (uint64_t)td_le32(b) | (uint64_t)td_le32(b + 4) << 32; }
+float td_le_float(const unsigned char *b);
+
+#endif

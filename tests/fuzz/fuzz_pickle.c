@@ -1,0 +1,46 @@
+/* Any bytes as a torch file and as a bare pickle: a tree that can be walked, its tensors copied, or a refusal in one line. */
+#include "archive/td_pickle.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* Shared values make walks of a small tree long: so many are enough. */
+enum { STEPS = 10000 };
+
+static void walk(const td_value *value, int depth, int *steps) {
+    if (depth > 200 || value->kind < TD_VALUE_NONE || value->kind > TD_VALUE_TENSOR) abort();
+    if (++*steps > STEPS) return;
+    size_t items = value->kind == TD_VALUE_DICT                                    ? 2 * value->count
+                   : value->kind == TD_VALUE_LIST || value->kind == TD_VALUE_TUPLE ? value->count
+                                                                                   : 0;
+    for (size_t i = 0; i < items; i++) walk(value->as.items[i], depth + 1, steps);
+    if (value->kind == TD_VALUE_TEXT && value->as.text[value->count]) abort();
+    if (value->kind != TD_VALUE_TENSOR) return;
+    float *copied = NULL;
+    if (td_tensor_floats(value->as.tensor, &copied, NULL) != TIDES_OK) abort();
+    free(copied);
+}
+
+static void check(tides_status status, const tides_error *error, td_tree *tree) {
+    int steps = 0;
+    if (status == TIDES_OK) {
+        walk(td_tree_root(tree), 0, &steps);
+        td_tree_free(tree);
+        return;
+    }
+    int expected = status == TIDES_BAD_FILE || status == TIDES_UNSUPPORTED;
+    if (!expected || tree || error->status != status || !error->text[0] || strchr(error->text, '\n')) abort();
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    td_tree *tree = NULL;
+    tides_error error = {0, ""};
+    tides_status status = td_torch_parse("fuzz", data, size, &tree, &error);
+    check(status, &error, tree);
+    tree = NULL;
+    status = td_pickle_parse("fuzz", data, size, &tree, &error);
+    check(status, &error, tree);
+    return 0;
+}

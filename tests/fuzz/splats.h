@@ -1,0 +1,35 @@
+/* What the fuzz targets of packed splat formats share: parsed into Gaussians that can be checked, or refused in one line with
+ * the output untouched. */
+#ifndef TESTS_FUZZ_SPLATS_H
+#define TESTS_FUZZ_SPLATS_H
+
+#include "scene/td_splat.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef tides_status fuzz_parser(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
+
+static inline void fuzz_refusal(tides_status status, const tides_error *error) {
+    int expected = status == TIDES_BAD_FILE || status == TIDES_UNSUPPORTED || status == TIDES_NO_MEMORY;
+    if (!expected || error->status != status || !error->text[0] || strchr(error->text, '\n')) abort();
+}
+
+/* `most`: Gaussians that a byte of the file can stand for, at most. */
+static inline void fuzz_splats(fuzz_parser *parse, const uint8_t *data, size_t size, uint64_t most) {
+    float untouched = 0;
+    td_gaussians gaussians = {-1, -1, &untouched, &untouched, &untouched, &untouched, &untouched};
+    tides_error error = {0, ""};
+    tides_status status = parse("fuzz", data, size, &gaussians, &error);
+    if (status != TIDES_OK) {
+        fuzz_refusal(status, &error);
+        if (gaussians.count != -1 || gaussians.mean != &untouched || gaussians.sh != &untouched) abort();
+        return;
+    }
+    if (gaussians.count < 1 || (uint64_t)gaussians.count > size * most) abort();
+    status = td_gaussians_check(&gaussians, 1, TIDES_BAD_FILE, &error);
+    if (status != TIDES_OK) fuzz_refusal(status, &error);
+    td_gaussians_free(&gaussians);
+}
+
+#endif
