@@ -2,7 +2,8 @@
 #include "td_checkpoint.h"
 
 const char *const td_optional_real_name[TD_OPTIONAL_REALS] = {"held_until", "last_event", "shot_on_due", "shot_off_due",
-                                                              "hot_due",    "coverage",   "alpha_dot",   "contributors"};
+                                                              "hot_due",    "coverage",   "alpha_dot",   "contributors",
+                                                              "filter_0",   "filter_1",   "filter_2",    "filter_3"};
 
 double *td_optional_real(const tides_simulator *s, int which) {
     double *const all[TD_OPTIONAL_REALS] = {s->sensor.held_until,
@@ -12,7 +13,11 @@ double *td_optional_real(const tides_simulator *s, int which) {
                                             s->sensor.noise.due[TD_NOISE_HOT],
                                             s->now.plane[TD_KEPT_ALPHA],
                                             s->now.plane[TD_KEPT_ALPHA_DOT],
-                                            s->now.plane[TD_KEPT_CONTRIBUTORS]};
+                                            s->now.plane[TD_KEPT_CONTRIBUTORS],
+                                            s->sensor.filter[0],
+                                            s->sensor.filter[1],
+                                            s->sensor.filter[2],
+                                            s->sensor.filter[3]};
     return all[which];
 }
 

@@ -63,6 +63,10 @@ static tides_status begin(tides_simulator *s, tides_error *error) {
     if (status != TIDES_OK) return status;
     store_step(s, 0, &s->now);
     td_pixels_reset(&s->pixels, s->now.plane[TD_KEPT_S], s->first_pixel[s->tiles]);
+    if (s->sensor.frontend.on) {
+        td_sensor_begin(&s->sensor, s->now.plane[TD_KEPT_S], s->pixels.initial);
+        memcpy(s->pixels.reference, s->pixels.initial, s->first_pixel[s->tiles] * sizeof(double));
+    }
     s->started = 1;
     return TIDES_OK;
 }
