@@ -112,7 +112,8 @@ TIDES_API void tides_simulator_stats(const tides_simulator *simulator, tides_sta
 /* The state of every pixel, planes (height x width), caller's memory, each nullable: the signal at the time reached as the
  * comparator sees it (with the leak's ramp, which begins at 0 at the run's start), the reference, and the counts of events
  * since the reference was last taken from the signal: at the start, at noise events and at the end of a hold. The invariant,
- * with the pixel's own thresholds and where it is neither held nor masked: -threshold_off < signal - reference < threshold_on. */
+ * with the pixel's own thresholds and where it is neither held nor masked: -threshold_off < signal - reference < threshold_on.
+ */
 TIDES_API void tides_simulator_state(const tides_simulator *simulator, double *signal, double *reference, uint32_t *count_on,
                                      uint32_t *count_off);
 

@@ -66,9 +66,10 @@ void td_planes_give(const td_planes *planes, tides_simulator *simulator); /* and
 tides_status td_planes_write(td_planes *planes, const tides_simulator *simulator, const td_place *root);
 tides_status td_planes_read(td_planes *planes, const tides_simulator *simulator, const td_place *root);
 
-/* -- the readout (checkpoint_readout.c): nothing where the run has none; `arbiter` is the caller's, NULL after a failure or not -- */
+/* -- the readout (checkpoint_readout.c): nothing where the run has none -- */
 
 tides_status td_readout_write(const tides_simulator *simulator, const td_place *root);
+/* A new arbiter in the state of the file: the caller's, also after a failure, where it may be NULL. */
 tides_status td_readout_read(const tides_simulator *simulator, const td_place *root, tides_arbiter **arbiter);
 
 /* -- the statistics (checkpoint_totals.c) -- */
