@@ -9,40 +9,46 @@
 
 /* -- objects --------------------------------------------------------------------------------------------------------- */
 
-enum { KEEP_PATH = 1 };
+/* An object of a world, or all of them (name NULL). */
+typedef struct source {
+    const char *kind, *name;
+    int64_t gaussians; /* 0: the kind's own number */
+} source;
 
-/* Adds the object called `name` (NULL: all) of a `kind` of world, with the path that it has there, or `path` and `scale`. */
-static tides_status add(tides_scene *scene, const char *kind, const char *name, double stop, int32_t keep_path,
-                        const tides_trajectory *path, double scale, tides_error *error) {
+/* Adds what `from` names, with the paths that it has there; or with `path` and `scale` where there is a path. */
+static tides_status add(tides_scene *scene, source from, double stop, const tides_trajectory *path, double scale,
+                        tides_error *error) {
     tides_generate_options options;
     tides_world world = {.scene = NULL};
     tides_generate_options_defaults(&options);
     options.seed = SEED;
+    options.gaussians = from.gaussians;
     options.duration_s = stop;
-    tides_status status = tides_generate(kind, &options, &world, error);
+    tides_status status = tides_generate(from.kind, &options, &world, error);
     for (int32_t i = 0; i < tides_scene_objects(world.scene) && status == TIDES_OK; i++) {
         tides_object o;
         status = tides_scene_object(world.scene, i, &o, error);
-        if (status != TIDES_OK || (name && strcmp(o.name, name) != 0)) continue;
-        status = tides_scene_add(scene, &o.gaussians, keep_path ? o.trajectory : path, keep_path ? o.scale : scale, o.name,
-                                 NULL, error);
+        if (status != TIDES_OK || (from.name && strcmp(o.name, from.name) != 0)) continue;
+        status = tides_scene_add(scene, &o.gaussians, path ? path : o.trajectory, path ? scale : o.scale, o.name, NULL, error);
     }
     tides_world_release(&world);
     return status;
 }
 
 tides_status bench_add_wall(tides_scene *scene, tides_error *error) {
-    return add(scene, "room", "wall", 0, KEEP_PATH, NULL, 1, error);
+    return add(scene, (source){"room", "wall", 0}, 0, NULL, 1, error);
 }
 
 tides_status bench_add_room(tides_scene *scene, tides_error *error) {
-    return add(scene, "room", NULL, 0, KEEP_PATH, NULL, 1, error);
+    return add(scene, (source){"room", NULL, 0}, 0, NULL, 1, error);
 }
 
 tides_status bench_add_fan(tides_scene *scene, double stop, tides_error *error) {
-    tides_status status = add(scene, "fan", "stand", stop, KEEP_PATH, NULL, 1, error);
-    if (status == TIDES_OK) status = add(scene, "fan", "guard", stop, KEEP_PATH, NULL, 1, error);
-    return status == TIDES_OK ? add(scene, "fan", "blades", stop, KEEP_PATH, NULL, 1, error) : status;
+    static const char *const names[] = {"stand", "guard", "blades"};
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; i < sizeof names / sizeof names[0] && status == TIDES_OK; i++)
+        status = add(scene, (source){"fan", names[i], 0}, stop, NULL, 1, error);
+    return status;
 }
 
 /* -- motion: both have rates, so the paths are exact between their samples ------------------------------------------------ */
@@ -85,18 +91,20 @@ static tides_status flying(const double centre[3], double speed, double stop, ti
 
 tides_status bench_add_flying_ball(tides_scene *scene, const double centre[3], double radius, double speed, double stop,
                                    tides_error *error) {
+    static const source chequered = {"balls", "ball 1", 0};
     tides_trajectory *path = NULL;
     tides_status status = flying(centre, speed, stop, &path, error);
-    if (status == TIDES_OK) status = add(scene, "balls", "ball 1", 0, 0, path, radius, error); /* the chequered one */
+    if (status == TIDES_OK) status = add(scene, chequered, 0, path, radius, error);
     tides_trajectory_destroy(path);
     return status;
 }
 
 tides_status bench_add_turning_disc(tides_scene *scene, const double centre[3], double radius, double turns_per_s, double stop,
                                     tides_error *error) {
+    static const source disc = {"disc", "disc 0", 720};
     tides_trajectory *path = NULL;
     tides_status status = turning(centre, turns_per_s, stop, &path, error);
-    if (status == TIDES_OK) status = add(scene, "disc", "disc 0", 0, 0, path, radius, error);
+    if (status == TIDES_OK) status = add(scene, disc, 0, path, radius, error);
     tides_trajectory_destroy(path);
     return status;
 }

@@ -64,7 +64,8 @@ tides_status td_generate_plane(const tides_generate_options *options, tides_worl
 /* -- discs ---------------------------------------------------------------------------------------------------------------- */
 
 static tides_status add_disc(const tides_generate_options *options, int32_t number, tides_scene *scene, tides_error *error) {
-    const int32_t columns = (int32_t)ceil(sqrt(1.4 * options->count)), rows = (options->count + columns - 1) / columns;
+    const int32_t columns = (int32_t)fmax(1, round(sqrt(1.4 * options->count))),
+                  rows = (options->count + columns - 1) / columns;
     const double cell = fmin(2.9 / columns, 2.0 / rows);
     td_disc disc = {.sectors = 6 + 2 * (number % 4)};
     td_turning turning = {.centre = {cell * (number % columns - 0.5 * (columns - 1)),

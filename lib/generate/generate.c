@@ -24,7 +24,7 @@ static const tides_generator generators[] = {
      TD_PLANE_GAUSSIANS, 0.3},
     {"crowd", "things that fly about, a third each rigid, polynomial (some fade) and keyframed; camera at rest", "things", 200,
      10000, 300, 0.5},
-    {"disc", "discs with sectors that turn before a wall; camera at rest", "discs", 1, 100, TD_DISC_GAUSSIANS, 0.3},
+    {"disc", "discs with sectors that turn before a wall; camera at rest", "discs", 1, 100, 4 * TD_DISC_GAUSSIANS, 0.3},
     {"room", "a brick wall, posters, a table and balls at rest; handheld camera", NULL, 0, 0, 0, 0.3},
 };
 static const kind kinds[] = {

@@ -64,7 +64,8 @@ static void disc_surface(const void *shape, double u, double v, double point[3],
     const double radius = 0.04 + 0.96 * v, angle = -2 * PI * u; /* faces +z */
     point[0] = radius * cos(angle);
     point[1] = radius * sin(angle);
-    point[2] = 0;
+    /* Vanes: neighbours differ in depth, and stay in their order as it turns. */
+    point[2] = 0.12 * (disc->sectors * u - floor(disc->sectors * u)) + 0.1 * (1 - v);
     paint((int32_t)floor(disc->sectors * u + (v > 0.55 ? 0.5 : 0)) % 2 ? disc->light : disc->dark, colour);
 }
 
