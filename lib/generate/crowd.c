@@ -60,7 +60,7 @@ static void pose_at(void *shape, tides_pose_sample *sample) {
     td_quaternion_product(turn, m->rest, sample->quaternion);
 }
 
-/* -- what they look like --------------------------------------------------------------------------------------------------- */
+/* -- what they look like -------------------------------------------------------------------------------------------*/
 
 enum { BALL, DIE, DISC, SHAPES };
 
@@ -86,7 +86,7 @@ static void build_shape(td_splats *splats, const tides_generate_options *options
         td_build_disc(splats, &disc);
 }
 
-/* -- rigid ------------------------------------------------------------------------------------------------------------------ */
+/* -- rigid ----------------------------------------------------------------------------------------------------------*/
 
 typedef struct rigid_shape {
     const tides_generate_options *options;
@@ -111,7 +111,7 @@ static tides_status add_rigid(const tides_generate_options *options, int32_t num
     return status;
 }
 
-/* -- those that share a motion ------------------------------------------------------------------------------------------------ */
+/* -- those that share a motion ----------------------------------------------------------------------------------------*/
 
 /* The Gaussians of all members of a model, still each about the origin, and where each member's begin. */
 typedef struct herd {
@@ -174,7 +174,7 @@ static tides_status add_herd(const herd *h, tides_motion *motion, const char *na
     return status;
 }
 
-/* -- polynomials: thrown, so that they curve; every third fades in and out -------------------------------------------------------- */
+/* -- polynomials: thrown, so that they curve; every third fades in and out ------------------------------------------------*/
 
 typedef struct polynomial_arrays {
     float *centre, *log_width, *coefficient, *quaternion_dot;
@@ -232,7 +232,7 @@ static tides_status add_polynomials(const tides_generate_options *options, tides
     return status;
 }
 
-/* -- keyframes -------------------------------------------------------------------------------------------------------------------- */
+/* -- keyframes ------------------------------------------------------------------------------------------------------------*/
 
 static tides_status keyframe_motion(const herd *h, tides_motion **motion, tides_error *error) {
     const size_t n = (size_t)h->splats.gaussians.count;

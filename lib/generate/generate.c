@@ -21,7 +21,7 @@ static const tides_generator generators[] = {
     {"pendulum", "pendulums with patterned bobs that swing past each other; handheld camera", "pendulums", 5, 100, 1800, 0.5},
     {"balls", "balls that spin and bounce on a table; handheld camera", "balls", 7, 1000, TD_BALL_GAUSSIANS, 0.5},
     {"plane", "a textured plane at rest (one object, so .ply will do); the camera slides past it", NULL, 0, 0,
-     TD_PLANE_GAUSSIANS, 0.3},
+     2 * TD_PLANE_GAUSSIANS, 0.3},
     {"crowd", "things that fly about, a third each rigid, polynomial (some fade) and keyframed; camera at rest", "things", 200,
      10000, 300, 0.5},
     {"disc", "discs with sectors that turn before a wall; camera at rest", "discs", 1, 100, 4 * TD_DISC_GAUSSIANS, 0.3},

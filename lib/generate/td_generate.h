@@ -7,7 +7,7 @@
 
 #define TD_GENERATE_PI 3.14159265358979323846
 
-/* -- splats.c: Gaussians that lie in surfaces, shaded once by a fixed light ------------------------------------------------ */
+/* -- splats.c: Gaussians that lie in surfaces, shaded once by a fixed light ----------------------------------------*/
 
 /* A growing set. Where memory runs out, `status` and `error` say so, and nothing more is added. */
 typedef struct td_splats {
@@ -49,7 +49,7 @@ typedef struct td_part {
 tides_status td_part_add(tides_scene *scene, const td_part *part, const tides_trajectory *path, double scale,
                          tides_error *error);
 
-/* -- shapes.c: of radius 1, about the origin --------------------------------------------------------------------------------- */
+/* -- shapes.c: of radius 1, about the origin -------------------------------------------------------------------------*/
 
 enum { TD_BALL_STRIPES, TD_BALL_CHECKER, TD_BALL_DOTS, TD_BALL_PATTERNS };
 
@@ -87,7 +87,7 @@ void td_build_tube(td_splats *splats, const void *tube);
 /* A strong colour and a pale or a dark one, from a seed and a number. */
 void td_colour_pair(uint64_t seed, int32_t number, double light[3], double dark[3]);
 
-/* -- room.c, fan.c: parts in world coordinates, shape unused ------------------------------------------------------------------ */
+/* -- room.c, fan.c: parts in world coordinates, shape unused ----------------------------------------------------------*/
 
 #define TD_TABLE_Y (-0.92)
 #define TD_WALL_Z (-0.95)
@@ -95,7 +95,7 @@ void td_build_wall(td_splats *splats, const void *shape);
 void td_build_table(td_splats *splats, const void *shape);
 void td_build_still_balls(td_splats *splats, const void *shape);
 
-/* -- paths.c ------------------------------------------------------------------------------------------------------------------ */
+/* -- paths.c ----------------------------------------------------------------------------------------------------------*/
 
 /* Fills position, quaternion, velocity and angular velocity of `sample` at its time. Called with rising times from 0. */
 typedef void (*td_pose_at)(void *shape, tides_pose_sample *sample);
@@ -129,7 +129,7 @@ tides_status td_path_camera(const double position[3], const double target[3], co
 /* A camera at rest at (0, 0.1, 3.05) that looks along -z. */
 tides_status td_path_still_camera(tides_trajectory **path, tides_error *error);
 
-/* -- the kinds: fill scene and camera; options are checked, with no defaults left ----------------------------------------------- */
+/* -- the kinds: fill scene and camera; options are checked, with no defaults left ---------------------------------------*/
 
 tides_status td_generate_room(const tides_generate_options *options, tides_world *world, tides_error *error);
 tides_status td_generate_fan(const tides_generate_options *options, tides_world *world, tides_error *error);
