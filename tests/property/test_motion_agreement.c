@@ -116,7 +116,7 @@ static tides_scene *keyframes_scene(const tides_gaussians *g, const flight *f) {
     return moving_scene_of(g, motion);
 }
 
-/* How far the series is from the truth at `time`: the mean, and what lies one standard deviation from it on the longest axis. */
+/* How far the series is from the truth at `time`: the mean, and what lies a standard deviation from it on the longest axis. */
 static double remainder_at(const tides_gaussians *g, int64_t i, const flight *f, double time, const float *mean,
                            const float *quaternion, const float *coefficient, const float *quaternion_dot) {
     double dt = time - MIDDLE, arm[3], turned[4], made[4], away[3], angle = 0;
