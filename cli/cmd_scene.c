@@ -172,7 +172,7 @@ static int report(const scene_texts *texts, const tides_world *world, const cli_
 
 int cmd_scene(const cli_command *command, int argc, char **argv) {
     cli_common common;
-    scene_texts texts = {NULL};
+    scene_texts texts = {.output = NULL};
     const char *kind = NULL;
     int32_t list = 0;
     const cli_option options[] = {

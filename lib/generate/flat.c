@@ -66,10 +66,10 @@ tides_status td_generate_plane(const tides_generate_options *options, tides_worl
 static tides_status add_disc(const tides_generate_options *options, int32_t number, tides_scene *scene, tides_error *error) {
     const int32_t columns = (int32_t)fmax(1, round(sqrt(1.4 * options->count))),
                   rows = (options->count + columns - 1) / columns;
+    const int32_t column = number % columns, row = number / columns;
     const double cell = fmin(2.9 / columns, 2.0 / rows);
     td_disc disc = {.sectors = 6 + 2 * (number % 4)};
-    td_turning turning = {.centre = {cell * (number % columns - 0.5 * (columns - 1)),
-                                     cell * (0.5 * (rows - 1) - number / columns) + 0.05, 0},
+    td_turning turning = {.centre = {cell * (column - 0.5 * (columns - 1)), cell * (0.5 * (rows - 1) - row) + 0.05, 0},
                           .rest = {1, 0, 0, 0},
                           .axis = {0, 0, 1},
                           .rate = 2 * PI * (3 + 3 * td_hash((int32_t)options->seed, number, 11))};

@@ -71,8 +71,9 @@ tides_status td_path_turning(const td_turning *turning, const tides_generate_opt
 }
 
 void td_integrate(td_acceleration acceleration, const void *body, double step, double *x, double *x_dot) {
-    const double pieces = ceil(step / STEP_S), h = pieces > 0 ? step / pieces : 0;
-    for (double piece = 0; piece < pieces; piece++) {
+    const int64_t pieces = (int64_t)ceil(step / STEP_S);
+    const double h = pieces > 0 ? step / (double)pieces : 0;
+    for (int64_t piece = 0; piece < pieces; piece++) {
         const double v1 = *x_dot, a1 = acceleration(body, *x, v1);
         const double v2 = *x_dot + 0.5 * h * a1, a2 = acceleration(body, *x + 0.5 * h * v1, v2);
         const double v3 = *x_dot + 0.5 * h * a2, a3 = acceleration(body, *x + 0.5 * h * v2, v3);

@@ -192,7 +192,7 @@ static void test_pendulums_swing(void **state) {
         double least = INFINITY, most = -INFINITY, lowest = 0, length = 0;
         for (int64_t k = 0; k < o.gaussians.count; k++) lowest = fmin(lowest, o.gaussians.mean[3 * k + 1]);
         for (int64_t k = 0; k < o.gaussians.count; k++) /* the rod's end is the bob's centre: the rod comes first, evenly */
-            if (fabs(o.gaussians.mean[3 * k]) < 0.009f && k < 480) length = fmax(length, -o.gaussians.mean[3 * k + 1]);
+            if (fabsf(o.gaussians.mean[3 * k]) < 0.009f && k < 480) length = fmax(length, -o.gaussians.mean[3 * k + 1]);
         length *= 120.0 / 119.0; /* its last ring of 60 stands half a ring before the end */
         for (int n = 0; n <= 400; n++) {
             tides_pose pose = pose_of(o.trajectory, 0.01 * n);
