@@ -183,8 +183,9 @@ static void event_facts(const tides_event_summary *s, cJSON *facts) {
     cJSON_AddStringToObject(facts, "kind", "events");
     cJSON_AddStringToObject(facts, "layout", s->layout);
     if (s->version[0]) cJSON_AddStringToObject(facts, "version", s->version);
-    cJSON_AddNumberToObject(facts, "width", s->width);
-    cJSON_AddNumberToObject(facts, "height", s->height);
+    cJSON_AddNumberToObject(facts, "width", s->width ? s->width : s->right);
+    cJSON_AddNumberToObject(facts, "height", s->height ? s->height : s->bottom);
+    cJSON_AddStringToObject(facts, "size_from", s->width ? "file" : "events");
     cJSON_AddNumberToObject(facts, "events", (double)s->count);
     cJSON_AddNumberToObject(facts, "events_on", (double)s->count_on);
     cJSON_AddNumberToObject(facts, "events_off", (double)(s->count - s->count_on));
@@ -192,6 +193,24 @@ static void event_facts(const tides_event_summary *s, cJSON *facts) {
     cJSON_AddNumberToObject(facts, "last_ns", (double)s->last_ns);
     cJSON_AddNumberToObject(facts, "duration_s", duration);
     if (duration > 0) cJSON_AddNumberToObject(facts, "rate_hz", (double)s->count / duration);
+    if (s->count) cJSON_AddNumberToObject(facts, "on_percent", 100.0 * (double)s->count_on / (double)s->count);
+    cJSON_AddNumberToObject(facts, "disorder", (double)s->disorder);
+}
+
+static tides_status events_facts(const char *file, cJSON *facts, tides_error *error) {
+    tides_event_summary summary;
+    tides_status status = tides_events_summary(file, &summary, error);
+    if (status == TIDES_OK) event_facts(&summary, facts);
+    return status;
+}
+
+/* What opens as an event file, whatever comes then. */
+static int is_events(const char *file) {
+    tides_event_reader *reader = NULL;
+    tides_error error;
+    if (tides_event_reader_open(file, NULL, &reader, &error) != TIDES_OK) return 0;
+    tides_event_reader_close(reader);
+    return 1;
 }
 
 /* HDF5 holds events or a scene; what it is neither of is told with both reasons. */
@@ -201,6 +220,10 @@ static tides_status hdf5_facts(const char *file, cJSON *facts, tides_error *erro
     if (tides_events_summary(file, &summary, &events) == TIDES_OK) {
         event_facts(&summary, facts);
         return TIDES_OK;
+    }
+    if (events.status == TIDES_UNSUPPORTED) { /* events, and what their reader lacks */
+        *error = events;
+        return error->status;
     }
     if (scene_facts(file, facts, &scene) == TIDES_OK) return TIDES_OK;
     return cli_error(error, TIDES_BAD_FILE, "%s: HDF5, but neither events (%.300s) nor a scene (%.300s)", file, events.text,
@@ -263,6 +286,7 @@ static tides_status facts_of(const char *file, cJSON *facts, tides_error *error)
     if (got == 0) return cli_error(error, TIDES_BAD_FILE, "%s: is empty", file);
     if (memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0) return hdf5_facts(file, facts, error);
     if (memcmp(head, "\x76\x2f\x31\x01", 4) == 0) return exr_facts(file, facts, error);
+    if (is_events(file)) return events_facts(file, facts, error);
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
     return path_facts(file, facts, error); /* text: its reader says best what is wrong */
 }

@@ -129,7 +129,8 @@ static double remainder_at(const tides_gaussians *g, int64_t i, const flight *f,
     assert_true(td_normalise_quaternion(turned) && td_normalise_quaternion(made));
     for (int k = 0; k < 4; k++) angle += 4 * (made[k] - turned[k]) * (made[k] - turned[k]);
     const float *s = g->log_scale + 3 * i;
-    return td_length3(away) + sqrt(angle) * exp(fmaxf(s[0], fmaxf(s[1], s[2])));
+    const double longest = fmaxf(s[0], fmaxf(s[1], s[2]));
+    return td_length3(away) + sqrt(angle) * exp(longest);
 }
 
 /* The Taylor series of one Gaussian about the middle; returns its remainder at the ends of the run. */
