@@ -114,7 +114,7 @@ double td_frontend_rest(const td_frontend *frontend, double L, double log_eps, d
     return L;
 }
 
-/* The walk over the pieces. One piece alone is the path itself. */
+/* The walk over the pieces. One piece alone, in the step's own time, is the path itself. */
 static void step_in_pieces(const td_drive *drive, double state[TD_FRONTEND_STATE], td_path *path) {
     td_pieces pieces;
     double low = INFINITY, high = -INFINITY, piece_low, piece_high;
@@ -126,7 +126,7 @@ static void step_in_pieces(const td_drive *drive, double state[TD_FRONTEND_STATE
         high = fmax(high, piece_high);
     }
     for (int i = 0; i < TD_FRONTEND_STATE; i++) state[i] = pieces.state[i];
-    if (count == 1) {
+    if (count == 1 && !pieces.warp.on) {
         *path = pieces.path;
         return;
     }

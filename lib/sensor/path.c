@@ -26,22 +26,18 @@ static void find_piece(td_pieces *pieces, const td_path *path, double s) {
     while (td_pieces_next(pieces) && pieces->to < s) continue;
 }
 
-static double place_in(const td_pieces *pieces, double s) {
-    return fmin(fmax((s - pieces->from) / (pieces->to - pieces->from), 0), 1);
-}
-
 double td_path_value(const td_path *path, double s) {
     td_pieces pieces;
     if (!path->drive.frontend) return direct_value(path, s);
     find_piece(&pieces, path, s);
-    return direct_value(path, s) + direct_value(&pieces.path, place_in(&pieces, s));
+    return direct_value(path, s) + direct_value(&pieces.path, td_pieces_place(&pieces, s));
 }
 
 double td_path_slope(const td_path *path, double s) {
     td_pieces pieces;
     if (!path->drive.frontend) return direct_slope(path, s);
     find_piece(&pieces, path, s);
-    return direct_slope(path, s) + direct_slope(&pieces.path, place_in(&pieces, s)) / (pieces.to - pieces.from);
+    return direct_slope(path, s) + direct_slope(&pieces.path, td_pieces_place(&pieces, s)) * td_pieces_speed(&pieces, s);
 }
 
 /* -- bounds -------------------------------------------------------------------------------------------------------------- */
@@ -111,13 +107,11 @@ static int crossing_in_pieces(const td_path *path, double reference, double thre
     td_pieces_begin(&pieces, &path->drive);
     while (td_pieces_next(&pieces) && pieces.from <= to) {
         if (pieces.to < from) continue;
-        td_path piece = pieces.path;
-        td_model more = td_model_part(&path->cubic, pieces.from, pieces.to);
-        for (int i = 0; i < 4; i++) piece.cubic.control[i] += more.control[i];
-        double begin = place_in(&pieces, from), end = place_in(&pieces, to), u;
-        int polarity = td_path_crossing(&piece, reference, threshold_on, threshold_off, begin, end, &u);
+        td_path piece = td_pieces_with(&pieces, &path->cubic);
+        double begin = td_pieces_place(&pieces, from), end = td_pieces_place(&pieces, to), v;
+        int polarity = td_path_crossing(&piece, reference, threshold_on, threshold_off, begin, end, &v);
         if (polarity == 0) continue;
-        *s = fmin(fmax(pieces.from + u * (pieces.to - pieces.from), from), to);
+        *s = fmin(fmax(td_pieces_time(&pieces, v), from), to);
         return polarity;
     }
     *s = to;

@@ -1,7 +1,11 @@
-/* Filters whose rates go with the light.
+/* Filters whose rates go with the light: the first-order filter S' = r (L - S), and the circuit's first stage
+ * a2 y'' + a1 y' + y = L. Both have rates that are linear in J = light Y + dark.
  *
- * The first-order filter S' = r (L - S) and the circuit's first stage a2 y'' + a1 y' + y = L both have rates that are linear in
- * J = light Y + dark. With J frozen at J_m in the middle of a piece, and e = J / J_m - 1, they are exactly
+ * The first-order filter is constant in a time v that goes as the integral of J (td_warp.h), where L becomes the cubic through
+ * its ends. The error is what that cubic misses of L, which no past of S enlarges: pieces are long.
+ *
+ * The circuit, and the first-order filter where Y is cut off at 0: with J frozen at J_m in the middle of a piece, and
+ * e = J / J_m - 1, they are exactly
  *
  *   A2 y'' + A1 y' + y = L + g,   g = e (L - y - k y')      A at J_m; k = output_s / (A_loop + 1), first order: A2 = 0, k = 0
  *
@@ -30,6 +34,7 @@ typedef struct attempt {
     double middle;                   /* J_m */
     double surplus[NODES + BETWEEN]; /* e at the nodes */
     double lead;                     /* k [s] */
+    int is_still;                    /* J doesn't change */
     td_path stage;                   /* y */
 } attempt;
 
@@ -73,7 +78,7 @@ static double substitute(attempt *at, const td_poles *stage, td_model *input) {
     for (int sweep = 0; sweep < SWEEPS; sweep++) {
         for (int i = 0; i < 4; i++) input->control[i] = at->input.control[i] + cubic.control[i];
         td_poles_respond(stage, input, &at->stage);
-        if (at->frontend->light == 0) return 0;
+        if (at->is_still) return 0;
         double before[NODES];
         worst = 0;
         for (int i = 0; i < NODES; i++) {
@@ -111,22 +116,70 @@ static void finish(const attempt *at, const td_poles *stage, const td_model *inp
     for (int i = 0; i < TD_FRONTEND_STATE; i++) state[i] = next[i];
 }
 
-/* The piece from pieces->from to `to`; its error in g. */
-static double solve(const td_pieces *pieces, double to, double state[TD_FRONTEND_STATE], td_path *path) {
+static int is_flat(const td_model *model) {
+    const double *b = model->control;
+    return b[0] == b[1] && b[0] == b[2] && b[0] == b[3];
+}
+
+/* The piece from pieces->from to `to`, rates frozen; its error in g. */
+static double solve_frozen(const td_pieces *pieces, const td_model *piece, double to, double state[TD_FRONTEND_STATE],
+                           td_path *path) {
     const td_drive *drive = pieces->drive;
     attempt at = {.frontend = drive->frontend, .log_eps = drive->log_eps, .state = pieces->state};
     at.seconds = drive->h * (to - pieces->from);
-    at.input = td_model_part(&drive->input, pieces->from, to);
+    at.input = *piece;
     at.middle = light_at(&at, 0.5);
     at.lead =
         drive->frontend->kind == TD_FRONTEND_CIRCUIT ? drive->frontend->sensor->circuit.output_s / drive->frontend->loop : 0;
-    for (int i = 0; i < NODES + BETWEEN; i++) at.surplus[i] = light_at(&at, node[i]) / at.middle - 1;
+    at.is_still = is_flat(piece) || at.frontend->light == 0;
+    for (int i = 0; i < NODES + BETWEEN && !at.is_still; i++) at.surplus[i] = light_at(&at, node[i]) / at.middle - 1;
     td_poles stage = photoreceptor(&at);
     td_model input;
     double error = substitute(&at, &stage, &input);
     finish(&at, &stage, &input, state, path);
     return error;
 }
+
+/* Where the light changes and Y isn't cut off at 0. */
+static int can_warp(const td_drive *drive, const td_model *input) {
+    double cut = log(drive->log_eps), least = INFINITY, most = -INFINITY;
+    for (int i = 0; i < 4; i++) {
+        least = fmin(least, input->control[i]);
+        most = fmax(most, input->control[i]);
+    }
+    return drive->frontend->kind == TD_FRONTEND_INTENSITY && least >= cut && least < most && most < 60;
+}
+
+/* The same piece in its own time: S within the error returned. */
+static double solve_warped(const td_pieces *pieces, const td_model *input, double to, td_warp *warp,
+                           double state[TD_FRONTEND_STATE], td_path *path) {
+    const td_drive *drive = pieces->drive;
+    const td_frontend *f = drive->frontend;
+    double rate_error, error = 0, lag = 0, S = pieces->state[0];
+    double rate = f->rate * drive->h * (to - pieces->from);
+    rate *= td_warp_make(warp, input, drive->log_eps, f->light, f->dark, &rate_error);
+    td_model warped = td_warp_model(warp, input);
+    td_poles poles = td_poles_first_order(rate, S, input->control[0]);
+    td_poles_respond(&poles, &warped, path);
+    for (int i = 0; i < TD_FRONTEND_STATE; i++) state[i] = td_path_value(path, 1);
+    state[2] = 0;
+    for (int i = 1; i < 4; i++) {
+        double L = td_model_value(input, 0.25 * i);
+        error = larger(error, fabs(td_model_value(&warped, td_warp_place(warp, 0.25 * i)) - L));
+        lag = larger(lag, fabs(L - S) + fabs(input->control[i] - input->control[0]));
+    }
+    return error + rate_error * lag;
+}
+
+static double solve(const td_pieces *pieces, double to, td_warp *warp, double state[TD_FRONTEND_STATE], td_path *path) {
+    td_model input = td_model_part(&pieces->drive->input, pieces->from, to);
+    *path = (td_path){.modes = 0};
+    warp->on = 0;
+    if (can_warp(pieces->drive, &input)) return solve_warped(pieces, &input, to, warp, state, path);
+    return solve_frozen(pieces, &input, to, state, path);
+}
+
+/* -- the walk ---------------------------------------------------------------------------------------------------------------- */
 
 void td_pieces_begin(td_pieces *pieces, const td_drive *drive) {
     *pieces = (td_pieces){.drive = drive, .length = 1};
@@ -146,7 +199,7 @@ int td_pieces_next(td_pieces *pieces) {
     for (;;) {
         double left = 1 - pieces->from;
         pieces->to = pieces->length < left ? pieces->from + pieces->length : 1;
-        error = solve(pieces, pieces->to, state, &pieces->path);
+        error = solve(pieces, pieces->to, &pieces->warp, state, &pieces->path);
         if (++pieces->tried > TRIED_MAX || error <= tolerance) break;
         if (!(pieces->from + 0.1 * pieces->length > pieces->from)) break; /* no shorter piece can be told from none */
         pieces->length = better_length(pieces->to - pieces->from, tolerance, error, 0.05, 0.6);
@@ -155,4 +208,23 @@ int td_pieces_next(td_pieces *pieces) {
     pieces->length = better_length(pieces->to - pieces->from, tolerance, error, 0.5, 4);
     if (pieces->tried > TRIED_MAX) pieces->length = 1;
     return 1;
+}
+
+static double local(const td_pieces *pieces, double s) { return (s - pieces->from) / (pieces->to - pieces->from); }
+
+double td_pieces_place(const td_pieces *pieces, double s) { return td_warp_place(&pieces->warp, local(pieces, s)); }
+
+double td_pieces_time(const td_pieces *pieces, double v) {
+    return pieces->from + td_warp_time(&pieces->warp, v) * (pieces->to - pieces->from);
+}
+
+double td_pieces_speed(const td_pieces *pieces, double s) {
+    return td_warp_speed(&pieces->warp, local(pieces, s)) / (pieces->to - pieces->from);
+}
+
+td_path td_pieces_with(const td_pieces *pieces, const td_model *cubic) {
+    td_path path = pieces->path;
+    td_model part = td_model_part(cubic, pieces->from, pieces->to), more = td_warp_model(&pieces->warp, &part);
+    for (int i = 0; i < 4; i++) path.cubic.control[i] += more.control[i];
+    return path;
 }

@@ -20,13 +20,13 @@ static double uniform(uint64_t *seed) {
     return (double)(*seed * 2685821657736338717ULL >> 11) * 0x1p-53;
 }
 
-/* Pixels that change by up to `rise` within the step, and have moved like that before. */
+/* Pixels that change by up to `rise` within the step, as curved as step control lets them be, and have moved so before. */
 static void make_pixels(const td_frontend *frontend, double rise) {
     uint64_t seed = 1;
     for (int i = 0; i < PIXELS; i++) {
         double L = -3 * uniform(&seed), change = rise * (2 * uniform(&seed) - 1);
-        double first = change * (0.5 + uniform(&seed)) / 3, last = change * (0.5 + uniform(&seed)) / 3;
-        td_model before = {{L - change, L - 2 * change / 3, L - first, L}},
+        double bend = 0.01 * (2 * uniform(&seed) - 1), first = change / 3 + bend * rise, last = change / 3 - bend * rise;
+        td_model before = {{L - change, L - change + last, L - first, L}},
                  now = {{L, L + first, L + change - last, L + change}};
         td_path path;
         td_frontend_rest(frontend, L - change, LOG_EPS, state[i]);
