@@ -22,7 +22,9 @@ static double direct_slope(const td_path *path, double s) {
 
 /* The piece that holds s. */
 static void find_piece(td_pieces *pieces, const td_path *path, double s) {
-    td_pieces_begin(pieces, &path->drive);
+    int stretch = path->drive.stretches - 1;
+    while (stretch > 0 && path->drive.stretch[stretch].from > s) stretch--;
+    td_pieces_begin(pieces, &path->drive, stretch);
     while (td_pieces_next(pieces) && pieces->to < s) continue;
 }
 
@@ -52,7 +54,11 @@ void td_path_range(const td_path *path, double *low, double *high) {
         size = fmax(size, fabs(b[i]));
     }
     if (path->modes == 0 && !path->drive.frontend) return;
-    double mode_low = path->drive.low, mode_high = path->drive.high;
+    double mode_low = path->drive.frontend ? INFINITY : 0, mode_high = -mode_low;
+    for (int k = 0; path->drive.frontend && k < path->drive.stretches; k++) {
+        mode_low = fmin(mode_low, path->drive.stretch[k].low);
+        mode_high = fmax(mode_high, path->drive.stretch[k].high);
+    }
     for (int k = 0; k <= path->modes; k++) { /* the drive's bounds, or 0 and 0, first */
         *low += mode_low;
         *high += mode_high;
@@ -101,20 +107,47 @@ static int is_finite(const td_path *path) {
     return finite;
 }
 
-static int crossing_in_pieces(const td_path *path, double reference, double threshold_on, double threshold_off, double from,
-                              double to, double *s) {
+/* A level, and the part of the step in which it is looked for. */
+typedef struct request {
+    double reference, on, off, from, to;
+} request;
+
+/* 1 where a stretch's bounds with the cubic's on it reach a level. */
+static int may_reach(const td_path *path, int stretch, double until, const request *asked) {
+    td_path part;
+    double low, high;
+    td_model cubic = td_model_part(&path->cubic, path->drive.stretch[stretch].from, until);
+    td_path_set(&part, &cubic);
+    td_path_range(&part, &low, &high);
+    low += path->drive.stretch[stretch].low - asked->reference;
+    high += path->drive.stretch[stretch].high - asked->reference;
+    return high >= asked->on || low <= -asked->off;
+}
+
+static int crossing_in_stretch(const td_path *path, int stretch, double until, const request *asked, double *s) {
     td_pieces pieces;
-    td_pieces_begin(&pieces, &path->drive);
-    while (td_pieces_next(&pieces) && pieces.from <= to) {
-        if (pieces.to < from) continue;
-        td_path piece = td_pieces_with(&pieces, &path->cubic);
-        double begin = td_pieces_place(&pieces, from), end = td_pieces_place(&pieces, to), v;
-        int polarity = td_path_crossing(&piece, reference, threshold_on, threshold_off, begin, end, &v);
+    td_pieces_begin(&pieces, &path->drive, stretch);
+    while (pieces.to < until && td_pieces_next(&pieces)) {
+        if (pieces.to < asked->from || pieces.from > asked->to) continue;
+        td_path piece;
+        td_pieces_with(&pieces, &path->cubic, &piece);
+        double begin = td_pieces_place(&pieces, asked->from), end = td_pieces_place(&pieces, asked->to), v;
+        int polarity = td_path_crossing(&piece, asked->reference, asked->on, asked->off, begin, end, &v);
         if (polarity == 0) continue;
-        *s = fmin(fmax(td_pieces_time(&pieces, v), from), to);
+        *s = fmin(fmax(td_pieces_time(&pieces, v), asked->from), asked->to);
         return polarity;
     }
-    *s = to;
+    return 0;
+}
+
+static int crossing_in_pieces(const td_path *path, const request *asked, double *s) {
+    const td_drive *drive = &path->drive;
+    for (int k = 0; k < drive->stretches; k++) {
+        double until = k + 1 < drive->stretches ? drive->stretch[k + 1].from : 1;
+        if (until < asked->from || drive->stretch[k].from > asked->to || !may_reach(path, k, until, asked)) continue;
+        int polarity = crossing_in_stretch(path, k, until, asked, s);
+        if (polarity) return polarity;
+    }
     return 0;
 }
 
@@ -126,6 +159,7 @@ int td_path_crossing(const td_path *path, double reference, double threshold_on,
     *s = to;
     td_path_range(path, &low, &high);
     if (!is_finite(path) || !(high - reference >= threshold_on || low - reference <= -threshold_off)) return 0;
-    if (path->drive.frontend) return crossing_in_pieces(path, reference, threshold_on, threshold_off, from, to, s);
-    return td_modes_crossing(path, reference, threshold_on, threshold_off, from, to, s);
+    if (!path->drive.frontend) return td_modes_crossing(path, reference, threshold_on, threshold_off, from, to, s);
+    request asked = {reference, threshold_on, threshold_off, from, to};
+    return crossing_in_pieces(path, &asked, s);
 }

@@ -9,10 +9,10 @@
  *
  *   A2 y'' + A1 y' + y = L + g,   g = e (L - y - k y')      A at J_m; k = output_s / (A_loop + 1), first order: A2 = 0, k = 0
  *
- * so that a piece is the constant filter's exact response to L + g. g is taken as the cubic through its values at 0, 1/3, 2/3 and
- * 1, found by repeated substitution: e is small and so is the lag. What the cubic misses of g, seen between its nodes, is an
- * error of the input; a piece is cut shorter until it is within frontend->tolerance. Errors don't add up from piece to piece:
- * the response to an input error is bound by the largest one, times the filter's gain. */
+ * so that a piece is the constant filter's exact response to L + g. g is taken as the cubic through its values at 0, 1/3, 2/3
+ * and 1, found by repeated substitution: e is small and so is the lag. What the cubic misses of g, seen between its nodes, is
+ * an error of the input; a piece is cut shorter until it is within frontend->tolerance. Errors don't add up from piece to
+ * piece: the response to an input error is bound by the largest one, times the filter's gain. */
 #include "td_pieces.h"
 #include "td_lowpass.h"
 #include "td_path_parts.h"
@@ -31,11 +31,12 @@ typedef struct attempt {
     double seconds, log_eps;
     const double *state;
     td_model input;
-    double middle;                   /* J_m */
-    double surplus[NODES + BETWEEN]; /* e at the nodes */
-    double lead;                     /* k [s] */
-    int is_still;                    /* J doesn't change */
-    td_path stage;                   /* y */
+    double middle;                                                   /* J_m */
+    double surplus[NODES + BETWEEN];                                 /* e at the nodes */
+    double lead;                                                     /* k [s] */
+    int is_still;                                                    /* J doesn't change */
+    td_path stage;                                                   /* y */
+    td_complex value[2][NODES + BETWEEN], slope[2][NODES + BETWEEN]; /* its modes at the nodes, but for their size */
 } attempt;
 
 static double light_at(const attempt *at, double u) {
@@ -55,11 +56,30 @@ static td_poles photoreceptor(const attempt *at) {
                                  at->state[2] * at->seconds, origin);
 }
 
+/* The nodes are sixths: one exponential will do. */
+static void tabulate(attempt *at) {
+    static const int sixths[NODES + BETWEEN] = {0, 2, 4, 6, 1, 3, 5};
+    for (int k = 0; k < at->stage.modes; k++) {
+        const td_mode *mode = &at->stage.mode[k];
+        td_complex rate = td_mode_rate(mode), tail[5], power[7] = {{1, 0}}, sixth = td_decay(rate, 1.0 / 6);
+        for (int i = 1; i <= 6; i++) power[i] = td_times(power[i - 1], sixth);
+        for (int i = 0; i < NODES + BETWEEN; i++) {
+            if (mode->tail) td_mode_tails(rate, node[i], tail);
+            at->value[k][i] = mode->tail ? tail[4] : power[sixths[i]];
+            at->slope[k][i] = mode->tail ? tail[3] : td_scaled(td_times(rate, power[sixths[i]]), -1);
+        }
+    }
+}
+
 static double missing(const attempt *at, int i) {
-    double L = td_model_value(&at->input, node[i]), y = td_path_value(&at->stage, node[i]);
-    double lag = L - y;
-    if (at->lead > 0) lag -= at->lead / at->seconds * td_path_slope(&at->stage, node[i]);
-    return at->surplus[i] * lag;
+    double lag = td_model_value(&at->input, node[i]) - td_model_value(&at->stage.cubic, node[i]);
+    double slope = td_model_slope(&at->stage.cubic, node[i]);
+    for (int k = 0; k < at->stage.modes; k++) {
+        td_complex size = {at->stage.mode[k].cosine, at->stage.mode[k].sine};
+        lag -= td_times(size, at->value[k][i]).re;
+        slope += td_times(size, at->slope[k][i]).re;
+    }
+    return at->surplus[i] * (lag - at->lead / at->seconds * slope);
 }
 
 /* The cubic through g at the four nodes. */
@@ -79,6 +99,7 @@ static double substitute(attempt *at, const td_poles *stage, td_model *input) {
         for (int i = 0; i < 4; i++) input->control[i] = at->input.control[i] + cubic.control[i];
         td_poles_respond(stage, input, &at->stage);
         if (at->is_still) return 0;
+        if (sweep == 0) tabulate(at);
         double before[NODES];
         worst = 0;
         for (int i = 0; i < NODES; i++) {
@@ -125,7 +146,10 @@ static int is_flat(const td_model *model) {
 static double solve_frozen(const td_pieces *pieces, const td_model *piece, double to, double state[TD_FRONTEND_STATE],
                            td_path *path) {
     const td_drive *drive = pieces->drive;
-    attempt at = {.frontend = drive->frontend, .log_eps = drive->log_eps, .state = pieces->state};
+    attempt at;
+    at.frontend = drive->frontend;
+    at.log_eps = drive->log_eps;
+    at.state = pieces->state;
     at.seconds = drive->h * (to - pieces->from);
     at.input = *piece;
     at.middle = light_at(&at, 0.5);
@@ -173,17 +197,25 @@ static double solve_warped(const td_pieces *pieces, const td_model *input, doubl
 
 static double solve(const td_pieces *pieces, double to, td_warp *warp, double state[TD_FRONTEND_STATE], td_path *path) {
     td_model input = td_model_part(&pieces->drive->input, pieces->from, to);
-    *path = (td_path){.modes = 0};
     warp->on = 0;
     if (can_warp(pieces->drive, &input)) return solve_warped(pieces, &input, to, warp, state, path);
     return solve_frozen(pieces, &input, to, state, path);
 }
 
-/* -- the walk ---------------------------------------------------------------------------------------------------------------- */
+/* -- the walk -------------------------------------------------------------------------------------------------------------- */
 
-void td_pieces_begin(td_pieces *pieces, const td_drive *drive) {
-    *pieces = (td_pieces){.drive = drive, .length = 1};
-    for (int i = 0; i < TD_FRONTEND_STATE; i++) pieces->state[i] = drive->state[i];
+void td_pieces_begin(td_pieces *pieces, const td_drive *drive, int stretch) {
+    const td_stretch *begin = &drive->stretch[stretch];
+    pieces->drive = drive;
+    pieces->from = pieces->to = begin->from;
+    pieces->length = begin->length;
+    pieces->tried = begin->tried;
+    for (int i = 0; i < TD_FRONTEND_STATE; i++) pieces->state[i] = begin->state[i];
+}
+
+void td_pieces_mark(const td_pieces *pieces, td_stretch *stretch) {
+    *stretch = (td_stretch){pieces->to, pieces->length, {0}, INFINITY, -INFINITY, pieces->tried};
+    for (int i = 0; i < TD_FRONTEND_STATE; i++) stretch->state[i] = pieces->state[i];
 }
 
 /* The error of the cubic goes with the fourth power of the length. */
@@ -222,9 +254,10 @@ double td_pieces_speed(const td_pieces *pieces, double s) {
     return td_warp_speed(&pieces->warp, local(pieces, s)) / (pieces->to - pieces->from);
 }
 
-td_path td_pieces_with(const td_pieces *pieces, const td_model *cubic) {
-    td_path path = pieces->path;
+void td_pieces_with(const td_pieces *pieces, const td_model *cubic, td_path *path) {
     td_model part = td_model_part(cubic, pieces->from, pieces->to), more = td_warp_model(&pieces->warp, &part);
-    for (int i = 0; i < 4; i++) path.cubic.control[i] += more.control[i];
-    return path;
+    td_path_set(path, &pieces->path.cubic);
+    for (int i = 0; i < 4; i++) path->cubic.control[i] += more.control[i];
+    path->modes = pieces->path.modes;
+    for (int k = 0; k < path->modes; k++) path->mode[k] = pieces->path.mode[k];
 }

@@ -17,10 +17,14 @@ typedef struct td_pieces {
     td_path path; /* the piece's own, over [0, 1] */
 } td_pieces;
 
-void td_pieces_begin(td_pieces *pieces, const td_drive *drive);
+/* From a stretch of the drive on, to the step's end. */
+void td_pieces_begin(td_pieces *pieces, const td_drive *drive, int stretch);
 
 /* The next piece; 0 where the last one ended the step. */
 int td_pieces_next(td_pieces *pieces);
+
+/* A stretch from here on, without bounds yet. */
+void td_pieces_mark(const td_pieces *pieces, td_stretch *stretch);
 
 /* From the step's s to the piece's path and back; d path / ds. */
 double td_pieces_place(const td_pieces *pieces, double s);
@@ -28,6 +32,6 @@ double td_pieces_time(const td_pieces *pieces, double v);
 double td_pieces_speed(const td_pieces *pieces, double s);
 
 /* The piece's path with a cubic of the step's s added. */
-td_path td_pieces_with(const td_pieces *pieces, const td_model *cubic);
+void td_pieces_with(const td_pieces *pieces, const td_model *cubic, td_path *path);
 
 #endif

@@ -1,5 +1,6 @@
 /* Internal: a time of its own for a piece in which a first-order filter's rate goes with the light: S' = r(t) (L - S) is
- * dS/dv = rate (L - S) with a constant rate where v goes as the integral of r. Only L as a function of v is no cubic any more. */
+ * dS/dv = rate (L - S) with a constant rate where v goes as the integral of r. Only L as a function of v is no cubic any more.
+ * */
 #ifndef TD_WARP_H
 #define TD_WARP_H
 

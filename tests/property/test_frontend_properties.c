@@ -34,7 +34,7 @@ static double uniform(double low, double high) {
 
 static double any_power(double low, double high) { return exp(uniform(log(low), log(high))); }
 
-/* -- random filters and inputs ----------------------------------------------------------------------------------------------- */
+/* -- random filters and inputs --------------------------------------------------------------------------------------------- */
 
 static tides_sensor random_sensor(int kind) {
     tides_sensor sensor;
@@ -68,7 +68,7 @@ static td_model random_input(double L) {
 
 static const int kinds[] = {TD_FRONTEND_CONSTANT, TD_FRONTEND_INTENSITY, TD_FRONTEND_CIRCUIT};
 
-/* -- against the oracle ------------------------------------------------------------------------------------------------------ */
+/* -- against the oracle ---------------------------------------------------------------------------------------------------- */
 
 static void follows_the_equations(void **state) {
     (void)state;
@@ -101,7 +101,7 @@ static void follows_the_equations(void **state) {
     assert_true(worst[2] < TD_FRONTEND_TOLERANCE);
 }
 
-/* -- cutting ------------------------------------------------------------------------------------------------------------------ */
+/* -- cutting --------------------------------------------------------------------------------------------------------------- */
 
 /* De Casteljau: the cubic on [0, at] and on [at, 1]. */
 static void split(const td_model *model, double at, td_model *left, td_model *right) {
@@ -146,7 +146,7 @@ static void cutting_a_step_changes_nothing(void **state) {
     }
 }
 
-/* -- paths -------------------------------------------------------------------------------------------------------------------- */
+/* -- paths ----------------------------------------------------------------------------------------------------------------- */
 
 /* A path as filters leave them, or modes of any size. */
 static td_path random_path(int trial, td_frontend *frontend, tides_sensor *sensor) {
@@ -297,7 +297,7 @@ static void values_that_are_no_numbers_do_no_harm(void **state) {
     }
 }
 
-/* -- many pixels at once ------------------------------------------------------------------------------------------------------- */
+/* -- many pixels at once --------------------------------------------------------------------------------------------------- */
 
 static void many_pixels_are_like_one(void **state) {
     (void)state;

@@ -46,7 +46,7 @@ static td_frontend make(const tides_sensor *sensor) {
     return frontend;
 }
 
-/* -- the low-pass ------------------------------------------------------------------------------------------------------------ */
+/* -- the low-pass ---------------------------------------------------------------------------------------------------------- */
 
 /* 1 - (1 - e^-x) / x, without cancellation: the ramp's response over its input's change. */
 static long double ramp_share(long double x) {
@@ -103,7 +103,8 @@ static void steps(void **state) {
 }
 
 /* A sinusoid as cubics of 1/256 radian: amplitude x gain(frequency), late by its phase. Every crossing of a comparator with
- * threshold 0.05, in continuous time, within 1 ns of where the analytic S is at its level, however many time constants a step is. */
+ * threshold 0.05, in continuous time, within 1 ns of where the analytic S is at its level, however many time constants a step
+ * is. */
 typedef struct wave {
     long double amplitude, omega;
     complex_long gain;
@@ -161,7 +162,7 @@ static void sinusoids_through_the_low_pass(void **state) {
     }
 }
 
-/* -- the circuit ------------------------------------------------------------------------------------------------------------- */
+/* -- the circuit ----------------------------------------------------------------------------------------------------------- */
 
 /* Poles of the whole chain: lambda such that S' = -lambda S is one of its motions. */
 static int chain_poles(const tides_circuit *c, long double I_a, complex_long pole[4]) {
@@ -290,7 +291,7 @@ static void poles_that_meet(void **state) {
     }
 }
 
-/* -- v2e's law ----------------------------------------------------------------------------------------------------------------- */
+/* -- v2e's law ------------------------------------------------------------------------------------------------------------- */
 
 /* A small sinusoid about a brightness: down by 3 dB at cutoff x (255 Y + 20) / 275. */
 static void the_intensity_law_has_its_corner_where_it_says(void **state) {
@@ -319,7 +320,7 @@ static void the_intensity_law_has_its_corner_where_it_says(void **state) {
     }
 }
 
-/* -- parameters and odd input ------------------------------------------------------------------------------------------------ */
+/* -- parameters and odd input ---------------------------------------------------------------------------------------------- */
 
 static void off_is_the_cubic_itself(void **state) {
     (void)state;
