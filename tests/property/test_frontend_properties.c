@@ -1,27 +1,29 @@
 /* The photoreceptor's filters on random cubics and parameters: against an independent integration, cut into parts, bounds, and
- * crossings against a dense search. */
+ * crossings against a dense search. The seed is printed; TIDES_TEST_SEED sets it. */
 #include "frontend_oracle.h"
 #include "sensor/td_frontend.h"
 #include "sensor/td_lowpass.h"
 #include "td_base.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
-#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
 
 #define LOG_EPS 0.001
-enum { SEED = 20240611 };
 
 static uint64_t random_state;
 
-static void seed(uint64_t add) {
-    random_state = SEED + add * 0x9E3779B97F4A7C15u;
-    printf("seed %d + %d\n", SEED, (int)add);
+static void seed(uint64_t salt) {
+    const char *text = getenv("TIDES_TEST_SEED");
+    uint64_t seed = text ? strtoull(text, NULL, 10) : 20240611;
+    print_message("seed %" PRIu64 "\n", seed);
+    random_state = (seed ^ salt) * 0x9E3779B97F4A7C15ULL | 1;
 }
 
 /* xorshift64*: Vigna 2016. */
@@ -95,7 +97,7 @@ static void follows_the_equations(void **state) {
             L = input.control[3];
         }
     }
-    printf("worst errors: constant %.2g, intensity %.2g, circuit %.2g log units\n", worst[0], worst[1], worst[2]);
+    print_message("worst errors: constant %.2g, intensity %.2g, circuit %.2g log units\n", worst[0], worst[1], worst[2]);
     assert_true(worst[0] < 1e-11);
     assert_true(worst[1] < TD_FRONTEND_TOLERANCE);
     assert_true(worst[2] < TD_FRONTEND_TOLERANCE);
@@ -158,7 +160,7 @@ static td_path random_path(int trial, td_frontend *frontend, tides_sensor *senso
         td_model input = random_input(L);
         td_frontend_rest(frontend, L + uniform(-1, 1), LOG_EPS, memory);
         td_frontend_step(frontend, any_power(1e-5, 1e-2), &input, LOG_EPS, memory, &path);
-        double ramp = uniform(-1, 1) * (trial % 4 == 1);
+        double ramp = uniform(-0.05, 0.05) * (trial % 4 == 1); /* a leak's */
         for (int i = 0; i < 4; i++) path.cubic.control[i] += ramp * (i / 3.0);
         return path;
     }
@@ -216,7 +218,8 @@ static void check_crossings(int trial, const td_path *path, double on, double of
     enum { SAMPLES = 4000 };
     static double value[SAMPLES + 1];
     for (int i = 0; i <= SAMPLES; i++) value[i] = td_path_value(path, (double)i / SAMPLES);
-    double reference = value[0], from = 0, s, tiny = 1e-12 * (1 + fabs(reference));
+    double reference = value[0], from = 0, s;
+    double tiny = (path->drive.frontend ? TD_FRONTEND_TOLERANCE : 1e-12) * (1 + fabs(reference));
     int next = 0;
     for (int events = 0; events < 200; events++) {
         int polarity = td_path_crossing(path, reference, on, off, from, 1, &s);
@@ -248,7 +251,7 @@ static void crossings_are_those_of_a_dense_search(void **state) {
         td_frontend frontend;
         tides_sensor sensor;
         td_path path = random_path(trial, &frontend, &sensor);
-        if (path.drive.frontend && trial % 64 != 3) continue;
+        if (path.drive.frontend && trial % 64 != 3 && trial % 32 != 5) continue;
         check_crossings(trial, &path, any_power(0.01, 1), any_power(0.01, 1));
     }
 }
