@@ -103,6 +103,38 @@ static void follows_the_equations(void **state) {
     assert_true(worst[2] < TD_FRONTEND_TOLERANCE);
 }
 
+/* Crossings of filters that follow the light, where S moves by 5 / s and more: within 1 ns of where the oracle's S is at the
+ * level. */
+static void crosses_when_the_equations_do(void **state) {
+    (void)state;
+    seed(8);
+    int events = 0;
+    double worst = 0;
+    for (int trial = 0; trial < 30; trial++) {
+        tides_sensor sensor = random_sensor(kinds[trial % 3]);
+        sensor.photoreceptor_cutoff_hz = any_power(100, 1000);
+        td_frontend frontend = make(&sensor);
+        double memory[TD_FRONTEND_STATE], L = uniform(-4, -1), h = any_power(3e-4, 3e-3), rise = uniform(0.1, 0.4), s, from = 0;
+        td_model input = {{L, L + 0.2 * rise, L + 0.7 * rise, L + rise}};
+        td_path path;
+        double reference = td_frontend_rest(&frontend, L, LOG_EPS, memory);
+        td_frontend_step(&frontend, h, &input, LOG_EPS, memory, &path);
+        for (int polarity; (polarity = td_path_crossing(&path, reference, 0.02, 0.02, from, 1, &s)) != 0;) {
+            long double exact[4] = {L, L, 0, L};
+            reference += 0.02 * polarity;
+            from = s;
+            double slope = td_path_slope(&path, s) / h;
+            if (fabs(slope) < 5) continue;
+            double off = (double)((oracle_advance(&sensor, h, &input, LOG_EPS, s, 0.01, exact) - reference) / slope);
+            worst = fmax(worst, fabs(off));
+            events++;
+        }
+    }
+    print_message("worst of %d crossings: %.2g ns\n", events, 1e9 * worst);
+    assert_true(events > 50);
+    assert_true(worst < 1e-9);
+}
+
 /* -- cutting --------------------------------------------------------------------------------------------------------------- */
 
 /* De Casteljau: the cubic on [0, at] and on [at, 1]. */
@@ -335,6 +367,7 @@ static void many_pixels_are_like_one(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(follows_the_equations),
+        cmocka_unit_test(crosses_when_the_equations_do),
         cmocka_unit_test(cutting_a_step_changes_nothing),
         cmocka_unit_test(bounds_hold_what_is_sampled),
         cmocka_unit_test(slopes_are_derivatives),
