@@ -73,8 +73,6 @@ static void make_circuit(const tides_circuit *circuit, td_frontend *frontend) {
     frontend->source_follower = two_pi * circuit->source_follower_hz;
     frontend->difference = two_pi * circuit->difference_hz;
     if (frontend->source_follower > 0 && frontend->difference > 0) part_equal_poles(frontend);
-    /* A second-order filter of damping z enlarges its input by coth(pi z / (2 sqrt(1 - z^2))) < 1 + 2 / (pi z) at most. */
-    frontend->tolerance = TD_FRONTEND_TOLERANCE / 2 / (1 + 4 / two_pi * sqrt(frontend->loop));
 }
 
 static void make_first_order(const tides_sensor *sensor, td_frontend *frontend) {
@@ -83,7 +81,6 @@ static void make_first_order(const tides_sensor *sensor, td_frontend *frontend) 
     frontend->rate = two_pi * sensor->photoreceptor_cutoff_hz;
     frontend->light = 255.0 / 275; /* v2e: (DN + 20) / 275, DN = 255 Y */
     frontend->dark = 20.0 / 275;
-    frontend->tolerance = TD_FRONTEND_TOLERANCE / 2;
 }
 
 tides_status td_frontend_make(const tides_sensor *sensor, td_frontend *frontend, tides_error *error) {
@@ -99,6 +96,7 @@ tides_status td_frontend_make(const tides_sensor *sensor, td_frontend *frontend,
     } else if (sensor->photoreceptor_cutoff_hz > 0) {
         make_first_order(sensor, frontend);
     }
+    frontend->tolerance = TD_FRONTEND_TOLERANCE / 2;
     frontend->on = frontend->kind != TD_FRONTEND_OFF;
     return status;
 }

@@ -124,6 +124,17 @@ static int may_reach(const td_path *path, int stretch, double until, const reque
     return high >= asked->on || low <= -asked->off;
 }
 
+/* A crossing in the warped time of a piece took what is added to its path as a cubic of that time; one Newton step with S
+ * itself mends what that is off by, where S isn't about to turn. */
+static double mend(const td_path *path, const td_pieces *pieces, const request *asked, int polarity, double s) {
+    if (!pieces->warp.on || s <= asked->from) return s;
+    double v = td_pieces_place(pieces, s), level = asked->reference + (polarity > 0 ? asked->on : -asked->off);
+    double off = td_model_value(&path->cubic, s) + direct_value(&pieces->path, v) - level;
+    double slope = td_model_slope(&path->cubic, s) + direct_slope(&pieces->path, v) * td_pieces_speed(pieces, s);
+    double step = off / slope;
+    return fabs(step) <= 1e-5 * (pieces->to - pieces->from) ? s - step : s;
+}
+
 static int crossing_in_stretch(const td_path *path, int stretch, double until, const request *asked, double *s) {
     td_pieces pieces;
     td_pieces_begin(&pieces, &path->drive, stretch);
@@ -134,7 +145,8 @@ static int crossing_in_stretch(const td_path *path, int stretch, double until, c
         double begin = td_pieces_place(&pieces, asked->from), end = td_pieces_place(&pieces, asked->to), v;
         int polarity = td_path_crossing(&piece, asked->reference, asked->on, asked->off, begin, end, &v);
         if (polarity == 0) continue;
-        *s = fmin(fmax(td_pieces_time(&pieces, v), asked->from), asked->to);
+        *s = mend(path, &pieces, asked, polarity, td_pieces_time(&pieces, v));
+        *s = fmin(fmax(*s, asked->from), asked->to);
         return polarity;
     }
     return 0;

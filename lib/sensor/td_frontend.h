@@ -34,7 +34,7 @@ typedef struct td_frontend {
     double rate;                    /* of the first-order filter, where that is 1 [1/s] */
     double input_s, miller_s, loop; /* circuit: tau_in I and tau_mil I [A s]; A_loop + 1 */
     double source_follower, difference; /* [1/s]; 0: left out */
-    double tolerance;                   /* of the input, so that S is within TD_FRONTEND_TOLERANCE */
+    double tolerance;                   /* of the input that a piece is solved for [log units] */
 } td_frontend;
 
 /* `sensor` must outlive it. Off where bandwidth is FIRST_ORDER and photoreceptor_cutoff_hz is 0. TIDES_BAD_ARGUMENT naming the
