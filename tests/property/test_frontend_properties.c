@@ -98,7 +98,7 @@ static void follows_the_equations(void **state) {
         }
     }
     print_message("worst errors: constant %.2g, intensity %.2g, circuit %.2g log units\n", worst[0], worst[1], worst[2]);
-    assert_true(worst[0] < 1e-11);
+    assert_true(worst[0] < 3e-11); /* the error of Runge and Kutta; test_frontend.c has closed forms to 1e-15 */
     assert_true(worst[1] < TD_FRONTEND_TOLERANCE);
     assert_true(worst[2] < TD_FRONTEND_TOLERANCE);
 }
