@@ -25,6 +25,15 @@ static const cli_command commands[] = {
      "says what is written.",
      2, cmd_convert},
     {"cut", "IN OUT --start S --stop S", "Cut a stretch of time or a window out of an event file.", NULL, 2, cmd_cut},
+    {"export", "EVENTS -o OUT.npy [--as voxel|frame|surface]", "Write events as arrays for networks, one for each window.",
+     "The array has float32 (windows x planes x height x width). .npz and .h5 also hold start_ns, stop_ns and events for each "
+     "window.\n"
+     "voxel: signed events shared between bins of time, as E2VID, DSEC (E-RAFT) or TimeLens build them; frame: numbers of OFF "
+     "and\n"
+     "of ON events; surface: exp(-age / decay) of the latest OFF and ON event at the window's end. "
+     "include/tides/representations.h\n"
+     "defines them.",
+     1, cmd_export},
     {"metrics", "REFERENCE SIMULATED [--only LIST]", "Compare a simulated event stream with a reference.",
      "Values are undefined (-, in JSON null) where they would divide by nothing. include/tides/metrics.h defines each one.\n"
      "The kernel distance takes long, and match wants an exact reference: both only where asked for.",
