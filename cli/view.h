@@ -34,6 +34,15 @@ typedef struct view_unit {
     double ns;
 } view_unit;
 view_unit view_unit_for(int64_t first_ns, int64_t stop_ns);
+/* An axis of time for what is shown, a microsecond long at least. Values count from 0, or where decimals wouldn't tell them apart
+ * from an origin that the label names. */
+typedef struct view_axis {
+    view_unit unit;
+    int64_t origin_ns, first_ns, stop_ns;
+    char label[80];
+} view_axis;
+view_axis view_time_axis(const cli_window *shown);
+double view_on_axis(const view_axis *axis, double time_ns); /* in the axis' unit */
 /* "140.0 to 160.0 ms", with decimals that tell the ends apart. */
 void view_interval(const cli_window *shown, char text[96]);
 /* "title, 140 to 160 ms" in the first line, and the numbers of ON and OFF events with their colours in the second. */

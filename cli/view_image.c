@@ -10,13 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEFT = 76, TOP = 92, RIGHT = 24, BOTTOM = 64, SCALE_ROOM = 118, LEAST_WIDTH = 640, COMFORTABLE = 640 };
+enum { LEFT = 76, TOP = 92, RIGHT = 24, BOTTOM = 64, SCALE_ROOM = 118, LEAST_WIDTH = 760, HEADING = 16, COMFORTABLE = 640 };
 
 static int32_t enlargement(const view *v, const cli_window *shown) {
     if (v->plain && !v->scale) return 1;
     if (v->scale) return v->scale;
     const int32_t times = (COMFORTABLE + shown->width - 1) / shown->width;
-    return times > 16 ? 16 : times;
+    return times > 64 ? 64 : times;
 }
 
 /* Copies an image, each pixel as a square. */
@@ -30,7 +30,7 @@ static void paste(cli_canvas *canvas, int32_t left, int32_t top, int32_t times, 
 }
 
 /* The canvas of an image with `room` px beside it. */
-static cli_canvas lay_out(const view *v, const cli_window *shown, int32_t room, const char *title, const uint8_t *rgb) {
+static cli_canvas lay_out(const view *v, const cli_window *shown, int32_t room, const uint8_t *rgb) {
     const int32_t times = enlargement(v, shown), width = shown->width * times, height = shown->height * times;
     if (v->plain) {
         cli_canvas bare = plot_canvas(width, height);
@@ -52,7 +52,6 @@ static cli_canvas lay_out(const view *v, const cli_window *shown, int32_t room, 
                               .x_linear = 1,
                               .y_linear = 1};
     plot_axes(&canvas, &panel, 1);
-    view_heading(&canvas, LEFT - 60, shown, title);
     paste(&canvas, LEFT, TOP, times, shown, rgb);
     return canvas;
 }
@@ -65,7 +64,8 @@ cli_canvas view_frame(const view *v, const cli_window *recording, const cli_wind
     cli_canvas canvas = {0, 0, NULL};
     if (!rgb) return canvas;
     tides_picture_events(shown->events, shown->count, NULL, shown->width, shown->height, rgb);
-    canvas = lay_out(v, shown, 0, "events", rgb);
+    canvas = lay_out(v, shown, 0, rgb);
+    if (canvas.rgb && !v->plain) view_heading(&canvas, HEADING, shown, "events");
     free(rgb);
     return canvas;
 }
@@ -104,12 +104,23 @@ static void colour_scale(cli_canvas *canvas, const view *v, int32_t left, int32_
         tides_picture_signed(&value, 1, 1, 1.0, colour);
         draw_fill(canvas, left, TOP + y, left + BAR, TOP + y + 1, colour);
     }
-    for (int i = 0; i < MARKS; i++) {
+    for (int i = 0; i < MARKS; i += height < 110 ? MARKS - 1 : 1) { /* where all would overlap, the ends alone */
         const int32_t y = TOP + (int32_t)lround((1 - at[i]) / 2 * (height - 1));
         static const uint8_t ink[3] = {110, 110, 110};
         draw_fill(canvas, left + BAR, y, left + BAR + 5, y + 1, ink);
         plot_text(canvas, left + BAR + 9, y - 7 + (i == 0 ? 7 : i == MARKS - 1 ? -7 : 0), VIEW_TEXT, label[i]);
     }
+}
+
+static void surface_heading(cli_canvas *canvas, const view *v, const cli_window *shown) {
+    char line[96];
+    view_unit unit = view_unit_for(shown->first_ns, shown->stop_ns);
+    snprintf(line, sizeof line, "time surface at %.3f %s", (double)shown->stop_ns / unit.ns, unit.name);
+    plot_text(canvas, HEADING, 12, VIEW_TEXT, line);
+    unit = view_unit_for(0, (int64_t)(1e9 * v->decay_s));
+    snprintf(line, sizeof line, "latest event of each pixel, fading by exp(-age / %.3g %s)", 1e9 * v->decay_s / unit.ns,
+             unit.name);
+    plot_text(canvas, HEADING, 38, VIEW_TEXT, line);
 }
 
 cli_canvas view_surface(const view *v, const cli_window *recording, const cli_window *shown) {
@@ -119,7 +130,8 @@ cli_canvas view_surface(const view *v, const cli_window *recording, const cli_wi
     uint8_t *rgb = malloc(3 * pixels);
     if (value && rgb && signed_surface(v, recording, shown, value)) {
         tides_picture_signed(value, shown->width, shown->height, 1.0, rgb);
-        canvas = lay_out(v, shown, SCALE_ROOM, "time surface", rgb);
+        canvas = lay_out(v, shown, SCALE_ROOM, rgb);
+        if (canvas.rgb && !v->plain) surface_heading(&canvas, v, shown);
         const int32_t times = enlargement(v, shown);
         if (canvas.rgb && !v->plain) colour_scale(&canvas, v, LEFT + shown->width * times + 16, shown->height * times);
     }

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 1100, HEIGHT = 560, LEFT = 96, TOP = 100, RIGHT = 36, BOTTOM = 72, BINS = 200, BINS_MAX = 100000 };
+enum { WIDTH = 1100, HEIGHT = 560, LEFT = 96, TOP = 100, RIGHT = 60, BOTTOM = 72, BINS = 200, BINS_MAX = 100000 };
 
 static plot_panel make_panel(const char *x_label, const char *y_label) {
     return (plot_panel){.left = LEFT,
@@ -32,16 +32,17 @@ typedef struct rates {
     int32_t count;
 } rates;
 
-static void count_rates(const cli_window *shown, double bin_ns, double unit_ns, rates *r) {
-    const double span = (double)(shown->stop_ns - shown->first_ns);
-    for (int32_t i = 0; i <= r->count; i++) r->edges[i] = ((double)shown->first_ns + fmin(i * bin_ns, span)) / unit_ns;
+static void count_rates(const cli_window *shown, const view_axis *axis, double bin_ns, rates *r) {
+    const double span = (double)(axis->stop_ns - axis->first_ns);
+    for (int32_t i = 0; i <= r->count; i++)
+        r->edges[i] = view_on_axis(axis, (double)axis->first_ns) + fmin(i * bin_ns, span) / axis->unit.ns;
     for (size_t i = 0; i < shown->count; i++) {
         int32_t bin = (int32_t)((double)(shown->events[i].t - shown->first_ns) / bin_ns);
         if (bin >= r->count) bin = r->count - 1; /* by rounding only */
         *(shown->events[i].polarity > 0 ? &r->on[bin] : &r->off[bin]) += 1;
     }
     for (int32_t i = 0; i < r->count; i++) { /* the last bin may be shorter */
-        const double seconds = 1e-9 * unit_ns * (r->edges[i + 1] - r->edges[i]);
+        const double seconds = 1e-9 * axis->unit.ns * (r->edges[i + 1] - r->edges[i]);
         if (seconds > 0) r->on[i] /= seconds, r->off[i] /= seconds;
         r->all[i] = r->on[i] + r->off[i];
     }
@@ -51,17 +52,16 @@ static void scale_rates(rates *r, double by) {
     for (int32_t i = 0; i < r->count; i++) r->all[i] /= by, r->on[i] /= by, r->off[i] /= by;
 }
 
-static void draw_rates(cli_canvas *canvas, const cli_window *shown, rates *r, const char *unit, double bin_ns) {
+static void draw_rates(cli_canvas *canvas, const cli_window *shown, rates *r, const view_axis *axis, double bin_ns) {
     static const uint8_t ink[3] = {30, 30, 30};
     const double most = largest(r->all, r->count), scale = most >= 1e6 ? 1e6 : most >= 1e3 ? 1e3 : 1;
-    char x_label[32], title[96];
+    char title[96];
     const view_unit bin = view_unit_for(0, (int64_t)bin_ns);
-    snprintf(x_label, sizeof x_label, "time [%s]", unit);
     snprintf(title, sizeof title, "rate of events in bins of %.4g %s", bin_ns / bin.ns, bin.name);
     scale_rates(r, scale);
-    plot_panel panel = make_panel(x_label, scale > 1e3 ? "M events/s" : scale > 1 ? "k events/s" : "events/s");
+    plot_panel panel = make_panel(axis->label, scale > 1e3 ? "M events/s" : scale > 1 ? "k events/s" : "events/s");
     panel.x_low = r->edges[0];
-    panel.x_high = r->edges[r->count] > r->edges[0] ? r->edges[r->count] : r->edges[0] + 1;
+    panel.x_high = r->edges[r->count];
     panel.y_high = most > 0 ? 1.06 * most / scale : 1;
     panel.x_linear = 1;
     plot_axes(canvas, &panel, 1);
@@ -81,16 +81,16 @@ static double round_bin(double least) {
 
 cli_canvas view_rate(const view *v, const cli_window *recording, const cli_window *shown) {
     (void)recording;
-    const double span = (double)(shown->stop_ns - shown->first_ns);
-    double bin_ns = v->bin_s > 0 ? 1e9 * v->bin_s : round_bin(fmax(span / BINS, 1));
+    const view_axis axis = view_time_axis(shown);
+    const double span = (double)(axis.stop_ns - axis.first_ns);
+    double bin_ns = v->bin_s > 0 ? 1e9 * v->bin_s : round_bin(span / BINS);
     if (span / bin_ns > BINS_MAX) bin_ns = span / BINS_MAX;
     rates *r = calloc(1, sizeof *r);
     cli_canvas canvas = r ? plot_canvas(WIDTH, HEIGHT) : (cli_canvas){0, 0, NULL};
     if (canvas.rgb) {
-        const view_unit unit = view_unit_for(shown->first_ns, shown->stop_ns);
         r->count = (int32_t)fmax(1, ceil(span / bin_ns - 1e-9));
-        count_rates(shown, bin_ns, unit.ns, r);
-        draw_rates(&canvas, shown, r, unit.name, bin_ns);
+        count_rates(shown, &axis, bin_ns, r);
+        draw_rates(&canvas, shown, r, &axis, bin_ns);
     }
     free(r);
     return canvas;
@@ -136,7 +136,7 @@ static void draw_intervals(cli_canvas *canvas, const cli_window *shown, const do
     plot_panel panel = make_panel("interval between two events of a pixel [s]", "intervals");
     panel.x_low = edges[0];
     panel.x_high = edges[bins];
-    panel.y_high = count > zeros ? 1.06 * largest(values, bins) : 1;
+    panel.y_high = fmax(10, 1.06 * largest(values, bins)); /* ticks at whole numbers */
     plot_axes(canvas, &panel, 1);
     plot_steps(canvas, &panel, &(plot_stairs){edges, values, bins, 1, view_off});
     char number[32], line[160], interval[96];

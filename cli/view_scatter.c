@@ -5,12 +5,13 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-enum { WIDTH = 1100, HEIGHT = 780, TOP = 70, MARGIN_X = 104, MARGIN_Y = 74, POINTS_MAX = 400000 };
+enum { WIDTH = 1200, HEIGHT = 780, TOP = 66, MARGIN_X = 144, MARGIN_Y = 56, POINTS_MAX = 400000 };
 
 /* The box: half its extents along time, height and width of the image; the axes point as time, y and x do. */
 enum { TIME, Y, X, AXES };
-#define TIME_EXTENT 1.7  /* of the longer side of the image */
+#define TIME_EXTENT 1.5  /* of the longer side of the image */
 #define EYE_DISTANCE 4.0 /* from the box's centre, likewise */
 
 typedef struct scene {
@@ -103,8 +104,8 @@ static void segment(cli_canvas *canvas, const scene *s, const double a[AXES], co
 }
 
 static int32_t ticks_of(const scene *s, int axis, const range *r, double ticks[PLOT_TICKS_MAX], int32_t *decimals) {
-    (void)s;
-    return plot_linear_ticks(r->low, r->high, axis == TIME ? 560 : 300, 90, ticks, decimals);
+    enum { ROOM = 90 /* px between labels, where nothing is foreshortened */ };
+    return plot_linear_ticks(r->low, r->high, (int32_t)(2 * s->half[axis] * s->scale / EYE_DISTANCE), ROOM, ticks, decimals);
 }
 
 /* Lines at the ticks of `axis` on the far face at `end` of the axis `across`. */
@@ -164,16 +165,35 @@ static int32_t choose_edge(const scene *s, int axis, double at[AXES]) {
     return best > -INFINITY;
 }
 
-/* Text whose nearest border is `distance` px from (x, y) along the direction (dx, dy). */
-static void text_beside(cli_canvas *canvas, double x, double y, double dx, double dy, double distance, const char *text) {
+/* Where text is already: two axes meet at a corner, and each may have a label for it. */
+typedef struct label_boxes {
+    int32_t box[3 * (PLOT_TICKS_MAX + 1)][4]; /* left, top, right, bottom */
+    int32_t count;
+} label_boxes;
+
+static int32_t is_taken(const label_boxes *boxes, const int32_t box[4]) {
+    enum { GAP = 4 };
+    for (int32_t i = 0; i < boxes->count; i++) {
+        const int32_t *other = boxes->box[i];
+        if (box[0] < other[2] + GAP && other[0] < box[2] + GAP && box[1] < other[3] && other[1] < box[3]) return 1;
+    }
+    return 0;
+}
+
+/* Text whose nearest border is `distance` px from (x, y) along the direction (dx, dy), unless there is some already. */
+static void text_beside(cli_canvas *canvas, double x, double y, double dx, double dy, double distance, const char *text,
+                        label_boxes *boxes) {
     const double half_width = 0.5 * plot_text_width(text, VIEW_TEXT), half_height = 7;
     const double reach = distance + fabs(dx) * half_width + fabs(dy) * half_height;
-    plot_text(canvas, (int32_t)lround(x + reach * dx - half_width), (int32_t)lround(y + reach * dy - half_height), VIEW_TEXT,
-              text);
+    const int32_t left = (int32_t)lround(x + reach * dx - half_width), top = (int32_t)lround(y + reach * dy - half_height);
+    const int32_t box[4] = {left, top, left + (int32_t)(2 * half_width), top + (int32_t)(2 * half_height)};
+    if (is_taken(boxes, box)) return;
+    memcpy(boxes->box[boxes->count++], box, sizeof box);
+    plot_text(canvas, left, top, VIEW_TEXT, text);
 }
 
 /* Ticks point away from the box, square to their edge on the screen. */
-static void draw_axis(cli_canvas *canvas, const scene *s, int axis, const range *r) {
+static void draw_axis(cli_canvas *canvas, const scene *s, int axis, const range *r, label_boxes *boxes) {
     double at[AXES], from[AXES], to[AXES], ax, ay, bx, by, cx, cy, ticks[PLOT_TICKS_MAX];
     const double centre[AXES] = {0};
     int32_t decimals;
@@ -193,10 +213,10 @@ static void draw_axis(cli_canvas *canvas, const scene *s, int axis, const range 
         project(s, at, &x, &y);
         draw_line(canvas, x, y, x + 7 * dx, y + 7 * dy, 1.4, ink);
         snprintf(label, sizeof label, "%.*f", decimals, ticks[i]);
-        text_beside(canvas, x, y, dx, dy, 11, label);
+        text_beside(canvas, x, y, dx, dy, 11, label, boxes);
         widest = fmax(widest, fabs(dx) * plot_text_width(label, VIEW_TEXT) + fabs(dy) * 14);
     }
-    text_beside(canvas, 0.5 * (ax + bx), 0.5 * (ay + by), dx, dy, 20 + widest, r->label);
+    text_beside(canvas, 0.5 * (ax + bx), 0.5 * (ay + by), dx, dy, 30 + widest, r->label, boxes);
 }
 
 /* ---- events ---- */
@@ -214,11 +234,12 @@ static int farthest_first(const void *a, const void *b) {
 /* Every so many events one, so that a picture takes a second at most. */
 static size_t stride_of(const cli_window *shown) { return shown->count / POINTS_MAX + 1; }
 
-static size_t project_events(const scene *s, const cli_window *shown, const range ranges[AXES], double unit_ns, point *points) {
+static size_t project_events(const scene *s, const cli_window *shown, const range ranges[AXES], const view_axis *time,
+                             point *points) {
     size_t count = 0;
     for (size_t i = 0; i < shown->count; i += stride_of(shown)) {
         const tides_event *e = &shown->events[i];
-        const double values[AXES] = {(double)e->t / unit_ns, e->y + 0.5, e->x + 0.5};
+        const double values[AXES] = {view_on_axis(time, (double)e->t), e->y + 0.5, e->x + 0.5};
         double at[AXES];
         for (int axis = 0; axis < AXES; axis++) at[axis] = place(s, axis, &ranges[axis], values[axis]);
         point *p = &points[count++];
@@ -246,19 +267,19 @@ cli_canvas view_xyt(const view *v, const cli_window *recording, const cli_window
     point *points = malloc((shown->count / stride_of(shown) + 1) * sizeof *points);
     cli_canvas canvas = points ? plot_canvas(WIDTH, HEIGHT) : (cli_canvas){0, 0, NULL};
     if (canvas.rgb) {
-        const view_unit unit = view_unit_for(shown->first_ns, shown->stop_ns);
+        const view_axis time = view_time_axis(shown);
         const scene s = make_scene(v, shown);
-        char time_label[32], title[64] = "events";
-        snprintf(time_label, sizeof time_label, "time [%s]", unit.name);
-        const double stop = (double)(shown->stop_ns > shown->first_ns ? shown->stop_ns : shown->first_ns + 1);
-        const range ranges[AXES] = {{(double)shown->first_ns / unit.ns, stop / unit.ns, time_label},
+        label_boxes boxes = {.count = 0};
+        char title[64] = "events";
+        const range ranges[AXES] = {{view_on_axis(&time, (double)time.first_ns), view_on_axis(&time, (double)time.stop_ns),
+                                     time.label},
                                     {0, shown->height, "y [px]"},
                                     {0, shown->width, "x [px]"}};
         draw_far_faces(&canvas, &s, ranges);
         draw_edges(&canvas, &s, 1);
-        draw_points(&canvas, points, project_events(&s, shown, ranges, unit.ns, points));
+        draw_points(&canvas, points, project_events(&s, shown, ranges, &time, points));
         draw_edges(&canvas, &s, 0);
-        for (int axis = 0; axis < AXES; axis++) draw_axis(&canvas, &s, axis, &ranges[axis]);
+        for (int axis = 0; axis < AXES; axis++) draw_axis(&canvas, &s, axis, &ranges[axis], &boxes);
         if (stride_of(shown) > 1) snprintf(title, sizeof title, "events (1 of %zu is drawn)", stride_of(shown));
         view_heading(&canvas, 36, shown, title);
     }

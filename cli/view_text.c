@@ -14,14 +14,44 @@ view_unit view_unit_for(int64_t first_ns, int64_t stop_ns) {
     return largest >= 1e6 ? (view_unit){"ms", 1e6} : (view_unit){"us", 1e3};
 }
 
+/* Decimals that show `least_ns` in a unit, and never less than a nanosecond. */
+static int decimals_for(const view_unit *unit, double least_ns) {
+    const double digits = ceil(log10(unit->ns) - log10(fmax(least_ns, 1)) - 1e-9);
+    return digits > 0 ? (int)digits : 0;
+}
+
 void view_interval(const cli_window *shown, char text[96]) {
     const view_unit unit = view_unit_for(shown->first_ns, shown->stop_ns);
-    const double first = (double)shown->first_ns / unit.ns, stop = (double)shown->stop_ns / unit.ns;
-    const double span = fmax(stop - first, 1e-9);
-    const double digits = 2 - floor(log10(span)); /* a hundredth of the interval */
-    const int decimals = digits < 0 ? 0 : digits > 9 ? 9 : (int)digits;
-    snprintf(text, 96, "%.*f to %.*f %s", decimals, first, decimals, stop, unit.name);
+    const double first = (double)shown->first_ns, stop = (double)shown->stop_ns;
+    const int decimals = stop > first ? decimals_for(&unit, pow(10, floor(log10(stop - first)) - 2)) : 3;
+    if (stop > first)
+        snprintf(text, 96, "%.*f to %.*f %s", decimals, first / unit.ns, decimals, stop / unit.ns, unit.name);
+    else
+        snprintf(text, 96, "at %.*f %s", decimals, first / unit.ns, unit.name);
 }
+
+view_axis view_time_axis(const cli_window *shown) {
+    enum { LEAST_NS = 1000, ENOUGH = 20 /* spans from 0 to where three digits no longer tell ticks apart */ };
+    view_axis axis = {.first_ns = shown->first_ns, .stop_ns = shown->stop_ns};
+    if (axis.stop_ns < axis.first_ns + LEAST_NS) axis.stop_ns = axis.first_ns + LEAST_NS;
+    const double span = (double)(axis.stop_ns - axis.first_ns),
+                 far = fmax(fabs((double)axis.first_ns), fabs((double)axis.stop_ns));
+    if (far <= ENOUGH * span) {
+        axis.unit = view_unit_for(axis.first_ns, axis.stop_ns);
+        snprintf(axis.label, sizeof axis.label, "time [%s]", axis.unit.name);
+        return axis;
+    }
+    const int64_t round = (int64_t)pow(10, floor(log10(span)));
+    const view_unit unit = view_unit_for(axis.first_ns, axis.first_ns);
+    axis.origin_ns = axis.first_ns / round * round;
+    if (axis.origin_ns > axis.first_ns) axis.origin_ns -= round; /* division rounds towards 0 */
+    axis.unit = view_unit_for(0, axis.stop_ns - axis.origin_ns);
+    snprintf(axis.label, sizeof axis.label, "time after %.*f %s [%s]", decimals_for(&unit, (double)round),
+             (double)axis.origin_ns / unit.ns, unit.name, axis.unit.name);
+    return axis;
+}
+
+double view_on_axis(const view_axis *axis, double time_ns) { return (time_ns - (double)axis->origin_ns) / axis->unit.ns; }
 
 void view_number(uint64_t number, char text[32]) {
     char digits[24];
