@@ -8,6 +8,7 @@
 
 typedef struct h5_array {
     hid_t file, dataset;
+    int ours; /* the .part isn't another run's */
 } h5_array;
 
 static tides_status write_failed(const td_array_sink *sink, tides_error *error) {
@@ -48,6 +49,7 @@ static tides_status create_quietly(td_array_sink *sink, tides_error *error) {
     h5_array *h5 = sink->state;
     tides_status status = td_event_store_claim(sink->part, 1, error);
     if (status != TIDES_OK) return status;
+    h5->ours = 1;
     return create_all(sink, h5) < 0 ? write_failed(sink, error) : TIDES_OK;
 }
 
@@ -63,10 +65,8 @@ static void discard(td_array_sink *sink) {
     if (!h5) return;
     td_h5_quiet saved;
     td_h5_quiet_begin(&saved);
-    if (h5->file >= 0) {
-        close_all(h5);
-        unlink(sink->part);
-    }
+    close_all(h5);
+    if (h5->ours) unlink(sink->part);
     td_h5_quiet_end(&saved);
     free(h5);
     sink->state = NULL;
@@ -151,7 +151,11 @@ static tides_status complete(td_array_sink *sink, tides_error *error) {
         status = write_failed(sink, error);
     if (status == TIDES_OK && close_all(h5) < 0) status = write_failed(sink, error);
     td_h5_quiet_end(&saved);
-    return status == TIDES_OK ? td_commit_file(sink->part, sink->path, error) : status;
+    if (status == TIDES_OK) {
+        h5->ours = 0; /* renamed, or what is to be found where it couldn't be */
+        status = td_commit_file(sink->part, sink->path, error);
+    }
+    return status;
 }
 
 const td_array_format td_array_h5 = {".h5", create, append, complete, discard};
