@@ -14,8 +14,8 @@ typedef struct plot_curve {
     int32_t count, style;
 } plot_curve;
 
-/* A panel: its frame within the canvas [px], the ranges of its axes, which are logarithmic unless said to be linear (and may then
- * run downwards), and its texts. */
+/* A panel: its frame within the canvas [px], the ranges of its axes, which are logarithmic unless said to be linear (and may
+ * then run downwards), and its texts. */
 typedef struct plot_panel {
     int32_t left, top, right, bottom;
     double x_low, x_high, y_low, y_high;

@@ -14,8 +14,8 @@ typedef struct view {
     int32_t plain;                     /* frame, surface: the pixels alone */
 } view;
 
-/* Each draws the events of `shown`, a slice of `recording` (surfaces look further back than their slice), on a new canvas, whose
- * size depends on the sensor's alone; rgb is NULL where memory ran out, else the caller's. */
+/* Each draws the events of `shown`, a slice of `recording` (surfaces look further back than their slice), on a new canvas,
+ * whose size depends on the sensor's alone; rgb is NULL where memory ran out, else the caller's. */
 typedef cli_canvas (*view_drawer)(const view *v, const cli_window *recording, const cli_window *shown);
 cli_canvas view_frame(const view *v, const cli_window *recording, const cli_window *shown);   /* view_image.c */
 cli_canvas view_surface(const view *v, const cli_window *recording, const cli_window *shown); /* view_image.c */
@@ -34,7 +34,7 @@ typedef struct view_unit {
     double ns;
 } view_unit;
 view_unit view_unit_for(int64_t first_ns, int64_t stop_ns);
-/* An axis of time for what is shown, a microsecond long at least. Values count from 0, or where decimals wouldn't tell them apart
+/* An axis of time for what is shown, a microsecond long at least. Values count from 0, or where that takes too many decimals
  * from an origin that the label names. */
 typedef struct view_axis {
     view_unit unit;

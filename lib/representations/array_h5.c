@@ -1,4 +1,5 @@
-/* Arrays as HDF5: /NAME (windows x planes x height x width), a chunk for each window, deflated; /start_ns, /stop_ns, /events. */
+/* Arrays as HDF5: /NAME (windows x planes x height x width), a chunk for each window, deflated; /start_ns, /stop_ns and
+ * /events, a value for each window. */
 #include "events/td_event_store.h"
 #include "td_array_sink.h"
 

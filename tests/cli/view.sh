@@ -1,7 +1,7 @@
 # Pictures of events: sizes, known events on known pixels, animations, empty and single streams, refusals.
 
-# pixel FILE X Y: its colour, "r g b", of a picture that was written as y4m's planes (Y, Cb, Cr).
-plane_bytes() { # FILE WIDTH HEIGHT X Y
+# plane_bytes FILE WIDTH HEIGHT X Y: "luma blue red " (Y, Cb, Cr) of a pixel of a video's first picture.
+plane_bytes() {
     local head
     head=$(($(head -n 2 "$1" | wc -c)))
     for plane in 0 1 2; do
@@ -25,8 +25,10 @@ head -n 1 three.y4m | grep -q "^YUV4MPEG2 W6 H3 F25:1 " || fail "the video's siz
 grey=$(plane_bytes three.y4m 6 3 1 1)
 [ "$(echo "$grey" | cut -d' ' -f2,3)" = "128 128" ] || fail "pixels without events are grey, not $grey"
 for place in "4 1 on" "0 2 off" "5 0 none" "3 1 none" "4 2 none"; do
-    read -r x y what <<<"$place"
-    read -r luma blue red <<<"$(plane_bytes three.y4m 6 3 "$x" "$y")"
+    set -- $place
+    x=$1 y=$2 what=$3
+    set -- $(plane_bytes three.y4m 6 3 "$x" "$y")
+    luma=$1 blue=$2 red=$3
     case $what in
         on) [ "$red" -gt 150 ] && [ "$blue" -lt 128 ] ;;
         off) [ "$blue" -gt 150 ] && [ "$red" -lt 128 ] ;;
@@ -38,6 +40,7 @@ done
 expect 0 tides view three.csv -o s.y4m --kind surface --plain --start 0.012 --window 0.001 --decay 0.01
 new=$(plane_bytes s.y4m 6 3 5 0 | cut -d' ' -f1) old=$(plane_bytes s.y4m 6 3 4 1 | cut -d' ' -f1)
 never=$(plane_bytes s.y4m 6 3 2 2 | cut -d' ' -f1)
+[ "$(plane_bytes s.y4m 6 3 0 2 | cut -d' ' -f2)" -gt 140 ] || fail "OFF is blue"
 [ "$new" -lt "$old" ] && [ "$old" -lt "$never" ] || fail "a surface fades: $new, $old, $never"
 
 # Sizes: plain, scaled, with axes; each kind with events, with one, and without.
