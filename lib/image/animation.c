@@ -40,40 +40,49 @@ static void free_animation(tides_animation *a) {
     free(a);
 }
 
-static tides_status create(const char *name, const td_animation_format *format, int32_t width, int32_t height, double rate,
-                           tides_animation **animation, tides_error *error) {
-    *animation = NULL;
+/* NULL with the reason in `status`. */
+static tides_animation *create(const char *name, const td_animation_format *format, int32_t width, int32_t height, double rate,
+                               tides_status *status, tides_error *error) {
+    *status = TIDES_OK;
     if (width < 1 || height < 1 || width > 65536 || height > 65536)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "%s: an animation can't be %d x %d px", name, width, height);
-    if (!(rate >= 0.02 && rate <= 1000))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "%s: %g pictures a second aren't possible: give 0.02 to 1000", name, rate);
+        *status = td_fail(error, TIDES_BAD_ARGUMENT, "%s: an animation can't be %d x %d px", name, width, height);
+    else if (!(rate >= 0.02 && rate <= 1000))
+        *status = td_fail(error, TIDES_BAD_ARGUMENT, "%s: %g pictures a second aren't possible: give 0.02 to 1000", name, rate);
+    if (*status != TIDES_OK) return NULL;
     tides_animation *made = td_alloc(1, sizeof *made, error);
     if (!made || !(made->path = td_strdup(name, error))) {
         free(made);
-        return TIDES_NO_MEMORY;
+        *status = TIDES_NO_MEMORY;
+        return NULL;
     }
     made->format = format;
     made->width = width;
     made->height = height;
     set_rate(made, rate);
-    *animation = made;
-    return TIDES_OK;
+    return made;
 }
 
-static tides_status begin(tides_animation **animation, tides_error *error) {
-    tides_animation *a = *animation;
-    const tides_status status = a->format->begin ? a->format->begin(a, error) : TIDES_OK;
-    if (status == TIDES_OK) return TIDES_OK;
-    *animation = NULL;
-    tides_animation_abandon(a);
+/* Writes what comes first, unless opening failed already; hands over the animation, or ends it. */
+static tides_status begin(tides_animation *a, tides_status opened, tides_animation **animation, tides_error *error) {
+    const tides_status status = opened == TIDES_OK && a->format->begin ? a->format->begin(a, error) : opened;
+    if (status == TIDES_OK)
+        *animation = a;
+    else
+        tides_animation_abandon(a);
     return status;
 }
 
 static tides_status open_part(tides_animation *a, tides_error *error) {
-    a->part = td_part_name(a->path, error);
-    if (!a->part) return TIDES_NO_MEMORY;
-    a->file = fopen(a->part, "wb");
-    return a->file ? TIDES_OK : td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", a->path, strerror(errno));
+    char *part = td_part_name(a->path, error);
+    if (!part) return TIDES_NO_MEMORY;
+    a->file = fopen(part, "wb");
+    if (a->file) {
+        a->part = part;
+        return TIDES_OK;
+    }
+    const tides_status status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", a->path, strerror(errno));
+    free(part);
+    return status;
 }
 
 tides_status tides_animation_open(const char *path, int32_t width, int32_t height, double pictures_per_second,
@@ -84,28 +93,29 @@ tides_status tides_animation_open(const char *path, int32_t width, int32_t heigh
     if (!format)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: animations are written as .png, .apng, .y4m or numbered frame%%04d.png",
                        path);
-    tides_status status = create(path, format, width, height, pictures_per_second, animation, error);
-    if (status != TIDES_OK) return status;
-    if (format != &td_animation_numbered) status = open_part(*animation, error);
-    if (status == TIDES_OK) return begin(animation, error);
-    free_animation(*animation);
-    *animation = NULL;
+    tides_status status;
+    tides_animation *made = create(path, format, width, height, pictures_per_second, &status, error);
+    if (!made) return status;
+    return begin(made, format == &td_animation_numbered ? TIDES_OK : open_part(made, error), animation, error);
+}
+
+/* On a copy of the descriptor, so that closing ours leaves the caller's open. */
+static tides_status open_stream(tides_animation *a, int32_t descriptor, tides_error *error) {
+    const int copy = dup(descriptor);
+    a->file = copy < 0 ? NULL : fdopen(copy, "wb");
+    if (a->file) return TIDES_OK;
+    const tides_status status = td_fail(error, TIDES_WRITE_FAILED, "the stream can't be written: %s", strerror(errno));
+    if (copy >= 0) close(copy);
     return status;
 }
 
 tides_status tides_animation_stream(int32_t descriptor, int32_t width, int32_t height, double pictures_per_second,
                                     tides_animation **animation, tides_error *error) {
     if (!animation) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_animation_stream: animation is NULL");
-    tides_status status = create("the stream", &td_animation_y4m, width, height, pictures_per_second, animation, error);
-    if (status != TIDES_OK) return status;
-    const int copy = dup(descriptor); /* so that closing ours leaves the caller's open */
-    (*animation)->file = copy < 0 ? NULL : fdopen(copy, "wb");
-    if ((*animation)->file) return begin(animation, error);
-    status = td_fail(error, TIDES_WRITE_FAILED, "the stream can't be written: %s", strerror(errno));
-    if (copy >= 0) close(copy);
-    free_animation(*animation);
+    tides_status status;
     *animation = NULL;
-    return status;
+    tides_animation *made = create("the stream", &td_animation_y4m, width, height, pictures_per_second, &status, error);
+    return made ? begin(made, open_stream(made, descriptor, error), animation, error) : status;
 }
 
 tides_status tides_animation_append(tides_animation *animation, const uint8_t *rgb, tides_error *error) {
