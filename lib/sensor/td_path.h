@@ -1,32 +1,68 @@
 /* Internal: one pixel's signal on one step as the comparator sees it, exactly as the front end gives it: a cubic in time plus
- * what filters leave of their past, decaying modes. Time within the step is s in [0, 1]. */
+ * what filters leave of their past, decaying modes. Time within the step is s in [0, 1].
+ *
+ * Anything that is cubic in s (a leak's ramp) may be added to `cubic` before the path is used. A path that follows a filter
+ * whose rates go with the light refers to its front end, which must outlive it, and works its pieces out anew in each call. */
 #ifndef TD_PATH_H
 #define TD_PATH_H
 
 #include "solver/td_crossing.h"
 
-enum { TD_PATH_MODES_MAX = 4 };
+#include <stddef.h>
 
-/* e^(-rate s) (cosine cos(frequency s) + sine sin(frequency s)); rate and frequency per step. */
+enum { TD_PATH_MODES_MAX = 4, TD_FRONTEND_STATE = 4, TD_STRETCHES_MAX = 8 };
+
+/* The real part of (cosine + i sine) B(s) with lambda = rate + i frequency, both per step, rate >= 0. B is
+ *   e^(-lambda s)            that is, e^(-rate s) (cosine cos(frequency s) + sine sin(frequency s))
+ *   its part beyond s^3      where `tail`: the sum over k >= 4 of (-lambda)^(k-4) s^k / k!, for |lambda| <= 1. With it slow
+ *                            filters need no difference of a large cubic and a large mode. */
 typedef struct td_mode {
     double rate, frequency, cosine, sine;
+    int tail;
 } td_mode;
 
+/* Where a filter whose rates go with the light stands at a place of the step, and what bounds S from there to the next one. */
+typedef struct td_stretch {
+    double from, length; /* of the first piece to try (td_pieces.h) */
+    double state[TD_FRONTEND_STATE];
+    double low, high;
+    int tried;
+} td_stretch;
+
+/* The response of such a filter: its input, and stretches so that nobody need begin at the beginning. */
+typedef struct td_drive {
+    const struct td_frontend *frontend; /* NULL: there is none, and the rest isn't set */
+    td_model input;                     /* log-luminance */
+    double h, log_eps;
+    int stretches;
+    td_stretch stretch[TD_STRETCHES_MAX];
+} td_drive;
+
+/* S(s) = cubic + modes + the response to `drive`. A path that is zero but for `cubic` is that cubic. */
 typedef struct td_path {
     td_model cubic;
     int modes; /* 0: the cubic is all */
     td_mode mode[TD_PATH_MODES_MAX];
+    td_drive drive;
 } td_path;
+
+/* The path that is this cubic; what it has no use for isn't set. */
+static inline void td_path_set(td_path *path, const td_model *cubic) {
+    path->cubic = *cubic;
+    path->modes = 0;
+    path->drive.frontend = NULL;
+}
 
 double td_path_value(const td_path *path, double s);
 double td_path_slope(const td_path *path, double s);
 
 /* The first s in [from, to] at which S - reference >= threshold_on (returns +1) or <= -threshold_off (-1), 0 where there is
- * none; `from` <= `to` within [0, 1]. S on a level counts as reached. */
+ * none; `from` <= `to` within [0, 1]. S on a level counts as reached. No two crossings within the step can cancel and go
+ * unseen, but for bumps that are lower than rounding. Bounded work for any input: NaN and infinities reach nothing. */
 int td_path_crossing(const td_path *path, double reference, double threshold_on, double threshold_off, double from, double to,
                      double *s);
 
-/* Bounds of S on the whole step. */
+/* Bounds of S on the whole step, rounding included. */
 void td_path_range(const td_path *path, double *low, double *high);
 
 #endif

@@ -26,16 +26,17 @@ static int depth_for(double length, double min_step) {
 }
 
 /* Copies one rendered tile, kept block by block, to a sample's rows, and notes its risk. */
-static void store_sample(const tides_simulator *s, td_refine *r, int t, const double *planes, int32_t index) {
+static void store_sample(const tides_simulator *s, const td_refine *r, int t, const double *planes, int32_t index) {
     double *sample = td_refine_sample(r, index);
     td_unpack_tile(&s->tile[t], planes, sample, sample + TD_TILE_PIXELS);
+    if (r->planes_kept == TD_KEPT_ALL) td_unpack_diagnostics(&s->tile[t], planes, sample);
     r->risk[index] = s->outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, &s->tile[t], planes);
 }
 
 /* The samples that the moving tiles begin the macro step with: what the last one ended with. Tile t's list begins at step t. */
 static tides_status begin_samples(tides_simulator *s, td_refine *r, tides_error *error) {
-    tides_status status =
-        td_reserve((void **)&r->samples, &r->sample_capacity, (size_t)s->tiles * 4 * TD_TILE_PIXELS, sizeof *r->samples, error);
+    tides_status status = td_reserve((void **)&r->samples, &r->sample_capacity,
+                                     (size_t)s->tiles * 2 * (size_t)r->planes_kept * TD_TILE_PIXELS, sizeof *r->samples, error);
     if (status == TIDES_OK) status = td_reserve((void **)&r->step, &r->step_capacity, (size_t)s->tiles, sizeof *r->step, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&r->risk, &r->risk_capacity, 2 * (size_t)s->tiles, sizeof *r->risk, error);
@@ -44,8 +45,8 @@ static tides_status begin_samples(tides_simulator *s, td_refine *r, tides_error 
         int t = s->moving[i];
         r->risk[i] = s->tile_risk[t];
         double *sample = td_refine_sample(r, i);
-        memcpy(sample, s->now.S + s->first_pixel[t], (size_t)s->tile[t].count * sizeof *sample);
-        memcpy(sample + TD_TILE_PIXELS, s->now.S_dot + s->first_pixel[t], (size_t)s->tile[t].count * sizeof *sample);
+        for (int k = 0; k < r->planes_kept; k++)
+            memcpy(sample + k * TD_TILE_PIXELS, s->now.plane[k] + s->first_pixel[t], (size_t)s->tile[t].count * sizeof *sample);
         td_refine_step whole = {0, (uint32_t)1 << r->depth, i, s->moving_count + i, -1, t, 0, 0};
         r->step[t] = whole;
     }
@@ -83,8 +84,8 @@ static tides_status render_samples(tides_simulator *s, td_refine *r, const int32
     if (status == TIDES_OK)
         status = td_reserve((void **)&r->planes, &r->plane_capacity, (size_t)count * reals, sizeof *r->planes, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&r->samples, &r->sample_capacity, (first + (size_t)count) * 2 * TD_TILE_PIXELS,
-                            sizeof *r->samples, error);
+        status = td_reserve((void **)&r->samples, &r->sample_capacity,
+                            (first + (size_t)count) * (size_t)r->planes_kept * TD_TILE_PIXELS, sizeof *r->samples, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&r->risk, &r->risk_capacity, first + (size_t)count, sizeof *r->risk, error);
     if (status != TIDES_OK) return status;
@@ -120,32 +121,32 @@ static tides_status halve(td_refine *r, size_t first, tides_error *error) {
     return TIDES_OK;
 }
 
+static tides_status reserve_level(td_refine *r, size_t count, tides_error *error) {
+    tides_status status = td_reserve((void **)&r->level_tile, &r->level_tile_capacity, count, sizeof *r->level_tile, error);
+    if (status != TIDES_OK) return status;
+    return td_reserve((void **)&r->level_time, &r->level_time_capacity, count, sizeof *r->level_time, error);
+}
+
 /* Renders the pending steps' midpoints and halves them. */
 static tides_status refine_level(tides_simulator *s, td_refine *r, double start, double stop, tides_error *error) {
     size_t count = r->pending_count, first = r->sample_count;
-    int32_t *tiles = td_alloc(count, sizeof *tiles, error);
-    double *at = td_alloc(count, sizeof *at, error);
-    tides_status status = tiles && at ? TIDES_OK : TIDES_NO_MEMORY;
-    for (size_t i = 0; i < count && status == TIDES_OK; i++) {
+    tides_status status = reserve_level(r, count, error);
+    if (status != TIDES_OK) return status;
+    for (size_t i = 0; i < count; i++) {
         const td_refine_step *step = &r->step[r->pending[i]];
-        tiles[i] = step->tile;
-        at[i] = td_refine_time(r, start, stop, step->from + (step->to - step->from) / 2);
+        r->level_tile[i] = step->tile;
+        r->level_time[i] = td_refine_time(r, start, stop, step->from + (step->to - step->from) / 2);
     }
-    if (status == TIDES_OK) status = render_samples(s, r, tiles, at, (int)count, error);
-    if (status == TIDES_OK) status = halve(r, first, error);
-    free(at);
-    free(tiles);
-    return status;
+    status = render_samples(s, r, r->level_tile, r->level_time, (int)count, error);
+    return status == TIDES_OK ? halve(r, first, error) : status;
 }
 
 /* Level 0: every moving tile at the macro step's end. */
 static tides_status render_ends(tides_simulator *s, td_refine *r, double stop, tides_error *error) {
-    double *at = td_alloc((size_t)s->moving_count, sizeof *at, error);
-    if (!at) return TIDES_NO_MEMORY;
-    for (int i = 0; i < s->moving_count; i++) at[i] = stop;
-    tides_status status = render_samples(s, r, s->moving, at, s->moving_count, error);
-    free(at);
-    return status;
+    tides_status status = reserve_level(r, (size_t)s->moving_count, error);
+    if (status != TIDES_OK) return status;
+    for (int i = 0; i < s->moving_count; i++) r->level_time[i] = stop;
+    return render_samples(s, r, s->moving, r->level_time, s->moving_count, error);
 }
 
 tides_status td_refine_macro_step(tides_simulator *s, double start, double stop, tides_error *error) {
@@ -177,6 +178,8 @@ void td_refine_release(td_refine *refine) {
     free(refine->risk);
     free(refine->pending);
     free(refine->halved);
+    free(refine->level_tile);
+    free(refine->level_time);
     free(refine->times);
     free(refine->requests);
     free(refine->planes);

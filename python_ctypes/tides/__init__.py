@@ -33,10 +33,11 @@ from .events import (
     to_tonic,
     write_events,
 )
+from .generate import GenerateOptions, World, generate, generators
 from .motion import Motion
 from .readout import Arbiter, Readout
 from .render import CHANNELS, ImageParams, Renderer
-from .representations import VoxelOptions, event_frame, time_surface, voxel_grid
+from .representations import ArrayWriter, VoxelOptions, event_frame, time_surface, voxel_grid
 from .run import Run, parameters, run_template
 from .scene import Gaussians, Scene, SceneObject
 from .simulate import Sensor, Simulation, Stepping

@@ -66,6 +66,10 @@ TIDES_CAUSE_SIGNAL = 0
 TIDES_CAUSE_LEAK = 1
 TIDES_CAUSE_SHOT = 2
 TIDES_CAUSE_HOT = 3
+TIDES_CAUSES = 4
+TIDES_READOUT_TILES = 0
+TIDES_READOUT_ROWS = 1
+TIDES_READOUT_BOTTLENECK = 2
 TIDES_MODEL_LINEAR = 0
 TIDES_MODEL_QUADRATIC = 1
 TIDES_MODEL_HERMITE = 2
@@ -74,9 +78,8 @@ TIDES_STEPPING_FIXED = 0
 TIDES_STEPPING_RISK = 1
 TIDES_STEPPING_ERROR = 2
 TIDES_STEPPING_ERROR_RISK = 3
-TIDES_READOUT_TILES = 0
-TIDES_READOUT_ROWS = 1
-TIDES_READOUT_BOTTLENECK = 2
+TIDES_SLOPE_EXACT = 0
+TIDES_SLOPE_DIFFERENCE = 1
 TIDES_EXR_NONE = 0
 TIDES_EXR_ZIPS = 2
 TIDES_EXR_ZIP = 3
@@ -142,15 +145,23 @@ class tides_event_reader(Structure):
     pass
 
 
-class tides_simulator(Structure):
-    pass
-
-
 class tides_arbiter(Structure):
     pass
 
 
+class tides_simulator(Structure):
+    pass
+
+
 class tides_exr(Structure):
+    pass
+
+
+class tides_animation(Structure):
+    pass
+
+
+class tides_array_writer(Structure):
     pass
 
 
@@ -670,6 +681,120 @@ class tides_path(Structure):
     ]
 
 
+class tides_generator(Structure):
+    """const char *name; /* "fan" */
+    const char *sentence; /* what is to be seen */
+    const char *counted; /* what options.count counts: "balls"; NULL: this kind has no number to choose */
+    int32_t count; /* how many by default; 0 where `counted` is NULL */
+    int32_t count_most;
+    int64_t gaussians; /* of each moving object by default (of the plane, of the fan's blades); 0: nothing to choose */
+    double duration_s;
+    """
+
+    name: bytes | None
+    sentence: bytes | None
+    counted: bytes | None
+    count: int
+    count_most: int
+    gaussians: int
+    duration_s: float
+
+    _fields_ = [
+        ("name", c_char_p),
+        ("sentence", c_char_p),
+        ("counted", c_char_p),
+        ("count", c_int32),
+        ("count_most", c_int32),
+        ("gaussians", c_int64),
+        ("duration_s", c_double),
+    ]
+
+
+class tides_generate_options(Structure):
+    """uint32_t size; /* sizeof this struct, set by the defaults function */
+    int32_t count; /* of what the kind counts; 0: its default */
+    int64_t gaussians; /* about how many each moving object has, the grids that cover it being rounded; 0: its default */
+    double duration_s; /* how long motions and the camera's path last, from second 0 [s], up to 600; 0: its default */
+    double speed; /* objects (of the plane: the camera) move so many times as fast, in (0, 1000] */
+    uint64_t seed; /* of colours, places, phases and the camera's shake */
+    int32_t width, height; /* of the image [px]; the field of view is always 60 degrees across */
+    """
+
+    size: int
+    count: int
+    gaussians: int
+    duration_s: float
+    speed: float
+    seed: int
+    width: int
+    height: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("count", c_int32),
+        ("gaussians", c_int64),
+        ("duration_s", c_double),
+        ("speed", c_double),
+        ("seed", c_uint64),
+        ("width", c_int32),
+        ("height", c_int32),
+    ]
+
+
+class tides_world(Structure):
+    """tides_scene *scene;
+    tides_trajectory *camera;
+    tides_intrinsics intrinsics;
+    double background[3]; /* for scene.background: linear r g b */
+    double duration_s;
+    """
+
+    scene: Any
+    camera: Any
+    intrinsics: tides_intrinsics
+    background: Any
+    duration_s: float
+
+    _fields_ = [
+        ("scene", P(tides_scene)),
+        ("camera", P(tides_trajectory)),
+        ("intrinsics", tides_intrinsics),
+        ("background", c_double * 3),
+        ("duration_s", c_double),
+    ]
+
+
+class tides_smoothing(Structure):
+    """double taper_begin,
+    taper_end; /* splat alpha rises from 0 to its full value between these (C2), 0 < begin <= end < 1; equal:
+    a hard cutoff there */
+    double stop_change; /* what the rest of a pixel's list may change in L when compositing stops; 0: stops hard, before
+    the splat that takes the transmittance below 1e-4 */
+    double near_fade; /* splats have their full opacity at this many near planes, >= 1; 1: they pop up there */
+    double soft_depth; /* relative depth within which two splats swap places gradually, < 1; 0: a hard order */
+    int32_t ellipses; /* 1: extents are the ellipse out to the taper's begin; 0: squares of 3 sigma, on whole tiles */
+    int32_t reserved;
+    """
+
+    taper_begin: float
+    taper_end: float
+    stop_change: float
+    near_fade: float
+    soft_depth: float
+    ellipses: int
+    reserved: int
+
+    _fields_ = [
+        ("taper_begin", c_double),
+        ("taper_end", c_double),
+        ("stop_change", c_double),
+        ("near_fade", c_double),
+        ("soft_depth", c_double),
+        ("ellipses", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
 class tides_image_params(Structure):
     """uint32_t size; /* sizeof this struct */
     int32_t rules; /* TIDES_RULES_* */
@@ -679,6 +804,7 @@ class tides_image_params(Structure):
     double luminance[3]; /* Y = luminance . (r, g, b) */
     double log_eps; /* L = ln(Y + log_eps), > 0 */
     double background[3]; /* r g b, >= 0 */
+    tides_smoothing smoothing;
     """
 
     size: int
@@ -689,6 +815,7 @@ class tides_image_params(Structure):
     luminance: Any
     log_eps: float
     background: Any
+    smoothing: tides_smoothing
 
     _fields_ = [
         ("size", c_uint32),
@@ -699,6 +826,7 @@ class tides_image_params(Structure):
         ("luminance", c_double * 3),
         ("log_eps", c_double),
         ("background", c_double * 3),
+        ("smoothing", tides_smoothing),
     ]
 
 
@@ -771,8 +899,8 @@ class tides_render_stats(Structure):
 
 class tides_circuit(Structure):
     """double photocurrent_a; /* at Y = 1 [A] */
-    double dark_current_a; /* [A] */
-    double gain, kappa; /* amplifier gain A, back-gate coefficient */
+    double dark_current_a; /* [A], > 0 */
+    double gain, kappa; /* amplifier gain A, back-gate coefficient; A kappa <= 1e4 */
     double thermal_v; /* V_T [V] */
     double photodiode_f; /* C_p [F] */
     double miller_f; /* C_mil [F] */
@@ -831,6 +959,7 @@ class tides_sensor(Structure):
     double surround_tau_s; /* its time constant [s] */
     double noise_rms; /* additive Ornstein-Uhlenbeck noise [log units] */
     double noise_cutoff_hz; /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
+    uint64_t seed; /* of all that is random here */
     """
 
     size: int
@@ -858,6 +987,7 @@ class tides_sensor(Structure):
     surround_tau_s: float
     noise_rms: float
     noise_cutoff_hz: float
+    seed: int
 
     _fields_ = [
         ("size", c_uint32),
@@ -885,6 +1015,7 @@ class tides_sensor(Structure):
         ("surround_tau_s", c_double),
         ("noise_rms", c_double),
         ("noise_cutoff_hz", c_double),
+        ("seed", c_uint64),
     ]
 
 
@@ -1084,137 +1215,6 @@ class tides_event_conversion_report(Structure):
     ]
 
 
-class tides_risk(Structure):
-    """double w_b, w_c, w_alpha;
-    """
-
-    w_b: float
-    w_c: float
-    w_alpha: float
-
-    _fields_ = [
-        ("w_b", c_double),
-        ("w_c", c_double),
-        ("w_alpha", c_double),
-    ]
-
-
-class tides_stepping(Structure):
-    """uint32_t size;
-    int32_t mode; /* TIDES_STEPPING_* */
-    int32_t model; /* TIDES_MODEL_* */
-    int32_t local; /* 1: each 16x16 tile goes its own way: none where nothing moves, steps of its own where they are
-    chosen; 0: whole frames, the same steps for all */
-    double step_s; /* [s] > 0: the step, or the longest; the last is shortened to end at `stop` */
-    double min_step_s; /* [s] > 0: steps that are no longer than this aren't halved */
-    double tolerance; /* ERROR: estimated error of S, in units of the smaller threshold, > 0 */
-    double time_tolerance_s; /* ERROR: estimated error of event times [s]; 0: not asked for */
-    double budget; /* renders that halving may cost in the whole run, in full frames; what is over it goes first where
-    the measures are worst. 0: no bound */
-    tides_risk risk; /* RISK */
-    """
-
-    size: int
-    mode: int
-    model: int
-    local: int
-    step_s: float
-    min_step_s: float
-    tolerance: float
-    time_tolerance_s: float
-    budget: float
-    risk: tides_risk
-
-    _fields_ = [
-        ("size", c_uint32),
-        ("mode", c_int32),
-        ("model", c_int32),
-        ("local", c_int32),
-        ("step_s", c_double),
-        ("min_step_s", c_double),
-        ("tolerance", c_double),
-        ("time_tolerance_s", c_double),
-        ("budget", c_double),
-        ("risk", tides_risk),
-    ]
-
-
-class tides_stats(Structure):
-    """tides_render_stats render;
-    uint64_t events, events_on, events_off;
-    uint64_t events_truncated; /* crossings beyond max_events_per_step in a step, moved to the step's end */
-    uint64_t events_caught_up; /* crossings that the local model missed or put out of range, fired at the step's end */
-    uint64_t steps; /* (tile, step) pairs that went to the comparator */
-    uint64_t steps_rejected; /* of these, halved: (tile, step) pairs that were too coarse */
-    uint64_t steps_over_budget; /* accepted above the tolerance because the budget was used up */
-    uint64_t steps_at_minimum; /* accepted above the tolerance because they were as short as min_step_s */
-    double worst_error; /* largest estimate among accepted steps [thresholds]; 0 under fixed steps, which estimate none */
-    double error_p50_s, error_p95_s, error_p99_s; /* estimated timing error that so many percent of the events stay below [s];
-    likewise 0 under fixed steps */
-    double worst_residual; /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
-    uint64_t tile_steps_still; /* (tile, step) pairs in which nothing moved: neither rendered nor compared */
-    double renders_full_frame_equivalent; /* tile jobs over tiles */
-    double simulated_s, run_time_s, real_time_factor; /* simulated / run time */
-    double time_compare_s, time_sink_s, time_other_s;
-    uint64_t peak_memory_bytes; /* of the process */
-    """
-
-    render: tides_render_stats
-    events: int
-    events_on: int
-    events_off: int
-    events_truncated: int
-    events_caught_up: int
-    steps: int
-    steps_rejected: int
-    steps_over_budget: int
-    steps_at_minimum: int
-    worst_error: float
-    error_p50_s: float
-    error_p95_s: float
-    error_p99_s: float
-    worst_residual: float
-    tile_steps_still: int
-    renders_full_frame_equivalent: float
-    simulated_s: float
-    run_time_s: float
-    real_time_factor: float
-    time_compare_s: float
-    time_sink_s: float
-    time_other_s: float
-    peak_memory_bytes: int
-
-    _fields_ = [
-        ("render", tides_render_stats),
-        ("events", c_uint64),
-        ("events_on", c_uint64),
-        ("events_off", c_uint64),
-        ("events_truncated", c_uint64),
-        ("events_caught_up", c_uint64),
-        ("steps", c_uint64),
-        ("steps_rejected", c_uint64),
-        ("steps_over_budget", c_uint64),
-        ("steps_at_minimum", c_uint64),
-        ("worst_error", c_double),
-        ("error_p50_s", c_double),
-        ("error_p95_s", c_double),
-        ("error_p99_s", c_double),
-        ("worst_residual", c_double),
-        ("tile_steps_still", c_uint64),
-        ("renders_full_frame_equivalent", c_double),
-        ("simulated_s", c_double),
-        ("run_time_s", c_double),
-        ("real_time_factor", c_double),
-        ("time_compare_s", c_double),
-        ("time_sink_s", c_double),
-        ("time_other_s", c_double),
-        ("peak_memory_bytes", c_uint64),
-    ]
-
-
-tides_event_sink = CFUNCTYPE(c_int, c_void_p, P(tides_event), c_size_t)
-
-
 class tides_readout(Structure):
     """uint32_t size;
     int32_t enabled; /* for runs; an arbiter itself doesn't ask */
@@ -1288,6 +1288,167 @@ class tides_readout_stats(Structure):
 
 
 tides_readout_sink = CFUNCTYPE(c_int, c_void_p, P(tides_event), P(c_int64), c_size_t)
+
+
+class tides_risk(Structure):
+    """double w_b, w_c, w_alpha;
+    """
+
+    w_b: float
+    w_c: float
+    w_alpha: float
+
+    _fields_ = [
+        ("w_b", c_double),
+        ("w_c", c_double),
+        ("w_alpha", c_double),
+    ]
+
+
+class tides_stepping(Structure):
+    """uint32_t size;
+    int32_t mode; /* TIDES_STEPPING_* */
+    int32_t model; /* TIDES_MODEL_* */
+    int32_t local; /* 1: each 16x16 tile goes its own way: none where nothing moves, steps of its own where they are
+    chosen; 0: whole frames, the same steps for all */
+    double step_s; /* [s] > 0: the step, or the longest; the last is shortened to end at `stop` */
+    double min_step_s; /* [s] > 0: steps that are no longer than this aren't halved */
+    double tolerance; /* ERROR: estimated error of S, in units of the smaller threshold, > 0 */
+    double time_tolerance_s; /* ERROR: estimated error of event times [s]; 0: not asked for */
+    double budget; /* renders that halving may cost in the whole run, in full frames; what is over it goes first where
+    the measures are worst. 0: no bound */
+    tides_risk risk; /* RISK */
+    int32_t slope; /* TIDES_SLOPE_* */
+    int32_t reserved;
+    """
+
+    size: int
+    mode: int
+    model: int
+    local: int
+    step_s: float
+    min_step_s: float
+    tolerance: float
+    time_tolerance_s: float
+    budget: float
+    risk: tides_risk
+    slope: int
+    reserved: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("mode", c_int32),
+        ("model", c_int32),
+        ("local", c_int32),
+        ("step_s", c_double),
+        ("min_step_s", c_double),
+        ("tolerance", c_double),
+        ("time_tolerance_s", c_double),
+        ("budget", c_double),
+        ("risk", tides_risk),
+        ("slope", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_stats(Structure):
+    """tides_render_stats render;
+    uint64_t events, events_on, events_off;
+    uint64_t events_truncated; /* crossings beyond max_events_per_step in a step, moved to the step's end */
+    uint64_t events_caught_up; /* crossings that the local model missed or put out of range, fired at the step's end */
+    uint64_t events_by_cause[TIDES_CAUSES]; /* of `events`, by TIDES_CAUSE_* */
+    uint64_t events_written; /* given to the sink: without a readout `events`, with one fewer */
+    uint64_t events_dropped; /* by the readout, by chance or because a queue was full; */
+    uint64_t events_overflowed; /* of these, the latter */
+    uint64_t events_delayed; /* left the readout later than they fired */
+    uint64_t events_suppressed; /* by sensor.b_min: crossings put off to where their pixel became visible, noise events lost */
+    uint64_t events_refractory; /* crossings consumed and noise events lost in refractory periods */
+    uint64_t steps; /* (tile, step) pairs that went to the comparator */
+    uint64_t steps_rejected; /* of these, halved: (tile, step) pairs that were too coarse */
+    uint64_t steps_over_budget; /* accepted above the tolerance because the budget was used up */
+    uint64_t steps_at_minimum; /* accepted above the tolerance because they were as short as min_step_s */
+    double worst_delay_s; /* in the readout, jitter aside [s] */
+    double worst_error; /* largest estimate among accepted steps [thresholds]; 0 under fixed steps, which estimate none */
+    double error_p50_s, error_p95_s, error_p99_s; /* estimated timing error that so many percent of the events stay below [s];
+    likewise 0 under fixed steps */
+    double worst_residual; /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
+    uint64_t tile_steps_still; /* (tile, step) pairs in which nothing moved: neither rendered nor compared */
+    double renders_full_frame_equivalent; /* tile jobs over tiles */
+    double simulated_s, run_time_s, real_time_factor; /* simulated / run time */
+    double time_compare_s, time_sink_s, time_other_s;
+    uint64_t peak_memory_bytes; /* of the process */
+    """
+
+    render: tides_render_stats
+    events: int
+    events_on: int
+    events_off: int
+    events_truncated: int
+    events_caught_up: int
+    events_by_cause: Any
+    events_written: int
+    events_dropped: int
+    events_overflowed: int
+    events_delayed: int
+    events_suppressed: int
+    events_refractory: int
+    steps: int
+    steps_rejected: int
+    steps_over_budget: int
+    steps_at_minimum: int
+    worst_delay_s: float
+    worst_error: float
+    error_p50_s: float
+    error_p95_s: float
+    error_p99_s: float
+    worst_residual: float
+    tile_steps_still: int
+    renders_full_frame_equivalent: float
+    simulated_s: float
+    run_time_s: float
+    real_time_factor: float
+    time_compare_s: float
+    time_sink_s: float
+    time_other_s: float
+    peak_memory_bytes: int
+
+    _fields_ = [
+        ("render", tides_render_stats),
+        ("events", c_uint64),
+        ("events_on", c_uint64),
+        ("events_off", c_uint64),
+        ("events_truncated", c_uint64),
+        ("events_caught_up", c_uint64),
+        ("events_by_cause", c_uint64 * 4),
+        ("events_written", c_uint64),
+        ("events_dropped", c_uint64),
+        ("events_overflowed", c_uint64),
+        ("events_delayed", c_uint64),
+        ("events_suppressed", c_uint64),
+        ("events_refractory", c_uint64),
+        ("steps", c_uint64),
+        ("steps_rejected", c_uint64),
+        ("steps_over_budget", c_uint64),
+        ("steps_at_minimum", c_uint64),
+        ("worst_delay_s", c_double),
+        ("worst_error", c_double),
+        ("error_p50_s", c_double),
+        ("error_p95_s", c_double),
+        ("error_p99_s", c_double),
+        ("worst_residual", c_double),
+        ("tile_steps_still", c_uint64),
+        ("renders_full_frame_equivalent", c_double),
+        ("simulated_s", c_double),
+        ("run_time_s", c_double),
+        ("real_time_factor", c_double),
+        ("time_compare_s", c_double),
+        ("time_sink_s", c_double),
+        ("time_other_s", c_double),
+        ("peak_memory_bytes", c_uint64),
+    ]
+
+
+tides_event_sink = CFUNCTYPE(c_int, c_void_p, P(tides_event), c_size_t)
 
 
 class tides_channel(Structure):
@@ -1592,6 +1753,27 @@ class tides_voxel_options(Structure):
     ]
 
 
+class tides_array_shape(Structure):
+    """const char *name;
+    int32_t planes, height, width;
+    const char *const *plane_names;
+    """
+
+    name: bytes | None
+    planes: int
+    height: int
+    width: int
+    plane_names: Any
+
+    _fields_ = [
+        ("name", c_char_p),
+        ("planes", c_int32),
+        ("height", c_int32),
+        ("width", c_int32),
+        ("plane_names", P(c_char_p)),
+    ]
+
+
 class tides_param(Structure):
     """const char *key; /* "sensor.threshold_on" */
     int32_t type; /* TIDES_PARAM_* */
@@ -1631,6 +1813,7 @@ class tides_run_values(Structure):
     tides_image_params image;
     tides_sensor sensor;
     tides_stepping stepping;
+    tides_readout readout;
     double start, stop;
     const char *scene_file, *camera_file, *device, *seed, *method;
     const char *json; /* the run with every default filled in, as written into event files */
@@ -1640,6 +1823,7 @@ class tides_run_values(Structure):
     image: tides_image_params
     sensor: tides_sensor
     stepping: tides_stepping
+    readout: tides_readout
     start: float
     stop: float
     scene_file: bytes | None
@@ -1654,6 +1838,7 @@ class tides_run_values(Structure):
         ("image", tides_image_params),
         ("sensor", tides_sensor),
         ("stepping", tides_stepping),
+        ("readout", tides_readout),
         ("start", c_double),
         ("stop", c_double),
         ("scene_file", c_char_p),
@@ -1667,6 +1852,18 @@ class tides_run_values(Structure):
 
 # name: (type of the result, types of the arguments)
 FUNCTIONS = {
+    # void tides_animation_abandon(tides_animation *animation)
+    "tides_animation_abandon": (None, [P(tides_animation)]),
+    # tides_status tides_animation_append(tides_animation *animation, const uint8_t *rgb, tides_error *error)
+    "tides_animation_append": (c_int32, [P(tides_animation), P(c_uint8), P(tides_error)]),
+    # tides_status tides_animation_finish(tides_animation *animation, tides_error *error)
+    "tides_animation_finish": (c_int32, [P(tides_animation), P(tides_error)]),
+    # tides_status tides_animation_open(const char *path, int32_t width, int32_t height, double pictures_per_second,
+    # tides_animation **animation, tides_error *error)
+    "tides_animation_open": (c_int32, [c_char_p, c_int32, c_int32, c_double, P(P(tides_animation)), P(tides_error)]),
+    # tides_status tides_animation_stream(int32_t descriptor, int32_t width, int32_t height, double pictures_per_second,
+    # tides_animation **animation, tides_error *error)
+    "tides_animation_stream": (c_int32, [c_int32, c_int32, c_int32, c_double, P(P(tides_animation)), P(tides_error)]),
     # tides_status tides_arbiter_activity(tides_arbiter *arbiter, const double *psi, tides_error *error)
     "tides_arbiter_activity": (c_int32, [P(tides_arbiter), P(c_double), P(tides_error)]),
     # tides_status tides_arbiter_create(const tides_readout *readout, int32_t width, int32_t height, uint64_t seed,
@@ -1687,6 +1884,18 @@ FUNCTIONS = {
     "tides_arbiter_stats": (None, [P(tides_arbiter), P(tides_readout_stats)]),
     # void tides_arbiter_tiles(const tides_arbiter *arbiter, int32_t *across, int32_t *down)
     "tides_arbiter_tiles": (None, [P(tides_arbiter), P(c_int32), P(c_int32)]),
+    # void tides_array_writer_abandon(tides_array_writer *writer)
+    "tides_array_writer_abandon": (None, [P(tides_array_writer)]),
+    # tides_status tides_array_writer_append(tides_array_writer *writer, const double *array, int64_t start_ns, int64_t
+    # stop_ns, uint64_t events, tides_error *error)
+    "tides_array_writer_append": (c_int32, [
+        P(tides_array_writer), P(c_double), c_int64, c_int64, c_uint64, P(tides_error)
+    ]),
+    # tides_status tides_array_writer_finish(tides_array_writer *writer, tides_error *error)
+    "tides_array_writer_finish": (c_int32, [P(tides_array_writer), P(tides_error)]),
+    # tides_status tides_array_writer_open(const char *path, const tides_array_shape *shape, tides_array_writer
+    # **writer, tides_error *error)
+    "tides_array_writer_open": (c_int32, [c_char_p, P(tides_array_shape), P(P(tides_array_writer)), P(tides_error)]),
     # const char *tides_channel_name(int32_t channel)
     "tides_channel_name": (c_char_p, [c_int32]),
     # void tides_device_close(tides_device *device)
@@ -1744,6 +1953,9 @@ FUNCTIONS = {
     "tides_event_writer_resume": (c_int32, [
         c_char_p, P(tides_event_file), c_uint64, P(P(tides_event_writer)), P(tides_error)
     ]),
+    # tides_status tides_events_causes(const char *path, uint64_t first, size_t count, tides_event *events, tides_error
+    # *error)
+    "tides_events_causes": (c_int32, [c_char_p, c_uint64, c_size_t, P(tides_event), P(tides_error)]),
     # tides_status tides_events_convert(const char *in, const char *out, const tides_event_conversion *conversion,
     # tides_progress progress, void *user, tides_event_conversion_report *report, tides_error *error)
     "tides_events_convert": (c_int32, [
@@ -1772,6 +1984,13 @@ FUNCTIONS = {
     ]),
     # void tides_free(void *memory)
     "tides_free": (None, [c_void_p]),
+    # tides_status tides_generate(const char *kind, const tides_generate_options *options, tides_world *world,
+    # tides_error *error)
+    "tides_generate": (c_int32, [c_char_p, P(tides_generate_options), P(tides_world), P(tides_error)]),
+    # void tides_generate_options_defaults(tides_generate_options *options)
+    "tides_generate_options_defaults": (None, [P(tides_generate_options)]),
+    # const tides_generator *tides_generators(size_t *count)
+    "tides_generators": (P(tides_generator), [P(c_size_t)]),
     # void tides_image_params_defaults(tides_image_params *params)
     "tides_image_params_defaults": (None, [P(tides_image_params)]),
     # tides_status tides_match_events(const tides_event *reference, size_t reference_count, const tides_event
@@ -1888,6 +2107,9 @@ FUNCTIONS = {
     ]),
     # void tides_scene_bounds(const tides_scene *scene, double lower[3], double upper[3])
     "tides_scene_bounds": (None, [P(tides_scene), P(c_double), P(c_double)]),
+    # tides_status tides_scene_bounds_at(const tides_scene *scene, double time, double lower[3], double upper[3],
+    # tides_error *error)
+    "tides_scene_bounds_at": (c_int32, [P(tides_scene), c_double, P(c_double), P(c_double), P(tides_error)]),
     # int64_t tides_scene_count(const tides_scene *scene)
     "tides_scene_count": (c_int64, [P(tides_scene)]),
     # tides_status tides_scene_create(tides_scene **scene, tides_error *error)
@@ -1900,6 +2122,8 @@ FUNCTIONS = {
     "tides_scene_object": (c_int32, [P(tides_scene), c_int32, P(tides_object), P(tides_error)]),
     # int32_t tides_scene_objects(const tides_scene *scene)
     "tides_scene_objects": (c_int32, [P(tides_scene)]),
+    # void tides_scene_range(const tides_scene *scene, double *start, double *stop)
+    "tides_scene_range": (None, [P(tides_scene), P(c_double), P(c_double)]),
     # tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_error *error)
     "tides_scene_save": (c_int32, [P(tides_scene), c_char_p, P(tides_error)]),
     # int32_t tides_scene_set_duration(tides_scene *scene, double duration_s)
@@ -1919,6 +2143,10 @@ FUNCTIONS = {
     ]),
     # void tides_simulator_destroy(tides_simulator *simulator)
     "tides_simulator_destroy": (None, [P(tides_simulator)]),
+    # const int64_t *tides_simulator_fired(const tides_simulator *simulator)
+    "tides_simulator_fired": (P(c_int64), [P(tides_simulator)]),
+    # tides_status tides_simulator_readout(tides_simulator *simulator, const tides_readout *readout, tides_error *error)
+    "tides_simulator_readout": (c_int32, [P(tides_simulator), P(tides_readout), P(tides_error)]),
     # tides_status tides_simulator_restore(tides_simulator *simulator, const char *run, const char *path, tides_error
     # *error)
     "tides_simulator_restore": (c_int32, [P(tides_simulator), c_char_p, c_char_p, P(tides_error)]),
@@ -1984,14 +2212,17 @@ FUNCTIONS = {
     ]),
     # void tides_voxel_options_defaults(tides_voxel_options *options, int32_t style)
     "tides_voxel_options_defaults": (None, [P(tides_voxel_options), c_int32]),
+    # void tides_world_release(tides_world *world)
+    "tides_world_release": (None, [P(tides_world)]),
 }
 
 STRUCTS = (
     tides_error, tides_device_info, tides_pose_sample, tides_pose, tides_orbit, tides_dolly, tides_handheld,
     tides_polynomial_motion, tides_rotor_motion, tides_keyframes_motion, tides_theta, tides_callback_motion,
-    tides_gaussians, tides_object, tides_intrinsics, tides_path_options, tides_path, tides_image_params, tides_frame,
-    tides_render_stats, tides_circuit, tides_sensor, tides_event, tides_event_file, tides_event_format,
-    tides_event_facts, tides_event_summary, tides_event_conversion, tides_event_conversion_report, tides_risk,
-    tides_stepping, tides_stats, tides_readout, tides_readout_stats, tides_channel, tides_match, tides_metrics_options,
-    tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options, tides_param, tides_run_values,
+    tides_gaussians, tides_object, tides_intrinsics, tides_path_options, tides_path, tides_generator,
+    tides_generate_options, tides_world, tides_smoothing, tides_image_params, tides_frame, tides_render_stats,
+    tides_circuit, tides_sensor, tides_event, tides_event_file, tides_event_format, tides_event_facts,
+    tides_event_summary, tides_event_conversion, tides_event_conversion_report, tides_readout, tides_readout_stats,
+    tides_risk, tides_stepping, tides_stats, tides_channel, tides_match, tides_metrics_options, tides_interval_fit,
+    tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_param, tides_run_values,
 )

@@ -26,7 +26,7 @@ _FIELDS = [name for name, _ in _api.tides_event._fields_ if name != "reserved"]
 EVENT = np.dtype(
     {
         "names": [_NAMES.get(name, name) for name in _FIELDS],
-        "formats": [dict(_api.tides_event._fields_)[name] for name in _FIELDS],
+        "formats": [kind for name, kind in _api.tides_event._fields_ if name in _FIELDS],
         "offsets": [getattr(_api.tides_event, name).offset for name in _FIELDS],
         "itemsize": sizeof(_api.tides_event),
     }
@@ -82,7 +82,8 @@ def _records(events: np.ndarray) -> Any:
 # -- files ----------------------------------------------------------------------------------------------------------------
 def event_formats() -> list[Facts]:
     """The formats: name, summary, endings, reads, writes (bool), tick_ns (times are floored to it on writing)."""
-    formats, one = [], _api.tides_event_format()
+    formats: list[Facts] = []
+    one = _api.tides_event_format()
     while lib.tides_event_format_at(len(formats), byref(one)):
         facts = plain(one)
         formats.append(Facts(plain(one), reads=bool(one.reads), writes=bool(one.writes)))
@@ -200,14 +201,19 @@ def can_resume(file: str | os.PathLike[str]) -> bool:
 
 
 def read_events(file: str | os.PathLike[str], first: int = 0, count: int | None = None) -> np.ndarray:
-    """Events [first, first + count) of a file of any format, as EVENT (n), in the file's order."""
+    """Events [first, first + count) of a file of any format, as EVENT (n), in the file's order, with their causes where it has
+    them."""
+    with EventReader(file) as reader:
+        facts = reader.facts
     if count is None:
-        with EventReader(file) as reader:
-            known = reader.facts["count"]
-            count = max(0, (events_summary(file)["count"] if known is None else known) - first)
+        known = events_summary(file)["count"] if facts["count"] is None else facts["count"]
+        count = max(0, known - first)
     events, got = np.empty(count, EVENT), c_size_t()
     call("tides_events_read", path(file), first, count, _records(events), byref(got))
-    return events[: got.value]
+    events = events[: got.value]
+    if facts["format"] == "tides" and len(events):
+        call("tides_events_causes", path(file), first, len(events), _records(events))
+    return events
 
 
 def write_events(

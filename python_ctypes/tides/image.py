@@ -1,4 +1,4 @@
-"""Float images to and from OpenEXR, and PNG pictures."""
+"""Float images to and from OpenEXR, PNG pictures, and animations of them."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from . import _api
 from ._call import array, call, encoded, path, pointer, text
+from ._handle import Handle
 from ._library import lib
 from ._values import choice, constants
 from .events import _records, as_events
@@ -104,3 +105,39 @@ def picture_text(rgb: np.ndarray, x: int, y: int, words: str, scale: int = 1, co
         raise ValueError("rgb: a C-contiguous array is needed, it is drawn into")
     ink = (c_uint8 * 3)(*colour)
     lib.tides_picture_text(pointer(rgb, c_uint8), rgb.shape[1], rgb.shape[0], x, y, scale, ink, encoded(words))
+
+
+class Animation(Handle):
+    """Pictures of one size, one after the other: .png or .apng (animated PNG), .y4m (video), frame%04d.png (one file each).
+    In a with statement the file is finished at the end, and removed where an exception ends it."""
+
+    _destroy = "tides_animation_abandon"
+
+    def __init__(self, file: str | os.PathLike[str] | int, width: int, height: int, pictures_per_second: float = 25.0):
+        """`file`: a path, or an open file descriptor (a pipe), which gets the video as it is made."""
+        made = POINTER(_api.tides_animation)()
+        if isinstance(file, int):
+            call("tides_animation_stream", file, width, height, pictures_per_second, byref(made))
+        else:
+            call("tides_animation_open", path(file), width, height, pictures_per_second, byref(made))
+        super().__init__(made)
+        self._shape = (height, width, 3)
+
+    def append(self, rgb: Any) -> None:
+        """The next picture, uint8 (height x width x 3)."""
+        picture = array(_rgb(rgb), np.uint8, self._shape, "rgb")
+        with self._lock:
+            call("tides_animation_append", self._pointer, pointer(picture, c_uint8))
+
+    def finish(self) -> None:
+        """Completes the file; the animation is closed then."""
+        with self._lock:
+            held = self._pointer
+            self._give_away()
+            call("tides_animation_finish", held)
+
+    def __exit__(self, kind: Any, *_: Any) -> None:
+        if kind is None and not self.closed:
+            self.finish()
+        else:
+            self.close()

@@ -17,6 +17,7 @@ from ._library import lib
 from ._progress import Progress
 from ._values import Facts, constants, plain
 from .device import Device
+from .readout import Readout
 from .render import ImageParams, Renderer
 from .scene import Scene
 from .simulate import Sensor, Simulation, Stepping
@@ -28,6 +29,7 @@ _VALUES = {
     _api.tides_image_params: ImageParams,
     _api.tides_sensor: Sensor,
     _api.tides_stepping: Stepping,
+    _api.tides_readout: Readout,
 }
 
 
@@ -114,8 +116,8 @@ class Run(Handle):
         """The run as a Simulation."""
         scene, camera = self.open()
         v = self.values
-        what = {"sensor": v.sensor, "stepping": v.stepping, "image": v.image, "run": v.json, "seed": v.seed}
-        return Simulation(scene, camera, v.start, v.stop, device=self._device(device), progress=progress, **what)
+        parts = (v.sensor, v.stepping, v.image, v.readout, self._device(device))
+        return Simulation(scene, camera, v.start, v.stop, *parts, run=v.json, seed=v.seed, progress=progress)
 
     def renderer(self, device: Device | str | int | None = None, progress: Progress = None) -> Renderer:
         """The run's scene, camera and image rules as a Renderer."""

@@ -186,6 +186,19 @@ class Scene(Handle):
         return lib.tides_scene_sh_degree(self._pointer)
 
     @property
+    def range(self) -> tuple[float, float]:
+        """The times that all objects cover [s]; -inf and inf where all are at rest."""
+        start, stop = c_double(), c_double()
+        lib.tides_scene_range(self._pointer, byref(start), byref(stop))
+        return start.value, stop.value
+
+    def bounds_at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner (3) of the box about the means where they are at `time` [s]."""
+        lower, upper = (c_double * 3)(), (c_double * 3)()
+        call("tides_scene_bounds_at", self._pointer, time, lower, upper)
+        return np.array(lower), np.array(upper)
+
+    @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper corner (3) [scene units] of the box about the means, objects at their start."""
         lower, upper = (c_double * 3)(), (c_double * 3)()

@@ -21,6 +21,7 @@ from ._values import Facts, Value, plain
 from .device import Device, opened
 from .errors import Cancelled
 from .events import EVENT, EventWriter, can_resume
+from .readout import Readout
 from .render import ImageParams
 from .scene import Scene
 from .trajectory import Camera
@@ -44,7 +45,7 @@ class Stepping(Value, _api.tides_stepping):
     min_step_s, tolerance [thresholds], time_tolerance_s, budget [full frames], local, risk.w_b ..."""
 
     _defaults = "tides_stepping_defaults"
-    _words = {"mode": "TIDES_STEPPING_", "model": "TIDES_MODEL_"}
+    _words = {"mode": "TIDES_STEPPING_", "model": "TIDES_MODEL_", "slope": "TIDES_SLOPE_"}
 
 class _Collector:
     """A growing array of events: C's packets are copied in once."""
@@ -83,25 +84,29 @@ class Simulation(Handle):
         sensor: Sensor | None = None,
         stepping: Stepping | None = None,
         image: ImageParams | None = None,
+        readout: Readout | None = None,
         device: Device | str | int | None = None,
         run: str | None = None,
         seed: str | None = None,
         progress: Progress = None,
     ):
-        """`run` (a run file's JSON) and `seed` are facts that are written into files and compared when a run goes on."""
+        """A `readout` that is enabled stands between pixels and events. `run` (a run file's JSON) and `seed` (None: the sensor's) are
+        facts that are written into files; `run` is compared when a run goes on."""
         first, last = camera.trajectory.range
         self.start, self.stop = first if start is None else float(start), last if stop is None else float(stop)
         if not (math.isfinite(self.start) and math.isfinite(self.stop)):
             raise ValueError("start and stop must be given: the camera stands still, its path has no beginning and no end")
         self.scene, self.camera, self.device = scene, camera, opened(device)
         self.sensor, self.stepping, self.image = sensor or Sensor(), stepping or Stepping(), image or ImageParams()
-        self._run, self._seed, self._stopping = run, seed, threading.Event()
+        self._run, self._seed, self._stopping = run, seed or str(self.sensor.seed), threading.Event()
         made = POINTER(_api.tides_simulator)()
         world = (scene._pointer, camera.trajectory._pointer, camera.intrinsics)
         how = (self.image, self.sensor, self.stepping, self.start, self.stop)
         with self.device._lock, Reporter(progress) as step:
             call("tides_simulator_create", self.device._pointer, *world, *how, step, None, byref(made))
         super().__init__(made, self.device, scene, camera.trajectory, lock=self.device._lock)
+        if readout is not None:
+            call("tides_simulator_readout", self._pointer, readout)
 
     # -- running ----------------------------------------------------------------------------------------------------
     def _advance(self, until: float, sink: Callable[..., int], progress: Progress, due: Callable[[], Any] | None = None) -> None:
@@ -136,15 +141,20 @@ class Simulation(Handle):
 
     __iter__ = packets
 
-    def feed(self, sink: Callable[[np.ndarray], Any], until: float | None = None, progress: Progress = None) -> None:
-        """Gives `sink` each packet as a view of C's memory, without a copy and valid during the call only. It stops the
-        simulation by returning something true (Cancelled) or by raising."""
+    def feed(self, sink: Callable[..., Any], until: float | None = None, fired: bool = False, progress: Progress = None) -> None:
+        """Gives `sink` each packet as a view of C's memory, without a copy and valid during the call only; with `fired` also when
+        each event fired [ns] (n), which a readout delays. It stops the simulation by returning something true (Cancelled) or by
+        raising."""
 
         def take(_user: Any, events: Any, count: int) -> int:
             view = np.ctypeslib.as_array(events, (count,)).view(EVENT) if count else np.empty(0, EVENT)
-            return 1 if sink(view) else 0
+            return 1 if sink(*((view, self._fired(view)) if fired else (view,))) else 0
 
         self._advance(self.stop if until is None else until, take, progress)
+
+    def _fired(self, events: np.ndarray) -> np.ndarray:
+        times = lib.tides_simulator_fired(self._pointer)
+        return np.ctypeslib.as_array(times, (len(events),)) if times and len(events) else events["t"]
 
     def write(
         self,
@@ -217,7 +227,7 @@ class _FileJob:
             raise ValueError(f"resume: only an HDF5 file (.h5) can be gone on with, not {self.file}")
         if resume:
             s.restore(self.checkpoint)
-            count = s.stats.events
+            count = s.stats.events_written
         elif self.resumable and os.path.exists(self.checkpoint):
             os.remove(self.checkpoint)
         lens = s.camera.intrinsics

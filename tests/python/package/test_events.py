@@ -211,3 +211,49 @@ def test_pictures(tmp_path):
     assert (tmp_path / "a.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
     with pytest.raises(ValueError, match="uint8"):
         tides.image.write_png(tmp_path / "a.png", ramp)
+
+
+def test_animation(tmp_path):
+    picture = np.zeros((*SIZE[::-1], 3), np.uint8)
+    with tides.image.Animation(tmp_path / "a.y4m", *SIZE, pictures_per_second=10) as animation:
+        for level in (0, 100, 200):
+            animation.append(picture + np.uint8(level))
+    made = (tmp_path / "a.y4m").read_bytes()
+    assert made.startswith(b"YUV4MPEG2") and made.count(b"FRAME") == 3
+    with open(tmp_path / "stream.y4m", "wb") as pipe:
+        with tides.image.Animation(pipe.fileno(), *SIZE, pictures_per_second=10) as animation:
+            for level in (0, 100, 200):
+                animation.append(picture + np.uint8(level))
+    assert (tmp_path / "stream.y4m").read_bytes() == made
+    with pytest.raises(ValueError, match="rgb"):
+        with tides.image.Animation(tmp_path / "b.png", *SIZE) as animation:
+            animation.append(picture[1:])
+    assert not (tmp_path / "b.png").exists()
+
+
+def test_array_writer(tmp_path):
+    events = some_events()
+    grids = [tides.voxel_grid(part, *SIZE) for part in (events[:1000], events[1000:])]
+    for ending in ("npy", "npz"):
+        with tides.ArrayWriter(tmp_path / f"a.{ending}", grids[0].shape, name="voxels") as writer:
+            for index, grid in enumerate(grids):
+                writer.append(grid, 25_000_000 * index, 25_000_000 * (index + 1), 1000)
+        read = np.load(tmp_path / f"a.{ending}")
+        assert np.array_equal(read if ending == "npy" else read["voxels"], np.array(grids, np.float32))
+    with tides.ArrayWriter(tmp_path / "a.exr", (2, *SIZE[::-1]), plane_names=["OFF", "ON"]) as writer:
+        writer.append(tides.event_frame(events, *SIZE), 0, 50_000_000, len(events))
+    assert np.array_equal(tides.image.read_exr(tmp_path / "a.exr")["ON"], tides.event_frame(events, *SIZE)[1])
+    with pytest.raises(ValueError, match="plane_names"):
+        tides.ArrayWriter(tmp_path / "b.exr", (2, *SIZE[::-1]), plane_names=["one"])
+    with pytest.raises(ValueError, match="values"):
+        with tides.ArrayWriter(tmp_path / "c.npy", grids[0].shape) as writer:
+            writer.append(grids[0][1:], 0, 1, 0)
+    assert not (tmp_path / "c.npy").exists()
+
+
+def test_causes_are_kept(tmp_path):
+    events = some_events()
+    events["cause"][::3] = tides.CAUSES["shot"]
+    tides.write_events(tmp_path / "a.h5", events, *SIZE)
+    assert np.array_equal(tides.read_events(tmp_path / "a.h5"), events)
+    assert np.array_equal(tides.read_events(tmp_path / "a.h5", 500, 100), events[500:600])

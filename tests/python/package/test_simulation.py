@@ -257,3 +257,21 @@ def test_command_line_goes_on(tmp_path):
     facts = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
     whole = tides.Run(run).simulate("reference")
     assert np.array_equal(tides.read_events(file), whole) and facts["events"] == len(whole)
+
+
+def test_readout(scene, camera, events, tmp_path):
+    slow = tides.Readout(enabled=1, kind="bottleneck", tick_s=2e-6, k0=1, eta=0.0, gamma_sigma_s=0.0)
+    packets = []
+    simulation = again(scene, camera, readout=slow)
+    simulation.feed(lambda packet, fired: packets.append((packet.copy(), fired.copy())), fired=True)
+    left, fired = (np.concatenate(one) for one in zip(*packets))
+    assert np.array_equal(np.sort(fired), events["t"]) and (left["t"] >= fired).all() and (left["t"] > fired).any()
+    assert simulation.stats.events_delayed > 0 and simulation.stats.events_written == len(events)
+    plain = []
+    again(scene, camera).feed(lambda packet, fired: plain.append(np.array_equal(packet["t"], fired)), fired=True)
+    assert all(plain)
+    file = tmp_path / "events.h5"
+    with pytest.raises(tides.errors.Cancelled):
+        again(scene, camera, readout=slow).write(file, progress=lambda fraction, stage: fraction > 0.6)
+    again(scene, camera, readout=slow).write(file, resume=True)
+    assert np.array_equal(tides.read_events(file), left)

@@ -191,3 +191,27 @@ def test_motion_of_another_size_is_refused(cloud):
         tides.Scene().add(cloud, motion=tides.Motion.callback(print, 3))
     with pytest.raises(ValueError, match="mean_coefficient"):
         tides.Motion.polynomial(np.zeros(3), np.zeros(3), np.zeros((3, 8)), np.zeros((3, 4)))
+
+
+def test_range_and_bounds(cloud):
+    scene = tides.Scene()
+    scene.add(cloud)
+    assert scene.range == (-np.inf, np.inf)
+    scene.add(cloud, tides.Trajectory([0, 2], [[0, 0, 0], [4, 0, 0]], [[1, 0, 0, 0]] * 2))
+    assert scene.range == (0.0, 2.0)
+    lower, upper = scene.bounds_at(1.0)
+    assert np.allclose(upper - [2, 0, 0], cloud.mean.max(0), atol=1e-5) and np.allclose(lower, cloud.mean.min(0))
+    with pytest.raises(tides.errors.OutOfRange):
+        scene.bounds_at(3.0)
+
+
+def test_generate():
+    kinds = {row.name: row for row in tides.generators()}
+    assert kinds["fan"].sentence and kinds["fan"].duration_s > 0
+    world = tides.generate("fan", width=64, height=48, seed=3)
+    assert world.camera.intrinsics.width == 64 and world.scene.count > 100 and len(world.background) == 3
+    assert world.duration_s == kinds["fan"].duration_s and world.camera.trajectory.range[1] >= world.duration_s
+    assert same(world.scene[0].gaussians, tides.generate("fan", width=64, height=48, seed=3).scene[0].gaussians)
+    with pytest.raises(tides.errors.BadArgument, match="fan"):
+        tides.generate("fam")
+    assert tides.GenerateOptions().width == 346
