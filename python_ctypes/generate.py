@@ -162,15 +162,15 @@ class Api:
 
 
 # -- output -------------------------------------------------------------------------------------------------------------
-def hint(kind):
-    if " * " in kind or kind.startswith("P("):
+def hint(kind, callbacks):
+    if " * " in kind or kind.startswith("P(") or kind in callbacks:
         return "Any"
     return HINTS.get(kind, "int" if kind.startswith("c_") else kind)
 
 
-def write_struct(name, fields, body):
+def write_struct(name, fields, body, callbacks):
     lines = ["", "", f"class {name}(Structure):", '    """' + body.replace("\\", "\\\\").replace("\n", "\n    ") + '\n    """', ""]
-    lines += [f"    {field}: {hint(kind)}" for field, kind in fields if not keyword.iskeyword(field)]
+    lines += [f"    {field}: {hint(kind, callbacks)}" for field, kind in fields if not keyword.iskeyword(field)]
     lines += ["", "    _fields_ = ["]
     return lines + [f'        ("{field}", {kind}),' for field, kind in fields] + ["    ]"]
 
@@ -196,11 +196,11 @@ def python(api):
         lines += ["", "", f"class {name}(Structure):", "    pass"]
     for name in api.order:
         if name in api.structs:
-            lines += write_struct(name, *api.structs[name])
+            lines += write_struct(name, *api.structs[name], api.callbacks)
         else:
             result, kinds = api.callbacks[name]
             lines += ["", "", f"{name} = CFUNCTYPE({', '.join([str(result)] + kinds)})"]
-    lines += ["", "", "# name: (type of the result, types of the arguments)", "FUNCTIONS = {"]
+    lines += ["", "", "# name: (type of the result, types of the arguments)", "FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {"]
     for name in sorted(api.functions):
         lines += write_function(name, *api.functions[name])
     lines += ["}", "", "STRUCTS = (", *textwrap.wrap(", ".join(api.structs) + ",", WIDTH, initial_indent="    ", subsequent_indent="    "), ")"]

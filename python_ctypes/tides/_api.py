@@ -526,7 +526,7 @@ class tides_callback_motion(Structure):
     count: int
     start: float
     stop: float
-    function: tides_motion_function
+    function: Any
     user: int
     moves_sh: int
     reserved: int
@@ -1851,7 +1851,7 @@ class tides_run_values(Structure):
 
 
 # name: (type of the result, types of the arguments)
-FUNCTIONS = {
+FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     # void tides_animation_abandon(tides_animation *animation)
     "tides_animation_abandon": (None, [P(tides_animation)]),
     # tides_status tides_animation_append(tides_animation *animation, const uint8_t *rgb, tides_error *error)

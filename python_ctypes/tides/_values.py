@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Any, Iterable
+from typing import Any
 
 from . import _api
 from ._call import nearest, text
@@ -22,10 +22,15 @@ class Facts(dict):
             raise AttributeError(f"no {name!r}{nearest(name, self)}") from None
 
 
+def _fields(struct: Any) -> list[tuple[str, Any]]:
+    """Names and types of a struct's fields, those that only C needs left out."""
+    return [(name, kind) for name, kind in struct._fields_ if name not in _HIDDEN]
+
+
 def plain(value: Any) -> Any:
     """A struct as Facts, an array as a list, bytes as text; numbers as they are."""
     if isinstance(value, ctypes.Structure):
-        return Facts({name: plain(getattr(value, name)) for name, _ in value._fields_ if name not in _HIDDEN})
+        return Facts({name: plain(getattr(value, name)) for name, _ in _fields(value)})
     if isinstance(value, ctypes.Array):
         return [plain(one) for one in value]
     return text(value) if isinstance(value, bytes) else value
@@ -66,11 +71,10 @@ class Value:
 
     _defaults: str | None = None  # the C function that fills the struct
     _words: dict[str, str] = {}  # field: prefix of its enum's constants
-    _fields_: Iterable[Any]
 
     def __init_subclass__(cls, **more: Any):
         super().__init_subclass__(**more)
-        for name, kind in cls._fields_:
+        for name, kind in _fields(cls):
             if name in cls._words:
                 setattr(cls, name, _word_property(name, getattr(cls, name), constants(cls._words[name])))
             elif issubclass(kind, ctypes.Array):
@@ -82,14 +86,14 @@ class Value:
             getattr(lib, self._defaults)(self)
         self.set(**fields)
 
-    def set(self, **fields: Any) -> "Value":
+    def set(self, **fields: Any) -> Any:
         """Sets fields by name; returns itself."""
         for name, value in fields.items():
             setattr(self, name, value)
         return self
 
     def __setattr__(self, name: str, value: Any) -> None:
-        names = [field for field, _ in self._fields_ if field not in _HIDDEN]
+        names = [field for field, _ in _fields(self)]
         if name not in names:
             raise AttributeError(f"{type(self).__name__} has no {name!r}{nearest(name, names)}")
         super().__setattr__(name, value)
@@ -97,8 +101,8 @@ class Value:
     @classmethod
     def _from(cls, struct: Any) -> Any:
         """A copy of a struct of the same layout."""
-        made = cls.__new__(cls)
-        ctypes.pointer(made)[0] = cls.from_buffer_copy(struct)
+        made: Any = cls.__new__(cls)
+        ctypes.memmove(ctypes.addressof(made), ctypes.addressof(struct), ctypes.sizeof(made))
         return made
 
     def copy(self, **fields: Any) -> Any:
@@ -107,7 +111,7 @@ class Value:
 
     def to_dict(self) -> Facts:
         """The fields as a dict, enums as words."""
-        return Facts({name: plain(getattr(self, name)) for name, _ in self._fields_ if name not in _HIDDEN})
+        return Facts({name: plain(getattr(self, name)) for name, _ in _fields(self)})
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Value) and type(self) is type(other) and self.to_dict() == other.to_dict()

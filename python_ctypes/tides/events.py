@@ -17,16 +17,16 @@ from ._call import call, encoded, path
 from ._handle import Handle
 from ._library import lib
 from ._progress import Progress, Reporter
-from ._values import Facts, Value, constants, plain
+from ._values import Facts, Value, _fields, constants, plain
 
 _NAMES = {"polarity": "p"}  # C's name: numpy's, as tonic and others have it
-_FIELDS = [name for name, _ in _api.tides_event._fields_ if name != "reserved"]
+_FIELDS = dict(_fields(_api.tides_event))
 
 #: The record: fields t [ns] int64, x, y [px] uint16, p (+1, -1) int8, cause (CAUSES) uint8; 16 bytes.
 EVENT = np.dtype(
     {
         "names": [_NAMES.get(name, name) for name in _FIELDS],
-        "formats": [kind for name, kind in _api.tides_event._fields_ if name in _FIELDS],
+        "formats": list(_FIELDS.values()),
         "offsets": [getattr(_api.tides_event, name).offset for name in _FIELDS],
         "itemsize": sizeof(_api.tides_event),
     }

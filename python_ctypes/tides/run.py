@@ -15,7 +15,7 @@ from ._call import call, encoded, path, text
 from ._handle import Handle
 from ._library import lib
 from ._progress import Progress
-from ._values import Facts, constants, plain
+from ._values import Facts, _fields, constants, plain
 from .device import Device
 from .readout import Readout
 from .render import ImageParams, Renderer
@@ -24,7 +24,7 @@ from .simulate import Sensor, Simulation, Stepping
 from .trajectory import Camera, Intrinsics, Trajectory
 
 _TYPES = {number: word for word, number in constants("TIDES_PARAM_").items()}
-_VALUES = {
+_VALUES: dict[Any, Any] = {
     _api.tides_intrinsics: Intrinsics,
     _api.tides_image_params: ImageParams,
     _api.tides_sensor: Sensor,
@@ -94,7 +94,7 @@ class Run(Handle):
         super().__init__(made)
         values = _api.tides_run_values()
         lib.tides_run_get(made, byref(values))
-        self.values = Facts({name: _value(getattr(values, name)) for name, _ in values._fields_})
+        self.values = Facts({name: _value(getattr(values, name)) for name, _ in _fields(values)})
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or name == "values":

@@ -14,9 +14,10 @@ from . import _api
 from ._call import array, call, doubles, path, text
 from ._handle import Handle
 from ._library import lib
-from ._values import Value
+from ._values import Value, _fields
 
 _SAMPLE = np.dtype(_api.tides_pose_sample)
+_SHOWN: Any = [name for name, _ in _fields(_api.tides_pose_sample)]
 _UP = (0.0, 1.0, 0.0)
 
 
@@ -159,7 +160,7 @@ class Trajectory(Handle):
     @property
     def samples(self) -> np.ndarray:
         """A copy of the samples (n): fields time, position, quaternion, velocity, angular_velocity, has_rates."""
-        return _samples(self._pointer)[[name for name in _SAMPLE.names if name != "reserved"]]
+        return _samples(self._pointer)[_SHOWN]
 
 
 def _samples(pointer: Any) -> np.ndarray:

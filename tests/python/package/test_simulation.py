@@ -98,6 +98,40 @@ def test_progress(scene, camera, capfd):
     assert "simulating" in capfd.readouterr().err  # tqdm's bar, or a line per tenth
 
 
+def test_progress_without_tqdm(scene, camera, capfd, monkeypatch):
+    for name in ("tqdm", "tqdm.auto"):
+        monkeypatch.setitem(sys.modules, name, None)
+    again(scene, camera).run(progress=True)
+    lines = capfd.readouterr().err.splitlines()
+    assert lines[-1] == "tides: simulating 100 %" and len(lines) <= 11
+
+
+def test_progress_with_tqdm(scene, camera, monkeypatch):
+    class Bar:
+        made = []
+
+        def __init__(self, **_):
+            self.n, self.steps, self.closed = 0.0, [], False
+            self.made.append(self)
+
+        def set_description(self, stage, refresh):
+            self.steps.append(stage)
+
+        def update(self, more):
+            self.n += more
+
+        def close(self):
+            self.closed = True
+
+    module = type(sys)("tqdm.auto")
+    module.tqdm = Bar
+    monkeypatch.setitem(sys.modules, "tqdm", type(sys)("tqdm"))
+    monkeypatch.setitem(sys.modules, "tqdm.auto", module)
+    again(scene, camera).run(progress=True)
+    (bar,) = Bar.made
+    assert bar.closed and bar.n == pytest.approx(1) and set(bar.steps) == {"simulating"}
+
+
 def test_stopping(scene, camera, events):
     simulation = again(scene, camera)
     with pytest.raises(tides.errors.Cancelled) as raised:
