@@ -34,6 +34,7 @@ static tides_status add_part(const tides_scene *scene, int object, int first, in
         part->count++; /* padding repeats the last number */
     part->moves_sh = store->movers.row[store->mover[object]].whole[TD_MOVER_INTS + 3];
     part->hosted = part->of.motion->type->evaluate != NULL;
+    part->dear = part->of.motion->type->dear;
     moved->moving += end - first;
     return find_knots(part, error);
 }
@@ -102,10 +103,13 @@ void td_moved_release(td_moved *moved) {
     free(moved->stamp);
     free(moved->row_of);
     free(moved->list);
+    free(moved->misfit);
     free(rows->gaussians);
     free(rows->owners);
     free(rows->moments);
     free(rows->jobs);
+    free(rows->cubics);
+    free(rows->cubic_jobs);
     free(rows->kind_first);
     free(rows->host);
     for (int i = 0; i < 4; i++) free(rows->host_row[i]);

@@ -12,7 +12,7 @@ static const double most_steps = 1e12;
 
 void tides_stepping_defaults(tides_stepping *stepping) {
     static const tides_stepping defaults =
-        {sizeof defaults, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE, 1, 0.01, 1e-6, 0.01, 0, 0, {0.3, 0.3, 0.4}};
+        {sizeof defaults, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE, 1, 0.01, 1e-6, 0.01, 0, 0, {0.3, 0.3, 0.4}, 0, 0};
     *stepping = defaults;
 }
 
@@ -114,6 +114,13 @@ static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *err
     return ok ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
+static tides_status set_interpolation(tides_simulator *s, tides_error *error) {
+    const td_comparator *c = &s->comparator;
+    double threshold = c->threshold_on < c->threshold_off ? c->threshold_on : c->threshold_off;
+    return td_moved_interpolate(&s->renderer->moved, s->renderer->backend, s->tolerance * threshold, s->time_tolerance_s,
+                                error);
+}
+
 tides_status tides_simulator_create(tides_device *device, const tides_scene *scene, const tides_trajectory *camera,
                                     const tides_intrinsics *intrinsics, const tides_image_params *image,
                                     const tides_sensor *sensor, const tides_stepping *stepping, double start, double stop,
@@ -141,6 +148,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     s->time_tolerance_s = stepping->time_tolerance_s;
     s->budget = stepping->budget;
     s->risk = stepping->risk;
+    s->interpolates = stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
     status = td_comparator_check(&s->comparator, error);
     if (status == TIDES_OK)
@@ -159,6 +167,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
         if (s->batch_limit < 1) s->batch_limit = 1;
         status = allocate(s, (size_t)intrinsics->width * intrinsics->height, error);
     }
+    if (status == TIDES_OK && s->interpolates) status = set_interpolation(s, error);
     if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, TD_OUT_SIGNAL, error);
     if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, s->outputs, error);
     if (status != TIDES_OK) {
