@@ -79,10 +79,10 @@ typedef struct td_misfit_terms {
 /* |a| */
 TD_INLINE td_lanes td_size(td_lanes a) { return td_larger(a, -a); }
 
-/* How far the cubic through the ends is off in the middle: in value, and in rate over half the interval. The latter is nought to
- * leading order where the row is smooth, and what shows a kink (of a network with relu) that the value alone may hide: a kink at a
- * quarter of the interval leaves the middle's value right. With this weight the sum bounds what the cubics of both halves are off
- * by, up to a tenth, wherever the kink is; smooth rows they follow 16 times better than that. */
+/* How far the cubic through the ends is off in the middle: in value, and in rate over half the interval. The latter is nought
+ * to leading order where the row is smooth, and shows what the value alone may hide: the kinks of a network with relu, which leave
+ * the middle's value right where they are a quarter of the interval away. With this weight the sum bounds what the cubics of
+ * both halves are off by, up to a tenth, wherever a kink is; smooth rows they follow 16 times better than that. */
 TD_INLINE td_lanes td_cubic_stray(const td_misfit_terms *terms, td_dual start, td_dual middle, td_dual end) {
     td_dual cubic = td_cubic_at(&terms->middle, start, end);
     return td_fma(td_splat(0.5f * terms->duration), td_size(middle.d - cubic.d), td_size(middle.v - cubic.v));
@@ -153,9 +153,9 @@ TD_INLINE td_lanes td_colour_stray(const td_misfit_terms *terms, const td_image 
 /* Misfit of TD_LANES Gaussians of an object in neighbouring rows from row[0] at an interval's start, row[1] in its middle and
  * row[2] at its end: by how many tolerances log_luminance may be off in the halves. Not above 1: interpolate.
  *
- * A splat before black changes log_luminance as it does ln splat_alpha, three standard deviations out: by 3 du / sigma for a shift
- * of the mean, and by 9 times the relative change of its axes; sigma is that of the shortest axis on the screen. Opacities below
- * 1/255 are as good as 1/255. A stray of so many seconds is one of that over the rate of ln splat_alpha. */
+ * A splat before black changes log_luminance as it does ln splat_alpha, three standard deviations out: by 3 du / sigma for a
+ * shift of the mean, and by 9 times the relative change of its axes; sigma is that of the shortest axis on the screen.
+ * Opacities below 1/255 are as good as 1/255. How late that is: the same over the rate of ln splat_alpha. */
 TD_INLINE td_lanes td_misfit_group(TD_GLOBAL const td_view *views, const td_image *image, const td_source *all,
                                    TD_GLOBAL const int *object, const td_row_arrays *rows, const int row[3],
                                    const td_misfit_terms *terms) {

@@ -116,14 +116,25 @@ void td_moved_release(td_moved *moved) {
     memset(moved, 0, sizeof *moved);
 }
 
-int td_moved_is_knot(const td_moved *moved, double time) {
+/* The first knot that isn't before `time`. */
+static size_t knot_from(const td_moved *moved, double time) {
     size_t low = 0, high = moved->knot_count;
-    while (low < high) { /* the first that isn't before `time`, to a nanosecond */
+    while (low < high) {
         size_t middle = low + (high - low) / 2;
-        if (moved->knots[middle] < time - same_time)
+        if (moved->knots[middle] < time)
             low = middle + 1;
         else
             high = middle;
     }
-    return low < moved->knot_count && moved->knots[low] <= time + same_time;
+    return low;
+}
+
+int td_moved_is_knot(const td_moved *moved, double time) {
+    size_t first = knot_from(moved, time - same_time);
+    return first < moved->knot_count && moved->knots[first] <= time + same_time;
+}
+
+int td_moved_knot_within(const td_moved *moved, double start, double stop) {
+    size_t first = knot_from(moved, start + same_time);
+    return first < moved->knot_count && moved->knots[first] < stop - same_time;
 }

@@ -30,6 +30,7 @@ tides_status td_moved_measure(td_moved *moved, td_backend *backend, const double
     tides_status status = TIDES_OK;
     memset(moved->halves, 0, sizeof moved->halves);
     if (!(moved->tolerance > 0) || !(kept[0]->time < kept[1]->time && kept[1]->time < kept[2]->time)) return TIDES_OK;
+    if (td_moved_knot_within(moved, kept[0]->time, kept[2]->time)) return TIDES_OK;
     for (int p = 0; p < moved->parts && status == TIDES_OK; p++) {
         const td_moved_part *part = &moved->part[p];
         td_misfit_request request = {.views = views,

@@ -86,6 +86,9 @@ void td_moved_release(td_moved *moved);
 /* 1 where rates of some motion may jump at `time`, to a nanosecond. */
 int td_moved_is_knot(const td_moved *moved, double time);
 
+/* 1 where one is more than that behind `start` and before `stop`. */
+int td_moved_knot_within(const td_moved *moved, double start, double stop);
+
 /* -- rows (moved_rows.c) -- */
 
 /* Begins a batch of rows, the first of which is `row`. */
@@ -108,9 +111,9 @@ tides_status td_rows_send(td_moved *moved, td_backend *backend, tides_error *err
 
 /* -- interpolation (moved_between.c) -- */
 
-/* From the next sweep on rows between those of its start, middle and end are interpolated where log_luminance is off by less than
- * `tolerance`, and, where time_tolerance_s > 0, what a splat does by less than that time. Only dear models' rows are, and only
- * where rows of all that moves can be kept. */
+/* From the next sweep on rows between those of its start, middle and end are interpolated where log_luminance is off by less
+ * than `tolerance` and, where time_tolerance_s > 0, late by less than that. Only dear models' rows are, and only where rows of
+ * all that moves can be kept. */
 tides_status td_moved_interpolate(td_moved *moved, td_backend *backend, double tolerance, double time_tolerance_s,
                                   tides_error *error);
 

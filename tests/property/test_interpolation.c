@@ -1,5 +1,5 @@
-/* Rows interpolated between others (kernels/interpolate.h): what they cost in log_luminance stays within the tolerance, kinks of
- * networks included; the same to the bit on every device, however launches are cut; and never across a knot. */
+/* Rows interpolated between others (kernels/interpolate.h): what they cost in log_luminance stays within the tolerance, kinks
+ * of networks included; the same to the bit on every device, however launches are cut; and never across a knot. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -8,6 +8,7 @@
 
 #include "tests/property/renderer_of.h"
 
+#include "solver/td_simulator.h"
 #include "td_device.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/random_network.h"
@@ -199,10 +200,135 @@ static void test_bits_are_the_same_everywhere(void **state) {
     moving_scene_free(&mixed);
 }
 
+/* -- knots --------------------------------------------------------------------------------------------------------- */
+
+static uint64_t interpolated_in(double start, double stop) {
+    random_recipe recipe = recipe_of(SEED + 3);
+    moving_scene s = moving_scene_make(&recipe, 0.5);
+    tides_device *device = open_device("reference-f32");
+    tides_renderer *renderer = make_renderer(device, s.scene, &s.base.camera, TIDES_RULES_SMOOTH);
+    interpolate(renderer, 1e6, 0);
+    free(render_between(renderer, s.base.path, start, stop));
+    uint64_t found = renderer->backend->stats.gaussians_interpolated;
+    tides_renderer_destroy(renderer);
+    tides_device_close(device);
+    moving_scene_free(&s);
+    return found;
+}
+
+/* Up to a knot and from it on, but not across, however much is tolerated. */
+static void test_never_across_a_knot(void **state) {
+    (void)state;
+    assert_true(interpolated_in(MOVING_KNOT - 0.01, MOVING_KNOT) > 0);
+    assert_true(interpolated_in(MOVING_KNOT, MOVING_KNOT + 0.01) > 0);
+    assert_int_equal(interpolated_in(MOVING_KNOT - 0.01, MOVING_KNOT + 1e-6), 0);
+}
+
+/* -- events -------------------------------------------------------------------------------------------------------- */
+
+typedef struct stream {
+    tides_event *events;
+    size_t count, capacity;
+    tides_stats stats;
+} stream;
+
+static int collect(void *user, const tides_event *events, size_t count) {
+    stream *s = user;
+    scene_expect_ok(td_reserve((void **)&s->events, &s->capacity, s->count + count, sizeof *events, NULL), NULL);
+    if (count) memcpy(s->events + s->count, events, count * sizeof *events);
+    s->count += count;
+    return 0;
+}
+
+/* The network scene from 0.3 s to 0.4 s, across a knot, in macro steps of 20 ms; in one call or in many. */
+static stream simulate(tides_device *device, const network_scene *scene, int interpolates, int calls) {
+    stream s;
+    tides_error error;
+    tides_image_params params;
+    tides_sensor sensor;
+    tides_stepping stepping;
+    tides_simulator *simulator = NULL;
+    memset(&s, 0, sizeof s);
+    tides_image_params_defaults(&params);
+    tides_sensor_defaults(&sensor);
+    tides_stepping_defaults(&stepping);
+    sensor.threshold_on = sensor.threshold_off = 0.05;
+    stepping.step_s = 0.02;
+    stepping.interpolate_motion = interpolates;
+    scene_expect_ok(tides_simulator_create(device, scene->scene, scene->base.path, &scene->base.camera, &params, &sensor,
+                                           &stepping, 0.3, 0.4, NULL, NULL, &simulator, &error),
+                    &error);
+    if (calls > 1) simulator->renderer->record_limit = 100;
+    for (int i = 1; i <= calls; i++)
+        scene_expect_ok(tides_simulator_run(simulator, i < calls ? 0.3 + 0.1 * i / calls : 0.4, collect, &s, NULL, NULL,
+                                            &error),
+                        &error);
+    tides_simulator_stats(simulator, &s.stats);
+    tides_simulator_destroy(simulator);
+    return s;
+}
+
+static int by_pixel(const void *a, const void *b) {
+    const tides_event *x = a, *y = b;
+    if (x->y != y->y) return x->y < y->y ? -1 : 1;
+    if (x->x != y->x) return x->x < y->x ? -1 : 1;
+    return x->t < y->t ? -1 : x->t > y->t;
+}
+
+static int by_size(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* Most events are there again, and 95 % of these within what the run says of its own times. */
+static void expect_near(stream *a, stream *b) {
+    double *late = calloc(a->count + 1, sizeof *late);
+    size_t i = 0, k = 0, pairs = 0;
+    assert_non_null(late);
+    qsort(a->events, a->count, sizeof *a->events, by_pixel);
+    qsort(b->events, b->count, sizeof *b->events, by_pixel);
+    while (i < a->count && k < b->count) {
+        const tides_event *x = &a->events[i], *y = &b->events[k];
+        int64_t apart = x->t - y->t;
+        if (x->y == y->y && x->x == y->x && x->polarity == y->polarity && apart < 200000 && apart > -200000) {
+            late[pairs++] = fabs(1e-9 * (double)apart);
+            i++, k++;
+        } else if (by_pixel(x, y) < 0)
+            i++;
+        else
+            k++;
+    }
+    qsort(late, pairs, sizeof *late, by_size);
+    double p95 = late[pairs * 95 / 100];
+    print_message("%zu events, %zu with interpolation, %zu pairs, p95 %.2g us apart; estimated p95 %.2g us\n", a->count,
+                  b->count, pairs, 1e6 * p95, 1e6 * a->stats.error_p95_s);
+    assert_true(pairs > 0.999 * (double)a->count && p95 <= a->stats.error_p95_s);
+    free(late);
+}
+
+static void test_events(void **state) {
+    (void)state;
+    network_scene scene = network_scene_make(SEED + 4, 0.3);
+    tides_device *device = open_device("reference-f32");
+    stream exact = simulate(device, &scene, 0, 1), quick = simulate(device, &scene, 1, 1), cut = simulate(device, &scene, 1, 7);
+    assert_true(exact.count > 1000 && exact.stats.render.gaussians_interpolated == 0);
+    assert_true(quick.stats.render.gaussians_interpolated > 0);
+    assert_true(quick.stats.render.gaussians_moved < exact.stats.render.gaussians_moved);
+    assert_int_equal(cut.count, quick.count);
+    assert_memory_equal(cut.events, quick.events, quick.count * sizeof *quick.events);
+    expect_near(&exact, &quick);
+    free(exact.events);
+    free(quick.events);
+    free(cut.events);
+    network_scene_free(&scene);
+    tides_device_close(device);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_weights_give_cubics_back),
                                        cmocka_unit_test(test_cost_stays_within_the_tolerance),
-                                       cmocka_unit_test(test_bits_are_the_same_everywhere)};
+                                       cmocka_unit_test(test_bits_are_the_same_everywhere),
+                                       cmocka_unit_test(test_never_across_a_knot), cmocka_unit_test(test_events)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
