@@ -153,9 +153,10 @@ TD_INLINE td_lanes td_colour_stray(const td_misfit_terms *terms, const td_image 
 /* Misfit of TD_LANES Gaussians of an object in neighbouring rows from row[0] at an interval's start, row[1] in its middle and
  * row[2] at its end: by how many tolerances log_luminance may be off in the halves. Not above 1: interpolate.
  *
- * A splat before black changes log_luminance as it does ln splat_alpha, three standard deviations out: by 3 du / sigma for a
- * shift of the mean, and by 9 times the relative change of its axes; sigma is that of the shortest axis on the screen.
- * Opacities below 1/255 are as good as 1/255. How late that is: the same over the rate of ln splat_alpha. */
+ * A splat that is as bright as what is seen there, before black or the other way round, changes log_luminance by what
+ * splat_alpha changes: by at most e^(-1/2) opacity du / sigma for a shift of the mean (one standard deviation out), 2/e opacity
+ * times the relative change of its axes, and the change of its opacity; sigma is that of the shortest axis on the screen. How
+ * late that is: the same over the rate of splat_alpha. */
 TD_INLINE td_lanes td_misfit_group(TD_GLOBAL const td_view *views, const td_image *image, const td_source *all,
                                    TD_GLOBAL const int *object, const td_row_arrays *rows, const int row[3],
                                    const td_misfit_terms *terms) {
@@ -173,9 +174,8 @@ TD_INLINE td_lanes td_misfit_group(TD_GLOBAL const td_view *views, const td_imag
     td_lanes shape = td_stray_length(terms, &own, image, index, TD_G_FACTOR, 9);
     td_lanes faint = td_stray_length(terms, &own, image, index, TD_G_OPACITY, 1);
     td_dual opacity = td_entry(&own, image, index[1], TD_G_OPACITY);
-    td_lanes full = td_larger(opacity.v, td_splat(TD_REAL(1.0) / TD_REAL(255.0)));
-    td_lanes across = pixels / sigma;
-    td_lanes stray = td_fma(across, td_fma(9.0f, shape, 3.0f * shift), faint / full);
+    td_lanes across = opacity.v * pixels / sigma;
+    td_lanes stray = td_fma(across, td_fma(TD_REAL(0.7357588823428847), shape, TD_REAL(0.6065306597126334) * shift), faint);
     if (terms->moves_sh) stray += td_colour_stray(terms, image, rows, at);
     td_lanes misfit = stray / terms->tolerance;
     if (!(terms->time_tolerance > 0)) return misfit;
@@ -184,7 +184,8 @@ TD_INLINE td_lanes td_misfit_group(TD_GLOBAL const td_view *views, const td_imag
         td_dual mean = td_entry(&own, image, index[1], TD_G_MEAN + k);
         speed = td_fma(mean.d, mean.d, speed);
     }
-    td_lanes change = td_fma(across, td_fma(9.0f, factor_dot, 3.0f * td_sqrt(speed)), td_size(opacity.d) / full);
+    td_lanes change = td_fma(TD_REAL(0.7357588823428847), factor_dot, TD_REAL(0.6065306597126334) * td_sqrt(speed));
+    change = td_fma(across, change, td_size(opacity.d));
     td_lanes late = stray / td_larger(terms->time_tolerance * change, td_splat(TD_REAL(1e-30)));
     return td_larger(misfit, td_select(late, td_splat(0.0f), stray <= 0.0f));
 }
