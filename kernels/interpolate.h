@@ -80,9 +80,9 @@ typedef struct td_misfit_terms {
 TD_INLINE td_lanes td_size(td_lanes a) { return td_larger(a, -a); }
 
 /* How far the cubic through the ends is off in the middle: in value, and in rate over half the interval. The latter is nought
- * to leading order where the row is smooth, and shows what the value alone may hide: the kinks of a network with relu, which leave
- * the middle's value right where they are a quarter of the interval away. With this weight the sum bounds what the cubics of
- * both halves are off by, up to a tenth, wherever a kink is; smooth rows they follow 16 times better than that. */
+ * to leading order where the row is smooth, and shows what the value alone may hide: the kinks of a network with relu, which
+ * leave the middle's value right where they are a quarter of the interval away. With this weight the sum bounds what the cubics
+ * of both halves are off by, up to a tenth, wherever a kink is; smooth rows they follow 16 times better than that. */
 TD_INLINE td_lanes td_cubic_stray(const td_misfit_terms *terms, td_dual start, td_dual middle, td_dual end) {
     td_dual cubic = td_cubic_at(&terms->middle, start, end);
     return td_fma(td_splat(0.5f * terms->duration), td_size(middle.d - cubic.d), td_size(middle.v - cubic.v));

@@ -1,7 +1,7 @@
 /* What interpolating the rows of a deformation network is worth (scene.interpolate_motion), and what it costs.
  *   bench_interpolation [DEVICE] [GAUSSIANS] [STEP_S]
- * 4DGaussians with the sizes of its D-NeRF configuration and random weights, 2 s long, 0.1 s of it simulated with and without, in
- * turns; best of the rounds. Then how far the two streams of events are apart. Last, for comparison, a model that isn't
+ * 4DGaussians with the sizes of its D-NeRF configuration and random weights, 2 s long, 0.1 s of it simulated with and without,
+ * in turns; best of the rounds. Then how far the two streams of events are apart. Last, for comparison, a model that isn't
  * interpolated because its rows are cheap: a polynomial's. */
 #include "td_base.h"
 #include "tests/support/moving_scene.h"
