@@ -76,15 +76,16 @@ typedef struct tides_frame {
 
 /* What a renderer or a run did. Plain value; counts only grow. */
 typedef struct tides_render_stats {
-    uint64_t tile_jobs;           /* (tile, time) pairs composited */
-    uint64_t tile_jobs_skipped;   /* tiles without a candidate: background by formula */
-    uint64_t gaussians_total;     /* Gaussians in the scene */
-    uint64_t gaussians_projected; /* (Gaussian, tile job) projections */
-    uint64_t gaussians_culled;    /* of these, not touching their tile at that time */
-    uint64_t gaussians_still;     /* at rest before a resting camera: not looked at again when lists were made */
-    uint64_t gaussians_moved;     /* rows worked out of Gaussians that move by themselves: (Gaussian, time) pairs */
-    uint64_t sweeps;              /* times that Gaussians were swept for tile candidate lists */
-    uint64_t pairs_evaluated;     /* (splat, pixel) pairs composited, in blocks of 16 */
+    uint64_t tile_jobs;              /* (tile, time) pairs composited */
+    uint64_t tile_jobs_skipped;      /* tiles without a candidate: background by formula */
+    uint64_t gaussians_total;        /* Gaussians in the scene */
+    uint64_t gaussians_projected;    /* (Gaussian, tile job) projections */
+    uint64_t gaussians_culled;       /* of these, not touching their tile at that time */
+    uint64_t gaussians_still;        /* at rest before a resting camera: not looked at again when lists were made */
+    uint64_t gaussians_moved;        /* rows worked out of Gaussians that move by themselves: (Gaussian, time) pairs */
+    uint64_t gaussians_interpolated; /* rows that were interpolated instead (tides_stepping.interpolate_motion) */
+    uint64_t sweeps;                 /* times that Gaussians were swept for tile candidate lists */
+    uint64_t pairs_evaluated;        /* (splat, pixel) pairs composited, in blocks of 16 */
     double time_build_s, time_motion_s, time_sweep_s, time_project_s, time_sort_s, time_composite_s, time_transfer_s;
     int32_t tiles; /* tiles in a full frame */
     int32_t reserved;

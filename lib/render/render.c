@@ -131,6 +131,7 @@ void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *st
     stats->pairs_evaluated = done->pairs_evaluated;
     stats->sweeps = done->sweeps;
     stats->gaussians_moved = done->gaussians_moved;
+    stats->gaussians_interpolated = done->gaussians_interpolated;
     stats->time_build_s = done->time_build_s;
     stats->time_motion_s = done->time_motion_s;
     stats->time_sweep_s += done->time_sweep_s;
@@ -210,7 +211,7 @@ static tides_status sweep_boxes(tides_renderer *renderer, const tides_trajectory
 
 tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                tides_error *error) {
-    const double times[3] = {start, 0.5 * (start + stop), stop};
+    const double times[3] = {start, start + 0.5 * (stop - start), stop};
     tides_status status = make_views(renderer, camera, times, 3, error);
     if (status == TIDES_OK) status = note_moves(renderer, camera, error);
     if (status == TIDES_OK) status = sweep_boxes(renderer, camera, start, stop - start, error);

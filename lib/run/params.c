@@ -36,6 +36,8 @@ static const tides_param table[] = {
            "splats (.ply, .h5, .spz, .splat, .ksplat, .sog); may be left out where scene.objects are given"),
     VECTOR3("scene.background", "", 0, 1e6, "[0,0,0]", "linear colour behind everything"),
     NUMBER("scene.duration_s", "s", 1e-9, LAST_SECOND, "null", "seconds that motions last; null takes the scene's own"),
+    BOOLEAN("scene.interpolate_motion", "false",
+            "within a step, interpolate what networks and callbacks move where that stays within tolerance"),
     OBJECTS("scene.objects", "[]", "more splat files, each {file, trajectory, scale}; a trajectory moves it as a rigid body"),
 
     STRING("camera.file", NULL, "camera path: TIDES JSON, COLMAP, nerfstudio, INRIA, LLFF, nerfies, TUM, EuRoC, ESIM, KITTI"),

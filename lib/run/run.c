@@ -259,6 +259,7 @@ void tides_run_get(const tides_run *run, tides_run_values *values) {
     values->stepping.tolerance = td_run_number(run, "stepping.tolerance");
     values->stepping.time_tolerance_s = td_run_number(run, "stepping.time_tolerance_s");
     values->stepping.local = run_boolean(run, "stepping.local");
+    values->stepping.interpolate_motion = run_boolean(run, "scene.interpolate_motion");
     values->stepping.budget = td_run_number(run, "stepping.budget");
     values->stepping.risk.w_b = td_run_number(run, "stepping.risk.w_b");
     values->stepping.risk.w_c = td_run_number(run, "stepping.risk.w_c");

@@ -131,6 +131,13 @@ static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *err
     return ok ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
+static tides_status set_interpolation(tides_simulator *s, tides_error *error) {
+    const td_comparator *c = &s->comparator;
+    double threshold = c->threshold_on < c->threshold_off ? c->threshold_on : c->threshold_off;
+    return td_moved_interpolate(&s->renderer->moved, s->renderer->backend, s->tolerance * threshold, s->time_tolerance_s,
+                                error);
+}
+
 tides_status tides_simulator_create(tides_device *device, const tides_scene *scene, const tides_trajectory *camera,
                                     const tides_intrinsics *intrinsics, const tides_image_params *image,
                                     const tides_sensor *sensor, const tides_stepping *stepping, double start, double stop,
@@ -163,6 +170,8 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     s->timing.rounding = td_is_double(device) ? 0 : TD_SINGLE_ROUNDING;
     s->planes_kept = s->refine.planes_kept = sensor->b_min > 0 ? TD_KEPT_ALL : TD_KEPT_SIGNAL;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
+    s->interpolates = stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED;
+    s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
     status = td_comparator_check(&s->comparator, error);
     if (status == TIDES_OK)
         status = tides_renderer_create(device, scene, intrinsics, image, progress, user, &s->renderer, error);
@@ -181,6 +190,8 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
         status = allocate(s, (size_t)intrinsics->width * intrinsics->height, error);
     }
     if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, td_fixed_outputs(s), error);
+    if (status == TIDES_OK && s->interpolates) status = set_interpolation(s, error);
+    if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, TD_OUT_SIGNAL, error);
     if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, s->outputs, error);
     if (status == TIDES_OK) {
         lay_tiles(s, intrinsics->width, intrinsics->height);

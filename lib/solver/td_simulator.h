@@ -26,6 +26,7 @@ struct tides_simulator {
     td_grid grid;               /* where steps begin and end */
     int mode, local;            /* TIDES_STEPPING_*; each tile has its own steps */
     double min_step_s, tolerance, time_tolerance_s, budget;
+    int interpolates; /* rows of motions within macro steps */
     tides_risk risk;
     int slope;         /* TIDES_SLOPE_* */
     int outputs;       /* planes that each sample renders: risk, a mask and the readout want diagnostics */
