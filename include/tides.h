@@ -21,6 +21,7 @@
 #include "tides/render.h"
 #include "tides/sensor.h"
 #include "tides/simulate.h"
+#include "tides/baselines.h"
 #include "tides/events.h"
 #include "tides/readout.h"
 #include "tides/image.h"
