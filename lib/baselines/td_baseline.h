@@ -46,7 +46,4 @@ tides_status td_baseline_range(const tides_baseline *baseline, const char *name,
 /* A standard normal of this pixel, index and purpose. */
 double td_baseline_normal(const tides_baseline *baseline, size_t i, uint64_t index, uint32_t purpose);
 
-/* Tests only: the random start of DVS-Voltmeter's pixels, (height x width). */
-void td_voltmeter_set_residual(tides_baseline *baseline, const double *residual);
-
 #endif

@@ -13,7 +13,7 @@ typedef struct td_v2e_state {
     float *surround;      /* horizontal cells [log units] (pixels), NULL without a surround */
     float *scratch;       /* its next value (pixels) */
     double *fired;        /* time of the last event [s] (pixels) */
-    float *difference;    /* what the comparator sees [log units] (pixels) */
+    double *difference;   /* what the comparator sees [log units] (pixels) */
     uint32_t *wanted;     /* events that it asks for in this interval, polarity by sign of the difference (pixels) */
     uint32_t *kept;       /* of these, outside the refractory period (pixels) */
     double noise_frame_s; /* interval that noise_level is for [s] */

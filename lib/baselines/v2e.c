@@ -116,6 +116,9 @@ static tides_status create(tides_baseline *b, tides_error *error) {
 
 /* -- signal -------------------------------------------------------------------------------------------------------------- */
 
+/* v2e's signals are single-precision unless the photoreceptor is on, whose coefficients make them double. */
+static double rounded(const tides_v2e *p, double value) { return p->cutoff_hz > 0 ? value : (float)value; }
+
 static float signal(const tides_v2e *p, double Y) {
     if (p->hdr) return (float)Y;
     double DN = 255.0 * Y;
@@ -158,30 +161,27 @@ static void leak(tides_baseline *b) {
         float factor = s->leak_factor[i];
         if (p->leak_jitter_fraction > 0)
             factor *= (float)(1.0 - p->leak_jitter_fraction * td_baseline_normal(b, i, b->frames, TD_RANDOM_V2E_LEAK_JITTER));
-        s->reference[i] = (float)s->reference[i] - length * (rate * factor) * s->on[i];
+        s->reference[i] = rounded(p, s->reference[i] - length * (rate * factor) * s->on[i]);
     }
 }
 
 /* floor(a / b) of the exact quotient, which division may round up to the next whole number. */
-static float floor_quotient(float a, float b) {
-    float whole = floorf((a - fmodf(a, b)) / b + 0.5f);
-    return whole;
-}
+static double floor_quotient(double a, double b) { return floor((a - fmod(a, b)) / b + 0.5); }
 
 /* How many events each pixel asks for, and the most of any. */
 static tides_status count_events(tides_baseline *b, uint32_t *most, tides_error *error) {
+    const tides_v2e *p = &b->params.v2e;
     td_v2e_state *s = b->state;
     *most = 0;
     for (size_t i = 0; i < b->pixels; i++) {
         double surround = s->surround ? s->surround[i] : 0.0;
-        double seen = (float)(s->level[i] + s->noise[i] - surround);
-        s->difference[i] = (float)(seen - s->reference[i]);
-        float size = fabsf(s->difference[i]);
-        float count = floor_quotient(size, s->difference[i] > 0 ? s->on[i] : s->off[i]);
-        if (!(count <= (float)EVENTS_PER_PIXEL_MAX))
+        double seen = rounded(p, s->level[i] + s->noise[i] - surround);
+        s->difference[i] = rounded(p, seen - s->reference[i]);
+        double count = floor_quotient(fabs(s->difference[i]), s->difference[i] > 0 ? s->on[i] : s->off[i]);
+        if (!(count <= (double)EVENTS_PER_PIXEL_MAX))
             return td_fail(error, TIDES_OUT_OF_RANGE,
                            "frame %llu: pixel (%zu, %zu) would fire %.3g events: raise v2e.pos_thres",
-                           (unsigned long long)b->frames, i % (size_t)b->width, i / (size_t)b->width, (double)count);
+                           (unsigned long long)b->frames, i % (size_t)b->width, i / (size_t)b->width, count);
         s->wanted[i] = (uint32_t)count;
         s->kept[i] = 0;
         if (s->wanted[i] > *most) *most = s->wanted[i];
@@ -225,7 +225,7 @@ static void move_reference(tides_baseline *b) {
     td_v2e_state *s = b->state;
     for (size_t i = 0; i < b->pixels; i++) {
         float moved = s->difference[i] > 0 ? (float)s->kept[i] * s->on[i] : -((float)s->kept[i] * s->off[i]);
-        s->reference[i] = (float)s->reference[i] + moved;
+        s->reference[i] = rounded(&b->params.v2e, s->reference[i] + moved);
     }
 }
 

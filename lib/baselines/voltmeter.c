@@ -11,13 +11,12 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* A pixel that fires more often in a frame has parameters that mean nothing. */
 enum { EVENTS_PER_PIXEL_MAX = 1 << 20 };
 
 typedef struct voltmeter_state {
-    double *voltage; /* between the barriers -1 and 1 (pixels) */
+    double *voltage; /* between the barriers -1 and 1, 0 at first (pixels) */
     double *last;    /* DN of the last frame (pixels) */
     uint64_t *draws; /* random numbers used up (pixels) */
 } voltmeter_state;
@@ -52,17 +51,7 @@ static tides_status create(tides_baseline *b, tides_error *error) {
     s->voltage = td_alloc(b->pixels, sizeof *s->voltage, error);
     s->last = td_alloc(b->pixels, sizeof *s->last, error);
     s->draws = td_alloc(b->pixels, sizeof *s->draws, error);
-    if (!s->voltage || !s->last || !s->draws) return TIDES_NO_MEMORY;
-    for (size_t i = 0; i < b->pixels; i++) {
-        td_random_bits bits = td_random(b->params.seed, (uint32_t)i, 0, TD_RANDOM_VOLTMETER_START);
-        s->voltage[i] = 2 * td_random_uniform(&bits, 0) - 1;
-    }
-    return TIDES_OK;
-}
-
-void td_voltmeter_set_residual(tides_baseline *b, const double *residual) {
-    voltmeter_state *s = b->state;
-    memcpy(s->voltage, residual, b->pixels * sizeof *residual);
+    return s->voltage && s->last && s->draws ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
 static tides_status first(tides_baseline *b, const double *Y, tides_error *error) {
