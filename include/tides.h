@@ -22,6 +22,7 @@
 #include "tides/sensor.h"
 #include "tides/simulate.h"
 #include "tides/baselines.h"
+#include "tides/frames.h"
 #include "tides/events.h"
 #include "tides/readout.h"
 #include "tides/image.h"
