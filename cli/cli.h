@@ -5,6 +5,7 @@
 #include "tides.h"
 
 #include <cjson/cJSON.h>
+#include <stdarg.h>
 
 #if defined(__GNUC__)
 #define CLI_PRINTF(text, first) __attribute__((__format__(__printf__, text, first)))
@@ -72,7 +73,8 @@ void cli_help_command(const cli_command *command, const cli_option *options);
 void cli_help_keys(void); /* the run file's keys, from the parameter table */
 
 /* output.c: "tides: ..." on stderr, one line. */
-int cli_fail(const tides_error *error); /* CLI_FAILED */
+int cli_fail(const tides_error *error);                                                /* CLI_FAILED */
+void cli_say(const char *format, va_list arguments, const char *end) CLI_PRINTF(1, 0); /* `end` closes or goes on */
 int cli_failed(const char *format, ...) CLI_PRINTF(1, 2);
 int cli_usage(const cli_command *command, const char *format, ...) CLI_PRINTF(2, 3); /* CLI_USAGE */
 void cli_note(const cli_common *common, const char *format, ...) CLI_PRINTF(2, 3);   /* only with -v */

@@ -16,7 +16,7 @@
  *     /initial             double (height x width)  S_init [log units]
  *     /count_on, /count_off  u4   (height x width)  n_on, n_off
  *     /tile_risk           double (tiles)           risk of each 16x16 tile, in reading order
- *     /timing_errors       double (256)             weights of td_timing, not of a pixel
+ *     /timing_errors       double (512)             weights of td_timing, not of a pixel
  *
  * Images are in image order, so that other tiles can take them up (but for the risk). All datasets are shuffled and
  * deflated. Behind the HDF5 file comes the seal (checkpoint_file.c). */

@@ -97,6 +97,7 @@ static tides_status step_between(const tides_simulator *s, double start, double 
 static tides_status compare_step(tides_simulator *s, tides_error *error) {
     td_step step;
     tides_status status = step_between(s, td_grid_time(s, s->step), td_grid_time(s, s->step + 1), &step, error);
+    if (status == TIDES_OK && s->slope == TIDES_SLOPE_DIFFERENCE) td_difference_slopes(s, step.length_s);
     for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {
         int t = s->moving[i];
         size_t at = s->first_pixel[t];
