@@ -1,4 +1,5 @@
-/* The simulators that people compare with, from frames: ESIM, v2e, DVS-Voltmeter, IEBCS, and V2CE's sampler LDATI.
+/* The simulators that people compare with, from frames: ESIM, v2e, DVS-Voltmeter, IEBCS, and V2CE's sampler LDATI; and TIDES's
+ * own sensor on frames, which takes the logarithm to go in straight lines between them.
  *
  * Written from their published algorithms (equations, not code), each with its own parameters under its own names and defaults.
  * What is known to be a defect of an original is left out, unless a parameter asks for it. Random numbers come from the seed,
@@ -6,6 +7,7 @@
 #ifndef TIDES_BASELINES_H
 #define TIDES_BASELINES_H
 
+#include "tides/frames.h"
 #include "tides/simulate.h"
 
 #ifdef __cplusplus
@@ -65,8 +67,10 @@ typedef struct tides_iebcs {
 /* Fill with tides_baseline_params_defaults: the originals' own. */
 typedef struct tides_baseline_params {
     uint32_t size;
-    int32_t method; /* TIDES_METHOD_*, none of TIDES's own */
+    int32_t method; /* TIDES_METHOD_* */
     uint64_t seed;
+    tides_sensor sensor; /* of TIDES_METHOD_TIDES */
+    double log_eps;      /* likewise: L = ln(Y + log_eps) */
     tides_esim esim;
     tides_v2e v2e;
     tides_voltmeter voltmeter;
@@ -96,6 +100,23 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_baseline_finish(tides_baseline *ba
  * time + min(lambda / |L_dot|, 1 / minimum_framerate). The original gets |L_dot| from the image's gradient and optical flow;
  * here it is exact. Its other way, by the largest flow, needs flow, which renders don't have. */
 TIDES_API double tides_esim_next_time(const tides_esim *esim, double time, double fastest_log_luminance_dot);
+
+/* Where a run's frames come from. */
+typedef struct tides_frame_supply {
+    tides_frames *frames;           /* a sequence: those of its frames that lie in [start, stop]; or NULL, and */
+    tides_renderer *renderer;       /* a renderer, */
+    const tides_trajectory *camera; /* its camera, */
+    double frames_per_second;       /* and the rate of renders from start on [Hz], the last one at stop; ESIM has its own where
+                                       its sampling is adaptive */
+    double start, stop;             /* [s] */
+} tides_frame_supply;
+
+/* Pushes every frame of the supply, and finishes. `stats` (nullable) receives what is known of a run from frames: events,
+ * renders, times. TIDES_BAD_ARGUMENT where the sequence has fewer than two frames within [start, stop], or is of another size.
+ */
+TIDES_MUST_CHECK TIDES_API tides_status tides_baseline_run(tides_baseline *baseline, const tides_frame_supply *supply,
+                                                           tides_event_sink sink, void *sink_user, tides_progress progress,
+                                                           void *user, tides_stats *stats, tides_error *error);
 
 /* V2CE's second stage, LDATI: events from the voxels (2, 10, height, width) of one frame interval [start, stop) s, ON first.
  * `sink` gets them sorted; times are whole microseconds. `frame` is the interval's number: it keys the random numbers. */

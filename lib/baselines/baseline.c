@@ -9,7 +9,8 @@
 #include <string.h>
 
 void tides_baseline_params_defaults(tides_baseline_params *params) {
-    *params = (tides_baseline_params){.size = sizeof *params, .method = TIDES_METHOD_ESIM};
+    *params = (tides_baseline_params){.size = sizeof *params, .method = TIDES_METHOD_TIDES, .log_eps = 0.001};
+    tides_sensor_defaults(&params->sensor);
     params->esim = (tides_esim){.contrast_threshold_pos = 1.0,
                                 .contrast_threshold_neg = 1.0,
                                 .contrast_threshold_sigma_pos = 0.021,
@@ -79,6 +80,7 @@ double td_baseline_normal(const tides_baseline *b, size_t i, uint64_t index, uin
 
 static const td_method *find_method(int32_t method) {
     switch (method) {
+        case TIDES_METHOD_TIDES: return &td_tides;
         case TIDES_METHOD_ESIM: return &td_esim;
         case TIDES_METHOD_V2E: return &td_v2e;
         case TIDES_METHOD_IEBCS: return &td_iebcs;
@@ -96,7 +98,7 @@ tides_status tides_baseline_create(const tides_baseline_params *params, int32_t 
                        "tides_baseline_params_defaults",
                        params->size, sizeof *params);
     const td_method *method = find_method(params->method);
-    if (!method) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_create: no baseline has number %d", params->method);
+    if (!method) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_create: no method has number %d", params->method);
     if (width < 1 || height < 1 || width > 16384 || height > 16384)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_create: %d x %d px; each side must lie in [1, 16384]", width,
                        height);

@@ -31,7 +31,7 @@ struct tides_baseline {
     size_t scratch_events; /* its size */
 };
 
-extern const td_method td_esim, td_v2e, td_voltmeter, td_iebcs;
+extern const td_method td_tides, td_esim, td_v2e, td_voltmeter, td_iebcs;
 
 /* Appends an event at pixel `i`. */
 tides_status td_baseline_fire(tides_baseline *baseline, size_t i, int64_t t, int polarity, uint8_t cause, tides_error *error);
