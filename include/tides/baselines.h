@@ -60,8 +60,8 @@ typedef struct tides_iebcs {
     double scale;                    /* 1e4: lux-like units of Y = 1 */
     const char *noise_pos;           /* .npy of measured noise histograms (rows, columns, 72) per polarity, or NULL */
     const char *noise_neg;
+    double arbiter_us; /* [us] 0.1: time per event, per event of a row, or per clock */
     int32_t arbiter;   /* TIDES_ARBITER_* */
-    double arbiter_us; /* [us] 0.1: time per event, per pixel of a row, or per clock */
 } tides_iebcs;
 
 /* Fill with tides_baseline_params_defaults: the originals' own. */
