@@ -10,6 +10,9 @@ tides_status cli_frames_check(const cli_job *job, const cli_session *session, ti
     if (job->resume)
         return cli_error(error, TIDES_UNSUPPORTED, "--resume: method %s on frames keeps no checkpoints; run it again without",
                          session->values.method);
+    if (session->values.readout.enabled)
+        return cli_error(error, TIDES_UNSUPPORTED,
+                         "readout.enabled is true: the arbiter needs a scene and method \"tides\"; set it to false");
     if (session->frames && (job->preview || job->exr))
         return cli_error(error, TIDES_UNSUPPORTED,
                          "--preview shows a rendered image, which a run with frames.file doesn't have");

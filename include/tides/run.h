@@ -3,6 +3,7 @@
 #define TIDES_RUN_H
 
 #include "tides/baselines.h"
+#include "tides/readout.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -53,6 +54,7 @@ typedef struct tides_run_values {
     tides_image_params image;
     tides_sensor sensor;
     tides_stepping stepping;
+    tides_readout readout;
     double start, stop;
     const char *scene_file, *camera_file, *device, *seed, *method;
     tides_baseline_params baseline; /* its method is `method` */

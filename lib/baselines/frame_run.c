@@ -25,8 +25,10 @@ static int take(void *user, const tides_event *events, size_t count) {
             r->stats.events_on++;
         else
             r->stats.events_off++;
+        r->stats.events_by_cause[events[k].cause]++;
     }
     r->stats.events += count;
+    r->stats.events_written += count;
     double began = td_now();
     int stop = r->sink ? r->sink(r->sink_user, events, count) : 0;
     r->stats.time_sink_s += td_now() - began;

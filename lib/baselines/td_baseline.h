@@ -3,6 +3,7 @@
 #ifndef TD_BASELINE_H
 #define TD_BASELINE_H
 
+#include "sensor/td_sensor.h"
 #include "solver/td_comparator.h"
 #include "td_base.h"
 #include "tides/baselines.h"
@@ -45,5 +46,8 @@ tides_status td_baseline_range(const tides_baseline *baseline, const char *name,
 
 /* A standard normal of this pixel, index and purpose. */
 double td_baseline_normal(const tides_baseline *baseline, size_t i, uint64_t index, uint32_t purpose);
+
+/* Tests only: the sensor of TIDES_METHOD_TIDES, made at the first frame, whose holds a test may set after it. */
+td_sensor *td_tides_sensor(tides_baseline *baseline);
 
 #endif

@@ -4,6 +4,7 @@
  *   /events/t      u4   [us] after t_offset; floor(t_ns / 1000)
  *   /events/x, y   u2   [px]
  *   /events/t_ns   i8   [ns] the exact time; ours, ignored by others
+ *   /events/cause  u1   TIDES_CAUSE_*; only where some event is not the signal's (event_cause.c)
  *   /ms_to_idx     u8   entry k: the first event with t >= 1000 k. It covers the recording's end: a query that ends within the
  *                       recording finds its entry. (DSEC's own reader fails on a window without events; that is its defect.)
  *   /t_offset      i8   scalar, 0
@@ -127,6 +128,7 @@ static tides_status find_tail(td_event_sink *sink, uint64_t rows, tides_error *e
     tides_status status = td_event_tail_read(w->tail, rows, w->buffer, w->buffered, &reason);
     if (status == TIDES_OK) return td_event_check(&td_format_hdf5, sink, w->buffer, w->buffered, error);
     status = tides_events_read(sink->part, rows, w->buffered, w->buffer, &got, error);
+    if (status == TIDES_OK) status = tides_events_causes(sink->part, rows, got, w->buffer, error);
     if (status != TIDES_OK) return status;
     if (got < w->buffered)
         return td_fail(error, TIDES_BAD_FILE,

@@ -3,8 +3,8 @@
 
 void td_difference_slopes(tides_simulator *s, double h) {
     for (size_t i = 0; i < s->first_pixel[s->tiles]; i++) {
-        double slope = (s->next.S[i] - s->now.S[i]) / h;
-        s->next.S_dot[i] = slope;
-        if (s->step == 0) s->now.S_dot[i] = slope;
+        double slope = (s->next.plane[TD_KEPT_S][i] - s->now.plane[TD_KEPT_S][i]) / h;
+        s->next.plane[TD_KEPT_S_DOT][i] = slope;
+        if (s->step == 0) s->now.plane[TD_KEPT_S_DOT][i] = slope;
     }
 }
