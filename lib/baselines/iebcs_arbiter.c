@@ -36,7 +36,10 @@ static tides_status take(tides_baseline *b, td_arbiter *a, size_t first, tides_e
     return TIDES_OK;
 }
 
-static double time_us(const tides_event *event) { return (double)(event->t / 1000); }
+static double time_us(const tides_event *event) {
+    int64_t whole = event->t / 1000;
+    return (double)whole;
+}
 
 static const tides_event *oldest(const td_arbiter *a) {
     return a->next < a->waiting.count ? &a->waiting.events[a->next] : NULL;

@@ -14,7 +14,10 @@ void td_iebcs_noise_free(td_iebcs_noise *noise) {
 }
 
 /* The rate that a bin stands for [Hz]. */
-static double bin_rate(int bin) { return (bin % 9 + 1) * pow(10.0, bin / 9 - 3); }
+static double bin_rate(int bin) {
+    int decade = bin / 9 - 3;
+    return (bin % 9 + 1) * pow(10.0, decade);
+}
 
 /* Counts to cumulative chances, row by row; a row without counts stays 0: a pixel without noise. */
 static tides_status accumulate(const char *file, const td_npy_array *array, td_iebcs_noise *noise, tides_error *error) {

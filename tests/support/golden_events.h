@@ -52,8 +52,8 @@ typedef struct golden_file {
 double golden_number(const cJSON *params, const char *key, double otherwise);
 
 /* Calls `visit` for each .npz below golden/ of the shared data whose name holds `part` and that has frames; how many it
- * compared. Scene A is left out: it comes back to its levels exactly, where rounding decides what fires (reference/simulators.md
- * 3). */
+ * compared. Scene A is left out: it comes back to its levels exactly, where rounding decides what fires (the notes on
+ * simulators, 3). */
 size_t golden_visit(const char *part, void (*visit)(golden_file *file));
 
 #endif

@@ -49,7 +49,8 @@ static double grey20(size_t k, size_t i) {
 }
 
 static double waves(size_t k, size_t i) {
-    return 0.5 + 0.45 * sin(0.31 * (double)(i % WIDTH) + 0.17 * (double)(i / WIDTH) - 0.23 * (double)k);
+    size_t x = i % WIDTH, y = i / WIDTH;
+    return 0.5 + 0.45 * sin(0.31 * (double)x + 0.17 * (double)y - 0.23 * (double)k);
 }
 
 static stream simulate(const tides_baseline_params *params, movie make, size_t frames, double interval) {
@@ -98,8 +99,8 @@ static void noise_rates(void **state) {
     free(s.events);
 }
 
-/* v2e's photoreceptor noise only roughly gives the rate that is asked for, 5 Hz: v2e itself came to 2.26 Hz per pixel with these
- * parameters (reference 1.5, 4). */
+/* v2e's photoreceptor noise only roughly gives the rate that is asked for, 5 Hz: v2e itself came to 2.26 Hz per pixel with
+ * these parameters (simulators notes, 1.5). */
 static void photoreceptor_noise(void **state) {
     (void)state;
     tides_baseline_params params = params_of(TIDES_METHOD_V2E);
