@@ -10,6 +10,8 @@ static const cli_command commands[] = {
     {"devices", "", "List OpenCL devices and show which one is used.", NULL, 0, cmd_devices},
     {"info", "FILE", "Show what a scene, path, event or EXR file holds.", "The kind of file is found from its content.", 1,
      cmd_info},
+    {"scene", "KIND -o SCENE.h5 [--run RUN.json]", "Make a scene to try things on: fan, pendulum, balls, crowd ...",
+     "The same options give the same scene. With --run, tides simulate RUN.json works at once.", 1, cmd_scene},
     {"render", "RUN.json --time T -o OUT.exr", "Render one frame with its exact time derivative.",
      "Channels: Y, L, L_dot, A, A_dot, coverage, contributors; with --rgb R, G, B and with --depth Z, and their _dot.\n"
      "The keys for --set are listed by tides simulate --help.",
