@@ -41,10 +41,13 @@ char *td_run_resolve(const tides_run *run, const char *path, tides_error *error)
 static tides_status check_whole(const tides_run *run, tides_error *error) {
     size_t count;
     const tides_param *rows = tides_params(&count);
+    const int32_t frames = run_text(run, "frames.file") != NULL; /* then there is neither scene nor camera */
     for (size_t i = 0; i < count; i++)
-        if (!run->values[i])
+        if (!run->values[i] && !(frames && strcmp(rows[i].key, "camera.file") == 0))
             return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is missing: %s", run->origin, rows[i].key, rows[i].sentence);
-    if (!run_text(run, "scene.file") && cJSON_GetArraySize(td_run_value(run, "scene.objects")) == 0)
+    if (frames && run_text(run, "scene.file"))
+        return td_fail(error, TIDES_BAD_CONFIG, "%s: scene.file and frames.file are both given; keep one", run->origin);
+    if (!frames && !run_text(run, "scene.file") && cJSON_GetArraySize(td_run_value(run, "scene.objects")) == 0)
         return td_fail(error, TIDES_BAD_CONFIG, "%s: scene.file is missing: name a splat file, here or in scene.objects",
                        run->origin);
     double start = td_run_number(run, "time.start"), stop = td_run_number(run, "time.stop");
@@ -64,7 +67,10 @@ static tides_status check_whole(const tides_run *run, tides_error *error) {
 static tides_status derive(tides_run *run, tides_error *error) {
     const char *scene_file = run_text(run, "scene.file");
     if (scene_file && !(run->scene_file = td_run_resolve(run, scene_file, error))) return TIDES_NO_MEMORY;
-    if (!(run->camera_file = td_run_resolve(run, run_text(run, "camera.file"), error))) return TIDES_NO_MEMORY;
+    const char *camera_file = run_text(run, "camera.file");
+    if (camera_file && !(run->camera_file = td_run_resolve(run, camera_file, error))) return TIDES_NO_MEMORY;
+    tides_status status = td_run_derive_frames(run, error);
+    if (status != TIDES_OK) return status;
     return td_run_print(run->values, &run->json, error);
 }
 
@@ -125,6 +131,7 @@ void tides_run_destroy(tides_run *run) {
     free(run->directory);
     free(run->scene_file);
     free(run->camera_file);
+    td_run_free_frames(run);
     free(run->json);
     free(run);
 }
@@ -272,4 +279,5 @@ void tides_run_get(const tides_run *run, tides_run_values *values) {
     values->seed = run_text(run, "seed");
     values->method = run_text(run, "method");
     values->json = run->json;
+    td_run_get_frames(run, values);
 }
