@@ -74,7 +74,8 @@ static const tides_param table[] = {
     INTEGER("sensor.max_events_per_step", "", 1, 65535, "64",
             "events per pixel and step placed in time; the rest fire at its end"),
 
-    LATER_NUMBER("frontend.psf_sigma_px", "px", 0, 100, "0.0", "Gaussian blur of the optics"),
+    NUMBER("frontend.psf_sigma_px", "px", 0, 100, "0.0", "Gaussian blur of the optics; 0 is off"),
+    CHOICE("frontend.psf_domain", "log|linear", "\"log\"", "blur of L, as in the paper, or of Y before the logarithm"),
     LATER_NUMBER("frontend.photoreceptor_cutoff_hz", "Hz", 0, 1e9, "0.0", "low-pass of the photoreceptor; 0 is off"),
     LATER_VECTOR3("frontend.center_surround", "px, px, 1", 0, 1e3, "null", "sigmas and weight of the surround; null is off"),
     LATER_NUMBER("frontend.shot_noise_hz", "Hz", 0, 1e9, "0.0", "rate of noise events per pixel"),

@@ -146,6 +146,8 @@ static const named_constant models[] = {{"hermite", TIDES_MODEL_HERMITE},
                                         {"secant", TIDES_MODEL_SECANT},
                                         {NULL, 0}};
 
+static const named_constant psf_domains[] = {{"log", TIDES_PSF_LOG}, {"linear", TIDES_PSF_LINEAR}, {NULL, 0}};
+
 /* The table has checked the name against its choices, so it is in the list. */
 static int32_t run_constant(const tides_run *run, const char *key, const named_constant *list) {
     const char *name = run_text(run, key);
@@ -181,6 +183,8 @@ void tides_run_get(const tides_run *run, tides_run_values *values) {
     values->sensor.threshold_on = td_run_number(run, "sensor.threshold_on");
     values->sensor.threshold_off = td_run_number(run, "sensor.threshold_off");
     values->sensor.max_events_per_step = run_integer(run, "sensor.max_events_per_step");
+    values->sensor.psf_sigma_px = td_run_number(run, "frontend.psf_sigma_px");
+    values->sensor.psf_domain = run_constant(run, "frontend.psf_domain", psf_domains);
     tides_stepping_defaults(&values->stepping);
     values->stepping.mode = run_constant(run, "stepping.mode", modes);
     values->stepping.model = run_constant(run, "stepping.model", models);

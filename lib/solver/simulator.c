@@ -145,6 +145,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     status = td_comparator_check(&s->comparator, error);
     if (status == TIDES_OK)
         status = tides_renderer_create(device, scene, intrinsics, image, progress, user, &s->renderer, error);
+    if (status == TIDES_OK) status = tides_renderer_set_psf(s->renderer, sensor->psf_sigma_px, sensor->psf_domain, error);
     if (status == TIDES_OK)
         status = td_grid_create(start, stop, stepping->step_s, s->renderer->moved.knots, s->renderer->moved.knot_count,
                                 stepping->min_step_s, &s->grid, error);
