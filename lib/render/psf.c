@@ -1,5 +1,4 @@
 /* Blur by the optics, tile by tile. */
-#include "td_psf.h"
 #include "td_render.h"
 #include "tides/sensor.h"
 

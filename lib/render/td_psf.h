@@ -11,8 +11,9 @@
 #ifndef TD_PSF_H
 #define TD_PSF_H
 
-#include "td_moved.h"
-#include "tides/camera.h"
+#include "tides/base.h"
+
+#include <stddef.h>
 
 struct td_request;
 struct td_candidates;
