@@ -9,6 +9,7 @@ DESTDIR    ?=
 BINDIR     ?= $(PREFIX)/bin
 LIBDIR     ?= $(PREFIX)/lib
 INCLUDEDIR ?= $(PREFIX)/include
+DATADIR    ?= $(PREFIX)/share
 PYTHON     ?= /usr/bin/python3
 PKG_CONFIG ?= pkg-config
 TIDES_SHARED ?= ../shared
@@ -50,7 +51,8 @@ WERROR  ?=
 KERNELS  := $(wildcard kernels/*.h kernels/*.cl)
 LIB_SRC  := $(wildcard lib/*/*.c)
 CLI_SRC  := $(wildcard cli/*.c)
-LIB_OBJ  := $(LIB_SRC:%.c=$(OUT)/%.o) $(OUT)/kernels_embedded.o
+PRESETS  := $(wildcard share/presets/*.json)
+LIB_OBJ  := $(LIB_SRC:%.c=$(OUT)/%.o) $(OUT)/kernels_embedded.o $(OUT)/presets_embedded.o
 CLI_OBJ  := $(CLI_SRC:%.c=$(OUT)/%.o)
 SUPPORT_OBJ := $(patsubst %.c,$(OUT)/%.o,$(wildcard tests/support/*.c))
 TEST_SRC := $(wildcard tests/unit/test_*.c tests/derivatives/test_*.c tests/kernels/test_*.c tests/property/test_*.c)
@@ -70,10 +72,13 @@ FORCE:
 $(OUT)/kernels_embedded.c: kernels/cl2c.sh $(KERNELS)
 	@mkdir -p $(@D)
 	sh kernels/cl2c.sh $(KERNELS) > $@.part && mv $@.part $@
+$(OUT)/presets_embedded.c: kernels/cl2c.sh $(PRESETS)
+	@mkdir -p $(@D)
+	sh kernels/cl2c.sh -t td_preset_sources $(PRESETS) > $@.part && mv $@.part $@
 $(OUT)/%.o: %.c $(OUT)/.flags
 	@mkdir -p $(@D)
 	$(COMPILE) $(WERROR) -MMD -MP -c $< -o $@
-$(OUT)/kernels_embedded.o: $(OUT)/kernels_embedded.c $(OUT)/.flags
+$(OUT)/%_embedded.o: $(OUT)/%_embedded.c $(OUT)/.flags
 	$(COMPILE) $(WERROR) -c $< -o $@
 
 $(OUT)/libtides.a: $(LIB_OBJ)
@@ -204,6 +209,8 @@ install: all ## Install below PREFIX=/usr/local (also DESTDIR, BINDIR, LIBDIR, I
 	ln -sf libtides.so.$(MAJOR) '$(DESTDIR)$(LIBDIR)/libtides.so'
 	install -m 644 include/tides.h '$(DESTDIR)$(INCLUDEDIR)/tides.h'
 	install -m 644 $(HEADERS) '$(DESTDIR)$(INCLUDEDIR)/tides'
+	install -d '$(DESTDIR)$(DATADIR)/tides/presets'
+	install -m 644 $(PRESETS) '$(DESTDIR)$(DATADIR)/tides/presets'
 	sed -e "s|@up@|$$(realpath -m --relative-to='$(LIBDIR)/pkgconfig' '$(PREFIX)')|" -e 's|@version@|$(VERSION)|' \
 	    -e 's|@libdir@|$(patsubst $(PREFIX)/%,$${prefix}/%,$(LIBDIR))|' \
 	    -e 's|@includedir@|$(patsubst $(PREFIX)/%,$${prefix}/%,$(INCLUDEDIR))|' lib/tides.pc.in \
@@ -212,8 +219,9 @@ install: all ## Install below PREFIX=/usr/local (also DESTDIR, BINDIR, LIBDIR, I
 uninstall: ## Remove what install put there
 	rm -f '$(DESTDIR)$(BINDIR)/tides' '$(DESTDIR)$(LIBDIR)/pkgconfig/tides.pc' '$(DESTDIR)$(INCLUDEDIR)/tides.h' \
 	    $(foreach end,so so.$(MAJOR) so.$(VERSION),'$(DESTDIR)$(LIBDIR)/libtides.$(end)') \
-	    $(patsubst include/%,'$(DESTDIR)$(INCLUDEDIR)/%',$(HEADERS))
-	-rmdir '$(DESTDIR)$(INCLUDEDIR)/tides'
+	    $(patsubst include/%,'$(DESTDIR)$(INCLUDEDIR)/%',$(HEADERS)) \
+	    $(patsubst share/%,'$(DESTDIR)$(DATADIR)/tides/%',$(PRESETS))
+	-rmdir '$(DESTDIR)$(INCLUDEDIR)/tides' '$(DESTDIR)$(DATADIR)/tides/presets' '$(DESTDIR)$(DATADIR)/tides'
 dist: ## Pack the committed sources: build/tides-VERSION.tar.gz
 	@mkdir -p build
 	git archive --format=tar.gz --prefix=tides-$(VERSION)/ -o build/tides-$(VERSION).tar.gz HEAD

@@ -55,9 +55,10 @@ static tides_event_file facts_of(const cli_session *s) {
 
 static tides_status make_simulator(job_state *state, tides_error *error) {
     const cli_session *s = &state->session;
-    return tides_simulator_create(s->device, s->scene, s->camera, &s->intrinsics, &s->values.image, &s->values.sensor,
-                                  &s->values.stepping, s->values.start, s->values.stop, cli_progress_step, &state->progress,
-                                  &state->simulator, error);
+    tides_status status = tides_simulator_create(s->device, s->scene, s->camera, &s->intrinsics, &s->values.image,
+                                                 &s->values.sensor, &s->values.stepping, s->values.start, s->values.stop,
+                                                 cli_progress_step, &state->progress, &state->simulator, error);
+    return status == TIDES_OK ? tides_simulator_readout(state->simulator, &s->values.readout, error) : status;
 }
 
 /* An empty event file, and a simulator at the start; what an earlier run left goes, its checkpoint first. */
@@ -76,7 +77,7 @@ static tides_status start_again(job_state *state, const char *events, tides_erro
         status = tides_simulator_restore(state->simulator, state->session.values.json, state->checkpoint.path, error);
     if (status != TIDES_OK) return status;
     tides_simulator_stats(state->simulator, &state->stats);
-    state->sink.events = state->stats.events;
+    state->sink.events = state->stats.events_written;
     return tides_event_writer_resume(events, &facts, state->sink.events, &state->sink.writer, error);
 }
 
@@ -151,6 +152,18 @@ static tides_status write_stats(const char *path, const tides_stats *stats, cons
     return status;
 }
 
+/* Where some of the events aren't the signal's. */
+static void print_causes(const tides_stats *stats) {
+    static const char *const names[TIDES_CAUSES] = {"signal", "leak", "shot noise", "hot pixels"};
+    if (stats->events_by_cause[TIDES_CAUSE_SIGNAL] == stats->events) return;
+    printf("causes           ");
+    for (int c = 0; c < TIDES_CAUSES; c++) {
+        char count[24];
+        printf("%s %s %s", c ? "," : "", names[c], cli_count((double)stats->events_by_cause[c], count));
+    }
+    putchar('\n');
+}
+
 static void print_summary(const tides_stats *stats, const cli_session *session) {
     char count[24], rate[24];
     const double on = stats->events ? 100.0 * (double)stats->events_on / (double)stats->events : 0.0;
@@ -160,6 +173,11 @@ static void print_summary(const tides_stats *stats, const cli_session *session) 
     printf("run time          %.3g s, real-time factor %.3g, %.5g full renders\n", stats->run_time_s, stats->real_time_factor,
            stats->renders_full_frame_equivalent);
     printf("device            %s\n", session->info.name);
+    print_causes(stats);
+    if (stats->events_dropped || stats->events_delayed)
+        printf("readout           %s events dropped, %s delayed, by %.3g s at most\n",
+               cli_count((double)stats->events_dropped, count), cli_count((double)stats->events_delayed, rate),
+               stats->worst_delay_s);
     if (stats->events_truncated)
         printf("truncated         %llu crossings beyond sensor.max_events_per_step\n",
                (unsigned long long)stats->events_truncated);

@@ -2,6 +2,7 @@
 #ifndef TIDES_RUN_H
 #define TIDES_RUN_H
 
+#include "tides/readout.h"
 #include "tides/simulate.h"
 
 #ifdef __cplusplus
@@ -53,6 +54,7 @@ typedef struct tides_run_values {
     tides_image_params image;
     tides_sensor sensor;
     tides_stepping stepping;
+    tides_readout readout;
     double start, stop;
     const char *scene_file, *camera_file, *device, *seed, *method;
     const char *json; /* the run with every default filled in, as written into event files */

@@ -44,7 +44,7 @@ typedef struct tides_circuit {
 } tides_circuit;
 
 /* Event causes: tides_event.cause. */
-enum { TIDES_CAUSE_SIGNAL = 0, TIDES_CAUSE_LEAK = 1, TIDES_CAUSE_SHOT = 2, TIDES_CAUSE_HOT = 3 };
+enum { TIDES_CAUSE_SIGNAL = 0, TIDES_CAUSE_LEAK = 1, TIDES_CAUSE_SHOT = 2, TIDES_CAUSE_HOT = 3, TIDES_CAUSES = 4 };
 
 /* Fill with tides_sensor_defaults: thresholds 0.2, 64 events per step, all else off. */
 typedef struct tides_sensor {
@@ -74,6 +74,7 @@ typedef struct tides_sensor {
     double surround_tau_s;     /* its time constant [s] */
     double noise_rms;          /* additive Ornstein-Uhlenbeck noise [log units] */
     double noise_cutoff_hz;    /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
+    uint64_t seed;             /* of all that is random here */
 } tides_sensor;
 TIDES_API void tides_sensor_defaults(tides_sensor *sensor);
 

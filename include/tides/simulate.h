@@ -3,6 +3,7 @@
 #define TIDES_SIMULATE_H
 
 #include "tides/events.h"
+#include "tides/readout.h"
 #include "tides/render.h"
 #include "tides/sensor.h"
 
@@ -50,12 +51,20 @@ TIDES_API void tides_stepping_defaults(tides_stepping *stepping);
 typedef struct tides_stats {
     tides_render_stats render;
     uint64_t events, events_on, events_off;
-    uint64_t events_truncated;  /* crossings beyond max_events_per_step in a step, moved to the step's end */
-    uint64_t events_caught_up;  /* crossings that the local model missed or put out of range, fired at the step's end */
+    uint64_t events_truncated; /* crossings beyond max_events_per_step in a step, moved to the step's end */
+    uint64_t events_caught_up; /* crossings that the local model missed or put out of range, fired at the step's end */
+    uint64_t events_by_cause[TIDES_CAUSES]; /* of `events`, by TIDES_CAUSE_* */
+    uint64_t events_written;                /* given to the sink: without a readout `events`, with one fewer */
+    uint64_t events_dropped;                /* by the readout, by chance or because a queue was full; */
+    uint64_t events_overflowed;             /* of these, the latter */
+    uint64_t events_delayed;                /* left the readout later than they fired */
+    uint64_t events_suppressed; /* by sensor.b_min: crossings put off to where their pixel became visible, noise events lost */
+    uint64_t events_refractory; /* crossings consumed and noise events lost in refractory periods */
     uint64_t steps;             /* (tile, step) pairs that went to the comparator */
     uint64_t steps_rejected;    /* of these, halved: (tile, step) pairs that were too coarse */
     uint64_t steps_over_budget; /* accepted above the tolerance because the budget was used up */
     uint64_t steps_at_minimum;  /* accepted above the tolerance because they were as short as min_step_s */
+    double worst_delay_s;       /* in the readout, jitter aside [s] */
     double worst_error; /* largest estimate among accepted steps [thresholds]; 0 under fixed steps, which estimate none */
     double error_p50_s, error_p95_s, error_p99_s; /* estimated timing error that so many percent of the events stay below [s];
                                                      likewise 0 under fixed steps */
@@ -79,6 +88,15 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_create(
     const tides_image_params *image, const tides_sensor *sensor, const tides_stepping *stepping, double start, double stop,
     tides_progress progress, void *user, tides_simulator **simulator, tides_error *error);
 
+/* Puts a readout between pixels and sink, before the run begins and before a restore; one that isn't enabled does nothing.
+ * Jitter and drops draw from the sensor's seed. How active a tile is comes from the scene: lib/solver/scan.c. The sink then
+ * receives what has left so far; the rest comes with the last packet. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_readout(tides_simulator *simulator, const tides_readout *readout,
+                                                                tides_error *error);
+
+/* For a sink while it is called: when its events fired [ns], in their order. NULL without a readout: when they say. */
+TIDES_API const int64_t *tides_simulator_fired(const tides_simulator *simulator);
+
 /* NULL is fine. */
 TIDES_API void tides_simulator_destroy(tides_simulator *simulator);
 
@@ -91,8 +109,10 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_run(tides_simulator *sim
 
 TIDES_API void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats);
 
-/* The state of every pixel, planes (height x width), caller's memory, each nullable: the signal at the time reached, the
- * reference, and the counts of events. The invariant: -threshold_off < signal - reference < threshold_on. */
+/* The state of every pixel, planes (height x width), caller's memory, each nullable: the signal at the time reached as the
+ * comparator sees it (with the leak's ramp, which begins at 0 at the run's start), the reference, and the counts of events
+ * since the reference was last taken from the signal: at the start, at noise events and at the end of a hold. The invariant,
+ * with the pixel's own thresholds and where it is neither held nor masked: -threshold_off < signal - reference < threshold_on. */
 TIDES_API void tides_simulator_state(const tides_simulator *simulator, double *signal, double *reference, uint32_t *count_on,
                                      uint32_t *count_off);
 

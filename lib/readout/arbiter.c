@@ -2,35 +2,15 @@
  *
  * Tick k covers [k tick, (k + 1) tick). What arrives within a tick may leave within it. Ticks in which nothing waits are
  * skipped, whatever their number. Everything is decided by the events' own times, so it doesn't matter how they are pushed. */
-#include "tides/readout.h"
 #include "sensor/td_random.h"
+#include "td_arbiter.h"
 #include "td_base.h"
-#include "td_queues.h"
-#include "td_release.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { SIDE_MAX = 65536 };
-
-struct tides_arbiter {
-    tides_readout readout;
-    int32_t width, height, across, down;
-    uint64_t seed;
-    int64_t tick_ns; /* 0: infinite rate */
-    int jitters;
-    int32_t *tile_row, *tile_column; /* (height), (width): first tile of the row's tiles, tile within it */
-    double *psi;                     /* (tiles) */
-    int32_t *release;                /* (tiles) K_m */
-    td_queues queues;
-    int32_t next_queue; /* where the scanner goes on */
-    int64_t tick;       /* the first that hasn't been served */
-    int64_t tick_end;   /* of the tick of the last arrival */
-    int64_t last_t;     /* of what was pushed */
-    td_release out;
-    tides_readout_stats stats;
-};
 
 void tides_readout_defaults(tides_readout *readout) {
     *readout = (tides_readout){.size = sizeof *readout, .tile_px = 16, .k0 = 32, .queue_capacity = 65536, .tick_s = 1e-6};

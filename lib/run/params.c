@@ -23,10 +23,6 @@
     { key, TIDES_PARAM_OBJECTS, "", 0, 0, fallback, NULL, sentence, 1 }
 #define LATER_NUMBER(key, unit, lower, upper, fallback, sentence) \
     { key, TIDES_PARAM_NUMBER, unit, lower, upper, fallback, NULL, sentence, 0 }
-#define LATER_INTEGER(key, unit, lower, upper, fallback, sentence) \
-    { key, TIDES_PARAM_INTEGER, unit, lower, upper, fallback, NULL, sentence, 0 }
-#define LATER_BOOLEAN(key, fallback, sentence) \
-    { key, TIDES_PARAM_BOOLEAN, "", 0, 0, fallback, NULL, sentence, 0 }
 #define LATER_CHOICE(key, choices, fallback, sentence) \
     { key, TIDES_PARAM_CHOICE, "", 0, 0, fallback, choices, sentence, 0 }
 #define LATER_VECTOR3(key, unit, lower, upper, fallback, sentence) \
@@ -66,11 +62,15 @@ static const tides_param table[] = {
 
     NUMBER("sensor.threshold_on", "log units", 1e-4, 100, "0.2", "C+: rise of L that fires an ON event"),
     NUMBER("sensor.threshold_off", "log units", 1e-4, 100, "0.2", "C-: fall of L that fires an OFF event"),
-    LATER_NUMBER("sensor.threshold_sigma", "log units", 0, 100, "0.0", "spread of the thresholds from pixel to pixel"),
-    LATER_NUMBER("sensor.refractory_s", "s", 0, 10, "0.0", "time after an event in which a pixel can't fire"),
-    LATER_CHOICE("sensor.refractory_law", "hold|drop_keep|drop_consume", "\"hold\"", "what a pixel does meanwhile"),
-    LATER_NUMBER("sensor.leak_rate_hz", "Hz", 0, 1e6, "0.0", "rate of ON events from the reference's leak"),
-    LATER_NUMBER("sensor.b_min", "", 0, 1, "0.0", "pixels with less coverage than this stay silent"),
+    STRING("sensor.preset", "null", "values for keys that aren't given: a sensor's name, or a JSON file like share/presets'"),
+    NUMBER("sensor.threshold_sigma", "log units", 0, 100, "0.0", "spread of the thresholds from pixel to pixel"),
+    NUMBER("sensor.threshold_min", "log units", 1e-6, 100, "0.01", "no pixel's threshold is drawn below this"),
+    NUMBER("sensor.refractory_s", "s", 0, 10, "0.0", "time after an event in which a pixel can't fire"),
+    CHOICE("sensor.refractory_law", "hold|drop_keep|drop_consume", "\"hold\"", "what a pixel does meanwhile"),
+    NUMBER("sensor.leak_rate_hz", "Hz", 0, 1e6, "0.0", "rate of ON events from the reference's leak"),
+    NUMBER("sensor.leak_sigma", "decades", 0, 10, "0.0", "log-normal spread of the leak from pixel to pixel"),
+    NUMBER("sensor.b_min", "", 0, 1, "0.0", "pixels with less coverage than this stay silent"),
+    NUMBER("sensor.dead_pixel_fraction", "", 0, 1, "0.0", "part of the pixels that never fire"),
     INTEGER("sensor.max_events_per_step", "", 1, 65535, "64",
             "events per pixel and step placed in time; the rest fire at its end"),
 
@@ -78,9 +78,10 @@ static const tides_param table[] = {
     CHOICE("frontend.psf_domain", "log|linear", "\"log\"", "blur of L, as in the paper, or of Y before the logarithm"),
     LATER_NUMBER("frontend.photoreceptor_cutoff_hz", "Hz", 0, 1e9, "0.0", "low-pass of the photoreceptor; 0 is off"),
     LATER_VECTOR3("frontend.center_surround", "px, px, 1", 0, 1e3, "null", "sigmas and weight of the surround; null is off"),
-    LATER_NUMBER("frontend.shot_noise_hz", "Hz", 0, 1e9, "0.0", "rate of noise events per pixel"),
+    NUMBER("frontend.shot_noise_hz", "Hz", 0, 1e6, "0.0", "rate of noise events of a pixel in the dark, both polarities"),
     LATER_NUMBER("frontend.noise_rms", "log units", 0, 100, "0.0", "photoreceptor noise"),
-    LATER_NUMBER("frontend.hot_pixel_fraction", "", 0, 1, "0.0", "part of the pixels that fire without cause"),
+    NUMBER("frontend.hot_pixel_fraction", "", 0, 1, "0.0", "part of the pixels that fire without cause"),
+    NUMBER("frontend.hot_pixel_rate_hz", "Hz", 0, 1e6, "100.0", "rate of a hot pixel's ON events"),
 
     CHOICE("stepping.mode", "fixed|risk|error|error_risk", "\"error\"", "fixed: every step_s; else halved where asked for"),
     CHOICE("stepping.model", "hermite|quadratic|linear|secant", "\"hermite\"", "how L is modelled between two renders"),
@@ -94,16 +95,17 @@ static const tides_param table[] = {
     NUMBER("stepping.risk.w_c", "", 0, 1, "0.3", "weight of contributors in the risk score"),
     NUMBER("stepping.risk.w_alpha", "", 0, 1, "0.4", "weight of |alpha_dot| in the risk score"),
 
-    LATER_BOOLEAN("readout.enabled", "false", "send events through the readout arbiter"),
-    LATER_INTEGER("readout.tile_px", "px", 1, 4096, "16", "side of an arbiter's tile"),
-    LATER_NUMBER("readout.tick_s", "s", 1e-9, 1, "1e-06", "time that the scanner stays at a tile"),
-    LATER_INTEGER("readout.k0", "", 1, 1e6, "32", "events released per tick at rest"),
-    LATER_NUMBER("readout.beta_k", "", 0, 1, "0.5", "how activity lowers the release"),
-    LATER_NUMBER("readout.p0", "", 0, 1, "0.0", "drop probability at rest"),
-    LATER_NUMBER("readout.eta", "", 0, 1, "0.2", "how activity raises the drop probability"),
-    LATER_NUMBER("readout.sigma0_s", "s", 0, 1, "0.0", "timestamp jitter at rest"),
-    LATER_NUMBER("readout.gamma_sigma_s", "s", 0, 1, "1e-05", "how activity raises the jitter"),
-    LATER_INTEGER("readout.queue_capacity", "", 1, 1e9, "65536", "events that a tile's queue holds"),
+    BOOLEAN("readout.enabled", "false", "send events through the readout arbiter"),
+    CHOICE("readout.kind", "tiles|rows|bottleneck", "\"tiles\"", "a queue per tile, per row of pixels, or one for all"),
+    INTEGER("readout.tile_px", "px", 1, 4096, "16", "side of an arbiter's tile"),
+    NUMBER("readout.tick_s", "s", 0, 1, "1e-06", "time that the scanner stays at a queue; 0 is an infinite rate"),
+    INTEGER("readout.k0", "", 1, 1e6, "32", "events released per tick at rest"),
+    NUMBER("readout.beta_k", "", 0, 1, "0.5", "how activity lowers the release"),
+    NUMBER("readout.p0", "", 0, 1, "0.0", "drop probability at rest"),
+    NUMBER("readout.eta", "", 0, 1, "0.2", "how activity raises the drop probability"),
+    NUMBER("readout.sigma0_s", "s", 0, 1, "0.0", "timestamp jitter at rest"),
+    NUMBER("readout.gamma_sigma_s", "s", 0, 1, "1e-05", "how activity raises the jitter"),
+    INTEGER("readout.queue_capacity", "", 1, 1e9, "65536", "events that a queue holds"),
 
     LATER_CHOICE("method", "tides|esim|v2e|iebcs|dvs-voltmeter", "\"tides\"", "simulator, or the baseline to compare with"),
     STRING("device", "\"auto\"",

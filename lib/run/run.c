@@ -74,9 +74,12 @@ static tides_status parse(const char *text, size_t bytes, const char *origin, co
     tides_run *made = td_alloc(1, sizeof *made, error);
     if (!made) return status;
     if (!(made->origin = td_strdup(origin, error)) || !(made->directory = td_strdup(directory, error))) goto done;
-    if (!(made->values = td_run_defaults(error))) goto done;
+    size_t rows;
+    tides_params(&rows);
+    if (!(made->values = td_run_defaults(error)) || !(made->given = td_alloc(rows, sizeof *made->given, error))) goto done;
     status = td_run_read(made, text, bytes, error);
     for (size_t i = 0; status == TIDES_OK && i < count; i++) status = td_run_override(made, overrides[i], error);
+    if (status == TIDES_OK) status = td_run_preset(made, error);
     if (status == TIDES_OK) status = check_whole(made, error);
     if (status == TIDES_OK) status = derive(made, error);
     if (status != TIDES_OK) goto done;
@@ -117,6 +120,7 @@ tides_status tides_run_parse(const char *text, const char *directory, const char
 void tides_run_destroy(tides_run *run) {
     if (!run) return;
     td_run_free_values(run->values);
+    free(run->given);
     free(run->origin);
     free(run->directory);
     free(run->scene_file);
@@ -140,6 +144,14 @@ static const named_constant modes[] = {{"fixed", TIDES_STEPPING_FIXED},
                                        {"error", TIDES_STEPPING_ERROR},
                                        {"error_risk", TIDES_STEPPING_ERROR_RISK},
                                        {NULL, 0}};
+static const named_constant laws[] = {{"hold", TIDES_REFRACTORY_HOLD},
+                                      {"drop_keep", TIDES_REFRACTORY_DROP_KEEP},
+                                      {"drop_consume", TIDES_REFRACTORY_DROP_CONSUME},
+                                      {NULL, 0}};
+static const named_constant readouts[] = {{"tiles", TIDES_READOUT_TILES},
+                                          {"rows", TIDES_READOUT_ROWS},
+                                          {"bottleneck", TIDES_READOUT_BOTTLENECK},
+                                          {NULL, 0}};
 static const named_constant models[] = {{"hermite", TIDES_MODEL_HERMITE},
                                         {"quadratic", TIDES_MODEL_QUADRATIC},
                                         {"linear", TIDES_MODEL_LINEAR},
@@ -175,14 +187,53 @@ static void get_intrinsics(const tides_run *run, tides_intrinsics *intrinsics) {
     intrinsics->cy = td_run_number(run, "camera.cy");
 }
 
+/* The table has checked that the text is a 64-bit number. */
+static uint64_t run_seed(const tides_run *run) { return strtoull(run_text(run, "seed"), NULL, 10); }
+
+static void get_sensor(const tides_run *run, tides_sensor *sensor) {
+    tides_sensor_defaults(sensor);
+    const struct {
+        const char *key;
+        double *field;
+    } numbers[] = {{"sensor.threshold_on", &sensor->threshold_on},
+                   {"sensor.threshold_off", &sensor->threshold_off},
+                   {"sensor.threshold_sigma", &sensor->threshold_sigma},
+                   {"sensor.threshold_min", &sensor->threshold_min},
+                   {"sensor.refractory_s", &sensor->refractory_s},
+                   {"sensor.leak_rate_hz", &sensor->leak_rate_hz},
+                   {"sensor.leak_sigma", &sensor->leak_sigma},
+                   {"sensor.b_min", &sensor->b_min},
+                   {"sensor.dead_pixel_fraction", &sensor->dead_pixel_fraction},
+                   {"frontend.shot_noise_hz", &sensor->shot_noise_hz},
+                   {"frontend.hot_pixel_fraction", &sensor->hot_pixel_fraction},
+                   {"frontend.hot_pixel_rate_hz", &sensor->hot_pixel_rate_hz}};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) *numbers[i].field = td_run_number(run, numbers[i].key);
+    sensor->max_events_per_step = run_integer(run, "sensor.max_events_per_step");
+    sensor->refractory_law = run_constant(run, "sensor.refractory_law", laws);
+    sensor->seed = run_seed(run);
+}
+
+static void get_readout(const tides_run *run, tides_readout *readout) {
+    tides_readout_defaults(readout);
+    readout->enabled = run_boolean(run, "readout.enabled");
+    readout->kind = run_constant(run, "readout.kind", readouts);
+    readout->tile_px = run_integer(run, "readout.tile_px");
+    readout->k0 = run_integer(run, "readout.k0");
+    readout->queue_capacity = run_integer(run, "readout.queue_capacity");
+    readout->tick_s = td_run_number(run, "readout.tick_s");
+    readout->beta_k = td_run_number(run, "readout.beta_k");
+    readout->p0 = td_run_number(run, "readout.p0");
+    readout->eta = td_run_number(run, "readout.eta");
+    readout->sigma0_s = td_run_number(run, "readout.sigma0_s");
+    readout->gamma_sigma_s = td_run_number(run, "readout.gamma_sigma_s");
+}
+
 void tides_run_get(const tides_run *run, tides_run_values *values) {
     memset(values, 0, sizeof *values);
     get_intrinsics(run, &values->intrinsics);
     get_image(run, &values->image);
-    tides_sensor_defaults(&values->sensor);
-    values->sensor.threshold_on = td_run_number(run, "sensor.threshold_on");
-    values->sensor.threshold_off = td_run_number(run, "sensor.threshold_off");
-    values->sensor.max_events_per_step = run_integer(run, "sensor.max_events_per_step");
+    get_sensor(run, &values->sensor);
+    get_readout(run, &values->readout);
     values->sensor.psf_sigma_px = td_run_number(run, "frontend.psf_sigma_px");
     values->sensor.psf_domain = run_constant(run, "frontend.psf_domain", psf_domains);
     tides_stepping_defaults(&values->stepping);

@@ -4,8 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Copies `value` to its row's place. */
-static tides_status store(tides_run *run, const tides_param *row, const cJSON *value, tides_error *error) {
+tides_status td_run_store(tides_run *run, const tides_param *row, const cJSON *value, tides_error *error) {
     cJSON *copy = cJSON_Duplicate(value, 1);
     if (!copy) return td_fail(error, TIDES_NO_MEMORY, "out of memory: copying %s", row->key);
     cJSON **place = &run->values[row - tides_params(NULL)];
@@ -36,8 +35,9 @@ static tides_status read_object(tides_run *run, const cJSON *object, const char 
             return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is not an object; write \"%s\": { ... }", run->origin, key,
                            item->string);
         tides_status status = row ? td_param_check(row, item, run->origin, error) : read_object(run, item, key, error);
-        if (status == TIDES_OK && row) status = store(run, row, item, error);
+        if (status == TIDES_OK && row) status = td_run_store(run, row, item, error);
         if (status != TIDES_OK) return status;
+        if (row) run->given[row - tides_params(NULL)] = 1;
     }
     return TIDES_OK;
 }
@@ -109,7 +109,8 @@ tides_status td_run_override(tides_run *run, const char *assignment, tides_error
     cJSON *value = assigned_value(row, equals + 1);
     if (!value) return td_fail(error, TIDES_NO_MEMORY, "out of memory: reading --set %s", key);
     tides_status status = td_param_check(row, value, "--set", error);
-    if (status == TIDES_OK) status = store(run, row, value, error);
+    if (status == TIDES_OK) status = td_run_store(run, row, value, error);
+    if (status == TIDES_OK) run->given[row - tides_params(NULL)] = 1;
     cJSON_Delete(value);
     return status;
 }

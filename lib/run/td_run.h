@@ -11,12 +11,13 @@
 enum { TD_KEY_MAX = 96 };
 
 struct tides_run {
-    char *origin;      /* what errors call the text: the file's name, or "run" */
-    char *directory;   /* what relative paths refer to */
-    cJSON **values;    /* one per row of the table; NULL where required and not (yet) given */
-    char *scene_file;  /* resolved; NULL where the scene is made of objects only */
-    char *camera_file; /* resolved */
-    char *json;        /* every key, defaults filled in */
+    char *origin;         /* what errors call the text: the file's name, or "run" */
+    char *directory;      /* what relative paths refer to */
+    cJSON **values;       /* one per row of the table; NULL where required and not (yet) given */
+    unsigned char *given; /* one per row: the run file or an override says it */
+    char *scene_file;     /* resolved; NULL where the scene is made of objects only */
+    char *camera_file;    /* resolved */
+    char *json;           /* every key, defaults filled in */
 };
 
 /* params.c: row of `key`, or NULL; 1 where `key` is the first part of some row's key ("sensor", "stepping.risk"). */
@@ -35,6 +36,12 @@ tides_status td_param_check(const tides_param *row, const cJSON *value, const ch
 /* run_json.c: reads `bytes` of JSON text into run->values, and one "key=value" on top of it. */
 tides_status td_run_read(tides_run *run, const char *text, size_t bytes, tides_error *error);
 tides_status td_run_override(tides_run *run, const char *assignment, tides_error *error);
+
+/* run_json.c: copies `value` to its row's place. */
+tides_status td_run_store(tides_run *run, const tides_param *row, const cJSON *value, tides_error *error);
+
+/* preset.c: the values of sensor.preset for the rows that aren't given. */
+tides_status td_run_preset(tides_run *run, tides_error *error);
 
 /* run_write.c: the table's defaults as JSON values, NULL when out of memory; nested JSON text of one value per row (NULL rows
  * are left out). */

@@ -16,6 +16,8 @@
  *     /initial             double (height x width)  S_init [log units]
  *     /count_on, /count_off  u4   (height x width)  n_on, n_off
  *     /tile_risk           double (tiles)           risk of each 16x16 tile, in reading order
+ *     /held_until ...      double, u4 (height x width)  state of the sensor's blocks that are on (checkpoint_optional.c)
+ *     /readout             i8                       the arbiter's, where the run has one (checkpoint_readout.c)
  *     /timing_errors       double (256)             weights of td_timing, not of a pixel
  *
  * Images are in image order, so that other tiles can take them up (but for the risk). All datasets are shuffled and
@@ -89,6 +91,7 @@ static tides_status write_all(const td_place *root, const tides_simulator *s, co
     if (status != TIDES_OK) return status;
     status = td_totals_write(s, &group);
     H5Gclose(group.id);
+    if (status == TIDES_OK) status = td_readout_write(s, root);
     return status == TIDES_OK ? td_planes_write(planes, s, root) : status;
 }
 
@@ -129,6 +132,7 @@ typedef struct contents {
     int64_t step;
     double totals[TD_TOTALS];
     td_planes planes;
+    tides_arbiter *arbiter; /* NULL without a readout */
 } contents;
 
 static tides_status check_version(const td_place *root) {
@@ -192,6 +196,7 @@ static tides_status read_all(const td_place *root, const tides_simulator *s, con
     if (status != TIDES_OK) return status;
     status = td_totals_read(&group, got->totals);
     H5Gclose(group.id);
+    if (status == TIDES_OK) status = td_readout_read(s, root, &got->arbiter);
     return status == TIDES_OK ? td_planes_read(&got->planes, s, root) : status;
 }
 
@@ -211,7 +216,7 @@ tides_status tides_simulator_restore(tides_simulator *simulator, const char *run
     if (simulator->started || simulator->broken)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: the simulator has run already: restore into a new one", path);
     td_fact facts[TD_FACTS];
-    contents got;
+    contents got = {.arbiter = NULL};
     tides_status status = td_facts_gather(simulator, facts, error);
     if (status == TIDES_OK) status = td_planes_create(&got.planes, simulator, error);
     if (status != TIDES_OK) return status;
@@ -222,7 +227,11 @@ tides_status tides_simulator_restore(tides_simulator *simulator, const char *run
         td_totals_add(simulator, got.totals);
         simulator->step = got.step;
         simulator->started = 1;
+        tides_arbiter *own = simulator->scan.arbiter; /* both NULL, or both not */
+        simulator->scan.arbiter = got.arbiter;
+        got.arbiter = own;
     }
+    tides_arbiter_destroy(got.arbiter);
     td_planes_free(&got.planes);
     return status;
 }

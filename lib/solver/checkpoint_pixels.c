@@ -12,6 +12,8 @@ void td_planes_free(td_planes *p) {
     free(p->count_on);
     free(p->count_off);
     free(p->tile_risk);
+    for (int k = 0; k < TD_OPTIONAL_REALS; k++) free(p->real[k]);
+    for (int k = 0; k < TD_OPTIONAL_COUNTS; k++) free(p->count[k]);
 }
 
 tides_status td_planes_create(td_planes *p, const tides_simulator *s, tides_error *error) {
@@ -23,9 +25,27 @@ tides_status td_planes_create(td_planes *p, const tides_simulator *s, tides_erro
     ok = ok && (p->count_on = td_alloc(pixels, sizeof *p->count_on, error)) != NULL;
     ok = ok && (p->count_off = td_alloc(pixels, sizeof *p->count_off, error)) != NULL;
     ok = ok && (p->tile_risk = td_alloc((size_t)s->tiles, sizeof *p->tile_risk, error)) != NULL;
+    for (int k = 0; k < TD_OPTIONAL_REALS && ok; k++)
+        ok = !td_optional_real(s, k) || (p->real[k] = td_alloc(pixels, sizeof *p->real[k], error)) != NULL;
+    for (int k = 0; k < TD_OPTIONAL_COUNTS && ok; k++)
+        ok = !td_optional_count(s, k) || (p->count[k] = td_alloc(pixels, sizeof *p->count[k], error)) != NULL;
     if (ok) return TIDES_OK;
     td_planes_free(p);
     return TIDES_NO_MEMORY;
+}
+
+/* The optional state of one pixel. */
+static void exchange_optional(const tides_simulator *s, const td_planes *p, size_t in, size_t out, int into_simulator) {
+    for (int k = 0; k < TD_OPTIONAL_REALS; k++) {
+        double *own = td_optional_real(s, k);
+        if (own && into_simulator) own[in] = p->real[k][out];
+        if (own && !into_simulator) p->real[k][out] = own[in];
+    }
+    for (int k = 0; k < TD_OPTIONAL_COUNTS; k++) {
+        uint32_t *own = td_optional_count(s, k);
+        if (own && into_simulator) own[in] = p->count[k][out];
+        if (own && !into_simulator) p->count[k][out] = own[in];
+    }
 }
 
 /* Copies between the tiles' order and the image's. */
@@ -35,15 +55,16 @@ static void exchange(const tides_simulator *s, const td_planes *p, int into_simu
         for (int i = 0; i < tile->count; i++) {
             size_t in = s->first_pixel[t] + (size_t)i;
             size_t out = (size_t)(tile->y0 + i / tile->width) * (size_t)s->width + (size_t)(tile->x0 + i % tile->width);
+            exchange_optional(s, p, in, out, into_simulator);
             if (into_simulator) {
-                s->now.S[in] = p->signal[out];
-                s->now.S_dot[in] = p->signal_dot[out];
+                s->now.plane[TD_KEPT_S][in] = p->signal[out];
+                s->now.plane[TD_KEPT_S_DOT][in] = p->signal_dot[out];
                 s->pixels.initial[in] = p->initial[out];
                 s->pixels.count_on[in] = p->count_on[out];
                 s->pixels.count_off[in] = p->count_off[out];
             } else {
-                p->signal[out] = s->now.S[in];
-                p->signal_dot[out] = s->now.S_dot[in];
+                p->signal[out] = s->now.plane[TD_KEPT_S][in];
+                p->signal_dot[out] = s->now.plane[TD_KEPT_S_DOT][in];
                 p->initial[out] = s->pixels.initial[in];
                 p->count_on[out] = s->pixels.count_on[in];
                 p->count_off[out] = s->pixels.count_off[in];
@@ -53,12 +74,16 @@ static void exchange(const tides_simulator *s, const td_planes *p, int into_simu
 }
 
 /* A pixel that has never fired keeps the very bits of its initial value, a NaN's too. */
-static void set_references(const tides_simulator *s) {
+static void set_references(tides_simulator *s) {
     const td_pixels *p = &s->pixels;
-    for (size_t i = 0; i < s->first_pixel[s->tiles]; i++)
+    for (size_t i = 0; i < s->first_pixel[s->tiles]; i++) {
+        double on = s->sensor.on ? s->sensor.threshold_on[i] : s->comparator.threshold_on;
+        double off = s->sensor.on ? s->sensor.threshold_off[i] : s->comparator.threshold_off;
         p->reference[i] = p->count_on[i] == 0 && p->count_off[i] == 0
                               ? p->initial[i]
-                              : td_reference(&s->comparator, p->initial[i], p->count_on[i], p->count_off[i]);
+                              : td_reference_of(on, off, p->initial[i], p->count_on[i], p->count_off[i]);
+        if (s->sensor.on) td_sensor_set_wake(&s->sensor, i);
+    }
 }
 
 void td_planes_take(td_planes *p, const tides_simulator *s) {
@@ -84,11 +109,12 @@ typedef struct dataset {
     void *values;
 } dataset;
 
-enum { DATASETS = 7 };
+enum { ALWAYS = 7, DATASETS = ALWAYS + TD_OPTIONAL_REALS + TD_OPTIONAL_COUNTS };
 
-static void list_datasets(const tides_simulator *s, td_planes *p, dataset list[DATASETS]) {
+/* How many there are. */
+static int list_datasets(const tides_simulator *s, td_planes *p, dataset list[DATASETS]) {
     const hsize_t width = (hsize_t)s->width, height = (hsize_t)s->renderer->image.height;
-    const dataset all[DATASETS] = {
+    const dataset all[ALWAYS] = {
         {"signal", 0, {height, width}, p->signal},
         {"signal_dot", 0, {height, width}, p->signal_dot},
         {"initial", 0, {height, width}, p->initial},
@@ -98,6 +124,12 @@ static void list_datasets(const tides_simulator *s, td_planes *p, dataset list[D
         {"tile_risk", 0, {(hsize_t)s->tiles, 0}, p->tile_risk},
     };
     memcpy(list, all, sizeof all);
+    int count = ALWAYS;
+    for (int k = 0; k < TD_OPTIONAL_REALS; k++)
+        if (p->real[k]) list[count++] = (dataset){td_optional_real_name[k], 0, {height, width}, p->real[k]};
+    for (int k = 0; k < TD_OPTIONAL_COUNTS; k++)
+        if (p->count[k]) list[count++] = (dataset){td_optional_count_name[k], 1, {height, width}, p->count[k]};
+    return count;
 }
 
 static int rank_of(const dataset *d) { return d->extent[1] ? 2 : 1; }
@@ -150,16 +182,16 @@ static tides_status read_dataset(const td_place *root, const dataset *d) {
 
 tides_status td_planes_write(td_planes *p, const tides_simulator *s, const td_place *root) {
     dataset list[DATASETS];
-    list_datasets(s, p, list);
+    int count = list_datasets(s, p, list);
     tides_status status = TIDES_OK;
-    for (int i = 0; i < DATASETS && status == TIDES_OK; i++) status = write_dataset(root, &list[i]);
+    for (int i = 0; i < count && status == TIDES_OK; i++) status = write_dataset(root, &list[i]);
     return status;
 }
 
 tides_status td_planes_read(td_planes *p, const tides_simulator *s, const td_place *root) {
     dataset list[DATASETS];
-    list_datasets(s, p, list);
+    int count = list_datasets(s, p, list);
     tides_status status = TIDES_OK;
-    for (int i = 0; i < DATASETS && status == TIDES_OK; i++) status = read_dataset(root, &list[i]);
+    for (int i = 0; i < count && status == TIDES_OK; i++) status = read_dataset(root, &list[i]);
     return status;
 }

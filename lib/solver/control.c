@@ -44,8 +44,13 @@ static double error_excess(tides_simulator *s, const td_refine_step *step, doubl
     const double *begin = td_refine_sample(r, step->begin), *end = td_refine_sample(r, step->end);
     td_signals signals = {begin, begin + TD_TILE_PIXELS, end, end + TD_TILE_PIXELS};
     double h = td_refine_time(r, start, stop, step->to) - td_refine_time(r, start, stop, step->from);
-    td_estimate estimate = td_estimate_step(&s->comparator, h, &signals, s->pixels.reference + s->first_pixel[step->tile],
-                                            s->tile[step->tile].count);
+    size_t first = s->first_pixel[step->tile];
+    const double *reference = s->pixels.reference + first;
+    int32_t count = s->tile[step->tile].count;
+    int whole = step->to - step->from == (uint32_t)1 << r->depth;
+    double begins = (td_refine_time(r, start, stop, step->from) - s->start) * 1e9;
+    td_estimate estimate = s->sensor.on ? td_estimate_sensor(&s->sensor, first, whole, begins, h, &signals, reference, count)
+                                        : td_estimate_step(&s->comparator, h, &signals, reference, count);
     double threshold = smaller(s->comparator.threshold_on, s->comparator.threshold_off);
     *error = estimate.error / threshold;
     double excess = *error / s->tolerance;

@@ -51,6 +51,40 @@ td_estimate td_estimate_step(const td_comparator *comparator, double h, const td
     return worst;
 }
 
+/* May the pixel fire within the step, or have fired in the macro step before it, as far as is known? `low` and `high` bound
+ * S_eff. */
+static int may_fire_sensor(td_sensor *sensor, size_t i, int whole, double low, double high, double reference) {
+    double on = sensor->threshold_on[i], off = sensor->threshold_off[i];
+    int holds = sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD && sensor->refractory_ns > 0;
+    if (on == off && !holds) return reaches_level(low, high, reference, on);
+    if (whole) sensor->reach[i] = sensor->held_until[i] > -INFINITY;
+    if (!(low > reference - off && high < reference + on)) sensor->reach[i] = 1;
+    return sensor->reach[i];
+}
+
+td_estimate td_estimate_sensor(td_sensor *sensor, size_t first, int whole, double time, double h, const td_signals *signals,
+                               const double *reference, int32_t count) {
+    td_estimate worst = {0, 0};
+    double nominal = smaller(sensor->sensor.threshold_on, sensor->sensor.threshold_off);
+    for (int32_t k = 0; k < count; k++) {
+        size_t i = first + (size_t)k;
+        double S0 = signals->S0[k], S1 = signals->S1[k], rise = S1 - S0;
+        double rate0 = h * signals->S0_dot[k], rate1 = h * signals->S1_dot[k];
+        double error = bulge * fabs(rate1 + rate0 - 2 * rise);
+        if (!(error >= 0)) continue; /* NaN */
+        double ramp0 = sensor->leak[i] * time, ramp1 = ramp0 + sensor->leak[i] * h * 1e9;
+        double a = S0 + rate0 / 3, b = S1 - rate1 / 3; /* the ramp lies between its ends: bounds need no more */
+        double low = smaller(smaller(S0, S1), smaller(a, b)) - error + ramp0;
+        double high = larger(larger(S0, S1), larger(a, b)) + error + ramp1;
+        if (!may_fire_sensor(sensor, i, whole, low, high, reference[k])) continue;
+        double own = smaller(sensor->threshold_on[i], sensor->threshold_off[i]);
+        double moved = larger(fabs(rise + (ramp1 - ramp0)), error), timed = larger(error - noise, 0);
+        worst.error = larger(worst.error, error * nominal / own);
+        if (moved > 0) worst.seconds = larger(worst.seconds, timed * h / moved);
+    }
+    return worst;
+}
+
 /* Pixels that move by less than this share of a threshold fire hardly ever: not worth a logarithm. */
 static const double least_move = 0.02;
 static const double first_octave = -48; /* 2^-48 s: far below a nanosecond */

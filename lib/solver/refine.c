@@ -26,16 +26,17 @@ static int depth_for(double length, double min_step) {
 }
 
 /* Copies one rendered tile, kept block by block, to a sample's rows, and notes its risk. */
-static void store_sample(const tides_simulator *s, td_refine *r, int t, const double *planes, int32_t index) {
+static void store_sample(const tides_simulator *s, const td_refine *r, int t, const double *planes, int32_t index) {
     double *sample = td_refine_sample(r, index);
     td_unpack_tile(&s->tile[t], planes, sample, sample + TD_TILE_PIXELS);
+    if (r->planes_kept == TD_KEPT_ALL) td_unpack_diagnostics(&s->tile[t], planes, sample);
     r->risk[index] = s->outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, &s->tile[t], planes);
 }
 
 /* The samples that the moving tiles begin the macro step with: what the last one ended with. Tile t's list begins at step t. */
 static tides_status begin_samples(tides_simulator *s, td_refine *r, tides_error *error) {
-    tides_status status =
-        td_reserve((void **)&r->samples, &r->sample_capacity, (size_t)s->tiles * 4 * TD_TILE_PIXELS, sizeof *r->samples, error);
+    tides_status status = td_reserve((void **)&r->samples, &r->sample_capacity,
+                                     (size_t)s->tiles * 2 * (size_t)r->planes_kept * TD_TILE_PIXELS, sizeof *r->samples, error);
     if (status == TIDES_OK) status = td_reserve((void **)&r->step, &r->step_capacity, (size_t)s->tiles, sizeof *r->step, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&r->risk, &r->risk_capacity, 2 * (size_t)s->tiles, sizeof *r->risk, error);
@@ -44,8 +45,8 @@ static tides_status begin_samples(tides_simulator *s, td_refine *r, tides_error 
         int t = s->moving[i];
         r->risk[i] = s->tile_risk[t];
         double *sample = td_refine_sample(r, i);
-        memcpy(sample, s->now.S + s->first_pixel[t], (size_t)s->tile[t].count * sizeof *sample);
-        memcpy(sample + TD_TILE_PIXELS, s->now.S_dot + s->first_pixel[t], (size_t)s->tile[t].count * sizeof *sample);
+        for (int k = 0; k < r->planes_kept; k++)
+            memcpy(sample + k * TD_TILE_PIXELS, s->now.plane[k] + s->first_pixel[t], (size_t)s->tile[t].count * sizeof *sample);
         td_refine_step whole = {0, (uint32_t)1 << r->depth, i, s->moving_count + i, -1, t, 0, 0};
         r->step[t] = whole;
     }
@@ -83,8 +84,8 @@ static tides_status render_samples(tides_simulator *s, td_refine *r, const int32
     if (status == TIDES_OK)
         status = td_reserve((void **)&r->planes, &r->plane_capacity, (size_t)count * reals, sizeof *r->planes, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&r->samples, &r->sample_capacity, (first + (size_t)count) * 2 * TD_TILE_PIXELS,
-                            sizeof *r->samples, error);
+        status = td_reserve((void **)&r->samples, &r->sample_capacity,
+                            (first + (size_t)count) * (size_t)r->planes_kept * TD_TILE_PIXELS, sizeof *r->samples, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&r->risk, &r->risk_capacity, first + (size_t)count, sizeof *r->risk, error);
     if (status != TIDES_OK) return status;

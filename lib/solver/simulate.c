@@ -17,7 +17,12 @@ static const double too_many_culled = 0.5, few_culled = 0.3;
 
 /* One rendered tile to its place in a sample. */
 static void store_tile(const tides_simulator *s, int t, const double *planes, td_sample *sample) {
-    td_unpack_tile(&s->tile[t], planes, sample->S + s->first_pixel[t], sample->S_dot + s->first_pixel[t]);
+    size_t first = s->first_pixel[t], bytes = (size_t)s->tile[t].count * sizeof(double);
+    td_unpack_tile(&s->tile[t], planes, sample->plane[TD_KEPT_S] + first, sample->plane[TD_KEPT_S_DOT] + first);
+    if (s->planes_kept == TD_KEPT_SIGNAL) return;
+    double kept[TD_KEPT_ALL * TD_TILE_PIXELS];
+    td_unpack_diagnostics(&s->tile[t], planes, kept);
+    for (int k = TD_KEPT_SIGNAL; k < TD_KEPT_ALL; k++) memcpy(sample->plane[k] + first, kept + k * TD_TILE_PIXELS, bytes);
 }
 
 void td_list_moving(tides_simulator *s) {
@@ -39,7 +44,7 @@ tides_status td_turn_knot(tides_simulator *s, tides_error *error) {
         int t = s->moving[i];
         double S[TD_TILE_PIXELS]; /* is the same on both sides */
         td_unpack_tile(&s->tile[t], s->planes + (size_t)i * TD_OUT_SIGNAL * TD_TILE_PIXELS, S,
-                       s->now.S_dot + s->first_pixel[t]);
+                       s->now.plane[TD_KEPT_S_DOT] + s->first_pixel[t]);
     }
     return status;
 }
@@ -59,16 +64,15 @@ static tides_status render_steps(tides_simulator *s, int64_t from, int64_t first
         s->requests[i].slot = i / s->moving_count;
     }
     if (requests == 0) return TIDES_OK;
-    return td_renderer_tiles(s->renderer, s->camera, times, count, s->requests, requests, TD_OUT_SIGNAL, s->planes, error);
+    return td_renderer_tiles(s->renderer, s->camera, times, count, s->requests, requests, td_fixed_outputs(s), s->planes,
+                             error);
 }
 
 /* Step k of the batch into a sample; tiles at rest stay as they are now. */
 static void store_step(tides_simulator *s, int k, td_sample *sample) {
-    size_t tile_reals = (size_t)TD_OUT_SIGNAL * TD_TILE_PIXELS, bytes = s->first_pixel[s->tiles] * sizeof(double);
-    if (s->moving_count < s->tiles) {
-        memcpy(sample->S, s->now.S, bytes);
-        memcpy(sample->S_dot, s->now.S_dot, bytes);
-    }
+    size_t tile_reals = (size_t)td_fixed_outputs(s) * TD_TILE_PIXELS, bytes = s->first_pixel[s->tiles] * sizeof(double);
+    if (s->moving_count < s->tiles)
+        for (int p = 0; p < s->planes_kept; p++) memcpy(sample->plane[p], s->now.plane[p], bytes);
     for (int i = 0; i < s->moving_count; i++)
         store_tile(s, s->moving[i], s->planes + ((size_t)k * s->moving_count + i) * tile_reals, sample);
 }
@@ -80,7 +84,7 @@ static tides_status begin(tides_simulator *s, tides_error *error) {
     s->renderer->side = -1;
     if (status != TIDES_OK) return status;
     store_step(s, 0, &s->now);
-    td_pixels_reset(&s->pixels, s->now.S, s->first_pixel[s->tiles]);
+    td_pixels_reset(&s->pixels, s->now.plane[TD_KEPT_S], s->first_pixel[s->tiles]);
     s->started = 1;
     return TIDES_OK;
 }
@@ -99,20 +103,23 @@ static tides_status compare_step(tides_simulator *s, tides_error *error) {
     tides_status status = step_between(s, td_grid_time(s, s->step), td_grid_time(s, s->step + 1), &step, error);
     for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {
         int t = s->moving[i];
-        size_t at = s->first_pixel[t];
-        td_signals signals = {s->now.S + at, s->now.S_dot + at, s->next.S + at, s->next.S_dot + at};
-        td_pixels pixels = {s->pixels.initial + at, s->pixels.reference + at, s->pixels.count_on + at,
-                            s->pixels.count_off + at};
-        status = td_comparator_step(&s->comparator, &step, &s->tile[t], &signals, &pixels, &s->events, &s->counts, error);
+        const double *begin_planes[TD_KEPT_ALL], *end_planes[TD_KEPT_ALL];
+        for (int p = 0; p < s->planes_kept; p++) {
+            begin_planes[p] = s->now.plane[p] + s->first_pixel[t];
+            end_planes[p] = s->next.plane[p] + s->first_pixel[t];
+        }
+        status = td_compare_tile(s, t, &step, begin_planes, end_planes, error);
     }
+    if (status == TIDES_OK) status = td_compare_still(s, &step, error);
     if (status != TIDES_OK) return status;
     td_sample passed = s->now;
     s->now = s->next;
     s->next = passed;
     s->step++;
+    if (s->scan.arbiter) status = td_scan_step(s, error);
     s->stats.steps += (uint64_t)s->moving_count;
     s->stats.tile_steps_still += (uint64_t)(s->tiles - s->moving_count);
-    return TIDES_OK;
+    return status;
 }
 
 /* Sorts the packet and gives it away. */
@@ -123,9 +130,10 @@ static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, 
     td_event_sort(s->events.events, s->scratch, s->events.count);
     s->stats.time_compare_s += td_now() - begun;
     begun = td_now();
-    int stopped = sink && sink(user, s->events.events, s->events.count);
+    int left = s->scan.arbiter != NULL; /* or from the pixels */
+    int stopped = sink && sink(user, left ? s->scan.events : s->events.events, left ? s->scan.count : s->events.count);
     s->stats.time_sink_s += td_now() - begun;
-    s->events.count = 0;
+    s->events.count = s->scan.count = 0;
     return stopped ? td_fail(error, TIDES_CANCELLED, "stopped by the event sink at %g s", td_grid_time(s, s->step)) : TIDES_OK;
 }
 
@@ -172,24 +180,26 @@ static tides_status compare_refined_tile(tides_simulator *s, int t, double start
     const td_refine *r = &s->refine;
     const td_tile *tile = &s->tile[t];
     size_t at = s->first_pixel[t], bytes = (size_t)tile->count * sizeof(double);
-    td_pixels pixels = {s->pixels.initial + at, s->pixels.reference + at, s->pixels.count_on + at, s->pixels.count_off + at};
     int32_t last = r->step[t].end;
     for (int32_t i = t; i >= 0; i = r->step[i].next) {
         last = r->step[i].end;
         const double *begin = td_refine_sample(r, r->step[i].begin), *end = td_refine_sample(r, last);
         td_signals signals = {begin, begin + TD_TILE_PIXELS, end, end + TD_TILE_PIXELS};
+        const double *begin_planes[TD_KEPT_ALL], *end_planes[TD_KEPT_ALL];
+        for (int p = 0; p < s->planes_kept; p++) {
+            begin_planes[p] = begin + p * TD_TILE_PIXELS;
+            end_planes[p] = end + p * TD_TILE_PIXELS;
+        }
         td_step step;
         tides_status status = step_between(s, td_refine_time(r, start, stop, r->step[i].from),
                                            td_refine_time(r, start, stop, r->step[i].to), &step, error);
-        if (status == TIDES_OK)
-            status = td_comparator_step(&s->comparator, &step, tile, &signals, &pixels, &s->events, &s->counts, error);
+        if (status == TIDES_OK) status = td_compare_tile(s, t, &step, begin_planes, end_planes, error);
         if (status != TIDES_OK) return status;
         td_timing_add(&s->timing, &s->comparator, step.length_s, &signals, tile->count);
         s->stats.steps++;
     }
     const double *reached = td_refine_sample(r, last);
-    memcpy(s->now.S + at, reached, bytes);
-    memcpy(s->now.S_dot + at, reached + TD_TILE_PIXELS, bytes);
+    for (int p = 0; p < s->planes_kept; p++) memcpy(s->now.plane[p] + at, reached + p * TD_TILE_PIXELS, bytes);
     s->tile_risk[t] = r->risk[last];
     return TIDES_OK;
 }
@@ -202,6 +212,9 @@ static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, v
     double begun = td_now();
     for (int i = 0; i < s->moving_count && status == TIDES_OK; i++)
         status = compare_refined_tile(s, s->moving[i], start, stop, error);
+    td_step whole;
+    if (status == TIDES_OK) status = step_between(s, start, stop, &whole, error);
+    if (status == TIDES_OK) status = td_compare_still(s, &whole, error);
     s->stats.tile_steps_still += (uint64_t)(s->tiles - s->moving_count);
     s->stats.time_compare_s += td_now() - begun;
     if (status != TIDES_OK) {
@@ -209,7 +222,9 @@ static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, v
         return status;
     }
     s->step++;
-    return emit(s, sink, user, error);
+    if (s->scan.arbiter) status = td_scan_step(s, error);
+    s->broken = status != TIDES_OK;
+    return status == TIDES_OK ? emit(s, sink, user, error) : status;
 }
 
 tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink, void *sink_user,

@@ -105,10 +105,12 @@ static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *err
     ok = ok && (s->requests = td_alloc(samples, sizeof *s->requests, error)) != NULL;
     ok = ok && (s->tile_risk = td_alloc((size_t)s->tiles, sizeof *s->tile_risk, error)) != NULL;
     ok = ok && (s->moving = td_alloc((size_t)s->tiles, sizeof *s->moving, error)) != NULL;
-    ok = ok && (s->planes = td_alloc(samples * TD_OUT_SIGNAL * TD_TILE_PIXELS, sizeof *s->planes, error)) != NULL;
-    double **reals[] = {&s->pixels.initial, &s->pixels.reference, &s->now.S, &s->now.S_dot, &s->next.S, &s->next.S_dot};
-    for (size_t i = 0; ok && i < sizeof reals / sizeof *reals; i++)
-        ok = (*reals[i] = td_alloc(pixels, sizeof **reals[i], error)) != NULL;
+    ok = ok && (s->planes = td_alloc(samples * (size_t)td_fixed_outputs(s) * TD_TILE_PIXELS, sizeof *s->planes, error)) != NULL;
+    ok = ok && (s->pixels.initial = td_alloc(pixels, sizeof *s->pixels.initial, error)) != NULL;
+    ok = ok && (s->pixels.reference = td_alloc(pixels, sizeof *s->pixels.reference, error)) != NULL;
+    for (int p = 0; ok && p < s->planes_kept; p++)
+        ok = (s->now.plane[p] = td_alloc(pixels, sizeof *s->now.plane[p], error)) != NULL &&
+             (s->next.plane[p] = td_alloc(pixels, sizeof *s->next.plane[p], error)) != NULL;
     ok = ok && (s->pixels.count_on = td_alloc(pixels, sizeof *s->pixels.count_on, error)) != NULL;
     ok = ok && (s->pixels.count_off = td_alloc(pixels, sizeof *s->pixels.count_off, error)) != NULL;
     return ok ? TIDES_OK : TIDES_NO_MEMORY;
@@ -141,7 +143,8 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     s->time_tolerance_s = stepping->time_tolerance_s;
     s->budget = stepping->budget;
     s->risk = stepping->risk;
-    s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
+    s->planes_kept = s->refine.planes_kept = sensor->b_min > 0 ? TD_KEPT_ALL : TD_KEPT_SIGNAL;
+    s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
     status = td_comparator_check(&s->comparator, error);
     if (status == TIDES_OK)
         status = tides_renderer_create(device, scene, intrinsics, image, progress, user, &s->renderer, error);
@@ -160,13 +163,17 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
         if (s->batch_limit < 1) s->batch_limit = 1;
         status = allocate(s, (size_t)intrinsics->width * intrinsics->height, error);
     }
-    if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, TD_OUT_SIGNAL, error);
+    if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, td_fixed_outputs(s), error);
     if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, s->outputs, error);
+    if (status == TIDES_OK) {
+        lay_tiles(s, intrinsics->width, intrinsics->height);
+        status =
+            td_sensor_create(sensor, stepping->model, image->log_eps, start, s->width, s->tile, s->tiles, &s->sensor, error);
+    }
     if (status != TIDES_OK) {
         tides_simulator_destroy(s);
         return status;
     }
-    lay_tiles(s, intrinsics->width, intrinsics->height);
     s->stats.run_time_s = td_now() - begun; /* building kernels is part of the run */
     *simulator = s;
     return TIDES_OK;
@@ -177,9 +184,15 @@ void tides_simulator_destroy(tides_simulator *simulator) {
     tides_renderer_destroy(simulator->renderer);
     td_refine_release(&simulator->refine);
     td_grid_release(&simulator->grid);
-    double *reals[] = {simulator->pixels.initial, simulator->pixels.reference, simulator->now.S, simulator->now.S_dot,
-                       simulator->next.S,         simulator->next.S_dot,       simulator->planes};
-    for (size_t i = 0; i < sizeof reals / sizeof *reals; i++) free(reals[i]);
+    td_scan_release(&simulator->scan);
+    td_sensor_release(&simulator->sensor);
+    for (int p = 0; p < TD_KEPT_ALL; p++) {
+        free(simulator->now.plane[p]);
+        free(simulator->next.plane[p]);
+    }
+    free(simulator->pixels.initial);
+    free(simulator->pixels.reference);
+    free(simulator->planes);
     free(simulator->pixels.count_on);
     free(simulator->pixels.count_off);
     free(simulator->tile);
@@ -212,9 +225,21 @@ void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats)
     stats->error_p95_s = td_timing_percentile(&simulator->timing, 0.95);
     stats->error_p99_s = td_timing_percentile(&simulator->timing, 0.99);
     stats->peak_memory_bytes = td_peak_memory();
-    if (simulator->started)
-        stats->worst_residual = td_comparator_worst_residual(&simulator->comparator, &simulator->pixels, simulator->now.S,
-                                                             simulator->first_pixel[simulator->tiles]);
+    for (int c = 0; c < TIDES_CAUSES; c++) stats->events_by_cause[c] = simulator->sensor.counts.cause[c];
+    if (!simulator->sensor.on) stats->events_by_cause[TIDES_CAUSE_SIGNAL] = stats->events;
+    stats->events_suppressed = simulator->sensor.counts.suppressed;
+    stats->events_refractory = simulator->sensor.counts.refractory;
+    stats->events_written = stats->events;
+    if (simulator->scan.arbiter) {
+        tides_readout_stats readout;
+        tides_arbiter_stats(simulator->scan.arbiter, &readout);
+        stats->events_written = readout.out - td_release_held(&simulator->scan.arbiter->out);
+        stats->events_dropped = readout.dropped + readout.overflowed;
+        stats->events_overflowed = readout.overflowed;
+        stats->events_delayed = readout.delayed;
+        stats->worst_delay_s = readout.worst_delay_s;
+    }
+    if (simulator->started) stats->worst_residual = td_worst_residual(simulator);
 }
 
 void tides_simulator_state(const tides_simulator *simulator, double *signal, double *reference, uint32_t *count_on,
@@ -224,7 +249,7 @@ void tides_simulator_state(const tides_simulator *simulator, double *signal, dou
         for (int i = 0; i < tile->count; i++) {
             size_t from = simulator->first_pixel[t] + (size_t)i;
             size_t to = (size_t)(tile->y0 + i / tile->width) * simulator->width + (size_t)(tile->x0 + i % tile->width);
-            if (signal) signal[to] = simulator->now.S[from];
+            if (signal) signal[to] = td_signal_now(simulator, from);
             if (reference) reference[to] = simulator->pixels.reference[from];
             if (count_on) count_on[to] = simulator->pixels.count_on[from];
             if (count_off) count_off[to] = simulator->pixels.count_off[from];

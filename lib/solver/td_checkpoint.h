@@ -34,7 +34,7 @@ typedef struct td_fact {
     uint64_t checksum;
 } td_fact;
 
-enum { TD_FACTS = 22 };
+enum { TD_FACTS = 24 };
 tides_status td_facts_gather(const tides_simulator *simulator, td_fact facts[TD_FACTS], tides_error *error);
 
 /* TIDES_BAD_CONFIG naming the first key that two run files (JSON) have different values of, other than those that don't change
@@ -43,11 +43,19 @@ tides_status td_facts_compare_runs(const char *path, const char *saved, const ch
 
 /* -- the pixels (checkpoint_pixels.c) -- */
 
+/* State that only some runs have: the sensor's, and what is kept of samples (checkpoint_optional.c). */
+enum { TD_OPTIONAL_REALS = 8, TD_OPTIONAL_COUNTS = 3 };
+double *td_optional_real(const tides_simulator *simulator, int which); /* in the tiles' order; NULL: this run hasn't got it */
+uint32_t *td_optional_count(const tides_simulator *simulator, int which);
+extern const char *const td_optional_real_name[TD_OPTIONAL_REALS], *const td_optional_count_name[TD_OPTIONAL_COUNTS];
+
 /* The state of all pixels in image order, the tiles' risk, and the estimated timing errors. */
 typedef struct td_planes {
     double *signal, *signal_dot, *initial; /* (height x width) */
     uint32_t *count_on, *count_off;
-    double *tile_risk; /* (tiles) */
+    double *tile_risk;               /* (tiles) */
+    double *real[TD_OPTIONAL_REALS]; /* (height x width) each; NULL where the run has no such state */
+    uint32_t *count[TD_OPTIONAL_COUNTS];
     double timing[TD_TIMING_BINS];
 } td_planes;
 
@@ -58,9 +66,14 @@ void td_planes_give(const td_planes *planes, tides_simulator *simulator); /* and
 tides_status td_planes_write(td_planes *planes, const tides_simulator *simulator, const td_place *root);
 tides_status td_planes_read(td_planes *planes, const tides_simulator *simulator, const td_place *root);
 
+/* -- the readout (checkpoint_readout.c): nothing where the run has none; `arbiter` is the caller's, NULL after a failure or not -- */
+
+tides_status td_readout_write(const tides_simulator *simulator, const td_place *root);
+tides_status td_readout_read(const tides_simulator *simulator, const td_place *root, tides_arbiter **arbiter);
+
 /* -- the statistics (checkpoint_totals.c) -- */
 
-enum { TD_TOTALS = 31 };
+enum { TD_TOTALS = 37 };
 tides_status td_totals_write(const tides_simulator *simulator, const td_place *place);
 tides_status td_totals_read(const td_place *place, double values[TD_TOTALS]);
 

@@ -46,11 +46,14 @@ void td_pixels_reset(const td_pixels *pixels, const double *S, size_t count);
 
 /* S_ref from the counts: S_init + n_on C+ - n_off C-, with pairs of ON and OFF taken together, so that with equal thresholds
  * a pixel that comes back to a level has the very reference that it had there before. */
-static inline double td_reference(const td_comparator *comparator, double initial, uint32_t count_on, uint32_t count_off) {
-    double on = comparator->threshold_on, off = comparator->threshold_off;
+static inline double td_reference_of(double on, double off, double initial, uint32_t count_on, uint32_t count_off) {
     uint32_t pairs = count_on < count_off ? count_on : count_off;
     double unpaired = (double)(count_on - pairs) * on - (double)(count_off - pairs) * off; /* one of them is 0 */
     return initial + ((double)pairs * (on - off) + unpaired);
+}
+
+static inline double td_reference(const td_comparator *comparator, double initial, uint32_t count_on, uint32_t count_off) {
+    return td_reference_of(comparator->threshold_on, comparator->threshold_off, initial, count_on, count_off);
 }
 
 /* Growing list of events; start from zeros; free(events) when done. */

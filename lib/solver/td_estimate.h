@@ -2,6 +2,7 @@
 #ifndef TD_ESTIMATE_H
 #define TD_ESTIMATE_H
 
+#include "sensor/td_sensor.h"
 #include "td_comparator.h"
 
 /* What one tile's step looks like. */
@@ -19,6 +20,17 @@ typedef struct td_estimate {
  * happens before the step within the same macro step; with unequal ones every pixel counts that moves. */
 td_estimate td_estimate_step(const td_comparator *comparator, double h, const td_signals *signals, const double *reference,
                              int32_t count);
+
+/* The same under a sensor with a block on, for a tile that begins at its pixel `first`; the step begins at `time` [ns since the
+ * run's start], and `whole` says that it is a whole macro step. Errors are scaled by nominal over own threshold, the smaller of
+ * each, so that limits in thresholds mean each pixel's own.
+ *
+ * Levels are those of S with its leak. Where both thresholds are equal and no hold re-references, they are reference + n C
+ * as above. Elsewhere a pixel counts from when it may first have fired or been re-referenced in this macro step: its range,
+ * widened, left the band between its levels on a step judged so far, or it was held when the macro step began. What a noise
+ * event does to a reference isn't foreseen: noise forces no halving. */
+td_estimate td_estimate_sensor(td_sensor *sensor, size_t first, int whole, double time, double h, const td_signals *signals,
+                               const double *reference, int32_t count);
 
 /* Estimated timing errors of a run's events: each pixel's step weighs in with the thresholds that it moves through. */
 enum { TD_TIMING_BINS = 256, TD_TIMING_PER_OCTAVE = 4 };

@@ -16,12 +16,16 @@ typedef struct td_refine_step {
     double error;  /* estimated error of S [thresholds]; 0 where it isn't asked for */
 } td_refine_step;
 
+/* Planes of a sample: S and S_dot, and where the sensor or the readout asks for them the diagnostics. */
+enum { TD_KEPT_S, TD_KEPT_S_DOT, TD_KEPT_ALPHA, TD_KEPT_ALPHA_DOT, TD_KEPT_CONTRIBUTORS, TD_KEPT_ALL, TD_KEPT_SIGNAL = 2 };
+
 /* Workspace of a macro step, reused from one to the next. */
 typedef struct td_refine {
     int depth; /* halvings at most */
     td_refine_step *step;
     size_t steps, step_capacity;
-    double *samples; /* (sample x 2 x TD_TILE_PIXELS): S, then S_dot, row by row */
+    int planes_kept; /* of a sample, TD_KEPT_SIGNAL or TD_KEPT_ALL */
+    double *samples; /* (sample x planes_kept x TD_TILE_PIXELS), row by row */
     size_t sample_count, sample_capacity;
     double *risk; /* (sample): the tile's risk score there */
     size_t risk_capacity;
@@ -37,9 +41,9 @@ typedef struct td_refine {
     size_t plane_capacity;
 } td_refine;
 
-/* S of a sample, then S_dot. */
+/* S of a sample, then the other planes. */
 static inline double *td_refine_sample(const td_refine *refine, int32_t sample) {
-    return refine->samples + (size_t)sample * 2 * TD_TILE_PIXELS;
+    return refine->samples + (size_t)sample * (size_t)refine->planes_kept * TD_TILE_PIXELS;
 }
 
 /* Renders and accepts steps for the macro step that begins at s->now: its steps are the lists that begin at refine->step[tile].

@@ -5,25 +5,31 @@
 #include "render/td_render.h"
 #include "td_estimate.h"
 #include "td_grid.h"
+#include "sensor/td_sensor.h"
 #include "td_refine.h"
+#include "td_scan.h"
 
 enum { TD_BATCH_STEPS = 16 }; /* steps per launch at most */
 
-/* S and S_dot of every pixel at one time, tile by tile, each tile's pixels row by row. */
+/* Every pixel at one time, tile by tile, each tile's pixels row by row: TD_KEPT_*, (pixels) each; those that aren't kept are
+ * NULL. */
 typedef struct td_sample {
-    double *S, *S_dot; /* (pixels) */
+    double *plane[TD_KEPT_ALL];
 } td_sample;
 
 struct tides_simulator {
     tides_renderer *renderer;
     const tides_trajectory *camera;
     td_comparator comparator;
+    td_sensor sensor;           /* what is in the comparator's place where one of its blocks is on */
     double start, stop, step_s; /* [s] */
     td_grid grid;               /* where steps begin and end */
     int mode, local;            /* TIDES_STEPPING_*; each tile has its own steps */
     double min_step_s, tolerance, time_tolerance_s, budget;
     tides_risk risk;
-    int outputs;       /* planes that each sample renders: risk wants diagnostics */
+    int outputs;       /* planes that each sample renders: risk, a mask and the readout want diagnostics */
+    td_scan scan;      /* the readout, where one is attached */
+    int planes_kept;   /* of these, TD_KEPT_SIGNAL or TD_KEPT_ALL */
     double *tile_risk; /* (tiles) at the time reached */
     td_refine refine;  /* TIDES_STEPPING_ERROR */
     td_timing timing;  /* likewise: estimated errors of event times */
@@ -70,5 +76,35 @@ static inline double td_grid_time(const tides_simulator *simulator, int64_t k) {
 /* At a knot of some motion, where a step begins: the S_dot of the tiles that move (td_list_moving) becomes that of what begins
  * there. The interval is swept already. */
 tides_status td_turn_knot(tides_simulator *simulator, tides_error *error);
+
+/* The rest of TD_KEPT_* of a rendered tile into a sample of refine.c, whose planes are TD_TILE_PIXELS apart. */
+static inline void td_unpack_diagnostics(const td_tile *tile, const double *planes, double *sample) {
+    static const int output[] = {TD_OUT_ALPHA, TD_OUT_ALPHA_DOT, TD_OUT_CONTRIBUTORS};
+    for (int k = 0; k < TD_KEPT_ALL - TD_KEPT_SIGNAL; k++)
+        for (int y = 0, i = 0; i < tile->count; y++)
+            for (int x = 0; x < tile->width; x++, i++)
+                sample[(TD_KEPT_SIGNAL + k) * TD_TILE_PIXELS + i] = planes[output[k] * TD_TILE_PIXELS + td_tile_pixel(x, y)];
+}
+
+/* What fixed steps and the first sample render: risk isn't asked there. */
+static inline int td_fixed_outputs(const tides_simulator *simulator) {
+    return simulator->planes_kept == TD_KEPT_ALL ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
+}
+
+/* The comparator, or the sensor, over one step of a tile between two samples of it: planes_kept pointers each (compare.c). */
+tides_status td_compare_tile(tides_simulator *simulator, int tile, const td_step *step, const double *const begin[],
+                             const double *const end[], tides_error *error);
+
+/* The sensor over one step of the tiles in which nothing moves, where it wants that. */
+tides_status td_compare_still(tides_simulator *simulator, const td_step *step, tides_error *error);
+
+/* With a readout: the events of the step that ends at the grid point reached go through it (scan.c). */
+tides_status td_scan_step(tides_simulator *simulator, tides_error *error);
+
+/* What a pixel's comparator sees at the time reached: S with its leak's ramp. */
+double td_signal_now(const tides_simulator *simulator, size_t pixel);
+
+/* tides_stats.worst_residual. */
+double td_worst_residual(const tides_simulator *simulator);
 
 #endif

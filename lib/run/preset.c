@@ -1,0 +1,114 @@
+/* Sensor presets: the values of a sensor, for the keys that the run file and the overrides leave open.
+ *
+ * A preset is a JSON object { "about": text, group: { name: value, ... } } with the names of the run file's groups sensor,
+ * frontend and readout; a value may be { "value": value, "source": text } to say where it comes from. Those of share/presets
+ * are in the library, by the names of their files. */
+#include "device/td_kernel_source.h"
+#include "td_run.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* share/presets, embedded as kernels are. */
+extern const td_kernel_source td_preset_sources[];
+
+enum { PRESET_LIMIT = 1 << 20, PRESETS_MAX = 64, NAME_MAX_BYTES = 64 };
+
+/* -- text ---------------------------------------------------------------------------------------------------------------- */
+
+/* "dvs128.json" is the preset dvs128. */
+static size_t name_length(const char *file) { return strlen(file) - strlen(".json"); }
+
+static tides_status unknown(const tides_run *run, const char *name, tides_error *error) {
+    char all[512] = "", shown[NAME_MAX_BYTES];
+    size_t used = 0;
+    for (const td_kernel_source *p = td_preset_sources; p->name && used < sizeof all; p++)
+        used += (size_t)snprintf(all + used, sizeof all - used, "%s%.*s", used ? ", " : "", (int)name_length(p->name), p->name);
+    snprintf(shown, sizeof shown, "%.40s", name);
+    td_one_line(shown);
+    return td_fail(error, TIDES_BAD_CONFIG, "%s: sensor.preset = \"%s\" is none of %s, nor the path of a .json file",
+                   run->origin, shown, all);
+}
+
+/* The lines of an embedded preset as one text. */
+static char *join_lines(const char *const *lines, tides_error *error) {
+    size_t bytes = 1;
+    for (const char *const *line = lines; *line; line++) bytes += strlen(*line);
+    char *text = td_alloc(bytes, 1, error), *at = text;
+    for (const char *const *line = lines; text && *line; line++) {
+        memcpy(at, *line, strlen(*line));
+        at += strlen(*line);
+    }
+    return text;
+}
+
+/* `text` is the caller's. */
+static tides_status load(const tides_run *run, const char *name, char **text, tides_error *error) {
+    size_t length = strlen(name), bytes = 0;
+    int is_file = strchr(name, '/') || (length > 5 && strcmp(name + length - 5, ".json") == 0);
+    for (const td_kernel_source *p = td_preset_sources; p->name && !is_file; p++)
+        if (name_length(p->name) == length && memcmp(p->name, name, length) == 0)
+            return (*text = join_lines(p->lines, error)) != NULL ? TIDES_OK : TIDES_NO_MEMORY;
+    if (!is_file) return unknown(run, name, error);
+    char *path = td_run_resolve(run, name, error);
+    tides_status status = path ? td_read_file(path, PRESET_LIMIT, text, &bytes, error) : TIDES_NO_MEMORY;
+    if (path && status != TIDES_OK) status = td_fail_within(error, status, "%s: sensor.preset", run->origin);
+    free(path);
+    return status;
+}
+
+/* -- values -------------------------------------------------------------------------------------------------------------- */
+
+static int may_hold(const char *group) {
+    return strcmp(group, "sensor") == 0 || strcmp(group, "frontend") == 0 || strcmp(group, "readout") == 0;
+}
+
+/* One value of the preset, plain or with its source. */
+static tides_status apply(tides_run *run, const char *where, const char *group, const cJSON *item, tides_error *error) {
+    char key[TD_KEY_MAX];
+    int length = snprintf(key, sizeof key, "%s.%s", group, item->string);
+    const tides_param *row = length > 0 && (size_t)length < sizeof key ? td_param_find(key) : NULL;
+    if (!row || strcmp(key, "sensor.preset") == 0) return td_param_unknown(where, key, error);
+    const cJSON *value = cJSON_IsObject(item) ? cJSON_GetObjectItemCaseSensitive(item, "value") : item;
+    if (!value)
+        return td_fail(error, TIDES_BAD_CONFIG, "%s: %s has no value; write { \"value\": ..., \"source\": \"...\" }", where,
+                       key);
+    tides_status status = td_param_check(row, value, where, error);
+    if (status != TIDES_OK || run->given[row - tides_params(NULL)]) return status;
+    return td_run_store(run, row, value, error);
+}
+
+static tides_status apply_all(tides_run *run, const char *where, const cJSON *root, tides_error *error) {
+    const cJSON *group, *item;
+    tides_status status = TIDES_OK;
+    if (!cJSON_IsObject(root)) return td_fail(error, TIDES_BAD_CONFIG, "%s: isn't a JSON object { ... }", where);
+    cJSON_ArrayForEach(group, root) {
+        if (strcmp(group->string, "about") == 0) continue;
+        if (!may_hold(group->string) || !cJSON_IsObject(group)) {
+            char shown[NAME_MAX_BYTES];
+            snprintf(shown, sizeof shown, "%.40s", group->string);
+            td_one_line(shown);
+            return td_fail(error, TIDES_BAD_CONFIG,
+                           "%s: \"%s\": a preset holds \"about\" and the objects sensor, frontend, readout", where, shown);
+        }
+        cJSON_ArrayForEach(item, group) {
+            if (status == TIDES_OK) status = apply(run, where, group->string, item, error);
+        }
+    }
+    return status;
+}
+
+tides_status td_run_preset(tides_run *run, tides_error *error) {
+    const cJSON *preset = td_run_value(run, "sensor.preset");
+    if (!cJSON_IsString(preset)) return TIDES_OK;
+    char *text = NULL, where[160];
+    tides_status status = load(run, preset->valuestring, &text, error);
+    if (status != TIDES_OK) return status;
+    snprintf(where, sizeof where, "%.60s: preset %.60s", run->origin, preset->valuestring);
+    td_one_line(where);
+    cJSON *root = cJSON_Parse(text);
+    status = root ? apply_all(run, where, root, error) : td_fail(error, TIDES_BAD_CONFIG, "%s: isn't valid JSON", where);
+    cJSON_Delete(root);
+    free(text);
+    return status;
+}

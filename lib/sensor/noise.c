@@ -1,0 +1,84 @@
+/* Shot noise and hot pixels: candidates by counter, thinned by intensity. */
+#include "td_noise.h"
+#include "td_base.h"
+#include "td_random.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const uint32_t purpose[TD_NOISES] = {TD_RANDOM_SHOT_ON, TD_RANDOM_SHOT_OFF, TD_RANDOM_HOT};
+
+/* v2e's law: how far the brightest pixel's rate is below the darkest's, and the DN that its intensity scale begins at. */
+static const double brightest_loss = 0.75, dn_offset = 20, dn_range = 275, dn_full = 255;
+
+static double shot_factor(double Y) {
+    double dn = fmin(fmax(dn_full * Y, 0), dn_full);
+    return 1 - brightest_loss * (dn + dn_offset) / dn_range;
+}
+
+double td_noise_share(double Y) { return shot_factor(Y) / shot_factor(0); }
+
+tides_status td_noise_create(const tides_sensor *sensor, size_t pixels, td_noise *noise, tides_error *error) {
+    memset(noise, 0, sizeof *noise);
+    noise->seed = sensor->seed;
+    noise->rate[TD_NOISE_SHOT_ON] = noise->rate[TD_NOISE_SHOT_OFF] = 0.5e-9 * sensor->shot_noise_hz * shot_factor(0);
+    noise->rate[TD_NOISE_HOT] = sensor->hot_pixel_fraction > 0 ? 1e-9 * sensor->hot_pixel_rate_hz : 0;
+    for (int k = 0; k < TD_NOISES; k++) {
+        if (!(noise->rate[k] > 0)) continue;
+        noise->due[k] = td_alloc(pixels, sizeof *noise->due[k], error);
+        noise->drawn[k] = td_alloc(pixels, sizeof *noise->drawn[k], error);
+        if (noise->due[k] && noise->drawn[k]) continue;
+        td_noise_release(noise);
+        return TIDES_NO_MEMORY;
+    }
+    return TIDES_OK;
+}
+
+void td_noise_release(td_noise *noise) {
+    for (int k = 0; k < TD_NOISES; k++) {
+        free(noise->due[k]);
+        free(noise->drawn[k]);
+    }
+    memset(noise, 0, sizeof *noise);
+}
+
+/* Candidate `drawn` (from 1) of a source: half 0 says how long after the one before it, half 1 whether it is kept. Index 0 says
+ * whether the pixel is hot. */
+static td_random_bits bits_of(const td_noise *noise, int source, uint32_t pixel, uint32_t drawn) {
+    return td_random(noise->seed, pixel, drawn, purpose[source]);
+}
+
+static void draw_next(td_noise *noise, int source, size_t i, uint32_t pixel) {
+    td_random_bits bits = bits_of(noise, source, pixel, ++noise->drawn[source][i]);
+    double wait = floor(td_random_exponential(&bits, 0) / noise->rate[source] + 0.5);
+    noise->due[source][i] += fmax(wait, 1);
+}
+
+void td_noise_begin(td_noise *noise, const tides_sensor *sensor, size_t i, uint32_t pixel) {
+    for (int k = 0; k < TD_NOISES; k++) {
+        if (!noise->due[k]) continue;
+        td_random_bits bits = bits_of(noise, k, pixel, 0);
+        int silent = k == TD_NOISE_HOT && !(td_random_uniform(&bits, 0) < sensor->hot_pixel_fraction);
+        noise->drawn[k][i] = 0;
+        noise->due[k][i] = silent ? INFINITY : 0;
+        if (!silent) draw_next(noise, k, i, pixel);
+    }
+}
+
+int td_noise_next(const td_noise *noise, size_t i, double *due) {
+    int first = -1;
+    *due = INFINITY;
+    for (int k = 0; k < TD_NOISES; k++) {
+        if (!noise->due[k] || !(noise->due[k][i] < *due)) continue;
+        *due = noise->due[k][i];
+        first = k;
+    }
+    return first;
+}
+
+int td_noise_take(td_noise *noise, int source, size_t i, uint32_t pixel, double L, double log_eps) {
+    td_random_bits bits = bits_of(noise, source, pixel, noise->drawn[source][i]);
+    draw_next(noise, source, i, pixel);
+    return source == TD_NOISE_HOT || td_random_uniform(&bits, 1) < td_noise_share(exp(L) - log_eps);
+}

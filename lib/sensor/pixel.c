@@ -1,0 +1,252 @@
+/* One pixel over one step: crossings, ends of refractory periods, noise and mask, in time order.
+ *
+ * The walk stands at s and asks what comes next. Held and masked stretches are passed over, each in its own way; between them
+ * the first crossing before the next noise event fires, or that event does. */
+#include "td_pixel.h"
+#include "td_base.h"
+
+#include <math.h>
+
+/* The pixel while it is being worked through. */
+typedef struct walk {
+    td_pixel_job *job;
+    const td_pixel_step *pixel;
+    double on, off, initial, reference;
+    uint32_t count_on, count_off;
+    int32_t fired;   /* in this step */
+    int32_t crossed; /* of these, the path's crossings: bound by max_events_per_step */
+    int cut;         /* there were more */
+    double s;
+} walk;
+
+static double time_at(const walk *w, double s) { return w->job->start + s * w->job->step->length_ns; }
+
+static double place_of(const walk *w, double time) { return (time - w->job->start) / w->job->step->length_ns; }
+
+static double *held_until(const walk *w) { return &w->job->sensor->held_until[w->pixel->i]; }
+
+static double *since(const walk *w) { return &w->job->sensor->since[w->pixel->i]; }
+
+/* -- events and references ------------------------------------------------------------------------------------------------- */
+
+static tides_status emit(walk *w, int64_t t, int polarity, int cause) {
+    td_event_buffer *buffer = w->job->buffer;
+    const td_pixel_step *p = w->pixel;
+    if (w->fired == TD_EVENTS_PER_PIXEL_MAX)
+        return td_fail(w->job->error, TIDES_OUT_OF_RANGE,
+                       "pixel (%d, %d) would fire more than %d events before %lld ns: raise the thresholds, lower the noise or "
+                       "mend the signal",
+                       p->x, p->y, (int)TD_EVENTS_PER_PIXEL_MAX, (long long)w->job->step->stop_ns);
+    if (buffer->count == buffer->capacity) {
+        void *events = buffer->events;
+        tides_status status = td_reserve(&events, &buffer->capacity, buffer->count + 256, sizeof(tides_event), w->job->error);
+        buffer->events = events;
+        if (status != TIDES_OK) return status;
+    }
+    tides_event event = {.t = t, .x = p->x, .y = p->y, .polarity = (int8_t)polarity, .cause = (uint8_t)cause};
+    buffer->events[buffer->count++] = event;
+    w->fired++;
+    w->job->sensor_counts.cause[cause]++;
+    if (polarity > 0)
+        w->job->counts.events_on++;
+    else
+        w->job->counts.events_off++;
+    return TIDES_OK;
+}
+
+/* The reference becomes the signal at s. */
+static void rereference(walk *w, double s) {
+    w->initial = w->reference = s < 1 ? td_path_value(&w->pixel->path, s) : w->pixel->end;
+    w->count_on = w->count_off = 0;
+    *since(w) = time_at(w, s);
+}
+
+/* The reference moves by a threshold, at s. */
+static void move_reference(walk *w, double s, int polarity) {
+    if (polarity > 0)
+        w->count_on++;
+    else
+        w->count_off++;
+    w->reference = td_reference_of(w->on, w->off, w->initial, w->count_on, w->count_off);
+    *since(w) = time_at(w, s);
+}
+
+static void begin_refractory(walk *w, double s) {
+    double length = w->job->sensor->refractory_ns;
+    if (length > 0) *held_until(w) = time_at(w, s) + length;
+}
+
+static int is_held(const walk *w, double s) { return *held_until(w) > time_at(w, s); }
+
+static int cause_of(const walk *w, double s, int polarity) {
+    double ramp = w->job->sensor->leak[w->pixel->i] * (time_at(w, s) - *since(w));
+    return polarity > 0 && ramp > 0.5 * w->on ? TIDES_CAUSE_LEAK : TIDES_CAUSE_SIGNAL;
+}
+
+/* A crossing at s fires at time t. */
+static tides_status fire(walk *w, double s, int64_t t, int polarity) {
+    tides_status status = emit(w, t, polarity, cause_of(w, s, polarity));
+    if (status != TIDES_OK) return status;
+    move_reference(w, s, polarity);
+    begin_refractory(w, s);
+    return TIDES_OK;
+}
+
+/* -- noise --------------------------------------------------------------------------------------------------------------- */
+
+/* The candidate that comes next, at or after where the walk stands; never where none is within the step. */
+static const double never = 2;
+static double next_noise(const walk *w, int *source) {
+    const td_sensor *sensor = w->job->sensor;
+    const td_step *step = w->job->step;
+    double due;
+    *source = td_noise_next(&sensor->noise, w->pixel->i, &due);
+    if (*source < 0 || !(due <= (double)(step->stop_ns - sensor->start_ns))) return never;
+    double s = place_of(w, due - sensor->start_fraction);
+    return s < w->s ? w->s : s > 1 ? 1 : s;
+}
+
+/* 1 where the candidate at s is kept. */
+static int take_noise(const walk *w, int source, double s) {
+    const td_pixel_step *p = w->pixel;
+    uint32_t number = (uint32_t)p->y * (uint32_t)w->job->sensor->image_width + p->x;
+    return td_noise_take(&w->job->sensor->noise, source, p->i, number, td_model_value(&p->input, s), w->job->sensor->log_eps);
+}
+
+static tides_status fire_noise(walk *w, int source, double s) {
+    double due = w->job->sensor->noise.due[source][w->pixel->i];
+    if (!take_noise(w, source, s)) return TIDES_OK;
+    int polarity = source == TD_NOISE_SHOT_OFF ? -1 : 1, cause = source == TD_NOISE_HOT ? TIDES_CAUSE_HOT : TIDES_CAUSE_SHOT;
+    tides_status status = emit(w, w->job->sensor->start_ns + (int64_t)due, polarity, cause);
+    if (status != TIDES_OK) return status;
+    rereference(w, s);
+    begin_refractory(w, s);
+    return TIDES_OK;
+}
+
+/* Takes what comes before `until`; what would have fired is counted in `lost`. */
+static void lose_noise(walk *w, double until, uint64_t *lost) {
+    int source;
+    for (double s = next_noise(w, &source); s < fmin(until, never); s = next_noise(w, &source))
+        *lost += (uint64_t)take_noise(w, source, s);
+}
+
+/* -- held and masked stretches --------------------------------------------------------------------------------------------- */
+
+/* Crossings before `until` move the reference and are gone. */
+static void consume(walk *w, double until) {
+    const td_pixel_step *p = w->pixel;
+    double at = w->s;
+    for (int32_t n = 0; n < TD_EVENTS_PER_PIXEL_MAX; n++) {
+        int polarity = td_path_crossing(&p->path, w->reference, w->on, w->off, at, fmin(until, 1), &at);
+        if (polarity == 0 || at >= until) return;
+        move_reference(w, at, polarity);
+        w->job->sensor_counts.refractory++;
+    }
+}
+
+/* From where the walk stands to the end of the refractory period, or of the step. */
+static void pass_held(walk *w) {
+    double end = fmax(place_of(w, *held_until(w)), w->s);
+    int law = w->job->sensor->sensor.refractory_law;
+    lose_noise(w, end, &w->job->sensor_counts.refractory);
+    if (law == TIDES_REFRACTORY_DROP_CONSUME) consume(w, end);
+    if (end > 1) {
+        w->s = 2;
+        return;
+    }
+    if (law == TIDES_REFRACTORY_HOLD) rereference(w, end);
+    *held_until(w) = -INFINITY;
+    w->s = end;
+}
+
+static int is_masked(const walk *w) { return w->s < w->pixel->visible_from || w->s > w->pixel->visible_to; }
+
+/* To where the pixel becomes visible, or the step's end. */
+static void pass_masked(walk *w) {
+    double end = w->s < w->pixel->visible_from ? w->pixel->visible_from : 2;
+    lose_noise(w, end, &w->job->sensor_counts.suppressed);
+    w->s = end;
+}
+
+/* -- the step -------------------------------------------------------------------------------------------------------------- */
+
+/* One stretch in which the pixel sees: to the first crossing, noise event, or its end. */
+static tides_status look(walk *w) {
+    const td_pixel_step *p = w->pixel;
+    td_pixel_job *job = w->job;
+    int source;
+    double noise = next_noise(w, &source), until = fmin(fmin(noise, p->visible_to), 1), at = w->s;
+    int polarity = w->cut ? 0 : td_path_crossing(&p->path, w->reference, w->on, w->off, w->s, until, &at);
+    if (polarity && w->crossed == job->sensor->sensor.max_events_per_step) {
+        w->cut = 1;
+        return TIDES_OK;
+    }
+    if (polarity) {
+        if (at <= p->visible_from && at > 0) job->sensor_counts.suppressed++; /* it waited for this moment */
+        w->crossed++;
+        w->s = at;
+        return fire(w, at, td_step_time(job->step, at), polarity);
+    }
+    w->s = until;
+    if (noise <= until) return fire_noise(w, source, noise);
+    w->s = until < 1 ? nextafter(until, 2) : 2; /* behind the last visible moment, or the step */
+    return TIDES_OK;
+}
+
+static tides_status follow(walk *w) {
+    tides_status status = TIDES_OK;
+    while (w->s <= 1 && status == TIDES_OK) {
+        if (*held_until(w) > -INFINITY)
+            pass_held(w);
+        else if (is_masked(w))
+            pass_masked(w);
+        else
+            status = look(w);
+    }
+    return status;
+}
+
+/* What the step's end asks for beyond the path, where the pixel may fire then; in a refractory sensor, once. */
+static tides_status catch_up(walk *w) {
+    const td_pixel_step *p = w->pixel;
+    uint64_t *late = w->cut ? &w->job->counts.truncated : &w->job->counts.caught_up;
+    tides_status status = TIDES_OK;
+    if (!(p->visible_from <= 1 && p->visible_to >= 1)) return TIDES_OK;
+    while (status == TIDES_OK && !is_held(w, 1)) {
+        double residual = p->end - w->reference;
+        int polarity = residual >= w->on ? 1 : residual <= -w->off ? -1 : 0;
+        if (polarity == 0) return TIDES_OK;
+        status = fire(w, 1, w->job->step->stop_ns, polarity);
+        ++*late;
+    }
+    return status;
+}
+
+tides_status td_pixel_advance(td_pixel_job *job, const td_pixel_step *pixel) {
+    const td_pixels *pixels = job->pixels;
+    td_sensor *sensor = job->sensor;
+    walk w = {.job = job, .pixel = pixel, .initial = pixels->initial[pixel->local]};
+    w.reference = pixels->reference[pixel->local];
+    w.count_on = pixels->count_on[pixel->local];
+    w.count_off = pixels->count_off[pixel->local];
+    w.on = sensor->threshold_on[pixel->i];
+    w.off = sensor->threshold_off[pixel->i];
+    tides_status status = TIDES_OK;
+    int can_end = isfinite(pixel->end) && isfinite(w.reference);
+    job->counts.solved++;
+    if (can_end && td_model_is_finite(&pixel->path.cubic)) {
+        status = follow(&w);
+    } else { /* what is due waits for a signal */
+        uint64_t lost = 0;
+        lose_noise(&w, 2, &lost);
+        job->counts.nonfinite++;
+    }
+    if (status == TIDES_OK && can_end) status = catch_up(&w);
+    pixels->initial[pixel->local] = w.initial;
+    pixels->reference[pixel->local] = w.reference;
+    pixels->count_on[pixel->local] = w.count_on;
+    pixels->count_off[pixel->local] = w.count_off;
+    td_sensor_set_wake(sensor, pixel->i);
+    return status;
+}

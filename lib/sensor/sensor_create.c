@@ -1,0 +1,142 @@
+/* A sensor's pixels: parameters checked, and what is drawn once per pixel. */
+#include "td_base.h"
+#include "td_random.h"
+#include "td_sensor.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* -- parameters ---------------------------------------------------------------------------------------------------------- */
+
+/* Rates above this would come faster than whole nanoseconds can tell apart well. */
+static const double most_hz = 1e6;
+
+tides_status td_sensor_check(const tides_sensor *s, tides_error *error) {
+    const struct {
+        const char *name;
+        double value, most;
+    } fields[] = {{"threshold_sigma", s->threshold_sigma, DBL_MAX},
+                  {"refractory_s", s->refractory_s, DBL_MAX},
+                  {"leak_rate_hz", s->leak_rate_hz, most_hz},
+                  {"leak_sigma", s->leak_sigma, 10},
+                  {"b_min", s->b_min, 1},
+                  {"shot_noise_hz", s->shot_noise_hz, most_hz},
+                  {"hot_pixel_fraction", s->hot_pixel_fraction, 1},
+                  {"hot_pixel_rate_hz", s->hot_pixel_rate_hz, most_hz},
+                  {"dead_pixel_fraction", s->dead_pixel_fraction, 1}};
+    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
+        if (!(fields[i].value >= 0 && fields[i].value <= fields[i].most))
+            return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: %s is %g; it must lie in [0, %g]", fields[i].name,
+                           fields[i].value, fields[i].most);
+    if (s->threshold_sigma > 0 && !(s->threshold_min > 0 && s->threshold_min <= DBL_MAX))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: threshold_min is %g; it must be above 0 and finite",
+                       s->threshold_min);
+    if (s->refractory_law < TIDES_REFRACTORY_HOLD || s->refractory_law > TIDES_REFRACTORY_DROP_CONSUME)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: refractory_law is %d; it must be one of TIDES_REFRACTORY_*",
+                       (int)s->refractory_law);
+    return TIDES_OK;
+}
+
+static int makes_noise(const tides_sensor *s) {
+    return s->shot_noise_hz > 0 || (s->hot_pixel_fraction > 0 && s->hot_pixel_rate_hz > 0);
+}
+
+/* -- pixels -------------------------------------------------------------------------------------------------------------- */
+
+static void draw_pixel(td_sensor *sensor, size_t i, uint32_t pixel) {
+    const tides_sensor *s = &sensor->sensor;
+    double on = s->threshold_on, off = s->threshold_off, normal[2];
+    if (s->threshold_sigma > 0) {
+        td_random_bits bits = td_random(s->seed, pixel, 0, TD_RANDOM_THRESHOLD);
+        td_random_normals(&bits, normal);
+        on = fmax(on + s->threshold_sigma * normal[0], s->threshold_min);
+        off = fmax(off + s->threshold_sigma * normal[1], s->threshold_min);
+    }
+    double rate = 1e-9 * s->leak_rate_hz;
+    if (s->leak_sigma > 0 && rate > 0) {
+        td_random_bits bits = td_random(s->seed, pixel, 0, TD_RANDOM_LEAK);
+        td_random_normals(&bits, normal);
+        rate *= pow(10, s->leak_sigma * normal[0]);
+    }
+    sensor->leak[i] = rate * on;
+    td_random_bits bits = td_random(s->seed, pixel, 0, TD_RANDOM_DEAD);
+    int dead = s->dead_pixel_fraction > 0 && td_random_uniform(&bits, 0) < s->dead_pixel_fraction;
+    if (dead) {
+        on = off = TD_OUT_OF_REACH;
+        sensor->leak[i] = 0;
+    }
+    sensor->threshold_on[i] = on;
+    sensor->threshold_off[i] = off;
+    sensor->held_until[i] = -INFINITY;
+    sensor->since[i] = 0;
+    td_noise_begin(&sensor->noise, s, i, pixel);
+    for (int k = 0; k < TD_NOISES && dead; k++)
+        if (sensor->noise.due[k]) sensor->noise.due[k][i] = INFINITY;
+    td_sensor_set_wake(sensor, i);
+}
+
+void td_sensor_set_wake(td_sensor *sensor, size_t pixel) {
+    double wake;
+    td_noise_next(&sensor->noise, pixel, &wake);
+    int waits = sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD && sensor->held_until[pixel] > -INFINITY;
+    if (waits && sensor->held_until[pixel] < wake) wake = sensor->held_until[pixel];
+    sensor->wake[pixel] = wake;
+}
+
+static tides_status allocate(td_sensor *sensor, tides_error *error) {
+    double **arrays[] = {&sensor->threshold_on, &sensor->threshold_off, &sensor->leak,
+                         &sensor->held_until,   &sensor->since,         &sensor->wake};
+    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
+        if (!(*arrays[k] = td_alloc(sensor->count, sizeof **arrays[k], error))) return TIDES_NO_MEMORY;
+    sensor->reach = td_alloc(sensor->count, sizeof *sensor->reach, error);
+    if (!sensor->reach) return TIDES_NO_MEMORY;
+    return td_noise_create(&sensor->sensor, sensor->count, &sensor->noise, error);
+}
+
+tides_status td_sensor_create(const tides_sensor *given, int32_t model, double log_eps, double start, int32_t image_width,
+                              const td_tile *tiles, int32_t tile_count, td_sensor *sensor, tides_error *error) {
+    memset(sensor, 0, sizeof *sensor);
+    tides_sensor_defaults(&sensor->sensor);
+    memcpy(&sensor->sensor, given,
+           given->size < sizeof *given ? given->size : sizeof *given); /* an older caller's is shorter */
+    sensor->sensor.size = sizeof sensor->sensor;
+    const tides_sensor *params = &sensor->sensor;
+    tides_status status = td_sensor_check(params, error);
+    if (status != TIDES_OK) return status;
+    sensor->model = model;
+    sensor->log_eps = log_eps;
+    sensor->image_width = image_width;
+    sensor->masks = params->b_min > 0;
+    sensor->refractory_ns = 1e9 * params->refractory_s;
+    sensor->restless = params->leak_rate_hz > 0 || params->refractory_s > 0 || makes_noise(params);
+    sensor->on = sensor->restless || sensor->masks || params->threshold_sigma > 0 || params->dead_pixel_fraction > 0;
+    if (!sensor->on) return TIDES_OK;
+    td_step first; /* how the simulator's steps split that time */
+    status = td_step_between(start, start + 1, &first, error);
+    if (status != TIDES_OK) return status;
+    sensor->start_ns = first.start_ns;
+    sensor->start_fraction = first.start_fraction;
+    for (int32_t t = 0; t < tile_count; t++) sensor->count += (size_t)tiles[t].count;
+    status = allocate(sensor, error);
+    if (status != TIDES_OK) {
+        td_sensor_release(sensor);
+        return status;
+    }
+    for (size_t t = 0, i = 0; t < (size_t)tile_count; t++)
+        for (int32_t k = 0; k < tiles[t].count; k++) {
+            int32_t x = tiles[t].x0 + k % tiles[t].width, y = tiles[t].y0 + k / tiles[t].width;
+            draw_pixel(sensor, i++, (uint32_t)y * (uint32_t)image_width + (uint32_t)x);
+        }
+    return TIDES_OK;
+}
+
+void td_sensor_release(td_sensor *sensor) {
+    double *arrays[] = {sensor->threshold_on, sensor->threshold_off, sensor->leak,
+                        sensor->held_until,   sensor->since,         sensor->wake};
+    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
+    free(sensor->reach);
+    td_noise_release(&sensor->noise);
+    memset(sensor, 0, sizeof *sensor);
+}

@@ -1,0 +1,134 @@
+/* The sensor over the pixels of a tile: most do nothing in most steps, and are passed over by comparing control values with
+ * levels, as in comparator.c; the others go to pixel.c one by one. */
+#include "td_pixel.h"
+#include "td_sensor.h"
+
+#include <math.h>
+
+/* What the parts of a call share. */
+typedef struct tile_job {
+    td_pixel_job pixel;
+    const td_tile *tile;
+    size_t first;
+    const td_signals *signals;
+    const td_coverage *coverage;
+    double stop; /* no appointment of this step is later [ns since the run's start] */
+} tile_job;
+
+/* Rates that the model doesn't read count as 0. */
+static inline td_model fit(int32_t kind, const td_signals *signals, double h, size_t j) {
+    double S0_dot = kind == TIDES_MODEL_SECANT ? 0.0 : signals->S0_dot[j];
+    double S1_dot = kind == TIDES_MODEL_HERMITE ? signals->S1_dot[j] : 0.0;
+    return td_model_fit(kind, h, signals->S0[j], S0_dot, signals->S1[j], S1_dot);
+}
+
+enum { BLOCK = 64 };
+
+/* outside[k] = 0 where pixel j = first + k needs nothing: S_eff strictly between its levels, and no appointment. The loop is
+ * straight-line code, as comparator.c's. */
+static inline void reject(int32_t kind, const tile_job *job, size_t first, size_t count, double *restrict outside) {
+    const td_sensor *sensor = job->pixel.sensor;
+    const td_signals from = *job->signals;
+    const double *reference = job->pixel.pixels->reference + first, *wake = sensor->wake + job->first + first;
+    const double *on = sensor->threshold_on + job->first + first, *off = sensor->threshold_off + job->first + first;
+    const double *leak = sensor->leak + job->first + first;
+    const double h = job->pixel.step->length_s, start = job->pixel.start, third = job->pixel.step->length_ns / 3;
+    const double stop = job->stop;
+    for (size_t k = 0; k < count; k++) {
+        td_model model = fit(kind, &from, h, first + k);
+        double base = leak[k] * start - reference[k], rise = leak[k] * third, low = -off[k];
+        double r0 = model.control[0] + base, r1 = model.control[1] + base + rise, r2 = model.control[2] + base + 2 * rise;
+        double r3 = model.control[3] + base + 3 * rise, last = from.S1[first + k] + base + 3 * rise;
+        double flag = r0 < on[k] ? 0.0 : 1.0;
+        flag = r0 > low ? flag : 1.0;
+        flag = r1 < on[k] ? flag : 1.0;
+        flag = r1 > low ? flag : 1.0;
+        flag = r2 < on[k] ? flag : 1.0;
+        flag = r2 > low ? flag : 1.0;
+        flag = r3 < on[k] ? flag : 1.0;
+        flag = r3 > low ? flag : 1.0;
+        flag = last < on[k] ? flag : 1.0;
+        flag = last > low ? flag : 1.0;
+        outside[k] = wake[k] > stop ? flag : 1.0;
+    }
+}
+
+static void reject_block(const tile_job *job, size_t first, size_t count, double *outside) {
+    switch (job->pixel.sensor->model) {
+        case TIDES_MODEL_LINEAR: reject(TIDES_MODEL_LINEAR, job, first, count, outside); break;
+        case TIDES_MODEL_QUADRATIC: reject(TIDES_MODEL_QUADRATIC, job, first, count, outside); break;
+        case TIDES_MODEL_SECANT: reject(TIDES_MODEL_SECANT, job, first, count, outside); break;
+        default: reject(TIDES_MODEL_HERMITE, job, first, count, outside); break;
+    }
+}
+
+/* Where in the step the pixel's coverage, linear between its ends, is at least b_min. */
+static void set_visible(const tile_job *job, size_t j, td_pixel_step *pixel) {
+    pixel->visible_from = 0;
+    pixel->visible_to = 1;
+    if (!job->pixel.sensor->masks) return;
+    double least = job->pixel.sensor->sensor.b_min, begin = job->coverage->begin[j], end = job->coverage->end[j];
+    double crossing = (least - begin) / (end - begin);
+    if (!(begin >= least) && !(end >= least))
+        pixel->visible_from = pixel->visible_to = 2;
+    else if (!(begin >= least))
+        pixel->visible_from = crossing;
+    else if (!(end >= least))
+        pixel->visible_to = crossing;
+}
+
+static tides_status step_pixel(tile_job *job, size_t j) {
+    const td_step *step = job->pixel.step;
+    const td_sensor *sensor = job->pixel.sensor;
+    td_pixel_step pixel = {.local = j, .i = job->first + j};
+    pixel.x = (uint16_t)(job->tile->x0 + (int32_t)j % job->tile->width);
+    pixel.y = (uint16_t)(job->tile->y0 + (int32_t)j / job->tile->width);
+    pixel.input = fit(sensor->model, job->signals, step->length_s, j);
+    pixel.path.cubic = pixel.input;
+    double ramp = sensor->leak[pixel.i] * job->pixel.start, rise = sensor->leak[pixel.i] * step->length_ns;
+    for (int c = 0; c < 4; c++) pixel.path.cubic.control[c] += ramp + rise * (c / 3.0);
+    pixel.end = job->signals->S1[j] + (ramp + rise);
+    set_visible(job, j, &pixel);
+    return td_pixel_advance(&job->pixel, &pixel);
+}
+
+static void add_counts(td_sensor_counts *sum, const td_sensor_counts *more) {
+    for (int c = 0; c < TIDES_CAUSES; c++) sum->cause[c] += more->cause[c];
+    sum->suppressed += more->suppressed;
+    sum->refractory += more->refractory;
+}
+
+tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
+                            const td_signals *signals, const td_coverage *coverage, const td_pixels *pixels,
+                            td_event_buffer *buffer, td_comparator_counts *counts, tides_error *error) {
+    tile_job job = {{sensor,
+                     step,
+                     pixels,
+                     td_sensor_time(sensor, step->start_ns, step->start_fraction),
+                     buffer,
+                     *counts,
+                     {{0}, 0, 0},
+                     error},
+                    tile,
+                    first,
+                    signals,
+                    coverage,
+                    (double)(step->stop_ns - sensor->start_ns) + 2}; /* floored, and less one: see step_between */
+    size_t before = buffer->count, pixel_count = (size_t)tile->count;
+    double outside[BLOCK];
+    for (size_t done = 0; done < pixel_count; done += BLOCK) {
+        size_t count = pixel_count - done < BLOCK ? pixel_count - done : BLOCK;
+        reject_block(&job, done, count, outside);
+        for (size_t k = 0; k < count; k++) {
+            if (outside[k] == 0.0) continue;
+            tides_status status = step_pixel(&job, done + k);
+            if (status != TIDES_OK) {
+                buffer->count = before;
+                return status;
+            }
+        }
+    }
+    *counts = job.pixel.counts;
+    add_counts(&sensor->counts, &job.pixel.sensor_counts);
+    return TIDES_OK;
+}

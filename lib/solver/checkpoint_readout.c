@@ -1,0 +1,58 @@
+/* A checkpoint's readout: dataset /readout, i8, the numbers of td_arbiter_pack. */
+#include "td_checkpoint.h"
+
+#include <stdlib.h>
+
+tides_status td_readout_write(const tides_simulator *s, const td_place *root) {
+    int64_t *numbers = NULL;
+    size_t count = 0;
+    if (!s->scan.arbiter) return TIDES_OK;
+    tides_status status = td_arbiter_pack(s->scan.arbiter, &numbers, &count, root->error);
+    if (status != TIDES_OK) return status;
+    const uint64_t shape[] = {count};
+    status = td_place_write(root, "readout", H5T_STD_I64LE, H5T_NATIVE_INT64, 1, shape, numbers);
+    free(numbers);
+    return status;
+}
+
+/* How many numbers there are; contiguous, so no more than the file has bytes for. -1: none, or of another kind. */
+static hssize_t length_of(hid_t set) {
+    hid_t space = H5Dget_space(set), creation = H5Dget_create_plist(set);
+    int fits =
+        space >= 0 && creation >= 0 && H5Sget_simple_extent_ndims(space) == 1 && H5Pget_layout(creation) == H5D_CONTIGUOUS;
+    hssize_t count = fits ? H5Sget_simple_extent_npoints(space) : -1;
+    if (count >= 0 && H5Dget_storage_size(set) != (hsize_t)count * sizeof(int64_t)) count = -1;
+    if (creation >= 0) H5Pclose(creation);
+    if (space >= 0) H5Sclose(space);
+    return count;
+}
+
+static tides_status read_numbers(const td_place *root, int64_t **numbers, size_t *count) {
+    hid_t set = td_place_has(root, "readout") ? H5Dopen2(root->id, "readout", H5P_DEFAULT) : H5I_INVALID_HID;
+    hssize_t length = set >= 0 ? length_of(set) : -1;
+    tides_status status = TIDES_OK;
+    if (length <= 0)
+        status = td_fail(root->error, TIDES_BAD_FILE, "%s: dataset readout is missing or damaged", root->file);
+    else if (!(*numbers = td_alloc((size_t)length, sizeof **numbers, root->error)))
+        status = TIDES_NO_MEMORY;
+    else if (H5Dread(set, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, *numbers) < 0)
+        status = td_fail(root->error, TIDES_BAD_FILE, "%s: dataset readout can't be read", root->file);
+    if (set >= 0) H5Dclose(set);
+    *count = length > 0 ? (size_t)length : 0;
+    return status;
+}
+
+/* Into an arbiter of its own, so that a file that turns out bad leaves the simulator as it was. */
+tides_status td_readout_read(const tides_simulator *s, const td_place *root, tides_arbiter **arbiter) {
+    int64_t *numbers = NULL;
+    size_t count = 0;
+    if (!s->scan.arbiter) return TIDES_OK;
+    tides_status status = read_numbers(root, &numbers, &count);
+    if (status == TIDES_OK)
+        status = tides_arbiter_create(&s->scan.readout, s->width, s->renderer->image.height, s->sensor.sensor.seed, arbiter,
+                                      root->error);
+    if (status == TIDES_OK) status = td_arbiter_unpack(*arbiter, numbers, count, root->error);
+    if (status == TIDES_BAD_FILE) status = td_fail_within(root->error, status, "%s", root->file);
+    free(numbers);
+    return status;
+}

@@ -1,0 +1,67 @@
+/* A step of one tile: signals in, events out, by the comparator or by the sensor in its place. */
+#include "td_simulator.h"
+
+#include <math.h>
+
+/* Of the step reached [ns since the run's start]. */
+static double time_now(const tides_simulator *s) {
+    td_step step;
+    double time = td_grid_time(s, s->step);
+    if (td_step_between(time, time + 1, &step, NULL) != TIDES_OK) return 0; /* the run's steps have all been like it */
+    return td_sensor_time(&s->sensor, step.start_ns, step.start_fraction);
+}
+
+tides_status td_compare_tile(tides_simulator *s, int t, const td_step *step, const double *const begin[],
+                             const double *const end[], tides_error *error) {
+    size_t at = s->first_pixel[t];
+    td_signals signals = {begin[TD_KEPT_S], begin[TD_KEPT_S_DOT], end[TD_KEPT_S], end[TD_KEPT_S_DOT]};
+    td_pixels pixels = {s->pixels.initial + at, s->pixels.reference + at, s->pixels.count_on + at, s->pixels.count_off + at};
+    if (!s->sensor.on)
+        return td_comparator_step(&s->comparator, step, &s->tile[t], &signals, &pixels, &s->events, &s->counts, error);
+    td_coverage coverage = {NULL, NULL};
+    if (s->sensor.masks) coverage = (td_coverage){begin[TD_KEPT_ALPHA], end[TD_KEPT_ALPHA]};
+    return td_sensor_step(&s->sensor, step, &s->tile[t], at, &signals, &coverage, &pixels, &s->events, &s->counts, error);
+}
+
+tides_status td_compare_still(tides_simulator *s, const td_step *step, tides_error *error) {
+    static const double no_rate[TD_TILE_PIXELS] = {0};
+    if (!s->sensor.restless) return TIDES_OK;
+    int moved = 0; /* both lists ascend */
+    for (int t = 0; t < s->tiles; t++) {
+        if (moved < s->moving_count && s->moving[moved] == t) {
+            moved++;
+            continue;
+        }
+        const double *plane[TD_KEPT_ALL];
+        for (int k = 0; k < s->planes_kept; k++) plane[k] = s->now.plane[k] + s->first_pixel[t];
+        plane[TD_KEPT_S_DOT] = no_rate;
+        tides_status status = td_compare_tile(s, t, step, plane, plane, error);
+        if (status != TIDES_OK) return status;
+    }
+    return TIDES_OK;
+}
+
+double td_signal_now(const tides_simulator *s, size_t pixel) {
+    double S = s->now.plane[TD_KEPT_S][pixel];
+    return s->sensor.on ? td_sensor_effective(&s->sensor, pixel, S, time_now(s)) : S;
+}
+
+/* Whether the pixel answers to its levels at the time reached. */
+static int is_free(const tides_simulator *s, size_t pixel, double time) {
+    const td_sensor *sensor = &s->sensor;
+    if (sensor->masks && !(s->now.plane[TD_KEPT_ALPHA][pixel] >= sensor->sensor.b_min)) return 0;
+    return !(sensor->held_until[pixel] > time);
+}
+
+double td_worst_residual(const tides_simulator *s) {
+    size_t count = s->first_pixel[s->tiles];
+    if (!s->sensor.on) return td_comparator_worst_residual(&s->comparator, &s->pixels, s->now.plane[TD_KEPT_S], count);
+    double worst = 0, time = time_now(s);
+    for (size_t i = 0; i < count; i++) {
+        double residual = td_signal_now(s, i) - s->pixels.reference[i];
+        double threshold = residual > 0 ? s->sensor.threshold_on[i] : s->sensor.threshold_off[i];
+        double relative = fabs(residual) / threshold;
+        if (relative > worst && is_free(s, i, time)) worst = relative;
+    }
+    return worst;
+}

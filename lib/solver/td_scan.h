@@ -1,0 +1,21 @@
+/* Internal: a run's readout: its arbiter, the tiles' activity, and what has left it. */
+#ifndef TD_SCAN_H
+#define TD_SCAN_H
+
+#include "readout/td_arbiter.h"
+
+typedef struct td_scan {
+    tides_readout readout;
+    tides_arbiter *arbiter; /* NULL: events go from the pixels to the sink */
+    double *psi;            /* (arbiter's tiles) */
+    int32_t *pixels;        /* of each of them */
+    int32_t across;
+    tides_event *events; /* left, for the packet */
+    int64_t *fired;      /* when */
+    size_t count, events_capacity, fired_capacity;
+    tides_error error; /* of taking them */
+} td_scan;
+
+void td_scan_release(td_scan *scan);
+
+#endif

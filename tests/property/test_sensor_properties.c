@@ -1,0 +1,211 @@
+/* The sensor in whole runs: blocks that are off change nothing; cuts, batches, tiles' own steps and checkpoints give the same
+ * events with all of them on, readout included; halving the steps moves none by more than it says. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "tests/property/simulator_run.h"
+#include "tides/metrics.h"
+
+#include <unistd.h>
+
+static const uint64_t SEED = 271828;
+
+/* All blocks, each strong enough to show in 80 ms. */
+static job noisy_job(const random_scene *scene, int adaptive) {
+    job j = adaptive ? adaptive_job_of(scene, 1) : job_of(scene);
+    j.sensor.seed = 99;
+    j.sensor.threshold_sigma = 0.02;
+    j.sensor.threshold_min = 0.05;
+    j.sensor.refractory_s = 1.7e-3;
+    j.sensor.leak_rate_hz = 30;
+    j.sensor.leak_sigma = 0.1;
+    j.sensor.shot_noise_hz = 20;
+    j.sensor.hot_pixel_fraction = 0.01;
+    j.sensor.hot_pixel_rate_hz = 500;
+    j.sensor.dead_pixel_fraction = 0.02;
+    j.sensor.b_min = 0.2;
+    return j;
+}
+
+static tides_readout busy_readout(void) {
+    tides_readout readout;
+    tides_readout_defaults(&readout);
+    readout.enabled = 1;
+    readout.tile_px = 8;
+    readout.tick_s = 10e-6;
+    readout.k0 = 2;
+    readout.queue_capacity = 64;
+    readout.p0 = 0.01;
+    readout.sigma0_s = 2e-6;
+    return readout;
+}
+
+static tides_simulator *simulator_of(const job *j, tides_device *device, const tides_readout *readout) {
+    tides_simulator *s = make_simulator(j, device);
+    tides_error error;
+    if (readout) scene_expect_ok(tides_simulator_readout(s, readout, &error), &error);
+    return s;
+}
+
+static void go(tides_simulator *s, double until, outcome *o) {
+    tides_error error;
+    scene_expect_ok(tides_simulator_run(s, until, collect, o, NULL, NULL, &error), &error);
+}
+
+static outcome whole_run(const job *j, tides_device *device, const tides_readout *readout) {
+    outcome o = {0};
+    tides_simulator *s = simulator_of(j, device, readout);
+    go(s, j->stop, &o);
+    tides_simulator_stats(s, &o.stats);
+    tides_simulator_destroy(s);
+    return o;
+}
+
+/* Cut into pieces, the second half by another simulator from a checkpoint. */
+static outcome cut_run(const job *j, tides_device *device, const tides_readout *readout, const char *path) {
+    outcome o = {0};
+    tides_error error;
+    tides_simulator *s = simulator_of(j, device, readout);
+    for (int k = 1; k <= 5; k++) go(s, j->start + (j->stop - j->start) * k / 10, &o);
+    scene_expect_ok(tides_simulator_save(s, NULL, path, &error), &error);
+    tides_simulator_destroy(s);
+    s = simulator_of(j, device, readout);
+    scene_expect_ok(tides_simulator_restore(s, NULL, path, &error), &error);
+    for (int k = 6; k <= 10; k++) go(s, j->start + (j->stop - j->start) * k / 10, &o);
+    go(s, j->stop, &o);
+    tides_simulator_stats(s, &o.stats);
+    tides_simulator_destroy(s);
+    return o;
+}
+
+static void expect_same_stats(const tides_stats *a, const tides_stats *b) {
+    for (int c = 0; c < TIDES_CAUSES; c++) assert_true(a->events_by_cause[c] == b->events_by_cause[c]);
+    assert_true(a->events_suppressed == b->events_suppressed && a->events_refractory == b->events_refractory);
+    assert_true(a->events_written == b->events_written && a->events_dropped == b->events_dropped);
+    assert_true(a->events_delayed == b->events_delayed && a->worst_residual == b->worst_residual);
+}
+
+static void test_cuts(void **state) {
+    random_scene scene = make_scene(SEED);
+    tides_device *device = open_device("reference-f32");
+    tides_readout readout = busy_readout();
+    printf("seed %llu\n", (unsigned long long)SEED);
+    for (int adaptive = 0; adaptive < 2; adaptive++)
+        for (int law = TIDES_REFRACTORY_HOLD; law <= TIDES_REFRACTORY_DROP_CONSUME; law++)
+            for (int reads = 0; reads < 2; reads++) {
+                job j = noisy_job(&scene, adaptive);
+                j.sensor.refractory_law = law;
+                outcome whole = whole_run(&j, device, reads ? &readout : NULL);
+                outcome pieces = cut_run(&j, device, reads ? &readout : NULL, scene_in_folder(*state, "cut.checkpoint"));
+                expect_same(&whole, &pieces, "cut");
+                expect_same_stats(&whole.stats, &pieces.stats);
+                if (law == TIDES_REFRACTORY_HOLD)
+                    printf("%s%s: %zu events; signal %llu, leak %llu, shot %llu, hot %llu; suppressed %llu, dropped %llu\n",
+                           adaptive ? "adaptive" : "fixed", reads ? ", readout" : "", whole.count,
+                           (unsigned long long)whole.stats.events_by_cause[0],
+                           (unsigned long long)whole.stats.events_by_cause[1],
+                           (unsigned long long)whole.stats.events_by_cause[2],
+                           (unsigned long long)whole.stats.events_by_cause[3],
+                           (unsigned long long)whole.stats.events_suppressed, (unsigned long long)whole.stats.events_dropped);
+                for (int c = 0; c < TIDES_CAUSES; c++) assert_true(whole.stats.events_by_cause[c] > 0);
+                assert_true(whole.stats.events_suppressed > 0);
+                assert_true(whole.stats.worst_residual < 1 + 1e-9);
+                assert_true(whole.stats.events_written == whole.count);
+                assert_true(!reads || (whole.stats.events_dropped > 0 && whole.stats.events_delayed > 0 &&
+                                       whole.stats.events == whole.count + whole.stats.events_dropped));
+                free_outcome(&whole);
+                free_outcome(&pieces);
+            }
+    tides_device_close(device);
+    random_scene_free(&scene);
+}
+
+/* How many steps go to the device at once, and with a readout what packets come of it, doesn't show. */
+static void test_batches(void **state) {
+    (void)state;
+    random_scene scene = make_scene(SEED + 1);
+    tides_device *device = open_device("reference-f32");
+    tides_readout readout = busy_readout();
+    for (int reads = 0; reads < 2; reads++) {
+        job j = noisy_job(&scene, 0);
+        j.batch = 1;
+        outcome one = whole_run(&j, device, reads ? &readout : NULL);
+        j.batch = 7;
+        outcome seven = whole_run(&j, device, reads ? &readout : NULL);
+        expect_same(&one, &seven, "batches");
+        free_outcome(&one);
+        free_outcome(&seven);
+    }
+    tides_device_close(device);
+    random_scene_free(&scene);
+}
+
+/* The general sensor on parameters that do nothing gives the plain comparator's events, to the bit. */
+static void test_nothing_on(void **state) {
+    (void)state;
+    random_scene scene = make_scene(SEED + 2);
+    tides_device *device = open_device("reference-f32");
+    for (int adaptive = 0; adaptive < 2; adaptive++) {
+        job plain = adaptive ? adaptive_job_of(&scene, 1) : job_of(&scene), general = plain;
+        plain.sensor.threshold_off = general.sensor.threshold_off = plain.sensor.threshold_on; /* the same steps are chosen */
+        general.sensor.dead_pixel_fraction = 1e-12;
+        outcome a = whole_run(&plain, device, NULL), b = whole_run(&general, device, NULL);
+        assert_true(a.count > 1000);
+        expect_same(&a, &b, "general sensor");
+        assert_true(b.stats.steps == a.stats.steps && b.stats.worst_residual == a.stats.worst_residual);
+        tides_readout readout;
+        tides_readout_defaults(&readout);
+        readout.enabled = 1;
+        readout.tick_s = readout.eta = readout.gamma_sigma_s = 0;
+        outcome c = whole_run(&plain, device, &readout);
+        expect_same(&a, &c, "infinite readout");
+        free_outcome(&a);
+        free_outcome(&b);
+        free_outcome(&c);
+    }
+    tides_device_close(device);
+    random_scene_free(&scene);
+}
+
+/* All blocks without noise: halving the longest step moves no event by more than the runs' own estimates. */
+static void test_halved_steps(void **state) {
+    (void)state;
+    random_scene scene = make_scene(SEED + 4);
+    tides_device *device = open_device("reference");
+    for (int law = TIDES_REFRACTORY_HOLD; law <= TIDES_REFRACTORY_DROP_CONSUME; law++) {
+        job j = noisy_job(&scene, 1);
+        j.sensor.shot_noise_hz = j.sensor.hot_pixel_fraction = j.sensor.b_min = 0;
+        j.sensor.refractory_law = law;
+        j.sensor.refractory_s = 0.2e-3;
+        j.stepping.tolerance = 1e-4;
+        j.stepping.min_step_s = 1e-6;
+        outcome coarse = whole_run(&j, device, NULL);
+        j.stepping.step_s *= 0.5;
+        outcome fine = whole_run(&j, device, NULL);
+        tides_match m;
+        tides_error error;
+        scene_expect_ok(tides_match_events(coarse.events, coarse.count, fine.events, fine.count, 1e-3, &m, &error), &error);
+        printf("law %d: %zu and %zu events, p99 %.3g s, estimated p99 %.3g s, missing %llu, spurious %llu\n", law, coarse.count,
+               fine.count, 1e-6 * m.dt_p99_us, coarse.stats.error_p99_s, (unsigned long long)m.missing,
+               (unsigned long long)m.spurious);
+        assert_true((m.missing + m.spurious) * 1000 <= coarse.count);
+        assert_true(1e-6 * m.dt_p99_us <= coarse.stats.error_p99_s + fine.stats.error_p99_s);
+        free_outcome(&coarse);
+        free_outcome(&fine);
+    }
+    tides_device_close(device);
+    random_scene_free(&scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_cuts, scene_folder_setup, scene_folder_teardown),
+        cmocka_unit_test(test_batches),
+        cmocka_unit_test(test_nothing_on),
+        cmocka_unit_test(test_halved_steps),
+    };
+    return cmocka_run_group_tests_name("sensor in runs", tests, NULL, NULL);
+}
