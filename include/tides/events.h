@@ -61,6 +61,11 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_finish(tides_event_wr
 /* Flushes and closes what there is, and leaves the .part file. NULL is fine. */
 TIDES_API void tides_event_writer_abandon(tides_event_writer *writer);
 
+/* Sets the causes of `count` events that were read from number `first` on (tides_events_read): those of /events/cause, and 0,
+ * the signal, where the file has no such column. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_events_causes(const char *path, uint64_t first, size_t count, tides_event *events,
+                                                            tides_error *error);
+
 /* What a file holds. */
 typedef struct tides_event_summary {
     uint64_t count, count_on;

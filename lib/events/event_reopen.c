@@ -112,6 +112,7 @@ static herr_t cut_back(td_event_store *store, const tides_event_file *facts, uin
         return -1;
     for (int c = 0; c < TD_COLUMNS; c++)
         if (cut_dataset(store->columns[c], rows) < 0) return -1;
+    if (td_event_cause_reopen(store->file, &store->cause, rows) < 0) return -1;
     if (cut_dataset(store->index, store->index_rows) < 0) return -1;
     if (replace_text(store->file, "run", facts->run) < 0) return -1;
     store->rows = rows;

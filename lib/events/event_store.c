@@ -42,7 +42,7 @@ static hid_t column_memory_type(int column) {
     }
 }
 
-enum { BYTES_PER_EVENT = 1 + 4 + 2 + 2 + 8 };
+enum { BYTES_PER_EVENT = 1 + 4 + 2 + 2 + 8 + 1 };
 
 static void gather_column(int column, const tides_event *events, size_t count, void *out) {
     uint8_t *p = out;
@@ -147,7 +147,7 @@ static herr_t create_all(td_event_store *store, const char *path, const tides_ev
 }
 
 void td_event_store_reset(td_event_store *store) {
-    *store = (td_event_store){.file = -1, .index = -1, .count = -1, .stop = -1};
+    *store = (td_event_store){.file = -1, .index = -1, .count = -1, .stop = -1, .cause = -1};
     for (int c = 0; c < TD_COLUMNS; c++) store->columns[c] = -1;
 }
 
@@ -231,6 +231,7 @@ static herr_t append_events(td_event_store *store, const tides_event *events, si
         gather_column(c, events, count, store->scratch);
         if (write_rows(store->columns[c], column_memory_type(c), store->rows, count, store->scratch) < 0) return -1;
     }
+    if (td_event_cause_append(store->file, &store->cause, store->rows, events, count, store->scratch) < 0) return -1;
     for (size_t i = 0; i < count; i++)
         if (td_event_store_index(store, td_milliseconds_begun(events[i].t), store->rows + i) < 0) return -1;
     return 0;
@@ -279,6 +280,7 @@ tides_status td_event_store_complete(td_event_store *store, uint64_t entries, in
 
 herr_t td_event_store_close(td_event_store *store) {
     for (int c = 0; c < TD_COLUMNS; c++) td_h5_close(store->columns[c]);
+    td_h5_close(store->cause);
     td_h5_close(store->index);
     td_h5_close(store->count);
     td_h5_close(store->stop);

@@ -62,6 +62,7 @@ tides_status td_event_tail_read(const char *path, uint64_t first, tides_event *e
         return td_fail(error, TIDES_BAD_FILE, "%s: is missing, or doesn't begin with event %" PRIu64, path, first);
     size_t got = 0;
     tides_status status = tides_events_read(path, 0, count, events, &got, error);
+    if (status == TIDES_OK && got == count) status = tides_events_causes(path, 0, count, events, error);
     if (status != TIDES_OK || got == count) return status;
     return td_fail(error, TIDES_BAD_FILE, "%s: holds %zu events, %zu were expected", path, got, count);
 }

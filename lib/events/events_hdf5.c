@@ -4,6 +4,7 @@
  *   /events/t      u4   [us] after t_offset; floor(t_ns / 1000)
  *   /events/x, y   u2   [px]
  *   /events/t_ns   i8   [ns] the exact time; ours, ignored by others
+ *   /events/cause  u1   TIDES_CAUSE_*; only where some event is not the signal's (event_cause.c)
  *   /ms_to_idx     u8   entry k: the first event with t >= 1000 k. It covers the recording's end: a query that ends within the
  *                       recording finds its entry. (DSEC's own reader fails on a window without events; that is its defect.)
  *   /t_offset      i8   scalar, 0
@@ -211,6 +212,7 @@ static tides_status find_tail(tides_event_writer *writer, uint64_t rows, tides_e
     tides_status status = td_event_tail_read(writer->tail, rows, writer->buffer, writer->buffered, &reason);
     if (status == TIDES_OK) return check_events(writer, writer->buffer, writer->buffered, error);
     status = tides_events_read(writer->part, rows, writer->buffered, writer->buffer, &got, error);
+    if (status == TIDES_OK) status = tides_events_causes(writer->part, rows, got, writer->buffer, error);
     if (status != TIDES_OK) return status;
     if (got < writer->buffered)
         return td_fail(error, TIDES_BAD_FILE,

@@ -8,6 +8,7 @@ enum { TD_COLUMN_P, TD_COLUMN_T, TD_COLUMN_X, TD_COLUMN_Y, TD_COLUMN_NS, TD_COLU
 
 typedef struct td_event_store {
     hid_t file, columns[TD_COLUMNS], index, count, stop; /* the last two are attributes */
+    hid_t cause;                                         /* made where the first event comes that the signal didn't cause */
     uint64_t rows;                                       /* events in the datasets */
     uint64_t index_rows;                                 /* entries of ms_to_idx in its dataset */
     uint64_t next_ms;                                    /* first millisecond without an entry, written or pending */
@@ -15,6 +16,11 @@ typedef struct td_event_store {
     size_t pending_count;
     void *scratch; /* one column of one chunk */
 } td_event_store;
+
+/* The labels of `count` events at `row`, in a column that exists from the first one on that isn't the signal's (event_cause.c);
+ * `scratch` holds a chunk. And the column of an unfinished file, cut to `rows`. */
+herr_t td_event_cause_append(hid_t file, hid_t *cause, uint64_t row, const tides_event *events, size_t count, uint8_t *scratch);
+herr_t td_event_cause_reopen(hid_t file, hid_t *cause, uint64_t rows);
 
 /* "/events/p" ... */
 const char *td_event_column_name(int column);

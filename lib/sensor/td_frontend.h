@@ -1,27 +1,60 @@
-/* Internal: what the photoreceptor makes of a pixel's log-luminance on a step: exact for a cubic input, so that nothing depends
- * on how long steps are. The filter's state is TD_FRONTEND_STATE doubles per pixel. */
+/* Internal: what the photoreceptor makes of a pixel's log-luminance L on a step: exact for a cubic input, so that nothing depends
+ * on how long steps are. The filter's state is TD_FRONTEND_STATE doubles per pixel, S the first of them.
+ *
+ *   first order, constant   S' = rate (L - S), rate = 2 pi cutoff
+ *   first order, intensity  the same, rate = 2 pi cutoff (255 Y + 20) / 275, Y = max(e^L - log_eps, 0)
+ *   circuit                 a2 y'' + a1 y' + y = L, with I = photocurrent_a Y + dark_current_a, tau_in = photodiode_f V_T / I,
+ *                           tau_mil = miller_f V_T / I, A_loop = gain kappa:
+ *                             a2 = (tau_in + tau_mil) output_s / (A_loop + 1)
+ *                             a1 = (tau_in + output_s + (gain + 1) tau_mil) / (A_loop + 1)
+ *                           then the low-passes of source_follower_hz and difference_hz (simulators notes, 1.4)
+ *
+ * What rounding leaves. The constant law: S to about 1e-15. Rates that go with the light: S within TD_FRONTEND_TOLERANCE of the
+ * solution, whatever the steps (pieces.c). Where L comes from a float render it is wrong by about 1e-6, and so is S, for a low-pass
+ * enlarges nothing (the circuit by its overshoot at most): a crossing is off by 1e-6 / |S_dot|, which is 100 ns at 10 / s. Errors
+ * of L that differ from step to step are averaged over a time constant. */
 #ifndef TD_FRONTEND_H
 #define TD_FRONTEND_H
 
 #include "td_path.h"
 #include "tides/sensor.h"
 
-enum { TD_FRONTEND_STATE = 4 };
+#include <stddef.h>
+
+/* [log units] */
+#define TD_FRONTEND_TOLERANCE 1e-9
+
+enum { TD_FRONTEND_OFF = 0, TD_FRONTEND_CONSTANT = 1, TD_FRONTEND_INTENSITY = 2, TD_FRONTEND_CIRCUIT = 3 };
 
 typedef struct td_frontend {
     const tides_sensor *sensor;
-    int on; /* 0: the path is the cubic itself, and there is no state */
+    int on;                         /* 0: the path is the cubic itself, and there is no state */
+    int kind;                       /* TD_FRONTEND_* */
+    double light, dark;             /* what rates go with is light Y + dark: of (255 Y + 20) / 275, or the photocurrent [A] */
+    double rate;                    /* of the first-order filter, where that is 1 [1/s] */
+    double input_s, miller_s, loop; /* circuit: tau_in I and tau_mil I [A s]; A_loop + 1 */
+    double source_follower, difference; /* [1/s]; 0: left out */
+    double tolerance;                   /* of the input, so that S is within TD_FRONTEND_TOLERANCE */
 } td_frontend;
 
-/* `sensor` must outlive it. TIDES_BAD_ARGUMENT naming the field. */
+/* `sensor` must outlive it. Off where bandwidth is FIRST_ORDER and photoreceptor_cutoff_hz is 0. TIDES_BAD_ARGUMENT naming the
+ * field. */
 TIDES_MUST_CHECK tides_status td_frontend_make(const tides_sensor *sensor, td_frontend *frontend, tides_error *error);
 
 /* A pixel that has rested at log-luminance L for ever: its state, and the signal S. */
 double td_frontend_rest(const td_frontend *frontend, double L, double log_eps, double state[TD_FRONTEND_STATE]);
 
-/* One step of h seconds with input `input` (log-luminance): `path` is the output S; `state` goes to the step's end. Cutting a
- * step in two changes the output by rounding only. */
+/* One step of h > 0 seconds with input `input` (log-luminance): `path` is the output S, `state` goes to the step's end, and
+ * state[0] is td_path_value(path, 1). Cutting a step in two changes the output by rounding only where rates stand still, and by
+ * TD_FRONTEND_TOLERANCE where they go with the light. An input that isn't finite leaves the state as it was and makes the path
+ * NaN; a state that isn't finite starts afresh at rest at the input's begin. The path may refer to `frontend`. */
 void td_frontend_step(const td_frontend *frontend, double h, const td_model *input, double log_eps,
                       double state[TD_FRONTEND_STATE], td_path *path);
+
+/* TD_FRONTEND_CONSTANT alone: the steps of many pixels without their paths, in a loop that compilers vectorise. Of pixel i,
+ * control[k][i] are the input's control values, and S[i] its state[0]. `low` and `high` get bounds of S on the step: pixels
+ * that could reach a level there need their path as well, from the state that they had. */
+void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, const double *const control[4], double *S,
+                           double *low, double *high);
 
 #endif

@@ -1,32 +1,50 @@
 /* Internal: one pixel's signal on one step as the comparator sees it, exactly as the front end gives it: a cubic in time plus
- * what filters leave of their past, decaying modes. Time within the step is s in [0, 1]. */
+ * what filters leave of their past, decaying modes. Time within the step is s in [0, 1].
+ *
+ * Anything that is cubic in s (a leak's ramp) may be added to `cubic` before the path is used. A path that follows a filter whose
+ * rates go with the light refers to its front end, which must outlive it, and works its pieces out anew in each call. */
 #ifndef TD_PATH_H
 #define TD_PATH_H
 
 #include "solver/td_crossing.h"
 
-enum { TD_PATH_MODES_MAX = 4 };
+enum { TD_PATH_MODES_MAX = 4, TD_FRONTEND_STATE = 4 };
 
-/* e^(-rate s) (cosine cos(frequency s) + sine sin(frequency s)); rate and frequency per step. */
+/* The real part of (cosine + i sine) B(s) with lambda = rate + i frequency, both per step, rate >= 0. B is
+ *   e^(-lambda s)            that is, e^(-rate s) (cosine cos(frequency s) + sine sin(frequency s))
+ *   its part beyond s^3      where `tail`: the sum over k >= 4 of (-lambda)^(k-4) s^k / k!, for |lambda| <= 1. With it slow
+ *                            filters need no difference of a large cubic and a large mode. */
 typedef struct td_mode {
     double rate, frequency, cosine, sine;
+    int tail;
 } td_mode;
 
+/* A filter's input and state at the start of a step whose response is in pieces (td_pieces.h). */
+typedef struct td_drive {
+    const struct td_frontend *frontend; /* NULL: there is none */
+    td_model input;                     /* log-luminance */
+    double h, log_eps, state[TD_FRONTEND_STATE];
+    double low, high; /* bounds of the response */
+} td_drive;
+
+/* S(s) = cubic + modes + the response to `drive`. A path that is zero but for `cubic` is that cubic. */
 typedef struct td_path {
     td_model cubic;
     int modes; /* 0: the cubic is all */
     td_mode mode[TD_PATH_MODES_MAX];
+    td_drive drive;
 } td_path;
 
 double td_path_value(const td_path *path, double s);
 double td_path_slope(const td_path *path, double s);
 
 /* The first s in [from, to] at which S - reference >= threshold_on (returns +1) or <= -threshold_off (-1), 0 where there is
- * none; `from` <= `to` within [0, 1]. S on a level counts as reached. */
+ * none; `from` <= `to` within [0, 1]. S on a level counts as reached. No two crossings within the step can cancel and go
+ * unseen, but for bumps that are lower than rounding. Bounded work for any input: NaN and infinities reach nothing. */
 int td_path_crossing(const td_path *path, double reference, double threshold_on, double threshold_off, double from, double to,
                      double *s);
 
-/* Bounds of S on the whole step. */
+/* Bounds of S on the whole step, rounding included. */
 void td_path_range(const td_path *path, double *low, double *high);
 
 #endif

@@ -1,0 +1,189 @@
+/* The photoreceptor's filters: parameters, rest, and a step of one pixel or of many. */
+#include "td_frontend.h"
+#include "td_base.h"
+#include "td_lowpass.h"
+#include "td_pieces.h"
+
+#include <float.h>
+#include <math.h>
+
+static const double two_pi = 6.28318530717958647693;
+
+/* -- parameters ------------------------------------------------------------------------------------------------------------ */
+
+static tides_status check_positive(const char *field, double value, tides_error *error) {
+    if (value > 0 && value <= DBL_MAX) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_ARGUMENT, "%s is %g; it must be finite and above 0", field, value);
+}
+
+static tides_status check_not_negative(const char *field, double value, tides_error *error) {
+    if (value >= 0 && value <= DBL_MAX) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_ARGUMENT, "%s is %g; it must be finite and at least 0", field, value);
+}
+
+static tides_status check_choice(const char *field, int value, const char *choices, tides_error *error) {
+    if (value == 0 || value == 1) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_ARGUMENT, "%s is %d; it must be one of %s", field, value, choices);
+}
+
+/* The least damping of the photoreceptor at any light is about 1 / sqrt(A_loop + 1): this keeps it above 0.01, so that a swing
+ * dies within a few thousand parts of the crossing search. */
+static const double loop_gain_max = 1e4;
+
+static tides_status check_circuit(const tides_circuit *circuit, tides_error *error) {
+    tides_status status = TIDES_OK;
+    const struct {
+        const char *name;
+        double value;
+        int positive;
+    } field[] = {{"circuit.photocurrent_a", circuit->photocurrent_a, 0},
+                 {"circuit.dark_current_a", circuit->dark_current_a, 1},
+                 {"circuit.gain", circuit->gain, 1},
+                 {"circuit.kappa", circuit->kappa, 1},
+                 {"circuit.thermal_v", circuit->thermal_v, 1},
+                 {"circuit.photodiode_f", circuit->photodiode_f, 1},
+                 {"circuit.miller_f", circuit->miller_f, 0},
+                 {"circuit.output_s", circuit->output_s, 1},
+                 {"circuit.source_follower_hz", circuit->source_follower_hz, 0},
+                 {"circuit.difference_hz", circuit->difference_hz, 0}};
+    for (size_t i = 0; i < sizeof field / sizeof *field && status == TIDES_OK; i++)
+        status = (field[i].positive ? check_positive : check_not_negative)(field[i].name, field[i].value, error);
+    if (status == TIDES_OK && !(circuit->gain * circuit->kappa <= loop_gain_max))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "circuit.gain x circuit.kappa is %g; it must be at most %g",
+                       circuit->gain * circuit->kappa, loop_gain_max);
+    return status;
+}
+
+/* Two equal poles are put apart about their mean, which changes the chain in second order only. */
+static void part_equal_poles(td_frontend *frontend) {
+    double mean = 0.5 * (frontend->source_follower + frontend->difference);
+    double apart = 0.5 * TD_POLES_APART * mean;
+    if (!(fabs(frontend->source_follower - frontend->difference) < 2 * apart)) return;
+    frontend->source_follower = mean - apart;
+    frontend->difference = mean + apart;
+}
+
+static void make_circuit(const tides_circuit *circuit, td_frontend *frontend) {
+    frontend->kind = TD_FRONTEND_CIRCUIT;
+    frontend->light = circuit->photocurrent_a;
+    frontend->dark = circuit->dark_current_a;
+    frontend->input_s = circuit->photodiode_f * circuit->thermal_v;
+    frontend->miller_s = circuit->miller_f * circuit->thermal_v;
+    frontend->loop = circuit->gain * circuit->kappa + 1;
+    frontend->source_follower = two_pi * circuit->source_follower_hz;
+    frontend->difference = two_pi * circuit->difference_hz;
+    if (frontend->source_follower > 0 && frontend->difference > 0) part_equal_poles(frontend);
+    /* A second-order filter of damping z enlarges its input by coth(pi z / (2 sqrt(1 - z^2))) < 1 + 2 / (pi z) at most. */
+    frontend->tolerance = TD_FRONTEND_TOLERANCE / 2 / (1 + 4 / two_pi * sqrt(frontend->loop));
+}
+
+static void make_first_order(const tides_sensor *sensor, td_frontend *frontend) {
+    int follows_light = sensor->photoreceptor_law == TIDES_PHOTORECEPTOR_INTENSITY;
+    frontend->kind = follows_light ? TD_FRONTEND_INTENSITY : TD_FRONTEND_CONSTANT;
+    frontend->rate = two_pi * sensor->photoreceptor_cutoff_hz;
+    frontend->light = 255.0 / 275; /* v2e: (DN + 20) / 275, DN = 255 Y */
+    frontend->dark = 20.0 / 275;
+    frontend->tolerance = TD_FRONTEND_TOLERANCE / 2;
+}
+
+tides_status td_frontend_make(const tides_sensor *sensor, td_frontend *frontend, tides_error *error) {
+    *frontend = (td_frontend){.sensor = sensor};
+    tides_status status = check_not_negative("photoreceptor_cutoff_hz", sensor->photoreceptor_cutoff_hz, error);
+    if (status == TIDES_OK)
+        status = check_choice("photoreceptor_law", sensor->photoreceptor_law, "TIDES_PHOTORECEPTOR_*", error);
+    if (status == TIDES_OK) status = check_choice("bandwidth", sensor->bandwidth, "TIDES_BANDWIDTH_*", error);
+    if (status != TIDES_OK) return status;
+    if (sensor->bandwidth == TIDES_BANDWIDTH_CIRCUIT) {
+        status = check_circuit(&sensor->circuit, error);
+        if (status == TIDES_OK) make_circuit(&sensor->circuit, frontend);
+    } else if (sensor->photoreceptor_cutoff_hz > 0) {
+        make_first_order(sensor, frontend);
+    }
+    frontend->on = frontend->kind != TD_FRONTEND_OFF;
+    return status;
+}
+
+/* -- steps ----------------------------------------------------------------------------------------------------------------- */
+
+/* state: S, the second-order photoreceptor's output and its slope [1/s], the source follower's output. */
+double td_frontend_rest(const td_frontend *frontend, double L, double log_eps, double state[TD_FRONTEND_STATE]) {
+    (void)frontend;
+    (void)log_eps; /* at rest a low-pass is at its input, whatever its rate is */
+    state[0] = state[1] = state[3] = L;
+    state[2] = 0;
+    return L;
+}
+
+/* The walk over the pieces. One piece alone is the path itself. */
+static void step_in_pieces(const td_drive *drive, double state[TD_FRONTEND_STATE], td_path *path) {
+    td_pieces pieces;
+    double low = INFINITY, high = -INFINITY, piece_low, piece_high;
+    td_pieces_begin(&pieces, drive);
+    int count = 0;
+    for (; td_pieces_next(&pieces); count++) {
+        td_path_range(&pieces.path, &piece_low, &piece_high);
+        low = fmin(low, piece_low);
+        high = fmax(high, piece_high);
+    }
+    for (int i = 0; i < TD_FRONTEND_STATE; i++) state[i] = pieces.state[i];
+    if (count == 1) {
+        *path = pieces.path;
+        return;
+    }
+    *path = (td_path){.drive = *drive};
+    path->drive.low = low;
+    path->drive.high = high;
+}
+
+void td_frontend_step(const td_frontend *frontend, double h, const td_model *input, double log_eps,
+                      double state[TD_FRONTEND_STATE], td_path *path) {
+    *path = (td_path){.cubic = *input};
+    if (!frontend->on) return;
+    if (!td_model_is_finite(input)) {
+        *path = (td_path){.cubic = {{NAN, NAN, NAN, NAN}}};
+        return;
+    }
+    if (!isfinite(state[0])) td_frontend_rest(frontend, input->control[0], log_eps, state);
+    if (frontend->kind == TD_FRONTEND_CONSTANT) {
+        td_poles poles = td_poles_first_order(frontend->rate * h, state[0], input->control[0]);
+        td_poles_respond(&poles, input, path);
+        state[0] = td_path_value(path, 1);
+        return;
+    }
+    td_drive drive = {.frontend = frontend, .input = *input, .h = h, .log_eps = log_eps};
+    for (int i = 0; i < TD_FRONTEND_STATE; i++) drive.state[i] = state[i];
+    step_in_pieces(&drive, state, path);
+}
+
+/* S(1) is linear in S(0) and the control values; the weights are what a step makes of each alone. */
+static void weigh(double rate, double weight[5]) {
+    for (int k = 0; k < 5; k++) {
+        td_model one = {{k == 0, k == 1, k == 2, k == 3}};
+        td_path path = {.modes = 0};
+        td_poles poles = td_poles_first_order(rate, k == 4, one.control[0]);
+        td_poles_respond(&poles, &one, &path);
+        weight[k] = td_path_value(&path, 1);
+    }
+}
+
+void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, const double *const control[4], double *S,
+                           double *low, double *high) {
+    double w[5];
+    weigh(frontend->rate * h, w);
+    const double *b0 = control[0], *b1 = control[1], *b2 = control[2], *b3 = control[3];
+    for (size_t i = 0; i < count; i++) {
+        double before = S[i], least, most; /* S is an average of what was and what comes in: it stays between */
+        least = b0[i] < before ? b0[i] : before;
+        most = b0[i] > before ? b0[i] : before;
+        least = b1[i] < least ? b1[i] : least;
+        most = b1[i] > most ? b1[i] : most;
+        least = b2[i] < least ? b2[i] : least;
+        most = b2[i] > most ? b2[i] : most;
+        least = b3[i] < least ? b3[i] : least;
+        most = b3[i] > most ? b3[i] : most;
+        double after = w[0] * b0[i] + w[1] * b1[i] + w[2] * b2[i] + w[3] * b3[i] + w[4] * before;
+        low[i] = least;
+        high[i] = most;
+        S[i] = after;
+    }
+}

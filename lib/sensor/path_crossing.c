@@ -1,0 +1,233 @@
+/* Crossings of a cubic plus modes with a pair of levels.
+ *
+ * The step is worked through in parts so short that the modes are their Taylor polynomials to rounding: half a part is about
+ * half a time constant of the fastest mode alive, more as it dies. The polynomial then tells what the part holds:
+ *   - no level within its range: pass on;
+ *   - the slope, or else the second derivative, keeps its sign: at most one extremum, which is found, and on the monotone pieces
+ *     a level is crossed if and only if the piece's end has reached it;
+ *   - else the part is halved. That needs two extrema or an inflection next to an extremum, close to a level. */
+#include "td_path_parts.h"
+
+#include <float.h>
+#include <math.h>
+
+enum { DEGREE = 15 };
+
+/* What stays the same during a walk. */
+typedef struct search {
+    const td_path *path;
+    double reference, on, off;
+    double tiny;  /* modes smaller than this are below rounding */
+    double least; /* parts this short aren't halved */
+    long tries;   /* parts looked at; bounds the work */
+} search;
+
+/* S at centre + half v, v in [-1, 1]: the sum of term[k] v^k. */
+typedef struct series {
+    double begin, end, centre, half;
+    double term[DEGREE + 1];
+    double spread; /* sum of |term[k]|, k >= 1 */
+} series;
+
+/* -- the polynomial of a part ---------------------------------------------------------------------------------------------- */
+
+static void add_cubic(series *part, const td_model *cubic) {
+    td_model piece = td_model_part(cubic, part->begin, part->end);
+    const double *b = piece.control;
+    double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2];
+    part->term[0] += 0.125 * (b[0] + 3 * b[1] + 3 * b[2] + b[3]);
+    part->term[1] += 0.375 * (d0 + 2 * d1 + d2);
+    part->term[2] += 0.375 * (d2 - d0);
+    part->term[3] += 0.125 * (d2 - 2 * d1 + d0);
+}
+
+static void add_decay(series *part, const td_mode *mode) {
+    td_complex rate = td_mode_rate(mode), step = td_scaled(rate, -part->half);
+    td_complex term = td_times((td_complex){mode->cosine, mode->sine}, td_decay(rate, part->centre));
+    for (int k = 0; k <= DEGREE; k++) {
+        part->term[k] += term.re;
+        term = td_scaled(td_times(term, step), 1.0 / (k + 1));
+    }
+}
+
+/* The k-th derivative of a tail is the (4 - k)-th, and beyond the fourth one e^(-lambda s) (-lambda)^(k - 4). */
+static void add_tail(series *part, const td_mode *mode) {
+    td_complex rate = td_mode_rate(mode), size = {mode->cosine, mode->sine}, tail[5], derivative;
+    double power = 1; /* half^k / k! */
+    td_mode_tails(rate, part->centre, tail);
+    derivative = tail[0];
+    for (int k = 0; k <= DEGREE; k++) {
+        if (k > 4) derivative = td_times(derivative, td_scaled(rate, -1));
+        part->term[k] += td_times(size, k <= 4 ? tail[4 - k] : derivative).re * power;
+        power *= part->half / (k + 1);
+    }
+}
+
+static double size_at(const td_mode *mode, double s) { return hypot(mode->cosine, mode->sine) * exp(-mode->rate * s); }
+
+/* Half the length of a part from s on in which a mode is its series: the first term left out stays below rounding. */
+static double half_of(const search *at, const td_mode *mode, double s) {
+    const double factorial = 20922789888000.0; /* 16! */
+    if (mode->tail) return INFINITY;
+    double size = size_at(mode, s);
+    if (!(size > at->tiny)) return INFINITY;
+    return pow(factorial * at->tiny / size, 1.0 / (DEGREE + 1)) / td_magnitude(td_mode_rate(mode));
+}
+
+/* The part from `begin` on, at most 2 * half long; modes that have died are left out. */
+static void expand(const search *at, double begin, double half, double to, series *part) {
+    double end = begin + 2 * half;
+    if (!(end > begin)) end = nextafter(begin, 2);
+    *part = (series){.begin = begin, .end = end < to ? end : to};
+    part->half = 0.5 * (part->end - begin);
+    part->centre = begin + part->half;
+    add_cubic(part, &at->path->cubic);
+    for (int k = 0; k < at->path->modes; k++) {
+        const td_mode *mode = &at->path->mode[k];
+        if (mode->tail)
+            add_tail(part, mode);
+        else if (size_at(mode, begin) > at->tiny)
+            add_decay(part, mode);
+    }
+    for (int k = 1; k <= DEGREE; k++) part->spread += fabs(part->term[k]);
+}
+
+static double value_at(const series *part, double v) {
+    double sum = part->term[DEGREE];
+    for (int k = DEGREE - 1; k >= 0; k--) sum = sum * v + part->term[k];
+    return sum;
+}
+
+static double slope_at(const series *part, double v) {
+    double sum = DEGREE * part->term[DEGREE];
+    for (int k = DEGREE - 1; k >= 1; k--) sum = sum * v + k * part->term[k];
+    return sum;
+}
+
+static double bend_at(const series *part, double v) {
+    double sum = DEGREE * (DEGREE - 1) * part->term[DEGREE];
+    for (int k = DEGREE - 1; k >= 2; k--) sum = sum * v + k * (k - 1) * part->term[k];
+    return sum;
+}
+
+/* -- roots ----------------------------------------------------------------------------------------------------------------- */
+
+typedef double function(const series *part, double v);
+
+/* Newton for the first tries, then every second one halves the bracket (as in crossing.c). */
+enum { NEWTON_TRIES = 8, TRIES = NEWTON_TRIES + 2 * 64 };
+
+/* Where `value` - level, which has the sign of `direction` at `high` and hasn't at `low`, changes sign, with its derivative. */
+static double root(const series *part, function *value, function *derivative, double level, double direction, double low,
+                   double high) {
+    double v = 0.5 * (low + high);
+    for (int i = 0; i < TRIES; i++) {
+        int halve = i >= NEWTON_TRIES && i % 2 == 1;
+        if (halve || !(v > low && v < high)) v = low + 0.5 * (high - low);
+        if (!(v > low && v < high)) break;
+        double excess = value(part, v) - level;
+        if (excess == 0) return v;
+        if (direction * excess > 0)
+            high = v;
+        else
+            low = v;
+        double step = excess / derivative(part, v);
+        v -= step;
+        if (fabs(step) <= 0.5 * DBL_EPSILON) return fmin(fmax(v, low), high);
+    }
+    return high; /* the side on which the level has been reached */
+}
+
+static int polarity_of(const search *at, double value) {
+    double residual = value - at->reference;
+    return residual >= at->on ? 1 : residual <= -at->off ? -1 : 0;
+}
+
+/* The crossing in (low, high], where S is monotone and has reached nothing at `low`. */
+static int cross_monotone(const search *at, const series *part, double low, double high, double *s) {
+    int polarity = polarity_of(at, value_at(part, high));
+    if (polarity == 0) return 0;
+    double level = at->reference + (polarity > 0 ? at->on : -at->off);
+    double v = root(part, value_at, slope_at, level, polarity, low, high);
+    *s = fmin(fmax(part->centre + part->half * v, part->begin), part->end);
+    return polarity;
+}
+
+/* -- parts ----------------------------------------------------------------------------------------------------------------- */
+
+static int may_reach(const search *at, const series *part) {
+    return part->term[0] + part->spread - at->reference >= at->on || part->term[0] - part->spread - at->reference <= -at->off;
+}
+
+/* 1 where the derivative keeps its sign by its first term alone: the slope's with `order` 1, the bend's with 2. */
+static int keeps_sign(const series *part, int order) {
+    double rest = 0;
+    for (int k = order + 1; k <= DEGREE; k++) rest += (order == 1 ? k : k * (k - 1)) * fabs(part->term[k]);
+    return order * fabs(part->term[order]) >= rest;
+}
+
+/* A part whose bend keeps its sign: two monotone pieces at most. */
+static int cross_bent(const search *at, const series *part, double *s) {
+    double begin = slope_at(part, -1), end = slope_at(part, 1);
+    if (!((begin > 0 && end < 0) || (begin < 0 && end > 0))) return cross_monotone(at, part, -1, 1, s);
+    double extremum = root(part, slope_at, bend_at, 0, end, -1, 1);
+    int polarity = cross_monotone(at, part, -1, extremum, s);
+    return polarity ? polarity : cross_monotone(at, part, extremum, 1, s);
+}
+
+/* 1 where the part's variation is rounding: only its ends count. */
+static int is_flat(const search *at, const series *part) {
+    return part->spread <= 4 * DBL_EPSILON * fabs(part->term[0]) || part->half <= at->least;
+}
+
+/* 1: looked through, with what it holds in `polarity` and `s`. 0: it must be halved. */
+static int look(const search *at, const series *part, int *polarity, double *s) {
+    *polarity = polarity_of(at, value_at(part, -1));
+    *s = part->begin;
+    if (*polarity || !may_reach(at, part)) return 1;
+    if (keeps_sign(part, 1) || is_flat(at, part))
+        *polarity = cross_monotone(at, part, -1, 1, s);
+    else if (keeps_sign(part, 2))
+        *polarity = cross_bent(at, part, s);
+    else
+        return 0;
+    return 1;
+}
+
+/* The bounds on the work, out of any filter's reach: the circuit's slowest swing dies within 5000 parts (frontend.c checks), and
+ * halving goes on for 45 generations around each of a few places. Beyond them the grain gets coarser. */
+static void bound_work(search *at) {
+    enum { PATIENCE = 1 << 14 };
+    if (++at->tries % PATIENCE == 0) at->least = fmax(at->least, 0x1p-20) * 16;
+}
+
+/* The largest number that S is a sum of. */
+static double scale_of(const td_path *path) {
+    double scale = 0;
+    for (int i = 0; i < 4; i++) scale = fmax(scale, fabs(path->cubic.control[i]));
+    for (int k = 0; k < path->modes; k++) scale = fmax(scale, hypot(path->mode[k].cosine, path->mode[k].sine));
+    return scale;
+}
+
+int td_modes_crossing(const td_path *path, double reference, double threshold_on, double threshold_off, double from, double to,
+                      double *s) {
+    search at = {path, reference, threshold_on, threshold_off, 0x1p-60 * scale_of(path), 0x1p-45, 0};
+    double limit = INFINITY; /* on the next part's half, after halving */
+    for (double begin = from;;) {
+        double half = limit;
+        for (int k = 0; k < path->modes; k++) half = fmin(half, half_of(&at, &path->mode[k], begin));
+        if (at.least > 0x1p-30) half = fmax(half, at.least);
+        series part;
+        int polarity;
+        expand(&at, begin, half, to, &part);
+        bound_work(&at);
+        if (!look(&at, &part, &polarity, s)) {
+            limit = 0.5 * part.half;
+            continue;
+        }
+        if (polarity) return polarity;
+        if (!(part.end < to)) return 0;
+        limit = 2 * part.half;
+        begin = part.end;
+    }
+}

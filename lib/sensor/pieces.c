@@ -1,0 +1,158 @@
+/* Filters whose rates go with the light.
+ *
+ * The first-order filter S' = r (L - S) and the circuit's first stage a2 y'' + a1 y' + y = L both have rates that are linear in
+ * J = light Y + dark. With J frozen at J_m in the middle of a piece, and e = J / J_m - 1, they are exactly
+ *
+ *   A2 y'' + A1 y' + y = L + g,   g = e (L - y - k y')      A at J_m; k = output_s / (A_loop + 1), first order: A2 = 0, k = 0
+ *
+ * so that a piece is the constant filter's exact response to L + g. g is taken as the cubic through its values at 0, 1/3, 2/3 and
+ * 1, found by repeated substitution: e is small and so is the lag. What the cubic misses of g, seen between its nodes, is an
+ * error of the input; a piece is cut shorter until it is within frontend->tolerance. Errors don't add up from piece to piece:
+ * the response to an input error is bound by the largest one, times the filter's gain. */
+#include "td_pieces.h"
+#include "td_lowpass.h"
+#include "td_path_parts.h"
+
+#include <math.h>
+
+/* Sweeps of substitution in a piece, each better by the factor e; pieces tried in a step before any error is taken (steps that
+ * an image makes need 1 to 10). */
+enum { SWEEPS = 8, TRIED_MAX = 1 << 14, NODES = 4, BETWEEN = 3 };
+
+static const double node[NODES + BETWEEN] = {0, 1.0 / 3, 2.0 / 3, 1, 1.0 / 6, 1.0 / 2, 5.0 / 6};
+
+/* A piece while it is being solved. */
+typedef struct attempt {
+    const td_frontend *frontend;
+    double seconds, log_eps;
+    const double *state;
+    td_model input;
+    double middle;                   /* J_m */
+    double surplus[NODES + BETWEEN]; /* e at the nodes */
+    double lead;                     /* k [s] */
+    td_path stage;                   /* y */
+} attempt;
+
+static double light_at(const attempt *at, double u) {
+    double Y = exp(fmin(td_model_value(&at->input, u), 60)) - at->log_eps; /* an HDR image ends far below e^60 */
+    return at->frontend->light * fmax(Y, 0) + at->frontend->dark;
+}
+
+/* The photoreceptor: y of the circuit, or S of the first-order filter; y' is kept per second. */
+static td_poles photoreceptor(const attempt *at) {
+    const td_frontend *f = at->frontend;
+    double origin = at->input.control[0];
+    if (f->kind == TD_FRONTEND_INTENSITY) return td_poles_first_order(f->rate * at->middle * at->seconds, at->state[0], origin);
+    double in = f->input_s / at->middle, miller = f->miller_s / at->middle, out = f->sensor->circuit.output_s;
+    double product = f->loop / ((in + miller) * out),
+           sum = (in + out + (f->sensor->circuit.gain + 1) * miller) / ((in + miller) * out);
+    return td_poles_second_order(sum * at->seconds, product * at->seconds * at->seconds, at->state[1],
+                                 at->state[2] * at->seconds, origin);
+}
+
+static double missing(const attempt *at, int i) {
+    double L = td_model_value(&at->input, node[i]), y = td_path_value(&at->stage, node[i]);
+    double lag = L - y;
+    if (at->lead > 0) lag -= at->lead / at->seconds * td_path_slope(&at->stage, node[i]);
+    return at->surplus[i] * lag;
+}
+
+/* The cubic through g at the four nodes. */
+static td_model through(const double g[NODES]) {
+    return (td_model){
+        {g[0], (-5 * g[0] + 18 * g[1] - 9 * g[2] + 2 * g[3]) / 6, (2 * g[0] - 9 * g[1] + 18 * g[2] - 5 * g[3]) / 6, g[3]}};
+}
+
+/* NaN is the largest of all. */
+static double larger(double a, double b) { return b <= a || isnan(a) ? a : b; }
+
+/* Solves the photoreceptor; `input` becomes L + g. Returns the largest error of g. */
+static double substitute(attempt *at, const td_poles *stage, td_model *input) {
+    double g[NODES] = {0}, worst = 0;
+    td_model cubic = through(g);
+    for (int sweep = 0; sweep < SWEEPS; sweep++) {
+        for (int i = 0; i < 4; i++) input->control[i] = at->input.control[i] + cubic.control[i];
+        td_poles_respond(stage, input, &at->stage);
+        if (at->frontend->light == 0) return 0;
+        double before[NODES];
+        worst = 0;
+        for (int i = 0; i < NODES; i++) {
+            before[i] = g[i];
+            g[i] = missing(at, i);
+            worst = larger(worst, fabs(g[i] - before[i]));
+        }
+        if (!(worst > 0.25 * at->frontend->tolerance)) break;
+        cubic = through(g);
+    }
+    for (int i = NODES; i < NODES + BETWEEN; i++) worst = larger(worst, fabs(missing(at, i) - td_model_value(&cubic, node[i])));
+    return worst;
+}
+
+/* What follows the photoreceptor, and the state at the piece's end. */
+static void finish(const attempt *at, const td_poles *stage, const td_model *input, double state[TD_FRONTEND_STATE],
+                   td_path *path) {
+    const td_frontend *f = at->frontend;
+    td_poles poles = *stage;
+    double next[TD_FRONTEND_STATE] = {0};
+    next[1] = td_path_value(&at->stage, 1);
+    next[2] = td_path_slope(&at->stage, 1) / at->seconds;
+    *path = at->stage;
+    next[3] = next[1];
+    if (f->source_follower > 0) {
+        poles = td_poles_then(&poles, f->source_follower * at->seconds, at->state[3]);
+        td_poles_respond(&poles, input, path);
+        next[3] = td_path_value(path, 1);
+    }
+    if (f->difference > 0) {
+        poles = td_poles_then(&poles, f->difference * at->seconds, at->state[0]);
+        td_poles_respond(&poles, input, path);
+    }
+    next[0] = f->difference > 0 ? td_path_value(path, 1) : next[3];
+    for (int i = 0; i < TD_FRONTEND_STATE; i++) state[i] = next[i];
+}
+
+/* The piece from pieces->from to `to`; its error in g. */
+static double solve(const td_pieces *pieces, double to, double state[TD_FRONTEND_STATE], td_path *path) {
+    const td_drive *drive = pieces->drive;
+    attempt at = {.frontend = drive->frontend, .log_eps = drive->log_eps, .state = pieces->state};
+    at.seconds = drive->h * (to - pieces->from);
+    at.input = td_model_part(&drive->input, pieces->from, to);
+    at.middle = light_at(&at, 0.5);
+    at.lead =
+        drive->frontend->kind == TD_FRONTEND_CIRCUIT ? drive->frontend->sensor->circuit.output_s / drive->frontend->loop : 0;
+    for (int i = 0; i < NODES + BETWEEN; i++) at.surplus[i] = light_at(&at, node[i]) / at.middle - 1;
+    td_poles stage = photoreceptor(&at);
+    td_model input;
+    double error = substitute(&at, &stage, &input);
+    finish(&at, &stage, &input, state, path);
+    return error;
+}
+
+void td_pieces_begin(td_pieces *pieces, const td_drive *drive) {
+    *pieces = (td_pieces){.drive = drive, .length = 1};
+    for (int i = 0; i < TD_FRONTEND_STATE; i++) pieces->state[i] = drive->state[i];
+}
+
+/* The error of the cubic goes with the fourth power of the length. */
+static double better_length(double length, double tolerance, double error, double least, double most) {
+    double factor = 0.8 * sqrt(sqrt(tolerance / error));
+    return length * (factor < most ? fmax(factor, least) : most); /* NaN: most */
+}
+
+int td_pieces_next(td_pieces *pieces) {
+    double tolerance = pieces->drive->frontend->tolerance, state[TD_FRONTEND_STATE], error;
+    if (!(pieces->to < 1)) return 0;
+    pieces->from = pieces->to;
+    for (;;) {
+        double left = 1 - pieces->from;
+        pieces->to = pieces->length < left ? pieces->from + pieces->length : 1;
+        error = solve(pieces, pieces->to, state, &pieces->path);
+        if (++pieces->tried > TRIED_MAX || error <= tolerance) break;
+        if (!(pieces->from + 0.1 * pieces->length > pieces->from)) break; /* no shorter piece can be told from none */
+        pieces->length = better_length(pieces->to - pieces->from, tolerance, error, 0.05, 0.6);
+    }
+    for (int i = 0; i < TD_FRONTEND_STATE; i++) pieces->state[i] = state[i];
+    pieces->length = better_length(pieces->to - pieces->from, tolerance, error, 0.5, 4);
+    if (pieces->tried > TRIED_MAX) pieces->length = 1;
+    return 1;
+}

@@ -1,0 +1,42 @@
+/* Internal: a chain of linear filters with unit gain at rest, as a sum of first-order low-passes of the same input, one for each
+ * pole: S = sum of weight_k x_k, x_k' = lambda_k (L - x_k), and the weights add up to 1. Each x_k is exact for a cubic input
+ * and well-conditioned for any lambda, from 1e-12 to 1e12 per step; what can cancel is weights of poles that are close. */
+#ifndef TD_LOWPASS_H
+#define TD_LOWPASS_H
+
+#include "td_complex.h"
+#include "td_path.h"
+
+typedef struct td_pole {
+    td_complex rate;   /* lambda per step, real part > 0 */
+    td_complex weight; /* a pair's: the sum has twice its real part */
+    td_complex offset; /* weight (x - origin) at the start */
+    int pair;          /* 1: it stands for itself and its conjugate */
+} td_pole;
+
+/* Poles of one signal. */
+typedef struct td_poles {
+    td_pole pole[TD_PATH_MODES_MAX];
+    int count;
+    double origin, start; /* what offsets are measured from; S at the start */
+} td_poles;
+
+/* The signal over the step. Writes cubic and modes of the path. */
+void td_poles_respond(const td_poles *poles, const td_model *input, td_path *path);
+
+/* One pole alone: S' = rate (L - S). */
+td_poles td_poles_first_order(double rate, double S, double origin);
+
+/* Second order: S'' + (first + second) S' + first second S = first second L, where first + second = `sum` and first second =
+ * `product`; S' = slope at the start. Poles closer than TD_POLES_APART are put that far apart about their mean. */
+td_poles td_poles_second_order(double sum, double product, double S, double slope, double origin);
+
+/* A low-pass of `rate` behind them: S' = rate (signal - S), S at the start. A rate closer to a pole than TD_POLES_APART is
+ * moved by that much. */
+td_poles td_poles_then(const td_poles *signal, double rate, double S);
+
+/* Relative distance of poles below which the weights lose too much: moving one by a millionth moves S by a millionth of that
+ * pole's lag, and leaves 10 digits of S where two meet. */
+#define TD_POLES_APART 1e-6
+
+#endif

@@ -1,0 +1,67 @@
+# Noise, presets and the readout from the command line: what is asked for happens, is counted, and survives an interruption.
+make_scene
+expect 0 tides simulate run.json -o clean.h5 --json
+cp out clean.json
+[ "$(value clean.json events)" = "$(value clean.json events_signal)" ] || fail "without noise every event is the signal's"
+[ "$(value clean.json events_written)" = "$(value clean.json events)" ] || fail "without a readout all is written"
+
+# A preset, with keys of the run file on top of it; its events have causes.
+strong="--set frontend.shot_noise_hz=500 --set sensor.leak_rate_hz=200 --set frontend.hot_pixel_fraction=0.01"
+expect 0 tides simulate run.json -o noisy.h5 --set sensor.preset=v2e-noisy $strong --preview noisy.png
+out "^causes +signal [0-9.]+.*, leak [0-9.]+.*, shot noise [0-9.]+.*, hot pixels [0-9.]+"
+exists noisy.png
+expect 0 tides simulate run.json -o noisy2.h5 --set sensor.preset=v2e-noisy $strong --json
+for key in events_signal events_leak events_shot events_hot; do
+    [ "$(value out $key)" -gt 0 ] || fail "$key should be above 0"
+done
+[ "$(value out events)" = $(($(value out events_signal) + $(value out events_leak) + $(value out events_shot) + \
+    $(value out events_hot))) ] || fail "the causes should sum to the events"
+cmp -s noisy.h5 noisy2.h5 || fail "the same seed should make the same file"
+expect 0 tides simulate run.json -qo seeded.h5 --set sensor.preset=v2e-noisy $strong --seed 5
+cmp -s noisy.h5 seeded.h5 && fail "another seed should make another file"
+if "${PYTHON:-/usr/bin/python3}" -c 'import h5py' 2>/dev/null; then
+    "${PYTHON:-/usr/bin/python3}" - <<-'PY' || fail "causes or run are wrong in noisy.h5"
+	import h5py, json
+	f = h5py.File("noisy.h5", "r")
+	cause, run = f["events/cause"][:], json.loads(f.attrs["run"])
+	assert set(cause) == {0, 1, 2, 3} and len(cause) == f.attrs["count"]
+	assert "cause" not in h5py.File("clean.h5", "r")["events"]
+	sensor = run["sensor"]
+	assert sensor["threshold_sigma"] == 0.05 and sensor["refractory_law"] == "drop_keep", "the preset's"
+	assert sensor["leak_rate_hz"] == 200 and run["frontend"]["shot_noise_hz"] == 500, "the command line's"
+	PY
+fi
+
+# A preset of one's own, beside the run file; the run file's keys win.
+mkdir -p sub
+cat >sub/mine.json <<-JSON
+	{ "about": "mine", "sensor": { "threshold_on": { "value": 0.5, "source": "measured" }, "threshold_off": 0.1 } }
+JSON
+sed 's|"stepping"|"sensor": { "preset": "sub/mine.json", "threshold_off": 0.3 }, "stepping"|' run.json >own.json
+expect 0 tides simulate own.json -qo own.h5
+expect 0 tides simulate run.json -qo same.h5 --set sensor.threshold_on=0.5 --set sensor.threshold_off=0.3
+expect 0 tides info own.h5 --json
+count=$(value out events)
+expect 0 tides info same.h5 --json
+[ "$count" = "$(value out events)" ] || fail "a preset's threshold should be a threshold"
+refuse 1 "sensor.preset = \"dvs127\" is none of davis240, .*v2e-noisy" tides simulate run.json -o x.h5 --set sensor.preset=dvs127
+refuse 1 "none.json" tides simulate run.json -o x.h5 --set sensor.preset=sub/none.json
+echo '{ "sensor": { "treshold_on": 1 } }' >bad.json
+refuse 1 "preset bad.json: unknown key .*did you mean" tides simulate run.json -o x.h5 --set sensor.preset=bad.json
+echo '{ "stepping": { "mode": "fixed" } }' >bad.json
+refuse 1 "stepping.*a preset holds" tides simulate run.json -o x.h5 --set sensor.preset=bad.json
+echo '{ "sensor": { "threshold_on": { "source": "?" } } }' >bad.json
+refuse 1 "sensor.threshold_on has no value" tides simulate run.json -o x.h5 --set sensor.preset=bad.json
+echo '{ "sensor": ' >bad.json
+refuse 1 "isn't valid JSON" tides simulate run.json -o x.h5 --set sensor.preset=bad.json
+
+# The readout: nothing comes out that didn't go in, and a narrow one delays and drops.
+narrow="--set readout.enabled=true --set readout.tick_s=2e-5 --set readout.k0=1 --set readout.queue_capacity=8"
+expect 0 tides simulate run.json -o narrow.h5 $narrow --json
+cp out narrow.json
+[ "$(value narrow.json events)" = "$(value clean.json events)" ] || fail "the readout shouldn't change what fires"
+[ "$(value narrow.json events_dropped)" -gt 0 ] || fail "a narrow readout should drop"
+[ "$(value narrow.json events_delayed)" -gt 0 ] || fail "a narrow readout should delay"
+expect 0 tides info narrow.h5 --json
+[ "$(value out events)" = $(($(value narrow.json events) - $(value narrow.json events_dropped))) ] || fail "events are lost"
+[ "$(value out events)" = "$(value narrow.json events_written)" ] || fail "events_written isn't what the file holds"
