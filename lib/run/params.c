@@ -25,8 +25,8 @@
     { key, TIDES_PARAM_NUMBER, unit, lower, upper, fallback, NULL, sentence, 0 }
 #define LATER_CHOICE(key, choices, fallback, sentence) \
     { key, TIDES_PARAM_CHOICE, "", 0, 0, fallback, choices, sentence, 0 }
-#define LATER_VECTOR3(key, unit, lower, upper, fallback, sentence) \
-    { key, TIDES_PARAM_VECTOR3, unit, lower, upper, fallback, NULL, sentence, 0 }
+#define VECTOR2(key, unit, lower, upper, fallback, sentence) \
+    { key, TIDES_PARAM_VECTOR2, unit, lower, upper, fallback, NULL, sentence, 1 }
 
 /* Events carry 64-bit nanoseconds: 9.2e9 s is the last second that fits (clocks that count from 1970 do). */
 #define LAST_SECOND 9.2e9
@@ -77,7 +77,7 @@ static const tides_param table[] = {
     NUMBER("frontend.psf_sigma_px", "px", 0, 100, "0.0", "Gaussian blur of the optics; 0 is off"),
     CHOICE("frontend.psf_domain", "log|linear", "\"log\"", "blur of L, as in the paper, or of Y before the logarithm"),
     LATER_NUMBER("frontend.photoreceptor_cutoff_hz", "Hz", 0, 1e9, "0.0", "low-pass of the photoreceptor; 0 is off"),
-    LATER_VECTOR3("frontend.center_surround", "px, px, 1", 0, 1e3, "null", "sigmas and weight of the surround; null is off"),
+    VECTOR2("frontend.center_surround", "px, s", 0, 1e3, "null", "surround's space constant and time constant; null is off"),
     NUMBER("frontend.shot_noise_hz", "Hz", 0, 1e6, "0.0", "rate of noise events of a pixel in the dark, both polarities"),
     LATER_NUMBER("frontend.noise_rms", "log units", 0, 100, "0.0", "photoreceptor noise"),
     NUMBER("frontend.hot_pixel_fraction", "", 0, 1, "0.0", "part of the pixels that fire without cause"),

@@ -234,6 +234,11 @@ void tides_run_get(const tides_run *run, tides_run_values *values) {
     get_image(run, &values->image);
     get_sensor(run, &values->sensor);
     get_readout(run, &values->readout);
+    const cJSON *surround = td_run_value(run, "frontend.center_surround");
+    if (cJSON_IsArray(surround)) {
+        values->sensor.surround_lambda_px = cJSON_GetArrayItem(surround, 0)->valuedouble;
+        values->sensor.surround_tau_s = cJSON_GetArrayItem(surround, 1)->valuedouble;
+    }
     values->sensor.psf_sigma_px = td_run_number(run, "frontend.psf_sigma_px");
     values->sensor.psf_domain = run_constant(run, "frontend.psf_domain", psf_domains);
     tides_stepping_defaults(&values->stepping);

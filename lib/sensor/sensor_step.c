@@ -85,6 +85,7 @@ static tides_status step_pixel(tile_job *job, size_t j) {
     pixel.y = (uint16_t)(job->tile->y0 + (int32_t)j / job->tile->width);
     pixel.input = fit(sensor->model, job->signals, step->length_s, j);
     pixel.path.cubic = pixel.input;
+    if (sensor->light) pixel.input = fit(TIDES_MODEL_HERMITE, sensor->light, step->length_s, j);
     double ramp = sensor->leak[pixel.i] * job->pixel.start, rise = sensor->leak[pixel.i] * step->length_ns;
     for (int c = 0; c < 4; c++) pixel.path.cubic.control[c] += ramp + rise * (c / 3.0);
     pixel.end = job->signals->S1[j] + (ramp + rise);

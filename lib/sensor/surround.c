@@ -8,6 +8,9 @@
 
 enum { MAX_DEPTH = 20 }; /* halvings of a step */
 
+/* Halves of pieces keep to whole nanoseconds: none is shorter than a few. */
+static const double least_piece_s = 32e-9;
+
 /* Of the fastest mode, tau / (1 + 8 lambda^2). Rounding leaves 2e-16 of S divided by it in S_dot; what is faster is better taken
  * as a surround without delay. */
 static const double least_tau_s = 1e-12;
@@ -222,7 +225,8 @@ static double make_piece(td_surround *s) {
     for (;;) {
         advance(s, s->surround, s->at, s->at + part / 2, s->half_modes);
         sample_at(s, s->half_modes, s->at + part / 2, &s->half);
-        if (s->depth == MAX_DEPTH || !(miss(s, part * s->length_s) > s->tolerance)) return part;
+        if (s->depth == MAX_DEPTH || part * s->length_s < least_piece_s || !(miss(s, part * s->length_s) > s->tolerance))
+            return part;
         s->depth++;
         part /= 2;
         swap_samples(&s->half, &s->end);

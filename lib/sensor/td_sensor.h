@@ -50,6 +50,7 @@ typedef struct td_sensor {
     unsigned char *reach;                 /* 1: may have fired in this macro step (td_estimate_sensor) */
     td_noise noise;
     td_sensor_counts counts;
+    const td_signals *light; /* of a call: log-luminance, where the signals aren't; NULL: they are */
 } td_sensor;
 
 /* Checks the parameters that the comparator reads: TIDES_BAD_ARGUMENT naming the field. */

@@ -1,8 +1,9 @@
 /* State of pixels that only some runs have: where it is, and what the file calls it. */
 #include "td_checkpoint.h"
 
-const char *const td_optional_real_name[TD_OPTIONAL_REALS] = {"held_until", "last_event", "shot_on_due", "shot_off_due",
-                                                              "hot_due",    "coverage",   "alpha_dot",   "contributors"};
+const char *const td_optional_real_name[TD_OPTIONAL_REALS] = {"held_until",   "last_event",   "shot_on_due",
+                                                              "shot_off_due", "hot_due",      "coverage",
+                                                              "alpha_dot",    "contributors", "surround_modes"};
 
 double *td_optional_real(const tides_simulator *s, int which) {
     double *const all[TD_OPTIONAL_REALS] = {s->sensor.held_until,
@@ -12,7 +13,8 @@ double *td_optional_real(const tides_simulator *s, int which) {
                                             s->sensor.noise.due[TD_NOISE_HOT],
                                             s->now.plane[TD_KEPT_ALPHA],
                                             s->now.plane[TD_KEPT_ALPHA_DOT],
-                                            s->now.plane[TD_KEPT_CONTRIBUTORS]};
+                                            s->now.plane[TD_KEPT_CONTRIBUTORS],
+                                            s->surround.modes};
     return all[which];
 }
 

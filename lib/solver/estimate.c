@@ -44,7 +44,7 @@ td_estimate td_estimate_step(const td_comparator *comparator, double h, const td
          * over. */
         double timed = larger(error - noise, 0);
         if (!(error > worst.error || timed * h > worst.seconds * moved)) continue;
-        if (equal && !may_fire(S0, rate0, S1, rate1, error, reference[i], threshold)) continue;
+        if (equal && reference && !may_fire(S0, rate0, S1, rate1, error, reference[i], threshold)) continue;
         worst.error = larger(worst.error, error);
         worst.seconds = larger(worst.seconds, timed * h / moved);
     }
@@ -76,7 +76,7 @@ td_estimate td_estimate_sensor(td_sensor *sensor, size_t first, int whole, doubl
         double a = S0 + rate0 / 3, b = S1 - rate1 / 3; /* the ramp lies between its ends: bounds need no more */
         double low = smaller(smaller(S0, S1), smaller(a, b)) - error + ramp0;
         double high = larger(larger(S0, S1), larger(a, b)) + error + ramp1;
-        if (!may_fire_sensor(sensor, i, whole, low, high, reference[k])) continue;
+        if (reference && !may_fire_sensor(sensor, i, whole, low, high, reference[k])) continue;
         double own = smaller(sensor->threshold_on[i], sensor->threshold_off[i]);
         double moved = larger(fabs(rise + (ramp1 - ramp0)), error), timed = larger(error - noise, 0);
         worst.error = larger(worst.error, error * nominal / own);

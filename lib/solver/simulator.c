@@ -170,6 +170,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
         status =
             td_sensor_create(sensor, stepping->model, image->log_eps, start, s->width, s->tile, s->tiles, &s->sensor, error);
     }
+    if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, stepping, intrinsics->height, error);
     if (status != TIDES_OK) {
         tides_simulator_destroy(s);
         return status;
@@ -186,6 +187,7 @@ void tides_simulator_destroy(tides_simulator *simulator) {
     td_grid_release(&simulator->grid);
     td_scan_release(&simulator->scan);
     td_sensor_release(&simulator->sensor);
+    td_surround_steps_release(&simulator->surround);
     for (int p = 0; p < TD_KEPT_ALL; p++) {
         free(simulator->now.plane[p]);
         free(simulator->next.plane[p]);
