@@ -148,6 +148,12 @@ static const named_constant laws[] = {{"hold", TIDES_REFRACTORY_HOLD},
                                       {"drop_keep", TIDES_REFRACTORY_DROP_KEEP},
                                       {"drop_consume", TIDES_REFRACTORY_DROP_CONSUME},
                                       {NULL, 0}};
+static const named_constant photoreceptors[] = {{"constant", TIDES_PHOTORECEPTOR_CONSTANT},
+                                                {"intensity", TIDES_PHOTORECEPTOR_INTENSITY},
+                                                {NULL, 0}};
+static const named_constant bandwidths[] = {{"first_order", TIDES_BANDWIDTH_FIRST_ORDER},
+                                            {"circuit", TIDES_BANDWIDTH_CIRCUIT},
+                                            {NULL, 0}};
 static const named_constant readouts[] = {{"tiles", TIDES_READOUT_TILES},
                                           {"rows", TIDES_READOUT_ROWS},
                                           {"bottleneck", TIDES_READOUT_BOTTLENECK},
@@ -206,10 +212,23 @@ static void get_sensor(const tides_run *run, tides_sensor *sensor) {
                    {"sensor.dead_pixel_fraction", &sensor->dead_pixel_fraction},
                    {"frontend.shot_noise_hz", &sensor->shot_noise_hz},
                    {"frontend.hot_pixel_fraction", &sensor->hot_pixel_fraction},
-                   {"frontend.hot_pixel_rate_hz", &sensor->hot_pixel_rate_hz}};
+                   {"frontend.hot_pixel_rate_hz", &sensor->hot_pixel_rate_hz},
+                   {"frontend.photoreceptor_cutoff_hz", &sensor->photoreceptor_cutoff_hz},
+                   {"frontend.circuit.photocurrent_a", &sensor->circuit.photocurrent_a},
+                   {"frontend.circuit.dark_current_a", &sensor->circuit.dark_current_a},
+                   {"frontend.circuit.gain", &sensor->circuit.gain},
+                   {"frontend.circuit.kappa", &sensor->circuit.kappa},
+                   {"frontend.circuit.thermal_v", &sensor->circuit.thermal_v},
+                   {"frontend.circuit.photodiode_f", &sensor->circuit.photodiode_f},
+                   {"frontend.circuit.miller_f", &sensor->circuit.miller_f},
+                   {"frontend.circuit.output_s", &sensor->circuit.output_s},
+                   {"frontend.circuit.source_follower_hz", &sensor->circuit.source_follower_hz},
+                   {"frontend.circuit.difference_hz", &sensor->circuit.difference_hz}};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) *numbers[i].field = td_run_number(run, numbers[i].key);
     sensor->max_events_per_step = run_integer(run, "sensor.max_events_per_step");
     sensor->refractory_law = run_constant(run, "sensor.refractory_law", laws);
+    sensor->photoreceptor_law = run_constant(run, "frontend.photoreceptor_law", photoreceptors);
+    sensor->bandwidth = run_constant(run, "frontend.bandwidth", bandwidths);
     sensor->seed = run_seed(run);
 }
 

@@ -90,6 +90,9 @@ static tides_status allocate(td_sensor *sensor, tides_error *error) {
                          &sensor->held_until,   &sensor->since,         &sensor->wake};
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         if (!(*arrays[k] = td_alloc(sensor->count, sizeof **arrays[k], error))) return TIDES_NO_MEMORY;
+    int states = !sensor->frontend.on ? 0 : sensor->frontend.kind == TD_FRONTEND_CONSTANT ? 1 : TD_FRONTEND_STATE;
+    for (int k = 0; k < states; k++)
+        if (!(sensor->filter[k] = td_alloc(sensor->count, sizeof *sensor->filter[k], error))) return TIDES_NO_MEMORY;
     sensor->reach = td_alloc(sensor->count, sizeof *sensor->reach, error);
     if (!sensor->reach) return TIDES_NO_MEMORY;
     return td_noise_create(&sensor->sensor, sensor->count, &sensor->noise, error);
@@ -110,7 +113,9 @@ tides_status td_sensor_create(const tides_sensor *given, int32_t model, double l
     sensor->image_width = image_width;
     sensor->masks = params->b_min > 0;
     sensor->refractory_ns = 1e9 * params->refractory_s;
-    sensor->restless = params->leak_rate_hz > 0 || params->refractory_s > 0 || makes_noise(params);
+    status = td_frontend_make(params, &sensor->frontend, error);
+    if (status != TIDES_OK) return status;
+    sensor->restless = sensor->frontend.on || params->leak_rate_hz > 0 || params->refractory_s > 0 || makes_noise(params);
     sensor->on = sensor->restless || sensor->masks || params->threshold_sigma > 0 || params->dead_pixel_fraction > 0;
     if (!sensor->on) return TIDES_OK;
     td_step first; /* how the simulator's steps split that time */
@@ -136,7 +141,18 @@ void td_sensor_release(td_sensor *sensor) {
     double *arrays[] = {sensor->threshold_on, sensor->threshold_off, sensor->leak,
                         sensor->held_until,   sensor->since,         sensor->wake};
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
+    for (int k = 0; k < TD_FRONTEND_STATE; k++) free(sensor->filter[k]);
     free(sensor->reach);
     td_noise_release(&sensor->noise);
     memset(sensor, 0, sizeof *sensor);
+}
+
+void td_sensor_begin(td_sensor *sensor, const double *L, double *S) {
+    for (size_t i = 0; i < sensor->count; i++) {
+        double state[TD_FRONTEND_STATE] = {0}, rest = L[i];
+        if (sensor->frontend.on) rest = td_frontend_rest(&sensor->frontend, L[i], sensor->log_eps, state);
+        for (int k = 0; k < TD_FRONTEND_STATE; k++)
+            if (sensor->filter[k]) sensor->filter[k][i] = state[k];
+        S[i] = rest;
+    }
 }

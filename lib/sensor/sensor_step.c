@@ -77,6 +77,27 @@ static void set_visible(const tile_job *job, size_t j, td_pixel_step *pixel) {
         pixel->visible_to = crossing;
 }
 
+/* The filters' answer to the pixel's input, and their state at the step's end. */
+static void filter(const tile_job *job, td_pixel_step *pixel) {
+    td_sensor *sensor = job->pixel.sensor;
+    double state[TD_FRONTEND_STATE] = {0};
+    for (int k = 0; k < TD_FRONTEND_STATE; k++)
+        if (sensor->filter[k]) state[k] = sensor->filter[k][pixel->i];
+    td_frontend_step(&sensor->frontend, job->pixel.step->length_s, &pixel->input, sensor->log_eps, state, &pixel->path);
+    for (int k = 0; k < TD_FRONTEND_STATE; k++)
+        if (sensor->filter[k]) sensor->filter[k][pixel->i] = state[k];
+    pixel->end = state[0];
+}
+
+/* reject, of one filtered pixel. */
+static int needs_nothing(const tile_job *job, const td_pixel_step *pixel) {
+    const td_sensor *sensor = job->pixel.sensor;
+    double low, high, reference = job->pixel.pixels->reference[pixel->local];
+    td_path_range(&pixel->path, &low, &high);
+    return low > reference - sensor->threshold_off[pixel->i] && high < reference + sensor->threshold_on[pixel->i] &&
+           sensor->wake[pixel->i] > job->stop;
+}
+
 static tides_status step_pixel(tile_job *job, size_t j) {
     const td_step *step = job->pixel.step;
     const td_sensor *sensor = job->pixel.sensor;
@@ -85,10 +106,13 @@ static tides_status step_pixel(tile_job *job, size_t j) {
     pixel.y = (uint16_t)(job->tile->y0 + (int32_t)j / job->tile->width);
     pixel.input = fit(sensor->model, job->signals, step->length_s, j);
     pixel.path.cubic = pixel.input;
+    pixel.end = job->signals->S1[j];
+    if (sensor->frontend.on) filter(job, &pixel);
     if (sensor->light) pixel.input = fit(TIDES_MODEL_HERMITE, sensor->light, step->length_s, j);
     double ramp = sensor->leak[pixel.i] * job->pixel.start, rise = sensor->leak[pixel.i] * step->length_ns;
     for (int c = 0; c < 4; c++) pixel.path.cubic.control[c] += ramp + rise * (c / 3.0);
-    pixel.end = job->signals->S1[j] + (ramp + rise);
+    pixel.end += ramp + rise;
+    if (sensor->frontend.on && needs_nothing(job, &pixel)) return TIDES_OK;
     set_visible(job, j, &pixel);
     return td_pixel_advance(&job->pixel, &pixel);
 }
@@ -119,9 +143,9 @@ tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_til
     double outside[BLOCK];
     for (size_t done = 0; done < pixel_count; done += BLOCK) {
         size_t count = pixel_count - done < BLOCK ? pixel_count - done : BLOCK;
-        reject_block(&job, done, count, outside);
+        if (!sensor->frontend.on) reject_block(&job, done, count, outside);
         for (size_t k = 0; k < count; k++) {
-            if (outside[k] == 0.0) continue;
+            if (!sensor->frontend.on && outside[k] == 0.0) continue;
             tides_status status = step_pixel(&job, done + k);
             if (status != TIDES_OK) {
                 buffer->count = before;

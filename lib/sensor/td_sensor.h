@@ -1,4 +1,4 @@
-/* Internal: the comparator with its blocks: mismatch, leak, refractory period, coverage mask, shot noise, hot and dead pixels.
+/* Internal: the comparator with its blocks, behind the photoreceptor's filters: mismatch, leak, refractory period, coverage mask, shot noise, hot and dead pixels.
  * Used in place of td_comparator_step where any of them is on.
  *
  * A pixel compares S_eff = S + ramp with its own levels, where ramp = leak x (time since the run's start), so that the
@@ -19,6 +19,7 @@
 #define TD_SENSOR_H
 
 #include "solver/td_comparator.h"
+#include "td_frontend.h"
 #include "td_noise.h"
 #include "tides/sensor.h"
 
@@ -48,6 +49,8 @@ typedef struct td_sensor {
     double *since;                        /* last event, re-reference or consumed crossing: where the ramp's share begins */
     double *wake;                         /* the first time that the pixel must be looked at whatever its signal does */
     unsigned char *reach;                 /* 1: may have fired in this macro step (td_estimate_sensor) */
+    td_frontend frontend;
+    double *filter[TD_FRONTEND_STATE]; /* the filters' state, where there are any; the first is S at the time reached */
     td_noise noise;
     td_sensor_counts counts;
     const td_signals *light; /* of a call: log-luminance, where the signals aren't; NULL: they are */
@@ -61,6 +64,9 @@ TIDES_MUST_CHECK tides_status td_sensor_create(const tides_sensor *given, int32_
                                                int32_t image_width, const td_tile *tiles, int32_t tile_count, td_sensor *sensor,
                                                tides_error *error);
 void td_sensor_release(td_sensor *sensor);
+
+/* The run's start: pixel i has rested at log-luminance L[i], and S[i] becomes its signal (the same memory is fine). */
+void td_sensor_begin(td_sensor *sensor, const double *L, double *S);
 
 /* Coverage of a tile's pixels at both ends of the step, in [0, 1]; read only where sensor->masks. */
 typedef struct td_coverage {
@@ -79,9 +85,9 @@ static inline double td_sensor_time(const td_sensor *sensor, int64_t ns, double 
     return (double)(ns - sensor->start_ns) + (fraction - sensor->start_fraction);
 }
 
-/* S_eff at time [ns] since the run's start. */
-static inline double td_sensor_effective(const td_sensor *sensor, size_t pixel, double S, double time) {
-    return S + sensor->leak[pixel] * time;
+/* S_eff at time [ns] since the run's start, the time reached, at which the pixel's log-luminance is L. */
+static inline double td_sensor_effective(const td_sensor *sensor, size_t pixel, double L, double time) {
+    return (sensor->frontend.on ? sensor->filter[0][pixel] : L) + sensor->leak[pixel] * time;
 }
 
 /* The time of the pixel's next appointment, after any of its parts changed. */

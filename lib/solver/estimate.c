@@ -55,6 +55,7 @@ td_estimate td_estimate_step(const td_comparator *comparator, double h, const td
  * S_eff. */
 static int may_fire_sensor(td_sensor *sensor, size_t i, int whole, double low, double high, double reference) {
     double on = sensor->threshold_on[i], off = sensor->threshold_off[i];
+    if (sensor->frontend.on) return 1;
     int holds = sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD && sensor->refractory_ns > 0;
     if (on == off && !holds) return reaches_level(low, high, reference, on);
     if (whole) sensor->reach[i] = sensor->held_until[i] > -INFINITY;

@@ -87,7 +87,12 @@ static tides_status begin(tides_simulator *s, tides_error *error) {
     if (status != TIDES_OK) return status;
     store_step(s, 0, &s->now);
     if (s->surround.surround.on) td_surround_steps_begin(s);
-    td_pixels_reset(&s->pixels, s->surround.surround.on ? s->surround.S : s->now.plane[TD_KEPT_S], s->first_pixel[s->tiles]);
+    const double *S = s->surround.surround.on ? s->surround.S : s->now.plane[TD_KEPT_S];
+    td_pixels_reset(&s->pixels, S, s->first_pixel[s->tiles]);
+    if (s->sensor.frontend.on) {
+        td_sensor_begin(&s->sensor, S, s->pixels.initial);
+        memcpy(s->pixels.reference, s->pixels.initial, s->first_pixel[s->tiles] * sizeof(double));
+    }
     s->started = 1;
     return TIDES_OK;
 }

@@ -11,6 +11,11 @@ tides_status td_surround_steps_create(tides_simulator *s, const tides_sensor *se
     if (stepping->budget > 0)
         return td_fail(error, TIDES_UNSUPPORTED,
                        "stepping.budget: can't be kept with a centre-surround, whose pixels have their steps in common; set 0");
+    if (sensor->bandwidth != TIDES_BANDWIDTH_FIRST_ORDER ||
+        (sensor->photoreceptor_cutoff_hz > 0 && sensor->photoreceptor_law != TIDES_PHOTORECEPTOR_CONSTANT))
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "center_surround: wants a photoreceptor whose filter is the same for all pixels: bandwidth first_order "
+                       "and photoreceptor_law constant");
     double least = sensor->threshold_on < sensor->threshold_off ? sensor->threshold_on : sensor->threshold_off;
     tides_status status = td_surround_create(sensor, s->width, height, stepping->tolerance * least, &steps->surround, error);
     double **images[] = {&steps->from_dot, &steps->p, &steps->p_dot, &steps->S, &steps->modes};

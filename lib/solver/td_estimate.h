@@ -27,7 +27,8 @@ td_estimate td_estimate_step(const td_comparator *comparator, double h, const td
  *
  * Levels are those of S with its leak. Where both thresholds are equal and no hold re-references, they are reference + n C
  * as above. Elsewhere a pixel counts from when it may first have fired or been re-referenced in this macro step: its range,
- * widened, left the band between its levels on a step judged so far, or it was held when the macro step began. What a noise
+ * widened, left the band between its levels on a step judged so far, or it was held when the macro step began. Behind a
+ * filter every pixel counts: low-passes don't enlarge the error of L, but where S is isn't seen in L. What a noise
  * event does to a reference isn't foreseen: noise forces no halving. */
 td_estimate td_estimate_sensor(td_sensor *sensor, size_t first, int whole, double time, double h, const td_signals *signals,
                                const double *reference, int32_t count);

@@ -1,5 +1,8 @@
 /* Internal: the simulator's centre-surround. Its modes belong to all pixels, so all tiles have the same steps then, and the
- * comparator sees each step in the surround's pieces. */
+ * comparator sees each step in the surround's pieces.
+ *
+ * The photoreceptor's low-pass comes after it here, before it in the eye: where the filter is the same for all pixels and
+ * constant in time, both are linear and it makes no difference. Other photoreceptors are refused. */
 #ifndef TD_SURROUND_STEPS_H
 #define TD_SURROUND_STEPS_H
 
