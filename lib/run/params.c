@@ -21,8 +21,6 @@
     { key, TIDES_PARAM_VECTOR3, unit, lower, upper, fallback, NULL, sentence, 1 }
 #define OBJECTS(key, fallback, sentence) \
     { key, TIDES_PARAM_OBJECTS, "", 0, 0, fallback, NULL, sentence, 1 }
-#define LATER_NUMBER(key, unit, lower, upper, fallback, sentence) \
-    { key, TIDES_PARAM_NUMBER, unit, lower, upper, fallback, NULL, sentence, 0 }
 #define LATER_CHOICE(key, choices, fallback, sentence) \
     { key, TIDES_PARAM_CHOICE, "", 0, 0, fallback, choices, sentence, 0 }
 #define VECTOR2(key, unit, lower, upper, fallback, sentence) \
@@ -92,7 +90,9 @@ static const tides_param table[] = {
     NUMBER("frontend.circuit.difference_hz", "Hz", 0, 1e9, "16000.0", "circuit: difference amplifier; 0 leaves it out"),
     VECTOR2("frontend.center_surround", "px, s", 0, 1e3, "null", "surround's space constant and time constant; null is off"),
     NUMBER("frontend.shot_noise_hz", "Hz", 0, 1e6, "0.0", "rate of noise events of a pixel in the dark, both polarities"),
-    LATER_NUMBER("frontend.noise_rms", "log units", 0, 100, "0.0", "photoreceptor noise"),
+    NUMBER("frontend.noise_rms", "log units", 0, 100, "0.0",
+           "additive noise, an Ornstein-Uhlenbeck process per pixel; 0 is off"),
+    NUMBER("frontend.noise_cutoff_hz", "Hz", 1e-3, 1e7, "300.0", "its corner frequency; v2e's photoreceptor has this one"),
     NUMBER("frontend.hot_pixel_fraction", "", 0, 1, "0.0", "part of the pixels that fire without cause"),
     NUMBER("frontend.hot_pixel_rate_hz", "Hz", 0, 1e6, "100.0", "rate of a hot pixel's ON events"),
 

@@ -211,6 +211,8 @@ static void get_sensor(const tides_run *run, tides_sensor *sensor) {
                    {"sensor.b_min", &sensor->b_min},
                    {"sensor.dead_pixel_fraction", &sensor->dead_pixel_fraction},
                    {"frontend.shot_noise_hz", &sensor->shot_noise_hz},
+                   {"frontend.noise_rms", &sensor->noise_rms},
+                   {"frontend.noise_cutoff_hz", &sensor->noise_cutoff_hz},
                    {"frontend.hot_pixel_fraction", &sensor->hot_pixel_fraction},
                    {"frontend.hot_pixel_rate_hz", &sensor->hot_pixel_rate_hz},
                    {"frontend.photoreceptor_cutoff_hz", &sensor->photoreceptor_cutoff_hz},

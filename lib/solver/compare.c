@@ -48,7 +48,9 @@ static const double *seen(const tides_simulator *s) {
 
 double td_signal_now(const tides_simulator *s, size_t pixel) {
     double S = seen(s)[pixel];
-    return s->sensor.on ? td_sensor_effective(&s->sensor, pixel, S, time_now(s)) : S;
+    if (!s->sensor.on) return S;
+    double time = time_now(s);
+    return td_sensor_effective(&s->sensor, pixel, S, time) + td_sensor_noise_at(&s->sensor, pixel, time);
 }
 
 /* Whether the pixel answers to its levels at the time reached. */
