@@ -29,12 +29,10 @@ tides_status td_additive_noise_make(const tides_sensor *sensor, td_additive_nois
     return TIDES_OK;
 }
 
-/* n(k); x(0) = sigma n(0). */
-static double normal_of(const td_additive_noise *noise, uint32_t pixel, uint64_t k) {
-    double normal[2];
+/* n(k) and its neighbour, k even first. */
+static void normals_of(const td_additive_noise *noise, uint32_t pixel, uint64_t k, double normal[2]) {
     td_random_bits bits = td_random(noise->seed, pixel, 1 + k / 2, TD_RANDOM_NOISE);
     td_random_normals(&bits, normal);
-    return normal[k % 2];
 }
 
 /* Where line 0 begins: at or before the run's start. */
@@ -43,19 +41,33 @@ static double origin_of(const td_additive_noise *noise, uint32_t pixel) {
     return -td_random_uniform(&bits, 0) * noise->spacing_ns;
 }
 
+/* What follows from k, begin, origin_ns and normal. */
+static void finish(const td_additive_noise *noise, td_noise_line *line) {
+    line->from_ns = line->origin_ns + (double)line->k * noise->spacing_ns;
+    line->to_ns = line->origin_ns + (double)(line->k + 1) * noise->spacing_ns;
+    line->end = noise->rho * line->begin + noise->change * line->normal[(line->k + 1) % 2];
+}
+
 td_noise_line td_additive_noise_resume(const td_additive_noise *noise, uint32_t pixel, uint64_t k, double value) {
-    double origin = origin_of(noise, pixel);
-    td_noise_line line = {k, origin + (double)k * noise->spacing_ns, origin + (double)(k + 1) * noise->spacing_ns, value,
-                          noise->rho * value + noise->change * normal_of(noise, pixel, k + 1)};
+    td_noise_line line = {.k = k, .begin = value, .origin_ns = origin_of(noise, pixel)};
+    normals_of(noise, pixel, k + 1, line.normal);
+    finish(noise, &line);
     return line;
 }
 
 td_noise_line td_additive_noise_first(const td_additive_noise *noise, uint32_t pixel) {
-    return td_additive_noise_resume(noise, pixel, 0, noise->sigma * normal_of(noise, pixel, 0));
+    double normal[2]; /* x(0) = sigma n(0) */
+    normals_of(noise, pixel, 0, normal);
+    return td_additive_noise_resume(noise, pixel, 0, noise->sigma * normal[0]);
 }
 
 td_noise_line td_additive_noise_next(const td_additive_noise *noise, uint32_t pixel, const td_noise_line *line) {
-    return td_additive_noise_resume(noise, pixel, line->k + 1, line->end);
+    td_noise_line next = *line;
+    next.k++;
+    next.begin = line->end;
+    if ((next.k + 1) % 2 == 0) normals_of(noise, pixel, next.k + 1, next.normal);
+    finish(noise, &next);
+    return next;
 }
 
 void td_additive_noise_seek(const td_additive_noise *noise, uint32_t pixel, double time_ns, td_noise_line *line) {

@@ -21,6 +21,7 @@ typedef struct walk {
     td_path noisy;       /* this: true where the walk stands, and up to line_until */
     td_noise_line line;
     double line_until;
+    double low, high; /* bounds of the pixel's path without noise */
 } walk;
 
 static double time_at(const walk *w, double s) { return w->job->start + s * w->job->step->length_ns; }
@@ -61,10 +62,20 @@ static void begin_lines(walk *w) {
     if (!sensor->additive.on) return;
     w->path = &w->noisy;
     w->noisy = w->pixel->path;
+    td_path_range(&w->pixel->path, &w->low, &w->high);
     w->line =
         td_additive_noise_resume(&sensor->additive, sensor->number[i], (uint64_t)sensor->noise_line[i], sensor->noise_value[i]);
     take_line(w);
     seek_line(w, 0);
+}
+
+/* The first crossing on [from, until], which ends no later than the line at hand. */
+static int cross(const walk *w, double from, double until, double *at) {
+    double low = w->reference - w->off, high = w->reference + w->on;
+    int noisy = w->job->sensor->additive.on;
+    *at = from;
+    if (noisy && w->low + fmin(w->line.begin, w->line.end) > low && w->high + fmax(w->line.begin, w->line.end) < high) return 0;
+    return td_path_crossing(w->path, w->reference, w->on, w->off, from, until, at);
 }
 
 /* The state becomes the line that the step's end is on. */
@@ -195,7 +206,7 @@ static void consume(walk *w, double until) {
     for (int32_t n = 0; n < TD_EVENTS_PER_PIXEL_MAX;) {
         seek_line(w, at);
         double stop = fmin(end, w->line_until);
-        int polarity = td_path_crossing(w->path, w->reference, w->on, w->off, at, stop, &at);
+        int polarity = cross(w, at, stop, &at);
         if (polarity == 0 && stop < end) {
             at = stop; /* the noise's next line */
             continue;
@@ -241,7 +252,7 @@ static tides_status look(walk *w) {
     seek_line(w, w->s);
     double noise = next_noise(w, &source), last = fmin(p->visible_to, 1), until = fmin(fmin(noise, last), w->line_until),
            at = w->s;
-    int polarity = w->cut ? 0 : td_path_crossing(w->path, w->reference, w->on, w->off, w->s, until, &at);
+    int polarity = w->cut ? 0 : cross(w, w->s, until, &at);
     if (polarity && w->crossed == job->sensor->sensor.max_events_per_step) {
         w->cut = 1;
         return TIDES_OK;

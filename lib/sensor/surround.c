@@ -16,7 +16,7 @@ static const double least_piece_s = 32e-9;
 static const double least_tau_s = 1e-12;
 static const double largest_lambda_px = 1000;
 
-/* -- one mode --------------------------------------------------------------------------------------------------------------- */
+/* -- one mode -------------------------------------------------------------------------------------------------------------- */
 
 enum { POWERS = 4, SERIES = 20 };
 
@@ -74,7 +74,7 @@ static double advance_mode(const hermite *step, double h, double gain, double ra
     return exp(-z) * h + gain * part * sum;
 }
 
-/* -- all modes -------------------------------------------------------------------------------------------------------------- */
+/* -- all modes ------------------------------------------------------------------------------------------------------------- */
 
 static double mode_rate(const td_surround *s, int j, int k) {
     return 1 + s->lambda_px * s->lambda_px * (s->cosine.mu_y[j] + s->cosine.mu_x[k]);
@@ -131,7 +131,7 @@ static void sample_at(td_surround *s, const double *modes, double at, td_surroun
     if (!(s->tau_s > 0)) subtract_steady_rates(s, at, out->S_dot);
 }
 
-/* -- steps ------------------------------------------------------------------------------------------------------------------ */
+/* -- steps ----------------------------------------------------------------------------------------------------------------- */
 
 static void swap(double **a, double **b) {
     double *passed = *a;
@@ -263,7 +263,7 @@ int td_surround_next(td_surround *s, double *from, double *to, td_surround_sampl
     return 1;
 }
 
-/* -- making ----------------------------------------------------------------------------------------------------------------- */
+/* -- making ---------------------------------------------------------------------------------------------------------------- */
 
 static tides_status check(const tides_sensor *sensor, double tolerance, tides_error *error) {
     if (!(sensor->surround_lambda_px > 0) || !(sensor->surround_lambda_px <= largest_lambda_px))

@@ -47,7 +47,7 @@ static double noise_at(const td_additive_noise *noise, uint32_t pixel, double ti
     return td_noise_line_at(&line, time_ns);
 }
 
-/* -- statistics ------------------------------------------------------------------------------------------------------------- */
+/* -- statistics ------------------------------------------------------------------------------------------------------------ */
 
 /* At grid points: stationary from the first, correlated by e^(-lag / tau). */
 static void test_points(void **state) {
@@ -134,7 +134,7 @@ static void test_spectrum(void **state) {
     free(power);
 }
 
-/* -- lines ------------------------------------------------------------------------------------------------------------------ */
+/* -- lines ----------------------------------------------------------------------------------------------------------------- */
 
 /* Continuous; the same from a checkpoint's numbers, and in one jump or many. */
 static void test_lines(void **state) {

@@ -19,7 +19,7 @@ static void expect_close(double found, double wanted, double off) {
     if (!(fabs(found - wanted) <= off)) fail_msg("%.17g is not within %g of %.17g", found, off, wanted);
 }
 
-/* -- images by formula ------------------------------------------------------------------------------------------------------ */
+/* -- images by formula ----------------------------------------------------------------------------------------------------- */
 
 /* L and L_dot at a pixel centre and a slot. */
 typedef void (*image_at)(double x, double y, int slot, double *L, double *L_dot);
@@ -100,7 +100,7 @@ static double pixel_of(const tides_renderer *renderer, const double *planes, int
 
 static const double no_times[3] = {0, 0, 0};
 
-/* -- closed forms ----------------------------------------------------------------------------------------------------------- */
+/* -- closed forms ---------------------------------------------------------------------------------------------------------- */
 
 static const double spot = 2.5, spot_x = 29.3, spot_y = 20.9; /* on no tile border, and reaching over some */
 
@@ -193,7 +193,7 @@ static void test_uniform(void **state) {
     }
 }
 
-/* -- rates ------------------------------------------------------------------------------------------------------------------ */
+/* -- rates ----------------------------------------------------------------------------------------------------------------- */
 
 static const double slot_s = 1e-5; /* between two slots */
 
@@ -225,7 +225,7 @@ static void test_rates(void **state) {
     }
 }
 
-/* -- tiles ------------------------------------------------------------------------------------------------------------------ */
+/* -- tiles ----------------------------------------------------------------------------------------------------------------- */
 
 /* A real scene, whole frames at three times in one call, against tiles asked for one by one, and in odd company. */
 static void check_tiles(tides_renderer *renderer, const random_scene *s) {

@@ -38,7 +38,7 @@ static void random_image(uint64_t *seed, double scale, double *image) {
     for (int i = 0; i < PIXELS; i++) image[i] = scale * uniform(seed);
 }
 
-/* -- the transform ---------------------------------------------------------------------------------------------------------- */
+/* -- the transform --------------------------------------------------------------------------------------------------------- */
 
 /* There and back, energy kept, and the Laplacian is diagonal: sizes that divide nothing. */
 static void test_cosine(void **state) {
@@ -64,7 +64,7 @@ static void test_cosine(void **state) {
     }
 }
 
-/* -- closed forms ----------------------------------------------------------------------------------------------------------- */
+/* -- closed forms ---------------------------------------------------------------------------------------------------------- */
 
 /* One mode of the image, j along y and k along x; its rate is 1 + lambda^2 mu. */
 static double one_mode(int j, int k, double *image) {
@@ -116,7 +116,7 @@ static void test_modes(void **state) {
     }
 }
 
-/* -- any image -------------------------------------------------------------------------------------------------------------- */
+/* -- any image ------------------------------------------------------------------------------------------------------------- */
 
 /* h' of the equation, written out pixel by pixel. */
 static void rate_of(const double *p, const double *h, double lambda, double tau, double *h_dot) {
