@@ -14,11 +14,13 @@ typedef struct bench_stream {
     size_t count, capacity;
 } bench_stream;
 
-/* The exact stream of an image rule: hermite at `rate` fixed steps per second. Doubling the rate from half of it moved the
- * 99th percentile of the events by `shift_p99_us`, and left `shift_mismatch_percent` of them without a counterpart. */
+/* The exact stream of an image rule: hermite at `steps_per_s`, finer by tile where `tolerance` asks for it (0: equal steps).
+ * `moved` is how the last halving of its steps moved it. */
 typedef struct bench_truth {
     bench_stream stream;
-    double rate, shift_p99_us, shift_mismatch_percent;
+    double steps_per_s, tolerance;
+    tides_match moved;
+    double worst_residual;
 } bench_truth;
 
 enum { BENCH_RULES = 2 }; /* TIDES_RULES_SMOOTH and TIDES_RULES_INRIA have exact streams */
@@ -31,8 +33,9 @@ typedef struct bench_scene {
     tides_intrinsics intrinsics;
     tides_image_params image;
     tides_sensor sensor;
-    double start, stop;  /* [s] */
-    double macro_step_s; /* the longest step that controlled stepping may take */
+    double start, stop;     /* [s] */
+    double macro_step_s;    /* the longest step that controlled stepping may take */
+    const char *image_name; /* of another image than the rules' own, or NULL */
     bench_truth truth[BENCH_RULES];
 } bench_scene;
 
@@ -61,6 +64,7 @@ typedef struct bench {
     const cli_common *common;
     const char *directory;
     int32_t quick;
+    int32_t float_truth; /* exact streams from the device that is measured: quicker, good to some 10 ns */
     tides_device *device;
     tides_device_info info;
     cli_progress progress; /* only asked whether to stop */
@@ -79,6 +83,7 @@ typedef struct bench_row {
     int32_t runs;
     tides_stats stats;
     tides_match match;
+    double exact_share; /* how far the exact stream itself may be off, as a share of the errors measured against it */
 } bench_row;
 
 typedef struct bench_rows {
@@ -92,8 +97,6 @@ bench_row *bench_rows_add(bench_rows *rows, tides_error *error);
 /* Simulates once; run time and statistics go to the row, the events to the stream (emptied before; nullable). */
 tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
                             const tides_stepping *stepping, bench_stream *stream, bench_row *row, tides_error *error);
-/* The exact stream of the scene under `rules`, by doubling the rate of steps until nothing moves, or to a limit. */
-tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides_error *error);
 /* Runs a row again where it was short, for the better run time; else simulates and matches it against the truth. */
 tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
                            const tides_stepping *stepping, bench_row *row, tides_error *error);
@@ -108,11 +111,17 @@ const char *bench_rules_name(int32_t rules);
 typedef tides_status (*bench_visit)(void *user, bench *b, bench_scene *scene, tides_error *error);
 tides_status bench_each_scene(bench *b, const cli_list *names, bench_visit visit, void *user, tides_error *error);
 
+/* bench_truth.c: the exact stream of the scene under `rules`, by halving steps until nothing moves, or to a limit. */
+tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides_error *error);
+/* 1 where nothing in the image jumps. */
+int32_t bench_is_continuous(const tides_image_params *image);
+
 /* -- results ---------------------------------------------------------------------------------------------------------- */
 
 /* bench_table.c: what a run was made on; then NAME.json and NAME.csv below the directory. */
 cJSON *bench_header(const bench *b, const char *name);
-int32_t bench_header_scene(cJSON *header, const bench_scene *scene);
+/* `rows` (nullable) adds the verdicts. */
+int32_t bench_header_scene(cJSON *header, const bench_scene *scene, const bench_rows *rows);
 tides_status bench_write(const bench *b, const char *name, cJSON *header, const bench_rows *rows, tides_error *error);
 tides_status bench_path(const bench *b, const char *name, const char *ending, char *path, size_t size, tides_error *error);
 
@@ -128,12 +137,49 @@ int32_t bench_needed(const bench_rows *rows, const char *scene, const char *meth
 /* Prints what each method needs on a scene for p95 <= 2 us and a median of 0.05 us, and how honest the estimates were. */
 void bench_summary(const bench_rows *rows, const char *scene, FILE *out);
 
+/* bench_verdict.c */
+#define BENCH_EXACT_SHARE 0.01         /* the truth is a hundred times better than what is measured by it (DESIGN 7) */
+#define BENCH_MISMATCH_TOLERANCE 0.003 /* at this tolerance */
+#define BENCH_MISMATCH_PERCENT 0.01    /* no more events than this may lack a counterpart */
+typedef struct bench_verdict {
+    int32_t rows, estimated, honest;
+    int32_t of_image[BENCH_RULES],
+        within_share[BENCH_RULES]; /* runs on an image; those that its exact stream is good enough for */
+    double exact_share[BENCH_RULES], worst_residual, mismatch_percent; /* mismatch: NaN without a row at that tolerance */
+} bench_verdict;
+/* 1 where median, p95 and p99 of the true errors are no larger than the run's own estimates of them; 0 where one is; -1 where
+ * the run made no estimate, or no event was matched. */
+int32_t bench_is_honest(const bench_row *row);
+/* The largest share that the exact stream's last refinement has in median, p95 or p99; what is below the unit of event times
+ * counts as nothing. */
+double bench_exact_share(const bench_truth *truth, const tides_match *match);
+bench_verdict bench_judge(const bench_rows *rows, const char *scene);
+void bench_print_verdict(const bench_rows *rows, const char *scene, FILE *out);
+
 /* bench_figure.c: pictures of the rows. */
 tides_status bench_figure_curves(const bench *b, const bench_rows *rows, tides_error *error);
 tides_status bench_figure_bars(const bench *b, const bench_rows *rows, tides_error *error);
 
-/* bench_accuracy.c, bench_ablation.c; the exit code is the command's. */
+/* bench_jumps.c: an image beside others, apart from events. */
+typedef struct bench_jumps {
+    double per_pixel_s; /* jumps of L above 0.001 [1/s per pixel] */
+    double sum_per_s;   /* their sizes, added up [log units/s per pixel] */
+    double largest;     /* [log units] */
+    double psnr;        /* of the colours against inria's, peak 1 [dB] */
+    double furthest;    /* largest difference of a colour channel from inria's, */
+    int32_t x, y;       /* in this pixel, */
+    double time;        /* at this time [s] */
+} bench_jumps;
+tides_status bench_find_jumps(bench *b, const bench_scene *scene, const tides_image_params *image, bench_jumps *jumps,
+                              tides_error *error);
+
+/* Run time of a frame with L and L_dot in each of the images, best of many that take turns [s]. */
+tides_status bench_frame_costs(bench *b, const bench_scene *scene, const tides_image_params *images, size_t count,
+                               double *seconds, tides_error *error);
+
+/* bench_accuracy.c, bench_ablation.c, bench_image.c; the exit code is the command's. */
 tides_status bench_accuracy(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_ablation(bench *b, const cli_list *scenes, tides_error *error);
+tides_status bench_image(bench *b, const cli_list *scenes, tides_error *error);
 
 #endif

@@ -1,17 +1,24 @@
-/* tides bench ablation: what each part of the method is worth, as errors against the exact stream (the paper's table of
- * ablations, as far as the parts exist).
+/* tides bench ablation: what each part of the method is worth, as errors against the exact stream: the paper's table of
+ * ablations, as far as the parts exist, and what this library adds to it. A row is one line of the table below.
  *
- *   full               cubic, error control tile by tile
- *   global_step        the same control, one step for the whole image
- *   one_event          at most one event per pixel and step
- *   fixed_step         compute-matched: equal steps, as many renders as full took
- *   fixed_quadratic    the same with the quadratic through S0, S0_dot, S1
- *   fixed_linear       the same with the paper's linear model S0 + S0_dot d
- *   finite_difference  the linear model with its slope from the difference of the step's two renders, (S1 - S0) / h: that line
- *                      is the secant. Compute-matched too.
+ *   full                     cubic, error control tile by tile: the default. No risk-gated refinement (paper).
+ *   with_risk                risk control in addition
+ *   no_alpha_dot             the same without its alpha_dot cue
+ *   risk_only                the paper's controller alone
+ *   risk_only_no_alpha_dot   the same without its alpha_dot cue
+ *   global_step              full, but one step for the whole image
+ *   one_event                full, but at most one event per pixel and step
+ *   fixed_step               no controller: the paper's schedule, ten equal steps where full may take one
  *
- * Rows to come with their parts: the risk score and its alpha_dot cue (stepping.mode = risk), masking by coverage
- * (sensor.b_min), readout. A cubic with differenced slopes needs a third render per step and isn't in the library. */
+ * The others are compute-matched: equal steps, as many renders as full took.
+ *
+ *   compute_matched          the cubic
+ *   differenced_cubic        its slopes from differences of renders (TIDES_SLOPE_DIFFERENCE)
+ *   quadratic                through S0, S0_dot, S1
+ *   differenced_quadratic    its slope from differences
+ *   linear                   the paper's linear model S0 + S0_dot d
+ *   differenced_linear       its slope from differences: the paper's finite-difference row
+ *   straight_line            S0 to S1: what ESIM assumes */
 #include "bench.h"
 
 #include <math.h>
@@ -21,20 +28,43 @@
 
 #define TOLERANCE 0.01 /* of every controlled row */
 
+/* When a fixed step ends. */
+enum { STEPS_MATCHED = 0, STEPS_TEN = 1 };
+
 typedef struct variant {
     const char *name;
     int32_t mode, model, local;
     int32_t events_per_step; /* 0: no limit that matters */
+    int32_t steps;           /* of fixed rows: STEPS_* */
+    int32_t slope;
+    int32_t no_alpha_dot;
 } variant;
 
+enum {
+    FIXED = TIDES_STEPPING_FIXED,
+    ERROR = TIDES_STEPPING_ERROR,
+    RISK = TIDES_STEPPING_RISK,
+    BOTH = TIDES_STEPPING_ERROR_RISK,
+    CUBIC = TIDES_MODEL_HERMITE,
+    DIFFERENCE = TIDES_SLOPE_DIFFERENCE
+};
+
 static const variant variants[] = {
-    {"full", TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE, 1, 0},
-    {"global_step", TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE, 0, 0},
-    {"one_event", TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE, 1, 1},
-    {"fixed_step", TIDES_STEPPING_FIXED, TIDES_MODEL_HERMITE, 1, 0},
-    {"fixed_quadratic", TIDES_STEPPING_FIXED, TIDES_MODEL_QUADRATIC, 1, 0},
-    {"fixed_linear", TIDES_STEPPING_FIXED, TIDES_MODEL_LINEAR, 1, 0},
-    {"finite_difference", TIDES_STEPPING_FIXED, TIDES_MODEL_SECANT, 1, 0},
+    {.name = "full", .mode = ERROR, .model = CUBIC, .local = 1},
+    {.name = "with_risk", .mode = BOTH, .model = CUBIC, .local = 1},
+    {.name = "no_alpha_dot", .mode = BOTH, .model = CUBIC, .local = 1, .no_alpha_dot = 1},
+    {.name = "risk_only", .mode = RISK, .model = CUBIC, .local = 1},
+    {.name = "risk_only_no_alpha_dot", .mode = RISK, .model = CUBIC, .local = 1, .no_alpha_dot = 1},
+    {.name = "global_step", .mode = ERROR, .model = CUBIC},
+    {.name = "one_event", .mode = ERROR, .model = CUBIC, .local = 1, .events_per_step = 1},
+    {.name = "fixed_step", .mode = FIXED, .model = CUBIC, .local = 1, .steps = STEPS_TEN},
+    {.name = "compute_matched", .mode = FIXED, .model = CUBIC, .local = 1},
+    {.name = "differenced_cubic", .mode = FIXED, .model = CUBIC, .local = 1, .slope = DIFFERENCE},
+    {.name = "quadratic", .mode = FIXED, .model = TIDES_MODEL_QUADRATIC, .local = 1},
+    {.name = "differenced_quadratic", .mode = FIXED, .model = TIDES_MODEL_QUADRATIC, .local = 1, .slope = DIFFERENCE},
+    {.name = "linear", .mode = FIXED, .model = TIDES_MODEL_LINEAR, .local = 1},
+    {.name = "differenced_linear", .mode = FIXED, .model = TIDES_MODEL_LINEAR, .local = 1, .slope = DIFFERENCE},
+    {.name = "straight_line", .mode = FIXED, .model = TIDES_MODEL_SECANT, .local = 1},
 };
 enum { VARIANTS = sizeof variants / sizeof variants[0] };
 
@@ -43,53 +73,67 @@ typedef struct job {
     cJSON *header;
 } job;
 
-/* `steps` is how many a fixed step has: compute-matched. */
-static tides_stepping stepping_of(const variant *v, const bench_scene *scene, double steps) {
+/* `matched` is how many equal steps cost what full did. */
+static double steps_of(const variant *v, const bench_scene *scene, double matched) {
+    return v->steps == STEPS_TEN ? ceil(10 * (scene->stop - scene->start) / scene->macro_step_s) : matched;
+}
+
+static tides_stepping stepping_of(const variant *v, const bench_scene *scene, double matched) {
     tides_stepping s;
     tides_stepping_defaults(&s);
     s.mode = v->mode;
     s.model = v->model;
     s.local = v->local;
-    s.step_s = v->mode == TIDES_STEPPING_FIXED ? (scene->stop - scene->start) / steps : scene->macro_step_s;
+    s.step_s = v->mode == FIXED ? (scene->stop - scene->start) / steps_of(v, scene, matched) : scene->macro_step_s;
     s.min_step_s = 1e-6;
     s.tolerance = TOLERANCE;
     s.time_tolerance_s = 0;
+    s.slope = v->slope;
+    if (v->no_alpha_dot) s.risk.w_alpha = 0;
     return s;
 }
 
-/* How many equal steps take as many renders as `renders`. Tiles at rest cost no render under equal steps either, so this asks
- * the simulator: renders are one frame at the start and a share of one for each step, and the share hardly changes. */
+/* Renders that `steps` equal steps take: tiles at rest and empty tiles cost none, so this asks the simulator. */
+static tides_status count_renders(bench *b, const bench_scene *scene, double steps, double *renders, tides_error *error) {
+    static const variant fixed = {.mode = FIXED, .model = CUBIC, .local = 1};
+    bench_row run;
+    memset(&run, 0, sizeof run);
+    const tides_stepping stepping = stepping_of(&fixed, scene, steps);
+    tides_status status = bench_simulate(b, scene, TIDES_RULES_SMOOTH, &scene->sensor, &stepping, NULL, &run, error);
+    *renders = run.stats.renders_full_frame_equivalent;
+    return status;
+}
+
+/* How many equal steps take as many renders as `renders`: a share of a frame each, which hardly depends on their length,
+ * after a first frame of its own. */
 static tides_status match_compute(bench *b, const bench_scene *scene, double renders, double *steps, tides_error *error) {
     enum { TRIES = 3 };
-    static const variant fixed = {"", TIDES_STEPPING_FIXED, TIDES_MODEL_HERMITE, 1, 0};
-    double guess = fmax(1, round(renders - 1));
-    for (int32_t i = 0; i < TRIES; i++) {
-        bench_row run;
-        memset(&run, 0, sizeof run);
-        const tides_stepping stepping = stepping_of(&fixed, scene, guess);
-        tides_status status = bench_simulate(b, scene, TIDES_RULES_SMOOTH, &scene->sensor, &stepping, NULL, &run, error);
-        if (status != TIDES_OK) return status;
-        const double share = (run.stats.renders_full_frame_equivalent - 1) / guess;
-        const double better = share > 0 ? fmax(1, round((renders - 1) / share)) : guess;
+    double guess = fmax(2, round(renders)), one, some;
+    tides_status status = count_renders(b, scene, 1, &one, error);
+    for (int32_t i = 0; i < TRIES && status == TIDES_OK; i++) {
+        status = count_renders(b, scene, guess, &some, error);
+        if (status != TIDES_OK) break;
+        const double share = (some - one) / (guess - 1);
+        const double better = share > 0 ? fmax(1, round(1 + (renders - one) / share)) : guess;
         const int32_t enough = fabs(better - guess) <= 0.02 * guess;
-        guess = better;
+        guess = fmax(2, better);
         if (enough) break;
     }
     *steps = guess;
-    return TIDES_OK;
+    return status;
 }
 
 /* One row of the table; on a second pass it is there already. */
-static tides_status measure(bench *b, const bench_scene *scene, const variant *v, double steps, bench_row *row,
+static tides_status measure(bench *b, const bench_scene *scene, const variant *v, double matched, bench_row *row,
                             tides_error *error) {
-    const int32_t fixed = v->mode == TIDES_STEPPING_FIXED;
-    const tides_stepping stepping = stepping_of(v, scene, steps);
+    const int32_t fixed = v->mode == FIXED;
+    const tides_stepping stepping = stepping_of(v, scene, matched);
     tides_sensor sensor = scene->sensor;
     if (v->events_per_step) sensor.max_events_per_step = v->events_per_step;
     row->method = v->name;
     row->unit = fixed ? "frames/s" : "tolerance";
     row->setting = fixed ? 1 / stepping.step_s : TOLERANCE;
-    row->frames = fixed ? steps + 1 : 0;
+    row->frames = fixed ? steps_of(v, scene, matched) + 1 : 0;
     return bench_measure(b, scene, TIDES_RULES_SMOOTH, &sensor, &stepping, row, error);
 }
 
@@ -107,17 +151,17 @@ static tides_status visit(void *user, bench *b, bench_scene *scene, tides_error 
             if (status == TIDES_OK && i == 0 && pass == 0)
                 status = match_compute(b, scene, row->stats.renders_full_frame_equivalent, &steps, error);
         }
-    if (status == TIDES_OK && !bench_header_scene(j->header, scene))
+    if (status == TIDES_OK && !bench_header_scene(j->header, scene, NULL))
         status = cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
     return status;
 }
 
 static void print_table(const bench_rows *rows) {
-    printf("%-13s %-18s %10s %8s %10s %10s %10s %10s\n", "scene", "variant", "run time s", "renders", "median us", "p95 us",
+    printf("%-13s %-22s %10s %8s %10s %10s %10s %10s\n", "scene", "variant", "run time s", "renders", "median us", "p95 us",
            "p99 us", "mismatch %");
     for (size_t i = 0; i < rows->count; i++) {
         const bench_row *r = &rows->rows[i];
-        printf("%-13s %-18s %10.3g %8.4g %10.3g %10.3g %10.3g %10.3g\n", r->scene, r->method, r->run_time_s,
+        printf("%-13s %-22s %10.3g %8.4g %10.3g %10.3g %10.3g %10.3g\n", r->scene, r->method, r->run_time_s,
                r->stats.renders_full_frame_equivalent, r->match.dt_median_us, r->match.dt_p95_us, r->match.dt_p99_us,
                r->match.mismatch_percent);
     }

@@ -138,7 +138,7 @@ tides_status bench_figure_curves(const bench *b, const bench_rows *rows, tides_e
 
 /* -- bars -------------------------------------------------------------------------------------------------------------- */
 
-enum { BAR_LABEL = 236, BAR_VALUE = 168 }; /* [px] to the left and right of the bars */
+enum { BAR_LABEL = 292, BAR_VALUE = 168 }; /* [px] to the left and right of the bars */
 
 static void draw_bars(cli_canvas *canvas, plot_panel *panel, const bench_rows *rows, size_t first) {
     const char *scene = rows->rows[first].scene;

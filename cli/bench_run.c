@@ -1,7 +1,6 @@
-/* Measured runs of a benchmark, and the exact streams that they are measured against. */
+/* Measured runs of a benchmark, and the scenes that it goes through. */
 #include "bench.h"
 
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,28 +9,14 @@
 /* Runs shorter than this [s] are repeated. */
 #define SHORT_RUN_S 1.0
 
-/* The exact stream is found by doubling the steps per second until the 99th percentile of the events moves by no more than the
- * unit that they are counted in. It is at least twice as fine as the finest method (LEAST); beyond that, doubling ends at LAST,
- * or where a run takes LONG_RUN_S, so that the next would take twice that. Two things keep streams from settling: jumps in the
- * image are placed as well as the steps are short, and single precision moves the events of slow pixels. */
-#define TRUTH_FIRST_RATE 64000.0
-#define TRUTH_LEAST_RATE 128000.0
-#define TRUTH_LAST_RATE 512000.0
-#define TRUTH_SETTLED_US 1e-3
-#define LONG_RUN_S 4.0
-/* With --quick, whose finest method has 32000 frames per second, from a half of this to this. */
-#define TRUTH_QUICK_RATE 64000.0
-
 /* -- talk --------------------------------------------------------------------------------------------------------------- */
 
 void bench_say(const bench *b, const char *format, ...) {
     if (b->common->quiet) return;
     va_list arguments;
-    fputs("tides: ", stderr);
     va_start(arguments, format);
-    vfprintf(stderr, format, arguments);
+    cli_say(format, arguments, "\n");
     va_end(arguments);
-    fputc('\n', stderr);
 }
 
 void bench_say_row(const bench *b, const bench_row *row) {
@@ -110,64 +95,16 @@ tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, co
     const bench_truth *truth = &scene->truth[rules];
     bench_stream stream = {.events = NULL};
     snprintf(row->scene, sizeof row->scene, "%s", scene->name);
-    row->image = bench_rules_name(rules);
+    row->image = scene->image_name ? scene->image_name : bench_rules_name(rules);
     tides_status status = bench_simulate(b, scene, rules, sensor, stepping, &stream, row, error);
     if (status == TIDES_OK && !again)
         status = tides_match_events(truth->stream.events, truth->stream.count, stream.events, stream.count, BENCH_MATCH_LIMIT_S,
                                     &row->match, error);
     free(stream.events);
-    if (status == TIDES_OK && !again) bench_say_row(b, row);
+    if (status != TIDES_OK || again) return status;
+    row->exact_share = bench_exact_share(truth, &row->match);
+    bench_say_row(b, row);
     return status;
-}
-
-/* -- truth --------------------------------------------------------------------------------------------------------------- */
-
-static tides_status simulate_exact(bench *b, const bench_scene *scene, int32_t rules, double rate, bench_stream *stream,
-                                   double *seconds, tides_error *error) {
-    bench_row run;
-    tides_stepping stepping;
-    memset(&run, 0, sizeof run);
-    tides_stepping_defaults(&stepping);
-    stepping.mode = TIDES_STEPPING_FIXED;
-    stepping.model = TIDES_MODEL_HERMITE;
-    stepping.step_s = 1 / rate;
-    tides_status status = bench_simulate(b, scene, rules, &scene->sensor, &stepping, stream, &run, error);
-    *seconds = run.run_time_s;
-    return status;
-}
-
-tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides_error *error) {
-    bench_truth *truth = &scene->truth[rules];
-    bench_stream coarse = {.events = NULL}, fine = {.events = NULL};
-    const double least = b->quick ? TRUTH_QUICK_RATE : TRUTH_LEAST_RATE, last = b->quick ? TRUTH_QUICK_RATE : TRUTH_LAST_RATE;
-    double rate = b->quick ? 0.5 * TRUTH_QUICK_RATE : TRUTH_FIRST_RATE, seconds = 0;
-    int32_t settled = 0;
-    tides_match moved = {.matched = 0};
-    tides_status status = simulate_exact(b, scene, rules, rate, &fine, &seconds, error);
-    while (status == TIDES_OK && rate < last && (rate < least || (!settled && seconds < LONG_RUN_S))) {
-        bench_stream spare = coarse;
-        coarse = fine;
-        fine = spare;
-        rate *= 2;
-        status = simulate_exact(b, scene, rules, rate, &fine, &seconds, error);
-        if (status == TIDES_OK)
-            status =
-                tides_match_events(fine.events, fine.count, coarse.events, coarse.count, BENCH_MATCH_LIMIT_S, &moved, error);
-        settled = moved.mismatch_percent == 0 && moved.dt_p99_us <= TRUTH_SETTLED_US;
-    }
-    free(coarse.events);
-    if (status == TIDES_OK && fine.count == 0)
-        status = cli_error(error, TIDES_BAD_ARGUMENT, "scene %s: nothing fires, so nothing can be measured", scene->name);
-    if (status != TIDES_OK) {
-        free(fine.events);
-        return status;
-    }
-    *truth = (bench_truth){fine, rate, moved.dt_p99_us, moved.mismatch_percent};
-    bench_say(b,
-              "%-13s exact stream of the %s image: %zu events at %.6g steps/s; halving them moves p99 by %.3g us, %.3g %% "
-              "mismatched",
-              scene->name, bench_rules_name(rules), fine.count, rate, truth->shift_p99_us, truth->shift_mismatch_percent);
-    return TIDES_OK;
 }
 
 /* -- scenes -------------------------------------------------------------------------------------------------------------- */

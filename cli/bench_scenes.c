@@ -1,6 +1,5 @@
 /* The benchmark's scenes: deterministic, and small enough for two cores. */
 #include "bench.h"
-#include "demo.h"
 
 #include <math.h>
 #include <stdio.h>

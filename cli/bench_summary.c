@@ -82,7 +82,7 @@ static void print_ratio(FILE *out, double above, int32_t bound_above, double bel
 }
 
 static void print_target(FILE *out, const bench_rows *rows, const char *scene, int32_t measure, double target_us) {
-    static const char *const others[] = {"esim", "quadratic", "hermite", "error_global", "esim_inria"};
+    static const char *const others[] = {"esim", "quadratic", "hermite", "risk", "error_risk", "error_global", "esim_inria"};
     bench_need error, other;
     char label[48];
     snprintf(label, sizeof label, "%s <= %g us", measure == BENCH_P95 ? "p95" : "median", target_us);
@@ -101,17 +101,18 @@ static void print_target(FILE *out, const bench_rows *rows, const char *scene, i
     }
 }
 
-/* Is the estimate honest? What was asked, what the run says it reached, and what it reached. */
+/* Is the estimate honest? What each run says that it reached, and what it reached. */
 static void print_estimates(FILE *out, const bench_rows *rows, const char *scene) {
+    static const char *const verdicts[] = {"too low", "honest"};
+    fprintf(out, "%-13s %-11s %9s %-9s %30s %30s  %s\n", "scene", "method", "setting", "", "reported median/p95/p99 us",
+            "true median/p95/p99 us", "estimate");
     for (size_t i = 0; i < rows->count; i++) {
         const bench_row *row = &rows->rows[i];
-        if (strcmp(row->scene, scene) != 0 || strcmp(row->method, "error_time") != 0) continue;
-        fprintf(out,
-                "%-13s asked %g us: median %.3g, p95 %.3g, p99 %.3g us by its own estimate; %.3g, %.3g, %.3g, max %.3g us "
-                "measured\n",
-                scene, 1e6 * row->setting, 1e6 * row->stats.error_p50_s, 1e6 * row->stats.error_p95_s,
-                1e6 * row->stats.error_p99_s, row->match.dt_median_us, row->match.dt_p95_us, row->match.dt_p99_us,
-                row->match.dt_max_us);
+        const int32_t honest = bench_is_honest(row);
+        if (strcmp(row->scene, scene) != 0 || honest < 0) continue;
+        fprintf(out, "%-13s %-11s %9g %-9s %10.3g %9.3g %9.3g %10.3g %9.3g %9.3g  %s\n", scene, row->method, row->setting,
+                row->unit, 1e6 * row->stats.error_p50_s, 1e6 * row->stats.error_p95_s, 1e6 * row->stats.error_p99_s,
+                row->match.dt_median_us, row->match.dt_p95_us, row->match.dt_p99_us, verdicts[honest]);
     }
 }
 
@@ -121,4 +122,5 @@ void bench_summary(const bench_rows *rows, const char *scene, FILE *out) {
     print_target(out, rows, scene, BENCH_P95, 2.0);
     print_target(out, rows, scene, BENCH_MEDIAN, 0.05);
     print_estimates(out, rows, scene);
+    bench_print_verdict(rows, scene, out);
 }

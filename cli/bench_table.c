@@ -14,7 +14,7 @@ typedef struct column {
     double value;
 } column;
 
-enum { COLUMNS = 22 };
+enum { COLUMNS = 24 };
 
 static void columns_of(const bench_row *r, column columns[COLUMNS]) {
     const column made[COLUMNS] = {
@@ -34,6 +34,8 @@ static void columns_of(const bench_row *r, column columns[COLUMNS]) {
         {"estimated_p50_us", 1e6 * r->stats.error_p50_s},
         {"estimated_p95_us", 1e6 * r->stats.error_p95_s},
         {"estimated_p99_us", 1e6 * r->stats.error_p99_s},
+        {"honest", bench_is_honest(r) < 0 ? NAN : (double)bench_is_honest(r)},
+        {"exact_share", r->exact_share},
         {"worst_error", r->stats.worst_error},
         {"worst_residual", r->stats.worst_residual},
         {"steps", (double)r->stats.steps},
@@ -79,12 +81,28 @@ static int32_t add_truth(cJSON *list, const bench_truth *truth, int32_t rules) {
     if (!cJSON_AddItemToArray(list, json)) return 0;
     return cJSON_AddStringToObject(json, "image", bench_rules_name(rules)) &&
            cJSON_AddNumberToObject(json, "events", (double)truth->stream.count) &&
-           cJSON_AddNumberToObject(json, "steps_per_s", truth->rate) &&
-           cJSON_AddNumberToObject(json, "halved_p99_us", truth->shift_p99_us) &&
-           cJSON_AddNumberToObject(json, "halved_mismatch_percent", truth->shift_mismatch_percent);
+           cJSON_AddNumberToObject(json, "steps_per_s", truth->steps_per_s) &&
+           cJSON_AddNumberToObject(json, "tolerance", truth->tolerance) &&
+           cJSON_AddNumberToObject(json, "halved_median_us", truth->moved.dt_median_us) &&
+           cJSON_AddNumberToObject(json, "halved_p95_us", truth->moved.dt_p95_us) &&
+           cJSON_AddNumberToObject(json, "halved_p99_us", truth->moved.dt_p99_us) &&
+           cJSON_AddNumberToObject(json, "halved_max_us", truth->moved.dt_max_us) &&
+           cJSON_AddNumberToObject(json, "halved_mismatch_percent", truth->moved.mismatch_percent) &&
+           cJSON_AddNumberToObject(json, "worst_residual", truth->worst_residual);
 }
 
-int32_t bench_header_scene(cJSON *header, const bench_scene *scene) {
+static int32_t add_verdict(cJSON *json, const bench_rows *rows, const char *scene) {
+    const bench_verdict v = bench_judge(rows, scene);
+    return cJSON_AddNumberToObject(json, "runs", v.rows) && cJSON_AddNumberToObject(json, "runs_with_estimate", v.estimated) &&
+           cJSON_AddNumberToObject(json, "runs_with_honest_estimate", v.honest) &&
+           cJSON_AddNumberToObject(json, "runs_with_exact_enough_truth", v.within_share[0] + v.within_share[1]) &&
+           (isfinite(v.mismatch_percent)
+                ? cJSON_AddNumberToObject(json, "mismatch_percent_at_0.003", v.mismatch_percent) != NULL
+                : cJSON_AddNullToObject(json, "mismatch_percent_at_0.003") != NULL) &&
+           cJSON_AddNumberToObject(json, "worst_residual", v.worst_residual);
+}
+
+int32_t bench_header_scene(cJSON *header, const bench_scene *scene, const bench_rows *rows) {
     cJSON *json = cJSON_CreateObject();
     if (!cJSON_AddItemToArray(cJSON_GetObjectItem(header, "scenes"), json)) return 0;
     int32_t ok =
@@ -100,7 +118,8 @@ int32_t bench_header_scene(cJSON *header, const bench_scene *scene) {
     ok = truths != NULL;
     for (int32_t rules = 0; ok && rules < BENCH_RULES; rules++)
         if (scene->truth[rules].stream.count) ok = add_truth(truths, &scene->truth[rules], rules);
-    return ok;
+    cJSON *verdict = ok && rows ? cJSON_AddObjectToObject(json, "verdict") : NULL;
+    return ok && (!rows || (verdict && add_verdict(verdict, rows, scene->name)));
 }
 
 /* NaN (no event was matched, no frames to count) has no JSON: null. */

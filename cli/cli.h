@@ -5,6 +5,7 @@
 #include "tides.h"
 
 #include <cjson/cJSON.h>
+#include <stdarg.h>
 
 #if defined(__GNUC__)
 #define CLI_PRINTF(text, first) __attribute__((__format__(__printf__, text, first)))
@@ -54,8 +55,10 @@ int cmd_demo(const cli_command *command, int argc, char **argv);
 int cmd_devices(const cli_command *command, int argc, char **argv);
 int cmd_info(const cli_command *command, int argc, char **argv);
 int cmd_render(const cli_command *command, int argc, char **argv);
+int cmd_scene(const cli_command *command, int argc, char **argv);
 int cmd_simulate(const cli_command *command, int argc, char **argv);
 int cmd_convert(const cli_command *command, int argc, char **argv);
+int cmd_cut(const cli_command *command, int argc, char **argv);
 int cmd_metrics(const cli_command *command, int argc, char **argv);
 int cmd_bench(const cli_command *command, int argc, char **argv);
 
@@ -71,7 +74,8 @@ void cli_help_command(const cli_command *command, const cli_option *options);
 void cli_help_keys(void); /* the run file's keys, from the parameter table */
 
 /* output.c: "tides: ..." on stderr, one line. */
-int cli_fail(const tides_error *error); /* CLI_FAILED */
+int cli_fail(const tides_error *error);                                                /* CLI_FAILED */
+void cli_say(const char *format, va_list arguments, const char *end) CLI_PRINTF(1, 0); /* `end` closes or goes on */
 int cli_failed(const char *format, ...) CLI_PRINTF(1, 2);
 int cli_usage(const cli_command *command, const char *format, ...) CLI_PRINTF(2, 3); /* CLI_USAGE */
 void cli_note(const cli_common *common, const char *format, ...) CLI_PRINTF(2, 3);   /* only with -v */

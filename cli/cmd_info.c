@@ -9,6 +9,19 @@
 
 /* -- scenes --------------------------------------------------------------------------------------------------------- */
 
+enum { SWEEP_TIMES = 3 }; /* start, middle, end: networks take seconds for each */
+
+/* Whether the object moves as a whole. */
+static int32_t is_carried(const tides_object *object) {
+    return object->trajectory && !tides_trajectory_is_static(object->trajectory);
+}
+
+/* How many of its Gaussians move, in either way; -1 without memory to find out. */
+static int64_t count_moving(const tides_object *object) {
+    if (is_carried(object)) return object->gaussians.count;
+    return object->motion ? tides_motion_moving(object->motion, &object->gaussians) : 0;
+}
+
 /* Model, how many Gaussians it moves, its own time and how long that lasts here, and times at which rates may jump. */
 static void add_motion(cJSON *json, const tides_object *object) {
     double start, stop;
@@ -27,8 +40,7 @@ static cJSON *object_json(const tides_object *object) {
     cJSON_AddNumberToObject(json, "gaussians", (double)object->gaussians.count);
     cJSON_AddNumberToObject(json, "sh_degree", object->gaussians.sh_degree);
     cJSON_AddNumberToObject(json, "scale", object->scale);
-    cJSON_AddBoolToObject(json, "moving",
-                          object->motion || (object->trajectory && !tides_trajectory_is_static(object->trajectory)));
+    cJSON_AddBoolToObject(json, "moving", object->motion || is_carried(object));
     double start, stop;
     if (object->trajectory) {
         tides_trajectory_range(object->trajectory, &start, &stop);
@@ -39,6 +51,45 @@ static cJSON *object_json(const tides_object *object) {
     }
     if (object->motion) add_motion(json, object);
     return json;
+}
+
+/* The box that the means stay in, as far as a few times tell. */
+static tides_status sweep_facts(const tides_scene *scene, double start, double stop, cJSON *facts, tides_error *error) {
+    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (int i = 0; i < SWEEP_TIMES; i++) {
+        const double share = (double)i / (SWEEP_TIMES - 1);
+        double low[3], high[3];
+        tides_status status = tides_scene_bounds_at(scene, (1 - share) * start + share * stop, low, high, error);
+        if (status != TIDES_OK) return status;
+        for (int k = 0; k < 3; k++) {
+            lower[k] = fmin(lower[k], low[k]);
+            upper[k] = fmax(upper[k], high[k]);
+        }
+    }
+    cJSON_AddItemToObject(facts, "swept_lower", cJSON_CreateDoubleArray(lower, 3));
+    cJSON_AddItemToObject(facts, "swept_upper", cJSON_CreateDoubleArray(upper, 3));
+    return TIDES_OK;
+}
+
+/* Of scenes in which something moves: the share of Gaussians, the time that all objects cover, and where they get to. */
+static tides_status motion_facts(const tides_scene *scene, cJSON *facts, tides_error *error) {
+    int64_t moving = 0;
+    for (int32_t i = 0; i < tides_scene_objects(scene); i++) {
+        tides_object object;
+        tides_status status = tides_scene_object(scene, i, &object, error);
+        if (status != TIDES_OK) return status;
+        const int64_t count = count_moving(&object);
+        if (count < 0) return cli_error(error, TIDES_NO_MEMORY, "out of memory: counting what moves");
+        moving += count;
+    }
+    cJSON_AddNumberToObject(facts, "gaussians_moving", (double)moving);
+    cJSON_AddNumberToObject(facts, "moving_percent", 100.0 * (double)moving / (double)tides_scene_count(scene));
+    double start, stop;
+    tides_scene_range(scene, &start, &stop);
+    if (!isfinite(start) || !isfinite(stop) || start > stop) return TIDES_OK; /* nothing moves, or never all at once */
+    cJSON_AddNumberToObject(facts, "start_s", start);
+    cJSON_AddNumberToObject(facts, "stop_s", stop);
+    return sweep_facts(scene, start, stop, facts, error);
 }
 
 static tides_status scene_facts(const char *file, cJSON *facts, tides_error *error) {
@@ -53,6 +104,7 @@ static tides_status scene_facts(const char *file, cJSON *facts, tides_error *err
     cJSON_AddNumberToObject(facts, "sh_degree", tides_scene_sh_degree(scene));
     cJSON_AddItemToObject(facts, "lower", cJSON_CreateDoubleArray(lower, 3));
     cJSON_AddItemToObject(facts, "upper", cJSON_CreateDoubleArray(upper, 3));
+    status = motion_facts(scene, facts, error);
     cJSON *objects = cJSON_AddArrayToObject(facts, "objects");
     for (int32_t i = 0; i < tides_scene_objects(scene) && status == TIDES_OK; i++) {
         tides_object object;
@@ -131,8 +183,9 @@ static void event_facts(const tides_event_summary *s, cJSON *facts) {
     cJSON_AddStringToObject(facts, "kind", "events");
     cJSON_AddStringToObject(facts, "layout", s->layout);
     if (s->version[0]) cJSON_AddStringToObject(facts, "version", s->version);
-    cJSON_AddNumberToObject(facts, "width", s->width);
-    cJSON_AddNumberToObject(facts, "height", s->height);
+    cJSON_AddNumberToObject(facts, "width", s->width ? s->width : s->right);
+    cJSON_AddNumberToObject(facts, "height", s->height ? s->height : s->bottom);
+    cJSON_AddStringToObject(facts, "size_from", s->width ? "file" : "events");
     cJSON_AddNumberToObject(facts, "events", (double)s->count);
     cJSON_AddNumberToObject(facts, "events_on", (double)s->count_on);
     cJSON_AddNumberToObject(facts, "events_off", (double)(s->count - s->count_on));
@@ -140,6 +193,24 @@ static void event_facts(const tides_event_summary *s, cJSON *facts) {
     cJSON_AddNumberToObject(facts, "last_ns", (double)s->last_ns);
     cJSON_AddNumberToObject(facts, "duration_s", duration);
     if (duration > 0) cJSON_AddNumberToObject(facts, "rate_hz", (double)s->count / duration);
+    if (s->count) cJSON_AddNumberToObject(facts, "on_percent", 100.0 * (double)s->count_on / (double)s->count);
+    cJSON_AddNumberToObject(facts, "disorder", (double)s->disorder);
+}
+
+static tides_status events_facts(const char *file, cJSON *facts, tides_error *error) {
+    tides_event_summary summary;
+    tides_status status = tides_events_summary(file, &summary, error);
+    if (status == TIDES_OK) event_facts(&summary, facts);
+    return status;
+}
+
+/* What opens as an event file, whatever comes then. */
+static int is_events(const char *file) {
+    tides_event_reader *reader = NULL;
+    tides_error error;
+    if (tides_event_reader_open(file, NULL, &reader, &error) != TIDES_OK) return 0;
+    tides_event_reader_close(reader);
+    return 1;
 }
 
 /* HDF5 holds events or a scene; what it is neither of is told with both reasons. */
@@ -149,6 +220,10 @@ static tides_status hdf5_facts(const char *file, cJSON *facts, tides_error *erro
     if (tides_events_summary(file, &summary, &events) == TIDES_OK) {
         event_facts(&summary, facts);
         return TIDES_OK;
+    }
+    if (events.status == TIDES_UNSUPPORTED) { /* events, and what their reader lacks */
+        *error = events;
+        return error->status;
     }
     if (scene_facts(file, facts, &scene) == TIDES_OK) return TIDES_OK;
     return cli_error(error, TIDES_BAD_FILE, "%s: HDF5, but neither events (%.300s) nor a scene (%.300s)", file, events.text,
@@ -211,6 +286,7 @@ static tides_status facts_of(const char *file, cJSON *facts, tides_error *error)
     if (got == 0) return cli_error(error, TIDES_BAD_FILE, "%s: is empty", file);
     if (memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0) return hdf5_facts(file, facts, error);
     if (memcmp(head, "\x76\x2f\x31\x01", 4) == 0) return exr_facts(file, facts, error);
+    if (is_events(file)) return events_facts(file, facts, error);
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
     return path_facts(file, facts, error); /* text: its reader says best what is wrong */
 }

@@ -29,6 +29,11 @@ int cmd_simulate(const cli_command *command, int argc, char **argv) {
     double checkpoint_s = DEFAULT_CHECKPOINT_S;
     if (every && (code = cli_number(command, "--checkpoint", every, &checkpoint_s)) != CLI_GO) return code;
     if (checkpoint_s < 0) return cli_usage(command, "--checkpoint %s: give seconds, or 0 for none", every);
+    if (!tides_event_writer_can_resume(output)) {
+        if (resume) return cli_usage(command, "--resume: only an HDF5 file (.h5) can be gone on with, not %s", output);
+        if (every) return cli_usage(command, "--checkpoint: only an HDF5 file (.h5) can be gone on with, not %s", output);
+        checkpoint_s = 0;
+    }
     char seed_set[64];
     if (seed) {
         if (strlen(seed) > 32) return cli_usage(command, "--seed %s: not a 64-bit number", seed);

@@ -1,4 +1,5 @@
 /* The main job: a run file to an event file, with statistics, a preview and a summary. */
+#include "event_job.h"
 #include "session.h"
 
 #include <math.h>
@@ -12,8 +13,9 @@
 /* Where events go while the simulator runs. */
 typedef struct job_sink {
     tides_event_writer *writer;
-    uint64_t events;   /* so far, for the progress bar */
-    tides_error error; /* of the first failure */
+    uint64_t events;    /* so far, for the progress bar */
+    uint64_t collapsed; /* of the finished file: tides_event_writer_collapsed */
+    tides_error error;  /* of the first failure */
 } job_sink;
 
 /* What a job holds while it works. */
@@ -116,6 +118,7 @@ static tides_status simulate(job_state *state, tides_error *error) {
 /* The event file is complete: then nobody needs the checkpoint. */
 static tides_status finish_events(job_state *state, tides_error *error) {
     tides_event_writer *writer = state->sink.writer;
+    state->sink.collapsed = tides_event_writer_collapsed(writer);
     state->sink.writer = NULL; /* gone whatever _finish returns */
     tides_status status = tides_event_writer_finish(writer, (int64_t)floor(1e9 * state->session.values.stop), error);
     return status == TIDES_OK ? cli_checkpoint_remove(&state->checkpoint, error) : status;
@@ -224,6 +227,7 @@ int cli_job_run(const cli_job *job, const cli_common *common) {
         code = cli_print_facts(cli_stats_json(&state.stats, &state.session), 1);
     else if (!common->quiet)
         print_summary(&state.stats, &state.session);
+    if (code == CLI_OK && !common->quiet) cli_tell_collapsed(state.sink.collapsed);
     tides_event_writer_abandon(state.sink.writer);
     cli_checkpoint_end(&state.checkpoint);
     cli_session_close(&state.session);

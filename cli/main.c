@@ -10,25 +10,31 @@ static const cli_command commands[] = {
     {"devices", "", "List OpenCL devices and show which one is used.", NULL, 0, cmd_devices},
     {"info", "FILE", "Show what a scene, path, event or EXR file holds.", "The kind of file is found from its content.", 1,
      cmd_info},
+    {"scene", "KIND -o SCENE.h5 [--run RUN.json]", "Make a scene to try things on: fan, pendulum, balls, crowd ...",
+     "The same options give the same scene. With --run, tides simulate RUN.json works at once.", 1, cmd_scene},
     {"render", "RUN.json --time T -o OUT.exr", "Render one frame with its exact time derivative.",
      "Channels: Y, L, L_dot, A, A_dot, coverage, contributors; with --rgb R, G, B and with --depth Z, and their _dot.\n"
      "The keys for --set are listed by tides simulate --help.",
      1, cmd_render},
     {"simulate", "RUN.json -o EVENTS.h5", "Simulate events with continuous-time timestamps.",
-     "Events go to HDF5 in the DSEC layout, with nanosecond times in events/t_ns. Ctrl-C leaves what was simulated in "
-     "EVENTS.h5.part.",
+     "Events go to HDF5 in the DSEC layout, with nanosecond times in events/t_ns, or by the ending to another format (.raw, "
+     ".dat, .es,\n"
+     ".aedat4, .npy, .npz, .csv, .txt), most in microseconds. Ctrl-C leaves what was simulated in EVENTS.h5.part.",
      1, cmd_simulate},
-    {"convert", "IN OUT", "Convert a scene to .ply or .h5.",
-     "IN is .ply (compressed too), .spz, .splat, .ksplat, .sog or .h5, found from its content; OUT's ending says what is "
-     "written.",
+    {"convert", "IN OUT", "Convert a scene to .ply or .h5, or an event file to another format.",
+     "A scene is .ply (compressed too), .spz, .splat, .ksplat, .sog or .h5. IN's format is found from its content; OUT's "
+     "ending "
+     "says what is written.",
      2, cmd_convert},
+    {"cut", "IN OUT --start S --stop S", "Cut a stretch of time or a window out of an event file.", NULL, 2, cmd_cut},
     {"metrics", "REFERENCE SIMULATED [--only LIST]", "Compare a simulated event stream with a reference.",
      "Values are undefined (-, in JSON null) where they would divide by nothing. include/tides/metrics.h defines each one.\n"
      "The kernel distance takes long, and match wants an exact reference: both only where asked for.",
      2, cmd_metrics},
-    {"bench", "accuracy|ablation [-o DIR] [--quick] [--scene NAME]", "Measure run time against the error of event times.",
+    {"bench", "accuracy|ablation|image [-o DIR] [--quick] [--scene NAME]", "Measure run time against the error of event times.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
      "ablation: what each part of the method is worth; ablation.json, .csv and a plot.\n"
+     "image: what each measure that makes the image continuous in time is worth and costs; image.json and .csv.\n"
      "Scenes: fan, handheld, occluder, nearly_static; trained and playbot where $TIDES_SHARED/data has them.",
      1, cmd_bench},
 };

@@ -13,34 +13,35 @@ int cli_fail(const tides_error *error) {
     return CLI_FAILED;
 }
 
+void cli_say(const char *format, va_list arguments, const char *end) {
+    fputs("tides: ", stderr);
+    vfprintf(stderr, format, arguments);
+    fputs(end, stderr);
+}
+
 int cli_failed(const char *format, ...) {
     va_list arguments;
-    fputs("tides: ", stderr);
     va_start(arguments, format);
-    vfprintf(stderr, format, arguments);
+    cli_say(format, arguments, "\n");
     va_end(arguments);
-    fputc('\n', stderr);
     return CLI_FAILED;
 }
 
 int cli_usage(const cli_command *command, const char *format, ...) {
     va_list arguments;
-    fputs("tides: ", stderr);
     va_start(arguments, format);
-    vfprintf(stderr, format, arguments);
+    cli_say(format, arguments, "; see tides ");
     va_end(arguments);
-    fprintf(stderr, "; see tides %s%s--help\n", command ? command->name : "", command ? " " : "");
+    fprintf(stderr, "%s%s--help\n", command ? command->name : "", command ? " " : "");
     return CLI_USAGE;
 }
 
 void cli_note(const cli_common *common, const char *format, ...) {
     if (!common->verbose || common->quiet) return;
     va_list arguments;
-    fputs("tides: ", stderr);
     va_start(arguments, format);
-    vfprintf(stderr, format, arguments);
+    cli_say(format, arguments, "\n");
     va_end(arguments);
-    fputc('\n', stderr);
 }
 
 tides_status cli_error(tides_error *error, tides_status status, const char *format, ...) {

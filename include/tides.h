@@ -18,6 +18,7 @@
 #include "tides/motion.h"
 #include "tides/scene.h"
 #include "tides/camera.h"
+#include "tides/generate.h"
 #include "tides/render.h"
 #include "tides/sensor.h"
 #include "tides/simulate.h"

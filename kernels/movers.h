@@ -3,7 +3,9 @@
 #define TD_MOVERS_H
 
 #include "motion.h"
+#include "motion_hexplane.h"
 #include "motion_keyframes.h"
+#include "motion_network.h"
 #include "motion_polynomial.h"
 #include "motion_rotor.h"
 
@@ -21,6 +23,10 @@ TD_INLINE void td_move_group(TD_GLOBAL const td_mover *mover, TD_GLOBAL const td
     if (TD_HAS_MODEL(TD_MOTION_ROTOR) && mover->model == TD_MOTION_ROTOR) td_rotor_move(mover, data, moment, gaussian, sink);
     if (TD_HAS_MODEL(TD_MOTION_KEYFRAMES) && mover->model == TD_MOTION_KEYFRAMES)
         td_keyframes_move(mover, data, moment, gaussian, sink);
+    if (TD_HAS_MODEL(TD_MOTION_HEXPLANE) && mover->model == TD_MOTION_HEXPLANE)
+        td_hexplane_move(mover, data, moment, gaussian, sink);
+    if (TD_HAS_MODEL(TD_MOTION_NETWORK) && mover->model == TD_MOTION_NETWORK)
+        td_network_move(mover, data, moment, gaussian, sink);
 }
 
 #endif

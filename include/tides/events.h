@@ -26,9 +26,35 @@ typedef struct tides_event_file {
 
 typedef struct tides_event_writer tides_event_writer;
 
-/* Starts an HDF5 event file in the DSEC layout (events/{p,t,x,y}, ms_to_idx, t_offset), with events/t_ns and our attributes
- * added; layout documented in lib/events/events_hdf5.c. Written as `path` + ".part" and renamed by _finish, so that `path`
- * is either the old file or a complete new one; what was flushed to the .part stays readable. */
+/* The formats of event files: name ("evt3"), a few words, the endings of files that are written in it ("" where it is only
+ * chosen by name), and what the library does with it. */
+typedef struct tides_event_format {
+    const char *name, *summary, *endings;
+    int32_t reads, writes;
+    int64_t tick_ns; /* times are floored to it on writing */
+} tides_event_format;
+
+/* Format number `index` from 0 on, its texts constant; 1, or 0 behind the last. */
+TIDES_API int32_t tides_event_format_at(size_t index, tides_event_format *format);
+
+/* Starts an event file in the named format, or where `format` is NULL in that of the path's ending (.h5, .raw, .dat, .es,
+ * .aedat4, .npy, .npz, .csv, .txt; HDF5 without one). Every format is streamed, floors times to its tick, bridges the turns
+ * of its clock by its own rule, and is written as `path` + ".part". TIDES_UNSUPPORTED: the format isn't written, or the
+ * sensor is too large for it. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_open_as(const char *path, const char *format,
+                                                                   const tides_event_file *file, tides_event_writer **writer,
+                                                                   tides_error *error);
+
+/* 1 where tides_event_writer_resume can go on with files that the ending of `path` stands for. */
+TIDES_API int32_t tides_event_writer_can_resume(const char *path);
+
+/* Events appended so far that share their pixel and the format's tick with an earlier one: their distance in time is lost. */
+TIDES_API uint64_t tides_event_writer_collapsed(const tides_event_writer *writer);
+
+/* The same in the format of the path's ending. HDF5, the native one: the DSEC layout (events/{p,t,x,y}, ms_to_idx, t_offset),
+ * with events/t_ns and our attributes added; layout documented in lib/events/events_hdf5.c. Written as `path` + ".part" and
+ * renamed by _finish, so that `path` is either the old file or a complete new one; what was flushed to the .part stays
+ * readable. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_open(const char *path, const tides_event_file *file,
                                                                 tides_event_writer **writer, tides_error *error);
 
@@ -41,7 +67,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_append(tides_event_wr
 TIDES_API uint64_t tides_event_writer_count(const tides_event_writer *writer);
 
 /* Makes everything appended so far survive the death of the process: whole chunks are in the .part already, the events after
- * them go to `path` + ".part.tail". A failure leaves what was safe as it was, and the writer usable. */
+ * them go to `path` + ".part.tail". HDF5 only: TIDES_UNSUPPORTED for other formats. A failure leaves what was safe as it was,
+ * and the writer usable. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_flush(tides_event_writer *writer, tides_error *error);
 
 /* Goes on with a recording that was interrupted: opens the .part (and its tail) that a writer of `path` left, abandoned or
@@ -61,6 +88,33 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_finish(tides_event_wr
 /* Flushes and closes what there is, and leaves the .part file. NULL is fine. */
 TIDES_API void tides_event_writer_abandon(tides_event_writer *writer);
 
+/* What is known of a file when it is opened. */
+typedef struct tides_event_facts {
+    char format[32];  /* "evt3" ...; of HDF5 its layout: "tides", "dsec", "eds", "mvsec", "v2e", "timostoff", "m3ed", "rvt" */
+    char version[32]; /* of TIDES that wrote it, or "" */
+    int32_t width, height; /* [px]; 0 where the file doesn't say */
+    int32_t counted;       /* 1: count is known without reading the file */
+    uint64_t count;
+} tides_event_facts;
+
+typedef struct tides_event_reader tides_event_reader;
+
+/* Opens an event file of any format, found from what it holds, or of the named format. Events come in the file's order, in
+ * nanoseconds on the file's clock. TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE (no event file, or a damaged one), TIDES_UNSUPPORTED.
+ * A reader is for one thread at a time. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_open(const char *path, const char *format,
+                                                                tides_event_reader **reader, tides_error *error);
+
+TIDES_API void tides_event_reader_facts(const tides_event_reader *reader, tides_event_facts *facts);
+
+/* The next events, up to `capacity`; `*got` is 0 only at the end of the file (or where capacity is). A damaged file fails
+ * where the damage is: what was read before stays good, and every later call fails the same. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_read(tides_event_reader *reader, tides_event *events,
+                                                                size_t capacity, size_t *got, tides_error *error);
+
+/* NULL is fine. */
+TIDES_API void tides_event_reader_close(tides_event_reader *reader);
+
 /* Sets the causes of `count` events that were read from number `first` on (tides_events_read): those of /events/cause, and 0,
  * the signal, where the file has no such column. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_events_causes(const char *path, uint64_t first, size_t count, tides_event *events,
@@ -69,20 +123,53 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_events_causes(const char *path, ui
 /* What a file holds. */
 typedef struct tides_event_summary {
     uint64_t count, count_on;
-    int64_t first_ns, last_ns; /* 0 where empty */
+    uint64_t disorder;         /* events earlier than the one before them */
+    int64_t first_ns, last_ns; /* the earliest and the latest; 0 where empty */
     int32_t width, height;     /* 0 where the file doesn't say */
-    char layout[32];           /* "tides", "dsec" */
+    int32_t right, bottom;     /* the largest x + 1 and y + 1 [px] */
+    char layout[32];           /* as tides_event_facts.format */
     char version[32];          /* of the writer, or "" */
 } tides_event_summary;
 
+/* Reads the whole file, of any format. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_events_summary(const char *path, tides_event_summary *summary,
                                                              tides_error *error);
 
-/* Reads events [first, first + count) of an HDF5 file in the DSEC layout into `events` (caller's memory); `got` receives how
- * many there were. Times from events/t_ns where present, else events/t in microseconds plus t_offset; foreign files come in
- * their own order. On failure `events` may hold some of them. */
+/* Reads events [first, first + count) of a file of any format into `events` (caller's memory); `got` receives how many there
+ * were. HDF5 in the layout of DSEC is read from there on, others from their beginning. Times of that layout are those of
+ * events/t_ns where present, else events/t in microseconds plus t_offset; foreign files come in their own order. On failure
+ * `events` may hold some of them. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_events_read(const char *path, uint64_t first, size_t count, tides_event *events,
                                                           size_t *got, tides_error *error);
+
+/* What of a file is kept on the way into another. */
+typedef struct tides_event_conversion {
+    const char *from, *to;               /* names of formats; NULL: by content, by ending */
+    int32_t width, height;               /* of the sensor [px]; 0: what the file says, else what its events reach */
+    int64_t start_ns, stop_ns;           /* events with start <= t < stop are kept */
+    int32_t x, y, cut_width, cut_height; /* and those in this window, which becomes the sensor; cut_width 0: all */
+    int32_t rebase;                      /* 1: times count from the file's first event, those of start and stop too */
+} tides_event_conversion;
+
+typedef struct tides_event_conversion_report {
+    uint64_t read, written;
+    uint64_t disorder;         /* events earlier than the one before them in the file: they were put in order */
+    uint64_t collapsed;        /* as tides_event_writer_collapsed */
+    int64_t first_ns, last_ns; /* as written; 0 where nothing was */
+    int32_t width, height;
+    char from[32], to[32];
+} tides_event_conversion_report;
+
+/* Everything, by content and by ending. */
+TIDES_API void tides_event_conversion_defaults(tides_event_conversion *conversion);
+
+/* Converts and cuts an event file, streamed in a few megabytes. Events of one time are sorted by y, x, polarity; events that
+ * are late by up to 65536 places are put in order, and more is TIDES_BAD_FILE. The output is a complete new file or what was
+ * there before. `progress` may be NULL; it returns non-zero to stop (TIDES_CANCELLED). */
+TIDES_MUST_CHECK TIDES_API tides_status tides_events_convert(const char *in, const char *out,
+                                                             const tides_event_conversion *conversion, tides_progress progress,
+                                                             void *user, tides_event_conversion_report *report,
+                                                             tides_error *error);
 
 #ifdef __cplusplus
 }

@@ -18,6 +18,20 @@ enum {
     TIDES_RULES_GSPLAT = 2  /* gsplat 1.5 */
 };
 
+/* What makes 3DGS continuous in time under TIDES_RULES_SMOOTH, measure by measure; each can be switched off, which brings back
+ * inria's jump (tides bench image shows what it costs). Other rules don't read it. */
+typedef struct tides_smoothing {
+    double taper_begin,
+        taper_end;      /* splat alpha rises from 0 to its full value between these (C2), 0 < begin <= end < 1; equal:
+                                      a hard cutoff there */
+    double stop_change; /* what the rest of a pixel's list may change in L when compositing stops; 0: stops hard, before
+                                      the splat that takes the transmittance below 1e-4 */
+    double near_fade;   /* splats have their full opacity at this many near planes, >= 1; 1: they pop up there */
+    double soft_depth;  /* relative depth within which two splats swap places gradually, < 1; 0: a hard order */
+    int32_t ellipses;   /* 1: extents are the ellipse out to the taper's begin; 0: squares of 3 sigma, on whole tiles */
+    int32_t reserved;
+} tides_smoothing;
+
 /* Image formation; fill with tides_image_params_defaults. */
 typedef struct tides_image_params {
     uint32_t size;        /* sizeof this struct */
@@ -28,9 +42,10 @@ typedef struct tides_image_params {
     double luminance[3];  /* Y = luminance . (r, g, b) */
     double log_eps;       /* L = ln(Y + log_eps), > 0 */
     double background[3]; /* r g b, >= 0 */
+    tides_smoothing smoothing;
 } tides_image_params;
 
-/* smooth, 0, 4, 0.3, (0.2126, 0.7152, 0.0722), 1e-3, black. */
+/* smooth, 0, 4, 0.3, (0.2126, 0.7152, 0.0722), 1e-3, black, (0.1/255 to 1/255, 1e-5, 1.25, 1e-4, ellipses). */
 TIDES_API void tides_image_params_defaults(tides_image_params *params);
 
 /* clang-format off */

@@ -102,8 +102,17 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_object(const tides_scene *sc
 TIDES_API int64_t tides_motion_moving(const tides_motion *motion, const tides_gaussians *gaussians);
 TIDES_API uint64_t tides_motion_knots(const tides_motion *motion);
 
-/* Axis-aligned box of the means, objects at their start or, for a static path, in place. */
+/* Axis-aligned box of the means, objects at their start or, for a static path, in place; Gaussians that move by themselves
+ * count with their own (canonical) means. */
 TIDES_API void tides_scene_bounds(const tides_scene *scene, double lower[3], double upper[3]);
+
+/* The times that all objects cover [s]: -INFINITY and INFINITY where all are at rest; start > stop where there are none. */
+TIDES_API void tides_scene_range(const tides_scene *scene, double *start, double *stop);
+
+/* That box at `time` [s], with every Gaussian where it is then; all of them are evaluated, which takes a network's motion
+ * seconds. TIDES_OUT_OF_RANGE where an object's motion doesn't cover the time, and what a callback returns. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_scene_bounds_at(const tides_scene *scene, double time, double lower[3],
+                                                              double upper[3], tides_error *error);
 
 #ifdef __cplusplus
 }

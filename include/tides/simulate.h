@@ -25,12 +25,18 @@ enum {
  * asked for. */
 enum { TIDES_STEPPING_FIXED = 0, TIDES_STEPPING_RISK = 1, TIDES_STEPPING_ERROR = 2, TIDES_STEPPING_ERROR_RISK = 3 };
 
+/* Where the slopes of S come from. DIFFERENCE is what a renderer without derivatives would have to do, to measure what they are
+ * worth: at each step's end the slope of the straight line from its start (at the run's start, to the first end). It takes no
+ * more renders, and fixed steps. */
+enum { TIDES_SLOPE_EXACT = 0, TIDES_SLOPE_DIFFERENCE = 1 };
+
 /* Weights of the risk score: coverage, contributors, |alpha_dot|. */
 typedef struct tides_risk {
     double w_b, w_c, w_alpha;
 } tides_risk;
 
-/* Step control; fill with tides_stepping_defaults (error, hermite, local, 10 ms, 1 us, 0.01, 0, 0, 0.3 0.3 0.4). */
+/* Step control; fill with tides_stepping_defaults (error, hermite, local, 10 ms, 1 us, 0.01, 0, 0, 0.3 0.3 0.4,
+ * exact). */
 typedef struct tides_stepping {
     uint32_t size;
     int32_t mode;            /* TIDES_STEPPING_* */
@@ -44,6 +50,8 @@ typedef struct tides_stepping {
     double budget;           /* renders that halving may cost in the whole run, in full frames; what is over it goes first where
                                 the measures are worst. 0: no bound */
     tides_risk risk;         /* RISK */
+    int32_t slope;           /* TIDES_SLOPE_* */
+    int32_t reserved;
 } tides_stepping;
 TIDES_API void tides_stepping_defaults(tides_stepping *stepping);
 
@@ -112,7 +120,8 @@ TIDES_API void tides_simulator_stats(const tides_simulator *simulator, tides_sta
 /* The state of every pixel, planes (height x width), caller's memory, each nullable: the signal at the time reached as the
  * comparator sees it (with the leak's ramp, which begins at 0 at the run's start), the reference, and the counts of events
  * since the reference was last taken from the signal: at the start, at noise events and at the end of a hold. The invariant,
- * with the pixel's own thresholds and where it is neither held nor masked: -threshold_off < signal - reference < threshold_on. */
+ * with the pixel's own thresholds and where it is neither held nor masked: -threshold_off < signal - reference < threshold_on.
+ */
 TIDES_API void tides_simulator_state(const tides_simulator *simulator, double *signal, double *reference, uint32_t *count_on,
                                      uint32_t *count_off);
 

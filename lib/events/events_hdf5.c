@@ -16,315 +16,225 @@
  * A file grows as PATH.part; event_store.c says why it stays readable whatever happens to the process. In a .part, ms_to_idx
  * lags behind (whole chunks only), and the datasets may hold rows beyond `count` that mean nothing. What a flush finds after
  * the last whole chunk goes to PATH.part.tail (event_tail.c), from which an interrupted recording is resumed. */
-#include "tides/events.h"
-
 #include "td_base.h"
+#include "td_event_format.h"
 #include "td_event_store.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
-struct tides_event_writer {
-    char *path, *part, *tail;
-    int32_t width, height;
+typedef struct hdf5_writer {
+    char *tail;
     td_event_store store;
     tides_event *buffer; /* TD_EVENT_CHUNK of them */
     size_t buffered;
-    tides_event last; /* appended; the order is checked against it */
-    int32_t has_last;
-    tides_error failure; /* the first failed write: nothing is written after it */
-};
+    int32_t failed; /* a write: nothing is written after it */
+} hdf5_writer;
 
 /* The latest time that /events/t can hold [ns]. */
 #define LAST_TIME (((int64_t)UINT32_MAX + 1) * 1000 - 1)
 
 /* ---- opening ---- */
 
-static tides_status check_facts(const char *path, const tides_event_file *file, tides_error *error) {
-    /* Coordinates are 16 bits wide. */
-    if (file->width < 1 || file->height < 1 || file->width > 65536 || file->height > 65536)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "%s: an event file can't be %d x %d px: give 1 to 65536", path, file->width,
-                       file->height);
-    struct stat there;
-    if (stat(path, &there) == 0 && S_ISDIR(there.st_mode))
-        return td_fail(error, TIDES_WRITE_FAILED, "%s: is a folder: name a file in it", path);
-    return TIDES_OK;
+/* A state that has nothing open yet. */
+static tides_status make_state(td_event_sink *sink, tides_error *error) {
+    hdf5_writer *w = td_alloc(1, sizeof *w, error);
+    sink->state = w;
+    if (!w) return TIDES_NO_MEMORY;
+    td_event_store_reset(&w->store);
+    w->tail = td_format(error, "%s.tail", sink->part);
+    w->buffer = w->tail ? td_alloc(TD_EVENT_CHUNK, sizeof *w->buffer, error) : NULL;
+    return w->buffer ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
-static void free_writer(tides_event_writer *writer) {
-    free(writer->buffer);
-    free(writer->tail);
-    free(writer->part);
-    free(writer->path);
-    free(writer);
+static void discard_hdf5(td_event_sink *sink) {
+    hdf5_writer *w = sink->state;
+    if (!w) return;
+    td_event_store_close(&w->store);
+    free(w->buffer);
+    free(w->tail);
+    free(w);
 }
 
-/* A writer that has nothing open yet; NULL: out of memory. */
-static tides_event_writer *make_writer(const char *path, const tides_event_file *file, tides_error *error) {
-    tides_event_writer *made = td_alloc(1, sizeof *made, error);
-    if (!made) return NULL;
-    made->width = file->width;
-    made->height = file->height;
-    td_event_store_reset(&made->store);
-    made->path = td_strdup(path, error);
-    made->part = made->path ? td_part_name(path, error) : NULL;
-    made->tail = made->part ? td_format(error, "%s.tail", made->part) : NULL;
-    made->buffer = made->tail ? td_alloc(TD_EVENT_CHUNK, sizeof *made->buffer, error) : NULL;
-    if (made->buffer) return made;
-    free_writer(made);
-    return NULL;
-}
-
-tides_status tides_event_writer_open(const char *path, const tides_event_file *file, tides_event_writer **writer,
-                                     tides_error *error) {
-    if (!path || !file || !writer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_open: an argument is NULL");
-    tides_status status = check_facts(path, file, error);
+static tides_status create_hdf5(td_event_sink *sink, tides_error *error) {
+    const tides_event_file facts = {sink->width, sink->height, sink->run, sink->seed};
+    tides_status status = make_state(sink, error);
     if (status != TIDES_OK) return status;
-    tides_event_writer *made = make_writer(path, file, error);
-    if (!made) return TIDES_NO_MEMORY;
-    td_h5_quiet quiet;
-    td_h5_quiet_begin(&quiet);
-    status = td_event_store_create(&made->store, made->part, file, error);
-    td_h5_quiet_end(&quiet);
-    if (status != TIDES_OK) {
-        free_writer(made);
-        return status;
-    }
-    unlink(made->tail); /* of an earlier run, whose .part is gone now */
-    *writer = made;
-    return TIDES_OK;
+    hdf5_writer *w = sink->state;
+    status = td_event_store_create(&w->store, sink->part, &facts, error);
+    if (status == TIDES_OK) unlink(w->tail); /* of an earlier run, whose .part is gone now */
+    return status;
 }
 
 /* ---- appending ---- */
 
-static int before(const tides_event *a, const tides_event *b) {
-    if (a->t != b->t) return a->t < b->t;
-    if (a->y != b->y) return a->y < b->y;
-    if (a->x != b->x) return a->x < b->x;
-    return a->polarity < b->polarity;
+static const char *check_hdf5(const tides_event *event, const tides_event *previous) {
+    (void)previous;
+    return event->t > LAST_TIME
+               ? "is too late: the file's 32-bit microseconds end after 4294.967295 s: write several files, or "
+                 "count from the first event (--rebase)"
+               : NULL;
 }
 
-static tides_status refuse(const tides_event *event, uint64_t index, tides_status status, const char *why, tides_error *error) {
-    return td_fail(error, status, "event %" PRIu64 " (t %" PRId64 " ns, x %u, y %u, polarity %d) %s", index, event->t, event->x,
-                   event->y, event->polarity, why);
+static tides_status write_failed(td_event_sink *sink, tides_status status, const char *reason, tides_error *error) {
+    hdf5_writer *w = sink->state;
+    w->failed = 1;
+    sink->count = w->store.rows + w->buffered;
+    return td_fail(error, status, "%s: can't be written: %s; its first %" PRIu64 " events are safe", sink->part, reason,
+                   w->store.rows);
 }
 
-static tides_status check_event(const tides_event_writer *writer, const tides_event *event, const tides_event *previous,
-                                uint64_t index, tides_error *error) {
-    if (event->x >= writer->width || event->y >= writer->height)
-        return refuse(event, index, TIDES_BAD_ARGUMENT, "lies outside the image: check the file's width and height", error);
-    if (event->polarity != 1 && event->polarity != -1)
-        return refuse(event, index, TIDES_BAD_ARGUMENT, "has no polarity: give +1 or -1", error);
-    if (event->t < 0)
-        return refuse(event, index, TIDES_BAD_ARGUMENT, "lies before time 0: count times from the run's start", error);
-    if (previous && before(event, previous))
-        return refuse(event, index, TIDES_BAD_ARGUMENT, "comes before the one ahead of it: sort by t, y, x, polarity", error);
-    if (event->t > LAST_TIME)
-        return refuse(event, index, TIDES_UNSUPPORTED,
-                      "is too late: the file's 32-bit microseconds end after 4294.967295 s: "
-                      "write several files",
-                      error);
-    return TIDES_OK;
-}
-
-static tides_status check_events(const tides_event_writer *writer, const tides_event *events, size_t count,
-                                 tides_error *error) {
-    const tides_event *previous = writer->has_last ? &writer->last : NULL;
-    uint64_t index = tides_event_writer_count(writer);
-    for (size_t i = 0; i < count; i++) {
-        tides_status status = check_event(writer, &events[i], previous, index + i, error);
-        if (status != TIDES_OK) return td_fail_within(error, status, "%s", writer->path);
-        previous = &events[i];
-    }
-    return TIDES_OK;
-}
-
-static tides_status repeat_failure(const tides_event_writer *writer, tides_error *error) {
-    return td_fail(error, writer->failure.status, "%s", writer->failure.text);
-}
-
-static void remember_failure(tides_event_writer *writer, tides_status status, const char *reason) {
-    td_fail(&writer->failure, status, "%s: can't be written: %s; its first %" PRIu64 " events are safe", writer->part, reason,
-            writer->store.rows);
-}
-
-/* Writes what is buffered. A failure is for good: it is kept and told again by every later call. */
-static tides_status flush_buffer(tides_event_writer *writer) {
-    if (writer->failure.status != TIDES_OK) return writer->failure.status;
+static tides_status flush_buffer(td_event_sink *sink, tides_error *error) {
+    hdf5_writer *w = sink->state;
     tides_error reason = {0};
-    td_h5_quiet quiet;
-    td_h5_quiet_begin(&quiet);
-    tides_status status = td_event_store_append(&writer->store, writer->buffer, writer->buffered, &reason);
-    td_h5_quiet_end(&quiet);
-    if (status == TIDES_OK)
-        writer->buffered = 0;
-    else
-        remember_failure(writer, status, reason.text);
-    return status;
+    tides_status status = td_event_store_append(&w->store, w->buffer, w->buffered, &reason);
+    if (status != TIDES_OK) return write_failed(sink, status, reason.text, error);
+    w->buffered = 0;
+    return TIDES_OK;
 }
 
-tides_status tides_event_writer_append(tides_event_writer *writer, const tides_event *events, size_t count,
-                                       tides_error *error) {
-    if (!writer || (!events && count > 0))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_append: an argument is NULL");
-    if (writer->failure.status != TIDES_OK) return repeat_failure(writer, error);
-    tides_status status = check_events(writer, events, count, error);
-    if (status != TIDES_OK) return status;
+static tides_status write_hdf5(td_event_sink *sink, const tides_event *events, size_t count, tides_error *error) {
+    hdf5_writer *w = sink->state;
     while (count > 0) {
-        size_t room = TD_EVENT_CHUNK - writer->buffered, taken = count < room ? count : room;
-        memcpy(writer->buffer + writer->buffered, events, taken * sizeof *events);
-        writer->buffered += taken;
-        writer->last = events[taken - 1];
-        writer->has_last = 1;
+        size_t room = TD_EVENT_CHUNK - w->buffered, taken = count < room ? count : room;
+        memcpy(w->buffer + w->buffered, events, taken * sizeof *events);
+        w->buffered += taken;
         events += taken;
         count -= taken;
-        if (writer->buffered == TD_EVENT_CHUNK && flush_buffer(writer) != TIDES_OK) return repeat_failure(writer, error);
+        tides_status status = w->buffered == TD_EVENT_CHUNK ? flush_buffer(sink, error) : TIDES_OK;
+        if (status != TIDES_OK) return status;
     }
     return TIDES_OK;
 }
-
-uint64_t tides_event_writer_count(const tides_event_writer *writer) { return writer->store.rows + writer->buffered; }
 
 /* ---- surviving, and going on ---- */
 
-tides_status tides_event_writer_flush(tides_event_writer *writer, tides_error *error) {
-    if (!writer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_flush: the writer is NULL");
-    if (writer->failure.status != TIDES_OK) return repeat_failure(writer, error);
-    if (writer->buffered == 0) return TIDES_OK; /* whole chunks are in the file as soon as they are whole */
-    const tides_event_file facts = {writer->width, writer->height, NULL, NULL};
-    td_h5_quiet quiet;
-    td_h5_quiet_begin(&quiet);
-    tides_status status =
-        td_event_tail_write(writer->tail, &facts, writer->store.rows, writer->buffer, writer->buffered, error);
-    td_h5_quiet_end(&quiet);
-    return status;
+static tides_status flush_hdf5(td_event_sink *sink, tides_error *error) {
+    hdf5_writer *w = sink->state;
+    if (w->buffered == 0) return TIDES_OK; /* whole chunks are in the file as soon as they are whole */
+    const tides_event_file facts = {sink->width, sink->height, NULL, NULL};
+    return td_event_tail_write(w->tail, &facts, w->store.rows, w->buffer, w->buffered, error);
 }
 
 /* Events [rows, rows + buffered), after the last whole chunk that stays: from the tail, or from the .part itself where it has
  * gone on past them; then they become the tail before the .part is cut. */
-static tides_status find_tail(tides_event_writer *writer, uint64_t rows, tides_error *error) {
-    if (writer->buffered == 0) return TIDES_OK;
+static tides_status find_tail(td_event_sink *sink, uint64_t rows, tides_error *error) {
+    hdf5_writer *w = sink->state;
+    if (w->buffered == 0) return TIDES_OK;
     size_t got = 0;
     tides_error reason = {0};
-    tides_status status = td_event_tail_read(writer->tail, rows, writer->buffer, writer->buffered, &reason);
-    if (status == TIDES_OK) return check_events(writer, writer->buffer, writer->buffered, error);
-    status = tides_events_read(writer->part, rows, writer->buffered, writer->buffer, &got, error);
-    if (status == TIDES_OK) status = tides_events_causes(writer->part, rows, got, writer->buffer, error);
+    tides_status status = td_event_tail_read(w->tail, rows, w->buffer, w->buffered, &reason);
+    if (status == TIDES_OK) return td_event_check(&td_format_hdf5, sink, w->buffer, w->buffered, error);
+    status = tides_events_read(sink->part, rows, w->buffered, w->buffer, &got, error);
+    if (status == TIDES_OK) status = tides_events_causes(sink->part, rows, got, w->buffer, error);
     if (status != TIDES_OK) return status;
-    if (got < writer->buffered)
+    if (got < w->buffered)
         return td_fail(error, TIDES_BAD_FILE,
                        "%s: ends %zu events before event %" PRIu64 ", where the run was interrupted (%s): start anew",
-                       writer->part, writer->buffered - got, rows + writer->buffered, reason.text);
-    status = check_events(writer, writer->buffer, writer->buffered, error);
-    const tides_event_file facts = {writer->width, writer->height, NULL, NULL};
-    return status == TIDES_OK ? td_event_tail_write(writer->tail, &facts, rows, writer->buffer, writer->buffered, error)
-                              : status;
+                       sink->part, w->buffered - got, rows + w->buffered, reason.text);
+    status = td_event_check(&td_format_hdf5, sink, w->buffer, w->buffered, error);
+    const tides_event_file facts = {sink->width, sink->height, NULL, NULL};
+    return status == TIDES_OK ? td_event_tail_write(w->tail, &facts, rows, w->buffer, w->buffered, error) : status;
 }
 
 /* The last event, against which the next one's order is checked. */
-static tides_status find_last(tides_event_writer *writer, uint64_t count, tides_error *error) {
+static tides_status find_last(td_event_sink *sink, uint64_t count, tides_error *error) {
+    const hdf5_writer *w = sink->state;
     size_t got = 1;
     if (count == 0) return TIDES_OK;
     tides_status status = TIDES_OK;
-    if (writer->buffered > 0)
-        writer->last = writer->buffer[writer->buffered - 1];
+    if (w->buffered > 0)
+        sink->last = w->buffer[w->buffered - 1];
     else
-        status = tides_events_read(writer->part, count - 1, 1, &writer->last, &got, error);
+        status = tides_events_read(sink->part, count - 1, 1, &sink->last, &got, error);
     if (status == TIDES_OK && got == 0)
-        return td_fail(error, TIDES_BAD_FILE, "%s: holds fewer than %" PRIu64 " events: start anew", writer->part, count);
-    writer->has_last = status == TIDES_OK;
+        return td_fail(error, TIDES_BAD_FILE, "%s: holds fewer than %" PRIu64 " events: start anew", sink->part, count);
+    sink->has_last = status == TIDES_OK;
     return status;
 }
 
-tides_status tides_event_writer_resume(const char *path, const tides_event_file *file, uint64_t count,
-                                       tides_event_writer **writer, tides_error *error) {
-    if (!path || !file || !writer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_resume: an argument is NULL");
-    tides_status status = check_facts(path, file, error);
+static tides_status resume_hdf5(td_event_sink *sink, uint64_t count, tides_error *error) {
+    const tides_event_file facts = {sink->width, sink->height, sink->run, sink->seed};
+    tides_status status = make_state(sink, error);
     if (status != TIDES_OK) return status;
-    tides_event_writer *made = make_writer(path, file, error);
-    if (!made) return TIDES_NO_MEMORY;
+    hdf5_writer *w = sink->state;
     uint64_t rows = count / TD_EVENT_CHUNK * TD_EVENT_CHUNK;
-    td_h5_quiet quiet;
-    td_h5_quiet_begin(&quiet);
-    status = td_event_store_claim(made->part, 0, error);
-    made->buffered = (size_t)(count - rows);
-    if (status == TIDES_OK) status = find_tail(made, rows, error);
-    if (status == TIDES_OK) status = find_last(made, count, error);
-    if (status == TIDES_OK) status = td_event_store_reopen(&made->store, made->part, file, rows, error);
-    td_h5_quiet_end(&quiet);
-    if (status != TIDES_OK) {
-        free_writer(made);
-        return status;
-    }
-    *writer = made;
-    return TIDES_OK;
+    status = td_event_store_claim(sink->part, 0, error);
+    w->buffered = (size_t)(count - rows);
+    if (status == TIDES_OK) status = find_tail(sink, rows, error);
+    if (status == TIDES_OK) status = find_last(sink, count, error);
+    if (status == TIDES_OK) status = td_event_store_reopen(&w->store, sink->part, &facts, rows, error);
+    sink->count = count;
+    return status;
 }
 
 /* ---- ending ---- */
 
 /* Entries of ms_to_idx: DSEC's reader looks up ceil(end / 1 ms) and the millisecond after the last event. */
-static uint64_t index_entries(const tides_event_writer *writer, int64_t stop_ns) {
+static uint64_t index_entries(const td_event_sink *sink, int64_t stop_ns) {
     uint64_t entries = stop_ns > 0 ? (uint64_t)((stop_ns - 1) / 1000000) + 2 : 1;
-    uint64_t needed = writer->has_last ? (uint64_t)(writer->last.t / 1000000) + 2 : 1;
+    uint64_t needed = sink->has_last ? (uint64_t)(sink->last.t / 1000000) + 2 : 1;
     return entries > needed ? entries : needed;
 }
 
-static tides_status complete(tides_event_writer *writer, int64_t stop_ns) {
-    if (stop_ns < 0) stop_ns = 0;
-    if (writer->has_last && stop_ns < writer->last.t) stop_ns = writer->last.t;
-    tides_status status = flush_buffer(writer);
-    if (status != TIDES_OK) return status;
-    if (stop_ns > LAST_TIME)
-        return td_fail(&writer->failure, TIDES_UNSUPPORTED,
-                       "%s: can't end at %" PRId64 " ns: its 32-bit microseconds end after "
-                       "4294.967295 s: write several files",
-                       writer->part, stop_ns);
-    tides_error reason = {0};
-    status = td_event_store_complete(&writer->store, index_entries(writer, stop_ns), stop_ns, &reason);
-    if (status != TIDES_OK) remember_failure(writer, status, reason.text);
-    return status;
-}
-
-static tides_status close_store(tides_event_writer *writer) {
-    uint64_t rows = writer->store.rows;
-    if (td_event_store_close(&writer->store) >= 0) return TIDES_OK;
+static tides_status close_store(td_event_sink *sink, tides_error *error) {
+    hdf5_writer *w = sink->state;
+    uint64_t rows = w->store.rows;
+    if (td_event_store_close(&w->store) >= 0) return TIDES_OK;
     td_h5_reason reason;
     const char *text = td_h5_reason_text(&reason);
-    writer->store.rows = rows;
-    if (writer->failure.status == TIDES_OK) remember_failure(writer, TIDES_WRITE_FAILED, text);
-    return TIDES_WRITE_FAILED;
+    w->store.rows = rows;
+    return write_failed(sink, TIDES_WRITE_FAILED, text, error);
 }
 
-tides_status tides_event_writer_finish(tides_event_writer *writer, int64_t stop_ns, tides_error *error) {
-    if (!writer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_finish: the writer is NULL");
-    td_h5_quiet quiet;
-    td_h5_quiet_begin(&quiet);
-    tides_status status = complete(writer, stop_ns);
-    tides_status closed = close_store(writer);
-    td_h5_quiet_end(&quiet);
-    if (status == TIDES_OK) status = closed;
-    if (status != TIDES_OK)
-        repeat_failure(writer, error);
-    else
-        status = td_commit_file(writer->part, writer->path, error);
-    if (status == TIDES_OK) unlink(writer->tail);
-    free_writer(writer);
+static tides_status complete_hdf5(td_event_sink *sink, int64_t stop_ns, tides_error *error) {
+    hdf5_writer *w = sink->state;
+    if (stop_ns < 0) stop_ns = 0;
+    if (sink->has_last && stop_ns < sink->last.t) stop_ns = sink->last.t;
+    tides_status status = flush_buffer(sink, error);
+    if (status != TIDES_OK) return status;
+    if (stop_ns > LAST_TIME)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "%s: can't end at %" PRId64 " ns: its 32-bit microseconds end after "
+                       "4294.967295 s: write several files",
+                       sink->part, stop_ns);
+    tides_error reason = {0};
+    status = td_event_store_complete(&w->store, index_entries(sink, stop_ns), stop_ns, &reason);
+    if (status != TIDES_OK) return write_failed(sink, status, reason.text, error);
+    status = close_store(sink, error);
+    if (status == TIDES_OK) unlink(w->tail);
     return status;
 }
 
-void tides_event_writer_abandon(tides_event_writer *writer) {
-    if (!writer) return;
-    td_h5_quiet quiet;
-    td_h5_quiet_begin(&quiet);
-    int safe = flush_buffer(writer) == TIDES_OK;
+static void abandon_hdf5(td_event_sink *sink) {
+    hdf5_writer *w = sink->state;
+    int safe = !w->failed && flush_buffer(sink, NULL) == TIDES_OK;
     if (safe) {
-        tides_status ignored = td_event_store_complete(&writer->store, writer->store.next_ms, -1, NULL);
+        tides_status ignored = td_event_store_complete(&w->store, w->store.next_ms, -1, NULL);
         (void)ignored; /* only the index's last entries are at stake */
     }
-    if (td_event_store_close(&writer->store) >= 0 && safe) unlink(writer->tail); /* the .part has all of it */
-    td_h5_quiet_end(&quiet);
-    free_writer(writer);
+    if (td_event_store_close(&w->store) >= 0 && safe) unlink(w->tail); /* the .part has all of it */
 }
+
+const td_event_format td_format_hdf5 = {
+    .name = "hdf5",
+    .endings = ".h5 .hdf5",
+    .summary = "HDF5: DSEC's layout with nanoseconds; reads EDS, MVSEC, M3ED, RVT, v2e and TimoStoff's too",
+    .tick_ns = 1,
+    .size_limit = 65536,
+    .library = 1,
+    .detect = td_h5_detect,
+    .open = td_h5_open,
+    .read = td_h5_read,
+    .close = td_h5_close_stream,
+    .create = create_hdf5,
+    .check = check_hdf5,
+    .write = write_hdf5,
+    .complete = complete_hdf5,
+    .discard = discard_hdf5,
+    .flush = flush_hdf5,
+    .resume = resume_hdf5,
+    .abandon = abandon_hdf5,
+};

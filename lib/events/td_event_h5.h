@@ -52,4 +52,14 @@ int td_h5_read_int(hid_t file, const char *name, int64_t *value);
  * clear, so that cleaning up doesn't lose the reason. */
 void td_h5_close(hid_t id);
 
+/* HDF5 as a format of event files to read (event_h5_read.c). _read_from reads events [first, first + count) at once. */
+struct td_event_probe;
+struct td_event_stream;
+int td_h5_detect(const struct td_event_probe *probe);
+tides_status td_h5_open(struct td_event_stream *stream, tides_error *error);
+tides_status td_h5_read(struct td_event_stream *stream, tides_event *events, size_t capacity, size_t *got, tides_error *error);
+tides_status td_h5_read_from(struct td_event_stream *stream, uint64_t first, size_t count, tides_event *events, size_t *got,
+                             tides_error *error);
+void td_h5_close_stream(struct td_event_stream *stream);
+
 #endif

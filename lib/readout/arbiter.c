@@ -99,6 +99,7 @@ tides_status tides_arbiter_create(const tides_readout *readout, int32_t width, i
     a->tick_ns = (int64_t)llround(readout->tick_s * 1e9);
     a->last_t = INT64_MIN;
     a->tick = a->tick_end = INT64_MIN;
+    a->drops = readout->p0 + readout->eta > 0;
     a->jitters = readout->sigma0_s + readout->gamma_sigma_s > 0;
     status = allocate(a, error);
     if (status != TIDES_OK) {
@@ -152,8 +153,8 @@ static td_random_bits draw(const tides_arbiter *a, const tides_event *event, uin
 }
 
 static int is_dropped(const tides_arbiter *a, const tides_event *event, int32_t tile) {
+    if (!a->drops) return 0;
     double probability = a->readout.p0 + a->readout.eta * a->psi[tile];
-    if (probability <= 0) return 0;
     td_random_bits bits = draw(a, event, TD_RANDOM_DROP);
     return td_random_uniform(&bits, 0) < probability;
 }

@@ -29,53 +29,14 @@ void td_queues_release(td_queues *queues) {
     memset(queues, 0, sizeof *queues);
 }
 
-/* A node that nobody uses; -1 where memory ends. */
-static int32_t new_node(td_queues *queues, tides_error *error) {
-    int32_t node = queues->unused;
-    if (node >= 0) {
-        queues->unused = queues->pool[node].next;
-        return node;
-    }
-    if (queues->used == INT32_MAX) {
-        td_fail(error, TIDES_NO_MEMORY, "readout: more than %d events wait: raise k0 or lower queue_capacity", INT32_MAX);
-        return -1;
-    }
+tides_status td_queues_grow(td_queues *queues, tides_error *error) {
+    if (queues->used == INT32_MAX)
+        return td_fail(error, TIDES_NO_MEMORY, "readout: more than %d events wait: raise k0 or lower queue_capacity",
+                       INT32_MAX);
     void *pool = queues->pool;
     tides_status status = td_reserve(&pool, &queues->pool_capacity, (size_t)queues->used + 1, sizeof *queues->pool, error);
     queues->pool = pool;
-    return status == TIDES_OK ? queues->used++ : -1;
-}
-
-tides_status td_queues_append(td_queues *queues, int32_t queue, const tides_event *event, int32_t tile, int *full,
-                              tides_error *error) {
-    *full = queues->length[queue] == queues->capacity;
-    if (*full) return TIDES_OK;
-    int32_t node = new_node(queues, error);
-    if (node < 0) return TIDES_NO_MEMORY;
-    td_waiting *waiting = &queues->pool[node];
-    waiting->event = *event;
-    waiting->tile = tile;
-    waiting->next = -1;
-    if (queues->length[queue]++)
-        queues->pool[queues->last[queue]].next = node;
-    else {
-        queues->first[queue] = node;
-        queues->some[queue / 64] |= (uint64_t)1 << (queue % 64);
-    }
-    queues->last[queue] = node;
-    queues->waiting++;
-    return TIDES_OK;
-}
-
-const td_waiting *td_queues_head(const td_queues *queues, int32_t queue) { return &queues->pool[queues->first[queue]]; }
-
-void td_queues_take(td_queues *queues, int32_t queue) {
-    int32_t node = queues->first[queue];
-    queues->first[queue] = queues->pool[node].next;
-    queues->pool[node].next = queues->unused;
-    queues->unused = node;
-    if (--queues->length[queue] == 0) queues->some[queue / 64] &= ~((uint64_t)1 << (queue % 64));
-    queues->waiting--;
+    return status;
 }
 
 /* Place of the lowest set bit of a number that isn't 0. */

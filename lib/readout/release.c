@@ -12,7 +12,7 @@ void td_release_free(td_release *release) {
     memset(release, 0, sizeof *release);
 }
 
-static tides_status grow(td_release *release, tides_error *error) {
+tides_status td_release_grow(td_release *release, tides_error *error) {
     void *events = release->events, *fired = release->fired;
     tides_status status = td_reserve(&events, &release->events_capacity, release->count + 1, sizeof *release->events, error);
     release->events = events;
@@ -20,16 +20,6 @@ static tides_status grow(td_release *release, tides_error *error) {
         status = td_reserve(&fired, &release->fired_capacity, release->count + 1, sizeof *release->fired, error);
     release->fired = fired;
     return status;
-}
-
-tides_status td_release_add(td_release *release, const tides_event *event, int64_t fired, tides_error *error) {
-    if (release->count >= release->events_capacity || release->count >= release->fired_capacity) {
-        tides_status status = grow(release, error);
-        if (status != TIDES_OK) return status;
-    }
-    release->events[release->count] = *event;
-    release->fired[release->count++] = fired;
-    return TIDES_OK;
 }
 
 size_t td_release_held(const td_release *release) { return release->count; }

@@ -10,8 +10,8 @@ struct tides_arbiter {
     tides_readout readout;
     int32_t width, height, across, down;
     uint64_t seed;
-    int64_t tick_ns; /* 0: infinite rate */
-    int jitters;
+    int64_t tick_ns;                 /* 0: infinite rate */
+    int drops, jitters;              /* are there any? */
     int32_t *tile_row, *tile_column; /* (height), (width): first tile of the row's tiles, tile within it */
     double *psi;                     /* (tiles) */
     int32_t *release;                /* (tiles) K_m */

@@ -14,7 +14,17 @@ typedef struct td_release {
 } td_release;
 
 void td_release_free(td_release *release);
-tides_status td_release_add(td_release *release, const tides_event *event, int64_t fired, tides_error *error);
+tides_status td_release_grow(td_release *release, tides_error *error);
+
+static inline tides_status td_release_add(td_release *release, const tides_event *event, int64_t fired, tides_error *error) {
+    if (release->count >= release->events_capacity || release->count >= release->fired_capacity) {
+        tides_status status = td_release_grow(release, error);
+        if (status != TIDES_OK) return status;
+    }
+    release->events[release->count] = *event;
+    release->fired[release->count++] = fired;
+    return TIDES_OK;
+}
 size_t td_release_held(const td_release *release);
 
 /* Gives `sink` (nullable), sorted, all that left before `certain`. */

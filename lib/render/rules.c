@@ -13,10 +13,6 @@
 enum { MAX_PIXELS = 16384 };
 
 static const double alpha_cut = 1.0 / 255.0;
-static const double near_fade = 1.25;        /* smooth: full opacity at 1.25 times the near plane */
-static const double taper_begin = 0.1 / 255; /* measured best of those tried (DESIGN 3.1) */
-static const double stop_change = 1e-5;      /* smooth: what termination may change in L */
-static const double soft_depth = 1e-4; /* smooth: relative depth of a swap: half the renders of hard order, 10 to 30 % dearer */
 static const double jacobian_margin = 0.3; /* of tan(fov/2), beyond the image's border */
 
 static void set_inria(td_image *image) {
@@ -39,16 +35,19 @@ static void set_gsplat(td_image *image) {
     image->antialias_floor = 0;
 }
 
-static void set_smooth(td_image *image) {
+static void set_smooth(td_image *image, const tides_smoothing *smoothing) {
     set_inria(image);
-    image->near_full = near_fade * image->near;
-    image->cut = taper_begin;
-    image->cut_rule = TD_CUT_TAPER;
-    image->stop = stop_change;
-    image->stop_rule = TD_STOP_BOUND;
-    image->soft_depth = soft_depth;
-    image->soft_order = 1;
-    image->extent_rule = TD_EXTENT_ELLIPSE;
+    image->near_full = smoothing->near_fade * image->near;
+    image->cut = smoothing->taper_begin;
+    image->cut_full = smoothing->taper_end;
+    if (smoothing->taper_end > smoothing->taper_begin) image->cut_rule = TD_CUT_TAPER;
+    if (smoothing->stop_change > 0) {
+        image->stop = smoothing->stop_change;
+        image->stop_rule = TD_STOP_BOUND;
+    }
+    image->soft_depth = smoothing->soft_depth;
+    image->soft_order = smoothing->soft_depth > 0;
+    if (smoothing->ellipses) image->extent_rule = TD_EXTENT_ELLIPSE;
 }
 
 /* Where x/z and y/z are clamped in the Jacobian: 0.3 tan(fov/2) beyond the borders (gsplat; INRIA's +-1.3 tan(fov/2) when
@@ -77,6 +76,20 @@ static tides_status check_intrinsics(const tides_intrinsics *camera, tides_error
     return TIDES_OK;
 }
 
+static tides_status check_smoothing(const tides_smoothing *s, tides_error *error) {
+    if (!(s->taper_begin > 0) || !(s->taper_end >= s->taper_begin) || !(s->taper_end < 1))
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "image.smoothing: a taper from %g to %g; both must be within (0, 1), in order", s->taper_begin,
+                       s->taper_end);
+    if (!(s->stop_change >= 0) || !isfinite(s->stop_change))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "image.smoothing: stop_change %g must be 0 or more", s->stop_change);
+    if (!(s->near_fade >= 1) || !isfinite(s->near_fade))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "image.smoothing: near_fade %g must be 1 or more", s->near_fade);
+    if (!(s->soft_depth >= 0) || !(s->soft_depth < 1))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "image.smoothing: soft_depth %g must be within [0, 1)", s->soft_depth);
+    return TIDES_OK;
+}
+
 static tides_status check_params(const tides_image_params *params, tides_error *error) {
     if (params->size > sizeof *params)
         return td_fail(error, TIDES_BAD_ARGUMENT, "image params: size %u is from a newer version of TIDES", params->size);
@@ -89,6 +102,8 @@ static tides_status check_params(const tides_image_params *params, tides_error *
         return td_fail(error, TIDES_BAD_ARGUMENT, "image.dilation: %g must be a number of px^2, 0 or more", params->dilation);
     if (!(params->log_eps > 0) || !isfinite(params->log_eps))
         return td_fail(error, TIDES_BAD_ARGUMENT, "image.log_eps: %g must be above 0", params->log_eps);
+    if (params->rules == TIDES_RULES_SMOOTH && check_smoothing(&params->smoothing, error) != TIDES_OK)
+        return TIDES_BAD_ARGUMENT;
     for (int c = 0; c < 3; c++) {
         if (!(params->luminance[c] >= 0) || !isfinite(params->luminance[c]))
             return td_fail(error, TIDES_BAD_ARGUMENT, "image.luminance[%d]: %g must be 0 or more", c, params->luminance[c]);
@@ -99,8 +114,19 @@ static tides_status check_params(const tides_image_params *params, tides_error *
 }
 
 void tides_image_params_defaults(tides_image_params *params) {
-    static const tides_image_params defaults =
-        {sizeof defaults, TIDES_RULES_SMOOTH, 0, TIDES_SH_DEGREE_MAX, 0.3, {0.2126, 0.7152, 0.0722}, 1e-3, {0, 0, 0}};
+    /* The measures of smooth were chosen by error against run time (tides bench image). */
+    static const tides_image_params defaults = {.size = sizeof defaults,
+                                                .rules = TIDES_RULES_SMOOTH,
+                                                .sh_degree = TIDES_SH_DEGREE_MAX,
+                                                .dilation = 0.3,
+                                                .luminance = {0.2126, 0.7152, 0.0722},
+                                                .log_eps = 1e-3,
+                                                .smoothing = {.taper_begin = 0.1 / 255,
+                                                              .taper_end = 1.0 / 255,
+                                                              .stop_change = 1e-5,
+                                                              .near_fade = 1.25,
+                                                              .soft_depth = 1e-4,
+                                                              .ellipses = 1}};
     *params = defaults;
 }
 
@@ -115,7 +141,7 @@ tides_status td_image_resolve(const tides_image_params *params, const tides_intr
     else if (params->rules == TIDES_RULES_GSPLAT)
         set_gsplat(image);
     else
-        set_smooth(image);
+        set_smooth(image, &params->smoothing);
     set_limits(image, params->rules, intrinsics);
     image->fx = intrinsics->fx;
     image->fy = intrinsics->fy;

@@ -6,7 +6,7 @@
  *   TIDES_PSF_LOG      L' = G L            L_dot' = G L_dot                    (the paper)
  *   TIDES_PSF_LINEAR   L' = ln(G e^L)      L_dot' = (G e^L L_dot) / (G e^L)    (what optics do: e^L = Y + log_eps)
  *
- * A tile takes what it needs of its neighbours from these, rendered at the same time, once for all tiles that ask: a whole frame
+ * A tile takes what it needs of its neighbours from these, rendered at the same time, once for all that ask: a whole frame
  * renders no tile twice. A pixel's result is the same to the bit whichever tiles are asked for together. */
 #ifndef TD_PSF_H
 #define TD_PSF_H

@@ -92,7 +92,7 @@ static const tides_param table[] = {
     NUMBER("frontend.shot_noise_hz", "Hz", 0, 1e6, "0.0", "rate of noise events of a pixel in the dark, both polarities"),
     NUMBER("frontend.noise_rms", "log units", 0, 100, "0.0",
            "additive noise, an Ornstein-Uhlenbeck process per pixel; 0 is off"),
-    NUMBER("frontend.noise_cutoff_hz", "Hz", 1e-3, 1e7, "300.0", "its corner frequency; v2e's photoreceptor has this one"),
+    NUMBER("frontend.noise_cutoff_hz", "Hz", 1e-3, 1e7, "1000.0", "its corner frequency"),
     NUMBER("frontend.hot_pixel_fraction", "", 0, 1, "0.0", "part of the pixels that fire without cause"),
     NUMBER("frontend.hot_pixel_rate_hz", "Hz", 0, 1e6, "100.0", "rate of a hot pixel's ON events"),
 

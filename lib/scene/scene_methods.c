@@ -1,5 +1,6 @@
 /* Trained models as scenes: one reader per method. */
 #include "scene/td_method_arrays.h"
+#include "scene/td_method_networks.h"
 #include "td_base.h"
 #include "td_model_files.h"
 
@@ -77,6 +78,16 @@ static tides_status read_frames(tides_scene *scene, const td_model_dir *dir, con
     return add_moving(scene, dir, td_frames_open, trajectory, scale, error);
 }
 
+static tides_status read_fourdgs(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
+                                 tides_error *error) {
+    return add_moving(scene, dir, td_fourdgs_open, trajectory, scale, error);
+}
+
+static tides_status read_deformable(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory,
+                                    double scale, tides_error *error) {
+    return add_moving(scene, dir, td_deformable_open, trajectory, scale, error);
+}
+
 static tides_status read_freetime(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
                                   tides_error *error) {
     return add_moving(scene, dir, td_freetime_open, trajectory, scale, error);
@@ -86,7 +97,7 @@ static tides_status read_freetime(tides_scene *scene, const td_model_dir *dir, c
 static reader *const readers[TD_METHODS] = {
     [TD_METHOD_INRIA] = read_inria,       [TD_METHOD_GSPLAT] = read_gsplat,   [TD_METHOD_STG] = read_stg,
     [TD_METHOD_FUDAN4D] = read_fudan4d,   [TD_METHOD_DYN3DGS] = read_dyn3dgs, [TD_METHOD_FRAMES] = read_frames,
-    [TD_METHOD_FREETIME] = read_freetime,
+    [TD_METHOD_FREETIME] = read_freetime, [TD_METHOD_FOURDGS] = read_fourdgs, [TD_METHOD_DEFORMABLE] = read_deformable,
 };
 
 tides_status td_scene_add_model(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,

@@ -11,8 +11,8 @@ enum { MAX_DEPTH = 20 }; /* halvings of a step */
 /* Halves of pieces keep to whole nanoseconds: none is shorter than a few. */
 static const double least_piece_s = 32e-9;
 
-/* Of the fastest mode, tau / (1 + 8 lambda^2). Rounding leaves 2e-16 of S divided by it in S_dot; what is faster is better taken
- * as a surround without delay. */
+/* Of the fastest mode, tau / (1 + 8 lambda^2). Rounding leaves 2e-16 of S divided by it in S_dot; what is faster is better
+ * taken as a surround without delay. */
 static const double least_tau_s = 1e-12;
 static const double largest_lambda_px = 1000;
 

@@ -54,8 +54,8 @@ static inline double td_noise_line_at(const td_noise_line *line, double time_ns)
     return line->begin + (line->end - line->begin) * ((time_ns - line->from_ns) / (line->to_ns - line->from_ns));
 }
 
-/* Adds the line to the path of a step, or of a part of one that was cut where the line ends, that lasts from `from_ns` to `to_ns`
- * on it. */
+/* Adds the line to the path of a step from `from_ns` to `to_ns`: the noise where the line holds, its straight continuation
+ * elsewhere. */
 void td_noise_line_add(const td_noise_line *line, double from_ns, double to_ns, td_path *path);
 
 #endif

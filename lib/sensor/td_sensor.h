@@ -1,5 +1,5 @@
-/* Internal: the comparator with its blocks, behind the photoreceptor's filters: mismatch, leak, refractory period, coverage mask, shot noise, hot and dead pixels.
- * Used in place of td_comparator_step where any of them is on.
+/* Internal: the comparator with its blocks, behind the photoreceptor's filters: mismatch, leak, refractory period, coverage
+ * mask, shot noise, hot and dead pixels. Used in place of td_comparator_step where any of them is on.
  *
  * A pixel compares S_eff = S + ramp with its own levels, where ramp = leak x (time since the run's start), so that the
  * reference stays S_init + n_on C+ - n_off C-. A pixel is re-referenced (S_init = S_eff, counts 0) where a HOLD ends and at

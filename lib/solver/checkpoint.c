@@ -18,7 +18,7 @@
  *     /tile_risk           double (tiles)           risk of each 16x16 tile, in reading order
  *     /held_until ...      double, u4 (height x width)  state of the sensor's blocks that are on (checkpoint_optional.c)
  *     /readout             i8                       the arbiter's, where the run has one (checkpoint_readout.c)
- *     /timing_errors       double (256)             weights of td_timing, not of a pixel
+ *     /timing_errors       double (512)             weights of td_timing, not of a pixel
  *
  * Images are in image order, so that other tiles can take them up (but for the risk). All datasets are shuffled and
  * deflated. Behind the HDF5 file comes the seal (checkpoint_file.c). */

@@ -83,7 +83,7 @@ static uint64_t image_checksum(const tides_renderer *renderer) {
 
 /* -- the facts -- */
 
-static int is_double(const tides_device *device) {
+int td_is_double(const tides_device *device) {
     tides_device_info info;
     tides_device_describe(device, &info);
     return info.kind == TIDES_DEVICE_REFERENCE && strcmp(info.name, "reference") == 0;
@@ -96,7 +96,7 @@ tides_status td_facts_gather(const tides_simulator *s, td_fact facts[TD_FACTS], 
     if (status != TIDES_OK) return status;
     const td_fact gathered[TD_FACTS] = {
         {"numerics of the library", 0, TIDES_NUMERICS, 0},
-        {"precision of the device in bits", 0, is_double(s->renderer->device) ? 64 : 32, 0},
+        {"precision of the device in bits", 0, td_is_double(s->renderer->device) ? 64 : 32, 0},
         {"camera.width", 0, s->renderer->image.width, 0},
         {"camera.height", 0, s->renderer->image.height, 0},
         {"sensor.threshold_on", 0, s->comparator.threshold_on, 0},
@@ -114,6 +114,7 @@ tides_status td_facts_gather(const tides_simulator *s, td_fact facts[TD_FACTS], 
         {"stepping.risk.w_b", 0, s->risk.w_b, 0},
         {"stepping.risk.w_c", 0, s->risk.w_c, 0},
         {"stepping.risk.w_alpha", 0, s->risk.w_alpha, 0},
+        {"stepping.slope", 0, s->slope, 0},
         {"sensor's other parameters or seed", 1, 0, td_checksum(0, &s->sensor.sensor, sizeof s->sensor.sensor)},
         {"readout", 1, 0, td_checksum(0, &s->scan.readout, sizeof s->scan.readout)},
         {"scene", 1, 0, scene},

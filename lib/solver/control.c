@@ -74,33 +74,50 @@ static int too_long(tides_simulator *s, td_refine_step *step, double start, doub
     return 0;
 }
 
-static int contains(const uint32_t *sorted, size_t count, uint32_t value) {
+/* A step of the whole image that some tile wants halved. */
+typedef struct joint {
+    uint32_t from;
+    double excess; /* of the tile that wants it most */
+} joint;
+
+static int by_position(const void *a, const void *b) {
+    const joint *x = a, *y = b;
+    if (x->from != y->from) return x->from < y->from ? -1 : 1;
+    return x->excess > y->excess ? -1 : x->excess < y->excess;
+}
+
+/* The first of the sorted joints at or after `from`. */
+static size_t find_joint(const joint *sorted, size_t count, uint32_t from) {
     size_t low = 0, high = count;
     while (low < high) {
         size_t middle = (low + high) / 2;
-        if (sorted[middle] < value)
+        if (sorted[middle].from < from)
             low = middle + 1;
         else
             high = middle;
     }
-    return low < count && sorted[low] == value;
+    return low;
 }
 
-static int by_position(const void *a, const void *b) {
-    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-    return x < y ? -1 : x > y;
-}
-
-/* One step for the whole image: whatever one tile wants halved is halved in all. */
+/* One step for the whole image: whatever one tile wants halved is halved in all, and as urgent in all. */
 static tides_status join_tiles(td_refine *r, const int32_t *fresh, size_t count, tides_error *error) {
-    uint32_t *wanted = td_alloc(r->pending_count, sizeof *wanted, error);
-    if (!wanted) return TIDES_NO_MEMORY;
     size_t wanted_count = r->pending_count;
-    for (size_t i = 0; i < wanted_count; i++) wanted[i] = r->step[r->pending[i]].from;
+    joint *wanted = td_alloc(wanted_count, sizeof *wanted, error);
+    if (!wanted) return TIDES_NO_MEMORY;
+    for (size_t i = 0; i < wanted_count; i++) {
+        const td_refine_step *step = &r->step[r->pending[i]];
+        wanted[i].from = step->from;
+        wanted[i].excess = step->excess;
+    }
     qsort(wanted, wanted_count, sizeof *wanted, by_position);
     r->pending_count = 0;
-    for (size_t i = 0; i < count; i++)
-        if (contains(wanted, wanted_count, r->step[fresh[i]].from)) r->pending[r->pending_count++] = fresh[i];
+    for (size_t i = 0; i < count; i++) {
+        td_refine_step *step = &r->step[fresh[i]];
+        size_t at = find_joint(wanted, wanted_count, step->from);
+        if (at == wanted_count || wanted[at].from != step->from) continue;
+        step->excess = wanted[at].excess;
+        r->pending[r->pending_count++] = fresh[i];
+    }
     free(wanted);
     return TIDES_OK;
 }
@@ -108,25 +125,29 @@ static tides_status join_tiles(td_refine *r, const int32_t *fresh, size_t count,
 /* A pending step and what orders it. */
 typedef struct wish {
     double excess;
+    uint32_t from; /* steps of the whole image stay together */
     int32_t step;
 } wish;
 
 static int by_falling_excess(const void *a, const void *b) {
     const wish *x = a, *y = b;
     if (x->excess != y->excess) return x->excess > y->excess ? -1 : 1;
+    if (x->from != y->from) return x->from < y->from ? -1 : 1;
     return x->step < y->step ? -1 : x->step > y->step;
 }
 
-/* Cuts the pending steps to what is left of the macro step's share of the budget. */
+/* Cuts the pending steps to what is left of the macro step's share of the budget; without `local` all tiles' or none's. */
 static tides_status keep_to_budget(tides_simulator *s, td_refine *r, tides_error *error) {
     /* Both ends of the macro step aren't halving's doing. */
     double share = s->budget * s->tiles / (double)s->steps, used = (double)r->sample_count - 2.0 * s->moving_count;
     size_t left = share > used ? (size_t)(share - used) : 0;
     if (s->budget <= 0 || r->pending_count <= left) return TIDES_OK;
+    if (!s->local) left -= left % (size_t)s->moving_count;
     wish *wishes = td_alloc(r->pending_count, sizeof *wishes, error);
     if (!wishes) return TIDES_NO_MEMORY;
     for (size_t i = 0; i < r->pending_count; i++) {
-        wish next = {r->step[r->pending[i]].excess, r->pending[i]};
+        const td_refine_step *step = &r->step[r->pending[i]];
+        wish next = {step->excess, step->from, r->pending[i]};
         wishes[i] = next;
     }
     qsort(wishes, r->pending_count, sizeof *wishes, by_falling_excess);

@@ -2,6 +2,7 @@
 #include "td_estimate.h"
 
 #include <math.h>
+#include <string.h>
 
 /* The largest value of s^2 (1 - s) on [0, 1]: cubic and quadratic differ by s^2 (1 - s) times the difference of their end
  * rates. */
@@ -90,19 +91,34 @@ td_estimate td_estimate_sensor(td_sensor *sensor, size_t first, int whole, doubl
     return worst;
 }
 
-/* Pixels that move by less than this share of a threshold fire hardly ever: not worth a logarithm. */
+/* Pixels that would move by less than this share of a threshold in slow_s fire hardly ever. */
 static const double least_move = 0.02;
-static const double first_octave = -48; /* 2^-48 s: far below a nanosecond */
+static const int first_octave = -48; /* 2^-48 s: far below a nanosecond */
+
+/* The bin of a time [s]: its exponent and the first bits of its mantissa, which is no logarithm's work. */
+static int bin_of(double seconds) {
+    enum { DOUBLE_BIAS = 1023, SHIFT = 52 - TD_TIMING_BITS };
+    uint64_t bits;
+    memcpy(&bits, &seconds, sizeof bits);
+    int bin = (int)(bits >> SHIFT) - ((DOUBLE_BIAS + first_octave) << TD_TIMING_BITS);
+    if (bin < 0) return 0;
+    return bin < TD_TIMING_BINS ? bin : TD_TIMING_BINS - 1;
+}
+
+/* Where a bin ends [s]. */
+static double end_of(int bin) {
+    int octave = bin >> TD_TIMING_BITS, part = bin & ((1 << TD_TIMING_BITS) - 1);
+    return ldexp(1 + (part + 1.0) / (1 << TD_TIMING_BITS), octave + first_octave);
+}
 
 void td_timing_add(td_timing *timing, const td_comparator *comparator, double h, const td_signals *signals, int32_t count) {
     double threshold = 0.5 * (comparator->threshold_on + comparator->threshold_off);
+    double least = least_move * threshold * (timing->slow_s > h ? h / timing->slow_s : 1);
     for (int32_t i = 0; i < count; i++) {
         double rise = signals->S1[i] - signals->S0[i], moved = fabs(rise);
-        if (!(moved > least_move * threshold)) continue;
-        double error = bulge * fabs(h * (signals->S1_dot[i] + signals->S0_dot[i]) - 2 * rise);
-        double at = TD_TIMING_PER_OCTAVE * (log2(error * h / larger(moved, error) + 1e-300) - first_octave);
-        int bin = at > 0 ? (int)at : 0;
-        timing->weight[bin < TD_TIMING_BINS ? bin : TD_TIMING_BINS - 1] += moved / threshold;
+        if (!(moved > least)) continue;
+        double error = larger(bulge * fabs(h * (signals->S1_dot[i] + signals->S0_dot[i]) - 2 * rise), timing->rounding);
+        timing->weight[bin_of(error * h / larger(moved, error))] += moved / threshold;
     }
 }
 
@@ -111,7 +127,7 @@ double td_timing_percentile(const td_timing *timing, double share) {
     for (int k = 0; k < TD_TIMING_BINS; k++) total += timing->weight[k];
     for (int k = 0; k < TD_TIMING_BINS && total > 0; k++) {
         passed += timing->weight[k];
-        if (passed >= share * total) return k == 0 ? 0 : exp2((k + 1.0) / TD_TIMING_PER_OCTAVE + first_octave);
+        if (passed >= share * total) return k == 0 ? 0 : end_of(k);
     }
     return 0;
 }

@@ -121,32 +121,32 @@ static tides_status halve(td_refine *r, size_t first, tides_error *error) {
     return TIDES_OK;
 }
 
+static tides_status reserve_level(td_refine *r, size_t count, tides_error *error) {
+    tides_status status = td_reserve((void **)&r->level_tile, &r->level_tile_capacity, count, sizeof *r->level_tile, error);
+    if (status != TIDES_OK) return status;
+    return td_reserve((void **)&r->level_time, &r->level_time_capacity, count, sizeof *r->level_time, error);
+}
+
 /* Renders the pending steps' midpoints and halves them. */
 static tides_status refine_level(tides_simulator *s, td_refine *r, double start, double stop, tides_error *error) {
     size_t count = r->pending_count, first = r->sample_count;
-    int32_t *tiles = td_alloc(count, sizeof *tiles, error);
-    double *at = td_alloc(count, sizeof *at, error);
-    tides_status status = tiles && at ? TIDES_OK : TIDES_NO_MEMORY;
-    for (size_t i = 0; i < count && status == TIDES_OK; i++) {
+    tides_status status = reserve_level(r, count, error);
+    if (status != TIDES_OK) return status;
+    for (size_t i = 0; i < count; i++) {
         const td_refine_step *step = &r->step[r->pending[i]];
-        tiles[i] = step->tile;
-        at[i] = td_refine_time(r, start, stop, step->from + (step->to - step->from) / 2);
+        r->level_tile[i] = step->tile;
+        r->level_time[i] = td_refine_time(r, start, stop, step->from + (step->to - step->from) / 2);
     }
-    if (status == TIDES_OK) status = render_samples(s, r, tiles, at, (int)count, error);
-    if (status == TIDES_OK) status = halve(r, first, error);
-    free(at);
-    free(tiles);
-    return status;
+    status = render_samples(s, r, r->level_tile, r->level_time, (int)count, error);
+    return status == TIDES_OK ? halve(r, first, error) : status;
 }
 
 /* Level 0: every moving tile at the macro step's end. */
 static tides_status render_ends(tides_simulator *s, td_refine *r, double stop, tides_error *error) {
-    double *at = td_alloc((size_t)s->moving_count, sizeof *at, error);
-    if (!at) return TIDES_NO_MEMORY;
-    for (int i = 0; i < s->moving_count; i++) at[i] = stop;
-    tides_status status = render_samples(s, r, s->moving, at, s->moving_count, error);
-    free(at);
-    return status;
+    tides_status status = reserve_level(r, (size_t)s->moving_count, error);
+    if (status != TIDES_OK) return status;
+    for (int i = 0; i < s->moving_count; i++) r->level_time[i] = stop;
+    return render_samples(s, r, s->moving, r->level_time, s->moving_count, error);
 }
 
 tides_status td_refine_macro_step(tides_simulator *s, double start, double stop, tides_error *error) {
@@ -178,6 +178,8 @@ void td_refine_release(td_refine *refine) {
     free(refine->risk);
     free(refine->pending);
     free(refine->halved);
+    free(refine->level_tile);
+    free(refine->level_time);
     free(refine->times);
     free(refine->requests);
     free(refine->planes);

@@ -113,6 +113,7 @@ static void turn_samples(tides_simulator *s) {
 static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
     td_step step;
     double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
+    if (s->slope == TIDES_SLOPE_DIFFERENCE) td_difference_slopes(s, stop - start);
     if (s->surround.surround.on) return td_surround_compare(s, start, stop, error);
     tides_status status = td_step_of_run(s, start, stop, &step, error);
     for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {

@@ -11,8 +11,18 @@ enum { BATCH_TILES = 1 << 14 }; /* (tile, step) samples per launch at most: 64 M
 static const double most_steps = 1e12;
 
 void tides_stepping_defaults(tides_stepping *stepping) {
-    static const tides_stepping defaults =
-        {sizeof defaults, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE, 1, 0.01, 1e-6, 0.01, 0, 0, {0.3, 0.3, 0.4}};
+    static const tides_stepping defaults = {sizeof defaults,
+                                            TIDES_STEPPING_ERROR,
+                                            TIDES_MODEL_HERMITE,
+                                            1,
+                                            0.01,
+                                            1e-6,
+                                            0.01,
+                                            0,
+                                            0,
+                                            {0.3, 0.3, 0.4},
+                                            TIDES_SLOPE_EXACT,
+                                            0};
     *stepping = defaults;
 }
 
@@ -22,6 +32,11 @@ static tides_status check_arguments(const tides_sensor *sensor, const tides_step
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_create: a struct's size is from a newer version of TIDES");
     if (stepping->mode < TIDES_STEPPING_FIXED || stepping->mode > TIDES_STEPPING_ERROR_RISK)
         return td_fail(error, TIDES_UNSUPPORTED, "stepping.mode: %d is none of TIDES_STEPPING_*", (int)stepping->mode);
+    if (stepping->slope != TIDES_SLOPE_EXACT && stepping->slope != TIDES_SLOPE_DIFFERENCE)
+        return td_fail(error, TIDES_UNSUPPORTED, "stepping.slope: %d is none of TIDES_SLOPE_*", (int)stepping->slope);
+    if (stepping->slope == TIDES_SLOPE_DIFFERENCE && stepping->mode != TIDES_STEPPING_FIXED)
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "stepping.slope: differences need fixed steps; the control of the others judges exact slopes");
     if (!isfinite(start) || !isfinite(stop) || !(stop > start))
         return td_fail(error, TIDES_BAD_ARGUMENT, "time: start %g s, stop %g s; stop must be a time after start", start, stop);
     if (start < 0)
@@ -143,6 +158,9 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     s->time_tolerance_s = stepping->time_tolerance_s;
     s->budget = stepping->budget;
     s->risk = stepping->risk;
+    s->slope = stepping->slope;
+    s->timing.slow_s = 1;
+    s->timing.rounding = td_is_double(device) ? 0 : TD_SINGLE_ROUNDING;
     s->planes_kept = s->refine.planes_kept = sensor->b_min > 0 ? TD_KEPT_ALL : TD_KEPT_SIGNAL;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
     status = td_comparator_check(&s->comparator, error);

@@ -34,7 +34,7 @@ typedef struct td_fact {
     uint64_t checksum;
 } td_fact;
 
-enum { TD_FACTS = 24 };
+enum { TD_FACTS = 25 };
 tides_status td_facts_gather(const tides_simulator *simulator, td_fact facts[TD_FACTS], tides_error *error);
 
 /* TIDES_BAD_CONFIG naming the first key that two run files (JSON) have different values of, other than those that don't change
@@ -66,9 +66,10 @@ void td_planes_give(const td_planes *planes, tides_simulator *simulator); /* and
 tides_status td_planes_write(td_planes *planes, const tides_simulator *simulator, const td_place *root);
 tides_status td_planes_read(td_planes *planes, const tides_simulator *simulator, const td_place *root);
 
-/* -- the readout (checkpoint_readout.c): nothing where the run has none; `arbiter` is the caller's, NULL after a failure or not -- */
+/* -- the readout (checkpoint_readout.c): nothing where the run has none -- */
 
 tides_status td_readout_write(const tides_simulator *simulator, const td_place *root);
+/* A new arbiter in the state of the file: the caller's, also after a failure, where it may be NULL. */
 tides_status td_readout_read(const tides_simulator *simulator, const td_place *root, tides_arbiter **arbiter);
 
 /* -- the statistics (checkpoint_totals.c) -- */

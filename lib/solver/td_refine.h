@@ -33,7 +33,11 @@ typedef struct td_refine {
     size_t pending_count, pending_capacity;
     int32_t *halved; /* steps that came of it */
     size_t halved_capacity;
-    double *times; /* the level's distinct times */
+    int32_t *level_tile; /* what the level renders: tiles, */
+    size_t level_tile_capacity;
+    double *level_time; /* and times */
+    size_t level_time_capacity;
+    double *times; /* the distinct ones of these */
     size_t time_capacity;
     td_request *requests;
     size_t request_capacity;

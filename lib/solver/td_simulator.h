@@ -4,8 +4,8 @@
 
 #include "render/td_render.h"
 #include "td_estimate.h"
-#include "td_grid.h"
 #include "sensor/td_sensor.h"
+#include "td_grid.h"
 #include "td_refine.h"
 #include "td_scan.h"
 #include "td_surround_steps.h"
@@ -29,6 +29,7 @@ struct tides_simulator {
     int mode, local;            /* TIDES_STEPPING_*; each tile has its own steps */
     double min_step_s, tolerance, time_tolerance_s, budget;
     tides_risk risk;
+    int slope;         /* TIDES_SLOPE_* */
     int outputs;       /* planes that each sample renders: risk, a mask and the readout want diagnostics */
     td_scan scan;      /* the readout, where one is attached */
     int planes_kept;   /* of these, TD_KEPT_SIGNAL or TD_KEPT_ALL */
@@ -56,11 +57,18 @@ struct tides_simulator {
     tides_stats stats; /* times and steps; the rest is put together when asked for */
 };
 
+/* 1 where the device computes in double precision (checkpoint_facts.c). */
+int td_is_double(const tides_device *device);
+
 /* Lists the tiles that can change in the interval that was swept last; all of them where tiles don't go their own ways. */
 void td_list_moving(tides_simulator *simulator);
 
 /* Largest risk score of a tile's pixels, from planes of TD_OUT_DIAGNOSTICS. */
 double td_tile_risk(const tides_simulator *simulator, const td_tile *tile, const double *planes);
+
+/* TIDES_SLOPE_DIFFERENCE: replaces the slopes at the end of the step of h seconds that is about to be compared, and at the
+ * run's start (slope.c). */
+void td_difference_slopes(tides_simulator *simulator, double h);
 
 /* S and S_dot of a rendered tile, whose planes are kept block by block, as rows of the tile's pixels. */
 static inline void td_unpack_tile(const td_tile *tile, const double *planes, double *S, double *S_dot) {

@@ -1,6 +1,6 @@
 # A benchmark leaves tables that agree with each other and pictures, refuses nonsense, and stops when asked to.
 refuse 2 "no benchmark is called acuracy; did you mean accuracy\?" tides bench acuracy
-refuse 2 "no benchmark is called speed; there are accuracy and ablation" tides bench speed
+refuse 2 "no benchmark is called speed; there are accuracy, ablation and image" tides bench speed
 refuse 2 "too few arguments" tides bench
 refuse 2 "--scene ocluder: neither a scene nor a file; did you mean occluder\?" tides bench accuracy --scene ocluder
 touch taken
@@ -16,16 +16,21 @@ expect 0 tides bench accuracy --quick --scene occluder -o made
 out "occluder +p95 <= 2 us +error "
 out "occluder +p95 <= 2 us +esim "
 out "median <= 0.05 us +error_global"
-out "asked 10 us: median .* by its own estimate; .* measured"
+out "occluder +error_time +1e-05 s .* honest"
+out "estimates: [1-9][0-9]* of [1-9][0-9]* runs that estimate"
+out "mismatch: .* at tolerance 0.003, at most 0.01 % asked: kept"
+out "pixels: S - S_ref reaches 0.99.* of a threshold at most: within"
+out "exact stream, smooth: in ([0-9]+) of \1 runs halving its steps"
 err "exact stream of the smooth image: [0-9]+ events"
 for file in accuracy.json accuracy.csv accuracy_time.png accuracy_renders.png; do exists made/$file; done
 ls made | grep -q part && fail "a .part is left"
-for key in device version cores date run_time_s renders dt_median_us dt_p95_us dt_p99_us mismatch_percent events halved_p99_us; do
+for key in device version cores date run_time_s renders dt_median_us dt_p95_us dt_p99_us mismatch_percent events halved_p99_us \
+    honest exact_share verdict worst_residual; do
     grep -q "\"$key\":" made/accuracy.json || fail "accuracy.json lacks $key"
 done
 # As many results in both tables; every method is there, on its image.
 [ "$(grep -c '"method":' made/accuracy.json)" = $(($(wc -l <made/accuracy.csv) - 1)) ] || fail "JSON and CSV differ in length"
-for method in esim quadratic hermite error error_time error_global; do
+for method in esim quadratic hermite error error_time error_global risk error_risk; do
     grep -q "^occluder,$method,.*,smooth," made/accuracy.csv || fail "no $method"
 done
 grep -q "^occluder,esim_inria,.*,inria," made/accuracy.csv || fail "no esim on the inria image"
@@ -42,9 +47,26 @@ less "$(column worst_residual error 0.003)" 1 "the residual"
 expect 0 tides bench ablation --quick --json -q --scene occluder -o made
 grep -q '"bench":[[:space:]]*"ablation"' out || fail "--json should print the results"
 for file in ablation.json ablation.csv ablation.png; do exists made/$file; done
-for variant in full global_step one_event fixed_step fixed_quadratic fixed_linear finite_difference; do
+for variant in full with_risk no_alpha_dot risk_only risk_only_no_alpha_dot global_step one_event fixed_step compute_matched \
+    differenced_cubic quadratic differenced_quadratic linear differenced_linear straight_line; do
     grep -q "^occluder,$variant," made/ablation.csv || fail "no $variant"
 done
+# A slope is worth more than the difference of two renders.
+column() { awk -F, -v name="$1" -v method="$2" '
+    NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } $2 == method { print $at[name] }' made/ablation.csv; }
+less "$(column dt_p95_us compute_matched)" "$(column dt_p95_us differenced_cubic)" "p95 with exact against differenced slopes"
+
+expect 0 tides bench image --quick --scene occluder -o made
+for image in smooth hard_cutoff hard_order inria; do
+    out "^occluder +$image "
+    grep -q "^occluder,error,.*,$image," made/image.csv || fail "no $image"
+done
+for key in jumps_per_pixel_s jump_sum_per_pixel_s largest_jump psnr_db largest_difference_x frame_time_s; do
+    grep -q "\"$key\":" made/image.json || fail "image.json lacks $key"
+done
+# smooth jumps less than inria.
+jumps() { awk -v image="$1" '/"image":/ { found = index($0, "\"" image "\"") } found && /jump_sum/ { print $2 + 0; exit }' made/image.json; }
+less "$(jumps smooth)" "$(jumps inria)" "jumps of smooth against inria"
 
 set -m # so that the job doesn't start with SIGINT ignored
 tides bench accuracy --quick --scene fan -o stopped >out 2>err &

@@ -50,6 +50,43 @@ static void test_invariant_and_stream_of_adaptive_steps(void **state) {
     }
 }
 
+/* Slopes by difference: each pixel's is that of the line over its last step; straight lines don't care; the invariant holds. */
+static void test_slopes_by_difference(void **state) {
+    (void)state;
+    random_scene scene = make_scene(SEED + 15);
+    job j = job_of(&scene);
+    j.stepping.model = TIDES_MODEL_SECANT;
+    outcome lines = run(&j);
+    j.stepping.slope = TIDES_SLOPE_DIFFERENCE;
+    outcome same = run(&j);
+    expect_same(&lines, &same, "straight lines");
+    j.stepping.model = TIDES_MODEL_HERMITE;
+    tides_device *device = open_device(j.device);
+    tides_simulator *s = make_simulator(&j, device);
+    outcome o = {0};
+    tides_error error;
+    double before[43 * 37];
+    const double last = td_grid_time(s, s->steps - 1);
+    begin(&j, s, &o);
+    scene_expect_ok(tides_simulator_run(s, last, collect, &o, NULL, NULL, &error), &error);
+    memcpy(before, s->now.plane[TD_KEPT_S], sizeof before);
+    scene_expect_ok(tides_simulator_run(s, j.stop, collect, &o, NULL, NULL, &error), &error);
+    for (int i = 0; i < pixels_of(&j); i++) {
+        double slope = (s->now.plane[TD_KEPT_S][i] - before[i]) / (j.stop - last);
+        assert_true(fabs(s->now.plane[TD_KEPT_S_DOT][i] - slope) <= 1e-9 * (1 + fabs(slope)));
+    }
+    finish(s, &o);
+    check_stream(&j, &o);
+    check_state(&j, &o);
+    assert_true(o.count != lines.count || memcmp(o.events, lines.events, o.count * sizeof *o.events) != 0);
+    tides_simulator_destroy(s);
+    tides_device_close(device);
+    free_outcome(&o);
+    free_outcome(&same);
+    free_outcome(&lines);
+    random_scene_free(&scene);
+}
+
 /* Several calls, some of them for times between grid points, past or behind. */
 static void check_pieces(const job *j) {
     static const double untils[] = {0.2, 0.2001, 0.202, 0.2219999, 0.222, 0.222, 0.21, 0.25, 0.2799, 1};
@@ -232,6 +269,7 @@ static void test_stopping_progress_loses_nothing(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_invariant_and_stream),
                                        cmocka_unit_test(test_invariant_and_stream_of_adaptive_steps),
+                                       cmocka_unit_test(test_slopes_by_difference),
                                        cmocka_unit_test(test_pieces_equal_the_whole),
                                        cmocka_unit_test(test_batches_and_repeats_change_nothing),
                                        cmocka_unit_test(test_still_tiles_change_nothing),

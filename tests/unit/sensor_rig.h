@@ -72,6 +72,10 @@ static inline rig *rig_make(const tides_sensor *sensor, int tiles, double start,
     rig_sample(r, start, 0);
     td_pixels pixels = {r->initial, r->reference, r->count_on, r->count_off};
     td_pixels_reset(&pixels, r->plane[0], r->pixels);
+    if (r->sensor.frontend.on) {
+        td_sensor_begin(&r->sensor, r->plane[0], r->initial);
+        for (size_t i = 0; i < r->pixels; i++) r->reference[i] = r->initial[i];
+    }
     return r;
 }
 

@@ -207,6 +207,25 @@ static void test_timing_weights(void **state) {
 }
 
 /* Errors below the first bin are no error; none is above the step, as long as that is among the bins. */
+/* Rounding is a floor under every pixel's error; in short steps slow pixels count as they do in long ones. */
+static void test_timing_floor(void **state) {
+    (void)state;
+    td_comparator comparator = comparator_of(C, C);
+    td_timing timing;
+    memset(&timing, 0, sizeof timing);
+    timing.rounding = 1e-3 * C;
+    add_pixel(&timing, &comparator, C, 0);
+    expect_percentile(&timing, 0.5, 1e-3 * H);
+    add_pixel(&timing, &comparator, C, 0.01 * H);
+    expect_percentile(&timing, 1, 0.01 * H);
+    memset(&timing, 0, sizeof timing);
+    add_pixel(&timing, &comparator, 0.01 * C, 1e-3 * H);
+    assert_true(td_timing_percentile(&timing, 1) == 0);
+    timing.slow_s = 4 * H; /* in which it would move by 0.04 C */
+    add_pixel(&timing, &comparator, 0.01 * C, 1e-3 * H);
+    expect_percentile(&timing, 1, 1e-3 * H);
+}
+
 static void test_timing_ends(void **state) {
     (void)state;
     td_comparator comparator = comparator_of(C, C);
@@ -233,6 +252,7 @@ int main(void) {
                                        cmocka_unit_test(test_worst_of_many),
                                        cmocka_unit_test(test_timing_percentiles),
                                        cmocka_unit_test(test_timing_weights),
+                                       cmocka_unit_test(test_timing_floor),
                                        cmocka_unit_test(test_timing_ends)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -175,13 +175,15 @@ static void test_own_attributes(void **state) {
 static void test_not_hdf5(void **state) {
     folder *f = *state;
     expect_failure(in_folder(f, "absent.h5"), TIDES_FILE_NOT_FOUND, "No such file");
-    expect_failure(f->path, TIDES_BAD_FILE, "HDF5");
+    expect_failure(f->path, TIDES_BAD_FILE, "folder");
     const char *path = in_folder(f, "text.h5");
     FILE *file = fopen(path, "w");
     assert_non_null(file);
-    expect_failure(path, TIDES_BAD_FILE, "HDF5"); /* empty */
-    fputs("1 2 3 4\n", file);
+    expect_failure(path, TIDES_BAD_FILE, "empty");
+    fputs("events?\n", file);
     fclose(file);
+    expect_failure(path, TIDES_BAD_FILE, "HDF5");
+    put_text(path, "\x89HDF\r\n\x1a\n and no more");
     expect_failure(path, TIDES_BAD_FILE, "HDF5");
     tides_event_summary summary = {.count = 5};
     assert_int_equal(tides_events_summary(path, &summary, NULL), TIDES_BAD_FILE);

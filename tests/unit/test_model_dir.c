@@ -114,13 +114,13 @@ static void test_deformed(void **state) {
     put_ply(*state, "f/gaussian_pertimestamp/time_00000.ply", 1);
     expect(*state, "f", TD_METHOD_FOURDGS, 14000, "f/point_cloud/iteration_14000/point_cloud.ply",
            "f/point_cloud/iteration_14000/deformation.pth");
-    expect_refused(*state, "f", TIDES_UNSUPPORTED, "4DGaussians");
+    expect_refused(*state, "f", TIDES_BAD_FILE, "no cfg_args");
     put_ply(*state, "d/point_cloud/iteration_10/point_cloud.ply", 3);
     put_ply(*state, "d/point_cloud/iteration_20/point_cloud.ply", 3);
     put_text(*state, "d/deform/iteration_10/deform.pth", ""); /* 20 was cut short before its network was written */
     expect(*state, "d", TD_METHOD_DEFORMABLE, 10, "d/point_cloud/iteration_10/point_cloud.ply",
            "d/deform/iteration_10/deform.pth");
-    expect_refused(*state, "d", TIDES_UNSUPPORTED, "Deformable-3D-Gaussians");
+    expect_refused(*state, "d", TIDES_BAD_FILE, "deform.pth");
     put_text(*state, "e/deform/iteration_20/deform.pth", "");
     put_ply(*state, "e/point_cloud/iteration_10/point_cloud.ply", 3);
     expect_refused(*state, "e", TIDES_BAD_FILE, "deform/iteration_N/deform.pth");

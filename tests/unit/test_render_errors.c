@@ -78,13 +78,30 @@ static void test_cameras(void **state) {
 }
 
 static void test_image_params(void **state) {
+    enum { WRONG = 20 };
     const fixture *f = *state;
-    tides_image_params wrong[13];
-    static const char *const words[] = {"newer version",      "image.rules|3",      "image.rules|-1",     "image.sh_degree|5",
-                                        "image.sh_degree|-1", "image.dilation",     "image.dilation",     "image.log_eps|0",
-                                        "image.log_eps",      "image.luminance[1]", "image.luminance[2]", "scene.background[0]",
-                                        "scene.background[2]"};
-    for (int i = 0; i < 13; i++) wrong[i] = f->params;
+    tides_image_params wrong[WRONG];
+    static const char *const words[] = {"newer version",
+                                        "image.rules|3",
+                                        "image.rules|-1",
+                                        "image.sh_degree|5",
+                                        "image.sh_degree|-1",
+                                        "image.dilation",
+                                        "image.dilation",
+                                        "image.log_eps|0",
+                                        "image.log_eps",
+                                        "image.luminance[1]",
+                                        "image.luminance[2]",
+                                        "scene.background[0]",
+                                        "scene.background[2]",
+                                        "taper",
+                                        "taper",
+                                        "taper",
+                                        "stop_change",
+                                        "near_fade",
+                                        "soft_depth",
+                                        "soft_depth"};
+    for (int i = 0; i < WRONG; i++) wrong[i] = f->params;
     wrong[0].size = sizeof *wrong + 8;
     wrong[1].rules = 3;
     wrong[2].rules = -1;
@@ -98,7 +115,14 @@ static void test_image_params(void **state) {
     wrong[10].luminance[2] = NAN;
     wrong[11].background[0] = INFINITY;
     wrong[12].background[2] = -0.5;
-    for (int i = 0; i < 13; i++) expect_refused(f, &f->scene.camera, &wrong[i], TIDES_BAD_ARGUMENT, words[i]);
+    wrong[13].smoothing.taper_begin = 0;
+    wrong[14].smoothing.taper_end = 1e-4;
+    wrong[15].smoothing.taper_end = NAN;
+    wrong[16].smoothing.stop_change = -1;
+    wrong[17].smoothing.near_fade = 0.9;
+    wrong[18].smoothing.soft_depth = 1;
+    wrong[19].smoothing.soft_depth = NAN;
+    for (int i = 0; i < WRONG; i++) expect_refused(f, &f->scene.camera, &wrong[i], TIDES_BAD_ARGUMENT, words[i]);
 }
 
 static void test_missing_arguments(void **state) {

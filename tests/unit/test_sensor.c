@@ -208,6 +208,41 @@ static void test_leak_under_a_sinusoid(void **state) {
     rig_free(r);
 }
 
+/* -- behind a low-pass --------------------------------------------------------------------------------------------------- */
+
+/* A ramp that begins at rest comes out as slope (t - tau (1 - e^(-t / tau))), and the leak's ramp on top of it. */
+static double filtered_ramp(double slope, double tau, double leak, double t) {
+    return slope * (t + tau * expm1(-t / tau)) + leak * t;
+}
+
+static void test_ramp_through_a_low_pass(void **state) {
+    (void)state;
+    const line rising = {10};
+    const double tau = 1 / (2 * acos(-1) * 20), leak = 0.2 * 3, period = 2.3e-3;
+    tides_sensor sensor = sensor_of(0.2);
+    sensor.photoreceptor_cutoff_hz = 20;
+    sensor.leak_rate_hz = 3;
+    sensor.refractory_s = period;
+    double expected[64], reference = 0, from = 0;
+    size_t count = 0;
+    while (from < 0.6) { /* HOLD: the next level is a threshold above where S_eff is at the end of the period */
+        double low = from, high = 1;
+        for (int i = 0; i < 80; i++) {
+            double middle = 0.5 * (low + high);
+            *(filtered_ramp(10, tau, leak, middle) >= reference + 0.2 ? &high : &low) = middle;
+        }
+        expected[count++] = high;
+        from = high + period;
+        reference = filtered_ramp(10, tau, leak, from);
+    }
+    for (int k = 0; k < LENGTHS; k++) {
+        rig *r = rig_make(&sensor, 1, 0, ramp, &rising);
+        rig_run(r, 0.5 * (expected[count - 2] + expected[count - 1]), lengths[k]);
+        expect_times(r, expected, NULL, count - 1, TIDES_CAUSE_SIGNAL);
+        rig_free(r);
+    }
+}
+
 /* -- mask ---------------------------------------------------------------------------------------------------------------- */
 
 /* Dark from 0.3 s to 0.6 s, when coverage passes 0.5 on a straight line between samples at multiples of 0.1 s. */
@@ -311,6 +346,7 @@ int main(void) {
         cmocka_unit_test(test_mask_defers),
         cmocka_unit_test(test_truncated),
         cmocka_unit_test(test_nan),
+        cmocka_unit_test(test_ramp_through_a_low_pass),
         cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,10 +1,11 @@
-/* What stands still in the demo: a brick wall with two posters, a wooden table, and three balls. */
-#include "demo.h"
+/* What stands still in a room: a brick wall with two posters, a wooden table, and three balls. */
+#include "generate/td_generate.h"
+#include "tides/image.h"
 
 #include <math.h>
 #include <string.h>
 
-#define PI 3.14159265358979323846
+#define PI TD_GENERATE_PI
 
 static void mix(const double a[3], const double b[3], double share, double mixed[3]) {
     for (int i = 0; i < 3; i++) mixed[i] = a[i] + share * (b[i] - a[i]);
@@ -22,35 +23,35 @@ enum { COURSES = 27 };
 
 static const double right[3] = {1, 0, 0}, up[3] = {0, 1, 0};
 
-static void brick(demo_splats *splats, double x, double y, int32_t column, int32_t course) {
+static void brick(td_splats *splats, double x, double y, int32_t column, int32_t course) {
     static const double pale[3] = {0.74, 0.42, 0.30}, dark[3] = {0.47, 0.20, 0.15}, grey[3] = {0.40, 0.33, 0.31};
     static const double sigma[3] = {0.075, 0.062, 0.002};
     double colour[3];
-    mix(dark, pale, demo_hash(column, course, 1), colour);
-    if (demo_hash(column, course, 2) > 0.86) mix(colour, grey, 0.7, colour);
+    mix(dark, pale, td_hash(column, course, 1), colour);
+    if (td_hash(column, course, 2) > 0.86) mix(colour, grey, 0.7, colour);
     for (int32_t half = 0; half < 2; half++) {
-        const double point[3] = {x + (half - 0.5) * 0.5 * BRICK_WIDTH, y, DEMO_WALL_Z};
-        demo_splat(splats, point, right, up, sigma, colour);
+        const double point[3] = {x + (half - 0.5) * 0.5 * BRICK_WIDTH, y, TD_WALL_Z};
+        td_splats_add(splats, point, right, up, sigma, colour);
     }
     for (int32_t speck = 0; speck < 9; speck++) {
-        const double point[3] = {x + (demo_hash(column, course, 10 + speck) - 0.5) * 0.30,
-                                 y + (demo_hash(column, course, 30 + speck) - 0.5) * 0.10, DEMO_WALL_Z + WALL_STEP};
-        const double size = 0.006 + 0.012 * demo_hash(column, course, 50 + speck);
+        const double point[3] = {x + (td_hash(column, course, 10 + speck) - 0.5) * 0.30,
+                                 y + (td_hash(column, course, 30 + speck) - 0.5) * 0.10, TD_WALL_Z + WALL_STEP};
+        const double size = 0.006 + 0.012 * td_hash(column, course, 50 + speck);
         const double speck_sigma[3] = {1.6 * size, size, 0.002};
         double tint[3];
         mix(colour, speck % 3 ? dark : pale, 0.6, tint);
         for (int i = 0; i < 3; i++) tint[i] *= speck % 3 ? 0.75 : 1.1;
-        demo_splat(splats, point, right, up, speck_sigma, tint);
+        td_splats_add(splats, point, right, up, speck_sigma, tint);
     }
 }
 
-static void mortar(demo_splats *splats, double x, double y, double dx, double dy, int32_t count) {
+static void mortar(td_splats *splats, double x, double y, double dx, double dy, int32_t count) {
     static const double colour[3] = {0.80, 0.77, 0.70};
-    const double a[3] = {x, y, DEMO_WALL_Z + WALL_STEP}, b[3] = {x + dx, y + dy, DEMO_WALL_Z + WALL_STEP};
-    demo_line(splats, a, b, count, 0.0075, colour);
+    const double a[3] = {x, y, TD_WALL_Z + WALL_STEP}, b[3] = {x + dx, y + dy, TD_WALL_Z + WALL_STEP};
+    td_splats_line(splats, a, b, count, 0.0075, colour);
 }
 
-static void bricks(demo_splats *splats) {
+static void bricks(td_splats *splats) {
     for (int32_t course = 0; course < COURSES; course++) {
         const double y = WALL_BOTTOM + (course + 0.5) * BRICK_HEIGHT, shift = course % 2 ? 0.5 * BRICK_WIDTH : 0.0;
         mortar(splats, WALL_LEFT, y - 0.5 * BRICK_HEIGHT, WALL_RIGHT - WALL_LEFT, 0, 48);
@@ -78,7 +79,7 @@ static void sheet_surface(const void *shape, double u, double v, double point[3]
 }
 
 /* The letters of the poster, one splat per dot of the library's own face. */
-static void poster_text(demo_splats *splats, const char *text, double left, double top, double z, const double colour[3]) {
+static void poster_text(td_splats *splats, const char *text, double left, double top, double z, const double colour[3]) {
     enum { COLUMNS = 36, ROWS = 9 };
     static const uint8_t ink[3] = {1, 1, 1};
     static const double dot_size = 0.031, sigma[3] = {0.5 * 0.031, 0.5 * 0.031, 0.002};
@@ -88,23 +89,23 @@ static void poster_text(demo_splats *splats, const char *text, double left, doub
         if (!dots[3 * i]) continue;
         const int32_t row = i / COLUMNS, column = i % COLUMNS;
         const double point[3] = {left + dot_size * column, top - dot_size * row, z};
-        demo_splat(splats, point, right, up, sigma, colour);
+        td_splats_add(splats, point, right, up, sigma, colour);
     }
 }
 
 /* TIDES over three waves. */
-static void title_poster(demo_splats *splats) {
-    static const sheet paper = {-1.92, 0.42, 1.06, 0.78, DEMO_WALL_Z + 0.08, {0.04, 0.20, 0.36}, {0.05, 0.36, 0.52}};
+static void title_poster(td_splats *splats) {
+    static const sheet paper = {-1.92, 0.42, 1.06, 0.78, TD_WALL_Z + 0.08, {0.04, 0.20, 0.36}, {0.05, 0.36, 0.52}};
     static const double white[3] = {0.97, 0.95, 0.88}, foam[3] = {0.45, 0.86, 0.86};
     const double z = paper.z + WALL_STEP;
-    demo_cover(splats, sheet_surface, &paper, 26, 19);
+    td_splats_cover(splats, sheet_surface, &paper, 26, 19);
     poster_text(splats, "TIDES", paper.left + 0.09, paper.bottom + 0.69, z, white);
     for (int32_t wave = 0; wave < 3; wave++)
         for (int32_t i = 0; i < 40; i++) {
             const double x = 0.08 + 0.90 * (i + 0.5) / 40, phase = 2 * PI * (2.5 * x + 0.21 * wave);
             const double point[3] = {paper.left + x, paper.bottom + 0.34 - 0.11 * wave + 0.035 * sin(phase), z};
             const double along[3] = {1, 0.035 * 2 * PI * 2.5 * cos(phase), 0}, sigma[3] = {0.020, 0.010, 0.002};
-            demo_splat(splats, point, along, up, sigma, wave == 1 ? white : foam);
+            td_splats_add(splats, point, along, up, sigma, wave == 1 ? white : foam);
         }
 }
 
@@ -118,16 +119,17 @@ static void star_surface(const void *shape, double u, double v, double point[3],
     memcpy(colour, (int32_t)floor(u * 24) % 2 ? white : black, sizeof white);
 }
 
-static void star_poster(demo_splats *splats) {
-    static const sheet paper = {0.98, 0.24, 0.96, 0.96, DEMO_WALL_Z + 0.08, {0.93, 0.90, 0.80}, {0.96, 0.94, 0.87}};
-    static const double centre[3] = {1.46, 0.72, DEMO_WALL_Z + 0.08 + WALL_STEP};
-    demo_cover(splats, sheet_surface, &paper, 20, 20);
-    demo_cover(splats, star_surface, centre, 72, 9);
+static void star_poster(td_splats *splats) {
+    static const sheet paper = {0.98, 0.24, 0.96, 0.96, TD_WALL_Z + 0.08, {0.93, 0.90, 0.80}, {0.96, 0.94, 0.87}};
+    static const double centre[3] = {1.46, 0.72, TD_WALL_Z + 0.08 + WALL_STEP};
+    td_splats_cover(splats, sheet_surface, &paper, 20, 20);
+    td_splats_cover(splats, star_surface, centre, 72, 9);
 }
 
-void demo_wall(demo_splats *splats) {
-    static const sheet plaster = {-3.1, -1.75, 6.2, 4.3, DEMO_WALL_Z - 0.03, {0.50, 0.42, 0.37}, {0.55, 0.47, 0.42}};
-    demo_cover(splats, sheet_surface, &plaster, 40, 28);
+void td_build_wall(td_splats *splats, const void *shape) {
+    static const sheet plaster = {-3.1, -1.75, 6.2, 4.3, TD_WALL_Z - 0.03, {0.50, 0.42, 0.37}, {0.55, 0.47, 0.42}};
+    (void)shape;
+    td_splats_cover(splats, sheet_surface, &plaster, 40, 28);
     bricks(splats);
     title_poster(splats);
     star_poster(splats);
@@ -142,10 +144,10 @@ static void plank_surface(const void *shape, double u, double v, double point[3]
     const int32_t plank = *(const int32_t *)shape;
     const double width = 4.6 / PLANKS;
     point[0] = -2.3 + (plank + 0.02 + 0.96 * u) * width;
-    point[1] = DEMO_TABLE_Y;
+    point[1] = TD_TABLE_Y;
     point[2] = 1.0 - 1.9 * v; /* from the edge to the wall: along x across -z faces up */
-    const double grain = 0.5 + 0.5 * sin(40 * u + 6 * demo_hash(plank, 0, 0) + 3 * sin(5 * v + plank));
-    mix(dark, pale, 0.35 + 0.4 * demo_hash(plank, 1, 0) + 0.25 * grain, colour);
+    const double grain = 0.5 + 0.5 * sin(40 * u + 6 * td_hash(plank, 0, 0) + 3 * sin(5 * v + plank));
+    mix(dark, pale, 0.35 + 0.4 * td_hash(plank, 1, 0) + 0.25 * grain, colour);
     if (u < 0.09 || u > 0.91) mix(colour, dark, 0.8, colour);
 }
 
@@ -153,53 +155,43 @@ static void edge_surface(const void *shape, double u, double v, double point[3],
     static const double wood[3] = {0.42, 0.26, 0.14};
     (void)shape;
     point[0] = -2.3 + 4.6 * u;
-    point[1] = DEMO_TABLE_Y - 0.08 * (1 - v);
+    point[1] = TD_TABLE_Y - 0.08 * (1 - v);
     point[2] = 1.0;
     memcpy(colour, wood, sizeof wood);
 }
 
-void demo_table(demo_splats *splats) {
-    for (int32_t plank = 0; plank < PLANKS; plank++) demo_cover(splats, plank_surface, &plank, 10, 14);
-    demo_cover(splats, edge_surface, NULL, 60, 3);
+void td_build_table(td_splats *splats, const void *shape) {
+    (void)shape;
+    for (int32_t plank = 0; plank < PLANKS; plank++) td_splats_cover(splats, plank_surface, &plank, 10, 14);
+    td_splats_cover(splats, edge_surface, NULL, 60, 3);
 }
 
-/* -- balls -------------------------------------------------------------------------------------------------------------- */
+/* -- the room --------------------------------------------------------------------------------------------------------- */
 
-enum { STRIPES, CHECKER, DOTS };
-typedef struct ball {
-    double centre[3], radius;
-    int32_t pattern;
-} ball;
-
-static void ball_colour(int32_t pattern, double u, double v, double colour[3]) {
-    static const double white[3] = {0.96, 0.95, 0.92}, black[3] = {0.09, 0.09, 0.12}, teal[3] = {0.05, 0.50, 0.52};
-    static const double beach[3][3] = {{0.88, 0.18, 0.16}, {0.98, 0.80, 0.18}, {0.12, 0.40, 0.78}};
-    const double across = pattern == DOTS ? 10 * u : 12 * u, upwards = pattern == DOTS ? 6 * v : 8 * v;
-    const int32_t meridian = (int32_t)floor(across), parallel = (int32_t)floor(upwards);
-    if (pattern == STRIPES)
-        memcpy(colour, meridian % 2 ? white : beach[meridian / 2 % 3], sizeof white);
-    else if (pattern == CHECKER)
-        memcpy(colour, (meridian + parallel) % 2 ? white : black, sizeof white);
-    else
-        memcpy(colour, hypot(across - meridian - 0.5, upwards - parallel - 0.5) < 0.34 ? white : teal, sizeof white);
+static void still_ball(td_splats *splats, double x, double z, double radius, const td_ball *ball) {
+    const int64_t first = splats->gaussians.count;
+    const double centre[3] = {x, TD_TABLE_Y + radius, z};
+    td_build_ball(splats, ball);
+    td_splats_place(splats, first, centre, radius);
 }
 
-/* The pole leans towards the camera, so that a pattern doesn't look like a globe on its stand. */
-static void ball_surface(const void *shape, double u, double v, double point[3], double colour[3]) {
-    const ball *b = shape;
-    const double longitude = 2 * PI * u, latitude = PI * (v - 0.5), lean = 0.6;
-    const double x = cos(latitude) * sin(longitude), y = sin(latitude), z = cos(latitude) * cos(longitude);
-    point[0] = b->centre[0] + b->radius * x;
-    point[1] = b->centre[1] + b->radius * (cos(lean) * y - sin(lean) * z);
-    point[2] = b->centre[2] + b->radius * (sin(lean) * y + cos(lean) * z);
-    ball_colour(b->pattern, u, v, colour);
+void td_build_still_balls(td_splats *splats, const void *shape) {
+    static const td_ball beach = {TD_BALL_STRIPES, {0.98, 0.80, 0.18}, {0.88, 0.18, 0.16}},
+                         checker = {TD_BALL_CHECKER, {0.96, 0.95, 0.92}, {0.09, 0.09, 0.12}},
+                         dots = {TD_BALL_DOTS, {0.96, 0.95, 0.92}, {0.05, 0.50, 0.52}};
+    (void)shape;
+    still_ball(splats, -0.98, 0.18, 0.27, &beach);
+    still_ball(splats, 0.62, 0.62, 0.22, &checker);
+    still_ball(splats, 1.36, -0.30, 0.30, &dots);
 }
 
-void demo_balls(demo_splats *splats) {
-    static const ball balls[] = {
-        {{-0.98, DEMO_TABLE_Y + 0.27, 0.18}, 0.27, STRIPES},
-        {{0.62, DEMO_TABLE_Y + 0.22, 0.62}, 0.22, CHECKER},
-        {{1.36, DEMO_TABLE_Y + 0.30, -0.30}, 0.30, DOTS},
-    };
-    for (size_t i = 0; i < sizeof balls / sizeof balls[0]; i++) demo_cover(splats, ball_surface, &balls[i], 60, 30);
+tides_status td_generate_room(const tides_generate_options *options, tides_world *world, tides_error *error) {
+    static const td_part parts[] = {{"wall", td_build_wall, NULL, 0, 0},
+                                    {"table", td_build_table, NULL, 0, 0},
+                                    {"balls", td_build_still_balls, NULL, 0, 0.008}};
+    static const double position[3] = {0.10, 0.42, 3.05}, target[3] = {0.0, -0.02, 0.0};
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0] && status == TIDES_OK; i++)
+        status = td_part_add(world->scene, &parts[i], NULL, 1.0, error);
+    return status == TIDES_OK ? td_path_camera(position, target, options, &world->camera, error) : status;
 }

@@ -1,0 +1,111 @@
+/* The exact stream of an image: what every error of a benchmark is measured against (DESIGN 7).
+ *
+ * Refined level by level until the last refinement moves nothing. Under `smooth` a level has half the step of the one before
+ * everywhere: its tolerance is a sixteenth, since the cubic's error falls with the fourth power, and its longest step is half,
+ * in case the estimate is blind somewhere. It is rendered by the double-precision reference, so that what single precision
+ * does to event times counts as an error of whoever uses it. Where the image jumps (`inria`) there is no order of convergence
+ * to go by: equal steps, thousands of them, on the device that is measured. */
+#include "bench.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Nothing moves: the unit that events are counted in. */
+#define SETTLED_US 1e-3
+/* No level after one that took so many full renders: it would take twice that. Renders, not seconds, so that the exact stream
+ * doesn't depend on what else the machine does. */
+#define LONG_RENDERS 400.0        /* in double */
+#define LONG_EQUAL_RENDERS 1000.0 /* equal steps */
+
+/* Smooth images: the first level's tolerance and its steps per longest step. */
+#define FIRST_TOLERANCE 1e-3
+#define LAST_TOLERANCE 1e-9
+#define LAST_QUICK_TOLERANCE 1e-7
+#define LAST_FLOAT_TOLERANCE 3e-6 /* what single precision lets the estimate see: 1e-6 of L among thresholds of 0.2 */
+#define FIRST_SPLIT 8
+#define LEAST_STEP_S 1e-8
+
+/* Images that jump: steps per second. LEAST is twice what the finest method has; with --quick half as fine. */
+#define FIRST_RATE 64000.0
+#define LEAST_RATE 128000.0
+#define LAST_RATE 512000.0
+
+int32_t bench_is_continuous(const tides_image_params *image) {
+    const tides_smoothing *s = &image->smoothing;
+    return image->rules == TIDES_RULES_SMOOTH && s->taper_end > s->taper_begin && s->stop_change > 0 && s->near_fade > 1 &&
+           s->soft_depth > 0 && s->ellipses;
+}
+
+static tides_stepping level_of(const bench_scene *scene, int32_t continuous, int32_t quick, int32_t level) {
+    tides_stepping s;
+    tides_stepping_defaults(&s);
+    s.model = TIDES_MODEL_HERMITE;
+    if (continuous) {
+        s.mode = TIDES_STEPPING_ERROR;
+        s.step_s = ldexp(scene->macro_step_s / FIRST_SPLIT, -level);
+        s.tolerance = ldexp(FIRST_TOLERANCE, -4 * level);
+        s.min_step_s = LEAST_STEP_S;
+    } else {
+        s.mode = TIDES_STEPPING_FIXED;
+        s.step_s = ldexp(quick ? 2 / FIRST_RATE : 1 / FIRST_RATE, -level);
+    }
+    return s;
+}
+
+/* Is another level worth its time? */
+static int32_t goes_on(const bench *b, const tides_stepping *done, int32_t continuous, int32_t level, const tides_match *moved,
+                       double renders) {
+    const int32_t settled = level > 0 && moved->mismatch_percent == 0 && moved->dt_p99_us <= SETTLED_US;
+    const double last_tolerance = b->float_truth ? LAST_FLOAT_TOLERANCE : b->quick ? LAST_QUICK_TOLERANCE : LAST_TOLERANCE;
+    if (level == 0) return 1;
+    if (continuous) return !settled && renders < LONG_RENDERS && done->tolerance / 16 >= last_tolerance;
+    const double rate = 1 / done->step_s, half = b->quick ? 0.5 : 1;
+    if (rate < half * LEAST_RATE * 0.999) return 1;
+    return !settled && !b->quick && renders < LONG_EQUAL_RENDERS && rate < LAST_RATE * 0.999;
+}
+
+tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides_error *error) {
+    bench_truth *truth = &scene->truth[rules];
+    bench_stream coarse = {.events = NULL}, fine = {.events = NULL};
+    bench_row run;
+    tides_match moved = {.matched = 0};
+    tides_image_params image = scene->image;
+    image.rules = rules;
+    const int32_t continuous = bench_is_continuous(&image);
+    tides_stepping stepping = level_of(scene, continuous, b->quick, 0);
+    bench on = *b;
+    tides_status status = TIDES_OK;
+    if (continuous && !b->float_truth) status = tides_device_open("reference", &on.device, error);
+    for (int32_t level = 0; status == TIDES_OK; level++) {
+        const bench_stream spare = coarse;
+        coarse = fine;
+        fine = spare;
+        memset(&run, 0, sizeof run);
+        stepping = level_of(scene, continuous, b->quick, level);
+        status = bench_simulate(&on, scene, rules, &scene->sensor, &stepping, &fine, &run, error);
+        if (status == TIDES_OK && level > 0)
+            status =
+                tides_match_events(fine.events, fine.count, coarse.events, coarse.count, BENCH_MATCH_LIMIT_S, &moved, error);
+        if (status != TIDES_OK || !goes_on(b, &stepping, continuous, level, &moved, run.stats.renders_full_frame_equivalent))
+            break;
+    }
+    if (on.device != b->device) tides_device_close(on.device);
+    free(coarse.events);
+    if (status == TIDES_OK && fine.count == 0)
+        status = cli_error(error, TIDES_BAD_ARGUMENT, "scene %s: nothing fires, so nothing can be measured", scene->name);
+    if (status != TIDES_OK) {
+        free(fine.events);
+        return status;
+    }
+    const double tolerance = stepping.mode == TIDES_STEPPING_FIXED ? 0 : stepping.tolerance;
+    free(truth->stream.events);
+    *truth = (bench_truth){fine, 1 / stepping.step_s, tolerance, moved, run.stats.worst_residual};
+    bench_say(b,
+              "%-13s exact stream of the %s image: %zu events, %.6g steps/s%s; halving the steps moved median %.3g, p95 %.3g, "
+              "p99 %.3g, max %.3g us, %llu of them mismatched",
+              scene->name, scene->image_name ? scene->image_name : bench_rules_name(rules), fine.count, 1 / stepping.step_s,
+              tolerance > 0 ? " and finer by tile" : "", moved.dt_median_us, moved.dt_p95_us, moved.dt_p99_us, moved.dt_max_us,
+              (unsigned long long)(moved.missing + moved.spurious));
+    return TIDES_OK;
+}

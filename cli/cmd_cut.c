@@ -1,0 +1,59 @@
+/* tides cut: a stretch of time and a window of an event file. */
+#include "event_job.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* Seconds of an option as nanoseconds. */
+static int take_time(const cli_command *command, const char *option, const char *text, int64_t *ns) {
+    double seconds;
+    int code = cli_number(command, option, text, &seconds);
+    if (code != CLI_GO) return code;
+    if (!(fabs(seconds) < 9e9)) return cli_usage(command, "%s %s: not a time in seconds", option, text);
+    *ns = (int64_t)llround(seconds * 1e9);
+    return CLI_GO;
+}
+
+/* "x,y,w,h" */
+static int take_window(const cli_command *command, const char *text, tides_event_conversion *what) {
+    long numbers[4];
+    const char *at = text;
+    for (int i = 0; i < 4; i++) {
+        char *end = NULL;
+        numbers[i] = strtol(at, &end, 10);
+        if (end == at || *end != (i < 3 ? ',' : '\0') || numbers[i] < (i < 2 ? 0 : 1) || numbers[i] > 65536)
+            return cli_usage(command, "--roi %s: give x,y,width,height in pixels", text);
+        at = end + 1;
+    }
+    what->x = (int32_t)numbers[0];
+    what->y = (int32_t)numbers[1];
+    what->cut_width = (int32_t)numbers[2];
+    what->cut_height = (int32_t)numbers[3];
+    return CLI_GO;
+}
+
+int cmd_cut(const cli_command *command, int argc, char **argv) {
+    cli_common common;
+    tides_event_conversion what;
+    tides_event_conversion_defaults(&what);
+    const char *files[2] = {NULL, NULL}, *start = NULL, *stop = NULL, *window = NULL;
+    const cli_option options[] = {
+        {"--start", 0, "SECONDS", "keep events from here on (the file's first)", NULL, &start, NULL},
+        {"--stop", 0, "SECONDS", "keep events before this time (the file's last)", NULL, &stop, NULL},
+        {"--roi", 0, "X,Y,W,H", "keep this window, which becomes the sensor", NULL, &window, NULL},
+        {"--rebase", 0, NULL, "count times from the file's first event, --start and --stop too", &what.rebase, NULL, NULL},
+        {"--from", 0, "FORMAT", "read as this (by content)", NULL, &what.from, NULL},
+        {"--to", 0, "FORMAT", "write as this (by ending)", NULL, &what.to, NULL},
+        {NULL, 0, NULL, NULL, NULL, NULL, NULL},
+    };
+    int code = cli_parse(command, options, argc, argv, &common, files);
+    if (code == CLI_OK) cli_help_formats();
+    if (code == CLI_GO && start) code = take_time(command, "--start", start, &what.start_ns);
+    if (code == CLI_GO && stop) code = take_time(command, "--stop", stop, &what.stop_ns);
+    if (code == CLI_GO && window) code = take_window(command, window, &what);
+    if (code != CLI_GO) return code;
+    if (!start && !stop && !window) return cli_usage(command, "nothing to cut: give --start, --stop or --roi");
+    if (what.start_ns >= what.stop_ns) return cli_usage(command, "--start %s isn't before --stop %s", start, stop);
+    return cli_event_convert(files[0], files[1], &what, &common);
+}

@@ -1,0 +1,61 @@
+/* Worlds made by the library: real scenes with a matching camera, for tests, demos and first steps.
+ *
+ * Each is a function of its options alone: the same options give the same numbers on one machine, and the same but for the
+ * last digits of sines elsewhere. Units are metres; y is up, and cameras look along -z. */
+#ifndef TIDES_GENERATE_H
+#define TIDES_GENERATE_H
+
+#include "tides/camera.h"
+#include "tides/scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A kind of world, and its defaults. */
+typedef struct tides_generator {
+    const char *name;     /* "fan" */
+    const char *sentence; /* what is to be seen */
+    const char *counted;  /* what options.count counts: "balls"; NULL: this kind has no number to choose */
+    int32_t count;        /* how many by default; 0 where `counted` is NULL */
+    int32_t count_most;
+    int64_t gaussians; /* of each moving object by default (of the plane, of the fan's blades); 0: nothing to choose */
+    double duration_s;
+} tides_generator;
+
+/* All kinds; static storage, `count` (nullable) receives how many. */
+TIDES_API const tides_generator *tides_generators(size_t *count);
+
+/* What to make; fill with tides_generate_options_defaults. */
+typedef struct tides_generate_options {
+    uint32_t size;         /* sizeof this struct, set by the defaults function */
+    int32_t count;         /* of what the kind counts; 0: its default */
+    int64_t gaussians;     /* about how many each moving object has, the grids that cover it being rounded; 0: its default */
+    double duration_s;     /* how long motions and the camera's path last, from second 0 [s], up to 600; 0: its default */
+    double speed;          /* objects (of the plane: the camera) move so many times as fast, in (0, 1000] */
+    uint64_t seed;         /* of colours, places, phases and the camera's shake */
+    int32_t width, height; /* of the image [px]; the field of view is always 60 degrees across */
+} tides_generate_options;
+TIDES_API void tides_generate_options_defaults(tides_generate_options *options); /* 0, 0, 0, 1, 1, 346, 260 */
+
+/* What was made. The caller releases it. */
+typedef struct tides_world {
+    tides_scene *scene;
+    tides_trajectory *camera;
+    tides_intrinsics intrinsics;
+    double background[3]; /* for scene.background: linear r g b */
+    double duration_s;
+} tides_world;
+
+/* Makes a world of `kind`. Unknown kinds (the nearest is named), options out of range or that the kind doesn't have, more than
+ * 20 million Gaussians: TIDES_BAD_ARGUMENT. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_generate(const char *kind, const tides_generate_options *options,
+                                                       tides_world *world, tides_error *error);
+
+/* Destroys scene and path, and zeroes the struct: may be called twice. */
+TIDES_API void tides_world_release(tides_world *world);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

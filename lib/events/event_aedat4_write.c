@@ -1,0 +1,184 @@
+/* AEDAT 4.0, written: uncompressed packets of up to 4096 events, and the table of packets that dv's tools seek with. Byte
+ * layout as the flatbuffers compiler makes it: tables are of constant size, only lengths and offsets change. */
+#include "td_aedat4.h"
+
+#include "td_base.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    PACKET_EVENTS = 4096, /* as real recorders: 64 kB */
+    PACKET_HEAD = 8,      /* stream, bytes */
+    BUFFER_HEAD = 32,     /* of a packet's flatbuffer, up to the first event */
+    HEADER_FIXED = 56,    /* of the file's flatbuffer, up to the description */
+    POSITION_AT = TD_AEDAT4_MAGIC_BYTES + 36,
+    ENTRY_STEP = 48 /* from one entry of the table of packets to the next: 44 bytes, aligned */
+};
+
+typedef struct packet_entry {
+    uint64_t at, bytes, events; /* of the payload; events in it */
+    int64_t first, last;        /* [us] */
+} packet_entry;
+
+typedef struct aedat4_writer {
+    unsigned char packet[PACKET_HEAD + BUFFER_HEAD + PACKET_EVENTS * TD_AEDAT4_EVENT];
+    size_t events; /* in it */
+    int64_t first, last;
+    packet_entry *entries;
+    size_t count, capacity;
+} aedat4_writer;
+
+static const char description[] =
+    "<dv version=\"2.0\">\n"
+    "    <node name=\"outInfo\" path=\"/mainloop/Recorder/outInfo/\">\n"
+    "        <node name=\"0\" path=\"/mainloop/Recorder/outInfo/0/\">\n"
+    "            <attr key=\"compression\" type=\"string\">NONE</attr>\n"
+    "            <attr key=\"originalModuleName\" type=\"string\">tides</attr>\n"
+    "            <attr key=\"originalOutputName\" type=\"string\">events</attr>\n"
+    "            <attr key=\"typeDescription\" type=\"string\">Array of events (polarity ON/OFF).</attr>\n"
+    "            <attr key=\"typeIdentifier\" type=\"string\">EVTS</attr>\n"
+    "            <node name=\"info\" path=\"/mainloop/Recorder/outInfo/0/info/\">\n"
+    "                <attr key=\"sizeX\" type=\"int\">%d</attr>\n"
+    "                <attr key=\"sizeY\" type=\"int\">%d</attr>\n"
+    "                <attr key=\"source\" type=\"string\">TIDES_sim</attr>\n"
+    "                <attr key=\"tsOffset\" type=\"long\">0</attr>\n"
+    "            </node>\n        </node>\n    </node>\n</dv>";
+
+static void put_words(unsigned char *out, size_t at, const uint16_t *words, size_t count) {
+    for (size_t i = 0; i < count; i++) td_put16(out + at + 2 * i, words[i]);
+}
+
+/* Four letters, without an end. */
+static void put_identifier(unsigned char *out, const char *letters) {
+    for (int i = 0; i < 4; i++) out[i] = (unsigned char)letters[i];
+}
+
+static void put_header(td_event_sink *sink, const char *text) {
+    static const uint16_t virtual_table[] = {10, 24, 4, 8, 16}; /* sizes, then where the three fields are */
+    size_t length = strlen(text), bytes = (HEADER_FIXED + length + 1 + 3) / 8 * 8 + 4; /* with its end, padded */
+    unsigned char head[HEADER_FIXED] = {0}, padding[8] = {0};
+    td_put32(head, (uint32_t)(bytes - 4));
+    td_put32(head + 4, 24); /* the root table, from here */
+    put_identifier(head + 8, "IOHE");
+    put_words(head, 18, virtual_table, 5);
+    td_put32(head + 28, 10); /* back to its virtual table */
+    td_put32(head + 32, TD_AEDAT4_NONE);
+    td_put64(head + 36, UINT64_MAX); /* position of the table of packets: none yet */
+    td_put32(head + 44, 8);          /* the description, from here */
+    td_put32(head + 52, (uint32_t)length);
+    td_sink_bytes(sink, TD_AEDAT4_MAGIC, TD_AEDAT4_MAGIC_BYTES);
+    td_sink_bytes(sink, head, sizeof head);
+    td_sink_bytes(sink, text, length);
+    for (size_t at = HEADER_FIXED + length; at < bytes; at++) td_sink_bytes(sink, padding, 1);
+}
+
+tides_status td_aedat4_create(td_event_sink *sink, tides_error *error) {
+    aedat4_writer *w = td_alloc(1, sizeof *w, error);
+    sink->state = w;
+    if (!w) return TIDES_NO_MEMORY;
+    char text[sizeof description + 32];
+    snprintf(text, sizeof text, description, sink->width, sink->height);
+    put_header(sink, text);
+    return TIDES_OK;
+}
+
+static tides_status end_packet(td_event_sink *sink, tides_error *error) {
+    static const uint16_t virtual_table[] = {6, 8, 4, 0};
+    aedat4_writer *w = sink->state;
+    if (w->events == 0) return TIDES_OK;
+    tides_status status = td_reserve((void **)&w->entries, &w->capacity, w->count + 1, sizeof *w->entries, error);
+    if (status != TIDES_OK) return status;
+    size_t bytes = BUFFER_HEAD + w->events * TD_AEDAT4_EVENT;
+    unsigned char *head = w->packet, *buffer = w->packet + PACKET_HEAD;
+    td_put32(head, 0);
+    td_put32(head + 4, (uint32_t)bytes);
+    td_put32(buffer, (uint32_t)(bytes - 4));
+    td_put32(buffer + 4, 16);
+    put_identifier(buffer + 8, "EVTS");
+    put_words(buffer, 12, virtual_table, 4);
+    td_put32(buffer + 20, 8);
+    td_put32(buffer + 24, 4);
+    td_put32(buffer + 28, (uint32_t)w->events);
+    w->entries[w->count++] = (packet_entry){sink->at + PACKET_HEAD, bytes, w->events, w->first, w->last};
+    td_sink_bytes(sink, w->packet, PACKET_HEAD + bytes);
+    w->events = 0;
+    return TIDES_OK;
+}
+
+tides_status td_aedat4_write(td_event_sink *sink, const tides_event *events, size_t count, tides_error *error) {
+    aedat4_writer *w = sink->state;
+    for (size_t i = 0; i < count; i++) {
+        const tides_event *e = &events[i];
+        unsigned char *p = w->packet + PACKET_HEAD + BUFFER_HEAD + w->events * TD_AEDAT4_EVENT;
+        int64_t t = e->t / 1000;
+        if (w->events == 0) w->first = t;
+        w->last = t;
+        td_put64(p, (uint64_t)t);
+        td_put16(p + 8, e->x);
+        td_put16(p + 10, e->y);
+        td_put32(p + 12, e->polarity > 0);
+        if (++w->events < PACKET_EVENTS) continue;
+        tides_status status = end_packet(sink, error);
+        if (status != TIDES_OK) return status;
+    }
+    return TIDES_OK;
+}
+
+/* ---- the table of packets ---- */
+
+/* An entry is a table: where the packet is, how large, how many events, from when to when. */
+static void put_entry(td_event_sink *sink, const packet_entry *e, uint32_t to_virtual_table, size_t bytes) {
+    unsigned char table[ENTRY_STEP] = {0};
+    td_put32(table, to_virtual_table);
+    td_put64(table + 4, e->at);
+    td_put32(table + 16, (uint32_t)e->bytes); /* after the stream's number, 0 */
+    td_put64(table + 20, e->events);
+    td_put64(table + 28, (uint64_t)e->first);
+    td_put64(table + 36, (uint64_t)e->last);
+    td_sink_bytes(sink, table, bytes);
+}
+
+/* Head, a vector of offsets, the virtual table that all entries share, the entries; each entry's 64-bit fields are
+ * aligned. */
+static void put_table(td_event_sink *sink, const aedat4_writer *w) {
+    static const uint16_t root[] = {6, 8, 4, 0}, entry[] = {14, 44, 4, 12, 20, 28, 36};
+    size_t shared = 32 + 4 * w->count, first = (shared + 14 + 3) / 8 * 8 + 4;
+    size_t bytes = w->count ? first + ENTRY_STEP * w->count - 4 : shared;
+    unsigned char head[32] = {0}, between[32] = {0};
+    td_put32(head, (uint32_t)(bytes - 4));
+    td_put32(head + 4, 16);
+    put_identifier(head + 8, "FTAB");
+    put_words(head, 12, root, 4);
+    td_put32(head + 20, 8);
+    td_put32(head + 24, 4);
+    td_put32(head + 28, (uint32_t)w->count);
+    td_sink_bytes(sink, head, sizeof head);
+    for (size_t i = 0; i < w->count; i++) {
+        unsigned char offset[4];
+        td_put32(offset, (uint32_t)(first + ENTRY_STEP * i - (32 + 4 * i)));
+        td_sink_bytes(sink, offset, sizeof offset);
+    }
+    put_words(between, 0, entry, 7);
+    if (w->count) td_sink_bytes(sink, between, first - shared);
+    for (size_t i = 0; i < w->count; i++)
+        put_entry(sink, &w->entries[i], (uint32_t)(first + ENTRY_STEP * i - shared),
+                  i + 1 < w->count ? ENTRY_STEP : ENTRY_STEP - 4);
+}
+
+tides_status td_aedat4_complete(td_event_sink *sink, int64_t stop_ns, tides_error *error) {
+    (void)stop_ns;
+    tides_status status = end_packet(sink, error);
+    if (status != TIDES_OK) return status;
+    unsigned char position[8];
+    td_put64(position, sink->at);
+    put_table(sink, sink->state);
+    td_sink_patch(sink, POSITION_AT, position, sizeof position);
+    return TIDES_OK;
+}
+
+void td_aedat4_discard(td_event_sink *sink) {
+    aedat4_writer *w = sink->state;
+    if (w) free(w->entries);
+    free(w);
+}

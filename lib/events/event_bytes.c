@@ -1,0 +1,97 @@
+/* Bytes of event files: read through a buffer, and written to a file beside the final one. */
+#include "td_event_format.h"
+
+#include "td_base.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* ---- in ---- */
+
+tides_status td_input_open(td_event_input *input, const char *path, tides_error *error) {
+    struct stat there;
+    *input = (td_event_input){.path = path};
+    input->file = fopen(path, "rb");
+    if (!input->file) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
+    if (fstat(fileno(input->file), &there) != 0 || !S_ISREG(there.st_mode))
+        return td_fail(error, TIDES_BAD_FILE, "%s: is not a regular file", path);
+    input->size = (uint64_t)there.st_size;
+    input->buffer = td_alloc(TD_EVENT_BUFFER, 1, error);
+    if (!input->buffer) return TIDES_NO_MEMORY;
+    input->data = input->buffer;
+    return TIDES_OK;
+}
+
+void td_input_close(td_event_input *input) {
+    if (input->file) fclose(input->file);
+    free(input->buffer);
+    input->file = NULL;
+    input->buffer = NULL;
+}
+
+static tides_status read_failed(const td_event_input *input, tides_error *error) {
+    return td_fail(error, TIDES_BAD_FILE, "%s: can't be read at byte %llu: %s", input->path, (unsigned long long)input->at,
+                   strerror(errno));
+}
+
+tides_status td_input_fill(td_event_input *input, size_t wanted, tides_error *error) {
+    if (input->ready >= wanted) return TIDES_OK;
+    memmove(input->buffer, input->data, input->ready);
+    input->data = input->buffer;
+    input->ready += fread(input->buffer + input->ready, 1, TD_EVENT_BUFFER - input->ready, input->file);
+    return ferror(input->file) ? read_failed(input, error) : TIDES_OK;
+}
+
+void td_input_skip(td_event_input *input, size_t bytes) {
+    input->data += bytes;
+    input->ready -= bytes;
+    input->at += bytes;
+}
+
+tides_status td_input_copy(td_event_input *input, void *out, size_t bytes, tides_error *error) {
+    size_t had = bytes < input->ready ? bytes : input->ready;
+    memcpy(out, input->data, had);
+    td_input_skip(input, had);
+    size_t got = fread((char *)out + had, 1, bytes - had, input->file);
+    input->at += got;
+    if (ferror(input->file)) return read_failed(input, error);
+    if (had + got == bytes) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_FILE, "%s: is cut off: %zu bytes are missing at its end", input->path, bytes - had - got);
+}
+
+tides_status td_input_line(td_event_input *input, char *line, size_t size, int *got, tides_error *error) {
+    tides_status status = td_input_fill(input, size, error);
+    if (status != TIDES_OK) return status;
+    *got = input->ready > 0;
+    const unsigned char *end = memchr(input->data, '\n', input->ready < size ? input->ready : size);
+    size_t length = end ? (size_t)(end - input->data) : input->ready;
+    if (length >= size)
+        return td_fail(error, TIDES_BAD_FILE, "%s: the line at byte %llu is longer than any line of an event file", input->path,
+                       (unsigned long long)input->at);
+    memcpy(line, input->data, length);
+    td_input_skip(input, length + (end ? 1 : 0));
+    if (length > 0 && line[length - 1] == '\r') length--;
+    line[length] = '\0';
+    return TIDES_OK;
+}
+
+/* ---- out ---- */
+
+void td_sink_bytes(td_event_sink *sink, const void *data, size_t bytes) {
+    if (sink->failed) return;
+    errno = 0;
+    if (fwrite(data, 1, bytes, sink->file) != bytes) sink->failed = errno ? errno : EIO;
+    sink->at += bytes;
+}
+
+void td_sink_text(td_event_sink *sink, const char *text) { td_sink_bytes(sink, text, strlen(text)); }
+
+void td_sink_patch(td_event_sink *sink, uint64_t at, const void *data, size_t bytes) {
+    if (sink->failed) return;
+    errno = 0;
+    int done = fseeko(sink->file, (off_t)at, SEEK_SET) == 0 && fwrite(data, 1, bytes, sink->file) == bytes &&
+               fseeko(sink->file, 0, SEEK_END) == 0;
+    if (!done) sink->failed = errno ? errno : EIO;
+}

@@ -1,0 +1,189 @@
+/* Prophesee EVT 3.0 (.raw): 16-bit words whose top four bits say what they change; events take time and row from what came
+ * before.
+ *
+ *   0x0 row y, 11 bits               0x2 event: polarity << 11 | x          0x3 start of vectors: polarity << 11 | x
+ *   0x4 vector: 12 pixels from the   0x5 vector of 8 pixels                 0x6 low 12 bits of the time
+ *       start, which moves on        0x8 high 12 bits of the time           others: triggers, the sensor's own words
+ *
+ * Times are microseconds; 24 bits begin anew every 16.777216 s: a fall of the high part by half of its range is a new
+ * turn. */
+#include "td_event_format.h"
+
+#include "td_base.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    WORD_Y = 0x0,
+    WORD_X = 0x2,
+    WORD_BASE = 0x3,
+    WORD_VECTOR12 = 0x4,
+    WORD_VECTOR8 = 0x5,
+    WORD_LOW = 0x6,
+    WORD_HIGH = 0x8,
+    HIGH_VALUES = 4096,
+    COORDINATES = 2048
+};
+
+typedef struct evt3_state {
+    int64_t high; /* turns included [4096 us]; -1 before the first */
+    int64_t time; /* [us] */
+    uint32_t y, base;
+    int8_t polarity; /* of vectors */
+} evt3_state;
+
+static int detect_evt3(const td_event_probe *probe) {
+    td_event_header header;
+    td_event_header_parse(probe->head, probe->bytes, &header);
+    return header.bytes && (header.format[0] ? strcmp(header.format, "EVT3") == 0 : strcmp(header.evt, "3.0") == 0);
+}
+
+/* ---- reading ---- */
+
+static tides_status open_evt3(td_event_stream *stream, tides_error *error) {
+    td_event_header header;
+    evt3_state *state = td_alloc(1, sizeof *state, error);
+    stream->state = state;
+    if (!state) return TIDES_NO_MEMORY;
+    state->high = -1;
+    state->polarity = -1; /* vectors before their first start: at x 0, OFF, as in Prophesee's reader */
+    return td_event_header_read(stream, &header, error);
+}
+
+static void close_evt3(td_event_stream *stream) { free(stream->state); }
+
+/* The low part is zero until it is told, as in openeb; a camera that repeats the high part doesn't step back. */
+static void take_high(evt3_state *state, uint32_t high) {
+    int64_t turns = state->high < 0 ? 0 : state->high / HIGH_VALUES, before = state->high < 0 ? 0 : state->high % HIGH_VALUES;
+    if (before - (int64_t)high >= HIGH_VALUES / 2) turns++;
+    int64_t now = turns * HIGH_VALUES + high;
+    if (now != state->high) state->time = now * 4096;
+    state->high = now;
+}
+
+static size_t take_vector(evt3_state *state, uint32_t mask, uint32_t width, tides_event *events) {
+    size_t count = 0;
+    for (uint32_t i = 0; i < width; i++)
+        if (mask >> i & 1)
+            events[count++] = (tides_event){.t = state->time * 1000,
+                                            .x = (uint16_t)(state->base + i),
+                                            .y = (uint16_t)state->y,
+                                            .polarity = state->polarity};
+    state->base = (state->base + width) & 0xffff;
+    return count;
+}
+
+/* One word: the events that it makes. A recording may begin between two times: what comes before the first has none, and is
+ * passed over, as Prophesee's own reader does. */
+static size_t take_word(evt3_state *state, uint32_t word, tides_event *events) {
+    uint32_t value = word & 0xfff;
+    switch (word >> 12) {
+        case WORD_Y: state->y = value & 2047; return 0;
+        case WORD_LOW: state->time = (state->high < 0 ? 0 : state->high) * 4096 + value; return 0;
+        case WORD_HIGH: take_high(state, value); return 0;
+        case WORD_BASE:
+            state->base = value & 2047;
+            state->polarity = value >> 11 ? 1 : -1;
+            return 0;
+        default: break;
+    }
+    if (state->high < 0) return 0;
+    switch (word >> 12) {
+        case WORD_X:
+            events[0] = (tides_event){.t = state->time * 1000,
+                                      .x = value & 2047,
+                                      .y = (uint16_t)state->y,
+                                      .polarity = value >> 11 ? 1 : -1};
+            return 1;
+        case WORD_VECTOR12: return take_vector(state, value, 12, events);
+        case WORD_VECTOR8: return take_vector(state, value & 0xff, 8, events);
+        default: return 0;
+    }
+}
+
+static tides_status read_evt3(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got, tides_error *error) {
+    evt3_state *state = stream->state;
+    while (*got + 12 <= capacity) {
+        tides_status status = td_input_fill(&stream->input, 2, error);
+        if (status != TIDES_OK) return status;
+        if (stream->input.ready < 2) return stream->input.ready ? td_event_cut_off(stream, error) : TIDES_OK;
+        uint32_t word = td_get16(stream->input.data);
+        td_input_skip(&stream->input, 2);
+        if (state->high > INT64_MAX / 1000 / 4096 - 1)
+            return td_event_bad(stream, stream->done + *got, "lies beyond 292 years", error);
+        *got += take_word(state, word, events + *got);
+    }
+    return TIDES_OK;
+}
+
+/* ---- writing ---- */
+
+static void put_word(td_event_sink *sink, uint32_t type, uint32_t value) {
+    unsigned char word[2];
+    td_put16(word, type << 12 | value);
+    td_sink_bytes(sink, word, sizeof word);
+}
+
+/* The first byte of the data is 0: it can't be taken for a header's '%'. */
+static tides_status create_evt3(td_event_sink *sink, tides_error *error) {
+    evt3_state *state = td_alloc(1, sizeof *state, error);
+    sink->state = state;
+    if (!state) return TIDES_NO_MEMORY;
+    *state = (evt3_state){.high = -1, .time = -1, .y = UINT32_MAX};
+    td_event_header_write(sink, "3.0", "EVT3");
+    put_word(sink, WORD_LOW, 0);
+    return TIDES_OK;
+}
+
+/* High parts one after the other, none left out: openeb and faery count turns only so. Each is followed by a low part, which
+ * readers take for 0 after it. */
+static void put_time(td_event_sink *sink, evt3_state *state, int64_t time) {
+    if (time == state->time) return;
+    while (state->high != time >> 12) {
+        state->high++;
+        put_word(sink, WORD_HIGH, (uint32_t)(state->high % HIGH_VALUES));
+    }
+    put_word(sink, WORD_LOW, (uint32_t)(time & 0xfff));
+    state->time = time;
+}
+
+/* Single events only: vectors pay where a row fires at once, and openeb drops those that aren't whole. */
+static tides_status write_evt3(td_event_sink *sink, const tides_event *events, size_t count, tides_error *error) {
+    (void)error;
+    evt3_state *state = sink->state;
+    for (size_t i = 0; i < count && !sink->failed; i++) {
+        const tides_event *e = &events[i];
+        put_time(sink, state, e->t / 1000);
+        if (e->y != state->y) put_word(sink, WORD_Y, e->y);
+        state->y = e->y;
+        put_word(sink, WORD_X, (uint32_t)(e->polarity > 0) << 11 | e->x);
+    }
+    return TIDES_OK;
+}
+
+/* 488 bytes for every second without events. */
+static const char *check_evt3(const tides_event *event, const tides_event *previous) {
+    int64_t from = previous ? previous->t : 0;
+    return event->t - from > INT64_C(1000000) * 1000000000 ? "comes more than 10^6 s after the one before it, and EVT 3.0 "
+                                                             "counts every 4 ms: count from the first event (--rebase)"
+                                                           : NULL;
+}
+
+static void discard_evt3(td_event_sink *sink) { free(sink->state); }
+
+const td_event_format td_format_evt3 = {
+    .name = "evt3",
+    .endings = ".raw",
+    .summary = "Prophesee EVT 3.0",
+    .tick_ns = 1000,
+    .size_limit = COORDINATES,
+    .detect = detect_evt3,
+    .open = open_evt3,
+    .read = read_evt3,
+    .close = close_evt3,
+    .create = create_evt3,
+    .check = check_evt3,
+    .write = write_evt3,
+    .discard = discard_evt3,
+};

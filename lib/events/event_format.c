@@ -1,0 +1,131 @@
+/* The table of formats, and how one is found: by name, by what a file holds, by the ending of a file to be written. */
+#include "td_event_format.h"
+
+#include "td_base.h"
+
+#include <errno.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* In the order of detection: magic numbers first, then headers, then plain text, then what has nothing but its size. */
+const td_event_format *const td_event_formats[] = {
+    &td_format_ecf,
+    &td_format_hdf5,
+    &td_format_aedat4,
+    &td_format_aedat2,
+    &td_format_es,
+    &td_format_evt3,
+    &td_format_evt21,
+    &td_format_evt2,
+    &td_format_dat,
+    &td_format_csv,
+    &td_format_csv_ns,
+    &td_format_csv_openeb,
+    &td_format_npy,
+    &td_format_npz,
+    &td_format_ergb,
+    &td_format_e2vid,
+    &td_format_ecd,
+    &td_format_nmnist,
+    NULL,
+};
+
+enum { FORMATS_MAX = 32 };
+
+tides_status td_event_format_named(const char *name, const td_event_format **format, tides_error *error) {
+    const char *names[FORMATS_MAX + 1] = {NULL};
+    for (size_t i = 0; td_event_formats[i]; i++) {
+        names[i] = td_event_formats[i]->name;
+        if (strcmp(name, names[i]) != 0) continue;
+        *format = td_event_formats[i];
+        return TIDES_OK;
+    }
+    const char *nearest = td_nearest(name, names);
+    return td_fail(error, TIDES_BAD_ARGUMENT, "\"%s\" is no format of event files%s%s%s", name,
+                   nearest ? "; did you mean " : "", nearest ? nearest : "",
+                   nearest ? "?" : ": tides convert --help lists them");
+}
+
+static tides_status probe_file(const char *path, td_event_probe *probe, tides_error *error) {
+    struct stat there;
+    FILE *file = fopen(path, "rb");
+    if (!file) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
+    if (fstat(fileno(file), &there) != 0 || S_ISDIR(there.st_mode)) {
+        fclose(file);
+        return td_fail(error, TIDES_BAD_FILE, "%s: is a folder: name a file in it", path);
+    }
+    memset(probe, 0, sizeof *probe);
+    probe->path = path;
+    probe->bytes = fread(probe->head, 1, TD_EVENT_HEAD, file);
+    int unreadable = ferror(file) ? errno : 0;
+    if (there.st_size > 0) probe->size = (uint64_t)there.st_size;
+    fclose(file);
+    if (unreadable) return td_fail(error, TIDES_BAD_FILE, "%s: can't be read: %s", path, strerror(unreadable));
+    if (probe->bytes == 0) return td_fail(error, TIDES_BAD_FILE, "%s: is empty", path);
+    return TIDES_OK;
+}
+
+tides_status td_event_format_detect(const char *path, const td_event_format **format, tides_error *error) {
+    td_event_probe probe;
+    tides_status status = probe_file(path, &probe, error);
+    if (status != TIDES_OK) return status;
+    for (size_t i = 0; td_event_formats[i]; i++) {
+        if (!td_event_formats[i]->detect || !td_event_formats[i]->detect(&probe)) continue;
+        *format = td_event_formats[i];
+        return TIDES_OK;
+    }
+    return td_fail(error, TIDES_BAD_FILE,
+                   "%s: isn't known by its content as an event file (HDF5, AEDAT, EVT, DAT, ES, numpy, CSV, text): name its "
+                   "format "
+                   "(--from)",
+                   path);
+}
+
+/* Whether `endings` ("a b") holds the ending of `path`; a longer one is meant where both fit. */
+static size_t ending_fits(const char *path, const char *endings) {
+    size_t longest = 0, length = strlen(path);
+    while (endings && *endings) {
+        size_t part = strcspn(endings, " ");
+        if (part < length && part > longest && strncmp(path + length - part, endings, part) == 0) longest = part;
+        endings += part + strspn(endings + part, " ");
+    }
+    return longest;
+}
+
+tides_status td_event_format_for(const char *path, const td_event_format **format, tides_error *error) {
+    size_t best = 0;
+    for (size_t i = 0; td_event_formats[i]; i++) {
+        size_t fits = td_event_formats[i]->create ? ending_fits(path, td_event_formats[i]->endings) : 0;
+        if (fits <= best) continue;
+        best = fits;
+        *format = td_event_formats[i];
+    }
+    const char *name = strrchr(path, '/');
+    const char *ending = strrchr(name ? name : path, '.');
+    if (best > 0) return TIDES_OK;
+    if (ending && ending[1] && ending != path)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "%s: no format of event files ends in %s: use .h5, .raw, .dat, .es, .aedat4, .npy, .npz, .csv or .txt, "
+                       "or "
+                       "name the format (--to)",
+                       path, ending);
+    *format = &td_format_hdf5;
+    return TIDES_OK;
+}
+
+/* ---- what several formats need ---- */
+
+int td_event_microseconds(int64_t us, int64_t *ns) {
+    if (us > INT64_MAX / 1000 || us < INT64_MIN / 1000) return 0;
+    *ns = us * 1000;
+    return 1;
+}
+
+tides_status td_event_bad(const td_event_stream *stream, uint64_t number, const char *what, tides_error *error) {
+    return td_fail(error, TIDES_BAD_FILE, "%s: event %llu %s", stream->input.path, (unsigned long long)number, what);
+}
+
+tides_status td_event_cut_off(const td_event_stream *stream, tides_error *error) {
+    return td_fail(error, TIDES_BAD_FILE, "%s: is cut off: it ends within a record at byte %llu", stream->input.path,
+                   (unsigned long long)stream->input.size);
+}

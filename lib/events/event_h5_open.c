@@ -1,0 +1,282 @@
+/* Opens HDF5 files of events: finds which layout a file has from the datasets in it. */
+#include "td_base.h"
+#include "td_event_h5_source.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* A layout: the datasets of polarity, time, x, y, and where they are columns of a table, which. Times are integer
+ * microseconds or real seconds (`real`; a table then holds nothing else). `mark` is there in this layout only. */
+typedef struct layout {
+    const char *name, *mark, *datasets[TD_H5_COLUMNS];
+    int32_t columns[TD_H5_COLUMNS], real;
+} layout;
+
+enum { OWN = -1 };
+
+static const layout layouts[] = {
+    {"rvt", "/events/height", {"/events/p", "/events/t", "/events/x", "/events/y"}, {OWN, OWN, OWN, OWN}, 0},
+    {"dsec", "/events/p", {"/events/p", "/events/t", "/events/x", "/events/y"}, {OWN, OWN, OWN, OWN}, 0},
+    {"timostoff", "/events/ps", {"/events/ps", "/events/ts", "/events/xs", "/events/ys"}, {OWN, OWN, OWN, OWN}, 1},
+    {"m3ed",
+     "/prophesee/left/p",
+     {"/prophesee/left/p", "/prophesee/left/t", "/prophesee/left/x", "/prophesee/left/y"},
+     {OWN, OWN, OWN, OWN},
+     0},
+    {"mvsec",
+     "/davis/left/events",
+     {"/davis/left/events", "/davis/left/events", "/davis/left/events", "/davis/left/events"},
+     {3, 2, 0, 1},
+     1},
+    {"eds", "/p", {"/p", "/t", "/x", "/y"}, {OWN, OWN, OWN, OWN}, 0},
+    {"v2e", "/events", {"/events", "/events", "/events", "/events"}, {3, 0, 1, 2}, 0},
+};
+
+enum { LAYOUTS = sizeof layouts / sizeof *layouts, DSEC = 1, V2E = LAYOUTS - 1 };
+
+/* ---- files and datasets ---- */
+
+int td_h5_exists(hid_t file, const char *path) {
+    char part[128];
+    for (size_t length = 1; path[length - 1];) {
+        length += strcspn(path + length, "/");
+        snprintf(part, sizeof part, "%.*s", (int)length, path);
+        if (H5Lexists(file, part, H5P_DEFAULT) <= 0) return 0;
+        length++;
+    }
+    return 1;
+}
+
+tides_status td_h5_open_file(const char *path, hid_t *file, tides_error *error) {
+    if (access(path, R_OK) != 0) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
+    hid_t properties = td_h5_file_access();
+    /* Foreign chunks may be larger than HDF5's cache of 1 MB, and would then be unpacked for every block. */
+    if (properties >= 0) H5Pset_cache(properties, 0, 521, 32 << 20, 0.75);
+    *file = properties < 0 ? -1 : H5Fopen(path, H5F_ACC_RDONLY, properties);
+    td_h5_close(properties);
+    if (*file >= 0) return TIDES_OK;
+    td_h5_reason reason;
+    return td_fail(error, TIDES_BAD_FILE, "%s: isn't a readable HDF5 file: %s", path, td_h5_reason_text(&reason));
+}
+
+/* Filters that event files are compressed with and HDF5 lacks. Numbers: the HDF Group's registry of filters. */
+static const struct {
+    H5Z_filter_t id;
+    const char *name, *package;
+} plugins[] = {
+    {32000, "LZF", "hdf5-plugin-lzf"},    {32001, "Blosc", "hdf5-filter-plugin-blosc-serial"},
+    {32004, "LZ4", "hdf5-filter-plugin"}, {32008, "Bitshuffle", "hdf5-filter-plugin"},
+    {32015, "Zstandard", NULL},           {32026, "Blosc2", NULL},
+};
+
+static tides_status missing_filter(const char *path, const char *dataset, H5Z_filter_t id, tides_error *error) {
+    const char *name = "an unknown filter", *package = NULL;
+    for (size_t i = 0; i < sizeof plugins / sizeof *plugins; i++) {
+        if (plugins[i].id != id) continue;
+        name = plugins[i].name;
+        package = plugins[i].package;
+    }
+    return td_fail(error, TIDES_UNSUPPORTED,
+                   "%s: %s is compressed with %s (HDF5 filter %d), whose plugin is missing: %s%s%sset HDF5_PLUGIN_PATH to the "
+                   "folder that python3 -c 'import hdf5plugin; print(hdf5plugin.PLUGIN_PATH)' prints",
+                   path, dataset, name, (int)id, package ? "install the Debian package " : "", package ? package : "",
+                   package ? ", or " : "");
+}
+
+tides_status td_h5_check_filters(const char *path, const char *name, hid_t dataset, tides_error *error) {
+    hid_t creation = H5Dget_create_plist(dataset);
+    int count = creation < 0 ? 0 : H5Pget_nfilters(creation);
+    tides_status status = TIDES_OK;
+    for (int i = 0; i < count && status == TIDES_OK; i++) {
+        unsigned flags, config;
+        size_t values = 0;
+        H5Z_filter_t filter = H5Pget_filter2(creation, (unsigned)i, &flags, &values, NULL, 0, NULL, &config);
+        if (filter >= 0 && H5Zfilter_avail(filter) <= 0) status = missing_filter(path, name, filter, error);
+    }
+    td_h5_close(creation);
+    return status;
+}
+
+/* No filter packs 64 kB of constants into less than a byte; a dataset without storage is only its fill value. */
+tides_status td_h5_check_storage(const char *path, const char *name, hid_t dataset, uint64_t rows, size_t bytes,
+                                 tides_error *error) {
+    const uint64_t most = 65536;
+    uint64_t stored = H5Dget_storage_size(dataset);
+    if (rows == 0 || (bytes > 0 && rows / most <= stored / bytes && stored > 0)) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_FILE, "%s: %s says %" PRIu64 " rows, but holds only %" PRIu64 " bytes", path, name, rows,
+                   stored);
+}
+
+/* ---- columns ---- */
+
+static tides_status wrong_shape(const td_event_source *source, const td_h5_column *c, tides_error *error) {
+    if (c->column >= 0)
+        return td_fail(error, TIDES_BAD_FILE, "%s: %s should be a table of four columns of numbers", source->path, c->name);
+    return td_fail(error, TIDES_BAD_FILE, "%s: %s should be a one-dimensional dataset of integers", source->path, c->name);
+}
+
+/* Opens a dataset of integers (or h5py's booleans, an enumeration of bytes) that this HDF5 can decompress; of real numbers
+ * only where the layout has them. */
+static tides_status open_column(td_event_source *source, td_h5_column *c, int real, tides_error *error) {
+    c->dataset = H5Dopen2(source->file, c->name, H5P_DEFAULT);
+    if (c->dataset < 0)
+        return td_fail(error, TIDES_BAD_FILE, "%s: %s can't be opened: it should be a dataset", source->path, c->name);
+    hid_t type = H5Dget_type(c->dataset), space = H5Dget_space(c->dataset);
+    H5T_class_t class = type < 0 ? H5T_NO_CLASS : H5Tget_class(type);
+    size_t bytes = type < 0 ? 0 : H5Tget_size(type);
+    int table = c->column >= 0, dimensions = space < 0 ? -1 : H5Sget_simple_extent_ndims(space);
+    hsize_t extent[2] = {0, 4};
+    int shaped =
+        dimensions == (table ? 2 : 1) && H5Sget_simple_extent_dims(space, extent, NULL) == dimensions && extent[1] == 4;
+    td_h5_close(space);
+    td_h5_close(type);
+    c->real = class == H5T_FLOAT;
+    int numbers = class == H5T_INTEGER || (class == H5T_ENUM && bytes == 1 && !table) || (c->real && real);
+    if (!numbers || !shaped) return wrong_shape(source, c, error);
+    c->rows = extent[0];
+    tides_status status = td_h5_check_filters(source->path, c->name, c->dataset, error);
+    return status == TIDES_OK
+               ? td_h5_check_storage(source->path, c->name, c->dataset, c->rows, table ? 4 * bytes : bytes, error)
+               : status;
+}
+
+static tides_status open_columns(td_event_source *source, const layout *found, tides_error *error) {
+    for (int c = 0; c < TD_H5_COLUMNS; c++) {
+        source->columns[c].name = found->datasets[c];
+        source->columns[c].column = found->columns[c];
+        if (!td_h5_exists(source->file, found->datasets[c]))
+            return td_fail(error, TIDES_BAD_FILE, "%s: has no %s: event files in the DSEC layout hold /events/p, t, x and y",
+                           source->path, found->datasets[c]);
+    }
+    source->nanoseconds = found == &layouts[DSEC] && td_h5_exists(source->file, "/events/t_ns");
+    if (source->nanoseconds) source->columns[TD_H5_T].name = "/events/t_ns";
+    for (int c = 0; c < TD_H5_COLUMNS; c++) {
+        td_h5_column *column = &source->columns[c];
+        tides_status status =
+            open_column(source, column, c == TD_H5_T ? found->real : column->column >= 0 && found->real, error);
+        if (status != TIDES_OK) return status;
+        if (c == 0 || column->rows < source->count) source->count = column->rows;
+    }
+    return TIDES_OK;
+}
+
+/* Columns of different length are damage, but for an unfinished file of ours: its writer may have died while they grew. */
+static tides_status check_rows(const td_event_source *source, tides_error *error) {
+    int64_t stop = 0;
+    int own = strcmp(source->format, TD_EVENT_FORMAT) == 0;
+    if (own && td_h5_read_int(source->file, "stop_ns", &stop) && stop < 0) return TIDES_OK;
+    const td_h5_column *first = &source->columns[0];
+    for (const td_h5_column *c = first + 1; c < first + TD_H5_COLUMNS; c++)
+        if (c->rows != first->rows)
+            return td_fail(error, TIDES_BAD_FILE, "%s: %s has %" PRIu64 " rows, but %s has %" PRIu64, source->path, c->name,
+                           c->rows, first->name, first->rows);
+    return TIDES_OK;
+}
+
+/* ---- facts ---- */
+
+/* Up to `most` integers of a small dataset or root attribute; how many there are, or 0. */
+static int read_integers(hid_t file, const char *name, int attribute, int64_t *values, int most) {
+    if (attribute ? H5Aexists(file, name) <= 0 : !td_h5_exists(file, name)) return 0;
+    hid_t id = attribute ? H5Aopen(file, name, H5P_DEFAULT) : H5Dopen2(file, name, H5P_DEFAULT);
+    hid_t space = id < 0 ? -1 : attribute ? H5Aget_space(id) : H5Dget_space(id);
+    hid_t type = id < 0 ? -1 : attribute ? H5Aget_type(id) : H5Dget_type(id);
+    hssize_t points = space < 0 ? 0 : H5Sget_simple_extent_npoints(space);
+    herr_t failed = -1;
+    if (type >= 0 && H5Tget_class(type) == H5T_INTEGER && points > 0 && points <= most)
+        failed = attribute ? H5Aread(id, H5T_NATIVE_INT64, values)
+                           : H5Dread(id, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
+    td_h5_close(type);
+    td_h5_close(space);
+    td_h5_close(id);
+    return failed < 0 ? 0 : (int)points;
+}
+
+static void read_size(const td_event_source *source, const layout *found, tides_event_facts *facts) {
+    int64_t size[2] = {0, 0}; /* width, height */
+    hid_t file = source->file;
+    if (strcmp(found->name, "rvt") == 0) {
+        read_integers(file, "/events/width", 0, &size[0], 1);
+        read_integers(file, "/events/height", 0, &size[1], 1);
+    } else if (strcmp(found->name, "m3ed") == 0) {
+        read_integers(file, "/prophesee/left/calib/resolution", 0, size, 2);
+    } else if (strcmp(found->name, "timostoff") == 0) {
+        int64_t turned[2] = {0, 0};
+        read_integers(file, "sensor_resolution", 1, turned, 2);
+        size[0] = turned[1];
+        size[1] = turned[0];
+    } else {
+        td_h5_read_int(file, "width", &size[0]);
+        td_h5_read_int(file, "height", &size[1]);
+    }
+    if (size[0] < 1 || size[1] < 1 || size[0] > 65536 || size[1] > 65536) return;
+    facts->width = (int32_t)size[0];
+    facts->height = (int32_t)size[1];
+}
+
+static tides_status read_offset(td_event_source *source, const layout *found, tides_error *error) {
+    if (source->nanoseconds || found != &layouts[DSEC] || !td_h5_exists(source->file, "/t_offset")) return TIDES_OK;
+    if (read_integers(source->file, "/t_offset", 0, &source->offset, 1) == 1) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_FILE, "%s: /t_offset should be one integer", source->path);
+}
+
+/* What our own files say about themselves: an unfinished one holds rows beyond its count that mean nothing. */
+static tides_status read_own_facts(td_event_source *source, tides_event_facts *facts, tides_error *error) {
+    int64_t version = 0, count = 0;
+    td_h5_read_text(source->file, "format", source->format, sizeof source->format);
+    tides_status status = check_rows(source, error);
+    if (status != TIDES_OK || strcmp(source->format, TD_EVENT_FORMAT) != 0) return status;
+    if (!td_h5_read_int(source->file, "version", &version) || version < 1)
+        return td_fail(error, TIDES_BAD_FILE, "%s: has no usable attribute version", source->path);
+    if (version > TD_EVENT_FORMAT_VERSION)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "%s: has version %" PRId64 " of the layout, this library reads up to %d: update it", source->path,
+                       version, TD_EVENT_FORMAT_VERSION);
+    if (!td_h5_read_int(source->file, "count", &count) || count < 0 || (uint64_t)count > source->count)
+        return td_fail(error, TIDES_BAD_FILE, "%s: its attribute count doesn't fit its %" PRIu64 " rows", source->path,
+                       source->count);
+    source->count = (uint64_t)count;
+    snprintf(facts->format, sizeof facts->format, "tides");
+    td_h5_read_text(source->file, "tides_version", facts->version, sizeof facts->version);
+    return TIDES_OK;
+}
+
+/* ---- opening ---- */
+
+/* v2e's table and the groups of others have the same name. */
+static const layout *find_layout(hid_t file) {
+    H5O_info_t info;
+    for (const layout *l = layouts; l < layouts + LAYOUTS; l++) {
+        if (!td_h5_exists(file, l->mark)) continue;
+        int dataset = H5Oget_info_by_name(file, l->mark, &info, H5P_DEFAULT) >= 0 && info.type == H5O_TYPE_DATASET;
+        if (l != &layouts[V2E] || dataset) return l;
+    }
+    return &layouts[DSEC];
+}
+
+tides_status td_h5_source_open(td_event_source *source, const char *path, tides_event_facts *facts, tides_error *error) {
+    *source = (td_event_source){.path = path, .file = -1};
+    for (int c = 0; c < TD_H5_COLUMNS; c++) source->columns[c].dataset = -1;
+    tides_status status = td_h5_open_file(path, &source->file, error);
+    if (status != TIDES_OK) return status;
+    const layout *found = find_layout(source->file);
+    snprintf(facts->format, sizeof facts->format, "%s", found->name);
+    status = open_columns(source, found, error);
+    if (status == TIDES_OK) status = read_own_facts(source, facts, error);
+    if (status == TIDES_OK) status = read_offset(source, found, error);
+    if (status != TIDES_OK) return status;
+    read_size(source, found, facts);
+    facts->counted = 1;
+    facts->count = source->count;
+    source->scratch = td_alloc((size_t)TD_H5_COLUMNS * TD_EVENT_CHUNK, sizeof *source->scratch, error);
+    return source->scratch ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+void td_h5_source_close(td_event_source *source) {
+    for (int c = 0; c < TD_H5_COLUMNS; c++) td_h5_close(source->columns[c].dataset);
+    td_h5_close(source->file);
+    free(source->scratch);
+}

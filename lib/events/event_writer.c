@@ -1,0 +1,304 @@
+/* Writing event files of any format: order and size are checked, what is written goes beside the final file and is
+ * renamed. */
+#include "td_base.h"
+#include "td_event_format.h"
+#include "td_event_h5.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+struct tides_event_writer {
+    const td_event_format *format;
+    td_event_sink sink;
+    tides_error failure; /* the first failed write: nothing is written after it */
+};
+
+int32_t tides_event_format_at(size_t index, tides_event_format *format) {
+    size_t count = 0;
+    while (td_event_formats[count]) count++;
+    if (!format || index >= count) return 0;
+    const td_event_format *f = td_event_formats[index];
+    *format =
+        (tides_event_format){f->name, f->summary, f->endings ? f->endings : "", f->read != NULL, f->create != NULL, f->tick_ns};
+    return 1;
+}
+
+/* ---- opening ---- */
+
+static tides_status check_file(const char *path, const td_event_format *format, const tides_event_file *file,
+                               tides_error *error) {
+    /* Coordinates are 16 bits wide. */
+    if (file->width < 1 || file->height < 1 || file->width > 65536 || file->height > 65536)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "%s: an event file can't be %d x %d px: give 1 to 65536", path, file->width,
+                       file->height);
+    if (!format->create)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: files of the format \"%s\" are only read", path, format->name);
+    if (file->width > format->size_limit || file->height > format->size_limit)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: %s holds coordinates below %d only, and the sensor has %d x %d px", path,
+                       format->summary, format->size_limit, file->width, file->height);
+    struct stat there;
+    if (stat(path, &there) == 0 && S_ISDIR(there.st_mode))
+        return td_fail(error, TIDES_WRITE_FAILED, "%s: is a folder: name a file in it", path);
+    return TIDES_OK;
+}
+
+/* Locked while it is written, so that two runs told to write the same file don't ruin each other. */
+static tides_status open_part(td_event_sink *sink, tides_error *error) {
+    int descriptor = open(sink->part, O_RDWR | O_CREAT, 0666);
+    if (descriptor < 0) return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", sink->part, strerror(errno));
+    if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        close(descriptor);
+        return td_fail(error, TIDES_WRITE_FAILED, "%s: is being written by another run: wait for it, or name another file",
+                       sink->part);
+    }
+    sink->file = ftruncate(descriptor, 0) == 0 ? fdopen(descriptor, "r+b") : NULL;
+    if (sink->file) return TIDES_OK;
+    td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", sink->part, strerror(errno));
+    close(descriptor);
+    return TIDES_WRITE_FAILED;
+}
+
+static void free_writer(tides_event_writer *writer) {
+    td_event_sink *sink = &writer->sink;
+    if (writer->format->discard) writer->format->discard(sink);
+    if (sink->file) fclose(sink->file);
+    td_event_ticks_destroy(sink->ticks);
+    free(sink->part);
+    free(sink->path);
+    free(writer);
+}
+
+/* A writer that has nothing open yet; NULL: out of memory. */
+static tides_event_writer *make_writer(const char *path, const td_event_format *format, const tides_event_file *file,
+                                       tides_error *error) {
+    tides_event_writer *made = td_alloc(1, sizeof *made, error);
+    if (!made) return NULL;
+    made->format = format;
+    td_event_sink *sink = &made->sink;
+    sink->width = file->width;
+    sink->height = file->height;
+    sink->run = file->run;
+    sink->seed = file->seed;
+    sink->path = td_strdup(path, error);
+    sink->part = sink->path ? td_part_name(path, error) : NULL;
+    if (sink->part && format->tick_ns > 1) sink->ticks = td_event_ticks_create(format->tick_ns, error);
+    if (sink->part && (sink->ticks || format->tick_ns <= 1)) return made;
+    free_writer(made);
+    return NULL;
+}
+
+static tides_status begin(tides_event_writer *writer, tides_error *error) {
+    td_event_sink *sink = &writer->sink;
+    if (!writer->format->library) {
+        tides_status status = open_part(sink, error);
+        return status == TIDES_OK ? writer->format->create(sink, error) : status;
+    }
+    td_h5_quiet quiet;
+    td_h5_quiet_begin(&quiet);
+    tides_status status = writer->format->create(sink, error);
+    td_h5_quiet_end(&quiet);
+    return status;
+}
+
+static tides_status open_format(const char *path, const td_event_format *format, const tides_event_file *file,
+                                tides_event_writer **writer, tides_error *error) {
+    tides_status status = check_file(path, format, file, error);
+    if (status != TIDES_OK) return status;
+    tides_event_writer *made = make_writer(path, format, file, error);
+    if (!made) return TIDES_NO_MEMORY;
+    status = begin(made, error);
+    if (status != TIDES_OK) {
+        free_writer(made);
+        return status;
+    }
+    made->sink.run = made->sink.seed = NULL;
+    *writer = made;
+    return TIDES_OK;
+}
+
+tides_status tides_event_writer_open_as(const char *path, const char *format, const tides_event_file *file,
+                                        tides_event_writer **writer, tides_error *error) {
+    if (!path || !file || !writer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_open: an argument is NULL");
+    const td_event_format *found = NULL;
+    tides_status status = format ? td_event_format_named(format, &found, error) : td_event_format_for(path, &found, error);
+    return status == TIDES_OK ? open_format(path, found, file, writer, error) : status;
+}
+
+tides_status tides_event_writer_open(const char *path, const tides_event_file *file, tides_event_writer **writer,
+                                     tides_error *error) {
+    return tides_event_writer_open_as(path, NULL, file, writer, error);
+}
+
+int32_t tides_event_writer_can_resume(const char *path) {
+    const td_event_format *format = NULL;
+    return path && td_event_format_for(path, &format, NULL) == TIDES_OK && format->resume;
+}
+
+tides_status tides_event_writer_resume(const char *path, const tides_event_file *file, uint64_t count,
+                                       tides_event_writer **writer, tides_error *error) {
+    if (!path || !file || !writer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_resume: an argument is NULL");
+    const td_event_format *format = NULL;
+    tides_status status = td_event_format_for(path, &format, error);
+    if (status != TIDES_OK) return status;
+    if (!format->resume)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: an interrupted recording goes on only in HDF5 (.h5), not in %s", path,
+                       format->summary);
+    status = check_file(path, format, file, error);
+    if (status != TIDES_OK) return status;
+    tides_event_writer *made = make_writer(path, format, file, error);
+    if (!made) return TIDES_NO_MEMORY;
+    td_h5_quiet quiet;
+    td_h5_quiet_begin(&quiet);
+    status = format->resume(&made->sink, count, error);
+    td_h5_quiet_end(&quiet);
+    if (status != TIDES_OK) {
+        free_writer(made);
+        return status;
+    }
+    *writer = made;
+    return TIDES_OK;
+}
+
+/* ---- appending ---- */
+
+static int before(const tides_event *a, const tides_event *b) {
+    if (a->t != b->t) return a->t < b->t;
+    if (a->y != b->y) return a->y < b->y;
+    if (a->x != b->x) return a->x < b->x;
+    return a->polarity < b->polarity;
+}
+
+static tides_status refuse(const tides_event *event, uint64_t index, tides_status status, const char *why, tides_error *error) {
+    return td_fail(error, status, "event %" PRIu64 " (t %" PRId64 " ns, x %u, y %u, polarity %d) %s", index, event->t, event->x,
+                   event->y, event->polarity, why);
+}
+
+static tides_status check_event(const td_event_format *format, const td_event_sink *sink, const tides_event *event,
+                                const tides_event *previous, uint64_t index, tides_error *error) {
+    if (event->x >= sink->width || event->y >= sink->height)
+        return refuse(event, index, TIDES_BAD_ARGUMENT, "lies outside the image: check the file's width and height", error);
+    if (event->polarity != 1 && event->polarity != -1)
+        return refuse(event, index, TIDES_BAD_ARGUMENT, "has no polarity: give +1 or -1", error);
+    if (event->t < 0)
+        return refuse(event, index, TIDES_BAD_ARGUMENT,
+                      "lies before time 0: count times from the run's start, or from the first event (--rebase)", error);
+    if (previous && before(event, previous))
+        return refuse(event, index, TIDES_BAD_ARGUMENT, "comes before the one ahead of it: sort by t, y, x, polarity", error);
+    const char *why = format->check ? format->check(event, previous) : NULL;
+    return why ? refuse(event, index, TIDES_UNSUPPORTED, why, error) : TIDES_OK;
+}
+
+tides_status td_event_check(const td_event_format *format, const td_event_sink *sink, const tides_event *events, size_t count,
+                            tides_error *error) {
+    const tides_event *previous = sink->has_last ? &sink->last : NULL;
+    for (size_t i = 0; i < count; i++) {
+        tides_status status = check_event(format, sink, &events[i], previous, sink->count + i, error);
+        if (status != TIDES_OK) return td_fail_within(error, status, "%s", sink->path);
+        previous = &events[i];
+    }
+    return TIDES_OK;
+}
+
+static tides_status repeat_failure(const tides_event_writer *writer, tides_error *error) {
+    return td_fail(error, writer->failure.status, "%s", writer->failure.text);
+}
+
+/* A format's failure, or that of the bytes it wrote, is for good. */
+static tides_status settle(tides_event_writer *writer, tides_status status) {
+    td_event_sink *sink = &writer->sink;
+    if (status == TIDES_OK && sink->failed)
+        status = td_fail(&writer->failure, TIDES_WRITE_FAILED, "%s: can't be written: %s", sink->part, strerror(sink->failed));
+    writer->failure.status = status;
+    return status;
+}
+
+static tides_status write_events(tides_event_writer *writer, const tides_event *events, size_t count) {
+    td_event_sink *sink = &writer->sink;
+    td_h5_quiet quiet;
+    if (writer->format->library) td_h5_quiet_begin(&quiet);
+    tides_status status = writer->format->write(sink, events, count, &writer->failure);
+    if (writer->format->library) td_h5_quiet_end(&quiet);
+    return settle(writer, status);
+}
+
+tides_status tides_event_writer_append(tides_event_writer *writer, const tides_event *events, size_t count,
+                                       tides_error *error) {
+    if (!writer || (!events && count > 0))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_append: an argument is NULL");
+    if (writer->failure.status != TIDES_OK) return repeat_failure(writer, error);
+    td_event_sink *sink = &writer->sink;
+    tides_status status = td_event_check(writer->format, sink, events, count, error);
+    if (status == TIDES_OK && sink->ticks) status = td_event_ticks_add(sink->ticks, events, count, error);
+    if (status != TIDES_OK || count == 0) return status;
+    if (write_events(writer, events, count) != TIDES_OK) return repeat_failure(writer, error);
+    sink->last = events[count - 1];
+    sink->has_last = 1;
+    sink->count += count;
+    return TIDES_OK;
+}
+
+uint64_t tides_event_writer_count(const tides_event_writer *writer) { return writer->sink.count; }
+
+uint64_t tides_event_writer_collapsed(const tides_event_writer *writer) { return td_event_ticks_collapsed(writer->sink.ticks); }
+
+tides_status tides_event_writer_flush(tides_event_writer *writer, tides_error *error) {
+    if (!writer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_flush: the writer is NULL");
+    if (writer->failure.status != TIDES_OK) return repeat_failure(writer, error);
+    if (!writer->format->flush)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: an interrupted recording goes on only in HDF5 (.h5), not in %s",
+                       writer->sink.path, writer->format->summary);
+    td_h5_quiet quiet;
+    td_h5_quiet_begin(&quiet);
+    tides_status status = writer->format->flush(&writer->sink, error);
+    td_h5_quiet_end(&quiet);
+    return status;
+}
+
+/* ---- ending ---- */
+
+/* Makes the .part whole and closes it. */
+static tides_status complete(tides_event_writer *writer, int64_t stop_ns) {
+    td_event_sink *sink = &writer->sink;
+    tides_status status = writer->failure.status;
+    td_h5_quiet quiet;
+    if (writer->format->library) td_h5_quiet_begin(&quiet);
+    if (writer->format->complete && status == TIDES_OK)
+        status = settle(writer, writer->format->complete(sink, stop_ns, &writer->failure));
+    if (writer->format->library) td_h5_quiet_end(&quiet);
+    errno = 0;
+    if (sink->file && fclose(sink->file) != 0 && !sink->failed) sink->failed = errno ? errno : EIO;
+    sink->file = NULL;
+    return status == TIDES_OK ? settle(writer, status) : status;
+}
+
+tides_status tides_event_writer_finish(tides_event_writer *writer, int64_t stop_ns, tides_error *error) {
+    if (!writer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_finish: the writer is NULL");
+    tides_status status = complete(writer, stop_ns);
+    if (status != TIDES_OK)
+        repeat_failure(writer, error);
+    else
+        status = td_commit_file(writer->sink.part, writer->sink.path, error);
+    free_writer(writer);
+    return status;
+}
+
+void tides_event_writer_abandon(tides_event_writer *writer) {
+    if (!writer) return;
+    if (writer->format->abandon) {
+        td_h5_quiet quiet;
+        td_h5_quiet_begin(&quiet);
+        writer->format->abandon(&writer->sink);
+        td_h5_quiet_end(&quiet);
+    } else {
+        int64_t stop = writer->sink.has_last ? writer->sink.last.t : 0;
+        tides_status ignored = complete(writer, stop);
+        (void)ignored; /* nobody asks any more */
+    }
+    free_writer(writer);
+}

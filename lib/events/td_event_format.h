@@ -1,0 +1,197 @@
+/* Internal: one class per format of event files, in one table. A format reads a stream, writes a sink, or both; what is the
+ * same for all (opening, checking, renaming, counting) is in event_reader.c and event_writer.c. */
+#ifndef TD_EVENT_FORMAT_H
+#define TD_EVENT_FORMAT_H
+
+#include "tides/events.h"
+
+#include <stdio.h>
+
+enum {
+    TD_EVENT_HEAD = 4096,   /* first bytes that a format is found from */
+    TD_EVENT_BUFFER = 65536 /* bytes read or written at once */
+};
+
+/* What a format is detected from. */
+typedef struct td_event_probe {
+    const char *path;
+    uint64_t size;                /* of the file [bytes] */
+    size_t bytes;                 /* in head */
+    char head[TD_EVENT_HEAD + 1]; /* NUL-terminated */
+} td_event_probe;
+
+/* ---- bytes in ---- */
+
+/* A file read through a buffer. `data` points at the next unread byte, of which `ready` are in memory. */
+typedef struct td_event_input {
+    const char *path;
+    FILE *file;
+    uint64_t size, at; /* of the file; of the next unread byte */
+    unsigned char *buffer;
+    const unsigned char *data;
+    size_t ready;
+} td_event_input;
+
+tides_status td_input_open(td_event_input *input, const char *path, tides_error *error);
+void td_input_close(td_event_input *input);
+
+/* Makes `wanted` <= TD_EVENT_BUFFER bytes ready, or all that are left where they are fewer. */
+tides_status td_input_fill(td_event_input *input, size_t wanted, tides_error *error);
+
+/* Passes over `bytes` <= ready. */
+void td_input_skip(td_event_input *input, size_t bytes);
+
+/* Copies `bytes` out, however many; TIDES_BAD_FILE where the file ends before. */
+tides_status td_input_copy(td_event_input *input, void *out, size_t bytes, tides_error *error);
+
+/* The next line without its end, NUL-terminated, in the caller's buffer; `*got` is 0 at the end of the file. Lines of `size`
+ * bytes or more are TIDES_BAD_FILE. */
+tides_status td_input_line(td_event_input *input, char *line, size_t size, int *got, tides_error *error);
+
+/* ---- a file being read ---- */
+
+typedef struct td_event_stream {
+    td_event_input input; /* not opened for formats with `library` */
+    tides_event_facts facts;
+    uint64_t done; /* events handed out before this call of read */
+    void *state;   /* the format's; freed by its close */
+} td_event_stream;
+
+/* ---- a file being written ---- */
+
+/* Counts events that share a pixel and a tick (event_ticks.c). */
+typedef struct td_event_ticks td_event_ticks;
+
+typedef struct td_event_sink {
+    char *path, *part;
+    int32_t width, height;
+    const char *run, *seed; /* during create only */
+    uint64_t count;         /* appended */
+    tides_event last;
+    int32_t has_last;
+    FILE *file;  /* NULL for formats with `library` */
+    uint64_t at; /* bytes written to `file` */
+    int failed;  /* errno of the first failed write to `file`, or 0 */
+    void *state; /* the format's; freed by its discard */
+    td_event_ticks *ticks;
+} td_event_sink;
+
+/* Appends bytes to the sink's file; a failure is kept in `failed`, and everything after it is dropped. */
+void td_sink_bytes(td_event_sink *sink, const void *data, size_t bytes);
+void td_sink_text(td_event_sink *sink, const char *text);
+/* Overwrites bytes that are there already. */
+void td_sink_patch(td_event_sink *sink, uint64_t at, const void *data, size_t bytes);
+
+/* ---- the class ---- */
+
+typedef struct td_event_format {
+    const char *name;    /* of --from and --to: "evt3" */
+    const char *endings; /* ".raw .evt3": of files to write; NULL: only by name */
+    const char *summary; /* what it is, in a few words */
+    int64_t tick_ns;     /* times are floored to it; 1: exact */
+    int32_t size_limit;  /* widest and highest sensor that fits [px] */
+    int32_t library;     /* the file is opened by a library, not as bytes */
+
+    /* 1 where the file is of this format; NULL: only by name. */
+    int (*detect)(const td_event_probe *probe);
+
+    /* Reading; all NULL where the format is only written. open fills the facts; read leaves 0 in `got` only at the end. close
+     * is called after a failed open too. */
+    tides_status (*open)(td_event_stream *stream, tides_error *error);
+    tides_status (*read)(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got, tides_error *error);
+    void (*close)(td_event_stream *stream);
+
+    /* Writing; all NULL where it is only read. Events come checked and in order. `check` (nullable) says why an event can't
+     * be stored after `previous` (nullable), or NULL. `complete` makes the file whole; `discard` frees the state. */
+    tides_status (*create)(td_event_sink *sink, tides_error *error);
+    const char *(*check)(const tides_event *event, const tides_event *previous);
+    tides_status (*write)(td_event_sink *sink, const tides_event *events, size_t count, tides_error *error);
+    tides_status (*complete)(td_event_sink *sink, int64_t stop_ns, tides_error *error);
+    void (*discard)(td_event_sink *sink);
+
+    /* Survival of an interrupted run: only where a format can; else NULL. */
+    tides_status (*flush)(td_event_sink *sink, tides_error *error);
+    tides_status (*resume)(td_event_sink *sink, uint64_t count, tides_error *error);
+    void (*abandon)(td_event_sink *sink);
+} td_event_format;
+
+/* The table: NULL-terminated, in the order of detection. */
+extern const td_event_format *const td_event_formats[];
+
+extern const td_event_format td_format_hdf5, td_format_ecf, td_format_aedat4, td_format_aedat2, td_format_es, td_format_dat,
+    td_format_evt2, td_format_evt21, td_format_evt3, td_format_csv, td_format_csv_ns, td_format_csv_openeb, td_format_e2vid,
+    td_format_ecd, td_format_nmnist, td_format_npy, td_format_npz, td_format_ergb;
+
+/* By name; TIDES_BAD_ARGUMENT names the nearest. */
+tides_status td_event_format_named(const char *name, const td_event_format **format, tides_error *error);
+
+/* By what the file holds; TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE. */
+tides_status td_event_format_detect(const char *path, const td_event_format **format, tides_error *error);
+
+/* Of a file to write, by its ending; HDF5 where it has none. */
+tides_status td_event_format_for(const char *path, const td_event_format **format, tides_error *error);
+
+/* Events may follow in a file: order, size, polarity, and what the format itself asks. TIDES_BAD_ARGUMENT,
+ * TIDES_UNSUPPORTED. */
+tides_status td_event_check(const td_event_format *format, const td_event_sink *sink, const tides_event *events, size_t count,
+                            tides_error *error);
+
+/* How much of the file is read, 0 to 1; negative where that isn't known. */
+double td_event_reader_part(const tides_event_reader *reader);
+
+/* ---- what several formats need ---- */
+
+/* [us] to [ns]; 0 where 64 bits don't hold it. */
+int td_event_microseconds(int64_t us, int64_t *ns);
+
+/* "PATH: event N ..." */
+tides_status td_event_bad(const td_event_stream *stream, uint64_t number, const char *what, tides_error *error);
+
+/* The file ends within something. */
+tides_status td_event_cut_off(const td_event_stream *stream, tides_error *error);
+
+/* Lines "% key value" before the data of Prophesee's files (event_header.c). */
+typedef struct td_event_header {
+    char evt[16];    /* "3.0" of "% evt 3.0", or "" */
+    char format[16]; /* "EVT3" of "% format EVT3;...", or "" */
+    int32_t version; /* of "% Version 2", else 0 */
+    int32_t width, height;
+    int32_t swapped; /* EVT 2.1 with its 32-bit halves the other way round */
+    size_t bytes;    /* of the header; 0: none */
+} td_event_header;
+/* From the first bytes of a file. */
+void td_event_header_parse(const char *head, size_t bytes, td_event_header *header);
+/* Reads it from a stream into the facts, and passes over it. */
+tides_status td_event_header_read(td_event_stream *stream, td_event_header *header, tides_error *error);
+/* Writes that of an EVT file: "2.0", "EVT2". */
+void td_event_header_write(td_event_sink *sink, const char *evt, const char *format);
+
+/* Numbers of text, exactly and in any locale (event_decimal.c). `digits`: value * 10^digits, rounded to the nearest integer,
+ * half away from zero. 0 where [text, text + length) is no number or 64 bits don't hold it. */
+int td_decimal(const char *text, size_t length, int digits, int64_t *value);
+/* A whole number ("12", "12.0") from `least` to `most`. */
+int td_decimal_whole(const char *text, size_t length, int64_t least, int64_t most, int64_t *value);
+
+td_event_ticks *td_event_ticks_create(int64_t tick_ns, tides_error *error);
+void td_event_ticks_destroy(td_event_ticks *ticks);
+tides_status td_event_ticks_add(td_event_ticks *ticks, const tides_event *events, size_t count, tides_error *error);
+uint64_t td_event_ticks_collapsed(const td_event_ticks *ticks);
+
+/* Little-endian integers at any address. */
+static inline uint16_t td_get16(const unsigned char *p) { return (uint16_t)(p[0] | p[1] << 8); }
+static inline uint32_t td_get32(const unsigned char *p) { return td_get16(p) | (uint32_t)td_get16(p + 2) << 16; }
+static inline uint64_t td_get64(const unsigned char *p) { return td_get32(p) | (uint64_t)td_get32(p + 4) << 32; }
+static inline void td_put16(unsigned char *p, uint32_t v) {
+    p[0] = (unsigned char)v;
+    p[1] = (unsigned char)(v >> 8);
+}
+static inline void td_put32(unsigned char *p, uint32_t v) {
+    td_put16(p, v & 0xffff);
+    td_put16(p + 2, v >> 16);
+}
+static inline void td_put64(unsigned char *p, uint64_t v) {
+    td_put32(p, (uint32_t)v);
+    td_put32(p + 4, (uint32_t)(v >> 32));
+}
+
+#endif

@@ -1,0 +1,104 @@
+/* Paths of what the generators move, from formulas with exact rates, and a small integrator for what swings and falls. */
+#include "generate/td_generate.h"
+#include "td_base.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FEWEST_SAMPLES 9 /* keeps the looser ends of the spline apart on short paths, as camera/generators.c */
+#define MOST_SAMPLES 5e6 /* 0.8 GB */
+#define STEP_S 0.00025   /* of the integrator: a bounce lasts 15 ms, and the fourth order then leaves 1e-9 of it */
+
+tides_status td_path_sample(td_pose_at pose, void *shape, const tides_generate_options *options, double step,
+                            tides_trajectory **path, tides_error *error) {
+    const double steps = ceil(options->duration_s * options->speed / step);
+    if (!(steps < MOST_SAMPLES))
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "duration_s %g at speed %g would need %g samples per path, more than %g: make it shorter or slower",
+                       options->duration_s, options->speed, steps, MOST_SAMPLES);
+    const size_t count = steps < FEWEST_SAMPLES ? FEWEST_SAMPLES : (size_t)steps + 1;
+    tides_pose_sample *samples = td_alloc(count, sizeof *samples, error);
+    if (!samples) return TIDES_NO_MEMORY;
+    for (size_t i = 0; i < count; i++) {
+        tides_pose_sample *s = &samples[i];
+        const double time = i + 1 < count ? options->duration_s * (double)i / (double)(count - 1) : options->duration_s;
+        s->time = time * options->speed;
+        pose(shape, s);
+        s->time = time;
+        s->has_rates = 1;
+        for (int k = 0; k < 3; k++) {
+            s->velocity[k] *= options->speed;
+            s->angular_velocity[k] *= options->speed;
+        }
+    }
+    tides_status status = tides_trajectory_create(samples, count, path, error);
+    free(samples);
+    return status;
+}
+
+void td_quaternion_product(const double a[4], const double b[4], double q[4]) {
+    const double product[4] = {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+                               a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+                               a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+                               a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]};
+    memcpy(q, product, sizeof product);
+}
+
+void td_quaternion_about(const double axis[3], double angle, double q[4]) {
+    q[0] = cos(0.5 * angle);
+    for (int k = 0; k < 3; k++) q[k + 1] = sin(0.5 * angle) * axis[k];
+}
+
+static void turned(void *shape, tides_pose_sample *sample) {
+    const td_turning *t = shape;
+    const double *q = t->rest, *a = t->axis;
+    double turn[4], t2[3];
+    td_quaternion_about(a, t->rate * sample->time, turn);
+    td_quaternion_product(q, turn, sample->quaternion);
+    memcpy(sample->position, t->centre, sizeof sample->position);
+    /* The axis in the world: a + 2 w (v x a) + 2 v x (v x a), with q = (w, v). */
+    for (int k = 0; k < 3; k++) t2[k] = 2 * (q[1 + (k + 1) % 3] * a[(k + 2) % 3] - q[1 + (k + 2) % 3] * a[(k + 1) % 3]);
+    for (int k = 0; k < 3; k++)
+        sample->angular_velocity[k] =
+            t->rate * (a[k] + q[0] * t2[k] + q[1 + (k + 1) % 3] * t2[(k + 2) % 3] - q[1 + (k + 2) % 3] * t2[(k + 1) % 3]);
+}
+
+tides_status td_path_turning(const td_turning *turning, const tides_generate_options *options, tides_trajectory **path,
+                             tides_error *error) {
+    td_turning own = *turning;
+    return td_path_sample(turned, &own, options, 0.1 / fmax(fabs(own.rate), 1), path, error);
+}
+
+void td_integrate(td_acceleration acceleration, const void *body, double step, double *x, double *x_dot) {
+    const int64_t pieces = (int64_t)ceil(step / STEP_S);
+    const double h = pieces > 0 ? step / (double)pieces : 0;
+    for (int64_t piece = 0; piece < pieces; piece++) {
+        const double v1 = *x_dot, a1 = acceleration(body, *x, v1);
+        const double v2 = *x_dot + 0.5 * h * a1, a2 = acceleration(body, *x + 0.5 * h * v1, v2);
+        const double v3 = *x_dot + 0.5 * h * a2, a3 = acceleration(body, *x + 0.5 * h * v2, v3);
+        const double v4 = *x_dot + h * a3, a4 = acceleration(body, *x + h * v3, v4);
+        *x += h / 6 * (v1 + 2 * v2 + 2 * v3 + v4);
+        *x_dot += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+    }
+}
+
+tides_status td_path_camera(const double position[3], const double target[3], const tides_generate_options *options,
+                            tides_trajectory **path, tides_error *error) {
+    tides_handheld hand = {
+        .up = {0, 1, 0},
+        .position_amplitude = 0.012,
+        .rotation_amplitude = 0.006,
+        .frequency = 1.5,
+        .seed = options->seed,
+        .stop = options->duration_s,
+    };
+    memcpy(hand.position, position, sizeof hand.position);
+    memcpy(hand.target, target, sizeof hand.target);
+    return tides_trajectory_create_handheld(&hand, path, error);
+}
+
+tides_status td_path_still_camera(tides_trajectory **path, tides_error *error) {
+    static const double position[3] = {0, 0.1, 3.05}, along_minus_z[4] = {0, 1, 0, 0}; /* half a turn about x */
+    return tides_trajectory_create_static(position, along_minus_z, path, error);
+}

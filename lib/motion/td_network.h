@@ -1,0 +1,39 @@
+/* Internal: what a network motion consists of, inferred from the shapes of its arrays.
+ *
+ * Arrays have the names and shapes of Deformable-3D-Gaussians' deform.pth, each .weight with a .bias:
+ *   linear.{0, 1, ..}.weight (width x inputs), gaussian_rotation.weight (4 x width), gaussian_scaling.weight (3 x width),
+ *   gaussian_warp.weight (3 x width), or for a rigid motion (is_6dof) branch_w.weight and branch_v.weight (3 x width),
+ *   and for Blender scenes the small network over the time, timenet.{0, 2}.weight.
+ * Setting: position_octaves (10), the sines and cosines of a mean. Own time is the trainer's t in [0, 1]. */
+#ifndef TD_NETWORK_H
+#define TD_NETWORK_H
+
+#include "td_motion.h"
+
+#include "kernels/motion_network.h"
+
+typedef struct td_network {
+    int width, layers;
+    int skip;                 /* the layer that gets the inputs once more; 0: none */
+    int positions, times;     /* inputs */
+    int screw;                /* is_6dof */
+    int time_width, time_sum; /* timenet's hidden values and inputs; 0: there is none */
+} td_network;
+
+/* TIDES_BAD_FILE naming the array that is missing or doesn't fit, or what is larger than kernels take. */
+tides_status td_network_measure(const tides_motion *motion, td_network *network, tides_error *error);
+
+/* Names of the heads in the order of their weights, NULL at the end. */
+const char *const *td_network_heads(const td_network *network);
+
+/* v, sin v, cos v, sin 2 v, cos 2 v .. up to 2^(octaves - 1): for `count` numbers side by side, (1 + 2 octaves) count in all;
+ * `rate` (nullable): their derivatives by v. */
+void td_network_embed(const double *number, int count, int octaves, double *value, double *rate);
+
+/* td_motion_class.pack. */
+tides_status td_network_pack(const tides_motion *motion, const tides_gaussians *gaussians, td_mover_numbers *numbers,
+                             tides_error *error);
+
+extern const td_motion_class td_network_class;
+
+#endif

@@ -1,0 +1,108 @@
+/* The box of a scene's means at a time, with everything where it is then. */
+#include "motion/td_motion.h"
+#include "td_scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ROWS = 512, SH_STRIDE = 3 * (TIDES_SH_DEGREE_MAX + 1) * (TIDES_SH_DEGREE_MAX + 1) };
+
+/* Rows of a motion, a batch at a time. */
+typedef struct batch {
+    int32_t index[ROWS];
+    double geometry[ROWS * TD_GEOMETRY_STRIDE], rates[ROWS * TD_GEOMETRY_STRIDE];
+    double sh[ROWS * SH_STRIDE], sh_rates[ROWS * SH_STRIDE];
+} batch;
+
+typedef struct box {
+    tides_pose pose;
+    double scale, lower[3], upper[3];
+} box;
+
+static void grow(box *b, const double mean[3]) {
+    for (int row = 0; row < 3; row++) {
+        const double *r = b->pose.rotation + 3 * row;
+        const double x = b->scale * (r[0] * mean[0] + r[1] * mean[1] + r[2] * mean[2]) + b->pose.position[row];
+        b->lower[row] = fmin(b->lower[row], x);
+        b->upper[row] = fmax(b->upper[row], x);
+    }
+}
+
+static void grow_resting(box *b, const td_gaussians *g) {
+    for (int64_t i = 0; i < g->count; i++) {
+        const float *mean = g->mean + 3 * i;
+        grow(b, (const double[3]){mean[0], mean[1], mean[2]});
+    }
+}
+
+static tides_status grow_rows(box *b, const td_object *object, const td_mover_numbers *numbers, double time, batch *rows,
+                              tides_error *error) {
+    const tides_gaussians g = td_gaussians_view(&object->gaussians);
+    const td_motion_sink sink = {rows->geometry, rows->rates, rows->sh, rows->sh_rates, SH_STRIDE};
+    double tau = 0, tau_dot = 0;
+    tides_status status = td_motion_time(object->motion, object->duration_s, time, &tau, &tau_dot, error);
+    for (int64_t first = 0; first < g.count && status == TIDES_OK; first += ROWS) {
+        const int64_t count = g.count - first < ROWS ? g.count - first : ROWS;
+        for (int64_t i = 0; i < count; i++) rows->index[i] = (int32_t)(first + i);
+        status = td_motion_rows(object->motion, &g, numbers, tau, tau_dot, 1, 0, rows->index, count, &sink, error);
+        for (int64_t i = 0; i < count && status == TIDES_OK; i++) grow(b, rows->geometry + i * TD_GEOMETRY_STRIDE + TD_G_MEAN);
+    }
+    return status;
+}
+
+static tides_status grow_moving(box *b, const td_object *object, double time, tides_error *error) {
+    const tides_gaussians g = td_gaussians_view(&object->gaussians);
+    td_mover_numbers numbers;
+    memset(&numbers, 0, sizeof numbers);
+    batch *rows = td_alloc(1, sizeof *rows, error);
+    tides_status status = rows ? object->motion->type->pack(object->motion, &g, &numbers, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) status = grow_rows(b, object, &numbers, time, rows, error);
+    td_mover_release(&numbers);
+    free(rows);
+    return status;
+}
+
+static tides_status grow_object(box *b, const td_object *object, double time, tides_error *error) {
+    static const tides_pose identity = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    tides_status status = TIDES_OK;
+    b->scale = object->scale;
+    b->pose = identity;
+    if (object->trajectory) status = tides_trajectory_at(object->trajectory, time, &b->pose, error);
+    if (status == TIDES_OK && object->motion) return grow_moving(b, object, time, error);
+    if (status == TIDES_OK) grow_resting(b, &object->gaussians);
+    return status;
+}
+
+tides_status tides_scene_bounds_at(const tides_scene *scene, double time, double lower[3], double upper[3],
+                                   tides_error *error) {
+    if (!scene || !lower || !upper)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_scene_bounds_at: %s is NULL", scene ? "a corner" : "scene");
+    box b = {.lower = {INFINITY, INFINITY, INFINITY}, .upper = {-INFINITY, -INFINITY, -INFINITY}};
+    for (size_t i = 0; i < scene->count; i++) {
+        tides_status status = grow_object(&b, &scene->objects[i], time, error);
+        if (status != TIDES_OK) return td_fail_within(error, status, "object %zu ('%.80s')", i, scene->objects[i].name);
+    }
+    for (int k = 0; k < 3; k++) { /* an empty scene has the box [0, 0] */
+        lower[k] = scene->count ? b.lower[k] : 0;
+        upper[k] = scene->count ? b.upper[k] : 0;
+    }
+    return TIDES_OK;
+}
+
+/* The narrowest of the objects' own ranges. */
+void tides_scene_range(const tides_scene *scene, double *start, double *stop) {
+    *start = -INFINITY;
+    *stop = INFINITY;
+    for (size_t i = 0; scene && i < scene->count; i++) {
+        const td_object *object = &scene->objects[i];
+        double first = -INFINITY, last = INFINITY;
+        if (object->trajectory) tides_trajectory_range(object->trajectory, &first, &last);
+        if (object->motion) {
+            first = fmax(first, 0);
+            last = fmin(last, object->duration_s);
+        }
+        *start = fmax(*start, first);
+        *stop = fmin(*stop, last);
+    }
+}

@@ -1,0 +1,113 @@
+/* Keys of the sensor and the readout reach their fields; every preset is accepted, and what the user says wins over it. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "tides/run.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static tides_run *parse(const char *const *sets, size_t count) {
+    tides_run *run = NULL;
+    tides_error error = {TIDES_OK, ""};
+    const char *text = "{\"scene\": {\"file\": \"a.ply\"}, \"camera\": {\"file\": \"p.json\"}}";
+    if (tides_run_parse(text, "", sets, count, &run, &error) != TIDES_OK) fail_msg("%s", error.text);
+    return run;
+}
+
+static void test_keys_reach_their_fields(void **state) {
+    (void)state;
+    static const struct {
+        const char *key;
+        size_t field; /* of tides_run_values */
+        int whole;
+        double value;
+    } cases[] = {
+#define REAL(key, member, value) {key, offsetof(tides_run_values, member), 0, value}
+#define WHOLE(key, member, value) \
+    { key, offsetof(tides_run_values, member), 1, value }
+        REAL("sensor.threshold_sigma", sensor.threshold_sigma, 0.03),
+        REAL("sensor.threshold_min", sensor.threshold_min, 0.02),
+        REAL("sensor.refractory_s", sensor.refractory_s, 0.001),
+        WHOLE("sensor.refractory_law=drop_keep", sensor.refractory_law, TIDES_REFRACTORY_DROP_KEEP),
+        WHOLE("sensor.refractory_law=drop_consume", sensor.refractory_law, TIDES_REFRACTORY_DROP_CONSUME),
+        REAL("sensor.leak_rate_hz", sensor.leak_rate_hz, 0.1),
+        REAL("sensor.leak_sigma", sensor.leak_sigma, 0.2),
+        REAL("sensor.b_min", sensor.b_min, 0.5),
+        REAL("sensor.dead_pixel_fraction", sensor.dead_pixel_fraction, 0.25),
+        REAL("frontend.shot_noise_hz", sensor.shot_noise_hz, 5),
+        REAL("frontend.hot_pixel_fraction", sensor.hot_pixel_fraction, 0.125),
+        REAL("frontend.hot_pixel_rate_hz", sensor.hot_pixel_rate_hz, 7),
+        REAL("frontend.photoreceptor_cutoff_hz", sensor.photoreceptor_cutoff_hz, 300),
+        WHOLE("frontend.photoreceptor_law=intensity", sensor.photoreceptor_law, TIDES_PHOTORECEPTOR_INTENSITY),
+        WHOLE("frontend.bandwidth=circuit", sensor.bandwidth, TIDES_BANDWIDTH_CIRCUIT),
+        REAL("frontend.circuit.gain", sensor.circuit.gain, 100),
+        REAL("frontend.circuit.difference_hz", sensor.circuit.difference_hz, 9),
+        WHOLE("readout.enabled=true", readout.enabled, 1),
+        WHOLE("readout.kind=rows", readout.kind, TIDES_READOUT_ROWS),
+        WHOLE("readout.kind=bottleneck", readout.kind, TIDES_READOUT_BOTTLENECK),
+        WHOLE("readout.tile_px", readout.tile_px, 8),
+        REAL("readout.tick_s", readout.tick_s, 0.0),
+        WHOLE("readout.k0", readout.k0, 5),
+        REAL("readout.beta_k", readout.beta_k, 0.25),
+        REAL("readout.p0", readout.p0, 0.125),
+        REAL("readout.eta", readout.eta, 0.5),
+        REAL("readout.sigma0_s", readout.sigma0_s, 0.5),
+        REAL("readout.gamma_sigma_s", readout.gamma_sigma_s, 0.25),
+        WHOLE("readout.queue_capacity", readout.queue_capacity, 77),
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char set[128];
+        const char *text = set;
+        snprintf(set, sizeof set, strchr(cases[i].key, '=') ? "%s" : "%s=%.17g", cases[i].key, cases[i].value);
+        tides_run *run = parse(&text, 1);
+        tides_run_values values;
+        tides_run_get(run, &values);
+        const char *at = (const char *)&values + cases[i].field;
+        double found = cases[i].whole ? (double)*(const int32_t *)(const void *)at : *(const double *)(const void *)at;
+        if (!(found >= cases[i].value && found <= cases[i].value)) fail_msg("%s: %g", set, found);
+        tides_run_destroy(run);
+    }
+    const char *seed = "seed=18446744073709551615";
+    tides_run *run = parse(&seed, 1);
+    tides_run_values values;
+    tides_run_get(run, &values);
+    assert_true(values.sensor.seed == UINT64_MAX);
+    tides_run_destroy(run);
+}
+
+static void test_presets(void **state) {
+    (void)state;
+    static const char *const names[] = {"ideal", "dvs128", "davis240",  "davis346", "gen3",
+                                        "gen4",  "imx636", "v2e-clean", "v2e-noisy"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char preset[64];
+        snprintf(preset, sizeof preset, "sensor.preset=%s", names[i]);
+        const char *sets[] = {"sensor.threshold_on=0.77", preset};
+        tides_run *run = parse(sets, 2);
+        tides_run_values values;
+        tides_run_get(run, &values);
+        assert_true(values.sensor.threshold_on == 0.77);
+        assert_true(values.sensor.threshold_off >= 0.1 && values.sensor.threshold_off <= 0.25);
+        assert_int_equal(values.sensor.threshold_sigma > 0, strcmp(names[i], "ideal") != 0);
+        tides_run_destroy(run);
+        run = parse(sets + 1, 1);
+        tides_run_get(run, &values);
+        assert_true(values.sensor.threshold_on < 0.3);
+        tides_run_destroy(run);
+    }
+    const char *noisy[] = {"sensor.preset=v2e-noisy", "frontend.shot_noise_hz=0.0"}; /* even where it is the default */
+    tides_run *run = parse(noisy, 2);
+    tides_run_values values;
+    tides_run_get(run, &values);
+    assert_true(values.sensor.shot_noise_hz == 0 && values.sensor.photoreceptor_cutoff_hz == 30);
+    tides_run_destroy(run);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_keys_reach_their_fields), cmocka_unit_test(test_presets)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
