@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { ROWS = 4, COLUMNS = 4 }; /* of the product at a time: sums that 16 registers of two doubles hold */
+
 static const double pi = 3.14159265358979323846;
 
 /* `forward` from pixel n to mode k: (size x size), row n; `back` is its transpose. */
@@ -32,6 +34,7 @@ tides_status td_cosine_create(int width, int height, td_cosine *cosine, tides_er
     ok = ok && (cosine->along_y_back = td_alloc(h * h, sizeof(double), error)) != NULL;
     ok = ok && (cosine->mu_x = td_alloc(w, sizeof(double), error)) != NULL;
     ok = ok && (cosine->mu_y = td_alloc(h, sizeof(double), error)) != NULL;
+    ok = ok && (cosine->panel = td_alloc((w > h ? w : h) * COLUMNS, sizeof(double), error)) != NULL;
     ok = ok && (cosine->half = td_alloc(w * h, sizeof(double), error)) != NULL;
     if (!ok) {
         td_cosine_release(cosine);
@@ -50,37 +53,48 @@ void td_cosine_release(td_cosine *cosine) {
     free(cosine->mu_x);
     free(cosine->mu_y);
     free(cosine->half);
+    free(cosine->panel);
     memset(cosine, 0, sizeof *cosine);
 }
 
-enum { ROWS = 4, COLUMNS = 16 }; /* of the product at a time: what fits the registers of a CPU with AVX */
-
-/* Up to ROWS x COLUMNS of a b at (row, column); a is (rows x inner), b (inner x columns). */
-static void multiply_block(const double *a, const double *b, double *out, int rows, int inner, int columns, int row,
-                           int column) {
-    double sum[ROWS][COLUMNS] = {{0}}, line[COLUMNS] = {0};
-    int height = rows - row < ROWS ? rows - row : ROWS, width = columns - column < COLUMNS ? columns - column : COLUMNS;
-    for (int k = 0; k < inner; k++) {
-        memcpy(line, b + (size_t)k * columns + column, (size_t)width * sizeof *line);
-        for (int i = 0; i < ROWS; i++) {
-            double factor = a[(size_t)(row + (i < height ? i : 0)) * inner + k];
-            for (int j = 0; j < COLUMNS; j++) sum[i][j] += factor * line[j];
-        }
-    }
-    for (int i = 0; i < height; i++) memcpy(out + (size_t)(row + i) * columns + column, sum[i], (size_t)width * sizeof *out);
+/* COLUMNS of b from `column` on, one row after the other; 0 beyond the last. */
+static void pack(const double *b, int inner, int columns, int column, double *panel) {
+    for (int k = 0; k < inner; k++)
+        for (int j = 0; j < COLUMNS; j++)
+            panel[k * COLUMNS + j] = column + j < columns ? b[(size_t)k * columns + column + j] : 0;
 }
 
-static void multiply(const double *a, const double *b, double *out, int rows, int inner, int columns) {
-    for (int column = 0; column < columns; column += COLUMNS)
-        for (int row = 0; row < rows; row += ROWS) multiply_block(a, b, out, rows, inner, columns, row, column);
+/* ROWS of a times a panel; rows may be the same. */
+static void multiply_block(const double *const a[ROWS], const double *panel, int inner, double sum[ROWS][COLUMNS]) {
+    double s[ROWS][COLUMNS] = {{0}};
+    for (int k = 0; k < inner; k++)
+        for (int i = 0; i < ROWS; i++)
+            for (int j = 0; j < COLUMNS; j++) s[i][j] += a[i][k] * panel[k * COLUMNS + j];
+    memcpy(sum, s, sizeof s);
+}
+
+/* out = a b; a is (rows x inner), b (inner x columns). */
+static void multiply(const td_cosine *c, const double *a, const double *b, double *out, int rows, int inner, int columns) {
+    for (int column = 0; column < columns; column += COLUMNS) {
+        int width = columns - column < COLUMNS ? columns - column : COLUMNS;
+        pack(b, inner, columns, column, c->panel);
+        for (int row = 0; row < rows; row += ROWS) {
+            const double *line[ROWS];
+            double sum[ROWS][COLUMNS];
+            for (int i = 0; i < ROWS; i++) line[i] = a + (size_t)(row + i < rows ? row + i : row) * inner;
+            multiply_block(line, c->panel, inner, sum);
+            for (int i = 0; i < ROWS && row + i < rows; i++)
+                memcpy(out + (size_t)(row + i) * columns + column, sum[i], (size_t)width * sizeof *out);
+        }
+    }
 }
 
 void td_cosine_forward(const td_cosine *c, const double *image, double *modes) {
-    multiply(image, c->along_x, c->half, c->height, c->width, c->width);
-    multiply(c->along_y, c->half, modes, c->height, c->height, c->width);
+    multiply(c, image, c->along_x, c->half, c->height, c->width, c->width);
+    multiply(c, c->along_y, c->half, modes, c->height, c->height, c->width);
 }
 
 void td_cosine_back(const td_cosine *c, const double *modes, double *image) {
-    multiply(c->along_y_back, modes, c->half, c->height, c->height, c->width);
-    multiply(c->half, c->along_x_back, image, c->height, c->width, c->width);
+    multiply(c, c->along_y_back, modes, c->half, c->height, c->height, c->width);
+    multiply(c, c->half, c->along_x_back, image, c->height, c->width, c->width);
 }

@@ -12,7 +12,7 @@ typedef struct td_cosine {
     double *along_x, *along_x_back; /* (width x width) from pixel to mode, and back */
     double *along_y, *along_y_back; /* (height x height) from mode to pixel, and back */
     double *mu_x, *mu_y;            /* (width), (height) */
-    double *half;                   /* (height x width) scratch */
+    double *half, *panel;           /* scratch: (height x width), and a few columns of a matrix */
 } td_cosine;
 
 tides_status td_cosine_create(int width, int height, td_cosine *cosine, tides_error *error);
