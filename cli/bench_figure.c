@@ -1,6 +1,6 @@
 /* The benchmark's pictures: a panel for each scene. */
 #include "bench.h"
-#include "bench_plot.h"
+#include "plot.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -59,6 +59,8 @@ int cmd_scene(const cli_command *command, int argc, char **argv);
 int cmd_simulate(const cli_command *command, int argc, char **argv);
 int cmd_convert(const cli_command *command, int argc, char **argv);
 int cmd_cut(const cli_command *command, int argc, char **argv);
+int cmd_view(const cli_command *command, int argc, char **argv);
+int cmd_export(const cli_command *command, int argc, char **argv);
 int cmd_metrics(const cli_command *command, int argc, char **argv);
 int cmd_bench(const cli_command *command, int argc, char **argv);
 

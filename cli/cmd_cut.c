@@ -1,19 +1,8 @@
 /* tides cut: a stretch of time and a window of an event file. */
 #include "event_job.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-/* Seconds of an option as nanoseconds. */
-static int take_time(const cli_command *command, const char *option, const char *text, int64_t *ns) {
-    double seconds;
-    int code = cli_number(command, option, text, &seconds);
-    if (code != CLI_GO) return code;
-    if (!(fabs(seconds) < 9e9)) return cli_usage(command, "%s %s: not a time in seconds", option, text);
-    *ns = (int64_t)llround(seconds * 1e9);
-    return CLI_GO;
-}
 
 /* "x,y,w,h" */
 static int take_window(const cli_command *command, const char *text, tides_event_conversion *what) {
@@ -49,8 +38,8 @@ int cmd_cut(const cli_command *command, int argc, char **argv) {
     };
     int code = cli_parse(command, options, argc, argv, &common, files);
     if (code == CLI_OK) cli_help_formats();
-    if (code == CLI_GO && start) code = take_time(command, "--start", start, &what.start_ns);
-    if (code == CLI_GO && stop) code = take_time(command, "--stop", stop, &what.stop_ns);
+    if (code == CLI_GO && start) code = cli_time(command, "--start", start, &what.start_ns);
+    if (code == CLI_GO && stop) code = cli_time(command, "--stop", stop, &what.stop_ns);
     if (code == CLI_GO && window) code = take_window(command, window, &what);
     if (code != CLI_GO) return code;
     if (!start && !stop && !window) return cli_usage(command, "nothing to cut: give --start, --stop or --roi");

@@ -27,6 +27,21 @@ static const cli_command commands[] = {
      "says what is written.",
      2, cmd_convert},
     {"cut", "IN OUT --start S --stop S", "Cut a stretch of time or a window out of an event file.", NULL, 2, cmd_cut},
+    {"view", "EVENTS -o OUT.png [--kind frame|surface|xyt|rate|isi]", "Draw events as a picture or an animation.",
+     "frame: red ON, blue OFF, brighter where more, violet where both; surface: how long ago each pixel's latest event was; "
+     "xyt: events\n"
+     "in space and time; rate: events a second over time; isi: intervals between the events of each pixel.\n"
+     "tides view EVENTS -o - | ffmpeg -i - -pix_fmt yuv420p OUT.mp4 makes a video.",
+     1, cmd_view},
+    {"export", "EVENTS -o OUT.npy [--as voxel|frame|surface]", "Write events as arrays for networks, one for each window.",
+     "The array has float32 (windows x planes x height x width). .npz and .h5 also hold start_ns, stop_ns and events for each "
+     "window.\n"
+     "voxel: signed events shared between bins of time, as E2VID, DSEC (E-RAFT) or TimeLens build them; frame: numbers of OFF "
+     "and\n"
+     "of ON events; surface: exp(-age / decay) of the latest OFF and ON event at the window's end. "
+     "include/tides/representations.h\n"
+     "defines them.",
+     1, cmd_export},
     {"metrics", "REFERENCE SIMULATED [--only LIST]", "Compare a simulated event stream with a reference.",
      "Values are undefined (-, in JSON null) where they would divide by nothing. include/tides/metrics.h defines each one.\n"
      "The kernel distance takes long, and match wants an exact reference: both only where asked for.",

@@ -35,11 +35,16 @@ tides_status cli_frame_write_exr(const cli_frame *frame, const char *path, doubl
 /* Events of a time window. */
 typedef struct cli_window {
     int64_t first_ns, stop_ns; /* [first, stop) */
+    const char *format;        /* the file's, or NULL: by content */
     tides_event *events;
     size_t count;
+    int32_t width, height; /* of the sensor [px]: what the file says, else what the events reach; at least 1 */
 } cli_window;
-/* window.c: fills events and count from an event file; the caller frees the events. */
+/* window.c: fills events, count and size from an event file; the caller frees the events. _ordered: TIDES_BAD_FILE where they
+ * aren't in order of time. _slice: those of [first, stop) of a window in order, borrowed. */
 tides_status cli_window_read(const char *path, cli_window *window, tides_error *error);
+tides_status cli_window_ordered(const char *path, const cli_window *window, tides_error *error);
+cli_window cli_window_slice(const cli_window *window, int64_t first_ns, int64_t stop_ns);
 
 /* preview.c: labelled panels side by side: Y or colour, L_dot, and with a window its events. */
 tides_status cli_preview_write(const char *path, const cli_frame *frame, const cli_window *window, tides_error *error);

@@ -22,19 +22,65 @@ static tides_status keep(const char *path, cli_window *window, size_t *capacity,
     return TIDES_OK;
 }
 
+/* Files that don't say how large the sensor is are taken at what their events reach. */
+static void set_size(cli_window *window, const tides_event_facts *facts) {
+    window->width = facts->width > 0 ? facts->width : 1;
+    window->height = facts->height > 0 ? facts->height : 1;
+    for (size_t i = 0; i < window->count; i++) {
+        if (facts->width <= 0 && window->events[i].x >= window->width) window->width = window->events[i].x + 1;
+        if (facts->height <= 0 && window->events[i].y >= window->height) window->height = window->events[i].y + 1;
+    }
+}
+
 tides_status cli_window_read(const char *path, cli_window *window, tides_error *error) {
     tides_event_reader *reader = NULL;
+    tides_event_facts facts;
     tides_event events[1024];
     size_t capacity = 0;
     int past = 0;
-    tides_status status = tides_event_reader_open(path, NULL, &reader, error);
+    tides_status status = tides_event_reader_open(path, window->format, &reader, error);
     for (size_t got = 1; got && !past && status == TIDES_OK;) {
         status = tides_event_reader_read(reader, events, sizeof events / sizeof *events, &got, error);
         if (status == TIDES_OK) status = keep(path, window, &capacity, events, got, &past, error);
+    }
+    if (status == TIDES_OK) {
+        tides_event_reader_facts(reader, &facts); /* some formats know the size only once they are read */
+        set_size(window, &facts);
     }
     tides_event_reader_close(reader);
     if (status == TIDES_OK) return TIDES_OK;
     free(window->events);
     window->events = NULL;
     return status;
+}
+
+tides_status cli_window_ordered(const char *path, const cli_window *window, tides_error *error) {
+    for (size_t i = 1; i < window->count; i++)
+        if (window->events[i].t < window->events[i - 1].t)
+            return cli_error(error, TIDES_BAD_FILE,
+                             "%s: event %zu is earlier than the one before it: tides convert puts events in order", path, i);
+    return TIDES_OK;
+}
+
+/* Index of the first event at or after `t`. */
+static size_t lower_bound(const cli_window *window, int64_t t) {
+    size_t low = 0, high = window->count;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (window->events[middle].t < t)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+cli_window cli_window_slice(const cli_window *window, int64_t first_ns, int64_t stop_ns) {
+    cli_window slice = *window;
+    const size_t first = lower_bound(window, first_ns), stop = lower_bound(window, stop_ns);
+    slice.first_ns = first_ns;
+    slice.stop_ns = stop_ns;
+    slice.events = slice.events ? slice.events + first : NULL;
+    slice.count = stop > first ? stop - first : 0;
+    return slice;
 }

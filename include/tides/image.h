@@ -1,4 +1,4 @@
-/* Float images to and from OpenEXR, and PNG pictures. */
+/* Float images to and from OpenEXR, PNG pictures, and animations of them. */
 #ifndef TIDES_IMAGE_H
 #define TIDES_IMAGE_H
 
@@ -33,6 +33,31 @@ TIDES_API const float *tides_exr_pixels(const tides_exr *exr, int32_t channel); 
 /* 8-bit pictures. `rgb` is (height x width x 3), row 0 on top. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_png_write(const char *path, int32_t width, int32_t height, const uint8_t *rgb,
                                                         tides_error *error);
+
+/* Pictures of one size, one after the other, at 0.02 to 1000 pictures a second. By `path`:
+ *   .png, .apng   an animated PNG, repeated for ever
+ *   .y4m          a video for ffmpeg and mpv: YUV4MPEG2, 4:4:4, BT.601 in studio range
+ *   frame%04d.png a PNG for each picture, numbered from 0 on: one %d, its width up to 9 digits
+ * TIDES_UNSUPPORTED: another ending. The first two are streamed, written beside as `path` + ".part" and renamed. */
+typedef struct tides_animation tides_animation;
+TIDES_MUST_CHECK TIDES_API tides_status tides_animation_open(const char *path, int32_t width, int32_t height,
+                                                             double pictures_per_second, tides_animation **animation,
+                                                             tides_error *error);
+
+/* The same video as it is made, to an open file descriptor (a pipe), which stays the caller's. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_animation_stream(int32_t descriptor, int32_t width, int32_t height,
+                                                               double pictures_per_second, tides_animation **animation,
+                                                               tides_error *error);
+
+/* Appends a picture, rgb (height x width x 3). After a failure only _abandon is left. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_animation_append(tides_animation *animation, const uint8_t *rgb,
+                                                               tides_error *error);
+
+/* Completes the file, which needs one picture at least; the animation is gone whatever is returned. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_animation_finish(tides_animation *animation, tides_error *error);
+
+/* Removes the unfinished file (numbered pictures stay). NULL is fine. */
+TIDES_API void tides_animation_abandon(tides_animation *animation);
 
 /* Pictures of data, into rgb (height x width x 3), caller's memory.
  * grey: linear values to sRGB grey; `white` is the value shown as white.

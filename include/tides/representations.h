@@ -52,6 +52,35 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_time_surface(const tides_event *ev
                                                            int32_t height, int64_t time_ns, double decay_s, double *surface,
                                                            tides_error *error);
 
+/* The arrays of a file: their dataset's name (letters, digits and _, at most 31), their shape, and the planes' names in an EXR
+ * file (NULL: name.0000 ...). Strings are copied. */
+typedef struct tides_array_shape {
+    const char *name;
+    int32_t planes, height, width;
+    const char *const *plane_names;
+} tides_array_shape;
+
+typedef struct tides_array_writer tides_array_writer;
+
+/* Starts a file of arrays of one shape, as float32 in the order of their windows, by the ending of `path`:
+ *   .npy        (windows x planes x height x width)
+ *   .npz, .h5   the same under `name`; start_ns and stop_ns (int64) and events (uint64) have one value for each window
+ *   .exr        one window only, a channel for each plane; start_ns, stop_ns and events are attributes
+ * Streamed (.npz below 4 GiB), and written beside as `path` + ".part". TIDES_UNSUPPORTED: another ending. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_array_writer_open(const char *path, const tides_array_shape *shape,
+                                                                tides_array_writer **writer, tides_error *error);
+
+/* Appends the array of a window: `start_ns` to `stop_ns`, made of `events` events. After a failure only _abandon is left. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_array_writer_append(tides_array_writer *writer, const double *array,
+                                                                  int64_t start_ns, int64_t stop_ns, uint64_t events,
+                                                                  tides_error *error);
+
+/* Completes the file and renames it into place; the writer is gone whatever is returned. An .exr needs its window. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_array_writer_finish(tides_array_writer *writer, tides_error *error);
+
+/* Removes what was written. NULL is fine. */
+TIDES_API void tides_array_writer_abandon(tides_array_writer *writer);
+
 #ifdef __cplusplus
 }
 #endif

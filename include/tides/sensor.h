@@ -23,8 +23,9 @@ enum { TIDES_REFRACTORY_HOLD = 0, TIDES_REFRACTORY_DROP_KEEP = 1, TIDES_REFRACTO
 /* Blur of the logarithm and its rate, as in the paper, or of luminance before the logarithm, as optics do. */
 enum { TIDES_PSF_LOG = 0, TIDES_PSF_LINEAR = 1 };
 
-/* FIRST_ORDER: one pole at photoreceptor_cutoff_hz. CIRCUIT: the pixel's chain of a second-order photoreceptor, a source
- * follower and a difference amplifier (simulators notes, 1.4). */
+/* FIRST_ORDER: one pole at photoreceptor_cutoff_hz. CIRCUIT: the pixel's chain of a second-order photoreceptor, whose poles go
+ * with the photocurrent, a source follower and a difference amplifier (simulators notes, 1.4); the cutoff and
+ * photoreceptor_law are then not read. */
 enum { TIDES_BANDWIDTH_FIRST_ORDER = 0, TIDES_BANDWIDTH_CIRCUIT = 1 };
 
 /* Whether the pole stays where it is, or goes with luminance as v2e has it: cutoff (DN + 20) / 275, DN = 255 Y. */
@@ -33,8 +34,8 @@ enum { TIDES_PHOTORECEPTOR_CONSTANT = 0, TIDES_PHOTORECEPTOR_INTENSITY = 1 };
 /* Constants of TIDES_BANDWIDTH_CIRCUIT; the defaults are a DVS128's (simulators notes, 1.4). */
 typedef struct tides_circuit {
     double photocurrent_a;     /* at Y = 1 [A] */
-    double dark_current_a;     /* [A] */
-    double gain, kappa;        /* amplifier gain A, back-gate coefficient */
+    double dark_current_a;     /* [A], > 0 */
+    double gain, kappa;        /* amplifier gain A, back-gate coefficient; A kappa <= 1e4 */
     double thermal_v;          /* V_T [V] */
     double photodiode_f;       /* C_p [F] */
     double miller_f;           /* C_mil [F] */

@@ -1,5 +1,5 @@
 /* Writes 8-bit RGB pictures with libpng. */
-#include "tides/image.h"
+#include "td_png.h"
 
 #include "td_base.h"
 
@@ -59,6 +59,12 @@ static tides_status encode(png_job *job, const char *path, tides_error *error) {
         status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path, job->message);
     png_destroy_write_struct(&job->png, &job->info);
     return status;
+}
+
+tides_status td_png_encode(const char *path, FILE *file, int32_t width, int32_t height, const uint8_t *rgb,
+                           tides_error *error) {
+    png_job job = {.file = file, .width = width, .height = height, .rgb = rgb};
+    return encode(&job, path, error);
 }
 
 static tides_status write_part(png_job *job, const char *path, const char *part, tides_error *error) {

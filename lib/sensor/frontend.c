@@ -73,8 +73,6 @@ static void make_circuit(const tides_circuit *circuit, td_frontend *frontend) {
     frontend->source_follower = two_pi * circuit->source_follower_hz;
     frontend->difference = two_pi * circuit->difference_hz;
     if (frontend->source_follower > 0 && frontend->difference > 0) part_equal_poles(frontend);
-    /* A second-order filter of damping z enlarges its input by coth(pi z / (2 sqrt(1 - z^2))) < 1 + 2 / (pi z) at most. */
-    frontend->tolerance = TD_FRONTEND_TOLERANCE / 2 / (1 + 4 / two_pi * sqrt(frontend->loop));
 }
 
 static void make_first_order(const tides_sensor *sensor, td_frontend *frontend) {
@@ -83,7 +81,6 @@ static void make_first_order(const tides_sensor *sensor, td_frontend *frontend) 
     frontend->rate = two_pi * sensor->photoreceptor_cutoff_hz;
     frontend->light = 255.0 / 275; /* v2e: (DN + 20) / 275, DN = 255 Y */
     frontend->dark = 20.0 / 275;
-    frontend->tolerance = TD_FRONTEND_TOLERANCE / 2;
 }
 
 tides_status td_frontend_make(const tides_sensor *sensor, td_frontend *frontend, tides_error *error) {
@@ -99,6 +96,7 @@ tides_status td_frontend_make(const tides_sensor *sensor, td_frontend *frontend,
     } else if (sensor->photoreceptor_cutoff_hz > 0) {
         make_first_order(sensor, frontend);
     }
+    frontend->tolerance = TD_FRONTEND_TOLERANCE / 2;
     frontend->on = frontend->kind != TD_FRONTEND_OFF;
     return status;
 }
@@ -114,33 +112,36 @@ double td_frontend_rest(const td_frontend *frontend, double L, double log_eps, d
     return L;
 }
 
-/* The walk over the pieces. One piece alone is the path itself. */
-static void step_in_pieces(const td_drive *drive, double state[TD_FRONTEND_STATE], td_path *path) {
+/* The walk over the pieces; `drive` gets a stretch for each eighth of the step. One piece alone, in the step's own time, is the
+ * path itself. */
+static void step_in_pieces(td_drive *drive, double state[TD_FRONTEND_STATE], td_path *path) {
     td_pieces pieces;
-    double low = INFINITY, high = -INFINITY, piece_low, piece_high;
-    td_pieces_begin(&pieces, drive);
+    double low, high;
     int count = 0;
-    for (; td_pieces_next(&pieces); count++) {
-        td_path_range(&pieces.path, &piece_low, &piece_high);
-        low = fmin(low, piece_low);
-        high = fmax(high, piece_high);
+    td_pieces_begin(&pieces, drive, 0);
+    for (td_stretch *at = drive->stretch; td_pieces_next(&pieces); count++) {
+        td_path_range(&pieces.path, &low, &high);
+        at->low = fmin(at->low, low);
+        at->high = fmax(at->high, high);
+        if (pieces.to >= 1 || pieces.to < drive->stretches / (double)TD_STRETCHES_MAX) continue;
+        at = &drive->stretch[drive->stretches++];
+        td_pieces_mark(&pieces, at);
     }
     for (int i = 0; i < TD_FRONTEND_STATE; i++) state[i] = pieces.state[i];
-    if (count == 1) {
+    if (count == 1 && !pieces.warp.on) {
         *path = pieces.path;
         return;
     }
-    *path = (td_path){.drive = *drive};
-    path->drive.low = low;
-    path->drive.high = high;
+    td_path_set(path, &(td_model){{0, 0, 0, 0}});
+    path->drive = *drive;
 }
 
 void td_frontend_step(const td_frontend *frontend, double h, const td_model *input, double log_eps,
                       double state[TD_FRONTEND_STATE], td_path *path) {
-    *path = (td_path){.cubic = *input};
+    td_path_set(path, input);
     if (!frontend->on) return;
     if (!td_model_is_finite(input)) {
-        *path = (td_path){.cubic = {{NAN, NAN, NAN, NAN}}};
+        path->cubic = (td_model){{NAN, NAN, NAN, NAN}};
         return;
     }
     if (!isfinite(state[0])) td_frontend_rest(frontend, input->control[0], log_eps, state);
@@ -150,8 +151,13 @@ void td_frontend_step(const td_frontend *frontend, double h, const td_model *inp
         state[0] = td_path_value(path, 1);
         return;
     }
-    td_drive drive = {.frontend = frontend, .input = *input, .h = h, .log_eps = log_eps};
-    for (int i = 0; i < TD_FRONTEND_STATE; i++) drive.state[i] = state[i];
+    td_drive drive;
+    drive.frontend = frontend;
+    drive.input = *input;
+    drive.h = h;
+    drive.log_eps = log_eps;
+    drive.stretches = 1;
+    drive.stretch[0] = (td_stretch){0, 1, {state[0], state[1], state[2], state[3]}, INFINITY, -INFINITY, 0};
     step_in_pieces(&drive, state, path);
 }
 
@@ -159,7 +165,7 @@ void td_frontend_step(const td_frontend *frontend, double h, const td_model *inp
 static void weigh(double rate, double weight[5]) {
     for (int k = 0; k < 5; k++) {
         td_model one = {{k == 0, k == 1, k == 2, k == 3}};
-        td_path path = {.modes = 0};
+        td_path path;
         td_poles poles = td_poles_first_order(rate, k == 4, one.control[0]);
         td_poles_respond(&poles, &one, &path);
         weight[k] = td_path_value(&path, 1);

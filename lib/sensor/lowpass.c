@@ -5,8 +5,8 @@
 
 /* -- responses ------------------------------------------------------------------------------------------------------------- */
 
-/* Adds to S, whose coefficients are c. A pole of more than 1 per step: with X = weight x, X = P + amplitude e^(-lambda s), where
- * P + P' / lambda = weight L is solved from the highest power down, and divides by lambda alone. */
+/* Adds to S, whose coefficients are c. A pole of more than 1 per step: with X = weight x, X = P + amplitude e^(-lambda s),
+ * where P + P' / lambda = weight L is solved from the highest power down, and divides by lambda alone. */
 static td_complex respond_fast(const td_pole *pole, td_complex offset, const double l[4], double many, double c[4]) {
     td_complex inverse = td_inverse(pole->rate), p3 = td_scaled(pole->weight, l[3]);
     td_complex p2 = td_minus(td_scaled(pole->weight, l[2]), td_scaled(td_times(p3, inverse), 3));
@@ -44,6 +44,7 @@ void td_poles_respond(const td_poles *poles, const td_model *input, td_path *pat
         path->mode[k] = (td_mode){pole->rate.re, pole->rate.im, many * size.re, many * size.im, tail};
     }
     path->modes = poles->count;
+    path->drive.frontend = NULL;
     path->cubic = (td_model){{c[0], c[0] + c[1] / 3, c[0] + (2 * c[1] + c[2]) / 3, c[0] + c[1] + c[2] + c[3]}};
 }
 

@@ -3,7 +3,8 @@
  * The step is worked through in parts so short that the modes are their Taylor polynomials to rounding: half a part is about
  * half a time constant of the fastest mode alive, more as it dies. The polynomial then tells what the part holds:
  *   - no level within its range: pass on;
- *   - the slope, or else the second derivative, keeps its sign: at most one extremum, which is found, and on the monotone pieces
+ *   - the slope, or else the second derivative, keeps its sign: at most one extremum, which is found, and on the monotone
+ * pieces
  *     a level is crossed if and only if the piece's end has reached it;
  *   - else the part is halved. That needs two extrema or an inflection next to an extremum, close to a level. */
 #include "td_path_parts.h"
@@ -194,8 +195,8 @@ static int look(const search *at, const series *part, int *polarity, double *s) 
     return 1;
 }
 
-/* The bounds on the work, out of any filter's reach: the circuit's slowest swing dies within 5000 parts (frontend.c checks), and
- * halving goes on for 45 generations around each of a few places. Beyond them the grain gets coarser. */
+/* The bounds on the work, out of any filter's reach: the circuit's slowest swing dies within 5000 parts (frontend.c checks),
+ * and halving goes on for 45 generations around each of a few places. Beyond them the grain gets coarser. */
 static void bound_work(search *at) {
     enum { PATIENCE = 1 << 14 };
     if (++at->tries % PATIENCE == 0) at->least = fmax(at->least, 0x1p-20) * 16;

@@ -1,14 +1,20 @@
-/* Filters whose rates go with the light.
+/* Filters whose rates go with the light: the first-order filter S' = r (L - S), and the circuit's first stage
+ * a2 y'' + a1 y' + y = L. Both have rates that are linear in J = light Y + dark.
  *
- * The first-order filter S' = r (L - S) and the circuit's first stage a2 y'' + a1 y' + y = L both have rates that are linear in
- * J = light Y + dark. With J frozen at J_m in the middle of a piece, and e = J / J_m - 1, they are exactly
+ * The first-order filter is constant in a time v that goes as the integral of J (td_warp.h), where L becomes the cubic through
+ * its ends. The error is what that cubic misses of L, which no past of S enlarges: pieces are long.
+ *
+ * The circuit, and the first-order filter where Y is cut off at 0: with J frozen at J_m in the middle of a piece, and
+ * e = J / J_m - 1, they are exactly
  *
  *   A2 y'' + A1 y' + y = L + g,   g = e (L - y - k y')      A at J_m; k = output_s / (A_loop + 1), first order: A2 = 0, k = 0
  *
- * so that a piece is the constant filter's exact response to L + g. g is taken as the cubic through its values at 0, 1/3, 2/3 and
- * 1, found by repeated substitution: e is small and so is the lag. What the cubic misses of g, seen between its nodes, is an
- * error of the input; a piece is cut shorter until it is within frontend->tolerance. Errors don't add up from piece to piece:
- * the response to an input error is bound by the largest one, times the filter's gain. */
+ * so that a piece is the constant filter's exact response to L + g. g is taken as the cubic through its values at 0, 1/3, 2/3
+ * and 1, found by repeated substitution: e is small and so is the lag. What the cubic misses of g, seen between its nodes, is
+ * an error of the input; a piece is cut shorter until it is within frontend->tolerance. Errors don't add up from piece to
+ * piece: the response to an input error is bound by the largest one, times coth(pi z / (2 sqrt(1 - z^2))) for a swing of
+ * damping z (3.5 for the defaults in full light) should the error swing along with it. It changes sign at four places of each
+ * piece instead, and measured against integration S stays within half of TD_FRONTEND_TOLERANCE (property tests). */
 #include "td_pieces.h"
 #include "td_lowpass.h"
 #include "td_path_parts.h"
@@ -27,10 +33,12 @@ typedef struct attempt {
     double seconds, log_eps;
     const double *state;
     td_model input;
-    double middle;                   /* J_m */
-    double surplus[NODES + BETWEEN]; /* e at the nodes */
-    double lead;                     /* k [s] */
-    td_path stage;                   /* y */
+    double middle;                                                   /* J_m */
+    double surplus[NODES + BETWEEN];                                 /* e at the nodes */
+    double lead;                                                     /* k [s] */
+    int is_still;                                                    /* J doesn't change */
+    td_path stage;                                                   /* y */
+    td_complex value[2][NODES + BETWEEN], slope[2][NODES + BETWEEN]; /* its modes at the nodes, but for their size */
 } attempt;
 
 static double light_at(const attempt *at, double u) {
@@ -50,11 +58,30 @@ static td_poles photoreceptor(const attempt *at) {
                                  at->state[2] * at->seconds, origin);
 }
 
+/* The nodes are sixths: one exponential will do. */
+static void tabulate(attempt *at) {
+    static const int sixths[NODES + BETWEEN] = {0, 2, 4, 6, 1, 3, 5};
+    for (int k = 0; k < at->stage.modes; k++) {
+        const td_mode *mode = &at->stage.mode[k];
+        td_complex rate = td_mode_rate(mode), tail[5], power[7] = {{1, 0}}, sixth = td_decay(rate, 1.0 / 6);
+        for (int i = 1; i <= 6; i++) power[i] = td_times(power[i - 1], sixth);
+        for (int i = 0; i < NODES + BETWEEN; i++) {
+            if (mode->tail) td_mode_tails(rate, node[i], tail);
+            at->value[k][i] = mode->tail ? tail[4] : power[sixths[i]];
+            at->slope[k][i] = mode->tail ? tail[3] : td_scaled(td_times(rate, power[sixths[i]]), -1);
+        }
+    }
+}
+
 static double missing(const attempt *at, int i) {
-    double L = td_model_value(&at->input, node[i]), y = td_path_value(&at->stage, node[i]);
-    double lag = L - y;
-    if (at->lead > 0) lag -= at->lead / at->seconds * td_path_slope(&at->stage, node[i]);
-    return at->surplus[i] * lag;
+    double lag = td_model_value(&at->input, node[i]) - td_model_value(&at->stage.cubic, node[i]);
+    double slope = td_model_slope(&at->stage.cubic, node[i]);
+    for (int k = 0; k < at->stage.modes; k++) {
+        td_complex size = {at->stage.mode[k].cosine, at->stage.mode[k].sine};
+        lag -= td_times(size, at->value[k][i]).re;
+        slope += td_times(size, at->slope[k][i]).re;
+    }
+    return at->surplus[i] * (lag - at->lead / at->seconds * slope);
 }
 
 /* The cubic through g at the four nodes. */
@@ -73,7 +100,8 @@ static double substitute(attempt *at, const td_poles *stage, td_model *input) {
     for (int sweep = 0; sweep < SWEEPS; sweep++) {
         for (int i = 0; i < 4; i++) input->control[i] = at->input.control[i] + cubic.control[i];
         td_poles_respond(stage, input, &at->stage);
-        if (at->frontend->light == 0) return 0;
+        if (at->is_still) return 0;
+        if (sweep == 0) tabulate(at);
         double before[NODES];
         worst = 0;
         for (int i = 0; i < NODES; i++) {
@@ -111,16 +139,26 @@ static void finish(const attempt *at, const td_poles *stage, const td_model *inp
     for (int i = 0; i < TD_FRONTEND_STATE; i++) state[i] = next[i];
 }
 
-/* The piece from pieces->from to `to`; its error in g. */
-static double solve(const td_pieces *pieces, double to, double state[TD_FRONTEND_STATE], td_path *path) {
+static int is_flat(const td_model *model) {
+    const double *b = model->control;
+    return b[0] == b[1] && b[0] == b[2] && b[0] == b[3];
+}
+
+/* The piece from pieces->from to `to`, rates frozen; its error in g. */
+static double solve_frozen(const td_pieces *pieces, const td_model *piece, double to, double state[TD_FRONTEND_STATE],
+                           td_path *path) {
     const td_drive *drive = pieces->drive;
-    attempt at = {.frontend = drive->frontend, .log_eps = drive->log_eps, .state = pieces->state};
+    attempt at;
+    at.frontend = drive->frontend;
+    at.log_eps = drive->log_eps;
+    at.state = pieces->state;
     at.seconds = drive->h * (to - pieces->from);
-    at.input = td_model_part(&drive->input, pieces->from, to);
+    at.input = *piece;
     at.middle = light_at(&at, 0.5);
     at.lead =
         drive->frontend->kind == TD_FRONTEND_CIRCUIT ? drive->frontend->sensor->circuit.output_s / drive->frontend->loop : 0;
-    for (int i = 0; i < NODES + BETWEEN; i++) at.surplus[i] = light_at(&at, node[i]) / at.middle - 1;
+    at.is_still = is_flat(piece) || at.frontend->light == 0;
+    for (int i = 0; i < NODES + BETWEEN && !at.is_still; i++) at.surplus[i] = light_at(&at, node[i]) / at.middle - 1;
     td_poles stage = photoreceptor(&at);
     td_model input;
     double error = substitute(&at, &stage, &input);
@@ -128,9 +166,58 @@ static double solve(const td_pieces *pieces, double to, double state[TD_FRONTEND
     return error;
 }
 
-void td_pieces_begin(td_pieces *pieces, const td_drive *drive) {
-    *pieces = (td_pieces){.drive = drive, .length = 1};
-    for (int i = 0; i < TD_FRONTEND_STATE; i++) pieces->state[i] = drive->state[i];
+/* Where the light changes and Y isn't cut off at 0. */
+static int can_warp(const td_drive *drive, const td_model *input) {
+    double cut = log(drive->log_eps), least = INFINITY, most = -INFINITY;
+    for (int i = 0; i < 4; i++) {
+        least = fmin(least, input->control[i]);
+        most = fmax(most, input->control[i]);
+    }
+    return drive->frontend->kind == TD_FRONTEND_INTENSITY && least >= cut && least < most && most < 60;
+}
+
+/* The same piece in its own time: S within the error returned. */
+static double solve_warped(const td_pieces *pieces, const td_model *input, double to, td_warp *warp,
+                           double state[TD_FRONTEND_STATE], td_path *path) {
+    const td_drive *drive = pieces->drive;
+    const td_frontend *f = drive->frontend;
+    double rate_error, error = 0, lag = 0, S = pieces->state[0];
+    double rate = f->rate * drive->h * (to - pieces->from);
+    rate *= td_warp_make(warp, input, drive->log_eps, f->light, f->dark, &rate_error);
+    td_model warped = td_warp_model(warp, input);
+    td_poles poles = td_poles_first_order(rate, S, input->control[0]);
+    td_poles_respond(&poles, &warped, path);
+    for (int i = 0; i < TD_FRONTEND_STATE; i++) state[i] = td_path_value(path, 1);
+    state[2] = 0;
+    for (int i = 1; i < 4; i++) {
+        double L = td_model_value(input, 0.25 * i);
+        error = larger(error, fabs(td_model_value(&warped, td_warp_place(warp, 0.25 * i)) - L));
+        lag = larger(lag, fabs(L - S) + fabs(input->control[i] - input->control[0]));
+    }
+    return error + rate_error * lag;
+}
+
+static double solve(const td_pieces *pieces, double to, td_warp *warp, double state[TD_FRONTEND_STATE], td_path *path) {
+    td_model input = td_model_part(&pieces->drive->input, pieces->from, to);
+    warp->on = 0;
+    if (can_warp(pieces->drive, &input)) return solve_warped(pieces, &input, to, warp, state, path);
+    return solve_frozen(pieces, &input, to, state, path);
+}
+
+/* -- the walk -------------------------------------------------------------------------------------------------------------- */
+
+void td_pieces_begin(td_pieces *pieces, const td_drive *drive, int stretch) {
+    const td_stretch *begin = &drive->stretch[stretch];
+    pieces->drive = drive;
+    pieces->from = pieces->to = begin->from;
+    pieces->length = begin->length;
+    pieces->tried = begin->tried;
+    for (int i = 0; i < TD_FRONTEND_STATE; i++) pieces->state[i] = begin->state[i];
+}
+
+void td_pieces_mark(const td_pieces *pieces, td_stretch *stretch) {
+    *stretch = (td_stretch){pieces->to, pieces->length, {0}, INFINITY, -INFINITY, pieces->tried};
+    for (int i = 0; i < TD_FRONTEND_STATE; i++) stretch->state[i] = pieces->state[i];
 }
 
 /* The error of the cubic goes with the fourth power of the length. */
@@ -146,7 +233,7 @@ int td_pieces_next(td_pieces *pieces) {
     for (;;) {
         double left = 1 - pieces->from;
         pieces->to = pieces->length < left ? pieces->from + pieces->length : 1;
-        error = solve(pieces, pieces->to, state, &pieces->path);
+        error = solve(pieces, pieces->to, &pieces->warp, state, &pieces->path);
         if (++pieces->tried > TRIED_MAX || error <= tolerance) break;
         if (!(pieces->from + 0.1 * pieces->length > pieces->from)) break; /* no shorter piece can be told from none */
         pieces->length = better_length(pieces->to - pieces->from, tolerance, error, 0.05, 0.6);
@@ -155,4 +242,24 @@ int td_pieces_next(td_pieces *pieces) {
     pieces->length = better_length(pieces->to - pieces->from, tolerance, error, 0.5, 4);
     if (pieces->tried > TRIED_MAX) pieces->length = 1;
     return 1;
+}
+
+static double local(const td_pieces *pieces, double s) { return (s - pieces->from) / (pieces->to - pieces->from); }
+
+double td_pieces_place(const td_pieces *pieces, double s) { return td_warp_place(&pieces->warp, local(pieces, s)); }
+
+double td_pieces_time(const td_pieces *pieces, double v) {
+    return pieces->from + td_warp_time(&pieces->warp, v) * (pieces->to - pieces->from);
+}
+
+double td_pieces_speed(const td_pieces *pieces, double s) {
+    return td_warp_speed(&pieces->warp, local(pieces, s)) / (pieces->to - pieces->from);
+}
+
+void td_pieces_with(const td_pieces *pieces, const td_model *cubic, td_path *path) {
+    td_model part = td_model_part(cubic, pieces->from, pieces->to), more = td_warp_model(&pieces->warp, &part);
+    td_path_set(path, &pieces->path.cubic);
+    for (int i = 0; i < 4; i++) path->cubic.control[i] += more.control[i];
+    path->modes = pieces->path.modes;
+    for (int k = 0; k < path->modes; k++) path->mode[k] = pieces->path.mode[k];
 }

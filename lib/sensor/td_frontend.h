@@ -1,5 +1,5 @@
-/* Internal: what the photoreceptor makes of a pixel's log-luminance L on a step: exact for a cubic input, so that nothing depends
- * on how long steps are. The filter's state is TD_FRONTEND_STATE doubles per pixel, S the first of them.
+/* Internal: what the photoreceptor makes of a pixel's log-luminance L on a step: exact for a cubic input, so that nothing
+ * depends on how long steps are. The filter's state is TD_FRONTEND_STATE doubles per pixel, S the first of them.
  *
  *   first order, constant   S' = rate (L - S), rate = 2 pi cutoff
  *   first order, intensity  the same, rate = 2 pi cutoff (255 Y + 20) / 275, Y = max(e^L - log_eps, 0)
@@ -10,9 +10,9 @@
  *                           then the low-passes of source_follower_hz and difference_hz (simulators notes, 1.4)
  *
  * What rounding leaves. The constant law: S to about 1e-15. Rates that go with the light: S within TD_FRONTEND_TOLERANCE of the
- * solution, whatever the steps (pieces.c). Where L comes from a float render it is wrong by about 1e-6, and so is S, for a low-pass
- * enlarges nothing (the circuit by its overshoot at most): a crossing is off by 1e-6 / |S_dot|, which is 100 ns at 10 / s. Errors
- * of L that differ from step to step are averaged over a time constant. */
+ * solution, whatever the steps (pieces.c). Where L comes from a float render it is wrong by about 1e-6, and so is S, for a
+ * low-pass enlarges nothing (the circuit by its overshoot at most): a crossing is off by 1e-6 / |S_dot|, which is 100 ns at 10
+ * / s. Errors of L that differ from step to step are averaged over a time constant. */
 #ifndef TD_FRONTEND_H
 #define TD_FRONTEND_H
 
@@ -34,7 +34,7 @@ typedef struct td_frontend {
     double rate;                    /* of the first-order filter, where that is 1 [1/s] */
     double input_s, miller_s, loop; /* circuit: tau_in I and tau_mil I [A s]; A_loop + 1 */
     double source_follower, difference; /* [1/s]; 0: left out */
-    double tolerance;                   /* of the input, so that S is within TD_FRONTEND_TOLERANCE */
+    double tolerance;                   /* of the input that a piece is solved for [log units] */
 } td_frontend;
 
 /* `sensor` must outlive it. Off where bandwidth is FIRST_ORDER and photoreceptor_cutoff_hz is 0. TIDES_BAD_ARGUMENT naming the

@@ -1,6 +1,7 @@
-/* Internal: a chain of linear filters with unit gain at rest, as a sum of first-order low-passes of the same input, one for each
- * pole: S = sum of weight_k x_k, x_k' = lambda_k (L - x_k), and the weights add up to 1. Each x_k is exact for a cubic input
- * and well-conditioned for any lambda, from 1e-12 to 1e12 per step; what can cancel is weights of poles that are close. */
+/* Internal: a chain of linear filters with unit gain at rest, as a sum of first-order low-passes of the same input, one for
+ * each pole: S = sum of weight_k x_k, x_k' = lambda_k (L - x_k), and the weights add up to 1. Each x_k is exact for a cubic
+ * input and well-conditioned for any lambda, from 1e-12 to 1e12 per step; what can cancel is weights of poles that are close.
+ * */
 #ifndef TD_LOWPASS_H
 #define TD_LOWPASS_H
 
@@ -21,7 +22,7 @@ typedef struct td_poles {
     double origin, start; /* what offsets are measured from; S at the start */
 } td_poles;
 
-/* The signal over the step. Writes cubic and modes of the path. */
+/* The signal over the step. */
 void td_poles_respond(const td_poles *poles, const td_model *input, td_path *path);
 
 /* One pole alone: S' = rate (L - S). */

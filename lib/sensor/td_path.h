@@ -1,14 +1,16 @@
 /* Internal: one pixel's signal on one step as the comparator sees it, exactly as the front end gives it: a cubic in time plus
  * what filters leave of their past, decaying modes. Time within the step is s in [0, 1].
  *
- * Anything that is cubic in s (a leak's ramp) may be added to `cubic` before the path is used. A path that follows a filter whose
- * rates go with the light refers to its front end, which must outlive it, and works its pieces out anew in each call. */
+ * Anything that is cubic in s (a leak's ramp) may be added to `cubic` before the path is used. A path that follows a filter
+ * whose rates go with the light refers to its front end, which must outlive it, and works its pieces out anew in each call. */
 #ifndef TD_PATH_H
 #define TD_PATH_H
 
 #include "solver/td_crossing.h"
 
-enum { TD_PATH_MODES_MAX = 4, TD_FRONTEND_STATE = 4 };
+#include <stddef.h>
+
+enum { TD_PATH_MODES_MAX = 4, TD_FRONTEND_STATE = 4, TD_STRETCHES_MAX = 8 };
 
 /* The real part of (cosine + i sine) B(s) with lambda = rate + i frequency, both per step, rate >= 0. B is
  *   e^(-lambda s)            that is, e^(-rate s) (cosine cos(frequency s) + sine sin(frequency s))
@@ -19,12 +21,21 @@ typedef struct td_mode {
     int tail;
 } td_mode;
 
-/* A filter's input and state at the start of a step whose response is in pieces (td_pieces.h). */
+/* Where a filter whose rates go with the light stands at a place of the step, and what bounds S from there to the next one. */
+typedef struct td_stretch {
+    double from, length; /* of the first piece to try (td_pieces.h) */
+    double state[TD_FRONTEND_STATE];
+    double low, high;
+    int tried;
+} td_stretch;
+
+/* The response of such a filter: its input, and stretches so that nobody need begin at the beginning. */
 typedef struct td_drive {
-    const struct td_frontend *frontend; /* NULL: there is none */
+    const struct td_frontend *frontend; /* NULL: there is none, and the rest isn't set */
     td_model input;                     /* log-luminance */
-    double h, log_eps, state[TD_FRONTEND_STATE];
-    double low, high; /* bounds of the response */
+    double h, log_eps;
+    int stretches;
+    td_stretch stretch[TD_STRETCHES_MAX];
 } td_drive;
 
 /* S(s) = cubic + modes + the response to `drive`. A path that is zero but for `cubic` is that cubic. */
@@ -34,6 +45,13 @@ typedef struct td_path {
     td_mode mode[TD_PATH_MODES_MAX];
     td_drive drive;
 } td_path;
+
+/* The path that is this cubic; what it has no use for isn't set. */
+static inline void td_path_set(td_path *path, const td_model *cubic) {
+    path->cubic = *cubic;
+    path->modes = 0;
+    path->drive.frontend = NULL;
+}
 
 double td_path_value(const td_path *path, double s);
 double td_path_slope(const td_path *path, double s);

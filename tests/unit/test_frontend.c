@@ -8,7 +8,6 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
-#include <stdio.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -46,7 +45,7 @@ static td_frontend make(const tides_sensor *sensor) {
     return frontend;
 }
 
-/* -- the low-pass ------------------------------------------------------------------------------------------------------------ */
+/* -- the low-pass ---------------------------------------------------------------------------------------------------------- */
 
 /* 1 - (1 - e^-x) / x, without cancellation: the ramp's response over its input's change. */
 static long double ramp_share(long double x) {
@@ -73,6 +72,7 @@ static void ramps(void **state) {
             double s = i / 16.0, found;
             long double S = s * ramp_share((long double)lambda * s);
             assert_close(td_path_value(&path, s), S, 4e-15L * S + 1e-15L * s * fminl(1, lambda), "ramp", lambda);
+            if (i == 16) continue; /* an end short of its level by the last bit is the next step's */
             assert_int_equal(td_path_crossing(&path, 0, (double)S, 1, 0, 1, &found), 1);
             assert_close(found, s, 2e-14L, "the ramp's crossing", lambda);
         }
@@ -102,7 +102,8 @@ static void steps(void **state) {
 }
 
 /* A sinusoid as cubics of 1/256 radian: amplitude x gain(frequency), late by its phase. Every crossing of a comparator with
- * threshold 0.05, in continuous time, within 1 ns of where the analytic S is at its level, however many time constants a step is. */
+ * threshold 0.05, in continuous time, within 1 ns of where the analytic S is at its level, however many time constants a step
+ * is. */
 typedef struct wave {
     long double amplitude, omega;
     complex_long gain;
@@ -160,7 +161,7 @@ static void sinusoids_through_the_low_pass(void **state) {
     }
 }
 
-/* -- the circuit ------------------------------------------------------------------------------------------------------------- */
+/* -- the circuit ----------------------------------------------------------------------------------------------------------- */
 
 /* Poles of the whole chain: lambda such that S' = -lambda S is one of its motions. */
 static int chain_poles(const tides_circuit *c, long double I_a, complex_long pole[4]) {
@@ -289,7 +290,7 @@ static void poles_that_meet(void **state) {
     }
 }
 
-/* -- v2e's law ----------------------------------------------------------------------------------------------------------------- */
+/* -- v2e's law ------------------------------------------------------------------------------------------------------------- */
 
 /* A small sinusoid about a brightness: down by 3 dB at cutoff x (255 Y + 20) / 275. */
 static void the_intensity_law_has_its_corner_where_it_says(void **state) {
@@ -318,7 +319,7 @@ static void the_intensity_law_has_its_corner_where_it_says(void **state) {
     }
 }
 
-/* -- parameters and odd input ------------------------------------------------------------------------------------------------ */
+/* -- parameters and odd input ---------------------------------------------------------------------------------------------- */
 
 static void off_is_the_cubic_itself(void **state) {
     (void)state;

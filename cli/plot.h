@@ -1,6 +1,6 @@
-/* A small plotting helper: panels with logarithmic axes, curves with markers, bars. */
-#ifndef CLI_BENCH_PLOT_H
-#define CLI_BENCH_PLOT_H
+/* A small plotting helper: panels with logarithmic or linear axes, curves with markers, steps, bars. */
+#ifndef CLI_PLOT_H
+#define CLI_PLOT_H
 
 #include "picture.h"
 
@@ -14,12 +14,21 @@ typedef struct plot_curve {
     int32_t count, style;
 } plot_curve;
 
-/* A panel: its frame within the canvas [px], the ranges of its logarithmic axes, and its texts. */
+/* A panel: its frame within the canvas [px], the ranges of its axes, which are logarithmic unless said to be linear (and may
+ * then run downwards), and its texts. */
 typedef struct plot_panel {
     int32_t left, top, right, bottom;
     double x_low, x_high, y_low, y_high;
     const char *title, *x_label, *y_label;
+    int32_t x_linear, y_linear;
 } plot_panel;
+
+/* A value for each bin, drawn as a line of steps, or filled down to the axis. */
+typedef struct plot_stairs {
+    const double *edges, *values; /* count + 1, count */
+    int32_t count, filled;
+    const uint8_t *colour; /* 3 */
+} plot_stairs;
 
 /* White; rgb is NULL where memory ran out. */
 cli_canvas plot_canvas(int32_t width, int32_t height);
@@ -36,6 +45,11 @@ void plot_draw(cli_canvas *canvas, const plot_panel *panel, const plot_curve *cu
 void plot_target(cli_canvas *canvas, const plot_panel *panel, double y);
 /* A sample of each curve beside its label, in a row from (x, y) on. */
 void plot_legend(cli_canvas *canvas, int32_t x, int32_t y, const plot_curve *curves, int32_t count);
+void plot_steps(cli_canvas *canvas, const plot_panel *panel, const plot_stairs *stairs);
+/* Ticks of a linear axis that is `pixels` long, at least `room` px apart, and the decimals that their labels need; how many. */
+enum { PLOT_TICKS_MAX = 64 };
+int32_t plot_linear_ticks(double low, double high, int32_t pixels, int32_t room, double ticks[PLOT_TICKS_MAX],
+                          int32_t *decimals);
 /* A bar from the left edge to `value`, between two rows of pixels. */
 void plot_bar(cli_canvas *canvas, const plot_panel *panel, int32_t top, int32_t bottom, double value, int32_t style);
 

@@ -1,5 +1,6 @@
-/* Plots on logarithmic axes, over tides_picture_text: smooth lines and markers from distances, pixel by pixel. */
-#include "bench_plot.h"
+/* Plots: axes, curves, markers and bars, over the shapes of draw.c. */
+#include "plot.h"
+#include "draw.h"
 
 #include "tides/image.h"
 
@@ -30,33 +31,6 @@ int32_t plot_text_width(const char *text, int32_t scale) { return scale * (CELL_
 
 /* -- shapes ------------------------------------------------------------------------------------------------------------ */
 
-static void blend(cli_canvas *canvas, int32_t x, int32_t y, const uint8_t colour[3], double cover) {
-    if (x < 0 || y < 0 || x >= canvas->width || y >= canvas->height || !(cover > 0)) return;
-    uint8_t *pixel = canvas->rgb + 3 * ((size_t)y * (size_t)canvas->width + (size_t)x);
-    if (cover > 1) cover = 1;
-    for (int k = 0; k < 3; k++) pixel[k] = (uint8_t)(pixel[k] + cover * (colour[k] - pixel[k]) + 0.5);
-}
-
-static void fill(cli_canvas *canvas, int32_t left, int32_t top, int32_t right, int32_t bottom, const uint8_t colour[3]) {
-    for (int32_t y = top; y < bottom; y++)
-        for (int32_t x = left; x < right; x++) blend(canvas, x, y, colour, 1);
-}
-
-/* From a pixel's centre to the segment (ax, ay) (bx, by). */
-static double segment_distance(double x, double y, double ax, double ay, double bx, double by) {
-    const double dx = bx - ax, dy = by - ay, square = dx * dx + dy * dy;
-    double share = square > 0 ? ((x - ax) * dx + (y - ay) * dy) / square : 0;
-    share = share < 0 ? 0 : share > 1 ? 1 : share;
-    return hypot(x - ax - share * dx, y - ay - share * dy);
-}
-
-static void line(cli_canvas *canvas, double ax, double ay, double bx, double by, const uint8_t colour[3]) {
-    const double reach = 0.5 * LINE_WIDTH + 1;
-    for (int32_t y = (int32_t)floor(fmin(ay, by) - reach); y <= fmax(ay, by) + reach; y++)
-        for (int32_t x = (int32_t)floor(fmin(ax, bx) - reach); x <= fmax(ax, bx) + reach; x++)
-            blend(canvas, x, y, colour, 0.5 * LINE_WIDTH + 0.5 - segment_distance(x + 0.5, y + 0.5, ax, ay, bx, by));
-}
-
 /* How far (x, y) is outside a marker of size 1 about the origin. */
 static double marker_distance(int32_t marker, double x, double y) {
     switch (marker) {
@@ -75,19 +49,24 @@ static void marker(cli_canvas *canvas, double at_x, double at_y, int32_t style) 
         for (int32_t x = (int32_t)(at_x - reach); x <= at_x + reach; x++) {
             const double d =
                 MARKER * marker_distance(style % PLOT_MARKERS, (x + 0.5 - at_x) / MARKER, (y + 0.5 - at_y) / MARKER);
-            blend(canvas, x, y, white, 2.0 - d); /* a rim that parts it from lines */
-            blend(canvas, x, y, colours[style % PLOT_COLOURS], 0.5 - d);
+            draw_blend(canvas, x, y, white, 2.0 - d); /* a rim that parts it from lines */
+            draw_blend(canvas, x, y, colours[style % PLOT_COLOURS], 0.5 - d);
         }
 }
 
 /* -- axes ---------------------------------------------------------------------------------------------------------------- */
 
+/* How far along its axis a value is: 0 at `low`, 1 at `high`. */
+static double along(double value, double low, double high, int32_t linear) {
+    return linear ? (value - low) / (high - low) : (log(value) - log(low)) / (log(high) - log(low));
+}
+
 static double place_x(const plot_panel *p, double x) {
-    return p->left + (p->right - p->left) * (log(x) - log(p->x_low)) / (log(p->x_high) - log(p->x_low));
+    return p->left + (p->right - p->left) * along(x, p->x_low, p->x_high, p->x_linear);
 }
 
 static double place_y(const plot_panel *p, double y) {
-    return p->bottom - (p->bottom - p->top) * (log(y) - log(p->y_low)) / (log(p->y_high) - log(p->y_low));
+    return p->bottom - (p->bottom - p->top) * along(y, p->y_low, p->y_high, p->y_linear);
 }
 
 void plot_round_range(double *low, double *high) {
@@ -121,27 +100,63 @@ static void each_tick(cli_canvas *canvas, const plot_panel *panel, double low, d
         }
 }
 
+/* The step from tick to tick, 1, 2 or 5 times a power of ten, that leaves `room` px between labels. */
+static double linear_step(double span, int32_t pixels, int32_t room) {
+    const double least = span * room / (pixels > 0 ? pixels : 1), power = pow(10, floor(log10(least)));
+    return power * (least <= power ? 1 : least <= 2 * power ? 2 : least <= 5 * power ? 5 : 10);
+}
+
+int32_t plot_linear_ticks(double low, double high, int32_t pixels, int32_t room, double ticks[PLOT_TICKS_MAX],
+                          int32_t *decimals) {
+    const double least = fmin(low, high), most = fmax(low, high), step = linear_step(most - least, pixels, room);
+    const double first = ceil(least / step - 1e-6);
+    int32_t count = 0;
+    *decimals = step < 1 ? (int32_t)ceil(-log10(step) - 1e-6) : 0;
+    for (double k = first; count < PLOT_TICKS_MAX && k * step <= most + 1e-6 * step; k++)
+        ticks[count++] = k == 0 ? 0 : k * step;
+    return count;
+}
+
+static void each_linear_tick(cli_canvas *canvas, const plot_panel *panel, double low, double high, int32_t pixels, int32_t room,
+                             tick_drawer draw) {
+    double ticks[PLOT_TICKS_MAX];
+    int32_t decimals;
+    const int32_t count = plot_linear_ticks(low, high, pixels, room, ticks, &decimals);
+    for (int32_t i = 0; i < count; i++) {
+        char label[32];
+        snprintf(label, sizeof label, "%.*f", decimals, ticks[i]);
+        draw(canvas, panel, ticks[i], label);
+    }
+}
+
 static void tick_x(cli_canvas *canvas, const plot_panel *p, double value, const char *label) {
     const int32_t x = (int32_t)lround(place_x(p, value));
-    if (label[0]) fill(canvas, x, p->top, x + 1, p->bottom, grid);
-    fill(canvas, x, p->bottom, x + 1, p->bottom + (label[0] ? 7 : 4), frame);
+    if (label[0]) draw_fill(canvas, x, p->top, x + 1, p->bottom, grid);
+    draw_fill(canvas, x, p->bottom, x + 1, p->bottom + (label[0] ? 7 : 4), frame);
     plot_text(canvas, x - plot_text_width(label, TEXT) / 2, p->bottom + 11, TEXT, label);
 }
 
 static void tick_y(cli_canvas *canvas, const plot_panel *p, double value, const char *label) {
     const int32_t y = (int32_t)lround(place_y(p, value));
-    if (label[0]) fill(canvas, p->left, y, p->right, y + 1, grid);
-    fill(canvas, p->left - (label[0] ? 7 : 4), y, p->left, y + 1, frame);
+    if (label[0]) draw_fill(canvas, p->left, y, p->right, y + 1, grid);
+    draw_fill(canvas, p->left - (label[0] ? 7 : 4), y, p->left, y + 1, frame);
     plot_text(canvas, p->left - 11 - plot_text_width(label, TEXT), y - TEXT * CELL_HEIGHT / 2 + 2, TEXT, label);
 }
 
 void plot_axes(cli_canvas *canvas, const plot_panel *p, int32_t y_ticks) {
-    each_tick(canvas, p, p->x_low, p->x_high, tick_x);
-    if (y_ticks) each_tick(canvas, p, p->y_low, p->y_high, tick_y);
-    fill(canvas, p->left - 1, p->top - 1, p->right + 1, p->top, frame);
-    fill(canvas, p->left - 1, p->bottom, p->right + 1, p->bottom + 1, frame);
-    fill(canvas, p->left - 1, p->top - 1, p->left, p->bottom + 1, frame);
-    fill(canvas, p->right, p->top - 1, p->right + 1, p->bottom + 1, frame);
+    enum { ROOM_X = 90, ROOM_Y = 44 /* [px] */ };
+    if (p->x_linear)
+        each_linear_tick(canvas, p, p->x_low, p->x_high, p->right - p->left, ROOM_X, tick_x);
+    else
+        each_tick(canvas, p, p->x_low, p->x_high, tick_x);
+    if (y_ticks && p->y_linear)
+        each_linear_tick(canvas, p, p->y_low, p->y_high, p->bottom - p->top, ROOM_Y, tick_y);
+    else if (y_ticks)
+        each_tick(canvas, p, p->y_low, p->y_high, tick_y);
+    draw_fill(canvas, p->left - 1, p->top - 1, p->right + 1, p->top, frame);
+    draw_fill(canvas, p->left - 1, p->bottom, p->right + 1, p->bottom + 1, frame);
+    draw_fill(canvas, p->left - 1, p->top - 1, p->left, p->bottom + 1, frame);
+    draw_fill(canvas, p->right, p->top - 1, p->right + 1, p->bottom + 1, frame);
     const int32_t middle = (p->left + p->right) / 2;
     plot_text(canvas, middle - plot_text_width(p->title, TEXT) / 2, p->top - 26, TEXT, p->title);
     plot_text(canvas, middle - plot_text_width(p->x_label, TEXT) / 2, p->bottom + 35, TEXT, p->x_label);
@@ -158,8 +173,8 @@ void plot_draw(cli_canvas *canvas, const plot_panel *p, const plot_curve *curve)
     if (curve->style < 0) return;
     for (int32_t i = 1; i < curve->count; i++)
         if (inside(p, curve->x[i - 1], curve->y[i - 1]) && inside(p, curve->x[i], curve->y[i]))
-            line(canvas, place_x(p, curve->x[i - 1]), place_y(p, curve->y[i - 1]), place_x(p, curve->x[i]),
-                 place_y(p, curve->y[i]), colours[curve->style % PLOT_COLOURS]);
+            draw_line(canvas, place_x(p, curve->x[i - 1]), place_y(p, curve->y[i - 1]), place_x(p, curve->x[i]),
+                      place_y(p, curve->y[i]), LINE_WIDTH, colours[curve->style % PLOT_COLOURS]);
     for (int32_t i = 0; i < curve->count; i++)
         if (inside(p, curve->x[i], curve->y[i])) marker(canvas, place_x(p, curve->x[i]), place_y(p, curve->y[i]), curve->style);
 }
@@ -168,13 +183,13 @@ void plot_target(cli_canvas *canvas, const plot_panel *p, double y) {
     if (!inside(p, p->x_low, y)) return;
     const int32_t row = (int32_t)lround(place_y(p, y));
     for (int32_t x = p->left; x < p->right; x++)
-        if (x / 6 % 2) blend(canvas, x, row, frame, 1);
+        if (x / 6 % 2) draw_blend(canvas, x, row, frame, 1);
 }
 
 void plot_legend(cli_canvas *canvas, int32_t x, int32_t y, const plot_curve *curves, int32_t count) {
     for (int32_t i = 0; i < count; i++) {
         if (curves[i].style < 0) continue;
-        line(canvas, x, y + 8, x + 36, y + 8, colours[curves[i].style % PLOT_COLOURS]);
+        draw_line(canvas, x, y + 8, x + 36, y + 8, LINE_WIDTH, colours[curves[i].style % PLOT_COLOURS]);
         marker(canvas, x + 18, y + 8, curves[i].style);
         plot_text(canvas, x + 46, y, TEXT, curves[i].label);
         x += 46 + plot_text_width(curves[i].label, TEXT) + 36;
@@ -184,5 +199,21 @@ void plot_legend(cli_canvas *canvas, int32_t x, int32_t y, const plot_curve *cur
 void plot_bar(cli_canvas *canvas, const plot_panel *p, int32_t top, int32_t bottom, double value, int32_t style) {
     if (!(value > p->x_low)) return;
     const double right = place_x(p, value < p->x_high ? value : p->x_high);
-    fill(canvas, p->left, top, (int32_t)lround(right), bottom, colours[style % PLOT_COLOURS]);
+    draw_fill(canvas, p->left, top, (int32_t)lround(right), bottom, colours[style % PLOT_COLOURS]);
+}
+
+static double clamped(double value, double low, double high) { return value < low ? low : value > high ? high : value; }
+
+void plot_steps(cli_canvas *canvas, const plot_panel *p, const plot_stairs *stairs) {
+    double before = p->bottom;
+    for (int32_t i = 0; i < stairs->count; i++) {
+        const double left = clamped(place_x(p, stairs->edges[i]), p->left, p->right);
+        const double right = clamped(place_x(p, stairs->edges[i + 1]), p->left, p->right);
+        const double y = clamped(place_y(p, stairs->values[i]), p->top, p->bottom);
+        if (stairs->filled)
+            draw_fill(canvas, (int32_t)lround(left), (int32_t)lround(y), (int32_t)lround(right), p->bottom, stairs->colour);
+        if (!stairs->filled && i) draw_line(canvas, left, before, left, y, LINE_WIDTH, stairs->colour);
+        if (!stairs->filled) draw_line(canvas, left, y, right, y, LINE_WIDTH, stairs->colour);
+        before = y;
+    }
 }

@@ -1,0 +1,53 @@
+/* The pictures of `tides view`. */
+#ifndef CLI_VIEW_H
+#define CLI_VIEW_H
+
+#include "plot.h"
+#include "session.h"
+
+/* How events are drawn; zero where not given. */
+typedef struct view {
+    double decay_s;                    /* surface */
+    double bin_s;                      /* rate: length of a bin; 0: a 200th of what is shown */
+    double azimuth_deg, elevation_deg; /* xyt: where the eye is, from the axis of time, and above */
+    int32_t scale;                     /* frame, surface: px per pixel; 0: what is comfortable */
+    int32_t plain;                     /* frame, surface: the pixels alone */
+} view;
+
+/* Each draws the events of `shown`, a slice of `recording` (surfaces look further back than their slice), on a new canvas,
+ * whose size depends on the sensor's alone; rgb is NULL where memory ran out, else the caller's. */
+typedef cli_canvas (*view_drawer)(const view *v, const cli_window *recording, const cli_window *shown);
+cli_canvas view_frame(const view *v, const cli_window *recording, const cli_window *shown);   /* view_image.c */
+cli_canvas view_surface(const view *v, const cli_window *recording, const cli_window *shown); /* view_image.c */
+int64_t view_surface_memory(const view *v);                                                /* how far back surfaces look [ns] */
+cli_canvas view_xyt(const view *v, const cli_window *recording, const cli_window *shown);  /* view_scatter.c */
+cli_canvas view_rate(const view *v, const cli_window *recording, const cli_window *shown); /* view_plots.c */
+cli_canvas view_isi(const view *v, const cli_window *recording, const cli_window *shown);  /* view_plots.c */
+
+/* view_text.c: what the pictures share. Red and blue of the same lightness, which all eyes tell apart. */
+extern const uint8_t view_on[3], view_off[3];
+enum { VIEW_TEXT = 2 /* px per cell */ };
+
+/* The unit that a time is told in: "s", "ms" or "us", and its length in ns. */
+typedef struct view_unit {
+    const char *name;
+    double ns;
+} view_unit;
+view_unit view_unit_for(int64_t first_ns, int64_t stop_ns);
+/* An axis of time for what is shown, a microsecond long at least. Values count from 0, or where that takes too many decimals
+ * from an origin that the label names. */
+typedef struct view_axis {
+    view_unit unit;
+    int64_t origin_ns, first_ns, stop_ns;
+    char label[80];
+} view_axis;
+view_axis view_time_axis(const cli_window *shown);
+double view_on_axis(const view_axis *axis, double time_ns); /* in the axis' unit */
+/* "140.0 to 160.0 ms", with decimals that tell the ends apart. */
+void view_interval(const cli_window *shown, char text[96]);
+/* "title, 140 to 160 ms" in the first line, and the numbers of ON and OFF events with their colours in the second. */
+void view_heading(cli_canvas *canvas, int32_t x, const cli_window *shown, const char *title);
+/* 1234567 -> "1 234 567" */
+void view_number(uint64_t number, char text[32]);
+
+#endif

@@ -1,0 +1,288 @@
+/* Events in space and time, in perspective: time runs to the right, the image stands across it as it is seen from its start. */
+#include "draw.h"
+#include "view.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WIDTH = 1200, HEIGHT = 780, TOP = 66, MARGIN_X = 144, MARGIN_Y = 56, POINTS_MAX = 400000 };
+
+/* The box: half its extents along time, height and width of the image; the axes point as time, y and x do. */
+enum { TIME, Y, X, AXES };
+#define TIME_EXTENT 1.5  /* of the longer side of the image */
+#define EYE_DISTANCE 4.0 /* from the box's centre, likewise */
+
+typedef struct scene {
+    double half[AXES];
+    double right[AXES], down[AXES], forward[AXES]; /* the eye's axes in those of the box */
+    double scale, x, y;                            /* to px */
+} scene;
+
+static const uint8_t ink[3] = {60, 60, 60}, grid[3] = {222, 222, 222}, edge_colour[3] = {150, 150, 150};
+
+static double dot(const double a[AXES], const double b[AXES]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* Screen position in px, and the distance from the eye along its view. */
+static double project(const scene *s, const double point[AXES], double *x, double *y) {
+    const double depth = EYE_DISTANCE + dot(point, s->forward);
+    *x = s->x + s->scale * dot(point, s->right) / depth;
+    *y = s->y + s->scale * dot(point, s->down) / depth;
+    return depth;
+}
+
+/* Corner number 0 to 7: a bit for each axis. */
+static void corner(const scene *s, int number, double point[AXES]) {
+    for (int axis = 0; axis < AXES; axis++) point[axis] = number >> axis & 1 ? s->half[axis] : -s->half[axis];
+}
+
+/* With x to the right, y down and time away from the one who looks along it, an eye that is `azimuth` beside the axis of time
+ * and `elevation` above it. */
+static void set_eye(scene *s, double azimuth_deg, double elevation_deg) {
+    const double degree = 3.14159265358979323846 / 180, a = azimuth_deg * degree, e = elevation_deg * degree;
+    const double right[AXES] = {sin(a), 0, cos(a)}, flat[AXES] = {cos(a), 0, -sin(a)};
+    for (int axis = 0; axis < AXES; axis++) {
+        const double downward = axis == Y;
+        s->right[axis] = right[axis];
+        s->forward[axis] = cos(e) * flat[axis] + sin(e) * downward;
+        s->down[axis] = -sin(e) * flat[axis] + cos(e) * downward;
+    }
+}
+
+/* Puts the projected box into the middle, as large as fits. */
+static void fit(scene *s) {
+    double low_x = INFINITY, high_x = -INFINITY, low_y = INFINITY, high_y = -INFINITY;
+    s->scale = 1;
+    s->x = s->y = 0;
+    for (int c = 0; c < 8; c++) {
+        double point[AXES], x, y;
+        corner(s, c, point);
+        project(s, point, &x, &y);
+        low_x = fmin(low_x, x), high_x = fmax(high_x, x);
+        low_y = fmin(low_y, y), high_y = fmax(high_y, y);
+    }
+    s->scale = fmin((WIDTH - 2 * MARGIN_X) / (high_x - low_x), (HEIGHT - TOP - 2 * MARGIN_Y) / (high_y - low_y));
+    s->x = 0.5 * WIDTH - s->scale * 0.5 * (low_x + high_x);
+    s->y = 0.5 * (HEIGHT + TOP) - s->scale * 0.5 * (low_y + high_y);
+}
+
+static scene make_scene(const view *v, const cli_window *shown) {
+    scene s = {{0.5 * TIME_EXTENT, 0.5, 0.5}, {0}, {0}, {0}, 1, 0, 0};
+    if (shown->width >= shown->height)
+        s.half[Y] *= (double)shown->height / shown->width;
+    else
+        s.half[X] *= (double)shown->width / shown->height;
+    set_eye(&s, v->azimuth_deg, v->elevation_deg);
+    fit(&s);
+    return s;
+}
+
+/* ---- axes ---- */
+
+/* 1 where the box's face at the positive (1) or negative (0) end of an axis shows its outside to the eye. */
+static int32_t faces_eye(const scene *s, int axis, int end) {
+    const double eye = -EYE_DISTANCE * s->forward[axis];
+    return end ? eye > s->half[axis] : eye < -s->half[axis];
+}
+
+typedef struct range {
+    double low, high;
+    const char *label;
+} range;
+
+static double place(const scene *s, int axis, const range *r, double value) {
+    return s->half[axis] * (2 * (value - r->low) / (r->high - r->low) - 1);
+}
+
+static void segment(cli_canvas *canvas, const scene *s, const double a[AXES], const double b[AXES], double width,
+                    const uint8_t colour[3]) {
+    double ax, ay, bx, by;
+    project(s, a, &ax, &ay);
+    project(s, b, &bx, &by);
+    draw_line(canvas, ax, ay, bx, by, width, colour);
+}
+
+static int32_t ticks_of(const scene *s, int axis, const range *r, double ticks[PLOT_TICKS_MAX], int32_t *decimals) {
+    enum { ROOM = 90 /* px between labels, where nothing is foreshortened */ };
+    return plot_linear_ticks(r->low, r->high, (int32_t)(2 * s->half[axis] * s->scale / EYE_DISTANCE), ROOM, ticks, decimals);
+}
+
+/* Lines at the ticks of `axis` on the far face at `end` of the axis `across`. */
+static void grid_lines(cli_canvas *canvas, const scene *s, int axis, int across, int end, const range *r) {
+    double ticks[PLOT_TICKS_MAX], from[AXES], to[AXES];
+    int32_t decimals;
+    const int along = AXES - axis - across;
+    const int32_t count = ticks_of(s, axis, r, ticks, &decimals);
+    for (int32_t i = 0; i < count; i++) {
+        from[axis] = to[axis] = place(s, axis, r, ticks[i]);
+        from[across] = to[across] = end ? s->half[across] : -s->half[across];
+        from[along] = -s->half[along];
+        to[along] = s->half[along];
+        segment(canvas, s, from, to, 1.0, grid);
+    }
+}
+
+static void draw_far_faces(cli_canvas *canvas, const scene *s, const range ranges[AXES]) {
+    for (int across = 0; across < AXES; across++)
+        for (int end = 0; end < 2; end++)
+            for (int axis = 0; axis < AXES && !faces_eye(s, across, end); axis++)
+                if (axis != across) grid_lines(canvas, s, axis, across, end, &ranges[axis]);
+}
+
+/* The box's edges; those that only faces away from the eye share lie behind the events. */
+static void draw_edges(cli_canvas *canvas, const scene *s, int32_t behind) {
+    for (int axis = 0; axis < AXES; axis++)
+        for (int ends = 0; ends < 4; ends++) {
+            const int second = (axis + 1) % AXES, third = (axis + 2) % AXES;
+            const int32_t hidden = !faces_eye(s, second, ends & 1) && !faces_eye(s, third, ends >> 1);
+            if (hidden != behind) continue;
+            double from[AXES], to[AXES];
+            from[second] = to[second] = ends & 1 ? s->half[second] : -s->half[second];
+            from[third] = to[third] = ends >> 1 ? s->half[third] : -s->half[third];
+            from[axis] = -s->half[axis];
+            to[axis] = s->half[axis];
+            segment(canvas, s, from, to, 1.4, edge_colour);
+        }
+}
+
+/* Of an axis' four edges the one to label: on the outline, lowest for time and x, leftmost for y. `at` gets its places on the
+ * other two axes. */
+static int32_t choose_edge(const scene *s, int axis, double at[AXES]) {
+    const int second = (axis + 1) % AXES, third = (axis + 2) % AXES;
+    double best = -INFINITY;
+    for (int ends = 0; ends < 4; ends++) {
+        if (faces_eye(s, second, ends & 1) == faces_eye(s, third, ends >> 1)) continue; /* not on the outline */
+        double middle[AXES] = {0}, x, y;
+        middle[second] = ends & 1 ? s->half[second] : -s->half[second];
+        middle[third] = ends >> 1 ? s->half[third] : -s->half[third];
+        project(s, middle, &x, &y);
+        const double rank = axis == Y ? -x : y;
+        if (rank <= best) continue;
+        best = rank;
+        for (int k = 0; k < AXES; k++) at[k] = middle[k];
+    }
+    return best > -INFINITY;
+}
+
+/* Where text is already: two axes meet at a corner, and each may have a label for it. */
+typedef struct label_boxes {
+    int32_t box[3 * (PLOT_TICKS_MAX + 1)][4]; /* left, top, right, bottom */
+    int32_t count;
+} label_boxes;
+
+static int32_t is_taken(const label_boxes *boxes, const int32_t box[4]) {
+    enum { GAP = 4 };
+    for (int32_t i = 0; i < boxes->count; i++) {
+        const int32_t *other = boxes->box[i];
+        if (box[0] < other[2] + GAP && other[0] < box[2] + GAP && box[1] < other[3] && other[1] < box[3]) return 1;
+    }
+    return 0;
+}
+
+/* Text whose nearest border is `distance` px from (x, y) along the direction (dx, dy), unless there is some already. */
+static void text_beside(cli_canvas *canvas, double x, double y, double dx, double dy, double distance, const char *text,
+                        label_boxes *boxes) {
+    const double half_width = 0.5 * plot_text_width(text, VIEW_TEXT), half_height = 7;
+    const double reach = distance + fabs(dx) * half_width + fabs(dy) * half_height;
+    const int32_t left = (int32_t)lround(x + reach * dx - half_width), top = (int32_t)lround(y + reach * dy - half_height);
+    const int32_t box[4] = {left, top, left + (int32_t)(2 * half_width), top + (int32_t)(2 * half_height)};
+    if (is_taken(boxes, box)) return;
+    memcpy(boxes->box[boxes->count++], box, sizeof box);
+    plot_text(canvas, left, top, VIEW_TEXT, text);
+}
+
+/* Ticks point away from the box, square to their edge on the screen. */
+static void draw_axis(cli_canvas *canvas, const scene *s, int axis, const range *r, label_boxes *boxes) {
+    double at[AXES], from[AXES], to[AXES], ax, ay, bx, by, cx, cy, ticks[PLOT_TICKS_MAX];
+    const double centre[AXES] = {0};
+    int32_t decimals;
+    if (!choose_edge(s, axis, at)) return;
+    for (int k = 0; k < AXES; k++) from[k] = to[k] = at[k];
+    from[axis] = -s->half[axis], to[axis] = s->half[axis];
+    project(s, from, &ax, &ay), project(s, to, &bx, &by), project(s, centre, &cx, &cy);
+    const double length = fmax(hypot(bx - ax, by - ay), 1e-9);
+    double dx = -(by - ay) / length, dy = (bx - ax) / length;
+    if (dx * (0.5 * (ax + bx) - cx) + dy * (0.5 * (ay + by) - cy) < 0) dx = -dx, dy = -dy;
+    const int32_t count = ticks_of(s, axis, r, ticks, &decimals);
+    double widest = 0;
+    for (int32_t i = 0; i < count; i++) {
+        char label[32];
+        double x, y;
+        at[axis] = place(s, axis, r, ticks[i]);
+        project(s, at, &x, &y);
+        draw_line(canvas, x, y, x + 7 * dx, y + 7 * dy, 1.4, ink);
+        snprintf(label, sizeof label, "%.*f", decimals, ticks[i]);
+        text_beside(canvas, x, y, dx, dy, 11, label, boxes);
+        widest = fmax(widest, fabs(dx) * plot_text_width(label, VIEW_TEXT) + fabs(dy) * 14);
+    }
+    text_beside(canvas, 0.5 * (ax + bx), 0.5 * (ay + by), dx, dy, 30 + widest, r->label, boxes);
+}
+
+/* ---- events ---- */
+
+typedef struct point {
+    double x, y, depth;
+    int32_t on;
+} point;
+
+static int farthest_first(const void *a, const void *b) {
+    const double x = ((const point *)a)->depth, y = ((const point *)b)->depth;
+    return (x < y) - (x > y);
+}
+
+/* Every so many events one, so that a picture takes a second at most. */
+static size_t stride_of(const cli_window *shown) { return shown->count / POINTS_MAX + 1; }
+
+static size_t project_events(const scene *s, const cli_window *shown, const range ranges[AXES], const view_axis *time,
+                             point *points) {
+    size_t count = 0;
+    for (size_t i = 0; i < shown->count; i += stride_of(shown)) {
+        const tides_event *e = &shown->events[i];
+        const double values[AXES] = {view_on_axis(time, (double)e->t), e->y + 0.5, e->x + 0.5};
+        double at[AXES];
+        for (int axis = 0; axis < AXES; axis++) at[axis] = place(s, axis, &ranges[axis], values[axis]);
+        point *p = &points[count++];
+        p->depth = project(s, at, &p->x, &p->y);
+        p->on = e->polarity > 0;
+    }
+    return count;
+}
+
+/* Few events are large, many small; what is far away is smaller and paler. */
+static void draw_points(cli_canvas *canvas, point *points, size_t count) {
+    const double radius = fmin(4.0, 6.0 * pow((double)count + 1, -0.16));
+    qsort(points, count, sizeof *points, farthest_first);
+    for (size_t i = 0; i < count; i++) {
+        const double haze = 0.45 * (points[i].depth - EYE_DISTANCE + 1) / 2, near = EYE_DISTANCE / points[i].depth;
+        const uint8_t *pure = points[i].on ? view_on : view_off;
+        uint8_t colour[3];
+        for (int k = 0; k < 3; k++) colour[k] = (uint8_t)(pure[k] + fmin(fmax(haze, 0), 0.6) * (255 - pure[k]));
+        draw_disc(canvas, points[i].x, points[i].y, radius * near, 0.85, colour);
+    }
+}
+
+cli_canvas view_xyt(const view *v, const cli_window *recording, const cli_window *shown) {
+    (void)recording;
+    point *points = malloc((shown->count / stride_of(shown) + 1) * sizeof *points);
+    cli_canvas canvas = points ? plot_canvas(WIDTH, HEIGHT) : (cli_canvas){0, 0, NULL};
+    if (canvas.rgb) {
+        const view_axis time = view_time_axis(shown);
+        const scene s = make_scene(v, shown);
+        label_boxes boxes = {.count = 0};
+        char title[64] = "events";
+        const range ranges[AXES] = {{view_on_axis(&time, (double)time.first_ns), view_on_axis(&time, (double)time.stop_ns),
+                                     time.label},
+                                    {0, shown->height, "y [px]"},
+                                    {0, shown->width, "x [px]"}};
+        draw_far_faces(&canvas, &s, ranges);
+        draw_edges(&canvas, &s, 1);
+        draw_points(&canvas, points, project_events(&s, shown, ranges, &time, points));
+        draw_edges(&canvas, &s, 0);
+        for (int axis = 0; axis < AXES; axis++) draw_axis(&canvas, &s, axis, &ranges[axis], &boxes);
+        if (stride_of(shown) > 1) snprintf(title, sizeof title, "events (1 of %zu is drawn)", stride_of(shown));
+        view_heading(&canvas, 36, shown, title);
+    }
+    free(points);
+    return canvas;
+}

@@ -1,0 +1,37 @@
+/* A PNG for each picture, its number in the name. */
+#include "td_animation.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The %d of a path, and its length; NULL where there is none, or another %. */
+static const char *find_number(const char *path, size_t *length) {
+    const char *percent = strchr(path, '%');
+    if (!percent || strchr(percent + 1, '%')) return NULL;
+    size_t n = 1;
+    if (percent[n] == '0') n++;
+    if (percent[n] >= '1' && percent[n] <= '9') n++;
+    *length = n + 1;
+    return percent[n] == 'd' ? percent : NULL;
+}
+
+int td_animation_is_numbered(const char *path) {
+    size_t length;
+    return find_number(path, &length) != NULL;
+}
+
+/* The width is the digit ahead of the d; numbers that are shorter get zeros, since spaces in names help nobody. */
+static tides_status append(tides_animation *animation, const uint8_t *rgb, tides_error *error) {
+    size_t length = 2; /* what finding it sets */
+    const char *number = find_number(animation->path, &length);
+    const int width = isdigit((unsigned char)number[length - 2]) ? number[length - 2] - '0' : 1;
+    char *name = td_format(error, "%.*s%0*llu%s", (int)(number - animation->path), animation->path, width,
+                           (unsigned long long)animation->count, number + length);
+    if (!name) return TIDES_NO_MEMORY;
+    const tides_status status = tides_png_write(name, animation->width, animation->height, rgb, error);
+    free(name);
+    return status;
+}
+
+const td_animation_format td_animation_numbered = {NULL, append, NULL};

@@ -1,0 +1,37 @@
+/* Internal: an animation being written; each format is a set of functions over one struct. */
+#ifndef TD_ANIMATION_H
+#define TD_ANIMATION_H
+
+#include "td_base.h"
+#include "tides/image.h"
+
+typedef struct td_animation_format td_animation_format;
+
+struct tides_animation {
+    const td_animation_format *format;
+    char *path, *part; /* part: NULL where nothing is written beside */
+    FILE *file;        /* NULL for numbered pictures */
+    int32_t width, height;
+    uint32_t rate, rate_scale; /* rate / rate_scale pictures a second, both below 65536 */
+    uint64_t count;            /* pictures so far */
+    uint32_t sequence;         /* APNG: chunks of the animation so far */
+    long counter_at;           /* APNG: where the chunk with the number of pictures is */
+    uint8_t *bytes;            /* y4m: one picture's planes */
+};
+
+/* `begin` and `end` may be NULL. The file is opened before and closed after. */
+struct td_animation_format {
+    tides_status (*begin)(tides_animation *animation, tides_error *error);
+    tides_status (*append)(tides_animation *animation, const uint8_t *rgb, tides_error *error);
+    tides_status (*end)(tides_animation *animation, tides_error *error);
+};
+
+extern const td_animation_format td_animation_apng, td_animation_y4m, td_animation_numbered;
+
+/* Writes to the file; the error names the path. */
+tides_status td_animation_put(tides_animation *animation, const void *bytes, size_t size, tides_error *error);
+
+/* 1 where the path holds one %d (%4d, %04d, up to %9d) and no other %. */
+int td_animation_is_numbered(const char *path);
+
+#endif

@@ -1,0 +1,79 @@
+/* Time as the integral of a rate that goes with the light. */
+#include "td_warp.h"
+
+#include <float.h>
+#include <math.h>
+
+/* Taylor series of e^L for the cubic L = l0 + l1 x + l2 x^2 + l3 x^3 about x = 0: E' = L' E. */
+static void exponential(const td_model *L, double *E, int count) {
+    const double *b = L->control;
+    double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2];
+    double l[4] = {0.125 * (b[0] + 3 * b[1] + 3 * b[2] + b[3]), 0.375 * (d0 + 2 * d1 + d2), 0.375 * (d2 - d0),
+                   0.125 * (d2 - 2 * d1 + d0)};
+    E[0] = exp(l[0]);
+    for (int n = 1; n < count; n++) {
+        double sum = 0;
+        for (int j = 1; j <= 3 && j <= n; j++) sum += j * l[j] * E[n - j];
+        E[n] = sum / n;
+    }
+}
+
+double td_warp_make(td_warp *warp, const td_model *L, double log_eps, double light, double dark, double *error) {
+    double rate[TD_WARP_TERMS], total = 0, start = 0, least;
+    exponential(L, rate, TD_WARP_TERMS); /* the last one is the error */
+    for (int k = 0; k < TD_WARP_TERMS; k++) rate[k] *= light;
+    rate[0] += dark - light * log_eps;
+    warp->on = 1;
+    for (int k = 0; k < TD_WARP_TERMS - 1; k++) {
+        double integral = rate[k] / (k + 1);
+        warp->term[k + 1] = integral;
+        start += k % 2 ? integral : -integral; /* x^(k + 1) at -1 */
+        if (k % 2 == 0) total += 2 * integral;
+    }
+    warp->term[0] = -start;
+    for (int k = 0; k < TD_WARP_TERMS; k++) warp->term[k] /= total;
+    least = light * (exp(fmin(L->control[0], L->control[3])) - log_eps) + dark;
+    *error = 2 * fabs(rate[TD_WARP_TERMS - 1]) / least;
+    return 0.5 * total;
+}
+
+double td_warp_place(const td_warp *warp, double u) {
+    if (!warp->on || u <= 0 || u >= 1) return fmin(fmax(u, 0), 1);
+    double x = 2 * u - 1, sum = 0;
+    for (int k = TD_WARP_TERMS - 1; k >= 0; k--) sum = sum * x + warp->term[k];
+    return fmin(fmax(sum, 0), 1);
+}
+
+double td_warp_speed(const td_warp *warp, double u) {
+    if (!warp->on) return 1;
+    double x = 2 * u - 1, sum = 0;
+    for (int k = TD_WARP_TERMS - 1; k >= 1; k--) sum = sum * x + k * warp->term[k];
+    return 2 * sum;
+}
+
+/* Safeguarded Newton on a rising function. */
+double td_warp_time(const td_warp *warp, double v) {
+    enum { NEWTON_TRIES = 8, TRIES = NEWTON_TRIES + 2 * 64 };
+    if (!warp->on || v <= 0 || v >= 1) return fmin(fmax(v, 0), 1);
+    double low = 0, high = 1, u = v;
+    for (int i = 0; i < TRIES; i++) {
+        if ((i >= NEWTON_TRIES && i % 2) || !(u > low && u < high)) u = low + 0.5 * (high - low);
+        if (!(u > low && u < high)) break;
+        double excess = td_warp_place(warp, u) - v;
+        if (excess >= 0)
+            high = u;
+        else
+            low = u;
+        double step = excess / td_warp_speed(warp, u);
+        u -= step;
+        if (fabs(step) <= 0.5 * DBL_EPSILON) return fmin(fmax(u, low), high);
+    }
+    return high;
+}
+
+td_model td_warp_model(const td_warp *warp, const td_model *model) {
+    const double *b = model->control;
+    if (!warp->on) return *model;
+    double first = (b[1] - b[0]) / td_warp_speed(warp, 0), last = (b[3] - b[2]) / td_warp_speed(warp, 1);
+    return (td_model){{b[0], b[0] + first, b[3] - last, b[3]}};
+}
