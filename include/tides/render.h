@@ -5,6 +5,7 @@
 #include "tides/camera.h"
 #include "tides/device.h"
 #include "tides/scene.h"
+#include "tides/sensor.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -102,6 +103,12 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_create(tides_device *devi
 
 /* NULL is fine. */
 TIDES_API void tides_renderer_destroy(tides_renderer *renderer);
+
+/* Blurs L and L_dot of every later frame by a Gaussian of sigma_px (0, the default: not at all), as the sensor's optics do,
+ * `domain` (TIDES_PSF_*) saying whether before or after the logarithm; Y becomes e^L - log_eps, other planes stay as they are.
+ * Beyond its borders the image goes on as its border pixels. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_set_psf(tides_renderer *renderer, double sigma_px, int32_t domain,
+                                                               tides_error *error);
 
 /* One frame at `time` [s] seen from `camera` (body = OpenCV camera axes). */
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera,

@@ -16,7 +16,8 @@ enum {
     TIDES_PARAM_STRING,
     TIDES_PARAM_CHOICE,
     TIDES_PARAM_VECTOR3,
-    TIDES_PARAM_OBJECTS
+    TIDES_PARAM_OBJECTS,
+    TIDES_PARAM_VECTOR2
 };
 
 /* One row of the parameter table, from which the JSON reader, --set, --help, man page and bindings are made. */

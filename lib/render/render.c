@@ -110,6 +110,7 @@ void tides_renderer_destroy(tides_renderer *renderer) {
     if (renderer->backend) renderer->backend->type->destroy(renderer->backend);
     td_candidates_release(&renderer->candidates);
     td_moved_release(&renderer->moved);
+    td_psf_release(&renderer->psf);
     td_store_release(&renderer->store);
     free(renderer->boxes);
     free(renderer->travel);
@@ -137,7 +138,7 @@ void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *st
     stats->time_sweep_s += done->time_sweep_s;
     stats->time_project_s = done->time_project_s;
     stats->time_sort_s = done->time_sort_s;
-    stats->time_composite_s = done->time_composite_s;
+    stats->time_composite_s += done->time_composite_s;
     stats->time_transfer_s = done->time_transfer_s;
 }
 
@@ -224,6 +225,7 @@ tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory 
                                      renderer->object_moves, error);
     if (status == TIDES_OK && renderer->image.decoder && renderer->object_moves[0]) /* what is behind everything moves too */
         memset(renderer->candidates.moving, 1, (size_t)renderer->stats.tiles);
+    if (status == TIDES_OK) status = td_psf_spread(&renderer->psf, &renderer->candidates, error);
     renderer->stats.time_sweep_s += td_now() - begun;
     return status;
 }
@@ -311,8 +313,8 @@ static tides_status run_empty(tides_renderer *renderer, td_batch *batch, const t
     return run_jobs(renderer, batch, renderer->jobs, count, planes, error);
 }
 
-tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
-                               const td_request *requests, int count, int outputs, double *planes, tides_error *error) {
+tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
+                                     const td_request *requests, int count, int outputs, double *planes, tides_error *error) {
     tides_status status = make_views(renderer, camera, times, slots, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&renderer->jobs, &renderer->job_capacity, (size_t)count, sizeof *renderer->jobs, error);

@@ -21,12 +21,10 @@
     { key, TIDES_PARAM_VECTOR3, unit, lower, upper, fallback, NULL, sentence, 1 }
 #define OBJECTS(key, fallback, sentence) \
     { key, TIDES_PARAM_OBJECTS, "", 0, 0, fallback, NULL, sentence, 1 }
-#define LATER_NUMBER(key, unit, lower, upper, fallback, sentence) \
-    { key, TIDES_PARAM_NUMBER, unit, lower, upper, fallback, NULL, sentence, 0 }
 #define LATER_CHOICE(key, choices, fallback, sentence) \
     { key, TIDES_PARAM_CHOICE, "", 0, 0, fallback, choices, sentence, 0 }
-#define LATER_VECTOR3(key, unit, lower, upper, fallback, sentence) \
-    { key, TIDES_PARAM_VECTOR3, unit, lower, upper, fallback, NULL, sentence, 0 }
+#define VECTOR2(key, unit, lower, upper, fallback, sentence) \
+    { key, TIDES_PARAM_VECTOR2, unit, lower, upper, fallback, NULL, sentence, 1 }
 
 /* Events carry 64-bit nanoseconds: 9.2e9 s is the last second that fits (clocks that count from 1970 do). */
 #define LAST_SECOND 9.2e9
@@ -76,7 +74,8 @@ static const tides_param table[] = {
     INTEGER("sensor.max_events_per_step", "", 1, 65535, "64",
             "events per pixel and step placed in time; the rest fire at its end"),
 
-    LATER_NUMBER("frontend.psf_sigma_px", "px", 0, 100, "0.0", "Gaussian blur of the optics"),
+    NUMBER("frontend.psf_sigma_px", "px", 0, 100, "0.0", "Gaussian blur of the optics; 0 is off"),
+    CHOICE("frontend.psf_domain", "log|linear", "\"log\"", "blur of L, as in the paper, or of Y before the logarithm"),
     NUMBER("frontend.photoreceptor_cutoff_hz", "Hz", 0, 1e9, "0.0", "low-pass of the photoreceptor; 0 is off"),
     CHOICE("frontend.photoreceptor_law", "constant|intensity", "\"constant\"",
            "whether that pole goes with luminance, as v2e's does"),
@@ -91,9 +90,11 @@ static const tides_param table[] = {
     NUMBER("frontend.circuit.output_s", "s", 0, 1, "0.001815", "circuit: time constant of the amplifier's output"),
     NUMBER("frontend.circuit.source_follower_hz", "Hz", 0, 1e9, "3122.0", "circuit: source follower; 0 leaves it out"),
     NUMBER("frontend.circuit.difference_hz", "Hz", 0, 1e9, "16000.0", "circuit: difference amplifier; 0 leaves it out"),
-    LATER_VECTOR3("frontend.center_surround", "px, px, 1", 0, 1e3, "null", "sigmas and weight of the surround; null is off"),
+    VECTOR2("frontend.center_surround", "px, s", 0, 1e3, "null", "surround's space constant and time constant; null is off"),
     NUMBER("frontend.shot_noise_hz", "Hz", 0, 1e6, "0.0", "rate of noise events of a pixel in the dark, both polarities"),
-    LATER_NUMBER("frontend.noise_rms", "log units", 0, 100, "0.0", "photoreceptor noise"),
+    NUMBER("frontend.noise_rms", "log units", 0, 100, "0.0",
+           "additive noise, an Ornstein-Uhlenbeck process per pixel; 0 is off"),
+    NUMBER("frontend.noise_cutoff_hz", "Hz", 1e-3, 1e7, "1000.0", "its corner frequency"),
     NUMBER("frontend.hot_pixel_fraction", "", 0, 1, "0.0", "part of the pixels that fire without cause"),
     NUMBER("frontend.hot_pixel_rate_hz", "Hz", 0, 1e6, "100.0", "rate of a hot pixel's ON events"),
 

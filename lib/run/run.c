@@ -171,6 +171,8 @@ static const named_constant models[] = {{"hermite", TIDES_MODEL_HERMITE},
                                         {"secant", TIDES_MODEL_SECANT},
                                         {NULL, 0}};
 
+static const named_constant psf_domains[] = {{"log", TIDES_PSF_LOG}, {"linear", TIDES_PSF_LINEAR}, {NULL, 0}};
+
 /* The table has checked the name against its choices, so it is in the list. */
 static int32_t run_constant(const tides_run *run, const char *key, const named_constant *list) {
     const char *name = run_text(run, key);
@@ -216,6 +218,8 @@ static void get_sensor(const tides_run *run, tides_sensor *sensor) {
                    {"sensor.b_min", &sensor->b_min},
                    {"sensor.dead_pixel_fraction", &sensor->dead_pixel_fraction},
                    {"frontend.shot_noise_hz", &sensor->shot_noise_hz},
+                   {"frontend.noise_rms", &sensor->noise_rms},
+                   {"frontend.noise_cutoff_hz", &sensor->noise_cutoff_hz},
                    {"frontend.hot_pixel_fraction", &sensor->hot_pixel_fraction},
                    {"frontend.hot_pixel_rate_hz", &sensor->hot_pixel_rate_hz},
                    {"frontend.photoreceptor_cutoff_hz", &sensor->photoreceptor_cutoff_hz},
@@ -258,6 +262,13 @@ void tides_run_get(const tides_run *run, tides_run_values *values) {
     get_image(run, &values->image);
     get_sensor(run, &values->sensor);
     get_readout(run, &values->readout);
+    const cJSON *surround = td_run_value(run, "frontend.center_surround");
+    if (cJSON_IsArray(surround)) {
+        values->sensor.surround_lambda_px = cJSON_GetArrayItem(surround, 0)->valuedouble;
+        values->sensor.surround_tau_s = cJSON_GetArrayItem(surround, 1)->valuedouble;
+    }
+    values->sensor.psf_sigma_px = td_run_number(run, "frontend.psf_sigma_px");
+    values->sensor.psf_domain = run_constant(run, "frontend.psf_domain", psf_domains);
     tides_stepping_defaults(&values->stepping);
     values->stepping.mode = run_constant(run, "stepping.mode", modes);
     values->stepping.model = run_constant(run, "stepping.model", models);

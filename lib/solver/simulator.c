@@ -175,6 +175,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     status = td_comparator_check(&s->comparator, error);
     if (status == TIDES_OK)
         status = tides_renderer_create(device, scene, intrinsics, image, progress, user, &s->renderer, error);
+    if (status == TIDES_OK) status = tides_renderer_set_psf(s->renderer, sensor->psf_sigma_px, sensor->psf_domain, error);
     if (status == TIDES_OK)
         status = td_grid_create(start, stop, stepping->step_s, s->renderer->moved.knots, s->renderer->moved.knot_count,
                                 stepping->min_step_s, &s->grid, error);
@@ -198,6 +199,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
         status =
             td_sensor_create(sensor, stepping->model, image->log_eps, start, s->width, s->tile, s->tiles, &s->sensor, error);
     }
+    if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, stepping, intrinsics->height, error);
     if (status != TIDES_OK) {
         tides_simulator_destroy(s);
         return status;
@@ -214,6 +216,7 @@ void tides_simulator_destroy(tides_simulator *simulator) {
     td_grid_release(&simulator->grid);
     td_scan_release(&simulator->scan);
     td_sensor_release(&simulator->sensor);
+    td_surround_steps_release(&simulator->surround);
     for (int p = 0; p < TD_KEPT_ALL; p++) {
         free(simulator->now.plane[p]);
         free(simulator->next.plane[p]);

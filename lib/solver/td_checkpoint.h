@@ -44,7 +44,7 @@ tides_status td_facts_compare_runs(const char *path, const char *saved, const ch
 /* -- the pixels (checkpoint_pixels.c) -- */
 
 /* State that only some runs have: the sensor's, and what is kept of samples (checkpoint_optional.c). */
-enum { TD_OPTIONAL_REALS = 8 + TD_FRONTEND_STATE, TD_OPTIONAL_COUNTS = 3 };
+enum { TD_OPTIONAL_REALS = 11 + TD_FRONTEND_STATE, TD_OPTIONAL_COUNTS = 3 };
 double *td_optional_real(const tides_simulator *simulator, int which); /* in the tiles' order; NULL: this run hasn't got it */
 uint32_t *td_optional_count(const tides_simulator *simulator, int which);
 extern const char *const td_optional_real_name[TD_OPTIONAL_REALS], *const td_optional_count_name[TD_OPTIONAL_COUNTS];
