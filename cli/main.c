@@ -72,6 +72,9 @@ static int run(int argc, char **argv) {
         print_help();
         return CLI_OK;
     }
+    if (strcmp(name, "help") == 0 && strncmp(argv[2], "--", 2) == 0)
+        return argc > 4 ? cli_usage(NULL, "help %s takes one page", argv[2])
+                        : cli_help_pages(commands, COMMANDS, argv[2], argv[3]);
     if (strcmp(name, "help") == 0) { /* tides help render = tides render --help */
         char flag[] = "--help";
         char *again[] = {argv[0], argv[2], flag, NULL};
@@ -85,6 +88,7 @@ static int run(int argc, char **argv) {
 
 int main(int argc, char **argv) {
     int code = run(argc, argv);
+    if (code == CLI_DESCRIBED) code = CLI_OK;
     /* A full disk or a closed pipe behind stdout is a failure like any other. */
     if (fflush(stdout) != 0 || ferror(stdout)) {
         fputs("tides: standard output can't be written\n", stderr);

@@ -77,14 +77,14 @@ refuse 2 "--jobs 0: give a number" tides batch grid.json -o wrong.d --jobs 0
 # Forty runs, killed twice. A result differs in nothing from the uninterrupted batch's.
 awk 'BEGIN { for (i = 0; i <= 400; i++) printf "%g %g 0 0 0 0 0 1\n", i * 0.01, 0.3 * sin(i * 0.3) }' >path.txt
 cat >forty.json <<-'JSON'
-	{ "base": "run.json", "set": { "time.stop": 0.04, "stepping.mode": "fixed" },
+	{ "base": "run.json", "set": { "time.stop": 0.02, "stepping.mode": "fixed", "stepping.step_s": 0.001 },
 	  "grid": { "sensor.threshold_on": [0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1], "image.log_eps": [0.001, 0.002, 0.003, 0.004, 0.005] } }
 JSON
 expect 0 tides batch forty.json -o whole.d -q
 set -m
 resumed=0
 for round in 1 2; do
-    tides batch forty.json -o forty.d -q --checkpoint 0.02 >out 2>err &
+    tides batch forty.json -o forty.d -q --checkpoint 0.01 >out 2>err &
     for _ in $(seq 1000); do
         [ "$(ls forty.d/*/result.json 2>/dev/null | wc -l)" -ge $((10 * round)) ] && ls forty.d/*/*.checkpoint >/dev/null 2>&1 && break
         sleep 0.01
@@ -96,7 +96,7 @@ for round in 1 2; do
     [ "$(ls forty.d/*/result.json | wc -l)" -lt 40 ] || fail "nothing was left to do"
 done
 [ $resumed = 1 ] || echo "(no run was killed with a checkpoint)"
-expect 0 tides batch forty.json -o forty.d --checkpoint 0.02
+expect 0 tides batch forty.json -o forty.d --checkpoint 0.01
 out "40 done \([1-3][0-9] of them before\), 0 failed"
 (cd whole.d && find . -type f ! -name stats.json ! -name events.h5 | LC_ALL=C sort) >whole.list
 (cd forty.d && find . -type f ! -name stats.json ! -name events.h5 | LC_ALL=C sort) >forty.list
