@@ -61,6 +61,7 @@ int cmd_convert(const cli_command *command, int argc, char **argv);
 int cmd_cut(const cli_command *command, int argc, char **argv);
 int cmd_metrics(const cli_command *command, int argc, char **argv);
 int cmd_bench(const cli_command *command, int argc, char **argv);
+int cmd_init(const cli_command *command, int argc, char **argv);
 int cmd_batch(const cli_command *command, int argc, char **argv);
 
 /* options.c: fills the options' targets, `common`, and `positional` (command->positionals of them). CLI_GO, or the exit code:

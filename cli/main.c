@@ -7,6 +7,8 @@
 static const cli_command commands[] = {
     {"demo", "[-o DIR]", "Make a dynamic scene, simulate it, and leave everything in a directory.",
      "Writes the scene, camera path, run file, events.h5, preview.png, frame.exr and stats.json.", 0, cmd_demo},
+    {"init", "[-o RUN.json]", "Write a run file to begin with: every key, its default, and what it does.",
+     "The comments (// to the end of a line) are TIDES's own: JSON has none.", 0, cmd_init},
     {"devices", "", "List OpenCL devices and show which one is used.", NULL, 0, cmd_devices},
     {"info", "FILE", "Show what a scene, path, event or EXR file holds.", "The kind of file is found from its content.", 1,
      cmd_info},

@@ -77,7 +77,7 @@ refuse 2 "--jobs 0: give a number" tides batch grid.json -o wrong.d --jobs 0
 # Forty runs, killed twice. A result differs in nothing from the uninterrupted batch's.
 awk 'BEGIN { for (i = 0; i <= 400; i++) printf "%g %g 0 0 0 0 0 1\n", i * 0.01, 0.3 * sin(i * 0.3) }' >path.txt
 cat >forty.json <<-'JSON'
-	{ "base": "run.json", "set": { "time.stop": 0.02, "stepping.mode": "fixed", "stepping.step_s": 0.001 },
+	{ "base": "run.json", "set": { "time.stop": 0.02, "stepping.mode": "fixed", "stepping.step_s": 0.001, "camera.width": 24, "camera.height": 18 },
 	  "grid": { "sensor.threshold_on": [0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1], "image.log_eps": [0.001, 0.002, 0.003, 0.004, 0.005] } }
 JSON
 expect 0 tides batch forty.json -o whole.d -q

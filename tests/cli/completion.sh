@@ -1,3 +1,4 @@
+#!/bin/bash
 # Completions and man pages, made from the tables: every command and option is in them, and they are sound.
 expect 0 tides help --bash
 [ ! -s err ] || fail "it should print the completion only"
