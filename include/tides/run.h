@@ -39,7 +39,8 @@ typedef struct tides_run tides_run;
 
 /* Reads a run file. `overrides` (nullable, `count` of them) are "key=value" texts, value as JSON or bare text, applied after
  * the file. Unknown keys are errors that name the nearest known key; values out of range name the key, the value and the range;
- * a key that this version doesn't act on is an error unless it holds its default. Relative paths are relative to the file. */
+ * a key that this version doesn't act on is an error unless it holds its default. Relative paths are relative to the file.
+ * Beyond JSON, "//" outside a text begins a comment that ends with the line. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_run_load(const char *file, const char *const *overrides, size_t count,
                                                        tides_run **run, tides_error *error);
 
