@@ -199,6 +199,14 @@ bench-built: $(BENCH) all
 	@$(if $(BENCH),,echo 'tests/bench holds no benchmark yet')
 	@set -e; for program in $(BENCH); do $$program; done
 
+# -- Python package ----------------------------------------------------------------------------------------------------
+.PHONY: python wheel
+python: ## Make python_ctypes/tides/_api.py anew from the headers
+	CC='$(CC)' $(PYTHON) python_ctypes/generate.py
+wheel: all ## Pack the Python package with the library: build/python/tides-*.whl
+	TIDES_LIBRARY='$(CURDIR)/$(OUT)/libtides.so' $(PYTHON) -m pip wheel -q --no-build-isolation --no-deps -w build/python ./python_ctypes
+	@ls build/python/*.whl
+
 # -- install -----------------------------------------------------------------------------------------------------------
 HEADERS := $(wildcard include/tides/*.h)
 # Man pages and completions are what the tool says of itself; below $(OUT)/share as below $(DATADIR).

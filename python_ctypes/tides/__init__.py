@@ -1,0 +1,46 @@
+"""TIDES: event cameras in continuous time from Gaussian-splatting scenes.
+
+    import tides
+    events = tides.Run("room.json").simulate()          # a numpy array with fields t [ns], x, y [px], p (+1, -1)
+
+Times are seconds (float) in calls and integer nanoseconds in events; `_dot` is d/dt; quaternions are wxyz; camera axes are
+OpenCV's (x right, y down, z forward); images are (height x width), row 0 on top. Failures are exceptions (`tides.errors`) with
+one line that says what, where, and how to fix it. C code runs without the GIL; see `Simulation` for threads and Ctrl-C.
+"""
+
+from . import _api as api
+from . import errors, image, metrics
+from ._handle import Handle
+from ._library import PATH as library_path
+from ._library import VERSION as __version__
+from ._library import lib
+from .device import Device, devices
+from .errors import TidesError
+from .events import (
+    CAUSES,
+    EVENT,
+    TONIC,
+    Conversion,
+    EventReader,
+    EventWriter,
+    as_events,
+    can_resume,
+    convert_events,
+    event_formats,
+    events_summary,
+    make_events,
+    read_events,
+    to_tonic,
+    write_events,
+)
+from .generate import GenerateOptions, World, generate, generators
+from .motion import Motion
+from .readout import Arbiter, Readout
+from .render import CHANNELS, ImageParams, Renderer
+from .representations import ArrayWriter, VoxelOptions, event_frame, time_surface, voxel_grid
+from .run import Run, parameters, run_template
+from .scene import Gaussians, Scene, SceneObject
+from .simulate import Sensor, Simulation, Stepping
+from .trajectory import Camera, Intrinsics, PathOptions, Pose, Trajectory
+
+__all__ = [name for name in dir() if not name.startswith("_")]

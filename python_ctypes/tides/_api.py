@@ -1,0 +1,2228 @@
+"""The C interface, made by generate.py from include/tides/*.h: `make python` after a header has changed. Do not edit."""
+
+# fmt: off
+# flake8: noqa
+from __future__ import annotations
+
+from ctypes import CFUNCTYPE, POINTER as P, Structure
+from ctypes import c_char, c_char_p, c_double, c_float, c_int, c_int8, c_int16, c_int32, c_int64
+from ctypes import c_size_t, c_uint8, c_uint16, c_uint32, c_uint64, c_void_p
+from typing import Any
+
+TIDES_VERSION_MAJOR = 0
+TIDES_VERSION_MINOR = 1
+TIDES_VERSION_PATCH = 0
+TIDES_NUMERICS = 1
+TIDES_OK = 0
+TIDES_BAD_ARGUMENT = 1
+TIDES_NO_MEMORY = 2
+TIDES_FILE_NOT_FOUND = 3
+TIDES_BAD_FILE = 4
+TIDES_WRITE_FAILED = 5
+TIDES_BAD_CONFIG = 6
+TIDES_UNSUPPORTED = 7
+TIDES_NO_DEVICE = 8
+TIDES_DEVICE_FAILED = 9
+TIDES_CANCELLED = 10
+TIDES_OUT_OF_RANGE = 11
+TIDES_DEVICE_CPU = 1
+TIDES_DEVICE_GPU = 2
+TIDES_DEVICE_OTHER = 3
+TIDES_DEVICE_REFERENCE = 4
+TIDES_DECODER_NONE = 0
+TIDES_DECODER_SIGMOID = 1
+TIDES_DECODER_CLAMP = 2
+TIDES_DECODER_PLAIN = 3
+TIDES_SH_DEGREE_MAX = 4
+TIDES_RULES_SMOOTH = 0
+TIDES_RULES_INRIA = 1
+TIDES_RULES_GSPLAT = 2
+TIDES_Y = 0
+TIDES_L = 1
+TIDES_L_DOT = 2
+TIDES_ALPHA = 3
+TIDES_ALPHA_DOT = 4
+TIDES_COVERAGE = 5
+TIDES_CONTRIBUTORS = 6
+TIDES_R = 7
+TIDES_G = 8
+TIDES_B = 9
+TIDES_R_DOT = 10
+TIDES_G_DOT = 11
+TIDES_B_DOT = 12
+TIDES_Z = 13
+TIDES_Z_DOT = 14
+TIDES_CHANNELS = 15
+TIDES_REFRACTORY_HOLD = 0
+TIDES_REFRACTORY_DROP_KEEP = 1
+TIDES_REFRACTORY_DROP_CONSUME = 2
+TIDES_PSF_LOG = 0
+TIDES_PSF_LINEAR = 1
+TIDES_BANDWIDTH_FIRST_ORDER = 0
+TIDES_BANDWIDTH_CIRCUIT = 1
+TIDES_PHOTORECEPTOR_CONSTANT = 0
+TIDES_PHOTORECEPTOR_INTENSITY = 1
+TIDES_CAUSE_SIGNAL = 0
+TIDES_CAUSE_LEAK = 1
+TIDES_CAUSE_SHOT = 2
+TIDES_CAUSE_HOT = 3
+TIDES_CAUSES = 4
+TIDES_READOUT_TILES = 0
+TIDES_READOUT_ROWS = 1
+TIDES_READOUT_BOTTLENECK = 2
+TIDES_MODEL_LINEAR = 0
+TIDES_MODEL_QUADRATIC = 1
+TIDES_MODEL_HERMITE = 2
+TIDES_MODEL_SECANT = 3
+TIDES_STEPPING_FIXED = 0
+TIDES_STEPPING_RISK = 1
+TIDES_STEPPING_ERROR = 2
+TIDES_STEPPING_ERROR_RISK = 3
+TIDES_SLOPE_EXACT = 0
+TIDES_SLOPE_DIFFERENCE = 1
+TIDES_EXR_NONE = 0
+TIDES_EXR_ZIPS = 2
+TIDES_EXR_ZIP = 3
+TIDES_METRIC_COUNTS = 1
+TIDES_METRIC_ISI = 2
+TIDES_METRIC_SAME_TIME = 4
+TIDES_METRIC_FANO = 8
+TIDES_METRIC_CHAMFER = 16
+TIDES_METRIC_VICTOR_PURPURA = 32
+TIDES_METRIC_VAN_ROSSUM = 64
+TIDES_METRIC_TIME_DIFFERENCE = 128
+TIDES_METRIC_KERNEL = 256
+TIDES_METRIC_MATCH = 512
+TIDES_METRICS_DEFAULT = 255
+TIDES_METRICS_ALL = 1023
+TIDES_PAIRS_ANY = 0
+TIDES_PAIRS_SAME = 1
+TIDES_PAIRS_SPLIT = 2
+TIDES_PAIRS = 3
+TIDES_FANO_BINS = 3
+TIDES_NORMALISE_NONE = 0
+TIDES_NORMALISE_POPULATION = 1
+TIDES_NORMALISE_SAMPLE = 2
+TIDES_VOXEL_E2VID = 0
+TIDES_VOXEL_DSEC = 1
+TIDES_VOXEL_TIMELENS = 2
+TIDES_PARAM_NUMBER = 0
+TIDES_PARAM_INTEGER = 1
+TIDES_PARAM_BOOLEAN = 2
+TIDES_PARAM_STRING = 3
+TIDES_PARAM_CHOICE = 4
+TIDES_PARAM_VECTOR3 = 5
+TIDES_PARAM_OBJECTS = 6
+
+# Opaque objects: only pointers to them exist here.
+
+
+class tides_device(Structure):
+    pass
+
+
+class tides_trajectory(Structure):
+    pass
+
+
+class tides_motion(Structure):
+    pass
+
+
+class tides_scene(Structure):
+    pass
+
+
+class tides_renderer(Structure):
+    pass
+
+
+class tides_event_writer(Structure):
+    pass
+
+
+class tides_event_reader(Structure):
+    pass
+
+
+class tides_arbiter(Structure):
+    pass
+
+
+class tides_simulator(Structure):
+    pass
+
+
+class tides_exr(Structure):
+    pass
+
+
+class tides_animation(Structure):
+    pass
+
+
+class tides_array_writer(Structure):
+    pass
+
+
+class tides_run(Structure):
+    pass
+
+
+class tides_error(Structure):
+    """tides_status status;
+    char text[1020];
+    """
+
+    status: int
+    text: Any
+
+    _fields_ = [
+        ("status", c_int32),
+        ("text", c_char * 1020),
+    ]
+
+
+tides_progress = CFUNCTYPE(c_int, c_void_p, c_double, c_char_p)
+
+
+class tides_device_info(Structure):
+    """int32_t kind; /* TIDES_DEVICE_CPU, _GPU, _OTHER, _REFERENCE */
+    int32_t index; /* what SPEC may name; -1 for the reference */
+    char name[128]; /* CL_DEVICE_NAME */
+    char platform[128]; /* CL_PLATFORM_NAME */
+    char driver[128]; /* CL_DEVICE_VERSION and CL_DRIVER_VERSION */
+    int32_t compute_units;
+    int32_t lanes; /* pixels per work-item that kernels are built for */
+    uint64_t memory_bytes;
+    """
+
+    kind: int
+    index: int
+    name: Any
+    platform: Any
+    driver: Any
+    compute_units: int
+    lanes: int
+    memory_bytes: int
+
+    _fields_ = [
+        ("kind", c_int32),
+        ("index", c_int32),
+        ("name", c_char * 128),
+        ("platform", c_char * 128),
+        ("driver", c_char * 128),
+        ("compute_units", c_int32),
+        ("lanes", c_int32),
+        ("memory_bytes", c_uint64),
+    ]
+
+
+class tides_pose_sample(Structure):
+    """double time; /* [s] */
+    double position[3]; /* body origin in the world [scene units] */
+    double quaternion[4]; /* body to world, wxyz; normalised here */
+    double velocity[3]; /* d(position)/dt [scene units/s] */
+    double angular_velocity[3]; /* in world axes [rad/s] */
+    int32_t has_rates;
+    int32_t reserved;
+    """
+
+    time: float
+    position: Any
+    quaternion: Any
+    velocity: Any
+    angular_velocity: Any
+    has_rates: int
+    reserved: int
+
+    _fields_ = [
+        ("time", c_double),
+        ("position", c_double * 3),
+        ("quaternion", c_double * 4),
+        ("velocity", c_double * 3),
+        ("angular_velocity", c_double * 3),
+        ("has_rates", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_pose(Structure):
+    """double rotation[9]; /* body to world */
+    double rotation_dot[9]; /* [1/s] */
+    double position[3]; /* [scene units] */
+    double position_dot[3]; /* [scene units/s] */
+    """
+
+    rotation: Any
+    rotation_dot: Any
+    position: Any
+    position_dot: Any
+
+    _fields_ = [
+        ("rotation", c_double * 9),
+        ("rotation_dot", c_double * 9),
+        ("position", c_double * 3),
+        ("position_dot", c_double * 3),
+    ]
+
+
+class tides_orbit(Structure):
+    """double target[3], up[3];
+    double radius, height;
+    double start_angle; /* [rad] */
+    double angular_speed; /* [rad/s] */
+    double start, stop; /* [s] */
+    """
+
+    target: Any
+    up: Any
+    radius: float
+    height: float
+    start_angle: float
+    angular_speed: float
+    start: float
+    stop: float
+
+    _fields_ = [
+        ("target", c_double * 3),
+        ("up", c_double * 3),
+        ("radius", c_double),
+        ("height", c_double),
+        ("start_angle", c_double),
+        ("angular_speed", c_double),
+        ("start", c_double),
+        ("stop", c_double),
+    ]
+
+
+class tides_dolly(Structure):
+    """double from[3], to[3], target[3], up[3];
+    double start, stop; /* [s] */
+    """
+
+    to: Any
+    target: Any
+    up: Any
+    start: float
+    stop: float
+
+    _fields_ = [
+        ("from", c_double * 3),
+        ("to", c_double * 3),
+        ("target", c_double * 3),
+        ("up", c_double * 3),
+        ("start", c_double),
+        ("stop", c_double),
+    ]
+
+
+class tides_handheld(Structure):
+    """double position[3], target[3], up[3];
+    double position_amplitude; /* [scene units], rms per axis */
+    double rotation_amplitude; /* [rad], rms per axis */
+    double frequency; /* [Hz], of the slowest sine; the fastest is 5 times that */
+    uint64_t seed;
+    double start, stop; /* [s] */
+    """
+
+    position: Any
+    target: Any
+    up: Any
+    position_amplitude: float
+    rotation_amplitude: float
+    frequency: float
+    seed: int
+    start: float
+    stop: float
+
+    _fields_ = [
+        ("position", c_double * 3),
+        ("target", c_double * 3),
+        ("up", c_double * 3),
+        ("position_amplitude", c_double),
+        ("rotation_amplitude", c_double),
+        ("frequency", c_double),
+        ("seed", c_uint64),
+        ("start", c_double),
+        ("stop", c_double),
+    ]
+
+
+class tides_polynomial_motion(Structure):
+    """int64_t count; /* N */
+    double start, stop; /* [tau] */
+    const float *opacity_centre; /* [tau] (N) */
+    const float *opacity_log_width; /* ln [tau], within +-80 (N) */
+    const float *mean_coefficient; /* c_1, c_2, c_3: xyz each [scene units / tau^k] (N x 9) */
+    const float *quaternion_dot; /* wxyz [1 / tau] (N x 4) */
+    int32_t plain_colour; /* 1: colours are as given, not cut at 0 (the lite model) */
+    int32_t decoder; /* TIDES_DECODER_...; the full model where not TIDES_DECODER_NONE: */
+    const float *feature; /* albedo 3, then 3 more (N x 6) */
+    const float *feature_dot; /* of the last 3 of nine: dt times these [1 / tau] (N x 3) */
+    const float *decoder_first; /* W_1, row-major (6 x 12) */
+    const float *decoder_second; /* W_2 (3 x 6) */
+    """
+
+    count: int
+    start: float
+    stop: float
+    opacity_centre: Any
+    opacity_log_width: Any
+    mean_coefficient: Any
+    quaternion_dot: Any
+    plain_colour: int
+    decoder: int
+    feature: Any
+    feature_dot: Any
+    decoder_first: Any
+    decoder_second: Any
+
+    _fields_ = [
+        ("count", c_int64),
+        ("start", c_double),
+        ("stop", c_double),
+        ("opacity_centre", P(c_float)),
+        ("opacity_log_width", P(c_float)),
+        ("mean_coefficient", P(c_float)),
+        ("quaternion_dot", P(c_float)),
+        ("plain_colour", c_int32),
+        ("decoder", c_int32),
+        ("feature", P(c_float)),
+        ("feature_dot", P(c_float)),
+        ("decoder_first", P(c_float)),
+        ("decoder_second", P(c_float)),
+    ]
+
+
+class tides_rotor_motion(Structure):
+    """int64_t count; /* N */
+    double start, stop; /* [tau] */
+    double period; /* [tau]; 0: stop - start */
+    double time_prefilter; /* [tau^2]; 0 or less: none */
+    const float *centre; /* [tau] (N) */
+    const float *log_scale_time; /* ln [tau] (N) */
+    const float *quaternion_right; /* NULL: none (N x 4) */
+    const float *sh_harmonic; /* sh_1, sh_2 .. (N x harmonics x K x 3) */
+    int32_t harmonics; /* 0..4; their sh_degree_t */
+    int32_t sh_degree; /* of K = (sh_degree + 1)^2: the Gaussians' own */
+    """
+
+    count: int
+    start: float
+    stop: float
+    period: float
+    time_prefilter: float
+    centre: Any
+    log_scale_time: Any
+    quaternion_right: Any
+    sh_harmonic: Any
+    harmonics: int
+    sh_degree: int
+
+    _fields_ = [
+        ("count", c_int64),
+        ("start", c_double),
+        ("stop", c_double),
+        ("period", c_double),
+        ("time_prefilter", c_double),
+        ("centre", P(c_float)),
+        ("log_scale_time", P(c_float)),
+        ("quaternion_right", P(c_float)),
+        ("sh_harmonic", P(c_float)),
+        ("harmonics", c_int32),
+        ("sh_degree", c_int32),
+    ]
+
+
+class tides_keyframes_motion(Structure):
+    """int64_t frames, count; /* T >= 2, N */
+    const double *time; /* any unit, strictly rising (T) */
+    const float *mean; /* [scene units] (T x N x 3) */
+    const float *quaternion; /* wxyz, raw (T x N x 4) */
+    const float *log_scale; /* ln [scene units]; or NULL (T x N x 3) */
+    const float *opacity_logit; /* or NULL (T x N) */
+    const float *sh; /* or NULL (T x N x K x 3) */
+    int32_t sh_degree; /* of K = (sh_degree + 1)^2: the Gaussians' own */
+    int32_t catmull_rom; /* 1: Catmull and Rom's C1 cubics instead */
+    int32_t plain_colour; /* 1: colours aren't cut at 0 */
+    int32_t reserved;
+    """
+
+    frames: int
+    count: int
+    time: Any
+    mean: Any
+    quaternion: Any
+    log_scale: Any
+    opacity_logit: Any
+    sh: Any
+    sh_degree: int
+    catmull_rom: int
+    plain_colour: int
+    reserved: int
+
+    _fields_ = [
+        ("frames", c_int64),
+        ("count", c_int64),
+        ("time", P(c_double)),
+        ("mean", P(c_float)),
+        ("quaternion", P(c_float)),
+        ("log_scale", P(c_float)),
+        ("opacity_logit", P(c_float)),
+        ("sh", P(c_float)),
+        ("sh_degree", c_int32),
+        ("catmull_rom", c_int32),
+        ("plain_colour", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_theta(Structure):
+    """double *mean, *mean_dot; /* (count x 3) */
+    double *log_scale, *log_scale_dot; /* (count x 3) */
+    double *quaternion, *quaternion_dot; /* (count x 4) */
+    double *opacity_logit, *opacity_logit_dot; /* (count) */
+    double *sh, *sh_dot; /* (count x K x 3); NULL unless the motion moves them */
+    """
+
+    mean: Any
+    mean_dot: Any
+    log_scale: Any
+    log_scale_dot: Any
+    quaternion: Any
+    quaternion_dot: Any
+    opacity_logit: Any
+    opacity_logit_dot: Any
+    sh: Any
+    sh_dot: Any
+
+    _fields_ = [
+        ("mean", P(c_double)),
+        ("mean_dot", P(c_double)),
+        ("log_scale", P(c_double)),
+        ("log_scale_dot", P(c_double)),
+        ("quaternion", P(c_double)),
+        ("quaternion_dot", P(c_double)),
+        ("opacity_logit", P(c_double)),
+        ("opacity_logit_dot", P(c_double)),
+        ("sh", P(c_double)),
+        ("sh_dot", P(c_double)),
+    ]
+
+
+tides_motion_function = CFUNCTYPE(c_int32, c_void_p, c_double, c_int32, P(c_int32), c_int64, P(tides_theta), P(tides_error))
+
+
+class tides_callback_motion(Structure):
+    """int64_t count; /* N */
+    double start, stop; /* its own clock, any unit */
+    tides_motion_function function;
+    void *user;
+    int32_t moves_sh; /* 1: it gives spherical harmonics too */
+    int32_t reserved;
+    """
+
+    count: int
+    start: float
+    stop: float
+    function: Any
+    user: int
+    moves_sh: int
+    reserved: int
+
+    _fields_ = [
+        ("count", c_int64),
+        ("start", c_double),
+        ("stop", c_double),
+        ("function", tides_motion_function),
+        ("user", c_void_p),
+        ("moves_sh", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_gaussians(Structure):
+    """int64_t count; /* N */
+    int32_t sh_degree; /* 0..4 */
+    int32_t reserved;
+    const float *mean; /* [scene units] (N x 3) */
+    const float *log_scale; /* ln [scene units] (N x 3) */
+    const float *quaternion; /* wxyz, raw (N x 4) */
+    const float *opacity_logit; /* (N) */
+    const float *sh; /* coefficient, then r g b (N x K x 3) */
+    """
+
+    count: int
+    sh_degree: int
+    reserved: int
+    mean: Any
+    log_scale: Any
+    quaternion: Any
+    opacity_logit: Any
+    sh: Any
+
+    _fields_ = [
+        ("count", c_int64),
+        ("sh_degree", c_int32),
+        ("reserved", c_int32),
+        ("mean", P(c_float)),
+        ("log_scale", P(c_float)),
+        ("quaternion", P(c_float)),
+        ("opacity_logit", P(c_float)),
+        ("sh", P(c_float)),
+    ]
+
+
+class tides_object(Structure):
+    """tides_gaussians gaussians;
+    const tides_trajectory *trajectory; /* NULL: at rest */
+    double scale;
+    const char *name;
+    const char *source; /* file it came from, or "" */
+    const tides_motion *motion; /* NULL: the Gaussians don't move by themselves */
+    double duration_s; /* [s] how long the motion lasts; 0 without one */
+    """
+
+    gaussians: tides_gaussians
+    trajectory: Any
+    scale: float
+    name: bytes | None
+    source: bytes | None
+    motion: Any
+    duration_s: float
+
+    _fields_ = [
+        ("gaussians", tides_gaussians),
+        ("trajectory", P(tides_trajectory)),
+        ("scale", c_double),
+        ("name", c_char_p),
+        ("source", c_char_p),
+        ("motion", P(tides_motion)),
+        ("duration_s", c_double),
+    ]
+
+
+class tides_intrinsics(Structure):
+    """int32_t width, height; /* [px] */
+    double fx, fy, cx, cy; /* [px] */
+    """
+
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+
+    _fields_ = [
+        ("width", c_int32),
+        ("height", c_int32),
+        ("fx", c_double),
+        ("fy", c_double),
+        ("cx", c_double),
+        ("cy", c_double),
+    ]
+
+
+class tides_path_options(Structure):
+    """uint32_t size; /* sizeof this struct, set by the defaults function */
+    int32_t reserved;
+    double duration; /* [s] files without times (cameras.json, COLMAP, LLFF ...): poses are spread evenly over
+    [0, duration], in the order of the file or of names; files with trainer's times in [0, 1]
+    (D-NeRF, nerfies): times are multiplied by it */
+    double start; /* [s] subtracted from every time of the file, after scaling */
+    int32_t rebase; /* 1: `start` is ignored and the first sample is put at 0 */
+    int32_t raw_positions; /* nerfies: 1 leaves positions as the camera files have them (as 4DGaussians trains) instead of
+    applying scene.json (as Nerfies, HyperNeRF and Deformable-3D-Gaussians do) */
+    """
+
+    size: int
+    reserved: int
+    duration: float
+    start: float
+    rebase: int
+    raw_positions: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("reserved", c_int32),
+        ("duration", c_double),
+        ("start", c_double),
+        ("rebase", c_int32),
+        ("raw_positions", c_int32),
+    ]
+
+
+class tides_path(Structure):
+    """tides_trajectory *trajectory; /* owned by the caller after success */
+    tides_intrinsics intrinsics; /* fields the file doesn't give, or gives differently from frame to frame, are 0 */
+    double field_of_view_x; /* [rad] where the file gives one (Blender and D-NeRF give no width with it), else 0 */
+    char format[32]; /* "tides", "transforms", "cameras", "tum", "esim", "euroc", "kitti", "colmap", "llff", "nerfies" */
+    int32_t distorted; /* 1: the file gives lens distortion. It isn't simulated: what is, is the pinhole that agrees
+    with the lens at its axis, whose intrinsics these are */
+    int32_t reserved;
+    """
+
+    trajectory: Any
+    intrinsics: tides_intrinsics
+    field_of_view_x: float
+    format: Any
+    distorted: int
+    reserved: int
+
+    _fields_ = [
+        ("trajectory", P(tides_trajectory)),
+        ("intrinsics", tides_intrinsics),
+        ("field_of_view_x", c_double),
+        ("format", c_char * 32),
+        ("distorted", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_generator(Structure):
+    """const char *name; /* "fan" */
+    const char *sentence; /* what is to be seen */
+    const char *counted; /* what options.count counts: "balls"; NULL: this kind has no number to choose */
+    int32_t count; /* how many by default; 0 where `counted` is NULL */
+    int32_t count_most;
+    int64_t gaussians; /* of each moving object by default (of the plane, of the fan's blades); 0: nothing to choose */
+    double duration_s;
+    """
+
+    name: bytes | None
+    sentence: bytes | None
+    counted: bytes | None
+    count: int
+    count_most: int
+    gaussians: int
+    duration_s: float
+
+    _fields_ = [
+        ("name", c_char_p),
+        ("sentence", c_char_p),
+        ("counted", c_char_p),
+        ("count", c_int32),
+        ("count_most", c_int32),
+        ("gaussians", c_int64),
+        ("duration_s", c_double),
+    ]
+
+
+class tides_generate_options(Structure):
+    """uint32_t size; /* sizeof this struct, set by the defaults function */
+    int32_t count; /* of what the kind counts; 0: its default */
+    int64_t gaussians; /* about how many each moving object has, the grids that cover it being rounded; 0: its default */
+    double duration_s; /* how long motions and the camera's path last, from second 0 [s], up to 600; 0: its default */
+    double speed; /* objects (of the plane: the camera) move so many times as fast, in (0, 1000] */
+    uint64_t seed; /* of colours, places, phases and the camera's shake */
+    int32_t width, height; /* of the image [px]; the field of view is always 60 degrees across */
+    """
+
+    size: int
+    count: int
+    gaussians: int
+    duration_s: float
+    speed: float
+    seed: int
+    width: int
+    height: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("count", c_int32),
+        ("gaussians", c_int64),
+        ("duration_s", c_double),
+        ("speed", c_double),
+        ("seed", c_uint64),
+        ("width", c_int32),
+        ("height", c_int32),
+    ]
+
+
+class tides_world(Structure):
+    """tides_scene *scene;
+    tides_trajectory *camera;
+    tides_intrinsics intrinsics;
+    double background[3]; /* for scene.background: linear r g b */
+    double duration_s;
+    """
+
+    scene: Any
+    camera: Any
+    intrinsics: tides_intrinsics
+    background: Any
+    duration_s: float
+
+    _fields_ = [
+        ("scene", P(tides_scene)),
+        ("camera", P(tides_trajectory)),
+        ("intrinsics", tides_intrinsics),
+        ("background", c_double * 3),
+        ("duration_s", c_double),
+    ]
+
+
+class tides_smoothing(Structure):
+    """double taper_begin,
+    taper_end; /* splat alpha rises from 0 to its full value between these (C2), 0 < begin <= end < 1; equal:
+    a hard cutoff there */
+    double stop_change; /* what the rest of a pixel's list may change in L when compositing stops; 0: stops hard, before
+    the splat that takes the transmittance below 1e-4 */
+    double near_fade; /* splats have their full opacity at this many near planes, >= 1; 1: they pop up there */
+    double soft_depth; /* relative depth within which two splats swap places gradually, < 1; 0: a hard order */
+    int32_t ellipses; /* 1: extents are the ellipse out to the taper's begin; 0: squares of 3 sigma, on whole tiles */
+    int32_t reserved;
+    """
+
+    taper_begin: float
+    taper_end: float
+    stop_change: float
+    near_fade: float
+    soft_depth: float
+    ellipses: int
+    reserved: int
+
+    _fields_ = [
+        ("taper_begin", c_double),
+        ("taper_end", c_double),
+        ("stop_change", c_double),
+        ("near_fade", c_double),
+        ("soft_depth", c_double),
+        ("ellipses", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_image_params(Structure):
+    """uint32_t size; /* sizeof this struct */
+    int32_t rules; /* TIDES_RULES_* */
+    int32_t antialias; /* 1: opacity times sqrt(det before / det after dilation) */
+    int32_t sh_degree; /* bands above this are ignored, 0..4 */
+    double dilation; /* added to the diagonal of the 2D covariance [px^2] */
+    double luminance[3]; /* Y = luminance . (r, g, b) */
+    double log_eps; /* L = ln(Y + log_eps), > 0 */
+    double background[3]; /* r g b, >= 0 */
+    tides_smoothing smoothing;
+    """
+
+    size: int
+    rules: int
+    antialias: int
+    sh_degree: int
+    dilation: float
+    luminance: Any
+    log_eps: float
+    background: Any
+    smoothing: tides_smoothing
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("rules", c_int32),
+        ("antialias", c_int32),
+        ("sh_degree", c_int32),
+        ("dilation", c_double),
+        ("luminance", c_double * 3),
+        ("log_eps", c_double),
+        ("background", c_double * 3),
+        ("smoothing", tides_smoothing),
+    ]
+
+
+class tides_frame(Structure):
+    """double *plane[TIDES_CHANNELS];
+    """
+
+    plane: Any
+
+    _fields_ = [
+        ("plane", P(c_double) * 15),
+    ]
+
+
+class tides_render_stats(Structure):
+    """uint64_t tile_jobs; /* (tile, time) pairs composited */
+    uint64_t tile_jobs_skipped; /* tiles without a candidate: background by formula */
+    uint64_t gaussians_total; /* Gaussians in the scene */
+    uint64_t gaussians_projected; /* (Gaussian, tile job) projections */
+    uint64_t gaussians_culled; /* of these, not touching their tile at that time */
+    uint64_t gaussians_still; /* at rest before a resting camera: not looked at again when lists were made */
+    uint64_t gaussians_moved; /* rows worked out of Gaussians that move by themselves: (Gaussian, time) pairs */
+    uint64_t sweeps; /* times that Gaussians were swept for tile candidate lists */
+    uint64_t pairs_evaluated; /* (splat, pixel) pairs composited, in blocks of 16 */
+    double time_build_s, time_motion_s, time_sweep_s, time_project_s, time_sort_s, time_composite_s, time_transfer_s;
+    int32_t tiles; /* tiles in a full frame */
+    int32_t reserved;
+    """
+
+    tile_jobs: int
+    tile_jobs_skipped: int
+    gaussians_total: int
+    gaussians_projected: int
+    gaussians_culled: int
+    gaussians_still: int
+    gaussians_moved: int
+    sweeps: int
+    pairs_evaluated: int
+    time_build_s: float
+    time_motion_s: float
+    time_sweep_s: float
+    time_project_s: float
+    time_sort_s: float
+    time_composite_s: float
+    time_transfer_s: float
+    tiles: int
+    reserved: int
+
+    _fields_ = [
+        ("tile_jobs", c_uint64),
+        ("tile_jobs_skipped", c_uint64),
+        ("gaussians_total", c_uint64),
+        ("gaussians_projected", c_uint64),
+        ("gaussians_culled", c_uint64),
+        ("gaussians_still", c_uint64),
+        ("gaussians_moved", c_uint64),
+        ("sweeps", c_uint64),
+        ("pairs_evaluated", c_uint64),
+        ("time_build_s", c_double),
+        ("time_motion_s", c_double),
+        ("time_sweep_s", c_double),
+        ("time_project_s", c_double),
+        ("time_sort_s", c_double),
+        ("time_composite_s", c_double),
+        ("time_transfer_s", c_double),
+        ("tiles", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_circuit(Structure):
+    """double photocurrent_a; /* at Y = 1 [A] */
+    double dark_current_a; /* [A], > 0 */
+    double gain, kappa; /* amplifier gain A, back-gate coefficient; A kappa <= 1e4 */
+    double thermal_v; /* V_T [V] */
+    double photodiode_f; /* C_p [F] */
+    double miller_f; /* C_mil [F] */
+    double output_s; /* tau_out [s] */
+    double source_follower_hz; /* 0: left out */
+    double difference_hz; /* 0: left out */
+    """
+
+    photocurrent_a: float
+    dark_current_a: float
+    gain: float
+    kappa: float
+    thermal_v: float
+    photodiode_f: float
+    miller_f: float
+    output_s: float
+    source_follower_hz: float
+    difference_hz: float
+
+    _fields_ = [
+        ("photocurrent_a", c_double),
+        ("dark_current_a", c_double),
+        ("gain", c_double),
+        ("kappa", c_double),
+        ("thermal_v", c_double),
+        ("photodiode_f", c_double),
+        ("miller_f", c_double),
+        ("output_s", c_double),
+        ("source_follower_hz", c_double),
+        ("difference_hz", c_double),
+    ]
+
+
+class tides_sensor(Structure):
+    """uint32_t size;
+    int32_t max_events_per_step; /* per pixel and step, >= 1; what is cut off is counted, and fires at the step's end */
+    double threshold_on; /* C+ [log units], > 0 */
+    double threshold_off; /* C- [log units], > 0 */
+    double threshold_sigma; /* standard deviation of C+ and of C- from pixel to pixel, independent, drawn once [log units] */
+    double threshold_min; /* no pixel's threshold is below this [log units], > 0 */
+    double refractory_s; /* [s] */
+    int32_t refractory_law; /* TIDES_REFRACTORY_* */
+    int32_t psf_domain; /* TIDES_PSF_* */
+    double leak_rate_hz; /* ON events per second that the reference's drift makes in a pixel at rest [Hz] */
+    double leak_sigma; /* decades of log-normal spread of that rate from pixel to pixel */
+    double b_min; /* pixels with less coverage than this stay silent, in [0, 1] */
+    double shot_noise_hz; /* noise events, ON and OFF together, of a pixel in the dark [Hz] */
+    double hot_pixel_fraction, hot_pixel_rate_hz;
+    double dead_pixel_fraction;
+    double psf_sigma_px; /* [px] */
+    double photoreceptor_cutoff_hz; /* -3 dB [Hz]; 0: off */
+    int32_t photoreceptor_law; /* TIDES_PHOTORECEPTOR_* */
+    int32_t bandwidth; /* TIDES_BANDWIDTH_* */
+    tides_circuit circuit;
+    double surround_lambda_px; /* space constant of the surround's diffuser [px]; 0: off */
+    double surround_tau_s; /* its time constant [s] */
+    double noise_rms; /* additive Ornstein-Uhlenbeck noise [log units] */
+    double noise_cutoff_hz; /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
+    uint64_t seed; /* of all that is random here */
+    """
+
+    size: int
+    max_events_per_step: int
+    threshold_on: float
+    threshold_off: float
+    threshold_sigma: float
+    threshold_min: float
+    refractory_s: float
+    refractory_law: int
+    psf_domain: int
+    leak_rate_hz: float
+    leak_sigma: float
+    b_min: float
+    shot_noise_hz: float
+    hot_pixel_fraction: float
+    hot_pixel_rate_hz: float
+    dead_pixel_fraction: float
+    psf_sigma_px: float
+    photoreceptor_cutoff_hz: float
+    photoreceptor_law: int
+    bandwidth: int
+    circuit: tides_circuit
+    surround_lambda_px: float
+    surround_tau_s: float
+    noise_rms: float
+    noise_cutoff_hz: float
+    seed: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("max_events_per_step", c_int32),
+        ("threshold_on", c_double),
+        ("threshold_off", c_double),
+        ("threshold_sigma", c_double),
+        ("threshold_min", c_double),
+        ("refractory_s", c_double),
+        ("refractory_law", c_int32),
+        ("psf_domain", c_int32),
+        ("leak_rate_hz", c_double),
+        ("leak_sigma", c_double),
+        ("b_min", c_double),
+        ("shot_noise_hz", c_double),
+        ("hot_pixel_fraction", c_double),
+        ("hot_pixel_rate_hz", c_double),
+        ("dead_pixel_fraction", c_double),
+        ("psf_sigma_px", c_double),
+        ("photoreceptor_cutoff_hz", c_double),
+        ("photoreceptor_law", c_int32),
+        ("bandwidth", c_int32),
+        ("circuit", tides_circuit),
+        ("surround_lambda_px", c_double),
+        ("surround_tau_s", c_double),
+        ("noise_rms", c_double),
+        ("noise_cutoff_hz", c_double),
+        ("seed", c_uint64),
+    ]
+
+
+class tides_event(Structure):
+    """int64_t t; /* [ns] from the run's time zero */
+    uint16_t x, y; /* [px] */
+    int8_t polarity; /* +1 or -1 */
+    uint8_t cause; /* TIDES_CAUSE_*: the signal, or which noise */
+    uint8_t reserved[2];
+    """
+
+    t: int
+    x: int
+    y: int
+    polarity: int
+    cause: int
+    reserved: Any
+
+    _fields_ = [
+        ("t", c_int64),
+        ("x", c_uint16),
+        ("y", c_uint16),
+        ("polarity", c_int8),
+        ("cause", c_uint8),
+        ("reserved", c_uint8 * 2),
+    ]
+
+
+class tides_event_file(Structure):
+    """int32_t width, height; /* [px] */
+    const char *run; /* run file as JSON text, or NULL */
+    const char *seed; /* or NULL */
+    """
+
+    width: int
+    height: int
+    run: bytes | None
+    seed: bytes | None
+
+    _fields_ = [
+        ("width", c_int32),
+        ("height", c_int32),
+        ("run", c_char_p),
+        ("seed", c_char_p),
+    ]
+
+
+class tides_event_format(Structure):
+    """const char *name, *summary, *endings;
+    int32_t reads, writes;
+    int64_t tick_ns; /* times are floored to it on writing */
+    """
+
+    name: bytes | None
+    summary: bytes | None
+    endings: bytes | None
+    reads: int
+    writes: int
+    tick_ns: int
+
+    _fields_ = [
+        ("name", c_char_p),
+        ("summary", c_char_p),
+        ("endings", c_char_p),
+        ("reads", c_int32),
+        ("writes", c_int32),
+        ("tick_ns", c_int64),
+    ]
+
+
+class tides_event_facts(Structure):
+    """char format[32]; /* "evt3" ...; of HDF5 its layout: "tides", "dsec", "eds", "mvsec", "v2e", "timostoff", "m3ed", "rvt" */
+    char version[32]; /* of TIDES that wrote it, or "" */
+    int32_t width, height; /* [px]; 0 where the file doesn't say */
+    int32_t counted; /* 1: count is known without reading the file */
+    uint64_t count;
+    """
+
+    format: Any
+    version: Any
+    width: int
+    height: int
+    counted: int
+    count: int
+
+    _fields_ = [
+        ("format", c_char * 32),
+        ("version", c_char * 32),
+        ("width", c_int32),
+        ("height", c_int32),
+        ("counted", c_int32),
+        ("count", c_uint64),
+    ]
+
+
+class tides_event_summary(Structure):
+    """uint64_t count, count_on;
+    uint64_t disorder; /* events earlier than the one before them */
+    int64_t first_ns, last_ns; /* the earliest and the latest; 0 where empty */
+    int32_t width, height; /* 0 where the file doesn't say */
+    int32_t right, bottom; /* the largest x + 1 and y + 1 [px] */
+    char layout[32]; /* as tides_event_facts.format */
+    char version[32]; /* of the writer, or "" */
+    """
+
+    count: int
+    count_on: int
+    disorder: int
+    first_ns: int
+    last_ns: int
+    width: int
+    height: int
+    right: int
+    bottom: int
+    layout: Any
+    version: Any
+
+    _fields_ = [
+        ("count", c_uint64),
+        ("count_on", c_uint64),
+        ("disorder", c_uint64),
+        ("first_ns", c_int64),
+        ("last_ns", c_int64),
+        ("width", c_int32),
+        ("height", c_int32),
+        ("right", c_int32),
+        ("bottom", c_int32),
+        ("layout", c_char * 32),
+        ("version", c_char * 32),
+    ]
+
+
+class tides_event_conversion(Structure):
+    """const char *from, *to; /* names of formats; NULL: by content, by ending */
+    int32_t width, height; /* of the sensor [px]; 0: what the file says, else what its events reach */
+    int64_t start_ns, stop_ns; /* events with start <= t < stop are kept */
+    int32_t x, y, cut_width, cut_height; /* and those in this window, which becomes the sensor; cut_width 0: all */
+    int32_t rebase; /* 1: times count from the file's first event, those of start and stop too */
+    """
+
+    to: bytes | None
+    width: int
+    height: int
+    start_ns: int
+    stop_ns: int
+    x: int
+    y: int
+    cut_width: int
+    cut_height: int
+    rebase: int
+
+    _fields_ = [
+        ("from", c_char_p),
+        ("to", c_char_p),
+        ("width", c_int32),
+        ("height", c_int32),
+        ("start_ns", c_int64),
+        ("stop_ns", c_int64),
+        ("x", c_int32),
+        ("y", c_int32),
+        ("cut_width", c_int32),
+        ("cut_height", c_int32),
+        ("rebase", c_int32),
+    ]
+
+
+class tides_event_conversion_report(Structure):
+    """uint64_t read, written;
+    uint64_t disorder; /* events earlier than the one before them in the file: they were put in order */
+    uint64_t collapsed; /* as tides_event_writer_collapsed */
+    int64_t first_ns, last_ns; /* as written; 0 where nothing was */
+    int32_t width, height;
+    char from[32], to[32];
+    """
+
+    read: int
+    written: int
+    disorder: int
+    collapsed: int
+    first_ns: int
+    last_ns: int
+    width: int
+    height: int
+    to: Any
+
+    _fields_ = [
+        ("read", c_uint64),
+        ("written", c_uint64),
+        ("disorder", c_uint64),
+        ("collapsed", c_uint64),
+        ("first_ns", c_int64),
+        ("last_ns", c_int64),
+        ("width", c_int32),
+        ("height", c_int32),
+        ("from", c_char * 32),
+        ("to", c_char * 32),
+    ]
+
+
+class tides_readout(Structure):
+    """uint32_t size;
+    int32_t enabled; /* for runs; an arbiter itself doesn't ask */
+    int32_t kind; /* TIDES_READOUT_* */
+    int32_t tile_px; /* side of a tile [px], >= 1 */
+    int32_t k0; /* events per tick at rest, >= 1 */
+    int32_t queue_capacity; /* events that wait in one queue, >= 1 */
+    double tick_s; /* [s]: whole nanoseconds; 0: infinite rate */
+    double beta_k; /* in [0, 1] */
+    double p0, eta; /* in [0, 1] */
+    double sigma0_s, gamma_sigma_s; /* [s] >= 0 */
+    """
+
+    size: int
+    enabled: int
+    kind: int
+    tile_px: int
+    k0: int
+    queue_capacity: int
+    tick_s: float
+    beta_k: float
+    p0: float
+    eta: float
+    sigma0_s: float
+    gamma_sigma_s: float
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("enabled", c_int32),
+        ("kind", c_int32),
+        ("tile_px", c_int32),
+        ("k0", c_int32),
+        ("queue_capacity", c_int32),
+        ("tick_s", c_double),
+        ("beta_k", c_double),
+        ("p0", c_double),
+        ("eta", c_double),
+        ("sigma0_s", c_double),
+        ("gamma_sigma_s", c_double),
+    ]
+
+
+class tides_readout_stats(Structure):
+    """uint64_t in, out;
+    uint64_t dropped; /* by chance */
+    uint64_t overflowed; /* their queue was full */
+    uint64_t waiting; /* in queues, or held until the order is certain */
+    uint64_t delayed; /* left later than they fired, jitter aside */
+    uint64_t ticks; /* in which something was served; idle ones are skipped */
+    double worst_delay_s;
+    """
+
+    out: int
+    dropped: int
+    overflowed: int
+    waiting: int
+    delayed: int
+    ticks: int
+    worst_delay_s: float
+
+    _fields_ = [
+        ("in", c_uint64),
+        ("out", c_uint64),
+        ("dropped", c_uint64),
+        ("overflowed", c_uint64),
+        ("waiting", c_uint64),
+        ("delayed", c_uint64),
+        ("ticks", c_uint64),
+        ("worst_delay_s", c_double),
+    ]
+
+
+tides_readout_sink = CFUNCTYPE(c_int, c_void_p, P(tides_event), P(c_int64), c_size_t)
+
+
+class tides_risk(Structure):
+    """double w_b, w_c, w_alpha;
+    """
+
+    w_b: float
+    w_c: float
+    w_alpha: float
+
+    _fields_ = [
+        ("w_b", c_double),
+        ("w_c", c_double),
+        ("w_alpha", c_double),
+    ]
+
+
+class tides_stepping(Structure):
+    """uint32_t size;
+    int32_t mode; /* TIDES_STEPPING_* */
+    int32_t model; /* TIDES_MODEL_* */
+    int32_t local; /* 1: each 16x16 tile goes its own way: none where nothing moves, steps of its own where they are
+    chosen; 0: whole frames, the same steps for all */
+    double step_s; /* [s] > 0: the step, or the longest; the last is shortened to end at `stop` */
+    double min_step_s; /* [s] > 0: steps that are no longer than this aren't halved */
+    double tolerance; /* ERROR: estimated error of S, in units of the smaller threshold, > 0 */
+    double time_tolerance_s; /* ERROR: estimated error of event times [s]; 0: not asked for */
+    double budget; /* renders that halving may cost in the whole run, in full frames; what is over it goes first where
+    the measures are worst. 0: no bound */
+    tides_risk risk; /* RISK */
+    int32_t slope; /* TIDES_SLOPE_* */
+    int32_t reserved;
+    """
+
+    size: int
+    mode: int
+    model: int
+    local: int
+    step_s: float
+    min_step_s: float
+    tolerance: float
+    time_tolerance_s: float
+    budget: float
+    risk: tides_risk
+    slope: int
+    reserved: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("mode", c_int32),
+        ("model", c_int32),
+        ("local", c_int32),
+        ("step_s", c_double),
+        ("min_step_s", c_double),
+        ("tolerance", c_double),
+        ("time_tolerance_s", c_double),
+        ("budget", c_double),
+        ("risk", tides_risk),
+        ("slope", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_stats(Structure):
+    """tides_render_stats render;
+    uint64_t events, events_on, events_off;
+    uint64_t events_truncated; /* crossings beyond max_events_per_step in a step, moved to the step's end */
+    uint64_t events_caught_up; /* crossings that the local model missed or put out of range, fired at the step's end */
+    uint64_t events_by_cause[TIDES_CAUSES]; /* of `events`, by TIDES_CAUSE_* */
+    uint64_t events_written; /* given to the sink: without a readout `events`, with one fewer */
+    uint64_t events_dropped; /* by the readout, by chance or because a queue was full; */
+    uint64_t events_overflowed; /* of these, the latter */
+    uint64_t events_delayed; /* left the readout later than they fired */
+    uint64_t events_suppressed; /* by sensor.b_min: crossings put off to where their pixel became visible, noise events lost */
+    uint64_t events_refractory; /* crossings consumed and noise events lost in refractory periods */
+    uint64_t steps; /* (tile, step) pairs that went to the comparator */
+    uint64_t steps_rejected; /* of these, halved: (tile, step) pairs that were too coarse */
+    uint64_t steps_over_budget; /* accepted above the tolerance because the budget was used up */
+    uint64_t steps_at_minimum; /* accepted above the tolerance because they were as short as min_step_s */
+    double worst_delay_s; /* in the readout, jitter aside [s] */
+    double worst_error; /* largest estimate among accepted steps [thresholds]; 0 under fixed steps, which estimate none */
+    double error_p50_s, error_p95_s, error_p99_s; /* estimated timing error that so many percent of the events stay below [s];
+    likewise 0 under fixed steps */
+    double worst_residual; /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
+    uint64_t tile_steps_still; /* (tile, step) pairs in which nothing moved: neither rendered nor compared */
+    double renders_full_frame_equivalent; /* tile jobs over tiles */
+    double simulated_s, run_time_s, real_time_factor; /* simulated / run time */
+    double time_compare_s, time_sink_s, time_other_s;
+    uint64_t peak_memory_bytes; /* of the process */
+    """
+
+    render: tides_render_stats
+    events: int
+    events_on: int
+    events_off: int
+    events_truncated: int
+    events_caught_up: int
+    events_by_cause: Any
+    events_written: int
+    events_dropped: int
+    events_overflowed: int
+    events_delayed: int
+    events_suppressed: int
+    events_refractory: int
+    steps: int
+    steps_rejected: int
+    steps_over_budget: int
+    steps_at_minimum: int
+    worst_delay_s: float
+    worst_error: float
+    error_p50_s: float
+    error_p95_s: float
+    error_p99_s: float
+    worst_residual: float
+    tile_steps_still: int
+    renders_full_frame_equivalent: float
+    simulated_s: float
+    run_time_s: float
+    real_time_factor: float
+    time_compare_s: float
+    time_sink_s: float
+    time_other_s: float
+    peak_memory_bytes: int
+
+    _fields_ = [
+        ("render", tides_render_stats),
+        ("events", c_uint64),
+        ("events_on", c_uint64),
+        ("events_off", c_uint64),
+        ("events_truncated", c_uint64),
+        ("events_caught_up", c_uint64),
+        ("events_by_cause", c_uint64 * 4),
+        ("events_written", c_uint64),
+        ("events_dropped", c_uint64),
+        ("events_overflowed", c_uint64),
+        ("events_delayed", c_uint64),
+        ("events_suppressed", c_uint64),
+        ("events_refractory", c_uint64),
+        ("steps", c_uint64),
+        ("steps_rejected", c_uint64),
+        ("steps_over_budget", c_uint64),
+        ("steps_at_minimum", c_uint64),
+        ("worst_delay_s", c_double),
+        ("worst_error", c_double),
+        ("error_p50_s", c_double),
+        ("error_p95_s", c_double),
+        ("error_p99_s", c_double),
+        ("worst_residual", c_double),
+        ("tile_steps_still", c_uint64),
+        ("renders_full_frame_equivalent", c_double),
+        ("simulated_s", c_double),
+        ("run_time_s", c_double),
+        ("real_time_factor", c_double),
+        ("time_compare_s", c_double),
+        ("time_sink_s", c_double),
+        ("time_other_s", c_double),
+        ("peak_memory_bytes", c_uint64),
+    ]
+
+
+tides_event_sink = CFUNCTYPE(c_int, c_void_p, P(tides_event), c_size_t)
+
+
+class tides_channel(Structure):
+    """const char *name; /* e.g. "L_dot"; EXR sorts them by name */
+    const float *pixels; /* (height x width), row 0 on top */
+    """
+
+    name: bytes | None
+    pixels: Any
+
+    _fields_ = [
+        ("name", c_char_p),
+        ("pixels", P(c_float)),
+    ]
+
+
+class tides_match(Structure):
+    """uint64_t reference, simulated; /* events in the streams */
+    uint64_t matched; /* pairs */
+    uint64_t missing, spurious; /* events of the reference, of the simulated stream, that have no counterpart */
+    double mismatch_percent; /* 100 (missing + spurious) / reference; 0 where both are empty, infinite where only the
+    reference is */
+    double dt_median_us, dt_p95_us, dt_p99_us, dt_max_us;
+    double dt_mean_us; /* of the signed simulated - reference: the bias */
+    """
+
+    reference: int
+    simulated: int
+    matched: int
+    missing: int
+    spurious: int
+    mismatch_percent: float
+    dt_median_us: float
+    dt_p95_us: float
+    dt_p99_us: float
+    dt_max_us: float
+    dt_mean_us: float
+
+    _fields_ = [
+        ("reference", c_uint64),
+        ("simulated", c_uint64),
+        ("matched", c_uint64),
+        ("missing", c_uint64),
+        ("spurious", c_uint64),
+        ("mismatch_percent", c_double),
+        ("dt_median_us", c_double),
+        ("dt_p95_us", c_double),
+        ("dt_p99_us", c_double),
+        ("dt_max_us", c_double),
+        ("dt_mean_us", c_double),
+    ]
+
+
+class tides_metrics_options(Structure):
+    """uint32_t size; /* sizeof this struct */
+    uint32_t wanted; /* TIDES_METRIC_* */
+    int32_t width, height; /* sensor [px]; 0, 0: as large as the events need */
+    int32_t roi[4]; /* x, y, width, height [px]: only events in it, coordinates from its corner; width 0: all */
+    int64_t start_ns, stop_ns; /* only events in [start, stop); equal: from the first event of both to the last, whole ticks */
+    int64_t tick_ns; /* times are floored to this clock (but for `match`); 0: as they are */
+    double isi_floor_s; /* shorter intervals count as this, > 0 */
+    double clock_s; /* ISI spike: period of a known clock; 0: find the spikes */
+    double fano_bin_s[TIDES_FANO_BINS];
+    int32_t fano_tile_px; /* edge of the tiles of Fano error and Same-ts, > 0 */
+    int32_t fano_events_min; /* tiles with fewer events than this, in either stream, are left out */
+    double fano_epsilon; /* added to both Fano factors before the logarithm, > 0 */
+    double speed_px_per_s; /* Chamfer: v; 0: from the reference */
+    double window_s; /* Chamfer: events of one window are compared */
+    double cell_px; /* Chamfer: edge of the cells of which each keeps one point */
+    double victor_purpura_per_s; /* cost of shifting an event by a second; adding or removing one costs 1 */
+    double van_rossum_s; /* time constant of the filter */
+    double difference_limit_s; /* time difference: longer ones, and missing events, count as this */
+    double kernel_px, kernel_s; /* standard deviations of the Gaussian kernel */
+    double match_limit_s; /* as limit_s of tides_match_events */
+    """
+
+    size: int
+    wanted: int
+    width: int
+    height: int
+    roi: Any
+    start_ns: int
+    stop_ns: int
+    tick_ns: int
+    isi_floor_s: float
+    clock_s: float
+    fano_bin_s: Any
+    fano_tile_px: int
+    fano_events_min: int
+    fano_epsilon: float
+    speed_px_per_s: float
+    window_s: float
+    cell_px: float
+    victor_purpura_per_s: float
+    van_rossum_s: float
+    difference_limit_s: float
+    kernel_px: float
+    kernel_s: float
+    match_limit_s: float
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("wanted", c_uint32),
+        ("width", c_int32),
+        ("height", c_int32),
+        ("roi", c_int32 * 4),
+        ("start_ns", c_int64),
+        ("stop_ns", c_int64),
+        ("tick_ns", c_int64),
+        ("isi_floor_s", c_double),
+        ("clock_s", c_double),
+        ("fano_bin_s", c_double * 3),
+        ("fano_tile_px", c_int32),
+        ("fano_events_min", c_int32),
+        ("fano_epsilon", c_double),
+        ("speed_px_per_s", c_double),
+        ("window_s", c_double),
+        ("cell_px", c_double),
+        ("victor_purpura_per_s", c_double),
+        ("van_rossum_s", c_double),
+        ("difference_limit_s", c_double),
+        ("kernel_px", c_double),
+        ("kernel_s", c_double),
+        ("match_limit_s", c_double),
+    ]
+
+
+class tides_interval_fit(Structure):
+    """uint64_t count, floored; /* intervals; those shorter than the floor */
+    double mean_s, shape_s; /* NaN without intervals */
+    """
+
+    count: int
+    floored: int
+    mean_s: float
+    shape_s: float
+
+    _fields_ = [
+        ("count", c_uint64),
+        ("floored", c_uint64),
+        ("mean_s", c_double),
+        ("shape_s", c_double),
+    ]
+
+
+class tides_stream_metrics(Structure):
+    """uint64_t events; /* in the interval and region */
+    double on_fraction; /* ON events / events */
+    tides_interval_fit intervals[TIDES_PAIRS];
+    double isi_spike; /* fraction of intervals (any) of at most 1 us or on a clock: lib/metrics/isi_spike.c */
+    double same_time; /* fraction of events that share their tick with another event of the sensor */
+    double same_time_tile; /* of their tile */
+    double fano[TIDES_FANO_BINS]; /* mean Fano factor (variance / mean of the bins' counts) over the compared tiles */
+    double van_rossum_norm; /* squared van Rossum distance from no events at all, summed like van_rossum */
+    """
+
+    events: int
+    on_fraction: float
+    intervals: Any
+    isi_spike: float
+    same_time: float
+    same_time_tile: float
+    fano: Any
+    van_rossum_norm: float
+
+    _fields_ = [
+        ("events", c_uint64),
+        ("on_fraction", c_double),
+        ("intervals", tides_interval_fit * 3),
+        ("isi_spike", c_double),
+        ("same_time", c_double),
+        ("same_time_tile", c_double),
+        ("fano", c_double * 3),
+        ("van_rossum_norm", c_double),
+    ]
+
+
+class tides_metrics(Structure):
+    """uint32_t computed; /* TIDES_METRIC_*: the rest is NaN and 0 */
+    int32_t width, height; /* [px] of the sensor, or of the region of interest */
+    int64_t start_ns, stop_ns; /* the interval */
+    tides_stream_metrics reference, simulated;
+    double count_ratio; /* simulated / reference events */
+    double count_correlation; /* Pearson's, of events per pixel; NaN where either stream has the same count everywhere */
+    /* Negative log-likelihood of the reference's intervals [nats per interval, tau in seconds] under the fit to the simulated
+    * ones, and under their own fit; excess is the difference: the Kullback-Leibler divergence of the fits, free of units, not
+    * negative. NaN under 2 simulated intervals or 1 of the reference. Blind to batching shorter than the intervals. */
+    double ig_nll[TIDES_PAIRS], ig_nll_self[TIDES_PAIRS], ig_nll_excess[TIDES_PAIRS];
+    double isi_w1; /* Wasserstein-1 distance of log10 intervals (any) [decades] */
+    double fano_error[TIDES_FANO_BINS]; /* mean |ln((F_simulated + epsilon) / (F_reference + epsilon))| over the tiles */
+    uint64_t fano_tiles[TIDES_FANO_BINS]; /* tiles compared */
+    double fano_coverage[TIDES_FANO_BINS]; /* of the reference's tiles with enough events */
+    /* Events as points (x, y, v t), each polarity and window by itself, one point per cell (the mean of its events);
+    * distances to the nearest point of the other stream, at most chamfer_limit_px; C = (mean + mean) / 2, averaged over the
+    * terms with their numbers of points. A term with one stream empty counts as the limit. */
+    double speed_px_per_s; /* v: given, or 1 / median time to the latest event of the 4-neighbours and polarity within 50 ms */
+    double chamfer_px;
+    double chamfer_fraction; /* of the diagonal */
+    double chamfer_limit_px; /* min(v window, diagonal) */
+    double chamfer_to_simulated_px, chamfer_to_reference_px; /* means of all points of the reference, of the simulated stream */
+    uint64_t chamfer_terms, chamfer_one_sided;
+    /* Spike-train distances between the trains of each pixel and polarity, summed. */
+    double victor_purpura; /* least cost of turning one train into the other */
+    double victor_purpura_fraction; /* of the cost of removing and adding everything: 0 identical, 1 nothing near */
+    double van_rossum; /* squared: sum of w_i w_j exp(-|t_i - t_j| / tau), w = 1 and -1 */
+    double van_rossum_fraction; /* of the two norms' sum: 0 identical, 1 nothing near */
+    double time_difference_us; /* mean over the reference's events (V2CE, stage 2), at most difference_limit_s */
+    uint64_t time_difference_over; /* events with a longer one, or with none */
+    double kernel_distance; /* squared distance of the streams under the Gaussian kernel, polarity as sign */
+    tides_match match;
+    """
+
+    computed: int
+    width: int
+    height: int
+    start_ns: int
+    stop_ns: int
+    reference: tides_stream_metrics
+    simulated: tides_stream_metrics
+    count_ratio: float
+    count_correlation: float
+    ig_nll: Any
+    ig_nll_self: Any
+    ig_nll_excess: Any
+    isi_w1: float
+    fano_error: Any
+    fano_tiles: Any
+    fano_coverage: Any
+    speed_px_per_s: float
+    chamfer_px: float
+    chamfer_fraction: float
+    chamfer_limit_px: float
+    chamfer_to_simulated_px: float
+    chamfer_to_reference_px: float
+    chamfer_terms: int
+    chamfer_one_sided: int
+    victor_purpura: float
+    victor_purpura_fraction: float
+    van_rossum: float
+    van_rossum_fraction: float
+    time_difference_us: float
+    time_difference_over: int
+    kernel_distance: float
+    match: tides_match
+
+    _fields_ = [
+        ("computed", c_uint32),
+        ("width", c_int32),
+        ("height", c_int32),
+        ("start_ns", c_int64),
+        ("stop_ns", c_int64),
+        ("reference", tides_stream_metrics),
+        ("simulated", tides_stream_metrics),
+        ("count_ratio", c_double),
+        ("count_correlation", c_double),
+        ("ig_nll", c_double * 3),
+        ("ig_nll_self", c_double * 3),
+        ("ig_nll_excess", c_double * 3),
+        ("isi_w1", c_double),
+        ("fano_error", c_double * 3),
+        ("fano_tiles", c_uint64 * 3),
+        ("fano_coverage", c_double * 3),
+        ("speed_px_per_s", c_double),
+        ("chamfer_px", c_double),
+        ("chamfer_fraction", c_double),
+        ("chamfer_limit_px", c_double),
+        ("chamfer_to_simulated_px", c_double),
+        ("chamfer_to_reference_px", c_double),
+        ("chamfer_terms", c_uint64),
+        ("chamfer_one_sided", c_uint64),
+        ("victor_purpura", c_double),
+        ("victor_purpura_fraction", c_double),
+        ("van_rossum", c_double),
+        ("van_rossum_fraction", c_double),
+        ("time_difference_us", c_double),
+        ("time_difference_over", c_uint64),
+        ("kernel_distance", c_double),
+        ("match", tides_match),
+    ]
+
+
+class tides_voxel_options(Structure):
+    """uint32_t size; /* sizeof this struct */
+    int32_t bins; /* 1 to 4096 */
+    int32_t normalise; /* TIDES_NORMALISE_* */
+    int64_t start_ns,
+    stop_ns; /* times of the first and last bin, events outside are left out; equal: of the first and last event */
+    """
+
+    size: int
+    bins: int
+    normalise: int
+    start_ns: int
+    stop_ns: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("bins", c_int32),
+        ("normalise", c_int32),
+        ("start_ns", c_int64),
+        ("stop_ns", c_int64),
+    ]
+
+
+class tides_array_shape(Structure):
+    """const char *name;
+    int32_t planes, height, width;
+    const char *const *plane_names;
+    """
+
+    name: bytes | None
+    planes: int
+    height: int
+    width: int
+    plane_names: Any
+
+    _fields_ = [
+        ("name", c_char_p),
+        ("planes", c_int32),
+        ("height", c_int32),
+        ("width", c_int32),
+        ("plane_names", P(c_char_p)),
+    ]
+
+
+class tides_param(Structure):
+    """const char *key; /* "sensor.threshold_on" */
+    int32_t type; /* TIDES_PARAM_* */
+    const char *unit; /* "log units", or "" */
+    double lower, upper; /* inclusive bounds of numbers; 0 and 0 for the rest */
+    const char *fallback; /* default as JSON text; NULL: required */
+    const char *choices; /* "smooth|inria|gsplat", or NULL */
+    const char *sentence; /* what it does */
+    int32_t available; /* 0: part of the contract, but this version only takes the default */
+    """
+
+    key: bytes | None
+    type: int
+    unit: bytes | None
+    lower: float
+    upper: float
+    fallback: bytes | None
+    choices: bytes | None
+    sentence: bytes | None
+    available: int
+
+    _fields_ = [
+        ("key", c_char_p),
+        ("type", c_int32),
+        ("unit", c_char_p),
+        ("lower", c_double),
+        ("upper", c_double),
+        ("fallback", c_char_p),
+        ("choices", c_char_p),
+        ("sentence", c_char_p),
+        ("available", c_int32),
+    ]
+
+
+class tides_run_values(Structure):
+    """tides_intrinsics intrinsics; /* zeros where neither given nor yet taken from the path file */
+    tides_image_params image;
+    tides_sensor sensor;
+    tides_stepping stepping;
+    tides_readout readout;
+    double start, stop;
+    const char *scene_file, *camera_file, *device, *seed, *method;
+    const char *json; /* the run with every default filled in, as written into event files */
+    """
+
+    intrinsics: tides_intrinsics
+    image: tides_image_params
+    sensor: tides_sensor
+    stepping: tides_stepping
+    readout: tides_readout
+    start: float
+    stop: float
+    scene_file: bytes | None
+    camera_file: bytes | None
+    device: bytes | None
+    seed: bytes | None
+    method: bytes | None
+    json: bytes | None
+
+    _fields_ = [
+        ("intrinsics", tides_intrinsics),
+        ("image", tides_image_params),
+        ("sensor", tides_sensor),
+        ("stepping", tides_stepping),
+        ("readout", tides_readout),
+        ("start", c_double),
+        ("stop", c_double),
+        ("scene_file", c_char_p),
+        ("camera_file", c_char_p),
+        ("device", c_char_p),
+        ("seed", c_char_p),
+        ("method", c_char_p),
+        ("json", c_char_p),
+    ]
+
+
+# name: (type of the result, types of the arguments)
+FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
+    # void tides_animation_abandon(tides_animation *animation)
+    "tides_animation_abandon": (None, [P(tides_animation)]),
+    # tides_status tides_animation_append(tides_animation *animation, const uint8_t *rgb, tides_error *error)
+    "tides_animation_append": (c_int32, [P(tides_animation), P(c_uint8), P(tides_error)]),
+    # tides_status tides_animation_finish(tides_animation *animation, tides_error *error)
+    "tides_animation_finish": (c_int32, [P(tides_animation), P(tides_error)]),
+    # tides_status tides_animation_open(const char *path, int32_t width, int32_t height, double pictures_per_second,
+    # tides_animation **animation, tides_error *error)
+    "tides_animation_open": (c_int32, [c_char_p, c_int32, c_int32, c_double, P(P(tides_animation)), P(tides_error)]),
+    # tides_status tides_animation_stream(int32_t descriptor, int32_t width, int32_t height, double pictures_per_second,
+    # tides_animation **animation, tides_error *error)
+    "tides_animation_stream": (c_int32, [c_int32, c_int32, c_int32, c_double, P(P(tides_animation)), P(tides_error)]),
+    # tides_status tides_arbiter_activity(tides_arbiter *arbiter, const double *psi, tides_error *error)
+    "tides_arbiter_activity": (c_int32, [P(tides_arbiter), P(c_double), P(tides_error)]),
+    # tides_status tides_arbiter_create(const tides_readout *readout, int32_t width, int32_t height, uint64_t seed,
+    # tides_arbiter **arbiter, tides_error *error)
+    "tides_arbiter_create": (c_int32, [
+        P(tides_readout), c_int32, c_int32, c_uint64, P(P(tides_arbiter)), P(tides_error)
+    ]),
+    # void tides_arbiter_destroy(tides_arbiter *arbiter)
+    "tides_arbiter_destroy": (None, [P(tides_arbiter)]),
+    # tides_status tides_arbiter_finish(tides_arbiter *arbiter, tides_readout_sink sink, void *user, tides_error *error)
+    "tides_arbiter_finish": (c_int32, [P(tides_arbiter), tides_readout_sink, c_void_p, P(tides_error)]),
+    # tides_status tides_arbiter_push(tides_arbiter *arbiter, const tides_event *events, size_t count,
+    # tides_readout_sink sink, void *user, tides_error *error)
+    "tides_arbiter_push": (c_int32, [
+        P(tides_arbiter), P(tides_event), c_size_t, tides_readout_sink, c_void_p, P(tides_error)
+    ]),
+    # void tides_arbiter_stats(const tides_arbiter *arbiter, tides_readout_stats *stats)
+    "tides_arbiter_stats": (None, [P(tides_arbiter), P(tides_readout_stats)]),
+    # void tides_arbiter_tiles(const tides_arbiter *arbiter, int32_t *across, int32_t *down)
+    "tides_arbiter_tiles": (None, [P(tides_arbiter), P(c_int32), P(c_int32)]),
+    # void tides_array_writer_abandon(tides_array_writer *writer)
+    "tides_array_writer_abandon": (None, [P(tides_array_writer)]),
+    # tides_status tides_array_writer_append(tides_array_writer *writer, const double *array, int64_t start_ns, int64_t
+    # stop_ns, uint64_t events, tides_error *error)
+    "tides_array_writer_append": (c_int32, [
+        P(tides_array_writer), P(c_double), c_int64, c_int64, c_uint64, P(tides_error)
+    ]),
+    # tides_status tides_array_writer_finish(tides_array_writer *writer, tides_error *error)
+    "tides_array_writer_finish": (c_int32, [P(tides_array_writer), P(tides_error)]),
+    # tides_status tides_array_writer_open(const char *path, const tides_array_shape *shape, tides_array_writer
+    # **writer, tides_error *error)
+    "tides_array_writer_open": (c_int32, [c_char_p, P(tides_array_shape), P(P(tides_array_writer)), P(tides_error)]),
+    # const char *tides_channel_name(int32_t channel)
+    "tides_channel_name": (c_char_p, [c_int32]),
+    # void tides_device_close(tides_device *device)
+    "tides_device_close": (None, [P(tides_device)]),
+    # void tides_device_describe(const tides_device *device, tides_device_info *info)
+    "tides_device_describe": (None, [P(tides_device), P(tides_device_info)]),
+    # tides_status tides_device_list(tides_device_info *rows, int32_t capacity, int32_t *count, tides_error *error)
+    "tides_device_list": (c_int32, [P(tides_device_info), c_int32, P(c_int32), P(tides_error)]),
+    # tides_status tides_device_open(const char *spec, tides_device **device, tides_error *error)
+    "tides_device_open": (c_int32, [c_char_p, P(P(tides_device)), P(tides_error)]),
+    # void tides_event_conversion_defaults(tides_event_conversion *conversion)
+    "tides_event_conversion_defaults": (None, [P(tides_event_conversion)]),
+    # int32_t tides_event_format_at(size_t index, tides_event_format *format)
+    "tides_event_format_at": (c_int32, [c_size_t, P(tides_event_format)]),
+    # tides_status tides_event_frame(const tides_event *events, size_t count, int32_t width, int32_t height, double
+    # *frame, tides_error *error)
+    "tides_event_frame": (c_int32, [P(tides_event), c_size_t, c_int32, c_int32, P(c_double), P(tides_error)]),
+    # void tides_event_reader_close(tides_event_reader *reader)
+    "tides_event_reader_close": (None, [P(tides_event_reader)]),
+    # void tides_event_reader_facts(const tides_event_reader *reader, tides_event_facts *facts)
+    "tides_event_reader_facts": (None, [P(tides_event_reader), P(tides_event_facts)]),
+    # tides_status tides_event_reader_open(const char *path, const char *format, tides_event_reader **reader,
+    # tides_error *error)
+    "tides_event_reader_open": (c_int32, [c_char_p, c_char_p, P(P(tides_event_reader)), P(tides_error)]),
+    # tides_status tides_event_reader_read(tides_event_reader *reader, tides_event *events, size_t capacity, size_t
+    # *got, tides_error *error)
+    "tides_event_reader_read": (c_int32, [
+        P(tides_event_reader), P(tides_event), c_size_t, P(c_size_t), P(tides_error)
+    ]),
+    # void tides_event_writer_abandon(tides_event_writer *writer)
+    "tides_event_writer_abandon": (None, [P(tides_event_writer)]),
+    # tides_status tides_event_writer_append(tides_event_writer *writer, const tides_event *events, size_t count,
+    # tides_error *error)
+    "tides_event_writer_append": (c_int32, [P(tides_event_writer), P(tides_event), c_size_t, P(tides_error)]),
+    # int32_t tides_event_writer_can_resume(const char *path)
+    "tides_event_writer_can_resume": (c_int32, [c_char_p]),
+    # uint64_t tides_event_writer_collapsed(const tides_event_writer *writer)
+    "tides_event_writer_collapsed": (c_uint64, [P(tides_event_writer)]),
+    # uint64_t tides_event_writer_count(const tides_event_writer *writer)
+    "tides_event_writer_count": (c_uint64, [P(tides_event_writer)]),
+    # tides_status tides_event_writer_finish(tides_event_writer *writer, int64_t stop_ns, tides_error *error)
+    "tides_event_writer_finish": (c_int32, [P(tides_event_writer), c_int64, P(tides_error)]),
+    # tides_status tides_event_writer_flush(tides_event_writer *writer, tides_error *error)
+    "tides_event_writer_flush": (c_int32, [P(tides_event_writer), P(tides_error)]),
+    # tides_status tides_event_writer_open(const char *path, const tides_event_file *file, tides_event_writer **writer,
+    # tides_error *error)
+    "tides_event_writer_open": (c_int32, [c_char_p, P(tides_event_file), P(P(tides_event_writer)), P(tides_error)]),
+    # tides_status tides_event_writer_open_as(const char *path, const char *format, const tides_event_file *file,
+    # tides_event_writer **writer, tides_error *error)
+    "tides_event_writer_open_as": (c_int32, [
+        c_char_p, c_char_p, P(tides_event_file), P(P(tides_event_writer)), P(tides_error)
+    ]),
+    # tides_status tides_event_writer_resume(const char *path, const tides_event_file *file, uint64_t count,
+    # tides_event_writer **writer, tides_error *error)
+    "tides_event_writer_resume": (c_int32, [
+        c_char_p, P(tides_event_file), c_uint64, P(P(tides_event_writer)), P(tides_error)
+    ]),
+    # tides_status tides_events_causes(const char *path, uint64_t first, size_t count, tides_event *events, tides_error
+    # *error)
+    "tides_events_causes": (c_int32, [c_char_p, c_uint64, c_size_t, P(tides_event), P(tides_error)]),
+    # tides_status tides_events_convert(const char *in, const char *out, const tides_event_conversion *conversion,
+    # tides_progress progress, void *user, tides_event_conversion_report *report, tides_error *error)
+    "tides_events_convert": (c_int32, [
+        c_char_p, c_char_p, P(tides_event_conversion), tides_progress, c_void_p, P(tides_event_conversion_report),
+        P(tides_error)
+    ]),
+    # tides_status tides_events_read(const char *path, uint64_t first, size_t count, tides_event *events, size_t *got,
+    # tides_error *error)
+    "tides_events_read": (c_int32, [c_char_p, c_uint64, c_size_t, P(tides_event), P(c_size_t), P(tides_error)]),
+    # tides_status tides_events_summary(const char *path, tides_event_summary *summary, tides_error *error)
+    "tides_events_summary": (c_int32, [c_char_p, P(tides_event_summary), P(tides_error)]),
+    # void tides_exr_destroy(tides_exr *exr)
+    "tides_exr_destroy": (None, [P(tides_exr)]),
+    # const char *tides_exr_name(const tides_exr *exr, int32_t channel)
+    "tides_exr_name": (c_char_p, [P(tides_exr), c_int32]),
+    # const float *tides_exr_pixels(const tides_exr *exr, int32_t channel)
+    "tides_exr_pixels": (P(c_float), [P(tides_exr), c_int32]),
+    # tides_status tides_exr_read(const char *path, tides_exr **exr, tides_error *error)
+    "tides_exr_read": (c_int32, [c_char_p, P(P(tides_exr)), P(tides_error)]),
+    # void tides_exr_size(const tides_exr *exr, int32_t *width, int32_t *height, int32_t *channels)
+    "tides_exr_size": (None, [P(tides_exr), P(c_int32), P(c_int32), P(c_int32)]),
+    # tides_status tides_exr_write(const char *path, int32_t width, int32_t height, const tides_channel *channels,
+    # int32_t count, int32_t compression, const char *const *attributes, tides_error *error)
+    "tides_exr_write": (c_int32, [
+        c_char_p, c_int32, c_int32, P(tides_channel), c_int32, c_int32, P(c_char_p), P(tides_error)
+    ]),
+    # void tides_free(void *memory)
+    "tides_free": (None, [c_void_p]),
+    # tides_status tides_generate(const char *kind, const tides_generate_options *options, tides_world *world,
+    # tides_error *error)
+    "tides_generate": (c_int32, [c_char_p, P(tides_generate_options), P(tides_world), P(tides_error)]),
+    # void tides_generate_options_defaults(tides_generate_options *options)
+    "tides_generate_options_defaults": (None, [P(tides_generate_options)]),
+    # const tides_generator *tides_generators(size_t *count)
+    "tides_generators": (P(tides_generator), [P(c_size_t)]),
+    # void tides_image_params_defaults(tides_image_params *params)
+    "tides_image_params_defaults": (None, [P(tides_image_params)]),
+    # tides_status tides_match_events(const tides_event *reference, size_t reference_count, const tides_event
+    # *simulated, size_t simulated_count, double limit_s, tides_match *match, tides_error *error)
+    "tides_match_events": (c_int32, [
+        P(tides_event), c_size_t, P(tides_event), c_size_t, c_double, P(tides_match), P(tides_error)
+    ]),
+    # tides_status tides_metrics_compare(const tides_event *reference, size_t reference_count, const tides_event
+    # *simulated, size_t simulated_count, const tides_metrics_options *options, tides_progress progress, void *user,
+    # tides_metrics *metrics, tides_error *error)
+    "tides_metrics_compare": (c_int32, [
+        P(tides_event), c_size_t, P(tides_event), c_size_t, P(tides_metrics_options), tides_progress, c_void_p,
+        P(tides_metrics), P(tides_error)
+    ]),
+    # void tides_metrics_options_defaults(tides_metrics_options *options)
+    "tides_metrics_options_defaults": (None, [P(tides_metrics_options)]),
+    # tides_status tides_motion_create_callback(const tides_callback_motion *callback, tides_motion **motion,
+    # tides_error *error)
+    "tides_motion_create_callback": (c_int32, [P(tides_callback_motion), P(P(tides_motion)), P(tides_error)]),
+    # tides_status tides_motion_create_keyframes(const tides_keyframes_motion *arrays, tides_motion **motion,
+    # tides_error *error)
+    "tides_motion_create_keyframes": (c_int32, [P(tides_keyframes_motion), P(P(tides_motion)), P(tides_error)]),
+    # tides_status tides_motion_create_polynomial(const tides_polynomial_motion *arrays, tides_motion **motion,
+    # tides_error *error)
+    "tides_motion_create_polynomial": (c_int32, [P(tides_polynomial_motion), P(P(tides_motion)), P(tides_error)]),
+    # tides_status tides_motion_create_rotor(const tides_rotor_motion *arrays, tides_motion **motion, tides_error
+    # *error)
+    "tides_motion_create_rotor": (c_int32, [P(tides_rotor_motion), P(P(tides_motion)), P(tides_error)]),
+    # void tides_motion_destroy(tides_motion *motion)
+    "tides_motion_destroy": (None, [P(tides_motion)]),
+    # uint64_t tides_motion_knots(const tides_motion *motion)
+    "tides_motion_knots": (c_uint64, [P(tides_motion)]),
+    # const char *tides_motion_model(const tides_motion *motion)
+    "tides_motion_model": (c_char_p, [P(tides_motion)]),
+    # int64_t tides_motion_moving(const tides_motion *motion, const tides_gaussians *gaussians)
+    "tides_motion_moving": (c_int64, [P(tides_motion), P(tides_gaussians)]),
+    # void tides_motion_range(const tides_motion *motion, double *start, double *stop)
+    "tides_motion_range": (None, [P(tides_motion), P(c_double), P(c_double)]),
+    # const tides_param *tides_params(size_t *count)
+    "tides_params": (P(tides_param), [P(c_size_t)]),
+    # tides_status tides_path_load(const char *file, const tides_path_options *options, tides_path *path, tides_error
+    # *error)
+    "tides_path_load": (c_int32, [c_char_p, P(tides_path_options), P(tides_path), P(tides_error)]),
+    # void tides_path_options_defaults(tides_path_options *options)
+    "tides_path_options_defaults": (None, [P(tides_path_options)]),
+    # tides_status tides_path_save(const char *file, const tides_trajectory *trajectory, const tides_intrinsics
+    # *intrinsics, tides_error *error)
+    "tides_path_save": (c_int32, [c_char_p, P(tides_trajectory), P(tides_intrinsics), P(tides_error)]),
+    # void tides_picture_events(const tides_event *events, size_t count, const double *base, int32_t width, int32_t
+    # height, uint8_t *rgb)
+    "tides_picture_events": (None, [P(tides_event), c_size_t, P(c_double), c_int32, c_int32, P(c_uint8)]),
+    # void tides_picture_grey(const double *values, int32_t width, int32_t height, double white, uint8_t *rgb)
+    "tides_picture_grey": (None, [P(c_double), c_int32, c_int32, c_double, P(c_uint8)]),
+    # void tides_picture_rgb(const double *r, const double *g, const double *b, int32_t width, int32_t height, uint8_t
+    # *rgb)
+    "tides_picture_rgb": (None, [P(c_double), P(c_double), P(c_double), c_int32, c_int32, P(c_uint8)]),
+    # void tides_picture_signed(const double *values, int32_t width, int32_t height, double limit, uint8_t *rgb)
+    "tides_picture_signed": (None, [P(c_double), c_int32, c_int32, c_double, P(c_uint8)]),
+    # void tides_picture_text(uint8_t *rgb, int32_t width, int32_t height, int32_t x, int32_t y, int32_t scale, const
+    # uint8_t colour[3], const char *text)
+    "tides_picture_text": (None, [P(c_uint8), c_int32, c_int32, c_int32, c_int32, c_int32, P(c_uint8), c_char_p]),
+    # tides_status tides_png_write(const char *path, int32_t width, int32_t height, const uint8_t *rgb, tides_error
+    # *error)
+    "tides_png_write": (c_int32, [c_char_p, c_int32, c_int32, P(c_uint8), P(tides_error)]),
+    # void tides_readout_defaults(tides_readout *readout)
+    "tides_readout_defaults": (None, [P(tides_readout)]),
+    # tides_status tides_renderer_create(tides_device *device, const tides_scene *scene, const tides_intrinsics
+    # *intrinsics, const tides_image_params *params, tides_progress progress, void *user, tides_renderer **renderer,
+    # tides_error *error)
+    "tides_renderer_create": (c_int32, [
+        P(tides_device), P(tides_scene), P(tides_intrinsics), P(tides_image_params), tides_progress, c_void_p,
+        P(P(tides_renderer)), P(tides_error)
+    ]),
+    # void tides_renderer_destroy(tides_renderer *renderer)
+    "tides_renderer_destroy": (None, [P(tides_renderer)]),
+    # tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time, const
+    # tides_frame *frame, tides_error *error)
+    "tides_renderer_frame": (c_int32, [
+        P(tides_renderer), P(tides_trajectory), c_double, P(tides_frame), P(tides_error)
+    ]),
+    # void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *stats)
+    "tides_renderer_stats": (None, [P(tides_renderer), P(tides_render_stats)]),
+    # void tides_run_destroy(tides_run *run)
+    "tides_run_destroy": (None, [P(tides_run)]),
+    # void tides_run_get(const tides_run *run, tides_run_values *values)
+    "tides_run_get": (None, [P(tides_run), P(tides_run_values)]),
+    # tides_status tides_run_load(const char *file, const char *const *overrides, size_t count, tides_run **run,
+    # tides_error *error)
+    "tides_run_load": (c_int32, [c_char_p, P(c_char_p), c_size_t, P(P(tides_run)), P(tides_error)]),
+    # tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera, tides_intrinsics
+    # *intrinsics, tides_error *error)
+    "tides_run_open": (c_int32, [
+        P(tides_run), P(P(tides_scene)), P(P(tides_trajectory)), P(tides_intrinsics), P(tides_error)
+    ]),
+    # tides_status tides_run_parse(const char *text, const char *directory, const char *const *overrides, size_t count,
+    # tides_run **run, tides_error *error)
+    "tides_run_parse": (c_int32, [c_char_p, c_char_p, P(c_char_p), c_size_t, P(P(tides_run)), P(tides_error)]),
+    # tides_status tides_run_template(const char *scene_file, const char *camera_file, char **text, tides_error *error)
+    "tides_run_template": (c_int32, [c_char_p, c_char_p, P(c_char_p), P(tides_error)]),
+    # tides_status tides_scene_add(tides_scene *scene, const tides_gaussians *gaussians, const tides_trajectory
+    # *trajectory, double scale, const char *name, int32_t *index, tides_error *error)
+    "tides_scene_add": (c_int32, [
+        P(tides_scene), P(tides_gaussians), P(tides_trajectory), c_double, c_char_p, P(c_int32), P(tides_error)
+    ]),
+    # tides_status tides_scene_add_file(tides_scene *scene, const char *file, const tides_trajectory *trajectory, double
+    # scale, tides_error *error)
+    "tides_scene_add_file": (c_int32, [P(tides_scene), c_char_p, P(tides_trajectory), c_double, P(tides_error)]),
+    # tides_status tides_scene_add_moving(tides_scene *scene, const tides_gaussians *gaussians, tides_motion *motion,
+    # double duration_s, const tides_trajectory *trajectory, double scale, const char *name, int32_t *index, tides_error
+    # *error)
+    "tides_scene_add_moving": (c_int32, [
+        P(tides_scene), P(tides_gaussians), P(tides_motion), c_double, P(tides_trajectory), c_double, c_char_p,
+        P(c_int32), P(tides_error)
+    ]),
+    # void tides_scene_bounds(const tides_scene *scene, double lower[3], double upper[3])
+    "tides_scene_bounds": (None, [P(tides_scene), P(c_double), P(c_double)]),
+    # tides_status tides_scene_bounds_at(const tides_scene *scene, double time, double lower[3], double upper[3],
+    # tides_error *error)
+    "tides_scene_bounds_at": (c_int32, [P(tides_scene), c_double, P(c_double), P(c_double), P(tides_error)]),
+    # int64_t tides_scene_count(const tides_scene *scene)
+    "tides_scene_count": (c_int64, [P(tides_scene)]),
+    # tides_status tides_scene_create(tides_scene **scene, tides_error *error)
+    "tides_scene_create": (c_int32, [P(P(tides_scene)), P(tides_error)]),
+    # void tides_scene_destroy(tides_scene *scene)
+    "tides_scene_destroy": (None, [P(tides_scene)]),
+    # int32_t tides_scene_is_file(const char *file)
+    "tides_scene_is_file": (c_int32, [c_char_p]),
+    # tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_object *object, tides_error *error)
+    "tides_scene_object": (c_int32, [P(tides_scene), c_int32, P(tides_object), P(tides_error)]),
+    # int32_t tides_scene_objects(const tides_scene *scene)
+    "tides_scene_objects": (c_int32, [P(tides_scene)]),
+    # void tides_scene_range(const tides_scene *scene, double *start, double *stop)
+    "tides_scene_range": (None, [P(tides_scene), P(c_double), P(c_double)]),
+    # tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_error *error)
+    "tides_scene_save": (c_int32, [P(tides_scene), c_char_p, P(tides_error)]),
+    # int32_t tides_scene_set_duration(tides_scene *scene, double duration_s)
+    "tides_scene_set_duration": (c_int32, [P(tides_scene), c_double]),
+    # int32_t tides_scene_sh_degree(const tides_scene *scene)
+    "tides_scene_sh_degree": (c_int32, [P(tides_scene)]),
+    # void tides_sensor_defaults(tides_sensor *sensor)
+    "tides_sensor_defaults": (None, [P(tides_sensor)]),
+    # tides_status tides_simulator_create( tides_device *device, const tides_scene *scene, const tides_trajectory
+    # *camera, const tides_intrinsics *intrinsics, const tides_image_params *image, const tides_sensor *sensor, const
+    # tides_stepping *stepping, double start, double stop, tides_progress progress, void *user, tides_simulator
+    # **simulator, tides_error *error)
+    "tides_simulator_create": (c_int32, [
+        P(tides_device), P(tides_scene), P(tides_trajectory), P(tides_intrinsics), P(tides_image_params),
+        P(tides_sensor), P(tides_stepping), c_double, c_double, tides_progress, c_void_p, P(P(tides_simulator)),
+        P(tides_error)
+    ]),
+    # void tides_simulator_destroy(tides_simulator *simulator)
+    "tides_simulator_destroy": (None, [P(tides_simulator)]),
+    # const int64_t *tides_simulator_fired(const tides_simulator *simulator)
+    "tides_simulator_fired": (P(c_int64), [P(tides_simulator)]),
+    # tides_status tides_simulator_readout(tides_simulator *simulator, const tides_readout *readout, tides_error *error)
+    "tides_simulator_readout": (c_int32, [P(tides_simulator), P(tides_readout), P(tides_error)]),
+    # tides_status tides_simulator_restore(tides_simulator *simulator, const char *run, const char *path, tides_error
+    # *error)
+    "tides_simulator_restore": (c_int32, [P(tides_simulator), c_char_p, c_char_p, P(tides_error)]),
+    # tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink, void *sink_user,
+    # tides_progress progress, void *user, tides_error *error)
+    "tides_simulator_run": (c_int32, [
+        P(tides_simulator), c_double, tides_event_sink, c_void_p, tides_progress, c_void_p, P(tides_error)
+    ]),
+    # tides_status tides_simulator_save(const tides_simulator *simulator, const char *run, const char *path, tides_error
+    # *error)
+    "tides_simulator_save": (c_int32, [P(tides_simulator), c_char_p, c_char_p, P(tides_error)]),
+    # void tides_simulator_state(const tides_simulator *simulator, double *signal, double *reference, uint32_t
+    # *count_on, uint32_t *count_off)
+    "tides_simulator_state": (None, [P(tides_simulator), P(c_double), P(c_double), P(c_uint32), P(c_uint32)]),
+    # void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats)
+    "tides_simulator_stats": (None, [P(tides_simulator), P(tides_stats)]),
+    # const char *tides_status_name(tides_status status)
+    "tides_status_name": (c_char_p, [c_int32]),
+    # const char *tides_status_text(tides_status status)
+    "tides_status_text": (c_char_p, [c_int32]),
+    # void tides_stepping_defaults(tides_stepping *stepping)
+    "tides_stepping_defaults": (None, [P(tides_stepping)]),
+    # tides_status tides_time_surface(const tides_event *events, size_t count, int32_t width, int32_t height, int64_t
+    # time_ns, double decay_s, double *surface, tides_error *error)
+    "tides_time_surface": (c_int32, [
+        P(tides_event), c_size_t, c_int32, c_int32, c_int64, c_double, P(c_double), P(tides_error)
+    ]),
+    # tides_status tides_trajectory_at(const tides_trajectory *trajectory, double time, tides_pose *pose, tides_error
+    # *error)
+    "tides_trajectory_at": (c_int32, [P(tides_trajectory), c_double, P(tides_pose), P(tides_error)]),
+    # size_t tides_trajectory_count(const tides_trajectory *trajectory)
+    "tides_trajectory_count": (c_size_t, [P(tides_trajectory)]),
+    # tides_status tides_trajectory_create(const tides_pose_sample *samples, size_t count, tides_trajectory
+    # **trajectory, tides_error *error)
+    "tides_trajectory_create": (c_int32, [P(tides_pose_sample), c_size_t, P(P(tides_trajectory)), P(tides_error)]),
+    # tides_status tides_trajectory_create_dolly(const tides_dolly *dolly, tides_trajectory **trajectory, tides_error
+    # *error)
+    "tides_trajectory_create_dolly": (c_int32, [P(tides_dolly), P(P(tides_trajectory)), P(tides_error)]),
+    # tides_status tides_trajectory_create_handheld(const tides_handheld *handheld, tides_trajectory **trajectory,
+    # tides_error *error)
+    "tides_trajectory_create_handheld": (c_int32, [P(tides_handheld), P(P(tides_trajectory)), P(tides_error)]),
+    # tides_status tides_trajectory_create_orbit(const tides_orbit *orbit, tides_trajectory **trajectory, tides_error
+    # *error)
+    "tides_trajectory_create_orbit": (c_int32, [P(tides_orbit), P(P(tides_trajectory)), P(tides_error)]),
+    # tides_status tides_trajectory_create_static(const double position[3], const double quaternion[4], tides_trajectory
+    # **trajectory, tides_error *error)
+    "tides_trajectory_create_static": (c_int32, [P(c_double), P(c_double), P(P(tides_trajectory)), P(tides_error)]),
+    # void tides_trajectory_destroy(tides_trajectory *trajectory)
+    "tides_trajectory_destroy": (None, [P(tides_trajectory)]),
+    # int32_t tides_trajectory_is_static(const tides_trajectory *trajectory)
+    "tides_trajectory_is_static": (c_int32, [P(tides_trajectory)]),
+    # void tides_trajectory_range(const tides_trajectory *trajectory, double *start, double *stop)
+    "tides_trajectory_range": (None, [P(tides_trajectory), P(c_double), P(c_double)]),
+    # tides_status tides_trajectory_sample(const tides_trajectory *trajectory, size_t index, tides_pose_sample *sample,
+    # tides_error *error)
+    "tides_trajectory_sample": (c_int32, [P(tides_trajectory), c_size_t, P(tides_pose_sample), P(tides_error)]),
+    # const char *tides_version(void)
+    "tides_version": (c_char_p, []),
+    # tides_status tides_voxel_grid(const tides_event *events, size_t count, int32_t width, int32_t height, const
+    # tides_voxel_options *options, double *grid, tides_error *error)
+    "tides_voxel_grid": (c_int32, [
+        P(tides_event), c_size_t, c_int32, c_int32, P(tides_voxel_options), P(c_double), P(tides_error)
+    ]),
+    # void tides_voxel_options_defaults(tides_voxel_options *options, int32_t style)
+    "tides_voxel_options_defaults": (None, [P(tides_voxel_options), c_int32]),
+    # void tides_world_release(tides_world *world)
+    "tides_world_release": (None, [P(tides_world)]),
+}
+
+STRUCTS = (
+    tides_error, tides_device_info, tides_pose_sample, tides_pose, tides_orbit, tides_dolly, tides_handheld,
+    tides_polynomial_motion, tides_rotor_motion, tides_keyframes_motion, tides_theta, tides_callback_motion,
+    tides_gaussians, tides_object, tides_intrinsics, tides_path_options, tides_path, tides_generator,
+    tides_generate_options, tides_world, tides_smoothing, tides_image_params, tides_frame, tides_render_stats,
+    tides_circuit, tides_sensor, tides_event, tides_event_file, tides_event_format, tides_event_facts,
+    tides_event_summary, tides_event_conversion, tides_event_conversion_report, tides_readout, tides_readout_stats,
+    tides_risk, tides_stepping, tides_stats, tides_channel, tides_match, tides_metrics_options, tides_interval_fit,
+    tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_param, tides_run_values,
+)

@@ -1,0 +1,120 @@
+"""Calls into the library: errors become exceptions, exceptions in callbacks survive C, and numpy arrays become pointers."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import threading
+from typing import Any, Callable
+
+import numpy as np
+
+from . import _api, errors
+from ._library import lib
+
+_local = threading.local()
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGALRM, signal.SIGUSR1)  # whose handlers people let raise
+
+
+class _Signals:
+    """Python's handlers of signals, kept from raising in a callback of C.
+
+    A handler runs where the interpreter next looks, which while C works is the first instruction of a callback: before any
+    `try` of ours. What it raises there would be printed and lost. So it is caught, and raised when C has returned.
+    """
+
+    def __enter__(self) -> None:
+        self.replaced: list[tuple[int, Any]] = []
+        if threading.current_thread() is threading.main_thread():  # only there do handlers run
+            for number in _SIGNALS:
+                handler = signal.getsignal(number)
+                if callable(handler) and not isinstance(getattr(handler, "__self__", None), _Signals):
+                    self.replaced.append((number, handler))
+                    signal.signal(number, self._handle)
+
+    def _handle(self, number: int, frame: Any) -> None:
+        try:
+            dict(self.replaced)[number](number, frame)
+        except BaseException as raised:
+            _local.raised = raised
+
+    def __exit__(self, *_: Any) -> None:
+        for number, handler in self.replaced:
+            signal.signal(number, handler)
+
+
+def call(name: str, *arguments: Any) -> None:
+    """Calls a function that returns a tides_status and takes a tides_error last. What a callback or a signal's handler raised
+    meanwhile comes first: Ctrl-C is such a thing."""
+    error = _api.tides_error()
+    outer, _local.raised = getattr(_local, "raised", None), None
+    try:
+        with _Signals():
+            status = getattr(lib, name)(*arguments, error)
+        raised = _local.raised
+    finally:
+        _local.raised = outer
+    if raised is not None:
+        raise raised
+    if status != _api.TIDES_OK:
+        raise errors.make(status, text(lib.tides_status_name(status)), text(error.text))
+
+
+def pending() -> bool:
+    """Whether something is to be raised when C returns: work that can stop should."""
+    return getattr(_local, "raised", None) is not None
+
+
+def kept(function: Callable[..., int], stop: int) -> Callable[..., int]:
+    """A callback that never raises into C: the exception is kept for `call`, and `stop` is what C is told. It does its work while
+    a signal's exception is pending: events on their way to a sink would be lost."""
+
+    def guarded(*arguments: Any) -> int:
+        try:
+            return function(*arguments)
+        except BaseException as raised:
+            _local.raised = raised
+            return stop
+
+    return guarded
+
+
+def text(value: bytes | None) -> str:
+    return value.decode("utf-8", "replace") if value else ""
+
+
+def path(value: str | os.PathLike[str]) -> bytes:
+    return os.fsencode(value)
+
+
+def encoded(value: str | None) -> bytes | None:
+    return None if value is None else value.encode()
+
+
+def array(value: Any, dtype: Any, shape: tuple[int | None, ...], name: str) -> np.ndarray:
+    """`value` as a C-contiguous array, itself where it is one already; ValueError where the shape (None: any) is another."""
+    made = np.ascontiguousarray(value, dtype)
+    if made.ndim != len(shape) or any(want is not None and want != got for want, got in zip(shape, made.shape)):
+        wanted = " x ".join("n" if n is None else str(n) for n in shape)
+        raise ValueError(f"{name}: shape {made.shape}, where ({wanted}) is needed")
+    return made
+
+
+def pointer(values: np.ndarray, kind: Any) -> Any:
+    """A typed pointer to an array's first element. It keeps the array alive."""
+    return values.ctypes.data_as(ctypes.POINTER(kind))
+
+
+def doubles(values: Any, count: int, name: str) -> Any:
+    """A C array of `count` doubles."""
+    return (ctypes.c_double * count)(*array(values, np.float64, (count,), name))
+
+
+def nearest(name: str, names: Any) -> str:
+    """", did you mean ...?" where one of `names` is near."""
+    import difflib
+
+    found = difflib.get_close_matches(name, list(names), 1)
+    return f"; did you mean {found[0]!r}?" if found else ""

@@ -1,0 +1,120 @@
+"""Plain values: the C structs as Python objects with defaults, checked names, and words for enums; results as dicts."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+from . import _api
+from ._call import nearest, text
+from ._library import lib
+
+_HIDDEN = ("size", "reserved")
+
+
+class Facts(dict):
+    """A dict whose keys are attributes too: `stats["events"]` and `stats.events`."""
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self[name]
+        except KeyError:
+            raise AttributeError(f"no {name!r}{nearest(name, self)}") from None
+
+
+def _fields(struct: Any) -> list[tuple[str, Any]]:
+    """Names and types of a struct's fields, those that only C needs left out."""
+    return [(name, kind) for name, kind in struct._fields_ if name not in _HIDDEN]
+
+
+def plain(value: Any) -> Any:
+    """A struct as Facts, an array as a list, bytes as text; numbers as they are."""
+    if isinstance(value, ctypes.Structure):
+        return Facts({name: plain(getattr(value, name)) for name, _ in _fields(value)})
+    if isinstance(value, ctypes.Array):
+        return [plain(one) for one in value]
+    return text(value) if isinstance(value, bytes) else value
+
+
+def constants(prefix: str) -> dict[str, int]:
+    """The constants of an enum by their words: constants("TIDES_MODEL_") is {"linear": 0, ...}."""
+    names = (name for name in vars(_api) if name.startswith(prefix))
+    return {name[len(prefix) :].lower(): getattr(_api, name) for name in names}
+
+
+def choice(name: str, value: str | int, words: dict[str, int]) -> int:
+    """The number of a word. ValueError naming the words."""
+    if isinstance(value, str):
+        if value not in words:
+            raise ValueError(f"{name}: {value!r} is none of {', '.join(words)}{nearest(value, words)}")
+        return words[value]
+    if value not in words.values():
+        raise ValueError(f"{name}: {value} is none of {', '.join(f'{word} ({number})' for word, number in words.items())}")
+    return int(value)
+
+
+def _word_property(name: str, field: Any, words: dict[str, int]) -> property:
+    back = {number: word for word, number in words.items()}
+    return property(
+        lambda self: back.get(field.__get__(self), field.__get__(self)),
+        lambda self, value: field.__set__(self, choice(name, value, words)),
+    )
+
+
+def _list_property(field: Any) -> property:
+    return property(lambda self: tuple(field.__get__(self)), lambda self, value: field.__set__(self, tuple(value)))
+
+
+class Value:
+    """A struct of the library as a plain value: keyword arguments set fields, the rest have the library's defaults; unknown
+    names are refused; enums take and give their words ("hermite"); arrays are tuples. `==`, `copy()`, `to_dict()`."""
+
+    _defaults: str | None = None  # the C function that fills the struct
+    _words: dict[str, str] = {}  # field: prefix of its enum's constants
+
+    def __init_subclass__(cls, **more: Any):
+        super().__init_subclass__(**more)
+        for name, kind in _fields(cls):
+            if name in cls._words:
+                setattr(cls, name, _word_property(name, getattr(cls, name), constants(cls._words[name])))
+            elif issubclass(kind, ctypes.Array):
+                setattr(cls, name, _list_property(getattr(cls, name)))
+
+    def __init__(self, **fields: Any):
+        super().__init__()
+        if self._defaults:
+            getattr(lib, self._defaults)(self)
+        self.set(**fields)
+
+    def set(self, **fields: Any) -> Any:
+        """Sets fields by name; returns itself."""
+        for name, value in fields.items():
+            setattr(self, name, value)
+        return self
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        names = [field for field, _ in _fields(self)]
+        if name not in names:
+            raise AttributeError(f"{type(self).__name__} has no {name!r}{nearest(name, names)}")
+        super().__setattr__(name, value)
+
+    @classmethod
+    def _from(cls, struct: Any) -> Any:
+        """A copy of a struct of the same layout."""
+        made: Any = cls.__new__(cls)
+        ctypes.memmove(ctypes.addressof(made), ctypes.addressof(struct), ctypes.sizeof(made))
+        return made
+
+    def copy(self, **fields: Any) -> Any:
+        """The same value with some fields changed."""
+        return self._from(self).set(**fields)
+
+    def to_dict(self) -> Facts:
+        """The fields as a dict, enums as words."""
+        return Facts({name: plain(getattr(self, name)) for name, _ in _fields(self)})
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Value) and type(self) is type(other) and self.to_dict() == other.to_dict()
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self.to_dict().items())})"

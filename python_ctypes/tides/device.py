@@ -1,0 +1,61 @@
+"""Where the arithmetic runs."""
+
+from __future__ import annotations
+
+import threading
+from ctypes import POINTER, byref, c_int32
+
+from . import _api
+from ._call import call, encoded
+from ._handle import Handle
+from ._library import lib
+from ._values import Facts, constants, plain
+
+_KINDS = {number: word for word, number in constants("TIDES_DEVICE_").items() if word in ("cpu", "gpu", "other", "reference")}
+
+
+#: OpenCL drivers are loaded at the first call, and loaders (ocl-icd) and PoCL 3 aren't ready for two first calls at once: one
+#: finds no device, or crashes.
+_LOADING = threading.Lock()
+
+
+def _facts(info: _api.tides_device_info) -> Facts:
+    return Facts(plain(info), kind=_KINDS[info.kind])
+
+
+def devices() -> list[Facts]:
+    """The OpenCL devices: kind ("cpu", "gpu", "other"), index, name, platform, driver, compute_units, lanes, memory_bytes."""
+    count = c_int32()
+    with _LOADING:
+        call("tides_device_list", None, 0, byref(count))
+        rows = (_api.tides_device_info * max(1, count.value))()
+        call("tides_device_list", rows, count.value, byref(count))
+    return [_facts(row) for row in rows[: count.value]]
+
+
+class Device(Handle):
+    """An open device: Device() is TIDES_DEVICE's or the first GPU, else the first CPU; Device("cpu"), "gpu", "reference", an
+    index of `devices()`, a part of a name. NoDevice where nothing matches. One device serves one thread at a time."""
+
+    _destroy = "tides_device_close"
+
+    def __init__(self, spec: str | int | None = None):
+        made = POINTER(_api.tides_device)()
+        with _LOADING:
+            call("tides_device_open", encoded(None if spec is None else str(spec)), byref(made))
+        super().__init__(made)
+
+    @property
+    def facts(self) -> Facts:
+        """As a row of `devices()`."""
+        info = _api.tides_device_info()
+        lib.tides_device_describe(self._pointer, byref(info))
+        return _facts(info)
+
+    def __repr__(self) -> str:
+        return "Device(closed)" if self.closed else f"Device({self.facts.name!r})"
+
+
+def opened(device: "Device | str | int | None") -> Device:
+    """`device` itself, or the one that a spec names."""
+    return device if isinstance(device, Device) else Device(device)

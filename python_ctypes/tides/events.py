@@ -1,0 +1,255 @@
+"""Events as numpy arrays, and event files of every format.
+
+Times are int64 nanoseconds, pixels uint16 with (0, 0) top left, polarities +1 and -1. Arrays of `tides.EVENT` are the
+library's own records: 16 bytes, given to C and received without copies.
+"""
+
+from __future__ import annotations
+
+import os
+from ctypes import POINTER, byref, c_size_t, cast, sizeof
+from typing import Any, Iterator
+
+import numpy as np
+
+from . import _api
+from ._call import call, encoded, path
+from ._handle import Handle
+from ._library import lib
+from ._progress import Progress, Reporter
+from ._values import Facts, Value, _fields, constants, plain
+
+_NAMES = {"polarity": "p"}  # C's name: numpy's, as tonic and others have it
+_FIELDS = dict(_fields(_api.tides_event))
+
+#: The record: fields t [ns] int64, x, y [px] uint16, p (+1, -1) int8, cause (CAUSES) uint8; 16 bytes.
+EVENT = np.dtype(
+    {
+        "names": [_NAMES.get(name, name) for name in _FIELDS],
+        "formats": list(_FIELDS.values()),
+        "offsets": [getattr(_api.tides_event, name).offset for name in _FIELDS],
+        "itemsize": sizeof(_api.tides_event),
+    }
+)
+
+#: What made an event: {"signal": 0, "leak": 1, ...}.
+CAUSES = constants("TIDES_CAUSE_")
+
+#: What tonic's datasets and transforms take: t [us], p 0 or 1.
+TONIC = np.dtype([("x", "<i2"), ("y", "<i2"), ("t", "<i8"), ("p", "i1")])
+
+
+def make_events(t: Any, x: Any, y: Any, p: Any) -> np.ndarray:
+    """An array of EVENT (n) from columns: t [ns], x, y [px], p (above 0 is ON). ValueError where a value doesn't fit."""
+    columns = [np.asarray(one) for one in (t, x, y, p)]
+    if any(one.shape != columns[0].shape or one.ndim != 1 for one in columns):
+        raise ValueError(f"t, x, y, p: shapes {[one.shape for one in columns]}, where four times (n) is needed")
+    if columns[0].dtype.kind not in "iu":
+        raise ValueError(f"t: {columns[0].dtype}, where whole nanoseconds are needed")
+    for name, column in (("x", columns[1]), ("y", columns[2])):
+        if len(column) and not (column.min() >= 0 and column.max() < 65536):
+            raise ValueError(f"{name}: values outside 0 to 65535")
+    events = np.zeros(len(columns[0]), EVENT)
+    events["t"], events["x"], events["y"] = columns[:3]
+    events["p"] = np.where(columns[3] > 0, 1, -1)
+    return events
+
+
+def as_events(events: Any) -> np.ndarray:
+    """`events` itself where it is a contiguous array of EVENT; else a copy of its fields t [ns], x, y, p."""
+    array = np.asarray(events)
+    if array.dtype == EVENT and array.ndim == 1:
+        return np.ascontiguousarray(array)
+    if array.dtype.names is None or not {"t", "x", "y", "p"} <= set(array.dtype.names):
+        raise ValueError(f"events: {array.dtype}, where an array with fields t [ns], x, y, p is needed (tides.make_events)")
+    return make_events(array["t"], array["x"], array["y"], array["p"])
+
+
+def to_tonic(events: Any) -> np.ndarray:
+    """A copy as TONIC: t floored to microseconds, p 1 for ON and 0 for OFF."""
+    events = as_events(events)
+    made = np.empty(len(events), TONIC)
+    made["x"], made["y"] = events["x"], events["y"]
+    made["t"], made["p"] = events["t"] // 1000, events["p"] > 0
+    return made
+
+
+def _records(events: np.ndarray) -> Any:
+    """A pointer for C; None where there is nothing to point to."""
+    return cast(events.ctypes.data, POINTER(_api.tides_event)) if len(events) else None
+
+
+# -- files ----------------------------------------------------------------------------------------------------------------
+def event_formats() -> list[Facts]:
+    """The formats: name, summary, endings, reads, writes (bool), tick_ns (times are floored to it on writing)."""
+    formats: list[Facts] = []
+    one = _api.tides_event_format()
+    while lib.tides_event_format_at(len(formats), byref(one)):
+        facts = plain(one)
+        formats.append(Facts(plain(one), reads=bool(one.reads), writes=bool(one.writes)))
+    return formats
+
+
+def events_summary(file: str | os.PathLike[str]) -> Facts:
+    """Reads a whole event file: count, count_on, disorder, first_ns, last_ns, width, height, right, bottom, layout, version."""
+    summary = _api.tides_event_summary()
+    call("tides_events_summary", path(file), summary)
+    return plain(summary)
+
+
+class EventReader(Handle):
+    """An event file of any format, read in stretches: `for packet in EventReader(file)` gives arrays of EVENT (at most `packet`
+    events each), in the file's order, t in nanoseconds on the file's clock. `facts`: format, version, width, height, count (None
+    where it isn't known without reading)."""
+
+    _destroy = "tides_event_reader_close"
+
+    def __init__(self, file: str | os.PathLike[str], format: str | None = None, packet: int = 65536):
+        made = POINTER(_api.tides_event_reader)()
+        call("tides_event_reader_open", path(file), encoded(format), byref(made))
+        super().__init__(made)
+        self.packet = packet
+        facts = _api.tides_event_facts()
+        lib.tides_event_reader_facts(made, byref(facts))
+        self.facts = plain(facts)
+        if not self.facts.pop("counted"):
+            self.facts["count"] = None
+
+    def read(self, capacity: int) -> np.ndarray:
+        """The next events, at most `capacity`; none at the end."""
+        events, got = np.empty(capacity, EVENT), c_size_t()
+        with self._lock:
+            call("tides_event_reader_read", self._pointer, _records(events), capacity, byref(got))
+        return events[: got.value]
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        while len(packet := self.read(self.packet)):
+            yield packet
+
+
+class EventWriter(Handle):
+    """An event file, in the format of its name's ending or the named one (`event_formats()`). In a with statement the file is
+    finished at the end, and left as FILE.part where an exception ends it. `run` is a run file's JSON, kept in HDF5 files."""
+
+    _destroy = "tides_event_writer_abandon"
+
+    def __init__(
+        self,
+        file: str | os.PathLike[str],
+        width: int,
+        height: int,
+        format: str | None = None,
+        run: str | None = None,
+        seed: str | None = None,
+        resume: int | None = None,
+    ):
+        """`resume`: go on with FILE.part after its first so many events (HDF5 only)."""
+        made = POINTER(_api.tides_event_writer)()
+        facts = _api.tides_event_file(width, height, encoded(run), encoded(seed))
+        if resume is not None:
+            call("tides_event_writer_resume", path(file), facts, resume, byref(made))
+        elif format is not None:
+            call("tides_event_writer_open_as", path(file), encoded(format), facts, byref(made))
+        else:
+            call("tides_event_writer_open", path(file), facts, byref(made))
+        super().__init__(made)
+        self._stop_ns = 0
+
+    def append(self, events: Any) -> None:
+        """Events (n), sorted by (t, y, x, p), none before the last appended one, all inside the image."""
+        events = as_events(events)
+        self._append(_records(events), len(events))
+        if len(events):
+            self._stop_ns = max(self._stop_ns, int(events["t"][-1]) + 1)
+
+    def _append(self, records: Any, count: int) -> None:
+        with self._lock:
+            call("tides_event_writer_append", self._pointer, records, count)
+
+    def flush(self) -> None:
+        """What was appended so far survives the death of the process. HDF5 only."""
+        with self._lock:
+            call("tides_event_writer_flush", self._pointer)
+
+    @property
+    def count(self) -> int:
+        """Events appended so far."""
+        return lib.tides_event_writer_count(self._pointer)
+
+    @property
+    def collapsed(self) -> int:
+        """Of these, those that share their pixel and the format's tick with an earlier one."""
+        return lib.tides_event_writer_collapsed(self._pointer)
+
+    def finish(self, stop_ns: int | None = None) -> None:
+        """Completes the file; the writer is closed then. `stop_ns` is the recording's end; None: after the last event."""
+        with self._lock:
+            pointer = self._pointer
+            self._give_away()
+            call("tides_event_writer_finish", pointer, self._stop_ns if stop_ns is None else stop_ns)
+
+    def __exit__(self, kind: Any, *_: Any) -> None:
+        if kind is None and not self.closed:
+            self.finish()
+        else:
+            self.close()
+
+
+def can_resume(file: str | os.PathLike[str]) -> bool:
+    """Whether files of this ending can be gone on with after an interruption."""
+    return bool(lib.tides_event_writer_can_resume(path(file)))
+
+
+def read_events(file: str | os.PathLike[str], first: int = 0, count: int | None = None) -> np.ndarray:
+    """Events [first, first + count) of a file of any format, as EVENT (n), in the file's order, with their causes where it has
+    them."""
+    with EventReader(file) as reader:
+        facts = reader.facts
+    if count is None:
+        known = events_summary(file)["count"] if facts["count"] is None else facts["count"]
+        count = max(0, known - first)
+    events, got = np.empty(count, EVENT), c_size_t()
+    call("tides_events_read", path(file), first, count, _records(events), byref(got))
+    events = events[: got.value]
+    if facts["format"] == "tides" and len(events):
+        call("tides_events_causes", path(file), first, len(events), _records(events))
+    return events
+
+
+def write_events(
+    file: str | os.PathLike[str],
+    events: Any,
+    width: int,
+    height: int,
+    format: str | None = None,
+    stop_ns: int | None = None,
+) -> int:
+    """Writes EVENT (n), sorted, to a file of any writable format. Returns how many events collapsed into another's tick."""
+    with EventWriter(file, width, height, format) as writer:
+        writer.append(events)
+        collapsed = writer.collapsed
+        writer.finish(stop_ns)
+    return collapsed
+
+
+class Conversion(Value, _api.tides_event_conversion):
+    """What of a file is kept: start_ns, stop_ns; the window x, y, cut_width, cut_height; rebase; width, height of the sensor."""
+
+    _defaults = "tides_event_conversion_defaults"
+
+
+def convert_events(
+    file: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    source_format: str | None = None,
+    format: str | None = None,
+    progress: Progress = None,
+    **kept: Any,
+) -> Facts:
+    """Converts and cuts an event file, streamed. `kept` are the fields of Conversion. Returns read, written, disorder, collapsed,
+    first_ns, last_ns, width, height, from, to."""
+    conversion = Conversion(**{"from": encoded(source_format), "to": encoded(format), **kept})
+    report = _api.tides_event_conversion_report()
+    with Reporter(progress) as step:
+        call("tides_events_convert", path(file), path(out), conversion, step, None, report)
+    return plain(report)

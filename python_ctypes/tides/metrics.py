@@ -1,0 +1,45 @@
+"""How good a stream of events is, beside a reference."""
+
+from __future__ import annotations
+
+from typing import Any, Iterable
+
+from . import _api
+from ._call import call
+from ._progress import Progress, Reporter
+from ._values import Facts, Value, choice, constants, plain
+from .events import _records, as_events
+
+#: Families of values that may be wanted: "isi", "same_time", "fano", "chamfer", "kernel", "match" ...
+FAMILIES = constants("TIDES_METRIC_")
+
+
+class MetricsOptions(Value, _api.tides_metrics_options):
+    """What is compared, and how: width, height, roi [px], start_ns, stop_ns, tick_ns, match_limit_s ..."""
+
+    _defaults = "tides_metrics_options_defaults"
+
+
+def compare(
+    reference: Any, simulated: Any, wanted: Iterable[str] | None = None, progress: Progress = None, **options: Any
+) -> Facts:
+    """Compares two streams (EVENT, each in order of time). `wanted` names FAMILIES (None: all but the slow and the exact ones);
+    `options` are the fields of MetricsOptions. Returns the fields of tides_metrics; what wasn't computed is NaN."""
+    reference, simulated = as_events(reference), as_events(simulated)
+    chosen = MetricsOptions(**options)
+    if wanted is not None:
+        chosen.wanted = sum({choice("wanted", one, FAMILIES) for one in wanted})
+    metrics = _api.tides_metrics()
+    streams = (_records(reference), len(reference), _records(simulated), len(simulated))
+    with Reporter(progress) as step:
+        call("tides_metrics_compare", *streams, chosen, step, None, metrics)
+    return plain(metrics)
+
+
+def match(reference: Any, simulated: Any, limit_s: float = 1e-3) -> Facts:
+    """Matches events one by one, for an exact reference: matched, missing, spurious, mismatch_percent, dt_median_us ... Events
+    further apart than `limit_s` [s] don't match."""
+    reference, simulated = as_events(reference), as_events(simulated)
+    made = _api.tides_match()
+    call("tides_match_events", _records(reference), len(reference), _records(simulated), len(simulated), limit_s, made)
+    return plain(made)

@@ -1,0 +1,75 @@
+"""Images and their exact time derivatives."""
+
+from __future__ import annotations
+
+from ctypes import POINTER, byref, c_double
+from typing import Iterable
+
+import numpy as np
+
+from . import _api
+from ._call import call, nearest, pointer, text
+from ._handle import Handle
+from ._library import lib
+from ._progress import Progress, Reporter
+from ._values import Facts, Value, plain
+from .device import Device, opened
+from .scene import Scene
+from .trajectory import Camera, Trajectory
+
+#: Planes that a frame may have: "Y", "L", "L_dot" [1/s], "A", "A_dot" [1/s], "coverage", "contributors", "R", "G", "B" ...
+CHANNELS = tuple(text(lib.tides_channel_name(index)) for index in range(_api.TIDES_CHANNELS))
+
+
+class ImageParams(Value, _api.tides_image_params):
+    """Image formation: rules ("smooth", "inria", "gsplat"), antialias, sh_degree, dilation [px^2], luminance (3), log_eps,
+    background (3), linear r g b."""
+
+    _defaults = "tides_image_params_defaults"
+    _words = {"rules": "TIDES_RULES_"}
+
+
+class Renderer(Handle):
+    """Renders `scene` through `camera`. Closing it frees its memory on the device. Kernels are built the first time (seconds)."""
+
+    _destroy = "tides_renderer_destroy"
+
+    def __init__(
+        self,
+        scene: Scene,
+        camera: Camera,
+        image: ImageParams | None = None,
+        device: Device | str | int | None = None,
+        progress: Progress = None,
+    ):
+        self.scene, self.camera, self.device = scene, camera, opened(device)
+        made = POINTER(_api.tides_renderer)()
+        arguments = (scene._pointer, camera.intrinsics, image or ImageParams())
+        with self.device._lock, Reporter(progress) as step:
+            call("tides_renderer_create", self.device._pointer, *arguments, step, None, byref(made))
+        super().__init__(made, self.device, scene, lock=self.device._lock)
+
+    def frame(
+        self, time: float, channels: Iterable[str] = ("L", "L_dot"), trajectory: Trajectory | None = None
+    ) -> dict[str, np.ndarray]:
+        """One frame at `time` [s]: float64 planes (height x width), row 0 on top, by the names in CHANNELS. Colour and depth cost;
+        the rest comes with the pass. `trajectory` replaces the camera's path."""
+        lens = self.camera.intrinsics
+        frame, planes = _api.tides_frame(), {}
+        for name in channels:
+            if name not in CHANNELS:
+                raise ValueError(f"channels: {name!r} is none of {', '.join(CHANNELS)}{nearest(name, CHANNELS)}")
+            planes[name] = np.empty((lens.height, lens.width))
+            frame.plane[CHANNELS.index(name)] = pointer(planes[name], c_double)
+        path = trajectory or self.camera.trajectory
+        with self._lock:
+            call("tides_renderer_frame", self._pointer, path._pointer, time, frame)
+        return planes
+
+    @property
+    def stats(self) -> Facts:
+        """What was done so far: tile_jobs, pairs_evaluated, time_composite_s ..."""
+        stats = _api.tides_render_stats()
+        with self._lock:
+            lib.tides_renderer_stats(self._pointer, byref(stats))
+        return plain(stats)

@@ -1,0 +1,215 @@
+"""Scenes: sets of Gaussians, at rest, moving as rigid objects, or moving by themselves."""
+
+from __future__ import annotations
+
+import os
+from ctypes import POINTER, byref, c_double, c_float, c_int32
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from . import _api
+from ._call import array, call, encoded, path, pointer, text
+from ._handle import Handle
+from ._library import lib
+from .motion import Motion
+from .trajectory import Trajectory
+
+
+@dataclass
+class Gaussians:
+    """Raw parameters, as trained, float32: mean (n x 3) [scene units], log_scale (n x 3) ln [scene units], quaternion (n x 4)
+    wxyz, opacity_logit (n), sh (n x k x 3) with k = (degree + 1)^2, in INRIA's order and sign."""
+
+    mean: np.ndarray
+    log_scale: np.ndarray
+    quaternion: np.ndarray
+    opacity_logit: np.ndarray
+    sh: np.ndarray
+
+    def __post_init__(self) -> None:
+        n = len(np.asarray(self.mean))
+        self.mean = array(self.mean, np.float32, (n, 3), "mean")
+        self.log_scale = array(self.log_scale, np.float32, (n, 3), "log_scale")
+        self.quaternion = array(self.quaternion, np.float32, (n, 4), "quaternion")
+        self.opacity_logit = array(self.opacity_logit, np.float32, (n,), "opacity_logit")
+        self.sh = array(self.sh, np.float32, (n, None, 3), "sh")
+        if self.sh.shape[1] not in (1, 4, 9, 16, 25):
+            raise ValueError(f"sh: {self.sh.shape[1]} coefficients, where 1, 4, 9, 16 or 25 are needed")
+
+    def __len__(self) -> int:
+        return len(self.mean)
+
+    @property
+    def sh_degree(self) -> int:
+        return round(self.sh.shape[1] ** 0.5) - 1
+
+    @classmethod
+    def from_colours(cls, mean: Any, scale: Any, rgb: Any, opacity: Any = 0.99, quaternion: Any = (1, 0, 0, 0)) -> "Gaussians":
+        """Gaussians of plain colours: mean (n x 3), scale [scene units] (n x 3, or one number), rgb (n x 3) linear, opacity in
+        (0, 1) (n, or one number), quaternion (n x 4, or one)."""
+        n = len(np.asarray(mean))
+        opacity = np.broadcast_to(np.asarray(opacity, np.float64), (n,))
+        band0 = 0.5 / np.sqrt(np.pi)  # of the spherical harmonics: 3DGS has colour = band0 sh_0 + 1/2
+        return cls(
+            mean,
+            np.log(np.broadcast_to(scale, (n, 3))),
+            np.broadcast_to(quaternion, (n, 4)),
+            np.log(opacity / (1 - opacity)),
+            ((np.broadcast_to(rgb, (n, 3)) - 0.5) / band0)[:, None, :],
+        )
+
+    def _struct(self) -> _api.tides_gaussians:
+        """For C; it points into this object's arrays."""
+        arrays = (self.mean, self.log_scale, self.quaternion, self.opacity_logit, self.sh)
+        return _api.tides_gaussians(len(self), self.sh_degree, 0, *(pointer(one, c_float) for one in arrays))
+
+    @classmethod
+    def _copy(cls, struct: _api.tides_gaussians) -> "Gaussians":
+        n, k = struct.count, (struct.sh_degree + 1) ** 2
+        shapes = {"mean": (n, 3), "log_scale": (n, 3), "quaternion": (n, 4), "opacity_logit": (n,), "sh": (n, k, 3)}
+        return cls(**{name: np.ctypeslib.as_array(getattr(struct, name), shape).copy() for name, shape in shapes.items()})
+
+
+@dataclass(frozen=True)
+class SceneObject:
+    """One object of a scene, copied."""
+
+    name: str
+    source: str  #: file it came from, or ""
+    gaussians: Gaussians
+    trajectory: Trajectory | None  #: None: at rest
+    scale: float
+    motion: str | None  #: the model by which its Gaussians move; None: they don't
+    motion_range: tuple[float, float] | None  #: of the motion's own clock
+    duration_s: float  #: [s] how long the motion lasts
+    moving: int  #: Gaussians that move by themselves
+    knots: int  #: times at which their rates may jump
+
+
+class Scene(Handle):
+    """What is looked at. Scene() is empty, Scene(file) holds what a file does (.ply, .spz, .ksplat, .splat, .sog, .h5, a
+    trainer's folder). `len(scene)` is the number of objects. A scene doesn't change while a Renderer or Simulation uses it."""
+
+    _destroy = "tides_scene_destroy"
+
+    def __init__(self, file: str | os.PathLike[str] | None = None, trajectory: Trajectory | None = None, scale: float = 1.0):
+        made = POINTER(_api.tides_scene)()
+        call("tides_scene_create", byref(made))
+        super().__init__(made)
+        self._callbacks: list[Any] = []  # what the motions in it call; a scene outlives its users
+        if file is not None:
+            self.add_file(file, trajectory, scale)
+
+    @classmethod
+    def _of(cls, pointer: Any) -> "Scene":
+        made = cls.__new__(cls)
+        Handle.__init__(made, pointer)
+        made._callbacks = []
+        return made
+
+    @staticmethod
+    def is_file(file: str | os.PathLike[str]) -> bool:
+        """Whether `add_file` would take a file for a scene."""
+        return bool(lib.tides_scene_is_file(path(file)))
+
+    def add(
+        self,
+        gaussians: Gaussians,
+        trajectory: Trajectory | None = None,
+        scale: float = 1.0,
+        name: str | None = None,
+        motion: Motion | None = None,
+        duration_s: float = 0.0,
+    ) -> int:
+        """Adds a copy of `gaussians` as one object, and returns its number. p_world = scale R(t) p + position(t). A `motion`, whose
+        canonical Gaussians these are, is taken over; it lasts `duration_s` [s] (0: as long as its own clock says)."""
+        self._unused("changed")
+        index = c_int32()
+        rest = (trajectory._pointer if trajectory else None, scale, encoded(name), byref(index))
+        with self._lock:
+            if motion is None:
+                call("tides_scene_add", self._pointer, gaussians._struct(), *rest)
+            else:
+                call("tides_scene_add_moving", self._pointer, gaussians._struct(), motion._pointer, duration_s, *rest)
+                self._callbacks.append(motion._callback)
+                motion._give_away()
+        return index.value
+
+    def add_file(self, file: str | os.PathLike[str], trajectory: Trajectory | None = None, scale: float = 1.0) -> None:
+        """Adds what a file holds."""
+        self._unused("changed")
+        with self._lock:
+            call("tides_scene_add_file", self._pointer, path(file), trajectory._pointer if trajectory else None, scale)
+
+    def set_duration(self, duration_s: float) -> int:
+        """Makes the motions of all objects last `duration_s` [s]; returns how many there are."""
+        self._unused("changed")
+        if not duration_s > 0:
+            raise ValueError(f"duration_s: {duration_s}, where a time above 0 is needed")
+        return lib.tides_scene_set_duration(self._pointer, duration_s)
+
+    def save(self, file: str | os.PathLike[str]) -> None:
+        """Writes .h5 (everything) or .ply (one object at rest)."""
+        call("tides_scene_save", self._pointer, path(file))
+
+    def __len__(self) -> int:
+        return lib.tides_scene_objects(self._pointer)
+
+    def __getitem__(self, index: int) -> SceneObject:
+        if not 0 <= index < len(self):
+            raise IndexError(f"object {index} of {len(self)}")
+        one = _api.tides_object()
+        call("tides_scene_object", self._pointer, index, one)
+        return SceneObject(
+            name=text(one.name),
+            source=text(one.source),
+            gaussians=Gaussians._copy(one.gaussians),
+            trajectory=Trajectory._copy(one.trajectory) if one.trajectory else None,
+            scale=one.scale,
+            motion=text(lib.tides_motion_model(one.motion)) if one.motion else None,
+            motion_range=_motion_range(one.motion) if one.motion else None,
+            duration_s=one.duration_s,
+            moving=lib.tides_motion_moving(one.motion, byref(one.gaussians)) if one.motion else 0,
+            knots=lib.tides_motion_knots(one.motion) if one.motion else 0,
+        )
+
+    @property
+    def count(self) -> int:
+        """Gaussians in all objects."""
+        return lib.tides_scene_count(self._pointer)
+
+    @property
+    def sh_degree(self) -> int:
+        """The largest of the objects'."""
+        return lib.tides_scene_sh_degree(self._pointer)
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The times that all objects cover [s]; -inf and inf where all are at rest."""
+        start, stop = c_double(), c_double()
+        lib.tides_scene_range(self._pointer, byref(start), byref(stop))
+        return start.value, stop.value
+
+    def bounds_at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner (3) of the box about the means where they are at `time` [s]."""
+        lower, upper = (c_double * 3)(), (c_double * 3)()
+        call("tides_scene_bounds_at", self._pointer, time, lower, upper)
+        return np.array(lower), np.array(upper)
+
+    @property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner (3) [scene units] of the box about the means, objects at their start."""
+        lower, upper = (c_double * 3)(), (c_double * 3)()
+        lib.tides_scene_bounds(self._pointer, lower, upper)
+        return np.array(lower), np.array(upper)
+
+    def __repr__(self) -> str:
+        return "Scene(closed)" if self.closed else f"Scene({len(self)} objects, {self.count} Gaussians)"
+
+
+def _motion_range(motion: Any) -> tuple[float, float]:
+    start, stop = c_double(), c_double()
+    lib.tides_motion_range(motion, byref(start), byref(stop))
+    return start.value, stop.value

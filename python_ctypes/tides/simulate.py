@@ -1,0 +1,271 @@
+"""From a scene and a camera to a sorted stream of events."""
+
+from __future__ import annotations
+
+import math
+import os
+import threading
+import time
+from ctypes import POINTER, byref, c_double, c_uint32, memmove, sizeof
+from typing import Any, Callable, Iterator
+
+import numpy as np
+
+from . import _api
+from ._call import call, encoded, kept, path, pointer
+from ._handle import Handle
+from ._library import lib
+from ._progress import Progress, Reporter
+from ._values import Facts, Value, plain
+
+from .device import Device, opened
+from .errors import Cancelled
+from .events import EVENT, EventWriter, can_resume
+from .readout import Readout
+from .render import ImageParams
+from .scene import Scene
+from .trajectory import Camera
+
+_RECORD = sizeof(_api.tides_event)
+_CHECKPOINT_S = 30.0  # as `tides simulate`: what a crash may cost at most
+
+class Sensor(Value, _api.tides_sensor):
+    """The sensor: threshold_on, threshold_off [log units] and what else the header names; off by default."""
+
+    _defaults = "tides_sensor_defaults"
+    _words = {
+        "refractory_law": "TIDES_REFRACTORY_",
+        "psf_domain": "TIDES_PSF_",
+        "photoreceptor_law": "TIDES_PHOTORECEPTOR_",
+        "bandwidth": "TIDES_BANDWIDTH_",
+    }
+
+class Stepping(Value, _api.tides_stepping):
+    """Step control: mode ("fixed", "risk", "error", "error_risk"), model ("hermite", "quadratic", "linear", "secant"), step_s,
+    min_step_s, tolerance [thresholds], time_tolerance_s, budget [full frames], local, risk.w_b ..."""
+
+    _defaults = "tides_stepping_defaults"
+    _words = {"mode": "TIDES_STEPPING_", "model": "TIDES_MODEL_", "slope": "TIDES_SLOPE_"}
+
+class _Collector:
+    """A growing array of events: C's packets are copied in once."""
+
+    def __init__(self) -> None:
+        self.events, self.count = np.empty(4096, EVENT), 0
+
+    def take(self, _user: Any, events: Any, count: int) -> int:
+        if self.count + count > len(self.events):
+            grown = np.empty(max(2 * len(self.events), self.count + count), EVENT)
+            grown[: self.count] = self.events[: self.count]
+            self.events = grown
+        if count:
+            memmove(self.events.ctypes.data + self.count * _RECORD, events, count * _RECORD)
+        self.count += count
+        return 0
+
+    def result(self) -> np.ndarray:
+        return self.events[: self.count]
+
+class Simulation(Handle):
+    """A simulation of [start, stop] s; None: the camera's path from its beginning to its end. Take the events with one of
+        run()             all (the rest) as an array
+        for packet in s   arrays, one for each `step_s`
+        write(file)       a file of any format
+    Ctrl-C ends each within a step; what was simulated stays, and the next call goes on from there."""
+
+    _destroy = "tides_simulator_destroy"
+
+    def __init__(
+        self,
+        scene: Scene,
+        camera: Camera,
+        start: float | None = None,
+        stop: float | None = None,
+        sensor: Sensor | None = None,
+        stepping: Stepping | None = None,
+        image: ImageParams | None = None,
+        readout: Readout | None = None,
+        device: Device | str | int | None = None,
+        run: str | None = None,
+        seed: str | None = None,
+        progress: Progress = None,
+    ):
+        """A `readout` that is enabled stands between pixels and events. `run` (a run file's JSON) and `seed` (None: the sensor's) are
+        facts that are written into files; `run` is compared when a run goes on."""
+        first, last = camera.trajectory.range
+        self.start, self.stop = first if start is None else float(start), last if stop is None else float(stop)
+        if not (math.isfinite(self.start) and math.isfinite(self.stop)):
+            raise ValueError("start and stop must be given: the camera stands still, its path has no beginning and no end")
+        self.scene, self.camera, self.device = scene, camera, opened(device)
+        self.sensor, self.stepping, self.image = sensor or Sensor(), stepping or Stepping(), image or ImageParams()
+        self._run, self._seed, self._stopping = run, seed or str(self.sensor.seed), threading.Event()
+        made = POINTER(_api.tides_simulator)()
+        world = (scene._pointer, camera.trajectory._pointer, camera.intrinsics)
+        how = (self.image, self.sensor, self.stepping, self.start, self.stop)
+        with self.device._lock, Reporter(progress) as step:
+            call("tides_simulator_create", self.device._pointer, *world, *how, step, None, byref(made))
+        super().__init__(made, self.device, scene, camera.trajectory, lock=self.device._lock)
+        if readout is not None:
+            call("tides_simulator_readout", self._pointer, readout)
+
+    # -- running ----------------------------------------------------------------------------------------------------
+    def _advance(self, until: float, sink: Callable[..., int], progress: Progress, due: Callable[[], Any] | None = None) -> None:
+        with self._lock, Reporter(progress, self._stopping, due) as step:
+            taken = _api.tides_event_sink(kept(sink, 1))
+            try:
+                call("tides_simulator_run", self._pointer, until, taken, None, step, None)
+            finally:
+                self._stopping.clear()
+
+    def run(self, until: float | None = None, progress: Progress = None) -> np.ndarray:
+        """Events from where the simulation is to `until` [s] (None: stop), as EVENT (n), sorted by (t, y, x, p). Where it is ended
+        before, the exception's `events` are those so far."""
+        collector = _Collector()
+        try:
+            self._advance(self.stop if until is None else until, collector.take, progress)
+        except BaseException as raised:
+            raised.events = collector.result()  # type: ignore[attr-defined]
+            raise
+        return collector.result()
+
+    def packets(self, duration_s: float | None = None) -> Iterator[np.ndarray]:
+        """The events of one stretch of `duration_s` [s] (None: the step) after the other, as arrays; may be empty. They lie on the
+        grid of steps, so that together they are what `run` gives."""
+        duration_s = self.stepping.step_s if duration_s is None else duration_s
+        if not duration_s > 0:
+            raise ValueError(f"duration_s: {duration_s}, where a time above 0 is needed")
+        count = max(1, math.ceil((self.stop - self.start) / duration_s - 1e-9))
+        first = int(round(self.stats.simulated_s / duration_s, 9))
+        for index in range(first, count):
+            yield self.run(self.stop if index + 1 == count else self.start + (index + 1) * duration_s)
+
+    __iter__ = packets
+
+    def feed(self, sink: Callable[..., Any], until: float | None = None, fired: bool = False, progress: Progress = None) -> None:
+        """Gives `sink` each packet as a view of C's memory, without a copy and valid during the call only; with `fired` also when
+        each event fired [ns] (n), which a readout delays. It stops the simulation by returning something true (Cancelled) or by
+        raising."""
+
+        def take(_user: Any, events: Any, count: int) -> int:
+            view = np.ctypeslib.as_array(events, (count,)).view(EVENT) if count else np.empty(0, EVENT)
+            return 1 if sink(*((view, self._fired(view)) if fired else (view,))) else 0
+
+        self._advance(self.stop if until is None else until, take, progress)
+
+    def _fired(self, events: np.ndarray) -> np.ndarray:
+        times = lib.tides_simulator_fired(self._pointer)
+        return np.ctypeslib.as_array(times, (len(events),)) if times and len(events) else events["t"]
+
+    def write(
+        self,
+        file: str | os.PathLike[str],
+        format: str | None = None,
+        resume: bool = False,
+        checkpoint_s: float = _CHECKPOINT_S,
+        progress: Progress = None,
+    ) -> Facts:
+        """Simulates into an event file and returns the statistics. Interrupted, FILE.part holds what there is, readable; for HDF5
+        FILE.checkpoint does too, every `checkpoint_s` [s] (0: never) and at Ctrl-C, and a new Simulation's write(file,
+        resume=True) goes on from there, as does `tides simulate --resume`."""
+        job = _FileJob(self, os.fspath(file), format, checkpoint_s)
+        job.start(resume)
+        try:
+            job.simulate(progress)
+        except BaseException:
+            job.interrupt()
+            raise
+        return job.finish()
+
+    def cancel(self) -> None:
+        """Stops the call that another thread is in, or else the next one: there, Cancelled is raised."""
+        self._stopping.set()
+
+    # -- state ------------------------------------------------------------------------------------------------------
+    @property
+    def stats(self) -> Facts:
+        """What was done so far, field for field what `tides simulate --stats` writes."""
+        stats = _api.tides_stats()
+        with self._lock:
+            lib.tides_simulator_stats(self._pointer, byref(stats))
+        return plain(stats)
+
+    @property
+    def state(self) -> Facts:
+        """The state of every pixel: signal and reference [log units], count_on, count_off; arrays (height x width), copied."""
+        shape = (self.camera.intrinsics.height, self.camera.intrinsics.width)
+        planes = [np.empty(shape, kind) for kind in (np.float64, np.float64, np.uint32, np.uint32)]
+        kinds = (c_double, c_double, c_uint32, c_uint32)
+        with self._lock:
+            lib.tides_simulator_state(self._pointer, *(pointer(plane, kind) for plane, kind in zip(planes, kinds)))
+        return Facts(zip(("signal", "reference", "count_on", "count_off"), planes))
+
+    def save(self, file: str | os.PathLike[str]) -> None:
+        """Writes the state of the run, HDF5, for `restore`."""
+        with self._lock:
+            call("tides_simulator_save", self._pointer, encoded(self._run), path(file))
+
+    def restore(self, file: str | os.PathLike[str]) -> None:
+        """Puts this simulation, which hasn't run yet, where a saved one was. BadConfig where that was of another run."""
+        with self._lock:
+            call("tides_simulator_restore", self._pointer, encoded(self._run), path(file))
+
+class _FileJob:
+    """A simulation into a file, with checkpoints."""
+
+    def __init__(self, simulation: Simulation, file: str, format: str | None, checkpoint_s: float):
+        self.simulation, self.file, self.format = simulation, file, format
+        self.resumable = format is None and can_resume(file)
+        self.every = checkpoint_s if self.resumable else 0.0
+        self.checkpoint = file + ".checkpoint"
+        self.due = time.monotonic() + self.every
+        self.stopped_to_save = False
+        self.writer: EventWriter
+
+    def start(self, resume: bool) -> None:
+        s, count = self.simulation, None
+        if resume and not self.resumable:
+            raise ValueError(f"resume: only an HDF5 file (.h5) can be gone on with, not {self.file}")
+        if resume:
+            s.restore(self.checkpoint)
+            count = s.stats.events_written
+        elif self.resumable and os.path.exists(self.checkpoint):
+            os.remove(self.checkpoint)
+        lens = s.camera.intrinsics
+        self.writer = EventWriter(self.file, lens.width, lens.height, self.format, s._run, s._seed, count)
+
+    def _take(self, _user: Any, events: Any, count: int) -> int:
+        self.writer._append(events, count)
+        return 0
+
+    def _is_due(self) -> bool:
+        self.stopped_to_save = self.every > 0 and time.monotonic() >= self.due
+        return self.stopped_to_save
+
+    def simulate(self, progress: Progress) -> None:
+        """To the end, with a stop wherever a checkpoint is due."""
+        while True:
+            try:
+                return self.simulation._advance(self.simulation.stop, self._take, progress, self._is_due)
+            except Cancelled:
+                if not self.stopped_to_save:
+                    raise
+            self._save()
+
+    def _save(self) -> None:
+        """First the events, then the state that follows them: whatever the process dies between leaves a pair that fits."""
+        self.writer.flush()
+        self.simulation.save(self.checkpoint)
+        self.due = time.monotonic() + self.every
+
+    def interrupt(self) -> None:
+        try:
+            if self.every > 0:
+                self._save()
+        finally:
+            self.writer.close()
+
+    def finish(self) -> Facts:
+        self.writer.finish(math.floor(1e9 * self.simulation.stop))
+        if self.resumable and os.path.exists(self.checkpoint):
+            os.remove(self.checkpoint)
+        return self.simulation.stats

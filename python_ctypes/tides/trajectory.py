@@ -1,0 +1,215 @@
+"""Paths of cameras and objects: poses over time with their exact rates, and cameras as a path with a lens."""
+
+from __future__ import annotations
+
+import math
+import os
+from ctypes import POINTER, byref, c_double, cast
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from . import _api
+from ._call import array, call, doubles, path, text
+from ._handle import Handle
+from ._library import lib
+from ._values import Value, _fields
+
+_SAMPLE = np.dtype(_api.tides_pose_sample)
+_SHOWN: Any = [name for name, _ in _fields(_api.tides_pose_sample)]
+_UP = (0.0, 1.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Pose and rate at one time: p_world = rotation p_body + position."""
+
+    rotation: np.ndarray  #: (3 x 3)
+    position: np.ndarray  #: (3) [scene units]
+    rotation_dot: np.ndarray  #: (3 x 3) [1/s]
+    position_dot: np.ndarray  #: (3) [scene units/s]
+
+
+class Trajectory(Handle):
+    """A rigid motion over time. Positions (n x 3) follow a C2 cubic spline through `times` (n) [s], rotations (quaternions,
+    n x 4, wxyz, body to world) a smooth curve; with velocities (n x 3) [scene units/s] and angular velocities (n x 3)
+    [rad/s, world axes] the curves go through those too. A camera's body axes are OpenCV's: x right, y down, z forward."""
+
+    _destroy = "tides_trajectory_destroy"
+
+    def __init__(
+        self,
+        times: Any,
+        positions: Any,
+        quaternions: Any,
+        velocities: Any = None,
+        angular_velocities: Any = None,
+    ):
+        times = array(times, np.float64, (None,), "times")
+        samples = np.zeros(len(times), _SAMPLE)
+        samples["time"] = times
+        samples["position"] = array(positions, np.float64, (len(times), 3), "positions")
+        samples["quaternion"] = array(quaternions, np.float64, (len(times), 4), "quaternions")
+        if (velocities is None) != (angular_velocities is None):
+            raise ValueError("velocities and angular_velocities: give both or none")
+        if velocities is not None:
+            samples["velocity"] = array(velocities, np.float64, (len(times), 3), "velocities")
+            samples["angular_velocity"] = array(angular_velocities, np.float64, (len(times), 3), "angular_velocities")
+            samples["has_rates"] = 1
+        self._create(samples)
+
+    def _create(self, samples: np.ndarray) -> None:
+        made = POINTER(_api.tides_trajectory)()
+        first = cast(samples.ctypes.data, POINTER(_api.tides_pose_sample))
+        call("tides_trajectory_create", first, len(samples), byref(made))
+        Handle.__init__(self, made)
+
+    @classmethod
+    def _of(cls, pointer: Any) -> "Trajectory":
+        made = cls.__new__(cls)
+        Handle.__init__(made, pointer)
+        return made
+
+    @classmethod
+    def _copy(cls, pointer: Any) -> "Trajectory":
+        """A copy of a path that something else owns."""
+        made = cls.__new__(cls)
+        made._create(_samples(pointer))
+        return made
+
+    @classmethod
+    def _generate(cls, name: str, *arguments: Any) -> "Trajectory":
+        made = POINTER(_api.tides_trajectory)()
+        call(f"tides_trajectory_create_{name}", *arguments, byref(made))
+        return cls._of(made)
+
+    @classmethod
+    def static(cls, position: Any, quaternion: Any = (1, 0, 0, 0)) -> "Trajectory":
+        """A pose that never changes."""
+        return cls._generate("static", doubles(position, 3, "position"), doubles(quaternion, 4, "quaternion"))
+
+    @classmethod
+    def orbit(
+        cls,
+        target: Any = (0, 0, 0),
+        radius: float = 1.0,
+        angular_speed: float = 1.0,
+        start: float = 0.0,
+        stop: float = 1.0,
+        height: float = 0.0,
+        start_angle: float = 0.0,
+        up: Any = _UP,
+    ) -> "Trajectory":
+        """A camera on a circle about `target` in the plane normal to `up`, looking at it. [scene units], [rad], [rad/s], [s]."""
+        target, up = doubles(target, 3, "target"), doubles(up, 3, "up")
+        return cls._generate("orbit", _api.tides_orbit(target, up, radius, height, start_angle, angular_speed, start, stop))
+
+    @classmethod
+    def dolly(
+        cls, start_at: Any, stop_at: Any, target: Any, start: float = 0.0, stop: float = 1.0, up: Any = _UP
+    ) -> "Trajectory":
+        """A camera on the line from `start_at` to `stop_at` [scene units], looking at `target`, from `start` to `stop` [s]."""
+        places = (doubles(one, 3, name) for name, one in (("start_at", start_at), ("stop_at", stop_at), ("target", target)))
+        return cls._generate("dolly", _api.tides_dolly(*places, doubles(up, 3, "up"), start, stop))
+
+    @classmethod
+    def handheld(
+        cls,
+        position: Any,
+        target: Any,
+        position_amplitude: float = 0.01,
+        rotation_amplitude: float = 0.01,
+        frequency: float = 1.0,
+        seed: int = 0,
+        start: float = 0.0,
+        stop: float = 1.0,
+        up: Any = _UP,
+    ) -> "Trajectory":
+        """A camera held by hand: amplitudes are rms per axis [scene units], [rad]; `frequency` [Hz] of the slowest sine."""
+        places = (doubles(position, 3, "position"), doubles(target, 3, "target"), doubles(up, 3, "up"))
+        shake = (position_amplitude, rotation_amplitude, frequency, seed, start, stop)
+        return cls._generate("handheld", _api.tides_handheld(*places, *shake))
+
+    @classmethod
+    def load(cls, file: str | os.PathLike[str], **options: Any) -> "Trajectory":
+        """The path in a file of any known format; `options` are those of Camera.load."""
+        return Camera.load(file, **options).trajectory
+
+    def at(self, time: float) -> Pose:
+        """Pose and rates at `time` [s]. OutOfRange outside `range`."""
+        pose = _api.tides_pose()
+        call("tides_trajectory_at", self._pointer, time, pose)
+        rotation, rotation_dot = (np.array(one).reshape(3, 3) for one in (pose.rotation, pose.rotation_dot))
+        return Pose(rotation, np.array(pose.position), rotation_dot, np.array(pose.position_dot))
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """First and last time [s]; -inf and inf for a pose that never changes."""
+        start, stop = c_double(), c_double()
+        lib.tides_trajectory_range(self._pointer, byref(start), byref(stop))
+        return start.value, stop.value
+
+    @property
+    def is_static(self) -> bool:
+        return bool(lib.tides_trajectory_is_static(self._pointer))
+
+    def __len__(self) -> int:
+        return lib.tides_trajectory_count(self._pointer)
+
+    @property
+    def samples(self) -> np.ndarray:
+        """A copy of the samples (n): fields time, position, quaternion, velocity, angular_velocity, has_rates."""
+        return _samples(self._pointer)[_SHOWN]
+
+
+def _samples(pointer: Any) -> np.ndarray:
+    count = lib.tides_trajectory_count(pointer)
+    samples = np.zeros(count, _SAMPLE)
+    for index in range(count):
+        one = cast(samples[index : index + 1].ctypes.data, POINTER(_api.tides_pose_sample))
+        call("tides_trajectory_sample", pointer, index, one)
+    return samples
+
+
+class Intrinsics(Value, _api.tides_intrinsics):
+    """A pinhole: width, height [px]; fx, fy, cx, cy [px]. u = fx x/z + cx; the centre of pixel (0, 0) is at (0.5, 0.5)."""
+
+    @classmethod
+    def from_fov(cls, width: int, height: int, fov_x: float) -> "Intrinsics":
+        """A centred lens with square pixels that sees `fov_x` [rad] across."""
+        f = 0.5 * width / math.tan(0.5 * fov_x)
+        return cls(width=width, height=height, fx=f, fy=f, cx=0.5 * width, cy=0.5 * height)
+
+
+class PathOptions(Value, _api.tides_path_options):
+    """How a path file is read: duration [s] of files without times, start [s], rebase, raw_positions."""
+
+    _defaults = "tides_path_options_defaults"
+
+
+class Camera:
+    """A path and a lens: Camera(trajectory, intrinsics), or the lens by its numbers: Camera(trajectory, width=346, ...)."""
+
+    def __init__(self, trajectory: Trajectory, intrinsics: Intrinsics | None = None, **lens: Any):
+        self.trajectory = trajectory
+        self.intrinsics = (intrinsics or Intrinsics()).copy(**lens)
+        self.format, self.distorted, self.field_of_view_x = "", False, 0.0  #: what a file said, where it came from one
+
+    @classmethod
+    def load(cls, file: str | os.PathLike[str], lens: dict[str, Any] | None = None, **options: Any) -> "Camera":
+        """A path file of any known format. `lens` replaces what the file says of the intrinsics; `options` are the fields of
+        PathOptions."""
+        made = _api.tides_path()
+        call("tides_path_load", path(file), PathOptions(**options), made)
+        camera = cls(Trajectory._of(made.trajectory), Intrinsics._from(made.intrinsics), **(lens or {}))
+        camera.format, camera.distorted = text(made.format), bool(made.distorted)
+        camera.field_of_view_x = made.field_of_view_x
+        return camera
+
+    def save(self, file: str | os.PathLike[str]) -> None:
+        """Writes the path with the lens as TIDES's JSON."""
+        call("tides_path_save", path(file), self.trajectory._pointer, self.intrinsics)
+
+    def __repr__(self) -> str:
+        return f"Camera({len(self.trajectory)} samples, {self.intrinsics!r})"

@@ -1,0 +1,311 @@
+"""Rendering and simulating: arrays, packets, files, threads, Ctrl-C."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+import tides
+from conftest import SIZE
+
+
+def test_frame(scene, camera):
+    with tides.Renderer(scene, camera) as renderer:
+        frame = renderer.frame(0.05, tides.CHANNELS)
+        assert set(frame) == set(tides.CHANNELS) and tides.CHANNELS[:3] == ("Y", "L", "L_dot")
+        assert all(plane.shape == SIZE[::-1] and plane.dtype == np.float64 for plane in frame.values())
+        assert np.allclose(frame["L"], np.log(frame["Y"] + tides.ImageParams().log_eps))
+        h = 1e-5
+        before, after = (renderer.frame(0.05 + d, ["L"])["L"] for d in (-h, h))
+        assert np.median(np.abs((after - before) / (2 * h) - frame["L_dot"])) < 1e-3 * np.abs(frame["L_dot"]).max()
+        assert renderer.stats.gaussians_total == scene.count and renderer.stats.tile_jobs > 0
+        other = renderer.frame(0.0, ["Y"], tides.Trajectory.static((0, 0, -4)))
+        assert not np.array_equal(other["Y"], frame["Y"])
+        with pytest.raises(ValueError, match="did you mean 'L_dot'"):
+            renderer.frame(0.05, ["L_dott"])
+    with pytest.raises(ValueError, match="closed"):
+        renderer.frame(0.05)
+    assert tides.lib.tides_channel_name(99) is None
+
+
+def test_image_rules(scene, camera):
+    image = tides.ImageParams(rules="inria", background=(1, 1, 1))
+    assert tides.Renderer(scene, camera, image).frame(0, ["Y"])["Y"].max() > 0.99
+
+
+def test_events(simulation, events):
+    assert events.dtype == tides.EVENT and len(events) > 1000
+    assert (np.diff(events["t"]) >= 0).all() and set(events["p"]) == {1, -1}
+    assert events["x"].max() < SIZE[0] and events["y"].max() < SIZE[1] and (events["cause"] == 0).all()
+    stats = simulation.stats
+    assert stats.events == len(events) == stats.events_on + stats.events_off and stats.simulated_s == pytest.approx(0.1)
+    assert stats.render.tile_jobs > 0
+    state = simulation.state
+    assert state.signal.shape == SIZE[::-1] and (np.abs(state.signal - state.reference) < 0.2).all()
+    assert state.count_on.sum() == (events["p"] == 1).sum() and state.count_off.sum() == (events["p"] == -1).sum()
+    assert len(simulation.run()) == 0  # it is at its end
+
+
+def again(scene, camera, **more):
+    return tides.Simulation(scene, camera, stepping=tides.Stepping(step_s=0.01), **more)
+
+
+def test_packets_are_the_events(scene, camera, events):
+    packets = list(again(scene, camera))
+    assert len(packets) == 10 and np.array_equal(np.concatenate(packets), events)
+    assert np.array_equal(np.concatenate(list(again(scene, camera).packets(0.035))), events)
+    begun = again(scene, camera)
+    first = begun.run(0.03)
+    assert 0 < len(first) < len(events)
+    assert np.array_equal(np.concatenate([first, *begun]), events)
+    with pytest.raises(ValueError, match="duration_s"):
+        next(begun.packets(0.0))
+
+
+def test_feed_gives_views(scene, camera, events):
+    packets = []
+    again(scene, camera).feed(lambda packet: packets.append(packet.copy()))
+    assert np.array_equal(np.concatenate(packets), events)
+    with pytest.raises(tides.errors.Cancelled):
+        again(scene, camera).feed(lambda packet: True)
+    simulation = again(scene, camera)
+    with pytest.raises(ZeroDivisionError):
+        simulation.feed(lambda packet: 1 / 0)
+
+
+@pytest.mark.parametrize("ending", ["h5", "npy", "raw"])
+def test_write(scene, camera, events, tmp_path, ending):
+    stats = again(scene, camera, run='{"a": 1}', seed="7").write(tmp_path / f"events.{ending}")
+    assert stats.events == len(events)
+    read = tides.read_events(tmp_path / f"events.{ending}")
+    tick = 1 if ending == "h5" else 1000
+    assert np.array_equal(read["t"], events["t"] // tick * tick)
+    assert all(np.array_equal(read[name], events[name]) for name in "xyp")
+    assert os.listdir(tmp_path) == [f"events.{ending}"]
+
+
+def test_progress(scene, camera, capfd):
+    seen = []
+    simulation = again(scene, camera, progress=lambda fraction, stage: seen.append(stage))
+    simulation.run(progress=lambda fraction, stage: seen.append((fraction, stage)))
+    assert seen[-1] == (1.0, "simulating") and len(seen) >= 10
+    again(scene, camera).run(progress=True)
+    assert "simulating" in capfd.readouterr().err  # tqdm's bar, or a line per tenth
+
+
+def test_progress_without_tqdm(scene, camera, capfd, monkeypatch):
+    for name in ("tqdm", "tqdm.auto"):
+        monkeypatch.setitem(sys.modules, name, None)
+    again(scene, camera).run(progress=True)
+    lines = capfd.readouterr().err.splitlines()
+    assert lines[-1] == "tides: simulating 100 %" and len(lines) <= 11
+
+
+def test_progress_with_tqdm(scene, camera, monkeypatch):
+    class Bar:
+        made = []
+
+        def __init__(self, **_):
+            self.n, self.steps, self.closed = 0.0, [], False
+            self.made.append(self)
+
+        def set_description(self, stage, refresh):
+            self.steps.append(stage)
+
+        def update(self, more):
+            self.n += more
+
+        def close(self):
+            self.closed = True
+
+    module = type(sys)("tqdm.auto")
+    module.tqdm = Bar
+    monkeypatch.setitem(sys.modules, "tqdm", type(sys)("tqdm"))
+    monkeypatch.setitem(sys.modules, "tqdm.auto", module)
+    again(scene, camera).run(progress=True)
+    (bar,) = Bar.made
+    assert bar.closed and bar.n == pytest.approx(1) and set(bar.steps) == {"simulating"}
+
+
+def test_stopping(scene, camera, events):
+    simulation = again(scene, camera)
+    with pytest.raises(tides.errors.Cancelled) as raised:
+        simulation.run(progress=lambda fraction, stage: fraction > 0.4)
+    assert 0 < len(raised.value.events) < len(events)
+    assert np.array_equal(np.concatenate([raised.value.events, simulation.run()]), events)
+    simulation = again(scene, camera)
+    with pytest.raises(ZeroDivisionError):
+        simulation.run(progress=lambda fraction, stage: 1 / 0)
+    simulation = again(scene, camera)
+    simulation.cancel()
+    with pytest.raises(tides.errors.Cancelled):
+        simulation.run()
+    simulation.run()
+
+
+def test_no_end(scene, camera):
+    with pytest.raises(ValueError, match="stands still"):
+        tides.Simulation(scene, tides.Camera(tides.Trajectory.static((0, 0, -4)), camera.intrinsics))
+
+
+def test_save_and_restore(scene, camera, events, tmp_path):
+    first = again(scene, camera)
+    head = first.run(0.05)
+    first.save(tmp_path / "state")
+    second = again(scene, camera)
+    second.restore(tmp_path / "state")
+    assert np.array_equal(np.concatenate([head, second.run()]), events)
+    other = tides.Simulation(scene, camera, sensor=tides.Sensor(threshold_on=0.3), stepping=first.stepping)
+    with pytest.raises(tides.errors.BadConfig, match="threshold_on"):
+        other.restore(tmp_path / "state")
+
+
+def test_interrupted_file_goes_on(scene, camera, events, tmp_path):
+    file = tmp_path / "events.h5"
+    with pytest.raises(tides.errors.Cancelled):
+        again(scene, camera).write(file, progress=lambda fraction, stage: fraction > 0.6)
+    part = tides.read_events(f"{file}.part")
+    assert not file.exists() and 0 < len(part) < len(events) and np.array_equal(part, events[: len(part)])
+    again(scene, camera).write(file, resume=True, checkpoint_s=1e-9)  # with a checkpoint at every step
+    assert np.array_equal(tides.read_events(file), events) and os.listdir(tmp_path) == ["events.h5"]
+    with pytest.raises(ValueError, match="HDF5"):
+        again(scene, camera).write(tmp_path / "events.raw", resume=True)
+    assert tides.can_resume("a.h5") and not tides.can_resume("a.raw")
+
+
+# -- threads --------------------------------------------------------------------------------------------------------------
+def in_threads(*works):
+    results = [None] * len(works)
+
+    def run(index):
+        results[index] = works[index]()
+
+    threads = [threading.Thread(target=run, args=(index,)) for index in range(len(works))]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    return results
+
+
+@pytest.mark.parametrize("device", ["reference", "auto"])
+def test_two_threads_give_the_same(scene, camera, device):
+    """Each its own device, and both on one: calls then take turns."""
+    if device == "auto" and not tides.devices():
+        pytest.skip("no OpenCL device")
+    one = again(scene, camera, device=device).run()
+    assert len(one) > 1000
+    shared = tides.Device(device)
+    for spec in (device, shared):
+        simulations = [again(scene, camera, device=spec) for _ in range(2)]
+        for events in in_threads(*(simulation.run for simulation in simulations)):
+            assert np.array_equal(events, one)
+    simulation = again(scene, camera, device=device)
+    halves = in_threads(simulation.run, simulation.run)  # one object: the first takes all
+    assert sorted(len(half) for half in halves) == [0, len(one)]
+
+
+def test_other_threads_run_meanwhile(scene, camera):
+    """The GIL is released: a counting thread gets on while C simulates."""
+    simulation, count, done = again(scene, camera), [0], threading.Event()
+
+    def counting():
+        while not done.is_set():
+            count[0] += 1
+            time.sleep(1e-4)
+
+    thread = threading.Thread(target=counting)
+    thread.start()
+    simulation.run()
+    done.set()
+    thread.join()
+    assert count[0] > 5
+
+
+def test_cancel_from_another_thread(scene, camera):
+    long = tides.Camera(tides.Trajectory.orbit(radius=4, angular_speed=1, stop=100), camera.intrinsics)
+    simulation = again(scene, long)
+    threading.Timer(0.3, simulation.cancel).start()
+    with pytest.raises(tides.errors.Cancelled):
+        simulation.run()
+
+
+# -- Ctrl-C ---------------------------------------------------------------------------------------------------------------
+PROGRAM = """
+import sys, time
+import tides
+from conftest import make_cloud, SIZE
+scene = tides.Scene()
+scene.add(make_cloud(400))
+path = tides.Trajectory.orbit(radius=4, angular_speed=1, stop=600)
+camera = tides.Camera(path, tides.Intrinsics.from_fov(*SIZE, 0.8))
+simulation = tides.Simulation(scene, camera)
+try:
+    simulation.write(sys.argv[1], progress=lambda fraction, stage: print("step", flush=True) if fraction > 0.0001 else None)
+except KeyboardInterrupt:
+    print("stopped", time.monotonic(), simulation.stats.simulated_s, simulation.stats.events, flush=True)
+"""
+
+
+@pytest.mark.parametrize("ending", ["h5", "raw"])
+def test_interrupt(tmp_path, ending):
+    """A run of minutes stops within 0.5 s of Ctrl-C, by the clock of both processes, and leaves a readable file."""
+    file = tmp_path / f"events.{ending}"
+    here = os.path.dirname(os.path.abspath(__file__))
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([here, os.environ.get("PYTHONPATH", "")])}
+    process = subprocess.Popen([sys.executable, "-c", PROGRAM, file], stdout=subprocess.PIPE, text=True, env=environment)
+    try:
+        while process.stdout.readline() != "step\n":
+            assert process.poll() is None
+        time.sleep(0.3)
+        sent = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        last = process.communicate(timeout=30)[0].splitlines()[-1].split()
+    finally:
+        process.kill()
+    assert last[0] == "stopped" and process.returncode == 0
+    print("stopped after", float(last[1]) - sent, "s")
+    assert float(last[1]) - sent < 0.5
+    assert float(last[2]) < 300 and not file.exists()
+    part = tides.read_events(f"{file}.part")
+    assert 0 < len(part) <= int(last[3])
+    assert ending != "h5" or len(part) == int(last[3])
+    assert (file.parent / (file.name + ".checkpoint")).exists() == (ending == "h5")
+
+
+def test_command_line_goes_on(tmp_path):
+    """What Python leaves is what `tides simulate --resume` takes."""
+    tool = os.environ.get("TIDES")
+    if not tool:
+        pytest.skip("TIDES names no tool")
+    run, file = "tests/install/run.json", tmp_path / "events.h5"
+    with pytest.raises(tides.errors.Cancelled):
+        with tides.Run(run).simulation("reference") as simulation:
+            simulation.write(file, progress=lambda fraction, stage: fraction > 0.4)
+    command = [tool, "simulate", run, "-o", file, "--resume", "--device", "reference", "--json"]
+    facts = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+    whole = tides.Run(run).simulate("reference")
+    assert np.array_equal(tides.read_events(file), whole) and facts["events"] == len(whole)
+
+
+def test_readout(scene, camera, events, tmp_path):
+    slow = tides.Readout(enabled=1, kind="bottleneck", tick_s=2e-6, k0=1, eta=0.0, gamma_sigma_s=0.0)
+    packets = []
+    simulation = again(scene, camera, readout=slow)
+    simulation.feed(lambda packet, fired: packets.append((packet.copy(), fired.copy())), fired=True)
+    left, fired = (np.concatenate(one) for one in zip(*packets))
+    assert np.array_equal(np.sort(fired), events["t"]) and (left["t"] >= fired).all() and (left["t"] > fired).any()
+    assert simulation.stats.events_delayed > 0 and simulation.stats.events_written == len(events)
+    plain = []
+    again(scene, camera).feed(lambda packet, fired: plain.append(np.array_equal(packet["t"], fired)), fired=True)
+    assert all(plain)
+    file = tmp_path / "events.h5"
+    with pytest.raises(tides.errors.Cancelled):
+        again(scene, camera, readout=slow).write(file, progress=lambda fraction, stage: fraction > 0.6)
+    again(scene, camera, readout=slow).write(file, resume=True)
+    assert np.array_equal(tides.read_events(file), left)

@@ -1,0 +1,107 @@
+"""Plain values, errors by kind, devices, run files."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+import tides
+
+RUN = "tests/install/run.json"
+
+
+def test_defaults_and_words():
+    stepping = tides.Stepping(mode="fixed", step_s=0.02)
+    assert (stepping.mode, stepping.model, stepping.step_s, stepping.risk.w_b) == ("fixed", "hermite", 0.02, 0.3)
+    stepping.mode = tides.api.TIDES_STEPPING_RISK
+    assert stepping.mode == "risk"
+    stepping.risk.w_b = 0.5
+    other = stepping.copy(model="linear")
+    assert (other.risk.w_b, other.model, stepping.model) == (0.5, "linear", "hermite")
+    assert other != stepping and other.copy(model="hermite") == stepping
+    assert "mode='risk'" in repr(stepping) and stepping.to_dict().mode == "risk"
+    image = tides.ImageParams(luminance=(1, 0, 0))
+    assert image.luminance == (1, 0, 0) and image.size > 0
+    assert tides.Sensor().refractory_law == "hold"
+
+
+def test_wrong_names_and_words_are_refused():
+    with pytest.raises(AttributeError, match="did you mean 'threshold_on'"):
+        tides.Sensor(treshold_on=1)
+    with pytest.raises(AttributeError):
+        tides.Sensor().size = 3
+    with pytest.raises(ValueError, match="hermite"):
+        tides.Stepping(model="hermit")
+    with pytest.raises(ValueError):
+        tides.Stepping(mode=77)
+    with pytest.raises(TypeError):
+        tides.Stepping(step_s="long")
+
+
+def test_devices():
+    rows = tides.devices()
+    assert [row.index for row in rows] == list(range(len(rows)))
+    with tides.Device("reference") as device:
+        assert device.facts.kind == "reference" and "Device(" in repr(device)
+    assert device.closed and repr(device) == "Device(closed)"
+    device.close()
+    with pytest.raises(ValueError, match="closed"):
+        device.facts
+    with pytest.raises(tides.errors.NoDevice, match="no such thing") as raised:
+        tides.Device("no such thing")
+    assert isinstance(raised.value, RuntimeError) and raised.value.name == "TIDES_NO_DEVICE"
+
+
+def test_errors_by_kind(tmp_path):
+    with pytest.raises(FileNotFoundError) as raised:
+        tides.Scene(tmp_path / "nothing.ply")
+    assert raised.value.status == tides.api.TIDES_FILE_NOT_FOUND and "nothing.ply" in str(raised.value)
+    (tmp_path / "bad.ply").write_text("ply\nnot really\n")
+    with pytest.raises(tides.errors.BadFile) as raised:
+        tides.Scene(tmp_path / "bad.ply")
+    assert isinstance(raised.value, OSError)
+    with pytest.raises(ValueError):
+        tides.Trajectory([0, 0], np.zeros((2, 3)), [[1, 0, 0, 0]] * 2)
+
+
+def test_run():
+    run = tides.Run(RUN, {"sensor.threshold_on": 0.3, "stepping.model": "linear"})
+    assert run.sensor.threshold_on == 0.3 and run.stepping.model == "linear" and run.stop == 0.05
+    assert isinstance(run.sensor, tides.Sensor) and isinstance(run.intrinsics, tides.Intrinsics)
+    assert json.loads(run.json)["sensor"]["threshold_on"] == 0.3
+    scene, camera = run.open()
+    assert scene.count == 20 and camera.intrinsics.width == 64
+    again = tides.Run(text=run.json, directory="tests/install")
+    assert again.sensor == run.sensor
+    as_dict = tides.Run(text=json.loads(run.json), directory="tests/install")
+    assert as_dict.json == again.json
+    with pytest.raises(AttributeError, match="did you mean"):
+        run.sensors
+    with pytest.raises(tides.errors.BadConfig, match="sensor.threshold_on"):
+        tides.Run(RUN, {"sensor.treshold_on": 1})
+    with pytest.raises(ValueError, match="one of them"):
+        tides.Run()
+
+
+def test_run_simulates_and_renders():
+    run = tides.Run(RUN)
+    events = run.simulate(device="reference")
+    with run.simulation("reference") as simulation:
+        assert np.array_equal(simulation.run(), events) and len(events) > 1000
+    with run.renderer("reference") as renderer:
+        assert renderer.frame(0.01)["L"].shape == (48, 64)
+
+
+def test_parameters_and_template(tmp_path):
+    table = {row.key: row for row in tides.parameters()}
+    row = table["sensor.threshold_on"]
+    assert row.type == "number" and row.fallback == "0.2" and row.available and row.sentence
+    assert table["stepping.mode"].choices == ["fixed", "risk", "error", "error_risk"]
+    template = json.loads(tides.run_template("room.ply", "path.json"))
+    assert template["scene"]["file"] == "room.ply" and template["camera"]["file"] == "path.json"
+
+
+def test_facts():
+    facts = tides.Run(RUN).values
+    assert facts["start"] == facts.start == 0.0 and "start" in facts
+    assert math.isclose(facts.stop, 0.05)

@@ -1,0 +1,111 @@
+"""The wheel in a fresh virtual environment, the README's example, the example scripts, the first use of OpenCL."""
+
+import os
+import re
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+import tides
+
+ROOT = Path(__file__).resolve().parents[3]
+EXAMPLES = ROOT / "python_ctypes" / "examples"
+
+
+def outside(**more):
+    """An environment that knows nothing of this tree; OpenCL where there is a device: the reference is slow."""
+    kept = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "TIDES_LIBRARY", "TIDES_DEVICE")}
+    return {**kept, "TIDES_DEVICE": "auto" if tides.devices() else "reference", **more}
+
+
+def run(*command, **more):
+    done = subprocess.run(command, capture_output=True, text=True, **more)
+    assert done.returncode == 0, done.stderr + done.stdout
+    return done.stdout
+
+
+def source_files():
+    return {path for path in (ROOT / "python_ctypes").rglob("*") if "__pycache__" not in path.parts}
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    pytest.importorskip("pip")
+    pytest.importorskip("wheel")
+    folder, before = tmp_path_factory.mktemp("wheel"), source_files()
+    pip = [sys.executable, "-m", "pip", "wheel", "--no-build-isolation", "--no-deps", "--no-index", "-w", folder]
+    run(*pip, ROOT / "python_ctypes", env=outside(TIDES_LIBRARY=tides.library_path), cwd=folder)
+    assert source_files() == before  # nothing is left in the source tree
+    (made,) = folder.glob("*.whl")
+    return made
+
+
+def test_wheel_holds_the_package(wheel):
+    assert wheel.name == f"tides-{tides.__version__}-py3-none-linux_x86_64.whl"
+    with zipfile.ZipFile(wheel) as file:
+        names = {name for name in file.namelist() if not name.endswith((".dist-info/", "/"))}
+        assert file.read("tides/libtides.so") == Path(tides.library_path).read_bytes()
+    modules = {f"tides/{path.name}" for path in (ROOT / "python_ctypes" / "tides").glob("*.py")}
+    assert modules | {"tides/py.typed", "tides/libtides.so"} == {name for name in names if ".dist-info/" not in name}
+
+
+def readme_example():
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)
+    (example,) = [block for block in blocks if "tides.Scene()" in block]
+    return example
+
+
+def test_fresh_environment_runs_the_readme(wheel, tmp_path):
+    """With the wheel and the system's packages alone (numpy)."""
+    venv = tmp_path / "venv"
+    run(sys.executable, "-m", "venv", "--without-pip", "--system-site-packages", venv)
+    python = venv / "bin" / "python"
+    run(sys.executable, "-m", "pip", "--python", python, "install", "--no-index", "--no-deps", wheel, env=outside())
+    program = readme_example() + "\nprint(tides.library_path, len(events), sorted(frame))\n"
+    path, count, names = run(python, "-c", program, env=outside(), cwd=tmp_path).split(maxsplit=2)
+    assert path.startswith(str(venv)) and int(count) > 1000 and names.strip() == "['L', 'L_dot']"
+    assert (tmp_path / "events.raw").stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    "script, outputs",
+    [
+        ("simulate_and_plot", ["out.png"]),
+        ("training_set", ["out/00000.h5", "out/00000.json", "out/00005.h5"]),
+        ("sweep", ["out.csv"]),
+        ("optical_flow", ["out.png"]),
+    ],
+)
+def test_example(script, outputs, tmp_path):
+    if not tides.devices():
+        pytest.skip("no OpenCL device, and the reference takes a minute")
+    output = "out" if script == "training_set" else outputs[0]
+    environment = outside(PYTHONPATH=str(ROOT / "python_ctypes"), TIDES_LIBRARY=tides.library_path)
+    said = run(sys.executable, EXAMPLES / f"{script}.py", output, env=environment, cwd=tmp_path)
+    assert all((tmp_path / name).stat().st_size > 20 for name in outputs)
+    if script == "optical_flow":
+        assert float(re.search(r"median error of a block: ([\d.]+) %", said)[1]) < 10
+    if script == "sweep":
+        rows = [line.split(",") for line in (tmp_path / "out.csv").read_text().split()][1:]
+        assert float(rows[-1][4]) < float(rows[0][4])  # dt_p95_us falls with the tolerance
+    if script == "training_set":
+        assert said.count("batch (2, 5, 72, 96)") == 3 or "torch" in said
+
+
+def test_threads_open_the_first_device_at_once():
+    """Loading OpenCL's drivers isn't safe in two threads: the package takes turns there."""
+    if not tides.devices():
+        pytest.skip("no OpenCL device")
+    program = (
+        "import threading, tides\n"
+        "ready, names = threading.Barrier(8), []\n"
+        "def work():\n    ready.wait()\n    names.append(tides.Device('auto').facts.name)\n"
+        "threads = [threading.Thread(target=work) for _ in range(8)]\n"
+        "[thread.start() for thread in threads]\n[thread.join() for thread in threads]\n"
+        "assert len(names) == 8 and len(set(names)) == 1, names\n"
+    )
+    environment = outside(PYTHONPATH=str(ROOT / "python_ctypes"), TIDES_LIBRARY=tides.library_path)
+    for _ in range(3):
+        run(sys.executable, "-c", program, env=environment)

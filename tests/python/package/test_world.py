@@ -1,0 +1,217 @@
+"""Trajectories, cameras, scenes, motions."""
+
+import gc
+
+import numpy as np
+import pytest
+import tides
+from conftest import make_cloud
+
+
+def same(a, b):
+    return all(np.array_equal(getattr(a, name), getattr(b, name)) for name in vars(a))
+
+
+def test_trajectory():
+    times = np.linspace(0, 1, 5)
+    positions = np.stack([times, times**2, 0 * times], 1)
+    path = tides.Trajectory(times, positions, [[1, 0, 0, 0]] * 5)
+    assert len(path) == 5 and path.range == (0.0, 1.0) and not path.is_static
+    pose = path.at(0.25)
+    assert np.allclose(pose.position, positions[1]) and np.allclose(pose.rotation, np.eye(3))
+    later = path.at(0.25 + 1e-6)
+    assert np.allclose((later.position - pose.position) / 1e-6, pose.position_dot, atol=1e-4)
+    assert np.array_equal(path.samples["position"], positions)
+    with pytest.raises(tides.errors.OutOfRange):
+        path.at(1.5)
+    with pytest.raises(ValueError, match="positions"):
+        tides.Trajectory(times, positions[:, :2], [[1, 0, 0, 0]] * 5)
+
+
+def test_trajectory_with_rates():
+    path = tides.Trajectory([0, 1], [[0, 0, 0], [1, 0, 0]], [[1, 0, 0, 0]] * 2, [[0, 2, 0]] * 2, np.zeros((2, 3)))
+    assert np.allclose(path.at(0).position_dot, [0, 2, 0]) and path.samples["has_rates"].all()
+    with pytest.raises(ValueError, match="both"):
+        tides.Trajectory([0, 1], np.zeros((2, 3)), [[1, 0, 0, 0]] * 2, velocities=np.zeros((2, 3)))
+
+
+def test_generators():
+    static = tides.Trajectory.static([1, 2, 3])
+    assert static.is_static and static.range == (-np.inf, np.inf) and np.array_equal(static.at(5).position, [1, 2, 3])
+    orbit = tides.Trajectory.orbit(target=(1, 0, 0), radius=3, angular_speed=2, stop=2)
+    assert np.isclose(np.linalg.norm(orbit.at(0.7).position - [1, 0, 0]), 3, atol=1e-4)
+    assert np.isclose(np.linalg.norm(orbit.at(0.7).position_dot), 6, atol=1e-3)
+    dolly = tides.Trajectory.dolly((0, 0, -3), (1, 0, -3), (0, 0, 0))
+    assert np.allclose(dolly.at(1).position, [1, 0, -3])
+    shaken = [tides.Trajectory.handheld((0, 0, -3), (0, 0, 0), seed=seed).at(0.5).position for seed in (1, 1, 2)]
+    assert np.array_equal(shaken[0], shaken[1]) and not np.array_equal(shaken[0], shaken[2])
+
+
+def test_camera_file(tmp_path, camera):
+    camera.save(tmp_path / "path.json")
+    loaded = tides.Camera.load(tmp_path / "path.json")
+    assert loaded.format == "tides" and loaded.intrinsics == camera.intrinsics and not loaded.distorted
+    assert np.allclose(loaded.trajectory.at(0.05).position, camera.trajectory.at(0.05).position)
+    assert "Camera(" in repr(loaded)
+    moved = tides.Camera.load(tmp_path / "path.json", lens={"width": 100}, start=-1.0)
+    assert moved.intrinsics.width == 100 and moved.trajectory.range[0] == 1.0
+    assert tides.Trajectory.load("tests/install/path.txt").range == (0.0, 0.06)
+    assert tides.PathOptions().duration == 1.0
+
+
+def test_scene_keeps_what_it_is_given(cloud, tmp_path):
+    path = tides.Trajectory.dolly((0, 0, 0), (1, 0, 0), (0, 0, 5))
+    with tides.Scene() as scene:
+        assert scene.add(cloud, name="first") == 0 and scene.add(cloud, path, scale=2.0, name="second") == 1
+        assert len(scene) == 2 and scene.count == 2 * len(cloud) and scene.sh_degree == 0
+        first, second = scene[0], scene[1]
+        lower, upper = scene.bounds
+        assert (lower <= cloud.mean.min(0)).all() and (upper >= cloud.mean.max(0)).all()
+        scene.save(tmp_path / "scene.h5")
+        assert "2 objects" in repr(scene)
+        with pytest.raises(IndexError):
+            scene[2]
+    gc.collect()
+    assert same(first.gaussians, cloud) and first.trajectory is None and first.motion is None
+    assert second.scale == 2 and second.name == "second"
+    assert np.allclose(second.trajectory.at(0.3).position, path.at(0.3).position)  # a copy: the scene is gone
+    again = tides.Scene(tmp_path / "scene.h5")
+    assert [one.name for one in again] == ["first", "second"] and same(again[1].gaussians, cloud)
+    assert tides.Scene.is_file(tmp_path / "scene.h5") and not tides.Scene.is_file(__file__)
+    assert repr(scene) == "Scene(closed)"
+
+
+def test_gaussians_are_checked(cloud):
+    with pytest.raises(ValueError, match="quaternion"):
+        tides.Gaussians(cloud.mean, cloud.log_scale, cloud.quaternion[:, :3], cloud.opacity_logit, cloud.sh)
+    with pytest.raises(ValueError, match="coefficients"):
+        tides.Gaussians(cloud.mean, cloud.log_scale, cloud.quaternion, cloud.opacity_logit, np.zeros((len(cloud), 5, 3)))
+    bad = make_cloud()
+    bad.mean[3, 1] = np.nan
+    with pytest.raises(tides.errors.BadArgument, match="3"):
+        tides.Scene().add(bad)
+
+
+def test_scene_is_locked_while_used(scene, camera, cloud):
+    renderer = tides.Renderer(scene, camera)
+    for change in (lambda: scene.add(cloud), scene.close, lambda: scene.set_duration(1), renderer.device.close):
+        with pytest.raises(ValueError, match="Renderer uses it"):
+            change()
+    renderer.close()
+    assert scene.add(cloud) == 1
+
+
+def sliding(cloud):
+    """Each model's way of moving everything along x: one scene unit per unit of its own clock."""
+    n = len(cloud)
+    coefficients = np.zeros((n, 9))
+    coefficients[:, 0] = 1
+    frames = np.linspace(0, 1, 5)
+    means = cloud.mean[None] + frames[:, None, None] * np.array([1, 0, 0])
+
+    def move(time, side, index, theta):
+        assert side in (-1, 0, 1) and theta.sh is None
+        theta.mean[:, 0] += time
+        theta.mean_dot[:, 0] = 1
+
+    return {
+        "polynomial": tides.Motion.polynomial(np.zeros(n), np.full(n, 20.0), coefficients, np.zeros((n, 4))),
+        "keyframes": tides.Motion.keyframes(frames, means, np.broadcast_to(cloud.quaternion, (5, n, 4))),
+        "callback": tides.Motion.callback(move, n),
+    }
+
+
+@pytest.mark.parametrize("model", ["polynomial", "keyframes", "callback"])
+def test_motion(model, camera):
+    """All gaussians slide: the image is that of a camera which slides the other way, with the same L_dot."""
+    cloud = make_cloud(60)
+    motion = sliding(cloud)[model]
+    assert motion.model == model and motion.range == (0.0, 1.0) and motion.moving(cloud) == len(cloud)
+    assert motion.knots >= 0
+    moving = tides.Scene()
+    moving.add(cloud, motion=motion, duration_s=2.0)
+    assert motion.closed and moving[0].motion == model and moving[0].moving == len(cloud)
+    assert moving[0].motion_range == (0.0, 1.0) and moving[0].duration_s == 2.0
+    del motion
+    gc.collect()
+    still = tides.Camera(tides.Trajectory.static((0, 0, -5)), camera.intrinsics)
+    frame = tides.Renderer(moving, still).frame(0.8)
+    slid = tides.Camera(tides.Trajectory([0, 2], [[0, 0, -5], [-1, 0, -5]], [[1, 0, 0, 0]] * 2), camera.intrinsics)
+    resting = tides.Scene()
+    resting.add(cloud)
+    wanted = tides.Renderer(resting, slid).frame(0.8)
+    assert np.abs(wanted["L_dot"]).max() > 0.1
+    for name in ("L", "L_dot"):
+        assert np.allclose(frame[name], wanted[name], atol=2e-4), name
+    assert moving.set_duration(4.0) == 1 and moving[0].duration_s == 4.0
+
+
+def test_rotor_motion(camera):
+    cloud = make_cloud(40)
+    n = len(cloud)
+    turned = np.tile([1.0, 0, 0, 0], (n, 1))
+    motion = tides.Motion.rotor(np.full(n, 0.5), np.zeros(n), turned, np.zeros((n, 1, 1, 3)))
+    scene = tides.Scene()
+    scene.add(cloud, motion=motion)
+    assert scene[0].motion == "rotor" and scene[0].knots >= 0
+    still = tides.Camera(tides.Trajectory.static((0, 0, -5)), camera.intrinsics)
+    assert np.isfinite(tides.Renderer(scene, still).frame(0.3)["L"]).all()
+
+
+def test_callback_exception_comes_out(cloud, camera):
+    class Mine(Exception):
+        pass
+
+    def fail(time, side, index, theta):
+        raise Mine("from the function")
+
+    scene = tides.Scene()
+    scene.add(cloud, motion=tides.Motion.callback(fail, len(cloud)))
+    still = tides.Camera(tides.Trajectory.static((0, 0, -5)), camera.intrinsics)
+    with pytest.raises(Mine, match="from the function"):
+        tides.Renderer(scene, still).frame(0.3)
+
+
+def test_callback_of_colours(camera):
+    cloud = make_cloud(30)
+
+    def brighten(time, side, index, theta):
+        theta.sh[:] += time
+        theta.sh_dot[:] = 1
+
+    scene = tides.Scene()
+    scene.add(cloud, motion=tides.Motion.callback(brighten, len(cloud), sh_degree=0))
+    still = tides.Camera(tides.Trajectory.static((0, 0, -5)), camera.intrinsics)
+    frame = tides.Renderer(scene, still).frame(0.5)
+    assert frame["L_dot"].max() > 0.1 and frame["L_dot"].min() > -1e-6
+
+
+def test_motion_of_another_size_is_refused(cloud):
+    with pytest.raises(tides.TidesError):
+        tides.Scene().add(cloud, motion=tides.Motion.callback(print, 3))
+    with pytest.raises(ValueError, match="mean_coefficient"):
+        tides.Motion.polynomial(np.zeros(3), np.zeros(3), np.zeros((3, 8)), np.zeros((3, 4)))
+
+
+def test_range_and_bounds(cloud):
+    scene = tides.Scene()
+    scene.add(cloud)
+    assert scene.range == (-np.inf, np.inf)
+    scene.add(cloud, tides.Trajectory([0, 2], [[0, 0, 0], [4, 0, 0]], [[1, 0, 0, 0]] * 2))
+    assert scene.range == (0.0, 2.0)
+    lower, upper = scene.bounds_at(1.0)
+    assert np.allclose(upper - [2, 0, 0], cloud.mean.max(0), atol=1e-5) and np.allclose(lower, cloud.mean.min(0))
+    with pytest.raises(tides.errors.OutOfRange):
+        scene.bounds_at(3.0)
+
+
+def test_generate():
+    kinds = {row.name: row for row in tides.generators()}
+    assert kinds["fan"].sentence and kinds["fan"].duration_s > 0
+    world = tides.generate("fan", width=64, height=48, seed=3)
+    assert world.camera.intrinsics.width == 64 and world.scene.count > 100 and len(world.background) == 3
+    assert world.duration_s == kinds["fan"].duration_s and world.camera.trajectory.range[1] >= world.duration_s
+    assert same(world.scene[0].gaussians, tides.generate("fan", width=64, height=48, seed=3).scene[0].gaussians)
+    with pytest.raises(tides.errors.BadArgument, match="fan"):
+        tides.generate("fam")
+    assert tides.GenerateOptions().width == 346
