@@ -10,6 +10,7 @@ BINDIR     ?= $(PREFIX)/bin
 LIBDIR     ?= $(PREFIX)/lib
 INCLUDEDIR ?= $(PREFIX)/include
 DATADIR    ?= $(PREFIX)/share
+MANDIR     ?= $(DATADIR)/man
 PYTHON     ?= /usr/bin/python3
 PKG_CONFIG ?= pkg-config
 TIDES_SHARED ?= ../shared
@@ -208,8 +209,26 @@ wheel: all ## Pack the Python package with the library: build/python/tides-*.whl
 
 # -- install -----------------------------------------------------------------------------------------------------------
 HEADERS := $(wildcard include/tides/*.h)
+# Man pages and completions are what the tool says of itself; below $(OUT)/share as below $(DATADIR).
+COMMANDS := $(patsubst cli/cmd_%.c,%,$(wildcard cli/cmd_*.c))
+MAN1     := tides.1 $(COMMANDS:%=tides-%.1)
+PAGES    := $(OUT)/share
+$(PAGES)/.made: $(OUT)/tides
+	@mkdir -p $(PAGES)
+	$(OUT)/tides help --man > $(PAGES)/tides.1
+	$(OUT)/tides help --man run > $(PAGES)/tides-run.5
+	set -e; for command in $(COMMANDS); do $(OUT)/tides help --man $$command > $(PAGES)/tides-$$command.1; done
+	$(OUT)/tides help --bash > $(PAGES)/tides.bash
+	$(OUT)/tides help --zsh > $(PAGES)/_tides
+	@touch $@
 .PHONY: install uninstall dist clean
-install: all ## Install below PREFIX=/usr/local (also DESTDIR, BINDIR, LIBDIR, INCLUDEDIR)
+install: all $(PAGES)/.made ## Install below PREFIX=/usr/local (also DESTDIR, BINDIR, LIBDIR, INCLUDEDIR, DATADIR, MANDIR)
+	install -d '$(DESTDIR)$(MANDIR)/man1' '$(DESTDIR)$(MANDIR)/man5' '$(DESTDIR)$(DATADIR)/bash-completion/completions' \
+	    '$(DESTDIR)$(DATADIR)/zsh/site-functions'
+	install -m 644 $(MAN1:%=$(PAGES)/%) '$(DESTDIR)$(MANDIR)/man1'
+	install -m 644 $(PAGES)/tides-run.5 '$(DESTDIR)$(MANDIR)/man5'
+	install -m 644 $(PAGES)/tides.bash '$(DESTDIR)$(DATADIR)/bash-completion/completions/tides'
+	install -m 644 $(PAGES)/_tides '$(DESTDIR)$(DATADIR)/zsh/site-functions/_tides'
 	install -d '$(DESTDIR)$(BINDIR)' '$(DESTDIR)$(LIBDIR)/pkgconfig' '$(DESTDIR)$(INCLUDEDIR)/tides'
 	install -m 755 $(OUT)/tides '$(DESTDIR)$(BINDIR)/tides'
 	install -m 755 $(OUT)/libtides.so.$(VERSION) '$(DESTDIR)$(LIBDIR)/libtides.so.$(VERSION)'
@@ -228,7 +247,9 @@ uninstall: ## Remove what install put there
 	rm -f '$(DESTDIR)$(BINDIR)/tides' '$(DESTDIR)$(LIBDIR)/pkgconfig/tides.pc' '$(DESTDIR)$(INCLUDEDIR)/tides.h' \
 	    $(foreach end,so so.$(MAJOR) so.$(VERSION),'$(DESTDIR)$(LIBDIR)/libtides.$(end)') \
 	    $(patsubst include/%,'$(DESTDIR)$(INCLUDEDIR)/%',$(HEADERS)) \
-	    $(patsubst share/%,'$(DESTDIR)$(DATADIR)/tides/%',$(PRESETS))
+	    $(patsubst share/%,'$(DESTDIR)$(DATADIR)/tides/%',$(PRESETS)) \
+	    $(MAN1:%='$(DESTDIR)$(MANDIR)/man1/%') '$(DESTDIR)$(MANDIR)/man5/tides-run.5' \
+	    '$(DESTDIR)$(DATADIR)/bash-completion/completions/tides' '$(DESTDIR)$(DATADIR)/zsh/site-functions/_tides'
 	-rmdir '$(DESTDIR)$(INCLUDEDIR)/tides' '$(DESTDIR)$(DATADIR)/tides/presets' '$(DESTDIR)$(DATADIR)/tides'
 dist: ## Pack the committed sources: build/tides-VERSION.tar.gz
 	@mkdir -p build

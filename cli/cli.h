@@ -13,8 +13,9 @@
 #define CLI_PRINTF(text, first)
 #endif
 
-/* Exit codes. CLI_GO isn't one: it says that parsing went well and the command should run. */
-enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_GO = -1 };
+/* Exit codes. Two aren't: CLI_GO says that parsing went well and the command should run, CLI_DESCRIBED that --help=KIND was
+ * answered and nothing more is to be said. */
+enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_GO = -1, CLI_DESCRIBED = -2 };
 
 /* What every command takes. */
 typedef struct cli_common {
@@ -63,6 +64,8 @@ int cmd_view(const cli_command *command, int argc, char **argv);
 int cmd_export(const cli_command *command, int argc, char **argv);
 int cmd_metrics(const cli_command *command, int argc, char **argv);
 int cmd_bench(const cli_command *command, int argc, char **argv);
+int cmd_init(const cli_command *command, int argc, char **argv);
+int cmd_batch(const cli_command *command, int argc, char **argv);
 
 /* options.c: fills the options' targets, `common`, and `positional` (command->positionals of them). CLI_GO, or the exit code:
  * CLI_OK after --help was answered, CLI_USAGE after an error was printed. */
@@ -70,6 +73,15 @@ int cli_parse(const cli_command *command, const cli_option *options, int argc, c
               const char **positional);
 /* A finite number from the text of `option`; CLI_GO or CLI_USAGE. */
 int cli_number(const cli_command *command, const char *option, const char *text, double *number);
+
+/* The options that every command takes, stored to `common`. */
+enum { CLI_COMMON_OPTIONS = 5 };
+void cli_common_options(cli_option options[CLI_COMMON_OPTIONS], cli_common *common);
+
+/* describe.c: `tides COMMAND --help=man|bash|zsh`, and `tides help --man [PAGE]`, `--bash`, `--zsh`: man pages and completions.
+ * CLI_DESCRIBED or CLI_USAGE; the exit code. */
+int cli_describe(const char *kind, const cli_command *command, const cli_option *options);
+int cli_help_pages(const cli_command *commands, size_t count, const char *what, const char *page);
 
 /* help.c */
 void cli_help_command(const cli_command *command, const cli_option *options);

@@ -139,7 +139,7 @@ static tides_status step(const job *j, cli_progress *progress, double share, tid
 static tides_status export_times(job *j, tides_array_writer *writer, cli_progress *progress, tides_error *error) {
     const cli_stretch *s = &j->stretch;
     const int64_t length = s->window_ns ? s->window_ns : s->stop_ns - s->start_ns;
-    int64_t start = s->start_ns, end = s->start_ns;
+    int64_t start = s->start_ns, end = start;
     tides_status status = TIDES_OK;
     while (status == TIDES_OK && (start + length <= s->stop_ns || (j->partial && start < s->stop_ns))) {
         end = start + length < s->stop_ns ? start + length : s->stop_ns;

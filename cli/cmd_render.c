@@ -57,6 +57,10 @@ int cmd_render(const cli_command *command, int argc, char **argv) {
     tides_error error = {TIDES_OK, ""};
     cli_session session;
     if (cli_session_open(request.run, &request.sets, &common, &session, &error) != TIDES_OK) return cli_fail(&error);
+    if (session.frames) {
+        cli_session_close(&session);
+        return cli_failed("%s: the run has frames.file and no scene to render", request.run);
+    }
     if (!request.time) time = session.values.start;
     code = CLI_OK;
     if (render(&session, time, &request, &common, &error) != TIDES_OK)

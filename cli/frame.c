@@ -25,6 +25,8 @@ tides_status cli_frame_render(const cli_session *session, double time, int32_t w
     if (status == TIDES_OK)
         status = tides_renderer_create(session->device, session->scene, &session->intrinsics, &session->values.image,
                                        cli_progress_step, progress, &renderer, error);
+    const tides_sensor *sensor = &session->values.sensor;
+    if (status == TIDES_OK) status = tides_renderer_set_psf(renderer, sensor->psf_sigma_px, sensor->psf_domain, error);
     if (status == TIDES_OK) {
         tides_frame planes;
         memcpy(planes.plane, made.plane, sizeof planes.plane);

@@ -12,13 +12,13 @@ static void print_option(char letter, const char *name, const char *argument, co
 }
 
 void cli_help_command(const cli_command *command, const cli_option *options) {
+    cli_common common;
+    cli_option shared[CLI_COMMON_OPTIONS];
+    cli_common_options(shared, &common);
     printf("usage: tides %s %s\n\n%s\n\noptions:\n", command->name, command->arguments, command->summary);
     for (const cli_option *o = options; o->name; o++) print_option(o->letter, o->name, o->argument, o->help);
-    print_option(0, "--device", "SPEC", "auto, cpu, gpu, reference, an index or a name (else TIDES_DEVICE)");
-    print_option(0, "--json", NULL, "facts as JSON");
-    print_option('q', "--quiet", NULL, "no progress, no summary");
-    print_option('v', "--verbose", NULL, "say what is being done");
-    print_option('h', "--help", NULL, "this text");
+    for (size_t i = 0; i < CLI_COMMON_OPTIONS; i++)
+        print_option(shared[i].letter, shared[i].name, shared[i].argument, shared[i].help);
     if (command->details) printf("\n%s\n", command->details);
 }
 

@@ -56,6 +56,7 @@ static tides_event_file facts_of(const cli_session *s) {
 }
 
 static tides_status make_simulator(job_state *state, tides_error *error) {
+    if (cli_uses_frames(&state->session)) return TIDES_OK; /* cli_frames_simulate has its own */
     const cli_session *s = &state->session;
     tides_status status = tides_simulator_create(s->device, s->scene, s->camera, &s->intrinsics, &s->values.image,
                                                  &s->values.sensor, &s->values.stepping, s->values.start, s->values.stop,
@@ -101,6 +102,12 @@ static tides_status start(const cli_job *job, const cli_common *common, job_stat
 static tides_status simulate(job_state *state, tides_error *error) {
     job_sink *sink = &state->sink;
     tides_status status = TIDES_CANCELLED;
+    if (cli_uses_frames(&state->session)) {
+        status = cli_frames_simulate(&state->session, take, sink, &state->progress, &state->stats, error);
+        if (sink->error.status == TIDES_OK) return status;
+        *error = sink->error;
+        return error->status;
+    }
     while (status == TIDES_CANCELLED && !state->checkpoint.interrupted) {
         status = tides_simulator_run(state->simulator, state->session.values.stop, take, sink, cli_checkpoint_step,
                                      &state->checkpoint, error);
@@ -175,6 +182,7 @@ static void print_summary(const tides_stats *stats, const cli_session *session) 
            session->intrinsics.width, session->intrinsics.height);
     printf("run time          %.3g s, real-time factor %.3g, %.5g full renders\n", stats->run_time_s, stats->real_time_factor,
            stats->renders_full_frame_equivalent);
+    if (cli_uses_frames(session)) printf("method            %s\n", session->values.method);
     printf("device            %s\n", session->info.name);
     print_causes(stats);
     if (stats->events_dropped || stats->events_delayed)
@@ -195,6 +203,7 @@ static int stopped(const cli_job *job, const job_state *state) {
 static tides_status work(const cli_job *job, const cli_common *common, job_state *state, tides_error *error) {
     state->progress.events = &state->sink.events;
     tides_status status = check_outputs(job, error);
+    if (status == TIDES_OK) status = cli_frames_check(job, &state->session, error);
     if (status == TIDES_OK)
         status = cli_checkpoint_begin(&state->checkpoint, job->events, job->checkpoint_s, &state->progress, error);
     if (status == TIDES_OK) status = start(job, common, state, error);

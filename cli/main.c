@@ -7,6 +7,8 @@
 static const cli_command commands[] = {
     {"demo", "[-o DIR]", "Make a dynamic scene, simulate it, and leave everything in a directory.",
      "Writes the scene, camera path, run file, events.h5, preview.png, frame.exr and stats.json.", 0, cmd_demo},
+    {"init", "[-o RUN.json]", "Write a run file to begin with: every key, its default, and what it does.",
+     "The comments (// to the end of a line) are TIDES's own: JSON has none.", 0, cmd_init},
     {"devices", "", "List OpenCL devices and show which one is used.", NULL, 0, cmd_devices},
     {"info", "FILE", "Show what a scene, path, event or EXR file holds.", "The kind of file is found from its content.", 1,
      cmd_info},
@@ -21,6 +23,13 @@ static const cli_command commands[] = {
      ".dat, .es,\n"
      ".aedat4, .npy, .npz, .csv, .txt), most in microseconds. Ctrl-C leaves what was simulated in EVENTS.h5.part.",
      1, cmd_simulate},
+    {"batch", "MANIFEST.json -o DIR", "Simulate many runs, several at a time; what is finished is skipped.",
+     "MANIFEST.json: {\"base\": \"run.json\", \"set\": {KEY: VALUE}, \"grid\": {KEY: [VALUES], ...},\n"
+     "\"runs\": [{\"name\": NAME, \"file\": \"run.json\", \"set\": {KEY: VALUE}}, ...]}; grid and runs may stand alone, keys "
+     "as\n"
+     "for --set. DIR/NAME holds each run's events.h5, stats.json, result.json and log.txt; DIR/summary.json and .csv\n"
+     "all results. The same command again goes on after an interruption and does again only what changed.",
+     1, cmd_batch},
     {"convert", "IN OUT", "Convert a scene to .ply or .h5, or an event file to another format.",
      "A scene is .ply (compressed too), .spz, .splat, .ksplat, .sog or .h5. IN's format is found from its content; OUT's "
      "ending "
@@ -82,6 +91,9 @@ static int run(int argc, char **argv) {
         print_help();
         return CLI_OK;
     }
+    if (strcmp(name, "help") == 0 && strncmp(argv[2], "--", 2) == 0)
+        return argc > 4 ? cli_usage(NULL, "help %s takes one page", argv[2])
+                        : cli_help_pages(commands, COMMANDS, argv[2], argv[3]);
     if (strcmp(name, "help") == 0) { /* tides help render = tides render --help */
         char flag[] = "--help";
         char *again[] = {argv[0], argv[2], flag, NULL};
@@ -95,6 +107,7 @@ static int run(int argc, char **argv) {
 
 int main(int argc, char **argv) {
     int code = run(argc, argv);
+    if (code == CLI_DESCRIBED) code = CLI_OK;
     /* A full disk or a closed pipe behind stdout is a failure like any other. */
     if (fflush(stdout) != 0 || ferror(stdout)) {
         fputs("tides: standard output can't be written\n", stderr);

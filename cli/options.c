@@ -7,23 +7,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COMMON_OPTIONS = 5, NAMES_MAX = 32 };
+enum { NAMES_MAX = 32 };
 
 typedef struct parser {
     const cli_command *command;
     const cli_option *own;
-    cli_option common[COMMON_OPTIONS];
+    cli_option common[CLI_COMMON_OPTIONS];
     char **argv;
     int argc, at;
 } parser;
 
-static void fill_common(cli_option options[COMMON_OPTIONS], cli_common *common) {
-    const cli_option made[COMMON_OPTIONS] = {
-        {"--device", 0, "SPEC", NULL, NULL, &common->device, NULL},
-        {"--json", 0, NULL, NULL, &common->json, NULL, NULL},
-        {"--quiet", 'q', NULL, NULL, &common->quiet, NULL, NULL},
-        {"--verbose", 'v', NULL, NULL, &common->verbose, NULL, NULL},
-        {"--help", 'h', NULL, NULL, &common->help, NULL, NULL},
+void cli_common_options(cli_option options[CLI_COMMON_OPTIONS], cli_common *common) {
+    const cli_option made[CLI_COMMON_OPTIONS] = {
+        {"--device", 0, "SPEC", "auto, cpu, gpu, reference, an index or a name (else TIDES_DEVICE)", NULL, &common->device,
+         NULL},
+        {"--json", 0, NULL, "facts as JSON", &common->json, NULL, NULL},
+        {"--quiet", 'q', NULL, "no progress, no summary", &common->quiet, NULL, NULL},
+        {"--verbose", 'v', NULL, "say what is being done", &common->verbose, NULL, NULL},
+        {"--help", 'h', NULL, "this text", &common->help, NULL, NULL},
     };
     memcpy(options, made, sizeof made);
 }
@@ -32,7 +33,7 @@ static void fill_common(cli_option options[COMMON_OPTIONS], cli_common *common) 
 static const cli_option *find(const parser *p, const char *name, size_t length, char letter) {
     for (const cli_option *o = p->own; o->name; o++)
         if (name ? strlen(o->name) == length && memcmp(o->name, name, length) == 0 : o->letter == letter) return o;
-    for (const cli_option *o = p->common; o < p->common + COMMON_OPTIONS; o++)
+    for (const cli_option *o = p->common; o < p->common + CLI_COMMON_OPTIONS; o++)
         if (name ? strlen(o->name) == length && memcmp(o->name, name, length) == 0 : o->letter == letter) return o;
     return NULL;
 }
@@ -40,8 +41,8 @@ static const cli_option *find(const parser *p, const char *name, size_t length, 
 static int unknown(const parser *p, const char *name, size_t length) {
     const char *names[NAMES_MAX + 1] = {NULL};
     size_t count = 0;
-    for (const cli_option *o = p->own; o->name && count < NAMES_MAX - COMMON_OPTIONS; o++) names[count++] = o->name;
-    for (size_t i = 0; i < COMMON_OPTIONS; i++) names[count++] = p->common[i].name;
+    for (const cli_option *o = p->own; o->name && count < NAMES_MAX - CLI_COMMON_OPTIONS; o++) names[count++] = o->name;
+    for (size_t i = 0; i < CLI_COMMON_OPTIONS; i++) names[count++] = p->common[i].name;
     char given[64];
     snprintf(given, sizeof given, "%.*s", (int)(length < sizeof given ? length : sizeof given - 1), name);
     const char *nearest = given[1] == '-' ? cli_nearest(given, names) : NULL;
@@ -95,8 +96,9 @@ int cli_parse(const cli_command *command, const cli_option *options, int argc, c
               const char **positional) {
     parser p = {.command = command, .own = options, .argv = argv, .argc = argc};
     memset(common, 0, sizeof *common);
-    fill_common(p.common, common);
+    cli_common_options(p.common, common);
     int32_t given = 0, ended = 0;
+    if (argc == 2 && strncmp(argv[1], "--help=", 7) == 0) return cli_describe(argv[1] + 7, command, options);
     for (p.at = 1; p.at < argc; p.at++) {
         const char *text = argv[p.at];
         int code = CLI_GO;

@@ -12,6 +12,7 @@ typedef struct cli_session {
     tides_intrinsics intrinsics;
     tides_device *device;
     tides_device_info info;
+    tides_frames *frames; /* in place of scene, camera and device */
 } cli_session;
 
 /* Opens run file, scene, camera and device; `sets` are --set texts. On failure nothing stays open. */
@@ -80,6 +81,13 @@ typedef struct cli_job {
 } cli_job;
 /* Simulates, writes, and prints the summary (or with --json the statistics). The exit code. */
 int cli_job_run(const cli_job *job, const cli_common *common);
+
+/* job_frames.c: runs that see frames, of a sequence or rendered: all methods but TIDES on a scene. */
+int cli_uses_frames(const cli_session *session);
+/* What such a run can't do, before it begins. */
+tides_status cli_frames_check(const cli_job *job, const cli_session *session, tides_error *error);
+tides_status cli_frames_simulate(const cli_session *session, tides_event_sink sink, void *user, cli_progress *progress,
+                                 tides_stats *stats, tides_error *error);
 
 /* stats.c: the statistics of DESIGN 6 as JSON; NULL: out of memory. */
 cJSON *cli_stats_json(const tides_stats *stats, const cli_session *session);

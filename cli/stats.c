@@ -56,6 +56,7 @@ static int32_t add_counts(cJSON *root, const tides_stats *s) {
         {"tile_steps_still", (double)s->tile_steps_still},
         {"gaussians_still", (double)s->render.gaussians_still},
         {"gaussians_moved", (double)s->render.gaussians_moved},
+        {"gaussians_interpolated", (double)s->render.gaussians_interpolated},
         {"gaussians_total", (double)s->render.gaussians_total},
         {"gaussians_projected", (double)s->render.gaussians_projected},
         {"gaussians_culled", (double)s->render.gaussians_culled},

@@ -10,13 +10,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEFT = 76, TOP = 92, RIGHT = 24, BOTTOM = 64, SCALE_ROOM = 118, LEAST_WIDTH = 760, HEADING = 16, COMFORTABLE = 640 };
+enum { LEFT = 76, TOP = 92, RIGHT = 24, BOTTOM = 64, SCALE_ROOM = 118, LEAST_WIDTH = 760, HEADING = 16 };
+enum { COMFORTABLE = 640, LARGEST = 64 }; /* px of an image, px per pixel */
 
 static int32_t enlargement(const view *v, const cli_window *shown) {
     if (v->plain && !v->scale) return 1;
     if (v->scale) return v->scale;
-    const int32_t times = (COMFORTABLE + shown->width - 1) / shown->width;
-    return times > 64 ? 64 : times;
+    const int32_t longest = shown->width > shown->height ? shown->width : shown->height;
+    const int32_t times = (COMFORTABLE + longest - 1) / longest;
+    return times > LARGEST ? LARGEST : times;
 }
 
 /* Copies an image, each pixel as a square. */

@@ -22,6 +22,8 @@
 #include "tides/render.h"
 #include "tides/sensor.h"
 #include "tides/simulate.h"
+#include "tides/frames.h"
+#include "tides/baselines.h"
 #include "tides/events.h"
 #include "tides/readout.h"
 #include "tides/image.h"

@@ -42,6 +42,19 @@ typedef struct td_move_job {
     int padding[3];
 } td_move_job;
 
+/* Rows to interpolate: `count` (a multiple of TD_PAD) rows from `row` on; that of entry i lies between rows
+ * from + places[first + i] and to + places[first + i]. */
+typedef struct td_cubic_job {
+    int cubic; /* number of the time */
+    int first, count;
+    int row;
+    int from, to;
+    int moves_sh;
+    int padding;
+} td_cubic_job;
+
+enum { TD_CUBIC_REALS = 6 };
+
 /* A moment: [0] tau as the nearest real, [1] what is missing from that, [2] d(tau)/dt [1/s], [3] unused, then the model's own.
  * tau - x is (moment[0] - x) + moment[1]: exact where it matters, however long the sequence. */
 enum { TD_MOMENT_TAU = 0, TD_MOMENT_TAU_REST = 1, TD_MOMENT_TAU_DOT = 2 };

@@ -5,6 +5,7 @@
 #include "tides/camera.h"
 #include "tides/device.h"
 #include "tides/scene.h"
+#include "tides/sensor.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -76,15 +77,16 @@ typedef struct tides_frame {
 
 /* What a renderer or a run did. Plain value; counts only grow. */
 typedef struct tides_render_stats {
-    uint64_t tile_jobs;           /* (tile, time) pairs composited */
-    uint64_t tile_jobs_skipped;   /* tiles without a candidate: background by formula */
-    uint64_t gaussians_total;     /* Gaussians in the scene */
-    uint64_t gaussians_projected; /* (Gaussian, tile job) projections */
-    uint64_t gaussians_culled;    /* of these, not touching their tile at that time */
-    uint64_t gaussians_still;     /* at rest before a resting camera: not looked at again when lists were made */
-    uint64_t gaussians_moved;     /* rows worked out of Gaussians that move by themselves: (Gaussian, time) pairs */
-    uint64_t sweeps;              /* times that Gaussians were swept for tile candidate lists */
-    uint64_t pairs_evaluated;     /* (splat, pixel) pairs composited, in blocks of 16 */
+    uint64_t tile_jobs;              /* (tile, time) pairs composited */
+    uint64_t tile_jobs_skipped;      /* tiles without a candidate: background by formula */
+    uint64_t gaussians_total;        /* Gaussians in the scene */
+    uint64_t gaussians_projected;    /* (Gaussian, tile job) projections */
+    uint64_t gaussians_culled;       /* of these, not touching their tile at that time */
+    uint64_t gaussians_still;        /* at rest before a resting camera: not looked at again when lists were made */
+    uint64_t gaussians_moved;        /* rows worked out of Gaussians that move by themselves: (Gaussian, time) pairs */
+    uint64_t gaussians_interpolated; /* rows that were interpolated instead (tides_stepping.interpolate_motion) */
+    uint64_t sweeps;                 /* times that Gaussians were swept for tile candidate lists */
+    uint64_t pairs_evaluated;        /* (splat, pixel) pairs composited, in blocks of 16 */
     double time_build_s, time_motion_s, time_sweep_s, time_project_s, time_sort_s, time_composite_s, time_transfer_s;
     int32_t tiles; /* tiles in a full frame */
     int32_t reserved;
@@ -101,6 +103,12 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_create(tides_device *devi
 
 /* NULL is fine. */
 TIDES_API void tides_renderer_destroy(tides_renderer *renderer);
+
+/* Blurs L and L_dot of every later frame by a Gaussian of sigma_px (0, the default: not at all), as the sensor's optics do,
+ * `domain` (TIDES_PSF_*) saying whether before or after the logarithm; Y becomes e^L - log_eps, other planes stay as they are.
+ * Beyond its borders the image goes on as its border pixels. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_set_psf(tides_renderer *renderer, double sigma_px, int32_t domain,
+                                                               tides_error *error);
 
 /* One frame at `time` [s] seen from `camera` (body = OpenCV camera axes). */
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera,

@@ -2,8 +2,8 @@
 #ifndef TIDES_RUN_H
 #define TIDES_RUN_H
 
+#include "tides/baselines.h"
 #include "tides/readout.h"
-#include "tides/simulate.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -16,7 +16,8 @@ enum {
     TIDES_PARAM_STRING,
     TIDES_PARAM_CHOICE,
     TIDES_PARAM_VECTOR3,
-    TIDES_PARAM_OBJECTS
+    TIDES_PARAM_OBJECTS,
+    TIDES_PARAM_VECTOR2
 };
 
 /* One row of the parameter table, from which the JSON reader, --set, --help, man page and bindings are made. */
@@ -38,7 +39,8 @@ typedef struct tides_run tides_run;
 
 /* Reads a run file. `overrides` (nullable, `count` of them) are "key=value" texts, value as JSON or bare text, applied after
  * the file. Unknown keys are errors that name the nearest known key; values out of range name the key, the value and the range;
- * a key that this version doesn't act on is an error unless it holds its default. Relative paths are relative to the file. */
+ * a key that this version doesn't act on is an error unless it holds its default. Relative paths are relative to the file.
+ * Beyond JSON, "//" outside a text begins a comment that ends with the line. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_run_load(const char *file, const char *const *overrides, size_t count,
                                                        tides_run **run, tides_error *error);
 
@@ -57,7 +59,11 @@ typedef struct tides_run_values {
     tides_readout readout;
     double start, stop;
     const char *scene_file, *camera_file, *device, *seed, *method;
-    const char *json; /* the run with every default filled in, as written into event files */
+    tides_baseline_params baseline; /* its method is `method` */
+    tides_frames_options frames;
+    const char *frames_file;  /* NULL: the run has a scene */
+    double frames_per_second; /* of a baseline's renders [Hz] */
+    const char *json;         /* the run with every default filled in, as written into event files */
 } tides_run_values;
 TIDES_API void tides_run_get(const tides_run *run, tides_run_values *values);
 
@@ -65,6 +71,9 @@ TIDES_API void tides_run_get(const tides_run *run, tides_run_values *values);
  * file's, and missing ones are an error that names the key. The caller destroys scene and trajectory. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera,
                                                        tides_intrinsics *intrinsics, tides_error *error);
+
+/* Opens the frames that the run names; a run without frames.file is TIDES_BAD_CONFIG. The caller closes them. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_run_open_frames(const tides_run *run, tides_frames **frames, tides_error *error);
 
 /* A run file as a new user wants it: every key with its default, one comment-free JSON object. The caller frees `text` with
  * tides_free. */

@@ -102,8 +102,10 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_object(const tides_scene *sc
 TIDES_API int64_t tides_motion_moving(const tides_motion *motion, const tides_gaussians *gaussians);
 TIDES_API uint64_t tides_motion_knots(const tides_motion *motion);
 
-/* Axis-aligned box of the means, objects at their start or, for a static path, in place; Gaussians that move by themselves
- * count with their own (canonical) means. */
+/* Axis-aligned box of the means, objects at their start or, for a static path, in place. Of objects with a motion these are
+ * the means that the motion starts from (canonical ones of networks, the first keyframe, a polynomial's at each Gaussian's own
+ * centre in time): none is evaluated, since that may take seconds, and what a model says of a Gaussian while it is invisible is
+ * no part of the scene. So it tells where the scene is, not all that it ever reaches. */
 TIDES_API void tides_scene_bounds(const tides_scene *scene, double lower[3], double upper[3]);
 
 /* The times that all objects cover [s]: -INFINITY and INFINITY where all are at rest; start > stop where there are none. */

@@ -35,8 +35,7 @@ typedef struct tides_risk {
     double w_b, w_c, w_alpha;
 } tides_risk;
 
-/* Step control; fill with tides_stepping_defaults (error, hermite, local, 10 ms, 1 us, 0.01, 0, 0, 0.3 0.3 0.4,
- * exact). */
+/* Step control; fill with tides_stepping_defaults (error, hermite, local, 10 ms, 1 us, 0.01, 0, 0, 0.3 0.3 0.4, exact, 0). */
 typedef struct tides_stepping {
     uint32_t size;
     int32_t mode;            /* TIDES_STEPPING_* */
@@ -51,7 +50,9 @@ typedef struct tides_stepping {
                                 the measures are worst. 0: no bound */
     tides_risk risk;         /* RISK */
     int32_t slope;           /* TIDES_SLOPE_* */
-    int32_t reserved;
+    int32_t interpolate_motion; /* 1: between the start, middle and end of a macro step dear motion models (networks,
+                                   callbacks) are interpolated, Gaussian by Gaussian where that is estimated to stay within
+                                   both tolerances. FIXED: has no effect, each step is worked out */
 } tides_stepping;
 TIDES_API void tides_stepping_defaults(tides_stepping *stepping);
 

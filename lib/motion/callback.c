@@ -143,8 +143,13 @@ static tides_status evaluate(const tides_motion *motion, const tides_gaussians *
 
 static void release(tides_motion *motion) { free(motion->own); }
 
-const td_motion_class td_callback_class =
-    {.name = "callback", .code = TD_MOTION_HOST, .check = check, .pack = pack, .evaluate = evaluate, .release = release};
+const td_motion_class td_callback_class = {.name = "callback",
+                                           .code = TD_MOTION_HOST,
+                                           .dear = 1,
+                                           .check = check,
+                                           .pack = pack,
+                                           .evaluate = evaluate,
+                                           .release = release};
 
 tides_status tides_motion_create_callback(const tides_callback_motion *callback, tides_motion **motion, tides_error *error) {
     tides_motion *made = NULL;

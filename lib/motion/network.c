@@ -158,8 +158,5 @@ static void moment(const tides_motion *motion, double tau, int side, double real
     td_network_embed(&tau, 1, (times - 1) / 2, to, to + times);
 }
 
-const td_motion_class td_network_class = {.name = "network",
-                                          .code = TD_MOTION_NETWORK,
-                                          .check = check,
-                                          .pack = td_network_pack,
-                                          .moment = moment};
+const td_motion_class td_network_class =
+    {.name = "network", .code = TD_MOTION_NETWORK, .dear = 1, .check = check, .pack = td_network_pack, .moment = moment};

@@ -31,8 +31,8 @@ static char *make_defines(const opencl_backend *b, int outputs, tides_error *err
                      outputs, image->soft_order, image->decoder);
 }
 
-static tides_status make_kernel(opencl_backend *b, const char *file, const char *name, int outputs, cl_kernel *kernel,
-                                tides_error *error) {
+tides_status td_opencl_make_kernel(opencl_backend *b, const char *file, const char *name, int outputs, cl_kernel *kernel,
+                                   tides_error *error) {
     if (*kernel) return TIDES_OK;
     char *defines = make_defines(b, outputs, error);
     if (!defines) return TIDES_NO_MEMORY;
@@ -284,9 +284,10 @@ static tides_status prepare(td_backend *backend, int outputs, tides_error *error
     if (b->composite_kernel[kind]) return TIDES_OK;
     /* Records only differ by whether there is colour: diagnostics share the projection of the signal. */
     int record_outputs = outputs < TD_OUT_COLOUR ? TD_OUT_SIGNAL : TD_OUT_COLOUR;
-    tides_status status = make_kernel(b, "project.cl", "td_project_jobs", record_outputs, &b->project_kernel[kind], error);
+    tides_status status =
+        td_opencl_make_kernel(b, "project.cl", "td_project_jobs", record_outputs, &b->project_kernel[kind], error);
     if (status == TIDES_OK)
-        status = make_kernel(b, "composite.cl", "td_composite_jobs", outputs, &b->composite_kernel[kind], error);
+        status = td_opencl_make_kernel(b, "composite.cl", "td_composite_jobs", outputs, &b->composite_kernel[kind], error);
     double begun = td_now();
     if (status == TIDES_OK) status = warm_up(b, outputs, error);
     b->base.stats.time_build_s += td_now() - begun;
@@ -349,13 +350,22 @@ static void destroy(td_backend *backend) {
                             &b->counts,       &b->brightest, &b->planes,   &b->blended, &b->decoder};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     td_opencl_motion_release(b);
+    td_opencl_cubics_release(b);
     free(b->host);
     free(b->host_ints);
     free(b);
 }
 
-static const td_backend_class opencl_class = {sweep,   render,  empty_pixel,    prepare,
-                                              inspect, destroy, td_opencl_move, sweep_moved};
+static const td_backend_class opencl_class = {sweep,
+                                              render,
+                                              empty_pixel,
+                                              prepare,
+                                              inspect,
+                                              destroy,
+                                              td_opencl_move,
+                                              sweep_moved,
+                                              td_opencl_prepare_cubics,
+                                              td_opencl_misfits};
 
 /* The scene to the device. Arrays that aren't there get one float, since kernels want an argument. */
 static tides_status write_store(opencl_backend *b, const td_store *store, tides_error *error) {
@@ -414,8 +424,9 @@ tides_status td_backend_create_opencl(tides_device *device, const td_store *stor
     b->image.moving = store->rates != NULL || store->movers.count > 0;
     if (status == TIDES_OK) status = write_store(b, store, error);
     if (status == TIDES_OK) status = td_opencl_motion_create(b, &store->movers, error);
-    if (status == TIDES_OK) status = make_kernel(b, "sweep.cl", "td_sweep_gaussians", TD_OUT_SIGNAL, &b->sweep_kernel, error);
-    if (status == TIDES_OK) status = make_kernel(b, "sort.cl", "td_sort_jobs", TD_OUT_SIGNAL, &b->sort_kernel, error);
+    if (status == TIDES_OK)
+        status = td_opencl_make_kernel(b, "sweep.cl", "td_sweep_gaussians", TD_OUT_SIGNAL, &b->sweep_kernel, error);
+    if (status == TIDES_OK) status = td_opencl_make_kernel(b, "sort.cl", "td_sort_jobs", TD_OUT_SIGNAL, &b->sort_kernel, error);
     if (status == TIDES_OK) status = warm_sweep(b, error);
     if (status != TIDES_OK) {
         destroy(&b->base);

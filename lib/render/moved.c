@@ -34,6 +34,7 @@ static tides_status add_part(const tides_scene *scene, int object, int first, in
         part->count++; /* padding repeats the last number */
     part->moves_sh = store->movers.row[store->mover[object]].whole[TD_MOVER_INTS + 3];
     part->hosted = part->of.motion->type->evaluate != NULL;
+    part->dear = part->of.motion->type->dear;
     moved->moving += end - first;
     return find_knots(part, error);
 }
@@ -102,24 +103,38 @@ void td_moved_release(td_moved *moved) {
     free(moved->stamp);
     free(moved->row_of);
     free(moved->list);
+    free(moved->misfit);
     free(rows->gaussians);
     free(rows->owners);
     free(rows->moments);
     free(rows->jobs);
+    free(rows->cubics);
+    free(rows->cubic_jobs);
     free(rows->kind_first);
     free(rows->host);
     for (int i = 0; i < 4; i++) free(rows->host_row[i]);
     memset(moved, 0, sizeof *moved);
 }
 
-int td_moved_is_knot(const td_moved *moved, double time) {
+/* The first knot that isn't before `time`. */
+static size_t knot_from(const td_moved *moved, double time) {
     size_t low = 0, high = moved->knot_count;
-    while (low < high) { /* the first that isn't before `time`, to a nanosecond */
+    while (low < high) {
         size_t middle = low + (high - low) / 2;
-        if (moved->knots[middle] < time - same_time)
+        if (moved->knots[middle] < time)
             low = middle + 1;
         else
             high = middle;
     }
-    return low < moved->knot_count && moved->knots[low] <= time + same_time;
+    return low;
+}
+
+int td_moved_is_knot(const td_moved *moved, double time) {
+    size_t first = knot_from(moved, time - same_time);
+    return first < moved->knot_count && moved->knots[first] <= time + same_time;
+}
+
+int td_moved_knot_within(const td_moved *moved, double start, double stop) {
+    size_t first = knot_from(moved, start + same_time);
+    return first < moved->knot_count && moved->knots[first] < stop - same_time;
 }

@@ -46,6 +46,24 @@ static void begin_slot(td_moved *moved) {
     moved->highest = -1;
 }
 
+/* Adds what the slot asks for of a part: what is interpolated, or what is worked out. Returns the first entry. */
+static int add_asked(td_moved *moved, const td_moved_part *part, const td_span *span, int interpolated) {
+    int first = moved->rows.count, from = part->base, to = part->base + part->count;
+    from = from > moved->lowest ? from : moved->lowest;
+    to = to <= moved->highest ? to : moved->highest + 1;
+    for (int at = from; at < to; at++) {
+        if (moved->stamp[at] != moved->serial) continue;
+        int fits = span && part->dear && moved->misfit[at] <= 1, gaussian = part->first + at - part->base;
+        if (fits != interpolated) continue;
+        moved->row_of[at] = moved->rows.row + moved->rows.count;
+        if (interpolated)
+            td_rows_add_between(moved, part, gaussian);
+        else
+            td_rows_add(moved, part, gaussian);
+    }
+    return first;
+}
+
 /* Rows for all that the slot asks for, those kept from the sweep as they are. */
 static tides_status assign_rows(td_moved *moved, double time, int side, int asked, tides_error *error) {
     tides_status status = td_rows_reserve(moved, asked, error);
@@ -56,17 +74,15 @@ static tides_status assign_rows(td_moved *moved, double time, int side, int aske
         for (int at = moved->lowest; at <= moved->highest; at++) moved->row_of[at] = kept->row + at;
         return status;
     }
+    const td_span *span = td_moved_span(moved, time);
     for (int p = 0; p < moved->parts && status == TIDES_OK; p++) {
         const td_moved_part *part = &moved->part[p];
-        int first = moved->rows.count, from = part->base, to = part->base + part->count;
-        from = from > moved->lowest ? from : moved->lowest;
-        to = to <= moved->highest ? to : moved->highest + 1;
-        for (int at = from; at < to; at++) {
-            if (moved->stamp[at] != moved->serial) continue;
-            moved->row_of[at] = moved->rows.row + moved->rows.count;
-            td_rows_add(moved, part, part->first + at - part->base);
-        }
+        int first = add_asked(moved, part, span, 0);
         status = td_rows_end_run(moved, part, first, time, side, error);
+        if (status == TIDES_OK) status = td_rows_reserve(moved, asked, error);
+        if (status != TIDES_OK || !span || !part->dear) continue;
+        first = add_asked(moved, part, span, 1);
+        status = td_rows_end_between(moved, part, first, span, time, error);
         if (status == TIDES_OK) status = td_rows_reserve(moved, asked, error);
     }
     return status;
@@ -94,7 +110,7 @@ static tides_status take_slot(tides_renderer *r, const double *times, td_job *jo
                               tides_error *error) {
     td_moved *moved = &r->moved;
     const int *candidates = r->candidates.list;
-    int first = launch->to, slot = jobs[first].slot, asked = 0, padding = TD_PAD * moved->parts;
+    int first = launch->to, slot = jobs[first].slot, asked = 0, padding = 2 * TD_PAD * moved->parts;
     begin_slot(moved);
     for (; launch->to < count && jobs[launch->to].slot == slot; launch->to++) {
         const td_job *job = &jobs[launch->to];

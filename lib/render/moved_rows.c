@@ -11,6 +11,7 @@ void td_rows_begin(td_moved *moved, int row) {
     td_moving_rows *rows = &moved->rows;
     rows->row = row;
     rows->count = rows->moment_count = rows->job_count = rows->host_runs = rows->host_count = 0;
+    rows->cubic_count = rows->cubic_job_count = rows->interpolated = 0;
 }
 
 tides_status td_rows_reserve(td_moved *moved, int more, tides_error *error) {
@@ -29,6 +30,11 @@ void td_rows_add(td_moved *moved, const td_moved_part *part, int gaussian) {
     rows->gaussians[i] = moved->store->number[gaussian];
     rows->owners[2 * i] = gaussian;
     rows->owners[2 * i + 1] = part->moves_sh ? rows->row + i : gaussian;
+}
+
+void td_rows_add_between(td_moved *moved, const td_moved_part *part, int gaussian) {
+    td_rows_add(moved, part, gaussian);
+    moved->rows.gaussians[moved->rows.count - 1] = gaussian - part->first + part->base;
 }
 
 /* Own time of a second: at a knot exactly the knot's, so that it is clear which side of it rates are asked for. */
@@ -111,6 +117,32 @@ tides_status td_rows_end_run(td_moved *moved, const td_moved_part *part, int fir
     return part->hosted ? add_host_run(moved, part, first, at, side, error) : add_jobs(moved, part, first, at, side, error);
 }
 
+tides_status td_rows_end_between(td_moved *moved, const td_moved_part *part, int first, const td_span *span, double time,
+                                 tides_error *error) {
+    td_moving_rows *rows = &moved->rows;
+    if (rows->count == first) return TIDES_OK;
+    tides_status status = td_rows_reserve(moved, TD_PAD, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&rows->cubics, &rows->cubic_capacity, ((size_t)rows->cubic_count + 1) * TD_CUBIC_REALS,
+                            sizeof *rows->cubics, error);
+    if (status != TIDES_OK) return status;
+    int last = rows->owners[2 * (rows->count - 1)];
+    while ((rows->count - first) % TD_PAD) td_rows_add_between(moved, part, last);
+    int count = rows->count - first, jobs = (count + JOB_LENGTH - 1) / JOB_LENGTH;
+    status = td_reserve((void **)&rows->cubic_jobs, &rows->cubic_job_capacity, (size_t)(rows->cubic_job_count + jobs),
+                        sizeof *rows->cubic_jobs, error);
+    if (status != TIDES_OK) return status;
+    td_cubic_weights(span->from->time, span->to->time, time, rows->cubics + (size_t)rows->cubic_count * TD_CUBIC_REALS);
+    for (int i = first; i < rows->count; i += JOB_LENGTH) {
+        int length = rows->count - i < JOB_LENGTH ? rows->count - i : JOB_LENGTH;
+        td_cubic_job job = {rows->cubic_count, i, length, rows->row + i, span->from->row, span->to->row, part->moves_sh, 0};
+        rows->cubic_jobs[rows->cubic_job_count++] = job;
+    }
+    rows->cubic_count++;
+    rows->interpolated += count;
+    return TIDES_OK;
+}
+
 /* Jobs kind by kind; they are few kinds, mostly one. */
 static tides_status sort_by_kind(td_moved *moved, tides_error *error) {
     td_moving_rows *rows = &moved->rows;
@@ -135,10 +167,14 @@ tides_status td_rows_send(td_moved *moved, td_backend *backend, tides_error *err
     if (rows->count == 0) return TIDES_OK;
     tides_status status = sort_by_kind(moved, error);
     if (status != TIDES_OK) return status;
-    td_move_batch batch = {rows->moments,     rows->moment_count, rows->jobs,        rows->kind_first,
-                           rows->gaussians,   rows->count,        rows->row,         rows->count,
-                           rows->owners,      rows->host,         rows->host_runs,   rows->host_count,
-                           rows->host_row[0], rows->host_row[1],  rows->host_row[2], rows->host_row[3]};
-    backend->stats.gaussians_moved += (uint64_t)rows->count;
+    td_move_batch batch = {rows->moments,     rows->moment_count, rows->jobs,
+                           rows->kind_first,  rows->gaussians,    rows->count,
+                           rows->row,         rows->count,        rows->owners,
+                           rows->host,        rows->host_runs,    rows->host_count,
+                           rows->host_row[0], rows->host_row[1],  rows->host_row[2],
+                           rows->host_row[3], rows->cubic_jobs,   rows->cubic_job_count,
+                           rows->cubics,      rows->cubic_count};
+    backend->stats.gaussians_moved += (uint64_t)(rows->count - rows->interpolated);
+    backend->stats.gaussians_interpolated += (uint64_t)rows->interpolated;
     return backend->type->move(backend, &batch, error);
 }

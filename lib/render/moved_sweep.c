@@ -32,7 +32,7 @@ static tides_status work_out(td_moved *moved, td_backend *backend, td_kept *kept
 }
 
 /* Rows of the three times, of which those that are needed already aren't given up for another. */
-static tides_status keep(td_moved *moved, td_backend *backend, const double time[3], const int side[3], int row[3],
+static tides_status keep(td_moved *moved, td_backend *backend, const double time[3], const int side[3], const td_kept *kept[3],
                          tides_error *error) {
     td_kept *used[3] = {NULL, NULL, NULL};
     tides_status status = TIDES_OK;
@@ -45,7 +45,7 @@ static tides_status keep(td_moved *moved, td_backend *backend, const double time
             used[i] = spare;
             status = work_out(moved, backend, spare, time[i], side[i], error);
         }
-        row[i] = used[i]->row;
+        kept[i] = used[i];
     }
     return status;
 }
@@ -83,15 +83,17 @@ static tides_status sweep_chunk(td_moved *moved, td_backend *backend, const td_m
 
 tides_status td_moved_sweep(td_moved *moved, td_backend *backend, const double *views, double start, double stop, int side,
                             int row_limit, float *boxes, float *travel, tides_error *error) {
-    const double time[3] = {start, 0.5 * (start + stop), stop};
+    const double time[3] = {start, start + 0.5 * (stop - start), stop}; /* as steps are halved: its rows are found again */
     const int instant = !(start < stop), sides[3] = {instant ? side : 1, instant ? side : 1, instant ? side : -1};
-    int row[3], chunk = row_limit / 3 / TD_PAD * TD_PAD;
+    const td_kept *kept[3] = {&moved->kept[0], &moved->kept[1], &moved->kept[2]};
+    int chunk = row_limit / 3 / TD_PAD * TD_PAD;
     tides_status status = TIDES_OK;
     if (chunk < TD_PAD) chunk = TD_PAD;
-    if (moved->kept_rows) status = keep(moved, backend, time, sides, row, error);
+    if (moved->kept_rows) status = keep(moved, backend, time, sides, kept, error);
+    if (moved->kept_rows && status == TIDES_OK) status = td_moved_measure(moved, backend, views, kept, error);
     for (int p = 0; p < moved->parts; p++) {
         const td_moved_part *part = &moved->part[p];
-        int rows[3] = {row[0] + part->base, row[1] + part->base, row[2] + part->base};
+        int rows[3] = {kept[0]->row + part->base, kept[1]->row + part->base, kept[2]->row + part->base};
         for (int from = 0; from < part->count && !moved->kept_rows && status == TIDES_OK; from += chunk)
             status = sweep_chunk(moved, backend, part, from, part->count - from < chunk ? part->count - from : chunk, views,
                                  time, sides, boxes, travel, error);

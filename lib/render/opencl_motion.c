@@ -105,13 +105,13 @@ static tides_status send_moves(opencl_backend *b, const td_move_batch *moves, ti
     if (status == TIDES_OK)
         status = td_buffer_write_at(b->device, &b->owners, 2 * first * sizeof(cl_int), moves->owners,
                                     2 * (size_t)moves->row_count * sizeof(cl_int), error);
-    if (status != TIDES_OK || jobs == 0) return status;
-    status = td_opencl_write_reals(b, &b->moments, moves->moments, (size_t)moves->moment_count * TD_MOMENT_REALS, error);
-    if (status == TIDES_OK) status = td_buffer_write(b->device, &b->move_jobs, moves->jobs, jobs * sizeof *moves->jobs, error);
-    if (status == TIDES_OK)
+    if (status == TIDES_OK && jobs + (size_t)moves->cubic_job_count)
         status = td_buffer_write(b->device, &b->move_gaussians, moves->gaussians,
                                  (size_t)moves->gaussian_count * sizeof *moves->gaussians, error);
-    return status;
+    if (status != TIDES_OK || jobs == 0) return status;
+    status = td_opencl_write_reals(b, &b->moments, moves->moments, (size_t)moves->moment_count * TD_MOMENT_REALS, error);
+    return status == TIDES_OK ? td_buffer_write(b->device, &b->move_jobs, moves->jobs, jobs * sizeof *moves->jobs, error)
+                              : status;
 }
 
 static tides_status write_host_rows(opencl_backend *b, const td_move_batch *moves, const td_host_rows *run,
@@ -138,6 +138,7 @@ tides_status td_opencl_move(td_backend *backend, const td_move_batch *moves, tid
     for (int i = 0; i < b->kinds && status == TIDES_OK; i++)
         status = launch_kind(b, i, moves->kind_first[i], moves->kind_first[i + 1], error);
     for (int i = 0; i < moves->host_runs && status == TIDES_OK; i++) status = write_host_rows(b, moves, &moves->host[i], error);
+    if (status == TIDES_OK) status = td_opencl_run_cubics(b, moves, error);
     cl_int finished = clFinish(b->device->queue);
     if (status == TIDES_OK && finished != CL_SUCCESS) status = td_cl_fail(error, finished, "clFinish");
     backend->stats.time_motion_s += td_now() - begun;

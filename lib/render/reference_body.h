@@ -2,6 +2,7 @@
  * the oracle that the OpenCL kernels equal to the bit. Included by reference_f64.c and reference_f32.c, which define
  * TD_REFERENCE_CREATE and, for double, TD_REAL_DOUBLE. */
 #include "kernels/block.h"
+#include "kernels/interpolate.h"
 #include "kernels/movers.h"
 #include "kernels/record.h"
 #include "kernels/sweep.h"
@@ -157,6 +158,18 @@ static void take_host_rows(reference *r, const td_host_rows *run, const td_move_
     narrow(moves->host_sh_rates + from * sh, sink.sh_rates, count * sh);
 }
 
+static td_row_arrays rows_of(const reference *r) {
+    td_row_arrays rows = {r->arrays[0], r->arrays[1], r->arrays[2], r->arrays[3], r->source.first_rate, r->image.sh_stride};
+    return rows;
+}
+
+static void run_cubic_job(reference *r, const td_cubic_job *job, const td_move_batch *moves) {
+    td_row_arrays rows = rows_of(r);
+    td_cubic cubic;
+    narrow(moves->cubics + (size_t)job->cubic * TD_CUBIC_REALS, (td_real *)&cubic, TD_CUBIC_REALS);
+    for (int i = 0; i < job->count; i++) td_cubic_group(&cubic, moves->gaussians, job, i, &rows);
+}
+
 static tides_status move(td_backend *backend, const td_move_batch *moves, tides_error *error) {
     reference *r = (reference *)backend;
     double begun = td_now();
@@ -168,8 +181,34 @@ static tides_status move(td_backend *backend, const td_move_batch *moves, tides_
     memcpy(r->owners + 2 * (size_t)(moves->row - r->count), moves->owners, 2 * (size_t)moves->row_count * sizeof *r->owners);
     for (int i = 0; i < moves->kind_first[r->kinds]; i++) run_move_job(r, &moves->jobs[i], moves);
     for (int i = 0; i < moves->host_runs; i++) take_host_rows(r, &moves->host[i], moves);
+    for (int i = 0; i < moves->cubic_job_count; i++) run_cubic_job(r, &moves->cubic_jobs[i], moves);
     backend->stats.time_motion_s += td_now() - begun;
     return status;
+}
+
+static tides_status prepare_cubics(td_backend *backend, tides_error *error) {
+    (void)backend, (void)error; /* nothing to build */
+    return TIDES_OK;
+}
+
+static tides_status misfits(td_backend *backend, const td_misfit_request *request, float *misfit, tides_error *error) {
+    reference *r = (reference *)backend;
+    td_row_arrays rows = rows_of(r);
+    td_misfit_terms terms;
+    double begun = td_now();
+    tides_status status = copy_views(r, request->views, 3, error);
+    if (status != TIDES_OK) return status;
+    terms.duration = (td_real)request->duration;
+    terms.tolerance = (td_real)request->tolerance;
+    terms.time_tolerance = (td_real)request->time_tolerance_s;
+    narrow(request->middle, (td_real *)&terms.middle, TD_CUBIC_REALS);
+    terms.moves_sh = request->moves_sh;
+    for (int i = 0; i < request->count; i++) {
+        const int row[3] = {request->row[0] + i, request->row[1] + i, request->row[2] + i};
+        misfit[i] = (float)td_misfit_group(r->views, &r->image, &r->source, r->object, &rows, row, &terms);
+    }
+    backend->stats.time_motion_s += td_now() - begun;
+    return TIDES_OK;
 }
 
 /* -- jobs ---------------------------------------------------------------------------------------------------------- */
@@ -326,7 +365,8 @@ static void destroy(td_backend *backend) {
     free(r);
 }
 
-static const td_backend_class reference_class = {sweep, render, empty_pixel, prepare, inspect, destroy, move, sweep_moved};
+static const td_backend_class reference_class = {sweep,   render, empty_pixel, prepare,        inspect,
+                                                 destroy, move,   sweep_moved, prepare_cubics, misfits};
 
 /* Copies the store's arrays in this precision; SH comes as floats or doubles. */
 static tides_status copy_store(reference *r, const td_store *store, tides_error *error) {

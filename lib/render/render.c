@@ -110,6 +110,7 @@ void tides_renderer_destroy(tides_renderer *renderer) {
     if (renderer->backend) renderer->backend->type->destroy(renderer->backend);
     td_candidates_release(&renderer->candidates);
     td_moved_release(&renderer->moved);
+    td_psf_release(&renderer->psf);
     td_store_release(&renderer->store);
     free(renderer->boxes);
     free(renderer->travel);
@@ -131,12 +132,13 @@ void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *st
     stats->pairs_evaluated = done->pairs_evaluated;
     stats->sweeps = done->sweeps;
     stats->gaussians_moved = done->gaussians_moved;
+    stats->gaussians_interpolated = done->gaussians_interpolated;
     stats->time_build_s = done->time_build_s;
     stats->time_motion_s = done->time_motion_s;
     stats->time_sweep_s += done->time_sweep_s;
     stats->time_project_s = done->time_project_s;
     stats->time_sort_s = done->time_sort_s;
-    stats->time_composite_s = done->time_composite_s;
+    stats->time_composite_s += done->time_composite_s;
     stats->time_transfer_s = done->time_transfer_s;
 }
 
@@ -210,7 +212,7 @@ static tides_status sweep_boxes(tides_renderer *renderer, const tides_trajectory
 
 tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                tides_error *error) {
-    const double times[3] = {start, 0.5 * (start + stop), stop};
+    const double times[3] = {start, start + 0.5 * (stop - start), stop};
     tides_status status = make_views(renderer, camera, times, 3, error);
     if (status == TIDES_OK) status = note_moves(renderer, camera, error);
     if (status == TIDES_OK) status = sweep_boxes(renderer, camera, start, stop - start, error);
@@ -223,6 +225,7 @@ tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory 
                                      renderer->object_moves, error);
     if (status == TIDES_OK && renderer->image.decoder && renderer->object_moves[0]) /* what is behind everything moves too */
         memset(renderer->candidates.moving, 1, (size_t)renderer->stats.tiles);
+    if (status == TIDES_OK) status = td_psf_spread(&renderer->psf, &renderer->candidates, error);
     renderer->stats.time_sweep_s += td_now() - begun;
     return status;
 }
@@ -310,8 +313,8 @@ static tides_status run_empty(tides_renderer *renderer, td_batch *batch, const t
     return run_jobs(renderer, batch, renderer->jobs, count, planes, error);
 }
 
-tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
-                               const td_request *requests, int count, int outputs, double *planes, tides_error *error) {
+tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
+                                     const td_request *requests, int count, int outputs, double *planes, tides_error *error) {
     tides_status status = make_views(renderer, camera, times, slots, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&renderer->jobs, &renderer->job_capacity, (size_t)count, sizeof *renderer->jobs, error);

@@ -91,7 +91,22 @@ typedef struct td_move_batch {
     int host_runs, host_count;
     const double *host_geometry, *host_rates; /* (host_count x TD_GEOMETRY_STRIDE) */
     const double *host_sh, *host_sh_rates;    /* (host_count x sh_stride), or NULL where no mover moves SH */
+    const td_cubic_job *cubic_jobs;           /* rows between others that are there; places are in `gaussians` */
+    int cubic_job_count;
+    const double *cubics; /* (cubic_count x TD_CUBIC_REALS): td_cubic (interpolate.h) */
+    int cubic_count;
 } td_move_batch;
+
+/* What misfits are asked for of: `count` Gaussians of one mover (a multiple of TD_PAD), in neighbouring rows from row[0], [1]
+ * and [2] on at the start, the middle and the end of an interval. */
+typedef struct td_misfit_request {
+    const double *views; /* (3 x objects x TD_VIEW_REALS) */
+    double duration;     /* [s] */
+    int count, row[3];
+    int moves_sh;
+    double tolerance, time_tolerance_s;
+    double middle[TD_CUBIC_REALS];
+} td_misfit_request;
 
 /* Jobs for one run of all stages. Everything is borrowed for the call. */
 typedef struct td_batch {
@@ -139,6 +154,10 @@ typedef struct td_backend_class {
     /* As sweep, for Gaussians that move by themselves, whose rows begin at row[0], [1] and [2] at the three times. */
     tides_status (*sweep_moved)(td_backend *backend, const double *views, double duration, int begin, int end, const int row[3],
                                 float *boxes, float *travel, tides_error *error);
+    /* Gets kernels for cubic jobs and misfits ready; batches without them need none. */
+    tides_status (*prepare_cubics)(td_backend *backend, tides_error *error);
+    /* td_misfit_group (interpolate.h): (count). */
+    tides_status (*misfits)(td_backend *backend, const td_misfit_request *request, float *misfits, tides_error *error);
 } td_backend_class;
 
 struct td_backend {

@@ -12,6 +12,7 @@ typedef struct td_moved_part {
     int first, count;          /* its Gaussians there, without padding */
     int base;                  /* number of the first among all that move, padded like the store */
     int moves_sh, hosted;      /* rows have SH of their own; come from the host */
+    int dear;                  /* the model costs more than interpolating between its rows */
     tides_object of;           /* the scene's object: motion, Gaussians, how long the motion lasts */
     double *knot_s, *knot_tau; /* (knots) in seconds of the scene, ascending, and of its own time */
     size_t knots;
@@ -37,12 +38,23 @@ typedef struct td_moving_rows {
     td_move_job *jobs;
     int job_count;
     size_t job_capacity;
+    double *cubics; /* (cubic_count x TD_CUBIC_REALS) */
+    int cubic_count;
+    size_t cubic_capacity;
+    td_cubic_job *cubic_jobs;
+    int cubic_job_count, interpolated; /* rows of these jobs */
+    size_t cubic_job_capacity;
     int *kind_first; /* (kinds + 1) */
     td_host_rows *host;
     int host_runs, host_count;
     size_t host_capacity, host_row_capacity[4];
     double *host_row[4]; /* geometry, rates, sh, sh_rates of (host_count) rows */
 } td_moving_rows;
+
+/* Rows between which others are interpolated. */
+typedef struct td_span {
+    const td_kept *from, *to;
+} td_span;
 
 typedef struct td_moved {
     int parts;
@@ -61,6 +73,9 @@ typedef struct td_moved {
     int *list; /* candidates of a launch */
     size_t list_capacity;
     uint64_t serial_of_list;
+    double tolerance, time_tolerance_s; /* what interpolation may cost, of log_luminance and of times; 0, 0: there's none */
+    td_span halves[2];                  /* of the interval swept last; NULL, NULL: nothing is interpolated there */
+    float *misfit;                      /* (moving) there, in tolerances; only of dear parts */
 } td_moved;
 
 /* Finds what moves in the scene that `store`, which must outlive it, was made of. At most `row_limit` rows are kept. */
@@ -70,6 +85,9 @@ void td_moved_release(td_moved *moved);
 
 /* 1 where rates of some motion may jump at `time`, to a nanosecond. */
 int td_moved_is_knot(const td_moved *moved, double time);
+
+/* 1 where one is more than that behind `start` and before `stop`. */
+int td_moved_knot_within(const td_moved *moved, double start, double stop);
 
 /* -- rows (moved_rows.c) -- */
 
@@ -83,8 +101,31 @@ void td_rows_add(td_moved *moved, const td_moved_part *part, int gaussian);
 /* Ends a run of Gaussians of one part that began at entry `first`: pads it and asks for it at `time`. */
 tides_status td_rows_end_run(td_moved *moved, const td_moved_part *part, int first, double time, int side, tides_error *error);
 
+/* The same for a Gaussian whose row is interpolated between two kept ones, and for a run of these. */
+void td_rows_add_between(td_moved *moved, const td_moved_part *part, int gaussian);
+tides_status td_rows_end_between(td_moved *moved, const td_moved_part *part, int first, const td_span *span, double time,
+                                 tides_error *error);
+
 /* Has the backend work out the batch. */
 tides_status td_rows_send(td_moved *moved, td_backend *backend, tides_error *error);
+
+/* -- interpolation (moved_between.c) -- */
+
+/* From the next sweep on rows between those of its start, middle and end are interpolated where log_luminance is off by less
+ * than `tolerance` and, where time_tolerance_s > 0, late by less than that. Only dear models' rows are, and only where rows of
+ * all that moves can be kept. */
+tides_status td_moved_interpolate(td_moved *moved, td_backend *backend, double tolerance, double time_tolerance_s,
+                                  tides_error *error);
+
+/* Misfits of the interval that begins, is halfway and ends with these rows. */
+tides_status td_moved_measure(td_moved *moved, td_backend *backend, const double *views, const td_kept *const kept[3],
+                              tides_error *error);
+
+/* The half of the interval swept last that has `time` within; NULL where there's none. */
+const td_span *td_moved_span(const td_moved *moved, double time);
+
+/* td_cubic (interpolate.h) of `time` between `start` and `stop`. */
+void td_cubic_weights(double start, double stop, double time, double weights[TD_CUBIC_REALS]);
 
 /* -- sweeps (moved_sweep.c) -- */
 

@@ -28,6 +28,9 @@ typedef struct opencl_backend {
     int movers, kinds, moves_sh; /* motion (opencl_motion.c) */
     cl_kernel *move_kernel;      /* (kinds) NULL where rows come from the host */
     td_buffer mover_buffer, motion_data, owners, moments, move_jobs, move_gaussians;
+
+    cl_kernel cubic_kernel, misfit_kernel; /* interpolation (opencl_cubics.c); NULL where there's none */
+    td_buffer cubics, cubic_jobs, misfit_terms, misfits;
 } opencl_backend;
 
 /* Work-items that share a job's candidates, or neighbouring Gaussians: one on a CPU, a warp or two on a GPU. */
@@ -41,6 +44,16 @@ tides_status td_opencl_write_reals_at(opencl_backend *b, td_buffer *buffer, size
 /* The movers to the device, with a kernel for each kind (opencl_motion.c). */
 tides_status td_opencl_motion_create(opencl_backend *b, const td_movers *movers, tides_error *error);
 void td_opencl_motion_release(opencl_backend *b);
+
+/* A kernel for the image's decisions, unless it is there (backend_opencl.c). */
+tides_status td_opencl_make_kernel(opencl_backend *b, const char *file, const char *name, int outputs, cl_kernel *kernel,
+                                   tides_error *error);
+
+/* The cubic jobs of a batch, whose places the device has; td_backend_class.prepare_cubics and .misfits (opencl_cubics.c). */
+tides_status td_opencl_run_cubics(opencl_backend *b, const td_move_batch *moves, tides_error *error);
+tides_status td_opencl_prepare_cubics(td_backend *backend, tides_error *error);
+tides_status td_opencl_misfits(td_backend *backend, const td_misfit_request *request, float *misfits, tides_error *error);
+void td_opencl_cubics_release(opencl_backend *b);
 
 /* td_backend_class.move */
 tides_status td_opencl_move(td_backend *backend, const td_move_batch *moves, tides_error *error);

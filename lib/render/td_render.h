@@ -6,6 +6,7 @@
 #define TD_REAL_DOUBLE
 #endif
 #include "td_moved.h"
+#include "td_psf.h"
 
 /* Image parameters and intrinsics to the image formation's numbers (rules.c). */
 tides_status td_image_resolve(const tides_image_params *params, const tides_intrinsics *intrinsics, int scene_sh_degree,
@@ -95,6 +96,7 @@ struct tides_renderer {
     int *empty; /* requests without candidates */
     size_t empty_capacity;
     int record_limit; /* records per launch */
+    td_psf psf;       /* what the optics make of L and L_dot */
     tides_render_stats stats;
 };
 
@@ -103,9 +105,13 @@ tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory 
                                tides_error *error);
 
 /* Renders requests at `times` within the swept interval; planes: (requests x outputs x TD_TILE_PIXELS), pixels block by block
- * (td_tile_pixel). */
+ * (td_tile_pixel). Blurred by the renderer's PSF where it has one (psf.c). */
 tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
                                const td_request *requests, int count, int outputs, double *planes, tides_error *error);
+
+/* The same as if there were no PSF. */
+tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
+                                     const td_request *requests, int count, int outputs, double *planes, tides_error *error);
 
 /* -- for scenes with motion (moved_jobs.c) -- */
 

@@ -21,12 +21,10 @@
     { key, TIDES_PARAM_VECTOR3, unit, lower, upper, fallback, NULL, sentence, 1 }
 #define OBJECTS(key, fallback, sentence) \
     { key, TIDES_PARAM_OBJECTS, "", 0, 0, fallback, NULL, sentence, 1 }
-#define LATER_NUMBER(key, unit, lower, upper, fallback, sentence) \
-    { key, TIDES_PARAM_NUMBER, unit, lower, upper, fallback, NULL, sentence, 0 }
 #define LATER_CHOICE(key, choices, fallback, sentence) \
     { key, TIDES_PARAM_CHOICE, "", 0, 0, fallback, choices, sentence, 0 }
-#define LATER_VECTOR3(key, unit, lower, upper, fallback, sentence) \
-    { key, TIDES_PARAM_VECTOR3, unit, lower, upper, fallback, NULL, sentence, 0 }
+#define VECTOR2(key, unit, lower, upper, fallback, sentence) \
+    { key, TIDES_PARAM_VECTOR2, unit, lower, upper, fallback, NULL, sentence, 1 }
 
 /* Events carry 64-bit nanoseconds: 9.2e9 s is the last second that fits (clocks that count from 1970 do). */
 #define LAST_SECOND 9.2e9
@@ -36,6 +34,8 @@ static const tides_param table[] = {
            "splats (.ply, .h5, .spz, .splat, .ksplat, .sog); may be left out where scene.objects are given"),
     VECTOR3("scene.background", "", 0, 1e6, "[0,0,0]", "linear colour behind everything"),
     NUMBER("scene.duration_s", "s", 1e-9, LAST_SECOND, "null", "seconds that motions last; null takes the scene's own"),
+    BOOLEAN("scene.interpolate_motion", "false",
+            "within a step, interpolate what networks and callbacks move where that stays within tolerance"),
     OBJECTS("scene.objects", "[]", "more splat files, each {file, trajectory, scale}; a trajectory moves it as a rigid body"),
 
     STRING("camera.file", NULL, "camera path: TIDES JSON, COLMAP, nerfstudio, INRIA, LLFF, nerfies, TUM, EuRoC, ESIM, KITTI"),
@@ -74,7 +74,8 @@ static const tides_param table[] = {
     INTEGER("sensor.max_events_per_step", "", 1, 65535, "64",
             "events per pixel and step placed in time; the rest fire at its end"),
 
-    LATER_NUMBER("frontend.psf_sigma_px", "px", 0, 100, "0.0", "Gaussian blur of the optics"),
+    NUMBER("frontend.psf_sigma_px", "px", 0, 100, "0.0", "Gaussian blur of the optics; 0 is off"),
+    CHOICE("frontend.psf_domain", "log|linear", "\"log\"", "blur of L, as in the paper, or of Y before the logarithm"),
     NUMBER("frontend.photoreceptor_cutoff_hz", "Hz", 0, 1e9, "0.0", "low-pass of the photoreceptor; 0 is off"),
     CHOICE("frontend.photoreceptor_law", "constant|intensity", "\"constant\"",
            "whether that pole goes with luminance, as v2e's does"),
@@ -89,9 +90,11 @@ static const tides_param table[] = {
     NUMBER("frontend.circuit.output_s", "s", 0, 1, "0.001815", "circuit: time constant of the amplifier's output"),
     NUMBER("frontend.circuit.source_follower_hz", "Hz", 0, 1e9, "3122.0", "circuit: source follower; 0 leaves it out"),
     NUMBER("frontend.circuit.difference_hz", "Hz", 0, 1e9, "16000.0", "circuit: difference amplifier; 0 leaves it out"),
-    LATER_VECTOR3("frontend.center_surround", "px, px, 1", 0, 1e3, "null", "sigmas and weight of the surround; null is off"),
+    VECTOR2("frontend.center_surround", "px, s", 0, 1e3, "null", "surround's space constant and time constant; null is off"),
     NUMBER("frontend.shot_noise_hz", "Hz", 0, 1e6, "0.0", "rate of noise events of a pixel in the dark, both polarities"),
-    LATER_NUMBER("frontend.noise_rms", "log units", 0, 100, "0.0", "photoreceptor noise"),
+    NUMBER("frontend.noise_rms", "log units", 0, 100, "0.0",
+           "additive noise, an Ornstein-Uhlenbeck process per pixel; 0 is off"),
+    NUMBER("frontend.noise_cutoff_hz", "Hz", 1e-3, 1e7, "1000.0", "its corner frequency"),
     NUMBER("frontend.hot_pixel_fraction", "", 0, 1, "0.0", "part of the pixels that fire without cause"),
     NUMBER("frontend.hot_pixel_rate_hz", "Hz", 0, 1e6, "100.0", "rate of a hot pixel's ON events"),
 
@@ -119,7 +122,68 @@ static const tides_param table[] = {
     NUMBER("readout.gamma_sigma_s", "s", 0, 1, "1e-05", "how activity raises the jitter"),
     INTEGER("readout.queue_capacity", "", 1, 1e9, "65536", "events that a queue holds"),
 
-    LATER_CHOICE("method", "tides|esim|v2e|iebcs|dvs-voltmeter", "\"tides\"", "simulator, or the baseline to compare with"),
+    STRING("frames.file", "null", "frames in place of a scene: a folder of .png or .exr, or .npy, .npz, .h5, .hdf5"),
+    STRING("frames.timestamps", "null",
+           "text file with a time per frame; null: the rate, else the file's own or timestamps.txt"),
+    CHOICE("frames.timestamps_unit", "auto|s|ms|us|ns", "\"auto\"", "of those times; auto: us in image_timestamps.txt, else s"),
+    NUMBER("frames.frames_per_second", "Hz", 1e-6, 1e9, "null", "frame k is at k / rate; null where frames have times"),
+    CHOICE("frames.transfer", "linear|srgb", "\"linear\"", "srgb: values are decoded to linear light first"),
+    BOOLEAN("frames.rebase", "false", "put the first frame at time 0"),
+
+    CHOICE("method", "tides|esim|v2e|iebcs|dvs-voltmeter", "\"tides\"", "simulator, or the baseline to compare with"),
+    NUMBER("frames_per_second", "Hz", 1e-6, 1e9, "1000.0", "baselines: renders per second that they see of a scene"),
+
+    NUMBER("esim.contrast_threshold_pos", "log units", 1e-4, 100, "1.0", "ESIM's default; its shipped configurations have 0.5"),
+    NUMBER("esim.contrast_threshold_neg", "log units", 1e-4, 100, "1.0", "ESIM's default; its shipped configurations have 0.5"),
+    NUMBER("esim.contrast_threshold_sigma_pos", "log units", 0, 100, "0.021", "drawn per pixel and frame, as ESIM does"),
+    NUMBER("esim.contrast_threshold_sigma_neg", "log units", 0, 100, "0.021", "drawn per pixel and frame, as ESIM does"),
+    NUMBER("esim.refractory_period_ns", "ns", 0, 1e12, "0.0", "events in it are dropped, and their contrast is consumed"),
+    NUMBER("esim.log_eps", "", 1e-9, 1e6, "0.001", "ESIM's L = ln(Y + log_eps)"),
+    BOOLEAN("esim.use_log_image", "true", "false: thresholds are on luminance itself"),
+    CHOICE("esim.simulation_adaptive_sampling_method", "none|brightness", "\"brightness\"",
+           "of renders: by the largest |L_dot|, exact here; none: frames_per_second; by flow: not available"),
+    NUMBER("esim.simulation_adaptive_sampling_lambda", "", 1e-6, 1e6, "0.5", "largest change of L between two renders"),
+    NUMBER("esim.simulation_minimum_framerate", "Hz", 1e-6, 1e9, "30.0", "renders are no further apart than its inverse"),
+
+    NUMBER("v2e.pos_thres", "log units", 1e-4, 100, "0.2", "ON threshold (v2e's command line, like all its defaults here)"),
+    NUMBER("v2e.neg_thres", "log units", 1e-4, 100, "0.2", "OFF threshold"),
+    NUMBER("v2e.sigma_thres", "log units", 0, 100, "0.03", "spread of thresholds from pixel to pixel"),
+    NUMBER("v2e.cutoff_hz", "Hz", 0, 1e9, "300.0", "photoreceptor at full intensity; Euler steps, cut at 1 as in v2e; 0: off"),
+    NUMBER("v2e.leak_rate_hz", "Hz", 0, 1e6, "0.01", "ON events of a pixel at rest"),
+    NUMBER("v2e.leak_jitter_fraction", "", 0, 100, "0.1", "spread of the leak from frame to frame"),
+    NUMBER("v2e.noise_rate_cov_decades", "decades", 0, 10, "0.1", "log-normal spread of leaks from pixel to pixel"),
+    NUMBER("v2e.shot_noise_rate_hz", "Hz", 0, 1e6, "0.001", "noise events of a pixel in the dark, at the frames' times"),
+    BOOLEAN("v2e.photoreceptor_noise", "false", "noise before the comparator in place of shot noise events"),
+    NUMBER("v2e.refractory_period", "s", 0, 1e3, "0.0005", "events in it are put off to later frames"),
+    NUMBER("v2e.cs_lambda_pixels", "px", 0, 1e3, "0.0", "space constant of the surround; 0: none"),
+    NUMBER("v2e.cs_tau_p_ms", "ms", 0, 1e6, "0.0",
+           "time constant of the surround; v2e takes 1e-6 for 0, here it must be given"),
+    BOOLEAN("v2e.hdr", "false", "frames hold logarithms already"),
+    BOOLEAN("v2e.float32_timestamps", "false", "round sub-times to float32 seconds, as v2e does"),
+
+    NUMBER("voltmeter.k1", "", 0, 1e6, "5.265", "DVS-Voltmeter's k1 to k6, of its DVS346; here: contrast gain"),
+    NUMBER("voltmeter.k2", "DN", 1e-6, 1e6, "20.0", "dark level"),
+    NUMBER("voltmeter.k3", "", 0, 1e3, "0.0001", "noise that goes with the root of light"),
+    NUMBER("voltmeter.k4", "1/us", -1, 1, "1e-07", "drift in the dark"),
+    NUMBER("voltmeter.k5", "1/us/DN", -1, 1, "5e-09", "drift that goes with light"),
+    NUMBER("voltmeter.k6", "", 0, 1, "1e-05", "noise in the dark"),
+
+    NUMBER("iebcs.th_pos", "log units", 1e-4, 100, "0.4", "ON threshold (IEBCS's example, like all its defaults here)"),
+    NUMBER("iebcs.th_neg", "log units", 1e-4, 100, "0.4", "OFF threshold"),
+    NUMBER("iebcs.th_noise", "log units", 0, 100, "0.01", "spread of thresholds, drawn anew after each event"),
+    NUMBER("iebcs.lat", "us", 0, 1e6, "100.0", "latency"),
+    NUMBER("iebcs.jit", "us", 0, 1e6, "10.0", "spread of the latency"),
+    NUMBER("iebcs.ref", "us", 0, 1e9, "100.0", "refractory period; the reference is taken at its end"),
+    NUMBER("iebcs.tau", "us", 1e-6, 1e9, "40.0", "time constant of the pixel at 1 klux"),
+    NUMBER("iebcs.bgnp", "Hz", 0, 1e5, "0.1", "periodic ON noise events of each pixel"),
+    NUMBER("iebcs.bgnn", "Hz", 0, 1e5, "0.01", "periodic OFF noise events of each pixel"),
+    STRING("iebcs.noise_pos", "null", ".npy of measured ON noise histograms (rows, columns, 72) in place of bgnp"),
+    STRING("iebcs.noise_neg", "null", "the same for OFF in place of bgnn"),
+    NUMBER("iebcs.scale", "lux", 1e-6, 1e9, "10000.0", "light at Y = 1"),
+    CHOICE("iebcs.arbiter", "none|bottleneck|row|synchronous", "\"none\"",
+           "readout; two are mended (their events add up here)"),
+    NUMBER("iebcs.arbiter_us", "us", 1e-3, 1e6, "0.1", "its time per event, per event of a row, or per row"),
+
     STRING("device", "\"auto\"",
            "reference, cpu, gpu, an index or a part of a device's name; auto: TIDES_DEVICE, else the best"),
     STRING("seed", "\"0\"", "64-bit number, in quotes, that all randomness comes from"),

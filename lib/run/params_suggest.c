@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-enum { NAMES_MAX = 160 };
+enum { NAMES_MAX = 192 };
 
 /* Names gathered from the table, each once, NULL-terminated for td_nearest. */
 typedef struct name_list {

@@ -41,10 +41,13 @@ char *td_run_resolve(const tides_run *run, const char *path, tides_error *error)
 static tides_status check_whole(const tides_run *run, tides_error *error) {
     size_t count;
     const tides_param *rows = tides_params(&count);
+    const int32_t frames = run_text(run, "frames.file") != NULL; /* then there is neither scene nor camera */
     for (size_t i = 0; i < count; i++)
-        if (!run->values[i])
+        if (!run->values[i] && !(frames && strcmp(rows[i].key, "camera.file") == 0))
             return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is missing: %s", run->origin, rows[i].key, rows[i].sentence);
-    if (!run_text(run, "scene.file") && cJSON_GetArraySize(td_run_value(run, "scene.objects")) == 0)
+    if (frames && run_text(run, "scene.file"))
+        return td_fail(error, TIDES_BAD_CONFIG, "%s: scene.file and frames.file are both given; keep one", run->origin);
+    if (!frames && !run_text(run, "scene.file") && cJSON_GetArraySize(td_run_value(run, "scene.objects")) == 0)
         return td_fail(error, TIDES_BAD_CONFIG, "%s: scene.file is missing: name a splat file, here or in scene.objects",
                        run->origin);
     double start = td_run_number(run, "time.start"), stop = td_run_number(run, "time.stop");
@@ -64,7 +67,10 @@ static tides_status check_whole(const tides_run *run, tides_error *error) {
 static tides_status derive(tides_run *run, tides_error *error) {
     const char *scene_file = run_text(run, "scene.file");
     if (scene_file && !(run->scene_file = td_run_resolve(run, scene_file, error))) return TIDES_NO_MEMORY;
-    if (!(run->camera_file = td_run_resolve(run, run_text(run, "camera.file"), error))) return TIDES_NO_MEMORY;
+    const char *camera_file = run_text(run, "camera.file");
+    if (camera_file && !(run->camera_file = td_run_resolve(run, camera_file, error))) return TIDES_NO_MEMORY;
+    tides_status status = td_run_derive_frames(run, error);
+    if (status != TIDES_OK) return status;
     return td_run_print(run->values, &run->json, error);
 }
 
@@ -125,6 +131,7 @@ void tides_run_destroy(tides_run *run) {
     free(run->directory);
     free(run->scene_file);
     free(run->camera_file);
+    td_run_free_frames(run);
     free(run->json);
     free(run);
 }
@@ -163,6 +170,8 @@ static const named_constant models[] = {{"hermite", TIDES_MODEL_HERMITE},
                                         {"linear", TIDES_MODEL_LINEAR},
                                         {"secant", TIDES_MODEL_SECANT},
                                         {NULL, 0}};
+
+static const named_constant psf_domains[] = {{"log", TIDES_PSF_LOG}, {"linear", TIDES_PSF_LINEAR}, {NULL, 0}};
 
 /* The table has checked the name against its choices, so it is in the list. */
 static int32_t run_constant(const tides_run *run, const char *key, const named_constant *list) {
@@ -209,6 +218,8 @@ static void get_sensor(const tides_run *run, tides_sensor *sensor) {
                    {"sensor.b_min", &sensor->b_min},
                    {"sensor.dead_pixel_fraction", &sensor->dead_pixel_fraction},
                    {"frontend.shot_noise_hz", &sensor->shot_noise_hz},
+                   {"frontend.noise_rms", &sensor->noise_rms},
+                   {"frontend.noise_cutoff_hz", &sensor->noise_cutoff_hz},
                    {"frontend.hot_pixel_fraction", &sensor->hot_pixel_fraction},
                    {"frontend.hot_pixel_rate_hz", &sensor->hot_pixel_rate_hz},
                    {"frontend.photoreceptor_cutoff_hz", &sensor->photoreceptor_cutoff_hz},
@@ -251,6 +262,13 @@ void tides_run_get(const tides_run *run, tides_run_values *values) {
     get_image(run, &values->image);
     get_sensor(run, &values->sensor);
     get_readout(run, &values->readout);
+    const cJSON *surround = td_run_value(run, "frontend.center_surround");
+    if (cJSON_IsArray(surround)) {
+        values->sensor.surround_lambda_px = cJSON_GetArrayItem(surround, 0)->valuedouble;
+        values->sensor.surround_tau_s = cJSON_GetArrayItem(surround, 1)->valuedouble;
+    }
+    values->sensor.psf_sigma_px = td_run_number(run, "frontend.psf_sigma_px");
+    values->sensor.psf_domain = run_constant(run, "frontend.psf_domain", psf_domains);
     tides_stepping_defaults(&values->stepping);
     values->stepping.mode = run_constant(run, "stepping.mode", modes);
     values->stepping.model = run_constant(run, "stepping.model", models);
@@ -259,6 +277,7 @@ void tides_run_get(const tides_run *run, tides_run_values *values) {
     values->stepping.tolerance = td_run_number(run, "stepping.tolerance");
     values->stepping.time_tolerance_s = td_run_number(run, "stepping.time_tolerance_s");
     values->stepping.local = run_boolean(run, "stepping.local");
+    values->stepping.interpolate_motion = run_boolean(run, "scene.interpolate_motion");
     values->stepping.budget = td_run_number(run, "stepping.budget");
     values->stepping.risk.w_b = td_run_number(run, "stepping.risk.w_b");
     values->stepping.risk.w_c = td_run_number(run, "stepping.risk.w_c");
@@ -271,4 +290,5 @@ void tides_run_get(const tides_run *run, tides_run_values *values) {
     values->seed = run_text(run, "seed");
     values->method = run_text(run, "method");
     values->json = run->json;
+    td_run_get_frames(run, values);
 }

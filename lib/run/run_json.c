@@ -69,9 +69,20 @@ static tides_status bad_syntax(const tides_run *run, const char *text, size_t by
                    near_it[0] ? "\"" : "");
 }
 
-tides_status td_run_read(tides_run *run, const char *text, size_t bytes, tides_error *error) {
-    const char *nul = memchr(text, '\0', bytes);
-    if (nul) return td_fail(error, TIDES_BAD_CONFIG, "%s: byte %zu is 0; not a text file", run->origin, (size_t)(nul - text));
+/* Comments become spaces, so that errors keep their line and column. */
+static void blank_comments(char *text, size_t bytes) {
+    int32_t quoted = 0;
+    for (size_t i = 0; i < bytes; i++) {
+        if (quoted && text[i] == '\\')
+            i++;
+        else if (text[i] == '"')
+            quoted = !quoted;
+        else if (!quoted && text[i] == '/' && i + 1 < bytes && text[i + 1] == '/')
+            while (i < bytes && text[i] != '\n' && text[i] != '\r') text[i++] = ' ';
+    }
+}
+
+static tides_status read_text(tides_run *run, const char *text, size_t bytes, tides_error *error) {
     const char *end = NULL;
     cJSON *root = cJSON_ParseWithLengthOpts(text, bytes + 1, &end, 1);
     if (!root) return bad_syntax(run, text, bytes, end, error);
@@ -79,6 +90,18 @@ tides_status td_run_read(tides_run *run, const char *text, size_t bytes, tides_e
                               ? read_object(run, root, "", error)
                               : td_fail(error, TIDES_BAD_CONFIG, "%s: a run file is one JSON object { ... }", run->origin);
     cJSON_Delete(root);
+    return status;
+}
+
+tides_status td_run_read(tides_run *run, const char *text, size_t bytes, tides_error *error) {
+    const char *nul = memchr(text, '\0', bytes);
+    if (nul) return td_fail(error, TIDES_BAD_CONFIG, "%s: byte %zu is 0; not a text file", run->origin, (size_t)(nul - text));
+    char *plain = td_alloc(bytes + 1, 1, error);
+    if (!plain) return TIDES_NO_MEMORY;
+    memcpy(plain, text, bytes);
+    blank_comments(plain, bytes);
+    tides_status status = read_text(run, plain, bytes, error);
+    free(plain);
     return status;
 }
 

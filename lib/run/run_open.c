@@ -151,6 +151,8 @@ tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_tra
                             tides_error *error) {
     if (!run || !scene || !camera || !intrinsics)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_open: run, scene, camera or intrinsics is NULL");
+    if (run->frames_file)
+        return td_fail(error, TIDES_BAD_CONFIG, "%s: the run has frames.file and no scene to render", run->origin);
     tides_trajectory *path = NULL;
     tides_intrinsics size = {0};
     tides_status status = open_camera(run, &path, &size, error); /* first: it is small, and most slips are in it */

@@ -53,11 +53,13 @@ static tides_status check_number(const tides_param *row, const cJSON *value, con
 }
 
 static tides_status check_vector(const tides_param *row, const cJSON *value, const char *where, tides_error *error) {
-    if (!cJSON_IsArray(value) || cJSON_GetArraySize(value) != 3)
-        return wrong_type(where, row->key, value, "a list of 3 numbers", error);
+    const int32_t pair = row->type == TIDES_PARAM_VECTOR2;
+    const char *wanted = pair ? "a list of 2 numbers" : "a list of 3 numbers";
+    if (!cJSON_IsArray(value) || cJSON_GetArraySize(value) != (pair ? 2 : 3))
+        return wrong_type(where, row->key, value, wanted, error);
     const cJSON *item;
     cJSON_ArrayForEach(item, value) {
-        if (!cJSON_IsNumber(item)) return wrong_type(where, row->key, value, "a list of 3 numbers", error);
+        if (!cJSON_IsNumber(item)) return wrong_type(where, row->key, value, wanted, error);
         if (!(item->valuedouble >= row->lower && item->valuedouble <= row->upper))
             return td_fail(error, TIDES_BAD_CONFIG, "%s: %s = %s is out of range; each number must lie in [%.10g, %.10g]",
                            where, row->key, show(value).text, row->lower, row->upper);
@@ -159,6 +161,7 @@ tides_status td_param_check(const tides_param *row, const cJSON *value, const ch
         case TIDES_PARAM_BOOLEAN:
             return cJSON_IsBool(value) ? TIDES_OK : wrong_type(where, row->key, value, "true or false", error);
         case TIDES_PARAM_CHOICE: return check_choice(row, value, where, error);
+        case TIDES_PARAM_VECTOR2:
         case TIDES_PARAM_VECTOR3: return check_vector(row, value, where, error);
         case TIDES_PARAM_OBJECTS: return check_objects(row, value, where, error);
         default: return check_string(row, value, where, error);

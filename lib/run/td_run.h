@@ -18,6 +18,7 @@ struct tides_run {
     char *scene_file;     /* resolved; NULL where the scene is made of objects only */
     char *camera_file;    /* resolved */
     char *json;           /* every key, defaults filled in */
+    char *frames_file, *timestamps_file, *noise_files[2]; /* resolved; NULL where not given */
 };
 
 /* params.c: row of `key`, or NULL; 1 where `key` is the first part of some row's key ("sensor", "stepping.risk"). */
@@ -48,6 +49,11 @@ tides_status td_run_preset(tides_run *run, tides_error *error);
 cJSON **td_run_defaults(tides_error *error);
 tides_status td_run_print(cJSON *const *values, char **text, tides_error *error);
 void td_run_free_values(cJSON **values);
+
+/* run_frames.c: resolved paths of frames and baselines; these parts of tides_run_get. */
+tides_status td_run_derive_frames(tides_run *run, tides_error *error);
+void td_run_get_frames(const tides_run *run, tides_run_values *values);
+void td_run_free_frames(tides_run *run);
 
 /* run.c: the value of a row that is known to be in the table; `path` against the run's directory, allocated. */
 const cJSON *td_run_value(const tides_run *run, const char *key);

@@ -17,6 +17,11 @@ typedef struct walk {
     int32_t crossed; /* of these, the path's crossings: bound by max_events_per_step */
     int cut;         /* there were more */
     double s;
+    const td_path *path; /* the pixel's, or with its noise, */
+    td_path noisy;       /* this: true where the walk stands, and up to line_until */
+    td_noise_line line;
+    double line_until;
+    double low, high; /* bounds of the pixel's path without noise */
 } walk;
 
 static double time_at(const walk *w, double s) { return w->job->start + s * w->job->step->length_ns; }
@@ -26,6 +31,67 @@ static double place_of(const walk *w, double time) { return (time - w->job->star
 static double *held_until(const walk *w) { return &w->job->sensor->held_until[w->pixel->i]; }
 
 static double *since(const walk *w) { return &w->job->sensor->since[w->pixel->i]; }
+
+/* -- additive noise -------------------------------------------------------------------------------------------------------- */
+
+/* The path with the noise of the line at hand, whose end is the path's from now on. */
+static void take_line(walk *w) {
+    double start = w->job->start;
+    w->noisy.cubic = w->pixel->path.cubic;
+    td_noise_line_add(&w->line, start, start + w->job->step->length_ns, &w->noisy);
+    w->line_until = place_of(w, w->line.to_ns);
+}
+
+/* On to the line that begins at s, or holds it. */
+static void seek_line(walk *w, double s) {
+    const td_sensor *sensor = w->job->sensor;
+    int passed = 0;
+    if (!sensor->additive.on) return;
+    for (; w->line_until <= s && w->line_until < 1; passed = 1) {
+        w->line = td_additive_noise_next(&sensor->additive, sensor->number[w->pixel->i], &w->line);
+        w->line_until = place_of(w, w->line.to_ns);
+    }
+    if (passed) take_line(w);
+}
+
+static void begin_lines(walk *w) {
+    const td_sensor *sensor = w->job->sensor;
+    size_t i = w->pixel->i;
+    w->path = &w->pixel->path;
+    w->line_until = 2;
+    if (!sensor->additive.on) return;
+    w->path = &w->noisy;
+    w->noisy = w->pixel->path;
+    td_path_range(&w->pixel->path, &w->low, &w->high);
+    w->line =
+        td_additive_noise_resume(&sensor->additive, sensor->number[i], (uint64_t)sensor->noise_line[i], sensor->noise_value[i]);
+    take_line(w);
+    seek_line(w, 0);
+}
+
+/* The first crossing on [from, until], which ends no later than the line at hand. */
+static int cross(const walk *w, double from, double until, double *at) {
+    double low = w->reference - w->off, high = w->reference + w->on;
+    int noisy = w->job->sensor->additive.on;
+    *at = from;
+    if (noisy && w->low + fmin(w->line.begin, w->line.end) > low && w->high + fmax(w->line.begin, w->line.end) < high) return 0;
+    return td_path_crossing(w->path, w->reference, w->on, w->off, from, until, at);
+}
+
+/* The state becomes the line that the step's end is on. */
+static void end_lines(walk *w) {
+    td_sensor *sensor = w->job->sensor;
+    if (!sensor->additive.on) return;
+    seek_line(w, 1);
+    sensor->noise_line[w->pixel->i] = (double)w->line.k;
+    sensor->noise_value[w->pixel->i] = w->line.begin;
+}
+
+/* S_eff at the step's end, whatever the path says. */
+static double end_of(walk *w) {
+    seek_line(w, 1);
+    return w->pixel->end + (w->job->sensor->additive.on ? td_noise_line_at(&w->line, time_at(w, 1)) : 0);
+}
 
 /* -- events and references ------------------------------------------------------------------------------------------------- */
 
@@ -56,7 +122,8 @@ static tides_status emit(walk *w, int64_t t, int polarity, int cause) {
 
 /* The reference becomes the signal at s. */
 static void rereference(walk *w, double s) {
-    w->initial = w->reference = s < 1 ? td_path_value(&w->pixel->path, s) : w->pixel->end;
+    seek_line(w, s);
+    w->initial = w->reference = s < 1 ? td_path_value(w->path, s) : end_of(w);
     w->count_on = w->count_off = 0;
     *since(w) = time_at(w, s);
 }
@@ -135,11 +202,17 @@ static void lose_noise(walk *w, double until, uint64_t *lost) {
 
 /* Crossings before `until` move the reference and are gone. */
 static void consume(walk *w, double until) {
-    const td_pixel_step *p = w->pixel;
-    double at = w->s;
-    for (int32_t n = 0; n < TD_EVENTS_PER_PIXEL_MAX; n++) {
-        int polarity = td_path_crossing(&p->path, w->reference, w->on, w->off, at, fmin(until, 1), &at);
+    double at = w->s, end = fmin(until, 1);
+    for (int32_t n = 0; n < TD_EVENTS_PER_PIXEL_MAX;) {
+        seek_line(w, at);
+        double stop = fmin(end, w->line_until);
+        int polarity = cross(w, at, stop, &at);
+        if (polarity == 0 && stop < end) {
+            at = stop; /* the noise's next line */
+            continue;
+        }
         if (polarity == 0 || at >= until) return;
+        n++;
         move_reference(w, at, polarity);
         w->job->sensor_counts.refractory++;
     }
@@ -176,8 +249,10 @@ static tides_status look(walk *w) {
     const td_pixel_step *p = w->pixel;
     td_pixel_job *job = w->job;
     int source;
-    double noise = next_noise(w, &source), until = fmin(fmin(noise, p->visible_to), 1), at = w->s;
-    int polarity = w->cut ? 0 : td_path_crossing(&p->path, w->reference, w->on, w->off, w->s, until, &at);
+    seek_line(w, w->s);
+    double noise = next_noise(w, &source), last = fmin(p->visible_to, 1), until = fmin(fmin(noise, last), w->line_until),
+           at = w->s;
+    int polarity = w->cut ? 0 : cross(w, w->s, until, &at);
     if (polarity && w->crossed == job->sensor->sensor.max_events_per_step) {
         w->cut = 1;
         return TIDES_OK;
@@ -190,6 +265,7 @@ static tides_status look(walk *w) {
     }
     w->s = until;
     if (noise <= until) return fire_noise(w, source, noise);
+    if (until < last) return TIDES_OK;          /* the noise's next line */
     w->s = until < 1 ? nextafter(until, 2) : 2; /* behind the last visible moment, or the step */
     return TIDES_OK;
 }
@@ -214,7 +290,7 @@ static tides_status catch_up(walk *w) {
     tides_status status = TIDES_OK;
     if (!(p->visible_from <= 1 && p->visible_to >= 1)) return TIDES_OK;
     while (status == TIDES_OK && !is_held(w, 1)) {
-        double residual = p->end - w->reference;
+        double residual = end_of(w) - w->reference;
         int polarity = residual >= w->on ? 1 : residual <= -w->off ? -1 : 0;
         if (polarity == 0) return TIDES_OK;
         status = fire(w, 1, w->job->step->stop_ns, polarity);
@@ -233,6 +309,7 @@ tides_status td_pixel_advance(td_pixel_job *job, const td_pixel_step *pixel) {
     w.on = sensor->threshold_on[pixel->i];
     w.off = sensor->threshold_off[pixel->i];
     tides_status status = TIDES_OK;
+    begin_lines(&w);
     int can_end = isfinite(pixel->end) && isfinite(w.reference);
     job->counts.solved++;
     if (can_end && td_model_is_finite(&pixel->path.cubic)) {
@@ -243,6 +320,7 @@ tides_status td_pixel_advance(td_pixel_job *job, const td_pixel_step *pixel) {
         job->counts.nonfinite++;
     }
     if (status == TIDES_OK && can_end) status = catch_up(&w);
+    end_lines(&w);
     pixels->initial[pixel->local] = w.initial;
     pixels->reference[pixel->local] = w.reference;
     pixels->count_on[pixel->local] = w.count_on;

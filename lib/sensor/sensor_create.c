@@ -74,6 +74,12 @@ static void draw_pixel(td_sensor *sensor, size_t i, uint32_t pixel) {
     td_noise_begin(&sensor->noise, s, i, pixel);
     for (int k = 0; k < TD_NOISES && dead; k++)
         if (sensor->noise.due[k]) sensor->noise.due[k][i] = INFINITY;
+    if (sensor->additive.on) {
+        td_noise_line line = td_additive_noise_first(&sensor->additive, pixel);
+        sensor->number[i] = pixel;
+        sensor->noise_line[i] = (double)line.k;
+        sensor->noise_value[i] = line.begin;
+    }
     td_sensor_set_wake(sensor, i);
 }
 
@@ -82,7 +88,16 @@ void td_sensor_set_wake(td_sensor *sensor, size_t pixel) {
     td_noise_next(&sensor->noise, pixel, &wake);
     int waits = sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD && sensor->held_until[pixel] > -INFINITY;
     if (waits && sensor->held_until[pixel] < wake) wake = sensor->held_until[pixel];
-    sensor->wake[pixel] = wake;
+    sensor->wake[pixel] = sensor->additive.on ? -INFINITY : wake; /* that never rests */
+}
+
+double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time) {
+    if (!sensor->additive.on) return 0;
+    uint32_t number = sensor->number[pixel];
+    td_noise_line line =
+        td_additive_noise_resume(&sensor->additive, number, (uint64_t)sensor->noise_line[pixel], sensor->noise_value[pixel]);
+    td_additive_noise_seek(&sensor->additive, number, time, &line);
+    return td_noise_line_at(&line, time);
 }
 
 static tides_status allocate(td_sensor *sensor, tides_error *error) {
@@ -90,6 +105,12 @@ static tides_status allocate(td_sensor *sensor, tides_error *error) {
                          &sensor->held_until,   &sensor->since,         &sensor->wake};
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         if (!(*arrays[k] = td_alloc(sensor->count, sizeof **arrays[k], error))) return TIDES_NO_MEMORY;
+    if (sensor->additive.on) {
+        sensor->noise_line = td_alloc(sensor->count, sizeof *sensor->noise_line, error);
+        sensor->noise_value = td_alloc(sensor->count, sizeof *sensor->noise_value, error);
+        sensor->number = td_alloc(sensor->count, sizeof *sensor->number, error);
+        if (!sensor->noise_line || !sensor->noise_value || !sensor->number) return TIDES_NO_MEMORY;
+    }
     int states = !sensor->frontend.on ? 0 : sensor->frontend.kind == TD_FRONTEND_CONSTANT ? 1 : TD_FRONTEND_STATE;
     for (int k = 0; k < states; k++)
         if (!(sensor->filter[k] = td_alloc(sensor->count, sizeof *sensor->filter[k], error))) return TIDES_NO_MEMORY;
@@ -114,8 +135,10 @@ tides_status td_sensor_create(const tides_sensor *given, int32_t model, double l
     sensor->masks = params->b_min > 0;
     sensor->refractory_ns = 1e9 * params->refractory_s;
     status = td_frontend_make(params, &sensor->frontend, error);
+    if (status == TIDES_OK) status = td_additive_noise_make(params, &sensor->additive, error);
     if (status != TIDES_OK) return status;
-    sensor->restless = sensor->frontend.on || params->leak_rate_hz > 0 || params->refractory_s > 0 || makes_noise(params);
+    sensor->restless = sensor->frontend.on || sensor->additive.on || params->leak_rate_hz > 0 || params->refractory_s > 0 ||
+                       makes_noise(params);
     sensor->on = sensor->restless || sensor->masks || params->threshold_sigma > 0 || params->dead_pixel_fraction > 0;
     if (!sensor->on) return TIDES_OK;
     td_step first; /* how the simulator's steps split that time */
@@ -143,6 +166,9 @@ void td_sensor_release(td_sensor *sensor) {
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
     for (int k = 0; k < TD_FRONTEND_STATE; k++) free(sensor->filter[k]);
     free(sensor->reach);
+    free(sensor->noise_line);
+    free(sensor->noise_value);
+    free(sensor->number);
     td_noise_release(&sensor->noise);
     memset(sensor, 0, sizeof *sensor);
 }
@@ -153,6 +179,6 @@ void td_sensor_begin(td_sensor *sensor, const double *L, double *S) {
         if (sensor->frontend.on) rest = td_frontend_rest(&sensor->frontend, L[i], sensor->log_eps, state);
         for (int k = 0; k < TD_FRONTEND_STATE; k++)
             if (sensor->filter[k]) sensor->filter[k][i] = state[k];
-        S[i] = rest;
+        S[i] = rest + td_sensor_noise_at(sensor, i, 0);
     }
 }

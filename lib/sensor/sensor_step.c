@@ -108,6 +108,7 @@ static tides_status step_pixel(tile_job *job, size_t j) {
     pixel.path.cubic = pixel.input;
     pixel.end = job->signals->S1[j];
     if (sensor->frontend.on) filter(job, &pixel);
+    if (sensor->light) pixel.input = fit(TIDES_MODEL_HERMITE, sensor->light, step->length_s, j);
     double ramp = sensor->leak[pixel.i] * job->pixel.start, rise = sensor->leak[pixel.i] * step->length_ns;
     for (int c = 0; c < 4; c++) pixel.path.cubic.control[c] += ramp + rise * (c / 3.0);
     pixel.end += ramp + rise;

@@ -20,6 +20,7 @@
 
 #include "solver/td_comparator.h"
 #include "td_frontend.h"
+#include "td_additive_noise.h"
 #include "td_noise.h"
 #include "tides/sensor.h"
 
@@ -52,7 +53,11 @@ typedef struct td_sensor {
     td_frontend frontend;
     double *filter[TD_FRONTEND_STATE]; /* the filters' state, where there are any; the first is S at the time reached */
     td_noise noise;
+    td_additive_noise additive;
+    double *noise_line, *noise_value; /* with it: number and begin [log units] of the line that the time reached is on, */
+    uint32_t *number;                 /* and the pixel's in the image */
     td_sensor_counts counts;
+    const td_signals *light; /* of a call: log-luminance, where the signals aren't; NULL: they are */
 } td_sensor;
 
 /* Checks the parameters that the comparator reads: TIDES_BAD_ARGUMENT naming the field. */
@@ -88,6 +93,9 @@ static inline double td_sensor_time(const td_sensor *sensor, int64_t ns, double 
 static inline double td_sensor_effective(const td_sensor *sensor, size_t pixel, double L, double time) {
     return (sensor->frontend.on ? sensor->filter[0][pixel] : L) + sensor->leak[pixel] * time;
 }
+
+/* The additive noise at a time [ns since the run's start] that isn't before the time reached; 0 without. */
+double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time);
 
 /* The time of the pixel's next appointment, after any of its parts changed. */
 void td_sensor_set_wake(td_sensor *sensor, size_t pixel);

@@ -69,11 +69,15 @@ static tides_status add_scene(uint64_t *sum, const tides_scene *scene, tides_err
     return status;
 }
 
-/* Image formation as the renderer resolved it, intrinsics and background included. */
+/* Image formation as the renderer resolved it, intrinsics, background and blur included. */
 static uint64_t image_checksum(const tides_renderer *renderer) {
     td_image_numbers numbers = td_image_pack(&renderer->image);
     uint64_t sum = td_checksum(0, numbers.real, sizeof numbers.real);
     sum = td_checksum(sum, numbers.whole, sizeof numbers.whole);
+    if (renderer->psf.radius) {
+        const double psf[] = {renderer->psf.sigma, renderer->psf.domain};
+        sum = td_checksum(sum, psf, sizeof psf);
+    }
     return td_checksum(sum, renderer->backdrops[0].colour, sizeof renderer->backdrops[0].colour);
 }
 
@@ -113,6 +117,7 @@ tides_status td_facts_gather(const tides_simulator *s, td_fact facts[TD_FACTS], 
         {"stepping.slope", 0, s->slope, 0},
         {"sensor's other parameters or seed", 1, 0, td_checksum(0, &s->sensor.sensor, sizeof s->sensor.sensor)},
         {"readout", 1, 0, td_checksum(0, &s->scan.readout, sizeof s->scan.readout)},
+        {"stepping.interpolate_motion", 0, s->interpolates, 0},
         {"scene", 1, 0, scene},
         {"camera path", 1, 0, path},
         {"image parameters or intrinsics", 1, 0, image_checksum(s->renderer)},

@@ -1,9 +1,10 @@
 /* State of pixels that only some runs have: where it is, and what the file calls it. */
 #include "td_checkpoint.h"
 
-const char *const td_optional_real_name[TD_OPTIONAL_REALS] = {"held_until", "last_event", "shot_on_due", "shot_off_due",
-                                                              "hot_due",    "coverage",   "alpha_dot",   "contributors",
-                                                              "filter_0",   "filter_1",   "filter_2",    "filter_3"};
+const char *const td_optional_real_name[TD_OPTIONAL_REALS] = {"held_until",     "last_event", "shot_on_due", "shot_off_due",
+                                                              "hot_due",        "coverage",   "alpha_dot",   "contributors",
+                                                              "filter_0",       "filter_1",   "filter_2",    "filter_3",
+                                                              "surround_modes", "noise_line", "noise_value"};
 
 double *td_optional_real(const tides_simulator *s, int which) {
     double *const all[TD_OPTIONAL_REALS] = {s->sensor.held_until,
@@ -17,7 +18,10 @@ double *td_optional_real(const tides_simulator *s, int which) {
                                             s->sensor.filter[0],
                                             s->sensor.filter[1],
                                             s->sensor.filter[2],
-                                            s->sensor.filter[3]};
+                                            s->sensor.filter[3],
+                                            s->surround.modes,
+                                            s->sensor.noise_line,
+                                            s->sensor.noise_value};
     return all[which];
 }
 

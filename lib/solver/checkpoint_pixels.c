@@ -97,6 +97,7 @@ void td_planes_give(const td_planes *p, tides_simulator *s) {
     memcpy(s->timing.weight, p->timing, sizeof p->timing);
     memcpy(s->tile_risk, p->tile_risk, (size_t)s->tiles * sizeof *p->tile_risk);
     set_references(s);
+    if (s->surround.surround.on) td_surround_steps_resume(s);
 }
 
 /* -- datasets -------------------------------------------------------------------------------------------------------------- */

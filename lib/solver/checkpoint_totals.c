@@ -47,6 +47,7 @@ static const total totals[TD_TOTALS] = {
     COUNT("gaussians_culled", BACKEND, tides_render_stats, gaussians_culled),
     COUNT("gaussians_still", RENDERER, tides_render_stats, gaussians_still),
     COUNT("gaussians_moved", BACKEND, tides_render_stats, gaussians_moved),
+    COUNT("gaussians_interpolated", BACKEND, tides_render_stats, gaussians_interpolated),
     COUNT("sweeps", BACKEND, tides_render_stats, sweeps),
     COUNT("pairs_evaluated", BACKEND, tides_render_stats, pairs_evaluated),
     REAL("time_build_s", BACKEND, tides_render_stats, time_build_s),

@@ -41,9 +41,16 @@ tides_status td_compare_still(tides_simulator *s, const td_step *step, tides_err
     return TIDES_OK;
 }
 
+/* S of every pixel at the time reached, past the surround. */
+static const double *seen(const tides_simulator *s) {
+    return s->surround.surround.on ? s->surround.S : s->now.plane[TD_KEPT_S];
+}
+
 double td_signal_now(const tides_simulator *s, size_t pixel) {
-    double S = s->now.plane[TD_KEPT_S][pixel];
-    return s->sensor.on ? td_sensor_effective(&s->sensor, pixel, S, time_now(s)) : S;
+    double S = seen(s)[pixel];
+    if (!s->sensor.on) return S;
+    double time = time_now(s);
+    return td_sensor_effective(&s->sensor, pixel, S, time) + td_sensor_noise_at(&s->sensor, pixel, time);
 }
 
 /* Whether the pixel answers to its levels at the time reached. */
@@ -55,7 +62,7 @@ static int is_free(const tides_simulator *s, size_t pixel, double time) {
 
 double td_worst_residual(const tides_simulator *s) {
     size_t count = s->first_pixel[s->tiles];
-    if (!s->sensor.on) return td_comparator_worst_residual(&s->comparator, &s->pixels, s->now.plane[TD_KEPT_S], count);
+    if (!s->sensor.on) return td_comparator_worst_residual(&s->comparator, &s->pixels, seen(s), count);
     double worst = 0, time = time_now(s);
     for (size_t i = 0; i < count; i++) {
         double residual = td_signal_now(s, i) - s->pixels.reference[i];

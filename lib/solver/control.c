@@ -45,7 +45,8 @@ static double error_excess(tides_simulator *s, const td_refine_step *step, doubl
     td_signals signals = {begin, begin + TD_TILE_PIXELS, end, end + TD_TILE_PIXELS};
     double h = td_refine_time(r, start, stop, step->to) - td_refine_time(r, start, stop, step->from);
     size_t first = s->first_pixel[step->tile];
-    const double *reference = s->pixels.reference + first;
+    /* Through a surround each pixel's error is everyone's: all count. */
+    const double *reference = s->surround.surround.on ? NULL : s->pixels.reference + first;
     int32_t count = s->tile[step->tile].count;
     int whole = step->to - step->from == (uint32_t)1 << r->depth;
     double begins = (td_refine_time(r, start, stop, step->from) - s->start) * 1e9;

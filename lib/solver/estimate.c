@@ -12,6 +12,9 @@ static const double bulge = 4.0 / 27.0;
  * and divided by the slope of a pixel that hardly moves it would look like any time. */
 static const double noise = 1e-6;
 
+/* Additive noise brings a pixel to levels that are this many sigmas from its signal; beyond it hardly ever is. */
+static const double noise_swing = 5;
+
 static double larger(double a, double b) { return a > b ? a : b; }
 static double smaller(double a, double b) { return a < b ? a : b; }
 
@@ -45,7 +48,7 @@ td_estimate td_estimate_step(const td_comparator *comparator, double h, const td
          * over. */
         double timed = larger(error - noise, 0);
         if (!(error > worst.error || timed * h > worst.seconds * moved)) continue;
-        if (equal && !may_fire(S0, rate0, S1, rate1, error, reference[i], threshold)) continue;
+        if (equal && reference && !may_fire(S0, rate0, S1, rate1, error, reference[i], threshold)) continue;
         worst.error = larger(worst.error, error);
         worst.seconds = larger(worst.seconds, timed * h / moved);
     }
@@ -67,6 +70,7 @@ static int may_fire_sensor(td_sensor *sensor, size_t i, int whole, double low, d
 td_estimate td_estimate_sensor(td_sensor *sensor, size_t first, int whole, double time, double h, const td_signals *signals,
                                const double *reference, int32_t count) {
     td_estimate worst = {0, 0};
+    double swing = sensor->additive.on ? noise_swing * sensor->additive.sigma : 0;
     double nominal = smaller(sensor->sensor.threshold_on, sensor->sensor.threshold_off);
     for (int32_t k = 0; k < count; k++) {
         size_t i = first + (size_t)k;
@@ -76,9 +80,9 @@ td_estimate td_estimate_sensor(td_sensor *sensor, size_t first, int whole, doubl
         if (!(error >= 0)) continue; /* NaN */
         double ramp0 = sensor->leak[i] * time, ramp1 = ramp0 + sensor->leak[i] * h * 1e9;
         double a = S0 + rate0 / 3, b = S1 - rate1 / 3; /* the ramp lies between its ends: bounds need no more */
-        double low = smaller(smaller(S0, S1), smaller(a, b)) - error + ramp0;
-        double high = larger(larger(S0, S1), larger(a, b)) + error + ramp1;
-        if (!may_fire_sensor(sensor, i, whole, low, high, reference[k])) continue;
+        double low = smaller(smaller(S0, S1), smaller(a, b)) - error + ramp0 - swing;
+        double high = larger(larger(S0, S1), larger(a, b)) + error + ramp1 + swing;
+        if (reference && !may_fire_sensor(sensor, i, whole, low, high, reference[k])) continue;
         double own = smaller(sensor->threshold_on[i], sensor->threshold_off[i]);
         double moved = larger(fabs(rise + (ramp1 - ramp0)), error), timed = larger(error - noise, 0);
         worst.error = larger(worst.error, error * nominal / own);

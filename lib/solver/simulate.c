@@ -11,6 +11,8 @@
 #include "td_event_sort.h"
 #include "td_simulator.h"
 
+#include <stdlib.h>
+
 /* A longer batch has wider swept boxes, so more candidates that miss their tile: above the first share the batch is halved,
  * below the second it is doubled. */
 static const double too_many_culled = 0.5, few_culled = 0.3;
@@ -84,28 +86,36 @@ static tides_status begin(tides_simulator *s, tides_error *error) {
     s->renderer->side = -1;
     if (status != TIDES_OK) return status;
     store_step(s, 0, &s->now);
-    td_pixels_reset(&s->pixels, s->now.plane[TD_KEPT_S], s->first_pixel[s->tiles]);
-    if (s->sensor.frontend.on) {
-        td_sensor_begin(&s->sensor, s->now.plane[TD_KEPT_S], s->pixels.initial);
+    if (s->surround.surround.on) td_surround_steps_begin(s);
+    const double *S = s->surround.surround.on ? s->surround.S : s->now.plane[TD_KEPT_S];
+    td_pixels_reset(&s->pixels, S, s->first_pixel[s->tiles]);
+    if (s->sensor.frontend.on || s->sensor.additive.on) {
+        td_sensor_begin(&s->sensor, S, s->pixels.initial);
         memcpy(s->pixels.reference, s->pixels.initial, s->first_pixel[s->tiles] * sizeof(double));
     }
     s->started = 1;
     return TIDES_OK;
 }
 
-/* The step between two times. What fires at its very end is a nanosecond earlier, except at the run's: so a packet never ends
- * with the nanosecond that the next one begins with, and the stream is in order however it is cut into packets. */
-static tides_status step_between(const tides_simulator *s, double start, double stop, td_step *step, tides_error *error) {
+tides_status td_step_of_run(const tides_simulator *s, double start, double stop, td_step *step, tides_error *error) {
     tides_status status = td_step_between(start, stop, step, error);
     if (status == TIDES_OK && stop < s->stop && step->stop_ns > step->start_ns) step->stop_ns--;
     return status;
 }
 
-/* The comparator over one step of every tile that moves; afterwards the step's end is now. */
-static tides_status compare_step(tides_simulator *s, tides_error *error) {
+static void turn_samples(tides_simulator *s) {
+    td_sample passed = s->now;
+    s->now = s->next;
+    s->next = passed;
+}
+
+/* The comparator over one step of every tile that moves, from now to next. */
+static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
     td_step step;
-    tides_status status = step_between(s, td_grid_time(s, s->step), td_grid_time(s, s->step + 1), &step, error);
-    if (status == TIDES_OK && s->slope == TIDES_SLOPE_DIFFERENCE) td_difference_slopes(s, step.length_s);
+    double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
+    if (s->slope == TIDES_SLOPE_DIFFERENCE) td_difference_slopes(s, stop - start);
+    if (s->surround.surround.on) return td_surround_compare(s, start, stop, error);
+    tides_status status = td_step_of_run(s, start, stop, &step, error);
     for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {
         int t = s->moving[i];
         const double *begin_planes[TD_KEPT_ALL], *end_planes[TD_KEPT_ALL];
@@ -115,11 +125,14 @@ static tides_status compare_step(tides_simulator *s, tides_error *error) {
         }
         status = td_compare_tile(s, t, &step, begin_planes, end_planes, error);
     }
-    if (status == TIDES_OK) status = td_compare_still(s, &step, error);
+    return status == TIDES_OK ? td_compare_still(s, &step, error) : status;
+}
+
+/* Afterwards the step's end is now. */
+static tides_status compare_step(tides_simulator *s, tides_error *error) {
+    tides_status status = compare_tiles(s, error);
     if (status != TIDES_OK) return status;
-    td_sample passed = s->now;
-    s->now = s->next;
-    s->next = passed;
+    turn_samples(s);
     s->step++;
     if (s->scan.arbiter) status = td_scan_step(s, error);
     s->stats.steps += (uint64_t)s->moving_count;
@@ -196,8 +209,8 @@ static tides_status compare_refined_tile(tides_simulator *s, int t, double start
             end_planes[p] = end + p * TD_TILE_PIXELS;
         }
         td_step step;
-        tides_status status = step_between(s, td_refine_time(r, start, stop, r->step[i].from),
-                                           td_refine_time(r, start, stop, r->step[i].to), &step, error);
+        tides_status status = td_step_of_run(s, td_refine_time(r, start, stop, r->step[i].from),
+                                             td_refine_time(r, start, stop, r->step[i].to), &step, error);
         if (status == TIDES_OK) status = td_compare_tile(s, t, &step, begin_planes, end_planes, error);
         if (status != TIDES_OK) return status;
         td_timing_add(&s->timing, &s->comparator, step.length_s, &signals, tile->count);
@@ -209,16 +222,53 @@ static tides_status compare_refined_tile(tides_simulator *s, int t, double start
     return TIDES_OK;
 }
 
+/* Step `which` of every tile, where they have their steps in common, to s->next and through the surround. */
+static tides_status compare_common_step(tides_simulator *s, const int32_t *which, double start, double stop,
+                                        tides_error *error) {
+    const td_refine *r = &s->refine;
+    for (int t = 0; t < s->tiles; t++) {
+        const double *begin = td_refine_sample(r, r->step[which[t]].begin), *end = td_refine_sample(r, r->step[which[t]].end);
+        size_t at = s->first_pixel[t], bytes = (size_t)s->tile[t].count * sizeof(double);
+        td_signals signals = {begin, begin + TD_TILE_PIXELS, end, end + TD_TILE_PIXELS};
+        for (int p = 0; p < s->planes_kept; p++) memcpy(s->next.plane[p] + at, end + p * TD_TILE_PIXELS, bytes);
+        td_timing_add(&s->timing, &s->comparator, stop - start, &signals, s->tile[t].count);
+        s->tile_risk[t] = r->risk[r->step[which[t]].end];
+    }
+    tides_status status = td_surround_compare(s, start, stop, error);
+    if (status != TIDES_OK) return status;
+    turn_samples(s);
+    s->stats.steps += (uint64_t)s->tiles;
+    return TIDES_OK;
+}
+
+/* The macro step's steps, of all tiles together. */
+static tides_status compare_refined_together(tides_simulator *s, double start, double stop, tides_error *error) {
+    const td_refine *r = &s->refine;
+    int32_t *which = td_alloc((size_t)s->tiles, sizeof *which, error);
+    tides_status status = which ? TIDES_OK : TIDES_NO_MEMORY;
+    for (int t = 0; t < s->tiles && status == TIDES_OK; t++) which[t] = t;
+    while (status == TIDES_OK && which[0] >= 0) {
+        const td_refine_step *step = &r->step[which[0]];
+        status = compare_common_step(s, which, td_refine_time(r, start, stop, step->from),
+                                     td_refine_time(r, start, stop, step->to), error);
+        for (int t = 0; t < s->tiles; t++) which[t] = r->step[which[t]].next;
+    }
+    free(which);
+    return status;
+}
+
 /* One macro step, refined tile by tile. */
 static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
     double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
     tides_status status = td_refine_macro_step(s, start, stop, error);
     if (status != TIDES_OK) return status;
     double begun = td_now();
-    for (int i = 0; i < s->moving_count && status == TIDES_OK; i++)
+    int together = s->surround.surround.on;
+    if (together) status = compare_refined_together(s, start, stop, error);
+    for (int i = 0; i < s->moving_count && !together && status == TIDES_OK; i++)
         status = compare_refined_tile(s, s->moving[i], start, stop, error);
     td_step whole;
-    if (status == TIDES_OK) status = step_between(s, start, stop, &whole, error);
+    if (status == TIDES_OK) status = td_step_of_run(s, start, stop, &whole, error);
     if (status == TIDES_OK) status = td_compare_still(s, &whole, error);
     s->stats.tile_steps_still += (uint64_t)(s->tiles - s->moving_count);
     s->stats.time_compare_s += td_now() - begun;

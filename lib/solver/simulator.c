@@ -131,6 +131,13 @@ static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *err
     return ok ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
+static tides_status set_interpolation(tides_simulator *s, tides_error *error) {
+    const td_comparator *c = &s->comparator;
+    double threshold = c->threshold_on < c->threshold_off ? c->threshold_on : c->threshold_off;
+    return td_moved_interpolate(&s->renderer->moved, s->renderer->backend, s->tolerance * threshold, s->time_tolerance_s,
+                                error);
+}
+
 tides_status tides_simulator_create(tides_device *device, const tides_scene *scene, const tides_trajectory *camera,
                                     const tides_intrinsics *intrinsics, const tides_image_params *image,
                                     const tides_sensor *sensor, const tides_stepping *stepping, double start, double stop,
@@ -163,9 +170,12 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     s->timing.rounding = td_is_double(device) ? 0 : TD_SINGLE_ROUNDING;
     s->planes_kept = s->refine.planes_kept = sensor->b_min > 0 ? TD_KEPT_ALL : TD_KEPT_SIGNAL;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
+    s->interpolates = stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED;
+    s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
     status = td_comparator_check(&s->comparator, error);
     if (status == TIDES_OK)
         status = tides_renderer_create(device, scene, intrinsics, image, progress, user, &s->renderer, error);
+    if (status == TIDES_OK) status = tides_renderer_set_psf(s->renderer, sensor->psf_sigma_px, sensor->psf_domain, error);
     if (status == TIDES_OK)
         status = td_grid_create(start, stop, stepping->step_s, s->renderer->moved.knots, s->renderer->moved.knot_count,
                                 stepping->min_step_s, &s->grid, error);
@@ -181,12 +191,15 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
         status = allocate(s, (size_t)intrinsics->width * intrinsics->height, error);
     }
     if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, td_fixed_outputs(s), error);
+    if (status == TIDES_OK && s->interpolates) status = set_interpolation(s, error);
+    if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, TD_OUT_SIGNAL, error);
     if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, s->outputs, error);
     if (status == TIDES_OK) {
         lay_tiles(s, intrinsics->width, intrinsics->height);
         status =
             td_sensor_create(sensor, stepping->model, image->log_eps, start, s->width, s->tile, s->tiles, &s->sensor, error);
     }
+    if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, stepping, intrinsics->height, error);
     if (status != TIDES_OK) {
         tides_simulator_destroy(s);
         return status;
@@ -203,6 +216,7 @@ void tides_simulator_destroy(tides_simulator *simulator) {
     td_grid_release(&simulator->grid);
     td_scan_release(&simulator->scan);
     td_sensor_release(&simulator->sensor);
+    td_surround_steps_release(&simulator->surround);
     for (int p = 0; p < TD_KEPT_ALL; p++) {
         free(simulator->now.plane[p]);
         free(simulator->next.plane[p]);

@@ -34,7 +34,7 @@ typedef struct td_fact {
     uint64_t checksum;
 } td_fact;
 
-enum { TD_FACTS = 25 };
+enum { TD_FACTS = 26 };
 tides_status td_facts_gather(const tides_simulator *simulator, td_fact facts[TD_FACTS], tides_error *error);
 
 /* TIDES_BAD_CONFIG naming the first key that two run files (JSON) have different values of, other than those that don't change
@@ -44,7 +44,7 @@ tides_status td_facts_compare_runs(const char *path, const char *saved, const ch
 /* -- the pixels (checkpoint_pixels.c) -- */
 
 /* State that only some runs have: the sensor's, and what is kept of samples (checkpoint_optional.c). */
-enum { TD_OPTIONAL_REALS = 8 + TD_FRONTEND_STATE, TD_OPTIONAL_COUNTS = 3 };
+enum { TD_OPTIONAL_REALS = 11 + TD_FRONTEND_STATE, TD_OPTIONAL_COUNTS = 3 };
 double *td_optional_real(const tides_simulator *simulator, int which); /* in the tiles' order; NULL: this run hasn't got it */
 uint32_t *td_optional_count(const tides_simulator *simulator, int which);
 extern const char *const td_optional_real_name[TD_OPTIONAL_REALS], *const td_optional_count_name[TD_OPTIONAL_COUNTS];
@@ -74,7 +74,7 @@ tides_status td_readout_read(const tides_simulator *simulator, const td_place *r
 
 /* -- the statistics (checkpoint_totals.c) -- */
 
-enum { TD_TOTALS = 37 };
+enum { TD_TOTALS = 38 };
 tides_status td_totals_write(const tides_simulator *simulator, const td_place *place);
 tides_status td_totals_read(const td_place *place, double values[TD_TOTALS]);
 

@@ -8,6 +8,7 @@
 #include "td_grid.h"
 #include "td_refine.h"
 #include "td_scan.h"
+#include "td_surround_steps.h"
 
 enum { TD_BATCH_STEPS = 16 }; /* steps per launch at most */
 
@@ -22,10 +23,12 @@ struct tides_simulator {
     const tides_trajectory *camera;
     td_comparator comparator;
     td_sensor sensor;           /* what is in the comparator's place where one of its blocks is on */
+    td_surround_steps surround; /* between the pixels and the comparator, where the sensor has one */
     double start, stop, step_s; /* [s] */
     td_grid grid;               /* where steps begin and end */
     int mode, local;            /* TIDES_STEPPING_*; each tile has its own steps */
     double min_step_s, tolerance, time_tolerance_s, budget;
+    int interpolates; /* rows of motions within macro steps */
     tides_risk risk;
     int slope;         /* TIDES_SLOPE_* */
     int outputs;       /* planes that each sample renders: risk, a mask and the readout want diagnostics */
@@ -105,6 +108,10 @@ tides_status td_compare_tile(tides_simulator *simulator, int tile, const td_step
 
 /* The sensor over one step of the tiles in which nothing moves, where it wants that. */
 tides_status td_compare_still(tides_simulator *simulator, const td_step *step, tides_error *error);
+
+/* The step between two times. What fires at its very end is a nanosecond earlier, except at the run's: so a packet never ends
+ * with the nanosecond that the next one begins with, and the stream is in order however it is cut into packets. */
+tides_status td_step_of_run(const tides_simulator *simulator, double start, double stop, td_step *step, tides_error *error);
 
 /* With a readout: the events of the step that ends at the grid point reached go through it (scan.c). */
 tides_status td_scan_step(tides_simulator *simulator, tides_error *error);

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Writes small valid files for the fuzz targets of binary formats into a folder (scripts/fuzz.sh runs this)."""
-import gzip, json, os, struct, sys, zipfile
+import gzip, io, json, os, pickle, struct, sys, types, zipfile
+from collections import OrderedDict
 
 folder = sys.argv[1]
 
@@ -83,6 +84,143 @@ def colmap():
     write("fuzz_colmap", "images_text", b"2# comment\n1 1 0 0 0 1 2 3 1 a.png\n1 2 3\n2 0 1 0 0 1 2 3 1 b.png\n\n")
     write("fuzz_colmap", "images_binary", b"3" + image)
 
+
+# -- folders of trained models: files as fuzz_method.c numbers them ----------------------------------------------------
+
+FILES = ["cfg_args", "points", "deformation", "decoder", "deform", "chkpnt", "params", "ckpt", "time0", "time1"]
+
+
+def names_of_torch():
+    """Modules that pickle can name things by."""
+    torch, utils = types.ModuleType("torch"), types.ModuleType("torch._utils")
+    torch.FloatStorage = type("FloatStorage", (), {"__module__": "torch"})
+
+    def rebuild(*arguments):
+        raise NotImplementedError
+    rebuild.__module__, rebuild.__name__, rebuild.__qualname__ = "torch._utils", "_rebuild_tensor_v2", "_rebuild_tensor_v2"
+    utils._rebuild_tensor_v2 = rebuild
+    sys.modules["torch"], sys.modules["torch._utils"] = torch, utils
+    return torch.FloatStorage, rebuild
+
+
+FLOATS, REBUILD = names_of_torch()
+
+
+class Storage:
+    def __init__(self, key, values):
+        self.key, self.values = key, values
+
+
+class Tensor:
+    """Small numbers that differ, of a shape."""
+    count = 0
+
+    def __init__(self, *shape, scale=0.1):
+        Tensor.count += 1
+        size = 1
+        for extent in shape:
+            size *= extent
+        self.shape, self.storage = shape, Storage(str(Tensor.count), [scale * ((7 * i) % 11 - 5) + 0.01 for i in range(size)])
+
+    def __reduce__(self):
+        strides, step = [], 1
+        for extent in reversed(self.shape):
+            strides.insert(0, step)
+            step *= extent
+        return REBUILD, (self.storage, 0, self.shape, tuple(strides), False, OrderedDict())
+
+
+def torch_file(value):
+    """What torch.save writes."""
+    storages, out, archive = [], io.BytesIO(), io.BytesIO()
+
+    class Pickler(pickle.Pickler):
+        def persistent_id(self, thing):
+            if not isinstance(thing, Storage):
+                return None
+            storages.append(thing)
+            return "storage", FLOATS, thing.key, "cpu", len(thing.values)
+    Pickler(out, 2).dump(value)
+    with zipfile.ZipFile(archive, "w") as to:
+        to.writestr(zipfile.ZipInfo("model/data.pkl"), out.getvalue())
+        for s in storages:
+            to.writestr(zipfile.ZipInfo("model/data/" + s.key), struct.pack("<%df" % len(s.values), *s.values))
+    return archive.getvalue()
+
+
+def ply(names, rows=2):
+    head = "ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % rows
+    head += "".join("property float %s\n" % n for n in names) + "end_header\n"
+    return head.encode() + struct.pack("<%df" % (rows * len(names)), *(0.1 * (i % 13) - 0.5 for i in range(rows * len(names))))
+
+
+def numbered(name, count):
+    return ["%s_%d" % (name, i) for i in range(count)]
+
+
+def npz(arrays):
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w") as to:
+        for name, shape in arrays.items():
+            size = 1
+            for extent in shape:
+                size *= extent
+            head = ("{'descr': '<f4', 'fortran_order': False, 'shape': %s, }" % (shape,)).ljust(117) + "\n"
+            data = struct.pack("<%df" % size, *(0.1 * (i % 7) - 0.2 for i in range(size)))
+            to.writestr(zipfile.ZipInfo(name + ".npy"), b"\x93NUMPY\1\0\x76\0" + head.encode() + data)
+    return out.getvalue()
+
+
+def layer(state, name, rows, columns):
+    state[name + ".weight"], state[name + ".bias"] = Tensor(rows, columns), Tensor(rows)
+
+
+def hexplane():
+    state, p = OrderedDict(), "deformation_net."
+    state[p + "grid.aabb"] = Tensor(2, 3)
+    state[p + "grid.aabb"].storage.values = [1.6, 1.6, 1.6, -1.6, -1.6, -1.6]
+    for plane in range(6):
+        state[p + "grid.grids.0.%d" % plane] = Tensor(1, 2, 3, 2)
+    for plane in (0, 1, 3):
+        state[p + "grid.grids.0.%d" % plane] = Tensor(1, 2, 2, 2)
+    layer(state, p + "feature_out.0", 4, 2)
+    for head, width in (("pos_deform", 3), ("scales_deform", 3), ("rotations_deform", 4)):
+        layer(state, p + head + ".1", 4, 4), layer(state, p + head + ".3", width, 4)
+    return state
+
+
+def warp():
+    state = OrderedDict()
+    layer(state, "linear.0", 4, 63 + 5), layer(state, "linear.1", 4, 4)
+    for head, width in (("gaussian_warp", 3), ("gaussian_rotation", 4), ("gaussian_scaling", 3)):
+        layer(state, head, width, 4)
+    return state
+
+
+def models():
+    plain = ["x", "y", "z", "nx", "ny", "nz"] + numbered("f_dc", 3) + ["opacity"] + numbered("scale", 3) + numbered("rot", 4)
+    stg = plain + ["trbf_center", "trbf_scale"] + numbered("motion", 9) + numbered("omega", 4)
+    full = [n for n in stg if not n.startswith("f_dc")] + numbered("f_dc", 6) + numbered("f_t", 3)
+    capture = [7, Tensor(2, 3), Tensor(2, 1, 3), Tensor(2, 15, 3), Tensor(2, 3), Tensor(2, 4), Tensor(2, 1)] + [None] * 6
+    capture += [Tensor(2, 1), Tensor(2, 1), Tensor(2, 4), True, None, 0]
+    splats = {"means": (2, 3), "scales": (2, 3), "quats": (2, 4), "opacities": (2,), "sh0": (2, 1, 3), "shN": (2, 0, 3),
+              "times": (2, 1), "durations": (2, 1), "velocities": (2, 3)}
+    options = b"Namespace(no_dx=False, no_ds=False, no_dr=False, no_do=True, no_dshs=True, rgbfunction='sandwich')"
+    yield "inria", {"points": ply(plain)}
+    yield "stg_lite", {"points": ply(stg)}
+    yield "stg_full", {"cfg_args": options, "points": ply(full),
+                       "decoder": torch_file(OrderedDict([("mlp1.weight", Tensor(6, 12, 1, 1)), ("mlp2.weight", Tensor(3, 6, 1, 1))]))}
+    yield "fourdgs", {"cfg_args": options, "points": ply(plain), "deformation": torch_file(hexplane())}
+    yield "deformable", {"points": ply(plain), "deform": torch_file(warp())}
+    yield "fudan4d", {"chkpnt": torch_file((tuple(capture), 7))}
+    yield "dyn3dgs", {"params": npz({"means3D": (3, 2, 3), "unnorm_rotations": (3, 2, 4), "rgb_colors": (3, 2, 3),
+                                     "logit_opacities": (2, 1), "log_scales": (2, 3)})}
+    yield "freetime", {"ckpt": torch_file({"step": 7, "splats": OrderedDict((k, Tensor(*v)) for k, v in splats.items())})}
+    yield "frames", {"time0": ply(plain), "time1": ply(plain)}
+
+
+for name, held in models():
+    write("fuzz_method", name, b"".join(bytes([FILES.index(k)]) + struct.pack("<I", len(v))[:3] + v for k, v in held.items()))
 
 for version in (1, 2, 3):
     write("fuzz_spz", "plain%d" % version, spz(version, version))

@@ -142,6 +142,52 @@ static void test_cuts_change_nothing(void **state) {
     check_cuts("cpu", SEED + 11);
 }
 
+/* -- sides ----------------------------------------------------------------------------------------------------------- */
+
+/* L_dot of every tile at the knot from `side`, after a sweep of [start, stop]; with rows kept from it, or none. */
+static double *at_knot(tides_device *device, const moving_scene *s, double from, double to, int side, int keeps) {
+    tides_renderer *renderer = make_renderer(device, s->scene, &s->base.camera, TIDES_RULES_SMOOTH);
+    const double knot = MOVING_KNOT;
+    int tiles = renderer->stats.tiles;
+    double *planes = malloc((size_t)tiles * OUTPUTS * TD_TILE_PIXELS * sizeof *planes);
+    td_request *requests = calloc((size_t)tiles, sizeof *requests);
+    tides_error error;
+    assert_true(planes && requests);
+    for (int i = 0; i < tiles; i++) requests[i].tile = i;
+    if (!keeps) renderer->moved.kept_rows = 0;
+    renderer->side = side;
+    scene_expect_ok(td_renderer_sweep(renderer, s->base.path, from, to, &error), &error);
+    scene_expect_ok(td_renderer_tiles(renderer, s->base.path, &knot, 1, requests, tiles, OUTPUTS, planes, &error), &error);
+    free(requests);
+    tides_renderer_destroy(renderer);
+    return planes;
+}
+
+/* An interval keeps rates of the side that it lies on: asked for the other side's it must not give them. */
+static void test_kept_rows_are_of_one_side(void **state) {
+    static const double reach = 0.01;
+    (void)state;
+    tides_device *device = open_device("reference-f32");
+    random_recipe recipe = recipe_with(SEED + 30, 1);
+    moving_scene s = moving_scene_make(&recipe, 0.6);
+    tides_renderer *shape = make_renderer(device, s.scene, &s.base.camera, TIDES_RULES_SMOOTH);
+    size_t reals = (size_t)shape->stats.tiles * OUTPUTS * TD_TILE_PIXELS;
+    for (int before = 0; before < 2; before++) {
+        double from = before ? MOVING_KNOT - reach : MOVING_KNOT, to = before ? MOVING_KNOT : MOVING_KNOT + reach;
+        double *kept[2], *fresh[2];
+        for (int k = 0; k < 2; k++) {
+            kept[k] = at_knot(device, &s, from, to, k ? 1 : -1, 1);
+            fresh[k] = at_knot(device, &s, from, to, k ? 1 : -1, 0);
+        }
+        for (int k = 0; k < 2; k++) assert_memory_equal(kept[k], fresh[k], reals * sizeof *fresh[k]);
+        assert_memory_not_equal(fresh[0], fresh[1], reals * sizeof *fresh[0]);
+        for (int k = 0; k < 2; k++) free(kept[k]), free(fresh[k]);
+    }
+    tides_renderer_destroy(shape);
+    moving_scene_free(&s);
+    tides_device_close(device);
+}
+
 /* Lists for an interval give what lists of everything give. */
 static void test_lists_are_conservative(void **state) {
     (void)state;
@@ -179,6 +225,7 @@ static void test_lists_are_conservative(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_kernels_equal_the_reference),
                                        cmocka_unit_test(test_cuts_change_nothing),
+                                       cmocka_unit_test(test_kept_rows_are_of_one_side),
                                        cmocka_unit_test(test_lists_are_conservative)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -47,7 +47,7 @@ static void table_is_consistent(void **state) {
     (void)state;
     size_t count = 0;
     const tides_param *rows = tides_params(&count);
-    assert_true(count > 50 && count < 96); /* 96: the buffers of params_suggest.c */
+    assert_true(count > 50 && count < 192); /* 192: the buffers of params_suggest.c */
     for (size_t i = 0; i < count; i++) {
         for (size_t j = 0; j < i; j++) assert_string_not_equal(rows[i].key, rows[j].key);
         assert_true(strlen(rows[i].sentence) > 5 && strlen(rows[i].sentence) < 100);
@@ -267,14 +267,30 @@ static void objects_are_checked(void **state) {
     tides_run_destroy(accepted("{\"camera\": {\"file\": \"p\"}}", &good, 1));
 }
 
+/* The blur, the surround and the noise: from keys to the sensor's struct. */
+static void spatial_blocks(void **state) {
+    (void)state;
+    const char *sets[] = {"frontend.psf_sigma_px=1.5", "frontend.psf_domain=linear", "frontend.center_surround=[2.5, 0.004]",
+                          "frontend.noise_rms=0.03", "frontend.noise_cutoff_hz=250"};
+    tides_run_values values;
+    tides_run *run = accepted("{" BASE "}", sets, 5);
+    tides_run_get(run, &values);
+    assert_true(values.sensor.psf_sigma_px == 1.5 && values.sensor.psf_domain == TIDES_PSF_LINEAR);
+    assert_true(values.sensor.surround_lambda_px == 2.5 && values.sensor.surround_tau_s == 0.004);
+    assert_true(values.sensor.noise_rms == 0.03 && values.sensor.noise_cutoff_hz == 250);
+    tides_run_destroy(run);
+    REFUSED("{" BASE "}", "frontend.center_surround=[1, 2, 3]", TIDES_BAD_CONFIG, "center_surround", "a list of 2 numbers");
+    REFUSED("{" BASE "}", "frontend.center_surround=[1, -2]", TIDES_BAD_CONFIG, "center_surround", "range");
+    REFUSED("{" BASE "}", "frontend.psf_domain=cubic", TIDES_BAD_CONFIG, "psf_domain", "log, linear");
+}
+
 /* Every key of a later version: its default is taken, anything else names the key and the default. */
 static void later_keys_take_their_default_only(void **state) {
     (void)state;
-    size_t count = 0, later = 0;
+    size_t count = 0;
     const tides_param *rows = tides_params(&count);
     for (size_t i = 0; i < count; i++) {
         if (rows[i].available) continue;
-        later++;
         char set[160];
         const char *text = set;
         snprintf(set, sizeof set, "%s=%s", rows[i].key, rows[i].fallback);
@@ -283,9 +299,47 @@ static void later_keys_take_their_default_only(void **state) {
         REFUSED("{" BASE "}", set, TIDES_UNSUPPORTED, rows[i].key, "not available in this version; leave it at",
                 rows[i].fallback);
     }
-    assert_true(later > 3);
-    REFUSED("{" BASE "}", "frontend.noise_rms=1e999", TIDES_UNSUPPORTED, "frontend.noise_rms"); /* isn't "equal" to 0.0 */
-    REFUSED("{" BASE ", \"method\": \"esim\"}", NULL, TIDES_UNSUPPORTED, "method = \"esim\"", "\"tides\"");
+    REFUSED("{" BASE "}", "frontend.noise_rms=1e999", TIDES_BAD_CONFIG, "frontend.noise_rms"); /* isn't "equal" to 0.0 */
+}
+
+/* Methods, their own keys, and frames in place of scene and camera. */
+static void methods_and_frames(void **state) {
+    (void)state;
+    tides_run_values values;
+    tides_run *run =
+        accepted("{" BASE ", \"method\": \"dvs-voltmeter\", \"voltmeter\": {\"k2\": 23}, \"seed\": \"7\"}", NULL, 0);
+    tides_run_get(run, &values);
+    assert_int_equal(values.baseline.method, TIDES_METHOD_VOLTMETER);
+    assert_true(values.baseline.voltmeter.k2 == 23 && values.baseline.seed == 7);
+    assert_null(values.frames_file);
+    tides_run_destroy(run);
+    run = accepted("{\"frames\": {\"file\": \"made\", \"transfer\": \"srgb\"}, \"method\": \"v2e\"}", NULL, 0);
+    tides_run_get(run, &values);
+    assert_int_equal(values.baseline.method, TIDES_METHOD_V2E);
+    assert_int_equal(values.frames.transfer, TIDES_TRANSFER_SRGB);
+    assert_true(strstr(values.frames_file, "made") != NULL);
+    tides_scene *scene = NULL;
+    tides_trajectory *camera = NULL;
+    tides_intrinsics intrinsics;
+    assert_int_equal(tides_run_open(run, &scene, &camera, &intrinsics, NULL), TIDES_BAD_CONFIG);
+    tides_run_destroy(run);
+    REFUSED("{" BASE ", \"frames\": {\"file\": \"made\"}}", NULL, TIDES_BAD_CONFIG, "scene.file and frames.file");
+    REFUSED("{" BASE "}", "method=eism", TIDES_BAD_CONFIG, "method = \"eism\"", "esim");
+}
+
+/* The defaults of the table are those of the library. */
+static void baseline_defaults_agree(void **state) {
+    (void)state;
+    tides_run_values values;
+    tides_baseline_params params;
+    tides_run *run = accepted("{" BASE "}", NULL, 0);
+    tides_run_get(run, &values);
+    tides_baseline_params_defaults(&params);
+    assert_memory_equal(&values.baseline.esim, &params.esim, sizeof params.esim);
+    assert_memory_equal(&values.baseline.v2e, &params.v2e, offsetof(tides_v2e, float32_timestamps) + sizeof(int32_t));
+    assert_memory_equal(&values.baseline.voltmeter, &params.voltmeter, sizeof params.voltmeter);
+    assert_memory_equal(&values.baseline.iebcs, &params.iebcs, offsetof(tides_iebcs, arbiter) + sizeof(int32_t));
+    tides_run_destroy(run);
 }
 
 static void syntax_errors_have_line_and_column(void **state) {
@@ -398,7 +452,10 @@ int main(void) {
         cmocka_unit_test(wrong_values_name_key_value_and_range),
         cmocka_unit_test(duplicates_are_refused),
         cmocka_unit_test(objects_are_checked),
+        cmocka_unit_test(spatial_blocks),
         cmocka_unit_test(later_keys_take_their_default_only),
+        cmocka_unit_test(methods_and_frames),
+        cmocka_unit_test(baseline_defaults_agree),
         cmocka_unit_test(syntax_errors_have_line_and_column),
         cmocka_unit_test(the_json_of_a_run_says_the_same),
         cmocka_unit_test(the_template_parses),

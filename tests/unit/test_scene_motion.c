@@ -76,6 +76,25 @@ static void test_there_and_back(void **state) {
     td_gaussians_free(&g);
 }
 
+/* Bounds are those of the Gaussians without their motion. */
+static void test_bounds(void **state) {
+    (void)state;
+    td_gaussians g;
+    tides_scene *scene = make_sample(&g), *still = scene_new();
+    tides_trajectory *path = scene_path(1);
+    double box[2][3], expected[2][3];
+    scene_add(still, &g, NULL, 1, "rests");
+    scene_add(still, &g, path, 1.5, "moves");
+    tides_scene_bounds(scene, box[0], box[1]);
+    tides_scene_bounds(still, expected[0], expected[1]);
+    assert_memory_equal(box, expected, sizeof box);
+    for (int k = 0; k < 3; k++) assert_true(box[0][k] < box[1][k]);
+    tides_trajectory_destroy(path);
+    tides_scene_destroy(still);
+    tides_scene_destroy(scene);
+    td_gaussians_free(&g);
+}
+
 static void test_durations(void **state) {
     (void)state;
     td_gaussians g;
@@ -209,6 +228,7 @@ static void test_edited_files(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_there_and_back, scene_folder_setup, scene_folder_teardown),
+        cmocka_unit_test(test_bounds),
         cmocka_unit_test(test_durations),
         cmocka_unit_test_setup_teardown(test_refused, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(test_edited_files, scene_folder_setup, scene_folder_teardown),

@@ -1,0 +1,70 @@
+/* tides batch: a manifest's runs, each in a folder of its own, several at a time, and gone on with after any interruption.
+ *
+ * A folder DIR/NAME holds job.json (what was started), events.h5, stats.json, log.txt, and once the run is finished
+ * result.json. job.json and result.json carry a hash of the resolved run and of the files that it reads: a result with the
+ * run's hash is skipped, a checkpoint under a job with the run's hash is gone on with, anything else starts anew. */
+#ifndef CLI_BATCH_H
+#define CLI_BATCH_H
+
+#include "session.h"
+
+#include <sys/types.h>
+
+enum { BATCH_WAITING = 0, BATCH_RUNNING, BATCH_DONE, BATCH_FAILED };
+enum { BATCH_HASH = 17 }; /* 16 hex digits */
+
+typedef struct batch_run {
+    char *name;  /* of its folder, unique in the batch */
+    char *file;  /* run file */
+    char **sets; /* "key=value", `count` of them */
+    size_t count;
+    char *directory; /* DIR/NAME */
+    char hash[BATCH_HASH];
+    double estimate; /* memory [bytes] */
+    int32_t state;   /* BATCH_* */
+    int32_t earlier; /* finished before this batch began */
+    pid_t child;     /* while running */
+    double began;    /* as cli_now */
+    char *error;     /* one line, where it failed */
+} batch_run;
+
+typedef struct batch {
+    const char *manifest, *directory;
+    const cli_common *common;
+    double checkpoint_s;
+    int32_t shard, shards; /* run i belongs to shard i mod shards */
+    int32_t jobs;          /* runs at a time; 0: as many as there are processors */
+    int32_t stopped;       /* on request */
+    batch_run *runs;
+    size_t count, capacity;
+} batch;
+
+/* batch_manifest.c: fills runs from the manifest, names them, keeps those of the shard. */
+tides_status batch_read(batch *b, tides_error *error);
+void batch_free(batch *b);
+
+/* batch_hash.c: reads every run once: wrong ones are an error that names the run; a run whose inputs can't be read has failed.
+ * Fills hash and estimate. */
+tides_status batch_prepare(batch *b, tides_error *error);
+
+/* batch_job.c: whether the run's folder holds its result already; the run itself, to be called in a process of its own. */
+int32_t batch_is_finished(const batch_run *run);
+int batch_job(const batch *b, const batch_run *run);
+/* The last line that the run's process said, allocated; NULL: out of memory. */
+char *batch_last_words(const batch_run *run);
+
+/* batch_pool.c: runs what isn't finished, several at a time, within memory; says a line for each. */
+tides_status batch_work(batch *b, tides_error *error);
+
+/* batch_summary.c: summary.json and summary.csv in the batch's folder, of this shard where there are several. The JSON is
+ * printed with --json. */
+int batch_summary(const batch *b);
+
+/* batch_text.c: small helpers. A formatted string, allocated, NULL where memory ran out; a JSON file, NULL where there is
+ * none. */
+char *batch_text(const char *format, ...) CLI_PRINTF(1, 2);
+cJSON *batch_read_json(const char *path);
+tides_status batch_write_json(const char *path, const cJSON *json, tides_error *error);
+tides_status batch_no_memory(tides_error *error);
+
+#endif

@@ -1,0 +1,174 @@
+/* One run of a batch, in a process of its own: the main job with the run's folder around it. */
+#include "batch.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+/* The files of a run's folder. */
+typedef struct job_files {
+    char *job, *events, *stats, *result;
+} job_files;
+
+static int32_t name_files(const batch_run *run, job_files *files) {
+    files->job = batch_text("%s/job.json", run->directory);
+    files->events = batch_text("%s/events.h5", run->directory);
+    files->stats = batch_text("%s/stats.json", run->directory);
+    files->result = batch_text("%s/result.json", run->directory);
+    return files->job && files->events && files->stats && files->result;
+}
+
+static void free_files(job_files *files) {
+    free(files->job);
+    free(files->events);
+    free(files->stats);
+    free(files->result);
+}
+
+/* Whether the JSON file at `path` carries the run's hash. */
+static int32_t has_hash(const char *path, const batch_run *run) {
+    cJSON *json = batch_read_json(path);
+    const char *hash = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(json, "hash"));
+    const int32_t equal = hash && strcmp(hash, run->hash) == 0;
+    cJSON_Delete(json);
+    return equal;
+}
+
+int32_t batch_is_finished(const batch_run *run) {
+    job_files files;
+    const int32_t finished = name_files(run, &files) && access(files.events, R_OK) == 0 && access(files.stats, R_OK) == 0 &&
+                             has_hash(files.result, run);
+    free_files(&files);
+    return finished;
+}
+
+/* Keeps two batches, or a batch and what a killed one left running, off the same folder: the lock ends with the process. The
+ * system may take a moment to clear away a killed one. */
+static tides_status lock_folder(const batch_run *run, tides_error *error) {
+    enum { TRIES = 250 };
+    static const struct timespec pause = {0, 20000000};
+    char *path = batch_text("%s/lock", run->directory);
+    const int file = path ? open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666) : -1;
+    free(path);
+    if (file < 0) return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", run->directory, strerror(errno));
+    for (int i = 0; i < TRIES; i++) {
+        struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+        if (fcntl(file, F_SETLK, &lock) == 0) return TIDES_OK; /* `file` stays open as long as the process lives */
+        nanosleep(&pause, NULL);
+    }
+    close(file);
+    return cli_error(error, TIDES_WRITE_FAILED, "%s: another process works on this run; wait for it, or stop it",
+                     run->directory);
+}
+
+/* What the folder is about: hash, run file and assignments. */
+static cJSON *describe(const batch_run *run) {
+    cJSON *json = cJSON_CreateObject();
+    int32_t ok = cJSON_AddStringToObject(json, "name", run->name) && cJSON_AddStringToObject(json, "hash", run->hash);
+    ok = ok && cJSON_AddStringToObject(json, "file", run->file);
+    cJSON *sets = ok ? cJSON_AddArrayToObject(json, "set") : NULL;
+    ok = sets != NULL;
+    for (size_t i = 0; ok && i < run->count; i++) {
+        cJSON *text = cJSON_CreateString(run->sets[i]);
+        ok = text && cJSON_AddItemToArray(sets, text);
+    }
+    if (ok) return json;
+    cJSON_Delete(json);
+    return NULL;
+}
+
+/* The result: the description, and of the statistics what doesn't depend on the machine's speed. */
+static tides_status write_result(const batch_run *run, const job_files *files, tides_error *error) {
+    static const char *const kept[] = {"events", "events_on", "events_off", "events_truncated", "simulated_s", "width",
+                                       "height", "device",    "version",    "numerics",         "seed"};
+    cJSON *result = describe(run), *stats = batch_read_json(files->stats);
+    int32_t ok = result && stats;
+    for (size_t i = 0; ok && i < sizeof kept / sizeof kept[0]; i++) {
+        cJSON *copy = cJSON_Duplicate(cJSON_GetObjectItemCaseSensitive(stats, kept[i]), 1);
+        ok = copy && cJSON_AddItemToObject(result, kept[i], copy);
+    }
+    tides_status status = ok ? batch_write_json(files->result, result, error)
+                             : cli_error(error, TIDES_BAD_FILE, "%s: can't be read back", files->stats);
+    cJSON_Delete(result);
+    cJSON_Delete(stats);
+    return status;
+}
+
+/* An older result goes before anything else is touched; a checkpoint counts only under a job of the same hash. */
+static tides_status begin(const batch_run *run, const job_files *files, int32_t *resume, tides_error *error) {
+    if (remove(files->result) != 0 && errno != ENOENT)
+        return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be removed: %s", files->result, strerror(errno));
+    char *checkpoint = batch_text("%s.checkpoint", files->events);
+    if (!checkpoint) return batch_no_memory(error);
+    *resume = has_hash(files->job, run) && access(checkpoint, F_OK) == 0;
+    if (!*resume && remove(checkpoint) != 0 && errno != ENOENT)
+        cli_error(error, TIDES_WRITE_FAILED, "%s: can't be removed: %s", checkpoint, strerror(errno));
+    free(checkpoint);
+    if (error->status != TIDES_OK) return error->status;
+    cJSON *json = describe(run);
+    tides_status status = batch_write_json(files->job, json, error);
+    cJSON_Delete(json);
+    return status;
+}
+
+/* stdout and stderr to log.txt. */
+static tides_status open_log(const batch_run *run, tides_error *error) {
+    char *path = batch_text("%s/log.txt", run->directory);
+    if (mkdir(run->directory, 0777) != 0 && errno != EEXIST)
+        cli_error(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", run->directory, strerror(errno));
+    else if (!path || !freopen(path, "w", stderr) || dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
+        cli_error(error, TIDES_WRITE_FAILED, "%s/log.txt: can't be written: %s", run->directory, strerror(errno));
+    free(path);
+    return error->status;
+}
+
+/* One line on what is going wrong is all that the log needs. */
+static int simulate(const batch *b, const batch_run *run, const job_files *files, int32_t resume) {
+    cli_list sets = {.count = 0};
+    if (run->count > CLI_LIST_MAX) return cli_failed("over %d keys are set", CLI_LIST_MAX);
+    for (size_t i = 0; i < run->count; i++) sets.items[sets.count++] = run->sets[i];
+    const cli_common quiet = {.quiet = 1, .device = b->common->device};
+    const cli_job job = {.run = run->file,
+                         .events = files->events,
+                         .stats = files->stats,
+                         .sets = &sets,
+                         .checkpoint_s = b->checkpoint_s,
+                         .resume = resume};
+    return cli_job_run(&job, &quiet);
+}
+
+int batch_job(const batch *b, const batch_run *run) {
+    tides_error error = {TIDES_OK, ""};
+    job_files files;
+    int32_t resume = 0;
+    tides_status status = open_log(run, &error);
+    if (status != TIDES_OK) return cli_fail(&error);
+    if (!name_files(run, &files)) return cli_failed("out of memory");
+    int code = CLI_OK;
+    status = lock_folder(run, &error);
+    if (status == TIDES_OK) status = begin(run, &files, &resume, &error);
+    if (status == TIDES_OK) code = simulate(b, run, &files, resume);
+    if (status == TIDES_OK && code == CLI_OK) status = write_result(run, &files, &error);
+    free_files(&files);
+    return status == TIDES_OK ? code : cli_fail(&error);
+}
+
+char *batch_last_words(const batch_run *run) {
+    char line[1024], last[1024] = "";
+    char *path = batch_text("%s/log.txt", run->directory);
+    FILE *file = path ? fopen(path, "r") : NULL;
+    while (file && fgets(line, sizeof line, file)) {
+        line[strcspn(line, "\r\n")] = '\0';
+        if (line[0]) memcpy(last, line, sizeof last);
+    }
+    if (file) fclose(file);
+    char *words = last[0] ? batch_text("%s", strncmp(last, "tides: ", 7) == 0 ? last + 7 : last)
+                          : batch_text("ended without a word; see %s", path ? path : run->directory);
+    free(path);
+    return words;
+}

@@ -1,0 +1,249 @@
+/* The manifest of a batch: a base run, a grid over its keys, a list of runs, or both, as runs with names. */
+#include "batch.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* A folder of more entries is no use to anybody; a grid that large is a slip. */
+enum { RUNS_MAX = 100000, NAME_MAX_LENGTH = 120 };
+
+static tides_status wrong(const batch *b, tides_error *error, const char *what, const char *name) {
+    return cli_error(error, TIDES_BAD_CONFIG, "%s: %.200s %s", b->manifest, name, what);
+}
+
+static void free_run(batch_run *run) {
+    for (size_t i = 0; run->sets && i < run->count; i++) free(run->sets[i]);
+    free(run->sets);
+    free(run->name);
+    free(run->file);
+    free(run->directory);
+    free(run->error);
+}
+
+void batch_free(batch *b) {
+    for (size_t i = 0; i < b->count; i++) free_run(&b->runs[i]);
+    free(b->runs);
+    b->runs = NULL;
+    b->count = b->capacity = 0;
+}
+
+/* `name` against the manifest's folder. */
+static char *beside(const batch *b, const char *name) {
+    const char *slash = strrchr(b->manifest, '/');
+    if (name[0] == '/' || !slash) return batch_text("%s", name);
+    return batch_text("%.*s%s", (int)(slash - b->manifest + 1), b->manifest, name);
+}
+
+static char *assignment(const cJSON *item, const cJSON *value) {
+    char *text = cJSON_PrintUnformatted(value), *made = text ? batch_text("%s=%s", item->string, text) : NULL;
+    cJSON_free(text);
+    return made;
+}
+
+/* The assignments of one run: the manifest's "set", then the grid's values (indices[i] of the i-th key) or the run's own. */
+static tides_status add_sets(batch_run *run, const cJSON *common, const cJSON *own, const int *indices, tides_error *error) {
+    const size_t wanted = (size_t)cJSON_GetArraySize(common) + (size_t)cJSON_GetArraySize(own);
+    run->sets = calloc(wanted + 1, sizeof *run->sets);
+    if (!run->sets) return batch_no_memory(error);
+    for (const cJSON *item = common ? common->child : NULL; item; item = item->next)
+        if (!(run->sets[run->count++] = assignment(item, item))) return batch_no_memory(error);
+    for (const cJSON *item = own ? own->child : NULL; item; item = item->next) {
+        const cJSON *value = indices ? cJSON_GetArrayItem(item, *indices++) : item;
+        if (!(run->sets[run->count++] = assignment(item, value))) return batch_no_memory(error);
+    }
+    return TIDES_OK;
+}
+
+static uint64_t spread(uint64_t hash, const char *text) {
+    for (; *text; text++) hash = (hash ^ (unsigned char)*text) * 0x100000001b3u; /* FNV-1a */
+    return hash;
+}
+
+/* "sensor.threshold_on=0.1,seed=2": from what the run sets, so that a grid that grows keeps its names. What a file's name
+ * can't hold becomes '-', and what that or the length loses, a hash says. */
+static char *grid_name(const batch_run *run, size_t first) {
+    char name[NAME_MAX_LENGTH + 1];
+    size_t used = 0;
+    int32_t lost = 0;
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (size_t i = first; i < run->count; i++) {
+        hash = spread(hash, run->sets[i]);
+        for (const char *at = run->sets[i]; at[0]; at++) {
+            if (*at == '"') continue;
+            const int32_t plain = isalnum((unsigned char)*at) || strchr("._=+-", *at);
+            lost |= !plain;
+            if (used < NAME_MAX_LENGTH - 20)
+                name[used++] = plain ? *at : '-';
+            else
+                lost = 1;
+        }
+        if (i + 1 < run->count && used < NAME_MAX_LENGTH - 20) name[used++] = ',';
+    }
+    name[used] = '\0';
+    if (used == 0) return batch_text("run");
+    return lost ? batch_text("%s~%08x", name, (unsigned)(hash ^ hash >> 32)) : batch_text("%s", name);
+}
+
+static int32_t is_name(const char *name) {
+    const size_t length = strlen(name);
+    if (length == 0 || length > NAME_MAX_LENGTH || name[0] == '.' || name[0] == '-') return 0;
+    for (; *name; name++)
+        if (!isalnum((unsigned char)*name) && !strchr("._=,+-~", *name)) return 0;
+    return 1;
+}
+
+/* Room for one more run, zeroed; it counts once it is whole, and is freed with the others. */
+static batch_run *next_run(batch *b, tides_error *error) {
+    if (b->count == RUNS_MAX) {
+        cli_error(error, TIDES_BAD_CONFIG, "%s: over %d runs; split the manifest", b->manifest, RUNS_MAX);
+        return NULL;
+    }
+    if (b->count == b->capacity) {
+        const size_t capacity = b->capacity ? 2 * b->capacity : 64;
+        batch_run *runs = realloc(b->runs, capacity * sizeof *runs);
+        if (!runs) {
+            batch_no_memory(error);
+            return NULL;
+        }
+        b->runs = runs;
+        b->capacity = capacity;
+    }
+    batch_run *run = &b->runs[b->count++];
+    memset(run, 0, sizeof *run);
+    return run;
+}
+
+static tides_status add_run(batch *b, const char *name, const char *file, const cJSON *common, const cJSON *own,
+                            const int *indices, tides_error *error) {
+    batch_run *run = next_run(b, error);
+    if (!run) return error->status;
+    tides_status status = add_sets(run, common, own, indices, error);
+    if (status != TIDES_OK) return status;
+    run->name = name ? batch_text("%s", name) : grid_name(run, (size_t)cJSON_GetArraySize(common));
+    run->file = beside(b, file);
+    run->directory = run->name ? batch_text("%s/%s", b->directory, run->name) : NULL;
+    return run->directory && run->file ? TIDES_OK : batch_no_memory(error);
+}
+
+/* Every combination; the last key varies fastest. */
+static tides_status add_grid(batch *b, const char *base, const cJSON *common, const cJSON *grid, tides_error *error) {
+    enum { KEYS = 32 };
+    int at[KEYS] = {0}, sizes[KEYS], keys = 0;
+    for (const cJSON *item = grid->child; item; item = item->next) {
+        if (!cJSON_IsArray(item) || !item->child) return wrong(b, error, "is no list of values; write [ ... ]", item->string);
+        if (keys == KEYS) return wrong(b, error, "holds over 32 keys", "grid");
+        sizes[keys++] = cJSON_GetArraySize(item);
+    }
+    for (;;) {
+        tides_status status = add_run(b, NULL, base, common, grid, at, error);
+        if (status != TIDES_OK) return status;
+        int key = keys - 1;
+        while (key >= 0 && ++at[key] == sizes[key]) at[key--] = 0;
+        if (key < 0) return TIDES_OK;
+    }
+}
+
+static tides_status check_keys(const batch *b, const cJSON *object, const char *const *known, tides_error *error) {
+    for (const cJSON *item = object->child; item; item = item->next) {
+        const char *const *name = known;
+        while (*name && strcmp(*name, item->string) != 0) name++;
+        for (const cJSON *other = item->next; *name && other; other = other->next)
+            if (strcmp(other->string, item->string) == 0) return wrong(b, error, "is given twice; keep one", item->string);
+        if (*name) continue;
+        const char *nearest = cli_nearest(item->string, known);
+        return cli_error(error, TIDES_BAD_CONFIG, "%s: unknown key \"%.100s\"; did you mean \"%s\"?", b->manifest, item->string,
+                         nearest ? nearest : known[0]);
+    }
+    return TIDES_OK;
+}
+
+/* A member of a type, or NULL where it isn't there; `status` tells of another type. */
+static const cJSON *member(const batch *b, const cJSON *object, const char *name, int type, tides_status *status,
+                           tides_error *error) {
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
+    if (!item || (item->type & 0xff) == type || *status != TIDES_OK) return item;
+    *status = wrong(b, error,
+                    type == cJSON_String  ? "is not a text in quotes"
+                    : type == cJSON_Array ? "is not a list [ ... ]"
+                                          : "is not an object { \"key\": value, ... }",
+                    name);
+    return NULL;
+}
+
+static tides_status add_listed(batch *b, const cJSON *base, const cJSON *common, const cJSON *entry, tides_error *error) {
+    static const char *const known[] = {"name", "file", "set", NULL};
+    if (!cJSON_IsObject(entry)) return wrong(b, error, "holds something else than { \"name\": ..., \"set\": {...} }", "runs");
+    tides_status status = check_keys(b, entry, known, error);
+    const cJSON *name = member(b, entry, "name", cJSON_String, &status, error);
+    const cJSON *file = member(b, entry, "file", cJSON_String, &status, error);
+    const cJSON *set = member(b, entry, "set", cJSON_Object, &status, error);
+    if (status != TIDES_OK) return status;
+    if (!name) return wrong(b, error, "holds a run without a name", "runs");
+    if (!is_name(name->valuestring))
+        return wrong(b, error, "is no name for a folder: use letters, digits and ._=,+-", name->valuestring);
+    if (!file) file = base;
+    if (!file) return wrong(b, error, "names no file, and there is no base", name->valuestring);
+    return add_run(b, name->valuestring, file->valuestring, common, set, NULL, error);
+}
+
+static tides_status add_all(batch *b, const cJSON *root, tides_error *error) {
+    static const char *const known[] = {"base", "set", "grid", "runs", NULL};
+    tides_status status = check_keys(b, root, known, error);
+    const cJSON *base = member(b, root, "base", cJSON_String, &status, error);
+    const cJSON *common = member(b, root, "set", cJSON_Object, &status, error);
+    const cJSON *grid = member(b, root, "grid", cJSON_Object, &status, error);
+    const cJSON *runs = member(b, root, "runs", cJSON_Array, &status, error);
+    if (status == TIDES_OK && !grid && !runs) status = wrong(b, error, "and runs are missing: give one of them", "grid");
+    if (status == TIDES_OK && grid && !base) status = wrong(b, error, "is missing: the run file that grid varies", "base");
+    if (status == TIDES_OK && grid) status = add_grid(b, base->valuestring, common, grid, error);
+    for (const cJSON *entry = runs ? runs->child : NULL; status == TIDES_OK && entry; entry = entry->next)
+        status = add_listed(b, base, common, entry, error);
+    return status;
+}
+
+static int by_name(const void *a, const void *b) {
+    return strcmp((*(const batch_run *const *)a)->name, (*(const batch_run *const *)b)->name);
+}
+
+static tides_status check_names(const batch *b, tides_error *error) {
+    const batch_run **sorted = malloc((b->count + 1) * sizeof *sorted);
+    if (!sorted) return batch_no_memory(error);
+    for (size_t i = 0; i < b->count; i++) sorted[i] = &b->runs[i];
+    qsort(sorted, b->count, sizeof *sorted, by_name);
+    tides_status status = TIDES_OK;
+    for (size_t i = 1; status == TIDES_OK && i < b->count; i++)
+        if (strcmp(sorted[i - 1]->name, sorted[i]->name) == 0)
+            status = wrong(b, error, "is the name of two runs; keep one", sorted[i]->name);
+    free(sorted);
+    return status;
+}
+
+static void keep_shard(batch *b) {
+    size_t kept = 0;
+    for (size_t i = 0; i < b->count; i++) {
+        if ((int32_t)(i % (size_t)b->shards) == b->shard)
+            b->runs[kept++] = b->runs[i];
+        else
+            free_run(&b->runs[i]);
+    }
+    b->count = kept;
+}
+
+tides_status batch_read(batch *b, tides_error *error) {
+    struct stat found;
+    if (stat(b->manifest, &found) != 0)
+        return cli_error(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened; name the batch's manifest", b->manifest);
+    cJSON *root = batch_read_json(b->manifest);
+    tides_status status = cJSON_IsObject(root) ? add_all(b, root, error)
+                                               : cli_error(error, TIDES_BAD_CONFIG,
+                                                           "%s: is not one JSON object { ... }; look "
+                                                           "for a comma, quote or brace too many or too few",
+                                                           b->manifest);
+    cJSON_Delete(root);
+    if (status == TIDES_OK) status = check_names(b, error);
+    if (status == TIDES_OK) keep_shard(b);
+    return status;
+}

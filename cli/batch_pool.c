@@ -1,0 +1,198 @@
+/* The runs of a batch as child processes: as many at a time as there are processors and memory for. A process each, so that
+ * one that fails, or that the system kills for its memory, takes no other with it. */
+#include "batch.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
+
+/* Part of the free memory that a batch may plan with; the rest is for what the estimate doesn't know. */
+#define MEMORY_PART 0.8
+
+typedef struct pool {
+    batch *b;
+    cli_progress quiet; /* asked whether the user wants to stop */
+    int32_t jobs, running;
+    size_t ended;        /* finished, failed or skipped */
+    double memory, used; /* [bytes]; memory 0: unknown, no bound */
+    double correction;   /* measured memory over estimated, the largest so far */
+} pool;
+
+/* Free memory [bytes], 0 where the system doesn't say. */
+static double free_memory(void) {
+    char line[256];
+    double kilobytes = 0;
+    FILE *file = fopen("/proc/meminfo", "r");
+    while (file && fgets(line, sizeof line, file))
+        if (strncmp(line, "MemAvailable:", 13) == 0) kilobytes = (double)strtoll(line + 13, NULL, 10);
+    if (file) fclose(file);
+    return 1024.0 * kilobytes;
+}
+
+static double number_of(const cJSON *json, const char *name) {
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(json, name);
+    return cJSON_IsNumber(item) ? item->valuedouble : 0.0;
+}
+
+static void say(const pool *p, const batch_run *run) {
+    if (p->b->common->quiet) return;
+    fprintf(stderr, "tides: [%zu/%zu] %s: ", p->ended, p->b->count, run->name);
+    if (run->state == BATCH_FAILED) {
+        fprintf(stderr, "failed: %s\n", run->error);
+    } else {
+        char *path = batch_text("%s/stats.json", run->directory), events[24];
+        cJSON *stats = path ? batch_read_json(path) : NULL;
+        fprintf(stderr, "%s events", cli_count(number_of(stats, "events"), events));
+        if (run->earlier)
+            fputs(", finished before\n", stderr);
+        else
+            fprintf(stderr, " in %.3g s\n", cli_now() - run->began);
+        cJSON_Delete(stats);
+        free(path);
+    }
+}
+
+/* What a finished run took corrects what the others are expected to take. */
+static void learn_memory(pool *p, const batch_run *run) {
+    char *path = batch_text("%s/stats.json", run->directory);
+    cJSON *stats = path ? batch_read_json(path) : NULL;
+    const double measured = number_of(stats, "peak_memory_bytes") / run->estimate;
+    if (measured > p->correction) p->correction = measured;
+    cJSON_Delete(stats);
+    free(path);
+}
+
+/* The device's threads are shared out among the runs, unless the user did (PoCL 3 and PoCL 4 name it differently). */
+static void share_processors(const pool *p) {
+    char threads[24];
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    snprintf(threads, sizeof threads, "%ld", processors > p->jobs ? processors / p->jobs : 1);
+    setenv("POCL_MAX_PTHREAD_COUNT", threads, 0);
+    setenv("POCL_CPU_MAX_CU_COUNT", threads, 0);
+}
+
+static tides_status start(pool *p, batch_run *run, tides_error *error) {
+    const pid_t parent = getpid();
+    fflush(NULL);
+    run->began = cli_now();
+    run->child = fork();
+    if (run->child < 0)
+        return cli_error(error, TIDES_NO_MEMORY, "no process can be started: %s; try fewer --jobs", strerror(errno));
+    if (run->child > 0) {
+        run->state = BATCH_RUNNING;
+        p->running++;
+        p->used += run->estimate;
+        return TIDES_OK;
+    }
+#ifdef __linux__
+    prctl(PR_SET_PDEATHSIG, SIGKILL); /* a batch that is killed leaves no runs behind: they go on from their checkpoints */
+    if (getppid() != parent) _exit(CLI_FAILED);
+#else
+    (void)parent;
+#endif
+    share_processors(p);
+    const int code = batch_job(p->b, run);
+    fflush(NULL);
+    _exit(code);
+}
+
+/* A child that ended. */
+static tides_status reap(pool *p, batch_run *run, int how, tides_error *error) {
+    p->running--;
+    p->used -= run->estimate;
+    if (WIFEXITED(how) && WEXITSTATUS(how) == CLI_OK) {
+        run->state = BATCH_DONE;
+        learn_memory(p, run);
+    } else if (p->b->stopped) {
+        run->state = BATCH_WAITING;
+        return TIDES_OK;
+    } else {
+        run->state = BATCH_FAILED;
+        run->error = WIFSIGNALED(how) ? batch_text("killed by signal %d%s", WTERMSIG(how),
+                                                   WTERMSIG(how) == SIGKILL ? ", as for too much memory; try fewer --jobs" : "")
+                                      : batch_last_words(run);
+        if (!run->error) return batch_no_memory(error);
+    }
+    p->ended++;
+    say(p, run);
+    return TIDES_OK;
+}
+
+static tides_status reap_ended(pool *p, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; status == TIDES_OK && i < p->b->count; i++) {
+        batch_run *run = &p->b->runs[i];
+        int how = 0;
+        if (run->state == BATCH_RUNNING && waitpid(run->child, &how, WNOHANG) == run->child) status = reap(p, run, how, error);
+    }
+    return status;
+}
+
+static int32_t fits(const pool *p, const batch_run *run) {
+    if (p->running == 0) return 1;
+    return p->running < p->jobs && (p->memory <= 0 || p->correction * (p->used + run->estimate) <= p->memory);
+}
+
+static void stop_children(pool *p) {
+    for (size_t i = 0; i < p->b->count; i++)
+        if (p->b->runs[i].state == BATCH_RUNNING) kill(p->b->runs[i].child, SIGTERM);
+}
+
+/* In the manifest's order: what is finished is told, failed is told, the rest started while it fits. */
+static tides_status start_next(pool *p, size_t *next, tides_error *error) {
+    batch *b = p->b;
+    tides_status status = TIDES_OK;
+    while (status == TIDES_OK && *next < b->count) {
+        batch_run *run = &b->runs[*next];
+        run->earlier = run->state == BATCH_WAITING && batch_is_finished(run);
+        if (run->earlier) run->state = BATCH_DONE;
+        if (run->state == BATCH_WAITING && !fits(p, run)) break;
+        (*next)++;
+        if (run->state == BATCH_WAITING) {
+            status = start(p, run, error);
+        } else {
+            p->ended++;
+            say(p, run);
+        }
+    }
+    return status;
+}
+
+tides_status batch_work(batch *b, tides_error *error) {
+    static const struct timespec pause = {0, 10000000};
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    pool p = {.b = b,
+              .quiet = {.quiet = 1},
+              .jobs = b->jobs > 0      ? b->jobs
+                      : processors > 1 ? (int32_t)processors
+                                       : 1,
+              .memory = MEMORY_PART * free_memory(),
+              .correction = 1.0};
+    size_t next = 0;
+    tides_status status = TIDES_OK;
+    cli_catch_interrupt();
+    while (p.running > 0 || (next < b->count && !b->stopped)) {
+        if (!b->stopped && (status != TIDES_OK || cli_progress_step(&p.quiet, 0, "batch"))) {
+            b->stopped = 1;
+            stop_children(&p);
+        }
+        tides_error later = {TIDES_OK, ""};
+        tides_status now = reap_ended(&p, &later);
+        if (now == TIDES_OK && !b->stopped) now = start_next(&p, &next, &later);
+        if (status == TIDES_OK && now != TIDES_OK) {
+            *error = later;
+            status = now;
+        }
+        if (p.running > 0) nanosleep(&pause, NULL);
+    }
+    return status;
+}

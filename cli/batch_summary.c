@@ -1,0 +1,110 @@
+/* The table of a batch: a row per run. It holds nothing that depends on how fast the machine was or how often the batch was
+ * interrupted, so that two batches can be compared file by file; times are in each run's stats.json. */
+#include "batch.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const columns[] = {"events", "events_on", "events_off", "events_truncated", "simulated_s", "width",
+                                      "height", "seed",      "device"};
+enum { COLUMNS = sizeof columns / sizeof columns[0] };
+
+/* The result that the run left; what was set is in it. */
+static cJSON *row_of(const batch_run *run) {
+    static const char *const states[] = {"waiting", "waiting", "done", "failed"};
+    char *path = batch_text("%s/result.json", run->directory);
+    cJSON *row = run->state == BATCH_DONE && path ? batch_read_json(path) : NULL;
+    free(path);
+    if (!row) {
+        row = cJSON_CreateObject();
+        if (!cJSON_AddStringToObject(row, "name", run->name)) return row;
+    }
+    cJSON_AddStringToObject(row, "state", states[run->state]);
+    if (run->error) cJSON_AddStringToObject(row, "error", run->error);
+    return row;
+}
+
+static cJSON *make_json(const batch *b) {
+    cJSON *root = cJSON_CreateObject(), *runs = root ? cJSON_AddArrayToObject(root, "runs") : NULL;
+    size_t done = 0, failed = 0;
+    for (size_t i = 0; runs && i < b->count; i++) {
+        cJSON *row = row_of(&b->runs[i]);
+        if (!row || !cJSON_AddItemToArray(runs, row)) runs = NULL;
+        done += b->runs[i].state == BATCH_DONE;
+        failed += b->runs[i].state == BATCH_FAILED;
+    }
+    if (runs && cJSON_AddNumberToObject(root, "done", (double)done) && cJSON_AddNumberToObject(root, "failed", (double)failed))
+        return root;
+    cJSON_Delete(root);
+    return NULL;
+}
+
+/* A quoted field; quotes doubled. */
+static void put_field(FILE *file, const char *text) {
+    putc('"', file);
+    for (; *text; text++) {
+        if (*text == '"') putc('"', file);
+        putc(*text, file);
+    }
+    putc('"', file);
+}
+
+static void put_cell(FILE *file, const cJSON *value) {
+    putc(',', file);
+    if (cJSON_IsString(value)) put_field(file, value->valuestring);
+    if (cJSON_IsNumber(value)) fprintf(file, "%.15g", value->valuedouble);
+}
+
+static void put_sets(FILE *file, const cJSON *sets) {
+    char *joined = batch_text("%s", "");
+    for (const cJSON *item = sets ? sets->child : NULL; joined && item; item = item->next) {
+        char *longer = batch_text("%s%s%s", joined, joined[0] ? " " : "", item->valuestring);
+        free(joined);
+        joined = longer;
+    }
+    putc(',', file);
+    if (joined) put_field(file, joined);
+    free(joined);
+}
+
+static tides_status write_csv(const char *path, const cJSON *root, tides_error *error) {
+    const cJSON *row = NULL;
+    char *text = NULL;
+    size_t bytes = 0;
+    FILE *file = open_memstream(&text, &bytes);
+    if (!file) return batch_no_memory(error);
+    fputs("name,state", file);
+    for (size_t i = 0; i < COLUMNS; i++) fprintf(file, ",%s", columns[i]);
+    fputs(",set,error", file);
+    cJSON_ArrayForEach(row, cJSON_GetObjectItemCaseSensitive(root, "runs")) {
+        putc('\n', file);
+        put_field(file, cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(row, "name")));
+        put_cell(file, cJSON_GetObjectItemCaseSensitive(row, "state"));
+        for (size_t i = 0; i < COLUMNS; i++) put_cell(file, cJSON_GetObjectItemCaseSensitive(row, columns[i]));
+        put_sets(file, cJSON_GetObjectItemCaseSensitive(row, "set"));
+        put_cell(file, cJSON_GetObjectItemCaseSensitive(row, "error"));
+    }
+    const int32_t whole = !ferror(file);
+    tides_status status = fclose(file) == 0 && whole ? cli_write_text(path, text, error) : batch_no_memory(error);
+    free(text);
+    return status;
+}
+
+static char *summary_path(const batch *b, const char *ending) {
+    if (b->shards == 1) return batch_text("%s/summary.%s", b->directory, ending);
+    return batch_text("%s/summary-%d-of-%d.%s", b->directory, b->shard + 1, b->shards, ending);
+}
+
+int batch_summary(const batch *b) {
+    tides_error error = {TIDES_OK, ""};
+    cJSON *root = make_json(b);
+    char *json = summary_path(b, "json"), *csv = summary_path(b, "csv");
+    tides_status status = root && json && csv ? batch_write_json(json, root, &error) : batch_no_memory(&error);
+    if (status == TIDES_OK) status = write_csv(csv, root, &error);
+    free(json);
+    free(csv);
+    if (status == TIDES_OK && b->common->json) return cli_print_facts(root, 1);
+    cJSON_Delete(root);
+    return status == TIDES_OK ? CLI_OK : cli_fail(&error);
+}

@@ -1,0 +1,88 @@
+/* tides batch: many runs, several at a time, gone on with after any interruption. */
+#include "batch.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* [s] of wall time, as tides simulate has it. */
+#define DEFAULT_CHECKPOINT_S 30.0
+
+/* "I/N", I from 1. */
+static int take_shard(const cli_command *command, const char *text, batch *b) {
+    char *end = NULL;
+    const long part = strtol(text, &end, 10);
+    const long parts = end != text && *end == '/' ? strtol(end + 1, &end, 10) : 0;
+    if (*end || parts < 1 || parts > 65536 || part < 1 || part > parts)
+        return cli_usage(command, "--shard %s: give I/N, with I from 1 to N", text);
+    b->shard = (int32_t)part - 1;
+    b->shards = (int32_t)parts;
+    return CLI_GO;
+}
+
+static int take_jobs(const cli_command *command, const char *text, batch *b) {
+    char *end = NULL;
+    const long jobs = strtol(text, &end, 10);
+    if (end == text || *end || jobs < 1 || jobs > 4096) return cli_usage(command, "--jobs %s: give a number from 1", text);
+    b->jobs = (int32_t)jobs;
+    return CLI_GO;
+}
+
+static tides_status make_directory(const char *directory, tides_error *error) {
+    struct stat found;
+    if (mkdir(directory, 0777) == 0) return TIDES_OK;
+    if (errno == EEXIST && stat(directory, &found) == 0 && S_ISDIR(found.st_mode)) return TIDES_OK;
+    return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", directory, strerror(errno));
+}
+
+/* What came of it: the failures last, where nobody misses them. */
+static int report(const batch *b) {
+    size_t done = 0, failed = 0, earlier = 0;
+    int code = batch_summary(b);
+    for (size_t i = 0; i < b->count; i++) {
+        done += b->runs[i].state == BATCH_DONE;
+        failed += b->runs[i].state == BATCH_FAILED;
+        earlier += b->runs[i].earlier;
+    }
+    for (size_t i = 0; i < b->count; i++)
+        if (b->runs[i].state == BATCH_FAILED) cli_failed("%s failed: %s", b->runs[i].name, b->runs[i].error);
+    if (b->stopped)
+        return cli_failed("stopped on request; %zu of %zu runs are finished; the same command goes on from there", done,
+                          b->count);
+    if (!b->common->quiet && !b->common->json)
+        printf("runs              %zu done (%zu of them before), %zu failed\nsummary           %s/summary%s\n", done, earlier,
+               failed, b->directory, b->shards == 1 ? ".json and .csv" : "-*");
+    return failed && code == CLI_OK ? CLI_FAILED : code;
+}
+
+int cmd_batch(const cli_command *command, int argc, char **argv) {
+    cli_common common;
+    const char *manifest = NULL, *directory = NULL, *shard = NULL, *jobs = NULL, *every = NULL;
+    const cli_option options[] = {
+        {"--output", 'o', "DIR", "where every run gets a folder (required)", NULL, &directory, NULL},
+        {"--jobs", 'j', "N", "runs at a time (as many as processors and memory allow)", NULL, &jobs, NULL},
+        {"--shard", 0, "I/N", "only every N-th run, from the I-th on: for N machines on one DIR", NULL, &shard, NULL},
+        {"--checkpoint", 0, "SECONDS", "how often runs save what going on needs (30; 0: never)", NULL, &every, NULL},
+        {NULL, 0, NULL, NULL, NULL, NULL, NULL},
+    };
+    int code = cli_parse(command, options, argc, argv, &common, &manifest);
+    if (code != CLI_GO) return code;
+    if (!directory) return cli_usage(command, "the output is missing: -o DIR");
+    batch b = {.manifest = manifest, .directory = directory, .common = &common, .shards = 1};
+    b.checkpoint_s = DEFAULT_CHECKPOINT_S;
+    if (every && (code = cli_number(command, "--checkpoint", every, &b.checkpoint_s)) != CLI_GO) return code;
+    if (b.checkpoint_s < 0) return cli_usage(command, "--checkpoint %s: give seconds, or 0 for none", every);
+    if (jobs && (code = take_jobs(command, jobs, &b)) != CLI_GO) return code;
+    if (shard && (code = take_shard(command, shard, &b)) != CLI_GO) return code;
+
+    tides_error error = {TIDES_OK, ""};
+    tides_status status = batch_read(&b, &error);
+    if (status == TIDES_OK) status = batch_prepare(&b, &error);
+    if (status == TIDES_OK) status = make_directory(directory, &error);
+    if (status == TIDES_OK) status = batch_work(&b, &error);
+    code = status == TIDES_OK ? report(&b) : cli_fail(&error);
+    batch_free(&b);
+    return code;
+}

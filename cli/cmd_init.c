@@ -1,0 +1,131 @@
+/* tides init: a run file to begin with: every key with its default, and a comment that says what it does. */
+#include "cli.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct template {
+    FILE *file;
+    const tides_param *rows;
+    size_t count;
+    const char *scene, *camera; /* file names */
+}
+template;
+
+/* The next row from `i` on that this version acts on and that lies in the group of `prefix`'s first `length` characters. */
+static size_t next_row(const template *t, size_t i, const char *prefix, size_t length) {
+    while (i < t->count && !(t->rows[i].available && strncmp(t->rows[i].key, prefix, length) == 0)) i++;
+    return i;
+}
+
+static void put_quoted(FILE *file, const char *text) {
+    cJSON *value = cJSON_CreateString(text);
+    char *quoted = value ? cJSON_PrintUnformatted(value) : NULL;
+    if (quoted) fputs(quoted, file);
+    cJSON_free(quoted);
+    cJSON_Delete(value);
+}
+
+static void put_value(const template *t, const tides_param *row) {
+    if (strcmp(row->key, "scene.file") == 0)
+        put_quoted(t->file, t->scene);
+    else if (strcmp(row->key, "camera.file") == 0)
+        put_quoted(t->file, t->camera);
+    else
+        fputs(row->fallback ? row->fallback : "null", t->file);
+}
+
+/* "key": default, // sentence [unit]: choices */
+static void put_row(const template *t, const tides_param *row, const char *name, int indent, int32_t last) {
+    fprintf(t->file, "%*s\"%s\": ", indent, "", name);
+    put_value(t, row);
+    fprintf(t->file, "%s // %s", last ? "" : ",", row->sentence);
+    if (row->unit[0]) fprintf(t->file, " [%s]", row->unit);
+    if (row->choices) fprintf(t->file, ": %s", row->choices);
+    putc('\n', t->file);
+}
+
+/* The rows of a group, which stand together in the table; the index behind them. Recursion ends with the table's groups. */
+static size_t put_group(const template *t, size_t i, size_t length, int indent) {
+    const char *prefix = t->rows[i].key;
+    for (size_t next = i; next < t->count; i = next) {
+        const char *name = t->rows[next].key + length;
+        const size_t part = strcspn(name, ".");
+        if (name[part]) {
+            fprintf(t->file, "%*s\"%.*s\": {\n", indent, "", (int)part, name);
+            i = put_group(t, next, length + part + 1, indent + 2);
+            next = next_row(t, i, prefix, length);
+            fprintf(t->file, "%*s}%s\n", indent, "", next < t->count ? "," : "");
+        } else {
+            const tides_param *row = &t->rows[next];
+            i = next + 1;
+            next = next_row(t, i, prefix, length);
+            put_row(t, row, name, indent, next == t->count);
+        }
+        if (next == t->count) break;
+    }
+    return i;
+}
+
+static char *make_template(const char *scene, const char *camera) {
+    char *text = NULL;
+    size_t bytes = 0;
+    template t = {.scene = scene, .camera = camera};
+    t.rows = tides_params(&t.count);
+    t.file = open_memstream(&text, &bytes);
+    if (!t.file) return NULL;
+    fputs("// A run file of TIDES: tides simulate FILE -o events.h5. Paths are relative to this file; keys at their default "
+          "may go.\n"
+          "{\n",
+          t.file);
+    put_group(&t, next_row(&t, 0, "", 0), 0, 2);
+    fputs("}", t.file);
+    const int32_t whole = !ferror(t.file);
+    if (fclose(t.file) == 0 && whole) return text;
+    free(text);
+    return NULL;
+}
+
+/* A template that the reader refuses would be a bug of ours: this says so before anybody has it. */
+static tides_status check(const char *text, tides_error *error) {
+    tides_run *run = NULL;
+    tides_status status = tides_run_parse(text, "", NULL, 0, &run, error);
+    tides_run_destroy(run);
+    return status;
+}
+
+int cmd_init(const cli_command *command, int argc, char **argv) {
+    cli_common common;
+    const char *output = NULL, *scene = NULL, *camera = NULL;
+    int32_t force = 0;
+    const cli_option options[] = {
+        {"--output", 'o', "RUN.json", "the file to write (run.json)", NULL, &output, NULL},
+        {"--scene", 0, "FILE", "scene.file (scene.ply)", NULL, &scene, NULL},
+        {"--camera", 0, "FILE", "camera.file (path.json)", NULL, &camera, NULL},
+        {"--force", 0, NULL, "replace a file that is there", &force, NULL, NULL},
+        {NULL, 0, NULL, NULL, NULL, NULL, NULL},
+    };
+    int code = cli_parse(command, options, argc, argv, &common, NULL);
+    if (code != CLI_GO) return code;
+    if (!output) output = "run.json";
+    if (!force && access(output, F_OK) == 0)
+        return cli_failed("%s: is there already; name another with -o, or replace it with --force", output);
+
+    tides_error error = {TIDES_OK, ""};
+    char *text = make_template(scene ? scene : "scene.ply", camera ? camera : "path.json");
+    if (!text) return cli_failed("out of memory: %s", output);
+    tides_status status = check(text, &error);
+    if (status == TIDES_OK) status = cli_write_text(output, text, &error);
+    free(text);
+    if (status != TIDES_OK) return cli_fail(&error);
+    if (common.json) {
+        cJSON *facts = cJSON_CreateObject();
+        cJSON_AddStringToObject(facts, "file", output);
+        return cli_print_facts(facts, 1);
+    }
+    if (!common.quiet)
+        printf("%s: name your scene and camera path in it, then: tides simulate %s -o events.h5\n", output, output);
+    return CLI_OK;
+}

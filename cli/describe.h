@@ -1,0 +1,31 @@
+/* Man pages and shell completions, made from the tables that the parser and the run file reader use. */
+#ifndef CLI_DESCRIBE_H
+#define CLI_DESCRIBE_H
+
+#include "cli.h"
+
+/* What an option's value is, from the word that the usage line has for it. */
+enum { DESCRIBE_NOTHING = 0, DESCRIBE_FILE, DESCRIBE_FOLDER, DESCRIBE_KEY, DESCRIBE_DEVICE, DESCRIBE_FORMAT };
+int32_t describe_argument(const char *argument);
+/* The first word of a command's arguments where it is a choice, "accuracy|ablation|image": its length, else 0. */
+int describe_choice(const cli_command *command);
+/* Prints what TIDES_DEVICE's common words are, or the names of event formats that can be written, or the keys that this
+ * version acts on, with `between` after each and `after` before it. */
+void describe_devices(const char *between);
+void describe_formats(const char *between);
+void describe_keys(const char *after, const char *between);
+
+/* describe_man.c: the page of one command, of the tool, and of the run file. */
+void describe_man_command(const cli_command *command, const cli_option *options);
+void describe_man_tool(const cli_command *commands, size_t count);
+void describe_man_run(void);
+
+/* describe_shell.c: what the completion says about one command (its part of a case), and what stands around that. */
+void describe_bash_command(const cli_command *command, const cli_option *options);
+void describe_bash_begin(const cli_command *commands, size_t count);
+void describe_bash_end(void);
+void describe_zsh_command(const cli_command *command, const cli_option *options);
+void describe_zsh_begin(const cli_command *commands, size_t count);
+void describe_zsh_end(void);
+
+#endif

@@ -1,0 +1,59 @@
+/* Frame sequences as input: pictures in a folder, arrays in a file, or memory. */
+#ifndef TIDES_FRAMES_H
+#define TIDES_FRAMES_H
+
+#include "tides/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* How stored values become luminance. LINEAR: they are proportional to light. SRGB: they are sRGB-encoded, and decoded before
+ * r, g and b are weighed. Integers count from 0 to 1 at their type's largest value; floats are taken as they are. */
+enum { TIDES_TRANSFER_LINEAR = 0, TIDES_TRANSFER_SRGB = 1 };
+
+/* Of the numbers in a file of timestamps. AUTO: microseconds in image_timestamps.txt (DSEC), seconds in any other. */
+enum { TIDES_TIME_AUTO = 0, TIDES_TIME_S, TIDES_TIME_MS, TIDES_TIME_US, TIDES_TIME_NS };
+
+/* Fill with tides_frames_options_defaults: no file, no rate, auto, linear, the weights of BT.709. */
+typedef struct tides_frames_options {
+    uint32_t size;
+    int32_t transfer;         /* TIDES_TRANSFER_* */
+    int32_t unit;             /* TIDES_TIME_* of timestamp files and of arrays with times */
+    int32_t rebase;           /* 1: the first frame's time becomes 0 */
+    const char *timestamps;   /* text file with one time per line, or NULL */
+    double frames_per_second; /* [Hz]: frame k is at k / rate; 0: not given */
+    double luminance[3];      /* weights of r, g, b */
+} tides_frames_options;
+TIDES_API void tides_frames_options_defaults(tides_frames_options *options);
+
+typedef struct tides_frames tides_frames;
+
+/* Opens a sequence, all frames of one size, times ascending:
+ *   a folder         its .png (grey or RGB, 8 or 16 bit) or .exr files (channel Y, R G B, or the only one), in natural order
+ *   .npy, .npz       an array (frames, height, width) of numbers; the .npz's is "Y", "frames" or "images", times "t" or
+ *                    "timestamps"
+ *   .h5, .hdf5       the same names, read frame by frame
+ * Times come from options->timestamps, else the rate, else the array file's own, else timestamps.txt or image_timestamps.txt
+ * in the folder or beside it. TIDES_BAD_FILE, TIDES_BAD_CONFIG where there are no times. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_frames_open(const char *path, const tides_frames_options *options,
+                                                          tides_frames **frames, tides_error *error);
+
+/* Frames in memory: luminance (count x height x width) and times [s] (count), which must outlive the object. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_frames_from_memory(const double *Y, const double *times, size_t count,
+                                                                 int32_t width, int32_t height, tides_frames **frames,
+                                                                 tides_error *error);
+TIDES_API void tides_frames_close(tides_frames *frames); /* NULL is fine */
+
+TIDES_API size_t tides_frames_count(const tides_frames *frames);
+TIDES_API void tides_frames_size(const tides_frames *frames, int32_t *width, int32_t *height);
+TIDES_API double tides_frames_time(const tides_frames *frames, size_t index); /* [s]; NaN out of range */
+
+/* Luminance of frame `index` into Y (height x width, row 0 on top), caller's memory. Negative or infinite values and NaN are
+ * TIDES_BAD_FILE naming the pixel. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_frames_read(tides_frames *frames, size_t index, double *Y, tides_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,168 @@
+/* A run from frames: of a sequence, or rendered at a rate. */
+#include "td_baseline.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What a run holds. */
+typedef struct frame_run {
+    tides_baseline *baseline;
+    const tides_frame_supply *supply;
+    tides_event_sink sink;
+    void *sink_user;
+    tides_progress progress;
+    void *user;
+    double *Y, *L_dot; /* one frame; the rate where ESIM samples by it (pixels) */
+    uint64_t frames;
+    tides_stats stats;
+} frame_run;
+
+static int take(void *user, const tides_event *events, size_t count) {
+    frame_run *r = user;
+    for (size_t k = 0; k < count; k++) {
+        if (events[k].polarity > 0)
+            r->stats.events_on++;
+        else
+            r->stats.events_off++;
+        r->stats.events_by_cause[events[k].cause]++;
+    }
+    r->stats.events += count;
+    r->stats.events_written += count;
+    double began = td_now();
+    int stop = r->sink ? r->sink(r->sink_user, events, count) : 0;
+    r->stats.time_sink_s += td_now() - began;
+    return stop;
+}
+
+/* The frame in r->Y to the pixels. */
+static tides_status push(frame_run *r, double time, tides_error *error) {
+    const tides_frame_supply *supply = r->supply;
+    double part = (time - supply->start) / (supply->stop - supply->start);
+    if (r->progress && r->progress(r->user, fmin(fmax(part, 0), 1), "simulating"))
+        return td_fail(error, TIDES_CANCELLED, "stopped on request at %.6g s", time);
+    double began = td_now(), sunk = r->stats.time_sink_s;
+    tides_status status = tides_baseline_push(r->baseline, time, r->Y, take, r, error);
+    r->stats.time_compare_s += td_now() - began - (r->stats.time_sink_s - sunk);
+    r->frames++;
+    return status;
+}
+
+static tides_status run_sequence(frame_run *r, tides_error *error) {
+    const tides_frame_supply *supply = r->supply;
+    tides_frames *frames = supply->frames;
+    int32_t width, height;
+    size_t count = tides_frames_count(frames);
+    tides_frames_size(frames, &width, &height);
+    if (width != r->baseline->width || height != r->baseline->height)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "frames are %d x %d px, the pixels %d x %d", width, height,
+                       r->baseline->width, r->baseline->height);
+    tides_status status = TIDES_OK;
+    double last = supply->start;
+    for (size_t k = 0; status == TIDES_OK && k < count; k++) {
+        double time = tides_frames_time(frames, k);
+        if (time < supply->start || time > supply->stop) continue;
+        status = tides_frames_read(frames, k, r->Y, error);
+        if (status == TIDES_OK) status = push(r, time, error);
+        if (r->frames == 1) r->stats.simulated_s = -time;
+        last = time;
+    }
+    if (status == TIDES_OK && r->frames < 2)
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "%llu of the frames, which span [%.9g, %.9g] s, lie within time.start = %.9g and time.stop = %.9g s; at "
+                       "least two must",
+                       (unsigned long long)r->frames, tides_frames_time(frames, 0), tides_frames_time(frames, count - 1),
+                       supply->start, supply->stop);
+    r->stats.simulated_s += last;
+    return status;
+}
+
+/* -- renders --------------------------------------------------------------------------------------------------------------- */
+
+/* The largest |L_dot| of the frame just rendered [1/s]. */
+static double fastest(const frame_run *r) {
+    double most = 0;
+    for (size_t i = 0; i < r->baseline->pixels; i++) most = fmax(most, fabs(r->L_dot[i]));
+    return most;
+}
+
+/* When to render next; frames lie on start + k / rate (a product, not a running sum) unless ESIM samples adaptively. */
+static double next_time(const frame_run *r, double time) {
+    const tides_frame_supply *supply = r->supply;
+    double next = r->L_dot ? tides_esim_next_time(&r->baseline->params.esim, time, fastest(r))
+                           : supply->start + (double)r->frames / supply->frames_per_second;
+    /* A rest below a nanosecond isn't an interval of its own. */
+    return next > supply->stop - 1e-9 ? supply->stop : next;
+}
+
+static tides_status run_renders(frame_run *r, tides_error *error) {
+    const tides_frame_supply *supply = r->supply;
+    tides_frame frame;
+    memset(&frame, 0, sizeof frame);
+    frame.plane[TIDES_Y] = r->Y;
+    frame.plane[TIDES_L_DOT] = r->L_dot;
+    tides_status status = TIDES_OK;
+    for (double time = supply->start; status == TIDES_OK;) {
+        status = tides_renderer_frame(supply->renderer, supply->camera, time, &frame, error);
+        if (status == TIDES_OK) status = push(r, time, error);
+        if (time >= supply->stop) break;
+        double next = next_time(r, time);
+        if (status == TIDES_OK && !(next > time + 1e-9))
+            status =
+                td_fail(error, TIDES_OUT_OF_RANGE,
+                        "at %.9g s the image changes so fast that ESIM's next render would come within a nanosecond: raise "
+                        "esim.simulation_adaptive_sampling_lambda",
+                        time);
+        time = next;
+    }
+    tides_renderer_stats(supply->renderer, &r->stats.render);
+    r->stats.renders_full_frame_equivalent = (double)r->frames;
+    r->stats.simulated_s = supply->stop - supply->start;
+    return status;
+}
+
+/* -- both ------------------------------------------------------------------------------------------------------------------ */
+
+static tides_status check_supply(const tides_frame_supply *supply, tides_error *error) {
+    if (!supply->frames && !(supply->renderer && supply->camera))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_run: give frames, or a renderer and its camera");
+    if (!(supply->start < supply->stop))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_run: stop = %.9g s isn't after start = %.9g s", supply->stop,
+                       supply->start);
+    if (!supply->frames && !(supply->frames_per_second > 0 && supply->frames_per_second <= 1e9))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_run: frames_per_second = %.9g; it must lie in (0, 1e9]",
+                       supply->frames_per_second);
+    return TIDES_OK;
+}
+
+static tides_status run(frame_run *r, tides_error *error) {
+    const tides_baseline_params *params = &r->baseline->params;
+    int adaptive = !r->supply->frames && params->method == TIDES_METHOD_ESIM && params->esim.adaptive_sampling;
+    r->Y = td_alloc(r->baseline->pixels, sizeof *r->Y, error);
+    if (adaptive) r->L_dot = td_alloc(r->baseline->pixels, sizeof *r->L_dot, error);
+    if (!r->Y || (adaptive && !r->L_dot)) return TIDES_NO_MEMORY;
+    tides_status status = r->supply->frames ? run_sequence(r, error) : run_renders(r, error);
+    return status == TIDES_OK ? tides_baseline_finish(r->baseline, take, r, error) : status;
+}
+
+tides_status tides_baseline_run(tides_baseline *baseline, const tides_frame_supply *supply, tides_event_sink sink,
+                                void *sink_user, tides_progress progress, void *user, tides_stats *stats, tides_error *error) {
+    if (!baseline || !supply) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_run: baseline or supply is NULL");
+    tides_status status = check_supply(supply, error);
+    if (status != TIDES_OK) return status;
+    double began = td_now();
+    frame_run r =
+        {.baseline = baseline, .supply = supply, .sink = sink, .sink_user = sink_user, .progress = progress, .user = user};
+    status = run(&r, error);
+    free(r.Y);
+    free(r.L_dot);
+    const tides_render_stats *render = &r.stats.render;
+    r.stats.run_time_s = td_now() - began;
+    r.stats.real_time_factor = r.stats.run_time_s > 0 ? r.stats.simulated_s / r.stats.run_time_s : 0;
+    r.stats.peak_memory_bytes = td_peak_memory();
+    r.stats.time_other_s = r.stats.run_time_s - r.stats.time_compare_s - r.stats.time_sink_s - render->time_motion_s -
+                           render->time_sweep_s - render->time_project_s - render->time_sort_s - render->time_composite_s -
+                           render->time_transfer_s;
+    if (stats) *stats = r.stats;
+    return status;
+}

@@ -1,0 +1,131 @@
+/* IEBCS's readout arbiters. Its bottleneck releases fewer events the more of them wait, and its row arbiter invents events
+ * (simulators notes, 1.7): here both do what they are named for. */
+#include "td_iebcs.h"
+
+#include "solver/td_event_sort.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void td_arbiter_free(td_arbiter *a) {
+    free(a->waiting.events);
+    free(a->scratch);
+}
+
+/* The new events join those that wait. */
+static tides_status take(tides_baseline *b, td_arbiter *a, size_t first, tides_error *error) {
+    td_event_buffer *waiting = &a->waiting;
+    waiting->count -= a->next;
+    if (waiting->count) memmove(waiting->events, waiting->events + a->next, waiting->count * sizeof *waiting->events);
+    a->next = 0;
+    size_t kept = 0;
+    for (size_t k = 0; k < waiting->count; k++)
+        if (waiting->events[k].polarity) waiting->events[kept++] = waiting->events[k];
+    waiting->count = kept + (b->made.count - first);
+    void *events = waiting->events, *scratch = a->scratch;
+    tides_status status = td_reserve(&events, &waiting->capacity, waiting->count, sizeof *waiting->events, error);
+    waiting->events = events;
+    if (status == TIDES_OK) status = td_reserve(&scratch, &a->scratch_events, waiting->count, sizeof *a->scratch, error);
+    a->scratch = scratch;
+    if (status != TIDES_OK) return status;
+    if (waiting->count > kept)
+        memcpy(waiting->events + kept, b->made.events + first, (waiting->count - kept) * sizeof *waiting->events);
+    b->made.count = first;
+    td_event_sort(waiting->events, a->scratch, waiting->count);
+    return TIDES_OK;
+}
+
+static double time_us(const tides_event *event) {
+    int64_t whole = event->t / 1000;
+    return (double)whole;
+}
+
+static const tides_event *oldest(const td_arbiter *a) {
+    return a->next < a->waiting.count ? &a->waiting.events[a->next] : NULL;
+}
+
+/* Reads event `k` out at the clock, in whole microseconds. */
+static tides_status release(tides_baseline *b, td_arbiter *a, size_t k, tides_error *error) {
+    tides_event *event = &a->waiting.events[k];
+    size_t i = (size_t)event->y * (size_t)b->width + event->x;
+    tides_status status = td_baseline_fire(b, i, 1000 * (int64_t)a->clock_us, event->polarity, event->cause, error);
+    event->polarity = 0;
+    while (a->next < a->waiting.count && !a->waiting.events[a->next].polarity) a->next++;
+    return status;
+}
+
+/* One event after the other, each taking its time. */
+static tides_status run_bottleneck(tides_baseline *b, td_arbiter *a, double stop_us, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (const tides_event *event; status == TIDES_OK && (event = oldest(a));) {
+        double done = fmax(a->clock_us, time_us(event)) + b->params.iebcs.arbiter_us;
+        if (done >= stop_us) break;
+        a->clock_us = done;
+        status = release(b, a, a->next, error);
+    }
+    return status;
+}
+
+/* How many wait in `row`, or with `give` read them all out: those that happened by (or, strictly, before) the clock. */
+static tides_status sweep_row(tides_baseline *b, td_arbiter *a, int32_t row, double before_us, int strictly, int give,
+                              size_t *count, tides_error *error) {
+    tides_status status = TIDES_OK;
+    *count = 0;
+    for (size_t k = a->next; status == TIDES_OK && k < a->waiting.count; k++) {
+        const tides_event *event = &a->waiting.events[k];
+        if (strictly ? time_us(event) >= before_us : time_us(event) > before_us) break;
+        if (event->y != row || !event->polarity) continue;
+        ++*count;
+        if (give) status = release(b, a, k, error);
+    }
+    return status;
+}
+
+/* The row of the oldest event is emptied, which takes its time per event. */
+static tides_status run_rows(tides_baseline *b, td_arbiter *a, double stop_us, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (const tides_event *event; status == TIDES_OK && (event = oldest(a));) {
+        double start = fmax(a->clock_us, time_us(event));
+        int32_t row = event->y;
+        size_t count;
+        status = sweep_row(b, a, row, start, 0, 0, &count, error);
+        double done = start + b->params.iebcs.arbiter_us * (double)count;
+        if (status != TIDES_OK || done >= stop_us) break;
+        a->clock_us = done;
+        status = sweep_row(b, a, row, start, 0, 1, &count, error);
+    }
+    return status;
+}
+
+/* One row per clock, in turn, while anything waits; a frame's events wait from its start on, as in the original. */
+static tides_status run_synchronous(tides_baseline *b, td_arbiter *a, double start_us, double stop_us, tides_error *error) {
+    double period = b->params.iebcs.arbiter_us, from = fmax(start_us, a->clock_us);
+    tides_status status = TIDES_OK;
+    for (double tick = 0; status == TIDES_OK && oldest(a); tick++) {
+        a->clock_us = from + tick * period;
+        if (a->clock_us >= stop_us) break;
+        double idle =
+            floor((time_us(oldest(a)) - a->clock_us) / period) - 1; /* clocks at which nothing can have happened yet */
+        if (idle > 1) {
+            tick += idle - 1; /* the loop adds the last */
+            a->row = (int32_t)fmod(a->row + idle, b->height);
+            continue;
+        }
+        size_t count;
+        status = sweep_row(b, a, a->row, a->clock_us, 1, 1, &count, error);
+        if (oldest(a)) a->row = (a->row + 1) % b->height;
+    }
+    return status;
+}
+
+tides_status td_arbiter_run(tides_baseline *b, td_arbiter *a, size_t first, double start_us, double stop_us,
+                            tides_error *error) {
+    tides_status status = take(b, a, first, error);
+    if (status != TIDES_OK) return status;
+    switch (b->params.iebcs.arbiter) {
+        case TIDES_ARBITER_BOTTLENECK: return run_bottleneck(b, a, stop_us, error);
+        case TIDES_ARBITER_ROW: return run_rows(b, a, stop_us, error);
+        default: return run_synchronous(b, a, start_us, stop_us, error);
+    }
+}

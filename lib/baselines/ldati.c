@@ -1,0 +1,108 @@
+/* V2CE's second stage (Zhang et al., ICRA 2024), LDATI: from the voxels of a frame interval to events, with a debt of fractions
+ * that goes from bin to bin, and times from a density that is linear within a bin. */
+#include "td_baseline.h"
+
+#include "sensor/td_random.h"
+#include "solver/td_event_sort.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Ten planes of voxels bound nine bins. */
+enum { PLANES = 10, BINS = PLANES - 1, EVENTS_PER_BIN_MAX = 1 << 16 };
+
+/* One pixel's bins of one polarity. */
+typedef struct bins {
+    double count[BINS];
+    double first[BINS]; /* where a bin's only event lies in it, in [0, 1) */
+} bins;
+
+/* Whole events per bin: what rounding up took too many is owed by the next bin. The tenth plane's whole part goes to the last
+ * bin. */
+static bins share_out(const double *voxels, size_t stride) {
+    bins made;
+    double debt = 0;
+    for (int k = 0; k < BINS; k++) {
+        double wanted = voxels[(size_t)k * stride] - debt, count = fmax(0.0, ceil(wanted - 1e-6));
+        made.first[k] = fmin(fmax(debt, 0.0), 1.0 - 1e-9);
+        made.count[k] = count;
+        debt = count - wanted;
+    }
+    double left = trunc(voxels[BINS * stride] - debt);
+    if (left > 0) made.count[BINS - 1] += left;
+    return made;
+}
+
+/* Least-squares slope of the counts of a bin and its neighbours, as the slope of a density over [0, 1]: b + k s, with
+ * b = 1 - k / 2, not negative anywhere. */
+static double density_slope(const bins *at, int k) {
+    double before = at->count[k ? k - 1 : k], after = at->count[k + 1 < BINS ? k + 1 : k];
+    double span = (k ? 1 : 0) + (k + 1 < BINS ? 1 : 0);
+    double slope = (after - before) / span / at->count[k];
+    return fmin(fmax(slope, -2.0), 2.0);
+}
+
+/* The place in [0, 1] below which a fraction u of the density lies. */
+static double place(double slope, double u) {
+    double base = 1 - slope / 2;
+    return 2 * u / (base + sqrt(base * base + 2 * slope * u)); /* the quadratic's root without cancellation; slope 0 gives u */
+}
+
+typedef struct ldati_job {
+    tides_baseline *out;
+    uint64_t frame;
+    double start_us, bin_us;
+} ldati_job;
+
+static tides_status fire_bin(ldati_job *job, size_t i, int polarity, const bins *at, int k, tides_error *error) {
+    size_t count = (size_t)at->count[k];
+    double slope = count > 1 ? density_slope(at, k) : 0;
+    tides_status status = TIDES_OK;
+    for (size_t n = 0; status == TIDES_OK && n < count; n++) {
+        uint64_t index = (job->frame << 21 | (uint64_t)k << 17 | n) << 1 | (polarity > 0);
+        td_random_bits bits = td_random(job->out->params.seed, (uint32_t)i, index, TD_RANDOM_LDATI);
+        double where = count == 1 ? at->first[k] : place(slope, td_random_uniform(&bits, 0));
+        int64_t us = (int64_t)floor(job->start_us + (k + where) * job->bin_us);
+        status = td_baseline_fire(job->out, i, 1000 * us, polarity, TIDES_CAUSE_SIGNAL, error);
+    }
+    return status;
+}
+
+static tides_status fire_pixel(ldati_job *job, const double *voxels, size_t i, int polarity, tides_error *error) {
+    const tides_baseline *out = job->out;
+    const double *own = voxels + (polarity > 0 ? 0 : PLANES * out->pixels) + i;
+    for (size_t k = 0; k < PLANES; k++)
+        if (!(own[k * out->pixels] >= 0 && own[k * out->pixels] <= EVENTS_PER_BIN_MAX))
+            return td_fail(error, TIDES_BAD_ARGUMENT, "LDATI: voxel %zu of pixel (%zu, %zu) is %.9g; it must lie in [0, %d]", k,
+                           i % (size_t)out->width, i / (size_t)out->width, own[k * out->pixels], (int)EVENTS_PER_BIN_MAX);
+    bins at = share_out(own, out->pixels);
+    tides_status status = TIDES_OK;
+    for (int k = 0; status == TIDES_OK && k < BINS; k++) status = fire_bin(job, i, polarity, &at, k, error);
+    return status;
+}
+
+tides_status tides_ldati(const double *voxels, int32_t width, int32_t height, double start, double stop, uint64_t seed,
+                         uint64_t frame, tides_event_sink sink, void *user, tides_error *error) {
+    if (!voxels || !sink) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_ldati: voxels or sink is NULL");
+    if (width < 1 || height < 1 || width > 16384 || height > 16384)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_ldati: %d x %d px; each side must lie in [1, 16384]", width, height);
+    if (!(fabs(start) < 9.2e9 && fabs(stop) < 9.2e9 && start < stop))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_ldati: [%.9g, %.9g) s is no interval", start, stop);
+    tides_baseline out = {.width = width, .height = height, .pixels = (size_t)width * (size_t)height};
+    out.params.seed = seed;
+    ldati_job job = {&out, frame, 1e6 * start, 1e6 * (stop - start) / BINS};
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; status == TIDES_OK && i < out.pixels; i++) {
+        status = fire_pixel(&job, voxels, i, 1, error);
+        if (status == TIDES_OK) status = fire_pixel(&job, voxels, i, -1, error);
+    }
+    if (status == TIDES_OK && !(out.scratch = td_alloc(out.made.count, sizeof *out.scratch, error))) status = TIDES_NO_MEMORY;
+    if (status == TIDES_OK) {
+        td_event_sort(out.made.events, out.scratch, out.made.count);
+        if (sink(user, out.made.events, out.made.count))
+            status = td_fail(error, TIDES_CANCELLED, "LDATI: the receiver of the events stopped the run");
+    }
+    free(out.made.events);
+    free(out.scratch);
+    return status;
+}

@@ -1,0 +1,103 @@
+/* TIDES's own sensor on frames: the logarithm goes in a straight line from one frame to the next. */
+#include "td_baseline.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+typedef struct tides_state {
+    td_comparator comparator;
+    td_sensor sensor; /* made at the first frame, whose time it starts from; where no block is on, the comparator does */
+    td_pixels pixels;
+    td_comparator_counts counts;
+    double *S[2]; /* at the last frame and at this one [log units] (pixels) */
+} tides_state;
+
+static void destroy(void *state) {
+    tides_state *s = state;
+    td_sensor_release(&s->sensor);
+    free(s->S[0]);
+    free(s->S[1]);
+    free(s->pixels.initial);
+    free(s->pixels.reference);
+    free(s->pixels.count_on);
+    free(s->pixels.count_off);
+    free(s);
+}
+
+static tides_status check(const tides_baseline *b, tides_error *error) {
+    if (!(b->params.log_eps > 0 && b->params.log_eps <= 1e6))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "log_eps is %.9g; it must lie in (0, 1e6]", b->params.log_eps);
+    const tides_sensor *sensor = &b->params.sensor;
+    if (sensor->b_min > 0)
+        return td_fail(error, TIDES_UNSUPPORTED, "sensor: b_min needs coverage, which frames don't have; leave it at 0");
+    if (sensor->psf_sigma_px > 0 || sensor->surround_lambda_px > 0 || sensor->noise_rms > 0)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "sensor: psf_sigma_px, surround_lambda_px and noise_rms aren't available on frames; leave them at 0");
+    return td_sensor_check(sensor, error);
+}
+
+static tides_status create(tides_baseline *b, tides_error *error) {
+    const tides_sensor *sensor = &b->params.sensor;
+    tides_status status = check(b, error);
+    if (status != TIDES_OK) return status;
+    tides_state *s = td_alloc(1, sizeof *s, error);
+    if (!s) return TIDES_NO_MEMORY;
+    b->state = s;
+    s->comparator = (td_comparator){.threshold_on = sensor->threshold_on,
+                                    .threshold_off = sensor->threshold_off,
+                                    .model = TIDES_MODEL_SECANT,
+                                    .max_events_per_step = sensor->max_events_per_step};
+    s->S[0] = td_alloc(b->pixels, sizeof *s->S[0], error);
+    s->S[1] = td_alloc(b->pixels, sizeof *s->S[1], error);
+    s->pixels.initial = td_alloc(b->pixels, sizeof *s->pixels.initial, error);
+    s->pixels.reference = td_alloc(b->pixels, sizeof *s->pixels.reference, error);
+    s->pixels.count_on = td_alloc(b->pixels, sizeof *s->pixels.count_on, error);
+    s->pixels.count_off = td_alloc(b->pixels, sizeof *s->pixels.count_off, error);
+    if (!s->S[0] || !s->S[1] || !s->pixels.initial || !s->pixels.reference || !s->pixels.count_on || !s->pixels.count_off)
+        return TIDES_NO_MEMORY;
+    return td_comparator_check(&s->comparator, error);
+}
+
+static void take_signal(const tides_baseline *b, const double *Y, double *S) {
+    for (size_t i = 0; i < b->pixels; i++) S[i] = log(Y[i] + b->params.log_eps);
+}
+
+static td_tile whole_image(const tides_baseline *b) { return (td_tile){0, 0, b->width, (int32_t)b->pixels}; }
+
+static tides_status first(tides_baseline *b, const double *Y, tides_error *error) {
+    tides_state *s = b->state;
+    tides_sensor params = b->params.sensor;
+    td_tile tile = whole_image(b);
+    params.seed = b->params.seed;
+    take_signal(b, Y, s->S[0]);
+    tides_status status =
+        td_sensor_create(&params, TIDES_MODEL_SECANT, b->params.log_eps, b->now, b->width, &tile, 1, &s->sensor, error);
+    if (status != TIDES_OK) return status;
+    if (s->sensor.on) td_sensor_begin(&s->sensor, s->S[0], s->S[1]);
+    td_pixels_reset(&s->pixels, s->sensor.on ? s->S[1] : s->S[0], b->pixels);
+    return TIDES_OK;
+}
+
+static tides_status step(tides_baseline *b, const double *Y, tides_error *error) {
+    tides_state *s = b->state;
+    td_tile tile = whole_image(b);
+    td_step interval;
+    tides_status status = td_step_between(b->before, b->now, &interval, error);
+    if (status != TIDES_OK) return status;
+    if (interval.stop_ns > interval.start_ns) interval.stop_ns--; /* no two intervals share a nanosecond */
+    take_signal(b, Y, s->S[1]);
+    td_signals signals = {.S0 = s->S[0], .S1 = s->S[1]};
+    td_coverage coverage = {NULL, NULL};
+    if (s->sensor.on)
+        status = td_sensor_step(&s->sensor, &interval, &tile, 0, &signals, &coverage, &s->pixels, &b->made, &s->counts, error);
+    else
+        status = td_comparator_step(&s->comparator, &interval, &tile, &signals, &s->pixels, &b->made, &s->counts, error);
+    double *last = s->S[0];
+    s->S[0] = s->S[1];
+    s->S[1] = last;
+    return status;
+}
+
+const td_method td_tides = {"tides", create, first, step, NULL, destroy, 0.0};
+
+td_sensor *td_tides_sensor(tides_baseline *b) { return &((tides_state *)b->state)->sensor; }

@@ -1,0 +1,132 @@
+/* DVS-Voltmeter (Lin et al., ECCV 2022): the pixel's voltage is a Brownian motion with drift between two frames; it fires where
+ * the voltage reaches +1 or -1, at a random hitting time.
+ *
+ * Kept: the barrier is chosen first, and the time is that of the chosen barrier alone. Not kept, since the original has it
+ * wrong: without drift the chance of a barrier goes by its distance (it takes 0.5); against the drift the hitting time given a
+ * hit is that with the drift reversed (it takes a truncated normal); times are doubles (float32 and int32 microseconds there);
+ * without noise there are events (NaN there). */
+#include "td_baseline.h"
+
+#include "sensor/td_random.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A pixel that fires more often in a frame has parameters that mean nothing. */
+enum { EVENTS_PER_PIXEL_MAX = 1 << 20 };
+
+typedef struct voltmeter_state {
+    double *voltage; /* between the barriers -1 and 1, 0 at first (pixels) */
+    double *last;    /* DN of the last frame (pixels) */
+    uint64_t *draws; /* random numbers used up (pixels) */
+} voltmeter_state;
+
+/* One pixel's motion in one interval, in microseconds. */
+typedef struct motion {
+    double drift, sigma; /* [1/us], [1/sqrt(us)] */
+} motion;
+
+static void destroy(void *state) {
+    voltmeter_state *s = state;
+    free(s->voltage);
+    free(s->last);
+    free(s->draws);
+    free(s);
+}
+
+static tides_status create(tides_baseline *b, tides_error *error) {
+    const tides_voltmeter *p = &b->params.voltmeter;
+    const struct {
+        const char *name;
+        double value, lower, upper;
+    } rows[] = {{"k1", p->k1, 0, 1e6}, {"k2", p->k2, 1e-6, 1e6}, {"k3", p->k3, 0, 1e3},
+                {"k4", p->k4, -1, 1},  {"k5", p->k5, -1, 1},     {"k6", p->k6, 0, 1}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        tides_status status = td_baseline_range(b, rows[i].name, rows[i].value, rows[i].lower, rows[i].upper, error);
+        if (status != TIDES_OK) return status;
+    }
+    voltmeter_state *s = td_alloc(1, sizeof *s, error);
+    if (!s) return TIDES_NO_MEMORY;
+    b->state = s;
+    s->voltage = td_alloc(b->pixels, sizeof *s->voltage, error);
+    s->last = td_alloc(b->pixels, sizeof *s->last, error);
+    s->draws = td_alloc(b->pixels, sizeof *s->draws, error);
+    return s->voltage && s->last && s->draws ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+static tides_status first(tides_baseline *b, const double *Y, tides_error *error) {
+    (void)error;
+    voltmeter_state *s = b->state;
+    for (size_t i = 0; i < b->pixels; i++) s->last[i] = 255.0 * Y[i];
+    return TIDES_OK;
+}
+
+static motion motion_of(const tides_voltmeter *p, double L0, double L1, double length_us) {
+    double mean = 0.5 * (L0 + L1);
+    return (motion){p->k1 * (L1 - L0) / length_us / (mean + p->k2) + p->k4 + p->k5 * mean,
+                    p->k3 * sqrt(mean) / (mean + p->k2) + p->k6};
+}
+
+/* Chance that +1, `up` away, is reached before -1, `down` away: (e^(2 m B) - 1) / (e^(2 m B) - e^(-2 m A)) with m = drift /
+ * sigma^2, written so that nothing overflows. */
+static double chance_up(const motion *at, double up, double down) {
+    double m = 2 * at->drift / (at->sigma * at->sigma);
+    if (at->drift > 0) return expm1(-m * down) / expm1(-m * (up + down));
+    if (at->drift < 0) return exp(m * up) * expm1(m * down) / expm1(m * (up + down));
+    return down / (up + down);
+}
+
+/* Time until a barrier `away` is reached, given that it is: inverse Gaussian of mean away / |drift| and shape (away / sigma)^2,
+ * drawn as Michael, Schucany and Haas (1976) do, with the smaller root written without cancellation; Levy's without drift. */
+static double hitting_time(const motion *at, double away, const td_random_bits *bits) {
+    double normal[2], mean = away / fabs(at->drift), shape = away / at->sigma * (away / at->sigma);
+    td_random_normals(bits, normal);
+    double chi = normal[0] * normal[0];
+    if (!(fabs(at->drift) > 0)) return shape / chi;
+    double w = isinf(shape) ? 0.0 : mean * chi / (2 * shape);
+    double small = mean / (1 + w + sqrt(w * (2 + w)));
+    /* The uniform comes from the other normal: its own distribution function. */
+    return 0.5 * erfc(normal[1] * -0.70710678118654752440) <= mean / (mean + small) ? small : mean * (mean / small);
+}
+
+static tides_status too_many(const tides_baseline *b, size_t i, tides_error *error) {
+    return td_fail(error, TIDES_OUT_OF_RANGE,
+                   "frame %llu: pixel (%zu, %zu) would fire more than %d events: lower voltmeter.k1, k3 or k6",
+                   (unsigned long long)b->frames, i % (size_t)b->width, i / (size_t)b->width, (int)EVENTS_PER_PIXEL_MAX);
+}
+
+static tides_status step_pixel(tides_baseline *b, size_t i, double length_us, const motion *at, tides_error *error) {
+    voltmeter_state *s = b->state;
+    double t = 0;
+    for (int fired = 0; fired < EVENTS_PER_PIXEL_MAX; fired++) {
+        double up = 1 - s->voltage[i], down = 1 + s->voltage[i];
+        td_random_bits choice = td_random(b->params.seed, (uint32_t)i, s->draws[i]++, TD_RANDOM_VOLTMETER_HIT);
+        td_random_bits bits = td_random(b->params.seed, (uint32_t)i, s->draws[i]++, TD_RANDOM_VOLTMETER_HIT);
+        int polarity = td_random_uniform(&choice, 0) <= chance_up(at, up, down) ? 1 : -1;
+        double away = polarity > 0 ? up : down, hit = hitting_time(at, away, &bits);
+        if (!(t + hit < length_us)) { /* not in this interval: as far as a straight line gets */
+            if (hit > 0) s->voltage[i] += polarity * away * (length_us - t) / hit;
+            return TIDES_OK;
+        }
+        t += hit;
+        s->voltage[i] = 0;
+        tides_status status = td_baseline_fire(b, i, td_baseline_ns(b->before + 1e-6 * t), polarity, TIDES_CAUSE_SIGNAL, error);
+        if (status != TIDES_OK) return status;
+    }
+    return too_many(b, i, error);
+}
+
+static tides_status step(tides_baseline *b, const double *Y, tides_error *error) {
+    voltmeter_state *s = b->state;
+    double length_us = 1e6 * (b->now - b->before);
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; status == TIDES_OK && i < b->pixels; i++) {
+        double DN = 255.0 * Y[i];
+        motion at = motion_of(&b->params.voltmeter, s->last[i], DN, length_us);
+        s->last[i] = DN;
+        if (fabs(at.drift) > 0 || at.sigma > 0) status = step_pixel(b, i, length_us, &at, error);
+    }
+    return status;
+}
+
+const td_method td_voltmeter = {"voltmeter", create, first, step, NULL, destroy, 0.0};

@@ -1,0 +1,157 @@
+/* Frame sequences: opening, times, luminance. */
+#include "td_frames.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+const char *const td_frame_arrays[] = {"Y", "frames", "images", NULL};
+const char *const td_frame_time_arrays[] = {"t", "timestamps", NULL};
+
+void tides_frames_options_defaults(tides_frames_options *options) {
+    *options = (tides_frames_options){.size = sizeof *options, .luminance = {0.2126, 0.7152, 0.0722}};
+}
+
+tides_status td_frames_take_shape(tides_frames *frames, const char *what, size_t count, size_t height, size_t width,
+                                  tides_error *error) {
+    if (count < 1 || height < 1 || width < 1 || height > TD_FRAME_SIDE_MAX || width > TD_FRAME_SIDE_MAX)
+        return td_fail(error, TIDES_BAD_FILE, "%s: %zu frames of %zu x %zu px; a side must lie in [1, %d]", what, count, width,
+                       height, (int)TD_FRAME_SIDE_MAX);
+    frames->count = count;
+    frames->width = (int32_t)width;
+    frames->height = (int32_t)height;
+    return TIDES_OK;
+}
+
+/* -- opening --------------------------------------------------------------------------------------------------------------- */
+
+static int ends_in(const char *path, const char *ending) {
+    size_t length = strlen(path), tail = strlen(ending);
+    return length >= tail && strcasecmp(path + length - tail, ending) == 0;
+}
+
+static tides_status open_source(tides_frames *frames, tides_error *error) {
+    struct stat facts;
+    const char *path = frames->path;
+    if (stat(path, &facts) != 0) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: there is no such file or folder", path);
+    if (S_ISDIR(facts.st_mode)) return td_frames_folder(frames, error);
+    if (ends_in(path, ".npy") || ends_in(path, ".npz")) return td_frames_npy(frames, error);
+    if (ends_in(path, ".h5") || ends_in(path, ".hdf5")) return td_frames_hdf5(frames, error);
+    return td_fail(error, TIDES_BAD_FILE, "%s: frames come from a folder of .png or .exr, or from .npy, .npz, .h5 or .hdf5",
+                   path);
+}
+
+static tides_status check_options(const tides_frames_options *o, tides_error *error) {
+    if (o->size != sizeof *o)
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "tides_frames_open: options.size is %u, not %zu: use "
+                       "tides_frames_options_defaults",
+                       o->size, sizeof *o);
+    if (o->transfer < TIDES_TRANSFER_LINEAR || o->transfer > TIDES_TRANSFER_SRGB || o->unit < TIDES_TIME_AUTO ||
+        o->unit > TIDES_TIME_NS)
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "tides_frames_open: options.transfer or options.unit is no value of its list");
+    if (!(o->frames_per_second >= 0 && o->frames_per_second <= 1e9))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_frames_open: frames_per_second = %.9g; it must lie in [0, 1e9]",
+                       o->frames_per_second);
+    return TIDES_OK;
+}
+
+tides_status tides_frames_open(const char *path, const tides_frames_options *options, tides_frames **frames,
+                               tides_error *error) {
+    if (!path || !options || !frames)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_frames_open: path, options or frames is NULL");
+    tides_status status = check_options(options, error);
+    if (status != TIDES_OK) return status;
+    tides_frames *made = td_alloc(1, sizeof *made, error);
+    if (!made) return TIDES_NO_MEMORY;
+    made->options = *options;
+    made->path = td_strdup(path, error);
+    status = made->path ? open_source(made, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) status = td_frames_times(made, error);
+    made->options.timestamps = NULL; /* the caller's; read by now */
+    if (status == TIDES_OK)
+        *frames = made;
+    else
+        tides_frames_close(made);
+    return status;
+}
+
+void tides_frames_close(tides_frames *frames) {
+    if (!frames) return;
+    if (frames->source && frames->state) frames->source->close(frames->state);
+    free(frames->times);
+    free(frames->path);
+    free(frames);
+}
+
+/* -- memory ---------------------------------------------------------------------------------------------------------------- */
+
+static tides_status read_memory(tides_frames *frames, size_t index, double *Y, tides_error *error) {
+    (void)error;
+    const double *const *all = frames->state;
+    size_t pixels = (size_t)frames->width * (size_t)frames->height;
+    memcpy(Y, *all + index * pixels, pixels * sizeof *Y);
+    return TIDES_OK;
+}
+
+tides_status tides_frames_from_memory(const double *Y, const double *times, size_t count, int32_t width, int32_t height,
+                                      tides_frames **frames, tides_error *error) {
+    static const td_frame_source memory = {read_memory, free};
+    if (!Y || !times || !frames)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_frames_from_memory: Y, times or frames is NULL");
+    if (width < 1 || height < 1)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_frames_from_memory: %d x %d px is no size", width, height);
+    tides_frames *made = td_alloc(1, sizeof *made, error);
+    if (!made) return TIDES_NO_MEMORY;
+    tides_frames_options_defaults(&made->options);
+    made->source = &memory;
+    made->path = td_strdup("frames in memory", error);
+    made->times = td_alloc(count, sizeof *made->times, error);
+    const double **state = td_alloc(1, sizeof *state, error);
+    made->state = state;
+    tides_status status = made->path && made->times && state ? TIDES_OK : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) {
+        *state = Y;
+        status = td_frames_take_shape(made, made->path, count, (size_t)height, (size_t)width, error);
+    }
+    if (status == TIDES_OK) {
+        memcpy(made->times, times, count * sizeof *times);
+        status = td_frames_times(made, error);
+    }
+    if (status == TIDES_OK)
+        *frames = made;
+    else
+        tides_frames_close(made);
+    return status;
+}
+
+/* -- reading --------------------------------------------------------------------------------------------------------------- */
+
+size_t tides_frames_count(const tides_frames *frames) { return frames->count; }
+
+void tides_frames_size(const tides_frames *frames, int32_t *width, int32_t *height) {
+    if (width) *width = frames->width;
+    if (height) *height = frames->height;
+}
+
+double tides_frames_time(const tides_frames *frames, size_t index) {
+    return index < frames->count ? frames->times[index] : NAN;
+}
+
+tides_status tides_frames_read(tides_frames *frames, size_t index, double *Y, tides_error *error) {
+    if (!frames || !Y) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_frames_read: frames or Y is NULL");
+    if (index >= frames->count)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "%s: there is no frame %zu; it has %zu, from 0 on", frames->path, index,
+                       frames->count);
+    tides_status status = frames->source->read(frames, index, Y, error);
+    size_t pixels = (size_t)frames->width * (size_t)frames->height;
+    for (size_t i = 0; status == TIDES_OK && i < pixels; i++)
+        if (!(Y[i] >= 0) || isinf(Y[i]))
+            status =
+                td_fail(error, TIDES_BAD_FILE, "%s: frame %zu: pixel (%zu, %zu) is %.9g; luminance is finite and not negative",
+                        frames->path, index, i % (size_t)frames->width, i / (size_t)frames->width, Y[i]);
+    return status;
+}

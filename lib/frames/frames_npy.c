@@ -1,0 +1,89 @@
+/* Frames in an .npy or .npz: an array (frames, height, width), and its times. */
+#include "td_frames.h"
+
+#include "archive/td_npy.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct array_file {
+    td_npz *npz;
+    const td_npy_array *array;
+    double scale; /* of integers */
+} array_file;
+
+static void close_file(void *state) {
+    array_file *f = state;
+    td_npz_close(f->npz);
+    free(f);
+}
+
+static const char *find_name(const td_npz *npz, const char *const *names) {
+    for (; *names; names++)
+        for (size_t i = 0; i < td_npz_count(npz); i++)
+            if (strcmp(td_npz_name(npz, i), *names) == 0) return td_npz_name(npz, i);
+    return NULL;
+}
+
+static tides_status read_frame(tides_frames *frames, size_t index, double *Y, tides_error *error) {
+    const array_file *f = frames->state;
+    const td_npy_field *field = td_npy_find_field(f->array, "");
+    size_t pixels = (size_t)frames->width * (size_t)frames->height;
+    for (size_t i = 0; i < pixels; i++) {
+        double value = 0;
+        if (!td_npy_number(f->array, field, index * pixels + i, &value))
+            return td_fail(error, TIDES_BAD_FILE, "%s: frames of %s aren't numbers", frames->path, f->array->dtype);
+        Y[i] = td_frame_decode(&frames->options, f->scale * value);
+    }
+    return TIDES_OK;
+}
+
+/* Times beside the frames, where the file has them. */
+static tides_status read_times(tides_frames *frames, td_npz *npz, tides_error *error) {
+    const char *name = find_name(npz, td_frame_time_arrays);
+    const td_npy_array *array = NULL;
+    if (!name) return TIDES_OK;
+    tides_status status = td_npz_get(npz, name, &array, error);
+    if (status != TIDES_OK) return status;
+    if (array->ndim != 1 || array->count != frames->count)
+        return td_fail(error, TIDES_BAD_FILE, "%s: %s has %zu values, but there are %zu frames", frames->path, name,
+                       array->count, frames->count);
+    double unit = td_frame_unit(&frames->options, ""), *times = td_alloc(frames->count, sizeof *times, error);
+    if (!times) return TIDES_NO_MEMORY;
+    frames->times = times;
+    for (size_t k = 0; k < frames->count; k++) {
+        if (!td_npy_number(array, td_npy_find_field(array, ""), k, &times[k]))
+            return td_fail(error, TIDES_BAD_FILE, "%s: %s holds %s, not times", frames->path, name, array->dtype);
+        times[k] = unit < 1 ? times[k] / round(1 / unit) : times[k];
+    }
+    return TIDES_OK;
+}
+
+/* Integers count to 1 at their type's largest value. */
+static double scale_of(const td_npy_array *array) {
+    const td_npy_field *field = td_npy_find_field(array, "");
+    if (!field || !strchr("iu", field->kind)) return 1.0;
+    return 1.0 / (ldexp(1.0, (int)(8 * field->bytes) - (field->kind == 'i')) - 1.0);
+}
+
+tides_status td_frames_npy(tides_frames *frames, tides_error *error) {
+    static const td_frame_source source = {read_frame, close_file};
+    array_file *f = td_alloc(1, sizeof *f, error);
+    if (!f) return TIDES_NO_MEMORY;
+    frames->source = &source;
+    frames->state = f;
+    tides_status status = td_npz_open(frames->path, &f->npz, error);
+    if (status != TIDES_OK) return status;
+    const char *name = td_npz_count(f->npz) == 1 ? td_npz_name(f->npz, 0) : find_name(f->npz, td_frame_arrays);
+    if (!name) return td_fail(error, TIDES_BAD_FILE, "%s: has no array Y, frames or images", frames->path);
+    status = td_npz_get(f->npz, name, &f->array, error);
+    if (status == TIDES_OK && f->array->ndim != 3)
+        status = td_fail(error, TIDES_BAD_FILE, "%s: %s has %d dimensions; frames have the shape (frames, height, width)",
+                         frames->path, name, f->array->ndim);
+    if (status == TIDES_OK)
+        status = td_frames_take_shape(frames, frames->path, f->array->shape[0], f->array->shape[1], f->array->shape[2], error);
+    if (status != TIDES_OK) return status;
+    f->scale = scale_of(f->array);
+    return read_times(frames, f->npz, error);
+}

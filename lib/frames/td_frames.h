@@ -1,0 +1,58 @@
+/* Internal: a frame sequence and its sources. */
+#ifndef TD_FRAMES_H
+#define TD_FRAMES_H
+
+#include "td_base.h"
+#include "tides/frames.h"
+
+/* A side in pixels is at most this: events have 16 bits, and cameras are smaller. */
+enum { TD_FRAME_SIDE_MAX = 16384 };
+
+/* Where pixels come from. */
+typedef struct td_frame_source {
+    tides_status (*read)(tides_frames *frames, size_t index, double *Y, tides_error *error);
+    void (*close)(void *state);
+} td_frame_source;
+
+struct tides_frames {
+    const td_frame_source *source;
+    void *state;
+    char *path; /* for messages */
+    tides_frames_options options;
+    size_t count;
+    int32_t width, height;
+    double *times; /* [s] (count) */
+};
+
+/* One file's values, as stored but for their scale: integers in [0, 1]. */
+typedef struct td_picture_values {
+    int32_t width, height, channels; /* 1 or 3 */
+    float *values;                   /* (height x width x channels), the caller's to free */
+} td_picture_values;
+
+/* frame_png.c */
+tides_status td_frame_png(const char *path, td_picture_values *picture, tides_error *error);
+
+/* frame_values.c: one stored value to linear light; stored values (count x channels) to luminance. */
+double td_frame_decode(const tides_frames_options *options, double value);
+void td_frame_luminance(const tides_frames_options *options, const float *values, int32_t channels, size_t count, double *Y);
+
+/* The sources fill count, size and state of `frames`, and times where the file has them; each checks what it reads. */
+tides_status td_frames_folder(tides_frames *frames, tides_error *error); /* frames_folder.c */
+tides_status td_frames_npy(tides_frames *frames, tides_error *error);    /* frames_npy.c */
+tides_status td_frames_hdf5(tides_frames *frames, tides_error *error);   /* frames_hdf5.c */
+
+/* frame_times.c: fills frames->times, by the order that tides_frames_open tells, and checks them. */
+tides_status td_frames_times(tides_frames *frames, tides_error *error);
+
+/* `names` of arrays that hold frames, and times; both end in NULL. */
+extern const char *const td_frame_arrays[], *const td_frame_time_arrays[];
+
+/* Seconds per unit of an array's or file's times; `file` settles TIDES_TIME_AUTO. */
+double td_frame_unit(const tides_frames_options *options, const char *file);
+
+/* "(frames, height, width)" as sizes: TIDES_BAD_FILE where a side is 0 or too long. */
+tides_status td_frames_take_shape(tides_frames *frames, const char *what, size_t count, size_t height, size_t width,
+                                  tides_error *error);
+
+#endif

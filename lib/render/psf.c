@@ -1,0 +1,243 @@
+/* Blur by the optics, tile by tile. */
+#include "td_render.h"
+#include "tides/sensor.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double cut_sigmas = 4;       /* what is beyond weighs 6e-5 of the whole */
+static const double largest_sigma = 1000; /* [px]: more is no lens, and its apron would fill memory */
+
+tides_status td_psf_set(td_psf *psf, double sigma_px, int32_t domain, tides_error *error) {
+    if (!(sigma_px >= 0) || !(sigma_px <= largest_sigma))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "psf_sigma_px: %g px must lie in [0, %g]", sigma_px, largest_sigma);
+    if (domain != TIDES_PSF_LOG && domain != TIDES_PSF_LINEAR)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "psf_domain: %d is none of TIDES_PSF_*", (int)domain);
+    int radius = (int)ceil(cut_sigmas * sigma_px);
+    double *weight = td_alloc((size_t)radius + 1, sizeof *weight, error), sum = 1;
+    if (!weight) return TIDES_NO_MEMORY;
+    weight[0] = 1;
+    for (int k = 1; k <= radius; k++) {
+        weight[k] = exp(-0.5 * k * k / (sigma_px * sigma_px));
+        sum += 2 * weight[k];
+    }
+    for (int k = 0; k <= radius; k++) weight[k] /= sum;
+    free(psf->weight);
+    psf->weight = weight;
+    psf->radius = radius;
+    psf->sigma = sigma_px;
+    psf->domain = domain;
+    return TIDES_OK;
+}
+
+void td_psf_release(td_psf *psf) {
+    free(psf->weight);
+    free(psf->raw);
+    free(psf->slot_first);
+    free(psf->raw_first);
+    free(psf->order);
+    free(psf->place);
+    free(psf->planes);
+    free(psf->rows);
+    memset(psf, 0, sizeof *psf);
+}
+
+static int clamp(int value, int last) { return value < 0 ? 0 : value > last ? last : value; }
+
+/* The tiles that a tile's blur reaches. */
+typedef struct window {
+    int x0, x1, y0, y1; /* both included */
+} window;
+
+static window window_of(int radius, int tiles_x, int tiles_y, int tile) {
+    int reach = (radius + TD_TILE - 1) / TD_TILE, x = tile % tiles_x, y = tile / tiles_x;
+    window w = {clamp(x - reach, tiles_x - 1), clamp(x + reach, tiles_x - 1), clamp(y - reach, tiles_y - 1),
+                clamp(y + reach, tiles_y - 1)};
+    return w;
+}
+
+tides_status td_psf_spread(td_psf *psf, td_candidates *candidates, tides_error *error) {
+    int tiles_x = candidates->tiles_x, tiles = tiles_x * candidates->tiles_y;
+    if (!psf->radius) return TIDES_OK;
+    float *travel = td_alloc((size_t)tiles, sizeof *travel, error);
+    uint8_t *moving = td_alloc((size_t)tiles, sizeof *moving, error);
+    tides_status status = travel && moving ? TIDES_OK : TIDES_NO_MEMORY;
+    for (int t = 0; t < tiles && status == TIDES_OK; t++) {
+        window w = window_of(psf->radius, tiles_x, candidates->tiles_y, t);
+        for (int y = w.y0; y <= w.y1; y++)
+            for (int i = y * tiles_x + w.x0; i <= y * tiles_x + w.x1; i++) {
+                moving[t] |= candidates->moving[i];
+                travel[t] = candidates->travel[i] > travel[t] ? candidates->travel[i] : travel[t];
+            }
+    }
+    if (status == TIDES_OK) {
+        memcpy(candidates->travel, travel, (size_t)tiles * sizeof *travel);
+        memcpy(candidates->moving, moving, (size_t)tiles * sizeof *moving);
+    }
+    free(travel);
+    free(moving);
+    return status;
+}
+
+/* Requests slot by slot. */
+static void order_by_slot(td_psf *psf, const td_request *requests, int count, int slots) {
+    int *first = psf->slot_first;
+    memset(first, 0, ((size_t)slots + 1) * sizeof *first);
+    for (int i = 0; i < count; i++) first[requests[i].slot + 1]++;
+    for (int k = 0; k < slots; k++) first[k + 1] += first[k];
+    for (int i = 0; i < count; i++) psf->order[first[requests[i].slot]++] = i;
+    for (int k = slots; k > 0; k--) first[k] = first[k - 1];
+    first[0] = 0;
+}
+
+/* Adds the tiles that one request needs to the slot's, unless they are there. */
+static tides_status add_window(td_psf *psf, const td_candidates *candidates, td_request request, int *count,
+                               tides_error *error) {
+    window w = window_of(psf->radius, candidates->tiles_x, candidates->tiles_y, request.tile);
+    size_t most = (size_t)*count + (size_t)(w.x1 - w.x0 + 1) * (size_t)(w.y1 - w.y0 + 1);
+    tides_status status = td_reserve((void **)&psf->raw, &psf->raw_capacity, most, sizeof *psf->raw, error);
+    for (int y = w.y0; y <= w.y1 && status == TIDES_OK; y++)
+        for (int x = w.x0; x <= w.x1; x++) {
+            td_request wanted = {y * candidates->tiles_x + x, request.slot};
+            if (psf->place[wanted.tile] >= 0) continue;
+            psf->place[wanted.tile] = *count;
+            psf->raw[(*count)++] = wanted;
+        }
+    return status;
+}
+
+static void forget_slot(td_psf *psf, int slot) {
+    for (int i = psf->raw_first[slot]; i < psf->raw_first[slot + 1]; i++) psf->place[psf->raw[i].tile] = -1;
+}
+
+/* Lists what must be rendered: psf->raw. */
+static tides_status list_raw(td_psf *psf, const td_candidates *candidates, const td_request *requests, int count, int slots,
+                             tides_error *error) {
+    size_t tiles = (size_t)candidates->tiles_x * (size_t)candidates->tiles_y;
+    tides_status status =
+        td_reserve((void **)&psf->slot_first, &psf->slot_capacity, (size_t)slots + 1, sizeof *psf->slot_first, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&psf->raw_first, &psf->first_capacity, (size_t)slots + 1, sizeof *psf->raw_first, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&psf->order, &psf->order_capacity, (size_t)count, sizeof *psf->order, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&psf->place, &psf->place_capacity, tiles, sizeof *psf->place, error);
+    if (status != TIDES_OK) return status;
+    for (size_t t = 0; t < tiles; t++) psf->place[t] = -1;
+    order_by_slot(psf, requests, count, slots);
+    int found = 0;
+    for (int slot = 0; slot < slots; slot++) {
+        psf->raw_first[slot] = found;
+        for (int i = psf->slot_first[slot]; i < psf->slot_first[slot + 1] && status == TIDES_OK; i++)
+            status = add_window(psf, candidates, requests[psf->order[i]], &found, error);
+        psf->raw_first[slot + 1] = found;
+        if (status != TIDES_OK) return status;
+        forget_slot(psf, slot);
+    }
+    return TIDES_OK;
+}
+
+/* L and L_dot of rendered tiles to e^L and its rate. */
+static void to_linear(td_psf *psf, int count, int outputs) {
+    for (int i = 0; i < count; i++) {
+        double *L = psf->planes + (size_t)i * outputs * TD_TILE_PIXELS, *L_dot = L + TD_OUT_L_DOT * TD_TILE_PIXELS;
+        for (int k = 0; k < TD_TILE_PIXELS; k++) {
+            L[k] = exp(L[k]);
+            L_dot[k] *= L[k];
+        }
+    }
+}
+
+/* One output along a line of inputs, whose first is `radius` before the first output: sums in the same order for each. */
+static void blur_line(const td_psf *psf, const double *line, size_t stride, double out[TD_TILE]) {
+    const double *centre = line + (size_t)psf->radius * stride;
+    for (int c = 0; c < TD_TILE; c++) out[c] = psf->weight[0] * centre[c];
+    for (int k = 1; k <= psf->radius; k++) {
+        const double *before = centre - (size_t)k * stride, *after = centre + (size_t)k * stride;
+        for (int c = 0; c < TD_TILE; c++) out[c] += psf->weight[k] * (before[c] + after[c]);
+    }
+}
+
+/* Where the pixels of an image are, tile by tile. */
+typedef struct source {
+    const td_psf *psf;
+    int width, height, tiles_x, outputs, plane;
+} source;
+
+/* Pixels [x, x + count) of row y, those outside the image being its border's. */
+static void gather(const source *s, int x, int y, int count, double *line) {
+    int row = clamp(y, s->height - 1), tiles = row / TD_TILE * s->tiles_x;
+    for (int i = 0; i < count; i++) {
+        int column = clamp(x + i, s->width - 1);
+        size_t tile = (size_t)s->psf->place[tiles + column / TD_TILE] * (size_t)s->outputs + (size_t)s->plane;
+        line[i] = s->psf->planes[tile * TD_TILE_PIXELS + (size_t)td_tile_pixel(column % TD_TILE, row % TD_TILE)];
+    }
+}
+
+/* One plane of the tile at (x0, y0), blurred: (TD_TILE x TD_TILE), row by row. */
+static void blur_tile(const source *s, int x0, int y0, double *out) {
+    int radius = s->psf->radius, side = TD_TILE + 2 * radius;
+    double *rows = s->psf->rows, *line = rows + (size_t)side * TD_TILE;
+    for (int y = 0; y < side; y++) {
+        gather(s, x0 - radius, y0 - radius + y, side, line);
+        blur_line(s->psf, line, 1, rows + (size_t)y * TD_TILE);
+    }
+    for (int y = 0; y < TD_TILE; y++) blur_line(s->psf, rows + (size_t)y * TD_TILE, TD_TILE, out + (size_t)y * TD_TILE);
+}
+
+/* A request's planes: L and L_dot blurred, Y from L, the others as rendered. */
+static void finish_tile(const td_psf *psf, source *s, int tile, double log_eps, double *planes) {
+    double L[TD_TILE_PIXELS], L_dot[TD_TILE_PIXELS];
+    int x0 = tile % s->tiles_x * TD_TILE, y0 = tile / s->tiles_x * TD_TILE;
+    memcpy(planes, psf->planes + (size_t)psf->place[tile] * s->outputs * TD_TILE_PIXELS,
+           (size_t)s->outputs * TD_TILE_PIXELS * sizeof *planes);
+    s->plane = TD_OUT_L;
+    blur_tile(s, x0, y0, L);
+    s->plane = TD_OUT_L_DOT;
+    blur_tile(s, x0, y0, L_dot);
+    for (int i = 0; i < TD_TILE_PIXELS; i++) {
+        int at = td_tile_pixel(i % TD_TILE, i / TD_TILE), linear = psf->domain == TIDES_PSF_LINEAR;
+        planes[TD_OUT_L * TD_TILE_PIXELS + at] = linear ? log(L[i]) : L[i];
+        planes[TD_OUT_L_DOT * TD_TILE_PIXELS + at] = linear ? L_dot[i] / L[i] : L_dot[i];
+        if (s->outputs > TD_OUT_Y) planes[TD_OUT_Y * TD_TILE_PIXELS + at] = (linear ? L[i] : exp(L[i])) - log_eps;
+    }
+}
+
+static void finish(tides_renderer *renderer, const td_request *requests, int slots, int outputs, double *planes) {
+    td_psf *psf = &renderer->psf;
+    source s = {psf, renderer->image.width, renderer->image.height, renderer->candidates.tiles_x, outputs, 0};
+    for (int slot = 0; slot < slots; slot++) {
+        for (int i = psf->raw_first[slot]; i < psf->raw_first[slot + 1]; i++) psf->place[psf->raw[i].tile] = i;
+        for (int i = psf->slot_first[slot]; i < psf->slot_first[slot + 1]; i++) {
+            size_t at = (size_t)psf->order[i];
+            finish_tile(psf, &s, requests[at].tile, (double)renderer->image.log_eps,
+                        planes + at * (size_t)outputs * TD_TILE_PIXELS);
+        }
+        forget_slot(psf, slot);
+    }
+}
+
+tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
+                               const td_request *requests, int count, int outputs, double *planes, tides_error *error) {
+    td_psf *psf = &renderer->psf;
+    if (!psf->radius) return td_renderer_sharp_tiles(renderer, camera, times, slots, requests, count, outputs, planes, error);
+    tides_status status = list_raw(psf, &renderer->candidates, requests, count, slots, error);
+    size_t side = TD_TILE + 2 * (size_t)psf->radius, raw = status == TIDES_OK ? (size_t)psf->raw_first[slots] : 0;
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&psf->planes, &psf->plane_capacity, raw * (size_t)outputs * TD_TILE_PIXELS,
+                            sizeof *psf->planes, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&psf->rows, &psf->row_capacity, side * (TD_TILE + 1), sizeof *psf->rows, error);
+    if (status == TIDES_OK)
+        status = td_renderer_sharp_tiles(renderer, camera, times, slots, psf->raw, (int)raw, outputs, psf->planes, error);
+    if (status != TIDES_OK) return status;
+    double begun = td_now();
+    if (psf->domain == TIDES_PSF_LINEAR) to_linear(psf, (int)raw, outputs);
+    finish(renderer, requests, slots, outputs, planes);
+    renderer->stats.time_composite_s += td_now() - begun;
+    return TIDES_OK;
+}
+
+tides_status tides_renderer_set_psf(tides_renderer *renderer, double sigma_px, int32_t domain, tides_error *error) {
+    if (!renderer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_renderer_set_psf: renderer must be given");
+    return td_psf_set(&renderer->psf, sigma_px, domain, error);
+}

@@ -1,0 +1,61 @@
+/* Internal: the photoreceptor's additive noise: an Ornstein-Uhlenbeck process per pixel, on a time grid of the pixel's own.
+ *
+ * With tau = 1 / (2 pi noise_cutoff_hz), grid points are d = tau / 8 apart, from a phase that is drawn per pixel, and
+ *
+ *   x(k + 1) = rho x(k) + sigma sqrt(1 - rho^2) n(k + 1),  rho = exp(-d / tau),  n standard normal
+ *
+ * is the process itself at these points, stationary from the first. Between them the noise is linear, so that it crosses a
+ * level finitely often, at times that are solved for. A straight line between two points varies less than they do: sigma^2 =
+ * noise_rms^2 3 / (2 + rho) makes the variance averaged over time noise_rms^2. What results:
+ *
+ *   autocovariance  of points k >= 1 apart: sigma^2 rho^k (exact); averaged over phases: sigma^2 rho^k (4 + rho + 1 / rho) / 6
+ *   spectrum        sigma^2 d (1 - rho^2) / (1 + rho^2 - 2 rho cos(2 pi f d)) (sin(pi f d) / (pi f d))^4 per Hz, two-sided:
+ *                   of the Lorentzian of that cutoff 1.04 at low frequencies, 1.03 at 3 cutoffs, 0.96 at 8, 0.43 at 25, and
+ *                   next to nothing at multiples of 1 / d, which is 50 cutoffs; beyond, it falls as f^-4
+ *
+ * Normals are a function of (seed, pixel, k): not of steps, tiles, or where a run is cut. A pixel's state is k and x(k). */
+#ifndef TD_ADDITIVE_NOISE_H
+#define TD_ADDITIVE_NOISE_H
+
+#include "td_path.h"
+#include "tides/sensor.h"
+
+typedef struct td_additive_noise {
+    int on;
+    uint64_t seed;
+    double spacing_ns;         /* d */
+    double sigma, rho, change; /* of grid points; change = sigma sqrt(1 - rho^2) */
+} td_additive_noise;
+
+/* A pixel's line from x(k) to x(k + 1). */
+typedef struct td_noise_line {
+    uint64_t k;
+    double from_ns, to_ns; /* since the run's start */
+    double begin, end;     /* [log units] */
+    double origin_ns;      /* of line 0 */
+    double normal[2];      /* the pair of normals that n(k + 1) is of */
+} td_noise_line;
+
+/* Off where noise_rms is 0. TIDES_BAD_ARGUMENT naming the field. */
+TIDES_MUST_CHECK tides_status td_additive_noise_make(const tides_sensor *sensor, td_additive_noise *noise, tides_error *error);
+
+/* The line of `pixel` that the run's start is on, and the one after `line`. */
+td_noise_line td_additive_noise_first(const td_additive_noise *noise, uint32_t pixel);
+td_noise_line td_additive_noise_next(const td_additive_noise *noise, uint32_t pixel, const td_noise_line *line);
+
+/* The line that begins with x(k) = value, as a checkpoint has it. */
+td_noise_line td_additive_noise_resume(const td_additive_noise *noise, uint32_t pixel, uint64_t k, double value);
+
+/* Goes on from *line, at or before the time [ns since the run's start], to the one that holds it. */
+void td_additive_noise_seek(const td_additive_noise *noise, uint32_t pixel, double time_ns, td_noise_line *line);
+
+/* The noise on a line, at a time that it holds. */
+static inline double td_noise_line_at(const td_noise_line *line, double time_ns) {
+    return line->begin + (line->end - line->begin) * ((time_ns - line->from_ns) / (line->to_ns - line->from_ns));
+}
+
+/* Adds the line to the path of a step from `from_ns` to `to_ns`: the noise where the line holds, its straight continuation
+ * elsewhere. */
+void td_noise_line_add(const td_noise_line *line, double from_ns, double to_ns, td_path *path);
+
+#endif

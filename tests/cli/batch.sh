@@ -1,0 +1,124 @@
+# A batch of small runs: a grid and a list, skipped, done again where something changed, failures at the end, shards; and
+# killed twice and gone on with, it leaves what an uninterrupted one leaves.
+make_scene
+cat >grid.json <<-'JSON'
+	{ "base": "run.json", "set": { "sensor.threshold_off": 0.15 },
+	  "grid": { "sensor.threshold_on": [0.1, 0.2], "stepping.mode": ["fixed", "error"] },
+	  "runs": [ { "name": "wide", "set": { "camera.width": 64 } }, { "name": "late", "file": "run.json", "set": { "time.start": 0.02 } } ] }
+JSON
+expect 0 tides batch grid.json -o out.d --jobs 2
+[ "$(grep -c '^tides: \[[0-9]*/6\] .* events in ' err)" = 6 ] || fail "a line per run, please"
+out "6 done \(0 of them before\), 0 failed"
+for name in sensor.threshold_on=0.1,stepping.mode=fixed sensor.threshold_on=0.2,stepping.mode=error wide late; do
+    for file in events.h5 stats.json result.json job.json; do exists out.d/$name/$file; done
+done
+[ "$(wc -l <out.d/summary.csv)" = 7 ] || fail "summary.csv should hold a row per run"
+grep -q '^"wide","done",[0-9]*,.*,64,36,' out.d/summary.csv || fail "summary.csv lacks a row"
+expect 0 tides simulate run.json -qo alone.h5 --set sensor.threshold_off=0.15 --set camera.width=64
+cmp -s alone.h5 out.d/wide/events.h5 || fail "a run of a batch isn't the run alone"
+
+# Again: nothing is done. One more value: one more pair of runs. A changed scene: everything.
+stamp() { stat -c %i:%y out.d/*/events.h5 | sha256sum; }
+before=$(stamp)
+expect 0 tides batch grid.json -o out.d
+out "6 done \(6 of them before\)"
+[ "$(stamp)" = "$before" ] || fail "finished runs were touched"
+sed -i 's/\[0.1, 0.2\]/[0.1, 0.2, 0.4]/' grid.json
+expect 0 tides batch grid.json -o out.d
+out "8 done \(6 of them before\)"
+rm out.d/wide/events.h5
+expect 0 tides batch grid.json -o out.d
+out "8 done \(7 of them before\)"
+cp scene.ply scene.kept
+sed -i 's/ 3 -1.9 / 3 -1.8 /' scene.ply
+expect 0 tides batch grid.json -o out.d --json
+grep -q '"done":[[:space:]]*8' out || fail "--json should print the summary"
+cmp -s out out.d/summary.json || fail "--json prints another summary"
+[ "$(grep -c 'finished before' err)" = 0 ] || fail "a changed scene should be simulated again"
+expect 0 tides batch grid.json -o out.d -q
+silent
+
+# Failures are told at the end, and the others are done.
+mv scene.kept scene.ply
+cat >bad.json <<-'JSON'
+	{ "base": "run.json", "runs": [ { "name": "a" }, { "name": "gone", "set": { "scene.file": "gone.ply" } },
+	  { "name": "outside", "set": { "camera.file": "run.json" } }, { "name": "z" } ] }
+JSON
+expect 1 tides batch bad.json -o bad.d
+err "^tides: gone failed: gone.ply: can't be opened"
+err "^tides: outside failed: run.json: "
+out "2 done .*, 2 failed"
+grep -q '^"gone","failed"' bad.d/summary.csv || fail "summary.csv should hold failures"
+
+# Shards: every run is somebody's, and the whole batch then finds them all.
+expect 0 tides batch grid.json -o shards.d --shard 1/3 -q
+expect 0 tides batch grid.json -o shards.d --shard 3/3 -q
+expect 0 tides batch grid.json -o shards.d --shard 2/3 -q
+exists shards.d/summary-2-of-3.json
+expect 0 tides batch grid.json -o shards.d
+out "8 done \(8 of them before\)"
+
+# Wrong manifests.
+wrong() { printf '%s' "$2" >wrong.json; refuse 1 "$1" tides batch wrong.json -o wrong.d; missing wrong.d; }
+wrong "wrong.json: is not one JSON object" '{"base": '
+wrong "wrong.json: grid and runs are missing" '{"base": "run.json"}'
+wrong "wrong.json: unknown key \"gird\"; did you mean \"grid\"\?" '{"gird": {}}'
+wrong "wrong.json: base is missing" '{"grid": {"seed": ["1"]}}'
+wrong "wrong.json: seed is no list" '{"base": "run.json", "grid": {"seed": "1"}}'
+wrong "wrong.json: a is the name of two runs" '{"base": "run.json", "runs": [{"name": "a"}, {"name": "a"}]}'
+wrong "wrong.json: \.\./a is no name" '{"base": "run.json", "runs": [{"name": "../a"}]}'
+wrong "wrong.json: seed=1: --set: unknown key" '{"base": "run.json", "set": {"sede": 1}, "grid": {"seed": ["1"]}}'
+wrong "did you mean \"sensor.threshold_on\"" '{"base": "run.json", "grid": {"sensor.treshold_on": [1]}}'
+refuse 1 "none.json: can't be opened" tides batch none.json -o wrong.d
+refuse 2 "the output is missing: -o DIR" tides batch grid.json
+refuse 2 "--shard 4/3: give I/N" tides batch grid.json -o wrong.d --shard 4/3
+refuse 2 "--jobs 0: give a number" tides batch grid.json -o wrong.d --jobs 0
+
+# Forty runs, killed twice. A result differs in nothing from the uninterrupted batch's.
+awk 'BEGIN { for (i = 0; i <= 400; i++) printf "%g %g 0 0 0 0 0 1\n", i * 0.01, 0.3 * sin(i * 0.3) }' >path.txt
+cat >forty.json <<-'JSON'
+	{ "base": "run.json", "set": { "time.stop": 0.02, "stepping.mode": "fixed", "stepping.step_s": 0.001, "camera.width": 24, "camera.height": 18 },
+	  "grid": { "sensor.threshold_on": [0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1], "image.log_eps": [0.001, 0.002, 0.003, 0.004, 0.005] } }
+JSON
+expect 0 tides batch forty.json -o whole.d -q
+set -m
+resumed=0
+for round in 1 2; do
+    tides batch forty.json -o forty.d -q --checkpoint 0.01 >out 2>err &
+    for _ in $(seq 1000); do
+        [ "$(ls forty.d/*/result.json 2>/dev/null | wc -l)" -ge $((10 * round)) ] && ls forty.d/*/*.checkpoint >/dev/null 2>&1 && break
+        sleep 0.01
+    done
+    kill -KILL $! || fail "the batch ended before it was killed"
+    wait $!
+    sleep 0.5
+    ls forty.d/*/*.checkpoint >/dev/null 2>&1 && resumed=1
+    [ "$(ls forty.d/*/result.json | wc -l)" -lt 40 ] || fail "nothing was left to do"
+done
+[ $resumed = 1 ] || echo "(no run was killed with a checkpoint)"
+expect 0 tides batch forty.json -o forty.d --checkpoint 0.01
+out "40 done \([1-3][0-9] of them before\), 0 failed"
+(cd whole.d && find . -type f ! -name stats.json ! -name events.h5 | LC_ALL=C sort) >whole.list
+(cd forty.d && find . -type f ! -name stats.json ! -name events.h5 | LC_ALL=C sort) >forty.list
+cmp whole.list forty.list || fail "the folders hold other files"
+while read -r file; do cmp "whole.d/$file" "forty.d/$file" || fail "$file differs"; done <whole.list
+for name in whole.d/*/; do
+    name=$(basename "$name")
+    cmp -s whole.d/$name/events.h5 forty.d/$name/events.h5 && continue
+    expect 0 tides convert whole.d/$name/events.h5 a.npy -q
+    expect 0 tides convert forty.d/$name/events.h5 b.npy -q
+    cmp -s a.npy b.npy || fail "the events of $name differ"
+done
+
+# Ctrl-C: runs save their state, and the same command goes on.
+tides batch forty.json -o int.d -q >out 2>err &
+for _ in $(seq 1000); do
+    [ -e "$(echo int.d/*/result.json | cut -d' ' -f1)" ] && break
+    sleep 0.01
+done
+kill -INT $!
+wait $!
+[ $? = 1 ] || fail "the exit code should be 1"
+error_line "stopped on request; [0-9]+ of 40 runs are finished; the same command goes on from there"
+expect 0 tides batch forty.json -o int.d -q
+cmp whole.d/summary.csv int.d/summary.csv || fail "the summaries differ"

@@ -1,0 +1,29 @@
+# A run file to begin with: it holds every key with its default and what it does, and runs as it is.
+make_scene
+expect 0 tides init -o new.json --scene scene.ply --camera path.txt
+out "new.json: name your scene"
+keys=$(tides simulate --help | grep -cE '^  [a-z_]+(\.[a-z_0-9]+)* \[')
+[ "$(grep -c '": .* // ' new.json)" = "$keys" ] || fail "new.json doesn't hold $keys keys with a comment each"
+grep -q '^    "threshold_on": 0.2, // C+: rise of L that fires an ON event \[log units\]$' new.json || fail "a row is wrong"
+grep -q '^    "rules": "smooth", // .*: smooth|inria|gsplat$' new.json || fail "the choices are missing"
+size="--set camera.width=48 --set camera.height=36 --set camera.fx=50 --set time.stop=0.04 --set stepping.step_s=0.002"
+expect 0 tides simulate new.json -qo a.h5 $size
+expect 0 tides simulate run.json -qo b.h5
+cmp a.h5 b.h5 || fail "the template's defaults aren't the defaults"
+
+refuse 1 "new.json: is there already; name another with -o, or replace it with --force" tides init -o new.json
+expect 0 tides init -o new.json --force --scene 'a"b.ply' --json
+grep -q '"file": "a\\"b.ply",' new.json || fail "a quote in a name"
+grep -q '"file":[[:space:]]*"new.json"' out || fail "--json"
+mkdir empty
+cd empty
+expect 0 tides init -q
+silent
+exists run.json
+cd ..
+
+# Comments: to the end of the line, not within texts, and errors keep their place.
+printf '%s\n' '// first' '{ "scene": { "file": "http://x.ply" }, // "time": {' '  "camera": { "file": "path.txt" } } // last' >c.json
+refuse 1 "http://x.ply" tides simulate c.json -o c.h5 $size
+printf '%s\n' '{ // one' '  "time": / }' >c.json
+refuse 1 "c.json:2:[0-9]+: not valid JSON" tides simulate c.json -o c.h5 $size

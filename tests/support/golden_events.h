@@ -1,0 +1,59 @@
+/* Test support: frames and event streams of the shared golden files, and what a method makes of the frames. */
+#ifndef TESTS_SUPPORT_GOLDEN_EVENTS_H
+#define TESTS_SUPPORT_GOLDEN_EVENTS_H
+
+#include "tests/support/npz.h"
+#include "tides/baselines.h"
+
+#include <cjson/cJSON.h>
+
+/* Zeroed memory; running out of it ends the test program. */
+void *golden_allocate(size_t count, size_t size);
+
+typedef struct golden_movie {
+    char path[1024];
+    double *Y, *t; /* luminance (frames x height x width), seconds (frames) */
+    size_t frames, pixels;
+    int32_t width, height;
+} golden_movie;
+
+/* The frames of `path`, unless `movie` has them already; 0, or -1 where they can't be read. Starts from zeros. */
+int golden_movie_load(golden_movie *movie, const char *path);
+void golden_movie_free(golden_movie *movie);
+
+/* Events by (t, y, x, polarity). */
+typedef struct golden_stream {
+    tides_event *events;
+    size_t count, capacity;
+} golden_stream;
+
+/* A sink that collects. */
+int golden_keep(void *stream, const tides_event *events, size_t count);
+
+/* Events of a file whose times count `unit` nanoseconds each. */
+golden_stream golden_stream_read(npz *file, double unit);
+
+/* By pixel, then as the stream is: for qsort. */
+int golden_compare_places(const void *a, const void *b);
+
+/* A method on all frames; a failure ends the test. */
+golden_stream golden_simulate(const tides_baseline_params *params, const golden_movie *movie);
+
+/* One file, its frames and its parameters. */
+typedef struct golden_file {
+    const char *name;
+    const golden_movie *movie;
+    npz *file;
+    const cJSON *params;
+    int compared; /* out */
+} golden_file;
+
+/* A parameter, or `otherwise`. */
+double golden_number(const cJSON *params, const char *key, double otherwise);
+
+/* Calls `visit` for each .npz below golden/ of the shared data whose name holds `part` and that has frames; how many it
+ * compared. Scene A is left out: it comes back to its levels exactly, where rounding decides what fires (the notes on
+ * simulators, 3). */
+size_t golden_visit(const char *part, void (*visit)(golden_file *file));
+
+#endif

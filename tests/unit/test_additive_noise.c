@@ -1,0 +1,197 @@
+/* Additive noise: variance, correlation and spectrum within 3 standard errors of what is asked, and the same lines however they
+ * are come by. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "sensor/td_additive_noise.h"
+#include "tests/support/scene_folder.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const uint64_t SEED = 99173;
+static const double pi = 3.14159265358979323846, rms = 0.15, cutoff_hz = 200;
+enum { PIXELS = 120000 };
+
+static td_additive_noise make(uint64_t seed) {
+    tides_sensor sensor;
+    td_additive_noise noise;
+    tides_error error;
+    tides_sensor_defaults(&sensor);
+    sensor.seed = seed;
+    sensor.noise_rms = rms;
+    sensor.noise_cutoff_hz = cutoff_hz;
+    scene_expect_ok(td_additive_noise_make(&sensor, &noise, &error), &error);
+    return noise;
+}
+
+/* The mean of `count` values is `wanted` within 3 of its standard errors. */
+static void expect_mean(const double *value, size_t count, double wanted, const char *what) {
+    double mean = 0, spread = 0;
+    for (size_t i = 0; i < count; i++) mean += value[i] / (double)count;
+    for (size_t i = 0; i < count; i++) spread += (value[i] - mean) * (value[i] - mean) / (double)count;
+    double error = sqrt(spread / (double)count);
+    print_message("%s: %.6g, wanted %.6g, %.2f standard errors\n", what, mean, wanted, (mean - wanted) / error);
+    assert_true(fabs(mean - wanted) < 3 * error);
+}
+
+static double noise_at(const td_additive_noise *noise, uint32_t pixel, double time_ns) {
+    td_noise_line line = td_additive_noise_first(noise, pixel);
+    td_additive_noise_seek(noise, pixel, time_ns, &line);
+    assert_true(line.from_ns <= time_ns && time_ns <= line.to_ns);
+    return td_noise_line_at(&line, time_ns);
+}
+
+/* -- statistics ------------------------------------------------------------------------------------------------------------ */
+
+/* At grid points: stationary from the first, correlated by e^(-lag / tau). */
+static void test_points(void **state) {
+    enum { POINTS = 9 };
+    td_additive_noise noise = make(SEED);
+    double *value = calloc((size_t)PIXELS * (POINTS + 1), sizeof *value), tau_ns = 1e9 / (2 * pi * cutoff_hz);
+    (void)state;
+    assert_non_null(value);
+    double *product = value + (size_t)PIXELS * POINTS;
+    for (uint32_t p = 0; p < PIXELS; p++) {
+        td_noise_line line = td_additive_noise_first(&noise, p);
+        for (int k = 0; k < POINTS; k++) {
+            value[(size_t)k * PIXELS + p] = line.begin;
+            line = td_additive_noise_next(&noise, p, &line);
+        }
+    }
+    for (int k = 0; k < POINTS; k += 4) {
+        expect_mean(value + (size_t)k * PIXELS, PIXELS, 0, "mean at a point");
+        for (int lag = 0; k + lag < POINTS; lag += 4) {
+            char what[80];
+            for (size_t i = 0; i < PIXELS; i++)
+                product[i] = value[(size_t)k * PIXELS + i] * value[(size_t)(k + lag) * PIXELS + i];
+            snprintf(what, sizeof what, "covariance of points %d and %d", k, k + lag);
+            expect_mean(product, PIXELS, noise.sigma * noise.sigma * exp(-lag * noise.spacing_ns / tau_ns), what);
+        }
+    }
+    free(value);
+}
+
+/* At any time: variance noise_rms^2, and the covariance that lines between points make of it. */
+static void test_times(void **state) {
+    td_additive_noise noise = make(SEED + 1);
+    double *product = calloc(PIXELS, sizeof *product), rho = noise.rho, at = 5.1e5;
+    (void)state;
+    assert_non_null(product);
+    for (uint32_t p = 0; p < PIXELS; p++) product[p] = pow(noise_at(&noise, p, at), 2);
+    expect_mean(product, PIXELS, rms * rms, "variance at a time");
+    for (int lag = 1; lag <= 8; lag *= 2) {
+        for (uint32_t p = 0; p < PIXELS; p++)
+            product[p] = noise_at(&noise, p, at) * noise_at(&noise, p, at + lag * noise.spacing_ns);
+        double wanted = noise.sigma * noise.sigma * pow(rho, lag) * (4 + rho + 1 / rho) / 6;
+        expect_mean(product, PIXELS, wanted, "covariance at a lag");
+    }
+    for (uint32_t p = 0; p < PIXELS; p++) product[p] = noise_at(&noise, p, at) * noise_at(&noise, p + 1, at);
+    expect_mean(product, PIXELS, 0, "covariance of neighbours");
+    free(product);
+}
+
+/* The spectrum that the header states, at three frequencies: Hann-windowed periodograms of many pixels. The window's own width
+ * of a few per cent of the cutoff changes a smooth spectrum by less than the standard errors here. */
+static void test_spectrum(void **state) {
+    enum { SAMPLES = 4096, SERIES = 600 };
+    static const double share[] = {0.5, 2, 12}; /* of the cutoff */
+    td_additive_noise noise = make(SEED + 2);
+    double *power = calloc(3 * (size_t)SERIES, sizeof *power), window[SAMPLES], step_ns = noise.spacing_ns / 3.3, weight = 0;
+    (void)state;
+    assert_non_null(power);
+    for (int i = 0; i < SAMPLES; i++) {
+        window[i] = 1 - cos(2 * pi * i / SAMPLES);
+        weight += window[i] * window[i];
+    }
+    for (uint32_t p = 0; p < SERIES; p++) {
+        td_noise_line line = td_additive_noise_first(&noise, p);
+        double re[3] = {0}, im[3] = {0};
+        for (int i = 0; i < SAMPLES; i++) {
+            td_additive_noise_seek(&noise, p, i * step_ns, &line);
+            double x = window[i] * td_noise_line_at(&line, i * step_ns);
+            for (int k = 0; k < 3; k++) {
+                re[k] += x * cos(2 * pi * share[k] * cutoff_hz * i * step_ns * 1e-9);
+                im[k] += x * sin(2 * pi * share[k] * cutoff_hz * i * step_ns * 1e-9);
+            }
+        }
+        for (int k = 0; k < 3; k++) power[k * SERIES + p] = (re[k] * re[k] + im[k] * im[k]) / weight * step_ns * 1e-9;
+    }
+    for (int k = 0; k < 3; k++) {
+        double f = share[k] * cutoff_hz, d = noise.spacing_ns * 1e-9, rho = noise.rho, sinc = sin(pi * f * d) / (pi * f * d);
+        double wanted =
+            noise.sigma * noise.sigma * d * (1 - rho * rho) / (1 + rho * rho - 2 * rho * cos(2 * pi * f * d)) * pow(sinc, 4);
+        double lorentzian = 2 * rms * rms / (2 * pi * cutoff_hz) / (1 + share[k] * share[k]);
+        print_message("at %g cutoffs %.3f of the Lorentzian\n", share[k], wanted / lorentzian);
+        if (share[k] <= 3) assert_true(fabs(wanted / lorentzian - 1) < 0.05);
+        expect_mean(power + k * SERIES, SERIES, wanted, "spectrum");
+    }
+    free(power);
+}
+
+/* -- lines ----------------------------------------------------------------------------------------------------------------- */
+
+/* Continuous; the same from a checkpoint's numbers, and in one jump or many. */
+static void test_lines(void **state) {
+    td_additive_noise noise = make(SEED + 3), other = make(SEED + 4);
+    (void)state;
+    for (uint32_t p = 0; p < 300; p++) {
+        td_noise_line line = td_additive_noise_first(&noise, p), jumped = line;
+        assert_true(line.from_ns <= 0 && line.to_ns > 0 && line.k == 0);
+        assert_true(line.begin != td_additive_noise_first(&other, p).begin);
+        for (int n = 0; n < 50; n++) {
+            td_noise_line next = td_additive_noise_next(&noise, p, &line);
+            assert_true(next.from_ns == line.to_ns && next.begin == line.end && next.k == line.k + 1);
+            line = next;
+        }
+        td_noise_line again = td_additive_noise_resume(&noise, p, line.k, line.begin);
+        assert_memory_equal(&again, &line, sizeof line);
+        td_additive_noise_seek(&noise, p, 0.5 * (line.from_ns + line.to_ns), &jumped);
+        assert_memory_equal(&jumped, &line, sizeof line);
+    }
+}
+
+/* On a path, a line adds itself. */
+static void test_paths(void **state) {
+    td_additive_noise noise = make(SEED);
+    td_noise_line line = td_additive_noise_first(&noise, 7);
+    td_path path = {.cubic = {{1, 1.5, -2, 0.25}}}, plain = path;
+    double from = 0.2 * line.to_ns, to = 0.9 * line.to_ns;
+    (void)state;
+    td_noise_line_add(&line, from, to, &path);
+    for (int i = 0; i <= 10; i++) {
+        double s = i / 10.0, wanted = td_path_value(&plain, s) + td_noise_line_at(&line, from + s * (to - from));
+        assert_true(fabs(td_path_value(&path, s) - wanted) < 1e-14);
+    }
+}
+
+static void test_refused(void **state) {
+    static const double bad[][2] = {{-1, 100}, {NAN, 100}, {INFINITY, 100}, {1, 0}, {1, -3}, {1, NAN}, {1, 1e9}};
+    (void)state;
+    tides_sensor sensor;
+    td_additive_noise noise;
+    tides_error error;
+    tides_sensor_defaults(&sensor);
+    assert_int_equal(td_additive_noise_make(&sensor, &noise, &error), TIDES_OK);
+    assert_int_equal(noise.on, 0);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        sensor.noise_rms = bad[i][0];
+        sensor.noise_cutoff_hz = bad[i][1];
+        assert_int_equal(td_additive_noise_make(&sensor, &noise, &error), TIDES_BAD_ARGUMENT);
+        assert_non_null(strstr(error.text, i < 3 ? "noise_rms" : "noise_cutoff_hz"));
+    }
+}
+
+int main(void) {
+    print_message("seed %d\n", (int)SEED);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_points), cmocka_unit_test(test_times), cmocka_unit_test(test_spectrum),
+        cmocka_unit_test(test_lines),  cmocka_unit_test(test_paths), cmocka_unit_test(test_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
