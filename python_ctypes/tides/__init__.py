@@ -14,6 +14,7 @@ from ._handle import Handle
 from ._library import PATH as library_path
 from ._library import VERSION as __version__
 from ._library import lib
+from .baselines import Baseline, BaselineParams, Frames, FramesOptions, esim_next_time, ldati
 from .device import Device, devices
 from .errors import TidesError
 from .events import (

@@ -65,6 +65,13 @@ def _list_property(field: Any) -> property:
     return property(lambda self: tuple(field.__get__(self)), lambda self, value: field.__set__(self, tuple(value)))
 
 
+def _text_property(field: Any) -> property:
+    return property(
+        lambda self: None if field.__get__(self) is None else text(field.__get__(self)),
+        lambda self, value: field.__set__(self, value.encode() if isinstance(value, str) else value),
+    )
+
+
 class Value:
     """A struct of the library as a plain value: keyword arguments set fields, the rest have the library's defaults; unknown
     names are refused; enums take and give their words ("hermite"); arrays are tuples. `==`, `copy()`, `to_dict()`."""
@@ -77,6 +84,8 @@ class Value:
         for name, kind in _fields(cls):
             if name in cls._words:
                 setattr(cls, name, _word_property(name, getattr(cls, name), constants(cls._words[name])))
+            elif kind is ctypes.c_char_p:
+                setattr(cls, name, _text_property(getattr(cls, name)))
             elif issubclass(kind, ctypes.Array):
                 setattr(cls, name, _list_property(getattr(cls, name)))
 
@@ -99,10 +108,11 @@ class Value:
         super().__setattr__(name, value)
 
     @classmethod
-    def _from(cls, struct: Any) -> Any:
-        """A copy of a struct of the same layout."""
+    def _from(cls, struct: Any, owner: Any = None) -> Any:
+        """A copy of a struct of the same layout; `owner` has what its pointers point to."""
         made: Any = cls.__new__(cls)
         ctypes.memmove(ctypes.addressof(made), ctypes.addressof(struct), ctypes.sizeof(made))
+        ctypes.Structure.__setattr__(made, "_owners", (struct, owner))
         return made
 
     def copy(self, **fields: Any) -> Any:

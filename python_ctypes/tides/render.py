@@ -12,7 +12,7 @@ from ._call import call, nearest, pointer, text
 from ._handle import Handle
 from ._library import lib
 from ._progress import Progress, Reporter
-from ._values import Facts, Value, plain
+from ._values import Facts, Value, choice, constants, plain
 from .device import Device, opened
 from .scene import Scene
 from .trajectory import Camera, Trajectory
@@ -49,6 +49,12 @@ class Renderer(Handle):
         with self.device._lock, Reporter(progress) as step:
             call("tides_renderer_create", self.device._pointer, *arguments, step, None, byref(made))
         super().__init__(made, self.device, scene, lock=self.device._lock)
+
+    def set_psf(self, sigma_px: float, domain: str | int = "log") -> None:
+        """Blurs L and L_dot of later frames by a Gaussian of `sigma_px` [px] (0: not), "log" or "linear": after the logarithm or
+        before it."""
+        with self._lock:
+            call("tides_renderer_set_psf", self._pointer, sigma_px, choice("domain", domain, constants("TIDES_PSF_")))
 
     def frame(
         self, time: float, channels: Iterable[str] = ("L", "L_dot"), trajectory: Trajectory | None = None

@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from . import _api
+from . import _api, errors
 from ._call import call, encoded, path, text
 from ._handle import Handle
 from ._library import lib
 from ._progress import Progress
 from ._values import Facts, _fields, constants, plain
+from .baselines import Baseline, BaselineParams, Frames, FramesOptions
 from .device import Device
 from .readout import Readout
 from .render import ImageParams, Renderer
@@ -30,6 +31,8 @@ _VALUES: dict[Any, Any] = {
     _api.tides_sensor: Sensor,
     _api.tides_stepping: Stepping,
     _api.tides_readout: Readout,
+    _api.tides_baseline_params: BaselineParams,
+    _api.tides_frames_options: FramesOptions,
 }
 
 
@@ -60,9 +63,9 @@ def _override(key: str, value: Any) -> bytes:
     return f"{key}={value if isinstance(value, str) else json.dumps(value)}".encode()
 
 
-def _value(value: Any) -> Any:
+def _value(value: Any, run: Any) -> Any:
     kind = _VALUES.get(type(value))
-    return kind._from(value) if kind else plain(value)
+    return kind._from(value, run) if kind else plain(value)
 
 
 class Run(Handle):
@@ -95,7 +98,7 @@ class Run(Handle):
         super().__init__(made)
         values = _api.tides_run_values()
         lib.tides_run_get(made, byref(values))
-        self.values = Facts({name: _value(getattr(values, name)) for name, _ in _fields(values)})
+        self.values = Facts({name: _value(getattr(values, name), self) for name, _ in _fields(values)})
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or name == "values":
@@ -109,14 +112,23 @@ class Run(Handle):
         call("tides_run_open", self._pointer, byref(scene), byref(trajectory), intrinsics)
         return Scene._of(scene), Camera(Trajectory._of(trajectory), intrinsics)
 
+    def open_frames(self) -> Frames:
+        """Opens the frames that the run names. BadConfig where it names none."""
+        made = POINTER(_api.tides_frames)()
+        call("tides_run_open_frames", self._pointer, byref(made))
+        return Frames._of(made)
+
     def _device(self, device: Device | str | int | None) -> Device | str | int | None:
         """The argument wins over the run file, which wins over TIDES_DEVICE; "auto" leaves it open."""
         return device if device is not None or self.values.device == "auto" else self.values.device
 
     def simulation(self, device: Device | str | int | None = None, progress: Progress = None) -> Simulation:
-        """The run as a Simulation."""
-        scene, camera = self.open()
+        """The run as a Simulation. Unsupported where it works on frames: `simulate` does that."""
         v = self.values
+        if self._uses_frames():
+            message = f"method {v.method} on frames isn't a Simulation: use simulate(), or Baseline"
+            raise errors.make(_api.TIDES_UNSUPPORTED, "TIDES_UNSUPPORTED", message)
+        scene, camera = self.open()
         parts = (v.sensor, v.stepping, v.image, v.readout, self._device(device))
         return Simulation(scene, camera, v.start, v.stop, *parts, run=v.json, seed=v.seed, progress=progress)
 
@@ -124,7 +136,20 @@ class Run(Handle):
         """The run's scene, camera and image rules as a Renderer."""
         return Renderer(*self.open(), self.values.image, self._device(device), progress)
 
+    def _uses_frames(self) -> bool:
+        """A baseline on a scene's renders, or any method on a sequence of frames."""
+        return bool(self.values.frames_file) or self.values.baseline.method != "tides"
+
     def simulate(self, device: Device | str | int | None = None, progress: Progress = None) -> np.ndarray:
-        """All events of the run, as EVENT (n)."""
-        with self.simulation(device, progress) as simulation:
-            return simulation.run(progress=progress)
+        """All events of the run, as EVENT (n), by whatever method it names."""
+        if not self._uses_frames():
+            with self.simulation(device, progress) as simulation:
+                return simulation.run(progress=progress)
+        v = self.values
+        if v.readout.enabled:
+            message = "readout.enabled is true: the arbiter needs a scene and method tides; set it to false"
+            raise errors.make(_api.TIDES_UNSUPPORTED, "TIDES_UNSUPPORTED", message)
+        source = self.open_frames() if v.frames_file else self.renderer(device, progress)
+        lens = source if isinstance(source, Frames) else source.camera.intrinsics
+        with Baseline(v.baseline, lens.width, lens.height) as baseline:
+            return baseline.run(source, v.start, v.stop, v.frames_per_second, progress)

@@ -1,0 +1,150 @@
+"""Frame sequences, and the simulators that people compare with: ESIM, v2e, DVS-Voltmeter, IEBCS, LDATI."""
+
+from __future__ import annotations
+
+import math
+import os
+from ctypes import POINTER, byref, c_double, c_int32
+from typing import Any
+
+import numpy as np
+
+from . import _api
+from ._call import array, call, kept, path, pointer
+from ._handle import Handle
+from ._library import lib
+from ._progress import Progress, Reporter
+from ._values import Facts, Value, plain
+from .render import Renderer
+from .simulate import _Collector
+
+
+class FramesOptions(Value, _api.tides_frames_options):
+    """transfer ("linear", "srgb"), unit ("auto", "s", "ms", "us", "ns"), rebase, timestamps (a file), frames_per_second [Hz],
+    luminance (3)."""
+
+    _defaults = "tides_frames_options_defaults"
+    _words = {"transfer": "TIDES_TRANSFER_", "unit": "TIDES_TIME_"}
+
+
+class Frames(Handle):
+    """A sequence of luminance images: Frames(path) of a folder or file; Frames.of(Y, times) of arrays. frames[k] is (height x
+    width) float64, frames.times (n) [s]."""
+
+    _destroy = "tides_frames_close"
+
+    def __init__(self, file: str | os.PathLike[str], **options: Any):
+        """`options` are the fields of FramesOptions."""
+        made = POINTER(_api.tides_frames)()
+        call("tides_frames_open", path(file), FramesOptions(**options), byref(made))
+        self._take(made)
+
+    def _take(self, made: Any, *arrays: np.ndarray) -> None:
+        super().__init__(made)
+        self._arrays = arrays  # what C looks at
+        width, height = c_int32(), c_int32()
+        lib.tides_frames_size(made, byref(width), byref(height))
+        self.width, self.height = width.value, height.value
+
+    @classmethod
+    def _of(cls, made: Any) -> "Frames":
+        frames = cls.__new__(cls)
+        frames._take(made)
+        return frames
+
+    @classmethod
+    def of(cls, luminance: Any, times: Any) -> "Frames":
+        """Luminance (n x height x width) at `times` (n) [s], without a copy where it is contiguous float64."""
+        luminance = array(luminance, np.float64, (None, None, None), "luminance")
+        times = array(times, np.float64, (len(luminance),), "times")
+        made = POINTER(_api.tides_frames)()
+        planes, seconds = pointer(luminance, c_double), pointer(times, c_double)
+        call("tides_frames_from_memory", planes, seconds, len(times), luminance.shape[2], luminance.shape[1], byref(made))
+        frames = cls.__new__(cls)
+        frames._take(made, luminance, times)
+        return frames
+
+    def __len__(self) -> int:
+        return lib.tides_frames_count(self._pointer)
+
+    @property
+    def times(self) -> np.ndarray:
+        """(n) [s]."""
+        return np.array([lib.tides_frames_time(self._pointer, index) for index in range(len(self))])
+
+    def __getitem__(self, index: int) -> np.ndarray:
+        if not 0 <= index < len(self):
+            raise IndexError(f"frame {index} of {len(self)}")
+        plane = np.empty((self.height, self.width))
+        with self._lock:
+            call("tides_frames_read", self._pointer, index, pointer(plane, c_double))
+        return plane
+
+
+class BaselineParams(Value, _api.tides_baseline_params):
+    """method ("tides", "esim", "v2e", "iebcs", "voltmeter"), seed, and each method's own parameters: params.esim.log_eps ..."""
+
+    _defaults = "tides_baseline_params_defaults"
+    _words = {"method": "TIDES_METHOD_"}
+
+
+class Baseline(Handle):
+    """A simulator that works on frames of width x height px. `push` frames, or `run` a sequence or a renderer."""
+
+    _destroy = "tides_baseline_destroy"
+
+    def __init__(self, params: BaselineParams, width: int, height: int):
+        made = POINTER(_api.tides_baseline)()
+        call("tides_baseline_create", params, width, height, byref(made))
+        super().__init__(made)
+        self._shape, self.stats = (height, width), Facts()  #: what the last `run` did
+
+    def push(self, time: float, luminance: Any) -> np.ndarray:
+        """The next frame (height x width) at `time` [s]. Returns the events that no later frame can come before, EVENT (n)."""
+        plane = array(luminance, np.float64, self._shape, "luminance")
+        with self._lock:
+            return _collected("tides_baseline_push", self._pointer, time, pointer(plane, c_double))
+
+    def finish(self) -> np.ndarray:
+        """The events that were still held back."""
+        with self._lock:
+            return _collected("tides_baseline_finish", self._pointer)
+
+    def run(
+        self,
+        frames: Frames | Renderer,
+        start: float = -math.inf,
+        stop: float = math.inf,
+        frames_per_second: float = 0.0,
+        progress: Progress = None,
+    ) -> np.ndarray:
+        """All events of a sequence, or of a renderer at `frames_per_second` [Hz], in [start, stop] s; `stats` has the rest."""
+        supply, stats, collector = _api.tides_frame_supply(), _api.tides_stats(), _Collector()
+        supply.frames_per_second, supply.start, supply.stop = frames_per_second, start, stop
+        if isinstance(frames, Renderer):
+            supply.renderer, supply.camera = frames._pointer, frames.camera.trajectory._pointer
+        else:
+            supply.frames = frames._pointer
+        with self._lock, frames._lock, Reporter(progress) as step:
+            taken = _api.tides_event_sink(kept(collector.take, 1))
+            call("tides_baseline_run", self._pointer, supply, taken, None, step, None, stats)
+        self.stats = plain(stats)
+        return collector.result()
+
+
+def _collected(name: str, *arguments: Any) -> np.ndarray:
+    collector = _Collector()
+    call(name, *arguments, _api.tides_event_sink(kept(collector.take, 1)), None)
+    return collector.result()
+
+
+def esim_next_time(params: BaselineParams, time: float, fastest_log_luminance_dot: float) -> float:
+    """When ESIM's adaptive sampling renders after `time` [s], from the largest |L_dot| there [1/s]."""
+    return lib.tides_esim_next_time(byref(params.esim), time, fastest_log_luminance_dot)
+
+
+def ldati(voxels: Any, start: float, stop: float, seed: int = 0, frame: int = 0) -> np.ndarray:
+    """V2CE's second stage: events of the voxels (2 x 10 x height x width), ON first, of the interval [start, stop) s."""
+    voxels = array(voxels, np.float64, (2, 10, None, None), "voxels")
+    height, width = voxels.shape[2:]
+    return _collected("tides_ldati", pointer(voxels, c_double), width, height, start, stop, seed, frame)

@@ -1,0 +1,97 @@
+"""Frames and the simulators that work on them."""
+
+import json
+
+import numpy as np
+import pytest
+import tides
+from conftest import SIZE
+
+
+def ramp(frames=11, stop=0.1):
+    """Luminance that rises by a factor of e over the sequence, faster on the right."""
+    times = np.linspace(0, stop, frames)
+    slope = np.tile(np.linspace(0.5, 1.5, SIZE[0]), (SIZE[1], 1))
+    return np.exp(times[:, None, None] / stop * slope) * 0.1, times
+
+
+def params(**fields):
+    made = tides.BaselineParams(method="esim", **fields)
+    made.esim.contrast_threshold_pos = made.esim.contrast_threshold_neg = 0.2
+    made.esim.contrast_threshold_sigma_pos = made.esim.contrast_threshold_sigma_neg = 0
+    return made
+
+
+def test_frames(tmp_path):
+    luminance, times = ramp()
+    frames = tides.Frames.of(luminance, times)
+    assert len(frames) == 11 and (frames.width, frames.height) == SIZE and np.array_equal(frames.times, times)
+    assert np.array_equal(frames[3], luminance[3])
+    np.savez(tmp_path / "a.npz", Y=luminance, t=times)
+    assert np.array_equal(tides.Frames(tmp_path / "a.npz")[10], luminance[10])
+    (tmp_path / "t.txt").write_text("\n".join(str(1000 * time) for time in times))
+    np.save(tmp_path / "b.npy", luminance)
+    timed = tides.Frames(tmp_path / "b.npy", timestamps=str(tmp_path / "t.txt"), unit="ms")
+    assert np.allclose(timed.times, times)
+    with pytest.raises(IndexError):
+        frames[11]
+    options = tides.FramesOptions(timestamps="a file", transfer="srgb")
+    assert options.timestamps == "a file" and options.copy(rebase=1).timestamps == "a file"
+
+
+def test_baseline():
+    luminance, times = ramp()
+    baseline = tides.Baseline(params(), *SIZE)
+    parts = [baseline.push(time, plane) for time, plane in zip(times, luminance)]
+    pushed = np.concatenate([*parts, baseline.finish()])
+    again = tides.Baseline(params(), *SIZE)
+    events = again.run(tides.Frames.of(luminance, times))
+    assert np.array_equal(pushed, events) and (events["p"] == 1).all() and len(events) > 1000
+    assert again.stats.events == len(events)
+    assert (events["x"] >= SIZE[0] // 2).sum() > (events["x"] < SIZE[0] // 2).sum()
+
+
+def test_baseline_of_a_renderer(scene, camera):
+    events = tides.Baseline(params(), *SIZE).run(tides.Renderer(scene, camera), 0.0, 0.1, frames_per_second=200)
+    assert len(events) > 100
+
+
+def test_esim_and_ldati():
+    made = params()
+    made.esim.adaptive_sampling_lambda, made.esim.minimum_framerate = 0.5, 30
+    assert tides.esim_next_time(made, 1.0, 100.0) == pytest.approx(1.005)
+    voxels = np.zeros((2, 10, 4, 5))
+    voxels[0, 3, 1, 2] = 2
+    events = tides.ldati(voxels, 0.0, 0.1, seed=1)
+    assert set(events["x"]) == {2} and set(events["y"]) == {1} and set(events["p"]) == {1}
+
+
+def test_psf(scene, camera):
+    renderer = tides.Renderer(scene, camera)
+    sharp = renderer.frame(0.05, ["L"])["L"]
+    renderer.set_psf(2.0)
+    blurred = renderer.frame(0.05, ["L"])["L"]
+    assert np.abs(np.diff(blurred)).sum() < np.abs(np.diff(sharp)).sum()
+    with pytest.raises(ValueError, match="domain"):
+        renderer.set_psf(2.0, "both")
+
+
+def test_run_of_frames(tmp_path):
+    luminance, times = ramp()
+    np.savez(tmp_path / "a.npz", Y=luminance, t=times)
+    text = {"frames": {"file": "a.npz"}, "method": "esim", "time": {"start": 0, "stop": 0.1}}
+    run = tides.Run(text=json.dumps(text), directory=tmp_path)
+    assert run.baseline.method == "esim" and len(run.open_frames()) == 11
+    events = tides.Baseline(run.baseline, *SIZE).run(run.open_frames(), run.start, run.stop)
+    assert np.array_equal(run.simulate(), events)
+    with pytest.raises(tides.errors.Unsupported, match="esim"):
+        run.simulation()
+
+
+def test_run_of_a_baseline_on_a_scene():
+    run = tides.Run("tests/install/run.json", {"method": "esim", "esim.contrast_threshold_pos": 0.2})
+    events = run.simulate("reference")
+    by_hand = tides.Baseline(run.baseline, 64, 48).run(run.renderer("reference"), 0.0, run.stop, run.frames_per_second)
+    assert len(events) > 10 and np.array_equal(events, by_hand)
+    with pytest.raises(tides.errors.Unsupported):
+        run.simulation("reference")
