@@ -34,6 +34,20 @@ TIDES_DECODER_SIGMOID = 1
 TIDES_DECODER_CLAMP = 2
 TIDES_DECODER_PLAIN = 3
 TIDES_SH_DEGREE_MAX = 4
+TIDES_REFRACTORY_HOLD = 0
+TIDES_REFRACTORY_DROP_KEEP = 1
+TIDES_REFRACTORY_DROP_CONSUME = 2
+TIDES_PSF_LOG = 0
+TIDES_PSF_LINEAR = 1
+TIDES_BANDWIDTH_FIRST_ORDER = 0
+TIDES_BANDWIDTH_CIRCUIT = 1
+TIDES_PHOTORECEPTOR_CONSTANT = 0
+TIDES_PHOTORECEPTOR_INTENSITY = 1
+TIDES_CAUSE_SIGNAL = 0
+TIDES_CAUSE_LEAK = 1
+TIDES_CAUSE_SHOT = 2
+TIDES_CAUSE_HOT = 3
+TIDES_CAUSES = 4
 TIDES_RULES_SMOOTH = 0
 TIDES_RULES_INRIA = 1
 TIDES_RULES_GSPLAT = 2
@@ -53,20 +67,6 @@ TIDES_B_DOT = 12
 TIDES_Z = 13
 TIDES_Z_DOT = 14
 TIDES_CHANNELS = 15
-TIDES_REFRACTORY_HOLD = 0
-TIDES_REFRACTORY_DROP_KEEP = 1
-TIDES_REFRACTORY_DROP_CONSUME = 2
-TIDES_PSF_LOG = 0
-TIDES_PSF_LINEAR = 1
-TIDES_BANDWIDTH_FIRST_ORDER = 0
-TIDES_BANDWIDTH_CIRCUIT = 1
-TIDES_PHOTORECEPTOR_CONSTANT = 0
-TIDES_PHOTORECEPTOR_INTENSITY = 1
-TIDES_CAUSE_SIGNAL = 0
-TIDES_CAUSE_LEAK = 1
-TIDES_CAUSE_SHOT = 2
-TIDES_CAUSE_HOT = 3
-TIDES_CAUSES = 4
 TIDES_READOUT_TILES = 0
 TIDES_READOUT_ROWS = 1
 TIDES_READOUT_BOTTLENECK = 2
@@ -80,6 +80,24 @@ TIDES_STEPPING_ERROR = 2
 TIDES_STEPPING_ERROR_RISK = 3
 TIDES_SLOPE_EXACT = 0
 TIDES_SLOPE_DIFFERENCE = 1
+TIDES_TRANSFER_LINEAR = 0
+TIDES_TRANSFER_SRGB = 1
+TIDES_TIME_AUTO = 0
+TIDES_TIME_S = 1
+TIDES_TIME_MS = 2
+TIDES_TIME_US = 3
+TIDES_TIME_NS = 4
+TIDES_METHOD_TIDES = 0
+TIDES_METHOD_ESIM = 1
+TIDES_METHOD_V2E = 2
+TIDES_METHOD_IEBCS = 3
+TIDES_METHOD_VOLTMETER = 4
+TIDES_ESIM_NONE = 0
+TIDES_ESIM_BRIGHTNESS = 1
+TIDES_ARBITER_NONE = 0
+TIDES_ARBITER_BOTTLENECK = 1
+TIDES_ARBITER_ROW = 2
+TIDES_ARBITER_SYNCHRONOUS = 3
 TIDES_EXR_NONE = 0
 TIDES_EXR_ZIPS = 2
 TIDES_EXR_ZIP = 3
@@ -113,6 +131,7 @@ TIDES_PARAM_STRING = 3
 TIDES_PARAM_CHOICE = 4
 TIDES_PARAM_VECTOR3 = 5
 TIDES_PARAM_OBJECTS = 6
+TIDES_PARAM_VECTOR2 = 7
 
 # Opaque objects: only pointers to them exist here.
 
@@ -150,6 +169,14 @@ class tides_arbiter(Structure):
 
 
 class tides_simulator(Structure):
+    pass
+
+
+class tides_frames(Structure):
+    pass
+
+
+class tides_baseline(Structure):
     pass
 
 
@@ -764,139 +791,6 @@ class tides_world(Structure):
     ]
 
 
-class tides_smoothing(Structure):
-    """double taper_begin,
-    taper_end; /* splat alpha rises from 0 to its full value between these (C2), 0 < begin <= end < 1; equal:
-    a hard cutoff there */
-    double stop_change; /* what the rest of a pixel's list may change in L when compositing stops; 0: stops hard, before
-    the splat that takes the transmittance below 1e-4 */
-    double near_fade; /* splats have their full opacity at this many near planes, >= 1; 1: they pop up there */
-    double soft_depth; /* relative depth within which two splats swap places gradually, < 1; 0: a hard order */
-    int32_t ellipses; /* 1: extents are the ellipse out to the taper's begin; 0: squares of 3 sigma, on whole tiles */
-    int32_t reserved;
-    """
-
-    taper_begin: float
-    taper_end: float
-    stop_change: float
-    near_fade: float
-    soft_depth: float
-    ellipses: int
-    reserved: int
-
-    _fields_ = [
-        ("taper_begin", c_double),
-        ("taper_end", c_double),
-        ("stop_change", c_double),
-        ("near_fade", c_double),
-        ("soft_depth", c_double),
-        ("ellipses", c_int32),
-        ("reserved", c_int32),
-    ]
-
-
-class tides_image_params(Structure):
-    """uint32_t size; /* sizeof this struct */
-    int32_t rules; /* TIDES_RULES_* */
-    int32_t antialias; /* 1: opacity times sqrt(det before / det after dilation) */
-    int32_t sh_degree; /* bands above this are ignored, 0..4 */
-    double dilation; /* added to the diagonal of the 2D covariance [px^2] */
-    double luminance[3]; /* Y = luminance . (r, g, b) */
-    double log_eps; /* L = ln(Y + log_eps), > 0 */
-    double background[3]; /* r g b, >= 0 */
-    tides_smoothing smoothing;
-    """
-
-    size: int
-    rules: int
-    antialias: int
-    sh_degree: int
-    dilation: float
-    luminance: Any
-    log_eps: float
-    background: Any
-    smoothing: tides_smoothing
-
-    _fields_ = [
-        ("size", c_uint32),
-        ("rules", c_int32),
-        ("antialias", c_int32),
-        ("sh_degree", c_int32),
-        ("dilation", c_double),
-        ("luminance", c_double * 3),
-        ("log_eps", c_double),
-        ("background", c_double * 3),
-        ("smoothing", tides_smoothing),
-    ]
-
-
-class tides_frame(Structure):
-    """double *plane[TIDES_CHANNELS];
-    """
-
-    plane: Any
-
-    _fields_ = [
-        ("plane", P(c_double) * 15),
-    ]
-
-
-class tides_render_stats(Structure):
-    """uint64_t tile_jobs; /* (tile, time) pairs composited */
-    uint64_t tile_jobs_skipped; /* tiles without a candidate: background by formula */
-    uint64_t gaussians_total; /* Gaussians in the scene */
-    uint64_t gaussians_projected; /* (Gaussian, tile job) projections */
-    uint64_t gaussians_culled; /* of these, not touching their tile at that time */
-    uint64_t gaussians_still; /* at rest before a resting camera: not looked at again when lists were made */
-    uint64_t gaussians_moved; /* rows worked out of Gaussians that move by themselves: (Gaussian, time) pairs */
-    uint64_t sweeps; /* times that Gaussians were swept for tile candidate lists */
-    uint64_t pairs_evaluated; /* (splat, pixel) pairs composited, in blocks of 16 */
-    double time_build_s, time_motion_s, time_sweep_s, time_project_s, time_sort_s, time_composite_s, time_transfer_s;
-    int32_t tiles; /* tiles in a full frame */
-    int32_t reserved;
-    """
-
-    tile_jobs: int
-    tile_jobs_skipped: int
-    gaussians_total: int
-    gaussians_projected: int
-    gaussians_culled: int
-    gaussians_still: int
-    gaussians_moved: int
-    sweeps: int
-    pairs_evaluated: int
-    time_build_s: float
-    time_motion_s: float
-    time_sweep_s: float
-    time_project_s: float
-    time_sort_s: float
-    time_composite_s: float
-    time_transfer_s: float
-    tiles: int
-    reserved: int
-
-    _fields_ = [
-        ("tile_jobs", c_uint64),
-        ("tile_jobs_skipped", c_uint64),
-        ("gaussians_total", c_uint64),
-        ("gaussians_projected", c_uint64),
-        ("gaussians_culled", c_uint64),
-        ("gaussians_still", c_uint64),
-        ("gaussians_moved", c_uint64),
-        ("sweeps", c_uint64),
-        ("pairs_evaluated", c_uint64),
-        ("time_build_s", c_double),
-        ("time_motion_s", c_double),
-        ("time_sweep_s", c_double),
-        ("time_project_s", c_double),
-        ("time_sort_s", c_double),
-        ("time_composite_s", c_double),
-        ("time_transfer_s", c_double),
-        ("tiles", c_int32),
-        ("reserved", c_int32),
-    ]
-
-
 class tides_circuit(Structure):
     """double photocurrent_a; /* at Y = 1 [A] */
     double dark_current_a; /* [A], > 0 */
@@ -1016,6 +910,142 @@ class tides_sensor(Structure):
         ("noise_rms", c_double),
         ("noise_cutoff_hz", c_double),
         ("seed", c_uint64),
+    ]
+
+
+class tides_smoothing(Structure):
+    """double taper_begin,
+    taper_end; /* splat alpha rises from 0 to its full value between these (C2), 0 < begin <= end < 1; equal:
+    a hard cutoff there */
+    double stop_change; /* what the rest of a pixel's list may change in L when compositing stops; 0: stops hard, before
+    the splat that takes the transmittance below 1e-4 */
+    double near_fade; /* splats have their full opacity at this many near planes, >= 1; 1: they pop up there */
+    double soft_depth; /* relative depth within which two splats swap places gradually, < 1; 0: a hard order */
+    int32_t ellipses; /* 1: extents are the ellipse out to the taper's begin; 0: squares of 3 sigma, on whole tiles */
+    int32_t reserved;
+    """
+
+    taper_begin: float
+    taper_end: float
+    stop_change: float
+    near_fade: float
+    soft_depth: float
+    ellipses: int
+    reserved: int
+
+    _fields_ = [
+        ("taper_begin", c_double),
+        ("taper_end", c_double),
+        ("stop_change", c_double),
+        ("near_fade", c_double),
+        ("soft_depth", c_double),
+        ("ellipses", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_image_params(Structure):
+    """uint32_t size; /* sizeof this struct */
+    int32_t rules; /* TIDES_RULES_* */
+    int32_t antialias; /* 1: opacity times sqrt(det before / det after dilation) */
+    int32_t sh_degree; /* bands above this are ignored, 0..4 */
+    double dilation; /* added to the diagonal of the 2D covariance [px^2] */
+    double luminance[3]; /* Y = luminance . (r, g, b) */
+    double log_eps; /* L = ln(Y + log_eps), > 0 */
+    double background[3]; /* r g b, >= 0 */
+    tides_smoothing smoothing;
+    """
+
+    size: int
+    rules: int
+    antialias: int
+    sh_degree: int
+    dilation: float
+    luminance: Any
+    log_eps: float
+    background: Any
+    smoothing: tides_smoothing
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("rules", c_int32),
+        ("antialias", c_int32),
+        ("sh_degree", c_int32),
+        ("dilation", c_double),
+        ("luminance", c_double * 3),
+        ("log_eps", c_double),
+        ("background", c_double * 3),
+        ("smoothing", tides_smoothing),
+    ]
+
+
+class tides_frame(Structure):
+    """double *plane[TIDES_CHANNELS];
+    """
+
+    plane: Any
+
+    _fields_ = [
+        ("plane", P(c_double) * 15),
+    ]
+
+
+class tides_render_stats(Structure):
+    """uint64_t tile_jobs; /* (tile, time) pairs composited */
+    uint64_t tile_jobs_skipped; /* tiles without a candidate: background by formula */
+    uint64_t gaussians_total; /* Gaussians in the scene */
+    uint64_t gaussians_projected; /* (Gaussian, tile job) projections */
+    uint64_t gaussians_culled; /* of these, not touching their tile at that time */
+    uint64_t gaussians_still; /* at rest before a resting camera: not looked at again when lists were made */
+    uint64_t gaussians_moved; /* rows worked out of Gaussians that move by themselves: (Gaussian, time) pairs */
+    uint64_t gaussians_interpolated; /* rows that were interpolated instead (tides_stepping.interpolate_motion) */
+    uint64_t sweeps; /* times that Gaussians were swept for tile candidate lists */
+    uint64_t pairs_evaluated; /* (splat, pixel) pairs composited, in blocks of 16 */
+    double time_build_s, time_motion_s, time_sweep_s, time_project_s, time_sort_s, time_composite_s, time_transfer_s;
+    int32_t tiles; /* tiles in a full frame */
+    int32_t reserved;
+    """
+
+    tile_jobs: int
+    tile_jobs_skipped: int
+    gaussians_total: int
+    gaussians_projected: int
+    gaussians_culled: int
+    gaussians_still: int
+    gaussians_moved: int
+    gaussians_interpolated: int
+    sweeps: int
+    pairs_evaluated: int
+    time_build_s: float
+    time_motion_s: float
+    time_sweep_s: float
+    time_project_s: float
+    time_sort_s: float
+    time_composite_s: float
+    time_transfer_s: float
+    tiles: int
+    reserved: int
+
+    _fields_ = [
+        ("tile_jobs", c_uint64),
+        ("tile_jobs_skipped", c_uint64),
+        ("gaussians_total", c_uint64),
+        ("gaussians_projected", c_uint64),
+        ("gaussians_culled", c_uint64),
+        ("gaussians_still", c_uint64),
+        ("gaussians_moved", c_uint64),
+        ("gaussians_interpolated", c_uint64),
+        ("sweeps", c_uint64),
+        ("pairs_evaluated", c_uint64),
+        ("time_build_s", c_double),
+        ("time_motion_s", c_double),
+        ("time_sweep_s", c_double),
+        ("time_project_s", c_double),
+        ("time_sort_s", c_double),
+        ("time_composite_s", c_double),
+        ("time_transfer_s", c_double),
+        ("tiles", c_int32),
+        ("reserved", c_int32),
     ]
 
 
@@ -1319,7 +1349,9 @@ class tides_stepping(Structure):
     the measures are worst. 0: no bound */
     tides_risk risk; /* RISK */
     int32_t slope; /* TIDES_SLOPE_* */
-    int32_t reserved;
+    int32_t interpolate_motion; /* 1: between the start, middle and end of a macro step dear motion models (networks,
+    callbacks) are interpolated, Gaussian by Gaussian where that is estimated to stay within
+    both tolerances. FIXED: has no effect, each step is worked out */
     """
 
     size: int
@@ -1333,7 +1365,7 @@ class tides_stepping(Structure):
     budget: float
     risk: tides_risk
     slope: int
-    reserved: int
+    interpolate_motion: int
 
     _fields_ = [
         ("size", c_uint32),
@@ -1347,7 +1379,7 @@ class tides_stepping(Structure):
         ("budget", c_double),
         ("risk", tides_risk),
         ("slope", c_int32),
-        ("reserved", c_int32),
+        ("interpolate_motion", c_int32),
     ]
 
 
@@ -1449,6 +1481,245 @@ class tides_stats(Structure):
 
 
 tides_event_sink = CFUNCTYPE(c_int, c_void_p, P(tides_event), c_size_t)
+
+
+class tides_frames_options(Structure):
+    """uint32_t size;
+    int32_t transfer; /* TIDES_TRANSFER_* */
+    int32_t unit; /* TIDES_TIME_* of timestamp files and of arrays with times */
+    int32_t rebase; /* 1: the first frame's time becomes 0 */
+    const char *timestamps; /* text file with one time per line, or NULL */
+    double frames_per_second; /* [Hz]: frame k is at k / rate; 0: not given */
+    double luminance[3]; /* weights of r, g, b */
+    """
+
+    size: int
+    transfer: int
+    unit: int
+    rebase: int
+    timestamps: bytes | None
+    frames_per_second: float
+    luminance: Any
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("transfer", c_int32),
+        ("unit", c_int32),
+        ("rebase", c_int32),
+        ("timestamps", c_char_p),
+        ("frames_per_second", c_double),
+        ("luminance", c_double * 3),
+    ]
+
+
+class tides_esim(Structure):
+    """double contrast_threshold_pos, contrast_threshold_neg; /* [log units] 1.0 */
+    double contrast_threshold_sigma_pos, contrast_threshold_sigma_neg; /* [log units] 0.021, drawn anew per frame and pixel */
+    double refractory_period_ns; /* [ns] 0: events are dropped, their contrast consumed */
+    double log_eps; /* 0.001 */
+    int32_t use_log_image; /* 1; 0: thresholds are on Y itself */
+    int32_t adaptive_sampling; /* TIDES_ESIM_*, of renders: tides_baseline_next_time */
+    double adaptive_sampling_lambda; /* 0.5: change of L [1] between two renders */
+    double minimum_framerate; /* [Hz] 30: the longest time between two renders */
+    """
+
+    contrast_threshold_pos: float
+    contrast_threshold_neg: float
+    contrast_threshold_sigma_pos: float
+    contrast_threshold_sigma_neg: float
+    refractory_period_ns: float
+    log_eps: float
+    use_log_image: int
+    adaptive_sampling: int
+    adaptive_sampling_lambda: float
+    minimum_framerate: float
+
+    _fields_ = [
+        ("contrast_threshold_pos", c_double),
+        ("contrast_threshold_neg", c_double),
+        ("contrast_threshold_sigma_pos", c_double),
+        ("contrast_threshold_sigma_neg", c_double),
+        ("refractory_period_ns", c_double),
+        ("log_eps", c_double),
+        ("use_log_image", c_int32),
+        ("adaptive_sampling", c_int32),
+        ("adaptive_sampling_lambda", c_double),
+        ("minimum_framerate", c_double),
+    ]
+
+
+class tides_v2e(Structure):
+    """double pos_thres, neg_thres, sigma_thres; /* [log units] 0.2, 0.2, 0.03 once per pixel */
+    double cutoff_hz; /* [Hz] 300; 0: off */
+    double leak_rate_hz; /* [Hz] 0.01 */
+    double leak_jitter_fraction; /* 0.1 of the leak, per frame */
+    double noise_rate_cov_decades; /* 0.1: log-normal spread of leak rates */
+    double shot_noise_rate_hz; /* [Hz] 0.001 */
+    double refractory_period; /* [s] 0.0005 */
+    double cs_lambda_pixels, cs_tau_p_ms; /* [px], [ms] 0: no surround; */
+    int32_t photoreceptor_noise; /* 0; 1: noise before the comparator instead of shot noise */
+    int32_t hdr; /* 0; 1: what is pushed is the logarithm already */
+    int32_t float32_timestamps; /* 0; 1: sub-times rounded to float32 seconds, as v2e does */
+    """
+
+    pos_thres: float
+    neg_thres: float
+    sigma_thres: float
+    cutoff_hz: float
+    leak_rate_hz: float
+    leak_jitter_fraction: float
+    noise_rate_cov_decades: float
+    shot_noise_rate_hz: float
+    refractory_period: float
+    cs_lambda_pixels: float
+    cs_tau_p_ms: float
+    photoreceptor_noise: int
+    hdr: int
+    float32_timestamps: int
+
+    _fields_ = [
+        ("pos_thres", c_double),
+        ("neg_thres", c_double),
+        ("sigma_thres", c_double),
+        ("cutoff_hz", c_double),
+        ("leak_rate_hz", c_double),
+        ("leak_jitter_fraction", c_double),
+        ("noise_rate_cov_decades", c_double),
+        ("shot_noise_rate_hz", c_double),
+        ("refractory_period", c_double),
+        ("cs_lambda_pixels", c_double),
+        ("cs_tau_p_ms", c_double),
+        ("photoreceptor_noise", c_int32),
+        ("hdr", c_int32),
+        ("float32_timestamps", c_int32),
+    ]
+
+
+class tides_voltmeter(Structure):
+    """double k1, k2, k3, k4, k5, k6; /* 5.265, 20, 1e-4, 1e-7, 5e-9, 1e-5 */
+    """
+
+    k1: float
+    k2: float
+    k3: float
+    k4: float
+    k5: float
+    k6: float
+
+    _fields_ = [
+        ("k1", c_double),
+        ("k2", c_double),
+        ("k3", c_double),
+        ("k4", c_double),
+        ("k5", c_double),
+        ("k6", c_double),
+    ]
+
+
+class tides_iebcs(Structure):
+    """double th_pos, th_neg, th_noise; /* [log units] 0.4, 0.4, 0.01, drawn anew after each event */
+    double lat, jit, ref; /* [us] 100, 10, 100: latency, its spread, refractory period */
+    double tau; /* [us] 40: time constant at 1 klux */
+    double bgnp, bgnn; /* [Hz] 0.1, 0.01: periodic noise events of each polarity */
+    double scale; /* 1e4: lux-like units of Y = 1 */
+    const char *noise_pos; /* .npy of measured noise histograms (rows, columns, 72) per polarity, or NULL */
+    const char *noise_neg;
+    double arbiter_us; /* [us] 0.1: time per event, per event of a row, or per clock */
+    int32_t arbiter; /* TIDES_ARBITER_* */
+    """
+
+    th_pos: float
+    th_neg: float
+    th_noise: float
+    lat: float
+    jit: float
+    ref: float
+    tau: float
+    bgnp: float
+    bgnn: float
+    scale: float
+    noise_pos: bytes | None
+    noise_neg: bytes | None
+    arbiter_us: float
+    arbiter: int
+
+    _fields_ = [
+        ("th_pos", c_double),
+        ("th_neg", c_double),
+        ("th_noise", c_double),
+        ("lat", c_double),
+        ("jit", c_double),
+        ("ref", c_double),
+        ("tau", c_double),
+        ("bgnp", c_double),
+        ("bgnn", c_double),
+        ("scale", c_double),
+        ("noise_pos", c_char_p),
+        ("noise_neg", c_char_p),
+        ("arbiter_us", c_double),
+        ("arbiter", c_int32),
+    ]
+
+
+class tides_baseline_params(Structure):
+    """uint32_t size;
+    int32_t method; /* TIDES_METHOD_* */
+    uint64_t seed;
+    tides_sensor sensor; /* of TIDES_METHOD_TIDES */
+    double log_eps; /* likewise: L = ln(Y + log_eps) */
+    tides_esim esim;
+    tides_v2e v2e;
+    tides_voltmeter voltmeter;
+    tides_iebcs iebcs;
+    """
+
+    size: int
+    method: int
+    seed: int
+    sensor: tides_sensor
+    log_eps: float
+    esim: tides_esim
+    v2e: tides_v2e
+    voltmeter: tides_voltmeter
+    iebcs: tides_iebcs
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("method", c_int32),
+        ("seed", c_uint64),
+        ("sensor", tides_sensor),
+        ("log_eps", c_double),
+        ("esim", tides_esim),
+        ("v2e", tides_v2e),
+        ("voltmeter", tides_voltmeter),
+        ("iebcs", tides_iebcs),
+    ]
+
+
+class tides_frame_supply(Structure):
+    """tides_frames *frames; /* a sequence: those of its frames that lie in [start, stop]; or NULL, and */
+    tides_renderer *renderer; /* a renderer, */
+    const tides_trajectory *camera; /* its camera, */
+    double frames_per_second; /* and the rate of renders from start on [Hz], the last one at stop; ESIM has its own where
+    its sampling is adaptive */
+    double start, stop; /* [s] */
+    """
+
+    frames: Any
+    renderer: Any
+    camera: Any
+    frames_per_second: float
+    start: float
+    stop: float
+
+    _fields_ = [
+        ("frames", P(tides_frames)),
+        ("renderer", P(tides_renderer)),
+        ("camera", P(tides_trajectory)),
+        ("frames_per_second", c_double),
+        ("start", c_double),
+        ("stop", c_double),
+    ]
 
 
 class tides_channel(Structure):
@@ -1816,6 +2087,10 @@ class tides_run_values(Structure):
     tides_readout readout;
     double start, stop;
     const char *scene_file, *camera_file, *device, *seed, *method;
+    tides_baseline_params baseline; /* its method is `method` */
+    tides_frames_options frames;
+    const char *frames_file; /* NULL: the run has a scene */
+    double frames_per_second; /* of a baseline's renders [Hz] */
     const char *json; /* the run with every default filled in, as written into event files */
     """
 
@@ -1831,6 +2106,10 @@ class tides_run_values(Structure):
     device: bytes | None
     seed: bytes | None
     method: bytes | None
+    baseline: tides_baseline_params
+    frames: tides_frames_options
+    frames_file: bytes | None
+    frames_per_second: float
     json: bytes | None
 
     _fields_ = [
@@ -1846,6 +2125,10 @@ class tides_run_values(Structure):
         ("device", c_char_p),
         ("seed", c_char_p),
         ("method", c_char_p),
+        ("baseline", tides_baseline_params),
+        ("frames", tides_frames_options),
+        ("frames_file", c_char_p),
+        ("frames_per_second", c_double),
         ("json", c_char_p),
     ]
 
@@ -1896,6 +2179,29 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     # tides_status tides_array_writer_open(const char *path, const tides_array_shape *shape, tides_array_writer
     # **writer, tides_error *error)
     "tides_array_writer_open": (c_int32, [c_char_p, P(tides_array_shape), P(P(tides_array_writer)), P(tides_error)]),
+    # tides_status tides_baseline_create(const tides_baseline_params *params, int32_t width, int32_t height,
+    # tides_baseline **baseline, tides_error *error)
+    "tides_baseline_create": (c_int32, [
+        P(tides_baseline_params), c_int32, c_int32, P(P(tides_baseline)), P(tides_error)
+    ]),
+    # void tides_baseline_destroy(tides_baseline *baseline)
+    "tides_baseline_destroy": (None, [P(tides_baseline)]),
+    # tides_status tides_baseline_finish(tides_baseline *baseline, tides_event_sink sink, void *user, tides_error
+    # *error)
+    "tides_baseline_finish": (c_int32, [P(tides_baseline), tides_event_sink, c_void_p, P(tides_error)]),
+    # void tides_baseline_params_defaults(tides_baseline_params *params)
+    "tides_baseline_params_defaults": (None, [P(tides_baseline_params)]),
+    # tides_status tides_baseline_push(tides_baseline *baseline, double time, const double *Y, tides_event_sink sink,
+    # void *user, tides_error *error)
+    "tides_baseline_push": (c_int32, [
+        P(tides_baseline), c_double, P(c_double), tides_event_sink, c_void_p, P(tides_error)
+    ]),
+    # tides_status tides_baseline_run(tides_baseline *baseline, const tides_frame_supply *supply, tides_event_sink sink,
+    # void *sink_user, tides_progress progress, void *user, tides_stats *stats, tides_error *error)
+    "tides_baseline_run": (c_int32, [
+        P(tides_baseline), P(tides_frame_supply), tides_event_sink, c_void_p, tides_progress, c_void_p,
+        P(tides_stats), P(tides_error)
+    ]),
     # const char *tides_channel_name(int32_t channel)
     "tides_channel_name": (c_char_p, [c_int32]),
     # void tides_device_close(tides_device *device)
@@ -1906,6 +2212,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_device_list": (c_int32, [P(tides_device_info), c_int32, P(c_int32), P(tides_error)]),
     # tides_status tides_device_open(const char *spec, tides_device **device, tides_error *error)
     "tides_device_open": (c_int32, [c_char_p, P(P(tides_device)), P(tides_error)]),
+    # double tides_esim_next_time(const tides_esim *esim, double time, double fastest_log_luminance_dot)
+    "tides_esim_next_time": (c_double, [P(tides_esim), c_double, c_double]),
     # void tides_event_conversion_defaults(tides_event_conversion *conversion)
     "tides_event_conversion_defaults": (None, [P(tides_event_conversion)]),
     # int32_t tides_event_format_at(size_t index, tides_event_format *format)
@@ -1982,6 +2290,26 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_exr_write": (c_int32, [
         c_char_p, c_int32, c_int32, P(tides_channel), c_int32, c_int32, P(c_char_p), P(tides_error)
     ]),
+    # void tides_frames_close(tides_frames *frames)
+    "tides_frames_close": (None, [P(tides_frames)]),
+    # size_t tides_frames_count(const tides_frames *frames)
+    "tides_frames_count": (c_size_t, [P(tides_frames)]),
+    # tides_status tides_frames_from_memory(const double *Y, const double *times, size_t count, int32_t width, int32_t
+    # height, tides_frames **frames, tides_error *error)
+    "tides_frames_from_memory": (c_int32, [
+        P(c_double), P(c_double), c_size_t, c_int32, c_int32, P(P(tides_frames)), P(tides_error)
+    ]),
+    # tides_status tides_frames_open(const char *path, const tides_frames_options *options, tides_frames **frames,
+    # tides_error *error)
+    "tides_frames_open": (c_int32, [c_char_p, P(tides_frames_options), P(P(tides_frames)), P(tides_error)]),
+    # void tides_frames_options_defaults(tides_frames_options *options)
+    "tides_frames_options_defaults": (None, [P(tides_frames_options)]),
+    # tides_status tides_frames_read(tides_frames *frames, size_t index, double *Y, tides_error *error)
+    "tides_frames_read": (c_int32, [P(tides_frames), c_size_t, P(c_double), P(tides_error)]),
+    # void tides_frames_size(const tides_frames *frames, int32_t *width, int32_t *height)
+    "tides_frames_size": (None, [P(tides_frames), P(c_int32), P(c_int32)]),
+    # double tides_frames_time(const tides_frames *frames, size_t index)
+    "tides_frames_time": (c_double, [P(tides_frames), c_size_t]),
     # void tides_free(void *memory)
     "tides_free": (None, [c_void_p]),
     # tides_status tides_generate(const char *kind, const tides_generate_options *options, tides_world *world,
@@ -1993,6 +2321,12 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_generators": (P(tides_generator), [P(c_size_t)]),
     # void tides_image_params_defaults(tides_image_params *params)
     "tides_image_params_defaults": (None, [P(tides_image_params)]),
+    # tides_status tides_ldati(const double *voxels, int32_t width, int32_t height, double start, double stop, uint64_t
+    # seed, uint64_t frame, tides_event_sink sink, void *user, tides_error *error)
+    "tides_ldati": (c_int32, [
+        P(c_double), c_int32, c_int32, c_double, c_double, c_uint64, c_uint64, tides_event_sink, c_void_p,
+        P(tides_error)
+    ]),
     # tides_status tides_match_events(const tides_event *reference, size_t reference_count, const tides_event
     # *simulated, size_t simulated_count, double limit_s, tides_match *match, tides_error *error)
     "tides_match_events": (c_int32, [
@@ -2071,6 +2405,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_renderer_frame": (c_int32, [
         P(tides_renderer), P(tides_trajectory), c_double, P(tides_frame), P(tides_error)
     ]),
+    # tides_status tides_renderer_set_psf(tides_renderer *renderer, double sigma_px, int32_t domain, tides_error *error)
+    "tides_renderer_set_psf": (c_int32, [P(tides_renderer), c_double, c_int32, P(tides_error)]),
     # void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *stats)
     "tides_renderer_stats": (None, [P(tides_renderer), P(tides_render_stats)]),
     # void tides_run_destroy(tides_run *run)
@@ -2085,6 +2421,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_run_open": (c_int32, [
         P(tides_run), P(P(tides_scene)), P(P(tides_trajectory)), P(tides_intrinsics), P(tides_error)
     ]),
+    # tides_status tides_run_open_frames(const tides_run *run, tides_frames **frames, tides_error *error)
+    "tides_run_open_frames": (c_int32, [P(tides_run), P(P(tides_frames)), P(tides_error)]),
     # tides_status tides_run_parse(const char *text, const char *directory, const char *const *overrides, size_t count,
     # tides_run **run, tides_error *error)
     "tides_run_parse": (c_int32, [c_char_p, c_char_p, P(c_char_p), c_size_t, P(P(tides_run)), P(tides_error)]),
@@ -2220,9 +2558,10 @@ STRUCTS = (
     tides_error, tides_device_info, tides_pose_sample, tides_pose, tides_orbit, tides_dolly, tides_handheld,
     tides_polynomial_motion, tides_rotor_motion, tides_keyframes_motion, tides_theta, tides_callback_motion,
     tides_gaussians, tides_object, tides_intrinsics, tides_path_options, tides_path, tides_generator,
-    tides_generate_options, tides_world, tides_smoothing, tides_image_params, tides_frame, tides_render_stats,
-    tides_circuit, tides_sensor, tides_event, tides_event_file, tides_event_format, tides_event_facts,
-    tides_event_summary, tides_event_conversion, tides_event_conversion_report, tides_readout, tides_readout_stats,
-    tides_risk, tides_stepping, tides_stats, tides_channel, tides_match, tides_metrics_options, tides_interval_fit,
+    tides_generate_options, tides_world, tides_circuit, tides_sensor, tides_smoothing, tides_image_params, tides_frame,
+    tides_render_stats, tides_event, tides_event_file, tides_event_format, tides_event_facts, tides_event_summary,
+    tides_event_conversion, tides_event_conversion_report, tides_readout, tides_readout_stats, tides_risk,
+    tides_stepping, tides_stats, tides_frames_options, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs,
+    tides_baseline_params, tides_frame_supply, tides_channel, tides_match, tides_metrics_options, tides_interval_fit,
     tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_param, tides_run_values,
 )
