@@ -43,10 +43,10 @@ typedef struct tides_stepping {
     double budget;           /* renders that halving may cost in the whole run, in full frames; what is over it goes first where
                                 the measures are worst. 0: no bound */
     tides_risk risk;         /* RISK */
-    int32_t
-        interpolate_motion; /* 1: between the start, middle and end of a macro step dear motion models (networks, callbacks) are
-                                   interpolated, Gaussian by Gaussian where that is estimated to stay within both tolerances.
-                                   FIXED: has no effect, each step is worked out */
+    /* 1: what dear motion models (networks, callbacks) give within a macro step is interpolated between its start, middle and
+     * end, for each Gaussian that this is estimated to serve within both tolerances. FIXED: has no effect, steps have nothing
+     * within. */
+    int32_t interpolate_motion;
     int32_t reserved;
 } tides_stepping;
 TIDES_API void tides_stepping_defaults(tides_stepping *stepping);
