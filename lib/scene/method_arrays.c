@@ -19,5 +19,6 @@ tides_status td_arrays_finish(tides_status status, const char *path, td_gaussian
     }
     tides_motion_destroy(moves);
     td_gaussians_free(made);
-    return td_fail_within(error, status, "%s", path);
+    /* What makes motions takes the arrays for a caller's. */
+    return td_fail_within(error, status == TIDES_BAD_ARGUMENT ? TIDES_BAD_FILE : status, "%s", path);
 }
