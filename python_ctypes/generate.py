@@ -169,7 +169,13 @@ def hint(kind, callbacks):
 
 
 def write_struct(name, fields, body, callbacks):
-    lines = ["", "", f"class {name}(Structure):", '    """' + body.replace("\\", "\\\\").replace("\n", "\n    ") + '\n    """', ""]
+    lines = [
+        "",
+        "",
+        f"class {name}(Structure):",
+        '    """' + body.replace("\\", "\\\\").replace("\n", "\n    ") + '\n    """',
+        "",
+    ]
     lines += [f"    {field}: {hint(kind, callbacks)}" for field, kind in fields if not keyword.iskeyword(field)]
     lines += ["", "    _fields_ = ["]
     return lines + [f'        ("{field}", {kind}),' for field, kind in fields] + ["    ]"]
@@ -185,11 +191,22 @@ def write_function(name, result, kinds, plain):
     return lines + [f'    "{name}": ({result}, ['] + [f"        {one}" for one in wrapped] + ["    ]),"]
 
 
+HEAD = '''"""The C interface, made by generate.py from include/tides/*.h: `make python` where one changed. Do not edit."""
+
+# fmt: off
+# flake8: noqa
+from __future__ import annotations
+
+from ctypes import CFUNCTYPE, POINTER as P, Structure
+from ctypes import c_char, c_char_p, c_double, c_float, c_int, c_int8, c_int16, c_int32, c_int64
+from ctypes import c_size_t, c_uint8, c_uint16, c_uint32, c_uint64, c_void_p
+from typing import Any
+
+'''
+
+
 def python(api):
-    lines = ['"""The C interface, made by generate.py from include/tides/*.h: `make python` after a header has changed. Do not edit."""',
-             "", "# fmt: off", "# flake8: noqa", "from __future__ import annotations", "", "from ctypes import CFUNCTYPE, POINTER as P, Structure",
-             "from ctypes import c_char, c_char_p, c_double, c_float, c_int, c_int8, c_int16, c_int32, c_int64",
-             "from ctypes import c_size_t, c_uint8, c_uint16, c_uint32, c_uint64, c_void_p", "from typing import Any", ""]  # fmt: skip
+    lines = HEAD.splitlines()
     lines += [f"{name} = {value}" for name, value in api.constants.items()]
     lines += ["", "# Opaque objects: only pointers to them exist here."]
     for name in api.opaque:
@@ -200,10 +217,21 @@ def python(api):
         else:
             result, kinds = api.callbacks[name]
             lines += ["", "", f"{name} = CFUNCTYPE({', '.join([str(result)] + kinds)})"]
-    lines += ["", "", "# name: (type of the result, types of the arguments)", "FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {"]
+    lines += [
+        "",
+        "",
+        "# name: (type of the result, types of the arguments)",
+        "FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {",
+    ]
     for name in sorted(api.functions):
         lines += write_function(name, *api.functions[name])
-    lines += ["}", "", "STRUCTS = (", *textwrap.wrap(", ".join(api.structs) + ",", WIDTH, initial_indent="    ", subsequent_indent="    "), ")"]
+    lines += [
+        "}",
+        "",
+        "STRUCTS = (",
+        *textwrap.wrap(", ".join(api.structs) + ",", WIDTH, initial_indent="    ", subsequent_indent="    "),
+        ")",
+    ]
     return "\n".join(lines) + "\n"
 
 

@@ -37,7 +37,9 @@ def main(output="optical_flow.png"):
     flow = flow_of_blocks(frame["L"], frame["L_dot"])
     true = np.array([-lens.fx * VELOCITY / DISTANCE, 0])
     error = np.linalg.norm(flow - true, axis=-1) / np.linalg.norm(true)
-    print(f"true flow ({true[0]:.2f}, {true[1]:.2f}) px/s; estimated, median of blocks: {np.nanmedian(flow, axis=(0, 1)).round(2)}")
+    print(
+        f"true flow ({true[0]:.2f}, {true[1]:.2f}) px/s; median of the blocks' {np.nanmedian(flow, axis=(0, 1)).round(2)}"
+    )
     print(f"median error of a block: {100 * np.nanmedian(error):.1f} %")
     tides.image.write_png(output, tides.image.picture_signed(frame["L_dot"]))
     print(output)

@@ -1,6 +1,6 @@
 """Simulate a disc that spins before a wall, and plot image, L_dot and events side by side.
 
-    python simulate_and_plot.py [OUT.png]
+python simulate_and_plot.py [OUT.png]
 """
 
 import sys

@@ -1,6 +1,6 @@
 """Sweep a parameter: how the number of events and their timing depend on the tolerance of the step control.
 
-    python sweep.py [OUT.csv]
+python sweep.py [OUT.csv]
 """
 
 import csv

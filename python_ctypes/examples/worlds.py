@@ -8,7 +8,9 @@ import tides
 def wall(n=3000, width=6.0, height=4.5, seed=1):
     """A wall of coloured spots in the plane z = 0, in front of a grey one."""
     random = np.random.default_rng(seed)
-    spots = np.column_stack([random.uniform(-width / 2, width / 2, n), random.uniform(-height / 2, height / 2, n), np.zeros(n)])
+    spots = np.column_stack(
+        [random.uniform(-width / 2, width / 2, n), random.uniform(-height / 2, height / 2, n), np.zeros(n)]
+    )
     columns, rows = np.meshgrid(np.linspace(-width / 2, width / 2, 40), np.linspace(-height / 2, height / 2, 30))
     plane = np.column_stack([columns.ravel(), rows.ravel(), np.full(columns.size, 0.01)])
     scene = tides.Scene()

@@ -1,4 +1,4 @@
-"""The C interface, made by generate.py from include/tides/*.h: `make python` after a header has changed. Do not edit."""
+"""The C interface, made by generate.py from include/tides/*.h: `make python` where one changed. Do not edit."""
 
 # fmt: off
 # flake8: noqa

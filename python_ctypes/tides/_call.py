@@ -68,8 +68,8 @@ def pending() -> bool:
 
 
 def kept(function: Callable[..., int], stop: int) -> Callable[..., int]:
-    """A callback that never raises into C: the exception is kept for `call`, and `stop` is what C is told. It does its work while
-    a signal's exception is pending: events on their way to a sink would be lost."""
+    """A callback that never raises into C: the exception is kept for `call`, and `stop` is what C is told. It does its work
+    while a signal's exception is pending: events on their way to a sink would be lost."""
 
     def guarded(*arguments: Any) -> int:
         try:
@@ -113,7 +113,7 @@ def doubles(values: Any, count: int, name: str) -> Any:
 
 
 def nearest(name: str, names: Any) -> str:
-    """", did you mean ...?" where one of `names` is near."""
+    """ ", did you mean ...?" where one of `names` is near."""
     import difflib
 
     found = difflib.get_close_matches(name, list(names), 1)

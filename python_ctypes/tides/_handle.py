@@ -46,7 +46,9 @@ class Handle:
         """ValueError where an open object still looks at this one."""
         user = next((one for one in self._users if not one.closed), None)
         if user is not None:
-            raise ValueError(f"this {type(self).__name__} can't be {what}: a {type(user).__name__} uses it; close that first")
+            raise ValueError(
+                f"this {type(self).__name__} can't be {what}: a {type(user).__name__} uses it; close that first"
+            )
 
     def close(self) -> None:
         """Frees the object now. ValueError while another one needs it; closing twice is fine."""

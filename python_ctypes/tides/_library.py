@@ -61,7 +61,8 @@ def _bind(library: ctypes.CDLL, path: str) -> SimpleNamespace:
 
 
 def _check_sizes(functions: SimpleNamespace, path: str) -> None:
-    """Structs that say their size must have the one that this package knows: else library and package are of different headers."""
+    """Structs that say their size must have the one that this package knows: else library and package are of different
+    headers."""
     for name, (_, arguments) in _api.FUNCTIONS.items():
         struct = getattr(arguments[0], "_type_", None) if name.endswith("_defaults") else None
         if struct is None or struct._fields_[0][0] != "size":

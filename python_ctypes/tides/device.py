@@ -11,7 +11,9 @@ from ._handle import Handle
 from ._library import lib
 from ._values import Facts, constants, plain
 
-_KINDS = {number: word for word, number in constants("TIDES_DEVICE_").items() if word in ("cpu", "gpu", "other", "reference")}
+_KINDS = {
+    number: word for word, number in constants("TIDES_DEVICE_").items() if word in ("cpu", "gpu", "other", "reference")
+}
 
 
 #: OpenCL drivers are loaded at the first call, and loaders (ocl-icd) and PoCL 3 aren't ready for two first calls at once: one

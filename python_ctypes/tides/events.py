@@ -98,9 +98,9 @@ def events_summary(file: str | os.PathLike[str]) -> Facts:
 
 
 class EventReader(Handle):
-    """An event file of any format, read in stretches: `for packet in EventReader(file)` gives arrays of EVENT (at most `packet`
-    events each), in the file's order, t in nanoseconds on the file's clock. `facts`: format, version, width, height, count (None
-    where it isn't known without reading)."""
+    """An event file of any format, read in stretches: `for packet in EventReader(file)` gives arrays of EVENT (at most
+    `packet` events each), in the file's order, t in nanoseconds on the file's clock. `facts`: format, version, width,
+    height, count (None where it isn't known without reading)."""
 
     _destroy = "tides_event_reader_close"
 
@@ -129,7 +129,8 @@ class EventReader(Handle):
 
 class EventWriter(Handle):
     """An event file, in the format of its name's ending or the named one (`event_formats()`). In a with statement the file is
-    finished at the end, and left as FILE.part where an exception ends it. `run` is a run file's JSON, kept in HDF5 files."""
+    finished at the end, and left as FILE.part where an exception ends it. `run` is a run file's JSON, kept in HDF5 files.
+    """
 
     _destroy = "tides_event_writer_abandon"
 
@@ -233,7 +234,8 @@ def write_events(
 
 
 class Conversion(Value, _api.tides_event_conversion):
-    """What of a file is kept: start_ns, stop_ns; the window x, y, cut_width, cut_height; rebase; width, height of the sensor."""
+    """What of a file is kept: start_ns, stop_ns; the window x, y, cut_width, cut_height; rebase; width, height of the
+    sensor."""
 
     _defaults = "tides_event_conversion_defaults"
 
@@ -246,8 +248,8 @@ def convert_events(
     progress: Progress = None,
     **kept: Any,
 ) -> Facts:
-    """Converts and cuts an event file, streamed. `kept` are the fields of Conversion. Returns read, written, disorder, collapsed,
-    first_ns, last_ns, width, height, from, to."""
+    """Converts and cuts an event file, streamed. `kept` are the fields of Conversion. Returns read, written, disorder,
+    collapsed, first_ns, last_ns, width, height, from, to."""
     conversion = Conversion(**{"from": encoded(source_format), "to": encoded(format), **kept})
     report = _api.tides_event_conversion_report()
     with Reporter(progress) as step:

@@ -29,7 +29,9 @@ def write_exr(
         raise ValueError("channels: at least one plane is needed")
     shape = np.shape(next(iter(channels.values())))
     planes = {name: array(plane, np.float32, (shape[0], shape[1]), name) for name, plane in channels.items()}
-    rows = (_api.tides_channel * len(planes))(*(_api.tides_channel(encoded(name), pointer(one, c_float)) for name, one in planes.items()))
+    rows = (_api.tides_channel * len(planes))(
+        *(_api.tides_channel(encoded(name), pointer(one, c_float)) for name, one in planes.items())
+    )
     pairs = [encoded(word) for pair in (attributes or {}).items() for word in pair]
     facts = (c_char_p * (len(pairs) + 1))(*pairs, None)
     number = choice("compression", compression, _COMPRESSIONS)

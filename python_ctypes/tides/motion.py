@@ -64,9 +64,10 @@ class Motion(Handle):
         decoder_first: Any = None,
         decoder_second: Any = None,
     ) -> "Motion":
-        """SpacetimeGaussians: with dt = tau - opacity_centre (n), mean + c_1 dt + c_2 dt^2 + c_3 dt^3 (mean_coefficient, n x 9),
-        quaternion + quaternion_dot (n x 4) dt, opacity times exp(-(dt / e^opacity_log_width)^2). The full model: decoder
-        "sigmoid", "clamp" or "plain", feature (n x 6), feature_dot (n x 3), decoder_first (6 x 12), decoder_second (3 x 6)."""
+        """SpacetimeGaussians: with dt = tau - opacity_centre (n), mean + c_1 dt + c_2 dt^2 + c_3 dt^3 (mean_coefficient, n
+        x 9), quaternion + quaternion_dot (n x 4) dt, opacity times exp(-(dt / e^opacity_log_width)^2). The full model:
+        decoder "sigmoid", "clamp" or "plain", feature (n x 6), feature_dot (n x 3), decoder_first (6 x 12), decoder_second
+        (3 x 6)."""
         n = len(np.asarray(opacity_centre))
         number = choice("decoder", decoder, _DECODERS)
         struct = _api.tides_polynomial_motion(count=n, start=start, stop=stop, plain_colour=plain_colour, decoder=number)
@@ -98,8 +99,8 @@ class Motion(Handle):
         time_prefilter: float = 0.0,
         sh_degree: int = 0,
     ) -> "Motion":
-        """4-D Gaussians sliced in time (Fudan's 4d-gaussian-splatting): centre (n) and log_scale_time (n) in tau, quaternion_right
-        (n x 4), sh_harmonic (n x harmonics x k x 3) with k = (sh_degree + 1)^2."""
+        """4-D Gaussians sliced in time (Fudan's 4d-gaussian-splatting): centre (n) and log_scale_time (n) in tau,
+        quaternion_right (n x 4), sh_harmonic (n x harmonics x k x 3) with k = (sh_degree + 1)^2."""
         n, k = len(np.asarray(centre)), (sh_degree + 1) ** 2
         harmonics = 0 if sh_harmonic is None else np.asarray(sh_harmonic).shape[1]
         struct = _api.tides_rotor_motion(n, start, stop, period, time_prefilter, harmonics=harmonics, sh_degree=sh_degree)
@@ -149,8 +150,9 @@ class Motion(Handle):
     def callback(
         cls, function: MotionFunction, count: int, start: float = 0.0, stop: float = 1.0, sh_degree: int | None = None
     ) -> "Motion":
-        """Any motion of `count` Gaussians: see MotionFunction. `sh_degree`: it moves spherical harmonics of that degree too. What
-        the function raises ends the call under way and comes out of it. Called in the thread that renders or simulates."""
+        """Any motion of `count` Gaussians: see MotionFunction. `sh_degree`: it moves spherical harmonics of that degree
+        too. What the function raises ends the call under way and comes out of it. Called in the thread that renders or
+        simulates."""
         coefficients = None if sh_degree is None else (sh_degree + 1) ** 2
         stop_value = _api.TIDES_CANCELLED
 

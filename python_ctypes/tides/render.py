@@ -30,7 +30,8 @@ class ImageParams(Value, _api.tides_image_params):
 
 
 class Renderer(Handle):
-    """Renders `scene` through `camera`. Closing it frees its memory on the device. Kernels are built the first time (seconds)."""
+    """Renders `scene` through `camera`. Closing it frees its memory on the device. Kernels are built the first time
+    (seconds)."""
 
     _destroy = "tides_renderer_destroy"
 
@@ -52,8 +53,8 @@ class Renderer(Handle):
     def frame(
         self, time: float, channels: Iterable[str] = ("L", "L_dot"), trajectory: Trajectory | None = None
     ) -> dict[str, np.ndarray]:
-        """One frame at `time` [s]: float64 planes (height x width), row 0 on top, by the names in CHANNELS. Colour and depth cost;
-        the rest comes with the pass. `trajectory` replaces the camera's path."""
+        """One frame at `time` [s]: float64 planes (height x width), row 0 on top, by the names in CHANNELS. Colour and
+        depth cost; the rest comes with the pass. `trajectory` replaces the camera's path."""
         lens = self.camera.intrinsics
         frame, planes = _api.tides_frame(), {}
         for name in channels:

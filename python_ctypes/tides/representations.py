@@ -55,11 +55,14 @@ def time_surface(events: Any, width: int, height: int, time_ns: int, decay_s: fl
 
 class ArrayWriter(Handle):
     """A file of arrays of one shape (planes x height x width), stored as float32: .npy, .npz, .h5 (windows x planes x height x
-    width), or .exr (one window). In a with statement the file is finished at the end, and removed where an exception ends it."""
+    width), or .exr (one window). In a with statement the file is finished at the end, and removed where an exception ends it.
+    """
 
     _destroy = "tides_array_writer_abandon"
 
-    def __init__(self, file: str | os.PathLike[str], shape: tuple[int, int, int], name: str = "array", plane_names: Any = None):
+    def __init__(
+        self, file: str | os.PathLike[str], shape: tuple[int, int, int], name: str = "array", plane_names: Any = None
+    ):
         """`name` is the dataset's, `plane_names` those of an EXR file's channels."""
         made = POINTER(_api.tides_array_writer)()
         names = None if plane_names is None else [encoded(one) for one in plane_names]

@@ -66,10 +66,11 @@ def _value(value: Any) -> Any:
 
 
 class Run(Handle):
-    """A run file, read and checked: Run("room.json", {"sensor.threshold_on": 0.3}); or from JSON text or a dict: Run(text={...},
-    directory="."), paths being relative to the file or the directory. BadConfig names the key.
+    """A run file, read and checked: Run("room.json", {"sensor.threshold_on": 0.3}); or from JSON text or a dict:
+    Run(text={...}, directory="."), paths being relative to the file or the directory. BadConfig names the key.
 
-    Fields of `values` are attributes: run.start, run.stop, run.sensor, run.stepping, run.image, run.intrinsics, run.device ..."""
+    Fields of `values` are attributes: run.start, run.stop, run.sensor, run.stepping, run.image, run.intrinsics, run.device
+    ..."""
 
     _destroy = "tides_run_destroy"
 

@@ -46,7 +46,9 @@ class Gaussians:
         return round(self.sh.shape[1] ** 0.5) - 1
 
     @classmethod
-    def from_colours(cls, mean: Any, scale: Any, rgb: Any, opacity: Any = 0.99, quaternion: Any = (1, 0, 0, 0)) -> "Gaussians":
+    def from_colours(
+        cls, mean: Any, scale: Any, rgb: Any, opacity: Any = 0.99, quaternion: Any = (1, 0, 0, 0)
+    ) -> "Gaussians":
         """Gaussians of plain colours: mean (n x 3), scale [scene units] (n x 3, or one number), rgb (n x 3) linear, opacity in
         (0, 1) (n, or one number), quaternion (n x 4, or one)."""
         n = len(np.asarray(mean))
@@ -90,11 +92,14 @@ class SceneObject:
 
 class Scene(Handle):
     """What is looked at. Scene() is empty, Scene(file) holds what a file does (.ply, .spz, .ksplat, .splat, .sog, .h5, a
-    trainer's folder). `len(scene)` is the number of objects. A scene doesn't change while a Renderer or Simulation uses it."""
+    trainer's folder). `len(scene)` is the number of objects. A scene doesn't change while a Renderer or Simulation uses it.
+    """
 
     _destroy = "tides_scene_destroy"
 
-    def __init__(self, file: str | os.PathLike[str] | None = None, trajectory: Trajectory | None = None, scale: float = 1.0):
+    def __init__(
+        self, file: str | os.PathLike[str] | None = None, trajectory: Trajectory | None = None, scale: float = 1.0
+    ):
         made = POINTER(_api.tides_scene)()
         call("tides_scene_create", byref(made))
         super().__init__(made)
@@ -123,8 +128,9 @@ class Scene(Handle):
         motion: Motion | None = None,
         duration_s: float = 0.0,
     ) -> int:
-        """Adds a copy of `gaussians` as one object, and returns its number. p_world = scale R(t) p + position(t). A `motion`, whose
-        canonical Gaussians these are, is taken over; it lasts `duration_s` [s] (0: as long as its own clock says)."""
+        """Adds a copy of `gaussians` as one object, and returns its number. p_world = scale R(t) p + position(t). A
+        `motion`, whose canonical Gaussians these are, is taken over; it lasts `duration_s` [s] (0: as long as its own clock
+        says)."""
         self._unused("changed")
         index = c_int32()
         rest = (trajectory._pointer if trajectory else None, scale, encoded(name), byref(index))

@@ -29,6 +29,7 @@ from .trajectory import Camera
 _RECORD = sizeof(_api.tides_event)
 _CHECKPOINT_S = 30.0  # as `tides simulate`: what a crash may cost at most
 
+
 class Sensor(Value, _api.tides_sensor):
     """The sensor: threshold_on, threshold_off [log units] and what else the header names; off by default."""
 
@@ -40,12 +41,14 @@ class Sensor(Value, _api.tides_sensor):
         "bandwidth": "TIDES_BANDWIDTH_",
     }
 
+
 class Stepping(Value, _api.tides_stepping):
     """Step control: mode ("fixed", "risk", "error", "error_risk"), model ("hermite", "quadratic", "linear", "secant"), step_s,
     min_step_s, tolerance [thresholds], time_tolerance_s, budget [full frames], local, risk.w_b ..."""
 
     _defaults = "tides_stepping_defaults"
     _words = {"mode": "TIDES_STEPPING_", "model": "TIDES_MODEL_", "slope": "TIDES_SLOPE_"}
+
 
 class _Collector:
     """A growing array of events: C's packets are copied in once."""
@@ -65,6 +68,7 @@ class _Collector:
 
     def result(self) -> np.ndarray:
         return self.events[: self.count]
+
 
 class Simulation(Handle):
     """A simulation of [start, stop] s; None: the camera's path from its beginning to its end. Take the events with one of
@@ -90,8 +94,8 @@ class Simulation(Handle):
         seed: str | None = None,
         progress: Progress = None,
     ):
-        """A `readout` that is enabled stands between pixels and events. `run` (a run file's JSON) and `seed` (None: the sensor's) are
-        facts that are written into files; `run` is compared when a run goes on."""
+        """A `readout` that is enabled stands between pixels and events. `run` (a run file's JSON) and `seed` (None: the
+        sensor's) are facts that are written into files; `run` is compared when a run goes on."""
         first, last = camera.trajectory.range
         self.start, self.stop = first if start is None else float(start), last if stop is None else float(stop)
         if not (math.isfinite(self.start) and math.isfinite(self.stop)):
@@ -109,7 +113,9 @@ class Simulation(Handle):
             call("tides_simulator_readout", self._pointer, readout)
 
     # -- running ----------------------------------------------------------------------------------------------------
-    def _advance(self, until: float, sink: Callable[..., int], progress: Progress, due: Callable[[], Any] | None = None) -> None:
+    def _advance(
+        self, until: float, sink: Callable[..., int], progress: Progress, due: Callable[[], Any] | None = None
+    ) -> None:
         with self._lock, Reporter(progress, self._stopping, due) as step:
             taken = _api.tides_event_sink(kept(sink, 1))
             try:
@@ -118,8 +124,8 @@ class Simulation(Handle):
                 self._stopping.clear()
 
     def run(self, until: float | None = None, progress: Progress = None) -> np.ndarray:
-        """Events from where the simulation is to `until` [s] (None: stop), as EVENT (n), sorted by (t, y, x, p). Where it is ended
-        before, the exception's `events` are those so far."""
+        """Events from where the simulation is to `until` [s] (None: stop), as EVENT (n), sorted by (t, y, x, p). Where it
+        is ended before, the exception's `events` are those so far."""
         collector = _Collector()
         try:
             self._advance(self.stop if until is None else until, collector.take, progress)
@@ -129,8 +135,8 @@ class Simulation(Handle):
         return collector.result()
 
     def packets(self, duration_s: float | None = None) -> Iterator[np.ndarray]:
-        """The events of one stretch of `duration_s` [s] (None: the step) after the other, as arrays; may be empty. They lie on the
-        grid of steps, so that together they are what `run` gives."""
+        """The events of one stretch of `duration_s` [s] (None: the step) after the other, as arrays; may be empty. They lie
+        on the grid of steps, so that together they are what `run` gives."""
         duration_s = self.stepping.step_s if duration_s is None else duration_s
         if not duration_s > 0:
             raise ValueError(f"duration_s: {duration_s}, where a time above 0 is needed")
@@ -141,10 +147,12 @@ class Simulation(Handle):
 
     __iter__ = packets
 
-    def feed(self, sink: Callable[..., Any], until: float | None = None, fired: bool = False, progress: Progress = None) -> None:
-        """Gives `sink` each packet as a view of C's memory, without a copy and valid during the call only; with `fired` also when
-        each event fired [ns] (n), which a readout delays. It stops the simulation by returning something true (Cancelled) or by
-        raising."""
+    def feed(
+        self, sink: Callable[..., Any], until: float | None = None, fired: bool = False, progress: Progress = None
+    ) -> None:
+        """Gives `sink` each packet as a view of C's memory, without a copy and valid during the call only; with `fired`
+        also when each event fired [ns] (n), which a readout delays. It stops the simulation by returning something true
+        (Cancelled) or by raising."""
 
         def take(_user: Any, events: Any, count: int) -> int:
             view = np.ctypeslib.as_array(events, (count,)).view(EVENT) if count else np.empty(0, EVENT)
@@ -164,9 +172,9 @@ class Simulation(Handle):
         checkpoint_s: float = _CHECKPOINT_S,
         progress: Progress = None,
     ) -> Facts:
-        """Simulates into an event file and returns the statistics. Interrupted, FILE.part holds what there is, readable; for HDF5
-        FILE.checkpoint does too, every `checkpoint_s` [s] (0: never) and at Ctrl-C, and a new Simulation's write(file,
-        resume=True) goes on from there, as does `tides simulate --resume`."""
+        """Simulates into an event file and returns the statistics. Interrupted, FILE.part holds what there is, readable;
+        for HDF5 FILE.checkpoint does too, every `checkpoint_s` [s] (0: never) and at Ctrl-C, and a new Simulation's
+        write(file, resume=True) goes on from there, as does `tides simulate --resume`."""
         job = _FileJob(self, os.fspath(file), format, checkpoint_s)
         job.start(resume)
         try:
@@ -208,6 +216,7 @@ class Simulation(Handle):
         """Puts this simulation, which hasn't run yet, where a saved one was. BadConfig where that was of another run."""
         with self._lock:
             call("tides_simulator_restore", self._pointer, encoded(self._run), path(file))
+
 
 class _FileJob:
     """A simulation into a file, with checkpoints."""

@@ -101,7 +101,8 @@ class Trajectory(Handle):
         start_angle: float = 0.0,
         up: Any = _UP,
     ) -> "Trajectory":
-        """A camera on a circle about `target` in the plane normal to `up`, looking at it. [scene units], [rad], [rad/s], [s]."""
+        """A camera on a circle about `target` in the plane normal to `up`, looking at it. [scene units], [rad], [rad/s],
+        [s]."""
         target, up = doubles(target, 3, "target"), doubles(up, 3, "up")
         return cls._generate("orbit", _api.tides_orbit(target, up, radius, height, start_angle, angular_speed, start, stop))
 

@@ -309,3 +309,23 @@ def test_readout(scene, camera, events, tmp_path):
         again(scene, camera, readout=slow).write(file, progress=lambda fraction, stage: fraction > 0.6)
     again(scene, camera, readout=slow).write(file, resume=True)
     assert np.array_equal(tides.read_events(file), left)
+
+
+def test_objects_of_one_device_take_turns(scene, camera):
+    with tides.Device("reference") as device:
+        first, second = (again(scene, camera, device=device) for _ in range(2))
+        order, thread = [], []
+
+        def step(fraction, stage):
+            if not order:
+                thread.append(threading.Thread(target=second.run, kwargs={"progress": lambda *_: order.append("second")}))
+                thread[0].start()
+            time.sleep(0.005)  # the other has time to come in between
+            order.append("first")
+
+        first.run(progress=step)
+        thread[0].join()
+        assert order == ["first"] * order.count("first") + ["second"] * order.count("second")
+        assert "second" in order
+        first.close()
+        second.close()

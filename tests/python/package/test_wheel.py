@@ -16,7 +16,9 @@ EXAMPLES = ROOT / "python_ctypes" / "examples"
 
 def outside(**more):
     """An environment that knows nothing of this tree; OpenCL where there is a device: the reference is slow."""
-    kept = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "TIDES_LIBRARY", "TIDES_DEVICE")}
+    kept = {
+        name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "TIDES_LIBRARY", "TIDES_DEVICE")
+    }
     return {**kept, "TIDES_DEVICE": "auto" if tides.devices() else "reference", **more}
 
 
