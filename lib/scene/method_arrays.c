@@ -19,5 +19,9 @@ tides_status td_arrays_finish(tides_status status, const char *path, td_gaussian
     }
     tides_motion_destroy(moves);
     td_gaussians_free(made);
+    if (status == TIDES_BAD_ARGUMENT) { /* what makes motions takes the arrays for a caller's */
+        status = TIDES_BAD_FILE;
+        if (error) error->status = status;
+    }
     return td_fail_within(error, status, "%s", path);
 }

@@ -12,6 +12,7 @@
 #include "tests/support/archive_make.h"
 #include "tests/support/scene_folder.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,8 +25,8 @@ static void add_properties(char *head, size_t size, const char *name, int count)
     }
 }
 
-/* Two Gaussians; of nine features where `full`. Value k of either is k / 64. */
-static void write_points(const char *path, int full) {
+/* Two Gaussians; of nine features where `full`. Value k of either is k / 64, but number `broken` is NaN (-1: none). */
+static void write_points(const char *path, int full, int broken) {
     char head[4096] = "ply\nformat binary_little_endian 1.0\nelement vertex 2\n";
     static const char *const single[] = {"x", "y", "z", "opacity", "trbf_center", "trbf_scale"};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) add_properties(head, sizeof head, single[i], 1);
@@ -40,7 +41,7 @@ static void write_points(const char *path, int full) {
     scene_bytes_add(&file, head, strlen(head));
     PICKLE(&file, "end_header\n");
     for (int i = 0; i < 2 * columns; i++) {
-        float value = (float)(i % columns + 1) / 64;
+        float value = i == broken ? (float)NAN : (float)(i % columns + 1) / 64;
         scene_bytes_add(&file, &value, sizeof value);
     }
     scene_file_write(path, file.data, file.size);
@@ -69,14 +70,14 @@ static void write_decoder(const char *path) {
 }
 
 /* Opens what write_points made with `cfg` (nullable) beside it. */
-static tides_status open_with(void *folder, int full, const char *cfg, tides_motion **motion, tides_error *error) {
+static tides_status open_with(void *folder, int full, int broken, const char *cfg, tides_motion **motion, tides_error *error) {
     td_model_dir dir = {0};
     td_gaussians gaussians = {0};
     dir.method = TD_METHOD_STG;
     dir.folder = td_strdup(folder, NULL);
     dir.points = td_strdup(scene_in_folder(folder, "point_cloud.ply"), NULL);
     dir.weights = full ? td_strdup(scene_in_folder(folder, "point_cloud.pt"), NULL) : NULL;
-    write_points(dir.points, full);
+    write_points(dir.points, full, broken);
     if (full) write_decoder(dir.weights);
     if (cfg) scene_expect_ok(td_pyrepr_parse("cfg_args", cfg, strlen(cfg), &dir.cfg, error), error);
     tides_status status = td_stg_open(&dir, &gaussians, motion, error);
@@ -89,7 +90,7 @@ static tides_status open_with(void *folder, int full, const char *cfg, tides_mot
 static void expect_decoder(void *folder, int full, const char *cfg, int decoder) {
     tides_error error = {0, ""};
     tides_motion *motion = NULL;
-    scene_expect_ok(open_with(folder, full, cfg, &motion, &error), &error);
+    scene_expect_ok(open_with(folder, full, -1, cfg, &motion, &error), &error);
     assert_int_equal(td_motion_setting(motion, "decoder", 0), decoder);
     if (full) {
         const td_field *first = td_motion_field(motion, "decoder_first"), *second = td_motion_field(motion, "decoder_second");
@@ -113,8 +114,20 @@ static void test_rgbfunction(void **state) {
 static void test_unknown_rgbfunction(void **state) {
     tides_error error = {0, ""};
     tides_motion *motion = NULL;
-    tides_status status = open_with(*state, 1, "Namespace(rgbfunction='rgbv1')", &motion, &error);
+    tides_status status = open_with(*state, 1, -1, "Namespace(rgbfunction='rgbv1')", &motion, &error);
     scene_expect_error(status, TIDES_UNSUPPORTED, &error, "point_cloud.ply|cfg_args|rgbfunction|'rgbv1'|sandwich");
+    assert_null(motion);
+}
+
+/* A file's fault, whoever finds it. */
+static void test_values_that_are_none(void **state) {
+    tides_error error = {0, ""};
+    tides_motion *motion = NULL;
+    enum { MOTION_0 = 6 + 3 + 4, OMEGA_0 = MOTION_0 + 9 };
+    tides_status status = open_with(*state, 0, MOTION_0, NULL, &motion, &error);
+    scene_expect_error(status, TIDES_BAD_FILE, &error, "point_cloud.ply|must be finite");
+    status = open_with(*state, 0, OMEGA_0, NULL, &motion, &error);
+    scene_expect_error(status, TIDES_BAD_FILE, &error, "point_cloud.ply|must be finite");
     assert_null(motion);
 }
 
@@ -122,6 +135,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_rgbfunction, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(test_unknown_rgbfunction, scene_folder_setup, scene_folder_teardown),
+        cmocka_unit_test_setup_teardown(test_values_that_are_none, scene_folder_setup, scene_folder_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
