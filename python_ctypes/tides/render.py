@@ -51,8 +51,8 @@ class Renderer(Handle):
         super().__init__(made, self.device, scene, lock=self.device._lock)
 
     def set_psf(self, sigma_px: float, domain: str | int = "log") -> None:
-        """Blurs L and L_dot of later frames by a Gaussian of `sigma_px` [px] (0: not), "log" or "linear": after the logarithm or
-        before it."""
+        """Blurs L and L_dot of later frames by a Gaussian of `sigma_px` [px] (0: not), "log" or "linear": after the
+        logarithm or before it."""
         with self._lock:
             call("tides_renderer_set_psf", self._pointer, sigma_px, choice("domain", domain, constants("TIDES_PSF_")))
 
