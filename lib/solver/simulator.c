@@ -171,7 +171,6 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     s->planes_kept = s->refine.planes_kept = sensor->b_min > 0 ? TD_KEPT_ALL : TD_KEPT_SIGNAL;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
     s->interpolates = stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED;
-    s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
     status = td_comparator_check(&s->comparator, error);
     if (status == TIDES_OK)
         status = tides_renderer_create(device, scene, intrinsics, image, progress, user, &s->renderer, error);
@@ -192,7 +191,6 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     }
     if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, td_fixed_outputs(s), error);
     if (status == TIDES_OK && s->interpolates) status = set_interpolation(s, error);
-    if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, TD_OUT_SIGNAL, error);
     if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, s->outputs, error);
     if (status == TIDES_OK) {
         lay_tiles(s, intrinsics->width, intrinsics->height);
