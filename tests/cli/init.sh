@@ -2,7 +2,7 @@
 make_scene
 expect 0 tides init -o new.json --scene scene.ply --camera path.txt
 out "new.json: name your scene"
-keys=$(tides simulate --help | grep -cE '^  [a-z_]+(\.[a-z_0-9]+)* \[')
+keys=$(tides simulate --help | grep -cE '^  [a-z_0-9]+(\.[a-z_0-9]+)* \[')
 [ "$(grep -c '": .* // ' new.json)" = "$keys" ] || fail "new.json doesn't hold $keys keys with a comment each"
 grep -q '^    "threshold_on": 0.2, // C+: rise of L that fires an ON event \[log units\]$' new.json || fail "a row is wrong"
 grep -q '^    "rules": "smooth", // .*: smooth|inria|gsplat$' new.json || fail "the choices are missing"

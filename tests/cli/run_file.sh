@@ -8,7 +8,6 @@ run "sensor.threshold_on = -1 is out of range" --set sensor.threshold_on=-1
 run "time.stop = 0 s is not after time.start = 0 s" --set time.stop=0
 run "stepping.mode = \"riks\" is none of fixed, risk, error, error_risk" --set stepping.mode=riks
 run "error control estimates the error of the hermite model only" --set stepping.model=linear
-run "frontend.noise_rms = 1 is not available in this version; leave it at 0.0" --set frontend.noise_rms=1
 run "method = \"eism\" is none of tides, esim" --set method=eism
 run "seed = \"x\" is not a 64-bit number" --seed x
 run "image.rules = \"smoth\" is none of smooth, inria, gsplat" --set image.rules=smoth
