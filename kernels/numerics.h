@@ -143,6 +143,19 @@ TD_INLINE void td_store_ints(TD_GLOBAL int *array, td_index value) {
 #endif
 }
 
+/* TD_LANES neighbours of an array. */
+TD_INLINE td_lanes td_load_lanes(TD_GLOBAL const td_real *array) {
+#if TD_LANES == 16
+    return vload16(0, array);
+#elif TD_LANES == 8
+    return vload8(0, array);
+#elif TD_LANES == 4
+    return vload4(0, array);
+#else
+    return array[0];
+#endif
+}
+
 /* TD_LANES neighbours of a plane. */
 TD_INLINE void td_store_lanes(TD_GLOBAL td_real *plane, td_lanes value) {
 #if TD_LANES == 16

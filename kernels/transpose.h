@@ -4,19 +4,6 @@
 
 #include "numerics.h"
 
-/* TD_LANES neighbours. */
-TD_INLINE td_lanes td_load_lanes(TD_GLOBAL const td_real *array) {
-#if TD_LANES == 16
-    return vload16(0, array);
-#elif TD_LANES == 8
-    return vload8(0, array);
-#elif TD_LANES == 4
-    return vload4(0, array);
-#else
-    return array[0];
-#endif
-}
-
 /* The lanes of an index, one by one. */
 TD_INLINE void td_index_lanes(td_index index, int lane[TD_LANES]) {
 #if TD_LANES == 16

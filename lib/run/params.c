@@ -21,8 +21,6 @@
     { key, TIDES_PARAM_VECTOR3, unit, lower, upper, fallback, NULL, sentence, 1 }
 #define OBJECTS(key, fallback, sentence) \
     { key, TIDES_PARAM_OBJECTS, "", 0, 0, fallback, NULL, sentence, 1 }
-#define LATER_CHOICE(key, choices, fallback, sentence) \
-    { key, TIDES_PARAM_CHOICE, "", 0, 0, fallback, choices, sentence, 0 }
 #define VECTOR2(key, unit, lower, upper, fallback, sentence) \
     { key, TIDES_PARAM_VECTOR2, unit, lower, upper, fallback, NULL, sentence, 1 }
 

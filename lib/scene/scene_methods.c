@@ -58,51 +58,28 @@ static tides_status add_moving(tides_scene *scene, const td_model_dir *dir, open
     return status;
 }
 
-static tides_status read_stg(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
-                             tides_error *error) {
-    return add_moving(scene, dir, td_stg_open, trajectory, scale, error);
-}
-
-static tides_status read_fudan4d(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
-                                 tides_error *error) {
-    return add_moving(scene, dir, td_fudan4d_open, trajectory, scale, error);
-}
-
-static tides_status read_dyn3dgs(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
-                                 tides_error *error) {
-    return add_moving(scene, dir, td_dyn3dgs_open, trajectory, scale, error);
-}
-
-static tides_status read_frames(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
-                                tides_error *error) {
-    return add_moving(scene, dir, td_frames_open, trajectory, scale, error);
-}
-
-static tides_status read_fourdgs(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
-                                 tides_error *error) {
-    return add_moving(scene, dir, td_fourdgs_open, trajectory, scale, error);
-}
-
-static tides_status read_deformable(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory,
-                                    double scale, tides_error *error) {
-    return add_moving(scene, dir, td_deformable_open, trajectory, scale, error);
-}
-
-static tides_status read_freetime(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
-                                  tides_error *error) {
-    return add_moving(scene, dir, td_freetime_open, trajectory, scale, error);
-}
-
-/* One line per method that can be read. */
-static reader *const readers[TD_METHODS] = {
-    [TD_METHOD_INRIA] = read_inria,       [TD_METHOD_GSPLAT] = read_gsplat,   [TD_METHOD_STG] = read_stg,
-    [TD_METHOD_FUDAN4D] = read_fudan4d,   [TD_METHOD_DYN3DGS] = read_dyn3dgs, [TD_METHOD_FRAMES] = read_frames,
-    [TD_METHOD_FREETIME] = read_freetime, [TD_METHOD_FOURDGS] = read_fourdgs, [TD_METHOD_DEFORMABLE] = read_deformable,
+/* How each method is read: by a reader of its own, or by what opens its Gaussians and their motion. */
+static const struct {
+    reader *read;
+    opener *open;
+} methods[TD_METHODS] = {
+    [TD_METHOD_INRIA] = {read_inria, NULL},
+    [TD_METHOD_GSPLAT] = {read_gsplat, NULL},
+    [TD_METHOD_STG] = {NULL, td_stg_open},
+    [TD_METHOD_FUDAN4D] = {NULL, td_fudan4d_open},
+    [TD_METHOD_DYN3DGS] = {NULL, td_dyn3dgs_open},
+    [TD_METHOD_FRAMES] = {NULL, td_frames_open},
+    [TD_METHOD_FREETIME] = {NULL, td_freetime_open},
+    [TD_METHOD_FOURDGS] = {NULL, td_fourdgs_open},
+    [TD_METHOD_DEFORMABLE] = {NULL, td_deformable_open},
 };
 
 tides_status td_scene_add_model(tides_scene *scene, const td_model_dir *dir, const tides_trajectory *trajectory, double scale,
                                 tides_error *error) {
-    if (readers[dir->method]) return readers[dir->method](scene, dir, trajectory, scale, error);
+    reader *read = methods[dir->method].read;
+    opener *open = methods[dir->method].open;
+    if (read) return read(scene, dir, trajectory, scale, error);
+    if (open) return add_moving(scene, dir, open, trajectory, scale, error);
     return td_fail(error, TIDES_UNSUPPORTED, "%s: holds a model of %s, whose motion this version can't read", dir->folder,
                    td_method_name(dir->method));
 }

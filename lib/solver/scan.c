@@ -40,7 +40,8 @@ static tides_status attach(tides_simulator *s, const tides_readout *readout, tid
     tides_arbiter_tiles(scan->arbiter, &scan->across, &down);
     scan->psi = td_alloc((size_t)scan->across * (size_t)down, sizeof *scan->psi, error);
     scan->pixels = td_alloc((size_t)scan->across * (size_t)down, sizeof *scan->pixels, error);
-    if (!scan->psi || !scan->pixels) return TIDES_NO_MEMORY;
+    scan->sums = td_alloc((size_t)scan->across * (size_t)down, sizeof *scan->sums, error);
+    if (!scan->psi || !scan->pixels || !scan->sums) return TIDES_NO_MEMORY;
     for (int32_t y = 0; y < height; y++)
         for (int32_t x = 0; x < width; x++) scan->pixels[y / readout->tile_px * scan->across + x / readout->tile_px]++;
     return keep_all(s, error);
@@ -65,6 +66,7 @@ void td_scan_release(td_scan *scan) {
     tides_arbiter_destroy(scan->arbiter);
     free(scan->psi);
     free(scan->pixels);
+    free(scan->sums);
     free(scan->events);
     free(scan->fired);
     memset(scan, 0, sizeof *scan);
@@ -75,37 +77,35 @@ void td_scan_release(td_scan *scan) {
 static double share(double value, double full) { return fmin(value / full, 1); }
 
 /* What one of the simulator's tiles adds to the sums of the arbiter's. */
-static void add_tile(const tides_simulator *s, int t, int moves, double *rate, double *alpha, double *contributors) {
+static void add_tile(tides_simulator *s, int t, int moves) {
     const td_tile *tile = &s->tile[t];
     const double threshold = 0.5 * (s->comparator.threshold_on + s->comparator.threshold_off);
     for (int32_t i = 0; i < tile->count; i++) {
         int32_t x = tile->x0 + i % tile->width, y = tile->y0 + i / tile->width;
-        int32_t to = y / s->scan.readout.tile_px * s->scan.across + x / s->scan.readout.tile_px;
+        td_activity *sum = &s->scan.sums[y / s->scan.readout.tile_px * s->scan.across + x / s->scan.readout.tile_px];
         size_t at = s->first_pixel[t] + (size_t)i;
         double L_dot = fabs(s->now.plane[TD_KEPT_S_DOT][at]), alpha_dot = fabs(s->now.plane[TD_KEPT_ALPHA_DOT][at]);
-        if (moves && isfinite(L_dot)) rate[to] += L_dot / threshold;
-        if (moves && isfinite(alpha_dot)) alpha[to] += alpha_dot;
-        contributors[to] += s->now.plane[TD_KEPT_CONTRIBUTORS][at];
+        if (moves && isfinite(L_dot)) sum->rate += L_dot / threshold;
+        if (moves && isfinite(alpha_dot)) sum->alpha += alpha_dot;
+        sum->contributors += s->now.plane[TD_KEPT_CONTRIBUTORS][at];
     }
 }
 
 /* scan->psi of the time reached; the tiles in s->moving moved on the way there. */
-static tides_status measure_activity(tides_simulator *s, tides_error *error) {
+static void measure_activity(tides_simulator *s) {
     td_scan *scan = &s->scan;
     size_t tiles = (size_t)scan->arbiter->across * (size_t)scan->arbiter->down;
-    double *sums = td_alloc(3 * tiles, sizeof *sums, error), *alpha = sums + tiles, *contributors = alpha + tiles;
-    if (!sums) return TIDES_NO_MEMORY;
+    memset(scan->sums, 0, tiles * sizeof *scan->sums);
     for (int t = 0, moved = 0; t < s->tiles; t++) {
         int moves = moved < s->moving_count && s->moving[moved] == t;
         moved += moves;
-        add_tile(s, t, moves, sums, alpha, contributors);
+        add_tile(s, t, moves);
     }
     for (size_t i = 0; i < tiles; i++)
-        scan->psi[i] = (share(sums[i] / scan->pixels[i], full_rate) + share(alpha[i] / scan->pixels[i], full_rate) +
-                        share(contributors[i] / scan->pixels[i], full_contributors)) /
-                       3;
-    free(sums);
-    return TIDES_OK;
+        scan->psi[i] =
+            (share(scan->sums[i].rate / scan->pixels[i], full_rate) + share(scan->sums[i].alpha / scan->pixels[i], full_rate) +
+             share(scan->sums[i].contributors / scan->pixels[i], full_contributors)) /
+            3;
 }
 
 /* -- events -------------------------------------------------------------------------------------------------------------- */
@@ -129,8 +129,9 @@ tides_status td_scan_step(tides_simulator *s, tides_error *error) {
     td_scan *scan = &s->scan;
     tides_error *reason = error ? error : &scan->error;
     tides_status status = td_reserve((void **)&s->scratch, &s->scratch_capacity, s->events.count, sizeof *s->scratch, reason);
-    if (status == TIDES_OK) status = measure_activity(s, reason);
-    if (status == TIDES_OK) status = tides_arbiter_activity(scan->arbiter, scan->psi, reason);
+    if (status != TIDES_OK) return status;
+    measure_activity(s);
+    status = tides_arbiter_activity(scan->arbiter, scan->psi, reason);
     if (status != TIDES_OK) return status;
     td_event_sort(s->events.events, s->scratch, s->events.count);
     status = tides_arbiter_push(scan->arbiter, s->events.events, s->events.count, take, scan, reason);

@@ -4,11 +4,17 @@
 
 #include "readout/td_arbiter.h"
 
+/* Sums over an arbiter's tile: |L_dot| / C, |alpha_dot|, contributors. */
+typedef struct td_activity {
+    double rate, alpha, contributors;
+} td_activity;
+
 typedef struct td_scan {
     tides_readout readout;
     tides_arbiter *arbiter; /* NULL: events go from the pixels to the sink */
     double *psi;            /* (arbiter's tiles) */
     int32_t *pixels;        /* of each of them */
+    td_activity *sums;      /* of each of them, while psi is worked out */
     int32_t across;
     tides_event *events; /* left, for the packet */
     int64_t *fired;      /* when */

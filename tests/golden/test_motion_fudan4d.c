@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "tests/support/golden_motion.h"
-#include "tests/support/shared.h"
+#include "tests/support/golden_folder.h"
 
 #include "kernels/sh.h"
 
@@ -200,13 +200,8 @@ static int visit(void *user, const char *path, const char *name) {
 }
 
 static void test_files(void **state) {
-    char folder[4096];
     (void)state;
-    if (shared_path(folder, sizeof folder, "golden/fudan4d") != 0) {
-        print_message("skipped: no %s\n", folder);
-        skip();
-    }
-    assert_true(shared_scan(folder, "", visit, NULL) > 0);
+    golden_folder("golden/fudan4d", "", visit, NULL);
 }
 
 int main(void) {

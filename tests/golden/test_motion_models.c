@@ -9,7 +9,7 @@
 #include "scene/td_scene.h"
 #include "tests/support/golden_motion.h"
 #include "tests/support/scene_folder.h"
-#include "tests/support/shared.h"
+#include "tests/support/golden_folder.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -125,14 +125,7 @@ static int visit(void *user, const char *path, const char *name) {
 static const kind stg = {"polynomial", "golden.npz", check_stg}, fudan = {"rotor", "golden.npz", check_fudan},
                   dyn3dgs = {"keyframes", "params.npz", check_dyn3dgs};
 
-static void open_all(const char *folder, kind what) {
-    char path[4096];
-    if (shared_path(path, sizeof path, folder) != 0) {
-        print_message("skipped: no %s\n", path);
-        skip();
-    }
-    assert_true(shared_scan(path, "", visit, &what) > 0);
-}
+static void open_all(const char *folder, kind what) { golden_folder(folder, "", visit, &what); }
 
 static void test_stg(void **state) {
     (void)state;

@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "tests/support/golden_motion.h"
-#include "tests/support/shared.h"
+#include "tests/support/golden_folder.h"
 
 #include <stdlib.h>
 
@@ -134,13 +134,8 @@ static int visit(void *user, const char *path, const char *name) {
 }
 
 static void test_files(void **state) {
-    char folder[4096];
     (void)state;
-    if (shared_path(folder, sizeof folder, "golden/stg") != 0) {
-        print_message("skipped: no %s\n", folder);
-        skip();
-    }
-    assert_true(shared_scan(folder, "", visit, NULL) > 0);
+    golden_folder("golden/stg", "", visit, NULL);
 }
 
 int main(void) {

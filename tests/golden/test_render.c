@@ -19,7 +19,7 @@
 #include "render/td_render.h"
 
 #include "tests/support/golden_render.h"
-#include "tests/support/shared.h"
+#include "tests/support/golden_folder.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -216,10 +216,8 @@ static int visit_tiles(void *user, const char *path, const char *name) {
 
 /* Every file, so that one report says all that is wrong. */
 static void every_file(shared_visit visit) {
-    char folder[1024];
     tally total = {0};
-    if (shared_path(folder, sizeof folder, "golden/render") != 0) skip();
-    assert_true(shared_scan(folder, ".npz", visit, &total) > 0);
+    golden_folder("golden/render", ".npz", visit, &total);
     if (total.failures) fail_msg("%d comparisons failed: see the lines above", total.failures);
 }
 

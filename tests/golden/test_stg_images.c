@@ -14,7 +14,7 @@
 #include "scene/td_scene.h"
 #include "tests/support/golden_motion.h"
 #include "tests/support/scene_folder.h"
-#include "tests/support/shared.h"
+#include "tests/support/golden_folder.h"
 #include "tides/render.h"
 
 #include <math.h>
@@ -200,13 +200,8 @@ static int visit(void *user, const char *path, const char *name) {
 }
 
 static void test_files(void **state) {
-    char folder[4096];
     (void)state;
-    if (shared_path(folder, sizeof folder, "golden/stg") != 0) {
-        print_message("skipped: no %s\n", folder);
-        skip();
-    }
-    assert_true(shared_scan(folder, "", visit, NULL) > 0);
+    golden_folder("golden/stg", "", visit, NULL);
 }
 
 int main(void) {

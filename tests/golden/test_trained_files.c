@@ -11,7 +11,7 @@
 #include "scene/td_model_dir.h"
 #include "tests/support/npz.h"
 #include "tests/support/scene_folder.h"
-#include "tests/support/shared.h"
+#include "tests/support/golden_folder.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -61,10 +61,8 @@ static int visit_model(void *user, const char *path, const char *name) {
 }
 
 static void visit_all(const char *folder, int method, const char *golden, check *checked) {
-    char path[1024];
     visit v = {method, golden, checked};
-    if (shared_path(path, sizeof path, folder) != 0) skip();
-    assert_true(shared_scan(path, "", visit_model, &v) > 0);
+    golden_folder(folder, "", visit_model, &v);
 }
 
 /* Same shape, same bits. */

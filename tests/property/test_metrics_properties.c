@@ -10,6 +10,7 @@
 #include "tides/metrics.h"
 
 #include "tests/support/event_stream.h"
+#include "tests/support/metrics_of.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -47,14 +48,6 @@ static tides_metrics_options options_for(int round) {
     return o;
 }
 
-static tides_metrics compare(const tides_event *a, size_t count_a, const tides_event *b, size_t count_b,
-                             const tides_metrics_options *options) {
-    tides_metrics m;
-    tides_error error;
-    if (tides_metrics_compare(a, count_a, b, count_b, options, NULL, NULL, &m, &error) != TIDES_OK) fail_msg("%s", error.text);
-    return m;
-}
-
 static void assert_near(uint64_t seed, const char *what, double got, double expected) {
     if (isnan(got) && isnan(expected)) return;
     if (!(fabs(got - expected) <= 1e-10 * fmax(1.0, fabs(expected))))
@@ -69,7 +62,7 @@ static void equal_streams_are_at_distance_0(void **state) {
         pair p;
         make_pair(round, &p);
         const tides_metrics_options o = options_for(round);
-        const tides_metrics m = compare(p.a, p.count_a, p.a, p.count_a, &o);
+        const tides_metrics m = metrics_of(p.a, p.count_a, p.a, p.count_a, &o);
         assert_true(m.chamfer_px == 0 && m.victor_purpura == 0 && m.van_rossum == 0 && m.kernel_distance == 0);
         assert_true(m.time_difference_us == 0 && m.count_ratio == 1 && m.match.mismatch_percent == 0 && m.match.dt_max_us == 0);
         assert_true(m.isi_w1 == 0 || m.reference.intervals[0].count == 0);
@@ -85,7 +78,8 @@ static void distances_are_symmetric(void **state) {
         pair p;
         make_pair(round, &p);
         const tides_metrics_options o = options_for(round);
-        const tides_metrics m = compare(p.a, p.count_a, p.b, p.count_b, &o), n = compare(p.b, p.count_b, p.a, p.count_a, &o);
+        const tides_metrics m = metrics_of(p.a, p.count_a, p.b, p.count_b, &o),
+                            n = metrics_of(p.b, p.count_b, p.a, p.count_a, &o);
         assert_near(p.seed, "Chamfer", n.chamfer_px, m.chamfer_px);
         assert_near(p.seed, "Chamfer, directed", n.chamfer_to_reference_px, m.chamfer_to_simulated_px);
         assert_near(p.seed, "Victor-Purpura", n.victor_purpura, m.victor_purpura);
@@ -124,7 +118,7 @@ static void what_lies_around_and_where_does_not_matter(void **state) {
         pair p, q;
         make_pair(round, &p);
         tides_metrics_options o = options_for(round);
-        const tides_metrics m = compare(p.a, p.count_a, p.b, p.count_b, &o);
+        const tides_metrics m = metrics_of(p.a, p.count_a, p.b, p.count_b, &o);
         q = p;
         for (size_t i = 0; i < p.count_a; i++) q.a[i].t += later, q.a[i].x += 7, q.a[i].y += 31;
         for (size_t i = 0; i < p.count_b; i++) q.b[i].t += later, q.b[i].x += 7, q.b[i].y += 31;
@@ -137,7 +131,7 @@ static void what_lies_around_and_where_does_not_matter(void **state) {
         memcpy(o.roi, (const int32_t[4]){7, 31, WIDTH, HEIGHT}, sizeof o.roi);
         o.start_ns = later;
         o.stop_ns = later + SPAN;
-        const tides_metrics n = compare(around, q.count_a + 4, q.b, q.count_b, &o);
+        const tides_metrics n = metrics_of(around, q.count_a + 4, q.b, q.count_b, &o);
         assert_int_equal(n.reference.events, p.count_a);
         assert_same_distances(p.seed, &m, &n);
     }
@@ -150,7 +144,7 @@ static void names_and_order_do_not_matter(void **state) {
         pair p;
         make_pair(round, &p);
         const tides_metrics_options o = options_for(round);
-        const tides_metrics m = compare(p.a, p.count_a, p.b, p.count_b, &o);
+        const tides_metrics m = metrics_of(p.a, p.count_a, p.b, p.count_b, &o);
         for (size_t i = 0; i < p.count_a; i++) p.a[i].polarity = (int8_t)-p.a[i].polarity;
         for (size_t i = 0; i < p.count_b; i++) p.b[i].polarity = (int8_t)-p.b[i].polarity;
         for (size_t i = 0; i + 1 < p.count_b; i++) {
@@ -159,7 +153,7 @@ static void names_and_order_do_not_matter(void **state) {
             p.b[i] = p.b[i + 1];
             p.b[i + 1] = held;
         }
-        const tides_metrics n = compare(p.a, p.count_a, p.b, p.count_b, &o);
+        const tides_metrics n = metrics_of(p.a, p.count_a, p.b, p.count_b, &o);
         assert_same_distances(p.seed, &m, &n);
     }
 }
@@ -274,7 +268,7 @@ static void van_rossum_of_all_pairs(void **state) {
                 if (all[i].polarity == all[j].polarity)
                     expected +=
                         ((i < 20) == (j < 20) ? 1 : -1) * exp(-1e-9 * (double)llabs(all[i].t - all[j].t) / o.van_rossum_s);
-        assert_near(random, "van Rossum", compare(a, 20, b, 20, &o).van_rossum, expected);
+        assert_near(random, "van Rossum", metrics_of(a, 20, b, 20, &o).van_rossum, expected);
     }
 }
 

@@ -8,6 +8,7 @@
 #include "tides/metrics.h"
 
 #include "tests/support/event_stream.h"
+#include "tests/support/metrics_of.h"
 
 #include <math.h>
 #include <string.h>
@@ -22,14 +23,6 @@ static tides_metrics_options options_for(uint32_t wanted, int width, int height,
     o.height = height;
     o.stop_ns = stop_ns;
     return o;
-}
-
-static tides_metrics compare(const tides_event *a, size_t count_a, const tides_event *b, size_t count_b,
-                             const tides_metrics_options *options) {
-    tides_metrics m;
-    tides_error error;
-    if (tides_metrics_compare(a, count_a, b, count_b, options, NULL, NULL, &m, &error) != TIDES_OK) fail_msg("%s", error.text);
-    return m;
 }
 
 static void assert_near(const char *what, double got, double expected) {
@@ -52,7 +45,7 @@ static void inverse_gaussians_of_two_intervals(void **state) {
     train((const double[]){0, 1, 4}, 3, 0, a);
     train((const double[]){0, 6, 8}, 3, 0, b);
     const tides_metrics_options o = options_for(TIDES_METRIC_ISI, 4, 1, 20 * MS);
-    const tides_metrics m = compare(a, 3, b, 3, &o);
+    const tides_metrics m = metrics_of(a, 3, b, 3, &o);
     const tides_interval_fit fit = m.reference.intervals[TIDES_PAIRS_ANY];
     assert_int_equal(fit.count, 2);
     assert_near("mean", fit.mean_s, 2e-3);
@@ -70,7 +63,7 @@ static void pairs_of_each_kind(void **state) {
     (void)state;
     tides_event a[] = {event_at(0, 0, 0, 1), event_at(MS, 0, 0, -1), event_at(3 * MS, 0, 0, 1), event_at(4 * MS, 0, 0, 1)};
     const tides_metrics_options o = options_for(TIDES_METRIC_ISI, 1, 1, 10 * MS);
-    const tides_stream_metrics s = compare(a, 4, a, 4, &o).reference;
+    const tides_stream_metrics s = metrics_of(a, 4, a, 4, &o).reference;
     assert_int_equal(s.intervals[TIDES_PAIRS_ANY].count, 3);
     assert_int_equal(s.intervals[TIDES_PAIRS_SAME].count, 1);
     assert_int_equal(s.intervals[TIDES_PAIRS_SPLIT].count, 2);
@@ -85,7 +78,7 @@ static void floors(void **state) {
     tides_event a[4], b[] = {event_at(5, 0, 0, 1), event_at(5, 0, 0, 1)};
     train((const double[]){0, 2, 4, 6}, 4, 0, a);
     const tides_metrics_options o = options_for(TIDES_METRIC_ISI, 1, 1, 10 * MS);
-    const tides_metrics m = compare(a, 4, b, 2, &o);
+    const tides_metrics m = metrics_of(a, 4, b, 2, &o);
     assert_near("shape", m.reference.intervals[0].shape_s, 2e3);
     assert_int_equal(m.simulated.intervals[0].floored, 1);
     assert_near("floor", 1e6 * m.simulated.intervals[0].mean_s, 0.5);
@@ -105,12 +98,12 @@ static void spikes_on_a_clock(void **state) {
         time += i < 40 ? 4 * MS : 5500000 + 130000 * i + 1000 * (i % 7);
     }
     tides_metrics_options o = options_for(TIDES_METRIC_ISI, 1, 1, 0);
-    assert_near("found", compare(a, 101, a, 101, &o).simulated.isi_spike, 0.4);
+    assert_near("found", metrics_of(a, 101, a, 101, &o).simulated.isi_spike, 0.4);
     o.clock_s = 2e-3;
-    const double known = compare(a, 101, a, 101, &o).simulated.isi_spike;
+    const double known = metrics_of(a, 101, a, 101, &o).simulated.isi_spike;
     assert_true(known >= 0.4 && known < 0.5);
     o.clock_s = 3.1e-3;
-    assert_true(compare(a, 101, a, 101, &o).simulated.isi_spike < 0.1);
+    assert_true(metrics_of(a, 101, a, 101, &o).simulated.isi_spike < 0.1);
 }
 
 /* ---- simultaneous events, bursts, counts ---- */
@@ -122,9 +115,9 @@ static void same_time_in_sensor_and_tile(void **state) {
     const tides_metrics_options o = options_for(TIDES_METRIC_SAME_TIME, 32, 1, MS);
     tides_metrics_options unclocked = o;
     unclocked.tick_ns = 0;
-    assert_near("sensor", compare(a, 4, a, 0, &o).reference.same_time, 0.75);
-    assert_near("tile", compare(a, 4, a, 0, &o).reference.same_time_tile, 0.5);
-    assert_near("without a clock", compare(a, 4, a, 0, &unclocked).reference.same_time, 0.0);
+    assert_near("sensor", metrics_of(a, 4, a, 0, &o).reference.same_time, 0.75);
+    assert_near("tile", metrics_of(a, 4, a, 0, &o).reference.same_time_tile, 0.5);
+    assert_near("without a clock", metrics_of(a, 4, a, 0, &unclocked).reference.same_time, 0.0);
 }
 
 /* 20 bins with one event each have F = 0; with 0 and 2 in turn F = 20 / 19. */
@@ -136,13 +129,13 @@ static void fano_factors(void **state) {
         b[i] = event_at((i / 2 * 2 + 1) * MS + i, 3, 0, 1);
     }
     const tides_metrics_options o = options_for(TIDES_METRIC_FANO, 32, 1, 20 * MS);
-    const tides_metrics m = compare(a, 20, b, 20, &o);
+    const tides_metrics m = metrics_of(a, 20, b, 20, &o);
     assert_near("reference", m.reference.fano[0], 0.0);
     assert_near("simulated", m.simulated.fano[0], 20.0 / 19.0);
     assert_near("error", m.fano_error[0], log((20.0 / 19.0 + 1e-3) / 1e-3));
     assert_int_equal(m.fano_tiles[0], 1);
     assert_near("coverage", m.fano_coverage[0], 1.0);
-    assert_near("few", compare(a, 20, b, 19, &o).fano_coverage[0], 0.0);
+    assert_near("few", metrics_of(a, 20, b, 19, &o).fano_coverage[0], 0.0);
 }
 
 static void counts(void **state) {
@@ -150,13 +143,13 @@ static void counts(void **state) {
     tides_event a[] = {event_at(0, 0, 0, 1), event_at(1, 0, 0, 1), event_at(2, 1, 0, -1)};
     tides_event b[] = {event_at(0, 0, 0, 1), event_at(1, 1, 0, -1), event_at(1, 1, 0, -1), event_at(2, 1, 0, -1)};
     tides_metrics_options o = options_for(TIDES_METRIC_COUNTS, 2, 1, MS);
-    const tides_metrics m = compare(a, 3, b, 4, &o);
+    const tides_metrics m = metrics_of(a, 3, b, 4, &o);
     assert_near("ratio", m.count_ratio, 4.0 / 3.0);
     assert_near("on", m.reference.on_fraction, 2.0 / 3.0);
     assert_near("on", m.simulated.on_fraction, 0.25);
     assert_near("correlation", m.count_correlation, -1.0);
     o.width = 1; /* the same everywhere: there is one pixel */
-    assert_true(isnan(compare(a, 2, a, 2, &o).count_correlation));
+    assert_true(isnan(metrics_of(a, 2, a, 2, &o).count_correlation));
 }
 
 /* ---- space and time ---- */
@@ -173,13 +166,13 @@ static void chamfer_of_delay_and_shift(void **state) {
     }
     tides_metrics_options o = options_for(TIDES_METRIC_CHAMFER, 60, 20, 200 * MS);
     o.speed_px_per_s = 1000;
-    const tides_metrics m = compare(a, 6, late, 6, &o);
+    const tides_metrics m = metrics_of(a, 6, late, 6, &o);
     assert_near("delay", m.chamfer_px, 2.0);
     assert_near("fraction", m.chamfer_fraction, 2.0 / hypot(60, 20));
     assert_near("limit", m.chamfer_limit_px, 50.0);
     assert_int_equal(m.chamfer_one_sided, 0);
-    assert_near("shift", compare(a, 6, beside, 6, &o).chamfer_px, 1.0);
-    assert_near("both", compare(a, 6, both, 6, &o).chamfer_px, 5.0);
+    assert_near("shift", metrics_of(a, 6, beside, 6, &o).chamfer_px, 1.0);
+    assert_near("both", metrics_of(a, 6, both, 6, &o).chamfer_px, 5.0);
 }
 
 static void chamfer_of_one_side_and_of_duplicates(void **state) {
@@ -188,12 +181,12 @@ static void chamfer_of_one_side_and_of_duplicates(void **state) {
     tides_event twice[] = {event_at(0, 0, 0, 1), event_at(0, 0, 0, 1), event_at(0, 9, 0, 1), event_at(0, 9, 0, 1)};
     tides_metrics_options o = options_for(TIDES_METRIC_CHAMFER, 30, 40, 50 * MS);
     o.speed_px_per_s = 10000;
-    tides_metrics m = compare(a, 2, b, 1, &o);
+    tides_metrics m = metrics_of(a, 2, b, 1, &o);
     assert_near("limit", m.chamfer_limit_px, 50.0); /* the diagonal, not 500 px */
     assert_near("one side", m.chamfer_px, 50.0);
     assert_int_equal(m.chamfer_terms, 2);
     assert_int_equal(m.chamfer_one_sided, 2);
-    m = compare(a, 2, twice, 4, &o);
+    m = metrics_of(a, 2, twice, 4, &o);
     assert_near("twice", m.chamfer_px, 0.0);
 }
 
@@ -204,11 +197,11 @@ static void speed_of_an_edge(void **state) {
     for (int x = 0; x < 40; x++)
         for (int y = 0; y < 4; y++) a[4 * x + y] = event_at(x * MS, x, y, 1);
     const tides_metrics_options o = options_for(TIDES_METRIC_CHAMFER, 40, 4, 50 * MS);
-    const tides_metrics m = compare(a, 160, a, 160, &o);
+    const tides_metrics m = metrics_of(a, 160, a, 160, &o);
     assert_near("speed", m.speed_px_per_s, 1000.0);
     assert_near("distance", m.chamfer_px, 0.0);
-    assert_true(isnan(compare(a, 1, a, 1, &o).speed_px_per_s)); /* nothing moves */
-    assert_true(isnan(compare(a, 1, a, 1, &o).chamfer_px));
+    assert_true(isnan(metrics_of(a, 1, a, 1, &o).speed_px_per_s)); /* nothing moves */
+    assert_true(isnan(metrics_of(a, 1, a, 1, &o).chamfer_px));
 }
 
 /* ---- spike trains ---- */
@@ -218,17 +211,17 @@ static void trains_of_one_event(void **state) {
     const uint32_t wanted = TIDES_METRIC_VICTOR_PURPURA | TIDES_METRIC_VAN_ROSSUM | TIDES_METRIC_TIME_DIFFERENCE;
     tides_event a[] = {event_at(10 * MS, 0, 0, 1)}, near[] = {event_at(15 * MS, 0, 0, 1)}, far[] = {event_at(40 * MS, 0, 0, 1)};
     const tides_metrics_options o = options_for(wanted, 1, 1, 100 * MS);
-    tides_metrics m = compare(a, 1, near, 1, &o);
+    tides_metrics m = metrics_of(a, 1, near, 1, &o);
     assert_near("shifted", m.victor_purpura, 0.5); /* 100 /s over 5 ms */
     assert_near("filtered", m.van_rossum, 2.0 - 2.0 * exp(-0.5));
     assert_near("norm", m.reference.van_rossum_norm, 1.0);
     assert_near("difference", m.time_difference_us, 5000.0);
-    m = compare(a, 1, far, 1, &o);
+    m = metrics_of(a, 1, far, 1, &o);
     assert_near("removed and added", m.victor_purpura, 2.0);
     assert_near("fraction", m.victor_purpura_fraction, 1.0);
     assert_near("capped", m.time_difference_us, 10000.0);
     assert_int_equal(m.time_difference_over, 1);
-    m = compare(a, 1, NULL, 0, &o);
+    m = metrics_of(a, 1, NULL, 0, &o);
     assert_near("against nothing", m.victor_purpura, 1.0);
     assert_near("against nothing", m.van_rossum, 1.0);
     assert_near("against nothing", m.van_rossum_fraction, 1.0);
@@ -242,18 +235,18 @@ static void trains_with_one_event_more(void **state) {
     train((const double[]){1, 2, 3}, 3, 0, a);
     train((const double[]){1, 1.5, 2, 3}, 4, 0, b);
     const tides_metrics_options o = options_for(TIDES_METRIC_VICTOR_PURPURA, 2, 1, 100 * MS);
-    assert_near("one more", compare(a, 3, b, 4, &o).victor_purpura, 1.0);
-    assert_near("one less", compare(b, 4, a, 3, &o).victor_purpura, 1.0);
-    assert_near("apart", compare(a, 3, other, 2, &o).victor_purpura, 5.0);
+    assert_near("one more", metrics_of(a, 3, b, 4, &o).victor_purpura, 1.0);
+    assert_near("one less", metrics_of(b, 4, a, 3, &o).victor_purpura, 1.0);
+    assert_near("apart", metrics_of(a, 3, other, 2, &o).victor_purpura, 5.0);
 }
 
 static void kernel_of_single_events(void **state) {
     (void)state;
     tides_event a[] = {event_at(0, 0, 0, 1)}, other[] = {event_at(0, 0, 0, -1)}, away[] = {event_at(5 * MS, 2, 0, 1)};
     const tides_metrics_options o = options_for(TIDES_METRIC_KERNEL, 4, 4, 100 * MS);
-    assert_near("alone", compare(a, 1, NULL, 0, &o).kernel_distance, 1.0);
-    assert_near("opposite", compare(a, 1, other, 1, &o).kernel_distance, 4.0);
-    assert_near("a deviation off in space and in time", compare(a, 1, away, 1, &o).kernel_distance, 2.0 - 2.0 * exp(-1.0));
+    assert_near("alone", metrics_of(a, 1, NULL, 0, &o).kernel_distance, 1.0);
+    assert_near("opposite", metrics_of(a, 1, other, 1, &o).kernel_distance, 4.0);
+    assert_near("a deviation off in space and in time", metrics_of(a, 1, away, 1, &o).kernel_distance, 2.0 - 2.0 * exp(-1.0));
 }
 
 /* Exact times are matched without the clock, in the region and interval only. */
@@ -263,7 +256,7 @@ static void matched_within_the_region(void **state) {
     tides_event b[] = {event_at(1900, 2, 2, 1), event_at(9 * MS, 2, 2, -1)};
     tides_metrics_options o = options_for(TIDES_METRIC_MATCH, 4, 4, MS);
     memcpy(o.roi, (const int32_t[4]){1, 1, 3, 3}, sizeof o.roi);
-    const tides_metrics m = compare(a, 3, b, 2, &o);
+    const tides_metrics m = metrics_of(a, 3, b, 2, &o);
     assert_int_equal(m.match.reference, 1);
     assert_int_equal(m.match.matched, 1);
     assert_near("dt", m.match.dt_median_us, 0.8);

@@ -8,6 +8,7 @@
 #include "tides/metrics.h"
 
 #include "tests/support/event_stream.h"
+#include "tests/support/metrics_of.h"
 
 #include <math.h>
 #include <string.h>
@@ -19,14 +20,6 @@ static tides_metrics_options everything(void) {
     return o;
 }
 
-static tides_metrics compare(const tides_event *a, size_t count_a, const tides_event *b, size_t count_b,
-                             const tides_metrics_options *options) {
-    tides_metrics m;
-    tides_error error;
-    if (tides_metrics_compare(a, count_a, b, count_b, options, NULL, NULL, &m, &error) != TIDES_OK) fail_msg("%s", error.text);
-    return m;
-}
-
 /* ---- little or nothing ---- */
 
 static void nothing_against_nothing(void **state) {
@@ -34,7 +27,7 @@ static void nothing_against_nothing(void **state) {
     tides_metrics_options o = everything();
     for (int sized = 0; sized < 2; sized++) {
         o.width = o.height = sized ? 8 : 0;
-        const tides_metrics m = compare(NULL, 0, NULL, 0, &o);
+        const tides_metrics m = metrics_of(NULL, 0, NULL, 0, &o);
         const double undefined[] = {m.count_ratio,
                                     m.count_correlation,
                                     m.ig_nll[0],
@@ -64,11 +57,11 @@ static void one_side_empty(void **state) {
     (void)state;
     tides_event a[] = {event_at(1000, 0, 0, 1), event_at(5000000, 1, 0, 1), event_at(9000000, 0, 0, -1)};
     const tides_metrics_options o = everything();
-    tides_metrics m = compare(a, 3, NULL, 0, &o);
+    tides_metrics m = metrics_of(a, 3, NULL, 0, &o);
     assert_true(m.count_ratio == 0 && m.chamfer_px == m.chamfer_limit_px && m.victor_purpura == 3);
     assert_true(isnan(m.ig_nll[0]) && !isnan(m.ig_nll_self[0]) && isnan(m.simulated.same_time));
     assert_true(m.match.missing == 3 && m.time_difference_over == 3);
-    m = compare(NULL, 0, a, 3, &o);
+    m = metrics_of(NULL, 0, a, 3, &o);
     assert_true(isnan(m.count_ratio) && isnan(m.ig_nll_self[0]) && isnan(m.time_difference_us) && m.victor_purpura == 3);
     assert_true(isinf(m.match.mismatch_percent));
 }
@@ -78,7 +71,7 @@ static void one_event_per_pixel(void **state) {
     tides_event a[4];
     for (int i = 0; i < 4; i++) a[i] = event_at(1000000 * i, i, 0, 1);
     const tides_metrics_options o = everything();
-    const tides_metrics m = compare(a, 4, a, 4, &o);
+    const tides_metrics m = metrics_of(a, 4, a, 4, &o);
     assert_true(m.reference.intervals[0].count == 0 && isnan(m.reference.intervals[0].mean_s) && isnan(m.isi_w1));
     assert_true(isnan(m.reference.isi_spike) && isnan(m.ig_nll_self[0]) && m.chamfer_px == 0 && m.victor_purpura == 0);
     assert_true(m.speed_px_per_s == 1000);
@@ -89,7 +82,7 @@ static void one_time_for_all(void **state) {
     tides_event a[12];
     for (int i = 0; i < 12; i++) a[i] = event_at(500000, i % 4, 0, 1);
     const tides_metrics_options o = everything();
-    const tides_metrics m = compare(a, 12, a, 12, &o);
+    const tides_metrics m = metrics_of(a, 12, a, 12, &o);
     assert_true(m.reference.same_time == 1 && m.reference.isi_spike == 1 && m.reference.intervals[0].floored == 8);
     assert_true(m.isi_w1 == 0 && m.victor_purpura == 0 && m.van_rossum == 0 && m.ig_nll_excess[0] == 0);
     assert_true(m.stop_ns - m.start_ns == 1000 && isnan(m.fano_error[0]));
@@ -103,7 +96,7 @@ static void only_what_is_wanted(void **state) {
         tides_metrics_options o = everything();
         o.wanted = wanted;
         o.speed_px_per_s = 100;
-        const tides_metrics m = compare(a, 2, a, 2, &o);
+        const tides_metrics m = metrics_of(a, 2, a, 2, &o);
         const struct {
             uint32_t wanted;
             double value;
