@@ -12,14 +12,7 @@ __kernel void td_measure_misfits(__constant const td_image *image_buffer, __glob
     int offset = (int)get_global_id(0) * TD_LANES;
     if (offset >= count) return;
     const int row[3] = {row0 + offset, row1 + offset, row2 + offset};
-    td_source source;
-    source.geometry = geometry;
-    source.rates = rates;
-    source.sh = sh;
-    source.sh_rates = sh_rates;
-    source.owners = owners;
-    source.first_rate = first_rate;
-    source.first_moved = first_moved;
+    const td_source source = td_source_make(geometry, rates, sh, sh_rates, owners, first_rate, first_moved);
     td_row_arrays rows;
     rows.geometry = geometry;
     rows.rates = rates;

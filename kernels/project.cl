@@ -9,14 +9,7 @@ __kernel void td_project_jobs(__constant const td_image *image_buffer, __global 
                               __global float *records, __global float *colours, __global int *masks) {
     const td_image image = td_specialised(image_buffer);
     const td_job job = jobs[get_group_id(0)];
-    td_source source;
-    source.geometry = geometry;
-    source.rates = rates;
-    source.sh = sh;
-    source.sh_rates = sh_rates;
-    source.owners = owners;
-    source.first_rate = first_rate;
-    source.first_moved = first_moved;
+    const td_source source = td_source_make(geometry, rates, sh, sh_rates, owners, first_rate, first_moved);
     td_sink sink;
     sink.records = records;
     sink.colours = colours;

@@ -37,6 +37,23 @@ typedef struct td_source {
     int rated, moved, sh_rated; /* whether the rows in hand have rates, are moved ones, and have rates of SH (td_source_of) */
 } td_source;
 
+#ifdef TD_OPENCL
+/* A kernel's arrays as a source; td_source_of fills in the rest. */
+TD_INLINE td_source td_source_make(TD_GLOBAL const td_real *geometry, TD_GLOBAL const td_real *rates,
+                                   TD_GLOBAL const td_real *sh, TD_GLOBAL const td_real *sh_rates, TD_GLOBAL const int *owners,
+                                   int first_rate, int first_moved) {
+    td_source source;
+    source.geometry = geometry;
+    source.rates = rates;
+    source.sh = sh;
+    source.sh_rates = sh_rates;
+    source.owners = owners;
+    source.first_rate = first_rate;
+    source.first_moved = first_moved;
+    return source;
+}
+#endif
+
 /* The source for a group of rows that begins with `leader`: all of a group are of one kind. */
 TD_INLINE td_source td_source_of(const td_source *all, const td_image *image, int leader) {
     td_source source = *all;

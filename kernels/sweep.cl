@@ -12,13 +12,6 @@ __kernel void td_sweep_gaussians(__constant const td_image *image_buffer, __glob
     int offset = (int)get_global_id(0) * TD_LANES, first = begin + offset;
     if (first >= end) return;
     const int row[3] = {row0 + offset, row1 + offset, row2 + offset};
-    td_source source;
-    source.geometry = geometry;
-    source.rates = rates;
-    source.sh = geometry;
-    source.sh_rates = geometry;
-    source.owners = owners;
-    source.first_rate = first_rate;
-    source.first_moved = first_moved;
+    const td_source source = td_source_make(geometry, rates, geometry, geometry, owners, first_rate, first_moved);
     td_sweep_group(views, &image, &source, object, row, duration, boxes + 4 * first, travel + first);
 }

@@ -299,3 +299,14 @@ scene_bytes scene_ply(const td_gaussians *gaussians, const scene_recipe *recipe)
     }
     return m.bytes;
 }
+
+void scene_save_pair(const char *path, td_gaussians *g) {
+    *g = scene_random(82, 4, 1, SCENE_SMALL_INTEGERS);
+    tides_scene *scene = scene_new();
+    tides_trajectory *trajectory = scene_path(1);
+    scene_add(scene, g, NULL, 1, "a");
+    scene_add(scene, g, trajectory, 1, "b");
+    scene_save(scene, path);
+    tides_trajectory_destroy(trajectory);
+    tides_scene_destroy(scene);
+}

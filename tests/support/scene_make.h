@@ -49,6 +49,9 @@ void scene_load(tides_scene *scene, const char *path, const tides_trajectory *tr
 /* A path of four samples that moves and turns, with rates of its own or without. */
 tides_trajectory *scene_path(int rates);
 
+/* Saves a scene of two objects, "a" and "b", of the same 4 Gaussians, degree 1, the second moving. The caller frees them. */
+void scene_save_pair(const char *path, td_gaussians *gaussians);
+
 /* splitmix64: the next number of a seeded sequence. */
 uint64_t scene_next(uint64_t *seed);
 

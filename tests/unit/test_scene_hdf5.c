@@ -146,18 +146,6 @@ static void test_placement(void **state) {
     tides_scene_destroy(scene);
 }
 
-/* Two objects of 4 Gaussians, degree 1; the second moves. */
-static void save_sample(const char *path, td_gaussians *g) {
-    *g = scene_random(82, 4, 1, SCENE_SMALL_INTEGERS);
-    tides_scene *scene = scene_new();
-    tides_trajectory *trajectory = scene_path(1);
-    scene_add(scene, g, NULL, 1, "a");
-    scene_add(scene, g, trajectory, 1, "b");
-    scene_save(scene, path);
-    tides_trajectory_destroy(trajectory);
-    tides_scene_destroy(scene);
-}
-
 /* HDF5's own printing of errors is the program's affair: silent during a call of ours, and as it was afterwards. */
 static herr_t count_prints(hid_t stack, void *user) {
     (void)stack;
@@ -173,7 +161,7 @@ static void test_error_printing(void **state) {
     H5Eset_auto2(H5E_DEFAULT, count_prints, &prints);
     const char *path = scene_in_folder(*state, "s.h5");
     td_gaussians g;
-    save_sample(path, &g);
+    scene_save_pair(path, &g);
     scene_file_write(path, "\x89HDF\r\n\x1a\n rubbish", 16);
     tides_error error = {0, ""};
     tides_scene *scene = scene_new();

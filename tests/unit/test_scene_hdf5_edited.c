@@ -47,24 +47,12 @@ static void replace_dataset(hid_t file, const char *name, hid_t type, int rank, 
     H5Sclose(space);
 }
 
-/* Two objects of 4 Gaussians, degree 1; the second moves. */
-static void save_sample(const char *path, td_gaussians *g) {
-    *g = scene_random(82, 4, 1, SCENE_SMALL_INTEGERS);
-    tides_scene *scene = scene_new();
-    tides_trajectory *trajectory = scene_path(1);
-    scene_add(scene, g, NULL, 1, "a");
-    scene_add(scene, g, trajectory, 1, "b");
-    scene_save(scene, path);
-    tides_trajectory_destroy(trajectory);
-    tides_scene_destroy(scene);
-}
-
 /* As h5py or another program would write it: big-endian doubles, half floats, compression, texts of fixed length, and more than
  * the layout asks for. */
 static void test_other_writers(void **state) {
     const char *path = scene_in_folder(*state, "s.h5");
     td_gaussians g;
-    save_sample(path, &g);
+    scene_save_pair(path, &g);
     double values[48];
     hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
     for (int i = 0; i < 12; i++) values[i] = g.mean[i];
@@ -212,7 +200,7 @@ static void test_refusals(void **state) {
     const char *path = scene_in_folder(*state, "s.h5");
     for (size_t i = 0; i < sizeof edits / sizeof edits[0]; i++) {
         td_gaussians g;
-        save_sample(path, &g);
+        scene_save_pair(path, &g);
         hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
         assert_true(file >= 0);
         apply(file, &edits[i]);
@@ -236,7 +224,7 @@ static void test_refusals(void **state) {
 static void test_truncations(void **state) {
     const char *path = scene_in_folder(*state, "s.h5");
     td_gaussians g;
-    save_sample(path, &g);
+    scene_save_pair(path, &g);
     size_t size;
     char *bytes = scene_file_read(path, &size);
     for (size_t kept = 8; kept < size; kept += kept < 256 ? 1 : 97) {
