@@ -40,8 +40,9 @@ static void pack_queue(const tides_arbiter *a, int32_t queue, int64_t **row) {
 
 tides_status td_arbiter_pack(const tides_arbiter *a, int64_t **numbers, size_t *count, tides_error *error) {
     size_t rows = (size_t)a->queues.waiting + a->out.count;
-    int64_t *n = td_alloc(HEADER + ROW * rows, sizeof *n, error), *row = n + HEADER;
+    int64_t *n = td_alloc(HEADER + ROW * rows, sizeof *n, error);
     if (!n) return TIDES_NO_MEMORY;
+    int64_t *row = n + HEADER;
     const int64_t header[HEADER] = {[NEXT_QUEUE] = a->next_queue,
                                     [TICK] = a->tick,
                                     [TICK_END] = a->tick_end,

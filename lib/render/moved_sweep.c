@@ -31,6 +31,13 @@ static tides_status work_out(td_moved *moved, td_backend *backend, td_kept *kept
     return status;
 }
 
+/* Rows that none of the three uses: at most two are in use where a third is asked for. */
+static td_kept *find_spare(td_moved *moved, td_kept *const used[3]) {
+    td_kept *spare = moved->kept;
+    while (spare == used[0] || spare == used[1] || spare == used[2]) spare++;
+    return spare;
+}
+
 /* Rows of the three times, of which those that are needed already aren't given up for another. */
 static tides_status keep(td_moved *moved, td_backend *backend, const double time[3], const int side[3], const td_kept *kept[3],
                          tides_error *error) {
@@ -39,11 +46,9 @@ static tides_status keep(td_moved *moved, td_backend *backend, const double time
     for (int i = 0; i < 3; i++) used[i] = find_kept(moved, time[i], side[i]);
     for (int i = 0; i < 3 && status == TIDES_OK; i++) {
         if (!used[i]) used[i] = find_kept(moved, time[i], side[i]); /* worked out for another of the three */
-        for (int k = 0; k < TD_KEPT && !used[i]; k++) {
-            td_kept *spare = &moved->kept[k];
-            if (spare == used[0] || spare == used[1] || spare == used[2]) continue;
-            used[i] = spare;
-            status = work_out(moved, backend, spare, time[i], side[i], error);
+        if (!used[i]) {
+            used[i] = find_spare(moved, used);
+            status = work_out(moved, backend, used[i], time[i], side[i], error);
         }
         kept[i] = used[i];
     }
