@@ -97,7 +97,7 @@ def test_example(script, outputs, tmp_path):
 
 
 def test_threads_open_the_first_device_at_once():
-    """Loading OpenCL's drivers isn't safe in two threads: the package takes turns there."""
+    """Loading OpenCL's drivers isn't safe in two threads: the library takes turns there."""
     if not tides.devices():
         pytest.skip("no OpenCL device")
     program = (
