@@ -121,6 +121,7 @@ static tides_status reap(pool *p, batch_run *run, int how, tides_error *error) {
                                                    WTERMSIG(how) == SIGKILL ? ", as for too much memory; try fewer --jobs" : "")
                                       : batch_last_words(run);
         if (!run->error) return batch_no_memory(error);
+        batch_leave_failure(run);
     }
     p->ended++;
     say(p, run);

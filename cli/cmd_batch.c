@@ -37,6 +37,13 @@ static tides_status make_directory(const char *directory, tides_error *error) {
     return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", directory, strerror(errno));
 }
 
+static void print_counts(const batch *b, size_t done, size_t earlier, size_t failed) {
+    printf("runs              %zu done (%zu of them before), %zu failed", done, earlier, failed);
+    if (done + failed < b->count) printf(", %zu waiting", b->count - done - failed);
+    printf("\n");
+    if (b->only->count == 0) printf("summary           %s/summary%s\n", b->directory, b->shards == 1 ? ".json and .csv" : "-*");
+}
+
 /* What came of it: the failures last, where nobody misses them. */
 static int report(const batch *b) {
     size_t done = 0, failed = 0, earlier = 0;
@@ -51,37 +58,40 @@ static int report(const batch *b) {
     if (b->stopped)
         return cli_failed("stopped on request; %zu of %zu runs are finished; the same command goes on from there", done,
                           b->count);
-    if (!b->common->quiet && !b->common->json)
-        printf("runs              %zu done (%zu of them before), %zu failed\nsummary           %s/summary%s\n", done, earlier,
-               failed, b->directory, b->shards == 1 ? ".json and .csv" : "-*");
+    if (!b->common->quiet && !b->common->json) print_counts(b, done, earlier, failed);
     return failed && code == CLI_OK ? CLI_FAILED : code;
 }
 
 int cmd_batch(const cli_command *command, int argc, char **argv) {
     cli_common common;
+    cli_list only = {.count = 0};
+    int32_t look = 0;
     const char *manifest = NULL, *directory = NULL, *shard = NULL, *jobs = NULL, *every = NULL;
     const cli_option options[] = {
         {"--output", 'o', "DIR", "where every run gets a folder (required)", NULL, &directory, NULL},
         {"--jobs", 'j', "N", "runs at a time (as many as processors and memory allow)", NULL, &jobs, NULL},
         {"--shard", 0, "I/N", "only every N-th run, from the I-th on: for N machines on one DIR", NULL, &shard, NULL},
+        {"--only", 0, "NAME", "only this run, and no summary; repeatable", NULL, NULL, &only},
+        {"--summary", 0, NULL, "run nothing: write the summary of what DIR holds by now", &look, NULL, NULL},
         {"--checkpoint", 0, "SECONDS", "how often runs save what going on needs (30; 0: never)", NULL, &every, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
     int code = cli_parse(command, options, argc, argv, &common, &manifest);
     if (code != CLI_GO) return code;
     if (!directory) return cli_usage(command, "the output is missing: -o DIR");
-    batch b = {.manifest = manifest, .directory = directory, .common = &common, .shards = 1};
+    batch b = {.manifest = manifest, .directory = directory, .common = &common, .only = &only, .shards = 1};
     b.checkpoint_s = DEFAULT_CHECKPOINT_S;
     if (every && (code = cli_number(command, "--checkpoint", every, &b.checkpoint_s)) != CLI_GO) return code;
     if (b.checkpoint_s < 0) return cli_usage(command, "--checkpoint %s: give seconds, or 0 for none", every);
     if (jobs && (code = take_jobs(command, jobs, &b)) != CLI_GO) return code;
     if (shard && (code = take_shard(command, shard, &b)) != CLI_GO) return code;
+    if (shard && only.count) return cli_usage(command, "--only names runs and --shard counts them; give one of the two");
 
     tides_error error = {TIDES_OK, ""};
     tides_status status = batch_read(&b, &error);
     if (status == TIDES_OK) status = batch_prepare(&b, &error);
     if (status == TIDES_OK) status = make_directory(directory, &error);
-    if (status == TIDES_OK) status = batch_work(&b, &error);
+    if (status == TIDES_OK) status = look ? batch_look(&b, &error) : batch_work(&b, &error);
     code = status == TIDES_OK ? report(&b) : cli_fail(&error);
     batch_free(&b);
     return code;
