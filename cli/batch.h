@@ -12,6 +12,7 @@
 
 enum { BATCH_WAITING = 0, BATCH_RUNNING, BATCH_DONE, BATCH_FAILED };
 enum { BATCH_HASH = 17 }; /* 16 hex digits */
+enum { BATCH_BUSY = 75 }; /* exit code of a run that another process is at (EX_TEMPFAIL of sysexits.h): no failure of its own */
 
 typedef struct batch_run {
     char *name;  /* of its folder, unique in the batch */
@@ -35,6 +36,7 @@ typedef struct batch {
     const cli_list *only;  /* the names of the runs that are meant; empty: all */
     int32_t shard, shards; /* run i belongs to shard i mod shards */
     int32_t jobs;          /* runs at a time; 0: as many as there are processors */
+    int32_t threads;       /* of a run on a CPU; 0: the processors are shared out among the jobs */
     int32_t stopped;       /* on request */
     batch_run *runs;
     size_t count, capacity;
@@ -62,6 +64,9 @@ int32_t batch_is_finished(const batch_run *run);
 void batch_leave_failure(const batch_run *run);
 /* Takes the runs' states from their folders. */
 tides_status batch_look(batch *b, tides_error *error);
+
+/* batch_parent.c: from now on this process is killed when its parent, which must be `parent`, ends. */
+tides_status batch_end_with(pid_t parent, tides_error *error);
 
 /* batch_pool.c: runs what isn't finished, several at a time, within memory; says a line for each. */
 tides_status batch_work(batch *b, tides_error *error);

@@ -90,12 +90,12 @@ static tides_status begin(const batch_run *run, const job_files *files, int32_t 
     return status;
 }
 
-/* stdout and stderr to log.txt. */
+/* stdout and stderr to the end of log.txt, which may be another process's for now. */
 static tides_status open_log(const batch_run *run, tides_error *error) {
     char *path = batch_text("%s/log.txt", run->directory);
     if (mkdir(run->directory, 0777) != 0 && errno != EEXIST)
         cli_error(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", run->directory, strerror(errno));
-    else if (!path || !freopen(path, "w", stderr) || dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
+    else if (!path || !freopen(path, "a", stderr) || dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
         cli_error(error, TIDES_WRITE_FAILED, "%s/log.txt: can't be written: %s", run->directory, strerror(errno));
     free(path);
     return error->status;
@@ -124,7 +124,13 @@ int batch_job(const batch *b, const batch_run *run) {
     if (status != TIDES_OK) return cli_fail(&error);
     if (!name_files(run, &files)) return cli_failed("out of memory");
     int code = CLI_OK;
-    status = lock_folder(run, &error);
+    if (lock_folder(run, &error) != TIDES_OK) {
+        cli_fail(&error);
+        free_files(&files);
+        return BATCH_BUSY;
+    }
+    if (ftruncate(STDERR_FILENO, 0) != 0)
+        status = cli_error(&error, TIDES_WRITE_FAILED, "%s/log.txt: can't be emptied: %s", run->directory, strerror(errno));
     if (status == TIDES_OK) status = begin(run, &files, &resume, &error);
     if (status == TIDES_OK) code = simulate(b, run, &files, resume);
     if (status == TIDES_OK && code == CLI_OK) status = write_result(run, &files, &error);

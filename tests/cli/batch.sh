@@ -100,6 +100,8 @@ refuse 1 "none.json: can't be opened" tides batch none.json -o wrong.d
 refuse 2 "the output is missing: -o DIR" tides batch grid.json
 refuse 2 "--shard 4/3: give I/N" tides batch grid.json -o wrong.d --shard 4/3
 refuse 2 "--jobs 0: give a number" tides batch grid.json -o wrong.d --jobs 0
+refuse 2 "--threads no: give a number" tides batch grid.json -o wrong.d --threads no
+refuse 1 "process $PPID isn't the one that started this" tides batch grid.json -o wrong.d --end-with $PPID
 
 # Forty runs, killed twice. A result differs in nothing from the uninterrupted batch's.
 awk 'BEGIN { for (i = 0; i <= 400; i++) printf "%g %g 0 0 0 0 0 1\n", i * 0.01, 0.3 * sin(i * 0.3) }' >path.txt
@@ -136,6 +138,19 @@ for name in whole.d/*/; do
     expect 0 tides convert forty.d/$name/events.h5 b.npy -q
     cmp -s a.npy b.npy || fail "the events of $name differ"
 done
+
+# With --end-with it is killed when its parent is, and so are its runs.
+sh -c 'tides batch forty.json -o end.d -q --threads 1 --end-with $$ 2>end.err & echo $! >end.pid; wait' &
+for _ in $(seq 1000); do
+    [ -e "$(echo end.d/*/result.json | cut -d' ' -f1)" ] && break
+    sleep 0.01
+done
+kill -KILL $! || fail "the batch ended before its parent"
+wait $!
+runs() { grep -ls "^State:.[^ZX]" /proc/$(cat end.pid)/status; }
+for _ in $(seq 200); do [ -z "$(runs)" ] && break; sleep 0.01; done
+[ -z "$(runs)" ] || fail "the batch outlived its parent"
+[ "$(ls end.d/*/result.json | wc -l)" -lt 40 ] || fail "nothing was left to do"
 
 # Ctrl-C: runs save their state, and the same command goes on.
 tides batch forty.json -o int.d -q >out 2>err &
