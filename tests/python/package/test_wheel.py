@@ -78,12 +78,15 @@ def test_fresh_environment_runs_the_readme(wheel, tmp_path):
         ("training_set", ["out/00000.h5", "out/00000.json", "out/00005.h5"]),
         ("sweep", ["out.csv"]),
         ("optical_flow", ["out.png"]),
+        ("dask_batch", ["out/results/summary.csv"]),
     ],
 )
 def test_example(script, outputs, tmp_path):
     if not tides.devices():
         pytest.skip("no OpenCL device, and the reference takes a minute")
-    output = "out" if script == "training_set" else outputs[0]
+    if script == "dask_batch":
+        pytest.importorskip("distributed")
+    output = outputs[0].split("/")[0]
     environment = outside(PYTHONPATH=str(ROOT / "python_ctypes"), TIDES_LIBRARY=tides.library_path)
     said = run(sys.executable, EXAMPLES / f"{script}.py", output, env=environment, cwd=tmp_path)
     assert all((tmp_path / name).stat().st_size > 20 for name in outputs)
@@ -92,6 +95,8 @@ def test_example(script, outputs, tmp_path):
     if script == "sweep":
         rows = [line.split(",") for line in (tmp_path / "out.csv").read_text().split()][1:]
         assert float(rows[-1][4]) < float(rows[0][4])  # dt_p95_us falls with the tolerance
+    if script == "dask_batch":
+        assert said.count(" done ") == 6
     if script == "training_set":
         assert said.count("batch (2, 5, 72, 96)") == 3 or "torch" in said
 
