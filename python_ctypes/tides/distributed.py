@@ -23,7 +23,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 import threading
@@ -31,7 +30,7 @@ import time
 import uuid
 import warnings
 from pathlib import Path
-from typing import Any, Iterator
+from typing import Any
 
 try:
     from distributed import Client, Event, Future, as_completed
@@ -41,8 +40,8 @@ except ImportError as missing:
     ) from missing
 
 from . import _api, errors
-from ._library import PATH, VERSION
 from ._progress import Progress, shower
+from ._tool import tool_path
 from ._values import Facts
 
 _POLL_S = 0.5  # how late a worker notices that the batch is to stop
@@ -51,30 +50,9 @@ _SEEN_S = 60.0  # after which every machine sees what another one wrote: NFS kee
 _TOLD = 5  # failures that a warning quotes
 
 
-def _tools() -> Iterator[str]:
-    """Where the command line tool may be, best first: beside the library, as make or make install leaves it; in PATH."""
-    folder = Path(PATH).resolve().parent
-    for path in (folder / "tides", folder.parent / "bin" / "tides"):
-        if path.is_file():
-            yield str(path)
-    found = shutil.which("tides")
-    if found:
-        yield found
-
-
-def _tool(named: str | None) -> str:
-    tool = named or next(_tools(), None)
-    if tool is None:
-        raise FileNotFoundError(f"the tool `tides` is neither beside {PATH} nor in PATH: run make install, or name it in tool=")
-    said = subprocess.run([tool, "--version"], capture_output=True, text=True, check=True).stdout.split()
-    if said[-1:] != [VERSION]:
-        raise RuntimeError(f"{tool} is version {' '.join(said[-1:])}, and this package is for {VERSION}")
-    return tool
-
-
 def _command(job: dict[str, Any], *options: str) -> list[str]:
     device = ["--device", job["device"]] if job["device"] else []
-    return [_tool(job["tool"]), "batch", job["manifest"], "-o", job["out_dir"], "--quiet", *device, *options]
+    return [tool_path(job["tool"]), "batch", job["manifest"], "-o", job["out_dir"], "--quiet", *device, *options]
 
 
 def _words(said: str) -> str:

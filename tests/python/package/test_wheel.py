@@ -48,9 +48,10 @@ def test_wheel_holds_the_package(wheel):
     assert wheel.name == f"tides-{tides.__version__}-py3-none-linux_x86_64.whl"
     with zipfile.ZipFile(wheel) as file:
         names = {name for name in file.namelist() if not name.endswith((".dist-info/", "/"))}
-        assert file.read("tides/libtides.so") == Path(tides.library_path).read_bytes()
+        assert file.read("tides/libtides.so.0") == Path(tides.library_path).read_bytes()
     modules = {f"tides/{path.name}" for path in (ROOT / "python_ctypes" / "tides").glob("*.py")}
-    assert modules | {"tides/py.typed", "tides/libtides.so"} == {name for name in names if ".dist-info/" not in name}
+    others = {"tides/py.typed", "tides/libtides.so.0", "tides/tides"}
+    assert modules | others == {name for name in names if ".dist-info/" not in name}
 
 
 def readme_example():
@@ -69,6 +70,9 @@ def test_fresh_environment_runs_the_readme(wheel, tmp_path):
     path, count, names = run(python, "-c", program, env=outside(), cwd=tmp_path).split(maxsplit=2)
     assert path.startswith(str(venv)) and int(count) > 1000 and names.strip() == "['L', 'L_dot']"
     assert (tmp_path / "events.raw").stat().st_size > 1000
+    said = f"tides {tides.__version__}\n"
+    assert run(venv / "bin" / "tides", "--version", env=outside()) == said
+    assert run(python, "-m", "tides", "--version", env=outside(), cwd=tmp_path) == said
 
 
 @pytest.mark.parametrize(
