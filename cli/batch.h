@@ -1,8 +1,8 @@
 /* tides batch: a manifest's runs, each in a folder of its own, several at a time, and gone on with after any interruption.
  *
- * A folder DIR/NAME holds job.json (what was started), events.h5, stats.json, log.txt, and once the run is finished
- * result.json. job.json and result.json carry a hash of the resolved run and of the files that it reads: a result with the
- * run's hash is skipped, a checkpoint under a job with the run's hash is gone on with, anything else starts anew. */
+ * A folder DIR/NAME holds job.json (what was started), events.h5, stats.json, log.txt, and once the run has ended result.json,
+ * or failure.json (job.json and "error"). They carry a hash of the resolved run and of the files that it reads: a result with
+ * the run's hash is skipped, a checkpoint under a job with the run's hash is gone on with, anything else starts anew. */
 #ifndef CLI_BATCH_H
 #define CLI_BATCH_H
 
@@ -12,6 +12,7 @@
 
 enum { BATCH_WAITING = 0, BATCH_RUNNING, BATCH_DONE, BATCH_FAILED };
 enum { BATCH_HASH = 17 }; /* 16 hex digits */
+enum { BATCH_BUSY = 75 }; /* exit code of a run that another process is at (EX_TEMPFAIL of sysexits.h): no failure of its own */
 
 typedef struct batch_run {
     char *name;  /* of its folder, unique in the batch */
@@ -32,14 +33,16 @@ typedef struct batch {
     const char *manifest, *directory;
     const cli_common *common;
     double checkpoint_s;
+    const cli_list *only;  /* the names of the runs that are meant; empty: all */
     int32_t shard, shards; /* run i belongs to shard i mod shards */
     int32_t jobs;          /* runs at a time; 0: as many as there are processors */
+    int32_t threads;       /* of a run on a CPU; 0: the processors are shared out among the jobs */
     int32_t stopped;       /* on request */
     batch_run *runs;
     size_t count, capacity;
 } batch;
 
-/* batch_manifest.c: fills runs from the manifest, names them, keeps those of the shard. */
+/* batch_manifest.c: fills runs from the manifest, names them, keeps those of the shard, or those that are meant. */
 tides_status batch_read(batch *b, tides_error *error);
 void batch_free(batch *b);
 
@@ -47,17 +50,29 @@ void batch_free(batch *b);
  * Fills hash and estimate. */
 tides_status batch_prepare(batch *b, tides_error *error);
 
-/* batch_job.c: whether the run's folder holds its result already; the run itself, to be called in a process of its own. */
-int32_t batch_is_finished(const batch_run *run);
+/* batch_job.c: the run itself, to be called in a process of its own. */
 int batch_job(const batch *b, const batch_run *run);
 /* The last line that the run's process said, allocated; NULL: out of memory. */
 char *batch_last_words(const batch_run *run);
 
+/* batch_folder.c: what a run's folder says. The run as JSON (name, hash, file, set), NULL: out of memory; whether a JSON file
+ * carries the run's hash; whether the result is there. */
+cJSON *batch_describe(const batch_run *run);
+int32_t batch_has_hash(const char *path, const batch_run *run);
+int32_t batch_is_finished(const batch_run *run);
+/* Leaves run->error in failure.json, so that a later --summary knows it: as well as that goes, for the disk may be full. */
+void batch_leave_failure(const batch_run *run);
+/* Takes the runs' states from their folders. */
+tides_status batch_look(batch *b, tides_error *error);
+
+/* batch_parent.c: from now on this process is killed when its parent, which must be `parent`, ends. */
+tides_status batch_end_with(pid_t parent, tides_error *error);
+
 /* batch_pool.c: runs what isn't finished, several at a time, within memory; says a line for each. */
 tides_status batch_work(batch *b, tides_error *error);
 
-/* batch_summary.c: summary.json and summary.csv in the batch's folder, of this shard where there are several. The JSON is
- * printed with --json. */
+/* batch_summary.c: summary.json and summary.csv in the batch's folder, of this shard where there are several; none where only
+ * some runs are meant. The JSON is printed with --json. */
 int batch_summary(const batch *b);
 
 /* batch_text.c: small helpers. A formatted string, allocated, NULL where memory ran out; a JSON file, NULL where there is

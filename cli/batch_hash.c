@@ -158,6 +158,7 @@ static tides_status prepare(const batch *b, hashed_files *files, batch_run *run,
     snprintf(run->hash, sizeof run->hash, "%016" PRIx64, hash);
     tides_run_destroy(loaded);
     if (status == TIDES_OK) return TIDES_OK;
+    run->hash[0] = '\0'; /* of a part */
     run->state = BATCH_FAILED;
     return (run->error = batch_text("%s", reason.text)) ? TIDES_OK : batch_no_memory(error);
 }

@@ -12,7 +12,7 @@
 
 /* The files of a run's folder. */
 typedef struct job_files {
-    char *job, *events, *stats, *result;
+    char *job, *events, *stats, *result, *failure;
 } job_files;
 
 static int32_t name_files(const batch_run *run, job_files *files) {
@@ -20,7 +20,8 @@ static int32_t name_files(const batch_run *run, job_files *files) {
     files->events = batch_text("%s/events.h5", run->directory);
     files->stats = batch_text("%s/stats.json", run->directory);
     files->result = batch_text("%s/result.json", run->directory);
-    return files->job && files->events && files->stats && files->result;
+    files->failure = batch_text("%s/failure.json", run->directory);
+    return files->job && files->events && files->stats && files->result && files->failure;
 }
 
 static void free_files(job_files *files) {
@@ -28,23 +29,7 @@ static void free_files(job_files *files) {
     free(files->events);
     free(files->stats);
     free(files->result);
-}
-
-/* Whether the JSON file at `path` carries the run's hash. */
-static int32_t has_hash(const char *path, const batch_run *run) {
-    cJSON *json = batch_read_json(path);
-    const char *hash = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(json, "hash"));
-    const int32_t equal = hash && strcmp(hash, run->hash) == 0;
-    cJSON_Delete(json);
-    return equal;
-}
-
-int32_t batch_is_finished(const batch_run *run) {
-    job_files files;
-    const int32_t finished = name_files(run, &files) && access(files.events, R_OK) == 0 && access(files.stats, R_OK) == 0 &&
-                             has_hash(files.result, run);
-    free_files(&files);
-    return finished;
+    free(files->failure);
 }
 
 /* Keeps two batches, or a batch and what a killed one left running, off the same folder: the lock ends with the process. The
@@ -66,27 +51,11 @@ static tides_status lock_folder(const batch_run *run, tides_error *error) {
                      run->directory);
 }
 
-/* What the folder is about: hash, run file and assignments. */
-static cJSON *describe(const batch_run *run) {
-    cJSON *json = cJSON_CreateObject();
-    int32_t ok = cJSON_AddStringToObject(json, "name", run->name) && cJSON_AddStringToObject(json, "hash", run->hash);
-    ok = ok && cJSON_AddStringToObject(json, "file", run->file);
-    cJSON *sets = ok ? cJSON_AddArrayToObject(json, "set") : NULL;
-    ok = sets != NULL;
-    for (size_t i = 0; ok && i < run->count; i++) {
-        cJSON *text = cJSON_CreateString(run->sets[i]);
-        ok = text && cJSON_AddItemToArray(sets, text);
-    }
-    if (ok) return json;
-    cJSON_Delete(json);
-    return NULL;
-}
-
 /* The result: the description, and of the statistics what doesn't depend on the machine's speed. */
 static tides_status write_result(const batch_run *run, const job_files *files, tides_error *error) {
     static const char *const kept[] = {"events", "events_on", "events_off", "events_truncated", "simulated_s", "width",
                                        "height", "device",    "version",    "numerics",         "seed"};
-    cJSON *result = describe(run), *stats = batch_read_json(files->stats);
+    cJSON *result = batch_describe(run), *stats = batch_read_json(files->stats);
     int32_t ok = result && stats;
     for (size_t i = 0; ok && i < sizeof kept / sizeof kept[0]; i++) {
         cJSON *copy = cJSON_Duplicate(cJSON_GetObjectItemCaseSensitive(stats, kept[i]), 1);
@@ -99,29 +68,34 @@ static tides_status write_result(const batch_run *run, const job_files *files, t
     return status;
 }
 
-/* An older result goes before anything else is touched; a checkpoint counts only under a job of the same hash. */
+static tides_status remove_if_there(const char *path, tides_error *error) {
+    if (remove(path) == 0 || errno == ENOENT) return TIDES_OK;
+    return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be removed: %s", path, strerror(errno));
+}
+
+/* An older end goes before anything else is touched; a checkpoint counts only under a job of the same hash. */
 static tides_status begin(const batch_run *run, const job_files *files, int32_t *resume, tides_error *error) {
-    if (remove(files->result) != 0 && errno != ENOENT)
-        return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be removed: %s", files->result, strerror(errno));
+    tides_status status = remove_if_there(files->result, error);
+    if (status == TIDES_OK) status = remove_if_there(files->failure, error);
+    if (status != TIDES_OK) return status;
     char *checkpoint = batch_text("%s.checkpoint", files->events);
     if (!checkpoint) return batch_no_memory(error);
-    *resume = has_hash(files->job, run) && access(checkpoint, F_OK) == 0;
-    if (!*resume && remove(checkpoint) != 0 && errno != ENOENT)
-        cli_error(error, TIDES_WRITE_FAILED, "%s: can't be removed: %s", checkpoint, strerror(errno));
+    *resume = batch_has_hash(files->job, run) && access(checkpoint, F_OK) == 0;
+    if (!*resume) status = remove_if_there(checkpoint, error);
     free(checkpoint);
-    if (error->status != TIDES_OK) return error->status;
-    cJSON *json = describe(run);
-    tides_status status = batch_write_json(files->job, json, error);
+    if (status != TIDES_OK) return status;
+    cJSON *json = batch_describe(run);
+    status = batch_write_json(files->job, json, error);
     cJSON_Delete(json);
     return status;
 }
 
-/* stdout and stderr to log.txt. */
+/* stdout and stderr to the end of log.txt, which may be another process's for now. */
 static tides_status open_log(const batch_run *run, tides_error *error) {
     char *path = batch_text("%s/log.txt", run->directory);
     if (mkdir(run->directory, 0777) != 0 && errno != EEXIST)
         cli_error(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", run->directory, strerror(errno));
-    else if (!path || !freopen(path, "w", stderr) || dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
+    else if (!path || !freopen(path, "a", stderr) || dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
         cli_error(error, TIDES_WRITE_FAILED, "%s/log.txt: can't be written: %s", run->directory, strerror(errno));
     free(path);
     return error->status;
@@ -150,7 +124,13 @@ int batch_job(const batch *b, const batch_run *run) {
     if (status != TIDES_OK) return cli_fail(&error);
     if (!name_files(run, &files)) return cli_failed("out of memory");
     int code = CLI_OK;
-    status = lock_folder(run, &error);
+    if (lock_folder(run, &error) != TIDES_OK) {
+        cli_fail(&error);
+        free_files(&files);
+        return BATCH_BUSY;
+    }
+    if (ftruncate(STDERR_FILENO, 0) != 0)
+        status = cli_error(&error, TIDES_WRITE_FAILED, "%s/log.txt: can't be emptied: %s", run->directory, strerror(errno));
     if (status == TIDES_OK) status = begin(run, &files, &resume, &error);
     if (status == TIDES_OK) code = simulate(b, run, &files, resume);
     if (status == TIDES_OK && code == CLI_OK) status = write_result(run, &files, &error);

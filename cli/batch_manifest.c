@@ -232,6 +232,42 @@ static void keep_shard(batch *b) {
     b->count = kept;
 }
 
+static tides_status no_such_run(const batch *b, const char *name, tides_error *error) {
+    const char **names = calloc(b->count + 1, sizeof *names);
+    if (!names) return batch_no_memory(error);
+    for (size_t i = 0; i < b->count; i++) names[i] = b->runs[i].name;
+    const char *nearest = cli_nearest(name, names);
+    cli_error(error, TIDES_BAD_CONFIG, "%s: no run is called \"%.200s\"%s%s%s; --summary --json names them all", b->manifest,
+              name, nearest ? "; did you mean \"" : "", nearest ? nearest : "", nearest ? "\"?" : "");
+    free(names);
+    return error->status;
+}
+
+static int32_t is_meant(const batch *b, const batch_run *run) {
+    for (size_t i = 0; i < b->only->count; i++)
+        if (strcmp(b->only->items[i], run->name) == 0) return 1;
+    return 0;
+}
+
+/* The runs of b->only, in the manifest's order. */
+static tides_status keep_meant(batch *b, tides_error *error) {
+    if (b->only->count == 0) return TIDES_OK;
+    for (size_t i = 0; i < b->only->count; i++) {
+        size_t at = 0;
+        while (at < b->count && strcmp(b->runs[at].name, b->only->items[i]) != 0) at++;
+        if (at == b->count) return no_such_run(b, b->only->items[i], error);
+    }
+    size_t kept = 0;
+    for (size_t i = 0; i < b->count; i++) {
+        if (is_meant(b, &b->runs[i]))
+            b->runs[kept++] = b->runs[i];
+        else
+            free_run(&b->runs[i]);
+    }
+    b->count = kept;
+    return TIDES_OK;
+}
+
 tides_status batch_read(batch *b, tides_error *error) {
     struct stat found;
     if (stat(b->manifest, &found) != 0)
@@ -244,6 +280,7 @@ tides_status batch_read(batch *b, tides_error *error) {
                                                            b->manifest);
     cJSON_Delete(root);
     if (status == TIDES_OK) status = check_names(b, error);
+    if (status == TIDES_OK) status = keep_meant(b, error);
     if (status == TIDES_OK) keep_shard(b);
     return status;
 }

@@ -11,9 +11,6 @@
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
-#ifdef __linux__
-#include <sys/prctl.h>
-#endif
 
 /* Part of the free memory that a batch may plan with; the rest is for what the estimate doesn't know. */
 #define MEMORY_PART 0.8
@@ -74,10 +71,10 @@ static void learn_memory(pool *p, const batch_run *run) {
 /* The device's threads are shared out among the runs, unless the user did (PoCL 3 and PoCL 4 name it differently). */
 static void share_processors(const pool *p) {
     char threads[24];
-    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    snprintf(threads, sizeof threads, "%ld", processors > p->jobs ? processors / p->jobs : 1);
-    setenv("POCL_MAX_PTHREAD_COUNT", threads, 0);
-    setenv("POCL_CPU_MAX_CU_COUNT", threads, 0);
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN), share = processors > p->jobs ? processors / p->jobs : 1;
+    snprintf(threads, sizeof threads, "%ld", p->b->threads > 0 ? (long)p->b->threads : share);
+    setenv("POCL_MAX_PTHREAD_COUNT", threads, p->b->threads > 0);
+    setenv("POCL_CPU_MAX_CU_COUNT", threads, p->b->threads > 0);
 }
 
 static tides_status start(pool *p, batch_run *run, tides_error *error) {
@@ -93,12 +90,9 @@ static tides_status start(pool *p, batch_run *run, tides_error *error) {
         p->used += run->estimate;
         return TIDES_OK;
     }
-#ifdef __linux__
-    prctl(PR_SET_PDEATHSIG, SIGKILL); /* a batch that is killed leaves no runs behind: they go on from their checkpoints */
-    if (getppid() != parent) _exit(CLI_FAILED);
-#else
-    (void)parent;
-#endif
+    tides_error ignored = {TIDES_OK, ""};
+    const tides_status together = batch_end_with(parent, &ignored);
+    if (together != TIDES_OK && together != TIDES_UNSUPPORTED) _exit(CLI_FAILED);
     share_processors(p);
     const int code = batch_job(p->b, run);
     fflush(NULL);
@@ -121,6 +115,7 @@ static tides_status reap(pool *p, batch_run *run, int how, tides_error *error) {
                                                    WTERMSIG(how) == SIGKILL ? ", as for too much memory; try fewer --jobs" : "")
                                       : batch_last_words(run);
         if (!run->error) return batch_no_memory(error);
+        if (!WIFEXITED(how) || WEXITSTATUS(how) != BATCH_BUSY) batch_leave_failure(run);
     }
     p->ended++;
     say(p, run);

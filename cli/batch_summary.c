@@ -10,16 +10,13 @@ static const char *const columns[] = {"events", "events_on", "events_off", "even
                                       "height", "seed",      "device"};
 enum { COLUMNS = sizeof columns / sizeof columns[0] };
 
-/* The result that the run left; what was set is in it. */
+/* The result that the run left, else what was asked for. */
 static cJSON *row_of(const batch_run *run) {
     static const char *const states[] = {"waiting", "waiting", "done", "failed"};
     char *path = batch_text("%s/result.json", run->directory);
     cJSON *row = run->state == BATCH_DONE && path ? batch_read_json(path) : NULL;
     free(path);
-    if (!row) {
-        row = cJSON_CreateObject();
-        if (!cJSON_AddStringToObject(row, "name", run->name)) return row;
-    }
+    if (!row && !(row = batch_describe(run))) return NULL;
     cJSON_AddStringToObject(row, "state", states[run->state]);
     if (run->error) cJSON_AddStringToObject(row, "error", run->error);
     return row;
@@ -27,14 +24,16 @@ static cJSON *row_of(const batch_run *run) {
 
 static cJSON *make_json(const batch *b) {
     cJSON *root = cJSON_CreateObject(), *runs = root ? cJSON_AddArrayToObject(root, "runs") : NULL;
-    size_t done = 0, failed = 0;
+    size_t done = 0, failed = 0, waiting = 0;
     for (size_t i = 0; runs && i < b->count; i++) {
         cJSON *row = row_of(&b->runs[i]);
         if (!row || !cJSON_AddItemToArray(runs, row)) runs = NULL;
         done += b->runs[i].state == BATCH_DONE;
         failed += b->runs[i].state == BATCH_FAILED;
+        waiting += b->runs[i].state == BATCH_WAITING;
     }
-    if (runs && cJSON_AddNumberToObject(root, "done", (double)done) && cJSON_AddNumberToObject(root, "failed", (double)failed))
+    if (runs && cJSON_AddNumberToObject(root, "done", (double)done) &&
+        cJSON_AddNumberToObject(root, "failed", (double)failed) && cJSON_AddNumberToObject(root, "waiting", (double)waiting))
         return root;
     cJSON_Delete(root);
     return NULL;
@@ -96,14 +95,20 @@ static char *summary_path(const batch *b, const char *ending) {
     return batch_text("%s/summary-%d-of-%d.%s", b->directory, b->shard + 1, b->shards, ending);
 }
 
+static tides_status write_files(const batch *b, const cJSON *root, tides_error *error) {
+    char *json = summary_path(b, "json"), *csv = summary_path(b, "csv");
+    tides_status status = json && csv ? batch_write_json(json, root, error) : batch_no_memory(error);
+    if (status == TIDES_OK) status = write_csv(csv, root, error);
+    free(json);
+    free(csv);
+    return status;
+}
+
 int batch_summary(const batch *b) {
     tides_error error = {TIDES_OK, ""};
     cJSON *root = make_json(b);
-    char *json = summary_path(b, "json"), *csv = summary_path(b, "csv");
-    tides_status status = root && json && csv ? batch_write_json(json, root, &error) : batch_no_memory(&error);
-    if (status == TIDES_OK) status = write_csv(csv, root, &error);
-    free(json);
-    free(csv);
+    tides_status status = root ? TIDES_OK : batch_no_memory(&error);
+    if (status == TIDES_OK && b->only->count == 0) status = write_files(b, root, &error);
     if (status == TIDES_OK && b->common->json) return cli_print_facts(root, 1);
     cJSON_Delete(root);
     return status == TIDES_OK ? CLI_OK : cli_fail(&error);

@@ -22,11 +22,14 @@ static int take_shard(const cli_command *command, const char *text, batch *b) {
     return CLI_GO;
 }
 
-static int take_jobs(const cli_command *command, const char *text, batch *b) {
+/* A number from 1; nothing where the option isn't given. */
+static int take_count(const cli_command *command, const char *option, const char *text, int32_t most, int32_t *count) {
     char *end = NULL;
-    const long jobs = strtol(text, &end, 10);
-    if (end == text || *end || jobs < 1 || jobs > 4096) return cli_usage(command, "--jobs %s: give a number from 1", text);
-    b->jobs = (int32_t)jobs;
+    if (!text) return CLI_GO;
+    const long given = strtol(text, &end, 10);
+    if (end == text || *end || given < 1 || given > most)
+        return cli_usage(command, "%s %s: give a number from 1", option, text);
+    *count = (int32_t)given;
     return CLI_GO;
 }
 
@@ -35,6 +38,13 @@ static tides_status make_directory(const char *directory, tides_error *error) {
     if (mkdir(directory, 0777) == 0) return TIDES_OK;
     if (errno == EEXIST && stat(directory, &found) == 0 && S_ISDIR(found.st_mode)) return TIDES_OK;
     return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", directory, strerror(errno));
+}
+
+static void print_counts(const batch *b, size_t done, size_t earlier, size_t failed) {
+    printf("runs              %zu done (%zu of them before), %zu failed", done, earlier, failed);
+    if (done + failed < b->count) printf(", %zu waiting", b->count - done - failed);
+    printf("\n");
+    if (b->only->count == 0) printf("summary           %s/summary%s\n", b->directory, b->shards == 1 ? ".json and .csv" : "-*");
 }
 
 /* What came of it: the failures last, where nobody misses them. */
@@ -51,37 +61,46 @@ static int report(const batch *b) {
     if (b->stopped)
         return cli_failed("stopped on request; %zu of %zu runs are finished; the same command goes on from there", done,
                           b->count);
-    if (!b->common->quiet && !b->common->json)
-        printf("runs              %zu done (%zu of them before), %zu failed\nsummary           %s/summary%s\n", done, earlier,
-               failed, b->directory, b->shards == 1 ? ".json and .csv" : "-*");
+    if (!b->common->quiet && !b->common->json) print_counts(b, done, earlier, failed);
     return failed && code == CLI_OK ? CLI_FAILED : code;
 }
 
 int cmd_batch(const cli_command *command, int argc, char **argv) {
     cli_common common;
-    const char *manifest = NULL, *directory = NULL, *shard = NULL, *jobs = NULL, *every = NULL;
+    cli_list only = {.count = 0};
+    int32_t look = 0, parent = 0;
+    const char *manifest = NULL, *directory = NULL, *shard = NULL, *jobs = NULL, *every = NULL, *threads = NULL,
+               *starter = NULL;
     const cli_option options[] = {
         {"--output", 'o', "DIR", "where every run gets a folder (required)", NULL, &directory, NULL},
         {"--jobs", 'j', "N", "runs at a time (as many as processors and memory allow)", NULL, &jobs, NULL},
+        {"--threads", 0, "N", "of a run on a CPU (the processors are shared out among the jobs)", NULL, &threads, NULL},
         {"--shard", 0, "I/N", "only every N-th run, from the I-th on: for N machines on one DIR", NULL, &shard, NULL},
+        {"--only", 0, "NAME", "only this run, and no summary; repeatable", NULL, NULL, &only},
+        {"--summary", 0, NULL, "run nothing: write the summary of what DIR holds by now", &look, NULL, NULL},
         {"--checkpoint", 0, "SECONDS", "how often runs save what going on needs (30; 0: never)", NULL, &every, NULL},
+        {"--end-with", 0, "PID", "end, as if killed, when the process that started this one ends", NULL, &starter, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
     int code = cli_parse(command, options, argc, argv, &common, &manifest);
     if (code != CLI_GO) return code;
     if (!directory) return cli_usage(command, "the output is missing: -o DIR");
-    batch b = {.manifest = manifest, .directory = directory, .common = &common, .shards = 1};
+    batch b = {.manifest = manifest, .directory = directory, .common = &common, .only = &only, .shards = 1};
     b.checkpoint_s = DEFAULT_CHECKPOINT_S;
     if (every && (code = cli_number(command, "--checkpoint", every, &b.checkpoint_s)) != CLI_GO) return code;
     if (b.checkpoint_s < 0) return cli_usage(command, "--checkpoint %s: give seconds, or 0 for none", every);
-    if (jobs && (code = take_jobs(command, jobs, &b)) != CLI_GO) return code;
+    if ((code = take_count(command, "--jobs", jobs, 4096, &b.jobs)) != CLI_GO) return code;
+    if ((code = take_count(command, "--threads", threads, 4096, &b.threads)) != CLI_GO) return code;
+    if ((code = take_count(command, "--end-with", starter, INT32_MAX, &parent)) != CLI_GO) return code;
     if (shard && (code = take_shard(command, shard, &b)) != CLI_GO) return code;
+    if (shard && only.count) return cli_usage(command, "--only names runs and --shard counts them; give one of the two");
 
     tides_error error = {TIDES_OK, ""};
-    tides_status status = batch_read(&b, &error);
+    tides_status status = parent ? batch_end_with(parent, &error) : TIDES_OK;
+    if (status == TIDES_OK) status = batch_read(&b, &error);
     if (status == TIDES_OK) status = batch_prepare(&b, &error);
     if (status == TIDES_OK) status = make_directory(directory, &error);
-    if (status == TIDES_OK) status = batch_work(&b, &error);
+    if (status == TIDES_OK) status = look ? batch_look(&b, &error) : batch_work(&b, &error);
     code = status == TIDES_OK ? report(&b) : cli_fail(&error);
     batch_free(&b);
     return code;

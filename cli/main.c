@@ -27,8 +27,9 @@ static const cli_command commands[] = {
      "MANIFEST.json: {\"base\": \"run.json\", \"set\": {KEY: VALUE}, \"grid\": {KEY: [VALUES], ...},\n"
      "\"runs\": [{\"name\": NAME, \"file\": \"run.json\", \"set\": {KEY: VALUE}}, ...]}; grid and runs may stand alone, keys "
      "as\n"
-     "for --set. DIR/NAME holds each run's events.h5, stats.json, result.json and log.txt; DIR/summary.json and .csv\n"
-     "all results. The same command again goes on after an interruption and does again only what changed.",
+     "for --set. DIR/NAME holds each run's events.h5, stats.json, log.txt, and result.json or failure.json;\n"
+     "DIR/summary.json and .csv all results. The same command again goes on after an interruption and does again only what "
+     "changed.",
      1, cmd_batch},
     {"convert", "IN OUT", "Convert a scene to .ply or .h5, or an event file to another format.",
      "A scene is .ply (compressed too), .spz, .splat, .ksplat, .sog or .h5. IN's format is found from its content; OUT's "

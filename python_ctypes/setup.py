@@ -1,6 +1,7 @@
-"""Builds the wheel py3-none-linux_x86_64 with libtides.so inside.
+"""Builds the wheel py3-none-linux_x86_64 with the library and the command line tool inside.
 
-The library is TIDES_LIBRARY's, or the source tree's build/libtides.so, which make builds where it isn't there. What it links
+The library is TIDES_LIBRARY's, or the source tree's build/libtides.so, which make builds where it isn't there; the tool is the
+one beside it. The library goes by its soname, under which the tool looks for it in its own folder. What it links
 (OpenCL loader, HDF5, OpenEXR, libpng, ...) stays the system's, which is why the wheel isn't called manylinux.
 """
 
@@ -29,14 +30,18 @@ def library():
     named = os.environ.get("TIDES_LIBRARY")
     built = Path(named) if named else ROOT / "build" / "libtides.so"
     if not built.exists() and not named:
-        subprocess.run(["make", "-C", str(ROOT), f"-j{os.cpu_count() or 1}", "build/libtides.so"], check=True)
+        subprocess.run(["make", "-C", str(ROOT), f"-j{os.cpu_count() or 1}", "all"], check=True)
     return built.resolve(strict=True)
 
 
 class BuildWithLibrary(build_py):
     def run(self):
         super().run()
-        shutil.copyfile(library(), Path(self.build_lib) / "tides" / "libtides.so")
+        inside, source = Path(self.build_lib) / "tides", library()
+        for old in inside.glob("libtides.so*"):  # an earlier build's
+            old.unlink()
+        shutil.copyfile(source, inside / f"libtides.so.{version().split('.')[0]}")
+        shutil.copy(source.parent / "tides", inside / "tides")
 
 
 class PlatformWheel(bdist_wheel):

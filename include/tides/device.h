@@ -1,4 +1,8 @@
-/* Where the arithmetic runs: an OpenCL device, or the scalar double-precision reference. */
+/* Where the arithmetic runs: an OpenCL device, or the scalar double-precision reference.
+ *
+ * Threads: any number may list and open devices at once; an open device serves one thread at a time. OpenCL's drivers are
+ * loaded when a process first asks for devices, and the library lets one thread at a time do that (loaders aren't ready for
+ * two); a program that calls OpenCL by itself too makes its own first call before or after, not meanwhile. */
 #ifndef TIDES_DEVICE_H
 #define TIDES_DEVICE_H
 

@@ -2,6 +2,7 @@
 #include "td_device.h"
 
 #include <ctype.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,7 +46,7 @@ static void describe(cl_platform_id platform, cl_device_id id, int32_t index, ti
 }
 
 /* No platform at all is an empty list, not an error: the ICD loader reports it by a code of its own (-1001). */
-static void enumerate(device_list *list) {
+static void ask_all(device_list *list) {
     cl_platform_id platforms[MAX_PLATFORMS];
     cl_uint platform_count = 0;
     list->count = 0;
@@ -62,6 +63,16 @@ static void enumerate(device_list *list) {
             describe(platforms[p], ids[d], at, &list->info[at]);
         }
     }
+}
+
+/* One thread at a time. The first call of a process makes the loader load the drivers, and neither ocl-icd 2.3 nor PoCL 3.1 is
+ * ready for two first calls at once: in 3 of 10 tries a thread found no device, or the driver ended the process. What the mutex
+ * guards is the loader's state, of which a process has one: hence the library's only variable that isn't an object's. */
+static void enumerate(device_list *list) {
+    static pthread_mutex_t loading = PTHREAD_MUTEX_INITIALIZER;
+    pthread_mutex_lock(&loading);
+    ask_all(list);
+    pthread_mutex_unlock(&loading);
 }
 
 tides_status tides_device_list(tides_device_info *rows, int32_t capacity, int32_t *count, tides_error *error) {

@@ -16,7 +16,7 @@ VERSION = f"{_api.TIDES_VERSION_MAJOR}.{_api.TIDES_VERSION_MINOR}.{_api.TIDES_VE
 def _candidates() -> Iterator[str]:
     """Where the library may be, best first: in this package, TIDES_LIBRARY, the source tree's build/, the system's."""
     here = Path(__file__).resolve().parent
-    inside = here / "libtides.so"
+    inside = here / f"libtides.so.{_api.TIDES_VERSION_MAJOR}"
     if inside.exists():
         yield str(inside)
     named = os.environ.get("TIDES_LIBRARY")

@@ -42,7 +42,7 @@ class _Bar:
         self.bar.close()
 
 
-def _shower() -> Any:
+def shower() -> Any:
     try:
         from tqdm.auto import tqdm
     except ImportError:
@@ -68,7 +68,7 @@ class Reporter:
         return 1 if stop or (self._also is not None and self._also()) else 0
 
     def __enter__(self) -> Any:
-        self._shown = _shower() if self._progress is True else None
+        self._shown = shower() if self._progress is True else None
         return _api.tides_progress(kept(self._step, 1))
 
     def __exit__(self, *_: Any) -> None:

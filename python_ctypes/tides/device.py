@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from ctypes import POINTER, byref, c_int32
 
 from . import _api
@@ -16,11 +15,6 @@ _KINDS = {
 }
 
 
-#: OpenCL drivers are loaded at the first call, and loaders (ocl-icd) and PoCL 3 aren't ready for two first calls at once: one
-#: finds no device, or crashes.
-_LOADING = threading.Lock()
-
-
 def _facts(info: _api.tides_device_info) -> Facts:
     return Facts(plain(info), kind=_KINDS[info.kind])
 
@@ -28,10 +22,9 @@ def _facts(info: _api.tides_device_info) -> Facts:
 def devices() -> list[Facts]:
     """The OpenCL devices: kind ("cpu", "gpu", "other"), index, name, platform, driver, compute_units, lanes, memory_bytes."""
     count = c_int32()
-    with _LOADING:
-        call("tides_device_list", None, 0, byref(count))
-        rows = (_api.tides_device_info * max(1, count.value))()
-        call("tides_device_list", rows, count.value, byref(count))
+    call("tides_device_list", None, 0, byref(count))
+    rows = (_api.tides_device_info * max(1, count.value))()
+    call("tides_device_list", rows, count.value, byref(count))
     return [_facts(row) for row in rows[: count.value]]
 
 
@@ -43,8 +36,7 @@ class Device(Handle):
 
     def __init__(self, spec: str | int | None = None):
         made = POINTER(_api.tides_device)()
-        with _LOADING:
-            call("tides_device_open", encoded(None if spec is None else str(spec)), byref(made))
+        call("tides_device_open", encoded(None if spec is None else str(spec)), byref(made))
         super().__init__(made)
 
     @property

@@ -50,12 +50,39 @@ err "^tides: outside failed: run.json: "
 out "2 done .*, 2 failed"
 grep -q '^"gone","failed"' bad.d/summary.csv || fail "summary.csv should hold failures"
 
+# The summary of what is there runs nothing: failures are known from their folders, and go where a run starts again.
+expect 1 tides batch bad.json -o parts.d --only a --only outside
+out "1 done \(0 of them before\), 1 failed$"
+missing parts.d/summary.json
+grep -q '"error":.*run.json: ' parts.d/outside/failure.json || fail "failure.json lacks the reason"
+expect 1 tides batch bad.json -o parts.d --summary
+out "1 done \(1 of them before\), 2 failed, 1 waiting"
+err "^tides: outside failed: run.json: "
+missing parts.d/z
+[ "$(cut -d, -f1,2 parts.d/summary.csv | tail -n +2 | tr -d '"\n')" = a,donegone,failedoutside,failedz,waiting ] || fail "wrong states"
+grep -q '^"outside",.*,"camera.file=""run.json""","run.json: ' parts.d/summary.csv || fail "a failed run should say what was set"
+expect 1 tides batch bad.json -o parts.d --summary --json -q
+cmp -s out parts.d/summary.json || fail "--json prints another summary"
+expect 1 tides batch bad.json -o parts.d -q
+cmp parts.d/summary.csv bad.d/summary.csv && cmp parts.d/summary.json bad.d/summary.json || fail "the parts aren't the whole"
+cp path.txt kept.txt
+echo "no path" >path.txt
+expect 1 tides batch bad.json -o parts.d --only a
+exists parts.d/a/failure.json
+missing parts.d/a/result.json
+mv kept.txt path.txt
+expect 0 tides batch bad.json -o parts.d --only a --json
+grep -q '"waiting":[[:space:]]*0' out || fail "--only --json should print what became of it"
+missing parts.d/a/failure.json
+refuse 1 "bad.json: no run is called \"gine\"; did you mean \"gone\"\?" tides batch bad.json -o parts.d --only gine
+refuse 2 "give one of the two" tides batch bad.json -o parts.d --only a --shard 1/2
+
 # Shards: every run is somebody's, and the whole batch then finds them all.
 expect 0 tides batch grid.json -o shards.d --shard 1/3 -q
 expect 0 tides batch grid.json -o shards.d --shard 3/3 -q
 expect 0 tides batch grid.json -o shards.d --shard 2/3 -q
 exists shards.d/summary-2-of-3.json
-expect 0 tides batch grid.json -o shards.d
+expect 0 tides batch grid.json -o shards.d --summary
 out "8 done \(8 of them before\)"
 
 # Wrong manifests.
@@ -73,6 +100,8 @@ refuse 1 "none.json: can't be opened" tides batch none.json -o wrong.d
 refuse 2 "the output is missing: -o DIR" tides batch grid.json
 refuse 2 "--shard 4/3: give I/N" tides batch grid.json -o wrong.d --shard 4/3
 refuse 2 "--jobs 0: give a number" tides batch grid.json -o wrong.d --jobs 0
+refuse 2 "--threads no: give a number" tides batch grid.json -o wrong.d --threads no
+refuse 1 "process $PPID isn't the one that started this" tides batch grid.json -o wrong.d --end-with $PPID
 
 # Forty runs, killed twice. A result differs in nothing from the uninterrupted batch's.
 awk 'BEGIN { for (i = 0; i <= 400; i++) printf "%g %g 0 0 0 0 0 1\n", i * 0.01, 0.3 * sin(i * 0.3) }' >path.txt
@@ -109,6 +138,19 @@ for name in whole.d/*/; do
     expect 0 tides convert forty.d/$name/events.h5 b.npy -q
     cmp -s a.npy b.npy || fail "the events of $name differ"
 done
+
+# With --end-with it is killed when its parent is, and so are its runs.
+sh -c 'tides batch forty.json -o end.d -q --threads 1 --end-with $$ 2>end.err & echo $! >end.pid; wait' &
+for _ in $(seq 1000); do
+    [ -e "$(echo end.d/*/result.json | cut -d' ' -f1)" ] && break
+    sleep 0.01
+done
+kill -KILL $! || fail "the batch ended before its parent"
+wait $!
+runs() { grep -ls "^State:.[^ZX]" /proc/$(cat end.pid)/status; }
+for _ in $(seq 200); do [ -z "$(runs)" ] && break; sleep 0.01; done
+[ -z "$(runs)" ] || fail "the batch outlived its parent"
+[ "$(ls end.d/*/result.json | wc -l)" -lt 40 ] || fail "nothing was left to do"
 
 # Ctrl-C: runs save their state, and the same command goes on.
 tides batch forty.json -o int.d -q >out 2>err &

@@ -48,9 +48,10 @@ def test_wheel_holds_the_package(wheel):
     assert wheel.name == f"tides-{tides.__version__}-py3-none-linux_x86_64.whl"
     with zipfile.ZipFile(wheel) as file:
         names = {name for name in file.namelist() if not name.endswith((".dist-info/", "/"))}
-        assert file.read("tides/libtides.so") == Path(tides.library_path).read_bytes()
+        assert file.read("tides/libtides.so.0") == Path(tides.library_path).read_bytes()
     modules = {f"tides/{path.name}" for path in (ROOT / "python_ctypes" / "tides").glob("*.py")}
-    assert modules | {"tides/py.typed", "tides/libtides.so"} == {name for name in names if ".dist-info/" not in name}
+    others = {"tides/py.typed", "tides/libtides.so.0", "tides/tides"}
+    assert modules | others == {name for name in names if ".dist-info/" not in name}
 
 
 def readme_example():
@@ -69,6 +70,9 @@ def test_fresh_environment_runs_the_readme(wheel, tmp_path):
     path, count, names = run(python, "-c", program, env=outside(), cwd=tmp_path).split(maxsplit=2)
     assert path.startswith(str(venv)) and int(count) > 1000 and names.strip() == "['L', 'L_dot']"
     assert (tmp_path / "events.raw").stat().st_size > 1000
+    said = f"tides {tides.__version__}\n"
+    assert run(venv / "bin" / "tides", "--version", env=outside()) == said
+    assert run(python, "-m", "tides", "--version", env=outside(), cwd=tmp_path) == said
 
 
 @pytest.mark.parametrize(
@@ -78,12 +82,15 @@ def test_fresh_environment_runs_the_readme(wheel, tmp_path):
         ("training_set", ["out/00000.h5", "out/00000.json", "out/00005.h5"]),
         ("sweep", ["out.csv"]),
         ("optical_flow", ["out.png"]),
+        ("dask_batch", ["out/results/summary.csv"]),
     ],
 )
 def test_example(script, outputs, tmp_path):
     if not tides.devices():
         pytest.skip("no OpenCL device, and the reference takes a minute")
-    output = "out" if script == "training_set" else outputs[0]
+    if script == "dask_batch":
+        pytest.importorskip("distributed")
+    output = outputs[0].split("/")[0]
     environment = outside(PYTHONPATH=str(ROOT / "python_ctypes"), TIDES_LIBRARY=tides.library_path)
     said = run(sys.executable, EXAMPLES / f"{script}.py", output, env=environment, cwd=tmp_path)
     assert all((tmp_path / name).stat().st_size > 20 for name in outputs)
@@ -92,12 +99,14 @@ def test_example(script, outputs, tmp_path):
     if script == "sweep":
         rows = [line.split(",") for line in (tmp_path / "out.csv").read_text().split()][1:]
         assert float(rows[-1][4]) < float(rows[0][4])  # dt_p95_us falls with the tolerance
+    if script == "dask_batch":
+        assert said.count(" done ") == 6
     if script == "training_set":
         assert said.count("batch (2, 5, 72, 96)") == 3 or "torch" in said
 
 
 def test_threads_open_the_first_device_at_once():
-    """Loading OpenCL's drivers isn't safe in two threads: the package takes turns there."""
+    """Loading OpenCL's drivers isn't safe in two threads: the library takes turns there."""
     if not tides.devices():
         pytest.skip("no OpenCL device")
     program = (

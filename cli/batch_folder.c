@@ -1,0 +1,83 @@
+/* What the folder of a batch's run says of it. */
+#include "batch.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+cJSON *batch_describe(const batch_run *run) {
+    cJSON *json = cJSON_CreateObject();
+    int32_t ok = cJSON_AddStringToObject(json, "name", run->name) && cJSON_AddStringToObject(json, "hash", run->hash);
+    ok = ok && cJSON_AddStringToObject(json, "file", run->file);
+    cJSON *sets = ok ? cJSON_AddArrayToObject(json, "set") : NULL;
+    ok = sets != NULL;
+    for (size_t i = 0; ok && i < run->count; i++) {
+        cJSON *text = cJSON_CreateString(run->sets[i]);
+        ok = text && cJSON_AddItemToArray(sets, text);
+    }
+    if (ok) return json;
+    cJSON_Delete(json);
+    return NULL;
+}
+
+static int32_t carries(const cJSON *json, const batch_run *run) {
+    const char *hash = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(json, "hash"));
+    return hash && strcmp(hash, run->hash) == 0;
+}
+
+int32_t batch_has_hash(const char *path, const batch_run *run) {
+    cJSON *json = batch_read_json(path);
+    const int32_t equal = carries(json, run);
+    cJSON_Delete(json);
+    return equal;
+}
+
+/* Whether DIR/NAME/`name` can be read. */
+static int32_t is_there(const batch_run *run, const char *name) {
+    char *path = batch_text("%s/%s", run->directory, name);
+    const int32_t there = path && access(path, R_OK) == 0;
+    free(path);
+    return there;
+}
+
+int32_t batch_is_finished(const batch_run *run) {
+    char *path = batch_text("%s/result.json", run->directory);
+    const int32_t finished = path && is_there(run, "events.h5") && is_there(run, "stats.json") && batch_has_hash(path, run);
+    free(path);
+    return finished;
+}
+
+void batch_leave_failure(const batch_run *run) {
+    tides_error ignored = {TIDES_OK, ""};
+    char *path = batch_text("%s/failure.json", run->directory);
+    cJSON *json = path ? batch_describe(run) : NULL;
+    if (cJSON_AddStringToObject(json, "error", run->error)) (void)batch_write_json(path, json, &ignored);
+    cJSON_Delete(json);
+    free(path);
+}
+
+static tides_status look(batch_run *run, tides_error *error) {
+    run->earlier = batch_is_finished(run);
+    if (run->earlier) {
+        run->state = BATCH_DONE;
+        return TIDES_OK;
+    }
+    char *path = batch_text("%s/failure.json", run->directory);
+    cJSON *json = path ? batch_read_json(path) : NULL;
+    const char *words = carries(json, run) ? cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(json, "error")) : NULL;
+    if (words) {
+        run->state = BATCH_FAILED;
+        run->error = batch_text("%s", words);
+    }
+    const int32_t ok = path && (!words || run->error);
+    cJSON_Delete(json);
+    free(path);
+    return ok ? TIDES_OK : batch_no_memory(error);
+}
+
+tides_status batch_look(batch *b, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; status == TIDES_OK && i < b->count; i++)
+        if (b->runs[i].state == BATCH_WAITING) status = look(&b->runs[i], error); /* a run without its inputs has failed */
+    return status;
+}
