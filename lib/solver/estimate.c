@@ -117,7 +117,7 @@ void td_timing_add(td_timing *timing, const td_comparator *comparator, double h,
     for (int32_t i = 0; i < count; i++) {
         double rise = signals->S1[i] - signals->S0[i], moved = fabs(rise);
         if (!(moved > least)) continue;
-        double error = larger(bulge * fabs(h * (signals->S1_dot[i] + signals->S0_dot[i]) - 2 * rise), timing->rounding);
+        double error = bulge * fabs(h * (signals->S1_dot[i] + signals->S0_dot[i]) - 2 * rise) + timing->rounding;
         timing->weight[bin_of(error * h / larger(moved, error))] += moved / threshold;
     }
 }
