@@ -33,7 +33,7 @@ from pathlib import Path
 from typing import Any
 
 try:
-    from distributed import Client, Event, Future, as_completed
+    from distributed import Client, Future, Worker, as_completed, get_worker
 except ImportError as missing:
     raise ImportError(
         "tides.distributed needs Dask: pip install tides[dask], or apt install python3-distributed"
@@ -61,7 +61,27 @@ def _words(said: str) -> str:
 
 
 # -- on a worker ----------------------------------------------------------------------------------------------------------
-def _say(process: subprocess.Popen[str], stop: Event) -> str:
+class _Here:
+    """What a worker knows of one batch: whether it is to stop, and which of its runs are under way. It hangs on the worker, and
+    to ask it takes no network."""
+
+    def __init__(self) -> None:
+        self.stop = threading.Event()
+        self.runs: set[str] = set()
+
+    @staticmethod
+    def of(worker: Worker, token: str) -> "_Here":
+        return worker.__dict__.setdefault("tides_batches", {}).setdefault(token, _Here())
+
+
+def _tell_stop(token: str, dask_worker: Worker) -> int:
+    """How many runs are still at saving what going on needs."""
+    here = _Here.of(dask_worker, token)
+    here.stop.set()
+    return len(here.runs)
+
+
+def _say(process: subprocess.Popen[str], stop: threading.Event) -> str:
     """What the process says until it ends; it is asked to end once `stop` is set."""
     while True:
         try:
@@ -71,11 +91,7 @@ def _say(process: subprocess.Popen[str], stop: Event) -> str:
                 process.terminate()
 
 
-def _work(name: str, job: dict[str, Any]) -> None:
-    """One run, unless the batch is to stop. It ends with the worker: --end-with sees to that even where that is killed."""
-    stop = Event(job["stop"])
-    if stop.is_set():
-        return
+def _run_tool(name: str, job: dict[str, Any], stop: threading.Event) -> None:
     options = ["--only", name, "--jobs", "1", "--threads", str(job["threads"]), "--checkpoint", str(job["checkpoint_s"])]
     command = _command(job, *options, "--end-with", str(os.getpid()))
     process = subprocess.Popen(
@@ -85,7 +101,7 @@ def _work(name: str, job: dict[str, Any]) -> None:
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
-        start_new_session=True,  # the client's Ctrl-C comes through `stop`
+        start_new_session=True,  # Ctrl-C comes through `stop`
     )
     try:
         said = _say(process, stop)
@@ -95,6 +111,18 @@ def _work(name: str, job: dict[str, Any]) -> None:
             process.wait()
     if process.returncode != 0 and not stop.is_set():
         raise errors.TidesError(_words(said).removeprefix(f"{name} failed: "))
+
+
+def _work(name: str, job: dict[str, Any]) -> None:
+    """One run, unless the batch is to stop. It ends with the worker: --end-with sees to that even where that is killed."""
+    here = _Here.of(get_worker(), job["token"])
+    if here.stop.is_set():
+        return
+    here.runs.add(name)
+    try:
+        _run_tool(name, job, here.stop)
+    finally:
+        here.runs.discard(name)
 
 
 def _spare_interrupt(group: int, machine: str) -> None:
@@ -133,10 +161,11 @@ def _leave_failure(job: dict[str, Any], row: Facts, words: str) -> None:
     part.replace(folder / "failure.json")
 
 
-def _let_end(client: Client, futures: list[Future]) -> None:
-    """Gives runs that were asked to stop the time to save, as long as there are workers to do so."""
+def _stop(client: Client, token: str, futures: list[Future]) -> None:
+    """Takes back the runs that wait, and gives those under way the time to save."""
+    client.cancel(futures)
     until = time.monotonic() + _STOP_S
-    while client.nthreads() and time.monotonic() < until and not all(future.done() for future in futures):
+    while any(client.run(_tell_stop, token, on_error="ignore").values()) and time.monotonic() < until:
         time.sleep(_POLL_S)
 
 
@@ -145,7 +174,7 @@ class _Batch:
 
     def __init__(self, job: dict[str, Any], rows: list[Facts], progress: Progress):
         self.job, self.rows = job, {row.name: row for row in rows}
-        self.keys = {f"tides-{uuid.uuid4().hex}-{name}": name for name in self.rows}
+        self.keys = {f"tides-{job['token']}-{name}": name for name in self.rows}
         self.finished: set[str] = set()
         self.failed: dict[str, str] = {}
         self.progress = progress
@@ -175,19 +204,16 @@ class _Batch:
     def run(self, client: Client, retries: int) -> None:
         """Every run to its end. After an exception (Ctrl-C) those under way have saved what going on needs."""
         shown = shower() if self.progress is True else None
-        stop = Event(self.job["stop"], client=client)
-        client.run(_spare_interrupt, os.getpgrp(), os.uname().nodename)
+        client.run(_spare_interrupt, os.getpgrp(), os.uname().nodename, on_error="ignore")
         futures = self.submit(client, retries)
         try:
             for future in as_completed(futures):
                 self.tell(self.end(future), shown)
                 future.release()  # a result that nobody wants is not made again where its worker is lost
         except BaseException:
-            stop.set()
-            _let_end(client, futures)
+            _stop(client, self.job["token"], futures)
             raise
         finally:
-            client.cancel(futures)
             if shown is not None:
                 shown.close()
 
@@ -235,7 +261,7 @@ def map(
         "threads": threads,
         "checkpoint_s": checkpoint_s,
         "tool": tool,
-        "stop": f"tides-stop-{uuid.uuid4().hex}",
+        "token": uuid.uuid4().hex,
     }
     batch = _Batch(job, [row for row in _summary(job).runs if row.state != "done"], progress)
     try:

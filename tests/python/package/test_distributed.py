@@ -147,6 +147,13 @@ def test_wrong_manifest(client, tmp_path, monkeypatch):
         tides.distributed.map("grid.json", client, "dask", tool="/nowhere/tides")
 
 
+def test_storage_that_is_late(monkeypatch):
+    """Another machine's file may be seen only after a while: the summary waits for what workers finished."""
+    late = [tides.distributed.Facts(runs=[tides.distributed.Facts(name="a", state=state)]) for state in ("waiting", "done")]
+    monkeypatch.setattr(tides.distributed, "_summary", lambda job: late.pop(0))
+    assert tides.distributed._settled_summary({}, {"a"}).runs[0].state == "done" and not late
+
+
 PROGRAM = """
 import tides.distributed
 from distributed import Client, LocalCluster
