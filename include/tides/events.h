@@ -18,9 +18,9 @@ typedef struct tides_event {
 } tides_event;
 
 /* What the front end had added to log-luminance when the event fired: S - L [log units], S being what the comparator sees.
- * The low-pass or circuit, the surround and the additive noise are in it: behind a low-pass of time constant tau it is -tau L_dot
- * on a ramp. The optics' blur isn't (L is behind it), nor the leak (the reference drifts, not S). 0 where nothing of that is
- * on, and where sensor.labels is off; never NaN. */
+ * The low-pass or circuit, the surround and the additive noise are in it: behind a low-pass of time constant tau it is
+ * -tau L_dot on a ramp. The optics' blur isn't (L is behind it), nor the leak (the reference drifts, not S). 0 where nothing of
+ * that is on, and where sensor.labels is off; never NaN. */
 TIDES_API double tides_event_frontend(const tides_event *event);
 
 /* Labels of events, each a column of HDF5 files: /events/cause, /events/fired [ns], when the pixel fired, before the readout,

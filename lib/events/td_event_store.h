@@ -24,8 +24,8 @@ typedef struct td_event_store {
     void *scratch; /* one column of one chunk */
 } td_event_store;
 
-/* Nothing open; all of them in a new file; the labels of `count` events at `row` (`fired` NULL: at their t), where `scratch` holds
- * a chunk of int64; those of an unfinished file, cut to `rows`. */
+/* Nothing open; all of them in a new file; the labels of `count` events at `row` (`fired` NULL: at their t), where `scratch`
+ * holds a chunk of int64; those of an unfinished file, cut to `rows`. */
 void td_event_labels_reset(td_event_labels *labels);
 herr_t td_event_labels_create(hid_t file, td_event_labels *labels);
 herr_t td_event_labels_append(hid_t file, td_event_labels *labels, uint64_t row, const tides_event *events,
@@ -65,8 +65,9 @@ int td_event_claim_space(hid_t file, uint64_t bytes);
 /* Every millisecond before `end` that has no entry yet starts at event `row`. */
 herr_t td_event_store_index(td_event_store *store, uint64_t end, uint64_t row);
 
-/* Writes `count` <= TD_EVENT_CHUNK checked events, which fired when `fired` says (NULL: at their t), and makes them durable against the death of the process. On failure the
- * error's text is the bare reason, and what was flushed before stays readable. */
+/* Writes `count` <= TD_EVENT_CHUNK checked events, which fired when `fired` says (NULL: at their t), and makes them durable
+ * against the death of the process. On failure the error's text is the bare reason, and what was flushed before stays readable.
+ */
 tides_status td_event_store_append(td_event_store *store, const tides_event *events, const int64_t *fired, size_t count,
                                    tides_error *error);
 
@@ -81,8 +82,8 @@ herr_t td_event_store_close(td_event_store *store);
 tides_status td_event_tail_write(const char *path, const tides_event_file *facts, uint64_t first, const tides_event *events,
                                  const int64_t *fired, size_t count, tides_error *error);
 
-/* Reads `count` events and when they fired (NULL: not asked) from number `first` on, which must be where the tail begins; TIDES_BAD_FILE where it begins elsewhere or
- * holds fewer. */
+/* Reads `count` events and when they fired (NULL: not asked) from number `first` on, which must be where the tail begins;
+ * TIDES_BAD_FILE where it begins elsewhere or holds fewer. */
 tides_status td_event_tail_read(const char *path, uint64_t first, tides_event *events, int64_t *fired, size_t count,
                                 tides_error *error);
 

@@ -1,6 +1,6 @@
 /* The sensor over the pixels of a tile: most do nothing in most steps, and are passed over by comparing control values with
- * levels, as in comparator.c, behind the constant low-pass too; the others go to pixel.c one by one. Filters whose rates go with
- * the light take each pixel by itself. */
+ * levels, as in comparator.c, behind the constant low-pass too; the others go to pixel.c one by one. Filters whose rates go
+ * with the light take each pixel by itself. */
 #include "td_pixel.h"
 #include "td_sensor.h"
 

@@ -53,8 +53,8 @@ void td_frontend_step(const td_frontend *frontend, double h, const td_model *inp
 
 /* TD_FRONTEND_CONSTANT alone: the steps of many pixels without their paths, in a loop that compilers vectorise. Of pixel i,
  * control[k][i] are the input's control values, S[i] its state[0], and after[i] becomes what td_frontend_step makes of that, to
- * the bit. `low` and `high` get bounds of the path and its values, rounding included: pixels that could reach a level need their
- * path, from S[i]. Those of an input that isn't finite are NaN. */
+ * the bit. `low` and `high` get bounds of the path and its values, rounding included: pixels that could reach a level need
+ * their path, from S[i]. Those of an input that isn't finite are NaN. */
 void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, const double *const control[4], const double *S,
                            double *after, double *low, double *high);
 

@@ -179,7 +179,8 @@ static void test_nothing_on(void **state) {
     random_scene_free(&scene);
 }
 
-/* Blocks without noise: a refractory law, a filter (3: none), the blur, and the surround, which takes the constant filter only. */
+/* Blocks without noise: a refractory law, a filter (3: none), the blur, and the surround, which takes the constant filter
+ * only. */
 typedef struct quiet_blocks {
     const char *name;
     int law, filter, psf_domain;
