@@ -178,6 +178,16 @@ static tides_status path_facts(const char *file, cJSON *facts, tides_error *erro
 
 /* -- events --------------------------------------------------------------------------------------------------------- */
 
+static void label_facts(int32_t labels, cJSON *facts) {
+    static const struct {
+        int32_t label;
+        const char *name;
+    } all[] = {{TIDES_LABEL_CAUSE, "cause"}, {TIDES_LABEL_FIRED, "fired"}, {TIDES_LABEL_FRONTEND, "frontend"}};
+    cJSON *names = labels ? cJSON_AddArrayToObject(facts, "labels") : NULL;
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        if (labels & all[i].label) cJSON_AddItemToArray(names, cJSON_CreateString(all[i].name));
+}
+
 static void event_facts(const tides_event_summary *s, cJSON *facts) {
     const double duration = 1e-9 * (double)(s->last_ns - s->first_ns);
     cJSON_AddStringToObject(facts, "kind", "events");
@@ -195,6 +205,7 @@ static void event_facts(const tides_event_summary *s, cJSON *facts) {
     if (duration > 0) cJSON_AddNumberToObject(facts, "rate_hz", (double)s->count / duration);
     if (s->count) cJSON_AddNumberToObject(facts, "on_percent", 100.0 * (double)s->count_on / (double)s->count);
     cJSON_AddNumberToObject(facts, "disorder", (double)s->disorder);
+    label_facts(s->labels, facts);
 }
 
 static tides_status events_facts(const char *file, cJSON *facts, tides_error *error) {

@@ -17,6 +17,7 @@ static cJSON *report_json(const char *out, const tides_event_conversion_report *
     cJSON_AddNumberToObject(facts, "collapsed", (double)r->collapsed);
     cJSON_AddNumberToObject(facts, "first_ns", (double)r->first_ns);
     cJSON_AddNumberToObject(facts, "last_ns", (double)r->last_ns);
+    cJSON_AddBoolToObject(facts, "labels_dropped", r->labels != 0);
     return facts;
 }
 
@@ -41,6 +42,7 @@ int cli_event_convert(const char *in, const char *out, const tides_event_convers
            (unsigned long long)report.read, report.from, report.to, report.width, report.height);
     if (report.disorder) printf("%llu events were out of order, and were put in order\n", (unsigned long long)report.disorder);
     cli_tell_collapsed(report.collapsed);
+    if (report.labels) fprintf(stderr, "tides: the labels of %s aren't kept\n", in);
     return CLI_OK;
 }
 

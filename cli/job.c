@@ -13,9 +13,10 @@
 /* Where events go while the simulator runs. */
 typedef struct job_sink {
     tides_event_writer *writer;
-    uint64_t events;    /* so far, for the progress bar */
-    uint64_t collapsed; /* of the finished file: tides_event_writer_collapsed */
-    tides_error error;  /* of the first failure */
+    const tides_simulator *simulator; /* while it runs; NULL: a method on frames */
+    uint64_t events;                  /* so far, for the progress bar */
+    uint64_t collapsed;               /* of the finished file: tides_event_writer_collapsed */
+    tides_error error;                /* of the first failure */
 } job_sink;
 
 /* What a job holds while it works. */
@@ -30,7 +31,8 @@ typedef struct job_state {
 
 static int take(void *user, const tides_event *events, size_t count) {
     job_sink *sink = user;
-    tides_status status = tides_event_writer_append(sink->writer, events, count, &sink->error);
+    const int64_t *fired = sink->simulator ? tides_simulator_fired(sink->simulator) : NULL;
+    tides_status status = tides_event_writer_append_fired(sink->writer, events, fired, count, &sink->error);
     if (status == TIDES_OK) sink->events += count;
     return status;
 }
@@ -52,7 +54,8 @@ static tides_status check_outputs(const cli_job *job, tides_error *error) {
 }
 
 static tides_event_file facts_of(const cli_session *s) {
-    return (tides_event_file){s->intrinsics.width, s->intrinsics.height, s->values.json, s->values.seed};
+    return (tides_event_file){s->intrinsics.width, s->intrinsics.height, s->values.json, s->values.seed,
+                              s->values.sensor.labels};
 }
 
 static tides_status make_simulator(job_state *state, tides_error *error) {
@@ -108,6 +111,7 @@ static tides_status simulate(job_state *state, tides_error *error) {
         *error = sink->error;
         return error->status;
     }
+    sink->simulator = state->simulator;
     while (status == TIDES_CANCELLED && !state->checkpoint.interrupted) {
         status = tides_simulator_run(state->simulator, state->session.values.stop, take, sink, cli_checkpoint_step,
                                      &state->checkpoint, error);

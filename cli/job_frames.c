@@ -13,6 +13,9 @@ tides_status cli_frames_check(const cli_job *job, const cli_session *session, ti
     if (session->values.readout.enabled)
         return cli_error(error, TIDES_UNSUPPORTED,
                          "readout.enabled is true: the arbiter needs a scene and method \"tides\"; set it to false");
+    if (session->values.sensor.labels)
+        return cli_error(error, TIDES_UNSUPPORTED,
+                         "sensor.labels is true: labels need a scene and method \"tides\"; set it to false");
     if (session->frames && (job->preview || job->exr))
         return cli_error(error, TIDES_UNSUPPORTED,
                          "--preview shows a rendered image, which a run with frames.file doesn't have");

@@ -34,9 +34,10 @@ static const cli_command commands[] = {
     {"convert", "IN OUT", "Convert a scene to .ply or .h5, or an event file to another format.",
      "A scene is .ply (compressed too), .spz, .splat, .ksplat, .sog or .h5. IN's format is found from its content; OUT's "
      "ending "
-     "says what is written.",
+     "says what is written. Labels of events (sensor.labels) aren't kept.",
      2, cmd_convert},
-    {"cut", "IN OUT --start S --stop S", "Cut a stretch of time or a window out of an event file.", NULL, 2, cmd_cut},
+    {"cut", "IN OUT --start S --stop S", "Cut a stretch of time or a window out of an event file.",
+     "Labels of events (sensor.labels) aren't kept.", 2, cmd_cut},
     {"view", "EVENTS -o OUT.png [--kind frame|surface|xyt|rate|isi]", "Draw events as a picture or an animation.",
      "frame: red ON, blue OFF, brighter where more, violet where both; surface: how long ago each pixel's latest event was; "
      "xyt: events\n"

@@ -10,18 +10,29 @@ extern "C" {
 
 /* One event, 16 bytes. Streams are sorted by (t, y, x, polarity). */
 typedef struct tides_event {
-    int64_t t;       /* [ns] from the run's time zero */
-    uint16_t x, y;   /* [px] */
-    int8_t polarity; /* +1 or -1 */
-    uint8_t cause;   /* TIDES_CAUSE_*: the signal, or which noise */
-    uint8_t reserved[2];
+    int64_t t;         /* [ns] from the run's time zero */
+    uint16_t x, y;     /* [px] */
+    int8_t polarity;   /* +1 or -1 */
+    uint8_t cause;     /* TIDES_CAUSE_*: the signal, or which noise */
+    uint16_t frontend; /* tides_event_frontend as an IEEE 754 binary16 number: to one part in 2048 */
 } tides_event;
+
+/* What the front end had added to log-luminance when the event fired: S - L [log units], S being what the comparator sees.
+ * The low-pass or circuit, the surround and the additive noise are in it: behind a low-pass of time constant tau it is
+ * -tau L_dot on a ramp. The optics' blur isn't (L is behind it), nor the leak (the reference drifts, not S). 0 where nothing of
+ * that is on, and where sensor.labels is off; never NaN. */
+TIDES_API double tides_event_frontend(const tides_event *event);
+
+/* Labels of events, each a column of HDF5 files: /events/cause, /events/fired [ns], when the pixel fired, before the readout,
+ * and /events/frontend, tides_event_frontend. */
+enum { TIDES_LABEL_CAUSE = 1, TIDES_LABEL_FIRED = 2, TIDES_LABEL_FRONTEND = 4 };
 
 /* Facts written into the file's attributes. Plain value; strings are copied. */
 typedef struct tides_event_file {
     int32_t width, height; /* [px] */
     const char *run;       /* run file as JSON text, or NULL */
     const char *seed;      /* or NULL */
+    int32_t labels; /* 1: with all labels; TIDES_UNSUPPORTED but in HDF5. 0: HDF5 has causes, if some aren't the signal's */
 } tides_event_file;
 
 typedef struct tides_event_writer tides_event_writer;
@@ -63,6 +74,10 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_open(const char *path
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_append(tides_event_writer *writer, const tides_event *events,
                                                                   size_t count, tides_error *error);
 
+/* The same with the label `fired`, when each of them fired [ns]; NULL: at its t. A file without labels doesn't read it. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_append_fired(tides_event_writer *writer, const tides_event *events,
+                                                                        const int64_t *fired, size_t count, tides_error *error);
+
 /* Number of events appended so far. */
 TIDES_API uint64_t tides_event_writer_count(const tides_event_writer *writer);
 
@@ -95,6 +110,7 @@ typedef struct tides_event_facts {
     int32_t width, height; /* [px]; 0 where the file doesn't say */
     int32_t counted;       /* 1: count is known without reading the file */
     uint64_t count;
+    int32_t labels; /* TIDES_LABEL_* that the file has, for tides_events_labels */
 } tides_event_facts;
 
 typedef struct tides_event_reader tides_event_reader;
@@ -115,10 +131,10 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_read(tides_event_read
 /* NULL is fine. */
 TIDES_API void tides_event_reader_close(tides_event_reader *reader);
 
-/* Sets the causes of `count` events that were read from number `first` on (tides_events_read): those of /events/cause, and 0,
- * the signal, where the file has no such column. */
-TIDES_MUST_CHECK TIDES_API tides_status tides_events_causes(const char *path, uint64_t first, size_t count, tides_event *events,
-                                                            tides_error *error);
+/* Sets the labels of `count` events that were read from number `first` on (tides_events_read), and `fired` (nullable), from the
+ * columns of an HDF5 file; where it lacks one: the signal, 0, and their t. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_events_labels(const char *path, uint64_t first, size_t count, tides_event *events,
+                                                            int64_t *fired, tides_error *error);
 
 /* What a file holds. */
 typedef struct tides_event_summary {
@@ -129,6 +145,7 @@ typedef struct tides_event_summary {
     int32_t right, bottom;     /* the largest x + 1 and y + 1 [px] */
     char layout[32];           /* as tides_event_facts.format */
     char version[32];          /* of the writer, or "" */
+    int32_t labels;            /* as tides_event_facts.labels */
 } tides_event_summary;
 
 /* Reads the whole file, of any format. */
@@ -158,6 +175,7 @@ typedef struct tides_event_conversion_report {
     int64_t first_ns, last_ns; /* as written; 0 where nothing was */
     int32_t width, height;
     char from[32], to[32];
+    int32_t labels; /* TIDES_LABEL_* of the file, which aren't kept */
 } tides_event_conversion_report;
 
 /* Everything, by content and by ending. */
@@ -165,7 +183,8 @@ TIDES_API void tides_event_conversion_defaults(tides_event_conversion *conversio
 
 /* Converts and cuts an event file, streamed in a few megabytes. Events of one time are sorted by y, x, polarity; events that
  * are late by up to 65536 places are put in order, and more is TIDES_BAD_FILE. The output is a complete new file or what was
- * there before. `progress` may be NULL; it returns non-zero to stop (TIDES_CANCELLED). */
+ * there before. Labels aren't kept: they are those of the recording that was simulated. `progress` may be NULL; it returns
+ * non-zero to stop (TIDES_CANCELLED). */
 TIDES_MUST_CHECK TIDES_API tides_status tides_events_convert(const char *in, const char *out,
                                                              const tides_event_conversion *conversion, tides_progress progress,
                                                              void *user, tides_event_conversion_report *report,

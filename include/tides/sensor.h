@@ -76,6 +76,8 @@ typedef struct tides_sensor {
     double noise_rms;          /* additive Ornstein-Uhlenbeck noise [log units] */
     double noise_cutoff_hz;    /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
     uint64_t seed;             /* of all that is random here */
+    int32_t labels;            /* 1: events get tides_event_frontend */
+    int32_t reserved;
 } tides_sensor;
 TIDES_API void tides_sensor_defaults(tides_sensor *sensor);
 

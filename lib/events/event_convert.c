@@ -167,6 +167,7 @@ static void report_formats(converter *c) {
     const td_event_format *to = NULL;
     tides_event_reader_facts(c->reader, &facts);
     memcpy(c->report.from, facts.format, sizeof c->report.from);
+    c->report.labels = facts.labels;
     if (c->what.to)
         snprintf(c->report.to, sizeof c->report.to, "%s", c->what.to);
     else if (td_event_format_for(c->out, &to, NULL) == TIDES_OK)

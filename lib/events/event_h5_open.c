@@ -1,6 +1,7 @@
 /* Opens HDF5 files of events: finds which layout a file has from the datasets in it. */
 #include "td_base.h"
 #include "td_event_h5_source.h"
+#include "td_event_store.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -240,6 +241,7 @@ static tides_status read_own_facts(td_event_source *source, tides_event_facts *f
                        source->count);
     source->count = (uint64_t)count;
     snprintf(facts->format, sizeof facts->format, "tides");
+    facts->labels = td_event_labels_of(source->file);
     td_h5_read_text(source->file, "tides_version", facts->version, sizeof facts->version);
     return TIDES_OK;
 }

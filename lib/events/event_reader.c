@@ -167,6 +167,7 @@ tides_status tides_events_summary(const char *path, tides_event_summary *summary
     const tides_event_facts *facts = &reader->stream.facts;
     made.width = facts->width;
     made.height = facts->height;
+    made.labels = facts->labels;
     memcpy(made.layout, facts->format, sizeof made.layout);
     memcpy(made.version, facts->version, sizeof made.version);
     status = summarise(reader, &made, error);

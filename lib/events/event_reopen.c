@@ -38,6 +38,9 @@ static tides_status check_facts(const td_event_store *store, const char *path, c
         return td_fail(error, TIDES_BAD_FILE,
                        "%s: holds %" PRId64 " x %" PRId64 " px, the run has %d x %d: it is another run's", path, width, height,
                        facts->width, facts->height);
+    if (((td_event_labels_of(store->file) & TIDES_LABEL_FIRED) != 0) != (facts->labels != 0))
+        return td_fail(error, TIDES_BAD_FILE, "%s: has %s labels, other than the run asks (sensor.labels): start anew", path,
+                       facts->labels ? "no" : "the");
     return TIDES_OK;
 }
 
@@ -112,7 +115,7 @@ static herr_t cut_back(td_event_store *store, const tides_event_file *facts, uin
         return -1;
     for (int c = 0; c < TD_COLUMNS; c++)
         if (cut_dataset(store->columns[c], rows) < 0) return -1;
-    if (td_event_cause_reopen(store->file, &store->cause, rows) < 0) return -1;
+    if (td_event_labels_reopen(store->file, &store->labels, rows) < 0) return -1;
     if (cut_dataset(store->index, store->index_rows) < 0) return -1;
     if (replace_text(store->file, "run", facts->run) < 0) return -1;
     store->rows = rows;
@@ -120,20 +123,29 @@ static herr_t cut_back(td_event_store *store, const tides_event_file *facts, uin
 }
 
 /* A chunk that isn't there would be read as zeros. */
-static tides_status check_chunks(const td_event_store *store, const char *path, tides_error *error) {
+static int has_chunks(hid_t dataset, uint64_t rows) {
 #if H5_VERSION_GE(1, 10, 5)
-    for (int c = 0; c < TD_COLUMNS; c++) {
-        hsize_t chunks = 0;
-        hid_t space = H5Dget_space(store->columns[c]);
-        herr_t failed = H5Dget_num_chunks(store->columns[c], space, &chunks);
-        td_h5_close(space);
-        if (failed < 0 || chunks != store->rows / TD_EVENT_CHUNK)
-            return td_fail(error, TIDES_BAD_FILE, "%s: %s has lost chunks: start anew", path, td_event_column_name(c));
-    }
+    hsize_t chunks = 0;
+    hid_t space = H5Dget_space(dataset);
+    herr_t failed = H5Dget_num_chunks(dataset, space, &chunks);
+    td_h5_close(space);
+    return failed >= 0 && chunks == rows / TD_EVENT_CHUNK;
 #else
-    (void)store, (void)path, (void)error;
+    (void)dataset, (void)rows;
+    return 1;
 #endif
-    return TIDES_OK;
+}
+
+/* Causes begin with the first that isn't the signal's: of them chunks may be absent. */
+static tides_status check_chunks(const td_event_store *store, const char *path, tides_error *error) {
+    int whole = 1;
+    for (int c = 0; c < TD_COLUMNS && whole; c++)
+        if (!(whole = has_chunks(store->columns[c], store->rows)))
+            td_fail(error, TIDES_BAD_FILE, "%s: %s has lost chunks: start anew", path, td_event_column_name(c));
+    for (int c = TD_LABEL_CAUSE + 1; c < TD_LABELS && whole; c++)
+        if (store->labels.column[c] >= 0 && !(whole = has_chunks(store->labels.column[c], store->rows)))
+            td_fail(error, TIDES_BAD_FILE, "%s: labels have lost chunks: start anew", path);
+    return whole ? TIDES_OK : TIDES_BAD_FILE;
 }
 
 /* ---- the index ---- */

@@ -42,7 +42,7 @@ static hid_t column_memory_type(int column) {
     }
 }
 
-enum { BYTES_PER_EVENT = 1 + 4 + 2 + 2 + 8 + 1 };
+enum { BYTES_PER_EVENT = 1 + 4 + 2 + 2 + 8, BYTES_OF_LABELS = 1 + 8 + 4 };
 
 static void gather_column(int column, const tides_event *events, size_t count, void *out) {
     uint8_t *p = out;
@@ -143,11 +143,13 @@ static herr_t create_all(td_event_store *store, const char *path, const tides_ev
     td_h5_close(access);
     if (store->file < 0 || td_h5_forbid_evictions(store->file) < 0) return -1;
     if (create_attributes(store, facts) < 0 || create_datasets(store) < 0 || create_offset(store->file) < 0) return -1;
+    if (facts->labels && td_event_labels_create(store->file, &store->labels) < 0) return -1;
     return H5Fflush(store->file, H5F_SCOPE_LOCAL);
 }
 
 void td_event_store_reset(td_event_store *store) {
-    *store = (td_event_store){.file = -1, .index = -1, .count = -1, .stop = -1, .cause = -1};
+    *store = (td_event_store){.file = -1, .index = -1, .count = -1, .stop = -1};
+    td_event_labels_reset(&store->labels);
     for (int c = 0; c < TD_COLUMNS; c++) store->columns[c] = -1;
 }
 
@@ -192,7 +194,7 @@ static void release_space(hid_t file) {
 static uint64_t space_needed(uint64_t events, uint64_t entries) {
     if (events > 0) events = TD_EVENT_CHUNK; /* a partial chunk takes a whole one before deflate */
     uint64_t index_chunks = entries / TD_INDEX_CHUNK + 2;
-    uint64_t raw = events * BYTES_PER_EVENT + index_chunks * TD_INDEX_CHUNK * sizeof(uint64_t);
+    uint64_t raw = events * (BYTES_PER_EVENT + BYTES_OF_LABELS) + index_chunks * TD_INDEX_CHUNK * sizeof(uint64_t);
     return raw + raw / 1024 + 65536 + 64 * index_chunks;
 }
 
@@ -226,12 +228,12 @@ herr_t td_event_store_index(td_event_store *store, uint64_t end, uint64_t row) {
     return 0;
 }
 
-static herr_t append_events(td_event_store *store, const tides_event *events, size_t count) {
+static herr_t append_events(td_event_store *store, const tides_event *events, const int64_t *fired, size_t count) {
     for (int c = 0; c < TD_COLUMNS; c++) {
         gather_column(c, events, count, store->scratch);
         if (write_rows(store->columns[c], column_memory_type(c), store->rows, count, store->scratch) < 0) return -1;
     }
-    if (td_event_cause_append(store->file, &store->cause, store->rows, events, count, store->scratch) < 0) return -1;
+    if (td_event_labels_append(store->file, &store->labels, store->rows, events, fired, count, store->scratch) < 0) return -1;
     for (size_t i = 0; i < count; i++)
         if (td_event_store_index(store, td_milliseconds_begun(events[i].t), store->rows + i) < 0) return -1;
     return 0;
@@ -252,7 +254,8 @@ static tides_status hdf5_failure(tides_error *error) {
     return td_fail(error, TIDES_WRITE_FAILED, "%s", td_h5_reason_text(&reason));
 }
 
-tides_status td_event_store_append(td_event_store *store, const tides_event *events, size_t count, tides_error *error) {
+tides_status td_event_store_append(td_event_store *store, const tides_event *events, const int64_t *fired, size_t count,
+                                   tides_error *error) {
     if (count == 0) return TIDES_OK;
     uint64_t begun = td_milliseconds_begun(events[count - 1].t);
     int no_space = td_event_claim_space(store->file, space_needed(count, begun > store->next_ms ? begun - store->next_ms : 0));
@@ -260,7 +263,8 @@ tides_status td_event_store_append(td_event_store *store, const tides_event *eve
         release_space(store->file);
         return td_fail(error, TIDES_WRITE_FAILED, "%s", strerror(no_space));
     }
-    if (append_events(store, events, count) < 0 || commit_rows(store, store->rows + count) < 0) return hdf5_failure(error);
+    if (append_events(store, events, fired, count) < 0 || commit_rows(store, store->rows + count) < 0)
+        return hdf5_failure(error);
     release_space(store->file);
     return TIDES_OK;
 }
@@ -280,7 +284,7 @@ tides_status td_event_store_complete(td_event_store *store, uint64_t entries, in
 
 herr_t td_event_store_close(td_event_store *store) {
     for (int c = 0; c < TD_COLUMNS; c++) td_h5_close(store->columns[c]);
-    td_h5_close(store->cause);
+    td_event_labels_close(&store->labels);
     td_h5_close(store->index);
     td_h5_close(store->count);
     td_h5_close(store->stop);

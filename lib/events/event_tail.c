@@ -13,9 +13,9 @@
 #include <unistd.h>
 
 static tides_status write_store(const char *part, const tides_event_file *facts, uint64_t first, const tides_event *events,
-                                size_t count, tides_error *error) {
+                                const int64_t *fired, size_t count, tides_error *error) {
     td_event_store store;
-    const tides_event_file bare = {facts->width, facts->height, NULL, NULL}; /* the .part says the rest */
+    const tides_event_file bare = {facts->width, facts->height, NULL, NULL, facts->labels}; /* the .part says the rest */
     tides_status status = td_event_store_create(&store, part, &bare, error);
     if (status != TIDES_OK) return status;
     tides_error reason = {0};
@@ -23,7 +23,7 @@ static tides_status write_store(const char *part, const tides_event_file *facts,
         td_h5_reason text;
         status = td_fail(&reason, TIDES_WRITE_FAILED, "%s", td_h5_reason_text(&text));
     }
-    if (status == TIDES_OK) status = td_event_store_append(&store, events, count, &reason);
+    if (status == TIDES_OK) status = td_event_store_append(&store, events, fired, count, &reason);
     if (td_event_store_close(&store) < 0 && status == TIDES_OK) {
         td_h5_reason text;
         status = td_fail(&reason, TIDES_WRITE_FAILED, "%s", td_h5_reason_text(&text));
@@ -32,10 +32,10 @@ static tides_status write_store(const char *part, const tides_event_file *facts,
 }
 
 tides_status td_event_tail_write(const char *path, const tides_event_file *facts, uint64_t first, const tides_event *events,
-                                 size_t count, tides_error *error) {
+                                 const int64_t *fired, size_t count, tides_error *error) {
     char *part = td_part_name(path, error);
     if (!part) return TIDES_NO_MEMORY;
-    tides_status status = write_store(part, facts, first, events, count, error);
+    tides_status status = write_store(part, facts, first, events, fired, count, error);
     if (status == TIDES_OK) status = td_commit_file(part, path, error);
     if (status != TIDES_OK) unlink(part);
     free(part);
@@ -53,7 +53,8 @@ static int64_t read_first(const char *path) {
     return first;
 }
 
-tides_status td_event_tail_read(const char *path, uint64_t first, tides_event *events, size_t count, tides_error *error) {
+tides_status td_event_tail_read(const char *path, uint64_t first, tides_event *events, int64_t *fired, size_t count,
+                                tides_error *error) {
     td_h5_quiet quiet;
     td_h5_quiet_begin(&quiet);
     int64_t begins = read_first(path);
@@ -62,7 +63,7 @@ tides_status td_event_tail_read(const char *path, uint64_t first, tides_event *e
         return td_fail(error, TIDES_BAD_FILE, "%s: is missing, or doesn't begin with event %" PRIu64, path, first);
     size_t got = 0;
     tides_status status = tides_events_read(path, 0, count, events, &got, error);
-    if (status == TIDES_OK && got == count) status = tides_events_causes(path, 0, count, events, error);
+    if (status == TIDES_OK && got == count) status = tides_events_labels(path, 0, count, events, fired, error);
     if (status != TIDES_OK || got == count) return status;
     return td_fail(error, TIDES_BAD_FILE, "%s: holds %zu events, %zu were expected", path, got, count);
 }

@@ -42,6 +42,9 @@ static tides_status check_file(const char *path, const td_event_format *format, 
     if (file->width > format->size_limit || file->height > format->size_limit)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: %s holds coordinates below %d only, and the sensor has %d x %d px", path,
                        format->summary, format->size_limit, file->width, file->height);
+    if (file->labels && !format->labels)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: %s has no place for labels: write HDF5 (.h5), or leave sensor.labels off",
+                       path, format->summary);
     struct stat there;
     if (stat(path, &there) == 0 && S_ISDIR(there.st_mode))
         return td_fail(error, TIDES_WRITE_FAILED, "%s: is a folder: name a file in it", path);
@@ -85,6 +88,7 @@ static tides_event_writer *make_writer(const char *path, const td_event_format *
     sink->height = file->height;
     sink->run = file->run;
     sink->seed = file->seed;
+    sink->labels = file->labels;
     sink->path = td_strdup(path, error);
     sink->part = sink->path ? td_part_name(path, error) : NULL;
     if (sink->part && format->tick_ns > 1) sink->ticks = td_event_ticks_create(format->tick_ns, error);
@@ -218,9 +222,10 @@ static tides_status settle(tides_event_writer *writer, tides_status status) {
     return status;
 }
 
-static tides_status write_events(tides_event_writer *writer, const tides_event *events, size_t count) {
+static tides_status write_events(tides_event_writer *writer, const tides_event *events, const int64_t *fired, size_t count) {
     td_event_sink *sink = &writer->sink;
     td_h5_quiet quiet;
+    sink->fired = fired;
     if (writer->format->library) td_h5_quiet_begin(&quiet);
     tides_status status = writer->format->write(sink, events, count, &writer->failure);
     if (writer->format->library) td_h5_quiet_end(&quiet);
@@ -229,6 +234,11 @@ static tides_status write_events(tides_event_writer *writer, const tides_event *
 
 tides_status tides_event_writer_append(tides_event_writer *writer, const tides_event *events, size_t count,
                                        tides_error *error) {
+    return tides_event_writer_append_fired(writer, events, NULL, count, error);
+}
+
+tides_status tides_event_writer_append_fired(tides_event_writer *writer, const tides_event *events, const int64_t *fired,
+                                             size_t count, tides_error *error) {
     if (!writer || (!events && count > 0))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_append: an argument is NULL");
     if (writer->failure.status != TIDES_OK) return repeat_failure(writer, error);
@@ -236,7 +246,7 @@ tides_status tides_event_writer_append(tides_event_writer *writer, const tides_e
     tides_status status = td_event_check(writer->format, sink, events, count, error);
     if (status == TIDES_OK && sink->ticks) status = td_event_ticks_add(sink->ticks, events, count, error);
     if (status != TIDES_OK || count == 0) return status;
-    if (write_events(writer, events, count) != TIDES_OK) return repeat_failure(writer, error);
+    if (write_events(writer, events, fired, count) != TIDES_OK) return repeat_failure(writer, error);
     sink->last = events[count - 1];
     sink->has_last = 1;
     sink->count += count;

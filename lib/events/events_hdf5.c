@@ -4,7 +4,7 @@
  *   /events/t      u4   [us] after t_offset; floor(t_ns / 1000)
  *   /events/x, y   u2   [px]
  *   /events/t_ns   i8   [ns] the exact time; ours, ignored by others
- *   /events/cause  u1   TIDES_CAUSE_*; only where some event is not the signal's (event_cause.c)
+ *   /events/cause, fired, frontend: labels, where there are any (event_labels.c)
  *   /ms_to_idx     u8   entry k: the first event with t >= 1000 k. It covers the recording's end: a query that ends within the
  *                       recording finds its entry. (DSEC's own reader fails on a window without events; that is its defect.)
  *   /t_offset      i8   scalar, 0
@@ -29,6 +29,7 @@ typedef struct hdf5_writer {
     char *tail;
     td_event_store store;
     tides_event *buffer; /* TD_EVENT_CHUNK of them */
+    int64_t *fired;      /* as many, or NULL: the file has no labels */
     size_t buffered;
     int32_t failed; /* a write: nothing is written after it */
 } hdf5_writer;
@@ -46,7 +47,8 @@ static tides_status make_state(td_event_sink *sink, tides_error *error) {
     td_event_store_reset(&w->store);
     w->tail = td_format(error, "%s.tail", sink->part);
     w->buffer = w->tail ? td_alloc(TD_EVENT_CHUNK, sizeof *w->buffer, error) : NULL;
-    return w->buffer ? TIDES_OK : TIDES_NO_MEMORY;
+    if (w->buffer && sink->labels) w->fired = td_alloc(TD_EVENT_CHUNK, sizeof *w->fired, error);
+    return w->buffer && (w->fired || !sink->labels) ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
 static void discard_hdf5(td_event_sink *sink) {
@@ -54,12 +56,13 @@ static void discard_hdf5(td_event_sink *sink) {
     if (!w) return;
     td_event_store_close(&w->store);
     free(w->buffer);
+    free(w->fired);
     free(w->tail);
     free(w);
 }
 
 static tides_status create_hdf5(td_event_sink *sink, tides_error *error) {
-    const tides_event_file facts = {sink->width, sink->height, sink->run, sink->seed};
+    const tides_event_file facts = {sink->width, sink->height, sink->run, sink->seed, sink->labels};
     tides_status status = make_state(sink, error);
     if (status != TIDES_OK) return status;
     hdf5_writer *w = sink->state;
@@ -89,7 +92,7 @@ static tides_status write_failed(td_event_sink *sink, tides_status status, const
 static tides_status flush_buffer(td_event_sink *sink, tides_error *error) {
     hdf5_writer *w = sink->state;
     tides_error reason = {0};
-    tides_status status = td_event_store_append(&w->store, w->buffer, w->buffered, &reason);
+    tides_status status = td_event_store_append(&w->store, w->buffer, w->fired, w->buffered, &reason);
     if (status != TIDES_OK) return write_failed(sink, status, reason.text, error);
     w->buffered = 0;
     return TIDES_OK;
@@ -97,9 +100,11 @@ static tides_status flush_buffer(td_event_sink *sink, tides_error *error) {
 
 static tides_status write_hdf5(td_event_sink *sink, const tides_event *events, size_t count, tides_error *error) {
     hdf5_writer *w = sink->state;
+    const int64_t *fired = sink->fired;
     while (count > 0) {
         size_t room = TD_EVENT_CHUNK - w->buffered, taken = count < room ? count : room;
         memcpy(w->buffer + w->buffered, events, taken * sizeof *events);
+        for (size_t i = 0; i < taken && w->fired; i++) w->fired[w->buffered + i] = fired ? *fired++ : events[i].t;
         w->buffered += taken;
         events += taken;
         count -= taken;
@@ -114,8 +119,8 @@ static tides_status write_hdf5(td_event_sink *sink, const tides_event *events, s
 static tides_status flush_hdf5(td_event_sink *sink, tides_error *error) {
     hdf5_writer *w = sink->state;
     if (w->buffered == 0) return TIDES_OK; /* whole chunks are in the file as soon as they are whole */
-    const tides_event_file facts = {sink->width, sink->height, NULL, NULL};
-    return td_event_tail_write(w->tail, &facts, w->store.rows, w->buffer, w->buffered, error);
+    const tides_event_file facts = {sink->width, sink->height, NULL, NULL, sink->labels};
+    return td_event_tail_write(w->tail, &facts, w->store.rows, w->buffer, w->fired, w->buffered, error);
 }
 
 /* Events [rows, rows + buffered), after the last whole chunk that stays: from the tail, or from the .part itself where it has
@@ -125,18 +130,18 @@ static tides_status find_tail(td_event_sink *sink, uint64_t rows, tides_error *e
     if (w->buffered == 0) return TIDES_OK;
     size_t got = 0;
     tides_error reason = {0};
-    tides_status status = td_event_tail_read(w->tail, rows, w->buffer, w->buffered, &reason);
+    tides_status status = td_event_tail_read(w->tail, rows, w->buffer, w->fired, w->buffered, &reason);
     if (status == TIDES_OK) return td_event_check(&td_format_hdf5, sink, w->buffer, w->buffered, error);
     status = tides_events_read(sink->part, rows, w->buffered, w->buffer, &got, error);
-    if (status == TIDES_OK) status = tides_events_causes(sink->part, rows, got, w->buffer, error);
+    if (status == TIDES_OK) status = tides_events_labels(sink->part, rows, got, w->buffer, w->fired, error);
     if (status != TIDES_OK) return status;
     if (got < w->buffered)
         return td_fail(error, TIDES_BAD_FILE,
                        "%s: ends %zu events before event %" PRIu64 ", where the run was interrupted (%s): start anew",
                        sink->part, w->buffered - got, rows + w->buffered, reason.text);
     status = td_event_check(&td_format_hdf5, sink, w->buffer, w->buffered, error);
-    const tides_event_file facts = {sink->width, sink->height, NULL, NULL};
-    return status == TIDES_OK ? td_event_tail_write(w->tail, &facts, rows, w->buffer, w->buffered, error) : status;
+    const tides_event_file facts = {sink->width, sink->height, NULL, NULL, sink->labels};
+    return status == TIDES_OK ? td_event_tail_write(w->tail, &facts, rows, w->buffer, w->fired, w->buffered, error) : status;
 }
 
 /* The last event, against which the next one's order is checked. */
@@ -156,7 +161,7 @@ static tides_status find_last(td_event_sink *sink, uint64_t count, tides_error *
 }
 
 static tides_status resume_hdf5(td_event_sink *sink, uint64_t count, tides_error *error) {
-    const tides_event_file facts = {sink->width, sink->height, sink->run, sink->seed};
+    const tides_event_file facts = {sink->width, sink->height, sink->run, sink->seed, sink->labels};
     tides_status status = make_state(sink, error);
     if (status != TIDES_OK) return status;
     hdf5_writer *w = sink->state;
@@ -225,6 +230,7 @@ const td_event_format td_format_hdf5 = {
     .tick_ns = 1,
     .size_limit = 65536,
     .library = 1,
+    .labels = 1,
     .detect = td_h5_detect,
     .open = td_h5_open,
     .read = td_h5_read,

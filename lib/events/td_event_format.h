@@ -66,6 +66,8 @@ typedef struct td_event_sink {
     char *path, *part;
     int32_t width, height;
     const char *run, *seed; /* during create only */
+    int32_t labels;         /* as tides_event_file; only for formats with `labels` */
+    const int64_t *fired;   /* during write, with labels: when the events fired; NULL: at their t */
     uint64_t count;         /* appended */
     tides_event last;
     int32_t has_last;
@@ -91,6 +93,7 @@ typedef struct td_event_format {
     int64_t tick_ns;     /* times are floored to it; 1: exact */
     int32_t size_limit;  /* widest and highest sensor that fits [px] */
     int32_t library;     /* the file is opened by a library, not as bytes */
+    int32_t labels;      /* it has a place for them */
 
     /* 1 where the file is of this format; NULL: only by name. */
     int (*detect)(const td_event_probe *probe);

@@ -6,21 +6,35 @@
 
 enum { TD_COLUMN_P, TD_COLUMN_T, TD_COLUMN_X, TD_COLUMN_Y, TD_COLUMN_NS, TD_COLUMNS };
 
+/* Columns beside the events (event_labels.c): their bits are TIDES_LABEL_*. -1: not there, or not yet. */
+enum { TD_LABEL_CAUSE, TD_LABEL_FIRED, TD_LABEL_FRONTEND, TD_LABELS };
+
+typedef struct td_event_labels {
+    hid_t column[TD_LABELS];
+} td_event_labels;
+
 typedef struct td_event_store {
     hid_t file, columns[TD_COLUMNS], index, count, stop; /* the last two are attributes */
-    hid_t cause;                                         /* made where the first event comes that the signal didn't cause */
-    uint64_t rows;                                       /* events in the datasets */
-    uint64_t index_rows;                                 /* entries of ms_to_idx in its dataset */
-    uint64_t next_ms;                                    /* first millisecond without an entry, written or pending */
-    uint64_t pending[TD_INDEX_CHUNK];                    /* entries that wait for their chunk to fill */
+    td_event_labels labels;
+    uint64_t rows;                    /* events in the datasets */
+    uint64_t index_rows;              /* entries of ms_to_idx in its dataset */
+    uint64_t next_ms;                 /* first millisecond without an entry, written or pending */
+    uint64_t pending[TD_INDEX_CHUNK]; /* entries that wait for their chunk to fill */
     size_t pending_count;
     void *scratch; /* one column of one chunk */
 } td_event_store;
 
-/* The labels of `count` events at `row`, in a column that exists from the first one on that isn't the signal's (event_cause.c);
- * `scratch` holds a chunk. And the column of an unfinished file, cut to `rows`. */
-herr_t td_event_cause_append(hid_t file, hid_t *cause, uint64_t row, const tides_event *events, size_t count, uint8_t *scratch);
-herr_t td_event_cause_reopen(hid_t file, hid_t *cause, uint64_t rows);
+/* Nothing open; all of them in a new file; the labels of `count` events at `row` (`fired` NULL: at their t), where `scratch`
+ * holds a chunk of int64; those of an unfinished file, cut to `rows`. */
+void td_event_labels_reset(td_event_labels *labels);
+herr_t td_event_labels_create(hid_t file, td_event_labels *labels);
+herr_t td_event_labels_append(hid_t file, td_event_labels *labels, uint64_t row, const tides_event *events,
+                              const int64_t *fired, size_t count, void *scratch);
+herr_t td_event_labels_reopen(hid_t file, td_event_labels *labels, uint64_t rows);
+void td_event_labels_close(td_event_labels *labels);
+
+/* TIDES_LABEL_* of an open file. */
+int32_t td_event_labels_of(hid_t file);
 
 /* "/events/p" ... */
 const char *td_event_column_name(int column);
@@ -51,9 +65,11 @@ int td_event_claim_space(hid_t file, uint64_t bytes);
 /* Every millisecond before `end` that has no entry yet starts at event `row`. */
 herr_t td_event_store_index(td_event_store *store, uint64_t end, uint64_t row);
 
-/* Writes `count` <= TD_EVENT_CHUNK checked events and makes them durable against the death of the process. On failure the
- * error's text is the bare reason, and what was flushed before stays readable. */
-tides_status td_event_store_append(td_event_store *store, const tides_event *events, size_t count, tides_error *error);
+/* Writes `count` <= TD_EVENT_CHUNK checked events, which fired when `fired` says (NULL: at their t), and makes them durable
+ * against the death of the process. On failure the error's text is the bare reason, and what was flushed before stays readable.
+ */
+tides_status td_event_store_append(td_event_store *store, const tides_event *events, const int64_t *fired, size_t count,
+                                   tides_error *error);
 
 /* Completes ms_to_idx to `entries` entries (never fewer than there are), notes the end, flushes. */
 tides_status td_event_store_complete(td_event_store *store, uint64_t entries, int64_t stop_ns, tides_error *error);
@@ -62,12 +78,13 @@ tides_status td_event_store_complete(td_event_store *store, uint64_t entries, in
 herr_t td_event_store_close(td_event_store *store);
 
 /* The events after an unfinished file's last whole chunk, kept in a file of their own (event_tail.c): events [first, first +
- * count). Written beside and renamed. */
+ * count), and with labels when they fired. Written beside and renamed. */
 tides_status td_event_tail_write(const char *path, const tides_event_file *facts, uint64_t first, const tides_event *events,
-                                 size_t count, tides_error *error);
+                                 const int64_t *fired, size_t count, tides_error *error);
 
-/* Reads `count` events from number `first` on, which must be where the tail begins; TIDES_BAD_FILE where it begins elsewhere or
- * holds fewer. */
-tides_status td_event_tail_read(const char *path, uint64_t first, tides_event *events, size_t count, tides_error *error);
+/* Reads `count` events and when they fired (NULL: not asked) from number `first` on, which must be where the tail begins;
+ * TIDES_BAD_FILE where it begins elsewhere or holds fewer. */
+tides_status td_event_tail_read(const char *path, uint64_t first, tides_event *events, int64_t *fired, size_t count,
+                                tides_error *error);
 
 #endif

@@ -12,7 +12,7 @@ enum { TIME, PLACE, QUEUE_OR_FIRED, TILE, ROW };
 
 static int64_t pack_place(const tides_event *event) {
     uint64_t place = (uint64_t)event->x | (uint64_t)event->y << 16 | (uint64_t)(event->polarity > 0) << 32;
-    return (int64_t)(place | (uint64_t)event->cause << 40);
+    return (int64_t)(place | (uint64_t)event->cause << 40 | (uint64_t)event->frontend << 48);
 }
 
 /* 0 where the number is no place on the sensor. */
@@ -21,6 +21,7 @@ static int unpack_event(const tides_arbiter *a, const int64_t *row, tides_event 
     *event = (tides_event){.t = row[TIME], .x = (uint16_t)place, .y = (uint16_t)(place >> 16)};
     event->polarity = (place >> 32 & 1) ? 1 : -1;
     event->cause = (uint8_t)(place >> 40);
+    event->frontend = (uint16_t)(place >> 48);
     return event->x < a->width && event->y < a->height && pack_place(event) == row[PLACE];
 }
 

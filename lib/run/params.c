@@ -71,6 +71,7 @@ static const tides_param table[] = {
     NUMBER("sensor.dead_pixel_fraction", "", 0, 1, "0.0", "part of the pixels that never fire"),
     INTEGER("sensor.max_events_per_step", "", 1, 65535, "64",
             "events per pixel and step placed in time; the rest fire at its end"),
+    BOOLEAN("sensor.labels", "false", "HDF5: beside each event its cause, when it fired, and what the front end added"),
 
     NUMBER("frontend.psf_sigma_px", "px", 0, 100, "0.0", "Gaussian blur of the optics; 0 is off"),
     CHOICE("frontend.psf_domain", "log|linear", "\"log\"", "blur of L, as in the paper, or of Y before the logarithm"),

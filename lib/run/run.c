@@ -238,6 +238,7 @@ static void get_sensor(const tides_run *run, tides_sensor *sensor) {
     sensor->refractory_law = run_constant(run, "sensor.refractory_law", laws);
     sensor->photoreceptor_law = run_constant(run, "frontend.photoreceptor_law", photoreceptors);
     sensor->bandwidth = run_constant(run, "frontend.bandwidth", bandwidths);
+    sensor->labels = run_boolean(run, "sensor.labels");
     sensor->seed = run_seed(run);
 }
 

@@ -160,36 +160,3 @@ void td_frontend_step(const td_frontend *frontend, double h, const td_model *inp
     drive.stretch[0] = (td_stretch){0, 1, {state[0], state[1], state[2], state[3]}, INFINITY, -INFINITY, 0};
     step_in_pieces(&drive, state, path);
 }
-
-/* S(1) is linear in S(0) and the control values; the weights are what a step makes of each alone. */
-static void weigh(double rate, double weight[5]) {
-    for (int k = 0; k < 5; k++) {
-        td_model one = {{k == 0, k == 1, k == 2, k == 3}};
-        td_path path;
-        td_poles poles = td_poles_first_order(rate, k == 4, one.control[0]);
-        td_poles_respond(&poles, &one, &path);
-        weight[k] = td_path_value(&path, 1);
-    }
-}
-
-void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, const double *const control[4], double *S,
-                           double *low, double *high) {
-    double w[5];
-    weigh(frontend->rate * h, w);
-    const double *b0 = control[0], *b1 = control[1], *b2 = control[2], *b3 = control[3];
-    for (size_t i = 0; i < count; i++) {
-        double before = S[i], least, most; /* S is an average of what was and what comes in: it stays between */
-        least = b0[i] < before ? b0[i] : before;
-        most = b0[i] > before ? b0[i] : before;
-        least = b1[i] < least ? b1[i] : least;
-        most = b1[i] > most ? b1[i] : most;
-        least = b2[i] < least ? b2[i] : least;
-        most = b2[i] > most ? b2[i] : most;
-        least = b3[i] < least ? b3[i] : least;
-        most = b3[i] > most ? b3[i] : most;
-        double after = w[0] * b0[i] + w[1] * b1[i] + w[2] * b2[i] + w[3] * b3[i] + w[4] * before;
-        low[i] = least;
-        high[i] = most;
-        S[i] = after;
-    }
-}

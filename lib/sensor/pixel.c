@@ -3,6 +3,7 @@
  * The walk stands at s and asks what comes next. Held and masked stretches are passed over, each in its own way; between them
  * the first crossing before the next noise event fires, or that event does. */
 #include "td_pixel.h"
+#include "archive/td_numbers.h"
 #include "td_base.h"
 
 #include <math.h>
@@ -95,7 +96,22 @@ static double end_of(walk *w) {
 
 /* -- events and references ------------------------------------------------------------------------------------------------- */
 
-static tides_status emit(walk *w, int64_t t, int polarity, int cause) {
+/* tides_event_frontend of an event at s, where the walk stands. */
+static uint16_t added_at(walk *w, double s) {
+    const td_sensor *sensor = w->job->sensor;
+    const td_pixel_step *p = w->pixel;
+    double added = 0;
+    if (!sensor->labels) return 0;
+    seek_line(w, s);
+    if (sensor->additive.on) added = td_noise_line_at(&w->line, time_at(w, s));
+    if (sensor->frontend.on || sensor->light) {
+        double S = s < 1 ? td_path_value(&p->path, s) : p->end, ramp = sensor->leak[p->i] * time_at(w, s);
+        added += S - ramp - td_model_value(&p->input, s);
+    }
+    return td_half_bits(added);
+}
+
+static tides_status emit(walk *w, double s, int64_t t, int polarity, int cause) {
     td_event_buffer *buffer = w->job->buffer;
     const td_pixel_step *p = w->pixel;
     if (w->fired == TD_EVENTS_PER_PIXEL_MAX)
@@ -110,6 +126,7 @@ static tides_status emit(walk *w, int64_t t, int polarity, int cause) {
         if (status != TIDES_OK) return status;
     }
     tides_event event = {.t = t, .x = p->x, .y = p->y, .polarity = (int8_t)polarity, .cause = (uint8_t)cause};
+    event.frontend = added_at(w, s);
     buffer->events[buffer->count++] = event;
     w->fired++;
     w->job->sensor_counts.cause[cause]++;
@@ -152,7 +169,7 @@ static int cause_of(const walk *w, double s, int polarity) {
 
 /* A crossing at s fires at time t. */
 static tides_status fire(walk *w, double s, int64_t t, int polarity) {
-    tides_status status = emit(w, t, polarity, cause_of(w, s, polarity));
+    tides_status status = emit(w, s, t, polarity, cause_of(w, s, polarity));
     if (status != TIDES_OK) return status;
     move_reference(w, s, polarity);
     begin_refractory(w, s);
@@ -184,7 +201,7 @@ static tides_status fire_noise(walk *w, int source, double s) {
     double due = w->job->sensor->noise.due[source][w->pixel->i];
     if (!take_noise(w, source, s)) return TIDES_OK;
     int polarity = source == TD_NOISE_SHOT_OFF ? -1 : 1, cause = source == TD_NOISE_HOT ? TIDES_CAUSE_HOT : TIDES_CAUSE_SHOT;
-    tides_status status = emit(w, w->job->sensor->start_ns + (int64_t)due, polarity, cause);
+    tides_status status = emit(w, s, w->job->sensor->start_ns + (int64_t)due, polarity, cause);
     if (status != TIDES_OK) return status;
     rereference(w, s);
     begin_refractory(w, s);

@@ -139,7 +139,10 @@ tides_status td_sensor_create(const tides_sensor *given, int32_t model, double l
     if (status != TIDES_OK) return status;
     sensor->restless = sensor->frontend.on || sensor->additive.on || params->leak_rate_hz > 0 || params->refractory_s > 0 ||
                        makes_noise(params);
-    sensor->on = sensor->restless || sensor->masks || params->threshold_sigma > 0 || params->dead_pixel_fraction > 0;
+    int surround = params->surround_lambda_px > 0;
+    sensor->labels = params->labels && (sensor->frontend.on || sensor->additive.on || surround);
+    sensor->on =
+        sensor->restless || sensor->masks || surround || params->threshold_sigma > 0 || params->dead_pixel_fraction > 0;
     if (!sensor->on) return TIDES_OK;
     td_step first; /* how the simulator's steps split that time */
     status = td_step_between(start, start + 1, &first, error);

@@ -1,8 +1,10 @@
 /* The sensor over the pixels of a tile: most do nothing in most steps, and are passed over by comparing control values with
- * levels, as in comparator.c; the others go to pixel.c one by one. */
+ * levels, as in comparator.c, behind the constant low-pass too; the others go to pixel.c one by one. Filters whose rates go
+ * with the light take each pixel by itself. */
 #include "td_pixel.h"
 #include "td_sensor.h"
 
+#include <float.h>
 #include <math.h>
 
 /* What the parts of a call share. */
@@ -59,6 +61,46 @@ static void reject_block(const tile_job *job, size_t first, size_t count, double
         case TIDES_MODEL_QUADRATIC: reject(TIDES_MODEL_QUADRATIC, job, first, count, outside); break;
         case TIDES_MODEL_SECANT: reject(TIDES_MODEL_SECANT, job, first, count, outside); break;
         default: reject(TIDES_MODEL_HERMITE, job, first, count, outside); break;
+    }
+}
+
+/* The control values of `count` pixels' inputs. */
+static inline void gather(int32_t kind, const tile_job *job, size_t first, size_t count, double control[4][BLOCK]) {
+    const td_signals from = *job->signals;
+    const double h = job->pixel.step->length_s;
+    for (size_t k = 0; k < count; k++) {
+        td_model input = fit(kind, &from, h, first + k);
+        for (int c = 0; c < 4; c++) control[c][k] = input.control[c];
+    }
+}
+
+static void gather_block(const tile_job *job, size_t first, size_t count, double control[4][BLOCK]) {
+    switch (job->pixel.sensor->model) {
+        case TIDES_MODEL_LINEAR: gather(TIDES_MODEL_LINEAR, job, first, count, control); break;
+        case TIDES_MODEL_QUADRATIC: gather(TIDES_MODEL_QUADRATIC, job, first, count, control); break;
+        case TIDES_MODEL_SECANT: gather(TIDES_MODEL_SECANT, job, first, count, control); break;
+        default: gather(TIDES_MODEL_HERMITE, job, first, count, control); break;
+    }
+}
+
+/* reject behind the constant low-pass. The pixels that need nothing are at the step's end then; the others are as they were.
+ * `slack` is for rounding here, so that none is passed over that its path would take to a level. */
+static void reject_filtered(const tile_job *job, size_t first, size_t count, double *restrict outside) {
+    const td_sensor *sensor = job->pixel.sensor;
+    const size_t at = job->first + first;
+    const double *reference = job->pixel.pixels->reference + first, *leak = sensor->leak + at, *wake = sensor->wake + at;
+    const double *on = sensor->threshold_on + at, *off = sensor->threshold_off + at;
+    const double start = job->pixel.start, length = job->pixel.step->length_ns, stop = job->stop;
+    double b[4][BLOCK], after[BLOCK], low[BLOCK], high[BLOCK], *S = sensor->filter[0] + at;
+    const double *const control[4] = {b[0], b[1], b[2], b[3]};
+    gather_block(job, first, count, b);
+    td_frontend_step_many(&sensor->frontend, job->pixel.step->length_s, count, control, S, after, low, high);
+    for (size_t k = 0; k < count; k++) {
+        double ramp = leak[k] * start, rise = leak[k] * length, slack = 16 * DBL_EPSILON * (ramp + rise + fabs(reference[k]));
+        double flag = high[k] + (ramp - reference[k]) + rise + slack < on[k] ? 0.0 : 1.0;
+        flag = low[k] + (ramp - reference[k]) - slack > -off[k] ? flag : 1.0;
+        outside[k] = wake[k] > stop ? flag : 1.0;
+        S[k] = outside[k] == 0.0 ? after[k] : S[k];
     }
 }
 
@@ -139,13 +181,15 @@ tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_til
                     signals,
                     coverage,
                     (double)(step->stop_ns - sensor->start_ns) + 2}; /* floored, and less one: see step_between */
+    const int passes = !sensor->frontend.on, filters = sensor->frontend.kind == TD_FRONTEND_CONSTANT;
     size_t before = buffer->count, pixel_count = (size_t)tile->count;
     double outside[BLOCK];
     for (size_t done = 0; done < pixel_count; done += BLOCK) {
         size_t count = pixel_count - done < BLOCK ? pixel_count - done : BLOCK;
-        if (!sensor->frontend.on) reject_block(&job, done, count, outside);
+        if (passes) reject_block(&job, done, count, outside);
+        if (filters) reject_filtered(&job, done, count, outside);
         for (size_t k = 0; k < count; k++) {
-            if (!sensor->frontend.on && outside[k] == 0.0) continue;
+            if ((passes || filters) && outside[k] == 0.0) continue;
             tides_status status = step_pixel(&job, done + k);
             if (status != TIDES_OK) {
                 buffer->count = before;

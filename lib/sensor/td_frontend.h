@@ -52,9 +52,10 @@ void td_frontend_step(const td_frontend *frontend, double h, const td_model *inp
                       double state[TD_FRONTEND_STATE], td_path *path);
 
 /* TD_FRONTEND_CONSTANT alone: the steps of many pixels without their paths, in a loop that compilers vectorise. Of pixel i,
- * control[k][i] are the input's control values, and S[i] its state[0]. `low` and `high` get bounds of S on the step: pixels
- * that could reach a level there need their path as well, from the state that they had. */
-void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, const double *const control[4], double *S,
-                           double *low, double *high);
+ * control[k][i] are the input's control values, S[i] its state[0], and after[i] becomes what td_frontend_step makes of that, to
+ * the bit. `low` and `high` get bounds of the path and its values, rounding included: pixels that could reach a level need
+ * their path, from S[i]. Those of an input that isn't finite are NaN. */
+void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, const double *const control[4], const double *S,
+                           double *after, double *low, double *high);
 
 #endif

@@ -38,6 +38,7 @@ typedef struct td_sensor {
     int on;       /* a block is on; else nothing below is there, and td_comparator_step does */
     int restless; /* pixels may fire where nothing moves, or are waiting for a time */
     int masks;    /* coverage is wanted */
+    int labels;   /* events get what the front end added, where there is one */
     int32_t model, image_width;
     double log_eps;
     int64_t start_ns; /* the run's, floored, and what that took */

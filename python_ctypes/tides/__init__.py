@@ -20,6 +20,7 @@ from .errors import TidesError
 from .events import (
     CAUSES,
     EVENT,
+    LABELS,
     TONIC,
     Conversion,
     EventReader,
@@ -31,6 +32,7 @@ from .events import (
     events_summary,
     make_events,
     read_events,
+    read_labelled,
     to_tonic,
     write_events,
 )

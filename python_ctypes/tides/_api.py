@@ -67,6 +67,9 @@ TIDES_B_DOT = 12
 TIDES_Z = 13
 TIDES_Z_DOT = 14
 TIDES_CHANNELS = 15
+TIDES_LABEL_CAUSE = 1
+TIDES_LABEL_FIRED = 2
+TIDES_LABEL_FRONTEND = 4
 TIDES_READOUT_TILES = 0
 TIDES_READOUT_ROWS = 1
 TIDES_READOUT_BOTTLENECK = 2
@@ -854,6 +857,8 @@ class tides_sensor(Structure):
     double noise_rms; /* additive Ornstein-Uhlenbeck noise [log units] */
     double noise_cutoff_hz; /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
     uint64_t seed; /* of all that is random here */
+    int32_t labels; /* 1: events get tides_event_frontend */
+    int32_t reserved;
     """
 
     size: int
@@ -882,6 +887,8 @@ class tides_sensor(Structure):
     noise_rms: float
     noise_cutoff_hz: float
     seed: int
+    labels: int
+    reserved: int
 
     _fields_ = [
         ("size", c_uint32),
@@ -910,6 +917,8 @@ class tides_sensor(Structure):
         ("noise_rms", c_double),
         ("noise_cutoff_hz", c_double),
         ("seed", c_uint64),
+        ("labels", c_int32),
+        ("reserved", c_int32),
     ]
 
 
@@ -1054,7 +1063,7 @@ class tides_event(Structure):
     uint16_t x, y; /* [px] */
     int8_t polarity; /* +1 or -1 */
     uint8_t cause; /* TIDES_CAUSE_*: the signal, or which noise */
-    uint8_t reserved[2];
+    uint16_t frontend; /* tides_event_frontend as an IEEE 754 binary16 number: to one part in 2048 */
     """
 
     t: int
@@ -1062,7 +1071,7 @@ class tides_event(Structure):
     y: int
     polarity: int
     cause: int
-    reserved: Any
+    frontend: int
 
     _fields_ = [
         ("t", c_int64),
@@ -1070,7 +1079,7 @@ class tides_event(Structure):
         ("y", c_uint16),
         ("polarity", c_int8),
         ("cause", c_uint8),
-        ("reserved", c_uint8 * 2),
+        ("frontend", c_uint16),
     ]
 
 
@@ -1078,18 +1087,21 @@ class tides_event_file(Structure):
     """int32_t width, height; /* [px] */
     const char *run; /* run file as JSON text, or NULL */
     const char *seed; /* or NULL */
+    int32_t labels; /* 1: with all labels; TIDES_UNSUPPORTED but in HDF5. 0: HDF5 has causes, if some aren't the signal's */
     """
 
     width: int
     height: int
     run: bytes | None
     seed: bytes | None
+    labels: int
 
     _fields_ = [
         ("width", c_int32),
         ("height", c_int32),
         ("run", c_char_p),
         ("seed", c_char_p),
+        ("labels", c_int32),
     ]
 
 
@@ -1122,6 +1134,7 @@ class tides_event_facts(Structure):
     int32_t width, height; /* [px]; 0 where the file doesn't say */
     int32_t counted; /* 1: count is known without reading the file */
     uint64_t count;
+    int32_t labels; /* TIDES_LABEL_* that the file has, for tides_events_labels */
     """
 
     format: Any
@@ -1130,6 +1143,7 @@ class tides_event_facts(Structure):
     height: int
     counted: int
     count: int
+    labels: int
 
     _fields_ = [
         ("format", c_char * 32),
@@ -1138,6 +1152,7 @@ class tides_event_facts(Structure):
         ("height", c_int32),
         ("counted", c_int32),
         ("count", c_uint64),
+        ("labels", c_int32),
     ]
 
 
@@ -1149,6 +1164,7 @@ class tides_event_summary(Structure):
     int32_t right, bottom; /* the largest x + 1 and y + 1 [px] */
     char layout[32]; /* as tides_event_facts.format */
     char version[32]; /* of the writer, or "" */
+    int32_t labels; /* as tides_event_facts.labels */
     """
 
     count: int
@@ -1162,6 +1178,7 @@ class tides_event_summary(Structure):
     bottom: int
     layout: Any
     version: Any
+    labels: int
 
     _fields_ = [
         ("count", c_uint64),
@@ -1175,6 +1192,7 @@ class tides_event_summary(Structure):
         ("bottom", c_int32),
         ("layout", c_char * 32),
         ("version", c_char * 32),
+        ("labels", c_int32),
     ]
 
 
@@ -1219,6 +1237,7 @@ class tides_event_conversion_report(Structure):
     int64_t first_ns, last_ns; /* as written; 0 where nothing was */
     int32_t width, height;
     char from[32], to[32];
+    int32_t labels; /* TIDES_LABEL_* of the file, which aren't kept */
     """
 
     read: int
@@ -1230,6 +1249,7 @@ class tides_event_conversion_report(Structure):
     width: int
     height: int
     to: Any
+    labels: int
 
     _fields_ = [
         ("read", c_uint64),
@@ -1242,6 +1262,7 @@ class tides_event_conversion_report(Structure):
         ("height", c_int32),
         ("from", c_char * 32),
         ("to", c_char * 32),
+        ("labels", c_int32),
     ]
 
 
@@ -2221,6 +2242,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     # tides_status tides_event_frame(const tides_event *events, size_t count, int32_t width, int32_t height, double
     # *frame, tides_error *error)
     "tides_event_frame": (c_int32, [P(tides_event), c_size_t, c_int32, c_int32, P(c_double), P(tides_error)]),
+    # double tides_event_frontend(const tides_event *event)
+    "tides_event_frontend": (c_double, [P(tides_event)]),
     # void tides_event_reader_close(tides_event_reader *reader)
     "tides_event_reader_close": (None, [P(tides_event_reader)]),
     # void tides_event_reader_facts(const tides_event_reader *reader, tides_event_facts *facts)
@@ -2238,6 +2261,11 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     # tides_status tides_event_writer_append(tides_event_writer *writer, const tides_event *events, size_t count,
     # tides_error *error)
     "tides_event_writer_append": (c_int32, [P(tides_event_writer), P(tides_event), c_size_t, P(tides_error)]),
+    # tides_status tides_event_writer_append_fired(tides_event_writer *writer, const tides_event *events, const int64_t
+    # *fired, size_t count, tides_error *error)
+    "tides_event_writer_append_fired": (c_int32, [
+        P(tides_event_writer), P(tides_event), P(c_int64), c_size_t, P(tides_error)
+    ]),
     # int32_t tides_event_writer_can_resume(const char *path)
     "tides_event_writer_can_resume": (c_int32, [c_char_p]),
     # uint64_t tides_event_writer_collapsed(const tides_event_writer *writer)
@@ -2261,15 +2289,15 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_event_writer_resume": (c_int32, [
         c_char_p, P(tides_event_file), c_uint64, P(P(tides_event_writer)), P(tides_error)
     ]),
-    # tides_status tides_events_causes(const char *path, uint64_t first, size_t count, tides_event *events, tides_error
-    # *error)
-    "tides_events_causes": (c_int32, [c_char_p, c_uint64, c_size_t, P(tides_event), P(tides_error)]),
     # tides_status tides_events_convert(const char *in, const char *out, const tides_event_conversion *conversion,
     # tides_progress progress, void *user, tides_event_conversion_report *report, tides_error *error)
     "tides_events_convert": (c_int32, [
         c_char_p, c_char_p, P(tides_event_conversion), tides_progress, c_void_p, P(tides_event_conversion_report),
         P(tides_error)
     ]),
+    # tides_status tides_events_labels(const char *path, uint64_t first, size_t count, tides_event *events, int64_t
+    # *fired, tides_error *error)
+    "tides_events_labels": (c_int32, [c_char_p, c_uint64, c_size_t, P(tides_event), P(c_int64), P(tides_error)]),
     # tides_status tides_events_read(const char *path, uint64_t first, size_t count, tides_event *events, size_t *got,
     # tides_error *error)
     "tides_events_read": (c_int32, [c_char_p, c_uint64, c_size_t, P(tides_event), P(c_size_t), P(tides_error)]),

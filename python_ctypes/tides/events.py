@@ -7,22 +7,23 @@ library's own records: 16 bytes, given to C and received without copies.
 from __future__ import annotations
 
 import os
-from ctypes import POINTER, byref, c_size_t, cast, sizeof
+from ctypes import POINTER, byref, c_int64, c_size_t, cast, sizeof
 from typing import Any, Iterator
 
 import numpy as np
 
 from . import _api
-from ._call import call, encoded, path
+from ._call import call, encoded, path, pointer
 from ._handle import Handle
 from ._library import lib
 from ._progress import Progress, Reporter
 from ._values import Facts, Value, _fields, constants, plain
 
 _NAMES = {"polarity": "p"}  # C's name: numpy's, as tonic and others have it
-_FIELDS = dict(_fields(_api.tides_event))
+_FIELDS = {**dict(_fields(_api.tides_event)), "frontend": "<f2"}  # in C its bits
 
-#: The record: fields t [ns] int64, x, y [px] uint16, p (+1, -1) int8, cause (CAUSES) uint8; 16 bytes.
+#: The record: fields t [ns] int64, x, y [px] uint16, p (+1, -1) int8, cause (CAUSES) uint8, frontend (what the front end had
+#: added to log-luminance) float16 [log units]; 16 bytes.
 EVENT = np.dtype(
     {
         "names": [_NAMES.get(name, name) for name in _FIELDS],
@@ -34,6 +35,9 @@ EVENT = np.dtype(
 
 #: What made an event: {"signal": 0, "leak": 1, ...}.
 CAUSES = constants("TIDES_CAUSE_")
+
+#: Columns of labels that a file may have: {"cause": 1, ...}.
+LABELS = constants("TIDES_LABEL_")
 
 #: What tonic's datasets and transforms take: t [us], p 0 or 1.
 TONIC = np.dtype([("x", "<i2"), ("y", "<i2"), ("t", "<i8"), ("p", "i1")])
@@ -91,7 +95,8 @@ def event_formats() -> list[Facts]:
 
 
 def events_summary(file: str | os.PathLike[str]) -> Facts:
-    """Reads a whole event file: count, count_on, disorder, first_ns, last_ns, width, height, right, bottom, layout, version."""
+    """Reads a whole event file: count, count_on, disorder, first_ns, last_ns, width, height, right, bottom, layout, version,
+    labels (LABELS it has, added)."""
     summary = _api.tides_event_summary()
     call("tides_events_summary", path(file), summary)
     return plain(summary)
@@ -100,7 +105,7 @@ def events_summary(file: str | os.PathLike[str]) -> Facts:
 class EventReader(Handle):
     """An event file of any format, read in stretches: `for packet in EventReader(file)` gives arrays of EVENT (at most
     `packet` events each), in the file's order, t in nanoseconds on the file's clock. `facts`: format, version, width,
-    height, count (None where it isn't known without reading)."""
+    height, count (None where it isn't known without reading), labels (LABELS it has, added; `read_labelled` reads them)."""
 
     _destroy = "tides_event_reader_close"
 
@@ -143,10 +148,12 @@ class EventWriter(Handle):
         run: str | None = None,
         seed: str | None = None,
         resume: int | None = None,
+        labels: bool = False,
     ):
-        """`resume`: go on with FILE.part after its first so many events (HDF5 only)."""
+        """`resume`: go on with FILE.part after its first so many events (HDF5 only). `labels`: each event's cause, when it
+        fired and what the front end added have columns of their own (HDF5 only)."""
         made = POINTER(_api.tides_event_writer)()
-        facts = _api.tides_event_file(width, height, encoded(run), encoded(seed))
+        facts = _api.tides_event_file(width, height, encoded(run), encoded(seed), labels)
         if resume is not None:
             call("tides_event_writer_resume", path(file), facts, resume, byref(made))
         elif format is not None:
@@ -156,16 +163,23 @@ class EventWriter(Handle):
         super().__init__(made)
         self._stop_ns = 0
 
-    def append(self, events: Any) -> None:
-        """Events (n), sorted by (t, y, x, p), none before the last appended one, all inside the image."""
+    def append(self, events: Any, fired: Any = None) -> None:
+        """Events (n), sorted by (t, y, x, p), none before the last appended one, all inside the image. `fired` (n): with
+        labels, when each fired [ns]; None: at its t."""
         events = as_events(events)
-        self._append(_records(events), len(events))
+        times = None if fired is None else np.ascontiguousarray(fired, np.int64)
+        if times is not None and times.shape != events.shape:
+            raise ValueError(f"fired: shape {times.shape}, where one time per event {events.shape} is needed")
+        self._append(_records(events), len(events), None if times is None else pointer(times, c_int64))
         if len(events):
             self._stop_ns = max(self._stop_ns, int(events["t"][-1]) + 1)
 
-    def _append(self, records: Any, count: int) -> None:
+    def _append(self, records: Any, count: int, fired: Any = None) -> None:
         with self._lock:
-            call("tides_event_writer_append", self._pointer, records, count)
+            if fired:
+                call("tides_event_writer_append_fired", self._pointer, records, fired, count)
+            else:
+                call("tides_event_writer_append", self._pointer, records, count)
 
     def flush(self) -> None:
         """What was appended so far survives the death of the process. HDF5 only."""
@@ -202,8 +216,15 @@ def can_resume(file: str | os.PathLike[str]) -> bool:
 
 
 def read_events(file: str | os.PathLike[str], first: int = 0, count: int | None = None) -> np.ndarray:
-    """Events [first, first + count) of a file of any format, as EVENT (n), in the file's order, with their causes where it has
-    them."""
+    """Events [first, first + count) of a file of any format, as EVENT (n), in the file's order, with cause and frontend where
+    it has them."""
+    return read_labelled(file, first, count)[0]
+
+
+def read_labelled(
+    file: str | os.PathLike[str], first: int = 0, count: int | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """`read_events`, and when each of them fired [ns] (n), before the readout; their t where the file doesn't say."""
     with EventReader(file) as reader:
         facts = reader.facts
     if count is None:
@@ -212,9 +233,11 @@ def read_events(file: str | os.PathLike[str], first: int = 0, count: int | None 
     events, got = np.empty(count, EVENT), c_size_t()
     call("tides_events_read", path(file), first, count, _records(events), byref(got))
     events = events[: got.value]
+    fired = events["t"].copy()
     if facts["format"] == "tides" and len(events):
-        call("tides_events_causes", path(file), first, len(events), _records(events))
-    return events
+        times = pointer(fired, c_int64)
+        call("tides_events_labels", path(file), first, len(events), _records(events), times)
+    return events, fired
 
 
 def write_events(

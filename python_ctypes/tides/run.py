@@ -149,6 +149,9 @@ class Run(Handle):
         if v.readout.enabled:
             message = "readout.enabled is true: the arbiter needs a scene and method tides; set it to false"
             raise errors.make(_api.TIDES_UNSUPPORTED, "TIDES_UNSUPPORTED", message)
+        if v.sensor.labels:
+            message = "sensor.labels is true: labels need a scene and method tides; set it to false"
+            raise errors.make(_api.TIDES_UNSUPPORTED, "TIDES_UNSUPPORTED", message)
         source = self.open_frames() if v.frames_file else self.renderer(device, progress)
         lens = source if isinstance(source, Frames) else source.camera.intrinsics
         with Baseline(v.baseline, lens.width, lens.height) as baseline:

@@ -174,7 +174,8 @@ class Simulation(Handle):
     ) -> Facts:
         """Simulates into an event file and returns the statistics. Interrupted, FILE.part holds what there is, readable;
         for HDF5 FILE.checkpoint does too, every `checkpoint_s` [s] (0: never) and at Ctrl-C, and a new Simulation's
-        write(file, resume=True) goes on from there, as does `tides simulate --resume`."""
+        write(file, resume=True) goes on from there, as does `tides simulate --resume`. With sensor.labels an HDF5 file has
+        each event's cause, when it fired and what the front end added (`read_labelled`)."""
         job = _FileJob(self, os.fspath(file), format, checkpoint_s)
         job.start(resume)
         try:
@@ -240,10 +241,11 @@ class _FileJob:
         elif self.resumable and os.path.exists(self.checkpoint):
             os.remove(self.checkpoint)
         lens = s.camera.intrinsics
-        self.writer = EventWriter(self.file, lens.width, lens.height, self.format, s._run, s._seed, count)
+        labels = bool(s.sensor.labels)
+        self.writer = EventWriter(self.file, lens.width, lens.height, self.format, s._run, s._seed, count, labels)
 
     def _take(self, _user: Any, events: Any, count: int) -> int:
-        self.writer._append(events, count)
+        self.writer._append(events, count, lib.tides_simulator_fired(self.simulation._pointer))
         return 0
 
     def _is_due(self) -> bool:

@@ -72,7 +72,7 @@ static inline rig *rig_make(const tides_sensor *sensor, int tiles, double start,
     rig_sample(r, start, 0);
     td_pixels pixels = {r->initial, r->reference, r->count_on, r->count_off};
     td_pixels_reset(&pixels, r->plane[0], r->pixels);
-    if (r->sensor.frontend.on) {
+    if (r->sensor.frontend.on || r->sensor.additive.on) {
         td_sensor_begin(&r->sensor, r->plane[0], r->initial);
         for (size_t i = 0; i < r->pixels; i++) r->reference[i] = r->initial[i];
     }
@@ -98,7 +98,8 @@ static inline void rig_check(const rig *r) {
         if (!isfinite(r->plane[0][i]) || r->sensor.held_until[i] > time ||
             (r->sensor.masks && !(r->plane[2][i] >= r->sensor.sensor.b_min)))
             continue;
-        double residual = td_sensor_effective(&r->sensor, i, r->plane[0][i], time) - r->reference[i];
+        double signal = td_sensor_effective(&r->sensor, i, r->plane[0][i], time) + td_sensor_noise_at(&r->sensor, i, time);
+        double residual = signal - r->reference[i];
         if (!(residual < r->sensor.threshold_on[i] + 1e-12 && residual > -r->sensor.threshold_off[i] - 1e-12))
             fail_msg("pixel %zu at %g s: S_eff - S_ref is %.17g", i, r->now, residual);
     }

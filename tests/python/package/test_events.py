@@ -257,3 +257,26 @@ def test_causes_are_kept(tmp_path):
     tides.write_events(tmp_path / "a.h5", events, *SIZE)
     assert np.array_equal(tides.read_events(tmp_path / "a.h5"), events)
     assert np.array_equal(tides.read_events(tmp_path / "a.h5", 500, 100), events[500:600])
+
+
+def test_labels_are_kept(tmp_path):
+    events = some_events()
+    events["frontend"] = np.linspace(-2, 2, len(events))
+    fired = events["t"] - np.arange(len(events))
+    assert tides.EVENT["frontend"] == np.float16
+    assert [tides.lib.tides_event_frontend(tides.events._records(events[i:])) for i in range(99)] == events["frontend"][:99].tolist()
+    with tides.EventWriter(tmp_path / "a.h5", *SIZE, labels=True) as writer:
+        writer.append(events[:900], fired[:900])
+        writer.flush()
+        writer.append(events[900:], fired[900:])
+        with pytest.raises(ValueError, match="fired"):
+            writer.append(events[-1:], [1, 2])
+    read, when = tides.read_labelled(tmp_path / "a.h5")
+    assert np.array_equal(read, events) and np.array_equal(when, fired)
+    assert tides.events_summary(tmp_path / "a.h5").labels == sum(tides.LABELS.values())
+    with tides.EventReader(tmp_path / "a.h5") as reader:
+        assert reader.facts.labels == sum(tides.LABELS.values())
+    tides.write_events(tmp_path / "b.h5", events, *SIZE)
+    assert np.array_equal(tides.read_labelled(tmp_path / "b.h5")[1], events["t"])
+    with pytest.raises(tides.errors.Unsupported, match="no place for labels"):
+        tides.EventWriter(tmp_path / "a.raw", *SIZE, labels=True)

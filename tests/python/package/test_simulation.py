@@ -311,6 +311,22 @@ def test_readout(scene, camera, events, tmp_path):
     assert np.array_equal(tides.read_events(file), left)
 
 
+def test_labels(scene, camera, tmp_path):
+    sensor = tides.Sensor(photoreceptor_cutoff_hz=200, labels=1)
+    slow = tides.Readout(enabled=1, kind="bottleneck", tick_s=2e-6, k0=1, eta=0.0, gamma_sigma_s=0.0)
+    whole, file = again(scene, camera, sensor=sensor).run(), tmp_path / "events.h5"
+    assert (whole["frontend"] != 0).mean() > 0.9
+    with pytest.raises(tides.errors.Cancelled):
+        again(scene, camera, sensor=sensor, readout=slow).write(file, progress=lambda fraction, stage: fraction > 0.6)
+    again(scene, camera, sensor=sensor, readout=slow).write(file, resume=True)
+    events, fired = tides.read_labelled(file)
+    assert (fired <= events["t"]).all() and (fired < events["t"]).any()
+    events["t"] = fired
+    assert np.array_equal(events[np.lexsort((events["p"], events["x"], events["y"], events["t"]))], whole)
+    with pytest.raises(tides.errors.Unsupported, match="labels"):
+        again(scene, camera, sensor=sensor).write(tmp_path / "events.raw")
+
+
 def test_objects_of_one_device_take_turns(scene, camera):
     with tides.Device("reference") as device:
         first, second = (again(scene, camera, device=device) for _ in range(2))

@@ -1,0 +1,63 @@
+/* The constant low-pass over the pixels of a tile, in loops that compilers vectorise.
+ *
+ * Operation for operation what td_poles_respond and td_path_value do with one real pole, at the step's end: the numbers are
+ * theirs to the bit, so that it never shows which pixels had their path worked out. */
+#include "td_frontend.h"
+#include "td_path_parts.h"
+
+#include <float.h>
+
+/* What the pixels of a step share. */
+typedef struct real_pole {
+    double rate, inverse; /* lambda per step, and 1 / lambda */
+    double basis;         /* of the mode at s = 1 (td_mode): of cosine 1 */
+} real_pole;
+
+/* S at the end of the step; b are the input's control values. */
+static inline double respond(int slow, const real_pole *pole, const double b[4], double S) {
+    double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2], offset = S - b[0];
+    double l1 = 3 * d0, l2 = 3 * (d1 - d0), l3 = d2 - 2 * d1 + d0;
+    if (slow) {
+        double x1 = -(pole->rate * offset), x2 = pole->rate * (l1 - x1) * (1.0 / 2);
+        double x3 = pole->rate * (l2 - x2) * (1.0 / 3), x4 = pole->rate * (l3 - x3) * (1.0 / 4);
+        return S + x1 + x2 + x3 + x4 * 24 * pole->basis;
+    }
+    double p2 = l2 - l3 * pole->inverse * 3, p1 = l1 - p2 * pole->inverse * 2, amplitude = offset + p1 * pole->inverse;
+    return S - amplitude + p1 + p2 + l3 + amplitude * pole->basis;
+}
+
+static inline double smaller(double a, double b) { return a < b ? a : b; }
+
+static inline double larger(double a, double b) { return a > b ? a : b; }
+
+/* S is an average of what it was and what comes in, and stays between them but for rounding, of the path that bounds are to
+ * hold for too. */
+static const double rounding = 64 * DBL_EPSILON;
+
+static inline void step(int slow, const real_pole *pole, size_t count, const double *const control[4], const double *restrict S,
+                        double *restrict after, double *restrict low, double *restrict high) {
+    const double *b0 = control[0], *b1 = control[1], *b2 = control[2], *b3 = control[3];
+    for (size_t i = 0; i < count; i++) {
+        const double b[4] = {b0[i], b1[i], b2[i], b3[i]};
+        double finite = (b[0] - b[0]) + (b[1] - b[1]) + (b[2] - b[2]) + (b[3] - b[3]); /* 0, or NaN */
+        double begin = S[i] - S[i] == 0 ? S[i] : b[0], end = respond(slow, pole, b, begin);
+        double least = smaller(smaller(smaller(b[0], b[1]), smaller(b[2], b[3])), begin);
+        double most = larger(larger(larger(b[0], b[1]), larger(b[2], b[3])), begin);
+        double margin = rounding * (larger(most, -least) + (most - least));
+        after[i] = finite == 0 ? end : S[i];
+        low[i] = least - margin + finite;
+        high[i] = most + margin + finite;
+    }
+}
+
+void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, const double *const control[4], const double *S,
+                           double *after, double *low, double *high) {
+    const double rate = frontend->rate * h;
+    const int slow = !(rate > 1); /* as td_poles_respond has it */
+    const td_mode mode = {rate, 0, 1, 0, slow};
+    const real_pole pole = {rate, 1 / rate, td_mode_value(&mode, 1)};
+    if (slow)
+        step(1, &pole, count, control, S, after, low, high);
+    else
+        step(0, &pole, count, control, S, after, low, high);
+}
