@@ -1,12 +1,16 @@
 """Every format that tides writes, read by the clients that people have, event for event; and their known defects, asserted so
 that a mended client is noticed. Versions: requirements.txt. scripts/client_tests.sh runs this."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import readers
 import tides
 from conftest import FORMATS, LARGE, records
-from random_events import COLUMNS, make_corners
+from random_events import COLUMNS, make_corners, make_stream
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "python_ctypes" / "examples"
 
 evt2, evt3, dat = (readers.expelliarmus(encoding) for encoding in ("evt2", "evt3", "dat"))
 
@@ -179,6 +183,26 @@ def test_tonic_takes_our_arrays(files):
     assert frames.shape[0] == 1 and np.array_equal(frames[0], tides.event_frame(ours, width, height))
     grid = transforms.ToVoxelGrid(sensor_size=(width, height, 2), n_time_bins=5)(array)
     assert grid.min() < 0 < grid.max()
+
+
+def test_training_set_with_tonic(tmp_path, monkeypatch):
+    """The example's dataset hands tonic's transforms the very events of the files; PyTorch isn't needed for that."""
+    transforms = readers.import_client("tonic").transforms
+    monkeypatch.syspath_prepend(EXAMPLES)
+    import training_set
+
+    size = (training_set.WIDTH, training_set.HEIGHT)
+    to_grid = transforms.ToVoxelGrid(sensor_size=(*size, 2), n_time_bins=training_set.BINS)
+    wanted = []
+    for seed in (1, 2):
+        events = make_stream(seed, 5000, *size, 2**12)
+        tides.write_events(tmp_path / f"{seed}.h5", records(events), *size)
+        (tmp_path / f"{seed}.json").write_text(f'{{"speed": {seed}}}')
+        rows = zip(*(events[name] for name in "xytp"))
+        wanted.append(np.array(list(rows), [("x", "<i2"), ("y", "<i2"), ("t", "<i8"), ("p", "i1")]))
+    dataset = training_set.Recordings(tmp_path, transform=to_grid)
+    assert [speed for _, speed in (dataset[0], dataset[1])] == [1, 2] and len(dataset) == 2
+    assert all(np.array_equal(dataset[k][0], to_grid(wanted[k])) and dataset[k][0].any() for k in (0, 1))
 
 
 def test_largest_streams_use_what_they_should(files):
