@@ -136,7 +136,7 @@ demo-built:
 RUN_TESTS = CC='$(CC)' PYTHON='$(PYTHON)' PKG_CONFIG='$(PKG_CONFIG)' MAKE='$(MAKE)' CONFIG='$(CONFIG)' OUT='$(OUT)' \
             TIDES='$(CURDIR)/$(OUT)/tides' bash scripts/run_tests.sh $(OUT)/logs
 SCRIPTS := tests/unit/test_headers.sh scripts/check_symbols.sh scripts/install_check.sh $(wildcard tests/cli/run.sh) \
-           scripts/python_tests.sh
+           scripts/python_tests.sh scripts/client_tests.sh
 
 .PHONY: check check-built check-golden check-golden-built check-asan check-asan-built check-valgrind check-valgrind-built \
         check-clang check-clang-built install-check

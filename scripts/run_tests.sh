@@ -68,6 +68,7 @@ for program in "$@"; do
         echo "     exit code $code; the end of $log:"
         tail -n 120 "$log" | sed 's/^/     | /'
     fi
+    [ $code = 77 ] && tail -n 1 "$log" | sed 's/^/     /'
     total_passed=$((total_passed + passed))
     total_failed=$((total_failed + failed))
     total_skipped=$((total_skipped + skipped))

@@ -16,7 +16,10 @@ typedef struct layout {
     int32_t columns[TD_H5_COLUMNS], real;
 } layout;
 
-enum { OWN = -1 };
+enum {
+    OWN = -1,
+    CACHE_SLOTS = 7 /* chunks of a dataset that HDF5 keeps: a prime, as its hash wants */
+};
 
 static const layout layouts[] = {
     {"rvt", "/events/height", {"/events/p", "/events/t", "/events/x", "/events/y"}, {OWN, OWN, OWN, OWN}, 0},
@@ -54,8 +57,9 @@ int td_h5_exists(hid_t file, const char *path) {
 tides_status td_h5_open_file(const char *path, hid_t *file, tides_error *error) {
     if (access(path, R_OK) != 0) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
     hid_t properties = td_h5_file_access();
-    /* Foreign chunks may be larger than HDF5's cache of 1 MB, and would then be unpacked for every block. */
-    if (properties >= 0) H5Pset_cache(properties, 0, 521, 32 << 20, 0.75);
+    /* Foreign chunks may be larger than HDF5's cache of 1 MB, and would then be unpacked for every block. Its slots are few: it
+     * keeps what it has room for, and files are read from their beginning to their end. */
+    if (properties >= 0) H5Pset_cache(properties, 0, CACHE_SLOTS, 32 << 20, 0.75);
     *file = properties < 0 ? -1 : H5Fopen(path, H5F_ACC_RDONLY, properties);
     td_h5_close(properties);
     if (*file >= 0) return TIDES_OK;
