@@ -136,16 +136,22 @@ demo-built:
 RUN_TESTS = CC='$(CC)' PYTHON='$(PYTHON)' PKG_CONFIG='$(PKG_CONFIG)' MAKE='$(MAKE)' CONFIG='$(CONFIG)' OUT='$(OUT)' \
             TIDES='$(CURDIR)/$(OUT)/tides' bash scripts/run_tests.sh $(OUT)/logs
 SCRIPTS := tests/unit/test_headers.sh scripts/check_symbols.sh scripts/install_check.sh $(wildcard tests/cli/run.sh) \
-           scripts/python_tests.sh scripts/client_tests.sh
+           scripts/python_tests.sh scripts/client_tests.sh scripts/check_readme.py
 
-.PHONY: check check-built check-golden check-golden-built check-asan check-asan-built check-valgrind check-valgrind-built \
-        check-clang check-clang-built install-check
+.PHONY: check check-built check-readme check-readme-built check-golden check-golden-built check-asan check-asan-built \
+        check-valgrind check-valgrind-built check-clang check-clang-built install-check
 check: ## Install what is missing, build without warnings, run every test
 	@sh scripts/deps.sh build -q
 	@$(AGAIN) WERROR=-Werror all tests
 	@$(AGAIN) check-built
 check-built:
-	@$(RUN_TESTS) $(TESTS) $(GOLDEN) $(SCRIPTS)
+	@README_QUICK=1 $(RUN_TESTS) $(TESTS) $(GOLDEN) $(SCRIPTS)
+check-readme: ## Run every command and example of README.md, the slow ones too
+	@sh scripts/deps.sh build -q
+	@$(AGAIN) all
+	@$(AGAIN) check-readme-built
+check-readme-built:
+	@CC='$(CC)' PYTHON='$(PYTHON)' MAKE='$(MAKE)' OUT='$(OUT)' TIDES='$(CURDIR)/$(OUT)/tides' $(PYTHON) scripts/check_readme.py
 check-golden: ## Compare with other people's results in TIDES_SHARED=DIR (default ../shared)
 	@sh scripts/deps.sh build -q
 	@$(AGAIN) $(GOLDEN)

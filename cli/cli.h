@@ -95,6 +95,8 @@ int cli_usage(const cli_command *command, const char *format, ...) CLI_PRINTF(2,
 void cli_note(const cli_common *common, const char *format, ...) CLI_PRINTF(2, 3);   /* only with -v */
 /* Prints facts as JSON, or as aligned text; deletes them. NULL facts: out of memory. */
 int cli_print_facts(cJSON *facts, int32_t json);
+/* The same as --json and --quiet have it: with --quiet alone nothing is printed. */
+int cli_report_facts(cJSON *facts, const cli_common *common);
 /* 1234567 -> "1.23 M"; returns `text`. */
 const char *cli_count(double number, char text[24]);
 /* Whether `path` will be writable later: an early answer for outputs that come at the end of long work. */
@@ -107,8 +109,8 @@ tides_status cli_error(tides_error *error, tides_status status, const char *form
 /* suggest.c: the entry of a NULL-terminated list that `name` was probably meant to be, or NULL. */
 const char *cli_nearest(const char *name, const char *const *names);
 
-/* progress.c: a tides_progress for stderr. Zero it, set quiet, and events where they are counted; cli_progress_end clears the
- * bar. */
+/* progress.c: a tides_progress for stderr: a bar on a terminal, else a line for each 10 %; none for what takes under a second.
+ * Zero it, set quiet, and events where they are counted; cli_progress_end clears the bar. */
 typedef struct cli_progress {
     int32_t quiet;
     const uint64_t *events; /* counted so far, or NULL */

@@ -80,9 +80,9 @@ int cmd_devices(const cli_command *command, int argc, char **argv) {
         const int32_t is_used = opened == TIDES_OK && rows[i].index == used.index;
         if (facts)
             cJSON_AddItemToArray(facts, row_json(&rows[i], is_used));
-        else if (!common.json && i == 0)
+        else if (!common.json && !common.quiet && i == 0)
             printf("  index kind      name\n");
-        if (!common.json) print_row(&rows[i], is_used);
+        if (!common.json && !common.quiet) print_row(&rows[i], is_used);
     }
     code = common.json ? cli_print_facts(facts, 1) : CLI_OK;
     if (opened != TIDES_OK) code = cli_fail(&error);

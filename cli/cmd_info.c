@@ -315,5 +315,5 @@ int cmd_info(const cli_command *command, int argc, char **argv) {
         cJSON_Delete(facts);
         return cli_fail(&error);
     }
-    return cli_print_facts(facts, common.json);
+    return cli_report_facts(facts, &common);
 }

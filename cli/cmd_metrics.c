@@ -17,6 +17,7 @@ static const struct family {
     {"van-rossum", TIDES_METRIC_VAN_ROSSUM}, {"time-difference", TIDES_METRIC_TIME_DIFFERENCE},
     {"kernel", TIDES_METRIC_KERNEL},         {"match", TIDES_METRIC_MATCH},
 };
+#define METRICS "counts,isi,same-ts,fano,chamfer,victor-purpura,van-rossum,time-difference,kernel,match"
 enum { FAMILIES = sizeof families / sizeof families[0] };
 
 /* The command line's texts; NULL where not given. */
@@ -33,7 +34,7 @@ static int unknown_family(const cli_command *command, const char *name) {
     for (size_t i = 0; i < FAMILIES; i++) names[i] = families[i].name;
     const char *nearest = cli_nearest(name, names);
     if (nearest) return cli_usage(command, "--only: no metric is called %s; did you mean %s?", name, nearest);
-    return cli_usage(command, "--only: no metric is called %s", name);
+    return cli_usage(command, "--only: no metric is called %s: there are " METRICS, name);
 }
 
 /* "isi,chamfer" */
@@ -178,11 +179,11 @@ static tides_status compare(const char *const files[2], stream s[2], tides_metri
 }
 
 static int report(const char *const files[2], const tides_metrics *metrics, const tides_metrics_options *options,
-                  int32_t json) {
+                  const cli_common *common) {
     cJSON *facts = cli_metrics_json(metrics, options);
     if (!facts) return cli_failed("out of memory");
-    if (!json) {
-        cli_metrics_print(facts);
+    if (!common->json) {
+        if (!common->quiet) cli_metrics_print(facts);
         cJSON_Delete(facts);
         return CLI_OK;
     }
@@ -195,8 +196,7 @@ int cmd_metrics(const cli_command *command, int argc, char **argv) {
     cli_common common;
     arguments given = {{NULL, NULL}, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0};
     const cli_option options[] = {
-        {"--only", 0, "LIST", "counts,isi,same-ts,fano,chamfer,victor-purpura,van-rossum,time-difference,kernel,match", NULL,
-         &given.only, NULL},
+        {"--only", 0, "LIST", METRICS, NULL, &given.only, NULL},
         {"--exact", 0, NULL, "the reference is exact: also match its events one by one", &given.exact, NULL, NULL},
         {"--window", 0, "S", "Chamfer: length of a window in seconds (0.05)", NULL, &given.window, NULL},
         {"--speed", 0, "PX_PER_S", "Chamfer: how fast the image moves (found from the reference)", NULL, &given.speed, NULL},
@@ -217,7 +217,7 @@ int cmd_metrics(const cli_command *command, int argc, char **argv) {
     stream streams[2] = {{NULL, 0, {0}}, {NULL, 0, {0}}};
     cli_catch_interrupt();
     const tides_status status = compare(given.files, streams, &wanted, &common, &metrics, &error);
-    code = status == TIDES_OK ? report(given.files, &metrics, &wanted, common.json) : cli_fail(&error);
+    code = status == TIDES_OK ? report(given.files, &metrics, &wanted, &common) : cli_fail(&error);
     free(streams[0].events);
     free(streams[1].events);
     return code;

@@ -65,8 +65,8 @@ int cmd_render(const cli_command *command, int argc, char **argv) {
     code = CLI_OK;
     if (render(&session, time, &request, &common, &error) != TIDES_OK)
         code = cli_fail(&error);
-    else if (common.json || common.verbose)
-        code = cli_print_facts(facts_of(&session, time, &request), common.json);
+    else
+        code = cli_report_facts(facts_of(&session, time, &request), &common);
     cli_session_close(&session);
     return code;
 }

@@ -86,9 +86,9 @@ static void print_kinds(void) {
     }
 }
 
-static int list_kinds(int32_t as_json) {
-    if (!as_json) {
-        print_kinds();
+static int list_kinds(const cli_common *common) {
+    if (!common->json) {
+        if (!common->quiet) print_kinds();
         return CLI_OK;
     }
     size_t kinds;
@@ -196,7 +196,7 @@ int cmd_scene(const cli_command *command, int argc, char **argv) {
         print_kinds();
     }
     if (code != CLI_GO) return code;
-    if (list) return list_kinds(common.json);
+    if (list) return list_kinds(&common);
     if (!texts.output) return cli_usage(command, "-o SCENE is missing");
     tides_generate_options wanted;
     code = read_options(command, &texts, &wanted);

@@ -1,5 +1,6 @@
 /* tides view: events as a picture, or as an animation of pictures. */
 #include "recording.h"
+#include "vector.h"
 #include "view.h"
 
 #include <math.h>
@@ -26,7 +27,7 @@ enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
 /* The command line's texts; NULL where not given. */
 typedef struct arguments {
-    const char *kind, *time, *decay, *bin, *scale, *azimuth, *elevation, *fps;
+    const char *kind, *time, *decay, *bin, *scale, *azimuth, *elevation, *fps, *points;
 } arguments;
 
 typedef struct job {
@@ -81,8 +82,13 @@ static int parse_output(const cli_command *command, const char *fps, job *j) {
     if (j->to_stdout && isatty(STDOUT_FILENO))
         return cli_usage(command, "-o - writes video to standard output: pipe it, e.g. into ffmpeg -i - OUT.mp4");
     if (j->to_stdout || ends_with(j->out, ".y4m") || ends_with(j->out, ".apng") || strchr(j->out, '%')) j->animate = 1;
-    if (!j->animate && !ends_with(j->out, ".png"))
-        return cli_usage(command, "-o %s: pictures are written as .png, videos as .y4m or - (for ffmpeg), or frame%%04d.png",
+    j->view.shapes = ends_with(j->out, ".svg");
+    if (j->view.shapes && (j->animate || j->kind->draw != view_xyt))
+        return cli_usage(command, "-o %s: what is drawn as .svg is one picture of --kind xyt", j->out);
+    if (!j->animate && !j->view.shapes && !ends_with(j->out, ".png"))
+        return cli_usage(command,
+                         "-o %s: pictures are written as .png (xyt: .svg too), videos as .y4m or - (for ffmpeg), or "
+                         "frame%%04d.png",
                          j->out);
     if (j->animate && !j->kind->animates) return cli_usage(command, "a picture of --kind %s doesn't move", j->kind->name);
     if (j->animate && j->has_time) return cli_usage(command, "--time is for one picture: give --start and --stop");
@@ -92,16 +98,19 @@ static int parse_output(const cli_command *command, const char *fps, job *j) {
 
 static int parse_look(const cli_command *command, const arguments *given, job *j) {
     view *v = &j->view;
-    double scale = 0;
+    double scale = 0, points = 0;
     int code = number_in(command, "--decay", given->decay, 1e-9, 1e6, &v->decay_s);
     if (code == CLI_GO) code = number_in(command, "--bin", given->bin, 1e-9, 1e6, &v->bin_s);
     if (code == CLI_GO) code = number_in(command, "--scale", given->scale, 1, 32, &scale);
     if (code == CLI_GO) code = number_in(command, "--azimuth", given->azimuth, -180, 180, &v->azimuth_deg);
     if (code == CLI_GO) code = number_in(command, "--elevation", given->elevation, -89, 89, &v->elevation_deg);
+    if (code == CLI_GO) code = number_in(command, "--points", given->points, 1, 1e8, &points);
     if (code == CLI_GO) code = number_in(command, "--fps", given->fps, 0.02, 1000, &j->pictures_per_second);
     if (code != CLI_GO) return code;
     if (scale != floor(scale)) return cli_usage(command, "--scale %s: should be a whole number", given->scale);
     v->scale = (int32_t)scale;
+    v->points = (size_t)points;
+    if (v->points && j->kind->draw != view_xyt) return cli_usage(command, "--points is for --kind xyt");
     if ((v->plain || v->scale) && j->kind->draw != view_frame && j->kind->draw != view_surface)
         return cli_usage(command, "--plain and --scale are for --kind frame and surface");
     return CLI_GO;
@@ -148,7 +157,8 @@ static tides_status draw(job *j, const cli_window *shown, cli_canvas *canvas, ti
     j->width = canvas->width;
     j->height = canvas->height;
     j->pictures++;
-    return canvas->rgb ? TIDES_OK : cli_error(error, TIDES_NO_MEMORY, "out of memory: a picture for %s", j->out);
+    return canvas->rgb || canvas->vector ? TIDES_OK
+                                         : cli_error(error, TIDES_NO_MEMORY, "out of memory: a picture for %s", j->out);
 }
 
 static tides_status make_picture(job *j, tides_error *error) {
@@ -158,7 +168,11 @@ static tides_status make_picture(job *j, tides_error *error) {
     j->stretch.stop_ns = shown.stop_ns;
     j->events = shown.count;
     tides_status status = draw(j, &shown, &canvas, error);
-    if (status == TIDES_OK) status = tides_png_write(j->out, canvas.width, canvas.height, canvas.rgb, error);
+    if (status == TIDES_OK && canvas.vector)
+        status = vector_write(canvas.vector, j->out, error);
+    else if (status == TIDES_OK)
+        status = tides_png_write(j->out, canvas.width, canvas.height, canvas.rgb, error);
+    vector_destroy(canvas.vector);
     free(canvas.rgb);
     return status;
 }
@@ -233,13 +247,14 @@ static int report(const job *j) {
 
 int cmd_view(const cli_command *command, int argc, char **argv) {
     cli_common common;
-    arguments given = {NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL};
+    arguments given = {.kind = NULL};
     /* A surface that has faded by exp(-1) after 30 ms is HOTS's; the eye's place is one where all three axes show. */
     job j = {.common = &common,
              .view = {.decay_s = 0.03, .azimuth_deg = 58, .elevation_deg = 18},
              .pictures_per_second = PICTURES_PER_SECOND};
     const cli_option options[] = {
-        {"--output", 'o', "FILE", "OUT.png; moving: .apng, .y4m, frame%04d.png, - (video to a pipe)", NULL, &j.out, NULL},
+        {"--output", 'o', "FILE", "OUT.png, xyt: OUT.svg; moving: .apng, .y4m, frame%04d.png, - (video to a pipe)", NULL,
+         &j.out, NULL},
         {"--kind", 0, "KIND", "frame (the default), surface, xyt, rate, isi", NULL, &given.kind, NULL},
         {"--time", 0, "SECONDS", "one picture: its window ends here (the window in the middle)", NULL, &given.time, NULL},
         {"--window", 0, "SECONDS", "how much a picture shows (frame, moving: 0.01; others all)", NULL, &j.stretch.window_text,
@@ -256,6 +271,7 @@ int cmd_view(const cli_command *command, int argc, char **argv) {
         {"--scale", 0, "N", "frame, surface: enlarge N times (to a comfortable size; plain 1)", NULL, &given.scale, NULL},
         {"--azimuth", 0, "DEGREES", "xyt: the eye's angle from the axis of time (58)", NULL, &given.azimuth, NULL},
         {"--elevation", 0, "DEGREES", "xyt: and above it (18)", NULL, &given.elevation, NULL},
+        {"--points", 0, "N", "xyt: at most so many events are drawn (400000; .svg 8000)", NULL, &given.points, NULL},
         {"--from", 0, "FORMAT", "read as this (by content)", NULL, &j.stretch.format, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };

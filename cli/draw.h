@@ -1,4 +1,5 @@
-/* Shapes on a canvas, smooth at their edges; all are clipped. Coordinates in px, pixel centres at .5. */
+/* Shapes on a canvas, smooth at their edges; all are clipped. Coordinates in px, pixel centres at .5. A canvas of shapes keeps
+ * all but draw_blend. */
 #ifndef CLI_DRAW_H
 #define CLI_DRAW_H
 

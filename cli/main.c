@@ -41,7 +41,9 @@ static const cli_command commands[] = {
     {"view", "EVENTS -o OUT.png [--kind frame|surface|xyt|rate|isi]", "Draw events as a picture or an animation.",
      "frame: red ON, blue OFF, brighter where more, violet where both; surface: how long ago each pixel's latest event was; "
      "xyt: events\n"
-     "in space and time; rate: events a second over time; isi: intervals between the events of each pixel.\n"
+     "in space and time (as .svg too: shapes instead of pixels); rate: events a second over time; isi: intervals between the "
+     "events\n"
+     "of each pixel.\n"
      "tides view EVENTS -o - | ffmpeg -i - -pix_fmt yuv420p OUT.mp4 makes a video.",
      1, cmd_view},
     {"export", "EVENTS -o OUT.npy [--as voxel|frame|surface]", "Write events as arrays for networks, one for each window.",

@@ -126,6 +126,12 @@ int cli_print_facts(cJSON *facts, int32_t json) {
     return code;
 }
 
+int cli_report_facts(cJSON *facts, const cli_common *common) {
+    if (common->json || !common->quiet || !facts) return cli_print_facts(facts, common->json);
+    cJSON_Delete(facts);
+    return CLI_OK;
+}
+
 /* -- files ---------------------------------------------------------------------------------------------------------- */
 
 static char *part_name(const char *path, tides_error *error) {

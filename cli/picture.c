@@ -15,7 +15,7 @@ static int32_t enlargement(int32_t width) {
 
 cli_canvas cli_canvas_create(int32_t count, int32_t width, int32_t height) {
     const int32_t times = enlargement(width);
-    cli_canvas canvas = {MARGIN + count * (width * times + MARGIN), LABEL_SPACE + height * times + MARGIN, NULL};
+    cli_canvas canvas = {MARGIN + count * (width * times + MARGIN), LABEL_SPACE + height * times + MARGIN, NULL, NULL};
     const size_t bytes = 3 * (size_t)canvas.width * (size_t)canvas.height;
     canvas.rgb = malloc(bytes);
     if (canvas.rgb) memset(canvas.rgb, 255, bytes);

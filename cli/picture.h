@@ -4,9 +4,13 @@
 
 #include <stdint.h>
 
+struct cli_vector;
+
+/* Pixels, or shapes (vector.h): what draw.h and plot_text draw goes to the one that isn't NULL. */
 typedef struct cli_canvas {
     int32_t width, height;
     uint8_t *rgb; /* (height x width x 3) */
+    struct cli_vector *vector;
 } cli_canvas;
 
 /* picture.c: white canvas for `count` panels of width x height in a row; pixels is NULL when out of memory. */

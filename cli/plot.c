@@ -1,6 +1,7 @@
 /* Plots: axes, curves, markers and bars, over the shapes of draw.c. */
 #include "plot.h"
 #include "draw.h"
+#include "vector.h"
 
 #include "tides/image.h"
 
@@ -18,13 +19,21 @@ enum { CELL_WIDTH = 6, CELL_HEIGHT = 9, TEXT = 2 };
 #define MARKER 5.5     /* [px] half a marker's size */
 
 cli_canvas plot_canvas(int32_t width, int32_t height) {
-    cli_canvas canvas = {width, height, malloc(3 * (size_t)width * (size_t)height)};
+    cli_canvas canvas = {width, height, malloc(3 * (size_t)width * (size_t)height), NULL};
     if (canvas.rgb) memset(canvas.rgb, 255, 3 * (size_t)width * (size_t)height);
     return canvas;
 }
 
+cli_canvas plot_shapes(int32_t width, int32_t height) {
+    return (cli_canvas){width, height, NULL, vector_create(width, height)};
+}
+
 void plot_text(cli_canvas *canvas, int32_t x, int32_t y, int32_t scale, const char *text) {
-    tides_picture_text(canvas->rgb, canvas->width, canvas->height, x, y, scale, ink, text);
+    enum { CAPITALS = 7 /* cells */ };
+    if (canvas->vector)
+        vector_text(canvas->vector, x, y, CAPITALS * scale, plot_text_width(text, scale), text, ink);
+    else
+        tides_picture_text(canvas->rgb, canvas->width, canvas->height, x, y, scale, ink, text);
 }
 
 int32_t plot_text_width(const char *text, int32_t scale) { return scale * (CELL_WIDTH * (int32_t)strlen(text) - 1); }

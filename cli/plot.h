@@ -32,6 +32,8 @@ typedef struct plot_stairs {
 
 /* White; rgb is NULL where memory ran out. */
 cli_canvas plot_canvas(int32_t width, int32_t height);
+/* The same for draw.h's shapes and texts alone: `vector` is NULL where memory ran out. */
+cli_canvas plot_shapes(int32_t width, int32_t height);
 void plot_text(cli_canvas *canvas, int32_t x, int32_t y, int32_t scale, const char *text);
 /* In pixels, `scale` px per cell. */
 int32_t plot_text_width(const char *text, int32_t scale);

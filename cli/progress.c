@@ -36,15 +36,28 @@ double cli_now(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+/* How long the rest takes, and how fast events come, each behind `before`. */
+static void forecast(const cli_progress *p, const char *before, double fraction, double elapsed) {
+    char rate[24];
+    if (fraction > 0.01 && fraction < 1 && elapsed > 0.5)
+        fprintf(stderr, "%s%.0f s left", before, elapsed * (1.0 - fraction) / fraction);
+    if (p->events && *p->events && elapsed > 0)
+        fprintf(stderr, "%s%s events/s", before, cli_count((double)*p->events / elapsed, rate));
+}
+
 static void draw_bar(const cli_progress *p, double fraction, double elapsed) {
     static const char full[] = "##############################", empty[] = "..............................";
     enum { WIDTH = sizeof full - 1 };
     int done = (int)(fraction * WIDTH);
     fprintf(stderr, "\r%-18s [%.*s%.*s] %3d %%", p->stage, done, full, WIDTH - done, empty, (int)(100.0 * fraction));
-    if (fraction > 0.01 && elapsed > 0.5) fprintf(stderr, "  %.0f s left", elapsed * (1.0 - fraction) / fraction);
-    char rate[24];
-    if (p->events && *p->events && elapsed > 0) fprintf(stderr, "  %s events/s", cli_count((double)*p->events / elapsed, rate));
+    forecast(p, "  ", fraction, elapsed);
     fputs("\033[K", stderr);
+}
+
+static void print_line(const cli_progress *p, int32_t decile, double fraction, double elapsed) {
+    fprintf(stderr, "tides: %s: %d %%", p->stage, 10 * decile);
+    forecast(p, ", ", fraction, elapsed);
+    putc('\n', stderr);
 }
 
 static void start_stage(cli_progress *p, const char *stage, double now) {
@@ -68,7 +81,7 @@ int cli_progress_step(void *progress, double fraction, const char *stage) {
         draw_bar(p, fraction, now - p->began);
         p->drawn = now;
     } else if (!p->terminal && decile > p->decile) {
-        if (now - p->began > 1.0) fprintf(stderr, "tides: %s: %d %%\n", p->stage, 10 * decile);
+        if (now - p->began > 1.0) print_line(p, decile, fraction, now - p->began);
         p->decile = decile;
     }
     return interrupted != 0;

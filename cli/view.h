@@ -12,6 +12,8 @@ typedef struct view {
     double azimuth_deg, elevation_deg; /* xyt: where the eye is, from the axis of time, and above */
     int32_t scale;                     /* frame, surface: px per pixel; 0: what is comfortable */
     int32_t plain;                     /* frame, surface: the pixels alone */
+    int32_t shapes;                    /* xyt: a canvas of shapes (.svg) */
+    size_t points;                     /* xyt: how many events are drawn at most; 0: what is comfortable */
 } view;
 
 /* Each draws the events of `shown`, a slice of `recording` (surfaces look further back than their slice), on a new canvas,

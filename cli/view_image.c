@@ -63,7 +63,7 @@ static size_t pixels_of(const cli_window *shown) { return (size_t)shown->width *
 cli_canvas view_frame(const view *v, const cli_window *recording, const cli_window *shown) {
     (void)recording;
     uint8_t *rgb = malloc(3 * pixels_of(shown));
-    cli_canvas canvas = {0, 0, NULL};
+    cli_canvas canvas = {0, 0, NULL, NULL};
     if (!rgb) return canvas;
     tides_picture_events(shown->events, shown->count, NULL, shown->width, shown->height, rgb);
     canvas = lay_out(v, shown, 0, rgb);
@@ -126,7 +126,7 @@ static void surface_heading(cli_canvas *canvas, const view *v, const cli_window 
 }
 
 cli_canvas view_surface(const view *v, const cli_window *recording, const cli_window *shown) {
-    cli_canvas canvas = {0, 0, NULL};
+    cli_canvas canvas = {0, 0, NULL, NULL};
     const size_t pixels = pixels_of(shown);
     double *value = malloc(pixels * sizeof *value);
     uint8_t *rgb = malloc(3 * pixels);

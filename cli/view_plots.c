@@ -86,7 +86,7 @@ cli_canvas view_rate(const view *v, const cli_window *recording, const cli_windo
     double bin_ns = v->bin_s > 0 ? 1e9 * v->bin_s : round_bin(span / BINS);
     if (span / bin_ns > BINS_MAX) bin_ns = span / BINS_MAX;
     rates *r = calloc(1, sizeof *r);
-    cli_canvas canvas = r ? plot_canvas(WIDTH, HEIGHT) : (cli_canvas){0, 0, NULL};
+    cli_canvas canvas = r ? plot_canvas(WIDTH, HEIGHT) : (cli_canvas){0, 0, NULL, NULL};
     if (canvas.rgb) {
         r->count = (int32_t)fmax(1, ceil(span / bin_ns - 1e-9));
         count_rates(shown, &axis, bin_ns, r);
@@ -159,7 +159,7 @@ cli_canvas view_isi(const view *v, const cli_window *recording, const cli_window
     (void)v, (void)recording;
     double *intervals = malloc((shown->count + 1) * sizeof *intervals);
     const int64_t count = intervals ? find_intervals(shown, intervals) : -1;
-    cli_canvas canvas = count >= 0 ? plot_canvas(WIDTH, HEIGHT) : (cli_canvas){0, 0, NULL};
+    cli_canvas canvas = count >= 0 ? plot_canvas(WIDTH, HEIGHT) : (cli_canvas){0, 0, NULL, NULL};
     if (canvas.rgb) {
         int64_t zeros = 0;
         qsort(intervals, (size_t)count, sizeof *intervals, ascending);

@@ -8,6 +8,7 @@
 #include <string.h>
 
 enum { WIDTH = 1200, HEIGHT = 780, TOP = 66, MARGIN_X = 144, MARGIN_Y = 56, POINTS_MAX = 400000 };
+enum { SHAPES_MAX = 8000 /* for .svg: under 100 kB */ };
 
 /* The box: half its extents along time, height and width of the image; the axes point as time, y and x do. */
 enum { TIME, Y, X, AXES };
@@ -228,16 +229,19 @@ typedef struct point {
 
 static int farthest_first(const void *a, const void *b) {
     const double x = ((const point *)a)->depth, y = ((const point *)b)->depth;
-    return (x < y) - (x > y);
+    return x != y ? (x < y) - (x > y) : ((const point *)a)->on - ((const point *)b)->on;
 }
 
 /* Every so many events one, so that a picture takes a second at most. */
-static size_t stride_of(const cli_window *shown) { return shown->count / POINTS_MAX + 1; }
+static size_t stride_of(const view *v, const cli_window *shown) {
+    const size_t most = v->points ? v->points : v->shapes ? SHAPES_MAX : POINTS_MAX;
+    return (shown->count + most - 1) / most + !shown->count;
+}
 
-static size_t project_events(const scene *s, const cli_window *shown, const range ranges[AXES], const view_axis *time,
-                             point *points) {
+static size_t project_events(const scene *s, const cli_window *shown, size_t stride, const range ranges[AXES],
+                             const view_axis *time, point *points) {
     size_t count = 0;
-    for (size_t i = 0; i < shown->count; i += stride_of(shown)) {
+    for (size_t i = 0; i < shown->count; i += stride) {
         const tides_event *e = &shown->events[i];
         const double values[AXES] = {view_on_axis(time, (double)e->t), e->y + 0.5, e->x + 0.5};
         double at[AXES];
@@ -251,7 +255,10 @@ static size_t project_events(const scene *s, const cli_window *shown, const rang
 
 /* Few events are large, many small; what is far away is smaller and paler. */
 static void draw_points(cli_canvas *canvas, point *points, size_t count) {
-    const double radius = fmin(4.0, 6.0 * pow((double)count + 1, -0.16));
+    enum { LAYERS = 8 /* per unit of depth */ };
+    const double radius = fmin(4.0, (canvas->vector ? 9.0 : 6.0) * pow((double)count + 1, -0.16));
+    for (size_t i = 0; i < count && canvas->vector; i++) /* in layers: shapes that look alike are stored together */
+        points[i].depth = round(LAYERS * points[i].depth) / LAYERS;
     qsort(points, count, sizeof *points, farthest_first);
     for (size_t i = 0; i < count; i++) {
         const double haze = 0.45 * (points[i].depth - EYE_DISTANCE + 1) / 2, near = EYE_DISTANCE / points[i].depth;
@@ -264,9 +271,11 @@ static void draw_points(cli_canvas *canvas, point *points, size_t count) {
 
 cli_canvas view_xyt(const view *v, const cli_window *recording, const cli_window *shown) {
     (void)recording;
-    point *points = malloc((shown->count / stride_of(shown) + 1) * sizeof *points);
-    cli_canvas canvas = points ? plot_canvas(WIDTH, HEIGHT) : (cli_canvas){0, 0, NULL};
-    if (canvas.rgb) {
+    const size_t stride = stride_of(v, shown);
+    point *points = malloc((shown->count / stride + 1) * sizeof *points);
+    cli_canvas canvas = {0, 0, NULL, NULL};
+    if (points) canvas = v->shapes ? plot_shapes(WIDTH, HEIGHT) : plot_canvas(WIDTH, HEIGHT);
+    if (canvas.rgb || canvas.vector) {
         const view_axis time = view_time_axis(shown);
         const scene s = make_scene(v, shown);
         label_boxes boxes = {.count = 0};
@@ -277,10 +286,10 @@ cli_canvas view_xyt(const view *v, const cli_window *recording, const cli_window
                                     {0, shown->width, "x [px]"}};
         draw_far_faces(&canvas, &s, ranges);
         draw_edges(&canvas, &s, 1);
-        draw_points(&canvas, points, project_events(&s, shown, ranges, &time, points));
+        draw_points(&canvas, points, project_events(&s, shown, stride, ranges, &time, points));
         draw_edges(&canvas, &s, 0);
         for (int axis = 0; axis < AXES; axis++) draw_axis(&canvas, &s, axis, &ranges[axis], &boxes);
-        if (stride_of(shown) > 1) snprintf(title, sizeof title, "events (1 of %zu is drawn)", stride_of(shown));
+        if (stride > 1) snprintf(title, sizeof title, "events (1 of %zu is drawn)", stride);
         view_heading(&canvas, 36, shown, title);
     }
     free(points);

@@ -184,6 +184,25 @@ const char *td_nearest(const char *name, const char *const *names) {
     return nearest;
 }
 
+const char *td_suggest(const char *name, const char *list, const char *separators, char text[TD_SUGGESTION_MAX]) {
+    enum { NAMES = 64, BYTES = 1024 };
+    char copy[BYTES];
+    const char *names[NAMES + 1] = {NULL};
+    size_t count = 0, length = strlen(list);
+    text[0] = '\0';
+    if (length >= BYTES) return text;
+    memcpy(copy, list, length + 1);
+    for (char *at = copy + strspn(copy, separators); *at && count < NAMES; at += strspn(at, separators)) {
+        names[count++] = at;
+        at += strcspn(at, separators);
+        if (*at) *at++ = '\0';
+    }
+    const char *nearest = td_nearest(name, names);
+    if (nearest && strlen(nearest) < TD_SUGGESTION_MAX - sizeof "; did you mean ?")
+        snprintf(text, TD_SUGGESTION_MAX, "; did you mean %s?", nearest);
+    return text;
+}
+
 double td_now(void) {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);

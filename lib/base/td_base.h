@@ -41,6 +41,11 @@ tides_status td_commit_file(const char *part, const char *path, tides_error *err
 /* The entry of `names` (NULL-terminated) nearest to `name` by edit distance; NULL where nothing is near. */
 const char *td_nearest(const char *name, const char *const *names);
 
+/* "; did you mean NAME?" with the nearest name of a list such as "smooth|inria|gsplat", whose names are parted by any of
+ * `separators`; "" where none is near, or the list is too long. Returns `text`. */
+enum { TD_SUGGESTION_MAX = 96 };
+const char *td_suggest(const char *name, const char *list, const char *separators, char text[TD_SUGGESTION_MAX]);
+
 /* Monotonic clock [s]. */
 double td_now(void);
 

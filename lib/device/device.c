@@ -122,18 +122,21 @@ static int32_t match(const device_list *list, const char *spec) {
 
 /* The error for a SPEC without a match: says what exists, or how to get something. */
 static tides_status fail_no_match(const device_list *list, const char *spec, tides_error *error) {
+    char suggestion[TD_SUGGESTION_MAX];
+    td_suggest(spec, "auto cpu gpu reference reference-f32", " ", suggestion);
     if (list->count == 0)
         return td_fail(error, TIDES_NO_DEVICE,
                        "device '%s': no OpenCL device was found; install one (Debian: apt install pocl-opencl-icd) or use "
-                       "--device reference",
-                       spec);
+                       "--device reference%s",
+                       spec, suggestion);
     char names[600] = "";
     for (int32_t i = 0; i < list->count; i++) {
         size_t used = strlen(names);
         snprintf(names + used, sizeof names - used, "%s%d = %.60s (%.40s)", i ? ", " : "", i, list->info[i].name,
                  list->info[i].platform);
     }
-    return td_fail(error, TIDES_NO_DEVICE, "device '%s': nothing matches; there are: %s, and 'reference'", spec, names);
+    return td_fail(error, TIDES_NO_DEVICE, "device '%s': nothing matches; there are: %s, and 'reference'%s", spec, names,
+                   suggestion);
 }
 
 static void open_reference(tides_device *device, int single_precision) {

@@ -103,12 +103,12 @@ tides_status td_event_format_for(const char *path, const td_event_format **forma
     const char *name = strrchr(path, '/');
     const char *ending = strrchr(name ? name : path, '.');
     if (best > 0) return TIDES_OK;
-    if (ending && ending[1] && ending != path)
-        return td_fail(error, TIDES_UNSUPPORTED,
-                       "%s: no format of event files ends in %s: use .h5, .raw, .dat, .es, .aedat4, .npy, .npz, .csv or .txt, "
-                       "or "
-                       "name the format (--to)",
-                       path, ending);
+    if (ending && ending[1] && ending != path) {
+        static const char endings[] = ".h5, .raw, .dat, .es, .aedat4, .npy, .npz, .csv or .txt";
+        char suggestion[TD_SUGGESTION_MAX];
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: no format of event files ends in %s: use %s, or name the format (--to)%s",
+                       path, ending, endings, td_suggest(ending, endings, ", ", suggestion));
+    }
     *format = &td_format_hdf5;
     return TIDES_OK;
 }

@@ -20,14 +20,14 @@ enum { PRESET_LIMIT = 1 << 20, PRESETS_MAX = 64, NAME_MAX_BYTES = 64 };
 static size_t name_length(const char *file) { return strlen(file) - strlen(".json"); }
 
 static tides_status unknown(const tides_run *run, const char *name, tides_error *error) {
-    char all[512] = "", shown[NAME_MAX_BYTES];
+    char all[512] = "", shown[NAME_MAX_BYTES], suggestion[TD_SUGGESTION_MAX];
     size_t used = 0;
     for (const td_kernel_source *p = td_preset_sources; p->name && used < sizeof all; p++)
         used += (size_t)snprintf(all + used, sizeof all - used, "%s%.*s", used ? ", " : "", (int)name_length(p->name), p->name);
     snprintf(shown, sizeof shown, "%.40s", name);
     td_one_line(shown);
-    return td_fail(error, TIDES_BAD_CONFIG, "%s: sensor.preset = \"%s\" is none of %s, nor the path of a .json file",
-                   run->origin, shown, all);
+    return td_fail(error, TIDES_BAD_CONFIG, "%s: sensor.preset = \"%s\" is none of %s, nor the path of a .json file%s",
+                   run->origin, shown, all, td_suggest(shown, all, ", ", suggestion));
 }
 
 /* The lines of an embedded preset as one text. */

@@ -83,9 +83,11 @@ static int32_t is_choice(const char *choices, const char *text, char *names, siz
 }
 
 static tides_status check_choice(const tides_param *row, const cJSON *value, const char *where, tides_error *error) {
-    char names[256];
-    if (is_choice(row->choices, cJSON_IsString(value) ? value->valuestring : "", names, sizeof names)) return TIDES_OK;
-    return td_fail(error, TIDES_BAD_CONFIG, "%s: %s = %s is none of %s", where, row->key, show(value).text, names);
+    char names[256], suggestion[TD_SUGGESTION_MAX];
+    const char *given = cJSON_IsString(value) ? value->valuestring : "";
+    if (is_choice(row->choices, given, names, sizeof names)) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_CONFIG, "%s: %s = %s is none of %s%s", where, row->key, show(value).text, names,
+                   td_suggest(given, row->choices, "|", suggestion));
 }
 
 static tides_status check_seed(const cJSON *value, const char *where, tides_error *error) {

@@ -44,7 +44,9 @@ less "$(column dt_p95_us hermite 2000)" "$(column dt_p95_us esim 2000)" "p95 of 
 less "$(column dt_p95_us error 0.003)" "$(column dt_p95_us error 0.1)" "p95 of tolerance 0.003 against 0.1"
 less "$(column worst_residual error 0.003)" 1 "the residual"
 
-expect 0 tides bench ablation --quick --json -q --scene occluder -o made
+expect 0 tides bench ablation --quick --json --quiet --scene occluder -o made
+${PYTHON:-python3} -m json.tool <out >/dev/null || fail "--json should print JSON alone"
+[ ! -s err ] || fail "--quiet leaves stderr alone"
 grep -q '"bench":[[:space:]]*"ablation"' out || fail "--json should print the results"
 for file in ablation.json ablation.csv ablation.png; do exists made/$file; done
 for variant in full with_risk no_alpha_dot risk_only risk_only_no_alpha_dot global_step one_event fixed_step compute_matched \

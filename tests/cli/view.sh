@@ -101,3 +101,14 @@ refuse 1 "earlier than the one before it" tides view late.txt -o x.png
 refuse 1 "can't be created" tides view three.csv -o missing/x.png
 missing x.png
 missing x.apng
+# An event is a dot of the shapes, and no more of them are drawn than was asked for.
+awk 'BEGIN { print "t,x,y,on"; for (i = 0; i < 640; i++) print 50 * i "," i % 32 "," i * 7 % 24 "," i % 2 }' >many.csv
+expect 0 tides view many.csv --kind xyt -o dots.svg --points 100
+${PYTHON:-python3} -c 'import sys, xml.dom.minidom as m; m.parse(sys.argv[1])' dots.svg || fail "dots.svg isn't XML"
+dots=$(grep -o 'h0' dots.svg | wc -l)
+[ "$dots" -gt 50 ] && [ "$dots" -le 100 ] || fail "$dots dots, not 51 to 100"
+grep -q '>time \[ms\]<' dots.svg || fail "the axis of time has no label"
+refuse 2 "one picture of --kind xyt" tides view many.csv --kind rate -o rate.svg
+refuse 2 "one picture of --kind xyt" tides view many.csv --kind xyt --animate -o a.svg
+refuse 2 "--points is for --kind xyt" tides view many.csv --points 5 -o a.png
+refuse 1 "none/dots.svg" tides view many.csv --kind xyt -o none/dots.svg

@@ -216,6 +216,21 @@ static void test_nearest(void **state) {
     assert_ptr_equal(td_nearest(longer, one), longer);
 }
 
+static void test_suggest(void **state) {
+    (void)state;
+    char text[TD_SUGGESTION_MAX], longer[3000];
+    assert_string_equal(td_suggest("smoth", "smooth|inria|gsplat", "|", text), "; did you mean smooth?");
+    assert_string_equal(td_suggest(".rw", ".h5, .raw or .txt", ", ", text), "; did you mean .raw?");
+    assert_string_equal(td_suggest("zzz", "smooth|inria|gsplat", "|", text), "");
+    assert_string_equal(td_suggest("a", "", "|", text), "");
+    assert_string_equal(td_suggest("ab", "|ab|", "|", text), "; did you mean ab?");
+    memset(longer, 's', sizeof longer - 1);
+    longer[sizeof longer - 1] = 0;
+    assert_string_equal(td_suggest(longer, longer, "|", text), "");
+    longer[TD_SUGGESTION_MAX] = 0;
+    assert_string_equal(td_suggest(longer, longer, "|", text), ""); /* doesn't fit */
+}
+
 static void test_clock_and_memory(void **state) {
     (void)state;
     double before = td_now(), elapsed = 0.0;
@@ -228,10 +243,11 @@ static void test_clock_and_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_status_names),   cmocka_unit_test(test_version),     cmocka_unit_test(test_fail),
-        cmocka_unit_test(test_fail_truncates), cmocka_unit_test(test_fail_within), cmocka_unit_test(test_alloc),
-        cmocka_unit_test(test_reserve),        cmocka_unit_test(test_format),      cmocka_unit_test(test_read_file),
-        cmocka_unit_test(test_commit),         cmocka_unit_test(test_nearest),     cmocka_unit_test(test_clock_and_memory),
+        cmocka_unit_test(test_status_names),     cmocka_unit_test(test_version),     cmocka_unit_test(test_fail),
+        cmocka_unit_test(test_fail_truncates),   cmocka_unit_test(test_fail_within), cmocka_unit_test(test_alloc),
+        cmocka_unit_test(test_reserve),          cmocka_unit_test(test_format),      cmocka_unit_test(test_read_file),
+        cmocka_unit_test(test_commit),           cmocka_unit_test(test_nearest),     cmocka_unit_test(test_suggest),
+        cmocka_unit_test(test_clock_and_memory),
     };
     return cmocka_run_group_tests_name("base", tests, make_scratch, remove_scratch);
 }
