@@ -15,7 +15,10 @@ tides_status td_candidates_create(int width, int height, td_candidates *candidat
     candidates->last_object = td_alloc(tiles, sizeof *candidates->last_object, error);
     candidates->travel = td_alloc(tiles, sizeof *candidates->travel, error);
     candidates->moving = td_alloc(tiles, sizeof *candidates->moving, error);
-    if (candidates->first && candidates->fill && candidates->last_object && candidates->travel && candidates->moving)
+    candidates->hint = td_alloc(tiles, sizeof *candidates->hint, error);
+    candidates->hint_asked = td_alloc(tiles, sizeof *candidates->hint_asked, error);
+    if (candidates->first && candidates->fill && candidates->last_object && candidates->travel && candidates->moving &&
+        candidates->hint && candidates->hint_asked)
         return TIDES_OK;
     td_candidates_release(candidates);
     return TIDES_NO_MEMORY;
@@ -28,6 +31,8 @@ void td_candidates_release(td_candidates *candidates) {
     free(candidates->last_object);
     free(candidates->travel);
     free(candidates->moving);
+    free(candidates->hint);
+    free(candidates->hint_asked);
     memset(candidates, 0, sizeof *candidates);
 }
 
@@ -107,6 +112,24 @@ tides_status td_candidates_build(td_candidates *candidates, const td_store *stor
     memset(candidates->list, 0xff, (size_t)total * sizeof *candidates->list); /* TD_NO_GAUSSIAN */
     pass(candidates, store, boxes, candidates->list);
     note_motion(candidates, store, travel, object_moves);
+    memset(candidates->hint, 0, (size_t)tiles * sizeof *candidates->hint);
     candidates->serial++;
     return TIDES_OK;
+}
+
+int td_candidates_hint_count(const td_candidates *candidates) {
+    return 1 + 2 * candidates->first[candidates->tiles_x * candidates->tiles_y];
+}
+
+void td_candidates_ask_hint(td_candidates *candidates, int tile, td_job *job) {
+    int one = 1 + candidates->first[tile], other = one + candidates->first[candidates->tiles_x * candidates->tiles_y];
+    job->hint = candidates->hint[tile];
+    job->next_hint = candidates->hint_asked[tile] ? 0 : job->hint == one ? other : one;
+    candidates->hint_asked[tile] = 1;
+}
+
+void td_candidates_take_hint(td_candidates *candidates, const td_job *job, int kept) {
+    int tile = job->y / TD_TILE * candidates->tiles_x + job->x / TD_TILE;
+    if (job->next_hint && !kept) candidates->hint[tile] = job->next_hint;
+    candidates->hint_asked[tile] = 0;
 }
