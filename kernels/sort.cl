@@ -4,16 +4,14 @@
  * On a CPU one work-item runs the whole network on vectors of eight keys with min and max (6 times faster in PoCL than the
  * version with barriers: DESIGN 3.5); on a GPU a work-group shares it.
  *
- * Keys are gathered in the order that an earlier job of the tile left (td_job.hint), which is nearly that of any other time of
- * the sweep: a list that is in order is left alone, and on a CPU one that nearly is takes an insertion sort. */
+ * Keys are gathered in the order that an earlier job of the tile left (td_job.hint): a list that is in order then is left
+ * alone. Sorting what is nearly in order by insertion doesn't pay: on trained scenes under a moving camera it took 0 to 30 %
+ * longer than the network, whatever number of moves it was allowed (1 to 64 per key; AVX-512). */
 #include "layout.h"
 
 #define TD_LAST_KEY 0x7fffffffffffffffL
 
-enum {
-    TD_GROUP_MOST = 64,  /* work-items of a group */
-    TD_MOVES_PER_KEY = 4 /* that an insertion sort may take */
-};
+enum { TD_GROUP_MOST = 64 }; /* work-items of a group */
 
 static long td_key(__global const float *records, int candidate) {
     return ((long)as_int(records[candidate * TD_RECORD_STRIDE + TD_R_DEPTH]) << 32) | (long)candidate;
@@ -24,35 +22,11 @@ static int td_candidate_of(long key) { return (int)(key & 0xffffffffL); }
 /* Place i of the order to begin with: a hint, or the candidates' own. */
 static int td_hinted(__global const int *hint, int i) { return hint ? hint[i] : i; }
 
-/* A work-item's share of a job's candidates, in that order, and what the job comes to. */
-typedef struct td_share {
-    int first, last; /* places of the hint */
-    int before;      /* splats at places before `first` */
-    int count;       /* splats of the job */
-    int kept;        /* 1: they were in depth order */
-} td_share;
-
-/* Gathers the keys of a share's splats at keys[before] and on. Returns where they end. */
-static int td_gather_keys(const td_share *share, __global const int *hint, __global const float *records,
-                          __global const int *masks, __global long *keys) {
-    int at = share->before;
-    for (int i = share->first; i < share->last; i++) {
-        int candidate = td_hinted(hint, i);
-        if (masks[candidate]) keys[at++] = td_key(records, candidate);
-    }
-    return at;
-}
-
-/* Leaves the sorted order as a hint: the splats, then what doesn't touch the tile. */
-static void td_leave_order(const td_share *share, __global const int *hint, __global const int *masks,
-                           __global const long *keys, __global int *next) {
-    for (int i = (int)get_local_id(0); i < share->count; i += (int)get_local_size(0)) next[i] = td_candidate_of(keys[i]);
-    int at = share->count + share->first - share->before;
-    for (int i = share->first; i < share->last; i++) {
-        int candidate = td_hinted(hint, i);
-        if (!masks[candidate]) next[at++] = candidate;
-    }
-}
+/* What comes of a job: how many keys there are, sorted, among them perhaps some of candidates that don't touch the tile, and 1
+ * where they were in order. */
+typedef struct td_sorted {
+    int count, kept;
+} td_sorted;
 
 /* The power of two, at least one vector's, that holds `count` keys. */
 static int td_capacity(int count) {
@@ -117,32 +91,21 @@ static void td_bitonic_sort(__global long *keys, int n) {
     }
 }
 
-/* Insertion sort as long as it takes few moves; 0: it took more, and the keys are as unsorted as they were. */
-static int td_insertion_sort(__global long *keys, int n) {
-    int moves = TD_MOVES_PER_KEY * n;
-    for (int i = 1; i < n && moves >= 0; i++) {
-        long key = keys[i];
-        int at = i;
-        for (; at > 0 && keys[at - 1] > key; at--) keys[at] = keys[at - 1];
-        keys[at] = key;
-        moves -= i - at;
-    }
-    return moves >= 0;
-}
-
-/* Keys of the job's splats, sorted, in keys[0 .. count). */
-static td_share td_sort_job(__global const td_job *job, __global const int *hint, __global const float *records,
-                            __global const int *masks, __global long *keys, __local int *shared) {
+static td_sorted td_sort_job(__global const td_job *job, __global const int *hint, __global const float *records,
+                             __global const int *masks, __global long *keys, __local int *shared) {
     (void)shared;
-    td_share all = {0, job->count, 0, 0, 1};
-    if (job->count == 0) return all; /* a job without candidates has no keys either */
-    all.count = td_gather_keys(&all, hint, records, masks, keys);
-    for (int i = 1; i < all.count; i++) all.kept &= keys[i - 1] < keys[i];
-    if (all.kept || (hint && td_insertion_sort(keys, all.count))) return all;
-    int capacity = td_capacity(all.count);
-    for (int i = all.count; i < capacity; i++) keys[i] = TD_LAST_KEY;
+    td_sorted done = {0, 1};
+    if (job->count == 0) return done; /* a job without candidates has no keys either */
+    for (int i = 0; i < job->count; i++) {
+        int candidate = td_hinted(hint, i);
+        if (job->new_hint || masks[candidate]) keys[done.count++] = td_key(records, candidate);
+    }
+    for (int i = 1; i < done.count; i++) done.kept &= keys[i - 1] < keys[i];
+    if (done.kept) return done;
+    int capacity = td_capacity(done.count);
+    for (int i = done.count; i < capacity; i++) keys[i] = TD_LAST_KEY;
     td_bitonic_sort(keys, capacity);
-    return all;
+    return done;
 }
 
 #else
@@ -160,46 +123,49 @@ static void td_bitonic_level(__global long *keys, int n, int stride, int flip) {
     barrier(CLK_GLOBAL_MEM_FENCE);
 }
 
-/* Finds the work-item's share and how many splats there are before it and in all. */
-static td_share td_take_share(__global const td_job *job, __global const int *hint, __global const int *masks,
-                              __local int *shared) {
-    int items = (int)get_local_size(0), me = (int)get_local_id(0), each = (job->count + items - 1) / items;
-    td_share share = {min(me * each, job->count), min((me + 1) * each, job->count), 0, 0, 1};
-    int own = 0;
-    for (int i = share.first; i < share.last; i++) own += masks[td_hinted(hint, i)] != 0;
-    shared[me] = own;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (int i = 0; i < items; i++) {
-        if (i == me) share.before = share.count;
-        share.count += shared[i];
-    }
-    barrier(CLK_LOCAL_MEM_FENCE);
-    return share;
-}
-
-/* Keys of the job's splats, sorted, in keys[0 .. count). */
-static td_share td_sort_job(__global const td_job *job, __global const int *hint, __global const float *records,
-                            __global const int *masks, __global long *keys, __local int *shared) {
-    td_share share = {0, 0, 0, 0, 1};
-    if (job->count == 0) return share;
-    share = td_take_share(job, hint, masks, shared);
-    int me = (int)get_local_id(0), items = (int)get_local_size(0), capacity = td_capacity(share.count);
-    td_gather_keys(&share, hint, records, masks, keys);
-    for (int i = share.count + me; i < capacity; i += items) keys[i] = TD_LAST_KEY;
+static td_sorted td_sort_job(__global const td_job *job, __global const int *hint, __global const float *records,
+                             __global const int *masks, __global long *keys, __local int *shared) {
+    (void)masks;
+    td_sorted done = {job->count, 1};
+    if (job->count == 0) return done;
+    int me = (int)get_local_id(0), items = (int)get_local_size(0), capacity = td_capacity(job->count);
+    for (int i = me; i < capacity; i += items) keys[i] = i < job->count ? td_key(records, td_hinted(hint, i)) : TD_LAST_KEY;
     if (me == 0) *shared = 1;
     barrier(CLK_GLOBAL_MEM_FENCE | CLK_LOCAL_MEM_FENCE);
-    for (int i = 1 + me; i < share.count; i += items)
+    for (int i = 1 + me; i < job->count; i += items)
         if (keys[i - 1] > keys[i]) *shared = 0; /* whoever says so says the same */
     barrier(CLK_LOCAL_MEM_FENCE);
-    share.kept = *shared;
-    for (int k = 2; k <= capacity && !share.kept; k *= 2) {
+    done.kept = *shared;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int k = 2; k <= capacity && !done.kept; k *= 2) {
         td_bitonic_level(keys, capacity, k / 2, 1);
         for (int stride = k / 4; stride > 0; stride /= 2) td_bitonic_level(keys, capacity, stride, 0);
     }
-    return share;
+    return done;
 }
 
 #endif
+
+/* Those of the sorted candidates that touch the tile, in their order, by the whole work-group: returns how many. */
+static int td_place_splats(__global const long *keys, int n, __global const int *masks, __global int *order,
+                           __global int *sorted_masks, __local int *shared) {
+    int items = (int)get_local_size(0), me = (int)get_local_id(0), each = (n + items - 1) / items;
+    int first = min(me * each, n), last = min(first + each, n), at = 0, count = 0;
+    if (items > 1) {
+        for (int i = first; i < last; i++) count += masks[td_candidate_of(keys[i])] != 0;
+        shared[me] = count;
+        barrier(CLK_LOCAL_MEM_FENCE);
+        for (int i = 0; i < me; i++) at += shared[i];
+        for (count = at; me < items; me++) count += shared[me];
+    }
+    for (int i = first; i < last; i++) {
+        int candidate = td_candidate_of(keys[i]), mask = masks[candidate];
+        if (!mask) continue;
+        order[at] = candidate;
+        sorted_masks[at++] = mask;
+    }
+    return items > 1 ? count : at;
+}
 
 /* order and sorted_masks: what td_list wants; counts[job], and counts[jobs + job] 1 where the list was in order;
  * brightest[job]. Keys have twice the room of the records. */
@@ -212,21 +178,21 @@ __kernel void td_sort_jobs(__global const td_job *jobs, __global const td_backdr
     __global const int *job_masks = masks + job->records;
     __global long *job_keys = keys + 2 * job->records;
     __global const int *hint = job->hint ? hints + job->hint : 0;
-    td_share share = td_sort_job(job, hint, job_records, job_masks, job_keys, shared);
-    for (int i = (int)get_local_id(0); i < share.count; i += (int)get_local_size(0)) {
-        int candidate = td_candidate_of(job_keys[i]);
-        order[job->records + i] = candidate;
-        sorted_masks[job->records + i] = job_masks[candidate];
-    }
-    if (job->next_hint && !share.kept) td_leave_order(&share, hint, job_masks, job_keys, hints + job->next_hint);
+    td_sorted done = td_sort_job(job, hint, job_records, job_masks, job_keys, shared);
+    int count = td_place_splats(job_keys, done.count, job_masks, order + job->records, sorted_masks + job->records, shared);
+    if (job->new_hint)
+        for (int i = (int)get_local_id(0); i < done.count; i += (int)get_local_size(0))
+            hints[job->new_hint + i] = td_candidate_of(job_keys[i]);
     if (get_local_id(0) != 0) return;
     float most = backdrops[job->slot].luminance;
-    for (int i = 0; i < share.count; i++) {
-        float luminance = job_records[td_candidate_of(job_keys[i]) * TD_RECORD_STRIDE + TD_R_LUMINANCE];
+    for (int i = 0; i < done.count; i++) {
+        int candidate = td_candidate_of(job_keys[i]);
+        if (!job_masks[candidate]) continue;
+        float luminance = job_records[candidate * TD_RECORD_STRIDE + TD_R_LUMINANCE];
         luminance = luminance > 0.0f ? luminance : -luminance;
         most = luminance > most ? luminance : most;
     }
-    counts[get_group_id(0)] = share.count;
-    counts[get_num_groups(0) + get_group_id(0)] = share.kept;
+    counts[get_group_id(0)] = count;
+    counts[get_num_groups(0) + get_group_id(0)] = done.kept;
     brightest[get_group_id(0)] = most;
 }

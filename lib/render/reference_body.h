@@ -245,41 +245,36 @@ static void project_job(reference *r, const td_job *job, const td_batch *batch, 
         td_project_group(&local, i, batch->candidates, r->object, r->views, image, &r->source, &sink);
 }
 
-/* Leaves the order for later jobs of the tile: the splats', then what doesn't touch it. */
-static void leave_hint(reference *r, const td_job *job, const td_list *list) {
-    const int *hint = job->hint ? r->hints + job->hint : NULL;
-    int *next = r->hints + job->next_hint;
-    memcpy(next, list->order, (size_t)list->count * sizeof *next);
-    next += list->count;
-    for (int i = 0; i < job->count; i++) {
-        int candidate = hint ? hint[i] : i;
-        if (!r->masks[candidate]) *next++ = candidate;
-    }
+/* The next of the list, front to back. */
+static void add_splat(reference *r, int candidate, td_list *list) {
+    td_real luminance = r->records[candidate * TD_RECORD_STRIDE + TD_R_LUMINANCE];
+    luminance = luminance > 0 ? luminance : -luminance;
+    list->brightest = luminance > list->brightest ? luminance : list->brightest;
+    r->order[list->count] = candidate;
+    r->sorted_masks[list->count++] = r->masks[candidate];
 }
 
 static td_list sort_job(reference *r, const td_job *job, int *kept) {
     const int *hint = job->hint ? r->hints + job->hint : NULL;
     const td_view *view = r->views + job->slot * r->image.objects;
     td_list list = {r->records, r->colours, r->order, r->sorted_masks, 0, r->backdrops[job->slot].luminance, view, r->decoder};
+    int sorted = 0;
     *kept = 1;
     for (int i = 0; i < job->count; i++) {
         int candidate = hint ? hint[i] : i;
-        if (!r->masks[candidate]) continue;
+        if (!job->new_hint && !r->masks[candidate]) continue;
         reference_key key = {r->records[candidate * TD_RECORD_STRIDE + TD_R_DEPTH], candidate};
-        td_real luminance = r->records[candidate * TD_RECORD_STRIDE + TD_R_LUMINANCE];
-        luminance = luminance > 0 ? luminance : -luminance;
-        list.brightest = luminance > list.brightest ? luminance : list.brightest;
-        if (list.count > 0 && compare_keys(&r->keys[list.count - 1], &key) > 0) *kept = 0;
-        r->keys[list.count++] = key;
+        if (sorted > 0 && compare_keys(&r->keys[sorted - 1], &key) > 0) *kept = 0;
+        r->keys[sorted++] = key;
     }
-    if (!*kept) qsort(r->keys, (size_t)list.count, sizeof *r->keys, compare_keys);
-    for (int i = 0; i < list.count; i++) {
-        r->order[i] = r->keys[i].candidate;
-        r->sorted_masks[i] = r->masks[r->keys[i].candidate];
+    if (!*kept) qsort(r->keys, (size_t)sorted, sizeof *r->keys, compare_keys);
+    for (int i = 0; i < sorted; i++) {
+        int candidate = r->keys[i].candidate;
+        if (job->new_hint) r->hints[job->new_hint + i] = candidate;
+        if (r->masks[candidate]) add_splat(r, candidate, &list);
     }
     r->last_count = list.count;
     r->last_brightest = list.brightest;
-    if (job->next_hint && !*kept) leave_hint(r, job, &list);
     return list;
 }
 

@@ -222,6 +222,7 @@ tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory 
         status = td_moved_sweep(&renderer->moved, renderer->backend, (const double *)renderer->views, start, stop,
                                 renderer->side, renderer->row_limit, renderer->boxes, renderer->travel, error);
     double begun = td_now();
+    renderer->candidates.instant = !(start < stop);
     if (status == TIDES_OK)
         status = td_candidates_build(&renderer->candidates, &renderer->store, renderer->boxes, renderer->travel,
                                      renderer->object_moves, error);
@@ -266,7 +267,7 @@ static int make_jobs(tides_renderer *renderer, const td_request *requests, int c
                       power_of_two(length),
                       0,
                       0};
-        td_candidates_ask_hint(&renderer->candidates, tile, &job);
+        td_candidates_give_hint(&renderer->candidates, tile, &job);
         renderer->jobs[jobs++] = job;
     }
     qsort(renderer->jobs, (size_t)jobs, sizeof *renderer->jobs, td_job_by_falling_count);
@@ -341,11 +342,9 @@ tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_traje
     batch.outputs = outputs;
     batch.hint_count = td_candidates_hint_count(&renderer->candidates);
     batch.kept = renderer->kept;
-    memset(renderer->kept, 1, (size_t)count); /* a job that fails leaves no order */
     status = renderer->moved.moving ? td_moved_run(renderer, &batch, times, renderer->jobs, jobs, planes, error)
                                     : run_jobs(renderer, &batch, renderer->jobs, jobs, planes, error);
-    for (int i = 0; i < jobs; i++)
-        td_candidates_take_hint(&renderer->candidates, &renderer->jobs[i], renderer->kept[renderer->jobs[i].out]);
+    td_candidates_take_hints(&renderer->candidates, renderer->jobs, jobs, status == TIDES_OK ? renderer->kept : NULL);
     if (status == TIDES_OK && renderer->image.decoder) return run_empty(renderer, &batch, requests, empty_count, planes, error);
     if (status == TIDES_OK) fill_empty(renderer, requests, empty_count, outputs, planes);
     return status;

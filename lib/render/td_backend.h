@@ -120,7 +120,7 @@ typedef struct td_batch {
     uint64_t candidates_serial; /* changes with the candidates: devices keep a copy */
     int records;                /* records that the jobs use */
     int outputs;                /* TD_OUT_SIGNAL, _DIAGNOSTICS or _COLOUR */
-    int hint_count;             /* hints that jobs may ask for, place 0 counted; they last while this stays */
+    int hint_count;             /* numbers in all hints, place 0 counted; they last until it changes */
     uint8_t *kept;              /* (NULL: not wanted) at job.out: 1 where the list was in order */
 } td_batch;
 

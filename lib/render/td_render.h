@@ -58,8 +58,8 @@ typedef struct td_candidates {
     int *fill, *last_object; /* (tiles) scratch */
     float *travel;           /* (tiles) most diameters that one of its candidates travels in the interval */
     uint8_t *moving;         /* (tiles) 1 if one of its candidates moves on the screen */
-    int *hint;               /* (tiles) where the backend has their latest order (td_job); 0: nowhere */
-    uint8_t *hint_asked;     /* (tiles) 1: a job at work leaves a newer one */
+    uint8_t *hint;           /* (tiles) what is known of the depth order of their lists (candidates.c) */
+    int instant;             /* 1: of one time, where no order is asked for twice */
     uint64_t serial;
 } td_candidates;
 tides_status td_candidates_create(int width, int height, td_candidates *candidates, tides_error *error);
@@ -69,13 +69,13 @@ void td_candidates_release(td_candidates *candidates);
 tides_status td_candidates_build(td_candidates *candidates, const td_store *store, const float *boxes, const float *travel,
                                  const uint8_t *object_moves, tides_error *error);
 
-/* Hints that a sweep's jobs may ask for: two for each tile, one that is read while the other is written. */
+/* Numbers in the hints of a sweep (td_job). */
 int td_candidates_hint_count(const td_candidates *candidates);
 
-/* Tells a job of a tile where its list's order is and, if it is the first of its batch, where to leave a newer one. Then, with
- * the batch done: `kept` where the job left none. */
-void td_candidates_ask_hint(td_candidates *candidates, int tile, td_job *job);
-void td_candidates_take_hint(td_candidates *candidates, const td_job *job, int kept);
+/* Gives a job of a tile the hint to begin with, or has it leave one. Then, with the batch done, what became of its jobs: `kept`
+ * is at a job's `out` 1 where its list was in order; NULL: the batch failed. */
+void td_candidates_give_hint(td_candidates *candidates, int tile, td_job *job);
+void td_candidates_take_hints(td_candidates *candidates, const td_job *jobs, int count, const uint8_t *kept);
 
 /* A tile at a time of the current interval; `slot` indexes the times given. */
 typedef struct td_request {
