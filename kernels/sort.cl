@@ -5,8 +5,9 @@
  * version with barriers: DESIGN 3.5); on a GPU a work-group shares it.
  *
  * Keys are gathered in the order that an earlier job of the tile left (td_job.hint): a list that is in order then is left
- * alone; on a GPU only if those candidates are in order too that don't touch the tile now. Sorting what is nearly in order by insertion doesn't pay: on trained scenes under a moving camera it took 0 to 30 %
- * longer than the network, whatever number of moves it was allowed (1 to 64 per key; AVX-512). */
+ * alone; on a GPU only if what doesn't touch the tile now is in order too. Sorting by insertion what is nearly in order
+ * doesn't pay: on trained scenes under a moving camera it took 0 to 30 % longer than the network, whatever number of moves it
+ * was allowed (1 to 64 per key; AVX-512, a shared machine). */
 #include "layout.h"
 
 #define TD_LAST_KEY 0x7fffffffffffffffL
