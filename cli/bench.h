@@ -33,6 +33,7 @@ typedef struct bench_scene {
     tides_intrinsics intrinsics;
     tides_image_params image;
     tides_sensor sensor;
+    tides_readout readout;  /* the default one, off */
     double start, stop;     /* [s] */
     double macro_step_s;    /* the longest step that controlled stepping may take */
     const char *image_name; /* of another image than the rules' own, or NULL */

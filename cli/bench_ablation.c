@@ -1,11 +1,15 @@
 /* tides bench ablation: what each part of the method is worth, as errors against the exact stream: the paper's table of
- * ablations, as far as the parts exist, and what this library adds to it. A row is one line of the table below.
+ * ablations, and what this library adds to it. A row is one line of the table below. The exact stream is that of pixels which
+ * are neither masked nor read out, for every row.
  *
- *   full                     cubic, error control tile by tile: the default. No risk-gated refinement (paper).
+ *   full                     cubic, error control tile by tile: the default. No risk-gated refinement, no mixed-visibility
+ *                            masking, no readout (paper).
  *   with_risk                risk control in addition
  *   no_alpha_dot             the same without its alpha_dot cue
  *   risk_only                the paper's controller alone
  *   risk_only_no_alpha_dot   the same without its alpha_dot cue
+ *   with_masking             full, with pixels silent where coverage is below B_MIN: what masking takes away and puts off
+ *   with_readout             full, behind the default readout: what its delays, jitter and drops add
  *   global_step              full, but one step for the whole image
  *   one_event                full, but at most one event per pixel and step
  *   fixed_step               no controller: the paper's schedule, ten equal steps where full may take one
@@ -27,6 +31,7 @@
 #include <string.h>
 
 #define TOLERANCE 0.01 /* of every controlled row */
+#define B_MIN 0.5      /* of the masked row: half of what is seen there is the scene */
 
 /* When a fixed step ends. */
 enum { STEPS_MATCHED = 0, STEPS_TEN = 1 };
@@ -37,7 +42,7 @@ typedef struct variant {
     int32_t events_per_step; /* 0: no limit that matters */
     int32_t steps;           /* of fixed rows: STEPS_* */
     int32_t slope;
-    int32_t no_alpha_dot;
+    int32_t no_alpha_dot, masking, readout;
 } variant;
 
 enum {
@@ -55,6 +60,8 @@ static const variant variants[] = {
     {.name = "no_alpha_dot", .mode = BOTH, .model = CUBIC, .local = 1, .no_alpha_dot = 1},
     {.name = "risk_only", .mode = RISK, .model = CUBIC, .local = 1},
     {.name = "risk_only_no_alpha_dot", .mode = RISK, .model = CUBIC, .local = 1, .no_alpha_dot = 1},
+    {.name = "with_masking", .mode = ERROR, .model = CUBIC, .local = 1, .masking = 1},
+    {.name = "with_readout", .mode = ERROR, .model = CUBIC, .local = 1, .readout = 1},
     {.name = "global_step", .mode = ERROR, .model = CUBIC},
     {.name = "one_event", .mode = ERROR, .model = CUBIC, .local = 1, .events_per_step = 1},
     {.name = "fixed_step", .mode = FIXED, .model = CUBIC, .local = 1, .steps = STEPS_TEN},
@@ -129,12 +136,15 @@ static tides_status measure(bench *b, const bench_scene *scene, const variant *v
     const int32_t fixed = v->mode == FIXED;
     const tides_stepping stepping = stepping_of(v, scene, matched);
     tides_sensor sensor = scene->sensor;
+    bench_scene behind = *scene; /* a readout, or none */
+    behind.readout.enabled = v->readout;
     if (v->events_per_step) sensor.max_events_per_step = v->events_per_step;
+    if (v->masking) sensor.b_min = B_MIN;
     row->method = v->name;
     row->unit = fixed ? "frames/s" : "tolerance";
     row->setting = fixed ? 1 / stepping.step_s : TOLERANCE;
     row->frames = fixed ? steps_of(v, scene, matched) + 1 : 0;
-    return bench_measure(b, scene, TIDES_RULES_SMOOTH, &sensor, &stepping, row, error);
+    return bench_measure(b, &behind, TIDES_RULES_SMOOTH, &sensor, &stepping, row, error);
 }
 
 static tides_status visit(void *user, bench *b, bench_scene *scene, tides_error *error) {
@@ -165,6 +175,9 @@ static void print_table(const bench_rows *rows) {
                r->stats.renders_full_frame_equivalent, r->match.dt_median_us, r->match.dt_p95_us, r->match.dt_p99_us,
                r->match.mismatch_percent);
     }
+    printf("Errors are against the exact stream of pixels without masking or readout: with_masking shows what masking where\n"
+           "coverage is below %g changes in it, with_readout what delay, jitter and drops of the default readout add.\n",
+           B_MIN);
 }
 
 tides_status bench_ablation(bench *b, const cli_list *scenes, tides_error *error) {

@@ -74,9 +74,11 @@ tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, c
         tides_simulator_create(b->device, scene->scene, scene->camera, &scene->intrinsics, &image, sensor, stepping,
                                scene->start, scene->stop, cli_progress_step, &b->progress, &simulator, error);
     if (status != TIDES_OK) return status;
+    status = tides_simulator_readout(simulator, &scene->readout, error);
     tides_simulator_stats(simulator, &before);
     const double began = cli_now();
-    status = tides_simulator_run(simulator, scene->stop, keep, stream, cli_progress_step, &b->progress, error);
+    if (status == TIDES_OK)
+        status = tides_simulator_run(simulator, scene->stop, keep, stream, cli_progress_step, &b->progress, error);
     const double elapsed = cli_now() - began;
     tides_simulator_stats(simulator, &row->stats);
     tides_simulator_destroy(simulator);

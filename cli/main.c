@@ -61,7 +61,8 @@ static const cli_command commands[] = {
      2, cmd_metrics},
     {"bench", "accuracy|ablation|image [-o DIR] [--quick] [--scene NAME]", "Measure run time against the error of event times.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
-     "ablation: what each part of the method is worth; ablation.json, .csv and a plot.\n"
+     "ablation: what each part of the method is worth, and what masking and the readout change; ablation.json, .csv and a "
+     "plot.\n"
      "image: what each measure that makes the image continuous in time is worth and costs; image.json and .csv.\n"
      "Scenes: fan, handheld, occluder, nearly_static; trained and playbot where $TIDES_SHARED/data has them.",
      1, cmd_bench},

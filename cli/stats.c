@@ -62,6 +62,7 @@ static int32_t add_counts(cJSON *root, const tides_stats *s) {
         {"gaussians_culled", (double)s->render.gaussians_culled},
         {"sweeps", (double)s->render.sweeps},
         {"pairs_evaluated", (double)s->render.pairs_evaluated},
+        {"lists_kept", (double)s->render.lists_kept},
         {"steps", (double)s->steps},
         {"steps_rejected", (double)s->steps_rejected},
         {"steps_over_budget", (double)s->steps_over_budget},

@@ -57,14 +57,18 @@ typedef struct td_backdrop {
 } td_backdrop;
 
 /* One tile at one time. `candidates` .. + `count` are in the candidate list, `records` is where its splats go; `count` is a
- * multiple of TD_PAD. `out` is the tile's place in the output. */
+ * multiple of TD_PAD. `out` is the tile's place in the output.
+ *
+ * A hint is a depth order of a tile's candidates, (count) numbers within its list: one of the sweep's jobs leaves it, and jobs
+ * of later batches begin with it. */
 typedef struct td_job {
     int x, y; /* the tile's top left pixel */
     int slot;
     int candidates, count;
     int records;
     int out;
-    int capacity; /* keys: the power of two that holds count */
+    int capacity;       /* keys: the power of two that holds count */
+    int hint, new_hint; /* places among the hints: to begin with, to leave; 0: none */
 } td_job;
 
 /* Decisions of the image formation, resolved from tides_image_params by lib/render/rules.c. */

@@ -28,7 +28,6 @@ TD_INLINE void td_store_shape(const td_shape *shape, TD_GLOBAL td_real *records)
     td_scatter(records, TD_RECORD_STRIDE, TD_R_KXX, -0.5f * q[0].d);
     td_scatter(records, TD_RECORD_STRIDE, TD_R_KXY, -q[1].d);
     td_scatter(records, TD_RECORD_STRIDE, TD_R_KYY, -0.5f * q[2].d);
-    td_scatter(records, TD_RECORD_STRIDE, TD_R_DEPTH, shape->depth.v);
     td_scatter(records, TD_RECORD_STRIDE, TD_R_DEPTH_DOT, shape->depth.d);
 }
 
@@ -62,12 +61,14 @@ TD_INLINE void td_store_features(TD_GLOBAL const td_view *view, const td_image *
     td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_LUMINANCE_DOT, td_splat(0.0f));
 }
 
-/* Projects TD_LANES candidates of a job and stores their records and masks. A group with no splat stores masks only. */
+/* Projects TD_LANES candidates of a job and stores their records and masks. A group with no splat stores masks and depths
+ * only. */
 TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
                                      const td_job *job, td_index gaussian, const td_sink *sink) {
     td_shape shape = td_project_shape(view, image, source, gaussian);
     td_mask blocks = td_block_mask(&shape, image, job->x, job->y);
     td_store_ints(sink->masks, blocks);
+    td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_DEPTH, shape.depth.v); /* of all: what is left as a hint is in its order */
     if (!td_any(blocks != 0)) return;
     td_store_shape(&shape, sink->records);
     if (image->decoder) {

@@ -2,14 +2,38 @@
  * depend on the device. Keys are positive float bits above the candidate's number, compared as signed 64-bit integers.
  *
  * On a CPU one work-item runs the whole network on vectors of eight keys with min and max (6 times faster in PoCL than the
- * version with barriers: DESIGN 3.5); on a GPU a work-group shares it. */
+ * version with barriers: DESIGN 3.5); on a GPU a work-group shares it.
+ *
+ * Keys are gathered in the order that an earlier job of the tile left (td_job.hint): a list that is in order then is left
+ * alone; on a GPU only if what doesn't touch the tile now is in order too. Sorting by insertion what is nearly in order
+ * doesn't pay: on trained scenes under a moving camera it took 0 to 30 % longer than the network, whatever number of moves it
+ * was allowed (1 to 64 per key; AVX-512, a shared machine). */
 #include "layout.h"
 
 #define TD_LAST_KEY 0x7fffffffffffffffL
 
-/* Key of candidate i; candidates that don't touch the tile go last. */
-static long td_key(__global const float *records, __global const int *masks, int i) {
-    return masks[i] ? ((long)as_int(records[i * TD_RECORD_STRIDE + TD_R_DEPTH]) << 32) | (long)i : TD_LAST_KEY;
+enum { TD_GROUP_MOST = 64 }; /* work-items of a group */
+
+static long td_key(__global const float *records, int candidate) {
+    return ((long)as_int(records[candidate * TD_RECORD_STRIDE + TD_R_DEPTH]) << 32) | (long)candidate;
+}
+
+static int td_candidate_of(long key) { return (int)(key & 0xffffffffL); }
+
+/* Place i of the order to begin with: a hint, or the candidates' own. */
+static int td_hinted(__global const int *hint, int i) { return hint ? hint[i] : i; }
+
+/* What comes of a job: how many keys there are, sorted, among them perhaps some of candidates that don't touch the tile, and 1
+ * where they were in order. */
+typedef struct td_sorted {
+    int count, kept;
+} td_sorted;
+
+/* The power of two, at least one vector's, that holds `count` keys. */
+static int td_capacity(int count) {
+    int capacity = 8;
+    while (capacity < count) capacity *= 2;
+    return capacity;
 }
 
 #if TD_LANES > 1
@@ -68,21 +92,21 @@ static void td_bitonic_sort(__global long *keys, int n) {
     }
 }
 
-/* Gathers the keys of the splats that touch the tile, pads to a power of two and sorts; returns how many there are. */
-static int td_sort_job(__global const td_job *job, __global const float *records, __global const int *masks,
-                       __global long *keys, __local int *shared) {
+static td_sorted td_sort_job(__global const td_job *job, __global const int *hint, __global const float *records,
+                             __global const int *masks, __global long *keys, __local int *shared) {
     (void)shared;
-    int count = 0;
-    if (job->count == 0) return 0; /* a job without candidates has no keys either */
-    for (int i = 0; i < job->count; i++)
-        if (masks[i]) keys[count++] = td_key(records, masks, i);
-    int capacity = 8;
-    while (capacity < count) capacity *= 2;
-    for (int i = count; i < capacity; i++) keys[i] = TD_LAST_KEY;
-    int sorted = 1;
-    for (int i = 1; i < count; i++) sorted &= keys[i - 1] < keys[i];
-    if (!sorted) td_bitonic_sort(keys, capacity);
-    return count;
+    td_sorted done = {0, 1};
+    if (job->count == 0) return done; /* a job without candidates has no keys either */
+    for (int i = 0; i < job->count; i++) {
+        int candidate = td_hinted(hint, i);
+        if (job->new_hint || masks[candidate]) keys[done.count++] = td_key(records, candidate);
+    }
+    for (int i = 1; i < done.count; i++) done.kept &= keys[i - 1] < keys[i];
+    if (done.kept) return done;
+    int capacity = td_capacity(done.count);
+    for (int i = done.count; i < capacity; i++) keys[i] = TD_LAST_KEY;
+    td_bitonic_sort(keys, capacity);
+    return done;
 }
 
 #else
@@ -100,46 +124,76 @@ static void td_bitonic_level(__global long *keys, int n, int stride, int flip) {
     barrier(CLK_GLOBAL_MEM_FENCE);
 }
 
-static int td_sort_job(__global const td_job *job, __global const float *records, __global const int *masks,
-                       __global long *keys, __local int *shared) {
-    if (job->count == 0) return 0;
-    if (get_local_id(0) == 0) *shared = 0;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (int i = (int)get_local_id(0); i < job->capacity; i += (int)get_local_size(0)) {
-        keys[i] = i < job->count ? td_key(records, masks, i) : TD_LAST_KEY;
-        if (i < job->count && masks[i]) atomic_inc(shared);
-    }
+static td_sorted td_sort_job(__global const td_job *job, __global const int *hint, __global const float *records,
+                             __global const int *masks, __global long *keys, __local int *shared) {
+    (void)masks;
+    td_sorted done = {job->count, 1};
+    if (job->count == 0) return done;
+    int me = (int)get_local_id(0), items = (int)get_local_size(0), capacity = td_capacity(job->count);
+    for (int i = me; i < capacity; i += items) keys[i] = i < job->count ? td_key(records, td_hinted(hint, i)) : TD_LAST_KEY;
+    if (me == 0) *shared = 1;
     barrier(CLK_GLOBAL_MEM_FENCE | CLK_LOCAL_MEM_FENCE);
-    for (int k = 2; k <= job->capacity; k *= 2) {
-        td_bitonic_level(keys, job->capacity, k / 2, 1);
-        for (int stride = k / 4; stride > 0; stride /= 2) td_bitonic_level(keys, job->capacity, stride, 0);
+    for (int i = 1 + me; i < job->count; i += items)
+        if (keys[i - 1] > keys[i]) *shared = 0; /* whoever says so says the same */
+    barrier(CLK_LOCAL_MEM_FENCE);
+    done.kept = *shared;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int k = 2; k <= capacity && !done.kept; k *= 2) {
+        td_bitonic_level(keys, capacity, k / 2, 1);
+        for (int stride = k / 4; stride > 0; stride /= 2) td_bitonic_level(keys, capacity, stride, 0);
     }
-    return *shared;
+    return done;
 }
 
 #endif
 
-/* order and sorted_masks: what td_list wants; counts[job], brightest[job]. Keys have twice the room of the records. */
+/* Those of the sorted candidates that touch the tile, in their order, by the whole work-group: returns how many. */
+static int td_place_splats(__global const long *keys, int n, __global const int *masks, __global int *order,
+                           __global int *sorted_masks, __local int *shared) {
+    int items = (int)get_local_size(0), me = (int)get_local_id(0), each = (n + items - 1) / items;
+    int first = min(me * each, n), last = min(first + each, n), at = 0, count = 0;
+    if (items > 1) {
+        for (int i = first; i < last; i++) count += masks[td_candidate_of(keys[i])] != 0;
+        shared[me] = count;
+        barrier(CLK_LOCAL_MEM_FENCE);
+        for (int i = 0; i < me; i++) at += shared[i];
+        for (count = at; me < items; me++) count += shared[me];
+    }
+    for (int i = first; i < last; i++) {
+        int candidate = td_candidate_of(keys[i]), mask = masks[candidate];
+        if (!mask) continue;
+        order[at] = candidate;
+        sorted_masks[at++] = mask;
+    }
+    return items > 1 ? count : at;
+}
+
+/* order and sorted_masks: what td_list wants; counts[job], and counts[jobs + job] 1 where the list was in order;
+ * brightest[job]. Keys have twice the room of the records. */
 __kernel void td_sort_jobs(__global const td_job *jobs, __global const td_backdrop *backdrops, __global const float *records,
                            __global const int *masks, __global long *keys, __global int *order, __global int *sorted_masks,
-                           __global int *counts, __global float *brightest) {
-    __local int shared;
+                           __global int *counts, __global float *brightest, __global int *hints) {
+    __local int shared[TD_GROUP_MOST];
     __global const td_job *job = jobs + get_group_id(0);
     __global const float *job_records = records + job->records * TD_RECORD_STRIDE;
+    __global const int *job_masks = masks + job->records;
     __global long *job_keys = keys + 2 * job->records;
-    int count = td_sort_job(job, job_records, masks + job->records, job_keys, &shared);
-    for (int i = (int)get_local_id(0); i < count; i += (int)get_local_size(0)) {
-        int candidate = (int)(job_keys[i] & 0xffffffffL);
-        order[job->records + i] = candidate;
-        sorted_masks[job->records + i] = masks[job->records + candidate];
-    }
+    __global const int *hint = job->hint ? hints + job->hint : 0;
+    td_sorted done = td_sort_job(job, hint, job_records, job_masks, job_keys, shared);
+    int count = td_place_splats(job_keys, done.count, job_masks, order + job->records, sorted_masks + job->records, shared);
+    if (job->new_hint)
+        for (int i = (int)get_local_id(0); i < done.count; i += (int)get_local_size(0))
+            hints[job->new_hint + i] = td_candidate_of(job_keys[i]);
     if (get_local_id(0) != 0) return;
     float most = backdrops[job->slot].luminance;
-    for (int i = 0; i < count; i++) {
-        float luminance = job_records[(int)(job_keys[i] & 0xffffffffL) * TD_RECORD_STRIDE + TD_R_LUMINANCE];
+    for (int i = 0; i < done.count; i++) {
+        int candidate = td_candidate_of(job_keys[i]);
+        if (!job_masks[candidate]) continue;
+        float luminance = job_records[candidate * TD_RECORD_STRIDE + TD_R_LUMINANCE];
         luminance = luminance > 0.0f ? luminance : -luminance;
         most = luminance > most ? luminance : most;
     }
     counts[get_group_id(0)] = count;
+    counts[get_num_groups(0) + get_group_id(0)] = done.kept;
     brightest[get_group_id(0)] = most;
 }

@@ -87,6 +87,7 @@ typedef struct tides_render_stats {
     uint64_t gaussians_interpolated; /* rows that were interpolated instead (tides_stepping.interpolate_motion) */
     uint64_t sweeps;                 /* times that Gaussians were swept for tile candidate lists */
     uint64_t pairs_evaluated;        /* (splat, pixel) pairs composited, in blocks of 16 */
+    uint64_t lists_kept;             /* tile jobs whose splats were in depth order already: not sorted */
     double time_build_s, time_motion_s, time_sweep_s, time_project_s, time_sort_s, time_composite_s, time_transfer_s;
     int32_t tiles; /* tiles in a full frame */
     int32_t reserved;

@@ -97,7 +97,8 @@ static tides_status sweep(td_backend *backend, const double *views, double durat
 typedef struct staging {
     float *views, *backdrops, *planes;
     td_job *jobs;
-    int *blended, *counts;
+    int *blended;
+    int *counts; /* (2 x jobs) splats of each list; then 1 where it was in order */
     size_t view_reals, backdrop_reals, plane_reals, blended_count;
 } staging;
 
@@ -107,7 +108,7 @@ static tides_status lay_staging(opencl_backend *b, const td_batch *batch, stagin
     s->backdrop_reals = (size_t)batch->slots * TD_BACKDROP_REALS;
     s->plane_reals = jobs * batch->outputs * TD_TILE_PIXELS;
     s->blended_count = jobs * (TD_TILE_PIXELS / b->device->info.lanes);
-    size_t reals = s->view_reals + s->backdrop_reals + s->plane_reals, ints = jobs * TD_JOB_INTS + s->blended_count + jobs;
+    size_t reals = s->view_reals + s->backdrop_reals + s->plane_reals, ints = jobs * TD_JOB_INTS + s->blended_count + 2 * jobs;
     tides_status status = td_reserve((void **)&b->host, &b->host_capacity, reals, sizeof *b->host, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&b->host_ints, &b->host_ints_capacity, ints, sizeof *b->host_ints, error);
@@ -139,7 +140,8 @@ static tides_status reserve_batch(opencl_backend *b, const td_batch *batch, stag
         {&b->keys, 2 * records * sizeof(cl_long)},
         {&b->order, records * sizeof(cl_int)},
         {&b->sorted_masks, records * sizeof(cl_int)},
-        {&b->counts, jobs * sizeof(cl_int)},
+        {&b->counts, 2 * jobs * sizeof(cl_int)},
+        {&b->hints, (size_t)(batch->hint_count > 0 ? batch->hint_count : 1) * sizeof(cl_int)},
         {&b->brightest, jobs * sizeof(cl_float)},
         {&b->planes, s->plane_reals * sizeof(cl_float)},
         {&b->blended, s->blended_count * sizeof(cl_int)},
@@ -181,7 +183,7 @@ static tides_status fetch_batch(opencl_backend *b, const td_batch *batch, const 
     if (status == TIDES_OK)
         status = td_buffer_fetch(b->device, &b->blended, s->blended, s->blended_count * sizeof *s->blended, error);
     if (status == TIDES_OK)
-        status = td_buffer_fetch(b->device, &b->counts, s->counts, (size_t)batch->job_count * sizeof *s->counts, error);
+        status = td_buffer_fetch(b->device, &b->counts, s->counts, 2 * (size_t)batch->job_count * sizeof *s->counts, error);
     return status;
 }
 
@@ -206,8 +208,8 @@ static tides_status launch_sort(opencl_backend *b, const td_batch *batch, cl_eve
                                      TD_BUFFER_ARGUMENT(b->records),      TD_BUFFER_ARGUMENT(b->masks),
                                      TD_BUFFER_ARGUMENT(b->keys),         TD_BUFFER_ARGUMENT(b->order),
                                      TD_BUFFER_ARGUMENT(b->sorted_masks), TD_BUFFER_ARGUMENT(b->counts),
-                                     TD_BUFFER_ARGUMENT(b->brightest)};
-    return td_launch(b->device, b->sort_kernel, 1, &global, &local, arguments, 9, event, error);
+                                     TD_BUFFER_ARGUMENT(b->brightest),    TD_BUFFER_ARGUMENT(b->hints)};
+    return td_launch(b->device, b->sort_kernel, 1, &global, &local, arguments, 10, event, error);
 }
 
 static tides_status launch_composite(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
@@ -234,7 +236,7 @@ static void place_planes(const td_batch *batch, const staging *s, double *planes
     }
 }
 
-/* Splats per job and pairs per work-item. */
+/* Splats per job, whether they were in order, and pairs per work-item. */
 static void add_counts(opencl_backend *b, const td_batch *batch, const staging *s) {
     tides_render_stats *stats = &b->base.stats;
     for (size_t i = 0; i < s->blended_count; i++)
@@ -243,6 +245,9 @@ static void add_counts(opencl_backend *b, const td_batch *batch, const staging *
     for (int i = 0; i < batch->job_count; i++) {
         stats->gaussians_projected += (uint64_t)batch->jobs[i].count;
         stats->gaussians_culled += (uint64_t)(batch->jobs[i].count - s->counts[i]);
+        int kept = s->counts[batch->job_count + i];
+        stats->lists_kept += (uint64_t)kept;
+        if (batch->kept) batch->kept[batch->jobs[i].out] = (uint8_t)kept;
     }
 }
 
@@ -265,14 +270,14 @@ static tides_status run_stages(opencl_backend *b, const td_batch *batch, staging
 
 /* One tile without candidates: drivers such as PoCL compile when a kernel first runs, and that belongs to the build's time. */
 static tides_status warm_up(opencl_backend *b, int outputs, tides_error *error) {
-    static const td_job nothing = {0, 0, 0, 0, 0, 0, 0, TD_PAD};
+    static const td_job nothing = {0, 0, 0, 0, 0, 0, 0, TD_PAD, 0, 0};
     static const double backdrop[TD_BACKDROP_REALS] = {0};
     static const int candidate = TD_NO_GAUSSIAN;
     double seconds[STAGES];
     staging s;
     double *views = td_alloc((size_t)b->objects * TD_VIEW_REALS, sizeof *views, error);
     if (!views) return TIDES_NO_MEMORY;
-    td_batch batch = {views, backdrop, 1, &nothing, 1, &candidate, 1, b->candidates_serial - 1, TD_PAD, outputs};
+    td_batch batch = {views, backdrop, 1, &nothing, 1, &candidate, 1, b->candidates_serial - 1, TD_PAD, outputs, 0, NULL};
     tides_status status = run_stages(b, &batch, &s, seconds, error);
     free(views);
     return status;
@@ -347,7 +352,7 @@ static void destroy(td_backend *backend) {
     td_buffer *buffers[] = {&b->image_buffer, &b->object,    &b->geometry, &b->rates,   &b->sh,         &b->sh_rates,
                             &b->views,        &b->backdrops, &b->boxes,    &b->travel,  &b->candidates, &b->jobs,
                             &b->records,      &b->colours,   &b->masks,    &b->keys,    &b->order,      &b->sorted_masks,
-                            &b->counts,       &b->brightest, &b->planes,   &b->blended, &b->decoder};
+                            &b->counts,       &b->brightest, &b->planes,   &b->blended, &b->decoder,    &b->hints};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     td_opencl_motion_release(b);
     td_opencl_cubics_release(b);

@@ -15,7 +15,9 @@ tides_status td_candidates_create(int width, int height, td_candidates *candidat
     candidates->last_object = td_alloc(tiles, sizeof *candidates->last_object, error);
     candidates->travel = td_alloc(tiles, sizeof *candidates->travel, error);
     candidates->moving = td_alloc(tiles, sizeof *candidates->moving, error);
-    if (candidates->first && candidates->fill && candidates->last_object && candidates->travel && candidates->moving)
+    candidates->hint = td_alloc(tiles, sizeof *candidates->hint, error);
+    if (candidates->first && candidates->fill && candidates->last_object && candidates->travel && candidates->moving &&
+        candidates->hint)
         return TIDES_OK;
     td_candidates_release(candidates);
     return TIDES_NO_MEMORY;
@@ -28,6 +30,7 @@ void td_candidates_release(td_candidates *candidates) {
     free(candidates->last_object);
     free(candidates->travel);
     free(candidates->moving);
+    free(candidates->hint);
     memset(candidates, 0, sizeof *candidates);
 }
 
@@ -86,6 +89,28 @@ static void note_motion(td_candidates *candidates, const td_store *store, const 
     }
 }
 
+/* What is known of a tile's depth order in this sweep. */
+enum {
+    HINT_WANTED, /* nothing yet: the next job leaves its order */
+    HINT_ASKED,  /* a job at work leaves it */
+    HINT_THERE,
+    HINT_USED,
+    HINT_UNFIT /* orders change within a sweep, or nothing asks for a second one */
+};
+
+/* Leaving an order costs more than it saves where it isn't found again (under a moving camera; frame by frame): tiles where
+ * it wasn't are tried again only every so many sweeps, which makes a sixteenth of the cost. */
+enum { SWEEPS_TO_RETRY = 16 };
+
+static void renew_hints(td_candidates *candidates) {
+    int tiles = candidates->tiles_x * candidates->tiles_y, retry = candidates->serial % SWEEPS_TO_RETRY == 0;
+    for (int t = 0; t < tiles; t++) {
+        uint8_t *hint = &candidates->hint[t];
+        int unfit = *hint == HINT_UNFIT || *hint == HINT_THERE;
+        *hint = unfit && !retry ? HINT_UNFIT : HINT_WANTED;
+    }
+}
+
 tides_status td_candidates_build(td_candidates *candidates, const td_store *store, const float *boxes, const float *travel,
                                  const uint8_t *object_moves, tides_error *error) {
     int tiles = candidates->tiles_x * candidates->tiles_y;
@@ -108,5 +133,33 @@ tides_status td_candidates_build(td_candidates *candidates, const td_store *stor
     pass(candidates, store, boxes, candidates->list);
     note_motion(candidates, store, travel, object_moves);
     candidates->serial++;
+    if (!candidates->instant) renew_hints(candidates);
     return TIDES_OK;
+}
+
+int td_candidates_hint_count(const td_candidates *candidates) {
+    return 1 + candidates->first[candidates->tiles_x * candidates->tiles_y];
+}
+
+void td_candidates_give_hint(td_candidates *candidates, int tile, td_job *job) {
+    uint8_t *hint = &candidates->hint[tile];
+    int place = 1 + candidates->first[tile];
+    if (candidates->instant) return;
+    if (*hint == HINT_WANTED) {
+        job->new_hint = place;
+        *hint = HINT_ASKED;
+    } else if (*hint == HINT_THERE || *hint == HINT_USED) {
+        job->hint = place;
+        *hint = HINT_USED;
+    }
+}
+
+void td_candidates_take_hints(td_candidates *candidates, const td_job *jobs, int count, const uint8_t *kept) {
+    for (int i = 0; i < count; i++) {
+        uint8_t *hint = &candidates->hint[jobs[i].y / TD_TILE * candidates->tiles_x + jobs[i].x / TD_TILE];
+        if (jobs[i].new_hint)
+            *hint = kept ? HINT_THERE : HINT_WANTED;
+        else if (jobs[i].hint && kept && !kept[jobs[i].out])
+            *hint = HINT_UNFIT;
+    }
 }

@@ -32,8 +32,8 @@ typedef struct reference {
     td_backdrop *backdrops;
     td_real *records, *colours, *planes;
     reference_key *keys;
-    int *masks, *order, *sorted_masks;
-    size_t view_capacity, backdrop_capacity, record_capacity[7];
+    int *masks, *order, *sorted_masks, *hints;
+    size_t view_capacity, backdrop_capacity, record_capacity[7], hint_capacity;
     int last_count; /* of the last job: for inspect */
     td_real last_brightest;
 } reference;
@@ -245,21 +245,33 @@ static void project_job(reference *r, const td_job *job, const td_batch *batch, 
         td_project_group(&local, i, batch->candidates, r->object, r->views, image, &r->source, &sink);
 }
 
-static td_list sort_job(reference *r, const td_job *job) {
+/* The next of the list, front to back. */
+static void add_splat(reference *r, int candidate, td_list *list) {
+    td_real luminance = r->records[candidate * TD_RECORD_STRIDE + TD_R_LUMINANCE];
+    luminance = luminance > 0 ? luminance : -luminance;
+    list->brightest = luminance > list->brightest ? luminance : list->brightest;
+    r->order[list->count] = candidate;
+    r->sorted_masks[list->count++] = r->masks[candidate];
+}
+
+static td_list sort_job(reference *r, const td_job *job, int *kept) {
+    const int *hint = job->hint ? r->hints + job->hint : NULL;
     const td_view *view = r->views + job->slot * r->image.objects;
     td_list list = {r->records, r->colours, r->order, r->sorted_masks, 0, r->backdrops[job->slot].luminance, view, r->decoder};
-    for (int i = 0; i < job->count; i++)
-        if (r->masks[i]) {
-            reference_key key = {r->records[i * TD_RECORD_STRIDE + TD_R_DEPTH], i};
-            td_real luminance = r->records[i * TD_RECORD_STRIDE + TD_R_LUMINANCE];
-            luminance = luminance > 0 ? luminance : -luminance;
-            list.brightest = luminance > list.brightest ? luminance : list.brightest;
-            r->keys[list.count++] = key;
-        }
-    qsort(r->keys, (size_t)list.count, sizeof *r->keys, compare_keys);
-    for (int i = 0; i < list.count; i++) {
-        r->order[i] = r->keys[i].candidate;
-        r->sorted_masks[i] = r->masks[r->keys[i].candidate];
+    int sorted = 0;
+    *kept = 1;
+    for (int i = 0; i < job->count; i++) {
+        int candidate = hint ? hint[i] : i;
+        if (!job->new_hint && !r->masks[candidate]) continue;
+        reference_key key = {r->records[candidate * TD_RECORD_STRIDE + TD_R_DEPTH], candidate};
+        if (sorted > 0 && compare_keys(&r->keys[sorted - 1], &key) > 0) *kept = 0;
+        r->keys[sorted++] = key;
+    }
+    if (!*kept) qsort(r->keys, (size_t)sorted, sizeof *r->keys, compare_keys);
+    for (int i = 0; i < sorted; i++) {
+        int candidate = r->keys[i].candidate;
+        if (job->new_hint) r->hints[job->new_hint + i] = candidate;
+        if (r->masks[candidate]) add_splat(r, candidate, &list);
     }
     r->last_count = list.count;
     r->last_brightest = list.brightest;
@@ -287,6 +299,8 @@ static tides_status render(td_backend *backend, const td_batch *batch, double *p
     tides_status status = copy_views(r, batch->views, batch->slots, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&r->backdrops, &r->backdrop_capacity, (size_t)batch->slots, sizeof *r->backdrops, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&r->hints, &r->hint_capacity, (size_t)batch->hint_count, sizeof *r->hints, error);
     if (status != TIDES_OK) return status;
     narrow(batch->backdrops, (td_real *)r->backdrops, (size_t)batch->slots * TD_BACKDROP_REALS);
     for (int i = 0; i < batch->job_count; i++) {
@@ -296,7 +310,10 @@ static tides_status render(td_backend *backend, const td_batch *batch, double *p
         if (status != TIDES_OK) return status;
         project_job(r, job, batch, &image);
         double projected = td_now();
-        td_list list = sort_job(r, job);
+        int kept;
+        td_list list = sort_job(r, job, &kept);
+        if (batch->kept) batch->kept[job->out] = (uint8_t)kept;
+        backend->stats.lists_kept += (uint64_t)kept;
         double sorted = td_now();
         composite_job(r, job, &list, &image, planes + (size_t)job->out * batch->outputs * TD_TILE_PIXELS);
         backend->stats.time_project_s += projected - begun;
@@ -316,7 +333,7 @@ static void empty_pixel_of(const td_image *image, const double *wide_backdrop, d
     td_image own = *image;
     own.outputs = outputs;
     own.decoder = 0; /* then no pixel is the same as another */
-    td_job job = {0, 0, 0, 0, 0, 0, 0, 0};
+    td_job job = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     td_list list = {out, out, no_list, no_list, 0, backdrop.luminance, NULL, NULL};
     td_composite_block(&job, &list, &own, &backdrop, 0, 0, out);
     for (int k = 0; k < outputs; k++) planes[k] = out[k * TD_TILE_PIXELS];
@@ -362,6 +379,7 @@ static void destroy(td_backend *backend) {
     free(r->masks);
     free(r->order);
     free(r->sorted_masks);
+    free(r->hints);
     free(r);
 }
 

@@ -120,6 +120,7 @@ void tides_renderer_destroy(tides_renderer *renderer) {
     free(renderer->backdrops);
     free(renderer->jobs);
     free(renderer->empty);
+    free(renderer->kept);
     free(renderer);
 }
 
@@ -130,6 +131,7 @@ void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *st
     stats->gaussians_projected = done->gaussians_projected;
     stats->gaussians_culled = done->gaussians_culled;
     stats->pairs_evaluated = done->pairs_evaluated;
+    stats->lists_kept = done->lists_kept;
     stats->sweeps = done->sweeps;
     stats->gaussians_moved = done->gaussians_moved;
     stats->gaussians_interpolated = done->gaussians_interpolated;
@@ -220,6 +222,7 @@ tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory 
         status = td_moved_sweep(&renderer->moved, renderer->backend, (const double *)renderer->views, start, stop,
                                 renderer->side, renderer->row_limit, renderer->boxes, renderer->travel, error);
     double begun = td_now();
+    renderer->candidates.instant = !(start < stop);
     if (status == TIDES_OK)
         status = td_candidates_build(&renderer->candidates, &renderer->store, renderer->boxes, renderer->travel,
                                      renderer->object_moves, error);
@@ -261,7 +264,10 @@ static int make_jobs(tides_renderer *renderer, const td_request *requests, int c
                       length,
                       0,
                       i,
-                      power_of_two(length)};
+                      power_of_two(length),
+                      0,
+                      0};
+        td_candidates_give_hint(&renderer->candidates, tile, &job);
         renderer->jobs[jobs++] = job;
     }
     qsort(renderer->jobs, (size_t)jobs, sizeof *renderer->jobs, td_job_by_falling_count);
@@ -307,7 +313,7 @@ static tides_status run_empty(tides_renderer *renderer, td_batch *batch, const t
     for (int i = 0; i < count; i++) {
         int request = renderer->empty[i], tile = requests[request].tile;
         const td_job job =
-            {tile % tiles_x * TD_TILE, tile / tiles_x * TD_TILE, requests[request].slot, 0, 0, 0, request, TD_PAD};
+            {tile % tiles_x * TD_TILE, tile / tiles_x * TD_TILE, requests[request].slot, 0, 0, 0, request, TD_PAD, 0, 0};
         renderer->jobs[i] = job;
     }
     return run_jobs(renderer, batch, renderer->jobs, count, planes, error);
@@ -321,6 +327,8 @@ tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_traje
     if (status == TIDES_OK)
         status =
             td_reserve((void **)&renderer->empty, &renderer->empty_capacity, (size_t)count, sizeof *renderer->empty, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&renderer->kept, &renderer->kept_capacity, (size_t)count, sizeof *renderer->kept, error);
     if (status != TIDES_OK) return status;
     int empty_count;
     int jobs = make_jobs(renderer, requests, count, &empty_count);
@@ -332,8 +340,11 @@ tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_traje
     batch.candidate_count = renderer->candidates.first[renderer->stats.tiles];
     batch.candidates_serial = renderer->candidates.serial;
     batch.outputs = outputs;
+    batch.hint_count = td_candidates_hint_count(&renderer->candidates);
+    batch.kept = renderer->kept;
     status = renderer->moved.moving ? td_moved_run(renderer, &batch, times, renderer->jobs, jobs, planes, error)
                                     : run_jobs(renderer, &batch, renderer->jobs, jobs, planes, error);
+    td_candidates_take_hints(&renderer->candidates, renderer->jobs, jobs, status == TIDES_OK ? renderer->kept : NULL);
     if (status == TIDES_OK && renderer->image.decoder) return run_empty(renderer, &batch, requests, empty_count, planes, error);
     if (status == TIDES_OK) fill_empty(renderer, requests, empty_count, outputs, planes);
     return status;

@@ -16,7 +16,7 @@ enum {
     TD_BACKDROP_REALS = 8,
     TD_IMAGE_REALS = 22,
     TD_IMAGE_INTS = 14,
-    TD_JOB_INTS = 8,
+    TD_JOB_INTS = 10,
     TD_MOVER_WHOLE = TD_MOVER_INTS + 8
 };
 
@@ -120,6 +120,8 @@ typedef struct td_batch {
     uint64_t candidates_serial; /* changes with the candidates: devices keep a copy */
     int records;                /* records that the jobs use */
     int outputs;                /* TD_OUT_SIGNAL, _DIAGNOSTICS or _COLOUR */
+    int hint_count;             /* numbers in all hints, place 0 counted; they last until it changes */
+    uint8_t *kept;              /* (NULL: not wanted) at job.out: 1 where the list was in order */
 } td_batch;
 
 typedef struct td_backend td_backend;

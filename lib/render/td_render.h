@@ -58,6 +58,8 @@ typedef struct td_candidates {
     int *fill, *last_object; /* (tiles) scratch */
     float *travel;           /* (tiles) most diameters that one of its candidates travels in the interval */
     uint8_t *moving;         /* (tiles) 1 if one of its candidates moves on the screen */
+    uint8_t *hint;           /* (tiles) what is known of the depth order of their lists (candidates.c) */
+    int instant;             /* 1: of one time, where no order is asked for twice */
     uint64_t serial;
 } td_candidates;
 tides_status td_candidates_create(int width, int height, td_candidates *candidates, tides_error *error);
@@ -66,6 +68,14 @@ void td_candidates_release(td_candidates *candidates);
 /* Lists from boxes (count x 4), travel (count) and which objects move against the camera (objects). */
 tides_status td_candidates_build(td_candidates *candidates, const td_store *store, const float *boxes, const float *travel,
                                  const uint8_t *object_moves, tides_error *error);
+
+/* Numbers in the hints of a sweep (td_job). */
+int td_candidates_hint_count(const td_candidates *candidates);
+
+/* Gives a job of a tile the hint to begin with, or has it leave one. Then, with the batch done, what became of its jobs: `kept`
+ * is at a job's `out` 1 where its list was in order; NULL: the batch failed. */
+void td_candidates_give_hint(td_candidates *candidates, int tile, td_job *job);
+void td_candidates_take_hints(td_candidates *candidates, const td_job *jobs, int count, const uint8_t *kept);
 
 /* A tile at a time of the current interval; `slot` indexes the times given. */
 typedef struct td_request {
@@ -93,8 +103,9 @@ struct tides_renderer {
     size_t view_capacity, backdrop_capacity;
     td_job *jobs;
     size_t job_capacity;
-    int *empty; /* requests without candidates */
-    size_t empty_capacity;
+    int *empty;    /* requests without candidates */
+    uint8_t *kept; /* (requests) 1 where a job's list was in order */
+    size_t empty_capacity, kept_capacity;
     int record_limit; /* records per launch */
     td_psf psf;       /* what the optics make of L and L_dot */
     tides_render_stats stats;

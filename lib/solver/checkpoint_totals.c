@@ -50,6 +50,7 @@ static const total totals[TD_TOTALS] = {
     COUNT("gaussians_interpolated", BACKEND, tides_render_stats, gaussians_interpolated),
     COUNT("sweeps", BACKEND, tides_render_stats, sweeps),
     COUNT("pairs_evaluated", BACKEND, tides_render_stats, pairs_evaluated),
+    COUNT("lists_kept", BACKEND, tides_render_stats, lists_kept),
     REAL("time_build_s", BACKEND, tides_render_stats, time_build_s),
     REAL("time_motion_s", BACKEND, tides_render_stats, time_motion_s),
     REAL("time_sweep_s", BACKEND, tides_render_stats, time_sweep_s),

@@ -74,7 +74,7 @@ tides_status td_readout_read(const tides_simulator *simulator, const td_place *r
 
 /* -- the statistics (checkpoint_totals.c) -- */
 
-enum { TD_TOTALS = 38 };
+enum { TD_TOTALS = 39 };
 tides_status td_totals_write(const tides_simulator *simulator, const td_place *place);
 tides_status td_totals_read(const td_place *place, double values[TD_TOTALS]);
 

@@ -1010,6 +1010,7 @@ class tides_render_stats(Structure):
     uint64_t gaussians_interpolated; /* rows that were interpolated instead (tides_stepping.interpolate_motion) */
     uint64_t sweeps; /* times that Gaussians were swept for tile candidate lists */
     uint64_t pairs_evaluated; /* (splat, pixel) pairs composited, in blocks of 16 */
+    uint64_t lists_kept; /* tile jobs whose splats were in depth order already: not sorted */
     double time_build_s, time_motion_s, time_sweep_s, time_project_s, time_sort_s, time_composite_s, time_transfer_s;
     int32_t tiles; /* tiles in a full frame */
     int32_t reserved;
@@ -1025,6 +1026,7 @@ class tides_render_stats(Structure):
     gaussians_interpolated: int
     sweeps: int
     pairs_evaluated: int
+    lists_kept: int
     time_build_s: float
     time_motion_s: float
     time_sweep_s: float
@@ -1046,6 +1048,7 @@ class tides_render_stats(Structure):
         ("gaussians_interpolated", c_uint64),
         ("sweeps", c_uint64),
         ("pairs_evaluated", c_uint64),
+        ("lists_kept", c_uint64),
         ("time_build_s", c_double),
         ("time_motion_s", c_double),
         ("time_sweep_s", c_double),

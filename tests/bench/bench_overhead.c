@@ -39,7 +39,7 @@ static double level_seconds(tides_simulator *s, const int *tiles, int count, dou
         const td_tile *tile = &s->tile[tiles[i]];
         size_t at = s->first_pixel[tiles[i]];
         td_unpack_tile(tile, planes + (size_t)i * TD_OUT_SIGNAL * TD_TILE_PIXELS, sample, sample + TD_TILE_PIXELS);
-        td_signals signals = {s->now.S + at, s->now.S_dot + at, sample, sample + TD_TILE_PIXELS};
+        td_signals signals = {s->now.plane[TD_KEPT_S] + at, s->now.plane[TD_KEPT_S_DOT] + at, sample, sample + TD_TILE_PIXELS};
         td_estimate_step(&s->comparator, 0.5 * interval_s, &signals, s->pixels.reference + at, tile->count);
     }
     return td_now() - begun;

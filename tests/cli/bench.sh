@@ -49,7 +49,7 @@ ${PYTHON:-python3} -m json.tool <out >/dev/null || fail "--json should print JSO
 [ ! -s err ] || fail "--quiet leaves stderr alone"
 grep -q '"bench":[[:space:]]*"ablation"' out || fail "--json should print the results"
 for file in ablation.json ablation.csv ablation.png; do exists made/$file; done
-for variant in full with_risk no_alpha_dot risk_only risk_only_no_alpha_dot global_step one_event fixed_step compute_matched \
+for variant in full with_risk no_alpha_dot risk_only risk_only_no_alpha_dot with_masking with_readout global_step one_event fixed_step compute_matched \
     differenced_cubic quadratic differenced_quadratic linear differenced_linear straight_line; do
     grep -q "^occluder,$variant," made/ablation.csv || fail "no $variant"
 done
@@ -57,6 +57,9 @@ done
 column() { awk -F, -v name="$1" -v method="$2" '
     NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } $2 == method { print $at[name] }' made/ablation.csv; }
 less "$(column dt_p95_us compute_matched)" "$(column dt_p95_us differenced_cubic)" "p95 with exact against differenced slopes"
+# A readout only adds to what the solver is off.
+less "$(column dt_p95_us full)" "$(column dt_p95_us with_readout)" "p95 without and with a readout"
+less "$(column mismatch_percent full)" "$(column mismatch_percent with_readout)" "mismatches without and with a readout that drops"
 
 expect 0 tides bench image --quick --scene occluder -o made
 for image in smooth hard_cutoff hard_order inria; do

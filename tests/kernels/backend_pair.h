@@ -67,8 +67,16 @@ static inline void pair_make_jobs(backend_pair *pair) {
         int first = lists->first[tile], count = lists->first[tile + 1] - first, capacity = TD_PAD;
         if (count == 0) continue;
         while (capacity < count) capacity *= 2;
-        td_job job =
-            {tile % lists->tiles_x * TD_TILE, tile / lists->tiles_x * TD_TILE, slot, first, count, pair->records, 0, capacity};
+        td_job job = {tile % lists->tiles_x * TD_TILE,
+                      tile / lists->tiles_x * TD_TILE,
+                      slot,
+                      first,
+                      count,
+                      pair->records,
+                      0,
+                      capacity,
+                      0,
+                      0};
         pair->jobs[pair->job_count++] = job;
         pair->records += count;
     }
@@ -148,7 +156,9 @@ static inline td_batch pair_batch(const backend_pair *pair, const td_job *jobs, 
                       pair->candidates.first[pair->candidates.tiles_x * pair->candidates.tiles_y],
                       pair->candidates.serial,
                       records,
-                      outputs};
+                      outputs,
+                      0,
+                      NULL};
     return batch;
 }
 

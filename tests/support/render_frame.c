@@ -61,8 +61,16 @@ static int make_jobs(const td_candidates *candidates, td_job *jobs, int *records
         int first = candidates->first[t], length = candidates->first[t + 1] - first, capacity = TD_PAD;
         if (length == 0) continue;
         while (capacity < length) capacity *= 2;
-        td_job job =
-            {t % candidates->tiles_x * TD_TILE, t / candidates->tiles_x * TD_TILE, 0, first, length, *records, t, capacity};
+        td_job job = {t % candidates->tiles_x * TD_TILE,
+                      t / candidates->tiles_x * TD_TILE,
+                      0,
+                      first,
+                      length,
+                      *records,
+                      t,
+                      capacity,
+                      0,
+                      0};
         jobs[count++] = job;
         *records += length;
     }
