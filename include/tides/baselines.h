@@ -100,7 +100,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_baseline_finish(tides_baseline *ba
  * brightness (the original's method 0) `fastest` is the largest |L_dot| of the image there [1/s], which the original gets from
  * the image's gradient and optical flow, and is exact here. By motion (its method 1) it is the largest optical flow [px/s]: of
  * what is at rest in the world from the camera's motion and the depth at each pixel, as in the original; of splats that move by
- * themselves from where they are a millisecond later, hidden ones included, so that it is no less than the flow that is seen. */
+ * themselves from where they are a millisecond later, hidden ones included, so that it is no less than what is seen. */
 TIDES_API double tides_esim_next_time(const tides_esim *esim, double time, double fastest);
 
 /* Where a run's frames come from. */

@@ -99,21 +99,37 @@ static void noise_rates(void **state) {
     free(s.events);
 }
 
-/* v2e's photoreceptor noise only roughly gives the rate that is asked for, 5 Hz: v2e itself came to 2.26 Hz per pixel with
- * these parameters (simulators notes, 1.5). */
+/* v2e's photoreceptor noise, where 5 Hz are asked for, against an independent simulation of its published steps (numpy, 24
+ * draws of its level, 8000 pixels each): 2.38 +- 0.03 Hz per pixel in the first 0.2 s, 2.98 +- 0.04 Hz in the first second. It rises
+ * because references begin in the middle of the noise and drift to where it is easier to fire.
+ *
+ * v2e itself once came to 2.26 Hz with these parameters (simulators notes, 1.5; its runs there are 200 frames of 1 ms). Its
+ * level has a random part of 1.9 %, because it is scaled by one random run of 1000 time constants, and 1 % of the level is 9 %
+ * of the rate: one standard deviation of the early rate is 0.43 Hz, so that 2.26 lies well within. */
+#define EARLY_HZ 2.38
+#define SECOND_HZ 2.98
 static void photoreceptor_noise(void **state) {
     (void)state;
-    tides_baseline_params params = params_of(TIDES_METHOD_V2E);
-    params.v2e.leak_rate_hz = 0;
-    params.v2e.shot_noise_rate_hz = 5;
-    params.v2e.cutoff_hz = 50;
-    params.v2e.photoreceptor_noise = 1;
-    params.v2e.refractory_period = 0;
-    stream s = simulate(&params, grey20, 2001, 1e-3);
-    double rate = (double)s.count / PIXELS / 2;
-    print_message("v2e photoreceptor noise: %.2f Hz per pixel\n", rate);
-    assert_true(rate > 2 && rate < 5);
-    free(s.events);
+    enum { SEEDS = 12 };
+    double early = 0, second = 0;
+    for (uint64_t seed = 0; seed < SEEDS; seed++) {
+        tides_baseline_params params = params_of(TIDES_METHOD_V2E);
+        params.seed = seed;
+        params.v2e.leak_rate_hz = 0;
+        params.v2e.shot_noise_rate_hz = 5;
+        params.v2e.cutoff_hz = 50;
+        params.v2e.photoreceptor_noise = 1;
+        params.v2e.refractory_period = 0;
+        stream s = simulate(&params, grey20, 1001, 1e-3);
+        size_t first = 0;
+        while (first < s.count && s.events[first].t <= 200000000) first++;
+        early += (double)first / PIXELS / 0.2 / SEEDS;
+        second += (double)s.count / PIXELS / SEEDS;
+        free(s.events);
+    }
+    print_message("v2e photoreceptor noise: %.2f Hz per pixel at first, %.2f Hz over a second\n", early, second);
+    assert_true(fabs(early - EARLY_HZ) < 0.1 * EARLY_HZ); /* thresholds and level of 12 seeds: 3 standard deviations */
+    assert_true(fabs(second - SECOND_HZ) < 0.1 * SECOND_HZ);
 }
 
 /* Constant light: drift k4, noise k6. By the optional stopping theorem ON events exceed OFF events by drift x time (Wald). */

@@ -1,5 +1,5 @@
-/* ESIM's sampling by motion: a wall at a known depth, passed at a known speed, is rendered as often as lambda over its flow says,
- * whether the camera moves, the wall does, or its splats do; and frames have no flow to go by. */
+/* ESIM's sampling by motion: a wall at a known depth, passed at a known speed, is rendered as often as lambda over its flow
+ * says, whether the camera moves, the wall does, or its splats do; and frames have no flow to go by. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
