@@ -100,8 +100,8 @@ static void noise_rates(void **state) {
 }
 
 /* v2e's photoreceptor noise, where 5 Hz are asked for, against an independent simulation of its published steps (numpy, 24
- * draws of its level, 8000 pixels each): 2.38 +- 0.03 Hz per pixel in the first 0.2 s, 2.98 +- 0.04 Hz in the first second. It rises
- * because references begin in the middle of the noise and drift to where it is easier to fire.
+ * draws of its level, 8000 pixels each): 2.38 +- 0.03 Hz per pixel in the first 0.2 s, 2.98 +- 0.04 Hz in the first second. It
+ * rises because references begin in the middle of the noise and drift to where it is easier to fire.
  *
  * v2e itself once came to 2.26 Hz with these parameters (simulators notes, 1.5; its runs there are 200 frames of 1 ms). Its
  * level has a random part of 1.9 %, because it is scaled by one random run of 1000 time constants, and 1 % of the level is 9 %
