@@ -273,7 +273,8 @@ def exr(channels, width, height, compression, half):
 
 
 def npy_file(dtype, shape, data):
-    head = ("{'descr': '%s', 'fortran_order': False, 'shape': %s, }" % (dtype, shape)).ljust(117) + "\n"
+    kind = dtype if dtype.startswith("[") else "'%s'" % dtype
+    head = ("{'descr': %s, 'fortran_order': False, 'shape': %s, }" % (kind, shape)).ljust(117) + "\n"
     return b"\x93NUMPY\1\0\x76\0" + head.encode() + data
 
 
@@ -291,6 +292,9 @@ write("fuzz_frames", "given", bytes([0, 32 | 4 * 2]) + row(FRAMES, dict(pictures
 write("fuzz_frames", "exr", bytes([0, 64]) + row(FRAMES, {"0.exr": exr(["Y"], 3, 2, 0, False)}))
 write("fuzz_frames", "npy", bytes([1, 64]) + row(FRAMES, {"npy": array}))
 write("fuzz_frames", "npz", bytes([2, 1]) + row(FRAMES, {"npz": npz({"Y": (2, 1, 3), "t": (2,)})}))
+pairs = npy_file("[('a', '<f4'), ('b', '<f4')]", (1, 1, 72), bytes(8 * 72))
+write("fuzz_iebcs_noise", "pairs", pairs)
+write("fuzz_frames", "pairs", bytes([1, 64]) + row(FRAMES, {"npy": pairs}))
 write("fuzz_iebcs_noise", "table", npy_file("|u1", (1, 2, 72), bytes(i % 72 // 60 for i in range(144))))
 write("fuzz_iebcs_noise", "real", npy_file("<f8", (1, 1, 72), struct.pack("<72d", *([0] * 60 + [1] * 12))))
 

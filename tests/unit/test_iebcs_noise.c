@@ -60,10 +60,11 @@ static void simulate(const char *noise_pos, const char *noise_neg, double second
     tides_baseline_destroy(baseline);
 }
 
+/* `dtype` as a header has it, with its quotes. */
 static void put_table(const char *path, const char *dtype, const char *shape, const void *data, size_t size) {
     char header[160];
     scene_bytes npy = {0};
-    snprintf(header, sizeof header, "{'descr': '%s', 'fortran_order': False, 'shape': %s, }", dtype, shape);
+    snprintf(header, sizeof header, "{'descr': %s, 'fortran_order': False, 'shape': %s, }", dtype, shape);
     archive_npy(&npy, 1, header, data, size);
     scene_file_write(path, npy.data, npy.size);
     free(npy.data);
@@ -76,9 +77,9 @@ static void put_counts(const char *path, int real, int (*rule)(int row, int bin)
     assert_true(reals && integers);
     for (int i = 0; i < TABLE; i++) reals[i] = integers[i] = rule(i / BINS, i % BINS);
     if (real)
-        put_table(path, "<f8", "(50, 50, 72)", reals, TABLE * sizeof *reals);
+        put_table(path, "'<f8'", "(50, 50, 72)", reals, TABLE * sizeof *reals);
     else
-        put_table(path, "<i4", "(50, 50, 72)", integers, TABLE * sizeof *integers);
+        put_table(path, "'<i4'", "(50, 50, 72)", integers, TABLE * sizeof *integers);
     free(reals);
     free(integers);
 }
@@ -144,18 +145,20 @@ static void wrong_tables(void **state) {
     double *zeros = calloc(TABLE, sizeof *zeros);
     assert_non_null(zeros);
     for (int i = 0; i < 6; i++) {
-        put_table(path, "<f8", shapes[i], zeros, values[i] * sizeof *zeros);
+        put_table(path, "'<f8'", shapes[i], zeros, values[i] * sizeof *zeros);
         expect_refused(path, TIDES_BAD_FILE, "noise.npy|(rows, columns, 72)");
     }
     const double bad[] = {-1, NAN, INFINITY};
     for (int i = 0; i < 3; i++) {
         zeros[3 * BINS + 5] = bad[i];
-        put_table(path, "<f8", "(2, 2, 72)", zeros, 4 * BINS * sizeof *zeros);
+        put_table(path, "'<f8'", "(2, 2, 72)", zeros, 4 * BINS * sizeof *zeros);
         expect_refused(path, TIDES_BAD_FILE, "noise.npy|row 3, bin 5 isn't a count");
     }
-    put_table(path, "<U1", "(1, 1, 72)", zeros, 4 * BINS);
+    put_table(path, "'<U1'", "(1, 1, 72)", zeros, 4 * BINS);
     expect_refused(path, TIDES_BAD_FILE, "noise.npy|isn't a count");
-    put_table(path, "<f8", "(50, 50, 72)", zeros, 1000); /* cut off */
+    put_table(path, "[('a', '<f4'), ('b', '<f4')]", "(1, 1, 72)", zeros, 8 * BINS); /* no plain numbers */
+    expect_refused(path, TIDES_BAD_FILE, "noise.npy|isn't a count");
+    put_table(path, "'<f8'", "(50, 50, 72)", zeros, 1000); /* cut off */
     expect_refused(path, TIDES_BAD_FILE, "noise.npy");
     scene_file_write(path, "72 numbers", 10);
     expect_refused(path, TIDES_BAD_FILE, "noise.npy");
