@@ -107,7 +107,9 @@ tests: $(TESTS) $(GOLDEN) ## Build the test programs
 # Fuzz targets define LLVMFuzzerTestOneInput; libFuzzer has the main (tests/fuzz/README.md).
 FUZZ     := $(patsubst %.c,$(OUT)/%,$(wildcard tests/fuzz/fuzz_*.c))
 $(OUT)/tests/fuzz/fuzz_%: $(OUT)/tests/fuzz/fuzz_%.o $(OUT)/libtides.a
-	$(LINK) -fsanitize=fuzzer -o $@ $^ $(TIDES_LDLIBS) $(LDLIBS)
+	$(LINK) -fsanitize=fuzzer -o $@ $(filter %.o,$^) $(filter %.a,$^) $(TIDES_LDLIBS) $(LDLIBS)
+# Manifests are the tool's own.
+$(OUT)/tests/fuzz/fuzz_batch: $(filter-out %/main.o,$(CLI_OBJ))
 # Benchmarks of the test tree: programs that print their own table.
 BENCH    := $(patsubst %.c,$(OUT)/%,$(wildcard tests/bench/bench_*.c))
 

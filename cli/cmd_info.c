@@ -215,13 +215,13 @@ static tides_status events_facts(const char *file, cJSON *facts, tides_error *er
     return status;
 }
 
-/* What opens as an event file, whatever comes then. */
-static int is_events(const char *file) {
+/* Whether it opens as an event file, whatever comes then. */
+static tides_status open_events(const char *file) {
     tides_event_reader *reader = NULL;
     tides_error error;
-    if (tides_event_reader_open(file, NULL, &reader, &error) != TIDES_OK) return 0;
+    tides_status status = tides_event_reader_open(file, NULL, &reader, &error);
     tides_event_reader_close(reader);
-    return 1;
+    return status;
 }
 
 /* HDF5 holds events or a scene; what it is neither of is told with both reasons. */
@@ -283,11 +283,16 @@ static tides_status exr_facts(const char *file, cJSON *facts, tides_error *error
 
 /* ------------------------------------------------------------------------------------------------------------------- */
 
+/* Of folders that hold no event files the path's reader says best what is wrong. */
+static tides_status folder_facts(const char *file, cJSON *facts, tides_error *error) {
+    if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
+    return open_events(file) == TIDES_FILE_NOT_FOUND ? path_facts(file, facts, error) : events_facts(file, facts, error);
+}
+
 static tides_status facts_of(const char *file, cJSON *facts, tides_error *error) {
     unsigned char head[8] = {0};
     struct stat folder;
-    if (stat(file, &folder) == 0 && S_ISDIR(folder.st_mode))
-        return tides_scene_is_file(file) ? scene_facts(file, facts, error) : path_facts(file, facts, error);
+    if (stat(file, &folder) == 0 && S_ISDIR(folder.st_mode)) return folder_facts(file, facts, error);
     FILE *stream = fopen(file, "rb");
     if (!stream) return cli_error(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", file, strerror(errno));
     size_t got = fread(head, 1, sizeof head, stream);
@@ -297,7 +302,7 @@ static tides_status facts_of(const char *file, cJSON *facts, tides_error *error)
     if (got == 0) return cli_error(error, TIDES_BAD_FILE, "%s: is empty", file);
     if (memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0) return hdf5_facts(file, facts, error);
     if (memcmp(head, "\x76\x2f\x31\x01", 4) == 0) return exr_facts(file, facts, error);
-    if (is_events(file)) return events_facts(file, facts, error);
+    if (open_events(file) == TIDES_OK) return events_facts(file, facts, error);
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
     return path_facts(file, facts, error); /* text: its reader says best what is wrong */
 }

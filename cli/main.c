@@ -10,8 +10,10 @@ static const cli_command commands[] = {
     {"init", "[-o RUN.json]", "Write a run file to begin with: every key, its default, and what it does.",
      "The comments (// to the end of a line) are TIDES's own: JSON has none.", 0, cmd_init},
     {"devices", "", "List OpenCL devices and show which one is used.", NULL, 0, cmd_devices},
-    {"info", "FILE", "Show what a scene, path, event or EXR file holds.", "The kind of file is found from its content.", 1,
-     cmd_info},
+    {"info", "FILE", "Show what a scene, path, event or EXR file or folder holds.",
+     "The kind of file is found from its content. Folders: trained models, camera paths, sequences of events (DSEC, EDS, "
+     "HS-ERGB,\nBS-ERGB).",
+     1, cmd_info},
     {"scene", "KIND -o SCENE.h5 [--run RUN.json]", "Make a scene to try things on: fan, pendulum, balls, crowd ...",
      "The same options give the same scene. With --run, tides simulate RUN.json works at once.", 1, cmd_scene},
     {"render", "RUN.json --time T -o OUT.exr", "Render one frame with its exact time derivative.",
@@ -34,7 +36,12 @@ static const cli_command commands[] = {
     {"convert", "IN OUT", "Convert a scene to .ply or .h5, or an event file to another format.",
      "A scene is .ply (compressed too), .spz, .splat, .ksplat, .sog or .h5. IN's format is found from its content; OUT's "
      "ending "
+<<<<<<< HEAD
      "says what is written. Labels of events (sensor.labels) aren't kept.",
+=======
+     "says what is written.\n"
+     "IN may be a folder: of a trained model, or of event files (DSEC, EDS, HS-ERGB, BS-ERGB).",
+>>>>>>> others
      2, cmd_convert},
     {"cut", "IN OUT --start S --stop S", "Cut a stretch of time or a window out of an event file.",
      "Labels of events (sensor.labels) aren't kept.", 2, cmd_cut},

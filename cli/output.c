@@ -50,6 +50,8 @@ tides_status cli_error(tides_error *error, tides_status status, const char *form
     error->status = status;
     vsnprintf(error->text, sizeof error->text, format, arguments);
     va_end(arguments);
+    for (char *at = error->text; *at; at++) /* names from outside may hold anything; an error stays one line */
+        if ((unsigned char)*at < 0x20 || *at == 0x7f) *at = '?';
     return status;
 }
 

@@ -6,8 +6,7 @@
  *
  * Keys are gathered in the order that an earlier job of the tile left (td_job.hint): a list that is in order then is left
  * alone; on a GPU only if what doesn't touch the tile now is in order too. Sorting by insertion what is nearly in order
- * doesn't pay: on trained scenes under a moving camera it took 0 to 30 % longer than the network, whatever number of moves it
- * was allowed (1 to 64 per key; AVX-512, a shared machine). */
+ * doesn't pay: under a moving camera no number of moves that it was allowed (1 to 64 per key; AVX-512) beat the network. */
 #include "layout.h"
 
 #define TD_LAST_KEY 0x7fffffffffffffffL

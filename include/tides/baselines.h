@@ -18,16 +18,16 @@ enum { TIDES_METHOD_TIDES = 0, TIDES_METHOD_ESIM, TIDES_METHOD_V2E, TIDES_METHOD
 
 /* rpg_esim's event simulator. Straight lines in log(Y + log_eps) between frames, in double precision and integer nanoseconds.
  * Its interval test is kept: a crossing counts within the interval only, so that with sigma > 0 events are lost for good. */
-enum { TIDES_ESIM_NONE = 0, TIDES_ESIM_BRIGHTNESS = 1 };
+enum { TIDES_ESIM_NONE = 0, TIDES_ESIM_BRIGHTNESS = 1, TIDES_ESIM_MOTION = 2 };
 typedef struct tides_esim {
     double contrast_threshold_pos, contrast_threshold_neg;             /* [log units] 1.0 */
     double contrast_threshold_sigma_pos, contrast_threshold_sigma_neg; /* [log units] 0.021, drawn anew per frame and pixel */
     double refractory_period_ns;                                       /* [ns] 0: events are dropped, their contrast consumed */
     double log_eps;                                                    /* 0.001 */
     int32_t use_log_image;                                             /* 1; 0: thresholds are on Y itself */
-    int32_t adaptive_sampling;                                         /* TIDES_ESIM_*, of renders: tides_baseline_next_time */
-    double adaptive_sampling_lambda;                                   /* 0.5: change of L [1] between two renders */
-    double minimum_framerate;                                          /* [Hz] 30: the longest time between two renders */
+    int32_t adaptive_sampling;                                         /* TIDES_ESIM_*, of renders: tides_esim_next_time */
+    double adaptive_sampling_lambda; /* 0.5: change of L [1], or motion [px], between two renders */
+    double minimum_framerate;        /* [Hz] 30: the longest time between two renders */
 } tides_esim;
 
 /* v2e's event emulator. Input DN = 255 Y, logarithm linear below 20. */
@@ -96,10 +96,12 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_baseline_push(tides_baseline *base
 TIDES_MUST_CHECK TIDES_API tides_status tides_baseline_finish(tides_baseline *baseline, tides_event_sink sink, void *user,
                                                               tides_error *error);
 
-/* ESIM's adaptive sampling of a renderer: when to render after `time`, from the largest |L_dot| of the image there [1/s]:
- * time + min(lambda / |L_dot|, 1 / minimum_framerate). The original gets |L_dot| from the image's gradient and optical flow;
- * here it is exact. Its other way, by the largest flow, needs flow, which renders don't have. */
-TIDES_API double tides_esim_next_time(const tides_esim *esim, double time, double fastest_log_luminance_dot);
+/* ESIM's adaptive sampling of a renderer: when to render after `time`, time + min(lambda / fastest, 1 / minimum_framerate). By
+ * brightness (the original's method 0) `fastest` is the largest |L_dot| of the image there [1/s], which the original gets from
+ * the image's gradient and optical flow, and is exact here. By motion (its method 1) it is the largest optical flow [px/s]: of
+ * what is at rest in the world from the camera's motion and the depth at each pixel, as in the original; of splats that move by
+ * themselves from where they are a millisecond later, hidden ones included, so that it is no less than what is seen. */
+TIDES_API double tides_esim_next_time(const tides_esim *esim, double time, double fastest);
 
 /* Where a run's frames come from. */
 typedef struct tides_frame_supply {
@@ -112,8 +114,8 @@ typedef struct tides_frame_supply {
 } tides_frame_supply;
 
 /* Pushes every frame of the supply, and finishes. `stats` (nullable) receives what is known of a run from frames: events,
- * renders, times. TIDES_BAD_ARGUMENT where the sequence has fewer than two frames within [start, stop], or is of another size.
- */
+ * renders, times. TIDES_BAD_ARGUMENT where the sequence has fewer than two frames within [start, stop], or is of another size;
+ * TIDES_UNSUPPORTED for a sequence that ESIM is to sample by motion. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_baseline_run(tides_baseline *baseline, const tides_frame_supply *supply,
                                                            tides_event_sink sink, void *sink_user, tides_progress progress,
                                                            void *user, tides_stats *stats, tides_error *error);

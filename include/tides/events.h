@@ -105,7 +105,8 @@ TIDES_API void tides_event_writer_abandon(tides_event_writer *writer);
 
 /* What is known of a file when it is opened. */
 typedef struct tides_event_facts {
-    char format[32];  /* "evt3" ...; of HDF5 its layout: "tides", "dsec", "eds", "mvsec", "v2e", "timostoff", "m3ed", "rvt" */
+    char format[32];  /* "evt3" ...; of HDF5 its layout: "tides", "dsec", "eds", "mvsec", "v2e", "timostoff", "m3ed", "rvt";
+                         of a folder that of its files */
     char version[32]; /* of TIDES that wrote it, or "" */
     int32_t width, height; /* [px]; 0 where the file doesn't say */
     int32_t counted;       /* 1: count is known without reading the file */
@@ -116,8 +117,10 @@ typedef struct tides_event_facts {
 typedef struct tides_event_reader tides_event_reader;
 
 /* Opens an event file of any format, found from what it holds, or of the named format. Events come in the file's order, in
- * nanoseconds on the file's clock. TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE (no event file, or a damaged one), TIDES_UNSUPPORTED.
- * A reader is for one thread at a time. */
+ * nanoseconds on the file's clock. A folder may be named too: a sequence of DSEC, EDS, HS-ERGB or BS-ERGB, or numbered .npz of
+ * rpg_vid2e, whose files are read one after the other (lib/events/event_folder.c has the layouts); where it holds both cameras
+ * of DSEC, name one. TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE (no event file, or a damaged one), TIDES_UNSUPPORTED. A reader is for
+ * one thread at a time. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_open(const char *path, const char *format,
                                                                 tides_event_reader **reader, tides_error *error);
 

@@ -115,7 +115,8 @@ static uint64_t load_bits(const td_npy_array *array, const td_npy_field *field, 
 }
 
 int td_npy_integer(const td_npy_array *array, const td_npy_field *field, size_t index, int64_t *value) {
-    if (!field->bytes || field->bytes > 8 || (field->bytes & (field->bytes - 1)) || !strchr("iub", field->kind)) return 0;
+    if (!field || !field->bytes || field->bytes > 8 || (field->bytes & (field->bytes - 1)) || !strchr("iub", field->kind))
+        return 0;
     uint64_t bits = load_bits(array, field, index);
     unsigned unused = 64 - 8 * (unsigned)field->bytes;
     if (field->kind == 'i')
@@ -133,6 +134,7 @@ int td_npy_number(const td_npy_array *array, const td_npy_field *field, size_t i
         *value = (double)integer;
         return 1;
     }
+    if (!field) return 0;
     int is_float = field->kind == 'f' && (field->bytes == 2 || field->bytes == 4 || field->bytes == 8);
     if (!is_float && !(field->kind == 'u' && field->bytes == 8)) return 0;
     uint64_t bits = load_bits(array, field, index);

@@ -52,8 +52,8 @@ tides_status td_npz_floats(td_npz *npz, const char *name, int ndim, const int64_
 /* A structured array's field by name, NULL where there is none; NULL or "" is the one of a plain dtype. */
 const td_npy_field *td_npy_find_field(const td_npy_array *array, const char *name);
 
-/* One field of element `index` < count as a number. Kinds f (2, 4, 8 bytes), i, u, b; 1 where it is one of them, else 0 and
- * `*value` untouched. The integer form takes i, u (up to INT64_MAX) and b only. */
+/* One field of element `index` < count as a number. Kinds f (2, 4, 8 bytes), i, u, b; 1 where it is one of them, else (also for
+ * a field that isn't there, NULL) 0 and `*value` untouched. The integer form takes i, u (up to INT64_MAX) and b only. */
 int td_npy_number(const td_npy_array *array, const td_npy_field *field, size_t index, double *value);
 int td_npy_integer(const td_npy_array *array, const td_npy_field *field, size_t index, int64_t *value);
 

@@ -1,4 +1,5 @@
 /* A run from frames: of a sequence, or rendered at a rate. */
+#include "render/td_render.h"
 #include "td_baseline.h"
 
 #include <math.h>
@@ -13,7 +14,8 @@ typedef struct frame_run {
     void *sink_user;
     tides_progress progress;
     void *user;
-    double *Y, *L_dot; /* one frame; the rate where ESIM samples by it (pixels) */
+    double *Y;      /* one frame (pixels) */
+    double *speeds; /* L_dot or Z of it, where ESIM samples by brightness or by motion (pixels) */
     uint64_t frames;
     tides_stats stats;
 } frame_run;
@@ -79,20 +81,34 @@ static tides_status run_sequence(frame_run *r, tides_error *error) {
 
 /* -- renders --------------------------------------------------------------------------------------------------------------- */
 
-/* The largest |L_dot| of the frame just rendered [1/s]. */
-static double fastest(const frame_run *r) {
-    double most = 0;
-    for (size_t i = 0; i < r->baseline->pixels; i++) most = fmax(most, fabs(r->L_dot[i]));
-    return most;
+/* What bounds ESIM's next interval, of the frame just rendered: the largest |L_dot| [1/s] or the fastest motion [px/s]. */
+static tides_status find_fastest(const frame_run *r, double time, double *fastest, tides_error *error) {
+    const tides_frame_supply *supply = r->supply;
+    if (r->baseline->params.esim.adaptive_sampling == TIDES_ESIM_MOTION)
+        return td_renderer_flow(supply->renderer, supply->camera, time, supply->start, supply->stop, r->speeds, fastest, error);
+    *fastest = 0;
+    for (size_t i = 0; i < r->baseline->pixels; i++) *fastest = fmax(*fastest, fabs(r->speeds[i]));
+    return TIDES_OK;
 }
 
 /* When to render next; frames lie on start + k / rate (a product, not a running sum) unless ESIM samples adaptively. */
-static double next_time(const frame_run *r, double time) {
+static tides_status next_time(const frame_run *r, double time, double *next, tides_error *error) {
     const tides_frame_supply *supply = r->supply;
-    double next = r->L_dot ? tides_esim_next_time(&r->baseline->params.esim, time, fastest(r))
-                           : supply->start + (double)r->frames / supply->frames_per_second;
+    double fastest;
+    *next = supply->start + (double)r->frames / supply->frames_per_second;
+    if (r->speeds) {
+        tides_status status = find_fastest(r, time, &fastest, error);
+        if (status != TIDES_OK) return status;
+        *next = tides_esim_next_time(&r->baseline->params.esim, time, fastest);
+        if (!(*next > time + 1e-9))
+            return td_fail(error, TIDES_OUT_OF_RANGE,
+                           "at %.9g s the image changes so fast that ESIM's next render would come within a nanosecond: raise "
+                           "esim.simulation_adaptive_sampling_lambda",
+                           time);
+    }
     /* A rest below a nanosecond isn't an interval of its own. */
-    return next > supply->stop - 1e-9 ? supply->stop : next;
+    if (*next > supply->stop - 1e-9) *next = supply->stop;
+    return TIDES_OK;
 }
 
 static tides_status run_renders(frame_run *r, tides_error *error) {
@@ -100,20 +116,13 @@ static tides_status run_renders(frame_run *r, tides_error *error) {
     tides_frame frame;
     memset(&frame, 0, sizeof frame);
     frame.plane[TIDES_Y] = r->Y;
-    frame.plane[TIDES_L_DOT] = r->L_dot;
+    frame.plane[r->baseline->params.esim.adaptive_sampling == TIDES_ESIM_MOTION ? TIDES_Z : TIDES_L_DOT] = r->speeds;
     tides_status status = TIDES_OK;
     for (double time = supply->start; status == TIDES_OK;) {
         status = tides_renderer_frame(supply->renderer, supply->camera, time, &frame, error);
         if (status == TIDES_OK) status = push(r, time, error);
-        if (time >= supply->stop) break;
-        double next = next_time(r, time);
-        if (status == TIDES_OK && !(next > time + 1e-9))
-            status =
-                td_fail(error, TIDES_OUT_OF_RANGE,
-                        "at %.9g s the image changes so fast that ESIM's next render would come within a nanosecond: raise "
-                        "esim.simulation_adaptive_sampling_lambda",
-                        time);
-        time = next;
+        if (status != TIDES_OK || time >= supply->stop) break;
+        status = next_time(r, time, &time, error);
     }
     tides_renderer_stats(supply->renderer, &r->stats.render);
     r->stats.renders_full_frame_equivalent = (double)r->frames;
@@ -123,12 +132,17 @@ static tides_status run_renders(frame_run *r, tides_error *error) {
 
 /* -- both ------------------------------------------------------------------------------------------------------------------ */
 
-static tides_status check_supply(const tides_frame_supply *supply, tides_error *error) {
+static tides_status check_supply(const tides_baseline *baseline, const tides_frame_supply *supply, tides_error *error) {
+    const tides_baseline_params *params = &baseline->params;
     if (!supply->frames && !(supply->renderer && supply->camera))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_run: give frames, or a renderer and its camera");
     if (!(supply->start < supply->stop))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_run: stop = %.9g s isn't after start = %.9g s", supply->stop,
                        supply->start);
+    if (supply->frames && params->method == TIDES_METHOD_ESIM && params->esim.adaptive_sampling == TIDES_ESIM_MOTION)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "esim.simulation_adaptive_sampling_method = \"motion\" needs a scene to render: frames are as they are, "
+                       "and have no depth; set it to \"none\"");
     if (!supply->frames && !(supply->frames_per_second > 0 && supply->frames_per_second <= 1e9))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_run: frames_per_second = %.9g; it must lie in (0, 1e9]",
                        supply->frames_per_second);
@@ -139,8 +153,8 @@ static tides_status run(frame_run *r, tides_error *error) {
     const tides_baseline_params *params = &r->baseline->params;
     int adaptive = !r->supply->frames && params->method == TIDES_METHOD_ESIM && params->esim.adaptive_sampling;
     r->Y = td_alloc(r->baseline->pixels, sizeof *r->Y, error);
-    if (adaptive) r->L_dot = td_alloc(r->baseline->pixels, sizeof *r->L_dot, error);
-    if (!r->Y || (adaptive && !r->L_dot)) return TIDES_NO_MEMORY;
+    if (adaptive) r->speeds = td_alloc(r->baseline->pixels, sizeof *r->speeds, error);
+    if (!r->Y || (adaptive && !r->speeds)) return TIDES_NO_MEMORY;
     tides_status status = r->supply->frames ? run_sequence(r, error) : run_renders(r, error);
     return status == TIDES_OK ? tides_baseline_finish(r->baseline, take, r, error) : status;
 }
@@ -148,14 +162,14 @@ static tides_status run(frame_run *r, tides_error *error) {
 tides_status tides_baseline_run(tides_baseline *baseline, const tides_frame_supply *supply, tides_event_sink sink,
                                 void *sink_user, tides_progress progress, void *user, tides_stats *stats, tides_error *error) {
     if (!baseline || !supply) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_run: baseline or supply is NULL");
-    tides_status status = check_supply(supply, error);
+    tides_status status = check_supply(baseline, supply, error);
     if (status != TIDES_OK) return status;
     double began = td_now();
     frame_run r =
         {.baseline = baseline, .supply = supply, .sink = sink, .sink_user = sink_user, .progress = progress, .user = user};
     status = run(&r, error);
     free(r.Y);
-    free(r.L_dot);
+    free(r.speeds);
     const tides_render_stats *render = &r.stats.render;
     r.stats.run_time_s = td_now() - began;
     r.stats.real_time_factor = r.stats.run_time_s > 0 ? r.stats.simulated_s / r.stats.run_time_s : 0;

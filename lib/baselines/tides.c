@@ -1,4 +1,5 @@
 /* TIDES's own sensor on frames: the logarithm goes in a straight line from one frame to the next. */
+#include "render/td_psf.h"
 #include "td_baseline.h"
 
 #include <math.h>
@@ -9,12 +10,14 @@ typedef struct tides_state {
     td_sensor sensor; /* made at the first frame, whose time it starts from; where no block is on, the comparator does */
     td_pixels pixels;
     td_comparator_counts counts;
+    td_psf psf;
     double *S[2]; /* at the last frame and at this one [log units] (pixels) */
 } tides_state;
 
 static void destroy(void *state) {
     tides_state *s = state;
     td_sensor_release(&s->sensor);
+    td_psf_release(&s->psf);
     free(s->S[0]);
     free(s->S[1]);
     free(s->pixels.initial);
@@ -30,10 +33,16 @@ static tides_status check(const tides_baseline *b, tides_error *error) {
     const tides_sensor *sensor = &b->params.sensor;
     if (sensor->b_min > 0)
         return td_fail(error, TIDES_UNSUPPORTED, "sensor: b_min needs coverage, which frames don't have; leave it at 0");
-    if (sensor->psf_sigma_px > 0 || sensor->surround_lambda_px > 0 || sensor->noise_rms > 0)
+    if (sensor->surround_lambda_px > 0)
         return td_fail(error, TIDES_UNSUPPORTED,
-                       "sensor: psf_sigma_px, surround_lambda_px and noise_rms aren't available on frames; leave them at 0");
-    return td_sensor_check(sensor, error);
+                       "sensor: surround_lambda_px isn't available on frames, whose steps have no common pieces; leave it at "
+                       "0");
+    /* What the sensor itself checks when it is made, at the first frame. */
+    td_frontend frontend;
+    td_additive_noise noise;
+    tides_status status = td_sensor_check(sensor, error);
+    if (status == TIDES_OK) status = td_frontend_make(sensor, &frontend, error);
+    return status == TIDES_OK ? td_additive_noise_make(sensor, &noise, error) : status;
 }
 
 static tides_status create(tides_baseline *b, tides_error *error) {
@@ -55,11 +64,18 @@ static tides_status create(tides_baseline *b, tides_error *error) {
     s->pixels.count_off = td_alloc(b->pixels, sizeof *s->pixels.count_off, error);
     if (!s->S[0] || !s->S[1] || !s->pixels.initial || !s->pixels.reference || !s->pixels.count_on || !s->pixels.count_off)
         return TIDES_NO_MEMORY;
-    return td_comparator_check(&s->comparator, error);
+    status = td_psf_set(&s->psf, sensor->psf_sigma_px, sensor->psf_domain, error);
+    return status == TIDES_OK ? td_comparator_check(&s->comparator, error) : status;
 }
 
-static void take_signal(const tides_baseline *b, const double *Y, double *S) {
-    for (size_t i = 0; i < b->pixels; i++) S[i] = log(Y[i] + b->params.log_eps);
+/* The logarithm of the frame as the optics show it: blurred before the logarithm or after. */
+static tides_status take_signal(const tides_baseline *b, const double *Y, double *S, tides_error *error) {
+    tides_state *s = b->state;
+    const int linear = s->psf.domain == TIDES_PSF_LINEAR;
+    for (size_t i = 0; i < b->pixels; i++) S[i] = linear ? Y[i] + b->params.log_eps : log(Y[i] + b->params.log_eps);
+    tides_status status = td_psf_image(&s->psf, b->width, b->height, S, error);
+    for (size_t i = 0; linear && i < b->pixels; i++) S[i] = log(S[i]);
+    return status;
 }
 
 static td_tile whole_image(const tides_baseline *b) { return (td_tile){0, 0, b->width, (int32_t)b->pixels}; }
@@ -69,9 +85,9 @@ static tides_status first(tides_baseline *b, const double *Y, tides_error *error
     tides_sensor params = b->params.sensor;
     td_tile tile = whole_image(b);
     params.seed = b->params.seed;
-    take_signal(b, Y, s->S[0]);
-    tides_status status =
-        td_sensor_create(&params, TIDES_MODEL_SECANT, b->params.log_eps, b->now, b->width, &tile, 1, &s->sensor, error);
+    tides_status status = take_signal(b, Y, s->S[0], error);
+    if (status != TIDES_OK) return status;
+    status = td_sensor_create(&params, TIDES_MODEL_SECANT, b->params.log_eps, b->now, b->width, &tile, 1, &s->sensor, error);
     if (status != TIDES_OK) return status;
     if (s->sensor.on) td_sensor_begin(&s->sensor, s->S[0], s->S[1]);
     td_pixels_reset(&s->pixels, s->sensor.on ? s->S[1] : s->S[0], b->pixels);
@@ -85,7 +101,8 @@ static tides_status step(tides_baseline *b, const double *Y, tides_error *error)
     tides_status status = td_step_between(b->before, b->now, &interval, error);
     if (status != TIDES_OK) return status;
     if (interval.stop_ns > interval.start_ns) interval.stop_ns--; /* no two intervals share a nanosecond */
-    take_signal(b, Y, s->S[1]);
+    status = take_signal(b, Y, s->S[1], error);
+    if (status != TIDES_OK) return status;
     td_signals signals = {.S0 = s->S[0], .S1 = s->S[1]};
     td_coverage coverage = {NULL, NULL};
     if (s->sensor.on)

@@ -37,7 +37,8 @@ void td_v2e_photoreceptor_noise(tides_baseline *b) {
     const double two_pi = 6.28318530717958647693;
     double length = b->now - b->before, part = fmin(1.0, length * two_pi * p->cutoff_hz);
     if (!(fabs(length - s->noise_frame_s) <= 0.1 * length)) { /* v2e too works its level out when the rate changes by 10 % */
-        /* White noise of variance 1 leaves the low-pass with variance part / (2 - part): what v2e measures by simulation. */
+        /* White noise of variance 1 leaves the low-pass with variance part / (2 - part). v2e measures that in one random run
+         * of 1000 time constants: its level is off by 1.9 % (standard deviation), and its rate of noise by 18 %. */
         double rms = mean_threshold(b) / threshold_over_rms(p->shot_noise_rate_hz, p->cutoff_hz);
         s->noise_level = rms * sqrt((2.0 - part) / part);
         s->noise_frame_s = length;

@@ -3,13 +3,12 @@
 
 #include "camera/td_colmap.h"
 #include "camera/td_path.h"
-#include "td_base.h"
+#include "td_folder.h"
 
 #include <locale.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 void tides_path_options_defaults(tides_path_options *options) {
     memset(options, 0, sizeof *options);
@@ -240,16 +239,11 @@ static tides_status load_file(const char *file, const tides_path_options *option
     return status;
 }
 
-static int is_folder(const char *file) {
-    struct stat facts;
-    return stat(file, &facts) == 0 && S_ISDIR(facts.st_mode);
-}
-
 /* A folder with one of the files that are known, or of nerfies cameras. */
 static tides_status load_folder(const char *folder, const tides_path_options *options, tides_path *path, tides_error *error) {
     char *file = NULL;
     tides_status status = td_path_find(folder, &file, error);
-    if (!status && file && !is_folder(file)) {
+    if (!status && file && !td_is_folder(file)) {
         status = load_file(file, options, path, error);
     } else if (!status) {
         td_path_reader reader = {.file = folder, .text = "", .options = options, .error = error};
@@ -266,5 +260,5 @@ tides_status tides_path_load(const char *file, const tides_path_options *options
     if (!options) options = &defaults;
     tides_status status = check_options(options, error);
     if (status != TIDES_OK) return status;
-    return is_folder(file) ? load_folder(file, options, path, error) : load_file(file, options, path, error);
+    return td_is_folder(file) ? load_folder(file, options, path, error) : load_file(file, options, path, error);
 }

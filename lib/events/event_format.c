@@ -1,7 +1,7 @@
 /* The table of formats, and how one is found: by name, by what a file holds, by the ending of a file to be written. */
 #include "td_event_format.h"
 
-#include "td_base.h"
+#include "td_folder.h"
 
 #include <errno.h>
 #include <string.h>
@@ -50,10 +50,7 @@ static tides_status probe_file(const char *path, td_event_probe *probe, tides_er
     struct stat there;
     FILE *file = fopen(path, "rb");
     if (!file) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
-    if (fstat(fileno(file), &there) != 0 || S_ISDIR(there.st_mode)) {
-        fclose(file);
-        return td_fail(error, TIDES_BAD_FILE, "%s: is a folder: name a file in it", path);
-    }
+    if (fstat(fileno(file), &there) != 0) there.st_size = 0;
     memset(probe, 0, sizeof *probe);
     probe->path = path;
     probe->bytes = fread(probe->head, 1, TD_EVENT_HEAD, file);
@@ -67,6 +64,10 @@ static tides_status probe_file(const char *path, td_event_probe *probe, tides_er
 
 tides_status td_event_format_detect(const char *path, const td_event_format **format, tides_error *error) {
     td_event_probe probe;
+    if (td_is_folder(path)) {
+        *format = &td_format_folder;
+        return TIDES_OK;
+    }
     tides_status status = probe_file(path, &probe, error);
     if (status != TIDES_OK) return status;
     for (size_t i = 0; td_event_formats[i]; i++) {

@@ -126,6 +126,14 @@ static int has_large(const npy_state *state) {
     return 0;
 }
 
+tides_status td_event_npz_is_fine(const char *path, int *fine, tides_error *error) {
+    td_event_stream stream = {.input = {.path = path}};
+    tides_status status = open_columns(&stream, error);
+    if (status == TIDES_OK) *fine = holds(stream.state, "timestamp") || has_large(stream.state);
+    close_npy(&stream);
+    return status;
+}
+
 static tides_status open_ergb(td_event_stream *stream, tides_error *error) {
     tides_status status = open_columns(stream, error);
     if (status != TIDES_OK) return status;

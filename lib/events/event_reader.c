@@ -1,7 +1,7 @@
 /* Reading event files of any format: what is the same for all of them. */
-#include "td_base.h"
 #include "td_event_format.h"
 #include "td_event_h5.h"
+#include "td_folder.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -19,10 +19,17 @@ struct tides_event_reader {
 
 /* ---- opening ---- */
 
-static tides_status choose(const char *path, const char *name, const td_event_format **format, tides_error *error) {
+static tides_status choose(tides_event_reader *reader, const char *path, const char *name, tides_error *error) {
+    const td_event_format **format = &reader->format;
     tides_status status = name ? td_event_format_named(name, format, error) : td_event_format_detect(path, format, error);
-    if (status != TIDES_OK || (*format)->read) return status;
-    return td_fail(error, TIDES_UNSUPPORTED, "%s: files of the format \"%s\" are only written", path, (*format)->name);
+    if (status != TIDES_OK) return status;
+    if (!(*format)->read)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: files of the format \"%s\" are only written", path, (*format)->name);
+    if (name && td_is_folder(path)) {
+        reader->stream.named = *format;
+        *format = &td_format_folder;
+    }
+    return TIDES_OK;
 }
 
 static tides_status open_stream(tides_event_reader *reader, const char *path, tides_error *error) {
@@ -44,7 +51,7 @@ tides_status tides_event_reader_open(const char *path, const char *format, tides
     if (!path || !reader) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_reader_open: an argument is NULL");
     tides_event_reader *made = td_alloc(1, sizeof *made, error);
     if (!made) return TIDES_NO_MEMORY;
-    tides_status status = choose(path, format, &made->format, error);
+    tides_status status = choose(made, path, format, error);
     char *kept = status == TIDES_OK ? td_strdup(path, error) : NULL;
     if (status == TIDES_OK) status = kept ? open_stream(made, kept, error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK) {

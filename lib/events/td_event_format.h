@@ -53,8 +53,9 @@ tides_status td_input_line(td_event_input *input, char *line, size_t size, int *
 typedef struct td_event_stream {
     td_event_input input; /* not opened for formats with `library` */
     tides_event_facts facts;
-    uint64_t done; /* events handed out before this call of read */
-    void *state;   /* the format's; freed by its close */
+    uint64_t done;                       /* events handed out before this call of read */
+    const struct td_event_format *named; /* a folder's files are of this format; NULL: what they hold says */
+    void *state;                         /* the format's; freed by its close */
 } td_event_stream;
 
 /* ---- a file being written ---- */
@@ -128,6 +129,9 @@ extern const td_event_format td_format_hdf5, td_format_ecf, td_format_aedat4, td
 /* By name; TIDES_BAD_ARGUMENT names the nearest. */
 tides_status td_event_format_named(const char *name, const td_event_format **format, tides_error *error);
 
+/* Folders of data sets (event_folder.c); not in the table: it takes no file, and its name is that of the files within. */
+extern const td_event_format td_format_folder;
+
 /* By what the file holds; TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE. */
 tides_status td_event_format_detect(const char *path, const td_event_format **format, tides_error *error);
 
@@ -152,6 +156,9 @@ tides_status td_event_bad(const td_event_stream *stream, uint64_t number, const 
 
 /* The file ends within something. */
 tides_status td_event_cut_off(const td_event_stream *stream, tides_error *error);
+
+/* Whether the .npz holds events of BS-ERGB or coordinates that only 1/32 px can be (event_npy.c). */
+tides_status td_event_npz_is_fine(const char *path, int *fine, tides_error *error);
 
 /* Lines "% key value" before the data of Prophesee's files (event_header.c). */
 typedef struct td_event_header {

@@ -1,8 +1,9 @@
 /* Reads a PNG's values with libpng: grey or colour, 8 or 16 bit. */
 #include "td_frames.h"
 
+#include "image/td_png.h"
+
 #include <errno.h>
-#include <png.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -20,19 +21,8 @@ typedef struct png_job {
     unsigned char *bytes; /* all rows */
     png_bytepp rows;
     int width, height, depth, channels;
-    char message[200];
+    td_png_message message;
 } png_job;
-
-static void on_error(png_structp png, png_const_charp message) {
-    png_job *job = png_get_error_ptr(png);
-    snprintf(job->message, sizeof job->message, "%s", message);
-    png_longjmp(png, 1);
-}
-
-static void on_warning(png_structp png, png_const_charp message) {
-    (void)png;
-    (void)message;
-}
 
 /* 0, or -1 with job->message filled. Palettes become colour, small depths 8 bit; what is transparent stays as it is stored. */
 static int read_header(png_job *job) {
@@ -53,8 +43,8 @@ static int read_header(png_job *job) {
     job->channels = png_get_channels(job->png, job->info);
     job->row_bytes = png_get_rowbytes(job->png, job->info);
     if (job->row_bytes / DEFLATE_MAX * (size_t)job->height <= job->file_bytes) return 0;
-    snprintf(job->message, sizeof job->message, "it claims %d x %d px, more than %zu bytes can hold", job->width, job->height,
-             job->file_bytes);
+    snprintf(job->message.text, sizeof job->message.text, "it claims %d x %d px, more than %zu bytes can hold", job->width,
+             job->height, job->file_bytes);
     return -1;
 }
 
@@ -77,12 +67,12 @@ static float *to_floats(const png_job *job, tides_error *error) {
 }
 
 static tides_status decode(png_job *job, const char *path, td_picture_values *picture, tides_error *error) {
-    if (read_header(job) != 0) return td_fail(error, TIDES_BAD_FILE, "%s: can't be read: %s", path, job->message);
+    if (read_header(job) != 0) return td_fail(error, TIDES_BAD_FILE, "%s: can't be read: %s", path, job->message.text);
     job->bytes = td_alloc((size_t)job->height, job->row_bytes, error);
     job->rows = td_alloc((size_t)job->height, sizeof *job->rows, error);
     if (!job->bytes || !job->rows) return TIDES_NO_MEMORY;
     for (int y = 0; y < job->height; y++) job->rows[y] = job->bytes + (size_t)y * job->row_bytes;
-    if (read_rows(job) != 0) return td_fail(error, TIDES_BAD_FILE, "%s: can't be read: %s", path, job->message);
+    if (read_rows(job) != 0) return td_fail(error, TIDES_BAD_FILE, "%s: can't be read: %s", path, job->message.text);
     *picture = (td_picture_values){job->width, job->height, job->channels, to_floats(job, error)};
     return picture->values ? TIDES_OK : TIDES_NO_MEMORY;
 }
@@ -92,7 +82,7 @@ tides_status td_frame_png(const char *path, td_picture_values *picture, tides_er
     png_job job = {.file = fopen(path, "rb")};
     if (!job.file) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
     job.file_bytes = fstat(fileno(job.file), &facts) == 0 ? (size_t)facts.st_size : 0;
-    job.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &job, on_error, on_warning);
+    job.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &job.message, td_png_on_error, td_png_on_warning);
     job.info = job.png ? png_create_info_struct(job.png) : NULL;
     tides_status status =
         job.info ? decode(&job, path, picture, error) : td_fail(error, TIDES_NO_MEMORY, "%s: out of memory", path);

@@ -1,11 +1,12 @@
 /* When frames were taken: a text file, a rate, or what the array file says. */
 #include "td_frames.h"
 
+#include "td_folder.h"
+
 #include <locale.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* A page of text per thousand frames; more than this is another kind of file. */
 #define TIMES_BYTES_MAX ((size_t)1 << 28)
@@ -75,8 +76,7 @@ static tides_status read_file(tides_frames *frames, const char *file, tides_erro
 static char *find_file(const char *path, tides_error *error, tides_status *status) {
     static const char *const names[] = {"timestamps.txt", "image_timestamps.txt", "../timestamps.txt",
                                         "../image_timestamps.txt"};
-    struct stat facts;
-    const int folder = stat(path, &facts) == 0 && S_ISDIR(facts.st_mode);
+    const int folder = td_is_folder(path);
     const char *slash = strrchr(path, '/');
     int parent = slash ? (int)(slash - path) + 1 : 0;
     *status = TIDES_OK;
@@ -86,7 +86,7 @@ static char *find_file(const char *path, tides_error *error, tides_status *statu
             *status = TIDES_NO_MEMORY;
             return NULL;
         }
-        if (stat(file, &facts) == 0 && S_ISREG(facts.st_mode)) return file;
+        if (td_is_file(file)) return file;
         free(file);
     }
     return NULL;

@@ -1,10 +1,11 @@
 /* Frame sequences: opening, times, luminance. */
 #include "td_frames.h"
 
+#include "td_folder.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 
 const char *const td_frame_arrays[] = {"Y", "frames", "images", NULL};
@@ -27,18 +28,13 @@ tides_status td_frames_take_shape(tides_frames *frames, const char *what, size_t
 
 /* -- opening --------------------------------------------------------------------------------------------------------------- */
 
-static int ends_in(const char *path, const char *ending) {
-    size_t length = strlen(path), tail = strlen(ending);
-    return length >= tail && strcasecmp(path + length - tail, ending) == 0;
-}
-
 static tides_status open_source(tides_frames *frames, tides_error *error) {
     struct stat facts;
     const char *path = frames->path;
     if (stat(path, &facts) != 0) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: there is no such file or folder", path);
-    if (S_ISDIR(facts.st_mode)) return td_frames_folder(frames, error);
-    if (ends_in(path, ".npy") || ends_in(path, ".npz")) return td_frames_npy(frames, error);
-    if (ends_in(path, ".h5") || ends_in(path, ".hdf5")) return td_frames_hdf5(frames, error);
+    if (td_is_folder(path)) return td_frames_folder(frames, error);
+    if (td_ends_in(path, ".npy") || td_ends_in(path, ".npz")) return td_frames_npy(frames, error);
+    if (td_ends_in(path, ".h5") || td_ends_in(path, ".hdf5")) return td_frames_hdf5(frames, error);
     return td_fail(error, TIDES_BAD_FILE, "%s: frames come from a folder of .png or .exr, or from .npy, .npz, .h5 or .hdf5",
                    path);
 }

@@ -1,82 +1,33 @@
 /* A folder of pictures as a frame sequence. */
 #include "td_frames.h"
 
+#include "td_folder.h"
 #include "tides/image.h"
 
-#include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 typedef struct folder {
-    char **files; /* paths, in natural order */
-    size_t count, capacity;
+    td_folder list;
     int exr;
 } folder;
 
 static void close_folder(void *state) {
     folder *f = state;
-    for (size_t i = 0; i < f->count; i++) free(f->files[i]);
-    free(f->files);
+    td_folder_free(&f->list);
     free(f);
 }
 
-static int ends_in(const char *name, const char *ending) {
-    size_t length = strlen(name), tail = strlen(ending);
-    return length > tail && strcasecmp(name + length - tail, ending) == 0;
-}
-
-/* Runs of digits compare as numbers: frame_9 before frame_10. */
-static int compare(const void *a, const void *b) {
-    const char *left = *(char *const *)a, *right = *(char *const *)b;
-    while (*left && *right) {
-        size_t zeros_left = strspn(left, "0"), zeros_right = strspn(right, "0");
-        size_t digits_left = strspn(left + zeros_left, "0123456789"), digits_right = strspn(right + zeros_right, "0123456789");
-        if (zeros_left + digits_left && zeros_right + digits_right) {
-            if (digits_left != digits_right) return digits_left < digits_right ? -1 : 1;
-            int order = memcmp(left + zeros_left, right + zeros_right, digits_left);
-            if (order) return order;
-            left += zeros_left + digits_left;
-            right += zeros_right + digits_right;
-            continue;
-        }
-        if (*left != *right) return (unsigned char)*left < (unsigned char)*right ? -1 : 1;
-        left++;
-        right++;
-    }
-    if (*left || *right) return *left ? 1 : -1;
-    return strcmp(*(char *const *)a, *(char *const *)b); /* "7" and "07" */
-}
-
-static tides_status add(folder *f, const char *path, const char *name, tides_error *error) {
-    void *files = f->files;
-    tides_status status = td_reserve(&files, &f->capacity, f->count + 1, sizeof *f->files, error);
-    f->files = files;
-    if (status != TIDES_OK) return status;
-    if (!(f->files[f->count] = td_format(error, "%s/%s", path, name))) return TIDES_NO_MEMORY;
-    f->count++;
-    return TIDES_OK;
-}
-
 static tides_status scan(folder *f, const char *path, tides_error *error) {
-    DIR *entries = opendir(path);
-    const struct dirent *entry;
-    int kinds[2] = {0, 0};
-    tides_status status = TIDES_OK;
-    while (status == TIDES_OK && entries && (entry = readdir(entries))) {
-        int png = ends_in(entry->d_name, ".png"), exr = ends_in(entry->d_name, ".exr");
-        if (entry->d_name[0] == '.' || !(png || exr)) continue;
-        kinds[exr] = 1;
-        status = add(f, path, entry->d_name, error);
-    }
-    if (entries) closedir(entries);
+    tides_status status = td_folder_list(&f->list, path, ".png", error);
+    const size_t png = f->list.count;
+    if (status == TIDES_OK) status = td_folder_list(&f->list, path, ".exr", error);
     if (status != TIDES_OK) return status;
-    if (!f->count) return td_fail(error, TIDES_BAD_FILE, "%s: there is no .png or .exr in this folder", path);
-    if (kinds[0] && kinds[1])
+    if (!f->list.count) return td_fail(error, TIDES_BAD_FILE, "%s: there is no .png or .exr in this folder", path);
+    if (png && png < f->list.count)
         return td_fail(error, TIDES_BAD_FILE, "%s: holds .png and .exr; keep the frames of one kind in a folder of their own",
                        path);
-    f->exr = kinds[1];
-    qsort(f->files, f->count, sizeof *f->files, compare);
+    f->exr = !png;
     return TIDES_OK;
 }
 
@@ -122,7 +73,7 @@ static tides_status read_exr(const char *path, td_picture_values *picture, tides
 /* -- the source ------------------------------------------------------------------------------------------------------------ */
 
 static tides_status read_picture(const folder *f, size_t index, td_picture_values *picture, tides_error *error) {
-    return f->exr ? read_exr(f->files[index], picture, error) : td_frame_png(f->files[index], picture, error);
+    return f->exr ? read_exr(f->list.files[index], picture, error) : td_frame_png(f->list.files[index], picture, error);
 }
 
 static tides_status read_frame(tides_frames *frames, size_t index, double *Y, tides_error *error) {
@@ -134,7 +85,7 @@ static tides_status read_frame(tides_frames *frames, size_t index, double *Y, ti
         td_frame_luminance(&frames->options, picture.values, picture.channels, (size_t)picture.width * (size_t)picture.height,
                            Y);
     else
-        status = td_fail(error, TIDES_BAD_FILE, "%s: is %d x %d px, but the first frame is %d x %d", f->files[index],
+        status = td_fail(error, TIDES_BAD_FILE, "%s: is %d x %d px, but the first frame is %d x %d", f->list.files[index],
                          picture.width, picture.height, frames->width, frames->height);
     free(picture.values);
     return status;
@@ -150,7 +101,8 @@ tides_status td_frames_folder(tides_frames *frames, tides_error *error) {
     tides_status status = scan(f, frames->path, error);
     if (status == TIDES_OK) status = read_picture(f, 0, &first, error);
     if (status == TIDES_OK)
-        status = td_frames_take_shape(frames, f->files[0], f->count, (size_t)first.height, (size_t)first.width, error);
+        status =
+            td_frames_take_shape(frames, f->list.files[0], f->list.count, (size_t)first.height, (size_t)first.width, error);
     free(first.values);
     return status;
 }

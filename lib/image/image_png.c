@@ -4,7 +4,6 @@
 #include "td_base.h"
 
 #include <errno.h>
-#include <png.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,18 +18,18 @@ typedef struct png_job {
     png_structp png;
     png_infop info;
     int32_t y;
-    char message[200];
+    td_png_message message;
 } png_job;
 
-static void on_error(png_structp png, png_const_charp message) {
-    png_job *job = png_get_error_ptr(png);
-    snprintf(job->message, sizeof job->message, "%s", message);
+void td_png_on_error(png_structp png, png_const_charp text) {
+    td_png_message *message = png_get_error_ptr(png);
+    snprintf(message->text, sizeof message->text, "%s", text);
     png_longjmp(png, 1);
 }
 
-static void on_warning(png_structp png, png_const_charp message) {
+void td_png_on_warning(png_structp png, png_const_charp text) {
     (void)png;
-    (void)message;
+    (void)text;
 }
 
 /* 0, or -1 with job->message filled. */
@@ -49,14 +48,14 @@ static int write_picture(png_job *job) {
 }
 
 static tides_status encode(png_job *job, const char *path, tides_error *error) {
-    job->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, job, on_error, on_warning);
+    job->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &job->message, td_png_on_error, td_png_on_warning);
     if (!job->png) return td_fail(error, TIDES_NO_MEMORY, "%s: out of memory", path);
     tides_status status = TIDES_OK;
     job->info = png_create_info_struct(job->png);
     if (!job->info)
         status = td_fail(error, TIDES_NO_MEMORY, "%s: out of memory", path);
     else if (write_picture(job) != 0)
-        status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path, job->message);
+        status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path, job->message.text);
     png_destroy_write_struct(&job->png, &job->info);
     return status;
 }

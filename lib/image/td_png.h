@@ -1,12 +1,22 @@
-/* Internal: a PNG picture to an open stream. */
+/* Internal: PNG pictures and libpng's way of failing. */
 #ifndef TD_PNG_H
 #define TD_PNG_H
 
 #include "tides/image.h"
 
+#include <png.h>
 #include <stdio.h>
 
-/* `path` is for messages. */
+/* What went wrong, in libpng's words: the error pointer of a png_struct whose handlers are the ones below. */
+typedef struct td_png_message {
+    char text[200];
+} td_png_message;
+
+/* libpng's handlers: an error is kept in the message, and libpng left by longjmp; warnings are no concern of ours. */
+void td_png_on_error(png_structp png, png_const_charp text);
+void td_png_on_warning(png_structp png, png_const_charp text);
+
+/* A picture to an open stream; `path` is for messages. */
 tides_status td_png_encode(const char *path, FILE *file, int32_t width, int32_t height, const uint8_t *rgb, tides_error *error);
 
 #endif

@@ -147,13 +147,13 @@ static void to_linear(td_psf *psf, int count, int outputs) {
     }
 }
 
-/* One output along a line of inputs, whose first is `radius` before the first output: sums in the same order for each. */
-static void blur_line(const td_psf *psf, const double *line, size_t stride, double out[TD_TILE]) {
+/* `count` outputs along a line of inputs, whose first is `radius` before the first output: sums in the same order for each. */
+static inline void blur_line(const td_psf *psf, const double *line, size_t stride, int count, double *out) {
     const double *centre = line + (size_t)psf->radius * stride;
-    for (int c = 0; c < TD_TILE; c++) out[c] = psf->weight[0] * centre[c];
+    for (int c = 0; c < count; c++) out[c] = psf->weight[0] * centre[c];
     for (int k = 1; k <= psf->radius; k++) {
         const double *before = centre - (size_t)k * stride, *after = centre + (size_t)k * stride;
-        for (int c = 0; c < TD_TILE; c++) out[c] += psf->weight[k] * (before[c] + after[c]);
+        for (int c = 0; c < count; c++) out[c] += psf->weight[k] * (before[c] + after[c]);
     }
 }
 
@@ -179,9 +179,27 @@ static void blur_tile(const source *s, int x0, int y0, double *out) {
     double *rows = s->psf->rows, *line = rows + (size_t)side * TD_TILE;
     for (int y = 0; y < side; y++) {
         gather(s, x0 - radius, y0 - radius + y, side, line);
-        blur_line(s->psf, line, 1, rows + (size_t)y * TD_TILE);
+        blur_line(s->psf, line, 1, TD_TILE, rows + (size_t)y * TD_TILE);
     }
-    for (int y = 0; y < TD_TILE; y++) blur_line(s->psf, rows + (size_t)y * TD_TILE, TD_TILE, out + (size_t)y * TD_TILE);
+    for (int y = 0; y < TD_TILE; y++)
+        blur_line(s->psf, rows + (size_t)y * TD_TILE, TD_TILE, TD_TILE, out + (size_t)y * TD_TILE);
+}
+
+tides_status td_psf_image(td_psf *psf, int width, int height, double *image, tides_error *error) {
+    int radius = psf->radius;
+    size_t lines = (size_t)(height + 2 * radius), row = (size_t)width;
+    if (!radius) return TIDES_OK;
+    tides_status status =
+        td_reserve((void **)&psf->rows, &psf->row_capacity, lines * row + row + 2 * (size_t)radius, sizeof *psf->rows, error);
+    if (status != TIDES_OK) return status;
+    double *line = psf->rows + lines * row;
+    for (int y = -radius; y < height + radius; y++) {
+        const double *from = image + (size_t)clamp(y, height - 1) * row;
+        for (int x = -radius; x < width + radius; x++) line[x + radius] = from[clamp(x, width - 1)];
+        blur_line(psf, line, 1, width, psf->rows + (size_t)(y + radius) * row);
+    }
+    for (int y = 0; y < height; y++) blur_line(psf, psf->rows + (size_t)y * row, row, width, image + (size_t)y * row);
+    return TIDES_OK;
 }
 
 /* A request's planes: L and L_dot blurred, Y from L, the others as rendered. */

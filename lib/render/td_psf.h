@@ -33,13 +33,16 @@ typedef struct td_psf {
     size_t place_capacity;
     double *planes; /* (raw x outputs x TD_TILE_PIXELS) */
     size_t plane_capacity;
-    double *rows; /* (2 x (TD_TILE + 2 radius) x TD_TILE) blurred along x, and one row before that */
+    double *rows; /* of a tile, ((TD_TILE + 2 radius) x TD_TILE), or of an image: blurred along x, and one row before that */
     size_t row_capacity;
 } td_psf;
 
 /* The blur of `sigma_px` from now on; 0: none. TIDES_BAD_ARGUMENT naming what is out of range. */
 TIDES_MUST_CHECK tides_status td_psf_set(td_psf *psf, double sigma_px, int32_t domain, tides_error *error);
 void td_psf_release(td_psf *psf);
+
+/* Blurs a whole image (height x width), in place, as tiles are: G of the above. */
+TIDES_MUST_CHECK tides_status td_psf_image(td_psf *psf, int width, int height, double *image, tides_error *error);
 
 /* What moves in a tile, and how far, also counts in those that it is blurred into. */
 tides_status td_psf_spread(td_psf *psf, struct td_candidates *candidates, tides_error *error);

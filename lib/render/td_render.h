@@ -124,6 +124,12 @@ tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory 
 tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
                                      const td_request *requests, int count, int outputs, double *planes, tides_error *error);
 
+/* The fastest motion in the image at `time` within [start, stop] [px/s]: of what is at rest in the world, pixel by pixel from
+ * the camera's motion and the rendered depth Z (height x width), as ESIM does; of what moves by itself, splat by splat, hidden
+ * ones too (flow.c). */
+tides_status td_renderer_flow(tides_renderer *renderer, const tides_trajectory *camera, double time, double start, double stop,
+                              const double *Z, double *fastest, tides_error *error);
+
 /* -- for scenes with motion (moved_jobs.c) -- */
 
 /* Runs jobs, sorted or not, whose candidates are the sweep's: works out the rows that they need, in launches that stay below

@@ -139,9 +139,10 @@ static const tides_param table[] = {
     NUMBER("esim.refractory_period_ns", "ns", 0, 1e12, "0.0", "events in it are dropped, and their contrast is consumed"),
     NUMBER("esim.log_eps", "", 1e-9, 1e6, "0.001", "ESIM's L = ln(Y + log_eps)"),
     BOOLEAN("esim.use_log_image", "true", "false: thresholds are on luminance itself"),
-    CHOICE("esim.simulation_adaptive_sampling_method", "none|brightness", "\"brightness\"",
-           "of renders: by the largest |L_dot|, exact here; none: frames_per_second; by flow: not available"),
-    NUMBER("esim.simulation_adaptive_sampling_lambda", "", 1e-6, 1e6, "0.5", "largest change of L between two renders"),
+    CHOICE("esim.simulation_adaptive_sampling_method", "none|brightness|motion", "\"brightness\"",
+           "of renders: by the largest |L_dot|, exact here, or by the fastest motion in the image; none: frames_per_second"),
+    NUMBER("esim.simulation_adaptive_sampling_lambda", "", 1e-6, 1e6, "0.5",
+           "largest change of L, or motion in px, between two renders"),
     NUMBER("esim.simulation_minimum_framerate", "Hz", 1e-6, 1e9, "30.0", "renders are no further apart than its inverse"),
 
     NUMBER("v2e.pos_thres", "log units", 1e-4, 100, "0.2", "ON threshold (v2e's command line, like all its defaults here)"),

@@ -24,7 +24,7 @@ static int32_t get_choice(const tides_run *run, const char *key, const char *con
 static int32_t get_boolean(const tides_run *run, const char *key) { return cJSON_IsTrue(td_run_value(run, key)) ? 1 : 0; }
 
 static void get_esim(const tides_run *run, tides_esim *p) {
-    static const char *const sampling[] = {"none", "brightness", NULL}; /* TIDES_ESIM_* */
+    static const char *const sampling[] = {"none", "brightness", "motion", NULL}; /* TIDES_ESIM_* */
     const number_row rows[] = {{"esim.contrast_threshold_pos", &p->contrast_threshold_pos},
                                {"esim.contrast_threshold_neg", &p->contrast_threshold_neg},
                                {"esim.contrast_threshold_sigma_pos", &p->contrast_threshold_sigma_pos},

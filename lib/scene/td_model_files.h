@@ -2,10 +2,7 @@
 #ifndef TD_MODEL_FILES_H
 #define TD_MODEL_FILES_H
 
-#include "tides/base.h"
-
-int td_is_folder(const char *path);
-int td_is_file(const char *path);
+#include "td_folder.h"
 
 /* What follows the last slash. */
 const char *td_base_name(const char *path);

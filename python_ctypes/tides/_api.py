@@ -97,6 +97,7 @@ TIDES_METHOD_IEBCS = 3
 TIDES_METHOD_VOLTMETER = 4
 TIDES_ESIM_NONE = 0
 TIDES_ESIM_BRIGHTNESS = 1
+TIDES_ESIM_MOTION = 2
 TIDES_ARBITER_NONE = 0
 TIDES_ARBITER_BOTTLENECK = 1
 TIDES_ARBITER_ROW = 2
@@ -1132,7 +1133,8 @@ class tides_event_format(Structure):
 
 
 class tides_event_facts(Structure):
-    """char format[32]; /* "evt3" ...; of HDF5 its layout: "tides", "dsec", "eds", "mvsec", "v2e", "timostoff", "m3ed", "rvt" */
+    """char format[32]; /* "evt3" ...; of HDF5 its layout: "tides", "dsec", "eds", "mvsec", "v2e", "timostoff", "m3ed", "rvt";
+    of a folder that of its files */
     char version[32]; /* of TIDES that wrote it, or "" */
     int32_t width, height; /* [px]; 0 where the file doesn't say */
     int32_t counted; /* 1: count is known without reading the file */
@@ -1542,8 +1544,8 @@ class tides_esim(Structure):
     double refractory_period_ns; /* [ns] 0: events are dropped, their contrast consumed */
     double log_eps; /* 0.001 */
     int32_t use_log_image; /* 1; 0: thresholds are on Y itself */
-    int32_t adaptive_sampling; /* TIDES_ESIM_*, of renders: tides_baseline_next_time */
-    double adaptive_sampling_lambda; /* 0.5: change of L [1] between two renders */
+    int32_t adaptive_sampling; /* TIDES_ESIM_*, of renders: tides_esim_next_time */
+    double adaptive_sampling_lambda; /* 0.5: change of L [1], or motion [px], between two renders */
     double minimum_framerate; /* [Hz] 30: the longest time between two renders */
     """
 
@@ -2236,7 +2238,7 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_device_list": (c_int32, [P(tides_device_info), c_int32, P(c_int32), P(tides_error)]),
     # tides_status tides_device_open(const char *spec, tides_device **device, tides_error *error)
     "tides_device_open": (c_int32, [c_char_p, P(P(tides_device)), P(tides_error)]),
-    # double tides_esim_next_time(const tides_esim *esim, double time, double fastest_log_luminance_dot)
+    # double tides_esim_next_time(const tides_esim *esim, double time, double fastest)
     "tides_esim_next_time": (c_double, [P(tides_esim), c_double, c_double]),
     # void tides_event_conversion_defaults(tides_event_conversion *conversion)
     "tides_event_conversion_defaults": (None, [P(tides_event_conversion)]),

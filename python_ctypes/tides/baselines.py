@@ -138,9 +138,10 @@ def _collected(name: str, *arguments: Any) -> np.ndarray:
     return collector.result()
 
 
-def esim_next_time(params: BaselineParams, time: float, fastest_log_luminance_dot: float) -> float:
-    """When ESIM's adaptive sampling renders after `time` [s], from the largest |L_dot| there [1/s]."""
-    return lib.tides_esim_next_time(byref(params.esim), time, fastest_log_luminance_dot)
+def esim_next_time(params: BaselineParams, time: float, fastest: float) -> float:
+    """When ESIM's adaptive sampling renders after `time` [s], from the largest |L_dot| there [1/s], or by motion from
+    the fastest flow [px/s]."""
+    return lib.tides_esim_next_time(byref(params.esim), time, fastest)
 
 
 def ldati(voxels: Any, start: float, stop: float, seed: int = 0, frame: int = 0) -> np.ndarray:

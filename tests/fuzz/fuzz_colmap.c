@@ -1,22 +1,15 @@
 /* Any bytes as COLMAP's cameras or images, text or binary: the first byte chooses. Images refer to one camera, number 1. */
+#include "fuzz.h"
+
 #include "camera/td_colmap.h"
 #include "camera/td_path.h"
-
-#include <stdlib.h>
-#include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-static void check_refusal(tides_status status, const tides_error *error) {
-    if (error->status != status || !error->text[0] || strchr(error->text, '\n')) abort();
-}
 
 static void fuzz_cameras(const char *text, size_t bytes, int binary) {
     td_colmap_cameras cameras = {NULL, 0, 0};
     tides_error error = {0, ""};
     tides_status status = td_colmap_parse_cameras("file", text, bytes, binary, &cameras, &error);
     if (status != TIDES_OK) {
-        check_refusal(status, &error);
+        fuzz_one_line(status, &error);
         if (cameras.list) abort();
         return;
     }
@@ -33,7 +26,7 @@ static void fuzz_images(const char *text, size_t bytes, int binary) {
     tides_error error = {0, ""};
     td_path_reader reader = {.file = "file", .text = text, .bytes = bytes, .options = &options, .error = &error};
     tides_status status = td_path_read_images(&reader, binary, &cameras);
-    if (status != TIDES_OK) check_refusal(status, &error);
+    if (status != TIDES_OK) fuzz_one_line(status, &error);
     for (size_t i = 0; status == TIDES_OK && i < reader.count; i++)
         if (!(reader.samples[i].time >= 0 && reader.samples[i].time <= 1)) abort();
     free(reader.samples);

@@ -1,17 +1,9 @@
 /* Any bytes as a PLY scene: parsed into Gaussians that can be checked, or refused in one line with the output untouched.
  * For libFuzzer (clang -fsanitize=fuzzer,address). Built with -DTIDES_FUZZ_MAIN it is a program of its own, for machines
  * without libFuzzer: `fuzz_ply [SECONDS [SEED]]` mutates small valid scenes; `fuzz_ply FILE ...` replays files. */
+#include "fuzz.h"
+
 #include "scene/td_scene.h"
-
-#include <stdlib.h>
-#include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-static void check_refusal(tides_status status, const tides_error *error) {
-    int expected = status == TIDES_BAD_FILE || status == TIDES_UNSUPPORTED;
-    if (!expected || error->status != status || !error->text[0] || strchr(error->text, '\n')) abort();
-}
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     float untouched = 0;
@@ -19,14 +11,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     tides_error error = {0, ""};
     tides_status status = td_ply_parse("fuzz", data, size, &gaussians, &error);
     if (status != TIDES_OK) {
-        check_refusal(status, &error);
+        fuzz_refusal(status, &error);
         if (gaussians.count != -1 || gaussians.mean != &untouched || gaussians.sh != &untouched) abort();
         return 0;
     }
     /* Every Gaussian takes at least 14 bytes of the file: memory is bounded by what was read. */
     if (gaussians.count < 1 || (uint64_t)gaussians.count > size / 14) abort();
     status = td_gaussians_check(&gaussians, 1, TIDES_BAD_FILE, &error);
-    if (status != TIDES_OK) check_refusal(status, &error);
+    if (status != TIDES_OK) fuzz_refusal(status, &error);
     td_gaussians_free(&gaussians);
     return 0;
 }

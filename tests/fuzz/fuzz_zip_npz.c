@@ -1,15 +1,7 @@
 /* Any bytes as .npz or .npy: every array can be read in all its elements, or is refused in one line. */
+#include "fuzz.h"
+
 #include "archive/td_npy.h"
-
-#include <stdlib.h>
-#include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-static void check_refusal(tides_status status, const tides_error *error) {
-    int expected = status == TIDES_BAD_FILE || status == TIDES_UNSUPPORTED;
-    if (!expected || error->status != status || !error->text[0] || strchr(error->text, '\n')) abort();
-}
 
 static void read_all(const td_npy_array *array, size_t size) {
     /* Deflate's best ratio bounds what a file can become. */
@@ -30,7 +22,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     tides_error error = {0, ""};
     tides_status status = td_npz_parse("fuzz", data, size, &npz, &error);
     if (status != TIDES_OK) {
-        check_refusal(status, &error);
+        fuzz_refusal(status, &error);
         if (npz) abort();
         return 0;
     }
@@ -38,7 +30,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         const td_npy_array *array = NULL;
         status = td_npz_get(npz, td_npz_name(npz, i), &array, &error);
         if (status != TIDES_OK)
-            check_refusal(status, &error);
+            fuzz_refusal(status, &error);
         else
             read_all(array, size);
     }

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes small valid files for the fuzz targets of binary formats into a folder (scripts/fuzz.sh runs this)."""
-import gzip, io, json, os, pickle, struct, sys, types, zipfile
+import gzip, io, json, os, pickle, struct, sys, types, zipfile, zlib
 from collections import OrderedDict
 
 folder = sys.argv[1]
@@ -219,8 +219,128 @@ def models():
     yield "frames", {"time0": ply(plain), "time1": ply(plain)}
 
 
+def row(files, held):
+    """A row of files as fuzz.h reads it."""
+    return b"".join(bytes([files.index(k)]) + struct.pack("<I", len(v))[:3] + v for k, v in held.items())
+
+
 for name, held in models():
-    write("fuzz_method", name, b"".join(bytes([FILES.index(k)]) + struct.pack("<I", len(v))[:3] + v for k, v in held.items()))
+    write("fuzz_method", name, row(FILES, held))
+
+
+# -- pictures, frame sequences, noise histograms -----------------------------------------------------------------------
+
+def png(width, height, depth, colour, interlaced=0):
+    """`colour`: 0 grey, 2 RGB, 3 palette, 4 grey with alpha, 6 RGB with alpha."""
+    channels = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}[colour]
+
+    def chunk(name, data):
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+    head = struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, interlaced)
+    lines = b"".join(b"\0" + bytes((7 * i + y) % 4 for i in range((width * channels * depth + 7) // 8)) for y in range(height))
+    palette = chunk(b"PLTE", bytes(range(12))) if colour == 3 else b""
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + palette + chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b"")
+
+
+def exr(channels, width, height, compression, half):
+    """Scan lines; compression 0 none, 2 ZIPS (a line), 3 ZIP (16 lines)."""
+    def attribute(name, kind, data):
+        return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<I", len(data)) + data
+    listed = b"".join(c.encode() + b"\0" + struct.pack("<IB3xII", 1 if half else 2, 0, 1, 1) for c in channels) + b"\0"
+    box = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    head = struct.pack("<II", 20000630, 2) + attribute("channels", "chlist", listed)
+    head += attribute("compression", "compression", bytes([compression])) + attribute("dataWindow", "box2i", box)
+    head += attribute("displayWindow", "box2i", box) + attribute("lineOrder", "lineOrder", b"\0")
+    head += attribute("pixelAspectRatio", "float", struct.pack("<f", 1))
+    head += attribute("screenWindowCenter", "v2f", bytes(8)) + attribute("screenWindowWidth", "float", struct.pack("<f", 1)) + b"\0"
+    lines = 16 if compression == 3 else 1
+    blocks = []
+    for y in range(0, height, lines):
+        count = len(channels) * width * min(lines, height - y)
+        data = struct.pack("<%d%s" % (count, "e" if half else "f"), *(0.25 * (i % 5) for i in range(count)))
+        if compression:
+            mixed = bytearray(data[0::2] + data[1::2])
+            for i in range(len(mixed) - 1, 0, -1):
+                mixed[i] = (mixed[i] - mixed[i - 1] + 128) & 255
+            packed = zlib.compress(bytes(mixed), 9)
+            data = packed if len(packed) < len(data) else data
+        blocks.append(struct.pack("<iI", y, len(data)) + data)
+    at, table = len(head) + 8 * len(blocks), b""
+    for block in blocks:
+        table += struct.pack("<Q", at)
+        at += len(block)
+    return head + table + b"".join(blocks)
+
+
+def npy_file(dtype, shape, data):
+    kind = dtype if dtype.startswith("[") else "'%s'" % dtype
+    head = ("{'descr': %s, 'fortran_order': False, 'shape': %s, }" % (kind, shape)).ljust(117) + "\n"
+    return b"\x93NUMPY\1\0\x76\0" + head.encode() + data
+
+
+FRAMES = ["0.png", "1.png", "0.exr", "own", "dsec", "npy", "npz", "times"]
+for depth, colour, interlaced in ((8, 0, 0), (16, 0, 0), (8, 2, 1), (16, 6, 0), (2, 3, 0), (1, 0, 1), (8, 4, 0)):
+    write("fuzz_png", "%d_%d" % (depth, colour), png(5, 3, depth, colour, interlaced))
+for compression in (0, 2, 3):
+    write("fuzz_exr", "float%d" % compression, exr(["Y"], 6, 18, compression, False))
+    write("fuzz_exr", "half%d" % compression, exr(["B", "G", "R"], 40, 17, compression, True))
+array = npy_file("<f4", (2, 1, 3), struct.pack("<6f", *range(6)))
+pictures = {"0.png": png(3, 2, 8, 0), "1.png": png(3, 2, 8, 2)}
+write("fuzz_frames", "seconds", bytes([0, 0]) + row(FRAMES, dict(pictures, own=b"# s\n0.0\n0.5 name\n")))
+write("fuzz_frames", "dsec", bytes([0, 3]) + row(FRAMES, dict(pictures, dsec=b"49599300523\n49599350523\n")))
+write("fuzz_frames", "given", bytes([0, 32 | 4 * 2]) + row(FRAMES, dict(pictures, times=b"a.png, 1\na.png, 2\n")))
+write("fuzz_frames", "exr", bytes([0, 64]) + row(FRAMES, {"0.exr": exr(["Y"], 3, 2, 0, False)}))
+write("fuzz_frames", "npy", bytes([1, 64]) + row(FRAMES, {"npy": array}))
+write("fuzz_frames", "npz", bytes([2, 1]) + row(FRAMES, {"npz": npz({"Y": (2, 1, 3), "t": (2,)})}))
+pairs = npy_file("[('a', '<f4'), ('b', '<f4')]", (1, 1, 72), bytes(8 * 72))
+write("fuzz_iebcs_noise", "pairs", pairs)
+write("fuzz_frames", "pairs", bytes([1, 64]) + row(FRAMES, {"npy": pairs}))
+write("fuzz_iebcs_noise", "table", npy_file("|u1", (1, 2, 72), bytes(i % 72 // 60 for i in range(144))))
+write("fuzz_iebcs_noise", "real", npy_file("<f8", (1, 1, 72), struct.pack("<72d", *([0] * 60 + [1] * 12))))
+
+
+# -- HDF5 files as fuzz_hdf5.c makes them; a chunk of Prophesee's codec; manifests --------------------------------------
+
+NAMES = ("events/p events/t events/x events/y events/t_ns events/height events/width events/ps events/ts events/xs events/ys p t x "
+         "y events t_offset ms_to_idx CD/events prophesee/left/p prophesee/left/t prophesee/left/x prophesee/left/y "
+         "prophesee/left/calib/resolution davis/left/events Y frames images timestamps @width @height @sensor_resolution @format "
+         "@version @count @stop_ns @geometry").split()
+TYPES = "u1 i1 u2 i2 u4 i4 u8 >i8 f4 f8 bool text record".split()
+
+
+def item(name, kind, shape, storage, data):
+    extents = list(shape) + [1] * (3 - len(shape))
+    return bytes([NAMES.index(name), TYPES.index(kind), len(shape)] + extents + [storage, len(data)]) + data
+
+
+def events_of(prefix, names, types, storage):
+    values = {"p": b"\1\0", "t": b"\5\0\0\0", "x": b"\1\0\2\0", "y": b"\3\0"}
+    return b"".join(item(prefix + n, k, (5,), storage, values[n[0]]) for n, k in zip(names, types))
+
+
+ECF = struct.pack("<IQ", 2 << 2 | 2, 5) + bytes([0x02]) + struct.pack("<3I", 0x00100300, 0x0010, 0)
+size_of = item("@width", "i4", (), 0, b"\x05\0\0\0") + item("@height", "i4", (), 0, b"\x05\0\0\0")
+seconds = struct.pack("<d", 0.5)
+write("fuzz_hdf5", "dsec", events_of("events/", "ptxy", ["u1", "u4", "u2", "u2"], 3) + item("t_offset", ">i8", (), 0, bytes(8)))
+write("fuzz_hdf5", "tides", events_of("events/", ["p", "t", "x", "y", "t_ns"], ["i1", "u4", "u2", "u2", "u8"], 2) + size_of +
+      item("@format", "text", (), 0, b"tides-events") + item("@version", "i4", (), 0, b"\1\0\0\0") +
+      item("@count", "u8", (), 0, b"\5" + bytes(7)) + item("@stop_ns", "u8", (), 0, b"\5" + bytes(7)))
+write("fuzz_hdf5", "eds", events_of("", "ptxy", ["u1", "u4", "u2", "u2"], 1))
+write("fuzz_hdf5", "timostoff", events_of("events/", ["ps", "xs", "ys"], ["bool", "i2", "i2"], 0) +
+      item("events/ts", "f8", (5,), 0, seconds) + item("@sensor_resolution", "i4", (2,), 0, b"\x05\0\0\0"))
+write("fuzz_hdf5", "v2e", item("events", "u4", (3, 4), 0, struct.pack("<4I", 7, 1, 2, 1)))
+write("fuzz_hdf5", "mvsec", item("davis/left/events", "f8", (3, 4), 2, struct.pack("<4d", 1, 2, 0.5, 1)))
+write("fuzz_hdf5", "m3ed", events_of("prophesee/left/", "ptxy", ["i1", "u8", "u2", "u2"], 1))
+write("fuzz_hdf5", "rvt", events_of("events/", ["p", "t", "x", "y", "height", "width"][:4], ["u1", "u4", "u2", "u2"], 0) +
+      item("events/height", "i4", (), 0, b"\x05\0\0\0") + item("events/width", "i4", (), 0, b"\x05\0\0\0"))
+write("fuzz_hdf5", "ecf", item("CD/events", "record", (2,), 4, ECF) + item("@geometry", "text", (), 0, b"9x9"))
+write("fuzz_hdf5", "frames", item("Y", "f4", (2, 2, 3), 0, struct.pack("<f", 0.5)) + item("t", "f8", (2,), 0, bytes(8) + seconds))
+write("fuzz_hdf5", "images", item("images", "u1", (2, 2, 3), 2, b"\x10\x20") + item("timestamps", "i4", (2,), 0, b"\1\0\0\0\2\0\0\0"))
+write("fuzz_ecf", "all", ECF)
+write("fuzz_ecf", "rows", struct.pack("<IQ", 2 << 2, 5) + bytes([0x02]) + struct.pack("<HHB", 3 << 5 | 2, 1 << 5 | 16, 0x82))
+write("fuzz_ecf", "x", struct.pack("<IQ", 1 << 2 | 1, 5) + bytes([0x31]) + struct.pack("<H3H", 3 << 5 | 1, 16, 0, 0))
+write("fuzz_batch", "grid", b'{"base": "run.json", "set": {"a": 1}, "grid": {"sensor.threshold_on": [0.1, 0.2], "seed": ["1", "2"]}}')
+write("fuzz_batch", "runs", b'{"runs": [{"name": "a", "file": "a.json", "set": {"b": null}}, {"name": "b", "file": "b.json"}]}')
 
 for version in (1, 2, 3):
     write("fuzz_spz", "plain%d" % version, spz(version, version))

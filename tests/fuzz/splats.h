@@ -3,17 +3,11 @@
 #ifndef TESTS_FUZZ_SPLATS_H
 #define TESTS_FUZZ_SPLATS_H
 
+#include "fuzz.h"
+
 #include "scene/td_splat.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 typedef tides_status fuzz_parser(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
-
-static inline void fuzz_refusal(tides_status status, const tides_error *error) {
-    int expected = status == TIDES_BAD_FILE || status == TIDES_UNSUPPORTED || status == TIDES_NO_MEMORY;
-    if (!expected || error->status != status || !error->text[0] || strchr(error->text, '\n')) abort();
-}
 
 /* `most`: Gaussians that a byte of the file can stand for, at most. */
 static inline void fuzz_splats(fuzz_parser *parse, const uint8_t *data, size_t size, uint64_t most) {

@@ -248,6 +248,25 @@ static void claims_are_checked(void **state) {
     refused(path, &options, TIDES_BAD_FILE, "more than its bytes can hold");
 }
 
+/* An array whose elements have fields isn't one of numbers. */
+static void structured_array(void **state) {
+    const float fields[2 * PIXELS * 2] = {0};
+    const size_t inner[2] = {HEIGHT, WIDTH};
+    const char *path = in_folder(*state, "pairs.npy");
+    tides_frames_options options = at_rate(10);
+    tides_error error = {TIDES_OK, ""};
+    td_npy_writer *writer = NULL;
+    double Y[PIXELS];
+    assert_int_equal(td_npy_writer_open(path, 0, &writer, &error), TIDES_OK);
+    assert_int_equal(td_npy_writer_begin(writer, "data", "[('a', '<f4'), ('b', '<f4')]", 8, 3, inner, &error), TIDES_OK);
+    assert_int_equal(td_npy_writer_append(writer, fields, 2, &error), TIDES_OK);
+    assert_int_equal(td_npy_writer_close(writer, &error), TIDES_OK);
+    tides_frames *frames = open_frames(path, &options);
+    assert_int_equal(tides_frames_read(frames, 0, Y, &error), TIDES_BAD_FILE);
+    assert_non_null(strstr(error.text, "aren't numbers"));
+    tides_frames_close(frames);
+}
+
 static void wrong_files(void **state) {
     const char *folder_path = ((folder *)*state)->path;
     tides_frames_options options = at_rate(10);
@@ -278,6 +297,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(exr_channels, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(arrays_and_memory, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(claims_are_checked, folder_setup, folder_teardown),
+        cmocka_unit_test_setup_teardown(structured_array, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(wrong_files, folder_setup, folder_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

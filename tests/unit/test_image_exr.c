@@ -310,6 +310,34 @@ static void test_truncated(void **state) {
     free(plane);
 }
 
+/* A file of a few hundred bytes that says a hundred million pixels a line: refused before memory is asked for (found by
+ * fuzzing). */
+static void test_claims(void **state) {
+    char path[640];
+    const char mark[] = "dataWindow\0box2i\0\20\0\0";
+    const int32_t compressions[] = {TIDES_EXR_NONE, TIDES_EXR_ZIPS, TIDES_EXR_ZIP};
+    const float plane[6] = {0};
+    snprintf(path, sizeof path, "%s", in_folder(*state, "wide.exr"));
+    for (int i = 0; i < 3; i++) {
+        size_t bytes, at = 0;
+        tides_exr *exr = NULL;
+        tides_error error;
+        assert_int_equal(tides_exr_write(path, 2, 3, &(tides_channel){"v", plane}, 1, compressions[i], NULL, NULL), TIDES_OK);
+        char *data = slurp(path, &bytes);
+        while (at + sizeof mark < bytes && memcmp(data + at, mark, sizeof mark) != 0) at++;
+        assert_true(at + sizeof mark + 16 < bytes);
+        memcpy(data + at + sizeof mark + 8, &(int32_t){100000000}, 4); /* the largest x */
+        FILE *file = fopen(path, "wb");
+        assert_non_null(file);
+        assert_int_equal(fwrite(data, 1, bytes, file), bytes);
+        fclose(file);
+        free(data);
+        assert_int_equal(tides_exr_read(path, &exr, &error), TIDES_BAD_FILE);
+        assert_non_null(strstr(error.text, "claims 100000001 x 3 px"));
+        assert_null(exr);
+    }
+}
+
 /* ---- the file system ---- */
 
 static void write_big(void *result, void *user) {
@@ -354,6 +382,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_foreign_files, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(test_bad_files, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(test_truncated, folder_setup, folder_teardown),
+        cmocka_unit_test_setup_teardown(test_claims, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(test_unwritable, folder_setup, folder_teardown),
     };
     return cmocka_run_group_tests_name("image: OpenEXR", tests, NULL, NULL);

@@ -301,6 +301,35 @@ static void test_frame(void **state) {
     random_scene_free(&s);
 }
 
+/* A whole image at once is, to the bit, what its tiles are. */
+static void test_whole_image(void **state) {
+    (void)state;
+    tides_error error;
+    random_recipe recipe = recipe_of(SEED);
+    random_scene s = random_scene_make(&recipe);
+    tides_device *device = open_device("reference");
+    tides_renderer *renderer = make_renderer(device, s.scene, &s.camera, TIDES_RULES_SMOOTH);
+    double *whole = calloc(WIDTH * HEIGHT, sizeof *whole), *tiled = calloc(WIDTH * HEIGHT, sizeof *tiled);
+    assert_true(whole && tiled);
+    for (int i = 0; i < 2; i++) {
+        const double sigma = i ? 12 : 0.7; /* one reaches beyond both borders at once */
+        tides_frame sharp = {{NULL}}, blurred = {{NULL}};
+        sharp.plane[TIDES_L] = whole;
+        blurred.plane[TIDES_L] = tiled;
+        scene_expect_ok(tides_renderer_set_psf(renderer, 0, TIDES_PSF_LOG, &error), &error);
+        scene_expect_ok(tides_renderer_frame(renderer, s.path, 0.3, &sharp, &error), &error);
+        scene_expect_ok(tides_renderer_set_psf(renderer, sigma, TIDES_PSF_LOG, &error), &error);
+        scene_expect_ok(tides_renderer_frame(renderer, s.path, 0.3, &blurred, &error), &error);
+        scene_expect_ok(td_psf_image(&renderer->psf, WIDTH, HEIGHT, whole, &error), &error);
+        assert_memory_equal(whole, tiled, WIDTH * HEIGHT * sizeof *whole);
+    }
+    free(whole);
+    free(tiled);
+    tides_renderer_destroy(renderer);
+    random_scene_free(&s);
+    tides_device_close(device);
+}
+
 static void test_refused(void **state) {
     td_psf psf = {0};
     tides_error error;
@@ -316,9 +345,9 @@ static void test_refused(void **state) {
 int main(void) {
     print_message("seed %d\n", (int)SEED);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_gaussian), cmocka_unit_test(test_edge),        cmocka_unit_test(test_uniform),
-        cmocka_unit_test(test_rates),    cmocka_unit_test(test_tiles_alone), cmocka_unit_test(test_frame),
-        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_gaussian),    cmocka_unit_test(test_edge),        cmocka_unit_test(test_uniform),
+        cmocka_unit_test(test_rates),       cmocka_unit_test(test_tiles_alone), cmocka_unit_test(test_frame),
+        cmocka_unit_test(test_whole_image), cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,73 @@
+/* Lists the files of a folder. */
+#include "td_folder.h"
+
+#include <dirent.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+void td_folder_free(td_folder *folder) {
+    for (size_t i = 0; i < folder->count; i++) free(folder->files[i]);
+    free(folder->files);
+    *folder = (td_folder){NULL, 0, 0};
+}
+
+int td_ends_in(const char *name, const char *ending) {
+    size_t length = strlen(name), tail = strlen(ending);
+    return length > tail && strcasecmp(name + length - tail, ending) == 0;
+}
+
+int td_is_folder(const char *path) {
+    struct stat facts;
+    return stat(path, &facts) == 0 && S_ISDIR(facts.st_mode);
+}
+
+int td_is_file(const char *path) {
+    struct stat facts;
+    return stat(path, &facts) == 0 && S_ISREG(facts.st_mode);
+}
+
+/* Runs of digits compare as numbers. */
+static int compare(const void *a, const void *b) {
+    const char *left = *(char *const *)a, *right = *(char *const *)b;
+    while (*left && *right) {
+        size_t zeros_left = strspn(left, "0"), zeros_right = strspn(right, "0");
+        size_t digits_left = strspn(left + zeros_left, "0123456789"), digits_right = strspn(right + zeros_right, "0123456789");
+        if (zeros_left + digits_left && zeros_right + digits_right) {
+            if (digits_left != digits_right) return digits_left < digits_right ? -1 : 1;
+            int order = memcmp(left + zeros_left, right + zeros_right, digits_left);
+            if (order) return order;
+            left += zeros_left + digits_left;
+            right += zeros_right + digits_right;
+            continue;
+        }
+        if (*left != *right) return (unsigned char)*left < (unsigned char)*right ? -1 : 1;
+        left++;
+        right++;
+    }
+    if (*left || *right) return *left ? 1 : -1;
+    return strcmp(*(char *const *)a, *(char *const *)b); /* "7" and "07" */
+}
+
+tides_status td_folder_add(td_folder *folder, const char *path, const char *name, tides_error *error) {
+    void *files = folder->files;
+    tides_status status = td_reserve(&files, &folder->capacity, folder->count + 1, sizeof *folder->files, error);
+    folder->files = files;
+    if (status != TIDES_OK) return status;
+    if (!(folder->files[folder->count] = td_format(error, "%s/%s", path, name))) return TIDES_NO_MEMORY;
+    folder->count++;
+    return TIDES_OK;
+}
+
+tides_status td_folder_list(td_folder *folder, const char *path, const char *ending, tides_error *error) {
+    DIR *entries = opendir(path);
+    const struct dirent *entry;
+    tides_status status = TIDES_OK;
+    while (status == TIDES_OK && entries && (entry = readdir(entries)))
+        if (entry->d_name[0] != '.' && td_ends_in(entry->d_name, ending))
+            status = td_folder_add(folder, path, entry->d_name, error);
+    if (entries) closedir(entries);
+    if (status == TIDES_OK && folder->count) qsort(folder->files, folder->count, sizeof *folder->files, compare);
+    return status;
+}

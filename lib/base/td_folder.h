@@ -1,0 +1,26 @@
+/* Internal: what a folder holds. */
+#ifndef TD_FOLDER_H
+#define TD_FOLDER_H
+
+#include "td_base.h"
+
+typedef struct td_folder {
+    char **files; /* paths, in natural order: frame_9 before frame_10 */
+    size_t count, capacity;
+} td_folder;
+
+/* The entries of `path` whose name ends in `ending` (".png", whatever its case) and doesn't begin with a dot, after those that
+ * are there; none where the folder can't be read. td_folder_free after a failure too. */
+tides_status td_folder_list(td_folder *folder, const char *path, const char *ending, tides_error *error);
+void td_folder_free(td_folder *folder);
+
+/* Appends "path/name". */
+tides_status td_folder_add(td_folder *folder, const char *path, const char *name, tides_error *error);
+
+/* 1 where the name is longer than `ending` and ends in it, whatever its case. */
+int td_ends_in(const char *name, const char *ending);
+
+int td_is_folder(const char *path);
+int td_is_file(const char *path);
+
+#endif

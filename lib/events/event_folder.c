@@ -1,0 +1,229 @@
+/* Folders of the data sets that come as such: where their events lie, which file follows which, and how large the image is.
+ *
+ *   DSEC      SEQ/events/{left,right}/events.h5, rectify_map.h5 beside it (height, width, 2)
+ *   EDS       SEQ/events.h5
+ *   HS-ERGB   SEQ/events_aligned/%06d.npz, SEQ/images_corrected/%06d.png
+ *   BS-ERGB   SEQ/events/%06d.npz, SEQ/images/%06d.png
+ *   rpg_vid2e DIR/%010d.npz
+ *
+ * The folder of the sequence may be named, or that of the event files. Numbered files are read one after the other; fine
+ * coordinates are rounded to the nearest pixel and clipped to the image, as the loaders of ERGB do. */
+#include "td_event_format.h"
+
+#include "td_event_h5_source.h"
+#include "td_folder.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct folder_state {
+    td_folder files;
+    size_t next;                  /* the file to be opened */
+    const td_event_format *inner; /* of every file */
+    td_event_stream stream;       /* the file being read */
+    int opened;
+} folder_state;
+
+/* ---- where the events lie ---- */
+
+/* Below the folder that was named; "": itself. */
+static const char *const places[] = {"", "/events_aligned", "/events", "/events/left", "/events/right"};
+enum { PLACES = sizeof places / sizeof *places };
+
+/* The event files of one folder: events.h5 alone, or all .npz. */
+static tides_status list_place(const char *path, td_folder *files, tides_error *error) {
+    char *single = td_format(error, "%s/events.h5", path);
+    if (!single) return TIDES_NO_MEMORY;
+    tides_status status =
+        td_is_file(single) ? td_folder_add(files, path, "events.h5", error) : td_folder_list(files, path, ".npz", error);
+    free(single);
+    return status;
+}
+
+/* `*where` becomes the folder that holds the files, the caller's to free. */
+static tides_status find_files(folder_state *state, const char *path, char **where, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (int i = 0; i < PLACES && status == TIDES_OK; i++) {
+        td_folder files = {NULL, 0, 0};
+        char *place = td_format(error, "%s%s", path, places[i]);
+        status = place ? list_place(place, &files, error) : TIDES_NO_MEMORY;
+        if (status == TIDES_OK && files.count && !*where) {
+            *where = place;
+            state->files = files;
+            continue;
+        }
+        if (status == TIDES_OK && files.count)
+            status = td_fail(error, TIDES_BAD_FILE, "%s: holds events in %s and in %s: name one of them", path, *where, place);
+        td_folder_free(&files);
+        free(place);
+    }
+    if (status != TIDES_OK || *where) return status;
+    return td_fail(error, TIDES_FILE_NOT_FOUND,
+                   "%s: is a folder without events of DSEC, EDS, HS-ERGB, BS-ERGB or rpg_vid2e (events.h5, or numbered .npz, "
+                   "in "
+                   "it or in events, events_aligned, events/left or events/right): name a file in it",
+                   path);
+}
+
+/* ---- what they are ---- */
+
+/* Whether coordinates are fine is asked of all files together: one whose events lie near the corner can't tell. */
+static tides_status choose_inner(folder_state *state, const char *where, tides_error *error) {
+    const td_folder *files = &state->files;
+    int fine = 0;
+    state->inner = &td_format_hdf5;
+    if (td_ends_in(files->files[0], ".h5")) return TIDES_OK;
+    for (size_t i = 0; i < files->count && !fine; i++) {
+        tides_status status = td_event_npz_is_fine(files->files[i], &fine, error);
+        if (status != TIDES_OK) return status;
+    }
+    state->inner = fine ? &td_format_ergb : &td_format_npz;
+    if (fine || !strstr(where, "events_aligned")) return TIDES_OK;
+    return td_fail(error, TIDES_UNSUPPORTED,
+                   "%s: no coordinate is beyond 8191, so that 1/32 px (HS-ERGB) and whole pixels (rpg_vid2e) look alike: name "
+                   "the format, ergb or npz (--from)",
+                   where);
+}
+
+/* Big-endian width and height of a PNG stand behind its mark and the first chunk's name. */
+static void read_png_size(const char *path, tides_event_facts *facts) {
+    unsigned char head[24];
+    FILE *file = fopen(path, "rb");
+    size_t got = file ? fread(head, 1, sizeof head, file) : 0;
+    if (file) fclose(file);
+    if (got < sizeof head || memcmp(head, "\x89PNG", 4) != 0 || head[16] || head[17] || head[20] || head[21]) return;
+    facts->width = head[18] << 8 | head[19];
+    facts->height = head[22] << 8 | head[23];
+}
+
+/* The first picture's, which ERGB's events are aligned with. */
+static tides_status read_picture_size(const char *where, tides_event_facts *facts, tides_error *error) {
+    static const char *const beside[] = {"images_corrected", "images"};
+    tides_status status = TIDES_OK;
+    for (int i = 0; i < 2 && !facts->width && status == TIDES_OK; i++) {
+        td_folder pictures = {NULL, 0, 0};
+        char *path = td_format(error, "%s/../%s", where, beside[i]);
+        status = path ? td_folder_list(&pictures, path, ".png", error) : TIDES_NO_MEMORY;
+        if (pictures.count) read_png_size(pictures.files[0], facts);
+        td_folder_free(&pictures);
+        free(path);
+    }
+    return status;
+}
+
+/* DSEC's map of where each pixel comes from has one entry per pixel. */
+static tides_status read_map_size(const char *where, tides_event_facts *facts, tides_error *error) {
+    hsize_t extent[3] = {0, 0, 0};
+    hid_t file = -1, map = -1, space = -1;
+    char *path = td_format(error, "%s/rectify_map.h5", where);
+    if (!path) return TIDES_NO_MEMORY;
+    tides_status status = td_is_file(path) ? td_h5_open_file(path, &file, error) : TIDES_OK;
+    if (file >= 0 && td_h5_exists(file, "/rectify_map")) map = H5Dopen2(file, "/rectify_map", H5P_DEFAULT);
+    if (map >= 0) space = H5Dget_space(map);
+    if (file >= 0 &&
+        (space < 0 || H5Sget_simple_extent_ndims(space) != 3 || H5Sget_simple_extent_dims(space, extent, NULL) != 3 ||
+         extent[2] != 2 || extent[0] < 1 || extent[1] < 1 || extent[0] > 65536 || extent[1] > 65536))
+        status = td_fail(error, TIDES_BAD_FILE, "%s: should hold a dataset rectify_map of the shape (height, width, 2)", path);
+    td_h5_close(space);
+    td_h5_close(map);
+    td_h5_close(file);
+    free(path);
+    if (status != TIDES_OK || file < 0) return status;
+    facts->width = (int32_t)extent[1];
+    facts->height = (int32_t)extent[0];
+    return TIDES_OK;
+}
+
+/* ---- reading ---- */
+
+static void close_file(folder_state *state) {
+    if (!state->opened) return;
+    state->inner->close(&state->stream);
+    td_input_close(&state->stream.input);
+    state->opened = 0;
+}
+
+static tides_status open_next(td_event_stream *stream, tides_error *error) {
+    folder_state *state = stream->state;
+    const char *path = state->files.files[state->next];
+    stream->input.at = state->next++; /* how far the reader is, in files */
+    state->stream = (td_event_stream){.input = {.path = path}};
+    snprintf(state->stream.facts.format, sizeof state->stream.facts.format, "%s", state->inner->name);
+    state->opened = 1;
+    tides_status status = state->inner->library ? TIDES_OK : td_input_open(&state->stream.input, path, error);
+    if (status == TIDES_OK) status = state->inner->open(&state->stream, error);
+    if (status != TIDES_OK) return status;
+    const tides_event_facts *file = &state->stream.facts;
+    if (!stream->facts.width) {
+        stream->facts.width = file->width;
+        stream->facts.height = file->height;
+    }
+    if (!file->width || (file->width == stream->facts.width && file->height == stream->facts.height)) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_FILE, "%s: says %d x %d px, but the folder's other files say %d x %d", path, file->width,
+                   file->height, stream->facts.width, stream->facts.height);
+}
+
+static tides_status open_files(td_event_stream *stream, char **where, tides_error *error) {
+    folder_state *state = stream->state;
+    tides_status status = find_files(state, stream->input.path, where, error);
+    if (status != TIDES_OK) return status;
+    state->inner = stream->named;
+    if (!state->inner) status = choose_inner(state, *where, error);
+    if (status != TIDES_OK) return status;
+    status = td_ends_in(state->files.files[0], ".h5") ? read_map_size(*where, &stream->facts, error)
+                                                      : read_picture_size(*where, &stream->facts, error);
+    stream->input.size = state->files.count;
+    if (status == TIDES_OK) status = open_next(stream, error);
+    if (status != TIDES_OK) return status;
+    memcpy(stream->facts.format, state->stream.facts.format, sizeof stream->facts.format);
+    memcpy(stream->facts.version, state->stream.facts.version, sizeof stream->facts.version);
+    stream->facts.counted = state->files.count == 1 && state->stream.facts.counted;
+    stream->facts.count = stream->facts.counted ? state->stream.facts.count : 0;
+    return TIDES_OK;
+}
+
+static tides_status open_folder(td_event_stream *stream, tides_error *error) {
+    char *where = NULL;
+    if (!(stream->state = td_alloc(1, sizeof(folder_state), error))) return TIDES_NO_MEMORY;
+    tides_status status = open_files(stream, &where, error);
+    free(where);
+    return status;
+}
+
+static void clip(const tides_event_facts *facts, tides_event *events, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        if (events[i].x >= facts->width) events[i].x = (uint16_t)(facts->width - 1);
+        if (events[i].y >= facts->height) events[i].y = (uint16_t)(facts->height - 1);
+    }
+}
+
+static tides_status read_folder(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got,
+                                tides_error *error) {
+    folder_state *state = stream->state;
+    for (;;) {
+        tides_status status = state->inner->read(&state->stream, events, capacity, got, error);
+        state->stream.done += *got;
+        if (state->inner == &td_format_ergb && stream->facts.width) clip(&stream->facts, events, *got);
+        if (status != TIDES_OK || *got || state->next == state->files.count) return status;
+        close_file(state);
+        status = open_next(stream, error);
+        if (status != TIDES_OK) return status;
+    }
+}
+
+static void close_folder(td_event_stream *stream) {
+    folder_state *state = stream->state;
+    if (!state) return;
+    close_file(state);
+    td_folder_free(&state->files);
+    free(state);
+}
+
+const td_event_format td_format_folder = {
+    .name = "folder",
+    .summary = "folders of DSEC, EDS, HS-ERGB, BS-ERGB and rpg_vid2e",
+    .library = 1,
+    .open = open_folder,
+    .read = read_folder,
+    .close = close_folder,
+};

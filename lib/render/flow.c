@@ -1,0 +1,98 @@
+/* How fast the image moves, for samplers that bound its displacement between two renders (ESIM's by motion). */
+#include "td_render.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Between the two times that moving splats' places are compared at [s], at most: boxes are single-precision, 3e-5 px at 300 px,
+ * which makes 0.06 px/s; and a splat that accelerates by 1000 px/s^2 is misjudged by 0.5 px/s. */
+static const double probe_s = 1e-3;
+
+/* A point X = R p + t of the world, seen by the camera, moves at X_dot = R_dot p + t_dot with p = R^T (X - t); its place on the
+ * screen, u = fx X/Z + cx, at u_dot = fx (X_dot - (X/Z) Z_dot) / Z, and v likewise. The point of a pixel lies on its ray at the
+ * depth that was rendered there. */
+static double pixel_flow(const td_image *image, const td_view *view, int x, int y, double Z) {
+    double ray[3] = {(x + 0.5 - image->cx) / image->fx, (y + 0.5 - image->cy) / image->fy, 1.0}, p[3], moved[3];
+    for (int i = 0; i < 3; i++) {
+        p[i] = 0;
+        for (int j = 0; j < 3; j++) p[i] += view->r[3 * j + i] * (Z * ray[j] - view->t[j]);
+    }
+    for (int i = 0; i < 3; i++)
+        moved[i] = view->r_dot[3 * i] * p[0] + view->r_dot[3 * i + 1] * p[1] + view->r_dot[3 * i + 2] * p[2] + view->t_dot[i];
+    return hypot(image->fx * (moved[0] - ray[0] * moved[2]), image->fy * (moved[1] - ray[1] * moved[2])) / Z;
+}
+
+/* What the camera's own motion does to the image, were everything at rest; pixels without depth show nothing that moves. */
+static tides_status camera_flow(const tides_renderer *renderer, const tides_trajectory *camera, double time, const double *Z,
+                                double *fastest, tides_error *error) {
+    const td_image *image = &renderer->image;
+    tides_pose pose;
+    td_view view;
+    if (tides_trajectory_is_static(camera)) return TIDES_OK;
+    tides_status status = tides_trajectory_at(camera, time, &pose, error);
+    if (status != TIDES_OK) return status;
+    td_view_make(&pose, NULL, 1.0, &view);
+    for (int y = 0; y < image->height; y++)
+        for (int x = 0; x < image->width; x++) {
+            double depth = Z[(size_t)y * image->width + x];
+            if (depth > 0) *fastest = fmax(*fastest, pixel_flow(image, &view, x, y, depth));
+        }
+    return TIDES_OK;
+}
+
+/* Whether an object of the store moves in the world, as a whole or in its Gaussians. */
+static tides_status moves_itself(const tides_renderer *renderer, int object, int *moves, tides_error *error) {
+    tides_object facts;
+    tides_status status = tides_scene_object(renderer->scene, renderer->store.scene_object[object], &facts, error);
+    if (status == TIDES_OK)
+        *moves = renderer->store.mover[object] >= 0 || (facts.trajectory && !tides_trajectory_is_static(facts.trajectory));
+    return status;
+}
+
+/* How far a splat's middle goes from one box to the other [px]; 0 where it isn't on the screen, or fades at the near plane,
+ * where its box is the whole image. */
+static double displacement(const td_image *image, const float *from, const float *to) {
+    const float width = (float)image->width, height = (float)image->height;
+    for (int k = 0; k < 2; k++) {
+        const float *box = k ? to : from;
+        if (!(box[0] <= box[2] && box[0] < width && box[2] > 0 && box[1] < height && box[3] > 0)) return 0;
+        if (box[0] == 0 && box[1] == 0 && box[2] == width && box[3] == height) return 0;
+    }
+    return 0.5 * hypot((double)to[0] + to[2] - from[0] - from[2], (double)to[1] + to[3] - from[1] - from[3]);
+}
+
+/* What moves by itself, with the camera's motion in it: how far splats go in a short while. */
+static tides_status own_flow(tides_renderer *renderer, const tides_trajectory *camera, double time, double other,
+                             double *fastest, tides_error *error) {
+    const td_store *store = &renderer->store;
+    size_t values = 4 * (size_t)store->count;
+    int any = 0, moves = 0;
+    tides_status status = TIDES_OK;
+    for (int i = 0; i < store->objects && status == TIDES_OK; i++) {
+        status = moves_itself(renderer, i, &moves, error);
+        any |= moves;
+    }
+    if (status != TIDES_OK || !any) return status;
+    float *from = td_alloc(values, sizeof *from, error);
+    status = from ? td_renderer_sweep(renderer, camera, time, time, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) memcpy(from, renderer->boxes, values * sizeof *from);
+    if (status == TIDES_OK) status = td_renderer_sweep(renderer, camera, other, other, error);
+    for (int i = 0; i < store->objects && status == TIDES_OK; i++) {
+        status = moves_itself(renderer, i, &moves, error);
+        for (int g = renderer->object_first[i]; moves && g < renderer->object_first[i + 1] && status == TIDES_OK; g++) {
+            double way = displacement(&renderer->image, from + 4 * (size_t)g, renderer->boxes + 4 * (size_t)g);
+            *fastest = fmax(*fastest, way / fabs(other - time));
+        }
+    }
+    free(from);
+    return status;
+}
+
+tides_status td_renderer_flow(tides_renderer *renderer, const tides_trajectory *camera, double time, double start, double stop,
+                              const double *Z, double *fastest, tides_error *error) {
+    double probe = fmin(probe_s, 0.5 * (stop - start));
+    *fastest = 0;
+    tides_status status = camera_flow(renderer, camera, time, Z, fastest, error);
+    if (status != TIDES_OK) return status;
+    return own_flow(renderer, camera, time, time + probe <= stop ? time + probe : time - probe, fastest, error);
+}

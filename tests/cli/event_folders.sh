@@ -1,0 +1,26 @@
+# Folders of data sets: info says what they hold, convert makes one file of them, and what is ambiguous is asked for.
+make_scene
+expect 0 tides simulate run.json -q -o events.h5
+mkdir -p dsec/events/left ergb/events ergb/images
+cp events.h5 dsec/events/left/events.h5
+expect 0 tides info --json events.h5
+value out events >count
+expect 0 tides info --json dsec
+[ "$(value out events)" = "$(cat count)" ] || fail "the folder has other events than its file"
+out '"kind":[[:space:]]*"events"'
+expect 0 tides convert -q dsec all.csv
+expect 0 tides info --json all.csv
+[ "$(value out events)" = "$(cat count)" ] || fail "events were lost on the way"
+mkdir dsec/events/right
+cp events.h5 dsec/events/right/events.h5
+refuse 1 "dsec: holds events in dsec/events/left and in dsec/events/right: name one of them" tides info dsec
+refuse 1 "name one of them" tides convert dsec both.h5
+expect 0 tides convert -q dsec/events/right one.h5
+expect 0 tides convert -q events.h5 vid2e.npz
+mkdir npz
+cp vid2e.npz npz/0000000000.npz
+expect 0 tides info --json npz
+out '"layout":[[:space:]]*"npz"'
+[ "$(value out events)" = "$(cat count)" ] || fail "the folder of .npz has other events"
+mkdir empty
+refuse 1 "empty: .*DSEC" tides convert empty none.h5

@@ -1,0 +1,90 @@
+/* What fuzz targets share: what a refusal must be, and files in a folder of their own for readers that take a path. */
+#ifndef TESTS_FUZZ_H
+#define TESTS_FUZZ_H
+
+#include "tides/base.h"
+
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+enum { FUZZ_PATH = 512 };
+
+/* One line that belongs to the status. */
+static inline void fuzz_one_line(tides_status status, const tides_error *error) {
+    if (status == TIDES_OK || error->status != status || !error->text[0] || strchr(error->text, '\n')) abort();
+}
+
+/* The same, and a status that a bad file may have. */
+static inline void fuzz_refusal(tides_status status, const tides_error *error) {
+    if (status != TIDES_BAD_FILE && status != TIDES_UNSUPPORTED && status != TIDES_NO_MEMORY) abort();
+    fuzz_one_line(status, error);
+}
+
+/* Empties a folder, with all that is under it. */
+static inline void fuzz_empty(const char *folder) {
+    DIR *entries = opendir(folder);
+    const struct dirent *entry;
+    while (entries && (entry = readdir(entries))) {
+        char path[FUZZ_PATH];
+        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0) continue;
+        if (snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) >= FUZZ_PATH) abort();
+        if (unlink(path) == 0) continue;
+        fuzz_empty(path);
+        rmdir(path);
+    }
+    if (entries) closedir(entries);
+}
+
+/* "$TMPDIR/tides_fuzz.XXXXXX", made once, removed at the end. */
+static char fuzz_root_path[FUZZ_PATH] = "";
+
+static inline void fuzz_remove_root(void) {
+    fuzz_empty(fuzz_root_path);
+    rmdir(fuzz_root_path);
+}
+
+static inline const char *fuzz_root(void) {
+    if (fuzz_root_path[0]) return fuzz_root_path;
+    const char *where = getenv("TMPDIR");
+    if (snprintf(fuzz_root_path, sizeof fuzz_root_path, "%s/tides_fuzz.XXXXXX", where ? where : "/tmp") >= FUZZ_PATH) abort();
+    if (!mkdtemp(fuzz_root_path) || atexit(fuzz_remove_root) != 0) abort();
+    return fuzz_root_path;
+}
+
+/* The path of a file under the root; the folders on its way are made. */
+static inline const char *fuzz_path(char path[FUZZ_PATH], const char *name) {
+    size_t start = strlen(fuzz_root());
+    if (snprintf(path, FUZZ_PATH, "%s/%s", fuzz_root(), name) >= FUZZ_PATH) abort();
+    for (char *slash = strchr(path + start + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        mkdir(path, 0700);
+        *slash = '/';
+    }
+    return path;
+}
+
+static inline void fuzz_put(const char *name, const uint8_t *data, size_t size) {
+    char path[FUZZ_PATH];
+    FILE *file = fopen(fuzz_path(path, name), "wb");
+    if (!file || fwrite(data, 1, size, file) != size || fclose(file) != 0) abort();
+}
+
+/* A row of files as the input: which of `names` each is (a byte), its length (three bytes, low first), its bytes. They replace
+ * what is under the root. */
+static inline void fuzz_put_row(const char *const *names, size_t count, const uint8_t *data, size_t size) {
+    fuzz_empty(fuzz_root());
+    while (size > 4) {
+        size_t length = data[1] | (size_t)data[2] << 8 | (size_t)data[3] << 16;
+        if (length > size - 4) length = size - 4;
+        fuzz_put(names[data[0] % count], data + 4, length);
+        data += 4 + length, size -= 4 + length;
+    }
+}
+
+#endif

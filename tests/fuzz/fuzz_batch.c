@@ -1,0 +1,21 @@
+/* Any bytes as the manifest of a batch: runs with names that are folders, no two alike, or a refusal in one line. */
+#include "fuzz.h"
+
+#include "cli/batch.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    char path[FUZZ_PATH];
+    tides_error error = {TIDES_OK, ""};
+    batch b = {.directory = "out", .shards = size % 7 ? 1 : 3};
+    fuzz_put("manifest.json", data, size);
+    b.manifest = fuzz_path(path, "manifest.json");
+    tides_status status = batch_read(&b, &error);
+    if (status == TIDES_BAD_CONFIG)
+        fuzz_one_line(status, &error);
+    else if (status != TIDES_OK)
+        fuzz_refusal(status, &error);
+    for (size_t i = 0; status == TIDES_OK && i < b.count; i++)
+        if (!b.runs[i].name[0] || b.runs[i].name[0] == '.' || strchr(b.runs[i].name, '/') || !b.runs[i].file) abort();
+    batch_free(&b);
+    return 0;
+}
