@@ -99,6 +99,8 @@ int cli_print_facts(cJSON *facts, int32_t json);
 const char *cli_count(double number, char text[24]);
 /* Whether `path` will be writable later: an early answer for outputs that come at the end of long work. */
 tides_status cli_check_writable(const char *path, tides_error *error);
+/* Makes a directory; one that is there is fine. */
+tides_status cli_make_directory(const char *directory, tides_error *error);
 /* Writes text beside and renames. */
 tides_status cli_write_text(const char *path, const char *text, tides_error *error);
 /* Fills an error the way the library does. */
@@ -112,6 +114,7 @@ const char *cli_nearest(const char *name, const char *const *names);
 typedef struct cli_progress {
     int32_t quiet;
     const uint64_t *events; /* counted so far, or NULL */
+    const char *label;      /* told before the stage, or NULL */
     char stage[48];
     double began, drawn;
     int32_t terminal, decile;

@@ -1,11 +1,9 @@
 /* tides batch: many runs, several at a time, gone on with after any interruption. */
 #include "batch.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* [s] of wall time, as tides simulate has it. */
 #define DEFAULT_CHECKPOINT_S 30.0
@@ -28,13 +26,6 @@ static int take_jobs(const cli_command *command, const char *text, batch *b) {
     if (end == text || *end || jobs < 1 || jobs > 4096) return cli_usage(command, "--jobs %s: give a number from 1", text);
     b->jobs = (int32_t)jobs;
     return CLI_GO;
-}
-
-static tides_status make_directory(const char *directory, tides_error *error) {
-    struct stat found;
-    if (mkdir(directory, 0777) == 0) return TIDES_OK;
-    if (errno == EEXIST && stat(directory, &found) == 0 && S_ISDIR(found.st_mode)) return TIDES_OK;
-    return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", directory, strerror(errno));
 }
 
 /* What came of it: the failures last, where nobody misses them. */
@@ -80,7 +71,7 @@ int cmd_batch(const cli_command *command, int argc, char **argv) {
     tides_error error = {TIDES_OK, ""};
     tides_status status = batch_read(&b, &error);
     if (status == TIDES_OK) status = batch_prepare(&b, &error);
-    if (status == TIDES_OK) status = make_directory(directory, &error);
+    if (status == TIDES_OK) status = cli_make_directory(directory, &error);
     if (status == TIDES_OK) status = batch_work(&b, &error);
     code = status == TIDES_OK ? report(&b) : cli_fail(&error);
     batch_free(&b);

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 int cli_fail(const tides_error *error) {
     fprintf(stderr, "tides: %s\n", error->text[0] ? error->text : tides_status_text(error->status));
@@ -127,6 +128,13 @@ int cli_print_facts(cJSON *facts, int32_t json) {
 }
 
 /* -- files ---------------------------------------------------------------------------------------------------------- */
+
+tides_status cli_make_directory(const char *directory, tides_error *error) {
+    struct stat found;
+    if (mkdir(directory, 0777) == 0) return TIDES_OK;
+    if (errno == EEXIST && stat(directory, &found) == 0 && S_ISDIR(found.st_mode)) return TIDES_OK;
+    return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", directory, strerror(errno));
+}
 
 static char *part_name(const char *path, tides_error *error) {
     size_t bytes = strlen(path) + sizeof ".part";

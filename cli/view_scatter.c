@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 1200, HEIGHT = 780, TOP = 66, MARGIN_X = 144, MARGIN_Y = 56, POINTS_MAX = 400000 };
+enum { WIDTH = 1200, HEIGHT = 780, TOP = 66, MARGIN_X = 144, MARGIN_Y = 56 /* for ticks and labels */, POINTS_MAX = 400000 };
 
 /* The box: half its extents along time, height and width of the image; the axes point as time, y and x do. */
 enum { TIME, Y, X, AXES };
@@ -51,7 +51,7 @@ static void set_eye(scene *s, double azimuth_deg, double elevation_deg) {
 }
 
 /* Puts the projected box into the middle, as large as fits. */
-static void fit(scene *s) {
+static void fit(scene *s, const view_part *within) {
     double low_x = INFINITY, high_x = -INFINITY, low_y = INFINITY, high_y = -INFINITY;
     s->scale = 1;
     s->x = s->y = 0;
@@ -62,19 +62,20 @@ static void fit(scene *s) {
         low_x = fmin(low_x, x), high_x = fmax(high_x, x);
         low_y = fmin(low_y, y), high_y = fmax(high_y, y);
     }
-    s->scale = fmin((WIDTH - 2 * MARGIN_X) / (high_x - low_x), (HEIGHT - TOP - 2 * MARGIN_Y) / (high_y - low_y));
-    s->x = 0.5 * WIDTH - s->scale * 0.5 * (low_x + high_x);
-    s->y = 0.5 * (HEIGHT + TOP) - s->scale * 0.5 * (low_y + high_y);
+    const int32_t width = within->right - within->left, height = within->bottom - within->top;
+    s->scale = fmin((width - 2 * MARGIN_X) / (high_x - low_x), (height - 2 * MARGIN_Y) / (high_y - low_y));
+    s->x = 0.5 * (within->left + within->right) - s->scale * 0.5 * (low_x + high_x);
+    s->y = 0.5 * (within->top + within->bottom) - s->scale * 0.5 * (low_y + high_y);
 }
 
-static scene make_scene(const view *v, const cli_window *shown) {
+static scene make_scene(const view *v, const cli_window *shown, const view_part *within) {
     scene s = {{0.5 * TIME_EXTENT, 0.5, 0.5}, {0}, {0}, {0}, 1, 0, 0};
     if (shown->width >= shown->height)
         s.half[Y] *= (double)shown->height / shown->width;
     else
         s.half[X] *= (double)shown->width / shown->height;
     set_eye(&s, v->azimuth_deg, v->elevation_deg);
-    fit(&s);
+    fit(&s, within);
     return s;
 }
 
@@ -262,27 +263,36 @@ static void draw_points(cli_canvas *canvas, point *points, size_t count) {
     }
 }
 
-cli_canvas view_xyt(const view *v, const cli_window *recording, const cli_window *shown) {
-    (void)recording;
+int32_t view_draw_xyt(cli_canvas *canvas, const view *v, const cli_window *shown, const view_part *within) {
     point *points = malloc((shown->count / stride_of(shown) + 1) * sizeof *points);
-    cli_canvas canvas = points ? plot_canvas(WIDTH, HEIGHT) : (cli_canvas){0, 0, NULL};
-    if (canvas.rgb) {
-        const view_axis time = view_time_axis(shown);
-        const scene s = make_scene(v, shown);
-        label_boxes boxes = {.count = 0};
-        char title[64] = "events";
-        const range ranges[AXES] = {{view_on_axis(&time, (double)time.first_ns), view_on_axis(&time, (double)time.stop_ns),
-                                     time.label},
-                                    {0, shown->height, "y [px]"},
-                                    {0, shown->width, "x [px]"}};
-        draw_far_faces(&canvas, &s, ranges);
-        draw_edges(&canvas, &s, 1);
-        draw_points(&canvas, points, project_events(&s, shown, ranges, &time, points));
-        draw_edges(&canvas, &s, 0);
-        for (int axis = 0; axis < AXES; axis++) draw_axis(&canvas, &s, axis, &ranges[axis], &boxes);
-        if (stride_of(shown) > 1) snprintf(title, sizeof title, "events (1 of %zu is drawn)", stride_of(shown));
-        view_heading(&canvas, 36, shown, title);
-    }
+    if (!points) return 0;
+    const view_axis time = view_time_axis(shown);
+    const scene s = make_scene(v, shown, within);
+    label_boxes boxes = {.count = 0};
+    const range ranges[AXES] = {{view_on_axis(&time, (double)time.first_ns), view_on_axis(&time, (double)time.stop_ns),
+                                 time.label},
+                                {0, shown->height, "y [px]"},
+                                {0, shown->width, "x [px]"}};
+    draw_far_faces(canvas, &s, ranges);
+    draw_edges(canvas, &s, 1);
+    draw_points(canvas, points, project_events(&s, shown, ranges, &time, points));
+    draw_edges(canvas, &s, 0);
+    for (int axis = 0; axis < AXES; axis++) draw_axis(canvas, &s, axis, &ranges[axis], &boxes);
     free(points);
+    return 1;
+}
+
+cli_canvas view_xyt(const view *v, const cli_window *recording, const cli_window *shown) {
+    static const view_part within = {0, TOP, WIDTH, HEIGHT};
+    (void)recording;
+    cli_canvas canvas = plot_canvas(WIDTH, HEIGHT);
+    if (!canvas.rgb) return canvas;
+    if (!view_draw_xyt(&canvas, v, shown, &within)) {
+        free(canvas.rgb);
+        return (cli_canvas){0, 0, NULL};
+    }
+    char title[64] = "events";
+    if (stride_of(shown) > 1) snprintf(title, sizeof title, "events (1 of %zu is drawn)", stride_of(shown));
+    view_heading(&canvas, 36, shown, title);
     return canvas;
 }
