@@ -6,6 +6,7 @@
 
 #include <cjson/cJSON.h>
 #include <stdarg.h>
+#include <stdio.h>
 
 #if defined(__GNUC__)
 #define CLI_PRINTF(text, first) __attribute__((__format__(__printf__, text, first)))
@@ -63,6 +64,7 @@ int cmd_cut(const cli_command *command, int argc, char **argv);
 int cmd_view(const cli_command *command, int argc, char **argv);
 int cmd_export(const cli_command *command, int argc, char **argv);
 int cmd_metrics(const cli_command *command, int argc, char **argv);
+int cmd_compare(const cli_command *command, int argc, char **argv);
 int cmd_bench(const cli_command *command, int argc, char **argv);
 int cmd_init(const cli_command *command, int argc, char **argv);
 int cmd_batch(const cli_command *command, int argc, char **argv);
@@ -95,6 +97,9 @@ int cli_usage(const cli_command *command, const char *format, ...) CLI_PRINTF(2,
 void cli_note(const cli_common *common, const char *format, ...) CLI_PRINTF(2, 3);   /* only with -v */
 /* Prints facts as JSON, or as aligned text; deletes them. NULL facts: out of memory. */
 int cli_print_facts(cJSON *facts, int32_t json);
+/* A quoted field, its quotes doubled; a comma and a text, a number, or nothing. */
+void cli_csv_text(FILE *file, const char *text);
+void cli_csv_value(FILE *file, const cJSON *value);
 /* 1234567 -> "1.23 M"; returns `text`. */
 const char *cli_count(double number, char text[24]);
 /* Whether `path` will be writable later: an early answer for outputs that come at the end of long work. */

@@ -57,10 +57,9 @@ static tides_event_file facts_of(const cli_session *s) {
 
 tides_status cli_simulator_create(const cli_session *s, cli_progress *progress, tides_simulator **simulator,
                                   tides_error *error) {
-    tides_status status =
-        tides_simulator_create(s->device, s->scene, s->camera, &s->intrinsics, &s->values.image, &s->values.sensor,
-                               &s->values.stepping, s->values.start, s->values.stop, cli_progress_step, progress, simulator,
-                               error);
+    tides_status status = tides_simulator_create(s->device, s->scene, s->camera, &s->intrinsics, &s->values.image,
+                                                 &s->values.sensor, &s->values.stepping, s->values.start, s->values.stop,
+                                                 cli_progress_step, progress, simulator, error);
     return status == TIDES_OK ? tides_simulator_readout(*simulator, &s->values.readout, error) : status;
 }
 

@@ -55,6 +55,15 @@ static const cli_command commands[] = {
      "Values are undefined (-, in JSON null) where they would divide by nothing. include/tides/metrics.h defines each one.\n"
      "The kernel distance takes long, and match wants an exact reference: both only where asked for.",
      2, cmd_metrics},
+    {"compare", "RUN.json [-o DIR] [--methods LIST]", "Run every method on one scene and compare their events.",
+     "Each method against the exact stream of the run: events matched one by one (median and 95th percentile of |dt|,\n"
+     "mismatch), Same-ts, IG-NLL, log ISI, Fano error, Chamfer and Victor-Purpura distances; compare.json, compare.csv, and\n"
+     "compare.png with the streams side by side in x, y and t. Unless --as-configured is given every method is an ideal\n"
+     "pixel with the run's thresholds: no noise, spread, latency, low-pass or refractory period. With it, thresholds are\n"
+     "the run's where the run file has none for the method. Exact are a scene's events with steps halved until nothing\n"
+     "moves, and between frames those of straight lines in log luminance. A method that fails takes no other with it.\n"
+     "The keys for --set are listed by tides simulate --help.",
+     1, cmd_compare},
     {"bench", "accuracy|ablation|image [-o DIR] [--quick] [--scene NAME]", "Measure run time against the error of event times.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
      "ablation: what each part of the method is worth; ablation.json, .csv and a plot.\n"

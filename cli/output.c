@@ -127,6 +127,23 @@ int cli_print_facts(cJSON *facts, int32_t json) {
     return code;
 }
 
+/* -- CSV ------------------------------------------------------------------------------------------------------------ */
+
+void cli_csv_text(FILE *file, const char *text) {
+    putc('"', file);
+    for (; *text; text++) {
+        if (*text == '"') putc('"', file);
+        putc(*text, file);
+    }
+    putc('"', file);
+}
+
+void cli_csv_value(FILE *file, const cJSON *value) {
+    putc(',', file);
+    if (cJSON_IsString(value)) cli_csv_text(file, value->valuestring);
+    if (cJSON_IsNumber(value)) fprintf(file, "%.15g", value->valuedouble);
+}
+
 /* -- files ---------------------------------------------------------------------------------------------------------- */
 
 tides_status cli_make_directory(const char *directory, tides_error *error) {

@@ -14,6 +14,10 @@ typedef struct view {
     int32_t plain;                     /* frame, surface: the pixels alone */
 } view;
 
+/* Where the eye of x-y-t is unless told. */
+#define VIEW_AZIMUTH_DEG 58.0
+#define VIEW_ELEVATION_DEG 18.0
+
 /* Each draws the events of `shown`, a slice of `recording` (surfaces look further back than their slice), on a new canvas,
  * whose size depends on the sensor's alone; rgb is NULL where memory ran out, else the caller's. */
 typedef cli_canvas (*view_drawer)(const view *v, const cli_window *recording, const cli_window *shown);

@@ -136,6 +136,11 @@ void tides_run_destroy(tides_run *run) {
     free(run);
 }
 
+int32_t tides_run_gives(const tides_run *run, const char *key) {
+    const tides_param *row = run && key ? td_param_find(key) : NULL;
+    return row && run->given[row - tides_params(NULL)];
+}
+
 /* What a choice's name stands for in the library's structs. */
 typedef struct named_constant {
     const char *name; /* NULL ends a list */
