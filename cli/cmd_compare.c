@@ -12,7 +12,8 @@ static int unknown_method(const cli_command *command, const char *name) {
     for (size_t i = 0; compare_method(i); i++) names[i] = compare_method(i);
     const char *nearest = cli_nearest(name, names);
     if (nearest) return cli_usage(command, "--methods: no method is called %s; did you mean %s?", name, nearest);
-    return cli_usage(command, "--methods: no method is called %s; there are tides, esim, v2e, dvs-voltmeter and iebcs", name);
+    return cli_usage(command, "--methods: no method is called %s; there are tides, esim, esim-fixed, v2e, dvs-voltmeter, iebcs",
+                     name);
 }
 
 /* "tides,esim": rows in the list's order; all without one. */
@@ -82,15 +83,26 @@ static tides_status read_recording(comparison *c, tides_error *error) {
     return TIDES_OK;
 }
 
+/* Frames come at their own times: ESIM has no other sampling there. */
+static void leave_out(comparison *c) {
+    int32_t count = 0;
+    for (int32_t i = 0; i < c->count; i++)
+        if (!compare_scenes_only(c->rows[i].name)) c->rows[count++].name = c->rows[i].name;
+    c->count = count;
+}
+
 /* What can't be compared is said before anything long begins. */
 static tides_status prepare(comparison *c, tides_error *error) {
     tides_status status = cli_session_open(c->run, c->sets, c->common, &c->session, error);
     if (status == TIDES_OK) status = cli_make_directory(c->directory, error);
+    if (status == TIDES_OK && c->session.frames) leave_out(c);
     return status == TIDES_OK ? read_recording(c, error) : status;
 }
 
 static tides_status work(comparison *c, cJSON **report, tides_error *error) {
     tides_status status = prepare(c, error);
+    if (status == TIDES_OK && c->count == 0)
+        status = cli_error(error, TIDES_BAD_ARGUMENT, "--methods esim-fixed: needs a scene; on frames it is esim");
     if (status == TIDES_OK) status = compare_exact(c, error);
     for (int32_t i = 0; status == TIDES_OK && i < c->count; i++) status = compare_run(c, &c->rows[i], error);
     if (status == TIDES_OK) status = compare_report(c, report, error);
@@ -139,7 +151,7 @@ int cmd_compare(const cli_command *command, int argc, char **argv) {
     const char *methods = NULL, *window = NULL;
     const cli_option options[] = {
         {"--output", 'o', "DIR", "where results go (tides-compare)", NULL, &c.directory, NULL},
-        {"--methods", 0, "LIST", "tides,esim,v2e,dvs-voltmeter,iebcs", NULL, &methods, NULL},
+        {"--methods", 0, "LIST", "tides,esim,esim-fixed,v2e,dvs-voltmeter,iebcs: only these", NULL, &methods, NULL},
         {"--as-configured", 0, NULL, "the run file's own settings in place of ideal pixels", &c.as_configured, NULL, NULL},
         {"--recording", 0, "EVENTS", "compare with a recording of this scene, too", NULL, &c.recording_file, NULL},
         {"--window", 0, "S", "the picture shows so much of the run's middle (as long as it stays clear)", NULL, &window, NULL},

@@ -43,6 +43,8 @@ tides_status compare_write_events(const comparison *c, const char *path, const c
 
 /* compare_methods.c: the name of method number `index`, in the order of the rows; NULL behind the last. */
 const char *compare_method(size_t index);
+/* 1 where it makes no sense for frames: another method is the same there. */
+int32_t compare_scenes_only(const char *method);
 /* The session of a method, ideal or as configured, on top of c->session, which keeps scene, camera, frames and device; with
  * `row` its settings are told. The caller destroys session->run alone. */
 tides_status compare_configure(const comparison *c, const char *method, int32_t ideal, compare_row *row, cli_session *session,

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PANEL_WIDTH = 780, PANEL_HEIGHT = 580, TITLE = 70 /* of a panel */, HEADER = 48, MARGIN = 36, COLUMNS_MAX = 3 };
+enum { PANEL_WIDTH = 780, PANEL_HEIGHT = 540, TITLE = 90 /* of a panel */, HEADER = 48, MARGIN = 36, COLUMNS_MAX = 3 };
 
 /* Where more events than this lie in a stretch, points hide one another. */
 #define COMFORTABLE_EVENTS 20000
@@ -30,16 +30,15 @@ static cli_window slice_of(const comparison *c, tides_event *events, size_t coun
 /* The stretch in the middle of the run that the panels show: of the length that was asked for, else halved until the exact
  * events don't hide one another. */
 static void stretch(const comparison *c, int64_t *first_ns, int64_t *stop_ns) {
-    compare_interval(c, first_ns, stop_ns);
-    const int64_t centre = *first_ns + (*stop_ns - *first_ns) / 2;
-    int64_t half = (*stop_ns - *first_ns) / 2;
-    if (c->window_s > 0) half = (int64_t)fmin((double)half, 0.5e9 * c->window_s);
-    for (;;) {
-        *first_ns = centre - half;
-        *stop_ns = centre + half;
+    int64_t start, stop;
+    compare_interval(c, &start, &stop);
+    int64_t length = stop - start;
+    if (c->window_s > 0) length = (int64_t)fmin((double)length, fmax(1e9 * c->window_s, 1));
+    for (;; length /= 2) {
+        *first_ns = start + (stop - start - length) / 2;
+        *stop_ns = *first_ns + length;
         const cli_window shown = slice_of(c, c->exact.stream.events, c->exact.stream.count, *first_ns, *stop_ns);
-        if (c->window_s > 0 || shown.count <= COMFORTABLE_EVENTS || half < 1000) return;
-        half /= 2;
+        if (c->window_s > 0 || shown.count <= COMFORTABLE_EVENTS || length < 2000) return;
     }
 }
 
@@ -49,19 +48,19 @@ static void title_row(panel *p, const compare_row *row) {
                 *p95 = compare_find(row->against_exact, "comparison.dt_p95_us"),
                 *mismatch = compare_find(row->against_exact, "comparison.mismatch_percent");
     if (row->error.status != TIDES_OK)
-        snprintf(p->title, sizeof p->title, "%s: failed", row->name);
+        snprintf(p->title, sizeof p->title, "failed");
     else if (cJSON_IsNumber(median) && cJSON_IsNumber(p95) && cJSON_IsNumber(mismatch))
-        snprintf(p->title, sizeof p->title, "%s: |dt| median %s, p95 %s us; %s %% off", row->name,
+        snprintf(p->title, sizeof p->title, "|dt| median %s us, p95 %s us, mismatch %s %%",
                  compare_number(median->valuedouble, texts[0]), compare_number(p95->valuedouble, texts[1]),
                  compare_number(mismatch->valuedouble, texts[2]));
     else
-        snprintf(p->title, sizeof p->title, "%s: nothing matches", row->name);
+        snprintf(p->title, sizeof p->title, "nothing matches");
 }
 
 static int32_t make_panels(const comparison *c, panel panels[COMPARE_METHODS_MAX + 2]) {
     int32_t count = 0;
-    panels[count++] = (panel){"exact", "exact", c->exact.stream.events, c->exact.stream.count};
-    if (c->recording_file) panels[count++] = (panel){"recording", "recording", c->recording.events, c->recording.count};
+    panels[count++] = (panel){"exact", "", c->exact.stream.events, c->exact.stream.count};
+    if (c->recording_file) panels[count++] = (panel){"recording", "", c->recording.events, c->recording.count};
     for (int32_t i = 0; i < c->count; i++) {
         panel *p = &panels[count++];
         *p = (panel){c->rows[i].name, "", c->rows[i].stream.events, c->rows[i].stream.count};
@@ -76,8 +75,9 @@ static int32_t draw_panel(cli_canvas *canvas, const comparison *c, const panel *
     static const view eye = {.azimuth_deg = VIEW_AZIMUTH_DEG, .elevation_deg = VIEW_ELEVATION_DEG};
     const cli_window shown = slice_of(c, p->events, p->count, first_ns, stop_ns);
     const view_part box = {part->left, part->top + TITLE, part->right, part->bottom};
-    plot_text(canvas, part->left + MARGIN, part->top + 14, VIEW_TEXT, p->title);
-    view_legend(canvas, part->left + MARGIN, part->top + 40, &shown);
+    plot_text(canvas, part->left + MARGIN, part->top + 14, VIEW_TEXT, p->name);
+    plot_text(canvas, part->left + MARGIN, part->top + 40, VIEW_TEXT, p->title);
+    view_legend(canvas, part->left + MARGIN, part->top + 66, &shown);
     return view_draw_xyt(canvas, &eye, &shown, &box);
 }
 

@@ -27,6 +27,10 @@ static void set(settings *s, const char *key, double value) {
     snprintf(s->texts[s->count++], sizeof s->texts[0], "%s=%.12g", key, value);
 }
 
+static void put(settings *s, const char *key, const char *value) {
+    snprintf(s->texts[s->count++], sizeof s->texts[0], "%s%s", key, value);
+}
+
 static void zero(settings *s, const char *const *keys) {
     for (; *keys; keys++) set(s, *keys, 0);
 }
@@ -48,8 +52,7 @@ static void ideal_tides(settings *s, const pixel *p) {
     set(s, "sensor.threshold_on", p->on);
     set(s, "sensor.threshold_off", p->off);
     zero(s, off);
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
-        snprintf(s->texts[s->count++], sizeof s->texts[0], "%s", texts[i]);
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) put(s, texts[i], "");
 }
 
 static void threshold_esim(settings *s, const pixel *p) {
@@ -79,7 +82,7 @@ static void ideal_v2e(settings *s, const pixel *p) {
                                       NULL};
     (void)p;
     zero(s, off);
-    snprintf(s->texts[s->count++], sizeof s->texts[0], "v2e.photoreceptor_noise=false");
+    put(s, "v2e.photoreceptor_noise=", "false");
 }
 
 /* DN / (DN + k2) is ln(Y + k2 / 255) to second order of a step, and the barriers are at +-1: k1 is the inverse threshold, and
@@ -98,48 +101,50 @@ static void threshold_iebcs(settings *s, const pixel *p) {
     set(s, "iebcs.th_neg", p->off);
 }
 
-/* ln(scale Y + 1) is ln(Y + log_eps) but for a constant where the scale is 1 / log_eps. */
+/* ln(scale Y + 1) is ln(Y + log_eps) but for a constant where the scale is 1 / log_eps. The time constant goes with the inverse
+ * of light: at Y = 1 it is as short as with IEBCS's own parameters. Shorter, and a reference taken at a whole microsecond would
+ * no longer be that of the event. */
 static void ideal_iebcs(settings *s, const pixel *p) {
+    tides_baseline_params defaults;
+    tides_baseline_params_defaults(&defaults);
+    const tides_iebcs *own = &defaults.iebcs;
     static const char *const off[] = {"iebcs.th_noise", "iebcs.lat",  "iebcs.jit", "iebcs.ref",
                                       "iebcs.bgnp",     "iebcs.bgnn", NULL};
     set(s, "iebcs.scale", 1 / p->log_eps);
-    set(s, "iebcs.tau", 1e-6); /* the shortest: pixels follow at once */
+    set(s, "iebcs.tau", own->tau * (1 / p->log_eps + 1) / (own->scale + 1));
     zero(s, off);
-    snprintf(s->texts[s->count++], sizeof s->texts[0], "iebcs.noise_pos=null");
-    snprintf(s->texts[s->count++], sizeof s->texts[0], "iebcs.noise_neg=null");
-    snprintf(s->texts[s->count++], sizeof s->texts[0], "iebcs.arbiter=none");
+    put(s, "iebcs.noise_pos=", "null");
+    put(s, "iebcs.noise_neg=", "null");
+    put(s, "iebcs.arbiter=", "none");
 }
 
 /* -- the methods --------------------------------------------------------------------------------------------------------- */
 
+/* clang-format off */
 static const struct method {
-    const char *name;
+    const char *name, *method; /* of the row, in the run file */
     void (*threshold)(settings *s, const pixel *p), (*ideal)(settings *s, const pixel *p); /* NULL: nothing to set */
+    const char *always;   /* a setting that makes the row what it is, or NULL */
     const char *own;      /* the key that says that the run file has thresholds for it; NULL: they are the run's */
-    const char *shown[4]; /* the keys that the table tells */
-    const char *paced;    /* the key that says how often it renders a scene */
+    const char *shown[3]; /* the keys that the results tell */
+    const char *pace;     /* and of a scene the one that says how often it is rendered */
+    int32_t scenes_only;
 } methods[] = {
-    {"tides", NULL, ideal_tides, NULL, {"sensor.threshold_on", "sensor.threshold_off", "stepping.mode"}, "stepping.tolerance"},
-    {"esim",
-     threshold_esim,
-     ideal_esim,
-     "esim.contrast_threshold_pos",
+    {"tides", "tides", NULL, ideal_tides, NULL, NULL,
+     {"sensor.threshold_on", "sensor.threshold_off"}, "stepping.tolerance", 0},
+    {"esim", "esim", threshold_esim, ideal_esim, NULL, "esim.contrast_threshold_pos",
      {"esim.contrast_threshold_pos", "esim.contrast_threshold_neg", "esim.simulation_adaptive_sampling_method"},
-     "esim.simulation_adaptive_sampling_lambda"},
-    {"v2e", threshold_v2e, ideal_v2e, "v2e.pos_thres", {"v2e.pos_thres", "v2e.neg_thres"}, "frames_per_second"},
-    {"dvs-voltmeter",
-     threshold_voltmeter,
-     ideal_voltmeter,
-     "voltmeter.k1",
-     {"voltmeter.k1", "voltmeter.k2"},
-     "frames_per_second"},
-    {"iebcs",
-     threshold_iebcs,
-     ideal_iebcs,
-     "iebcs.th_pos",
-     {"iebcs.th_pos", "iebcs.th_neg", "iebcs.scale"},
-     "frames_per_second"},
+     "esim.simulation_adaptive_sampling_lambda", 0},
+    {"esim-fixed", "esim", threshold_esim, ideal_esim, "esim.simulation_adaptive_sampling_method=none",
+     "esim.contrast_threshold_pos", {"esim.contrast_threshold_pos", "esim.contrast_threshold_neg"}, "frames_per_second", 1},
+    {"v2e", "v2e", threshold_v2e, ideal_v2e, NULL, "v2e.pos_thres",
+     {"v2e.pos_thres", "v2e.neg_thres"}, "frames_per_second", 0},
+    {"dvs-voltmeter", "dvs-voltmeter", threshold_voltmeter, ideal_voltmeter, NULL, "voltmeter.k1",
+     {"voltmeter.k1", "voltmeter.k2"}, "frames_per_second", 0},
+    {"iebcs", "iebcs", threshold_iebcs, ideal_iebcs, NULL, "iebcs.th_pos",
+     {"iebcs.th_pos", "iebcs.th_neg", "iebcs.scale"}, "frames_per_second", 0},
 };
+/* clang-format on */
 enum { METHODS = sizeof methods / sizeof methods[0] };
 
 const char *compare_method(size_t index) { return index < METHODS ? methods[index].name : NULL; }
@@ -149,6 +154,8 @@ static const struct method *find_method(const char *name) {
     while (strcmp(methods[i].name, name) != 0) i++;
     return &methods[i];
 }
+
+int32_t compare_scenes_only(const char *method) { return find_method(method)->scenes_only; }
 
 /* -- a run of one's own -------------------------------------------------------------------------------------------------- */
 
@@ -174,7 +181,7 @@ static int32_t tell(compare_row *row, const settings *s, const struct method *m,
     for (size_t i = 0; ok && i < sizeof m->shown / sizeof m->shown[0] && m->shown[i]; i++)
         ok = cJSON_AddItemToObject(row->parameters, m->shown[i], cJSON_Duplicate(compare_find(run, m->shown[i]), 1));
     if (ok && !session->frames)
-        ok = cJSON_AddItemToObject(row->parameters, m->paced, cJSON_Duplicate(compare_find(run, m->paced), 1));
+        ok = cJSON_AddItemToObject(row->parameters, m->pace, cJSON_Duplicate(compare_find(run, m->pace), 1));
     cJSON_Delete(run);
     return ok;
 }
@@ -194,9 +201,10 @@ tides_status compare_configure(const comparison *c, const char *method, int32_t 
     const tides_run_values *given = &c->session.values;
     const pixel p = {given->sensor.threshold_on, given->sensor.threshold_off, given->image.log_eps};
     settings s = {.count = 0};
-    snprintf(s.texts[s.count++], sizeof s.texts[0], "method=%s", method);
+    put(&s, "method=", m->method);
     if (m->threshold && (ideal || !tides_run_gives(c->session.run, m->own))) m->threshold(&s, &p);
     if (ideal) m->ideal(&s, &p);
+    if (m->always) put(&s, m->always, "");
     *session = c->session;
     session->run = NULL;
     tides_status status = load(c, &s, &session->run, error);
