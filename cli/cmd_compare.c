@@ -94,6 +94,10 @@ static void leave_out(comparison *c) {
 /* What can't be compared is said before anything long begins. */
 static tides_status prepare(comparison *c, tides_error *error) {
     tides_status status = cli_session_open(c->run, c->sets, c->common, &c->session, error);
+    if (status == TIDES_OK && c->session.values.baseline.method == TIDES_METHOD_LDATI)
+        return cli_error(error, TIDES_UNSUPPORTED,
+                         "%s: method ldati: a voxel grid has lost the signal that the others need; compare on a scene or frames",
+                         c->run);
     if (status == TIDES_OK) status = cli_make_directory(c->directory, error);
     if (status == TIDES_OK && c->session.frames) leave_out(c);
     return status == TIDES_OK ? read_recording(c, error) : status;
