@@ -13,7 +13,7 @@ typedef struct bench_stream {
     tides_event *events;
     size_t count, capacity;
 } bench_stream;
-/* A sink that keeps everything in a bench_stream, or drops it where that is NULL. Its own status stops the run: out of memory. */
+/* A sink that keeps everything in a bench_stream, nothing where that is NULL. Its own status stops the run: out of memory. */
 int bench_keep(void *stream, const tides_event *events, size_t count);
 
 /* The exact stream of an image rule: hermite at `steps_per_s`, finer by tile where `tolerance` asks for it (0: equal steps).

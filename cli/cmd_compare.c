@@ -96,7 +96,7 @@ static tides_status prepare(comparison *c, tides_error *error) {
     tides_status status = cli_session_open(c->run, c->sets, c->common, &c->session, error);
     if (status == TIDES_OK && c->session.values.baseline.method == TIDES_METHOD_LDATI)
         return cli_error(error, TIDES_UNSUPPORTED,
-                         "%s: method ldati: a voxel grid has lost the signal that the others need; compare on a scene or frames",
+                         "%s: method ldati: a voxel grid has lost the signal that the others need; give a scene or frames",
                          c->run);
     if (status == TIDES_OK) status = cli_make_directory(c->directory, error);
     if (status == TIDES_OK && c->session.frames) leave_out(c);
@@ -160,6 +160,7 @@ int cmd_compare(const cli_command *command, int argc, char **argv) {
         {"--recording", 0, "EVENTS", "compare with a recording of this scene, too", NULL, &c.recording_file, NULL},
         {"--window", 0, "S", "the picture shows so much of the run's middle (as long as it stays clear)", NULL, &window, NULL},
         {"--keep", 0, NULL, "keep the events: DIR/exact.h5 and DIR/METHOD.h5", &c.keep, NULL, NULL},
+        {"--double", 0, NULL, "the exact stream in double precision, by the reference device: slow", &c.in_double, NULL, NULL},
         {"--set", 0, "KEY=VALUE", "override a key of the run file; may be repeated", NULL, NULL, &sets},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };

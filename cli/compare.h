@@ -27,6 +27,7 @@ typedef struct comparison {
     double window_s;            /* of the picture; 0: what is comfortable */
     int32_t as_configured;      /* 1: the run file's own settings; 0: ideal pixels */
     int32_t keep;               /* 1: events of each go to files */
+    int32_t in_double;          /* 1: the exact stream comes from the double-precision reference */
 
     cli_session session; /* as the run file says; the rows borrow what it holds open */
     cli_progress progress;

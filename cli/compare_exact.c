@@ -1,8 +1,10 @@
 /* The exact stream of a comparison: the ideal pixel with the run's thresholds.
  *
  * Of a scene: the cubic under error control, refined until halving the steps moves nothing any more, or until single precision
- * or the bounds below end it; what the last halving moved is told with the results. Of frames: nobody knows what happened
- * between them, so that exact are the crossings of straight lines in log luminance from frame to frame, in double precision. */
+ * or the bounds below end it; what the last halving moved is told with the results. Rounding to single precision moves events
+ * of slow pixels by a fraction of a microsecond, in methods and exact stream alike: --double takes the reference for the
+ * latter. Of frames: nobody knows what happened between them, so that exact are the crossings of straight lines in log
+ * luminance from frame to frame, in double precision. */
 #include "compare.h"
 
 #include <math.h>
@@ -11,8 +13,9 @@
 /* The longest first step, a common frame interval. */
 #define LONGEST_STEP_S 0.01
 /* No level comes after one that took so many full renders; images that jump begin with a quarter of them. */
-#define LONG_RENDERS 2000.0
+#define LONG_RENDERS 500.0
 #define MOST_RATE 512000.0
+#define DOUBLE_TOLERANCE 1e-9 /* of thresholds */
 
 const char *compare_exact_what(const comparison *c) {
     if (c->session.frames) return "straight lines in log luminance between the frames";
@@ -32,12 +35,15 @@ static tides_status of_scene(comparison *c, const cli_session *s, tides_error *e
                                .stop = v->stop,
                                .macro_step_s = fmin(v->stop - v->start, LONGEST_STEP_S)};
     const double rate = fmin(LONG_RENDERS / 4 / (v->stop - v->start), MOST_RATE / 2);
-    const bench_refining how = {.last_tolerance = BENCH_FLOAT_TOLERANCE,
+    const bench_refining how = {.last_tolerance = c->in_double ? DOUBLE_TOLERANCE : BENCH_FLOAT_TOLERANCE,
                                 .first_rate = rate,
                                 .least_rate = 2 * rate,
                                 .last_rate = MOST_RATE,
                                 .long_renders = LONG_RENDERS};
-    return bench_refine(&b, &scene, v->image.rules, &how, &c->exact, error);
+    tides_status status = c->in_double ? tides_device_open("reference", &b.device, error) : TIDES_OK;
+    if (status == TIDES_OK) status = bench_refine(&b, &scene, v->image.rules, &how, &c->exact, error);
+    if (b.device != s->device) tides_device_close(b.device);
+    return status;
 }
 
 static tides_status of_frames(comparison *c, const cli_session *s, tides_error *error) {

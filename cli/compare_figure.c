@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PANEL_WIDTH = 780, PANEL_HEIGHT = 540, TITLE = 90 /* of a panel */, HEADER = 48, MARGIN = 36, COLUMNS_MAX = 3 };
+enum { PANEL_WIDTH = 780, PANEL_HEIGHT = 540, TITLE = 90 /* of a panel */, HEADER = 48, MARGIN = 36 };
 
 /* Where more events than this lie in a stretch, points hide one another. */
 #define COMFORTABLE_EVENTS 20000
@@ -93,7 +93,7 @@ static void draw_header(cli_canvas *canvas, const comparison *c, int64_t first_n
 
 tides_status compare_figure(const comparison *c, tides_error *error) {
     panel panels[COMPARE_METHODS_MAX + 2];
-    const int32_t count = make_panels(c, panels), columns = count <= 4 ? (count + 1) / 2 : COLUMNS_MAX;
+    const int32_t count = make_panels(c, panels), columns = count <= 4 ? (count + 1) / 2 : count <= 6 ? 3 : 4;
     const int32_t rows = (count + columns - 1) / columns;
     int64_t first_ns, stop_ns;
     char path[COMPARE_PATH];

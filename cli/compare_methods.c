@@ -108,9 +108,9 @@ static void ideal_iebcs(settings *s, const pixel *p) {
     tides_baseline_params defaults;
     tides_baseline_params_defaults(&defaults);
     const tides_iebcs *own = &defaults.iebcs;
-    static const char *const off[] = {"iebcs.th_noise", "iebcs.lat",  "iebcs.jit", "iebcs.ref",
-                                      "iebcs.bgnp",     "iebcs.bgnn", NULL};
+    static const char *const off[] = {"iebcs.th_noise", "iebcs.lat", "iebcs.jit", "iebcs.bgnp", "iebcs.bgnn", NULL};
     set(s, "iebcs.scale", 1 / p->log_eps);
+    set(s, "iebcs.ref", 1); /* [us] the resolution of its clock: without, a large step is taken again and again at one time */
     set(s, "iebcs.tau", own->tau * (1 / p->log_eps + 1) / (own->scale + 1));
     zero(s, off);
     put(s, "iebcs.noise_pos=", "null");

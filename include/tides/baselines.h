@@ -102,7 +102,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_baseline_create(const tides_baseli
 TIDES_API void tides_baseline_destroy(tides_baseline *baseline); /* NULL is fine */
 
 /* The next frame: luminance Y >= 0 (height x width), finite, at `time` [s], after the last frame's; of LDATI a voxel grid. The
- * first one sets the pixels' state and fires nothing (LDATI has no state). `sink` gets the events that no later frame can come before, sorted by (t, y, x, polarity).
+ * first one sets the pixels' state and fires nothing (LDATI has no state). `sink` gets the events that no later frame can come
+ * before, sorted by (t, y, x, polarity).
  * TIDES_BAD_ARGUMENT naming pixel or time; the baseline is then as before. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_baseline_push(tides_baseline *baseline, double time, const double *Y,
                                                             tides_event_sink sink, void *user, tides_error *error);
@@ -127,9 +128,8 @@ typedef struct tides_frame_supply {
 } tides_frame_supply;
 
 /* Pushes every frame of the supply, and finishes. `stats` (nullable) receives what is known of a run from frames: events,
- * renders, times. TIDES_BAD_ARGUMENT where the sequence has fewer than two frames (LDATI: one) within [start, stop], or is of another size
- * or number of planes.
- */
+ * renders, times. TIDES_BAD_ARGUMENT where the sequence has fewer than two frames (LDATI: one) within [start, stop],
+ * or is of another size or number of planes. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_baseline_run(tides_baseline *baseline, const tides_frame_supply *supply,
                                                            tides_event_sink sink, void *sink_user, tides_progress progress,
                                                            void *user, tides_stats *stats, tides_error *error);

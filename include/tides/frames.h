@@ -36,7 +36,8 @@ typedef struct tides_frames tides_frames;
  *                    "timestamps"
  *   .h5, .hdf5       the same names, read frame by frame
  * With more planes an array is (frames, planes, height, width), where several dimensions may make up the planes, as in
- * (frames, 2, 10, height, width); without its first dimension it is one frame. Times come from options->timestamps, else the rate, else the array file's own, else timestamps.txt or image_timestamps.txt
+ * (frames, 2, 10, height, width); without its first dimension it is one frame.
+ * Times come from options->timestamps, else the rate, else the array file's own, else timestamps.txt or image_timestamps.txt
  * in the folder or beside it. TIDES_BAD_FILE, TIDES_BAD_CONFIG where there are no times. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_frames_open(const char *path, const tides_frames_options *options,
                                                           tides_frames **frames, tides_error *error);
@@ -49,11 +50,11 @@ TIDES_API void tides_frames_close(tides_frames *frames); /* NULL is fine */
 
 TIDES_API size_t tides_frames_count(const tides_frames *frames);
 TIDES_API void tides_frames_size(const tides_frames *frames, int32_t *width, int32_t *height);
-TIDES_API int32_t tides_frames_planes(const tides_frames *frames); /* values per pixel: 1, luminance, unless options say more */
+TIDES_API int32_t tides_frames_planes(const tides_frames *frames);            /* values per pixel, as options say */
 TIDES_API double tides_frames_time(const tides_frames *frames, size_t index); /* [s]; NaN out of range */
 
-/* Luminance of frame `index` into Y ((planes x) height x width, row 0 on top), caller's memory. Negative or infinite values and NaN are
- * TIDES_BAD_FILE naming the pixel. */
+/* Luminance of frame `index` into Y ((planes x) height x width, row 0 on top), caller's memory. Negative or infinite values and
+ * NaN are TIDES_BAD_FILE naming the pixel. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_frames_read(tides_frames *frames, size_t index, double *Y, tides_error *error);
 
 #ifdef __cplusplus
