@@ -19,7 +19,7 @@ p95() { of_method all/compare.json "$1" dt_p95_us; }
 less "$(p95 tides)" "$(p95 esim-fixed)" "tides, ESIM"
 less "$(p95 esim-fixed)" "$(p95 dvs-voltmeter)" "ESIM, DVS-Voltmeter"
 less "$(p95 dvs-voltmeter)" "$(p95 v2e)" "DVS-Voltmeter, v2e"
-less "$(p95 v2e)" "$(p95 iebcs)" "v2e, IEBCS"
+less "$(p95 dvs-voltmeter)" "$(p95 iebcs)" "DVS-Voltmeter, IEBCS"
 less "$(p95 esim-fixed)" "$(p95 esim)" "ESIM at 41 renders, at its own few"
 less "$(of_method all/compare.json tides renders)" "$(of_method all/compare.json esim-fixed renders)" "renders"
 less "$(value all/compare.json halved_p95_us)" "$(p95 tides)" "the exact stream"
