@@ -39,22 +39,6 @@ static cJSON *make_json(const batch *b) {
     return NULL;
 }
 
-/* A quoted field; quotes doubled. */
-static void put_field(FILE *file, const char *text) {
-    putc('"', file);
-    for (; *text; text++) {
-        if (*text == '"') putc('"', file);
-        putc(*text, file);
-    }
-    putc('"', file);
-}
-
-static void put_cell(FILE *file, const cJSON *value) {
-    putc(',', file);
-    if (cJSON_IsString(value)) put_field(file, value->valuestring);
-    if (cJSON_IsNumber(value)) fprintf(file, "%.15g", value->valuedouble);
-}
-
 static void put_sets(FILE *file, const cJSON *sets) {
     char *joined = batch_text("%s", "");
     for (const cJSON *item = sets ? sets->child : NULL; joined && item; item = item->next) {
@@ -63,7 +47,7 @@ static void put_sets(FILE *file, const cJSON *sets) {
         joined = longer;
     }
     putc(',', file);
-    if (joined) put_field(file, joined);
+    if (joined) cli_csv_text(file, joined);
     free(joined);
 }
 
@@ -78,11 +62,11 @@ static tides_status write_csv(const char *path, const cJSON *root, tides_error *
     fputs(",set,error", file);
     cJSON_ArrayForEach(row, cJSON_GetObjectItemCaseSensitive(root, "runs")) {
         putc('\n', file);
-        put_field(file, cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(row, "name")));
-        put_cell(file, cJSON_GetObjectItemCaseSensitive(row, "state"));
-        for (size_t i = 0; i < COLUMNS; i++) put_cell(file, cJSON_GetObjectItemCaseSensitive(row, columns[i]));
+        cli_csv_text(file, cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(row, "name")));
+        cli_csv_value(file, cJSON_GetObjectItemCaseSensitive(row, "state"));
+        for (size_t i = 0; i < COLUMNS; i++) cli_csv_value(file, cJSON_GetObjectItemCaseSensitive(row, columns[i]));
         put_sets(file, cJSON_GetObjectItemCaseSensitive(row, "set"));
-        put_cell(file, cJSON_GetObjectItemCaseSensitive(row, "error"));
+        cli_csv_value(file, cJSON_GetObjectItemCaseSensitive(row, "error"));
     }
     const int32_t whole = !ferror(file);
     tides_status status = fclose(file) == 0 && whole ? cli_write_text(path, text, error) : batch_no_memory(error);

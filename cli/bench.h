@@ -13,6 +13,8 @@ typedef struct bench_stream {
     tides_event *events;
     size_t count, capacity;
 } bench_stream;
+/* A sink that keeps everything in a bench_stream, nothing where that is NULL. Its own status stops the run: out of memory. */
+int bench_keep(void *stream, const tides_event *events, size_t count);
 
 /* The exact stream of an image rule: hermite at `steps_per_s`, finer by tile where `tolerance` asks for it (0: equal steps).
  * `moved` is how the last halving of its steps moved it. */
@@ -114,6 +116,18 @@ tides_status bench_each_scene(bench *b, const cli_list *names, bench_visit visit
 
 /* bench_truth.c: the exact stream of the scene under `rules`, by halving steps until nothing moves, or to a limit. */
 tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides_error *error);
+/* How far bench_refine goes. */
+#define BENCH_FLOAT_TOLERANCE 3e-6 /* what single precision lets the estimate see: 1e-6 of L among thresholds of 0.2 */
+typedef struct bench_refining {
+    double last_tolerance;                    /* continuous images: no level is asked for less */
+    double first_rate, least_rate, last_rate; /* others, equal steps per second: the first level's, what the last one has at
+                                                 least and at most */
+    double long_renders;                      /* no level comes after one of so many full renders (but up to least_rate) */
+} bench_refining;
+/* Halves the steps until nothing moves or `how` ends it, on b->device; two levels at least. The caller frees
+ * truth->stream.events. */
+tides_status bench_refine(bench *b, const bench_scene *scene, int32_t rules, const bench_refining *how, bench_truth *truth,
+                          tides_error *error);
 /* 1 where nothing in the image jumps. */
 int32_t bench_is_continuous(const tides_image_params *image);
 

@@ -47,8 +47,7 @@ bench_row *bench_rows_add(bench_rows *rows, tides_error *error) {
 
 /* -- runs ---------------------------------------------------------------------------------------------------------------- */
 
-/* A sink that keeps everything. Its own status stops the run: out of memory. */
-static int keep(void *user, const tides_event *events, size_t count) {
+int bench_keep(void *user, const tides_event *events, size_t count) {
     bench_stream *stream = user;
     if (!stream || count == 0) return 0;
     if (stream->count + count > stream->capacity) {
@@ -78,7 +77,7 @@ tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, c
     tides_simulator_stats(simulator, &before);
     const double began = cli_now();
     if (status == TIDES_OK)
-        status = tides_simulator_run(simulator, scene->stop, keep, stream, cli_progress_step, &b->progress, error);
+        status = tides_simulator_run(simulator, scene->stop, bench_keep, stream, cli_progress_step, &b->progress, error);
     const double elapsed = cli_now() - began;
     tides_simulator_stats(simulator, &row->stats);
     tides_simulator_destroy(simulator);

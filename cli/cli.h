@@ -6,6 +6,7 @@
 
 #include <cjson/cJSON.h>
 #include <stdarg.h>
+#include <stdio.h>
 
 #if defined(__GNUC__)
 #define CLI_PRINTF(text, first) __attribute__((__format__(__printf__, text, first)))
@@ -63,6 +64,7 @@ int cmd_cut(const cli_command *command, int argc, char **argv);
 int cmd_view(const cli_command *command, int argc, char **argv);
 int cmd_export(const cli_command *command, int argc, char **argv);
 int cmd_metrics(const cli_command *command, int argc, char **argv);
+int cmd_compare(const cli_command *command, int argc, char **argv);
 int cmd_bench(const cli_command *command, int argc, char **argv);
 int cmd_init(const cli_command *command, int argc, char **argv);
 int cmd_batch(const cli_command *command, int argc, char **argv);
@@ -97,10 +99,15 @@ void cli_note(const cli_common *common, const char *format, ...) CLI_PRINTF(2, 3
 int cli_print_facts(cJSON *facts, int32_t json);
 /* The same as --json and --quiet have it: with --quiet alone nothing is printed. */
 int cli_report_facts(cJSON *facts, const cli_common *common);
+/* A quoted field, its quotes doubled; a comma and a text, a number, or nothing. */
+void cli_csv_text(FILE *file, const char *text);
+void cli_csv_value(FILE *file, const cJSON *value);
 /* 1234567 -> "1.23 M"; returns `text`. */
 const char *cli_count(double number, char text[24]);
 /* Whether `path` will be writable later: an early answer for outputs that come at the end of long work. */
 tides_status cli_check_writable(const char *path, tides_error *error);
+/* Makes a directory; one that is there is fine. */
+tides_status cli_make_directory(const char *directory, tides_error *error);
 /* Writes text beside and renames. */
 tides_status cli_write_text(const char *path, const char *text, tides_error *error);
 /* Fills an error the way the library does. */
@@ -114,6 +121,7 @@ const char *cli_nearest(const char *name, const char *const *names);
 typedef struct cli_progress {
     int32_t quiet;
     const uint64_t *events; /* counted so far, or NULL */
+    const char *label;      /* told before the stage, or NULL */
     char stage[48];
     double began, drawn;
     int32_t terminal, decile;

@@ -1,11 +1,9 @@
 /* tides batch: many runs, several at a time, gone on with after any interruption. */
 #include "batch.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* [s] of wall time, as tides simulate has it. */
 #define DEFAULT_CHECKPOINT_S 30.0
@@ -31,13 +29,6 @@ static int take_count(const cli_command *command, const char *option, const char
         return cli_usage(command, "%s %s: give a number from 1", option, text);
     *count = (int32_t)given;
     return CLI_GO;
-}
-
-static tides_status make_directory(const char *directory, tides_error *error) {
-    struct stat found;
-    if (mkdir(directory, 0777) == 0) return TIDES_OK;
-    if (errno == EEXIST && stat(directory, &found) == 0 && S_ISDIR(found.st_mode)) return TIDES_OK;
-    return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", directory, strerror(errno));
 }
 
 static void print_counts(const batch *b, size_t done, size_t earlier, size_t failed) {
@@ -99,7 +90,7 @@ int cmd_batch(const cli_command *command, int argc, char **argv) {
     tides_status status = parent ? batch_end_with(parent, &error) : TIDES_OK;
     if (status == TIDES_OK) status = batch_read(&b, &error);
     if (status == TIDES_OK) status = batch_prepare(&b, &error);
-    if (status == TIDES_OK) status = make_directory(directory, &error);
+    if (status == TIDES_OK) status = cli_make_directory(directory, &error);
     if (status == TIDES_OK) status = look ? batch_look(&b, &error) : batch_work(&b, &error);
     code = status == TIDES_OK ? report(&b) : cli_fail(&error);
     batch_free(&b);

@@ -1,7 +1,6 @@
 /* tides bench: what accuracy costs. */
 #include "bench.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -39,13 +38,6 @@ static int check_scene(const cli_command *command, const char *name) {
     return cli_usage(command, "--scene %s: neither a scene nor a file", name);
 }
 
-static tides_status make_directory(const char *directory, tides_error *error) {
-    struct stat found;
-    if (mkdir(directory, 0777) == 0) return TIDES_OK;
-    if (errno == EEXIST && stat(directory, &found) == 0 && S_ISDIR(found.st_mode)) return TIDES_OK;
-    return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", directory, strerror(errno));
-}
-
 int cmd_bench(const cli_command *command, int argc, char **argv) {
     cli_common common;
     const char *name = NULL, *directory = NULL;
@@ -66,7 +58,7 @@ int cmd_bench(const cli_command *command, int argc, char **argv) {
 
     tides_error error = {TIDES_OK, ""};
     bench b = {.common = &common, .directory = directory ? directory : "tides-bench", .quick = quick, .progress = {.quiet = 1}};
-    tides_status status = make_directory(b.directory, &error);
+    tides_status status = cli_make_directory(b.directory, &error);
     if (status == TIDES_OK) status = tides_device_open(common.device, &b.device, &error);
     if (status == TIDES_OK) {
         tides_device_describe(b.device, &b.info);

@@ -2,11 +2,9 @@
 #include "demo.h"
 #include "session.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 enum { PATH_SIZE = 4200 };
 
@@ -20,13 +18,6 @@ static void name_files(const char *directory, demo_files *files) {
     snprintf(files->stats, PATH_SIZE, "%s/stats.json", directory);
     snprintf(files->preview, PATH_SIZE, "%s/preview.png", directory);
     snprintf(files->exr, PATH_SIZE, "%s/frame.exr", directory);
-}
-
-static tides_status make_directory(const char *directory, tides_error *error) {
-    struct stat found;
-    if (mkdir(directory, 0777) == 0) return TIDES_OK;
-    if (errno == EEXIST && stat(directory, &found) == 0 && S_ISDIR(found.st_mode)) return TIDES_OK;
-    return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", directory, strerror(errno));
 }
 
 int cmd_demo(const cli_command *command, int argc, char **argv) {
@@ -45,7 +36,7 @@ int cmd_demo(const cli_command *command, int argc, char **argv) {
     demo_files *files = malloc(sizeof *files);
     if (!files) return cli_failed("out of memory");
     name_files(directory, files);
-    tides_status status = make_directory(directory, &error);
+    tides_status status = cli_make_directory(directory, &error);
     if (status == TIDES_OK) status = demo_scene_write(directory, &error);
     if (status == TIDES_OK) {
         static const cli_list no_sets = {.count = 0};

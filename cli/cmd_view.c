@@ -250,7 +250,7 @@ int cmd_view(const cli_command *command, int argc, char **argv) {
     arguments given = {.kind = NULL};
     /* A surface that has faded by exp(-1) after 30 ms is HOTS's; the eye's place is one where all three axes show. */
     job j = {.common = &common,
-             .view = {.decay_s = 0.03, .azimuth_deg = 58, .elevation_deg = 18},
+             .view = {.decay_s = 0.03, .azimuth_deg = VIEW_AZIMUTH_DEG, .elevation_deg = VIEW_ELEVATION_DEG},
              .pictures_per_second = PICTURES_PER_SECOND};
     const cli_option options[] = {
         {"--output", 'o', "FILE", "OUT.png, xyt: OUT.svg; moving: .apng, .y4m, frame%04d.png, - (video to a pipe)", NULL,

@@ -58,13 +58,17 @@ static tides_event_file facts_of(const cli_session *s) {
                               s->values.sensor.labels};
 }
 
-static tides_status make_simulator(job_state *state, tides_error *error) {
-    if (cli_uses_frames(&state->session)) return TIDES_OK; /* cli_frames_simulate has its own */
-    const cli_session *s = &state->session;
+tides_status cli_simulator_create(const cli_session *s, cli_progress *progress, tides_simulator **simulator,
+                                  tides_error *error) {
     tides_status status = tides_simulator_create(s->device, s->scene, s->camera, &s->intrinsics, &s->values.image,
                                                  &s->values.sensor, &s->values.stepping, s->values.start, s->values.stop,
-                                                 cli_progress_step, &state->progress, &state->simulator, error);
-    return status == TIDES_OK ? tides_simulator_readout(state->simulator, &s->values.readout, error) : status;
+                                                 cli_progress_step, progress, simulator, error);
+    return status == TIDES_OK ? tides_simulator_readout(*simulator, &s->values.readout, error) : status;
+}
+
+static tides_status make_simulator(job_state *state, tides_error *error) {
+    if (cli_uses_frames(&state->session)) return TIDES_OK; /* cli_frames_simulate has its own */
+    return cli_simulator_create(&state->session, &state->progress, &state->simulator, error);
 }
 
 /* An empty event file, and a simulator at the start; what an earlier run left goes, its checkpoint first. */

@@ -36,12 +36,8 @@ static const cli_command commands[] = {
     {"convert", "IN OUT", "Convert a scene to .ply or .h5, or an event file to another format.",
      "A scene is .ply (compressed too), .spz, .splat, .ksplat, .sog or .h5. IN's format is found from its content; OUT's "
      "ending "
-<<<<<<< HEAD
-     "says what is written. Labels of events (sensor.labels) aren't kept.",
-=======
-     "says what is written.\n"
+     "says what is written. Labels of events (sensor.labels) aren't kept.\n"
      "IN may be a folder: of a trained model, or of event files (DSEC, EDS, HS-ERGB, BS-ERGB).",
->>>>>>> others
      2, cmd_convert},
     {"cut", "IN OUT --start S --stop S", "Cut a stretch of time or a window out of an event file.",
      "Labels of events (sensor.labels) aren't kept.", 2, cmd_cut},
@@ -66,6 +62,15 @@ static const cli_command commands[] = {
      "Values are undefined (-, in JSON null) where they would divide by nothing. include/tides/metrics.h defines each one.\n"
      "The kernel distance takes long, and match wants an exact reference: both only where asked for.",
      2, cmd_metrics},
+    {"compare", "RUN.json [-o DIR] [--methods LIST]", "Run every method on one scene and compare their events.",
+     "Each method against the exact stream of the run: events matched one by one (median and 95th percentile of |dt|,\n"
+     "mismatch), Same-ts, IG-NLL, log ISI, Fano error, Chamfer and Victor-Purpura distances; compare.json, compare.csv, and\n"
+     "compare.png with the streams side by side in x, y and t. Unless --as-configured is given every method is an ideal\n"
+     "pixel with the run's thresholds: no noise, spread, latency, low-pass or refractory period. With it, thresholds are\n"
+     "the run's where the run file has none for the method. Exact are a scene's events with steps halved until nothing\n"
+     "moves, and between frames those of straight lines in log luminance. A method that fails takes no other with it.\n"
+     "The keys for --set are listed by tides simulate --help.",
+     1, cmd_compare},
     {"bench", "accuracy|ablation|image [-o DIR] [--quick] [--scene NAME]", "Measure run time against the error of event times.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
      "ablation: what each part of the method is worth, and what masking and the readout change; ablation.json, .csv and a "

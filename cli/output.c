@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 int cli_fail(const tides_error *error) {
     fprintf(stderr, "tides: %s\n", error->text[0] ? error->text : tides_status_text(error->status));
@@ -134,7 +135,31 @@ int cli_report_facts(cJSON *facts, const cli_common *common) {
     return CLI_OK;
 }
 
+/* -- CSV ------------------------------------------------------------------------------------------------------------ */
+
+void cli_csv_text(FILE *file, const char *text) {
+    putc('"', file);
+    for (; *text; text++) {
+        if (*text == '"') putc('"', file);
+        putc(*text, file);
+    }
+    putc('"', file);
+}
+
+void cli_csv_value(FILE *file, const cJSON *value) {
+    putc(',', file);
+    if (cJSON_IsString(value)) cli_csv_text(file, value->valuestring);
+    if (cJSON_IsNumber(value)) fprintf(file, "%.15g", value->valuedouble);
+}
+
 /* -- files ---------------------------------------------------------------------------------------------------------- */
+
+tides_status cli_make_directory(const char *directory, tides_error *error) {
+    struct stat found;
+    if (mkdir(directory, 0777) == 0) return TIDES_OK;
+    if (errno == EEXIST && stat(directory, &found) == 0 && S_ISDIR(found.st_mode)) return TIDES_OK;
+    return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", directory, strerror(errno));
+}
 
 static char *part_name(const char *path, tides_error *error) {
     size_t bytes = strlen(path) + sizeof ".part";

@@ -70,9 +70,10 @@ static void start_stage(cli_progress *p, const char *stage, double now) {
 
 int cli_progress_step(void *progress, double fraction, const char *stage) {
     cli_progress *p = progress;
+    char text[sizeof p->stage];
     double now = cli_now();
-    if (strncmp(p->stage, stage ? stage : "", sizeof p->stage - 1) != 0 || p->began <= 0)
-        start_stage(p, stage ? stage : "", now);
+    snprintf(text, sizeof text, "%s%s%s", p->label ? p->label : "", p->label ? ": " : "", stage ? stage : "");
+    if (strcmp(p->stage, text) != 0 || p->began <= 0) start_stage(p, text, now);
     if (!(fraction >= 0)) fraction = 0;
     if (fraction > 1) fraction = 1;
     const int32_t decile = (int32_t)(10.0 * fraction);

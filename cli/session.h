@@ -81,6 +81,9 @@ typedef struct cli_job {
 } cli_job;
 /* Simulates, writes, and prints the summary (or with --json the statistics). The exit code. */
 int cli_job_run(const cli_job *job, const cli_common *common);
+/* The simulator of a run on a scene, with its readout. The caller destroys it, on failure too where it isn't NULL. */
+tides_status cli_simulator_create(const cli_session *session, cli_progress *progress, tides_simulator **simulator,
+                                  tides_error *error);
 
 /* job_frames.c: runs that see frames, of a sequence or rendered: all methods but TIDES on a scene. */
 int cli_uses_frames(const cli_session *session);

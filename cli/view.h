@@ -16,13 +16,22 @@ typedef struct view {
     size_t points;                     /* xyt: how many events are drawn at most; 0: what is comfortable */
 } view;
 
+/* Where the eye of x-y-t is unless told. */
+#define VIEW_AZIMUTH_DEG 58.0
+#define VIEW_ELEVATION_DEG 18.0
+
 /* Each draws the events of `shown`, a slice of `recording` (surfaces look further back than their slice), on a new canvas,
  * whose size depends on the sensor's alone; rgb is NULL where memory ran out, else the caller's. */
 typedef cli_canvas (*view_drawer)(const view *v, const cli_window *recording, const cli_window *shown);
 cli_canvas view_frame(const view *v, const cli_window *recording, const cli_window *shown);   /* view_image.c */
 cli_canvas view_surface(const view *v, const cli_window *recording, const cli_window *shown); /* view_image.c */
-int64_t view_surface_memory(const view *v);                                                /* how far back surfaces look [ns] */
-cli_canvas view_xyt(const view *v, const cli_window *recording, const cli_window *shown);  /* view_scatter.c */
+int64_t view_surface_memory(const view *v);                                               /* how far back surfaces look [ns] */
+cli_canvas view_xyt(const view *v, const cli_window *recording, const cli_window *shown); /* view_scatter.c */
+/* A part of a canvas [px]. _draw_xyt: the box of view_xyt with its axes and events, as large as fits; 0: out of memory. */
+typedef struct view_part {
+    int32_t left, top, right, bottom;
+} view_part;
+int32_t view_draw_xyt(cli_canvas *canvas, const view *v, const cli_window *shown, const view_part *within);
 cli_canvas view_rate(const view *v, const cli_window *recording, const cli_window *shown); /* view_plots.c */
 cli_canvas view_isi(const view *v, const cli_window *recording, const cli_window *shown);  /* view_plots.c */
 
@@ -47,7 +56,9 @@ view_axis view_time_axis(const cli_window *shown);
 double view_on_axis(const view_axis *axis, double time_ns); /* in the axis' unit */
 /* "140.0 to 160.0 ms", with decimals that tell the ends apart. */
 void view_interval(const cli_window *shown, char text[96]);
-/* "title, 140 to 160 ms" in the first line, and the numbers of ON and OFF events with their colours in the second. */
+/* The numbers of ON and OFF events with their colours. */
+void view_legend(cli_canvas *canvas, int32_t x, int32_t y, const cli_window *shown);
+/* "title, 140 to 160 ms" in the first line, and the legend in the second. */
 void view_heading(cli_canvas *canvas, int32_t x, const cli_window *shown, const char *title);
 /* 1234567 -> "1 234 567" */
 void view_number(uint64_t number, char text[32]);

@@ -1,5 +1,6 @@
 /* Events in space and time, in perspective: time runs to the right, the image stands across it as it is seen from its start. */
 #include "draw.h"
+#include "vector.h"
 #include "view.h"
 
 #include <math.h>
@@ -7,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 1200, HEIGHT = 780, TOP = 66, MARGIN_X = 144, MARGIN_Y = 56, POINTS_MAX = 400000 };
+enum { WIDTH = 1200, HEIGHT = 780, TOP = 66, MARGIN_X = 144, MARGIN_Y = 56 /* for ticks and labels */, POINTS_MAX = 400000 };
 enum { SHAPES_MAX = 8000 /* for .svg: under 100 kB */ };
 
 /* The box: half its extents along time, height and width of the image; the axes point as time, y and x do. */
@@ -52,7 +53,7 @@ static void set_eye(scene *s, double azimuth_deg, double elevation_deg) {
 }
 
 /* Puts the projected box into the middle, as large as fits. */
-static void fit(scene *s) {
+static void fit(scene *s, const view_part *within) {
     double low_x = INFINITY, high_x = -INFINITY, low_y = INFINITY, high_y = -INFINITY;
     s->scale = 1;
     s->x = s->y = 0;
@@ -63,19 +64,20 @@ static void fit(scene *s) {
         low_x = fmin(low_x, x), high_x = fmax(high_x, x);
         low_y = fmin(low_y, y), high_y = fmax(high_y, y);
     }
-    s->scale = fmin((WIDTH - 2 * MARGIN_X) / (high_x - low_x), (HEIGHT - TOP - 2 * MARGIN_Y) / (high_y - low_y));
-    s->x = 0.5 * WIDTH - s->scale * 0.5 * (low_x + high_x);
-    s->y = 0.5 * (HEIGHT + TOP) - s->scale * 0.5 * (low_y + high_y);
+    const int32_t width = within->right - within->left, height = within->bottom - within->top;
+    s->scale = fmin((width - 2 * MARGIN_X) / (high_x - low_x), (height - 2 * MARGIN_Y) / (high_y - low_y));
+    s->x = 0.5 * (within->left + within->right) - s->scale * 0.5 * (low_x + high_x);
+    s->y = 0.5 * (within->top + within->bottom) - s->scale * 0.5 * (low_y + high_y);
 }
 
-static scene make_scene(const view *v, const cli_window *shown) {
+static scene make_scene(const view *v, const cli_window *shown, const view_part *within) {
     scene s = {{0.5 * TIME_EXTENT, 0.5, 0.5}, {0}, {0}, {0}, 1, 0, 0};
     if (shown->width >= shown->height)
         s.half[Y] *= (double)shown->height / shown->width;
     else
         s.half[X] *= (double)shown->width / shown->height;
     set_eye(&s, v->azimuth_deg, v->elevation_deg);
-    fit(&s);
+    fit(&s, within);
     return s;
 }
 
@@ -269,29 +271,39 @@ static void draw_points(cli_canvas *canvas, point *points, size_t count) {
     }
 }
 
-cli_canvas view_xyt(const view *v, const cli_window *recording, const cli_window *shown) {
-    (void)recording;
+int32_t view_draw_xyt(cli_canvas *canvas, const view *v, const cli_window *shown, const view_part *within) {
     const size_t stride = stride_of(v, shown);
     point *points = malloc((shown->count / stride + 1) * sizeof *points);
-    cli_canvas canvas = {0, 0, NULL, NULL};
-    if (points) canvas = v->shapes ? plot_shapes(WIDTH, HEIGHT) : plot_canvas(WIDTH, HEIGHT);
-    if (canvas.rgb || canvas.vector) {
-        const view_axis time = view_time_axis(shown);
-        const scene s = make_scene(v, shown);
-        label_boxes boxes = {.count = 0};
-        char title[64] = "events";
-        const range ranges[AXES] = {{view_on_axis(&time, (double)time.first_ns), view_on_axis(&time, (double)time.stop_ns),
-                                     time.label},
-                                    {0, shown->height, "y [px]"},
-                                    {0, shown->width, "x [px]"}};
-        draw_far_faces(&canvas, &s, ranges);
-        draw_edges(&canvas, &s, 1);
-        draw_points(&canvas, points, project_events(&s, shown, stride, ranges, &time, points));
-        draw_edges(&canvas, &s, 0);
-        for (int axis = 0; axis < AXES; axis++) draw_axis(&canvas, &s, axis, &ranges[axis], &boxes);
-        if (stride > 1) snprintf(title, sizeof title, "events (1 of %zu is drawn)", stride);
-        view_heading(&canvas, 36, shown, title);
-    }
+    if (!points) return 0;
+    const view_axis time = view_time_axis(shown);
+    const scene s = make_scene(v, shown, within);
+    label_boxes boxes = {.count = 0};
+    const range ranges[AXES] = {{view_on_axis(&time, (double)time.first_ns), view_on_axis(&time, (double)time.stop_ns),
+                                 time.label},
+                                {0, shown->height, "y [px]"},
+                                {0, shown->width, "x [px]"}};
+    draw_far_faces(canvas, &s, ranges);
+    draw_edges(canvas, &s, 1);
+    draw_points(canvas, points, project_events(&s, shown, stride, ranges, &time, points));
+    draw_edges(canvas, &s, 0);
+    for (int axis = 0; axis < AXES; axis++) draw_axis(canvas, &s, axis, &ranges[axis], &boxes);
     free(points);
+    return 1;
+}
+
+cli_canvas view_xyt(const view *v, const cli_window *recording, const cli_window *shown) {
+    static const view_part within = {0, TOP, WIDTH, HEIGHT};
+    (void)recording;
+    cli_canvas canvas = v->shapes ? plot_shapes(WIDTH, HEIGHT) : plot_canvas(WIDTH, HEIGHT);
+    if (!canvas.rgb && !canvas.vector) return canvas;
+    if (!view_draw_xyt(&canvas, v, shown, &within)) {
+        vector_destroy(canvas.vector);
+        free(canvas.rgb);
+        return (cli_canvas){0, 0, NULL, NULL};
+    }
+    const size_t stride = stride_of(v, shown);
+    char title[64] = "events";
+    if (stride > 1) snprintf(title, sizeof title, "events (1 of %zu is drawn)", stride);
+    view_heading(&canvas, 36, shown, title);
     return canvas;
 }

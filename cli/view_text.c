@@ -74,13 +74,17 @@ static int32_t legend_entry(cli_canvas *canvas, int32_t x, int32_t y, const uint
     return x + 22 + plot_text_width(text, VIEW_TEXT) + 28;
 }
 
-void view_heading(cli_canvas *canvas, int32_t x, const cli_window *shown, const char *title) {
-    char interval[96], line[160];
+void view_legend(cli_canvas *canvas, int32_t x, int32_t y, const cli_window *shown) {
     uint64_t on = 0;
     for (size_t i = 0; i < shown->count; i++) on += shown->events[i].polarity > 0;
+    x = legend_entry(canvas, x, y, view_on, "ON", on);
+    legend_entry(canvas, x, y, view_off, "OFF", shown->count - on);
+}
+
+void view_heading(cli_canvas *canvas, int32_t x, const cli_window *shown, const char *title) {
+    char interval[96], line[160];
     view_interval(shown, interval);
     snprintf(line, sizeof line, "%s, %s", title, interval);
     plot_text(canvas, x, 12, VIEW_TEXT, line);
-    x = legend_entry(canvas, x, 38, view_on, "ON", on);
-    legend_entry(canvas, x, 38, view_off, "OFF", shown->count - on);
+    view_legend(canvas, x, 38, shown);
 }

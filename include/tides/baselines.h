@@ -14,7 +14,14 @@
 extern "C" {
 #endif
 
-enum { TIDES_METHOD_TIDES = 0, TIDES_METHOD_ESIM, TIDES_METHOD_V2E, TIDES_METHOD_IEBCS, TIDES_METHOD_VOLTMETER };
+enum {
+    TIDES_METHOD_TIDES = 0,
+    TIDES_METHOD_ESIM,
+    TIDES_METHOD_V2E,
+    TIDES_METHOD_IEBCS,
+    TIDES_METHOD_VOLTMETER,
+    TIDES_METHOD_LDATI
+};
 
 /* rpg_esim's event simulator. Straight lines in log(Y + log_eps) between frames, in double precision and integer nanoseconds.
  * Its interval test is kept: a crossing counts within the interval only, so that with sigma > 0 events are lost for good. */
@@ -64,6 +71,13 @@ typedef struct tides_iebcs {
     int32_t arbiter;   /* TIDES_ARBITER_* */
 } tides_iebcs;
 
+/* LDATI, V2CE's second stage: its frames are voxel grids (2, TIDES_LDATI_PLANES, height, width), ON first, each of the interval
+ * that begins at its time and lasts 1 / fps; see tides_ldati. */
+enum { TIDES_LDATI_PLANES = 10 };
+typedef struct tides_ldati_params {
+    double fps; /* [Hz] 30 */
+} tides_ldati_params;
+
 /* Fill with tides_baseline_params_defaults: the originals' own. */
 typedef struct tides_baseline_params {
     uint32_t size;
@@ -75,6 +89,7 @@ typedef struct tides_baseline_params {
     tides_v2e v2e;
     tides_voltmeter voltmeter;
     tides_iebcs iebcs;
+    tides_ldati_params ldati;
 } tides_baseline_params;
 TIDES_API void tides_baseline_params_defaults(tides_baseline_params *params);
 
@@ -86,8 +101,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_baseline_create(const tides_baseli
                                                               int32_t height, tides_baseline **baseline, tides_error *error);
 TIDES_API void tides_baseline_destroy(tides_baseline *baseline); /* NULL is fine */
 
-/* The next frame: luminance Y >= 0 (height x width), finite, at `time` [s], after the last frame's. The first one sets the
- * pixels' state and fires nothing. `sink` gets the events that no later frame can come before, sorted by (t, y, x, polarity).
+/* The next frame: luminance Y >= 0 (height x width), finite, at `time` [s], after the last frame's; of LDATI a voxel grid. The
+ * first one sets the pixels' state and fires nothing (LDATI has no state). `sink` gets the events that no later frame can come
+ * before, sorted by (t, y, x, polarity).
  * TIDES_BAD_ARGUMENT naming pixel or time; the baseline is then as before. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_baseline_push(tides_baseline *baseline, double time, const double *Y,
                                                             tides_event_sink sink, void *user, tides_error *error);
@@ -105,8 +121,8 @@ TIDES_API double tides_esim_next_time(const tides_esim *esim, double time, doubl
 
 /* Where a run's frames come from. */
 typedef struct tides_frame_supply {
-    tides_frames *frames;           /* a sequence: those of its frames that lie in [start, stop]; or NULL, and */
-    tides_renderer *renderer;       /* a renderer, */
+    tides_frames *frames;     /* a sequence: those of its frames (LDATI: intervals) that lie in [start, stop]; or NULL, and */
+    tides_renderer *renderer; /* a renderer, */
     const tides_trajectory *camera; /* its camera, */
     double frames_per_second;       /* and the rate of renders from start on [Hz], the last one at stop; ESIM has its own where
                                        its sampling is adaptive */
@@ -114,8 +130,8 @@ typedef struct tides_frame_supply {
 } tides_frame_supply;
 
 /* Pushes every frame of the supply, and finishes. `stats` (nullable) receives what is known of a run from frames: events,
- * renders, times. TIDES_BAD_ARGUMENT where the sequence has fewer than two frames within [start, stop], or is of another size;
- * TIDES_UNSUPPORTED for a sequence that ESIM is to sample by motion. */
+ * renders, times. TIDES_BAD_ARGUMENT where the sequence has fewer than two frames (LDATI: one) within [start, stop],
+ * or is of another size or number of planes; TIDES_UNSUPPORTED for a sequence that ESIM is to sample by motion. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_baseline_run(tides_baseline *baseline, const tides_frame_supply *supply,
                                                            tides_event_sink sink, void *sink_user, tides_progress progress,
                                                            void *user, tides_stats *stats, tides_error *error);

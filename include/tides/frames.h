@@ -15,7 +15,7 @@ enum { TIDES_TRANSFER_LINEAR = 0, TIDES_TRANSFER_SRGB = 1 };
 /* Of the numbers in a file of timestamps. AUTO: microseconds in image_timestamps.txt (DSEC), seconds in any other. */
 enum { TIDES_TIME_AUTO = 0, TIDES_TIME_S, TIDES_TIME_MS, TIDES_TIME_US, TIDES_TIME_NS };
 
-/* Fill with tides_frames_options_defaults: no file, no rate, auto, linear, the weights of BT.709. */
+/* Fill with tides_frames_options_defaults: no file, no rate, auto, linear, the weights of BT.709, luminance. */
 typedef struct tides_frames_options {
     uint32_t size;
     int32_t transfer;         /* TIDES_TRANSFER_* */
@@ -24,6 +24,7 @@ typedef struct tides_frames_options {
     const char *timestamps;   /* text file with one time per line, or NULL */
     double frames_per_second; /* [Hz]: frame k is at k / rate; 0: not given */
     double luminance[3];      /* weights of r, g, b */
+    int32_t planes;           /* 1: luminance; more: arrays of so many values per pixel, taken as they are (voxel grids) */
 } tides_frames_options;
 TIDES_API void tides_frames_options_defaults(tides_frames_options *options);
 
@@ -34,6 +35,8 @@ typedef struct tides_frames tides_frames;
  *   .npy, .npz       an array (frames, height, width) of numbers; the .npz's is "Y", "frames" or "images", times "t" or
  *                    "timestamps"
  *   .h5, .hdf5       the same names, read frame by frame
+ * With more planes an array is (frames, planes, height, width), where several dimensions may make up the planes, as in
+ * (frames, 2, 10, height, width); without its first dimension it is one frame.
  * Times come from options->timestamps, else the rate, else the array file's own, else timestamps.txt or image_timestamps.txt
  * in the folder or beside it. TIDES_BAD_FILE, TIDES_BAD_CONFIG where there are no times. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_frames_open(const char *path, const tides_frames_options *options,
@@ -47,10 +50,11 @@ TIDES_API void tides_frames_close(tides_frames *frames); /* NULL is fine */
 
 TIDES_API size_t tides_frames_count(const tides_frames *frames);
 TIDES_API void tides_frames_size(const tides_frames *frames, int32_t *width, int32_t *height);
+TIDES_API int32_t tides_frames_planes(const tides_frames *frames);            /* values per pixel, as options say */
 TIDES_API double tides_frames_time(const tides_frames *frames, size_t index); /* [s]; NaN out of range */
 
-/* Luminance of frame `index` into Y (height x width, row 0 on top), caller's memory. Negative or infinite values and NaN are
- * TIDES_BAD_FILE naming the pixel. */
+/* Luminance of frame `index` into Y ((planes x) height x width, row 0 on top), caller's memory. Negative or infinite values and
+ * NaN are TIDES_BAD_FILE naming the pixel. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_frames_read(tides_frames *frames, size_t index, double *Y, tides_error *error);
 
 #ifdef __cplusplus

@@ -67,6 +67,10 @@ typedef struct tides_run_values {
 } tides_run_values;
 TIDES_API void tides_run_get(const tides_run *run, tides_run_values *values);
 
+/* 1 where the file or an override says `key` ("sensor.threshold_on"), 0 where it has its default or the preset's value, or is
+ * no key. */
+TIDES_API int32_t tides_run_gives(const tides_run *run, const char *key);
+
 /* Opens what the run names: the scene with its objects, and the camera's path; intrinsics from the run file win over the path
  * file's, and missing ones are an error that names the key. The caller destroys scene and trajectory. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera,

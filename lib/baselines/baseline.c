@@ -41,6 +41,7 @@ void tides_baseline_params_defaults(tides_baseline_params *params) {
                                   .bgnn = 0.01,
                                   .scale = 1e4,
                                   .arbiter_us = 0.1};
+    params->ldati = (tides_ldati_params){.fps = 30};
 }
 
 /* -- what the methods use ------------------------------------------------------------------------------------------------ */
@@ -69,6 +70,14 @@ tides_status td_baseline_range(const tides_baseline *b, const char *name, double
                    name, value, lower, upper);
 }
 
+size_t td_baseline_values(const tides_baseline *b) {
+    return b->method->planes ? b->pixels * (size_t)b->method->planes : b->pixels;
+}
+
+double td_baseline_lasts(const tides_baseline *b) {
+    return b->params.method == TIDES_METHOD_LDATI ? 1 / b->params.ldati.fps : 0;
+}
+
 double td_baseline_normal(const tides_baseline *b, size_t i, uint64_t index, uint32_t purpose) {
     double normal[2];
     td_random_bits bits = td_random(b->params.seed, (uint32_t)i, index, purpose);
@@ -85,6 +94,7 @@ static const td_method *find_method(int32_t method) {
         case TIDES_METHOD_V2E: return &td_v2e;
         case TIDES_METHOD_IEBCS: return &td_iebcs;
         case TIDES_METHOD_VOLTMETER: return &td_voltmeter;
+        case TIDES_METHOD_LDATI: return &td_ldati;
         default: return NULL;
     }
 }
@@ -150,11 +160,11 @@ static tides_status check_frame(const tides_baseline *b, double time, const doub
         return td_fail(error, TIDES_BAD_ARGUMENT, "frame %llu: its time %.12g s isn't after the one before, %.12g s",
                        (unsigned long long)b->frames, time, b->now);
     const int any_sign = b->params.method == TIDES_METHOD_V2E && b->params.v2e.hdr; /* logarithms */
-    for (size_t i = 0; i < b->pixels; i++)
+    for (size_t i = 0; i < td_baseline_values(b); i++)
         if (!isfinite(Y[i]) || (Y[i] < 0 && !any_sign))
             return td_fail(error, TIDES_BAD_ARGUMENT,
-                           "frame %llu: pixel (%zu, %zu) is %.9g; luminance is finite and not negative",
-                           (unsigned long long)b->frames, i % (size_t)b->width, i / (size_t)b->width, Y[i]);
+                           "frame %llu: pixel (%zu, %zu) is %.9g; values are finite and not negative",
+                           (unsigned long long)b->frames, i % (size_t)b->width, i % b->pixels / (size_t)b->width, Y[i]);
     return TIDES_OK;
 }
 

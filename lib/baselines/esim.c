@@ -108,7 +108,7 @@ static tides_status step(tides_baseline *b, const double *Y, tides_error *error)
     return status;
 }
 
-const td_method td_esim = {"esim", create, first, step, NULL, destroy, 0.0};
+const td_method td_esim = {"esim", create, first, step, NULL, destroy, 0.0, 0};
 
 double tides_esim_next_time(const tides_esim *esim, double time, double fastest) {
     double longest = 1.0 / esim->minimum_framerate, wanted = esim->adaptive_sampling_lambda / fastest;

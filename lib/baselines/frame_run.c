@@ -14,7 +14,7 @@ typedef struct frame_run {
     void *sink_user;
     tides_progress progress;
     void *user;
-    double *Y;      /* one frame (pixels) */
+    double *Y;      /* one frame, of all planes */
     double *speeds; /* L_dot or Z of it, where ESIM samples by brightness or by motion (pixels) */
     uint64_t frames;
     tides_stats stats;
@@ -53,28 +53,33 @@ static tides_status push(frame_run *r, double time, tides_error *error) {
 static tides_status run_sequence(frame_run *r, tides_error *error) {
     const tides_frame_supply *supply = r->supply;
     tides_frames *frames = supply->frames;
-    int32_t width, height;
+    int32_t width, height, planes = (int32_t)(td_baseline_values(r->baseline) / r->baseline->pixels);
     size_t count = tides_frames_count(frames);
     tides_frames_size(frames, &width, &height);
     if (width != r->baseline->width || height != r->baseline->height)
         return td_fail(error, TIDES_BAD_ARGUMENT, "frames are %d x %d px, the pixels %d x %d", width, height,
                        r->baseline->width, r->baseline->height);
+    if (tides_frames_planes(frames) != planes)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "frames have %d values per pixel; method %s takes %s",
+                       tides_frames_planes(frames), r->baseline->method->name, planes > 1 ? "voxel grids" : "luminance");
     tides_status status = TIDES_OK;
+    const double lasts = td_baseline_lasts(r->baseline), rounding = planes > 1 ? 1e-9 : 0;
     double last = supply->start;
     for (size_t k = 0; status == TIDES_OK && k < count; k++) {
         double time = tides_frames_time(frames, k);
-        if (time < supply->start || time > supply->stop) continue;
+        if (time < supply->start || time + lasts > supply->stop + rounding) continue;
         status = tides_frames_read(frames, k, r->Y, error);
         if (status == TIDES_OK) status = push(r, time, error);
         if (r->frames == 1) r->stats.simulated_s = -time;
-        last = time;
+        last = time + lasts;
     }
-    if (status == TIDES_OK && r->frames < 2)
+    const uint64_t least = planes > 1 ? 1 : 2;
+    if (status == TIDES_OK && r->frames < least)
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "%llu of the frames, which span [%.9g, %.9g] s, lie within time.start = %.9g and time.stop = %.9g s; at "
-                       "least two must",
-                       (unsigned long long)r->frames, tides_frames_time(frames, 0), tides_frames_time(frames, count - 1),
-                       supply->start, supply->stop);
+                       "least %s must",
+                       (unsigned long long)r->frames, tides_frames_time(frames, 0),
+                       tides_frames_time(frames, count - 1) + lasts, supply->start, supply->stop, planes > 1 ? "one" : "two");
     r->stats.simulated_s += last;
     return status;
 }
@@ -132,8 +137,9 @@ static tides_status run_renders(frame_run *r, tides_error *error) {
 
 /* -- both ------------------------------------------------------------------------------------------------------------------ */
 
-static tides_status check_supply(const tides_baseline *baseline, const tides_frame_supply *supply, tides_error *error) {
-    const tides_baseline_params *params = &baseline->params;
+static tides_status check_supply(const frame_run *r, tides_error *error) {
+    const tides_frame_supply *supply = r->supply;
+    const tides_baseline_params *params = &r->baseline->params;
     if (!supply->frames && !(supply->renderer && supply->camera))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_run: give frames, or a renderer and its camera");
     if (!(supply->start < supply->stop))
@@ -143,6 +149,9 @@ static tides_status check_supply(const tides_baseline *baseline, const tides_fra
         return td_fail(error, TIDES_UNSUPPORTED,
                        "esim.simulation_adaptive_sampling_method = \"motion\" needs a scene to render: frames are as they are, "
                        "and have no depth; set it to \"none\"");
+    if (!supply->frames && r->baseline->method->planes)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_run: method %s takes voxel grids, not a scene's renders",
+                       r->baseline->method->name);
     if (!supply->frames && !(supply->frames_per_second > 0 && supply->frames_per_second <= 1e9))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_run: frames_per_second = %.9g; it must lie in (0, 1e9]",
                        supply->frames_per_second);
@@ -152,7 +161,7 @@ static tides_status check_supply(const tides_baseline *baseline, const tides_fra
 static tides_status run(frame_run *r, tides_error *error) {
     const tides_baseline_params *params = &r->baseline->params;
     int adaptive = !r->supply->frames && params->method == TIDES_METHOD_ESIM && params->esim.adaptive_sampling;
-    r->Y = td_alloc(r->baseline->pixels, sizeof *r->Y, error);
+    r->Y = td_alloc(td_baseline_values(r->baseline), sizeof *r->Y, error);
     if (adaptive) r->speeds = td_alloc(r->baseline->pixels, sizeof *r->speeds, error);
     if (!r->Y || (adaptive && !r->speeds)) return TIDES_NO_MEMORY;
     tides_status status = r->supply->frames ? run_sequence(r, error) : run_renders(r, error);
@@ -162,11 +171,11 @@ static tides_status run(frame_run *r, tides_error *error) {
 tides_status tides_baseline_run(tides_baseline *baseline, const tides_frame_supply *supply, tides_event_sink sink,
                                 void *sink_user, tides_progress progress, void *user, tides_stats *stats, tides_error *error) {
     if (!baseline || !supply) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_run: baseline or supply is NULL");
-    tides_status status = check_supply(baseline, supply, error);
-    if (status != TIDES_OK) return status;
     double began = td_now();
     frame_run r =
         {.baseline = baseline, .supply = supply, .sink = sink, .sink_user = sink_user, .progress = progress, .user = user};
+    tides_status status = check_supply(&r, error);
+    if (status != TIDES_OK) return status;
     status = run(&r, error);
     free(r.Y);
     free(r.speeds);

@@ -188,4 +188,4 @@ static tides_status finish(tides_baseline *b, tides_error *error) {
     return td_arbiter_run(b, &s->arbiter, b->made.count, round(1e6 * b->now), INFINITY, error);
 }
 
-const td_method td_iebcs = {"iebcs", create, first, step, finish, destroy, 0.0};
+const td_method td_iebcs = {"iebcs", create, first, step, finish, destroy, 0.0, 0};

@@ -9,12 +9,13 @@
 #include <stdlib.h>
 
 /* Ten planes of voxels bound nine bins. */
-enum { PLANES = 10, BINS = PLANES - 1, EVENTS_PER_BIN_MAX = 1 << 16 };
+enum { PLANES = TIDES_LDATI_PLANES, BINS = PLANES - 1, EVENTS_PER_BIN_MAX = 1 << 16 };
 
 /* One pixel's bins of one polarity. */
 typedef struct bins {
     double count[BINS];
-    double first[BINS]; /* where a bin's only event lies in it, in [0, 1) */
+    double first[BINS]; /* where a bin's only event lies in it, in [0, 1): the debt that it leaves, which is its weight in the
+                           next plane where voxels were shared out linearly */
 } bins;
 
 /* Whole events per bin: what rounding up took too many is owed by the next bin. The tenth plane's whole part goes to the last
@@ -24,9 +25,9 @@ static bins share_out(const double *voxels, size_t stride) {
     double debt = 0;
     for (int k = 0; k < BINS; k++) {
         double wanted = voxels[(size_t)k * stride] - debt, count = fmax(0.0, ceil(wanted - 1e-6));
-        made.first[k] = fmin(fmax(debt, 0.0), 1.0 - 1e-9);
-        made.count[k] = count;
         debt = count - wanted;
+        made.count[k] = count;
+        made.first[k] = fmin(fmax(debt, 0.0), 1.0 - 1e-9);
     }
     double left = trunc(voxels[BINS * stride] - debt);
     if (left > 0) made.count[BINS - 1] += left;
@@ -81,6 +82,18 @@ static tides_status fire_pixel(ldati_job *job, const double *voxels, size_t i, i
     return status;
 }
 
+/* Events of one interval, in no order. */
+static tides_status fire_interval(tides_baseline *out, const double *voxels, double start, double stop, uint64_t frame,
+                                  tides_error *error) {
+    ldati_job job = {out, frame, 1e6 * start, 1e6 * (stop - start) / BINS};
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; status == TIDES_OK && i < out->pixels; i++) {
+        status = fire_pixel(&job, voxels, i, 1, error);
+        if (status == TIDES_OK) status = fire_pixel(&job, voxels, i, -1, error);
+    }
+    return status;
+}
+
 tides_status tides_ldati(const double *voxels, int32_t width, int32_t height, double start, double stop, uint64_t seed,
                          uint64_t frame, tides_event_sink sink, void *user, tides_error *error) {
     if (!voxels || !sink) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_ldati: voxels or sink is NULL");
@@ -90,12 +103,7 @@ tides_status tides_ldati(const double *voxels, int32_t width, int32_t height, do
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_ldati: [%.9g, %.9g) s is no interval", start, stop);
     tides_baseline out = {.width = width, .height = height, .pixels = (size_t)width * (size_t)height};
     out.params.seed = seed;
-    ldati_job job = {&out, frame, 1e6 * start, 1e6 * (stop - start) / BINS};
-    tides_status status = TIDES_OK;
-    for (size_t i = 0; status == TIDES_OK && i < out.pixels; i++) {
-        status = fire_pixel(&job, voxels, i, 1, error);
-        if (status == TIDES_OK) status = fire_pixel(&job, voxels, i, -1, error);
-    }
+    tides_status status = fire_interval(&out, voxels, start, stop, frame, error);
     if (status == TIDES_OK && !(out.scratch = td_alloc(out.made.count, sizeof *out.scratch, error))) status = TIDES_NO_MEMORY;
     if (status == TIDES_OK) {
         td_event_sort(out.made.events, out.scratch, out.made.count);
@@ -106,3 +114,18 @@ tides_status tides_ldati(const double *voxels, int32_t width, int32_t height, do
     free(out.scratch);
     return status;
 }
+
+/* -- as a method --------------------------------------------------------------------------------------------------------- */
+
+static tides_status create(tides_baseline *b, tides_error *error) {
+    return td_baseline_range(b, "fps", b->params.ldati.fps, 1e-6, 1e9, error);
+}
+
+/* The interval's number keys its random numbers, so that a part of a sequence gives that part of the events. */
+static tides_status push(tides_baseline *b, const double *voxels, tides_error *error) {
+    const double lasts = td_baseline_lasts(b);
+    return fire_interval(b, voxels, b->now, b->now + lasts, (uint64_t)llround(fmax(b->now / lasts, 0)), error);
+}
+
+/* Times are floored to microseconds, so that an interval's first event may lie that much before it. */
+const td_method td_ldati = {"ldati", create, push, push, NULL, NULL, 1e-6, 2 * PLANES};

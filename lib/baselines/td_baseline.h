@@ -16,7 +16,8 @@ typedef struct td_method {
     tides_status (*step)(tides_baseline *baseline, const double *Y, tides_error *error);
     tides_status (*finish)(tides_baseline *baseline, tides_error *error); /* NULL: nothing is held back */
     void (*destroy)(void *state);
-    double late_s; /* how long after a frame events may still come that lie before it */
+    double late_s;  /* how long after a frame events may still come that lie before it */
+    int32_t planes; /* values per pixel of its frames; 0: luminance alone, and a run needs two frames */
 } td_method;
 
 struct tides_baseline {
@@ -32,7 +33,13 @@ struct tides_baseline {
     size_t scratch_events; /* its size */
 };
 
-extern const td_method td_tides, td_esim, td_v2e, td_voltmeter, td_iebcs;
+extern const td_method td_tides, td_esim, td_v2e, td_voltmeter, td_iebcs, td_ldati;
+
+/* Values of one frame: of every pixel and plane. */
+size_t td_baseline_values(const tides_baseline *baseline);
+
+/* How long a frame stands for [s]: LDATI's intervals; 0: a frame is an instant. */
+double td_baseline_lasts(const tides_baseline *baseline);
 
 /* Appends an event at pixel `i`. */
 tides_status td_baseline_fire(tides_baseline *baseline, size_t i, int64_t t, int polarity, uint8_t cause, tides_error *error);

@@ -115,6 +115,6 @@ static tides_status step(tides_baseline *b, const double *Y, tides_error *error)
     return status;
 }
 
-const td_method td_tides = {"tides", create, first, step, NULL, destroy, 0.0};
+const td_method td_tides = {"tides", create, first, step, NULL, destroy, 0.0, 0};
 
 td_sensor *td_tides_sensor(tides_baseline *b) { return &((tides_state *)b->state)->sensor; }

@@ -245,4 +245,4 @@ static tides_status step(tides_baseline *b, const double *Y, tides_error *error)
     return p->shot_noise_rate_hz > 0 && !p->photoreceptor_noise ? td_v2e_shot_noise(b, Y, error) : TIDES_OK;
 }
 
-const td_method td_v2e = {"v2e", create, first, step, NULL, destroy, 0.0};
+const td_method td_v2e = {"v2e", create, first, step, NULL, destroy, 0.0, 0};

@@ -129,4 +129,4 @@ static tides_status step(tides_baseline *b, const double *Y, tides_error *error)
     return status;
 }
 
-const td_method td_voltmeter = {"voltmeter", create, first, step, NULL, destroy, 0.0};
+const td_method td_voltmeter = {"voltmeter", create, first, step, NULL, destroy, 0.0, 0};

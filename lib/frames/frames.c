@@ -8,11 +8,11 @@
 #include <string.h>
 #include <sys/stat.h>
 
-const char *const td_frame_arrays[] = {"Y", "frames", "images", NULL};
+const char *const td_frame_arrays[] = {"Y", "frames", "images", "voxels", NULL};
 const char *const td_frame_time_arrays[] = {"t", "timestamps", NULL};
 
 void tides_frames_options_defaults(tides_frames_options *options) {
-    *options = (tides_frames_options){.size = sizeof *options, .luminance = {0.2126, 0.7152, 0.0722}};
+    *options = (tides_frames_options){.size = sizeof *options, .luminance = {0.2126, 0.7152, 0.0722}, .planes = 1};
 }
 
 tides_status td_frames_take_shape(tides_frames *frames, const char *what, size_t count, size_t height, size_t width,
@@ -26,12 +26,42 @@ tides_status td_frames_take_shape(tides_frames *frames, const char *what, size_t
     return TIDES_OK;
 }
 
+/* The product of dimensions, or more than any number of planes where it is too large. */
+static size_t planes_of(const size_t *dims, int count) {
+    size_t planes = 1;
+    for (int i = 0; i < count; i++)
+        planes = dims[i] > TD_FRAME_PLANES_MAX || planes > TD_FRAME_PLANES_MAX ? TD_FRAME_PLANES_MAX + 1 : planes * dims[i];
+    return planes;
+}
+
+tides_status td_frames_take_dims(tides_frames *frames, const char *what, const size_t *dims, int rank, tides_error *error) {
+    const size_t planes = (size_t)frames->options.planes;
+    const int inner = rank - 3; /* dimensions of planes, where the first one is that of frames */
+    if (planes == 1 && rank != 3)
+        return td_fail(error, TIDES_BAD_FILE, "%s: has %d dimensions; frames have the shape (frames, height, width)", what,
+                       rank);
+    if (inner >= 0 && planes_of(dims + 1, inner) == planes)
+        return td_frames_take_shape(frames, what, dims[0], dims[rank - 2], dims[rank - 1], error);
+    if (inner >= 0 && planes_of(dims, inner + 1) == planes)
+        return td_frames_take_shape(frames, what, 1, dims[rank - 2], dims[rank - 1], error);
+    return td_fail(error, TIDES_BAD_FILE,
+                   "%s: its dimensions don't make %zu values per pixel; voxel grids have the shape (intervals, 2, 10, height, "
+                   "width)",
+                   what, planes);
+}
+
+size_t td_frames_values(const tides_frames *frames) {
+    return (size_t)frames->options.planes * (size_t)frames->width * (size_t)frames->height;
+}
+
 /* -- opening --------------------------------------------------------------------------------------------------------------- */
 
 static tides_status open_source(tides_frames *frames, tides_error *error) {
     struct stat facts;
     const char *path = frames->path;
     if (stat(path, &facts) != 0) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: there is no such file or folder", path);
+    if (td_is_folder(path) && frames->options.planes > 1)
+        return td_fail(error, TIDES_BAD_FILE, "%s: is a folder; voxel grids come from .npy, .npz, .h5 or .hdf5", path);
     if (td_is_folder(path)) return td_frames_folder(frames, error);
     if (td_ends_in(path, ".npy") || td_ends_in(path, ".npz")) return td_frames_npy(frames, error);
     if (td_ends_in(path, ".h5") || td_ends_in(path, ".hdf5")) return td_frames_hdf5(frames, error);
@@ -49,6 +79,9 @@ static tides_status check_options(const tides_frames_options *o, tides_error *er
         o->unit > TIDES_TIME_NS)
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "tides_frames_open: options.transfer or options.unit is no value of its list");
+    if (o->planes < 1 || o->planes > TD_FRAME_PLANES_MAX)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_frames_open: options.planes = %d; it must lie in [1, %d]", o->planes,
+                       (int)TD_FRAME_PLANES_MAX);
     if (!(o->frames_per_second >= 0 && o->frames_per_second <= 1e9))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_frames_open: frames_per_second = %.9g; it must lie in [0, 1e9]",
                        o->frames_per_second);
@@ -133,6 +166,8 @@ void tides_frames_size(const tides_frames *frames, int32_t *width, int32_t *heig
     if (height) *height = frames->height;
 }
 
+int32_t tides_frames_planes(const tides_frames *frames) { return frames->options.planes; }
+
 double tides_frames_time(const tides_frames *frames, size_t index) {
     return index < frames->count ? frames->times[index] : NAN;
 }
@@ -143,11 +178,11 @@ tides_status tides_frames_read(tides_frames *frames, size_t index, double *Y, ti
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: there is no frame %zu; it has %zu, from 0 on", frames->path, index,
                        frames->count);
     tides_status status = frames->source->read(frames, index, Y, error);
-    size_t pixels = (size_t)frames->width * (size_t)frames->height;
-    for (size_t i = 0; status == TIDES_OK && i < pixels; i++)
+    size_t pixels = (size_t)frames->width * (size_t)frames->height, values = td_frames_values(frames);
+    for (size_t i = 0; status == TIDES_OK && i < values; i++)
         if (!(Y[i] >= 0) || isinf(Y[i]))
             status =
-                td_fail(error, TIDES_BAD_FILE, "%s: frame %zu: pixel (%zu, %zu) is %.9g; luminance is finite and not negative",
-                        frames->path, index, i % (size_t)frames->width, i / (size_t)frames->width, Y[i]);
+                td_fail(error, TIDES_BAD_FILE, "%s: frame %zu: pixel (%zu, %zu) is %.9g; values are finite and not negative",
+                        frames->path, index, i % (size_t)frames->width, i % pixels / (size_t)frames->width, Y[i]);
     return status;
 }

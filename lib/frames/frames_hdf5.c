@@ -25,19 +25,23 @@ static hid_t open_first(hid_t file, const char *const *names) {
     return H5I_INVALID_HID;
 }
 
-/* Rank and extents of at most three dimensions; -1 where it is something else. */
-static int shape_of(hid_t data, hsize_t shape[3]) {
+/* Rank and extents; -1 where it is something else. */
+static int shape_of(hid_t data, hsize_t shape[TD_FRAME_DIMS_MAX]) {
     hid_t space = H5Dget_space(data);
     int rank = space >= 0 ? H5Sget_simple_extent_ndims(space) : -1;
-    if (rank < 1 || rank > 3 || H5Sget_simple_extent_dims(space, shape, NULL) != rank) rank = -1;
+    if (rank < 1 || rank > TD_FRAME_DIMS_MAX || H5Sget_simple_extent_dims(space, shape, NULL) != rank) rank = -1;
     if (space >= 0) H5Sclose(space);
     return rank;
 }
 
 static tides_status read_slab(tides_frames *frames, size_t index, double *Y, tides_error *error) {
     const hdf5_file *f = frames->state;
-    hsize_t start[3] = {index, 0, 0}, count[3] = {1, (hsize_t)frames->height, (hsize_t)frames->width};
-    hid_t space = H5Dget_space(f->data), memory = H5Screate_simple(3, count, NULL);
+    hsize_t start[TD_FRAME_DIMS_MAX] = {0}, count[TD_FRAME_DIMS_MAX], values = td_frames_values(frames);
+    hid_t space = H5Dget_space(f->data), memory = H5Screate_simple(1, &values, NULL);
+    if (shape_of(f->data, count) > 0 && count[0] == frames->count && frames->count > 1) { /* else there is but one frame */
+        start[0] = index;
+        count[0] = 1;
+    }
     int read = space >= 0 && memory >= 0 && H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
                H5Dread(f->data, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, Y) >= 0;
     if (memory >= 0) H5Sclose(memory);
@@ -53,13 +57,13 @@ static tides_status read_frame(tides_frames *frames, size_t index, double *Y, ti
     H5E_BEGIN_TRY { status = read_slab(frames, index, Y, error); }
     H5E_END_TRY
     if (status != TIDES_OK) return status;
-    size_t pixels = (size_t)frames->width * (size_t)frames->height;
-    for (size_t i = 0; i < pixels; i++) Y[i] = td_frame_decode(&frames->options, f->scale * Y[i]);
+    for (size_t i = 0, values = td_frames_values(frames); i < values; i++)
+        Y[i] = td_frame_decode(&frames->options, f->scale * Y[i]);
     return TIDES_OK;
 }
 
 static tides_status read_times(tides_frames *frames, hid_t data, tides_error *error) {
-    hsize_t shape[3] = {0};
+    hsize_t shape[TD_FRAME_DIMS_MAX] = {0};
     if (shape_of(data, shape) != 1 || shape[0] != frames->count)
         return td_fail(error, TIDES_BAD_FILE, "%s: its times aren't one number for each of %zu frames", frames->path,
                        frames->count);
@@ -86,26 +90,30 @@ static double scale_of(hid_t data) {
 }
 
 /* Whether what is stored can be this many values; deflate shrinks by at most 1032 (zlib's documentation). */
-static int holds(hid_t data, const hsize_t shape[3]) {
-    double stored = (double)H5Dget_storage_size(data);
-    return (double)shape[0] * (double)shape[1] * (double)shape[2] <= 1032.0 * stored;
+static int holds(hid_t data, const hsize_t *shape, int rank) {
+    double stored = (double)H5Dget_storage_size(data), values = 1;
+    for (int i = 0; i < rank; i++) values *= (double)shape[i];
+    return values <= 1032.0 * stored;
 }
 
 static tides_status open_data(tides_frames *frames, hdf5_file *f, tides_error *error) {
-    hsize_t shape[3] = {0};
+    hsize_t shape[TD_FRAME_DIMS_MAX] = {0};
+    size_t dims[TD_FRAME_DIMS_MAX];
     f->file = H5Fopen(frames->path, H5F_ACC_RDONLY, H5P_DEFAULT);
     if (f->file < 0) return td_fail(error, TIDES_BAD_FILE, "%s: isn't an HDF5 file, or is damaged", frames->path);
     f->data = open_first(f->file, td_frame_arrays);
-    if (f->data < 0) return td_fail(error, TIDES_BAD_FILE, "%s: has no dataset Y, frames or images", frames->path);
+    if (f->data < 0) return td_fail(error, TIDES_BAD_FILE, "%s: has no dataset Y, frames, images or voxels", frames->path);
     f->scale = scale_of(f->data);
-    if (shape_of(f->data, shape) != 3 || !(f->scale > 0))
-        return td_fail(error, TIDES_BAD_FILE, "%s: its frames aren't numbers of the shape (frames, height, width)",
-                       frames->path);
-    if (!holds(f->data, shape))
+    const int rank = shape_of(f->data, shape);
+    if (rank < 0 || !(f->scale > 0))
+        return td_fail(error, TIDES_BAD_FILE, "%s: its frames aren't an array of numbers", frames->path);
+    if (frames->options.planes > 1) f->scale = 1; /* of voxels integers are counts */
+    if (!holds(f->data, shape, rank))
         return td_fail(error, TIDES_BAD_FILE, "%s: claims %llu frames of %llu x %llu px, more than its bytes can hold",
-                       frames->path, (unsigned long long)shape[0], (unsigned long long)shape[2], (unsigned long long)shape[1]);
-    tides_status status =
-        td_frames_take_shape(frames, frames->path, (size_t)shape[0], (size_t)shape[1], (size_t)shape[2], error);
+                       frames->path, (unsigned long long)shape[0], (unsigned long long)shape[rank - 1],
+                       (unsigned long long)shape[rank > 1 ? rank - 2 : 0]);
+    for (int i = 0; i < rank; i++) dims[i] = (size_t)shape[i];
+    tides_status status = td_frames_take_dims(frames, frames->path, dims, rank, error);
     hid_t times = status == TIDES_OK ? open_first(f->file, td_frame_time_arrays) : H5I_INVALID_HID;
     if (times >= 0) {
         status = read_times(frames, times, error);

@@ -1,4 +1,4 @@
-/* Frames in an .npy or .npz: an array (frames, height, width), and its times. */
+/* Frames in an .npy or .npz: an array (frames, height, width) or of voxels (frames, planes, height, width), and its times. */
 #include "td_frames.h"
 
 #include "archive/td_npy.h"
@@ -29,10 +29,10 @@ static const char *find_name(const td_npz *npz, const char *const *names) {
 static tides_status read_frame(tides_frames *frames, size_t index, double *Y, tides_error *error) {
     const array_file *f = frames->state;
     const td_npy_field *field = td_npy_find_field(f->array, "");
-    size_t pixels = (size_t)frames->width * (size_t)frames->height;
-    for (size_t i = 0; i < pixels; i++) {
+    size_t values = td_frames_values(frames);
+    for (size_t i = 0; i < values; i++) {
         double value = 0;
-        if (!td_npy_number(f->array, field, index * pixels + i, &value))
+        if (!td_npy_number(f->array, field, index * values + i, &value))
             return td_fail(error, TIDES_BAD_FILE, "%s: frames of %s aren't numbers", frames->path, f->array->dtype);
         Y[i] = td_frame_decode(&frames->options, f->scale * value);
     }
@@ -76,14 +76,10 @@ tides_status td_frames_npy(tides_frames *frames, tides_error *error) {
     tides_status status = td_npz_open(frames->path, &f->npz, error);
     if (status != TIDES_OK) return status;
     const char *name = td_npz_count(f->npz) == 1 ? td_npz_name(f->npz, 0) : find_name(f->npz, td_frame_arrays);
-    if (!name) return td_fail(error, TIDES_BAD_FILE, "%s: has no array Y, frames or images", frames->path);
+    if (!name) return td_fail(error, TIDES_BAD_FILE, "%s: has no array Y, frames, images or voxels", frames->path);
     status = td_npz_get(f->npz, name, &f->array, error);
-    if (status == TIDES_OK && f->array->ndim != 3)
-        status = td_fail(error, TIDES_BAD_FILE, "%s: %s has %d dimensions; frames have the shape (frames, height, width)",
-                         frames->path, name, f->array->ndim);
-    if (status == TIDES_OK)
-        status = td_frames_take_shape(frames, frames->path, f->array->shape[0], f->array->shape[1], f->array->shape[2], error);
+    if (status == TIDES_OK) status = td_frames_take_dims(frames, frames->path, f->array->shape, f->array->ndim, error);
     if (status != TIDES_OK) return status;
-    f->scale = scale_of(f->array);
+    f->scale = frames->options.planes > 1 ? 1 : scale_of(f->array); /* of voxels integers are counts */
     return read_times(frames, f->npz, error);
 }

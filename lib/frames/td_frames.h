@@ -6,7 +6,7 @@
 #include "tides/frames.h"
 
 /* A side in pixels is at most this: events have 16 bits, and cameras are smaller. */
-enum { TD_FRAME_SIDE_MAX = 16384 };
+enum { TD_FRAME_SIDE_MAX = 16384, TD_FRAME_PLANES_MAX = 4096, TD_FRAME_DIMS_MAX = 6 };
 
 /* Where pixels come from. */
 typedef struct td_frame_source {
@@ -54,5 +54,10 @@ double td_frame_unit(const tides_frames_options *options, const char *file);
 /* "(frames, height, width)" as sizes: TIDES_BAD_FILE where a side is 0 or too long. */
 tides_status td_frames_take_shape(tides_frames *frames, const char *what, size_t count, size_t height, size_t width,
                                   tides_error *error);
+/* The same from an array's `rank` dimensions, with those of its planes. */
+tides_status td_frames_take_dims(tides_frames *frames, const char *what, const size_t *dims, int rank, tides_error *error);
+
+/* Values of one frame: planes x height x width. */
+size_t td_frames_values(const tides_frames *frames);
 
 #endif

@@ -129,7 +129,7 @@ static const tides_param table[] = {
     CHOICE("frames.transfer", "linear|srgb", "\"linear\"", "srgb: values are decoded to linear light first"),
     BOOLEAN("frames.rebase", "false", "put the first frame at time 0"),
 
-    CHOICE("method", "tides|esim|v2e|iebcs|dvs-voltmeter", "\"tides\"", "simulator, or the baseline to compare with"),
+    CHOICE("method", "tides|esim|v2e|iebcs|dvs-voltmeter|ldati", "\"tides\"", "simulator, or the baseline to compare with"),
     NUMBER("frames_per_second", "Hz", 1e-6, 1e9, "1000.0", "baselines: renders per second that they see of a scene"),
 
     NUMBER("esim.contrast_threshold_pos", "log units", 1e-4, 100, "1.0", "ESIM's default; its shipped configurations have 0.5"),
@@ -183,6 +183,9 @@ static const tides_param table[] = {
     CHOICE("iebcs.arbiter", "none|bottleneck|row|synchronous", "\"none\"",
            "readout; two are mended (their events add up here)"),
     NUMBER("iebcs.arbiter_us", "us", 1e-3, 1e6, "0.1", "its time per event, per event of a row, or per row"),
+
+    NUMBER("ldati.fps", "Hz", 1e-6, 1e9, "30.0",
+           "voxel grids of frames.file a second (V2CE's default): each lasts 1 / fps; ON first, 10 planes"),
 
     STRING("device", "\"auto\"",
            "reference, cpu, gpu, an index or a part of a device's name; auto: TIDES_DEVICE, else the best"),

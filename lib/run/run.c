@@ -50,6 +50,9 @@ static tides_status check_whole(const tides_run *run, tides_error *error) {
     if (!frames && !run_text(run, "scene.file") && cJSON_GetArraySize(td_run_value(run, "scene.objects")) == 0)
         return td_fail(error, TIDES_BAD_CONFIG, "%s: scene.file is missing: name a splat file, here or in scene.objects",
                        run->origin);
+    if (!frames && strcmp(run_text(run, "method"), "ldati") == 0)
+        return td_fail(error, TIDES_BAD_CONFIG,
+                       "%s: method \"ldati\" takes voxel grids: name their .npy, .npz or .h5 in frames.file", run->origin);
     double start = td_run_number(run, "time.start"), stop = td_run_number(run, "time.stop");
     if (stop <= start)
         return td_fail(error, TIDES_BAD_CONFIG, "%s: time.stop = %.12g s is not after time.start = %.12g s", run->origin, stop,
@@ -134,6 +137,11 @@ void tides_run_destroy(tides_run *run) {
     td_run_free_frames(run);
     free(run->json);
     free(run);
+}
+
+int32_t tides_run_gives(const tides_run *run, const char *key) {
+    const tides_param *row = run && key ? td_param_find(key) : NULL;
+    return row && run->given[row - tides_params(NULL)];
 }
 
 /* What a choice's name stands for in the library's structs. */

@@ -82,9 +82,9 @@ static void get_voltmeter(const tides_run *run, tides_voltmeter *p) {
 }
 
 void td_run_get_frames(const tides_run *run, tides_run_values *values) {
-    static const char *const methods[] = {"tides", "esim", "v2e", "iebcs", "dvs-voltmeter", NULL}; /* TIDES_METHOD_* */
-    static const char *const transfers[] = {"linear", "srgb", NULL};                               /* TIDES_TRANSFER_* */
-    static const char *const units[] = {"auto", "s", "ms", "us", "ns", NULL};                      /* TIDES_TIME_* */
+    static const char *const methods[] = {"tides", "esim", "v2e", "iebcs", "dvs-voltmeter", "ldati", NULL}; /* TIDES_METHOD_* */
+    static const char *const transfers[] = {"linear", "srgb", NULL};          /* TIDES_TRANSFER_* */
+    static const char *const units[] = {"auto", "s", "ms", "us", "ns", NULL}; /* TIDES_TIME_* */
     tides_baseline_params *baseline = &values->baseline;
     tides_baseline_params_defaults(baseline);
     baseline->method = get_choice(run, "method", methods);
@@ -95,6 +95,7 @@ void td_run_get_frames(const tides_run *run, tides_run_values *values) {
     get_v2e(run, &baseline->v2e);
     get_voltmeter(run, &baseline->voltmeter);
     get_iebcs(run, &baseline->iebcs);
+    baseline->ldati.fps = td_run_number(run, "ldati.fps");
     tides_frames_options *frames = &values->frames;
     tides_frames_options_defaults(frames);
     frames->transfer = get_choice(run, "frames.transfer", transfers);
@@ -102,6 +103,11 @@ void td_run_get_frames(const tides_run *run, tides_run_values *values) {
     frames->rebase = get_boolean(run, "frames.rebase");
     frames->timestamps = run->timestamps_file;
     frames->frames_per_second = td_run_number(run, "frames.frames_per_second"); /* 0 where null: not given */
+    if (baseline->method == TIDES_METHOD_LDATI) {
+        frames->planes = 2 * TIDES_LDATI_PLANES;
+        /* Grid k begins at k / fps unless frames.* has times. */
+        if (!(frames->frames_per_second > 0) && !frames->timestamps) frames->frames_per_second = baseline->ldati.fps;
+    }
     memcpy(frames->luminance, values->image.luminance, sizeof frames->luminance);
     values->frames_file = run->frames_file;
     values->frames_per_second = td_run_number(run, "frames_per_second");

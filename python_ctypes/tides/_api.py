@@ -95,6 +95,7 @@ TIDES_METHOD_ESIM = 1
 TIDES_METHOD_V2E = 2
 TIDES_METHOD_IEBCS = 3
 TIDES_METHOD_VOLTMETER = 4
+TIDES_METHOD_LDATI = 5
 TIDES_ESIM_NONE = 0
 TIDES_ESIM_BRIGHTNESS = 1
 TIDES_ESIM_MOTION = 2
@@ -102,6 +103,7 @@ TIDES_ARBITER_NONE = 0
 TIDES_ARBITER_BOTTLENECK = 1
 TIDES_ARBITER_ROW = 2
 TIDES_ARBITER_SYNCHRONOUS = 3
+TIDES_LDATI_PLANES = 10
 TIDES_EXR_NONE = 0
 TIDES_EXR_ZIPS = 2
 TIDES_EXR_ZIP = 3
@@ -1517,6 +1519,7 @@ class tides_frames_options(Structure):
     const char *timestamps; /* text file with one time per line, or NULL */
     double frames_per_second; /* [Hz]: frame k is at k / rate; 0: not given */
     double luminance[3]; /* weights of r, g, b */
+    int32_t planes; /* 1: luminance; more: arrays of so many values per pixel, taken as they are (voxel grids) */
     """
 
     size: int
@@ -1526,6 +1529,7 @@ class tides_frames_options(Structure):
     timestamps: bytes | None
     frames_per_second: float
     luminance: Any
+    planes: int
 
     _fields_ = [
         ("size", c_uint32),
@@ -1535,6 +1539,7 @@ class tides_frames_options(Structure):
         ("timestamps", c_char_p),
         ("frames_per_second", c_double),
         ("luminance", c_double * 3),
+        ("planes", c_int32),
     ]
 
 
@@ -1687,6 +1692,17 @@ class tides_iebcs(Structure):
     ]
 
 
+class tides_ldati_params(Structure):
+    """double fps; /* [Hz] 30 */
+    """
+
+    fps: float
+
+    _fields_ = [
+        ("fps", c_double),
+    ]
+
+
 class tides_baseline_params(Structure):
     """uint32_t size;
     int32_t method; /* TIDES_METHOD_* */
@@ -1697,6 +1713,7 @@ class tides_baseline_params(Structure):
     tides_v2e v2e;
     tides_voltmeter voltmeter;
     tides_iebcs iebcs;
+    tides_ldati_params ldati;
     """
 
     size: int
@@ -1708,6 +1725,7 @@ class tides_baseline_params(Structure):
     v2e: tides_v2e
     voltmeter: tides_voltmeter
     iebcs: tides_iebcs
+    ldati: tides_ldati_params
 
     _fields_ = [
         ("size", c_uint32),
@@ -1719,11 +1737,12 @@ class tides_baseline_params(Structure):
         ("v2e", tides_v2e),
         ("voltmeter", tides_voltmeter),
         ("iebcs", tides_iebcs),
+        ("ldati", tides_ldati_params),
     ]
 
 
 class tides_frame_supply(Structure):
-    """tides_frames *frames; /* a sequence: those of its frames that lie in [start, stop]; or NULL, and */
+    """tides_frames *frames; /* a sequence: those of its frames (LDATI: intervals) that lie in [start, stop]; or NULL, and */
     tides_renderer *renderer; /* a renderer, */
     const tides_trajectory *camera; /* its camera, */
     double frames_per_second; /* and the rate of renders from start on [Hz], the last one at stop; ESIM has its own where
@@ -2337,6 +2356,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_frames_open": (c_int32, [c_char_p, P(tides_frames_options), P(P(tides_frames)), P(tides_error)]),
     # void tides_frames_options_defaults(tides_frames_options *options)
     "tides_frames_options_defaults": (None, [P(tides_frames_options)]),
+    # int32_t tides_frames_planes(const tides_frames *frames)
+    "tides_frames_planes": (c_int32, [P(tides_frames)]),
     # tides_status tides_frames_read(tides_frames *frames, size_t index, double *Y, tides_error *error)
     "tides_frames_read": (c_int32, [P(tides_frames), c_size_t, P(c_double), P(tides_error)]),
     # void tides_frames_size(const tides_frames *frames, int32_t *width, int32_t *height)
@@ -2446,6 +2467,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_run_destroy": (None, [P(tides_run)]),
     # void tides_run_get(const tides_run *run, tides_run_values *values)
     "tides_run_get": (None, [P(tides_run), P(tides_run_values)]),
+    # int32_t tides_run_gives(const tides_run *run, const char *key)
+    "tides_run_gives": (c_int32, [P(tides_run), c_char_p]),
     # tides_status tides_run_load(const char *file, const char *const *overrides, size_t count, tides_run **run,
     # tides_error *error)
     "tides_run_load": (c_int32, [c_char_p, P(c_char_p), c_size_t, P(P(tides_run)), P(tides_error)]),
@@ -2595,6 +2618,7 @@ STRUCTS = (
     tides_render_stats, tides_event, tides_event_file, tides_event_format, tides_event_facts, tides_event_summary,
     tides_event_conversion, tides_event_conversion_report, tides_readout, tides_readout_stats, tides_risk,
     tides_stepping, tides_stats, tides_frames_options, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs,
-    tides_baseline_params, tides_frame_supply, tides_channel, tides_match, tides_metrics_options, tides_interval_fit,
-    tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_param, tides_run_values,
+    tides_ldati_params, tides_baseline_params, tides_frame_supply, tides_channel, tides_match, tides_metrics_options,
+    tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_param,
+    tides_run_values,
 )

@@ -21,7 +21,7 @@ from .simulate import _Collector
 
 class FramesOptions(Value, _api.tides_frames_options):
     """transfer ("linear", "srgb"), unit ("auto", "s", "ms", "us", "ns"), rebase, timestamps (a file), frames_per_second [Hz],
-    luminance (3)."""
+    luminance (3), planes (1; 20: voxel grids of LDATI)."""
 
     _defaults = "tides_frames_options_defaults"
     _words = {"transfer": "TIDES_TRANSFER_", "unit": "TIDES_TIME_"}
@@ -29,7 +29,7 @@ class FramesOptions(Value, _api.tides_frames_options):
 
 class Frames(Handle):
     """A sequence of luminance images: Frames(path) of a folder or file; Frames.of(Y, times) of arrays. frames[k] is (height x
-    width) float64, frames.times (n) [s]."""
+    width) float64, or of voxel grids (planes=20) (planes x height x width); frames.times (n) [s]."""
 
     _destroy = "tides_frames_close"
 
@@ -44,7 +44,7 @@ class Frames(Handle):
         self._arrays = arrays  # what C looks at
         width, height = c_int32(), c_int32()
         lib.tides_frames_size(made, byref(width), byref(height))
-        self.width, self.height = width.value, height.value
+        self.width, self.height, self.planes = width.value, height.value, lib.tides_frames_planes(made)
 
     @classmethod
     def _of(cls, made: Any) -> "Frames":
@@ -75,14 +75,15 @@ class Frames(Handle):
     def __getitem__(self, index: int) -> np.ndarray:
         if not 0 <= index < len(self):
             raise IndexError(f"frame {index} of {len(self)}")
-        plane = np.empty((self.height, self.width))
+        shape = (self.height, self.width)
+        plane = np.empty(shape if self.planes == 1 else (self.planes, *shape))
         with self._lock:
             call("tides_frames_read", self._pointer, index, pointer(plane, c_double))
         return plane
 
 
 class BaselineParams(Value, _api.tides_baseline_params):
-    """method ("tides", "esim", "v2e", "iebcs", "voltmeter"), seed, and each method's own parameters: params.esim.log_eps ..."""
+    """method ("tides", "esim", "v2e", "iebcs", "voltmeter", "ldati"), seed, and each method's own parameters: params.esim.log_eps ..."""
 
     _defaults = "tides_baseline_params_defaults"
     _words = {"method": "TIDES_METHOD_"}
@@ -97,10 +98,11 @@ class Baseline(Handle):
         made = POINTER(_api.tides_baseline)()
         call("tides_baseline_create", params, width, height, byref(made))
         super().__init__(made)
-        self._shape, self.stats = (height, width), Facts()  #: what the last `run` did
+        planes = (2, _api.TIDES_LDATI_PLANES) if params.method == "ldati" else ()
+        self._shape, self.stats = (*planes, height, width), Facts()  #: what the last `run` did
 
     def push(self, time: float, luminance: Any) -> np.ndarray:
-        """The next frame (height x width) at `time` [s]. Returns the events that no later frame can come before, EVENT (n)."""
+        """The next frame (height x width; of LDATI 2 x 10 of them) at `time` [s]. Returns the events that no later frame can come before, EVENT (n)."""
         plane = array(luminance, np.float64, self._shape, "luminance")
         with self._lock:
             return _collected("tides_baseline_push", self._pointer, time, pointer(plane, c_double))

@@ -105,6 +105,10 @@ class Run(Handle):
             raise AttributeError(name)
         return getattr(self.values, name)
 
+    def gives(self, key: str) -> bool:
+        """Whether the file or an override says `key`; else it has its default or the preset's value."""
+        return bool(lib.tides_run_gives(self._pointer, key.encode()))
+
     def open(self) -> tuple[Scene, Camera]:
         """Opens what the run names."""
         scene, trajectory = POINTER(_api.tides_scene)(), POINTER(_api.tides_trajectory)()

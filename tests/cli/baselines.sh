@@ -52,3 +52,28 @@ refuse 1 "no scene to render" tides render frames.json -o o.exr
 rm frames/timestamps.txt
 refuse 1 "have no times" tides simulate frames.json -o e.h5
 missing e.h5
+
+# V2CE's sampler: two voxel grids of 3x2 px, an event of each polarity; whole voxels are at the planes' own times.
+grids() {
+    printf '\x93NUMPY\x01\x00\x76\x00%-117s\n' "{'descr': '|u1', 'fortran_order': False, 'shape': ($1), }"
+    head -c "$2" /dev/zero
+    printf '\001'
+    head -c 165 /dev/zero
+    printf '\001'
+    head -c "$3" /dev/zero
+}
+grids '2, 2, 10, 2, 3' 19 54 >voxels.npy
+echo '{ "frames": { "file": "voxels.npy" }, "method": "ldati" }' >voxels.json
+expect 0 tides simulate voxels.json -q -o voxels.csv
+[ "$(tr '\n' ' ' <voxels.csv)" = "t,x@3,y@2,on 11111,1,0,1 33333,2,1,0 " ] || fail "LDATI: $(cat voxels.csv)"
+expect 0 tides simulate voxels.json -q -o slower.csv --set ldati.fps=10
+grep -q '^100000,2,1,0$' slower.csv || fail "ldati.fps sets the intervals' length"
+expect 0 tides simulate voxels.json -q -o half.csv --set time.stop=0.04
+[ "$(wc -l <half.csv)" = 2 ] || fail "an interval that isn't all in the run should be left out"
+refuse 1 "method \"ldati\" takes voxel grids" tides simulate run.json -o e.h5 --set method=ldati
+refuse 1 "at least one must" tides simulate voxels.json -o e.h5 --set time.stop=0.01
+refuse 1 "frames have the shape" tides simulate voxels.json -o e.h5 --set method=v2e --set frames.frames_per_second=30
+refuse 1 "is a folder; voxel grids come from" tides simulate frames.json -o e.h5 --set method=ldati
+grids '2, 2, 5, 12' 19 54 >voxels.npy
+refuse 1 "don't make 20 values per pixel" tides simulate voxels.json -o e.h5
+missing e.h5

@@ -224,6 +224,62 @@ static void ldati_counts(void **state) {
     assert_non_null(strstr(error.text, "pixel (3, 0)"));
 }
 
+/* An event shared linearly between the planes on both sides of it comes back where it was, to the microsecond that times are
+ * floored to: the debt that its bin leaves is its place in the bin. */
+static void ldati_places(void **state) {
+    (void)state;
+    static double voxels[2 * 10 * PIXELS];
+    double wanted_us[PIXELS];
+    memset(voxels, 0, sizeof voxels);
+    for (size_t i = 0; i < PIXELS; i++) {
+        const size_t bin = i % 9, plane = (i % 2 ? 10 : 0) + bin;
+        const double part = 0.01 + 0.98 * (double)i / PIXELS;
+        voxels[plane * PIXELS + i] = 1 - part;
+        voxels[(plane + 1) * PIXELS + i] = part;
+        wanted_us[i] = 1e5 * ((double)bin + part) / 9;
+    }
+    stream s = {NULL, 0, 0};
+    assert_int_equal(tides_ldati(voxels, WIDTH, HEIGHT, 0, 0.1, 5, 0, keep, &s, NULL), TIDES_OK);
+    assert_int_equal(s.count, PIXELS);
+    for (size_t k = 0; k < s.count; k++) {
+        const size_t i = (size_t)s.events[k].y * WIDTH + s.events[k].x;
+        assert_int_equal(s.events[k].polarity, i % 2 ? -1 : 1);
+        const double late_us = 1e-3 * (double)s.events[k].t - wanted_us[i];
+        assert_true(late_us > -1.001 && late_us < 0.001);
+    }
+    free(s.events);
+}
+
+/* As a method: the events of each interval by itself, whatever else is pushed. */
+static void ldati_is_a_method(void **state) {
+    (void)state;
+    static double voxels[2][2 * 10 * PIXELS];
+    for (size_t i = 0; i < 2 * 10 * PIXELS; i++) voxels[0][i] = (double)(i % 5) * 0.5, voxels[1][i] = (double)(i % 3);
+    tides_baseline_params params = params_of(TIDES_METHOD_LDATI);
+    params.seed = 5;
+    tides_baseline *baseline = NULL;
+    stream all = {NULL, 0, 0}, parts = {NULL, 0, 0};
+    assert_int_equal(tides_baseline_create(&params, WIDTH, HEIGHT, &baseline, NULL), TIDES_OK);
+    for (int k = 0; k < 2; k++) {
+        const double start = k / params.ldati.fps, stop = start + 1 / params.ldati.fps;
+        assert_int_equal(tides_baseline_push(baseline, start, voxels[k], keep, &all, NULL), TIDES_OK);
+        assert_int_equal(tides_ldati(voxels[k], WIDTH, HEIGHT, start, stop, 5, (uint64_t)k, keep, &parts, NULL), TIDES_OK);
+    }
+    assert_int_equal(tides_baseline_finish(baseline, keep, &all, NULL), TIDES_OK);
+    assert_int_equal(all.count, parts.count);
+    for (size_t k = 0; k < all.count; k++) {
+        if (k) assert_true(td_event_compare(&all.events[k - 1], &all.events[k]) <= 0);
+        assert_int_equal(all.events[k].t, parts.events[k].t);
+    }
+    tides_baseline_destroy(baseline);
+    params.ldati.fps = 0;
+    tides_error error;
+    assert_int_equal(tides_baseline_create(&params, WIDTH, HEIGHT, &baseline, &error), TIDES_BAD_ARGUMENT);
+    assert_non_null(strstr(error.text, "ldati.fps"));
+    free(all.events);
+    free(parts.events);
+}
+
 static void refusals(void **state) {
     (void)state;
     tides_baseline *baseline = NULL;
@@ -357,8 +413,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(noise_rates),   cmocka_unit_test(photoreceptor_noise),  cmocka_unit_test(voltmeter_drift),
         cmocka_unit_test(seeds),         cmocka_unit_test(arbiters_keep_events), cmocka_unit_test(ldati_counts),
-        cmocka_unit_test(refusals),      cmocka_unit_test(esim_sampling),        cmocka_unit_test(noise_on_frames),
-        cmocka_unit_test(psf_on_frames), cmocka_unit_test(not_on_frames),
+        cmocka_unit_test(ldati_places),  cmocka_unit_test(ldati_is_a_method),    cmocka_unit_test(refusals),
+        cmocka_unit_test(esim_sampling), cmocka_unit_test(noise_on_frames),      cmocka_unit_test(psf_on_frames),
+        cmocka_unit_test(not_on_frames),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

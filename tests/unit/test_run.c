@@ -324,6 +324,14 @@ static void methods_and_frames(void **state) {
     assert_int_equal(tides_run_open(run, &scene, &camera, &intrinsics, NULL), TIDES_BAD_CONFIG);
     tides_run_destroy(run);
     REFUSED("{" BASE ", \"frames\": {\"file\": \"made\"}}", NULL, TIDES_BAD_CONFIG, "scene.file and frames.file");
+    REFUSED("{" BASE "}", "method=ldati", TIDES_BAD_CONFIG, "voxel grids", "frames.file");
+    run = accepted("{\"frames\": {\"file\": \"made\"}, \"method\": \"ldati\", \"ldati\": {\"fps\": 60}}", NULL, 0);
+    tides_run_get(run, &values);
+    assert_int_equal(values.baseline.method, TIDES_METHOD_LDATI);
+    assert_int_equal(values.frames.planes, 2 * TIDES_LDATI_PLANES);
+    assert_true(values.baseline.ldati.fps == 60 && values.frames.frames_per_second == 60);
+    assert_true(tides_run_gives(run, "ldati.fps") && !tides_run_gives(run, "seed") && !tides_run_gives(run, "ldati"));
+    tides_run_destroy(run);
     REFUSED("{" BASE "}", "method=eism", TIDES_BAD_CONFIG, "method = \"eism\"", "esim");
 }
 
@@ -337,6 +345,7 @@ static void baseline_defaults_agree(void **state) {
     tides_baseline_params_defaults(&params);
     assert_memory_equal(&values.baseline.esim, &params.esim, sizeof params.esim);
     assert_memory_equal(&values.baseline.v2e, &params.v2e, offsetof(tides_v2e, float32_timestamps) + sizeof(int32_t));
+    assert_memory_equal(&values.baseline.ldati, &params.ldati, sizeof params.ldati);
     assert_memory_equal(&values.baseline.voltmeter, &params.voltmeter, sizeof params.voltmeter);
     assert_memory_equal(&values.baseline.iebcs, &params.iebcs, offsetof(tides_iebcs, arbiter) + sizeof(int32_t));
     tides_run_destroy(run);

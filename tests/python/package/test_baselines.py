@@ -66,6 +66,30 @@ def test_esim_and_ldati():
     assert set(events["x"]) == {2} and set(events["y"]) == {1} and set(events["p"]) == {1}
 
 
+def test_ldati_of_exact_voxels(tmp_path):
+    """Voxels that share an event between the planes on both sides of it give its time back, to the microsecond."""
+    rng, fps, count = np.random.default_rng(5), 100.0, 3
+    wanted, voxels = [], np.zeros((count, 2, 10, 4, 5))
+    for k in range(count):
+        for y in range(4):
+            for x in range(5):
+                bin, part, polarity = rng.integers(9), rng.uniform(0.01, 0.99), rng.integers(2)
+                voxels[k, polarity, bin, y, x], voxels[k, polarity, bin + 1, y, x] = 1 - part, part
+                wanted.append(((k + (bin + part) / 9) / fps, y, x, -1 if polarity else 1))
+    np.save(tmp_path / "voxels.npy", voxels.astype(np.float64))
+    run = tides.Run(text={"method": "ldati", "frames": {"file": "voxels.npy"}, "ldati": {"fps": fps}}, directory=tmp_path)
+    events = run.simulate()
+    assert len(events) == len(wanted)
+    for event, (time, y, x, p) in zip(events, sorted(wanted)):
+        assert (event["x"], event["y"], event["p"]) == (x, y, p) and -1.5 <= 1e-3 * event["t"] - 1e6 * time <= 0.1
+    with run.open_frames() as frames:
+        assert frames.planes == 20 and np.array_equal(frames[1].reshape(2, 10, 4, 5), voxels[1])
+    params = tides.BaselineParams(method="ldati")
+    params.ldati.fps = fps
+    baseline = tides.Baseline(params, 5, 4)
+    assert len(baseline.push(0.0, voxels[0])) + len(baseline.finish()) == 20
+
+
 def test_psf(scene, camera):
     renderer = tides.Renderer(scene, camera)
     sharp = renderer.frame(0.05, ["L"])["L"]

@@ -69,6 +69,7 @@ def test_run():
     assert run.sensor.threshold_on == 0.3 and run.stepping.model == "linear" and run.stop == 0.05
     assert isinstance(run.sensor, tides.Sensor) and isinstance(run.intrinsics, tides.Intrinsics)
     assert json.loads(run.json)["sensor"]["threshold_on"] == 0.3
+    assert run.gives("sensor.threshold_on") and not run.gives("sensor.threshold_off") and not run.gives("sensor.no")
     scene, camera = run.open()
     assert scene.count == 20 and camera.intrinsics.width == 64
     again = tides.Run(text=run.json, directory="tests/install")

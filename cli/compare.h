@@ -1,0 +1,74 @@
+/* `tides compare`: every method on one run, against its exact stream and a recording. */
+#ifndef CLI_COMPARE_H
+#define CLI_COMPARE_H
+
+#include "bench.h"
+#include "metrics_report.h"
+#include "session.h"
+
+/* One method, and what became of it. */
+typedef struct compare_row {
+    const char *name;
+    tides_error error;   /* status TIDES_OK where it ran */
+    cJSON *settings;     /* ["key=value", ...] on top of the run file */
+    cJSON *parameters;   /* those that its column shows, {key: value}, as they were in force */
+    bench_stream stream; /* its events */
+    tides_stats stats;
+    cJSON *against_exact, *against_recording; /* cli_metrics_json; NULL where there is none */
+} compare_row;
+
+enum { COMPARE_METHODS_MAX = 8, COMPARE_PATH = 4200 /* of files in the directory */ };
+
+typedef struct comparison {
+    const cli_common *common;
+    const char *run, *directory;
+    const cli_list *sets;
+    const char *recording_file; /* NULL: none */
+    double window_s;            /* of the picture; 0: what is comfortable */
+    int32_t as_configured;      /* 1: the run file's own settings; 0: ideal pixels */
+    int32_t keep;               /* 1: events of each go to files */
+    int32_t in_double;          /* 1: the exact stream comes from the double-precision reference */
+
+    cli_session session; /* as the run file says; the rows borrow what it holds open */
+    cli_progress progress;
+    bench_truth exact;
+    cli_window recording;
+    compare_row rows[COMPARE_METHODS_MAX];
+    int32_t count;
+} comparison;
+
+/* The interval that is compared: [start, stop) with the run's last nanosecond in it. */
+void compare_interval(const comparison *c, int64_t *start_ns, int64_t *stop_ns);
+tides_status compare_write_events(const comparison *c, const char *path, const cli_session *session, const bench_stream *stream,
+                                  tides_error *error);
+
+/* compare_methods.c: the name of method number `index`, in the order of the rows; NULL behind the last. */
+const char *compare_method(size_t index);
+/* 1 where it makes no sense for frames: another method is the same there. */
+int32_t compare_scenes_only(const char *method);
+/* The session of a method, ideal or as configured, on top of c->session, which keeps scene, camera, frames and device; with
+ * `row` its settings are told. The caller destroys session->run alone. */
+tides_status compare_configure(const comparison *c, const char *method, int32_t ideal, compare_row *row, cli_session *session,
+                               tides_error *error);
+/* Runs the row's method; the row keeps the failure. TIDES_CANCELLED where the user stopped it, else TIDES_OK. */
+tides_status compare_run(comparison *c, compare_row *row, tides_error *error);
+void compare_row_free(compare_row *row);
+
+/* compare_exact.c: c->exact, the stream that all are measured against. */
+tides_status compare_exact(comparison *c, tides_error *error);
+/* In words what it is. */
+const char *compare_exact_what(const comparison *c);
+
+/* compare_table.c: compare.json and .csv, and the table; `report` gets the JSON, the caller's. */
+tides_status compare_report(const comparison *c, cJSON **report, tides_error *error);
+tides_status compare_write_tables(const comparison *c, const cJSON *report, tides_error *error);
+void compare_print(const comparison *c, const cJSON *report);
+/* Three digits, or as many as a whole number has; returns `text`. */
+const char *compare_number(double value, char text[32]);
+/* The value at "comparison.dt_p95_us" of an object in objects, or NULL. */
+const cJSON *compare_find(const cJSON *object, const char *path);
+
+/* compare_figure.c: compare.png. */
+tides_status compare_figure(const comparison *c, tides_error *error);
+
+#endif

@@ -1,0 +1,79 @@
+# Every method on one run: tables, picture, order, and what can go wrong.
+make_scene
+# A number of a method's row: of_method FILE METHOD KEY, the first after the method's name.
+of_method() { awk -v m="\"$2\"" -v k="\"$3\":" '$1 == "\"method\":" { on = index($2, m) } on && $1 == k { sub(",", "", $2); print $2; exit }' "$1"; }
+less() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && b != "" && a + 0 < b + 0) }' || fail "$3: $1 should be less than $2"; }
+
+expect 0 tides compare run.json -o all --keep
+out '^exact +[0-9]+ .* 0\.'
+out '^dvs-voltmeter .* frames_per_second 1000$'
+for file in compare.json compare.csv compare.png exact.h5 tides.h5 esim.h5 esim-fixed.h5 v2e.h5 dvs-voltmeter.h5 iebcs.h5; do
+    exists all/$file
+done
+head -c 4 all/compare.png | grep -q PNG || fail "compare.png is no PNG"
+[ "$(wc -l <all/compare.csv)" = 7 ] || fail "a row for each of six methods"
+awk -F'","|",|,"' 'NR == 1 { n = split($0, a, ",") } END { exit !(n > 60) }' all/compare.csv || fail "columns of every metric"
+# What the mathematics says: the cubic under error control, straight lines between frames (in L, then in Y), and last those
+# that don't place events between frames. The exact stream is settled a hundred times better than the best.
+p95() { of_method all/compare.json "$1" dt_p95_us; }
+less "$(p95 tides)" "$(p95 esim-fixed)" "tides, ESIM"
+less "$(p95 esim-fixed)" "$(p95 dvs-voltmeter)" "ESIM, DVS-Voltmeter"
+less "$(p95 dvs-voltmeter)" "$(p95 v2e)" "DVS-Voltmeter, v2e"
+less "$(p95 dvs-voltmeter)" "$(p95 iebcs)" "DVS-Voltmeter, IEBCS"
+less "$(p95 esim-fixed)" "$(p95 esim)" "ESIM at 41 renders, at its own few"
+less "$(of_method all/compare.json tides renders)" "$(of_method all/compare.json esim-fixed renders)" "renders"
+less "$(value all/compare.json halved_p95_us)" "$(p95 tides)" "the exact stream"
+[ "$(of_method all/compare.json tides mismatch_percent)" = 0 ] || fail "tides should have every event"
+# The table is what tides metrics says of the kept files, but for their microseconds.
+expect 0 tides metrics all/exact.h5 all/v2e.h5 --json --only match
+less "$(awk -v a="$(value out dt_median_us)" -v b="$(of_method all/compare.json v2e dt_median_us)" \
+    'BEGIN { d = a - b; print (d < 0 ? -d : d) }')" 0.001 "tides metrics, tides compare"
+
+# A recording beside: twice as many rows, and its own values.
+expect 0 tides compare run.json -o recorded --methods esim-fixed,tides --recording all/v2e.h5 --window 0.01
+out '^recording +[0-9]+'
+[ "$(wc -l <recorded/compare.csv)" = 5 ] || fail "a row for each method and reference"
+expect 0 tides compare run.json -o recorded --methods tides --recording all/exact.h5 --json
+[ "$(value out chamfer_px)" != "" ] || fail "--json should have the table"
+# The run's own settings in place of ideal pixels: v2e's low-pass and noise come back.
+expect 0 tides compare run.json -o own --methods v2e --as-configured -q --set v2e.pos_thres=0.3
+silent
+grep -q '"v2e.neg_thres=0.2"' own/compare.json && fail "the run file's own thresholds should stay"
+grep -q '"v2e.pos_thres":[[:space:]]0.3' own/compare.json || fail "v2e.pos_thres should be the run file's"
+
+# Frames: exact are straight lines between them, so that TIDES's comparator is exact there, and ESIM nearly.
+mkdir frames
+for k in $(seq 0 8); do
+    t=$(awk -v k="$k" 'BEGIN { printf "%.3f", k / 200 }')
+    expect 0 tides render run.json --time "$t" -o frames/f$k.exr
+    echo "$t" >>frames/timestamps.txt
+done
+echo '{ "frames": { "file": "frames" } }' >frames.json
+expect 0 tides compare frames.json -o seen
+[ "$(of_method seen/compare.json tides dt_max_us)" = 0 ] || fail "tides should be exact on frames"
+less "$(of_method seen/compare.json esim dt_p95_us)" 0.01 "ESIM on frames"
+grep -q esim-fixed seen/compare.csv && fail "on frames ESIM has one sampling only"
+
+# A method that fails takes no other with it.
+expect 1 tides compare run.json -o part --methods esim,v2e --as-configured --set v2e.cs_lambda_pixels=2
+err '^tides: v2e failed: .*v2e.cs_tau_p_ms'
+out '^v2e +failed: '
+out '^esim +[0-9]+'
+exists part/compare.png
+[ "$(wc -l <part/compare.csv)" = 3 ] || fail "a failure has its row"
+
+refuse 2 "no method is called esmi; did you mean esim\?" tides compare run.json --methods tides,esmi
+refuse 2 "tides is there twice" tides compare run.json --methods tides,tides
+refuse 2 "above 0" tides compare run.json --window 0
+printf 't,x,y,p\n500000,3,4,1\n500010,3,4,0\n' >late.csv
+refuse 1 "has no events from 0 to 0.04 s, the run's time" tides compare run.json -o no --recording late.csv
+printf 't,x,y,p\n500,3,4,1\n510,60,4,0\n' >wide.csv
+refuse 1 "wide.csv: is 61x5 px and the run 48x36 px" tides compare run.json -o no --recording wide.csv
+refuse 1 "nothing fires" tides compare run.json -q -o no --set sensor.threshold_on=50 --set sensor.threshold_off=50
+{
+    printf '\x93NUMPY\x01\x00\x76\x00%-117s\n' "{'descr': '|u1', 'fortran_order': False, 'shape': (2, 10, 2, 3), }"
+    head -c 120 /dev/zero
+} >voxels.npy
+refuse 1 "method ldati: a voxel grid has lost the signal" tides compare frames.json -o no --set method=ldati \
+    --set frames.file=voxels.npy
+missing no/compare.json
