@@ -70,7 +70,7 @@ int cmd_batch(const cli_command *command, int argc, char **argv) {
         {"--only", 0, "NAME", "only this run, and no summary; repeatable", NULL, NULL, &only},
         {"--summary", 0, NULL, "run nothing: write the summary of what DIR holds by now", &look, NULL, NULL},
         {"--checkpoint", 0, "SECONDS", "how often runs save what going on needs (30; 0: never)", NULL, &every, NULL},
-        {"--end-with", 0, "PID", "end, as if killed, when the process that started this one ends", NULL, &starter, NULL},
+        {"--parent", 0, "PID", "the process that started this one: end, as if killed, when it ends", NULL, &starter, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
     int code = cli_parse(command, options, argc, argv, &common, &manifest);
@@ -82,7 +82,7 @@ int cmd_batch(const cli_command *command, int argc, char **argv) {
     if (b.checkpoint_s < 0) return cli_usage(command, "--checkpoint %s: give seconds, or 0 for none", every);
     if ((code = take_count(command, "--jobs", jobs, 4096, &b.jobs)) != CLI_GO) return code;
     if ((code = take_count(command, "--threads", threads, 4096, &b.threads)) != CLI_GO) return code;
-    if ((code = take_count(command, "--end-with", starter, INT32_MAX, &parent)) != CLI_GO) return code;
+    if ((code = take_count(command, "--parent", starter, INT32_MAX, &parent)) != CLI_GO) return code;
     if (shard && (code = take_shard(command, shard, &b)) != CLI_GO) return code;
     if (shard && only.count) return cli_usage(command, "--only names runs and --shard counts them; give one of the two");
 

@@ -93,7 +93,7 @@ def _say(process: subprocess.Popen[str], stop: threading.Event) -> str:
 
 def _run_tool(name: str, job: dict[str, Any], stop: threading.Event) -> None:
     options = ["--only", name, "--jobs", "1", "--threads", str(job["threads"]), "--checkpoint", str(job["checkpoint_s"])]
-    command = _command(job, *options, "--end-with", str(os.getpid()))
+    command = _command(job, *options, "--parent", str(os.getpid()))
     process = subprocess.Popen(
         command,
         cwd=job["folder"],
@@ -114,7 +114,7 @@ def _run_tool(name: str, job: dict[str, Any], stop: threading.Event) -> None:
 
 
 def _work(name: str, job: dict[str, Any]) -> None:
-    """One run, unless the batch is to stop. It ends with the worker: --end-with sees to that even where that is killed."""
+    """One run, unless the batch is to stop. It ends with the worker: --parent sees to that even where that is killed."""
     here = _Here.of(get_worker(), job["token"])
     if here.stop.is_set():
         return

@@ -101,7 +101,7 @@ refuse 2 "the output is missing: -o DIR" tides batch grid.json
 refuse 2 "--shard 4/3: give I/N" tides batch grid.json -o wrong.d --shard 4/3
 refuse 2 "--jobs 0: give a number" tides batch grid.json -o wrong.d --jobs 0
 refuse 2 "--threads no: give a number" tides batch grid.json -o wrong.d --threads no
-refuse 1 "process $PPID isn't the one that started this" tides batch grid.json -o wrong.d --end-with $PPID
+refuse 1 "process $PPID isn't the one that started this" tides batch grid.json -o wrong.d --parent $PPID
 
 # Forty runs, killed twice. A result differs in nothing from the uninterrupted batch's.
 awk 'BEGIN { for (i = 0; i <= 400; i++) printf "%g %g 0 0 0 0 0 1\n", i * 0.01, 0.3 * sin(i * 0.3) }' >path.txt
@@ -139,8 +139,8 @@ for name in whole.d/*/; do
     cmp -s a.npy b.npy || fail "the events of $name differ"
 done
 
-# With --end-with it is killed when its parent is, and so are its runs.
-sh -c 'tides batch forty.json -o end.d -q --threads 1 --end-with $$ 2>end.err & echo $! >end.pid; wait' &
+# With --parent it is killed when its parent is, and so are its runs.
+sh -c 'tides batch forty.json -o end.d -q --threads 1 --parent $$ 2>end.err & echo $! >end.pid; wait' &
 for _ in $(seq 1000); do
     [ -e "$(echo end.d/*/result.json | cut -d' ' -f1)" ] && break
     sleep 0.01
