@@ -120,8 +120,11 @@ void describe_man_tool(const cli_command *commands, size_t count) {
 /* -- the run file --------------------------------------------------------------------------------------------------- */
 
 static void put_row(const tides_param *row) {
-    static const char *const types[] = {"number", "integer", "true or false", "text", "one of", "list of three numbers",
-                                        "list"};
+    static const char *const types[] =
+        {[TIDES_PARAM_NUMBER] = "number",         [TIDES_PARAM_INTEGER] = "integer",
+         [TIDES_PARAM_BOOLEAN] = "true or false", [TIDES_PARAM_STRING] = "text",
+         [TIDES_PARAM_CHOICE] = "one of",         [TIDES_PARAM_VECTOR3] = "list of three numbers",
+         [TIDES_PARAM_OBJECTS] = "list",          [TIDES_PARAM_VECTOR2] = "list of two numbers"};
     fputs(".TP\n\\fB", stdout);
     put(row->key);
     printf("\\fR (%s", types[row->type]);

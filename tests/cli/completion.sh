@@ -85,3 +85,7 @@ done
 refuse 2 "there is no page on simulat; did you mean simulate\?" tides help --man simulat
 refuse 2 "help takes a command's name, or --man" tides help --fish
 refuse 2 "--help=fish: give man, bash or zsh" tides simulate --help=fish
+
+# Every type of a key has its words.
+expect 0 tides help --man run
+out 'center_surround.* \(list of two numbers'
