@@ -440,7 +440,7 @@ static void pixels_have_their_places(void **state) {
             assert_int_equal(event->x, tiles[k].x0 + i % tiles[k].width);
             assert_int_equal(event->y, tiles[k].y0 + i / tiles[k].width);
             assert_int_equal(event->polarity, i % 2 ? 1 : -1);
-            assert_int_equal(event->cause | event->reserved[0] | event->reserved[1], 0);
+            assert_int_equal(event->cause | event->frontend, 0);
             assert_int_equal(r->count_on[i], i % 2);
             assert_int_equal(r->count_off[i], 1 - i % 2);
             assert_true(r->reference[i] == (i % 2 ? 0.2 : -0.1));
