@@ -38,7 +38,7 @@ static void add_column(archive_make *archive, const char *name, const char *dtyp
     for (size_t i = 0; i < count; i++) archive_number(&data, (uint64_t)values[i], bytes);
     snprintf(header, sizeof header, "{'descr': '%s', 'fortran_order': False, 'shape': (%zu,), }", dtype, count);
     snprintf(file, sizeof file, "%s.npy", name);
-    archive_npy(&npy, 1, header, data.data, data.size);
+    archive_npy(&npy, 1, header, data.data ? data.data : "", data.size);
     archive_add(archive, file, npy.data, npy.size, 0);
     free(data.data);
     free(npy.data);

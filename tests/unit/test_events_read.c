@@ -175,7 +175,7 @@ static void test_own_attributes(void **state) {
 static void test_not_hdf5(void **state) {
     folder *f = *state;
     expect_failure(in_folder(f, "absent.h5"), TIDES_FILE_NOT_FOUND, "No such file");
-    expect_failure(f->path, TIDES_BAD_FILE, "folder");
+    expect_failure(f->path, TIDES_FILE_NOT_FOUND, "is a folder without events");
     const char *path = in_folder(f, "text.h5");
     FILE *file = fopen(path, "w");
     assert_non_null(file);
