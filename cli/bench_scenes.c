@@ -159,6 +159,7 @@ static void lay_out(bench_scene *s, const recipe *r, int32_t quick) {
     tides_sensor_defaults(&s->sensor);
     s->sensor.threshold_on = s->sensor.threshold_off = 0.2;
     s->sensor.max_events_per_step = 64;
+    tides_readout_defaults(&s->readout);
 }
 
 tides_status bench_scene_make(const char *name, int32_t quick, bench_scene *scene, tides_error *error) {

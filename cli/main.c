@@ -55,10 +55,12 @@ static const cli_command commands[] = {
      "Values are undefined (-, in JSON null) where they would divide by nothing. include/tides/metrics.h defines each one.\n"
      "The kernel distance takes long, and match wants an exact reference: both only where asked for.",
      2, cmd_metrics},
-    {"bench", "accuracy|ablation|image [-o DIR] [--quick] [--scene NAME]", "Measure run time against the error of event times.",
+    {"bench", "accuracy|ablation|image|throughput [-o DIR] [--quick] [--scene NAME]",
+     "Measure run time against the error of event times.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
      "ablation: what each part of the method is worth; ablation.json, .csv and a plot.\n"
      "image: what each measure that makes the image continuous in time is worth and costs; image.json and .csv.\n"
+     "throughput: what each block of sensor and readout costs; throughput.json, .csv and a plot.\n"
      "Scenes: fan, handheld, occluder, nearly_static; trained and playbot where $TIDES_SHARED/data has them.",
      1, cmd_bench},
 };
