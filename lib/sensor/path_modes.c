@@ -17,8 +17,8 @@ td_model td_model_part(const td_model *model, double from, double to) {
         {blossom(b, from, from, from), blossom(b, from, from, to), blossom(b, from, to, to), blossom(b, to, to, to)}};
 }
 
-/* 24 phi_4 is the sum over k of inverse[k] z^k, inverse[k] = 24 / (k + 4)!; the first that is left out is below 1e-17 of the sum
- * for |z| <= 1, and with fewer terms for |z| up to the limit beside them. */
+/* 24 phi_4 is the sum over k of inverse[k] z^k, inverse[k] = 24 / (k + 4)!; the first that is left out is below 1e-17 of the
+ * sum for |z| <= 1, and with fewer terms for |z| up to the limit beside them. */
 enum { TERMS = 17 };
 static const double inverse[TERMS] = {1.0,
                                       1.0 / 5,
