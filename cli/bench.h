@@ -3,6 +3,7 @@
 #define CLI_BENCH_H
 
 #include "cli.h"
+#include "picture.h"
 
 #include <stdio.h>
 
@@ -83,6 +84,8 @@ typedef struct bench_row {
     double setting;
     double frames;     /* times that equal steps ask for; `renders` is less where still tiles are skipped. 0: other steps */
     double run_time_s; /* of tides_simulator_run without kernel builds; the better one of `runs` */
+    double all_threads_s,
+        own_thread_s; /* processor time of its last run, with kernel builds: of all threads, of the caller's */
     int32_t runs;
     tides_stats stats;
     tides_match match;
@@ -138,6 +141,18 @@ cJSON *bench_header(const bench *b, const char *name);
 /* `rows` (nullable) adds the verdicts. */
 int32_t bench_header_scene(cJSON *header, const bench_scene *scene, const bench_rows *rows);
 tides_status bench_write(const bench *b, const char *name, cJSON *header, const bench_rows *rows, tides_error *error);
+/* The same of any rows: one cell per column, the same columns in each row. */
+enum { BENCH_CELLS_MAX = 32 };
+typedef struct bench_cell {
+    const char *name, *text; /* text without quotes; NULL: */
+    double number;           /* NaN: none */
+} bench_cell;
+typedef struct bench_table {
+    const void *rows;
+    size_t count;
+    int32_t (*cells)(const void *rows, size_t index, bench_cell cells[BENCH_CELLS_MAX]); /* how many */
+} bench_table;
+tides_status bench_write_table(const bench *b, const char *name, cJSON *header, const bench_table *table, tides_error *error);
 tides_status bench_path(const bench *b, const char *name, const char *ending, char *path, size_t size, tides_error *error);
 
 /* bench_summary.c: run time and renders that a method needs for a target, between its settings. */
@@ -171,7 +186,8 @@ double bench_exact_share(const bench_truth *truth, const tides_match *match);
 bench_verdict bench_judge(const bench_rows *rows, const char *scene);
 void bench_print_verdict(const bench_rows *rows, const char *scene, FILE *out);
 
-/* bench_figure.c: pictures of the rows. */
+/* bench_figure.c: pictures of the rows; writes NAME.png and frees the canvas. */
+tides_status bench_write_canvas(const bench *b, cli_canvas *canvas, const char *name, tides_error *error);
 tides_status bench_figure_curves(const bench *b, const bench_rows *rows, tides_error *error);
 tides_status bench_figure_bars(const bench *b, const bench_rows *rows, tides_error *error);
 
@@ -192,9 +208,26 @@ tides_status bench_find_jumps(bench *b, const bench_scene *scene, const tides_im
 tides_status bench_frame_costs(bench *b, const bench_scene *scene, const tides_image_params *images, size_t count,
                                double *seconds, tides_error *error);
 
-/* bench_accuracy.c, bench_ablation.c, bench_image.c; the exit code is the command's. */
+/* bench_throughput.c: what a block costs in a scene: its runs against runs without it, taken in turns. */
+typedef struct bench_cost {
+    char scene[64];
+    const char *block, *group; /* "mismatch" of "comparator" */
+    char settings[128];        /* keys of the run file, separated by spaces */
+    int32_t runs;
+    double run_time_s, processor_s;      /* medians; the latter of all threads */
+    double ratio, ratio_low, ratio_high; /* processor time over the one without: median and quartiles */
+    double ns, ns_low, ns_high;          /* of the thread that runs the sensor, more per pixel and step: the same [ns] */
+    double steps, pixel_steps;
+    double spent_s; /* in its runs and theirs */
+    tides_stats stats;
+} bench_cost;
+/* bench_throughput_figure.c: throughput.png. */
+tides_status bench_figure_costs(const bench *b, const bench_cost *costs, size_t count, tides_error *error);
+
+/* bench_accuracy.c, bench_ablation.c, bench_image.c, bench_throughput.c; the exit code is the command's. */
 tides_status bench_accuracy(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_ablation(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_image(bench *b, const cli_list *scenes, tides_error *error);
+tides_status bench_throughput(bench *b, const cli_list *scenes, tides_error *error);
 
 #endif

@@ -47,7 +47,7 @@ static cli_canvas make_canvas(int32_t panels, tides_error *error) {
     return canvas;
 }
 
-static tides_status write_canvas(const bench *b, cli_canvas *canvas, const char *name, tides_error *error) {
+tides_status bench_write_canvas(const bench *b, cli_canvas *canvas, const char *name, tides_error *error) {
     char path[4200];
     tides_status status = bench_path(b, name, ".png", path, sizeof path, error);
     if (status == TIDES_OK) status = tides_png_write(path, canvas->width, canvas->height, canvas->rgb, error);
@@ -128,7 +128,7 @@ static tides_status draw_curves(const bench *b, const bench_rows *rows, quantity
     }
     plot_legend(&canvas, LEFT, canvas.height - 30, legend, count);
     free(curves);
-    return write_canvas(b, &canvas, what == RUN_TIME ? "accuracy_time" : "accuracy_renders", error);
+    return bench_write_canvas(b, &canvas, what == RUN_TIME ? "accuracy_time" : "accuracy_renders", error);
 }
 
 tides_status bench_figure_curves(const bench *b, const bench_rows *rows, tides_error *error) {
@@ -186,5 +186,5 @@ tides_status bench_figure_bars(const bench *b, const bench_rows *rows, tides_err
         plot_panel panel = lay_panel(s);
         draw_bars(&canvas, &panel, rows, first[s]);
     }
-    return write_canvas(b, &canvas, "ablation", error);
+    return bench_write_canvas(b, &canvas, "ablation", error);
 }

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 /* Runs shorter than this [s] are repeated. */
 #define SHORT_RUN_S 1.0
@@ -62,6 +63,12 @@ int bench_keep(void *user, const tides_event *events, size_t count) {
     return 0;
 }
 
+static double clock_s(clockid_t clock) {
+    struct timespec now;
+    clock_gettime(clock, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
 tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
                             const tides_stepping *stepping, bench_stream *stream, bench_row *row, tides_error *error) {
     tides_image_params image = scene->image;
@@ -72,13 +79,17 @@ tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, c
     tides_status status =
         tides_simulator_create(b->device, scene->scene, scene->camera, &scene->intrinsics, &image, sensor, stepping,
                                scene->start, scene->stop, cli_progress_step, &b->progress, &simulator, error);
-    if (status != TIDES_OK) return status;
-    status = tides_simulator_readout(simulator, &scene->readout, error);
+    if (status == TIDES_OK) status = tides_simulator_readout(simulator, &scene->readout, error);
+    if (status != TIDES_OK) {
+        tides_simulator_destroy(simulator);
+        return status;
+    }
     tides_simulator_stats(simulator, &before);
-    const double began = cli_now();
-    if (status == TIDES_OK)
-        status = tides_simulator_run(simulator, scene->stop, bench_keep, stream, cli_progress_step, &b->progress, error);
+    const double began = cli_now(), all_began = clock_s(CLOCK_PROCESS_CPUTIME_ID), own_began = clock_s(CLOCK_THREAD_CPUTIME_ID);
+    status = tides_simulator_run(simulator, scene->stop, bench_keep, stream, cli_progress_step, &b->progress, error);
     const double elapsed = cli_now() - began;
+    row->all_threads_s = clock_s(CLOCK_PROCESS_CPUTIME_ID) - all_began;
+    row->own_thread_s = clock_s(CLOCK_THREAD_CPUTIME_ID) - own_began;
     tides_simulator_stats(simulator, &row->stats);
     tides_simulator_destroy(simulator);
     const double seconds = elapsed - (row->stats.render.time_build_s - before.render.time_build_s);

@@ -8,42 +8,42 @@
 #include <time.h>
 #include <unistd.h>
 
-/* One column: JSON and CSV are both made from the list of them. */
-typedef struct column {
-    const char *name;
-    double value;
-} column;
-
-enum { COLUMNS = 24 };
-
-static void columns_of(const bench_row *r, column columns[COLUMNS]) {
-    const column made[COLUMNS] = {
-        {"run_time_s", r->run_time_s},
-        {"renders", r->stats.renders_full_frame_equivalent},
-        {"frames", r->frames > 0 ? r->frames : NAN},
-        {"dt_median_us", r->match.dt_median_us},
-        {"dt_p95_us", r->match.dt_p95_us},
-        {"dt_p99_us", r->match.dt_p99_us},
-        {"dt_max_us", r->match.dt_max_us},
-        {"dt_mean_us", r->match.dt_mean_us},
-        {"mismatch_percent", r->match.mismatch_percent},
-        {"missing", (double)r->match.missing},
-        {"spurious", (double)r->match.spurious},
-        {"events", (double)r->match.simulated},
-        {"events_exact", (double)r->match.reference},
-        {"estimated_p50_us", 1e6 * r->stats.error_p50_s},
-        {"estimated_p95_us", 1e6 * r->stats.error_p95_s},
-        {"estimated_p99_us", 1e6 * r->stats.error_p99_s},
-        {"honest", bench_is_honest(r) < 0 ? NAN : (double)bench_is_honest(r)},
-        {"exact_share", r->exact_share},
-        {"worst_error", r->stats.worst_error},
-        {"worst_residual", r->stats.worst_residual},
-        {"steps", (double)r->stats.steps},
-        {"steps_rejected", (double)r->stats.steps_rejected},
-        {"steps_at_minimum", (double)r->stats.steps_at_minimum},
-        {"runs", r->runs},
+/* JSON and CSV are both made from this list. */
+static int32_t cells_of(const void *rows, size_t index, bench_cell cells[BENCH_CELLS_MAX]) {
+    const bench_row *r = (const bench_row *)rows + index;
+    const bench_cell made[] = {
+        {"scene", r->scene, 0},
+        {"method", r->method, 0},
+        {"setting", NULL, r->setting},
+        {"unit", r->unit, 0},
+        {"image", r->image, 0},
+        {"run_time_s", NULL, r->run_time_s},
+        {"renders", NULL, r->stats.renders_full_frame_equivalent},
+        {"frames", NULL, r->frames > 0 ? r->frames : NAN},
+        {"dt_median_us", NULL, r->match.dt_median_us},
+        {"dt_p95_us", NULL, r->match.dt_p95_us},
+        {"dt_p99_us", NULL, r->match.dt_p99_us},
+        {"dt_max_us", NULL, r->match.dt_max_us},
+        {"dt_mean_us", NULL, r->match.dt_mean_us},
+        {"mismatch_percent", NULL, r->match.mismatch_percent},
+        {"missing", NULL, (double)r->match.missing},
+        {"spurious", NULL, (double)r->match.spurious},
+        {"events", NULL, (double)r->match.simulated},
+        {"events_exact", NULL, (double)r->match.reference},
+        {"estimated_p50_us", NULL, 1e6 * r->stats.error_p50_s},
+        {"estimated_p95_us", NULL, 1e6 * r->stats.error_p95_s},
+        {"estimated_p99_us", NULL, 1e6 * r->stats.error_p99_s},
+        {"honest", NULL, bench_is_honest(r) < 0 ? NAN : (double)bench_is_honest(r)},
+        {"exact_share", NULL, r->exact_share},
+        {"worst_error", NULL, r->stats.worst_error},
+        {"worst_residual", NULL, r->stats.worst_residual},
+        {"steps", NULL, (double)r->stats.steps},
+        {"steps_rejected", NULL, (double)r->stats.steps_rejected},
+        {"steps_at_minimum", NULL, (double)r->stats.steps_at_minimum},
+        {"runs", NULL, r->runs},
     };
-    memcpy(columns, made, sizeof made);
+    memcpy(cells, made, sizeof made);
+    return sizeof made / sizeof made[0];
 }
 
 tides_status bench_path(const bench *b, const char *name, const char *ending, char *path, size_t size, tides_error *error) {
@@ -123,27 +123,28 @@ int32_t bench_header_scene(cJSON *header, const bench_scene *scene, const bench_
 }
 
 /* NaN (no event was matched, no frames to count) has no JSON: null. */
-static int32_t add_row(cJSON *list, const bench_row *row) {
-    column columns[COLUMNS];
-    columns_of(row, columns);
+static int32_t add_row(cJSON *list, const bench_table *table, size_t index) {
+    bench_cell cells[BENCH_CELLS_MAX];
+    const int32_t count = table->cells(table->rows, index, cells);
     cJSON *json = cJSON_CreateObject();
     if (!cJSON_AddItemToArray(list, json)) return 0;
-    int32_t ok = cJSON_AddStringToObject(json, "scene", row->scene) && cJSON_AddStringToObject(json, "method", row->method) &&
-                 cJSON_AddNumberToObject(json, "setting", row->setting) && cJSON_AddStringToObject(json, "unit", row->unit) &&
-                 cJSON_AddStringToObject(json, "image", row->image);
-    for (size_t i = 0; ok && i < COLUMNS; i++)
-        ok = isfinite(columns[i].value) ? cJSON_AddNumberToObject(json, columns[i].name, columns[i].value) != NULL
-                                        : cJSON_AddNullToObject(json, columns[i].name) != NULL;
+    int32_t ok = 1;
+    for (int32_t i = 0; ok && i < count; i++)
+        if (cells[i].text)
+            ok = cJSON_AddStringToObject(json, cells[i].name, cells[i].text) != NULL;
+        else
+            ok = isfinite(cells[i].number) ? cJSON_AddNumberToObject(json, cells[i].name, cells[i].number) != NULL
+                                           : cJSON_AddNullToObject(json, cells[i].name) != NULL;
     return ok;
 }
 
-static tides_status write_json(const bench *b, const char *name, cJSON *header, const bench_rows *rows, tides_error *error) {
+static tides_status write_json(const bench *b, const char *name, cJSON *header, const bench_table *table, tides_error *error) {
     char path[4200];
     tides_status status = bench_path(b, name, ".json", path, sizeof path, error);
     if (status != TIDES_OK) return status;
     cJSON *list = cJSON_AddArrayToObject(header, "results");
     int32_t ok = list != NULL;
-    for (size_t i = 0; ok && i < rows->count; i++) ok = add_row(list, &rows->rows[i]);
+    for (size_t i = 0; ok && i < table->count; i++) ok = add_row(list, table, i);
     char *text = ok ? cJSON_Print(header) : NULL;
     status = text ? cli_write_text(path, text, error) : cli_error(error, TIDES_NO_MEMORY, "out of memory: %s", path);
     if (status == TIDES_OK && b->common->json) puts(text);
@@ -153,27 +154,24 @@ static tides_status write_json(const bench *b, const char *name, cJSON *header, 
 
 /* -- CSV ------------------------------------------------------------------------------------------------------------------- */
 
-static void print_csv(FILE *out, const bench_rows *rows) {
-    column columns[COLUMNS];
-    for (size_t i = 0; i < rows->count; i++) {
-        const bench_row *row = &rows->rows[i];
-        columns_of(row, columns);
-        if (i == 0) {
-            fputs("scene,method,setting,unit,image", out);
-            for (size_t k = 0; k < COLUMNS; k++) fprintf(out, ",%s", columns[k].name);
-            fputc('\n', out);
+static void print_csv(FILE *out, const bench_table *table) {
+    bench_cell cells[BENCH_CELLS_MAX];
+    for (size_t i = 0; i < table->count; i++) {
+        const int32_t count = table->cells(table->rows, i, cells);
+        for (int32_t k = 0; i == 0 && k < count; k++) fprintf(out, "%s%s", k ? "," : "", cells[k].name);
+        if (i == 0) fputc('\n', out);
+        for (int32_t k = 0; k < count; k++) {
+            if (k) fputc(',', out);
+            if (cells[k].text)
+                fprintf(out, strchr(cells[k].text, ',') ? "\"%s\"" : "%s", cells[k].text);
+            else if (isfinite(cells[k].number))
+                fprintf(out, "%.9g", cells[k].number);
         }
-        fprintf(out, "%s,%s,%.9g,%s,%s", row->scene, row->method, row->setting, row->unit, row->image);
-        for (size_t k = 0; k < COLUMNS; k++)
-            if (isfinite(columns[k].value))
-                fprintf(out, ",%.9g", columns[k].value);
-            else
-                fputc(',', out);
         fputc('\n', out);
     }
 }
 
-static tides_status write_csv(const bench *b, const char *name, const bench_rows *rows, tides_error *error) {
+static tides_status write_csv(const bench *b, const char *name, const bench_table *table, tides_error *error) {
     char path[4200], part[4210];
     tides_status status = bench_path(b, name, ".csv", path, sizeof path, error);
     if (status != TIDES_OK) return status;
@@ -181,7 +179,7 @@ static tides_status write_csv(const bench *b, const char *name, const bench_rows
     FILE *out = fopen(part, "wb");
     int32_t ok = out != NULL;
     if (ok) {
-        print_csv(out, rows);
+        print_csv(out, table);
         ok = !ferror(out);
         ok = fclose(out) == 0 && ok;
     }
@@ -190,7 +188,12 @@ static tides_status write_csv(const bench *b, const char *name, const bench_rows
     return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be written", path);
 }
 
+tides_status bench_write_table(const bench *b, const char *name, cJSON *header, const bench_table *table, tides_error *error) {
+    tides_status status = write_json(b, name, header, table, error);
+    return status == TIDES_OK ? write_csv(b, name, table, error) : status;
+}
+
 tides_status bench_write(const bench *b, const char *name, cJSON *header, const bench_rows *rows, tides_error *error) {
-    tides_status status = write_json(b, name, header, rows, error);
-    return status == TIDES_OK ? write_csv(b, name, rows, error) : status;
+    const bench_table table = {rows->rows, rows->count, cells_of};
+    return bench_write_table(b, name, header, &table, error);
 }

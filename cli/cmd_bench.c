@@ -1,4 +1,4 @@
-/* tides bench: what accuracy costs. */
+/* tides bench: what accuracy costs, and what the parts of the sensor do. */
 #include "bench.h"
 
 #include <stdio.h>
@@ -10,7 +10,10 @@ typedef tides_status (*benchmark)(bench *b, const cli_list *scenes, tides_error 
 static const struct {
     const char *name;
     benchmark run;
-} benchmarks[] = {{"accuracy", bench_accuracy}, {"ablation", bench_ablation}, {"image", bench_image}};
+} benchmarks[] = {{"accuracy", bench_accuracy},
+                  {"ablation", bench_ablation},
+                  {"image", bench_image},
+                  {"throughput", bench_throughput}};
 enum { BENCHMARKS = sizeof benchmarks / sizeof benchmarks[0] };
 
 static benchmark find_benchmark(const char *name) {
@@ -24,7 +27,7 @@ static int unknown_benchmark(const cli_command *command, const char *name) {
     for (size_t i = 0; i < BENCHMARKS; i++) names[i] = benchmarks[i].name;
     const char *nearest = cli_nearest(name, names);
     if (nearest) return cli_usage(command, "no benchmark is called %s; did you mean %s?", name, nearest);
-    return cli_usage(command, "no benchmark is called %s; there are accuracy, ablation and image", name);
+    return cli_usage(command, "no benchmark is called %s; there are accuracy, ablation, image and throughput", name);
 }
 
 /* A built-in scene, or a file. */

@@ -71,11 +71,13 @@ static const cli_command commands[] = {
      "moves, and between frames those of straight lines in log luminance. A method that fails takes no other with it.\n"
      "The keys for --set are listed by tides simulate --help.",
      1, cmd_compare},
-    {"bench", "accuracy|ablation|image [-o DIR] [--quick] [--scene NAME]", "Measure run time against the error of event times.",
+    {"bench", "accuracy|ablation|image|throughput [-o DIR] [--quick] [--scene NAME]",
+     "Measure run time against the error of event times.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
      "ablation: what each part of the method is worth, and what masking and the readout change; ablation.json, .csv and a "
      "plot.\n"
      "image: what each measure that makes the image continuous in time is worth and costs; image.json and .csv.\n"
+     "throughput: what each block of sensor and readout costs; throughput.json, .csv and a plot.\n"
      "Scenes: fan, handheld, occluder, nearly_static; trained and playbot where $TIDES_SHARED/data has them.",
      1, cmd_bench},
 };

@@ -195,6 +195,13 @@ void plot_target(cli_canvas *canvas, const plot_panel *p, double y) {
         if (x / 6 % 2) draw_blend(canvas, x, row, frame, 1);
 }
 
+void plot_mark(cli_canvas *canvas, const plot_panel *p, double x) {
+    if (!inside(p, x, p->y_low)) return;
+    const int32_t column = (int32_t)lround(place_x(p, x));
+    for (int32_t y = p->top; y < p->bottom; y++)
+        if (y / 6 % 2) draw_blend(canvas, column, y, frame, 1);
+}
+
 void plot_legend(cli_canvas *canvas, int32_t x, int32_t y, const plot_curve *curves, int32_t count) {
     for (int32_t i = 0; i < count; i++) {
         if (curves[i].style < 0) continue;

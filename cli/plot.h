@@ -45,6 +45,8 @@ void plot_axes(cli_canvas *canvas, const plot_panel *panel, int32_t y_ticks);
 void plot_draw(cli_canvas *canvas, const plot_panel *panel, const plot_curve *curve);
 /* A dashed line across the panel at y. */
 void plot_target(cli_canvas *canvas, const plot_panel *panel, double y);
+/* A dashed line down the panel at x. */
+void plot_mark(cli_canvas *canvas, const plot_panel *panel, double x);
 /* A sample of each curve beside its label, in a row from (x, y) on. */
 void plot_legend(cli_canvas *canvas, int32_t x, int32_t y, const plot_curve *curves, int32_t count);
 void plot_steps(cli_canvas *canvas, const plot_panel *panel, const plot_stairs *stairs);

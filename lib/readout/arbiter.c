@@ -159,68 +159,91 @@ static int is_dropped(const tides_arbiter *a, const tides_event *event, int32_t 
     return td_random_uniform(&bits, 0) < probability;
 }
 
-static int32_t tile_of(const tides_arbiter *a, const tides_event *event) {
-    return a->tile_row[event->y] + a->tile_column[event->x];
+static int32_t queue_of(const tides_arbiter *a, const tides_event *event, int32_t tile) {
+    if (a->readout.kind == TIDES_READOUT_ROWS) return event->y;
+    return a->readout.kind == TIDES_READOUT_BOTTLENECK ? 0 : tile;
 }
 
-/* Leaves at `t`, give or take its jitter. */
-static tides_status leave(tides_arbiter *a, const tides_event *event, int32_t tile, int64_t t, tides_error *error) {
+/* The event's time with its jitter, never to before it fired. */
+static void jitter(const tides_arbiter *a, tides_event *event, int64_t fired) {
+    const tides_event before = {.t = fired, .x = event->x, .y = event->y, .polarity = event->polarity};
+    double sigma = a->readout.sigma0_s + a->readout.gamma_sigma_s * a->psi[td_arbiter_tile(a, event)], normal[2];
+    td_random_bits bits = draw(a, &before, TD_RANDOM_JITTER);
+    td_random_normals(&bits, normal);
+    event->t += (int64_t)llround(sigma * 1e9 * normal[0]);
+    if (event->t < fired) event->t = fired;
+}
+
+/* Leaves as soon as it comes: an infinite rate. */
+static tides_status pass(tides_arbiter *a, const tides_event *event, tides_error *error) {
     tides_event left = *event;
-    left.t = t;
-    if (t > event->t) {
-        double delay = (double)(t - event->t) * 1e-9;
-        a->stats.delayed++;
-        if (delay > a->stats.worst_delay_s) a->stats.worst_delay_s = delay;
-    }
-    if (a->jitters) {
-        double sigma = a->readout.sigma0_s + a->readout.gamma_sigma_s * a->psi[tile], normal[2];
-        td_random_bits bits = draw(a, event, TD_RANDOM_JITTER);
-        td_random_normals(&bits, normal);
-        left.t += (int64_t)llround(sigma * 1e9 * normal[0]);
-        if (left.t < event->t) left.t = event->t;
-    }
+    if (a->jitters) jitter(a, &left, event->t);
     a->stats.out++;
     return td_release_add(&a->out, &left, event->t, error);
 }
 
 static tides_status arrive(tides_arbiter *a, const tides_event *event, tides_error *error) {
-    int32_t tile = tile_of(a, event), queue = tile;
+    int32_t tile = td_arbiter_tile(a, event);
     int full = 0;
     a->stats.in++;
     if (is_dropped(a, event, tile)) {
         a->stats.dropped++;
         return TIDES_OK;
     }
-    if (a->tick_ns == 0) return leave(a, event, tile, event->t, error); /* an infinite rate: nobody waits */
-    if (a->readout.kind == TIDES_READOUT_ROWS) queue = event->y;
-    if (a->readout.kind == TIDES_READOUT_BOTTLENECK) queue = 0;
-    tides_status status = td_queues_append(&a->queues, queue, event, tile, &full, error);
+    if (a->tick_ns == 0) return pass(a, event, error);
+    tides_status status = td_queues_append(&a->queues, queue_of(a, event, tile), event, &full, error);
     a->stats.overflowed += (uint64_t)full;
     return status;
 }
 
 /* -- ticks --------------------------------------------------------------------------------------------------------------- */
 
+/* `count` events of one queue, which have just been put behind what is released, leave in a tick from `start` on: those that
+ * waited for it at its start, all of a row at its end. What leaves in a tick is after all of the ticks before. */
+static void leave(tides_arbiter *a, int32_t count, int64_t start) {
+    tides_event *events = a->out.events + a->out.count;
+    int64_t *fired = a->out.fired + a->out.count, last = events[0].t;
+    const int64_t least = a->readout.kind == TIDES_READOUT_ROWS ? start + a->tick_ns : start;
+    int32_t late = 0, together = 0;
+    for (int32_t k = 0; k < count; k++) {
+        const int64_t t = events[k].t;
+        fired[k] = t;
+        events[k].t = t > least ? t : least;
+        late += t < least;
+        together += t <= least;
+        last = t < last ? t : last;
+    }
+    if (late) {
+        const double delay = (double)(least - last) * 1e-9;
+        if (delay > a->stats.worst_delay_s) a->stats.worst_delay_s = delay;
+    }
+    if (a->jitters)
+        for (int32_t k = 0; k < count; k++) jitter(a, &events[k], fired[k]);
+    else
+        td_release_order(events, fired, together);
+    a->stats.delayed += (uint64_t)late;
+    a->stats.out += (uint64_t)count;
+    a->out.count += (size_t)count;
+}
+
 /* One tick of the scanner, over what has arrived: everything of a row, or K_m events of the next queue that has some. */
 static tides_status serve(tides_arbiter *a, tides_error *error) {
-    int64_t start = a->tick * a->tick_ns;
     int rows = a->readout.kind == TIDES_READOUT_ROWS;
     int32_t queue =
         rows ? (int32_t)(((a->tick % a->height) + a->height) % a->height) : td_queues_next(&a->queues, a->next_queue);
-    int32_t most = rows ? INT32_MAX : a->readout.k0;
-    if (a->readout.kind == TIDES_READOUT_TILES) most = a->release[queue];
-    tides_status status = TIDES_OK;
-    a->stats.ticks++;
-    for (int32_t k = 0; k < most && a->queues.length[queue] > 0 && status == TIDES_OK; k++) {
-        const td_waiting *waiting = td_queues_head(&a->queues, queue);
-        int64_t fired = waiting->event.t;
-        int64_t t = rows ? start + a->tick_ns : fired > start ? fired : start;
-        status = leave(a, &waiting->event, waiting->tile, t, error);
-        td_queues_take(&a->queues, queue);
+    int32_t count = rows ? INT32_MAX : a->readout.k0, length = a->queues.queues[queue].length;
+    if (a->readout.kind == TIDES_READOUT_TILES) count = a->release[queue];
+    if (count > length) count = length;
+    tides_status status = td_release_reserve(&a->out, (size_t)count, error);
+    if (status != TIDES_OK) return status;
+    if (count) {
+        td_queues_take(&a->queues, queue, count, a->out.events + a->out.count);
+        leave(a, count, a->tick * a->tick_ns);
     }
+    a->stats.ticks++;
     a->next_queue = queue + 1;
     a->tick++;
-    return status;
+    return TIDES_OK;
 }
 
 /* The tick that holds time t, floored for times before 0 too. */
@@ -259,13 +282,46 @@ static tides_status check_order(tides_arbiter *a, const tides_event *events, siz
     return TIDES_OK;
 }
 
+/* Where nothing waits, how many of the next events are all of this tick's and leave in it as they come: no more than it takes
+ * and their queue holds, all of one. 0: they must queue, as must those whose tick may not be over. */
+static size_t find_prompt(const tides_arbiter *a, const tides_event *events, size_t count) {
+    if (a->queues.waiting > 0 || a->drops || a->readout.kind == TIDES_READOUT_ROWS) return 0;
+    if (events[0].t < a->tick * a->tick_ns) return 0;
+    const int32_t tile = td_arbiter_tile(a, events), queue = queue_of(a, events, tile);
+    const int32_t served = a->readout.kind == TIDES_READOUT_TILES ? a->release[queue] : a->readout.k0;
+    const size_t most = (size_t)(served < a->queues.capacity ? served : a->queues.capacity);
+    for (size_t n = 1; n < count && n <= most; n++) {
+        if (events[n].t >= a->tick_end) return n;
+        if (queue_of(a, &events[n], td_arbiter_tile(a, &events[n])) != queue) return 0;
+    }
+    return 0;
+}
+
+/* Serves their tick. */
+static tides_status leave_promptly(tides_arbiter *a, const tides_event *events, size_t count, tides_error *error) {
+    tides_status status = td_release_reserve(&a->out, count, error);
+    if (status != TIDES_OK) return status;
+    memcpy(a->out.events + a->out.count, events, count * sizeof *events);
+    a->next_queue = queue_of(a, events, td_arbiter_tile(a, events)) + 1;
+    a->stats.in += count;
+    a->stats.ticks++;
+    leave(a, (int32_t)count, a->tick * a->tick_ns);
+    a->tick++;
+    return TIDES_OK;
+}
+
 tides_status tides_arbiter_push(tides_arbiter *arbiter, const tides_event *events, size_t count, tides_readout_sink sink,
                                 void *user, tides_error *error) {
     tides_status status = check_order(arbiter, events, count, error);
-    for (size_t i = 0; i < count && status == TIDES_OK; i++) {
-        if (arbiter->tick_ns) status = serve_until(arbiter, events[i].t, error);
-        if (status == TIDES_OK) status = arrive(arbiter, &events[i], error);
-        arbiter->last_t = events[i].t;
+    for (size_t i = 0, prompt; i < count && status == TIDES_OK; i += prompt ? prompt : 1) {
+        prompt = 0;
+        if (arbiter->tick_ns) {
+            status = serve_until(arbiter, events[i].t, error);
+            prompt = find_prompt(arbiter, events + i, count - i);
+        }
+        if (status == TIDES_OK)
+            status = prompt ? leave_promptly(arbiter, events + i, prompt, error) : arrive(arbiter, &events[i], error);
+        arbiter->last_t = events[prompt ? i + prompt - 1 : i].t;
     }
     if (status != TIDES_OK || count == 0) return status;
     return td_release_emit(&arbiter->out, certain_until(arbiter), sink, user, error);

@@ -25,15 +25,14 @@ static int unpack_event(const tides_arbiter *a, const int64_t *row, tides_event 
     return event->x < a->width && event->y < a->height && pack_place(event) == row[PLACE];
 }
 
-static void pack_queue(const tides_arbiter *a, int32_t queue, int64_t **row) {
-    int32_t node = a->queues.first[queue];
-    for (int32_t k = 0; k < a->queues.length[queue]; k++, *row += ROW) {
-        const td_waiting *waiting = &a->queues.pool[node];
-        (*row)[TIME] = waiting->event.t;
-        (*row)[PLACE] = pack_place(&waiting->event);
+static void pack_queue(const tides_arbiter *a, int32_t queue, tides_event *events, int64_t **row) {
+    const int32_t length = a->queues.queues[queue].length;
+    td_queues_copy(&a->queues, queue, events);
+    for (int32_t k = 0; k < length; k++, *row += ROW) {
+        (*row)[TIME] = events[k].t;
+        (*row)[PLACE] = pack_place(&events[k]);
         (*row)[QUEUE_OR_FIRED] = queue;
-        (*row)[TILE] = waiting->tile;
-        node = waiting->next;
+        (*row)[TILE] = td_arbiter_tile(a, &events[k]);
     }
 }
 
@@ -42,7 +41,12 @@ static void pack_queue(const tides_arbiter *a, int32_t queue, int64_t **row) {
 tides_status td_arbiter_pack(const tides_arbiter *a, int64_t **numbers, size_t *count, tides_error *error) {
     size_t rows = (size_t)a->queues.waiting + a->out.count;
     int64_t *n = td_alloc(HEADER + ROW * rows, sizeof *n, error);
-    if (!n) return TIDES_NO_MEMORY;
+    tides_event *events = td_alloc((size_t)a->queues.waiting, sizeof *events, error);
+    if (!n || !events) {
+        free(n);
+        free(events);
+        return TIDES_NO_MEMORY;
+    }
     int64_t *row = n + HEADER;
     const int64_t header[HEADER] = {[NEXT_QUEUE] = a->next_queue,
                                     [TICK] = a->tick,
@@ -58,7 +62,8 @@ tides_status td_arbiter_pack(const tides_arbiter *a, int64_t **numbers, size_t *
                                     [HELD] = (int64_t)a->out.count};
     memcpy(n, header, sizeof header);
     memcpy(&n[WORST_DELAY], &a->stats.worst_delay_s, sizeof n[WORST_DELAY]);
-    for (int32_t queue = 0; queue < a->queues.count; queue++) pack_queue(a, queue, &row);
+    for (int32_t queue = 0; queue < a->queues.count; queue++) pack_queue(a, queue, events, &row);
+    free(events);
     for (size_t i = 0; i < a->out.count; i++, row += ROW) {
         row[TIME] = a->out.events[i].t;
         row[PLACE] = pack_place(&a->out.events[i]);
@@ -78,9 +83,9 @@ static tides_status unpack_row(tides_arbiter *a, const int64_t *row, int waits, 
     int full = 0;
     if (!unpack_event(a, row, &event)) return bad(error);
     if (!waits) return td_release_add(&a->out, &event, row[QUEUE_OR_FIRED], error);
-    int64_t queue = row[QUEUE_OR_FIRED], tile = row[TILE];
-    if (queue < 0 || queue >= a->queues.count || tile < 0 || tile >= (int64_t)a->across * a->down) return bad(error);
-    tides_status status = td_queues_append(&a->queues, (int32_t)queue, &event, (int32_t)tile, &full, error);
+    int64_t queue = row[QUEUE_OR_FIRED];
+    if (queue < 0 || queue >= a->queues.count || row[TILE] != td_arbiter_tile(a, &event)) return bad(error);
+    tides_status status = td_queues_append(&a->queues, (int32_t)queue, &event, &full, error);
     return status == TIDES_OK && full ? bad(error) : status;
 }
 

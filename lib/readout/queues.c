@@ -1,4 +1,4 @@
-/* FIFO queues as linked lists in one pool, and which of them hold something. */
+/* FIFO queues as lists of blocks in one pool, and which of them hold something. */
 #include "td_queues.h"
 #include "td_base.h"
 
@@ -11,32 +11,88 @@ tides_status td_queues_create(td_queues *queues, int32_t count, int32_t capacity
     queues->count = count;
     queues->capacity = capacity;
     queues->unused = -1;
-    queues->first = td_alloc((size_t)count, sizeof *queues->first, error);
-    queues->last = td_alloc((size_t)count, sizeof *queues->last, error);
-    queues->length = td_alloc((size_t)count, sizeof *queues->length, error);
+    queues->queues = td_alloc((size_t)count, sizeof *queues->queues, error);
     queues->some = td_alloc(((size_t)count + 63) / 64, sizeof *queues->some, error);
-    if (queues->first && queues->last && queues->length && queues->some) return TIDES_OK;
+    if (queues->queues && queues->some) return TIDES_OK;
     td_queues_release(queues);
     return TIDES_NO_MEMORY;
 }
 
 void td_queues_release(td_queues *queues) {
     free(queues->pool);
-    free(queues->first);
-    free(queues->last);
-    free(queues->length);
+    free(queues->queues);
     free(queues->some);
     memset(queues, 0, sizeof *queues);
 }
 
-tides_status td_queues_grow(td_queues *queues, tides_error *error) {
+static tides_status grow(td_queues *queues, tides_error *error) {
     if (queues->used == INT32_MAX)
-        return td_fail(error, TIDES_NO_MEMORY, "readout: more than %d events wait: raise k0 or lower queue_capacity",
+        return td_fail(error, TIDES_NO_MEMORY, "readout: %d blocks of events wait: raise k0 or lower queue_capacity",
                        INT32_MAX);
     void *pool = queues->pool;
     tides_status status = td_reserve(&pool, &queues->pool_capacity, (size_t)queues->used + 1, sizeof *queues->pool, error);
     queues->pool = pool;
     return status;
+}
+
+tides_status td_queues_extend(td_queues *queues, td_queue *queue, tides_error *error) {
+    int32_t block = queues->unused;
+    if (block >= 0)
+        queues->unused = queues->pool[block].next;
+    else {
+        if ((size_t)queues->used == queues->pool_capacity) {
+            tides_status status = grow(queues, error);
+            if (status != TIDES_OK) return status;
+        }
+        block = queues->used++;
+    }
+    queues->pool[block].next = -1;
+    if (queue->length)
+        queues->pool[queue->last].next = block;
+    else {
+        queue->first = block;
+        queue->head = 0;
+    }
+    queue->last = block;
+    queue->tail = 0;
+    return TIDES_OK;
+}
+
+static void free_block(td_queues *queues, int32_t block) {
+    queues->pool[block].next = queues->unused;
+    queues->unused = block;
+}
+
+void td_queues_take(td_queues *queues, int32_t index, int32_t count, tides_event *events) {
+    td_queue *queue = &queues->queues[index];
+    queue->length -= count;
+    queues->waiting -= (uint64_t)count;
+    while (count > 0) {
+        const int32_t block = queue->first, left = TD_BLOCK_EVENTS - queue->head, here = count < left ? count : left;
+        const tides_event *from = queues->pool[block].events + queue->head;
+        for (int32_t k = 0; k < TD_BLOCK_EVENTS; k++) /* a call of memcpy would take longer */
+            if (k < here) events[k] = from[k];
+        events += here;
+        count -= here;
+        queue->head = (uint8_t)(queue->head + here);
+        if (queue->head < TD_BLOCK_EVENTS && queue->length > 0) break; /* the rest of the block stays */
+        queue->first = queues->pool[block].next;
+        queue->head = 0;
+        free_block(queues, block);
+    }
+    if (queue->length == 0) queues->some[index / 64] &= ~((uint64_t)1 << (index % 64));
+}
+
+void td_queues_copy(const td_queues *queues, int32_t index, tides_event *events) {
+    const td_queue *queue = &queues->queues[index];
+    int32_t block = queue->first, place = queue->head;
+    for (int32_t k = 0; k < queue->length; k++) {
+        if (place == TD_BLOCK_EVENTS) {
+            block = queues->pool[block].next;
+            place = 0;
+        }
+        events[k] = queues->pool[block].events[place++];
+    }
 }
 
 /* Place of the lowest set bit of a number that isn't 0. */

@@ -1,6 +1,5 @@
 /* What has left, in order: waiting and jitter make it come out of order within a bounded time. */
 #include "td_release.h"
-#include "solver/td_event_sort.h"
 #include "td_base.h"
 
 #include <stdlib.h>
@@ -12,23 +11,52 @@ void td_release_free(td_release *release) {
     memset(release, 0, sizeof *release);
 }
 
-tides_status td_release_grow(td_release *release, tides_error *error) {
+tides_status td_release_grow(td_release *release, size_t more, tides_error *error) {
     void *events = release->events, *fired = release->fired;
-    tides_status status = td_reserve(&events, &release->events_capacity, release->count + 1, sizeof *release->events, error);
+    tides_status status = td_reserve(&events, &release->events_capacity, release->count + more, sizeof *release->events, error);
     release->events = events;
     if (status == TIDES_OK)
-        status = td_reserve(&fired, &release->fired_capacity, release->count + 1, sizeof *release->fired, error);
+        status = td_reserve(&fired, &release->fired_capacity, release->count + more, sizeof *release->fired, error);
     release->fired = fired;
     return status;
 }
 
 size_t td_release_held(const td_release *release) { return release->count; }
 
+/* The order of events of one time. */
+static inline uint64_t place_of(const tides_event *event) {
+    return (uint64_t)event->y << 24 | (uint64_t)event->x << 8 | (uint64_t)(event->polarity - INT8_MIN);
+}
+
 /* Is x after y? A total order, so that how the stream was pushed doesn't show; most pairs differ in time. */
 static inline int is_after(const tides_event *x, int64_t x_fired, const tides_event *y, int64_t y_fired) {
     if (x->t != y->t) return x->t > y->t;
-    int order = td_event_compare(x, y);
-    return order ? order > 0 : x_fired > y_fired;
+    const uint64_t x_place = place_of(x), y_place = place_of(y);
+    return x_place != y_place ? x_place > y_place : x_fired > y_fired;
+}
+
+enum { TOGETHER_MAX = 64 }; /* beyond this, comparing all pairs takes longer than sorting */
+
+/* Counts for each event those that are before it: a loop without branches, where a sort of a few events in no order would
+ * mispredict most of its branches. Keys are whole numbers below 2^53, which doubles hold; those of a place differ by their turn,
+ * which is the order in which they fired. */
+void td_release_order(tides_event *events, int64_t *fired, int32_t count) {
+    double key[TOGETHER_MAX], rank[TOGETHER_MAX];
+    tides_event event[TOGETHER_MAX];
+    int64_t when[TOGETHER_MAX];
+    if (count < 2 || count > TOGETHER_MAX) return;
+    for (int32_t i = 0; i < count; i++) {
+        key[i] = (double)(int64_t)(place_of(&events[i]) * TOGETHER_MAX + (uint64_t)i);
+        rank[i] = 0;
+        event[i] = events[i];
+        when[i] = fired[i];
+    }
+    for (int32_t i = 0; i < count; i++)
+        for (int32_t k = 0; k < count; k++) rank[k] += key[i] < key[k] ? 1.0 : 0.0;
+    for (int32_t i = 0; i < count; i++) {
+        events[(int32_t)rank[i]] = event[i];
+        fired[(int32_t)rank[i]] = when[i];
+    }
 }
 
 /* Puts every event where it belongs. What waits is short of a tick or a few widths of jitter out of place, so each moves a

@@ -24,6 +24,10 @@ struct tides_arbiter {
     tides_readout_stats stats;
 };
 
+static inline int32_t td_arbiter_tile(const tides_arbiter *arbiter, const tides_event *event) {
+    return arbiter->tile_row[event->y] + arbiter->tile_column[event->x];
+}
+
 /* All that changes in an arbiter but for the tiles' activity, as `count` numbers that the caller frees. */
 TIDES_MUST_CHECK tides_status td_arbiter_pack(const tides_arbiter *arbiter, int64_t **numbers, size_t *count,
                                               tides_error *error);

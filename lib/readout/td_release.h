@@ -14,17 +14,26 @@ typedef struct td_release {
 } td_release;
 
 void td_release_free(td_release *release);
-tides_status td_release_grow(td_release *release, tides_error *error);
+
+/* Room for `more` events behind the `count` that there are. */
+TIDES_MUST_CHECK tides_status td_release_grow(td_release *release, size_t more, tides_error *error);
+static inline tides_status td_release_reserve(td_release *release, size_t more, tides_error *error) {
+    const size_t wanted = release->count + more;
+    if (wanted <= release->events_capacity && wanted <= release->fired_capacity) return TIDES_OK;
+    return td_release_grow(release, more, error);
+}
 
 static inline tides_status td_release_add(td_release *release, const tides_event *event, int64_t fired, tides_error *error) {
-    if (release->count >= release->events_capacity || release->count >= release->fired_capacity) {
-        tides_status status = td_release_grow(release, error);
-        if (status != TIDES_OK) return status;
-    }
+    tides_status status = td_release_reserve(release, 1, error);
+    if (status != TIDES_OK) return status;
     release->events[release->count] = *event;
     release->fired[release->count++] = fired;
     return TIDES_OK;
 }
+
+/* Puts `count` events in order that leave at the same time, a tick's; where they are many, td_release_emit does. */
+void td_release_order(tides_event *events, int64_t *fired, int32_t count);
+
 size_t td_release_held(const td_release *release);
 
 /* Gives `sink` (nullable), sorted, all that left before `certain`. */

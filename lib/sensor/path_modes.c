@@ -17,13 +17,53 @@ td_model td_model_part(const td_model *model, double from, double to) {
         {blossom(b, from, from, from), blossom(b, from, from, to), blossom(b, from, to, to), blossom(b, to, to, to)}};
 }
 
-void td_mode_tails(td_complex rate, double s, td_complex tail[5]) {
-    enum { TERMS = 16 }; /* 24 / 20! is 1e-17 */
-    td_complex z = td_scaled(rate, -s), sum = {1, 0};
-    for (int j = TERMS; j >= 1; j--) {
-        sum = td_scaled(td_times(z, sum), 1.0 / (j + 4));
-        sum.re += 1;
+/* 24 phi_4 is the sum over k of inverse[k] z^k, inverse[k] = 24 / (k + 4)!; the first that is left out is below 1e-17 of the
+ * sum for |z| <= 1, and with fewer terms for |z| up to the limit beside them. */
+enum { TERMS = 17 };
+static const double inverse[TERMS] = {1.0,
+                                      1.0 / 5,
+                                      1.0 / 30,
+                                      1.0 / 210,
+                                      1.0 / 1680,
+                                      1.0 / 15120,
+                                      1.0 / 151200,
+                                      1.0 / 1663200,
+                                      1.0 / 19958400,
+                                      1.0 / 259459200,
+                                      1.0 / 3632428800,
+                                      1.0 / 54486432000,
+                                      1.0 / 871782912000,
+                                      1.0 / 14820309504000,
+                                      1.0 / 266765571072000,
+                                      1.0 / 5068545850368000,
+                                      1.0 / 101370917007360000};
+
+static int terms_for(double size) { return size <= 0.03 ? 9 : size <= 0.25 ? 13 : TERMS; }
+
+/* A real rate, as of all filters that don't swing: even and odd powers side by side. */
+static double real_series(double z) {
+    const int terms = terms_for(fabs(z)); /* odd */
+    double square = z * z, even = inverse[terms - 1], odd = 0;
+    for (int k = terms - 2; k > 0; k -= 2) {
+        odd = odd * square + inverse[k];
+        even = even * square + inverse[k - 1];
     }
+    return even + z * odd;
+}
+
+static td_complex series(td_complex z) {
+    if (z.im == 0) return (td_complex){real_series(z.re), 0};
+    const int terms = terms_for(fabs(z.re) + fabs(z.im));
+    td_complex sum = {inverse[terms - 1], 0};
+    for (int k = terms - 2; k >= 0; k--) {
+        sum = td_times(z, sum);
+        sum.re += inverse[k];
+    }
+    return sum;
+}
+
+void td_mode_tails(td_complex rate, double s, td_complex tail[5]) {
+    td_complex z = td_scaled(rate, -s), sum = series(z);
     /* phi_k = 1 / k! + z phi_(k+1) */
     const double inverse_factorial[5] = {1, 1, 1.0 / 2, 1.0 / 6, 1.0 / 24}, power[5] = {1, s, s * s, s * s * s, s * s * s * s};
     td_complex phi = td_scaled(sum, inverse_factorial[4]);
@@ -52,11 +92,11 @@ double td_mode_slope(const td_mode *mode, double s) {
 
 /* A mode that doesn't swing is monotone; else it stays within its size, which a tail's is 1 / 24 of at most. */
 void td_mode_range(const td_mode *mode, double *low, double *high) {
-    double size = hypot(mode->cosine, mode->sine), begin = mode->tail ? 0 : mode->cosine, end;
+    double begin = mode->tail ? 0 : mode->cosine, end;
     if (mode->frequency == 0) {
         end = td_mode_value(mode, 1);
     } else {
-        end = mode->tail ? size / 24 : size;
+        end = hypot(mode->cosine, mode->sine) / (mode->tail ? 24 : 1);
         begin = -end;
     }
     *low = fmin(begin, end);

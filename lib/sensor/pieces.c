@@ -63,8 +63,9 @@ static void tabulate(attempt *at) {
     static const int sixths[NODES + BETWEEN] = {0, 2, 4, 6, 1, 3, 5};
     for (int k = 0; k < at->stage.modes; k++) {
         const td_mode *mode = &at->stage.mode[k];
-        td_complex rate = td_mode_rate(mode), tail[5], power[7] = {{1, 0}}, sixth = td_decay(rate, 1.0 / 6);
-        for (int i = 1; i <= 6; i++) power[i] = td_times(power[i - 1], sixth);
+        td_complex rate = td_mode_rate(mode), tail[5], power[7] = {{1, 0}};
+        td_complex sixth = mode->tail ? (td_complex){0, 0} : td_decay(rate, 1.0 / 6);
+        for (int i = 1; i <= 6 && !mode->tail; i++) power[i] = td_times(power[i - 1], sixth);
         for (int i = 0; i < NODES + BETWEEN; i++) {
             if (mode->tail) td_mode_tails(rate, node[i], tail);
             at->value[k][i] = mode->tail ? tail[4] : power[sixths[i]];
@@ -187,7 +188,7 @@ static double solve_warped(const td_pieces *pieces, const td_model *input, doubl
     td_model warped = td_warp_model(warp, input);
     td_poles poles = td_poles_first_order(rate, S, input->control[0]);
     td_poles_respond(&poles, &warped, path);
-    for (int i = 0; i < TD_FRONTEND_STATE; i++) state[i] = td_path_value(path, 1);
+    state[0] = state[1] = state[3] = td_path_value(path, 1);
     state[2] = 0;
     for (int i = 1; i < 4; i++) {
         double L = td_model_value(input, 0.25 * i);

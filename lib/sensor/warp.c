@@ -4,34 +4,38 @@
 #include <float.h>
 #include <math.h>
 
+static const double one_by[TD_WARP_TERMS] = {0,       1,       1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5,
+                                             1.0 / 6, 1.0 / 7, 1.0 / 8, 1.0 / 9, 1.0 / 10};
+
 /* Taylor series of e^L for the cubic L = l0 + l1 x + l2 x^2 + l3 x^3 about x = 0: E' = L' E. */
-static void exponential(const td_model *L, double *E, int count) {
+static void exponential(const td_model *L, double E[TD_WARP_TERMS]) {
     const double *b = L->control;
     double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2];
     double l[4] = {0.125 * (b[0] + 3 * b[1] + 3 * b[2] + b[3]), 0.375 * (d0 + 2 * d1 + d2), 0.375 * (d2 - d0),
                    0.125 * (d2 - 2 * d1 + d0)};
+    const double slope[3] = {l[1], 2 * l[2], 3 * l[3]};
     E[0] = exp(l[0]);
-    for (int n = 1; n < count; n++) {
-        double sum = 0;
-        for (int j = 1; j <= 3 && j <= n; j++) sum += j * l[j] * E[n - j];
-        E[n] = sum / n;
-    }
+    E[1] = slope[0] * E[0];
+    E[2] = (slope[0] * E[1] + slope[1] * E[0]) * one_by[2];
+    for (int n = 3; n < TD_WARP_TERMS; n++)
+        E[n] = (slope[0] * E[n - 1] + slope[1] * E[n - 2] + slope[2] * E[n - 3]) * one_by[n];
 }
 
 double td_warp_make(td_warp *warp, const td_model *L, double log_eps, double light, double dark, double *error) {
     double rate[TD_WARP_TERMS], total = 0, start = 0, least;
-    exponential(L, rate, TD_WARP_TERMS); /* the last one is the error */
+    exponential(L, rate); /* the last one is the error */
     for (int k = 0; k < TD_WARP_TERMS; k++) rate[k] *= light;
     rate[0] += dark - light * log_eps;
     warp->on = 1;
     for (int k = 0; k < TD_WARP_TERMS - 1; k++) {
-        double integral = rate[k] / (k + 1);
+        double integral = rate[k] * one_by[k + 1];
         warp->term[k + 1] = integral;
         start += k % 2 ? integral : -integral; /* x^(k + 1) at -1 */
         if (k % 2 == 0) total += 2 * integral;
     }
     warp->term[0] = -start;
-    for (int k = 0; k < TD_WARP_TERMS; k++) warp->term[k] /= total;
+    const double by = 1 / total;
+    for (int k = 0; k < TD_WARP_TERMS; k++) warp->term[k] *= by;
     least = light * (exp(fmin(L->control[0], L->control[3])) - log_eps) + dark;
     *error = 2 * fabs(rate[TD_WARP_TERMS - 1]) / least;
     return 0.5 * total;

@@ -1,6 +1,6 @@
 # A benchmark leaves tables that agree with each other and pictures, refuses nonsense, and stops when asked to.
 refuse 2 "no benchmark is called acuracy; did you mean accuracy\?" tides bench acuracy
-refuse 2 "no benchmark is called speed; there are accuracy, ablation and image" tides bench speed
+refuse 2 "no benchmark is called speed; there are accuracy, ablation, image and throughput" tides bench speed
 refuse 2 "too few arguments" tides bench
 refuse 2 "--scene ocluder: neither a scene nor a file; did you mean occluder\?" tides bench accuracy --scene ocluder
 touch taken
@@ -72,6 +72,28 @@ done
 # smooth jumps less than inria.
 jumps() { awk -v image="$1" '/"image":/ { found = index($0, "\"" image "\"") } found && /jump_sum/ { print $2 + 0; exit }' made/image.json; }
 less "$(jumps smooth)" "$(jumps inria)" "jumps of smooth against inria"
+
+expect 0 tides bench throughput --quick -o made
+out "^fan +off +[0-9.e-]+ +[0-9.]+ "
+err "fan +circuit +.* s  x [0-9.]+ \([0-9.]+ to [0-9.]+\)"
+for file in throughput.json throughput.csv throughput.png; do exists made/$file; done
+[ "$(grep -c '"block":' made/throughput.json)" = "$(grep -c "^fan," made/throughput.csv)" ] || fail "JSON and CSV differ in length"
+for key in settings ratio ratio_low ratio_high ns_per_pixel_step pixel_steps_per_s events_per_s frames_per_s run_time_s processor_time_s; do
+    grep -q "\"$key\":" made/throughput.json || fail "throughput.json lacks $key"
+done
+# Every preset that is installed has its row, and blocks act: those that can change how many events there are in so short a time do.
+for preset in "$here"/../../share/presets/*.json; do
+    grep -q "^fan,$(basename "$preset" .json),preset," made/throughput.csv || fail "no $(basename "$preset")"
+done
+cell() { awk -F, -v name="$1" -v block="$2" '
+    NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } $2 == block { print $at[name] }' made/throughput.csv; }
+[ "$(cell events "off again")" = "$(cell events off)" ] || fail "off differs from off"
+for block in mismatch "refractory hold" "shot noise" "hot pixels" "PSF log" "PSF linear" low-pass "low-pass by light" \
+    circuit centre-surround "additive noise" dvs128 v2e-noisy; do
+    [ "$(cell events "$block")" != "$(cell events off)" ] || fail "$block changes nothing"
+done
+less "$(cell ns_per_pixel_step mismatch)" "$(cell ns_per_pixel_step circuit)" "what mismatch costs against the circuit"
+less "$(cell pixel_steps_per_s circuit)" "$(cell pixel_steps_per_s off)" "the throughput with the circuit against that without"
 
 set -m # so that the job doesn't start with SIGINT ignored
 tides bench accuracy --quick --scene fan -o stopped >out 2>err &

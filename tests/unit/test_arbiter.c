@@ -157,6 +157,35 @@ static void test_cuts(void **state) {
     free(events);
 }
 
+/* Events of a tick that leave as they come go past the queues, where the push shows that the tick is over; one by one each
+ * queues. It must not show, in the statistics either, for ticks that hold few or many, and queues that are short. */
+static void test_prompt(void **state) {
+    (void)state;
+    const struct {
+        double per_us;
+        int32_t kind, k0, capacity;
+    } cases[] = {{0.3, TIDES_READOUT_TILES, 32, 65536},    {8, TIDES_READOUT_TILES, 32, 65536},
+                 {8, TIDES_READOUT_TILES, 32, 3},          {20, TIDES_READOUT_BOTTLENECK, 40, 65536},
+                 {20, TIDES_READOUT_BOTTLENECK, 100, 19},  {60, TIDES_READOUT_BOTTLENECK, 90, 65536},
+                 {100, TIDES_READOUT_BOTTLENECK, 80, 200}, {60, TIDES_READOUT_ROWS, 40, 65536}};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        tides_event *events = make_events(EVENTS, cases[c].per_us);
+        tides_readout readout = slow(cases[c].kind);
+        tides_readout_stats at_once, by_one;
+        readout.k0 = cases[c].k0;
+        readout.queue_capacity = cases[c].capacity;
+        stream whole = run(&readout, events, EVENTS, EVENTS, &at_once), cut = run(&readout, events, EVENTS, 1, &by_one);
+        check_sound(&whole, events, EVENTS);
+        assert_int_equal(cut.count, whole.count);
+        assert_memory_equal(cut.events, whole.events, whole.count * sizeof *whole.events);
+        assert_memory_equal(cut.fired, whole.fired, whole.count * sizeof *whole.fired);
+        assert_memory_equal(&by_one, &at_once, sizeof by_one);
+        stream_free(&whole);
+        stream_free(&cut);
+        free(events);
+    }
+}
+
 /* Within a tile events leave in the order in which they fired. */
 static void test_fifo(void **state) {
     (void)state;
@@ -326,10 +355,11 @@ static void test_refusals(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_identity), cmocka_unit_test(test_cuts),
-                                       cmocka_unit_test(test_fifo),     cmocka_unit_test(test_throughput),
-                                       cmocka_unit_test(test_activity), cmocka_unit_test(test_rows),
-                                       cmocka_unit_test(test_chance),   cmocka_unit_test(test_overflow),
-                                       cmocka_unit_test(test_idle),     cmocka_unit_test(test_refusals)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_identity),   cmocka_unit_test(test_cuts),
+                                       cmocka_unit_test(test_prompt),     cmocka_unit_test(test_fifo),
+                                       cmocka_unit_test(test_throughput), cmocka_unit_test(test_activity),
+                                       cmocka_unit_test(test_rows),       cmocka_unit_test(test_chance),
+                                       cmocka_unit_test(test_overflow),   cmocka_unit_test(test_idle),
+                                       cmocka_unit_test(test_refusals)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -108,8 +108,8 @@ static void the_result_does_not_depend_on_the_order_before(void **state) {
 static void the_order_is_t_y_x_polarity(void **state) {
     (void)state;
     static const tides_event ascending[] = {
-        {-1, 9, 9, 1, 0, {0}}, {0, 9, 0, 1, 0, {0}},  {0, 0, 1, -1, 0, {0}},
-        {0, 0, 1, 1, 0, {0}},  {0, 1, 1, -1, 0, {0}}, {1, 0, 0, -1, 0, {0}},
+        {-1, 9, 9, 1, 0, 0}, {0, 9, 0, 1, 0, 0},  {0, 0, 1, -1, 0, 0},
+        {0, 0, 1, 1, 0, 0},  {0, 1, 1, -1, 0, 0}, {1, 0, 0, -1, 0, 0},
     };
     enum { COUNT = sizeof ascending / sizeof *ascending };
     for (int i = 0; i < COUNT; i++)
