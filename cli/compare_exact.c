@@ -19,7 +19,7 @@
 
 const char *compare_exact_what(const comparison *c) {
     if (c->session.frames) return "straight lines in log luminance between the frames";
-    return c->exact.tolerance > 0 ? "steps halved until nothing moves, by tile" : "equal steps, halved";
+    return c->exact.tolerance > 0 ? "cubic under error control, its steps halved" : "cubic on equal steps, halved";
 }
 
 static tides_status of_scene(comparison *c, const cli_session *s, tides_error *error) {

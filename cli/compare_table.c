@@ -224,7 +224,7 @@ void compare_print(const comparison *c, const cJSON *report) {
     cJSON_ArrayForEach(row, compare_find(report, "methods")) print_parameters(row);
     printf("%-*s %s", NAME_WIDTH, "exact", compare_exact_what(c));
     if (!c->session.frames)
-        printf(": the last time by median %.2g, p95 %.2g, p99 %.2g us, %.2g %% mismatched", e->moved.dt_median_us,
+        printf(": the last halving moved median %.2g, p95 %.2g, p99 %.2g us, %.2g %% mismatched", e->moved.dt_median_us,
                e->moved.dt_p95_us, e->moved.dt_p99_us, e->moved.mismatch_percent);
     printf("\n%-*s %s\n", NAME_WIDTH, "pixels",
            c->as_configured ? "as the run file says"

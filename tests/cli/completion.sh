@@ -34,7 +34,7 @@ mkdir folder
 offers "events.h5" tides info ev
 offers "folder" tides batch m.json -o f
 for command in $(tides --help | sed -n 's/^  \([a-z]*\) .*/\1/p'); do
-    for option in $(tides $command --help | grep -oE '^  (-[a-z], |    )--[a-z]+' | grep -oE -- '--[a-z]+'); do
+    for option in $(tides $command --help | grep -oE '^  (-[a-z], |    )--[a-z-]+' | grep -oE -- '--[a-z-]+'); do
         offers "$option" tides $command $option
     done
 done
