@@ -38,8 +38,8 @@ static inline int is_after(const tides_event *x, int64_t x_fired, const tides_ev
 enum { TOGETHER_MAX = 64 }; /* beyond this, comparing all pairs takes longer than sorting */
 
 /* Counts for each event those that are before it: a loop without branches, where a sort of a few events in no order would
- * mispredict most of its branches. Keys are whole numbers below 2^53, which doubles hold; those of a place differ by their turn,
- * which is the order in which they fired. */
+ * mispredict most of its branches. Keys are whole numbers below 2^53, which doubles hold; those of a place differ by their
+ * turn, which is the order in which they fired. */
 void td_release_order(tides_event *events, int64_t *fired, int32_t count) {
     double key[TOGETHER_MAX], rank[TOGETHER_MAX];
     tides_event event[TOGETHER_MAX];
