@@ -140,7 +140,7 @@ static const tides_param table[] = {
     NUMBER("esim.log_eps", "", 1e-9, 1e6, "0.001", "ESIM's L = ln(Y + log_eps)"),
     BOOLEAN("esim.use_log_image", "true", "false: thresholds are on luminance itself"),
     CHOICE("esim.simulation_adaptive_sampling_method", "none|brightness|motion", "\"brightness\"",
-           "of renders: by the largest |L_dot|, exact here, or by the fastest motion in the image; none: frames_per_second"),
+           "renders by the largest |L_dot| or the fastest motion in the image; none: at frames_per_second"),
     NUMBER("esim.simulation_adaptive_sampling_lambda", "", 1e-6, 1e6, "0.5",
            "largest change of L, or motion in px, between two renders"),
     NUMBER("esim.simulation_minimum_framerate", "Hz", 1e-6, 1e9, "30.0", "renders are no further apart than its inverse"),
