@@ -29,50 +29,159 @@ tides_status td_additive_noise_make(const tides_sensor *sensor, td_additive_nois
     return TIDES_OK;
 }
 
-/* n(k) and its neighbour, k even first. */
-static void normals_of(const td_additive_noise *noise, uint32_t pixel, uint64_t k, double normal[2]) {
-    td_random_bits bits = td_random(noise->seed, pixel, 1 + k / 2, TD_RANDOM_NOISE);
-    td_random_normals(&bits, normal);
-}
+/* -- one pixel ------------------------------------------------------------------------------------------------------------- */
 
-/* Where line 0 begins: at or before the run's start. */
+/* n(2 k) and n(2 k + 1) have the number k + 1; number 0 says where line 0 begins: at or before the run's start. */
 static double origin_of(const td_additive_noise *noise, uint32_t pixel) {
     td_random_bits bits = td_random(noise->seed, pixel, 0, TD_RANDOM_NOISE);
     return -td_random_uniform(&bits, 0) * noise->spacing_ns;
 }
 
+/* The block of normals that n(k) is of. */
+static void draw_block(const td_additive_noise *noise, uint32_t pixel, uint64_t k, double normal[TD_NOISE_BLOCK]) {
+    uint32_t pixels[TD_RANDOM_LANES];
+    uint64_t number[TD_RANDOM_LANES];
+    double even[TD_RANDOM_LANES], odd[TD_RANDOM_LANES];
+    td_random_lanes bits;
+    for (int i = 0; i < TD_RANDOM_LANES; i++) {
+        pixels[i] = pixel;
+        number[i] = 1 + k / TD_NOISE_BLOCK * TD_RANDOM_LANES + (uint64_t)i;
+    }
+    td_random_many(noise->seed, pixels, number, TD_RANDOM_NOISE, &bits);
+    td_random_normals_many(&bits, even, odd);
+    for (int i = 0; i < TD_RANDOM_LANES; i++) {
+        normal[2 * i] = even[i];
+        normal[2 * i + 1] = odd[i];
+    }
+}
+
+static double end_of_line(const td_additive_noise *noise, double origin_ns, double k) {
+    return origin_ns + (k + 1) * noise->spacing_ns;
+}
+
 /* What follows from k, begin, origin_ns and normal. */
 static void finish(const td_additive_noise *noise, td_noise_line *line) {
     line->from_ns = line->origin_ns + (double)line->k * noise->spacing_ns;
-    line->to_ns = line->origin_ns + (double)(line->k + 1) * noise->spacing_ns;
-    line->end = noise->rho * line->begin + noise->change * line->normal[(line->k + 1) % 2];
+    line->to_ns = end_of_line(noise, line->origin_ns, (double)line->k);
+    line->end = noise->rho * line->begin + noise->change * line->normal[(line->k + 1) % TD_NOISE_BLOCK];
 }
 
 td_noise_line td_additive_noise_resume(const td_additive_noise *noise, uint32_t pixel, uint64_t k, double value) {
     td_noise_line line = {.k = k, .begin = value, .origin_ns = origin_of(noise, pixel)};
-    normals_of(noise, pixel, k + 1, line.normal);
+    draw_block(noise, pixel, k + 1, line.normal);
     finish(noise, &line);
     return line;
 }
 
-td_noise_line td_additive_noise_first(const td_additive_noise *noise, uint32_t pixel) {
-    double normal[2]; /* x(0) = sigma n(0) */
-    normals_of(noise, pixel, 0, normal);
-    return td_additive_noise_resume(noise, pixel, 0, noise->sigma * normal[0]);
+double td_additive_noise_first(const td_additive_noise *noise, uint32_t pixel) {
+    double normal[2];
+    td_random_bits bits = td_random(noise->seed, pixel, 1, TD_RANDOM_NOISE);
+    td_random_normals(&bits, normal);
+    return noise->sigma * normal[0];
 }
 
-td_noise_line td_additive_noise_next(const td_additive_noise *noise, uint32_t pixel, const td_noise_line *line) {
-    td_noise_line next = *line;
-    next.k++;
-    next.begin = line->end;
-    if ((next.k + 1) % 2 == 0) normals_of(noise, pixel, next.k + 1, next.normal);
-    finish(noise, &next);
-    return next;
+void td_additive_noise_next(const td_additive_noise *noise, uint32_t pixel, td_noise_line *line) {
+    line->k++;
+    line->begin = line->end;
+    if ((line->k + 1) % TD_NOISE_BLOCK == 0) draw_block(noise, pixel, line->k + 1, line->normal);
+    finish(noise, line);
 }
 
 void td_additive_noise_seek(const td_additive_noise *noise, uint32_t pixel, double time_ns, td_noise_line *line) {
-    while (line->to_ns < time_ns) *line = td_additive_noise_next(noise, pixel, line);
+    while (line->to_ns < time_ns) td_additive_noise_next(noise, pixel, line);
 }
+
+/* -- many pixels ----------------------------------------------------------------------------------------------------------- */
+
+/* Pixels of a sweep: what changes from point to point as numbers, so that compilers vectorise. */
+typedef struct lanes {
+    uint32_t pixel[TD_RANDOM_LANES];
+    uint64_t number[TD_RANDOM_LANES];                         /* of the next pair of normals, */
+    double point[TD_RANDOM_LANES];                            /* n(point) and the next one's */
+    double first[TD_RANDOM_LANES], last[TD_RANDOM_LANES];     /* lines */
+    double x[TD_RANDOM_LANES], begin[TD_RANDOM_LANES];        /* where the lane has come to, and x(last) */
+    double lowest[TD_RANDOM_LANES], highest[TD_RANDOM_LANES]; /* x so far */
+} lanes;
+
+/* The first line from `first` on that holds the step's end, by the reckoning of pixel.c. */
+static double last_line(const td_additive_noise *noise, double origin_ns, double first, double start_ns, double length_ns) {
+    double k = (double)(int64_t)((start_ns + length_ns - origin_ns) / noise->spacing_ns) - 1;
+    if (!(k > first)) k = first;
+    while (k > first && td_place_of(end_of_line(noise, origin_ns, k - 1), start_ns, length_ns) >= 1) k--;
+    while (td_place_of(end_of_line(noise, origin_ns, k), start_ns, length_ns) < 1) k++;
+    return k;
+}
+
+/* The lanes' first pairs; returns how many the longest of them takes. */
+static int64_t begin_lanes(const td_additive_noise *noise, double start_ns, double length_ns, lanes *l) {
+    const uint64_t none[TD_RANDOM_LANES] = {0};
+    double phase[TD_RANDOM_LANES];
+    int64_t most = 0;
+    td_random_lanes bits;
+    td_random_many(noise->seed, l->pixel, none, TD_RANDOM_NOISE, &bits);
+    td_random_uniforms_many(&bits, phase);
+    for (int i = 0; i < TD_RANDOM_LANES; i++) {
+        const int64_t first = (int64_t)l->first[i], pair = (first + 1) / 2;
+        l->last[i] = last_line(noise, -phase[i] * noise->spacing_ns, l->first[i], start_ns, length_ns);
+        l->number[i] = (uint64_t)pair + 1;
+        l->point[i] = (double)(2 * pair);
+        l->begin[i] = l->lowest[i] = l->highest[i] = l->x[i];
+        const int64_t pairs = ((int64_t)l->last[i] + 1) / 2 - pair + 1;
+        most = pairs > most ? pairs : most;
+    }
+    return most;
+}
+
+/* On by the lanes' normals n(point + after), where they are of their lines. */
+static inline void advance(const td_additive_noise *noise, double after, const double *restrict normal, lanes *restrict l) {
+    for (int i = 0; i < TD_RANDOM_LANES; i++) {
+        const double point = l->point[i] + after, next = noise->rho * l->x[i] + noise->change * normal[i];
+        double x = l->x[i];
+        x = point > l->first[i] ? next : x;
+        x = point <= l->last[i] + 1 ? x : l->x[i];
+        l->begin[i] = point <= l->last[i] ? x : l->begin[i];
+        l->lowest[i] = x < l->lowest[i] ? x : l->lowest[i];
+        l->highest[i] = x > l->highest[i] ? x : l->highest[i];
+        l->x[i] = x;
+    }
+}
+
+static void sweep_lanes(const td_additive_noise *noise, double start_ns, double length_ns, lanes *l) {
+    double even[TD_RANDOM_LANES], odd[TD_RANDOM_LANES];
+    td_random_lanes bits;
+    for (int64_t left = begin_lanes(noise, start_ns, length_ns, l); left > 0; left--) {
+        td_random_many(noise->seed, l->pixel, l->number, TD_RANDOM_NOISE, &bits);
+        td_random_normals_many(&bits, even, odd);
+        advance(noise, 0, even, l);
+        advance(noise, 1, odd, l);
+        for (int i = 0; i < TD_RANDOM_LANES; i++) {
+            l->number[i]++;
+            l->point[i] += 2;
+        }
+    }
+}
+
+void td_additive_noise_sweep(const td_additive_noise *noise, double start_ns, double length_ns, const uint32_t *pixel,
+                             size_t count, const td_noise_sweep *sweep) {
+    for (size_t done = 0; done < count; done += TD_RANDOM_LANES) {
+        lanes l;
+        for (size_t i = 0; i < TD_RANDOM_LANES; i++) {
+            const size_t j = done + i < count ? done + i : done; /* what is left over goes with the first */
+            l.pixel[i] = pixel[j];
+            l.first[i] = sweep->line[j];
+            l.x[i] = sweep->value[j];
+        }
+        sweep_lanes(noise, start_ns, length_ns, &l);
+        for (size_t i = 0; i < TD_RANDOM_LANES && done + i < count; i++) {
+            sweep->line[done + i] = l.last[i];
+            sweep->value[done + i] = l.begin[i];
+            sweep->low[done + i] = l.lowest[i];
+            sweep->high[done + i] = l.highest[i];
+        }
+    }
+}
+
+/* -- paths ----------------------------------------------------------------------------------------------------------------- */
 
 void td_noise_line_add(const td_noise_line *line, double from_ns, double to_ns, td_path *path) {
     double begin = td_noise_line_at(line, from_ns), end = td_noise_line_at(line, to_ns);

@@ -27,7 +27,7 @@ typedef struct walk {
 
 static double time_at(const walk *w, double s) { return w->job->start + s * w->job->step->length_ns; }
 
-static double place_of(const walk *w, double time) { return (time - w->job->start) / w->job->step->length_ns; }
+static double place_of(const walk *w, double time) { return td_place_of(time, w->job->start, w->job->step->length_ns); }
 
 static double *held_until(const walk *w) { return &w->job->sensor->held_until[w->pixel->i]; }
 
@@ -49,7 +49,7 @@ static void seek_line(walk *w, double s) {
     int passed = 0;
     if (!sensor->additive.on) return;
     for (; w->line_until <= s && w->line_until < 1; passed = 1) {
-        w->line = td_additive_noise_next(&sensor->additive, sensor->number[w->pixel->i], &w->line);
+        td_additive_noise_next(&sensor->additive, sensor->number[w->pixel->i], &w->line);
         w->line_until = place_of(w, w->line.to_ns);
     }
     if (passed) take_line(w);

@@ -1,21 +1,38 @@
-/* Counter-based random numbers: Philox4x32-10 and what is drawn from its bits. */
+/* Counter-based random numbers: Philox4x32-10 and what is drawn from its bits.
+ *
+ * Each is written once, for one number and for lanes of several alike: straight-line code without tables or calls of libm, which
+ * compilers vectorise, and whose numbers are the same with every C library. */
 #include "td_random.h"
 
 #include <math.h>
+#include <string.h>
+
+/* -- bits ------------------------------------------------------------------------------------------------------------------ */
 
 /* Multipliers and the key's increments (golden ratio, sqrt(3) - 1), from the paper. */
 static const uint32_t multiplier[2] = {0xD2511F53u, 0xCD9E8D57u};
 static const uint32_t weyl[2] = {0x9E3779B9u, 0xBB67AE85u};
 
-td_random_bits td_philox(const uint32_t counter[4], const uint32_t key[2]) {
-    uint32_t c[4] = {counter[0], counter[1], counter[2], counter[3]}, k[2] = {key[0], key[1]};
+/* Ten rounds over `lanes` counters, word by word; `k` is the key. */
+static inline void philox(int lanes, uint32_t *restrict c0, uint32_t *restrict c1, uint32_t *restrict c2, uint32_t *restrict c3,
+                          uint32_t k0, uint32_t k1) {
     for (int round = 0; round < 10; round++) {
-        uint64_t a = (uint64_t)multiplier[0] * c[0], b = (uint64_t)multiplier[1] * c[2];
-        uint32_t next[4] = {(uint32_t)(b >> 32) ^ c[1] ^ k[0], (uint32_t)b, (uint32_t)(a >> 32) ^ c[3] ^ k[1], (uint32_t)a};
-        for (int i = 0; i < 4; i++) c[i] = next[i];
-        for (int i = 0; i < 2; i++) k[i] += weyl[i];
+        for (int i = 0; i < lanes; i++) {
+            const uint64_t a = (uint64_t)multiplier[0] * c0[i], b = (uint64_t)multiplier[1] * c2[i];
+            c0[i] = (uint32_t)(b >> 32) ^ c1[i] ^ k0;
+            c1[i] = (uint32_t)b;
+            c2[i] = (uint32_t)(a >> 32) ^ c3[i] ^ k1;
+            c3[i] = (uint32_t)a;
+        }
+        k0 += weyl[0];
+        k1 += weyl[1];
     }
-    return (td_random_bits){{c[0], c[1], c[2], c[3]}};
+}
+
+td_random_bits td_philox(const uint32_t counter[4], const uint32_t key[2]) {
+    td_random_bits bits = {{counter[0], counter[1], counter[2], counter[3]}};
+    philox(1, &bits.word[0], &bits.word[1], &bits.word[2], &bits.word[3], key[0], key[1]);
+    return bits;
 }
 
 td_random_bits td_random(uint64_t seed, uint32_t pixel, uint64_t index, uint32_t purpose) {
@@ -24,17 +41,104 @@ td_random_bits td_random(uint64_t seed, uint32_t pixel, uint64_t index, uint32_t
     return td_philox(counter, key);
 }
 
-double td_random_uniform(const td_random_bits *bits, int half) {
-    uint64_t high = bits->word[2 * half], low = bits->word[2 * half + 1];
-    uint64_t whole = (high << 32 | low) >> 12; /* 52 bits, then half a unit: neither 0 nor 1 */
-    return ((double)whole + 0.5) * 0x1p-52;
+void td_random_many(uint64_t seed, const uint32_t *pixel, const uint64_t *index, uint32_t purpose, td_random_lanes *bits) {
+    uint32_t c[4][TD_RANDOM_LANES];
+    for (int i = 0; i < TD_RANDOM_LANES; i++) {
+        c[0][i] = (uint32_t)index[i];
+        c[1][i] = (uint32_t)(index[i] >> 32);
+        c[2][i] = pixel[i];
+        c[3][i] = purpose;
+    }
+    philox(TD_RANDOM_LANES, c[0], c[1], c[2], c[3], (uint32_t)seed, (uint32_t)(seed >> 32));
+    memcpy(bits->word, c, sizeof c);
 }
 
-void td_random_normals(const td_random_bits *bits, double normal[2]) {
-    const double two_pi = 6.28318530717958647693;
-    double radius = sqrt(-2 * log(td_random_uniform(bits, 0))), angle = two_pi * td_random_uniform(bits, 1);
-    normal[0] = radius * cos(angle);
-    normal[1] = radius * sin(angle);
+/* -- uniforms -------------------------------------------------------------------------------------------------------------- */
+
+static inline double double_of(uint64_t bits) {
+    double x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+static inline uint64_t bits_of(double x) {
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
+enum { MANTISSA = 52, BIAS = 1023 };
+static const uint64_t bits_of_1 = (uint64_t)BIAS << MANTISSA;
+
+/* (whole + 1/2) / 2^52 of the 52 highest bits: neither 0 nor 1. They are the mantissa of a number in [1, 2). */
+static inline double uniform(uint32_t high, uint32_t low) {
+    const uint64_t whole = ((uint64_t)high << 32 | low) >> (64 - MANTISSA);
+    return double_of(whole | bits_of_1) - (1 - 0x1p-53);
+}
+
+double td_random_uniform(const td_random_bits *bits, int half) {
+    return uniform(bits->word[2 * half], bits->word[2 * half + 1]);
 }
 
 double td_random_exponential(const td_random_bits *bits, int half) { return -log(td_random_uniform(bits, half)); }
+
+void td_random_uniforms_many(const td_random_lanes *bits, double *value) {
+    for (int i = 0; i < TD_RANDOM_LANES; i++) value[i] = uniform(bits->word[0][i], bits->word[1][i]);
+}
+
+/* -- normals --------------------------------------------------------------------------------------------------------------- */
+
+/* log u, u in (0, 1), to 2 units in the last place: u = 2^e m with m from sqrt(1/2) to sqrt(2), and log m = 2 atanh(s) with
+ * s = (m - 1) / (m + 1), |s| < 0.172, whose series' first term left out is below 2^-56 of it. */
+static inline double log_of(double u) {
+    const double ln_2 = 0.69314718055994530942, root = 0.70710678118654752440;
+    const uint64_t whole = ((uint64_t)1 << MANTISSA) - 1, bits_of_2_52 = (uint64_t)(BIAS + MANTISSA) << MANTISSA;
+    const uint64_t shifted = bits_of(u) + (bits_of_1 - bits_of(root)); /* its exponent is e: no branch, but a carry */
+    const double e = double_of(shifted >> MANTISSA | bits_of_2_52) - (0x1p52 + BIAS);
+    const double m = double_of((shifted & whole) + bits_of(root));
+    const double s = (m - 1) / (m + 1), z = s * s;
+    double sum = 1.0 / 21;
+    sum = sum * z + 1.0 / 19;
+    sum = sum * z + 1.0 / 17;
+    sum = sum * z + 1.0 / 15;
+    sum = sum * z + 1.0 / 13;
+    sum = sum * z + 1.0 / 11;
+    sum = sum * z + 1.0 / 9;
+    sum = sum * z + 1.0 / 7;
+    sum = sum * z + 1.0 / 5;
+    sum = sum * z + 1.0 / 3;
+    return e * ln_2 + 2 * (s + s * (z * sum));
+}
+
+/* sin(2 pi v), |v| <= 1/4: its series, whose first term left out is below 2^-59. */
+static inline double sine_of(double v) {
+    const double two_pi = 6.28318530717958647693, x = two_pi * v, z = x * x;
+    double sum = 1 / 51090942171709440000.0; /* 1 / 21! */
+    sum = sum * z - 1 / 121645100408832000.0;
+    sum = sum * z + 1 / 355687428096000.0;
+    sum = sum * z - 1 / 1307674368000.0;
+    sum = sum * z + 1 / 6227020800.0;
+    sum = sum * z - 1 / 39916800.0;
+    sum = sum * z + 1 / 362880.0;
+    sum = sum * z - 1 / 5040.0;
+    sum = sum * z + 1 / 120.0;
+    sum = sum * z - 1 / 6.0;
+    return x + x * (z * sum);
+}
+
+/* Box and Muller: radius from one uniform, angle from the other, which is folded to a quarter turn without rounding. */
+static inline void normals(double u, double turn, double *cosine, double *sine) {
+    const double radius = sqrt(-2 * log_of(u)), v = turn - 0.5, beyond = fabs(v) - 0.25;
+    *cosine = radius * sine_of(beyond);
+    *sine = -copysign(radius * sine_of(0.25 - fabs(beyond)), v);
+}
+
+void td_random_normals(const td_random_bits *bits, double normal[2]) {
+    normals(td_random_uniform(bits, 0), td_random_uniform(bits, 1), &normal[0], &normal[1]);
+}
+
+void td_random_normals_many(const td_random_lanes *bits, double *restrict first, double *restrict second) {
+    for (int i = 0; i < TD_RANDOM_LANES; i++)
+        normals(uniform(bits->word[0][i], bits->word[1][i]), uniform(bits->word[2][i], bits->word[3][i]), &first[i],
+                &second[i]);
+}

@@ -75,10 +75,9 @@ static void draw_pixel(td_sensor *sensor, size_t i, uint32_t pixel) {
     for (int k = 0; k < TD_NOISES && dead; k++)
         if (sensor->noise.due[k]) sensor->noise.due[k][i] = INFINITY;
     if (sensor->additive.on) {
-        td_noise_line line = td_additive_noise_first(&sensor->additive, pixel);
         sensor->number[i] = pixel;
-        sensor->noise_line[i] = (double)line.k;
-        sensor->noise_value[i] = line.begin;
+        sensor->noise_line[i] = 0;
+        sensor->noise_value[i] = td_additive_noise_first(&sensor->additive, pixel);
     }
     td_sensor_set_wake(sensor, i);
 }
@@ -88,7 +87,7 @@ void td_sensor_set_wake(td_sensor *sensor, size_t pixel) {
     td_noise_next(&sensor->noise, pixel, &wake);
     int waits = sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD && sensor->held_until[pixel] > -INFINITY;
     if (waits && sensor->held_until[pixel] < wake) wake = sensor->held_until[pixel];
-    sensor->wake[pixel] = sensor->additive.on ? -INFINITY : wake; /* that never rests */
+    sensor->wake[pixel] = wake;
 }
 
 double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time) {

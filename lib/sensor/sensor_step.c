@@ -6,6 +6,14 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
+
+enum { BLOCK = 64 };
+
+/* A block's additive noise in the step: where its lines end, and the levels less its bounds. */
+typedef struct noise_block {
+    double line[BLOCK], value[BLOCK], on[BLOCK], off[BLOCK];
+} noise_block;
 
 /* What the parts of a call share. */
 typedef struct tile_job {
@@ -14,7 +22,10 @@ typedef struct tile_job {
     size_t first;
     const td_signals *signals;
     const td_coverage *coverage;
-    double stop; /* no appointment of this step is later [ns since the run's start] */
+    double stop;            /* no appointment of this step is later [ns since the run's start] */
+    size_t begun;           /* pixels of the tile before the block at hand */
+    const double *on, *off; /* the block's levels: what its signals must stay within to need nothing */
+    noise_block *noise;     /* NULL: there is none */
 } tile_job;
 
 /* Rates that the model doesn't read count as 0. */
@@ -24,16 +35,13 @@ static inline td_model fit(int32_t kind, const td_signals *signals, double h, si
     return td_model_fit(kind, h, signals->S0[j], S0_dot, signals->S1[j], S1_dot);
 }
 
-enum { BLOCK = 64 };
-
 /* outside[k] = 0 where pixel j = first + k needs nothing: S_eff strictly between its levels, and no appointment. The loop is
  * straight-line code, as comparator.c's. */
 static inline void reject(int32_t kind, const tile_job *job, size_t first, size_t count, double *restrict outside) {
     const td_sensor *sensor = job->pixel.sensor;
     const td_signals from = *job->signals;
     const double *reference = job->pixel.pixels->reference + first, *wake = sensor->wake + job->first + first;
-    const double *on = sensor->threshold_on + job->first + first, *off = sensor->threshold_off + job->first + first;
-    const double *leak = sensor->leak + job->first + first;
+    const double *on = job->on, *off = job->off, *leak = sensor->leak + job->first + first;
     const double h = job->pixel.step->length_s, start = job->pixel.start, third = job->pixel.step->length_ns / 3;
     const double stop = job->stop;
     for (size_t k = 0; k < count; k++) {
@@ -89,7 +97,7 @@ static void reject_filtered(const tile_job *job, size_t first, size_t count, dou
     const td_sensor *sensor = job->pixel.sensor;
     const size_t at = job->first + first;
     const double *reference = job->pixel.pixels->reference + first, *leak = sensor->leak + at, *wake = sensor->wake + at;
-    const double *on = sensor->threshold_on + at, *off = sensor->threshold_off + at;
+    const double *on = job->on, *off = job->off;
     const double start = job->pixel.start, length = job->pixel.step->length_ns, stop = job->stop;
     double b[4][BLOCK], after[BLOCK], low[BLOCK], high[BLOCK], *S = sensor->filter[0] + at;
     const double *const control[4] = {b[0], b[1], b[2], b[3]};
@@ -134,10 +142,47 @@ static void filter(const tile_job *job, td_pixel_step *pixel) {
 /* reject, of one filtered pixel. */
 static int needs_nothing(const tile_job *job, const td_pixel_step *pixel) {
     const td_sensor *sensor = job->pixel.sensor;
+    const size_t k = pixel->local - job->begun;
     double low, high, reference = job->pixel.pixels->reference[pixel->local];
     td_path_range(&pixel->path, &low, &high);
-    return low > reference - sensor->threshold_off[pixel->i] && high < reference + sensor->threshold_on[pixel->i] &&
-           sensor->wake[pixel->i] > job->stop;
+    return low > reference - job->off[k] && high < reference + job->on[k] && sensor->wake[pixel->i] > job->stop;
+}
+
+/* -- blocks ---------------------------------------------------------------------------------------------------------------- */
+
+/* The block's levels. `slack` is for rounding, so that none is passed over that a line would take to a level. */
+static void take_levels(tile_job *job, size_t first, size_t count) {
+    const td_sensor *sensor = job->pixel.sensor;
+    const size_t at = job->first + first;
+    const double *reference = job->pixel.pixels->reference + first, *leak = sensor->leak + at;
+    const double stop = job->pixel.start + job->pixel.step->length_ns;
+    noise_block *noise = job->noise;
+    job->begun = first;
+    job->on = sensor->threshold_on + at;
+    job->off = sensor->threshold_off + at;
+    if (!noise) return;
+    double low[BLOCK], high[BLOCK];
+    memcpy(noise->line, sensor->noise_line + at, count * sizeof *noise->line);
+    memcpy(noise->value, sensor->noise_value + at, count * sizeof *noise->value);
+    const td_noise_sweep sweep = {noise->line, noise->value, low, high};
+    td_additive_noise_sweep(&sensor->additive, job->pixel.start, job->pixel.step->length_ns, sensor->number + at, count,
+                            &sweep);
+    for (size_t k = 0; k < count; k++) {
+        double size = fabs(reference[k]) + leak[k] * stop + job->on[k] + job->off[k] + fabs(low[k]) + fabs(high[k]);
+        double slack = 64 * DBL_EPSILON * size;
+        noise->on[k] = job->on[k] - high[k] - slack;
+        noise->off[k] = job->off[k] + low[k] - slack;
+    }
+    job->on = noise->on;
+    job->off = noise->off;
+}
+
+/* A pixel that needs nothing is at the step's end. */
+static void pass_over(const tile_job *job, size_t j) {
+    td_sensor *sensor = job->pixel.sensor;
+    if (!job->noise) return;
+    sensor->noise_line[job->first + j] = job->noise->line[j - job->begun];
+    sensor->noise_value[job->first + j] = job->noise->value[j - job->begun];
 }
 
 static tides_status step_pixel(tile_job *job, size_t j) {
@@ -154,7 +199,10 @@ static tides_status step_pixel(tile_job *job, size_t j) {
     double ramp = sensor->leak[pixel.i] * job->pixel.start, rise = sensor->leak[pixel.i] * step->length_ns;
     for (int c = 0; c < 4; c++) pixel.path.cubic.control[c] += ramp + rise * (c / 3.0);
     pixel.end += ramp + rise;
-    if (sensor->frontend.on && needs_nothing(job, &pixel)) return TIDES_OK;
+    if (sensor->frontend.on && needs_nothing(job, &pixel)) {
+        pass_over(job, j);
+        return TIDES_OK;
+    }
     set_visible(job, j, &pixel);
     return td_pixel_advance(&job->pixel, &pixel);
 }
@@ -168,6 +216,7 @@ static void add_counts(td_sensor_counts *sum, const td_sensor_counts *more) {
 tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
                             const td_signals *signals, const td_coverage *coverage, const td_pixels *pixels,
                             td_event_buffer *buffer, td_comparator_counts *counts, tides_error *error) {
+    noise_block noise;
     tile_job job = {{sensor,
                      step,
                      pixels,
@@ -180,17 +229,25 @@ tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_til
                     first,
                     signals,
                     coverage,
-                    (double)(step->stop_ns - sensor->start_ns) + 2}; /* floored, and less one: see step_between */
+                    (double)(step->stop_ns - sensor->start_ns) + 2, /* floored, and less one: see step_between */
+                    0,
+                    NULL,
+                    NULL,
+                    sensor->additive.on ? &noise : NULL};
     const int passes = !sensor->frontend.on, filters = sensor->frontend.kind == TD_FRONTEND_CONSTANT;
     size_t before = buffer->count, pixel_count = (size_t)tile->count;
     double outside[BLOCK];
     for (size_t done = 0; done < pixel_count; done += BLOCK) {
         size_t count = pixel_count - done < BLOCK ? pixel_count - done : BLOCK;
+        take_levels(&job, done, count);
         if (passes) reject_block(&job, done, count, outside);
         if (filters) reject_filtered(&job, done, count, outside);
         for (size_t k = 0; k < count; k++) {
-            if ((passes || filters) && outside[k] == 0.0) continue;
-            tides_status status = step_pixel(&job, done + k);
+            tides_status status = TIDES_OK;
+            if ((passes || filters) && outside[k] == 0.0)
+                pass_over(&job, done + k);
+            else
+                status = step_pixel(&job, done + k);
             if (status != TIDES_OK) {
                 buffer->count = before;
                 return status;

@@ -18,6 +18,7 @@
 #define TD_ADDITIVE_NOISE_H
 
 #include "td_path.h"
+#include "td_random.h"
 #include "tides/sensor.h"
 
 typedef struct td_additive_noise {
@@ -27,24 +28,29 @@ typedef struct td_additive_noise {
     double sigma, rho, change; /* of grid points; change = sigma sqrt(1 - rho^2) */
 } td_additive_noise;
 
+/* Normals are drawn in blocks, which takes a fraction of the time: block b has n(b TD_NOISE_BLOCK) and those that follow. */
+enum { TD_NOISE_BLOCK = 2 * TD_RANDOM_LANES };
+
 /* A pixel's line from x(k) to x(k + 1). */
 typedef struct td_noise_line {
     uint64_t k;
-    double from_ns, to_ns; /* since the run's start */
-    double begin, end;     /* [log units] */
-    double origin_ns;      /* of line 0 */
-    double normal[2];      /* the pair of normals that n(k + 1) is of */
+    double from_ns, to_ns;         /* since the run's start */
+    double begin, end;             /* [log units] */
+    double origin_ns;              /* of line 0 */
+    double normal[TD_NOISE_BLOCK]; /* the block that n(k + 1) is of */
 } td_noise_line;
 
 /* Off where noise_rms is 0. TIDES_BAD_ARGUMENT naming the field. */
 TIDES_MUST_CHECK tides_status td_additive_noise_make(const tides_sensor *sensor, td_additive_noise *noise, tides_error *error);
 
-/* The line of `pixel` that the run's start is on, and the one after `line`. */
-td_noise_line td_additive_noise_first(const td_additive_noise *noise, uint32_t pixel);
-td_noise_line td_additive_noise_next(const td_additive_noise *noise, uint32_t pixel, const td_noise_line *line);
+/* x(0) of `pixel`; the run's start is on line 0. */
+double td_additive_noise_first(const td_additive_noise *noise, uint32_t pixel);
 
 /* The line that begins with x(k) = value, as a checkpoint has it. */
 td_noise_line td_additive_noise_resume(const td_additive_noise *noise, uint32_t pixel, uint64_t k, double value);
+
+/* Goes on to the line after *line. */
+void td_additive_noise_next(const td_additive_noise *noise, uint32_t pixel, td_noise_line *line);
 
 /* Goes on from *line, at or before the time [ns since the run's start], to the one that holds it. */
 void td_additive_noise_seek(const td_additive_noise *noise, uint32_t pixel, double time_ns, td_noise_line *line);
@@ -53,6 +59,19 @@ void td_additive_noise_seek(const td_additive_noise *noise, uint32_t pixel, doub
 static inline double td_noise_line_at(const td_noise_line *line, double time_ns) {
     return line->begin + (line->end - line->begin) * ((time_ns - line->from_ns) / (line->to_ns - line->from_ns));
 }
+
+/* Time as a step's s in [0, 1]. */
+static inline double td_place_of(double time_ns, double start_ns, double length_ns) { return (time_ns - start_ns) / length_ns; }
+
+/* Of `count` pixels: k and x(k) of the line that the step's start is on, or one before it, which become those of its end; and
+ * bounds of the noise on the step. */
+typedef struct td_noise_sweep {
+    double *line, *value, *low, *high;
+} td_noise_sweep;
+
+/* To the bit what td_additive_noise_next comes to from line to line, of all pixels side by side. */
+void td_additive_noise_sweep(const td_additive_noise *noise, double start_ns, double length_ns, const uint32_t *pixel,
+                             size_t count, const td_noise_sweep *sweep);
 
 /* Adds the line to the path of a step from `from_ns` to `to_ns`: the noise where the line holds, its straight continuation
  * elsewhere. */

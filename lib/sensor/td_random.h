@@ -48,6 +48,15 @@ double td_random_uniform(const td_random_bits *bits, int half);
 /* Two independent standard normals (Box and Muller). */
 void td_random_normals(const td_random_bits *bits, double normal[2]);
 
+/* The same of several numbers at once, to the bit, in a fraction of the time: lane i is of pixel[i] and index[i]. */
+enum { TD_RANDOM_LANES = 16 };
+typedef struct td_random_lanes {
+    uint32_t word[4][TD_RANDOM_LANES];
+} td_random_lanes;
+void td_random_many(uint64_t seed, const uint32_t *pixel, const uint64_t *index, uint32_t purpose, td_random_lanes *bits);
+void td_random_uniforms_many(const td_random_lanes *bits, double *value); /* from words 0 and 1 */
+void td_random_normals_many(const td_random_lanes *bits, double *first, double *second);
+
 /* Exponential of mean 1. */
 double td_random_exponential(const td_random_bits *bits, int half);
 

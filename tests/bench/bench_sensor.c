@@ -6,16 +6,18 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-enum { WIDTH = 16, PIXELS = WIDTH * WIDTH, STEPS = 200, ROUNDS = 5, BLOCKS = 10 };
+enum { WIDTH = 16, PIXELS = WIDTH * WIDTH, STEPS = 200, ROUNDS = 5, BLOCKS = 12 };
 
 static double S[PIXELS], rate[PIXELS], initial[PIXELS], reference[PIXELS], coverage[PIXELS];
 static uint32_t count_on[PIXELS], count_off[PIXELS];
 
 /* Block number k alone; 0: the sensor with nothing that acts. */
 static tides_sensor block(int k, const char **name) {
-    static const char *const names[BLOCKS] = {"nothing",    "mismatch", "leak",     "refractory", "b_min",
-                                              "shot noise", "hot",      "low-pass", "circuit",    "v2e's pole"};
+    static const char *const names[BLOCKS] = {"nothing", "mismatch",   "leak",     "refractory",
+                                              "b_min",   "shot noise", "hot",      "low-pass",
+                                              "circuit", "v2e's pole", "additive", "the same behind a low-pass"};
     tides_sensor s;
     tides_sensor_defaults(&s);
     *name = names[k];
@@ -30,6 +32,8 @@ static tides_sensor block(int k, const char **name) {
     if (k == 8) s.bandwidth = TIDES_BANDWIDTH_CIRCUIT;
     if (k == 9) s.photoreceptor_cutoff_hz = 300;
     if (k == 9) s.photoreceptor_law = TIDES_PHOTORECEPTOR_INTENSITY;
+    if (k >= 10) s.noise_rms = 0.02;
+    if (k == 11) s.photoreceptor_cutoff_hz = 300;
     return s;
 }
 
@@ -47,7 +51,8 @@ static double run(td_sensor *sensor) {
     td_comparator_counts counts = {0};
     tides_error error = {TIDES_OK, ""};
     td_pixels_reset(&pixels, S, PIXELS);
-    if (sensor && sensor->frontend.on) td_sensor_begin(sensor, S, initial);
+    if (sensor && (sensor->frontend.on || sensor->additive.on)) td_sensor_begin(sensor, S, initial);
+    memcpy(reference, initial, sizeof reference);
     double begun = td_now();
     for (int k = 0; k < STEPS; k++) {
         td_step step;
@@ -89,10 +94,10 @@ int main(void) {
             td_sensor_release(&sensor);
         }
     }
-    printf("%-12s %7.2f ns/pixel\n", "comparator", plain);
+    printf("%-26s %7.2f ns/pixel\n", "comparator", plain);
     for (int k = 0; k < BLOCKS; k++) {
         block(k, &name);
-        printf("%-12s %7.2f ns/pixel\n", name, took[k]);
+        printf("%-26s %7.2f ns/pixel\n", name, took[k]);
     }
     return 0;
 }

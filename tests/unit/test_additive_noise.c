@@ -40,8 +40,12 @@ static void expect_mean(const double *value, size_t count, double wanted, const 
     assert_true(fabs(mean - wanted) < 3 * error);
 }
 
+static td_noise_line first_line(const td_additive_noise *noise, uint32_t pixel) {
+    return td_additive_noise_resume(noise, pixel, 0, td_additive_noise_first(noise, pixel));
+}
+
 static double noise_at(const td_additive_noise *noise, uint32_t pixel, double time_ns) {
-    td_noise_line line = td_additive_noise_first(noise, pixel);
+    td_noise_line line = first_line(noise, pixel);
     td_additive_noise_seek(noise, pixel, time_ns, &line);
     assert_true(line.from_ns <= time_ns && time_ns <= line.to_ns);
     return td_noise_line_at(&line, time_ns);
@@ -58,10 +62,10 @@ static void test_points(void **state) {
     assert_non_null(value);
     double *product = value + (size_t)PIXELS * POINTS;
     for (uint32_t p = 0; p < PIXELS; p++) {
-        td_noise_line line = td_additive_noise_first(&noise, p);
+        td_noise_line line = first_line(&noise, p);
         for (int k = 0; k < POINTS; k++) {
             value[(size_t)k * PIXELS + p] = line.begin;
-            line = td_additive_noise_next(&noise, p, &line);
+            td_additive_noise_next(&noise, p, &line);
         }
     }
     for (int k = 0; k < POINTS; k += 4) {
@@ -110,7 +114,7 @@ static void test_spectrum(void **state) {
         weight += window[i] * window[i];
     }
     for (uint32_t p = 0; p < SERIES; p++) {
-        td_noise_line line = td_additive_noise_first(&noise, p);
+        td_noise_line line = first_line(&noise, p);
         double re[3] = {0}, im[3] = {0};
         for (int i = 0; i < SAMPLES; i++) {
             td_additive_noise_seek(&noise, p, i * step_ns, &line);
@@ -141,11 +145,12 @@ static void test_lines(void **state) {
     td_additive_noise noise = make(SEED + 3), other = make(SEED + 4);
     (void)state;
     for (uint32_t p = 0; p < 300; p++) {
-        td_noise_line line = td_additive_noise_first(&noise, p), jumped = line;
+        td_noise_line line = first_line(&noise, p), jumped = line;
         assert_true(line.from_ns <= 0 && line.to_ns > 0 && line.k == 0);
-        assert_true(line.begin != td_additive_noise_first(&other, p).begin);
+        assert_true(line.begin != td_additive_noise_first(&other, p));
         for (int n = 0; n < 50; n++) {
-            td_noise_line next = td_additive_noise_next(&noise, p, &line);
+            td_noise_line next = line;
+            td_additive_noise_next(&noise, p, &next);
             assert_true(next.from_ns == line.to_ns && next.begin == line.end && next.k == line.k + 1);
             line = next;
         }
@@ -156,10 +161,41 @@ static void test_lines(void **state) {
     }
 }
 
+/* Of many pixels side by side, over steps of any length: the lines that each comes to by itself, and its bounds on the way. */
+static void test_sweep(void **state) {
+    enum { COUNT = TD_RANDOM_LANES + 5, SWEEPS = 60 };
+    td_additive_noise noise = make(SEED + 5);
+    td_noise_line line[COUNT];
+    uint32_t pixel[COUNT];
+    double k[COUNT], value[COUNT], low[COUNT], high[COUNT], now = 0;
+    (void)state;
+    for (int i = 0; i < COUNT; i++) {
+        pixel[i] = (uint32_t)(7 * i);
+        line[i] = first_line(&noise, pixel[i]);
+        k[i] = 0;
+        value[i] = line[i].begin;
+    }
+    for (int n = 0; n < SWEEPS; n++) {
+        double length = noise.spacing_ns * (n % 3 == 0 ? 0.01 : n % 3 == 1 ? 1.7 : 40.0 + n);
+        td_additive_noise_sweep(&noise, now, length, pixel, COUNT, &(td_noise_sweep){k, value, low, high});
+        for (int i = 0; i < COUNT; i++) {
+            double least = fmin(line[i].begin, line[i].end), most = fmax(line[i].begin, line[i].end);
+            while (td_place_of(line[i].to_ns, now, length) < 1) {
+                td_additive_noise_next(&noise, pixel[i], &line[i]);
+                least = fmin(least, line[i].end);
+                most = fmax(most, line[i].end);
+            }
+            assert_true(k[i] == (double)line[i].k && value[i] == line[i].begin);
+            assert_true(low[i] == least && high[i] == most);
+        }
+        now += length;
+    }
+}
+
 /* On a path, a line adds itself. */
 static void test_paths(void **state) {
     td_additive_noise noise = make(SEED);
-    td_noise_line line = td_additive_noise_first(&noise, 7);
+    td_noise_line line = first_line(&noise, 7);
     td_path path = {.cubic = {{1, 1.5, -2, 0.25}}}, plain = path;
     double from = 0.2 * line.to_ns, to = 0.9 * line.to_ns;
     (void)state;
@@ -190,8 +226,9 @@ static void test_refused(void **state) {
 int main(void) {
     print_message("seed %d\n", (int)SEED);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_points), cmocka_unit_test(test_times), cmocka_unit_test(test_spectrum),
-        cmocka_unit_test(test_lines),  cmocka_unit_test(test_paths), cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_points),  cmocka_unit_test(test_times), cmocka_unit_test(test_spectrum),
+        cmocka_unit_test(test_lines),   cmocka_unit_test(test_sweep), cmocka_unit_test(test_paths),
+        cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

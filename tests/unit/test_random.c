@@ -1,6 +1,7 @@
 /* Counter-based random numbers: the published values, independence of what they are for, and their distributions. */
 #include "sensor/td_random.h"
 
+#include <float.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -75,8 +76,53 @@ static void test_uniform_ends(void **state) {
     assert_true(isfinite(td_random_exponential(&none, 0)));
 }
 
+/* Against the long double functions of libm: within a few units in the last place of the radius, ends of the range included. */
+static void test_normals(void **state) {
+    (void)state;
+    const long double two_pi = 6.283185307179586476925286766559L;
+    double worst = 0;
+    for (uint32_t i = 0; i < DRAWS; i++) {
+        td_random_bits bits = td_random(2, i, 0, TD_RANDOM_NOISE);
+        if (i % 8 == 0) bits.word[0] = i % 16 ? ~0u : 0; /* near an end, by powers of 2 */
+        if (i % 8 == 0) bits.word[1] = i % 16 ? ~0u << i % 32 : ~0u >> i % 32;
+        double normal[2];
+        td_random_normals(&bits, normal);
+        long double radius = sqrtl(-2 * logl(td_random_uniform(&bits, 0))), angle = two_pi * td_random_uniform(&bits, 1);
+        double off = (double)fmaxl(fabsl(normal[0] - radius * cosl(angle)), fabsl(normal[1] - radius * sinl(angle)));
+        worst = fmax(worst, off / (double)radius);
+    }
+    printf("normals: off by %.2f units in the last place of their radius\n", worst / DBL_EPSILON);
+    assert_true(worst < 4 * DBL_EPSILON);
+}
+
+/* In lanes, to the bit what they are one by one. */
+static void test_lanes(void **state) {
+    (void)state;
+    for (uint32_t i = 0; i < 1000; i++) {
+        uint32_t pixel[TD_RANDOM_LANES];
+        uint64_t index[TD_RANDOM_LANES];
+        double uniform[TD_RANDOM_LANES], first[TD_RANDOM_LANES], second[TD_RANDOM_LANES];
+        for (uint32_t k = 0; k < TD_RANDOM_LANES; k++) {
+            pixel[k] = i * k;
+            index[k] = ((uint64_t)k << 33) + i;
+        }
+        td_random_lanes lanes;
+        td_random_many(i, pixel, index, TD_RANDOM_NOISE, &lanes);
+        td_random_uniforms_many(&lanes, uniform);
+        td_random_normals_many(&lanes, first, second);
+        for (int k = 0; k < TD_RANDOM_LANES; k++) {
+            td_random_bits bits = td_random(i, pixel[k], index[k], TD_RANDOM_NOISE);
+            double normal[2];
+            td_random_normals(&bits, normal);
+            for (int w = 0; w < 4; w++) assert_int_equal(lanes.word[w][k], bits.word[w]);
+            assert_true(uniform[k] == td_random_uniform(&bits, 0) && first[k] == normal[0] && second[k] == normal[1]);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_published_values), cmocka_unit_test(test_arguments_matter),
-                                       cmocka_unit_test(test_distributions), cmocka_unit_test(test_uniform_ends)};
+                                       cmocka_unit_test(test_distributions),    cmocka_unit_test(test_uniform_ends),
+                                       cmocka_unit_test(test_normals),          cmocka_unit_test(test_lanes)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
