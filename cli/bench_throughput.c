@@ -144,7 +144,7 @@ static void quartiles(double *values, int32_t count, double *low, double *median
 }
 
 static void judge_pairs(const pairs *p, bench_cost *cost) {
-    double run[PAIRS], processor[PAIRS], ratio[PAIRS], ns[PAIRS], low, high;
+    double run[PAIRS] = {0}, processor[PAIRS] = {0}, ratio[PAIRS] = {0}, ns[PAIRS] = {0}, low, high;
     for (int32_t i = 0; i < cost->runs; i++) {
         run[i] = p->with[i].run;
         processor[i] = p->with[i].all_threads;

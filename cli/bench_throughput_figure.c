@@ -41,31 +41,33 @@ static int32_t style_of(const bench_cost *costs, span rows, size_t index) {
     return style % PLOT_COLOURS;
 }
 
-static void draw_panel(cli_canvas *canvas, plot_panel *panel, const bench_cost *costs, span rows) {
+static void draw_panel(cli_canvas *canvas, int32_t column, const bench_cost *costs, span rows) {
     const double noise = noise_of(costs, rows);
+    const int32_t top = HEADING + TOP, bottom = top + (int32_t)(rows.last - rows.first) * PITCH;
+    plot_panel panel = {.left = column * WIDTH + LEFT, .top = top, .right = (column + 1) * WIDTH - RIGHT, .bottom = bottom};
     char title[160];
-    panel->x_low = INFINITY;
-    panel->x_high = noise;
+    panel.x_low = INFINITY;
+    panel.x_high = noise;
     for (size_t i = rows.first; i < rows.last; i++) {
-        if (costs[i].ns > 0) panel->x_low = fmin(panel->x_low, fmax(costs[i].ns, 0.1));
-        panel->x_high = fmax(panel->x_high, costs[i].ns);
+        if (costs[i].ns > 0) panel.x_low = fmin(panel.x_low, fmax(costs[i].ns, 0.1));
+        panel.x_high = fmax(panel.x_high, costs[i].ns);
     }
-    plot_round_range(&panel->x_low, &panel->x_high);
+    plot_round_range(&panel.x_low, &panel.x_high);
     snprintf(title, sizeof title, "%s: off, %.4g million pixel-steps/s", costs[rows.first].scene,
              1e-6 * costs[rows.first].pixel_steps / costs[rows.first].run_time_s);
-    panel->title = title;
-    panel->x_label = "processor time beyond off [ns per pixel and step]";
-    panel->y_label = "";
-    plot_axes(canvas, panel, 0);
-    plot_mark(canvas, panel, noise);
+    panel.title = title;
+    panel.x_label = "processor time beyond off [ns per pixel and step]";
+    panel.y_label = "";
+    plot_axes(canvas, &panel, 0);
+    plot_mark(canvas, &panel, noise);
     for (size_t i = rows.first; i < rows.last; i++) {
         const bench_cost *c = &costs[i];
-        const int32_t top = panel->top + (int32_t)(i - rows.first) * PITCH, text = top + PITCH / 2 - 8;
+        const int32_t bar = top + (int32_t)(i - rows.first) * PITCH, text = bar + PITCH / 2 - 8;
         char value[64];
-        plot_bar(canvas, panel, top + 4, top + PITCH - 4, c->ns, style_of(costs, rows, i));
-        plot_text(canvas, panel->left - 10 - plot_text_width(c->block, 2), text, 2, c->block);
+        plot_bar(canvas, &panel, bar + 4, bar + PITCH - 4, c->ns, style_of(costs, rows, i));
+        plot_text(canvas, panel.left - 10 - plot_text_width(c->block, 2), text, 2, c->block);
         snprintf(value, sizeof value, "x%.3f (%.3f..%.3f)", c->ratio, c->ratio_low, c->ratio_high);
-        plot_text(canvas, panel->right + 10, text, 2, value);
+        plot_text(canvas, panel.right + 10, text, 2, value);
     }
 }
 
@@ -82,10 +84,6 @@ tides_status bench_figure_costs(const bench *b, const bench_cost *costs, size_t 
     snprintf(heading, sizeof heading, "tides %s on %s: each block alone, against off. Dashed: what runs without any differ by",
              tides_version(), b->info.name);
     plot_text(&canvas, 16, 12, 2, heading);
-    for (int32_t i = 0; i < panels; i++) {
-        plot_panel panel = {.left = i * WIDTH + LEFT, .top = HEADING + TOP, .right = (i + 1) * WIDTH - RIGHT};
-        panel.bottom = panel.top + (int32_t)(spans[i].last - spans[i].first) * PITCH;
-        draw_panel(&canvas, &panel, costs, spans[i]);
-    }
+    for (int32_t i = 0; i < panels; i++) draw_panel(&canvas, i, costs, spans[i]);
     return bench_write_canvas(b, &canvas, "throughput", error);
 }

@@ -126,11 +126,12 @@ tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides
     free(scene->truth[rules].stream.events);
     scene->truth[rules] = truth;
     const tides_match *moved = &truth.moved;
+    const unsigned long long mismatched = moved->missing + moved->spurious;
     bench_say(b,
               "%-13s exact stream of the %s image: %zu events, %.6g steps/s%s; halving the steps moved median %.3g, p95 %.3g, "
               "p99 %.3g, max %.3g us, %llu of them mismatched",
               scene->name, scene->image_name ? scene->image_name : bench_rules_name(rules), truth.stream.count,
               truth.steps_per_s, truth.tolerance > 0 ? " and finer by tile" : "", moved->dt_median_us, moved->dt_p95_us,
-              moved->dt_p99_us, moved->dt_max_us, (unsigned long long)(moved->missing + moved->spurious));
+              moved->dt_p99_us, moved->dt_max_us, mismatched);
     return TIDES_OK;
 }

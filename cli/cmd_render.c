@@ -62,7 +62,6 @@ int cmd_render(const cli_command *command, int argc, char **argv) {
         return cli_failed("%s: the run has frames.file and no scene to render", request.run);
     }
     if (!request.time) time = session.values.start;
-    code = CLI_OK;
     if (render(&session, time, &request, &common, &error) != TIDES_OK)
         code = cli_fail(&error);
     else

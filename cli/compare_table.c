@@ -92,7 +92,9 @@ static void put_row(FILE *file, const cJSON *row, size_t reference, const cJSON 
     fprintf(file, ",%s", references[reference]);
     cli_csv_value(file, compare_find(row, "error"));
     fputs(",\"", file);
-    cJSON_ArrayForEach(setting, settings) fprintf(file, "%s%s", setting == settings->child ? "" : " ", setting->valuestring);
+    cJSON_ArrayForEach(setting, settings) {
+        fprintf(file, "%s%s", setting == settings->child ? "" : " ", setting->valuestring);
+    }
     putc('"', file);
     cli_csv_value(file, compare_find(row, "renders"));
     cli_csv_value(file, compare_find(row, "run_time_s"));
@@ -197,7 +199,7 @@ static void print_table(const cJSON *report, size_t reference) {
         break;
     }
     putchar('\n');
-    cJSON_ArrayForEach(row, methods) print_row(row, reference);
+    cJSON_ArrayForEach(row, methods) { print_row(row, reference); }
     putchar('\n');
 }
 
@@ -221,7 +223,7 @@ void compare_print(const comparison *c, const cJSON *report) {
     const cJSON *row;
     print_table(report, 0);
     if (c->recording_file) print_table(report, 1);
-    cJSON_ArrayForEach(row, compare_find(report, "methods")) print_parameters(row);
+    cJSON_ArrayForEach(row, compare_find(report, "methods")) { print_parameters(row); }
     printf("%-*s %s", NAME_WIDTH, "exact", compare_exact_what(c));
     if (!c->session.frames)
         printf(": the last halving moved median %.2g, p95 %.2g, p99 %.2g us, %.2g %% mismatched", e->moved.dt_median_us,

@@ -187,7 +187,7 @@ static void blur_tile(const source *s, int x0, int y0, double *out) {
 
 tides_status td_psf_image(td_psf *psf, int width, int height, double *image, tides_error *error) {
     int radius = psf->radius;
-    size_t lines = (size_t)(height + 2 * radius), row = (size_t)width;
+    size_t lines = (size_t)height + 2 * (size_t)radius, row = (size_t)width;
     if (!radius) return TIDES_OK;
     tides_status status =
         td_reserve((void **)&psf->rows, &psf->row_capacity, lines * row + row + 2 * (size_t)radius, sizeof *psf->rows, error);

@@ -58,19 +58,33 @@ static td_poles photoreceptor(const attempt *at) {
                                  at->state[2] * at->seconds, origin);
 }
 
+static void tabulate_tail(attempt *at, int mode, td_complex rate) {
+    for (int i = 0; i < NODES + BETWEEN; i++) {
+        td_complex tail[5];
+        td_mode_tails(rate, node[i], tail);
+        at->value[mode][i] = tail[4];
+        at->slope[mode][i] = tail[3];
+    }
+}
+
 /* The nodes are sixths: one exponential will do. */
-static void tabulate(attempt *at) {
+static void tabulate_decay(attempt *at, int mode, td_complex rate) {
     static const int sixths[NODES + BETWEEN] = {0, 2, 4, 6, 1, 3, 5};
+    td_complex power[7] = {{1, 0}}, sixth = td_decay(rate, 1.0 / 6);
+    for (int i = 1; i <= 6; i++) power[i] = td_times(power[i - 1], sixth);
+    for (int i = 0; i < NODES + BETWEEN; i++) {
+        at->value[mode][i] = power[sixths[i]];
+        at->slope[mode][i] = td_scaled(td_times(rate, power[sixths[i]]), -1);
+    }
+}
+
+static void tabulate(attempt *at) {
     for (int k = 0; k < at->stage.modes; k++) {
         const td_mode *mode = &at->stage.mode[k];
-        td_complex rate = td_mode_rate(mode), tail[5], power[7] = {{1, 0}};
-        td_complex sixth = mode->tail ? (td_complex){0, 0} : td_decay(rate, 1.0 / 6);
-        for (int i = 1; i <= 6 && !mode->tail; i++) power[i] = td_times(power[i - 1], sixth);
-        for (int i = 0; i < NODES + BETWEEN; i++) {
-            if (mode->tail) td_mode_tails(rate, node[i], tail);
-            at->value[k][i] = mode->tail ? tail[4] : power[sixths[i]];
-            at->slope[k][i] = mode->tail ? tail[3] : td_scaled(td_times(rate, power[sixths[i]]), -1);
-        }
+        if (mode->tail)
+            tabulate_tail(at, k, td_mode_rate(mode));
+        else
+            tabulate_decay(at, k, td_mode_rate(mode));
     }
 }
 

@@ -211,8 +211,8 @@ static tides_status fire_noise(walk *w, int source, double s) {
 /* Takes what comes before `until`; what would have fired is counted in `lost`. */
 static void lose_noise(walk *w, double until, uint64_t *lost) {
     int source;
-    for (double s = next_noise(w, &source); s < fmin(until, never); s = next_noise(w, &source))
-        *lost += (uint64_t)take_noise(w, source, s);
+    double s;
+    while ((s = next_noise(w, &source)) < fmin(until, never)) *lost += (uint64_t)take_noise(w, source, s);
 }
 
 /* -- held and masked stretches --------------------------------------------------------------------------------------------- */

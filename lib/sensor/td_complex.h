@@ -35,7 +35,8 @@ static inline double td_magnitude(td_complex a) { return a.im == 0 ? fabs(a.re) 
 static inline td_complex td_decay(td_complex a, double s) {
     double size = exp(-a.re * s), angle = a.im * s;
     if (angle == 0 || size == 0) return (td_complex){size, 0};
-    return (td_complex){size * cos(angle), -size * sin(angle)};
+    double cosine = cos(angle), sine = sin(angle);
+    return (td_complex){size * cosine, -size * sine};
 }
 
 #endif

@@ -302,7 +302,7 @@ static void expect_near(stream *a, stream *b) {
     double p95 = late[pairs * 95 / 100];
     print_message("%zu events, %zu with interpolation, %zu pairs, p95 %.2g us apart; estimated p95 %.2g us\n", a->count,
                   b->count, pairs, 1e6 * p95, 1e6 * a->stats.error_p95_s);
-    assert_true(pairs > 0.999 * (double)a->count && p95 <= a->stats.error_p95_s);
+    assert_true((double)pairs > 0.999 * (double)a->count && p95 <= a->stats.error_p95_s);
     free(late);
 }
 

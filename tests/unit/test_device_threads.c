@@ -38,7 +38,7 @@ static void *open_at_once(void *user) {
 
 /* In the child. */
 static int open_in_threads(void) {
-    opener one[THREADS] = {{NULL}};
+    opener one[THREADS] = {{.device = NULL}};
     pthread_t thread[THREADS];
     pthread_barrier_t gate;
     int code = ALL_OPENED;
