@@ -108,7 +108,9 @@ const char *cli_count(double number, char text[24]);
 tides_status cli_check_writable(const char *path, tides_error *error);
 /* Makes a directory; one that is there is fine. */
 tides_status cli_make_directory(const char *directory, tides_error *error);
-/* Writes text beside and renames. */
+/* Writes a file beside and renames: what `put` makes of `what`, or a text and the end of its line. */
+typedef void (*cli_writer)(FILE *file, const void *what);
+tides_status cli_write_file(const char *path, cli_writer put, const void *what, tides_error *error);
 tides_status cli_write_text(const char *path, const char *text, tides_error *error);
 /* Fills an error the way the library does. */
 tides_status cli_error(tides_error *error, tides_status status, const char *format, ...) CLI_PRINTF(3, 4);
