@@ -118,6 +118,9 @@ tides_status cli_error(tides_error *error, tides_status status, const char *form
 /* suggest.c: the entry of a NULL-terminated list that `name` was probably meant to be, or NULL. */
 const char *cli_nearest(const char *name, const char *const *names);
 
+/* sort.c: numbers without NaN, in ascending order. */
+void cli_sort(double *values, size_t count);
+
 /* progress.c: a tides_progress for stderr: a bar on a terminal, else a line for each 10 %; none for what takes under a second.
  * Zero it, set quiet, and events where they are counted; cli_progress_end clears the bar. */
 typedef struct cli_progress {
