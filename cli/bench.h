@@ -186,7 +186,10 @@ double bench_exact_share(const bench_truth *truth, const tides_match *match);
 bench_verdict bench_judge(const bench_rows *rows, const char *scene);
 void bench_print_verdict(const bench_rows *rows, const char *scene, FILE *out);
 
-/* bench_figure.c: pictures of the rows; writes NAME.png and frees the canvas. */
+/* bench_figure.c: pictures of the rows. A canvas whose first line says the version, the device and `what` is seen: wider than
+ * asked for where that needs it; rgb is NULL where memory ran out. */
+cli_canvas bench_canvas(const bench *b, int32_t width, int32_t height, const char *what, tides_error *error);
+/* Writes NAME.png and frees the canvas. */
 tides_status bench_write_canvas(const bench *b, cli_canvas *canvas, const char *name, tides_error *error);
 tides_status bench_figure_curves(const bench *b, const bench_rows *rows, tides_error *error);
 tides_status bench_figure_bars(const bench *b, const bench_rows *rows, tides_error *error);

@@ -76,12 +76,9 @@ tides_status bench_figure_costs(const bench *b, const bench_cost *costs, size_t 
     for (int32_t i = 0; i < panels; i++)
         if (spans[i].last - spans[i].first > most) most = spans[i].last - spans[i].first;
     const int32_t height = TOP + (int32_t)most * PITCH + BOTTOM;
-    cli_canvas canvas = plot_canvas(WIDTH * (panels > 1 ? panels : 1), HEADING + height);
-    if (!canvas.rgb) return cli_error(error, TIDES_NO_MEMORY, "out of memory: the picture");
-    char heading[256];
-    snprintf(heading, sizeof heading, "tides %s on %s: each block alone, against off. Dashed: what runs without any differ by",
-             tides_version(), b->info.name);
-    plot_text(&canvas, 16, 12, 2, heading);
+    cli_canvas canvas = bench_canvas(b, WIDTH * (panels > 1 ? panels : 1), HEADING + height,
+                                     "each block alone, against off. Dashed: what runs without any differ by", error);
+    if (!canvas.rgb) return TIDES_NO_MEMORY;
     for (int32_t i = 0; i < panels; i++) {
         plot_panel panel = {.left = i * WIDTH + LEFT, .top = HEADING + TOP, .right = (i + 1) * WIDTH - RIGHT};
         panel.bottom = panel.top + (int32_t)(spans[i].last - spans[i].first) * PITCH;
