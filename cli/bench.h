@@ -84,8 +84,7 @@ typedef struct bench_row {
     double setting;
     double frames;     /* times that equal steps ask for; `renders` is less where still tiles are skipped. 0: other steps */
     double run_time_s; /* of tides_simulator_run without kernel builds; the better one of `runs` */
-    double all_threads_s,
-        own_thread_s; /* processor time of its last run, with kernel builds: of all threads, of the caller's */
+    double all_threads_s, own_thread_s; /* processor time of its last run, kernel builds too: all threads', the caller's */
     int32_t runs;
     tides_stats stats;
     tides_match match;
