@@ -33,9 +33,10 @@ expect 0 tides compare run.json -o recorded --methods esim-fixed,tides --recordi
 out '^recording +[0-9]+'
 [ "$(wc -l <recorded/compare.csv)" = 5 ] || fail "a row for each method and reference"
 expect 0 tides compare run.json -o recorded --methods tides --recording all/exact.h5 --json
+is_json
 [ "$(value out chamfer_px)" != "" ] || fail "--json should have the table"
 # The run's own settings in place of ideal pixels: v2e's low-pass and noise come back.
-expect 0 tides compare run.json -o own --methods v2e --as-configured -q --set v2e.pos_thres=0.3
+expect 0 tides compare run.json -o own --methods v2e --as-configured --quiet --set v2e.pos_thres=0.3
 silent
 grep -q '"v2e.neg_thres=0.2"' own/compare.json && fail "the run file's own thresholds should stay"
 grep -q '"v2e.pos_thres":[[:space:]]0.3' own/compare.json || fail "v2e.pos_thres should be the run file's"
