@@ -4,7 +4,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const char *const columns[] = {"events", "events_on", "events_off", "events_truncated", "simulated_s", "width",
                                       "height", "seed",      "device"};

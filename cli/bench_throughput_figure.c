@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { WIDTH = 1000, LEFT = 320, RIGHT = 330, HEADING = 44, TOP = 74, PITCH = 24, BOTTOM = 70 /* [px] */ };

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Rates have long tails: edges are a hundred times faster than surfaces, which should be seen too. */
 #define RATE_SHARE 0.96

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { WIDTH = 1100, HEIGHT = 560, LEFT = 96, TOP = 100, RIGHT = 60, BOTTOM = 72, BINS = 200, BINS_MAX = 100000 };
 
