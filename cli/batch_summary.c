@@ -4,7 +4,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const char *const columns[] = {"events", "events_on", "events_off", "events_truncated", "simulated_s", "width",
                                       "height", "seed",      "device"};
@@ -51,27 +50,19 @@ static void put_sets(FILE *file, const cJSON *sets) {
     free(joined);
 }
 
-static tides_status write_csv(const char *path, const cJSON *root, tides_error *error) {
+static void put_csv(FILE *file, const void *root) {
     const cJSON *row = NULL;
-    char *text = NULL;
-    size_t bytes = 0;
-    FILE *file = open_memstream(&text, &bytes);
-    if (!file) return batch_no_memory(error);
     fputs("name,state", file);
     for (size_t i = 0; i < COLUMNS; i++) fprintf(file, ",%s", columns[i]);
-    fputs(",set,error", file);
+    fputs(",set,error\n", file);
     cJSON_ArrayForEach(row, cJSON_GetObjectItemCaseSensitive(root, "runs")) {
-        putc('\n', file);
         cli_csv_text(file, cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(row, "name")));
         cli_csv_value(file, cJSON_GetObjectItemCaseSensitive(row, "state"));
         for (size_t i = 0; i < COLUMNS; i++) cli_csv_value(file, cJSON_GetObjectItemCaseSensitive(row, columns[i]));
         put_sets(file, cJSON_GetObjectItemCaseSensitive(row, "set"));
         cli_csv_value(file, cJSON_GetObjectItemCaseSensitive(row, "error"));
+        putc('\n', file);
     }
-    const int32_t whole = !ferror(file);
-    tides_status status = fclose(file) == 0 && whole ? cli_write_text(path, text, error) : batch_no_memory(error);
-    free(text);
-    return status;
 }
 
 static char *summary_path(const batch *b, const char *ending) {
@@ -82,7 +73,7 @@ static char *summary_path(const batch *b, const char *ending) {
 static tides_status write_files(const batch *b, const cJSON *root, tides_error *error) {
     char *json = summary_path(b, "json"), *csv = summary_path(b, "csv");
     tides_status status = json && csv ? batch_write_json(json, root, error) : batch_no_memory(error);
-    if (status == TIDES_OK) status = write_csv(csv, root, error);
+    if (status == TIDES_OK) status = cli_write_file(csv, put_csv, root, error);
     free(json);
     free(csv);
     return status;

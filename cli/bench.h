@@ -84,8 +84,7 @@ typedef struct bench_row {
     double setting;
     double frames;     /* times that equal steps ask for; `renders` is less where still tiles are skipped. 0: other steps */
     double run_time_s; /* of tides_simulator_run without kernel builds; the better one of `runs` */
-    double all_threads_s,
-        own_thread_s; /* processor time of its last run, with kernel builds: of all threads, of the caller's */
+    double all_threads_s, own_thread_s; /* processor time of its last run, kernel builds too: all threads', the caller's */
     int32_t runs;
     tides_stats stats;
     tides_match match;
@@ -186,7 +185,10 @@ double bench_exact_share(const bench_truth *truth, const tides_match *match);
 bench_verdict bench_judge(const bench_rows *rows, const char *scene);
 void bench_print_verdict(const bench_rows *rows, const char *scene, FILE *out);
 
-/* bench_figure.c: pictures of the rows; writes NAME.png and frees the canvas. */
+/* bench_figure.c: pictures of the rows. A canvas whose first line says the version, the device and `what` is seen: wider than
+ * asked for where that needs it; rgb is NULL where memory ran out. */
+cli_canvas bench_canvas(const bench *b, int32_t width, int32_t height, const char *what, tides_error *error);
+/* Writes NAME.png and frees the canvas. */
 tides_status bench_write_canvas(const bench *b, cli_canvas *canvas, const char *name, tides_error *error);
 tides_status bench_figure_curves(const bench *b, const bench_rows *rows, tides_error *error);
 tides_status bench_figure_bars(const bench *b, const bench_rows *rows, tides_error *error);

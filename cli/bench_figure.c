@@ -38,13 +38,24 @@ static plot_panel lay_panel(int32_t index) {
         plot_panel){.left = x + LEFT, .top = y + TOP, .right = x + PANEL_WIDTH - RIGHT, .bottom = y + PANEL_HEIGHT - BOTTOM};
 }
 
-static cli_canvas make_canvas(int32_t panels, tides_error *error) {
+cli_canvas bench_canvas(const bench *b, int32_t width, int32_t height, const char *what, tides_error *error) {
+    enum { MARGIN = 16, TEXT = 2 };
+    char heading[320];
+    snprintf(heading, sizeof heading, "tides %s on %s: %s", tides_version(), b->info.name, what);
+    const int32_t least = 2 * MARGIN + plot_text_width(heading, TEXT);
+    cli_canvas canvas = plot_canvas(width > least ? width : least, height);
+    if (canvas.rgb)
+        plot_text(&canvas, MARGIN, 12, TEXT, heading);
+    else
+        cli_error(error, TIDES_NO_MEMORY, "out of memory: a picture of %dx%d px", canvas.width, canvas.height);
+    return canvas;
+}
+
+static cli_canvas make_canvas(const bench *b, int32_t panels, const char *what, tides_error *error) {
     const int32_t columns = panels < PANEL_COLUMNS ? panels : PANEL_COLUMNS;
     /* One panel is too narrow for the legend. */
-    cli_canvas canvas = plot_canvas(PANEL_WIDTH * (columns < 2 ? 2 : columns),
-                                    HEADING + PANEL_HEIGHT * ((panels + PANEL_COLUMNS - 1) / PANEL_COLUMNS) + LEGEND);
-    if (!canvas.rgb) cli_error(error, TIDES_NO_MEMORY, "out of memory: a picture of %dx%d px", canvas.width, canvas.height);
-    return canvas;
+    return bench_canvas(b, PANEL_WIDTH * (columns < 2 ? 2 : columns),
+                        HEADING + PANEL_HEIGHT * ((panels + PANEL_COLUMNS - 1) / PANEL_COLUMNS) + LEGEND, what, error);
 }
 
 tides_status bench_write_canvas(const bench *b, cli_canvas *canvas, const char *name, tides_error *error) {
@@ -102,17 +113,17 @@ static tides_status draw_curves(const bench *b, const bench_rows *rows, quantity
     plot_curve legend[CURVES_MAX];
     const int32_t scenes = find_scenes(rows, first);
     curve_data *curves = malloc(CURVES_MAX * sizeof *curves);
-    cli_canvas canvas = make_canvas(scenes, error);
+    cli_canvas canvas =
+        make_canvas(b, scenes,
+                    what == RUN_TIME ? "run time for an error of event times, each against its image's exact events"
+                                     : "renders for an error of event times, each against its image's exact events",
+                    error);
     int32_t count = 0;
     if (!curves || !canvas.rgb) {
         free(curves);
         free(canvas.rgb);
         return cli_error(error, TIDES_NO_MEMORY, "out of memory: the pictures");
     }
-    char heading[256];
-    snprintf(heading, sizeof heading, "tides %s on %s: %s for an error of event times, each against its image's exact events",
-             tides_version(), b->info.name, what == RUN_TIME ? "run time" : "renders");
-    plot_text(&canvas, 16, 12, 2, heading);
     for (int32_t s = 0; s < scenes; s++) {
         const char *scene = rows->rows[first[s]].scene;
         plot_panel panel = lay_panel(s);
@@ -176,12 +187,8 @@ static void draw_bars(cli_canvas *canvas, plot_panel *panel, const bench_rows *r
 tides_status bench_figure_bars(const bench *b, const bench_rows *rows, tides_error *error) {
     size_t first[SCENES_MAX];
     const int32_t scenes = find_scenes(rows, first);
-    cli_canvas canvas = make_canvas(scenes, error);
+    cli_canvas canvas = make_canvas(b, scenes, "what the parts are worth, as errors against the exact events", error);
     if (!canvas.rgb) return TIDES_NO_MEMORY;
-    char heading[256];
-    snprintf(heading, sizeof heading, "tides %s on %s: what the parts are worth, as errors against the exact events",
-             tides_version(), b->info.name);
-    plot_text(&canvas, 16, 12, 2, heading);
     for (int32_t s = 0; s < scenes; s++) {
         plot_panel panel = lay_panel(s);
         draw_bars(&canvas, &panel, rows, first[s]);

@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -154,38 +153,34 @@ static tides_status write_json(const bench *b, const char *name, cJSON *header, 
 
 /* -- CSV ------------------------------------------------------------------------------------------------------------------- */
 
-static void print_csv(FILE *out, const bench_table *table) {
+static void put_cell(FILE *file, const bench_cell *cell) {
+    if (cell->text && strchr(cell->text, ','))
+        cli_csv_text(file, cell->text);
+    else if (cell->text)
+        fputs(cell->text, file);
+    else if (isfinite(cell->number))
+        fprintf(file, "%.9g", cell->number);
+}
+
+static void put_csv(FILE *file, const void *what) {
+    const bench_table *table = what;
     bench_cell cells[BENCH_CELLS_MAX];
     for (size_t i = 0; i < table->count; i++) {
         const int32_t count = table->cells(table->rows, i, cells);
-        for (int32_t k = 0; i == 0 && k < count; k++) fprintf(out, "%s%s", k ? "," : "", cells[k].name);
-        if (i == 0) fputc('\n', out);
+        for (int32_t k = 0; i == 0 && k < count; k++) fprintf(file, "%s%s", k ? "," : "", cells[k].name);
+        if (i == 0) putc('\n', file);
         for (int32_t k = 0; k < count; k++) {
-            if (k) fputc(',', out);
-            if (cells[k].text)
-                fprintf(out, strchr(cells[k].text, ',') ? "\"%s\"" : "%s", cells[k].text);
-            else if (isfinite(cells[k].number))
-                fprintf(out, "%.9g", cells[k].number);
+            if (k) putc(',', file);
+            put_cell(file, &cells[k]);
         }
-        fputc('\n', out);
+        putc('\n', file);
     }
 }
 
 static tides_status write_csv(const bench *b, const char *name, const bench_table *table, tides_error *error) {
-    char path[4200], part[4210];
+    char path[4200];
     tides_status status = bench_path(b, name, ".csv", path, sizeof path, error);
-    if (status != TIDES_OK) return status;
-    snprintf(part, sizeof part, "%s.part", path);
-    FILE *out = fopen(part, "wb");
-    int32_t ok = out != NULL;
-    if (ok) {
-        print_csv(out, table);
-        ok = !ferror(out);
-        ok = fclose(out) == 0 && ok;
-    }
-    if (ok && rename(part, path) == 0) return TIDES_OK;
-    if (out) remove(part);
-    return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be written", path);
+    return status == TIDES_OK ? cli_write_file(path, put_csv, table, error) : status;
 }
 
 tides_status bench_write_table(const bench *b, const char *name, cJSON *header, const bench_table *table, tides_error *error) {

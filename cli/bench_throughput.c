@@ -123,11 +123,6 @@ static tides_status measure_pair(bench *b, const bench_scene *scene, const block
     return TIDES_OK;
 }
 
-static int ascending(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Of sorted numbers, between neighbours. */
 static double quantile(const double *sorted, int32_t count, double share) {
     const double at = share * (count - 1);
@@ -137,7 +132,7 @@ static double quantile(const double *sorted, int32_t count, double share) {
 }
 
 static void quartiles(double *values, int32_t count, double *low, double *median, double *high) {
-    qsort(values, (size_t)count, sizeof *values, ascending);
+    cli_sort(values, (size_t)count);
     *low = quantile(values, count, 0.25);
     *median = quantile(values, count, 0.5);
     *high = quantile(values, count, 0.75);

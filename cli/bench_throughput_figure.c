@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { WIDTH = 1000, LEFT = 320, RIGHT = 330, HEADING = 44, TOP = 74, PITCH = 24, BOTTOM = 70 /* [px] */ };
@@ -78,12 +77,9 @@ tides_status bench_figure_costs(const bench *b, const bench_cost *costs, size_t 
     for (int32_t i = 0; i < panels; i++)
         if (spans[i].last - spans[i].first > most) most = spans[i].last - spans[i].first;
     const int32_t height = TOP + (int32_t)most * PITCH + BOTTOM;
-    cli_canvas canvas = plot_canvas(WIDTH * (panels > 1 ? panels : 1), HEADING + height);
-    if (!canvas.rgb) return cli_error(error, TIDES_NO_MEMORY, "out of memory: the picture");
-    char heading[256];
-    snprintf(heading, sizeof heading, "tides %s on %s: each block alone, against off. Dashed: what runs without any differ by",
-             tides_version(), b->info.name);
-    plot_text(&canvas, 16, 12, 2, heading);
+    cli_canvas canvas = bench_canvas(b, WIDTH * (panels > 1 ? panels : 1), HEADING + height,
+                                     "each block alone, against off. Dashed: what runs without any differ by", error);
+    if (!canvas.rgb) return TIDES_NO_MEMORY;
     for (int32_t i = 0; i < panels; i++) draw_panel(&canvas, i, costs, spans[i]);
     return bench_write_canvas(b, &canvas, "throughput", error);
 }

@@ -108,13 +108,18 @@ const char *cli_count(double number, char text[24]);
 tides_status cli_check_writable(const char *path, tides_error *error);
 /* Makes a directory; one that is there is fine. */
 tides_status cli_make_directory(const char *directory, tides_error *error);
-/* Writes text beside and renames. */
+/* Writes a file beside and renames: what `put` makes of `what`, or a text and the end of its line. */
+typedef void (*cli_writer)(FILE *file, const void *what);
+tides_status cli_write_file(const char *path, cli_writer put, const void *what, tides_error *error);
 tides_status cli_write_text(const char *path, const char *text, tides_error *error);
 /* Fills an error the way the library does. */
 tides_status cli_error(tides_error *error, tides_status status, const char *format, ...) CLI_PRINTF(3, 4);
 
 /* suggest.c: the entry of a NULL-terminated list that `name` was probably meant to be, or NULL. */
 const char *cli_nearest(const char *name, const char *const *names);
+
+/* sort.c: numbers without NaN, in ascending order. */
+void cli_sort(double *values, size_t count);
 
 /* progress.c: a tides_progress for stderr: a bar on a terminal, else a line for each 10 %; none for what takes under a second.
  * Zero it, set quiet, and events where they are counted; cli_progress_end clears the bar. */

@@ -3,7 +3,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* [s] of wall time, as tides simulate has it. */
 #define DEFAULT_CHECKPOINT_S 30.0

@@ -1,7 +1,6 @@
 /* tides bench: what accuracy costs, and what the parts of the sensor do. */
 #include "bench.h"
 
-#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 

@@ -7,13 +7,14 @@
 
 /* -- the command line ------------------------------------------------------------------------------------------------------ */
 
+#define METHODS "tides,esim,esim-fixed,v2e,dvs-voltmeter,iebcs"
+
 static int unknown_method(const cli_command *command, const char *name) {
     const char *names[COMPARE_METHODS_MAX + 1] = {NULL};
     for (size_t i = 0; compare_method(i); i++) names[i] = compare_method(i);
     const char *nearest = cli_nearest(name, names);
     if (nearest) return cli_usage(command, "--methods: no method is called %s; did you mean %s?", name, nearest);
-    return cli_usage(command, "--methods: no method is called %s; there are tides, esim, esim-fixed, v2e, dvs-voltmeter, iebcs",
-                     name);
+    return cli_usage(command, "--methods: no method is called %s; there are " METHODS, name);
 }
 
 /* "tides,esim": rows in the list's order; all without one. */
@@ -50,14 +51,17 @@ void compare_interval(const comparison *c, int64_t *start_ns, int64_t *stop_ns) 
     *stop_ns = (int64_t)floor(1e9 * c->session.values.stop) + 1;
 }
 
-tides_status compare_write_events(const comparison *c, const char *path, const cli_session *s, const bench_stream *stream,
-                                  tides_error *error) {
+tides_status compare_keep_events(const comparison *c, const char *name, const cli_session *s, const bench_stream *stream,
+                                 tides_error *error) {
     const tides_event_file facts = {.width = s->intrinsics.width,
                                     .height = s->intrinsics.height,
                                     .run = s->values.json,
                                     .seed = s->values.seed};
     tides_event_writer *writer = NULL;
     int64_t start_ns, stop_ns;
+    char path[COMPARE_PATH];
+    if (!c->keep) return TIDES_OK;
+    snprintf(path, sizeof path, "%s/%s.h5", c->directory, name);
     compare_interval(c, &start_ns, &stop_ns);
     tides_status status = tides_event_writer_open(path, &facts, &writer, error);
     if (status == TIDES_OK) status = tides_event_writer_append(writer, stream->events, stream->count, error);
@@ -158,7 +162,7 @@ int cmd_compare(const cli_command *command, int argc, char **argv) {
     const char *methods = NULL, *window = NULL;
     const cli_option options[] = {
         {"--output", 'o', "DIR", "where results go (tides-compare)", NULL, &c.directory, NULL},
-        {"--methods", 0, "LIST", "tides,esim,esim-fixed,v2e,dvs-voltmeter,iebcs: only these", NULL, &methods, NULL},
+        {"--methods", 0, "LIST", METHODS ": only these", NULL, &methods, NULL},
         {"--as-configured", 0, NULL, "the run file's own settings in place of ideal pixels", &c.as_configured, NULL, NULL},
         {"--recording", 0, "EVENTS", "compare with a recording of this scene, too", NULL, &c.recording_file, NULL},
         {"--window", 0, "S", "the picture shows so much of the run's middle (as long as it stays clear)", NULL, &window, NULL},

@@ -1,8 +1,6 @@
 /* tides render: one frame as EXR, and as a picture. */
 #include "session.h"
 
-#include <stdio.h>
-
 /* What was asked for. */
 typedef struct render_request {
     const char *run, *exr, *png, *time;

@@ -39,8 +39,9 @@ typedef struct comparison {
 
 /* The interval that is compared: [start, stop) with the run's last nanosecond in it. */
 void compare_interval(const comparison *c, int64_t *start_ns, int64_t *stop_ns);
-tides_status compare_write_events(const comparison *c, const char *path, const cli_session *session, const bench_stream *stream,
-                                  tides_error *error);
+/* With --keep: the stream into NAME.h5. */
+tides_status compare_keep_events(const comparison *c, const char *name, const cli_session *session, const bench_stream *stream,
+                                 tides_error *error);
 
 /* compare_methods.c: the name of method number `index`, in the order of the rows; NULL behind the last. */
 const char *compare_method(size_t index);

@@ -8,7 +8,6 @@
 #include "compare.h"
 
 #include <math.h>
-#include <stdio.h>
 
 /* The longest first step, a common frame interval. */
 #define LONGEST_STEP_S 0.01
@@ -55,13 +54,11 @@ static tides_status of_frames(comparison *c, const cli_session *s, tides_error *
 
 tides_status compare_exact(comparison *c, tides_error *error) {
     cli_session ideal;
-    char path[4200];
     c->progress.label = "exact";
     tides_status status = compare_configure(c, "tides", 1, NULL, &ideal, error);
     if (status == TIDES_OK) status = ideal.frames ? of_frames(c, &ideal, error) : of_scene(c, &ideal, error);
     cli_progress_end(&c->progress);
-    snprintf(path, sizeof path, "%s/exact.h5", c->directory);
-    if (status == TIDES_OK && c->keep) status = compare_write_events(c, path, &ideal, &c->exact.stream, error);
+    if (status == TIDES_OK) status = compare_keep_events(c, "exact", &ideal, &c->exact.stream, error);
     tides_run_destroy(ideal.run);
     return status;
 }

@@ -227,12 +227,6 @@ static tides_status simulate(const cli_session *s, cli_progress *progress, compa
     return status;
 }
 
-static tides_status keep_events(const comparison *c, const cli_session *s, const compare_row *row, tides_error *error) {
-    char path[4200];
-    snprintf(path, sizeof path, "%s/%s.h5", c->directory, row->name);
-    return compare_write_events(c, path, s, &row->stream, error);
-}
-
 /* A stream against another one. */
 static tides_status measure(const comparison *c, const tides_event *events, size_t count, uint32_t wanted,
                             const compare_row *row, cli_progress *progress, cJSON **json, tides_error *error) {
@@ -262,7 +256,7 @@ static tides_status work(comparison *c, compare_row *row, cli_session *s, tides_
         status = measure(c, c->recording.events, c->recording.count, TIDES_METRICS_DEFAULT, row, &c->progress,
                          &row->against_recording, error);
     cli_progress_end(&c->progress);
-    return status == TIDES_OK && c->keep ? keep_events(c, s, row, error) : status;
+    return status == TIDES_OK ? compare_keep_events(c, row->name, s, &row->stream, error) : status;
 }
 
 tides_status compare_run(comparison *c, compare_row *row, tides_error *error) {

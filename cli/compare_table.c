@@ -3,8 +3,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 /* -- JSON ------------------------------------------------------------------------------------------------------------------ */
 
@@ -103,21 +101,14 @@ static void put_row(FILE *file, const cJSON *row, size_t reference, const cJSON 
             cli_csv_value(file, cJSON_GetObjectItemCaseSensitive(compare_find(metrics, parts[i]), name->string));
 }
 
-static tides_status write_csv(const char *path, const cJSON *report, size_t count, tides_error *error) {
+static void put_csv(FILE *file, const void *report) {
+    const size_t count = compare_find(report, "recording") ? REFERENCES : 1;
     const cJSON *methods = compare_find(report, "methods"), *names = names_of(methods), *row;
-    char *text = NULL;
-    size_t bytes = 0;
-    FILE *file = open_memstream(&text, &bytes);
-    if (!file) return cli_error(error, TIDES_NO_MEMORY, "out of memory: %s", path);
     put_header(file, names);
     cJSON_ArrayForEach(row, methods) {
         for (size_t i = 0; i < count; i++) put_row(file, row, i, names);
     }
-    const int32_t whole = !ferror(file);
-    const tides_status status = fclose(file) == 0 && whole ? cli_write_text(path, text, error)
-                                                           : cli_error(error, TIDES_NO_MEMORY, "out of memory: %s", path);
-    free(text);
-    return status;
+    putc('\n', file);
 }
 
 tides_status compare_write_tables(const comparison *c, const cJSON *report, tides_error *error) {
@@ -128,7 +119,7 @@ tides_status compare_write_tables(const comparison *c, const cJSON *report, tide
         text ? cli_write_text(path, text, error) : cli_error(error, TIDES_NO_MEMORY, "out of memory: %s", path);
     cJSON_free(text);
     snprintf(path, sizeof path, "%s/compare.csv", c->directory);
-    return status == TIDES_OK ? write_csv(path, report, c->recording_file ? 2 : 1, error) : status;
+    return status == TIDES_OK ? cli_write_file(path, put_csv, report, error) : status;
 }
 
 /* -- text ------------------------------------------------------------------------------------------------------------------ */

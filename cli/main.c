@@ -11,8 +11,8 @@ static const cli_command commands[] = {
      "The comments (// to the end of a line) are TIDES's own: JSON has none.", 0, cmd_init},
     {"devices", "", "List OpenCL devices and show which one is used.", NULL, 0, cmd_devices},
     {"info", "FILE", "Show what a scene, path, event or EXR file or folder holds.",
-     "The kind of file is found from its content. Folders: trained models, camera paths, sequences of events (DSEC, EDS, "
-     "HS-ERGB,\nBS-ERGB).",
+     "The kind of file is found from its content.\n"
+     "Folders: trained models, camera paths, sequences of events (DSEC, EDS, HS-ERGB, BS-ERGB).",
      1, cmd_info},
     {"scene", "KIND -o SCENE.h5 [--run RUN.json]", "Make a scene to try things on: fan, pendulum, balls, crowd ...",
      "The same options give the same scene. With --run, tides simulate RUN.json works at once.", 1, cmd_scene},
@@ -27,26 +27,22 @@ static const cli_command commands[] = {
      1, cmd_simulate},
     {"batch", "MANIFEST.json -o DIR", "Simulate many runs, several at a time; what is finished is skipped.",
      "MANIFEST.json: {\"base\": \"run.json\", \"set\": {KEY: VALUE}, \"grid\": {KEY: [VALUES], ...},\n"
-     "\"runs\": [{\"name\": NAME, \"file\": \"run.json\", \"set\": {KEY: VALUE}}, ...]}; grid and runs may stand alone, keys "
-     "as\n"
-     "for --set. DIR/NAME holds each run's events.h5, stats.json, log.txt, and result.json or failure.json;\n"
-     "DIR/summary.json and .csv all results. The same command again goes on after an interruption and does again only what "
-     "changed.",
+     "\"runs\": [{\"name\": NAME, \"file\": \"run.json\", \"set\": {KEY: VALUE}}, ...]}; grid and runs may stand alone,\n"
+     "keys as for --set. DIR/NAME holds each run's events.h5, stats.json, log.txt, and result.json or failure.json;\n"
+     "DIR/summary.json and .csv all results. The same command again goes on after an interruption and does again\n"
+     "only what changed.",
      1, cmd_batch},
     {"convert", "IN OUT", "Convert a scene to .ply or .h5, or an event file to another format.",
-     "A scene is .ply (compressed too), .spz, .splat, .ksplat, .sog or .h5. IN's format is found from its content; OUT's "
-     "ending "
-     "says what is written. Labels of events (sensor.labels) aren't kept.\n"
+     "A scene is .ply (compressed too), .spz, .splat, .ksplat, .sog or .h5. IN's format is found from its content;\n"
+     "OUT's ending says what is written. Labels of events (sensor.labels) aren't kept.\n"
      "IN may be a folder: of a trained model, or of event files (DSEC, EDS, HS-ERGB, BS-ERGB).",
      2, cmd_convert},
     {"cut", "IN OUT --start S --stop S", "Cut a stretch of time or a window out of an event file.",
      "Labels of events (sensor.labels) aren't kept.", 2, cmd_cut},
     {"view", "EVENTS -o OUT.png [--kind frame|surface|xyt|rate|isi]", "Draw events as a picture or an animation.",
-     "frame: red ON, blue OFF, brighter where more, violet where both; surface: how long ago each pixel's latest event was; "
-     "xyt: events\n"
-     "in space and time (as .svg too: shapes instead of pixels); rate: events a second over time; isi: intervals between the "
-     "events\n"
-     "of each pixel.\n"
+     "frame: red ON, blue OFF, brighter where more, violet where both; surface: how long ago each pixel's latest event\n"
+     "was; xyt: events in space and time (as .svg too: shapes instead of pixels); rate: events a second over time;\n"
+     "isi: intervals between the events of each pixel.\n"
      "tides view EVENTS -o - | ffmpeg -i - -pix_fmt yuv420p OUT.mp4 makes a video.",
      1, cmd_view},
     {"export", "EVENTS -o OUT.npy [--as voxel|frame|surface]", "Write events as arrays for networks, one for each window.",
@@ -62,7 +58,8 @@ static const cli_command commands[] = {
      "Values are undefined (-, in JSON null) where they would divide by nothing. include/tides/metrics.h defines each one.\n"
      "The kernel distance takes long, and match wants an exact reference: both only where asked for.",
      2, cmd_metrics},
-    {"compare", "RUN.json [-o DIR] [--methods LIST]", "Run every method on one scene and compare their events.",
+    {"compare", "RUN.json [-o DIR] [--methods LIST]",
+     "Run every method on one scene or frame sequence and compare their events.",
      "Each method against the exact stream of the run: events matched one by one (median and 95th percentile of |dt|,\n"
      "mismatch), Same-ts, IG-NLL, log ISI, Fano error, Chamfer and Victor-Purpura distances; compare.json, compare.csv, and\n"
      "compare.png with the streams side by side in x, y and t. Unless --as-configured is given every method is an ideal\n"
@@ -74,8 +71,7 @@ static const cli_command commands[] = {
     {"bench", "accuracy|ablation|image|throughput [-o DIR] [--quick] [--scene NAME]",
      "Measure run time against the error of event times.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
-     "ablation: what each part of the method is worth, and what masking and the readout change; ablation.json, .csv and a "
-     "plot.\n"
+     "ablation: what each part of the method is worth, what masking and the readout change; ablation.json, .csv and a plot.\n"
      "image: what each measure that makes the image continuous in time is worth and costs; image.json and .csv.\n"
      "throughput: what each block of sensor and readout costs; throughput.json, .csv and a plot.\n"
      "Scenes: fan, handheld, occluder, nearly_static; trained and playbot where $TIDES_SHARED/data has them.",

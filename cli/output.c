@@ -186,12 +186,13 @@ tides_status cli_check_writable(const char *path, tides_error *error) {
     return status;
 }
 
-tides_status cli_write_text(const char *path, const char *text, tides_error *error) {
+tides_status cli_write_file(const char *path, cli_writer put, const void *what, tides_error *error) {
     char *part = part_name(path, error);
     if (!part) return TIDES_NO_MEMORY;
     tides_status status = TIDES_OK;
     FILE *file = fopen(part, "wb");
-    int32_t written = file && fputs(text, file) >= 0 && fputc('\n', file) != EOF;
+    if (file) put(file, what);
+    int32_t written = file && !ferror(file);
     if (file && fclose(file) != 0) written = 0;
     if (!written || rename(part, path) != 0) {
         status = cli_error(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path, strerror(errno));
@@ -199,4 +200,10 @@ tides_status cli_write_text(const char *path, const char *text, tides_error *err
     }
     free(part);
     return status;
+}
+
+static void put_line(FILE *file, const void *text) { fprintf(file, "%s\n", (const char *)text); }
+
+tides_status cli_write_text(const char *path, const char *text, tides_error *error) {
+    return cli_write_file(path, put_line, text, error);
 }

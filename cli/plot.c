@@ -94,18 +94,20 @@ void plot_round_range(double *low, double *high) {
     if (*high <= *low * 1.0001) *high = 2 * *low;
 }
 
-/* Ticks at 1, 2, ..., 9 times powers of ten; labels at 1, and at 2 and 5 too where the axis is short. */
-typedef void (*tick_drawer)(cli_canvas *canvas, const plot_panel *panel, double value, const char *label);
+/* Ticks at 1, 2, ..., 9 times powers of ten; labels at 1, and at 2 and 5 too where the axis is short. `end` is where the last
+ * label ended [px]: the next one is left out where it would touch it. */
+typedef void (*tick_drawer)(cli_canvas *canvas, const plot_panel *panel, double value, const char *label, int32_t *end);
 
 static void each_tick(cli_canvas *canvas, const plot_panel *panel, double low, double high, tick_drawer draw) {
     const int32_t is_short = high / low < 30;
+    int32_t end = INT32_MIN;
     for (int32_t decade = (int32_t)floor(log10(low)) - 1; decade <= (int32_t)ceil(log10(high)); decade++)
         for (int32_t digit = 1; digit <= 9; digit++) {
             const double value = digit * pow(10, decade);
             if (value < low * 0.9999 || value > high * 1.0001) continue;
             char label[16] = "";
             if (digit == 1 || (is_short && (digit == 2 || digit == 5))) snprintf(label, sizeof label, "%.4g", value);
-            draw(canvas, panel, value, label);
+            draw(canvas, panel, value, label, &end);
         }
 }
 
@@ -129,23 +131,26 @@ int32_t plot_linear_ticks(double low, double high, int32_t pixels, int32_t room,
 static void each_linear_tick(cli_canvas *canvas, const plot_panel *panel, double low, double high, int32_t pixels, int32_t room,
                              tick_drawer draw) {
     double ticks[PLOT_TICKS_MAX];
-    int32_t decimals;
+    int32_t decimals, end = INT32_MIN;
     const int32_t count = plot_linear_ticks(low, high, pixels, room, ticks, &decimals);
     for (int32_t i = 0; i < count; i++) {
         char label[32];
         snprintf(label, sizeof label, "%.*f", decimals, ticks[i]);
-        draw(canvas, panel, ticks[i], label);
+        draw(canvas, panel, ticks[i], label, &end);
     }
 }
 
-static void tick_x(cli_canvas *canvas, const plot_panel *p, double value, const char *label) {
-    const int32_t x = (int32_t)lround(place_x(p, value));
+static void tick_x(cli_canvas *canvas, const plot_panel *p, double value, const char *label, int32_t *end) {
+    const int32_t x = (int32_t)lround(place_x(p, value)), width = plot_text_width(label, TEXT), left = x - width / 2;
+    if (left < *end) label = "";
+    if (label[0]) *end = left + width + TEXT * CELL_WIDTH;
     if (label[0]) draw_fill(canvas, x, p->top, x + 1, p->bottom, grid);
     draw_fill(canvas, x, p->bottom, x + 1, p->bottom + (label[0] ? 7 : 4), frame);
-    plot_text(canvas, x - plot_text_width(label, TEXT) / 2, p->bottom + 11, TEXT, label);
+    plot_text(canvas, left, p->bottom + 11, TEXT, label);
 }
 
-static void tick_y(cli_canvas *canvas, const plot_panel *p, double value, const char *label) {
+static void tick_y(cli_canvas *canvas, const plot_panel *p, double value, const char *label, int32_t *end) {
+    (void)end; /* panels are higher than their labels */
     const int32_t y = (int32_t)lround(place_y(p, value));
     if (label[0]) draw_fill(canvas, p->left, y, p->right, y + 1, grid);
     draw_fill(canvas, p->left - (label[0] ? 7 : 4), y, p->left, y + 1, frame);

@@ -5,22 +5,16 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Rates have long tails: edges are a hundred times faster than surfaces, which should be seen too. */
 #define RATE_SHARE 0.96
-
-static int ascending(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 /* What `share` of the magnitudes stay below, so that one pixel doesn't turn the panel white; 0 where flat. */
 static double robust_limit(const double *values, size_t count, double share) {
     double *sorted = malloc(count * sizeof *sorted);
     if (!sorted) return 0;
     for (size_t i = 0; i < count; i++) sorted[i] = isfinite(values[i]) ? fabs(values[i]) : 0;
-    qsort(sorted, count, sizeof *sorted, ascending);
+    cli_sort(sorted, count);
     double limit = sorted[(size_t)(share * (double)(count - 1))];
     free(sorted);
     return limit;

@@ -1,9 +1,6 @@
 /* The statistics of a run as JSON (DESIGN 6). */
 #include "session.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 /* Each stage, and `other`: the rest of the run time, so that the parts sum to the whole. */
 static int32_t add_times(cJSON *root, const tides_stats *s) {
     cJSON *times = cJSON_AddObjectToObject(root, "time_s");

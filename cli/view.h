@@ -21,7 +21,8 @@ typedef struct view {
 #define VIEW_ELEVATION_DEG 18.0
 
 /* Each draws the events of `shown`, a slice of `recording` (surfaces look further back than their slice), on a new canvas,
- * whose size depends on the sensor's alone; rgb is NULL where memory ran out, else the caller's. */
+ * whose size depends on the sensor's alone. The caller frees its rgb, or destroys its vector where v->shapes; both are NULL
+ * where memory ran out. */
 typedef cli_canvas (*view_drawer)(const view *v, const cli_window *recording, const cli_window *shown);
 cli_canvas view_frame(const view *v, const cli_window *recording, const cli_window *shown);   /* view_image.c */
 cli_canvas view_surface(const view *v, const cli_window *recording, const cli_window *shown); /* view_image.c */

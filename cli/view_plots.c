@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { WIDTH = 1100, HEIGHT = 560, LEFT = 96, TOP = 100, RIGHT = 60, BOTTOM = 72, BINS = 200, BINS_MAX = 100000 };
 
@@ -116,11 +115,6 @@ static int64_t find_intervals(const cli_window *shown, double *intervals) {
     return count;
 }
 
-static int ascending(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The range in whole decades of what isn't 0 (which a logarithmic axis doesn't have). */
 static void draw_intervals(cli_canvas *canvas, const cli_window *shown, const double *sorted, int64_t count, int64_t zeros) {
     double edges[INTERVAL_BINS + 1] = {0};
@@ -162,7 +156,7 @@ cli_canvas view_isi(const view *v, const cli_window *recording, const cli_window
     cli_canvas canvas = count >= 0 ? plot_canvas(WIDTH, HEIGHT) : (cli_canvas){0, 0, NULL, NULL};
     if (canvas.rgb) {
         int64_t zeros = 0;
-        qsort(intervals, (size_t)count, sizeof *intervals, ascending);
+        cli_sort(intervals, (size_t)count);
         while (zeros < count && intervals[zeros] <= 0) zeros++;
         draw_intervals(&canvas, shown, intervals, count, zeros);
     }

@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 const uint8_t view_on[3] = {201, 69, 60}, view_off[3] = {0, 114, 217}; /* of the library's diverging map */
 

@@ -203,9 +203,9 @@ def main():
                 failed += 1
                 print(f"FAIL {block}: {failure}", flush=True)
                 continue
-            without = block.marks.get("without")
+            without = f" (without {block.marks['without']})" if "without" in block.marks else ""
             passed, skipped = passed + (reason is None), skipped + (reason is not None)
-            print(f"skip {block}: {reason}" if reason else f"ok   {block}" + (f" (without {without})" if without else ""), flush=True)
+            print(f"skip {block}: {reason}" if reason else f"ok   {block}{without}", flush=True)
         for name in missing_names(text, values):
             failed += 1
             print(f"FAIL {name}")

@@ -16,12 +16,14 @@ install_to install
 export PKG_CONFIG_PATH="$root/lib/pkgconfig"
 flags=$(${PKG_CONFIG:-pkg-config} --cflags --libs tides)
 echo "pkg-config: $flags"
-for program in ten_lines simulate; do
+cp tests/install/* "$work"
+mv "$work/run.json" "$work/room.json" # of which the README's program counts the events
+sed -n '/^<!-- check: file program.c -->$/,/^```$/p' README.md | sed '1,2d;$d' >"$work/program.c"
+for program in ten_lines program; do
     # shellcheck disable=SC2086
-    ${CC:-gcc} -std=c99 -Wall -Wextra -Wpedantic -Werror tests/install/$program.c $flags -o "$work/$program"
+    ${CC:-gcc} -std=c99 -Wall -Wextra -Wpedantic -Werror "$work/$program.c" $flags -o "$work/$program"
+    echo "$program:" && (cd "$work" && LD_LIBRARY_PATH="$root/lib" "./$program" scene.ply)
 done
-echo "ten_lines:" && LD_LIBRARY_PATH="$root/lib" "$work/ten_lines" tests/install/scene.ply
-echo "simulate:" && LD_LIBRARY_PATH="$root/lib" "$work/simulate" tests/install/run.json
 
 # The tool finds its library by itself, and says the version that pkg-config says.
 version=$("$root/bin/tides" --version)

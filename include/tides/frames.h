@@ -32,8 +32,8 @@ typedef struct tides_frames tides_frames;
 
 /* Opens a sequence, all frames of one size, times ascending:
  *   a folder         its .png (grey or RGB, 8 or 16 bit) or .exr files (channel Y, R G B, or the only one), in natural order
- *   .npy, .npz       an array (frames, height, width) of numbers; the .npz's is "Y", "frames" or "images", times "t" or
- *                    "timestamps"
+ *   .npy, .npz       an array (frames, height, width) of numbers; the .npz's is "Y", "frames", "images" or "voxels", times
+ *                    "t" or "timestamps"
  *   .h5, .hdf5       the same names, read frame by frame
  * With more planes an array is (frames, planes, height, width), where several dimensions may make up the planes, as in
  * (frames, 2, 10, height, width); without its first dimension it is one frame.

@@ -83,7 +83,8 @@ class Frames(Handle):
 
 
 class BaselineParams(Value, _api.tides_baseline_params):
-    """method ("tides", "esim", "v2e", "iebcs", "voltmeter", "ldati"), seed, and each method's own parameters: params.esim.log_eps ..."""
+    """method ("tides", "esim", "v2e", "iebcs", "voltmeter", "ldati"), seed, and each method's own parameters:
+    params.esim.log_eps ..."""
 
     _defaults = "tides_baseline_params_defaults"
     _words = {"method": "TIDES_METHOD_"}
@@ -102,7 +103,8 @@ class Baseline(Handle):
         self._shape, self.stats = (*planes, height, width), Facts()  #: what the last `run` did
 
     def push(self, time: float, luminance: Any) -> np.ndarray:
-        """The next frame (height x width; of LDATI 2 x 10 of them) at `time` [s]. Returns the events that no later frame can come before, EVENT (n)."""
+        """The next frame (height x width; of LDATI 2 x 10 of them) at `time` [s]. Returns the events that no later frame can
+        come before, EVENT (n)."""
         plane = array(luminance, np.float64, self._shape, "luminance")
         with self._lock:
             return _collected("tides_baseline_push", self._pointer, time, pointer(plane, c_double))

@@ -34,6 +34,7 @@ _VALUES: dict[Any, Any] = {
     _api.tides_baseline_params: BaselineParams,
     _api.tides_frames_options: FramesOptions,
 }
+_NOT_ON_FRAMES = (("readout", "enabled", "the arbiter needs"), ("sensor", "labels", "labels need"))
 
 
 def parameters() -> list[Facts]:
@@ -150,12 +151,10 @@ class Run(Handle):
             with self.simulation(device, progress) as simulation:
                 return simulation.run(progress=progress)
         v = self.values
-        if v.readout.enabled:
-            message = "readout.enabled is true: the arbiter needs a scene and method tides; set it to false"
-            raise errors.make(_api.TIDES_UNSUPPORTED, "TIDES_UNSUPPORTED", message)
-        if v.sensor.labels:
-            message = "sensor.labels is true: labels need a scene and method tides; set it to false"
-            raise errors.make(_api.TIDES_UNSUPPORTED, "TIDES_UNSUPPORTED", message)
+        for part, key, needs in _NOT_ON_FRAMES:
+            if getattr(getattr(v, part), key):
+                message = f'{part}.{key} is true: {needs} a scene and method "tides"; set it to false'
+                raise errors.make(_api.TIDES_UNSUPPORTED, "TIDES_UNSUPPORTED", message)
         source = self.open_frames() if v.frames_file else self.renderer(device, progress)
         lens = source if isinstance(source, Frames) else source.camera.intrinsics
         with Baseline(v.baseline, lens.width, lens.height) as baseline:

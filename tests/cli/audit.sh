@@ -4,7 +4,6 @@ make_scene
 expect 0 tides simulate run.json -qo events.h5
 expect 0 tides render run.json -qo frame.exr
 printf '{"base": "run.json", "set": {"time.stop": 0.02}, "grid": {"seed": ["1", "2"]}}' >grid.json
-is_json() { ${PYTHON:-python3} -m json.tool <out >/dev/null || fail "--json should print JSON alone"; }
 
 # What each command does here; each % is a name of its own for what it writes.
 cat >table <<'END'

@@ -55,7 +55,7 @@ missing e.h5
 
 # V2CE's sampler: two voxel grids of 3x2 px, an event of each polarity; whole voxels are at the planes' own times.
 grids() {
-    printf '\x93NUMPY\x01\x00\x76\x00%-117s\n' "{'descr': '|u1', 'fortran_order': False, 'shape': ($1), }"
+    npy_header "$1"
     head -c "$2" /dev/zero
     printf '\001'
     head -c 165 /dev/zero

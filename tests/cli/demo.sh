@@ -12,5 +12,5 @@ ls made | grep -q part && fail "a .part is left"
 awk -v on="$(value made/stats.json events_on)" -v all="$(value made/stats.json events)" \
     'BEGIN { exit !(on > 0.4 * all && on < 0.6 * all) }' || fail "a periodic motion fires ON and OFF alike"
 expect 0 tides demo -o again --json --quiet
-${PYTHON:-python3} -m json.tool <out >/dev/null || fail "--json should print JSON alone"
+is_json
 [ ! -s err ] || fail "--quiet leaves stderr alone"

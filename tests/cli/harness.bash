@@ -23,6 +23,12 @@ err() { grep -Eq -- "$1" err || fail "stderr lacks: $1"; }
 silent() { [ ! -s out ] && [ ! -s err ] || fail "it should say nothing"; }
 exists() { [ -s "$1" ] || fail "$1 should be there"; }
 missing() { [ ! -e "$1" ] || fail "$1 shouldn't be there"; }
+is_json() { ${PYTHON:-python3} -m json.tool <out >/dev/null || fail "--json should print JSON alone"; }
+# less A B WHAT: two numbers, both there.
+less() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && b != "" && a + 0 < b + 0) }' || fail "$3: $1 isn't below $2"; }
+
+# The first 128 bytes of a .npy of bytes: npy_header SHAPE.
+npy_header() { printf '\x93NUMPY\x01\x00\x76\x00%-117s\n' "{'descr': '|u1', 'fortran_order': False, 'shape': ($1), }"; }
 
 # The last command printed one line on stderr, "tides: ...", that matches, and nothing on stdout.
 error_line() {

@@ -90,6 +90,12 @@ def test_ldati_of_exact_voxels(tmp_path):
     assert len(baseline.push(0.0, voxels[0])) + len(baseline.finish()) == 20
 
 
+@pytest.mark.parametrize("key", ["readout.enabled", "sensor.labels"])
+def test_what_frames_cannot_have_is_refused(key):
+    with pytest.raises(tides.errors.Unsupported, match=f'{key} is true: .* a scene and method "tides"'):
+        tides.Run("tests/install/run.json", {"method": "esim", key: True}).simulate()
+
+
 def test_psf(scene, camera):
     renderer = tides.Renderer(scene, camera)
     sharp = renderer.frame(0.05, ["L"])["L"]
