@@ -104,6 +104,8 @@ void cli_csv_text(FILE *file, const char *text);
 void cli_csv_value(FILE *file, const cJSON *value);
 /* 1234567 -> "1.23 M"; returns `text`. */
 const char *cli_count(double number, char text[24]);
+/* 1 where `path` is longer than `ending` (".png") and ends in it, whatever its case. */
+int cli_ends_in(const char *path, const char *ending);
 /* Whether `path` will be writable later: an early answer for outputs that come at the end of long work. */
 tides_status cli_check_writable(const char *path, tides_error *error);
 /* Makes a directory; one that is there is fine. */

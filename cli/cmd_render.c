@@ -34,6 +34,18 @@ static tides_status render(const cli_session *session, double time, const render
     return status;
 }
 
+/* A file is what its name says. */
+static int check_outputs(const cli_command *command, const render_request *request) {
+    if (!request->exr && !request->png) return cli_usage(command, "the output is missing: -o OUT.exr, or --png OUT.png");
+    if (request->exr && !cli_ends_in(request->exr, ".exr"))
+        return cli_usage(command, "-o %s: should end in .exr, for it is written as OpenEXR; --png OUT.png makes a picture",
+                         request->exr);
+    if (request->png && !cli_ends_in(request->png, ".png"))
+        return cli_usage(command, "--png %s: should end in .png, for it is written as PNG; -o OUT.exr keeps floats",
+                         request->png);
+    return CLI_GO;
+}
+
 int cmd_render(const cli_command *command, int argc, char **argv) {
     cli_common common;
     render_request request = {.run = NULL};
@@ -48,7 +60,7 @@ int cmd_render(const cli_command *command, int argc, char **argv) {
     };
     int code = cli_parse(command, options, argc, argv, &common, &request.run);
     if (code != CLI_GO) return code;
-    if (!request.exr && !request.png) return cli_usage(command, "the output is missing: -o OUT.exr, or --png OUT.png");
+    if ((code = check_outputs(command, &request)) != CLI_GO) return code;
     double time = 0;
     if (request.time && (code = cli_number(command, "--time", request.time, &time)) != CLI_GO) return code;
 

@@ -70,22 +70,17 @@ static int number_in(const cli_command *command, const char *option, const char 
     return cli_usage(command, "%s %s: should be %g to %g", option, text, low, high);
 }
 
-static int ends_with(const char *text, const char *ending) {
-    const size_t length = strlen(text), tail = strlen(ending);
-    return length > tail && strcmp(text + length - tail, ending) == 0;
-}
-
 /* What is written follows from the name: a video, numbered pictures, or one picture unless it is to move. */
 static int parse_output(const cli_command *command, const char *fps, job *j) {
     if (!j->out) return cli_usage(command, "say where the picture goes: -o OUT.png");
     j->to_stdout = strcmp(j->out, "-") == 0;
     if (j->to_stdout && isatty(STDOUT_FILENO))
         return cli_usage(command, "-o - writes video to standard output: pipe it, e.g. into ffmpeg -i - OUT.mp4");
-    if (j->to_stdout || ends_with(j->out, ".y4m") || ends_with(j->out, ".apng") || strchr(j->out, '%')) j->animate = 1;
-    j->view.shapes = ends_with(j->out, ".svg");
+    if (j->to_stdout || cli_ends_in(j->out, ".y4m") || cli_ends_in(j->out, ".apng") || strchr(j->out, '%')) j->animate = 1;
+    j->view.shapes = cli_ends_in(j->out, ".svg");
     if (j->view.shapes && (j->animate || j->kind->draw != view_xyt))
         return cli_usage(command, "-o %s: what is drawn as .svg is one picture of --kind xyt", j->out);
-    if (!j->animate && !j->view.shapes && !ends_with(j->out, ".png"))
+    if (!j->animate && !j->view.shapes && !cli_ends_in(j->out, ".png"))
         return cli_usage(command,
                          "-o %s: pictures are written as .png (xyt: .svg too), videos as .y4m or - (for ffmpeg), or "
                          "frame%%04d.png",

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 int cli_fail(const tides_error *error) {
@@ -169,6 +170,11 @@ static char *part_name(const char *path, tides_error *error) {
     else
         cli_error(error, TIDES_NO_MEMORY, "out of memory: %s", path);
     return part;
+}
+
+int cli_ends_in(const char *path, const char *ending) {
+    const size_t length = strlen(path), tail = strlen(ending);
+    return length > tail && strcasecmp(path + length - tail, ending) == 0;
 }
 
 tides_status cli_check_writable(const char *path, tides_error *error) {

@@ -85,15 +85,17 @@ static tides_status choose_inner(folder_state *state, const char *where, tides_e
                    where);
 }
 
-/* Big-endian width and height of a PNG stand behind its mark and the first chunk's name. */
+/* Big-endian width and height of a PNG stand behind its mark and the first chunk's name. 0 is no size. */
 static void read_png_size(const char *path, tides_event_facts *facts) {
     unsigned char head[24];
     FILE *file = fopen(path, "rb");
     size_t got = file ? fread(head, 1, sizeof head, file) : 0;
     if (file) fclose(file);
     if (got < sizeof head || memcmp(head, "\x89PNG", 4) != 0 || head[16] || head[17] || head[20] || head[21]) return;
-    facts->width = head[18] << 8 | head[19];
-    facts->height = head[22] << 8 | head[23];
+    const int32_t width = head[18] << 8 | head[19], height = head[22] << 8 | head[23];
+    if (!width || !height) return;
+    facts->width = width;
+    facts->height = height;
 }
 
 /* The first picture's, which ERGB's events are aligned with. */

@@ -11,6 +11,14 @@ import worlds
 import tides
 
 WIDTH, HEIGHT, STOP = 240, 180, 0.05
+TITLE = 18  # height of the strip above a panel [px]
+
+
+def titled(title, panel):
+    """The panel below a white strip with its title."""
+    strip = np.full((TITLE, WIDTH, 3), 255, np.uint8)
+    tides.image.picture_text(strip, 4, 4, title)
+    return np.concatenate([strip, panel])
 
 
 def main(output="simulate_and_plot.png"):
@@ -31,9 +39,8 @@ def main(output="simulate_and_plot.png"):
         "L_dot": tides.image.picture_signed(frame["L_dot"]),
         f"{len(window)} events of 10 ms": tides.image.picture_events(window, WIDTH, HEIGHT, frame["Y"]),
     }
-    for title, panel in panels.items():
-        tides.image.picture_text(panel, 4, 4, title, colour=(220, 110, 0))
-    tides.image.write_png(output, np.ascontiguousarray(np.concatenate(list(panels.values()), axis=1)))
+    row = [titled(title, panel) for title, panel in panels.items()]
+    tides.image.write_png(output, np.ascontiguousarray(np.concatenate(row, axis=1)))
     print(output)
 
 

@@ -18,4 +18,11 @@ expect 0 tides render run.json -o h.exr --json
 out '"time_s":[[:space:]]*0,'
 refuse 1 "0.5" tides render run.json --time 0.5 -o i.exr
 missing i.exr
+# A file is what its name says, and a name that doesn't fit is refused before anything is rendered.
+expect 0 tides render run.json -o "capital letters.EXR" --png capitals.PNG -q
+exists "capital letters.EXR"
+refuse 2 "-o x.png: should end in .exr.*--png" tides render run.json -o x.png
+refuse 2 "--png x.exr: should end in .png.*-o" tides render run.json --png x.exr
+refuse 2 "-o .exr: should end in .exr" tides render run.json -o .exr
+for file in x.png x.exr .exr; do missing $file; done
 [ "$(head -c 4 f.png | tail -c 3)" = PNG ] || fail "f.png isn't a PNG"

@@ -75,16 +75,30 @@ static inline void fuzz_put(const char *name, const uint8_t *data, size_t size) 
     if (!file || fwrite(data, 1, size, file) != size || fclose(file) != 0) abort();
 }
 
-/* A row of files as the input: which of `names` each is (a byte), its length (three bytes, low first), its bytes. They replace
- * what is under the root. */
+/* One file of a row: which of the target's names it has, and its bytes. */
+typedef struct fuzz_part {
+    uint8_t name;
+    const uint8_t *data;
+    size_t size;
+} fuzz_part;
+
+/* A row of files as the input: which of the names each is (a byte), its length (three bytes, low first), its bytes. Takes the
+ * next from the front; 0 where there is none. */
+static inline int fuzz_row_next(const uint8_t **data, size_t *size, fuzz_part *part) {
+    if (*size <= 4) return 0;
+    const uint8_t *at = *data;
+    size_t length = at[1] | (size_t)at[2] << 8 | (size_t)at[3] << 16;
+    if (length > *size - 4) length = *size - 4;
+    *part = (fuzz_part){at[0], at + 4, length};
+    *data += 4 + length, *size -= 4 + length;
+    return 1;
+}
+
+/* A row of files replaces what is under the root. */
 static inline void fuzz_put_row(const char *const *names, size_t count, const uint8_t *data, size_t size) {
+    fuzz_part part;
     fuzz_empty(fuzz_root());
-    while (size > 4) {
-        size_t length = data[1] | (size_t)data[2] << 8 | (size_t)data[3] << 16;
-        if (length > size - 4) length = size - 4;
-        fuzz_put(names[data[0] % count], data + 4, length);
-        data += 4 + length, size -= 4 + length;
-    }
+    while (fuzz_row_next(&data, &size, &part)) fuzz_put(names[part.name % count], part.data, part.size);
 }
 
 #endif

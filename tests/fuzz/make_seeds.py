@@ -299,12 +299,12 @@ write("fuzz_iebcs_noise", "table", npy_file("|u1", (1, 2, 72), bytes(i % 72 // 6
 write("fuzz_iebcs_noise", "real", npy_file("<f8", (1, 1, 72), struct.pack("<72d", *([0] * 60 + [1] * 12))))
 
 
-# -- HDF5 files as fuzz_hdf5.c makes them; a chunk of Prophesee's codec; manifests --------------------------------------
+# -- HDF5 files as hdf5_items.h makes them; a chunk of Prophesee's codec; manifests --------------------------------------
 
 NAMES = ("events/p events/t events/x events/y events/t_ns events/height events/width events/ps events/ts events/xs events/ys p t x "
          "y events t_offset ms_to_idx CD/events prophesee/left/p prophesee/left/t prophesee/left/x prophesee/left/y "
          "prophesee/left/calib/resolution davis/left/events Y frames images timestamps @width @height @sensor_resolution @format "
-         "@version @count @stop_ns @geometry").split()
+         "@version @count @stop_ns @geometry rectify_map").split()
 TYPES = "u1 i1 u2 i2 u4 i4 u8 >i8 f4 f8 bool text record".split()
 
 
@@ -336,6 +336,33 @@ write("fuzz_hdf5", "rvt", events_of("events/", ["p", "t", "x", "y", "height", "w
 write("fuzz_hdf5", "ecf", item("CD/events", "record", (2,), 4, ECF) + item("@geometry", "text", (), 0, b"9x9"))
 write("fuzz_hdf5", "frames", item("Y", "f4", (2, 2, 3), 0, struct.pack("<f", 0.5)) + item("t", "f8", (2,), 0, bytes(8) + seconds))
 write("fuzz_hdf5", "images", item("images", "u1", (2, 2, 3), 2, b"\x10\x20") + item("timestamps", "i4", (2,), 0, b"\1\0\0\0\2\0\0\0"))
+
+
+def columns(names, x):
+    """An .npz of two events, at (1, 1) and (x, 2)."""
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w") as to:
+        for name, dtype, values in zip(names, "qHHB", ((5, 6), (1, x), (1, 2), (1, 0))):
+            kind = "<" + {"q": "i8", "H": "u2", "B": "u1"}[dtype]
+            to.writestr(zipfile.ZipInfo(name + ".npy"), npy_file(kind, (2,), struct.pack("<2" + dtype, *values)))
+    return out.getvalue()
+
+
+FOLDER = ["events/0", "events/1", "images", "aligned/0", "aligned/1", "corrected", "0", "1", "h5", "left", "map", "right"]
+picture = png(970, 625, 1, 0)[:33]
+bs = ["timestamp", "x", "y", "polarity"]
+dsec = events_of("events/", "ptxy", ["u1", "u4", "u2", "u2"], 3) + item("t_offset", ">i8", (), 0, bytes(8))
+rectify = item("rectify_map", "f4", (9, 8, 2), 0, bytes(4))
+for name, start, held in (
+        ("bs_ergb", (0, 0), {"events/0": columns(bs, 65535), "events/1": columns(bs, 31039), "images": picture}),
+        ("hs_ergb", (0, 0), {"aligned/0": columns("txyp", 9000), "aligned/1": columns("txyp", 3), "corrected": picture}),
+        ("hs_near", (3, 1), {"aligned/0": columns("txyp", 3), "corrected": picture}),
+        ("vid2e", (0, 0), {"0": columns("txyp", 3), "1": columns("txyp", 4)}),
+        ("dsec", (0, 0), {"left": dsec, "map": rectify}),
+        ("dsec_two", (0, 3), {"left": dsec, "right": dsec}),
+        ("dsec_left", (2, 0), {"left": dsec, "map": rectify}),
+        ("eds", (0, 0), {"h5": events_of("", "ptxy", ["u1", "u4", "u2", "u2"], 1)})):
+    write("fuzz_event_folder", name, bytes(start) + row(FOLDER, held))
 write("fuzz_ecf", "all", ECF)
 write("fuzz_ecf", "rows", struct.pack("<IQ", 2 << 2, 5) + bytes([0x02]) + struct.pack("<HHB", 3 << 5 | 2, 1 << 5 | 16, 0x82))
 write("fuzz_ecf", "x", struct.pack("<IQ", 1 << 2 | 1, 5) + bytes([0x31]) + struct.pack("<H3H", 3 << 5 | 1, 16, 0, 0))

@@ -171,6 +171,22 @@ static void hs_ergb(void **state) {
     expect_event(&events[1], 200000, 300, 1, -1);
 }
 
+/* A picture without pixels says nothing of the size: events aren't clipped to it. */
+static void picture_without_pixels(void **state) {
+    const int64_t rows[1][4] = {{100, 32 * 9, 32 * 8, 1}};
+    const int sizes[3][2] = {{970, 0}, {0, 625}, {0, 0}};
+    tides_event events[MOST];
+    tides_event_facts facts;
+    put_npz(*state, "seq/events/0.npz", 1, rows, 1);
+    for (int i = 0; i < 3; i++) {
+        put_picture(*state, "seq/images/0.png", sizes[i][0], sizes[i][1]);
+        assert_int_equal(read_all(scene_in_folder(*state, "seq"), NULL, events, &facts), 1);
+        assert_int_equal(facts.width, 0);
+        assert_int_equal(facts.height, 0);
+        expect_event(&events[0], 100000, 9, 8, 1);
+    }
+}
+
 static void vid2e(void **state) {
     const int64_t rows[3][1][4] = {{{5, 1, 2, 1}}, {{6, 3, 4, 0}}, {{7, 5, 6, 1}}};
     tides_event events[MOST];
@@ -267,6 +283,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(bs_ergb, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(hs_ergb, scene_folder_setup, scene_folder_teardown),
+        cmocka_unit_test_setup_teardown(picture_without_pixels, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(vid2e, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(damaged_file, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(dsec, scene_folder_setup, scene_folder_teardown),
