@@ -1,5 +1,5 @@
-/* Any bytes as the manifest of a batch: runs with names that are folders, no two alike, or a refusal in one line. Now
- * and then only the run "a" is meant. */
+/* Any bytes as the manifest of a batch: runs with names that are folders, no two alike, or a refusal in one line. Where --only
+ * names a run, it alone is left. */
 #include "fuzz.h"
 
 #include "cli/batch.h"
