@@ -125,23 +125,24 @@ static const struct method {
     const char *name, *method; /* of the row, in the run file */
     void (*threshold)(settings *s, const pixel *p), (*ideal)(settings *s, const pixel *p); /* NULL: nothing to set */
     const char *always;   /* a setting that makes the row what it is, or NULL */
-    const char *own;      /* the key that says that the run file has thresholds for it; NULL: they are the run's */
+    const char *own[2];   /* the run file has thresholds for it where it gives one of these keys */
     const char *shown[3]; /* the keys that the results tell */
     const char *pace;     /* and of a scene the one that says how often it is rendered */
     int32_t scenes_only;
 } methods[] = {
-    {"tides", "tides", NULL, ideal_tides, NULL, NULL,
+    {"tides", "tides", NULL, ideal_tides, NULL, {NULL, NULL},
      {"sensor.threshold_on", "sensor.threshold_off"}, "stepping.tolerance", 0},
-    {"esim", "esim", threshold_esim, ideal_esim, NULL, "esim.contrast_threshold_pos",
+    {"esim", "esim", threshold_esim, ideal_esim, NULL, {"esim.contrast_threshold_pos", "esim.contrast_threshold_neg"},
      {"esim.contrast_threshold_pos", "esim.contrast_threshold_neg", "esim.simulation_adaptive_sampling_method"},
      "esim.simulation_adaptive_sampling_lambda", 0},
     {"esim-fixed", "esim", threshold_esim, ideal_esim, "esim.simulation_adaptive_sampling_method=none",
-     "esim.contrast_threshold_pos", {"esim.contrast_threshold_pos", "esim.contrast_threshold_neg"}, "frames_per_second", 1},
-    {"v2e", "v2e", threshold_v2e, ideal_v2e, NULL, "v2e.pos_thres",
+     {"esim.contrast_threshold_pos", "esim.contrast_threshold_neg"},
+     {"esim.contrast_threshold_pos", "esim.contrast_threshold_neg"}, "frames_per_second", 1},
+    {"v2e", "v2e", threshold_v2e, ideal_v2e, NULL, {"v2e.pos_thres", "v2e.neg_thres"},
      {"v2e.pos_thres", "v2e.neg_thres"}, "frames_per_second", 0},
-    {"dvs-voltmeter", "dvs-voltmeter", threshold_voltmeter, ideal_voltmeter, NULL, "voltmeter.k1",
+    {"dvs-voltmeter", "dvs-voltmeter", threshold_voltmeter, ideal_voltmeter, NULL, {"voltmeter.k1", NULL},
      {"voltmeter.k1", "voltmeter.k2"}, "frames_per_second", 0},
-    {"iebcs", "iebcs", threshold_iebcs, ideal_iebcs, NULL, "iebcs.th_pos",
+    {"iebcs", "iebcs", threshold_iebcs, ideal_iebcs, NULL, {"iebcs.th_pos", "iebcs.th_neg"},
      {"iebcs.th_pos", "iebcs.th_neg", "iebcs.scale"}, "frames_per_second", 0},
 };
 /* clang-format on */
@@ -153,6 +154,12 @@ static const struct method *find_method(const char *name) {
     size_t i = 0;
     while (strcmp(methods[i].name, name) != 0) i++;
     return &methods[i];
+}
+
+static int32_t has_thresholds(const struct method *m, const tides_run *run) {
+    for (int i = 0; i < 2; i++)
+        if (m->own[i] && tides_run_gives(run, m->own[i])) return 1;
+    return 0;
 }
 
 int32_t compare_scenes_only(const char *method) { return find_method(method)->scenes_only; }
@@ -202,7 +209,7 @@ tides_status compare_configure(const comparison *c, const char *method, int32_t 
     const pixel p = {given->sensor.threshold_on, given->sensor.threshold_off, given->image.log_eps};
     settings s = {.count = 0};
     put(&s, "method=", m->method);
-    if (m->threshold && (ideal || !tides_run_gives(c->session.run, m->own))) m->threshold(&s, &p);
+    if (m->threshold && (ideal || !has_thresholds(m, c->session.run))) m->threshold(&s, &p);
     if (ideal) m->ideal(&s, &p);
     if (m->always) put(&s, m->always, "");
     *session = c->session;
@@ -217,6 +224,10 @@ tides_status compare_configure(const comparison *c, const char *method, int32_t 
 /* -- running ------------------------------------------------------------------------------------------------------------- */
 
 static tides_status simulate(const cli_session *s, cli_progress *progress, compare_row *row, tides_error *error) {
+    const cli_job none = {.run = NULL};
+    /* Readout and labels are the other methods' neither on scenes nor on frames; TIDES's own would go without them here. */
+    if (s->frames && s->values.baseline.method == TIDES_METHOD_TIDES && cli_frames_check(&none, s, error) != TIDES_OK)
+        return error->status;
     if (cli_uses_frames(s)) return cli_frames_simulate(s, bench_keep, &row->stream, progress, &row->stats, error);
     tides_simulator *simulator = NULL;
     tides_status status = cli_simulator_create(s, progress, &simulator, error);

@@ -1,6 +1,6 @@
 /* Counter-based random numbers: Philox4x32-10 and what is drawn from its bits.
  *
- * Each is written once, for one number and for lanes of several alike: straight-line code without tables or calls of libm, which
+ * Each is written once, for one number and for lanes of several alike: straight-line code without tables or calls of libm, that
  * compilers vectorise, and whose numbers are the same with every C library. */
 #include "td_random.h"
 
