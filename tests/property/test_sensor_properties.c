@@ -213,9 +213,10 @@ static void test_halved_steps(void **state) {
         {"by light, blur of Y", TIDES_REFRACTORY_DROP_KEEP, 1, TIDES_PSF_LINEAR, 0.8, 0},
         {"circuit, blur of L", TIDES_REFRACTORY_DROP_CONSUME, 2, TIDES_PSF_LOG, 0.8, 0},
     };
-    random_scene scene = make_scene(SEED + 4);
+    const unsigned long long seed = SEED + 4;
+    random_scene scene = make_scene(seed);
     tides_device *device = open_device("reference");
-    printf("seed %llu\n", (unsigned long long)(SEED + 4));
+    printf("seed %llu\n", seed);
     for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
         job j = quiet_job(&scene, &all[k]);
         outcome coarse = whole_run(&j, device, NULL);

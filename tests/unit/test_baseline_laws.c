@@ -350,7 +350,7 @@ static double blurred_waves(size_t k, size_t i) {
         for (int dx = -BLUR; dx <= BLUR; dx++) {
             int x = inside((int)(i % WIDTH) + dx, WIDTH - 1), y = inside((int)(i / WIDTH) + dy, HEIGHT - 1);
             double weight = exp(-0.5 * (dx * dx + dy * dy) / (1.5 * 1.5));
-            sum += weight * waves(k, (size_t)(y * WIDTH + x));
+            sum += weight * waves(k, (size_t)y * WIDTH + (size_t)x);
             whole += weight;
         }
     return sum / whole;

@@ -58,13 +58,14 @@ static tides_scene *make_wall(double velocity, int by_splats) {
     tides_scene *scene = NULL;
     tides_error error = {TIDES_OK, ""};
     for (int i = 0; i < SPLATS; i++) {
-        mean[3 * i] = ((float)(i % COLUMNS) - 5.5f) * 0.5f;
-        mean[3 * i + 1] = ((float)(i / COLUMNS) - 4) * 0.5f;
+        const int column = i % COLUMNS, row = i / COLUMNS;
+        mean[3 * i] = ((float)column - 5.5f) * 0.5f;
+        mean[3 * i + 1] = ((float)row - 4) * 0.5f;
         mean[3 * i + 2] = (float)depth;
         for (int k = 0; k < 3; k++) scale[3 * i + k] = k < 2 ? -1.5f : -4;
         rotation[4 * i] = 1;
         opacity[i] = 3;
-        for (int k = 0; k < 3; k++) sh[3 * i + k] = (i + i / COLUMNS) % 2 ? 1.2f : -1.4f;
+        for (int k = 0; k < 3; k++) sh[3 * i + k] = (i + row) % 2 ? 1.2f : -1.4f;
     }
     const tides_gaussians wall = {SPLATS, 0, 0, mean, scale, rotation, opacity, sh};
     tides_trajectory *path = path_along_x(by_splats ? 0 : velocity);

@@ -81,13 +81,13 @@ static void draw_end(drawn *d) {
 
 /* Every tile at `slots` slots. */
 static double *tiles_of(tides_renderer *renderer, const tides_trajectory *path, const double *times, int slots, int outputs) {
-    int tiles = renderer->stats.tiles;
-    double *planes = calloc((size_t)(slots * tiles * outputs) * TD_TILE_PIXELS, sizeof *planes);
-    td_request *requests = calloc((size_t)(slots * tiles), sizeof *requests);
+    const int tiles = renderer->stats.tiles, asked = slots * tiles;
+    double *planes = calloc((size_t)asked * (size_t)outputs * TD_TILE_PIXELS, sizeof *planes);
+    td_request *requests = calloc((size_t)asked, sizeof *requests);
     tides_error error;
     assert_true(planes && requests);
-    for (int i = 0; i < slots * tiles; i++) requests[i] = (td_request){i % tiles, i / tiles};
-    scene_expect_ok(td_renderer_tiles(renderer, path, times, slots, requests, slots * tiles, outputs, planes, &error), &error);
+    for (int i = 0; i < asked; i++) requests[i] = (td_request){i % tiles, i / tiles};
+    scene_expect_ok(td_renderer_tiles(renderer, path, times, slots, requests, asked, outputs, planes, &error), &error);
     free(requests);
     return planes;
 }
