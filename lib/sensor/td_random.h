@@ -42,7 +42,7 @@ td_random_bits td_random(uint64_t seed, uint32_t pixel, uint64_t index, uint32_t
 /* Philox itself, ten rounds. */
 td_random_bits td_philox(const uint32_t counter[4], const uint32_t key[2]);
 
-/* Uniform in (0, 1), 53 bits, never an end; from words 0 and 1, or 2 and 3. */
+/* Uniform in (0, 1), 52 bits and a half, never an end; from words 0 and 1, or 2 and 3. */
 double td_random_uniform(const td_random_bits *bits, int half);
 
 /* Two independent standard normals (Box and Muller). */
