@@ -126,9 +126,10 @@ tides_status bench_frame_costs(bench *b, const bench_scene *scene, const tides_i
                                double *seconds, tides_error *error) {
     const int32_t rounds = b->quick ? QUICK_ROUNDS : ROUNDS;
     planes p;
-    tides_renderer **renderers = calloc(count, sizeof(tides_renderer *));
     tides_status status = TIDES_OK;
-    if (!make_planes(&p, 2, (size_t)scene->intrinsics.width * (size_t)scene->intrinsics.height) || !renderers)
+    tides_renderer **renderers = calloc(count, sizeof(tides_renderer *));
+    if (!renderers) return cli_error(error, TIDES_NO_MEMORY, "out of memory: frames");
+    if (!make_planes(&p, 2, (size_t)scene->intrinsics.width * (size_t)scene->intrinsics.height))
         status = cli_error(error, TIDES_NO_MEMORY, "out of memory: frames");
     for (size_t i = 0; i < count && status == TIDES_OK; i++)
         if (!(renderers[i] = make_renderer(b, scene, &images[i], error))) status = error->status;
@@ -140,7 +141,7 @@ tides_status bench_frame_costs(bench *b, const bench_scene *scene, const tides_i
             const double took = cli_now() - began;
             if (round <= 0 || took < seconds[i]) seconds[i] = took;
         }
-    for (size_t i = 0; renderers && i < count; i++) tides_renderer_destroy(renderers[i]);
+    for (size_t i = 0; i < count; i++) tides_renderer_destroy(renderers[i]);
     free(renderers);
     free_planes(&p);
     return status;

@@ -19,7 +19,8 @@ enum { /* clang-format off */
 }; /* clang-format on */
 
 static tides_status damaged(const td_pickle *p, const char *what) {
-    return td_fail(p->error, TIDES_BAD_FILE, "%s: the pickle is damaged at byte %zu: %s", p->path, p->at, what);
+    td_fail(p->error, TIDES_BAD_FILE, "%s: the pickle is damaged at byte %zu: %s", p->path, p->at, what);
+    return TIDES_BAD_FILE;
 }
 
 /* The next `count` bytes as a little-endian number. */
