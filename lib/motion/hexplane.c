@@ -64,7 +64,7 @@ static tides_status measure_grid(const tides_motion *motion, td_hexplane *hexpla
 static tides_status measure_trunk(const tides_motion *motion, td_hexplane *hexplane, tides_error *error) {
     const td_field *weight = NULL, *bias = NULL;
     char name[48] = "feature_out.0";
-    uint64_t inputs = (uint64_t)(hexplane->levels * hexplane->channels), width = 0;
+    uint64_t inputs = (uint64_t)hexplane->levels * (uint64_t)hexplane->channels, width = 0;
     do {
         tides_status status = td_dense_fields(motion, name, width, inputs, &weight, &bias, error);
         if (status != TIDES_OK) return status;

@@ -56,7 +56,7 @@ tides_status td_motion_take_field(tides_motion *motion, const char *name, int ra
         return status;
     }
     td_field *field = &motion->field[motion->fields++];
-    strcpy(field->name, name);
+    memcpy(field->name, name, strlen(name) + 1);
     field->rank = rank;
     for (int i = 0; i < rank; i++) field->shape[i] = shape[i];
     field->value = value;
@@ -68,7 +68,7 @@ tides_status td_motion_set(tides_motion *motion, const char *name, double value,
         return td_fail(error, TIDES_BAD_FILE, "%s motion: setting '%.80s' is one too many, too long, or isn't finite",
                        motion->type->name, name);
     td_setting *setting = &motion->setting[motion->settings++];
-    strcpy(setting->name, name);
+    memcpy(setting->name, name, strlen(name) + 1);
     setting->value = value;
     return TIDES_OK;
 }

@@ -134,7 +134,7 @@ static void apply_row(const td_field *weight, const td_field *bias, int row, con
 
 /* The network over the time: Linear, ReLU, Linear. */
 static void apply_time_network(const tides_motion *motion, const double *value, const double *rate, int outputs, double *to) {
-    double hidden[TIME_WIDTH_MAX], hidden_dot[TIME_WIDTH_MAX];
+    double hidden[TIME_WIDTH_MAX] = {0}, hidden_dot[TIME_WIDTH_MAX] = {0};
     const td_field *weight = td_motion_field(motion, "timenet.0.weight"), *bias = td_motion_field(motion, "timenet.0.bias");
     for (int i = 0; i < (int)weight->shape[0]; i++) {
         apply_row(weight, bias, i, value, rate, &hidden[i], &hidden_dot[i]);
@@ -145,7 +145,7 @@ static void apply_time_network(const tides_motion *motion, const double *value, 
 }
 
 static void moment(const tides_motion *motion, double tau, int side, double real[TD_MOMENT_REALS]) {
-    double value[1 + 2 * OCTAVES_MAX], rate[1 + 2 * OCTAVES_MAX], *to = real + TD_MOMENT_OWN;
+    double value[1 + 2 * OCTAVES_MAX] = {0}, rate[1 + 2 * OCTAVES_MAX] = {0}, *to = real + TD_MOMENT_OWN;
     const td_field *small = td_motion_field(motion, "timenet.0.weight");
     (void)side; /* smooth but for ReLUs */
     if (small) {

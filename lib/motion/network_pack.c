@@ -39,7 +39,7 @@ static void pack_record(const tides_gaussians *from, int64_t g, int octaves, dou
     double sum = 0, mean[3];
     for (int i = 0; i < 3; i++) {
         mean[i] = record[TD_NETWORK_MEAN + i] = from->mean[3 * g + i];
-        record[TD_NETWORK_SCALE + i] = exp(from->log_scale[3 * g + i]);
+        record[TD_NETWORK_SCALE + i] = exp((double)from->log_scale[3 * g + i]);
     }
     for (int i = 0; i < 4; i++) sum += (double)from->quaternion[4 * g + i] * from->quaternion[4 * g + i];
     for (int i = 0; i < 4; i++) record[TD_NETWORK_ROTATION + i] = from->quaternion[4 * g + i] / sqrt(sum);

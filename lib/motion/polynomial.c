@@ -48,7 +48,7 @@ static tides_status check(const tides_motion *motion, const tides_gaussians *gau
     if (status == TIDES_OK) status = check_decoder(motion, error);
     if (status != TIDES_OK) return status;
     for (int64_t i = 0; i < gaussians->count; i++)
-        if (fabs(fields.log_width->value[i]) > LOG_WIDTH_MOST)
+        if (fabs((double)fields.log_width->value[i]) > LOG_WIDTH_MOST)
             return td_fail(error, TIDES_BAD_FILE,
                            "polynomial motion: opacity_log_width %lld is %g: must be from -%g to %g (a logarithm)",
                            (long long)i, fields.log_width->value[i], LOG_WIDTH_MOST, LOG_WIDTH_MOST);

@@ -87,8 +87,8 @@ static tides_status add_jobs(td_moved *moved, const td_moved_part *part, int fir
     tides_status status = td_reserve((void **)&rows->moments, &rows->moment_capacity,
                                      ((size_t)rows->moment_count + 1) * TD_MOMENT_REALS, sizeof *rows->moments, error);
     if (status == TIDES_OK)
-        status =
-            td_reserve((void **)&rows->jobs, &rows->job_capacity, (size_t)(rows->job_count + jobs), sizeof *rows->jobs, error);
+        status = td_reserve((void **)&rows->jobs, &rows->job_capacity, (size_t)rows->job_count + (size_t)jobs,
+                            sizeof *rows->jobs, error);
     if (status != TIDES_OK) return status;
     td_motion_moment(part->of.motion, at[0], at[1], side, rows->moments + (size_t)rows->moment_count * TD_MOMENT_REALS);
     for (int i = first; i < rows->count; i += JOB_LENGTH) {
@@ -129,7 +129,7 @@ tides_status td_rows_end_between(td_moved *moved, const td_moved_part *part, int
     int last = rows->owners[2 * (rows->count - 1)];
     while ((rows->count - first) % TD_PAD) td_rows_add_between(moved, part, last);
     int count = rows->count - first, jobs = (count + JOB_LENGTH - 1) / JOB_LENGTH;
-    status = td_reserve((void **)&rows->cubic_jobs, &rows->cubic_job_capacity, (size_t)(rows->cubic_job_count + jobs),
+    status = td_reserve((void **)&rows->cubic_jobs, &rows->cubic_job_capacity, (size_t)rows->cubic_job_count + (size_t)jobs,
                         sizeof *rows->cubic_jobs, error);
     if (status != TIDES_OK) return status;
     td_cubic_weights(span->from->time, span->to->time, time, rows->cubics + (size_t)rows->cubic_count * TD_CUBIC_REALS);

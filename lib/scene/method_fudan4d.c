@@ -22,8 +22,10 @@ enum { K = 16, ENTRIES = 3 * K };
 static tides_status read_item(const td_value *capture, size_t index, const char *name, int ndim, const int64_t *shape,
                               float **out, tides_error *error) {
     const td_value *item = td_value_item(capture, index);
-    if (!item || item->kind != TD_VALUE_TENSOR)
-        return td_fail(error, TIDES_BAD_FILE, "item %zu, %s, is %s: a tensor was expected", index, name, td_value_kind(item));
+    if (!item || item->kind != TD_VALUE_TENSOR) {
+        td_fail(error, TIDES_BAD_FILE, "item %zu, %s, is %s: a tensor was expected", index, name, td_value_kind(item));
+        return TIDES_BAD_FILE; /* said here for static analysers, which don't see into td_fail */
+    }
     tides_status status = td_tensor_check_shape(item->as.tensor, name, ndim, shape, error);
     if (status == TIDES_OK) status = td_tensor_check_finite(item->as.tensor, name, error);
     if (status == TIDES_OK) status = td_tensor_floats(item->as.tensor, out, error);
@@ -106,8 +108,10 @@ static tides_status read_gaussians(const td_value *capture, td_gaussians *g, tid
 static tides_status read_arrays(const td_value *capture, int64_t count, fudan_arrays *a, tides_error *error) {
     const int64_t one[] = {count, 1}, four[] = {count, 4};
     int tilts = 0;
-    if (!td_value_bool(td_value_item(capture, ROT_4D), &tilts))
-        return td_fail(error, TIDES_BAD_FILE, "item %d, rot_4d, isn't True or False", ROT_4D);
+    if (!td_value_bool(td_value_item(capture, ROT_4D), &tilts)) {
+        td_fail(error, TIDES_BAD_FILE, "item %d, rot_4d, isn't True or False", ROT_4D);
+        return TIDES_BAD_FILE; /* as in read_item */
+    }
     tides_status status = read_item(capture, T, "t", 2, one, &a->centre, error);
     if (status == TIDES_OK) status = read_item(capture, SCALING_T, "scaling_t", 2, one, &a->log_scale, error);
     if (status == TIDES_OK && tilts) status = read_item(capture, ROTATION_R, "rotation_r", 2, four, &a->right, error);

@@ -138,25 +138,12 @@ static tides_status set_interpolation(tides_simulator *s, tides_error *error) {
                                 error);
 }
 
-tides_status tides_simulator_create(tides_device *device, const tides_scene *scene, const tides_trajectory *camera,
-                                    const tides_intrinsics *intrinsics, const tides_image_params *image,
-                                    const tides_sensor *sensor, const tides_stepping *stepping, double start, double stop,
-                                    tides_progress progress, void *user, tides_simulator **simulator, tides_error *error) {
-    if (!device || !scene || !camera || !intrinsics || !image || !sensor || !stepping || !simulator)
-        return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "tides_simulator_create: every argument but progress, user and error must be given");
-    tides_status status = check_arguments(sensor, stepping, start, stop, error);
-    if (status == TIDES_OK) status = check_adaptive(stepping, error);
-    if (status == TIDES_OK) status = check_paths(scene, camera, start, stop, error);
-    if (status != TIDES_OK) return status;
-    double begun = td_now();
-    tides_simulator *s = td_alloc(1, sizeof *s, error);
-    if (!s) return TIDES_NO_MEMORY;
-    td_comparator comparator = {sensor->threshold_on, sensor->threshold_off, stepping->model, sensor->max_events_per_step, 0};
+/* What the parameters say, before there is a renderer. */
+static void take_parameters(tides_simulator *s, const tides_device *device, const tides_sensor *sensor,
+                            const tides_stepping *stepping) {
+    const td_comparator comparator = {sensor->threshold_on, sensor->threshold_off, stepping->model, sensor->max_events_per_step,
+                                      0};
     s->comparator = comparator;
-    s->camera = camera;
-    s->start = start;
-    s->stop = stop;
     s->step_s = stepping->step_s;
     s->mode = stepping->mode;
     s->local = stepping->local != 0;
@@ -171,32 +158,61 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     s->planes_kept = s->refine.planes_kept = sensor->b_min > 0 ? TD_KEPT_ALL : TD_KEPT_SIGNAL;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
     s->interpolates = stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED;
+}
+
+/* Steps, tiles and arrays, for the renderer that is there. */
+static tides_status lay_out(tides_simulator *s, const tides_intrinsics *intrinsics, tides_error *error) {
+    tides_status status = td_grid_create(s->start, s->stop, s->step_s, s->renderer->moved.knots, s->renderer->moved.knot_count,
+                                         s->min_step_s, &s->grid, error);
+    if (status != TIDES_OK) return status;
+    s->renderer->side = -1; /* each sample but the first ends a step */
+    s->steps = s->grid.steps;
+    s->width = intrinsics->width;
+    s->tiles = s->renderer->stats.tiles;
+    s->batch = 1;
+    s->batch_limit = BATCH_TILES / s->tiles;
+    if (s->batch_limit > TD_BATCH_STEPS) s->batch_limit = TD_BATCH_STEPS;
+    if (s->batch_limit < 1) s->batch_limit = 1;
+    status = allocate(s, (size_t)intrinsics->width * (size_t)intrinsics->height, error);
+    if (status == TIDES_OK) lay_tiles(s, intrinsics->width, intrinsics->height);
+    return status;
+}
+
+/* The backend builds what samples at step ends render, then what the controller's do; interpolation asks the first of them. */
+static tides_status prepare(tides_simulator *s, tides_error *error) {
+    td_backend *backend = s->renderer->backend;
+    tides_status status = backend->type->prepare(backend, td_fixed_outputs(s), error);
+    if (status == TIDES_OK && s->interpolates) status = set_interpolation(s, error);
+    return status == TIDES_OK ? backend->type->prepare(backend, s->outputs, error) : status;
+}
+
+tides_status tides_simulator_create(tides_device *device, const tides_scene *scene, const tides_trajectory *camera,
+                                    const tides_intrinsics *intrinsics, const tides_image_params *image,
+                                    const tides_sensor *sensor, const tides_stepping *stepping, double start, double stop,
+                                    tides_progress progress, void *user, tides_simulator **simulator, tides_error *error) {
+    if (!device || !scene || !camera || !intrinsics || !image || !sensor || !stepping || !simulator)
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "tides_simulator_create: every argument but progress, user and error must be given");
+    tides_status status = check_arguments(sensor, stepping, start, stop, error);
+    if (status == TIDES_OK) status = check_adaptive(stepping, error);
+    if (status == TIDES_OK) status = check_paths(scene, camera, start, stop, error);
+    if (status != TIDES_OK) return status;
+    double begun = td_now();
+    tides_simulator *s = td_alloc(1, sizeof *s, error);
+    if (!s) return TIDES_NO_MEMORY;
+    s->camera = camera;
+    s->start = start;
+    s->stop = stop;
+    take_parameters(s, device, sensor, stepping);
     status = td_comparator_check(&s->comparator, error);
     if (status == TIDES_OK)
         status = tides_renderer_create(device, scene, intrinsics, image, progress, user, &s->renderer, error);
     if (status == TIDES_OK) status = tides_renderer_set_psf(s->renderer, sensor->psf_sigma_px, sensor->psf_domain, error);
+    if (status == TIDES_OK) status = lay_out(s, intrinsics, error);
+    if (status == TIDES_OK) status = prepare(s, error);
     if (status == TIDES_OK)
-        status = td_grid_create(start, stop, stepping->step_s, s->renderer->moved.knots, s->renderer->moved.knot_count,
-                                stepping->min_step_s, &s->grid, error);
-    if (status == TIDES_OK) {
-        s->renderer->side = -1; /* each sample but the first ends a step */
-        s->steps = s->grid.steps;
-        s->width = intrinsics->width;
-        s->tiles = s->renderer->stats.tiles;
-        s->batch = 1;
-        s->batch_limit = BATCH_TILES / s->tiles;
-        if (s->batch_limit > TD_BATCH_STEPS) s->batch_limit = TD_BATCH_STEPS;
-        if (s->batch_limit < 1) s->batch_limit = 1;
-        status = allocate(s, (size_t)intrinsics->width * intrinsics->height, error);
-    }
-    if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, td_fixed_outputs(s), error);
-    if (status == TIDES_OK && s->interpolates) status = set_interpolation(s, error);
-    if (status == TIDES_OK) status = s->renderer->backend->type->prepare(s->renderer->backend, s->outputs, error);
-    if (status == TIDES_OK) {
-        lay_tiles(s, intrinsics->width, intrinsics->height);
         status =
             td_sensor_create(sensor, stepping->model, image->log_eps, start, s->width, s->tile, s->tiles, &s->sensor, error);
-    }
     if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, stepping, intrinsics->height, error);
     if (status != TIDES_OK) {
         tides_simulator_destroy(s);

@@ -112,7 +112,7 @@ static float *turned_planes(const tides_motion *motion, const td_hexplane *shape
             const td_field *field = td_hexplane_plane(motion, level, k);
             total += field->shape[1] * field->shape[2] * field->shape[3];
         }
-    float *turned = malloc(total * sizeof *turned);
+    float *turned = malloc((total ? total : 1) * sizeof *turned);
     if (!turned) exit(1);
     for (int level = 0; level < shape->levels; level++)
         for (int k = 0; k < 6; k++) {

@@ -88,7 +88,8 @@ static void test_rates_equal_differences(void **state) {
         double start = made.motion->start, range = made.motion->stop - start, h = 1e-6 * range, worst = 0;
         assert_int_equal(made.motion->type->pack(made.motion, &made.gaussians, &numbers, NULL), TIDES_OK);
         for (int i = 0; i < 2 * TIMES; i++) {
-            double tau = start + range * (0.013 + 0.97 * (i / 2) / TIMES);
+            const int time = i / 2;
+            double tau = start + range * (0.013 + 0.97 * time / TIMES);
             evaluate(&made, &numbers, tau - h, i % 2, &before);
             evaluate(&made, &numbers, tau, i % 2, &here);
             evaluate(&made, &numbers, tau + h, i % 2, &after);

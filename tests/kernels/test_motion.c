@@ -106,7 +106,8 @@ static void compare_motion(const random_motion *made, tides_device *device) {
     for (int i = 0; i < COUNT; i++) gaussian[i] = i < N ? (i * 7 + 3) % N : (N - 1) * 7 % N;
     assert_int_equal(made->motion->type->pack(made->motion, &made->gaussians, &numbers, NULL), TIDES_OK);
     for (int i = 0; i < 2 * TIMES; i++) {
-        double tau = made->motion->start + (made->motion->stop - made->motion->start) * (i / 2) / (TIMES - 1.0) * 0.9999;
+        const int time = i / 2;
+        double tau = made->motion->start + (made->motion->stop - made->motion->start) * time / (TIMES - 1.0) * 0.9999;
         td_motion_moment(made->motion, tau, 0.3, 1, moment);
         const move_job job = {made->motion->type->code,
                               i % 2,

@@ -58,7 +58,8 @@ static void expect_same(const tides_renderer *renderer, const double *a, const d
         for (int y = 0; y < renderer->image.height; y++)
             for (int x = 0; x < renderer->image.width; x++)
                 for (int k = 0; k < OUTPUTS; k++) {
-                    size_t tile = (size_t)(slot * tiles + y / TD_TILE * tiles_x + x / TD_TILE);
+                    size_t tile =
+                        (size_t)slot * (size_t)tiles + (size_t)(y / TD_TILE) * (size_t)tiles_x + (size_t)(x / TD_TILE);
                     size_t at = (tile * OUTPUTS + (size_t)k) * TD_TILE_PIXELS + (size_t)td_tile_pixel(x % TD_TILE, y % TD_TILE);
                     if (memcmp(&a[at], &b[at], sizeof *a) != 0)
                         fail_msg("%s: plane %d at (%d, %d), slot %d: %.9g and %.9g", what, k, x, y, slot, a[at], b[at]);

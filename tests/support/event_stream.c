@@ -24,9 +24,9 @@ static int in_order(const void *left, const void *right) {
 
 void random_stream(tides_event *events, size_t count, int width, int height, int64_t span_ns, int64_t tick_ns,
                    uint64_t *state) {
+    const int64_t ticks = span_ns / tick_ns;
     for (size_t i = 0; i < count; i++)
-        events[i] = event_at((int64_t)(random_uniform(state) * (double)(span_ns / tick_ns)) * tick_ns,
-                             (int)(width * random_uniform(state)), (int)(height * random_uniform(state)),
-                             random_uniform(state) < 0.5 ? -1 : 1);
+        events[i] = event_at((int64_t)(random_uniform(state) * (double)ticks) * tick_ns, (int)(width * random_uniform(state)),
+                             (int)(height * random_uniform(state)), random_uniform(state) < 0.5 ? -1 : 1);
     qsort(events, count, sizeof *events, in_order);
 }

@@ -16,9 +16,10 @@
 static td_tree *parse(const char *text) {
     td_tree *tree = NULL;
     tides_error error;
-    char *exact = malloc(strlen(text) + 1); /* so that a sanitiser sees reading beyond the end */
-    memcpy(exact, text, strlen(text));
-    scene_expect_ok(td_pyrepr_parse("cfg_args", exact, strlen(text), &tree, &error), &error);
+    const size_t length = strlen(text);
+    char *exact = malloc(length ? length : 1); /* so that a sanitiser sees reading beyond the end */
+    for (size_t i = 0; i < length; i++) exact[i] = text[i];
+    scene_expect_ok(td_pyrepr_parse("cfg_args", exact, length, &tree, &error), &error);
     free(exact);
     return tree;
 }

@@ -200,7 +200,7 @@ static void packed_ply_refused(void **state) {
     scene_bytes_add(&lie, vertex + strlen("element vertex 258"),
                     b.size - (size_t)(vertex - b.data) - strlen("element vertex 258"));
     char *sh = strstr(lie.data, "element sh 258");
-    memcpy(sh, "comment", 7); /* comment sh 258 */
+    for (size_t i = 0; i < strlen("comment"); i++) sh[i] = "comment"[i]; /* comment sh 258 */
     splat_refused(td_ply_parse, &lie, TIDES_BAD_FILE, "declares 1000000000 rows");
     free(lie.data);
     free(b.data);

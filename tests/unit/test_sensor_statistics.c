@@ -219,7 +219,7 @@ static void test_hot_and_dead(void **state) {
     unsigned char *fired = rig_alloc(r->pixels, 1);
     for (size_t k = 0; k < r->buffer.count; k++) {
         const tides_event *e = &r->buffer.events[k];
-        size_t i = (size_t)(e->x / RIG_WIDTH * RIG_PIXELS + e->y * RIG_WIDTH + e->x % RIG_WIDTH);
+        size_t i = (size_t)e->x / RIG_WIDTH * RIG_PIXELS + (size_t)e->y * RIG_WIDTH + (size_t)e->x % RIG_WIDTH;
         silent -= !fired[i];
         fired[i] = 1;
     }

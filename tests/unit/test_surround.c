@@ -68,8 +68,10 @@ static void test_cosine(void **state) {
 
 /* One mode of the image, j along y and k along x; its rate is 1 + lambda^2 mu. */
 static double one_mode(int j, int k, double *image) {
-    for (int i = 0; i < PIXELS; i++)
-        image[i] = cos(pi * j * (i / WIDTH + 0.5) / HEIGHT) * cos(pi * k * (i % WIDTH + 0.5) / WIDTH);
+    for (int i = 0; i < PIXELS; i++) {
+        const int row = i / WIDTH, column = i % WIDTH;
+        image[i] = cos(pi * j * (row + 0.5) / HEIGHT) * cos(pi * k * (column + 0.5) / WIDTH);
+    }
     return 4 - 2 * cos(pi * j / HEIGHT) - 2 * cos(pi * k / WIDTH);
 }
 
