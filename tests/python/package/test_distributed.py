@@ -72,7 +72,7 @@ def wait_for(condition, seconds=60):
         time.sleep(0.01)
 
 
-LONG = {"stepping.step_s": 4e-5}  # seconds on the reference device
+LONG = {"stepping.step_s": 3e-6}  # some seconds on the reference device: workers are told to stop every half
 
 
 def test_killed_worker(client, tmp_path, monkeypatch):
