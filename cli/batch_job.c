@@ -90,7 +90,7 @@ static tides_status begin(const batch_run *run, const job_files *files, int32_t 
     return status;
 }
 
-/* stdout and stderr to the end of log.txt, which may be another process's for now. */
+/* stdout and stderr to the end of log.txt: until the folder is locked it may be another process's. */
 static tides_status open_log(const batch_run *run, tides_error *error) {
     char *path = batch_text("%s/log.txt", run->directory);
     if (mkdir(run->directory, 0777) != 0 && errno != EEXIST)

@@ -59,9 +59,8 @@ static tides_status find_files(folder_state *state, const char *path, char **whe
     }
     if (status != TIDES_OK || *where) return status;
     return td_fail(error, TIDES_FILE_NOT_FOUND,
-                   "%s: is a folder without events of DSEC, EDS, HS-ERGB, BS-ERGB or rpg_vid2e (events.h5, or numbered .npz, "
-                   "in "
-                   "it or in events, events_aligned, events/left or events/right): name a file in it",
+                   "%s: is a folder without events of DSEC, EDS, HS-ERGB, BS-ERGB or rpg_vid2e (events.h5, or numbered "
+                   ".npz, in it or in events, events_aligned, events/left or events/right): name a file in it",
                    path);
 }
 
