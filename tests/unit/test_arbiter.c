@@ -91,7 +91,7 @@ static void check_sound(const stream *out, const tides_event *events, size_t cou
         assert_true(i == 0 || td_event_compare(&out->events[i - 1], &out->events[i]) <= 0);
         assert_true(out->events[i].t >= out->fired[i]);
     }
-    tides_event *back = malloc(out->count * sizeof *back), *scratch = malloc(out->count * sizeof *scratch);
+    tides_event *back = malloc((out->count + 1) * sizeof *back), *scratch = malloc((out->count + 1) * sizeof *scratch);
     assert_non_null(back);
     assert_non_null(scratch);
     for (size_t i = 0; i < out->count; i++) {
