@@ -67,7 +67,6 @@ typedef struct td_job {
     int candidates, count;
     int records;
     int out;
-    int capacity;       /* keys: the power of two that holds count */
     int hint, new_hint; /* places among the hints: to begin with, to leave; 0: none */
 } td_job;
 

@@ -160,7 +160,7 @@ static tides_status check_frame(const tides_baseline *b, double time, const doub
         return td_fail(error, TIDES_BAD_ARGUMENT, "frame %llu: its time %.12g s isn't after the one before, %.12g s",
                        (unsigned long long)b->frames, time, b->now);
     const int any_sign = b->params.method == TIDES_METHOD_V2E && b->params.v2e.hdr; /* logarithms */
-    for (size_t i = 0; i < td_baseline_values(b); i++)
+    for (size_t i = 0, values = td_baseline_values(b); i < values; i++)
         if (!isfinite(Y[i]) || (Y[i] < 0 && !any_sign))
             return td_fail(error, TIDES_BAD_ARGUMENT,
                            "frame %llu: pixel (%zu, %zu) is %.9g; values are finite and not negative",

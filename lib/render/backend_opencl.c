@@ -270,7 +270,7 @@ static tides_status run_stages(opencl_backend *b, const td_batch *batch, staging
 
 /* One tile without candidates: drivers such as PoCL compile when a kernel first runs, and that belongs to the build's time. */
 static tides_status warm_up(opencl_backend *b, int outputs, tides_error *error) {
-    static const td_job nothing = {0, 0, 0, 0, 0, 0, 0, TD_PAD, 0, 0};
+    static const td_job nothing = {0};
     static const double backdrop[TD_BACKDROP_REALS] = {0};
     static const int candidate = TD_NO_GAUSSIAN;
     double seconds[STAGES];

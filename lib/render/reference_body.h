@@ -333,7 +333,7 @@ static void empty_pixel_of(const td_image *image, const double *wide_backdrop, d
     td_image own = *image;
     own.outputs = outputs;
     own.decoder = 0; /* then no pixel is the same as another */
-    td_job job = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    td_job job = {0, 0, 0, 0, 0, 0, 0, 0, 0};
     td_list list = {out, out, no_list, no_list, 0, backdrop.luminance, NULL, NULL};
     td_composite_block(&job, &list, &own, &backdrop, 0, 0, out);
     for (int k = 0; k < outputs; k++) planes[k] = out[k * TD_TILE_PIXELS];

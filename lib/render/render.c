@@ -239,12 +239,6 @@ int td_job_by_falling_count(const void *a, const void *b) {
     return x->out < y->out ? -1 : x->out > y->out;
 }
 
-static int power_of_two(int count) {
-    int power = TD_PAD;
-    while (power < count) power *= 2;
-    return power;
-}
-
 /* Requests to jobs, longest first, and the list of requests without candidates; returns the number of jobs. */
 static int make_jobs(tides_renderer *renderer, const td_request *requests, int count, int *empty_count) {
     const td_candidates *candidates = &renderer->candidates;
@@ -264,7 +258,6 @@ static int make_jobs(tides_renderer *renderer, const td_request *requests, int c
                       length,
                       0,
                       i,
-                      power_of_two(length),
                       0,
                       0};
         td_candidates_give_hint(&renderer->candidates, tile, &job);
@@ -312,8 +305,7 @@ static tides_status run_empty(tides_renderer *renderer, td_batch *batch, const t
     if (count == 0) return TIDES_OK;
     for (int i = 0; i < count; i++) {
         int request = renderer->empty[i], tile = requests[request].tile;
-        const td_job job =
-            {tile % tiles_x * TD_TILE, tile / tiles_x * TD_TILE, requests[request].slot, 0, 0, 0, request, TD_PAD, 0, 0};
+        const td_job job = {tile % tiles_x * TD_TILE, tile / tiles_x * TD_TILE, requests[request].slot, 0, 0, 0, request, 0, 0};
         renderer->jobs[i] = job;
     }
     return run_jobs(renderer, batch, renderer->jobs, count, planes, error);

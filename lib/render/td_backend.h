@@ -16,7 +16,7 @@ enum {
     TD_BACKDROP_REALS = 8,
     TD_IMAGE_REALS = 22,
     TD_IMAGE_INTS = 14,
-    TD_JOB_INTS = 10,
+    TD_JOB_INTS = 9,
     TD_MOVER_WHOLE = TD_MOVER_INTS + 8
 };
 

@@ -64,19 +64,10 @@ static inline void pair_make_jobs(backend_pair *pair) {
     assert_non_null(pair->jobs);
     for (int i = 0; i < tiles * PAIR_SLOTS; i++) {
         int tile = (i * 7 + 3) % tiles, slot = i / tiles; /* not in order, so that a mix-up of places shows */
-        int first = lists->first[tile], count = lists->first[tile + 1] - first, capacity = TD_PAD;
+        int first = lists->first[tile], count = lists->first[tile + 1] - first;
         if (count == 0) continue;
-        while (capacity < count) capacity *= 2;
-        td_job job = {tile % lists->tiles_x * TD_TILE,
-                      tile / lists->tiles_x * TD_TILE,
-                      slot,
-                      first,
-                      count,
-                      pair->records,
-                      0,
-                      capacity,
-                      0,
-                      0};
+        td_job job =
+            {tile % lists->tiles_x * TD_TILE, tile / lists->tiles_x * TD_TILE, slot, first, count, pair->records, 0, 0, 0};
         pair->jobs[pair->job_count++] = job;
         pair->records += count;
     }

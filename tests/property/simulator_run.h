@@ -173,6 +173,20 @@ static inline void expect_same(const outcome *a, const outcome *b, const char *w
                      (long long)b->events[k].t);
 }
 
+/* A readout that delays, drops and jitters. */
+static inline tides_readout busy_readout(void) {
+    tides_readout readout;
+    tides_readout_defaults(&readout);
+    readout.enabled = 1;
+    readout.tile_px = 8;
+    readout.tick_s = 10e-6;
+    readout.k0 = 2;
+    readout.queue_capacity = 64;
+    readout.p0 = 0.01;
+    readout.sigma0_s = 2e-6;
+    return readout;
+}
+
 /* -- scenes -------------------------------------------------------------------------------------------------------- */
 
 static inline random_scene make_scene(uint64_t seed) {

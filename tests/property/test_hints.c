@@ -173,7 +173,7 @@ static void test_sorted_where_order_changes(void **unused) {
 /* -- who leaves one ------------------------------------------------------------------------------------------------ */
 
 static td_job ask(td_candidates *candidates) {
-    td_job job = {0, 0, 0, 0, TD_PAD, 0, 0, TD_PAD, 0, 0};
+    td_job job = {0, 0, 0, 0, TD_PAD, 0, 0, 0, 0};
     td_candidates_give_hint(candidates, 0, &job);
     return job;
 }

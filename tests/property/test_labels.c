@@ -100,14 +100,8 @@ static void test_readout_keeps_labels(void **state) {
     (void)state;
     random_scene scene = make_scene(SEED + 1);
     tides_device *device = open_device("reference-f32");
-    tides_readout readout;
-    tides_readout_defaults(&readout);
-    readout.enabled = 1;
-    readout.tile_px = 8;
-    readout.tick_s = 10e-6;
-    readout.k0 = 2;
-    readout.queue_capacity = 64;
-    readout.sigma0_s = 2e-6;
+    tides_readout readout = busy_readout();
+    readout.p0 = 0;
     for (int block = LEAK_AND_SHOT; block <= LOW_PASS; block++) {
         job j = block_job(&scene, block, 1);
         j.sensor.labels = 1;

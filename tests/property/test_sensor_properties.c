@@ -38,19 +38,6 @@ static void filter_by(job *j, int which) {
     j->sensor.bandwidth = which == 2 ? TIDES_BANDWIDTH_CIRCUIT : TIDES_BANDWIDTH_FIRST_ORDER;
 }
 
-static tides_readout busy_readout(void) {
-    tides_readout readout;
-    tides_readout_defaults(&readout);
-    readout.enabled = 1;
-    readout.tile_px = 8;
-    readout.tick_s = 10e-6;
-    readout.k0 = 2;
-    readout.queue_capacity = 64;
-    readout.p0 = 0.01;
-    readout.sigma0_s = 2e-6;
-    return readout;
-}
-
 static tides_simulator *simulator_of(const job *j, tides_device *device, const tides_readout *readout) {
     tides_simulator *s = make_simulator(j, device);
     tides_error error;

@@ -58,19 +58,10 @@ static int make_jobs(const td_candidates *candidates, td_job *jobs, int *records
     int count = 0, tiles = candidates->tiles_x * candidates->tiles_y;
     *records = 0;
     for (int t = 0; t < tiles; t++) {
-        int first = candidates->first[t], length = candidates->first[t + 1] - first, capacity = TD_PAD;
+        int first = candidates->first[t], length = candidates->first[t + 1] - first;
         if (length == 0) continue;
-        while (capacity < length) capacity *= 2;
-        td_job job = {t % candidates->tiles_x * TD_TILE,
-                      t / candidates->tiles_x * TD_TILE,
-                      0,
-                      first,
-                      length,
-                      *records,
-                      t,
-                      capacity,
-                      0,
-                      0};
+        td_job job =
+            {t % candidates->tiles_x * TD_TILE, t / candidates->tiles_x * TD_TILE, 0, first, length, *records, t, 0, 0};
         jobs[count++] = job;
         *records += length;
     }
