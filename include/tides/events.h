@@ -10,7 +10,7 @@ extern "C" {
 
 /* One event, 16 bytes. Streams are sorted by (t, y, x, polarity). */
 typedef struct tides_event {
-    int64_t t;         /* [ns] from the run's time zero */
+    int64_t t;         /* [ns] of the run's clock: the scene's and the path's time, absolute */
     uint16_t x, y;     /* [px] */
     int8_t polarity;   /* +1 or -1 */
     uint8_t cause;     /* TIDES_CAUSE_*: the signal, or which noise */

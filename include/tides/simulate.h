@@ -91,7 +91,9 @@ typedef int (*tides_event_sink)(void *user, const tides_event *events, size_t co
 typedef struct tides_simulator tides_simulator;
 
 /* A simulator on its own renderer. `device`, `scene` and `camera` must outlive it. Pixel state starts at `start` [s]: each
- * reference is the signal there. The camera's path (and every object's) must cover [start, stop]: TIDES_OUT_OF_RANGE. */
+ * reference is the signal there. The camera's path (and every object's) must cover [start, stop]: TIDES_OUT_OF_RANGE. Both are
+ * absolute times, as the paths', within +-9.2e9 s; within the run everything counts from `start`, so that steps of a
+ * microsecond at 2e9 s are as exact as at 0, and a path moved in time gives the same events, moved. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_create(
     tides_device *device, const tides_scene *scene, const tides_trajectory *camera, const tides_intrinsics *intrinsics,
     const tides_image_params *image, const tides_sensor *sensor, const tides_stepping *stepping, double start, double stop,
@@ -110,8 +112,10 @@ TIDES_API const int64_t *tides_simulator_fired(const tides_simulator *simulator)
 TIDES_API void tides_simulator_destroy(tides_simulator *simulator);
 
 /* Advances to `until` (at most stop), giving `sink` the events of each packet, sorted by (t, y, x, polarity). Event times are
- * nanoseconds from time 0 of the run, floored. Steps lie on the grid start + k step_s whatever `until` is, so a run cut into
- * several calls gives the same events: times between grid points end at the last grid point before them, except `stop`. */
+ * absolute nanoseconds: those of `start`, rounded once to the nearest one, and whole ones since then, floored. Steps lie on the
+ * grid start + k step_s whatever `until` is, so a run cut into several calls gives the same events: times between grid points
+ * end at the last grid point before them, except `stop`; where doubles as late as the run can't tell some grid points apart,
+ * it ends at the last of these. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink,
                                                             void *sink_user, tides_progress progress, void *user,
                                                             tides_error *error);

@@ -10,8 +10,10 @@
 
 #include "camera/td_curve.h"
 #include "camera/td_rotation.h"
+#include "camera/td_trajectory.h"
 #include "td_base.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -185,29 +187,52 @@ static void normalise_with_rate(double q[4], double q_dot[4]) {
     for (int k = 0; k < 4; k++) q_dot[k] -= along * q[k];
 }
 
-tides_status tides_trajectory_at(const tides_trajectory *trajectory, double time, tides_pose *pose, tides_error *error) {
-    if (!trajectory || !pose || isnan(time))
-        return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "a pose needs a trajectory, a time that is a number, and a place for the result");
-    const tides_pose_sample *first = trajectory->samples, *last = first + trajectory->count - 1;
+/* At the path's own time, within it. */
+static void pose_at(const tides_trajectory *trajectory, double relative, tides_pose *pose) {
+    const tides_pose_sample *first = trajectory->samples;
     if (!trajectory->curve) {
         memset(pose, 0, sizeof *pose);
         memcpy(pose->position, first->position, sizeof pose->position);
         td_rotation_from_quaternion(first->quaternion, pose->rotation);
-        return TIDES_OK;
+        return;
     }
-    if (time < first->time || time > last->time)
-        return td_fail(error, TIDES_OUT_OF_RANGE,
-                       "time %.17g s lies outside the path, which covers %.17g s to %.17g s: shorten the run or give a longer "
-                       "path",
-                       time, first->time, last->time);
-    double relative = time - first->time, value[TD_CURVE_WIDTH], rate[TD_CURVE_WIDTH];
+    double value[TD_CURVE_WIDTH], rate[TD_CURVE_WIDTH];
     td_curve_at(trajectory->curve, td_curve_find(trajectory->curve, relative), relative, value, rate);
     memcpy(pose->position, value, sizeof pose->position);
     memcpy(pose->position_dot, rate, sizeof pose->position_dot);
     normalise_with_rate(value + 3, rate + 3);
     td_rotation_from_quaternion(value + 3, pose->rotation);
     td_rotation_rate(value + 3, rate + 3, pose->rotation_dot);
+}
+
+static tides_status fail_outside(const tides_trajectory *trajectory, double time, tides_error *error) {
+    return td_fail(error, TIDES_OUT_OF_RANGE,
+                   "time %.17g s lies outside the path, which covers %.17g s to %.17g s: shorten the run or give a longer "
+                   "path",
+                   time, trajectory->samples[0].time, trajectory->samples[trajectory->count - 1].time);
+}
+
+static tides_status fail_arguments(tides_error *error) {
+    return td_fail(error, TIDES_BAD_ARGUMENT, "a pose needs a trajectory, a time that is a number, and a place for the result");
+}
+
+tides_status tides_trajectory_at(const tides_trajectory *trajectory, double time, tides_pose *pose, tides_error *error) {
+    if (!trajectory || !pose || isnan(time)) return fail_arguments(error);
+    const tides_pose_sample *first = trajectory->samples, *last = first + trajectory->count - 1;
+    if (trajectory->curve && (time < first->time || time > last->time)) return fail_outside(trajectory, time, error);
+    pose_at(trajectory, time - first->time, pose);
+    return TIDES_OK;
+}
+
+tides_status td_trajectory_at(const tides_trajectory *trajectory, double epoch, double offset, tides_pose *pose,
+                              tides_error *error) {
+    if (!trajectory || !pose || isnan(epoch) || isnan(offset)) return fail_arguments(error);
+    const double from = trajectory->samples[0].time, span = trajectory->samples[trajectory->count - 1].time - from;
+    const double slack = 2 * DBL_EPSILON * (fabs(epoch) + fabs(from) + span);
+    double relative = (epoch - from) + offset;
+    if (trajectory->curve && (relative < -slack || relative > span + slack))
+        return fail_outside(trajectory, epoch + offset, error);
+    pose_at(trajectory, fmin(fmax(relative, 0), span), pose);
     return TIDES_OK;
 }
 

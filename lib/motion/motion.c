@@ -1,6 +1,7 @@
 /* Motion models as data: named arrays and settings, and what is the same for all classes. */
 #include "td_motion.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -107,7 +108,7 @@ void td_motion_moment(const tides_motion *motion, double tau, double tau_dot, in
 
 tides_status td_motion_time(const tides_motion *motion, double duration_s, double time, double *tau, double *tau_dot,
                             tides_error *error) {
-    const double slack = 1e-9; /* [s] what event times resolve */
+    const double slack = fmax(1e-9, 4 * DBL_EPSILON * fabs(time)); /* [s] what event times resolve, or a time this late */
     if (!(time >= -slack && time <= duration_s + slack))
         return td_fail(error, TIDES_OUT_OF_RANGE,
                        "%.12g s is outside the motion's time, 0 to %.12g s; change the time, or scene.duration_s", time,

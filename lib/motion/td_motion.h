@@ -112,8 +112,8 @@ void td_motion_moment(const tides_motion *motion, double tau, double tau_dot, in
 
 void td_mover_release(td_mover_numbers *numbers);
 
-/* Own time of scene second `time` where [start, stop] lasts duration_s seconds: exact at both ends, and a nanosecond beyond
- * them is the end. TIDES_OUT_OF_RANGE naming scene.duration_s further out. */
+/* Own time of scene second `time` where [start, stop] lasts duration_s seconds: exact at both ends, and a nanosecond (or the
+ * rounding of times so late) beyond them is the end. TIDES_OUT_OF_RANGE naming scene.duration_s further out. */
 tides_status td_motion_time(const tides_motion *motion, double duration_s, double time, double *tau, double *tau_dot,
                             tides_error *error);
 

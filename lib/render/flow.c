@@ -1,4 +1,5 @@
 /* How fast the image moves, for samplers that bound its displacement between two renders (ESIM's by motion). */
+#include "camera/td_trajectory.h"
 #include "td_render.h"
 
 #include <math.h>
@@ -29,7 +30,7 @@ static tides_status camera_flow(const tides_renderer *renderer, const tides_traj
     tides_pose pose;
     td_view view;
     if (tides_trajectory_is_static(camera)) return TIDES_OK;
-    tides_status status = tides_trajectory_at(camera, time, &pose, error);
+    tides_status status = td_trajectory_at(camera, renderer->epoch, time, &pose, error);
     if (status != TIDES_OK) return status;
     td_view_make(&pose, NULL, 1.0, &view);
     for (int y = 0; y < image->height; y++)

@@ -8,6 +8,13 @@
 /* Times closer than this are the same: what event times resolve [s]. */
 static const double same_time = 1e-9;
 
+/* Seconds after `epoch` of the knots. */
+static void place_knots(td_moved_part *part, double epoch) {
+    const tides_motion *motion = part->of.motion;
+    for (size_t i = 0; i < part->knots; i++)
+        part->knot_s[i] = (part->knot_tau[i] - motion->start) * (part->of.duration_s / (motion->stop - motion->start)) - epoch;
+}
+
 static tides_status find_knots(td_moved_part *part, tides_error *error) {
     const tides_motion *motion = part->of.motion;
     part->knots = motion->type->knots ? motion->type->knots(motion, NULL, 0) : 0;
@@ -16,8 +23,7 @@ static tides_status find_knots(td_moved_part *part, tides_error *error) {
     part->knot_tau = td_alloc(part->knots, sizeof *part->knot_tau, error);
     if (!part->knot_s || !part->knot_tau) return TIDES_NO_MEMORY;
     motion->type->knots(motion, part->knot_tau, part->knots);
-    for (size_t i = 0; i < part->knots; i++)
-        part->knot_s[i] = (part->knot_tau[i] - motion->start) * (part->of.duration_s / (motion->stop - motion->start));
+    place_knots(part, 0);
     return TIDES_OK;
 }
 
@@ -44,21 +50,33 @@ static int by_value(const void *a, const void *b) {
     return x < y ? -1 : x > y;
 }
 
-/* The knots of all parts as one list. */
-static tides_status join_knots(td_moved *moved, tides_error *error) {
+/* The knots of all parts as one list, for which there is room. */
+static void join_knots(td_moved *moved) {
     size_t total = 0, kept = 0;
-    for (int i = 0; i < moved->parts; i++) total += moved->part[i].knots;
-    if (total == 0) return TIDES_OK;
-    moved->knots = td_alloc(total, sizeof *moved->knots, error);
-    if (!moved->knots) return TIDES_NO_MEMORY;
-    total = 0;
     for (int i = 0; i < moved->parts; i++)
         for (size_t k = 0; k < moved->part[i].knots; k++) moved->knots[total++] = moved->part[i].knot_s[k];
     qsort(moved->knots, total, sizeof *moved->knots, by_value);
     for (size_t k = 0; k < total; k++)
         if (kept == 0 || moved->knots[k] - moved->knots[kept - 1] > same_time) moved->knots[kept++] = moved->knots[k];
     moved->knot_count = kept;
+}
+
+static tides_status make_knots(td_moved *moved, tides_error *error) {
+    size_t total = 0;
+    for (int i = 0; i < moved->parts; i++) total += moved->part[i].knots;
+    if (total == 0) return TIDES_OK;
+    moved->knots = td_alloc(total, sizeof *moved->knots, error);
+    if (!moved->knots) return TIDES_NO_MEMORY;
+    join_knots(moved);
     return TIDES_OK;
+}
+
+void td_moved_set_epoch(td_moved *moved, double epoch) {
+    moved->epoch = epoch;
+    for (int i = 0; i < moved->parts; i++) place_knots(&moved->part[i], epoch);
+    if (moved->knots) join_knots(moved);
+    for (int k = 0; k < TD_KEPT; k++) moved->kept[k].is_there = 0;
+    memset(moved->halves, 0, sizeof moved->halves);
 }
 
 static tides_status fill(const tides_scene *scene, int row_limit, td_moved *moved, tides_error *error) {
@@ -74,7 +92,7 @@ static tides_status fill(const tides_scene *scene, int row_limit, td_moved *move
         while (g < store->count && store->object[g] == object) g++;
         if (store->mover[object] >= 0) status = add_part(scene, object, first, g, moved, error);
     }
-    if (status == TIDES_OK) status = join_knots(moved, error);
+    if (status == TIDES_OK) status = make_knots(moved, error);
     if (status != TIDES_OK) return status;
     moved->stamp = td_alloc((size_t)moved->moving, sizeof *moved->stamp, error);
     moved->row_of = td_alloc((size_t)moved->moving, sizeof *moved->row_of, error);

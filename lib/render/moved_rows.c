@@ -37,10 +37,12 @@ void td_rows_add_between(td_moved *moved, const td_moved_part *part, int gaussia
     moved->rows.gaussians[moved->rows.count - 1] = gaussian - part->first + part->base;
 }
 
-/* Own time of a second: at a knot exactly the knot's, so that it is clear which side of it rates are asked for. */
-static tides_status own_time(const td_moved_part *part, double time, double *tau, double *tau_dot, tides_error *error) {
+/* Own time of a second after the epoch: at a knot exactly the knot's, so that it is clear which side of it rates are asked
+ * for. */
+static tides_status own_time(const td_moved_part *part, double epoch, double time, double *tau, double *tau_dot,
+                             tides_error *error) {
     const double same_time = 1e-9; /* [s] */
-    tides_status status = td_motion_time(part->of.motion, part->of.duration_s, time, tau, tau_dot, error);
+    tides_status status = td_motion_time(part->of.motion, part->of.duration_s, epoch + time, tau, tau_dot, error);
     if (status != TIDES_OK) return td_fail_within(error, status, "object '%.80s'", part->of.name);
     size_t low = 0, high = part->knots;
     while (low < high) {
@@ -109,11 +111,12 @@ tides_status td_rows_end_run(td_moved *moved, const td_moved_part *part, int fir
     double at[2]; /* own time, and its rate */
     if (rows->count == first) return TIDES_OK;
     tides_status status = td_rows_reserve(moved, TD_PAD, error);
-    if (status == TIDES_OK) status = own_time(part, time, &at[0], &at[1], error);
+    if (status == TIDES_OK) status = own_time(part, moved->epoch, time, &at[0], &at[1], error);
     if (status != TIDES_OK) return status;
     int last = rows->owners[2 * (rows->count - 1)];
     while ((rows->count - first) % TD_PAD) td_rows_add(moved, part, last);
-    side = time <= 0 ? 1 : time >= part->of.duration_s ? -1 : side; /* there's nothing beyond the ends */
+    const double second = moved->epoch + time;
+    side = second <= 0 ? 1 : second >= part->of.duration_s ? -1 : side; /* there's nothing beyond the ends */
     return part->hosted ? add_host_run(moved, part, first, at, side, error) : add_jobs(moved, part, first, at, side, error);
 }
 

@@ -1,5 +1,6 @@
 /* The renderer: sweep for candidates, then project, sort and composite (tile, time) jobs on a backend, and put tiles together
  * to frames. Whole frames are all tiles at one time: one path, not two. */
+#include "camera/td_trajectory.h"
 #include "td_render.h"
 
 #include <stdlib.h>
@@ -156,7 +157,7 @@ static tides_status make_views(tides_renderer *renderer, const tides_trajectory 
     for (int i = 0; i < slots && status == TIDES_OK; i++) {
         renderer->backdrops[i] = renderer->backdrops[0];
         td_view *views = renderer->views + (size_t)i * objects;
-        status = td_views_at(renderer->scene, camera, times[i], views, error);
+        status = td_views_at(renderer->scene, camera, renderer->epoch, times[i], views, error);
         /* An object of the scene may be two of the store: from the last on, each still finds its view in place. */
         for (size_t k = objects; k-- > 0 && status == TIDES_OK;) views[k] = views[renderer->store.scene_object[k]];
     }
@@ -191,7 +192,7 @@ static tides_status sweep_boxes(tides_renderer *renderer, const tides_trajectory
     const double *views = (const double *)renderer->views;
     const td_backend_class *type = renderer->backend->type;
     tides_pose pose;
-    tides_status status = tides_trajectory_at(camera, start, &pose, error);
+    tides_status status = td_trajectory_at(camera, renderer->epoch, start, &pose, error);
     if (status != TIDES_OK) return status;
     int rests = tides_trajectory_is_static(camera);
     int kept = rests && renderer->rested && memcmp(&pose, &renderer->rest_pose, sizeof pose) == 0;
@@ -366,10 +367,20 @@ static int outputs_for(const tides_frame *frame) {
     return outputs;
 }
 
+void td_renderer_set_epoch(tides_renderer *renderer, double epoch) {
+    renderer->epoch = epoch;
+    td_moved_set_epoch(&renderer->moved, epoch);
+}
+
 tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time,
                                   const tides_frame *frame, tides_error *error) {
     if (!renderer || !camera || !frame)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_renderer_frame: renderer, camera and frame must be given");
+    return td_renderer_frame(renderer, camera, time - renderer->epoch, frame, error);
+}
+
+tides_status td_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time, const tides_frame *frame,
+                               tides_error *error) {
     int outputs = outputs_for(frame), tiles = renderer->stats.tiles;
     if (outputs == 0) return TIDES_OK;
     td_request *requests = td_alloc((size_t)tiles, sizeof *requests, error);

@@ -14,7 +14,7 @@ typedef struct td_moved_part {
     int moves_sh, hosted;      /* rows have SH of their own; come from the host */
     int dear;                  /* the model costs more than interpolating between its rows */
     tides_object of;           /* the scene's object: motion, Gaussians, how long the motion lasts */
-    double *knot_s, *knot_tau; /* (knots) in seconds of the scene, ascending, and of its own time */
+    double *knot_s, *knot_tau; /* (knots) in seconds after the epoch, ascending, and of its own time */
     size_t knots;
 } td_moved_part;
 
@@ -57,11 +57,12 @@ typedef struct td_span {
 } td_span;
 
 typedef struct td_moved {
+    double epoch; /* [s] of the scene: times are offsets from it */
     int parts;
     td_moved_part *part;
     const td_store *store;
     int moving;    /* Gaussians, padded; 0: nothing moves by itself */
-    double *knots; /* (knot_count) of all parts [s], ascending, distinct by more than a nanosecond */
+    double *knots; /* (knot_count) of all parts [s after the epoch], ascending, distinct by more than a nanosecond */
     size_t knot_count;
     td_kept kept[TD_KEPT];
     int kept_rows;   /* rows that are kept: TD_KEPT x moving, or 0 where that is too much */
@@ -82,6 +83,9 @@ typedef struct td_moved {
 tides_status td_moved_create(const tides_scene *scene, const td_store *store, int row_limit, td_moved *moved,
                              tides_error *error);
 void td_moved_release(td_moved *moved);
+
+/* From now on times are offsets from `epoch` [s]; at first from 0. What was kept for other times is given up. */
+void td_moved_set_epoch(td_moved *moved, double epoch);
 
 /* 1 where rates of some motion may jump at `time`, to a nanosecond. */
 int td_moved_is_knot(const td_moved *moved, double time);

@@ -45,8 +45,8 @@ void td_image_set_decoder(const tides_scene *scene, const td_store *store, td_im
 /* The view of one object from a camera: object pose NULL for one at rest (view.c). */
 void td_view_make(const tides_pose *camera, const tides_pose *object, double scale, td_view *view);
 
-/* Views of every object of `scene` at `time`: (objects) (view.c). */
-tides_status td_views_at(const tides_scene *scene, const tides_trajectory *camera, double time, td_view *views,
+/* Views of every object of `scene` at `time` [s after `epoch`]: (objects) (view.c). */
+tides_status td_views_at(const tides_scene *scene, const tides_trajectory *camera, double epoch, double time, td_view *views,
                          tides_error *error);
 
 /* Which Gaussians each tile may see during an interval (candidates.c). */
@@ -83,6 +83,7 @@ typedef struct td_request {
 } td_request;
 
 struct tides_renderer {
+    double epoch;   /* [s] every time in lib/render is an offset from it, so that times of 1e9 s resolve like those near 0 */
     td_moved moved; /* Gaussians that move by themselves */
     int side;       /* of knots that rates are asked for: -1 what ends there, +1 what begins */
     int row_limit;  /* moved rows at a time */
@@ -110,6 +111,13 @@ struct tides_renderer {
     td_psf psf;       /* what the optics make of L and L_dot */
     tides_render_stats stats;
 };
+
+/* From now on times are offsets from `epoch` [s]; a new renderer's is 0. */
+void td_renderer_set_epoch(tides_renderer *renderer, double epoch);
+
+/* tides_renderer_frame at an offset from the renderer's epoch. */
+tides_status td_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time, const tides_frame *frame,
+                               tides_error *error);
 
 /* Makes candidate lists that hold for every time in [start, stop]. */
 tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,

@@ -1,4 +1,5 @@
 /* Object to camera at one time, with its rate: the product of two rigid motions. */
+#include "camera/td_trajectory.h"
 #include "motion/td_motion.h"
 #include "td_render.h"
 
@@ -46,15 +47,15 @@ void td_view_make(const tides_pose *camera, const tides_pose *object, double sca
     for (int i = 0; i < 3; i++) view->eye_dot[i] = -(turned[i] + from_eye[i]) / scale;
 }
 
-tides_status td_views_at(const tides_scene *scene, const tides_trajectory *camera, double time, td_view *views,
+tides_status td_views_at(const tides_scene *scene, const tides_trajectory *camera, double epoch, double time, td_view *views,
                          tides_error *error) {
     tides_pose eye, pose;
-    tides_status status = tides_trajectory_at(camera, time, &eye, error);
+    tides_status status = td_trajectory_at(camera, epoch, time, &eye, error);
     if (status != TIDES_OK) return td_fail_within(error, status, "camera path");
     for (int32_t i = 0; i < tides_scene_objects(scene); i++) {
         tides_object object;
         status = tides_scene_object(scene, i, &object, error);
-        if (status == TIDES_OK && object.trajectory) status = tides_trajectory_at(object.trajectory, time, &pose, error);
+        if (status == TIDES_OK && object.trajectory) status = td_trajectory_at(object.trajectory, epoch, time, &pose, error);
         if (status != TIDES_OK) return td_fail_within(error, status, "path of object %d", (int)i);
         td_view_make(&eye, object.trajectory ? &pose : NULL, object.scale, &views[i]);
         if (object.motion && td_motion_setting(object.motion, TD_PLAIN_COLOUR, 0) != 0) views[i].colour_floor = no_floor;

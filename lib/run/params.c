@@ -48,8 +48,9 @@ static const tides_param table[] = {
     BOOLEAN("camera.raw_positions", "false", "nerfies: leave out scene.json's scale and center (as 4DGaussians does)"),
     BOOLEAN("camera.rebase", "false", "put the path's first sample at time 0 (camera.start_s is then ignored)"),
 
-    NUMBER("time.start", "s", 0, LAST_SECOND, "0.0", "where the run begins; pixels rest at the signal of this moment"),
-    NUMBER("time.stop", "s", 0, LAST_SECOND, "1.0", "where the run ends"),
+    NUMBER("time.start", "s", -LAST_SECOND, LAST_SECOND, "0.0",
+           "where the run begins; pixels rest at the signal of this moment"),
+    NUMBER("time.stop", "s", -LAST_SECOND, LAST_SECOND, "1.0", "where the run ends"),
 
     CHOICE("image.rules", "smooth|inria|gsplat", "\"smooth\"", "whose cutoffs form the image; smooth has no jumps in time"),
     BOOLEAN("image.antialias", "false", "compensate opacity for the dilation (scenes trained with mip-splatting's filter)"),

@@ -1,15 +1,15 @@
 /* Saving a simulator and restoring it: a run cut between two steps goes on as if it had never stopped, to the bit.
  *
  * The state at the end of a step is what the next one begins with: S and S_dot there, and per pixel where it began and how
- * often it has fired; the reference follows from these (td_reference). Layout of the file, HDF5, version 2 (1 lacked the
- * totals of motion):
+ * often it has fired; the reference follows from these (td_reference). Layout of the file, HDF5, version 3 (1 lacked the
+ * totals of motion; in 2 `time` was absolute):
  *
  *     /                    attributes  format           text    "tides-checkpoint"
- *                                      version          int     2
+ *                                      version          int     3
  *                                      tides_version    text    of the writer; for people
  *                                      run              text    the run file as JSON, or ""
  *                                      step             double  number of the grid point reached (td_grid.h)
- *                                      time             double  [s] where that is
+ *                                      time             double  [s after the start] where that is
  *     /run_is              attributes  one per fact of td_facts_gather: a double, or 16 hexadecimal digits; its key says what
  *     /statistics          attributes  one double each: totals so far, named as in tides_stats
  *     /signal, /signal_dot double (height x width)  S [log units], S_dot [log units/s]
@@ -164,14 +164,15 @@ static tides_status read_step(const td_place *root, const tides_simulator *s, in
     if (status != TIDES_OK) return status;
     if (!(steps >= 0) || steps > 1e15 || steps != (double)(int64_t)steps)
         return td_fail(root->error, TIDES_BAD_FILE, "%s: step is %g, no number of steps", root->file, steps);
-    if (steps > (double)s->steps || time > s->stop)
-        return td_fail(root->error, TIDES_BAD_CONFIG, "%s: was made at %.12g s, after time.stop = %.12g s", root->file, time,
-                       s->stop);
+    if (steps > (double)s->steps || time > s->length)
+        return td_fail(root->error, TIDES_BAD_CONFIG,
+                       "%s: was made %.12g s after time.start, which is after time.stop = %.15g s", root->file, time,
+                       s->epoch + s->length);
     if (time != td_grid_time(s, (int64_t)steps))
         return td_fail(root->error, TIDES_BAD_CONFIG,
-                       "%s: was made at %.17g s, which is no end of a step now that time.stop is %.12g s: only a run that "
-                       "stopped before its end can be extended",
-                       root->file, time, s->stop);
+                       "%s: was made %.17g s after time.start, which is no end of a step now that time.stop is %.15g s: only a "
+                       "run that stopped before its end can be extended",
+                       root->file, time, s->epoch + s->length);
     *step = (int64_t)steps;
     return TIDES_OK;
 }

@@ -8,7 +8,7 @@ static double time_now(const tides_simulator *s) {
     td_step step;
     double time = td_grid_time(s, s->step);
     if (td_step_between(time, time + 1, &step, NULL) != TIDES_OK) return 0; /* the run's steps have all been like it */
-    return td_sensor_time(&s->sensor, step.start_ns, step.start_fraction);
+    return td_sensor_time(&s->sensor, s->epoch_ns + step.start_ns, step.start_fraction);
 }
 
 tides_status td_compare_tile(tides_simulator *s, int t, const td_step *step, const double *const begin[],

@@ -49,7 +49,7 @@ static double error_excess(tides_simulator *s, const td_refine_step *step, doubl
     const double *reference = s->surround.surround.on ? NULL : s->pixels.reference + first;
     int32_t count = s->tile[step->tile].count;
     int whole = step->to - step->from == (uint32_t)1 << r->depth;
-    double begins = (td_refine_time(r, start, stop, step->from) - s->start) * 1e9;
+    double begins = td_refine_time(r, start, stop, step->from) * 1e9;
     td_estimate estimate = s->sensor.on ? td_estimate_sensor(&s->sensor, first, whole, begins, h, &signals, reference, count)
                                         : td_estimate_step(&s->comparator, h, &signals, reference, count);
     double threshold = smaller(s->comparator.threshold_on, s->comparator.threshold_off);

@@ -6,6 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A last step shorter than this share of the others isn't one of its own: the one before it is so much longer. It is more than
+ * the rounding of a stop near 2e9 s (2.4e-7 s) in steps of a millisecond, so that such a run of ten steps has ten; and it asks
+ * nothing about where the run lies, so that the same run at another time has the same steps. */
+static const double least_last_step = 1.0 / 1024;
+
 /* Two times are one where they are closer than event times resolve [s]. */
 static const double same_time = 1e-9;
 
@@ -47,8 +52,7 @@ tides_status td_grid_create(double start, double stop, double step_s, const doub
     grid->start = start;
     grid->stop = stop;
     grid->step_s = step_s;
-    /* A last step shorter than a millionth of the others is rounding of stop - start, not a step. */
-    grid->regular = (int64_t)ceil((stop - start) / step_s - 1e-6);
+    grid->regular = (int64_t)ceil((stop - start) / step_s - least_last_step);
     if (grid->regular < 1) grid->regular = 1;
     grid->knot = td_alloc(count + 1, sizeof *grid->knot, error);
     grid->point = td_alloc(count + 1, sizeof *grid->point, error);
@@ -99,11 +103,11 @@ int td_grid_is_knot(const td_grid *grid, int64_t k) {
     return knots > 0 && grid->point[knots - 1] == k;
 }
 
-int64_t td_grid_last_until(const td_grid *grid, double time) {
+int64_t td_grid_last_until(const td_grid *grid, double epoch, double time) {
     int64_t low = 0, high = grid->steps; /* the answer is within */
     while (low < high) {
         int64_t middle = low + (high - low + 1) / 2;
-        if (td_grid_at(grid, middle) <= time)
+        if (epoch + td_grid_at(grid, middle) <= time)
             low = middle;
         else
             high = middle - 1;

@@ -5,7 +5,7 @@
  *   compare    each tile over each step: events
  *   emit       the batch's events, sorted, as one packet
  *
- * Steps lie on the grid start + k step_s, joined by the knots of motions. Fixed steps are rendered several to a launch; how
+ * Times count from the run's start. Steps lie on the grid k step_s, joined by the knots of motions. Fixed steps are rendered several to a launch; how
  * many changes the cost, never the events. Under error control each of them is a macro step, which refine.c halves where a
  * tile needs it. */
 #include "td_event_sort.h"
@@ -99,8 +99,11 @@ static tides_status begin(tides_simulator *s, tides_error *error) {
 
 tides_status td_step_of_run(const tides_simulator *s, double start, double stop, td_step *step, tides_error *error) {
     tides_status status = td_step_between(start, stop, step, error);
-    if (status == TIDES_OK && stop < s->stop && step->stop_ns > step->start_ns) step->stop_ns--;
-    return status;
+    if (status != TIDES_OK) return status;
+    step->start_ns += s->epoch_ns;
+    step->stop_ns += s->epoch_ns;
+    if (stop < s->length && step->stop_ns > step->start_ns) step->stop_ns--;
+    return TIDES_OK;
 }
 
 static void turn_samples(tides_simulator *s) {
@@ -152,7 +155,7 @@ static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, 
     int stopped = sink && sink(user, left ? s->scan.events : s->events.events, left ? s->scan.count : s->events.count);
     s->stats.time_sink_s += td_now() - begun;
     s->events.count = s->scan.count = 0;
-    return stopped ? td_fail(error, TIDES_CANCELLED, "stopped by the event sink at %g s", td_grid_time(s, s->step)) : TIDES_OK;
+    return stopped ? td_fail(error, TIDES_CANCELLED, "stopped by the event sink at %.9g s", td_time_reached(s)) : TIDES_OK;
 }
 
 /* Longer batches while few candidates miss their tiles, shorter ones when many do. */
@@ -288,18 +291,20 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
     if (simulator->broken)
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "tides_simulator_run: an earlier error left a step half done; make a new simulator");
-    if (!(until >= simulator->start))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: until %g s is before the start, %g s", until,
-                       simulator->start);
+    if (!(until >= simulator->epoch))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: until %.17g s is before the start, %.17g s", until,
+                       simulator->epoch);
     double begun = td_now();
     tides_status status = TIDES_OK;
-    int64_t last = td_grid_last_until(&simulator->grid, until);
+    int64_t last = until - simulator->epoch >= simulator->length
+                       ? simulator->steps
+                       : td_grid_last_until(&simulator->grid, simulator->epoch, until);
     if (!simulator->started) status = begin(simulator, error);
     while (status == TIDES_OK && simulator->step < last) {
         status = simulator->mode == TIDES_STEPPING_FIXED ? advance(simulator, last - simulator->step, sink, sink_user, error)
                                                          : advance_refined(simulator, sink, sink_user, error);
         if (status == TIDES_OK && progress && progress(user, (double)simulator->step / (double)simulator->steps, "simulating"))
-            status = td_fail(error, TIDES_CANCELLED, "stopped on request at %g s", td_grid_time(simulator, simulator->step));
+            status = td_fail(error, TIDES_CANCELLED, "stopped on request at %.9g s", td_time_reached(simulator));
     }
     simulator->stats.run_time_s += td_now() - begun;
     return status;

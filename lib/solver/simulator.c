@@ -38,9 +38,12 @@ static tides_status check_arguments(const tides_sensor *sensor, const tides_step
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "stepping.slope: differences need fixed steps; the control of the others judges exact slopes");
     if (!isfinite(start) || !isfinite(stop) || !(stop > start))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "time: start %g s, stop %g s; stop must be a time after start", start, stop);
-    if (start < 0)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "time.start: %g s is before time 0, where event times begin", start);
+        return td_fail(error, TIDES_BAD_ARGUMENT, "time: start %.17g s, stop %.17g s; stop must be a time after start", start,
+                       stop);
+    if (start < -TD_FURTHEST_TIME || stop > TD_FURTHEST_TIME)
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "time: start %.17g s, stop %.17g s; event times are 64-bit nanoseconds: stay within +-%g s", start, stop,
+                       TD_FURTHEST_TIME);
     if (!(stepping->step_s > 0) || !((stop - start) / stepping->step_s < most_steps))
         return td_fail(error, TIDES_BAD_ARGUMENT, "stepping.step_s: %g s must be above 0 and make fewer than %g steps",
                        stepping->step_s, most_steps);
@@ -72,7 +75,7 @@ static tides_status check_covers(const tides_trajectory *trajectory, const char 
     tides_trajectory_range(trajectory, &from, &to);
     if (from <= start && to >= stop) return TIDES_OK;
     return td_fail(error, TIDES_OUT_OF_RANGE,
-                   "%s covers %g to %g s, but the run goes from %g to %g s; change time.start and "
+                   "%s covers %.15g to %.15g s, but the run goes from %.15g to %.15g s; change time.start and "
                    "time.stop",
                    what, from, to, start, stop);
 }
@@ -162,7 +165,8 @@ static void take_parameters(tides_simulator *s, const tides_device *device, cons
 
 /* Steps, tiles and arrays, for the renderer that is there. */
 static tides_status lay_out(tides_simulator *s, const tides_intrinsics *intrinsics, tides_error *error) {
-    tides_status status = td_grid_create(s->start, s->stop, s->step_s, s->renderer->moved.knots, s->renderer->moved.knot_count,
+    td_renderer_set_epoch(s->renderer, s->epoch);
+    tides_status status = td_grid_create(0, s->length, s->step_s, s->renderer->moved.knots, s->renderer->moved.knot_count,
                                          s->min_step_s, &s->grid, error);
     if (status != TIDES_OK) return status;
     s->renderer->side = -1; /* each sample but the first ends a step */
@@ -201,8 +205,9 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     tides_simulator *s = td_alloc(1, sizeof *s, error);
     if (!s) return TIDES_NO_MEMORY;
     s->camera = camera;
-    s->start = start;
-    s->stop = stop;
+    s->epoch = start;
+    s->epoch_ns = td_time_ns(start);
+    s->length = stop - start;
     take_parameters(s, device, sensor, stepping);
     status = td_comparator_check(&s->comparator, error);
     if (status == TIDES_OK)
@@ -211,8 +216,8 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     if (status == TIDES_OK) status = lay_out(s, intrinsics, error);
     if (status == TIDES_OK) status = prepare(s, error);
     if (status == TIDES_OK)
-        status =
-            td_sensor_create(sensor, stepping->model, image->log_eps, start, s->width, s->tile, s->tiles, &s->sensor, error);
+        status = td_sensor_create(sensor, stepping->model, image->log_eps, 0, s->width, s->tile, s->tiles, &s->sensor, error);
+    s->sensor.start_ns += s->epoch_ns;
     if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, stepping, intrinsics->height, error);
     if (status != TIDES_OK) {
         tides_simulator_destroy(s);
@@ -260,7 +265,7 @@ void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats)
     stats->events_truncated = simulator->counts.truncated;
     stats->events_caught_up = simulator->counts.caught_up;
     stats->renders_full_frame_equivalent = (double)render->tile_jobs / simulator->tiles;
-    stats->simulated_s = simulator->started ? td_grid_time(simulator, simulator->step) - simulator->start : 0;
+    stats->simulated_s = simulator->started ? td_grid_time(simulator, simulator->step) : 0;
     stats->real_time_factor = stats->run_time_s > 0 ? stats->simulated_s / stats->run_time_s : 0;
     double known = render->time_build_s + render->time_motion_s + render->time_sweep_s + render->time_project_s +
                    render->time_sort_s + render->time_composite_s + render->time_transfer_s + stats->time_compare_s +

@@ -15,10 +15,9 @@ static int64_t split_time(double seconds, double *fraction) {
 }
 
 tides_status td_step_between(double start, double stop, td_step *step, tides_error *error) {
-    const double furthest = 9.2e9; /* [s]; int64 nanoseconds end at 9.22e9 s */
-    if (!(start >= -furthest && stop <= furthest && start < stop))
+    if (!(start >= -TD_FURTHEST_TIME && stop <= TD_FURTHEST_TIME && start < stop))
         return td_fail(error, TIDES_OUT_OF_RANGE, "a step from %.17g s to %.17g s: times must ascend, within +-%g s", start,
-                       stop, furthest);
+                       stop, TD_FURTHEST_TIME);
     double start_fraction, stop_fraction;
     int64_t start_ns = split_time(start, &start_fraction), stop_ns = split_time(stop, &stop_fraction);
     double length = (double)(stop_ns - start_ns) + (stop_fraction - start_fraction);
@@ -27,6 +26,11 @@ tides_status td_step_between(double start, double stop, td_step *step, tides_err
                        "a step from %.17g s to %.17g s is shorter than a double resolves: make steps longer", start, stop);
     *step = (td_step){start_ns, stop_ns, start_fraction, length, length * 1e-9};
     return TIDES_OK;
+}
+
+int64_t td_time_ns(double seconds) {
+    double whole = floor(seconds); /* the rest is exact */
+    return (int64_t)whole * 1000000000 + (int64_t)round((seconds - whole) * 1e9);
 }
 
 int64_t td_step_time(const td_step *step, double s) {

@@ -8,7 +8,7 @@
 
 /* Raised when a reader of the version before couldn't make sense of the file. */
 #define TD_CHECKPOINT_FORMAT "tides-checkpoint"
-enum { TD_CHECKPOINT_VERSION = 2 };
+enum { TD_CHECKPOINT_VERSION = 3 };
 
 /* -- the file (checkpoint_file.c) -- */
 

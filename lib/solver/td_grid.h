@@ -8,7 +8,8 @@
 #include <stddef.h>
 
 /* Points are numbered from 0, at `start`, to `steps`, at `stop`. Regular points are products, not running sums; one that is
- * closer to a knot than `gap` gives way to it, so that no sliver of a step is left. */
+ * closer to a knot than `gap` gives way to it, so that no sliver of a step is left; and where the last would be one, shorter
+ * than 1/1024 of the others, the one before it is so much longer. A run's grid counts from its start: `start` is 0. */
 typedef struct td_grid {
     double start, stop, step_s;
     int64_t regular; /* steps without the knots */
@@ -31,7 +32,8 @@ double td_grid_at(const td_grid *grid, int64_t k);
 /* 1 where point k is a knot. */
 int td_grid_is_knot(const td_grid *grid, int64_t k);
 
-/* The last point at or before `time`; 0 where there is none. */
-int64_t td_grid_last_until(const td_grid *grid, double time);
+/* The last point that, `epoch` later, is at or before `time` as doubles add up; 0 where there is none. So a time that a caller
+ * worked out as epoch + k step_s reaches point k, whatever was rounded in that. */
+int64_t td_grid_last_until(const td_grid *grid, double epoch, double time);
 
 #endif

@@ -24,7 +24,9 @@ struct tides_simulator {
     td_comparator comparator;
     td_sensor sensor;           /* what is in the comparator's place where one of its blocks is on */
     td_surround_steps surround; /* between the pixels and the comparator, where the sensor has one */
-    double start, stop, step_s; /* [s] */
+    double epoch;               /* [s] the run's start: every other time in the solver is an offset from it, */
+    double length, step_s;      /* [s] up to `length` */
+    int64_t epoch_ns;           /* the nearest nanosecond; event times are whole nanoseconds after it */
     td_grid grid;               /* where steps begin and end */
     int mode, local;            /* TIDES_STEPPING_*; each tile has its own steps */
     double min_step_s, tolerance, time_tolerance_s, budget;
@@ -81,8 +83,13 @@ static inline void td_unpack_tile(const td_tile *tile, const double *planes, dou
         }
 }
 
-/* Time of grid point k [s]; the last one is `stop`. */
+/* Time of grid point k [s after the epoch]; the last one is `length`. */
 static inline double td_grid_time(const tides_simulator *simulator, int64_t k) { return td_grid_at(&simulator->grid, k); }
+
+/* The absolute time reached [s], for messages. */
+static inline double td_time_reached(const tides_simulator *simulator) {
+    return simulator->epoch + td_grid_time(simulator, simulator->step);
+}
 
 /* At a knot of some motion, where a step begins: the S_dot of the tiles that move (td_list_moving) becomes that of what begins
  * there. The interval is swept already. */
@@ -109,7 +116,7 @@ tides_status td_compare_tile(tides_simulator *simulator, int tile, const td_step
 /* The sensor over one step of the tiles in which nothing moves, where it wants that. */
 tides_status td_compare_still(tides_simulator *simulator, const td_step *step, tides_error *error);
 
-/* The step between two times. What fires at its very end is a nanosecond earlier, except at the run's: so a packet never ends
+/* The step between two times [s after the epoch], in absolute nanoseconds. What fires at its very end is a nanosecond earlier, except at the run's: so a packet never ends
  * with the nanosecond that the next one begins with, and the stream is in order however it is cut into packets. */
 tides_status td_step_of_run(const tides_simulator *simulator, double start, double stop, td_step *step, tides_error *error);
 

@@ -4,9 +4,11 @@
 
 #include "tides/base.h"
 
-/* One step (start, stop], in whole nanoseconds plus offsets. Steps lie on a grid of double seconds, start + k step_s (a
- * product, not a running sum); a double at 1000 s resolves 1e-4 ns. An event is at floor(start_fraction + s length_ns) ns
- * after start_ns: what is rounded in that is small numbers, however long the run has lasted. */
+#define TD_FURTHEST_TIME 9.2e9 /* [s]; int64 nanoseconds end at 9.22e9 s */
+
+/* One step (start, stop], in whole nanoseconds plus offsets. Steps lie on a grid of double seconds since the run's start,
+ * k step_s (a product, not a running sum); a double at 1000 s resolves 1e-4 ns. An event is at floor(start_fraction +
+ * s length_ns) ns after start_ns: what is rounded in that is small numbers, however long the run has lasted. */
 typedef struct td_step {
     int64_t start_ns, stop_ns; /* both ends, floored [ns] */
     double start_fraction;     /* what flooring took from the start [ns], in [0, 1) */
@@ -18,6 +20,10 @@ typedef struct td_step {
  * start; a double that is a whole nanosecond to within its own rounding is that nanosecond (1.001 s isn't 1000999999 ns).
  * TIDES_OUT_OF_RANGE where they aren't finite and ascending, or beyond 292 years. */
 TIDES_MUST_CHECK tides_status td_step_between(double start, double stop, td_step *step, tides_error *error);
+
+/* The nearest nanosecond, of a time within +-TD_FURTHEST_TIME. Exact: the product with 1e9 alone would be off by up to 128 ns at
+ * 1e9 s. It is where a run's start becomes an integer, once; all its steps and events count from there. */
+int64_t td_time_ns(double seconds);
 
 /* Time of an event at s in [0, 1], floored [ns]; at s = 1 exactly stop_ns, never beyond it. */
 int64_t td_step_time(const td_step *step, double s);

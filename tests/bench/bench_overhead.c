@@ -29,7 +29,7 @@ static double level_seconds(tides_simulator *s, const int *tiles, int count, dou
     static double sample[4 * TD_TILE_PIXELS];
     tides_error error;
     td_request *requests = s->requests;
-    double begun = td_now(), time = s->start + 0.5 * interval_s;
+    double begun = td_now(), time = 0.5 * interval_s;
     for (int i = 0; i < count; i++) {
         requests[i].tile = tiles[i];
         requests[i].slot = 0;
@@ -77,8 +77,8 @@ static void measure(tides_simulator *s) {
     double work[SIZES] = {0}, frame = 0, average;
     double *planes = malloc((size_t)s->tiles * TD_OUT_SIGNAL * TD_TILE_PIXELS * sizeof *planes);
     if (!planes || s->tiles > TILES_MAX) exit(1);
-    stop_on(tides_simulator_run(s, s->start, NULL, NULL, NULL, NULL, &error), &error);
-    stop_on(td_renderer_sweep(s->renderer, s->camera, s->start, s->start + interval_s, &error), &error);
+    stop_on(tides_simulator_run(s, s->epoch, NULL, NULL, NULL, NULL, &error), &error);
+    stop_on(td_renderer_sweep(s->renderer, s->camera, 0, interval_s, &error), &error);
     for (int t = 0; t < s->tiles; t++)
         if (s->renderer->candidates.first[t + 1] > s->renderer->candidates.first[t]) filled[filled_count++] = t;
     for (int round = 0; round < ROUNDS; round++)

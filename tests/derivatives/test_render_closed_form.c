@@ -100,7 +100,7 @@ static double *render(int way) {
     td_backdrop backdrop = {{0}, 0, {0}, 0};
     td_backend *backend = NULL;
     tides_error error;
-    scene_expect_ok(td_views_at(scene, camera, time_now, &view, &error), &error);
+    scene_expect_ok(td_views_at(scene, camera, 0, time_now, &view, &error), &error);
     for (int c = 0; c < 3; c++) {
         backdrop.colour[c] = backdrop_colour[c];
         backdrop.luminance += luminance_weight[c] * backdrop_colour[c];

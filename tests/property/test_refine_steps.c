@@ -20,7 +20,7 @@ static outcome advance_step_by_step(const job *j, tides_simulator *s, step_check
     begin(j, s, &o);
     for (int64_t k = 0; k < s->steps; k++) {
         tides_error error;
-        double start = td_grid_time(s, k), stop = td_grid_time(s, k + 1);
+        double start = s->epoch + td_grid_time(s, k), stop = s->epoch + td_grid_time(s, k + 1);
         size_t first = o.count;
         scene_expect_ok(tides_simulator_run(s, stop, collect, &o, NULL, NULL, &error), &error);
         check(s, j, start, stop, &o, first);

@@ -178,7 +178,7 @@ double *random_scene_views(const random_scene *scene, const double *times, int s
     tides_error error;
     assert_non_null(views);
     for (int i = 0; i < slots; i++)
-        scene_expect_ok(td_views_at(scene->scene, scene->path, times[i], views + i * scene->recipe.objects, &error), &error);
+        scene_expect_ok(td_views_at(scene->scene, scene->path, 0, times[i], views + i * scene->recipe.objects, &error), &error);
     return (double *)views;
 }
 

@@ -28,9 +28,9 @@ static void test_without_knots(void **state) {
         assert_false(td_grid_is_knot(&grid, k));
     }
     assert_true(td_grid_at(&grid, 40) == 0.2795 && td_grid_at(&grid, 41) == 0.2795);
-    assert_int_equal(td_grid_last_until(&grid, 0.1), 0);
-    assert_int_equal(td_grid_last_until(&grid, 0.2039), 1);
-    assert_int_equal(td_grid_last_until(&grid, 1), 40);
+    assert_int_equal(td_grid_last_until(&grid, 0, 0.1), 0);
+    assert_int_equal(td_grid_last_until(&grid, 0, 0.2039), 1);
+    assert_int_equal(td_grid_last_until(&grid, 0, 1), 40);
     td_grid_release(&grid);
 }
 
@@ -39,8 +39,8 @@ static void expect_points(const td_grid *grid, const double *points, const int *
     for (int k = 0; k < count; k++) {
         if (td_grid_at(grid, k) != points[k]) fail_msg("point %d: %.17g, not %.17g", k, td_grid_at(grid, k), points[k]);
         assert_int_equal(td_grid_is_knot(grid, k), is_knot[k]);
-        assert_int_equal(td_grid_last_until(grid, points[k]), k);
-        if (k) assert_int_equal(td_grid_last_until(grid, 0.5 * (points[k - 1] + points[k])), k - 1);
+        assert_int_equal(td_grid_last_until(grid, 0, points[k]), k);
+        if (k) assert_int_equal(td_grid_last_until(grid, 0, 0.5 * (points[k - 1] + points[k])), k - 1);
     }
 }
 
@@ -54,6 +54,37 @@ static void test_by_hand(void **state) {
     td_grid grid = make(0, 5, 1, knots, sizeof knots / sizeof *knots, 0.1);
     expect_points(&grid, points, is_knot, sizeof points / sizeof *points);
     td_grid_release(&grid);
+}
+
+/* A last step is shorter than 1/1024 of the others, or longer than 1 + 1/1024 of them, in no grid; and none is of no length. */
+static void test_no_slivers(void **state) {
+    (void)state;
+    srand(78);
+    for (int trial = 0; trial < 200000; trial++) {
+        double step = pow(10, 3 - 12.0 * rand() / RAND_MAX), share = trial % 2 ? 0 : pow(10, -14.0 * rand() / RAND_MAX);
+        double length = step * (1 + rand() % 1000 + (trial % 4 ? share : -0.5 * share));
+        td_grid grid = make(0, length, step, NULL, 0, 0);
+        double last = length - td_grid_at(&grid, grid.steps - 1), least = step / 1024;
+        if (!(last > (grid.steps > 1 ? 0.999999 * least : 0) && last < step + 1.000001 * least) || grid.steps > 1001)
+            fail_msg("%.17g s in steps of %.17g s: %lld, the last of %g s", length, step, (long long)grid.steps, last);
+        td_grid_release(&grid);
+    }
+}
+
+/* A time worked out as start + k step_s reaches point k at any start, also where doubles are further apart than steps. */
+static void test_until(void **state) {
+    (void)state;
+    static const double starts[] = {0, 0.1, 1e6 + 0.1, 1.305031102e9, 2e9 + 0.3};
+    static const double steps[] = {1e-3, 1.0 / 3, 1e-5, 7e-7};
+    for (int i = 0; i < 5; i++)
+        for (int n = 0; n < 4; n++) {
+            td_grid grid = make(0, 1000 * steps[n], steps[n], NULL, 0, 0);
+            for (int64_t k = 0; k <= 1000; k++) {
+                int64_t found = td_grid_last_until(&grid, starts[i], starts[i] + (double)k * steps[n]);
+                assert_true(found >= k && starts[i] + td_grid_at(&grid, found) == starts[i] + (double)k * steps[n]);
+            }
+            td_grid_release(&grid);
+        }
 }
 
 static int by_value(const void *a, const void *b) {
@@ -89,6 +120,7 @@ static void test_against_a_list(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_without_knots), cmocka_unit_test(test_by_hand),
+                                       cmocka_unit_test(test_no_slivers), cmocka_unit_test(test_until),
                                        cmocka_unit_test(test_against_a_list)};
     print_message("seed 77\n");
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -81,11 +81,23 @@ static void late_times_are_as_fine_as_early_ones(void **state) {
     }
 }
 
+/* Seconds to the nearest nanosecond of the double's own value, which 1e9 times it isn't from 1e7 s on. */
+static void starts_become_the_nearest_nanosecond(void **state) {
+    (void)state;
+    assert_true(td_time_ns(0) == 0 && td_time_ns(0.1) == 100000000 && td_time_ns(1.001) == 1001000000);
+    assert_true(td_time_ns(-5) == -INT64_C(5000000000) && td_time_ns(-0.25e-9) == 0 && td_time_ns(0.75e-9) == 1);
+    for (int64_t k = 0; k < 4194304; k += 4097) {            /* multiples of 2^-22: what doubles at 2e9 s are */
+        int64_t rest = (k * 1000000000 + 2097152) / 4194304; /* half is rounded up, which no k is */
+        assert_true(td_time_ns(2e9 + (double)k / 4194304) == INT64_C(2000000000) * 1000000000 + rest);
+        assert_true(td_time_ns(1305031102 + (double)k / 4194304) == INT64_C(1305031102) * 1000000000 + rest);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(whole_nanoseconds_are_whole),          cmocka_unit_test(steps_join_and_cover),
         cmocka_unit_test(times_before_zero_are_floored),        cmocka_unit_test(impossible_steps_are_refused),
-        cmocka_unit_test(late_times_are_as_fine_as_early_ones),
+        cmocka_unit_test(late_times_are_as_fine_as_early_ones), cmocka_unit_test(starts_become_the_nearest_nanosecond),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
