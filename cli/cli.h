@@ -76,6 +76,17 @@ int cli_parse(const cli_command *command, const cli_option *options, int argc, c
 /* A finite number from the text of `option`; CLI_GO or CLI_USAGE. */
 int cli_number(const cli_command *command, const char *option, const char *text, double *number);
 
+/* seconds.c: seconds to the nearest nanosecond; exactly, as 1e9 times a time of 1e9 s isn't. */
+int64_t cli_nanoseconds(double seconds);
+/* Seconds from the text of `option` as nanoseconds, digit by digit; CLI_GO or CLI_USAGE. */
+int cli_time(const cli_command *command, const char *option, const char *text, int64_t *ns);
+/* Nanoseconds as seconds with nine decimals. */
+enum { CLI_SECONDS = 24 };
+const char *cli_seconds(int64_t ns, char text[CLI_SECONDS]);
+/* As numbers of an object, with all their digits. */
+void cli_add_ns(cJSON *object, const char *name, int64_t ns);
+void cli_add_seconds(cJSON *object, const char *name, int64_t ns);
+
 /* The options that every command takes, stored to `common`. */
 enum { CLI_COMMON_OPTIONS = 5 };
 void cli_common_options(cli_option options[CLI_COMMON_OPTIONS], cli_common *common);

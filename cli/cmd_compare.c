@@ -47,22 +47,24 @@ static int parse(const cli_command *command, const char *methods, const char *wi
 /* -- the work -------------------------------------------------------------------------------------------------------------- */
 
 void compare_interval(const comparison *c, int64_t *start_ns, int64_t *stop_ns) {
-    *start_ns = (int64_t)floor(1e9 * c->session.values.start);
-    *stop_ns = (int64_t)floor(1e9 * c->session.values.stop) + 1;
+    *start_ns = cli_nanoseconds(c->session.values.start);
+    *stop_ns = cli_nanoseconds(c->session.values.stop) + 1;
 }
 
 tides_status compare_keep_events(const comparison *c, const char *name, const cli_session *s, const bench_stream *stream,
                                  tides_error *error) {
-    const tides_event_file facts = {.width = s->intrinsics.width,
-                                    .height = s->intrinsics.height,
-                                    .run = s->values.json,
-                                    .seed = s->values.seed};
     tides_event_writer *writer = NULL;
     int64_t start_ns, stop_ns;
     char path[COMPARE_PATH];
     if (!c->keep) return TIDES_OK;
     snprintf(path, sizeof path, "%s/%s.h5", c->directory, name);
     compare_interval(c, &start_ns, &stop_ns);
+    const tides_event_file facts = {.width = s->intrinsics.width,
+                                    .height = s->intrinsics.height,
+                                    .run = s->values.json,
+                                    .seed = s->values.seed,
+                                    .start_ns = start_ns,
+                                    .stop_ns = stop_ns};
     tides_status status = tides_event_writer_open(path, &facts, &writer, error);
     if (status == TIDES_OK) status = tides_event_writer_append(writer, stream->events, stream->count, error);
     if (status == TIDES_OK) return tides_event_writer_finish(writer, stop_ns - 1, error);

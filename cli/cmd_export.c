@@ -215,8 +215,8 @@ static int report(const job *j) {
         cJSON_AddNumberToObject(facts, "height", j->recording.height);
         cJSON_AddNumberToObject(facts, "width", j->recording.width);
         cJSON_AddNumberToObject(facts, "events_left_out", (double)j->left_out);
-        cJSON_AddNumberToObject(facts, "start_ns", (double)j->stretch.start_ns);
-        cJSON_AddNumberToObject(facts, "stop_ns", (double)j->stretch.stop_ns);
+        cli_add_ns(facts, "start_ns", j->stretch.start_ns);
+        cli_add_ns(facts, "stop_ns", j->stretch.stop_ns);
         return cli_print_facts(facts, 1);
     }
     if (j->common->quiet) return CLI_OK;

@@ -168,6 +168,7 @@ static tides_status path_facts(const char *file, cJSON *facts, tides_error *erro
     if (isfinite(start) && isfinite(stop)) {
         cJSON_AddNumberToObject(facts, "start_s", start);
         cJSON_AddNumberToObject(facts, "stop_s", stop);
+        cJSON_AddNumberToObject(facts, "duration_s", stop - start);
     }
     intrinsics_facts(&path.intrinsics, facts);
     if (path.distorted) cJSON_AddStringToObject(facts, "distortion", "ignored");
@@ -199,8 +200,9 @@ static void event_facts(const tides_event_summary *s, cJSON *facts) {
     cJSON_AddNumberToObject(facts, "events", (double)s->count);
     cJSON_AddNumberToObject(facts, "events_on", (double)s->count_on);
     cJSON_AddNumberToObject(facts, "events_off", (double)(s->count - s->count_on));
-    cJSON_AddNumberToObject(facts, "first_ns", (double)s->first_ns);
-    cJSON_AddNumberToObject(facts, "last_ns", (double)s->last_ns);
+    cli_add_ns(facts, "first_ns", s->first_ns);
+    cli_add_ns(facts, "last_ns", s->last_ns);
+    cli_add_seconds(facts, "first_s", s->first_ns); /* what --start of cut and view takes */
     cJSON_AddNumberToObject(facts, "duration_s", duration);
     if (duration > 0) cJSON_AddNumberToObject(facts, "rate_hz", (double)s->count / duration);
     if (s->count) cJSON_AddNumberToObject(facts, "on_percent", 100.0 * (double)s->count_on / (double)s->count);

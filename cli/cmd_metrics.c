@@ -77,13 +77,11 @@ static int parse_positive(const cli_command *command, const char *name, const ch
 }
 
 static int parse_time(const cli_command *command, const char *name, const char *text, int64_t *ns) {
-    double seconds = 0;
+    const int64_t most = INT64_C(2000000000000000000);
     if (!text) return CLI_GO;
-    const int code = cli_number(command, name, text, &seconds);
+    const int code = cli_time(command, name, text, ns);
     if (code != CLI_GO) return code;
-    if (fabs(seconds) > 2e9) return cli_usage(command, "%s %s: is beyond 63 years", name, text);
-    *ns = llround(1e9 * seconds);
-    return CLI_GO;
+    return *ns > most || *ns < -most ? cli_usage(command, "%s %s: is beyond 63 years", name, text) : CLI_GO;
 }
 
 static int parse_options(const cli_command *command, const arguments *given, tides_metrics_options *options) {

@@ -115,8 +115,8 @@ static int parse(const cli_command *command, const arguments *given, job *j) {
     double time_s = 0;
     int code = parse_kind(command, given->kind, j);
     if (code == CLI_GO) code = number_in(command, "--time", given->time, -2e9, 2e9, &time_s);
+    if (code == CLI_GO && given->time) code = cli_time(command, "--time", given->time, &j->time_ns);
     j->has_time = given->time != NULL;
-    j->time_ns = (int64_t)llround(1e9 * time_s);
     if (code == CLI_GO) code = parse_look(command, given, j);
     if (code == CLI_GO) code = cli_stretch_parse(command, &j->stretch);
     if (code == CLI_GO) code = parse_output(command, given->fps, j);
@@ -235,8 +235,8 @@ static int report(const job *j) {
     cJSON_AddNumberToObject(facts, "width", j->width);
     cJSON_AddNumberToObject(facts, "height", j->height);
     cJSON_AddNumberToObject(facts, "events", (double)j->events);
-    cJSON_AddNumberToObject(facts, "start_ns", (double)j->stretch.start_ns);
-    cJSON_AddNumberToObject(facts, "stop_ns", (double)j->stretch.stop_ns);
+    cli_add_ns(facts, "start_ns", j->stretch.start_ns);
+    cli_add_ns(facts, "stop_ns", j->stretch.stop_ns);
     return cli_print_facts(facts, 1);
 }
 

@@ -1,7 +1,6 @@
 /* What convert and cut do with event files: run the conversion, say what came of it. */
 #include "event_job.h"
 
-#include <math.h>
 #include <stdio.h>
 
 static cJSON *report_json(const char *out, const tides_event_conversion_report *r) {
@@ -53,15 +52,6 @@ int cli_size(const cli_command *command, const char *option, const char *text, i
     if (!(number >= 1 && number <= 65536) || number != (double)(int32_t)number)
         return cli_usage(command, "%s %s: not a number of pixels", option, text);
     *size = (int32_t)number;
-    return CLI_GO;
-}
-
-int cli_time(const cli_command *command, const char *option, const char *text, int64_t *ns) {
-    double seconds;
-    int code = cli_number(command, option, text, &seconds);
-    if (code != CLI_GO) return code;
-    if (!(fabs(seconds) < 9e9)) return cli_usage(command, "%s %s: not a time in seconds", option, text);
-    *ns = (int64_t)llround(seconds * 1e9);
     return CLI_GO;
 }
 

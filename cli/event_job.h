@@ -13,9 +13,6 @@ void cli_tell_collapsed(uint64_t collapsed);
 /* A number of pixels from the text of `option`; CLI_GO or CLI_USAGE. */
 int cli_size(const cli_command *command, const char *option, const char *text, int32_t *size);
 
-/* Seconds from the text of `option` as nanoseconds; CLI_GO or CLI_USAGE. */
-int cli_time(const cli_command *command, const char *option, const char *text, int64_t *ns);
-
 /* The table of formats, for --help. */
 void cli_help_formats(void);
 

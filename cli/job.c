@@ -39,9 +39,10 @@ static int take(void *user, const tides_event *events, size_t count) {
 
 /* The stretch in the middle of the run that the preview shows. */
 static cli_window middle(const cli_session *session) {
-    const double centre = 0.5 * (session->values.start + session->values.stop);
-    const double half = 0.5 * fmin(PREVIEW_WINDOW_S, session->values.stop - session->values.start);
-    return (cli_window){.first_ns = (int64_t)floor(1e9 * (centre - half)), .stop_ns = (int64_t)ceil(1e9 * (centre + half))};
+    const double length = session->values.stop - session->values.start, half = 0.5 * fmin(PREVIEW_WINDOW_S, length);
+    const int64_t start_ns = cli_nanoseconds(session->values.start);
+    return (cli_window){.first_ns = start_ns + (int64_t)floor(1e9 * (0.5 * length - half)),
+                        .stop_ns = start_ns + (int64_t)ceil(1e9 * (0.5 * length + half))};
 }
 
 /* Every output that comes at the end is tried at the beginning. */
@@ -54,8 +55,13 @@ static tides_status check_outputs(const cli_job *job, tides_error *error) {
 }
 
 static tides_event_file facts_of(const cli_session *s) {
-    return (tides_event_file){s->intrinsics.width, s->intrinsics.height, s->values.json, s->values.seed,
-                              s->values.sensor.labels};
+    return (tides_event_file){.width = s->intrinsics.width,
+                              .height = s->intrinsics.height,
+                              .run = s->values.json,
+                              .seed = s->values.seed,
+                              .labels = s->values.sensor.labels,
+                              .start_ns = cli_nanoseconds(s->values.start),
+                              .stop_ns = cli_nanoseconds(s->values.stop) + 1};
 }
 
 tides_status cli_simulator_create(const cli_session *s, cli_progress *progress, tides_simulator **simulator,
@@ -96,7 +102,7 @@ static tides_status start(const cli_job *job, const cli_common *common, job_stat
     if (there) {
         tides_status status = start_again(state, job->events, error);
         if (status == TIDES_OK)
-            cli_note(common, "going on at %.6g s, after %llu events", state->session.values.start + state->stats.simulated_s,
+            cli_note(common, "going on at %.15g s, after %llu events", state->session.values.start + state->stats.simulated_s,
                      (unsigned long long)state->sink.events);
         return status;
     }
@@ -135,7 +141,7 @@ static tides_status finish_events(job_state *state, tides_error *error) {
     tides_event_writer *writer = state->sink.writer;
     state->sink.collapsed = tides_event_writer_collapsed(writer);
     state->sink.writer = NULL; /* gone whatever _finish returns */
-    tides_status status = tides_event_writer_finish(writer, (int64_t)floor(1e9 * state->session.values.stop), error);
+    tides_status status = tides_event_writer_finish(writer, cli_nanoseconds(state->session.values.stop), error);
     return status == TIDES_OK ? cli_checkpoint_remove(&state->checkpoint, error) : status;
 }
 

@@ -117,8 +117,8 @@ cJSON *cli_metrics_json(const tides_metrics *m, const tides_metrics_options *o) 
     cJSON_AddItemToObject(report, "simulated", stream_json(&m->simulated, o));
     add(json, "width", m->width);
     add(json, "height", m->height);
-    add(json, "start_ns", (double)m->start_ns);
-    add(json, "stop_ns", (double)m->stop_ns);
+    cli_add_ns(json, "start_ns", m->start_ns);
+    cli_add_ns(json, "stop_ns", m->stop_ns);
     if (o->wanted & TIDES_METRIC_COUNTS) {
         add(json, "count_ratio", m->count_ratio);
         add(json, "count_correlation", m->count_correlation);

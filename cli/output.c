@@ -70,13 +70,21 @@ const char *cli_count(double number, char text[24]) {
 
 /* -- facts ---------------------------------------------------------------------------------------------------------- */
 
+/* Seconds of 1e9 keep what follows the point. */
+static const char *number_format(const cJSON *value) {
+    const size_t length = value->string ? strlen(value->string) : 0;
+    const int32_t seconds = length > 2 && strcmp(value->string + length - 2, "_s") == 0;
+    if (value->valuedouble == floor(value->valuedouble)) return "%.0f";
+    return seconds && fabs(value->valuedouble) >= 1e6 ? "%.16g" : "%.7g";
+}
+
 static void print_scalar(const cJSON *value) {
-    if (cJSON_IsString(value))
+    if (cJSON_IsString(value) || cJSON_IsRaw(value))
         printf("%s", value->valuestring);
     else if (cJSON_IsBool(value))
         printf("%s", cJSON_IsTrue(value) ? "yes" : "no");
     else if (cJSON_IsNumber(value))
-        printf(value->valuedouble == floor(value->valuedouble) ? "%.0f" : "%.7g", value->valuedouble);
+        printf(number_format(value), value->valuedouble);
     else
         printf("-");
 }

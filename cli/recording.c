@@ -1,6 +1,5 @@
 /* Reading a stretch of a recording. */
 #include "recording.h"
-#include "event_job.h"
 
 /* Differences of times have to fit 64 bits: 63 years, as for metrics. */
 static const int64_t time_limit = INT64_C(2000000000000000000);

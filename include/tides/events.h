@@ -33,6 +33,10 @@ typedef struct tides_event_file {
     const char *run;       /* run file as JSON text, or NULL */
     const char *seed;      /* or NULL */
     int32_t labels; /* 1: with all labels; TIDES_UNSUPPORTED but in HDF5. 0: HDF5 has causes, if some aren't the signal's */
+    /* [ns] The recording's stretch; both 0: not known. Where it is, what the format can't hold of it is TIDES_UNSUPPORTED at
+     * once; else the first event that doesn't fit is. HDF5 counts its 32-bit microseconds from t_offset: 0 where the recording
+     * lies within their first 4294.967 s, else its start; where that isn't known, of half an hour from its first event. */
+    int64_t start_ns, stop_ns;
 } tides_event_file;
 
 typedef struct tides_event_writer tides_event_writer;

@@ -72,12 +72,21 @@ static tides_status create_dat(td_event_sink *sink, tides_error *error) {
 }
 
 /* A reader sees a turn only as a fall of the stored time, so no silence across one may be longer than half a turn. */
-static const char *check_dat(const tides_event *event, const tides_event *previous) {
+static const char *check_dat(const td_event_sink *sink, const tides_event *event, const tides_event *previous) {
+    (void)sink;
     int64_t from = previous ? previous->t / 1000 : 0, t = event->t / 1000;
     return t / TURN != from / TURN && t - from > TURN / 2
                ? "can't be told from an earlier one: DAT's clock begins anew every 4294.967296 s, and the silence before it is "
                  "longer "
                  "than half of that: count from the first event (--rebase), or use another format"
+               : NULL;
+}
+
+static const char *span_dat(int64_t start_ns, int64_t stop_ns) {
+    (void)stop_ns;
+    return start_ns / 1000 / TURN > 0 && start_ns / 1000 > TURN / 2
+               ? "DAT's clock begins anew every 4294.967296 s, and readers can't count the turns before the first event: write "
+                 "HDF5 (.h5), or bring path and run to time 0 (camera.rebase, time.start)"
                : NULL;
 }
 
@@ -104,6 +113,7 @@ const td_event_format td_format_dat = {
     .read = read_dat,
     .close = close_dat,
     .create = create_dat,
+    .span = span_dat,
     .check = check_dat,
     .write = write_dat,
 };

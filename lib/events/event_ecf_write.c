@@ -173,7 +173,8 @@ static herr_t index_event(ecf_writer *w, const tides_event *e, uint64_t id) {
 }
 
 /* 8 kB of index for every second without events. */
-const char *td_ecf_check(const tides_event *event, const tides_event *previous) {
+const char *td_ecf_check(const td_event_sink *sink, const tides_event *event, const tides_event *previous) {
+    (void)sink;
     return previous && event->t - previous->t > INT64_C(1000000) * 1000000000
                ? "comes more than 10^6 s after the one before it, and the file's index has an entry every 2 ms: cut the "
                  "recording"

@@ -86,12 +86,22 @@ static tides_status create_es(td_event_sink *sink, tides_error *error) {
 }
 
 /* 7874 bytes for every second without events. */
-static const char *check_es(const tides_event *event, const tides_event *previous) {
+static const int64_t longest_silence = INT64_C(100000) * 1000000000; /* [ns] */
+static const char *check_es(const td_event_sink *sink, const tides_event *event, const tides_event *previous) {
+    (void)sink;
     int64_t from = previous ? previous->t : 0;
-    return event->t - from > INT64_C(100000) * 1000000000 ? "comes more than 10^5 s after the one before it, and Event Stream "
-                                                            "takes a byte every 127 us: count from the first "
-                                                            "event (--rebase)"
-                                                          : NULL;
+    return event->t - from > longest_silence ? "comes more than 10^5 s after the one before it, and Event Stream "
+                                               "takes a byte every 127 us: count from the first "
+                                               "event (--rebase)"
+                                             : NULL;
+}
+
+static const char *span_es(int64_t start_ns, int64_t stop_ns) {
+    (void)stop_ns;
+    return start_ns > longest_silence
+               ? "Event Stream counts from 0 and takes a byte every 127 us, for 10^5 s at most: write HDF5 "
+                 "(.h5), or bring path and run to time 0 (camera.rebase, time.start)"
+               : NULL;
 }
 
 static tides_status write_es(td_event_sink *sink, const tides_event *events, size_t count, tides_error *error) {
@@ -124,6 +134,7 @@ const td_event_format td_format_es = {
     .read = read_es,
     .close = close_es,
     .create = create_es,
+    .span = span_es,
     .check = check_es,
     .write = write_es,
     .discard = discard_es,

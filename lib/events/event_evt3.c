@@ -163,11 +163,21 @@ static tides_status write_evt3(td_event_sink *sink, const tides_event *events, s
 }
 
 /* 488 bytes for every second without events. */
-static const char *check_evt3(const tides_event *event, const tides_event *previous) {
+static const int64_t longest_silence = INT64_C(1000000) * 1000000000; /* [ns] */
+static const char *check_evt3(const td_event_sink *sink, const tides_event *event, const tides_event *previous) {
+    (void)sink;
     int64_t from = previous ? previous->t : 0;
-    return event->t - from > INT64_C(1000000) * 1000000000 ? "comes more than 10^6 s after the one before it, and EVT 3.0 "
-                                                             "counts every 4 ms: count from the first event (--rebase)"
-                                                           : NULL;
+    return event->t - from > longest_silence ? "comes more than 10^6 s after the one before it, and EVT 3.0 "
+                                               "counts every 4 ms: count from the first event (--rebase)"
+                                             : NULL;
+}
+
+static const char *span_evt3(int64_t start_ns, int64_t stop_ns) {
+    (void)stop_ns;
+    return start_ns > longest_silence
+               ? "EVT 3.0 counts from 0, every 4 ms, for 10^6 s at most: write HDF5 (.h5), or bring path "
+                 "and run to time 0 (camera.rebase, time.start)"
+               : NULL;
 }
 
 static void discard_evt3(td_event_sink *sink) { free(sink->state); }
@@ -183,6 +193,7 @@ const td_event_format td_format_evt3 = {
     .read = read_evt3,
     .close = close_evt3,
     .create = create_evt3,
+    .span = span_evt3,
     .check = check_evt3,
     .write = write_evt3,
     .discard = discard_evt3,

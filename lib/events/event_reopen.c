@@ -56,6 +56,27 @@ static hssize_t rows_of(hid_t dataset, hsize_t chunk) {
     return rows;
 }
 
+static herr_t read_offset(td_event_store *store) {
+    hid_t dataset = H5Dopen2(store->file, "/t_offset", H5P_DEFAULT), space = dataset < 0 ? -1 : H5Dget_space(dataset);
+    herr_t failed = -1;
+    if (space >= 0 && H5Sget_simple_extent_npoints(space) == 1)
+        failed = H5Dread(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &store->offset);
+    td_h5_close(space);
+    td_h5_close(dataset);
+    return failed < 0 || store->offset > INT64_MAX / 1000 || store->offset < INT64_MIN / 1000 ? -1 : 0;
+}
+
+int64_t td_event_store_peek_offset(const char *path) {
+    td_event_store store;
+    td_event_store_reset(&store);
+    hid_t access = td_h5_file_access();
+    store.file = access < 0 ? -1 : H5Fopen(path, H5F_ACC_RDONLY, access);
+    td_h5_close(access);
+    if (store.file < 0 || read_offset(&store) < 0) store.offset = 0;
+    td_h5_close(store.file);
+    return store.offset;
+}
+
 static tides_status open_all(td_event_store *store, const char *path, uint64_t rows, tides_error *error) {
     int64_t count = 0;
     for (int c = 0; c < TD_COLUMNS; c++) {
@@ -67,7 +88,8 @@ static tides_status open_all(td_event_store *store, const char *path, uint64_t r
     store->index = H5Dopen2(store->file, "/ms_to_idx", H5P_DEFAULT);
     store->count = H5Aopen(store->file, "count", H5P_DEFAULT);
     store->stop = H5Aopen(store->file, "stop_ns", H5P_DEFAULT);
-    if (store->index < 0 || store->count < 0 || store->stop < 0 || rows_of(store->index, TD_INDEX_CHUNK) < 0)
+    if (store->index < 0 || store->count < 0 || store->stop < 0 || rows_of(store->index, TD_INDEX_CHUNK) < 0 ||
+        read_offset(store) < 0)
         return fail_reopen(path, "is damaged", error);
     if (!td_h5_read_int(store->file, "count", &count) || count < (int64_t)rows)
         return td_fail(error, TIDES_BAD_FILE, "%s: holds %" PRId64 " events, %" PRIu64 " of the run are missing: start anew",
@@ -163,9 +185,11 @@ static herr_t read_rows(hid_t dataset, hid_t type, uint64_t first, size_t count,
 
 /* How much of the index stays: whole chunks, of milliseconds that kept events have begun. */
 static herr_t choose_index(td_event_store *store, uint64_t rows) {
-    int64_t last = -1;
+    int64_t last = 0;
     if (rows > 0 && read_rows(store->columns[TD_COLUMN_NS], H5T_NATIVE_INT64, rows - 1, 1, &last) < 0) return -1;
-    uint64_t entries = last >= 0 ? td_milliseconds_begun(last) : 0, there = (uint64_t)rows_of(store->index, TD_INDEX_CHUNK);
+    if (rows > 0 && last < 1000 * store->offset) return -1;
+    uint64_t entries = rows > 0 ? td_milliseconds_begun(last, store->offset) : 0,
+             there = (uint64_t)rows_of(store->index, TD_INDEX_CHUNK);
     if (there < entries) entries = there;
     store->index_rows = store->next_ms = entries / TD_INDEX_CHUNK * TD_INDEX_CHUNK;
     return 0;
@@ -181,7 +205,9 @@ static herr_t rebuild_index(td_event_store *store) {
         uint64_t block = TD_EVENT_CHUNK - row % TD_EVENT_CHUNK; /* to a chunk's border: it is decompressed once */
         if (read_rows(store->columns[TD_COLUMN_NS], H5T_NATIVE_INT64, row, (size_t)block, t) < 0) return -1;
         for (uint64_t i = 0; i < block; i++)
-            if (t[i] < 0 || td_event_store_index(store, td_milliseconds_begun(t[i]), row + i) < 0) return -1;
+            if (t[i] < 1000 * store->offset ||
+                td_event_store_index(store, td_milliseconds_begun(t[i], store->offset), row + i) < 0)
+                return -1;
         row += block;
     }
     return 0;

@@ -44,7 +44,7 @@ static hid_t column_memory_type(int column) {
 
 enum { BYTES_PER_EVENT = 1 + 4 + 2 + 2 + 8, BYTES_OF_LABELS = 1 + 8 + 4 };
 
-static void gather_column(int column, const tides_event *events, size_t count, void *out) {
+static void gather_column(int column, int64_t offset, const tides_event *events, size_t count, void *out) {
     uint8_t *p = out;
     uint32_t *t = out;
     uint16_t *xy = out;
@@ -54,7 +54,8 @@ static void gather_column(int column, const tides_event *events, size_t count, v
             for (size_t i = 0; i < count; i++) p[i] = events[i].polarity > 0;
             break;
         case TD_COLUMN_T:
-            for (size_t i = 0; i < count; i++) t[i] = (uint32_t)(events[i].t / 1000); /* floor: t is not negative */
+            for (size_t i = 0; i < count; i++)
+                t[i] = (uint32_t)((events[i].t - 1000 * offset) / 1000); /* floor: it is not negative */
             break;
         case TD_COLUMN_X:
             for (size_t i = 0; i < count; i++) xy[i] = events[i].x;
@@ -95,13 +96,13 @@ static herr_t create_datasets(td_event_store *store) {
     return store->index < 0 ? -1 : 0;
 }
 
-/* DSEC's t_offset is a scalar dataset. Ours is 0: an offset beyond 2^32 makes DSEC's own reader fail under NumPy 2. */
-static herr_t create_offset(hid_t file) {
-    const int64_t zero = 0;
+/* DSEC's t_offset is a scalar dataset. It is 0 where that will do: an offset beyond 2^32 (DSEC's own are) makes DSEC's reader
+ * fail under NumPy 2, which doesn't add such a number to 32-bit ones. */
+static herr_t create_offset(hid_t file, int64_t offset) {
     hid_t creation = H5Pcreate(H5P_DATASET_CREATE), space = H5Screate(H5S_SCALAR), dataset = -1;
     if (creation >= 0 && space >= 0 && H5Pset_obj_track_times(creation, 0) >= 0)
         dataset = H5Dcreate2(file, "/t_offset", H5T_STD_I64LE, space, H5P_DEFAULT, creation, H5P_DEFAULT);
-    herr_t failed = dataset < 0 ? -1 : H5Dwrite(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &zero);
+    herr_t failed = dataset < 0 ? -1 : H5Dwrite(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &offset);
     td_h5_close(dataset);
     td_h5_close(space);
     td_h5_close(creation);
@@ -142,7 +143,8 @@ static herr_t create_all(td_event_store *store, const char *path, const tides_ev
     store->file = access < 0 ? -1 : H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
     td_h5_close(access);
     if (store->file < 0 || td_h5_forbid_evictions(store->file) < 0) return -1;
-    if (create_attributes(store, facts) < 0 || create_datasets(store) < 0 || create_offset(store->file) < 0) return -1;
+    if (create_attributes(store, facts) < 0 || create_datasets(store) < 0) return -1;
+    if (create_offset(store->file, store->offset) < 0) return -1;
     if (facts->labels && td_event_labels_create(store->file, &store->labels) < 0) return -1;
     return H5Fflush(store->file, H5F_SCOPE_LOCAL);
 }
@@ -153,8 +155,19 @@ void td_event_store_reset(td_event_store *store) {
     for (int c = 0; c < TD_COLUMNS; c++) store->columns[c] = -1;
 }
 
-tides_status td_event_store_create(td_event_store *store, const char *path, const tides_event_file *facts, tides_error *error) {
+herr_t td_event_store_set_offset(td_event_store *store, int64_t offset) {
+    if (offset == store->offset) return 0;
+    hid_t dataset = H5Dopen2(store->file, "/t_offset", H5P_DEFAULT);
+    herr_t failed = dataset < 0 ? -1 : H5Dwrite(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &offset);
+    td_h5_close(dataset);
+    if (failed >= 0) store->offset = offset;
+    return failed;
+}
+
+tides_status td_event_store_create(td_event_store *store, const char *path, const tides_event_file *facts, int64_t offset,
+                                   tides_error *error) {
     td_event_store_reset(store);
+    store->offset = offset;
     tides_status status = td_event_store_claim(path, 1, error);
     if (status != TIDES_OK) return status;
     store->scratch = td_alloc(TD_EVENT_CHUNK, sizeof(int64_t), error);
@@ -230,12 +243,12 @@ herr_t td_event_store_index(td_event_store *store, uint64_t end, uint64_t row) {
 
 static herr_t append_events(td_event_store *store, const tides_event *events, const int64_t *fired, size_t count) {
     for (int c = 0; c < TD_COLUMNS; c++) {
-        gather_column(c, events, count, store->scratch);
+        gather_column(c, store->offset, events, count, store->scratch);
         if (write_rows(store->columns[c], column_memory_type(c), store->rows, count, store->scratch) < 0) return -1;
     }
     if (td_event_labels_append(store->file, &store->labels, store->rows, events, fired, count, store->scratch) < 0) return -1;
     for (size_t i = 0; i < count; i++)
-        if (td_event_store_index(store, td_milliseconds_begun(events[i].t), store->rows + i) < 0) return -1;
+        if (td_event_store_index(store, td_milliseconds_begun(events[i].t, store->offset), store->rows + i) < 0) return -1;
     return 0;
 }
 
@@ -257,7 +270,7 @@ static tides_status hdf5_failure(tides_error *error) {
 tides_status td_event_store_append(td_event_store *store, const tides_event *events, const int64_t *fired, size_t count,
                                    tides_error *error) {
     if (count == 0) return TIDES_OK;
-    uint64_t begun = td_milliseconds_begun(events[count - 1].t);
+    uint64_t begun = td_milliseconds_begun(events[count - 1].t, store->offset);
     int no_space = td_event_claim_space(store->file, space_needed(count, begun > store->next_ms ? begun - store->next_ms : 0));
     if (no_space) {
         release_space(store->file);

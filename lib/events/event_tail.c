@@ -12,11 +12,11 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-static tides_status write_store(const char *part, const tides_event_file *facts, uint64_t first, const tides_event *events,
-                                const int64_t *fired, size_t count, tides_error *error) {
+static tides_status write_store(const char *part, const tides_event_file *facts, int64_t offset, uint64_t first,
+                                const tides_event *events, const int64_t *fired, size_t count, tides_error *error) {
     td_event_store store;
-    const tides_event_file bare = {facts->width, facts->height, NULL, NULL, facts->labels}; /* the .part says the rest */
-    tides_status status = td_event_store_create(&store, part, &bare, error);
+    const tides_event_file bare = {facts->width, facts->height, NULL, NULL, facts->labels, 0, 0}; /* the .part says the rest */
+    tides_status status = td_event_store_create(&store, part, &bare, offset, error);
     if (status != TIDES_OK) return status;
     tides_error reason = {0};
     if (td_h5_write_int(store.file, "first", H5T_STD_I64LE, (int64_t)first) < 0) {
@@ -31,11 +31,11 @@ static tides_status write_store(const char *part, const tides_event_file *facts,
     return status == TIDES_OK ? status : td_fail(error, status, "%s: can't be written: %s", part, reason.text);
 }
 
-tides_status td_event_tail_write(const char *path, const tides_event_file *facts, uint64_t first, const tides_event *events,
-                                 const int64_t *fired, size_t count, tides_error *error) {
+tides_status td_event_tail_write(const char *path, const tides_event_file *facts, int64_t offset, uint64_t first,
+                                 const tides_event *events, const int64_t *fired, size_t count, tides_error *error) {
     char *part = td_part_name(path, error);
     if (!part) return TIDES_NO_MEMORY;
-    tides_status status = write_store(part, facts, first, events, fired, count, error);
+    tides_status status = write_store(part, facts, offset, first, events, fired, count, error);
     if (status == TIDES_OK) status = td_commit_file(part, path, error);
     if (status != TIDES_OK) unlink(part);
     free(part);

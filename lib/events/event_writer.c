@@ -45,6 +45,15 @@ static tides_status check_file(const char *path, const td_event_format *format, 
     if (file->labels && !format->labels)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: %s has no place for labels: write HDF5 (.h5), or leave sensor.labels off",
                        path, format->summary);
+    const double start = 1e-9 * (double)file->start_ns, stop = 1e-9 * (double)file->stop_ns;
+    const int known = file->stop_ns > file->start_ns;
+    if (known && file->start_ns < 0 && !format->negative)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "%s: %s has no times before 0, and the run goes from %.15g to %.15g s: write HDF5 (.h5), or move it "
+                       "(camera.rebase, time.start)",
+                       path, format->summary, start, stop);
+    const char *why = known && format->span ? format->span(file->start_ns, file->stop_ns) : NULL;
+    if (why) return td_fail(error, TIDES_UNSUPPORTED, "%s: can't hold a run from %.15g to %.15g s: %s", path, start, stop, why);
     struct stat there;
     if (stat(path, &there) == 0 && S_ISDIR(there.st_mode))
         return td_fail(error, TIDES_WRITE_FAILED, "%s: is a folder: name a file in it", path);
@@ -89,6 +98,8 @@ static tides_event_writer *make_writer(const char *path, const td_event_format *
     sink->run = file->run;
     sink->seed = file->seed;
     sink->labels = file->labels;
+    sink->start_ns = file->start_ns;
+    sink->stop_ns = file->stop_ns;
     sink->path = td_strdup(path, error);
     sink->part = sink->path ? td_part_name(path, error) : NULL;
     if (sink->part && format->tick_ns > 1) sink->ticks = td_event_ticks_create(format->tick_ns, error);
@@ -189,12 +200,12 @@ static tides_status check_event(const td_event_format *format, const td_event_si
         return refuse(event, index, TIDES_BAD_ARGUMENT, "lies outside the image: check the file's width and height", error);
     if (event->polarity != 1 && event->polarity != -1)
         return refuse(event, index, TIDES_BAD_ARGUMENT, "has no polarity: give +1 or -1", error);
-    if (event->t < 0)
+    if (event->t < 0 && !format->negative)
         return refuse(event, index, TIDES_BAD_ARGUMENT,
-                      "lies before time 0: count times from the run's start, or from the first event (--rebase)", error);
+                      "lies before time 0: write HDF5 (.h5), or count from the first event (--rebase)", error);
     if (previous && before(event, previous))
         return refuse(event, index, TIDES_BAD_ARGUMENT, "comes before the one ahead of it: sort by t, y, x, polarity", error);
-    const char *why = format->check ? format->check(event, previous) : NULL;
+    const char *why = format->check ? format->check(sink, event, previous) : NULL;
     return why ? refuse(event, index, TIDES_UNSUPPORTED, why, error) : TIDES_OK;
 }
 
@@ -243,6 +254,7 @@ tides_status tides_event_writer_append_fired(tides_event_writer *writer, const t
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_append: an argument is NULL");
     if (writer->failure.status != TIDES_OK) return repeat_failure(writer, error);
     td_event_sink *sink = &writer->sink;
+    if (count > 0 && sink->count == 0 && writer->format->begin) writer->format->begin(sink, events);
     tides_status status = td_event_check(writer->format, sink, events, count, error);
     if (status == TIDES_OK && sink->ticks) status = td_event_ticks_add(sink->ticks, events, count, error);
     if (status != TIDES_OK || count == 0) return status;

@@ -1,17 +1,18 @@
 /* Writes event files: HDF5 in the layout of DSEC (https://dsec.ifi.uzh.ch/data-format), which most readers of event data know.
  *
  *   /events/p      u1   1 ON, 0 OFF
- *   /events/t      u4   [us] after t_offset; floor(t_ns / 1000)
+ *   /events/t      u4   [us] after t_offset: floor(t_ns / 1000) - t_offset
  *   /events/x, y   u2   [px]
- *   /events/t_ns   i8   [ns] the exact time; ours, ignored by others
+ *   /events/t_ns   i8   [ns] the exact time, absolute: t_offset is in it; ours, ignored by others
  *   /events/cause, fired, frontend: labels, where there are any (event_labels.c)
- *   /ms_to_idx     u8   entry k: the first event with t >= 1000 k. It covers the recording's end: a query that ends within the
+ *   /ms_to_idx     u8   entry k: the first event with t >= 1000 k, so it counts from t_offset too. It covers the recording's end: a query that ends within the
  *                       recording finds its entry. (DSEC's own reader fails on a window without events; that is its defect.)
- *   /t_offset      i8   scalar, 0
+ *   /t_offset      i8   scalar [us]: 0 where the recording lies within the first 4294.967 s, else its start: times of 1.4e9 s
+ *                       (or before 0) are t + t_offset, as in DSEC
  *   attributes of the root: format "tides-events", version 1, tides_version, width, height, seed, run (the run file's JSON),
  *     count (events that are safely in the file), stop_ns (end of the recording; -1 while it is being written)
  *
- * All datasets are chunked, shuffled and deflated (level 1). The microseconds end after 71.6 minutes, as in DSEC.
+ * All datasets are chunked, shuffled and deflated (level 1). The microseconds end 71.6 minutes after t_offset, as in DSEC.
  *
  * A file grows as PATH.part; event_store.c says why it stays readable whatever happens to the process. In a .part, ms_to_idx
  * lags behind (whole chunks only), and the datasets may hold rows beyond `count` that mean nothing. What a flush finds after
@@ -32,10 +33,40 @@ typedef struct hdf5_writer {
     int64_t *fired;      /* as many, or NULL: the file has no labels */
     size_t buffered;
     int32_t failed; /* a write: nothing is written after it */
+    int32_t placed; /* t_offset is for good: the recording's stretch is known, or there are events */
+    int64_t offset; /* [us] what it will be, or is */
 } hdf5_writer;
 
-/* The latest time that /events/t can hold [ns]. */
+/* The latest time after t_offset that /events/t can hold [ns]; and how long a recording is taken to be that doesn't say. */
 #define LAST_TIME (((int64_t)UINT32_MAX + 1) * 1000 - 1)
+#define TAKEN_LENGTH (LAST_TIME / 2)
+
+/* ---- t_offset ---- */
+
+static int64_t floor_microseconds(int64_t ns) { return ns / 1000 - (ns % 1000 < 0); }
+
+static int64_t offset_for(int64_t start_ns, int64_t stop_ns) {
+    return start_ns >= 0 && stop_ns <= LAST_TIME ? 0 : floor_microseconds(start_ns);
+}
+
+/* What the sink knows of its recording. */
+static void place(td_event_sink *sink) {
+    hdf5_writer *w = sink->state;
+    w->placed = sink->stop_ns > sink->start_ns;
+    w->offset = w->placed ? offset_for(sink->start_ns, sink->stop_ns) : 0;
+}
+
+/* Without that, from its first event. */
+static void begin_hdf5(td_event_sink *sink, const tides_event *first) {
+    hdf5_writer *w = sink->state;
+    if (!w->placed) w->offset = offset_for(first->t, first->t > INT64_MAX - TAKEN_LENGTH ? INT64_MAX : first->t + TAKEN_LENGTH);
+}
+
+static const char *span_hdf5(int64_t start_ns, int64_t stop_ns) {
+    return stop_ns - 1000 * offset_for(start_ns, stop_ns) > LAST_TIME
+               ? "the file's 32-bit microseconds hold 4294.967 s: write several files (time.start, time.stop)"
+               : NULL;
+}
 
 /* ---- opening ---- */
 
@@ -62,22 +93,24 @@ static void discard_hdf5(td_event_sink *sink) {
 }
 
 static tides_status create_hdf5(td_event_sink *sink, tides_error *error) {
-    const tides_event_file facts = {sink->width, sink->height, sink->run, sink->seed, sink->labels};
+    const tides_event_file facts = {sink->width, sink->height, sink->run, sink->seed, sink->labels, 0, 0};
     tides_status status = make_state(sink, error);
     if (status != TIDES_OK) return status;
     hdf5_writer *w = sink->state;
-    status = td_event_store_create(&w->store, sink->part, &facts, error);
+    place(sink);
+    status = td_event_store_create(&w->store, sink->part, &facts, w->offset, error);
     if (status == TIDES_OK) unlink(w->tail); /* of an earlier run, whose .part is gone now */
     return status;
 }
 
 /* ---- appending ---- */
 
-static const char *check_hdf5(const tides_event *event, const tides_event *previous) {
+static const char *check_hdf5(const td_event_sink *sink, const tides_event *event, const tides_event *previous) {
     (void)previous;
-    return event->t > LAST_TIME
-               ? "is too late: the file's 32-bit microseconds end after 4294.967295 s: write several files, or "
-                 "count from the first event (--rebase)"
+    const int64_t from = 1000 * ((const hdf5_writer *)sink->state)->offset;
+    if (event->t < from) return "is too early: it lies before the start that the recording was said to have";
+    return event->t - from > LAST_TIME
+               ? "is too late: the file's 32-bit microseconds end 4294.967295 s after its t_offset: write several files"
                : NULL;
 }
 
@@ -101,6 +134,11 @@ static tides_status flush_buffer(td_event_sink *sink, tides_error *error) {
 static tides_status write_hdf5(td_event_sink *sink, const tides_event *events, size_t count, tides_error *error) {
     hdf5_writer *w = sink->state;
     const int64_t *fired = sink->fired;
+    if (!w->placed && count > 0) {
+        if (td_event_store_set_offset(&w->store, w->offset) < 0)
+            return write_failed(sink, TIDES_WRITE_FAILED, "t_offset", error);
+        w->placed = 1;
+    }
     while (count > 0) {
         size_t room = TD_EVENT_CHUNK - w->buffered, taken = count < room ? count : room;
         memcpy(w->buffer + w->buffered, events, taken * sizeof *events);
@@ -119,8 +157,8 @@ static tides_status write_hdf5(td_event_sink *sink, const tides_event *events, s
 static tides_status flush_hdf5(td_event_sink *sink, tides_error *error) {
     hdf5_writer *w = sink->state;
     if (w->buffered == 0) return TIDES_OK; /* whole chunks are in the file as soon as they are whole */
-    const tides_event_file facts = {sink->width, sink->height, NULL, NULL, sink->labels};
-    return td_event_tail_write(w->tail, &facts, w->store.rows, w->buffer, w->fired, w->buffered, error);
+    const tides_event_file facts = {sink->width, sink->height, NULL, NULL, sink->labels, 0, 0};
+    return td_event_tail_write(w->tail, &facts, w->offset, w->store.rows, w->buffer, w->fired, w->buffered, error);
 }
 
 /* Events [rows, rows + buffered), after the last whole chunk that stays: from the tail, or from the .part itself where it has
@@ -140,8 +178,9 @@ static tides_status find_tail(td_event_sink *sink, uint64_t rows, tides_error *e
                        "%s: ends %zu events before event %" PRIu64 ", where the run was interrupted (%s): start anew",
                        sink->part, w->buffered - got, rows + w->buffered, reason.text);
     status = td_event_check(&td_format_hdf5, sink, w->buffer, w->buffered, error);
-    const tides_event_file facts = {sink->width, sink->height, NULL, NULL, sink->labels};
-    return status == TIDES_OK ? td_event_tail_write(w->tail, &facts, rows, w->buffer, w->fired, w->buffered, error) : status;
+    const tides_event_file facts = {sink->width, sink->height, NULL, NULL, sink->labels, 0, 0};
+    return status == TIDES_OK ? td_event_tail_write(w->tail, &facts, w->offset, rows, w->buffer, w->fired, w->buffered, error)
+                              : status;
 }
 
 /* The last event, against which the next one's order is checked. */
@@ -160,17 +199,35 @@ static tides_status find_last(td_event_sink *sink, uint64_t count, tides_error *
     return status;
 }
 
+/* The .part's t_offset, which may have been chosen for an earlier stop; without events it may still change. */
+static tides_status resume_offset(td_event_sink *sink, uint64_t count, tides_error *error) {
+    hdf5_writer *w = sink->state;
+    place(sink);
+    if (count == 0) return TIDES_OK;
+    const int64_t from = 1000 * (w->offset = td_event_store_peek_offset(sink->part));
+    if (w->placed && (sink->start_ns < from || sink->stop_ns - from > LAST_TIME))
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "%s: counts its 32-bit microseconds from %.15g s, which can't hold the run up to its new stop, %.15g s: "
+                       "simulate from the beginning",
+                       sink->part, 1e-6 * (double)w->offset, 1e-9 * (double)sink->stop_ns);
+    w->placed = 1;
+    return TIDES_OK;
+}
+
 static tides_status resume_hdf5(td_event_sink *sink, uint64_t count, tides_error *error) {
-    const tides_event_file facts = {sink->width, sink->height, sink->run, sink->seed, sink->labels};
+    const tides_event_file facts = {sink->width, sink->height, sink->run, sink->seed, sink->labels, 0, 0};
     tides_status status = make_state(sink, error);
     if (status != TIDES_OK) return status;
     hdf5_writer *w = sink->state;
     uint64_t rows = count / TD_EVENT_CHUNK * TD_EVENT_CHUNK;
     status = td_event_store_claim(sink->part, 0, error);
     w->buffered = (size_t)(count - rows);
+    if (status == TIDES_OK) status = resume_offset(sink, count, error);
     if (status == TIDES_OK) status = find_tail(sink, rows, error);
     if (status == TIDES_OK) status = find_last(sink, count, error);
     if (status == TIDES_OK) status = td_event_store_reopen(&w->store, sink->part, &facts, rows, error);
+    if (status == TIDES_OK && w->placed && td_event_store_set_offset(&w->store, w->offset) < 0)
+        status = write_failed(sink, TIDES_WRITE_FAILED, "t_offset", error);
     sink->count = count;
     return status;
 }
@@ -179,8 +236,9 @@ static tides_status resume_hdf5(td_event_sink *sink, uint64_t count, tides_error
 
 /* Entries of ms_to_idx: DSEC's reader looks up ceil(end / 1 ms) and the millisecond after the last event. */
 static uint64_t index_entries(const td_event_sink *sink, int64_t stop_ns) {
-    uint64_t entries = stop_ns > 0 ? (uint64_t)((stop_ns - 1) / 1000000) + 2 : 1;
-    uint64_t needed = sink->has_last ? (uint64_t)(sink->last.t / 1000000) + 2 : 1;
+    const int64_t from = 1000 * ((const hdf5_writer *)sink->state)->offset, end = stop_ns - from;
+    uint64_t entries = end > 0 ? (uint64_t)((end - 1) / 1000000) + 2 : 1;
+    uint64_t needed = sink->has_last ? (uint64_t)((sink->last.t - from) / 1000000) + 2 : 1;
     return entries > needed ? entries : needed;
 }
 
@@ -196,15 +254,15 @@ static tides_status close_store(td_event_sink *sink, tides_error *error) {
 
 static tides_status complete_hdf5(td_event_sink *sink, int64_t stop_ns, tides_error *error) {
     hdf5_writer *w = sink->state;
-    if (stop_ns < 0) stop_ns = 0;
-    if (sink->has_last && stop_ns < sink->last.t) stop_ns = sink->last.t;
+    const int64_t least = sink->has_last ? sink->last.t : 1000 * w->offset;
+    if (stop_ns < least) stop_ns = least;
     tides_status status = flush_buffer(sink, error);
     if (status != TIDES_OK) return status;
-    if (stop_ns > LAST_TIME)
+    if (stop_ns - 1000 * w->offset > LAST_TIME)
         return td_fail(error, TIDES_UNSUPPORTED,
-                       "%s: can't end at %" PRId64 " ns: its 32-bit microseconds end after "
-                       "4294.967295 s: write several files",
-                       sink->part, stop_ns);
+                       "%s: can't end at %" PRId64 " ns: its 32-bit microseconds end 4294.967295 s after its t_offset, %" PRId64
+                       " us: write several files",
+                       sink->part, stop_ns, w->offset);
     tides_error reason = {0};
     status = td_event_store_complete(&w->store, index_entries(sink, stop_ns), stop_ns, &reason);
     if (status != TIDES_OK) return write_failed(sink, status, reason.text, error);
@@ -231,11 +289,14 @@ const td_event_format td_format_hdf5 = {
     .size_limit = 65536,
     .library = 1,
     .labels = 1,
+    .negative = 1,
     .detect = td_h5_detect,
     .open = td_h5_open,
     .read = td_h5_read,
     .close = td_h5_close_stream,
     .create = create_hdf5,
+    .span = span_hdf5,
+    .begin = begin_hdf5,
     .check = check_hdf5,
     .write = write_hdf5,
     .complete = complete_hdf5,

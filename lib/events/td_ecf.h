@@ -23,6 +23,6 @@ tides_status td_ecf_create(td_event_sink *sink, tides_error *error);
 tides_status td_ecf_write(td_event_sink *sink, const tides_event *events, size_t count, tides_error *error);
 tides_status td_ecf_complete(td_event_sink *sink, int64_t stop_ns, tides_error *error);
 void td_ecf_discard(td_event_sink *sink);
-const char *td_ecf_check(const tides_event *event, const tides_event *previous);
+const char *td_ecf_check(const td_event_sink *sink, const tides_event *event, const tides_event *previous);
 
 #endif

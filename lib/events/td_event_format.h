@@ -66,10 +66,11 @@ typedef struct td_event_ticks td_event_ticks;
 typedef struct td_event_sink {
     char *path, *part;
     int32_t width, height;
-    const char *run, *seed; /* during create only */
-    int32_t labels;         /* as tides_event_file; only for formats with `labels` */
-    const int64_t *fired;   /* during write, with labels: when the events fired; NULL: at their t */
-    uint64_t count;         /* appended */
+    const char *run, *seed;    /* during create only */
+    int32_t labels;            /* as tides_event_file; only for formats with `labels` */
+    const int64_t *fired;      /* during write, with labels: when the events fired; NULL: at their t */
+    int64_t start_ns, stop_ns; /* as tides_event_file */
+    uint64_t count;            /* appended */
     tides_event last;
     int32_t has_last;
     FILE *file;  /* NULL for formats with `library` */
@@ -95,6 +96,7 @@ typedef struct td_event_format {
     int32_t size_limit;  /* widest and highest sensor that fits [px] */
     int32_t library;     /* the file is opened by a library, not as bytes */
     int32_t labels;      /* it has a place for them */
+    int32_t negative;    /* times before 0 have a place in it */
 
     /* 1 where the file is of this format; NULL: only by name. */
     int (*detect)(const td_event_probe *probe);
@@ -105,10 +107,14 @@ typedef struct td_event_format {
     tides_status (*read)(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got, tides_error *error);
     void (*close)(td_event_stream *stream);
 
-    /* Writing; all NULL where it is only read. Events come checked and in order. `check` (nullable) says why an event can't
-     * be stored after `previous` (nullable), or NULL. `complete` makes the file whole; `discard` frees the state. */
+    /* Writing; all NULL where it is only read. Events come checked and in order. `span` (nullable) says why a recording from
+     * start to stop can't be stored and what to do, or NULL; `begin` (nullable) is told the first event before it is checked;
+     * `check` (nullable) says why an event can't be stored after `previous` (nullable), or NULL. `complete` makes the file
+     * whole; `discard` frees the state. */
     tides_status (*create)(td_event_sink *sink, tides_error *error);
-    const char *(*check)(const tides_event *event, const tides_event *previous);
+    const char *(*span)(int64_t start_ns, int64_t stop_ns);
+    void (*begin)(td_event_sink *sink, const tides_event *first);
+    const char *(*check)(const td_event_sink *sink, const tides_event *event, const tides_event *previous);
     tides_status (*write)(td_event_sink *sink, const tides_event *events, size_t count, tides_error *error);
     tides_status (*complete)(td_event_sink *sink, int64_t stop_ns, tides_error *error);
     void (*discard)(td_event_sink *sink);

@@ -16,6 +16,7 @@ typedef struct td_event_labels {
 typedef struct td_event_store {
     hid_t file, columns[TD_COLUMNS], index, count, stop; /* the last two are attributes */
     td_event_labels labels;
+    int64_t offset;                   /* [us] t_offset: what /events/t and ms_to_idx count from */
     uint64_t rows;                    /* events in the datasets */
     uint64_t index_rows;              /* entries of ms_to_idx in its dataset */
     uint64_t next_ms;                 /* first millisecond without an entry, written or pending */
@@ -39,8 +40,11 @@ int32_t td_event_labels_of(hid_t file);
 /* "/events/p" ... */
 const char *td_event_column_name(int column);
 
-/* Milliseconds that begin at or before `t`: those whose first event is known once an event at `t` is. */
-static inline uint64_t td_milliseconds_begun(int64_t t) { return (uint64_t)(t / 1000000) + 1; }
+/* Milliseconds of the index, from `offset` [us] on, that begin at or before `t`: those whose first event is known once an event
+ * at `t` is. */
+static inline uint64_t td_milliseconds_begun(int64_t t, int64_t offset) {
+    return (uint64_t)((t - 1000 * offset) / 1000000) + 1;
+}
 
 /* A store with nothing open. */
 void td_event_store_reset(td_event_store *store);
@@ -48,9 +52,16 @@ void td_event_store_reset(td_event_store *store);
 /* Fails where another process writes `path`, or it can't be written; `create` makes it where it isn't there. */
 tides_status td_event_store_claim(const char *path, int create, tides_error *error);
 
-/* Creates `path` (replacing it) with empty datasets and all attributes, and flushes it. On failure neither store nor file is
- * left. */
-tides_status td_event_store_create(td_event_store *store, const char *path, const tides_event_file *facts, tides_error *error);
+/* Creates `path` (replacing it) with empty datasets, all attributes and t_offset [us], and flushes it. On failure neither store
+ * nor file is left. */
+tides_status td_event_store_create(td_event_store *store, const char *path, const tides_event_file *facts, int64_t offset,
+                                   tides_error *error);
+
+/* The t_offset [us] of a file; 0 where it can't be read, which opening it will say. */
+int64_t td_event_store_peek_offset(const char *path);
+
+/* Another t_offset, as long as there are no events. */
+herr_t td_event_store_set_offset(td_event_store *store, int64_t offset);
 
 /* Opens the unfinished file `path` and cuts it back to its first `rows` events, a multiple of TD_EVENT_CHUNK, as if no more had
  * ever been appended (event_reopen.c). `facts` must fit the file; its run text replaces the file's. Before that cut begins, a
@@ -79,8 +90,8 @@ herr_t td_event_store_close(td_event_store *store);
 
 /* The events after an unfinished file's last whole chunk, kept in a file of their own (event_tail.c): events [first, first +
  * count), and with labels when they fired. Written beside and renamed. */
-tides_status td_event_tail_write(const char *path, const tides_event_file *facts, uint64_t first, const tides_event *events,
-                                 const int64_t *fired, size_t count, tides_error *error);
+tides_status td_event_tail_write(const char *path, const tides_event_file *facts, int64_t offset, uint64_t first,
+                                 const tides_event *events, const int64_t *fired, size_t count, tides_error *error);
 
 /* Reads `count` events and when they fired (NULL: not asked) from number `first` on, which must be where the tail begins;
  * TIDES_BAD_FILE where it begins elsewhere or holds fewer. */

@@ -12,7 +12,7 @@ from typing import Any
 TIDES_VERSION_MAJOR = 0
 TIDES_VERSION_MINOR = 1
 TIDES_VERSION_PATCH = 0
-TIDES_NUMERICS = 1
+TIDES_NUMERICS = 2
 TIDES_OK = 0
 TIDES_BAD_ARGUMENT = 1
 TIDES_NO_MEMORY = 2
@@ -1065,7 +1065,7 @@ class tides_render_stats(Structure):
 
 
 class tides_event(Structure):
-    """int64_t t; /* [ns] from the run's time zero */
+    """int64_t t; /* [ns] of the run's clock: the scene's and the path's time, absolute */
     uint16_t x, y; /* [px] */
     int8_t polarity; /* +1 or -1 */
     uint8_t cause; /* TIDES_CAUSE_*: the signal, or which noise */
@@ -1094,6 +1094,10 @@ class tides_event_file(Structure):
     const char *run; /* run file as JSON text, or NULL */
     const char *seed; /* or NULL */
     int32_t labels; /* 1: with all labels; TIDES_UNSUPPORTED but in HDF5. 0: HDF5 has causes, if some aren't the signal's */
+    /* [ns] The recording's stretch; both 0: not known. Where it is, what the format can't hold of it is TIDES_UNSUPPORTED at
+    * once; else the first event that doesn't fit is. HDF5 counts its 32-bit microseconds from t_offset: 0 where the recording
+    * lies within their first 4294.967 s, else its start; where that isn't known, of half an hour from its first event. */
+    int64_t start_ns, stop_ns;
     """
 
     width: int
@@ -1101,6 +1105,8 @@ class tides_event_file(Structure):
     run: bytes | None
     seed: bytes | None
     labels: int
+    start_ns: int
+    stop_ns: int
 
     _fields_ = [
         ("width", c_int32),
@@ -1108,6 +1114,8 @@ class tides_event_file(Structure):
         ("run", c_char_p),
         ("seed", c_char_p),
         ("labels", c_int32),
+        ("start_ns", c_int64),
+        ("stop_ns", c_int64),
     ]
 
 

@@ -149,11 +149,14 @@ class EventWriter(Handle):
         seed: str | None = None,
         resume: int | None = None,
         labels: bool = False,
+        start_ns: int = 0,
+        stop_ns: int = 0,
     ):
-        """`resume`: go on with FILE.part after its first so many events (HDF5 only). `labels`: each event's cause, when it
+        """`start_ns`, `stop_ns`: the recording's stretch, where it is known: what the format can't hold of it is refused at
+        once, and HDF5 counts from its start where it lies beyond 4294 s or before 0. `resume`: go on with FILE.part after its first so many events (HDF5 only). `labels`: each event's cause, when it
         fired and what the front end added have columns of their own (HDF5 only)."""
         made = POINTER(_api.tides_event_writer)()
-        facts = _api.tides_event_file(width, height, encoded(run), encoded(seed), labels)
+        facts = _api.tides_event_file(width, height, encoded(run), encoded(seed), labels, start_ns, stop_ns)
         if resume is not None:
             call("tides_event_writer_resume", path(file), facts, resume, byref(made))
         elif format is not None:

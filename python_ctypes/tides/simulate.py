@@ -219,6 +219,12 @@ class Simulation(Handle):
             call("tides_simulator_restore", self._pointer, encoded(self._run), path(file))
 
 
+def _nanoseconds(seconds: float) -> int:
+    """The nearest one, as the simulator rounds its start: 1e9 times a time of 1e9 s would be off by 128 ns."""
+    whole = math.floor(seconds)
+    return whole * 10**9 + math.floor((seconds - whole) * 1e9 + 0.5)
+
+
 class _FileJob:
     """A simulation into a file, with checkpoints."""
 
@@ -242,7 +248,8 @@ class _FileJob:
             os.remove(self.checkpoint)
         lens = s.camera.intrinsics
         labels = bool(s.sensor.labels)
-        self.writer = EventWriter(self.file, lens.width, lens.height, self.format, s._run, s._seed, count, labels)
+        stretch = _nanoseconds(s.start), _nanoseconds(s.stop) + 1
+        self.writer = EventWriter(self.file, lens.width, lens.height, self.format, s._run, s._seed, count, labels, *stretch)
 
     def _take(self, _user: Any, events: Any, count: int) -> int:
         self.writer._append(events, count, lib.tides_simulator_fired(self.simulation._pointer))
@@ -276,7 +283,7 @@ class _FileJob:
             self.writer.close()
 
     def finish(self) -> Facts:
-        self.writer.finish(math.floor(1e9 * self.simulation.stop))
+        self.writer.finish(_nanoseconds(self.simulation.stop))
         if self.resumable and os.path.exists(self.checkpoint):
             os.remove(self.checkpoint)
         return self.simulation.stats

@@ -181,10 +181,11 @@ static void test_refused_times(void **state) {
     const int64_t second = 1000000000;
     const tides_event unix_time[] = {{.t = 1500000000 * second, .polarity = 1}};
     const tides_event long_silence[] = {{.t = 4000 * second, .polarity = 1}, {.t = 7000 * second, .polarity = 1}};
+    const tides_event long_recording[] = {{.t = 0, .polarity = 1}, {.t = 5000 * second, .polarity = 1}};
     const tides_event late[] = {{.t = 5000 * second, .polarity = 1}};
     expect_refused(path, "evt3", unix_time, 1, "--rebase");
     expect_refused(path, "es", unix_time, 1, "--rebase");
-    expect_refused(path, "hdf5", unix_time, 1, "4294.967295");
+    expect_refused(path, "hdf5", long_recording, 2, "4294.967295"); /* alone the second would move t_offset */
     expect_refused(path, "dat", long_silence, 2, "silence");
     expect_refused(path, "dat", late, 1, "--rebase");
 }

@@ -167,7 +167,7 @@ static void test_refused_events(void **state) {
         {{.t = 9000, .x = 3, .y = 260, .polarity = 1}, TIDES_BAD_ARGUMENT, "outside"},
         {{.t = 9000, .x = 3, .y = 4, .polarity = 0}, TIDES_BAD_ARGUMENT, "polarity"},
         {{.t = 9000, .x = 3, .y = 4, .polarity = 2}, TIDES_BAD_ARGUMENT, "polarity"},
-        {{.t = -1, .x = 3, .y = 4, .polarity = 1}, TIDES_BAD_ARGUMENT, "before time 0"},
+        {{.t = -1, .x = 3, .y = 4, .polarity = 1}, TIDES_BAD_ARGUMENT, "sort"}, /* HDF5 has a place for it */
         {{.t = INT64_C(4294967296000), .x = 3, .y = 4, .polarity = 1}, TIDES_UNSUPPORTED, "4294.967295"},
     };
     const char *path = in_folder(*state, "refused.h5");

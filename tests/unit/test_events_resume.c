@@ -220,7 +220,7 @@ static void test_run_text(void **state) {
     folder *f = *state;
     char path[700], text[64] = "";
     with(f, "e.h5", path);
-    const tides_event_file other = {facts.width, facts.height, "{\"stop\": 2, \"more\": \"text than before\"}", "1", 0};
+    const tides_event_file other = {facts.width, facts.height, "{\"stop\": 2, \"more\": \"text than before\"}", "1", 0, 0, 0};
     tides_event_writer *writer = NULL;
     tides_error error;
     expect_ok(tides_event_writer_open(path, &facts, &writer, &error), &error);
