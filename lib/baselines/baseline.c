@@ -145,6 +145,7 @@ static tides_status give(tides_baseline *b, int64_t until, tides_event_sink sink
     td_event_sort(made->events, b->scratch, made->count);
     size_t count = made->count;
     while (count > 0 && made->events[count - 1].t >= until) count--;
+    for (size_t k = 0; k < count; k++) made->events[k].t += (int64_t)b->epoch * 1000000000;
     if (count && sink && sink(user, made->events, count))
         return td_fail(error, TIDES_CANCELLED, "%s: the receiver of the events stopped the run", b->method->name);
     made->count -= count;
@@ -152,13 +153,11 @@ static tides_status give(tides_baseline *b, int64_t until, tides_event_sink sink
     return TIDES_OK;
 }
 
-static tides_status check_frame(const tides_baseline *b, double time, const double *Y, tides_error *error) {
-    if (!(fabs(time) < 9.2e9)) /* int64 nanoseconds */
-        return td_fail(error, TIDES_BAD_ARGUMENT, "frame %llu: its time %.9g s doesn't fit", (unsigned long long)b->frames,
-                       time);
-    if (b->frames && !(time > b->now))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "frame %llu: its time %.12g s isn't after the one before, %.12g s",
-                       (unsigned long long)b->frames, time, b->now);
+/* `now` [s after the epoch] is the frame's time. */
+static tides_status check_frame(const tides_baseline *b, double now, const double *Y, tides_error *error) {
+    if (b->frames && !(now > b->now))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "frame %llu: its time %.15g s isn't after the one before, %.15g s",
+                       (unsigned long long)b->frames, b->epoch + now, b->epoch + b->now);
     const int any_sign = b->params.method == TIDES_METHOD_V2E && b->params.v2e.hdr; /* logarithms */
     for (size_t i = 0, values = td_baseline_values(b); i < values; i++)
         if (!isfinite(Y[i]) || (Y[i] < 0 && !any_sign))
@@ -171,14 +170,24 @@ static tides_status check_frame(const tides_baseline *b, double time, const doub
 tides_status tides_baseline_push(tides_baseline *b, double time, const double *Y, tides_event_sink sink, void *user,
                                  tides_error *error) {
     if (!b || !Y) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_push: baseline or Y is NULL");
-    tides_status status = check_frame(b, time, Y, error);
+    return td_baseline_push(b, time, 0, Y, sink, user, error);
+}
+
+tides_status td_baseline_push(tides_baseline *b, double time, double offset, const double *Y, tides_event_sink sink, void *user,
+                              tides_error *error) {
+    if (!(fabs(time + offset) < TD_FURTHEST_TIME))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "frame %llu: its time %.9g s doesn't fit", (unsigned long long)b->frames,
+                       time + offset);
+    const double epoch = b->frames ? b->epoch : floor(time + offset), now = (time - epoch) + offset;
+    tides_status status = check_frame(b, now, Y, error);
     if (status != TIDES_OK) return status;
+    b->epoch = epoch;
     b->before = b->now;
-    b->now = time;
+    b->now = now;
     status = b->frames ? b->method->step(b, Y, error) : b->method->first(b, Y, error);
     b->frames++;
     /* What lies before this frame may have no successor before it; a stamp at the frame itself may. */
-    return status == TIDES_OK ? give(b, td_baseline_ns(time - b->method->late_s), sink, user, error) : status;
+    return status == TIDES_OK ? give(b, td_baseline_ns(now - b->method->late_s), sink, user, error) : status;
 }
 
 tides_status tides_baseline_finish(tides_baseline *b, tides_event_sink sink, void *user, tides_error *error) {

@@ -37,14 +37,14 @@ static int take(void *user, const tides_event *events, size_t count) {
     return stop;
 }
 
-/* The frame in r->Y to the pixels. */
-static tides_status push(frame_run *r, double time, tides_error *error) {
+/* The frame in r->Y, `offset` after `time`, to the pixels. */
+static tides_status push(frame_run *r, double time, double offset, tides_error *error) {
     const tides_frame_supply *supply = r->supply;
-    double part = (time - supply->start) / (supply->stop - supply->start);
+    double part = ((time - supply->start) + offset) / (supply->stop - supply->start);
     if (r->progress && r->progress(r->user, fmin(fmax(part, 0), 1), "simulating"))
-        return td_fail(error, TIDES_CANCELLED, "stopped on request at %.6g s", time);
+        return td_fail(error, TIDES_CANCELLED, "stopped on request at %.9g s", time + offset);
     double began = td_now(), sunk = r->stats.time_sink_s;
-    tides_status status = tides_baseline_push(r->baseline, time, r->Y, take, r, error);
+    tides_status status = td_baseline_push(r->baseline, time, offset, r->Y, take, r, error);
     r->stats.time_compare_s += td_now() - began - (r->stats.time_sink_s - sunk);
     r->frames++;
     return status;
@@ -69,7 +69,7 @@ static tides_status run_sequence(frame_run *r, tides_error *error) {
         double time = tides_frames_time(frames, k);
         if (time < supply->start || time + lasts > supply->stop + rounding) continue;
         status = tides_frames_read(frames, k, r->Y, error);
-        if (status == TIDES_OK) status = push(r, time, error);
+        if (status == TIDES_OK) status = push(r, time, 0, error);
         if (r->frames == 1) r->stats.simulated_s = -time;
         last = time + lasts;
     }
@@ -90,17 +90,19 @@ static tides_status run_sequence(frame_run *r, tides_error *error) {
 static tides_status find_fastest(const frame_run *r, double time, double *fastest, tides_error *error) {
     const tides_frame_supply *supply = r->supply;
     if (r->baseline->params.esim.adaptive_sampling == TIDES_ESIM_MOTION)
-        return td_renderer_flow(supply->renderer, supply->camera, time, supply->start, supply->stop, r->speeds, fastest, error);
+        return td_renderer_flow(supply->renderer, supply->camera, time, 0, supply->stop - supply->start, r->speeds, fastest,
+                                error);
     *fastest = 0;
     for (size_t i = 0; i < r->baseline->pixels; i++) *fastest = fmax(*fastest, fabs(r->speeds[i]));
     return TIDES_OK;
 }
 
-/* When to render next; frames lie on start + k / rate (a product, not a running sum) unless ESIM samples adaptively. */
+/* When to render next [s after the start]; frames lie on k / rate (a product, not a running sum) unless ESIM samples
+ * adaptively. */
 static tides_status next_time(const frame_run *r, double time, double *next, tides_error *error) {
     const tides_frame_supply *supply = r->supply;
     double fastest;
-    *next = supply->start + (double)r->frames / supply->frames_per_second;
+    *next = (double)r->frames / supply->frames_per_second;
     if (r->speeds) {
         tides_status status = find_fastest(r, time, &fastest, error);
         if (status != TIDES_OK) return status;
@@ -109,10 +111,10 @@ static tides_status next_time(const frame_run *r, double time, double *next, tid
             return td_fail(error, TIDES_OUT_OF_RANGE,
                            "at %.9g s the image changes so fast that ESIM's next render would come within a nanosecond: raise "
                            "esim.simulation_adaptive_sampling_lambda",
-                           time);
+                           supply->start + time);
     }
     /* A rest below a nanosecond isn't an interval of its own. */
-    if (*next > supply->stop - 1e-9) *next = supply->stop;
+    if (*next > supply->stop - supply->start - 1e-9) *next = supply->stop - supply->start;
     return TIDES_OK;
 }
 
@@ -123,12 +125,14 @@ static tides_status run_renders(frame_run *r, tides_error *error) {
     frame.plane[TIDES_Y] = r->Y;
     frame.plane[r->baseline->params.esim.adaptive_sampling == TIDES_ESIM_MOTION ? TIDES_Z : TIDES_L_DOT] = r->speeds;
     tides_status status = TIDES_OK;
-    for (double time = supply->start; status == TIDES_OK;) {
-        status = tides_renderer_frame(supply->renderer, supply->camera, time, &frame, error);
-        if (status == TIDES_OK) status = push(r, time, error);
-        if (status != TIDES_OK || time >= supply->stop) break;
+    td_renderer_set_epoch(supply->renderer, supply->start);
+    for (double time = 0; status == TIDES_OK;) {
+        status = td_renderer_frame(supply->renderer, supply->camera, time, &frame, error);
+        if (status == TIDES_OK) status = push(r, supply->start, time, error);
+        if (status != TIDES_OK || time >= supply->stop - supply->start) break;
         status = next_time(r, time, &time, error);
     }
+    td_renderer_set_epoch(supply->renderer, 0);
     tides_renderer_stats(supply->renderer, &r->stats.render);
     r->stats.renders_full_frame_equivalent = (double)r->frames;
     r->stats.simulated_s = supply->stop - supply->start;

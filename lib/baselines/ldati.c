@@ -124,7 +124,7 @@ static tides_status create(tides_baseline *b, tides_error *error) {
 /* The interval's number keys its random numbers, so that a part of a sequence gives that part of the events. */
 static tides_status push(tides_baseline *b, const double *voxels, tides_error *error) {
     const double lasts = td_baseline_lasts(b);
-    return fire_interval(b, voxels, b->now, b->now + lasts, (uint64_t)llround(fmax(b->now / lasts, 0)), error);
+    return fire_interval(b, voxels, b->now, b->now + lasts, (uint64_t)llround(fmax((b->epoch + b->now) / lasts, 0)), error);
 }
 
 /* Times are floored to microseconds, so that an interval's first event may lie that much before it. */

@@ -27,8 +27,9 @@ struct tides_baseline {
     size_t pixels;
     void *state;
     uint64_t frames;       /* pushed so far; the number of the frame at work is frames */
-    double before, now;    /* [s] ends of the interval at work */
-    td_event_buffer made;  /* events not yet given away */
+    double epoch;          /* [s] the whole second at or before the first frame: what methods see counts from it, so that */
+    double before, now;    /* [s after the epoch] ends of the interval at work: those near 1e9 s are as exact as near 0 */
+    td_event_buffer made;  /* events not yet given away, [ns after the epoch] */
     tides_event *scratch;  /* for sorting */
     size_t scratch_events; /* its size */
 };
@@ -41,7 +42,11 @@ size_t td_baseline_values(const tides_baseline *baseline);
 /* How long a frame stands for [s]: LDATI's intervals; 0: a frame is an instant. */
 double td_baseline_lasts(const tides_baseline *baseline);
 
-/* Appends an event at pixel `i`. */
+/* tides_baseline_push of a frame `offset` [s] after `time` [s]. */
+tides_status td_baseline_push(tides_baseline *baseline, double time, double offset, const double *Y, tides_event_sink sink,
+                              void *user, tides_error *error);
+
+/* Appends an event at pixel `i`, at t [ns after the epoch]. */
 tides_status td_baseline_fire(tides_baseline *baseline, size_t i, int64_t t, int polarity, uint8_t cause, tides_error *error);
 
 /* Seconds as whole nanoseconds, the nearest. */

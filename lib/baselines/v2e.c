@@ -195,11 +195,11 @@ static tides_status count_events(tides_baseline *b, uint32_t *most, tides_error 
 static double sub_time(const tides_baseline *b, uint32_t j, uint32_t count) {
     double step = (b->now - b->before) / count;
     if (!b->params.v2e.float32_timestamps) return j == count ? b->now : b->before + j * step;
-    float start = (float)(b->before + step), stop = (float)b->now;
-    if (count == 1) return start;
+    float start = (float)(b->epoch + b->before + step), stop = (float)(b->epoch + b->now); /* its times are absolute */
+    if (count == 1) return start - b->epoch;
     float part = (stop - start) / (float)(count - 1);
     uint32_t index = j - 1;
-    return index < count / 2 ? start + part * (float)index : stop - part * (float)(count - 1 - index);
+    return (index < count / 2 ? start + part * (float)index : stop - part * (float)(count - 1 - index)) - b->epoch;
 }
 
 static tides_status fire_at(tides_baseline *b, uint32_t j, double time, int refractory, tides_error *error) {
@@ -208,7 +208,8 @@ static tides_status fire_at(tides_baseline *b, uint32_t j, double time, int refr
     for (size_t i = 0; i < b->pixels; i++) {
         if (s->wanted[i] < j) continue;
         if (refractory) {
-            double rest = p->float32_timestamps ? (float)time - (float)s->fired[i] : time - s->fired[i];
+            double rest = time - s->fired[i];
+            if (p->float32_timestamps) rest = (float)(b->epoch + time) - (float)(b->epoch + s->fired[i]);
             if (!(rest > (p->float32_timestamps ? (float)p->refractory_period : p->refractory_period))) continue;
             s->fired[i] = time;
         }

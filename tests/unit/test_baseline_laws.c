@@ -52,7 +52,7 @@ static double waves(size_t k, size_t i) {
     return 0.5 + 0.45 * sin(0.31 * (double)x + 0.17 * (double)y - 0.23 * (double)k);
 }
 
-static stream simulate(const tides_baseline_params *params, movie make, size_t frames, double interval) {
+static stream simulate_from(const tides_baseline_params *params, movie make, size_t frames, double start, double interval) {
     stream s = {NULL, 0, 0};
     double Y[PIXELS];
     tides_baseline *baseline = NULL;
@@ -60,12 +60,17 @@ static stream simulate(const tides_baseline_params *params, movie make, size_t f
     if (tides_baseline_create(params, WIDTH, HEIGHT, &baseline, &error) != TIDES_OK) fail_msg("%s", error.text);
     for (size_t k = 0; k < frames; k++) {
         for (size_t i = 0; i < PIXELS; i++) Y[i] = make(k, i);
-        if (tides_baseline_push(baseline, interval * (double)k, Y, keep, &s, &error) != TIDES_OK) fail_msg("%s", error.text);
+        if (tides_baseline_push(baseline, start + interval * (double)k, Y, keep, &s, &error) != TIDES_OK)
+            fail_msg("%s", error.text);
     }
     assert_int_equal(tides_baseline_finish(baseline, keep, &s, &error), TIDES_OK);
     tides_baseline_destroy(baseline);
     for (size_t k = 1; k < s.count; k++) assert_true(td_event_compare(&s.events[k - 1], &s.events[k]) <= 0);
     return s;
+}
+
+static stream simulate(const tides_baseline_params *params, movie make, size_t frames, double interval) {
+    return simulate_from(params, make, frames, 0, interval);
 }
 
 /* `count` events where a Poisson law has mean `mean`, within five standard deviations. */
@@ -408,13 +413,34 @@ static void esim_sampling(void **state) {
     assert_true(fabs(tides_esim_next_time(&params.esim, 2, 0) - (2 + 1.0 / 30)) < 1e-12);
 }
 
+/* The same frames at 2e9 s, where the times are exact too: the same events, so much later. */
+static void late_frames(void **state) {
+    (void)state;
+    static const int32_t methods[] = {TIDES_METHOD_TIDES, TIDES_METHOD_ESIM, TIDES_METHOD_V2E, TIDES_METHOD_IEBCS,
+                                      TIDES_METHOD_VOLTMETER};
+    for (int m = 0; m < 5; m++) {
+        tides_baseline_params params = params_of(methods[m]);
+        params.sensor.leak_rate_hz = params.sensor.shot_noise_hz = 20;
+        params.iebcs.arbiter = 1;
+        stream early = simulate_from(&params, waves, 60, 0, 0x1p-9), late = simulate_from(&params, waves, 60, 2e9, 0x1p-9);
+        print_message("method %d: %zu events\n", methods[m], early.count);
+        assert_true(early.count > 1000 && late.count == early.count);
+        for (size_t k = 0; k < early.count; k++) {
+            early.events[k].t += INT64_C(2000000000000000000);
+            assert_memory_equal(&early.events[k], &late.events[k], sizeof *late.events);
+        }
+        free(early.events);
+        free(late.events);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(noise_rates),   cmocka_unit_test(photoreceptor_noise),  cmocka_unit_test(voltmeter_drift),
         cmocka_unit_test(seeds),         cmocka_unit_test(arbiters_keep_events), cmocka_unit_test(ldati_counts),
         cmocka_unit_test(ldati_places),  cmocka_unit_test(ldati_is_a_method),    cmocka_unit_test(refusals),
-        cmocka_unit_test(esim_sampling), cmocka_unit_test(noise_on_frames),      cmocka_unit_test(psf_on_frames),
-        cmocka_unit_test(not_on_frames),
+        cmocka_unit_test(esim_sampling), cmocka_unit_test(late_frames),          cmocka_unit_test(noise_on_frames),
+        cmocka_unit_test(psf_on_frames), cmocka_unit_test(not_on_frames),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
