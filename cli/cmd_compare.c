@@ -64,7 +64,7 @@ tides_status compare_keep_events(const comparison *c, const char *name, const cl
                                     .run = s->values.json,
                                     .seed = s->values.seed,
                                     .start_ns = start_ns,
-                                    .stop_ns = stop_ns};
+                                    .stop_ns = stop_ns - 1};
     tides_status status = tides_event_writer_open(path, &facts, &writer, error);
     if (status == TIDES_OK) status = tides_event_writer_append(writer, stream->events, stream->count, error);
     if (status == TIDES_OK) return tides_event_writer_finish(writer, stop_ns - 1, error);

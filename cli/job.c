@@ -61,7 +61,7 @@ static tides_event_file facts_of(const cli_session *s) {
                               .seed = s->values.seed,
                               .labels = s->values.sensor.labels,
                               .start_ns = cli_nanoseconds(s->values.start),
-                              .stop_ns = cli_nanoseconds(s->values.stop) + 1};
+                              .stop_ns = cli_nanoseconds(s->values.stop)};
 }
 
 tides_status cli_simulator_create(const cli_session *s, cli_progress *progress, tides_simulator **simulator,

@@ -120,7 +120,7 @@ tides_status td_frames_times(tides_frames *frames, tides_error *error) {
     const double first = frames->options.rebase ? frames->times[0] : 0;
     for (size_t k = 0; k < frames->count; k++) {
         if (!isfinite(frames->times[k]) || (k > 0 && !(frames->times[k] - first > frames->times[k - 1])))
-            return td_fail(error, TIDES_BAD_FILE, "%s: frame %zu is at %.12g s, which isn't after the one before", frames->path,
+            return td_fail(error, TIDES_BAD_FILE, "%s: frame %zu is at %.15g s, which isn't after the one before", frames->path,
                            k, frames->times[k]);
         frames->times[k] -= first;
     }

@@ -111,7 +111,7 @@ tides_status td_motion_time(const tides_motion *motion, double duration_s, doubl
     const double slack = fmax(1e-9, 4 * DBL_EPSILON * fabs(time)); /* [s] what event times resolve, or a time this late */
     if (!(time >= -slack && time <= duration_s + slack))
         return td_fail(error, TIDES_OUT_OF_RANGE,
-                       "%.12g s is outside the motion's time, 0 to %.12g s; change the time, or scene.duration_s", time,
+                       "%.15g s is outside the motion's time, 0 to %.15g s; change the time, or scene.duration_s", time,
                        duration_s);
     *tau_dot = (motion->stop - motion->start) / duration_s;
     *tau = time <= 0 ? motion->start : time >= duration_s ? motion->stop : motion->start + time * *tau_dot;

@@ -12,7 +12,7 @@ static tides_status check_cover(const tides_run *run, const tides_trajectory *tr
     tides_trajectory_range(trajectory, &first, &last);
     if (first <= start && stop <= last) return TIDES_OK;
     return td_fail(error, TIDES_OUT_OF_RANGE,
-                   "%s: %s: the motion in %s covers [%.12g, %.12g] s, but the run needs [%.12g, %.12g] s; change time.start "
+                   "%s: %s: the motion in %s covers [%.15g, %.15g] s, but the run needs [%.15g, %.15g] s; change time.start "
                    "and "
                    "time.stop%s",
                    run->origin, key, file, first, last, start, stop,

@@ -248,7 +248,7 @@ class _FileJob:
             os.remove(self.checkpoint)
         lens = s.camera.intrinsics
         labels = bool(s.sensor.labels)
-        stretch = _nanoseconds(s.start), _nanoseconds(s.stop) + 1
+        stretch = _nanoseconds(s.start), _nanoseconds(s.stop)
         self.writer = EventWriter(self.file, lens.width, lens.height, self.format, s._run, s._seed, count, labels, *stretch)
 
     def _take(self, _user: Any, events: Any, count: int) -> int:
