@@ -113,9 +113,9 @@ TIDES_API void tides_simulator_destroy(tides_simulator *simulator);
 
 /* Advances to `until` (at most stop), giving `sink` the events of each packet, sorted by (t, y, x, polarity). Event times are
  * absolute nanoseconds: those of `start`, rounded once to the nearest one, and whole ones since then, floored. Steps lie on the
- * grid start + k step_s whatever `until` is, so a run cut into several calls gives the same events: times between grid points
- * end at the last grid point before them, except `stop`; where doubles as late as the run can't tell some grid points apart,
- * it ends at the last of these. */
+ * grid start + k step_s whatever `until` is (a last one below 1/1024 of step_s is part of the one before), so a run cut into
+ * several calls gives the same events: times between grid points end at the last grid point before them, except `stop`; where
+ * doubles as late as the run can't tell some grid points apart, it ends at the last of these. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink,
                                                             void *sink_user, tides_progress progress, void *user,
                                                             tides_error *error);

@@ -185,9 +185,9 @@ static herr_t read_rows(hid_t dataset, hid_t type, uint64_t first, size_t count,
 
 /* How much of the index stays: whole chunks, of milliseconds that kept events have begun. */
 static herr_t choose_index(td_event_store *store, uint64_t rows) {
-    int64_t last = 0;
+    int64_t last = 0, after = 0;
     if (rows > 0 && read_rows(store->columns[TD_COLUMN_NS], H5T_NATIVE_INT64, rows - 1, 1, &last) < 0) return -1;
-    if (rows > 0 && last < 1000 * store->offset) return -1;
+    if (rows > 0 && !td_event_after(last, store->offset, &after)) return -1;
     uint64_t entries = rows > 0 ? td_milliseconds_begun(last, store->offset) : 0,
              there = (uint64_t)rows_of(store->index, TD_INDEX_CHUNK);
     if (there < entries) entries = there;
@@ -198,14 +198,14 @@ static herr_t choose_index(td_event_store *store, uint64_t rows) {
 /* Entries after the last whole chunk were waiting in memory, and are found again from the events. */
 static herr_t rebuild_index(td_event_store *store) {
     uint64_t row = 0;
-    int64_t *t = store->scratch;
+    int64_t *t = store->scratch, after = 0;
     if (store->index_rows > 0 && read_rows(store->index, H5T_NATIVE_UINT64, store->index_rows - 1, 1, &row) < 0) return -1;
     if (row > store->rows) return -1;
     while (row < store->rows) {
         uint64_t block = TD_EVENT_CHUNK - row % TD_EVENT_CHUNK; /* to a chunk's border: it is decompressed once */
         if (read_rows(store->columns[TD_COLUMN_NS], H5T_NATIVE_INT64, row, (size_t)block, t) < 0) return -1;
         for (uint64_t i = 0; i < block; i++)
-            if (t[i] < 1000 * store->offset ||
+            if (!td_event_after(t[i], store->offset, &after) ||
                 td_event_store_index(store, td_milliseconds_begun(t[i], store->offset), row + i) < 0)
                 return -1;
         row += block;

@@ -37,16 +37,16 @@ typedef struct hdf5_writer {
     int64_t offset; /* [us] what it will be, or is */
 } hdf5_writer;
 
-/* The latest time after t_offset that /events/t can hold [ns]; and how long a recording is taken to be that doesn't say. */
-#define LAST_TIME (((int64_t)UINT32_MAX + 1) * 1000 - 1)
-#define TAKEN_LENGTH (LAST_TIME / 2)
+/* How long a recording is taken to be that doesn't say [ns]. */
+#define TAKEN_LENGTH (TD_EVENT_SPAN / 2)
 
 /* ---- t_offset ---- */
 
-static int64_t floor_microseconds(int64_t ns) { return ns / 1000 - (ns % 1000 < 0); }
+/* Of times a microsecond after the first that 64 bits hold; others are refused as too early. */
+static int64_t floor_microseconds(int64_t ns) { return ns / 1000 - (ns % 1000 < 0 && ns >= INT64_MIN + 1000); }
 
 static int64_t offset_for(int64_t start_ns, int64_t stop_ns) {
-    return start_ns >= 0 && stop_ns <= LAST_TIME ? 0 : floor_microseconds(start_ns);
+    return start_ns >= 0 && stop_ns <= TD_EVENT_SPAN ? 0 : floor_microseconds(start_ns);
 }
 
 /* What the sink knows of its recording. */
@@ -63,7 +63,8 @@ static void begin_hdf5(td_event_sink *sink, const tides_event *first) {
 }
 
 static const char *span_hdf5(int64_t start_ns, int64_t stop_ns) {
-    return stop_ns - 1000 * offset_for(start_ns, stop_ns) > LAST_TIME
+    int64_t after;
+    return !td_event_after(stop_ns, offset_for(start_ns, stop_ns), &after)
                ? "the file's 32-bit microseconds hold 4294.967 s: write several files (time.start, time.stop)"
                : NULL;
 }
@@ -107,9 +108,10 @@ static tides_status create_hdf5(td_event_sink *sink, tides_error *error) {
 
 static const char *check_hdf5(const td_event_sink *sink, const tides_event *event, const tides_event *previous) {
     (void)previous;
-    const int64_t from = 1000 * ((const hdf5_writer *)sink->state)->offset;
-    if (event->t < from) return "is too early: it lies before the start that the recording was said to have";
-    return event->t - from > LAST_TIME
+    const int64_t offset = ((const hdf5_writer *)sink->state)->offset;
+    int64_t after;
+    if (event->t < 1000 * offset) return "is too early: it lies before the start that the recording was said to have";
+    return !td_event_after(event->t, offset, &after)
                ? "is too late: the file's 32-bit microseconds end 4294.967295 s after its t_offset: write several files"
                : NULL;
 }
@@ -204,8 +206,9 @@ static tides_status resume_offset(td_event_sink *sink, uint64_t count, tides_err
     hdf5_writer *w = sink->state;
     place(sink);
     if (count == 0) return TIDES_OK;
-    const int64_t from = 1000 * (w->offset = td_event_store_peek_offset(sink->part));
-    if (w->placed && (sink->start_ns < from || sink->stop_ns - from > LAST_TIME))
+    int64_t after;
+    w->offset = td_event_store_peek_offset(sink->part);
+    if (w->placed && (sink->start_ns < 1000 * w->offset || !td_event_after(sink->stop_ns, w->offset, &after)))
         return td_fail(error, TIDES_UNSUPPORTED,
                        "%s: counts its 32-bit microseconds from %.15g s, which can't hold the run up to its new stop, %.15g s: "
                        "simulate from the beginning",
@@ -258,7 +261,8 @@ static tides_status complete_hdf5(td_event_sink *sink, int64_t stop_ns, tides_er
     if (stop_ns < least) stop_ns = least;
     tides_status status = flush_buffer(sink, error);
     if (status != TIDES_OK) return status;
-    if (stop_ns - 1000 * w->offset > LAST_TIME)
+    int64_t after;
+    if (!td_event_after(stop_ns, w->offset, &after))
         return td_fail(error, TIDES_UNSUPPORTED,
                        "%s: can't end at %" PRId64 " ns: its 32-bit microseconds end 4294.967295 s after its t_offset, %" PRId64
                        " us: write several files",

@@ -40,8 +40,19 @@ int32_t td_event_labels_of(hid_t file);
 /* "/events/p" ... */
 const char *td_event_column_name(int column);
 
+/* The latest time after t_offset that /events/t can hold [ns]. */
+#define TD_EVENT_SPAN (((int64_t)UINT32_MAX + 1) * 1000 - 1)
+
+/* [ns] of `t` after `offset` [us]; 1 where it is there and /events/t can hold it. */
+static inline int td_event_after(int64_t t, int64_t offset, int64_t *after) {
+    const uint64_t gap = (uint64_t)t - (uint64_t)(1000 * offset); /* of any two times */
+    if (t < 1000 * offset || gap > (uint64_t)TD_EVENT_SPAN) return 0;
+    *after = (int64_t)gap;
+    return 1;
+}
+
 /* Milliseconds of the index, from `offset` [us] on, that begin at or before `t`: those whose first event is known once an event
- * at `t` is. */
+ * at `t`, which td_event_after takes, is. */
 static inline uint64_t td_milliseconds_begun(int64_t t, int64_t offset) {
     return (uint64_t)((t - 1000 * offset) / 1000000) + 1;
 }

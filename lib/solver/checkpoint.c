@@ -165,14 +165,13 @@ static tides_status read_step(const td_place *root, const tides_simulator *s, in
     if (!(steps >= 0) || steps > 1e15 || steps != (double)(int64_t)steps)
         return td_fail(root->error, TIDES_BAD_FILE, "%s: step is %g, no number of steps", root->file, steps);
     if (steps > (double)s->steps || time > s->length)
-        return td_fail(root->error, TIDES_BAD_CONFIG,
-                       "%s: was made %.12g s after time.start, which is after time.stop = %.15g s", root->file, time,
-                       s->epoch + s->length);
+        return td_fail(root->error, TIDES_BAD_CONFIG, "%s: was made at %.15g s, after time.stop = %.15g s", root->file,
+                       s->epoch + time, s->epoch + s->length);
     if (time != td_grid_time(s, (int64_t)steps))
         return td_fail(root->error, TIDES_BAD_CONFIG,
-                       "%s: was made %.17g s after time.start, which is no end of a step now that time.stop is %.15g s: only a "
-                       "run that stopped before its end can be extended",
-                       root->file, time, s->epoch + s->length);
+                       "%s: was made at %.17g s, which is no end of a step now that time.stop is %.15g s: only a run that "
+                       "stopped before its end can be extended",
+                       root->file, s->epoch + time, s->epoch + s->length);
     *step = (int64_t)steps;
     return TIDES_OK;
 }

@@ -151,6 +151,17 @@ static void test_resumed_too_far(void **state) {
     assert_int_equal(tides_event_writer_open(path, &facts, &writer, &error), TIDES_OK);
     expect_refused(tides_event_writer_append(writer, &early, 1, &error), &error, "too early", "start");
     tides_event_writer_abandon(writer);
+    /* The whole of 64 bits doesn't fit, and says so. */
+    const tides_event_file bare = facts_over(0, 0);
+    const tides_event ends[] = {{.t = INT64_MIN + 5000, .polarity = 1},
+                                {.t = INT64_MAX, .polarity = 1},
+                                {.t = INT64_MIN, .polarity = 1}};
+    assert_int_equal(tides_event_writer_open(path, &bare, &writer, &error), TIDES_OK);
+    expect_refused(tides_event_writer_append(writer, ends, 2, &error), &error, "too late", "event 1");
+    expect_refused(tides_event_writer_append(writer, ends + 2, 1, &error), &error, "too early", "event 0");
+    assert_int_equal(tides_event_writer_append(writer, ends, 1, &error), TIDES_OK);
+    assert_int_equal(tides_event_writer_finish(writer, ends[0].t, &error), TIDES_OK);
+    assert_file_holds(path, ends, 1);
     free(events);
 }
 

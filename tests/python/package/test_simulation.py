@@ -51,6 +51,28 @@ def test_events(simulation, events):
     assert len(simulation.run()) == 0  # it is at its end
 
 
+def test_absolute_times(scene, camera, tmp_path):
+    """A path at 1.4e9 s: the same events, so much later, in memory, in packets and in files."""
+    times = np.arange(9) / 64
+    positions = np.stack([0.5 * np.sin(20 * times), 0.2 * times, np.full(9, -4.0)], axis=1)
+    runs = []
+    for start in (0.0, 1.4e9):
+        path = tides.Trajectory(times + start, positions, np.tile((1.0, 0, 0, 0), (9, 1)))
+        runs.append(again(scene, tides.Camera(path, camera.intrinsics)))
+    early, moved = runs[0].run(), 1_400_000_000 * 10**9
+    late = np.concatenate(list(runs[1]))
+    assert len(early) > 1000 and np.array_equal(late["t"] - moved, early["t"])
+    assert all(np.array_equal(late[name], early[name]) for name in ("x", "y", "p"))
+    again(scene, runs[1].camera).write(tmp_path / "late.h5")
+    assert np.array_equal(tides.read_events(tmp_path / "late.h5"), late)
+    with pytest.raises(tides.errors.Unsupported, match="HDF5"):
+        again(scene, runs[1].camera).write(tmp_path / "late.raw")
+    assert not list(tmp_path.glob("late.raw*"))
+    with tides.EventWriter(tmp_path / "b.h5", *SIZE, start_ns=moved, stop_ns=moved + 10**9) as writer:
+        writer.append(late)
+    assert np.array_equal(tides.read_events(tmp_path / "b.h5"), late)
+
+
 def again(scene, camera, **more):
     return tides.Simulation(scene, camera, stepping=tides.Stepping(step_s=0.01), **more)
 
