@@ -76,9 +76,6 @@ typedef struct td_misfit_terms {
     int moves_sh;
 } td_misfit_terms;
 
-/* |a| */
-TD_INLINE td_lanes td_size(td_lanes a) { return td_larger(a, -a); }
-
 /* How far the cubic through the ends is off in the middle: in value, and in rate over half the interval. The latter is nought
  * to leading order where the row is smooth, and shows what the value alone may hide: the kinks of a network with relu, which
  * leave the middle's value right where they are a quarter of the interval away. With this weight the sum bounds what the cubics

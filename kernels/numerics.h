@@ -116,6 +116,19 @@ TD_INLINE td_index td_gather_ints(TD_GLOBAL const int *array, td_index i) {
 #endif
 }
 
+/* first, first + 1 .. in each lane */
+TD_INLINE td_index td_count_from(int first) {
+#if TD_LANES == 16
+    return first + (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+#elif TD_LANES == 8
+    return first + (int8)(0, 1, 2, 3, 4, 5, 6, 7);
+#elif TD_LANES == 4
+    return first + (int4)(0, 1, 2, 3);
+#else
+    return first;
+#endif
+}
+
 /* The larger of an index and 0. */
 TD_INLINE td_index td_not_below_0(td_index i) { return i & ~(i >> 31); }
 
@@ -190,6 +203,9 @@ TD_INLINE void td_scatter(TD_GLOBAL td_real *records, int stride, int k, td_lane
 /* Larger and smaller of two; the second where they are unordered. */
 TD_INLINE td_lanes td_larger(td_lanes a, td_lanes b) { return td_select(b, a, a > b); }
 TD_INLINE td_lanes td_smaller(td_lanes a, td_lanes b) { return td_select(b, a, a < b); }
+/* |a| */
+TD_INLINE td_lanes td_size(td_lanes a) { return td_larger(a, -a); }
+
 TD_INLINE td_lanes td_clamp(td_lanes x, td_real lower, td_real upper) {
     return td_smaller(td_larger(x, td_splat(lower)), td_splat(upper));
 }

@@ -1,11 +1,35 @@
 /* The screen box that a Gaussian's splat stays within while time runs over an interval: what tile candidate lists are made of.
  *
- * The splat is projected at the interval's start, middle and end. Its mean's path lies near the cubic through the ends with
- * their rates; that cubic lies within its Bezier points; and the middle tells how far the path strays from it. */
+ * The interval is taken in pieces, mostly one; their boxes are joined. In each the splat is projected at the start, the middle
+ * and the end. Its mean's path lies near the cubic through the ends with their rates; that cubic lies within its Bezier points;
+ * and the middle tells how far the path strays from it, where object and camera move as cubics do. What these do otherwise
+ * between the samples the host bounds (stray.h), and boxes are as much wider. */
 #ifndef TD_SWEEP_H
 #define TD_SWEEP_H
 
-#include "extent.h"
+#include "unseen.h"
+
+/* What is swept: 2^level pieces, views and rows at their 2^(level + 1) + 1 times, from one to the next. */
+typedef struct td_interval {
+    TD_GLOBAL const td_view *views;   /* (times x objects) */
+    TD_GLOBAL const td_stray *strays; /* (objects) */
+    TD_GLOBAL const int *object;      /* of each of the store's Gaussians */
+    TD_GLOBAL const int *rows;        /* (times) the first Gaussian's row */
+    td_real duration;
+    int level;
+} td_interval;
+
+/* Beyond any screen. */
+#define TD_NOWHERE TD_REAL(1e30)
+/* Pieces that a passage of the near plane asks for at most: the whole image waits for them. */
+#define TD_CROSSING_MOST TD_REAL(256.0)
+
+/* What is known of TD_LANES Gaussians after some pieces. */
+typedef struct td_swept {
+    td_lanes x0, y0, x1, y1; /* empty: x0 > x1 */
+    td_lanes travel;         /* in one piece at most */
+    td_lanes pieces;         /* asked for otherwise */
+} td_swept;
 
 /* Smallest and largest of the Bezier points of the cubic through (p0, rate r0) and (p1, rate r1), widened by four times the
  * distance at the middle (a quartic term that shows as e there is at most e within; the rest is safety). */
@@ -25,33 +49,6 @@ TD_INLINE td_lanes td_sweep_width(td_lanes a, td_lanes b, td_lanes c) {
     return most + (most - least);
 }
 
-/* Length of a move of the mean in units of the splat's diameter along it, out to where it is cut off. */
-TD_INLINE td_lanes td_move(const td_shape *shape, td_lanes dx, td_lanes dy) {
-    td_lanes q = dx * td_fma(shape->conic[0].v, dx, 2.0f * shape->conic[1].v * dy) + shape->conic[2].v * dy * dy;
-    td_lanes radius2 = td_select(td_splat(1.0f), shape->power, shape->power > 0.0f);
-    return 0.5f * td_sqrt(td_larger(q, td_splat(0.0f)) / radius2);
-}
-
-/* How many of its own diameters each splat travels in the interval: what passes a pixel between two samples unseen. */
-TD_INLINE td_lanes td_travel(const td_shape s[3], td_mask ever) {
-    td_lanes first = td_move(&s[1], s[1].u.v - s[0].u.v, s[1].v.v - s[0].v.v);
-    td_lanes second = td_move(&s[1], s[2].u.v - s[1].u.v, s[2].v.v - s[1].v.v);
-    return td_select(td_splat(0.0f), first + second, ever & s[1].visible);
-}
-
-/* first, first + 1 .. in each lane */
-TD_INLINE td_index td_count_from(int first) {
-#if TD_LANES == 16
-    return first + (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-#elif TD_LANES == 8
-    return first + (int8)(0, 1, 2, 3, 4, 5, 6, 7);
-#elif TD_LANES == 4
-    return first + (int4)(0, 1, 2, 3);
-#else
-    return first;
-#endif
-}
-
 /* Gaussians whose own opacity changes may be visible only between the samples: gives all three the greatest opacity that the
  * cubic through them reaches, and so the ellipse out to where that one is cut. */
 TD_INLINE void td_sweep_opacity(td_shape s[3], const td_image *image, td_real duration) {
@@ -67,50 +64,242 @@ TD_INLINE void td_sweep_opacity(td_shape s[3], const td_image *image, td_real du
     }
 }
 
-/* Box [x0, y0, x1, y1] of TD_LANES Gaussians of an object, at boxes + 4 i; empty (x0 > x1) where never visible. They are in
- * neighbouring rows from row[0] at the interval's start, row[1] in its middle and row[2] at its end; `views` likewise, for
- * every object. Whatever crosses the near plane in the interval gets the whole image. travel[i]: see td_travel; 0 at the near
- * plane, where splats fade. */
-TD_INLINE void td_sweep_group(TD_GLOBAL const td_view *views, const td_image *image, const td_source *all,
-                              TD_GLOBAL const int *object, const int row[3], td_real duration, TD_GLOBAL td_real *boxes,
-                              TD_GLOBAL td_real *travel) {
+/* The same where a splat fades near the plane between the samples: opacity there rises with depth, up to `z1`. */
+TD_INLINE void td_sweep_fade(td_shape s[3], const td_image *image, td_lanes opacity, td_lanes z0, td_lanes z1) {
+    if (!(image->near_full > image->near)) return;
+    td_real scale = 1 / (image->near_full - image->near), cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
+    td_mask fading = (z0 < image->near_full) & (z1 > image->near) & (z0 < z1);
+    td_lanes upper = opacity * td_smootherstep(td_clamp((z1 - image->near) * scale, 0, 1));
+    td_mask reached = fading & (upper > cut);
+    td_lanes power = 2.0f * td_log(td_select(td_splat(1.0f), upper / cut, reached));
+    for (int i = 0; i < 3; i++) {
+        s[i].visible = s[i].visible | (reached & (s[i].depth.v > image->near));
+        s[i].power = td_larger(s[i].power, td_select(td_splat(0.0f), power, reached));
+    }
+}
+
+/* Opacity as it is stored, the most of the rows' where they change. */
+TD_INLINE td_lanes td_sweep_own_opacity(const td_image *image, const td_source *source, const int row[3]) {
+    td_lanes most = td_gather(source->geometry, td_count_from(row[0]) * TD_GEOMETRY_STRIDE + TD_G_OPACITY);
+    if (image->moving && source->moved)
+        for (int i = 1; i < 3; i++)
+            most = td_larger(most, td_gather(source->geometry, td_count_from(row[i]) * TD_GEOMETRY_STRIDE + TD_G_OPACITY));
+    return most;
+}
+
+/* The most of the rows' reaches. */
+TD_INLINE td_reach td_sweep_reach(TD_GLOBAL const td_stray *stray, const td_image *image, const td_source *source,
+                                  const int row[3]) {
+    td_reach most = td_reach_at(stray, source, td_count_from(row[0]));
+    for (int i = 1; i < 3 && image->moving && source->moved; i++) {
+        td_reach reach = td_reach_at(stray, source, td_count_from(row[i]));
+        most.mean = td_larger(most.mean, reach.mean);
+        most.factor = td_larger(most.factor, reach.factor);
+    }
+    return most;
+}
+
+/* One axis of the screen, as the views take it and as td_sweep_outside needs it. */
+typedef struct td_axis {
+    td_real focal, centre, size, limit; /* limit: what |x/z| is clamped to in the Jacobian */
+    int row;                            /* of the view's matrix */
+} td_axis;
+
+/* The mask of those that stay to one side of the image, at whatever depth up to z1: x_camera / z only falls with depth. `size`:
+ * how far the splats reach in the scene; `blur`: and on the screen. */
+TD_INLINE td_mask td_sweep_outside(const td_axis *axis, TD_GLOBAL const td_view *const view[3], const td_image *image,
+                                   const td_source *source, const int row[3], td_real duration, td_lanes z1, td_lanes size,
+                                   td_lanes blur) {
+    td_dual x[3];
+    td_lanes x0, x1;
+    for (int i = 0; i < 3; i++) {
+        td_dual mean[3];
+        td_index index = td_count_from(row[i]) * TD_GEOMETRY_STRIDE;
+        for (int k = 0; k < 3; k++) mean[k] = td_entry(source, image, index, TD_G_MEAN + k);
+        x[i] = td_view_row(view[i]->r + 3 * axis->row, view[i]->r_dot + 3 * axis->row, mean, view[i]->t[axis->row],
+                           view[i]->t_dot[axis->row]);
+    }
+    td_sweep_range(x[0], x[1], x[2], duration, &x0, &x1);
+    td_lanes reach = size * td_sqrt(td_splat(1 + axis->limit * axis->limit));
+    td_lanes deep = td_larger(z1, td_splat(image->near));
+    return (axis->focal * (x0 - reach) > deep * (axis->size - axis->centre + blur)) |
+           (axis->focal * (x1 + reach) < -deep * (axis->centre + blur));
+}
+
+/* Larger of the two sizes of a clamp's ends. */
+TD_INLINE td_real td_sweep_limit(td_real lower, td_real upper) { return upper > -lower ? upper : -lower; }
+
+/* What of a piece is the same for all that is asked. */
+typedef struct td_piece {
     td_shape s[3];
-    td_lanes rx[3], ry[3];
-    td_source own = td_source_of(all, image, row[0]);
-    const td_source *source = &own;
-    int which = object[td_owner_of(source, row[0])];
-    for (int i = 0; i < 3; i++)
-        s[i] = td_project_shape(views + i * image->objects + which, image, source, td_count_from(row[i]));
-    if (image->moving && source->moved) td_sweep_opacity(s, image, duration);
+    TD_GLOBAL const td_view *view[3];
+    TD_GLOBAL const td_stray *stray;
+    int level, strays; /* 1: paths stray at all */
+    int row[3];
+    td_real duration;
+    td_reach reach;
+    td_lanes opacity;
+    td_lanes off;    /* what the splat's points are off by [scene units] */
+    td_lanes z0, z1; /* depths */
+} td_piece;
+
+/* Whatever crosses the near plane gets the whole image, unless it is to the side of it all the while. */
+TD_INLINE td_mask td_sweep_crosses(const td_piece *piece, const td_image *image, const td_source *source, td_mask ever) {
+    const td_shape *s = piece->s;
+    td_mask behind = (s[0].depth.v <= image->near) | (s[1].depth.v <= image->near) | (s[2].depth.v <= image->near);
+    td_real cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(0.0) : image->cut;
+    td_mask crosses = (piece->opacity > cut) & (((piece->z0 <= image->near) & (piece->z1 > image->near)) | (behind & ever));
+    if (!td_any(crosses)) return crosses;
+    td_real least = image->cut_rule == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut, scale = 0;
+    td_lanes sigmas = td_sqrt(2.0f * td_log(td_select(td_splat(1.0f), piece->opacity / least, piece->opacity > least)));
+    for (int k = 0; k < 3; k++) scale += piece->view[1]->r[6 + k] * piece->view[1]->r[6 + k]; /* an object's, squared */
+    td_lanes size = td_fma(sigmas * td_sqrt(td_splat(scale)),
+                           TD_REAL(1.01) * td_sweep_reach(piece->stray, image, source, piece->row).factor, piece->off);
+    td_lanes blur = td_fma(sigmas, td_sqrt(td_splat(image->dilation)), td_splat(1.0f));
+    td_axis x = {image->fx, image->cx, (td_real)image->width, td_sweep_limit(image->limit_x0, image->limit_x1), 0};
+    td_axis y = {image->fy, image->cy, (td_real)image->height, td_sweep_limit(image->limit_y0, image->limit_y1), 1};
+    td_mask outside = td_sweep_outside(&x, piece->view, image, source, piece->row, piece->duration, piece->z1, size, blur) |
+                      td_sweep_outside(&y, piece->view, image, source, piece->row, piece->duration, piece->z1, size, blur);
+    return crosses & (outside == 0);
+}
+
+/* Whether a sample shows the splat on the screen. */
+TD_INLINE td_mask td_sweep_shows(const td_shape *s, td_lanes rx, td_lanes ry, const td_image *image) {
+    return s->visible & (s->u.v + rx > 0.0f) & (s->u.v - rx < (td_real)image->width) & (s->v.v + ry > 0.0f) &
+           (s->v.v - ry < (td_real)image->height);
+}
+
+/* Pieces asked for by what crosses the near plane and isn't seen at either end: two for each width of the fade (a quarter of
+ * the near plane's depth where there is none) that its depth goes through. Behind the plane nothing else is known of it. */
+TD_INLINE td_lanes td_sweep_crossing(const td_piece *piece, const td_image *image, td_mask crosses, td_mask shown) {
+    td_real fade = image->near_full > image->near ? image->near_full - image->near : 0.25f * image->near;
+    td_lanes pieces = td_smaller(2.0f * (piece->z1 - piece->z0) / fade, td_splat(TD_CROSSING_MOST));
+    return td_select(td_splat(1.0f), pieces, crosses & (shown == 0));
+}
+
+/* Half-widths on the screen, and where the mean may be. */
+typedef struct td_span2 {
+    td_lanes x0, y0, x1, y1;
+} td_span2;
+
+/* What the paths' strays add to a box, and the pieces that they ask for. A point at X/Z that is off by d is off on the screen by
+ * at most f d sqrt(1 + (X/Z)^2) / Z, with the least depth of both. */
+TD_INLINE td_lanes td_sweep_widen(const td_piece *piece, const td_image *image, td_span2 *box, td_lanes *wide, td_lanes *high) {
+    td_lanes nearest = td_larger(piece->z0, td_splat(image->near));
+    td_lanes x = td_larger(td_size(box->x0 - image->cx), td_size(box->x1 - image->cx)) / image->fx;
+    td_lanes y = td_larger(td_size(box->y0 - image->cy), td_size(box->y1 - image->cy)) / image->fy;
+    td_lanes tilted = td_sqrt(td_fma(x, x, td_fma(y, y, td_splat(1.0f)))) / nearest, nearer = piece->off / nearest;
+    *wide = td_fma(piece->off * tilted, image->fx, td_fma(nearer, *wide, *wide));
+    *high = td_fma(piece->off * tilted, image->fy, td_fma(nearer, *high, *high));
+    td_lanes allowed = TD_UNSEEN_PLACE * td_larger(td_narrowest(&piece->s[1]), td_splat(1.0f));
+    return td_stray_pieces(piece->stray, &piece->reach, (image->fx > image->fy ? image->fx : image->fy) * tilted, allowed);
+}
+
+/* Depths, opacity and how far off paths are: what of a piece is asked for again. Opacities of the shapes become those of the
+ * whole piece. */
+TD_INLINE void td_sweep_begin(td_piece *piece, const td_image *image, const td_source *source) {
+    td_shape *s = piece->s;
+    td_sweep_range(s[0].depth, s[1].depth, s[2].depth, piece->duration, &piece->z0, &piece->z1);
+    piece->opacity = td_sweep_own_opacity(image, source, piece->row);
+    piece->off = td_splat(0.0f);
+    if (piece->strays) {
+        piece->reach = td_sweep_reach(piece->stray, image, source, piece->row);
+        td_lanes off = td_stray_of(piece->stray, piece->level, &piece->reach, td_splat(0.0f));
+        piece->z0 -= off;
+        piece->z1 += off;
+    }
+    if (image->moving && source->moved) td_sweep_opacity(s, image, piece->duration);
+    td_sweep_fade(s, image, piece->opacity, piece->z0, piece->z1);
+    if (!piece->strays) return;
+    td_lanes power = td_larger(td_larger(s[0].power, td_larger(s[1].power, s[2].power)), td_splat(0.0f));
+    piece->off = td_stray_of(piece->stray, piece->level, &piece->reach, td_sqrt(power));
+}
+
+/* Joins a piece's box and what it asks for to those of the pieces before it. */
+TD_INLINE void td_sweep_piece(td_piece *piece, const td_image *image, const td_source *source, td_swept *swept) {
+    const td_shape *s = piece->s;
+    td_lanes rx[3], ry[3], pieces = td_splat(1.0f);
+    td_span2 box;
+    td_sweep_begin(piece, image, source);
     for (int i = 0; i < 3; i++) {
         td_half_widths(&s[i], &rx[i], &ry[i]);
         rx[i] = td_select(td_splat(0.0f), rx[i], s[i].visible);
         ry[i] = td_select(td_splat(0.0f), ry[i], s[i].visible);
     }
     td_mask ever = s[0].visible | s[1].visible | s[2].visible;
-    td_mask behind = (s[0].depth.v <= image->near) | (s[1].depth.v <= image->near) | (s[2].depth.v <= image->near);
-    td_lanes z0, z1;
-    td_sweep_range(s[0].depth, s[1].depth, s[2].depth, duration, &z0, &z1);
-    td_real cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(0.0) : image->cut;
-    td_mask opaque = td_gather(source->geometry, td_count_from(row[0]) * TD_GEOMETRY_STRIDE + TD_G_OPACITY) > cut;
-    if (image->moving && source->moved)
-        for (int i = 1; i < 3; i++)
-            opaque |= td_gather(source->geometry, td_count_from(row[i]) * TD_GEOMETRY_STRIDE + TD_G_OPACITY) > cut;
-    td_mask crosses = opaque & (((z0 <= image->near) & (z1 > image->near)) | (behind & ever));
-    td_lanes x0, x1, y0, y1;
-    td_sweep_range(s[0].u, s[1].u, s[2].u, duration, &x0, &x1);
-    td_sweep_range(s[0].v, s[1].v, s[2].v, duration, &y0, &y1);
+    td_mask crosses = td_sweep_crosses(piece, image, source, ever);
+    td_sweep_range(s[0].u, s[1].u, s[2].u, piece->duration, &box.x0, &box.x1);
+    td_sweep_range(s[0].v, s[1].v, s[2].v, piece->duration, &box.y0, &box.y1);
     td_lanes wide = td_sweep_width(rx[0], rx[1], rx[2]), high = td_sweep_width(ry[0], ry[1], ry[2]);
-    td_lanes width = td_splat((td_real)image->width), height = td_splat((td_real)image->height);
-    x0 = td_select(td_select(width + 1.0f, x0 - wide, ever), td_splat(0.0f), crosses);
-    x1 = td_select(td_select(td_splat(-1.0f), x1 + wide, ever), width, crosses);
-    y0 = td_select(td_select(height + 1.0f, y0 - high, ever), td_splat(0.0f), crosses);
-    y1 = td_select(td_select(td_splat(-1.0f), y1 + high, ever), height, crosses);
-    td_scatter(boxes, 4, 0, x0);
-    td_scatter(boxes, 4, 1, y0);
-    td_scatter(boxes, 4, 2, x1);
-    td_scatter(boxes, 4, 3, y1);
-    td_store_lanes(travel, td_select(td_travel(s, ever), td_splat(0.0f), crosses));
+    if (piece->strays) pieces = td_sweep_widen(piece, image, &box, &wide, &high);
+    pieces = td_select(td_splat(1.0f), pieces, ever & (piece->opacity > TD_UNSEEN_OPACITY));
+    td_mask shown = td_sweep_shows(&s[0], rx[0], ry[0], image) | td_sweep_shows(&s[2], rx[2], ry[2], image);
+    swept->pieces = td_larger(swept->pieces, td_larger(pieces, td_sweep_crossing(piece, image, crosses, shown)));
+    td_lanes travel = td_larger(td_travel(s, ever), td_reshape(s, piece->duration));
+    swept->travel = td_larger(swept->travel, td_select(travel, td_splat(0.0f), crosses));
+    td_lanes none = td_splat(TD_NOWHERE), width = td_splat((td_real)image->width), height = td_splat((td_real)image->height);
+    swept->x0 = td_smaller(swept->x0, td_select(td_select(none, box.x0 - wide, ever), td_splat(0.0f), crosses));
+    swept->y0 = td_smaller(swept->y0, td_select(td_select(none, box.y0 - high, ever), td_splat(0.0f), crosses));
+    swept->x1 = td_larger(swept->x1, td_select(td_select(-none, box.x1 + wide, ever), width, crosses));
+    swept->y1 = td_larger(swept->y1, td_select(td_select(-none, box.y1 + high, ever), height, crosses));
+}
+
+/* Time `at` of the interval for TD_LANES Gaussians, `offset` behind the first. */
+TD_INLINE void td_sweep_sample(td_piece *piece, int i, const td_interval *all, const td_image *image, const td_source *source,
+                               int which, int at, int offset) {
+    piece->row[i] = all->rows[at] + offset;
+    piece->view[i] = all->views + at * image->objects + which;
+    piece->s[i] = td_project_shape(piece->view[i], image, source, td_count_from(piece->row[i]));
+}
+
+/* Pieces that Gaussians that move by themselves ask for: twice as many as the finest level at which one of them is rough. */
+TD_INLINE td_lanes td_sweep_rough(td_piece *piece, const td_interval *all, const td_image *image, const td_source *source,
+                                  int which, int offset) {
+    td_lanes pieces = td_splat(1.0f);
+    for (int level = all->level; level >= 0; level--) {
+        int apart = 1 << (all->level - level);
+        td_real duration = all->duration / (td_real)(1 << level);
+        td_mask open = pieces <= 1.0f, rough = open & 0;
+        if (!td_any(open)) break;
+        for (int at = 0; at < 2 << all->level; at += 2 * apart) {
+            for (int i = 0; i < 3; i++) td_sweep_sample(piece, i, all, image, source, which, at + i * apart, offset);
+            rough |= td_is_rough(piece->s, piece->view[0], image, source, piece->row, duration);
+        }
+        pieces = td_select(pieces, td_splat((td_real)(2 << level)), open & rough);
+    }
+    return pieces;
+}
+
+/* Box [x0, y0, x1, y1] of TD_LANES Gaussians of an object, at boxes + 4 i; empty (x0 > x1) where never visible. They are in
+ * neighbouring rows, `offset` behind each time's first. travel[i]: see unseen.h. */
+TD_INLINE void td_sweep_group(const td_interval *all, const td_image *image, const td_source *sources, int offset,
+                              TD_GLOBAL td_real *boxes, TD_GLOBAL td_real *travel) {
+    td_source own = td_source_of(sources, image, all->rows[0] + offset);
+    int which = all->object[td_owner_of(&own, all->rows[0] + offset)];
+    td_lanes none = td_splat(TD_NOWHERE);
+    td_swept swept;
+    td_piece piece;
+    swept.x0 = swept.y0 = none;
+    swept.x1 = swept.y1 = -none;
+    swept.travel = td_splat(0.0f);
+    swept.pieces = td_splat(1.0f);
+    piece.stray = all->strays + which;
+    piece.level = all->level;
+    piece.strays = piece.stray->position[0] > 0 || piece.stray->rotation[0] > 0;
+    piece.duration = all->duration / (td_real)(1 << all->level);
+    for (int at = 0; at < 2 << all->level; at += 2) {
+        for (int i = 0; i < 3; i++) td_sweep_sample(&piece, i, all, image, &own, which, at + i, offset);
+        td_sweep_piece(&piece, image, &own, &swept);
+    }
+    if (all->level > 0 && image->moving && own.moved)
+        swept.pieces = td_larger(swept.pieces, td_sweep_rough(&piece, all, image, &own, which, offset));
+    td_mask nowhere = swept.x0 > swept.x1;
+    td_scatter(boxes, 4, 0, td_select(swept.x0, td_splat((td_real)(image->width + 1)), nowhere));
+    td_scatter(boxes, 4, 1, td_select(swept.y0, td_splat((td_real)(image->height + 1)), nowhere));
+    td_scatter(boxes, 4, 2, td_select(swept.x1, td_splat(-1.0f), nowhere));
+    td_scatter(boxes, 4, 3, td_select(swept.y1, td_splat(-1.0f), nowhere));
+    td_lanes asked = td_select(td_splat(0.0f), 0.5f * swept.pieces, swept.pieces > 1.0f);
+    td_store_lanes(travel, td_larger(asked, swept.travel * (td_real)(1 << all->level)));
 }
 
 #endif

@@ -10,6 +10,7 @@
 #define TD_REAL_DOUBLE
 #endif
 #include "kernels/motion.h"
+#include "motion/td_time_scale.h"
 #include "td_base.h"
 #include "tides/motion.h"
 #include "tides/scene.h"
@@ -62,6 +63,13 @@ typedef struct td_motion_class {
     /* Own times strictly within (start, stop) where rates may jump, ascending; returns how many there are, writes at most
      * `capacity`. NULL: the motion is smooth. */
     size_t (*knots)(const tides_motion *motion, double *tau, size_t capacity);
+
+    /* Own time over which values and rates at the start, the middle and the end show what happens to all Gaussians between
+     * `from` and `to`; INFINITY: they do anyway. NULL: that of the knots. */
+    double (*scale)(const tides_motion *motion, double from, double to);
+
+    /* The scales of single Gaussians (gaussians->count). NULL: there's none but that of all. */
+    void (*scales)(const tides_motion *motion, const tides_gaussians *gaussians, td_time_scale *scales);
 
     /* moving[i] = 0 where Gaussian i is the same at all times. NULL: all move. */
     void (*find_moving)(const tides_motion *motion, const tides_gaussians *gaussians, uint8_t *moving);

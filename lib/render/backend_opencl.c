@@ -43,35 +43,54 @@ tides_status td_opencl_make_kernel(opencl_backend *b, const char *file, const ch
     return status;
 }
 
-static tides_status sweep_moved(td_backend *backend, const double *views, double duration, int begin, int end, const int row[3],
-                                float *boxes, float *travel, tides_error *error) {
-    opencl_backend *b = (opencl_backend *)backend;
-    double begun = td_now();
-    size_t bytes = (size_t)b->gaussians * sizeof(cl_float);
-    tides_status status = td_opencl_write_reals(b, &b->views, views, (size_t)3 * b->objects * TD_VIEW_REALS, error);
+/* Views, strays and rows of a sweep to the device, and room for its results. */
+static tides_status send_interval(opencl_backend *b, const td_sweep_request *request, tides_error *error) {
+    int times = td_sweep_times(request->level);
+    size_t bytes = (size_t)b->gaussians * sizeof(cl_float), strays = (size_t)b->objects * TD_STRAY_REALS;
+    double *none = request->strays ? NULL : td_alloc(strays, sizeof *none, error);
+    int *rows = td_alloc((size_t)times, sizeof *rows, error);
+    tides_status status = rows && (none || request->strays) ? TIDES_OK : TIDES_NO_MEMORY;
+    for (int i = 0; i < times && rows; i++) rows[i] = request->rows ? request->rows[i] : request->begin;
+    if (status == TIDES_OK)
+        status = td_opencl_write_reals(b, &b->views, request->views, (size_t)times * b->objects * TD_VIEW_REALS, error);
+    if (status == TIDES_OK)
+        status = td_opencl_write_reals(b, &b->strays, request->strays ? request->strays : none, strays, error);
+    if (status == TIDES_OK) status = td_buffer_write(b->device, &b->sweep_rows, rows, (size_t)times * sizeof *rows, error);
     if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->boxes, 4 * bytes, error);
     if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->travel, bytes, error);
+    free(none);
+    free(rows);
+    return status;
+}
+
+static tides_status sweep(td_backend *backend, const td_sweep_request *request, float *boxes, float *travel,
+                          tides_error *error) {
+    opencl_backend *b = (opencl_backend *)backend;
+    double begun = td_now();
+    tides_status status = send_interval(b, request, error);
     if (status != TIDES_OK) return status;
-    float seconds = (float)duration;
-    cl_int from = begin, to = end, first_rate = b->first_rate, first_moved = b->gaussians;
-    cl_int row0 = row[0], row1 = row[1], row2 = row[2];
+    float seconds = (float)request->duration;
+    cl_int begin = request->begin, end = request->end, level = request->level;
+    cl_int first_rate = b->first_rate, first_moved = b->gaussians;
     /* A local size is always given: left to itself PoCL takes a divisor of the count, and compiles anew for every scene. */
     size_t local = td_opencl_group_size(b), groups = (size_t)((end - begin) / b->device->info.lanes);
     size_t global = (groups + local - 1) / local * local;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),
                                      TD_BUFFER_ARGUMENT(b->object),
                                      TD_BUFFER_ARGUMENT(b->views),
+                                     TD_BUFFER_ARGUMENT(b->strays),
+                                     TD_BUFFER_ARGUMENT(b->sweep_rows),
                                      TD_BUFFER_ARGUMENT(b->geometry),
                                      TD_BUFFER_ARGUMENT(b->rates),
+                                     TD_BUFFER_ARGUMENT(b->sh),
+                                     TD_BUFFER_ARGUMENT(b->sh_rates),
                                      TD_BUFFER_ARGUMENT(b->owners),
                                      TD_VALUE_ARGUMENT(first_rate),
                                      TD_VALUE_ARGUMENT(first_moved),
                                      TD_VALUE_ARGUMENT(seconds),
-                                     TD_VALUE_ARGUMENT(from),
-                                     TD_VALUE_ARGUMENT(to),
-                                     TD_VALUE_ARGUMENT(row0),
-                                     TD_VALUE_ARGUMENT(row1),
-                                     TD_VALUE_ARGUMENT(row2),
+                                     TD_VALUE_ARGUMENT(level),
+                                     TD_VALUE_ARGUMENT(begin),
+                                     TD_VALUE_ARGUMENT(end),
                                      TD_BUFFER_ARGUMENT(b->boxes),
                                      TD_BUFFER_ARGUMENT(b->travel)};
     status = td_launch(b->device, b->sweep_kernel, 1, &global, &local, arguments,
@@ -85,12 +104,6 @@ static tides_status sweep_moved(td_backend *backend, const double *views, double
     backend->stats.sweeps++;
     backend->stats.time_sweep_s += td_now() - begun;
     return status;
-}
-
-static tides_status sweep(td_backend *backend, const double *views, double duration, int begin, int end, float *boxes,
-                          float *travel, tides_error *error) {
-    const int row[3] = {begin, begin, begin};
-    return sweep_moved(backend, views, duration, begin, end, row, boxes, travel, error);
 }
 
 /* Host memory of a batch: what goes to the device and what comes back, all at once, so that only its end is waited for. */
@@ -349,10 +362,11 @@ static void destroy(td_backend *backend) {
     }
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
         if (kernels[i]) clReleaseKernel(kernels[i]);
-    td_buffer *buffers[] = {&b->image_buffer, &b->object,    &b->geometry, &b->rates,   &b->sh,         &b->sh_rates,
-                            &b->views,        &b->backdrops, &b->boxes,    &b->travel,  &b->candidates, &b->jobs,
-                            &b->records,      &b->colours,   &b->masks,    &b->keys,    &b->order,      &b->sorted_masks,
-                            &b->counts,       &b->brightest, &b->planes,   &b->blended, &b->decoder,    &b->hints};
+    td_buffer *buffers[] = {&b->image_buffer, &b->object,       &b->geometry,   &b->rates,     &b->sh,     &b->sh_rates,
+                            &b->views,        &b->strays,       &b->sweep_rows, &b->backdrops, &b->boxes,  &b->travel,
+                            &b->candidates,   &b->jobs,         &b->records,    &b->colours,   &b->masks,  &b->keys,
+                            &b->order,        &b->sorted_masks, &b->counts,     &b->brightest, &b->planes, &b->blended,
+                            &b->decoder,      &b->hints};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     td_opencl_motion_release(b);
     td_opencl_cubics_release(b);
@@ -361,16 +375,8 @@ static void destroy(td_backend *backend) {
     free(b);
 }
 
-static const td_backend_class opencl_class = {sweep,
-                                              render,
-                                              empty_pixel,
-                                              prepare,
-                                              inspect,
-                                              destroy,
-                                              td_opencl_move,
-                                              sweep_moved,
-                                              td_opencl_prepare_cubics,
-                                              td_opencl_misfits};
+static const td_backend_class opencl_class =
+    {sweep, render, empty_pixel, prepare, inspect, destroy, td_opencl_move, td_opencl_prepare_cubics, td_opencl_misfits};
 
 /* The scene to the device. Arrays that aren't there get one float, since kernels want an argument. */
 static tides_status write_store(opencl_backend *b, const td_store *store, tides_error *error) {
@@ -407,7 +413,8 @@ static tides_status warm_sweep(opencl_backend *b, tides_error *error) {
     double begun = td_now();
     double *views = td_alloc((size_t)3 * b->objects * TD_VIEW_REALS, sizeof *views, error);
     if (!views) return TIDES_NO_MEMORY;
-    tides_status status = sweep(&b->base, views, 0, 0, TD_PAD, boxes, travel, error);
+    const td_sweep_request request = {views, NULL, 0, 0, 0, TD_PAD, NULL};
+    tides_status status = sweep(&b->base, &request, boxes, travel, error);
     free(views);
     b->base.stats.sweeps = 0;
     b->base.stats.time_sweep_s = 0;

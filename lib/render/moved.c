@@ -27,6 +27,20 @@ static tides_status find_knots(td_moved_part *part, tides_error *error) {
     return TIDES_OK;
 }
 
+/* The scales of time of a part's Gaussians, where the model has them for each. */
+static tides_status find_scales(const td_store *store, td_moved_part *part, tides_error *error) {
+    const tides_motion *motion = part->of.motion;
+    if (!motion->type->scales) return TIDES_OK;
+    td_time_scale *all = td_alloc((size_t)part->of.gaussians.count, sizeof *all, error);
+    part->scale = td_alloc((size_t)part->count, sizeof *part->scale, error);
+    if (all && part->scale) {
+        motion->type->scales(motion, &part->of.gaussians, all);
+        for (int i = 0; i < part->count; i++) part->scale[i] = all[store->number[part->first + i]];
+    }
+    free(all);
+    return all && part->scale ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
 static tides_status add_part(const tides_scene *scene, int object, int first, int end, td_moved *moved, tides_error *error) {
     const td_store *store = moved->store;
     td_moved_part *part = &moved->part[store->mover[object]];
@@ -42,7 +56,8 @@ static tides_status add_part(const tides_scene *scene, int object, int first, in
     part->hosted = part->of.motion->type->evaluate != NULL;
     part->dear = part->of.motion->type->dear;
     moved->moving += end - first;
-    return find_knots(part, error);
+    status = find_scales(store, part, error);
+    return status == TIDES_OK ? find_knots(part, error) : status;
 }
 
 static int by_value(const void *a, const void *b) {
@@ -96,9 +111,14 @@ static tides_status fill(const tides_scene *scene, int row_limit, td_moved *move
     if (status != TIDES_OK) return status;
     moved->stamp = td_alloc((size_t)moved->moving, sizeof *moved->stamp, error);
     moved->row_of = td_alloc((size_t)moved->moving, sizeof *moved->row_of, error);
+    moved->level = td_alloc((size_t)moved->moving, sizeof *moved->level, error);
+    moved->fine = td_alloc((size_t)moved->moving, sizeof *moved->fine, error);
+    moved->fine_box = td_alloc((size_t)moved->moving, 4 * sizeof *moved->fine_box, error);
+    moved->fine_travel = td_alloc((size_t)moved->moving, sizeof *moved->fine_travel, error);
     if (moved->moving <= row_limit / TD_KEPT) moved->kept_rows = TD_KEPT * moved->moving;
     for (int k = 0; k < TD_KEPT; k++) moved->kept[k].row = store->count + k * moved->moving;
-    return moved->stamp && moved->row_of ? TIDES_OK : TIDES_NO_MEMORY;
+    int all = moved->stamp && moved->row_of && moved->level && moved->fine && moved->fine_box && moved->fine_travel;
+    return all ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
 tides_status td_moved_create(const tides_scene *scene, const td_store *store, int row_limit, td_moved *moved,
@@ -115,6 +135,7 @@ void td_moved_release(td_moved *moved) {
     for (int i = 0; i < moved->parts && moved->part; i++) {
         free(moved->part[i].knot_s);
         free(moved->part[i].knot_tau);
+        free(moved->part[i].scale);
     }
     free(moved->part);
     free(moved->knots);
@@ -122,6 +143,10 @@ void td_moved_release(td_moved *moved) {
     free(moved->row_of);
     free(moved->list);
     free(moved->misfit);
+    free(moved->level);
+    free(moved->fine);
+    free(moved->fine_box);
+    free(moved->fine_travel);
     free(rows->gaussians);
     free(rows->owners);
     free(rows->moments);

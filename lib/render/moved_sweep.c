@@ -68,8 +68,8 @@ static void empty_padding(const td_moved_part *part, float *boxes) {
 
 /* Gaussians [from, from + count) of a part: rows at the three times one after the other, used up at once. */
 static tides_status sweep_chunk(td_moved *moved, td_backend *backend, const td_moved_part *part, int from, int count,
-                                const double *views, const double time[3], const int side[3], float *boxes, float *travel,
-                                tides_error *error) {
+                                const double *views, const double *strays, const double time[3], const int side[3],
+                                float *boxes, float *travel, tides_error *error) {
     int row[3], length = padded(count);
     tides_status status = td_rows_reserve(moved, 3 * length, error);
     td_rows_begin(moved, moved->store->count);
@@ -83,11 +83,12 @@ static tides_status sweep_chunk(td_moved *moved, td_backend *backend, const td_m
     if (status == TIDES_OK) status = td_rows_send(moved, backend, error);
     if (status != TIDES_OK) return status;
     int begin = part->first + from;
-    return backend->type->sweep_moved(backend, views, time[2] - time[0], begin, begin + length, row, boxes, travel, error);
+    const td_sweep_request request = {views, strays, time[2] - time[0], 0, begin, begin + length, row};
+    return backend->type->sweep(backend, &request, boxes, travel, error);
 }
 
-tides_status td_moved_sweep(td_moved *moved, td_backend *backend, const double *views, double start, double stop, int side,
-                            int row_limit, float *boxes, float *travel, tides_error *error) {
+tides_status td_moved_sweep(td_moved *moved, td_backend *backend, const double *views, const double *strays, double start,
+                            double stop, int side, int row_limit, float *boxes, float *travel, tides_error *error) {
     const double time[3] = {start, start + 0.5 * (stop - start), stop}; /* as steps are halved: its rows are found again */
     const int instant = !(start < stop), sides[3] = {instant ? side : 1, instant ? side : 1, instant ? side : -1};
     const td_kept *kept[3] = {&moved->kept[0], &moved->kept[1], &moved->kept[2]};
@@ -101,10 +102,9 @@ tides_status td_moved_sweep(td_moved *moved, td_backend *backend, const double *
         int rows[3] = {kept[0]->row + part->base, kept[1]->row + part->base, kept[2]->row + part->base};
         for (int from = 0; from < part->count && !moved->kept_rows && status == TIDES_OK; from += chunk)
             status = sweep_chunk(moved, backend, part, from, part->count - from < chunk ? part->count - from : chunk, views,
-                                 time, sides, boxes, travel, error);
-        if (moved->kept_rows && status == TIDES_OK)
-            status = backend->type->sweep_moved(backend, views, stop - start, part->first, part->first + padded(part->count),
-                                                rows, boxes, travel, error);
+                                 strays, time, sides, boxes, travel, error);
+        const td_sweep_request request = {views, strays, stop - start, 0, part->first, part->first + padded(part->count), rows};
+        if (moved->kept_rows && status == TIDES_OK) status = backend->type->sweep(backend, &request, boxes, travel, error);
         empty_padding(part, boxes);
     }
     return status;

@@ -33,12 +33,15 @@ typedef struct reference {
     td_real *records, *colours, *planes;
     reference_key *keys;
     int *masks, *order, *sorted_masks, *hints;
-    size_t view_capacity, backdrop_capacity, record_capacity[7], hint_capacity;
+    td_stray *strays; /* (objects), of the last sweep */
+    int *sweep_rows;
+    size_t view_capacity, backdrop_capacity, record_capacity[7], hint_capacity, stray_capacity, sweep_row_capacity;
     int last_count; /* of the last job: for inspect */
     td_real last_brightest;
 } reference;
 
 typedef char td_view_has_these_reals[sizeof(td_view) == TD_VIEW_REALS * sizeof(td_real) ? 1 : -1];
+typedef char td_stray_has_these_reals[sizeof(td_stray) == TD_STRAY_REALS * sizeof(td_real) ? 1 : -1];
 typedef char td_backdrop_has_these_reals[sizeof(td_backdrop) == TD_BACKDROP_REALS * sizeof(td_real) ? 1 : -1];
 typedef char
     td_mover_has_these_numbers[sizeof(td_mover) == TD_MOVER_REALS * sizeof(td_real) + TD_MOVER_WHOLE * sizeof(int) ? 1 : -1];
@@ -74,28 +77,41 @@ static tides_status copy_views(reference *r, const double *views, int slots, tid
     return status;
 }
 
-static tides_status sweep_moved(td_backend *backend, const double *views, double duration, int from, int to, const int row[3],
-                                float *boxes, float *travel, tides_error *error) {
+/* Views, strays and rows of a sweep in this precision. */
+static tides_status copy_interval(reference *r, const td_sweep_request *request, td_interval *interval, tides_error *error) {
+    int times = td_sweep_times(request->level);
+    size_t strays = (size_t)r->image.objects * TD_STRAY_REALS;
+    tides_status status = copy_views(r, request->views, times, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&r->strays, &r->stray_capacity, strays, sizeof(td_real), error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&r->sweep_rows, &r->sweep_row_capacity, (size_t)times, sizeof *r->sweep_rows, error);
+    if (status != TIDES_OK) return status;
+    if (request->strays)
+        narrow(request->strays, (td_real *)r->strays, strays);
+    else
+        memset(r->strays, 0, strays * sizeof(td_real));
+    for (int i = 0; i < times; i++) r->sweep_rows[i] = request->rows ? request->rows[i] : request->begin;
+    const td_interval made = {r->views, r->strays, r->object, r->sweep_rows, (td_real)request->duration, request->level};
+    *interval = made;
+    return TIDES_OK;
+}
+
+static tides_status sweep(td_backend *backend, const td_sweep_request *request, float *boxes, float *travel,
+                          tides_error *error) {
     reference *r = (reference *)backend;
     double begun = td_now();
-    tides_status status = copy_views(r, views, 3, error);
+    td_interval interval;
+    tides_status status = copy_interval(r, request, &interval, error);
     if (status != TIDES_OK) return status;
-    for (int i = from; i < to; i++) {
+    for (int i = request->begin; i < request->end; i++) {
         td_real box[4], way;
-        const int rows[3] = {row[0] + i - from, row[1] + i - from, row[2] + i - from};
-        td_sweep_group(r->views, &r->image, &r->source, r->object, rows, (td_real)duration, box, &way);
+        td_sweep_group(&interval, &r->image, &r->source, i - request->begin, box, &way);
         for (int k = 0; k < 4; k++) boxes[4 * (size_t)i + k] = (float)box[k];
         travel[i] = (float)way;
     }
     backend->stats.sweeps++;
     backend->stats.time_sweep_s += td_now() - begun;
     return TIDES_OK;
-}
-
-static tides_status sweep(td_backend *backend, const double *views, double duration, int from, int to, float *boxes,
-                          float *travel, tides_error *error) {
-    const int row[3] = {from, from, from};
-    return sweep_moved(backend, views, duration, from, to, row, boxes, travel, error);
 }
 
 /* -- moved rows ---------------------------------------------------------------------------------------------------- */
@@ -371,6 +387,8 @@ static void destroy(td_backend *backend) {
     free(r->decoder);
     free(r->owners);
     free(r->views);
+    free(r->strays);
+    free(r->sweep_rows);
     free(r->backdrops);
     free(r->records);
     free(r->colours);
@@ -383,8 +401,8 @@ static void destroy(td_backend *backend) {
     free(r);
 }
 
-static const td_backend_class reference_class = {sweep,   render, empty_pixel, prepare,        inspect,
-                                                 destroy, move,   sweep_moved, prepare_cubics, misfits};
+static const td_backend_class reference_class = {sweep,   render, empty_pixel,    prepare, inspect,
+                                                 destroy, move,   prepare_cubics, misfits};
 
 /* Copies the store's arrays in this precision; SH comes as floats or doubles. */
 static tides_status copy_store(reference *r, const td_store *store, tides_error *error) {

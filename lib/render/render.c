@@ -1,6 +1,5 @@
 /* The renderer: sweep for candidates, then project, sort and composite (tile, time) jobs on a backend, and put tiles together
  * to frames. Whole frames are all tiles at one time: one path, not two. */
-#include "camera/td_trajectory.h"
 #include "td_render.h"
 
 #include <stdlib.h>
@@ -80,6 +79,7 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     status = td_image_resolve(params, intrinsics, tides_scene_sh_degree(scene), &made->image, error);
     if (status == TIDES_OK) status = td_store_create(scene, params->rules == TIDES_RULES_SMOOTH, &made->store, error);
     if (status == TIDES_OK) status = td_moved_create(scene, &made->store, made->row_limit, &made->moved, error);
+    if (status == TIDES_OK) status = td_strays_create(&made->store, &made->strays, error);
     if (status != TIDES_OK) goto done;
     made->image.objects = made->store.objects;
     made->image.sh_stride = made->store.sh_stride;
@@ -111,6 +111,8 @@ void tides_renderer_destroy(tides_renderer *renderer) {
     if (renderer->backend) renderer->backend->type->destroy(renderer->backend);
     td_candidates_release(&renderer->candidates);
     td_moved_release(&renderer->moved);
+    td_strays_release(&renderer->strays);
+    free(renderer->sweep_time);
     td_psf_release(&renderer->psf);
     td_store_release(&renderer->store);
     free(renderer->boxes);
@@ -145,8 +147,7 @@ void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *st
     stats->time_transfer_s = done->time_transfer_s;
 }
 
-/* Views of every object at each time, and a backdrop for each. */
-static tides_status make_views(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
+tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
                                tides_error *error) {
     size_t objects = (size_t)renderer->store.objects;
     tides_status status = td_reserve((void **)&renderer->views, &renderer->view_capacity, (size_t)slots * objects,
@@ -161,76 +162,6 @@ static tides_status make_views(tides_renderer *renderer, const tides_trajectory 
         /* An object of the scene may be two of the store: from the last on, each still finds its view in place. */
         for (size_t k = objects; k-- > 0 && status == TIDES_OK;) views[k] = views[renderer->store.scene_object[k]];
     }
-    return status;
-}
-
-/* Which objects move against the camera. */
-static tides_status note_moves(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error) {
-    int camera_moves = !tides_trajectory_is_static(camera);
-    for (int32_t i = 0; i < renderer->store.objects; i++) {
-        tides_object object;
-        tides_status status = tides_scene_object(renderer->scene, renderer->store.scene_object[i], &object, error);
-        if (status != TIDES_OK) return status;
-        renderer->object_moves[i] = (uint8_t)(camera_moves || renderer->store.mover[i] >= 0 ||
-                                              (object.trajectory && !tides_trajectory_is_static(object.trajectory)));
-    }
-    return TIDES_OK;
-}
-
-/* What a sweep does about an object of the store. MOVED: td_moved_sweep does. */
-enum { BOX_WANTED, BOX_KEPT, BOX_MOVED };
-
-static int box_kind(const tides_renderer *renderer, int object, int kept) {
-    if (renderer->store.mover[object] >= 0) return BOX_MOVED;
-    return kept && !renderer->object_moves[object] ? BOX_KEPT : BOX_WANTED;
-}
-
-/* Boxes of every Gaussian that doesn't move by itself; where the camera rests where it rested, only of the objects that
- * move. */
-static tides_status sweep_boxes(tides_renderer *renderer, const tides_trajectory *camera, double start, double duration,
-                                tides_error *error) {
-    const double *views = (const double *)renderer->views;
-    const td_backend_class *type = renderer->backend->type;
-    tides_pose pose;
-    tides_status status = td_trajectory_at(camera, renderer->epoch, start, &pose, error);
-    if (status != TIDES_OK) return status;
-    int rests = tides_trajectory_is_static(camera);
-    int kept = rests && renderer->rested && memcmp(&pose, &renderer->rest_pose, sizeof pose) == 0;
-    renderer->rested = 0;
-    for (int i = 0; i < renderer->store.objects && status == TIDES_OK;) {
-        int begin = renderer->object_first[i], kind = box_kind(renderer, i, kept);
-        while (i < renderer->store.objects && box_kind(renderer, i, kept) == kind) i++; /* neighbours in one go */
-        if (kind == BOX_WANTED)
-            status = type->sweep(renderer->backend, views, duration, begin, renderer->object_first[i], renderer->boxes,
-                                 renderer->travel, error);
-        else if (kind == BOX_KEPT)
-            renderer->stats.gaussians_still += (uint64_t)(renderer->object_first[i] - begin);
-    }
-    if (status == TIDES_OK && rests) {
-        renderer->rested = 1;
-        renderer->rest_pose = pose;
-    }
-    return status;
-}
-
-tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
-                               tides_error *error) {
-    const double times[3] = {start, start + 0.5 * (stop - start), stop};
-    tides_status status = make_views(renderer, camera, times, 3, error);
-    if (status == TIDES_OK) status = note_moves(renderer, camera, error);
-    if (status == TIDES_OK) status = sweep_boxes(renderer, camera, start, stop - start, error);
-    if (status == TIDES_OK && renderer->moved.moving)
-        status = td_moved_sweep(&renderer->moved, renderer->backend, (const double *)renderer->views, start, stop,
-                                renderer->side, renderer->row_limit, renderer->boxes, renderer->travel, error);
-    double begun = td_now();
-    renderer->candidates.instant = !(start < stop);
-    if (status == TIDES_OK)
-        status = td_candidates_build(&renderer->candidates, &renderer->store, renderer->boxes, renderer->travel,
-                                     renderer->object_moves, error);
-    if (status == TIDES_OK && renderer->image.decoder && renderer->object_moves[0]) /* what is behind everything moves too */
-        memset(renderer->candidates.moving, 1, (size_t)renderer->stats.tiles);
-    if (status == TIDES_OK) status = td_psf_spread(&renderer->psf, &renderer->candidates, error);
-    renderer->stats.time_sweep_s += td_now() - begun;
     return status;
 }
 
@@ -314,7 +245,7 @@ static tides_status run_empty(tides_renderer *renderer, td_batch *batch, const t
 
 tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
                                      const td_request *requests, int count, int outputs, double *planes, tides_error *error) {
-    tides_status status = make_views(renderer, camera, times, slots, error);
+    tides_status status = td_renderer_views(renderer, camera, times, slots, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&renderer->jobs, &renderer->job_capacity, (size_t)count, sizeof *renderer->jobs, error);
     if (status == TIDES_OK)

@@ -13,6 +13,7 @@
 
 enum {
     TD_VIEW_REALS = 32,
+    TD_STRAY_REALS = 32,
     TD_BACKDROP_REALS = 8,
     TD_IMAGE_REALS = 22,
     TD_IMAGE_INTS = 14,
@@ -108,6 +109,17 @@ typedef struct td_misfit_request {
     double middle[TD_CUBIC_REALS];
 } td_misfit_request;
 
+/* An interval to sweep, in 2^level pieces, for Gaussians [begin, end), multiples of TD_PAD. */
+typedef struct td_sweep_request {
+    const double *views;  /* (td_sweep_times x objects x TD_VIEW_REALS), times evenly spaced */
+    const double *strays; /* (objects x TD_STRAY_REALS), a td_stray each; NULL: no path strays */
+    double duration;      /* [s] */
+    int level, begin, end;
+    const int *rows; /* (td_sweep_times) where their rows begin; NULL: at `begin`, since they don't move by themselves */
+} td_sweep_request;
+
+static inline int td_sweep_times(int level) { return (2 << level) + 1; }
+
 /* Jobs for one run of all stages. Everything is borrowed for the call. */
 typedef struct td_batch {
     const double *views;     /* (slots x objects x TD_VIEW_REALS) */
@@ -137,11 +149,10 @@ typedef struct td_stages {
 } td_stages;
 
 typedef struct td_backend_class {
-    /* For Gaussians [begin, end), multiples of TD_PAD: the box (x0, y0, x1, y1) [px] of each over an interval, and the
-     * diameters that it travels. views: (3 x objects x TD_VIEW_REALS); boxes (count x 4) and travel (count) are the whole
-     * store's. */
-    tides_status (*sweep)(td_backend *backend, const double *views, double duration, int begin, int end, float *boxes,
-                          float *travel, tides_error *error);
+    /* The box (x0, y0, x1, y1) [px] of each Gaussian over an interval, and its travel (unseen.h): at `begin` of boxes (x 4) and
+     * travel. */
+    tides_status (*sweep)(td_backend *backend, const td_sweep_request *request, float *boxes, float *travel,
+                          tides_error *error);
     /* All stages; planes: (outputs x TD_TILE_PIXELS) per job at job.out. */
     tides_status (*render)(td_backend *backend, const td_batch *batch, double *planes, tides_error *error);
     /* One pixel with nothing in front of the backdrop, in the class's own arithmetic: (outputs). */
@@ -153,9 +164,6 @@ typedef struct td_backend_class {
     void (*destroy)(td_backend *backend);
     /* Works out moved rows; others stay as they are. Jobs of batches, and sweeps, may then ask for them. */
     tides_status (*move)(td_backend *backend, const td_move_batch *moves, tides_error *error);
-    /* As sweep, for Gaussians that move by themselves, whose rows begin at row[0], [1] and [2] at the three times. */
-    tides_status (*sweep_moved)(td_backend *backend, const double *views, double duration, int begin, int end, const int row[3],
-                                float *boxes, float *travel, tides_error *error);
     /* Gets kernels for cubic jobs and misfits ready; batches without them need none. */
     tides_status (*prepare_cubics)(td_backend *backend, tides_error *error);
     /* td_misfit_group (interpolate.h): (count). */

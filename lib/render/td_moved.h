@@ -3,6 +3,7 @@
 #ifndef TD_MOVED_H
 #define TD_MOVED_H
 
+#include "motion/td_time_scale.h"
 #include "td_backend.h"
 #include "tides/scene.h"
 
@@ -16,6 +17,7 @@ typedef struct td_moved_part {
     tides_object of;           /* the scene's object: motion, Gaussians, how long the motion lasts */
     double *knot_s, *knot_tau; /* (knots) in seconds after the epoch, ascending, and of its own time */
     size_t knots;
+    td_time_scale *scale; /* (count) of its own time; NULL: the model says none for each Gaussian */
 } td_moved_part;
 
 /* Rows of all that move at one time, kept from one sweep to the next. */
@@ -77,6 +79,9 @@ typedef struct td_moved {
     double tolerance, time_tolerance_s; /* what interpolation may cost, of log_luminance and of times; 0, 0: there's none */
     td_span halves[2];                  /* of the interval swept last; NULL, NULL: nothing is interpolated there */
     float *misfit;                      /* (moving) there, in tolerances; only of dear parts */
+    uint8_t *level;                     /* (moving) 2^level pieces that the interval swept last takes */
+    int *fine;                          /* (moving) Gaussians of one level, and their boxes and travel */
+    float *fine_box, *fine_travel;
 } td_moved;
 
 /* Finds what moves in the scene that `store`, which must outlive it, was made of. At most `row_limit` rows are kept. */
@@ -135,7 +140,7 @@ void td_cubic_weights(double start, double stop, double time, double weights[TD_
 
 /* Boxes and travel of all that moves over [start, stop], as td_backend_class.sweep gives them. At an instant, start = stop,
  * rates are those of `side`. */
-tides_status td_moved_sweep(td_moved *moved, td_backend *backend, const double *views, double start, double stop, int side,
-                            int row_limit, float *boxes, float *travel, tides_error *error);
+tides_status td_moved_sweep(td_moved *moved, td_backend *backend, const double *views, const double *strays, double start,
+                            double stop, int side, int row_limit, float *boxes, float *travel, tides_error *error);
 
 #endif

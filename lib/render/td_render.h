@@ -7,6 +7,7 @@
 #endif
 #include "td_moved.h"
 #include "td_psf.h"
+#include "td_stray.h"
 
 /* Image parameters and intrinsics to the image formation's numbers (rules.c). */
 tides_status td_image_resolve(const tides_image_params *params, const tides_intrinsics *intrinsics, int scene_sh_degree,
@@ -48,6 +49,10 @@ void td_view_make(const tides_pose *camera, const tides_pose *object, double sca
 /* Views of every object of `scene` at `time` [s after `epoch`]: (objects) (view.c). */
 tides_status td_views_at(const tides_scene *scene, const tides_trajectory *camera, double epoch, double time, td_view *views,
                          tides_error *error);
+
+/* View of one object of the scene. */
+tides_status td_view_at(const tides_scene *scene, int32_t object, const tides_trajectory *camera, double epoch, double time,
+                        td_view *view, tides_error *error);
 
 /* Which Gaussians each tile may see during an interval (candidates.c). */
 typedef struct td_candidates {
@@ -99,6 +104,9 @@ struct tides_renderer {
     uint8_t *object_moves; /* (objects) against the camera */
     int rested;            /* the last sweep saw a camera at rest, at rest_pose: boxes of what doesn't move hold on */
     tides_pose rest_pose;
+    td_strays strays;   /* of the interval swept last */
+    double *sweep_time; /* (td_sweep_times) of the pieces in hand */
+    size_t sweep_time_capacity;
     td_view *views; /* (slots x objects) */
     td_backdrop *backdrops;
     size_t view_capacity, backdrop_capacity;
@@ -122,6 +130,18 @@ tides_status td_renderer_frame(tides_renderer *renderer, const tides_trajectory 
 /* Makes candidate lists that hold for every time in [start, stop]. */
 tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                tides_error *error);
+
+/* Views of every object at each time, and a backdrop for each: renderer->views and backdrops. */
+tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
+                               tides_error *error);
+
+/* Views at the times of a sweep of [start, stop] in 2^level pieces: renderer->views and sweep_time. */
+tides_status td_renderer_sweep_views(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                                     int level, tides_error *error);
+
+/* Sweeps once more, in pieces, whatever moves by itself on a shorter scale of time than [start, stop] (moved_fine.c). */
+tides_status td_moved_sweep_fine(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                                 tides_error *error);
 
 /* Renders requests at `times` within the swept interval; planes: (requests x outputs x TD_TILE_PIXELS), pixels block by block
  * (td_tile_pixel). Blurred by the renderer's PSF where it has one (psf.c). */

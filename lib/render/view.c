@@ -47,18 +47,36 @@ void td_view_make(const tides_pose *camera, const tides_pose *object, double sca
     for (int i = 0; i < 3; i++) view->eye_dot[i] = -(turned[i] + from_eye[i]) / scale;
 }
 
+/* View of object `i` from a camera whose pose is known. */
+static tides_status view_from(const tides_scene *scene, int32_t i, const tides_pose *eye, double epoch, double time,
+                              td_view *view, tides_error *error) {
+    tides_object object;
+    tides_pose pose;
+    tides_status status = tides_scene_object(scene, i, &object, error);
+    if (status == TIDES_OK && object.trajectory) status = td_trajectory_at(object.trajectory, epoch, time, &pose, error);
+    if (status != TIDES_OK) return td_fail_within(error, status, "path of object %d", (int)i);
+    td_view_make(eye, object.trajectory ? &pose : NULL, object.scale, view);
+    if (object.motion && td_motion_setting(object.motion, TD_PLAIN_COLOUR, 0) != 0) view->colour_floor = no_floor;
+    return TIDES_OK;
+}
+
+static tides_status eye_at(const tides_trajectory *camera, double epoch, double time, tides_pose *eye, tides_error *error) {
+    tides_status status = td_trajectory_at(camera, epoch, time, eye, error);
+    return status == TIDES_OK ? status : td_fail_within(error, status, "camera path");
+}
+
 tides_status td_views_at(const tides_scene *scene, const tides_trajectory *camera, double epoch, double time, td_view *views,
                          tides_error *error) {
-    tides_pose eye, pose;
-    tides_status status = td_trajectory_at(camera, epoch, time, &eye, error);
-    if (status != TIDES_OK) return td_fail_within(error, status, "camera path");
-    for (int32_t i = 0; i < tides_scene_objects(scene); i++) {
-        tides_object object;
-        status = tides_scene_object(scene, i, &object, error);
-        if (status == TIDES_OK && object.trajectory) status = td_trajectory_at(object.trajectory, epoch, time, &pose, error);
-        if (status != TIDES_OK) return td_fail_within(error, status, "path of object %d", (int)i);
-        td_view_make(&eye, object.trajectory ? &pose : NULL, object.scale, &views[i]);
-        if (object.motion && td_motion_setting(object.motion, TD_PLAIN_COLOUR, 0) != 0) views[i].colour_floor = no_floor;
-    }
-    return TIDES_OK;
+    tides_pose eye;
+    tides_status status = eye_at(camera, epoch, time, &eye, error);
+    for (int32_t i = 0; i < tides_scene_objects(scene) && status == TIDES_OK; i++)
+        status = view_from(scene, i, &eye, epoch, time, &views[i], error);
+    return status;
+}
+
+tides_status td_view_at(const tides_scene *scene, int32_t object, const tides_trajectory *camera, double epoch, double time,
+                        td_view *view, tides_error *error) {
+    tides_pose eye;
+    tides_status status = eye_at(camera, epoch, time, &eye, error);
+    return status == TIDES_OK ? view_from(scene, object, &eye, epoch, time, view, error) : status;
 }

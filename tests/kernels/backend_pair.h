@@ -86,9 +86,10 @@ static inline void pair_sweep(backend_pair *pair) {
         assert_non_null(travel[k]);
         boxes[k] = calloc(reals, sizeof *boxes[k]);
         assert_non_null(boxes[k]);
-        scene_expect_ok(pair->backend[k]->type->sweep(pair->backend[k], pair->views, pair_times[PAIR_SLOTS - 1] - pair_times[0],
-                                                      0, pair->store.count, boxes[k], travel[k], &error),
-                        &error);
+        const td_sweep_request request = {.views = pair->views,
+                                          .duration = pair_times[PAIR_SLOTS - 1] - pair_times[0],
+                                          .end = pair->store.count};
+        scene_expect_ok(pair->backend[k]->type->sweep(pair->backend[k], &request, boxes[k], travel[k], &error), &error);
     }
     assert_memory_equal(travel[0], travel[1], (size_t)pair->store.count * sizeof *travel[0]);
     for (size_t i = 0; i < reals; i++)

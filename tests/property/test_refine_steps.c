@@ -184,11 +184,11 @@ typedef struct blind_class {
     const td_backend_class *seeing;
 } blind_class;
 
-static tides_status sweep_blindly(td_backend *backend, const double *views, double duration, int first, int end, float *boxes,
-                                  float *travel, tides_error *error) {
+static tides_status sweep_blindly(td_backend *backend, const td_sweep_request *request, float *boxes, float *travel,
+                                  tides_error *error) {
     const blind_class *blind = (const void *)backend->type;
-    tides_status status = blind->seeing->sweep(backend, views, duration, first, end, boxes, travel, error);
-    for (int i = first; i < end; i++) travel[i] = 0;
+    tides_status status = blind->seeing->sweep(backend, request, boxes, travel, error);
+    for (int i = request->begin; i < request->end; i++) travel[i] = 0;
     return status;
 }
 

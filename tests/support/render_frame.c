@@ -28,7 +28,8 @@ static void box_swept(td_backend *backend, const frame_input *input, float *boxe
     tides_error error;
     assert_non_null(views);
     for (int i = 0; i < 3; i++) memcpy(views + (size_t)i * reals, input->views, reals * sizeof *views);
-    scene_expect_ok(backend->type->sweep(backend, views, 0, 0, input->store->count, boxes, travel, &error), &error);
+    const td_sweep_request request = {.views = views, .end = input->store->count};
+    scene_expect_ok(backend->type->sweep(backend, &request, boxes, travel, &error), &error);
     free(views);
 }
 

@@ -1,0 +1,121 @@
+/* Into how many pieces an interval is to be cut lest a splat does something between samples that none of them shows.
+ *
+ * Everything is counted in `travel`, in diameters: the step controller halves steps until a splat travels less than half of one
+ * in each, so n pieces are asked for by a travel of n / 2. What is smooth within the interval asks for nothing: there the
+ * controller's own samples tell. What asks is
+ *   - a mean that passes a pixel, by its way in the splat's diameters;
+ *   - an ellipse that turns or grows, by the way of its edge: half of what the variance along some direction changes by,
+ *     relatively; for a needle of half-axes r1 > r2 that turns by phi, phi r1 / (2 r2);
+ *   - an object's path that isn't the cubic through its ends (stray.h), until it is to a twentieth of a pixel;
+ *   - for Gaussians that move by themselves, where their model says that an interval holds more than three samples show: place,
+ *     shape, opacity or colour that aren't the cubics through coarser samples' values and rates;
+ *   - a splat that comes out from behind the near plane and is gone again at both ends. */
+#ifndef TD_UNSEEN_H
+#define TD_UNSEEN_H
+
+#include "extent.h"
+#include "stray.h"
+
+/* What a place may be off by [px]: an eighth of the narrowest splat's standard deviation (smooth's dilation makes it 0.55 px),
+ * times opacity what S changes by; for wider splats as many times more. Relatively, what shape, opacity and colour may: enough
+ * for the samples to show that there is something; the controller then sees to the rest. */
+#define TD_UNSEEN_PLACE TD_REAL(0.05)
+#define TD_UNSEEN_SHARE TD_REAL(0.02)
+/* Opacities below smooth's cut, 0.2/255, show nothing even before black. */
+#define TD_UNSEEN_OPACITY TD_REAL(8e-4)
+
+/* Length of a move of the mean in units of the splat's diameter along it, out to where it is cut off. */
+TD_INLINE td_lanes td_move(const td_shape *shape, td_lanes dx, td_lanes dy) {
+    td_lanes q = dx * td_fma(shape->conic[0].v, dx, 2.0f * shape->conic[1].v * dy) + shape->conic[2].v * dy * dy;
+    td_lanes radius2 = td_select(td_splat(1.0f), shape->power, shape->power > 0.0f);
+    return 0.5f * td_sqrt(td_larger(q, td_splat(0.0f)) / radius2);
+}
+
+/* How many of its own diameters each splat travels in the interval: what passes a pixel between two samples unseen. */
+TD_INLINE td_lanes td_travel(const td_shape s[3], td_mask ever) {
+    td_lanes first = td_move(&s[1], s[1].u.v - s[0].u.v, s[1].v.v - s[0].v.v);
+    td_lanes second = td_move(&s[1], s[2].u.v - s[1].u.v, s[2].v.v - s[1].v.v);
+    return td_select(td_splat(0.0f), first + second, ever & s[1].visible);
+}
+
+/* The most that the variance along some direction changes by relatively [1/s]: the spectral radius of V^-1 V_dot. */
+TD_INLINE td_lanes td_reshape_rate(const td_shape *s) {
+    td_lanes qa = s->conic[0].v, qb = s->conic[1].v, qc = s->conic[2].v;
+    td_lanes apart = 0.5f * td_fma(qa, s->a.d, td_fma(2.0f * qb, s->b.d, qc * s->c.d));
+    td_lanes det = td_fma(s->a.d, s->c.d, -(s->b.d * s->b.d)) * td_fma(qa, qc, -(qb * qb));
+    return td_size(apart) + td_sqrt(td_larger(td_fma(apart, apart, -det), td_splat(0.0f)));
+}
+
+/* The way of an ellipse's edge, in diameters. */
+TD_INLINE td_lanes td_reshape(const td_shape s[3], td_real duration) {
+    td_lanes most = td_splat(0.0f);
+    for (int i = 0; i < 3; i++) most = td_larger(most, td_select(td_splat(0.0f), td_reshape_rate(&s[i]), s[i].visible));
+    return 0.5f * duration * most;
+}
+
+/* The narrowest standard deviation [px]. */
+TD_INLINE td_lanes td_narrowest(const td_shape *s) {
+    td_lanes apart = 0.5f * (s->a.v - s->c.v), middle = 0.5f * (s->a.v + s->c.v);
+    td_lanes gap = td_sqrt(td_fma(apart, apart, s->b.v * s->b.v));
+    return td_sqrt(td_larger(middle - gap, td_splat(0.0f)));
+}
+
+/* Pieces that it takes until the object's path is followed, with `per_unit` pixels for a unit of scene. */
+TD_INLINE td_lanes td_stray_pieces(TD_GLOBAL const td_stray *stray, const td_reach *reach, td_lanes per_unit,
+                                   td_lanes allowed) {
+    td_lanes pieces = td_splat(1.0f);
+    td_real next = 2;
+    for (int level = 0; level < TD_STRAY_LEVELS; level++, next *= 2) {
+        td_lanes off = td_stray_of(stray, level, reach, td_splat(1.0f)) * per_unit;
+        pieces = td_select(pieces, td_splat(next), off > allowed);
+    }
+    return pieces;
+}
+
+/* -- Gaussians that move by themselves ------------------------------------------------------------------------------ */
+
+/* By how much the middle isn't on the cubic through both ends, in value or, over a quarter of the time, in rate. */
+TD_INLINE td_lanes td_surplus(td_dual start, td_dual middle, td_dual end, td_real duration) {
+    td_lanes value = td_fma(start.d - end.d, td_splat(0.125f * duration), 0.5f * (start.v + end.v));
+    td_lanes rate = td_fma(end.v - start.v, td_splat(1.5f / duration), -0.25f * (start.d + end.d));
+    return td_larger(td_size(middle.v - value), 0.25f * duration * td_size(middle.d - rate));
+}
+
+/* The same of all coefficients of colour in luminance, relative to that of the constant term: with the most that a basis
+ * function up to degree 4 reaches, sqrt(9 / (4 pi)). */
+TD_INLINE td_lanes td_colour_surplus(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
+                                     const int row[3], td_real duration) {
+    td_lanes sum = td_splat(0.0f), luminance = td_splat(image->log_eps);
+    td_sh_source sh[3];
+    for (int i = 0; i < 3; i++) sh[i] = td_sh_source_of(view, image, source, td_count_from(row[i]));
+    for (int k = 0; k < image->sh_stride; k++) {
+        td_dual x[3];
+        for (int i = 0; i < 3; i++)
+            x[i] = td_dual_make(td_gather(sh[i].sh, sh[i].index + k), td_gather(sh[i].rates, sh[i].rate_index + k));
+        td_lanes weight = td_splat(image->luminance[k % 3]);
+        sum = td_fma(weight, td_surplus(x[0], x[1], x[2], duration), sum);
+        td_lanes colour = td_fma(td_larger(x[0].v, td_larger(x[1].v, x[2].v)), TD_REAL(0.28209479177387814), td_splat(0.5f));
+        if (k < 3) luminance = td_fma(weight, td_larger(colour, td_splat(0.0f)), luminance);
+    }
+    return TD_REAL(0.8462843753216345) * sum / luminance;
+}
+
+/* Whether between these ends something isn't what they imply: the mask of the Gaussians of which it may be seen. */
+TD_INLINE td_mask td_is_rough(const td_shape s[3], TD_GLOBAL const td_view *view, const td_image *image,
+                              const td_source *source, const int row[3], td_real duration) {
+    td_mask in_front = (s[0].depth.v > image->near) & (s[1].depth.v > image->near) & (s[2].depth.v > image->near);
+    td_lanes most = td_larger(s[0].opacity.v, td_larger(s[1].opacity.v, s[2].opacity.v));
+    td_lanes place = td_larger(td_surplus(s[0].u, s[1].u, s[2].u, duration), td_surplus(s[0].v, s[1].v, s[2].v, duration));
+    td_lanes a = td_surplus(s[0].a, s[1].a, s[2].a, duration) / s[1].a.v;
+    td_lanes c = td_surplus(s[0].c, s[1].c, s[2].c, duration) / s[1].c.v;
+    td_lanes b = td_surplus(s[0].b, s[1].b, s[2].b, duration) / td_sqrt(s[1].a.v * s[1].c.v);
+    td_lanes shape = td_larger(a, td_larger(b, c));
+    td_lanes opacity = td_surplus(s[0].opacity, s[1].opacity, s[2].opacity, duration);
+    td_mask rough = (place > TD_UNSEEN_PLACE * td_larger(td_narrowest(&s[1]), td_splat(1.0f))) |
+                    (shape > 2.0f * TD_UNSEEN_SHARE) |
+                    (opacity > td_fma(most, TD_UNSEEN_SHARE, td_splat(0.25f * TD_UNSEEN_OPACITY)));
+    if (source->sh_rated) rough |= td_colour_surplus(view, image, source, row, duration) > TD_UNSEEN_SHARE;
+    return rough & in_front & (most > TD_UNSEEN_OPACITY);
+}
+
+#endif

@@ -1,0 +1,283 @@
+/* How far the view of each object strays within an interval from the cubic through its ends, and the same with the interval cut
+ * into 2, 4, 8 .. pieces: found by looking at the paths where they may bend, at their samples and in between.
+ *
+ * A point p of the object is off by |(dt + dR o) + dR (p - o)| for any origin o: by |dt + dR o| + |dR| |p - o| at most. Seen by
+ * a camera that shakes dR is large, and dt + dR o is 0 with the camera's centre for o; for an object that shakes it is so with
+ * the object's. The better of the two is kept. */
+#include "td_stray.h"
+
+#include "td_render.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Looked at within each piece between neighbouring samples of the paths, which are cubics there, quintics or turned by
+ * such: and what may be missed that way, at most. */
+enum { POINTS_BETWEEN = 3 };
+static const double missed = 1.25;
+
+/* Less than this is nothing: splats 20 times nearer than the object's middle are still within their boxes' margin, 0.01 px. */
+static const double least_px = 1e-4;
+/* Levels are no longer looked at where this is reached: an error of the fourth order falls by 16 from one to the next. */
+static const double enough_px = 2e-3;
+static const double order = 16;
+/* Boxes as much wider than they need be make an interval be swept in pieces; a tile is as wide. */
+static const double most_px = 16;
+/* And so does a turn of more than this in one piece [rad]: within it widths at the start, the middle and the end tell enough. */
+static const double most_turn = 0.5;
+
+tides_status td_strays_create(const td_store *store, td_strays *strays, tides_error *error) {
+    size_t objects = (size_t)store->objects;
+    memset(strays, 0, sizeof *strays);
+    strays->objects = store->objects;
+    strays->bound = td_alloc(objects * TD_STRAY_REALS, sizeof *strays->bound, error);
+    strays->level = td_alloc(objects, sizeof *strays->level, error);
+    strays->middle = td_alloc(4 * objects, sizeof *strays->middle, error);
+    if (!strays->bound || !strays->level || !strays->middle) return TIDES_NO_MEMORY;
+    for (int g = 0; g < store->count;) {
+        int object = store->object[g], first = g;
+        double *middle = strays->middle + 4 * (size_t)object, square = 0;
+        for (; g < store->count && store->object[g] == object; g++)
+            for (int k = 0; k < 3; k++) middle[k] += store->geometry[(size_t)g * TD_GEOMETRY_STRIDE + TD_G_MEAN + k];
+        for (int k = 0; k < 3; k++) middle[k] /= g - first;
+        for (int i = first; i < g; i++)
+            for (int k = 0; k < 3; k++) {
+                double x = store->geometry[(size_t)i * TD_GEOMETRY_STRIDE + TD_G_MEAN + k] - middle[k];
+                square += x * x;
+            }
+        middle[3] = sqrt(square / (g - first));
+    }
+    return TIDES_OK;
+}
+
+void td_strays_release(td_strays *strays) {
+    free(strays->bound);
+    free(strays->level);
+    free(strays->middle);
+    free(strays->share);
+    free(strays->view);
+    memset(strays, 0, sizeof *strays);
+}
+
+/* -- where to look -------------------------------------------------------------------------------------------------- */
+
+/* A path as it is seen. */
+typedef struct seen_path {
+    const tides_scene *scene;
+    int32_t object;                       /* of the scene */
+    const tides_trajectory *camera, *own; /* own: NULL at rest */
+    double epoch, start, stop;            /* start and stop are after the epoch */
+} seen_path;
+
+static tides_status look(const seen_path *path, double share, td_view *view, tides_error *error) {
+    double time = share >= 1 ? path->stop : path->start + share * (path->stop - path->start);
+    return td_view_at(path->scene, path->object, path->camera, path->epoch, time, view, error);
+}
+
+/* The first sample of a path that is later than `time`. */
+static size_t first_after(const tides_trajectory *path, double time) {
+    size_t low = 0, high = tides_trajectory_count(path);
+    tides_pose_sample sample;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (tides_trajectory_sample(path, middle, &sample, NULL) == TIDES_OK && sample.time > time)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+
+static tides_status add_share(td_strays *strays, double share, tides_error *error) {
+    tides_status status =
+        td_reserve((void **)&strays->share, &strays->share_capacity, (size_t)strays->samples + 1, sizeof *strays->share, error);
+    if (status == TIDES_OK) strays->share[strays->samples++] = share;
+    return status;
+}
+
+/* The samples of a path within the interval. */
+static tides_status add_knots(td_strays *strays, const seen_path *seen, const tides_trajectory *path, tides_error *error) {
+    tides_status status = TIDES_OK;
+    tides_pose_sample sample;
+    if (!path || tides_trajectory_is_static(path)) return status;
+    for (size_t i = first_after(path, seen->epoch + seen->start); i < tides_trajectory_count(path) && status == TIDES_OK; i++) {
+        status = tides_trajectory_sample(path, i, &sample, error);
+        double share = ((sample.time - seen->epoch) - seen->start) / (seen->stop - seen->start);
+        if (status != TIDES_OK || share >= 1) break;
+        if (share > 0) status = add_share(strays, share, error);
+    }
+    return status;
+}
+
+static int by_value(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* Both ends, all samples of the paths, and points in between, in order; and what is seen there. */
+static tides_status find_samples(td_strays *strays, const seen_path *path, tides_error *error) {
+    strays->samples = 0;
+    tides_status status = add_share(strays, 0, error);
+    if (status == TIDES_OK) status = add_share(strays, 1, error);
+    if (status == TIDES_OK) status = add_knots(strays, path, path->camera, error);
+    if (status == TIDES_OK) status = add_knots(strays, path, path->own, error);
+    if (status != TIDES_OK) return status;
+    int knots = strays->samples;
+    qsort(strays->share, (size_t)knots, sizeof *strays->share, by_value);
+    for (int i = 0; i + 1 < knots && status == TIDES_OK; i++) {
+        double from = strays->share[i], to = strays->share[i + 1];
+        for (int k = 1; k <= POINTS_BETWEEN && from < to && status == TIDES_OK; k++)
+            status = add_share(strays, from + (to - from) * k / (POINTS_BETWEEN + 1), error);
+    }
+    if (status == TIDES_OK)
+        status =
+            td_reserve((void **)&strays->view, &strays->view_capacity, (size_t)strays->samples, sizeof *strays->view, error);
+    if (status != TIDES_OK) return status;
+    qsort(strays->share, (size_t)strays->samples, sizeof *strays->share, by_value);
+    for (int i = 0; i < strays->samples && status == TIDES_OK; i++)
+        status = look(path, strays->share[i], &strays->view[i], error);
+    return status;
+}
+
+/* -- how far off ---------------------------------------------------------------------------------------------------- */
+
+/* The most of |dt + dR o|, for two origins, and of |dR|. */
+typedef struct most_off {
+    double position[2], rotation;
+} most_off;
+
+static double length3(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+static double cubic(double x0, double r0, double x1, double r1, double h, double s) {
+    double rest = 1 - s;
+    return x0 + s * s * (3 - 2 * s) * (x1 - x0) + h * s * rest * (rest * r0 - s * r1);
+}
+
+/* A view against the cubic through two others `h` seconds apart, at share s of the way. */
+static void compare(const td_view *from, const td_view *to, double h, double s, const td_view *view, double origin[2][3],
+                    most_off *most) {
+    double dr[9], dt[3], sum = 0;
+    for (int k = 0; k < 9; k++) {
+        dr[k] = view->r[k] - cubic(from->r[k], from->r_dot[k], to->r[k], to->r_dot[k], h, s);
+        sum += dr[k] * dr[k];
+    }
+    for (int k = 0; k < 3; k++) dt[k] = view->t[k] - cubic(from->t[k], from->t_dot[k], to->t[k], to->t_dot[k], h, s);
+    most->rotation = fmax(most->rotation, sqrt(sum));
+    for (int o = 0; o < 2; o++) {
+        double off[3];
+        for (int k = 0; k < 3; k++)
+            off[k] = dt[k] + dr[3 * k] * origin[o][0] + dr[3 * k + 1] * origin[o][1] + dr[3 * k + 2] * origin[o][2];
+        most->position[o] = fmax(most->position[o], length3(off));
+    }
+}
+
+/* Everything that is looked at against the cubics of 2^level pieces. */
+static tides_status compare_pieces(const td_strays *strays, const seen_path *path, int level, double origin[2][3],
+                                   most_off *most, tides_error *error) {
+    double pieces = (double)(1 << level), h = (path->stop - path->start) / pieces;
+    td_view from = strays->view[0], to, between;
+    tides_status status = TIDES_OK;
+    memset(most, 0, sizeof *most);
+    for (int k = 0, i = 0; k < 1 << level && status == TIDES_OK; k++, from = to) {
+        status = look(path, (k + 1) / pieces, &to, error);
+        for (; i < strays->samples && strays->share[i] * pieces <= k + 1 && status == TIDES_OK; i++)
+            compare(&from, &to, h, fmax(strays->share[i] * pieces - k, 0), &strays->view[i], origin, most);
+        for (int q = 1; q <= POINTS_BETWEEN && level > 0 && status == TIDES_OK; q++) {
+            double s = q / (POINTS_BETWEEN + 1.0);
+            status = look(path, (k + s) / pieces, &between, error);
+            if (status == TIDES_OK) compare(&from, &to, h, s, &between, origin, most);
+        }
+    }
+    return status;
+}
+
+/* The turn of the interval at the fastest rate seen [rad]. */
+static double turn_of(const td_strays *strays, double length) {
+    double most = 0;
+    for (int i = 0; i < strays->samples; i++) {
+        const td_view *view = &strays->view[i];
+        double rate = 0, scale = 0;
+        for (int k = 0; k < 9; k++) rate += view->r_dot[k] * view->r_dot[k];
+        for (int k = 0; k < 3; k++) scale += view->r[k] * view->r[k];
+        most = fmax(most, sqrt(0.5 * rate / scale));
+    }
+    return most * length;
+}
+
+/* What an object's geometry makes of strays: pixels per unit at its middle, and how far its Gaussians are from each origin. */
+typedef struct stray_measure {
+    double origin[2][3], reach[2], px_per_unit;
+} stray_measure;
+
+static stray_measure measure_object(const td_strays *strays, int object, const td_image *image, const td_view *view) {
+    const double *middle = strays->middle + 4 * (size_t)object;
+    double away[3], seen[3], scale = length3(view->r);
+    stray_measure measure;
+    for (int k = 0; k < 3; k++) {
+        measure.origin[0][k] = middle[k];
+        measure.origin[1][k] = view->eye[k];
+        away[k] = middle[k] - view->eye[k];
+        seen[k] = view->r[3 * k] * middle[0] + view->r[3 * k + 1] * middle[1] + view->r[3 * k + 2] * middle[2] + view->t[k];
+    }
+    measure.reach[0] = middle[3];
+    measure.reach[1] = sqrt(length3(away) * length3(away) + middle[3] * middle[3]);
+    double distance = fmax(length3(seen), fmax(0.1 * scale * middle[3], image->near));
+    measure.px_per_unit = fmax(image->fx, image->fy) / distance;
+    return measure;
+}
+
+static double px_of(const stray_measure *measure, const most_off *most, int which) {
+    return measure->px_per_unit * (most->position[which] + most->rotation * measure->reach[which]);
+}
+
+static void set_level(td_stray *stray, int level, const most_off *most, int which) {
+    stray->position[level] = missed * most->position[which];
+    stray->rotation[level] = missed * most->rotation;
+}
+
+static tides_status find_one(td_strays *strays, int object, const seen_path *path, const td_image *image, tides_error *error) {
+    td_stray *stray = (td_stray *)(void *)(strays->bound + (size_t)object * TD_STRAY_REALS);
+    most_off most;
+    tides_status status = find_samples(strays, path, error);
+    if (status != TIDES_OK) return status;
+    stray_measure measure = measure_object(strays, object, image, &strays->view[strays->samples / 2]);
+    double turn = turn_of(strays, path->stop - path->start), px = 0;
+    int which = 0, level = 0, narrow = -1;
+    for (; level < TD_STRAY_LEVELS; level++) {
+        status = compare_pieces(strays, path, level, measure.origin, &most, error);
+        if (status != TIDES_OK) return status;
+        if (level == 0) which = px_of(&measure, &most, 1) < px_of(&measure, &most, 0);
+        px = px_of(&measure, &most, which);
+        if (level == 0 && px < least_px) break;
+        set_level(stray, level, &most, which);
+        if (narrow < 0 && px <= most_px) narrow = level;
+        if (px < enough_px) break;
+    }
+    memcpy(stray->origin, measure.origin[which], sizeof stray->origin);
+    for (int k = level + 1; k < TD_STRAY_LEVELS && px >= least_px; k++) {
+        stray->position[k] = stray->position[k - 1] / order;
+        stray->rotation[k] = stray->rotation[k - 1] / order;
+    }
+    narrow = narrow >= 0 ? narrow : px < least_px ? 0 : TD_STRAY_LEVELS - 1;
+    while (narrow < TD_STRAY_LEVELS - 1 && turn / (1 << narrow) > most_turn) narrow++;
+    strays->level[object] = narrow;
+    return TIDES_OK;
+}
+
+tides_status td_strays_find(td_strays *strays, const tides_scene *scene, const td_store *store, const td_image *image,
+                            const tides_trajectory *camera, double epoch, double start, double stop, const uint8_t *moves,
+                            tides_error *error) {
+    int camera_rests = tides_trajectory_is_static(camera);
+    memset(strays->bound, 0, (size_t)strays->objects * TD_STRAY_REALS * sizeof *strays->bound);
+    memset(strays->level, 0, (size_t)strays->objects * sizeof *strays->level);
+    if (!(start < stop)) return TIDES_OK;
+    for (int i = 0; i < strays->objects; i++) {
+        tides_object facts;
+        tides_status status = tides_scene_object(scene, store->scene_object[i], &facts, error);
+        int own = status == TIDES_OK && facts.trajectory && !tides_trajectory_is_static(facts.trajectory);
+        const seen_path path = {scene, store->scene_object[i], camera, own ? facts.trajectory : NULL, epoch, start, stop};
+        if (status == TIDES_OK && moves[i] && (own || !camera_rests)) status = find_one(strays, i, &path, image, error);
+        if (status != TIDES_OK) return status;
+    }
+    return TIDES_OK;
+}

@@ -1,0 +1,107 @@
+/* Sweeps: candidate lists that hold for an interval. Objects at rest before a camera at rest keep their boxes; the others are
+ * swept in as many pieces as their paths ask for, and what moves by itself in as many as its motion does. */
+#include "camera/td_trajectory.h"
+#include "td_render.h"
+
+/* Which objects move against the camera. */
+static tides_status note_moves(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error) {
+    int camera_moves = !tides_trajectory_is_static(camera);
+    for (int32_t i = 0; i < renderer->store.objects; i++) {
+        tides_object object;
+        tides_status status = tides_scene_object(renderer->scene, renderer->store.scene_object[i], &object, error);
+        if (status != TIDES_OK) return status;
+        renderer->object_moves[i] = (uint8_t)(camera_moves || renderer->store.mover[i] >= 0 ||
+                                              (object.trajectory && !tides_trajectory_is_static(object.trajectory)));
+    }
+    return TIDES_OK;
+}
+
+/* What a sweep does about an object of the store. MOVED: td_moved_sweep does; from WANTED on: the level of its pieces. */
+enum { BOX_KEPT = -2, BOX_MOVED = -1, BOX_WANTED = 0 };
+
+static int box_kind(const tides_renderer *renderer, int object, int kept) {
+    if (renderer->store.mover[object] >= 0) return BOX_MOVED;
+    return kept && !renderer->object_moves[object] ? BOX_KEPT : BOX_WANTED + renderer->strays.level[object];
+}
+
+tides_status td_renderer_sweep_views(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                                     int level, tides_error *error) {
+    int times = td_sweep_times(level), last = times - 1;
+    tides_status status = td_reserve((void **)&renderer->sweep_time, &renderer->sweep_time_capacity, (size_t)times,
+                                     sizeof *renderer->sweep_time, error);
+    for (int i = 0; i < times && status == TIDES_OK; i++)
+        renderer->sweep_time[i] = i == last ? stop : start + (stop - start) * (i / (double)last);
+    return status == TIDES_OK ? td_renderer_views(renderer, camera, renderer->sweep_time, times, error) : status;
+}
+
+/* Boxes of the objects from `first` on, neighbours of one level, up to object `end`. */
+static tides_status sweep_objects(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                                  int first, int end, tides_error *error) {
+    int level = renderer->strays.level[first];
+    tides_status status = level > 0 ? td_renderer_sweep_views(renderer, camera, start, stop, level, error) : TIDES_OK;
+    const td_sweep_request request = {.views = (const double *)renderer->views,
+                                      .strays = renderer->strays.bound,
+                                      .duration = stop - start,
+                                      .level = level,
+                                      .begin = renderer->object_first[first],
+                                      .end = renderer->object_first[end]};
+    if (status == TIDES_OK)
+        status = renderer->backend->type->sweep(renderer->backend, &request, renderer->boxes, renderer->travel, error);
+    return status == TIDES_OK && level > 0 ? td_renderer_sweep_views(renderer, camera, start, stop, 0, error) : status;
+}
+
+/* Boxes of every Gaussian that doesn't move by itself; where the camera rests where it rested, only of the objects that
+ * move. */
+static tides_status sweep_boxes(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                                tides_error *error) {
+    tides_pose pose;
+    tides_status status = td_trajectory_at(camera, renderer->epoch, start, &pose, error);
+    if (status != TIDES_OK) return status;
+    int rests = tides_trajectory_is_static(camera);
+    int kept = rests && renderer->rested && memcmp(&pose, &renderer->rest_pose, sizeof pose) == 0;
+    renderer->rested = 0;
+    for (int i = 0; i < renderer->store.objects && status == TIDES_OK;) {
+        int begin = i, kind = box_kind(renderer, i, kept);
+        while (i < renderer->store.objects && box_kind(renderer, i, kept) == kind) i++; /* neighbours in one go */
+        if (kind >= BOX_WANTED)
+            status = sweep_objects(renderer, camera, start, stop, begin, i, error);
+        else if (kind == BOX_KEPT)
+            renderer->stats.gaussians_still += (uint64_t)(renderer->object_first[i] - renderer->object_first[begin]);
+    }
+    if (status == TIDES_OK && rests) {
+        renderer->rested = 1;
+        renderer->rest_pose = pose;
+    }
+    return status;
+}
+
+/* Boxes of every Gaussian that moves by itself. */
+static tides_status sweep_moved(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                                tides_error *error) {
+    if (!renderer->moved.moving) return TIDES_OK;
+    tides_status status =
+        td_moved_sweep(&renderer->moved, renderer->backend, (const double *)renderer->views, renderer->strays.bound, start,
+                       stop, renderer->side, renderer->row_limit, renderer->boxes, renderer->travel, error);
+    return status == TIDES_OK ? td_moved_sweep_fine(renderer, camera, start, stop, error) : status;
+}
+
+tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                               tides_error *error) {
+    tides_status status = td_renderer_sweep_views(renderer, camera, start, stop, 0, error);
+    if (status == TIDES_OK) status = note_moves(renderer, camera, error);
+    if (status == TIDES_OK)
+        status = td_strays_find(&renderer->strays, renderer->scene, &renderer->store, &renderer->image, camera, renderer->epoch,
+                                start, stop, renderer->object_moves, error);
+    if (status == TIDES_OK) status = sweep_boxes(renderer, camera, start, stop, error);
+    if (status == TIDES_OK) status = sweep_moved(renderer, camera, start, stop, error);
+    double begun = td_now();
+    renderer->candidates.instant = !(start < stop);
+    if (status == TIDES_OK)
+        status = td_candidates_build(&renderer->candidates, &renderer->store, renderer->boxes, renderer->travel,
+                                     renderer->object_moves, error);
+    if (status == TIDES_OK && renderer->image.decoder && renderer->object_moves[0]) /* what is behind everything moves too */
+        memset(renderer->candidates.moving, 1, (size_t)renderer->stats.tiles);
+    if (status == TIDES_OK) status = td_psf_spread(&renderer->psf, &renderer->candidates, error);
+    renderer->stats.time_sweep_s += td_now() - begun;
+    return status;
+}
