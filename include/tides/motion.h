@@ -117,6 +117,8 @@ typedef struct tides_callback_motion {
     void *user;
     int32_t moves_sh; /* 1: it gives spherical harmonics too */
     int32_t reserved;
+    double time_scale; /* how long its own clock runs while nothing happens that values and rates at the start, the middle and
+                        * the end don't show: about the shortest period. 0: one macro step of the run (step_s), at least */
 } tides_callback_motion;
 TIDES_MUST_CHECK TIDES_API tides_status tides_motion_create_callback(const tides_callback_motion *callback,
                                                                      tides_motion **motion, tides_error *error);

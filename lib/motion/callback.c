@@ -141,6 +141,12 @@ static tides_status evaluate(const tides_motion *motion, const tides_gaussians *
     return status;
 }
 
+static double scale(const tides_motion *motion, double from, double to) {
+    const tides_callback_motion *own = motion->own;
+    (void)from, (void)to;
+    return own && own->time_scale > 0 ? own->time_scale : INFINITY;
+}
+
 static void release(tides_motion *motion) { free(motion->own); }
 
 const td_motion_class td_callback_class = {.name = "callback",
@@ -149,6 +155,7 @@ const td_motion_class td_callback_class = {.name = "callback",
                                            .check = check,
                                            .pack = pack,
                                            .evaluate = evaluate,
+                                           .scale = scale,
                                            .release = release};
 
 tides_status tides_motion_create_callback(const tides_callback_motion *callback, tides_motion **motion, tides_error *error) {
@@ -157,6 +164,10 @@ tides_status tides_motion_create_callback(const tides_callback_motion *callback,
     if (callback->count < 1 || !callback->function)
         return td_fail(error, TIDES_BAD_ARGUMENT, "callback motion: needs a function and at least one Gaussian, not %lld",
                        (long long)callback->count);
+    if (!(callback->time_scale >= 0) || isinf(callback->time_scale))
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "callback motion: time_scale is %g: must be positive, or 0 where a step of the run is short enough",
+                       callback->time_scale);
     tides_status status = td_motion_create(&td_callback_class, callback->start, callback->stop, &made, error);
     if (status != TIDES_OK) return status;
     made->own = td_alloc(1, sizeof *callback, error);

@@ -5,7 +5,7 @@
  * catmull_rom: 1 for slopes of Catmull and Rom instead of a C2 spline's; plain_colour.
  *
  * Quaternions are normalised, and their signs chosen so that each is near the one before. */
-#include "td_models.h"
+#include "td_keyframes.h"
 
 #include "camera/td_curve.h"
 #include "kernels/motion_keyframes.h"
@@ -14,69 +14,57 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MEAN = 0, QUATERNION, LOG_SCALE, LOGIT, SH, PARTS };
-
-/* What is given per frame; absent parts are NULL. `channels` in all, the SH entries last. */
-typedef struct keyframes {
-    const td_field *time, *part[PARTS];
-    int width[PARTS], first[PARTS];
-    int channels;
-    int64_t frames, gaussians;
-} keyframes;
-
-static double frame_time(const keyframes *keys, int64_t frame) {
-    return (double)keys->time->value[2 * frame] + keys->time->value[2 * frame + 1];
-}
-
-static tides_status find_part(const tides_motion *motion, keyframes *keys, int part, const char *name, int rank, int sh_degree,
-                              tides_error *error) {
+static tides_status find_part(const tides_motion *motion, td_keyframes *keys, int part, const char *name, int rank,
+                              int sh_degree, tides_error *error) {
     const uint64_t coefficients = (uint64_t)(sh_degree + 1) * (uint64_t)(sh_degree + 1);
-    const uint64_t width = part == MEAN || part == LOG_SCALE ? 3 : part == QUATERNION ? 4 : coefficients;
+    const uint64_t width = part == TD_KEYS_MEAN || part == TD_KEYS_LOG_SCALE ? 3
+                           : part == TD_KEYS_QUATERNION                      ? 4
+                                                                             : coefficients;
     const uint64_t shape[4] = {(uint64_t)keys->frames, (uint64_t)keys->gaussians, width, 3};
     keys->first[part] = -1;
-    if (part > QUATERNION && !td_motion_field(motion, name)) return TIDES_OK;
+    if (part > TD_KEYS_QUATERNION && !td_motion_field(motion, name)) return TIDES_OK;
     tides_status status = td_motion_need_field(motion, name, rank, shape, &keys->part[part], error);
-    keys->width[part] = part == LOGIT ? 1 : part == SH ? 3 * (int)width : (int)width;
+    keys->width[part] = part == TD_KEYS_LOGIT ? 1 : part == TD_KEYS_SH ? 3 * (int)width : (int)width;
     keys->first[part] = keys->channels;
     keys->channels += keys->width[part];
     return status;
 }
 
-static tides_status find_fields(const tides_motion *motion, const tides_gaussians *gaussians, keyframes *keys,
-                                tides_error *error) {
-    static const char *const names[PARTS] = {"mean", "quaternion", "log_scale", "opacity_logit", "sh"};
-    static const int ranks[PARTS] = {3, 3, 3, 2, 4};
+tides_status td_keyframes_fields(const tides_motion *motion, const tides_gaussians *gaussians, td_keyframes *keys,
+                                 tides_error *error) {
+    static const char *const names[TD_KEYS_PARTS] = {"mean", "quaternion", "log_scale", "opacity_logit", "sh"};
+    static const int ranks[TD_KEYS_PARTS] = {3, 3, 3, 2, 4};
     const uint64_t shape[2] = {0, 2};
     memset(keys, 0, sizeof *keys);
     tides_status status = td_motion_need_field(motion, "time", 2, shape, &keys->time, error);
     if (status != TIDES_OK) return status;
     keys->frames = (int64_t)keys->time->shape[0];
     keys->gaussians = gaussians->count;
-    for (int part = 0; part < PARTS && status == TIDES_OK; part++)
+    for (int part = 0; part < TD_KEYS_PARTS && status == TIDES_OK; part++)
         status = find_part(motion, keys, part, names[part], ranks[part], gaussians->sh_degree, error);
     return status;
 }
 
-static tides_status check_times(const tides_motion *motion, const keyframes *keys, tides_error *error) {
+static tides_status check_times(const tides_motion *motion, const td_keyframes *keys, tides_error *error) {
     if (keys->frames < 2)
         return td_fail(error, TIDES_BAD_FILE, "keyframes motion: %lld frames: needs two or more", (long long)keys->frames);
     for (int64_t i = 1; i < keys->frames; i++)
-        if (!(frame_time(keys, i) > frame_time(keys, i - 1)))
+        if (!(td_keyframes_time(keys, i) > td_keyframes_time(keys, i - 1)))
             return td_fail(error, TIDES_BAD_FILE, "keyframes motion: frame %lld is at time %.9g, not after the one before it",
-                           (long long)i, frame_time(keys, i));
-    if (motion->start < frame_time(keys, 0) || motion->stop > frame_time(keys, keys->frames - 1))
+                           (long long)i, td_keyframes_time(keys, i));
+    if (motion->start < td_keyframes_time(keys, 0) || motion->stop > td_keyframes_time(keys, keys->frames - 1))
         return td_fail(error, TIDES_BAD_FILE, "keyframes motion: times [%g, %g] reach beyond the frames, [%g, %g]",
-                       motion->start, motion->stop, frame_time(keys, 0), frame_time(keys, keys->frames - 1));
+                       motion->start, motion->stop, td_keyframes_time(keys, 0), td_keyframes_time(keys, keys->frames - 1));
     return TIDES_OK;
 }
 
 static tides_status check(const tides_motion *motion, const tides_gaussians *gaussians, tides_error *error) {
-    keyframes keys;
-    tides_status status = find_fields(motion, gaussians, &keys, error);
+    td_keyframes keys;
+    tides_status status = td_keyframes_fields(motion, gaussians, &keys, error);
     if (status == TIDES_OK) status = check_times(motion, &keys, error);
     if (status != TIDES_OK) return status;
     for (int64_t i = 0; i < keys.frames * keys.gaussians; i++) {
-        const float *q = keys.part[QUATERNION]->value + 4 * i;
+        const float *q = keys.part[TD_KEYS_QUATERNION]->value + 4 * i;
         if (q[0] == 0 && q[1] == 0 && q[2] == 0 && q[3] == 0)
             return td_fail(error, TIDES_BAD_FILE, "keyframes motion: the quaternion of Gaussian %lld in frame %lld is zero",
                            (long long)(i % keys.gaussians), (long long)(i / keys.gaussians));
@@ -87,14 +75,14 @@ static tides_status check(const tides_motion *motion, const tides_gaussians *gau
 /* -- slopes --------------------------------------------------------------------------------------------------------- */
 
 /* One Gaussian's channels over all frames, (T x channels). */
-static void gather_channels(const keyframes *keys, int64_t gaussian, double *out) {
+void td_keyframes_gather(const td_keyframes *keys, int64_t gaussian, double *out) {
     for (int64_t frame = 0; frame < keys->frames; frame++) {
         double *row = out + frame * keys->channels;
-        for (int part = 0; part < PARTS; part++)
+        for (int part = 0; part < TD_KEYS_PARTS; part++)
             for (int k = 0; k < keys->width[part]; k++)
                 row[keys->first[part] + k] =
                     keys->part[part]->value[(frame * keys->gaussians + gaussian) * keys->width[part] + k];
-        double *q = row + keys->first[QUATERNION], *last = q - keys->channels, norm = 0, along = 0;
+        double *q = row + keys->first[TD_KEYS_QUATERNION], *last = q - keys->channels, norm = 0, along = 0;
         for (int k = 0; k < 4; k++) norm += q[k] * q[k];
         for (int k = 0; k < 4 && frame > 0; k++) along += q[k] * last[k];
         norm = along < 0 ? -sqrt(norm) : sqrt(norm);
@@ -104,10 +92,10 @@ static void gather_channels(const keyframes *keys, int64_t gaussian, double *out
 
 /* Those of Catmull and Rom: through the frames on both sides; at an end, half the slope of its interval, as if the end's frame
  * stood there twice. */
-static void catmull_rom_slopes(const keyframes *keys, const double *value, double *slope) {
+void td_keyframes_differences(const td_keyframes *keys, const double *value, double *slope) {
     for (int64_t i = 0; i < keys->frames; i++) {
         int64_t before = i > 0 ? i - 1 : i, after = i + 1 < keys->frames ? i + 1 : i;
-        double span = frame_time(keys, after) - frame_time(keys, before);
+        double span = td_keyframes_time(keys, after) - td_keyframes_time(keys, before);
         if (before == i || after == i) span *= 2;
         for (int k = 0; k < keys->channels; k++)
             slope[i * keys->channels + k] = (value[after * keys->channels + k] - value[before * keys->channels + k]) / span;
@@ -115,13 +103,13 @@ static void catmull_rom_slopes(const keyframes *keys, const double *value, doubl
 }
 
 /* Those of the C2 spline, TD_CURVE_WIDTH channels at a time; `knots` (T) is scratch. */
-static tides_status spline_slopes(const keyframes *keys, const double *value, double *slope, td_knot *knots,
+static tides_status spline_slopes(const td_keyframes *keys, const double *value, double *slope, td_knot *knots,
                                   tides_error *error) {
     for (int first = 0; first < keys->channels; first += TD_CURVE_WIDTH) {
         int width = keys->channels - first < TD_CURVE_WIDTH ? keys->channels - first : TD_CURVE_WIDTH;
         memset(knots, 0, (size_t)keys->frames * sizeof *knots);
         for (int64_t i = 0; i < keys->frames; i++) {
-            knots[i].time = frame_time(keys, i) - frame_time(keys, 0);
+            knots[i].time = td_keyframes_time(keys, i) - td_keyframes_time(keys, 0);
             for (int k = 0; k < width; k++) knots[i].value[k] = value[i * keys->channels + first + k];
         }
         td_curve *curve = td_curve_create(knots, (size_t)keys->frames, 0, error);
@@ -139,16 +127,16 @@ static tides_status spline_slopes(const keyframes *keys, const double *value, do
 /* -- class ---------------------------------------------------------------------------------------------------------- */
 
 /* Every Gaussian's channels and slopes into the frames' rows. */
-static tides_status pack_frames(const tides_motion *motion, const keyframes *keys, double *rows, tides_error *error) {
+static tides_status pack_frames(const tides_motion *motion, const td_keyframes *keys, double *rows, tides_error *error) {
     size_t size = (size_t)(keys->frames * keys->channels);
     double *value = td_alloc(size, sizeof *value, error), *slope = td_alloc(size, sizeof *slope, error);
     td_knot *knots = td_alloc((size_t)keys->frames, sizeof *knots, error);
     tides_status status = value && slope && knots ? TIDES_OK : TIDES_NO_MEMORY;
     int catmull_rom = td_motion_setting(motion, "catmull_rom", 0) != 0;
     for (int64_t i = 0; i < keys->gaussians && status == TIDES_OK; i++) {
-        gather_channels(keys, i, value);
+        td_keyframes_gather(keys, i, value);
         if (catmull_rom)
-            catmull_rom_slopes(keys, value, slope);
+            td_keyframes_differences(keys, value, slope);
         else
             status = spline_slopes(keys, value, slope, knots, error);
         for (int64_t entry = 0; entry < (int64_t)size; entry++) {
@@ -166,8 +154,8 @@ static tides_status pack_frames(const tides_motion *motion, const keyframes *key
 
 static tides_status pack(const tides_motion *motion, const tides_gaussians *gaussians, td_mover_numbers *numbers,
                          tides_error *error) {
-    keyframes keys;
-    tides_status status = find_fields(motion, gaussians, &keys, error);
+    td_keyframes keys;
+    tides_status status = td_keyframes_fields(motion, gaussians, &keys, error);
     if (status != TIDES_OK) return status;
     int64_t stride = TD_KEYFRAMES_REST + keys.frames * 2 * keys.channels;
     status = td_mover_create_rows(numbers, "keyframes", keys.gaussians, stride, error);
@@ -178,22 +166,22 @@ static tides_status pack(const tides_motion *motion, const tides_gaussians *gaus
         row[TD_KEYFRAMES_REST_OPACITY] = td_sigmoid(gaussians->opacity_logit[i]);
     }
     numbers->own[TD_KEYFRAMES_STRIDE] = 2 * keys.channels;
-    numbers->own[TD_KEYFRAMES_LOG_SCALE] = keys.first[LOG_SCALE];
-    numbers->own[TD_KEYFRAMES_LOGIT] = keys.first[LOGIT];
-    numbers->own[TD_KEYFRAMES_SH] = keys.first[SH];
-    numbers->own[TD_KEYFRAMES_SH_ENTRIES] = keys.width[SH];
+    numbers->own[TD_KEYFRAMES_LOG_SCALE] = keys.first[TD_KEYS_LOG_SCALE];
+    numbers->own[TD_KEYFRAMES_LOGIT] = keys.first[TD_KEYS_LOGIT];
+    numbers->own[TD_KEYFRAMES_SH] = keys.first[TD_KEYS_SH];
+    numbers->own[TD_KEYFRAMES_SH_ENTRIES] = keys.width[TD_KEYS_SH];
     numbers->own[TD_KEYFRAMES_COUNT] = (int)keys.gaussians;
-    numbers->moves_sh = keys.part[SH] != NULL;
+    numbers->moves_sh = keys.part[TD_KEYS_SH] != NULL;
     return pack_frames(motion, &keys, numbers->data + keys.gaussians * TD_KEYFRAMES_REST, error);
 }
 
 /* The interval that holds tau: at a frame the one that begins there, or ends there for side -1 (rates agree). */
 static void moment(const tides_motion *motion, double tau, int side, double real[TD_MOMENT_REALS]) {
     const td_field *time = td_motion_field(motion, "time");
-    keyframes keys = {.time = time, .frames = (int64_t)time->shape[0]};
+    td_keyframes keys = {.time = time, .frames = (int64_t)time->shape[0]};
     int64_t i = 0, last = keys.frames - 2;
-    while (i < last && (side < 0 ? tau > frame_time(&keys, i + 1) : tau >= frame_time(&keys, i + 1))) i++;
-    double span = frame_time(&keys, i + 1) - frame_time(&keys, i), u = (tau - frame_time(&keys, i)) / span;
+    while (i < last && (side < 0 ? tau > td_keyframes_time(&keys, i + 1) : tau >= td_keyframes_time(&keys, i + 1))) i++;
+    double span = td_keyframes_time(&keys, i + 1) - td_keyframes_time(&keys, i), u = (tau - td_keyframes_time(&keys, i)) / span;
     real[TD_KEYFRAMES_INTERVAL] = (double)i;
     real[TD_KEYFRAMES_WEIGHT] = u * u * (3 - 2 * u);
     real[TD_KEYFRAMES_WEIGHT + 1] = span * u * (1 - u) * (1 - u);
@@ -205,13 +193,13 @@ static void moment(const tides_motion *motion, double tau, int side, double real
 
 /* A Gaussian rests if every frame holds its own numbers. */
 static void find_moving(const tides_motion *motion, const tides_gaussians *gaussians, uint8_t *moving) {
-    const float *const own[PARTS] = {gaussians->mean, gaussians->quaternion, gaussians->log_scale, gaussians->opacity_logit,
-                                     gaussians->sh};
-    keyframes keys;
-    if (find_fields(motion, gaussians, &keys, NULL) != TIDES_OK) return;
+    const float *const own[TD_KEYS_PARTS] = {gaussians->mean, gaussians->quaternion, gaussians->log_scale,
+                                             gaussians->opacity_logit, gaussians->sh};
+    td_keyframes keys;
+    if (td_keyframes_fields(motion, gaussians, &keys, NULL) != TIDES_OK) return;
     for (int64_t i = 0; i < keys.gaussians; i++) {
         moving[i] = 0;
-        for (int part = 0; part < PARTS; part++)
+        for (int part = 0; part < TD_KEYS_PARTS; part++)
             for (int64_t frame = 0; frame < keys.frames && keys.part[part] && !moving[i]; frame++) {
                 const float *value = keys.part[part]->value + (frame * keys.gaussians + i) * keys.width[part];
                 moving[i] = memcmp(value, own[part] + i * keys.width[part], (size_t)keys.width[part] * sizeof *value) != 0;
@@ -224,6 +212,8 @@ const td_motion_class td_keyframes_class = {.name = "keyframes",
                                             .check = check,
                                             .pack = pack,
                                             .moment = moment,
+                                            .scale = td_keyframes_scale,
+                                            .scales = td_keyframes_scales,
                                             .find_moving = find_moving};
 
 /* Each time as the sum of two floats. */
@@ -237,9 +227,9 @@ static tides_status add_times(tides_motion *made, const tides_keyframes_motion *
     }
     tides_status status = td_motion_take_field(made, "time", 2, shape, pair, error);
     if (status != TIDES_OK) return status;
-    const keyframes keys = {.time = td_motion_field(made, "time"), .frames = arrays->frames};
-    made->start = frame_time(&keys, 0);
-    made->stop = frame_time(&keys, arrays->frames - 1);
+    const td_keyframes keys = {.time = td_motion_field(made, "time"), .frames = arrays->frames};
+    made->start = td_keyframes_time(&keys, 0);
+    made->stop = td_keyframes_time(&keys, arrays->frames - 1);
     return check_times(made, &keys, error);
 }
 

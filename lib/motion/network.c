@@ -158,5 +158,18 @@ static void moment(const tides_motion *motion, double tau, int side, double real
     td_network_embed(&tau, 1, (times - 1) / 2, to, to + times);
 }
 
-const td_motion_class td_network_class =
-    {.name = "network", .code = TD_MOTION_NETWORK, .dear = 1, .check = check, .pack = td_network_pack, .moment = moment};
+/* The period of the fastest sine of the time: its value and rate at three times of it show what it does. */
+static double scale(const tides_motion *motion, double from, double to) {
+    td_network network;
+    (void)from, (void)to;
+    if (td_network_measure(motion, &network, NULL) != TIDES_OK || network.time_sum < 3) return INFINITY;
+    return ldexp(6.283185307179586, 1 - (network.time_sum - 1) / 2);
+}
+
+const td_motion_class td_network_class = {.name = "network",
+                                          .code = TD_MOTION_NETWORK,
+                                          .dear = 1,
+                                          .check = check,
+                                          .pack = td_network_pack,
+                                          .moment = moment,
+                                          .scale = scale};

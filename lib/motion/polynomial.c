@@ -108,10 +108,40 @@ static void find_moving(const tides_motion *motion, const tides_gaussians *gauss
     }
 }
 
+/* A quaternion on a line turns fastest where it is nearest to zero, by 2 |q_dot| / |q|: the time of half a radian. */
+static double turning_time(const float q[4], const float q_dot[4]) {
+    double along = 0, speed = 0, nearest = 0;
+    for (int k = 0; k < 4; k++) {
+        along += (double)q[k] * q_dot[k];
+        speed += (double)q_dot[k] * q_dot[k];
+    }
+    if (!(speed > 0)) return INFINITY;
+    for (int k = 0; k < 4; k++) {
+        double x = q[k] - along / speed * q_dot[k];
+        nearest += x * x;
+    }
+    return 0.25 * sqrt(nearest / speed);
+}
+
+/* Means are cubics, which sweeps follow as they are. */
+static void scales(const tides_motion *motion, const tides_gaussians *gaussians, td_time_scale *scales) {
+    polynomial_fields fields;
+    int found = find_fields(motion, gaussians->count, &fields, NULL) == TIDES_OK;
+    for (int64_t i = 0; i < gaussians->count; i++) {
+        const td_time_scale none = {INFINITY, 0, INFINITY, 0};
+        scales[i] = none;
+        if (!found) continue;
+        scales[i].centre = fields.centre->value[i];
+        scales[i].width = exp((double)fields.log_width->value[i]);
+        scales[i].always = turning_time(gaussians->quaternion + 4 * i, fields.quaternion_dot->value + 4 * i);
+    }
+}
+
 const td_motion_class td_polynomial_class = {.name = "polynomial",
                                              .code = TD_MOTION_POLYNOMIAL,
                                              .check = check,
                                              .pack = pack,
+                                             .scales = scales,
                                              .find_moving = find_moving};
 
 /* The full model's nine features and its decoder. */

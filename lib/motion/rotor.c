@@ -219,8 +219,28 @@ static void find_moving(const tides_motion *motion, const tides_gaussians *gauss
     }
 }
 
-const td_motion_class td_rotor_class =
-    {.name = "rotor", .code = TD_MOTION_ROTOR, .check = check, .pack = pack, .moment = moment, .find_moving = find_moving};
+/* The bell of opacity, and the highest harmonic's period. */
+static void scales(const tides_motion *motion, const tides_gaussians *gaussians, td_time_scale *scales) {
+    rotor_fields fields;
+    double row[TD_ROTOR_TURN];
+    int found = find_fields(motion, gaussians, &fields, NULL) == TIDES_OK;
+    for (int64_t i = 0; i < gaussians->count; i++) {
+        const td_time_scale none = {INFINITY, 0, INFINITY, 0};
+        scales[i] = none;
+        if (!found || pack_geometry(motion, &fields, gaussians, i, row, NULL) != TIDES_OK) continue;
+        scales[i].centre = row[TD_ROTOR_CENTRE];
+        scales[i].width = 1 / row[TD_ROTOR_NARROWNESS];
+        if (!colour_rests(&fields, i)) scales[i].always = 2 * PI / (frequency(motion) * fields.harmonics);
+    }
+}
+
+const td_motion_class td_rotor_class = {.name = "rotor",
+                                        .code = TD_MOTION_ROTOR,
+                                        .check = check,
+                                        .pack = pack,
+                                        .moment = moment,
+                                        .scales = scales,
+                                        .find_moving = find_moving};
 
 static tides_status add_harmonics(tides_motion *made, const tides_rotor_motion *arrays, tides_error *error) {
     if (arrays->harmonics == 0) return TIDES_OK;

@@ -68,7 +68,8 @@ typedef struct td_motion_class {
      * `from` and `to`; INFINITY: they do anyway. NULL: that of the knots. */
     double (*scale)(const tides_motion *motion, double from, double to);
 
-    /* The scales of single Gaussians (gaussians->count). NULL: there's none but that of all. */
+    /* The scales of single Gaussians (gaussians->count); where there is a `scale` too, asked for when that is shorter than an
+     * interval. NULL: there's none but that of all. */
     void (*scales)(const tides_motion *motion, const tides_gaussians *gaussians, td_time_scale *scales);
 
     /* moving[i] = 0 where Gaussian i is the same at all times. NULL: all move. */

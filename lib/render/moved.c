@@ -27,10 +27,9 @@ static tides_status find_knots(td_moved_part *part, tides_error *error) {
     return TIDES_OK;
 }
 
-/* The scales of time of a part's Gaussians, where the model has them for each. */
-static tides_status find_scales(const td_store *store, td_moved_part *part, tides_error *error) {
+tides_status td_moved_find_scales(const td_store *store, td_moved_part *part, tides_error *error) {
     const tides_motion *motion = part->of.motion;
-    if (!motion->type->scales) return TIDES_OK;
+    if (!motion->type->scales || part->scale) return TIDES_OK;
     td_time_scale *all = td_alloc((size_t)part->of.gaussians.count, sizeof *all, error);
     part->scale = td_alloc((size_t)part->count, sizeof *part->scale, error);
     if (all && part->scale) {
@@ -56,7 +55,7 @@ static tides_status add_part(const tides_scene *scene, int object, int first, in
     part->hosted = part->of.motion->type->evaluate != NULL;
     part->dear = part->of.motion->type->dear;
     moved->moving += end - first;
-    status = find_scales(store, part, error);
+    if (!part->of.motion->type->scale) status = td_moved_find_scales(store, part, error);
     return status == TIDES_OK ? find_knots(part, error) : status;
 }
 

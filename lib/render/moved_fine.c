@@ -29,24 +29,27 @@ static int level_for(double length, double scale) {
     return level;
 }
 
-/* Levels of a part's Gaussians over own time [from, to]; the highest. */
-static int find_levels(td_moved *moved, const td_moved_part *part, double from, double to) {
+/* The scale that holds for one Gaussian of own time [from, to], with `all` that of its part. */
+static double scale_of(const td_time_scale *own, double all, double from, double to) {
+    double reach = bell_reach * own->width, scale = fmin(fmax(all, own->smooth), own->always);
+    int active = isfinite(reach) && own->centre + reach > from && own->centre - reach < to;
+    return active ? fmin(scale, own->width) : scale;
+}
+
+/* Levels of a part's Gaussians over own time [from, to], and the highest. */
+static tides_status find_levels(td_moved *moved, td_moved_part *part, double from, double to, int *highest,
+                                tides_error *error) {
     const tides_motion *motion = part->of.motion;
     double all = fmin(knot_distance(part, from, to), motion->type->scale ? motion->type->scale(motion, from, to) : INFINITY);
-    int common = level_for(to - from, all), most = part->count > 0 ? common : 0;
-    for (int i = 0; i < part->count; i++) {
-        int level = common;
-        if (part->scale) {
-            const td_time_scale *scale = &part->scale[i];
-            double reach = bell_reach * scale->width, least = scale->always;
-            if (isfinite(reach) && scale->centre + reach > from && scale->centre - reach < to)
-                least = fmin(least, scale->width);
-            if (least < all) level = level_for(to - from, least);
-        }
+    int common = level_for(to - from, all);
+    tides_status status = common > 0 ? td_moved_find_scales(moved->store, part, error) : TIDES_OK;
+    *highest = 0;
+    for (int i = 0; i < part->count && status == TIDES_OK; i++) {
+        int level = part->scale ? level_for(to - from, scale_of(&part->scale[i], all, from, to)) : common;
         moved->level[part->base + i] = (uint8_t)level;
-        most = level > most ? level : most;
+        *highest = level > *highest ? level : *highest;
     }
-    return most;
+    return status;
 }
 
 /* Rows of `count` Gaussians at all times of the sweep in hand, one time after the other. */
@@ -124,12 +127,12 @@ tides_status td_moved_sweep_fine(tides_renderer *renderer, const tides_trajector
     memset(moved->level, 0, (size_t)moved->moving * sizeof *moved->level);
     tides_status status = TIDES_OK;
     for (int p = 0; p < moved->parts && status == TIDES_OK; p++) {
-        const td_moved_part *part = &moved->part[p];
+        td_moved_part *part = &moved->part[p];
         double from = 0, to = 0, rate;
         status = td_motion_time(part->of.motion, part->of.duration_s, moved->epoch + start, &from, &rate, error);
         if (status == TIDES_OK)
             status = td_motion_time(part->of.motion, part->of.duration_s, moved->epoch + stop, &to, &rate, error);
-        if (status == TIDES_OK) highest[p] = find_levels(moved, part, from, to);
+        if (status == TIDES_OK) status = find_levels(moved, part, from, to, &highest[p], error);
         most = highest[p] > most ? highest[p] : most;
     }
     if (status == TIDES_OK && most > 0) status = sweep_levels(renderer, camera, start, stop, highest, most, error);

@@ -92,6 +92,9 @@ void td_moved_release(td_moved *moved);
 /* From now on times are offsets from `epoch` [s]; at first from 0. What was kept for other times is given up. */
 void td_moved_set_epoch(td_moved *moved, double epoch);
 
+/* The scales of time of a part's Gaussians, where the model has them for each. */
+tides_status td_moved_find_scales(const td_store *store, td_moved_part *part, tides_error *error);
+
 /* 1 where rates of some motion may jump at `time`, to a nanosecond. */
 int td_moved_is_knot(const td_moved *moved, double time);
 

@@ -554,6 +554,8 @@ class tides_callback_motion(Structure):
     void *user;
     int32_t moves_sh; /* 1: it gives spherical harmonics too */
     int32_t reserved;
+    double time_scale; /* how long its own clock runs while nothing happens that values and rates at the start, the middle and
+    * the end don't show: about the shortest period. 0: one macro step of the run (step_s), at least */
     """
 
     count: int
@@ -563,6 +565,7 @@ class tides_callback_motion(Structure):
     user: int
     moves_sh: int
     reserved: int
+    time_scale: float
 
     _fields_ = [
         ("count", c_int64),
@@ -572,6 +575,7 @@ class tides_callback_motion(Structure):
         ("user", c_void_p),
         ("moves_sh", c_int32),
         ("reserved", c_int32),
+        ("time_scale", c_double),
     ]
 
 

@@ -148,10 +148,17 @@ class Motion(Handle):
 
     @classmethod
     def callback(
-        cls, function: MotionFunction, count: int, start: float = 0.0, stop: float = 1.0, sh_degree: int | None = None
+        cls,
+        function: MotionFunction,
+        count: int,
+        start: float = 0.0,
+        stop: float = 1.0,
+        sh_degree: int | None = None,
+        time_scale: float = 0.0,
     ) -> "Motion":
         """Any motion of `count` Gaussians: see MotionFunction. `sh_degree`: it moves spherical harmonics of that degree
-        too. What the function raises ends the call under way and comes out of it. Called in the thread that renders or
+        too. `time_scale`: how long its clock runs while nothing happens that values and rates at the start, the middle
+        and the end don't show, about the shortest period; 0: one macro step of the run. What the function raises ends the call under way and comes out of it. Called in the thread that renders or
         simulates."""
         coefficients = None if sh_degree is None else (sh_degree + 1) ** 2
         stop_value = _api.TIDES_CANCELLED
@@ -161,7 +168,7 @@ class Motion(Handle):
             return _api.TIDES_OK
 
         called = _api.tides_motion_function(kept(fill, stop_value))
-        struct = _api.tides_callback_motion(count, start, stop, called, None, coefficients is not None, 0)
+        struct = _api.tides_callback_motion(count, start, stop, called, None, coefficients is not None, 0, time_scale)
         return cls._make("callback", struct, called)
 
     @property

@@ -1,0 +1,92 @@
+/* On what scale of time keyframes move Gaussians: that of the frames, unless they are denser than a Gaussian needs. Frames of a
+ * slow motion at 1 kHz are no reason to look a thousand times a second; a lamp's are. */
+#include "td_keyframes.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* What frames may be off the cubic through others for these to be enough: of an axis' length, a rotation times an axis' ratio, a
+ * scale's logarithm, and an opacity's or colour's share. As in kernels/unseen.h, enough for samples to show that there is
+ * something. */
+static const double most_off = 0.02;
+
+/* The shortest distance of frames around the times strictly between `from` and `to` that one is at. */
+double td_keyframes_scale(const tides_motion *motion, double from, double to) {
+    const td_field *time = td_motion_field(motion, "time");
+    const td_keyframes keys = {.time = time, .frames = (int64_t)time->shape[0]};
+    int64_t low = 0, high = keys.frames; /* the first after `from` */
+    double least = INFINITY;
+    while (low < high) {
+        int64_t middle = low + (high - low) / 2;
+        if (td_keyframes_time(&keys, middle) > from)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    for (int64_t i = low; i < keys.frames && td_keyframes_time(&keys, i) < to; i++) {
+        if (i > 0) least = fmin(least, td_keyframes_time(&keys, i) - td_keyframes_time(&keys, i - 1));
+        if (i + 1 < keys.frames) least = fmin(least, td_keyframes_time(&keys, i + 1) - td_keyframes_time(&keys, i));
+    }
+    return least;
+}
+
+/* What each channel may be off by, (channels): by the Gaussian's own axes. */
+static void allow(const td_keyframes *keys, const tides_gaussians *gaussians, int64_t i, double *allowed) {
+    const float *own = gaussians->log_scale + 3 * i;
+    double least = fmin(own[0], fmin(own[1], own[2])), most = fmax(own[0], fmax(own[1], own[2]));
+    double second = (double)own[0] + own[1] + own[2] - least - most;
+    const double part[TD_KEYS_PARTS] = {exp(second), 0.5 * exp(second - most), 1, 1, 1};
+    for (int p = 0; p < TD_KEYS_PARTS; p++)
+        for (int k = 0; k < keys->width[p] && keys->part[p]; k++) allowed[keys->first[p] + k] = most_off * part[p];
+}
+
+/* 1 where frames between `from` and `to` are on the cubics through these two. */
+static int is_smooth(const td_keyframes *keys, const double *value, const double *slope, const double *allowed, int64_t from,
+                     int64_t to) {
+    const int width = keys->channels;
+    const double *x0 = value + from * width, *x1 = value + to * width, *r0 = slope + from * width, *r1 = slope + to * width;
+    double start = td_keyframes_time(keys, from), h = td_keyframes_time(keys, to) - start;
+    for (int64_t i = from + 1; i < to; i++) {
+        double s = (td_keyframes_time(keys, i) - start) / h, rest = 1 - s, way = s * s * (3 - 2 * s);
+        for (int k = 0; k < width; k++) {
+            double cubic = x0[k] + way * (x1[k] - x0[k]) + h * s * rest * (rest * r0[k] - s * r1[k]);
+            if (!(fabs(value[i * width + k] - cubic) <= allowed[k])) return 0;
+        }
+    }
+    return 1;
+}
+
+/* The longest time that every so-manieth frame is enough for; 0 where it takes all. */
+static double smooth_time(const td_keyframes *keys, const double *value, const double *slope, const double *allowed) {
+    double smooth = 0;
+    for (int64_t stride = 2; stride < keys->frames; stride *= 2) {
+        double least = INFINITY;
+        for (int64_t from = 0; from + 1 < keys->frames; from += stride) {
+            int64_t to = from + stride < keys->frames ? from + stride : keys->frames - 1;
+            if (!is_smooth(keys, value, slope, allowed, from, to)) return smooth;
+            if (to == from + stride) least = fmin(least, td_keyframes_time(keys, to) - td_keyframes_time(keys, from));
+        }
+        smooth = least;
+    }
+    return smooth;
+}
+
+void td_keyframes_scales(const tides_motion *motion, const tides_gaussians *gaussians, td_time_scale *scales) {
+    const td_time_scale none = {INFINITY, 0, INFINITY, 0};
+    td_keyframes keys;
+    for (int64_t i = 0; i < gaussians->count; i++) scales[i] = none;
+    if (td_keyframes_fields(motion, gaussians, &keys, NULL) != TIDES_OK) return;
+    size_t size = (size_t)(keys.frames * keys.channels);
+    double *value = malloc(size * sizeof *value), *slope = malloc(size * sizeof *slope);
+    double *allowed = malloc((size_t)keys.channels * sizeof *allowed);
+    for (int64_t i = 0; i < keys.gaussians && value && slope && allowed;
+         i++) { /* without memory frames are taken as they are */
+        td_keyframes_gather(&keys, i, value);
+        td_keyframes_differences(&keys, value, slope);
+        allow(&keys, gaussians, i, allowed);
+        scales[i].smooth = smooth_time(&keys, value, slope, allowed);
+    }
+    free(value);
+    free(slope);
+    free(allowed);
+}

@@ -1,0 +1,37 @@
+/* Internal: keyframes as their motion holds them, for what makes numbers of them (keyframes.c) and for what asks how fast they
+ * change (keyframes_scale.c). */
+#ifndef TD_KEYFRAMES_H
+#define TD_KEYFRAMES_H
+
+#include "td_models.h"
+
+enum { TD_KEYS_MEAN = 0, TD_KEYS_QUATERNION, TD_KEYS_LOG_SCALE, TD_KEYS_LOGIT, TD_KEYS_SH, TD_KEYS_PARTS };
+
+/* What is given per frame; absent parts are NULL. `channels` in all, the SH entries last. */
+typedef struct td_keyframes {
+    const td_field *time, *part[TD_KEYS_PARTS];
+    int width[TD_KEYS_PARTS], first[TD_KEYS_PARTS];
+    int channels;
+    int64_t frames, gaussians;
+} td_keyframes;
+
+/* The fields of a motion; TIDES_BAD_FILE naming what is missing or doesn't fit. */
+tides_status td_keyframes_fields(const tides_motion *motion, const tides_gaussians *gaussians, td_keyframes *keys,
+                                 tides_error *error);
+
+/* Own time of a frame. */
+static inline double td_keyframes_time(const td_keyframes *keys, int64_t frame) {
+    return (double)keys->time->value[2 * frame] + keys->time->value[2 * frame + 1];
+}
+
+/* One Gaussian's channels over all frames, (T x channels), quaternions normalised and of one sign. */
+void td_keyframes_gather(const td_keyframes *keys, int64_t gaussian, double *out);
+
+/* Slopes of Catmull and Rom, likewise. */
+void td_keyframes_differences(const td_keyframes *keys, const double *value, double *slope);
+
+/* td_motion_class.scale and .scales (keyframes_scale.c). */
+double td_keyframes_scale(const tides_motion *motion, double from, double to);
+void td_keyframes_scales(const tides_motion *motion, const tides_gaussians *gaussians, td_time_scale *scales);
+
+#endif
