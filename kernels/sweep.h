@@ -19,6 +19,8 @@ typedef struct td_interval {
     int level;
 } td_interval;
 
+/* Depths of this ratio keep x/z of a cubic within 1e-5 of its size from the cubic through its ends: (ratio - 1)^4 / 16. */
+#define TD_NEARLY_FLAT TD_REAL(1.1)
 /* Beyond any screen. */
 #define TD_NOWHERE TD_REAL(1e30)
 /* Pieces that a passage of the near plane asks for at most: the whole image waits for them. */
@@ -29,16 +31,21 @@ typedef struct td_swept {
     td_lanes x0, y0, x1, y1; /* empty: x0 > x1 */
     td_lanes travel;         /* in one piece at most */
     td_lanes pieces;         /* asked for otherwise */
+    td_lanes peak;           /* greatest opacity of the samples */
+    td_lanes z0, z1;         /* depths */
+    td_mask crosses;         /* the near plane */
+    td_mask shown;           /* on the screen at the interval's start or end */
 } td_swept;
 
-/* Smallest and largest of the Bezier points of the cubic through (p0, rate r0) and (p1, rate r1), widened by four times the
- * distance at the middle (a quartic term that shows as e there is at most e within; the rest is safety). */
-TD_INLINE void td_sweep_range(td_dual start, td_dual middle, td_dual end, td_real duration, td_lanes *lower, td_lanes *upper) {
+/* Smallest and largest of the Bezier points of the cubic through (p0, rate r0) and (p1, rate r1), and of the middle, widened by
+ * four times what the middle is off the cubic by more than `known` (a quartic term that shows as e there is at most e within;
+ * the rest is safety). */
+TD_INLINE void td_sweep_range(td_dual start, td_dual middle, td_dual end, td_real duration, td_lanes known, td_lanes *lower,
+                              td_lanes *upper) {
     td_real third = duration / 3;
     td_lanes b1 = td_fma(start.d, third, start.v), b2 = td_fma(end.d, -third, end.v);
     td_lanes centre = 0.125f * (start.v + end.v) + 0.375f * (b1 + b2);
-    td_lanes stray = middle.v - centre;
-    stray = 4.0f * td_larger(stray, -stray);
+    td_lanes stray = 4.0f * td_larger(td_size(middle.v - centre) - known, td_splat(0.0f));
     *lower = td_smaller(td_smaller(start.v, end.v), td_smaller(td_smaller(b1, b2), middle.v)) - stray;
     *upper = td_larger(td_larger(start.v, end.v), td_larger(td_larger(b1, b2), middle.v)) + stray;
 }
@@ -54,7 +61,7 @@ TD_INLINE td_lanes td_sweep_width(td_lanes a, td_lanes b, td_lanes c) {
 TD_INLINE void td_sweep_opacity(td_shape s[3], const td_image *image, td_real duration) {
     td_lanes lower, upper;
     td_real cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
-    td_sweep_range(s[0].opacity, s[1].opacity, s[2].opacity, duration, &lower, &upper);
+    td_sweep_range(s[0].opacity, s[1].opacity, s[2].opacity, duration, td_splat(0.0f), &lower, &upper);
     td_mask in_front = (s[0].depth.v > image->near) & (s[1].depth.v > image->near) & (s[2].depth.v > image->near);
     td_mask reached = in_front & (upper > cut);
     td_lanes power = 2.0f * td_log(td_select(td_splat(1.0f), upper / cut, reached));
@@ -119,7 +126,7 @@ TD_INLINE td_mask td_sweep_outside(const td_axis *axis, TD_GLOBAL const td_view 
         x[i] = td_view_row(view[i]->r + 3 * axis->row, view[i]->r_dot + 3 * axis->row, mean, view[i]->t[axis->row],
                            view[i]->t_dot[axis->row]);
     }
-    td_sweep_range(x[0], x[1], x[2], duration, &x0, &x1);
+    td_sweep_range(x[0], x[1], x[2], duration, td_splat(0.0f), &x0, &x1);
     td_lanes reach = size * td_sqrt(td_splat(1 + axis->limit * axis->limit));
     td_lanes deep = td_larger(z1, td_splat(image->near));
     return (axis->focal * (x0 - reach) > deep * (axis->size - axis->centre + blur)) |
@@ -134,12 +141,13 @@ typedef struct td_piece {
     td_shape s[3];
     TD_GLOBAL const td_view *view[3];
     TD_GLOBAL const td_stray *stray;
-    int level, strays; /* 1: paths stray at all */
-    int row[3];
+    int level, strays;       /* 1: paths stray at all */
+    int row[3], first, last; /* of the interval's pieces */
     td_real duration;
     td_reach reach;
     td_lanes opacity;
     td_lanes off;    /* what the splat's points are off by [scene units] */
+    td_lanes known;  /* what of that explains where the mean is in the middle: all, unless the depth makes it stray by itself */
     td_lanes z0, z1; /* depths */
 } td_piece;
 
@@ -171,10 +179,10 @@ TD_INLINE td_mask td_sweep_shows(const td_shape *s, td_lanes rx, td_lanes ry, co
 
 /* Pieces asked for by what crosses the near plane and isn't seen at either end: two for each width of the fade (a quarter of
  * the near plane's depth where there is none) that its depth goes through. Behind the plane nothing else is known of it. */
-TD_INLINE td_lanes td_sweep_crossing(const td_piece *piece, const td_image *image, td_mask crosses, td_mask shown) {
+TD_INLINE td_lanes td_sweep_crossing(const td_swept *swept, const td_image *image) {
     td_real fade = image->near_full > image->near ? image->near_full - image->near : 0.25f * image->near;
-    td_lanes pieces = td_smaller(2.0f * (piece->z1 - piece->z0) / fade, td_splat(TD_CROSSING_MOST));
-    return td_select(td_splat(1.0f), pieces, crosses & (shown == 0));
+    td_lanes pieces = td_smaller(2.0f * (swept->z1 - swept->z0) / fade, td_splat(TD_CROSSING_MOST));
+    return td_select(td_splat(1.0f), pieces, swept->crosses & (swept->shown == 0));
 }
 
 /* Half-widths on the screen, and where the mean may be. */
@@ -182,13 +190,39 @@ typedef struct td_span2 {
     td_lanes x0, y0, x1, y1;
 } td_span2;
 
+/* How many focal lengths of pixels a unit of scene at slopes x, y comes to at most. */
+TD_INLINE td_lanes td_sweep_tilt(const td_piece *piece, const td_image *image, td_lanes x, td_lanes y) {
+    td_lanes nearest = td_larger(piece->z0, td_splat(image->near));
+    return td_sqrt(td_fma(x, x, td_fma(y, y, td_splat(1.0f)))) / nearest;
+}
+
+/* The farthest of the samples from the principal point, as a slope. */
+TD_INLINE td_lanes td_sweep_slope(td_dual a, td_dual b, td_dual c, td_real centre, td_real focal) {
+    return td_larger(td_size(a.v - centre), td_larger(td_size(b.v - centre), td_size(c.v - centre))) / focal;
+}
+
+/* Where the mean may be, but for what paths stray. */
+TD_INLINE td_span2 td_sweep_mean(const td_piece *piece, const td_image *image) {
+    const td_shape *s = piece->s;
+    td_span2 box;
+    td_lanes known = piece->known;
+    if (piece->strays) {
+        td_lanes x = td_sweep_slope(s[0].u, s[1].u, s[2].u, image->cx, image->fx);
+        td_lanes y = td_sweep_slope(s[0].v, s[1].v, s[2].v, image->cy, image->fy);
+        known *= td_sweep_tilt(piece, image, x, y);
+    }
+    td_sweep_range(s[0].u, s[1].u, s[2].u, piece->duration, known * image->fx, &box.x0, &box.x1);
+    td_sweep_range(s[0].v, s[1].v, s[2].v, piece->duration, known * image->fy, &box.y0, &box.y1);
+    return box;
+}
+
 /* What the paths' strays add to a box, and the pieces that they ask for. A point at X/Z that is off by d is off on the screen by
  * at most f d sqrt(1 + (X/Z)^2) / Z, with the least depth of both. */
-TD_INLINE td_lanes td_sweep_widen(const td_piece *piece, const td_image *image, td_span2 *box, td_lanes *wide, td_lanes *high) {
-    td_lanes nearest = td_larger(piece->z0, td_splat(image->near));
+TD_INLINE td_lanes td_sweep_widen(const td_piece *piece, const td_image *image, const td_span2 *box, td_lanes *wide,
+                                  td_lanes *high) {
     td_lanes x = td_larger(td_size(box->x0 - image->cx), td_size(box->x1 - image->cx)) / image->fx;
     td_lanes y = td_larger(td_size(box->y0 - image->cy), td_size(box->y1 - image->cy)) / image->fy;
-    td_lanes tilted = td_sqrt(td_fma(x, x, td_fma(y, y, td_splat(1.0f)))) / nearest, nearer = piece->off / nearest;
+    td_lanes tilted = td_sweep_tilt(piece, image, x, y), nearer = piece->off / td_larger(piece->z0, td_splat(image->near));
     *wide = td_fma(piece->off * tilted, image->fx, td_fma(nearer, *wide, *wide));
     *high = td_fma(piece->off * tilted, image->fy, td_fma(nearer, *high, *high));
     td_lanes allowed = TD_UNSEEN_PLACE * td_larger(td_narrowest(&piece->s[1]), td_splat(1.0f));
@@ -199,15 +233,18 @@ TD_INLINE td_lanes td_sweep_widen(const td_piece *piece, const td_image *image, 
  * whole piece. */
 TD_INLINE void td_sweep_begin(td_piece *piece, const td_image *image, const td_source *source) {
     td_shape *s = piece->s;
-    td_sweep_range(s[0].depth, s[1].depth, s[2].depth, piece->duration, &piece->z0, &piece->z1);
+    td_lanes off = td_splat(0.0f);
+    piece->off = piece->known = off;
     piece->opacity = td_sweep_own_opacity(image, source, piece->row);
-    piece->off = td_splat(0.0f);
     if (piece->strays) {
         piece->reach = td_sweep_reach(piece->stray, image, source, piece->row);
-        td_lanes off = td_stray_of(piece->stray, piece->level, &piece->reach, td_splat(0.0f));
-        piece->z0 -= off;
-        piece->z1 += off;
+        off = td_stray_of(piece->stray, piece->level, &piece->reach, td_splat(0.0f));
+        if (!(image->moving && source->moved)) piece->known = off; /* what moves by itself has other reasons too */
     }
+    td_sweep_range(s[0].depth, s[1].depth, s[2].depth, piece->duration, piece->known, &piece->z0, &piece->z1);
+    piece->z0 -= off;
+    piece->z1 += off;
+    piece->known = td_select(td_splat(0.0f), piece->known, piece->z1 < TD_NEARLY_FLAT * piece->z0);
     if (image->moving && source->moved) td_sweep_opacity(s, image, piece->duration);
     td_sweep_fade(s, image, piece->opacity, piece->z0, piece->z1);
     if (!piece->strays) return;
@@ -219,7 +256,7 @@ TD_INLINE void td_sweep_begin(td_piece *piece, const td_image *image, const td_s
 TD_INLINE void td_sweep_piece(td_piece *piece, const td_image *image, const td_source *source, td_swept *swept) {
     const td_shape *s = piece->s;
     td_lanes rx[3], ry[3], pieces = td_splat(1.0f);
-    td_span2 box;
+    for (int i = 0; i < 3; i++) swept->peak = td_larger(swept->peak, s[i].opacity.v);
     td_sweep_begin(piece, image, source);
     for (int i = 0; i < 3; i++) {
         td_half_widths(&s[i], &rx[i], &ry[i]);
@@ -228,13 +265,16 @@ TD_INLINE void td_sweep_piece(td_piece *piece, const td_image *image, const td_s
     }
     td_mask ever = s[0].visible | s[1].visible | s[2].visible;
     td_mask crosses = td_sweep_crosses(piece, image, source, ever);
-    td_sweep_range(s[0].u, s[1].u, s[2].u, piece->duration, &box.x0, &box.x1);
-    td_sweep_range(s[0].v, s[1].v, s[2].v, piece->duration, &box.y0, &box.y1);
+    td_span2 box = td_sweep_mean(piece, image);
     td_lanes wide = td_sweep_width(rx[0], rx[1], rx[2]), high = td_sweep_width(ry[0], ry[1], ry[2]);
     if (piece->strays) pieces = td_sweep_widen(piece, image, &box, &wide, &high);
     pieces = td_select(td_splat(1.0f), pieces, ever & (piece->opacity > TD_UNSEEN_OPACITY));
-    td_mask shown = td_sweep_shows(&s[0], rx[0], ry[0], image) | td_sweep_shows(&s[2], rx[2], ry[2], image);
-    swept->pieces = td_larger(swept->pieces, td_larger(pieces, td_sweep_crossing(piece, image, crosses, shown)));
+    swept->pieces = td_larger(swept->pieces, pieces);
+    swept->crosses |= crosses;
+    swept->z0 = td_smaller(swept->z0, piece->z0);
+    swept->z1 = td_larger(swept->z1, piece->z1);
+    if (piece->first) swept->shown |= td_sweep_shows(&s[0], rx[0], ry[0], image);
+    if (piece->last) swept->shown |= td_sweep_shows(&s[2], rx[2], ry[2], image);
     td_lanes travel = td_larger(td_travel(s, ever), td_reshape(s, piece->duration));
     swept->travel = td_larger(swept->travel, td_select(travel, td_splat(0.0f), crosses));
     td_lanes none = td_splat(TD_NOWHERE), width = td_splat((td_real)image->width), height = td_splat((td_real)image->height);
@@ -254,7 +294,7 @@ TD_INLINE void td_sweep_sample(td_piece *piece, int i, const td_interval *all, c
 
 /* Pieces that Gaussians that move by themselves ask for: twice as many as the finest level at which one of them is rough. */
 TD_INLINE td_lanes td_sweep_rough(td_piece *piece, const td_interval *all, const td_image *image, const td_source *source,
-                                  int which, int offset) {
+                                  int which, int offset, td_lanes peak) {
     td_lanes pieces = td_splat(1.0f);
     for (int level = all->level; level >= 0; level--) {
         int apart = 1 << (all->level - level);
@@ -263,7 +303,7 @@ TD_INLINE td_lanes td_sweep_rough(td_piece *piece, const td_interval *all, const
         if (!td_any(open)) break;
         for (int at = 0; at < 2 << all->level; at += 2 * apart) {
             for (int i = 0; i < 3; i++) td_sweep_sample(piece, i, all, image, source, which, at + i * apart, offset);
-            rough |= td_is_rough(piece->s, piece->view[0], image, source, piece->row, duration);
+            rough |= td_is_rough(piece->s, piece->view[0], image, source, piece->row, duration, peak);
         }
         pieces = td_select(pieces, td_splat((td_real)(2 << level)), open & rough);
     }
@@ -279,9 +319,10 @@ TD_INLINE void td_sweep_group(const td_interval *all, const td_image *image, con
     td_lanes none = td_splat(TD_NOWHERE);
     td_swept swept;
     td_piece piece;
-    swept.x0 = swept.y0 = none;
-    swept.x1 = swept.y1 = -none;
-    swept.travel = td_splat(0.0f);
+    swept.x0 = swept.y0 = swept.z0 = none;
+    swept.x1 = swept.y1 = swept.z1 = -none;
+    swept.crosses = swept.shown = none < 0.0f;
+    swept.travel = swept.peak = td_splat(0.0f);
     swept.pieces = td_splat(1.0f);
     piece.stray = all->strays + which;
     piece.level = all->level;
@@ -289,10 +330,13 @@ TD_INLINE void td_sweep_group(const td_interval *all, const td_image *image, con
     piece.duration = all->duration / (td_real)(1 << all->level);
     for (int at = 0; at < 2 << all->level; at += 2) {
         for (int i = 0; i < 3; i++) td_sweep_sample(&piece, i, all, image, &own, which, at + i, offset);
+        piece.first = at == 0;
+        piece.last = at + 2 == 2 << all->level;
         td_sweep_piece(&piece, image, &own, &swept);
     }
+    swept.pieces = td_larger(swept.pieces, td_sweep_crossing(&swept, image));
     if (all->level > 0 && image->moving && own.moved)
-        swept.pieces = td_larger(swept.pieces, td_sweep_rough(&piece, all, image, &own, which, offset));
+        swept.pieces = td_larger(swept.pieces, td_sweep_rough(&piece, all, image, &own, which, offset, swept.peak));
     td_mask nowhere = swept.x0 > swept.x1;
     td_scatter(boxes, 4, 0, td_select(swept.x0, td_splat((td_real)(image->width + 1)), nowhere));
     td_scatter(boxes, 4, 1, td_select(swept.y0, td_splat((td_real)(image->height + 1)), nowhere));

@@ -100,9 +100,10 @@ TD_INLINE td_lanes td_colour_surplus(TD_GLOBAL const td_view *view, const td_ima
     return TD_REAL(0.8462843753216345) * sum / luminance;
 }
 
-/* Whether between these ends something isn't what they imply: the mask of the Gaussians of which it may be seen. */
+/* Whether between these ends something isn't what they imply: the mask of the Gaussians of which it may be seen. `peak`: their greatest opacity
+ * of all. */
 TD_INLINE td_mask td_is_rough(const td_shape s[3], TD_GLOBAL const td_view *view, const td_image *image,
-                              const td_source *source, const int row[3], td_real duration) {
+                              const td_source *source, const int row[3], td_real duration, td_lanes peak) {
     td_mask in_front = (s[0].depth.v > image->near) & (s[1].depth.v > image->near) & (s[2].depth.v > image->near);
     td_lanes most = td_larger(s[0].opacity.v, td_larger(s[1].opacity.v, s[2].opacity.v));
     td_lanes place = td_larger(td_surplus(s[0].u, s[1].u, s[2].u, duration), td_surplus(s[0].v, s[1].v, s[2].v, duration));
@@ -113,7 +114,7 @@ TD_INLINE td_mask td_is_rough(const td_shape s[3], TD_GLOBAL const td_view *view
     td_lanes opacity = td_surplus(s[0].opacity, s[1].opacity, s[2].opacity, duration);
     td_mask rough = (place > TD_UNSEEN_PLACE * td_larger(td_narrowest(&s[1]), td_splat(1.0f))) |
                     (shape > 2.0f * TD_UNSEEN_SHARE) |
-                    (opacity > td_fma(most, TD_UNSEEN_SHARE, td_splat(0.25f * TD_UNSEEN_OPACITY)));
+                    (opacity > td_fma(peak, TD_UNSEEN_SHARE, td_splat(0.25f * TD_UNSEEN_OPACITY)));
     if (source->sh_rated) rough |= td_colour_surplus(view, image, source, row, duration) > TD_UNSEEN_SHARE;
     return rough & in_front & (most > TD_UNSEEN_OPACITY);
 }
