@@ -1,7 +1,9 @@
 /* A rigid motion over time: the path of a camera or of an object, with its exact rate.
  *
  * Between samples, positions follow a C2 cubic spline and rotations a C1 (or smoother) curve on the sphere of unit
- * quaternions; the rates are the exact derivatives of those curves, never differences. Poses map body coordinates to the
+ * quaternions; the rates are the exact derivatives of those curves, never differences. Where samples far closer than their
+ * neighbours would make a component swing beyond the range of the samples around it by as much as that range, it is a monotone
+ * cubic instead (Fritsch and Butland), C1. Poses map body coordinates to the
  * world: p_world = rotation p_body + position. A camera's body axes are OpenCV's: x right, y down, z forward. */
 #ifndef TIDES_TRAJECTORY_H
 #define TIDES_TRAJECTORY_H

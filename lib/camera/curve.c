@@ -8,8 +8,10 @@
  * Ends. Cubic: not-a-knot, which keeps the error O(h^4) up to the ends (a natural end has O(h^2)); but not-a-knot
  * extrapolates the neighbour's curvature, so an end interval over TD_LONG_END times as long as its neighbour gets a natural
  * end. Two knots give a line, three a parabola. Quintic: the first and last segments are quartics; two knots give the
- * Hermite cubic. */
-#include "camera/td_curve.h"
+ * Hermite cubic.
+ *
+ * Where a piece swings far beyond the samples around it another is put in its place (curve_calm.c). */
+#include "camera/td_curve_segment.h"
 
 #include "td_base.h"
 
@@ -18,14 +20,10 @@
 #define TD_LONG_END 2.0
 #define WIDTH TD_CURVE_WIDTH
 
-typedef struct segment {
-    double coefficient[WIDTH][6]; /* of powers of u */
-} segment;
-
 struct td_curve {
     size_t segments;
     double *time; /* segments + 1 */
-    segment *segment;
+    td_segment *segment;
 };
 
 /* lower x[i-1] + diagonal x[i] + upper x[i+1] = x: the right-hand side before the solution, the second derivatives after. */
@@ -135,7 +133,7 @@ static void quintic_curvature(const td_knot *knots, size_t count, row *rows) {
 }
 
 /* Polynomials of the segment from `knot` to the next, given the second derivatives at both. */
-static void fill_segment(const td_knot *knot, const row *curvature, int with_rates, segment *out) {
+static void fill_segment(const td_knot *knot, const row *curvature, int with_rates, td_segment *out) {
     double span = knot[1].time - knot[0].time;
     for (int k = 0; k < WIDTH; k++) {
         double *c = out->coefficient[k];
@@ -172,6 +170,7 @@ td_curve *td_curve_create(const td_knot *knots, size_t count, int with_rates, ti
         cubic_curvature(knots, count, rows);
     for (size_t i = 0; i < count; i++) curve->time[i] = knots[i].time;
     for (size_t i = 0; i + 1 < count; i++) fill_segment(knots + i, rows + i, with_rates, curve->segment + i);
+    if (td_curve_calm(knots, count, with_rates, curve->segment, error) != TIDES_OK) goto failed;
     free(rows);
     return curve;
 failed:
