@@ -268,7 +268,7 @@ TD_INLINE void td_sweep_piece(td_piece *piece, const td_image *image, const td_s
     td_span2 box = td_sweep_mean(piece, image);
     td_lanes wide = td_sweep_width(rx[0], rx[1], rx[2]), high = td_sweep_width(ry[0], ry[1], ry[2]);
     if (piece->strays) pieces = td_sweep_widen(piece, image, &box, &wide, &high);
-    pieces = td_select(td_splat(1.0f), pieces, ever & (piece->opacity > TD_UNSEEN_OPACITY));
+    pieces = td_select(td_splat(1.0f), pieces, ever & (crosses == 0) & (piece->opacity > TD_UNSEEN_OPACITY));
     swept->pieces = td_larger(swept->pieces, pieces);
     swept->crosses |= crosses;
     swept->z0 = td_smaller(swept->z0, piece->z0);
