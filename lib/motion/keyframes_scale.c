@@ -40,6 +40,19 @@ static void allow(const td_keyframes *keys, const tides_gaussians *gaussians, in
         for (int k = 0; k < keys->width[p] && keys->part[p]; k++) allowed[keys->first[p] + k] = most_off * part[p];
 }
 
+/* The slope at frame `end` of the parabola through it and the next two, in direction `way`: a spline's is near it, while the
+ * differences' there is half as steep. */
+static void end_slope(const td_keyframes *keys, const double *value, int64_t end, int64_t way, double *slope) {
+    const int width = keys->channels;
+    double h0 = td_keyframes_time(keys, end + way) - td_keyframes_time(keys, end);
+    double h1 = td_keyframes_time(keys, end + 2 * way) - td_keyframes_time(keys, end + way);
+    for (int k = 0; k < width; k++) {
+        double x0 = value[end * width + k], x1 = value[(end + way) * width + k], x2 = value[(end + 2 * way) * width + k];
+        double d0 = (x1 - x0) / h0, d1 = (x2 - x1) / h1;
+        slope[end * width + k] = d0 + (d0 - d1) * h0 / (h0 + h1);
+    }
+}
+
 /* 1 where frames between `from` and `to` are on the cubics through these two. */
 static int is_smooth(const td_keyframes *keys, const double *value, const double *slope, const double *allowed, int64_t from,
                      int64_t to) {
@@ -83,6 +96,10 @@ void td_keyframes_scales(const tides_motion *motion, const tides_gaussians *gaus
          i++) { /* without memory frames are taken as they are */
         td_keyframes_gather(&keys, i, value);
         td_keyframes_differences(&keys, value, slope);
+        if (keys.frames > 2 && td_motion_setting(motion, "catmull_rom", 0) == 0) {
+            end_slope(&keys, value, 0, 1, slope);
+            end_slope(&keys, value, keys.frames - 1, -1, slope);
+        }
         allow(&keys, gaussians, i, allowed);
         scales[i].smooth = smooth_time(&keys, value, slope, allowed);
     }
