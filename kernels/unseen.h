@@ -6,7 +6,7 @@
  *   - a mean that passes a pixel, by its way in the splat's diameters;
  *   - an ellipse that turns or grows, by the way of its edge: half of what the variance along some direction changes by,
  *     relatively; for a needle of half-axes r1 > r2 that turns by phi, phi r1 / (2 r2);
- *   - an object's path that isn't the cubic through its ends (stray.h), until it is to a twentieth of a pixel;
+ *   - an object's path that isn't the cubic through its ends (stray.h), until it is to a hundredth of a pixel;
  *   - for Gaussians that move by themselves, where their model says that an interval holds more than three samples show: place,
  *     shape, opacity or colour that aren't the cubics through coarser samples' values and rates;
  *   - a splat that comes out from behind the near plane and is gone again at both ends. */
@@ -16,10 +16,11 @@
 #include "extent.h"
 #include "stray.h"
 
-/* What a place may be off by [px]: an eighth of the narrowest splat's standard deviation (smooth's dilation makes it 0.55 px),
- * times opacity what S changes by; for wider splats as many times more. Relatively, what shape, opacity and colour may: enough
- * for the samples to show that there is something; the controller then sees to the rest. */
-#define TD_UNSEEN_PLACE TD_REAL(0.05)
+/* What a place may be off by [px]: times the steepest edge that there is, of splats half a pixel wide (smooth's dilation makes
+ * them 0.55 px), a hundredth in S or two, a tenth of a threshold; for wider splats as many times more. On the scenes of `bench
+ * accuracy` this asks for no step. Relatively, what shape, opacity and colour may be off by: enough for the samples to show
+ * that there is something; the controller then sees to the rest. */
+#define TD_UNSEEN_PLACE TD_REAL(0.01)
 #define TD_UNSEEN_SHARE TD_REAL(0.02)
 /* Opacities below smooth's cut, 0.2/255, show nothing even before black. */
 #define TD_UNSEEN_OPACITY TD_REAL(8e-4)

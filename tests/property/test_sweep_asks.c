@@ -119,6 +119,17 @@ static frame spin(double time) {
     const frame f = {0, 0, 2 * PI * 50 * time};
     return f;
 }
+/* Dark at both ends of each step and in its middle. */
+static frame lamp(double time) {
+    double s = sin(PI * 1000 * time);
+    const frame f = {0, -10 + 10 * s * s, 0};
+    return f;
+}
+/* An eighth of a pixel, at the same place with the same rate at both ends and in the middle. */
+static frame shiver(double time) {
+    const frame f = {0.0087 * sin(2 * PI * 200 * time), 0, 0};
+    return f;
+}
 static frame drift(double time) {
     const frame f = {4 * time, -20 * time, time};
     return f;
@@ -161,6 +172,8 @@ static stage behind_stage(void) {
 
 static stage burst_frames(void) { return frames_stage(&ball, burst); }
 static stage flash_frames(void) { return frames_stage(&ball, flash); }
+static stage lamp_frames(void) { return frames_stage(&ball, lamp); }
+static stage shiver_object(void) { return object_stage(&ball, shiver); }
 static stage spin_frames(void) { return frames_stage(&needle, spin); }
 static stage drift_frames(void) { return frames_stage(&ball, drift); }
 static stage burst_object(void) { return object_stage(&ball, burst); }
@@ -198,8 +211,9 @@ typedef struct asked {
 
 /* Widths of what happens: 0.3 ms in 10 ms; 1 ms; turns of pi of a needle, 33 by 0.55 px; 0.2 s. */
 static const asked cases[] = {
-    {"burst, frames", burst_frames, 16, 128},    {"burst, object", burst_object, 16, 128},
+    {"burst, frames", burst_frames, 16, 128},    {"burst, object", burst_object, 16, 256},
     {"flash, frames", flash_frames, 16, 128},    {"bell", bell_stage, 5, 32},
+    {"lamp at 1 kHz", lamp_frames, 16, 128},     {"shiver", shiver_object, 4, 64},
     {"spin, frames", spin_frames, 8, 256},       {"spin, object", spin_object, 8, 256},
     {"behind the camera", behind_stage, 4, 256}, {"drift, frames", drift_frames, 0, 1},
     {"drift, object", drift_object, 0, 1},
@@ -222,6 +236,7 @@ static void test_it_has_its_events(void **state) {
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         stage s = cases[k].make();
         job j = job_on(&s);
+        if (cases[k].make == shiver_object) j.sensor.threshold_on = j.sensor.threshold_off = 0.05;
         outcome found = run(&j);
         j.stepping.mode = TIDES_STEPPING_FIXED;
         j.stepping.step_s = 1e-5;
