@@ -100,7 +100,8 @@ static tides_status add_knots(td_strays *strays, const seen_path *seen, const ti
     tides_status status = TIDES_OK;
     tides_pose_sample sample;
     if (!path || tides_trajectory_is_static(path)) return status;
-    for (size_t i = first_after(path, seen->epoch + seen->start); i < tides_trajectory_count(path) && status == TIDES_OK; i++) {
+    size_t from = first_after(path, seen->epoch + seen->start); /* but for that sum's rounding */
+    for (size_t i = from > 0 ? from - 1 : 0; i < tides_trajectory_count(path) && status == TIDES_OK; i++) {
         status = tides_trajectory_sample(path, i, &sample, error);
         double share = ((sample.time - seen->epoch) - seen->start) / (seen->stop - seen->start);
         if (status != TIDES_OK || share >= 1) break;
