@@ -1,7 +1,7 @@
 /* Ornstein-Uhlenbeck noise by counter. */
 #include "td_additive_noise.h"
 #include "td_base.h"
-#include "td_random.h"
+#include "td_noise_bridge.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,8 +24,9 @@ tides_status td_additive_noise_make(const tides_sensor *sensor, td_additive_nois
     noise->seed = sensor->seed;
     noise->spacing_ns = 1e9 / (two_pi * sensor->noise_cutoff_hz * lines_per_tau);
     noise->rho = exp(-1 / lines_per_tau);
-    noise->sigma = sensor->noise_rms * sqrt(3 / (2 + noise->rho));
+    noise->sigma = sensor->noise_rms;
     noise->change = noise->sigma * sqrt(-expm1(-2 / lines_per_tau));
+    td_noise_bridge_make(noise, noise->spacing_ns * lines_per_tau, fmin(sensor->threshold_on, sensor->threshold_off));
     return TIDES_OK;
 }
 
@@ -179,11 +180,4 @@ void td_additive_noise_sweep(const td_additive_noise *noise, double start_ns, do
             sweep->high[done + i] = l.highest[i];
         }
     }
-}
-
-/* -- paths ----------------------------------------------------------------------------------------------------------------- */
-
-void td_noise_line_add(const td_noise_line *line, double from_ns, double to_ns, td_path *path) {
-    double begin = td_noise_line_at(line, from_ns), end = td_noise_line_at(line, to_ns);
-    for (int i = 0; i < 4; i++) path->cubic.control[i] += begin + (end - begin) * (i / 3.0);
 }

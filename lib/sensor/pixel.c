@@ -5,6 +5,7 @@
 #include "td_pixel.h"
 #include "archive/td_numbers.h"
 #include "td_base.h"
+#include "td_noise_bridge.h"
 
 #include <math.h>
 
@@ -18,11 +19,10 @@ typedef struct walk {
     int32_t crossed; /* of these, the path's crossings: bound by max_events_per_step */
     int cut;         /* there were more */
     double s;
-    const td_path *path; /* the pixel's, or with its noise, */
-    td_path noisy;       /* this: true where the walk stands, and up to line_until */
-    td_noise_line line;
-    double line_until;
-    double low, high; /* bounds of the pixel's path without noise */
+    td_noise_line line; /* of the additive noise, where there is one: it holds where the walk stands, */
+    double line_until;  /* and ends here */
+    double low, high;   /* bounds of the pixel's path without noise */
+    td_path noisy;      /* room for the path with some of it */
 } walk;
 
 static double time_at(const walk *w, double s) { return w->job->start + s * w->job->step->length_ns; }
@@ -35,48 +35,57 @@ static double *since(const walk *w) { return &w->job->sensor->since[w->pixel->i]
 
 /* -- additive noise -------------------------------------------------------------------------------------------------------- */
 
-/* The path with the noise of the line at hand, whose end is the path's from now on. */
-static void take_line(walk *w) {
-    double start = w->job->start;
-    w->noisy.cubic = w->pixel->path.cubic;
-    td_noise_line_add(&w->line, start, start + w->job->step->length_ns, &w->noisy);
-    w->line_until = place_of(w, w->line.to_ns);
-}
-
 /* On to the line that begins at s, or holds it. */
 static void seek_line(walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
-    int passed = 0;
     if (!sensor->additive.on) return;
-    for (; w->line_until <= s && w->line_until < 1; passed = 1) {
+    while (w->line_until <= s && w->line_until < 1) {
         td_additive_noise_next(&sensor->additive, sensor->number[w->pixel->i], &w->line);
         w->line_until = place_of(w, w->line.to_ns);
     }
-    if (passed) take_line(w);
 }
 
 static void begin_lines(walk *w) {
     const td_sensor *sensor = w->job->sensor;
     size_t i = w->pixel->i;
-    w->path = &w->pixel->path;
     w->line_until = 2;
     if (!sensor->additive.on) return;
-    w->path = &w->noisy;
     w->noisy = w->pixel->path;
     td_path_range(&w->pixel->path, &w->low, &w->high);
     w->line =
         td_additive_noise_resume(&sensor->additive, sensor->number[i], (uint64_t)sensor->noise_line[i], sensor->noise_value[i]);
-    take_line(w);
+    w->line_until = place_of(w, w->line.to_ns);
     seek_line(w, 0);
 }
 
+/* The noise at s, which the line at hand holds; 0 without. */
+static double noise_at(const walk *w, double s) {
+    const td_sensor *sensor = w->job->sensor;
+    if (!sensor->additive.on) return 0;
+    return td_noise_value(&sensor->additive, sensor->number[w->pixel->i], &w->line, time_at(w, s));
+}
+
 /* The first crossing on [from, until], which ends no later than the line at hand. */
-static int cross(const walk *w, double from, double until, double *at) {
-    double low = w->reference - w->off, high = w->reference + w->on;
-    int noisy = w->job->sensor->additive.on;
+static int cross(walk *w, double from, double until, double *at) {
+    const td_sensor *sensor = w->job->sensor;
+    const td_path *path = &w->pixel->path;
     *at = from;
-    if (noisy && w->low + fmin(w->line.begin, w->line.end) > low && w->high + fmax(w->line.begin, w->line.end) < high) return 0;
-    return td_path_crossing(w->path, w->reference, w->on, w->off, from, until, at);
+    if (!sensor->additive.on) return td_path_crossing(path, w->reference, w->on, w->off, from, until, at);
+    const double least = fmin(w->line.begin, w->line.end) - sensor->additive.reach;
+    const double most = fmax(w->line.begin, w->line.end) + sensor->additive.reach;
+    if (w->low + least > w->reference - w->off && w->high + most < w->reference + w->on) return 0;
+    const td_noise_search search = {&sensor->additive,
+                                    sensor->number[w->pixel->i],
+                                    w->job->start,
+                                    w->job->step->length_ns,
+                                    path,
+                                    w->low,
+                                    w->high,
+                                    &w->noisy,
+                                    w->reference,
+                                    w->on,
+                                    w->off};
+    return td_noise_crossing(&search, &w->line, from, until, at);
 }
 
 /* The state becomes the line that the step's end is on. */
@@ -91,7 +100,7 @@ static void end_lines(walk *w) {
 /* S_eff at the step's end, whatever the path says. */
 static double end_of(walk *w) {
     seek_line(w, 1);
-    return w->pixel->end + (w->job->sensor->additive.on ? td_noise_line_at(&w->line, time_at(w, 1)) : 0);
+    return w->pixel->end + noise_at(w, 1);
 }
 
 /* -- events and references ------------------------------------------------------------------------------------------------- */
@@ -100,10 +109,9 @@ static double end_of(walk *w) {
 static uint16_t added_at(walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     const td_pixel_step *p = w->pixel;
-    double added = 0;
     if (!sensor->labels) return 0;
     seek_line(w, s);
-    if (sensor->additive.on) added = td_noise_line_at(&w->line, time_at(w, s));
+    double added = noise_at(w, s);
     if (sensor->frontend.on || sensor->light) {
         double S = s < 1 ? td_path_value(&p->path, s) : p->end, ramp = sensor->leak[p->i] * time_at(w, s);
         added += S - ramp - td_model_value(&p->input, s);
@@ -140,7 +148,7 @@ static tides_status emit(walk *w, double s, int64_t t, int polarity, int cause) 
 /* The reference becomes the signal at s. */
 static void rereference(walk *w, double s) {
     seek_line(w, s);
-    w->initial = w->reference = s < 1 ? td_path_value(w->path, s) : end_of(w);
+    w->initial = w->reference = s < 1 ? td_path_value(&w->pixel->path, s) + noise_at(w, s) : end_of(w);
     w->count_on = w->count_off = 0;
     *since(w) = time_at(w, s);
 }

@@ -1,5 +1,6 @@
 /* A sensor's pixels: parameters checked, and what is drawn once per pixel. */
 #include "td_base.h"
+#include "td_noise_bridge.h"
 #include "td_random.h"
 #include "td_sensor.h"
 
@@ -96,7 +97,7 @@ double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time) {
     td_noise_line line =
         td_additive_noise_resume(&sensor->additive, number, (uint64_t)sensor->noise_line[pixel], sensor->noise_value[pixel]);
     td_additive_noise_seek(&sensor->additive, number, time, &line);
-    return td_noise_line_at(&line, time);
+    return td_noise_value(&sensor->additive, number, &line, time);
 }
 
 static tides_status allocate(td_sensor *sensor, tides_error *error) {

@@ -168,6 +168,8 @@ static void take_levels(tile_job *job, size_t first, size_t count) {
     td_additive_noise_sweep(&sensor->additive, job->pixel.start, job->pixel.step->length_ns, sensor->number + at, count,
                             &sweep);
     for (size_t k = 0; k < count; k++) {
+        low[k] -= sensor->additive.reach;
+        high[k] += sensor->additive.reach;
         double size = fabs(reference[k]) + leak[k] * stop + job->on[k] + job->off[k] + fabs(low[k]) + fabs(high[k]);
         double slack = 64 * DBL_EPSILON * size;
         noise->on[k] = job->on[k] - high[k] - slack;

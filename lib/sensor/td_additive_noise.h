@@ -2,36 +2,41 @@
  *
  * With tau = 1 / (2 pi noise_cutoff_hz), grid points are d = tau / 8 apart, from a phase that is drawn per pixel, and
  *
- *   x(k + 1) = rho x(k) + sigma sqrt(1 - rho^2) n(k + 1),  rho = exp(-d / tau),  n standard normal
+ *   x(k + 1) = rho x(k) + noise_rms sqrt(1 - rho^2) n(k + 1),  rho = exp(-d / tau),  n standard normal
  *
- * is the process itself at these points, stationary from the first. Between them the noise is linear, so that it crosses a
- * level finitely often, at times that are solved for. A straight line between two points varies less than they do: sigma^2 =
- * noise_rms^2 3 / (2 + rho) makes the variance averaged over time noise_rms^2. What results:
- *
- *   autocovariance  of points k >= 1 apart: sigma^2 rho^k (exact); averaged over phases: sigma^2 rho^k (4 + rho + 1 / rho) / 6
- *   spectrum        sigma^2 d (1 - rho^2) / (1 + rho^2 - 2 rho cos(2 pi f d)) (sin(pi f d) / (pi f d))^4 per Hz, two-sided:
- *                   of the Lorentzian of that cutoff 1.04 at low frequencies, 1.03 at 3 cutoffs, 0.96 at 8, 0.43 at 25, and
- *                   next to nothing at multiples of 1 / d, which is 50 cutoffs; beyond, it falls as f^-4
+ * is the process itself at these points, stationary from the first. What it does between them, td_noise_bridge.h says. Here
+ * only bounds of that matter: a line is the stretch between two points, and on it the noise stays within `reach` of their
+ * range.
  *
  * Normals are a function of (seed, pixel, k): not of steps, tiles, or where a run is cut. A pixel's state is k and x(k). */
 #ifndef TD_ADDITIVE_NOISE_H
 #define TD_ADDITIVE_NOISE_H
 
-#include "td_path.h"
 #include "td_random.h"
 #include "tides/sensor.h"
+
+/* Parts of one length, with ends a and b. */
+typedef struct td_noise_level {
+    double variance;     /* of a Brownian bridge that varies as the process does between them */
+    double mean, change; /* their middle: mean (a + b) + change times a standard normal */
+} td_noise_level;
+
+enum { TD_NOISE_DEPTH_MAX = 22 }; /* nodes of the tree share a word with the random numbers' purpose */
 
 typedef struct td_additive_noise {
     int on;
     uint64_t seed;
-    double spacing_ns;         /* d */
-    double sigma, rho, change; /* of grid points; change = sigma sqrt(1 - rho^2) */
+    double spacing_ns;                            /* d */
+    double sigma, rho, change;                    /* of grid points; change = sigma sqrt(1 - rho^2) */
+    double reach;                                 /* how far beyond its ends the noise goes on a line, at most */
+    int depth;                                    /* halvings of a line (td_noise_bridge.h), */
+    td_noise_level level[TD_NOISE_DEPTH_MAX + 1]; /* and the parts after each */
 } td_additive_noise;
 
 /* Normals are drawn in blocks, which takes a fraction of the time: block b has n(b TD_NOISE_BLOCK) and those that follow. */
 enum { TD_NOISE_BLOCK = 2 * TD_RANDOM_LANES };
 
-/* A pixel's line from x(k) to x(k + 1). */
+/* A pixel's line, from x(k) to x(k + 1). */
 typedef struct td_noise_line {
     uint64_t k;
     double from_ns, to_ns;         /* since the run's start */
@@ -55,16 +60,11 @@ void td_additive_noise_next(const td_additive_noise *noise, uint32_t pixel, td_n
 /* Goes on from *line, at or before the time [ns since the run's start], to the one that holds it. */
 void td_additive_noise_seek(const td_additive_noise *noise, uint32_t pixel, double time_ns, td_noise_line *line);
 
-/* The noise on a line, at a time that it holds. */
-static inline double td_noise_line_at(const td_noise_line *line, double time_ns) {
-    return line->begin + (line->end - line->begin) * ((time_ns - line->from_ns) / (line->to_ns - line->from_ns));
-}
-
 /* Time as a step's s in [0, 1]. */
 static inline double td_place_of(double time_ns, double start_ns, double length_ns) { return (time_ns - start_ns) / length_ns; }
 
 /* Of `count` pixels: k and x(k) of the line that the step's start is on, or one before it, which become those of its end; and
- * bounds of the noise on the step. */
+ * bounds of these lines' ends: on the step the noise stays within `reach` of them. */
 typedef struct td_noise_sweep {
     double *line, *value, *low, *high;
 } td_noise_sweep;
@@ -72,9 +72,5 @@ typedef struct td_noise_sweep {
 /* To the bit what td_additive_noise_next comes to from line to line, of all pixels side by side. */
 void td_additive_noise_sweep(const td_additive_noise *noise, double start_ns, double length_ns, const uint32_t *pixel,
                              size_t count, const td_noise_sweep *sweep);
-
-/* Adds the line to the path of a step from `from_ns` to `to_ns`: the noise where the line holds, its straight continuation
- * elsewhere. */
-void td_noise_line_add(const td_noise_line *line, double from_ns, double to_ns, td_path *path);
 
 #endif

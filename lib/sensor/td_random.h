@@ -18,6 +18,7 @@ enum {
     TD_RANDOM_NOISE = 7,
     TD_RANDOM_DROP = 8,
     TD_RANDOM_JITTER = 9,
+    TD_RANDOM_NOISE_BRIDGE = 10, /* with a number above TD_RANDOM_PURPOSE_BITS: the node of a line's tree */
     /* the baselines, from 64 on */
     TD_RANDOM_ESIM_THRESHOLD = 64,
     TD_RANDOM_V2E_THRESHOLD = 65,
@@ -32,6 +33,9 @@ enum {
     TD_RANDOM_IEBCS_NOISE = 74,
     TD_RANDOM_LDATI = 75
 };
+
+/* The lowest bits of a purpose, which hold all of these. */
+enum { TD_RANDOM_PURPOSE_BITS = 8 };
 
 /* 128 random bits. */
 typedef struct td_random_bits {

@@ -1,0 +1,180 @@
+/* Additive noise between the points of its grid: a tree of parts, drawn where it comes near a level. */
+#include "td_noise_bridge.h"
+
+#include <math.h>
+
+enum { DEPTH_MIN = 1 };
+
+/* Of the threshold: standard deviation of the shortest parts. */
+static const double finest = 0.25;
+
+/* The largest q = -log(uniform): a bridge exceeds what it leaves it once in e^12. */
+static const double q_max = 12;
+
+/* A part of a line, with bounds of the noise on it. */
+typedef struct part {
+    uint32_t node; /* 1: the line; 2 n and 2 n + 1: the halves of n */
+    int depth;     /* of the node in the tree */
+    double from_ns, to_ns, begin, end, low, high;
+} part;
+
+/* A part at the bottom of the tree, where the noise is straight between its corners. */
+enum { CORNERS = 4 };
+typedef struct corners {
+    double time_ns[CORNERS], value[CORNERS];
+} corners;
+
+/* The numbers of parts of length l / tau. */
+static td_noise_level level_of(double sigma, double l) {
+    return (td_noise_level){4 * sigma * sigma * tanh(0.5 * l), 0.5 / cosh(0.5 * l), sigma * sqrt(tanh(0.5 * l))};
+}
+
+void td_noise_bridge_make(td_additive_noise *noise, double tau_ns, double threshold) {
+    double l = noise->spacing_ns / tau_ns;
+    for (int depth = 0;; depth++, l *= 0.5) {
+        noise->level[depth] = level_of(noise->sigma, l);
+        noise->depth = depth;
+        int fine = noise->level[depth].variance <= finest * finest * threshold * threshold;
+        if ((depth >= DEPTH_MIN && fine) || depth == TD_NOISE_DEPTH_MAX) break;
+    }
+    noise->reach = sqrt(0.5 * q_max * noise->level[0].variance);
+}
+
+/* -- the tree -------------------------------------------------------------------------------------------------------------- */
+
+/* Bounds: those of the part's bridge, within those of what it is a part of. */
+static void bound(const td_additive_noise *noise, part *p, double low, double high) {
+    const double change = p->end - p->begin, sum = p->begin + p->end;
+    const double w = sqrt(change * change + 2 * q_max * noise->level[p->depth].variance);
+    p->low = fmax(0.5 * (sum - w), low);
+    p->high = fmin(0.5 * (sum + w), high);
+}
+
+static part whole(const td_additive_noise *noise, const td_noise_line *line) {
+    part p = {1, 0, line->from_ns, line->to_ns, line->begin, line->end, 0, 0};
+    bound(noise, &p, -INFINITY, INFINITY);
+    return p;
+}
+
+static td_random_bits bits_of(const td_additive_noise *noise, uint32_t pixel, uint64_t k, const part *p) {
+    return td_random(noise->seed, pixel, k, TD_RANDOM_NOISE_BRIDGE | p->node << TD_RANDOM_PURPOSE_BITS);
+}
+
+static void halve(const td_additive_noise *noise, uint32_t pixel, uint64_t k, const part *p, part half[2]) {
+    const td_noise_level *level = &noise->level[p->depth];
+    const double middle_ns = 0.5 * (p->from_ns + p->to_ns);
+    double normal[2];
+    td_random_bits bits = bits_of(noise, pixel, k, p);
+    td_random_normals(&bits, normal);
+    double middle = fmin(fmax(level->mean * (p->begin + p->end) + level->change * normal[0], p->low), p->high);
+    half[0] = (part){2 * p->node, p->depth + 1, p->from_ns, middle_ns, p->begin, middle, 0, 0};
+    half[1] = (part){2 * p->node + 1, p->depth + 1, middle_ns, p->to_ns, middle, p->end, 0, 0};
+    bound(noise, &half[0], p->low, p->high);
+    bound(noise, &half[1], p->low, p->high);
+}
+
+static int is_bottom(const td_additive_noise *noise, const part *p) { return p->depth == noise->depth; }
+
+/* The share of the part after which it is at its maximum or minimum. */
+static double share_of(const part *p, double extreme) {
+    const double rise = fabs(extreme - p->begin), fall = fabs(extreme - p->end);
+    return rise + fall > 0 ? rise / (rise + fall) : 0.5;
+}
+
+/* Apart, so that no stretch between corners is steep beyond reason where both extremes come in the middle. */
+static const double first_latest = 7.0 / 16, second_earliest = 9.0 / 16;
+
+static void find_corners(const td_additive_noise *noise, uint32_t pixel, uint64_t k, const part *p, corners *c) {
+    const double change = p->end - p->begin, sum = p->begin + p->end, length = p->to_ns - p->from_ns;
+    const double v = noise->level[p->depth].variance;
+    const int low_first = change >= 0;
+    double extreme[2]; /* minimum, maximum */
+    td_random_bits bits = bits_of(noise, pixel, k, p);
+    for (int i = 0; i < 2; i++) {
+        const double w = sqrt(change * change + 2 * v * fmin(td_random_exponential(&bits, i), q_max));
+        extreme[i] = i == 0 ? fmax(0.5 * (sum - w), p->low) : fmin(0.5 * (sum + w), p->high);
+    }
+    c->value[0] = p->begin;
+    c->value[1] = extreme[!low_first];
+    c->value[2] = extreme[low_first];
+    c->value[3] = p->end;
+    c->time_ns[0] = p->from_ns;
+    c->time_ns[1] = p->from_ns + length * fmin(share_of(p, c->value[1]), first_latest);
+    c->time_ns[2] = p->from_ns + length * fmax(share_of(p, c->value[2]), second_earliest);
+    c->time_ns[3] = p->to_ns;
+}
+
+double td_noise_value(const td_additive_noise *noise, uint32_t pixel, const td_noise_line *line, double time_ns) {
+    part p = whole(noise, line), half[2];
+    corners c;
+    while (!is_bottom(noise, &p)) {
+        halve(noise, pixel, line->k, &p, half);
+        p = half[time_ns > half[0].to_ns];
+    }
+    find_corners(noise, pixel, line->k, &p, &c);
+    int i = 0;
+    while (i < CORNERS - 2 && time_ns > c.time_ns[i + 1]) i++;
+    const double share = (time_ns - c.time_ns[i]) / (c.time_ns[i + 1] - c.time_ns[i]);
+    return c.value[i] + (c.value[i + 1] - c.value[i]) * fmin(fmax(share, 0), 1);
+}
+
+/* -- crossings ------------------------------------------------------------------------------------------------------------- */
+
+static double place_of(const td_noise_search *search, double time_ns) {
+    return td_place_of(time_ns, search->start_ns, search->length_ns);
+}
+
+/* 0: the path with any noise in [low, high] reaches no level on [from, to]. 1: it may, but not before *s. */
+static int may_reach(const td_noise_search *search, double low, double high, double from, double to, double *s) {
+    const double top = search->reference + search->on - high, bottom = search->reference - search->off - low;
+    *s = from;
+    if (search->low > bottom && search->high < top) return 0;
+    /* Levels that leave no room, or a signal that hardly moves: there is nothing more to tell. */
+    if (!(top > bottom) || search->high - search->low < 0.25 * (high - low)) return 1;
+    const double half = 0.5 * (top - bottom);
+    return td_path_crossing(search->path, bottom + half, half, half, from, to, s) != 0;
+}
+
+/* The first crossing of the path with a straight stretch of noise. */
+static int cross_straight(const td_noise_search *search, const corners *c, int i, double from, double to, double *s) {
+    const double slope = (c->value[i + 1] - c->value[i]) / (c->time_ns[i + 1] - c->time_ns[i]);
+    const double begin = c->value[i] + slope * (search->start_ns - c->time_ns[i]), rise = slope * search->length_ns;
+    for (int k = 0; k < 4; k++) search->scratch->cubic.control[k] = search->path->cubic.control[k] + (begin + rise * (k / 3.0));
+    return td_path_crossing(search->scratch, search->reference, search->on, search->off, from, to, s);
+}
+
+static int cross_corners(const td_noise_search *search, const corners *c, double from, double to, double *s) {
+    const double low = fmin(c->value[1], c->value[2]), high = fmax(c->value[1], c->value[2]);
+    if (!may_reach(search, low, high, from, to, &from)) return 0;
+    for (int i = 0; i + 1 < CORNERS; i++) {
+        const double begin = fmax(from, i == 0 ? from : place_of(search, c->time_ns[i]));
+        const double end = fmin(to, i + 2 == CORNERS ? to : place_of(search, c->time_ns[i + 1]));
+        const int polarity = begin <= end ? cross_straight(search, c, i, begin, end, s) : 0;
+        if (polarity) return polarity;
+    }
+    return 0;
+}
+
+/* Parts in time order; what is still to be looked at is on a stack, as deep as the tree. */
+int td_noise_crossing(const td_noise_search *search, const td_noise_line *line, double from, double to, double *s) {
+    part left[TD_NOISE_DEPTH_MAX + 2];
+    int count = 0, polarity = 0;
+    left[count++] = whole(search->noise, line);
+    while (count > 0 && polarity == 0) {
+        const part p = left[--count];
+        double begin = p.node == 1 ? from : fmax(from, place_of(search, p.from_ns)), end = to;
+        corners c;
+        part half[2];
+        if (p.node & (p.node + 1)) end = fmin(to, place_of(search, p.to_ns)); /* the last of a generation ends with the line */
+        if (!(begin <= end) || !may_reach(search, p.low, p.high, begin, end, &begin)) continue;
+        if (is_bottom(search->noise, &p)) {
+            find_corners(search->noise, search->pixel, line->k, &p, &c);
+            polarity = cross_corners(search, &c, begin, end, s);
+        } else {
+            halve(search->noise, search->pixel, line->k, &p, half);
+            left[count++] = half[1];
+            left[count++] = half[0];
+        }
+    }
+    return polarity;
+}
