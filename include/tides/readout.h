@@ -12,7 +12,14 @@
  *   BOTTLENECK   a single queue for the whole sensor, k0 events per tick.
  *
  * psi_m in [0, 1] is a tile's activity (tides_arbiter_activity). Events are dropped on arrival with probability p0 + eta psi_m,
- * and where a queue is full; times get jitter of standard deviation sigma0 + gamma_sigma psi_m, never to before the event.
+ * and where a queue is full. When an event leaves gets jitter on top, of standard deviation sigma = sigma0 + gamma_sigma psi_m
+ * by either law. Jitter is of the time stamp alone: queues, ticks and delays are as without it.
+ *
+ *   GAUSSIAN     normal, of mean 0 (the paper's): a stamp may come before its event fired, and events change places
+ *   DELAY        never early: |n| sigma / sqrt(1 - 2 / pi), n normal, which is 1.32 sigma late on average
+ *
+ * What leaves is sorted all the same: an event is held until none that is still to come can be before it, 8.6 sigma_max with
+ * GAUSSIAN. Nothing is stamped before the run's start (tides_arbiter_start): what jitter would take there leaves at the start.
  * Random numbers depend on the seed and the event alone. */
 #ifndef TIDES_READOUT_H
 #define TIDES_READOUT_H
@@ -24,8 +31,9 @@ extern "C" {
 #endif
 
 enum { TIDES_READOUT_TILES = 0, TIDES_READOUT_ROWS = 1, TIDES_READOUT_BOTTLENECK = 2 };
+enum { TIDES_JITTER_GAUSSIAN = 0, TIDES_JITTER_DELAY = 1 };
 
-/* Fill with tides_readout_defaults (disabled; tiles of 16, 1 us, 32, 0.5, 0, 0.2, 0, 10 us, 65536). */
+/* Fill with tides_readout_defaults (disabled; tiles of 16, 1 us, 32, 0.5, 0, 0.2, 0, 10 us, 65536, GAUSSIAN). */
 typedef struct tides_readout {
     uint32_t size;
     int32_t enabled;                /* for runs; an arbiter itself doesn't ask */
@@ -37,6 +45,8 @@ typedef struct tides_readout {
     double beta_k;                  /* in [0, 1] */
     double p0, eta;                 /* in [0, 1] */
     double sigma0_s, gamma_sigma_s; /* [s] >= 0 */
+    int32_t jitter_law;             /* TIDES_JITTER_* */
+    int32_t reserved;
 } tides_readout;
 TIDES_API void tides_readout_defaults(tides_readout *readout);
 
@@ -62,6 +72,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_arbiter_create(const tides_readout
 
 /* NULL is fine. */
 TIDES_API void tides_arbiter_destroy(tides_arbiter *arbiter);
+
+/* The run's start [ns], before anything is pushed: no event leaves earlier. Without this, jitter may take them anywhere. */
+TIDES_API void tides_arbiter_start(tides_arbiter *arbiter, int64_t start_ns);
 
 /* Tiles of tile_px, across and down; a ROWS or BOTTLENECK arbiter has them too, for drops and jitter. */
 TIDES_API void tides_arbiter_tiles(const tides_arbiter *arbiter, int32_t *across, int32_t *down);

@@ -12,6 +12,9 @@
 
 enum { SIDE_MAX = 65536 };
 
+/* Of |n|, n standard normal: sqrt(1 - 2 / pi). */
+static const double half_normal_sigma = 0.60281027498905630;
+
 void tides_readout_defaults(tides_readout *readout) {
     *readout = (tides_readout){.size = sizeof *readout, .tile_px = 16, .k0 = 32, .queue_capacity = 65536, .tick_s = 1e-6};
     readout->beta_k = 0.5;
@@ -37,6 +40,9 @@ static tides_status check(const tides_readout *r, int32_t width, int32_t height,
         return td_fail(error, TIDES_BAD_ARGUMENT, "readout: start from tides_readout_defaults, which sets size");
     if (r->kind < TIDES_READOUT_TILES || r->kind > TIDES_READOUT_BOTTLENECK)
         return td_fail(error, TIDES_BAD_ARGUMENT, "readout: kind is %d; it must be one of TIDES_READOUT_*", (int)r->kind);
+    if (r->jitter_law < TIDES_JITTER_GAUSSIAN || r->jitter_law > TIDES_JITTER_DELAY)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "readout: jitter_law is %d; it must be one of TIDES_JITTER_*",
+                       (int)r->jitter_law);
     if (width < 1 || height < 1 || width > SIDE_MAX || height > SIDE_MAX)
         return td_fail(error, TIDES_BAD_ARGUMENT, "readout: %d x %d pixels; sides must lie in [1, %d]", (int)width, (int)height,
                        (int)SIDE_MAX);
@@ -97,10 +103,11 @@ tides_status tides_arbiter_create(const tides_readout *readout, int32_t width, i
     a->down = (height + readout->tile_px - 1) / readout->tile_px;
     a->seed = seed;
     a->tick_ns = (int64_t)llround(readout->tick_s * 1e9);
-    a->last_t = INT64_MIN;
+    a->start_ns = a->last_t = INT64_MIN;
     a->tick = a->tick_end = INT64_MIN;
     a->drops = readout->p0 + readout->eta > 0;
     a->jitters = readout->sigma0_s + readout->gamma_sigma_s > 0;
+    a->wide = readout->jitter_law == TIDES_JITTER_DELAY ? 1 / half_normal_sigma : 1;
     status = allocate(a, error);
     if (status != TIDES_OK) {
         tides_arbiter_destroy(a);
@@ -120,6 +127,8 @@ void tides_arbiter_destroy(tides_arbiter *arbiter) {
     free(arbiter->tile_column);
     free(arbiter);
 }
+
+void tides_arbiter_start(tides_arbiter *arbiter, int64_t start_ns) { arbiter->start_ns = start_ns; }
 
 void tides_arbiter_tiles(const tides_arbiter *arbiter, int32_t *across, int32_t *down) {
     *across = arbiter->across;
@@ -164,14 +173,15 @@ static int32_t queue_of(const tides_arbiter *a, const tides_event *event, int32_
     return a->readout.kind == TIDES_READOUT_BOTTLENECK ? 0 : tile;
 }
 
-/* The event's time with its jitter, never to before it fired. */
+/* The time at which the event leaves, with its jitter. */
 static void jitter(const tides_arbiter *a, tides_event *event, int64_t fired) {
     const tides_event before = {.t = fired, .x = event->x, .y = event->y, .polarity = event->polarity};
     double sigma = a->readout.sigma0_s + a->readout.gamma_sigma_s * a->psi[td_arbiter_tile(a, event)], normal[2];
     td_random_bits bits = draw(a, &before, TD_RANDOM_JITTER);
     td_random_normals(&bits, normal);
-    event->t += (int64_t)llround(sigma * 1e9 * normal[0]);
-    if (event->t < fired) event->t = fired;
+    if (a->readout.jitter_law == TIDES_JITTER_DELAY) normal[0] = fabs(normal[0]);
+    event->t += (int64_t)llround(sigma * 1e9 * a->wide * normal[0]);
+    if (event->t < a->start_ns) event->t = a->start_ns;
 }
 
 /* Leaves as soon as it comes: an infinite rate. */
@@ -266,7 +276,8 @@ static tides_status serve_until(tides_arbiter *a, int64_t t, tides_error *error)
 static int64_t certain_until(const tides_arbiter *a) {
     double sigma = a->readout.sigma0_s + a->readout.gamma_sigma_s;
     int64_t start = a->tick_ns ? a->tick * a->tick_ns : a->last_t;
-    return a->jitters ? start - (int64_t)ceil(TD_NORMAL_MAX * sigma * 1e9) : start;
+    return a->jitters && a->readout.jitter_law == TIDES_JITTER_GAUSSIAN ? start - (int64_t)ceil(TD_NORMAL_MAX * sigma * 1e9)
+                                                                        : start;
 }
 
 static tides_status check_order(tides_arbiter *a, const tides_event *events, size_t count, tides_error *error) {

@@ -11,7 +11,9 @@ struct tides_arbiter {
     int32_t width, height, across, down;
     uint64_t seed;
     int64_t tick_ns;                 /* 0: infinite rate */
+    int64_t start_ns;                /* nothing leaves before */
     int drops, jitters;              /* are there any? */
+    double wide;                     /* jitter over its standard deviation is a normal number times this */
     int32_t *tile_row, *tile_column; /* (height), (width): first tile of the row's tiles, tile within it */
     double *psi;                     /* (tiles) */
     int32_t *release;                /* (tiles) K_m */

@@ -173,6 +173,7 @@ static const named_constant readouts[] = {{"tiles", TIDES_READOUT_TILES},
                                           {"rows", TIDES_READOUT_ROWS},
                                           {"bottleneck", TIDES_READOUT_BOTTLENECK},
                                           {NULL, 0}};
+static const named_constant jitters[] = {{"gaussian", TIDES_JITTER_GAUSSIAN}, {"delay", TIDES_JITTER_DELAY}, {NULL, 0}};
 static const named_constant models[] = {{"hermite", TIDES_MODEL_HERMITE},
                                         {"quadratic", TIDES_MODEL_QUADRATIC},
                                         {"linear", TIDES_MODEL_LINEAR},
@@ -263,6 +264,7 @@ static void get_readout(const tides_run *run, tides_readout *readout) {
     readout->eta = td_run_number(run, "readout.eta");
     readout->sigma0_s = td_run_number(run, "readout.sigma0_s");
     readout->gamma_sigma_s = td_run_number(run, "readout.gamma_sigma_s");
+    readout->jitter_law = run_constant(run, "readout.jitter_law", jitters);
 }
 
 void tides_run_get(const tides_run *run, tides_run_values *values) {

@@ -22,7 +22,7 @@ double td_noise_share(double Y) { return shot_factor(Y) / shot_factor(0); }
 tides_status td_noise_create(const tides_sensor *sensor, size_t pixels, td_noise *noise, tides_error *error) {
     memset(noise, 0, sizeof *noise);
     noise->seed = sensor->seed;
-    noise->rate[TD_NOISE_SHOT_ON] = noise->rate[TD_NOISE_SHOT_OFF] = 0.5e-9 * sensor->shot_noise_hz * shot_factor(0);
+    noise->rate[TD_NOISE_SHOT_ON] = noise->rate[TD_NOISE_SHOT_OFF] = 0.5e-9 * sensor->shot_noise_hz;
     noise->rate[TD_NOISE_HOT] = sensor->hot_pixel_fraction > 0 ? 1e-9 * sensor->hot_pixel_rate_hz : 0;
     for (int k = 0; k < TD_NOISES; k++) {
         if (!(noise->rate[k] > 0)) continue;

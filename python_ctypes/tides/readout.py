@@ -17,21 +17,24 @@ from .events import EVENT, _records, as_events
 
 class Readout(Value, _api.tides_readout):
     """kind ("tiles", "rows", "bottleneck"), tile_px, k0 [events per tick], tick_s, beta_k, p0, eta, sigma0_s, gamma_sigma_s,
-    queue_capacity."""
+    queue_capacity, jitter_law ("gaussian", "delay")."""
 
     _defaults = "tides_readout_defaults"
-    _words = {"kind": "TIDES_READOUT_"}
+    _words = {"kind": "TIDES_READOUT_", "jitter_law": "TIDES_JITTER_"}
 
 
 class Arbiter(Handle):
-    """A readout of width x height px. `push` takes sorted events and gives what has left by then; `finish` gives the rest."""
+    """A readout of width x height px. `push` takes sorted events and gives what has left by then; `finish` gives the rest.
+    Nothing leaves before `start` [ns]; None: jitter may take events anywhere."""
 
     _destroy = "tides_arbiter_destroy"
 
-    def __init__(self, readout: Readout, width: int, height: int, seed: int = 0):
+    def __init__(self, readout: Readout, width: int, height: int, seed: int = 0, start: int | None = None):
         made = POINTER(_api.tides_arbiter)()
         call("tides_arbiter_create", readout, width, height, seed, byref(made))
         super().__init__(made)
+        if start is not None:
+            lib.tides_arbiter_start(made, start)
 
     def _collect(self, name: str, *arguments: Any) -> tuple[np.ndarray, np.ndarray]:
         packets, times = [np.empty(0, EVENT)], [np.empty(0, np.int64)]

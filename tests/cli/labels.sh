@@ -9,7 +9,7 @@ expect 0 tides simulate run.json -qo full.h5 $filter --set sensor.labels=true
 silent
 expect 0 tides info full.h5
 out "^labels +cause  fired  frontend$"
-expect 0 tides simulate run.json -qo late.h5 $filter $narrow --set sensor.labels=true
+expect 0 tides simulate run.json -qo late.h5 $filter $narrow --set readout.jitter_law=delay --set sensor.labels=true
 expect 0 tides simulate run.json -qo bare.h5 --set sensor.labels=true
 
 # Other formats and methods on frames have no place for them.

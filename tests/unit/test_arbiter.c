@@ -83,13 +83,13 @@ static stream run(const tides_readout *readout, const tides_event *events, size_
     return out;
 }
 
-/* In order, nothing before it fired, and every event an event of the input. */
-static void check_sound(const stream *out, const tides_event *events, size_t count) {
+/* In order, nothing more than `early` [ns] before it fired, and every event an event of the input. */
+static void check_early(const stream *out, const tides_event *events, size_t count, int64_t early) {
     size_t found = 0;
     assert_true(out->count > 0);
     for (size_t i = 0; i < out->count; i++) {
         assert_true(i == 0 || td_event_compare(&out->events[i - 1], &out->events[i]) <= 0);
-        assert_true(out->events[i].t >= out->fired[i]);
+        assert_true(out->events[i].t >= out->fired[i] - early);
     }
     tides_event *back = malloc((out->count + 1) * sizeof *back), *scratch = malloc((out->count + 1) * sizeof *scratch);
     assert_non_null(back);
@@ -104,6 +104,8 @@ static void check_sound(const stream *out, const tides_event *events, size_t cou
     free(back);
     free(scratch);
 }
+
+static void check_sound(const stream *out, const tides_event *events, size_t count) { check_early(out, events, count, 0); }
 
 static tides_readout slow(int32_t kind) {
     tides_readout readout;
@@ -142,8 +144,9 @@ static void test_cuts(void **state) {
         tides_readout_stats stats;
         readout.p0 = 0.1;
         readout.sigma0_s = 2e-6;
+        readout.jitter_law = kind % 2 ? TIDES_JITTER_DELAY : TIDES_JITTER_GAUSSIAN;
         stream whole = run(&readout, events, EVENTS, EVENTS, &stats);
-        check_sound(&whole, events, EVENTS);
+        check_early(&whole, events, EVENTS, kind % 2 ? 0 : (int64_t)(8.6 * 2000));
         assert_true(stats.delayed > EVENTS / 20);
         const size_t steps[] = {1, 37, 5000};
         for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
@@ -276,31 +279,66 @@ static void test_rows(void **state) {
     free(events);
 }
 
-/* Rates and widths within 4 standard errors of what was asked; jitter only where nothing is cut off at the firing time. */
+/* Mean and standard deviation of what jitter made of the times, in units of `sigma`, within 3 standard errors. `kurtosis`: the
+ * law's fourth central moment over sigma^4, which the standard deviation's error goes with. */
+static void check_moments(const stream *out, double sigma, double mean, double kurtosis) {
+    double sum = 0, squares = 0, n = (double)out->count;
+    for (size_t i = 0; i < out->count; i++) {
+        double moved = (double)(out->events[i].t - out->fired[i]) * 1e-9 / sigma;
+        sum += moved;
+        squares += moved * moved;
+    }
+    double spread = sqrt(squares / n - sum / n * (sum / n));
+    printf("jitter: mean %.4f sigma, asked %.4f; standard deviation %.4f sigma\n", sum / n, mean, spread);
+    assert_true(fabs(sum / n - mean) < 3 / sqrt(n));
+    assert_true(fabs(spread - 1) < 3 * sqrt((kurtosis - 1) / 4 / n));
+}
+
+/* Drops and jitter within 3 standard errors of what was asked. */
 static void test_chance(void **state) {
     (void)state;
+    /* Of |n|: mean sqrt(2 / pi) over its standard deviation sqrt(1 - 2 / pi); fourth moment 3.869 (half-normal). */
+    static const double mean[] = {0, 1.3236}, kurtosis[] = {3, 3.869};
     tides_event *events = make_events(EVENTS, 3);
-    tides_readout readout = slow(TIDES_READOUT_BOTTLENECK);
-    tides_readout_stats stats;
-    readout.k0 = 1000000;
-    readout.p0 = 0.2;
-    readout.sigma0_s = 5e-6;
-    stream out = run(&readout, events, EVENTS, 900, &stats);
-    double dropped = (double)stats.dropped / EVENTS;
-    assert_true(fabs(dropped - 0.2) < 4 * sqrt(0.2 * 0.8 / EVENTS));
-    size_t later = 0;
-    double squares = 0;
-    for (size_t i = 0; i < out.count; i++) {
-        double moved = (double)(out.events[i].t - out.fired[i]) * 1e-9;
-        assert_true(moved >= 0);
-        if (moved > 0) later++, squares += moved * moved;
+    for (int law = TIDES_JITTER_GAUSSIAN; law <= TIDES_JITTER_DELAY; law++) {
+        tides_readout readout = slow(TIDES_READOUT_BOTTLENECK);
+        tides_readout_stats stats;
+        readout.k0 = 1000000;
+        readout.p0 = 0.2;
+        readout.sigma0_s = 5e-6;
+        readout.jitter_law = law;
+        stream out = run(&readout, events, EVENTS, 900, &stats);
+        double dropped = (double)stats.dropped / EVENTS;
+        printf("dropped %.4f of 0.2\n", dropped);
+        assert_true(fabs(dropped - 0.2) < 3 * sqrt(0.2 * 0.8 / EVENTS));
+        check_moments(&out, 5e-6, mean[law], kurtosis[law]);
+        check_early(&out, events, EVENTS, law == TIDES_JITTER_DELAY ? 0 : (int64_t)(8.6 * 5000));
+        stream_free(&out);
     }
-    /* Half of a normal: the other half stays at the firing time. */
-    double sigma = sqrt(squares / (double)later);
-    printf("dropped %.4f of 0.2, later %.4f of 0.5, sigma %.4g of 5e-6\n", dropped, (double)later / (double)out.count, sigma);
-    assert_true(fabs((double)later / (double)out.count - 0.5) < 4 * 0.5 / sqrt((double)out.count));
-    assert_true(fabs(sigma / 5e-6 - 1) < 4 / sqrt(2 * (double)later));
-    stream_free(&out);
+    free(events);
+}
+
+/* Nothing leaves before the run's start, nor is anything lost there; without a start jitter goes beyond. */
+static void test_start(void **state) {
+    (void)state;
+    tides_event *events = make_events(EVENTS, 300);
+    for (int starts = 0; starts < 2; starts++) {
+        tides_readout readout = slow(TIDES_READOUT_TILES);
+        tides_arbiter *arbiter;
+        tides_error error;
+        stream out = {0};
+        readout.tick_s = 0;
+        readout.sigma0_s = 1e-5;
+        assert_int_equal(tides_arbiter_create(&readout, WIDTH, HEIGHT, SEED, &arbiter, &error), TIDES_OK);
+        if (starts) tides_arbiter_start(arbiter, events[0].t);
+        assert_int_equal(tides_arbiter_push(arbiter, events, EVENTS, collect, &out, &error), TIDES_OK);
+        assert_int_equal(tides_arbiter_finish(arbiter, collect, &out, &error), TIDES_OK);
+        tides_arbiter_destroy(arbiter);
+        assert_int_equal(out.count, EVENTS);
+        assert_int_equal(out.events[0].t >= events[0].t, starts);
+        check_early(&out, events, EVENTS, 86000);
+        stream_free(&out);
+    }
     free(events);
 }
 
@@ -360,7 +398,7 @@ int main(void) {
                                        cmocka_unit_test(test_prompt),     cmocka_unit_test(test_fifo),
                                        cmocka_unit_test(test_throughput), cmocka_unit_test(test_activity),
                                        cmocka_unit_test(test_rows),       cmocka_unit_test(test_chance),
-                                       cmocka_unit_test(test_overflow),   cmocka_unit_test(test_idle),
-                                       cmocka_unit_test(test_refusals)};
+                                       cmocka_unit_test(test_start),      cmocka_unit_test(test_overflow),
+                                       cmocka_unit_test(test_idle),       cmocka_unit_test(test_refusals)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -58,6 +58,7 @@ static void test_keys_reach_their_fields(void **state) {
         REAL("readout.sigma0_s", readout.sigma0_s, 0.5),
         REAL("readout.gamma_sigma_s", readout.gamma_sigma_s, 0.25),
         WHOLE("readout.queue_capacity", readout.queue_capacity, 77),
+        WHOLE("readout.jitter_law=delay", readout.jitter_law, TIDES_JITTER_DELAY),
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char set[128];

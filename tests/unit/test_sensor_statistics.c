@@ -47,7 +47,7 @@ static void test_shot_rate_and_law(void **state) {
     assert_true(r->buffer.count > 100000);
     for (int l = 0; l < LEVELS; l++)
         for (int p = 0; p < 2; p++) {
-            double dn = fmin(255 * luminance[l], 255), rate = asked / 2 * (1 - 0.75 * (dn + 20) / 275);
+            double dn = fmin(255 * luminance[l], 255), rate = asked / 2 * (1 - 0.75 * (dn + 20) / 275) / (1 - 0.75 * 20 / 275);
             double expected = rate * duration * TILES * RIG_PIXELS / LEVELS;
             expect_near(p ? "ON events" : "OFF events", found[l][p], expected, sqrt(expected));
         }
@@ -97,7 +97,7 @@ static void dark(const void *user, int i, double t, double *S, double *S_dot) {
 
 static void test_shot_intervals(void **state) {
     (void)state;
-    const double asked = 2000, rate = asked / 2 * (1 - 0.75 * 20 / 275), duration = 0.5;
+    const double asked = 2000, rate = asked / 2, duration = 0.5;
     tides_sensor sensor = quiet();
     sensor.shot_noise_hz = asked;
     rig *r = rig_make(&sensor, 1, 0, dark, NULL);
