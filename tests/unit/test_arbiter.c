@@ -294,7 +294,24 @@ static void check_moments(const stream *out, double sigma, double mean, double k
     assert_true(fabs(spread - 1) < 3 * sqrt((kurtosis - 1) / 4 / n));
 }
 
-/* Drops and jitter within 3 standard errors of what was asked. */
+/* All tiles with this activity. */
+static stream run_active(const tides_readout *readout, const tides_event *events, double psi, tides_readout_stats *stats) {
+    enum { TILES = WIDTH * HEIGHT };
+    double activity[TILES];
+    tides_arbiter *arbiter;
+    tides_error error;
+    stream out = {0};
+    for (int i = 0; i < TILES; i++) activity[i] = psi;
+    assert_int_equal(tides_arbiter_create(readout, WIDTH, HEIGHT, SEED, &arbiter, &error), TIDES_OK);
+    assert_int_equal(tides_arbiter_activity(arbiter, activity, &error), TIDES_OK);
+    assert_int_equal(tides_arbiter_push(arbiter, events, EVENTS, collect, &out, &error), TIDES_OK);
+    assert_int_equal(tides_arbiter_finish(arbiter, collect, &out, &error), TIDES_OK);
+    tides_arbiter_stats(arbiter, stats);
+    tides_arbiter_destroy(arbiter);
+    return out;
+}
+
+/* Drops and jitter, p0 + eta psi and sigma0 + gamma psi, within 3 standard errors of what was asked. */
 static void test_chance(void **state) {
     (void)state;
     /* Of |n|: mean sqrt(2 / pi) over its standard deviation sqrt(1 - 2 / pi); fourth moment 3.869 (half-normal). */
@@ -304,10 +321,12 @@ static void test_chance(void **state) {
         tides_readout readout = slow(TIDES_READOUT_BOTTLENECK);
         tides_readout_stats stats;
         readout.k0 = 1000000;
-        readout.p0 = 0.2;
-        readout.sigma0_s = 5e-6;
+        readout.p0 = 0.1;
+        readout.eta = 0.2;
+        readout.sigma0_s = 2e-6;
+        readout.gamma_sigma_s = 6e-6;
         readout.jitter_law = law;
-        stream out = run(&readout, events, EVENTS, 900, &stats);
+        stream out = run_active(&readout, events, 0.5, &stats);
         double dropped = (double)stats.dropped / EVENTS;
         printf("dropped %.4f of 0.2\n", dropped);
         assert_true(fabs(dropped - 0.2) < 3 * sqrt(0.2 * 0.8 / EVENTS));

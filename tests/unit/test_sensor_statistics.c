@@ -113,6 +113,62 @@ static void test_shot_intervals(void **state) {
     rig_free(r);
 }
 
+static void rest(const void *user, int i, double t, double *S, double *S_dot) {
+    (void)user;
+    (void)i;
+    (void)t;
+    *S = -1;
+    *S_dot = 0;
+}
+
+/* Leak events of pixels at rest, whatever their own thresholds: leak_rate_hz each; with a spread of leak_sigma decades that is
+ * the median, and the mean is e^((leak_sigma ln 10)^2 / 2) times as much. */
+static void test_leak_rate(void **state) {
+    (void)state;
+    const double asked = 40, duration = 5.0125, decades = 0.2, spread = decades * log(10);
+    for (int spreads = 0; spreads < 2; spreads++) {
+        tides_sensor sensor = quiet();
+        sensor.threshold_sigma = 0.03;
+        sensor.leak_rate_hz = asked;
+        sensor.leak_sigma = spreads ? decades : 0;
+        rig *r = rig_make(&sensor, TILES, 0, rest, NULL);
+        rig_run(r, duration, 20);
+        double pixels = TILES * RIG_PIXELS, mean = asked * (spreads ? exp(0.5 * spread * spread) : 1);
+        double error = spreads ? mean * sqrt(expm1(spread * spread) / pixels) : 0;
+        /* A pixel's last interval is cut off: half an event on average, none to one; without a spread, 200.5 is cut to 200. */
+        double found = ((double)r->buffer.count + 0.5 * pixels) / (pixels * duration);
+        expect_near("leak events [Hz]", found, mean, error + 1 / (duration * sqrt(12 * pixels)));
+        rig_free(r);
+    }
+}
+
+static void climb(const void *user, int i, double t, double *S, double *S_dot) {
+    (void)user;
+    (void)i;
+    *S = 40 * t;
+    *S_dot = 40;
+}
+
+/* Rates of a signal that would fire 200 times a second: HOLD adds the refractory period to each interval, DROP_KEEP fires at
+ * its end, DROP_CONSUME at the first crossing behind it. */
+static void test_refractory_rates(void **state) {
+    (void)state;
+    const double interval[] = {0.005 + 0.0075, 0.0075, 0.010};
+    for (int law = TIDES_REFRACTORY_HOLD; law <= TIDES_REFRACTORY_DROP_CONSUME; law++) {
+        tides_sensor sensor = quiet();
+        sensor.refractory_s = 0.0075;
+        sensor.refractory_law = law;
+        rig *r = rig_make(&sensor, 1, 0, climb, NULL);
+        tides_event events[400];
+        rig_run(r, 1, 37);
+        size_t count = rig_events(r, 3, 3, events, 400);
+        assert_true(count > 70);
+        for (size_t k = 1; k < count; k++)
+            assert_true(fabs(1e-9 * (double)(events[k].t - events[k - 1].t) - interval[law]) < 3e-9);
+        rig_free(r);
+    }
+}
+
 /* The same events whatever the steps. */
 static void test_noise_at_any_step(void **state) {
     (void)state;
@@ -258,6 +314,7 @@ static void test_pixels_are_the_image_s(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_shot_rate_and_law), cmocka_unit_test(test_shot_intervals),
+        cmocka_unit_test(test_leak_rate),         cmocka_unit_test(test_refractory_rates),
         cmocka_unit_test(test_noise_at_any_step), cmocka_unit_test(test_mismatch_and_leak),
         cmocka_unit_test(test_hot_and_dead),      cmocka_unit_test(test_pixels_are_the_image_s),
     };
