@@ -102,7 +102,7 @@ typedef struct tides_stream_metrics {
     double isi_spike;             /* fraction of intervals (any) of at most 1 us or on a clock: lib/metrics/isi_spike.c */
     double same_time;             /* fraction of events that share their tick with another event of the sensor */
     double same_time_tile;        /* of their tile */
-    double fano[TIDES_FANO_BINS]; /* mean Fano factor (variance / mean of the bins' counts) over the compared tiles */
+    double fano[TIDES_FANO_BINS]; /* mean Fano factor of the compared tiles: variance of the counts (over n - 1 bins) / mean */
     double van_rossum_norm;       /* squared van Rossum distance from no events at all, summed like van_rossum */
 } tides_stream_metrics;
 

@@ -62,7 +62,7 @@ typedef struct tides_sensor {
     double leak_rate_hz;    /* ON events per second that the reference's drift makes in a pixel at rest [Hz] */
     double leak_sigma;      /* decades of log-normal spread of that rate from pixel to pixel */
     double b_min;           /* pixels with less coverage than this stay silent, in [0, 1] */
-    double shot_noise_hz;   /* noise events, ON and OFF together, of a pixel at Y = 0; 0.264 of it at Y = 1, linear between [Hz] */
+    double shot_noise_hz;   /* noise events, both polarities, of a pixel at Y = 0; 0.264 of it at Y = 1, linear between [Hz] */
     double hot_pixel_fraction, hot_pixel_rate_hz;
     double dead_pixel_fraction;
 

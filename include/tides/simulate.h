@@ -126,7 +126,7 @@ TIDES_API void tides_simulator_stats(const tides_simulator *simulator, tides_sta
  * comparator sees it (with the leak's ramp, which begins at 0 at the run's start), the reference, and the counts of events
  * since the reference was last taken from the signal: at the start, at noise events and at the end of a hold. The invariant,
  * with the pixel's own thresholds and where it is neither held nor masked: -threshold_off < signal - reference < threshold_on.
- */
+ * Nothing is rendered before the first tides_simulator_run (or restore): till then signal and reference are NaN. */
 TIDES_API void tides_simulator_state(const tides_simulator *simulator, double *signal, double *reference, uint32_t *count_on,
                                      uint32_t *count_off);
 

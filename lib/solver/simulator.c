@@ -299,8 +299,8 @@ void tides_simulator_state(const tides_simulator *simulator, double *signal, dou
         for (int i = 0; i < tile->count; i++) {
             size_t from = simulator->first_pixel[t] + (size_t)i;
             size_t to = (size_t)(tile->y0 + i / tile->width) * simulator->width + (size_t)(tile->x0 + i % tile->width);
-            if (signal) signal[to] = td_signal_now(simulator, from);
-            if (reference) reference[to] = simulator->pixels.reference[from];
+            if (signal) signal[to] = simulator->started ? td_signal_now(simulator, from) : NAN;
+            if (reference) reference[to] = simulator->started ? simulator->pixels.reference[from] : NAN;
             if (count_on) count_on[to] = simulator->pixels.count_on[from];
             if (count_off) count_off[to] = simulator->pixels.count_off[from];
         }

@@ -200,7 +200,8 @@ class Simulation(Handle):
 
     @property
     def state(self) -> Facts:
-        """The state of every pixel: signal and reference [log units], count_on, count_off; arrays (height x width), copied."""
+        """The state of every pixel: signal and reference [log units], count_on, count_off; arrays (height x width), copied.
+        Before the first run nothing is rendered: signal and reference are NaN."""
         shape = (self.camera.intrinsics.height, self.camera.intrinsics.width)
         planes = [np.empty(shape, kind) for kind in (np.float64, np.float64, np.uint32, np.uint32)]
         kinds = (c_double, c_double, c_uint32, c_uint32)

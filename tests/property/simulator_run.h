@@ -88,6 +88,8 @@ static inline void begin(const job *j, tides_simulator *s, outcome *o) {
     o->count_on = calloc(pixels, sizeof *o->count_on);
     o->count_off = calloc(pixels, sizeof *o->count_off);
     assert_true(o->initial && o->signal && o->reference && o->count_on && o->count_off);
+    tides_simulator_state(s, o->signal, o->reference, NULL, NULL);
+    for (size_t i = 0; i < pixels; i++) assert_true(isnan(o->signal[i]) && isnan(o->reference[i])); /* nothing is rendered */
     scene_expect_ok(tides_simulator_run(s, j->start, collect, o, NULL, NULL, &error), &error);
     tides_simulator_state(s, o->signal, o->initial, NULL, NULL);
     assert_memory_equal(o->signal, o->initial, pixels * sizeof(double));
