@@ -36,10 +36,7 @@ static tides_status attach(tides_simulator *s, const tides_readout *readout, tid
     int32_t width = s->width, height = s->renderer->image.height, down;
     tides_status status = tides_arbiter_create(readout, width, height, s->sensor.sensor.seed, &scan->arbiter, error);
     if (status != TIDES_OK) return status;
-    td_step first; /* how the run's first step splits its start */
-    status = td_step_between(s->start, s->start + 1, &first, error);
-    if (status != TIDES_OK) return status;
-    tides_arbiter_start(scan->arbiter, first.start_ns);
+    tides_arbiter_start(scan->arbiter, s->epoch_ns);
     scan->readout = *readout;
     tides_arbiter_tiles(scan->arbiter, &scan->across, &down);
     scan->psi = td_alloc((size_t)scan->across * (size_t)down, sizeof *scan->psi, error);
