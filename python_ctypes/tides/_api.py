@@ -73,6 +73,8 @@ TIDES_LABEL_FRONTEND = 4
 TIDES_READOUT_TILES = 0
 TIDES_READOUT_ROWS = 1
 TIDES_READOUT_BOTTLENECK = 2
+TIDES_JITTER_GAUSSIAN = 0
+TIDES_JITTER_DELAY = 1
 TIDES_MODEL_LINEAR = 0
 TIDES_MODEL_QUADRATIC = 1
 TIDES_MODEL_HERMITE = 2
@@ -851,7 +853,7 @@ class tides_sensor(Structure):
     double leak_rate_hz; /* ON events per second that the reference's drift makes in a pixel at rest [Hz] */
     double leak_sigma; /* decades of log-normal spread of that rate from pixel to pixel */
     double b_min; /* pixels with less coverage than this stay silent, in [0, 1] */
-    double shot_noise_hz; /* noise events, ON and OFF together, of a pixel in the dark [Hz] */
+    double shot_noise_hz; /* noise events, both polarities, of a pixel at Y = 0; 0.264 of it at Y = 1, linear between [Hz] */
     double hot_pixel_fraction, hot_pixel_rate_hz;
     double dead_pixel_fraction;
     double psf_sigma_px; /* [px] */
@@ -1296,6 +1298,8 @@ class tides_readout(Structure):
     double beta_k; /* in [0, 1] */
     double p0, eta; /* in [0, 1] */
     double sigma0_s, gamma_sigma_s; /* [s] >= 0 */
+    int32_t jitter_law; /* TIDES_JITTER_* */
+    int32_t reserved;
     """
 
     size: int
@@ -1310,6 +1314,8 @@ class tides_readout(Structure):
     eta: float
     sigma0_s: float
     gamma_sigma_s: float
+    jitter_law: int
+    reserved: int
 
     _fields_ = [
         ("size", c_uint32),
@@ -1324,6 +1330,8 @@ class tides_readout(Structure):
         ("eta", c_double),
         ("sigma0_s", c_double),
         ("gamma_sigma_s", c_double),
+        ("jitter_law", c_int32),
+        ("reserved", c_int32),
     ]
 
 
@@ -1929,7 +1937,7 @@ class tides_stream_metrics(Structure):
     double isi_spike; /* fraction of intervals (any) of at most 1 us or on a clock: lib/metrics/isi_spike.c */
     double same_time; /* fraction of events that share their tick with another event of the sensor */
     double same_time_tile; /* of their tile */
-    double fano[TIDES_FANO_BINS]; /* mean Fano factor (variance / mean of the bins' counts) over the compared tiles */
+    double fano[TIDES_FANO_BINS]; /* mean Fano factor of the compared tiles: variance of the counts (over n - 1 bins) / mean */
     double van_rossum_norm; /* squared van Rossum distance from no events at all, summed like van_rossum */
     """
 
@@ -2220,6 +2228,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_arbiter_push": (c_int32, [
         P(tides_arbiter), P(tides_event), c_size_t, tides_readout_sink, c_void_p, P(tides_error)
     ]),
+    # void tides_arbiter_start(tides_arbiter *arbiter, int64_t start_ns)
+    "tides_arbiter_start": (None, [P(tides_arbiter), c_int64]),
     # void tides_arbiter_stats(const tides_arbiter *arbiter, tides_readout_stats *stats)
     "tides_arbiter_stats": (None, [P(tides_arbiter), P(tides_readout_stats)]),
     # void tides_arbiter_tiles(const tides_arbiter *arbiter, int32_t *across, int32_t *down)
