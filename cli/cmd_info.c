@@ -40,6 +40,9 @@ static cJSON *object_json(const tides_object *object) {
     cJSON_AddNumberToObject(json, "gaussians", (double)object->gaussians.count);
     cJSON_AddNumberToObject(json, "sh_degree", object->gaussians.sh_degree);
     cJSON_AddNumberToObject(json, "scale", object->scale);
+    const double *origin = object->gaussians.origin;
+    if (fabs(origin[0]) + fabs(origin[1]) + fabs(origin[2]) > 0)
+        cJSON_AddItemToObject(json, "origin", cJSON_CreateDoubleArray(origin, 3));
     cJSON_AddBoolToObject(json, "moving", object->motion || is_carried(object));
     double start, stop;
     if (object->trajectory) {

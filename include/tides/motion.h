@@ -23,7 +23,8 @@ TIDES_API const char *tides_motion_model(const tides_motion *motion);
 TIDES_API void tides_motion_range(const tides_motion *motion, double *start, double *stop);
 
 /* Constructors from arrays. They copy what they are given; count < 1, start >= stop, NaN or Inf: an error naming the array.
- * The Gaussians that a motion is for come with it when it is added to a scene: their number must be the same. */
+ * The Gaussians that a motion is for come with it when it is added to a scene: their number must be the same. Where those have
+ * an origin, means here count from (0, 0, 0) all the same. */
 
 /* Polynomials in time with a bell of opacity (SpacetimeGaussians, Li et al. 2024): with dt = tau - opacity_centre,
  *   mean = mean_0 + c_1 dt + c_2 dt^2 + c_3 dt^3,   quaternion = (quaternion_0 + quaternion_dot dt) normalised,
@@ -88,6 +89,7 @@ typedef struct tides_keyframes_motion {
     int32_t catmull_rom;        /* 1: Catmull and Rom's C1 cubics instead */
     int32_t plain_colour;       /* 1: colours aren't cut at 0 */
     int32_t reserved;
+    const double *mean_double; /* NULL, or the means in double, in place of `mean` (T x N x 3) */
 } tides_keyframes_motion;
 TIDES_MUST_CHECK TIDES_API tides_status tides_motion_create_keyframes(const tides_keyframes_motion *arrays,
                                                                       tides_motion **motion, tides_error *error);

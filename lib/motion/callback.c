@@ -65,6 +65,7 @@ static void rows_fill(callback_rows *rows, const tides_gaussians *gaussians, con
         for (int64_t i = 0; i < count; i++)
             for (int k = 0; k < rows->width[part]; k++)
                 rows->value[part][i * rows->width[part] + k] = own[part][(int64_t)index[i] * rows->width[part] + k];
+    for (int64_t i = 0; i < 3 * count; i++) rows->value[MEAN][i] += gaussians->origin[i % 3];
 }
 
 static tides_status call(const tides_callback_motion *own, double tau, int side, const int32_t *index, int64_t count,
@@ -129,6 +130,7 @@ static tides_status evaluate(const tides_motion *motion, const tides_gaussians *
     if (status != TIDES_OK) return status;
     rows_fill(&rows, gaussians, index, count);
     status = call(own, tau, side, index, count, &rows, error);
+    for (int64_t i = 0; i < 3 * count; i++) rows.value[MEAN][i] -= gaussians->origin[i % 3];
     if (status == TIDES_OK) status = check_rows(&rows, tau, index, count, error);
     for (int64_t i = 0; i < count && status == TIDES_OK; i++) {
         activate(&rows, i, geometry + i * TD_GEOMETRY_STRIDE, rates + i * TD_GEOMETRY_STRIDE);

@@ -70,7 +70,7 @@ static void plan(packing *p) {
 /* -- parts --------------------------------------------------------------------------------------------------------- */
 
 /* An axis along which the box's first corner is -1 and its second +1; outside, the border. */
-static place find_place(const packing *p, int axis, int size, float coordinate) {
+static place find_place(const packing *p, int axis, int size, double coordinate) {
     const float *box = td_motion_field(p->motion, "grid.aabb")->value;
     double from = box[axis], to = box[3 + axis];
     double along = ((coordinate - from) * 2 / (to - from) - 1 + 1) / 2 * (size - 1);
@@ -79,6 +79,11 @@ static place find_place(const packing *p, int axis, int size, float coordinate) 
     if (found.node > 0 && found.node == size - 1) found.node--;
     found.fraction = clamped - found.node;
     return found;
+}
+
+/* A canonical mean, as it was trained. */
+static double coordinate_of(const packing *p, int64_t g, int axis) {
+    return p->gaussians->origin[axis] + p->gaussians->mean[3 * g + axis];
 }
 
 /* (channel, row, column) of a plane from (row, column, channel): rows from `first` on, one missing at the end repeated. */
@@ -148,12 +153,12 @@ static tides_status pack_space(const packing *p, int level, double *records, tid
         if (!turned) return TIDES_NO_MEMORY;
         turn_plane(td_hexplane_plane(p->motion, level, space_planes[plane]), 0, rows, columns, p->channels, turned);
         for (int64_t g = 0; g < p->gaussians->count; g++) {
-            const float *mean = p->gaussians->mean + 3 * g;
+            const double x = coordinate_of(p, g, i), y = coordinate_of(p, g, j);
             double *product = records + g * p->stride + level * p->channels;
             if (plane == 0)
                 for (int c = 0; c < p->channels; c++) product[c] = 1;
-            multiply_plane(turned, columns, p->channels, find_place(p, i, p->shape.size[level][i], mean[i]),
-                           find_place(p, j, p->shape.size[level][j], mean[j]), product);
+            multiply_plane(turned, columns, p->channels, find_place(p, i, p->shape.size[level][i], x),
+                           find_place(p, j, p->shape.size[level][j], y), product);
         }
         free(turned);
     }
@@ -171,7 +176,7 @@ static void pack_record(const packing *p, int64_t g, double *raw) {
     raw += TD_HEXPLANE_PLACES;
     for (int level = 0; level < p->shape.levels; level++)
         for (int axis = 0; axis < 3; axis++) {
-            place found = find_place(p, axis, p->shape.size[level][axis], from->mean[3 * g + axis]);
+            place found = find_place(p, axis, p->shape.size[level][axis], coordinate_of(p, g, axis));
             *raw++ = found.node;
             *raw++ = found.fraction;
         }

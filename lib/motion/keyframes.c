@@ -1,6 +1,7 @@
 /* Keyframes as data: checks, and the numbers of kernels/motion_keyframes.h.
  *
  * Fields: time (T x 2) [tau], each the sum of two floats (so that no digit of a double that matters is lost), mean (T x N x 3),
+ * mean_rest (T x N x 3; absent: 0), what is missing from those where they were doubles,
  * quaternion (T x N x 4), and where they change: log_scale (T x N x 3), opacity_logit (T x N), sh (T x N x K x 3). Setting
  * catmull_rom: 1 for slopes of Catmull and Rom instead of a C2 spline's; plain_colour.
  *
@@ -10,9 +11,18 @@
 #include "camera/td_curve.h"
 #include "kernels/motion_keyframes.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Relative to the Gaussians' origin. */
+static double frame_mean(const td_keyframes *keys, int64_t frame, int64_t gaussian, int axis) {
+    int64_t at = 3 * (frame * keys->gaussians + gaussian) + axis;
+    double mean = keys->part[TD_KEYS_MEAN]->value[at];
+    if (keys->mean_rest) mean += keys->mean_rest->value[at];
+    return mean - keys->origin[axis];
+}
 
 static tides_status find_part(const tides_motion *motion, td_keyframes *keys, int part, const char *name, int rank,
                               int sh_degree, tides_error *error) {
@@ -40,9 +50,11 @@ tides_status td_keyframes_fields(const tides_motion *motion, const tides_gaussia
     if (status != TIDES_OK) return status;
     keys->frames = (int64_t)keys->time->shape[0];
     keys->gaussians = gaussians->count;
+    keys->origin = gaussians->origin;
     for (int part = 0; part < TD_KEYS_PARTS && status == TIDES_OK; part++)
         status = find_part(motion, keys, part, names[part], ranks[part], gaussians->sh_degree, error);
-    return status;
+    if (status != TIDES_OK || !td_motion_field(motion, "mean_rest")) return status;
+    return td_motion_need_field(motion, "mean_rest", 3, keys->part[TD_KEYS_MEAN]->shape, &keys->mean_rest, error);
 }
 
 static tides_status check_times(const tides_motion *motion, const td_keyframes *keys, tides_error *error) {
@@ -82,6 +94,7 @@ void td_keyframes_gather(const td_keyframes *keys, int64_t gaussian, double *out
             for (int k = 0; k < keys->width[part]; k++)
                 row[keys->first[part] + k] =
                     keys->part[part]->value[(frame * keys->gaussians + gaussian) * keys->width[part] + k];
+        for (int axis = 0; axis < 3; axis++) row[keys->first[TD_KEYS_MEAN] + axis] = frame_mean(keys, frame, gaussian, axis);
         double *q = row + keys->first[TD_KEYS_QUATERNION], *last = q - keys->channels, norm = 0, along = 0;
         for (int k = 0; k < 4; k++) norm += q[k] * q[k];
         for (int k = 0; k < 4 && frame > 0; k++) along += q[k] * last[k];
@@ -191,6 +204,13 @@ static void moment(const tides_motion *motion, double tau, int side, double real
     real[TD_KEYFRAMES_WEIGHT_DOT + 2] = u * (3 * u - 2);
 }
 
+static int means_rest(const td_keyframes *keys, const float *own, int64_t gaussian) {
+    for (int64_t frame = 0; frame < keys->frames; frame++)
+        for (int axis = 0; axis < 3; axis++)
+            if ((float)frame_mean(keys, frame, gaussian, axis) != own[3 * gaussian + axis]) return 0;
+    return 1;
+}
+
 /* A Gaussian rests if every frame holds its own numbers. */
 static void find_moving(const tides_motion *motion, const tides_gaussians *gaussians, uint8_t *moving) {
     const float *const own[TD_KEYS_PARTS] = {gaussians->mean, gaussians->quaternion, gaussians->log_scale,
@@ -198,8 +218,8 @@ static void find_moving(const tides_motion *motion, const tides_gaussians *gauss
     td_keyframes keys;
     if (td_keyframes_fields(motion, gaussians, &keys, NULL) != TIDES_OK) return;
     for (int64_t i = 0; i < keys.gaussians; i++) {
-        moving[i] = 0;
-        for (int part = 0; part < TD_KEYS_PARTS; part++)
+        moving[i] = !means_rest(&keys, gaussians->mean, i);
+        for (int part = TD_KEYS_MEAN + 1; part < TD_KEYS_PARTS; part++)
             for (int64_t frame = 0; frame < keys.frames && keys.part[part] && !moving[i]; frame++) {
                 const float *value = keys.part[part]->value + (frame * keys.gaussians + i) * keys.width[part];
                 moving[i] = memcmp(value, own[part] + i * keys.width[part], (size_t)keys.width[part] * sizeof *value) != 0;
@@ -233,10 +253,31 @@ static tides_status add_times(tides_motion *made, const tides_keyframes_motion *
     return check_times(made, &keys, error);
 }
 
+/* Means in double as single precision and what that leaves out. */
+static tides_status add_means(tides_motion *made, const uint64_t *shape, const double *mean, tides_error *error) {
+    const size_t count = (size_t)(shape[0] * shape[1] * shape[2]);
+    float *nearest = td_alloc(count, sizeof *nearest, error), *rest = td_alloc(count, sizeof *rest, error);
+    tides_status status = nearest && rest ? TIDES_OK : TIDES_NO_MEMORY;
+    if (status != TIDES_OK) {
+        free(nearest);
+        free(rest);
+        return status;
+    }
+    for (size_t i = 0; i < count; i++) {
+        nearest[i] = fabs(mean[i]) <= FLT_MAX ? (float)mean[i] : NAN; /* refused below */
+        rest[i] = (float)(mean[i] - nearest[i]);
+    }
+    status = td_motion_take_field(made, "mean", 3, shape, nearest, error);
+    if (status == TIDES_OK) return td_motion_take_field(made, "mean_rest", 3, shape, rest, error);
+    free(rest);
+    return status;
+}
+
 static tides_status add_parts(tides_motion *made, const tides_keyframes_motion *arrays, tides_error *error) {
     const uint64_t coefficients = (uint64_t)(arrays->sh_degree + 1) * (uint64_t)(arrays->sh_degree + 1);
     uint64_t shape[4] = {(uint64_t)arrays->frames, (uint64_t)arrays->count, 3, 3};
-    tides_status status = td_motion_copy_field(made, "mean", 3, shape, arrays->mean, error);
+    tides_status status = arrays->mean_double ? add_means(made, shape, arrays->mean_double, error)
+                                              : td_motion_copy_field(made, "mean", 3, shape, arrays->mean, error);
     if (status == TIDES_OK && arrays->log_scale)
         status = td_motion_copy_field(made, "log_scale", 3, shape, arrays->log_scale, error);
     shape[2] = 4;

@@ -38,7 +38,8 @@ static void pack_weights(const tides_motion *motion, const td_network *network, 
 static void pack_record(const tides_gaussians *from, int64_t g, int octaves, double *record) {
     double sum = 0, mean[3];
     for (int i = 0; i < 3; i++) {
-        mean[i] = record[TD_NETWORK_MEAN + i] = from->mean[3 * g + i];
+        record[TD_NETWORK_MEAN + i] = from->mean[3 * g + i];
+        mean[i] = from->origin[i] + from->mean[3 * g + i]; /* as it was trained */
         record[TD_NETWORK_SCALE + i] = exp((double)from->log_scale[3 * g + i]);
     }
     for (int i = 0; i < 4; i++) sum += (double)from->quaternion[4 * g + i] * from->quaternion[4 * g + i];

@@ -10,6 +10,8 @@ enum { TD_KEYS_MEAN = 0, TD_KEYS_QUATERNION, TD_KEYS_LOG_SCALE, TD_KEYS_LOGIT, T
 /* What is given per frame; absent parts are NULL. `channels` in all, the SH entries last. */
 typedef struct td_keyframes {
     const td_field *time, *part[TD_KEYS_PARTS];
+    const td_field *mean_rest; /* NULL: means are exact */
+    const double *origin;      /* of the Gaussians: what rows of means are relative to */
     int width[TD_KEYS_PARTS], first[TD_KEYS_PARTS];
     int channels;
     int64_t frames, gaussians;

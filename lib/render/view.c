@@ -1,6 +1,7 @@
 /* Object to camera at one time, with its rate: the product of two rigid motions. */
 #include "camera/td_trajectory.h"
 #include "motion/td_motion.h"
+#include "scene/td_scene.h"
 #include "td_render.h"
 
 /* Below any colour that a method has: it doesn't clamp them. */
@@ -55,7 +56,9 @@ static tides_status view_from(const tides_scene *scene, int32_t i, const tides_p
     tides_status status = tides_scene_object(scene, i, &object, error);
     if (status == TIDES_OK && object.trajectory) status = td_trajectory_at(object.trajectory, epoch, time, &pose, error);
     if (status != TIDES_OK) return td_fail_within(error, status, "path of object %d", (int)i);
-    td_view_make(eye, object.trajectory ? &pose : NULL, object.scale, view);
+    if (!object.trajectory) pose = at_rest;
+    td_pose_add_origin(&pose, object.scale, object.gaussians.origin); /* camera-relative, in double, from here on */
+    td_view_make(eye, &pose, object.scale, view);
     if (object.motion && td_motion_setting(object.motion, TD_PLAIN_COLOUR, 0) != 0) view->colour_floor = no_floor;
     return TIDES_OK;
 }

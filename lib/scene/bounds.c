@@ -69,6 +69,7 @@ static tides_status grow_object(box *b, const td_object *object, double time, ti
     b->scale = object->scale;
     b->pose = identity;
     if (object->trajectory) status = tides_trajectory_at(object->trajectory, time, &b->pose, error);
+    if (status == TIDES_OK) td_pose_add_origin(&b->pose, object->scale, object->gaussians.origin);
     if (status == TIDES_OK && object->motion) return grow_moving(b, object, time, error);
     if (status == TIDES_OK) grow_resting(b, &object->gaussians);
     return status;

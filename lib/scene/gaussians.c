@@ -15,7 +15,7 @@ tides_status td_gaussians_create(td_gaussians *gaussians, int64_t count, int32_t
     if ((uint64_t)count > SIZE_MAX)
         return td_fail(error, TIDES_NO_MEMORY, "%lld Gaussians don't fit in this machine's memory", (long long)count);
     size_t n = (size_t)count;
-    td_gaussians made = {count, sh_degree, NULL, NULL, NULL, NULL, NULL};
+    td_gaussians made = {.count = count, .sh_degree = sh_degree};
     made.mean = td_alloc(n, 3 * sizeof(float), error);
     if (made.mean) made.log_scale = td_alloc(n, 3 * sizeof(float), error);
     if (made.log_scale) made.quaternion = td_alloc(n, 4 * sizeof(float), error);
@@ -29,10 +29,21 @@ tides_status td_gaussians_create(td_gaussians *gaussians, int64_t count, int32_t
     return TIDES_OK;
 }
 
+/* A double beyond float's range would be undefined as a cast; td_gaussians_check refuses it. */
+static tides_status copy_means(td_gaussians *gaussians, const double *mean, tides_error *error) {
+    size_t count = 3 * (size_t)gaussians->count;
+    tides_status status = td_gaussians_widen(gaussians, error);
+    if (status != TIDES_OK) return status;
+    memcpy(gaussians->mean_double, mean, count * sizeof *mean);
+    for (size_t i = 0; i < count; i++) gaussians->mean[i] = td_narrow(mean[i]);
+    return TIDES_OK;
+}
+
 tides_status td_gaussians_copy(td_gaussians *gaussians, const tides_gaussians *source, tides_error *error) {
-    if (!source->mean || !source->log_scale || !source->quaternion || !source->opacity_logit || !source->sh)
+    int has_mean = source->mean || source->mean_double;
+    if (!has_mean || !source->log_scale || !source->quaternion || !source->opacity_logit || !source->sh)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s is NULL: all five arrays are needed",
-                       !source->mean         ? "mean"
+                       !has_mean             ? "mean"
                        : !source->log_scale  ? "log_scale"
                        : !source->quaternion ? "quaternion"
                        : !source->sh         ? "sh"
@@ -41,7 +52,12 @@ tides_status td_gaussians_copy(td_gaussians *gaussians, const tides_gaussians *s
     tides_status status = td_gaussians_create(&made, source->count, source->sh_degree, error);
     if (!made.sh) return status;
     size_t n = (size_t)made.count;
-    memcpy(made.mean, source->mean, n * 3 * sizeof(float));
+    if (source->mean) memcpy(made.mean, source->mean, n * 3 * sizeof(float));
+    if (source->mean_double && (status = copy_means(&made, source->mean_double, error)) != TIDES_OK) {
+        td_gaussians_free(&made);
+        return status;
+    }
+    memcpy(made.origin, source->origin, sizeof made.origin);
     memcpy(made.log_scale, source->log_scale, n * 3 * sizeof(float));
     memcpy(made.quaternion, source->quaternion, n * 4 * sizeof(float));
     memcpy(made.opacity_logit, source->opacity_logit, n * sizeof(float));
@@ -56,6 +72,7 @@ void td_gaussians_free(td_gaussians *gaussians) {
     free(gaussians->quaternion);
     free(gaussians->opacity_logit);
     free(gaussians->sh);
+    free(gaussians->mean_double);
     memset(gaussians, 0, sizeof *gaussians);
 }
 
@@ -66,7 +83,8 @@ tides_gaussians td_gaussians_view(const td_gaussians *gaussians) {
                              .log_scale = gaussians->log_scale,
                              .quaternion = gaussians->quaternion,
                              .opacity_logit = gaussians->opacity_logit,
-                             .sh = gaussians->sh};
+                             .sh = gaussians->sh,
+                             .origin = {gaussians->origin[0], gaussians->origin[1], gaussians->origin[2]}};
 }
 
 /* What a check needs to fail with. */

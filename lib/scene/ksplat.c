@@ -142,8 +142,9 @@ static void unpack_row(const ksplat *k, const section *s, const unsigned char *r
     float *sh = g->sh + 3 * td_sh_coefficients(g->sh_degree) * out;
     for (size_t c = 0; c < 3; c++) {
         double quantised = (double)td_le16(row + 2 * c) - s->range;
-        g->mean[3 * out + c] =
-            k->mode == 0 ? td_le_float(row + 4 * c) : (float)(quantised * s->step + (double)td_le_float(centre + 4 * c));
+        td_gaussians_put_mean(g, out, c,
+                              k->mode == 0 ? (double)td_le_float(row + 4 * c)
+                                           : quantised * s->step + (double)td_le_float(centre + 4 * c));
         g->log_scale[3 * out + c] = td_splat_log_scale(number_at(k->mode, row + at->scale, c));
         sh[c] = td_splat_dc(row[at->colour + c] / 255.0);
     }
@@ -189,7 +190,8 @@ tides_status td_ksplat_parse(const char *path, const void *data, size_t size, td
     if (!status) status = walk_sections(&k, NULL, &count, &degree);
     if (!status) status = td_gaussians_create(&made, (int64_t)count, degree, error);
     if (status) return status;
-    status = walk_sections(&k, &made, &count, &degree);
+    if (k.mode > 0) status = td_gaussians_widen(&made, error); /* centre and offset are more than a float holds */
+    if (!status) status = walk_sections(&k, &made, &count, &degree);
     if (status)
         td_gaussians_free(&made);
     else

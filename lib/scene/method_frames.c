@@ -13,6 +13,7 @@ typedef struct sequence {
     int64_t frames;
     size_t width[PARTS]; /* per Gaussian */
     float *value[PARTS]; /* (frames x count x width) */
+    double *mean;        /* (frames x count x 3) in double, where a file has them so; else NULL */
     double *time;
     td_gaussians first;
 } sequence;
@@ -54,6 +55,19 @@ static tides_status sequence_begin(sequence *s, tides_error *error) {
     return TIDES_OK;
 }
 
+/* From the first frame on that has its means in double: those before it are what they are. */
+static tides_status add_means(sequence *s, int64_t frame, const td_gaussians *g, tides_error *error) {
+    size_t reals = 3 * (size_t)g->count, before = (size_t)frame * reals;
+    if (!g->mean_double && !s->mean) return TIDES_OK;
+    if (!s->mean) {
+        s->mean = td_alloc((size_t)s->frames * reals, sizeof *s->mean, error);
+        if (!s->mean) return TIDES_NO_MEMORY;
+        for (size_t i = 0; i < before; i++) s->mean[i] = s->value[MEAN][i];
+    }
+    for (size_t i = 0; i < reals; i++) s->mean[before + i] = g->mean_double ? g->mean_double[i] : (double)g->mean[i];
+    return TIDES_OK;
+}
+
 static tides_status add_frame(sequence *s, int64_t frame, const td_gaussians *g, const char *path, tides_error *error) {
     const float *own[PARTS];
     if (g->count != s->first.count || g->sh_degree != s->first.sh_degree)
@@ -64,7 +78,7 @@ static tides_status add_frame(sequence *s, int64_t frame, const td_gaussians *g,
         size_t reals = (size_t)g->count * s->width[part];
         memcpy(s->value[part] + (size_t)frame * reals, own[part], reals * sizeof *own[part]);
     }
-    return TIDES_OK;
+    return add_means(s, frame, g, error);
 }
 
 static tides_status sequence_read(sequence *s, const td_model_dir *dir, tides_error *error) {
@@ -96,6 +110,7 @@ tides_status td_frames_open(const td_model_dir *dir, td_gaussians *gaussians, ti
     tides_status status = sequence_read(&s, dir, error);
     if (status == TIDES_OK) {
         tides_keyframes_motion arrays = {.frames = s.frames, .count = s.first.count, .time = s.time, .mean = s.value[MEAN]};
+        arrays.mean_double = s.mean;
         arrays.quaternion = s.value[QUATERNION];
         arrays.log_scale = changing(&s, LOG_SCALE);
         arrays.opacity_logit = changing(&s, LOGIT);
@@ -105,5 +120,6 @@ tides_status td_frames_open(const td_model_dir *dir, td_gaussians *gaussians, ti
     }
     for (int part = 0; part < PARTS; part++) free(s.value[part]);
     free(s.time);
+    free(s.mean);
     return td_arrays_finish(status, dir->folder, &s.first, moves, gaussians, motion, error);
 }

@@ -197,6 +197,14 @@ tides_status td_place_shape(const td_place *place, const char *name, int rank, u
     return status;
 }
 
+int td_place_is_wide(const td_place *place, const char *name) {
+    hid_t set = open_floats(place, name), type = set >= 0 ? H5Dget_type(set) : H5I_INVALID_HID;
+    int wide = type >= 0 && H5Tget_size(type) > sizeof(float);
+    if (type >= 0) H5Tclose(type);
+    if (set >= 0) H5Dclose(set);
+    return wide;
+}
+
 tides_status td_place_read(const td_place *place, const char *name, hid_t memory_type, void *values) {
     hid_t set = open_floats(place, name);
     int done = set >= 0 && H5Dread(set, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;

@@ -116,7 +116,7 @@ static tides_status bind_bounds(const packed *p, td_ply_column *columns) {
         if (found == p->chunk->properties || properties_of(p, p->chunk)[found].count_type)
             return td_fail(p->error, TIDES_BAD_FILE, "%s: line %zu: element chunk has no number %s", p->file->path,
                            p->chunk->line, bound_names[b]);
-        columns[found] = (td_ply_column){p->bounds + b, BOUNDS};
+        columns[found] = (td_ply_column){.base = p->bounds + b, .stride = BOUNDS};
     }
     return TIDES_OK;
 }
@@ -163,7 +163,7 @@ static void unpack(const float *bounds, const uint32_t word[PACKED], const td_ga
     static const unsigned shift[3] = {21, 11, 0}, bits[3] = {11, 10, 11};
     double others[3];
     for (size_t k = 0; k < 3; k++) {
-        g->mean[3 * i + k] = (float)between(bounds, 0, k, unit(word[0], shift[k], bits[k]));
+        td_gaussians_put_mean(g, i, k, between(bounds, 0, k, unit(word[0], shift[k], bits[k])));
         g->log_scale[3 * i + k] = (float)between(bounds, 6, k, unit(word[2], shift[k], bits[k]));
         g->sh[sh_stride * i + k] = td_splat_dc(between(bounds, 12, k, unit(word[3], 24 - 8 * (unsigned)k, 8)));
         others[k] = (unit(word[1], 20 - 10 * (unsigned)k, 10) - 0.5) * sqrt(2.0);
@@ -202,6 +202,7 @@ tides_status td_ply_packed_read(const td_ply_file *file, const td_ply_header *he
     if (!status) status = check_sh(&p, &degree);
     if (!status) status = make_bounds(&p);
     if (!status) status = td_gaussians_create(&made, (int64_t)p.vertex->count, degree, error);
+    if (!status && (status = td_gaussians_widen(&made, error)) != TIDES_OK) td_gaussians_free(&made);
     if (!status) {
         unpack_all(&p, &made);
         *gaussians = made;

@@ -102,6 +102,25 @@ static tides_status bind_sh(const binding *b, const td_gaussians *g) {
     return status;
 }
 
+/* Whether the file says more of means than single precision holds: numbers of eight bytes, or as text. */
+static int has_wide_means(const binding *b) {
+    if (b->header->format == TD_PLY_ASCII) return 1;
+    for (size_t axis = 0; axis < 3; axis++) {
+        size_t found = find_property(b, (const char *const[]){"x", "y", "z"}[axis]);
+        int type = b->header->properties[b->vertex->first_property + found].type;
+        if (type == TD_PLY_FLOAT64 || type == TD_PLY_INT32 || type == TD_PLY_UINT32) return 1;
+    }
+    return 0;
+}
+
+static tides_status bind_wide_means(const binding *b, td_gaussians *g) {
+    if (!has_wide_means(b)) return TIDES_OK;
+    tides_status status = td_gaussians_widen(g, b->error);
+    for (size_t axis = 0; axis < 3 && !status; axis++)
+        b->columns[find_property(b, (const char *const[]){"x", "y", "z"}[axis])].wide = g->mean_double + axis;
+    return status;
+}
+
 static int has_filter(const binding *b) { return find_property(b, "filter_3D") < b->vertex->properties; }
 
 /* Binds everything, or, where `g` has a degree but no arrays yet, makes sure that everything is there. */
@@ -171,6 +190,7 @@ static tides_status read_gaussians(binding *b, td_gaussians *gaussians) {
     if (!status && has_filter(b) && !(filter = td_alloc((size_t)made.count, sizeof *filter, b->error)))
         status = TIDES_NO_MEMORY;
     if (!status) status = bind_all(b, &made, filter);
+    if (!status) status = bind_wide_means(b, &made);
     if (!status) status = read_rows(b);
     if (!status) status = check_filter(b, filter);
     if (!status && filter) td_gaussians_fold_filter(&made, filter);

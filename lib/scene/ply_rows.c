@@ -4,6 +4,7 @@
  * demands, so that a value too many or too few is found where it is; blank lines are skipped. */
 #include "td_base.h"
 #include "td_ply.h"
+#include "td_scene.h"
 
 #include <float.h>
 #include <locale.h>
@@ -22,16 +23,10 @@ typedef struct reader {
     tides_error *error;
 } reader;
 
-/* A double beyond float's range would be undefined as a cast. */
-static float narrow(double value) {
-    if (value > FLT_MAX) return INFINITY;
-    if (value < -FLT_MAX) return -INFINITY;
-    return (float)value;
-}
-
 static void store(const reader *r, size_t property, uint64_t row, double value) {
     const td_ply_column *column = r->columns ? &r->columns[property] : NULL;
-    if (column && column->base) column->base[row * column->stride] = narrow(value);
+    if (column && column->base) column->base[row * column->stride] = td_narrow(value);
+    if (column && column->wide) column->wide[row * column->stride] = value;
 }
 
 /* The least bytes that a row may take: lists may be empty, numbers one digit. */

@@ -1,5 +1,6 @@
 /* PLY files as INRIA's trainer writes them, so that every viewer reads them: binary_little_endian, all float, in the order
- * x y z nx ny nz f_dc_* f_rest_* opacity scale_* rot_*, normals 0, f_rest channel by channel. */
+ * x y z nx ny nz f_dc_* f_rest_* opacity scale_* rot_*, normals 0, f_rest channel by channel. Means that single precision can't
+ * hold, far from (0, 0, 0), are double. */
 #include "td_base.h"
 #include "td_scene.h"
 
@@ -8,17 +9,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* x y z nx ny nz, sh, opacity, scale, rot, at the largest degree */
+/* nx ny nz, sh, opacity, scale, rot, at the largest degree; and x y z */
 enum { ROW_FLOATS_MAX = 6 + 3 * (TIDES_SH_DEGREE_MAX + 1) * (TIDES_SH_DEGREE_MAX + 1) + 1 + 3 + 4 };
 
 static void write_names(FILE *out, const char *stem, size_t count) {
     for (size_t i = 0; i < count; i++) fprintf(out, "property float %s_%zu\n", stem, i);
 }
 
-static void write_header(FILE *out, const td_gaussians *g) {
+static void write_header(FILE *out, const td_gaussians *g, int wide) {
     fprintf(out, "ply\nformat binary_little_endian 1.0\nelement vertex %lld\n", (long long)g->count);
     static const char *const first[] = {"x", "y", "z", "nx", "ny", "nz"};
-    for (size_t i = 0; i < sizeof first / sizeof first[0]; i++) fprintf(out, "property float %s\n", first[i]);
+    for (size_t i = 0; i < sizeof first / sizeof first[0]; i++)
+        fprintf(out, "property %s %s\n", wide && i < 3 ? "double" : "float", first[i]);
     write_names(out, "f_dc", 3);
     write_names(out, "f_rest", 3 * (td_sh_coefficients(g->sh_degree) - 1));
     fprintf(out, "property float opacity\n");
@@ -27,12 +29,11 @@ static void write_header(FILE *out, const td_gaussians *g) {
     fprintf(out, "end_header\n");
 }
 
-/* Fills `row` and returns its length. A scale of 1 keeps every bit. */
+/* Fills `row`, what follows the mean, and returns its length. A scale of 1 keeps every bit. */
 static size_t fill_row(float *row, const td_gaussians *g, size_t i, double scale) {
     size_t n = 0, coefficients = td_sh_coefficients(g->sh_degree);
     const float *sh = g->sh + i * coefficients * 3;
     double log_of_scale = log(scale);
-    for (size_t axis = 0; axis < 3; axis++) row[n++] = (float)(scale * g->mean[3 * i + axis]);
     for (size_t axis = 0; axis < 3; axis++) row[n++] = 0.0f;
     for (size_t c = 0; c < 3; c++) row[n++] = sh[c];
     for (size_t c = 0; c < 3; c++)
@@ -43,23 +44,39 @@ static size_t fill_row(float *row, const td_gaussians *g, size_t i, double scale
     return n;
 }
 
-/* Little-endian on every host. */
-static void store_floats(unsigned char *bytes, const float *values, size_t count) {
-    for (size_t i = 0; i < count; i++) {
-        uint32_t bits;
-        memcpy(&bits, &values[i], sizeof bits);
-        for (size_t b = 0; b < 4; b++) bytes[4 * i + b] = (unsigned char)(bits >> 8 * b);
+/* Little-endian on every host. Both return the bytes' end. */
+static unsigned char *store_float(unsigned char *bytes, float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    for (size_t b = 0; b < 4; b++) *bytes++ = (unsigned char)(bits >> 8 * b);
+    return bytes;
+}
+
+static unsigned char *store_double(unsigned char *bytes, double value) {
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    for (size_t b = 0; b < 8; b++) *bytes++ = (unsigned char)(bits >> 8 * b);
+    return bytes;
+}
+
+static unsigned char *store_mean(unsigned char *bytes, const td_gaussians *g, size_t i, double scale, int wide) {
+    for (int axis = 0; axis < 3; axis++) {
+        double mean = scale * td_gaussians_mean(g, (int64_t)i, axis);
+        bytes = wide ? store_double(bytes, mean) : store_float(bytes, (float)mean);
     }
+    return bytes;
 }
 
 /* 0 on the first failure, with errno saying why. */
-static int write_rows(FILE *out, const td_gaussians *g, double scale) {
+static int write_rows(FILE *out, const td_gaussians *g, double scale, int wide) {
     float row[ROW_FLOATS_MAX];
-    unsigned char bytes[4 * ROW_FLOATS_MAX];
+    unsigned char bytes[4 * ROW_FLOATS_MAX + 3 * 8];
     for (size_t i = 0; i < (size_t)g->count; i++) {
         size_t n = fill_row(row, g, i, scale);
-        store_floats(bytes, row, n);
-        if (fwrite(bytes, 4, n, out) != n) return 0;
+        unsigned char *end = store_mean(bytes, g, i, scale, wide);
+        for (size_t k = 0; k < n; k++) end = store_float(end, row[k]);
+        size_t size = (size_t)(end - bytes);
+        if (fwrite(bytes, 1, size, out) != size) return 0;
     }
     return 1;
 }
@@ -73,8 +90,10 @@ tides_status td_ply_write(const char *path, const td_gaussians *gaussians, doubl
         status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", part, strerror(errno));
         goto done;
     }
-    write_header(out, gaussians);
-    int written = write_rows(out, gaussians, scale) && !ferror(out); /* ferror: the header's lines weren't checked one by one */
+    int wide = !td_gaussians_fit_float(gaussians);
+    write_header(out, gaussians, wide);
+    int written =
+        write_rows(out, gaussians, scale, wide) && !ferror(out); /* ferror: the header's lines weren't checked one by one */
     int reason = errno;
     if (fclose(out) != 0 && written) { /* the last buffer goes out here: a full disk may show no earlier */
         written = 0;

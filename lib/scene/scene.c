@@ -45,13 +45,14 @@ static tides_status copy_trajectory(const tides_trajectory *trajectory, tides_tr
     return status;
 }
 
-static tides_status object_fill(td_object *object, const td_gaussians *gaussians, const tides_trajectory *trajectory,
-                                double scale, const char *name, const char *source, tides_error *error) {
+static tides_status object_fill(td_object *object, td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,
+                                const char *name, const char *source, tides_error *error) {
     if (!(scale > 0 && scale <= FLT_MAX))
         return td_fail(error, TIDES_BAD_ARGUMENT, "scale is %g: must be a positive number within float's range", scale);
     tides_status status = td_gaussians_check(gaussians, scale, source ? TIDES_BAD_FILE : TIDES_BAD_ARGUMENT, error);
     if (status) return status;
     if (trajectory && (status = copy_trajectory(trajectory, &object->trajectory, error)) != TIDES_OK) return status;
+    if ((status = td_gaussians_recentre(gaussians, error)) != TIDES_OK) return status;
     object->name = td_strdup(name, error);
     object->source = td_strdup(source ? source : "", error);
     object->scale = scale;
@@ -130,11 +131,13 @@ tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_o
 static void pose_at_start(const td_object *object, tides_pose *pose) {
     static const tides_pose identity = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     *pose = identity;
-    if (!object->trajectory) return;
-    double start, stop;
-    tides_trajectory_range(object->trajectory, &start, &stop);
-    tides_pose found;
-    if (tides_trajectory_at(object->trajectory, isfinite(start) ? start : 0, &found, NULL) == TIDES_OK) *pose = found;
+    if (object->trajectory) {
+        double start, stop;
+        tides_trajectory_range(object->trajectory, &start, &stop);
+        tides_pose found;
+        if (tides_trajectory_at(object->trajectory, isfinite(start) ? start : 0, &found, NULL) == TIDES_OK) *pose = found;
+    }
+    td_pose_add_origin(pose, object->scale, object->gaussians.origin);
 }
 
 static void grow_bounds(const td_object *object, double lower[3], double upper[3]) {

@@ -69,6 +69,14 @@ static tides_status check_shapes(const td_place *place, int32_t *degree, uint64_
     return status;
 }
 
+static tides_status read_means(const td_place *place, td_gaussians *made) {
+    if (!td_place_is_wide(place, "mean")) return td_place_read(place, "mean", H5T_NATIVE_FLOAT, made->mean);
+    tides_status status = td_gaussians_widen(made, place->error);
+    if (!status) status = td_place_read(place, "mean", H5T_NATIVE_DOUBLE, made->mean_double);
+    for (int64_t i = 0; i < 3 * made->count && !status; i++) made->mean[i] = td_narrow(made->mean_double[i]);
+    return status;
+}
+
 static tides_status read_gaussians(const td_place *place, td_gaussians *gaussians) {
     int32_t degree = 0;
     uint64_t count = 0;
@@ -76,7 +84,7 @@ static tides_status read_gaussians(const td_place *place, td_gaussians *gaussian
     tides_status status = check_shapes(place, &degree, &count);
     if (!status) status = td_gaussians_create(&made, (int64_t)count, degree, place->error);
     if (status) return status;
-    status = td_place_read(place, "mean", H5T_NATIVE_FLOAT, made.mean);
+    status = read_means(place, &made);
     if (!status) status = td_place_read(place, "log_scale", H5T_NATIVE_FLOAT, made.log_scale);
     if (!status) status = td_place_read(place, "quaternion", H5T_NATIVE_FLOAT, made.quaternion);
     if (!status) status = td_place_read(place, "opacity_logit", H5T_NATIVE_FLOAT, made.opacity_logit);

@@ -35,11 +35,23 @@ static tides_status write_image(const char *path, const char *image, size_t size
     return status;
 }
 
+/* With the origin: in double where single precision can't hold that. */
+static tides_status write_means(const td_place *place, const td_gaussians *g) {
+    const hid_t stored = td_gaussians_fit_float(g) ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
+    const uint64_t shape[] = {(uint64_t)g->count, 3};
+    double *mean = td_alloc((size_t)g->count, 3 * sizeof *mean, place->error);
+    if (!mean) return TIDES_NO_MEMORY;
+    for (int64_t i = 0; i < 3 * g->count; i++) mean[i] = td_gaussians_mean(g, i / 3, (int)(i % 3));
+    tides_status status = td_place_write(place, "mean", stored, H5T_NATIVE_DOUBLE, 2, shape, mean);
+    free(mean);
+    return status;
+}
+
 static tides_status write_gaussians(const td_place *place, const td_gaussians *g) {
     const hid_t stored = H5T_IEEE_F32LE, given = H5T_NATIVE_FLOAT;
     uint64_t n = (uint64_t)g->count, k = td_sh_coefficients(g->sh_degree);
     tides_status status = td_place_write_int(place, "sh_degree", g->sh_degree);
-    if (!status) status = td_place_write(place, "mean", stored, given, 2, (uint64_t[]){n, 3}, g->mean);
+    if (!status) status = write_means(place, g);
     if (!status) status = td_place_write(place, "log_scale", stored, given, 2, (uint64_t[]){n, 3}, g->log_scale);
     if (!status) status = td_place_write(place, "quaternion", stored, given, 2, (uint64_t[]){n, 4}, g->quaternion);
     if (!status) status = td_place_write(place, "opacity_logit", stored, given, 1, (uint64_t[]){n}, g->opacity_logit);

@@ -5,6 +5,12 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* Whether a motion's numbers hold for means about (0, 0, 0) only: a network that turns each about it (Deformable-3DGS's screws),
+ * or a decoder that takes the camera's place as an input. Others see the origin added where it matters to them. */
+static int is_absolute(const tides_motion *motion) {
+    return td_motion_setting(motion, "decoder", 0) != 0 || td_motion_field(motion, "branch_w.weight");
+}
+
 tides_status td_scene_give_motion(tides_scene *scene, tides_motion *motion, double duration_s, tides_error *error) {
     td_object *object = &scene->objects[scene->count - 1];
     tides_gaussians gaussians = td_gaussians_view(&object->gaussians);
@@ -12,6 +18,10 @@ tides_status td_scene_give_motion(tides_scene *scene, tides_motion *motion, doub
     if (!(duration_s >= 0 && isfinite(duration_s)))
         return td_fail(error, TIDES_BAD_ARGUMENT, "duration_s is %g: must be a number of seconds, 0 for the motion's own",
                        duration_s);
+    if (is_absolute(motion)) {
+        td_gaussians_leave_origin(&object->gaussians);
+        gaussians = td_gaussians_view(&object->gaussians);
+    }
     tides_status status = motion->type->check(motion, &gaussians, error);
     if (status) return status;
     object->motion = motion;

@@ -49,6 +49,9 @@ enum { TD_PLACE_RANK_MAX = 4 };
  * values, or it claims more of them than a file of this size can hold. */
 tides_status td_place_shape(const td_place *place, const char *name, int rank, uint64_t shape[TD_PLACE_RANK_MAX]);
 
+/* 1 where a dataset's numbers are wider than single precision. */
+int td_place_is_wide(const td_place *place, const char *name);
+
 /* All of a dataset, converted to `memory_type` (H5T_NATIVE_FLOAT, H5T_NATIVE_DOUBLE); ask for the shape first. */
 tides_status td_place_read(const td_place *place, const char *name, hid_t memory_type, void *values);
 

@@ -74,10 +74,11 @@ typedef struct td_ply_cursor {
     size_t at, line;
 } td_ply_cursor;
 
-/* Where the values of one property go: row i to base[i * stride]; a NULL base skips it. */
+/* Where the values of one property go: row i to base[i * stride], and without rounding to wide[i * stride]; NULL skips it. */
 typedef struct td_ply_column {
     float *base;
     size_t stride;
+    double *wide;
 } td_ply_column;
 
 /* TIDES_BAD_FILE where the element's rows can't possibly fit in what is left of the file: to be asked before memory is

@@ -4,11 +4,16 @@
 
 #include "tides/scene.h"
 
+#include <float.h>
+#include <math.h>
+
 /* Gaussians whose arrays we own: the writable twin of tides_gaussians, with the same shapes and units. */
 typedef struct td_gaussians {
     int64_t count;
     int32_t sh_degree;
     float *mean, *log_scale, *quaternion, *opacity_logit, *sh;
+    double origin[3];    /* [scene units] what means are relative to */
+    double *mean_double; /* NULL, or means as a reader found them, more exact than `mean`: until td_scene_take */
 } td_gaussians;
 
 typedef struct td_object {
@@ -25,6 +30,9 @@ struct tides_scene {
     size_t count, capacity;
 };
 
+/* In single precision; infinite beyond its range, where a cast would be undefined. */
+static inline float td_narrow(double value) { return value > FLT_MAX ? INFINITY : value < -FLT_MAX ? -INFINITY : (float)value; }
+
 /* K: coefficients per channel of a degree. */
 static inline size_t td_sh_coefficients(int32_t degree) { return (size_t)(degree + 1) * (size_t)(degree + 1); }
 
@@ -39,6 +47,32 @@ tides_gaussians td_gaussians_view(const td_gaussians *gaussians);
 /* Fails with `blame` (TIDES_BAD_ARGUMENT, TIDES_BAD_FILE), naming Gaussian and property, unless the values can be rendered:
  * all finite, quaternions that can be normalised, means and exp(log_scale) within float's range, times `scale` too. */
 tides_status td_gaussians_check(const td_gaussians *gaussians, double scale, tides_status blame, tides_error *error);
+
+/* -- origin.c: means far from (0, 0, 0) -- */
+
+/* Coordinate `axis` of Gaussian i in the object, origin included. */
+double td_gaussians_mean(const td_gaussians *gaussians, int64_t i, int axis);
+
+/* Makes mean_double, from the means as they are. */
+tides_status td_gaussians_widen(td_gaussians *gaussians, tides_error *error);
+
+/* Mean of Gaussian i, as a reader finds it. */
+static inline void td_gaussians_put_mean(const td_gaussians *gaussians, size_t i, size_t axis, double value) {
+    gaussians->mean[3 * i + axis] = td_narrow(value);
+    if (gaussians->mean_double) gaussians->mean_double[3 * i + axis] = value;
+}
+
+/* Means to single precision, relative to an origin near them where they are far off. And back to the origin (0, 0, 0). */
+tides_status td_gaussians_recentre(td_gaussians *gaussians, tides_error *error);
+void td_gaussians_leave_origin(td_gaussians *gaussians);
+
+/* 1 where single precision holds every coordinate, origin included. */
+int td_gaussians_fit_float(const td_gaussians *gaussians);
+
+/* Makes an object's pose that of means relative to `origin`: p_world = scale R (origin + p) + position. 0: nothing to do. */
+int td_pose_add_origin(tides_pose *pose, double scale, const double origin[3]);
+
+/* -- mip_filter.c -- */
 
 /* Folds the smoothing filter that mip-splatting trains beside its Gaussians, one size [scene units] each, into their scale
  * and opacity (mip_filter.c). */

@@ -51,6 +51,7 @@ static tides_status add_object(uint64_t *sum, const tides_object *object, tides_
     size_t n = (size_t)g->count, k = (size_t)(g->sh_degree + 1) * (size_t)(g->sh_degree + 1);
     *sum = td_checksum(*sum, &object->scale, sizeof object->scale);
     *sum = td_checksum(*sum, g->mean, 3 * n * sizeof *g->mean);
+    if (g->origin[0] != 0 || g->origin[1] != 0 || g->origin[2] != 0) *sum = td_checksum(*sum, g->origin, sizeof g->origin);
     *sum = td_checksum(*sum, g->log_scale, 3 * n * sizeof *g->log_scale);
     *sum = td_checksum(*sum, g->quaternion, 4 * n * sizeof *g->quaternion);
     *sum = td_checksum(*sum, g->opacity_logit, n * sizeof *g->opacity_logit);

@@ -482,6 +482,7 @@ class tides_keyframes_motion(Structure):
     int32_t catmull_rom; /* 1: Catmull and Rom's C1 cubics instead */
     int32_t plain_colour; /* 1: colours aren't cut at 0 */
     int32_t reserved;
+    const double *mean_double; /* NULL, or the means in double, in place of `mean` (T x N x 3) */
     """
 
     frames: int
@@ -496,6 +497,7 @@ class tides_keyframes_motion(Structure):
     catmull_rom: int
     plain_colour: int
     reserved: int
+    mean_double: Any
 
     _fields_ = [
         ("frames", c_int64),
@@ -510,6 +512,7 @@ class tides_keyframes_motion(Structure):
         ("catmull_rom", c_int32),
         ("plain_colour", c_int32),
         ("reserved", c_int32),
+        ("mean_double", P(c_double)),
     ]
 
 
@@ -590,6 +593,8 @@ class tides_gaussians(Structure):
     const float *quaternion; /* wxyz, raw (N x 4) */
     const float *opacity_logit; /* (N) */
     const float *sh; /* coefficient, then r g b (N x K x 3) */
+    double origin[3]; /* [scene units] what means are relative to: a Gaussian is at origin + mean */
+    const double *mean_double; /* [scene units] NULL, or the means in double, in place of `mean` (N x 3) */
     """
 
     count: int
@@ -600,6 +605,8 @@ class tides_gaussians(Structure):
     quaternion: Any
     opacity_logit: Any
     sh: Any
+    origin: Any
+    mean_double: Any
 
     _fields_ = [
         ("count", c_int64),
@@ -610,6 +617,8 @@ class tides_gaussians(Structure):
         ("quaternion", P(c_float)),
         ("opacity_logit", P(c_float)),
         ("sh", P(c_float)),
+        ("origin", c_double * 3),
+        ("mean_double", P(c_double)),
     ]
 
 

@@ -33,6 +33,24 @@ def _floats(struct: Any, **arrays: tuple[Any, tuple[int | None, ...]]) -> list[n
     return made
 
 
+def means(value: Any, shape: tuple[int | None, ...]) -> np.ndarray:
+    """Means as float32, or as the float64 that they are given in where that would be rounded."""
+    if getattr(value, "dtype", None) == np.float64:
+        wide = array(value, np.float64, shape, "mean")
+        with np.errstate(over="ignore"):
+            if not np.array_equal(wide, wide.astype(np.float32)):
+                return wide
+    return array(value, np.float32, shape, "mean")
+
+
+def give_means(struct: Any, mean: np.ndarray) -> None:
+    """Puts means into a struct's `mean` or `mean_double`; they must be kept until the call is over."""
+    if mean.dtype == np.float64:
+        struct.mean_double = pointer(mean, c_double)
+    else:
+        struct.mean = pointer(mean, c_float)
+
+
 class Motion(Handle):
     """A motion of `count` Gaussians over its own clock. `Scene.add(gaussians, motion=...)` takes it over."""
 
@@ -134,16 +152,17 @@ class Motion(Handle):
         k = 1 if sh is None else np.asarray(sh).shape[2]
         struct = _api.tides_keyframes_motion(f, n, pointer(time, c_double), sh_degree=round(k**0.5) - 1)
         struct.catmull_rom, struct.plain_colour = catmull_rom, plain_colour
+        mean = means(mean, (f, n, 3))
+        give_means(struct, mean)
         arrays = _floats(
             struct,
-            mean=(mean, (f, n, 3)),
             quaternion=(quaternion, (f, n, 4)),
             log_scale=(log_scale, (f, n, 3)),
             opacity_logit=(opacity_logit, (f, n)),
             sh=(sh, (f, n, k, 3)),
         )
         made = cls._make("keyframes", struct)
-        del arrays, time
+        del arrays, mean, time
         return made
 
     @classmethod

@@ -13,13 +13,13 @@ from . import _api
 from ._call import array, call, encoded, path, pointer, text
 from ._handle import Handle
 from ._library import lib
-from .motion import Motion
+from .motion import Motion, give_means, means
 from .trajectory import Trajectory
 
 
 @dataclass
 class Gaussians:
-    """Raw parameters, as trained, float32: mean (n x 3) [scene units], log_scale (n x 3) ln [scene units], quaternion (n x 4)
+    """Raw parameters, as trained, float32: mean (n x 3) [scene units; float64 where float32 would round what is given], log_scale (n x 3) ln [scene units], quaternion (n x 4)
     wxyz, opacity_logit (n), sh (n x k x 3) with k = (degree + 1)^2, in INRIA's order and sign."""
 
     mean: np.ndarray
@@ -30,7 +30,7 @@ class Gaussians:
 
     def __post_init__(self) -> None:
         n = len(np.asarray(self.mean))
-        self.mean = array(self.mean, np.float32, (n, 3), "mean")
+        self.mean = means(self.mean, (n, 3))
         self.log_scale = array(self.log_scale, np.float32, (n, 3), "log_scale")
         self.quaternion = array(self.quaternion, np.float32, (n, 4), "quaternion")
         self.opacity_logit = array(self.opacity_logit, np.float32, (n,), "opacity_logit")
@@ -64,14 +64,20 @@ class Gaussians:
 
     def _struct(self) -> _api.tides_gaussians:
         """For C; it points into this object's arrays."""
-        arrays = (self.mean, self.log_scale, self.quaternion, self.opacity_logit, self.sh)
-        return _api.tides_gaussians(len(self), self.sh_degree, 0, *(pointer(one, c_float) for one in arrays))
+        arrays = (self.log_scale, self.quaternion, self.opacity_logit, self.sh)
+        made = _api.tides_gaussians(len(self), self.sh_degree, 0, None, *(pointer(one, c_float) for one in arrays))
+        give_means(made, self.mean)
+        return made
 
     @classmethod
     def _copy(cls, struct: _api.tides_gaussians) -> "Gaussians":
         n, k = struct.count, (struct.sh_degree + 1) ** 2
         shapes = {"mean": (n, 3), "log_scale": (n, 3), "quaternion": (n, 4), "opacity_logit": (n,), "sh": (n, k, 3)}
-        return cls(**{name: np.ctypeslib.as_array(getattr(struct, name), shape).copy() for name, shape in shapes.items()})
+        arrays = {name: np.ctypeslib.as_array(getattr(struct, name), shape).copy() for name, shape in shapes.items()}
+        origin = np.array(struct.origin)
+        if origin.any():
+            arrays["mean"] = origin + arrays["mean"]
+        return cls(**arrays)
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,8 @@ static tides_scene *make_scene(int way) {
     const float mean[3] = {0, 0, (float)depth}, quaternion[4] = {0.5F, 0.5F, -0.5F, 0.5F};
     const float log_sigma = (float)log(sigma), log_scale[3] = {log_sigma, log_sigma, log_sigma};
     const float logit = (float)log(opacity / (1 - opacity)), sh[3] = {(float)grey, (float)grey, (float)grey};
-    tides_gaussians gaussian = {1, 0, 0, mean, log_scale, quaternion, &logit, sh};
+    tides_gaussians gaussian =
+        {.count = 1, .mean = mean, .log_scale = log_scale, .quaternion = quaternion, .opacity_logit = &logit, .sh = sh};
     tides_trajectory *path = straight(start_x, way == OBJECT_MOVES ? speed : 0);
     tides_scene *scene = NULL;
     tides_error error;

@@ -59,7 +59,12 @@ static tides_motion *motion_of(const frames_file *file, int catmull_rom) {
 }
 
 static tides_gaussians gaussians_of(const frames_file *file) {
-    const tides_gaussians made = {file->count, 0, 0, file->mean, file->scale, file->quaternion, file->opacity, file->sh};
+    const tides_gaussians made = {.count = file->count,
+                                  .mean = file->mean,
+                                  .log_scale = file->scale,
+                                  .quaternion = file->quaternion,
+                                  .opacity_logit = file->opacity,
+                                  .sh = file->sh};
     return made;
 }
 

@@ -172,7 +172,13 @@ static tides_motion *motion_of(const fudan_file *file) {
 }
 
 static void compare_file(const fudan_file *file) {
-    const tides_gaussians gaussians = {file->count, 3, 0, file->mean, file->scale, file->left, file->opacity, file->sh};
+    const tides_gaussians gaussians = {.count = file->count,
+                                       .sh_degree = 3,
+                                       .mean = file->mean,
+                                       .log_scale = file->scale,
+                                       .quaternion = file->left,
+                                       .opacity_logit = file->opacity,
+                                       .sh = file->sh};
     tides_motion *motion = motion_of(file);
     for (int i = 0; i < GOLDEN_PRECISIONS * (int)file->frames; i++) {
         int frame = i / GOLDEN_PRECISIONS, precision = i % GOLDEN_PRECISIONS;

@@ -104,7 +104,12 @@ static void compare_file(stg_file *file) {
         arrays.feature = file->f_dc, arrays.feature_dot = file->f_t;
         arrays.decoder_first = arrays.decoder_second = weights;
     }
-    const tides_gaussians gaussians = {file->count, 0, 0, file->mean, file->scale, file->quaternion, file->opacity, file->sh};
+    const tides_gaussians gaussians = {.count = file->count,
+                                       .mean = file->mean,
+                                       .log_scale = file->scale,
+                                       .quaternion = file->quaternion,
+                                       .opacity_logit = file->opacity,
+                                       .sh = file->sh};
     if (tides_motion_create_polynomial(&arrays, &motion, &error) != TIDES_OK) fail_msg("%s", error.text);
     for (int i = 0; i < GOLDEN_PRECISIONS * (int)frames; i++) {
         int frame = i / GOLDEN_PRECISIONS, precision = i % GOLDEN_PRECISIONS;

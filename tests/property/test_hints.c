@@ -128,7 +128,8 @@ static tides_trajectory *line(double x, double x_dot, double z, double z_dot) {
 static void add_splat(tides_scene *scene, double z, double z_dot) {
     const float mean[3] = {0, 0, 0}, log_scale[3] = {-2, -2, -2}, quaternion[4] = {1, 0, 0, 0}, opacity = 0;
     const float sh[3] = {(float)z, 1, 1};
-    const tides_gaussians gaussian = {1, 0, 0, mean, log_scale, quaternion, &opacity, sh};
+    const tides_gaussians gaussian =
+        {.count = 1, .mean = mean, .log_scale = log_scale, .quaternion = quaternion, .opacity_logit = &opacity, .sh = sh};
     tides_trajectory *path = line(0, 0, z, z_dot);
     tides_error error;
     scene_expect_ok(tides_scene_add(scene, &gaussian, path, 1, NULL, NULL, &error), &error);

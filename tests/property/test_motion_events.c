@@ -241,7 +241,8 @@ static const td_motion_class unmarked_class = {.name = "ramp",
 
 static tides_scene *ramp_scene(const td_motion_class *type) {
     const float mean[3] = {0, 0, 0}, quaternion[4] = {1, 0, 0, 0}, log_scale[3] = {0, 0, 0}, logit = 1, sh[3] = {0, 0, 0};
-    tides_gaussians gaussian = {1, 0, 0, mean, log_scale, quaternion, &logit, sh};
+    tides_gaussians gaussian =
+        {.count = 1, .mean = mean, .log_scale = log_scale, .quaternion = quaternion, .opacity_logit = &logit, .sh = sh};
     tides_scene *scene = NULL;
     tides_motion *motion = NULL;
     tides_error error;

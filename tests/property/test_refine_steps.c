@@ -195,7 +195,8 @@ static tides_status sweep_blindly(td_backend *backend, const td_sweep_request *r
 /* One small opaque ball that flies past the camera, out of the image on one side at 0 s, on the other at 10 ms. */
 static tides_scene *make_ball(double x, double y) {
     const float mean[3] = {0, 0, 0}, quaternion[4] = {1, 0, 0, 0}, log_scale[3] = {-3, -3, -3}, logit = 5, sh[3] = {2, 2, 2};
-    tides_gaussians gaussian = {1, 0, 0, mean, log_scale, quaternion, &logit, sh};
+    tides_gaussians gaussian =
+        {.count = 1, .mean = mean, .log_scale = log_scale, .quaternion = quaternion, .opacity_logit = &logit, .sh = sh};
     tides_pose_sample samples[3] = {{0}};
     tides_trajectory *path = NULL;
     tides_scene *scene = NULL;

@@ -31,7 +31,10 @@ random_gaussians random_gaussians_make(uint64_t seed, int count, int sh_degree, 
     for (size_t i = 0; i < 4 * n; i++) rotation[i] = (float)((i % 4 == 0 ? 1.5 : 0) + uniform(&seed));
     for (size_t i = 0; i < n; i++) opacity[i] = (float)(3 * uniform(&seed));
     for (size_t i = 0; i < sh * n; i++) colour[i] = (float)(0.5 * uniform(&seed));
-    made.view = (tides_gaussians){count, sh_degree, 0, mean, scale, rotation, opacity, colour};
+    made.view = (tides_gaussians){.count = count, .sh_degree = sh_degree, .mean = mean, .log_scale = scale};
+    made.view.quaternion = rotation;
+    made.view.opacity_logit = opacity;
+    made.view.sh = colour;
     return made;
 }
 

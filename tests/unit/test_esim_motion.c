@@ -67,7 +67,8 @@ static tides_scene *make_wall(double velocity, int by_splats) {
         opacity[i] = 3;
         for (int k = 0; k < 3; k++) sh[3 * i + k] = (i + row) % 2 ? 1.2f : -1.4f;
     }
-    const tides_gaussians wall = {SPLATS, 0, 0, mean, scale, rotation, opacity, sh};
+    const tides_gaussians wall =
+        {.count = SPLATS, .mean = mean, .log_scale = scale, .quaternion = rotation, .opacity_logit = opacity, .sh = sh};
     tides_trajectory *path = path_along_x(by_splats ? 0 : velocity);
     scene_expect_ok(tides_scene_create(&scene, &error), &error);
     scene_expect_ok(by_splats ? tides_scene_add_moving(scene, &wall, splats_along_x(velocity), 1, path, 1, "wall", NULL, &error)

@@ -27,7 +27,8 @@ static tides_polynomial_motion polynomial_arrays(void) {
 }
 
 static tides_gaussians gaussians_of(int64_t count) {
-    const tides_gaussians made = {count, 0, 0, mean, scale, quaternion, logit, sh};
+    const tides_gaussians made =
+        {.count = count, .mean = mean, .log_scale = scale, .quaternion = quaternion, .opacity_logit = logit, .sh = sh};
     return made;
 }
 
@@ -97,7 +98,8 @@ static void test_polynomial_finds_what_rests(void **state) {
                                             .opacity_log_width = wide,
                                             .mean_coefficient = drift,
                                             .quaternion_dot = turn};
-    const tides_gaussians gaussians = {ALL, 0, 0, three, three, four, middle, three};
+    const tides_gaussians gaussians =
+        {.count = ALL, .mean = three, .log_scale = three, .quaternion = four, .opacity_logit = middle, .sh = three};
     scene_expect_ok(tides_motion_create_polynomial(&arrays, &motion, &error), &error);
     motion->type->find_moving(motion, &gaussians, moving);
     assert_memory_equal(moving, expected, sizeof expected);
