@@ -204,10 +204,16 @@ static void moment(const tides_motion *motion, double tau, int side, double real
     real[TD_KEYFRAMES_WEIGHT_DOT + 2] = u * (3 * u - 2);
 }
 
+/* Means in double have been rounded twice, here to 48 bits and among the Gaussians to an origin: they are their own within that,
+ * and the same in all frames. */
 static int means_rest(const td_keyframes *keys, const float *own, int64_t gaussian) {
     for (int64_t frame = 0; frame < keys->frames; frame++)
-        for (int axis = 0; axis < 3; axis++)
-            if ((float)frame_mean(keys, frame, gaussian, axis) != own[3 * gaussian + axis]) return 0;
+        for (int axis = 0; axis < 3; axis++) {
+            const double mean = frame_mean(keys, frame, gaussian, axis), apart = fabs(mean - own[3 * gaussian + axis]);
+            const double lost = fabs(mean) * 0x1p-23 + fabs(mean + keys->origin[axis]) * 0x1p-47;
+            if (apart > (keys->mean_rest ? lost : 0)) return 0;
+            if (mean != frame_mean(keys, 0, gaussian, axis)) return 0;
+        }
     return 1;
 }
 

@@ -140,6 +140,16 @@ static tides_status check_range(const td_gaussians *gaussians, double scale, com
     return TIDES_OK;
 }
 
+/* Where an object counts from may be given; its world coordinates must be within single precision's range, as means must. */
+static tides_status check_origin(const td_gaussians *gaussians, double scale, complaint c) {
+    for (int axis = 0; axis < 3; axis++)
+        if (!(fabs(gaussians->origin[axis] * scale) <= FLT_MAX))
+            return td_fail(c.error, c.blame,
+                           "origin[%d] is %g: must be finite and, times the object's scale %g, within float's range", axis,
+                           gaussians->origin[axis], scale);
+    return TIDES_OK;
+}
+
 tides_status td_gaussians_check(const td_gaussians *gaussians, double scale, tides_status blame, tides_error *error) {
     complaint c = {blame, error};
     int64_t n = gaussians->count;
@@ -150,5 +160,6 @@ tides_status td_gaussians_check(const td_gaussians *gaussians, double scale, tid
     if (!status) status = check_finite("sh", gaussians->sh, n, 3 * td_sh_coefficients(gaussians->sh_degree), 3, c);
     if (!status) status = check_quaternions(gaussians, c);
     if (!status) status = check_range(gaussians, scale, c);
+    if (!status) status = check_origin(gaussians, scale, c);
     return status;
 }

@@ -53,13 +53,27 @@ int32_t tides_scene_set_duration(tides_scene *scene, double duration_s) {
     return count;
 }
 
-int64_t tides_motion_moving(const tides_motion *motion, const tides_gaussians *gaussians) {
+static int64_t count_moving(const tides_motion *motion, const tides_gaussians *gaussians) {
     uint8_t *moving = td_alloc((size_t)gaussians->count + 1, 1, NULL);
     int64_t count = 0;
     if (!moving) return -1;
     td_motion_find_moving(motion, gaussians, moving);
     for (int64_t i = 0; i < gaussians->count; i++) count += moving[i] != 0;
     free(moving);
+    return count;
+}
+
+/* Means in double first become what a scene makes of them. */
+int64_t tides_motion_moving(const tides_motion *motion, const tides_gaussians *gaussians) {
+    td_gaussians own;
+    if (!gaussians->mean_double) return count_moving(motion, gaussians);
+    if (td_gaussians_copy(&own, gaussians, NULL) != TIDES_OK) return -1;
+    int64_t count = -1;
+    if (td_gaussians_recentre(&own, NULL) == TIDES_OK) {
+        const tides_gaussians view = td_gaussians_view(&own);
+        count = count_moving(motion, &view);
+    }
+    td_gaussians_free(&own);
     return count;
 }
 

@@ -19,8 +19,9 @@ from .trajectory import Trajectory
 
 @dataclass
 class Gaussians:
-    """Raw parameters, as trained, float32: mean (n x 3) [scene units; float64 where float32 would round what is given], log_scale (n x 3) ln [scene units], quaternion (n x 4)
-    wxyz, opacity_logit (n), sh (n x k x 3) with k = (degree + 1)^2, in INRIA's order and sign."""
+    """Raw parameters, as trained, float32: mean (n x 3) [scene units] (float64 where it is given in that, so far from 0 that
+    float32 would lose digits that matter), log_scale (n x 3) ln [scene units], quaternion (n x 4) wxyz, opacity_logit (n), sh
+    (n x k x 3) with k = (degree + 1)^2, in INRIA's order and sign."""
 
     mean: np.ndarray
     log_scale: np.ndarray

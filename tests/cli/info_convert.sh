@@ -17,6 +17,19 @@ expect 0 tides info --json a.h5
 value out events >a.count
 expect 0 tides info --json b.h5
 [ "$(value out events)" = "$(cat a.count)" ] || fail "the converted scene gives other events"
+# The same scene 4 194 304 further along x, camera and all: an origin, and the same events.
+awk 'past { $1 = sprintf("%.6f", $1 + 4194304) } /end_header/ { past = 1 } { print }' scene.ply >far.ply
+awk '{ $2 += 4194304; print $1, sprintf("%.6f", $2), $3, $4, $5, $6, $7, $8 }' path.txt >far.txt
+expect 0 tides info far.ply --json
+out '"origin":[[:space:]]*\[4194304, 0, 0\]'
+out '"upper":[[:space:]]*\[419430[0-9.]+, 1.3999'
+expect 0 tides convert -q far.ply far.h5
+expect 0 tides convert -q far.h5 far_again.ply
+for far in far.ply far.h5 far_again.ply; do
+    expect 0 tides simulate run.json -q -o far_events.h5 --set scene.file=$far --set camera.file=far.txt
+    expect 0 tides info --json far_events.h5
+    [ "$(value out events)" = "$(cat a.count)" ] || fail "$far gives other events far away"
+done
 expect 0 tides info path.txt
 out "^kind +path"
 out "^format +tum"

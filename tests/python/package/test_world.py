@@ -81,6 +81,27 @@ def test_scene_keeps_what_it_is_given(cloud, tmp_path):
     assert repr(scene) == "Scene(closed)"
 
 
+def test_means_far_from_the_origin(cloud, tmp_path):
+    """Doubles go in and come back as they are, by arrays, by files and as keyframes; what floats hold comes back as floats."""
+    far = np.array([4194304.0, -1048576.0, 65536.0])
+    mean = far + np.asarray(cloud.mean, np.float64)
+    wide = tides.Gaussians(mean, cloud.log_scale, cloud.quaternion, cloud.opacity_logit, cloud.sh)
+    assert wide.mean.dtype == np.float64 and np.array_equal(wide.mean, mean)
+    assert tides.Gaussians(np.ones((1, 3)), *(np.zeros((1, k)) for k in (3, 4)), np.zeros(1), np.zeros((1, 1, 3))).mean.dtype == np.float32
+    scene = tides.Scene()
+    scene.add(wide)
+    assert np.array_equal(scene[0].gaussians.mean, mean)
+    for name in ("far.h5", "far.ply"):
+        scene.save(tmp_path / name)
+        assert np.array_equal(tides.Scene(tmp_path / name)[0].gaussians.mean, mean)
+    moving = tides.Scene()
+    keys = tides.Motion.keyframes([0, 1], np.stack([mean, mean + 0.25]), [cloud.quaternion] * 2)
+    moving.add(wide, motion=keys)
+    (lower, upper), (later, above) = moving.bounds_at(0), moving.bounds_at(1)
+    assert np.allclose(lower, mean.min(0), atol=1e-6) and np.allclose(later - lower, 0.25, atol=1e-6)
+    assert np.allclose(upper, mean.max(0), atol=1e-6) and np.allclose(above - upper, 0.25, atol=1e-6)
+
+
 def test_gaussians_are_checked(cloud):
     with pytest.raises(ValueError, match="quaternion"):
         tides.Gaussians(cloud.mean, cloud.log_scale, cloud.quaternion[:, :3], cloud.opacity_logit, cloud.sh)
