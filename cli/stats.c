@@ -60,6 +60,7 @@ static int32_t add_counts(cJSON *root, const tides_stats *s) {
         {"sweeps", (double)s->render.sweeps},
         {"pairs_evaluated", (double)s->render.pairs_evaluated},
         {"lists_kept", (double)s->render.lists_kept},
+        {"pixels_nonfinite", (double)s->render.pixels_nonfinite},
         {"steps", (double)s->steps},
         {"steps_rejected", (double)s->steps_rejected},
         {"steps_over_budget", (double)s->steps_over_budget},

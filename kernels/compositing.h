@@ -133,7 +133,8 @@ TD_INLINE void td_finish_signal(const td_composite *pixels, td_real backdrop, td
     td_mask below = y < 0.0f; /* only colours without a floor come here: black */
     y = td_select(y, td_splat(0.0f), below);
     y_dot = td_select(y_dot, td_splat(0.0f), below);
-    planes[0] = td_log(y + log_eps);
+    td_lanes none = y - y; /* 0, or not a number where Y isn't finite, which the logarithm's bits would hide */
+    planes[0] = td_select(td_log(y + log_eps), none, none != 0.0f);
     planes[1] = y_dot / (y + log_eps);
     planes[2] = y;
 }

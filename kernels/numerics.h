@@ -245,6 +245,27 @@ TD_INLINE int td_any(td_mask mask) {
 #endif
 }
 
+/* 2^-e for x in [2^e, 2^(e + 1)), 1 <= x < 2^127. */
+TD_INLINE td_lanes td_inverse_power(td_lanes x) {
+#ifdef TD_REAL_DOUBLE
+    return exp2(-floor(log2(x)));
+#else
+    return td_from_bits(0x7f000000 - (td_bits(x) & 0x7f800000));
+#endif
+}
+
+/* Not a number, in the same bits everywhere. */
+TD_INLINE td_lanes td_not_a_number(void) {
+#ifdef TD_REAL_DOUBLE
+    return NAN;
+#else
+    return td_from_bits((td_mask)(0x7fc00000));
+#endif
+}
+
+/* Lanes that are infinite or not a number. */
+TD_INLINE td_mask td_is_broken(td_lanes x) { return x - x != 0.0f; }
+
 /* 2^x for x <= 127, error < 1.8 ulp on the float side, exact for whole x. Below -126 it stays at 2^-126. Degree 5 polynomial on
  * [-1/2, 1/2] through 1 at 0, its coefficients searched as floats for the least error in ulp as evaluated here (a rounded
  * minimax polynomial is at 2.6); the magic constant 1.5 * 2^23 rounds. */

@@ -19,6 +19,7 @@ typedef struct td_shape {
     td_lanes compensation; /* the antialiasing factor, 1 where off */
     td_lanes power;        /* the ellipse's d^T Q d at the cut: 2 ln(opacity / cut) */
     td_mask visible;
+    td_mask broken; /* in front of the camera, and single precision can't hold it: to be seen everywhere (record.h) */
 } td_shape;
 
 /* A 2x3 matrix: what maps object displacements to pixels, and its product with the factor. */
@@ -131,21 +132,56 @@ TD_INLINE td_dual td_factor_determinant(const td_matrix23 *a) {
     return td_dual_dot3(n, n);
 }
 
+/* Splats may be so wide [px] that the determinant, products of four such lengths, leaves single precision, and with it
+ * everything after: from 2^32 px on, sooner for rates. A of one beyond 2^25 px is made smaller by a power of two, which rounds
+ * nothing; td_shape_covariance makes what comes of it larger again. Returns whether a lane needs it, that power, and its inverse
+ * in `grow`. Beyond 2^60 px conics would leave single precision too: the shape is broken. */
+TD_INLINE int td_shrink_wide(td_shape *shape, td_matrix23 *a, td_lanes *shrink, td_lanes *grow) {
+    const td_real wide = TD_REAL(33554432.0), widest = TD_REAL(1152921504606846976.0); /* 2^25 and 2^60 */
+    td_lanes largest = td_splat(0.0f);
+    for (int i = 0; i < 2; i++)
+        for (int j = 0; j < 3; j++) largest = td_larger(largest, td_larger(a->row[i][j].v, -a->row[i][j].v));
+    td_mask needs = largest > wide;
+    shape->broken = largest > widest;
+    if (!td_any(needs)) return 0;
+    *shrink = td_select(td_splat(1.0f), td_inverse_power(td_clamp(largest, wide, widest)), needs);
+    *grow = 1.0f / *shrink;
+    for (int i = 0; i < 2; i++)
+        for (int j = 0; j < 3; j++) a->row[i][j] = td_dual_make(a->row[i][j].v * *shrink, a->row[i][j].d * *shrink);
+    return 1;
+}
+
+TD_INLINE td_dual td_dual_times(td_dual a, td_lanes factor) { return td_dual_make(a.v * factor, a.d * factor); }
+
 /* Covariance, conic and antialiasing factor from A. */
-TD_INLINE td_dual td_shape_covariance(td_shape *shape, const td_matrix23 *a, const td_image *image) {
+TD_INLINE td_dual td_shape_covariance(td_shape *shape, const td_matrix23 *given, const td_image *image) {
+    td_matrix23 shrunk = *given, *a = &shrunk;
+    td_lanes shrink, grow, dilation = td_splat(image->dilation);
+    int wide = td_shrink_wide(shape, a, &shrink, &grow);
+    if (wide) dilation = dilation * shrink * shrink;
     td_dual xx = td_dual_dot3(a->row[0], a->row[0]), yy = td_dual_dot3(a->row[1], a->row[1]);
-    td_real dilation = image->dilation;
-    shape->a = td_dual_offset(xx, dilation);
+    shape->a = td_dual_make(xx.v + dilation, xx.d);
     shape->b = td_dual_dot3(a->row[0], a->row[1]);
-    shape->c = td_dual_offset(yy, dilation);
+    shape->c = td_dual_make(yy.v + dilation, yy.d);
     td_dual det0 = td_factor_determinant(a);
-    td_dual det = td_dual_offset(td_dual_add(det0, td_dual_scale(td_dual_add(xx, yy), dilation)), dilation * dilation);
+    td_dual det = td_dual_add(det0, td_dual_times(td_dual_add(xx, yy), dilation));
+    det.v = det.v + dilation * dilation;
+    if (wide) det0 = td_dual_times(det0, grow), det = td_dual_times(det, grow);
     td_dual inverse = td_dual_reciprocal(det);
+    td_dual ratio = td_dual_mul(det0, inverse);
+    /* Without dilation a splat may be narrower than single precision can tell, 2^-25 px: no pixel's centre sees it. */
+    td_mask narrow = det.v <= (image->dilation > 0 ? TD_REAL(0.0) : TD_REAL(7.8886090522101181e-31)); /* 2^-100 */
+    inverse = td_dual_select(inverse, td_dual_make(td_splat(0.0f), td_splat(0.0f)), narrow);
+    if (wide) inverse = td_dual_times(inverse, shrink);
     shape->conic[0] = td_dual_mul(shape->c, inverse);
     shape->conic[1] = td_dual_negate(td_dual_mul(shape->b, inverse));
     shape->conic[2] = td_dual_mul(shape->a, inverse);
-    shape->visible = shape->visible & (det.v > 0.0f);
-    td_dual ratio = td_dual_mul(det0, inverse);
+    shape->visible = shape->visible & ~narrow;
+    if (wide) {
+        shape->a = td_dual_times(shape->a, grow * grow);
+        shape->b = td_dual_times(shape->b, grow * grow);
+        shape->c = td_dual_times(shape->c, grow * grow);
+    }
     td_mask floored = ratio.v <= image->antialias_floor;
     td_dual floor_value = td_dual_make(td_splat(image->antialias_floor), td_splat(0.0f));
     return td_dual_sqrt(td_dual_select(ratio, floor_value, floored));
@@ -192,6 +228,9 @@ TD_INLINE td_shape td_project_shape(TD_GLOBAL const td_view *view, const td_imag
     td_matrix23 a = td_project_factor(&map, source, image, index);
     td_dual compensation = td_shape_covariance(&shape, &a, image);
     td_shape_opacity(&shape, td_entry(source, image, index, TD_G_OPACITY), compensation, image);
+    td_lanes all = (shape.conic[0].d + shape.conic[2].d) + (shape.u.d + shape.v.d) + (shape.opacity.v + shape.opacity.d);
+    td_mask unseen = (shape.opacity.v <= (image->cut_rule == TD_CUT_NONE ? TD_REAL(0.0) : image->cut)) | (gaussian < 0);
+    shape.broken = (((z.v > image->near) & (shape.broken | td_is_broken(all))) | td_is_broken(z.v)) & ~unseen;
     return shape;
 }
 

@@ -31,12 +31,12 @@ TD_INLINE void td_store_shape(const td_shape *shape, TD_GLOBAL td_real *records)
     td_scatter(records, TD_RECORD_STRIDE, TD_R_DEPTH_DOT, shape->depth.d);
 }
 
-/* Luminance always; colour where asked for. */
-TD_INLINE void td_store_colour(const td_colour *colour, const td_image *image, const td_sink *sink) {
+/* Luminance always, not a number where the splat is broken; colour where asked for. */
+TD_INLINE void td_store_colour(const td_colour *colour, td_mask broken, const td_image *image, const td_sink *sink) {
     td_dual luminance = td_dual_scale(colour->channel[0], image->luminance[0]);
     luminance = td_dual_plus(luminance, image->luminance[1], colour->channel[1]);
     luminance = td_dual_plus(luminance, image->luminance[2], colour->channel[2]);
-    td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_LUMINANCE, luminance.v);
+    td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_LUMINANCE, td_select(luminance.v, td_not_a_number(), broken));
     td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_LUMINANCE_DOT, luminance.d);
     if (image->outputs < TD_OUT_COLOUR) return;
     for (int c = 0; c < 3; c++) {
@@ -45,14 +45,16 @@ TD_INLINE void td_store_colour(const td_colour *colour, const td_image *image, c
     }
 }
 
-/* Features, which stand where the SH of others are; the largest in place of luminance. */
+/* Features, which stand where the SH of others are, not numbers where the splat is broken; the largest in place of
+ * luminance. */
 TD_INLINE void td_store_features(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
-                                 td_index gaussian, const td_sink *sink) {
+                                 td_index gaussian, td_mask broken, const td_sink *sink) {
     td_sh_source from = td_sh_source_of(view, image, source, td_not_below_0(gaussian));
     td_lanes largest = td_splat(0.0f);
     for (int k = 0; k < TD_FEATURES; k++) {
         td_lanes value = td_gather(from.sh, from.index + k), rate = td_splat(0.0f);
         if (from.moving) rate = td_gather(from.rates, from.rate_index + k);
+        value = td_select(value, td_not_a_number(), broken);
         td_scatter(sink->colours, TD_FEATURE_STRIDE, k, value);
         td_scatter(sink->colours, TD_FEATURE_STRIDE, TD_FEATURES + k, rate);
         largest = td_larger(largest, td_larger(value, -value));
@@ -67,16 +69,17 @@ TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_ima
                                      const td_job *job, td_index gaussian, const td_sink *sink) {
     td_shape shape = td_project_shape(view, image, source, gaussian);
     td_mask blocks = td_block_mask(&shape, image, job->x, job->y);
+    blocks = td_select_mask(blocks, (blocks & 0) | 0xffff, shape.broken);
     td_store_ints(sink->masks, blocks);
     td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_DEPTH, shape.depth.v); /* of all: what is left as a hint is in its order */
     if (!td_any(blocks != 0)) return;
     td_store_shape(&shape, sink->records);
     if (image->decoder) {
-        td_store_features(view, image, source, gaussian, sink);
+        td_store_features(view, image, source, gaussian, shape.broken, sink);
         return;
     }
     td_colour colour = td_project_colour(view, image, source, gaussian);
-    td_store_colour(&colour, image, sink);
+    td_store_colour(&colour, shape.broken, image, sink);
 }
 
 /* The same for candidates [first, first + TD_LANES) of a job, finding views and places. */

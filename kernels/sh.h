@@ -105,8 +105,8 @@ TD_INLINE td_colour td_sh_colour(td_dual x, td_dual y, td_dual z, const td_sh_so
     if (degree > 2) td_sh_degree_3(&colour, &d, source);
     if (degree > 3) td_sh_degree_4(&colour, &d, source);
     for (int c = 0; c < 3; c++) {
-        td_mask lit = colour.channel[c].v > source->floor;
-        colour.channel[c] = td_dual_select(td_dual_make(td_splat(source->floor), td_splat(0.0f)), colour.channel[c], lit);
+        td_mask dark = colour.channel[c].v <= source->floor; /* what isn't a number stays so */
+        colour.channel[c] = td_dual_select(colour.channel[c], td_dual_make(td_splat(source->floor), td_splat(0.0f)), dark);
     }
     return colour;
 }

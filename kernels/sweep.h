@@ -264,7 +264,8 @@ TD_INLINE void td_sweep_piece(td_piece *piece, const td_image *image, const td_s
         ry[i] = td_select(td_splat(0.0f), ry[i], s[i].visible);
     }
     td_mask ever = s[0].visible | s[1].visible | s[2].visible;
-    td_mask crosses = td_sweep_crosses(piece, image, source, ever);
+    td_mask broken = s[0].broken | s[1].broken | s[2].broken; /* seen everywhere, so that it is found */
+    td_mask crosses = td_sweep_crosses(piece, image, source, ever) | broken;
     td_span2 box = td_sweep_mean(piece, image);
     td_lanes wide = td_sweep_width(rx[0], rx[1], rx[2]), high = td_sweep_width(ry[0], ry[1], ry[2]);
     if (piece->strays) pieces = td_sweep_widen(piece, image, &box, &wide, &high);

@@ -91,6 +91,7 @@ typedef struct tides_render_stats {
     double time_build_s, time_motion_s, time_sweep_s, time_project_s, time_sort_s, time_composite_s, time_transfer_s;
     int32_t tiles; /* tiles in a full frame */
     int32_t reserved;
+    uint64_t pixels_nonfinite; /* (pixel, time) pairs that came out infinite or not a number: the call that met them failed */
 } tides_render_stats;
 
 typedef struct tides_renderer tides_renderer;
@@ -111,7 +112,8 @@ TIDES_API void tides_renderer_destroy(tides_renderer *renderer);
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_set_psf(tides_renderer *renderer, double sigma_px, int32_t domain,
                                                                tides_error *error);
 
-/* One frame at `time` [s] seen from `camera` (body = OpenCV camera axes). */
+/* One frame at `time` [s] seen from `camera` (body = OpenCV camera axes). Pixels that aren't finite, because a splat is beyond
+ * what single precision holds: TIDES_BAD_ARGUMENT naming pixel and splat. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera,
                                                              double time, const tides_frame *frame, tides_error *error);
 

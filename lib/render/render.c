@@ -243,8 +243,9 @@ static tides_status run_empty(tides_renderer *renderer, td_batch *batch, const t
     return run_jobs(renderer, batch, renderer->jobs, count, planes, error);
 }
 
-tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
-                                     const td_request *requests, int count, int outputs, double *planes, tides_error *error) {
+tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times,
+                                         int slots, const td_request *requests, int count, int outputs, double *planes,
+                                         tides_error *error) {
     tides_status status = td_renderer_views(renderer, camera, times, slots, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&renderer->jobs, &renderer->job_capacity, (size_t)count, sizeof *renderer->jobs, error);
@@ -272,6 +273,13 @@ tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_traje
     if (status == TIDES_OK && renderer->image.decoder) return run_empty(renderer, &batch, requests, empty_count, planes, error);
     if (status == TIDES_OK) fill_empty(renderer, requests, empty_count, outputs, planes);
     return status;
+}
+
+tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
+                                     const td_request *requests, int count, int outputs, double *planes, tides_error *error) {
+    tides_status status = td_renderer_unchecked_tiles(renderer, camera, times, slots, requests, count, outputs, planes, error);
+    if (status != TIDES_OK) return status;
+    return td_renderer_check_finite(renderer, camera, times, requests, count, outputs, planes, error);
 }
 
 /* Copies one plane of every tile to its place in an image. */

@@ -152,6 +152,15 @@ tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory 
 tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
                                      const td_request *requests, int count, int outputs, double *planes, tides_error *error);
 
+/* Likewise, whatever comes out; td_renderer_sharp_tiles then refuses what isn't finite, naming pixel, time and splat: planes of
+ * `requests` at `times` within the swept interval (nonfinite.c). */
+tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times,
+                                         int slots, const td_request *requests, int count, int outputs, double *planes,
+                                         tides_error *error);
+tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_trajectory *camera, const double *times,
+                                      const td_request *requests, int count, int outputs, const double *planes,
+                                      tides_error *error);
+
 /* The fastest motion in the image at `time` within [start, stop] [px/s]: of what is at rest in the world, pixel by pixel from
  * the camera's motion and the rendered depth Z (height x width), as ESIM does; of what moves by itself, splat by splat, hidden
  * ones too (flow.c). */

@@ -11,8 +11,16 @@ static double time_now(const tides_simulator *s) {
     return td_sensor_time(&s->sensor, s->epoch_ns + step.start_ns, step.start_fraction);
 }
 
-tides_status td_compare_tile(tides_simulator *s, int t, const td_step *step, const double *const begin[],
-                             const double *const end[], tides_error *error) {
+/* Planes are finite (lib/render/nonfinite.c): it is the front end that has made of them what isn't. */
+static tides_status fail_nonfinite(const tides_simulator *s, int t, const td_step *step, uint64_t pixels, tides_error *error) {
+    return td_fail(error, TIDES_BAD_ARGUMENT,
+                   "the signal of %llu pixels of the tile at (%d, %d) isn't finite at %.9g s, although the image is: the front "
+                   "end's parameters are beyond what can be computed with",
+                   (unsigned long long)pixels, (int)s->tile[t].x0, (int)s->tile[t].y0, 1e-9 * (double)step->start_ns);
+}
+
+static tides_status compare(tides_simulator *s, int t, const td_step *step, const double *const begin[],
+                            const double *const end[], tides_error *error) {
     size_t at = s->first_pixel[t];
     td_signals signals = {begin[TD_KEPT_S], begin[TD_KEPT_S_DOT], end[TD_KEPT_S], end[TD_KEPT_S_DOT]};
     td_pixels pixels = {s->pixels.initial + at, s->pixels.reference + at, s->pixels.count_on + at, s->pixels.count_off + at};
@@ -21,6 +29,14 @@ tides_status td_compare_tile(tides_simulator *s, int t, const td_step *step, con
     td_coverage coverage = {NULL, NULL};
     if (s->sensor.masks) coverage = (td_coverage){begin[TD_KEPT_ALPHA], end[TD_KEPT_ALPHA]};
     return td_sensor_step(&s->sensor, step, &s->tile[t], at, &signals, &coverage, &pixels, &s->events, &s->counts, error);
+}
+
+tides_status td_compare_tile(tides_simulator *s, int t, const td_step *step, const double *const begin[],
+                             const double *const end[], tides_error *error) {
+    const uint64_t before = s->counts.nonfinite;
+    tides_status status = compare(s, t, step, begin, end, error);
+    if (status != TIDES_OK || s->counts.nonfinite == before) return status;
+    return fail_nonfinite(s, t, step, s->counts.nonfinite - before, error);
 }
 
 tides_status td_compare_still(tides_simulator *s, const td_step *step, tides_error *error) {

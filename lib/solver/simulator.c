@@ -258,6 +258,7 @@ void tides_simulator_destroy(tides_simulator *simulator) {
 void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats) {
     *stats = simulator->stats;
     tides_renderer_stats(simulator->renderer, &stats->render);
+    stats->render.pixels_nonfinite += simulator->counts.nonfinite;
     const tides_render_stats *render = &stats->render;
     stats->events_on = simulator->counts.events_on;
     stats->events_off = simulator->counts.events_off;

@@ -1032,6 +1032,7 @@ class tides_render_stats(Structure):
     double time_build_s, time_motion_s, time_sweep_s, time_project_s, time_sort_s, time_composite_s, time_transfer_s;
     int32_t tiles; /* tiles in a full frame */
     int32_t reserved;
+    uint64_t pixels_nonfinite; /* (pixel, time) pairs that came out infinite or not a number: the call that met them failed */
     """
 
     tile_jobs: int
@@ -1054,6 +1055,7 @@ class tides_render_stats(Structure):
     time_transfer_s: float
     tiles: int
     reserved: int
+    pixels_nonfinite: int
 
     _fields_ = [
         ("tile_jobs", c_uint64),
@@ -1076,6 +1078,7 @@ class tides_render_stats(Structure):
         ("time_transfer_s", c_double),
         ("tiles", c_int32),
         ("reserved", c_int32),
+        ("pixels_nonfinite", c_uint64),
     ]
 
 

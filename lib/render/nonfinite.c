@@ -1,0 +1,113 @@
+/* Pixels that come out infinite, or not a number: an error that says where, when, and because of which splat. Kernels show a
+ * splat that they can't hold in every pixel that it isn't hidden from (td_shape.broken), so that none goes by unseen. */
+#include "td_render.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const char *const plane_names[TD_OUT_COLOUR] = {"L", "L_dot", "Y",     "A",     "A_dot", "contributors", "R", "G",
+                                                       "B", "R_dot", "G_dot", "B_dot", "Z",     "Z_dot"};
+
+/* Not 0 where one of the values isn't finite. Sums of x - x, a few side by side: one addition after the other would wait. */
+static int any_nonfinite(const double *values, size_t count) {
+    enum { ABREAST = 8 };
+    double sum[ABREAST] = {0}, all = 0;
+    for (size_t i = 0; i < count; i += ABREAST)
+        for (size_t k = 0; k < ABREAST; k++) sum[k] += values[i + k] - values[i + k];
+    for (size_t k = 0; k < ABREAST; k++) all += sum[k];
+    return !(all == 0);
+}
+
+/* The first such pixel of a tile in the image, row by row; adds them up. 0 where there's none. */
+static int find_pixel(const tides_renderer *renderer, int tile, const double *planes, int outputs, int place[3],
+                      uint64_t *count) {
+    const int x0 = tile % renderer->candidates.tiles_x * TD_TILE, y0 = tile / renderer->candidates.tiles_x * TD_TILE;
+    int found = 0;
+    for (int y = 0; y < TD_TILE && y0 + y < renderer->image.height; y++)
+        for (int x = 0; x < TD_TILE && x0 + x < renderer->image.width; x++) {
+            int plane = 0;
+            while (plane < outputs && isfinite(planes[plane * TD_TILE_PIXELS + td_tile_pixel(x, y)])) plane++;
+            if (plane == outputs) continue;
+            if (!found) place[0] = x0 + x, place[1] = y0 + y, place[2] = plane;
+            found = 1;
+            (*count)++;
+        }
+    return found;
+}
+
+/* The first splat of the last job, front to back, whose record isn't finite: its place among the tile's candidates, or -1. */
+static tides_status find_splat(tides_renderer *renderer, int candidates, int *splat, tides_error *error) {
+    const size_t count = (size_t)candidates;
+    td_stages stages = {.records = candidates};
+    stages.record = td_alloc(count, TD_RECORD_STRIDE * sizeof *stages.record, error);
+    stages.mask = td_alloc(count, sizeof *stages.mask, error);
+    stages.order = td_alloc(count, sizeof *stages.order, error);
+    stages.sorted_mask = td_alloc(count, sizeof *stages.sorted_mask, error);
+    int all = stages.record && stages.mask && stages.order && stages.sorted_mask;
+    tides_status status = all ? renderer->backend->type->inspect(renderer->backend, &stages, error) : TIDES_NO_MEMORY;
+    *splat = -1;
+    for (int i = 0; i < stages.count && status == TIDES_OK && *splat < 0; i++)
+        for (int k = 0; k < TD_RECORD_STRIDE && *splat < 0; k++)
+            if (!isfinite(stages.record[(size_t)stages.order[i] * TD_RECORD_STRIDE + k])) *splat = stages.order[i];
+    free(stages.record);
+    free(stages.mask);
+    free(stages.order);
+    free(stages.sorted_mask);
+    return status;
+}
+
+/* "Gaussian 99 of object 0 ('room') ...", or what else may be the cause. */
+static tides_status describe_cause(tides_renderer *renderer, const tides_trajectory *camera, double time, int tile, char *text,
+                                   size_t size, tides_error *error) {
+    const int first = renderer->candidates.first[tile], count = renderer->candidates.first[tile + 1] - first;
+    const td_request request = {tile, 0};
+    double *planes = td_alloc(TD_OUT_SIGNAL * TD_TILE_PIXELS, sizeof *planes, error);
+    tides_status status = planes ? TIDES_OK : TIDES_NO_MEMORY;
+    int splat = -1;
+    snprintf(text, size, "no single splat of it is, so that their sum, or the background, must be too large");
+    if (status == TIDES_OK && count > 0) /* the tile by itself, so that its records are what the backend still has */
+        status = td_renderer_unchecked_tiles(renderer, camera, &time, 1, &request, 1, TD_OUT_SIGNAL, planes, error);
+    if (status == TIDES_OK && count > 0) status = find_splat(renderer, count, &splat, error);
+    free(planes);
+    if (status != TIDES_OK || splat < 0) return status;
+    const td_store *store = &renderer->store;
+    const int gaussian = renderer->candidates.list[first + splat], object = store->scene_object[store->object[gaussian]];
+    tides_object facts;
+    status = tides_scene_object(renderer->scene, object, &facts, error);
+    if (status != TIDES_OK) return status;
+    const int number = store->number[gaussian];
+    const float *mean = facts.gaussians.mean + 3 * (int64_t)number, *scale = facts.gaussians.log_scale + 3 * (int64_t)number;
+    snprintf(text, size,
+             "Gaussian %d of object %d ('%.60s'; mean %.6g %.6g %.6g, scales %.4g %.4g %.4g%s) is more than its numbers "
+             "can hold there: take it out or make it smaller",
+             number, object, facts.name, facts.gaussians.origin[0] + mean[0], facts.gaussians.origin[1] + mean[1],
+             facts.gaussians.origin[2] + mean[2], scale[0], scale[1], scale[2],
+             facts.motion ? ", where its motion begins" : "");
+    return TIDES_OK;
+}
+
+tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_trajectory *camera, const double *times,
+                                      const td_request *requests, int count, int outputs, const double *planes,
+                                      tides_error *error) {
+    const size_t size = (size_t)outputs * TD_TILE_PIXELS;
+    int worst = -1, place[3] = {0}, here[3] = {0};
+    uint64_t pixels = 0;
+    double value = 0;
+    for (int i = 0; i < count; i++) {
+        const double *tile = planes + (size_t)i * size;
+        if (!any_nonfinite(tile, size) || !find_pixel(renderer, requests[i].tile, tile, outputs, here, &pixels)) continue;
+        if (worst >= 0) continue;
+        worst = i;
+        memcpy(place, here, sizeof place);
+        value = tile[place[2] * TD_TILE_PIXELS + td_tile_pixel(place[0] % TD_TILE, place[1] % TD_TILE)];
+    }
+    if (worst < 0) return TIDES_OK;
+    renderer->stats.pixels_nonfinite += pixels;
+    char cause[400];
+    const double time = times[requests[worst].slot];
+    tides_status status = describe_cause(renderer, camera, time, requests[worst].tile, cause, sizeof cause, error);
+    if (status != TIDES_OK) return status;
+    return td_fail(error, TIDES_BAD_ARGUMENT, "%s of pixel (%d, %d) is %s at %.9g s, one of %llu that aren't finite: %s",
+                   plane_names[place[2]], place[0], place[1], isnan(value) ? "nan" : "infinite", time,
+                   (unsigned long long)pixels, cause);
+}
