@@ -28,8 +28,8 @@ static void destroy(void *state) {
 }
 
 static tides_status check(const tides_baseline *b, tides_error *error) {
-    if (!(b->params.log_eps > 0 && b->params.log_eps <= 1e6))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "log_eps is %.9g; it must lie in (0, 1e6]", b->params.log_eps);
+    if (!(b->params.log_eps >= 1e-9 && b->params.log_eps <= 1e6))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "log_eps is %.9g; it must lie in [1e-9, 1e6]", b->params.log_eps);
     const tides_sensor *sensor = &b->params.sensor;
     if (sensor->b_min > 0)
         return td_fail(error, TIDES_UNSUPPORTED, "sensor: b_min needs coverage, which frames don't have; leave it at 0");

@@ -63,17 +63,31 @@ static void set_limits(td_image *image, int32_t rules, const tides_intrinsics *c
     image->limit_y1 = bottom + jacobian_margin * tan_y;
 }
 
+/* A number of the image or the camera and where it must lie: the ranges of the run file's keys (lib/run/params.c). Within them no
+ * product that is formed of them leaves single precision; a log_eps of 1e-12 and less lets L_dot = Y_dot / (Y + log_eps) do so
+ * where it is dark. */
+typedef struct ranged {
+    const char *name;
+    double value, lower, upper;
+} ranged;
+
+static tides_status check_ranges(const ranged *numbers, size_t count, tides_error *error) {
+    for (size_t i = 0; i < count; i++)
+        if (!(numbers[i].value >= numbers[i].lower && numbers[i].value <= numbers[i].upper))
+            return td_fail(error, TIDES_BAD_ARGUMENT, "%s: %g is out of range; it must lie in [%.10g, %.10g]", numbers[i].name,
+                           numbers[i].value, numbers[i].lower, numbers[i].upper);
+    return TIDES_OK;
+}
+
 static tides_status check_intrinsics(const tides_intrinsics *camera, tides_error *error) {
     if (camera->width < 1 || camera->width > MAX_PIXELS || camera->height < 1 || camera->height > MAX_PIXELS)
         return td_fail(error, TIDES_BAD_ARGUMENT, "camera: %d x %d pixels; width and height must be 1 to %d",
                        (int)camera->width, (int)camera->height, MAX_PIXELS);
-    if (!(camera->fx > 0) || !(camera->fy > 0) || !isfinite(camera->fx) || !isfinite(camera->fy))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "camera: fx %g, fy %g; focal lengths must be positive numbers of pixels",
-                       camera->fx, camera->fy);
-    if (!isfinite(camera->cx) || !isfinite(camera->cy))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "camera: cx %g, cy %g; the principal point must be finite", camera->cx,
-                       camera->cy);
-    return TIDES_OK;
+    const ranged numbers[] = {{"camera.fx", camera->fx, 1e-3, 1e9},
+                              {"camera.fy", camera->fy, 1e-3, 1e9},
+                              {"camera.cx", camera->cx, -1e6, 1e6},
+                              {"camera.cy", camera->cy, -1e6, 1e6}};
+    return check_ranges(numbers, sizeof numbers / sizeof *numbers, error);
 }
 
 static tides_status check_smoothing(const tides_smoothing *s, tides_error *error) {
@@ -98,19 +112,17 @@ static tides_status check_params(const tides_image_params *params, tides_error *
     if (params->sh_degree < 0 || params->sh_degree > TIDES_SH_DEGREE_MAX)
         return td_fail(error, TIDES_BAD_ARGUMENT, "image.sh_degree: %d is outside 0 to %d", (int)params->sh_degree,
                        TIDES_SH_DEGREE_MAX);
-    if (!(params->dilation >= 0) || !isfinite(params->dilation))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "image.dilation: %g must be a number of px^2, 0 or more", params->dilation);
-    if (!(params->log_eps > 0) || !isfinite(params->log_eps))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "image.log_eps: %g must be above 0", params->log_eps);
     if (params->rules == TIDES_RULES_SMOOTH && check_smoothing(&params->smoothing, error) != TIDES_OK)
         return TIDES_BAD_ARGUMENT;
-    for (int c = 0; c < 3; c++) {
-        if (!(params->luminance[c] >= 0) || !isfinite(params->luminance[c]))
-            return td_fail(error, TIDES_BAD_ARGUMENT, "image.luminance[%d]: %g must be 0 or more", c, params->luminance[c]);
-        if (!(params->background[c] >= 0) || !isfinite(params->background[c]))
-            return td_fail(error, TIDES_BAD_ARGUMENT, "scene.background[%d]: %g must be 0 or more", c, params->background[c]);
-    }
-    return TIDES_OK;
+    const ranged numbers[] = {{"image.dilation", params->dilation, 0, 100},
+                              {"image.log_eps", params->log_eps, 1e-9, 1e6},
+                              {"image.luminance[0]", params->luminance[0], 0, 100},
+                              {"image.luminance[1]", params->luminance[1], 0, 100},
+                              {"image.luminance[2]", params->luminance[2], 0, 100},
+                              {"scene.background[0]", params->background[0], 0, 1e6},
+                              {"scene.background[1]", params->background[1], 0, 1e6},
+                              {"scene.background[2]", params->background[2], 0, 1e6}};
+    return check_ranges(numbers, sizeof numbers / sizeof *numbers, error);
 }
 
 void tides_image_params_defaults(tides_image_params *params) {

@@ -126,27 +126,42 @@ static tides_status check_quaternions(const td_gaussians *gaussians, complaint c
     return TIDES_OK;
 }
 
+static tides_status fail_range(int64_t gaussian, const char *name, int axis, double value, const char *what, double scale,
+                               complaint c) {
+    return td_fail(c.error, c.blame,
+                   "Gaussian %lld: %s[%d] is %g: %s, times the object's scale %g, is beyond 1e18, whose square single "
+                   "precision "
+                   "just holds",
+                   (long long)gaussian, name, axis, value, what, scale);
+}
+
 /* In place, means and scales are multiplied by the object's scale. */
 static tides_status check_range(const td_gaussians *gaussians, double scale, complaint c) {
-    double most = log((double)FLT_MAX) - log(scale);
-    for (int64_t i = 0; i < 3 * gaussians->count; i++) {
-        int bad_scale = gaussians->log_scale[i] > most;
-        if (!bad_scale && fabs(gaussians->mean[i] * scale) <= FLT_MAX) continue;
-        return td_fail(c.error, c.blame, "Gaussian %lld: %s[%d] is %g: %s times the object's scale %g is beyond float's range",
-                       (long long)(i / 3), bad_scale ? "log_scale" : "mean", (int)(i % 3),
-                       (double)(bad_scale ? gaussians->log_scale[i] : gaussians->mean[i]), bad_scale ? "its exponential" : "it",
-                       scale);
-    }
+    const double most = log(TD_VALUE_MOST) - log(scale);
+    for (int64_t i = 0; i < gaussians->count; i++)
+        for (int axis = 0; axis < 3; axis++) {
+            const double log_scale = gaussians->log_scale[3 * i + axis], mean = td_gaussians_mean(gaussians, i, axis);
+            if (log_scale > most) return fail_range(i, "log_scale", axis, log_scale, "its exponential", scale, c);
+            if (!(fabs(mean * scale) <= TD_VALUE_MOST)) return fail_range(i, "mean", axis, mean, "it", scale, c);
+        }
     return TIDES_OK;
 }
 
-/* Where an object counts from may be given; its world coordinates must be within single precision's range, as means must. */
+static tides_status check_colours(const td_gaussians *gaussians, complaint c) {
+    const size_t width = 3 * td_sh_coefficients(gaussians->sh_degree), total = (size_t)gaussians->count * width;
+    for (size_t i = 0; i < total; i++)
+        if (fabs((double)gaussians->sh[i]) > TD_VALUE_MOST)
+            return td_fail(c.error, c.blame, "Gaussian %zu: sh[%zu][%zu] is %g: no colour may be beyond 1e18", i / width,
+                           i % width / 3, i % 3, (double)gaussians->sh[i]);
+    return TIDES_OK;
+}
+
+/* Where an object counts from may be given; its world coordinates must be where means may be. */
 static tides_status check_origin(const td_gaussians *gaussians, double scale, complaint c) {
     for (int axis = 0; axis < 3; axis++)
-        if (!(fabs(gaussians->origin[axis] * scale) <= FLT_MAX))
-            return td_fail(c.error, c.blame,
-                           "origin[%d] is %g: must be finite and, times the object's scale %g, within float's range", axis,
-                           gaussians->origin[axis], scale);
+        if (!(fabs(gaussians->origin[axis] * scale) <= TD_VALUE_MOST))
+            return td_fail(c.error, c.blame, "origin[%d] is %g: must be finite and, times the object's scale %g, within 1e18",
+                           axis, gaussians->origin[axis], scale);
     return TIDES_OK;
 }
 
@@ -159,7 +174,8 @@ tides_status td_gaussians_check(const td_gaussians *gaussians, double scale, tid
     if (!status) status = check_finite("opacity_logit", gaussians->opacity_logit, n, 1, 0, c);
     if (!status) status = check_finite("sh", gaussians->sh, n, 3 * td_sh_coefficients(gaussians->sh_degree), 3, c);
     if (!status) status = check_quaternions(gaussians, c);
-    if (!status) status = check_range(gaussians, scale, c);
     if (!status) status = check_origin(gaussians, scale, c);
+    if (!status) status = check_range(gaussians, scale, c);
+    if (!status) status = check_colours(gaussians, c);
     return status;
 }

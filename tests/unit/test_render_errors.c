@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "td_kernel_source.h"
+#include "tides/run.h"
 #include "tides/simulate.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/scene_folder.h"
@@ -67,12 +68,12 @@ static void test_cameras(void **state) {
                  {{-5, 10, 1, 1, 0, 0}, "-5 x 10"},
                  {{16385, 10, 1, 1, 0, 0}, "16385|16384"},
                  {{10, INT32_MAX, 1, 1, 0, 0}, "2147483647"},
-                 {{10, 10, 0, 1, 0, 0}, "fx 0|positive"},
-                 {{10, 10, 1, -2, 0, 0}, "fy -2"},
-                 {{10, 10, NAN, 1, 0, 0}, "fx|nan"},
-                 {{10, 10, 1, INFINITY, 0, 0}, "fy inf"},
-                 {{10, 10, 1, 1, NAN, 0}, "cx|nan|finite"},
-                 {{10, 10, 1, 1, 0, -INFINITY}, "cy -inf"}};
+                 {{10, 10, 0, 1, 0, 0}, "camera.fx|0 is out of range"},
+                 {{10, 10, 1, -2, 0, 0}, "camera.fy|-2"},
+                 {{10, 10, NAN, 1, 0, 0}, "camera.fx|nan"},
+                 {{10, 10, 1, INFINITY, 0, 0}, "camera.fy|inf"},
+                 {{10, 10, 1, 1, NAN, 0}, "camera.cx|nan"},
+                 {{10, 10, 1, 1, 0, -INFINITY}, "camera.cy|-inf"}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
         expect_refused(f, &wrong[i].camera, &f->params, TIDES_BAD_ARGUMENT, wrong[i].words);
 }
@@ -123,6 +124,44 @@ static void test_image_params(void **state) {
     wrong[18].smoothing.soft_depth = 1;
     wrong[19].smoothing.soft_depth = NAN;
     for (int i = 0; i < WRONG; i++) expect_refused(f, &f->scene.camera, &wrong[i], TIDES_BAD_ARGUMENT, words[i]);
+}
+
+/* The library refuses what the run file refuses, and takes what that takes. */
+static void test_ranges_are_the_run_files(void **state) {
+    const fixture *f = *state;
+    tides_image_params params = f->params;
+    tides_intrinsics camera = f->scene.camera;
+    const struct {
+        const char *key, *word;
+        double *value;
+    } numbers[] = {{"image.log_eps", "image.log_eps", &params.log_eps},
+                   {"image.dilation", "image.dilation", &params.dilation},
+                   {"image.luminance", "image.luminance[1]", &params.luminance[1]},
+                   {"scene.background", "scene.background[2]", &params.background[2]},
+                   {"camera.fx", "camera.fx", &camera.fx},
+                   {"camera.cy", "camera.cy", &camera.cy}};
+    size_t rows, found = 0;
+    const tides_param *table = tides_params(&rows);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        for (size_t r = 0; r < rows; r++) {
+            if (strcmp(table[r].key, numbers[i].key) != 0) continue;
+            const double wrong[] = {table[r].lower - 1e-3 * fabs(table[r].lower) - 1e-30, 1.001 * table[r].upper};
+            const double right[] = {table[r].lower, table[r].upper}, before = *numbers[i].value;
+            found++;
+            for (int k = 0; k < 2; k++) {
+                tides_renderer *renderer = NULL;
+                tides_error error;
+                *numbers[i].value = wrong[k];
+                expect_refused(f, &camera, &params, TIDES_BAD_ARGUMENT, numbers[i].word);
+                *numbers[i].value = right[k];
+                scene_expect_ok(tides_renderer_create(f->device, f->scene.scene, &camera, &params, NULL, NULL, &renderer,
+                                                      &error),
+                                &error);
+                tides_renderer_destroy(renderer);
+            }
+            *numbers[i].value = before;
+        }
+    assert_int_equal(found, sizeof numbers / sizeof *numbers);
 }
 
 static void test_missing_arguments(void **state) {
@@ -322,6 +361,7 @@ static void test_kernel_folder_that_is_not_there(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_cameras),
                                        cmocka_unit_test(test_image_params),
+                                       cmocka_unit_test(test_ranges_are_the_run_files),
                                        cmocka_unit_test(test_missing_arguments),
                                        cmocka_unit_test(test_empty_scene),
                                        cmocka_unit_test(test_times_outside_the_path),

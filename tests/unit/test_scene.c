@@ -82,10 +82,10 @@ static void test_bad_values(void **state) {
         const char *expected;
     } cases[] = {{MEAN, 7, NAN, 1, "Gaussian 2: mean[1] is nan"},
                  {MEAN, 0, INFINITY, 1, "Gaussian 0: mean[0] is inf"},
-                 {MEAN, 0, 1e30f, 1e10, "Gaussian 0: mean[0]|float's range"},
+                 {MEAN, 0, 1e30f, 1e10, "Gaussian 0: mean[0]|beyond 1e18"},
                  {LOG_SCALE, 11, -INFINITY, 1, "Gaussian 3: log_scale[2] is -inf"},
-                 {LOG_SCALE, 4, 88.8f, 1, "Gaussian 1: log_scale[1] is 88.8|float's range"},
-                 {LOG_SCALE, 4, 80.0f, 1e4, "Gaussian 1: log_scale[1] is 80|float's range|10000"},
+                 {LOG_SCALE, 4, 41.5f, 1, "Gaussian 1: log_scale[1] is 41.5|beyond 1e18"},
+                 {LOG_SCALE, 4, 40.0f, 1e4, "Gaussian 1: log_scale[1] is 40|beyond 1e18|10000"},
                  {QUATERNION, 15, NAN, 1, "Gaussian 3: quaternion[3] is nan"},
                  {QUATERNION, -1, 0, 1, "Gaussian 2: quaternion (0 0 0 0) has norm 0"},
                  {QUATERNION, -1, 1e-20f, 1, "Gaussian 2: quaternion|too small"},
