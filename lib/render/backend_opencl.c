@@ -275,8 +275,7 @@ static tides_status run_stages(opencl_backend *b, const td_batch *batch, staging
     if (status == TIDES_OK) status = launch_composite(b, batch, &events[2], error);
     if (status == TIDES_OK) status = fetch_batch(b, batch, s, error);
     /* Also after a failure: what was sent still reads host memory. */
-    cl_int finished = clFinish(b->device->queue);
-    if (status == TIDES_OK && finished != CL_SUCCESS) status = td_cl_fail(error, finished, "clFinish");
+    status = td_finish(b->device, status, error);
     for (int i = 0; i < STAGES; i++) stage_seconds[i] = td_event_seconds(&events[i]);
     return status;
 }

@@ -92,8 +92,7 @@ static tides_status warm_up(opencl_backend *b, tides_error *error) {
     if (status == TIDES_OK)
         status = td_buffer_reserve(b->device, &b->views, (size_t)3 * b->objects * TD_VIEW_REALS * sizeof(cl_float), error);
     if (status == TIDES_OK) status = launch_misfits(b, &none, error);
-    cl_int finished = clFinish(b->device->queue);
-    return status == TIDES_OK && finished != CL_SUCCESS ? td_cl_fail(error, finished, "clFinish") : status;
+    return td_finish(b->device, status, error);
 }
 
 tides_status td_opencl_prepare_cubics(td_backend *backend, tides_error *error) {

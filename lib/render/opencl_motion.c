@@ -56,8 +56,7 @@ static tides_status warm_up(opencl_backend *b, tides_error *error) {
     if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->move_gaussians, TD_PAD * sizeof(cl_int), error);
     for (int i = 0; i < b->kinds && status == TIDES_OK; i++)
         if (b->move_kernel[i]) status = launch_kind(b, i, 0, 1, error);
-    cl_int finished = clFinish(b->device->queue);
-    return status == TIDES_OK && finished != CL_SUCCESS ? td_cl_fail(error, finished, "clFinish") : status;
+    return td_finish(b->device, status, error);
 }
 
 tides_status td_opencl_motion_create(opencl_backend *b, const td_movers *movers, tides_error *error) {
@@ -139,8 +138,7 @@ tides_status td_opencl_move(td_backend *backend, const td_move_batch *moves, tid
         status = launch_kind(b, i, moves->kind_first[i], moves->kind_first[i + 1], error);
     for (int i = 0; i < moves->host_runs && status == TIDES_OK; i++) status = write_host_rows(b, moves, &moves->host[i], error);
     if (status == TIDES_OK) status = td_opencl_run_cubics(b, moves, error);
-    cl_int finished = clFinish(b->device->queue);
-    if (status == TIDES_OK && finished != CL_SUCCESS) status = td_cl_fail(error, finished, "clFinish");
+    status = td_finish(b->device, status, error);
     backend->stats.time_motion_s += td_now() - begun;
     return status;
 }
