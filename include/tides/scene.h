@@ -41,9 +41,10 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_create(tides_scene **scene, 
 /* NULL is fine. */
 TIDES_API void tides_scene_destroy(tides_scene *scene);
 
-/* Adds a copy of `gaussians`, origin included, as one object. `trajectory` (nullable: at rest) moves it: p_world = scale R(t) p + position(t);
- * it is copied too. `scale` > 0. `name` (nullable) is for people. N = 0, NaN or Inf, a zero quaternion, means, scales or
- * colours beyond 1e18: TIDES_BAD_ARGUMENT naming index and property. `index` (nullable) receives the object's number. */
+/* Adds a copy of `gaussians`, origin included, as one object. `trajectory` (nullable: at rest) moves it: p_world = scale R(t) p +
+ * position(t); it is copied too. `scale` > 0. `name` (nullable) is for people. N = 0, NaN or Inf, a zero quaternion, means or
+ * colours beyond 1e18, scales beyond float's range: TIDES_BAD_ARGUMENT naming index and property. `index` (nullable) receives
+ * the object's number. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add(tides_scene *scene, const tides_gaussians *gaussians,
                                                         const tides_trajectory *trajectory, double scale, const char *name,
                                                         int32_t *index, tides_error *error);

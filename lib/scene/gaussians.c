@@ -126,23 +126,23 @@ static tides_status check_quaternions(const td_gaussians *gaussians, complaint c
     return TIDES_OK;
 }
 
-static tides_status fail_range(int64_t gaussian, const char *name, int axis, double value, const char *what, double scale,
-                               complaint c) {
-    return td_fail(c.error, c.blame,
-                   "Gaussian %lld: %s[%d] is %g: %s, times the object's scale %g, is beyond 1e18, whose square single "
-                   "precision "
-                   "just holds",
-                   (long long)gaussian, name, axis, value, what, scale);
-}
-
-/* In place, means and scales are multiplied by the object's scale. */
+/* In place, means and scales are multiplied by the object's scale. Scales only need to be numbers then: what is too wide depends
+ * on how near it is seen (kernels/projection.h). */
 static tides_status check_range(const td_gaussians *gaussians, double scale, complaint c) {
-    const double most = log(TD_VALUE_MOST) - log(scale);
+    const double most = log((double)FLT_MAX) - log(scale);
     for (int64_t i = 0; i < gaussians->count; i++)
         for (int axis = 0; axis < 3; axis++) {
             const double log_scale = gaussians->log_scale[3 * i + axis], mean = td_gaussians_mean(gaussians, i, axis);
-            if (log_scale > most) return fail_range(i, "log_scale", axis, log_scale, "its exponential", scale, c);
-            if (!(fabs(mean * scale) <= TD_VALUE_MOST)) return fail_range(i, "mean", axis, mean, "it", scale, c);
+            if (log_scale > most)
+                return td_fail(c.error, c.blame,
+                               "Gaussian %lld: log_scale[%d] is %g: its exponential times the object's scale %g is beyond "
+                               "float's range",
+                               (long long)i, axis, log_scale, scale);
+            if (!(fabs(mean * scale) <= TD_VALUE_MOST))
+                return td_fail(c.error, c.blame,
+                               "Gaussian %lld: mean[%d] is %g: times the object's scale %g it is beyond 1e18, whose square "
+                               "single precision just holds",
+                               (long long)i, axis, mean, scale);
         }
     return TIDES_OK;
 }

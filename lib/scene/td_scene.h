@@ -30,9 +30,9 @@ struct tides_scene {
     size_t count, capacity;
 };
 
-/* Means, scales and coefficients of colour reach no further, in the world. In single precision squares of distances and of lengths
- * are formed from the first two, a sum of 25 products with rates from the last: 3 (1e18)^2 is a hundredth of its range, and the
- * sum leaves rates of 1e18 per second. */
+/* Means, in the world, and coefficients of colour reach no further. In single precision squares of distances are formed of the
+ * first, sums of 25 products with rates of the last: 3 (1e18)^2 is a hundredth of its range, and the sums leave rates of 1e18 per
+ * second. */
 #define TD_VALUE_MOST 1e18
 
 /* In single precision; infinite beyond its range, where a cast would be undefined. */
@@ -50,7 +50,8 @@ void td_gaussians_free(td_gaussians *gaussians); /* leaves an empty one: may be 
 tides_gaussians td_gaussians_view(const td_gaussians *gaussians);
 
 /* Fails with `blame` (TIDES_BAD_ARGUMENT, TIDES_BAD_FILE), naming Gaussian and property, unless the values can be rendered:
- * all finite, quaternions that can be normalised, means, exp(log_scale) and coefficients within TD_VALUE_MOST. */
+ * all finite, quaternions that can be normalised, exp(log_scale) within float's range, means and coefficients within
+ * TD_VALUE_MOST; in place, that is times `scale`. */
 tides_status td_gaussians_check(const td_gaussians *gaussians, double scale, tides_status blame, tides_error *error);
 
 /* -- origin.c: means far from (0, 0, 0) -- */

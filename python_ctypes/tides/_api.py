@@ -978,7 +978,7 @@ class tides_image_params(Structure):
     int32_t sh_degree; /* bands above this are ignored, 0..4 */
     double dilation; /* added to the diagonal of the 2D covariance [px^2] */
     double luminance[3]; /* Y = luminance . (r, g, b) */
-    double log_eps; /* L = ln(Y + log_eps), > 0 */
+    double log_eps; /* L = ln(Y + log_eps), 1e-9 to 1e6 */
     double background[3]; /* r g b, >= 0 */
     tides_smoothing smoothing;
     """

@@ -132,6 +132,32 @@ static void test_rotor_refuses(void **state) {
 
 /* -- keyframes ------------------------------------------------------------------------------------------------------ */
 
+/* Two frames a microsecond apart, and their places 0.1: the spline would swing over the long intervals beside them. With small
+ * steps to match, or as Catmull and Rom's, it is taken. */
+static void test_keyframes_that_swing(void **state) {
+    static const double times[4] = {0, 0.05, 0.050001, 0.1};
+    float means[12] = {0, 0, 0, 0.5f, 0, 0, 0.6f, 0, 0, 1, 0, 0};
+    const float turns[16] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+    tides_gaussians gaussians = gaussians_of(1);
+    tides_keyframes_motion arrays = {.frames = 4, .count = 1, .time = times, .mean = means, .quaternion = turns};
+    (void)state;
+    for (int kind = 0; kind < 3; kind++) {
+        tides_error error = {0, ""};
+        tides_motion *motion = NULL;
+        td_mover_numbers numbers = {0};
+        if (kind == 1) means[6] = 0.50001f;
+        if (kind == 2) means[6] = 0.6f, arrays.catmull_rom = 1;
+        scene_expect_ok(tides_motion_create_keyframes(&arrays, &motion, &error), &error);
+        tides_status status = motion->type->pack(motion, &gaussians, &numbers, &error);
+        if (kind == 0)
+            scene_expect_error(status, TIDES_BAD_FILE, &error, "frames 0 and 1|mean[0] of Gaussian 0|swings|catmull_rom");
+        else
+            scene_expect_ok(status, &error);
+        td_mover_release(&numbers);
+        tides_motion_destroy(motion);
+    }
+}
+
 static void test_keyframes_refuse(void **state) {
     (void)state;
     tides_error error = {0, ""};
@@ -265,6 +291,7 @@ int main(void) {
                                        cmocka_unit_test(test_polynomial_finds_what_rests),
                                        cmocka_unit_test(test_rotor_refuses),
                                        cmocka_unit_test(test_keyframes_refuse),
+                                       cmocka_unit_test(test_keyframes_that_swing),
                                        cmocka_unit_test(test_keyframe_times_are_double),
                                        cmocka_unit_test(test_callback_fills_rows),
                                        cmocka_unit_test(test_callback_errors),

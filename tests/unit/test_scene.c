@@ -84,14 +84,15 @@ static void test_bad_values(void **state) {
                  {MEAN, 0, INFINITY, 1, "Gaussian 0: mean[0] is inf"},
                  {MEAN, 0, 1e30f, 1e10, "Gaussian 0: mean[0]|beyond 1e18"},
                  {LOG_SCALE, 11, -INFINITY, 1, "Gaussian 3: log_scale[2] is -inf"},
-                 {LOG_SCALE, 4, 41.5f, 1, "Gaussian 1: log_scale[1] is 41.5|beyond 1e18"},
-                 {LOG_SCALE, 4, 40.0f, 1e4, "Gaussian 1: log_scale[1] is 40|beyond 1e18|10000"},
+                 {LOG_SCALE, 4, 88.8f, 1, "Gaussian 1: log_scale[1] is 88.8|float's range"},
+                 {LOG_SCALE, 4, 80.0f, 1e4, "Gaussian 1: log_scale[1] is 80|float's range|10000"},
                  {QUATERNION, 15, NAN, 1, "Gaussian 3: quaternion[3] is nan"},
                  {QUATERNION, -1, 0, 1, "Gaussian 2: quaternion (0 0 0 0) has norm 0"},
                  {QUATERNION, -1, 1e-20f, 1, "Gaussian 2: quaternion|too small"},
                  {QUATERNION, -1, 1e20f, 1, "Gaussian 2: quaternion|too large"},
                  {OPACITY, 3, NAN, 1, "Gaussian 3: opacity_logit is nan"},
-                 {SH, 2 * 27 + 3 * 5 + 1, -INFINITY, 1, "Gaussian 2: sh[5][1] is -inf"}};
+                 {SH, 2 * 27 + 3 * 5 + 1, -INFINITY, 1, "Gaussian 2: sh[5][1] is -inf"},
+                 {SH, 27 + 3 * 8 + 2, -1.1e18f, 1, "Gaussian 1: sh[8][2] is -1.1e+18|beyond 1e18"}};
     tides_scene *scene = scene_new();
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         tides_error error = {0, ""};
