@@ -133,9 +133,9 @@ TD_INLINE td_dual td_factor_determinant(const td_matrix23 *a) {
 }
 
 /* Splats may be so wide [px] that the determinant, products of four such lengths, leaves single precision, and with it
- * everything after: from 2^32 px on, sooner for rates. A of one beyond 2^25 px is made smaller by a power of two, which rounds
- * nothing; td_shape_covariance makes what comes of it larger again. Returns whether a lane needs it, that power, and its inverse
- * in `grow`. Beyond 2^60 px conics would leave single precision too: the shape is broken. */
+ * everything after: from 2^32 px on, sooner for rates. A of one beyond 2^25 px is made smaller by a power of two, which
+ * rounds nothing; td_shape_covariance makes what comes of it larger again. Returns whether a lane needs it, that power, and
+ * its inverse in `grow`. Beyond 2^60 px conics would leave single precision too: the shape is broken. */
 TD_INLINE int td_shrink_wide(td_shape *shape, td_matrix23 *a, td_lanes *shrink, td_lanes *grow) {
     const td_real wide = TD_REAL(33554432.0), widest = TD_REAL(1152921504606846976.0); /* 2^25 and 2^60 */
     td_lanes largest = td_splat(0.0f);

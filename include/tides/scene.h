@@ -18,10 +18,10 @@ enum { TIDES_SH_DEGREE_MAX = 4 };
 
 /* Gaussians as arrays. Plain value; the arrays belong to whoever filled it. K = (sh_degree + 1)^2.
  *
- * Single precision has no room for means far from (0, 0, 0), as georeferenced scans have them. Give those in double, or relative
- * to an origin. A scene keeps the means of an object that is far away, for how far its Gaussians spread, relative to an origin
- * near them, in which nothing is rounded that was single precision: `origin` of what it gives back (tides_scene_object) isn't 0
- * then. Files are written with the coordinates that they had. */
+ * Single precision has no room for means far from (0, 0, 0), as georeferenced scans have them. Give those in double, or
+ * relative to an origin. A scene keeps the means of an object that is far away, for how far its Gaussians spread, relative
+ * to an origin near them, in which nothing is rounded that was single precision: `origin` of what it gives back
+ * (tides_scene_object) isn't 0 then. Files are written with the coordinates that they had. */
 typedef struct tides_gaussians {
     int64_t count;     /* N */
     int32_t sh_degree; /* 0..4 */
@@ -41,10 +41,10 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_create(tides_scene **scene, 
 /* NULL is fine. */
 TIDES_API void tides_scene_destroy(tides_scene *scene);
 
-/* Adds a copy of `gaussians`, origin included, as one object. `trajectory` (nullable: at rest) moves it: p_world = scale R(t) p +
- * position(t); it is copied too. `scale` > 0. `name` (nullable) is for people. N = 0, NaN or Inf, a zero quaternion, means or
- * colours beyond 1e18, scales beyond float's range: TIDES_BAD_ARGUMENT naming index and property. `index` (nullable) receives
- * the object's number. */
+/* Adds a copy of `gaussians`, origin included, as one object. `trajectory` (nullable: at rest) moves it: p_world = scale
+ * R(t) p + position(t); it is copied too. `scale` > 0. `name` (nullable) is for people. N = 0, NaN or Inf, a zero
+ * quaternion, means or colours beyond 1e18, scales beyond float's range: TIDES_BAD_ARGUMENT naming index and property.
+ * `index` (nullable) receives the object's number. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add(tides_scene *scene, const tides_gaussians *gaussians,
                                                         const tides_trajectory *trajectory, double scale, const char *name,
                                                         int32_t *index, tides_error *error);

@@ -48,8 +48,8 @@ tides_status td_launch(tides_device *device, cl_kernel kernel, cl_uint dimension
 /* Seconds that a finished event ran; releases it and sets it to NULL. */
 double td_event_seconds(cl_event *event);
 
-/* Waits until nothing is under way: before host memory is freed that was sent, or is fetched into, also after a failure. Returns
- * `status`, or what went wrong with waiting where that is TIDES_OK. */
+/* Waits until nothing is under way: before host memory is freed that was sent, or is fetched into, also after a failure.
+ * Returns `status`, or what went wrong with waiting where that is TIDES_OK. */
 tides_status td_finish(tides_device *device, tides_status status, tides_error *error);
 
 #endif

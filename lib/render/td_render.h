@@ -152,8 +152,8 @@ tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory 
 tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
                                      const td_request *requests, int count, int outputs, double *planes, tides_error *error);
 
-/* Likewise, whatever comes out; td_renderer_sharp_tiles then refuses what isn't finite, naming pixel, time and splat: planes of
- * `requests` at `times` within the swept interval (nonfinite.c). */
+/* Likewise, whatever comes out; td_renderer_sharp_tiles then refuses what isn't finite, naming pixel, time and splat:
+ * planes of `requests` at `times` within the swept interval (nonfinite.c). */
 tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times,
                                          int slots, const td_request *requests, int count, int outputs, double *planes,
                                          tides_error *error);

@@ -126,8 +126,8 @@ static tides_status check_quaternions(const td_gaussians *gaussians, complaint c
     return TIDES_OK;
 }
 
-/* In place, means and scales are multiplied by the object's scale. Scales only need to be numbers then: what is too wide depends
- * on how near it is seen (kernels/projection.h). */
+/* In place, means and scales are multiplied by the object's scale. Scales only need to be numbers then: what is too wide
+ * depends on how near it is seen (kernels/projection.h). */
 static tides_status check_range(const td_gaussians *gaussians, double scale, complaint c) {
     const double most = log((double)FLT_MAX) - log(scale);
     for (int64_t i = 0; i < gaussians->count; i++)

@@ -1,10 +1,10 @@
-/* Means far from the coordinates' origin (georeferenced scans). In single precision R mean + t cancels: 1e5 away what is left of
- * a metre is 8 mm. So an object whose means lie far off, for how far they spread, keeps them relative to an origin of its own
- * near them, in double; its pose takes the origin up, also in double (td_pose_add_origin), and whatever is computed in single
- * precision stays small.
+/* Means far from the coordinates' origin (georeferenced scans). In single precision R mean + t cancels: 1e5 away what is
+ * left of a metre is 8 mm. So an object whose means lie far off, for how far they spread, keeps them relative to an origin
+ * of its own near them, in double; its pose takes the origin up, also in double (td_pose_add_origin), and whatever is
+ * computed in single precision stays small.
  *
- * Axis by axis: the median of the means, rounded to a multiple of a power of two that is no less than GRID spreads. A number that
- * round is subtracted from means in single precision without rounding. */
+ * Axis by axis: the median of the means, rounded to a multiple of a power of two that is no less than GRID spreads. A
+ * number that round is subtracted from means in single precision without rounding. */
 #include "td_base.h"
 #include "td_scene.h"
 
@@ -12,9 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* FAR spreads away an object is moved: nearer, at most 4 of a mean's 24 bits are lost to its place, and the bits of ordinary
- * scenes stay what they are. GRID: a scene about (0, 0, 0) that was moved by a round number gets that number as its origin, and
- * so the very means that it had; it costs at most 2 bits. */
+/* FAR spreads away an object is moved: nearer, at most 4 of a mean's 24 bits are lost to its place, and the bits of
+ * ordinary scenes stay what they are. GRID: a scene about (0, 0, 0) that was moved by a round number gets that number as
+ * its origin, and so the very means that it had; it costs at most 2 bits. */
 enum { SAMPLES = 4096, FAR = 16, GRID = 4 };
 
 double td_gaussians_mean(const td_gaussians *g, int64_t i, int axis) {
@@ -44,8 +44,8 @@ static void middle_of(double *values, size_t count, double *median, double *spre
     *spread = 0.5 * (values[count - 1 - cut] - values[cut]);
 }
 
-/* Where the means are, relative to the present origin, and how far they spread: no less than a splat is large, so that a single
- * one has a spread too. `values`: room for SAMPLES. */
+/* Where the means are, relative to the present origin, and how far they spread: no less than a splat is large, so that a
+ * single one has a spread too. `values`: room for SAMPLES. */
 static void find_middle(const td_gaussians *g, double *values, double median[3], double *spread) {
     const int64_t step = (g->count + SAMPLES - 1) / SAMPLES;
     const size_t count = (size_t)((g->count + step - 1) / step);

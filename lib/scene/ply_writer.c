@@ -1,6 +1,6 @@
 /* PLY files as INRIA's trainer writes them, so that every viewer reads them: binary_little_endian, all float, in the order
- * x y z nx ny nz f_dc_* f_rest_* opacity scale_* rot_*, normals 0, f_rest channel by channel. Means that single precision can't
- * hold, far from (0, 0, 0), are double. */
+ * x y z nx ny nz f_dc_* f_rest_* opacity scale_* rot_*, normals 0, f_rest channel by channel. Means that single precision
+ * can't hold, far from (0, 0, 0), are double. */
 #include "td_base.h"
 #include "td_scene.h"
 

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Whether a motion's numbers hold for means about (0, 0, 0) only: a network that turns each about it (Deformable-3DGS's screws),
- * or a decoder that takes the camera's place as an input. Others see the origin added where it matters to them. */
+/* Whether a motion's numbers hold for means about (0, 0, 0) only: a network that turns each about it (Deformable-3DGS's
+ * screws), or a decoder that takes the camera's place as an input. Others see the origin added where it matters to them. */
 static int is_absolute(const tides_motion *motion) {
     return td_motion_setting(motion, "decoder", 0) != 0 || td_motion_field(motion, "branch_w.weight");
 }

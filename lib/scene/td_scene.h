@@ -30,9 +30,9 @@ struct tides_scene {
     size_t count, capacity;
 };
 
-/* Means, in the world, and coefficients of colour reach no further. In single precision squares of distances are formed of the
- * first, sums of 25 products with rates of the last: 3 (1e18)^2 is a hundredth of its range, and the sums leave rates of 1e18 per
- * second. */
+/* Means, in the world, and coefficients of colour reach no further. In single precision squares of distances are formed of
+ * the first, sums of 25 products with rates of the last: 3 (1e18)^2 is a hundredth of its range, and the sums leave rates
+ * of 1e18 per second. */
 #define TD_VALUE_MOST 1e18
 
 /* In single precision; infinite beyond its range, where a cast would be undefined. */

@@ -1,4 +1,5 @@
-/* Means far from (0, 0, 0), as georeferenced scans have them: the events of the same scene about (0, 0, 0), for as many renders.
+/* Means far from (0, 0, 0), as georeferenced scans have them: the events of the same scene about (0, 0, 0), for as many
+ * renders.
  *
  * What is moved: a box of Gaussians at rest, by keyframes, by polynomials, or as an object that is turned and scaled; and with
  * it the camera, or, for the object, its pose. Means are multiples of 2^-20, so that doubles hold them exactly with any of the
