@@ -43,7 +43,9 @@ static void add_random(tides_scene *scene) {
     for (int i = 0; i < 4 * RANDOM_COUNT; i++) quaternion[i] = (float)normal(&state);
     for (int i = 0; i < RANDOM_COUNT; i++) opacity[i] = (float)(2 * normal(&state));
     for (int i = 0; i < 48 * RANDOM_COUNT; i++) sh[i] = (float)((i % 48 < 3 ? 1 : 0.1) * normal(&state));
-    tides_gaussians gaussians = {RANDOM_COUNT, 3, 0, mean, scale, quaternion, opacity, sh};
+    tides_gaussians gaussians = {.count = RANDOM_COUNT, .sh_degree = 3, .mean = mean, .log_scale = scale, .sh = sh};
+    gaussians.quaternion = quaternion;
+    gaussians.opacity_logit = opacity;
     stop_on(tides_scene_add(scene, &gaussians, NULL, 1, "random", NULL, &error), &error);
     free(sh);
 }

@@ -58,7 +58,8 @@ static tides_scene *scene_of(const splat *splats, int count) {
         const float mean[3] = {0, 0, 0}, quaternion[4] = {1, 0, 0, 0}, log_sigma = (float)log(splats[i].sigma);
         const float log_scale[3] = {log_sigma, log_sigma, log_sigma}, grey = (float)splats[i].grey;
         const float logit = (float)log(splats[i].opacity / (1 - splats[i].opacity)), sh[3] = {grey, grey, grey};
-        tides_gaussians gaussian = {1, 0, 0, mean, log_scale, quaternion, &logit, sh};
+        tides_gaussians gaussian = {.count = 1, .mean = mean, .log_scale = log_scale, .quaternion = quaternion, .sh = sh};
+        gaussian.opacity_logit = &logit;
         tides_trajectory *path = path_of(&splats[i]);
         scene_expect_ok(tides_scene_add(scene, &gaussian, path, 1, NULL, NULL, &error), &error);
         tides_trajectory_destroy(path);
