@@ -26,3 +26,14 @@ refuse 2 "--png x.exr: should end in .png.*-o" tides render run.json --png x.exr
 refuse 2 "-o .exr: should end in .exr" tides render run.json -o .exr
 for file in x.png x.exr .exr; do missing $file; done
 [ "$(head -c 4 f.png | tail -c 3)" = PNG ] || fail "f.png isn't a PNG"
+# A splat that single precision can't hold where it is seen: named, with pixel and time, and nothing is written.
+sed 's/vertex 108/vertex 109/' scene.ply >giant.ply
+echo "0 0 4 1 1 1 3 46 46 46 1 0 0 0" >>giant.ply
+for device in reference reference-f32; do
+    refuse 1 "pixel \(0, 0\) is nan at 0.01 s.*Gaussian 108 of object 0" \
+        tides render run.json --time 0.01 -o giant.exr --set scene.file=giant.ply --device $device
+    refuse 1 "pixel .* at 0 s.*Gaussian 108 of object 0" \
+        tides simulate run.json -q -o giant.h5 --set scene.file=giant.ply --device $device
+done
+missing giant.exr
+missing giant.h5

@@ -36,6 +36,21 @@ static void test_damage(void **state) {
 }
 
 /* Each of these is another run. */
+/* The same means, relative to another origin. */
+static tides_scene *counted_from_elsewhere(const tides_scene *scene) {
+    tides_scene *made = NULL;
+    tides_error error;
+    scene_expect_ok(tides_scene_create(&made, &error), &error);
+    for (int32_t i = 0; i < tides_scene_objects(scene); i++) {
+        tides_object object;
+        scene_expect_ok(tides_scene_object(scene, i, &object, &error), &error);
+        object.gaussians.origin[1] += 0x1p-20;
+        scene_expect_ok(tides_scene_add(made, &object.gaussians, object.trajectory, object.scale, object.name, NULL, &error),
+                        &error);
+    }
+    return made;
+}
+
 static void test_other_runs(void **state) {
     char path[4096];
     snprintf(path, sizeof path, "%s", scene_in_folder(*state, "run.checkpoint"));
@@ -72,6 +87,11 @@ static void test_other_runs(void **state) {
     random_scene scene = make_scene(SEED + 1, 2), kept = j.scene;
     j.scene.scene = scene.scene;
     refuse(&j, NULL, path, TIDES_BAD_CONFIG, "the scene changed");
+    j.scene = kept;
+    tides_scene *elsewhere = counted_from_elsewhere(kept.scene);
+    j.scene.scene = elsewhere;
+    refuse(&j, NULL, path, TIDES_BAD_CONFIG, "the scene changed");
+    tides_scene_destroy(elsewhere);
     j.scene = kept;
     j.scene.path = scene.path;
     refuse(&j, NULL, path, TIDES_BAD_CONFIG, "the camera path changed");
