@@ -104,10 +104,10 @@ tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_traj
     if (worst < 0) return TIDES_OK;
     renderer->stats.pixels_nonfinite += pixels;
     char cause[400];
-    const double time = times[requests[worst].slot];
+    const double time = times[requests[worst].slot]; /* since the epoch */
     tides_status status = describe_cause(renderer, camera, time, requests[worst].tile, cause, sizeof cause, error);
     if (status != TIDES_OK) return status;
-    return td_fail(error, TIDES_BAD_ARGUMENT, "%s of pixel (%d, %d) is %s at %.9g s, one of %llu that aren't finite: %s",
-                   plane_names[place[2]], place[0], place[1], isnan(value) ? "nan" : "infinite", time,
+    return td_fail(error, TIDES_BAD_ARGUMENT, "%s of pixel (%d, %d) is %s at %.15g s, one of %llu that aren't finite: %s",
+                   plane_names[place[2]], place[0], place[1], isnan(value) ? "nan" : "infinite", renderer->epoch + time,
                    (unsigned long long)pixels, cause);
 }
