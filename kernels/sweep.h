@@ -216,8 +216,8 @@ TD_INLINE td_span2 td_sweep_mean(const td_piece *piece, const td_image *image) {
     return box;
 }
 
-/* What the paths' strays add to a box, and the pieces that they ask for. A point at X/Z that is off by d is off on the screen by
- * at most f d sqrt(1 + (X/Z)^2) / Z, with the least depth of both. */
+/* What the paths' strays add to a box, and the pieces that they ask for. A point at X/Z that is off by d is off on the screen
+ * by at most f d sqrt(1 + (X/Z)^2) / Z, with the least depth of both. */
 TD_INLINE td_lanes td_sweep_widen(const td_piece *piece, const td_image *image, const td_span2 *box, td_lanes *wide,
                                   td_lanes *high) {
     td_lanes x = td_larger(td_size(box->x0 - image->cx), td_size(box->x1 - image->cx)) / image->fx;

@@ -101,8 +101,8 @@ TD_INLINE td_lanes td_colour_surplus(TD_GLOBAL const td_view *view, const td_ima
     return TD_REAL(0.8462843753216345) * sum / luminance;
 }
 
-/* Whether between these ends something isn't what they imply: the mask of the Gaussians of which it may be seen. `peak`: their greatest opacity
- * of all. */
+/* Whether between these ends something isn't what they imply: the mask of the Gaussians of which it may be seen. `peak`: their
+ * greatest opacity of all. */
 TD_INLINE td_mask td_is_rough(const td_shape s[3], TD_GLOBAL const td_view *view, const td_image *image,
                               const td_source *source, const int row[3], td_real duration, td_lanes peak) {
     td_mask in_front = (s[0].depth.v > image->near) & (s[1].depth.v > image->near) & (s[2].depth.v > image->near);

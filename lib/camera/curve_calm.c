@@ -17,8 +17,8 @@
 /* Samples on either side whose range counts: a spline's own ringing beside a step falls by 3.7 from one to the next, to 0.2 %
  * of the step beyond these. */
 enum { AROUND = 4, PROBES = 16 };
-/* How far a piece may leave that range, in units of it. Sines of more than two samples per period leave it by 0.19 at most, noise
- * at even times by 0.25, at times 1 to 3 apart by 0.7 (200 samples, 300 draws). */
+/* How far a piece may leave that range, in units of it. Sines of more than two samples per period leave it by 0.19 at most,
+ * noise at even times by 0.25, at times 1 to 3 apart by 0.7 (200 samples, 300 draws). */
 static const double most_beyond = 1.0;
 /* And of the range of all samples: what rings further away is no swing. */
 static const double share_of_all = 0.01;
@@ -73,7 +73,8 @@ static void join(const td_knot *knot, int k, double start, double stop, double c
     c[4] = c[5] = 0;
 }
 
-/* One component; `slope` (count) and `calm` (count) are scratch. A calmed end may make the next piece swing: until none does. */
+/* One component; `slope` (count) and `calm` (count) are scratch. A calmed end may make the next piece swing: until none does.
+ */
 static void calm_component(const td_knot *knots, size_t count, int with_rates, int k, td_segment *segments, double *slope,
                            unsigned char *calm) {
     double low, high;

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* What frames may be off the cubic through others for these to be enough: of an axis' length, a rotation times an axis' ratio, a
- * scale's logarithm, and an opacity's or colour's share. As in kernels/unseen.h, enough for samples to show that there is
+/* What frames may be off the cubic through others for these to be enough: of an axis' length, a rotation times an axis' ratio,
+ * a scale's logarithm, and an opacity's or colour's share. As in kernels/unseen.h, enough for samples to show that there is
  * something. */
 static const double most_off = 0.02;
 
@@ -32,9 +32,9 @@ double td_keyframes_scale(const tides_motion *motion, double from, double to) {
 
 /* What each channel may be off by, (channels): by the Gaussian's own axes. */
 static void allow(const td_keyframes *keys, const tides_gaussians *gaussians, int64_t i, double *allowed) {
-    const float *own = gaussians->log_scale + 3 * i;
+    const double own[3] = {gaussians->log_scale[3 * i], gaussians->log_scale[3 * i + 1], gaussians->log_scale[3 * i + 2]};
     double least = fmin(own[0], fmin(own[1], own[2])), most = fmax(own[0], fmax(own[1], own[2]));
-    double second = (double)own[0] + own[1] + own[2] - least - most;
+    double second = own[0] + own[1] + own[2] - least - most;
     const double part[TD_KEYS_PARTS] = {exp(second), 0.5 * exp(second - most), 1, 1, 1};
     for (int p = 0; p < TD_KEYS_PARTS; p++)
         for (int k = 0; k < keys->width[p] && keys->part[p]; k++) allowed[keys->first[p] + k] = most_off * part[p];

@@ -23,7 +23,7 @@ static const double enough_px = 2e-3;
 static const double order = 16;
 /* Boxes as much wider than they need be make an interval be swept in pieces; a tile is as wide. */
 static const double most_px = 16;
-/* And so does a turn of more than this in one piece [rad]: within it widths at the start, the middle and the end tell enough. */
+/* And so does a turn of more than this in one piece [rad]: within it widths at the start, the middle and the end tell. */
 static const double most_turn = 0.5;
 
 tides_status td_strays_create(const td_store *store, td_strays *strays, tides_error *error) {
