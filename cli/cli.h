@@ -117,11 +117,9 @@ void cli_csv_value(FILE *file, const cJSON *value);
 const char *cli_count(double number, char text[24]);
 /* 1 where `path` is longer than `ending` (".png") and ends in it, whatever its case. */
 int cli_ends_in(const char *path, const char *ending);
-/* Whether `path` will be writable later: an early answer for outputs that come at the end of long work. */
-tides_status cli_check_writable(const char *path, tides_error *error);
 /* Makes a directory; one that is there is fine. */
 tides_status cli_make_directory(const char *directory, tides_error *error);
-/* Writes a file beside and renames: what `put` makes of `what`, or a text and the end of its line. */
+/* Writes a file as tides_file_write does: what `put` makes of `what`, or a text and the end of its line. */
 typedef void (*cli_writer)(FILE *file, const void *what);
 tides_status cli_write_file(const char *path, cli_writer put, const void *what, tides_error *error);
 tides_status cli_write_text(const char *path, const char *text, tides_error *error);

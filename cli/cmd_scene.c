@@ -146,8 +146,8 @@ done:
 
 static tides_status make(const char *kind, const tides_generate_options *options, const scene_texts *texts, tides_world *world,
                          tides_error *error) {
-    tides_status status = cli_check_writable(texts->output, error);
-    if (status == TIDES_OK && texts->run) status = cli_check_writable(texts->run, error);
+    tides_status status = tides_file_check(texts->output, 1, error);
+    if (status == TIDES_OK && texts->run) status = tides_file_check(texts->run, 1, error);
     if (status == TIDES_OK) status = tides_generate(kind, options, world, error);
     if (status == TIDES_OK) status = tides_scene_save(world->scene, texts->output, error);
     return status == TIDES_OK && texts->run ? write_run(texts, world, error) : status;

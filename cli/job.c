@@ -2,6 +2,7 @@
 #include "event_job.h"
 #include "session.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -50,7 +51,7 @@ static tides_status check_outputs(const cli_job *job, tides_error *error) {
     const char *const paths[] = {job->stats, job->preview, job->exr};
     tides_status status = TIDES_OK;
     for (size_t i = 0; status == TIDES_OK && i < sizeof paths / sizeof paths[0]; i++)
-        if (paths[i]) status = cli_check_writable(paths[i], error);
+        if (paths[i]) status = tides_file_check(paths[i], paths[i] != job->exr, error);
     return status;
 }
 
@@ -210,8 +211,10 @@ static void print_summary(const tides_stats *stats, const cli_session *session) 
 
 /* Stopped on request: what was simulated stays readable, and the user is told where. */
 static int stopped(const cli_job *job, const job_state *state) {
-    return cli_failed("stopped on request; the %llu events so far are in %s.part%s", (unsigned long long)state->sink.events,
-                      job->events, state->checkpoint.saved ? "; --resume goes on from there" : "");
+    char part[PATH_MAX];
+    if (tides_file_part(job->events, part, sizeof part, NULL) != TIDES_OK) snprintf(part, sizeof part, "%s", job->events);
+    return cli_failed("stopped on request; the %llu events so far are in %s%s", (unsigned long long)state->sink.events, part,
+                      state->checkpoint.saved ? "; --resume goes on from there" : "");
 }
 
 static tides_status work(const cli_job *job, const cli_common *common, job_state *state, tides_error *error) {

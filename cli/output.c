@@ -170,49 +170,21 @@ tides_status cli_make_directory(const char *directory, tides_error *error) {
     return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", directory, strerror(errno));
 }
 
-static char *part_name(const char *path, tides_error *error) {
-    size_t bytes = strlen(path) + sizeof ".part";
-    char *part = malloc(bytes);
-    if (part)
-        snprintf(part, bytes, "%s.part", path);
-    else
-        cli_error(error, TIDES_NO_MEMORY, "out of memory: %s", path);
-    return part;
-}
-
 int cli_ends_in(const char *path, const char *ending) {
     const size_t length = strlen(path), tail = strlen(ending);
     return length > tail && strcasecmp(path + length - tail, ending) == 0;
 }
 
-tides_status cli_check_writable(const char *path, tides_error *error) {
-    char *part = part_name(path, error);
-    if (!part) return TIDES_NO_MEMORY;
-    FILE *file = fopen(part, "ab");
-    tides_status status = TIDES_OK;
-    if (!file)
-        status = cli_error(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path, strerror(errno));
-    else {
-        fclose(file);
-        remove(part);
-    }
-    free(part);
-    return status;
-}
-
 tides_status cli_write_file(const char *path, cli_writer put, const void *what, tides_error *error) {
-    char *part = part_name(path, error);
-    if (!part) return TIDES_NO_MEMORY;
-    tides_status status = TIDES_OK;
-    FILE *file = fopen(part, "wb");
-    if (file) put(file, what);
-    int32_t written = file && !ferror(file);
-    if (file && fclose(file) != 0) written = 0;
-    if (!written || rename(part, path) != 0) {
-        status = cli_error(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path, strerror(errno));
-        if (file) remove(part);
-    }
-    free(part);
+    char *bytes = NULL;
+    size_t size = 0;
+    FILE *memory = open_memstream(&bytes, &size);
+    if (memory) put(memory, what);
+    int32_t made = memory && !ferror(memory);
+    if (memory && fclose(memory) != 0) made = 0;
+    tides_status status =
+        made ? tides_file_write(path, bytes, size, error) : cli_error(error, TIDES_NO_MEMORY, "out of memory: %s", path);
+    free(bytes);
     return status;
 }
 

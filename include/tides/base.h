@@ -74,6 +74,24 @@ TIDES_API const char *tides_version(void);
  * ("building kernels", "simulating"). A non-zero return stops the work with TIDES_CANCELLED; what was flushed stays. */
 typedef int (*tides_progress)(void *user, double fraction, const char *stage);
 
+/* How every file of the library is written, so that PATH holds the old bytes or the new ones, never a part, whatever dies:
+ *   - beside it, as PATH.part, which is put on the disk (fsync) and renamed, and then its folder; a failure leaves what was
+ *     there alone and no PATH.part, but for recordings of events: those stay in PATH.part, and the error says so;
+ *   - where PATH is a link, that happens to what the link leads to, there or not yet, and the link stays;
+ *   - a device or FIFO is written into, in formats that are written from beginning to end, and refused for others;
+ *   - a folder is refused. */
+
+/* All bytes of a file. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_file_write(const char *path, const void *bytes, size_t size, tides_error *error);
+
+/* An early answer for a file that comes at the end of long work: TIDES_WRITE_FAILED where it can't be written. `streams`: 1
+ * where it is written from beginning to end (text, .png), 0 where not (.h5, .exr, .npy). Leaves nothing behind. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_file_check(const char *path, int32_t streams, tides_error *error);
+
+/* The name under which `path` is written, "PATH.part" where it is no link or device, as 0-terminated text of at most `size`
+ * bytes. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_file_part(const char *path, char *part, size_t size, tides_error *error);
+
 #ifdef __cplusplus
 }
 #endif

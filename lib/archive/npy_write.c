@@ -62,11 +62,9 @@ tides_status td_npy_writer_open(const char *path, int zipped, td_npy_writer **wr
     td_npy_writer *w = td_alloc(1, sizeof *w, error);
     if (!w) return TIDES_NO_MEMORY;
     w->zipped = zipped;
-    tides_status status = TIDES_NO_MEMORY;
-    if ((w->path = td_strdup(path, error)) && (w->part = td_part_name(path, error))) {
-        w->file = fopen(w->part, "wb");
-        status = w->file ? TIDES_OK : td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", w->part, strerror(errno));
-    }
+    tides_status status = (w->path = td_strdup(path, error)) ? td_part_name(path, 0, &w->part, error) : TIDES_NO_MEMORY;
+    if (!status && !(w->file = fopen(w->part, "wb")))
+        status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", w->part, strerror(errno));
     if (status)
         free_writer(w);
     else
@@ -247,7 +245,7 @@ tides_status td_npy_writer_close(td_npy_writer *writer, tides_error *error) {
     if (!status && closed != 0)
         status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", writer->part, strerror(errno));
     if (!status) status = td_commit_file(writer->part, writer->path, error);
-    if (status) unlink(writer->part);
+    if (status) td_remove_part(writer->part, writer->path);
     free_writer(writer);
     return status;
 }
@@ -255,6 +253,6 @@ tides_status td_npy_writer_close(td_npy_writer *writer, tides_error *error) {
 void td_npy_writer_discard(td_npy_writer *writer) {
     if (!writer) return;
     fclose(writer->file);
-    unlink(writer->part);
+    td_remove_part(writer->part, writer->path);
     free_writer(writer);
 }

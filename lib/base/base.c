@@ -146,13 +146,6 @@ done:
     return status;
 }
 
-char *td_part_name(const char *path, tides_error *error) { return td_format(error, "%s.part", path); }
-
-tides_status td_commit_file(const char *part, const char *path, tides_error *error) {
-    if (rename(part, path) == 0) return TIDES_OK;
-    return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be put in place (%s); the data is in %s", path, strerror(errno), part);
-}
-
 /* Levenshtein distance, rows of at most 128 characters; longer names are simply far. */
 static size_t td_edit_distance(const char *a, const char *b) {
     size_t row[129], length_a = strlen(a), length_b = strlen(b);

@@ -34,9 +34,21 @@ char *td_format(tides_error *error, const char *format, ...) TD_PRINTF(2, 3);
 /* Reads a whole file; `*bytes` gets its size, a NUL follows the data. TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE above `limit`. */
 tides_status td_read_file(const char *path, size_t limit, char **data, size_t *bytes, tides_error *error);
 
-/* Files are written beside and renamed: `td_part_name` gives "PATH.part" (allocated); `td_commit_file` renames it onto PATH. */
-char *td_part_name(const char *path, tides_error *error);
+/* Files are written beside and renamed (tides/base.h says how; output.c). `td_part_name` gives the name to write to, allocated:
+ * "PATH.part", beside what PATH leads to where it is a link; PATH itself where it is a device or FIFO, which only formats that
+ * are written from beginning to end (`streams`) can be sent to. */
+tides_status td_part_name(const char *path, int streams, char **part, tides_error *error);
+
+/* Puts a .part that is closed into its place, and both on the disk; a failure removes it. `_or_keep` leaves it where it is then,
+ * and says so: for what took hours. */
 tides_status td_commit_file(const char *part, const char *path, tides_error *error);
+tides_status td_commit_or_keep(const char *part, const char *path, tides_error *error);
+
+/* Removes what was begun; never a device. */
+void td_remove_part(const char *part, const char *path);
+
+/* Waits until the bytes of an open file are on the disk; 0 or errno. Files that can't be asked (pipes) are fine. */
+int td_sync(int descriptor);
 
 /* The entry of `names` (NULL-terminated) nearest to `name` by edit distance; NULL where nothing is near. */
 const char *td_nearest(const char *name, const char *const *names);

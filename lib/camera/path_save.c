@@ -56,13 +56,13 @@ tides_status tides_path_save(const char *file, const tides_trajectory *trajector
                              tides_error *error) {
     if (!file || !trajectory) return td_fail(error, TIDES_BAD_ARGUMENT, "saving a path needs a file name and a trajectory");
     if (intrinsics && check_intrinsics(intrinsics, error) != TIDES_OK) return TIDES_BAD_ARGUMENT;
-    char *part = td_part_name(file, error);
+    char *part = NULL;
     locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0); /* JSON has decimal points whatever the program's locale */
     FILE *out = NULL;
-    tides_status status = TIDES_NO_MEMORY;
-    if (!part) goto done;
+    tides_status status = td_part_name(file, 1, &part, error);
+    if (status != TIDES_OK) goto done;
     if (plain == (locale_t)0) {
-        td_fail(error, status, "out of memory for a locale");
+        status = td_fail(error, TIDES_NO_MEMORY, "out of memory for a locale");
         goto done;
     }
     status = TIDES_WRITE_FAILED;
@@ -78,7 +78,7 @@ tides_status tides_path_save(const char *file, const tides_trajectory *trajector
     broken = fclose(out) != 0 || broken;
     if (broken) {
         td_fail(error, status, "%s: writing failed: %s; is the disk full?", part, strerror(errno));
-        remove(part);
+        td_remove_part(part, file);
         goto done;
     }
     status = td_commit_file(part, file, error);

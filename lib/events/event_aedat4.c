@@ -235,6 +235,7 @@ const td_event_format td_format_aedat4 = {
     .endings = ".aedat4",
     .summary = "AEDAT 4 (iniVation, dv)",
     .tick_ns = 1000,
+    .patches = 1,
     .size_limit = 32768,
     .detect = detect_aedat4,
     .open = open_aedat4,

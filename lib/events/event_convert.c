@@ -149,6 +149,13 @@ static tides_status pump(converter *c, tides_progress progress, void *user, tide
     return status == TIDES_OK ? write_first(c, c->count, error) : status;
 }
 
+/* The input is still there: half an output helps nobody. */
+static void remove_output(const char *out) {
+    char *part = NULL;
+    if (td_part_name(out, 1, &part, NULL) == TIDES_OK) td_remove_part(part, out);
+    free(part);
+}
+
 static tides_status run(converter *c, tides_progress progress, void *user, tides_error *error) {
     c->events = td_alloc((size_t)2 * WINDOW, sizeof *c->events, error);
     if (!c->events) return TIDES_NO_MEMORY;
@@ -159,7 +166,9 @@ static tides_status run(converter *c, tides_progress progress, void *user, tides
     c->report.collapsed = tides_event_writer_collapsed(c->writer);
     tides_event_writer *writer = c->writer;
     c->writer = NULL; /* gone whatever _finish returns */
-    return tides_event_writer_finish(writer, c->report.last_ns, error);
+    status = tides_event_writer_finish(writer, c->report.last_ns, error);
+    if (status != TIDES_OK) remove_output(c->out);
+    return status;
 }
 
 static void report_formats(converter *c) {
@@ -192,11 +201,9 @@ tides_status tides_events_convert(const char *in, const char *out, const tides_e
     converter c = {.in = in, .out = out, .what = *what};
     status = run(&c, progress, user, error);
     if (status == TIDES_OK) report_formats(&c);
-    if (c.writer) { /* the input is still there: half an output helps nobody */
-        char *part = td_part_name(out, NULL);
+    if (c.writer) {
         tides_event_writer_abandon(c.writer);
-        if (part) unlink(part);
-        free(part);
+        remove_output(out);
     }
     tides_event_reader_close(c.reader);
     free(c.events);

@@ -33,11 +33,12 @@ static tides_status write_store(const char *part, const tides_event_file *facts,
 
 tides_status td_event_tail_write(const char *path, const tides_event_file *facts, int64_t offset, uint64_t first,
                                  const tides_event *events, const int64_t *fired, size_t count, tides_error *error) {
-    char *part = td_part_name(path, error);
-    if (!part) return TIDES_NO_MEMORY;
-    tides_status status = write_store(part, facts, offset, first, events, fired, count, error);
+    char *part = NULL;
+    tides_status status = td_part_name(path, 0, &part, error);
+    if (status != TIDES_OK) return status;
+    status = write_store(part, facts, offset, first, events, fired, count, error);
     if (status == TIDES_OK) status = td_commit_file(part, path, error);
-    if (status != TIDES_OK) unlink(part);
+    if (status != TIDES_OK) td_remove_part(part, path);
     free(part);
     return status;
 }

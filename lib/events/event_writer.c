@@ -10,7 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 struct tides_event_writer {
@@ -54,14 +53,16 @@ static tides_status check_file(const char *path, const td_event_format *format, 
                        path, format->summary, start, stop);
     const char *why = known && format->span ? format->span(file->start_ns, file->stop_ns) : NULL;
     if (why) return td_fail(error, TIDES_UNSUPPORTED, "%s: can't hold a run from %.15g to %.15g s: %s", path, start, stop, why);
-    struct stat there;
-    if (stat(path, &there) == 0 && S_ISDIR(there.st_mode))
-        return td_fail(error, TIDES_WRITE_FAILED, "%s: is a folder: name a file in it", path);
     return TIDES_OK;
 }
 
 /* Locked while it is written, so that two runs told to write the same file don't ruin each other. */
 static tides_status open_part(td_event_sink *sink, tides_error *error) {
+    if (strcmp(sink->part, sink->path) == 0) { /* a device or FIFO: the format writes from beginning to end */
+        sink->file = fopen(sink->part, "wb");
+        return sink->file ? TIDES_OK
+                          : td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", sink->part, strerror(errno));
+    }
     int descriptor = open(sink->part, O_RDWR | O_CREAT, 0666);
     if (descriptor < 0) return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", sink->part, strerror(errno));
     if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
@@ -86,11 +87,11 @@ static void free_writer(tides_event_writer *writer) {
     free(writer);
 }
 
-/* A writer that has nothing open yet; NULL: out of memory. */
-static tides_event_writer *make_writer(const char *path, const td_event_format *format, const tides_event_file *file,
-                                       tides_error *error) {
+/* A writer that has nothing open yet. */
+static tides_status make_writer(const char *path, const td_event_format *format, const tides_event_file *file,
+                                tides_event_writer **writer, tides_error *error) {
     tides_event_writer *made = td_alloc(1, sizeof *made, error);
-    if (!made) return NULL;
+    if (!made) return TIDES_NO_MEMORY;
     made->format = format;
     td_event_sink *sink = &made->sink;
     sink->width = file->width;
@@ -101,11 +102,15 @@ static tides_event_writer *make_writer(const char *path, const td_event_format *
     sink->start_ns = file->start_ns;
     sink->stop_ns = file->stop_ns;
     sink->path = td_strdup(path, error);
-    sink->part = sink->path ? td_part_name(path, error) : NULL;
-    if (sink->part && format->tick_ns > 1) sink->ticks = td_event_ticks_create(format->tick_ns, error);
-    if (sink->part && (sink->ticks || format->tick_ns <= 1)) return made;
-    free_writer(made);
-    return NULL;
+    int streams = !format->library && !format->patches;
+    tides_status status = sink->path ? td_part_name(path, streams, &sink->part, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK && format->tick_ns > 1 && !(sink->ticks = td_event_ticks_create(format->tick_ns, error)))
+        status = TIDES_NO_MEMORY;
+    if (status == TIDES_OK)
+        *writer = made;
+    else
+        free_writer(made);
+    return status;
 }
 
 static tides_status begin(tides_event_writer *writer, tides_error *error) {
@@ -125,8 +130,9 @@ static tides_status open_format(const char *path, const td_event_format *format,
                                 tides_event_writer **writer, tides_error *error) {
     tides_status status = check_file(path, format, file, error);
     if (status != TIDES_OK) return status;
-    tides_event_writer *made = make_writer(path, format, file, error);
-    if (!made) return TIDES_NO_MEMORY;
+    tides_event_writer *made = NULL;
+    status = make_writer(path, format, file, &made, error);
+    if (status != TIDES_OK) return status;
     status = begin(made, error);
     if (status != TIDES_OK) {
         free_writer(made);
@@ -166,8 +172,9 @@ tides_status tides_event_writer_resume(const char *path, const tides_event_file 
                        format->summary);
     status = check_file(path, format, file, error);
     if (status != TIDES_OK) return status;
-    tides_event_writer *made = make_writer(path, format, file, error);
-    if (!made) return TIDES_NO_MEMORY;
+    tides_event_writer *made = NULL;
+    status = make_writer(path, format, file, &made, error);
+    if (status != TIDES_OK) return status;
     td_h5_quiet quiet;
     td_h5_quiet_begin(&quiet);
     status = format->resume(&made->sink, count, error);
@@ -305,7 +312,7 @@ tides_status tides_event_writer_finish(tides_event_writer *writer, int64_t stop_
     if (status != TIDES_OK)
         repeat_failure(writer, error);
     else
-        status = td_commit_file(writer->sink.part, writer->sink.path, error);
+        status = td_commit_or_keep(writer->sink.part, writer->sink.path, error);
     free_writer(writer);
     return status;
 }

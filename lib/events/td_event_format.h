@@ -97,6 +97,7 @@ typedef struct td_event_format {
     int32_t library;     /* the file is opened by a library, not as bytes */
     int32_t labels;      /* it has a place for them */
     int32_t negative;    /* times before 0 have a place in it */
+    int32_t patches;     /* its writer goes back (td_sink_patch): not into devices and FIFOs */
 
     /* 1 where the file is of this format; NULL: only by name. */
     int (*detect)(const td_event_probe *probe);

@@ -73,8 +73,9 @@ static tides_status begin(tides_animation *a, tides_status opened, tides_animati
 }
 
 static tides_status open_part(tides_animation *a, tides_error *error) {
-    char *part = td_part_name(a->path, error);
-    if (!part) return TIDES_NO_MEMORY;
+    char *part = NULL;
+    const tides_status named = td_part_name(a->path, a->format == &td_animation_y4m, &part, error); /* an APNG counts first */
+    if (named != TIDES_OK) return named;
     a->file = fopen(part, "wb");
     if (a->file) {
         a->part = part;
@@ -153,6 +154,6 @@ tides_status tides_animation_finish(tides_animation *animation, tides_error *err
 void tides_animation_abandon(tides_animation *animation) {
     if (!animation) return;
     if (animation->file) fclose(animation->file);
-    if (animation->part) unlink(animation->part);
+    if (animation->part) td_remove_part(animation->part, animation->path);
     free_animation(animation);
 }

@@ -157,7 +157,7 @@ static tides_status write_part(exr_job *job) {
     if (close(job->stream.descriptor) != 0 && status == TIDES_OK)
         status = td_fail(job->error, TIDES_WRITE_FAILED, "%s: can't be written: %s", job->path, strerror(errno));
     if (status == TIDES_OK) return td_commit_file(job->part, job->path, job->error);
-    unlink(job->part);
+    td_remove_part(job->part, job->path);
     return status;
 }
 
@@ -212,8 +212,9 @@ tides_status td_exr_write_traced(const char *path, int32_t width, int32_t height
     tides_status status = check_size(&job, error);
     if (status == TIDES_OK) status = sort_channels(&job, channels, error);
     if (status != TIDES_OK) goto done;
-    job.part = part = td_part_name(path, error);
-    status = part ? write_part(&job) : TIDES_NO_MEMORY;
+    status = td_part_name(path, 0, &part, error);
+    job.part = part;
+    if (status == TIDES_OK) status = write_part(&job);
 done:
     free(part);
     free(job.channels);

@@ -73,7 +73,7 @@ static tides_status write_part(png_job *job, const char *path, const char *part,
     if (fclose(job->file) != 0 && status == TIDES_OK) /* what was buffered may find no room */
         status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path, strerror(errno));
     if (status == TIDES_OK) return td_commit_file(part, path, error);
-    unlink(part);
+    td_remove_part(part, path);
     return status;
 }
 
@@ -81,10 +81,11 @@ tides_status tides_png_write(const char *path, int32_t width, int32_t height, co
     if (!path || !rgb) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_png_write: an argument is NULL");
     if (width < 1 || height < 1)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: a picture can't be %d x %d px", path, width, height);
-    char *part = td_part_name(path, error);
-    if (!part) return TIDES_NO_MEMORY;
+    char *part = NULL;
+    tides_status status = td_part_name(path, 1, &part, error);
+    if (status != TIDES_OK) return status;
     png_job job = {.width = width, .height = height, .rgb = rgb};
-    tides_status status = write_part(&job, path, part, error);
+    status = write_part(&job, path, part, error);
     free(part);
     return status;
 }

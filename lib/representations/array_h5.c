@@ -67,7 +67,7 @@ static void discard(td_array_sink *sink) {
     td_h5_quiet saved;
     td_h5_quiet_begin(&saved);
     close_all(h5);
-    if (h5->ours) unlink(sink->part);
+    if (h5->ours) td_remove_part(sink->part, sink->path);
     td_h5_quiet_end(&saved);
     free(h5);
     sink->state = NULL;
@@ -153,7 +153,7 @@ static tides_status complete(td_array_sink *sink, tides_error *error) {
     if (status == TIDES_OK && close_all(h5) < 0) status = write_failed(sink, error);
     td_h5_quiet_end(&saved);
     if (status == TIDES_OK) {
-        h5->ours = 0; /* renamed, or what is to be found where it couldn't be */
+        h5->ours = 0; /* renamed, or removed */
         status = td_commit_file(sink->part, sink->path, error);
     }
     return status;

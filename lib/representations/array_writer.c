@@ -52,8 +52,9 @@ static tides_status fill_sink(td_array_sink *sink, const char *path, const tides
     sink->cells = sink->planes * sink->height * sink->width;
     snprintf(sink->name, sizeof sink->name, "%s", shape->name);
     sink->path = td_strdup(path, error);
-    sink->part = sink->path ? td_part_name(path, error) : NULL;
-    sink->values = sink->part ? td_alloc(sink->cells, sizeof *sink->values, error) : NULL;
+    tides_status status = sink->path ? td_part_name(path, 0, &sink->part, error) : TIDES_NO_MEMORY;
+    if (status != TIDES_OK) return status;
+    sink->values = td_alloc(sink->cells, sizeof *sink->values, error);
     sink->plane_names = sink->values ? td_alloc(sink->planes, sizeof *sink->plane_names, error) : NULL;
     if (!sink->plane_names) return TIDES_NO_MEMORY;
     for (int32_t i = 0; i < shape->planes; i++)

@@ -82,9 +82,9 @@ static int write_rows(FILE *out, const td_gaussians *g, double scale, int wide) 
 }
 
 tides_status td_ply_write(const char *path, const td_gaussians *gaussians, double scale, tides_error *error) {
-    char *part = td_part_name(path, error);
-    if (!part) return TIDES_NO_MEMORY;
-    tides_status status = TIDES_OK;
+    char *part = NULL;
+    tides_status status = td_part_name(path, 1, &part, error);
+    if (status != TIDES_OK) return status;
     FILE *out = fopen(part, "wb");
     if (!out) {
         status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", part, strerror(errno));
@@ -103,7 +103,7 @@ tides_status td_ply_write(const char *path, const td_gaussians *gaussians, doubl
         status = td_fail(error, TIDES_WRITE_FAILED, "%s: writing failed: %s", part, strerror(reason));
     else
         status = td_commit_file(part, path, error);
-    if (!written) remove(part);
+    if (!written) td_remove_part(part, path);
 done:
     free(part);
     return status;

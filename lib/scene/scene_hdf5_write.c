@@ -15,26 +15,6 @@ static tides_status fail_write(const td_place *root) {
     return td_fail(root->error, TIDES_NO_MEMORY, "%s: the file's image can't be made: out of memory?", root->file);
 }
 
-/* The bytes beside `path`, then in its place. */
-static tides_status write_image(const char *path, const char *image, size_t size, tides_error *error) {
-    char *part = td_part_name(path, error);
-    if (!part) return TIDES_NO_MEMORY;
-    tides_status status;
-    FILE *out = fopen(part, "wb");
-    int written = out && fwrite(image, 1, size, out) == size, reason = errno;
-    if (out && fclose(out) != 0 && written) { /* a full disk may show no earlier */
-        written = 0;
-        reason = errno;
-    }
-    if (!written)
-        status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", part, strerror(reason));
-    else
-        status = td_commit_file(part, path, error);
-    if (out && !written) remove(part);
-    free(part);
-    return status;
-}
-
 /* With the origin: in double where single precision can't hold that. */
 static tides_status write_means(const td_place *place, const td_gaussians *g) {
     const hid_t stored = td_gaussians_fit_float(g) ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
@@ -177,7 +157,7 @@ tides_status td_scene_hdf5_write(const tides_scene *scene, const char *path, tid
     tides_status status;
     H5E_BEGIN_TRY { status = make_image(scene, path, &image, &size, error); }
     H5E_END_TRY
-    if (!status) status = write_image(path, image, size, error);
+    if (!status) status = tides_file_write(path, image, size, error);
     free(image);
     return status;
 }

@@ -81,9 +81,10 @@ static tides_status write_sealed(const char *part, const char *bytes, size_t siz
 }
 
 tides_status td_checkpoint_image_write(hid_t image, const char *path, tides_error *error) {
-    char *bytes = NULL, *part = td_part_name(path, error);
+    char *bytes = NULL, *part = NULL;
     size_t size = 0;
-    tides_status status = part ? take_bytes(image, path, &bytes, &size, error) : TIDES_NO_MEMORY;
+    tides_status status = td_part_name(path, 0, &part, error);
+    if (status == TIDES_OK) status = take_bytes(image, path, &bytes, &size, error);
     if (status == TIDES_OK) status = write_sealed(part, bytes, size, error);
     if (status == TIDES_OK) status = td_commit_file(part, path, error);
     free(bytes);

@@ -2376,6 +2376,12 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_exr_write": (c_int32, [
         c_char_p, c_int32, c_int32, P(tides_channel), c_int32, c_int32, P(c_char_p), P(tides_error)
     ]),
+    # tides_status tides_file_check(const char *path, int32_t streams, tides_error *error)
+    "tides_file_check": (c_int32, [c_char_p, c_int32, P(tides_error)]),
+    # tides_status tides_file_part(const char *path, char *part, size_t size, tides_error *error)
+    "tides_file_part": (c_int32, [c_char_p, c_char_p, c_size_t, P(tides_error)]),
+    # tides_status tides_file_write(const char *path, const void *bytes, size_t size, tides_error *error)
+    "tides_file_write": (c_int32, [c_char_p, c_void_p, c_size_t, P(tides_error)]),
     # void tides_frames_close(tides_frames *frames)
     "tides_frames_close": (None, [P(tides_frames)]),
     # size_t tides_frames_count(const tides_frames *frames)

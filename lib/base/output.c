@@ -1,0 +1,181 @@
+/* Where files are written, and how they come into their place: the rules are in tides/base.h. */
+#include "td_base.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const char ending[] = ".part";
+
+/* ---- names ---- */
+
+/* What the link `path` says, as seen from here. */
+static tides_status read_link(const char *path, char **target, tides_error *error) {
+    char text[4096]; /* PATH_MAX of Linux: no link holds more */
+    ssize_t length = readlink(path, text, sizeof text);
+    if (length < 0 || (size_t)length >= sizeof text)
+        return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: it is a link that can't be read", path);
+    const char *slash = strrchr(path, '/');
+    int folder = slash && text[0] != '/' ? (int)(slash - path) + 1 : 0;
+    *target = td_format(error, "%.*s%.*s", folder, path, (int)length, text);
+    return *target ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+/* `path` with the links at its end followed; the last may lead to nothing. */
+static tides_status follow(const char *path, char **target, tides_error *error) {
+    enum { LINKS_MAX = 40 }; /* as Linux itself follows */
+    struct stat there;
+    char *at = td_strdup(path, error);
+    tides_status status = at ? TIDES_OK : TIDES_NO_MEMORY;
+    for (int links = 0; status == TIDES_OK && lstat(at, &there) == 0 && S_ISLNK(there.st_mode); links++) {
+        char *next = NULL;
+        status = links < LINKS_MAX ? read_link(at, &next, error)
+                                   : td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: its links go in a circle", path);
+        free(at);
+        at = next;
+    }
+    *target = at;
+    return status;
+}
+
+tides_status td_part_name(const char *path, int streams, char **part, tides_error *error) {
+    struct stat there;
+    char *target = NULL;
+    if (stat(path, &there) == 0 && S_ISDIR(there.st_mode))
+        return td_fail(error, TIDES_WRITE_FAILED, "%s: is a folder: name a file in it", path);
+    int special = stat(path, &there) == 0 && !S_ISREG(there.st_mode);
+    if (special && !streams)
+        return td_fail(error, TIDES_WRITE_FAILED,
+                       "%s: is a device or FIFO, and this format isn't written from beginning to end: name a file", path);
+    tides_status status = special ? TIDES_OK : follow(path, &target, error);
+    if (status != TIDES_OK) return status;
+    *part = special ? td_strdup(path, error) : td_format(error, "%s%s", target, ending);
+    free(target);
+    return *part ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+void td_remove_part(const char *part, const char *path) {
+    if (part && strcmp(part, path) != 0) unlink(part);
+}
+
+/* ---- the disk ---- */
+
+int td_sync(int descriptor) {
+    int failed = fsync(descriptor) == 0 ? 0 : errno;
+    return failed == EINVAL || failed == ENOTSUP || failed == ENOSYS ? 0 : failed; /* nothing there to be asked */
+}
+
+static int sync_path(const char *path, int flags) {
+    int descriptor = open(path, flags);
+    if (descriptor < 0) return errno;
+    int failed = td_sync(descriptor);
+    if (close(descriptor) != 0 && !failed) failed = errno;
+    return failed;
+}
+
+/* A rename is an entry of the folder, and is on the disk when that is. A folder that may not be read can't be asked. */
+static int sync_folder_of(const char *path) {
+    const char *slash = strrchr(path, '/');
+    char *folder = slash ? td_format(NULL, "%.*s", slash > path ? (int)(slash - path) : 1, path) : NULL;
+    if (slash && !folder) return ENOMEM;
+    int failed = sync_path(folder ? folder : ".", O_RDONLY | O_DIRECTORY);
+    free(folder);
+    return failed == EACCES || failed == EPERM ? 0 : failed;
+}
+
+/* 0 or errno. What came to be at the target since the work began is looked at again: hours may lie between. */
+static int put_in_place(const char *part, const char *target) {
+    struct stat there;
+    if (lstat(target, &there) == 0 && !S_ISREG(there.st_mode)) return S_ISDIR(there.st_mode) ? EISDIR : EEXIST;
+    int failed = sync_path(part, O_RDONLY);
+    if (!failed && rename(part, target) != 0) failed = errno;
+    return failed;
+}
+
+static tides_status commit(const char *part, const char *path, int keep, tides_error *error) {
+    if (strcmp(part, path) == 0) return TIDES_OK; /* written in place */
+    char *target = td_format(error, "%.*s", (int)(strlen(part) - (sizeof ending - 1)), part);
+    if (!target) return TIDES_NO_MEMORY;
+    tides_status status = TIDES_OK;
+    int failed = put_in_place(part, target);
+    if (failed && keep)
+        status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be put in place (%s); the data is in %s", path, strerror(failed),
+                         part);
+    else if (failed)
+        status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be put in place: %s", path, strerror(failed));
+    else if ((failed = sync_folder_of(target)) != 0)
+        status = td_fail(error, TIDES_WRITE_FAILED, "%s: is written, but its folder can't be put on the disk: %s", path,
+                         strerror(failed));
+    if (status != TIDES_OK && !keep) td_remove_part(part, path);
+    free(target);
+    return status;
+}
+
+tides_status td_commit_file(const char *part, const char *path, tides_error *error) { return commit(part, path, 0, error); }
+
+tides_status td_commit_or_keep(const char *part, const char *path, tides_error *error) { return commit(part, path, 1, error); }
+
+/* ---- whole files ---- */
+
+/* 0 or errno. */
+static int write_bytes(const char *part, const void *bytes, size_t size) {
+    FILE *file = fopen(part, "wb");
+    if (!file) return errno;
+    errno = 0;
+    int failed = fwrite(bytes, 1, size, file) == size ? 0 : errno ? errno : EIO;
+    if (fclose(file) != 0 && !failed) failed = errno; /* a full disk may show no earlier */
+    return failed;
+}
+
+tides_status tides_file_write(const char *path, const void *bytes, size_t size, tides_error *error) {
+    if (!path || (!bytes && size > 0)) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_file_write: an argument is NULL");
+    char *part = NULL;
+    tides_status status = td_part_name(path, 1, &part, error);
+    if (status != TIDES_OK) return status;
+    int failed = write_bytes(part, bytes, size);
+    if (failed) {
+        status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path, strerror(failed));
+        td_remove_part(part, path);
+    } else {
+        status = td_commit_file(part, path, error);
+    }
+    free(part);
+    return status;
+}
+
+/* 0 or errno. A FIFO isn't opened: its reader would see its end. */
+static int try_part(const char *part, const char *path) {
+    if (strcmp(part, path) == 0) return access(path, W_OK) == 0 ? 0 : errno;
+    int made = open(part, O_WRONLY | O_CREAT | O_EXCL, 0666);
+    int descriptor = made < 0 && errno == EEXIST ? open(part, O_WRONLY) : made;
+    if (descriptor < 0) return errno;
+    close(descriptor);
+    if (made >= 0) unlink(part); /* one that was there is another run's, or waits to be gone on with */
+    return 0;
+}
+
+tides_status tides_file_check(const char *path, int32_t streams, tides_error *error) {
+    if (!path) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_file_check: path is NULL");
+    char *part = NULL;
+    tides_status status = td_part_name(path, streams, &part, error);
+    int failed = status == TIDES_OK ? try_part(part, path) : 0;
+    if (failed) status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path, strerror(failed));
+    free(part);
+    return status;
+}
+
+tides_status tides_file_part(const char *path, char *part, size_t size, tides_error *error) {
+    if (!path || !part) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_file_part: an argument is NULL");
+    char *name = NULL;
+    tides_status status = td_part_name(path, 1, &name, error);
+    if (status != TIDES_OK) return status;
+    if (strlen(name) < size)
+        memcpy(part, name, strlen(name) + 1);
+    else
+        status = td_fail(error, TIDES_BAD_ARGUMENT, "%s: its name needs more than %zu bytes", path, size);
+    free(name);
+    return status;
+}
