@@ -2,6 +2,7 @@
  * ms, an empty /EXT_TRIGGER, and attributes that name the sensor. Chunks are packed here and written as they are. */
 #include "td_ecf.h"
 
+#include "archive/td_h5_driver.h"
 #include "td_base.h"
 #include "td_event_h5.h"
 #include "td_event_store.h"
@@ -27,6 +28,7 @@ typedef struct ecf_writer {
     uint64_t index_rows;
     size_t pending_count;
     index_entry pending[TD_ECF_CHUNK], last; /* entries that wait for their chunk; of the last interval with events */
+    int failed;                              /* errno of a write that HDF5 isn't told of (archive/td_h5_driver.h), or 0 */
 } ecf_writer;
 
 /* ---- creation ---- */
@@ -83,12 +85,12 @@ static herr_t create_attributes(const td_event_sink *sink, hid_t file) {
                                     {"date", "1970-01-01 00:00:00"},
                                     {"plugin_integrator_name", "TIDES"}};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
-        if (td_h5_write_text(file, texts[i][0], texts[i][1]) < 0) return -1;
+        if (td_h5_write_free_text(file, texts[i][0], texts[i][1]) < 0) return -1;
     return 0;
 }
 
 static herr_t create_all(const td_event_sink *sink, ecf_writer *w) {
-    hid_t access = td_h5_file_access();
+    hid_t access = td_h5_write_access(&w->failed);
     w->file = access < 0 ? -1 : H5Fcreate(sink->part, H5F_ACC_TRUNC, H5P_DEFAULT, access);
     td_h5_close(access);
     if (w->file < 0 || create_attributes(sink, w->file) < 0) return -1;
@@ -109,8 +111,10 @@ static herr_t create_all(const td_event_sink *sink, ecf_writer *w) {
 }
 
 static tides_status write_failed(const td_event_sink *sink, tides_error *error) {
+    const ecf_writer *w = sink->state;
     td_h5_reason reason;
-    return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", sink->part, td_h5_reason_text(&reason));
+    return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", sink->part,
+                   w->failed ? strerror(w->failed) : td_h5_reason_text(&reason));
 }
 
 tides_status td_ecf_create(td_event_sink *sink, tides_error *error) {
@@ -120,7 +124,7 @@ tides_status td_ecf_create(td_event_sink *sink, tides_error *error) {
     w->file = w->events = w->indexes = -1;
     tides_status status = td_event_store_claim(sink->part, 1, error);
     if (status != TIDES_OK) return status;
-    if (create_all(sink, w) < 0) return write_failed(sink, error);
+    if (create_all(sink, w) < 0 || w->failed) return write_failed(sink, error);
     w->pending[w->pending_count++] = (index_entry){0, -1}; /* before all events */
     return TIDES_OK;
 }
@@ -135,7 +139,7 @@ static herr_t write_chunk(ecf_writer *w) {
     if (H5Dwrite_chunk(w->events, H5P_DEFAULT, 0, &first, bytes, w->packed) < 0) return -1;
     w->rows = rows;
     w->held = 0;
-    return 0;
+    return w->failed ? -1 : 0;
 }
 
 static herr_t write_index(ecf_writer *w) {
@@ -198,7 +202,7 @@ static herr_t close_all(ecf_writer *w) {
     td_h5_close(w->indexes);
     herr_t failed = w->file < 0 ? 0 : H5Fclose(w->file);
     w->file = w->events = w->indexes = -1;
-    return failed;
+    return w->failed ? -1 : failed;
 }
 
 tides_status td_ecf_complete(td_event_sink *sink, int64_t stop_ns, tides_error *error) {
@@ -206,7 +210,7 @@ tides_status td_ecf_complete(td_event_sink *sink, int64_t stop_ns, tides_error *
     ecf_writer *w = sink->state;
     char offset[32];
     snprintf(offset, sizeof offset, "%" PRId64, -w->first);
-    if (write_chunk(w) < 0 || write_index(w) < 0 || td_h5_write_text(w->indexes, "offset", offset) < 0)
+    if (write_chunk(w) < 0 || write_index(w) < 0 || td_h5_write_free_text(w->indexes, "offset", offset) < 0)
         return write_failed(sink, error);
     return close_all(w) < 0 ? write_failed(sink, error) : TIDES_OK;
 }

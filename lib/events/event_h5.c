@@ -1,7 +1,10 @@
 /* HDF5 without noise: silence, reasons, file access properties, root attributes. */
 #include "td_event_h5.h"
 
+#include "archive/td_h5_text.h"
+
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 void td_h5_quiet_begin(td_h5_quiet *saved) {
@@ -62,10 +65,11 @@ herr_t td_h5_forbid_evictions(hid_t file) {
     return H5Fset_mdc_config(file, &config);
 }
 
-static hid_t text_type(void) {
+/* Of `size` bytes, or H5T_VARIABLE. */
+static hid_t text_type(size_t size) {
     hid_t type = H5Tcopy(H5T_C_S1);
     if (type < 0) return type;
-    if (H5Tset_size(type, H5T_VARIABLE) >= 0 && H5Tset_cset(type, H5T_CSET_UTF8) >= 0) return type;
+    if (H5Tset_size(type, size) >= 0 && H5Tset_cset(type, H5T_CSET_UTF8) >= 0) return type;
     H5Tclose(type);
     return H5I_INVALID_HID;
 }
@@ -79,11 +83,38 @@ static herr_t write_attribute(hid_t file, const char *name, hid_t file_type, hid
     return failed;
 }
 
+/* A text that is too long for an attribute. */
+static herr_t write_dataset(hid_t file, const char *name, hid_t type, const char *text) {
+    hid_t creation = H5Pcreate(H5P_DATASET_CREATE), space = H5Screate(H5S_SCALAR), dataset = -1;
+    if (creation >= 0 && space >= 0 && H5Pset_obj_track_times(creation, 0) >= 0)
+        dataset = H5Dcreate2(file, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+    herr_t failed = dataset < 0 ? -1 : H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text);
+    td_h5_close(dataset);
+    td_h5_close(space);
+    td_h5_close(creation);
+    return failed;
+}
+
 herr_t td_h5_write_text(hid_t file, const char *name, const char *text) {
-    hid_t type = text_type();
+    size_t bytes = strlen(text) + 1;
+    hid_t type = text_type(bytes);
+    herr_t failed = -1;
+    if (type >= 0)
+        failed =
+            bytes > TD_H5_ATTRIBUTE_MAX ? write_dataset(file, name, type, text) : write_attribute(file, name, type, type, text);
+    td_h5_close(type);
+    return failed;
+}
+
+herr_t td_h5_write_free_text(hid_t file, const char *name, const char *text) {
+    hid_t type = text_type(H5T_VARIABLE);
     herr_t failed = type < 0 ? -1 : write_attribute(file, name, type, type, &text);
     td_h5_close(type);
     return failed;
+}
+
+herr_t td_h5_remove_text(hid_t file, const char *name) {
+    return H5Aexists(file, name) > 0 ? H5Adelete(file, name) : H5Ldelete(file, name, H5P_DEFAULT);
 }
 
 herr_t td_h5_write_int(hid_t file, const char *name, hid_t type, int64_t value) {
@@ -104,23 +135,44 @@ static int open_attribute(hid_t file, const char *name, H5T_class_t class, hid_t
     return 0;
 }
 
-/* Variable and fixed length can't be converted into each other by HDF5, so each is read as what it is. */
-int td_h5_read_text(hid_t file, const char *name, char *text, size_t size) {
+/* All of a text of fixed length; freed by the caller, NULL on failure. */
+static char *read_fixed_text(hid_t id, hid_t type, int dataset) {
+    size_t bytes = H5Tget_size(type);
+    char *text = bytes > 0 && bytes <= TD_H5_TEXT_MAX ? calloc(bytes + 1, 1) : NULL;
+    herr_t failed = !text ? -1 : dataset ? H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) : H5Aread(id, type, text);
+    if (failed >= 0) return text;
+    free(text);
+    return NULL;
+}
+
+static char *text_in_dataset(hid_t file, const char *name) {
+    hid_t dataset = H5Lexists(file, name, H5P_DEFAULT) > 0 ? H5Dopen2(file, name, H5P_DEFAULT) : -1;
+    hid_t type = dataset < 0 ? -1 : H5Dget_type(dataset), space = dataset < 0 ? -1 : H5Dget_space(dataset);
+    int usable = type >= 0 && H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0 &&
+                 H5Sget_simple_extent_npoints(space) == 1;
+    char *text = usable ? read_fixed_text(dataset, type, 1) : NULL;
+    td_h5_close(space);
+    td_h5_close(type);
+    td_h5_close(dataset);
+    return text;
+}
+
+char *td_h5_text(hid_t file, const char *name) {
     hid_t attribute, type;
-    if (!open_attribute(file, name, H5T_STRING, &attribute, &type)) return 0;
-    int got = 0;
-    char fixed[256] = {0};
-    char *variable = NULL;
-    if (H5Tis_variable_str(type) > 0) {
-        if (H5Aread(attribute, type, &variable) >= 0 && variable) got = 1;
-    } else if (H5Tget_size(type) < sizeof fixed && H5Aread(attribute, type, fixed) >= 0) {
-        got = 1;
-    }
-    if (got) snprintf(text, size, "%s", variable ? variable : fixed);
-    if (variable) H5free_memory(variable);
+    if (H5Aexists(file, name) == 0) return text_in_dataset(file, name);
+    if (!open_attribute(file, name, H5T_STRING, &attribute, &type)) return NULL;
+    char *text =
+        H5Tis_variable_str(type) > 0 ? td_h5_free_text(file, name, TD_H5_TEXT_MAX) : read_fixed_text(attribute, type, 0);
     td_h5_close(type);
     td_h5_close(attribute);
-    return got;
+    return text;
+}
+
+int td_h5_read_text(hid_t file, const char *name, char *text, size_t size) {
+    char *found = td_h5_text(file, name);
+    if (found) snprintf(text, size, "%s", found);
+    free(found);
+    return found != NULL;
 }
 
 int td_h5_read_int(hid_t file, const char *name, int64_t *value) {

@@ -5,15 +5,16 @@
  * isn't used again before that is in the file. */
 #include "td_event_store.h"
 
+#include "archive/td_h5_driver.h"
 #include "td_base.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
-static tides_status fail_reopen(const char *path, const char *what, tides_error *error) {
+static tides_status fail_reopen(const td_event_store *store, const char *path, const char *what, tides_error *error) {
     td_h5_reason reason;
-    const char *text = td_h5_reason_text(&reason);
+    const char *text = store->failed ? strerror(store->failed) : td_h5_reason_text(&reason);
     return td_fail(error, TIDES_BAD_FILE, "%s: %s: %s; simulate from the beginning", path, what, text);
 }
 
@@ -90,7 +91,7 @@ static tides_status open_all(td_event_store *store, const char *path, uint64_t r
     store->stop = H5Aopen(store->file, "stop_ns", H5P_DEFAULT);
     if (store->index < 0 || store->count < 0 || store->stop < 0 || rows_of(store->index, TD_INDEX_CHUNK) < 0 ||
         read_offset(store) < 0)
-        return fail_reopen(path, "is damaged", error);
+        return fail_reopen(store, path, "is damaged", error);
     if (!td_h5_read_int(store->file, "count", &count) || count < (int64_t)rows)
         return td_fail(error, TIDES_BAD_FILE, "%s: holds %" PRId64 " events, %" PRIu64 " of the run are missing: start anew",
                        path, count, rows - (uint64_t)(count > 0 ? count : 0));
@@ -127,13 +128,13 @@ static int is_other_text(hid_t file, const char *name, const char *text) {
 
 static herr_t replace_text(hid_t file, const char *name, const char *text) {
     if (!is_other_text(file, name, text)) return 0;
-    return H5Adelete(file, name) < 0 ? -1 : td_h5_write_text(file, name, text);
+    return td_h5_remove_text(file, name) < 0 ? -1 : td_h5_write_text(file, name, text);
 }
 
 static herr_t cut_back(td_event_store *store, const tides_event_file *facts, uint64_t rows) {
     const int64_t count = (int64_t)rows, running = -1;
     if (keep_clear_of_leftovers(store->file) < 0 || H5Awrite(store->count, H5T_NATIVE_INT64, &count) < 0 ||
-        H5Awrite(store->stop, H5T_NATIVE_INT64, &running) < 0 || H5Fflush(store->file, H5F_SCOPE_LOCAL) < 0)
+        H5Awrite(store->stop, H5T_NATIVE_INT64, &running) < 0 || H5Fflush(store->file, H5F_SCOPE_LOCAL) < 0 || store->failed)
         return -1;
     for (int c = 0; c < TD_COLUMNS; c++)
         if (cut_dataset(store->columns[c], rows) < 0) return -1;
@@ -141,7 +142,7 @@ static herr_t cut_back(td_event_store *store, const tides_event_file *facts, uin
     if (cut_dataset(store->index, store->index_rows) < 0) return -1;
     if (replace_text(store->file, "run", facts->run) < 0) return -1;
     store->rows = rows;
-    return H5Fflush(store->file, H5F_SCOPE_LOCAL);
+    return H5Fflush(store->file, H5F_SCOPE_LOCAL) < 0 || store->failed ? -1 : 0;
 }
 
 /* A chunk that isn't there would be read as zeros. */
@@ -217,17 +218,17 @@ static herr_t rebuild_index(td_event_store *store) {
 
 static tides_status reopen(td_event_store *store, const char *path, const tides_event_file *facts, uint64_t rows,
                            tides_error *error) {
-    hid_t access = td_h5_file_access();
+    hid_t access = td_h5_write_access(&store->failed);
     store->file = access < 0 ? -1 : H5Fopen(path, H5F_ACC_RDWR, access);
     td_h5_close(access);
-    if (store->file < 0 || td_h5_forbid_evictions(store->file) < 0) return fail_reopen(path, "can't be opened", error);
+    if (store->file < 0 || td_h5_forbid_evictions(store->file) < 0) return fail_reopen(store, path, "can't be opened", error);
     tides_status status = check_facts(store, path, facts, error);
     if (status == TIDES_OK) status = open_all(store, path, rows, error);
     if (status != TIDES_OK) return status;
-    if (choose_index(store, rows) < 0) return fail_reopen(path, "can't be read", error);
-    if (cut_back(store, facts, rows) < 0) return fail_reopen(path, "can't be cut back", error);
+    if (choose_index(store, rows) < 0) return fail_reopen(store, path, "can't be read", error);
+    if (cut_back(store, facts, rows) < 0) return fail_reopen(store, path, "can't be cut back", error);
     status = check_chunks(store, path, error);
-    if (status == TIDES_OK && rebuild_index(store) < 0) status = fail_reopen(path, "can't be read", error);
+    if (status == TIDES_OK && rebuild_index(store) < 0) status = fail_reopen(store, path, "can't be read", error);
     return status;
 }
 
@@ -239,6 +240,6 @@ tides_status td_event_store_reopen(td_event_store *store, const char *path, cons
     store->scratch = td_alloc(TD_EVENT_CHUNK, sizeof(int64_t), error);
     if (!store->scratch) return TIDES_NO_MEMORY;
     status = reopen(store, path, facts, rows, error);
-    if (status != TIDES_OK) td_event_store_close(store);
+    if (status != TIDES_OK) td_event_store_drop(store);
     return status;
 }

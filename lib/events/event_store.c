@@ -9,6 +9,7 @@
  *     HDF5 itself would go on and write metadata about chunks that aren't there. */
 #include "td_event_store.h"
 
+#include "archive/td_h5_driver.h"
 #include "td_base.h"
 
 #include <errno.h>
@@ -139,7 +140,7 @@ tides_status td_event_store_claim(const char *path, int create, tides_error *err
 }
 
 static herr_t create_all(td_event_store *store, const char *path, const tides_event_file *facts) {
-    hid_t access = td_h5_file_access();
+    hid_t access = td_h5_write_access(&store->failed);
     store->file = access < 0 ? -1 : H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
     td_h5_close(access);
     if (store->file < 0 || td_h5_forbid_evictions(store->file) < 0) return -1;
@@ -147,6 +148,11 @@ static herr_t create_all(td_event_store *store, const char *path, const tides_ev
     if (create_offset(store->file, store->offset) < 0) return -1;
     if (facts->labels && td_event_labels_create(store->file, &store->labels) < 0) return -1;
     return H5Fflush(store->file, H5F_SCOPE_LOCAL);
+}
+
+/* HDF5 doesn't know of what failed to be written (archive/td_h5_driver.h). */
+static const char *reason_of(const td_event_store *store, td_h5_reason *reason) {
+    return store->failed ? strerror(store->failed) : td_h5_reason_text(reason);
 }
 
 void td_event_store_reset(td_event_store *store) {
@@ -172,24 +178,19 @@ tides_status td_event_store_create(td_event_store *store, const char *path, cons
     if (status != TIDES_OK) return status;
     store->scratch = td_alloc(TD_EVENT_CHUNK, sizeof(int64_t), error);
     if (!store->scratch) return TIDES_NO_MEMORY;
-    if (create_all(store, path, facts) >= 0) return TIDES_OK;
+    if (create_all(store, path, facts) >= 0 && !store->failed) return TIDES_OK;
     td_h5_reason reason;
-    td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", path, td_h5_reason_text(&reason));
-    td_event_store_close(store);
+    td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", path, reason_of(store, &reason));
+    td_event_store_drop(store);
     unlink(path); /* a shell without datasets is no use to anyone */
     return TIDES_WRITE_FAILED;
 }
 
 /* ---- space ---- */
 
-static int file_descriptor(hid_t file) {
-    void *handle = NULL;
-    return H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) >= 0 && handle ? *(int *)handle : -1;
-}
-
 int td_event_claim_space(hid_t file, uint64_t bytes) {
     hsize_t size = 0;
-    int descriptor = file_descriptor(file);
+    int descriptor = td_h5_descriptor(file);
     if (descriptor < 0 || H5Fget_filesize(file, &size) < 0) return 0;
     int failed = posix_fallocate(descriptor, (off_t)size, (off_t)bytes);
     return failed == EINVAL || failed == EOPNOTSUPP || failed == ENOSYS ? 0 : failed;
@@ -198,7 +199,7 @@ int td_event_claim_space(hid_t file, uint64_t bytes) {
 /* Gives back what was claimed and not used. It is only space: a failure here costs nothing. */
 static void release_space(hid_t file) {
     hsize_t size = 0;
-    int descriptor = file_descriptor(file);
+    int descriptor = td_h5_descriptor(file);
     if (descriptor >= 0 && H5Fget_filesize(file, &size) >= 0 && ftruncate(descriptor, (off_t)size) != 0) return;
 }
 
@@ -253,19 +254,21 @@ static herr_t append_events(td_event_store *store, const tides_event *events, co
     return 0;
 }
 
+static herr_t flush(const td_event_store *store) {
+    return H5Fflush(store->file, H5F_SCOPE_LOCAL) < 0 || store->failed ? -1 : 0;
+}
+
 /* The two steps of a flush: see the top. */
 static herr_t commit_rows(td_event_store *store, uint64_t rows) {
     int64_t count = (int64_t)rows;
-    if (H5Fflush(store->file, H5F_SCOPE_LOCAL) < 0 || H5Awrite(store->count, H5T_NATIVE_INT64, &count) < 0 ||
-        H5Fflush(store->file, H5F_SCOPE_LOCAL) < 0)
-        return -1;
+    if (flush(store) < 0 || H5Awrite(store->count, H5T_NATIVE_INT64, &count) < 0 || flush(store) < 0) return -1;
     store->rows = rows;
     return 0;
 }
 
-static tides_status hdf5_failure(tides_error *error) {
+static tides_status hdf5_failure(const td_event_store *store, tides_error *error) {
     td_h5_reason reason;
-    return td_fail(error, TIDES_WRITE_FAILED, "%s", td_h5_reason_text(&reason));
+    return td_fail(error, TIDES_WRITE_FAILED, "%s", reason_of(store, &reason));
 }
 
 tides_status td_event_store_append(td_event_store *store, const tides_event *events, const int64_t *fired, size_t count,
@@ -278,7 +281,7 @@ tides_status td_event_store_append(td_event_store *store, const tides_event *eve
         return td_fail(error, TIDES_WRITE_FAILED, "%s", strerror(no_space));
     }
     if (append_events(store, events, fired, count) < 0 || commit_rows(store, store->rows + count) < 0)
-        return hdf5_failure(error);
+        return hdf5_failure(store, error);
     release_space(store->file);
     return TIDES_OK;
 }
@@ -290,20 +293,32 @@ tides_status td_event_store_complete(td_event_store *store, uint64_t entries, in
         return td_fail(error, TIDES_WRITE_FAILED, "%s", strerror(no_space));
     }
     if (td_event_store_index(store, entries, store->rows) < 0 || write_pending(store) < 0 ||
-        H5Awrite(store->stop, H5T_NATIVE_INT64, &stop_ns) < 0 || H5Fflush(store->file, H5F_SCOPE_LOCAL) < 0)
-        return hdf5_failure(error);
+        H5Awrite(store->stop, H5T_NATIVE_INT64, &stop_ns) < 0 || flush(store) < 0)
+        return hdf5_failure(store, error);
     release_space(store->file);
     return TIDES_OK;
 }
 
-herr_t td_event_store_close(td_event_store *store) {
+void td_event_store_drop(td_event_store *store) {
+    tides_status ignored = td_event_store_close(store, NULL);
+    (void)ignored; /* an earlier failure is told, or nobody asks */
+}
+
+int td_event_store_sync(const td_event_store *store) {
+    int descriptor = td_h5_descriptor(store->file);
+    return descriptor < 0 ? EBADF : td_sync(descriptor);
+}
+
+tides_status td_event_store_close(td_event_store *store, tides_error *error) {
     for (int c = 0; c < TD_COLUMNS; c++) td_h5_close(store->columns[c]);
     td_event_labels_close(&store->labels);
     td_h5_close(store->index);
     td_h5_close(store->count);
     td_h5_close(store->stop);
-    herr_t failed = store->file < 0 ? 0 : H5Fclose(store->file);
+    int was_open = store->file >= 0;
+    herr_t closed = was_open ? H5Fclose(store->file) : 0;
+    tides_status status = closed < 0 || (was_open && store->failed) ? hdf5_failure(store, error) : TIDES_OK;
     free(store->scratch);
     td_event_store_reset(store);
-    return failed;
+    return status;
 }

@@ -24,10 +24,8 @@ static tides_status write_store(const char *part, const tides_event_file *facts,
         status = td_fail(&reason, TIDES_WRITE_FAILED, "%s", td_h5_reason_text(&text));
     }
     if (status == TIDES_OK) status = td_event_store_append(&store, events, fired, count, &reason);
-    if (td_event_store_close(&store) < 0 && status == TIDES_OK) {
-        td_h5_reason text;
-        status = td_fail(&reason, TIDES_WRITE_FAILED, "%s", td_h5_reason_text(&text));
-    }
+    tides_status closed = td_event_store_close(&store, status == TIDES_OK ? &reason : NULL);
+    if (status == TIDES_OK) status = closed;
     return status == TIDES_OK ? status : td_fail(error, status, "%s: can't be written: %s", part, reason.text);
 }
 

@@ -86,7 +86,7 @@ static tides_status make_state(td_event_sink *sink, tides_error *error) {
 static void discard_hdf5(td_event_sink *sink) {
     hdf5_writer *w = sink->state;
     if (!w) return;
-    td_event_store_close(&w->store);
+    td_event_store_drop(&w->store);
     free(w->buffer);
     free(w->fired);
     free(w->tail);
@@ -158,6 +158,8 @@ static tides_status write_hdf5(td_event_sink *sink, const tides_event *events, s
 
 static tides_status flush_hdf5(td_event_sink *sink, tides_error *error) {
     hdf5_writer *w = sink->state;
+    int unsynced = td_event_store_sync(&w->store); /* a checkpoint that outlives a power cut needs its events */
+    if (unsynced) return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be put on the disk: %s", sink->part, strerror(unsynced));
     if (w->buffered == 0) return TIDES_OK; /* whole chunks are in the file as soon as they are whole */
     const tides_event_file facts = {sink->width, sink->height, NULL, NULL, sink->labels, 0, 0};
     return td_event_tail_write(w->tail, &facts, w->offset, w->store.rows, w->buffer, w->fired, w->buffered, error);
@@ -248,11 +250,10 @@ static uint64_t index_entries(const td_event_sink *sink, int64_t stop_ns) {
 static tides_status close_store(td_event_sink *sink, tides_error *error) {
     hdf5_writer *w = sink->state;
     uint64_t rows = w->store.rows;
-    if (td_event_store_close(&w->store) >= 0) return TIDES_OK;
-    td_h5_reason reason;
-    const char *text = td_h5_reason_text(&reason);
+    tides_error reason = {0};
+    tides_status status = td_event_store_close(&w->store, &reason);
     w->store.rows = rows;
-    return write_failed(sink, TIDES_WRITE_FAILED, text, error);
+    return status == TIDES_OK ? status : write_failed(sink, status, reason.text, error);
 }
 
 static tides_status complete_hdf5(td_event_sink *sink, int64_t stop_ns, tides_error *error) {
@@ -282,7 +283,7 @@ static void abandon_hdf5(td_event_sink *sink) {
         tides_status ignored = td_event_store_complete(&w->store, w->store.next_ms, -1, NULL);
         (void)ignored; /* only the index's last entries are at stake */
     }
-    if (td_event_store_close(&w->store) >= 0 && safe) unlink(w->tail); /* the .part has all of it */
+    if (td_event_store_close(&w->store, NULL) == TIDES_OK && safe) unlink(w->tail); /* the .part has all of it */
 }
 
 const td_event_format td_format_hdf5 = {

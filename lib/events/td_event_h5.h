@@ -41,9 +41,18 @@ hid_t td_h5_file_access(void);
 /* Metadata of a file being written may leave the cache only when we flush. Its growth is a few kilobytes per million events. */
 herr_t td_h5_forbid_evictions(hid_t file);
 
-/* Root attributes. Strings are written with variable length: a fixed one may not exceed 64 kB, and run files do. All return
- * negative on failure; the readers return 0 where the attribute is absent (or of another kind) and 1 where it was read. */
+/* Root attributes. Texts are written with fixed length, because damage to one of variable length is what HDF5 can't stand
+ * (archive/td_h5_text.h); one that is too long for an attribute becomes a scalar dataset of the same name. Prophesee's readers
+ * want variable length: _free_text. All return negative on failure; the readers return 0 where the attribute is absent (or of
+ * another kind) and 1 where it was read; td_h5_text NULL, or the text, freed by the caller. */
+enum {
+    TD_H5_ATTRIBUTE_MAX = 60000, /* bytes: an object header's message ends at 65 535 */
+    TD_H5_TEXT_MAX = 1 << 24     /* no text in a file is longer; guards the memory that a damaged one could ask for */
+};
 herr_t td_h5_write_text(hid_t file, const char *name, const char *text);
+herr_t td_h5_write_free_text(hid_t file, const char *name, const char *text);
+herr_t td_h5_remove_text(hid_t file, const char *name);
+char *td_h5_text(hid_t file, const char *name);
 herr_t td_h5_write_int(hid_t file, const char *name, hid_t type, int64_t value);
 int td_h5_read_text(hid_t file, const char *name, char *text, size_t size);
 int td_h5_read_int(hid_t file, const char *name, int64_t *value);

@@ -23,6 +23,7 @@ typedef struct td_event_store {
     uint64_t pending[TD_INDEX_CHUNK]; /* entries that wait for their chunk to fill */
     size_t pending_count;
     void *scratch; /* one column of one chunk */
+    int failed;    /* errno of the first write that failed, or 0: HDF5 isn't told (archive/td_h5_driver.h) */
 } td_event_store;
 
 /* Nothing open; all of them in a new file; the labels of `count` events at `row` (`fired` NULL: at their t), where `scratch`
@@ -96,8 +97,13 @@ tides_status td_event_store_append(td_event_store *store, const tides_event *eve
 /* Completes ms_to_idx to `entries` entries (never fewer than there are), notes the end, flushes. */
 tides_status td_event_store_complete(td_event_store *store, uint64_t entries, int64_t stop_ns, tides_error *error);
 
-/* Closes all that is open and frees the scratch; negative where HDF5 couldn't close the file. */
-herr_t td_event_store_close(td_event_store *store);
+/* Waits until what was flushed is on the disk; 0 or errno. */
+int td_event_store_sync(const td_event_store *store);
+
+/* Closes all that is open and frees the scratch; fails where anything of the file couldn't be written, the error's text is the
+ * bare reason. _drop: the same where an earlier failure is told, or nobody asks. */
+tides_status td_event_store_close(td_event_store *store, tides_error *error);
+void td_event_store_drop(td_event_store *store);
 
 /* The events after an unfinished file's last whole chunk, kept in a file of their own (event_tail.c): events [first, first +
  * count), and with labels when they fired. Written beside and renamed. */

@@ -1,5 +1,6 @@
 /* Arrays as HDF5: /NAME (windows x planes x height x width), a chunk for each window, deflated; /start_ns, /stop_ns and
  * /events, a value for each window. */
+#include "archive/td_h5_driver.h"
 #include "events/td_event_store.h"
 #include "td_array_sink.h"
 
@@ -9,12 +10,15 @@
 
 typedef struct h5_array {
     hid_t file, dataset;
-    int ours; /* the .part isn't another run's */
+    int ours;   /* the .part isn't another run's */
+    int failed; /* errno of a write that HDF5 isn't told of (archive/td_h5_driver.h), or 0 */
 } h5_array;
 
 static tides_status write_failed(const td_array_sink *sink, tides_error *error) {
+    const h5_array *h5 = sink->state;
     td_h5_reason reason;
-    return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", sink->path, td_h5_reason_text(&reason));
+    return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", sink->path,
+                   h5->failed ? strerror(h5->failed) : td_h5_reason_text(&reason));
 }
 
 /* ---- creation ---- */
@@ -35,7 +39,7 @@ static hid_t create_dataset(const td_array_sink *sink, hid_t file) {
 }
 
 static herr_t create_all(const td_array_sink *sink, h5_array *h5) {
-    hid_t access = td_h5_file_access();
+    hid_t access = td_h5_write_access(&h5->failed);
     h5->file = access < 0 ? -1 : H5Fcreate(sink->part, H5F_ACC_TRUNC, H5P_DEFAULT, access);
     td_h5_close(access);
     if (h5->file < 0 || td_h5_write_text(h5->file, "format", "tides-arrays") < 0 ||
@@ -43,7 +47,7 @@ static herr_t create_all(const td_array_sink *sink, h5_array *h5) {
         td_h5_write_text(h5->file, "tides_version", tides_version()) < 0)
         return -1;
     h5->dataset = create_dataset(sink, h5->file);
-    return h5->dataset < 0 ? -1 : 0;
+    return h5->dataset < 0 || h5->failed ? -1 : 0;
 }
 
 static tides_status create_quietly(td_array_sink *sink, tides_error *error) {
@@ -58,7 +62,7 @@ static herr_t close_all(h5_array *h5) {
     td_h5_close(h5->dataset);
     herr_t failed = h5->file < 0 ? 0 : H5Fclose(h5->file);
     h5->file = h5->dataset = -1;
-    return failed;
+    return h5->failed ? -1 : failed;
 }
 
 static void discard(td_array_sink *sink) {
@@ -105,7 +109,7 @@ static herr_t write_array(const td_array_sink *sink, const h5_array *h5) {
         failed = H5Dwrite(h5->dataset, H5T_NATIVE_FLOAT, memory, file, H5P_DEFAULT, sink->values);
     td_h5_close(file);
     td_h5_close(memory);
-    return failed;
+    return h5->failed ? -1 : failed;
 }
 
 static tides_status append(td_array_sink *sink, tides_error *error) {

@@ -1,12 +1,10 @@
 /* Groups, attributes and datasets of HDF5 files, with messages that say where. Every handle is closed on every path. */
+#include "events/td_event_h5.h"
 #include "td_base.h"
 #include "td_place.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-/* No text in a scene file is longer; guards the memory that a damaged one could ask for. */
-enum { TEXT_MAX = 1 << 20 };
 
 /* Deflate, the strongest filter in common use, shrinks by at most this factor (zlib's documentation): values beyond file size
  * times this can't be in the file, whatever its header says. */
@@ -81,40 +79,9 @@ tides_status td_place_read_double(const td_place *place, const char *name, doubl
     return read_number(place, name, H5T_NATIVE_DOUBLE, 1, value);
 }
 
-/* Text of a fixed length, as numpy writes bytes: padded with NUL. */
-static int read_fixed_text(hid_t attribute, hid_t type, char **text, tides_error *error) {
-    size_t bytes = H5Tget_size(type);
-    if (bytes == 0 || bytes > TEXT_MAX) return 0;
-    char *copy = td_alloc(bytes + 1, 1, error);
-    if (!copy) return 0;
-    if (H5Aread(attribute, type, copy) < 0) {
-        free(copy);
-        return 0;
-    }
-    *text = copy;
-    return 1;
-}
-
-/* Text of any length, as h5py writes str: HDF5 allocates, and its own call must free. */
-static int read_free_text(hid_t attribute, hid_t type, char **text, tides_error *error) {
-    char *lent = NULL;
-    if (H5Aread(attribute, type, &lent) < 0) return 0;
-    *text = td_strdup(lent ? lent : "", error);
-    H5free_memory(lent);
-    return *text != NULL;
-}
-
 tides_status td_place_read_text(const td_place *place, const char *name, char **text) {
-    char *found = NULL;
-    int done = 0;
-    hid_t attribute = open_attribute(place, name);
-    hid_t type = attribute >= 0 ? H5Aget_type(attribute) : H5I_INVALID_HID;
-    if (type >= 0 && H5Tget_class(type) == H5T_STRING)
-        done = H5Tis_variable_str(type) > 0 ? read_free_text(attribute, type, &found, place->error)
-                                            : read_fixed_text(attribute, type, &found, place->error);
-    if (type >= 0) H5Tclose(type);
-    if (attribute >= 0) H5Aclose(attribute);
-    if (!done) return fail_attribute(place, name, "a text");
+    char *found = td_h5_text(place->id, name);
+    if (!found) return fail_attribute(place, name, "a text");
     *text = found;
     return TIDES_OK;
 }
@@ -138,11 +105,7 @@ tides_status td_place_write_double(const td_place *place, const char *name, doub
 }
 
 tides_status td_place_write_text(const td_place *place, const char *name, const char *text) {
-    hid_t type = H5Tcopy(H5T_C_S1);
-    int ready = type >= 0 && H5Tset_size(type, H5T_VARIABLE) >= 0 && H5Tset_cset(type, H5T_CSET_UTF8) >= 0;
-    tides_status status = ready ? write_attribute(place, name, type, type, &text) : fail_write(place, name);
-    if (type >= 0) H5Tclose(type);
-    return status;
+    return td_h5_write_text(place->id, name, text) >= 0 ? TIDES_OK : fail_write(place, name);
 }
 
 /* -- datasets -- */

@@ -6,6 +6,7 @@
 
 #include <hdf5.h>
 
+#include "lib/events/td_event_h5.h"
 #include "tides/events.h"
 
 static inline int event_order(const void *a, const void *b) {

@@ -227,14 +227,8 @@ static void test_run_text(void **state) {
     tides_event_writer_abandon(writer);
     expect_ok(tides_event_writer_resume(path, &other, 0, &writer, &error), &error);
     expect_ok(tides_event_writer_finish(writer, 1000, &error), &error);
-    hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), attribute = H5Aopen(file, "run", H5P_DEFAULT);
-    hid_t type = H5Aget_type(attribute);
-    char *read = NULL;
-    assert_true(H5Aread(attribute, type, &read) >= 0);
-    snprintf(text, sizeof text, "%s", read);
-    H5free_memory(read);
-    H5Tclose(type);
-    H5Aclose(attribute);
+    hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    assert_true(td_h5_read_text(file, "run", text, sizeof text));
     H5Fclose(file);
     assert_string_equal(text, other.run);
 }
