@@ -1,8 +1,12 @@
 /* `tides`: finds the command and runs it. Exit codes: 0 ok, 1 failed, 2 usage; errors are one line on stderr. */
 #include "cli.h"
 
+#include <hdf5.h>
+#include <poll.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 static const cli_command commands[] = {
     {"demo", "[-o DIR]", "Make a dynamic scene, simulate it, and leave everything in a directory.",
@@ -120,11 +124,28 @@ static int run(int argc, char **argv) {
     return name[0] == '-' ? cli_usage(NULL, "unknown option %s", name) : unknown_command(name);
 }
 
+/* A reader of our output that has enough (tides ... | head) is no failure to speak of: we end as programs do then. */
+static void end_with_the_pipe(void) {
+    struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
+    if (poll(&out, 1, 0) != 1 || !(out.revents & POLLERR)) return;
+    signal(SIGPIPE, SIG_DFL);
+    raise(SIGPIPE);
+}
+
+/* HDF5 1.10 has a handler for the process's end, which says on stderr, or crashes on, what was wrong with a damaged file or when
+ * memory ran out. All that we open we close: it isn't needed, and the process is ours to say so. */
+static void set_up(void) {
+    signal(SIGPIPE, SIG_IGN); /* a write that fails says where and why */
+    H5dont_atexit();
+}
+
 int main(int argc, char **argv) {
+    set_up();
     int code = run(argc, argv);
     if (code == CLI_DESCRIBED) code = CLI_OK;
-    /* A full disk or a closed pipe behind stdout is a failure like any other. */
+    /* A full disk behind stdout is a failure like any other. */
     if (fflush(stdout) != 0 || ferror(stdout)) {
+        end_with_the_pipe();
         fputs("tides: standard output can't be written\n", stderr);
         if (code == CLI_OK) code = CLI_FAILED;
     }

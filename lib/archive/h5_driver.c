@@ -13,7 +13,7 @@
 typedef struct disk_file {
     H5FD_t head; /* HDF5's */
     int descriptor;
-    int *failed;
+    int *failed;            /* NULL: the file is only read */
     haddr_t allocated, end; /* of what HDF5 has given out; of what it believes to be written */
     dev_t device;
     ino_t inode;
@@ -24,7 +24,7 @@ typedef struct disk_access {
 } disk_access;
 
 static void fail(const disk_file *f, int reason) {
-    if (!*f->failed) *f->failed = reason ? reason : EIO;
+    if (f->failed && !*f->failed) *f->failed = reason ? reason : EIO;
 }
 
 static H5FD_t *open_file(const char *name, unsigned flags, hid_t access, haddr_t most) {
@@ -63,11 +63,12 @@ static int compare_files(const H5FD_t *one, const H5FD_t *two) {
     return 0;
 }
 
-/* As HDF5's own driver, so that the files are the same. */
+/* As HDF5's own driver, so that the files are the same, but for its accumulator (H5FD_FEAT_ACCUMULATE_METADATA): it only
+ * gathers what is read and written, and copies out of its end where a size is damaged. */
 static herr_t query(const H5FD_t *file, unsigned long *flags) {
     (void)file;
-    *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_ACCUMULATE_METADATA | H5FD_FEAT_DATA_SIEVE |
-             H5FD_FEAT_AGGREGATE_SMALLDATA | H5FD_FEAT_POSIX_COMPAT_HANDLE | H5FD_FEAT_SUPPORTS_SWMR_IO | H5FD_FEAT_DEFAULT_VFD_COMPATIBLE;
+    *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_DATA_SIEVE | H5FD_FEAT_AGGREGATE_SMALLDATA |
+             H5FD_FEAT_POSIX_COMPAT_HANDLE | H5FD_FEAT_SUPPORTS_SWMR_IO | H5FD_FEAT_DEFAULT_VFD_COMPATIBLE;
     return 0;
 }
 
@@ -93,11 +94,12 @@ static herr_t get_handle(H5FD_t *file, hid_t access, void **handle) {
     return 0;
 }
 
-/* Bytes beyond the end are 0, as HDF5 expects. */
+/* Bytes beyond the end are 0 in a file that is written, as HDF5 expects. */
 static herr_t read_bytes(H5FD_t *file, H5FD_mem_t type, hid_t transfer, haddr_t at, size_t size, void *out) {
     const disk_file *f = (const disk_file *)file;
     unsigned char *to = out;
     (void)type, (void)transfer;
+    if (at > (haddr_t)INT64_MAX - size || (!f->failed && (at > f->end || size > f->end - at))) return -1;
     while (size > 0) {
         ssize_t got = pread(f->descriptor, to, size, (off_t)at);
         if (got < 0 && errno == EINTR) continue;
@@ -113,6 +115,7 @@ static herr_t write_bytes(H5FD_t *file, H5FD_mem_t type, hid_t transfer, haddr_t
     disk_file *f = (disk_file *)file;
     const unsigned char *next = from;
     (void)type, (void)transfer;
+    if (!f->failed || at > (haddr_t)INT64_MAX - size) return -1;
     if (at + size > f->end) f->end = at + size;
     while (size > 0 && !*f->failed) {
         ssize_t put = pwrite(f->descriptor, next, size, (off_t)at);
@@ -129,7 +132,7 @@ static herr_t write_bytes(H5FD_t *file, H5FD_mem_t type, hid_t transfer, haddr_t
 static herr_t cut(H5FD_t *file, hid_t transfer, hbool_t closing) {
     disk_file *f = (disk_file *)file;
     (void)transfer, (void)closing;
-    if (f->allocated == f->end) return 0;
+    if (f->allocated == f->end || !f->failed) return 0;
     if (!*f->failed && ftruncate(f->descriptor, (off_t)f->allocated) != 0) fail(f, errno);
     f->end = f->allocated;
     return 0;
@@ -179,12 +182,9 @@ static herr_t set_driver(hid_t access, int *failed) {
     return done;
 }
 
-hid_t td_h5_write_access(int *failed) {
+static hid_t make_access(int *failed) {
     hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    *failed = 0;
     herr_t done = access < 0 ? -1 : set_driver(access, failed);
-    /* The oldest format: its superblock has no mark that a file is being written, which would make that of a killed process
-     * unreadable. */
     if (done >= 0) done = H5Pset_libver_bounds(access, H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST);
 #if H5_VERSION_GE(1, 10, 7)
     if (done >= 0) done = H5Pset_file_locking(access, 1, 1); /* not every file system has locks */
@@ -192,6 +192,19 @@ hid_t td_h5_write_access(int *failed) {
     if (done >= 0) return access;
     if (access >= 0) H5Pclose(access);
     return H5I_INVALID_HID;
+}
+
+hid_t td_h5_write_access(int *failed) {
+    *failed = 0;
+    return make_access(failed);
+}
+
+hid_t td_h5_read_access(void) { return make_access(NULL); }
+
+hid_t td_h5_open_disk(const char *path) {
+    hid_t access = td_h5_read_access(), file = access < 0 ? -1 : H5Fopen(path, H5F_ACC_RDONLY, access);
+    if (access >= 0) H5Pclose(access);
+    return file;
 }
 
 int td_h5_descriptor(hid_t file) {

@@ -42,19 +42,6 @@ const char *td_h5_reason_text(td_h5_reason *reason) {
     return reason->text;
 }
 
-hid_t td_h5_file_access(void) {
-    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    if (access < 0) return access;
-    herr_t failed = H5Pset_fapl_sec2(access);
-    if (failed >= 0) failed = H5Pset_libver_bounds(access, H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST);
-#if H5_VERSION_GE(1, 10, 7)
-    if (failed >= 0) failed = H5Pset_file_locking(access, 1, 1);
-#endif
-    if (failed >= 0) return access;
-    H5Pclose(access);
-    return H5I_INVALID_HID;
-}
-
 herr_t td_h5_forbid_evictions(hid_t file) {
     H5AC_cache_config_t config = {.version = H5AC__CURR_CACHE_CONFIG_VERSION};
     if (H5Fget_mdc_config(file, &config) < 0) return -1;

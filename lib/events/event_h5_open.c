@@ -1,4 +1,5 @@
 /* Opens HDF5 files of events: finds which layout a file has from the datasets in it. */
+#include "archive/td_h5_driver.h"
 #include "td_base.h"
 #include "td_event_h5_source.h"
 #include "td_event_store.h"
@@ -56,7 +57,7 @@ int td_h5_exists(hid_t file, const char *path) {
 
 tides_status td_h5_open_file(const char *path, hid_t *file, tides_error *error) {
     if (access(path, R_OK) != 0) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
-    hid_t properties = td_h5_file_access();
+    hid_t properties = td_h5_read_access();
     /* Foreign chunks may be larger than HDF5's cache of 1 MB, and would then be unpacked for every block. Its slots are few: it
      * keeps what it has room for, and files are read from their beginning to their end. */
     if (properties >= 0) H5Pset_cache(properties, 0, CACHE_SLOTS, 32 << 20, 0.75);

@@ -8,6 +8,7 @@
  * event that isn't the signal's, and what came before it reads as 0, the signal, without being stored. */
 #include "td_event_store.h"
 
+#include "archive/td_h5_driver.h"
 #include "archive/td_numbers.h"
 #include "td_base.h"
 #include "tides/sensor.h"
@@ -169,8 +170,7 @@ static tides_status read_label(hid_t dataset, int label, const char *path, uint6
 
 static tides_status open_and_read(const char *path, uint64_t first, size_t count, tides_event *events, int64_t *fired,
                                   tides_error *error) {
-    hid_t access = td_h5_file_access(), file = access < 0 ? -1 : H5Fopen(path, H5F_ACC_RDONLY, access);
-    td_h5_close(access);
+    hid_t file = td_h5_open_disk(path);
     if (file < 0) return td_fail(error, TIDES_BAD_FILE, "%s: can't be opened as HDF5", path);
     tides_status status = TIDES_OK;
     int32_t there = td_event_labels_of(file);

@@ -6,6 +6,7 @@
  * is replaced whole, by a rename. */
 #include "td_event_store.h"
 
+#include "archive/td_h5_driver.h"
 #include "td_base.h"
 
 #include <inttypes.h>
@@ -44,11 +45,9 @@ tides_status td_event_tail_write(const char *path, const tides_event_file *facts
 /* The attribute `first`, or -1. */
 static int64_t read_first(const char *path) {
     int64_t first = -1;
-    hid_t access = td_h5_file_access();
-    hid_t file = access < 0 ? -1 : H5Fopen(path, H5F_ACC_RDONLY, access);
+    hid_t file = td_h5_open_disk(path);
     if (file >= 0 && !td_h5_read_int(file, "first", &first)) first = -1;
     td_h5_close(file);
-    td_h5_close(access);
     return first;
 }
 

@@ -33,11 +33,6 @@ typedef struct td_h5_reason {
 } td_h5_reason;
 const char *td_h5_reason_text(td_h5_reason *reason);
 
-/* Access properties for event files: the default driver, metadata in the oldest format (its superblock carries no "open for
- * writing" mark, which would make the file of a killed process unreadable), and no failure on file systems without locks.
- * Negative on failure. */
-hid_t td_h5_file_access(void);
-
 /* Metadata of a file being written may leave the cache only when we flush. Its growth is a few kilobytes per million events. */
 herr_t td_h5_forbid_evictions(hid_t file);
 

@@ -1,4 +1,5 @@
 /* Frames in HDF5: a dataset (frames, height, width), read frame by frame, and its times. */
+#include "archive/td_h5_driver.h"
 #include "td_frames.h"
 
 #include <hdf5.h>
@@ -99,7 +100,7 @@ static int holds(hid_t data, const hsize_t *shape, int rank) {
 static tides_status open_data(tides_frames *frames, hdf5_file *f, tides_error *error) {
     hsize_t shape[TD_FRAME_DIMS_MAX] = {0};
     size_t dims[TD_FRAME_DIMS_MAX];
-    f->file = H5Fopen(frames->path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    f->file = td_h5_open_disk(frames->path);
     if (f->file < 0) return td_fail(error, TIDES_BAD_FILE, "%s: isn't an HDF5 file, or is damaged", frames->path);
     f->data = open_first(f->file, td_frame_arrays);
     if (f->data < 0) return td_fail(error, TIDES_BAD_FILE, "%s: has no dataset Y, frames, images or voxels", frames->path);

@@ -28,6 +28,7 @@
  * Units and meanings are those of tides/scene.h and tides/trajectory.h. Reading takes any width and order of floating-point
  * numbers, and datasets that are chunked or compressed: files made with h5py work. Unknown attributes and datasets are left
  * alone; what a reader can't do without raises `version`. */
+#include "archive/td_h5_driver.h"
 #include "td_base.h"
 #include "td_place.h"
 #include "td_scene.h"
@@ -241,7 +242,7 @@ static tides_status check_version(const td_place *root) {
 }
 
 static tides_status read_file(tides_scene *scene, const char *path, const placement *moved, tides_error *error) {
-    td_place root = {.id = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), .file = path, .where = "/", .error = error};
+    td_place root = {.id = td_h5_open_disk(path), .file = path, .where = "/", .error = error};
     if (root.id < 0)
         return td_fail(error, TIDES_BAD_FILE, "%s: can't be opened as HDF5: is it truncated, or being written?", path);
     size_t before = scene->count;
