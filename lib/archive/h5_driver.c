@@ -1,4 +1,5 @@
 /* A file driver of HDF5 whose failures to write stay between us and the system. Files are those that HDF5's own driver makes. */
+#include "td_h5_check.h"
 #include "td_h5_driver.h"
 
 #include <errno.h>
@@ -17,6 +18,8 @@ typedef struct disk_file {
     haddr_t allocated, end; /* of what HDF5 has given out; of what it believes to be written */
     dev_t device;
     ino_t inode;
+    td_h5_disk disk; /* of a file that was there */
+    int written;     /* something was, since */
 } disk_file;
 
 typedef struct disk_access {
@@ -41,7 +44,9 @@ static H5FD_t *open_file(const char *name, unsigned flags, hid_t access, haddr_t
         f->end = (haddr_t)facts.st_size;
         f->device = facts.st_dev;
         f->inode = facts.st_ino;
-        return &f->head;
+        f->disk = (td_h5_disk){f->descriptor, f->end, 0};
+        errno = EINVAL;
+        if (flags & H5F_ACC_TRUNC || td_h5_check_superblock(&f->disk)) return &f->head;
     }
     fail(f, errno);
     if (f->descriptor >= 0) close(f->descriptor);
@@ -94,11 +99,19 @@ static herr_t get_handle(H5FD_t *file, hid_t access, void **handle) {
     return 0;
 }
 
+/* What is read before anything is written; later the rest may not be there yet, and is our own. */
+static int is_sound(const disk_file *f, H5FD_mem_t type, const unsigned char *bytes, size_t count) {
+    if (f->written) return 1;
+    if (type == H5FD_MEM_LHEAP) return td_h5_check_heap(&f->disk, bytes, count);
+    return type != H5FD_MEM_BTREE || td_h5_check_tree(&f->disk, bytes, count);
+}
+
 /* Bytes beyond the end are 0 in a file that is written, as HDF5 expects. */
 static herr_t read_bytes(H5FD_t *file, H5FD_mem_t type, hid_t transfer, haddr_t at, size_t size, void *out) {
     const disk_file *f = (const disk_file *)file;
     unsigned char *to = out;
-    (void)type, (void)transfer;
+    const size_t asked = size;
+    (void)transfer;
     if (at > (haddr_t)INT64_MAX - size || (!f->failed && (at > f->end || size > f->end - at))) return -1;
     while (size > 0) {
         ssize_t got = pread(f->descriptor, to, size, (off_t)at);
@@ -108,7 +121,7 @@ static herr_t read_bytes(H5FD_t *file, H5FD_mem_t type, hid_t transfer, haddr_t 
         to += got, at += (haddr_t)got, size -= (size_t)got;
     }
     memset(to, 0, size);
-    return 0;
+    return is_sound(f, type, out, asked) ? 0 : -1;
 }
 
 static herr_t write_bytes(H5FD_t *file, H5FD_mem_t type, hid_t transfer, haddr_t at, size_t size, const void *from) {
@@ -116,6 +129,7 @@ static herr_t write_bytes(H5FD_t *file, H5FD_mem_t type, hid_t transfer, haddr_t
     const unsigned char *next = from;
     (void)type, (void)transfer;
     if (!f->failed || at > (haddr_t)INT64_MAX - size) return -1;
+    f->written = 1;
     if (at + size > f->end) f->end = at + size;
     while (size > 0 && !*f->failed) {
         ssize_t put = pwrite(f->descriptor, next, size, (off_t)at);

@@ -1,0 +1,82 @@
+/* The format's specification: https://docs.hdfgroup.org/hdf5/v1_10/_f_m_t3.html, II.A superblock, III.A.1 trees, III.D local
+ * heaps. */
+#include "td_h5_check.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static uint64_t number(const unsigned char *p, int bytes) {
+    uint64_t value = 0;
+    for (int i = bytes; i-- > 0;) value = value << 8 | p[i];
+    return value;
+}
+
+/* At an address of the file. */
+static int take(const td_h5_disk *disk, uint64_t address, void *out, size_t count) {
+    if (address > disk->size - disk->base || count > disk->size - disk->base - address) return 0;
+    return pread(disk->descriptor, out, count, (off_t)(disk->base + address)) == (ssize_t)count;
+}
+
+/* It lies at the beginning, or at 512, 1024, 2048 ... behind what a user put there. */
+int td_h5_check_superblock(td_h5_disk *disk) {
+    unsigned char p[16];
+    disk->base = 0;
+    for (uint64_t at = 0; at < disk->size; at = at ? 2 * at : 512) {
+        if (!take(disk, at, p, sizeof p) || memcmp(p, "\x89HDF\r\n\x1a\n", 8) != 0) continue;
+        disk->base = at;
+        return p[8] < 2 ? p[13] == 8 && p[14] == 8 : p[9] == 8 && p[10] == 8;
+    }
+    return 0;
+}
+
+/* ---- local heaps: the names of a group's links ---- */
+
+/* The free blocks: each begins with where the next one is (1: nowhere) and its own size. There are no more than fit. */
+static int check_free_blocks(const unsigned char *data, uint64_t size, uint64_t at) {
+    enum { BLOCK = 16 };
+    for (uint64_t most = size / BLOCK; at != 1; most--) {
+        if (most == 0 || size < BLOCK || at > size - BLOCK) return 0;
+        uint64_t length = number(data + at + 8, 8);
+        if (length < BLOCK || length > size - at) return 0;
+        at = number(data + at, 8);
+    }
+    return 1;
+}
+
+int td_h5_check_heap(const td_h5_disk *disk, const unsigned char *bytes, size_t count) {
+    enum { PREFIX = 32, MOST = 1 << 26 };                          /* the names of a group with a million links */
+    if (count < PREFIX || memcmp(bytes, "HEAP", 4) != 0) return 1; /* the names; or HDF5 says what it is not */
+    uint64_t size = number(bytes + 8, 8), at = number(bytes + 24, 8);
+    unsigned char *data = size <= MOST ? malloc(size ? (size_t)size : 1) : NULL;
+    int fine = data && take(disk, at, data, (size_t)size) && check_free_blocks(data, size, number(bytes + 16, 8));
+    free(data);
+    return fine;
+}
+
+/* ---- trees: the links of a group, the chunks of a dataset ---- */
+
+/* Bytes of a key; 0 where it can't be told. Those of chunks have as many offsets as the dataset has dimensions, which the node
+ * doesn't say: only its size does, with the number of children that nodes have room for. */
+static size_t key_bytes(int chunks, size_t count) {
+    enum { HEAD = 24, ADDRESS = 8, GROUP_KEY = 8, CHILDREN = 64 /* HDF5's default, which nothing changes */ };
+    if (!chunks) return GROUP_KEY;
+    size_t keys = count > HEAD + CHILDREN * ADDRESS ? count - HEAD - CHILDREN * ADDRESS : 0;
+    return keys % (CHILDREN + 1) == 0 ? keys / (CHILDREN + 1) : 0;
+}
+
+/* Children are one level below, so that no node is its own descendant. */
+int td_h5_check_tree(const td_h5_disk *disk, const unsigned char *bytes, size_t count) {
+    enum { HEAD = 24, ADDRESS = 8 };
+    if (count < HEAD || memcmp(bytes, "TREE", 4) != 0) return 1;
+    int level = bytes[5];
+    size_t key = key_bytes(bytes[4] != 0, count), children = (size_t)number(bytes + 6, 2);
+    if (level == 0 || key == 0) return 1;
+    for (size_t i = 0, at = HEAD + key; i < children; i++, at += ADDRESS + key) {
+        unsigned char child[6];
+        if (count < ADDRESS || at > count - ADDRESS) return 0;
+        if (!take(disk, number(bytes + at, ADDRESS), child, sizeof child) || memcmp(child, "TREE", 4) != 0) return 0;
+        if (child[4] != bytes[4] || child[5] != level - 1) return 0;
+    }
+    return 1;
+}
