@@ -48,7 +48,7 @@ static H5FD_t *open_file(const char *name, unsigned flags, hid_t access, haddr_t
         errno = EINVAL;
         if (flags & H5F_ACC_TRUNC || td_h5_check_superblock(&f->disk)) return &f->head;
     }
-    fail(f, errno);
+    if (flags & H5F_ACC_CREAT) fail(f, errno); /* before it makes a file, HDF5 asks whether it is there */
     if (f->descriptor >= 0) close(f->descriptor);
     free(f);
     return NULL;
