@@ -190,7 +190,7 @@ check-clang-built:
 install-check: all ## Install into an empty folder, build a program there with pkg-config, run it, uninstall
 	@MAKE='$(MAKE)' CC='$(CC)' PKG_CONFIG='$(PKG_CONFIG)' CONFIG='$(CONFIG)' sh scripts/install_check.sh
 
-.PHONY: lint lint-built format fuzz fuzz-built bench bench-built
+.PHONY: lint lint-built format fuzz fuzz-built fuzz-hdf5 fuzz-hdf5-built bench bench-built
 lint: ## clang-format, clang-tidy, cppcheck, and the kernels through clang's OpenCL front end
 	@sh scripts/deps.sh lint -q
 	@$(AGAIN) lint-built
@@ -204,6 +204,14 @@ fuzz: ## Run each target of tests/fuzz with libFuzzer and sanitisers for FUZZ_SE
 	@$(AGAIN) CONFIG=fuzz fuzz-built
 fuzz-built: $(FUZZ)
 	@failed=0; for target in $(FUZZ); do sh scripts/fuzz.sh $$target $(FUZZ_SECONDS) || failed=1; done; exit $$failed
+MUTATIONS ?= 20000
+fuzz-hdf5: ## Damage our own HDF5 files MUTATIONS=20000 times, and let every call of the system fail in turn
+	@sh scripts/deps.sh build -q
+	@$(AGAIN) all $(OUT)/tests/property/test_hdf5_mutations
+	@$(AGAIN) fuzz-hdf5-built
+fuzz-hdf5-built:
+	TIDES_MUTATIONS=$(MUTATIONS) $(OUT)/tests/property/test_hdf5_mutations
+	TIDES_FAULTS=all TIDES='$(CURDIR)/$(OUT)/tides' bash tests/cli/run.sh tests/cli/faults.sh
 bench: ## Run the benchmarks of tests/bench, where there are any
 	@sh scripts/deps.sh build -q
 	@$(AGAIN) bench-built

@@ -98,9 +98,8 @@ static int put_in_place(const char *part, const char *target) {
 static tides_status commit(const char *part, const char *path, int keep, tides_error *error) {
     if (strcmp(part, path) == 0) return TIDES_OK; /* written in place */
     char *target = td_format(error, "%.*s", (int)(strlen(part) - (sizeof ending - 1)), part);
-    if (!target) return TIDES_NO_MEMORY;
-    tides_status status = TIDES_OK;
-    int failed = put_in_place(part, target);
+    tides_status status = target ? TIDES_OK : TIDES_NO_MEMORY;
+    int failed = target ? put_in_place(part, target) : ENOMEM;
     if (failed && keep)
         status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be put in place (%s); the data is in %s", path, strerror(failed),
                          part);

@@ -117,6 +117,14 @@ static tides_status write_failed(const td_event_sink *sink, tides_error *error) 
                    w->failed ? strerror(w->failed) : td_h5_reason_text(&reason));
 }
 
+static herr_t close_all(ecf_writer *w) {
+    td_h5_close(w->events);
+    td_h5_close(w->indexes);
+    herr_t failed = w->file < 0 ? 0 : H5Fclose(w->file);
+    w->file = w->events = w->indexes = -1;
+    return w->failed ? -1 : failed;
+}
+
 tides_status td_ecf_create(td_event_sink *sink, tides_error *error) {
     ecf_writer *w = td_alloc(1, sizeof *w, error);
     sink->state = w;
@@ -124,7 +132,12 @@ tides_status td_ecf_create(td_event_sink *sink, tides_error *error) {
     w->file = w->events = w->indexes = -1;
     tides_status status = td_event_store_claim(sink->part, 1, error);
     if (status != TIDES_OK) return status;
-    if (create_all(sink, w) < 0 || w->failed) return write_failed(sink, error);
+    if (create_all(sink, w) < 0 || w->failed) {
+        status = write_failed(sink, error);
+        close_all(w);
+        td_remove_part(sink->part, sink->path); /* a shell is no use to anyone */
+        return status;
+    }
     w->pending[w->pending_count++] = (index_entry){0, -1}; /* before all events */
     return TIDES_OK;
 }
@@ -196,14 +209,6 @@ tides_status td_ecf_write(td_event_sink *sink, const tides_event *events, size_t
 }
 
 /* ---- ending ---- */
-
-static herr_t close_all(ecf_writer *w) {
-    td_h5_close(w->events);
-    td_h5_close(w->indexes);
-    herr_t failed = w->file < 0 ? 0 : H5Fclose(w->file);
-    w->file = w->events = w->indexes = -1;
-    return w->failed ? -1 : failed;
-}
 
 tides_status td_ecf_complete(td_event_sink *sink, int64_t stop_ns, tides_error *error) {
     (void)stop_ns;

@@ -153,6 +153,8 @@ static tides_status read_label(hid_t dataset, int label, const char *path, uint6
     hssize_t rows = space >= 0 && H5Sget_simple_extent_ndims(space) == 1 ? H5Sget_simple_extent_npoints(space) : -1;
     td_h5_close(space);
     size_t there = rows > 0 && (uint64_t)rows > first ? (size_t)((uint64_t)rows - first) : 0;
+    tides_status status = td_h5_check_filters(path, name_of(label), dataset, error);
+    if (status != TIDES_OK) return status;
     if (rows < 0 || (there < count && label != TD_LABEL_CAUSE)) return damaged(path, label, error);
     if (there < count) count = there;
     if (count == 0) return TIDES_OK;

@@ -117,7 +117,10 @@ static tides_status begin(tides_event_writer *writer, tides_error *error) {
     td_event_sink *sink = &writer->sink;
     if (!writer->format->library) {
         tides_status status = open_part(sink, error);
-        return status == TIDES_OK ? writer->format->create(sink, error) : status;
+        if (status != TIDES_OK) return status;
+        status = writer->format->create(sink, error);
+        if (status != TIDES_OK) td_remove_part(sink->part, sink->path);
+        return status;
     }
     td_h5_quiet quiet;
     td_h5_quiet_begin(&quiet);

@@ -5,12 +5,13 @@
  *   /events/x, y   u2   [px]
  *   /events/t_ns   i8   [ns] the exact time, absolute: t_offset is in it; ours, ignored by others
  *   /events/cause, fired, frontend: labels, where there are any (event_labels.c)
- *   /ms_to_idx     u8   entry k: the first event with t >= 1000 k, so it counts from t_offset too. It covers the recording's end: a query that ends within the
- *                       recording finds its entry. (DSEC's own reader fails on a window without events; that is its defect.)
+ *   /ms_to_idx     u8   entry k: the first event with t >= 1000 k, so it counts from t_offset too. It covers the recording's
+ *                       end: a query that ends within the recording finds its entry. (DSEC's own reader fails on a window without events; that is its defect.)
  *   /t_offset      i8   scalar [us]: 0 where the recording lies within the first 4294.967 s, else its start: times of 1.4e9 s
  *                       (or before 0) are t + t_offset, as in DSEC
- *   attributes of the root: format "tides-events", version 1, tides_version, width, height, seed, run (the run file's JSON),
- *     count (events that are safely in the file), stop_ns (end of the recording; -1 while it is being written)
+ *   attributes of the root: format "tides-events", version 1, tides_version, width, height, seed, run (the run file's JSON; a
+ *     scalar dataset /run where it is longer than 60 kB), count (events that are safely in the file), stop_ns (end of the
+ *     recording; -1 while it is being written). Texts have fixed length (h5py gives bytes); before, they had variable length
  *
  * All datasets are chunked, shuffled and deflated (level 1). The microseconds end 71.6 minutes after t_offset, as in DSEC.
  *

@@ -52,6 +52,10 @@ herr_t td_h5_write_int(hid_t file, const char *name, hid_t type, int64_t value);
 int td_h5_read_text(hid_t file, const char *name, char *text, size_t size);
 int td_h5_read_int(hid_t file, const char *name, int64_t *value);
 
+/* Fails where the dataset needs a filter whose plugin is missing (the error names the remedy) or that isn't to be trusted, or
+ * has chunks of more than a GiB. */
+tides_status td_h5_check_filters(const char *path, const char *name, hid_t dataset, tides_error *error);
+
 /* Closes a dataset, attribute, space, type ... by what it is; negative ids are fine. Keeps the error stack, which HDF5 would
  * clear, so that cleaning up doesn't lose the reason. */
 void td_h5_close(hid_t id);

@@ -34,9 +34,6 @@ void td_h5_source_close(td_event_source *source);
 /* Events [first, first + count), which must be there. */
 tides_status td_h5_source_read(td_event_source *source, uint64_t first, size_t count, tides_event *events, tides_error *error);
 
-/* Fails where the dataset needs a filter whose plugin is missing: the error names the remedy. */
-tides_status td_h5_check_filters(const char *path, const char *name, hid_t dataset, tides_error *error);
-
 /* H5Lexists wants each step of a path to exist. 1: all do. */
 int td_h5_exists(hid_t file, const char *path);
 

@@ -1,5 +1,6 @@
 /* Frames in HDF5: a dataset (frames, height, width), read frame by frame, and its times. */
 #include "archive/td_h5_driver.h"
+#include "events/td_event_h5.h"
 #include "td_frames.h"
 
 #include <hdf5.h>
@@ -109,12 +110,14 @@ static tides_status open_data(tides_frames *frames, hdf5_file *f, tides_error *e
     if (rank < 0 || !(f->scale > 0))
         return td_fail(error, TIDES_BAD_FILE, "%s: its frames aren't an array of numbers", frames->path);
     if (frames->options.planes > 1) f->scale = 1; /* of voxels integers are counts */
+    tides_status status = td_h5_check_filters(frames->path, "the dataset of frames", f->data, error);
+    if (status != TIDES_OK) return status;
     if (!holds(f->data, shape, rank))
         return td_fail(error, TIDES_BAD_FILE, "%s: claims %llu frames of %llu x %llu px, more than its bytes can hold",
                        frames->path, (unsigned long long)shape[0], (unsigned long long)shape[rank - 1],
                        (unsigned long long)shape[rank > 1 ? rank - 2 : 0]);
     for (int i = 0; i < rank; i++) dims[i] = (size_t)shape[i];
-    tides_status status = td_frames_take_dims(frames, frames->path, dims, rank, error);
+    status = td_frames_take_dims(frames, frames->path, dims, rank, error);
     hid_t times = status == TIDES_OK ? open_first(f->file, td_frame_time_arrays) : H5I_INVALID_HID;
     if (times >= 0) {
         status = read_times(frames, times, error);

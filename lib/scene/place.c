@@ -144,9 +144,10 @@ tides_status td_place_shape(const td_place *place, const char *name, int rank, u
     if (set < 0)
         return td_fail(place->error, TIDES_BAD_FILE, "%s: dataset %s of %s is missing or doesn't hold floating-point numbers",
                        place->file, name, place->where);
-    tides_status status = TIDES_OK;
-    hid_t space = H5Dget_space(set);
-    if (space < 0 || H5Sget_simple_extent_ndims(space) != rank || H5Sget_simple_extent_dims(space, found, NULL) != rank)
+    tides_status status = td_h5_check_filters(place->file, name, set, place->error);
+    hid_t space = status ? H5I_INVALID_HID : H5Dget_space(set);
+    if (!status &&
+        (space < 0 || H5Sget_simple_extent_ndims(space) != rank || H5Sget_simple_extent_dims(space, found, NULL) != rank))
         status = td_fail(place->error, TIDES_BAD_FILE, "%s: dataset %s of %s should have %d dimensions", place->file, name,
                          place->where, rank);
     for (int i = 0; i < rank && i < TD_PLACE_RANK_MAX && !status; i++) result[i] = found[i];

@@ -26,8 +26,8 @@
  *     /objects/0/motion/fields    datasets    float, 1 to 4 dimensions; names and shapes are the model's (lib/motion)
  *
  * Units and meanings are those of tides/scene.h and tides/trajectory.h. Reading takes any width and order of floating-point
- * numbers, and datasets that are chunked or compressed: files made with h5py work. Unknown attributes and datasets are left
- * alone; what a reader can't do without raises `version`. */
+ * numbers, texts of fixed and variable length (we write fixed), and datasets that are chunked or compressed: files made with
+ * h5py work. Unknown attributes and datasets are left alone; what a reader can't do without raises `version`. */
 #include "archive/td_h5_driver.h"
 #include "td_base.h"
 #include "td_place.h"

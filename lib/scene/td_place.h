@@ -35,7 +35,7 @@ tides_status td_place_rank(const td_place *place, const char *name, int *rank);
 /* 1 where a link of this name exists. */
 int td_place_has(const td_place *place, const char *name);
 
-/* Attributes: one number, or one text (UTF-8, allocated on reading). */
+/* Attributes: one number, or one text (UTF-8, allocated on reading; a dataset where it is long: events/td_event_h5.h). */
 tides_status td_place_read_int(const td_place *place, const char *name, int32_t *value);
 tides_status td_place_read_double(const td_place *place, const char *name, double *value);
 tides_status td_place_read_text(const td_place *place, const char *name, char **text);

@@ -7,12 +7,16 @@
  *   FAULT_WHO    of memory: asked for by ours (the tool, libtides), hdf5, opencl, others, or any
  *   FAULT_COUNT  at the end, appends a line to this file: number of memory calls of ours, hdf5, opencl, others, then of FAULT_CALL
  *
+ * A crash within HDF5 (or an exit that HDF5 takes) ends the process with code 99, any other with 98.
+ *
  * Streams don't write through what a program may replace: those that are opened for writing become streams of ours. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
+#include <execinfo.h>
 #include <fcntl.h>
 #include <link.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,6 +31,20 @@ static int who = WHOS, ready;
 
 static void *real(const char *name) { return dlsym(RTLD_NEXT, name); }
 
+static void on_crash(int signal);
+
+/* On a stack of its own: HDF5 crashes by running out of its own. */
+static void watch_crashes(void) {
+    static char memory[1 << 16];
+    static void *first[4];
+    const int signals[] = {SIGSEGV, SIGBUS, SIGABRT, SIGFPE};
+    const stack_t stack = {.ss_sp = memory, .ss_size = sizeof memory};
+    struct sigaction action = {.sa_handler = on_crash, .sa_flags = SA_ONSTACK};
+    backtrace(first, 4); /* loads what it needs */
+    sigaltstack(&stack, NULL);
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) sigaction(signals[i], &action, NULL);
+}
+
 __attribute__((constructor)) static void begin(void) {
     static const char *const names[] = {"ours", "hdf5", "opencl", "others"};
     const char *text = getenv("FAULT_WHO");
@@ -37,6 +55,7 @@ __attribute__((constructor)) static void begin(void) {
     after = getenv("FAULT_AFTER") != NULL;
     for (int i = 0; text && i < WHOS; i++)
         if (strcmp(text, names[i]) == 0) who = i;
+    if (call) watch_crashes();
     ready = call != NULL;
 }
 
@@ -236,4 +255,24 @@ int posix_memalign(void **memory, size_t alignment, size_t size) {
     if (has_none(__builtin_return_address(0))) return ENOMEM;
     *memory = __libc_memalign(alignment, size);
     return *memory ? 0 : ENOMEM;
+}
+
+/* ---- crashes ---- */
+
+static void on_crash(int signal) {
+    void *frames[64];
+    (void)signal;
+    ready = 0;
+    for (int i = 0, count = backtrace(frames, 64); i < count; i++) {
+        const int found = find((unsigned long)frames[i]);
+        if (found == HDF5) _exit(99);
+        if (found == OURS) break;
+    }
+    _exit(98);
+}
+
+void exit(int code) {
+    void (*next)(int) __attribute__((noreturn)) = real("exit");
+    if (ready && find((unsigned long)__builtin_return_address(0)) == HDF5) _exit(99);
+    next(code);
 }

@@ -10,6 +10,34 @@ refuse 1 "none/out.h5" tides convert scene.ply none/out.h5
 refuse 1 "out.xyz" tides convert scene.ply out.xyz
 : >file
 refuse 1 "file: can't be made" tides demo -o file
+# A folder is refused before the work, links stay and what they lead to is written, a FIFO is written into or refused.
+mkdir folder.h5 folder.json elsewhere
+refuse 1 "folder.h5: is a folder" tides simulate run.json -o folder.h5
+refuse 1 "folder.json: is a folder" tides simulate run.json -o e.h5 --stats folder.json
+refuse 1 "folder.h5: is a folder" tides convert scene.ply folder.h5
+missing e.h5
+ln -s elsewhere/e.h5 link.h5
+ln -s elsewhere/s.json link.json
+ln -s elsewhere/p.png link.png
+expect 0 tides simulate run.json -qo link.h5 --stats link.json --preview link.png
+for name in h5 json png; do [ -L link.$name ] || fail "link.$name should stay a link"; done
+exists elsewhere/e.h5
+exists elsewhere/s.json
+exists elsewhere/p.png
+mkfifo fifo.h5 fifo.json fifo.csv fifo.exr
+refuse 1 "fifo.h5: is a device or FIFO" tides simulate run.json -o fifo.h5
+refuse 1 "fifo.exr: is a device or FIFO" tides render run.json -o fifo.exr
+cat fifo.json >s.json &
+expect 0 tides simulate run.json -qo e.h5 --stats fifo.json
+wait $!
+[ "$(value s.json events)" = "$(value elsewhere/s.json events)" ] || fail "the FIFO's reader should get all of it"
+cat fifo.csv >e.csv &
+expect 0 tides convert e.h5 fifo.csv -q
+wait $!
+expect 0 tides convert e.h5 whole.csv -q
+cmp -s e.csv whole.csv || fail "the FIFO's reader should get all of it"
+for name in h5 json csv exr; do [ -p fifo.$name ] || fail "fifo.$name should stay a FIFO"; done
+ls elsewhere ./*.part 2>/dev/null | grep -q '\.part' && fail "a .part is left"
 [ -e /dev/full ] || exit 0
 tides --help >/dev/full 2>err
 [ $? = 1 ] || fail "a full stdout is a failure"
