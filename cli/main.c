@@ -132,8 +132,8 @@ static void end_with_the_pipe(void) {
     raise(SIGPIPE);
 }
 
-/* HDF5 1.10 has a handler for the process's end, which says on stderr, or crashes on, what was wrong with a damaged file or when
- * memory ran out. All that we open we close: it isn't needed, and the process is ours to say so. */
+/* HDF5 1.10 has a handler for the process's end, which says on stderr, or crashes on, what was wrong with a damaged file or
+ * when memory ran out. All that we open we close: it isn't needed, and the process is ours to say so. */
 static void set_up(void) {
     signal(SIGPIPE, SIG_IGN); /* a write that fails says where and why */
     H5dont_atexit();

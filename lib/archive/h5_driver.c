@@ -1,4 +1,4 @@
-/* A file driver of HDF5 whose failures to write stay between us and the system. Files are those that HDF5's own driver makes. */
+/* A file driver of HDF5 whose failures to write stay between us and the system. Its files are those of HDF5's own driver. */
 #include "td_h5_check.h"
 #include "td_h5_driver.h"
 
@@ -188,7 +188,7 @@ static const H5FD_class_t disk_class = {
 };
 
 /* Each use registers it anew: HDF5 counts uses itself, and forgets a driver that no property list or file has any more. */
-static herr_t set_driver(hid_t access, int *failed) {
+static herr_t set_driver(hid_t access, int *failed) { /* NOLINT(readability-non-const-parameter): writing goes through it */
     const disk_access given = {failed};
     hid_t driver = H5FDregister(&disk_class);
     herr_t done = driver < 0 ? -1 : H5Pset_driver(access, driver, &given);

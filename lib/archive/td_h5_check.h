@@ -1,6 +1,6 @@
-/* Internal: parts of HDF5 files looked at before HDF5 (1.10.8) sees them, because it takes their numbers at their word: the driver
- * (td_h5_driver.h) asks for what it reads as a local heap or a tree. Everything else HDF5 checks itself, or damage to it was never
- * seen to matter (tests/property/test_hdf5_mutations.c). */
+/* Internal: parts of HDF5 files looked at before HDF5 (1.10.8) sees them, because it takes their numbers at their word: the
+ * driver (td_h5_driver.h) asks for what it reads as a local heap or a tree. Everything else HDF5 checks itself, or damage to it
+ * was never seen to matter (tests/property/test_hdf5_mutations.c). */
 #ifndef TD_H5_CHECK_H
 #define TD_H5_CHECK_H
 
@@ -13,8 +13,7 @@ typedef struct td_h5_disk {
     uint64_t size, base; /* [bytes]; where addresses count from */
 } td_h5_disk;
 
-/* Finds the superblock, and with it `base`. 0: none, or its addresses or lengths don't have the 64 bits that all have in practice.
- */
+/* Finds the superblock, and with it `base`. 0: none, or its addresses or lengths don't have the 64 bits that all have. */
 int td_h5_check_superblock(td_h5_disk *disk);
 
 /* `bytes` were read at `at` as a local heap or as a node of a B-tree. 0: damaged. */

@@ -30,7 +30,7 @@ static tides_status follow(const char *path, char **target, tides_error *error) 
     struct stat there;
     char *at = td_strdup(path, error);
     tides_status status = at ? TIDES_OK : TIDES_NO_MEMORY;
-    for (int links = 0; status == TIDES_OK && lstat(at, &there) == 0 && S_ISLNK(there.st_mode); links++) {
+    for (int links = 0; status == TIDES_OK && at && lstat(at, &there) == 0 && S_ISLNK(there.st_mode); links++) {
         char *next = NULL;
         status = links < LINKS_MAX ? read_link(at, &next, error)
                                    : td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: its links go in a circle", path);
@@ -133,7 +133,7 @@ tides_status tides_file_write(const char *path, const void *bytes, size_t size, 
     if (!path || (!bytes && size > 0)) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_file_write: an argument is NULL");
     char *part = NULL;
     tides_status status = td_part_name(path, 1, &part, error);
-    if (status != TIDES_OK) return status;
+    if (status != TIDES_OK || !part) return status;
     int failed = write_bytes(part, bytes, size);
     if (failed) {
         status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path, strerror(failed));
@@ -160,7 +160,7 @@ tides_status tides_file_check(const char *path, int32_t streams, tides_error *er
     if (!path) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_file_check: path is NULL");
     char *part = NULL;
     tides_status status = td_part_name(path, streams, &part, error);
-    int failed = status == TIDES_OK ? try_part(part, path) : 0;
+    int failed = part ? try_part(part, path) : 0;
     if (failed) status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path, strerror(failed));
     free(part);
     return status;
@@ -170,7 +170,7 @@ tides_status tides_file_part(const char *path, char *part, size_t size, tides_er
     if (!path || !part) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_file_part: an argument is NULL");
     char *name = NULL;
     tides_status status = td_part_name(path, 1, &name, error);
-    if (status != TIDES_OK) return status;
+    if (status != TIDES_OK || !name) return status;
     if (strlen(name) < size)
         memcpy(part, name, strlen(name) + 1);
     else

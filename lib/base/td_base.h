@@ -39,8 +39,8 @@ tides_status td_read_file(const char *path, size_t limit, char **data, size_t *b
  * are written from beginning to end (`streams`) can be sent to. */
 tides_status td_part_name(const char *path, int streams, char **part, tides_error *error);
 
-/* Puts a .part that is closed into its place, and both on the disk; a failure removes it. `_or_keep` leaves it where it is then,
- * and says so: for what took hours. */
+/* Puts a .part that is closed into its place, and both on the disk; a failure removes it. `_or_keep` leaves it where it is
+ * then, and says so: for what took hours. */
 tides_status td_commit_file(const char *part, const char *path, tides_error *error);
 tides_status td_commit_or_keep(const char *part, const char *path, tides_error *error);
 

@@ -5,7 +5,7 @@
  *   FAULT_NEAR   only those of files whose path has this in it (rename: the source)
  *   FAULT_AFTER  1: all that come after fail too, as on a full disk
  *   FAULT_WHO    of memory: asked for by ours (the tool, libtides), hdf5, opencl, others, or any
- *   FAULT_COUNT  at the end, appends a line to this file: number of memory calls of ours, hdf5, opencl, others, then of FAULT_CALL
+ *   FAULT_COUNT  at the end, appends a line to this file: memory calls of ours, hdf5, opencl, others, then those of FAULT_CALL
  *
  * A crash within HDF5 (or an exit that HDF5 takes) ends the process with code 99, any other with 98.
  *

@@ -100,28 +100,32 @@ refuse 1 "fifo: can't be written: Broken pipe" tides convert many.txt fifo --fro
 # Whoever doesn't get it: the tool ends with one line, or does without. HDF5 1.10 crashes by itself where it doesn't get
 # memory (code 99): those are counted apart, and nothing else may crash.
 rm -f e.h5* s.json
-declare -A crashes=()
+# Without memory for deflate HDF5 stores chunks as they are: other bytes, the same events.
+same() {
+    cmp -s e.h5 whole.h5 && return
+    tides convert e.h5 same.csv -q && tides convert whole.h5 whole.csv -q && cmp -s same.csv whole.csv
+}
 for who in ours others hdf5; do
     with memory 0 tides simulate run.json -qo e.h5 --stats s.json || fail "it should run"
     cp e.h5 whole.h5
     n=$(calls $who)
-    tried=0 crashes[$who]=0
+    tried=0 crashes=0
     for k in $(numbers "$n" $([ $who = ours ] && echo 40 || echo 20)); do
         rm -f e.h5* s.json*
         FAULT_WHO=$who with memory "$k" timeout 20 tides simulate run.json -qo e.h5 --stats s.json
         code=$?
         tried=$((tried + 1))
         case $code in
-            0) cmp -s e.h5 whole.h5 && [ -s s.json ] || fail "memory of $who, $k of $n: it did without, but not the same" ;;
+            0) same && [ -s s.json ] || fail "memory of $who, $k of $n: it did without, but not the same" ;;
             1) told || [ $who != ours ] || fail "memory of $who, $k of $n: not one line" ;;
-            99) crashes[$who]=$((crashes[$who] + 1)) ;;
+            99) crashes=$((crashes + 1)) ;;
             *) fail "memory of $who, $k of $n: exit code $code" ;;
         esac
         missing s.json.part
     done
-    echo "memory of $who: $tried of $n, HDF5 crashed in ${crashes[$who]}"
+    echo "memory of $who: $tried of $n, HDF5 crashed in $crashes"
+    [ $who != ours ] || [ "$crashes" = 0 ] || fail "HDF5 crashed where ours got no memory"
 done
-[ "${crashes[ours]}" = 0 ] || fail "HDF5 crashed where ours got no memory"
 
 # -- Python ------------------------------------------------------------------------------------------------------------------
 

@@ -1,6 +1,6 @@
-#define _DEFAULT_SOURCE /* mknod */
 /* Where outputs go: files are replaced, what links lead to is written and the links stay, devices and FIFOs are written into by
  * formats that can, folders are refused; by every writer of the library. */
+#define _DEFAULT_SOURCE /* mknod */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
