@@ -182,6 +182,7 @@ tides_status cli_write_file(const char *path, cli_writer put, const void *what, 
     if (memory) put(memory, what);
     int32_t made = memory && !ferror(memory);
     if (memory && fclose(memory) != 0) made = 0;
+    if (!bytes) made = 0; /* glibc's fclose says nothing where memory for the last of it is missing */
     tides_status status =
         made ? tides_file_write(path, bytes, size, error) : cli_error(error, TIDES_NO_MEMORY, "out of memory: %s", path);
     free(bytes);

@@ -70,9 +70,7 @@ static herr_t read_offset(td_event_store *store) {
 int64_t td_event_store_peek_offset(const char *path) {
     td_event_store store;
     td_event_store_reset(&store);
-    hid_t access = td_h5_file_access();
-    store.file = access < 0 ? -1 : H5Fopen(path, H5F_ACC_RDONLY, access);
-    td_h5_close(access);
+    store.file = td_h5_open_disk(path);
     if (store.file < 0 || read_offset(&store) < 0) store.offset = 0;
     td_h5_close(store.file);
     return store.offset;

@@ -119,8 +119,10 @@ static tides_status write_root(const td_place *root, const tides_scene *scene) {
     return status ? status : write_objects(root, scene);
 }
 
-/* A file that lives in memory only; negative on failure. The name is never opened. */
-static hid_t create_in_memory(const char *name) {
+/* A file that lives in memory only; negative on failure. HDF5 opens what lies on the disk under its name, even a FIFO that
+ * nobody reads: nothing lies below a plain file. */
+static hid_t create_in_memory(void) {
+    static const char name[] = "/dev/null/scene";
     enum { GROW_BY = 1 << 20 }; /* bytes; grown in place, and rounded off again by get_image */
     hid_t access = H5Pcreate(H5P_FILE_ACCESS), file = H5I_INVALID_HID;
     if (access >= 0 && H5Pset_fapl_core(access, GROW_BY, 0) >= 0) file = H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, access);
@@ -143,7 +145,7 @@ static tides_status get_image(const td_place *root, char **image, size_t *size) 
 }
 
 static tides_status make_image(const tides_scene *scene, const char *path, char **image, size_t *size, tides_error *error) {
-    td_place root = {.id = create_in_memory(path), .file = path, .where = "/", .error = error};
+    td_place root = {.id = create_in_memory(), .file = path, .where = "/", .error = error};
     if (root.id < 0) return fail_write(&root);
     tides_status status = write_root(&root, scene);
     if (!status) status = get_image(&root, image, size);
