@@ -9,7 +9,7 @@
 typedef struct td_list {
     TD_GLOBAL const td_real *records, *colours; /* of the job */
     TD_GLOBAL const int *order;                 /* front to back: where in the records */
-    TD_GLOBAL const int *masks;                 /* blocks touched, in the same order */
+    TD_GLOBAL const int *masks;                 /* blocks touched and depth_low, in the same order */
     int count;
     td_real brightest;                /* largest |luminance| in the list and behind it; with a decoder, largest |feature| */
     TD_GLOBAL const td_view *view;    /* the first object's, and the decoder's weights: for a decoder only */
@@ -34,53 +34,84 @@ TD_INLINE void td_block_offsets(int first, td_lanes *x, td_lanes *y) {
 #endif
 }
 
-/* Can any lane still change? Looked at every eighth splat only. */
-TD_INLINE int td_list_goes_on(const td_image *image, td_real brightest, const td_composite *pixels) {
-    if (image->stop_rule == TD_STOP_BOUND) return td_any(td_bound_live(image, brightest, pixels));
-    if (image->stop_rule == TD_STOP_NONE) return 1;
-    return td_any(pixels->live);
-}
-
 /* The first place at or after i in the list whose splat touches `block`; the list's count where there is none. */
 TD_INLINE int td_next_in_block(const td_list *list, int block, int i) {
     while (i < list->count && ((list->masks[i] >> block) & 1) == 0) i++;
     return i;
 }
 
-TD_INLINE td_real td_list_depth(const td_list *list, int i) {
-    return list->records[list->order[i] * TD_RECORD_STRIDE + TD_R_DEPTH];
+TD_INLINE TD_GLOBAL const td_real *td_list_record(const td_list *list, int i) {
+    return list->records + list->order[i] * TD_RECORD_STRIDE;
+}
+TD_INLINE TD_GLOBAL const td_real *td_list_colour(const td_list *list, const td_image *image, int i) {
+    return list->colours + list->order[i] * td_colour_stride(image);
 }
 
-/* Place i of the list in soft order: through the window if what is before or behind is near, else directly. */
-TD_INLINE void td_blend_soft(const td_list *list, const td_image *image, int i, int next, td_window *window,
+TD_INLINE td_soft_depth td_list_depth(const td_list *list, int i) {
+    TD_GLOBAL const td_real *record = td_list_record(list, i);
+    td_soft_depth depth;
+    depth.z = record[TD_R_DEPTH];
+    depth.low = td_depth_low(list->masks[i]);
+    depth.growth = record[TD_R_DEPTH_DOT] / depth.z;
+    return depth;
+}
+
+/* Is the splat at place `next` (the list's count: none) near the one at place i, which it follows? */
+TD_INLINE int td_next_is_near(const td_list *list, const td_image *image, int i, int next) {
+    if (next == list->count) return 0;
+    return td_is_near(image, td_list_record(list, i)[TD_R_DEPTH], td_list_record(list, next)[TD_R_DEPTH]);
+}
+
+/* Place i of the list in soft order, and on to place `next`, where that is near, or to the end of what i reaches. The way is
+ * worked out first: it is a chain of scalars, which processors then do beside the vectors of the splat. */
+TD_INLINE void td_blend_soft(const td_list *list, const td_image *image, int i, int next, int near, td_soft *soft,
                              td_composite *pixels) {
-    int at = list->order[i];
-    td_real z = list->records[at * TD_RECORD_STRIDE + TD_R_DEPTH];
-    td_window_advance(window, image, list->records, list->colours, z, pixels);
-    if (window->count == 0 && (next == list->count || !td_is_near(image, z, td_list_depth(list, next))))
-        td_blend(list->records + at * TD_RECORD_STRIDE, list->colours + at * td_colour_stride(image), image, list->brightest,
-                 pixels);
-    else
-        td_window_push(window, image, list->records, at, list->brightest, pixels);
+    td_soft_step step = {1, 0, 0};
+    if (!soft->open) {
+        td_soft_start(soft, image);
+        soft->front = td_list_depth(list, i);
+    }
+    if (near) {
+        td_soft_depth behind = td_list_depth(list, next);
+        step = td_soft_between(image, &soft->front, &behind);
+        soft->front = behind;
+    }
+    soft->open = near;
+    td_soft_add(td_list_record(list, i), td_list_colour(list, image, i), image, soft, pixels);
+    if (step.m == 0 && step.m_dot == 0) return; /* of one depth */
+    td_soft_go(soft, &step, image, pixels);
+    if (near) td_soft_fall_all(&step, image, soft);
+}
+
+/* As td_composite_list, in soft order. */
+TD_INLINE int td_composite_soft(const td_list *list, const td_image *image, int block, td_composite *pixels) {
+    int blended = 0;
+    td_soft soft;
+    td_soft_start(&soft, image);
+    for (int i = td_next_in_block(list, block, 0), next; i < list->count; i = next) {
+        next = td_next_in_block(list, block, i + 1);
+        int near = td_next_is_near(list, image, i, next);
+        if (near || soft.open)
+            td_blend_soft(list, image, i, next, near, &soft, pixels);
+        else
+            td_blend(td_list_record(list, i), td_list_colour(list, image, i), image, pixels);
+        blended++;
+        if ((blended & 7) != 0) continue;
+        if (!td_look_ahead(image, list->brightest, pixels)) break;
+        td_soft_clear(image, &soft);
+    }
+    return blended;
 }
 
 /* Blends the splats that touch `block`, in hard or soft depth order; returns how many. */
 TD_INLINE int td_composite_list(const td_list *list, const td_image *image, int block, td_composite *pixels) {
     int blended = 0;
-    td_window window;
-    window.first = window.count = 0;
-    for (int i = td_next_in_block(list, block, 0), next; i < list->count; i = next) {
-        next = td_next_in_block(list, block, i + 1);
-        int at = list->order[i];
-        if (image->soft_order)
-            td_blend_soft(list, image, i, next, &window, pixels);
-        else
-            td_blend(list->records + at * TD_RECORD_STRIDE, list->colours + at * td_colour_stride(image), image,
-                     list->brightest, pixels);
+    if (image->soft_order) return td_composite_soft(list, image, block, pixels);
+    for (int i = td_next_in_block(list, block, 0); i < list->count; i = td_next_in_block(list, block, i + 1)) {
+        td_blend(td_list_record(list, i), td_list_colour(list, image, i), image, pixels);
         blended++;
-        if ((blended & 7) == 0 && !td_list_goes_on(image, list->brightest, pixels)) break;
+        if ((blended & 7) == 0 && !td_look_ahead(image, list->brightest, pixels)) break;
     }
-    while (window.count > 0) td_window_pop(&window, image, list->records, list->colours, pixels);
     return blended;
 }
 
@@ -95,6 +126,8 @@ TD_INLINE int td_composite_block(const td_job *job, const td_list *list, const t
     td_composite pixels;
     td_composite_start(&pixels, x, y, image);
     int blended = td_composite_list(list, image, block, &pixels);
+    pixels.transmittance = pixels.transmittance + pixels.stopped;
+    pixels.transmittance_dot = pixels.transmittance_dot + pixels.stopped_dot;
     TD_GLOBAL td_real *out = planes + 16 * block + first;
     td_lanes signal[3];
     td_composite shown = pixels;
@@ -106,6 +139,7 @@ TD_INLINE int td_composite_block(const td_job *job, const td_list *list, const t
         td_store_lanes(out + TD_OUT_Y * TD_TILE_PIXELS, signal[2]);
         td_store_lanes(out + TD_OUT_ALPHA * TD_TILE_PIXELS, 1 - pixels.transmittance);
         td_store_lanes(out + TD_OUT_ALPHA_DOT * TD_TILE_PIXELS, -pixels.transmittance_dot);
+        td_store_lanes(out + TD_OUT_COVERAGE * TD_TILE_PIXELS, pixels.sums.weight);
         td_store_lanes(out + TD_OUT_CONTRIBUTORS * TD_TILE_PIXELS, pixels.contributors);
     }
     if (image->outputs >= TD_OUT_COLOUR) {

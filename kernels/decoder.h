@@ -41,7 +41,7 @@ TD_INLINE td_composite td_develop(const td_image *image, TD_GLOBAL const td_view
     td_composite shown = *pixels;
     td_dual in[TD_DECODER_INPUTS], hidden[TD_DECODER_HIDDEN], zero = td_dual_make(td_splat(0.0f), td_splat(0.0f));
     td_dual luminance = zero;
-    for (int k = 0; k < 6; k++) in[k] = td_dual_make(pixels->feature[3 + k], pixels->feature[TD_FEATURES + 3 + k]);
+    for (int k = 0; k < 6; k++) in[k] = td_dual_make(pixels->sums.feature[3 + k], pixels->sums.feature[TD_FEATURES + 3 + k]);
     td_decoder_ray(image, view, pixels, in + 6);
     for (int i = 0; i < TD_DECODER_HIDDEN; i++) {
         td_dual sum = zero;
@@ -49,16 +49,16 @@ TD_INLINE td_composite td_develop(const td_image *image, TD_GLOBAL const td_view
         hidden[i] = td_dual_select(zero, sum, sum.v > 0.0f);
     }
     for (int c = 0; c < 3; c++) {
-        td_dual sum = td_dual_make(pixels->feature[c], pixels->feature[TD_FEATURES + c]);
+        td_dual sum = td_dual_make(pixels->sums.feature[c], pixels->sums.feature[TD_FEATURES + c]);
         for (int i = 0; i < TD_DECODER_HIDDEN; i++)
             sum = td_dual_plus(sum, weights[TD_DECODER_SECOND + TD_DECODER_HIDDEN * c + i], hidden[i]);
         sum = td_decoder_out(sum, image->decoder);
-        shown.colour[c] = sum.v;
-        shown.colour[3 + c] = sum.d;
+        shown.sums.colour[c] = sum.v;
+        shown.sums.colour[3 + c] = sum.d;
         luminance = td_dual_plus(luminance, image->luminance[c], sum);
     }
-    shown.luminance = luminance.v;
-    shown.luminance_dot = luminance.d;
+    shown.sums.luminance = luminance.v;
+    shown.sums.luminance_dot = luminance.d;
     shown.transmittance = shown.transmittance_dot = td_splat(0.0f);
     return shown;
 }

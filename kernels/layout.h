@@ -37,9 +37,9 @@ enum {
 /* Planes of a tile's output, TD_TILE_PIXELS reals each. SIGNAL: the first two only. */
 enum {
     TD_OUT_L = 0, TD_OUT_L_DOT,
-    TD_OUT_Y, TD_OUT_ALPHA, TD_OUT_ALPHA_DOT, TD_OUT_CONTRIBUTORS,
+    TD_OUT_Y, TD_OUT_ALPHA, TD_OUT_ALPHA_DOT, TD_OUT_COVERAGE, TD_OUT_CONTRIBUTORS,
     TD_OUT_R, TD_OUT_G, TD_OUT_B, TD_OUT_R_DOT, TD_OUT_G_DOT, TD_OUT_B_DOT, TD_OUT_Z, TD_OUT_Z_DOT,
-    TD_OUT_SIGNAL = 2, TD_OUT_DIAGNOSTICS = 6, TD_OUT_COLOUR = 14
+    TD_OUT_SIGNAL = 2, TD_OUT_DIAGNOSTICS = 7, TD_OUT_COLOUR = 15
 };
 /* clang-format on */
 
@@ -86,7 +86,7 @@ typedef struct td_image {
     td_real stop;          /* transmittance, or for BOUND what the rest may change in L */
     td_real log_eps;
     td_real luminance[3];
-    td_real soft_depth;   /* relative depth within which two splats swap gradually (soft_order.h) */
+    td_real soft_depth;   /* relative depth over which what a splat takes of the light falls to 1/e (soft_order.h) */
     td_real decoder_gain; /* most that Y changes per largest |feature| */
     int width, height;
     int objects;

@@ -42,6 +42,7 @@ typedef int16 td_mask;
 #endif
 #define td_splat(x) ((td_lanes)(x))
 #define td_fma(a, b, c) fma((td_lanes)(a), (td_lanes)(b), (td_lanes)(c))
+#define td_fma_real(a, b, c) fma((td_real)(a), (td_real)(b), (td_real)(c)) /* of numbers that all lanes share */
 #define td_sqrt(x) sqrt(x)
 #define td_select(otherwise, then, mask) select((td_lanes)(otherwise), (td_lanes)(then), (mask))
 
@@ -64,6 +65,7 @@ typedef float td_real;
 #endif
 typedef td_real td_lanes;
 typedef int td_mask;
+#define td_fma_real(a, b, c) td_fma(a, b, c)
 #define td_splat(x) ((td_real)(x))
 #define td_select(otherwise, then, mask) ((mask) ? (td_real)(then) : (td_real)(otherwise))
 #define td_mask_to_real(m) ((td_real)((m) != 0))
@@ -291,33 +293,57 @@ TD_INLINE td_lanes td_exp2(td_lanes x) {
 
 /* Natural logarithm of a positive normal number, < 2 ulp. x = m 2^e with m in [sqrt(1/2), sqrt(2)), s = (m - 1)/(m + 1),
  * ln m = 2 s + s^3 Q(s^2) with Q the degree 2 minimax polynomial (Remez, 1.6e-9); ln 2 is split in two (Cody and Waite). */
-TD_INLINE td_lanes td_log(td_lanes x) {
-#ifdef TD_REAL_DOUBLE
-    return log(x);
-#else
+#ifndef TD_REAL_DOUBLE
+/* x = m 2^e */
+TD_INLINE td_lanes td_mantissa(td_lanes x, td_lanes *e) {
     td_mask bits = td_bits(x);
     td_mask exponent = (bits - 0x3f3504f3) >> 23; /* 0x3f3504f3 is sqrt(1/2) */
 #ifdef TD_OPENCL
-    td_lanes m = td_from_bits(bits - (exponent << 23));
 #if TD_LANES == 1
-    td_lanes e = (float)exponent;
+    *e = (float)exponent;
 #elif TD_LANES == 4
-    td_lanes e = convert_float4(exponent);
+    *e = convert_float4(exponent);
 #elif TD_LANES == 8
-    td_lanes e = convert_float8(exponent);
+    *e = convert_float8(exponent);
 #else
-    td_lanes e = convert_float16(exponent);
+    *e = convert_float16(exponent);
 #endif
+    return td_from_bits(bits - (exponent << 23));
 #else
-    td_lanes m = td_from_bits((int32_t)((uint32_t)bits - ((uint32_t)exponent << 23)));
-    td_lanes e = (float)exponent;
+    *e = (float)exponent;
+    return td_from_bits((int32_t)((uint32_t)bits - ((uint32_t)exponent << 23)));
 #endif
-    td_lanes s = (m - 1.0f) / (m + 1.0f);
+}
+
+/* ln x from s and e */
+TD_INLINE td_lanes td_log_from(td_lanes s, td_lanes e) {
     td_lanes z = s * s;
     td_lanes q = td_fma(2.98717277e-1f, z, 3.99775416e-1f);
     q = td_fma(q, z, 6.66667764e-1f);
     td_lanes ln_m = td_fma(s * z, q, s + s);
     return td_fma(e, 6.93145752e-1f, td_fma(e, 1.42860677e-6f, ln_m));
+}
+#endif
+
+TD_INLINE td_lanes td_log(td_lanes x) {
+#ifdef TD_REAL_DOUBLE
+    return log(x);
+#else
+    td_lanes e, m = td_mantissa(x, &e);
+    return td_log_from((m - 1.0f) / (m + 1.0f), e);
+#endif
+}
+
+/* The same to some more ulp, and 1/x, with one division for both; x above 1e-18. */
+TD_INLINE td_lanes td_log_inverse(td_lanes x, td_lanes *inverse) {
+#ifdef TD_REAL_DOUBLE
+    *inverse = 1 / x;
+    return log(x);
+#else
+    td_lanes e, m = td_mantissa(x, &e), above = m + 1.0f;
+    td_lanes both = 1.0f / (x * above);
+    *inverse = both * above;
+    return td_log_from((m - 1.0f) * (both * x), e);
 #endif
 }
 

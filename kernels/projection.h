@@ -5,13 +5,13 @@
 #ifndef TD_PROJECTION_H
 #define TD_PROJECTION_H
 
-#include "dual.h"
-#include "layout.h"
+#include "fine_depth.h"
 #include "sh.h"
 
 /* A group of Gaussians in the view of one camera. Continuous values may be meaningless where `visible` is 0. */
 typedef struct td_shape {
     td_dual depth;         /* camera z */
+    td_lanes depth_low;    /* what z is more, relative to it: for soft order */
     td_dual u, v;          /* mean2d [px] */
     td_dual a, b, c;       /* covariance after dilation: (a b; b c) [px^2] */
     td_dual conic[3];      /* its inverse: xx, xy, yy [1/px^2] */
@@ -216,6 +216,10 @@ TD_INLINE td_shape td_project_shape(TD_GLOBAL const td_view *view, const td_imag
     td_dual x = td_view_row(view->r, view->r_dot, mean, view->t[0], view->t_dot[0]);
     td_dual y = td_view_row(view->r + 3, view->r_dot + 3, mean, view->t[1], view->t_dot[1]);
     td_dual z = td_view_row(view->r + 6, view->r_dot + 6, mean, view->t[2], view->t_dot[2]);
+    shape.depth_low = td_splat(0.0f);
+#ifndef TD_REAL_DOUBLE
+    if (image->soft_order) z.v = td_fine_row(view->r + 6, mean, view->t[2], &shape.depth_low);
+#endif
     shape.depth = z;
     shape.visible = (z.v > image->near) & (gaussian >= 0);
     /* What lies behind the near plane is invisible anyway: keep its arithmetic finite. */

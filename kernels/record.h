@@ -8,7 +8,7 @@
 typedef struct td_sink {
     TD_GLOBAL td_real *records; /* TD_RECORD_STRIDE each */
     TD_GLOBAL td_real *colours; /* td_colour_stride each: r g b and their rates, or features and theirs */
-    TD_GLOBAL int *masks;       /* blocks touched; 0: no splat here */
+    TD_GLOBAL int *masks;       /* blocks touched, and the low part of depth (fine_depth.h); 0: no splat here */
 } td_sink;
 
 /* ln alpha as a quadratic in pixel offsets, in units of log2, and its rate. */
@@ -70,7 +70,7 @@ TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_ima
     td_shape shape = td_project_shape(view, image, source, gaussian);
     td_mask blocks = td_block_mask(&shape, image, job->x, job->y);
     blocks = td_select_mask(blocks, (blocks & 0) | 0xffff, shape.broken);
-    td_store_ints(sink->masks, blocks);
+    td_store_ints(sink->masks, image->soft_order ? td_pack_low(blocks, shape.depth_low) : blocks);
     td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_DEPTH, shape.depth.v); /* of all: what is left as a hint is in its order */
     if (!td_any(blocks != 0)) return;
     td_store_shape(&shape, sink->records);

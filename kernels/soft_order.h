@@ -1,97 +1,174 @@
-/* Compositing with a soft depth order: where two splats swap places in depth, hard order makes the image jump; here each is
- * seen through the other gradually while their depths cross (DESIGN 3.1).
+/* Compositing with a soft depth order (docs/soft_order.md): where two splats swap places in depth, hard order makes the image
+ * jump; here a splat takes light out not at its depth but from there on, at a rate that falls to 1/e over each soft_depth.
  *
- * Splat k is seen through prod (1 - tau_j f_kj) over all others, where f_kj, how far j stands in front of k, goes from 0 to 1
- * as (z_k - z_j) / max(z_k, z_j) goes from -delta to delta, delta = image->soft_depth; smootherstep, so the rates don't jump
- * either. Splats apart by more than that composite as always; the final transmittance stays prod (1 - tau_j). For a pair the
- * weights still sum to 1 - T. Depth is the splat's, the same for all pixels: which pairs are near is decided once per
- * work-item.
+ * Splat k has the optical depth a_k = -ln(1 - tau_k), with the density a_k exp(-s) at s = (ln z - ln z_k) / soft_depth >= 0
+ * behind it. Light falls as dT = -A T ds, A the sum of the densities, and the image gains dY = B T ds, B the sum of density times
+ * colour. All densities fall alike, so that from one splat to the next, x behind it, with m = 1 - exp(-x):
+ *   T_after = T exp(-A m),   Y_after = Y + (B/A) (T - T_after),   (A, B)_after = (A, B) exp(-x).
+ * So the weights of any number of splats add up to 1 - T, T ends as prod (1 - tau_k), splats of one depth share in proportion
+ * to a_k, and all of it has a continuous slope in the depths. A splat with nobody near is blended as in hard order.
  *
- * Splats come front to back, so those near the newest are the last few: a window that each leaves once the depth is past it. */
+ * Depth is the splat's, the same for all pixels; only differences of near depths matter. */
 #ifndef TD_SOFT_ORDER_H
 #define TD_SOFT_ORDER_H
 
 #include "compositing.h"
+#include "fine_depth.h"
 
-enum { TD_WINDOW = 32 }; /* splats that wait at most; one more pushes the first out early, in hard order */
+/* x from which on exp(-x) is taken for 0, which is less than what rounding does to a sum with 1 in it. */
+#ifdef TD_REAL_DOUBLE
+#define TD_SOFT_REACH 40
+#else
+#define TD_SOFT_REACH 16
+#endif
 
-typedef struct td_window {
-    td_lanes tau[TD_WINDOW], tau_dot[TD_WINDOW];
-    td_lanes weight[TD_WINDOW], weight_dot[TD_WINDOW]; /* so far: T behind the window, and what is near */
-    int record[TD_WINDOW];                             /* where in the job's records */
-    int first, count;
-} td_window;
+/* Where a splat is in depth, such that differences of near ones are exact. */
+typedef struct td_soft_depth {
+    td_real z, low; /* rounded; what it is more, relative to z */
+    td_real growth; /* z_dot / z */
+} td_soft_depth;
 
-/* Do two depths, y in front of z, lie so near that their order is soft? */
-TD_INLINE int td_is_near(const td_image *image, td_real y, td_real z) { return z - y < image->soft_depth * z; }
+/* From one splat to the next: m, its rate, and 1 - m. */
+typedef struct td_soft_step {
+    td_real m, m_dot, left;
+} td_soft_step;
 
-/* How far the one at depth z (the farther) stands in front of the one at y: 1/2 where they meet, 0 from delta on; and its rate.
- * `half_scale` is 1/(2 delta z), `growth` z_dot / z: what doesn't depend on y. */
-TD_INLINE td_real td_in_front(td_real half_scale, td_real growth, td_real gap, td_real gap_dot, td_real *rate) {
-    td_real x = 0.5f - gap * half_scale;
-    td_real x_dot = (gap * growth - gap_dot) * half_scale;
-    td_real bent = x * (1 - x);
-    *rate = 30.0f * bent * bent * x_dot;
-    return x * x * x * (x * (6.0f * x - 15.0f) + 10.0f);
+/* The splats that take out light now. */
+typedef struct td_soft {
+    td_sums sums;        /* by density: B */
+    td_lanes a, a_dot;   /* A */
+    td_soft_depth front; /* of the next splat to add, where there are some already */
+    int open;            /* there are some */
+} td_soft;
+
+/* 1 - exp(-x), to some ulp of itself, for x up to a little above TD_SOFT_REACH: by Taylor's series at x/16, and four times
+ * 1 - exp(-2 h) = m (2 - m). What the series leaves out, h^6/5040, shrinks with the slope: below 5e-9 in the end. */
+TD_INLINE td_real td_soft_taken(td_real x) {
+#ifdef TD_REAL_DOUBLE
+    return -expm1(-x);
+#else
+    td_real h = 0.0625f * x, s = h * h;
+    td_real third = td_fma_real(-1.3888889e-3f, h, 8.3333338e-3f), second = td_fma_real(-4.1666668e-2f, h, 0.16666667f);
+    td_real m = h * td_fma_real(td_fma_real(third, s, second), s, td_fma_real(-0.5f, h, 1.0f));
+    for (int i = 0; i < 4; i++) m = m * (2 - m);
+    return m;
+#endif
 }
 
-/* A factor 1 - tau f on a weight, with rates. */
-TD_INLINE void td_see_through(td_lanes tau, td_lanes tau_dot, td_real f, td_real f_dot, td_lanes *w, td_lanes *w_dot) {
-    td_lanes factor = td_fma(-tau, f, 1.0f);
-    td_lanes factor_dot = -td_fma(tau_dot, f, tau * f_dot);
-    *w_dot = td_fma(*w_dot, factor, *w * factor_dot);
-    *w = *w * factor;
+/* ln(z/z_front) = 2 artanh u, u = (z - z_front) / (z + z_front), by its series to u^7: for depths up to TD_SOFT_REACH apart. */
+TD_INLINE td_soft_step td_soft_between(const td_image *image, const td_soft_depth *front, const td_soft_depth *behind) {
+    td_real u = (behind->z - front->z) / (behind->z + front->z), s = u * u;
+    td_real rest = td_fma_real(s, td_fma_real(s, TD_REAL(0.14285714285714286), TD_REAL(0.2)), TD_REAL(0.33333333333333333));
+    td_real series = td_fma_real(u * s, rest, u);
+    td_real scale = 1 / image->soft_depth, x = (2 * series + (behind->low - front->low)) * scale;
+    td_real x_dot = (behind->growth - front->growth) * scale;
+    td_soft_step step;
+    step.m = td_soft_taken(x);
+    step.left = 1 - step.m;
+    step.m_dot = step.left * x_dot;
+    return step;
 }
 
-/* The first of the window is settled: its weight goes into the sums, its alpha into the transmittance. */
-TD_INLINE void td_window_pop(td_window *window, const td_image *image, TD_GLOBAL const td_real *records,
-                             TD_GLOBAL const td_real *colours, td_composite *pixels) {
-    int i = window->first;
-    TD_GLOBAL const td_real *record = records + window->record[i] * TD_RECORD_STRIDE;
-    td_accumulate(record, colours + window->record[i] * td_colour_stride(image), image, window->weight[i],
-                  window->weight_dot[i], pixels);
-    td_lanes t = pixels->transmittance;
-    pixels->transmittance = td_fma(-t, window->tau[i], t);
-    pixels->transmittance_dot =
-        td_fma(-pixels->transmittance_dot, window->tau[i], td_fma(-t, window->tau_dot[i], pixels->transmittance_dot));
-    window->first = (i + 1) % TD_WINDOW;
-    window->count--;
+/* Is a splat at depth z still reached by one in front of it, at depth y? */
+TD_INLINE int td_is_near(const td_image *image, td_real y, td_real z) {
+    return z - y < (td_real)(0.5f * TD_SOFT_REACH) * image->soft_depth * (z + y);
 }
 
-/* Settles what the next splat, at depth z, is no longer near. */
-TD_INLINE void td_window_advance(td_window *window, const td_image *image, TD_GLOBAL const td_real *records,
-                                 TD_GLOBAL const td_real *colours, td_real z, td_composite *pixels) {
-    while (window->count > 0) {
-        td_real y = records[window->record[window->first] * TD_RECORD_STRIDE + TD_R_DEPTH];
-        if (window->count < TD_WINDOW && td_is_near(image, y, z)) break;
-        td_window_pop(window, image, records, colours, pixels);
+/* a = -ln(1 - tau) and its rate. 1 - tau is rounded, by more than a small tau has digits: what was lost is taken off again. */
+TD_INLINE void td_optical_depth(td_lanes tau, td_lanes tau_dot, td_lanes *a, td_lanes *a_dot) {
+    td_lanes clear = 1 - tau, inverse;
+    *a = (tau - (1 - clear)) - td_log_inverse(clear, &inverse);
+    *a_dot = tau_dot * inverse;
+}
+
+TD_INLINE void td_soft_start(td_soft *soft, const td_image *image) {
+    td_sums_start(&soft->sums, image);
+    soft->a = soft->a_dot = td_splat(0.0f);
+    soft->open = 0;
+}
+
+/* Adds what the splats show, w times, to the image. */
+TD_INLINE void td_add_sums(const td_soft *soft, const td_image *image, td_lanes w, td_lanes w_dot, td_sums *to) {
+    const td_sums *from = &soft->sums;
+    if (image->decoder) {
+        for (int k = 0; k < TD_FEATURES; k++) {
+            td_lanes rate = td_fma(w, from->feature[TD_FEATURES + k], to->feature[TD_FEATURES + k]);
+            to->feature[k] = td_fma(w, from->feature[k], to->feature[k]);
+            to->feature[TD_FEATURES + k] = td_fma(w_dot, from->feature[k], rate);
+        }
+    } else {
+        to->luminance = td_fma(w, from->luminance, to->luminance);
+        to->luminance_dot = td_fma(w_dot, from->luminance, td_fma(w, from->luminance_dot, to->luminance_dot));
     }
+    td_add_weight(image, w * soft->a, td_fma(w_dot, soft->a, w * soft->a_dot), to);
+    if (image->outputs < TD_OUT_COLOUR) return;
+    for (int c = 0; c < 3 && !image->decoder; c++) {
+        to->colour[c] = td_fma(w, from->colour[c], to->colour[c]);
+        to->colour[3 + c] = td_fma(w_dot, from->colour[c], td_fma(w, from->colour[3 + c], to->colour[3 + c]));
+    }
+    to->depth = td_fma(w, from->depth, to->depth);
+    to->depth_dot = td_fma(w_dot, from->depth, td_fma(w, from->depth_dot, to->depth_dot));
 }
 
-/* Takes in the next splat, front to back, after td_window_advance: record number `at` of the job. */
-TD_INLINE void td_window_push(td_window *window, const td_image *image, TD_GLOBAL const td_real *records, int at,
-                              td_real brightest, td_composite *pixels) {
-    TD_GLOBAL const td_real *record = records + at * TD_RECORD_STRIDE;
-    td_real z = record[TD_R_DEPTH], z_dot = record[TD_R_DEPTH_DOT];
-    td_real half_scale = 0.5f / (image->soft_depth * z), growth = z_dot / z;
-    td_lanes tau, tau_dot;
-    td_visible_alpha(record, image, brightest, pixels, &tau, &tau_dot);
-    td_lanes w = pixels->transmittance * tau;
-    td_lanes w_dot = td_fma(pixels->transmittance, tau_dot, pixels->transmittance_dot * tau);
-    for (int k = 0; k < window->count; k++) {
-        int i = (window->first + k) % TD_WINDOW;
-        TD_GLOBAL const td_real *near = records + window->record[i] * TD_RECORD_STRIDE;
-        td_real f_dot, f = td_in_front(half_scale, growth, z - near[TD_R_DEPTH], z_dot - near[TD_R_DEPTH_DOT], &f_dot);
-        td_see_through(tau, tau_dot, f, f_dot, &window->weight[i], &window->weight_dot[i]);
-        td_see_through(window->tau[i], window->tau_dot[i], 1 - f, -f_dot, &w, &w_dot);
-    }
-    int last = (window->first + window->count) % TD_WINDOW;
-    window->tau[last] = tau;
-    window->tau_dot[last] = tau_dot;
-    window->weight[last] = w;
-    window->weight_dot[last] = w_dot;
-    window->record[last] = at;
-    window->count++;
+/* value and rate times `left` and its rate */
+TD_INLINE void td_soft_fall(const td_soft_step *step, td_lanes *value, td_lanes *rate) {
+    *rate = td_fma(*rate, step->left, *value * -step->m_dot);
+    *value = *value * step->left;
+}
+
+/* Densities fall. */
+TD_INLINE void td_soft_fall_all(const td_soft_step *step, const td_image *image, td_soft *soft) {
+    td_sums *sums = &soft->sums;
+    td_soft_fall(step, &soft->a, &soft->a_dot);
+    if (image->decoder)
+        for (int k = 0; k < TD_FEATURES; k++) td_soft_fall(step, &sums->feature[k], &sums->feature[TD_FEATURES + k]);
+    else
+        td_soft_fall(step, &sums->luminance, &sums->luminance_dot);
+    if (image->outputs < TD_OUT_COLOUR) return;
+    for (int c = 0; c < 3 && !image->decoder; c++) td_soft_fall(step, &sums->colour[c], &sums->colour[3 + c]);
+    td_soft_fall(step, &sums->depth, &sums->depth_dot);
+}
+
+/* Where densities have become next to nothing they become nothing, before they are so small that processors are slow with them. */
+TD_INLINE void td_soft_clear(const td_image *image, td_soft *soft) {
+    td_sums *sums = &soft->sums;
+    td_lanes some = td_select(td_splat(0.0f), td_splat(1.0f), soft->a > TD_REAL(1e-20));
+    soft->a = soft->a * some;
+    soft->a_dot = soft->a_dot * some;
+    for (int k = 0; k < 2 * TD_FEATURES && image->decoder; k++) sums->feature[k] = sums->feature[k] * some;
+    sums->luminance = sums->luminance * some;
+    sums->luminance_dot = sums->luminance_dot * some;
+    if (image->outputs < TD_OUT_COLOUR) return;
+    for (int c = 0; c < 6; c++) sums->colour[c] = sums->colour[c] * some;
+    sums->depth = sums->depth * some;
+    sums->depth_dot = sums->depth_dot * some;
+}
+
+/* Light goes one step on: T falls, and the image gains W B, W = (T - T_after) / A. Where A is small T - T_after has few digits
+ * right, but B is no larger than A times a colour, so that they are enough; where A is 0 so is B. */
+TD_INLINE void td_soft_go(const td_soft *soft, const td_soft_step *step, const td_image *image, td_composite *pixels) {
+    const td_real log2_e = TD_REAL(1.44269504088896340736);
+    td_lanes t = pixels->transmittance, t_dot = pixels->transmittance_dot;
+    td_lanes fall = td_exp2(soft->a * (-step->m * log2_e));
+    td_lanes after = t * fall;
+    td_lanes after_dot = td_fma(t_dot, fall, -after * td_fma(soft->a_dot, step->m, soft->a * step->m_dot));
+    td_lanes inverse = 1 / (soft->a + TD_REAL(1e-20));
+    td_lanes w = (t - after) * inverse;
+    td_lanes w_dot = td_fma(-w, soft->a_dot, t_dot - after_dot) * inverse;
+    td_add_sums(soft, image, w, w_dot, &pixels->sums);
+    pixels->transmittance = after;
+    pixels->transmittance_dot = after_dot;
+}
+
+/* The next splat begins to take out light. */
+TD_INLINE void td_soft_add(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
+                           td_soft *soft, td_composite *pixels) {
+    td_lanes tau, tau_dot, a, a_dot;
+    td_visible_alpha(record, image, pixels, &tau, &tau_dot);
+    td_optical_depth(tau, tau_dot, &a, &a_dot);
+    td_accumulate(record, colour, image, a, a_dot, &soft->sums);
+    soft->a = soft->a + a;
+    soft->a_dot = soft->a_dot + a_dot;
 }
 
 #endif

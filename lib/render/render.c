@@ -12,11 +12,11 @@ enum {
 static const char *const channel_names[TIDES_CHANNELS] = {"Y", "L", "L_dot", "A",     "A_dot", "coverage", "contributors", "R",
                                                           "G", "B", "R_dot", "G_dot", "B_dot", "Z",        "Z_dot"};
 
-/* Where each channel is among a backend's planes. Coverage, the sum of blend weights, is 1 - T = alpha by telescoping. */
-static const int channel_planes[TIDES_CHANNELS] = {TD_OUT_Y,         TD_OUT_L,     TD_OUT_L_DOT,        TD_OUT_ALPHA,
-                                                   TD_OUT_ALPHA_DOT, TD_OUT_ALPHA, TD_OUT_CONTRIBUTORS, TD_OUT_R,
-                                                   TD_OUT_G,         TD_OUT_B,     TD_OUT_R_DOT,        TD_OUT_G_DOT,
-                                                   TD_OUT_B_DOT,     TD_OUT_Z,     TD_OUT_Z_DOT};
+/* Where each channel is among a backend's planes. */
+static const int channel_planes[TIDES_CHANNELS] = {TD_OUT_Y,         TD_OUT_L,        TD_OUT_L_DOT,        TD_OUT_ALPHA,
+                                                   TD_OUT_ALPHA_DOT, TD_OUT_COVERAGE, TD_OUT_CONTRIBUTORS, TD_OUT_R,
+                                                   TD_OUT_G,         TD_OUT_B,        TD_OUT_R_DOT,        TD_OUT_G_DOT,
+                                                   TD_OUT_B_DOT,     TD_OUT_Z,        TD_OUT_Z_DOT};
 
 const char *tides_channel_name(int32_t channel) {
     return channel >= 0 && channel < TIDES_CHANNELS ? channel_names[channel] : NULL;

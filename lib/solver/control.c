@@ -27,7 +27,7 @@ double td_tile_risk(const tides_simulator *s, const td_tile *tile, const double 
     for (int y = 0, i = 0; i < tile->count; y++)
         for (int x = 0; x < tile->width; x++, i++) {
             int at = td_tile_pixel(x, y);
-            double b = planes[TD_OUT_ALPHA * TD_TILE_PIXELS + at];
+            double b = planes[TD_OUT_COVERAGE * TD_TILE_PIXELS + at];
             double c = smaller(planes[TD_OUT_CONTRIBUTORS * TD_TILE_PIXELS + at] / most_contributors, 1);
             double a = smaller(fabs(planes[TD_OUT_ALPHA_DOT * TD_TILE_PIXELS + at]) * s->step_s, 1);
             most = larger(most, s->risk.w_b * (1 - b) + s->risk.w_c * c + s->risk.w_alpha * a);

@@ -97,7 +97,7 @@ tides_status td_turn_knot(tides_simulator *simulator, tides_error *error);
 
 /* The rest of TD_KEPT_* of a rendered tile into a sample of refine.c, whose planes are TD_TILE_PIXELS apart. */
 static inline void td_unpack_diagnostics(const td_tile *tile, const double *planes, double *sample) {
-    static const int output[] = {TD_OUT_ALPHA, TD_OUT_ALPHA_DOT, TD_OUT_CONTRIBUTORS};
+    static const int output[] = {TD_OUT_COVERAGE, TD_OUT_ALPHA_DOT, TD_OUT_CONTRIBUTORS};
     for (int k = 0; k < TD_KEPT_ALL - TD_KEPT_SIGNAL; k++)
         for (int y = 0, i = 0; i < tile->count; y++)
             for (int x = 0; x < tile->width; x++, i++)

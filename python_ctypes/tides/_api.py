@@ -947,7 +947,8 @@ class tides_smoothing(Structure):
     double stop_change; /* what the rest of a pixel's list may change in L when compositing stops; 0: stops hard, before
     the splat that takes the transmittance below 1e-4 */
     double near_fade; /* splats have their full opacity at this many near planes, >= 1; 1: they pop up there */
-    double soft_depth; /* relative depth within which two splats swap places gradually, < 1; 0: a hard order */
+    double soft_depth; /* relative depth behind a splat over which what it takes of the light falls to 1/e, so that order
+    changes gradually, < 1; 0: a hard order */
     int32_t ellipses; /* 1: extents are the ellipse out to the taper's begin; 0: squares of 3 sigma, on whole tiles */
     int32_t reserved;
     """

@@ -35,7 +35,7 @@ static const plane planes[] = {
     {"Y", TD_OUT_Y, 1, 0},
     {"alpha", TD_OUT_ALPHA, 1, 0},
     {"alpha_dot", TD_OUT_ALPHA_DOT, 1, 0},
-    {"sum_w", TD_OUT_ALPHA, 1, 0}, /* coverage is 1 - T by telescoping */
+    {"sum_w", TD_OUT_COVERAGE, 1, 0},
     {"sum_w_dot", TD_OUT_ALPHA_DOT, 1, 0},
     {"image", TD_OUT_R, 3, 0},
     {"image", TD_OUT_G, 3, 1},

@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "kernels/extent.h" /* without TD_REAL_DOUBLE: the kernels' precision */
+#include "kernels/soft_order.h"
 #include "td_launch.h"
 
 #include <stdlib.h>
@@ -219,10 +220,30 @@ static void test_smootherstep_is_a_step(void **state) {
     }
 }
 
+/* Optical depth and what is taken of it have their own digits for small arguments too (soft_order.h). */
+static void test_soft_order_keeps_small_numbers(void **state) {
+    (void)state;
+    uint64_t seed = SEED + 1;
+    for (int i = 0; i < COUNT; i++) {
+        float tau = between(&seed, 0, 0.99) * (i % 4 == 0 ? (float)next(&seed) * 0x1p-32f : 1.0f);
+        float a, a_dot, x = between(&seed, 0, TD_SOFT_REACH) * (i % 4 == 1 ? (float)next(&seed) * 0x1p-32f : 1.0f);
+        if (i % 4 == 2) tau = td_exp2(-tau * 80), x = td_exp2(-x * 4);
+        td_optical_depth(tau, 1, &a, &a_dot);
+        double want = -log1p(-(double)tau), taken = -expm1(-(double)x);
+        if (!(fabs(a - want) <= 5e-7 * want)) fail_msg("-ln(1 - %.9g) is %.9g, not %.9g", (double)tau, (double)a, want);
+        if (!(fabs(a_dot - 1 / (1 - (double)tau)) <= 5e-7 * a_dot)) fail_msg("1 / (1 - %.9g)", (double)tau);
+        if (!(fabs(td_soft_taken(x) - taken) <= 5e-7 * taken))
+            fail_msg("1 - exp(-%.9g) is %.9g, not %.9g", (double)x, (double)td_soft_taken(x), taken);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_device_equals_host), cmocka_unit_test(test_exp2_is_within_2_ulp),
-                                       cmocka_unit_test(test_log_is_within_2_ulp), cmocka_unit_test(test_floor_is_exact),
-                                       cmocka_unit_test(test_smootherstep_is_a_step)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_device_equals_host),
+                                       cmocka_unit_test(test_exp2_is_within_2_ulp),
+                                       cmocka_unit_test(test_log_is_within_2_ulp),
+                                       cmocka_unit_test(test_floor_is_exact),
+                                       cmocka_unit_test(test_smootherstep_is_a_step),
+                                       cmocka_unit_test(test_soft_order_keeps_small_numbers)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -1,5 +1,6 @@
 /* Vectors of 1, 4, 8 and 16 pixels give the same bits, on tile lists of every length that the sort treats differently: of one
- * vector or less, of exactly one, of many; in order already, reversed, shuffled, and with equal depths. */
+ * vector or less, of exactly one, of many; in order already, reversed, shuffled, and with equal depths. And on sheets of splats
+ * so near each other that all are soft, opaque and faint, whose weights add up to 1 - T. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -7,6 +8,8 @@
 #include <cmocka.h>
 
 #include "tests/kernels/backend_pair.h"
+
+#include <math.h>
 
 static const uint64_t SEED = 1009;
 static const pair_setting setting = {TIDES_RULES_SMOOTH, 0, 0};
@@ -55,6 +58,37 @@ static void compare_list(tides_device *device, int count, const char *order, edi
     pair_free(&pair);
 }
 
+/* Depths that differ by 2e-4 of themselves at most, some of them not at all; the camera is 4 away. */
+static void put_in_a_sheet(td_store *store) {
+    for (int i = 0; i < store->real_count; i++) *depth_of(store, i) = (float)(8e-4 * (i * 7919 % 4001) / 4001);
+}
+
+/* The sum of weights is 1 - T, in the reference that the kernels equal. */
+static void expect_light(const backend_pair *pair, const double *planes) {
+    for (int job = 0; job < pair->job_count; job++)
+        for (int pixel = 0; pixel < TD_TILE_PIXELS; pixel++) {
+            const double *at = planes + (size_t)job * TD_OUT_COLOUR * TD_TILE_PIXELS + pixel;
+            double coverage = at[TD_OUT_COVERAGE * TD_TILE_PIXELS], alpha = at[TD_OUT_ALPHA * TD_TILE_PIXELS];
+            if (!(fabs(coverage - alpha) < 1e-6)) fail_msg("%s: coverage %.9g, alpha %.9g", pair->name, coverage, alpha);
+        }
+}
+
+static void compare_sheet(tides_device *device, int count, double opacity_min, double opacity_max) {
+    char name[64];
+    random_recipe recipe = one_tile(count);
+    recipe.opacity_min = opacity_min;
+    recipe.opacity_max = opacity_max;
+    snprintf(name, sizeof name, "a sheet of %d, opacity %g to %g, %d lanes", count, opacity_min, opacity_max,
+             (int)device->info.lanes);
+    backend_pair pair = pair_make(name, device, &recipe, &setting, put_in_a_sheet);
+    static const int outputs[] = {TD_OUT_SIGNAL, TD_OUT_DIAGNOSTICS};
+    for (int i = 0; i < 2; i++) free(pair_compare_planes(&pair, outputs[i]));
+    double *planes = pair_compare_planes(&pair, TD_OUT_COLOUR);
+    expect_light(&pair, planes);
+    free(planes);
+    pair_free(&pair);
+}
+
 /* A scene of many tiles and objects that leave gaps in the lists. */
 static void compare_scene(tides_device *device) {
     random_recipe recipe = pair_ordinary(SEED);
@@ -74,6 +108,11 @@ static void compare_width(int lanes) {
         compare_list(device, counts[i], "in order", put_in_order);
         compare_list(device, counts[i], "reversed", put_in_reverse);
         compare_list(device, counts[i], "in layers", put_in_layers);
+    }
+    static const int sheets[] = {1, 2, 3, 20, 300, 5000};
+    for (size_t i = 0; i < sizeof sheets / sizeof *sheets; i++) {
+        compare_sheet(device, sheets[i], 0.1, 0.95);
+        compare_sheet(device, sheets[i], 0.002, 0.02);
     }
     compare_scene(device);
     tides_device_close(device);

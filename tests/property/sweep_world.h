@@ -82,7 +82,7 @@ static inline void make_cloud(uint64_t *seed, double spread, cloud *c) {
         for (int k = 0; k < 4; k++) c->quaternion[4 * i + k] = (float)uniform(seed, -1, 1);
         c->logit[i] = (float)uniform(seed, -4, 5);
     }
-    const tides_gaussians made = {GAUSSIANS, 0, 0, c->mean, c->log_scale, c->quaternion, c->logit, c->sh};
+    const tides_gaussians made = {GAUSSIANS, 0, 0, c->mean, c->log_scale, c->quaternion, c->logit, c->sh, {0}, NULL};
     c->gaussians = made;
 }
 

@@ -28,7 +28,7 @@ static const splat ball = {{0, 0, 4}, {1, 0, 0, 0}, {-2, -2, -2}, 3, {1, 1, 1}};
 static const splat needle = {{0, 0, 4}, {1, 0, 0, 0}, {-0.5F, -4, -4}, 3, {1, 1, 1}};
 
 static tides_gaussians gaussian_of(const splat *s) {
-    const tides_gaussians g = {1, 0, 0, s->mean, s->log_scale, s->quaternion, &s->logit, s->sh};
+    const tides_gaussians g = {1, 0, 0, s->mean, s->log_scale, s->quaternion, &s->logit, s->sh, {0}, NULL};
     return g;
 }
 

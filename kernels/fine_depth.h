@@ -1,0 +1,46 @@
+/* Depth to twice the working precision, for soft order (soft_order.h): a float is good to 6e-8 of itself, and that is 3e-4 of
+ * the depth within which splats swap places; as noise in the image it costs steps.
+ *
+ * Products and sums are error-free transformations (Dekker; Knuth): p + e = a b and s + e = a + b exactly. The view is rounded,
+ * but by the same for all splats of an object: their order doesn't notice. */
+#ifndef TD_FINE_DEPTH_H
+#define TD_FINE_DEPTH_H
+
+#include "dual.h"
+#include "layout.h"
+
+/* sum + product a b, what is lost added to `low`. */
+TD_INLINE td_lanes td_add_product(td_lanes sum, td_real a, td_lanes b, td_lanes *low) {
+    td_lanes product = a * b, total = sum + product, part = total - sum;
+    td_lanes lost = (sum - (total - part)) + (product - part);
+    *low = *low + (lost + td_fma(td_splat(a), b, -product));
+    return total;
+}
+
+/* m . p + offset, rounded once; *low is what it is more, relative to it (0 for 0). */
+TD_INLINE td_lanes td_fine_row(TD_GLOBAL const td_real *m, const td_dual p[3], td_real offset, td_lanes *low) {
+    td_lanes sum = td_splat(offset), lost = td_splat(0.0f);
+    for (int j = 0; j < 3; j++) sum = td_add_product(sum, m[j], p[j].v, &lost);
+    td_lanes total = sum + lost;
+    *low = td_select((lost - (total - sum)) / total, td_splat(0.0f), total == 0.0f);
+    return total;
+}
+
+/* The relative low part, at most 2^-24, goes into the upper half of a splat's mask as a multiple of 2^-38, where the lower half
+ * isn't 0. The double reference needs none. */
+TD_INLINE td_mask td_pack_low(td_mask blocks, td_lanes low) {
+#ifdef TD_REAL_DOUBLE
+    (void)low;
+    return blocks;
+#else
+    td_lanes shifted = low * 0x1p38f + 12582912.0f; /* 1.5 * 2^23 rounds; the number is in the low bits */
+#ifdef TD_OPENCL
+    return blocks | td_mask_bit(blocks != 0, td_bits(shifted) << 16);
+#else
+    return blocks | (int32_t)(blocks ? (uint32_t)td_bits(shifted) << 16 : 0);
+#endif
+#endif
+}
+TD_INLINE td_real td_depth_low(int mask) { return (td_real)(mask >> 16) * TD_REAL(0x1p-38); }
+
+#endif
