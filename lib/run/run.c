@@ -290,6 +290,7 @@ void tides_run_get(const tides_run *run, tides_run_values *values) {
     values->stepping.local = run_boolean(run, "stepping.local");
     values->stepping.interpolate_motion = run_boolean(run, "scene.interpolate_motion");
     values->stepping.budget = td_run_number(run, "stepping.budget");
+    values->stepping.memory_mb = td_run_number(run, "stepping.memory_mb");
     values->stepping.risk.w_b = td_run_number(run, "stepping.risk.w_b");
     values->stepping.risk.w_c = td_run_number(run, "stepping.risk.w_c");
     values->stepping.risk.w_alpha = td_run_number(run, "stepping.risk.w_alpha");

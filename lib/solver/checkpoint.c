@@ -1,11 +1,11 @@
 /* Saving a simulator and restoring it: a run cut between two steps goes on as if it had never stopped, to the bit.
  *
  * The state at the end of a step is what the next one begins with: S and S_dot there, and per pixel where it began and how
- * often it has fired; the reference follows from these (td_reference). Layout of the file, HDF5, version 3 (1 lacked the
- * totals of motion; in 2 `time` was absolute):
+ * often it has fired; the reference follows from these (td_reference). Layout of the file, HDF5, version 4 (1 lacked the
+ * totals of motion; in 2 `time` was absolute; 3 lacked those of probes):
  *
  *     /                    attributes  format           text    "tides-checkpoint"
- *                                      version          int     3
+ *                                      version          int     4
  *                                      tides_version    text    of the writer; for people
  *                                      run              text    the run file as JSON, or ""
  *                                      step             double  number of the grid point reached (td_grid.h)

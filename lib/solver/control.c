@@ -1,11 +1,12 @@
 /* Step control: which steps of a refinement level are too long.
  *
- *   error   the embedded estimate of the model's error, against tolerance C and time_tolerance_s (estimate.c)
+ *   error   the estimated error of the model, against tolerance C and time_tolerance_s (estimate.c); and a whole macro step, in
+ *           which nothing has been looked at
  *   risk    the paper's score of mixed visibility, against the step's share of the macro step (paper, Eq. 13)
- *   unseen  in either mode: a splat that could pass a pixel between two samples (sweep.h)
+ *   travel  in either mode: a splat that could pass a pixel between two samples (sweep.h)
  *
  * Each gives the factor by which the step is above its limit; the largest decides. Where a budget of renders is set and a level
- * asks for more, the steps furthest above their limits go first. Without `local` one tile's wish halves the step of all. */
+ * asks for more, the steps furthest above their limits go first. Without `local` one tile's wish cuts the step of all. */
 #include "td_simulator.h"
 
 #include <math.h>
@@ -14,6 +15,12 @@
 /* Diameters that a splat may travel between two samples: within half of one, none passes a pixel without being seen there. */
 static const double most_travel = 0.5;
 
+/* Deviations that are rounding: so many times what rounding does to S, from three samples with their rates; and what doesn't fall
+ * from one cut to the next is, up to what pixels with much light hidden by much else were seen to have. Above it is a jump of the
+ * image, which shorter steps do place better. */
+static const double rounding_seen = 2, rounding_most = 50, falls = 0.5;
+
+static const double unseen = 1.000001;      /* excess of a step that nothing has been compared with: any above 1 */
 static const double most_contributors = 64; /* splats under a pixel at which the risk's norm(c) is 1 */
 static const double least_share = 1.0 / 32; /* of the macro step, that a tile of risk 1 may take at once */
 
@@ -38,40 +45,50 @@ double td_tile_risk(const tides_simulator *s, const td_tile *tile, const double 
 /* kappa(r): the share of the macro step that a tile of risk r may take at once, from 1 at r = 0 to 1/32 at r = 1. */
 static double step_factor(double risk) { return 1 / (1 + (1 / least_share - 1) * risk); }
 
-/* How far the estimated error is above its limits. */
-static double error_excess(tides_simulator *s, const td_refine_step *step, double start, double stop, double *error) {
+/* Have the last two cuts left the deviation as it was? A kink's falls with the step, on average to a half each time. */
+static int is_rounding(const tides_simulator *s, const td_refine_step *step, double threshold) {
+    return step->deviation * threshold <= rounding_most * s->timing.rounding && step->past[1] > 0 &&
+           step->deviation > falls * step->past[1];
+}
+
+/* Estimates the error, and says how far it is above its limits. */
+static double error_excess(tides_simulator *s, td_refine_step *step, double start, double stop) {
     const td_refine *r = &s->refine;
-    const double *begin = td_refine_sample(r, step->begin), *end = td_refine_sample(r, step->end);
-    td_signals signals = {begin, begin + TD_TILE_PIXELS, end, end + TD_TILE_PIXELS};
-    double h = td_refine_time(r, start, stop, step->to) - td_refine_time(r, start, stop, step->from);
+    const double *begin = td_sample_at(&r->samples, step->begin), *end = td_sample_at(&r->samples, step->end);
+    const td_signals signals = {begin, begin + TD_TILE_PIXELS, end, end + TD_TILE_PIXELS};
+    const double from = td_refine_time(r, start, stop, step->from), *references = r->early ? r->reference : s->pixels.reference;
     size_t first = s->first_pixel[step->tile];
     /* Through a surround each pixel's error is everyone's: all count. */
-    const double *reference = s->surround.surround.on ? NULL : s->pixels.reference + first;
-    int32_t count = s->tile[step->tile].count;
-    int whole = step->to - step->from == (uint32_t)1 << r->depth;
-    double begins = td_refine_time(r, start, stop, step->from) * 1e9;
-    td_estimate estimate = s->sensor.on ? td_estimate_sensor(&s->sensor, first, whole, begins, h, &signals, reference, count)
-                                        : td_estimate_step(&s->comparator, h, &signals, reference, count);
+    const td_estimated judged = {td_refine_time(r, start, stop, step->to) - from,
+                                 &signals,
+                                 s->surround.surround.on ? NULL : references + first,
+                                 step->probe < 0 ? NULL : td_sample_deviation(&r->samples, step->probe),
+                                 rounding_seen * s->timing.rounding,
+                                 s->tile[step->tile].count};
+    td_estimate estimate = s->sensor.on ? td_estimate_sensor(&s->sensor, &judged, first, step->cuts, from * 1e9)
+                                        : td_estimate_step(&s->comparator, &judged);
     double threshold = smaller(s->comparator.threshold_on, s->comparator.threshold_off);
-    *error = estimate.error / threshold;
-    double excess = *error / s->tolerance;
+    step->error = estimate.error / threshold;
+    step->deviation = estimate.deviation / threshold;
+    step->rounded = estimate.rounded / threshold;
+    double excess = step->error / s->tolerance;
+    if (is_rounding(s, step, threshold)) return 0;
     return s->time_tolerance_s > 0 ? larger(excess, estimate.seconds / s->time_tolerance_s) : excess;
 }
 
-/* Judges one step; 1 where it is to be halved. One of the shortest length is accepted whatever the measures say. */
-static int too_long(tides_simulator *s, td_refine_step *step, double start, double stop) {
+/* Judges one step: is it to be cut? One that is too short for it is accepted whatever the measures say. */
+static void judge(tides_simulator *s, td_refine_step *step, double start, double stop) {
     const td_refine *r = &s->refine;
-    double share = (double)(step->to - step->from) / (double)((uint32_t)1 << r->depth), error = 0;
+    double share = (double)(step->to - step->from) / (double)((uint32_t)1 << r->depth);
+    int may_cut = td_refine_may_cut(r, step), controls = s->mode & TIDES_STEPPING_ERROR;
     step->excess = share * s->renderer->candidates.travel[step->tile] / most_travel;
-    if (s->mode & TIDES_STEPPING_ERROR) step->excess = larger(step->excess, error_excess(s, step, start, stop, &error));
-    if (s->mode & TIDES_STEPPING_RISK)
-        step->excess = larger(step->excess, share / step_factor(larger(r->risk[step->begin], r->risk[step->end])));
-    step->error = error;
-    int wanted = step->excess > 1 && step->to - step->from > 1;
-    if (wanted) return 1;
-    s->stats.steps_at_minimum += (uint64_t)(step->excess > 1);
-    s->stats.worst_error = larger(s->stats.worst_error, error);
-    return 0;
+    if (controls) step->excess = larger(step->excess, error_excess(s, step, start, stop));
+    if (controls && may_cut && step->probe < 0) step->excess = larger(step->excess, unseen);
+    if (s->mode & TIDES_STEPPING_RISK) {
+        double begin = *td_sample_risk(&r->samples, step->begin), end = *td_sample_risk(&r->samples, step->end);
+        step->excess = larger(step->excess, share / step_factor(larger(begin, end)));
+    }
+    step->open = (int16_t)(step->excess > 1 && may_cut);
 }
 
 /* A step of the whole image that some tile wants halved. */
@@ -99,8 +116,8 @@ static size_t find_joint(const joint *sorted, size_t count, uint32_t from) {
     return low;
 }
 
-/* One step for the whole image: whatever one tile wants halved is halved in all, and as urgent in all. */
-static tides_status join_tiles(td_refine *r, const int32_t *fresh, size_t count, tides_error *error) {
+/* One step for the whole image: whatever one tile wants cut is cut in all, and as urgent in all. */
+static tides_status join_tiles(td_refine *r, tides_error *error) {
     size_t wanted_count = r->pending_count;
     joint *wanted = td_alloc(wanted_count, sizeof *wanted, error);
     if (!wanted) return TIDES_NO_MEMORY;
@@ -111,12 +128,13 @@ static tides_status join_tiles(td_refine *r, const int32_t *fresh, size_t count,
     }
     qsort(wanted, wanted_count, sizeof *wanted, by_position);
     r->pending_count = 0;
-    for (size_t i = 0; i < count; i++) {
-        td_refine_step *step = &r->step[fresh[i]];
+    for (size_t i = 0; i < r->fresh_count; i++) {
+        td_refine_step *step = &r->step[r->fresh[i]];
         size_t at = find_joint(wanted, wanted_count, step->from);
         if (at == wanted_count || wanted[at].from != step->from) continue;
         step->excess = wanted[at].excess;
-        r->pending[r->pending_count++] = fresh[i];
+        step->open = 1;
+        r->pending[r->pending_count++] = r->fresh[i];
     }
     free(wanted);
     return TIDES_OK;
@@ -138,8 +156,7 @@ static int by_falling_excess(const void *a, const void *b) {
 
 /* Cuts the pending steps to what is left of the macro step's share of the budget; without `local` all tiles' or none's. */
 static tides_status keep_to_budget(tides_simulator *s, td_refine *r, tides_error *error) {
-    /* Both ends of the macro step aren't halving's doing. */
-    double share = s->budget * s->tiles / (double)s->steps, used = (double)r->sample_count - 2.0 * s->moving_count;
+    double share = s->budget * s->tiles / (double)s->steps, used = (double)r->cuts;
     size_t left = share > used ? (size_t)(share - used) : 0;
     if (s->budget <= 0 || r->pending_count <= left) return TIDES_OK;
     if (!s->local) left -= left % (size_t)s->moving_count;
@@ -151,25 +168,29 @@ static tides_status keep_to_budget(tides_simulator *s, td_refine *r, tides_error
         wishes[i] = next;
     }
     qsort(wishes, r->pending_count, sizeof *wishes, by_falling_excess);
-    s->stats.steps_over_budget += r->pending_count - left;
-    for (size_t i = left; i < r->pending_count; i++)
-        s->stats.worst_error = larger(s->stats.worst_error, r->step[wishes[i].step].error);
+    for (size_t i = left; i < r->pending_count; i++) r->step[wishes[i].step].open = 0;
     r->pending_count = left;
     for (size_t i = 0; i < left; i++) r->pending[i] = wishes[i].step;
     free(wishes);
     return TIDES_OK;
 }
 
-tides_status td_control_steps(tides_simulator *s, const int32_t *fresh, size_t count, double start, double stop,
-                              tides_error *error) {
+tides_status td_control_steps(tides_simulator *s, double start, double stop, tides_error *error) {
     td_refine *r = &s->refine;
-    tides_status status = td_reserve((void **)&r->pending, &r->pending_capacity, count, sizeof *r->pending, error);
+    tides_status status = td_reserve((void **)&r->pending, &r->pending_capacity, r->fresh_count, sizeof *r->pending, error);
     if (status != TIDES_OK) return status;
     r->pending_count = 0;
-    for (size_t i = 0; i < count; i++)
-        if (too_long(s, &r->step[fresh[i]], start, stop)) r->pending[r->pending_count++] = fresh[i];
-    if (!s->local && r->pending_count > 0) status = join_tiles(r, fresh, count, error);
+    for (size_t i = 0; i < r->fresh_count; i++) {
+        judge(s, &r->step[r->fresh[i]], start, stop);
+        if (r->step[r->fresh[i]].open) r->pending[r->pending_count++] = r->fresh[i];
+    }
+    if (!s->local && r->pending_count > 0) status = join_tiles(r, error);
     if (status == TIDES_OK) status = keep_to_budget(s, r, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&r->open, &r->open_capacity, r->open_count + r->pending_count, sizeof *r->open, error);
+    if (status != TIDES_OK) return status;
+    memcpy(r->open + r->open_count, r->pending, r->pending_count * sizeof *r->open);
+    r->open_count += r->pending_count;
     s->stats.steps_rejected += r->pending_count;
-    return status;
+    return TIDES_OK;
 }

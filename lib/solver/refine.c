@@ -1,15 +1,17 @@
 /* Adaptive steps: which (tile, time) jobs a macro step needs.
  *
- * Level 0 renders every tile in which something moves at the macro step's end. Each level then halves those of the new steps
- * that the controller (control.c) finds too long, until there is none or min_step_s is reached. All tiles' midpoints of a level
- * are one batch for the renderer; equal times share a slot. */
+ * Level 0 renders every tile in which something moves at the macro step's end, and inside it where the error is controlled. Each
+ * level then cuts those of the new steps that the controller (control.c) finds too long, until there is none or min_step_s is
+ * reached. All tiles' jobs of a level are one batch for the renderer; equal times share a slot. */
+#include "td_probe.h"
 #include "td_simulator.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
-enum { MAX_DEPTH = 24 };
+/* Positions are finer than the shortest step by this: cuts aren't in the middle. */
+enum { MAX_DEPTH = 24, SHORTEST_BITS = 6 };
 
 /* Steps are at least so many units in the last place of the run's length so far: 3.6 ps after 1000 s. Below, their ends are no
  * longer told apart as nanoseconds with a fraction (step.c), however short min_step_s asks for. */
@@ -30,34 +32,14 @@ static int depth_for(double length, double min_step) {
     return depth;
 }
 
+/* -- samples --------------------------------------------------------------------------------------------------------------- */
+
 /* Copies one rendered tile, kept block by block, to a sample's rows, and notes its risk. */
 static void store_sample(const tides_simulator *s, const td_refine *r, int t, const double *planes, int32_t index) {
-    double *sample = td_refine_sample(r, index);
+    double *sample = td_sample_at(&r->samples, index);
     td_unpack_tile(&s->tile[t], planes, sample, sample + TD_TILE_PIXELS);
-    if (r->planes_kept == TD_KEPT_ALL) td_unpack_diagnostics(&s->tile[t], planes, sample);
-    r->risk[index] = s->outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, &s->tile[t], planes);
-}
-
-/* The samples that the moving tiles begin the macro step with: what the last one ended with. Tile t's list begins at step t. */
-static tides_status begin_samples(tides_simulator *s, td_refine *r, tides_error *error) {
-    tides_status status = td_reserve((void **)&r->samples, &r->sample_capacity,
-                                     (size_t)s->tiles * 2 * (size_t)r->planes_kept * TD_TILE_PIXELS, sizeof *r->samples, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&r->step, &r->step_capacity, (size_t)s->tiles, sizeof *r->step, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&r->risk, &r->risk_capacity, 2 * (size_t)s->tiles, sizeof *r->risk, error);
-    if (status != TIDES_OK) return status;
-    for (int i = 0; i < s->moving_count; i++) {
-        int t = s->moving[i];
-        r->risk[i] = s->tile_risk[t];
-        double *sample = td_refine_sample(r, i);
-        for (int k = 0; k < r->planes_kept; k++)
-            memcpy(sample + k * TD_TILE_PIXELS, s->now.plane[k] + s->first_pixel[t], (size_t)s->tile[t].count * sizeof *sample);
-        td_refine_step whole = {0, (uint32_t)1 << r->depth, i, s->moving_count + i, -1, t, 0, 0};
-        r->step[t] = whole;
-    }
-    r->steps = (size_t)s->tiles;
-    r->sample_count = (size_t)s->moving_count;
-    return TIDES_OK;
+    if (r->samples.kept == TD_KEPT_ALL) td_unpack_diagnostics(&s->tile[t], planes, sample);
+    *td_sample_risk(&r->samples, index) = s->outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, &s->tile[t], planes);
 }
 
 static int by_value(const void *a, const void *b) {
@@ -79,112 +61,202 @@ static int slot_of(const double *times, int count, double time) {
     return (int)(found - times);
 }
 
-/* Renders `count` samples: tile and time of each, into the samples that follow the last. */
-static tides_status render_samples(tides_simulator *s, td_refine *r, const int32_t *tiles, const double *at, int count,
-                                   tides_error *error) {
-    size_t reals = (size_t)s->outputs * TD_TILE_PIXELS, first = r->sample_count;
-    tides_status status = td_reserve((void **)&r->times, &r->time_capacity, (size_t)count, sizeof *r->times, error);
+/* Renders `count` of the level's jobs from number `first` on. */
+static tides_status render_jobs(tides_simulator *s, td_refine *r, size_t first, size_t count, tides_error *error) {
+    size_t reals = (size_t)s->outputs * TD_TILE_PIXELS;
+    tides_status status = td_reserve((void **)&r->times, &r->time_capacity, count, sizeof *r->times, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&r->requests, &r->request_capacity, count, sizeof *r->requests, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&r->requests, &r->request_capacity, (size_t)count, sizeof *r->requests, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&r->planes, &r->plane_capacity, (size_t)count * reals, sizeof *r->planes, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&r->samples, &r->sample_capacity,
-                            (first + (size_t)count) * (size_t)r->planes_kept * TD_TILE_PIXELS, sizeof *r->samples, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&r->risk, &r->risk_capacity, first + (size_t)count, sizeof *r->risk, error);
+        status = td_reserve((void **)&r->planes, &r->plane_capacity, count * reals, sizeof *r->planes, error);
     if (status != TIDES_OK) return status;
-    memcpy(r->times, at, (size_t)count * sizeof *at);
-    int slots = distinct(r->times, count);
-    for (int i = 0; i < count; i++) {
-        r->requests[i].tile = tiles[i];
-        r->requests[i].slot = slot_of(r->times, slots, at[i]);
-    }
-    status = td_renderer_tiles(s->renderer, s->camera, r->times, slots, r->requests, count, s->outputs, r->planes, error);
-    if (status != TIDES_OK) return status;
-    for (int i = 0; i < count; i++) store_sample(s, r, tiles[i], r->planes + (size_t)i * reals, (int32_t)(first + (size_t)i));
-    r->sample_count += (size_t)count;
-    return TIDES_OK;
-}
-
-/* Halves the pending steps around the samples from `first` on; both halves of each are the next level's new steps. */
-static tides_status halve(td_refine *r, size_t first, tides_error *error) {
-    tides_status status = td_reserve((void **)&r->step, &r->step_capacity, r->steps + r->pending_count, sizeof *r->step, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&r->halved, &r->halved_capacity, 2 * r->pending_count, sizeof *r->halved, error);
-    if (status != TIDES_OK) return status;
-    for (size_t i = 0; i < r->pending_count; i++) {
-        int32_t left = r->pending[i], right = (int32_t)r->steps++;
-        td_refine_step *a = &r->step[left], *b = &r->step[right];
-        *b = *a;
-        a->to = b->from = a->from + (a->to - a->from) / 2;
-        a->end = b->begin = (int32_t)(first + i);
-        a->next = right;
-        r->halved[2 * i] = left;
-        r->halved[2 * i + 1] = right;
-    }
-    return TIDES_OK;
-}
-
-static tides_status reserve_level(td_refine *r, size_t count, tides_error *error) {
-    tides_status status = td_reserve((void **)&r->level_tile, &r->level_tile_capacity, count, sizeof *r->level_tile, error);
-    if (status != TIDES_OK) return status;
-    return td_reserve((void **)&r->level_time, &r->level_time_capacity, count, sizeof *r->level_time, error);
-}
-
-/* Renders the pending steps' midpoints and halves them. */
-static tides_status refine_level(tides_simulator *s, td_refine *r, double start, double stop, tides_error *error) {
-    size_t count = r->pending_count, first = r->sample_count;
-    tides_status status = reserve_level(r, count, error);
-    if (status != TIDES_OK) return status;
+    memcpy(r->times, r->level_time + first, count * sizeof *r->times);
+    int slots = distinct(r->times, (int)count);
     for (size_t i = 0; i < count; i++) {
-        const td_refine_step *step = &r->step[r->pending[i]];
-        r->level_tile[i] = step->tile;
-        r->level_time[i] = td_refine_time(r, start, stop, step->from + (step->to - step->from) / 2);
+        r->requests[i].tile = r->level_tile[first + i];
+        r->requests[i].slot = slot_of(r->times, slots, r->level_time[first + i]);
     }
-    status = render_samples(s, r, r->level_tile, r->level_time, (int)count, error);
-    return status == TIDES_OK ? halve(r, first, error) : status;
+    status = td_renderer_tiles(s->renderer, s->camera, r->times, slots, r->requests, (int)count, s->outputs, r->planes, error);
+    for (size_t i = 0; i < count && status == TIDES_OK; i++)
+        store_sample(s, r, r->level_tile[first + i], r->planes + i * reals, r->level_sample[first + i]);
+    return status;
 }
 
-/* Level 0: every moving tile at the macro step's end. */
-static tides_status render_ends(tides_simulator *s, td_refine *r, double stop, tides_error *error) {
-    tides_status status = reserve_level(r, (size_t)s->moving_count, error);
+/* All of the level's jobs, in as many launches as their planes have room for. */
+static tides_status render_level(tides_simulator *s, td_refine *r, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (size_t first = 0; first < r->level_count && status == TIDES_OK; first += r->batch) {
+        size_t left = r->level_count - first;
+        status = render_jobs(s, r, first, left < r->batch ? left : r->batch, error);
+    }
+    return status;
+}
+
+/* Adds a job to the level, for a new sample. */
+static tides_status add_job(td_refine *r, int tile, double time, tides_error *error) {
+    size_t k = r->level_count, count = k + 1;
+    tides_status status = td_reserve((void **)&r->level_tile, &r->level_tile_capacity, count, sizeof *r->level_tile, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&r->level_time, &r->level_time_capacity, count, sizeof *r->level_time, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&r->level_sample, &r->level_sample_capacity, count, sizeof *r->level_sample, error);
+    if (status == TIDES_OK) status = td_samples_take(&r->samples, &r->level_sample[k], error);
     if (status != TIDES_OK) return status;
-    for (int i = 0; i < s->moving_count; i++) r->level_time[i] = stop;
-    return render_samples(s, r, s->moving, r->level_time, s->moving_count, error);
+    r->level_tile[k] = tile;
+    r->level_time[k] = time;
+    r->level_count = count;
+    return TIDES_OK;
+}
+
+/* -- steps ----------------------------------------------------------------------------------------------------------------- */
+
+static tides_status new_step(td_refine *r, int32_t *index, tides_error *error) {
+    if (r->spare_step >= 0) {
+        *index = r->spare_step;
+        r->spare_step = r->step[*index].next;
+        return TIDES_OK;
+    }
+    tides_status status = td_reserve((void **)&r->step, &r->step_capacity, r->steps + 1, sizeof *r->step, error);
+    if (status == TIDES_OK) *index = (int32_t)r->steps++;
+    return status;
+}
+
+/* The moving tiles' lists of one whole step each, from the samples that the last macro step ended with to those to come. */
+static tides_status begin_lists(tides_simulator *s, td_refine *r, tides_error *error) {
+    td_samples_clear(&r->samples);
+    r->steps = r->cuts = r->open_count = r->fresh_count = r->level_count = 0;
+    r->spare_step = -1;
+    r->early = 0;
+    tides_status status = td_reserve((void **)&r->fresh, &r->fresh_capacity, (size_t)s->moving_count, sizeof *r->fresh, error);
+    for (int t = 0; t < s->tiles; t++) r->head[t] = -1;
+    for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {
+        int t = s->moving[i];
+        int32_t begin, step;
+        status = td_samples_take(&r->samples, &begin, error);
+        if (status == TIDES_OK) status = new_step(r, &step, error);
+        if (status != TIDES_OK) return status;
+        double *sample = td_sample_at(&r->samples, begin);
+        for (int k = 0; k < r->samples.kept; k++)
+            memcpy(sample + k * TD_TILE_PIXELS, s->now.plane[k] + s->first_pixel[t], (size_t)s->tile[t].count * sizeof *sample);
+        *td_sample_risk(&r->samples, begin) = s->tile_risk[t];
+        r->step[step] =
+            (td_refine_step){.to = (uint32_t)1 << r->depth, .begin = begin, .probe = -1, .next = -1, .tile = t, .open = 1};
+        r->head[t] = step;
+        r->fresh[r->fresh_count++] = step;
+    }
+    return status;
+}
+
+/* Cuts a step at the position `at`, where `sample` has been rendered: its second part is the new step `right`. */
+static void cut(const tides_simulator *s, td_refine *r, double start, double stop, int32_t left, int32_t right, uint32_t at,
+                int32_t sample) {
+    td_refine_step *a = &r->step[left], *b = &r->step[right];
+    const double *begin = td_sample_at(&r->samples, a->begin), *end = td_sample_at(&r->samples, a->end);
+    const double *inside = td_sample_at(&r->samples, sample);
+    const td_signals ends = {begin, begin + TD_TILE_PIXELS, end, end + TD_TILE_PIXELS};
+    double from = td_refine_time(r, start, stop, a->from), h = td_refine_time(r, start, stop, a->to) - from;
+    double theta = (td_refine_time(r, start, stop, at) - from) / h;
+    td_probe_deviation(h, theta, &ends, inside, inside + TD_TILE_PIXELS, s->tile[a->tile].count,
+                       td_sample_deviation(&r->samples, sample));
+    a->probe = sample;
+    a->past[1] = a->past[0];
+    a->past[0] = a->deviation;
+    a->cuts++;
+    *b = *a;
+    a->to = b->from = at;
+    a->end = b->begin = sample;
+    a->next = right;
+    r->cuts++;
+}
+
+/* Cuts the pending steps, whose jobs are the level's from number `first` on; the parts of each are the next level's steps. */
+static tides_status cut_pending(tides_simulator *s, td_refine *r, double start, double stop, size_t first, tides_error *error) {
+    tides_status status = td_reserve((void **)&r->fresh, &r->fresh_capacity, 2 * r->pending_count, sizeof *r->fresh, error);
+    r->fresh_count = 0;
+    for (size_t i = 0; i < r->pending_count && status == TIDES_OK; i++) {
+        int32_t left = r->pending[i], right;
+        status = new_step(r, &right, error);
+        if (status != TIDES_OK) return status;
+        uint32_t at = td_probe_place(r->macro, r->step[left].from, r->step[left].to);
+        cut(s, r, start, stop, left, right, at, r->level_sample[first + i]);
+        r->fresh[r->fresh_count++] = left;
+        r->fresh[r->fresh_count++] = right;
+    }
+    return status;
+}
+
+static tides_status add_cuts(td_refine *r, double start, double stop, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; i < r->pending_count && status == TIDES_OK; i++) {
+        const td_refine_step *step = &r->step[r->pending[i]];
+        uint32_t at = td_probe_place(r->macro, step->from, step->to);
+        status = add_job(r, step->tile, td_refine_time(r, start, stop, at), error);
+    }
+    return status;
+}
+
+/* Renders the places at which the pending steps are cut, and cuts them. */
+static tides_status refine_level(tides_simulator *s, td_refine *r, double start, double stop, tides_error *error) {
+    r->level_count = 0;
+    tides_status status = add_cuts(r, start, stop, error);
+    if (status == TIDES_OK) status = render_level(s, r, error);
+    return status == TIDES_OK ? cut_pending(s, r, start, stop, 0, error) : status;
+}
+
+/* Level 0: every moving tile at the macro step's end, and where nothing else is known than that all will be cut, inside it. */
+static tides_status first_level(tides_simulator *s, td_refine *r, double start, double stop, tides_error *error) {
+    int looks = (s->mode & TIDES_STEPPING_ERROR) && !(s->budget > 0) && td_refine_may_cut(r, &r->step[r->fresh[0]]);
+    size_t count = r->fresh_count;
+    tides_status status = td_reserve((void **)&r->pending, &r->pending_capacity, count, sizeof *r->pending, error);
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) status = add_job(r, r->step[r->fresh[i]].tile, stop, error);
+    if (status != TIDES_OK) return status;
+    memcpy(r->pending, r->fresh, count * sizeof *r->fresh);
+    for (size_t i = 0; i < count; i++) r->step[r->fresh[i]].end = r->level_sample[i];
+    r->pending_count = looks ? count : 0;
+    status = add_cuts(r, start, stop, error);
+    if (status == TIDES_OK) status = render_level(s, r, error);
+    if (!looks || status != TIDES_OK) return status;
+    s->stats.steps_rejected += count;
+    return cut_pending(s, r, start, stop, count, error);
+}
+
+/* -- the macro step ---------------------------------------------------------------------------------------------------------- */
+
+static tides_status begin_macro_step(tides_simulator *s, td_refine *r, double start, double stop, tides_error *error) {
+    r->depth = depth_for(stop - start, fmax(s->min_step_s, least_steps * DBL_EPSILON * stop)) + SHORTEST_BITS;
+    r->shortest = (uint32_t)1 << SHORTEST_BITS;
+    r->macro = (uint64_t)s->step;
+    tides_status status = td_renderer_sweep(s->renderer, s->camera, start, stop, error);
+    if (status != TIDES_OK) return status;
+    td_list_moving(s);
+    return s->moving_count == 0 ? TIDES_OK : td_turn_knot(s, error);
 }
 
 tides_status td_refine_macro_step(tides_simulator *s, double start, double stop, tides_error *error) {
     td_refine *r = &s->refine;
-    r->depth = depth_for(stop - start, fmax(s->min_step_s, least_steps * DBL_EPSILON * stop));
-    tides_status status = td_renderer_sweep(s->renderer, s->camera, start, stop, error);
-    if (status != TIDES_OK) return status;
-    td_list_moving(s);
-    if (s->moving_count == 0) return TIDES_OK;
-    status = td_turn_knot(s, error);
-    if (status == TIDES_OK) status = begin_samples(s, r, error);
-    if (status == TIDES_OK) status = render_ends(s, r, stop, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&r->halved, &r->halved_capacity, r->steps, sizeof *r->halved, error);
-    if (status != TIDES_OK) return status;
-    size_t fresh = (size_t)s->moving_count;
-    for (size_t i = 0; i < fresh; i++) r->halved[i] = s->moving[i];
-    for (;;) {
-        status = td_control_steps(s, r->halved, fresh, start, stop, error);
-        if (status != TIDES_OK || r->pending_count == 0) return status;
-        fresh = 2 * r->pending_count;
-        status = refine_level(s, r, start, stop, error);
-        if (status != TIDES_OK) return status;
+    tides_status status = begin_macro_step(s, r, start, stop, error);
+    if (status != TIDES_OK || s->moving_count == 0) return status;
+    status = begin_lists(s, r, error);
+    if (status == TIDES_OK) status = first_level(s, r, start, stop, error);
+    while (status == TIDES_OK) {
+        status = td_control_steps(s, start, stop, error);
+        if (status != TIDES_OK || r->open_count == 0) break;
+        status = td_window_take(s, start, stop, error);
+        if (status == TIDES_OK) status = refine_level(s, r, start, stop, error);
     }
+    return status == TIDES_OK ? td_settle(s, start, stop, 0, error) : status;
 }
 
 void td_refine_release(td_refine *refine) {
+    td_samples_release(&refine->samples);
     free(refine->step);
-    free(refine->samples);
-    free(refine->risk);
+    free(refine->head);
+    free(refine->reference);
+    free(refine->open);
     free(refine->pending);
-    free(refine->halved);
+    free(refine->fresh);
     free(refine->level_tile);
     free(refine->level_time);
+    free(refine->level_sample);
     free(refine->times);
     free(refine->requests);
     free(refine->planes);

@@ -26,8 +26,9 @@ static tides_status keep_all(tides_simulator *s, tides_error *error) {
     if (!planes) return TIDES_NO_MEMORY;
     free(s->planes);
     s->planes = planes;
-    s->planes_kept = s->refine.planes_kept = TD_KEPT_ALL;
+    s->planes_kept = s->refine.samples.kept = TD_KEPT_ALL;
     s->outputs = TD_OUT_DIAGNOSTICS;
+    td_refine_bound(s);
     return s->renderer->backend->type->prepare(s->renderer->backend, TD_OUT_DIAGNOSTICS, error);
 }
 

@@ -196,82 +196,14 @@ static tides_status advance(tides_simulator *s, int64_t count, tides_event_sink 
     return status == TIDES_OK ? emitted : status;
 }
 
-/* The comparator over one tile's steps of a macro step, in time order; its last sample is then now. */
-static tides_status compare_refined_tile(tides_simulator *s, int t, double start, double stop, tides_error *error) {
-    const td_refine *r = &s->refine;
-    const td_tile *tile = &s->tile[t];
-    size_t at = s->first_pixel[t], bytes = (size_t)tile->count * sizeof(double);
-    int32_t last = r->step[t].end;
-    for (int32_t i = t; i >= 0; i = r->step[i].next) {
-        last = r->step[i].end;
-        const double *begin = td_refine_sample(r, r->step[i].begin), *end = td_refine_sample(r, last);
-        td_signals signals = {begin, begin + TD_TILE_PIXELS, end, end + TD_TILE_PIXELS};
-        const double *begin_planes[TD_KEPT_ALL], *end_planes[TD_KEPT_ALL];
-        for (int p = 0; p < s->planes_kept; p++) {
-            begin_planes[p] = begin + p * TD_TILE_PIXELS;
-            end_planes[p] = end + p * TD_TILE_PIXELS;
-        }
-        td_step step;
-        tides_status status = td_step_of_run(s, td_refine_time(r, start, stop, r->step[i].from),
-                                             td_refine_time(r, start, stop, r->step[i].to), &step, error);
-        if (status == TIDES_OK) status = td_compare_tile(s, t, &step, begin_planes, end_planes, error);
-        if (status != TIDES_OK) return status;
-        td_timing_add(&s->timing, &s->comparator, step.length_s, &signals, tile->count);
-        s->stats.steps++;
-    }
-    const double *reached = td_refine_sample(r, last);
-    for (int p = 0; p < s->planes_kept; p++) memcpy(s->now.plane[p] + at, reached + p * TD_TILE_PIXELS, bytes);
-    s->tile_risk[t] = r->risk[last];
-    return TIDES_OK;
-}
-
-/* Step `which` of every tile, where they have their steps in common, to s->next and through the surround. */
-static tides_status compare_common_step(tides_simulator *s, const int32_t *which, double start, double stop,
-                                        tides_error *error) {
-    const td_refine *r = &s->refine;
-    for (int t = 0; t < s->tiles; t++) {
-        const double *begin = td_refine_sample(r, r->step[which[t]].begin), *end = td_refine_sample(r, r->step[which[t]].end);
-        size_t at = s->first_pixel[t], bytes = (size_t)s->tile[t].count * sizeof(double);
-        td_signals signals = {begin, begin + TD_TILE_PIXELS, end, end + TD_TILE_PIXELS};
-        for (int p = 0; p < s->planes_kept; p++) memcpy(s->next.plane[p] + at, end + p * TD_TILE_PIXELS, bytes);
-        td_timing_add(&s->timing, &s->comparator, stop - start, &signals, s->tile[t].count);
-        s->tile_risk[t] = r->risk[r->step[which[t]].end];
-    }
-    tides_status status = td_surround_compare(s, start, stop, error);
-    if (status != TIDES_OK) return status;
-    turn_samples(s);
-    s->stats.steps += (uint64_t)s->tiles;
-    return TIDES_OK;
-}
-
-/* The macro step's steps, of all tiles together. */
-static tides_status compare_refined_together(tides_simulator *s, double start, double stop, tides_error *error) {
-    const td_refine *r = &s->refine;
-    int32_t *which = td_alloc((size_t)s->tiles, sizeof *which, error);
-    tides_status status = which ? TIDES_OK : TIDES_NO_MEMORY;
-    for (int t = 0; t < s->tiles && status == TIDES_OK; t++) which[t] = t;
-    while (status == TIDES_OK && which[0] >= 0) {
-        const td_refine_step *step = &r->step[which[0]];
-        status = compare_common_step(s, which, td_refine_time(r, start, stop, step->from),
-                                     td_refine_time(r, start, stop, step->to), error);
-        for (int t = 0; t < s->tiles; t++) which[t] = r->step[which[t]].next;
-    }
-    free(which);
-    return status;
-}
-
 /* One macro step, refined tile by tile. */
 static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
     double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
     tides_status status = td_refine_macro_step(s, start, stop, error);
     if (status != TIDES_OK) return status;
     double begun = td_now();
-    int together = s->surround.surround.on;
-    if (together) status = compare_refined_together(s, start, stop, error);
-    for (int i = 0; i < s->moving_count && !together && status == TIDES_OK; i++)
-        status = compare_refined_tile(s, s->moving[i], start, stop, error);
     td_step whole;
-    if (status == TIDES_OK) status = td_step_of_run(s, start, stop, &whole, error);
+    status = td_step_of_run(s, start, stop, &whole, error);
     if (status == TIDES_OK) status = td_compare_still(s, &whole, error);
     s->stats.tile_steps_still += (uint64_t)(s->tiles - s->moving_count);
     s->stats.time_compare_s += td_now() - begun;

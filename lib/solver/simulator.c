@@ -22,7 +22,8 @@ void tides_stepping_defaults(tides_stepping *stepping) {
                                             0,
                                             {0.3, 0.3, 0.4},
                                             TIDES_SLOPE_EXACT,
-                                            0};
+                                            0,
+                                            256};
     *stepping = defaults;
 }
 
@@ -62,6 +63,8 @@ static tides_status check_adaptive(const tides_stepping *stepping, tides_error *
     if (!(stepping->time_tolerance_s >= 0) || !(stepping->budget >= 0))
         return td_fail(error, TIDES_BAD_ARGUMENT, "stepping: time_tolerance_s %g and budget %g must not be below 0",
                        stepping->time_tolerance_s, stepping->budget);
+    if (!(stepping->memory_mb >= 1) || !(stepping->memory_mb <= 1e9))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "stepping.memory_mb: %g is not from 1 to 1e9 MB", stepping->memory_mb);
     if (!(stepping->risk.w_b >= 0) || !(stepping->risk.w_c >= 0) || !(stepping->risk.w_alpha >= 0))
         return td_fail(error, TIDES_BAD_ARGUMENT, "stepping.risk: weights %g, %g and %g must not be below 0",
                        stepping->risk.w_b, stepping->risk.w_c, stepping->risk.w_alpha);
@@ -122,6 +125,7 @@ static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *err
     ok = ok && (s->first_pixel = td_alloc((size_t)s->tiles + 1, sizeof *s->first_pixel, error)) != NULL;
     ok = ok && (s->requests = td_alloc(samples, sizeof *s->requests, error)) != NULL;
     ok = ok && (s->tile_risk = td_alloc((size_t)s->tiles, sizeof *s->tile_risk, error)) != NULL;
+    ok = ok && (s->refine.head = td_alloc((size_t)s->tiles, sizeof *s->refine.head, error)) != NULL;
     ok = ok && (s->moving = td_alloc((size_t)s->tiles, sizeof *s->moving, error)) != NULL;
     ok = ok && (s->planes = td_alloc(samples * (size_t)td_fixed_outputs(s) * TD_TILE_PIXELS, sizeof *s->planes, error)) != NULL;
     ok = ok && (s->pixels.initial = td_alloc(pixels, sizeof *s->pixels.initial, error)) != NULL;
@@ -154,13 +158,14 @@ static void take_parameters(tides_simulator *s, const tides_device *device, cons
     s->tolerance = stepping->tolerance;
     s->time_tolerance_s = stepping->time_tolerance_s;
     s->budget = stepping->budget;
+    s->memory_mb = stepping->memory_mb;
     s->risk = stepping->risk;
     s->slope = stepping->slope;
-    s->timing.slow_s = 1;
     s->timing.rounding = td_is_double(device) ? 0 : TD_SINGLE_ROUNDING;
-    s->planes_kept = s->refine.planes_kept = sensor->b_min > 0 ? TD_KEPT_ALL : TD_KEPT_SIGNAL;
+    s->planes_kept = s->refine.samples.kept = sensor->b_min > 0 ? TD_KEPT_ALL : TD_KEPT_SIGNAL;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
     s->interpolates = stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED;
+    td_refine_bound(s);
 }
 
 /* Steps, tiles and arrays, for the renderer that is there. */
@@ -263,6 +268,7 @@ void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats)
     stats->events_on = simulator->counts.events_on;
     stats->events_off = simulator->counts.events_off;
     stats->events = stats->events_on + stats->events_off;
+    stats->events_uncertain = simulator->timing.uncertain;
     stats->events_truncated = simulator->counts.truncated;
     stats->events_caught_up = simulator->counts.caught_up;
     stats->renders_full_frame_equivalent = (double)render->tile_jobs / simulator->tiles;

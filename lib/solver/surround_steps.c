@@ -108,9 +108,12 @@ static tides_status compare_piece(tides_simulator *s, const td_step *step, const
         take_tile(s, t, &sample[0], part[0], &begin);
         take_tile(s, t, &sample[1], part[1], &end);
         const td_signals light = {begin.p, begin.p_dot, end.p, end.p_dot};
+        size_t first = s->events.count;
         s->sensor.light = &light;
         status = td_compare_tile(s, t, step, begin.plane, end.plane, error);
         s->sensor.light = NULL;
+        if (s->refine.comparing && status == TIDES_OK)
+            td_settle_timing(s, &s->refine.step[s->refine.comparing[t]], step, begin.plane, end.plane, first);
     }
     return status;
 }

@@ -8,7 +8,7 @@
 
 /* Raised when a reader of the version before couldn't make sense of the file. */
 #define TD_CHECKPOINT_FORMAT "tides-checkpoint"
-enum { TD_CHECKPOINT_VERSION = 3 };
+enum { TD_CHECKPOINT_VERSION = 4 };
 
 /* -- the file (checkpoint_file.c) -- */
 
@@ -74,7 +74,7 @@ tides_status td_readout_read(const tides_simulator *simulator, const td_place *r
 
 /* -- the statistics (checkpoint_totals.c) -- */
 
-enum { TD_TOTALS = 39 };
+enum { TD_TOTALS = 43 };
 tides_status td_totals_write(const tides_simulator *simulator, const td_place *place);
 tides_status td_totals_read(const td_place *place, double values[TD_TOTALS]);
 

@@ -1,42 +1,63 @@
-/* Internal: adaptive steps. Within a macro step each tile has its own list of steps, made by halving those whose estimated
- * error is too large. A job is (tile, time); the jobs of one refinement level go to the device in one launch. */
+/* Internal: adaptive steps. Within a macro step each tile has its own list of steps, made by cutting those in two whose estimated
+ * error is too large, and each whole macro step once, to look inside (td_probe.h). A job is (tile, time); the jobs of one
+ * refinement level go to the device in one launch.
+ *
+ * Memory is bounded: where the samples of a level would be too many, the earliest of its steps are refined first, until nothing
+ * before them is open; those are compared, and their samples given back. The steps that come of it are the same: how a step is
+ * judged depends on its samples, those of the steps that it was cut out of, and what the pixels were when the macro step began. */
 #ifndef TD_REFINE_H
 #define TD_REFINE_H
 
-#include "render/td_render.h"
+#include "td_samples.h"
+#include "td_step.h"
 #include "tides/simulate.h"
 
 /* One step of one tile: [from, to] in units of the macro step / 2^depth. `next` continues the tile's list in time. */
 typedef struct td_refine_step {
     uint32_t from, to;
     int32_t begin, end; /* samples at both ends */
+    int32_t probe;      /* of these, the one at which a longer step was cut; -1: this is a whole macro step */
     int32_t next;       /* index, or -1 */
     int32_t tile;
-    double excess; /* how far above its limit the step's worst measure is: halved above 1 */
-    double error;  /* estimated error of S [thresholds]; 0 where it isn't asked for */
+    int16_t cuts;     /* of the macro step that led here */
+    int16_t open;     /* it is to be cut, or hasn't been judged */
+    double excess;    /* how far above its limit the step's worst measure is: cut above 1 */
+    double error;     /* estimated error of S [thresholds]; 0 where it isn't asked for */
+    double deviation; /* the largest one seen where it was cut out [thresholds] */
+    double past[2];   /* the same of the longer steps before, 0 where there were none */
+    double rounded;   /* as `error`, but rounding counts as an error of the model */
 } td_refine_step;
-
-/* Planes of a sample: S and S_dot, and where the sensor or the readout asks for them the diagnostics. */
-enum { TD_KEPT_S, TD_KEPT_S_DOT, TD_KEPT_ALPHA, TD_KEPT_ALPHA_DOT, TD_KEPT_CONTRIBUTORS, TD_KEPT_ALL, TD_KEPT_SIGNAL = 2 };
 
 /* Workspace of a macro step, reused from one to the next. */
 typedef struct td_refine {
-    int depth; /* halvings at most */
+    uint64_t macro;    /* number of the macro step */
+    int depth;         /* positions are in units of its 2^depth'th part */
+    uint32_t shortest; /* units of the shortest steps: those of twice as many are cut */
+    size_t limit;      /* samples at a time */
+    size_t batch;      /* samples per launch */
     td_refine_step *step;
     size_t steps, step_capacity;
-    int planes_kept; /* of a sample, TD_KEPT_SIGNAL or TD_KEPT_ALL */
-    double *samples; /* (sample x planes_kept x TD_TILE_PIXELS), row by row */
-    size_t sample_count, sample_capacity;
-    double *risk; /* (sample): the tile's risk score there */
-    size_t risk_capacity;
-    int32_t *pending; /* steps to be halved on this level */
+    int32_t spare_step; /* given back: a list by `next`, or -1 */
+    int32_t *head;      /* (tiles) first step that hasn't been compared, or -1 */
+    td_samples samples;
+    const int32_t *comparing; /* (tiles) the steps of all tiles that are compared together; NULL at other times */
+    size_t cuts;              /* in this macro step */
+    int early;                /* some of its steps have been compared while others are open; then */
+    double *reference;        /* (pixels) the references that it began with */
+    size_t reference_capacity;
+    int32_t *open; /* steps to be cut */
+    size_t open_count, open_capacity;
+    int32_t *pending; /* of these, on this level */
     size_t pending_count, pending_capacity;
-    int32_t *halved; /* steps that came of it */
-    size_t halved_capacity;
-    int32_t *level_tile; /* what the level renders: tiles, */
+    int32_t *fresh; /* steps that came of it */
+    size_t fresh_count, fresh_capacity;
+    int *level_tile; /* what the level renders: tiles, */
     size_t level_tile_capacity;
-    double *level_time; /* and times */
+    double *level_time; /* times, */
     size_t level_time_capacity;
+    int32_t *level_sample; /* and where to */
+    size_t level_sample_capacity;
+    size_t level_count;
     double *times; /* the distinct ones of these */
     size_t time_capacity;
     td_request *requests;
@@ -45,22 +66,36 @@ typedef struct td_refine {
     size_t plane_capacity;
 } td_refine;
 
-/* S of a sample, then the other planes. */
-static inline double *td_refine_sample(const td_refine *refine, int32_t sample) {
-    return refine->samples + (size_t)sample * (size_t)refine->planes_kept * TD_TILE_PIXELS;
-}
-
-/* Renders and accepts steps for the macro step that begins at s->now: its steps are the lists that begin at refine->step[tile].
- * Nothing of the simulator's pixel state changes. */
+/* Renders and accepts steps for the macro step that begins at s->now, and compares them (settle.c): s->now is its end then. Until
+ * the first is compared nothing of the simulator's pixel state changes. Afterwards the lists of those that weren't compared early
+ * are still there. */
 tides_status td_refine_macro_step(tides_simulator *s, double start, double stop, tides_error *error);
 
 /* Time of position `at` in the macro step: exact at both ends, the same double wherever it is asked for. */
 double td_refine_time(const td_refine *refine, double start, double stop, uint32_t at);
 
+/* A step shorter than twice the shortest isn't cut, whatever the measures say. */
+static inline int td_refine_may_cut(const td_refine *refine, const td_refine_step *step) {
+    return step->to - step->from >= 2 * refine->shortest;
+}
+
+/* Bytes for the samples of a macro step, for planes_kept that are final. */
+void td_refine_bound(tides_simulator *s);
+
 void td_refine_release(td_refine *refine);
 
-/* Which of the `count` new steps `fresh` are too long: refine->pending (control.c). */
-tides_status td_control_steps(tides_simulator *s, const int32_t *fresh, size_t count, double start, double stop,
-                              tides_error *error);
+/* Which of the steps refine->fresh are to be cut: refine->pending, and `open` (control.c). */
+tides_status td_control_steps(tides_simulator *s, double start, double stop, tides_error *error);
+
+/* Compares, in time order, the accepted steps that nothing open is before. With `early` their samples are given back, and more is
+ * to come; else all are accepted (settle.c). */
+tides_status td_settle(tides_simulator *s, double start, double stop, int early, tides_error *error);
+
+/* The events from number `first` on came of a tile's accepted step, compared between these planes (settle.c). */
+void td_settle_timing(tides_simulator *s, const td_refine_step *refined, const td_step *step, const double *const begin[],
+                      const double *const end[], size_t first);
+
+/* Takes the steps of the next launch from refine->open to refine->pending (window.c). */
+tides_status td_window_take(tides_simulator *s, double start, double stop, tides_error *error);
 
 #endif

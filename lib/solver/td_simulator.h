@@ -3,12 +3,13 @@
 #define TD_SIMULATOR_H
 
 #include "render/td_render.h"
-#include "td_estimate.h"
 #include "sensor/td_sensor.h"
+#include "td_estimate.h"
 #include "td_grid.h"
 #include "td_refine.h"
 #include "td_scan.h"
 #include "td_surround_steps.h"
+#include "td_timing.h"
 
 enum { TD_BATCH_STEPS = 16 }; /* steps per launch at most */
 
@@ -29,7 +30,7 @@ struct tides_simulator {
     int64_t epoch_ns;           /* the nearest nanosecond; event times are whole nanoseconds after it */
     td_grid grid;               /* where steps begin and end */
     int mode, local;            /* TIDES_STEPPING_*; each tile has its own steps */
-    double min_step_s, tolerance, time_tolerance_s, budget;
+    double min_step_s, tolerance, time_tolerance_s, budget, memory_mb;
     int interpolates; /* rows of motions within macro steps */
     tides_risk risk;
     int slope;         /* TIDES_SLOPE_* */

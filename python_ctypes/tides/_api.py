@@ -1403,16 +1403,18 @@ class tides_stepping(Structure):
     int32_t local; /* 1: each 16x16 tile goes its own way: none where nothing moves, steps of its own where they are
     chosen; 0: whole frames, the same steps for all */
     double step_s; /* [s] > 0: the step, or the longest; the last is shortened to end at `stop` */
-    double min_step_s; /* [s] > 0: steps that are no longer than this aren't halved */
+    double min_step_s; /* [s] > 0: steps that are no longer than this aren't cut */
     double tolerance; /* ERROR: estimated error of S, in units of the smaller threshold, > 0 */
     double time_tolerance_s; /* ERROR: estimated error of event times [s]; 0: not asked for */
-    double budget; /* renders that halving may cost in the whole run, in full frames; what is over it goes first where
+    double budget; /* renders that cuts may cost in the whole run, in full frames; what is over it goes first where
     the measures are worst. 0: no bound */
     tides_risk risk; /* RISK */
     int32_t slope; /* TIDES_SLOPE_* */
     int32_t interpolate_motion; /* 1: between the start, middle and end of a macro step dear motion models (networks,
     callbacks) are interpolated, Gaussian by Gaussian where that is estimated to stay within
     both tolerances. FIXED: has no effect, each step is worked out */
+    double memory_mb; /* [1e6 bytes] >= 1: what the samples of a macro step may take, and their launches; or, if that is more, a
+    few samples of each moving tile. Changes the order of the work, no event */
     """
 
     size: int
@@ -1427,6 +1429,7 @@ class tides_stepping(Structure):
     risk: tides_risk
     slope: int
     interpolate_motion: int
+    memory_mb: float
 
     _fields_ = [
         ("size", c_uint32),
@@ -1441,6 +1444,7 @@ class tides_stepping(Structure):
         ("risk", tides_risk),
         ("slope", c_int32),
         ("interpolate_motion", c_int32),
+        ("memory_mb", c_double),
     ]
 
 
@@ -1457,19 +1461,31 @@ class tides_stats(Structure):
     uint64_t events_suppressed; /* by sensor.b_min: crossings put off to where their pixel became visible, noise events lost */
     uint64_t events_refractory; /* crossings consumed and noise events lost in refractory periods */
     uint64_t steps; /* (tile, step) pairs that went to the comparator */
-    uint64_t steps_rejected; /* of these, halved: (tile, step) pairs that were too coarse */
+    uint64_t steps_rejected; /* cut in two: (tile, step) pairs that were too coarse, or to be looked into */
     uint64_t steps_over_budget; /* accepted above the tolerance because the budget was used up */
     uint64_t steps_at_minimum; /* accepted above the tolerance because they were as short as min_step_s */
     double worst_delay_s; /* in the readout, jitter aside [s] */
     double worst_error; /* largest estimate among accepted steps [thresholds]; 0 under fixed steps, which estimate none */
-    double error_p50_s, error_p95_s, error_p99_s; /* estimated timing error that so many percent of the events stay below [s];
-    likewise 0 under fixed steps */
+    /* Estimated timing error that so many percent of the events stay below [s]; likewise 0 under fixed steps. Of each event: what
+    * probes saw there, and rounding, by the slope and the curvature of the signal where it fired. Under RISK alone from the ends
+    * of steps where nothing was cut, which may show nothing. */
+    double error_p50_s, error_p95_s, error_p99_s;
     double worst_residual; /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
     uint64_t tile_steps_still; /* (tile, step) pairs in which nothing moved: neither rendered nor compared */
     double renders_full_frame_equivalent; /* tile jobs over tiles */
     double simulated_s, run_time_s, real_time_factor; /* simulated / run time */
     double time_compare_s, time_sink_s, time_other_s;
     uint64_t peak_memory_bytes; /* of the process */
+    uint64_t
+    steps_probed; /* of `steps`, those that rest on a probe: an evaluation inside a step that they are a part of, compared
+    with its model in value and rate. All under error control but where min_step_s or the budget
+    leaves macro steps whole */
+    uint64_t
+    steps_at_rounding; /* accepted although above the tolerance, because what a probe saw is no more than rounding of S in
+    single precision: shorter steps would see as much */
+    uint64_t events_uncertain; /* events that the signal's estimated error may undo, and places where it may make some: it turns
+    so near a level that the error decides whether it is reached. Not for FIXED */
+    double worst_deviation; /* the largest that a probe saw where a step rests on it [thresholds] */
     """
 
     render: tides_render_stats
@@ -1504,6 +1520,10 @@ class tides_stats(Structure):
     time_sink_s: float
     time_other_s: float
     peak_memory_bytes: int
+    steps_probed: int
+    steps_at_rounding: int
+    events_uncertain: int
+    worst_deviation: float
 
     _fields_ = [
         ("render", tides_render_stats),
@@ -1538,6 +1558,10 @@ class tides_stats(Structure):
         ("time_sink_s", c_double),
         ("time_other_s", c_double),
         ("peak_memory_bytes", c_uint64),
+        ("steps_probed", c_uint64),
+        ("steps_at_rounding", c_uint64),
+        ("events_uncertain", c_uint64),
+        ("worst_deviation", c_double),
     ]
 
 

@@ -24,7 +24,7 @@ static int by_value(const void *a, const void *b) {
     return x < y ? -1 : x > y;
 }
 
-/* As refine.c does it for the midpoints of a level: one launch, and each tile's samples judged. */
+/* As refine.c does it for the cuts of a level: one launch, and each tile's samples judged. */
 static double level_seconds(tides_simulator *s, const int *tiles, int count, double *planes) {
     static double sample[4 * TD_TILE_PIXELS];
     tides_error error;
@@ -40,7 +40,8 @@ static double level_seconds(tides_simulator *s, const int *tiles, int count, dou
         size_t at = s->first_pixel[tiles[i]];
         td_unpack_tile(tile, planes + (size_t)i * TD_OUT_SIGNAL * TD_TILE_PIXELS, sample, sample + TD_TILE_PIXELS);
         td_signals signals = {s->now.plane[TD_KEPT_S] + at, s->now.plane[TD_KEPT_S_DOT] + at, sample, sample + TD_TILE_PIXELS};
-        td_estimate_step(&s->comparator, 0.5 * interval_s, &signals, s->pixels.reference + at, tile->count);
+        const td_estimated judged = {0.5 * interval_s, &signals, s->pixels.reference + at, NULL, 0, tile->count};
+        td_estimate_step(&s->comparator, &judged);
     }
     return td_now() - begun;
 }

@@ -160,6 +160,8 @@ static inline void expect_same_totals(const tides_stats *a, const tides_stats *b
     assert_true(a->steps_over_budget == b->steps_over_budget && a->tile_steps_still == b->tile_steps_still);
     assert_true(a->worst_error == b->worst_error && a->worst_residual == b->worst_residual);
     assert_true(a->error_p50_s == b->error_p50_s && a->error_p99_s == b->error_p99_s);
+    assert_true(a->steps_probed == b->steps_probed && a->steps_at_rounding == b->steps_at_rounding);
+    assert_true(a->events_uncertain == b->events_uncertain && a->worst_deviation == b->worst_deviation);
     assert_true(a->simulated_s == b->simulated_s);
     assert_true(a->renders_full_frame_equivalent == b->renders_full_frame_equivalent);
     assert_true(b->render.gaussians_projected > a->render.gaussians_projected / 4);

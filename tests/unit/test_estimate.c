@@ -1,5 +1,4 @@
-/* The embedded error estimate of a tile's step against closed forms, which pixels it counts, and the histogram of timing
- * errors. */
+/* The error estimate of a tile's step against closed forms, and which pixels it counts. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -33,7 +32,8 @@ typedef struct pixel {
 
 static td_estimate estimate_of(const td_comparator *comparator, double h, const pixel *p) {
     td_signals signals = {&p->S0, &p->S0_dot, &p->S1, &p->S1_dot};
-    return td_estimate_step(comparator, h, &signals, &p->reference, 1);
+    const td_estimated step = {h, &signals, &p->reference, NULL, 0, 1};
+    return td_estimate_step(comparator, &step);
 }
 
 static void expect_near(double got, double want, double size, const char *what) {
@@ -140,7 +140,7 @@ static void test_worst_of_many(void **state) {
     td_signals signals = {S0, S0_dot, S1, S1_dot};
     uint64_t seed = SEED + 3;
     for (int trial = 0; trial < 100; trial++) {
-        td_estimate worst = {0, 0};
+        td_estimate worst = {0, 0, 0, 0};
         for (int i = 0; i < COUNT; i++) {
             pixel p = {between(&seed, -0.1, 0.1), between(&seed, -3, 3), between(&seed, -0.1, 0.1), between(&seed, -3, 3),
                        between(&seed, -1, 1)};
@@ -152,96 +152,13 @@ static void test_worst_of_many(void **state) {
             worst.error = fmax(worst.error, one.error);
             worst.seconds = fmax(worst.seconds, one.seconds);
         }
-        td_estimate all = td_estimate_step(&comparator, H, &signals, reference, COUNT);
+        td_estimated step = {H, &signals, reference, NULL, 0, COUNT};
+        td_estimate all = td_estimate_step(&comparator, &step);
         assert_true(all.error == worst.error && all.seconds == worst.seconds && all.error > 0);
     }
-    td_estimate none = td_estimate_step(&comparator, H, &signals, reference, 0);
+    const td_estimated empty = {H, &signals, reference, NULL, 0, 0};
+    td_estimate none = td_estimate_step(&comparator, &empty);
     assert_true(none.error == 0 && none.seconds == 0);
-}
-
-/* -- timing errors ------------------------------------------------------------------------------------------------- */
-
-/* One pixel that rises by `rise` and whose crossings are off by `seconds`. */
-static void add_pixel(td_timing *timing, const td_comparator *comparator, double rise, double seconds) {
-    pixel p = {0, 0, rise, 0, 0};
-    p.S1_dot = (2 * rise + seconds / H * fabs(rise) / BULGE) / H;
-    td_signals signals = {&p.S0, &p.S0_dot, &p.S1, &p.S1_dot};
-    td_timing_add(timing, comparator, H, &signals, 1);
-}
-
-/* A percentile is at or above the true one, by a quarter octave at most. */
-static void expect_percentile(const td_timing *timing, double share, double want) {
-    double got = td_timing_percentile(timing, share);
-    if (!(got >= want * (1 - 1e-9) && got <= want * exp2(0.25) * (1 + 1e-9)))
-        fail_msg("%g of the events: %g s, not %g s", share, got, want);
-}
-
-static void test_timing_percentiles(void **state) {
-    (void)state;
-    td_comparator comparator = comparator_of(C, C);
-    td_timing timing;
-    memset(&timing, 0, sizeof timing);
-    assert_true(td_timing_percentile(&timing, 0.5) == 0);
-    for (int i = 1; i <= 1000; i++) add_pixel(&timing, &comparator, i % 2 ? C : -C, 1e-9 * i * i); /* 1 ns to 1 ms */
-    expect_percentile(&timing, 0.5, 250e-6);
-    expect_percentile(&timing, 0.95, 902.5e-6);
-    expect_percentile(&timing, 0.99, 980.1e-6);
-    expect_percentile(&timing, 1, 1e-3);
-}
-
-/* A pixel weighs in with the thresholds that it moves through; one that hardly moves, or is NaN, doesn't. */
-static void test_timing_weights(void **state) {
-    (void)state;
-    td_comparator comparator = comparator_of(0.5 * C, 1.5 * C); /* their mean counts */
-    td_timing timing, before;
-    memset(&timing, 0, sizeof timing);
-    add_pixel(&timing, &comparator, 9 * C, 1e-6);
-    add_pixel(&timing, &comparator, C, 1e-3);
-    expect_percentile(&timing, 0.89, 1e-6);
-    expect_percentile(&timing, 0.91, 1e-3);
-    before = timing;
-    add_pixel(&timing, &comparator, 0.001 * C, 1e-3);
-    add_pixel(&timing, &comparator, NAN, 1e-3);
-    add_pixel(&timing, &comparator, 0, 0);
-    assert_memory_equal(&timing, &before, sizeof timing);
-}
-
-/* Errors below the first bin are no error; none is above the step, as long as that is among the bins. */
-/* Rounding is a floor under every pixel's error; in short steps slow pixels count as they do in long ones. */
-static void test_timing_floor(void **state) {
-    (void)state;
-    td_comparator comparator = comparator_of(C, C);
-    td_timing timing;
-    memset(&timing, 0, sizeof timing);
-    timing.rounding = 1e-3 * C;
-    add_pixel(&timing, &comparator, C, 0);
-    expect_percentile(&timing, 0.5, 1e-3 * H);
-    add_pixel(&timing, &comparator, C, 0.01 * H);
-    expect_percentile(&timing, 1, 0.01 * H);
-    memset(&timing, 0, sizeof timing);
-    add_pixel(&timing, &comparator, 0.01 * C, 1e-3 * H);
-    assert_true(td_timing_percentile(&timing, 1) == 0);
-    timing.slow_s = 4 * H; /* in which it would move by 0.04 C */
-    add_pixel(&timing, &comparator, 0.01 * C, 1e-3 * H);
-    expect_percentile(&timing, 1, 1e-3 * H);
-}
-
-static void test_timing_ends(void **state) {
-    (void)state;
-    td_comparator comparator = comparator_of(C, C);
-    td_timing timing;
-    memset(&timing, 0, sizeof timing);
-    pixel p = {0, C / H, C, C / H, 0}; /* a straight line */
-    td_signals signals = {&p.S0, &p.S0_dot, &p.S1, &p.S1_dot};
-    td_timing_add(&timing, &comparator, H, &signals, 1);
-    assert_true(td_timing_percentile(&timing, 0.99) == 0);
-    memset(&timing, 0, sizeof timing);
-    add_pixel(&timing, &comparator, C, 1e3);
-    expect_percentile(&timing, 0.5, H);
-    memset(&timing, 0, sizeof timing);
-    p.S1_dot = 1e30;
-    td_timing_add(&timing, &comparator, 1e9, &signals, 1); /* beyond the last bin */
-    assert_true(td_timing_percentile(&timing, 0.5) == exp2(16));
 }
 
 int main(void) {
@@ -249,11 +166,7 @@ int main(void) {
                                        cmocka_unit_test(test_quadratic_signals_have_no_error),
                                        cmocka_unit_test(test_bounds_the_models_error),
                                        cmocka_unit_test(test_only_pixels_near_a_level_count),
-                                       cmocka_unit_test(test_worst_of_many),
-                                       cmocka_unit_test(test_timing_percentiles),
-                                       cmocka_unit_test(test_timing_weights),
-                                       cmocka_unit_test(test_timing_floor),
-                                       cmocka_unit_test(test_timing_ends)};
+                                       cmocka_unit_test(test_worst_of_many)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

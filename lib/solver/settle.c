@@ -1,0 +1,159 @@
+/* Accepted steps: the comparator over them, what they say of the run's accuracy, and their samples given back. */
+#include "td_probe.h"
+#include "td_simulator.h"
+
+#include <stdlib.h>
+
+static double larger(double a, double b) { return a > b ? a : b; }
+
+/* What an accepted step adds to the statistics. */
+static void note_step(tides_simulator *s, const td_refine_step *step) {
+    tides_stats *stats = &s->stats;
+    int controls = s->mode & TIDES_STEPPING_ERROR, above = step->excess > 1;
+    stats->steps++;
+    stats->steps_probed += (uint64_t)(controls && step->probe >= 0);
+    stats->steps_over_budget += (uint64_t)(above && td_refine_may_cut(&s->refine, step));
+    stats->steps_at_minimum += (uint64_t)(above && !td_refine_may_cut(&s->refine, step));
+    stats->steps_at_rounding += (uint64_t)(!above && step->rounded > s->tolerance);
+    stats->worst_error = larger(stats->worst_error, step->error);
+    stats->worst_deviation = larger(stats->worst_deviation, step->deviation);
+}
+
+void td_settle_timing(tides_simulator *s, const td_refine_step *refined, const td_step *step, const double *const begin[],
+                      const double *const end[], size_t first) {
+    const td_signals signals = {begin[TD_KEPT_S], begin[TD_KEPT_S_DOT], end[TD_KEPT_S], end[TD_KEPT_S_DOT]};
+    const double *deviation = refined->probe < 0 ? NULL : td_sample_deviation(&s->refine.samples, refined->probe);
+    const size_t at = s->first_pixel[refined->tile];
+    td_timed timed = {.step = step,
+                      .tile = &s->tile[refined->tile],
+                      .signals = &signals,
+                      .deviation = deviation,
+                      .left = td_probe_left(refined->deviation, refined->past[0]),
+                      .levels = {&s->comparator.threshold_on, &s->comparator.threshold_off, s->pixels.reference + at, 0, NULL,
+                                 0},
+                      .frontend = s->sensor.on ? &s->sensor.frontend : NULL,
+                      .log_eps = s->sensor.log_eps,
+                      .events = s->events.events + first,
+                      .count = s->events.count - first};
+    if (s->sensor.on) {
+        timed.levels.threshold_on = s->sensor.threshold_on + at;
+        timed.levels.threshold_off = s->sensor.threshold_off + at;
+        timed.levels.stride = 1;
+        timed.levels.leak = s->sensor.leak + at;
+        timed.levels.time = td_sensor_time(&s->sensor, step->start_ns, step->start_fraction);
+    }
+    td_timing_add(&s->timing, &timed);
+    td_timing_add_turns(&s->timing, &timed);
+}
+
+static tides_status compare_step(tides_simulator *s, const td_refine_step *refined, double start, double stop,
+                                 tides_error *error) {
+    const td_refine *r = &s->refine;
+    const double *begin_planes[TD_KEPT_ALL], *end_planes[TD_KEPT_ALL];
+    for (int p = 0; p < s->planes_kept; p++) {
+        begin_planes[p] = td_sample_at(&r->samples, refined->begin) + p * TD_TILE_PIXELS;
+        end_planes[p] = td_sample_at(&r->samples, refined->end) + p * TD_TILE_PIXELS;
+    }
+    td_step step;
+    size_t first = s->events.count;
+    tides_status status = td_step_of_run(s, td_refine_time(r, start, stop, refined->from),
+                                         td_refine_time(r, start, stop, refined->to), &step, error);
+    if (status == TIDES_OK) status = td_compare_tile(s, refined->tile, &step, begin_planes, end_planes, error);
+    if (status != TIDES_OK) return status;
+    td_settle_timing(s, refined, &step, begin_planes, end_planes, first);
+    note_step(s, refined);
+    return TIDES_OK;
+}
+
+/* The tile's sample becomes `to`'s. */
+static void reach(tides_simulator *s, int t, int32_t index, const td_sample *to) {
+    const double *reached = td_sample_at(&s->refine.samples, index);
+    size_t at = s->first_pixel[t], bytes = (size_t)s->tile[t].count * sizeof *reached;
+    for (int p = 0; p < s->planes_kept; p++) memcpy(to->plane[p] + at, reached + p * TD_TILE_PIXELS, bytes);
+    s->tile_risk[t] = *td_sample_risk(&s->refine.samples, index);
+}
+
+/* The head of a tile's list is done with: it and its samples are given back. */
+static void pass_head(td_refine *r, int t) {
+    int32_t done = r->head[t], next = r->step[done].next;
+    r->head[t] = next;
+    td_samples_give(&r->samples, r->step[done].begin);
+    if (next < 0) td_samples_give(&r->samples, r->step[done].end);
+    r->step[done].next = r->spare_step;
+    r->spare_step = done;
+}
+
+static tides_status settle_tile(tides_simulator *s, int t, double start, double stop, int early, tides_error *error) {
+    td_refine *r = &s->refine;
+    for (int32_t i = r->head[t]; i >= 0 && !r->step[i].open;) {
+        const td_refine_step step = r->step[i];
+        tides_status status = compare_step(s, &step, start, stop, error);
+        if (status != TIDES_OK) return status;
+        if (step.next < 0) reach(s, t, step.end, &s->now);
+        i = step.next;
+        if (early) pass_head(r, t);
+    }
+    return TIDES_OK;
+}
+
+/* The first step of every tile, where they have their steps in common, to s->next and through the surround. */
+static tides_status settle_common_step(tides_simulator *s, const int32_t *which, double start, double stop,
+                                       tides_error *error) {
+    td_refine *r = &s->refine;
+    double from = td_refine_time(r, start, stop, r->step[which[0]].from),
+           to = td_refine_time(r, start, stop, r->step[which[0]].to);
+    for (int t = 0; t < s->tiles; t++) {
+        reach(s, t, r->step[which[t]].end, &s->next);
+        note_step(s, &r->step[which[t]]);
+    }
+    r->comparing = which;
+    tides_status status = td_surround_compare(s, from, to, error);
+    r->comparing = NULL;
+    if (status != TIDES_OK) return status;
+    td_sample passed = s->now;
+    s->now = s->next;
+    s->next = passed;
+    return TIDES_OK;
+}
+
+static tides_status settle_together(tides_simulator *s, double start, double stop, int early, tides_error *error) {
+    td_refine *r = &s->refine;
+    int32_t *which = td_alloc((size_t)s->tiles, sizeof *which, error);
+    tides_status status = which ? TIDES_OK : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) memcpy(which, r->head, (size_t)s->tiles * sizeof *which);
+    while (status == TIDES_OK && which[0] >= 0 && !r->step[which[0]].open) {
+        status = settle_common_step(s, which, start, stop, error);
+        for (int t = 0; t < s->tiles && status == TIDES_OK; t++) {
+            which[t] = r->step[which[t]].next;
+            if (early) pass_head(r, t);
+        }
+    }
+    free(which);
+    return status;
+}
+
+/* The references that the macro step began with, for those steps that are judged after others have been compared. */
+static tides_status keep_references(tides_simulator *s, tides_error *error) {
+    td_refine *r = &s->refine;
+    size_t pixels = s->first_pixel[s->tiles];
+    if (r->early) return TIDES_OK;
+    tides_status status = td_reserve((void **)&r->reference, &r->reference_capacity, pixels, sizeof *r->reference, error);
+    if (status != TIDES_OK) return status;
+    memcpy(r->reference, s->pixels.reference, pixels * sizeof *r->reference);
+    r->early = 1;
+    return TIDES_OK;
+}
+
+tides_status td_settle(tides_simulator *s, double start, double stop, int early, tides_error *error) {
+    double begun = td_now();
+    tides_status status = early ? keep_references(s, error) : TIDES_OK;
+    if (status != TIDES_OK) return status;
+    if (s->surround.surround.on)
+        status = settle_together(s, start, stop, early, error);
+    else
+        for (int i = 0; i < s->moving_count && status == TIDES_OK; i++)
+            status = settle_tile(s, s->moving[i], start, stop, early, error);
+    s->stats.time_compare_s += td_now() - begun;
+    s->broken |= status != TIDES_OK;
+    return status;
+}

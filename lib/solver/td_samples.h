@@ -1,0 +1,50 @@
+/* Internal: rendered tiles of a macro step, handed out and taken back one by one. Memory grows in chunks that stay where they
+ * are, so that nothing is copied and no more is held than was ever in use at once. */
+#ifndef TD_SAMPLES_H
+#define TD_SAMPLES_H
+
+#include "render/td_render.h"
+
+/* Planes of a sample: S and S_dot, and where the sensor or the readout asks for them the diagnostics. */
+enum { TD_KEPT_S, TD_KEPT_S_DOT, TD_KEPT_ALPHA, TD_KEPT_ALPHA_DOT, TD_KEPT_CONTRIBUTORS, TD_KEPT_ALL, TD_KEPT_SIGNAL = 2 };
+
+/* To a power of two: samples of a chunk. */
+enum { TD_SAMPLE_BITS = 8 };
+
+typedef struct td_samples {
+    int kept;       /* planes of the image, TD_KEPT_SIGNAL or TD_KEPT_ALL; one of deviations follows them */
+    double **chunk; /* samples of TD_SAMPLE_BITS each */
+    size_t chunks, chunk_capacity;
+    int32_t *spare; /* given back */
+    size_t spares, spare_capacity;
+    size_t made; /* handed out at once at most since the last clear */
+} td_samples;
+
+/* Doubles of a sample: its planes, row by row, and the tile's risk score. */
+static inline size_t td_sample_reals(const td_samples *samples) { return ((size_t)samples->kept + 1) * TD_TILE_PIXELS + 1; }
+
+/* S of a sample, then the other planes kept, then its deviations. */
+static inline double *td_sample_at(const td_samples *samples, int32_t index) {
+    return samples->chunk[index >> TD_SAMPLE_BITS] + (size_t)(index & ((1 << TD_SAMPLE_BITS) - 1)) * td_sample_reals(samples);
+}
+
+/* How far the step that was cut here was off (probe.h). */
+static inline double *td_sample_deviation(const td_samples *samples, int32_t index) {
+    return td_sample_at(samples, index) + (size_t)samples->kept * TD_TILE_PIXELS;
+}
+
+static inline double *td_sample_risk(const td_samples *samples, int32_t index) {
+    return td_sample_at(samples, index) + ((size_t)samples->kept + 1) * TD_TILE_PIXELS;
+}
+
+/* Handed out now. */
+static inline size_t td_samples_live(const td_samples *samples) { return samples->made - samples->spares; }
+
+TIDES_MUST_CHECK tides_status td_samples_take(td_samples *samples, int32_t *index, tides_error *error);
+void td_samples_give(td_samples *samples, int32_t index);
+
+/* All are given back; the memory is kept. */
+void td_samples_clear(td_samples *samples);
+void td_samples_release(td_samples *samples);
+
+#endif

@@ -1,0 +1,87 @@
+/* Which of the open steps are refined next: all, or where their samples would be too many the earliest. */
+#include "td_simulator.h"
+
+#include <stdlib.h>
+
+/* An open step and where it is. */
+typedef struct place {
+    uint32_t from;
+    int32_t tile, step;
+} place;
+
+static int by_place(const void *a, const void *b) {
+    const place *x = a, *y = b;
+    if (x->from != y->from) return x->from < y->from ? -1 : 1;
+    return x->tile < y->tile ? -1 : x->tile > y->tile;
+}
+
+void td_refine_bound(tides_simulator *s) {
+    td_refine *r = &s->refine;
+    const double bytes = (double)s->memory_mb * 1e6;
+    /* Half of it is samples with their steps, a quarter a launch's planes, in double here and in float at the device; a quarter is
+     * for what a launch keeps besides. */
+    const double sample = (double)(td_sample_reals(&r->samples) * sizeof(double) + 2 * sizeof(td_refine_step));
+    const double launched = (double)s->outputs * TD_TILE_PIXELS * (sizeof(double) + sizeof(float));
+    r->limit = (size_t)(0.5 * bytes / sample);
+    r->batch = (size_t)(0.25 * bytes / launched);
+    if (r->batch < 1) r->batch = 1;
+}
+
+/* Steps that a launch may take where the earliest are taken first: so few that those which come of them, level by level down to
+ * the shortest, find room too. */
+static size_t room(const td_refine *r, uint32_t longest) {
+    size_t live = td_samples_live(&r->samples), levels = 1;
+    for (uint32_t length = longest; length >= 2 * r->shortest; length -= length * 3 / 8) levels++; /* of the longer part */
+    return r->limit > live ? (r->limit - live) / levels : 0;
+}
+
+/* Without `local` all tiles are cut at once, and with a sensor the first cuts are judged before others, which read what was found
+ * (td_estimate_sensor). */
+static int must_take(const tides_simulator *s, const td_refine_step *step, const td_refine_step *last) {
+    return (!s->local && step->from == last->from) || (s->sensor.on && step->cuts < TD_FEW_CUTS);
+}
+
+static tides_status take_earliest(tides_simulator *s, td_refine *r, tides_error *error) {
+    place *places = td_alloc(r->open_count, sizeof *places, error);
+    if (!places) return TIDES_NO_MEMORY;
+    uint32_t longest = 0;
+    for (size_t i = 0; i < r->open_count; i++) {
+        const td_refine_step *step = &r->step[r->open[i]];
+        places[i] = (place){step->from, step->tile, r->open[i]};
+        longest = step->to - step->from > longest ? step->to - step->from : longest;
+    }
+    qsort(places, r->open_count, sizeof *places, by_place);
+    size_t wanted = room(r, longest), left = 0;
+    for (size_t i = 0; i < r->open_count; i++) {
+        int32_t step = places[i].step;
+        int take = r->pending_count < wanted || r->pending_count == 0 ||
+                   must_take(s, &r->step[step], &r->step[r->pending[r->pending_count - 1]]);
+        if (take)
+            r->pending[r->pending_count++] = step;
+        else
+            r->open[left++] = step;
+    }
+    r->open_count = left;
+    free(places);
+    return TIDES_OK;
+}
+
+tides_status td_window_take(tides_simulator *s, double start, double stop, tides_error *error) {
+    td_refine *r = &s->refine;
+    tides_status status = td_reserve((void **)&r->pending, &r->pending_capacity, r->open_count, sizeof *r->pending, error);
+    if (status != TIDES_OK) return status;
+    r->pending_count = 0;
+    if (2 * (td_samples_live(&r->samples) + r->open_count) > r->limit && !(s->budget > 0)) {
+        status = td_settle(s, start, stop, 1, error);
+        return status == TIDES_OK ? take_earliest(s, r, error) : status;
+    }
+    if (s->budget > 0 && td_samples_live(&r->samples) + r->open_count > r->limit)
+        return td_fail(error, TIDES_NO_MEMORY,
+                       "stepping.memory_mb: a budget is shared out among all steps of a level, whose samples need more than %g "
+                       "MB: raise it, or lower stepping.budget",
+                       s->memory_mb);
+    memcpy(r->pending, r->open, r->open_count * sizeof *r->open);
+    r->pending_count = r->open_count;
+    r->open_count = 0;
+    return TIDES_OK;
+}

@@ -1,0 +1,134 @@
+/* Probes: where steps are cut, what a cubic is off by there against closed forms, and how far the deviation bounds the parts'
+ * errors wherever a kink is. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "solver/td_crossing.h"
+#include "solver/td_probe.h"
+#include "tests/support/scene_make.h"
+
+#include <math.h>
+
+static const uint64_t SEED = 27182;
+
+static double between(uint64_t *seed, double lower, double upper) {
+    return lower + (upper - lower) * (double)(scene_next(seed) >> 11) * 0x1p-53;
+}
+
+/* -- places ---------------------------------------------------------------------------------------------------------- */
+
+static void test_places(void **state) {
+    (void)state;
+    uint64_t seed = SEED;
+    int before = 0, distinct = 0;
+    for (int trial = 0; trial < 1000; trial++) {
+        uint32_t from = (uint32_t)(scene_next(&seed) >> 40), length = 64 + (uint32_t)(scene_next(&seed) >> 44);
+        uint64_t macro = (uint64_t)trial;
+        uint32_t at = td_probe_place(macro, from, from + length), other = td_probe_place(macro + 1, from, from + length);
+        double theta = (double)(at - from) / length, away = fabs(theta - 0.5), unit = 0.5 / length;
+        if (!(away > 0.01 - unit && away < 0.02 + unit)) fail_msg("%g of the step", theta);
+        assert_true(at == td_probe_place(macro, from, from + length));
+        before += theta < 0.5;
+        distinct += length > 1000 && at != other;
+    }
+    assert_true(before > 400 && before < 600 && distinct > 800);
+    for (uint32_t length = 2; length < 64; length++) { /* always inside */
+        uint32_t at = td_probe_place(7, 100, 100 + length);
+        assert_true(at > 100 && at < 100 + length);
+    }
+}
+
+/* -- deviations ------------------------------------------------------------------------------------------------------ */
+
+/* Ends and inside of a signal on [0, h]. */
+typedef struct looked {
+    double S0, S0_dot, S1, S1_dot, S, S_dot;
+} looked;
+
+static double deviation_of(double h, double theta, const looked *l) {
+    const td_signals ends = {&l->S0, &l->S0_dot, &l->S1, &l->S1_dot};
+    double deviation;
+    td_probe_deviation(h, theta, &ends, &l->S, &l->S_dot, 1, &deviation);
+    return deviation;
+}
+
+/* Of a cubic nothing; of m t^4 / 24, m h^4 theta^2 (1 - theta)^2 / 24 in value, and half the derivative of that in rate. */
+static void test_polynomials(void **state) {
+    (void)state;
+    uint64_t seed = SEED + 1;
+    for (int trial = 0; trial < 200; trial++) {
+        double h = between(&seed, 1e-4, 0.1), theta = between(&seed, 0.4, 0.6), t = theta * h, rest = 1 - theta;
+        double a = between(&seed, -1, 1), b = between(&seed, -1, 1) / h, c = between(&seed, -1, 1) / (h * h),
+               d = between(&seed, -1, 1) / (h * h * h);
+        double m = trial % 2 ? between(&seed, -9, 9) / (h * h * h * h) : 0;
+        looked l = {a, b, 0, 0, 0, 0};
+        l.S1 = a + h * (b + h * (c + h * (d + h * m / 24)));
+        l.S1_dot = b + h * (2 * c + h * (3 * d + h * m / 6));
+        l.S = a + t * (b + t * (c + t * (d + t * m / 24)));
+        l.S_dot = b + t * (2 * c + t * (3 * d + t * m / 6));
+        double m4 = fabs(m) * h * h * h * h / 24;
+        double want = m4 * theta * theta * rest * rest + 0.5 * m4 * 2 * theta * rest * fabs(1 - 2 * theta);
+        if (!(fabs(deviation_of(h, theta, &l) - want) < 1e-12)) fail_msg("%g, not %g", deviation_of(h, theta, &l), want);
+    }
+    looked nothing = {0, 0, (double)NAN, 0, 0, 0};
+    assert_true(isnan(deviation_of(1, 0.5, &nothing)));
+}
+
+/* Even about the middle with both ends alike, at rest or not: the ends say nothing, the probe does; and of whatever returns within
+ * the step, its rate where its value doesn't. */
+static void test_sees_what_ends_hide(void **state) {
+    const double PI = 3.14159265358979323846;
+    (void)state;
+    for (int periods = 1; periods <= 40; periods++)
+        for (int side = -1; side <= 1; side += 2) {
+            double w = 2 * PI * periods, theta = 0.5 + side * 0.013;
+            looked rests = {1, 0, 1, 0, cos(w * theta), -w * sin(w * theta)};
+            looked turns = {0, w, 0, w, sin(w * theta), w * cos(w * theta)};
+            assert_true(deviation_of(1, theta, &rests) > 0.3 && deviation_of(1, theta, &turns) > 0.3);
+        }
+}
+
+/* The largest distance between the cubic of [from, to] and the signal that is 0 until `kink` and then rises by 1 a second. */
+static double error_between(double from, double to, double kink) {
+    double h = to - from, most = 0;
+    td_model model = td_model_fit(TIDES_MODEL_HERMITE, h, fmax(from - kink, 0), from > kink, fmax(to - kink, 0), to > kink);
+    for (int i = 0; i <= 200; i++) {
+        double s = i / 200.0;
+        most = fmax(most, fabs(td_model_value(&model, s) - fmax(from + s * h - kink, 0)));
+    }
+    return most;
+}
+
+static void test_bounds_the_parts_of_a_kink(void **state) {
+    (void)state;
+    double worst = 0;
+    for (int i = 1; i < 400; i++)
+        for (int side = -1; side <= 1; side += 2) {
+            double kink = i / 400.0, theta = 0.5 + side * 0.015;
+            looked l = {0, 0, 1 - kink, 1, fmax(theta - kink, 0), theta > kink};
+            double deviation = deviation_of(1, theta, &l);
+            double error = fmax(error_between(0, theta, kink), error_between(theta, 1, kink));
+            worst = fmax(worst, error / deviation);
+        }
+    if (!(worst < 1.42 && worst > 0.5)) fail_msg("%g of the deviation", worst);
+}
+
+/* What control takes for the error lies between its bounds, and follows the embedded estimate there. */
+static void test_error(void **state) {
+    (void)state;
+    assert_true(td_probe_error(0, 1) == TD_PROBE_LEAST && td_probe_error(1e9, 1) == TD_PROBE_MOST);
+    assert_true(td_probe_error(1, 1) == TD_PROBE_EMBEDDED && td_probe_error(1, 0) == 0);
+    assert_true(td_probe_left(1, 0) == 0.25 && td_probe_left(1, 1) == 0.5 && td_probe_left(1, 3) == 1.0 / 3);
+    assert_true(td_probe_left(1, 100) == 0.17);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_places), cmocka_unit_test(test_polynomials),
+                                       cmocka_unit_test(test_sees_what_ends_hide),
+                                       cmocka_unit_test(test_bounds_the_parts_of_a_kink), cmocka_unit_test(test_error)};
+    print_message("seed %llu\n", (unsigned long long)SEED);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

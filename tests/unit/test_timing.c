@@ -1,0 +1,125 @@
+/* Estimated errors of event times: of one crossing against closed forms, and their histogram. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "solver/td_probe.h"
+#include "solver/td_timing.h"
+#include "tests/support/scene_make.h"
+
+#include <math.h>
+#include <string.h>
+
+static const uint64_t SEED = 31415;
+static const double H = 0.01; /* [s] */
+
+static double between(uint64_t *seed, double lower, double upper) {
+    return lower + (upper - lower) * (double)(scene_next(seed) >> 11) * 0x1p-53;
+}
+
+/* -- one crossing ---------------------------------------------------------------------------------------------------- */
+
+static void test_straight(void **state) {
+    (void)state;
+    uint64_t seed = SEED;
+    for (int trial = 0; trial < 100; trial++) {
+        double v = between(&seed, 0.1, 2), error = between(&seed, 0, 0.3);
+        int touches;
+        double reach = td_timing_reach(v, 0, error, &touches);
+        assert_true(fabs(reach - fmin(error / v, 1)) < 1e-9 && !touches);
+    }
+}
+
+/* The farther of the two places where the parabola is `error` away: found here by looking. */
+static void test_parabolas(void **state) {
+    (void)state;
+    uint64_t seed = SEED + 1;
+    int touched = 0;
+    for (int trial = 0; trial < 400; trial++) {
+        double v = between(&seed, 0, 1), a = between(&seed, -3, 3), error = between(&seed, 0, 0.02);
+        int touches;
+        double reach = td_timing_reach(v, a, error, &touches), turn = v / fabs(a);
+        int can_undo = a < 0 && v * turn / 2 < error; /* it turns before it is `error` beyond the level */
+        assert_int_equal(touches, can_undo && reach < 1);
+        touched += touches;
+        double most = 0;
+        for (int i = 1; i <= 4000; i++) { /* the nearest place on either side that is as far off; of a touch the farthest */
+            double d = i / 4000.0, after = v * d + a * d * d / 2, before = v * d - a * d * d / 2;
+            if (fabs(after) < error) most = fmax(most, d);
+            if (fabs(before) < error && !(a > 0 && v * turn / 2 > error && d > turn)) most = fmax(most, d);
+            if (after >= error || before >= error || (touches && after <= -error)) {
+                if (!touches) break;
+                if (after <= -error) break;
+            }
+        }
+        if (reach < 0.9 && !(reach >= most - 1e-3)) fail_msg("v %g, a %g, error %g: %g, found %g", v, a, error, reach, most);
+        assert_true(reach <= 1 && reach >= fmin(error / (v + sqrt(v * v + 2 * fabs(a) * error)), 1));
+    }
+    assert_true(touched > 20);
+}
+
+/* At a touch the square root of the error counts, however small the slope. */
+static void test_touch(void **state) {
+    (void)state;
+    int touches;
+    assert_true(fabs(td_timing_reach(0, -2, 1e-4, &touches) - 1e-2) < 1e-9 && touches);
+    /* One that leaves the level can't be undone. */
+    assert_true(fabs(td_timing_reach(0, 2, 1e-4, &touches) - 1e-2) < 1e-9 && !touches);
+    assert_true(td_timing_reach(0, 0, 1e-4, &touches) == 1);
+}
+
+/* -- many ------------------------------------------------------------------------------------------------------------ */
+
+/* Adds events of one pixel that rises by 1 in a step of H with an error of `error`. */
+static void add(td_timing *timing, double error, size_t count) {
+    static const tides_event event = {.t = 5000000, .polarity = 1};
+    const td_tile tile = {0, 0, 1, 1};
+    const td_step step = {0, 10000000, 0, 1e7, H};
+    double S0 = 0, S1 = 1, rate = 1 / H;
+    const td_signals signals = {&S0, &rate, &S1, &rate};
+    const td_timed timed = {.step = &step, .tile = &tile, .signals = &signals, .events = &event, .count = 1};
+    timing->rounding = error; /* a straight line: the model's own estimate is 0 */
+    for (size_t i = 0; i < count; i++) td_timing_add(timing, &timed);
+}
+
+/* A percentile is at or above the true one, by a quarter octave at most, and the nanosecond that times are floored to. */
+static void expect_percentile(const td_timing *timing, double share, double want) {
+    double got = td_timing_percentile(timing, share);
+    if (!(got >= want * (1 - 1e-9) && got <= (want + 1e-9) * exp2(0.25) * (1 + 1e-9)))
+        fail_msg("%g of the events: %g s, not %g s", share, got, want);
+}
+
+static void test_percentiles(void **state) {
+    (void)state;
+    td_timing timing;
+    memset(&timing, 0, sizeof timing);
+    assert_true(td_timing_percentile(&timing, 0.5) == 0);
+    for (int i = 1; i <= 1000; i++) add(&timing, 1e-9 * i * i / H, 1); /* 1 ns to 1 ms */
+    expect_percentile(&timing, 0.5, 250e-6);
+    expect_percentile(&timing, 0.95, 902.5e-6);
+    expect_percentile(&timing, 0.99, 980.1e-6);
+    expect_percentile(&timing, 1, 1e-3);
+}
+
+/* No error is above the step; none but rounding is the nanosecond. */
+static void test_ends(void **state) {
+    (void)state;
+    td_timing timing;
+    memset(&timing, 0, sizeof timing);
+    add(&timing, 0, 10);
+    expect_percentile(&timing, 0.99, 1e-9);
+    add(&timing, 1e9, 90);
+    expect_percentile(&timing, 0.99, H);
+    add(&timing, NAN, 1); /* counted, and as late as can be */
+    expect_percentile(&timing, 1, H);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_straight), cmocka_unit_test(test_parabolas),
+                                       cmocka_unit_test(test_touch), cmocka_unit_test(test_percentiles),
+                                       cmocka_unit_test(test_ends)};
+    print_message("seed %llu\n", (unsigned long long)SEED);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
