@@ -207,6 +207,13 @@ static void print_summary(const tides_stats *stats, const cli_session *session) 
     if (stats->events_truncated)
         printf("truncated         %llu crossings beyond sensor.max_events_per_step\n",
                (unsigned long long)stats->events_truncated);
+    if (stats->events_uncertain)
+        printf("uncertain         %s events, or places where there might be one: the signal turns within its error of a "
+               "level\n",
+               cli_count((double)stats->events_uncertain, count));
+    if (stats->steps_at_rounding)
+        printf("rounding          %s steps stay above stepping.tolerance, which single precision doesn't reach\n",
+               cli_count((double)stats->steps_at_rounding, count));
 }
 
 /* Stopped on request: what was simulated stays readable, and the user is told where. */
