@@ -233,8 +233,8 @@ static void moment(const tides_motion *motion, double tau, int side, double real
     real[TD_KEYFRAMES_WEIGHT_DOT + 2] = u * (3 * u - 2);
 }
 
-/* Means in double have been rounded twice, here to 48 bits and among the Gaussians to an origin: they are their own within that,
- * and the same in all frames. */
+/* Means in double have been rounded twice, here to 48 bits and among the Gaussians to an origin: they are their own within
+ * that, and the same in all frames. */
 static int means_rest(const td_keyframes *keys, const float *own, int64_t gaussian) {
     for (int64_t frame = 0; frame < keys->frames; frame++)
         for (int axis = 0; axis < 3; axis++) {

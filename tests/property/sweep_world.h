@@ -82,7 +82,12 @@ static inline void make_cloud(uint64_t *seed, double spread, cloud *c) {
         for (int k = 0; k < 4; k++) c->quaternion[4 * i + k] = (float)uniform(seed, -1, 1);
         c->logit[i] = (float)uniform(seed, -4, 5);
     }
-    const tides_gaussians made = {GAUSSIANS, 0, 0, c->mean, c->log_scale, c->quaternion, c->logit, c->sh, {0}, NULL};
+    const tides_gaussians made = {.count = GAUSSIANS,
+                                  .mean = c->mean,
+                                  .log_scale = c->log_scale,
+                                  .quaternion = c->quaternion,
+                                  .opacity_logit = c->logit,
+                                  .sh = c->sh};
     c->gaussians = made;
 }
 
@@ -111,7 +116,14 @@ static inline tides_motion *shaken_frames(uint64_t *seed, const cloud *c, double
             logit[at] = (float)(c->logit[g] + wave_at(&w[10], t, &rate));
         }
     }
-    const tides_keyframes_motion arrays = {SAMPLES, GAUSSIANS, time, mean, quaternion, log_scale, logit, sh, 0, 0, 0, 0};
+    const tides_keyframes_motion arrays = {.frames = SAMPLES,
+                                           .count = GAUSSIANS,
+                                           .time = time,
+                                           .mean = mean,
+                                           .quaternion = quaternion,
+                                           .log_scale = log_scale,
+                                           .opacity_logit = logit,
+                                           .sh = sh};
     scene_expect_ok(tides_motion_create_keyframes(&arrays, &motion, &error), &error);
     return motion;
 }

@@ -28,7 +28,12 @@ static const splat ball = {{0, 0, 4}, {1, 0, 0, 0}, {-2, -2, -2}, 3, {1, 1, 1}};
 static const splat needle = {{0, 0, 4}, {1, 0, 0, 0}, {-0.5F, -4, -4}, 3, {1, 1, 1}};
 
 static tides_gaussians gaussian_of(const splat *s) {
-    const tides_gaussians g = {1, 0, 0, s->mean, s->log_scale, s->quaternion, &s->logit, s->sh, {0}, NULL};
+    const tides_gaussians g = {.count = 1,
+                               .mean = s->mean,
+                               .log_scale = s->log_scale,
+                               .quaternion = s->quaternion,
+                               .opacity_logit = &s->logit,
+                               .sh = s->sh};
     return g;
 }
 
@@ -77,7 +82,8 @@ static stage frames_stage(const splat *what, frame (*at)(double time)) {
         quaternion[4 * i + 1] = quaternion[4 * i + 2] = 0;
         quaternion[4 * i + 3] = (float)sin(0.5 * f.angle);
     }
-    const tides_keyframes_motion arrays = {FRAMES, 1, time, mean, quaternion, NULL, logit, NULL, 0, 0, 0, 0};
+    const tides_keyframes_motion arrays =
+        {.frames = FRAMES, .count = 1, .time = time, .mean = mean, .quaternion = quaternion, .opacity_logit = logit};
     scene_expect_ok(tides_motion_create_keyframes(&arrays, &motion, &error), &error);
     add_moving(&s, what, motion);
     return s;

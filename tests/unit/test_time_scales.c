@@ -22,7 +22,8 @@ static tides_motion *sine_frames(double period, td_time_scale scales[2], double 
     static double time[FRAMES];
     static float mean[FRAMES * 6], quaternion[FRAMES * 8];
     const float log_scale[6] = {-2, -2, -2, -2, -2, -2}, logit[2] = {0}, sh[6] = {0};
-    const tides_gaussians gaussians = {2, 0, 0, mean, log_scale, quaternion, logit, sh, {0}, NULL};
+    const tides_gaussians gaussians =
+        {.count = 2, .mean = mean, .log_scale = log_scale, .quaternion = quaternion, .opacity_logit = logit, .sh = sh};
     tides_motion *motion = NULL;
     tides_error error;
     for (int i = 0; i < FRAMES; i++) {
@@ -30,7 +31,7 @@ static tides_motion *sine_frames(double period, td_time_scale scales[2], double 
         for (int k = 0; k < 6; k++) mean[6 * i + k] = k < 3 ? (float)(0.5 * sin(6.283185307 * time[i] / period)) : 1.0F;
         for (int k = 0; k < 8; k++) quaternion[8 * i + k] = k % 4 == 0;
     }
-    const tides_keyframes_motion arrays = {FRAMES, 2, time, mean, quaternion, NULL, NULL, NULL, 0, 0, 0, 0};
+    const tides_keyframes_motion arrays = {.frames = FRAMES, .count = 2, .time = time, .mean = mean, .quaternion = quaternion};
     scene_expect_ok(tides_motion_create_keyframes(&arrays, &motion, &error), &error);
     motion->type->scales(motion, &gaussians, scales);
     return motion;
@@ -56,7 +57,8 @@ static void test_frames(void **state) {
 
 static void test_bells_and_turns(void **state) {
     const float mean[6] = {0}, log_scale[6] = {0}, quaternion[8] = {1, 0, 0, 0, 1, 0, 0, 0}, logit[2] = {0}, sh[6] = {0};
-    const tides_gaussians gaussians = {2, 0, 0, mean, log_scale, quaternion, logit, sh, {0}, NULL};
+    const tides_gaussians gaussians =
+        {.count = 2, .mean = mean, .log_scale = log_scale, .quaternion = quaternion, .opacity_logit = logit, .sh = sh};
     const float centre[2] = {0.25F, 0.5F}, log_width[2] = {-3, 1}, coefficient[18] = {0};
     const float turn[8] = {0, 0, 0, 0, 3, 4, 0, 0}; /* the line 1 + 3 t, 4 t passes zero at 4/5 of the way */
     const tides_polynomial_motion arrays = {.count = 2,
