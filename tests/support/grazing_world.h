@@ -1,0 +1,12 @@
+/* Test support: seeded random scenes that are hard on estimates of timing errors: signals that graze a level, peaks that stop
+ * just short of one or go just beyond, drifts so slow that a small error is a long time; and ordinary ones among them. */
+#ifndef TESTS_SUPPORT_GRAZING_WORLD_H
+#define TESTS_SUPPORT_GRAZING_WORLD_H
+
+#include "tests/support/judged_run.h"
+
+/* How many kinds there are; seed % kinds is the kind of a scene. Its name says both. */
+int grazing_world_kinds(void);
+judged grazing_world_make(uint64_t seed);
+
+#endif
