@@ -39,6 +39,7 @@ typedef struct bench_scene {
     tides_readout readout;  /* the default one, off */
     double start, stop;     /* [s] */
     double macro_step_s;    /* the longest step that controlled stepping may take */
+    double truth_step_s;    /* the longest that the exact stream's first level may take */
     const char *image_name; /* of another image than the rules' own, or NULL */
     bench_truth truth[BENCH_RULES];
 } bench_scene;
@@ -60,6 +61,24 @@ tides_status bench_add_flying_ball(tides_scene *scene, const double centre[3], d
 /* A disc with sectors in two colours that turns about its axis, which is z. */
 tides_status bench_add_turning_disc(tides_scene *scene, const double centre[3], double radius, double turns_per_s, double stop,
                                     tides_error *error);
+
+/* bench_periodic.c: what comes back within a step. */
+enum { BENCH_WAVES = 2 };
+typedef struct bench_vibration {
+    double centre[3], quaternion[4], along[3];      /* where, how it is turned, and the direction that it moves in */
+    double amplitude[BENCH_WAVES], hz[BENCH_WAVES]; /* [m]; 0 where there are fewer */
+} bench_vibration;
+tides_status bench_vibrating_path(const bench_vibration *vibration, double stop, tides_trajectory **path, tides_error *error);
+/* A textured plane at rest; a ball that goes to and fro before it. */
+tides_status bench_add_plane(tides_scene *scene, int64_t gaussians, tides_error *error);
+tides_status bench_add_vibrating_ball(tides_scene *scene, const bench_vibration *vibration, double radius, double stop,
+                                      tides_error *error);
+typedef struct bench_lamp {
+    double centre[3], scale; /* of the plane that it lights */
+    int64_t gaussians;       /* that plane's, about */
+    double hz, depth;        /* light is 1 + depth sin, on keyframes */
+} bench_lamp;
+tides_status bench_add_lit_plane(tides_scene *scene, const bench_lamp *lamp, double stop, tides_error *error);
 
 /* -- measured runs (bench_run.c) -------------------------------------------------------------------------------------- */
 

@@ -108,3 +108,17 @@ tides_status bench_add_turning_disc(tides_scene *scene, const double centre[3], 
     tides_trajectory_destroy(path);
     return status;
 }
+
+tides_status bench_add_plane(tides_scene *scene, int64_t gaussians, tides_error *error) {
+    return add(scene, (source){"plane", NULL, gaussians}, 0, NULL, 1, error);
+}
+
+tides_status bench_add_vibrating_ball(tides_scene *scene, const bench_vibration *vibration, double radius, double stop,
+                                      tides_error *error) {
+    static const source chequered = {"balls", "ball 1", 300};
+    tides_trajectory *path = NULL;
+    tides_status status = bench_vibrating_path(vibration, stop, &path, error);
+    if (status == TIDES_OK) status = add(scene, chequered, 0, path, radius, error);
+    tides_trajectory_destroy(path);
+    return status;
+}

@@ -9,6 +9,7 @@
 #define PI 3.14159265358979323846
 #define CAMERA_Z 3.05 /* [m] of the rooms' cameras */
 #define SLACK_S 0.01  /* that paths last beyond the run */
+#define TRUTH_SPLIT 8 /* the exact stream's first steps per longest step */
 
 typedef tides_status (*scene_maker)(bench_scene *s, tides_error *error);
 
@@ -19,6 +20,7 @@ typedef struct recipe {
     const char *file;      /* below $TIDES_SHARED/data, or NULL */
     int32_t width, height; /* [px] */
     double duration_s, macro_step_s;
+    double truth_step_s; /* 0: an eighth of macro_step_s */
 } recipe;
 
 /* -- rooms ------------------------------------------------------------------------------------------------------------- */
@@ -72,6 +74,36 @@ static tides_status make_nearly_static(bench_scene *s, tides_error *error) {
     const double radius = sqrt(pixels / PI) / pixels_per_metre(s);
     tides_status status = bench_add_room(s->scene, error);
     if (status == TIDES_OK) status = bench_add_turning_disc(s->scene, centre, radius, turns_per_s, s->stop + SLACK_S, error);
+    return status == TIDES_OK ? still_camera(s, error) : status;
+}
+
+/* -- what comes back within a step ------------------------------------------------------------------------------------------- */
+
+/* A ball of which 2 px are 100 Hz and half a pixel 200 Hz, and a camera at 200 Hz and at a frequency that no step is a multiple
+ * of: but for that, all is where it was, and as fast, after each 10 ms. */
+static tides_status make_vibration(bench_scene *s, tides_error *error) {
+    const double pixel = 1 / pixels_per_metre(s);
+    const bench_vibration ball = {.centre = {0, 0.1, 0},
+                                  .quaternion = {1, 0, 0, 0},
+                                  .along = {0.8, 0.6, 0},
+                                  .amplitude = {2 * pixel, 0.5 * pixel},
+                                  .hz = {100, 200}};
+    const bench_vibration camera = {.centre = {0, 0.1, CAMERA_Z},
+                                    .quaternion = {0, 1, 0, 0},
+                                    .along = {0.6, 0.8, 0},
+                                    .amplitude = {0.5 * pixel, 0.2 * pixel},
+                                    .hz = {200, 137.5}};
+    tides_status status = bench_add_plane(s->scene, 2000, error);
+    if (status == TIDES_OK) status = bench_add_vibrating_ball(s->scene, &ball, 0.3, s->stop + SLACK_S, error);
+    return status == TIDES_OK ? bench_vibrating_path(&camera, s->stop + SLACK_S, &s->camera, error) : status;
+}
+
+/* Two planes side by side, the left one by a lamp on mains at 100 Hz, the right one by LEDs at 1 kHz. */
+static tides_status make_flicker(bench_scene *s, tides_error *error) {
+    const bench_lamp mains = {.centre = {-0.75, 0.1, 0}, .scale = 0.55, .gaussians = 1200, .hz = 100, .depth = 0.5};
+    const bench_lamp leds = {.centre = {0.75, 0.1, 0}, .scale = 0.55, .gaussians = 1200, .hz = 1000, .depth = 0.3};
+    tides_status status = bench_add_lit_plane(s->scene, &mains, s->stop + SLACK_S, error);
+    if (status == TIDES_OK) status = bench_add_lit_plane(s->scene, &leds, s->stop + SLACK_S, error);
     return status == TIDES_OK ? still_camera(s, error) : status;
 }
 
@@ -129,20 +161,25 @@ static tides_status make_trained(bench_scene *s, const char *file, tides_error *
 
 /* Under error control each macro step in which something moves is looked into, so that its steps are half as long at most. */
 static const recipe recipes[] = {
-    {"fan", "a textured fan before a room, handheld camera", make_fan, NULL, 240, 180, 0.005, 0.005},
-    {"handheld", "a textured room at rest, handheld camera", make_handheld, NULL, 240, 180, 0.005, 0.005},
-    {"occluder", "a ball at 1200 px/s before a textured wall, camera at rest", make_occluder, NULL, 240, 180, 0.020, 0.010},
-    {"nearly_static", "a disc on 2 % of the view turns, all else at rest", make_nearly_static, NULL, 240, 180, 0.020, 0.010},
-    {"trained", "guitar of 20 000 splats, camera in orbit", NULL, "playcanvas/guitar_20k_inria_sh0.ply", 240, 180, 0.006,
-     0.002},
+    {"fan", "a textured fan before a room, handheld camera", make_fan, NULL, 240, 180, 0.005, 0.005, 0},
+    {"handheld", "a textured room at rest, handheld camera", make_handheld, NULL, 240, 180, 0.005, 0.005, 0},
+    {"occluder", "a ball at 1200 px/s before a textured wall, camera at rest", make_occluder, NULL, 240, 180, 0.020, 0.010, 0},
+    {"nearly_static", "a disc on 2 % of the view turns, all else at rest", make_nearly_static, NULL, 240, 180, 0.020, 0.010, 0},
+    {"vibration", "a ball before a textured plane and the camera vibrate, 100, 137.5 and 200 Hz", make_vibration, NULL, 120, 90,
+     0.015, 0.010, 5e-4},
+    {"flicker", "textured planes under lamps at 100 Hz and 1 kHz, camera at rest", make_flicker, NULL, 120, 90, 0.010, 0.010,
+     1e-4},
+    {"trained", "guitar of 20 000 splats, camera in orbit", NULL, "playcanvas/guitar_20k_inria_sh0.ply", 240, 180, 0.006, 0.002,
+     0},
     {"playbot", "playbot of 3 000 splats, camera in orbit", NULL, "playcanvas/playbot_lod5_inria_sh2.ply", 240, 180, 0.006,
-     0.002},
+     0.002, 0},
 };
 enum { RECIPES = sizeof recipes / sizeof recipes[0] };
-static const recipe any_file = {"", "a trained scene, camera in orbit", NULL, NULL, 240, 180, 0.006, 0.003};
+static const recipe any_file = {"", "a trained scene, camera in orbit", NULL, NULL, 240, 180, 0.006, 0.003, 0};
 
 const char *const *bench_scene_names(void) {
-    static const char *const names[] = {"fan", "handheld", "occluder", "nearly_static", "trained", "playbot", NULL};
+    static const char *const names[] = {"fan",     "handheld", "occluder", "nearly_static", "vibration", "flicker",
+                                        "trained", "playbot",  NULL};
     return names;
 }
 
@@ -155,6 +192,7 @@ static void lay_out(bench_scene *s, const recipe *r, int32_t quick) {
     s->start = 0;
     s->stop = quick ? 0.0025 : r->duration_s;
     s->macro_step_s = r->macro_step_s;
+    s->truth_step_s = r->truth_step_s > 0 ? r->truth_step_s : r->macro_step_s / TRUTH_SPLIT;
     tides_image_params_defaults(&s->image);
     s->image.log_eps = 0.01;
     tides_sensor_defaults(&s->sensor);

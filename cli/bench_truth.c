@@ -18,11 +18,10 @@
 #define LONG_RENDERS 400.0        /* in double */
 #define LONG_EQUAL_RENDERS 1000.0 /* equal steps */
 
-/* Smooth images: the first level's tolerance and its steps per longest step. */
+/* Smooth images: the first level's tolerance. Its longest step is the scene's truth_step_s: short beside whatever vibrates. */
 #define FIRST_TOLERANCE 1e-3
 #define LAST_TOLERANCE 1e-9
 #define LAST_QUICK_TOLERANCE 1e-7
-#define FIRST_SPLIT 8
 #define LEAST_STEP_S 1e-8
 
 /* Images that jump: steps per second. LEAST is twice what the finest method has; with --quick half as fine. */
@@ -42,7 +41,7 @@ static tides_stepping level_of(const bench_scene *scene, int32_t continuous, con
     s.model = TIDES_MODEL_HERMITE;
     if (continuous) {
         s.mode = TIDES_STEPPING_ERROR;
-        s.step_s = ldexp(scene->macro_step_s / FIRST_SPLIT, -level);
+        s.step_s = ldexp(scene->truth_step_s, -level);
         s.tolerance = ldexp(FIRST_TOLERANCE, -4 * level);
         s.min_step_s = LEAST_STEP_S;
     } else {

@@ -156,7 +156,7 @@ static void near_touch(judged *j, uint64_t *seed) {
     const double high = exp(on * levels * (1 + sign(seed) * pick_log(seed, 1e-6, 3e-2)));
     const pulsing p = {.light = waves_one(high - 1, pick_log(seed, 10, 80), 0)};
     tides_motion *motion = pulsing_keyframes(&wall, &p, j->stop, 0.5e-3);
-    j->image.log_eps = 1e-6;
+    j->image.log_eps = scene_next(seed) % 2 ? 1e-6 : 0.05; /* all pixels touch alike, or each by its own brightness */
     world_add_moving(j->scene, &wall, motion, 0);
 }
 
