@@ -7,7 +7,8 @@
 #include <string.h>
 
 #define PI 3.14159265358979323846
-#define SEED 346 /* of every world */
+#define SEED 346  /* of every world */
+#define PHASE 0.7 /* [rad] at the start: neither at rest nor at mean, so that no level is touched where a run ends */
 
 /* -- vibrations ------------------------------------------------------------------------------------------------------------ */
 
@@ -18,8 +19,8 @@ static double offset_at(const bench_vibration *v, double t, double *rate) {
     *rate = 0;
     for (size_t i = 0; i < BENCH_WAVES; i++) {
         const double omega = 2 * PI * v->hz[i];
-        offset += v->amplitude[i] * sin(omega * t);
-        *rate += v->amplitude[i] * omega * cos(omega * t);
+        offset += v->amplitude[i] * sin(omega * t + PHASE);
+        *rate += v->amplitude[i] * omega * cos(omega * t + PHASE);
     }
     return offset;
 }
@@ -75,7 +76,7 @@ static tides_status lamp_motion(const tides_gaussians *g, double hz, double dept
         float *mean = values, *quaternion = mean + 3 * keys * n, *sh = quaternion + 4 * keys * n;
         for (size_t k = 0; k < keys; k++) {
             time[k] = stop * (double)k / (double)(keys - 1);
-            light_up(g, (float)(1 + depth * sin(2 * PI * hz * time[k])), mean + 3 * k * n, quaternion + 4 * k * n,
+            light_up(g, (float)(1 + depth * sin(2 * PI * hz * time[k] + PHASE)), mean + 3 * k * n, quaternion + 4 * k * n,
                      sh + 3 * bands * k * n);
         }
         const tides_keyframes_motion arrays = {.frames = (int64_t)keys,
