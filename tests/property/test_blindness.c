@@ -331,7 +331,11 @@ static judged pulse(int by_callback, double on, double off) {
     j.sensor.threshold_on = on;
     j.sensor.threshold_off = off;
     if (by_callback) {
-        const tides_callback_motion callback = {1, 0, j.stop, pulse_function, malloc(sizeof j), 1, 0};
+        const tides_callback_motion callback = {.count = 1,
+                                                .stop = j.stop,
+                                                .function = pulse_function,
+                                                .user = malloc(sizeof j),
+                                                .moves_sh = 1};
         assert_non_null(callback.user);
         j.user = memcpy(callback.user, &j, sizeof j);
         scene_expect_ok(tides_motion_create_callback(&callback, &motion, &error), &error);
