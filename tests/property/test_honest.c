@@ -48,13 +48,13 @@ static int ascending(const void *a, const void *b) {
 
 static void enter(ledger *all, const judged *j, const char *device, const judged_verdict *v, int settled) {
     const double reported[3] = {v->stats.error_p50_s, v->stats.error_p95_s, v->stats.error_p99_s};
-    const double measured[3] = {v->match.dt_median_us, v->match.dt_p95_us, v->match.dt_p99_us};
+    const double measured[3] = {v->timing.dt_median_us, v->timing.dt_p95_us, v->timing.dt_p99_us};
     const double moved[3] = {v->halved.dt_median_us, v->halved.dt_p95_us, v->halved.dt_p99_us};
     all->scenes++;
     all->unsettled += !settled;
     all->dishonest[3] += !judged_honest(v);
     for (int i = 0; i < 3; i++) all->dishonest[i] += measured[i] - moved[i] > fmax(1e6 * reported[i], 1e-3);
-    if (v->match.matched > 0 && all->ratio_count < 4096) {
+    if (v->timing.matched > 0 && all->ratio_count < 4096) {
         for (int i = 0; i < 3; i++) all->ratios[i][all->ratio_count] = 1e6 * reported[i] / fmax(measured[i], 1e-3);
         all->ratio_count++;
     }

@@ -215,6 +215,42 @@ static tides_match match_of(const judged_stream *exact, const judged_stream *str
     return match;
 }
 
+/* -- pixels with the right number of events ------------------------------------------------------------------------------- */
+
+static void count_events(const judged *j, const judged_stream *s, long sign, long *counts) {
+    for (size_t i = 0; i < s->count; i++) {
+        const tides_event *e = &s->events[i];
+        counts[2 * ((size_t)e->y * (size_t)j->intrinsics.width + e->x) + (e->polarity > 0)] += sign;
+    }
+}
+
+static judged_stream of_right_pixels(const judged *j, const judged_stream *s, const long *differences) {
+    judged_stream right = {0};
+    for (size_t i = 0; i < s->count; i++) {
+        const tides_event *e = &s->events[i];
+        const long *d = differences + 2 * ((size_t)e->y * (size_t)j->intrinsics.width + e->x);
+        if (d[0] == 0 && d[1] == 0) assert_int_equal(keep(&right, e, 1), 0);
+    }
+    return right;
+}
+
+static void judge_streams(const judged *j, const judged_stream *exact, const judged_stream *stream, double limit_s,
+                          judged_verdict *v) {
+    const size_t pixels = (size_t)j->intrinsics.width * (size_t)j->intrinsics.height;
+    long *differences = calloc(2 * pixels, sizeof *differences);
+    assert_non_null(differences);
+    count_events(j, exact, 1, differences);
+    count_events(j, stream, -1, differences);
+    judged_stream right = of_right_pixels(j, exact, differences), made = of_right_pixels(j, stream, differences);
+    v->match = match_of(exact, stream, limit_s);
+    v->timing = match_of(&right, &made, limit_s);
+    v->wrong_pixels = 0;
+    for (size_t i = 0; i < pixels; i++) v->wrong_pixels += differences[2 * i] != 0 || differences[2 * i + 1] != 0;
+    free(differences);
+    free(right.events);
+    free(made.events);
+}
+
 /* Nothing that would show beside the errors measured. */
 static int is_settled(const tides_match *halved, const tides_match *measured, double share) {
     const double moved[3] = {halved->dt_median_us, halved->dt_p95_us, halved->dt_p99_us};
@@ -233,9 +269,9 @@ judged_verdict judged_against_exact(const judged *j, const char *device, const j
     do {
         v.frames *= 2;
         judged_exact(j, v.frames, &fine, &coarse);
-        v.match = match_of(&fine, &simulated, scale->limit_s);
+        judge_streams(j, &fine, &simulated, scale->limit_s, &v);
         v.halved = match_of(&fine, &coarse, scale->limit_s);
-        enough = is_settled(&v.halved, &v.match, scale->share);
+        enough = is_settled(&v.halved, &v.timing, scale->share);
     } while (!enough && 2 * v.frames <= scale->most_frames);
     if (settled) *settled = enough;
     free(simulated.events);
@@ -251,7 +287,7 @@ judged_verdict judged_against(const judged *j, const char *device, double limit_
     judged_verdict v = {.frames = 0}; /* halved by nothing */
     judged_stream simulated = {0};
     if (!judged_simulate(j, device, &simulated, &v.stats)) skip();
-    v.match = match_of(exact, &simulated, limit_s);
+    judge_streams(j, exact, &simulated, limit_s, &v);
     free(simulated.events);
     return v;
 }
@@ -262,17 +298,17 @@ static int holds(double reported_s, double measured_us, double moved_us) {
 }
 
 int judged_honest(const judged_verdict *v) {
-    const tides_match *m = &v->match, *h = &v->halved;
+    const tides_match *m = &v->timing, *h = &v->halved;
     return holds(v->stats.error_p50_s, m->dt_median_us, h->dt_median_us) &&
            holds(v->stats.error_p95_s, m->dt_p95_us, h->dt_p95_us) && holds(v->stats.error_p99_s, m->dt_p99_us, h->dt_p99_us);
 }
 
 void judged_print(const judged *j, const char *device, const judged_verdict *v) {
-    const tides_match *m = &v->match;
+    const tides_match *m = &v->match, *t = &v->timing;
     print_message("%-34s %-13s %6llu exact, -%llu +%llu (%.3g %%)  us: p50 %.3g <= %.3g, p95 %.3g <= %.3g, p99 %.3g <= %.3g%s  "
                   "%.4g renders\n",
                   j->name, device, (unsigned long long)m->reference, (unsigned long long)m->missing,
-                  (unsigned long long)m->spurious, m->mismatch_percent, m->dt_median_us, 1e6 * v->stats.error_p50_s,
-                  m->dt_p95_us, 1e6 * v->stats.error_p95_s, m->dt_p99_us, 1e6 * v->stats.error_p99_s,
+                  (unsigned long long)m->spurious, m->mismatch_percent, t->dt_median_us, 1e6 * v->stats.error_p50_s,
+                  t->dt_p95_us, 1e6 * v->stats.error_p95_s, t->dt_p99_us, 1e6 * v->stats.error_p99_s,
                   judged_honest(v) ? "" : " DISHONEST", v->stats.renders_full_frame_equivalent);
 }

@@ -40,6 +40,9 @@ int judged_simulate(const judged *j, const char *device, judged_stream *stream, 
 /* A run against the exact events. */
 typedef struct judged_verdict {
     tides_match match;
+    tides_match timing; /* of the pixels with as many events of either polarity as there should be: where a touch was taken for
+                           a crossing, or the other way round, the reference is another one from there on, and times with it */
+    int wrong_pixels;   /* the others */
     tides_stats stats;
     tides_match halved; /* how the last halving of the frames' spacing moved the exact events */
     int frames;
@@ -61,7 +64,7 @@ judged_verdict judged_against_exact(const judged *j, const char *device, const j
 /* The same against exact events that are known. */
 judged_verdict judged_against(const judged *j, const char *device, double limit_s, const judged_stream *exact);
 
-/* Percentiles reported are no smaller than those measured, less what the exact events may be off by (`halved`); what is below
+/* Percentiles reported are no smaller than those measured (`timing`), less what the exact events may be off by (`halved`); what is below
  * a nanosecond is nothing. */
 int judged_honest(const judged_verdict *v);
 void judged_print(const judged *j, const char *device, const judged_verdict *v);
