@@ -37,8 +37,8 @@ enum { WIDTH = 20, HEIGHT = 10 }; /* two tiles; the double reference takes 0.2 m
 /* Thresholds differ, so that a signal that comes back to where it began doesn't touch a level there. */
 static judged small(const char *name, double stop, int frames) {
     judged j = judged_make(name, WIDTH, HEIGHT, stop);
-    j.sensor.threshold_on = 0.08;
-    j.sensor.threshold_off = 0.083;
+    j.sensor.threshold_on = 0.04;
+    j.sensor.threshold_off = 0.0415;
     j.frames = frames;
     return j;
 }
