@@ -207,7 +207,8 @@ static void test_far_apart_is_hard_order(void **state) {
     uint64_t seed = SEED + 200;
     judged j = small(0.1);
     splat_set set = {0};
-    splat_set_texture(&set, &seed, 60, 3, 1, 0.8, 0.2); /* a thousandth apart */
+    splat_set_texture(&set, &seed, 60, 3, 1, 0.8, 0.2);
+    for (int i = 0; i < set.count; i++) set.mean[3 * i + 2] = (float)(3 * (1 - 0.01 * i)); /* a hundred soft_depth apart */
     world_add(j.scene, &set, NULL);
     j.image.smoothing.stop_change = 1e-14; /* where compositing stops is another matter */
     for (int k = 0; k < 2; k++) {
