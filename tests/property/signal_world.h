@@ -61,11 +61,11 @@ static inline tides_status render_signals(td_backend *backend, const td_batch *b
     return TIDES_OK;
 }
 
-static inline tides_status sweep_signals(td_backend *backend, const double *views, double duration, int begin, int end,
-                                         float *boxes, float *travel, tides_error *error) {
+static inline tides_status sweep_signals(td_backend *backend, const td_sweep_request *request, float *boxes, float *travel,
+                                         tides_error *error) {
     const signal_class *world = (const void *)backend->type;
-    (void)views, (void)duration, (void)error;
-    for (int i = begin; i < end; i++) {
+    (void)error;
+    for (int i = request->begin; i < request->end; i++) {
         const float all[4] = {0, 0, (float)world->width, (float)world->height}, none[4] = {0, 0, -1, -1};
         memcpy(boxes + 4 * (size_t)i, i == 0 ? all : none, sizeof all);
         travel[i] = (float)world->travel;
@@ -76,7 +76,8 @@ static inline tides_status sweep_signals(td_backend *backend, const double *view
 /* A splat for the candidate lists, and the path that tells the time, good for [0, 10 s]. */
 static inline void make_signal_scene(tides_scene **scene, tides_trajectory **path) {
     const float mean[3] = {0, 0, 5}, quaternion[4] = {1, 0, 0, 0}, log_scale[3] = {0, 0, 0}, logit = 1, sh[3] = {0};
-    const tides_gaussians gaussian = {1, 0, 0, mean, log_scale, quaternion, &logit, sh};
+    const tides_gaussians gaussian =
+        {.count = 1, .mean = mean, .log_scale = log_scale, .quaternion = quaternion, .opacity_logit = &logit, .sh = sh};
     tides_pose_sample samples[3] = {{0}};
     tides_error error;
     for (int i = 0; i < 3; i++) {

@@ -32,7 +32,8 @@ static tides_scene *wall(double tilt, int textured) {
         quaternion[4 * i] = 1;
         logit[i] = 3;
     }
-    tides_gaussians gaussians = {WALL, 0, 0, mean, log_scale, quaternion, logit, sh, {0}, NULL};
+    tides_gaussians gaussians =
+        {.count = WALL, .mean = mean, .log_scale = log_scale, .quaternion = quaternion, .opacity_logit = logit, .sh = sh};
     scene_expect_ok(tides_scene_create(&scene, &error), &error);
     scene_expect_ok(tides_scene_add(scene, &gaussians, NULL, 1, NULL, NULL, &error), &error);
     return scene;

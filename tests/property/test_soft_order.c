@@ -60,7 +60,8 @@ static void add_splat(tides_scene *scene, const splat *s) {
     const float mean[3] = {0, 0, 0}, quaternion[4] = {1, 0, 0, 0}, log_sigma = (float)log(s->sigma);
     const float log_scale[3] = {log_sigma, log_sigma, log_sigma}, grey = (float)s->grey;
     const float logit = (float)log(s->opacity / (1 - s->opacity)), sh[3] = {grey, grey, grey};
-    tides_gaussians gaussian = {1, 0, 0, mean, log_scale, quaternion, &logit, sh, {0}, NULL};
+    tides_gaussians gaussian =
+        {.count = 1, .mean = mean, .log_scale = log_scale, .quaternion = quaternion, .opacity_logit = &logit, .sh = sh};
     tides_trajectory *path = path_of(s);
     tides_error error;
     scene_expect_ok(tides_scene_add(scene, &gaussian, path, 1, NULL, NULL, &error), &error);
@@ -83,7 +84,8 @@ static void add_still(tides_scene *scene, const splat *splats, int count) {
         quaternion[4 * i] = 1;
         logit[i] = (float)log(s->opacity / (1 - s->opacity));
     }
-    tides_gaussians gaussians = {count, 0, 0, mean, log_scale, quaternion, logit, sh, {0}, NULL};
+    tides_gaussians gaussians =
+        {.count = count, .mean = mean, .log_scale = log_scale, .quaternion = quaternion, .opacity_logit = logit, .sh = sh};
     scene_expect_ok(tides_scene_add(scene, &gaussians, NULL, 1, NULL, NULL, &error), &error);
 }
 

@@ -71,7 +71,12 @@ void splat_set_texture(splat_set *set, uint64_t *seed, int count, double z, doub
 }
 
 tides_gaussians splat_set_view(const splat_set *s) {
-    return (tides_gaussians){s->count, 0, 0, s->mean, s->log_scale, s->quaternion, s->logit, s->sh};
+    return (tides_gaussians){.count = s->count,
+                             .mean = s->mean,
+                             .log_scale = s->log_scale,
+                             .quaternion = s->quaternion,
+                             .opacity_logit = s->logit,
+                             .sh = s->sh};
 }
 
 void splat_set_free(splat_set *s) {
