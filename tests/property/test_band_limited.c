@@ -17,7 +17,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { WIDTH = 20, HEIGHT = 10, FEW = 8 };
+enum { WIDTH = 20, HEIGHT = 10, FEW = 6 };
 #define FOCAL (1.25 * WIDTH)
 #define PIXEL_AT_2 (2 / FOCAL) /* scene units of a pixel at depth 2 */
 #define HIGHEST_HZ 2000.0

@@ -178,14 +178,12 @@ static void test_transmittance_is_the_product(void **state) {
             viewer v;
             tides_error error;
             if (k >= 0)
-                g = (tides_gaussians){1,
-                                      0,
-                                      0,
-                                      g.mean + 3 * k,
-                                      g.log_scale + 3 * k,
-                                      g.quaternion + 4 * k,
-                                      g.opacity_logit + k,
-                                      g.sh + 3 * k};
+                g = (tides_gaussians){.count = 1,
+                                      .mean = g.mean + 3 * k,
+                                      .log_scale = g.log_scale + 3 * k,
+                                      .quaternion = g.quaternion + 4 * k,
+                                      .opacity_logit = g.opacity_logit + k,
+                                      .sh = g.sh + 3 * k};
             scene_expect_ok(tides_scene_add(j.scene, &g, NULL, 1, NULL, NULL, &error), &error);
             assert_true(viewer_open(&v, &j, "reference"));
             look(&v, 0, k < 0 ? &seen : &one);
