@@ -6,7 +6,8 @@
  *   /events/t_ns   i8   [ns] the exact time, absolute: t_offset is in it; ours, ignored by others
  *   /events/cause, fired, frontend: labels, where there are any (event_labels.c)
  *   /ms_to_idx     u8   entry k: the first event with t >= 1000 k, so it counts from t_offset too. It covers the recording's
- *                       end: a query that ends within the recording finds its entry. (DSEC's own reader fails on a window without events; that is its defect.)
+ *                       end: a query that ends within the recording finds its entry. (DSEC's own reader fails on a window
+ *                       without events; that is its defect.)
  *   /t_offset      i8   scalar [us]: 0 where the recording lies within the first 4294.967 s, else its start: times of 1.4e9 s
  *                       (or before 0) are t + t_offset, as in DSEC
  *   attributes of the root: format "tides-events", version 1, tides_version, width, height, seed, run (the run file's JSON; a
