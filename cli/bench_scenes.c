@@ -77,7 +77,7 @@ static tides_status make_nearly_static(bench_scene *s, tides_error *error) {
     return status == TIDES_OK ? still_camera(s, error) : status;
 }
 
-/* -- what comes back within a step ------------------------------------------------------------------------------------------- */
+/* -- what comes back within a step ------------------------------------------------------------------------------------- */
 
 /* A ball of which 2 px are 100 Hz and half a pixel 200 Hz, and a camera at 200 Hz and at a frequency that no step is a multiple
  * of: but for that, all is where it was, and as fast, after each 10 ms. */

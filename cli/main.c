@@ -78,7 +78,8 @@ static const cli_command commands[] = {
      "ablation: what each part of the method is worth, what masking and the readout change; ablation.json, .csv and a plot.\n"
      "image: what each measure that makes the image continuous in time is worth and costs; image.json and .csv.\n"
      "throughput: what each block of sensor and readout costs; throughput.json, .csv and a plot.\n"
-     "Scenes: fan, handheld, occluder, nearly_static, vibration, flicker; trained and playbot where $TIDES_SHARED/data has them.",
+     "Scenes: fan, handheld, occluder, nearly_static, vibration, flicker; trained and playbot where $TIDES_SHARED/data has "
+     "them.",
      1, cmd_bench},
 };
 

@@ -2,8 +2,8 @@
  * jump; here a splat takes light out not at its depth but from there on, at a rate that falls to 1/e over each soft_depth.
  *
  * Splat k has the optical depth a_k = -ln(1 - tau_k), with the density a_k exp(-s) at s = (ln z - ln z_k) / soft_depth >= 0
- * behind it. Light falls as dT = -A T ds, A the sum of the densities, and the image gains dY = B T ds, B the sum of density times
- * colour. All densities fall alike, so that from one splat to the next, x behind it, with m = 1 - exp(-x):
+ * behind it. Light falls as dT = -A T ds, A the sum of the densities, and the image gains dY = B T ds, B the sum of density
+ * times colour. All densities fall alike, so that from one splat to the next, x behind it, with m = 1 - exp(-x):
  *   T_after = T exp(-A m),   Y_after = Y + (B/A) (T - T_after),   (A, B)_after = (A, B) exp(-x).
  * So the weights of any number of splats add up to 1 - T, T ends as prod (1 - tau_k), splats of one depth share in proportion
  * to a_k, and all of it has a continuous slope in the depths. A splat with nobody near is blended as in hard order.
@@ -129,7 +129,7 @@ TD_INLINE void td_soft_fall_all(const td_soft_step *step, const td_image *image,
     td_soft_fall(step, &sums->depth, &sums->depth_dot);
 }
 
-/* Where densities have become next to nothing they become nothing, before they are so small that processors are slow with them. */
+/* Where densities have become next to nothing they become nothing, before they slow processors down. */
 TD_INLINE void td_soft_clear(const td_image *image, td_soft *soft) {
     td_sums *sums = &soft->sums;
     td_lanes some = td_select(td_splat(0.0f), td_splat(1.0f), soft->a > TD_REAL(1e-20));

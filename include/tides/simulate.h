@@ -19,11 +19,11 @@ enum {
     TIDES_MODEL_SECANT = 3     /* S0 to S1 in a straight line: what ESIM assumes */
 };
 
-/* How steps are chosen. FIXED: every step_s. The others cut each macro step of step_s, tile by tile. ERROR: each in which something
- * moves once, to compare its model with a render inside it, and further until what such probes saw bounds the model's error within
- * the tolerance wherever a pixel may reach a threshold (lib/solver/td_probe.h). RISK: until it is as short as the paper's risk
- * score asks for (Eq. 13; lib/solver/control.c has the norms and kappa). Both may be asked for; FIXED and RISK alone look inside no
- * step, and miss what its ends don't show. */
+/* How steps are chosen. FIXED: every step_s. The others cut each macro step of step_s, tile by tile. ERROR: each in which
+ * something moves once, to compare its model with a render inside it, and further until what such probes saw bounds the model's
+ * error within the tolerance wherever a pixel may reach a threshold (lib/solver/td_probe.h). RISK: until it is as short as the
+ * paper's risk score asks for (Eq. 13; lib/solver/control.c has the norms and kappa). Both may be asked for; FIXED and RISK
+ * alone look inside no step, and miss what its ends don't show. */
 enum { TIDES_STEPPING_FIXED = 0, TIDES_STEPPING_RISK = 1, TIDES_STEPPING_ERROR = 2, TIDES_STEPPING_ERROR_RISK = 3 };
 
 /* Where the slopes of S come from. DIFFERENCE is what a renderer without derivatives would have to do, to measure what they are
@@ -78,9 +78,9 @@ typedef struct tides_stats {
     uint64_t steps_at_minimum;  /* accepted above the tolerance because they were as short as min_step_s */
     double worst_delay_s;       /* in the readout, jitter aside [s] */
     double worst_error; /* largest estimate among accepted steps [thresholds]; 0 under fixed steps, which estimate none */
-    /* Estimated timing error that so many percent of the events stay below [s]; likewise 0 under fixed steps. Of each event: what
-     * probes saw there, and rounding, by the slope and the curvature of the signal where it fired. Under RISK alone from the ends
-     * of steps where nothing was cut, which may show nothing. */
+    /* Estimated timing error that so many percent of the events stay below [s]; likewise 0 under fixed steps. Of each event:
+     * what probes saw there, and rounding, by the slope and the curvature of the signal where it fired. Under RISK alone from
+     * the ends of steps where nothing was cut, which may show nothing. */
     double error_p50_s, error_p95_s, error_p99_s;
     double worst_residual;                /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
     uint64_t tile_steps_still;            /* (tile, step) pairs in which nothing moved: neither rendered nor compared */

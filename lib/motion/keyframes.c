@@ -139,9 +139,9 @@ static tides_status spline_slopes(const td_keyframes *keys, const double *value,
 
 /* -- class ---------------------------------------------------------------------------------------------------------- */
 
-/* How far a mean's cubic may leave the straight line between two frames, span 4/27 of the steeper slope, for a mean to be refused:
- * farther than all its frames lie apart and the splat is large. Frames at even distances stay below half of that whatever they
- * hold; where two are close and apart in space, a C2 spline swings by thousands of times what they do. */
+/* How far a mean's cubic may leave the straight line between two frames, span 4/27 of the steeper slope, for a mean to be
+ * refused: farther than all its frames lie apart and the splat is large. Frames at even distances stay below half of that
+ * whatever they hold; where two are close and apart in space, a C2 spline swings by thousands of times what they do. */
 static tides_status check_swing(const td_keyframes *keys, int64_t gaussian, const float *log_scale, const double *value,
                                 const double *slope, tides_error *error) {
     const double size = exp((double)fmaxf(fmaxf(log_scale[0], log_scale[1]), log_scale[2]));
@@ -153,7 +153,8 @@ static tides_status check_swing(const td_keyframes *keys, int64_t gaussian, cons
             upper = fmax(upper, value[i * keys->channels + channel]);
         }
         for (int64_t i = 1; i < keys->frames; i++) {
-            const double *rate = slope + i * keys->channels + channel, span = td_keyframes_time(keys, i) - td_keyframes_time(keys, i - 1);
+            const double *rate = slope + i * keys->channels + channel,
+                         span = td_keyframes_time(keys, i) - td_keyframes_time(keys, i - 1);
             const double swing = span * fmax(fabs(rate[0]), fabs(rate[-keys->channels])) * 4 / 27;
             if (swing <= upper - lower + size) continue;
             return td_fail(error, TIDES_BAD_FILE,

@@ -15,9 +15,9 @@
 /* Diameters that a splat may travel between two samples: within half of one, none passes a pixel without being seen there. */
 static const double most_travel = 0.5;
 
-/* Deviations that are rounding: so many times what rounding does to S, from three samples with their rates; and what doesn't fall
- * from one cut to the next is, up to what pixels with much light hidden by much else were seen to have. Above it is a jump of the
- * image, which shorter steps do place better. */
+/* Deviations that are rounding: so many times what rounding does to S, from three samples with their rates; and what doesn't
+ * fall from one cut to the next is, up to what pixels with much light hidden by much else were seen to have. Above it is a jump
+ * of the image, which shorter steps do place better. */
 static const double rounding_seen = 2, rounding_most = 50, falls = 0.5;
 
 static const double unseen = 1.000001;      /* excess of a step that nothing has been compared with: any above 1 */

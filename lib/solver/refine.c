@@ -1,8 +1,8 @@
 /* Adaptive steps: which (tile, time) jobs a macro step needs.
  *
- * Level 0 renders every tile in which something moves at the macro step's end, and inside it where the error is controlled. Each
- * level then cuts those of the new steps that the controller (control.c) finds too long, until there is none or min_step_s is
- * reached. All tiles' jobs of a level are one batch for the renderer; equal times share a slot. */
+ * Level 0 renders every tile in which something moves at the macro step's end, and inside it where the error is controlled.
+ * Each level then cuts those of the new steps that the controller (control.c) finds too long, until there is none or min_step_s
+ * is reached. All tiles' jobs of a level are one batch for the renderer; equal times share a slot. */
 #include "td_probe.h"
 #include "td_simulator.h"
 
@@ -219,7 +219,7 @@ static tides_status first_level(tides_simulator *s, td_refine *r, double start, 
     return cut_pending(s, r, start, stop, count, error);
 }
 
-/* -- the macro step ---------------------------------------------------------------------------------------------------------- */
+/* -- the macro step ---------------------------------------------------------------------------------------------------- */
 
 static tides_status begin_macro_step(tides_simulator *s, td_refine *r, double start, double stop, tides_error *error) {
     r->depth = depth_for(stop - start, fmax(s->min_step_s, least_steps * DBL_EPSILON * stop)) + SHORTEST_BITS;

@@ -4,8 +4,8 @@
 
 #include <stdlib.h>
 
-/* Where a hold takes the reference from the signal anew after each event, an event that is late or early makes a wrong reference,
- * and the errors of a pixel's events add up: in quadrature over the 16 or so of a busy pixel in a run. */
+/* Where a hold takes the reference from the signal anew after each event, an event that is late or early makes a wrong
+ * reference, and the errors of a pixel's events add up: in quadrature over the 16 or so of a busy pixel in a run. */
 static const double hold_adds = 4;
 
 static double larger(double a, double b) { return a > b ? a : b; }

@@ -5,9 +5,9 @@
  *   compare    each tile over each step: events
  *   emit       the batch's events, sorted, as one packet
  *
- * Times count from the run's start. Steps lie on the grid k step_s, joined by the knots of motions. Fixed steps are rendered several to a launch; how
- * many changes the cost, never the events. Under error control each of them is a macro step, which refine.c halves where a
- * tile needs it. */
+ * Times count from the run's start. Steps lie on the grid k step_s, joined by the knots of motions. Fixed steps are rendered
+ * several to a launch; how many changes the cost, never the events. Under error control each of them is a macro step, which
+ * refine.c halves where a tile needs it. */
 #include "td_event_sort.h"
 #include "td_simulator.h"
 

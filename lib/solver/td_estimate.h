@@ -35,8 +35,8 @@ static inline double td_embedded(double rise, double rate0, double rate1) {
  *
  * Only pixels count whose signal may reach a threshold within the step: those whose control values, widened by the deviation
  * (else by the estimate), have a level between them: a bump that the model doesn't show is as high as what the probe saw. With
- * equal thresholds every level that a pixel may ever fire at is reference + n C, whatever happens before the step within the same
- * macro step; with unequal ones every pixel counts that moves. */
+ * equal thresholds every level that a pixel may ever fire at is reference + n C, whatever happens before the step within the
+ * same macro step; with unequal ones every pixel counts that moves. */
 td_estimate td_estimate_step(const td_comparator *comparator, const td_estimated *step);
 
 /* The same under a sensor with a block on, for a tile that begins at its pixel `first`; the step begins at `time` [ns since the
@@ -45,9 +45,9 @@ td_estimate td_estimate_step(const td_comparator *comparator, const td_estimated
  *
  * Levels are those of S with its leak. Where both thresholds are equal and no hold re-references, they are reference + n C
  * as above. Elsewhere a pixel counts from when it may first have fired or been re-referenced in this macro step: its range,
- * widened, left the band between its levels on this step or on one of few cuts judged so far, or it was held when the macro step
- * began. (Of few cuts, so that it doesn't matter in which order the others are judged.) Behind a filter every pixel counts:
- * low-passes don't enlarge the error of L, but where S is isn't seen in L. What a noise event does to a reference isn't
+ * widened, left the band between its levels on this step or on one of few cuts judged so far, or it was held when the macro
+ * step began. (Of few cuts, so that it doesn't matter in which order the others are judged.) Behind a filter every pixel
+ * counts: low-passes don't enlarge the error of L, but where S is isn't seen in L. What a noise event does to a reference isn't
  * foreseen: noise forces no cut. */
 enum { TD_FEW_CUTS = 2 };
 td_estimate td_estimate_sensor(td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time);

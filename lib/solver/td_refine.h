@@ -1,10 +1,10 @@
-/* Internal: adaptive steps. Within a macro step each tile has its own list of steps, made by cutting those in two whose estimated
- * error is too large, and each whole macro step once, to look inside (td_probe.h). A job is (tile, time); the jobs of one
- * refinement level go to the device in one launch.
+/* Internal: adaptive steps. Within a macro step each tile has its own list of steps, made by cutting those in two whose
+ * estimated error is too large, and each whole macro step once, to look inside (td_probe.h). A job is (tile, time); the jobs of
+ * one refinement level go to the device in one launch.
  *
  * Memory is bounded: where the samples of a level would be too many, the earliest of its steps are refined first, until nothing
  * before them is open; those are compared, and their samples given back. The steps that come of it are the same: how a step is
- * judged depends on its samples, those of the steps that it was cut out of, and what the pixels were when the macro step began. */
+ * judged depends on its samples, those of the steps that it was cut out of, and the pixels at the start of the macro step. */
 #ifndef TD_REFINE_H
 #define TD_REFINE_H
 
@@ -66,9 +66,9 @@ typedef struct td_refine {
     size_t plane_capacity;
 } td_refine;
 
-/* Renders and accepts steps for the macro step that begins at s->now, and compares them (settle.c): s->now is its end then. Until
- * the first is compared nothing of the simulator's pixel state changes. Afterwards the lists of those that weren't compared early
- * are still there. */
+/* Renders and accepts steps for the macro step that begins at s->now, and compares them (settle.c): s->now is its end then.
+ * Until the first is compared nothing of the simulator's pixel state changes. Afterwards the lists of those that weren't
+ * compared early are still there. */
 tides_status td_refine_macro_step(tides_simulator *s, double start, double stop, tides_error *error);
 
 /* Time of position `at` in the macro step: exact at both ends, the same double wherever it is asked for. */
@@ -87,8 +87,8 @@ void td_refine_release(td_refine *refine);
 /* Which of the steps refine->fresh are to be cut: refine->pending, and `open` (control.c). */
 tides_status td_control_steps(tides_simulator *s, double start, double stop, tides_error *error);
 
-/* Compares, in time order, the accepted steps that nothing open is before. With `early` their samples are given back, and more is
- * to come; else all are accepted (settle.c). */
+/* Compares, in time order, the accepted steps that nothing open is before. With `early` their samples are given back, and more
+ * is to come; else all are accepted (settle.c). */
 tides_status td_settle(tides_simulator *s, double start, double stop, int early, tides_error *error);
 
 /* The events from number `first` on came of a tile's accepted step, compared between these planes (settle.c). */

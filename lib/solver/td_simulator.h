@@ -117,8 +117,9 @@ tides_status td_compare_tile(tides_simulator *simulator, int tile, const td_step
 /* The sensor over one step of the tiles in which nothing moves, where it wants that. */
 tides_status td_compare_still(tides_simulator *simulator, const td_step *step, tides_error *error);
 
-/* The step between two times [s after the epoch], in absolute nanoseconds. What fires at its very end is a nanosecond earlier, except at the run's: so a packet never ends
- * with the nanosecond that the next one begins with, and the stream is in order however it is cut into packets. */
+/* The step between two times [s after the epoch], in absolute nanoseconds. What fires at its very end is a nanosecond earlier,
+ * except at the run's: so a packet never ends with the nanosecond that the next one begins with, and the stream is in order
+ * however it is cut into packets. */
 tides_status td_step_of_run(const tides_simulator *simulator, double start, double stop, td_step *step, tides_error *error);
 
 /* With a readout: the events of the step that ends at the grid point reached go through it (scan.c). */

@@ -21,8 +21,8 @@ typedef struct td_step {
  * TIDES_OUT_OF_RANGE where they aren't finite and ascending, or beyond 292 years. */
 TIDES_MUST_CHECK tides_status td_step_between(double start, double stop, td_step *step, tides_error *error);
 
-/* The nearest nanosecond, of a time within +-TD_FURTHEST_TIME. Exact: the product with 1e9 alone would be off by up to 128 ns at
- * 1e9 s. It is where a run's start becomes an integer, once; all its steps and events count from there. */
+/* The nearest nanosecond, of a time within +-TD_FURTHEST_TIME. Exact: the product with 1e9 alone would be off by up to 128 ns
+ * at 1e9 s. It is where a run's start becomes an integer, once; all its steps and events count from there. */
 int64_t td_time_ns(double seconds);
 
 /* Time of an event at s in [0, 1], floored [ns]; at s = 1 exactly stop_ns, never beyond it. */

@@ -15,11 +15,12 @@ typedef struct td_timing {
 } td_timing;
 
 /* What single precision does to S: 3e-6 to 8e-6 in nine tenths of the pixels of the scenes of tides bench accuracy, against the
- * double reference; half as much again as the largest, for the tail. Most of it is the rounding of where splats are on the screen. */
+ * double reference; half as much again as the largest, for the tail. Most of it is the rounding of where splats are on the
+ * screen. */
 #define TD_SINGLE_ROUNDING 1.2e-5
 
-/* What the pixels of a tile compare with: thresholds of pixel i at [i x stride], with stride 0 those of all; references when the
- * step is over; the leak's ramp, which is added to the signal. */
+/* What the pixels of a tile compare with: thresholds of pixel i at [i x stride], with stride 0 those of all; references when
+ * the step is over; the leak's ramp, which is added to the signal. */
 typedef struct td_levels {
     const double *threshold_on, *threshold_off, *reference;
     int stride;
@@ -47,12 +48,12 @@ void td_timing_add(td_timing *timing, const td_timed *timed);
 /* Adds the places where a signal turned back before a level by less than its error; without a front end. */
 void td_timing_add_turns(td_timing *timing, const td_timed *timed);
 
-/* How far from a crossing with this slope and curvature, both towards the event's side and per step, the signal may have been within
- * `error` of the level [in steps], at most 1; *touches is 1 where an error of so much may undo the crossing. */
+/* How far from a crossing with this slope and curvature, both towards the event's side and per step, the signal may have been
+ * within `error` of the level [in steps], at most 1; *touches is 1 where an error of so much may undo the crossing. */
 double td_timing_reach(double slope, double bend, double error, int *touches);
 
-/* The error [s] that `share` (0 to 1) of the events stay below, or so much more of them as one standard error of that share is: of
- * few events a percentile is what one or two of them say. 0 where there were none. */
+/* The error [s] that `share` (0 to 1) of the events stay below, or so much more of them as one standard error of that share is:
+ * of few events a percentile is what one or two of them say. 0 where there were none. */
 double td_timing_percentile(const td_timing *timing, double share);
 
 #endif

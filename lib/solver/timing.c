@@ -19,8 +19,9 @@ static double curvature(const td_model *model, double s) {
     return 6 * ((1 - s) * (d1 - d0) + s * (d2 - d1));
 }
 
-/* The signal is `error` beyond the level after v d + a d^2 / 2 = error, and was `error` short of it as long before. Where it bends
- * back, the one that lies that way may not exist: a touch, of which both crossings and all between them are within the error. */
+/* The signal is `error` beyond the level after v d + a d^2 / 2 = error, and was `error` short of it as long before. Where it
+ * bends back, the one that lies that way may not exist: a touch, of which both crossings and all between them are within the
+ * error. */
 double td_timing_reach(double v, double a, double error, int *touches) {
     double bend = fabs(a);
     v = v > 0 ? v : 0;
@@ -50,8 +51,8 @@ static double end_of(int bin) {
     return ldexp(1 + (part + 1.0) / (1 << TD_TIMING_BITS), octave + first_octave);
 }
 
-/* The cubic is right at both ends of the step: 16 s^2 (1 - s)^2 is how its error lies between them where the signal is smooth; not
- * all are. */
+/* The cubic is right at both ends of the step: 16 s^2 (1 - s)^2 is how its error lies between them where the signal is smooth;
+ * not all are. */
 static const double least_share = 0.2;
 
 static double share_at(double s) {
@@ -103,8 +104,8 @@ static double reference_at(const td_timed *timed, int32_t i, double s) {
     return reference;
 }
 
-/* Slope and curvature of the signal where the event fired, per step. Behind a first-order low-pass S' = rate (L - S), and S is on
- * the level that the event took the reference to; behind the circuit those of L stand in for them. */
+/* Slope and curvature of the signal where the event fired, per step. Behind a first-order low-pass S' = rate (L - S), and S is
+ * on the level that the event took the reference to; behind the circuit those of L stand in for them. */
 static void turn_of(const td_timed *timed, const td_model *model, int32_t i, double s, double *slope, double *bend) {
     double L_dot = td_model_slope(model, s);
     *slope = L_dot;

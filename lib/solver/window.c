@@ -18,8 +18,8 @@ static int by_place(const void *a, const void *b) {
 void td_refine_bound(tides_simulator *s) {
     td_refine *r = &s->refine;
     const double bytes = (double)s->memory_mb * 1e6;
-    /* Half of it is samples with their steps, a quarter a launch's planes, in double here and in float at the device; a quarter is
-     * for what a launch keeps besides. */
+    /* Half of it is samples with their steps, a quarter a launch's planes, in double here and in float at the device; a quarter
+     * is for what a launch keeps besides. */
     const double sample = (double)(td_sample_reals(&r->samples) * sizeof(double) + 2 * sizeof(td_refine_step));
     const double launched = (double)s->outputs * TD_TILE_PIXELS * (sizeof(double) + sizeof(float));
     r->limit = (size_t)(0.5 * bytes / sample);
@@ -35,8 +35,8 @@ static size_t room(const td_refine *r, uint32_t longest) {
     return r->limit > live ? (r->limit - live) / levels : 0;
 }
 
-/* Without `local` all tiles are cut at once, and with a sensor the first cuts are judged before others, which read what was found
- * (td_estimate_sensor). */
+/* Without `local` all tiles are cut at once, and with a sensor the first cuts are judged before others, which read what was
+ * found (td_estimate_sensor). */
 static int must_take(const tides_simulator *s, const td_refine_step *step, const td_refine_step *last) {
     return (!s->local && step->from == last->from) || (s->sensor.on && step->cuts < TD_FEW_CUTS);
 }

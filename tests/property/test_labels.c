@@ -1,5 +1,5 @@
-/* Labels in whole runs: asking for them changes no event, each event left no earlier than it fired but for jitter, and behind a readout the
- * labels are those that the pixels gave. */
+/* Labels in whole runs: asking for them changes no event, each event left no earlier than it fired but for jitter, and behind a
+ * readout the labels are those that the pixels gave. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -13,7 +13,7 @@ static const double PI = 3.14159265358979323846;
 
 /* -- signals ----------------------------------------------------------------------------------------------------------- */
 
-/* What varies; every signal is about so long a period [s] and so high [log units]; `phase` in turns, also from pixel to pixel. */
+/* What varies; every signal is about so long a period [s] and so high [log units]; `phase` in turns, and by pixel. */
 typedef struct shape {
     double period, height, phase, phase_x;
 } shape;
@@ -136,8 +136,8 @@ static void test_kinks(void **state) {
     free_world(&w);
 }
 
-/* Signals that turn on a level, a little above or below it: what comes out may differ from the truth, but no more than the run says
- * itself. */
+/* Signals that turn on a level, a little above or below it: what comes out may differ from the truth, but no more than the run
+ * says itself. */
 static void test_touches(void **state) {
     (void)state;
     world w = make_world();
@@ -150,7 +150,7 @@ static void test_touches(void **state) {
     free_world(&w);
 }
 
-/* A single-precision device's S is off by 1e-5 here and there: no step shows less, and those below say so instead of going on. */
+/* A single-precision device's S is off by 1e-5 here and there: no step shows less, and those below say so. */
 static void test_rounding_ends_it(void **state) {
     (void)state;
     world w = make_world();

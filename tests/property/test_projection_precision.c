@@ -1,9 +1,9 @@
 /* How well single precision keeps the rates of projected covariances, for gsplat's rules with principal points anywhere, inside
  * the picture or out of it.
  *
- * What limits it. Inputs are rounded to e = 2^-24 of themselves, and sums like them. p = R m + t is then good to a few e (|m| + |t|),
- * 1 / z to a few e kappa of itself, with kappa = (|m| + |t|) / z. The covariance is A A^T with A = T M, each entry good to a
- * few e kappa |T| |M|: of A itself that is a few e kappa beam, with beam = |T| |M| / sqrt(|cov|), which is large for long
+ * What limits it. Inputs are rounded to e = 2^-24 of themselves, and sums like them. p = R m + t is then good to a few e (|m| +
+ * |t|), 1 / z to a few e kappa of itself, with kappa = (|m| + |t|) / z. The covariance is A A^T with A = T M, each entry good
+ * to a few e kappa |T| |M|: of A itself that is a few e kappa beam, with beam = |T| |M| / sqrt(|cov|), which is large for long
  * Gaussians seen end on: their length is in M, and hardly in A. Covariance and rate are of second order in A, and 1 / z enters
  * the rate up to three times: 16 e kappa beam bounds what a few of each make of it, 1e-6 kappa beam. It is the inputs'
  * rounding more than the arithmetic's: in the worst cases found the double kernel with inputs rounded to single is off by two
@@ -141,7 +141,7 @@ static double condition_of(const world *w, int gaussian, const golden_splat *spl
     return kappa * T * norm(splat->value + SPLAT_SCALE, 3) / sqrt(norm(splat->value + SPLAT_COV2, 3));
 }
 
-/* Relative as in tests/golden/test_render.c: to the rate itself or, where its terms cancel, to the relative rate that is usual. */
+/* Relative as in tests/golden/test_render.c: to the rate itself or, where its terms cancel, to the usual relative rate. */
 static double error_of(const golden_splat *want, const golden_splat *got, double usual) {
     double off[3], own = norm(want->value + SPLAT_COV2, 3);
     for (int k = 0; k < 3; k++) off[k] = got->rate[SPLAT_COV2 + k] - want->rate[SPLAT_COV2 + k];

@@ -1,5 +1,5 @@
-/* Light is conserved however many splats share a depth (issue 12, A): the weights sum to 1 - T, T being the product of what each
- * splat lets through by itself; what is of one colour looks it, and fires nothing under any motion; and where splats pass
+/* Light is conserved however many splats share a depth (issue 12, A): the weights sum to 1 - T, T being the product of what
+ * each splat lets through by itself; what is of one colour looks it, and fires nothing under any motion; and where splats pass
  * through one another, L keeps its value and its slope. From the mathematics alone: nothing here knows how splats are mixed. */
 #include <stdarg.h>
 #include <stddef.h>

@@ -58,7 +58,7 @@ static int keep(void *user, const tides_event *events, size_t count) {
     return 0;
 }
 
-/* -- exact events ------------------------------------------------------------------------------------------------------------ */
+/* -- exact events ------------------------------------------------------------------------------------------------------ */
 
 /* A pixel between two frames: S = ((c3 u + c2) u + c1) u + c0, u from 0 to 1. */
 typedef struct cubic {
@@ -184,7 +184,7 @@ void judged_exact(const judged *j, int frames, judged_stream *fine, judged_strea
     for (int i = 0; i < 2; i++) free(walks[i].pixels);
 }
 
-/* -- runs -------------------------------------------------------------------------------------------------------------------- */
+/* -- runs -------------------------------------------------------------------------------------------------------------- */
 
 int judged_simulate(const judged *j, const char *spec, judged_stream *stream, tides_stats *stats) {
     tides_device *device = NULL;

@@ -64,8 +64,8 @@ judged_verdict judged_against_exact(const judged *j, const char *device, const j
 /* The same against exact events that are known. */
 judged_verdict judged_against(const judged *j, const char *device, double limit_s, const judged_stream *exact);
 
-/* Percentiles reported are no smaller than those measured (`timing`), less what the exact events may be off by (`halved`); what is below
- * a nanosecond is nothing. */
+/* Percentiles reported are no smaller than those measured (`timing`), less what the exact events may be off by (`halved`); what
+ * is below a nanosecond is nothing. */
 int judged_honest(const judged_verdict *v);
 void judged_print(const judged *j, const char *device, const judged_verdict *v);
 

@@ -108,7 +108,7 @@ static void test_times(void **state) {
 }
 
 /* The spectrum of samples, at three frequencies: Hann-windowed periodograms of many pixels, against that of the process sampled
- * likewise. The window's own width of a few per cent of the cutoff changes a smooth spectrum by less than the standard errors. */
+ * likewise. The window's own width of a few per cent of the cutoff changes a smooth spectrum by less than standard errors. */
 static void test_spectrum(void **state) {
     enum { SAMPLES = 4096, SERIES = 600 };
     static const double share[] = {0.5, 2, 12}; /* of the cutoff */

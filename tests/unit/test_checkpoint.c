@@ -121,7 +121,8 @@ static void test_bits_of_pixels(void **state) {
 /* A statistic that was added later is in checkpoint_totals.c, or is made from others: then these sizes are to be changed. */
 static void test_totals_are_complete(void **state) {
     (void)state;
-    assert_int_equal(sizeof(tides_render_stats), 160); /* pixels_nonfinite: 0 in what can be saved, but for the counts that are */
+    assert_int_equal(sizeof(tides_render_stats),
+                     160); /* pixels_nonfinite: 0 in what can be saved, but for the counts that are */
     assert_int_equal(sizeof(tides_stats), 464);
 }
 

@@ -118,7 +118,7 @@ static void test_at_rest(void **state) {
     }
 }
 
-/* -- moving signals, held pixels, unequal thresholds ------------------------------------------------------------------------ */
+/* -- moving signals, held pixels, unequal thresholds ------------------------------------------------------------------ */
 
 /* In units of noise_rms and tau: slope of the signal, thresholds, refractory period (HOLD). */
 typedef struct world {

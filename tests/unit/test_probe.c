@@ -77,8 +77,8 @@ static void test_polynomials(void **state) {
     assert_true(isnan(deviation_of(1, 0.5, &nothing)));
 }
 
-/* Even about the middle with both ends alike, at rest or not: the ends say nothing, the probe does; and of whatever returns within
- * the step, its rate where its value doesn't. */
+/* Even about the middle with both ends alike, at rest or not: the ends say nothing, the probe does; and of whatever returns
+ * within the step, its rate where its value doesn't. */
 static void test_sees_what_ends_hide(void **state) {
     const double PI = 3.14159265358979323846;
     (void)state;
