@@ -231,9 +231,11 @@ TD_INLINE td_shape td_project_shape(TD_GLOBAL const td_view *view, const td_imag
     td_matrix23 map = td_screen_map(view, image, x_z, y_z, inverse_z);
     td_matrix23 a = td_project_factor(&map, source, image, index);
     td_dual compensation = td_shape_covariance(&shape, &a, image);
-    td_shape_opacity(&shape, td_entry(source, image, index, TD_G_OPACITY), compensation, image);
+    td_dual opacity = td_entry(source, image, index, TD_G_OPACITY);
+    td_shape_opacity(&shape, opacity, compensation, image);
     td_lanes all = (shape.conic[0].d + shape.conic[2].d) + (shape.u.d + shape.v.d) + (shape.opacity.v + shape.opacity.d);
-    td_mask unseen = (shape.opacity.v <= (image->cut_rule == TD_CUT_NONE ? TD_REAL(0.0) : image->cut)) | (gaussian < 0);
+    /* Its own opacity: what fades at the near plane has none left where its depth isn't a number. */
+    td_mask unseen = (opacity.v <= (image->cut_rule == TD_CUT_NONE ? TD_REAL(0.0) : image->cut)) | (gaussian < 0);
     shape.broken = (((z.v > image->near) & (shape.broken | td_is_broken(all))) | td_is_broken(z.v)) & ~unseen;
     return shape;
 }
