@@ -139,37 +139,8 @@ static tides_status spline_slopes(const td_keyframes *keys, const double *value,
 
 /* -- class ---------------------------------------------------------------------------------------------------------- */
 
-/* How far a mean's cubic may leave the straight line between two frames, span 4/27 of the steeper slope, for a mean to be
- * refused: farther than all its frames lie apart and the splat is large. Frames at even distances stay below half of that
- * whatever they hold; where two are close and apart in space, a C2 spline swings by thousands of times what they do. */
-static tides_status check_swing(const td_keyframes *keys, int64_t gaussian, const float *log_scale, const double *value,
-                                const double *slope, tides_error *error) {
-    const double size = exp((double)fmaxf(fmaxf(log_scale[0], log_scale[1]), log_scale[2]));
-    for (int axis = 0; axis < 3; axis++) {
-        const int channel = keys->first[TD_KEYS_MEAN] + axis;
-        double lower = value[channel], upper = lower;
-        for (int64_t i = 1; i < keys->frames; i++) {
-            lower = fmin(lower, value[i * keys->channels + channel]);
-            upper = fmax(upper, value[i * keys->channels + channel]);
-        }
-        for (int64_t i = 1; i < keys->frames; i++) {
-            const double *rate = slope + i * keys->channels + channel,
-                         span = td_keyframes_time(keys, i) - td_keyframes_time(keys, i - 1);
-            const double swing = span * fmax(fabs(rate[0]), fabs(rate[-keys->channels])) * 4 / 27;
-            if (swing <= upper - lower + size) continue;
-            return td_fail(error, TIDES_BAD_FILE,
-                           "keyframes motion: between frames %lld and %lld, %.6g apart in time, the spline of mean[%d] of "
-                           "Gaussian %lld swings by %.4g, where all frames lie within %.4g: frames beside them are too close "
-                           "in time for how far they are apart; leave one out, or ask for catmull_rom",
-                           (long long)i - 1, (long long)i, span, axis, (long long)gaussian, swing, upper - lower);
-        }
-    }
-    return TIDES_OK;
-}
-
 /* Every Gaussian's channels and slopes into the frames' rows. */
-static tides_status pack_frames(const tides_motion *motion, const td_keyframes *keys, const tides_gaussians *gaussians,
-                                double *rows, tides_error *error) {
+static tides_status pack_frames(const tides_motion *motion, const td_keyframes *keys, double *rows, tides_error *error) {
     size_t size = (size_t)(keys->frames * keys->channels);
     double *value = td_alloc(size, sizeof *value, error), *slope = td_alloc(size, sizeof *slope, error);
     td_knot *knots = td_alloc((size_t)keys->frames, sizeof *knots, error);
@@ -181,7 +152,6 @@ static tides_status pack_frames(const tides_motion *motion, const td_keyframes *
             td_keyframes_differences(keys, value, slope);
         else
             status = spline_slopes(keys, value, slope, knots, error);
-        if (status == TIDES_OK) status = check_swing(keys, i, gaussians->log_scale + 3 * i, value, slope, error);
         for (int64_t entry = 0; entry < (int64_t)size; entry++) {
             int64_t frame = entry / keys->channels, channel = entry % keys->channels;
             double *row = rows + (frame * keys->gaussians + i) * 2 * keys->channels;
@@ -215,7 +185,7 @@ static tides_status pack(const tides_motion *motion, const tides_gaussians *gaus
     numbers->own[TD_KEYFRAMES_SH_ENTRIES] = keys.width[TD_KEYS_SH];
     numbers->own[TD_KEYFRAMES_COUNT] = (int)keys.gaussians;
     numbers->moves_sh = keys.part[TD_KEYS_SH] != NULL;
-    return pack_frames(motion, &keys, gaussians, numbers->data + keys.gaussians * TD_KEYFRAMES_REST, error);
+    return pack_frames(motion, &keys, numbers->data + keys.gaussians * TD_KEYFRAMES_REST, error);
 }
 
 /* The interval that holds tau: at a frame the one that begins there, or ends there for side -1 (rates agree). */
