@@ -26,7 +26,8 @@ typedef struct bench_truth {
     double worst_residual;
 } bench_truth;
 
-enum { BENCH_RULES = 2 }; /* TIDES_RULES_SMOOTH and TIDES_RULES_INRIA have exact streams */
+enum { BENCH_TRUTH_SPLIT = 8 }; /* first steps of an exact stream per longest step, where no scene asks for more */
+enum { BENCH_RULES = 2 };       /* TIDES_RULES_SMOOTH and TIDES_RULES_INRIA have exact streams */
 
 typedef struct bench_scene {
     char name[64];

@@ -9,7 +9,6 @@
 #define PI 3.14159265358979323846
 #define CAMERA_Z 3.05 /* [m] of the rooms' cameras */
 #define SLACK_S 0.01  /* that paths last beyond the run */
-#define TRUTH_SPLIT 8 /* the exact stream's first steps per longest step */
 
 typedef tides_status (*scene_maker)(bench_scene *s, tides_error *error);
 
@@ -192,7 +191,7 @@ static void lay_out(bench_scene *s, const recipe *r, int32_t quick) {
     s->start = 0;
     s->stop = quick ? 0.0025 : r->duration_s;
     s->macro_step_s = r->macro_step_s;
-    s->truth_step_s = r->truth_step_s > 0 ? r->truth_step_s : r->macro_step_s / TRUTH_SPLIT;
+    s->truth_step_s = r->truth_step_s > 0 ? r->truth_step_s : r->macro_step_s / BENCH_TRUTH_SPLIT;
     tides_image_params_defaults(&s->image);
     s->image.log_eps = 0.01;
     tides_sensor_defaults(&s->sensor);

@@ -23,6 +23,7 @@ const char *compare_exact_what(const comparison *c) {
 
 static tides_status of_scene(comparison *c, const cli_session *s, tides_error *error) {
     const tides_run_values *v = &s->values;
+    const double longest = fmin(v->stop - v->start, LONGEST_STEP_S);
     bench b = {.common = c->common, .directory = c->directory, .device = s->device, .info = s->info, .progress = c->progress};
     const bench_scene scene = {.name = "of the run",
                                .scene = s->scene,
@@ -32,7 +33,8 @@ static tides_status of_scene(comparison *c, const cli_session *s, tides_error *e
                                .sensor = v->sensor,
                                .start = v->start,
                                .stop = v->stop,
-                               .macro_step_s = fmin(v->stop - v->start, LONGEST_STEP_S)};
+                               .macro_step_s = longest,
+                               .truth_step_s = longest / BENCH_TRUTH_SPLIT};
     const double rate = fmin(LONG_RENDERS / 4 / (v->stop - v->start), MOST_RATE / 2);
     const bench_refining how = {.last_tolerance = c->in_double ? DOUBLE_TOLERANCE : BENCH_FLOAT_TOLERANCE,
                                 .first_rate = rate,

@@ -9,7 +9,7 @@ one line that says what, where, and how to fix it. C code runs without the GIL; 
 """
 
 from . import _api as api
-from . import errors, image, metrics
+from . import errors, files, image, metrics
 from ._handle import Handle
 from ._library import PATH as library_path
 from ._library import VERSION as __version__

@@ -51,7 +51,7 @@ for command in $(tides --help | sed -n 's/^  \([a-z]*\) .*/\1/p'); do
 done
 
 # Long work: a line for each 10 %, with the time that is left and events per second; a bar on a terminal; nothing if quiet.
-long="simulate run.json --set stepping.mode=fixed --set stepping.step_s=0.0001"
+long="simulate run.json --set stepping.mode=fixed --set stepping.step_s=0.00002"
 expect 0 tides $long -o long.h5
 err '^tides: .*: [1-9]0 %, [0-9]+ s left, [0-9.]+( [kM])? events/s$'
 [ "$(grep -c ' %' err)" -le 10 ] || fail "at most a line for each 10 %"

@@ -170,7 +170,7 @@ def test_readout():
     free = tides.Arbiter(tides.Readout(tick_s=0.0, eta=0.0, gamma_sigma_s=0.0), *SIZE)
     parts = [free.push(events[:700]), free.push(events[700:]), free.finish()]
     assert np.array_equal(np.concatenate([part[0] for part in parts]), events)
-    busy = tides.Arbiter(tides.Readout(kind="bottleneck", tick_s=1e-6, k0=1, eta=0.5), *SIZE, seed=5)
+    busy = tides.Arbiter(tides.Readout(kind="bottleneck", tick_s=1e-6, k0=1, eta=0.5, jitter_law="delay"), *SIZE, seed=5)
     assert busy.tiles == (3, 3)
     busy.set_activity(np.full((3, 3), 0.5))
     (out, fired), (rest, late) = busy.push(events), busy.finish()
@@ -178,6 +178,10 @@ def test_readout():
     assert (left["t"] >= when).all() and (left["t"] > when).any() and (np.diff(left["t"]) >= 0).all()
     stats = busy.stats
     assert stats["in"] == len(events) and stats.out == len(left) and stats.dropped == len(events) - len(left) > 0
+    early = tides.Arbiter(tides.Readout(tick_s=0.0, eta=0.0, sigma0_s=1e-5), *SIZE, start=int(events["t"][0]))
+    (out, fired), (rest, late) = early.push(events), early.finish()
+    left, when = np.concatenate([out, rest]), np.concatenate([fired, late])
+    assert len(left) == len(events) and (left["t"] < when).any() and left["t"].min() >= events["t"][0]
     with pytest.raises(ValueError, match="psi"):
         busy.set_activity(np.zeros(3))
 

@@ -106,3 +106,18 @@ def test_facts():
     facts = tides.Run(RUN).values
     assert facts["start"] == facts.start == 0.0 and "start" in facts
     assert math.isclose(facts.stop, 0.05)
+
+
+def test_files_are_whole_or_as_they_were(tmp_path):
+    there, link = tmp_path / "there.txt", tmp_path / "link.txt"
+    tides.files.write_bytes(there, b"first")
+    link.symlink_to(there)
+    tides.files.check_writable(link)
+    assert tides.files.part_name(there) == f"{there}.part"
+    tides.files.write_bytes(link, b"second\0")
+    assert there.read_bytes() == b"second\0" and link.is_symlink()
+    with pytest.raises(tides.TidesError, match=str(tmp_path)):
+        tides.files.check_writable(tmp_path)
+    with pytest.raises(tides.TidesError, match=str(tmp_path)):
+        tides.files.write_bytes(tmp_path / "no" / "folder.txt", b"")
+    assert sorted(tmp_path.iterdir()) == [link, there]
