@@ -133,7 +133,7 @@ static void test_rotor_refuses(void **state) {
 
 /* -- keyframes ------------------------------------------------------------------------------------------------------ */
 
-/* Two frames a microsecond and 0.1 of a unit apart: a C2 spline would swing by thousands over the long intervals beside them. */
+/* Two frames a microsecond and 0.1 of a unit apart: a C2 spline would swing by thousands in the long intervals beside them. */
 static void test_keyframes_do_not_swing(void **state) {
     static const double times[4] = {0, 0.05, 0.050001, 0.1};
     static const float means[12] = {0, 0, 0, 0.5f, 0, 0, 0.6f, 0, 0, 1, 0, 0},
