@@ -8,9 +8,8 @@
 #include <cmocka.h>
 
 #include "tests/property/simulator_run.h"
+#include "tests/support/scene_folder.h"
 #include "tests/support/scene_make.h"
-
-#include <unistd.h>
 
 enum { TRIALS = 1000, INEXACT_TRIALS = 400, SAMPLES = 5 };
 
@@ -130,6 +129,20 @@ static outcome run_cut(const job *j, tides_device *device, int cuts, const char 
     return o;
 }
 
+/* The run of a triple, in a world that is there for as long. */
+static outcome run_at(world *w, const triple *t, tides_device *device, int cuts, const char *checkpoint) {
+    place(w, t->start, t->duration);
+    const job j = job_in(w, t);
+    outcome o = run_cut(&j, device, cuts, checkpoint);
+    take_away(w);
+    return o;
+}
+
+static size_t pixels_in(const world *w) {
+    const job j = job_of(&w->base);
+    return (size_t)pixels_of(&j);
+}
+
 /* -- triples --------------------------------------------------------------------------------------------------------------- */
 
 /* Steps of a microsecond to a second, up to a dozen and a bit of them, often with a sliver at the end; starts near 0, 1e6 and
@@ -172,6 +185,7 @@ static void expect_moved(const outcome *early, const outcome *late, const triple
 }
 
 static void test_exact_times(void **state) {
+    const char *checkpoint = scene_in_folder(*state, "checkpoint.h5");
     world w = make_world(11);
     uint64_t seed = 20261122;
     size_t events = 0, fewest = SIZE_MAX;
@@ -179,16 +193,10 @@ static void test_exact_times(void **state) {
     for (int i = 0; i < TRIALS; i++) {
         triple t = random_triple(&seed, 1), at_zero = t;
         at_zero.start = 0;
-        place(&w, 0, t.duration);
-        job j = job_in(&w, &at_zero);
-        outcome early = run_cut(&j, device, 1, NULL);
-        take_away(&w);
-        place(&w, t.start, t.duration);
-        j = job_in(&w, &t);
-        assert_true(j.stop - j.start == t.duration);
-        outcome late = run_cut(&j, device, i % 40 == 7 ? -3 : 1 + (i % 5 == 3) * 2, *state);
-        take_away(&w);
-        expect_moved(&early, &late, &t, (size_t)pixels_of(&j));
+        assert_true(t.start + t.duration - t.start == t.duration);
+        outcome early = run_at(&w, &at_zero, device, 1, NULL);
+        outcome late = run_at(&w, &t, device, i % 40 == 7 ? -3 : 1 + (i % 5 == 3) * 2, checkpoint);
+        expect_moved(&early, &late, &t, pixels_in(&w));
         events += early.count;
         fewest = early.count < fewest ? early.count : fewest;
         free_outcome(&early);
@@ -202,6 +210,7 @@ static void test_exact_times(void **state) {
 
 /* Any doubles: what differs is how far the rounding of start, stop and samples moves the path within the run. */
 static void test_any_times(void **state) {
+    const char *checkpoint = scene_in_folder(*state, "checkpoint.h5");
     world w = make_world(12);
     uint64_t seed = 7;
     tides_device *device = open_device("reference");
@@ -212,19 +221,13 @@ static void test_any_times(void **state) {
         t.mode = at_zero.mode = TIDES_STEPPING_FIXED;                                  /* others may halve a step more */
         t.sensor = at_zero.sensor = 0;
         at_zero.start = 0;
-        place(&w, 0, t.duration);
-        job j = job_in(&w, &at_zero);
-        outcome early = run_cut(&j, device, 1, NULL);
-        take_away(&w);
-        place(&w, t.start, t.duration);
-        j = job_in(&w, &t);
-        outcome late = run_cut(&j, device, i % 40 == 7 ? -3 : 1, *state);
-        take_away(&w);
+        outcome early = run_at(&w, &at_zero, device, 1, NULL);
+        outcome late = run_at(&w, &t, device, i % 40 == 7 ? -3 : 1, checkpoint);
         int64_t first = (int64_t)floor(t.start) * 1000000000;
         for (size_t k = 0; k < late.count; k++)
             assert_true(late.events[k].t >= first && late.events[k].t - first <= (int64_t)((2 + t.duration) * 1e9));
         double most = 0;
-        for (int p = 0; p < pixels_of(&j); p++) most = fmax(most, fabs(late.signal[p] - early.signal[p]));
+        for (size_t p = 0; p < pixels_in(&w); p++) most = fmax(most, fabs(late.signal[p] - early.signal[p]));
         /* The path ends a rounding of the stop away from where it should: S goes by less than 60 over the run. */
         if (!(most <= 60 * 2 * rounding / t.duration + 1e-9))
             fail_msg("start %.17g, duration %.17g, step %.17g: S is off by %g", t.start, t.duration, t.step_s, most);
@@ -241,15 +244,12 @@ static void test_steps_below_the_rounding(void **state) {
     world w = make_world(13);
     const triple t = {2e9 + 0.5, 64 * tick, 0.1e-6, TIDES_STEPPING_FIXED, 0};
     tides_device *device = open_device("reference");
-    place(&w, t.start, t.duration);
-    job j = job_in(&w, &t);
-    outcome o = run_cut(&j, device, 1, NULL);
+    outcome o = run_at(&w, &t, device, 1, NULL);
     assert_true(o.stats.steps == 2 * (uint64_t)ceil(t.duration / t.step_s)); /* 2 tiles */
     size_t between = 0;
     for (size_t k = 0; k < o.count; k++) between += (o.events[k].t - INT64_C(2000000000500000000)) % 238 > 1;
     assert_true(o.count > 100 && between > o.count / 2);
     free_outcome(&o);
-    take_away(&w);
     tides_device_close(device);
     free_world(&w);
 }
@@ -261,15 +261,9 @@ static void test_negative_times(void **state) {
     const triple zero = {0, 0.0625, 0.01, TIDES_STEPPING_ERROR, 1},
                  negative = {-5.03125, 0.0625, 0.01, TIDES_STEPPING_ERROR, 1};
     tides_device *device = open_device("reference");
-    place(&w, 0, zero.duration);
-    job j = job_in(&w, &zero);
-    outcome early = run_cut(&j, device, 1, NULL);
-    take_away(&w);
-    place(&w, negative.start, negative.duration);
-    j = job_in(&w, &negative);
-    outcome late = run_cut(&j, device, 2, NULL);
-    expect_moved(&early, &late, &negative, (size_t)pixels_of(&j));
-    take_away(&w);
+    outcome early = run_at(&w, &zero, device, 1, NULL);
+    outcome late = run_at(&w, &negative, device, 2, NULL);
+    expect_moved(&early, &late, &negative, pixels_in(&w));
     free_outcome(&early);
     free_outcome(&late);
     tides_device_close(device);
@@ -277,12 +271,10 @@ static void test_negative_times(void **state) {
 }
 
 int main(void) {
-    char checkpoint[64];
-    snprintf(checkpoint, sizeof checkpoint, "/tmp/tides-epochs-%ld.h5", (long)getpid());
-    const struct CMUnitTest tests[] = {cmocka_unit_test_prestate(test_exact_times, checkpoint),
-                                       cmocka_unit_test_prestate(test_any_times, checkpoint),
+    const struct CMUnitTest tests[] = {cmocka_unit_test_setup_teardown(test_exact_times, scene_folder_setup,
+                                                                       scene_folder_teardown),
+                                       cmocka_unit_test_setup_teardown(test_any_times, scene_folder_setup,
+                                                                       scene_folder_teardown),
                                        cmocka_unit_test(test_steps_below_the_rounding), cmocka_unit_test(test_negative_times)};
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    unlink(checkpoint);
-    return failed;
+    return cmocka_run_group_tests(tests, NULL, NULL);
 }
