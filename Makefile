@@ -50,7 +50,7 @@ WERROR  ?=
 
 # -- sources -----------------------------------------------------------------------------------------------------------
 KERNELS  := $(wildcard kernels/*.h kernels/*.cl)
-LIB_SRC  := $(wildcard lib/*/*.c)
+LIB_SRC  := $(wildcard lib/*/*.c lib/*/*/*.c)
 CLI_SRC  := $(wildcard cli/*.c)
 PRESETS  := $(wildcard share/presets/*.json)
 LIB_OBJ  := $(LIB_SRC:%.c=$(OUT)/%.o) $(OUT)/kernels_embedded.o $(OUT)/presets_embedded.o
