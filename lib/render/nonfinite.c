@@ -5,9 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const char *const plane_names[TD_OUT_COLOUR] = {"L", "L_dot", "Y",     "A",     "A_dot", "contributors", "R", "G",
-                                                       "B", "R_dot", "G_dot", "B_dot", "Z",     "Z_dot"};
-
 /* Not 0 where one of the values isn't finite. Sums of x - x, a few side by side: one addition after the other would wait. */
 static int any_nonfinite(const double *values, size_t count) {
     enum { ABREAST = 8 };
@@ -108,6 +105,6 @@ tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_traj
     tides_status status = describe_cause(renderer, camera, time, requests[worst].tile, cause, sizeof cause, error);
     if (status != TIDES_OK) return status;
     return td_fail(error, TIDES_BAD_ARGUMENT, "%s of pixel (%d, %d) is %s at %.15g s, one of %llu that aren't finite: %s",
-                   plane_names[place[2]], place[0], place[1], isnan(value) ? "nan" : "infinite", renderer->epoch + time,
+                   td_plane_name(place[2]), place[0], place[1], isnan(value) ? "nan" : "infinite", renderer->epoch + time,
                    (unsigned long long)pixels, cause);
 }

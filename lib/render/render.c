@@ -9,17 +9,34 @@ enum {
     ROW_LIMIT = 1 << 20     /* rows of moving Gaussians per launch, and as many kept between launches: 128 MB each */
 };
 
-static const char *const channel_names[TIDES_CHANNELS] = {"Y", "L", "L_dot", "A",     "A_dot", "coverage", "contributors", "R",
-                                                          "G", "B", "R_dot", "G_dot", "B_dot", "Z",        "Z_dot"};
-
-/* Where each channel is among a backend's planes. */
-static const int channel_planes[TIDES_CHANNELS] = {TD_OUT_Y,         TD_OUT_L,        TD_OUT_L_DOT,        TD_OUT_ALPHA,
-                                                   TD_OUT_ALPHA_DOT, TD_OUT_COVERAGE, TD_OUT_CONTRIBUTORS, TD_OUT_R,
-                                                   TD_OUT_G,         TD_OUT_B,        TD_OUT_R_DOT,        TD_OUT_G_DOT,
-                                                   TD_OUT_B_DOT,     TD_OUT_Z,        TD_OUT_Z_DOT};
+/* Each channel's name, and where it is among a backend's planes: the one table of both, so that they can't part. */
+static const struct channel {
+    const char *name;
+    int plane;
+} channels[TIDES_CHANNELS] = {{"Y", TD_OUT_Y},
+                              {"L", TD_OUT_L},
+                              {"L_dot", TD_OUT_L_DOT},
+                              {"A", TD_OUT_ALPHA},
+                              {"A_dot", TD_OUT_ALPHA_DOT},
+                              {"coverage", TD_OUT_COVERAGE},
+                              {"contributors", TD_OUT_CONTRIBUTORS},
+                              {"R", TD_OUT_R},
+                              {"G", TD_OUT_G},
+                              {"B", TD_OUT_B},
+                              {"R_dot", TD_OUT_R_DOT},
+                              {"G_dot", TD_OUT_G_DOT},
+                              {"B_dot", TD_OUT_B_DOT},
+                              {"Z", TD_OUT_Z},
+                              {"Z_dot", TD_OUT_Z_DOT}};
 
 const char *tides_channel_name(int32_t channel) {
-    return channel >= 0 && channel < TIDES_CHANNELS ? channel_names[channel] : NULL;
+    return channel >= 0 && channel < TIDES_CHANNELS ? channels[channel].name : NULL;
+}
+
+const char *td_plane_name(int plane) {
+    for (int c = 0; c < TIDES_CHANNELS; c++)
+        if (channels[c].plane == plane) return channels[c].name;
+    return NULL;
 }
 
 static tides_status create_backend(tides_renderer *renderer, tides_error *error) {
@@ -329,7 +346,7 @@ tides_status td_renderer_frame(tides_renderer *renderer, const tides_trajectory 
     if (status == TIDES_OK) status = td_renderer_sweep(renderer, camera, time, time, error);
     if (status == TIDES_OK) status = td_renderer_tiles(renderer, camera, &time, 1, requests, tiles, outputs, planes, error);
     for (int c = 0; c < TIDES_CHANNELS && status == TIDES_OK; c++)
-        if (frame->plane[c]) assemble(renderer, planes, channel_planes[c], outputs, frame->plane[c]);
+        if (frame->plane[c]) assemble(renderer, planes, channels[c].plane, outputs, frame->plane[c]);
     free(planes);
     free(requests);
     return status;

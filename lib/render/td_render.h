@@ -161,6 +161,9 @@ tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_traj
                                       const td_request *requests, int count, int outputs, const double *planes,
                                       tides_error *error);
 
+/* The name of a backend's plane (TD_OUT_L ..), which is that of its channel; NULL where there is none. */
+const char *td_plane_name(int plane);
+
 /* The fastest motion in the image at `time` within [start, stop] [px/s]: of what is at rest in the world, pixel by pixel from
  * the camera's motion and the rendered depth Z (height x width), as ESIM does; of what moves by itself, splat by splat, hidden
  * ones too (flow.c). */

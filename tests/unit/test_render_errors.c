@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "render/td_render.h"
 #include "td_kernel_source.h"
 #include "tides/run.h"
 #include "tides/simulate.h"
@@ -358,6 +359,39 @@ static void test_kernel_folder_that_is_not_there(void **state) {
     assert_int_equal(scene_folder_teardown(&folder), 0);
 }
 
+/* As kernels/layout.h has them: every plane that a pixel can be infinite in has a name, and it is its own. */
+static void test_names_of_planes(void **state) {
+    (void)state;
+    static const char *const names[TD_OUT_COLOUR] = {[TD_OUT_L] = "L",
+                                                     [TD_OUT_L_DOT] = "L_dot",
+                                                     [TD_OUT_Y] = "Y",
+                                                     [TD_OUT_ALPHA] = "A",
+                                                     [TD_OUT_ALPHA_DOT] = "A_dot",
+                                                     [TD_OUT_COVERAGE] = "coverage",
+                                                     [TD_OUT_R] = "R",
+                                                     [TD_OUT_R_DOT] = "R_dot",
+                                                     [TD_OUT_CONTRIBUTORS] = "contributors",
+                                                     [TD_OUT_G] = "G",
+                                                     [TD_OUT_G_DOT] = "G_dot",
+                                                     [TD_OUT_B] = "B",
+                                                     [TD_OUT_B_DOT] = "B_dot",
+                                                     [TD_OUT_Z] = "Z",
+                                                     [TD_OUT_Z_DOT] = "Z_dot"};
+    for (int plane = 0; plane < TD_OUT_COLOUR; plane++) {
+        assert_non_null(td_plane_name(plane));
+        assert_string_equal(td_plane_name(plane), names[plane]);
+    }
+    assert_null(td_plane_name(-1));
+    assert_null(td_plane_name(TD_OUT_COLOUR));
+    for (int32_t channel = 0; channel < TIDES_CHANNELS;
+         channel++) { /* each channel has a plane of its own, so all planes one */
+        int found = 0;
+        for (int plane = 0; plane < TD_OUT_COLOUR; plane++)
+            found += strcmp(td_plane_name(plane), tides_channel_name(channel)) == 0;
+        assert_int_equal(found, 1);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_cameras),
                                        cmocka_unit_test(test_image_params),
@@ -370,7 +404,8 @@ int main(void) {
                                        cmocka_unit_test(test_sensor_and_stepping),
                                        cmocka_unit_test(test_run_until_before_the_start),
                                        cmocka_unit_test(test_kernel_that_does_not_compile),
-                                       cmocka_unit_test(test_kernel_folder_that_is_not_there)};
+                                       cmocka_unit_test(test_kernel_folder_that_is_not_there),
+                                       cmocka_unit_test(test_names_of_planes)};
     unsetenv("TIDES_KERNEL_DIR");
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
