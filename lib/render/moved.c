@@ -2,6 +2,7 @@
 #include "td_moved.h"
 
 #include "motion/td_motion.h"
+#include "td_sort.h"
 
 #include <stdlib.h>
 
@@ -59,17 +60,12 @@ static tides_status add_part(const tides_scene *scene, int object, int first, in
     return status == TIDES_OK ? find_knots(part, error) : status;
 }
 
-static int by_value(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
 /* The knots of all parts as one list, for which there is room. */
 static void join_knots(td_moved *moved) {
     size_t total = 0, kept = 0;
     for (int i = 0; i < moved->parts; i++)
         for (size_t k = 0; k < moved->part[i].knots; k++) moved->knots[total++] = moved->part[i].knot_s[k];
-    qsort(moved->knots, total, sizeof *moved->knots, by_value);
+    qsort(moved->knots, total, sizeof *moved->knots, td_ascending);
     for (size_t k = 0; k < total; k++)
         if (kept == 0 || moved->knots[k] - moved->knots[kept - 1] > same_time) moved->knots[kept++] = moved->knots[k];
     moved->knot_count = kept;

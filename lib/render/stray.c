@@ -7,6 +7,7 @@
 #include "td_stray.h"
 
 #include "td_render.h"
+#include "td_sort.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -110,11 +111,6 @@ static tides_status add_knots(td_strays *strays, const seen_path *seen, const ti
     return status;
 }
 
-static int by_value(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
 /* Both ends, all samples of the paths, and points in between, in order; and what is seen there. */
 static tides_status find_samples(td_strays *strays, const seen_path *path, tides_error *error) {
     strays->samples = 0;
@@ -124,7 +120,7 @@ static tides_status find_samples(td_strays *strays, const seen_path *path, tides
     if (status == TIDES_OK) status = add_knots(strays, path, path->own, error);
     if (status != TIDES_OK) return status;
     int knots = strays->samples;
-    qsort(strays->share, (size_t)knots, sizeof *strays->share, by_value);
+    qsort(strays->share, (size_t)knots, sizeof *strays->share, td_ascending);
     for (int i = 0; i + 1 < knots && status == TIDES_OK; i++) {
         double from = strays->share[i], to = strays->share[i + 1];
         for (int k = 1; k <= POINTS_BETWEEN && from < to && status == TIDES_OK; k++)
@@ -134,7 +130,7 @@ static tides_status find_samples(td_strays *strays, const seen_path *path, tides
         status =
             td_reserve((void **)&strays->view, &strays->view_capacity, (size_t)strays->samples, sizeof *strays->view, error);
     if (status != TIDES_OK) return status;
-    qsort(strays->share, (size_t)strays->samples, sizeof *strays->share, by_value);
+    qsort(strays->share, (size_t)strays->samples, sizeof *strays->share, td_ascending);
     for (int i = 0; i < strays->samples && status == TIDES_OK; i++)
         status = look(path, strays->share[i], &strays->view[i], error);
     return status;

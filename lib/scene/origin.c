@@ -7,6 +7,7 @@
  * number that round is subtracted from means in single precision without rounding. */
 #include "td_base.h"
 #include "td_scene.h"
+#include "td_sort.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -30,15 +31,10 @@ tides_status td_gaussians_widen(td_gaussians *g, tides_error *error) {
     return TIDES_OK;
 }
 
-static int ascending(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Median, and half the width that holds 90 % of the values, of `count` values, which are sorted; a few that strayed don't
  * count. */
 static void middle_of(double *values, size_t count, double *median, double *spread) {
-    qsort(values, count, sizeof *values, ascending);
+    qsort(values, count, sizeof *values, td_ascending);
     const size_t cut = count / 20;
     *median = values[count / 2];
     *spread = 0.5 * (values[count - 1 - cut] - values[cut]);
@@ -53,7 +49,7 @@ static void find_middle(const td_gaussians *g, double *values, double median[3],
         const float *s = g->log_scale + 3 * (int64_t)i * step;
         values[i] = fmax(fmax(s[0], s[1]), s[2]);
     }
-    qsort(values, count, sizeof *values, ascending);
+    qsort(values, count, sizeof *values, td_ascending);
     *spread = exp(values[count / 2]);
     for (int axis = 0; axis < 3; axis++) {
         double own;

@@ -5,6 +5,7 @@
  * is reached. All tiles' jobs of a level are one batch for the renderer; equal times share a slot. */
 #include "td_probe.h"
 #include "td_simulator.h"
+#include "td_sort.h"
 
 #include <float.h>
 #include <math.h>
@@ -42,22 +43,17 @@ static void store_sample(const tides_simulator *s, const td_refine *r, int t, co
     *td_sample_risk(&r->samples, index) = s->outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, &s->tile[t], planes);
 }
 
-static int by_value(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
 /* Distinct values of `times`, sorted, in place. */
 static int distinct(double *times, int count) {
     int kept = 0;
-    qsort(times, (size_t)count, sizeof *times, by_value);
+    qsort(times, (size_t)count, sizeof *times, td_ascending);
     for (int i = 0; i < count; i++)
         if (kept == 0 || times[i] != times[kept - 1]) times[kept++] = times[i];
     return kept;
 }
 
 static int slot_of(const double *times, int count, double time) {
-    const double *found = bsearch(&time, times, (size_t)count, sizeof *times, by_value);
+    const double *found = bsearch(&time, times, (size_t)count, sizeof *times, td_ascending);
     return (int)(found - times);
 }
 

@@ -7,6 +7,7 @@
 #include "tests/support/moving_scene.h"
 #include "tests/support/random_network.h"
 #include "tides.h"
+#include "td_sort.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -81,11 +82,6 @@ static int by_pixel(const void *a, const void *b) {
     return x->t < y->t ? -1 : x->t > y->t;
 }
 
-static int by_size(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
 /* Events of the same pixel and polarity within 1 ms of one another, in order. */
 static void print_apart(stream *a, stream *b) {
     double *apart = malloc((a->count + 1) * sizeof *apart);
@@ -103,7 +99,7 @@ static void print_apart(stream *a, stream *b) {
         else
             k++;
     }
-    qsort(apart, pairs, sizeof *apart, by_size);
+    qsort(apart, pairs, sizeof *apart, td_ascending);
     printf("%zu events and %zu, %zu of them pairs; apart: median %.3g, p95 %.3g, p99 %.3g us (estimated error without: p95 "
            "%.3g, "
            "p99 %.3g us)\n",

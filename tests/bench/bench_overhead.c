@@ -4,6 +4,7 @@
  * the best of each is what the machine can do, the median what it did; compare numbers of one run only. */
 #include "solver/td_simulator.h"
 #include "tests/support/random_scene.h"
+#include "td_sort.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -17,11 +18,6 @@ static void stop_on(tides_status status, const tides_error *error) {
     if (status == TIDES_OK) return;
     fprintf(stderr, "bench_overhead: %s\n", error->text);
     exit(1);
-}
-
-static int by_value(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
 }
 
 /* As refine.c does it for the cuts of a level: one launch, and each tile's samples judged. */
@@ -64,7 +60,7 @@ static double typical(double seconds[OFFSETS][ROUNDS], double *average) {
     double best = 0;
     *average = 0;
     for (int i = 0; i < OFFSETS; i++) {
-        qsort(seconds[i], ROUNDS, sizeof(double), by_value);
+        qsort(seconds[i], ROUNDS, sizeof(double), td_ascending);
         best += seconds[i][0] / OFFSETS;
         *average += seconds[i][ROUNDS / 2] / OFFSETS;
     }

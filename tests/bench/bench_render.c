@@ -5,6 +5,7 @@
 #include "td_device.h"
 #include "tides.h"
 #include "td_base.h"
+#include "td_sort.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -50,11 +51,6 @@ static void add_random(tides_scene *scene) {
     free(sh);
 }
 
-static int by_value(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
 static void run(tides_device *device, const tides_scene *scene, const tides_trajectory *camera,
                 const tides_intrinsics *intrinsics, int32_t rules) {
     tides_error error;
@@ -77,7 +73,7 @@ static void run(tides_device *device, const tides_scene *scene, const tides_traj
         total[i] = 1e3 * (td_now() - begun);
     }
     tides_renderer_stats(renderer, &after);
-    qsort(total, FRAMES, sizeof *total, by_value);
+    qsort(total, FRAMES, sizeof *total, td_ascending);
     double per = 1e3 / FRAMES;
     printf("%-7s %2d lanes  best %7.2f  median %7.2f ms | sweep %6.2f project %6.2f sort %6.2f composite %6.2f transfer %6.2f "
            "| "

@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "tests/support/golden_events.h"
+#include "td_sort.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -60,11 +61,6 @@ static void assert_same_groups(const char *name, const golden_stream *ours, cons
     assert_true(most <= tolerance_ns);
 }
 
-static int compare_doubles(const void *a, const void *b) {
-    double left = *(const double *)a, right = *(const double *)b;
-    return left < right ? -1 : left > right;
-}
-
 /* Intervals between a pixel's events, in whole microseconds, ascending. */
 static double *intervals(golden_stream *s, size_t *count) {
     double *made = golden_allocate(s->count + 1, sizeof *made);
@@ -74,7 +70,7 @@ static double *intervals(golden_stream *s, size_t *count) {
         const tides_event *a = &s->events[k - 1], *b = &s->events[k];
         if (a->x == b->x && a->y == b->y) made[(*count)++] = nearbyint(1e-3 * (double)b->t) - nearbyint(1e-3 * (double)a->t);
     }
-    qsort(made, *count, sizeof *made, compare_doubles);
+    qsort(made, *count, sizeof *made, td_ascending);
     return made;
 }
 

@@ -21,6 +21,7 @@
 #include "td_base.h"
 #include "tests/support/npz.h"
 #include "tests/support/shared.h"
+#include "td_sort.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -284,11 +285,6 @@ typedef struct match {
     size_t matched, ours_at_end; /* ours beyond all of theirs in the same pixel, at the last frame */
 } match;
 
-static int compare_doubles(const void *a, const void *b) {
-    double left = *(const double *)a, right = *(const double *)b;
-    return left < right ? -1 : left > right;
-}
-
 static match match_streams(const stream *ours, const stream *theirs, double end_ns) {
     match found = {allocate(ours->count, sizeof *found.apart), 0, 0};
     size_t i = 0, j = 0;
@@ -306,7 +302,7 @@ static match match_streams(const stream *ours, const stream *theirs, double end_
         i = i_end;
         j = j_end;
     }
-    qsort(found.apart, found.matched, sizeof *found.apart, compare_doubles);
+    qsort(found.apart, found.matched, sizeof *found.apart, td_ascending);
     return found;
 }
 

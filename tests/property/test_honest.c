@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "tests/support/grazing_world.h"
+#include "td_sort.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -41,11 +42,6 @@ typedef struct ledger {
     int ratio_count;
 } ledger;
 
-static int ascending(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void enter(ledger *all, const judged *j, const char *device, const judged_verdict *v, int settled) {
     const double reported[3] = {v->stats.error_p50_s, v->stats.error_p95_s, v->stats.error_p99_s};
     const double measured[3] = {v->timing.dt_median_us, v->timing.dt_p95_us, v->timing.dt_p99_us};
@@ -63,7 +59,7 @@ static void enter(ledger *all, const judged *j, const char *device, const judged
 
 /* Medians of reported over true. */
 static double print(const char *device, ledger *all) {
-    for (int i = 0; i < 3; i++) qsort(all->ratios[i], (size_t)all->ratio_count, sizeof(double), ascending);
+    for (int i = 0; i < 3; i++) qsort(all->ratios[i], (size_t)all->ratio_count, sizeof(double), td_ascending);
     const int middle = all->ratio_count / 2;
     print_message("%s: %d scenes (%d with exact events less good than asked), too small: p50 in %d, p95 in %d, p99 in %d, any "
                   "in "

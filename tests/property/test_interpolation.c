@@ -12,6 +12,7 @@
 #include "td_device.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/random_network.h"
+#include "td_sort.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -275,11 +276,6 @@ static int by_pixel(const void *a, const void *b) {
     return x->t < y->t ? -1 : x->t > y->t;
 }
 
-static int by_size(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
 /* Most events are there again, and 95 % of these within what the run says of its own times. */
 static void expect_near(stream *a, stream *b) {
     double *late = calloc(a->count + 1, sizeof *late);
@@ -298,7 +294,7 @@ static void expect_near(stream *a, stream *b) {
         else
             k++;
     }
-    qsort(late, pairs, sizeof *late, by_size);
+    qsort(late, pairs, sizeof *late, td_ascending);
     double p95 = late[pairs * 95 / 100];
     print_message("%zu events, %zu with interpolation, %zu pairs, p95 %.2g us apart; estimated p95 %.2g us\n", a->count,
                   b->count, pairs, 1e6 * p95, 1e6 * a->stats.error_p95_s);

@@ -8,6 +8,7 @@
 
 #include "tests/property/simulator_run.h"
 #include "tests/support/shared.h"
+#include "td_sort.h"
 
 static const uint64_t SEED = 90210;
 
@@ -17,11 +18,6 @@ static int by_pixel(const void *a, const void *b) {
     if (l->y != r->y) return l->y < r->y ? -1 : 1;
     if (l->x != r->x) return l->x < r->x ? -1 : 1;
     return compare_events(l, r);
-}
-
-static int by_value(const void *a, const void *b) {
-    const double *l = a, *r = b;
-    return *l < *r ? -1 : *l > *r;
 }
 
 static int same_pixel(const tides_event *a, const tides_event *b) { return a->x == b->x && a->y == b->y; }
@@ -51,7 +47,7 @@ static size_t match(outcome *a, outcome *b, double *median) {
         }
     }
     left += a->count - i + b->count - k;
-    qsort(dt, matched, sizeof *dt, by_value);
+    qsort(dt, matched, sizeof *dt, td_ascending);
     *median = matched ? dt[matched / 2] : 0;
     free(dt);
     return left;

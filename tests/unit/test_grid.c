@@ -8,6 +8,7 @@
 
 #include "solver/td_grid.h"
 #include "tests/support/scene_folder.h"
+#include "td_sort.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -87,11 +88,6 @@ static void test_until(void **state) {
         }
 }
 
-static int by_value(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
 /* The same the slow way: a regular point between the ends stays unless a knot is within the gap of it. */
 static void test_against_a_list(void **state) {
     enum { TRIALS = 300, MOST = 60 };
@@ -101,7 +97,7 @@ static void test_against_a_list(void **state) {
         double knots[MOST], points[2 * MOST + 32], gap = 0.2 * rand() / RAND_MAX;
         int is_knot[2 * MOST + 32], count = rand() % MOST, total = 0, regular = 1 + rand() % 20;
         for (int i = 0; i < count; i++) knots[i] = 1 + (regular + 2.0) * rand() / RAND_MAX - 1;
-        qsort(knots, (size_t)count, sizeof *knots, by_value);
+        qsort(knots, (size_t)count, sizeof *knots, td_ascending);
         for (int r = 0; r <= regular; r++) {
             int stays = 1;
             for (int i = 0; i < count && r > 0 && r < regular; i++)
@@ -110,8 +106,9 @@ static void test_against_a_list(void **state) {
         }
         for (int i = 0; i < count; i++)
             if (knots[i] > 1 + 1e-9 && knots[i] < 1.0 + regular - 1e-9) points[total++] = knots[i];
-        qsort(points, (size_t)total, sizeof *points, by_value);
-        for (int k = 0; k < total; k++) is_knot[k] = bsearch(&points[k], knots, (size_t)count, sizeof *knots, by_value) != NULL;
+        qsort(points, (size_t)total, sizeof *points, td_ascending);
+        for (int k = 0; k < total; k++)
+            is_knot[k] = bsearch(&points[k], knots, (size_t)count, sizeof *knots, td_ascending) != NULL;
         td_grid grid = make(1, 1.0 + regular, 1, knots, (size_t)count, gap);
         expect_points(&grid, points, is_knot, total);
         td_grid_release(&grid);

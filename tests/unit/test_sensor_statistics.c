@@ -2,6 +2,7 @@
  * 3 standard errors. And that it depends on the seed and the pixel alone. */
 #include "sensor_rig.h"
 #include "solver/td_event_sort.h"
+#include "td_sort.h"
 
 static const uint64_t SEED = 31337;
 
@@ -54,15 +55,10 @@ static void test_shot_rate_and_law(void **state) {
     rig_free(r);
 }
 
-static int by_value(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Kolmogorov and Smirnov's distance from the exponential, times the root of the count that makes its law the limit one:
  * p > 0.01 below 1.628. */
 static double exponential_distance(double *gaps, size_t count, double mean) {
-    qsort(gaps, count, sizeof *gaps, by_value);
+    qsort(gaps, count, sizeof *gaps, td_ascending);
     double worst = 0;
     for (size_t i = 0; i < count; i++) {
         double cumulative = 1 - exp(-gaps[i] / mean);
