@@ -10,4 +10,8 @@
 TIDES_MUST_CHECK tides_status td_trajectory_at(const tides_trajectory *trajectory, double epoch, double offset,
                                                tides_pose *pose, tides_error *error);
 
+/* The last sample at or before `offset` seconds after `epoch`, but never the path's last: the one that its curve there begins
+ * at. 0 for a path of one sample. */
+size_t td_trajectory_find(const tides_trajectory *trajectory, double epoch, double offset);
+
 #endif

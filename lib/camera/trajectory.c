@@ -236,6 +236,10 @@ tides_status td_trajectory_at(const tides_trajectory *trajectory, double epoch, 
     return TIDES_OK;
 }
 
+size_t td_trajectory_find(const tides_trajectory *trajectory, double epoch, double offset) {
+    return trajectory->curve ? td_curve_find(trajectory->curve, (epoch - trajectory->samples[0].time) + offset) : 0;
+}
+
 void tides_trajectory_range(const tides_trajectory *trajectory, double *start, double *stop) {
     int moves = trajectory && trajectory->curve;
     if (start) *start = moves ? trajectory->samples[0].time : -INFINITY;

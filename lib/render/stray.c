@@ -6,6 +6,7 @@
  * the object's. The better of the two is kept. */
 #include "td_stray.h"
 
+#include "camera/td_trajectory.h"
 #include "td_render.h"
 #include "td_sort.h"
 
@@ -75,20 +76,6 @@ static tides_status look(const seen_path *path, double share, td_view *view, tid
     return td_view_at(path->scene, path->object, path->camera, path->epoch, time, view, error);
 }
 
-/* The first sample of a path that is later than `time`. */
-static size_t first_after(const tides_trajectory *path, double time) {
-    size_t low = 0, high = tides_trajectory_count(path);
-    tides_pose_sample sample;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (tides_trajectory_sample(path, middle, &sample, NULL) == TIDES_OK && sample.time > time)
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    return low;
-}
-
 static tides_status add_share(td_strays *strays, double share, tides_error *error) {
     tides_status status =
         td_reserve((void **)&strays->share, &strays->share_capacity, (size_t)strays->samples + 1, sizeof *strays->share, error);
@@ -101,8 +88,8 @@ static tides_status add_knots(td_strays *strays, const seen_path *seen, const ti
     tides_status status = TIDES_OK;
     tides_pose_sample sample;
     if (!path || tides_trajectory_is_static(path)) return status;
-    size_t from = first_after(path, seen->epoch + seen->start); /* but for that sum's rounding */
-    for (size_t i = from > 0 ? from - 1 : 0; i < tides_trajectory_count(path) && status == TIDES_OK; i++) {
+    for (size_t i = td_trajectory_find(path, seen->epoch, seen->start); i < tides_trajectory_count(path) && status == TIDES_OK;
+         i++) {
         status = tides_trajectory_sample(path, i, &sample, error);
         double share = ((sample.time - seen->epoch) - seen->start) / (seen->stop - seen->start);
         if (status != TIDES_OK || share >= 1) break;
