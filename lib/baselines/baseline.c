@@ -2,7 +2,7 @@
 #include "td_baseline.h"
 
 #include "sensor/td_random.h"
-#include "solver/td_event_sort.h"
+#include "signal/td_event_sort.h"
 
 #include <math.h>
 #include <stdlib.h>

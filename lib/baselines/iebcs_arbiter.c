@@ -2,7 +2,7 @@
  * (simulators notes, 1.7): here both do what they are named for. */
 #include "td_iebcs.h"
 
-#include "solver/td_event_sort.h"
+#include "signal/td_event_sort.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #ifndef TD_PATH_H
 #define TD_PATH_H
 
-#include "solver/td_crossing.h"
+#include "signal/td_crossing.h"
 
 #include <stddef.h>
 

@@ -4,7 +4,7 @@
  * loops that compilers turn into vector code; only what is left goes to crossing.c, one pixel after the other. */
 #include "td_comparator.h"
 #include "td_base.h"
-#include "td_crossing.h"
+#include "signal/td_crossing.h"
 
 #include <float.h>
 #include <math.h>

@@ -4,7 +4,7 @@
  * thresholds) over 100 per second, their mean |alpha_dot| over 100 per second, and their mean number of contributors over 64.
  * 100 events a second and pixel are as busy as tiles of recordings come; 64 is where the risk score's norm ends too
  * (control.c). In a tile in which nothing moved in the step both rates are 0. */
-#include "td_event_sort.h"
+#include "signal/td_event_sort.h"
 #include "td_simulator.h"
 
 #include <math.h>

@@ -8,7 +8,7 @@
  * Times count from the run's start. Steps lie on the grid k step_s, joined by the knots of motions. Fixed steps are rendered
  * several to a launch; how many changes the cost, never the events. Under error control each of them is a macro step, which
  * refine.c halves where a tile needs it. */
-#include "td_event_sort.h"
+#include "signal/td_event_sort.h"
 #include "td_simulator.h"
 
 #include <stdlib.h>

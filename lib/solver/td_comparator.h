@@ -5,7 +5,7 @@
 #ifndef TD_COMPARATOR_H
 #define TD_COMPARATOR_H
 
-#include "td_step.h"
+#include "signal/td_step.h"
 #include "tides/simulate.h"
 
 typedef struct td_comparator {

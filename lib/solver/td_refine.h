@@ -9,7 +9,7 @@
 #define TD_REFINE_H
 
 #include "td_samples.h"
-#include "td_step.h"
+#include "signal/td_step.h"
 #include "tides/simulate.h"
 
 /* One step of one tile: [from, to] in units of the macro step / 2^depth. `next` continues the tile's list in time. */

@@ -3,7 +3,7 @@
 #define TD_TIMING_H
 
 #include "td_comparator.h"
-#include "td_crossing.h"
+#include "signal/td_crossing.h"
 #include "sensor/td_frontend.h"
 
 /* Estimated timing errors of a run's events, each counted once. */

@@ -1,7 +1,7 @@
 /* How long the comparator takes: per quiet pixel, per busy pixel, per event; and the sort per event. Prints one line each;
  * not part of `make check`. */
 #include "solver/td_comparator.h"
-#include "solver/td_event_sort.h"
+#include "signal/td_event_sort.h"
 #include "td_base.h"
 
 #include <math.h>

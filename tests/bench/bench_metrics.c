@@ -3,7 +3,7 @@
  *
  * The image is edges that move to the right over a 346x260 sensor, every pixel with its own delay; the simulated stream is the
  * same with jitter, a few events too many and a few too few. */
-#include "solver/td_event_sort.h"
+#include "signal/td_event_sort.h"
 #include "td_base.h"
 #include "tides/metrics.h"
 

@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "solver/td_comparator.h"
-#include "solver/td_crossing.h"
+#include "signal/td_crossing.h"
 #include "td_base.h"
 
 #include <inttypes.h>

@@ -1,7 +1,7 @@
 /* Frames and event streams of the shared golden files. */
 #include "golden_events.h"
 
-#include "solver/td_event_sort.h"
+#include "signal/td_event_sort.h"
 #include "td_base.h"
 #include "tests/support/shared.h"
 

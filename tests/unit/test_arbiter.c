@@ -2,7 +2,7 @@
 #include "tides/readout.h"
 
 #include "sensor/td_random.h"
-#include "solver/td_event_sort.h"
+#include "signal/td_event_sort.h"
 
 #include <math.h>
 #include <setjmp.h>

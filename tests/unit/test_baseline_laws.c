@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "solver/td_event_sort.h"
+#include "signal/td_event_sort.h"
 #include "tides/baselines.h"
 
 #include <math.h>

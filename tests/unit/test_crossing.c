@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "solver/td_crossing.h"
+#include "signal/td_crossing.h"
 
 #include <float.h>
 #include <math.h>

@@ -3,7 +3,7 @@
  * simulation of it in steps so short that more don't show. All within 3 standard errors. */
 #include "sensor_rig.h"
 #include "sensor/td_random.h"
-#include "solver/td_event_sort.h"
+#include "signal/td_event_sort.h"
 
 #include <float.h>
 #include <stdio.h>

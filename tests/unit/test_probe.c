@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "solver/td_crossing.h"
+#include "signal/td_crossing.h"
 #include "solver/td_probe.h"
 #include "tests/support/scene_make.h"
 

@@ -1,7 +1,7 @@
 /* What the sensor draws, on 10^5 draws or more: rates, their law, Poisson intervals, mismatch, spreads, fractions; each within
  * 3 standard errors. And that it depends on the seed and the pixel alone. */
 #include "sensor_rig.h"
-#include "solver/td_event_sort.h"
+#include "signal/td_event_sort.h"
 #include "td_sort.h"
 
 static const uint64_t SEED = 31337;

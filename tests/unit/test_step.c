@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "solver/td_step.h"
+#include "signal/td_step.h"
 
 #include <math.h>
 
