@@ -47,18 +47,10 @@ void tides_baseline_params_defaults(tides_baseline_params *params) {
 /* -- what the methods use ------------------------------------------------------------------------------------------------ */
 
 tides_status td_baseline_fire(tides_baseline *b, size_t i, int64_t t, int polarity, uint8_t cause, tides_error *error) {
-    td_event_buffer *made = &b->made;
-    if (made->count == made->capacity) {
-        void *events = made->events;
-        tides_status status = td_reserve(&events, &made->capacity, made->count + 256, sizeof *made->events, error);
-        made->events = events;
-        if (status != TIDES_OK) return status;
-    }
     tides_event event = {.t = t, .polarity = (int8_t)polarity, .cause = cause};
     event.x = (uint16_t)(i % (size_t)b->width);
     event.y = (uint16_t)(i / (size_t)b->width);
-    made->events[made->count++] = event;
-    return TIDES_OK;
+    return td_event_buffer_add(&b->made, &event, error);
 }
 
 int64_t td_baseline_ns(double seconds) { return (int64_t)llround(1e9 * seconds); }
@@ -130,7 +122,7 @@ tides_status tides_baseline_create(const tides_baseline_params *params, int32_t 
 void tides_baseline_destroy(tides_baseline *b) {
     if (!b) return;
     if (b->state) b->method->destroy(b->state);
-    free(b->made.events);
+    td_event_buffer_release(&b->made);
     free(b->scratch);
     free(b);
 }

@@ -9,7 +9,7 @@
 #include <string.h>
 
 void td_arbiter_free(td_arbiter *a) {
-    free(a->waiting.events);
+    td_event_buffer_release(&a->waiting);
     free(a->scratch);
 }
 
@@ -22,15 +22,15 @@ static tides_status take(tides_baseline *b, td_arbiter *a, size_t first, tides_e
     size_t kept = 0;
     for (size_t k = 0; k < waiting->count; k++)
         if (waiting->events[k].polarity) waiting->events[kept++] = waiting->events[k];
-    waiting->count = kept + (b->made.count - first);
-    void *events = waiting->events, *scratch = a->scratch;
-    tides_status status = td_reserve(&events, &waiting->capacity, waiting->count, sizeof *waiting->events, error);
-    waiting->events = events;
-    if (status == TIDES_OK) status = td_reserve(&scratch, &a->scratch_events, waiting->count, sizeof *a->scratch, error);
+    const size_t more = b->made.count - first;
+    void *scratch = a->scratch;
+    waiting->count = kept;
+    tides_status status = td_event_buffer_reserve(waiting, more, error);
+    if (status == TIDES_OK) status = td_reserve(&scratch, &a->scratch_events, kept + more, sizeof *a->scratch, error);
     a->scratch = scratch;
     if (status != TIDES_OK) return status;
-    if (waiting->count > kept)
-        memcpy(waiting->events + kept, b->made.events + first, (waiting->count - kept) * sizeof *waiting->events);
+    if (more) memcpy(waiting->events + kept, b->made.events + first, more * sizeof *waiting->events);
+    waiting->count += more;
     b->made.count = first;
     td_event_sort(waiting->events, a->scratch, waiting->count);
     return TIDES_OK;

@@ -71,33 +71,6 @@ void td_path_range(const td_path *path, double *low, double *high) {
 
 /* -- crossings ----------------------------------------------------------------------------------------------------------- */
 
-/* The walk over [from, to] only: its knots between them, and both. */
-static void cut(td_crossing_walk *walk, double from, double to) {
-    td_crossing_walk all = *walk;
-    walk->knots = 0;
-    walk->s = from;
-    walk->knot[walk->knots] = from;
-    walk->value[walk->knots++] = td_model_value(&all.model, from);
-    for (int i = 0; i < all.knots && to > from; i++) {
-        if (!(all.knot[i] > from && all.knot[i] < to)) continue;
-        walk->knot[walk->knots] = all.knot[i];
-        walk->value[walk->knots++] = all.value[i];
-    }
-    if (!(to > from)) return;
-    walk->knot[walk->knots] = to;
-    walk->value[walk->knots++] = td_model_value(&all.model, to);
-}
-
-int td_cubic_crossing(const td_model *cubic, double reference, double threshold_on, double threshold_off, double from,
-                      double to, double *s) {
-    td_crossing_walk walk;
-    td_crossing_begin(&walk, cubic);
-    cut(&walk, from, to);
-    int polarity = td_crossing_next(&walk, reference, threshold_on, threshold_off);
-    *s = walk.s;
-    return polarity;
-}
-
 static int is_finite(const td_path *path) {
     int finite = td_model_is_finite(&path->cubic);
     for (int k = 0; k < path->modes; k++) {
@@ -166,7 +139,7 @@ static int crossing_in_pieces(const td_path *path, const request *asked, double 
 int td_path_crossing(const td_path *path, double reference, double threshold_on, double threshold_off, double from, double to,
                      double *s) {
     if (path->modes == 0 && !path->drive.frontend)
-        return td_cubic_crossing(&path->cubic, reference, threshold_on, threshold_off, from, to, s);
+        return td_crossing_within(&path->cubic, reference, threshold_on, threshold_off, from, to, s);
     double low, high;
     *s = to;
     td_path_range(path, &low, &high);

@@ -7,6 +7,7 @@
  * pieces
  *     a level is crossed if and only if the piece's end has reached it;
  *   - else the part is halved. That needs two extrema or an inflection next to an extremum, close to a level. */
+#include "signal/td_root.h"
 #include "td_path_parts.h"
 
 #include <float.h>
@@ -113,31 +114,20 @@ static double bend_at(const series *part, double v) {
 
 /* -- roots ----------------------------------------------------------------------------------------------------------------- */
 
-typedef double function(const series *part, double v);
+/* A series less a level, or its slope. */
+typedef struct target {
+    const series *part;
+    double level;
+} target;
 
-/* Newton for the first tries, then every second one halves the bracket (as in crossing.c). */
-enum { NEWTON_TRIES = 8, TRIES = NEWTON_TRIES + 2 * 64 };
-
-/* Where `value` - level, which has the sign of `direction` at `high` and hasn't at `low`, changes sign, with its derivative. */
-static double root(const series *part, function *value, function *derivative, double level, double direction, double low,
-                   double high) {
-    double v = 0.5 * (low + high);
-    for (int i = 0; i < TRIES; i++) {
-        int halve = i >= NEWTON_TRIES && i % 2 == 1;
-        if (halve || !(v > low && v < high)) v = low + 0.5 * (high - low);
-        if (!(v > low && v < high)) break;
-        double excess = value(part, v) - level;
-        if (excess == 0) return v;
-        if (direction * excess > 0)
-            high = v;
-        else
-            low = v;
-        double step = excess / derivative(part, v);
-        v -= step;
-        if (fabs(step) <= 0.5 * DBL_EPSILON) return fmin(fmax(v, low), high);
-    }
-    return high; /* the side on which the level has been reached */
+static double target_excess(const void *of, double v) {
+    const target *at = of;
+    return value_at(at->part, v) - at->level;
 }
+
+static double target_slope(const void *of, double v) { return slope_at(((const target *)of)->part, v); }
+
+static double target_bend(const void *of, double v) { return bend_at(((const target *)of)->part, v); }
 
 static int polarity_of(const search *at, double value) {
     double residual = value - at->reference;
@@ -149,7 +139,8 @@ static int cross_monotone(const search *at, const series *part, double low, doub
     int polarity = polarity_of(at, value_at(part, high));
     if (polarity == 0) return 0;
     double level = at->reference + (polarity > 0 ? at->on : -at->off);
-    double v = root(part, value_at, slope_at, level, polarity, low, high);
+    const target at_level = {part, level};
+    double v = td_root(target_excess, target_slope, &at_level, polarity, low, high, 0.5 * (low + high));
     *s = fmin(fmax(part->centre + part->half * v, part->begin), part->end);
     return polarity;
 }
@@ -171,7 +162,8 @@ static int keeps_sign(const series *part, int order) {
 static int cross_bent(const search *at, const series *part, double *s) {
     double begin = slope_at(part, -1), end = slope_at(part, 1);
     if (!((begin > 0 && end < 0) || (begin < 0 && end > 0))) return cross_monotone(at, part, -1, 1, s);
-    double extremum = root(part, slope_at, bend_at, 0, end, -1, 1);
+    const target level = {part, 0};
+    double extremum = td_root(target_slope, target_bend, &level, end, -1, 1, 0);
     int polarity = cross_monotone(at, part, -1, extremum, s);
     return polarity ? polarity : cross_monotone(at, part, extremum, 1, s);
 }

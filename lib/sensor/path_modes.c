@@ -1,21 +1,7 @@
-/* Modes of a path, and parts of its cubic. */
+/* Modes of a path. */
 #include "td_path_parts.h"
 
 #include <math.h>
-
-static double between(double a, double b, double t) { return (1 - t) * a + t * b; }
-
-/* The polar form of the cubic: its value where all three places are one. */
-static double blossom(const double b[4], double x, double y, double z) {
-    double one[3] = {between(b[0], b[1], x), between(b[1], b[2], x), between(b[2], b[3], x)};
-    return between(between(one[0], one[1], y), between(one[1], one[2], y), z);
-}
-
-td_model td_model_part(const td_model *model, double from, double to) {
-    const double *b = model->control;
-    return (td_model){
-        {blossom(b, from, from, from), blossom(b, from, from, to), blossom(b, from, to, to), blossom(b, to, to, to)}};
-}
 
 /* 24 phi_4 is the sum over k of inverse[k] z^k, inverse[k] = 24 / (k + 4)!; the first that is left out is below 1e-17 of the
  * sum for |z| <= 1, and with fewer terms for |z| up to the limit beside them. */

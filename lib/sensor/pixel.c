@@ -120,22 +120,16 @@ static uint16_t added_at(walk *w, double s) {
 }
 
 static tides_status emit(walk *w, double s, int64_t t, int polarity, int cause) {
-    td_event_buffer *buffer = w->job->buffer;
     const td_pixel_step *p = w->pixel;
     if (w->fired == TD_EVENTS_PER_PIXEL_MAX)
         return td_fail(w->job->error, TIDES_OUT_OF_RANGE,
                        "pixel (%d, %d) would fire more than %d events before %lld ns: raise the thresholds, lower the noise or "
                        "mend the signal",
                        p->x, p->y, (int)TD_EVENTS_PER_PIXEL_MAX, (long long)w->job->step->stop_ns);
-    if (buffer->count == buffer->capacity) {
-        void *events = buffer->events;
-        tides_status status = td_reserve(&events, &buffer->capacity, buffer->count + 256, sizeof(tides_event), w->job->error);
-        buffer->events = events;
-        if (status != TIDES_OK) return status;
-    }
     tides_event event = {.t = t, .x = p->x, .y = p->y, .polarity = (int8_t)polarity, .cause = (uint8_t)cause};
     event.frontend = added_at(w, s);
-    buffer->events[buffer->count++] = event;
+    tides_status status = td_event_buffer_add(w->job->buffer, &event, w->job->error);
+    if (status != TIDES_OK) return status;
     w->fired++;
     w->job->sensor_counts.cause[cause]++;
     if (polarity > 0)

@@ -1,12 +1,9 @@
-/* Internal: what path.c, path_modes.c and path_crossing.c share: cubics on a part of the step, and modes one by one. */
+/* Internal: what path.c, path_modes.c and path_crossing.c share: modes one by one. */
 #ifndef TD_PATH_PARTS_H
 #define TD_PATH_PARTS_H
 
 #include "td_complex.h"
 #include "td_path.h"
-
-/* The cubic between two places, as a cubic over [0, 1]; places that two parts share have the same value to the bit. */
-td_model td_model_part(const td_model *model, double from, double to);
 
 static inline td_complex td_mode_rate(const td_mode *mode) { return (td_complex){mode->rate, mode->frequency}; }
 
@@ -23,9 +20,5 @@ void td_mode_range(const td_mode *mode, double *low, double *high);
 /* td_path_crossing where there is no drive, on a path that is finite. */
 int td_modes_crossing(const td_path *path, double reference, double threshold_on, double threshold_off, double from, double to,
                       double *s);
-
-/* The same with the cubic alone. */
-int td_cubic_crossing(const td_model *cubic, double reference, double threshold_on, double threshold_off, double from,
-                      double to, double *s);
 
 #endif

@@ -1,7 +1,7 @@
 /* Time as the integral of a rate that goes with the light. */
 #include "td_warp.h"
+#include "signal/td_root.h"
 
-#include <float.h>
 #include <math.h>
 
 static const double one_by[TD_WARP_TERMS] = {0,       1,       1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5,
@@ -55,24 +55,23 @@ double td_warp_speed(const td_warp *warp, double u) {
     return 2 * sum;
 }
 
-/* Safeguarded Newton on a rising function. */
+/* The place that a time is to be found for. */
+typedef struct sought {
+    const td_warp *warp;
+    double v;
+} sought;
+
+static double excess_of(const void *of, double u) {
+    const sought *at = of;
+    return td_warp_place(at->warp, u) - at->v;
+}
+
+static double speed_of(const void *of, double u) { return td_warp_speed(((const sought *)of)->warp, u); }
+
 double td_warp_time(const td_warp *warp, double v) {
-    enum { NEWTON_TRIES = 8, TRIES = NEWTON_TRIES + 2 * 64 };
+    const sought at = {warp, v};
     if (!warp->on || v <= 0 || v >= 1) return fmin(fmax(v, 0), 1);
-    double low = 0, high = 1, u = v;
-    for (int i = 0; i < TRIES; i++) {
-        if ((i >= NEWTON_TRIES && i % 2) || !(u > low && u < high)) u = low + 0.5 * (high - low);
-        if (!(u > low && u < high)) break;
-        double excess = td_warp_place(warp, u) - v;
-        if (excess >= 0)
-            high = u;
-        else
-            low = u;
-        double step = excess / td_warp_speed(warp, u);
-        u -= step;
-        if (fabs(step) <= 0.5 * DBL_EPSILON) return fmin(fmax(u, low), high);
-    }
-    return high;
+    return td_root(excess_of, speed_of, &at, 1, 0, 1, v);
 }
 
 td_model td_warp_model(const td_warp *warp, const td_model *model) {

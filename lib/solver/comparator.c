@@ -66,20 +66,14 @@ typedef struct cursor {
 } cursor;
 
 static tides_status fire(tile_job *job, cursor *at, int64_t t, int polarity) {
-    td_event_buffer *buffer = job->buffer;
     if (at->fired == TD_EVENTS_PER_PIXEL_MAX)
         return td_fail(job->error, TIDES_OUT_OF_RANGE,
                        "pixel (%d, %d) would fire more than %d events before %lld ns: raise the thresholds or mend the signal",
                        at->event.x, at->event.y, (int)TD_EVENTS_PER_PIXEL_MAX, (long long)job->step->stop_ns);
-    if (buffer->count == buffer->capacity) {
-        void *events = buffer->events;
-        tides_status status = td_reserve(&events, &buffer->capacity, buffer->count + 256, sizeof(tides_event), job->error);
-        buffer->events = events;
-        if (status != TIDES_OK) return status;
-    }
     at->event.t = t;
     at->event.polarity = (int8_t)polarity;
-    buffer->events[buffer->count++] = at->event;
+    tides_status status = td_event_buffer_add(job->buffer, &at->event, job->error);
+    if (status != TIDES_OK) return status;
     at->fired++;
     if (polarity > 0) {
         at->count_on++;

@@ -5,6 +5,7 @@
 #ifndef TD_COMPARATOR_H
 #define TD_COMPARATOR_H
 
+#include "signal/td_event_buffer.h"
 #include "signal/td_step.h"
 #include "tides/simulate.h"
 
@@ -55,12 +56,6 @@ static inline double td_reference_of(double on, double off, double initial, uint
 static inline double td_reference(const td_comparator *comparator, double initial, uint32_t count_on, uint32_t count_off) {
     return td_reference_of(comparator->threshold_on, comparator->threshold_off, initial, count_on, count_off);
 }
-
-/* Growing list of events; start from zeros; free(events) when done. */
-typedef struct td_event_buffer {
-    tides_event *events;
-    size_t count, capacity;
-} td_event_buffer;
 
 /* What happened, added to by each call. */
 typedef struct td_comparator_counts {

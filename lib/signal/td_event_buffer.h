@@ -1,0 +1,34 @@
+/* Internal: a growing list of events, which the comparator, the baselines and whoever collects a packet append to. Sorting and
+ * giving away are their own business. */
+#ifndef TD_EVENT_BUFFER_H
+#define TD_EVENT_BUFFER_H
+
+#include "tides/events.h"
+
+#include <stddef.h>
+
+/* Start from zeros; td_event_buffer_release, or free(events), when done. */
+typedef struct td_event_buffer {
+    tides_event *events;
+    size_t count, capacity;
+} td_event_buffer;
+
+void td_event_buffer_release(td_event_buffer *buffer);
+
+/* Room for `more` events after those that are there. */
+TIDES_MUST_CHECK tides_status td_event_buffer_reserve(td_event_buffer *buffer, size_t more, tides_error *error);
+
+/* Room is made for a few at a time: most packets of a tile have fewer. */
+enum { TD_EVENT_BUFFER_GROWTH = 256 };
+
+static inline TIDES_MUST_CHECK tides_status td_event_buffer_add(td_event_buffer *buffer, const tides_event *event,
+                                                                tides_error *error) {
+    if (buffer->count == buffer->capacity) {
+        tides_status status = td_event_buffer_reserve(buffer, TD_EVENT_BUFFER_GROWTH, error);
+        if (status != TIDES_OK) return status;
+    }
+    buffer->events[buffer->count++] = *event;
+    return TIDES_OK;
+}
+
+#endif

@@ -1,0 +1,58 @@
+/* Internal: the local model of one pixel's signal on one step, as the comparator, the filters and the estimates read it. Time
+ * within a step is s = (t - t0) / h in [0, 1].
+ *
+ * Every model (TIDES_MODEL_*, DESIGN 3.2) is a cubic held as its four Bezier control values, because
+ *   - both ends are met to the bit: value(0) = control[0], value(1) = control[3];
+ *   - the curve stays within the range of its control values: "nothing can cross" needs four comparisons and no root;
+ *   - whether and where the slope changes sign can be read off differences without cancellation.
+ *
+ * Where it crosses levels, td_crossing.h says; how wrong it may be, the solver estimates. */
+#ifndef TD_MODEL_H
+#define TD_MODEL_H
+
+#include "tides/simulate.h"
+
+typedef struct td_model {
+    double control[4]; /* [log units] */
+} td_model;
+
+/* The model `kind` (TIDES_MODEL_*) on a step of h seconds. The linear model reads no S1, only the cubic reads S1_dot, the
+ * secant reads no rates. Inline, so that loops over whole tiles vectorise; kinds are checked by the caller. */
+static inline td_model td_model_fit(int32_t kind, double h, double S0, double S0_dot, double S1, double S1_dot) {
+    /* Each model is the cubic with its own idea of the end value and of the rates (per step) at both ends. */
+    double rate0 = h * S0_dot, end = S1, rate1 = h * S1_dot;
+    if (kind == TIDES_MODEL_LINEAR) {
+        end = S0 + rate0;
+        rate1 = rate0;
+    } else if (kind == TIDES_MODEL_QUADRATIC) {
+        rate1 = 2.0 * (S1 - S0) - rate0;
+    } else if (kind == TIDES_MODEL_SECANT) {
+        rate0 = rate1 = S1 - S0;
+    }
+    td_model model = {{S0, S0 + rate0 * (1.0 / 3.0), end - rate1 * (1.0 / 3.0), end}};
+    return model;
+}
+
+/* S and dS/ds at s in [0, 1]. Inline: the root finder lives on them. */
+static inline double td_model_value(const td_model *model, double s) {
+    const double *b = model->control;
+    double u = 1.0 - s;
+    return u * u * (u * b[0] + 3.0 * s * b[1]) + s * s * (3.0 * u * b[2] + s * b[3]);
+}
+
+static inline double td_model_slope(const td_model *model, double s) {
+    const double *b = model->control;
+    double u = 1.0 - s;
+    return 3.0 * (u * u * (b[1] - b[0]) + 2.0 * u * s * (b[2] - b[1]) + s * s * (b[3] - b[2]));
+}
+
+/* 1 if no control value is NaN or infinite. */
+int td_model_is_finite(const td_model *model);
+
+/* The places in (0, 1) where the slope changes sign, ascending: 0, 1 or 2 of them. None where the model isn't finite. */
+int td_model_extrema(const td_model *model, double s[2]);
+
+/* The model between two places, as a model over [0, 1]; places that two parts share have the same value to the bit. */
+td_model td_model_part(const td_model *model, double from, double to);
+
+#endif
