@@ -1,5 +1,5 @@
 /* How far an object's path strays from the cubic that a sweep takes it for: the bounds that the host finds, path by path
- * (lib/render/stray.c), and what they come to on the screen.
+ * (lib/render/dynamic/stray.c), and what they come to on the screen.
  *
  * A view maps a point p of the object to R p + t. Between two times a sweep takes each entry of R and t for the cubic through
  * both and their rates. Where the path does something else in between, a vibration that begins and ends at rest above all, a

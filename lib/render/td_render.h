@@ -5,9 +5,9 @@
 #ifndef TD_REAL_DOUBLE
 #define TD_REAL_DOUBLE
 #endif
-#include "td_moved.h"
+#include "render/dynamic/td_dynamic.h"
 #include "td_psf.h"
-#include "td_stray.h"
+#include "render/dynamic/td_stray.h"
 
 /* Image parameters and intrinsics to the image formation's numbers (rules.c). */
 tides_status td_image_resolve(const tides_image_params *params, const tides_intrinsics *intrinsics, int scene_sh_degree,
@@ -139,7 +139,7 @@ tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory 
 tides_status td_renderer_sweep_views(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                      int level, tides_error *error);
 
-/* Sweeps once more, in pieces, whatever moves by itself on a shorter scale of time than [start, stop] (moved_fine.c). */
+/* Sweeps once more, in pieces, whatever moves by itself on a shorter scale of time than [start, stop] (dynamic/sweep_pieces.c). */
 tides_status td_moved_sweep_fine(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                  tides_error *error);
 
@@ -170,7 +170,7 @@ const char *td_plane_name(int plane);
 tides_status td_renderer_flow(tides_renderer *renderer, const tides_trajectory *camera, double time, double start, double stop,
                               const double *Z, double *fastest, tides_error *error);
 
-/* -- for scenes with motion (moved_jobs.c) -- */
+/* -- for scenes with motion (dynamic/tile_jobs.c) -- */
 
 /* Runs jobs, sorted or not, whose candidates are the sweep's: works out the rows that they need, in launches that stay below
  * the limits. Jobs are changed. */

@@ -1,5 +1,5 @@
 /* Batches of rows of Gaussians that move by themselves: runs of one part at one time, for kernels or from the host. */
-#include "td_moved.h"
+#include "render/dynamic/td_dynamic.h"
 
 #include "motion/td_motion.h"
 

@@ -2,7 +2,7 @@
  *
  * Jobs are taken slot by slot. A slot's jobs need the union of the moving candidates of their tiles, at the slot's time:
  * each is worked out once. A launch is full when its records or its rows reach their limit. */
-#include "td_render.h"
+#include "render/td_render.h"
 
 #include <stdlib.h>
 

@@ -1,5 +1,5 @@
 /* Interpolation of rows: which Gaussians may have it in an interval, and the weights of a time. */
-#include "td_moved.h"
+#include "render/dynamic/td_dynamic.h"
 
 #include <stdlib.h>
 

@@ -4,10 +4,10 @@
  * A point p of the object is off by |(dt + dR o) + dR (p - o)| for any origin o: by |dt + dR o| + |dR| |p - o| at most. Seen by
  * a camera that shakes dR is large, and dt + dR o is 0 with the camera's centre for o; for an object that shakes it is so with
  * the object's. The better of the two is kept. */
-#include "td_stray.h"
+#include "render/dynamic/td_stray.h"
 
 #include "camera/td_trajectory.h"
-#include "td_render.h"
+#include "render/td_render.h"
 #include "td_sort.h"
 
 #include <math.h>

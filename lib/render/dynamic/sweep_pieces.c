@@ -1,7 +1,7 @@
 /* Sweeps in pieces for those Gaussians whose motion happens on a shorter scale of time than the interval: frames denser than
  * that, a bell of opacity within it, a fast sine. Each is swept in as many pieces as its own scale asks for. */
 #include "motion/td_motion.h"
-#include "td_render.h"
+#include "render/td_render.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 #define TD_MOVED_H
 
 #include "motion/td_time_scale.h"
-#include "td_backend.h"
+#include "render/td_backend.h"
 #include "tides/scene.h"
 
 /* An object of the store that moves by itself; as many as there are movers, in their order. */
@@ -101,7 +101,7 @@ int td_moved_is_knot(const td_moved *moved, double time);
 /* 1 where one is more than that behind `start` and before `stop`. */
 int td_moved_knot_within(const td_moved *moved, double start, double stop);
 
-/* -- rows (moved_rows.c) -- */
+/* -- rows (rows.c) -- */
 
 /* Begins a batch of rows, the first of which is `row`. */
 void td_rows_begin(td_moved *moved, int row);
@@ -121,7 +121,7 @@ tides_status td_rows_end_between(td_moved *moved, const td_moved_part *part, int
 /* Has the backend work out the batch. */
 tides_status td_rows_send(td_moved *moved, td_backend *backend, tides_error *error);
 
-/* -- interpolation (moved_between.c) -- */
+/* -- interpolation (interpolate.c) -- */
 
 /* From the next sweep on rows between those of its start, middle and end are interpolated where log_luminance is off by less
  * than `tolerance` and, where time_tolerance_s > 0, late by less than that. Only dear models' rows are, and only where rows of
@@ -139,7 +139,7 @@ const td_span *td_moved_span(const td_moved *moved, double time);
 /* td_cubic (interpolate.h) of `time` between `start` and `stop`. */
 void td_cubic_weights(double start, double stop, double time, double weights[TD_CUBIC_REALS]);
 
-/* -- sweeps (moved_sweep.c) -- */
+/* -- sweeps (sweep_rows.c) -- */
 
 /* Boxes and travel of all that moves over [start, stop], as td_backend_class.sweep gives them. At an instant, start = stop,
  * rates are those of `side`. */

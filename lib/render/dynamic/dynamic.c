@@ -1,5 +1,5 @@
 /* Who moves by itself in a scene, and when rates of that may jump. */
-#include "td_moved.h"
+#include "render/dynamic/td_dynamic.h"
 
 #include "motion/td_motion.h"
 #include "td_sort.h"

@@ -1,6 +1,6 @@
 /* Swept boxes of Gaussians that move by themselves: their rows at an interval's start, middle and end. Those rows are kept
  * where memory allows: the next interval begins where this one ended, and its first samples lie there and in the middle. */
-#include "td_moved.h"
+#include "render/dynamic/td_dynamic.h"
 
 /* The rows kept for a time, or NULL. Where rates don't jump either side will do. */
 static td_kept *find_kept(td_moved *moved, double time, int side) {

@@ -7,7 +7,7 @@
 #define TD_REAL_DOUBLE
 #endif
 #include "kernels/stray.h"
-#include "td_backend.h"
+#include "render/td_backend.h"
 #include "tides/scene.h"
 
 typedef struct td_strays {
