@@ -153,7 +153,7 @@ static void release(tides_motion *motion) { free(motion->own); }
 
 const td_motion_class td_callback_class = {.name = "callback",
                                            .code = TD_MOTION_HOST,
-                                           .dear = 1,
+                                           .expensive = 1,
                                            .check = check,
                                            .pack = pack,
                                            .evaluate = evaluate,

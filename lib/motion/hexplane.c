@@ -160,7 +160,7 @@ static void find_moving(const tides_motion *motion, const tides_gaussians *gauss
 
 const td_motion_class td_hexplane_class = {.name = "hexplane",
                                            .code = TD_MOTION_HEXPLANE,
-                                           .dear = 1,
+                                           .expensive = 1,
                                            .check = check,
                                            .pack = td_hexplane_pack,
                                            .moment = moment,

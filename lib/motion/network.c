@@ -168,7 +168,7 @@ static double scale(const tides_motion *motion, double from, double to) {
 
 const td_motion_class td_network_class = {.name = "network",
                                           .code = TD_MOTION_NETWORK,
-                                          .dear = 1,
+                                          .expensive = 1,
                                           .check = check,
                                           .pack = td_network_pack,
                                           .moment = moment,

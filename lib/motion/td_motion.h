@@ -47,7 +47,7 @@ typedef struct td_mover_numbers {
 typedef struct td_motion_class {
     const char *name; /* in files and facts: "polynomial" */
     int code;         /* TD_MOTION_... */
-    int dear;         /* 1: rows cost several times what interpolating between others does (measured by bench_motion) */
+    int expensive;    /* 1: rows cost several times what interpolating between others does (measured by bench_motion) */
 
     /* Whether fields and settings are there, of the right shapes, for `gaussians` (canonical, raw). */
     tides_status (*check)(const tides_motion *motion, const tides_gaussians *gaussians, tides_error *error);

@@ -1,4 +1,5 @@
-/* Gaussians that move by themselves, on an OpenCL device: a launch per model, from a batch's moments to moved rows. */
+/* Gaussians that move by themselves, on an OpenCL device: a launch per model, from a batch's moments to rows of dynamic
+ * Gaussians. */
 #include "td_opencl.h"
 
 #include <stdlib.h>
@@ -86,7 +87,7 @@ void td_opencl_motion_release(opencl_backend *b) {
     free(b->move_kernel);
 }
 
-/* Room for moved rows up to row `end`, keeping what is there. */
+/* Room for rows of dynamic Gaussians up to row `end`, keeping what is there. */
 static tides_status grow_rows(opencl_backend *b, size_t end, tides_error *error) {
     size_t rows = end - (size_t)b->gaussians, row = TD_GEOMETRY_STRIDE * sizeof(cl_float);
     size_t sh = b->moves_sh ? (size_t)b->image.sh_stride * sizeof(cl_float) : 0;

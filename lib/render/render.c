@@ -95,7 +95,7 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     made->side = 1;
     status = td_image_resolve(params, intrinsics, tides_scene_sh_degree(scene), &made->image, error);
     if (status == TIDES_OK) status = td_store_create(scene, params->rules == TIDES_RULES_SMOOTH, &made->store, error);
-    if (status == TIDES_OK) status = td_moved_create(scene, &made->store, made->row_limit, &made->moved, error);
+    if (status == TIDES_OK) status = td_dynamic_create(scene, &made->store, made->row_limit, &made->dynamic, error);
     if (status == TIDES_OK) status = td_strays_create(&made->store, &made->strays, error);
     if (status != TIDES_OK) goto done;
     made->image.objects = made->store.objects;
@@ -127,7 +127,7 @@ void tides_renderer_destroy(tides_renderer *renderer) {
     if (!renderer) return;
     if (renderer->backend) renderer->backend->type->destroy(renderer->backend);
     td_candidates_release(&renderer->candidates);
-    td_moved_release(&renderer->moved);
+    td_dynamic_release(&renderer->dynamic);
     td_strays_release(&renderer->strays);
     free(renderer->sweep_time);
     td_psf_release(&renderer->psf);
@@ -284,8 +284,8 @@ tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_t
     batch.outputs = outputs;
     batch.hint_count = td_candidates_hint_count(&renderer->candidates);
     batch.kept = renderer->kept;
-    status = renderer->moved.moving ? td_moved_run(renderer, &batch, times, renderer->jobs, jobs, planes, error)
-                                    : run_jobs(renderer, &batch, renderer->jobs, jobs, planes, error);
+    status = renderer->dynamic.gaussians ? td_dynamic_run_jobs(renderer, &batch, times, renderer->jobs, jobs, planes, error)
+                                         : run_jobs(renderer, &batch, renderer->jobs, jobs, planes, error);
     td_candidates_take_hints(&renderer->candidates, renderer->jobs, jobs, status == TIDES_OK ? renderer->kept : NULL);
     if (status == TIDES_OK && renderer->image.decoder) return run_empty(renderer, &batch, requests, empty_count, planes, error);
     if (status == TIDES_OK) fill_empty(renderer, requests, empty_count, outputs, planes);
@@ -325,7 +325,7 @@ static int outputs_for(const tides_frame *frame) {
 
 void td_renderer_set_epoch(tides_renderer *renderer, double epoch) {
     renderer->epoch = epoch;
-    td_moved_set_epoch(&renderer->moved, epoch);
+    td_dynamic_set_epoch(&renderer->dynamic, epoch);
 }
 
 tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time,

@@ -16,11 +16,12 @@ static tides_status note_moves(tides_renderer *renderer, const tides_trajectory 
     return TIDES_OK;
 }
 
-/* What a sweep does about an object of the store. MOVED: td_moved_sweep does; from WANTED on: the level of its pieces. */
-enum { BOX_KEPT = -2, BOX_MOVED = -1, BOX_WANTED = 0 };
+/* What a sweep does about an object of the store. DYNAMIC: td_dynamic_sweep_rows does it; from WANTED on: the level of its
+ * pieces. */
+enum { BOX_KEPT = -2, BOX_DYNAMIC = -1, BOX_WANTED = 0 };
 
 static int box_kind(const tides_renderer *renderer, int object, int kept) {
-    if (renderer->store.mover[object] >= 0) return BOX_MOVED;
+    if (renderer->store.mover[object] >= 0) return BOX_DYNAMIC;
     return kept && !renderer->object_moves[object] ? BOX_KEPT : BOX_WANTED + renderer->strays.level[object];
 }
 
@@ -78,11 +79,11 @@ static tides_status sweep_boxes(tides_renderer *renderer, const tides_trajectory
 /* Boxes of every Gaussian that moves by itself. */
 static tides_status sweep_moved(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                 tides_error *error) {
-    if (!renderer->moved.moving) return TIDES_OK;
+    if (!renderer->dynamic.gaussians) return TIDES_OK;
     tides_status status =
-        td_moved_sweep(&renderer->moved, renderer->backend, (const double *)renderer->views, renderer->strays.bound, start,
-                       stop, renderer->side, renderer->row_limit, renderer->boxes, renderer->travel, error);
-    return status == TIDES_OK ? td_moved_sweep_fine(renderer, camera, start, stop, error) : status;
+        td_dynamic_sweep_rows(&renderer->dynamic, renderer->backend, (const double *)renderer->views, renderer->strays.bound,
+                              start, stop, renderer->side, renderer->row_limit, renderer->boxes, renderer->travel, error);
+    return status == TIDES_OK ? td_dynamic_sweep_pieces(renderer, camera, start, stop, error) : status;
 }
 
 tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,

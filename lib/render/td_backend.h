@@ -54,7 +54,7 @@ typedef struct td_movers {
 /* All Gaussians of a scene at one state, activated; objects padded to TD_PAD with Gaussians of opacity 0. Exactly one of `sh`
  * and `sh_wide` is set; rates are NULL unless every Gaussian has them. Where only some of a scene's object move by themselves
  * it makes two objects here, first those at rest, then the others, whose rows have opacity 0: what they are at a time goes to
- * moved rows behind all of these. Borrowed by the backend while it is created. */
+ * dynamic rows behind all of these. Borrowed by the backend while it is created. */
 typedef struct td_store {
     int count;      /* padded: a multiple of TD_PAD */
     int real_count; /* Gaussians without the padding */
@@ -78,7 +78,7 @@ typedef struct td_host_rows {
     int row, count, from;
 } td_host_rows;
 
-/* Moved rows to work out. Everything is borrowed for the call. */
+/* Dynamic rows to work out. Everything is borrowed for the call. */
 typedef struct td_move_batch {
     const double *moments; /* (moment_count x TD_MOMENT_REALS) */
     int moment_count;
@@ -162,7 +162,7 @@ typedef struct td_backend_class {
     /* What the last batch, of one job, left behind (tests): each array (records), its `count` and `brightest`. */
     tides_status (*inspect)(td_backend *backend, td_stages *stages, tides_error *error);
     void (*destroy)(td_backend *backend);
-    /* Works out moved rows; others stay as they are. Jobs of batches, and sweeps, may then ask for them. */
+    /* Works out dynamic rows; others stay as they are. Jobs of batches, and sweeps, may then ask for them. */
     tides_status (*move)(td_backend *backend, const td_move_batch *moves, tides_error *error);
     /* Gets kernels for cubic jobs and misfits ready; batches without them need none. */
     tides_status (*prepare_cubics)(td_backend *backend, tides_error *error);

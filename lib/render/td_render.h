@@ -88,10 +88,10 @@ typedef struct td_request {
 } td_request;
 
 struct tides_renderer {
-    double epoch;   /* [s] every time in lib/render is an offset from it, so that times of 1e9 s resolve like those near 0 */
-    td_moved moved; /* Gaussians that move by themselves */
-    int side;       /* of knots that rates are asked for: -1 what ends there, +1 what begins */
-    int row_limit;  /* moved rows at a time */
+    double epoch; /* [s] every time in lib/render is an offset from it, so that times of 1e9 s resolve like those near 0 */
+    td_dynamic dynamic; /* Gaussians that a motion moves */
+    int side;           /* of knots that rates are asked for: -1 what ends there, +1 what begins */
+    int row_limit;      /* rows of dynamic Gaussians at a time */
     tides_device *device;
     const tides_scene *scene;
     td_image image;
@@ -139,9 +139,10 @@ tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory 
 tides_status td_renderer_sweep_views(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                      int level, tides_error *error);
 
-/* Sweeps once more, in pieces, whatever moves by itself on a shorter scale of time than [start, stop] (dynamic/sweep_pieces.c). */
-tides_status td_moved_sweep_fine(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
-                                 tides_error *error);
+/* Sweeps once more, in pieces, dynamic Gaussians whose motion has a shorter scale of time than [start, stop]
+ * (dynamic/sweep_pieces.c). */
+tides_status td_dynamic_sweep_pieces(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                                     tides_error *error);
 
 /* Renders requests at `times` within the swept interval; planes: (requests x outputs x TD_TILE_PIXELS), pixels block by block
  * (td_tile_pixel). Blurred by the renderer's PSF where it has one (psf.c). */
@@ -174,8 +175,8 @@ tides_status td_renderer_flow(tides_renderer *renderer, const tides_trajectory *
 
 /* Runs jobs, sorted or not, whose candidates are the sweep's: works out the rows that they need, in launches that stay below
  * the limits. Jobs are changed. */
-tides_status td_moved_run(tides_renderer *renderer, td_batch *batch, const double *times, td_job *jobs, int count,
-                          double *planes, tides_error *error);
+tides_status td_dynamic_run_jobs(tides_renderer *renderer, td_batch *batch, const double *times, td_job *jobs, int count,
+                                 double *planes, tides_error *error);
 
 /* Longest lists first, so that no thread is left with one at the end; then by place, to be a total order (qsort, of td_job). */
 int td_job_by_falling_count(const void *a, const void *b);

@@ -141,8 +141,8 @@ static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *err
 static tides_status set_interpolation(tides_simulator *s, tides_error *error) {
     const td_comparator *c = &s->comparator;
     double threshold = c->threshold_on < c->threshold_off ? c->threshold_on : c->threshold_off;
-    return td_moved_interpolate(&s->renderer->moved, s->renderer->backend, s->tolerance * threshold, s->time_tolerance_s,
-                                error);
+    return td_dynamic_interpolate(&s->renderer->dynamic, s->renderer->backend, s->tolerance * threshold, s->time_tolerance_s,
+                                  error);
 }
 
 /* What the parameters say, before there is a renderer. */
@@ -171,7 +171,7 @@ static void take_parameters(tides_simulator *s, const tides_device *device, cons
 /* Steps, tiles and arrays, for the renderer that is there. */
 static tides_status lay_out(tides_simulator *s, const tides_intrinsics *intrinsics, tides_error *error) {
     td_renderer_set_epoch(s->renderer, s->epoch);
-    tides_status status = td_grid_create(0, s->length, s->step_s, s->renderer->moved.knots, s->renderer->moved.knot_count,
+    tides_status status = td_grid_create(0, s->length, s->step_s, s->renderer->dynamic.knots, s->renderer->dynamic.knot_count,
                                          s->min_step_s, &s->grid, error);
     if (status != TIDES_OK) return status;
     s->renderer->side = -1; /* each sample but the first ends a step */

@@ -1410,7 +1410,7 @@ class tides_stepping(Structure):
     the measures are worst. 0: no bound */
     tides_risk risk; /* RISK */
     int32_t slope; /* TIDES_SLOPE_* */
-    int32_t interpolate_motion; /* 1: between the start, middle and end of a macro step dear motion models (networks,
+    int32_t interpolate_motion; /* 1: between the start, middle and end of a macro step expensive motion models (networks,
     callbacks) are interpolated, Gaussian by Gaussian where that is estimated to stay within
     both tolerances. FIXED: has no effect, each step is worked out */
     double memory_mb; /* [1e6 bytes] >= 1: what the samples of a macro step may take, and their launches; or, if that is more, a

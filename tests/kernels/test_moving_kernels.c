@@ -105,7 +105,7 @@ static void cut(tides_renderer *renderer, int records, int rows) {
     if (records) renderer->record_limit = records;
     if (!rows) return;
     renderer->row_limit = rows;
-    renderer->moved.kept_rows = 0;
+    renderer->dynamic.cached_rows = 0;
 }
 
 static void check_cuts(const char *device_name, uint64_t seed) {
@@ -116,7 +116,7 @@ static void check_cuts(const char *device_name, uint64_t seed) {
     moving_scene s = moving_scene_make(&recipe, 0.6);
     tides_renderer *whole = make_renderer(device, s.scene, &s.base.camera, TIDES_RULES_SMOOTH);
     double *expected = sweep_and_render(whole, s.base.path);
-    assert_true(whole->moved.kept_rows > 0);
+    assert_true(whole->dynamic.cached_rows > 0);
     for (size_t i = 0; i < sizeof cuts / sizeof *cuts; i++) {
         tides_renderer *renderer = make_renderer(device, s.scene, &s.base.camera, TIDES_RULES_SMOOTH);
         cut(renderer, cuts[i][0], cuts[i][1]);
@@ -155,7 +155,7 @@ static double *at_knot(tides_device *device, const moving_scene *s, double from,
     tides_error error;
     assert_true(planes && requests);
     for (int i = 0; i < tiles; i++) requests[i].tile = i;
-    if (!keeps) renderer->moved.kept_rows = 0;
+    if (!keeps) renderer->dynamic.cached_rows = 0;
     renderer->side = side;
     scene_expect_ok(td_renderer_sweep(renderer, s->base.path, from, to, &error), &error);
     scene_expect_ok(td_renderer_tiles(renderer, s->base.path, &knot, 1, requests, tiles, OUTPUTS, planes, &error), &error);

@@ -91,7 +91,7 @@ static double *render_between(tides_renderer *renderer, const tides_trajectory *
 
 static void interpolate(tides_renderer *renderer, double tolerance, double time_tolerance_s) {
     tides_error error;
-    scene_expect_ok(td_moved_interpolate(&renderer->moved, renderer->backend, tolerance, time_tolerance_s, &error), &error);
+    scene_expect_ok(td_dynamic_interpolate(&renderer->dynamic, renderer->backend, tolerance, time_tolerance_s, &error), &error);
 }
 
 typedef struct cost {
@@ -115,7 +115,7 @@ static cost cost_of(tides_device *device, const network_scene *s, double start, 
     }
     found.rms = sqrt(found.rms);
     double all = (double)exact->backend->stats.gaussians_moved, moved = (double)quick->backend->stats.gaussians_moved;
-    double sweep = 3 * (double)exact->moved.moving; /* of both */
+    double sweep = 3 * (double)exact->dynamic.gaussians; /* of both */
     found.share = (all - moved) / (all - sweep);
     assert_int_equal(exact->backend->stats.gaussians_interpolated, 0);
     free(a);

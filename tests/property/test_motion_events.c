@@ -43,7 +43,7 @@ static outcome run_cut(const job *j, int records, int rows) {
     if (records) s->renderer->record_limit = records;
     if (rows) {
         s->renderer->row_limit = rows;
-        s->renderer->moved.kept_rows = 0;
+        s->renderer->dynamic.cached_rows = 0;
     }
     begin(j, s, &o);
     scene_expect_ok(tides_simulator_run(s, j->stop, collect, &o, NULL, NULL, &error), &error);

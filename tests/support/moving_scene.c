@@ -94,7 +94,7 @@ static tides_status bent_evaluate(const tides_motion *motion, const tides_gaussi
 
 static const td_motion_class bent_class = {.name = "bent",
                                            .code = TD_MOTION_HOST,
-                                           .dear = 1,
+                                           .expensive = 1,
                                            .check = bent_check,
                                            .pack = bent_pack,
                                            .knots = bent_knots,

@@ -1,4 +1,6 @@
-/* Batches of rows of Gaussians that move by themselves: runs of one part at one time, for kernels or from the host. */
+/* A batch of rows put together for the backend: runs of one object's Gaussians at one time, each a job of a kernel, rows
+ * from the host (callbacks), or cubics between rows that are there. Used by whatever asks for rows (sweep_rows.c,
+ * sweep_pieces.c, tile_jobs.c); which rows, and what they are for, is theirs. */
 #include "render/dynamic/td_dynamic.h"
 
 #include "motion/td_motion.h"
@@ -7,15 +9,15 @@
 
 enum { JOB_LENGTH = 256 }; /* Gaussians per work-group: many short ones keep all threads busy */
 
-void td_rows_begin(td_moved *moved, int row) {
-    td_moving_rows *rows = &moved->rows;
+void td_rows_begin(td_dynamic *dynamic, int row) {
+    td_dynamic_rows *rows = &dynamic->rows;
     rows->row = row;
     rows->count = rows->moment_count = rows->job_count = rows->host_runs = rows->host_count = 0;
     rows->cubic_count = rows->cubic_job_count = rows->interpolated = 0;
 }
 
-tides_status td_rows_reserve(td_moved *moved, int more, tides_error *error) {
-    td_moving_rows *rows = &moved->rows;
+tides_status td_rows_reserve(td_dynamic *dynamic, int more, tides_error *error) {
+    td_dynamic_rows *rows = &dynamic->rows;
     size_t count = (size_t)rows->count + (size_t)more;
     tides_status status =
         td_reserve((void **)&rows->gaussians, &rows->gaussian_capacity, count, sizeof *rows->gaussians, error);
@@ -24,44 +26,44 @@ tides_status td_rows_reserve(td_moved *moved, int more, tides_error *error) {
     return status;
 }
 
-void td_rows_add(td_moved *moved, const td_moved_part *part, int gaussian) {
-    td_moving_rows *rows = &moved->rows;
+void td_rows_add(td_dynamic *dynamic, const td_dynamic_object *object, int gaussian) {
+    td_dynamic_rows *rows = &dynamic->rows;
     int i = rows->count++;
-    rows->gaussians[i] = moved->store->number[gaussian];
+    rows->gaussians[i] = dynamic->store->number[gaussian];
     rows->owners[2 * i] = gaussian;
-    rows->owners[2 * i + 1] = part->moves_sh ? rows->row + i : gaussian;
+    rows->owners[2 * i + 1] = object->moves_sh ? rows->row + i : gaussian;
 }
 
-void td_rows_add_between(td_moved *moved, const td_moved_part *part, int gaussian) {
-    td_rows_add(moved, part, gaussian);
-    moved->rows.gaussians[moved->rows.count - 1] = gaussian - part->first + part->base;
+void td_rows_add_between(td_dynamic *dynamic, const td_dynamic_object *object, int gaussian) {
+    td_rows_add(dynamic, object, gaussian);
+    dynamic->rows.gaussians[dynamic->rows.count - 1] = gaussian - object->first + object->base;
 }
 
 /* Own time of a second after the epoch: at a knot exactly the knot's, so that it is clear which side of it rates are asked
  * for. */
-static tides_status own_time(const td_moved_part *part, double epoch, double time, double *tau, double *tau_dot,
+static tides_status own_time(const td_dynamic_object *object, double epoch, double time, double *tau, double *tau_dot,
                              tides_error *error) {
     const double same_time = 1e-9; /* [s] */
-    tides_status status = td_motion_time(part->of.motion, part->of.duration_s, epoch + time, tau, tau_dot, error);
-    if (status != TIDES_OK) return td_fail_within(error, status, "object '%.80s'", part->of.name);
-    size_t low = 0, high = part->knots;
+    tides_status status = td_motion_time(object->of.motion, object->of.duration_s, epoch + time, tau, tau_dot, error);
+    if (status != TIDES_OK) return td_fail_within(error, status, "object '%.80s'", object->of.name);
+    size_t low = 0, high = object->knots;
     while (low < high) {
         size_t middle = low + (high - low) / 2;
-        if (part->knot_s[middle] < time - same_time)
+        if (object->knot_s[middle] < time - same_time)
             low = middle + 1;
         else
             high = middle;
     }
-    if (low < part->knots && part->knot_s[low] <= time + same_time) *tau = part->knot_tau[low];
+    if (low < object->knots && object->knot_s[low] <= time + same_time) *tau = object->knot_tau[low];
     return TIDES_OK;
 }
 
-static tides_status add_host_run(td_moved *moved, const td_moved_part *part, int first, const double at[2], int side,
+static tides_status add_host_run(td_dynamic *dynamic, const td_dynamic_object *object, int first, const double at[2], int side,
                                  tides_error *error) {
-    td_moving_rows *rows = &moved->rows;
-    size_t from = (size_t)rows->host_count, count = (size_t)(rows->count - first), sh = (size_t)moved->store->sh_stride;
+    td_dynamic_rows *rows = &dynamic->rows;
+    size_t from = (size_t)rows->host_count, count = (size_t)(rows->count - first), sh = (size_t)dynamic->store->sh_stride;
     size_t width[4] = {TD_GEOMETRY_STRIDE, TD_GEOMETRY_STRIDE, sh, sh};
-    int arrays = moved->store->movers.moves_sh ? 4 : 2;
+    int arrays = dynamic->store->movers.moves_sh ? 4 : 2;
     tides_status status =
         td_reserve((void **)&rows->host, &rows->host_capacity, (size_t)rows->host_runs + 1, sizeof *rows->host, error);
     for (int i = 0; i < arrays && status == TIDES_OK; i++)
@@ -70,21 +72,21 @@ static tides_status add_host_run(td_moved *moved, const td_moved_part *part, int
     if (status != TIDES_OK) return status;
     td_mover_numbers numbers; /* a callback reads none */
     memset(&numbers, 0, sizeof numbers);
-    numbers.moves_sh = part->moves_sh;
+    numbers.moves_sh = object->moves_sh;
     td_motion_sink sink = {rows->host_row[0] + from * TD_GEOMETRY_STRIDE, rows->host_row[1] + from * TD_GEOMETRY_STRIDE, NULL,
-                           NULL, moved->store->sh_stride};
+                           NULL, dynamic->store->sh_stride};
     for (int i = 2; i < arrays; i++) memset(rows->host_row[i] + from * sh, 0, count * sh * sizeof(double));
-    if (part->moves_sh) sink.sh = rows->host_row[2] + from * sh, sink.sh_rates = rows->host_row[3] + from * sh;
+    if (object->moves_sh) sink.sh = rows->host_row[2] + from * sh, sink.sh_rates = rows->host_row[3] + from * sh;
     td_host_rows run = {rows->row + first, (int)count, (int)from};
     rows->host[rows->host_runs++] = run;
     rows->host_count += (int)count;
-    return td_motion_rows(part->of.motion, &part->of.gaussians, &numbers, at[0], at[1], side, 0, rows->gaussians + first,
+    return td_motion_rows(object->of.motion, &object->of.gaussians, &numbers, at[0], at[1], side, 0, rows->gaussians + first,
                           (int64_t)count, &sink, error);
 }
 
-static tides_status add_jobs(td_moved *moved, const td_moved_part *part, int first, const double at[2], int side,
+static tides_status add_jobs(td_dynamic *dynamic, const td_dynamic_object *object, int first, const double at[2], int side,
                              tides_error *error) {
-    td_moving_rows *rows = &moved->rows;
+    td_dynamic_rows *rows = &dynamic->rows;
     int count = rows->count - first, jobs = (count + JOB_LENGTH - 1) / JOB_LENGTH;
     tides_status status = td_reserve((void **)&rows->moments, &rows->moment_capacity,
                                      ((size_t)rows->moment_count + 1) * TD_MOMENT_REALS, sizeof *rows->moments, error);
@@ -92,9 +94,9 @@ static tides_status add_jobs(td_moved *moved, const td_moved_part *part, int fir
         status = td_reserve((void **)&rows->jobs, &rows->job_capacity, (size_t)rows->job_count + (size_t)jobs,
                             sizeof *rows->jobs, error);
     if (status != TIDES_OK) return status;
-    td_motion_moment(part->of.motion, at[0], at[1], side, rows->moments + (size_t)rows->moment_count * TD_MOMENT_REALS);
+    td_motion_moment(object->of.motion, at[0], at[1], side, rows->moments + (size_t)rows->moment_count * TD_MOMENT_REALS);
     for (int i = first; i < rows->count; i += JOB_LENGTH) {
-        td_move_job job = {moved->store->mover[part->object],
+        td_move_job job = {dynamic->store->mover[object->in_store],
                            rows->moment_count,
                            i,
                            rows->count - i < JOB_LENGTH ? rows->count - i : JOB_LENGTH,
@@ -106,31 +108,33 @@ static tides_status add_jobs(td_moved *moved, const td_moved_part *part, int fir
     return TIDES_OK;
 }
 
-tides_status td_rows_end_run(td_moved *moved, const td_moved_part *part, int first, double time, int side, tides_error *error) {
-    td_moving_rows *rows = &moved->rows;
+tides_status td_rows_end_run(td_dynamic *dynamic, const td_dynamic_object *object, int first, double time, int side,
+                             tides_error *error) {
+    td_dynamic_rows *rows = &dynamic->rows;
     double at[2]; /* own time, and its rate */
     if (rows->count == first) return TIDES_OK;
-    tides_status status = td_rows_reserve(moved, TD_PAD, error);
-    if (status == TIDES_OK) status = own_time(part, moved->epoch, time, &at[0], &at[1], error);
+    tides_status status = td_rows_reserve(dynamic, TD_PAD, error);
+    if (status == TIDES_OK) status = own_time(object, dynamic->epoch, time, &at[0], &at[1], error);
     if (status != TIDES_OK) return status;
     int last = rows->owners[2 * (rows->count - 1)];
-    while ((rows->count - first) % TD_PAD) td_rows_add(moved, part, last);
-    const double second = moved->epoch + time;
-    side = second <= 0 ? 1 : second >= part->of.duration_s ? -1 : side; /* there's nothing beyond the ends */
-    return part->hosted ? add_host_run(moved, part, first, at, side, error) : add_jobs(moved, part, first, at, side, error);
+    while ((rows->count - first) % TD_PAD) td_rows_add(dynamic, object, last);
+    const double second = dynamic->epoch + time;
+    side = second <= 0 ? 1 : second >= object->of.duration_s ? -1 : side; /* there's nothing beyond the ends */
+    return object->hosted ? add_host_run(dynamic, object, first, at, side, error)
+                          : add_jobs(dynamic, object, first, at, side, error);
 }
 
-tides_status td_rows_end_between(td_moved *moved, const td_moved_part *part, int first, const td_span *span, double time,
-                                 tides_error *error) {
-    td_moving_rows *rows = &moved->rows;
+tides_status td_rows_end_between(td_dynamic *dynamic, const td_dynamic_object *object, int first, const td_span *span,
+                                 double time, tides_error *error) {
+    td_dynamic_rows *rows = &dynamic->rows;
     if (rows->count == first) return TIDES_OK;
-    tides_status status = td_rows_reserve(moved, TD_PAD, error);
+    tides_status status = td_rows_reserve(dynamic, TD_PAD, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&rows->cubics, &rows->cubic_capacity, ((size_t)rows->cubic_count + 1) * TD_CUBIC_REALS,
                             sizeof *rows->cubics, error);
     if (status != TIDES_OK) return status;
     int last = rows->owners[2 * (rows->count - 1)];
-    while ((rows->count - first) % TD_PAD) td_rows_add_between(moved, part, last);
+    while ((rows->count - first) % TD_PAD) td_rows_add_between(dynamic, object, last);
     int count = rows->count - first, jobs = (count + JOB_LENGTH - 1) / JOB_LENGTH;
     status = td_reserve((void **)&rows->cubic_jobs, &rows->cubic_job_capacity, (size_t)rows->cubic_job_count + (size_t)jobs,
                         sizeof *rows->cubic_jobs, error);
@@ -138,7 +142,7 @@ tides_status td_rows_end_between(td_moved *moved, const td_moved_part *part, int
     td_cubic_weights(span->from->time, span->to->time, time, rows->cubics + (size_t)rows->cubic_count * TD_CUBIC_REALS);
     for (int i = first; i < rows->count; i += JOB_LENGTH) {
         int length = rows->count - i < JOB_LENGTH ? rows->count - i : JOB_LENGTH;
-        td_cubic_job job = {rows->cubic_count, i, length, rows->row + i, span->from->row, span->to->row, part->moves_sh, 0};
+        td_cubic_job job = {rows->cubic_count, i, length, rows->row + i, span->from->row, span->to->row, object->moves_sh, 0};
         rows->cubic_jobs[rows->cubic_job_count++] = job;
     }
     rows->cubic_count++;
@@ -147,9 +151,9 @@ tides_status td_rows_end_between(td_moved *moved, const td_moved_part *part, int
 }
 
 /* Jobs kind by kind; they are few kinds, mostly one. */
-static tides_status sort_by_kind(td_moved *moved, tides_error *error) {
-    td_moving_rows *rows = &moved->rows;
-    const td_movers *movers = &moved->store->movers;
+static tides_status sort_by_kind(td_dynamic *dynamic, tides_error *error) {
+    td_dynamic_rows *rows = &dynamic->rows;
+    const td_movers *movers = &dynamic->store->movers;
     size_t count = (size_t)rows->job_count;
     td_move_job *sorted = td_alloc(count + 1, sizeof *sorted, error);
     if (!sorted) return TIDES_NO_MEMORY;
@@ -165,10 +169,10 @@ static tides_status sort_by_kind(td_moved *moved, tides_error *error) {
     return TIDES_OK;
 }
 
-tides_status td_rows_send(td_moved *moved, td_backend *backend, tides_error *error) {
-    td_moving_rows *rows = &moved->rows;
+tides_status td_rows_send(td_dynamic *dynamic, td_backend *backend, tides_error *error) {
+    td_dynamic_rows *rows = &dynamic->rows;
     if (rows->count == 0) return TIDES_OK;
-    tides_status status = sort_by_kind(moved, error);
+    tides_status status = sort_by_kind(dynamic, error);
     if (status != TIDES_OK) return status;
     td_move_batch batch = {rows->moments,     rows->moment_count, rows->jobs,
                            rows->kind_first,  rows->gaussians,    rows->count,

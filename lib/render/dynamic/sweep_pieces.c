@@ -1,5 +1,6 @@
-/* Sweeps in pieces for those Gaussians whose motion happens on a shorter scale of time than the interval: frames denser than
- * that, a bell of opacity within it, a fast sine. Each is swept in as many pieces as its own scale asks for. */
+/* Sweeps in pieces for those dynamic Gaussians whose motion happens on a shorter scale of time than the interval: frames denser
+ * than that, a bell of opacity within it, a fast sine. Each is swept in as many pieces as its own scale asks for. For the
+ * renderer's sweep, after sweep_rows.c; the scales are what models declare (motion/td_time_scale.h). */
 #include "motion/td_motion.h"
 #include "render/td_render.h"
 
@@ -12,12 +13,12 @@ static const double bell_reach = 3;
 static const double slack = 1e-6;
 
 /* The shortest distance between knots of which one is within the interval, in own time; INFINITY where none is. */
-static double knot_distance(const td_moved_part *part, double from, double to) {
+static double knot_distance(const td_dynamic_object *object, double from, double to) {
     double least = INFINITY;
-    for (size_t k = 1; k < part->knots; k++) {
-        int within = (part->knot_tau[k] > from && part->knot_tau[k] < to) ||
-                     (part->knot_tau[k - 1] > from && part->knot_tau[k - 1] < to);
-        if (within) least = fmin(least, part->knot_tau[k] - part->knot_tau[k - 1]);
+    for (size_t k = 1; k < object->knots; k++) {
+        int within = (object->knot_tau[k] > from && object->knot_tau[k] < to) ||
+                     (object->knot_tau[k - 1] > from && object->knot_tau[k - 1] < to);
+        if (within) least = fmin(least, object->knot_tau[k] - object->knot_tau[k - 1]);
     }
     return least;
 }
@@ -29,110 +30,112 @@ static int level_for(double length, double scale) {
     return level;
 }
 
-/* The scale that holds for one Gaussian of own time [from, to], with `all` that of its part. */
+/* The scale that holds for one Gaussian of own time [from, to], with `all` that of its object. */
 static double scale_of(const td_time_scale *own, double all, double from, double to) {
     double reach = bell_reach * own->width, scale = fmin(fmax(all, own->smooth), own->always);
     int active = isfinite(reach) && own->centre + reach > from && own->centre - reach < to;
     return active ? fmin(scale, own->width) : scale;
 }
 
-/* Levels of a part's Gaussians over own time [from, to], and the highest. */
-static tides_status find_levels(td_moved *moved, td_moved_part *part, double from, double to, int *highest,
+/* Levels of an object's Gaussians over own time [from, to], and the highest. */
+static tides_status find_levels(td_dynamic *dynamic, td_dynamic_object *object, double from, double to, int *highest,
                                 tides_error *error) {
-    const tides_motion *motion = part->of.motion;
-    double all = fmin(knot_distance(part, from, to), motion->type->scale ? motion->type->scale(motion, from, to) : INFINITY);
+    const tides_motion *motion = object->of.motion;
+    double all = fmin(knot_distance(object, from, to), motion->type->scale ? motion->type->scale(motion, from, to) : INFINITY);
     int common = level_for(to - from, all);
-    tides_status status = common > 0 ? td_moved_find_scales(moved->store, part, error) : TIDES_OK;
+    tides_status status = common > 0 ? td_dynamic_find_scales(dynamic->store, object, error) : TIDES_OK;
     *highest = 0;
-    for (int i = 0; i < part->count && status == TIDES_OK; i++) {
-        int level = part->scale ? level_for(to - from, scale_of(&part->scale[i], all, from, to)) : common;
-        moved->level[part->base + i] = (uint8_t)level;
+    for (int i = 0; i < object->count && status == TIDES_OK; i++) {
+        int level = object->scale ? level_for(to - from, scale_of(&object->scale[i], all, from, to)) : common;
+        dynamic->level[object->base + i] = (uint8_t)level;
         *highest = level > *highest ? level : *highest;
     }
     return status;
 }
 
 /* Rows of `count` Gaussians at all times of the sweep in hand, one time after the other. */
-static tides_status move_chunk(tides_renderer *r, const td_moved_part *part, const int *gaussians, int count, int times,
+static tides_status move_chunk(tides_renderer *r, const td_dynamic_object *object, const int *gaussians, int count, int times,
                                int *rows, tides_error *error) {
-    td_moved *moved = &r->moved;
+    td_dynamic *dynamic = &r->dynamic;
     tides_status status = TIDES_OK;
-    td_rows_begin(moved, r->store.count + moved->kept_rows);
+    td_rows_begin(dynamic, r->store.count + dynamic->cached_rows);
     for (int i = 0; i < times && status == TIDES_OK; i++) {
-        int first = moved->rows.count;
-        rows[i] = moved->rows.row + first;
-        status = td_rows_reserve(moved, count + TD_PAD, error);
-        for (int k = 0; k < count && status == TIDES_OK; k++) td_rows_add(moved, part, gaussians[k]);
-        if (status == TIDES_OK) status = td_rows_end_run(moved, part, first, r->sweep_time[i], i == times - 1 ? -1 : 1, error);
+        int first = dynamic->rows.count;
+        rows[i] = dynamic->rows.row + first;
+        status = td_rows_reserve(dynamic, count + TD_PAD, error);
+        for (int k = 0; k < count && status == TIDES_OK; k++) td_rows_add(dynamic, object, gaussians[k]);
+        if (status == TIDES_OK)
+            status = td_rows_end_run(dynamic, object, first, r->sweep_time[i], i == times - 1 ? -1 : 1, error);
     }
-    return status == TIDES_OK ? td_rows_send(moved, r->backend, error) : status;
+    return status == TIDES_OK ? td_rows_send(dynamic, r->backend, error) : status;
 }
 
 /* Boxes and travel of `count` listed Gaussians, from 2^level pieces. */
-static tides_status sweep_chunk(tides_renderer *r, const td_moved_part *part, const int *gaussians, int count, int level,
+static tides_status sweep_chunk(tides_renderer *r, const td_dynamic_object *object, const int *gaussians, int count, int level,
                                 int *rows, double duration, tides_error *error) {
-    td_moved *moved = &r->moved;
+    td_dynamic *dynamic = &r->dynamic;
     int padded = (count + TD_PAD - 1) / TD_PAD * TD_PAD;
-    tides_status status = move_chunk(r, part, gaussians, count, td_sweep_times(level), rows, error);
+    tides_status status = move_chunk(r, object, gaussians, count, td_sweep_times(level), rows, error);
     const td_sweep_request request = {(const double *)r->views, r->strays.bound, duration, level, 0, padded, rows};
-    if (status == TIDES_OK) status = r->backend->type->sweep(r->backend, &request, moved->fine_box, moved->fine_travel, error);
+    if (status == TIDES_OK)
+        status = r->backend->type->sweep(r->backend, &request, dynamic->fine_box, dynamic->fine_travel, error);
     for (int k = 0; k < count && status == TIDES_OK; k++) {
-        memcpy(r->boxes + 4 * (size_t)gaussians[k], moved->fine_box + 4 * (size_t)k, 4 * sizeof *r->boxes);
-        r->travel[gaussians[k]] = moved->fine_travel[k];
+        memcpy(r->boxes + 4 * (size_t)gaussians[k], dynamic->fine_box + 4 * (size_t)k, 4 * sizeof *r->boxes);
+        r->travel[gaussians[k]] = dynamic->fine_travel[k];
         /* Rows between those of the start, the middle and the end aren't what these say. */
-        if (moved->misfit) moved->misfit[part->base + gaussians[k] - part->first] = INFINITY;
+        if (dynamic->misfit) dynamic->misfit[object->base + gaussians[k] - object->first] = INFINITY;
     }
     return status;
 }
 
-/* A part's Gaussians of one level. */
-static tides_status sweep_level(tides_renderer *r, const td_moved_part *part, int level, int *rows, double duration,
+/* A object's Gaussians of one level. */
+static tides_status sweep_level(tides_renderer *r, const td_dynamic_object *object, int level, int *rows, double duration,
                                 tides_error *error) {
-    td_moved *moved = &r->moved;
+    td_dynamic *dynamic = &r->dynamic;
     int listed = 0, chunk = r->row_limit / td_sweep_times(level) / TD_PAD * TD_PAD;
     tides_status status = TIDES_OK;
     if (chunk < TD_PAD) chunk = TD_PAD;
-    for (int i = 0; i < part->count; i++)
-        if (moved->level[part->base + i] == level) moved->fine[listed++] = part->first + i;
+    for (int i = 0; i < object->count; i++)
+        if (dynamic->level[object->base + i] == level) dynamic->fine[listed++] = object->first + i;
     for (int from = 0; from < listed && status == TIDES_OK; from += chunk)
-        status = sweep_chunk(r, part, moved->fine + from, listed - from < chunk ? listed - from : chunk, level, rows, duration,
-                             error);
+        status = sweep_chunk(r, object, dynamic->fine + from, listed - from < chunk ? listed - from : chunk, level, rows,
+                             duration, error);
     return status;
 }
 
-/* All parts' Gaussians, level by level: views at a level's times are made once. */
+/* All objects' Gaussians, level by level: views at a level's times are made once. */
 static tides_status sweep_levels(tides_renderer *r, const tides_trajectory *camera, double start, double stop,
                                  const int *highest, int most, tides_error *error) {
     int *rows = td_alloc((size_t)td_sweep_times(most), sizeof *rows, error);
     tides_status status = rows ? TIDES_OK : TIDES_NO_MEMORY;
     for (int level = 1; level <= most && status == TIDES_OK; level++) {
         int used = 0;
-        for (int i = 0; i < r->moved.moving; i++) used |= r->moved.level[i] == level;
+        for (int i = 0; i < r->dynamic.gaussians; i++) used |= r->dynamic.level[i] == level;
         if (!used) continue;
         status = td_renderer_sweep_views(r, camera, start, stop, level, error);
-        for (int p = 0; p < r->moved.parts && status == TIDES_OK; p++)
-            if (highest[p] >= level) status = sweep_level(r, &r->moved.part[p], level, rows, stop - start, error);
+        for (int p = 0; p < r->dynamic.objects && status == TIDES_OK; p++)
+            if (highest[p] >= level) status = sweep_level(r, &r->dynamic.object[p], level, rows, stop - start, error);
     }
     free(rows);
     return status;
 }
 
-tides_status td_moved_sweep_fine(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
-                                 tides_error *error) {
-    td_moved *moved = &renderer->moved;
+tides_status td_dynamic_sweep_pieces(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                                     tides_error *error) {
+    td_dynamic *dynamic = &renderer->dynamic;
     int most = 0;
     if (!(start < stop)) return TIDES_OK;
-    int *highest = td_alloc((size_t)moved->parts, sizeof *highest, error);
+    int *highest = td_alloc((size_t)dynamic->objects, sizeof *highest, error);
     if (!highest) return TIDES_NO_MEMORY;
-    memset(moved->level, 0, (size_t)moved->moving * sizeof *moved->level);
+    memset(dynamic->level, 0, (size_t)dynamic->gaussians * sizeof *dynamic->level);
     tides_status status = TIDES_OK;
-    for (int p = 0; p < moved->parts && status == TIDES_OK; p++) {
-        td_moved_part *part = &moved->part[p];
+    for (int p = 0; p < dynamic->objects && status == TIDES_OK; p++) {
+        td_dynamic_object *object = &dynamic->object[p];
         double from = 0, to = 0, rate;
-        status = td_motion_time(part->of.motion, part->of.duration_s, moved->epoch + start, &from, &rate, error);
+        status = td_motion_time(object->of.motion, object->of.duration_s, dynamic->epoch + start, &from, &rate, error);
         if (status == TIDES_OK)
-            status = td_motion_time(part->of.motion, part->of.duration_s, moved->epoch + stop, &to, &rate, error);
-        if (status == TIDES_OK) status = find_levels(moved, part, from, to, &highest[p], error);
+            status = td_motion_time(object->of.motion, object->of.duration_s, dynamic->epoch + stop, &to, &rate, error);
+        if (status == TIDES_OK) status = find_levels(dynamic, object, from, to, &highest[p], error);
         most = highest[p] > most ? highest[p] : most;
     }
     if (status == TIDES_OK && most > 0) status = sweep_levels(renderer, camera, start, stop, highest, most, error);

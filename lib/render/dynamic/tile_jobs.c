@@ -1,4 +1,5 @@
-/* Tile jobs of scenes with motion: which rows a launch needs, and candidate lists that point at them.
+/* Tile jobs of scenes with dynamic Gaussians, for the renderer: which rows a launch needs, and candidate lists that point at
+ * them in place of the store's Gaussians.
  *
  * Jobs are taken slot by slot. A slot's jobs need the union of the moving candidates of their tiles, at the slot's time:
  * each is worked out once. A launch is full when its records or its rows reach their limit. */
@@ -12,89 +13,89 @@ static int by_slot(const void *a, const void *b) {
     return td_job_by_falling_count(a, b);
 }
 
-/* The part that a group of candidates belongs to, by its leader; NULL for those that don't move by themselves. */
-static const td_moved_part *part_of(const td_moved *moved, int leader) {
-    int mover = moved->store->mover[moved->store->object[leader]];
-    return mover < 0 ? NULL : &moved->part[mover];
+/* The object that a group of candidates belongs to, by its leader; NULL for those that don't move by themselves. */
+static const td_dynamic_object *object_of(const td_dynamic *dynamic, int leader) {
+    int mover = dynamic->store->mover[dynamic->store->object[leader]];
+    return mover < 0 ? NULL : &dynamic->object[mover];
 }
 
 /* Moving candidates of a job that the slot hasn't asked for yet; with `take` they are then. */
-static int count_new(td_moved *moved, const int *candidates, int count, int take) {
+static int count_new(td_dynamic *dynamic, const int *candidates, int count, int take) {
     int fresh = 0;
     for (int group = 0; group < count; group += TD_PAD) {
-        const td_moved_part *part = part_of(moved, candidates[group]);
-        for (int i = group; part && i < group + TD_PAD && candidates[i] != TD_NO_GAUSSIAN; i++) {
-            int at = candidates[i] - part->first + part->base;
-            if (moved->stamp[at] == moved->serial) continue;
+        const td_dynamic_object *object = object_of(dynamic, candidates[group]);
+        for (int i = group; object && i < group + TD_PAD && candidates[i] != TD_NO_GAUSSIAN; i++) {
+            int at = candidates[i] - object->first + object->base;
+            if (dynamic->stamp[at] == dynamic->serial) continue;
             fresh++;
             if (!take) continue;
-            moved->stamp[at] = moved->serial;
-            moved->lowest = at < moved->lowest ? at : moved->lowest;
-            moved->highest = at > moved->highest ? at : moved->highest;
+            dynamic->stamp[at] = dynamic->serial;
+            dynamic->lowest = at < dynamic->lowest ? at : dynamic->lowest;
+            dynamic->highest = at > dynamic->highest ? at : dynamic->highest;
         }
     }
     return fresh;
 }
 
 /* A slot's own stamp. */
-static void begin_slot(td_moved *moved) {
-    if (++moved->serial == 0) { /* after 2^32 slots */
-        memset(moved->stamp, 0, (size_t)moved->moving * sizeof *moved->stamp);
-        moved->serial = 1;
+static void begin_slot(td_dynamic *dynamic) {
+    if (++dynamic->serial == 0) { /* after 2^32 slots */
+        memset(dynamic->stamp, 0, (size_t)dynamic->gaussians * sizeof *dynamic->stamp);
+        dynamic->serial = 1;
     }
-    moved->lowest = moved->moving;
-    moved->highest = -1;
+    dynamic->lowest = dynamic->gaussians;
+    dynamic->highest = -1;
 }
 
-/* Adds what the slot asks for of a part: what is interpolated, or what is worked out. Returns the first entry. */
-static int add_asked(td_moved *moved, const td_moved_part *part, const td_span *span, int interpolated) {
-    int first = moved->rows.count, from = part->base, to = part->base + part->count;
-    from = from > moved->lowest ? from : moved->lowest;
-    to = to <= moved->highest ? to : moved->highest + 1;
+/* Adds what the slot asks for of an object: what is interpolated, or what is worked out. Returns the first entry. */
+static int add_asked(td_dynamic *dynamic, const td_dynamic_object *object, const td_span *span, int interpolated) {
+    int first = dynamic->rows.count, from = object->base, to = object->base + object->count;
+    from = from > dynamic->lowest ? from : dynamic->lowest;
+    to = to <= dynamic->highest ? to : dynamic->highest + 1;
     for (int at = from; at < to; at++) {
-        if (moved->stamp[at] != moved->serial) continue;
-        int fits = span && part->dear && moved->misfit[at] <= 1, gaussian = part->first + at - part->base;
+        if (dynamic->stamp[at] != dynamic->serial) continue;
+        int fits = span && object->expensive && dynamic->misfit[at] <= 1, gaussian = object->first + at - object->base;
         if (fits != interpolated) continue;
-        moved->row_of[at] = moved->rows.row + moved->rows.count;
+        dynamic->row_of[at] = dynamic->rows.row + dynamic->rows.count;
         if (interpolated)
-            td_rows_add_between(moved, part, gaussian);
+            td_rows_add_between(dynamic, object, gaussian);
         else
-            td_rows_add(moved, part, gaussian);
+            td_rows_add(dynamic, object, gaussian);
     }
     return first;
 }
 
-/* Rows for all that the slot asks for, those kept from the sweep as they are. */
-static tides_status assign_rows(td_moved *moved, double time, int side, int asked, tides_error *error) {
-    tides_status status = td_rows_reserve(moved, asked, error);
-    for (int k = 0; k < TD_KEPT && moved->kept_rows; k++) {
-        const td_kept *kept = &moved->kept[k];
-        if (!kept->is_there || kept->time < time || kept->time > time) continue;
-        if (kept->side != side && td_moved_is_knot(moved, time)) continue;
-        for (int at = moved->lowest; at <= moved->highest; at++) moved->row_of[at] = kept->row + at;
+/* Rows for all that the slot asks for, those cached by the sweep as they are. */
+static tides_status assign_rows(td_dynamic *dynamic, double time, int side, int asked, tides_error *error) {
+    tides_status status = td_rows_reserve(dynamic, asked, error);
+    for (int k = 0; k < TD_ROW_CACHES && dynamic->cached_rows; k++) {
+        const td_row_cache *cached = &dynamic->cached[k];
+        if (!cached->is_there || cached->time < time || cached->time > time) continue;
+        if (cached->side != side && td_dynamic_is_knot(dynamic, time)) continue;
+        for (int at = dynamic->lowest; at <= dynamic->highest; at++) dynamic->row_of[at] = cached->row + at;
         return status;
     }
-    const td_span *span = td_moved_span(moved, time);
-    for (int p = 0; p < moved->parts && status == TIDES_OK; p++) {
-        const td_moved_part *part = &moved->part[p];
-        int first = add_asked(moved, part, span, 0);
-        status = td_rows_end_run(moved, part, first, time, side, error);
-        if (status == TIDES_OK) status = td_rows_reserve(moved, asked, error);
-        if (status != TIDES_OK || !span || !part->dear) continue;
-        first = add_asked(moved, part, span, 1);
-        status = td_rows_end_between(moved, part, first, span, time, error);
-        if (status == TIDES_OK) status = td_rows_reserve(moved, asked, error);
+    const td_span *span = td_dynamic_span(dynamic, time);
+    for (int p = 0; p < dynamic->objects && status == TIDES_OK; p++) {
+        const td_dynamic_object *object = &dynamic->object[p];
+        int first = add_asked(dynamic, object, span, 0);
+        status = td_rows_end_run(dynamic, object, first, time, side, error);
+        if (status == TIDES_OK) status = td_rows_reserve(dynamic, asked, error);
+        if (status != TIDES_OK || !span || !object->expensive) continue;
+        first = add_asked(dynamic, object, span, 1);
+        status = td_rows_end_between(dynamic, object, first, span, time, error);
+        if (status == TIDES_OK) status = td_rows_reserve(dynamic, asked, error);
     }
     return status;
 }
 
 /* A job's own list: rows instead of Gaussians. */
-static void point_at_rows(const td_moved *moved, const int *candidates, int count, int *list) {
+static void point_at_rows(const td_dynamic *dynamic, const int *candidates, int count, int *list) {
     for (int group = 0; group < count; group += TD_PAD) {
-        const td_moved_part *part = part_of(moved, candidates[group]);
+        const td_dynamic_object *object = object_of(dynamic, candidates[group]);
         for (int i = group; i < group + TD_PAD; i++) {
             list[i] = candidates[i];
-            if (part && list[i] != TD_NO_GAUSSIAN) list[i] = moved->row_of[list[i] - part->first + part->base];
+            if (object && list[i] != TD_NO_GAUSSIAN) list[i] = dynamic->row_of[list[i] - object->first + object->base];
         }
     }
 }
@@ -108,24 +109,26 @@ typedef struct launch_plan {
 /* As many of the following slot's jobs as there is room for; 0 in `*more` where the launch is full. */
 static tides_status take_slot(tides_renderer *r, const double *times, td_job *jobs, int count, launch_plan *launch, int *more,
                               tides_error *error) {
-    td_moved *moved = &r->moved;
+    td_dynamic *dynamic = &r->dynamic;
     const int *candidates = r->candidates.list;
-    int first = launch->to, slot = jobs[first].slot, asked = 0, padding = 2 * TD_PAD * moved->parts;
-    begin_slot(moved);
+    int first = launch->to, slot = jobs[first].slot, asked = 0, padding = 2 * TD_PAD * dynamic->objects;
+    begin_slot(dynamic);
     for (; launch->to < count && jobs[launch->to].slot == slot; launch->to++) {
         const td_job *job = &jobs[launch->to];
-        int fresh = count_new(moved, candidates + job->candidates, job->count, 0);
-        int full = launch->records > r->record_limit - job->count || moved->rows.count + asked + padding > r->row_limit - fresh;
+        int fresh = count_new(dynamic, candidates + job->candidates, job->count, 0);
+        int full =
+            launch->records > r->record_limit - job->count || dynamic->rows.count + asked + padding > r->row_limit - fresh;
         if (full && launch->to > launch->from) break;
-        asked += count_new(moved, candidates + job->candidates, job->count, 1);
+        asked += count_new(dynamic, candidates + job->candidates, job->count, 1);
         launch->records += job->count;
     }
     *more = launch->to > first && launch->to < count && jobs[launch->to].slot != slot;
-    tides_status status = assign_rows(moved, times[slot], r->side, asked, error);
+    tides_status status = assign_rows(dynamic, times[slot], r->side, asked, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&moved->list, &moved->list_capacity, (size_t)launch->records, sizeof *moved->list, error);
+        status =
+            td_reserve((void **)&dynamic->list, &dynamic->list_capacity, (size_t)launch->records, sizeof *dynamic->list, error);
     for (int i = first; i < launch->to && status == TIDES_OK; i++) {
-        point_at_rows(moved, candidates + jobs[i].candidates, jobs[i].count, moved->list + launch->rows);
+        point_at_rows(dynamic, candidates + jobs[i].candidates, jobs[i].count, dynamic->list + launch->rows);
         jobs[i].candidates = launch->rows;
         launch->rows += jobs[i].count;
     }
@@ -140,25 +143,25 @@ static tides_status run_launch(tides_renderer *r, td_batch *batch, td_job *jobs,
         jobs[i].records = records;
         records += jobs[i].count;
     }
-    tides_status status = td_rows_send(&r->moved, r->backend, error);
+    tides_status status = td_rows_send(&r->dynamic, r->backend, error);
     if (status != TIDES_OK) return status;
-    batch->candidates = r->moved.list;
+    batch->candidates = r->dynamic.list;
     batch->candidate_count = launch->rows;
-    batch->candidates_serial = ++r->moved.serial_of_list;
+    batch->candidates_serial = ++r->dynamic.serial_of_list;
     batch->jobs = jobs;
     batch->job_count = count;
     batch->records = records;
     return r->backend->type->render(r->backend, batch, planes, error);
 }
 
-tides_status td_moved_run(tides_renderer *r, td_batch *batch, const double *times, td_job *jobs, int count, double *planes,
-                          tides_error *error) {
+tides_status td_dynamic_run_jobs(tides_renderer *r, td_batch *batch, const double *times, td_job *jobs, int count,
+                                 double *planes, tides_error *error) {
     tides_status status = TIDES_OK;
     qsort(jobs, (size_t)count, sizeof *jobs, by_slot);
     for (launch_plan launch = {0, 0, 0, 0}; launch.from < count && status == TIDES_OK; launch.from = launch.to) {
         int more = 1;
         launch.records = launch.rows = 0;
-        td_rows_begin(&r->moved, r->store.count + r->moved.kept_rows);
+        td_rows_begin(&r->dynamic, r->store.count + r->dynamic.cached_rows);
         while (more && status == TIDES_OK) status = take_slot(r, times, jobs, count, &launch, &more, error);
         if (status == TIDES_OK) status = run_launch(r, batch, jobs + launch.from, &launch, planes, error);
     }
