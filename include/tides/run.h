@@ -48,6 +48,11 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_run_load(const char *file, const c
 TIDES_MUST_CHECK TIDES_API tides_status tides_run_parse(const char *text, const char *directory, const char *const *overrides,
                                                         size_t count, tides_run **run, tides_error *error);
 
+/* The same run with more overrides, as if they had stood behind those that it was read with. `base` isn't changed, nor needed
+ * afterwards. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_run_vary(const tides_run *base, const char *const *overrides, size_t count,
+                                                       tides_run **run, tides_error *error);
+
 TIDES_API void tides_run_destroy(tides_run *run); /* NULL is fine */
 
 /* What the run file says, as the structs that the library takes. Plain value; strings live as long as the run. */
@@ -63,6 +68,8 @@ typedef struct tides_run_values {
     tides_frames_options frames;
     const char *frames_file;  /* NULL: the run has a scene */
     double frames_per_second; /* of a baseline's renders [Hz] */
+    tides_path_options path;  /* of camera.file */
+    double scene_duration_s;  /* 0: the scene's own */
     const char *json;         /* the run with every default filled in, as written into event files */
 } tides_run_values;
 TIDES_API void tides_run_get(const tides_run *run, tides_run_values *values);

@@ -63,7 +63,7 @@ static void set_limits(td_image *image, int32_t rules, const tides_intrinsics *c
     image->limit_y1 = bottom + jacobian_margin * tan_y;
 }
 
-/* A number of the image or the camera and where it must lie: the ranges of the run file's keys (lib/run/params.c). Within
+/* A number of the image or the camera and where it must lie: the ranges of the run file's keys (lib/run/params_table.c). Within
  * them no product that is formed of them leaves single precision; a log_eps of 1e-12 and less lets L_dot = Y_dot / (Y +
  * log_eps) do so where it is dark. */
 typedef struct ranged {

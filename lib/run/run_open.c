@@ -1,4 +1,4 @@
-/* Opens what a run names: the scene with its moving objects, and the camera's path with its intrinsics. */
+/* Opens what a run names: the scene with its moving objects, and the camera's path with its intrinsics; or the frames. */
 #include "td_run.h"
 
 #include <math.h>
@@ -80,7 +80,8 @@ static tides_status open_scene(const tides_run *run, tides_scene **scene, tides_
     tides_scene *made = NULL;
     tides_status status = tides_scene_create(&made, error);
     if (status != TIDES_OK) return status;
-    if (run->scene_file) status = add_file(run, made, run->scene_file, NULL, 1.0, "scene.file", error);
+    const char *file = td_run_file(run, "scene.file");
+    if (file) status = add_file(run, made, file, NULL, 1.0, "scene.file", error);
     const cJSON *object;
     int index = 0;
     cJSON_ArrayForEach(object, td_run_value(run, "scene.objects")) {
@@ -117,10 +118,11 @@ static tides_status merge_intrinsics(const tides_run *run, const tides_path *fil
     if (missing && resized)
         return td_fail(error, TIDES_BAD_CONFIG,
                        "%s: camera.%s is missing: that of %s is for %dx%d px, the run wants %dx%d; set camera.%s [px]",
-                       run->origin, missing, run->camera_file, path->width, path->height, own.width, own.height, missing);
+                       run->origin, missing, td_run_file(run, "camera.file"), path->width, path->height, own.width, own.height,
+                       missing);
     if (missing)
         return td_fail(error, TIDES_BAD_CONFIG, "%s: camera.%s is missing: %s doesn't give it either; set camera.%s [px]",
-                       run->origin, missing, run->camera_file, missing);
+                       run->origin, missing, td_run_file(run, "camera.file"), missing);
     if (!cJSON_IsNumber(td_run_value(run, "camera.cx"))) own.cx = given_or(theirs.cx, 0.5 * own.width);
     if (!cJSON_IsNumber(td_run_value(run, "camera.cy"))) own.cy = given_or(theirs.cy, 0.5 * own.height);
     *merged = own;
@@ -129,16 +131,12 @@ static tides_status merge_intrinsics(const tides_run *run, const tides_path *fil
 
 static tides_status open_camera(const tides_run *run, tides_trajectory **camera, tides_intrinsics *intrinsics,
                                 tides_error *error) {
-    tides_path_options options;
-    tides_path_options_defaults(&options);
-    options.duration = td_run_number(run, "camera.duration_s");
-    options.start = td_run_number(run, "camera.start_s");
-    options.raw_positions = cJSON_IsTrue(td_run_value(run, "camera.raw_positions")) ? 1 : 0;
-    options.rebase = cJSON_IsTrue(td_run_value(run, "camera.rebase")) ? 1 : 0;
+    tides_run_values values;
+    tides_run_get(run, &values);
     tides_path path = {.trajectory = NULL};
-    tides_status status = tides_path_load(run->camera_file, &options, &path, error);
+    tides_status status = tides_path_load(values.camera_file, &values.path, &path, error);
     if (status != TIDES_OK) return status;
-    status = check_cover(run, path.trajectory, run->camera_file, "camera.file", error);
+    status = check_cover(run, path.trajectory, values.camera_file, "camera.file", error);
     if (status == TIDES_OK) status = merge_intrinsics(run, &path, intrinsics, error);
     if (status == TIDES_OK)
         *camera = path.trajectory;
@@ -151,7 +149,7 @@ tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_tra
                             tides_error *error) {
     if (!run || !scene || !camera || !intrinsics)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_open: run, scene, camera or intrinsics is NULL");
-    if (run->frames_file)
+    if (td_run_file(run, "frames.file"))
         return td_fail(error, TIDES_BAD_CONFIG, "%s: the run has frames.file and no scene to render", run->origin);
     tides_trajectory *path = NULL;
     tides_intrinsics size = {0};
@@ -164,4 +162,14 @@ tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_tra
     *camera = path;
     *intrinsics = size;
     return TIDES_OK;
+}
+
+tides_status tides_run_open_frames(const tides_run *run, tides_frames **frames, tides_error *error) {
+    if (!run || !frames) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_open_frames: run or frames is NULL");
+    tides_run_values values;
+    tides_run_get(run, &values);
+    if (!values.frames_file)
+        return td_fail(error, TIDES_BAD_CONFIG, "%s: frames.file is missing: name a folder of pictures or an array file",
+                       run->origin);
+    return tides_frames_open(values.frames_file, &values.frames, frames, error);
 }

@@ -15,10 +15,8 @@ struct tides_run {
     char *directory;      /* what relative paths refer to */
     cJSON **values;       /* one per row of the table; NULL where required and not (yet) given */
     unsigned char *given; /* one per row: the run file or an override says it */
-    char *scene_file;     /* resolved; NULL where the scene is made of objects only */
-    char *camera_file;    /* resolved */
+    char **files;         /* one per row: the resolved path where the row is a file's, and isn't null */
     char *json;           /* every key, defaults filled in */
-    char *frames_file, *timestamps_file, *noise_files[2]; /* resolved; NULL where not given */
 };
 
 /* params.c: row of `key`, or NULL; 1 where `key` is the first part of some row's key ("sensor", "stepping.risk"). */
@@ -50,14 +48,13 @@ cJSON **td_run_defaults(tides_error *error);
 tides_status td_run_print(cJSON *const *values, char **text, tides_error *error);
 void td_run_free_values(cJSON **values);
 
-/* run_frames.c: resolved paths of frames and baselines; these parts of tides_run_get. */
-tides_status td_run_derive_frames(tides_run *run, tides_error *error);
-void td_run_get_frames(const tides_run *run, tides_run_values *values);
-void td_run_free_frames(tides_run *run);
+/* run_values.c: what the values are where a run says nothing; files, texts and intrinsics are NULL and 0. */
+void td_run_values_defaults(tides_run_values *values);
 
 /* run.c: the value of a row that is known to be in the table; `path` against the run's directory, allocated. */
 const cJSON *td_run_value(const tides_run *run, const char *key);
-double td_run_number(const tides_run *run, const char *key); /* 0 where null */
+double td_run_number(const tides_run *run, const char *key);    /* 0 where null */
+const char *td_run_file(const tides_run *run, const char *key); /* resolved; NULL where null */
 char *td_run_resolve(const tides_run *run, const char *path, tides_error *error);
 
 #endif

@@ -1,0 +1,85 @@
+/* What a run file says, as the structs that the library takes: each row of the parameter table into its field. */
+#include "td_params.h"
+#include "td_run.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void td_run_values_defaults(tides_run_values *values) {
+    memset(values, 0, sizeof *values);
+    tides_image_params_defaults(&values->image);
+    tides_sensor_defaults(&values->sensor);
+    tides_stepping_defaults(&values->stepping);
+    tides_readout_defaults(&values->readout);
+    tides_baseline_params_defaults(&values->baseline);
+    tides_frames_options_defaults(&values->frames);
+    tides_path_options_defaults(&values->path);
+    values->stop = 1.0;
+    values->frames_per_second = 1000.0;
+}
+
+/* The constant of a choice; the table has checked that the name is one of them. */
+static int32_t constant_of(const td_param *row, const char *name) {
+    const size_t length = strlen(name);
+    int32_t place = 0;
+    const char *at = row->choices;
+    while (strcspn(at, "|") != length || memcmp(at, name, length) != 0) {
+        at += strcspn(at, "|") + 1;
+        place++;
+    }
+    return row->constants ? row->constants[place] : place;
+}
+
+/* A number, 0 where the value is null. */
+static double number_of(const cJSON *value) { return cJSON_IsNumber(value) ? value->valuedouble : 0.0; }
+
+static void put_vector(const cJSON *value, int count, void *field) {
+    double vector[3];
+    for (int i = 0; i < count; i++) vector[i] = number_of(cJSON_GetArrayItem(value, i));
+    memcpy(field, vector, (size_t)count * sizeof vector[0]);
+}
+
+/* `text` is what a STRING row says, NULL where it is null. */
+static void put(const td_param *row, const cJSON *value, const char *text, void *field) {
+    const double number = number_of(value);
+    int32_t whole = 0;
+    switch (row->type) {
+        case TIDES_PARAM_NUMBER: memcpy(field, &number, sizeof number); return;
+        case TIDES_PARAM_VECTOR2: put_vector(value, 2, field); return;
+        case TIDES_PARAM_VECTOR3: put_vector(value, 3, field); return;
+        case TIDES_PARAM_STRING: memcpy(field, &text, sizeof text); return;
+        case TIDES_PARAM_INTEGER: whole = (int32_t)number; break;
+        case TIDES_PARAM_BOOLEAN: whole = cJSON_IsTrue(value) ? 1 : 0; break;
+        default: whole = constant_of(row, value->valuestring);
+    }
+    memcpy(field, &whole, sizeof whole);
+}
+
+/* What follows from several keys, or stands in several structs. */
+static void derive(const tides_run *run, tides_run_values *values) {
+    tides_baseline_params *baseline = &values->baseline;
+    tides_frames_options *frames = &values->frames;
+    values->method = td_run_value(run, "method")->valuestring;
+    values->json = run->json;
+    values->sensor.seed = strtoull(values->seed, NULL, 10); /* the table has checked that it is a 64-bit number */
+    baseline->seed = values->sensor.seed;
+    baseline->sensor = values->sensor;
+    baseline->log_eps = values->image.log_eps;
+    memcpy(frames->luminance, values->image.luminance, sizeof frames->luminance);
+    if (baseline->method == TIDES_METHOD_LDATI) {
+        frames->planes = 2 * TIDES_LDATI_PLANES;
+        /* Grid k begins at k / fps unless frames.* has times. */
+        if (!(frames->frames_per_second > 0) && !frames->timestamps) frames->frames_per_second = baseline->ldati.fps;
+    }
+}
+
+void tides_run_get(const tides_run *run, tides_run_values *values) {
+    td_run_values_defaults(values);
+    for (size_t i = 0; i < td_params_count; i++) {
+        const td_param *row = &td_params[i];
+        const cJSON *value = run->values[i]; /* NULL: a camera that a run on frames doesn't need */
+        const char *text = row->is_file ? run->files[i] : cJSON_IsString(value) ? value->valuestring : NULL;
+        if (row->field != TD_NO_FIELD) put(row, value, text, (char *)values + row->field);
+    }
+    derive(run, values);
+}

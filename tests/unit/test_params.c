@@ -1,0 +1,173 @@
+/* The parameter table, row by row: a row's value goes into its own field and no other, its default is the field's, and a run
+ * varied is the run that had been read with those overrides. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "run/td_params.h"
+#include "run/td_run.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Under fixed steps every stepping.model is fine. */
+static const char base[] =
+    "{\"scene\": {\"file\": \"a.ply\"}, \"camera\": {\"file\": \"p.json\"}, \"stepping\": {\"mode\": \"fixed\"}}";
+
+static tides_run *parse(const char *const *sets, size_t count) {
+    tides_run *run = NULL;
+    tides_error error = {TIDES_OK, ""};
+    if (tides_run_parse(base, "dir", sets, count, &run, &error) != TIDES_OK) fail_msg("%s", error.text);
+    return run;
+}
+
+/* Texts live at other places in each run; and what follows from other fields isn't looked at. */
+static void blank(tides_run_values *v) {
+    for (size_t i = 0; i < td_params_count; i++)
+        if (td_params[i].type == TIDES_PARAM_STRING && td_params[i].field != TD_NO_FIELD)
+            memset((char *)v + td_params[i].field, 0, sizeof v->json);
+    memset(&v->baseline.sensor, 0, sizeof v->baseline.sensor);
+    memset(v->frames.luminance, 0, sizeof v->frames.luminance);
+    v->method = v->json = NULL;
+    v->baseline.log_eps = 0;
+}
+
+static size_t size_of(const td_param *row) {
+    switch (row->type) {
+        case TIDES_PARAM_NUMBER: return sizeof(double);
+        case TIDES_PARAM_VECTOR2: return 2 * sizeof(double);
+        case TIDES_PARAM_VECTOR3: return 3 * sizeof(double);
+        default: return sizeof(int32_t);
+    }
+}
+
+/* Another value than the default, as "key=value". */
+static void another(const td_param *row, char text[160]) {
+    const double middle = row->key[0] == 't' ? 0.5 : row->lower + 0.37109375 * (row->upper - row->lower); /* time.* */
+    const char *last = row->choices ? strrchr(row->choices, '|') + 1 : "";
+    char number[32], second[32];
+    td_number_text(middle, number);
+    td_number_text(row->lower + 0.75 * (row->upper - row->lower), second);
+    if (strcmp(row->key, "method") == 0) last = "iebcs"; /* ldati wants frames */
+    switch (row->type) {
+        case TIDES_PARAM_NUMBER: snprintf(text, 160, "%s=%s", row->key, number); break;
+        case TIDES_PARAM_INTEGER:
+            snprintf(text, 160, "%s=%d", row->key, (int)middle + (strstr(row->key, "sh_degree") != NULL));
+            break;
+        case TIDES_PARAM_BOOLEAN:
+            snprintf(text, 160, "%s=%s", row->key,
+                     strcmp(tides_params(NULL)[row - td_params].fallback, "true") == 0 ? "false" : "true");
+            break;
+        case TIDES_PARAM_CHOICE: snprintf(text, 160, "%s=%s", row->key, last); break;
+        case TIDES_PARAM_VECTOR2: snprintf(text, 160, "%s=[%s,%s]", row->key, number, second); break;
+        default: snprintf(text, 160, "%s=[%s,%s,%s]", row->key, number, second, second);
+    }
+}
+
+static void each_row_reaches_its_field_alone(void **state) {
+    (void)state;
+    tides_run *plain = parse(NULL, 0);
+    tides_run_values before;
+    tides_run_get(plain, &before);
+    blank(&before);
+    size_t seen = 0;
+    for (size_t i = 0; i < td_params_count; i++) {
+        const td_param *row = &td_params[i];
+        if (row->field == TD_NO_FIELD || row->type == TIDES_PARAM_STRING) continue;
+        char text[160];
+        const char *set = text;
+        another(row, text);
+        tides_run *run = parse(&set, 1);
+        tides_run_values after;
+        tides_run_get(run, &after);
+        blank(&after);
+        if (memcmp((char *)&after + row->field, (char *)&before + row->field, size_of(row)) == 0)
+            fail_msg("%s doesn't reach its field", text);
+        memcpy((char *)&after + row->field, (char *)&before + row->field, size_of(row));
+        if (memcmp(&after, &before, sizeof after) != 0) fail_msg("%s reaches another field, too", text);
+        tides_run_destroy(run);
+        seen++;
+    }
+    assert_true(seen > 100);
+    tides_run_destroy(plain);
+}
+
+/* Where a row has a default of its own it must be what the field of an empty run has: null, which is 0. */
+static void defaults_are_the_fields(void **state) {
+    (void)state;
+    tides_run *run = NULL;
+    tides_error error = {TIDES_OK, ""};
+    const char *text = "{\"scene\": {\"file\": \"a.ply\"}, \"camera\": {\"file\": \"p.json\"}}";
+    if (tides_run_parse(text, "dir", NULL, 0, &run, &error) != TIDES_OK) fail_msg("%s", error.text);
+    tides_run_values values, wanted;
+    tides_run_get(run, &values);
+    td_run_values_defaults(&wanted);
+    blank(&values);
+    blank(&wanted);
+    assert_memory_equal(&values, &wanted, sizeof values);
+    for (size_t i = 0; i < td_params_count; i++) {
+        const td_param *row = &td_params[i];
+        const int32_t numeric = row->type != TIDES_PARAM_STRING && row->type != TIDES_PARAM_OBJECTS;
+        if (numeric && row->fallback) assert_string_equal(row->fallback, "null");
+        if (numeric) assert_true(row->field < sizeof values);
+    }
+    tides_run_destroy(run);
+}
+
+static void numbers_read_back_as_themselves(void **state) {
+    (void)state;
+    static const struct {
+        double value;
+        const char *text;
+    } cases[] = {{0, "0.0"},       {1, "1.0"},         {140, "140.0"},      {0.2, "0.2"},    {1e-6, "1e-06"},
+                 {2e-12, "2e-12"}, {10000, "10000.0"}, {1e-4, "0.0001"},    {1e16, "1e+16"}, {0.001815, "0.001815"},
+                 {-2.5, "-2.5"},   {5.265, "5.265"},   {3.5e-14, "3.5e-14"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[32];
+        assert_string_equal(td_number_text(cases[i].value, text), cases[i].text);
+    }
+    char text[32];
+    const double third = 1.0 / 3;
+    const double back = strtod(td_number_text(third, text), NULL);
+    assert_memory_equal(&back, &third, sizeof third);
+}
+
+static void a_varied_run_is_one_read_so(void **state) {
+    (void)state;
+    const char *const first[] = {"sensor.preset=dvs128", "sensor.threshold_on=0.3"};
+    const char *const more[] = {"sensor.preset=gen4", "sensor.threshold_off=0.25"};
+    const char *const all[] = {first[0], first[1], more[0], more[1]};
+    tides_run *run = parse(first, 2), *whole = parse(all, 4), *varied = NULL;
+    tides_error error = {TIDES_OK, ""};
+    tides_run_values of_varied, of_whole;
+    if (tides_run_vary(run, more, 2, &varied, &error) != TIDES_OK) fail_msg("%s", error.text);
+    tides_run_destroy(run);
+    tides_run_get(varied, &of_varied);
+    tides_run_get(whole, &of_whole);
+    assert_string_equal(of_varied.json, of_whole.json);
+    assert_string_equal(of_varied.camera_file, "dir/p.json");
+    assert_int_equal(tides_run_gives(varied, "sensor.threshold_off"), 1);
+    assert_int_equal(tides_run_gives(varied, "sensor.threshold_sigma"), 0);
+    const char *wrong = "sensor.treshold_on=1";
+    run = NULL;
+    assert_int_equal(tides_run_vary(varied, &wrong, 1, &run, &error), TIDES_BAD_CONFIG);
+    assert_non_null(strstr(error.text, "sensor.threshold_on"));
+    assert_null(run);
+    assert_int_equal(tides_run_vary(NULL, NULL, 0, &run, NULL), TIDES_BAD_ARGUMENT);
+    assert_int_equal(tides_run_vary(varied, NULL, 1, &run, NULL), TIDES_BAD_ARGUMENT);
+    assert_int_equal(tides_run_vary(varied, NULL, 0, NULL, NULL), TIDES_BAD_ARGUMENT);
+    tides_run_destroy(varied);
+    tides_run_destroy(whole);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_row_reaches_its_field_alone),
+        cmocka_unit_test(defaults_are_the_fields),
+        cmocka_unit_test(numbers_read_back_as_themselves),
+        cmocka_unit_test(a_varied_run_is_one_read_so),
+    };
+    return cmocka_run_group_tests_name("params", tests, NULL, NULL);
+}
