@@ -51,8 +51,8 @@ void compare_interval(const comparison *c, int64_t *start_ns, int64_t *stop_ns) 
     *stop_ns = cli_nanoseconds(c->session.values.stop) + 1;
 }
 
-tides_status compare_keep_events(const comparison *c, const char *name, const cli_session *s, const bench_stream *stream,
-                                 tides_error *error) {
+tides_status compare_keep_events(const comparison *c, const char *name, const tides_session_facts *s,
+                                 const bench_stream *stream, tides_error *error) {
     tides_event_writer *writer = NULL;
     int64_t start_ns, stop_ns;
     char path[COMPARE_PATH];
@@ -102,7 +102,8 @@ static void leave_out(comparison *c) {
 
 /* What can't be compared is said before anything long begins. */
 static tides_status prepare(comparison *c, tides_error *error) {
-    tides_status status = cli_session_open(c->run, c->sets, c->common, &c->session, error);
+    tides_status status = cli_session_open(c->run, c->sets, c->common, &c->open, error);
+    if (status == TIDES_OK) tides_session_get(c->open, &c->session);
     if (status == TIDES_OK && c->session.values.baseline.method == TIDES_METHOD_LDATI)
         return cli_error(error, TIDES_UNSUPPORTED,
                          "%s: method ldati: a voxel grid has lost the signal that the others need; give a scene or frames",
@@ -153,7 +154,7 @@ static void free_all(comparison *c) {
     for (int32_t i = 0; i < c->count; i++) compare_row_free(&c->rows[i]);
     free(c->exact.stream.events);
     free(c->recording.events);
-    cli_session_close(&c->session);
+    tides_session_close(c->open);
 }
 
 int cmd_compare(const cli_command *command, int argc, char **argv) {

@@ -8,7 +8,7 @@ typedef struct render_request {
     cli_list sets;
 } render_request;
 
-static cJSON *facts_of(const cli_session *session, double time, const render_request *request) {
+static cJSON *facts_of(const tides_session_facts *session, double time, const render_request *request) {
     cJSON *facts = cJSON_CreateObject();
     cJSON_AddNumberToObject(facts, "time_s", time);
     cJSON_AddNumberToObject(facts, "width", session->intrinsics.width);
@@ -19,8 +19,8 @@ static cJSON *facts_of(const cli_session *session, double time, const render_req
     return facts;
 }
 
-static tides_status render(const cli_session *session, double time, const render_request *request, const cli_common *common,
-                           tides_error *error) {
+static tides_status render(tides_session *session, const tides_session_facts *facts, double time, const render_request *request,
+                           const cli_common *common, tides_error *error) {
     cli_progress progress = {.quiet = common->quiet};
     cli_frame frame;
     const int32_t wanted = (request->rgb ? CLI_FRAME_RGB : 0) | (request->depth ? CLI_FRAME_DEPTH : 0);
@@ -28,7 +28,7 @@ static tides_status render(const cli_session *session, double time, const render
     tides_status status = cli_frame_render(session, time, wanted, &progress, &frame, error);
     cli_progress_end(&progress);
     if (status != TIDES_OK) return status;
-    if (request->exr) status = cli_frame_write_exr(&frame, request->exr, time, session, error);
+    if (request->exr) status = cli_frame_write_exr(&frame, request->exr, time, facts, error);
     if (status == TIDES_OK && request->png) status = cli_preview_write(request->png, &frame, NULL, error);
     cli_frame_free(&frame);
     return status;
@@ -65,17 +65,19 @@ int cmd_render(const cli_command *command, int argc, char **argv) {
     if (request.time && (code = cli_number(command, "--time", request.time, &time)) != CLI_GO) return code;
 
     tides_error error = {TIDES_OK, ""};
-    cli_session session;
+    tides_session *session = NULL;
+    tides_session_facts facts;
     if (cli_session_open(request.run, &request.sets, &common, &session, &error) != TIDES_OK) return cli_fail(&error);
-    if (session.frames) {
-        cli_session_close(&session);
+    tides_session_get(session, &facts);
+    if (facts.frames) {
+        tides_session_close(session);
         return cli_failed("%s: the run has frames.file and no scene to render", request.run);
     }
-    if (!request.time) time = session.values.start;
-    if (render(&session, time, &request, &common, &error) != TIDES_OK)
+    if (!request.time) time = facts.values.start;
+    if (render(session, &facts, time, &request, &common, &error) != TIDES_OK)
         code = cli_fail(&error);
     else
-        code = cli_report_facts(facts_of(&session, time, &request), &common);
-    cli_session_close(&session);
+        code = cli_report_facts(facts_of(&facts, time, &request), &common);
+    tides_session_close(session);
     return code;
 }

@@ -29,7 +29,8 @@ typedef struct comparison {
     int32_t keep;               /* 1: events of each go to files */
     int32_t in_double;          /* 1: the exact stream comes from the double-precision reference */
 
-    cli_session session; /* as the run file says; the rows borrow what it holds open */
+    tides_session *open; /* as the run file says; the rows' are variations of it */
+    tides_session_facts session;
     cli_progress progress;
     bench_truth exact;
     cli_window recording;
@@ -40,17 +41,17 @@ typedef struct comparison {
 /* The interval that is compared: [start, stop) with the run's last nanosecond in it. */
 void compare_interval(const comparison *c, int64_t *start_ns, int64_t *stop_ns);
 /* With --keep: the stream into NAME.h5. */
-tides_status compare_keep_events(const comparison *c, const char *name, const cli_session *session, const bench_stream *stream,
-                                 tides_error *error);
+tides_status compare_keep_events(const comparison *c, const char *name, const tides_session_facts *session,
+                                 const bench_stream *stream, tides_error *error);
 
 /* compare_methods.c: the name of method number `index`, in the order of the rows; NULL behind the last. */
 const char *compare_method(size_t index);
 /* 1 where it makes no sense for frames: another method is the same there. */
 int32_t compare_scenes_only(const char *method);
-/* The session of a method, ideal or as configured, on top of c->session, which keeps scene, camera, frames and device; with
- * `row` its settings are told. The caller destroys session->run alone. */
-tides_status compare_configure(const comparison *c, const char *method, int32_t ideal, compare_row *row, cli_session *session,
-                               tides_error *error);
+/* The session of a method, ideal or as configured, on what c->open has open; with
+ * `row` its settings are told. The caller closes it. */
+tides_status compare_configure(const comparison *c, const char *method, int32_t ideal, compare_row *row,
+                               tides_session **session, tides_error *error);
 /* Runs the row's method; the row keeps the failure. TIDES_CANCELLED where the user stopped it, else TIDES_OK. */
 tides_status compare_run(comparison *c, compare_row *row, tides_error *error);
 void compare_row_free(compare_row *row);

@@ -21,7 +21,7 @@ const char *compare_exact_what(const comparison *c) {
     return c->exact.tolerance > 0 ? "cubic under error control, its steps halved" : "cubic on equal steps, halved";
 }
 
-static tides_status of_scene(comparison *c, const cli_session *s, tides_error *error) {
+static tides_status of_scene(comparison *c, const tides_session_facts *s, tides_error *error) {
     const tides_run_values *v = &s->values;
     const double longest = fmin(v->stop - v->start, LONGEST_STEP_S);
     bench b = {.common = c->common, .directory = c->directory, .device = s->device, .info = s->info, .progress = c->progress};
@@ -47,20 +47,23 @@ static tides_status of_scene(comparison *c, const cli_session *s, tides_error *e
     return status;
 }
 
-static tides_status of_frames(comparison *c, const cli_session *s, tides_error *error) {
-    tides_stats stats;
-    const tides_status status = cli_frames_simulate(s, bench_keep, &c->exact.stream, &c->progress, &stats, error);
+static tides_status of_frames(comparison *c, tides_session *session, tides_error *error) {
+    const tides_status status =
+        tides_session_run(session, bench_keep, &c->exact.stream, cli_progress_step, &c->progress, NULL, error);
     if (status != TIDES_OK || c->exact.stream.count) return status;
     return cli_error(error, TIDES_BAD_ARGUMENT, "%s: nothing fires, so nothing can be compared", c->run);
 }
 
 tides_status compare_exact(comparison *c, tides_error *error) {
-    cli_session ideal;
+    tides_session *ideal = NULL;
+    tides_session_facts facts;
     c->progress.label = "exact";
     tides_status status = compare_configure(c, "tides", 1, NULL, &ideal, error);
-    if (status == TIDES_OK) status = ideal.frames ? of_frames(c, &ideal, error) : of_scene(c, &ideal, error);
+    if (status != TIDES_OK) return status;
+    tides_session_get(ideal, &facts);
+    status = facts.frames ? of_frames(c, ideal, error) : of_scene(c, &facts, error);
     cli_progress_end(&c->progress);
-    if (status == TIDES_OK) status = compare_keep_events(c, "exact", &ideal, &c->exact.stream, error);
-    tides_run_destroy(ideal.run);
+    if (status == TIDES_OK) status = compare_keep_events(c, "exact", &facts, &c->exact.stream, error);
+    tides_session_close(ideal);
     return status;
 }

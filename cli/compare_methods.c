@@ -17,9 +17,10 @@ typedef struct pixel {
     double on, off, log_eps;
 } pixel;
 
-/* "key=value" texts for tides_run_load. */
+/* "key=value" texts for tides_session_vary. */
+enum { SETTINGS_MAX = 24 };
 typedef struct settings {
-    char texts[24][80];
+    char texts[SETTINGS_MAX][80];
     int32_t count;
 } settings;
 
@@ -179,7 +180,7 @@ const cJSON *compare_find(const cJSON *object, const char *path) {
 }
 
 /* What the results say of the row's run; 0: out of memory. */
-static int32_t tell(compare_row *row, const settings *s, const struct method *m, const cli_session *session) {
+static int32_t tell(compare_row *row, const settings *s, const struct method *m, const tides_session_facts *session) {
     row->settings = cJSON_CreateArray();
     row->parameters = cJSON_CreateObject();
     cJSON *run = cJSON_Parse(session->values.json);
@@ -193,50 +194,39 @@ static int32_t tell(compare_row *row, const settings *s, const struct method *m,
     return ok;
 }
 
-/* The run file's settings, and on top of them the method's. */
-static tides_status load(const comparison *c, const settings *s, tides_run **run, tides_error *error) {
-    const char *texts[CLI_LIST_MAX + 32];
-    size_t count = 0;
-    for (size_t i = 0; i < c->sets->count; i++) texts[count++] = c->sets->items[i];
-    for (int32_t i = 0; i < s->count; i++) texts[count++] = s->texts[i];
-    return tides_run_load(c->run, texts, count, run, error);
-}
+/* Readout and labels are the other methods' neither on scenes nor on frames: they are compared without. TIDES's own are refused
+ * where they can't be had. */
+static const char *const of_tides[] = {"readout.enabled=false", "sensor.labels=false"};
+enum { OF_TIDES = sizeof of_tides / sizeof of_tides[0] };
 
-tides_status compare_configure(const comparison *c, const char *method, int32_t ideal, compare_row *row, cli_session *session,
-                               tides_error *error) {
+tides_status compare_configure(const comparison *c, const char *method, int32_t ideal, compare_row *row,
+                               tides_session **session, tides_error *error) {
     const struct method *m = find_method(method);
     const tides_run_values *given = &c->session.values;
     const pixel p = {given->sensor.threshold_on, given->sensor.threshold_off, given->image.log_eps};
+    const char *texts[SETTINGS_MAX + OF_TIDES];
+    size_t count = 0;
     settings s = {.count = 0};
     put(&s, "method=", m->method);
     if (m->threshold && (ideal || !has_thresholds(m, c->session.run))) m->threshold(&s, &p);
     if (ideal) m->ideal(&s, &p);
     if (m->always) put(&s, m->always, "");
-    *session = c->session;
-    session->run = NULL;
-    tides_status status = load(c, &s, &session->run, error);
+    for (int32_t i = 0; i < s.count; i++) texts[count++] = s.texts[i];
+    for (int i = 0; i < OF_TIDES && strcmp(m->method, "tides") != 0; i++) texts[count++] = of_tides[i];
+    tides_session *made = NULL;
+    tides_session_facts facts;
+    tides_status status = tides_session_vary(c->open, texts, count, &made, error);
     if (status != TIDES_OK) return status;
-    tides_run_get(session->run, &session->values);
-    if (!row || tell(row, &s, m, session)) return TIDES_OK;
-    return cli_error(error, TIDES_NO_MEMORY, "out of memory: settings of %s", method);
+    tides_session_get(made, &facts);
+    if (row && !tell(row, &s, m, &facts)) {
+        tides_session_close(made);
+        return cli_error(error, TIDES_NO_MEMORY, "out of memory: settings of %s", method);
+    }
+    *session = made;
+    return TIDES_OK;
 }
 
 /* -- running ------------------------------------------------------------------------------------------------------------- */
-
-static tides_status simulate(const cli_session *s, cli_progress *progress, compare_row *row, tides_error *error) {
-    const cli_job none = {.run = NULL};
-    /* Readout and labels are the other methods' neither on scenes nor on frames; TIDES's own would go without them here. */
-    if (s->frames && s->values.baseline.method == TIDES_METHOD_TIDES && cli_frames_check(&none, s, error) != TIDES_OK)
-        return error->status;
-    if (cli_uses_frames(s)) return cli_frames_simulate(s, bench_keep, &row->stream, progress, &row->stats, error);
-    tides_simulator *simulator = NULL;
-    tides_status status = cli_simulator_create(s, progress, &simulator, error);
-    if (status == TIDES_OK)
-        status = tides_simulator_run(simulator, s->values.stop, bench_keep, &row->stream, cli_progress_step, progress, error);
-    if (status == TIDES_OK) tides_simulator_stats(simulator, &row->stats);
-    tides_simulator_destroy(simulator);
-    return status;
-}
 
 /* A stream against another one. */
 static tides_status measure(const comparison *c, const tides_event *events, size_t count, uint32_t wanted,
@@ -256,9 +246,12 @@ static tides_status measure(const comparison *c, const tides_event *events, size
     return *json ? TIDES_OK : cli_error(error, TIDES_NO_MEMORY, "out of memory: metrics of %s", row->name);
 }
 
-static tides_status work(comparison *c, compare_row *row, cli_session *s, tides_error *error) {
-    tides_status status = compare_configure(c, row->name, !c->as_configured, row, s, error);
-    if (status == TIDES_OK) status = simulate(s, &c->progress, row, error);
+/* The row's session as it is configured, run and measured. */
+static tides_status work(comparison *c, compare_row *row, tides_session *session, tides_error *error) {
+    tides_session_facts facts;
+    tides_session_get(session, &facts);
+    tides_status status =
+        tides_session_run(session, bench_keep, &row->stream, cli_progress_step, &c->progress, &row->stats, error);
     cli_progress_end(&c->progress);
     if (status == TIDES_OK)
         status = measure(c, c->exact.stream.events, c->exact.stream.count, TIDES_METRICS_DEFAULT | TIDES_METRIC_MATCH, row,
@@ -267,15 +260,16 @@ static tides_status work(comparison *c, compare_row *row, cli_session *s, tides_
         status = measure(c, c->recording.events, c->recording.count, TIDES_METRICS_DEFAULT, row, &c->progress,
                          &row->against_recording, error);
     cli_progress_end(&c->progress);
-    return status == TIDES_OK ? compare_keep_events(c, row->name, s, &row->stream, error) : status;
+    return status == TIDES_OK ? compare_keep_events(c, row->name, &facts, &row->stream, error) : status;
 }
 
 tides_status compare_run(comparison *c, compare_row *row, tides_error *error) {
-    cli_session session = {.run = NULL};
+    tides_session *session = NULL;
     c->progress.label = row->name;
     row->error = (tides_error){TIDES_OK, ""};
-    const tides_status status = work(c, row, &session, &row->error);
-    tides_run_destroy(session.run);
+    tides_status status = compare_configure(c, row->name, !c->as_configured, row, &session, &row->error);
+    if (status == TIDES_OK) status = work(c, row, session, &row->error);
+    tides_session_close(session);
     row->error.status = status;
     if (status == TIDES_CANCELLED) *error = row->error;
     return status == TIDES_CANCELLED ? status : TIDES_OK;

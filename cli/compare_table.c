@@ -36,7 +36,7 @@ static int32_t add_row(cJSON *list, const compare_row *row) {
 }
 
 static int32_t add_all(cJSON *root, const comparison *c) {
-    const cli_session *s = &c->session;
+    const tides_session_facts *s = &c->session;
     int32_t ok =
         root && cJSON_AddStringToObject(root, "run", c->run) && cJSON_AddStringToObject(root, "version", tides_version()) &&
         cJSON_AddStringToObject(root, "device", s->info.name) &&

@@ -11,9 +11,11 @@ static int32_t is_wanted(int32_t channel, int32_t wanted) {
     return (wanted & CLI_FRAME_RGB) != 0;
 }
 
-tides_status cli_frame_render(const cli_session *session, double time, int32_t wanted, cli_progress *progress, cli_frame *frame,
+tides_status cli_frame_render(tides_session *session, double time, int32_t wanted, cli_progress *progress, cli_frame *frame,
                               tides_error *error) {
-    cli_frame made = {.width = session->intrinsics.width, .height = session->intrinsics.height};
+    tides_session_facts facts;
+    tides_session_get(session, &facts);
+    cli_frame made = {.width = facts.intrinsics.width, .height = facts.intrinsics.height};
     const size_t pixels = (size_t)made.width * (size_t)made.height;
     tides_renderer *renderer = NULL;
     tides_status status = TIDES_OK;
@@ -22,15 +24,13 @@ tides_status cli_frame_render(const cli_session *session, double time, int32_t w
         made.plane[i] = calloc(pixels, sizeof *made.plane[i]);
         if (!made.plane[i]) status = cli_error(error, TIDES_NO_MEMORY, "out of memory: a frame of %zu pixels", pixels);
     }
-    if (status == TIDES_OK)
-        status = tides_renderer_create(session->device, session->scene, &session->intrinsics, &session->values.image,
-                                       cli_progress_step, progress, &renderer, error);
-    const tides_sensor *sensor = &session->values.sensor;
+    if (status == TIDES_OK) status = tides_session_renderer(session, cli_progress_step, progress, &renderer, error);
+    const tides_sensor *sensor = &facts.values.sensor;
     if (status == TIDES_OK) status = tides_renderer_set_psf(renderer, sensor->psf_sigma_px, sensor->psf_domain, error);
     if (status == TIDES_OK) {
         tides_frame planes;
         memcpy(planes.plane, made.plane, sizeof planes.plane);
-        status = tides_renderer_frame(renderer, session->camera, time, &planes, error);
+        status = tides_renderer_frame(renderer, facts.camera, time, &planes, error);
     }
     tides_renderer_destroy(renderer);
     if (status == TIDES_OK)
@@ -45,7 +45,7 @@ void cli_frame_free(cli_frame *frame) {
     memset(frame, 0, sizeof *frame);
 }
 
-tides_status cli_frame_write_exr(const cli_frame *frame, const char *path, double time, const cli_session *session,
+tides_status cli_frame_write_exr(const cli_frame *frame, const char *path, double time, const tides_session_facts *session,
                                  tides_error *error) {
     const size_t pixels = (size_t)frame->width * (size_t)frame->height;
     tides_channel channels[TIDES_CHANNELS];

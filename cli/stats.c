@@ -85,7 +85,7 @@ static int32_t add_counts(cJSON *root, const tides_stats *s) {
     return ok;
 }
 
-cJSON *cli_stats_json(const tides_stats *stats, const cli_session *session) {
+cJSON *cli_stats_json(const tides_stats *stats, const tides_session_facts *session) {
     cJSON *root = cJSON_CreateObject();
     int32_t ok = root && add_counts(root, stats) && add_times(root, stats);
     ok = ok && cJSON_AddStringToObject(root, "device", session->info.name);

@@ -30,5 +30,6 @@
 #include "tides/metrics.h"
 #include "tides/representations.h"
 #include "tides/run.h"
+#include "tides/session.h"
 
 #endif

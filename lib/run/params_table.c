@@ -1,7 +1,7 @@
-/* The parameter table: every key of the run file, once. A row says where in tides_run_values its value goes, and everything else
- * is made from the rows: the JSON reader and --set, the values (run_values.c), the defaults as text (params.c, from the structs'
- * own), --help, man page and template, the run written into event files, Python's table, the files that a run reads (inputs.c),
- * and the settings of ideal pixels (lib/measure/ideal.c).
+/* The parameter table: every key of the run file, once. A row says where in tides_run_values its value goes, and everything
+ * else is made from the rows: the JSON reader and --set, the values (run_values.c), the defaults as text (params.c, from the
+ * structs' own), --help, man page and template, the run written into event files, Python's table, the files that a run reads
+ * (inputs.c), and the settings of ideal pixels (lib/measure/ideal.c).
  *
  * A new parameter is a field in its struct, its default in that struct's *_defaults where that isn't 0, and a row here. */
 #include "td_params.h"

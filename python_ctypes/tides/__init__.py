@@ -43,7 +43,8 @@ from .render import CHANNELS, ImageParams, Renderer
 from .representations import ArrayWriter, VoxelOptions, event_frame, time_surface, voxel_grid
 from .run import Run, parameters, run_template
 from .scene import Gaussians, Scene, SceneObject
-from .simulate import Sensor, Simulation, Stepping
+from .session import Session
+from .simulate import Recording, Sensor, Simulation, Stepping
 from .trajectory import Camera, Intrinsics, PathOptions, Pose, Trajectory
 
 __all__ = [name for name in dir() if not name.startswith("_")]

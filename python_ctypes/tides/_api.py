@@ -204,6 +204,10 @@ class tides_run(Structure):
     pass
 
 
+class tides_session(Structure):
+    pass
+
+
 class tides_error(Structure):
     """tides_status status;
     char text[1020];
@@ -2193,6 +2197,8 @@ class tides_run_values(Structure):
     tides_frames_options frames;
     const char *frames_file; /* NULL: the run has a scene */
     double frames_per_second; /* of a baseline's renders [Hz] */
+    tides_path_options path; /* of camera.file */
+    double scene_duration_s; /* 0: the scene's own */
     const char *json; /* the run with every default filled in, as written into event files */
     """
 
@@ -2212,6 +2218,8 @@ class tides_run_values(Structure):
     frames: tides_frames_options
     frames_file: bytes | None
     frames_per_second: float
+    path: tides_path_options
+    scene_duration_s: float
     json: bytes | None
 
     _fields_ = [
@@ -2231,7 +2239,96 @@ class tides_run_values(Structure):
         ("frames", tides_frames_options),
         ("frames_file", c_char_p),
         ("frames_per_second", c_double),
+        ("path", tides_path_options),
+        ("scene_duration_s", c_double),
         ("json", c_char_p),
+    ]
+
+
+class tides_session_facts(Structure):
+    """tides_run_values values; /* of its run */
+    tides_intrinsics intrinsics; /* of its images; on frames width and height alone */
+    const tides_run *run; /* its run */
+    tides_scene *scene; /* NULL on frames; the camera and the device, too */
+    tides_trajectory *camera;
+    tides_frames *frames; /* NULL on a scene */
+    tides_device *device;
+    tides_device_info info; /* of the device; on frames its name says so */
+    int32_t sees_frames; /* 1: the method sees frames, of a sequence or rendered: all but TIDES on a scene */
+    int32_t reserved;
+    """
+
+    values: tides_run_values
+    intrinsics: tides_intrinsics
+    run: Any
+    scene: Any
+    camera: Any
+    frames: Any
+    device: Any
+    info: tides_device_info
+    sees_frames: int
+    reserved: int
+
+    _fields_ = [
+        ("values", tides_run_values),
+        ("intrinsics", tides_intrinsics),
+        ("run", P(tides_run)),
+        ("scene", P(tides_scene)),
+        ("camera", P(tides_trajectory)),
+        ("frames", P(tides_frames)),
+        ("device", P(tides_device)),
+        ("info", tides_device_info),
+        ("sees_frames", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_recording(Structure):
+    """uint32_t size;
+    int32_t resume; /* 1: go on where PATH.checkpoint is, with the PATH.part beside it */
+    const char *format; /* of tides_event_format_at; NULL: that of the path's ending */
+    double checkpoint_s; /* [s] of wall time between checkpoints; 0: none, nor where the run is stopped */
+    """
+
+    size: int
+    resume: int
+    format: bytes | None
+    checkpoint_s: float
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("resume", c_int32),
+        ("format", c_char_p),
+        ("checkpoint_s", c_double),
+    ]
+
+
+class tides_recorded(Structure):
+    """uint64_t events; /* in the file so far */
+    uint64_t collapsed; /* tides_event_writer_collapsed */
+    double resumed_s; /* [s] since the run's start where it went on; 0: from the start */
+    int32_t began; /* 1: the file is open; PATH.part holds its events should the run be stopped */
+    int32_t complete; /* 1: PATH is there */
+    int32_t saved; /* 1: the last checkpoint was written: `resume` goes on from it */
+    tides_error unsaved; /* why a checkpoint couldn't be, for the first time; the run goes on */
+    """
+
+    events: int
+    collapsed: int
+    resumed_s: float
+    began: int
+    complete: int
+    saved: int
+    unsaved: tides_error
+
+    _fields_ = [
+        ("events", c_uint64),
+        ("collapsed", c_uint64),
+        ("resumed_s", c_double),
+        ("began", c_int32),
+        ("complete", c_int32),
+        ("saved", c_int32),
+        ("unsaved", tides_error),
     ]
 
 
@@ -2510,6 +2607,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_png_write": (c_int32, [c_char_p, c_int32, c_int32, P(c_uint8), P(tides_error)]),
     # void tides_readout_defaults(tides_readout *readout)
     "tides_readout_defaults": (None, [P(tides_readout)]),
+    # void tides_recording_defaults(tides_recording *recording)
+    "tides_recording_defaults": (None, [P(tides_recording)]),
     # tides_status tides_renderer_create(tides_device *device, const tides_scene *scene, const tides_intrinsics
     # *intrinsics, const tides_image_params *params, tides_progress progress, void *user, tides_renderer **renderer,
     # tides_error *error)
@@ -2549,6 +2648,9 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_run_parse": (c_int32, [c_char_p, c_char_p, P(c_char_p), c_size_t, P(P(tides_run)), P(tides_error)]),
     # tides_status tides_run_template(const char *scene_file, const char *camera_file, char **text, tides_error *error)
     "tides_run_template": (c_int32, [c_char_p, c_char_p, P(c_char_p), P(tides_error)]),
+    # tides_status tides_run_vary(const tides_run *base, const char *const *overrides, size_t count, tides_run **run,
+    # tides_error *error)
+    "tides_run_vary": (c_int32, [P(tides_run), P(c_char_p), c_size_t, P(P(tides_run)), P(tides_error)]),
     # tides_status tides_scene_add(tides_scene *scene, const tides_gaussians *gaussians, const tides_trajectory
     # *trajectory, double scale, const char *name, int32_t *index, tides_error *error)
     "tides_scene_add": (c_int32, [
@@ -2591,6 +2693,40 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_scene_sh_degree": (c_int32, [P(tides_scene)]),
     # void tides_sensor_defaults(tides_sensor *sensor)
     "tides_sensor_defaults": (None, [P(tides_sensor)]),
+    # void tides_session_close(tides_session *session)
+    "tides_session_close": (None, [P(tides_session)]),
+    # void tides_session_get(const tides_session *session, tides_session_facts *facts)
+    "tides_session_get": (None, [P(tides_session), P(tides_session_facts)]),
+    # tides_status tides_session_load(const char *file, const char *const *overrides, size_t count, const char *device,
+    # tides_session **session, tides_error *error)
+    "tides_session_load": (c_int32, [c_char_p, P(c_char_p), c_size_t, c_char_p, P(P(tides_session)), P(tides_error)]),
+    # tides_status tides_session_open(const tides_run *run, tides_device *device, tides_session **session, tides_error
+    # *error)
+    "tides_session_open": (c_int32, [P(tides_run), P(tides_device), P(P(tides_session)), P(tides_error)]),
+    # tides_status tides_session_renderer(tides_session *session, tides_progress progress, void *user, tides_renderer
+    # **renderer, tides_error *error)
+    "tides_session_renderer": (c_int32, [
+        P(tides_session), tides_progress, c_void_p, P(P(tides_renderer)), P(tides_error)
+    ]),
+    # tides_status tides_session_run(tides_session *session, tides_event_sink sink, void *sink_user, tides_progress
+    # progress, void *user, tides_stats *stats, tides_error *error)
+    "tides_session_run": (c_int32, [
+        P(tides_session), tides_event_sink, c_void_p, tides_progress, c_void_p, P(tides_stats), P(tides_error)
+    ]),
+    # tides_status tides_session_simulator(tides_session *session, tides_progress progress, void *user, tides_simulator
+    # **simulator, tides_error *error)
+    "tides_session_simulator": (c_int32, [
+        P(tides_session), tides_progress, c_void_p, P(P(tides_simulator)), P(tides_error)
+    ]),
+    # tides_status tides_session_vary(const tides_session *base, const char *const *overrides, size_t count,
+    # tides_session **session, tides_error *error)
+    "tides_session_vary": (c_int32, [P(tides_session), P(c_char_p), c_size_t, P(P(tides_session)), P(tides_error)]),
+    # tides_status tides_session_write(tides_session *session, const char *path, const tides_recording *how,
+    # tides_progress progress, void *user, tides_recorded *done, tides_stats *stats, tides_error *error)
+    "tides_session_write": (c_int32, [
+        P(tides_session), c_char_p, P(tides_recording), tides_progress, c_void_p, P(tides_recorded), P(tides_stats),
+        P(tides_error)
+    ]),
     # tides_status tides_simulator_create( tides_device *device, const tides_scene *scene, const tides_trajectory
     # *camera, const tides_intrinsics *intrinsics, const tides_image_params *image, const tides_sensor *sensor, const
     # tides_stepping *stepping, double start, double stop, tides_progress progress, void *user, tides_simulator
@@ -2622,6 +2758,13 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_simulator_state": (None, [P(tides_simulator), P(c_double), P(c_double), P(c_uint32), P(c_uint32)]),
     # void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats)
     "tides_simulator_stats": (None, [P(tides_simulator), P(tides_stats)]),
+    # tides_status tides_simulator_write(tides_simulator *simulator, double stop, const char *path, const
+    # tides_event_file *facts, const tides_recording *how, tides_progress progress, void *user, tides_recorded *done,
+    # tides_error *error)
+    "tides_simulator_write": (c_int32, [
+        P(tides_simulator), c_double, c_char_p, P(tides_event_file), P(tides_recording), tides_progress, c_void_p,
+        P(tides_recorded), P(tides_error)
+    ]),
     # const char *tides_status_name(tides_status status)
     "tides_status_name": (c_char_p, [c_int32]),
     # const char *tides_status_text(tides_status status)
@@ -2685,5 +2828,5 @@ STRUCTS = (
     tides_stepping, tides_stats, tides_frames_options, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs,
     tides_ldati_params, tides_baseline_params, tides_frame_supply, tides_channel, tides_match, tides_metrics_options,
     tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_param,
-    tides_run_values,
+    tides_run_values, tides_session_facts, tides_recording, tides_recorded,
 )

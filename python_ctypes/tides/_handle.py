@@ -11,7 +11,8 @@ from ._library import lib
 
 def _release(destroy: str, pointer: Any, owners: tuple[Any, ...]) -> None:
     """Runs once: at close, when nobody refers to the object any more, or at exit. `owners` live until then."""
-    getattr(lib, destroy)(pointer)
+    if destroy:
+        getattr(lib, destroy)(pointer)
 
 
 class Handle:
@@ -27,14 +28,28 @@ class Handle:
     def __init__(self, pointer: Any, *owners: "Handle", lock: Any = None):
         self._lock = lock or threading.RLock()
         self._users: weakref.WeakSet[Handle] = weakref.WeakSet()
+        self._loans: list[weakref.ref[Handle]] = []
+        self._lender: Handle | None = None
         self._held = pointer
         self._finalizer = weakref.finalize(self, _release, self._destroy, pointer, owners)
         for owner in owners:
             owner._users.add(self)
 
+    @classmethod
+    def _lent(cls, pointer: Any, owner: "Handle") -> Any:
+        """An object that `owner` owns in C: it is closed with it."""
+        made = cls._of(pointer) if hasattr(cls, "_of") else cls.__new__(cls)
+        if hasattr(made, "_finalizer"):
+            made._give_away()
+        made._destroy = ""
+        Handle.__init__(made, pointer, lock=owner._lock)
+        made._lender = owner  # and not an owner: that lives as long as this, and this hangs on it
+        owner._loans.append(weakref.ref(made))
+        return made
+
     @property
     def closed(self) -> bool:
-        return not self._finalizer.alive
+        return not self._finalizer.alive or (self._lender is not None and self._lender.closed)
 
     @property
     def _pointer(self) -> Any:
@@ -49,6 +64,9 @@ class Handle:
             raise ValueError(
                 f"this {type(self).__name__} can't be {what}: a {type(user).__name__} uses it; close that first"
             )
+        for loan in (reference() for reference in self._loans):
+            if loan is not None:
+                loan._unused(what)
 
     def close(self) -> None:
         """Frees the object now. ValueError while another one needs it; closing twice is fine."""

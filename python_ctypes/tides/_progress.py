@@ -52,10 +52,10 @@ def shower() -> Any:
 
 class Reporter:
     """A tides_progress for one piece of work: `with Reporter(progress) as callback`. `cancel` (an Event) stops it from another
-    thread; `also` is asked too and stops it by returning something true."""
+    thread."""
 
-    def __init__(self, progress: Progress, cancel: threading.Event | None = None, also: Callable[[], Any] | None = None):
-        self._progress, self._cancel, self._also = progress, cancel, also
+    def __init__(self, progress: Progress, cancel: threading.Event | None = None):
+        self._progress, self._cancel = progress, cancel
         self._shown: Any = None
 
     def _step(self, _user: Any, fraction: float, stage: bytes) -> int:
@@ -64,8 +64,7 @@ class Reporter:
         if self._shown is not None:
             self._shown(fraction, text(stage))
         stop = self._progress(fraction, text(stage)) if callable(self._progress) else False
-        stop = stop or (self._cancel is not None and self._cancel.is_set())
-        return 1 if stop or (self._also is not None and self._also()) else 0
+        return 1 if stop or (self._cancel is not None and self._cancel.is_set()) else 0
 
     def __enter__(self) -> Any:
         self._shown = shower() if self._progress is True else None

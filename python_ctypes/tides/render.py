@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ctypes import POINTER, byref, c_double
-from typing import Iterable
+from typing import Any, Iterable
 
 import numpy as np
 
@@ -49,6 +49,13 @@ class Renderer(Handle):
         with self.device._lock, Reporter(progress) as step:
             call("tides_renderer_create", self.device._pointer, *arguments, step, None, byref(made))
         super().__init__(made, self.device, scene, lock=self.device._lock)
+
+    @classmethod
+    def _of(cls, made: Any, session: Any) -> "Renderer":
+        renderer = cls.__new__(cls)
+        renderer.scene, renderer.camera, renderer.device = session.scene, session.camera, session.device
+        Handle.__init__(renderer, made, session, lock=session._lock)
+        return renderer
 
     def set_psf(self, sigma_px: float, domain: str | int = "log") -> None:
         """Blurs L and L_dot of later frames by a Gaussian of `sigma_px` [px] (0: not), "log" or "linear": after the

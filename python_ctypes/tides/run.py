@@ -10,31 +10,21 @@ from typing import Any
 
 import numpy as np
 
-from . import _api, errors
+from . import _api
 from ._call import call, encoded, path, text
 from ._handle import Handle
 from ._library import lib
 from ._progress import Progress
-from ._values import Facts, _fields, constants, plain
-from .baselines import Baseline, BaselineParams, Frames, FramesOptions
+from ._values import Facts, constants, plain
+from .baselines import Frames
 from .device import Device
-from .readout import Readout
-from .render import ImageParams, Renderer
+from .render import Renderer
 from .scene import Scene
-from .simulate import Sensor, Simulation, Stepping
+from .session import Session, overrides, values_of
+from .simulate import Simulation
 from .trajectory import Camera, Intrinsics, Trajectory
 
 _TYPES = {number: word for word, number in constants("TIDES_PARAM_").items()}
-_VALUES: dict[Any, Any] = {
-    _api.tides_intrinsics: Intrinsics,
-    _api.tides_image_params: ImageParams,
-    _api.tides_sensor: Sensor,
-    _api.tides_stepping: Stepping,
-    _api.tides_readout: Readout,
-    _api.tides_baseline_params: BaselineParams,
-    _api.tides_frames_options: FramesOptions,
-}
-_NOT_ON_FRAMES = (("readout", "enabled", "the arbiter needs"), ("sensor", "labels", "labels need"))
 
 
 def parameters() -> list[Facts]:
@@ -60,15 +50,6 @@ def run_template(scene_file: str, camera_file: str) -> str:
         lib.tides_free(ctypes.cast(made, ctypes.c_void_p))
 
 
-def _override(key: str, value: Any) -> bytes:
-    return f"{key}={value if isinstance(value, str) else json.dumps(value)}".encode()
-
-
-def _value(value: Any, run: Any) -> Any:
-    kind = _VALUES.get(type(value))
-    return kind._from(value, run) if kind else plain(value)
-
-
 class Run(Handle):
     """A run file, read and checked: Run("room.json", {"sensor.threshold_on": 0.3}); or from JSON text or a dict:
     Run(text={...}, directory="."), paths being relative to the file or the directory. BadConfig names the key.
@@ -89,17 +70,26 @@ class Run(Handle):
         if (file is None) == (text is None):
             raise ValueError("file, text: give one of them")
         made = POINTER(_api.tides_run)()
-        texts = [_override(key, value) for key, value in (set or {}).items()]
-        overrides = (c_char_p * max(1, len(texts)))(*texts)
         if file is not None:
-            call("tides_run_load", path(file), overrides, len(texts), byref(made))
+            call("tides_run_load", path(file), *overrides(set), byref(made))
         else:
             words = text if isinstance(text, str) else json.dumps(text)
-            call("tides_run_parse", words.encode(), path(directory), overrides, len(texts), byref(made))
+            call("tides_run_parse", words.encode(), path(directory), *overrides(set), byref(made))
+        self._take(made)
+
+    def _take(self, made: Any) -> None:
         super().__init__(made)
         values = _api.tides_run_values()
         lib.tides_run_get(made, byref(values))
-        self.values = Facts({name: _value(getattr(values, name), self) for name, _ in _fields(values)})
+        self.values = values_of(values, self)
+
+    def vary(self, set: dict[str, Any]) -> "Run":
+        """The same run with more overrides."""
+        made = POINTER(_api.tides_run)()
+        call("tides_run_vary", self._pointer, *overrides(set), byref(made))
+        run = Run.__new__(Run)
+        run._take(made)
+        return run
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or name == "values":
@@ -123,39 +113,19 @@ class Run(Handle):
         call("tides_run_open_frames", self._pointer, byref(made))
         return Frames._of(made)
 
-    def _device(self, device: Device | str | int | None) -> Device | str | int | None:
-        """The argument wins over the run file, which wins over TIDES_DEVICE; "auto" leaves it open."""
-        return device if device is not None or self.values.device == "auto" else self.values.device
+    def session(self, device: Device | str | int | None = None) -> Session:
+        """The run with everything open that it names. `device` wins over the run file's, which wins over TIDES_DEVICE."""
+        return Session(self, device=device)
 
     def simulation(self, device: Device | str | int | None = None, progress: Progress = None) -> Simulation:
-        """The run as a Simulation. Unsupported where it works on frames: `simulate` does that."""
-        v = self.values
-        if self._uses_frames():
-            message = f"method {v.method} on frames isn't a Simulation: use simulate(), or Baseline"
-            raise errors.make(_api.TIDES_UNSUPPORTED, "TIDES_UNSUPPORTED", message)
-        scene, camera = self.open()
-        parts = (v.sensor, v.stepping, v.image, v.readout, self._device(device))
-        return Simulation(scene, camera, v.start, v.stop, *parts, run=v.json, seed=v.seed, progress=progress)
+        """The run as a Simulation. Unsupported where its method sees frames: `simulate` does that."""
+        return self.session(device).simulation(progress)
 
     def renderer(self, device: Device | str | int | None = None, progress: Progress = None) -> Renderer:
         """The run's scene, camera and image rules as a Renderer."""
-        return Renderer(*self.open(), self.values.image, self._device(device), progress)
-
-    def _uses_frames(self) -> bool:
-        """A baseline on a scene's renders, or any method on a sequence of frames."""
-        return bool(self.values.frames_file) or self.values.baseline.method != "tides"
+        return self.session(device).renderer(progress)
 
     def simulate(self, device: Device | str | int | None = None, progress: Progress = None) -> np.ndarray:
         """All events of the run, as EVENT (n), by whatever method it names."""
-        if not self._uses_frames():
-            with self.simulation(device, progress) as simulation:
-                return simulation.run(progress=progress)
-        v = self.values
-        for part, key, needs in _NOT_ON_FRAMES:
-            if getattr(getattr(v, part), key):
-                message = f'{part}.{key} is true: {needs} a scene and method "tides"; set it to false'
-                raise errors.make(_api.TIDES_UNSUPPORTED, "TIDES_UNSUPPORTED", message)
-        source = self.open_frames() if v.frames_file else self.renderer(device, progress)
-        lens = source if isinstance(source, Frames) else source.camera.intrinsics
-        with Baseline(v.baseline, lens.width, lens.height) as baseline:
-            return baseline.run(source, v.start, v.stop, v.frames_per_second, progress)
+        with self.session(device) as session:
+            return session.simulate(progress)

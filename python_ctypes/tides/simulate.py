@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 import threading
-import time
 from ctypes import POINTER, byref, c_double, c_uint32, memmove, sizeof
 from typing import Any, Callable, Iterator
 
@@ -19,15 +18,13 @@ from ._progress import Progress, Reporter
 from ._values import Facts, Value, plain
 
 from .device import Device, opened
-from .errors import Cancelled
-from .events import EVENT, EventWriter, can_resume
+from .events import EVENT
 from .readout import Readout
 from .render import ImageParams
 from .scene import Scene
 from .trajectory import Camera
 
 _RECORD = sizeof(_api.tides_event)
-_CHECKPOINT_S = 30.0  # as `tides simulate`: what a crash may cost at most
 
 
 class Sensor(Value, _api.tides_sensor):
@@ -48,6 +45,17 @@ class Stepping(Value, _api.tides_stepping):
 
     _defaults = "tides_stepping_defaults"
     _words = {"mode": "TIDES_STEPPING_", "model": "TIDES_MODEL_", "slope": "TIDES_SLOPE_"}
+
+
+class Recording(Value, _api.tides_recording):
+    """How events go into a file: resume, format, checkpoint_s [s]."""
+
+    _defaults = "tides_recording_defaults"
+
+
+def recording(format: str | None, resume: bool, checkpoint_s: float | None) -> Recording:
+    how = Recording(format=format, resume=int(resume))
+    return how if checkpoint_s is None else how.set(checkpoint_s=checkpoint_s)
 
 
 class _Collector:
@@ -112,11 +120,20 @@ class Simulation(Handle):
         if readout is not None:
             call("tides_simulator_readout", self._pointer, readout)
 
+    @classmethod
+    def _of(cls, made: Any, session: Any) -> "Simulation":
+        """A simulator that a Session made."""
+        simulation, v = cls.__new__(cls), session.values
+        simulation.start, simulation.stop = v.start, v.stop
+        simulation.scene, simulation.camera, simulation.device = session.scene, session.camera, session.device
+        simulation.sensor, simulation.stepping, simulation.image = v.sensor, v.stepping, v.image
+        simulation._run, simulation._seed, simulation._stopping = v.json, v.seed, threading.Event()
+        Handle.__init__(simulation, made, session, lock=session._lock)
+        return simulation
+
     # -- running ----------------------------------------------------------------------------------------------------
-    def _advance(
-        self, until: float, sink: Callable[..., int], progress: Progress, due: Callable[[], Any] | None = None
-    ) -> None:
-        with self._lock, Reporter(progress, self._stopping, due) as step:
+    def _advance(self, until: float, sink: Callable[..., int], progress: Progress) -> None:
+        with self._lock, Reporter(progress, self._stopping) as step:
             taken = _api.tides_event_sink(kept(sink, 1))
             try:
                 call("tides_simulator_run", self._pointer, until, taken, None, step, None)
@@ -169,21 +186,23 @@ class Simulation(Handle):
         file: str | os.PathLike[str],
         format: str | None = None,
         resume: bool = False,
-        checkpoint_s: float = _CHECKPOINT_S,
+        checkpoint_s: float | None = None,
         progress: Progress = None,
     ) -> Facts:
         """Simulates into an event file and returns the statistics. Interrupted, FILE.part holds what there is, readable;
-        for HDF5 FILE.checkpoint does too, every `checkpoint_s` [s] (0: never) and at Ctrl-C, and a new Simulation's
+        for HDF5 FILE.checkpoint does too, every `checkpoint_s` [s] (None: 30; 0: never) and at Ctrl-C, and a new Simulation's
         write(file, resume=True) goes on from there, as does `tides simulate --resume`. With sensor.labels an HDF5 file has
         each event's cause, when it fired and what the front end added (`read_labelled`)."""
-        job = _FileJob(self, os.fspath(file), format, checkpoint_s)
-        job.start(resume)
-        try:
-            job.simulate(progress)
-        except BaseException:
-            job.interrupt()
-            raise
-        return job.finish()
+        lens, stretch = self.camera.intrinsics, (_nanoseconds(self.start), _nanoseconds(self.stop))
+        texts = encoded(self._run), encoded(self._seed)
+        facts = _api.tides_event_file(lens.width, lens.height, *texts, bool(self.sensor.labels), *stretch)
+        how = recording(format, resume, checkpoint_s)
+        with self._lock, Reporter(progress, self._stopping) as step:
+            try:
+                call("tides_simulator_write", self._pointer, self.stop, path(file), facts, how, step, None, None)
+            finally:
+                self._stopping.clear()
+        return self.stats
 
     def cancel(self) -> None:
         """Stops the call that another thread is in, or else the next one: there, Cancelled is raised."""
@@ -224,67 +243,3 @@ def _nanoseconds(seconds: float) -> int:
     """The nearest one, as the simulator rounds its start: 1e9 times a time of 1e9 s would be off by 128 ns."""
     whole = math.floor(seconds)
     return whole * 10**9 + math.floor((seconds - whole) * 1e9 + 0.5)
-
-
-class _FileJob:
-    """A simulation into a file, with checkpoints."""
-
-    def __init__(self, simulation: Simulation, file: str, format: str | None, checkpoint_s: float):
-        self.simulation, self.file, self.format = simulation, file, format
-        self.resumable = format is None and can_resume(file)
-        self.every = checkpoint_s if self.resumable else 0.0
-        self.checkpoint = file + ".checkpoint"
-        self.due = time.monotonic() + self.every
-        self.stopped_to_save = False
-        self.writer: EventWriter
-
-    def start(self, resume: bool) -> None:
-        s, count = self.simulation, None
-        if resume and not self.resumable:
-            raise ValueError(f"resume: only an HDF5 file (.h5) can be gone on with, not {self.file}")
-        if resume:
-            s.restore(self.checkpoint)
-            count = s.stats.events_written
-        elif self.resumable and os.path.exists(self.checkpoint):
-            os.remove(self.checkpoint)
-        lens = s.camera.intrinsics
-        labels = bool(s.sensor.labels)
-        stretch = _nanoseconds(s.start), _nanoseconds(s.stop)
-        self.writer = EventWriter(self.file, lens.width, lens.height, self.format, s._run, s._seed, count, labels, *stretch)
-
-    def _take(self, _user: Any, events: Any, count: int) -> int:
-        self.writer._append(events, count, lib.tides_simulator_fired(self.simulation._pointer))
-        return 0
-
-    def _is_due(self) -> bool:
-        self.stopped_to_save = self.every > 0 and time.monotonic() >= self.due
-        return self.stopped_to_save
-
-    def simulate(self, progress: Progress) -> None:
-        """To the end, with a stop wherever a checkpoint is due."""
-        while True:
-            try:
-                return self.simulation._advance(self.simulation.stop, self._take, progress, self._is_due)
-            except Cancelled:
-                if not self.stopped_to_save:
-                    raise
-            self._save()
-
-    def _save(self) -> None:
-        """First the events, then the state that follows them: whatever the process dies between leaves a pair that fits."""
-        self.writer.flush()
-        self.simulation.save(self.checkpoint)
-        self.due = time.monotonic() + self.every
-
-    def interrupt(self) -> None:
-        try:
-            if self.every > 0:
-                self._save()
-        finally:
-            self.writer.close()
-
-    def finish(self) -> Facts:
-        self.writer.finish(_nanoseconds(self.simulation.stop))
-        if self.resumable and os.path.exists(self.checkpoint):
-            os.remove(self.checkpoint)
-        return self.simulation.stats

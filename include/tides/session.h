@@ -1,0 +1,113 @@
+/* A run file, run: all that it names opened, and its events into a sink or a file. Five lines are a run:
+ *
+ *     tides_error error;
+ *     tides_session *session = NULL;
+ *     tides_status status = tides_session_load("room.json", NULL, 0, NULL, &session, &error);
+ *     if (!status) status = tides_session_write(session, "events.h5", NULL, NULL, NULL, NULL, NULL, &error);
+ *     tides_session_close(session);
+ *
+ * What is between, for runs in steps and pictures: tides_session_simulator, tides_session_renderer, tides_session_get. */
+#ifndef TIDES_SESSION_H
+#define TIDES_SESSION_H
+
+#include "tides/run.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct tides_session tides_session;
+
+/* Reads a run file as tides_run_load does and opens all that it names: scene and camera, or frames; and the device, which runs
+ * on frames don't need. `device` (nullable) is as tides_device_open's `spec`; it wins over the run file's, which wins over the
+ * environment's TIDES_DEVICE. On failure nothing stays open. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_session_load(const char *file, const char *const *overrides, size_t count,
+                                                           const char *device, tides_session **session, tides_error *error);
+
+/* The same of a run that was read before, on an open device (nullable: as above). Both must outlive the session. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_session_open(const tides_run *run, tides_device *device, tides_session **session,
+                                                           tides_error *error);
+
+/* Another session on what `base` has open, with more overrides (tides_run_vary): other methods, sensors, steps. Those that need
+ * something else opened (a scene, a size, a device) are TIDES_BAD_CONFIG naming the key. `base` must outlive it; the two are
+ * one object where threads are concerned. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_session_vary(const tides_session *base, const char *const *overrides,
+                                                           size_t count, tides_session **session, tides_error *error);
+
+TIDES_API void tides_session_close(tides_session *session); /* NULL is fine */
+
+/* What a session has. Plain value; what it points to is the session's, and lives as long. */
+typedef struct tides_session_facts {
+    tides_run_values values;     /* of its run */
+    tides_intrinsics intrinsics; /* of its images; on frames width and height alone */
+    const tides_run *run;        /* its run */
+    tides_scene *scene;          /* NULL on frames; the camera and the device, too */
+    tides_trajectory *camera;
+    tides_frames *frames; /* NULL on a scene */
+    tides_device *device;
+    tides_device_info info; /* of the device; on frames its name says so */
+    int32_t sees_frames;    /* 1: the method sees frames, of a sequence or rendered: all but TIDES on a scene */
+    int32_t reserved;
+} tides_session_facts;
+TIDES_API void tides_session_get(const tides_session *session, tides_session_facts *facts);
+
+/* Runs it whole, whatever its method: `sink` gets the events in order, from the simulator, its readout, or a baseline. `stats`
+ * (nullable) is filled also where the run was stopped. TIDES_UNSUPPORTED where the run asks for a readout or labels and the
+ * method sees frames. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_session_run(tides_session *session, tides_event_sink sink, void *sink_user,
+                                                          tides_progress progress, void *user, tides_stats *stats,
+                                                          tides_error *error);
+
+/* The simulator of a run whose method is TIDES on a scene, with its readout, at the run's start; TIDES_UNSUPPORTED where the
+ * method sees frames. The caller destroys it before the session. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_session_simulator(tides_session *session, tides_progress progress, void *user,
+                                                                tides_simulator **simulator, tides_error *error);
+
+/* A renderer of the run's scene by its image rules; TIDES_UNSUPPORTED for runs on frames. The optics' blur is the sensor's:
+ * tides_renderer_set_psf. The caller destroys it before the session. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_session_renderer(tides_session *session, tides_progress progress, void *user,
+                                                               tides_renderer **renderer, tides_error *error);
+
+/* -- into a file --------------------------------------------------------------------------------------------------------- */
+
+/* How events go into a file; fill with tides_recording_defaults (the ending's format, from the start, 30 s). */
+typedef struct tides_recording {
+    uint32_t size;
+    int32_t resume;      /* 1: go on where PATH.checkpoint is, with the PATH.part beside it */
+    const char *format;  /* of tides_event_format_at; NULL: that of the path's ending */
+    double checkpoint_s; /* [s] of wall time between checkpoints; 0: none, nor where the run is stopped */
+} tides_recording;
+TIDES_API void tides_recording_defaults(tides_recording *recording);
+
+/* What became of it; kept up to date while it is made, for progress to tell. Plain value. */
+typedef struct tides_recorded {
+    uint64_t events;     /* in the file so far */
+    uint64_t collapsed;  /* tides_event_writer_collapsed */
+    double resumed_s;    /* [s] since the run's start where it went on; 0: from the start */
+    int32_t began;       /* 1: the file is open; PATH.part holds its events should the run be stopped */
+    int32_t complete;    /* 1: PATH is there */
+    int32_t saved;       /* 1: the last checkpoint was written: `resume` goes on from it */
+    tides_error unsaved; /* why a checkpoint couldn't be, for the first time; the run goes on */
+} tides_recorded;
+
+/* Runs it whole into an event file of any format, with all that the file can say of the run. `how` and what follows are
+ * nullable. While it runs, and where it is stopped (TIDES_CANCELLED) or dies, PATH.part holds the events so far; formats that
+ * can be gone on with (tides_event_writer_can_resume) also PATH.checkpoint, which holds the state and goes when PATH is
+ * complete. A method that sees frames keeps no checkpoints. resume without a checkpoint is TIDES_FILE_NOT_FOUND, with one
+ * of another run TIDES_BAD_CONFIG naming what differs, with a format that can't be gone on with TIDES_BAD_ARGUMENT, and with a
+ * method that sees frames TIDES_UNSUPPORTED. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_session_write(tides_session *session, const char *path,
+                                                            const tides_recording *how, tides_progress progress, void *user,
+                                                            tides_recorded *done, tides_stats *stats, tides_error *error);
+
+/* The same from a simulator, to `stop` [s]: `facts` go into the file, its run (nullable) also into checkpoints. The simulator
+ * stands where it was stopped. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_write(tides_simulator *simulator, double stop, const char *path,
+                                                              const tides_event_file *facts, const tides_recording *how,
+                                                              tides_progress progress, void *user, tides_recorded *done,
+                                                              tides_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

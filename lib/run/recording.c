@@ -1,0 +1,155 @@
+/* Events into a file while they are simulated: PATH.part, with PATH.checkpoint beside it, from which a run that was stopped, or
+ * died, goes on. For tides_session_write and tides_simulator_write; the formats are lib/events', the state is lib/solver's. */
+#include "run/td_recording.h"
+
+#include "td_base.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* [s] of wall time: what a crash may cost at most, at well below a percent of a run's time. */
+static const double default_checkpoint_s = 30.0;
+
+/* A checkpoint that takes long, of a large image on a slow disk, comes less often: this much simulation per second of saving.
+ * */
+static const double least_work = 50.0;
+
+void tides_recording_defaults(tides_recording *recording) {
+    *recording = (tides_recording){.size = sizeof *recording, .checkpoint_s = default_checkpoint_s};
+}
+
+/* -- begin  */
+
+static tides_status check_how(const td_record *r, const char *path, tides_error *error) {
+    if (r->how.size != sizeof r->how)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "recording: start from tides_recording_defaults, which sets size");
+    if (!(r->how.checkpoint_s >= 0) || !isfinite(r->how.checkpoint_s))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "recording: checkpoint_s %g must be 0 or more", r->how.checkpoint_s);
+    if (r->how.resume && !r->checkpoint)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "%s: only an HDF5 file (.h5) can be gone on with; leave resume at 0", path);
+    return TIDES_OK;
+}
+
+tides_status td_record_begin(td_record *r, const char *path, const tides_event_file *facts, const tides_recording *how,
+                             tides_progress progress, void *user, tides_recorded *done, tides_error *error) {
+    memset(r, 0, sizeof *r);
+    r->path = path;
+    r->facts = facts;
+    r->progress = progress;
+    r->user = user;
+    r->done = done ? done : &r->own;
+    memset(r->done, 0, sizeof *r->done);
+    tides_recording_defaults(&r->how);
+    if (how) r->how = *how;
+    if (!r->how.format && tides_event_writer_can_resume(path) && !(r->checkpoint = td_format(error, "%s.checkpoint", path)))
+        return TIDES_NO_MEMORY;
+    r->due = td_now() + r->how.checkpoint_s;
+    return check_how(r, path, error);
+}
+
+static tides_status remove_checkpoint(const td_record *r, tides_error *error) {
+    if (!r->checkpoint || remove(r->checkpoint) == 0 || errno == ENOENT) return TIDES_OK;
+    return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be removed: %s", r->checkpoint, strerror(errno));
+}
+
+tides_status td_record_anew(td_record *r, tides_error *error) {
+    tides_status status = remove_checkpoint(r, error);
+    if (status == TIDES_OK) status = tides_event_writer_open_as(r->path, r->how.format, r->facts, &r->writer, error);
+    r->done->began = status == TIDES_OK;
+    return status;
+}
+
+tides_status td_record_again(td_record *r, tides_error *error) {
+    tides_status status = tides_simulator_restore(r->simulator, r->facts->run, r->checkpoint, error);
+    if (status != TIDES_OK) return status;
+    tides_stats stats;
+    tides_simulator_stats(r->simulator, &stats);
+    r->done->events = stats.events_written;
+    r->done->resumed_s = stats.simulated_s;
+    status = tides_event_writer_resume(r->path, r->facts, r->done->events, &r->writer, error);
+    r->done->began = status == TIDES_OK;
+    return status;
+}
+
+/* -- on the way  */
+
+int td_record_take(void *user, const tides_event *events, size_t count) {
+    td_record *r = user;
+    const int64_t *fired = r->simulator ? tides_simulator_fired(r->simulator) : NULL;
+    tides_status status = tides_event_writer_append_fired(r->writer, events, fired, count, &r->cause);
+    if (status == TIDES_OK) r->done->events += count;
+    return status;
+}
+
+tides_status td_record_judge(const td_record *r, tides_status status, tides_error *error) {
+    if (r->cause.status == TIDES_OK) return status;
+    if (error) *error = r->cause;
+    return r->cause.status;
+}
+
+/* A tides_progress that also stops the simulator where a checkpoint is due. */
+static int step(void *user, double fraction, const char *stage) {
+    td_record *r = user;
+    r->stopped = r->progress ? r->progress(r->user, fraction, stage) : 0;
+    return r->stopped || (r->checkpoint && r->how.checkpoint_s > 0 && td_now() >= r->due);
+}
+
+/* First the events, then the state that follows them: whatever the process dies between leaves a pair that fits. A failure is
+ * told, once, and is no reason to throw the run away. */
+static void save(td_record *r) {
+    if (!r->checkpoint || !(r->how.checkpoint_s > 0)) return;
+    tides_error error = {TIDES_OK, ""};
+    const double began = td_now();
+    tides_status status = tides_event_writer_flush(r->writer, &error);
+    if (status == TIDES_OK) status = tides_simulator_save(r->simulator, r->facts->run, r->checkpoint, &error);
+    r->done->saved = status == TIDES_OK;
+    if (!r->done->saved && r->done->unsaved.status == TIDES_OK) r->done->unsaved = error;
+    const double ended = td_now();
+    r->due = ended + fmax(r->how.checkpoint_s, least_work * (ended - began));
+}
+
+tides_status td_record_simulate(td_record *r, double stop, tides_error *error) {
+    tides_status status = TIDES_CANCELLED;
+    r->stopped = 0;
+    while (status == TIDES_CANCELLED && !r->stopped) {
+        status = tides_simulator_run(r->simulator, stop, td_record_take, r, step, r, error);
+        status = td_record_judge(r, status, error);
+        if (status == TIDES_CANCELLED) save(r);
+    }
+    return status;
+}
+
+/* -- the end  */
+
+tides_status td_record_finish(td_record *r, tides_error *error) {
+    tides_event_writer *writer = r->writer;
+    r->done->collapsed = tides_event_writer_collapsed(writer);
+    r->writer = NULL; /* gone whatever _finish returns */
+    tides_status status = tides_event_writer_finish(writer, r->facts->stop_ns, error);
+    r->done->complete = status == TIDES_OK;
+    return status == TIDES_OK ? remove_checkpoint(r, error) : status;
+}
+
+void td_record_end(td_record *r) {
+    tides_event_writer_abandon(r->writer);
+    free(r->checkpoint);
+    memset(r, 0, sizeof *r);
+}
+
+tides_status tides_simulator_write(tides_simulator *simulator, double stop, const char *path, const tides_event_file *facts,
+                                   const tides_recording *how, tides_progress progress, void *user, tides_recorded *done,
+                                   tides_error *error) {
+    if (!simulator || !path || !facts)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_write: simulator, path or facts is NULL");
+    td_record record;
+    tides_status status = td_record_begin(&record, path, facts, how, progress, user, done, error);
+    record.simulator = simulator;
+    if (status == TIDES_OK) status = record.how.resume ? td_record_again(&record, error) : td_record_anew(&record, error);
+    if (status == TIDES_OK) status = td_record_simulate(&record, stop, error);
+    if (status == TIDES_OK) status = td_record_finish(&record, error);
+    td_record_end(&record);
+    return status;
+}

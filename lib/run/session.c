@@ -1,0 +1,177 @@
+/* A run with everything open that it names, and what is made of that: simulator, renderer. For users of the library, the command
+ * line tool and Python alike. Running is session_run.c's; what a run file says is run.c's, what it names run_open.c's. */
+#include "run/td_session.h"
+
+#include "run/td_run.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void tides_session_get(const tides_session *session, tides_session_facts *facts) { *facts = session->facts; }
+
+void tides_session_close(tides_session *session) {
+    if (!session) return;
+    if (session->owns_inputs) {
+        tides_frames_close(session->frames);
+        tides_trajectory_destroy(session->camera);
+        tides_scene_destroy(session->scene);
+    }
+    if (session->owns_device) tides_device_close(session->facts.device);
+    tides_run_destroy(session->run);
+    free(session);
+}
+
+/* -- opening ---------------------------------------------------------------------------------------------------------------- */
+
+static tides_status open_frames(tides_session *s, tides_error *error) {
+    tides_session_facts *facts = &s->facts;
+    tides_status status = tides_run_open_frames(facts->run, &s->frames, error);
+    if (status != TIDES_OK) return status;
+    tides_frames_size(s->frames, &facts->intrinsics.width, &facts->intrinsics.height);
+    snprintf(facts->info.name, sizeof facts->info.name, "none: frames from %s", facts->values.frames_file);
+    return TIDES_OK;
+}
+
+/* `spec` wins over the run file, which wins over TIDES_DEVICE; "auto" is what a run file says to leave it open. */
+static tides_status open_device(tides_session *s, const char *spec, tides_device *device, tides_error *error) {
+    const char *own = s->facts.values.device;
+    tides_status status = TIDES_OK;
+    if (!spec && strcmp(own, "auto") != 0) spec = own;
+    s->facts.device = device;
+    if (!device) status = tides_device_open(spec, &s->facts.device, error);
+    s->owns_device = !device && status == TIDES_OK;
+    if (status == TIDES_OK) tides_device_describe(s->facts.device, &s->facts.info);
+    return status;
+}
+
+/* Everything that facts.run names; a session that fails is closed. */
+static tides_status fill(tides_session *s, const char *spec, tides_device *device, tides_session **session,
+                         tides_error *error) {
+    tides_session_facts *facts = &s->facts;
+    tides_status status;
+    tides_run_get(facts->run, &facts->values);
+    s->owns_inputs = 1;
+    if (facts->values.frames_file) {
+        status = open_frames(s, error);
+    } else {
+        status = tides_run_open(facts->run, &s->scene, &s->camera, &facts->intrinsics, error);
+        if (status == TIDES_OK) status = open_device(s, spec, device, error);
+    }
+    facts->scene = s->scene;
+    facts->camera = s->camera;
+    facts->frames = s->frames;
+    facts->sees_frames = s->frames || facts->values.baseline.method != TIDES_METHOD_TIDES;
+    if (status == TIDES_OK)
+        *session = s;
+    else
+        tides_session_close(s);
+    return status;
+}
+
+tides_status tides_session_load(const char *file, const char *const *overrides, size_t count, const char *device,
+                                tides_session **session, tides_error *error) {
+    if (!session) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_session_load: session is NULL");
+    tides_session *made = td_alloc(1, sizeof *made, error);
+    if (!made) return TIDES_NO_MEMORY;
+    tides_status status = tides_run_load(file, overrides, count, &made->run, error);
+    made->facts.run = made->run;
+    if (status == TIDES_OK) return fill(made, device, NULL, session, error);
+    tides_session_close(made);
+    return status;
+}
+
+tides_status tides_session_open(const tides_run *run, tides_device *device, tides_session **session, tides_error *error) {
+    if (!run || !session) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_session_open: run or session is NULL");
+    tides_session *made = td_alloc(1, sizeof *made, error);
+    if (!made) return TIDES_NO_MEMORY;
+    made->facts.run = run;
+    return fill(made, NULL, device, session, error);
+}
+
+/* -- variations ------------------------------------------------------------------------------------------------------------- */
+
+/* Keys of what a session has open, each "group." or a whole key. Of frames, how they are read depends on the rest, too. */
+static const char *const opened[] = {"scene.file", "scene.objects", "scene.duration_s", "camera.", "frames.", "device", NULL};
+static const char *const opened_frames[] = {"image.luminance", "ldati.fps", NULL};
+
+static int32_t is_among(const char *const *names, const char *key) {
+    for (; *names; names++) {
+        const size_t length = strlen(*names);
+        if (strncmp(key, *names, length) == 0 && (key[length] == '\0' || (*names)[length - 1] == '.')) return 1;
+    }
+    return 0;
+}
+
+static tides_status check_opened(const tides_session *base, const tides_run *run, tides_error *error) {
+    const tides_run *own = base->facts.run;
+    size_t count;
+    const tides_param *rows = tides_params(&count);
+    for (size_t i = 0; i < count; i++) {
+        if (!is_among(opened, rows[i].key) && !(base->frames && is_among(opened_frames, rows[i].key))) continue;
+        if (own->values[i] && run->values[i] ? cJSON_Compare(own->values[i], run->values[i], 1)
+                                             : own->values[i] == run->values[i])
+            continue;
+        return td_fail(error, TIDES_BAD_CONFIG,
+                       "%s: %s is another one, and a session can't be varied in what it has open; open one of its own",
+                       own->origin, rows[i].key);
+    }
+    tides_run_values values;
+    tides_run_get(run, &values);
+    if (base->frames && values.frames.planes != base->facts.values.frames.planes)
+        return td_fail(error, TIDES_BAD_CONFIG,
+                       "%s: method \"%s\" reads other frames than this session has open; open one of its own", own->origin,
+                       values.method);
+    return TIDES_OK;
+}
+
+tides_status tides_session_vary(const tides_session *base, const char *const *overrides, size_t count, tides_session **session,
+                                tides_error *error) {
+    if (!base || !session) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_session_vary: base or session is NULL");
+    tides_session *made = td_alloc(1, sizeof *made, error);
+    if (!made) return TIDES_NO_MEMORY;
+    tides_status status = tides_run_vary(base->facts.run, overrides, count, &made->run, error);
+    if (status == TIDES_OK) status = check_opened(base, made->run, error);
+    if (status != TIDES_OK) {
+        tides_session_close(made);
+        return status;
+    }
+    made->scene = base->scene;
+    made->camera = base->camera;
+    made->frames = base->frames;
+    made->facts = base->facts;
+    made->facts.run = made->run;
+    tides_run_get(made->run, &made->facts.values);
+    made->facts.sees_frames = made->frames || made->facts.values.baseline.method != TIDES_METHOD_TIDES;
+    *session = made;
+    return TIDES_OK;
+}
+
+/* -- what is made of it ------------------------------------------------------------------------------------------------------ */
+
+tides_status tides_session_simulator(tides_session *session, tides_progress progress, void *user, tides_simulator **simulator,
+                                     tides_error *error) {
+    if (!session || !simulator)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_session_simulator: session or simulator is NULL");
+    const tides_session_facts *f = &session->facts;
+    const tides_run_values *v = &f->values;
+    if (f->sees_frames)
+        return td_fail(error, TIDES_UNSUPPORTED, "method %s on frames has no simulator: tides_session_run runs it", v->method);
+    tides_simulator *made = NULL;
+    tides_status status = tides_simulator_create(f->device, f->scene, f->camera, &f->intrinsics, &v->image, &v->sensor,
+                                                 &v->stepping, v->start, v->stop, progress, user, &made, error);
+    if (status == TIDES_OK) status = tides_simulator_readout(made, &v->readout, error);
+    if (status == TIDES_OK)
+        *simulator = made;
+    else
+        tides_simulator_destroy(made);
+    return status;
+}
+
+tides_status tides_session_renderer(tides_session *session, tides_progress progress, void *user, tides_renderer **renderer,
+                                    tides_error *error) {
+    if (!session || !renderer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_session_renderer: session or renderer is NULL");
+    const tides_session_facts *f = &session->facts;
+    if (f->frames)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: the run has frames.file and no scene to render", f->run->origin);
+    return tides_renderer_create(f->device, f->scene, &f->intrinsics, &f->values.image, progress, user, renderer, error);
+}

@@ -1,0 +1,16 @@
+/* Internal: a session, and what it may close. */
+#ifndef TD_SESSION_H
+#define TD_SESSION_H
+
+#include "tides/session.h"
+
+struct tides_session {
+    tides_session_facts facts;
+    tides_run *run; /* its own, or NULL: the caller's */
+    tides_scene *scene;
+    tides_trajectory *camera;
+    tides_frames *frames;
+    int32_t owns_inputs, owns_device; /* 0: those of the session that it varies, the caller's */
+};
+
+#endif

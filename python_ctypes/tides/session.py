@@ -1,0 +1,162 @@
+"""A run with everything open that it names, and the run itself: into arrays, functions, files."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+from ctypes import POINTER, byref, c_char_p
+from typing import Any, Callable
+
+import numpy as np
+
+from . import _api
+from ._call import call, encoded, kept, path, text
+from ._handle import Handle
+from ._library import lib
+from ._progress import Progress, Reporter
+from ._values import Facts, Value, _fields, plain
+from .baselines import BaselineParams, Frames, FramesOptions
+from .device import Device, opened
+from .events import EVENT
+from .readout import Readout
+from .render import ImageParams, Renderer
+from .scene import Scene
+from .simulate import Sensor, Simulation, Stepping, _Collector, recording
+from .trajectory import Camera, Intrinsics, PathOptions, Trajectory
+
+_VALUES: dict[Any, Any] = {
+    _api.tides_intrinsics: Intrinsics,
+    _api.tides_image_params: ImageParams,
+    _api.tides_sensor: Sensor,
+    _api.tides_stepping: Stepping,
+    _api.tides_readout: Readout,
+    _api.tides_baseline_params: BaselineParams,
+    _api.tides_frames_options: FramesOptions,
+    _api.tides_path_options: PathOptions,
+}
+
+
+def overrides(settings: dict[str, Any] | None) -> tuple[Any, int]:
+    """{key: value} as C's list of "key=value" texts, and their number."""
+    texts = [
+        f"{key}={value if isinstance(value, str) else json.dumps(value)}".encode()
+        for key, value in (settings or {}).items()
+    ]
+    return (c_char_p * max(1, len(texts)))(*texts), len(texts)
+
+
+def values_of(struct: Any, owner: Any) -> Facts:
+    """A tides_run_values as Facts; `owner` has what its pointers point to."""
+
+    def value(one: Any) -> Any:
+        kind = _VALUES.get(type(one))
+        return kind._from(one, owner) if kind else plain(one)
+
+    return Facts({name: value(getattr(struct, name)) for name, _ in _fields(struct)})
+
+
+class Session(Handle):
+    """A run file with all open that it names: Session("room.json", {"method": "esim"}). It may run any number of times, each
+    from the start. A `device` wins over the run file's, which wins over TIDES_DEVICE. Fields: values (as a Run's),
+    intrinsics, scene and camera, or frames, device (None on frames), sees_frames."""
+
+    _destroy = "tides_session_close"
+
+    def __init__(
+        self,
+        run: Any,
+        set: dict[str, Any] | None = None,
+        device: Device | str | int | None = None,
+    ):
+        """`run`: a Run, which may be varied by `set`, or a run file's path."""
+        made = POINTER(_api.tides_session)()
+        if not hasattr(run, "_pointer") and not isinstance(device, Device):
+            spec = encoded(None if device is None else str(device))
+            call("tides_session_load", path(run), *overrides(set), spec, byref(made))
+            return self._take(made)
+        if not hasattr(run, "_pointer"):
+            from .run import Run  # which imports this module
+
+            run = Run(run)
+        run = run.vary(set) if set else run
+        if device is None and run.values.device != "auto":
+            device = run.values.device
+        # On a scene Python opens the device, which its other objects may then share; a run on frames needs none.
+        own = None if run.values.frames_file else opened(device)
+        call("tides_session_open", run._pointer, own._pointer if own else None, byref(made))
+        self._take(made, run, *([own] if own else []), device=own)
+
+    def _take(self, made: Any, *owners: Any, device: Device | None = None) -> None:
+        super().__init__(made, *owners, lock=device._lock if device else None)
+        facts = _api.tides_session_facts()
+        lib.tides_session_get(made, byref(facts))
+        self.values, self.sees_frames = values_of(facts.values, self), bool(facts.sees_frames)
+        self.intrinsics = Intrinsics._from(facts.intrinsics)
+        self.scene = self.camera = self.frames = None
+        self.device = device if device or not facts.device else Device._lent(facts.device, self)
+        if facts.frames:
+            self.frames = Frames._lent(facts.frames, self)
+        else:
+            self.scene = Scene._lent(facts.scene, self)
+            self.camera = Camera(Trajectory._lent(facts.camera, self), self.intrinsics)
+
+    def vary(self, set: dict[str, Any]) -> "Session":
+        """Another session on what this one has open: other methods, sensors, steps. BadConfig where a key needs something
+        else opened."""
+        made = POINTER(_api.tides_session)()
+        call("tides_session_vary", self._pointer, *overrides(set), byref(made))
+        session = Session.__new__(Session)
+        session._take(made, self, device=self.device)
+        return session
+
+    def run(self, sink: Callable[..., Any], progress: Progress = None) -> Facts:
+        """Runs it whole, by whatever method; `sink` gets each packet as a view of C's memory, valid during the call only, and
+        stops it by returning something true (Cancelled) or by raising. The statistics."""
+
+        def take(_user: Any, events: Any, count: int) -> int:
+            view = np.ctypeslib.as_array(events, (count,)).view(EVENT) if count else np.empty(0, EVENT)
+            return 1 if sink(view) else 0
+
+        return self._run(take, progress)
+
+    def _run(self, take: Callable[..., int], progress: Progress) -> Facts:
+        stats = _api.tides_stats()
+        with self._lock, Reporter(progress) as step:
+            call("tides_session_run", self._pointer, _api.tides_event_sink(kept(take, 1)), None, step, None, byref(stats))
+        return plain(stats)
+
+    def simulate(self, progress: Progress = None) -> np.ndarray:
+        """All its events, as EVENT (n)."""
+        collector = _Collector()
+        self._run(collector.take, progress)
+        return collector.result()
+
+    def write(
+        self,
+        file: str | os.PathLike[str],
+        format: str | None = None,
+        resume: bool = False,
+        checkpoint_s: float | None = None,
+        progress: Progress = None,
+    ) -> Facts:
+        """Runs it whole into an event file, as `tides simulate` does; the statistics. See Simulation.write."""
+        stats = _api.tides_stats()
+        how = recording(format, resume, checkpoint_s)
+        with self._lock, Reporter(progress) as step:
+            call("tides_session_write", self._pointer, path(file), how, step, None, None, byref(stats))
+        return plain(stats)
+
+    def simulation(self, progress: Progress = None) -> Simulation:
+        """A Simulation at the run's start. Unsupported where the method sees frames: `simulate` does that."""
+        made = POINTER(_api.tides_simulator)()
+        with self._lock, Reporter(progress) as step:
+            call("tides_session_simulator", self._pointer, step, None, byref(made))
+        return Simulation._of(made, self)
+
+    def renderer(self, progress: Progress = None) -> Renderer:
+        """The scene by the run's image rules as a Renderer. Unsupported on frames."""
+        made = POINTER(_api.tides_renderer)()
+        with self._lock, Reporter(progress) as step:
+            call("tides_session_renderer", self._pointer, step, None, byref(made))
+        return Renderer._of(made, self)

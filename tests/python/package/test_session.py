@@ -1,0 +1,70 @@
+"""Sessions: a run file with everything open that it names."""
+
+import gc
+
+import numpy as np
+import pytest
+import tides
+
+RUN = "tests/install/run.json"
+
+
+def test_a_session_runs_whatever_the_file_says(tmp_path):
+    run = tides.Run(RUN)
+    whole = run.simulate("reference")
+    with tides.Session(RUN, device="reference") as session:
+        assert not session.sees_frames and session.frames is None and session.device.facts.kind == "reference"
+        assert session.scene.count > 0 and session.camera.intrinsics == session.intrinsics
+        assert session.values.stop == run.stop and session.values.path.duration == 1.0
+        assert np.array_equal(session.simulate(), whole) and len(whole) > 100
+        packets = []
+        stats = session.run(lambda events: packets.append(events.copy()))
+        assert np.array_equal(np.concatenate(packets), whole) and stats.events == len(whole)
+        assert session.write(tmp_path / "a.h5").events == len(whole)
+        assert np.array_equal(tides.read_events(tmp_path / "a.h5"), whole)
+        with pytest.raises(tides.errors.Cancelled):
+            session.run(lambda events: len(events) > 0)
+        with session.simulation() as simulation:
+            assert np.array_equal(simulation.run(), whole)
+            with pytest.raises(ValueError, match="Simulation uses it"):
+                session.close()
+        with session.renderer() as renderer:
+            assert np.isfinite(renderer.frame(session.values.start)["L"]).all()
+        scene = session.scene
+    assert session.closed and scene.closed
+
+
+def test_variations_share_what_is_open(tmp_path):
+    session = tides.Run(RUN).session("reference")
+    low = session.vary({"sensor.threshold_on": 0.1, "sensor.threshold_off": 0.1})
+    assert low.device is session.device and low.values.sensor.threshold_on == 0.1
+    assert len(low.simulate()) > len(session.simulate())
+    alone = tides.Run(RUN, {"sensor.threshold_on": 0.1, "sensor.threshold_off": 0.1})
+    assert np.array_equal(alone.simulate("reference"), low.simulate())
+    assert np.array_equal(tides.Run(RUN).vary({"seed": "5", "sensor.threshold_on": 0.1, "sensor.threshold_off": 0.1}).simulate("reference"), low.simulate())
+    with pytest.raises(tides.errors.BadConfig, match="camera.width is another one"):
+        session.vary({"camera.width": 9})
+    with pytest.raises(ValueError, match="a Session uses it"):
+        session.close()
+    low.close()
+    session.close()
+
+
+def test_frames_have_no_simulation(tmp_path):
+    frames = np.random.default_rng(1).uniform(0, 1, (5, 6, 8))
+    np.save(tmp_path / "frames.npy", frames)
+    text = {"frames": {"file": "frames.npy", "frames_per_second": 100}, "method": "v2e"}
+    session = tides.Session(tides.Run(text=text, directory=tmp_path))
+    assert session.sees_frames and session.scene is None and session.device is None and session.frames.width == 8
+    events = session.simulate()
+    stats = session.write(tmp_path / "v2e.csv", format="csv")
+    assert stats.events == len(events) > 0
+    for refused in (session.simulation, session.renderer, lambda: session.write(tmp_path / "a.h5", resume=True)):
+        with pytest.raises(tides.errors.Unsupported):
+            refused()
+    with pytest.raises(tides.errors.Unsupported, match="readout.enabled"):
+        session.vary({"readout.enabled": True}).simulate()
+    with pytest.raises(ValueError, match="HDF5"):
+        session.write(tmp_path / "v2e.csv", resume=True)
+    del session
+    gc.collect()
