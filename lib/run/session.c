@@ -1,5 +1,5 @@
-/* A run with everything open that it names, and what is made of that: simulator, renderer. For users of the library, the command
- * line tool and Python alike. Running is session_run.c's; what a run file says is run.c's, what it names run_open.c's. */
+/* A run with everything open that it names, and what is made of that: simulator, renderer. For users of the library, the tool
+ * and Python alike. Running is session_run.c's; what a run file says is run.c's, what it names run_open.c's. */
 #include "run/td_session.h"
 
 #include "run/td_run.h"
@@ -21,7 +21,7 @@ void tides_session_close(tides_session *session) {
     free(session);
 }
 
-/* -- opening ---------------------------------------------------------------------------------------------------------------- */
+/* -- opening  */
 
 static tides_status open_frames(tides_session *s, tides_error *error) {
     tides_session_facts *facts = &s->facts;
@@ -88,7 +88,7 @@ tides_status tides_session_open(const tides_run *run, tides_device *device, tide
     return fill(made, NULL, device, session, error);
 }
 
-/* -- variations ------------------------------------------------------------------------------------------------------------- */
+/* -- variations  */
 
 /* Keys of what a session has open, each "group." or a whole key. Of frames, how they are read depends on the rest, too. */
 static const char *const opened[] = {"scene.file", "scene.objects", "scene.duration_s", "camera.", "frames.", "device", NULL};
@@ -146,7 +146,7 @@ tides_status tides_session_vary(const tides_session *base, const char *const *ov
     return TIDES_OK;
 }
 
-/* -- what is made of it ------------------------------------------------------------------------------------------------------ */
+/* -- what is made of it  */
 
 tides_status tides_session_simulator(tides_session *session, tides_progress progress, void *user, tides_simulator **simulator,
                                      tides_error *error) {

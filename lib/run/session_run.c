@@ -2,7 +2,7 @@
  * and gone after it; runs in steps are the caller's, with tides_session_simulator. */
 #include "run/td_recording.h"
 #include "run/td_session.h"
-#include "solver/td_step.h"
+#include "signal/td_step.h"
 #include "td_base.h"
 
 #include <string.h>
@@ -64,7 +64,7 @@ tides_status tides_session_run(tides_session *session, tides_event_sink sink, vo
     return session->facts.sees_frames ? run_baseline(session, &to, stats, error) : run_simulator(session, &to, stats, error);
 }
 
-/* -- into a file ------------------------------------------------------------------------------------------------------------ */
+/* -- into a file  */
 
 static tides_event_file file_facts(const tides_session_facts *f) {
     return (tides_event_file){.width = f->intrinsics.width,
