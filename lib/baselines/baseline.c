@@ -1,7 +1,7 @@
 /* Baselines: defaults, checks of frames, order of events. */
 #include "td_baseline.h"
 
-#include "sensor/td_random.h"
+#include "td_random.h"
 #include "signal/td_event_sort.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
  * frames, one polarity per pixel and interval, and a crossing counts only within its interval. */
 #include "td_baseline.h"
 
-#include "sensor/td_random.h"
+#include "td_random.h"
 
 #include <math.h>
 #include <stdlib.h>

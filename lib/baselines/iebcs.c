@@ -2,7 +2,7 @@
  * follows with a time constant; latency and jitter come on top. Its times are whole microseconds. */
 #include "td_iebcs.h"
 
-#include "sensor/td_random.h"
+#include "td_random.h"
 
 #include <math.h>
 #include <stdlib.h>

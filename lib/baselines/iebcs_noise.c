@@ -2,7 +2,7 @@
 #include "td_iebcs.h"
 
 #include "archive/td_npy.h"
-#include "sensor/td_random.h"
+#include "td_random.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  * that goes from bin to bin, and times from a density that is linear within a bin. */
 #include "td_baseline.h"
 
-#include "sensor/td_random.h"
+#include "td_random.h"
 #include "signal/td_event_sort.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
  * method: where v2e's own rounding decides, ours decides alike. */
 #include "td_v2e.h"
 
-#include "sensor/td_random.h"
+#include "td_random.h"
 
 #include <math.h>
 #include <stdlib.h>

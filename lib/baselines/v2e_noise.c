@@ -1,7 +1,7 @@
 /* v2e's two models of temporal noise: shot noise events, or photoreceptor noise before the comparator. */
 #include "td_v2e.h"
 
-#include "sensor/td_random.h"
+#include "td_random.h"
 
 #include <math.h>
 

@@ -7,7 +7,7 @@
  * without noise there are events (NaN there). */
 #include "td_baseline.h"
 
-#include "sensor/td_random.h"
+#include "td_random.h"
 
 #include <math.h>
 #include <stdlib.h>

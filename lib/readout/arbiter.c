@@ -2,7 +2,7 @@
  *
  * Tick k covers [k tick, (k + 1) tick). What arrives within a tick may leave within it. Ticks in which nothing waits are
  * skipped, whatever their number. Everything is decided by the events' own times, so it doesn't matter how they are pushed. */
-#include "sensor/td_random.h"
+#include "td_random.h"
 #include "td_arbiter.h"
 #include "td_base.h"
 

@@ -2,7 +2,7 @@
  * drops and jitter. */
 #include "tides/readout.h"
 
-#include "sensor/td_random.h"
+#include "td_random.h"
 #include "td_base.h"
 
 #include <stdio.h>

@@ -15,7 +15,7 @@
 #include <cmocka.h>
 
 #include "render/td_render.h"
-#include "sensor/td_random.h"
+#include "td_random.h"
 
 #include "tests/support/golden_render.h"
 #include "tests/support/scene_folder.h"

@@ -1,7 +1,7 @@
 /* The readout arbiter: what must hold for any stream, and what each kind of scanner does. */
 #include "tides/readout.h"
 
-#include "sensor/td_random.h"
+#include "td_random.h"
 #include "signal/td_event_sort.h"
 
 #include <math.h>

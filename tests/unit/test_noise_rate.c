@@ -2,7 +2,7 @@
  * signal at rest by its closed form, and with moving signals, refractory periods and unequal thresholds by an independent
  * simulation of it in steps so short that more don't show. All within 3 standard errors. */
 #include "sensor_rig.h"
-#include "sensor/td_random.h"
+#include "td_random.h"
 #include "signal/td_event_sort.h"
 
 #include <float.h>

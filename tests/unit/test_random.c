@@ -1,5 +1,5 @@
 /* Counter-based random numbers: the published values, independence of what they are for, and their distributions. */
-#include "sensor/td_random.h"
+#include "td_random.h"
 
 #include <float.h>
 #include <math.h>
