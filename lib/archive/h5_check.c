@@ -2,15 +2,11 @@
  * heaps. */
 #include "td_h5_check.h"
 
+#include "td_endian.h"
+
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-static uint64_t number(const unsigned char *p, int bytes) {
-    uint64_t value = 0;
-    for (int i = bytes; i-- > 0;) value = value << 8 | p[i];
-    return value;
-}
 
 /* At an address of the file. */
 static int take(const td_h5_disk *disk, uint64_t address, void *out, size_t count) {
@@ -37,9 +33,9 @@ static int check_free_blocks(const unsigned char *data, uint64_t size, uint64_t 
     enum { BLOCK = 16 };
     for (uint64_t most = size / BLOCK; at != 1; most--) {
         if (most == 0 || size < BLOCK || at > size - BLOCK) return 0;
-        uint64_t length = number(data + at + 8, 8);
+        uint64_t length = td_le64(data + at + 8);
         if (length < BLOCK || length > size - at) return 0;
-        at = number(data + at, 8);
+        at = td_le64(data + at);
     }
     return 1;
 }
@@ -47,9 +43,9 @@ static int check_free_blocks(const unsigned char *data, uint64_t size, uint64_t 
 int td_h5_check_heap(const td_h5_disk *disk, const unsigned char *bytes, size_t count) {
     enum { PREFIX = 32, MOST = 1 << 26 };                          /* the names of a group with a million links */
     if (count < PREFIX || memcmp(bytes, "HEAP", 4) != 0) return 1; /* the names; or HDF5 says what it is not */
-    uint64_t size = number(bytes + 8, 8), at = number(bytes + 24, 8);
+    uint64_t size = td_le64(bytes + 8), at = td_le64(bytes + 24);
     unsigned char *data = size <= MOST ? malloc(size ? (size_t)size : 1) : NULL;
-    int fine = data && take(disk, at, data, (size_t)size) && check_free_blocks(data, size, number(bytes + 16, 8));
+    int fine = data && take(disk, at, data, (size_t)size) && check_free_blocks(data, size, td_le64(bytes + 16));
     free(data);
     return fine;
 }
@@ -70,12 +66,12 @@ int td_h5_check_tree(const td_h5_disk *disk, const unsigned char *bytes, size_t 
     enum { HEAD = 24, ADDRESS = 8 };
     if (count < HEAD || memcmp(bytes, "TREE", 4) != 0) return 1;
     int level = bytes[5];
-    size_t key = key_bytes(bytes[4] != 0, count), children = (size_t)number(bytes + 6, 2);
+    size_t key = key_bytes(bytes[4] != 0, count), children = (size_t)td_le16(bytes + 6);
     if (level == 0 || key == 0) return 1;
     for (size_t i = 0, at = HEAD + key; i < children; i++, at += ADDRESS + key) {
         unsigned char child[6];
         if (count < ADDRESS || at > count - ADDRESS) return 0;
-        if (!take(disk, number(bytes + at, ADDRESS), child, sizeof child) || memcmp(child, "TREE", 4) != 0) return 0;
+        if (!take(disk, td_le_number(bytes + at, ADDRESS), child, sizeof child) || memcmp(child, "TREE", 4) != 0) return 0;
         if (child[4] != bytes[4] || child[5] != level - 1) return 0;
     }
     return 1;

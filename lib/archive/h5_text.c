@@ -2,6 +2,8 @@
  * (https://docs.hdfgroup.org/hdf5/v1_10/_f_m_t3.html: IV.A object headers, IV.A.2.m attributes, III.E global heaps). */
 #include "td_h5_text.h"
 
+#include "td_endian.h"
+
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -57,27 +59,21 @@ static unsigned char *take(const file_bytes *bytes, uint64_t at, uint64_t size) 
     return copy;
 }
 
-static uint64_t number(const unsigned char *p, int bytes) {
-    uint64_t value = 0;
-    for (int i = bytes; i-- > 0;) value = value << 8 | p[i];
-    return value;
-}
-
 /* ---- the heap ---- */
 
 /* Object `index` of the collection at `address`. */
 static char *text_in_heap(const file_bytes *bytes, uint64_t address, uint64_t index, uint64_t length) {
     enum { HEAD = 16, OBJECT = 16 };
     unsigned char *head = take(bytes, address, HEAD), *heap = NULL;
-    uint64_t size = head && memcmp(head, "GCOL\1", 5) == 0 ? number(head + 8, 8) : 0;
+    uint64_t size = head && memcmp(head, "GCOL\1", 5) == 0 ? td_le64(head + 8) : 0;
     free(head);
     if (size > HEAD && size <= HEAP_MAX) heap = take(bytes, address, size);
     char *text = NULL;
     for (uint64_t at = HEAD; heap && size - at >= OBJECT;) {
         const unsigned char *object = heap + at;
-        uint64_t stored = number(object + 8, 8), room = size - at - OBJECT;
-        if (number(object, 2) == 0 || stored > room) break; /* what is free is the last */
-        if (number(object, 2) == index) {
+        uint64_t stored = td_le64(object + 8), room = size - at - OBJECT;
+        if (td_le16(object) == 0 || stored > room) break; /* what is free is the last */
+        if (td_le16(object) == index) {
             text = stored >= length ? calloc((size_t)length + 1, 1) : NULL;
             if (text) memcpy(text, object + OBJECT, (size_t)length);
             break;
@@ -106,18 +102,18 @@ static void look_at_attribute(search *s, const unsigned char *p, uint64_t size) 
     enum { LENGTH = 4, ADDRESS = 8, INDEX = 4, VLEN = 9, STRING = 1 };
     int version = size >= 9 ? p[0] : 0;
     if (version < 1 || version > 3 || (version > 1 && p[1] != 0)) return; /* 2, 3: types that are shared aren't followed */
-    uint64_t name = number(p + 2, 2), type = number(p + 4, 2), extent = number(p + 6, 2), head = version == 3 ? 9 : 8;
+    uint64_t name = td_le16(p + 2), type = td_le_number(p + 4, 2), extent = td_le_number(p + 6, 2), head = version == 3 ? 9 : 8;
     uint64_t type_at = head + padded(name, version), value_at = type_at + padded(type, version) + padded(extent, version);
     if (name != strlen(s->name) + 1 || value_at > size || memcmp(p + head, s->name, (size_t)name) != 0) return;
     s->found = 1;
     if (type < 8 || (p[type_at] & 15) != VLEN || (p[type_at + 1] & 15) != STRING) return;
     if (size - value_at < LENGTH + ADDRESS + INDEX) return;
     const unsigned char *value = p + value_at;
-    uint64_t length = number(value, LENGTH);
+    uint64_t length = td_le_number(value, LENGTH);
     if (length <= s->most)
-        s->text = length
-                      ? text_in_heap(s->bytes, number(value + LENGTH, ADDRESS), number(value + LENGTH + ADDRESS, INDEX), length)
-                      : calloc(1, 1);
+        s->text = length ? text_in_heap(s->bytes, td_le_number(value + LENGTH, ADDRESS),
+                                        td_le_number(value + LENGTH + ADDRESS, INDEX), length)
+                         : calloc(1, 1);
 }
 
 /* ---- the object header ---- */
@@ -141,10 +137,10 @@ static void look_at_block(search *s, header *h, const unsigned char *p, uint64_t
     uint64_t head = h->version == 1 ? 8 : 4 + 2 * (uint64_t)h->tracked;
     for (uint64_t at = 0; !s->found && size - at >= head;) {
         const unsigned char *m = p + at;
-        uint64_t type = number(m, h->version == 1 ? 2 : 1), bytes = number(m + (h->version == 1 ? 2 : 1), 2);
+        uint64_t type = td_le_number(m, h->version == 1 ? 2 : 1), bytes = td_le_number(m + (h->version == 1 ? 2 : 1), 2);
         int shared = (h->version == 1 ? m[4] : m[3]) & 2;
         if (bytes > size - at - head) return;
-        if (type == MESSAGE_CONTINUATION && bytes >= 16) add_block(h, number(m + head, 8), number(m + head + 8, 8));
+        if (type == MESSAGE_CONTINUATION && bytes >= 16) add_block(h, td_le64(m + head), td_le64(m + head + 8));
         if (type == MESSAGE_ATTRIBUTE && !shared) look_at_attribute(s, m + head, bytes);
         at += head + bytes;
     }
@@ -156,13 +152,13 @@ static int begin(const file_bytes *bytes, uint64_t at, header *h) {
     unsigned char *p = take(bytes, at, PROLOGUE);
     h->count = 0;
     h->version = p && p[0] == 1 ? 1 : p && memcmp(p, "OHDR\2", 5) == 0 ? 2 : 0;
-    if (h->version == 1) add_block(h, at + PROLOGUE, number(p + 8, 4));
+    if (h->version == 1) add_block(h, at + PROLOGUE, td_le_number(p + 8, 4));
     int flags = h->version == 2 ? p[5] : 0, width = 1 << (flags & 3);
     free(p);
     if (h->version == 2) {
         uint64_t first = 6 + (flags & 0x20 ? TIMES : 0) + (flags & 0x10 ? PHASES : 0);
         h->tracked = (flags & 4) != 0;
-        if ((p = take(bytes, at + first, (uint64_t)width))) add_block(h, at + first + (uint64_t)width, number(p, width));
+        if ((p = take(bytes, at + first, (uint64_t)width))) add_block(h, at + first + (uint64_t)width, td_le_number(p, width));
         free(p);
     }
     return h->count == 1;

@@ -4,6 +4,7 @@
 #include "archive/td_pyrepr.h"
 #include "archive/td_tree.h"
 #include "td_base.h"
+#include "td_endian.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -106,12 +107,9 @@ tides_status td_npy_parse(const char *what, const unsigned char *npy, size_t siz
     return status;
 }
 
-/* The field's bytes as a number; no host order is assumed. */
+/* The field's bytes as a number. */
 static uint64_t load_bits(const td_npy_array *array, const td_npy_field *field, size_t index) {
-    const unsigned char *at = (const unsigned char *)array->data + index * array->item + field->offset;
-    uint64_t bits = 0;
-    for (size_t i = field->bytes; i-- > 0;) bits = bits << 8 | at[i];
-    return bits;
+    return td_le_number((const unsigned char *)array->data + index * array->item + field->offset, field->bytes);
 }
 
 int td_npy_integer(const td_npy_array *array, const td_npy_field *field, size_t index, int64_t *value) {

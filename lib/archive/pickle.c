@@ -4,6 +4,7 @@
 #include "archive/td_numbers.h"
 #include "archive/td_pickle_parts.h"
 #include "td_base.h"
+#include "td_endian.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -26,8 +27,7 @@ static tides_status damaged(const td_pickle *p, const char *what) {
 /* The next `count` bytes as a little-endian number. */
 static tides_status read_number(td_pickle *p, size_t count, uint64_t *value) {
     if (p->size - p->at < count) return damaged(p, "it ends within an instruction");
-    *value = 0;
-    for (size_t i = count; i-- > 0;) *value = *value << 8 | p->bytes[p->at + i];
+    *value = td_le_number(p->bytes + p->at, count);
     p->at += count;
     return TIDES_OK;
 }
@@ -152,10 +152,10 @@ static tides_status push_long(td_pickle *p) {
 
 /* Big-endian, alone among all numbers of protocol 2. */
 static tides_status push_float(td_pickle *p) {
-    uint64_t swapped = 0, bits = 0;
-    tides_status status = read_number(p, 8, &swapped);
-    for (int i = 0; i < 8; i++) bits = bits << 8 | (swapped >> 8 * i & 255);
-    return status ? status : push(p, td_tree_number(p->tree, td_float_bits(bits, 8), p->error));
+    if (p->size - p->at < 8) return damaged(p, "it ends within an instruction");
+    const uint64_t bits = td_be64(p->bytes + p->at);
+    p->at += 8;
+    return push(p, td_tree_number(p->tree, td_float_bits(bits, 8), p->error));
 }
 
 static tides_status push_text(td_pickle *p) {

@@ -2,6 +2,7 @@
 #include "archive/td_numbers.h"
 #include "archive/td_pickle_parts.h"
 #include "td_base.h"
+#include "td_endian.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -177,8 +178,7 @@ static tides_status make_scalar(td_pickle *p, const td_value *arguments, td_valu
     char kind = dtype->as.text[0];
     size_t width = (size_t)(dtype->as.text[1] - '0');
     if (bytes->count != width) return damaged(p, "a numpy scalar has the wrong number of bytes");
-    uint64_t bits = 0;
-    for (size_t i = width; i-- > 0;) bits = bits << 8 | (unsigned char)bytes->as.text[i];
+    const uint64_t bits = td_le_number((const unsigned char *)bytes->as.text, width);
     uint64_t sign = UINT64_C(1) << (8 * width - 1);
     if (kind == 'f')
         *made = td_tree_number(p->tree, td_float_bits(bits, width), p->error);

@@ -2,6 +2,7 @@
 #include "archive/td_numbers.h"
 #include "archive/td_tree.h"
 #include "td_base.h"
+#include "td_endian.h"
 
 #include <float.h>
 #include <math.h>
@@ -14,12 +15,10 @@ static const size_t widths[] =
 
 size_t td_tensor_width(int dtype) { return widths[dtype]; }
 
-/* One element of a storage; no host order is assumed. */
+/* One element of a storage. */
 static double load(const td_tensor *t, int64_t number) {
     size_t width = widths[t->dtype];
-    const unsigned char *at = t->data + (size_t)number * width;
-    uint64_t bits = 0;
-    for (size_t i = width; i-- > 0;) bits = bits << 8 | at[i];
+    const uint64_t bits = td_le_number(t->data + (size_t)number * width, width);
     switch (t->dtype) {
         case TD_TENSOR_FLOAT32:
         case TD_TENSOR_FLOAT64:

@@ -1,15 +1,13 @@
 /* ZIP archives in memory: end record, central directory, local headers, inflate. */
 #include "archive/td_zip.h"
 #include "td_base.h"
+#include "td_endian.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
 
 enum { END_BYTES = 22, CENTRAL_BYTES = 46, LOCAL_BYTES = 30, COMMENT_MAX = 65535 };
-
-static uint32_t u16(const unsigned char *p) { return (uint32_t)p[0] | (uint32_t)p[1] << 8; }
-static uint32_t u32(const unsigned char *p) { return u16(p) | u16(p + 2) << 16; }
 
 int td_zip_is(const void *bytes, size_t size) {
     return size >= 4 && (memcmp(bytes, "PK\3\4", 4) == 0 || memcmp(bytes, "PK\5\6", 4) == 0);
@@ -46,18 +44,18 @@ static tides_status read_central(const td_zip *zip, size_t end, size_t *at, td_z
     const unsigned char *p = zip->bytes + *at;
     size_t left = end - *at;
     if (left < CENTRAL_BYTES || memcmp(p, "PK\1\2", 4) != 0 ||
-        left - CENTRAL_BYTES < (size_t)u16(p + 28) + u16(p + 30) + u16(p + 32))
+        left - CENTRAL_BYTES < (size_t)td_le16(p + 28) + td_le16(p + 30) + td_le16(p + 32))
         return td_fail(error, TIDES_BAD_FILE, "%s: the ZIP directory is damaged at byte %zu", zip->path, *at);
-    size_t length = u16(p + 28);
-    *member = (td_zip_member){.offset = u32(p + 42),
-                              .packed = u32(p + 20),
-                              .size = u32(p + 24),
-                              .method = u16(p + 10),
-                              .crc = u32(p + 16)};
+    size_t length = td_le16(p + 28);
+    *member = (td_zip_member){.offset = td_le32(p + 42),
+                              .packed = td_le32(p + 20),
+                              .size = td_le32(p + 24),
+                              .method = td_le16(p + 10),
+                              .crc = td_le32(p + 16)};
     if (!(member->name = td_alloc(length + 1, 1, error))) return TIDES_NO_MEMORY;
     memcpy(member->name, p + CENTRAL_BYTES, length);
-    *at += CENTRAL_BYTES + length + u16(p + 30) + u16(p + 32);
-    return check_member(zip, member, u16(p + 8), error);
+    *at += CENTRAL_BYTES + length + td_le16(p + 30) + td_le16(p + 32);
+    return check_member(zip, member, td_le16(p + 8), error);
 }
 
 static tides_status read_directory(td_zip *zip, size_t end, size_t at, tides_error *error) {
@@ -91,11 +89,11 @@ tides_status td_zip_open(td_zip *zip, const char *path, const void *bytes, size_
         return td_fail(error, TIDES_BAD_FILE, "%s: no ZIP directory was found at its end: it is cut short or no ZIP archive",
                        path);
     const unsigned char *p = opened.bytes + end;
-    size_t start = u32(p + 16), count = u16(p + 10);
+    size_t start = td_le32(p + 16), count = td_le16(p + 10);
     /* Torch adds ZIP64's end records to every archive; only ones here say that they are needed. */
     if (count == UINT16_MAX || start == UINT32_MAX)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: is a ZIP64 archive (4 GiB or more), which isn't read", path);
-    if (u16(p + 8) != count)
+    if (td_le16(p + 8) != count)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: is one part of a ZIP archive in several, which isn't read", path);
     if (start > end || count > (end - start) / CENTRAL_BYTES)
         return td_fail(error, TIDES_BAD_FILE, "%s: the ZIP directory (%zu entries at byte %zu) doesn't fit in the file", path,
@@ -152,7 +150,7 @@ static int inflate_into(const unsigned char *packed, size_t packed_bytes, unsign
 static size_t data_start(const td_zip *zip, const td_zip_member *member) {
     if (member->offset > zip->size || zip->size - member->offset < LOCAL_BYTES) return 0;
     const unsigned char *local = zip->bytes + member->offset;
-    size_t left = zip->size - member->offset, skip = LOCAL_BYTES + (size_t)u16(local + 26) + u16(local + 28);
+    size_t left = zip->size - member->offset, skip = LOCAL_BYTES + (size_t)td_le16(local + 26) + td_le16(local + 28);
     int fits = memcmp(local, "PK\3\4", 4) == 0 && skip <= left && member->packed <= left - skip;
     return fits ? member->offset + skip : 0;
 }

@@ -2,6 +2,7 @@
 #include "camera/td_path.h"
 
 #include "archive/td_numbers.h"
+#include "td_endian.h"
 
 int td_bytes_skip(td_bytes *b, uint64_t bytes) {
     if (bytes > b->left) return 0;
@@ -14,7 +15,7 @@ int td_bytes_number(td_bytes *b, size_t bytes, uint64_t *value) {
     const char *at = b->at;
     *value = 0;
     if (!td_bytes_skip(b, bytes)) return 0;
-    for (size_t i = 0; i < bytes; i++) *value |= (uint64_t)(unsigned char)at[i] << 8 * i;
+    *value = td_le_number((const unsigned char *)at, bytes);
     return 1;
 }
 

@@ -4,6 +4,7 @@
 #include "td_event_format.h"
 
 #include "td_base.h"
+#include "td_endian.h"
 
 #include <string.h>
 
@@ -46,18 +47,14 @@ static tides_status open_aedat2(td_event_stream *stream, tides_error *error) {
     }
 }
 
-static uint32_t big32(const unsigned char *p) {
-    return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
-}
-
 static tides_status read_aedat2(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got,
                                 tides_error *error) {
     while (*got < capacity) {
         tides_status status = td_input_fill(&stream->input, RECORD, error);
         if (status != TIDES_OK) return status;
         if (stream->input.ready < RECORD) return stream->input.ready ? td_event_cut_off(stream, error) : TIDES_OK;
-        uint32_t address = big32(stream->input.data);
-        int32_t time = (int32_t)big32(stream->input.data + 4);
+        uint32_t address = td_be32(stream->input.data);
+        int32_t time = (int32_t)td_be32(stream->input.data + 4);
         td_input_skip(&stream->input, RECORD);
         if (address & 0x80000400u) continue; /* images, external events */
         int32_t x = stream->facts.width - 1 - (int32_t)(address >> 12 & 1023);

@@ -5,6 +5,7 @@
 #include "td_aedat4.h"
 
 #include "td_base.h"
+#include "td_endian.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -41,18 +42,18 @@ static int has(flat f, size_t at, size_t bytes) { return at <= f.bytes && bytes 
 /* Where the root table is; 0 where there is none. */
 static size_t root_table(flat f, const char *identifier) {
     if (!has(f, 0, 8) || memcmp(f.data + 4, identifier, 4) != 0) return 0;
-    size_t at = td_get32(f.data);
+    size_t at = td_le32(f.data);
     return has(f, at, 4) ? at : 0;
 }
 
 /* Where a field of a table is stored, with room for `bytes`; 0 where it is absent, and has its default. */
 static size_t table_field(flat f, size_t table, size_t field, size_t bytes) {
-    int64_t virtual_table = (int64_t)table - (int32_t)td_get32(f.data + table);
+    int64_t virtual_table = (int64_t)table - (int32_t)td_le32(f.data + table);
     size_t entry = 4 + 2 * field;
     if (virtual_table < 0 || !has(f, (size_t)virtual_table, 4)) return 0;
-    size_t at = (size_t)virtual_table, length = td_get16(f.data + at);
+    size_t at = (size_t)virtual_table, length = td_le16(f.data + at);
     if (entry + 2 > length || !has(f, at, length)) return 0;
-    size_t offset = td_get16(f.data + at + entry);
+    size_t offset = td_le16(f.data + at + entry);
     return offset && has(f, table + offset, bytes) ? table + offset : 0;
 }
 
@@ -60,9 +61,9 @@ static size_t table_field(flat f, size_t table, size_t field, size_t bytes) {
 static const unsigned char *vector_field(flat f, size_t table, size_t field, size_t size, size_t *count) {
     size_t at = table_field(f, table, field, 4);
     if (!at) return NULL;
-    size_t vector = at + td_get32(f.data + at);
+    size_t vector = at + td_le32(f.data + at);
     if (!has(f, vector, 4)) return NULL;
-    *count = td_get32(f.data + vector);
+    *count = td_le32(f.data + vector);
     return *count <= (f.bytes - vector - 4) / size ? f.data + vector + 4 : NULL;
 }
 
@@ -111,11 +112,11 @@ static tides_status parse_header(td_event_stream *stream, flat header, tides_err
     size_t compression = table_field(header, table, 0, 4), position = table_field(header, table, 1, 8);
     const unsigned char *text = vector_field(header, table, 2, 1, &length);
     if (!text) return bad_header(stream, error);
-    state->compression = compression ? (int32_t)td_get32(header.data + compression) : 0;
+    state->compression = compression ? (int32_t)td_le32(header.data + compression) : 0;
     if (state->compression < 0 || state->compression > COMPRESSION_ZSTD_HIGH)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: compression %d isn't known: NONE, LZ4 and ZSTD are", stream->input.path,
                        state->compression);
-    uint64_t end = position ? td_get64(header.data + position) : 0;
+    uint64_t end = position ? td_le64(header.data + position) : 0;
     state->end = end > stream->input.at && end <= stream->input.size ? end : stream->input.size;
     char *xml = td_alloc(length + 1, 1, error);
     if (!xml) return TIDES_NO_MEMORY;
@@ -132,7 +133,7 @@ static tides_status open_aedat4(td_event_stream *stream, tides_error *error) {
     unsigned char start[TD_AEDAT4_MAGIC_BYTES + 4];
     tides_status status = td_input_copy(&stream->input, start, sizeof start, error);
     if (status != TIDES_OK) return status;
-    size_t bytes = td_get32(start + TD_AEDAT4_MAGIC_BYTES);
+    size_t bytes = td_le32(start + TD_AEDAT4_MAGIC_BYTES);
     if (bytes > HEADER_MOST || bytes > stream->input.size) return bad_header(stream, error);
     unsigned char *header = td_alloc(bytes, 1, error);
     if (!header) return TIDES_NO_MEMORY;
@@ -173,8 +174,8 @@ static tides_status unpack(td_event_stream *stream, size_t packed, flat *payload
 
 static tides_status parse_packet(td_event_stream *stream, flat payload, tides_error *error) {
     aedat4_state *state = stream->state;
-    if (payload.bytes < 4 || td_get32(payload.data) > payload.bytes - 4) return bad_packet(stream, "is cut off", error);
-    flat buffer = {payload.data + 4, td_get32(payload.data)};
+    if (payload.bytes < 4 || td_le32(payload.data) > payload.bytes - 4) return bad_packet(stream, "is cut off", error);
+    flat buffer = {payload.data + 4, td_le32(payload.data)};
     size_t table = root_table(buffer, "EVTS");
     if (!table) return bad_packet(stream, "holds no events, though its stream does", error);
     state->taken = state->events = 0;
@@ -191,12 +192,12 @@ static tides_status next_packet(td_event_stream *stream, tides_error *error) {
         unsigned char head[8];
         tides_status status = td_input_copy(&stream->input, head, sizeof head, error);
         if (status != TIDES_OK) return status;
-        uint64_t bytes = td_get32(head + 4);
+        uint64_t bytes = td_le32(head + 4);
         if (bytes > state->end - stream->input.at) return td_event_cut_off(stream, error);
         status = td_reserve((void **)&state->packed, &state->packed_capacity, (size_t)bytes + 1, 1, error); /* never NULL */
         if (status == TIDES_OK) status = td_input_copy(&stream->input, state->packed, (size_t)bytes, error);
         if (status != TIDES_OK) return status;
-        if ((int32_t)td_get32(head) != state->stream) continue;
+        if ((int32_t)td_le32(head) != state->stream) continue;
         flat payload;
         status = unpack(stream, (size_t)bytes, &payload, error);
         if (status == TIDES_OK) status = parse_packet(stream, payload, error);
@@ -207,10 +208,10 @@ static tides_status next_packet(td_event_stream *stream, tides_error *error) {
 
 static tides_status take_event(td_event_stream *stream, uint64_t number, const unsigned char *p, tides_event *event,
                                tides_error *error) {
-    uint32_t x = td_get16(p + 8), y = td_get16(p + 10);
+    uint32_t x = td_le16(p + 8), y = td_le16(p + 10);
     *event = (tides_event){.x = (uint16_t)x, .y = (uint16_t)y, .polarity = p[12] ? 1 : -1};
     if ((x | y) & 0x8000) return td_event_bad(stream, number, "has a negative coordinate", error);
-    if (!td_event_microseconds((int64_t)td_get64(p), &event->t))
+    if (!td_event_microseconds((int64_t)td_le64(p), &event->t))
         return td_event_bad(stream, number, "lies beyond 292 years", error);
     return TIDES_OK;
 }

@@ -3,6 +3,7 @@
 #include "td_aedat4.h"
 
 #include "td_base.h"
+#include "td_endian.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -46,7 +47,7 @@ static const char description[] =
     "            </node>\n        </node>\n    </node>\n</dv>";
 
 static void put_words(unsigned char *out, size_t at, const uint16_t *words, size_t count) {
-    for (size_t i = 0; i < count; i++) td_put16(out + at + 2 * i, words[i]);
+    for (size_t i = 0; i < count; i++) td_put_le16(out + at + 2 * i, words[i]);
 }
 
 /* Four letters, without an end. */
@@ -58,15 +59,15 @@ static void put_header(td_event_sink *sink, const char *text) {
     static const uint16_t virtual_table[] = {10, 24, 4, 8, 16}; /* sizes, then where the three fields are */
     size_t length = strlen(text), bytes = (HEADER_FIXED + length + 1 + 3) / 8 * 8 + 4; /* with its end, padded */
     unsigned char head[HEADER_FIXED] = {0}, padding[8] = {0};
-    td_put32(head, (uint32_t)(bytes - 4));
-    td_put32(head + 4, 24); /* the root table, from here */
+    td_put_le32(head, (uint32_t)(bytes - 4));
+    td_put_le32(head + 4, 24); /* the root table, from here */
     put_identifier(head + 8, "IOHE");
     put_words(head, 18, virtual_table, 5);
-    td_put32(head + 28, 10); /* back to its virtual table */
-    td_put32(head + 32, TD_AEDAT4_NONE);
-    td_put64(head + 36, UINT64_MAX); /* position of the table of packets: none yet */
-    td_put32(head + 44, 8);          /* the description, from here */
-    td_put32(head + 52, (uint32_t)length);
+    td_put_le32(head + 28, 10); /* back to its virtual table */
+    td_put_le32(head + 32, TD_AEDAT4_NONE);
+    td_put_le64(head + 36, UINT64_MAX); /* position of the table of packets: none yet */
+    td_put_le32(head + 44, 8);          /* the description, from here */
+    td_put_le32(head + 52, (uint32_t)length);
     td_sink_bytes(sink, TD_AEDAT4_MAGIC, TD_AEDAT4_MAGIC_BYTES);
     td_sink_bytes(sink, head, sizeof head);
     td_sink_bytes(sink, text, length);
@@ -91,15 +92,15 @@ static tides_status end_packet(td_event_sink *sink, tides_error *error) {
     if (status != TIDES_OK) return status;
     size_t bytes = BUFFER_HEAD + w->events * TD_AEDAT4_EVENT;
     unsigned char *head = w->packet, *buffer = w->packet + PACKET_HEAD;
-    td_put32(head, 0);
-    td_put32(head + 4, (uint32_t)bytes);
-    td_put32(buffer, (uint32_t)(bytes - 4));
-    td_put32(buffer + 4, 16);
+    td_put_le32(head, 0);
+    td_put_le32(head + 4, (uint32_t)bytes);
+    td_put_le32(buffer, (uint32_t)(bytes - 4));
+    td_put_le32(buffer + 4, 16);
     put_identifier(buffer + 8, "EVTS");
     put_words(buffer, 12, virtual_table, 4);
-    td_put32(buffer + 20, 8);
-    td_put32(buffer + 24, 4);
-    td_put32(buffer + 28, (uint32_t)w->events);
+    td_put_le32(buffer + 20, 8);
+    td_put_le32(buffer + 24, 4);
+    td_put_le32(buffer + 28, (uint32_t)w->events);
     w->entries[w->count++] = (packet_entry){sink->at + PACKET_HEAD, bytes, w->events, w->first, w->last};
     td_sink_bytes(sink, w->packet, PACKET_HEAD + bytes);
     w->events = 0;
@@ -114,10 +115,10 @@ tides_status td_aedat4_write(td_event_sink *sink, const tides_event *events, siz
         int64_t t = e->t / 1000;
         if (w->events == 0) w->first = t;
         w->last = t;
-        td_put64(p, (uint64_t)t);
-        td_put16(p + 8, e->x);
-        td_put16(p + 10, e->y);
-        td_put32(p + 12, e->polarity > 0);
+        td_put_le64(p, (uint64_t)t);
+        td_put_le16(p + 8, e->x);
+        td_put_le16(p + 10, e->y);
+        td_put_le32(p + 12, e->polarity > 0);
         if (++w->events < PACKET_EVENTS) continue;
         tides_status status = end_packet(sink, error);
         if (status != TIDES_OK) return status;
@@ -130,12 +131,12 @@ tides_status td_aedat4_write(td_event_sink *sink, const tides_event *events, siz
 /* An entry is a table: where the packet is, how large, how many events, from when to when. */
 static void put_entry(td_event_sink *sink, const packet_entry *e, uint32_t to_virtual_table, size_t bytes) {
     unsigned char table[ENTRY_STEP] = {0};
-    td_put32(table, to_virtual_table);
-    td_put64(table + 4, e->at);
-    td_put32(table + 16, (uint32_t)e->bytes); /* after the stream's number, 0 */
-    td_put64(table + 20, e->events);
-    td_put64(table + 28, (uint64_t)e->first);
-    td_put64(table + 36, (uint64_t)e->last);
+    td_put_le32(table, to_virtual_table);
+    td_put_le64(table + 4, e->at);
+    td_put_le32(table + 16, (uint32_t)e->bytes); /* after the stream's number, 0 */
+    td_put_le64(table + 20, e->events);
+    td_put_le64(table + 28, (uint64_t)e->first);
+    td_put_le64(table + 36, (uint64_t)e->last);
     td_sink_bytes(sink, table, bytes);
 }
 
@@ -146,17 +147,17 @@ static void put_table(td_event_sink *sink, const aedat4_writer *w) {
     size_t shared = 32 + 4 * w->count, first = (shared + 14 + 3) / 8 * 8 + 4;
     size_t bytes = w->count ? first + ENTRY_STEP * w->count - 4 : shared;
     unsigned char head[32] = {0}, between[32] = {0};
-    td_put32(head, (uint32_t)(bytes - 4));
-    td_put32(head + 4, 16);
+    td_put_le32(head, (uint32_t)(bytes - 4));
+    td_put_le32(head + 4, 16);
     put_identifier(head + 8, "FTAB");
     put_words(head, 12, root, 4);
-    td_put32(head + 20, 8);
-    td_put32(head + 24, 4);
-    td_put32(head + 28, (uint32_t)w->count);
+    td_put_le32(head + 20, 8);
+    td_put_le32(head + 24, 4);
+    td_put_le32(head + 28, (uint32_t)w->count);
     td_sink_bytes(sink, head, sizeof head);
     for (size_t i = 0; i < w->count; i++) {
         unsigned char offset[4];
-        td_put32(offset, (uint32_t)(first + ENTRY_STEP * i - (32 + 4 * i)));
+        td_put_le32(offset, (uint32_t)(first + ENTRY_STEP * i - (32 + 4 * i)));
         td_sink_bytes(sink, offset, sizeof offset);
     }
     put_words(between, 0, entry, 7);
@@ -171,7 +172,7 @@ tides_status td_aedat4_complete(td_event_sink *sink, int64_t stop_ns, tides_erro
     tides_status status = end_packet(sink, error);
     if (status != TIDES_OK) return status;
     unsigned char position[8];
-    td_put64(position, sink->at);
+    td_put_le64(position, sink->at);
     put_table(sink, sink->state);
     td_sink_patch(sink, POSITION_AT, position, sizeof position);
     return TIDES_OK;

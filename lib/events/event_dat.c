@@ -4,6 +4,7 @@
 #include "td_event_format.h"
 
 #include "td_base.h"
+#include "td_endian.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -46,8 +47,8 @@ static tides_status read_dat(td_event_stream *stream, tides_event *events, size_
         tides_status status = td_input_fill(&stream->input, RECORD, error);
         if (status != TIDES_OK) return status;
         if (stream->input.ready < RECORD) return stream->input.ready ? td_event_cut_off(stream, error) : TIDES_OK;
-        int64_t t = td_get32(stream->input.data);
-        uint32_t word = td_get32(stream->input.data + 4);
+        int64_t t = td_le32(stream->input.data);
+        uint32_t word = td_le32(stream->input.data + 4);
         td_input_skip(&stream->input, RECORD);
         int64_t turns = *before / TURN + (*before % TURN - t >= TURN / 2);
         *before = turns * TURN + t;
@@ -95,8 +96,8 @@ static tides_status write_dat(td_event_sink *sink, const tides_event *events, si
     for (size_t i = 0; i < count && !sink->failed; i++) {
         const tides_event *e = &events[i];
         unsigned char record[RECORD];
-        td_put32(record, (uint32_t)(e->t / 1000 % TURN));
-        td_put32(record + 4, (uint32_t)(e->polarity > 0) << 28 | (uint32_t)e->y << 14 | e->x);
+        td_put_le32(record, (uint32_t)(e->t / 1000 % TURN));
+        td_put_le32(record + 4, (uint32_t)(e->polarity > 0) << 28 | (uint32_t)e->y << 14 | e->x);
         td_sink_bytes(sink, record, sizeof record);
     }
     return TIDES_OK;

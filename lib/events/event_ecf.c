@@ -3,6 +3,7 @@
 #include "td_ecf.h"
 
 #include "td_base.h"
+#include "td_endian.h"
 #include "td_event_h5_source.h"
 
 #include <inttypes.h>
@@ -111,8 +112,8 @@ static int take_records(ecf_state *state, size_t bytes) {
     state->held = bytes / TD_ECF_RECORD < state->chunk ? bytes / TD_ECF_RECORD : (size_t)state->chunk;
     for (size_t i = 0; i < state->held; i++) {
         const unsigned char *p = state->packed + TD_ECF_RECORD * i;
-        state->events[i] = (tides_event){.x = td_get16(p), .y = td_get16(p + 2), .polarity = td_get16(p + 4) ? 1 : -1};
-        if (!td_event_microseconds((int64_t)td_get64(p + 8), &state->events[i].t)) return 0;
+        state->events[i] = (tides_event){.x = td_le16(p), .y = td_le16(p + 2), .polarity = td_le16(p + 4) ? 1 : -1};
+        if (!td_event_microseconds((int64_t)td_le64(p + 8), &state->events[i].t)) return 0;
     }
     return 1;
 }

@@ -11,6 +11,8 @@
  * What is written is packed the first way, which is always allowed. */
 #include "td_ecf.h"
 
+#include "td_endian.h"
+
 enum { ALL_PACKED = 2, X_PACKED = 1, LONG_STEP = 15 };
 
 /* ---- packing ---- */
@@ -31,7 +33,7 @@ static unsigned char *pack_times(const tides_event *events, size_t count, unsign
         out = pack_step(out, &step);
         *out++ = (unsigned char)(step << 4 | (same < 15 ? same : 15));
         if (same >= 15) {
-            td_put16(out, (uint32_t)same);
+            td_put_le16(out, (uint32_t)same);
             out += 2;
         }
         time = now;
@@ -47,15 +49,15 @@ static uint32_t pack_pixel(const tides_event *events, size_t i, size_t count) {
 }
 
 size_t td_ecf_pack(const tides_event *events, size_t count, unsigned char *out) {
-    td_put32(out, (uint32_t)count << 2 | ALL_PACKED);
-    td_put64(out + 4, (uint64_t)(events[0].t / 1000));
+    td_put_le32(out, (uint32_t)count << 2 | ALL_PACKED);
+    td_put_le64(out + 4, (uint64_t)(events[0].t / 1000));
     unsigned char *at = pack_times(events, count, out + 12);
     for (size_t i = 0; i < count; i += 4, at += 12) {
         uint32_t v[4];
         for (size_t j = 0; j < 4; j++) v[j] = pack_pixel(events, i + j, count);
-        td_put32(at, v[0] << 8 | (v[1] & 0xff));
-        td_put32(at + 4, v[1] >> 8 << 16 | (v[2] & 0xffff));
-        td_put32(at + 8, v[2] >> 16 << 24 | v[3]);
+        td_put_le32(at, v[0] << 8 | (v[1] & 0xff));
+        td_put_le32(at + 4, v[1] >> 8 << 16 | (v[2] & 0xffff));
+        td_put_le32(at + 8, v[2] >> 16 << 24 | v[3]);
     }
     return (size_t)(at - out);
 }
@@ -75,7 +77,7 @@ static int take_count(chunk *c, size_t own, size_t full, size_t *count) {
     *count = own;
     if (own != full) return 1;
     if (!left(c, 2)) return 0;
-    *count = td_get16(c->at);
+    *count = td_le16(c->at);
     c->at += 2;
     return 1;
 }
@@ -95,7 +97,7 @@ static int take_step(chunk *c, uint64_t *step) {
 
 static int unpack_times(chunk *c) {
     if (!left(c, 8)) return 0;
-    uint64_t time = td_get64(c->at);
+    uint64_t time = td_le64(c->at);
     c->at += 8;
     for (size_t i = 0; i < c->count;) {
         uint64_t step;
@@ -118,7 +120,7 @@ static void set_x(tides_event *e, uint32_t v) {
 static int unpack_all(chunk *c) {
     for (size_t i = 0; i < c->count; i += 4, c->at += 12) {
         if (!left(c, 12)) return 0;
-        uint32_t a = td_get32(c->at), b = td_get32(c->at + 4), d = td_get32(c->at + 8);
+        uint32_t a = td_le32(c->at), b = td_le32(c->at + 4), d = td_le32(c->at + 8);
         const uint32_t v[4] = {a >> 8, (a & 0xff) | b >> 16 << 8, (b & 0xffff) | d >> 24 << 16, d & 0xffffff};
         for (size_t j = 0; j < 4 && i + j < c->count; j++) {
             set_x(&c->events[i + j], v[j] & 0xfff);
@@ -131,7 +133,7 @@ static int unpack_all(chunk *c) {
 static int unpack_rows(chunk *c) {
     for (size_t i = 0; i < c->count;) {
         if (!left(c, 2)) return 0;
-        uint32_t word = td_get16(c->at);
+        uint32_t word = td_le16(c->at);
         size_t same;
         c->at += 2;
         if (!take_count(c, word & 31, 31, &same) || same > c->count - i) return 0;
@@ -143,7 +145,7 @@ static int unpack_rows(chunk *c) {
 static int unpack_packed_x(chunk *c) {
     for (size_t i = 0; i < c->count; i += 4, c->at += 6) {
         if (!left(c, 6)) return 0;
-        uint32_t a = td_get16(c->at), b = td_get16(c->at + 2), d = td_get16(c->at + 4);
+        uint32_t a = td_le16(c->at), b = td_le16(c->at + 2), d = td_le16(c->at + 4);
         const uint32_t v[4] = {a >> 4, (a & 15) | b >> 8 << 4, (b & 0xff) | d >> 12 << 8, d & 0xfff};
         for (size_t j = 0; j < 4 && i + j < c->count; j++) set_x(&c->events[i + j], v[j]);
     }
@@ -153,7 +155,7 @@ static int unpack_packed_x(chunk *c) {
 static int unpack_masked_x(chunk *c) {
     for (size_t i = 0; i < c->count; c->at += 2) {
         if (!left(c, 2)) return 0;
-        uint32_t word = td_get16(c->at), x = word >> 5;
+        uint32_t word = td_le16(c->at), x = word >> 5;
         c->events[i++].x = (uint16_t)x;
         for (uint32_t j = 0; j < 5; j++) {
             if (!(word >> (4 - j) & 1)) continue;
@@ -178,7 +180,7 @@ static int unpack_polarities(chunk *c) {
 /* Runs of no events at all would go on for ever only if they took no bytes: each takes one. */
 int td_ecf_unpack(const unsigned char *data, size_t bytes, tides_event *events, size_t capacity, size_t *count) {
     if (bytes < 12) return 0;
-    uint32_t head = td_get32(data);
+    uint32_t head = td_le32(data);
     chunk c = {data + 4, data + bytes, events, head >> 2};
     if (c.count > capacity || !unpack_times(&c)) return 0;
     *count = c.count;

@@ -4,6 +4,7 @@
 #include "td_event_format.h"
 
 #include "td_base.h"
+#include "td_endian.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -27,8 +28,8 @@ static tides_status open_es(td_event_stream *stream, tides_error *error) {
         return td_fail(error, TIDES_UNSUPPORTED,
                        "%s: is Event Stream %d.%d.%d of kind %d: only version 2 with DVS events (kind 1) can be read",
                        stream->input.path, header[12], header[13], header[14], header[15]);
-    stream->facts.width = td_get16(header + 16);
-    stream->facts.height = td_get16(header + 18);
+    stream->facts.width = td_le16(header + 16);
+    stream->facts.height = td_le16(header + 18);
     if (stream->facts.width && stream->facts.height) return TIDES_OK;
     return td_fail(error, TIDES_BAD_FILE, "%s: its header says %d x %d px", stream->input.path, stream->facts.width,
                    stream->facts.height);
@@ -59,7 +60,7 @@ static tides_status read_es(td_event_stream *stream, tides_event *events, size_t
         const unsigned char *p = stream->input.data;
         if (stream->input.ready < 5) return stream->input.ready ? td_event_cut_off(stream, error) : TIDES_OK;
         *time += p[0] >> 1;
-        uint32_t x = td_get16(p + 1), y = td_get16(p + 3);
+        uint32_t x = td_le16(p + 1), y = td_le16(p + 3);
         if (y >= (uint32_t)stream->facts.height)
             return td_event_bad(stream, stream->done + *got, "lies outside the size that the header says", error);
         events[(*got)++] = (tides_event){.t = *time * 1000,
@@ -79,8 +80,8 @@ static tides_status create_es(td_event_sink *sink, tides_error *error) {
     memcpy(header, magic, sizeof magic - 1);
     header[12] = 2;
     header[15] = KIND_DVS;
-    td_put16(header + 16, (uint32_t)sink->width);
-    td_put16(header + 18, (uint32_t)sink->height);
+    td_put_le16(header + 16, (uint32_t)sink->width);
+    td_put_le16(header + 18, (uint32_t)sink->height);
     td_sink_bytes(sink, header, HEADER);
     return TIDES_OK;
 }
@@ -113,8 +114,8 @@ static tides_status write_es(td_event_sink *sink, const tides_event *events, siz
         int64_t gap = e->t / 1000 - *time;
         for (; gap >= OVERFLOW_US; gap -= OVERFLOW_US) td_sink_bytes(sink, &overflow, 1);
         unsigned char record[5] = {(unsigned char)(gap << 1 | (e->polarity > 0))};
-        td_put16(record + 1, e->x);
-        td_put16(record + 3, (uint32_t)(sink->height - 1 - e->y));
+        td_put_le16(record + 1, e->x);
+        td_put_le16(record + 3, (uint32_t)(sink->height - 1 - e->y));
         td_sink_bytes(sink, record, sizeof record);
         *time = e->t / 1000;
     }

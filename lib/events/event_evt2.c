@@ -10,6 +10,7 @@
 #include "td_event_format.h"
 
 #include "td_base.h"
+#include "td_endian.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -63,7 +64,7 @@ static tides_status read_evt2(td_event_stream *stream, tides_event *events, size
         tides_status status = td_input_fill(&stream->input, 4, error);
         if (status != TIDES_OK) return status;
         if (stream->input.ready < 4) return stream->input.ready ? td_event_cut_off(stream, error) : TIDES_OK;
-        uint32_t word = td_get32(stream->input.data), type = word >> 28;
+        uint32_t word = td_le32(stream->input.data), type = word >> 28;
         td_input_skip(&stream->input, 4);
         if (type == TYPE_TIME_HIGH) take_high(state, word & (HIGH_VALUES - 1));
         if (type > TYPE_ON) continue; /* triggers and what the sensor says about itself */
@@ -93,8 +94,8 @@ static tides_status read_evt21(td_event_stream *stream, tides_event *events, siz
         tides_status status = td_input_fill(&stream->input, 8, error);
         if (status != TIDES_OK) return status;
         if (stream->input.ready < 8) return stream->input.ready ? td_event_cut_off(stream, error) : TIDES_OK;
-        uint32_t mask = td_get32(stream->input.data + (state->swapped ? 4 : 0));
-        uint32_t word = td_get32(stream->input.data + (state->swapped ? 0 : 4)), type = word >> 28;
+        uint32_t mask = td_le32(stream->input.data + (state->swapped ? 4 : 0));
+        uint32_t word = td_le32(stream->input.data + (state->swapped ? 0 : 4)), type = word >> 28;
         td_input_skip(&stream->input, 8);
         if (type == TYPE_TIME_HIGH) take_high(state, word & (HIGH_VALUES - 1));
         if (type > TYPE_ON) continue;
@@ -112,7 +113,7 @@ static tides_status create_evt2(td_event_sink *sink, tides_error *error) {
     sink->state = state;
     if (!state) return TIDES_NO_MEMORY;
     unsigned char word[4];
-    td_put32(word, (uint32_t)TYPE_TIME_HIGH << 28);
+    td_put_le32(word, (uint32_t)TYPE_TIME_HIGH << 28);
     td_event_header_write(sink, "2.0", "EVT2");
     td_sink_bytes(sink, word, sizeof word);
     return TIDES_OK;
@@ -123,7 +124,7 @@ static void put_high(td_event_sink *sink, clock_state *state, int64_t high) {
     while (state->high != high) {
         int64_t next = high - state->high > HIGH_VALUES / 4 ? state->high + HIGH_VALUES / 4 : high;
         unsigned char word[4];
-        td_put32(word, (uint32_t)TYPE_TIME_HIGH << 28 | (uint32_t)(next % HIGH_VALUES));
+        td_put_le32(word, (uint32_t)TYPE_TIME_HIGH << 28 | (uint32_t)(next % HIGH_VALUES));
         td_sink_bytes(sink, word, sizeof word);
         state->high = next;
     }
@@ -136,7 +137,7 @@ static tides_status write_evt2(td_event_sink *sink, const tides_event *events, s
         int64_t t = e->t / 1000;
         unsigned char word[4];
         put_high(sink, sink->state, t >> 6);
-        td_put32(word, (uint32_t)(e->polarity > 0) << 28 | (uint32_t)(t & 63) << 22 | (uint32_t)e->x << 11 | e->y);
+        td_put_le32(word, (uint32_t)(e->polarity > 0) << 28 | (uint32_t)(t & 63) << 22 | (uint32_t)e->x << 11 | e->y);
         td_sink_bytes(sink, word, sizeof word);
     }
     return TIDES_OK;

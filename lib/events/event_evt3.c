@@ -10,6 +10,7 @@
 #include "td_event_format.h"
 
 #include "td_base.h"
+#include "td_endian.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -108,7 +109,7 @@ static tides_status read_evt3(td_event_stream *stream, tides_event *events, size
         tides_status status = td_input_fill(&stream->input, 2, error);
         if (status != TIDES_OK) return status;
         if (stream->input.ready < 2) return stream->input.ready ? td_event_cut_off(stream, error) : TIDES_OK;
-        uint32_t word = td_get16(stream->input.data);
+        uint32_t word = td_le16(stream->input.data);
         td_input_skip(&stream->input, 2);
         if (state->high > INT64_MAX / 1000 / 4096 - 1)
             return td_event_bad(stream, stream->done + *got, "lies beyond 292 years", error);
@@ -121,7 +122,7 @@ static tides_status read_evt3(td_event_stream *stream, tides_event *events, size
 
 static void put_word(td_event_sink *sink, uint32_t type, uint32_t value) {
     unsigned char word[2];
-    td_put16(word, type << 12 | value);
+    td_put_le16(word, type << 12 | value);
     td_sink_bytes(sink, word, sizeof word);
 }
 

@@ -7,6 +7,7 @@
 #include "archive/td_npy.h"
 #include "archive/td_zip.h"
 #include "td_base.h"
+#include "td_endian.h"
 #include "td_event_format.h"
 
 #include <math.h>
@@ -255,9 +256,9 @@ static tides_status write_npy(td_event_sink *sink, const tides_event *events, si
         for (size_t i = 0; i < some; i++) {
             const tides_event *e = &events[done + i];
             unsigned char *p = w->rows + RECORD * i;
-            td_put16(p, e->x);
-            td_put16(p + 2, e->y);
-            td_put64(p + 4, (uint64_t)(e->t / 1000));
+            td_put_le16(p, e->x);
+            td_put_le16(p + 2, e->y);
+            td_put_le64(p + 4, (uint64_t)(e->t / 1000));
             p[12] = e->polarity > 0;
         }
         status = td_npy_writer_append(w->file, w->rows, some, error);
@@ -297,9 +298,9 @@ static tides_status write_npz(td_event_sink *sink, const tides_event *events, si
 
 static size_t put_field(unsigned char *out, const tides_event *e, int column) {
     switch (column) {
-        case COLUMN_T: td_put64(out, (uint64_t)e->t); return 8;
-        case COLUMN_X: td_put16(out, e->x); return 2;
-        case COLUMN_Y: td_put16(out, e->y); return 2;
+        case COLUMN_T: td_put_le64(out, (uint64_t)e->t); return 8;
+        case COLUMN_X: td_put_le16(out, e->x); return 2;
+        case COLUMN_Y: td_put_le16(out, e->y); return 2;
         default: out[0] = (unsigned char)e->polarity; return 1;
     }
 }

@@ -3,6 +3,7 @@
 #include "td_aedat4.h"
 
 #include "td_base.h"
+#include "td_endian.h"
 
 #include <string.h>
 #include <zstd.h>
@@ -68,7 +69,7 @@ static tides_status unpack_block(lz4 *z, const unsigned char *at, const unsigned
         tides_status status = copy_literals(z, &at, end, length);
         if (status != TIDES_OK || at == end) return status;
         if (end - at < 2) return damaged(z);
-        size_t offset = td_get16(at);
+        size_t offset = td_le16(at);
         at += 2;
         if (!take_length(&at, end, token & 15, &length)) return damaged(z);
         status = copy_match(z, offset, length + 4);
@@ -80,7 +81,7 @@ static tides_status unpack_block(lz4 *z, const unsigned char *at, const unsigned
 static tides_status unpack_blocks(lz4 *z, int checksums) {
     for (;;) {
         if (z->end - z->at < 4) return damaged(z);
-        uint32_t word = td_get32(z->at), bytes = word & ~(UINT32_C(1) << STORED);
+        uint32_t word = td_le32(z->at), bytes = word & ~(UINT32_C(1) << STORED);
         z->at += 4;
         if (word == 0) return TIDES_OK;
         if (bytes > (size_t)(z->end - z->at)) return damaged(z);
@@ -98,7 +99,7 @@ tides_status td_lz4_unpack(const unsigned char *data, size_t bytes, size_t most,
                            size_t *got, tides_error *error) {
     lz4 z = {.at = data, .end = data + bytes, .out = out, .most = most, .error = error};
     z.capacity = capacity;
-    if (bytes < 7 || td_get32(data) != FRAME_MAGIC || data[4] >> 6 != 1) return damaged(&z);
+    if (bytes < 7 || td_le32(data) != FRAME_MAGIC || data[4] >> 6 != 1) return damaged(&z);
     unsigned flags = data[4];
     size_t header = 7 + (flags & FLAG_SIZE ? 8 : 0) + (flags & FLAG_DICTIONARY ? 4 : 0);
     if (bytes < header) return damaged(&z);

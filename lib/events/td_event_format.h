@@ -194,21 +194,4 @@ void td_event_ticks_destroy(td_event_ticks *ticks);
 tides_status td_event_ticks_add(td_event_ticks *ticks, const tides_event *events, size_t count, tides_error *error);
 uint64_t td_event_ticks_collapsed(const td_event_ticks *ticks);
 
-/* Little-endian integers at any address. */
-static inline uint16_t td_get16(const unsigned char *p) { return (uint16_t)(p[0] | p[1] << 8); }
-static inline uint32_t td_get32(const unsigned char *p) { return td_get16(p) | (uint32_t)td_get16(p + 2) << 16; }
-static inline uint64_t td_get64(const unsigned char *p) { return td_get32(p) | (uint64_t)td_get32(p + 4) << 32; }
-static inline void td_put16(unsigned char *p, uint32_t v) {
-    p[0] = (unsigned char)v;
-    p[1] = (unsigned char)(v >> 8);
-}
-static inline void td_put32(unsigned char *p, uint32_t v) {
-    td_put16(p, v & 0xffff);
-    td_put16(p + 2, v >> 16);
-}
-static inline void td_put64(unsigned char *p, uint64_t v) {
-    td_put32(p, (uint32_t)v);
-    td_put32(p + 4, (uint32_t)(v >> 32));
-}
-
 #endif

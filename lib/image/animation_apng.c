@@ -2,6 +2,7 @@
  * libpng encodes each picture into memory; its chunks are then copied, with IDAT turned into fdAT after the first. */
 #include "td_animation.h"
 #include "td_png.h"
+#include "td_endian.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -10,24 +11,16 @@
 
 enum { SIGNATURE = 8, CHUNK_OVERHEAD = 12 /* length, type, CRC */ };
 
-static void big_endian(uint8_t *out, uint32_t value, int bytes) {
-    for (int i = bytes - 1; i >= 0; i--, value >>= 8) out[i] = (uint8_t)(value & 255);
-}
-
-static uint32_t read_32(const uint8_t *at) {
-    return (uint32_t)at[0] << 24 | (uint32_t)at[1] << 16 | (uint32_t)at[2] << 8 | at[3];
-}
-
 /* A chunk of `extra` bytes, then `size` of `data`. */
 static tides_status put_chunk(tides_animation *a, const char *type, const uint8_t *extra, size_t extra_size,
                               const uint8_t *data, size_t size, tides_error *error) {
     uint8_t head[8], tail[4];
-    big_endian(head, (uint32_t)(extra_size + size), 4);
+    td_put_be32(head, (uint32_t)(extra_size + size));
     memcpy(head + 4, type, 4);
     uLong crc = crc32(crc32(0, NULL, 0), head + 4, 4);
     if (extra_size) crc = crc32(crc, extra, (uInt)extra_size);
     if (size) crc = crc32(crc, data, (uInt)size);
-    big_endian(tail, (uint32_t)crc, 4);
+    td_put_be32(tail, (uint32_t)crc);
     tides_status status = td_animation_put(a, head, sizeof head, error);
     if (status == TIDES_OK && extra_size) status = td_animation_put(a, extra, extra_size, error);
     if (status == TIDES_OK && size) status = td_animation_put(a, data, size, error);
@@ -37,25 +30,25 @@ static tides_status put_chunk(tides_animation *a, const char *type, const uint8_
 /* Animation control: how many pictures, played how often (0: for ever). */
 static tides_status put_control(tides_animation *a, tides_error *error) {
     uint8_t control[8] = {0};
-    big_endian(control, (uint32_t)a->count, 4);
+    td_put_be32(control, (uint32_t)a->count);
     return put_chunk(a, "acTL", NULL, 0, control, sizeof control, error);
 }
 
 /* Frame control: the whole picture, replacing the one before. */
 static tides_status put_frame_control(tides_animation *a, tides_error *error) {
     uint8_t control[26] = {0};
-    big_endian(control, a->sequence++, 4);
-    big_endian(control + 4, (uint32_t)a->width, 4);
-    big_endian(control + 8, (uint32_t)a->height, 4);
-    big_endian(control + 20, a->rate_scale, 2);
-    big_endian(control + 22, a->rate, 2);
+    td_put_be32(control, a->sequence++);
+    td_put_be32(control + 4, (uint32_t)a->width);
+    td_put_be32(control + 8, (uint32_t)a->height);
+    td_put_be16(control + 20, a->rate_scale);
+    td_put_be16(control + 22, a->rate);
     return put_chunk(a, "fcTL", NULL, 0, control, sizeof control, error);
 }
 
 static tides_status put_data(tides_animation *a, const uint8_t *data, size_t size, tides_error *error) {
     uint8_t number[4];
     if (a->count == 0) return put_chunk(a, "IDAT", NULL, 0, data, size, error);
-    big_endian(number, a->sequence++, 4);
+    td_put_be32(number, a->sequence++);
     return put_chunk(a, "fdAT", number, sizeof number, data, size, error);
 }
 
@@ -71,7 +64,7 @@ static tides_status copy(tides_animation *a, const uint8_t *png, size_t size, ti
     tides_status status = TIDES_OK;
     int begun = 0;
     for (size_t at = SIGNATURE; at + CHUNK_OVERHEAD <= size && status == TIDES_OK;) {
-        const size_t length = read_32(png + at);
+        const size_t length = td_be32(png + at);
         if (memcmp(png + at + 4, "IDAT", 4) == 0) {
             if (!begun && a->count == 0) status = put_opening(a, png, at, error);
             if (!begun && status == TIDES_OK) status = put_frame_control(a, error);

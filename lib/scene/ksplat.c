@@ -13,6 +13,7 @@
  * channel. The frame is that of the 3DGS .ply it was made from. */
 #include "archive/td_numbers.h"
 #include "td_base.h"
+#include "td_endian.h"
 #include "td_splat.h"
 
 #include <string.h>

@@ -8,6 +8,7 @@
  * that name the largest of w x y z, then the others by 10 bits, (v / 1023 - 1/2) sqrt(2). f_rest: 8 (n - 1/2), where n is
  * (v + 1/2) / 256, but 0 for 0 and 1 for 255: writers truncate, so that is each step's middle. */
 #include "td_base.h"
+#include "td_endian.h"
 #include "td_splat.h"
 
 #include <math.h>

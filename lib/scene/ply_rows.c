@@ -3,6 +3,7 @@
  * Each row is walked property by property, since a list makes its length its own. ASCII rows are lines, as the format
  * demands, so that a value too many or too few is found where it is; blank lines are skipped. */
 #include "td_base.h"
+#include "td_endian.h"
 #include "td_ply.h"
 #include "td_scene.h"
 
@@ -54,15 +55,8 @@ tides_status td_ply_rows_fit(const td_ply_file *file, const td_ply_header *heade
 
 /* -- binary -- */
 
-/* The compiler makes one load (and a swap) of each; no host order is assumed. */
-static uint32_t load16(const unsigned char *b, int big) {
-    return big ? (uint32_t)b[0] << 8 | b[1] : (uint32_t)b[1] << 8 | b[0];
-}
-
-static uint32_t load32(const unsigned char *b, int big) {
-    return big ? (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3]
-               : (uint32_t)b[3] << 24 | (uint32_t)b[2] << 16 | (uint32_t)b[1] << 8 | b[0];
-}
+static uint32_t load16(const unsigned char *b, int big) { return big ? td_be16(b) : td_le16(b); }
+static uint32_t load32(const unsigned char *b, int big) { return big ? td_be32(b) : td_le32(b); }
 
 static double load_float32(const unsigned char *b, int big) {
     uint32_t bits = load32(b, big);
@@ -72,7 +66,7 @@ static double load_float32(const unsigned char *b, int big) {
 }
 
 static double load_float64(const unsigned char *b, int big) {
-    uint64_t bits = (uint64_t)load32(b + (big ? 0 : 4), big) << 32 | load32(b + (big ? 4 : 0), big);
+    uint64_t bits = big ? td_be64(b) : td_le64(b);
     double value;
     memcpy(&value, &bits, sizeof value);
     return value;

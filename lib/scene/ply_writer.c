@@ -2,6 +2,7 @@
  * x y z nx ny nz f_dc_* f_rest_* opacity scale_* rot_*, normals 0, f_rest channel by channel. Means that single precision
  * can't hold, far from (0, 0, 0), are double. */
 #include "td_base.h"
+#include "td_endian.h"
 #include "td_scene.h"
 
 #include <errno.h>
@@ -44,19 +45,19 @@ static size_t fill_row(float *row, const td_gaussians *g, size_t i, double scale
     return n;
 }
 
-/* Little-endian on every host. Both return the bytes' end. */
+/* Both return the bytes' end. */
 static unsigned char *store_float(unsigned char *bytes, float value) {
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
-    for (size_t b = 0; b < 4; b++) *bytes++ = (unsigned char)(bits >> 8 * b);
-    return bytes;
+    td_put_le32(bytes, bits);
+    return bytes + sizeof bits;
 }
 
 static unsigned char *store_double(unsigned char *bytes, double value) {
     uint64_t bits;
     memcpy(&bits, &value, sizeof bits);
-    for (size_t b = 0; b < 8; b++) *bytes++ = (unsigned char)(bits >> 8 * b);
-    return bytes;
+    td_put_le64(bytes, bits);
+    return bytes + sizeof bits;
 }
 
 static unsigned char *store_mean(unsigned char *bytes, const td_gaussians *g, size_t i, double scale, int wide) {

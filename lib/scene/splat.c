@@ -3,6 +3,7 @@
  *     uint8 rotation w x y z, (v - 128) / 128
  * The frame is that of the 3DGS .ply it was made from. No SH beyond the constant. */
 #include "td_base.h"
+#include "td_endian.h"
 #include "td_splat.h"
 
 enum { ROW = 32 };

@@ -27,10 +27,3 @@ void td_splat_rebuild(const double others[3], unsigned largest, float q[4]) {
     }
     q[largest] = (float)sqrt(rest > 0 ? rest : 0);
 }
-
-float td_le_float(const unsigned char *b) {
-    uint32_t bits = td_le32(b);
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}

@@ -19,6 +19,7 @@
  * that are odd in y and z together. Flag 1, "trained with antialiasing", is image.antialias of a run: not part of a scene. */
 #include "archive/td_numbers.h"
 #include "td_base.h"
+#include "td_endian.h"
 #include "td_splat.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* Internal: readers of packed splat files, one per format, and what they share: little-endian loads, and the numbers that
+/* Internal: readers of packed splat files, one per format, and what they share: the numbers that
  * quantised bytes stand for. */
 #ifndef TD_SPLAT_H
 #define TD_SPLAT_H
@@ -60,11 +60,5 @@ float td_splat_dc(double colour);
 
 /* Quaternion wxyz of its three components but the largest, in order, and which that is (0..3 in w, x, y, z order). */
 void td_splat_rebuild(const double others[3], unsigned largest, float q[4]);
-
-/* Little-endian. */
-static inline uint32_t td_le16(const unsigned char *b) { return (uint32_t)b[0] | (uint32_t)b[1] << 8; }
-static inline uint32_t td_le32(const unsigned char *b) { return td_le16(b) | td_le16(b + 2) << 16; }
-static inline uint64_t td_le64(const unsigned char *b) { return (uint64_t)td_le32(b) | (uint64_t)td_le32(b + 4) << 32; }
-float td_le_float(const unsigned char *b);
 
 #endif
