@@ -7,7 +7,8 @@
  *   matrices            row-major, column vectors; quaternions wxyz; angles in radians
  *   pixels              (0, 0) top left, its centre at (0.5, 0.5); images are (height x width), row 0 on top
  *   polarity            +1 or -1
- *   structs             start from their *_defaults function where they have one; it sets `size`
+ *   structs             start from their *_defaults function where they have one; it sets `size`. A shorter struct, of an older
+ *                       caller, is completed with defaults; a longer one is fine where all that is new in it is 0
  * Read the headers in the order below: it is the order of the pipeline. */
 #ifndef TIDES_H
 #define TIDES_H

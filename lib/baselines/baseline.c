@@ -3,6 +3,7 @@
 
 #include "td_random.h"
 #include "signal/td_event_sort.h"
+#include "td_struct.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -94,24 +95,28 @@ static const td_method *find_method(int32_t method) {
 tides_status tides_baseline_create(const tides_baseline_params *params, int32_t width, int32_t height,
                                    tides_baseline **baseline, tides_error *error) {
     if (!params || !baseline) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_create: params or baseline is NULL");
-    if (params->size != sizeof *params)
+    tides_baseline_params own;
+    tides_baseline_params_defaults(&own);
+    tides_status status = TD_TAKE_STRUCT(tides_baseline_params, &own, params, error);
+    if (status != TIDES_OK) return status;
+    if (own.sensor.size != sizeof own.sensor) /* all that follows it would stand elsewhere */
         return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "tides_baseline_create: params.size is %u, not %zu: fill it with "
-                       "tides_baseline_params_defaults",
-                       params->size, sizeof *params);
-    const td_method *method = find_method(params->method);
-    if (!method) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_create: no method has number %d", params->method);
+                       "tides_baseline_params: sensor.size is %u, not %zu: fill the struct with tides_baseline_params_defaults "
+                       "first",
+                       (unsigned)own.sensor.size, sizeof own.sensor);
+    const td_method *method = find_method(own.method);
+    if (!method) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_create: no method has number %d", own.method);
     if (width < 1 || height < 1 || width > 16384 || height > 16384)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_baseline_create: %d x %d px; each side must lie in [1, 16384]", width,
                        height);
     tides_baseline *made = td_alloc(1, sizeof *made, error);
     if (!made) return TIDES_NO_MEMORY;
-    made->params = *params;
+    made->params = own;
     made->method = method;
     made->width = width;
     made->height = height;
     made->pixels = (size_t)width * (size_t)height;
-    tides_status status = method->create(made, error);
+    status = method->create(made, error);
     if (status == TIDES_OK)
         *baseline = made;
     else

@@ -4,6 +4,7 @@
 #include "camera/td_colmap.h"
 #include "camera/td_path.h"
 #include "td_folder.h"
+#include "td_struct.h"
 
 #include <locale.h>
 #include <math.h>
@@ -145,8 +146,6 @@ static tides_status read_json(td_path_reader *reader) {
 }
 
 static tides_status check_options(const tides_path_options *options, tides_error *error) {
-    if (options->size < sizeof *options)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "path options: fill them with tides_path_options_defaults first");
     if (!isfinite(options->duration) || !(options->duration > 0.0))
         return td_fail(error, TIDES_BAD_ARGUMENT, "path options: duration is %g s; it must be above 0", options->duration);
     if (!isfinite(options->start)) return td_fail(error, TIDES_BAD_ARGUMENT, "path options: start must be finite");
@@ -255,10 +254,10 @@ static tides_status load_folder(const char *folder, const tides_path_options *op
 
 tides_status tides_path_load(const char *file, const tides_path_options *options, tides_path *path, tides_error *error) {
     if (!file || !path) return td_fail(error, TIDES_BAD_ARGUMENT, "a path needs a file name and a place for the result");
-    tides_path_options defaults;
-    tides_path_options_defaults(&defaults);
-    if (!options) options = &defaults;
-    tides_status status = check_options(options, error);
+    tides_path_options own;
+    tides_path_options_defaults(&own);
+    tides_status status = options ? TD_TAKE_STRUCT(tides_path_options, &own, options, error) : TIDES_OK;
+    if (status == TIDES_OK) status = check_options(&own, error);
     if (status != TIDES_OK) return status;
-    return td_is_folder(file) ? load_folder(file, options, path, error) : load_file(file, options, path, error);
+    return td_is_folder(file) ? load_folder(file, &own, path, error) : load_file(file, &own, path, error);
 }

@@ -2,6 +2,7 @@
 #include "td_frames.h"
 
 #include "td_folder.h"
+#include "td_struct.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -70,11 +71,6 @@ static tides_status open_source(tides_frames *frames, tides_error *error) {
 }
 
 static tides_status check_options(const tides_frames_options *o, tides_error *error) {
-    if (o->size != sizeof *o)
-        return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "tides_frames_open: options.size is %u, not %zu: use "
-                       "tides_frames_options_defaults",
-                       o->size, sizeof *o);
     if (o->transfer < TIDES_TRANSFER_LINEAR || o->transfer > TIDES_TRANSFER_SRGB || o->unit < TIDES_TIME_AUTO ||
         o->unit > TIDES_TIME_NS)
         return td_fail(error, TIDES_BAD_ARGUMENT,
@@ -92,11 +88,14 @@ tides_status tides_frames_open(const char *path, const tides_frames_options *opt
                                tides_error *error) {
     if (!path || !options || !frames)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_frames_open: path, options or frames is NULL");
-    tides_status status = check_options(options, error);
+    tides_frames_options own;
+    tides_frames_options_defaults(&own);
+    tides_status status = TD_TAKE_STRUCT(tides_frames_options, &own, options, error);
+    if (status == TIDES_OK) status = check_options(&own, error);
     if (status != TIDES_OK) return status;
     tides_frames *made = td_alloc(1, sizeof *made, error);
     if (!made) return TIDES_NO_MEMORY;
-    made->options = *options;
+    made->options = own;
     made->path = td_strdup(path, error);
     status = made->path ? open_source(made, error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK) status = td_frames_times(made, error);

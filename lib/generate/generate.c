@@ -1,6 +1,7 @@
 /* The kinds of worlds, their options, and one entry to all of them. */
 #include "generate/td_generate.h"
 #include "td_base.h"
+#include "td_struct.h"
 
 #include <math.h>
 #include <string.h>
@@ -83,9 +84,6 @@ static tides_status settle_counts(const tides_generator *g, tides_generate_optio
 }
 
 static tides_status settle(const tides_generator *g, tides_generate_options *o, tides_error *error) {
-    if (o->size != sizeof *o)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "options.size is %u: start from tides_generate_options_defaults",
-                       (unsigned)o->size);
     if (!(o->duration_s >= 0 && o->duration_s <= LONGEST_S))
         return td_fail(error, TIDES_BAD_ARGUMENT, "duration_s is %g: must be above 0 (or 0 for the default) and at most %g",
                        o->duration_s, LONGEST_S);
@@ -104,8 +102,10 @@ tides_status tides_generate(const char *name, const tides_generate_options *opti
     size_t index = 0;
     tides_status status = find(name, &index, error);
     if (status != TIDES_OK) return status;
-    tides_generate_options own = *options;
-    status = settle(&generators[index], &own, error);
+    tides_generate_options own;
+    tides_generate_options_defaults(&own);
+    status = TD_TAKE_STRUCT(tides_generate_options, &own, options, error);
+    if (status == TIDES_OK) status = settle(&generators[index], &own, error);
     if (status != TIDES_OK) return td_fail_within(error, status, "%s", name);
     tides_world made = {.duration_s = own.duration_s};
     const double focal = FOCAL_PER_WIDTH * own.width;

@@ -1,6 +1,8 @@
 /* Compares two streams: gets them ready, and asks each part that is wanted. */
 #include "td_metrics.h"
 
+#include "td_struct.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -136,13 +138,17 @@ static tides_status compute(td_compare *c, const tides_event *reference, size_t 
 }
 
 tides_status tides_metrics_compare(const tides_event *reference, size_t reference_count, const tides_event *simulated,
-                                   size_t simulated_count, const tides_metrics_options *options, tides_progress progress,
+                                   size_t simulated_count, const tides_metrics_options *given, tides_progress progress,
                                    void *user, tides_metrics *metrics, tides_error *error) {
-    if ((!reference && reference_count) || (!simulated && simulated_count) || !options || !metrics)
+    if ((!reference && reference_count) || (!simulated && simulated_count) || !given || !metrics)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_metrics_compare: both streams, options and metrics must be given");
     tides_metrics made;
+    tides_metrics_options own;
+    const tides_metrics_options *options = &own;
     td_extent a, b;
-    tides_status status = td_metrics_options_check(options, error);
+    tides_metrics_options_defaults(&own);
+    tides_status status = TD_TAKE_STRUCT(tides_metrics_options, &own, given, error);
+    if (status == TIDES_OK) status = td_metrics_options_check(options, error);
     if (status != TIDES_OK) return status;
     clear(&made, options->wanted);
     td_compare c = {.options = options, .progress = progress, .user = user, .metrics = &made, .error = error};

@@ -63,9 +63,6 @@ static tides_status check_numbers(const tides_metrics_options *o, tides_error *e
 
 tides_status td_metrics_options_check(const tides_metrics_options *o, tides_error *error) {
     const int64_t time_limit = INT64_C(2305843009213693952); /* as for events: lib/metrics/stream.c */
-    if (o->size != sizeof *o)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_metrics_options: size is %u: fill it with its _defaults first",
-                       (unsigned)o->size);
     if (o->wanted & ~(uint32_t)TIDES_METRICS_ALL)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_metrics_options: wanted is %#x; the known ones are %#x",
                        (unsigned)o->wanted, (unsigned)TIDES_METRICS_ALL);

@@ -5,6 +5,7 @@
 #include "td_random.h"
 #include "td_arbiter.h"
 #include "td_base.h"
+#include "td_struct.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -36,8 +37,6 @@ static tides_status check_count(const char *name, int32_t value, tides_error *er
 
 static tides_status check(const tides_readout *r, int32_t width, int32_t height, tides_error *error) {
     tides_status status = TIDES_OK;
-    if (r->size != sizeof *r)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "readout: start from tides_readout_defaults, which sets size");
     if (r->kind < TIDES_READOUT_TILES || r->kind > TIDES_READOUT_BOTTLENECK)
         return td_fail(error, TIDES_BAD_ARGUMENT, "readout: kind is %d; it must be one of TIDES_READOUT_*", (int)r->kind);
     if (r->jitter_law < TIDES_JITTER_GAUSSIAN || r->jitter_law > TIDES_JITTER_DELAY)
@@ -88,11 +87,15 @@ static tides_status allocate(tides_arbiter *a, tides_error *error) {
     return td_queues_create(&a->queues, queue_count(a), a->readout.queue_capacity, error);
 }
 
-tides_status tides_arbiter_create(const tides_readout *readout, int32_t width, int32_t height, uint64_t seed,
+tides_status tides_arbiter_create(const tides_readout *given, int32_t width, int32_t height, uint64_t seed,
                                   tides_arbiter **arbiter, tides_error *error) {
-    if (!readout || !arbiter)
+    if (!given || !arbiter)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_arbiter_create: readout and arbiter must be given");
-    tides_status status = check(readout, width, height, error);
+    tides_readout own;
+    const tides_readout *readout = &own;
+    tides_readout_defaults(&own);
+    tides_status status = TD_TAKE_STRUCT(tides_readout, &own, given, error);
+    if (status == TIDES_OK) status = check(readout, width, height, error);
     if (status != TIDES_OK) return status;
     tides_arbiter *a = td_alloc(1, sizeof *a, error);
     if (!a) return TIDES_NO_MEMORY;

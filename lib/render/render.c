@@ -2,6 +2,8 @@
  * to frames. Whole frames are all tiles at one time: one path, not two. */
 #include "td_render.h"
 
+#include "td_struct.h"
+
 #include <stdlib.h>
 
 enum {
@@ -82,9 +84,13 @@ static tides_status allocate(tides_renderer *renderer, tides_error *error) {
 }
 
 tides_status tides_renderer_create(tides_device *device, const tides_scene *scene, const tides_intrinsics *intrinsics,
-                                   const tides_image_params *params, tides_progress progress, void *user,
+                                   const tides_image_params *given, tides_progress progress, void *user,
                                    tides_renderer **renderer, tides_error *error) {
-    tides_status status = check_arguments(device, scene, intrinsics, params, renderer, error);
+    tides_image_params own;
+    const tides_image_params *params = &own;
+    tides_image_params_defaults(&own);
+    tides_status status = check_arguments(device, scene, intrinsics, given, renderer, error);
+    if (status == TIDES_OK) status = TD_TAKE_STRUCT(tides_image_params, &own, given, error);
     if (status != TIDES_OK) return status;
     tides_renderer *made = td_alloc(1, sizeof *made, error);
     if (!made) return TIDES_NO_MEMORY;

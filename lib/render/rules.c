@@ -105,8 +105,6 @@ static tides_status check_smoothing(const tides_smoothing *s, tides_error *error
 }
 
 static tides_status check_params(const tides_image_params *params, tides_error *error) {
-    if (params->size > sizeof *params)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "image params: size %u is from a newer version of TIDES", params->size);
     if (params->rules < TIDES_RULES_SMOOTH || params->rules > TIDES_RULES_GSPLAT)
         return td_fail(error, TIDES_BAD_ARGUMENT, "image.rules: %d is none of TIDES_RULES_*", (int)params->rules);
     if (params->sh_degree < 0 || params->sh_degree > TIDES_SH_DEGREE_MAX)

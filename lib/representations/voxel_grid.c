@@ -2,6 +2,8 @@
  * them. */
 #include "td_representation.h"
 
+#include "td_struct.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -16,8 +18,6 @@ void tides_voxel_options_defaults(tides_voxel_options *options, int32_t style) {
 
 static tides_status check_options(const tides_voxel_options *o, tides_error *error) {
     const int64_t limit = INT64_C(2305843009213693952); /* as for events */
-    if (!o || o->size != sizeof *o)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_voxel_options: fill them with their _defaults first");
     if (o->bins < 1 || o->bins > 4096)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_voxel_options: there are %d bins; 1 to 4096 are possible", o->bins);
     if (o->normalise < TIDES_NORMALISE_NONE || o->normalise > TIDES_NORMALISE_SAMPLE)
@@ -60,8 +60,13 @@ static void normalise(double *grid, size_t cells, int32_t kind) {
 }
 
 tides_status tides_voxel_grid(const tides_event *events, size_t count, int32_t width, int32_t height,
-                              const tides_voxel_options *options, double *grid, tides_error *error) {
-    tides_status status = check_options(options, error);
+                              const tides_voxel_options *given, double *grid, tides_error *error) {
+    if (!given) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_voxel_grid: options must be given");
+    tides_voxel_options own;
+    const tides_voxel_options *options = &own;
+    tides_voxel_options_defaults(&own, TIDES_VOXEL_E2VID);
+    tides_status status = TD_TAKE_STRUCT(tides_voxel_options, &own, given, error);
+    if (status == TIDES_OK) status = check_options(options, error);
     if (status == TIDES_OK) status = td_representation_check("tides_voxel_grid", events, count, width, height, error);
     if (status != TIDES_OK) return status;
     if (!grid) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_voxel_grid: grid must be given");

@@ -122,10 +122,7 @@ static tides_status allocate(td_sensor *sensor, tides_error *error) {
 tides_status td_sensor_create(const tides_sensor *given, int32_t model, double log_eps, double start, int32_t image_width,
                               const td_tile *tiles, int32_t tile_count, td_sensor *sensor, tides_error *error) {
     memset(sensor, 0, sizeof *sensor);
-    tides_sensor_defaults(&sensor->sensor);
-    memcpy(&sensor->sensor, given,
-           given->size < sizeof *given ? given->size : sizeof *given); /* an older caller's is shorter */
-    sensor->sensor.size = sizeof sensor->sensor;
+    sensor->sensor = *given;
     const tides_sensor *params = &sensor->sensor;
     tides_status status = td_sensor_check(params, error);
     if (status != TIDES_OK) return status;

@@ -6,6 +6,7 @@
  * (control.c). In a tile in which nothing moved in the step both rates are 0. */
 #include "signal/td_event_sort.h"
 #include "td_simulator.h"
+#include "td_struct.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -49,13 +50,16 @@ static tides_status attach(tides_simulator *s, const tides_readout *readout, tid
     return keep_all(s, error);
 }
 
-tides_status tides_simulator_readout(tides_simulator *simulator, const tides_readout *readout, tides_error *error) {
-    if (!simulator || !readout)
+tides_status tides_simulator_readout(tides_simulator *simulator, const tides_readout *given, tides_error *error) {
+    if (!simulator || !given)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_readout: simulator and readout must be given");
     if (simulator->started || simulator->scan.arbiter)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_readout: the run has begun, or has a readout already");
-    if (!readout->enabled) return TIDES_OK;
-    tides_status status = attach(simulator, readout, error);
+    tides_readout readout;
+    tides_readout_defaults(&readout);
+    tides_status status = TD_TAKE_STRUCT(tides_readout, &readout, given, error);
+    if (status != TIDES_OK || !readout.enabled) return status;
+    status = attach(simulator, &readout, error);
     if (status != TIDES_OK) td_scan_release(&simulator->scan);
     return status;
 }

@@ -1,6 +1,7 @@
 /* Making, asking and freeing a simulator. simulate.c has the run itself. */
 #include "motion/td_motion.h"
 #include "td_simulator.h"
+#include "td_struct.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,10 +28,7 @@ void tides_stepping_defaults(tides_stepping *stepping) {
     *stepping = defaults;
 }
 
-static tides_status check_arguments(const tides_sensor *sensor, const tides_stepping *stepping, double start, double stop,
-                                    tides_error *error) {
-    if (sensor->size > sizeof *sensor || stepping->size > sizeof *stepping)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_create: a struct's size is from a newer version of TIDES");
+static tides_status check_arguments(const tides_stepping *stepping, double start, double stop, tides_error *error) {
     if (stepping->mode < TIDES_STEPPING_FIXED || stepping->mode > TIDES_STEPPING_ERROR_RISK)
         return td_fail(error, TIDES_UNSUPPORTED, "stepping.mode: %d is none of TIDES_STEPPING_*", (int)stepping->mode);
     if (stepping->slope != TIDES_SLOPE_EXACT && stepping->slope != TIDES_SLOPE_DIFFERENCE)
@@ -195,6 +193,23 @@ static tides_status prepare(tides_simulator *s, tides_error *error) {
     return status == TIDES_OK ? backend->type->prepare(backend, s->outputs, error) : status;
 }
 
+/* What the caller gave, as this version has it. */
+typedef struct given {
+    tides_image_params image;
+    tides_sensor sensor;
+    tides_stepping stepping;
+} given;
+
+static tides_status take_given(given *own, const tides_image_params *image, const tides_sensor *sensor,
+                               const tides_stepping *stepping, tides_error *error) {
+    tides_image_params_defaults(&own->image);
+    tides_sensor_defaults(&own->sensor);
+    tides_stepping_defaults(&own->stepping);
+    tides_status status = TD_TAKE_STRUCT(tides_image_params, &own->image, image, error);
+    if (status == TIDES_OK) status = TD_TAKE_STRUCT(tides_sensor, &own->sensor, sensor, error);
+    return status == TIDES_OK ? TD_TAKE_STRUCT(tides_stepping, &own->stepping, stepping, error) : status;
+}
+
 tides_status tides_simulator_create(tides_device *device, const tides_scene *scene, const tides_trajectory *camera,
                                     const tides_intrinsics *intrinsics, const tides_image_params *image,
                                     const tides_sensor *sensor, const tides_stepping *stepping, double start, double stop,
@@ -202,7 +217,10 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     if (!device || !scene || !camera || !intrinsics || !image || !sensor || !stepping || !simulator)
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "tides_simulator_create: every argument but progress, user and error must be given");
-    tides_status status = check_arguments(sensor, stepping, start, stop, error);
+    given own;
+    tides_status status = take_given(&own, image, sensor, stepping, error);
+    image = &own.image, sensor = &own.sensor, stepping = &own.stepping;
+    if (status == TIDES_OK) status = check_arguments(stepping, start, stop, error);
     if (status == TIDES_OK) status = check_adaptive(stepping, error);
     if (status == TIDES_OK) status = check_paths(scene, camera, start, stop, error);
     if (status != TIDES_OK) return status;
