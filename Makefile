@@ -40,7 +40,7 @@ OPTIMISE := $(OPTIMISE_$(CONFIG))
 TIDES_CPPFLAGS := -Iinclude -Ilib/base -Ilib/device -Ilib -I. $(shell $(PKG_CONFIG) --cflags $(DEPS) 2>/dev/null) \
                   -DCL_TARGET_OPENCL_VERSION=120 -D_POSIX_C_SOURCE=200809L \
                   $(patsubst -I%,-isystem %,$(shell $(PKG_CONFIG) --cflags-only-I OpenEXR 2>/dev/null))
-# -ffp-contract=off: host and device agree to the bit (DESIGN, Numbers).
+# -ffp-contract=off: host and device agree to the bit (kernels/numerics.h).
 TIDES_CFLAGS := -std=c99 $(OPTIMISE) -ffp-contract=off -fno-math-errno -fPIC -fvisibility=hidden -pthread $(WARNINGS)
 TIDES_LDLIBS := $(shell $(PKG_CONFIG) --libs $(DEPS) 2>/dev/null) -lOpenEXRCore -lm -pthread
 # CPPFLAGS, CFLAGS, LDFLAGS and LDLIBS are the user's, and come last so that they win.
@@ -137,7 +137,7 @@ demo-built:
 # -- checks ------------------------------------------------------------------------------------------------------------
 RUN_TESTS = CC='$(CC)' PYTHON='$(PYTHON)' PKG_CONFIG='$(PKG_CONFIG)' MAKE='$(MAKE)' CONFIG='$(CONFIG)' OUT='$(OUT)' \
             TIDES='$(CURDIR)/$(OUT)/tides' bash scripts/run_tests.sh $(OUT)/logs
-SCRIPTS := tests/unit/test_headers.sh scripts/check_symbols.sh scripts/install_check.sh $(wildcard tests/cli/run.sh) \
+SCRIPTS := tests/unit/test_headers.sh tests/unit/test_lint.sh scripts/check_symbols.sh scripts/install_check.sh $(wildcard tests/cli/run.sh) \
            scripts/python_tests.sh scripts/client_tests.sh scripts/check_readme.py
 
 .PHONY: check check-built check-readme check-readme-built check-golden check-golden-built check-asan check-asan-built \
@@ -191,11 +191,11 @@ install-check: all ## Install into an empty folder, build a program there with p
 	@MAKE='$(MAKE)' CC='$(CC)' PKG_CONFIG='$(PKG_CONFIG)' CONFIG='$(CONFIG)' sh scripts/install_check.sh
 
 .PHONY: lint lint-built format fuzz fuzz-built fuzz-hdf5 fuzz-hdf5-built bench bench-built
-lint: ## clang-format, clang-tidy, cppcheck, and the kernels through clang's OpenCL front end
+lint: ## clang-format, clang-tidy, cppcheck, the kernels through clang, and what arrows.txt and docs say of the whole
 	@sh scripts/deps.sh lint -q
 	@$(AGAIN) lint-built
 lint-built:
-	@TIDY_FLAGS='$(TIDES_CPPFLAGS) -std=c99' JOBS=$(JOBS) sh scripts/lint.sh
+	@TIDY_FLAGS='$(TIDES_CPPFLAGS) -std=c99' JOBS=$(JOBS) PYTHON='$(PYTHON)' sh scripts/lint.sh
 format: ## Rewrite C files and kernels in the style of .clang-format
 	clang-format-14 -i $$(sh scripts/sources.sh)
 FUZZ_SECONDS ?= 30

@@ -1,10 +1,11 @@
 #!/bin/sh
-# Format, static analysis, kernels through clang's OpenCL front end, sizes, shell syntax. Every stage runs; any finding fails.
+# Format, static analysis, kernels through clang's OpenCL front end, sizes, shell syntax, and the house as a whole: includes
+# that go down only, citations of what is in the repository, openings. Every stage runs; any finding fails.
 # environment: TIDY_FLAGS compiler flags, JOBS processes at a time. usage: lint.sh [STAGE...], default all
 set -u
 jobs=${JOBS:-2}
 failed=
-stages=${*:-format tidy cppcheck kernels sizes shell}
+stages=${*:-format tidy cppcheck kernels sizes shell arrows cites openings}
 
 stage_format() {
     found=0
@@ -58,6 +59,10 @@ stage_shell() {
     done
     return $found
 }
+
+stage_arrows() { ${PYTHON:-python3} scripts/house.py arrows; }
+stage_cites() { ${PYTHON:-python3} scripts/house.py cites; }
+stage_openings() { ${PYTHON:-python3} scripts/house.py openings; }
 
 for stage in $stages; do
     if output=$("stage_$stage" 2>&1); then

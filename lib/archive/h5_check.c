@@ -1,5 +1,6 @@
-/* The format's specification: https://docs.hdfgroup.org/hdf5/v1_10/_f_m_t3.html, II.A superblock, III.A.1 trees, III.D local
- * heaps. */
+/* Looks at heaps and trees of HDF5 files before HDF5 takes their numbers at their word, for h5_driver.c (td_h5_check.h says
+ * why). The format's specification: https://docs.hdfgroup.org/hdf5/v1_10/_f_m_t3.html, II.A superblock, III.A.1 trees, III.D
+ * local heaps. */
 #include "td_h5_check.h"
 
 #include "td_endian.h"

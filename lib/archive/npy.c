@@ -1,4 +1,5 @@
-/* One .npy in memory: magic, version, a Python dict in text, the elements (numpy.lib.format). */
+/* One .npy in memory: magic, version, a Python dict in text, the elements (numpy.lib.format). For frames, models, noise
+ * tables and events; where the bytes come from, and what the numbers mean, is for those who call. */
 #include "archive/td_npy_parts.h"
 #include "archive/td_numbers.h"
 #include "archive/td_pyrepr.h"

@@ -1,4 +1,5 @@
-/* numpy's dtypes: "<f4", or a list of (name, dtype) pairs for packed structures (numpy.lib.format, "descr"). */
+/* numpy's dtypes for npy.c: "<f4", or a list of (name, dtype) pairs for packed structures (numpy.lib.format, "descr"). Types
+ * that would have to be executed (objects) are refused. */
 #include "archive/td_npy_parts.h"
 #include "td_base.h"
 

@@ -1,4 +1,5 @@
-/* Numbers as files store them, and shapes as messages show them. */
+/* Numbers as files store them, of any width and half precision too, and shapes as messages show them: for the readers of
+ * .npy and of tensors, and for the labels of events. */
 #include "archive/td_numbers.h"
 
 #include <math.h>

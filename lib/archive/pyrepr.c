@@ -1,4 +1,5 @@
-/* Python literals as text: a recursive descent over what repr() writes. */
+/* Python literals as text (cfg_args, headers of .npy), into a tree of values: a recursive descent over what repr() writes.
+ * Nothing is executed: a name that isn't a literal's is an error. */
 #include "archive/td_pyrepr.h"
 #include "archive/td_tree.h"
 #include "td_base.h"

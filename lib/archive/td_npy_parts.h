@@ -1,4 +1,4 @@
-/* Internal: what the files of the numpy reader share. */
+/* Internal: what the two files of the numpy reader share: npy.c reads an array's header and elements, npy_dtype.c its type. */
 #ifndef TD_NPY_PARTS_H
 #define TD_NPY_PARTS_H
 

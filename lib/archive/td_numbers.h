@@ -1,4 +1,5 @@
-/* Internal: numbers as files store them, and shapes as messages show them. */
+/* Internal: numbers as files store them, and shapes as messages show them; for the readers of archives and for events'
+ * labels. */
 #ifndef TD_NUMBERS_H
 #define TD_NUMBERS_H
 

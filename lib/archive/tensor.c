@@ -1,4 +1,5 @@
-/* Tensors of torch files: views of storages with strides, copied out in C order. */
+/* Tensors of torch files: views of storages with strides, copied out in C order as float or double, shapes and values
+ * checked. The archive around them is torch.c's. */
 #include "archive/td_numbers.h"
 #include "archive/td_tree.h"
 #include "td_base.h"

@@ -1,4 +1,5 @@
-/* Trees of values: memory in blocks that are freed together, and the check that a tree is one. */
+/* Trees of values for the readers of pickles and of Python literals: memory in blocks that are freed together, and the check
+ * that what was built is a tree (a pickle may hold circles). */
 #include "archive/td_tree.h"
 #include "td_base.h"
 

@@ -1,4 +1,5 @@
-/* Looking things up in trees of values. */
+/* Looking things up in the trees of values that pickles and Python literals become, for the readers of trained models: a
+ * key's value, an item, a number. What is missing or of another kind is NULL or 0; what that means is the reader's to say. */
 #include "archive/td_value.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
-/* Baselines: defaults, checks of frames, order of events. */
+/* Baselines behind tides_baseline: defaults, checks of frames and parameters, and the order of events, which a method may
+ * give late. Each method's law is in its own file (esim.c, v2e.c, voltmeter.c, iebcs.c, ldati.c, tides.c). */
 #include "td_baseline.h"
 
 #include "td_random.h"

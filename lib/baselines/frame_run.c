@@ -1,4 +1,5 @@
-/* A run from frames: of a sequence, or rendered at a rate. */
+/* A run from frames, for any method: of a sequence, or of a renderer at a rate or at ESIM's own times; progress and
+ * statistics. What a frame makes fire is the baseline's. */
 #include "render/td_render.h"
 #include "td_baseline.h"
 

@@ -1,5 +1,5 @@
-/* IEBCS's readout arbiters. Its bottleneck releases fewer events the more of them wait, and its row arbiter invents events
- * (simulators notes, 1.7): here both do what they are named for. */
+/* IEBCS's readout arbiters. In the original the bottleneck releases fewer events the more of them wait, and the row arbiter
+ * invents events: here both do what they are named for, and their events add up. */
 #include "td_iebcs.h"
 
 #include "signal/td_event_sort.h"

@@ -1,4 +1,5 @@
-/* Little-endian numbers of binary camera files, one after the other, never beyond the end. */
+/* Little-endian numbers of binary camera files (COLMAP's .bin), one after the other, never beyond the end: a cursor that
+ * fails once and stays failed. */
 #include "camera/td_path.h"
 
 #include "archive/td_numbers.h"

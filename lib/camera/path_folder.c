@@ -1,4 +1,4 @@
-/* Camera paths that are folders: which file of it to read. */
+/* Camera paths that are folders (COLMAP's, nerfstudio's, EuRoC's ...): which file of it to read. Reading is the format's. */
 #include "camera/td_path.h"
 
 #include "td_base.h"

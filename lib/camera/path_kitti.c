@@ -1,5 +1,5 @@
-/* KITTI's odometry poses: 12 numbers per line, a 3x4 matrix by rows, camera to world in OpenCV axes. No times: poses are spread
- * over `duration` in the order of the lines. */
+/* Reads KITTI's odometry poses: 12 numbers per line, a 3x4 matrix by rows, camera to world in OpenCV axes. No times: poses
+ * are spread over `duration` in the order of the lines. */
 #include "camera/td_path.h"
 
 #include "td_base.h"

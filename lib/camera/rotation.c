@@ -1,4 +1,5 @@
-/* 3-vectors, unit quaternions and rotation matrices, in double, with their rates. */
+/* 3-vectors, unit quaternions and rotation matrices, in double, with their rates: for paths and whatever moves rigidly on
+ * the host. Kernels have their own in kernels/. */
 #include "camera/td_rotation.h"
 
 #include <float.h>

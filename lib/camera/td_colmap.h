@@ -1,4 +1,4 @@
-/* Internal: COLMAP's cameras.txt and cameras.bin. */
+/* Internal: COLMAP's cameras.txt and cameras.bin, for the readers of its images and of formats that borrow its cameras. */
 #ifndef TD_COLMAP_H
 #define TD_COLMAP_H
 

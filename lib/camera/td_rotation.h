@@ -1,4 +1,5 @@
-/* Internal: 3-vectors, unit quaternions (wxyz) and rotation matrices (row-major), in double, with their rates. */
+/* Internal: 3-vectors, unit quaternions (wxyz) and rotation matrices (row-major), in double, with their rates; for paths and
+ * whatever moves rigidly on the host. */
 #ifndef TD_ROTATION_H
 #define TD_ROTATION_H
 

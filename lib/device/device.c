@@ -1,4 +1,4 @@
-/* Finding, opening and describing devices by one SPEC string. */
+/* Finding, opening and describing devices by one SPEC string. Programs are built in program.c, and launched in launch.c. */
 #include "td_device.h"
 
 #include <ctype.h>

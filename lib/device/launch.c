@@ -1,4 +1,5 @@
-/* Buffers and launches on an OpenCL device, with their time. */
+/* Buffers and launches on an OpenCL device, with their time, for the renderer's OpenCL backend: the only calls of OpenCL
+ * that move data. */
 #include "td_launch.h"
 
 tides_status td_buffer_reserve(tides_device *device, td_buffer *buffer, size_t bytes, tides_error *error) {

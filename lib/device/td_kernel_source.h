@@ -1,4 +1,4 @@
-/* The kernel files embedded in the library by kernels/cl2c.sh. */
+/* Internal: the kernel files as kernels/cl2c.sh embeds them in the library, so that it needs no files beside it at run time. */
 #ifndef TD_KERNEL_SOURCE_H
 #define TD_KERNEL_SOURCE_H
 

@@ -1,4 +1,5 @@
-/* From one event file to another: kept, put in order, moved, written. */
+/* From one event file to another (tides convert, tides cut): events kept by time and place, put in order, moved, written.
+ * Formats are read and written by their own files. */
 #include "td_base.h"
 #include "td_event_format.h"
 

@@ -1,4 +1,5 @@
-/* Reading event files of any format: what is the same for all of them. */
+/* Reading event files of any format, behind tides_event_reader: what is the same for all of them: order, bounds, blocks. The
+ * bytes are each format's own. */
 #include "td_event_format.h"
 #include "td_event_h5.h"
 #include "td_folder.h"

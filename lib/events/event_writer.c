@@ -1,5 +1,5 @@
-/* Writing event files of any format: order and size are checked, what is written goes beside the final file and is
- * renamed. */
+/* Writing event files of any format, behind tides_event_writer: order and size are checked, and what is written goes beside
+ * the final file and is renamed. The bytes are each format's own. */
 #include "td_base.h"
 #include "td_event_format.h"
 #include "td_event_h5.h"

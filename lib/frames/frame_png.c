@@ -1,4 +1,4 @@
-/* Reads a PNG's values with libpng: grey or colour, 8 or 16 bit. */
+/* Reads a PNG's values with libpng for frames_folder.c: grey or colour, 8 or 16 bit, to numbers from 0 to 1. */
 #include "td_frames.h"
 
 #include "image/td_png.h"

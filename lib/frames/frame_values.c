@@ -1,4 +1,4 @@
-/* Stored values to luminance. */
+/* Stored values to luminance, for all sources of frames: sRGB decoded where the options say so, and r, g, b weighed. */
 #include "td_frames.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
-/* Frame sequences: opening, times, luminance. */
+/* Frame sequences behind tides_frames: opens the source that a path asks for, keeps shapes and times, reads a frame. Pixels
+ * come from the sources (frames_folder.c, frames_npy.c, frames_hdf5.c), times from frame_times.c. */
 #include "td_frames.h"
 
 #include "td_folder.h"

@@ -1,4 +1,4 @@
-/* A folder of pictures as a frame sequence. */
+/* A folder of pictures (.png, .exr) as a frame sequence, in natural order of their names, each read when it is asked for. */
 #include "td_frames.h"
 
 #include "td_folder.h"

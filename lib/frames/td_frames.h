@@ -1,4 +1,5 @@
-/* Internal: a frame sequence and its sources. */
+/* Internal: a frame sequence and its sources. A source (folder, .npy, HDF5) has two functions, read and close; times and
+ * luminance are the same for all. */
 #ifndef TD_FRAMES_H
 #define TD_FRAMES_H
 

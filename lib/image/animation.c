@@ -1,4 +1,5 @@
-/* Animations: what the formats share. */
+/* Animations (APNG, Y4M, numbered PNGs) behind tides_animation: the format from the file's ending, sizes checked, written
+ * beside and renamed. Each format encodes in its own file. */
 #include "td_animation.h"
 
 #include <errno.h>

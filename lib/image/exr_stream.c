@@ -1,4 +1,5 @@
-/* OpenEXRCore's input and output on a file descriptor. */
+/* OpenEXRCore's input and output on a file descriptor of ours, for image_exr.c and image_exr_read.c: so that the first error
+ * is kept, and files appear whole. */
 #include "td_exr.h"
 
 #include <errno.h>

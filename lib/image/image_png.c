@@ -1,4 +1,4 @@
-/* Writes 8-bit RGB pictures with libpng. */
+/* Writes 8-bit RGB pictures with libpng, for previews and figures; libpng's way of failing is turned into ours here. */
 #include "td_png.h"
 
 #include "td_base.h"

@@ -1,4 +1,4 @@
-/* Internal: from values to 8-bit colours. */
+/* Internal: from values to 8-bit colours, for pictures of data: sRGB of light, a diverging map of signed values. */
 #ifndef TD_COLOUR_MAP_H
 #define TD_COLOUR_MAP_H
 

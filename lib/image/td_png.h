@@ -1,4 +1,4 @@
-/* Internal: PNG pictures and libpng's way of failing. */
+/* Internal: PNG pictures as bytes, and libpng's way of failing, for the writer of pictures and the reader of frames. */
 #ifndef TD_PNG_H
 #define TD_PNG_H
 

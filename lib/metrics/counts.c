@@ -1,4 +1,4 @@
-/* How many events, of which polarity, and where. */
+/* A part of tides_metrics_compare: how many events, of which polarity, and where, in both streams. */
 #include "td_metrics.h"
 
 #include <math.h>

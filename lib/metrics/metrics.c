@@ -1,4 +1,4 @@
-/* Compares two streams: gets them ready, and asks each part that is wanted. */
+/* tides_metrics_compare: gets two streams ready (stream.c), and asks each part that is wanted, each in its own file. */
 #include "td_metrics.h"
 
 #include "td_struct.h"

@@ -1,4 +1,4 @@
-/* What tides_metrics_compare may be told, and the defaults. */
+/* What tides_metrics_compare may be told, its defaults, and which of it is refused. */
 #include "td_metrics.h"
 
 #include <math.h>

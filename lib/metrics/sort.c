@@ -1,10 +1,10 @@
-/* Sorting and summing many numbers. */
+/* Sorting many numbers and summing them without loss, for the parts of tides_metrics_compare. */
 #include "td_metrics.h"
 
 #include <math.h>
 #include <string.h>
 
-/* As lib/solver/event_sort.c: 2048 counters fit the L1 cache, and few passes do. */
+/* As lib/signal/event_sort.c: 2048 counters fit the L1 cache, and few passes do. */
 enum { DIGIT_BITS = 11, DIGITS = 1 << DIGIT_BITS };
 
 void td_sort_values(uint64_t *values, uint64_t *scratch, size_t count) {

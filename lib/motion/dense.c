@@ -1,4 +1,4 @@
-/* Packing of fully connected layers: blocks of outputs, see kernels/dense.h. */
+/* Packs fully connected layers into blocks of outputs as kernels/dense.h reads them, for the models that have networks. */
 #include "td_dense.h"
 
 #include "kernels/dense.h"

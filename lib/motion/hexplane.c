@@ -1,4 +1,5 @@
-/* 4DGaussians' deformation: what there must be, and its time axis. */
+/* 4DGaussians' deformation as data: which arrays and settings there must be, their sizes, and its time axis. Packed by
+ * hexplane_pack.c, evaluated by kernels/motion_hexplane.h. */
 #include "td_hexplane.h"
 
 #include "td_dense.h"

@@ -1,4 +1,5 @@
-/* What the motion classes share: fields with one row per Gaussian, and the numbers made from them. */
+/* Helpers for the motion classes: fields with one row per Gaussian, checked, and the numbers made from them in blocks as
+ * kernels/motion.h reads them. */
 #include "td_models.h"
 
 #include <limits.h>

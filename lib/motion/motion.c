@@ -1,4 +1,5 @@
-/* Motion models as data: named arrays and settings, and what is the same for all classes. */
+/* Motion models as data: named arrays and settings, and what is the same for all classes. What a class does with them is in
+ * its own file. */
 #include "td_motion.h"
 
 #include <float.h>

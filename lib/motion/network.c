@@ -1,4 +1,5 @@
-/* Deformable-3DGS's network: what there must be, and its inputs at a time. */
+/* Deformable-3DGS's network as data: what there must be, and its inputs at a time. Packing is network_pack.c's, arithmetic
+ * kernels/motion_network.h's. */
 #include "td_network.h"
 
 #include "td_dense.h"

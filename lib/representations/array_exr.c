@@ -1,4 +1,4 @@
-/* One array as an OpenEXR image: a channel for each plane. */
+/* One array of a representation as an OpenEXR image, a channel for each plane: a sink of array_writer.c. */
 #include "td_array_sink.h"
 #include "tides/image.h"
 

@@ -1,4 +1,4 @@
-/* Arrays as numpy's .npy and .npz. */
+/* Arrays of representations as numpy's .npy and .npz: one of the sinks of array_writer.c. */
 #include "archive/td_npy.h"
 #include "td_array_sink.h"
 

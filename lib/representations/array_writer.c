@@ -1,4 +1,5 @@
-/* Files of arrays: what the formats share. */
+/* Files of arrays behind tides_array_writer: shapes and order checked, the format from the ending, written beside and
+ * renamed. Each format (array_npy.c, array_h5.c, array_exr.c) has a file of its own. */
 #include "td_array_sink.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* The box of a scene's means at a time, with everything where it is then. */
+/* The box of a scene's means at a time, with everything where it is then: for users who place a camera (tides_scene_bounds).
+ * Extents of splats aren't in it. */
 #include "motion/td_motion.h"
 #include "td_scene.h"
 

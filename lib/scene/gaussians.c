@@ -1,4 +1,5 @@
-/* Arrays of Gaussians: made, copied, freed, and checked before anything is rendered from them. */
+/* Arrays of Gaussians for the scene's readers and its store: made, copied, freed, and checked before anything is rendered
+ * from them. */
 #include "td_base.h"
 #include "td_scene.h"
 

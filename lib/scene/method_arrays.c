@@ -1,4 +1,5 @@
-/* What the readers of arrays share. */
+/* Helpers for the readers of trained models that come as named arrays (.npz, .pth): colours to spherical harmonics, and the
+ * last checks of Gaussians and motion together. */
 #include "scene/td_method_arrays.h"
 
 #include "motion/td_motion.h"

@@ -1,4 +1,5 @@
-/* What the readers of deformation networks share. */
+/* Helpers for the readers of methods whose motion is a deformation network (method_fourdgs.c, method_deformable.c): the
+ * canonical points, the network's arrays into a motion, which checks them, and the options of training. */
 #include "scene/td_method_networks.h"
 
 #include "motion/td_motion.h"

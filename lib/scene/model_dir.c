@@ -1,4 +1,5 @@
-/* Recognising a trained model by what its trainer leaves in its folder. */
+/* Recognises a trained model by what its trainer leaves in its folder, and says where its parts are. Reading them is left to
+ * each method's reader (scene_methods.c). */
 #include "scene/td_model_dir.h"
 #include "archive/td_pickle.h"
 #include "archive/td_pyrepr.h"

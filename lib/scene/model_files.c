@@ -1,4 +1,5 @@
-/* What lies in a folder: the files and numbered folders that trainers leave. */
+/* What lies in a folder, for model_dir.c: the files and numbered folders that trainers leave (iteration_30000), in the order
+ * of their numbers. */
 #include "td_base.h"
 #include "td_model_files.h"
 #include "td_ply.h"

@@ -1,4 +1,5 @@
-/* A .ply file's vertices by name. */
+/* A .ply file's vertices as columns by name, for the methods that add properties of their own to the splats'
+ * (SpacetimeGaussians); plain splats are read by ply_reader.c. */
 #include "scene/td_ply_table.h"
 
 #include "td_base.h"

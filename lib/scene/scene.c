@@ -1,4 +1,5 @@
-/* The object store: sets of Gaussians, each with its trajectory, scale and name. Everything that enters is checked here. */
+/* The object store behind tides_scene: sets of Gaussians, each with its trajectory, motion, scale and name. Everything that
+ * enters is checked here, so that nothing later has to; files are read and written elsewhere. */
 #include "td_base.h"
 #include "td_scene.h"
 

@@ -1,4 +1,5 @@
-/* Scene files: which reader a file's content asks for, which writer a file's ending asks for. */
+/* Scene files: which reader a file's content asks for, which writer a file's ending asks for. What the bytes mean is each
+ * format's own file's. */
 #include "td_base.h"
 #include "td_model_dir.h"
 #include "td_scene.h"

@@ -1,4 +1,4 @@
-/* Trained models as scenes: one reader per method. */
+/* Trained models as scenes: one reader per method, chosen by what model_dir.c found. */
 #include "scene/td_method_arrays.h"
 #include "scene/td_method_networks.h"
 #include "td_base.h"

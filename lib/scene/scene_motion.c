@@ -1,4 +1,5 @@
-/* Objects whose Gaussians move by themselves. */
+/* Objects whose Gaussians move by themselves: adding them to a scene, how long their motions last, and how many of them
+ * move. The models are lib/motion's. */
 #include "motion/td_motion.h"
 #include "td_scene.h"
 

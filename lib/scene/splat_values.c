@@ -1,4 +1,5 @@
-/* What the bytes of packed splat files stand for. In double until the last step, so that a value is rounded once. */
+/* What the bytes of packed splat files (.splat, .ksplat, .spz, .sog) stand for. In double until the last step, so that a
+ * value is rounded once. */
 #include "td_splat.h"
 
 #include <float.h>

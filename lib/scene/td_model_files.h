@@ -1,4 +1,5 @@
-/* Internal: what lies in a folder, for model_dir.c. */
+/* Internal: what lies in a folder, for model_dir.c: numbered files and folders in the order of their numbers, and whether a
+ * .ply has a property. */
 #ifndef TD_MODEL_FILES_H
 #define TD_MODEL_FILES_H
 

@@ -2,7 +2,7 @@
 #include "tides/sensor.h"
 
 void tides_sensor_defaults(tides_sensor *sensor) {
-    /* DVS128 at 100 lux (nominal constants of the simulators notes, 1.4). */
+    /* DVS128 at 100 lux (nominal constants of wengflow's simulator). */
     const tides_circuit dvs128 = {.photocurrent_a = 2000e-15,
                                   .dark_current_a = 4e-15,
                                   .gain = 140,

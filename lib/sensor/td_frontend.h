@@ -7,7 +7,7 @@
  *                           tau_mil = miller_f V_T / I, A_loop = gain kappa:
  *                             a2 = (tau_in + tau_mil) output_s / (A_loop + 1)
  *                             a1 = (tau_in + output_s + (gain + 1) tau_mil) / (A_loop + 1)
- *                           then the low-passes of source_follower_hz and difference_hz (simulators notes, 1.4)
+ *                           then the low-passes of source_follower_hz and difference_hz: the chain of wengflow's simulator
  *
  * What rounding leaves. The constant law: S to about 1e-15. Rates that go with the light: S within TD_FRONTEND_TOLERANCE of the
  * solution, whatever the steps (pieces.c). Where L comes from a float render it is wrong by about 1e-6, and so is S, for a

@@ -1,11 +1,11 @@
 /* Internal: events without a cause in the scene: shot noise of each polarity, and hot pixels, as Poisson processes in
  * continuous time.
  *
- * Shot noise falls with light as v2e's does, by 1 - 0.75 (DN + 20) / 275 with DN = 255 Y within [0, 255] (simulators notes,
- * 1.5), but from the rate that was asked for: shot_noise_hz / 2 per polarity is the rate at Y = 0, and 0.264 of that is the
- * rate at Y = 1 and above. (v2e's own factor at DN = 0 is 0.945: with it nobody gets what is asked.) Candidates come at the
- * rate in the dark, and each is kept with the probability that its light leaves (thinning: Lewis and Shedler 1979). Hot pixels
- * fire ON: their leakage is that of leak events, only larger.
+ * Shot noise falls with light as v2e's does, by 1 - 0.75 (DN + 20) / 275 with DN = 255 Y within [0, 255], but from the rate
+ * that was asked for: shot_noise_hz / 2 per polarity is the rate at Y = 0, and 0.264 of that is the rate at Y = 1 and above.
+ * (v2e's own factor at DN = 0 is 0.945: with it nobody gets what is asked.) Candidates come at the rate in the dark, and each
+ * is kept with the probability that its light leaves (thinning: Lewis and Shedler 1979). Hot pixels fire ON: their leakage is
+ * that of leak events, only larger.
  *
  * Candidate k of a pixel depends on (seed, pixel, k) and the candidate before it: not on steps, tiles or cuts. Times are
  * rounded to whole nanoseconds, at least one after the other, so that every one belongs to one step exactly. Whether a shot

@@ -1,4 +1,4 @@
-/* Internal: the centre-surround of the retina's outer layer, as v2e's diffuser has it (simulators notes, 1.5), in continuous
+/* Internal: the centre-surround of the retina's outer layer, as v2e's diffuser (CSDVS) has it, in continuous
  * time. With p for what the photoreceptors say, h for the surround, and lap4 the 5-point Laplacian with borders that repeat:
  *
  *   tau h' = (p - h) + lambda^2 lap4(h)        S = p - h

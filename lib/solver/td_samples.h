@@ -28,7 +28,7 @@ static inline double *td_sample_at(const td_samples *samples, int32_t index) {
     return samples->chunk[index >> TD_SAMPLE_BITS] + (size_t)(index & ((1 << TD_SAMPLE_BITS) - 1)) * td_sample_reals(samples);
 }
 
-/* How far the step that was cut here was off (probe.h). */
+/* How far the step that was cut here was off (td_probe.h). */
 static inline double *td_sample_deviation(const td_samples *samples, int32_t index) {
     return td_sample_at(samples, index) + (size_t)samples->kept * TD_TILE_PIXELS;
 }

@@ -1,4 +1,4 @@
-/* Dynamic3DGaussians' frames joined by Catmull and Rom's cubics against $TIDES_SHARED/golden/dyn3dgs (golden/README.md), values
+/* Dynamic3DGaussians' frames joined by Catmull and Rom's cubics against $TIDES_SHARED/golden/dyn3dgs, values
  * and rates per frame to 1e-12 of the largest in double, 1e-5 in single precision; the C2 spline goes through the frames. */
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* 4-D Gaussians' parameters, colours and rates over time against their own code: every folder of $TIDES_SHARED/golden/fudan4d
- * (golden/README.md). Values and rates to 1e-12 of the largest in double, 1e-5 in single precision; opacities where their
+/* 4-D Gaussians' parameters, colours and rates over time against their own code: every folder of $TIDES_SHARED/golden/fudan4d.
+ * Values and rates to 1e-12 of the largest in double, 1e-5 in single precision; opacities where their
  * renderer keeps the Gaussian, and 0 where it drops it. */
 #include <stdarg.h>
 #include <stddef.h>

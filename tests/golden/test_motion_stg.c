@@ -1,5 +1,5 @@
-/* SpacetimeGaussians' parameters and rates over time against its own code: every folder of $TIDES_SHARED/golden/stg
- * (golden/README.md). Values and rates to 1e-12 of the largest in double, 1e-5 in single precision. */
+/* SpacetimeGaussians' parameters and rates over time against its own code: every folder of $TIDES_SHARED/golden/stg.
+ * Values and rates to 1e-12 of the largest in double, 1e-5 in single precision. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

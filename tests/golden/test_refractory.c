@@ -1,4 +1,4 @@
-/* TIDES's sensor on frames against the refractory laws of others, which are three different ones (simulators notes, 3.1):
+/* TIDES's sensor on frames against the refractory laws of others, which are three different ones:
  *
  *   drop_consume   rpg_esim's stream, event for event
  *   hold           wengflow's. It holds each pixel at the start for a random part of the period, which moves all that the pixel

@@ -1,5 +1,5 @@
-/* Projection, SH and tiles against other people's renderers: every file of $TIDES_SHARED/golden/render (golden/README.md has
- * the layout and where the numbers come from), in double and in single precision. Images are in test_render_images.c.
+/* Projection, SH and tiles against other people's renderers: every file of $TIDES_SHARED/golden/render (its
+ * own texts say where the numbers come from), in double and in single precision. Images are in test_render_images.c.
  *
  * Values and rates agree to 1e-10 relative in double and 1e-5 in single precision wherever the file's renderer keeps the
  * Gaussian. "Relative" is to a size that belongs to the quantity:

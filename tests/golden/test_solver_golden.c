@@ -1,6 +1,5 @@
 /* The comparator against event streams that other code made from the same frames: *_ideal_*.npz, *_tidesrule_*.npz and
- * *esim*.npz in the folders of golden/ of the shared data, each with its NAME_input_frames.npz (golden/simulators/README.md
- * there).
+ * *esim*.npz in the folders of golden/ of the shared data, each with its NAME_input_frames.npz.
  *
  * What their rules are, and what ours make of them:
  *   ideal_linear, rpg_esim, wengflow_esim   straight lines between frames: our secant. The latter two take float32 logarithms.
@@ -31,7 +30,7 @@
 
 /* -- the scene ----------------------------------------------------------------------------------------------------------- */
 
-/* Scene "B" of reference/simulators.md 3, a textured disk before a drifting background. It is described there in words; the
+/* The scene of those frames, a textured disk before a drifting background. It is described beside them in words; the
  * numbers below were recovered from its frames by least squares, and are used where they reproduce every frame to rounding. */
 typedef struct dual {
     double value, dot;
@@ -147,8 +146,7 @@ static int is_text(const cJSON *params, const char *key, const char *text) {
 }
 
 /* By its name and `params`, how to make the same stream; 0 where it is none of ours to make. Times: all of ours are floored
- * to 1 ns and taken at its middle, so that rounding alone leaves 0.5 ns; float32 logarithms 2.1 us (reference/simulators.md
- * 3). */
+ * to 1 ns and taken at its middle, so that rounding alone leaves 0.5 ns; float32 logarithms 2.1 us. */
 static int find_rule(golden *g, const cJSON *params) {
     double both = number(params, "C", NAN);
     g->on = number(params, "Cp", both);
@@ -316,7 +314,7 @@ static void compare_file(const golden *g, const movie *m, npz *file, const cJSON
     double median = percentile(&found, 50.0), p95 = percentile(&found, 95.0), most = percentile(&found, 100.0);
     print_message("%s: %zu events, ours %zu, matched %zu, |dt| median %.3g, p95 %.3g, max %.3g ns\n", g->name, theirs.count,
                   ours.count, found.matched, median, p95, most);
-    if (g->statistical) { /* as measured for the cubic in reference/simulators.md 3.1: median below 50 ns, p95 1.1 us */
+    if (g->statistical) { /* as a prototype of the cubic in double precision had it: median below 50 ns, p95 1.1 us */
         assert_true((double)found.matched > 0.997 * (double)theirs.count && (double)found.matched > 0.997 * (double)ours.count);
         assert_true(median < 60.0 && p95 < 1500.0);
     } else {

@@ -1,5 +1,5 @@
 /* Images of SpacetimeGaussians' models and their rates, from the trainer's folder to pixels: composited features, decoder and
- * the camera's motion, against every folder of $TIDES_SHARED/golden/stg (golden/README.md), by INRIA's rules as there.
+ * the camera's motion, against every folder of $TIDES_SHARED/golden/stg, by INRIA's rules as there.
  *
  * Errors are relative to the largest of the plane: 1e-9 in double, 1e-4 in single precision, which the OpenCL CPU device equals
  * to the bit. Colours of the lite model are kept as spherical harmonics in float: 1e-6. Pixels within rounding of a cutoff, or

@@ -107,7 +107,7 @@ static void noise_rates(void **state) {
  * draws of its level, 8000 pixels each): 2.38 +- 0.03 Hz per pixel in the first 0.2 s, 2.98 +- 0.04 Hz in the first second. It
  * rises because references begin in the middle of the noise and drift to where it is easier to fire.
  *
- * v2e itself once came to 2.26 Hz with these parameters (simulators notes, 1.5; its runs there are 200 frames of 1 ms). Its
+ * v2e itself once came to 2.26 Hz with these parameters (run once by us, over 200 frames of 1 ms). Its
  * level has a random part of 1.9 %, because it is scaled by one random run of 1000 time constants, and 1 % of the level is 9 %
  * of the rate: one standard deviation of the early rate is 0.43 Hz, so that 2.26 lies well within. */
 #define EARLY_HZ 2.38

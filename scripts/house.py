@@ -1,0 +1,181 @@
+#!/usr/bin/env python3
+"""What `make lint` checks of the house as a whole. Prints findings, one line each, and exits 1 where there are any.
+
+usage: house.py arrows|cites|openings [ROOT]     ROOT: a tree like this repository's (default: this repository)
+
+arrows     every #include goes to a folder that scripts/arrows.txt allows
+cites      comments and pages cite files that are in the repository, and sections that docs/DESIGN.md has
+openings   every file of lib begins with a comment of a sentence or more
+"""
+import re
+import sys
+from pathlib import Path
+
+SOURCE_FOLDERS = ("include", "lib", "cli", "kernels")
+# Where the compiler looks (Makefile, TIDES_CPPFLAGS) for names without a folder, besides the file's own.
+INCLUDE_PATHS = ("include", "lib/base", "lib/device", "lib", "", "kernels")
+CITING = ("include", "lib", "cli", "kernels", "tests", "scripts", "python_ctypes", "docs", ".ci")
+# Words in an opening comment below which it can't say what a file does and for whom.
+OPENING_WORDS = 8
+
+
+def files(root, folders, endings):
+    for folder in folders:
+        for path in sorted((root / folder).rglob("*")):
+            if path.is_file() and path.suffix in endings and "__pycache__" not in path.parts:
+                yield path
+
+
+def folder_of(root, path):
+    """lib/solver/run.c -> lib/solver; cli/bench/x.c -> cli"""
+    parts = path.resolve().relative_to(root).parts
+    return "/".join(parts[:2]) if parts[0] == "lib" and len(parts) > 2 else parts[0]
+
+
+# -- arrows ------------------------------------------------------------------------------------------------------------
+
+
+def read_order(path):
+    """Folders -> those that they may include; the pairs that are still due; and what is wrong with the list itself."""
+    allowed, everyone, due, wrong = {}, [], set(), []
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        line = line.split("#")[0].strip()
+        if not line:
+            continue
+        name, _, rest = line.partition(":")
+        targets = rest.split()
+        if name == "everyone":
+            everyone = targets
+        elif name == "due":
+            due.add(tuple(targets))
+        else:
+            late = [t for t in targets if t not in allowed]
+            wrong += [f"{path.name}:{number}: {name} may include {t}, which doesn't stand above it" for t in late]
+            allowed[name] = set(targets)
+    for name, targets in allowed.items():
+        targets |= set(everyone) | {name}
+    return allowed, due, wrong
+
+
+def target_of(root, path, name):
+    for base in (path.parent, *(root / p for p in INCLUDE_PATHS)):
+        if (base / name).is_file():
+            return folder_of(root, base / name)
+    return None
+
+
+def check_arrows(root):
+    allowed, due, found = read_order(root / "scripts/arrows.txt")
+    used = set()
+    for path in files(root, SOURCE_FOLDERS, {".c", ".h", ".cl"}):
+        folder = folder_of(root, path)
+        if folder not in allowed:
+            found.append(f"{path.relative_to(root)}: scripts/arrows.txt has no line for {folder}")
+            continue
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            match = re.match(r'\s*#\s*include\s+"([^"]+)"', line)
+            target = match and target_of(root, path, match[1])
+            if target and target not in allowed[folder]:
+                used.add((folder, target))
+                if (folder, target) not in due:
+                    found.append(f'{path.relative_to(root)}:{number}: "{match[1]}": {folder} may not include {target}')
+    found += [f"arrows.txt: {a} includes nothing of {b} any more: take the 'due' line out" for a, b in sorted(due - used)]
+    return found
+
+
+# -- citations ---------------------------------------------------------------------------------------------------------
+
+# A mention of the design with its sections: "DESIGN 3.3, 3.4", "DESIGN 3.2 and 3.3".
+DESIGN = re.compile(r"\bDESIGN\b(?!\.md)((?: |,? and |, )?\d[\d.]*(?:(?:, | and )\d[\d.]*)*)?")
+NAMED = re.compile(r"(?<![\w/$.:-])((?:[\w.-]+/)*[\w-]+\.(?:md|c|h|cl|sh|py))\b(?![/(])")
+ELSEWHERE = re.compile(r"https?://\S+|\$\{?TIDES_SHARED\}?\S*|<[\w/]+\.h>")
+# Names of other projects' files and of made-up ones, as they stand in texts.
+FOREIGN = {"CHANGES.md", "program.c", "sysexits.h", "pickletools.py", "simple_trainer.py", "export_perframe_3DGS.py"}
+GENERATED = {"kernels_embedded.c", "presets_embedded.c"}
+PLACEHOLDER = re.compile(r"[A-Z]{4,}") # cmd_NAME.c
+
+
+def comments_of(path, text):
+    """The text with everything blanked that isn't a comment (a page: but for its code blocks), lines kept."""
+    if path.suffix == ".md":
+        return re.sub(r"```.*?```", lambda m: re.sub(r"[^\n]", " ", m[0]), text, flags=re.S)
+    if path.suffix in {".c", ".h", ".cl"}:
+        pattern = r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\''
+        kept, last = [], 0
+        for match in re.finditer(pattern, text, re.S):
+            kept.append(re.sub(r"[^\n]", " ", text[last : match.start()]))
+            kept.append(match[0] if match[0].startswith("/") else " " * len(match[0]))
+            last = match.end()
+        return "".join(kept) + re.sub(r"[^\n]", " ", text[last:])
+    return "\n".join(line[line.find("#") :] if re.search(r"(^|\s)#", line) else "" for line in text.splitlines())
+
+
+def sections_of(root):
+    return set(re.findall(r"^#+ (\d+(?:\.\d+)*)\.? ", (root / "docs/DESIGN.md").read_text(), re.M))
+
+
+def citing_files(root):
+    yield from files(root, CITING, {".c", ".h", ".cl", ".sh", ".py", ".md"})
+    for name in ("README.md", "Makefile"):
+        if (root / name).is_file():
+            yield root / name
+
+
+def check_text(root, path, text, sections, names):
+    """What the comments cite that isn't there: (offset, words)."""
+    for match in DESIGN.finditer(text):
+        cited = re.findall(r"\d+(?:\.\d+)*", match[1] or "")
+        if not cited:
+            yield match.start(), "DESIGN without a section's number"
+        for section in cited:
+            if section not in sections:
+                yield match.start(), f"DESIGN {section}: docs/DESIGN.md has no such section"
+    for match in re.finditer(r"simulators?\W+(?:\*\s+)?notes", text):
+        yield match.start(), "the simulators notes aren't in the repository: say what they say"
+    for match in NAMED.finditer(ELSEWHERE.sub(lambda m: " " * len(m[0]), text)):
+        name = match[1]
+        if PLACEHOLDER.search(Path(name).stem) or Path(name).name in FOREIGN | GENERATED:
+            continue
+        there = name in names or any((base / name).exists() for base in (root, path.parent, root / "lib", root / "include"))
+        if not there:
+            yield match.start(), f"{name}: no such file in the repository"
+
+
+def check_cites(root):
+    sections, found = sections_of(root), []
+    names = {p.name for folder in CITING for p in (root / folder).rglob("*") if p.is_file()}
+    names |= {p.name for p in root.iterdir()}
+    for path in citing_files(root):
+        text = comments_of(path, path.read_text())
+        for offset, words in check_text(root, path, text, sections, names):
+            found.append(f"{path.relative_to(root)}:{text.count(chr(10), 0, offset) + 1}: {words}")
+    return found
+
+
+# -- openings ----------------------------------------------------------------------------------------------------------
+
+
+def check_openings(root):
+    found = []
+    for path in files(root, ("lib",), {".c", ".h"}):
+        opening = re.match(r"/\*(.*?)\*/", path.read_text(), re.S)
+        words = len(re.findall(r"\w{2,}", opening[1])) if opening else 0
+        if words < OPENING_WORDS:
+            found.append(f"{path.relative_to(root)}:1: an opening of {words} words can't say what this does and for whom")
+    return found
+
+
+CHECKS = {"arrows": check_arrows, "cites": check_cites, "openings": check_openings}
+
+
+def main():
+    if len(sys.argv) not in (2, 3) or sys.argv[1] not in CHECKS:
+        raise SystemExit(__doc__)
+    root = Path(sys.argv[2] if len(sys.argv) == 3 else Path(__file__).parent.parent).resolve()
+    found = CHECKS[sys.argv[1]](root)
+    print("\n".join(found), end="\n" if found else "")
+    raise SystemExit(1 if found else 0)
+
+
+if __name__ == "__main__":
+    main()

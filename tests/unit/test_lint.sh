@@ -1,0 +1,86 @@
+#!/bin/bash
+# The stages of scripts/lint.sh that look at the house as a whole find what they are there for, in a small tree made here.
+set -u
+house="${PYTHON:-python3} $PWD/scripts/house.py"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+passed=0 failed=0
+
+# expect CODE WORDS CHECK WHAT: the check's exit code on the tree, and an extended regular expression in what it prints.
+expect() {
+    printed=$($house "$3" "$work" 2>&1)
+    code=$?
+    if [ $code = "$1" ] && echo "$printed" | grep -Eq -- "$2"; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "$4: exit $code for $1, and not '$2' in: $printed"
+    fi
+}
+
+mkdir -p "$work"/{include/tides,lib/base,lib/upper,lib/lower/part,cli,kernels,tests,scripts,python_ctypes,docs,.ci}
+cat >"$work/scripts/arrows.txt" <<'END'
+everyone: include lib/base
+include:
+lib/base:
+lib/lower: # a comment
+lib/upper: lib/lower
+cli:
+END
+opening='/* A file of the test of lint, for nobody but that test; it leaves all else to others. */'
+printf '%s\n#include "lower/td_lower.h"\n#include "td_base.h"\n' "$opening" >"$work/lib/upper/upper.c"
+printf '%s\n#include "td_base.h"\n#include <math.h>\n' "$opening" >"$work/lib/lower/td_lower.h"
+printf '%s\n#include "td_lower.h"\n' "$opening" >"$work/lib/lower/lower.c"
+printf '%s\n#include "lower/td_lower.h"\n' "$opening" >"$work/lib/lower/part/part.c"
+printf '%s\n' "$opening" >"$work/lib/base/td_base.h"
+printf '/* See DESIGN 1.1. */\n' >"$work/include/tides/x.h"
+printf '/* DESIGN 1 and 1.1; lib/upper/upper.c, td_lower.h, <no.h>, cmd_NAME.c, "\n * https://example.org/none.md. */\nchar a[] = "none.c";\n' >"$work/cli/a.c"
+printf '# D\n\n## 1. One\n### 1.1 One of one\n\n```\nnone.md\n```\n' >"$work/docs/DESIGN.md"
+expect 0 '^$' arrows "a right tree"
+expect 0 '^$' cites "a right tree"
+expect 0 '^$' openings "a right tree"
+
+# -- arrows ------------------------------------------------------------------------------------------------------------
+printf '%s\n\n#include "upper/td_upper.h"\n' "$opening" >"$work/lib/lower/part/wrong.c"
+printf '%s\n' "$opening" >"$work/lib/upper/td_upper.h"
+expect 1 '^lib/lower/part/wrong.c:3: "upper/td_upper.h": lib/lower may not include lib/upper$' arrows "an include that points up"
+echo 'due: lib/lower lib/upper' >>"$work/scripts/arrows.txt"
+expect 0 '^$' arrows "one that is due"
+rm "$work/lib/lower/part/wrong.c"
+expect 1 "take the 'due' line out" arrows "one that was due and is gone"
+sed -i '/^due/d; s/^lib\/lower:.*/lib\/lower: lib\/upper/' "$work/scripts/arrows.txt"
+expect 1 "arrows.txt:4: lib/lower may include lib/upper, which doesn't stand above it" arrows "a circle in the list"
+sed -i 's/^lib\/lower:.*/lib\/lower:/' "$work/scripts/arrows.txt"
+mkdir "$work/lib/new"
+printf '%s\n' "$opening" >"$work/lib/new/new.c"
+expect 1 '^lib/new/new.c: scripts/arrows.txt has no line for lib/new$' arrows "a folder that nobody placed"
+rm -r "$work/lib/new"
+printf '%s\n#include "base/td_base.h"\n' "$opening" >"$work/cli/b.c"
+sed -i 's/^everyone:.*/everyone: include/' "$work/scripts/arrows.txt"
+expect 1 'cli may not include lib/base' arrows "the command line in a library's room"
+
+# -- citations ---------------------------------------------------------------------------------------------------------
+cites() { # WORDS WHAT TEXT
+    printf '/* First line.\n * %s */\n' "$3" >"$work/cli/c.c"
+    expect 1 "^cli/c.c:2: $1" cites "$2"
+}
+cites 'DESIGN 2: docs/DESIGN.md has no such section' "a section that isn't there" 'As DESIGN 1.1 and 2 have it.'
+cites 'DESIGN 1.2: ' "a subsection that isn't there" 'As DESIGN 1.2.'
+cites "DESIGN without a section's number" "no section" 'As DESIGN has it.'
+cites "the simulators notes aren't" "notes of somebody" 'As the simulators notes, 1.4.'
+cites 'reference/none.md: no such file' "a page that isn't there" 'See reference/none.md.'
+cites 'lib/upper/gone.c: no such file' "a file that has moved" 'See lib/upper/gone.c, and td_lower.h.'
+cites 'gone.h: no such file' "a header by its name" 'See gone.h.'
+rm "$work/cli/c.c"
+printf '#!/bin/sh\n# See gone.sh.\n' >"$work/scripts/a.sh"
+expect 1 '^scripts/a.sh:2: gone.sh: no such file' cites "a script"
+rm "$work/scripts/a.sh"
+
+# -- openings ----------------------------------------------------------------------------------------------------------
+printf '/* Helpers. */\n' >"$work/lib/lower/vague.c"
+expect 1 '^lib/lower/vague.c:1: an opening of 1 words' openings "an opening that says nothing"
+printf 'int x;\n' >"$work/lib/lower/vague.c"
+expect 1 '^lib/lower/vague.c:1: an opening of 0 words' openings "no opening"
+
+echo "$passed passed, $failed failed, 0 skipped"
+[ $failed = 0 ]
