@@ -31,6 +31,7 @@
 #include "tides/metrics.h"
 #include "tides/representations.h"
 #include "tides/run.h"
+#include "tides/inputs.h"
 #include "tides/session.h"
 
 #endif

@@ -42,10 +42,15 @@ static char *join_lines(const char *const *lines, tides_error *error) {
     return text;
 }
 
+int32_t td_preset_is_file(const char *name) {
+    const size_t length = strlen(name);
+    return strchr(name, '/') || (length > 5 && strcmp(name + length - 5, ".json") == 0);
+}
+
 /* `text` is the caller's. */
 static tides_status load(const tides_run *run, const char *name, char **text, tides_error *error) {
     size_t length = strlen(name), bytes = 0;
-    int is_file = strchr(name, '/') || (length > 5 && strcmp(name + length - 5, ".json") == 0);
+    const int32_t is_file = td_preset_is_file(name);
     for (const td_kernel_source *p = td_preset_sources; p->name && !is_file; p++)
         if (name_length(p->name) == length && memcmp(p->name, name, length) == 0)
             return (*text = join_lines(p->lines, error)) != NULL ? TIDES_OK : TIDES_NO_MEMORY;

@@ -41,6 +41,8 @@ tides_status td_run_store(tides_run *run, const tides_param *row, const cJSON *v
 
 /* preset.c: the values of sensor.preset for the rows that aren't given. */
 tides_status td_run_preset(tides_run *run, tides_error *error);
+/* 1 where it is a path, and not the name of one of ours. */
+int32_t td_preset_is_file(const char *name);
 
 /* run_write.c: the table's defaults as JSON values, NULL when out of memory; nested JSON text of one value per row (NULL rows
  * are left out). */

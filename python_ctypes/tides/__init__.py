@@ -41,7 +41,7 @@ from .motion import Motion
 from .readout import Arbiter, Readout
 from .render import CHANNELS, ImageParams, Renderer
 from .representations import ArrayWriter, VoxelOptions, event_frame, time_surface, voxel_grid
-from .run import Run, parameters, run_template
+from .run import Fingerprints, Run, parameters, run_template
 from .scene import Gaussians, Scene, SceneObject
 from .session import Session
 from .simulate import Recording, Sensor, Simulation, Stepping

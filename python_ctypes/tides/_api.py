@@ -204,6 +204,10 @@ class tides_run(Structure):
     pass
 
 
+class tides_fingerprints(Structure):
+    pass
+
+
 class tides_session(Structure):
     pass
 
@@ -2245,6 +2249,46 @@ class tides_run_values(Structure):
     ]
 
 
+class tides_run_input(Structure):
+    """const char *key; /* of the run file: "scene.objects" */
+    const char *path; /* resolved against the run file */
+    int32_t folder; /* 1: a folder, and what lies below it */
+    int32_t reserved;
+    """
+
+    key: bytes | None
+    path: bytes | None
+    folder: int
+    reserved: int
+
+    _fields_ = [
+        ("key", c_char_p),
+        ("path", c_char_p),
+        ("folder", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_fingerprint(Structure):
+    """uint64_t hash;
+    uint64_t files; /* looked at */
+    uint64_t bytes; /* of all of them */
+    uint64_t largest; /* of the largest one [bytes] */
+    """
+
+    hash: int
+    files: int
+    bytes: int
+    largest: int
+
+    _fields_ = [
+        ("hash", c_uint64),
+        ("files", c_uint64),
+        ("bytes", c_uint64),
+        ("largest", c_uint64),
+    ]
+
+
 class tides_session_facts(Structure):
     """tides_run_values values; /* of its run */
     tides_intrinsics intrinsics; /* of its images; on frames width and height alone */
@@ -2504,6 +2548,18 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_file_part": (c_int32, [c_char_p, c_char_p, c_size_t, P(tides_error)]),
     # tides_status tides_file_write(const char *path, const void *bytes, size_t size, tides_error *error)
     "tides_file_write": (c_int32, [c_char_p, c_void_p, c_size_t, P(tides_error)]),
+    # tides_status tides_fingerprints_create(const char *except, tides_fingerprints **fingerprints, tides_error *error)
+    "tides_fingerprints_create": (c_int32, [c_char_p, P(P(tides_fingerprints)), P(tides_error)]),
+    # void tides_fingerprints_destroy(tides_fingerprints *fingerprints)
+    "tides_fingerprints_destroy": (None, [P(tides_fingerprints)]),
+    # tides_status tides_fingerprints_file(tides_fingerprints *fingerprints, const char *path, tides_fingerprint
+    # *fingerprint, tides_error *error)
+    "tides_fingerprints_file": (c_int32, [P(tides_fingerprints), c_char_p, P(tides_fingerprint), P(tides_error)]),
+    # tides_status tides_fingerprints_run(tides_fingerprints *fingerprints, const tides_run *run, const char *with,
+    # tides_fingerprint *fingerprint, tides_error *error)
+    "tides_fingerprints_run": (c_int32, [
+        P(tides_fingerprints), P(tides_run), c_char_p, P(tides_fingerprint), P(tides_error)
+    ]),
     # void tides_frames_close(tides_frames *frames)
     "tides_frames_close": (None, [P(tides_frames)]),
     # size_t tides_frames_count(const tides_frames *frames)
@@ -2633,6 +2689,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_run_get": (None, [P(tides_run), P(tides_run_values)]),
     # int32_t tides_run_gives(const tides_run *run, const char *key)
     "tides_run_gives": (c_int32, [P(tides_run), c_char_p]),
+    # tides_status tides_run_inputs(const tides_run *run, tides_run_input **inputs, size_t *count, tides_error *error)
+    "tides_run_inputs": (c_int32, [P(tides_run), P(P(tides_run_input)), P(c_size_t), P(tides_error)]),
     # tides_status tides_run_load(const char *file, const char *const *overrides, size_t count, tides_run **run,
     # tides_error *error)
     "tides_run_load": (c_int32, [c_char_p, P(c_char_p), c_size_t, P(P(tides_run)), P(tides_error)]),
@@ -2828,5 +2886,5 @@ STRUCTS = (
     tides_stepping, tides_stats, tides_frames_options, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs,
     tides_ldati_params, tides_baseline_params, tides_frame_supply, tides_channel, tides_match, tides_metrics_options,
     tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_param,
-    tides_run_values, tides_session_facts, tides_recording, tides_recorded,
+    tides_run_values, tides_run_input, tides_fingerprint, tides_session_facts, tides_recording, tides_recorded,
 )

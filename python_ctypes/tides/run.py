@@ -113,6 +113,24 @@ class Run(Handle):
         call("tides_run_open_frames", self._pointer, byref(made))
         return Frames._of(made)
 
+    def inputs(self) -> list[Facts]:
+        """The files that the run reads: key, path, folder (True: and what lies below it)."""
+        rows, count = POINTER(_api.tides_run_input)(), c_size_t()
+        call("tides_run_inputs", self._pointer, byref(rows), byref(count))
+        try:
+            return [Facts(plain(row), folder=bool(row.folder)) for row in rows[: count.value]]
+        finally:
+            lib.tides_free(ctypes.cast(rows, ctypes.c_void_p))
+
+    def fingerprint(self, extra: str | None = None, prints: "Fingerprints | None" = None) -> Facts:
+        """A hash of the run with every default filled in, of all its inputs, and of `extra`, with their sizes: files, bytes,
+        largest [bytes]. Results are current as long as it holds. `prints` remembers files that several runs share."""
+        made = _api.tides_fingerprint()
+        prints = prints or Fingerprints()
+        with prints._lock:
+            call("tides_fingerprints_run", prints._pointer, self._pointer, encoded(extra), byref(made))
+        return plain(made)
+
     def session(self, device: Device | str | int | None = None) -> Session:
         """The run with everything open that it names. `device` wins over the run file's, which wins over TIDES_DEVICE."""
         return Session(self, device=device)
@@ -129,3 +147,22 @@ class Run(Handle):
         """All events of the run, as EVENT (n), by whatever method it names."""
         with self.session(device) as session:
             return session.simulate(progress)
+
+
+class Fingerprints(Handle):
+    """Takes fingerprints of files by content, of folders by names, sizes and times of what lies below them; each path once.
+    Nothing is looked at in the folder `but`, that of the results."""
+
+    _destroy = "tides_fingerprints_destroy"
+
+    def __init__(self, but: str | os.PathLike[str] | None = None):
+        made = POINTER(_api.tides_fingerprints)()
+        call("tides_fingerprints_create", None if but is None else path(but), byref(made))
+        super().__init__(made)
+
+    def of(self, file: str | os.PathLike[str]) -> Facts:
+        """hash, files, bytes, largest of a file or folder."""
+        made = _api.tides_fingerprint()
+        with self._lock:
+            call("tides_fingerprints_file", self._pointer, path(file), byref(made))
+        return plain(made)

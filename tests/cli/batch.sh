@@ -77,6 +77,40 @@ missing parts.d/a/failure.json
 refuse 1 "bad.json: no run is called \"gine\"; did you mean \"gone\"\?" tides batch bad.json -o parts.d --only gine
 refuse 2 "give one of the two" tides batch bad.json -o parts.d --only a --shard 1/2
 
+# Runs on frames, which have no camera; their pictures, times and tables of noise count, and so does what lies below a model's
+# folder: what changes there in place, of the same size, is run again, and nothing else.
+mkdir -p pics.d model.d/point_cloud/iteration_3
+for k in 00 01 02 03; do expect 0 tides render run.json --time 0.0$k -qo pics.d/$k.exr; done
+seq 0 0.01 0.03 >times.txt
+cp scene.ply model.d/point_cloud/iteration_3/point_cloud.ply
+cat >inputs.json <<-'JSON'
+	{ "runs": [ { "name": "v2e", "file": "video.json", "set": { "method": "v2e" } },
+	  { "name": "rated", "file": "video.json", "set": { "frames.timestamps": null, "frames.frames_per_second": 100 } },
+	  { "name": "model", "file": "run.json", "set": { "scene.file": "model.d" } }, { "name": "plain", "file": "run.json" } ] }
+JSON
+echo '{ "frames": { "file": "pics.d", "timestamps": "times.txt" }, "method": "esim", "time": { "stop": 0.03 } }' >video.json
+expect 0 tides batch inputs.json -o inputs.d
+out "4 done \(0 of them before\), 0 failed"
+grep -q '^"v2e","done"' inputs.d/summary.csv || fail "a run on frames should have a row"
+# Runs again, and says which were done anew.
+anew() {
+    expect 0 tides batch inputs.json -o inputs.d
+    [ "$(sed -n 's/^tides: \[[0-9]*\/[0-9]*\] \(.*\): .* events in .*/\1/p' err | LC_ALL=C sort | tr '\n' ' ')" = "$1" ] || fail "not these were to run again: $1"
+}
+anew ""
+sed -i 's/ 3 -1.9 / 3 -1.8 /' model.d/point_cloud/iteration_3/point_cloud.ply
+anew "model "
+mkdir -p model.d/renders && echo "no input" >model.d/renders/notes.txt
+anew ""
+sed -i 's/0.02/0.021/' times.txt
+anew "v2e "
+cp pics.d/02.exr kept.exr
+cat kept.exr >pics.d/02.exr
+anew "rated v2e "
+mkdir -p model.d/point_cloud/iteration_4
+cp scene.ply model.d/point_cloud/iteration_4/point_cloud.ply
+anew "model "
+
 # Shards: every run is somebody's, and the whole batch then finds them all.
 expect 0 tides batch grid.json -o shards.d --shard 1/3 -q
 expect 0 tides batch grid.json -o shards.d --shard 3/3 -q

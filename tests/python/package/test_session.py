@@ -41,7 +41,8 @@ def test_variations_share_what_is_open(tmp_path):
     assert len(low.simulate()) > len(session.simulate())
     alone = tides.Run(RUN, {"sensor.threshold_on": 0.1, "sensor.threshold_off": 0.1})
     assert np.array_equal(alone.simulate("reference"), low.simulate())
-    assert np.array_equal(tides.Run(RUN).vary({"seed": "5", "sensor.threshold_on": 0.1, "sensor.threshold_off": 0.1}).simulate("reference"), low.simulate())
+    again = tides.Run(RUN).vary({"seed": "5", "sensor.threshold_on": 0.1, "sensor.threshold_off": 0.1})
+    assert np.array_equal(again.simulate("reference"), low.simulate())
     with pytest.raises(tides.errors.BadConfig, match="camera.width is another one"):
         session.vary({"camera.width": 9})
     with pytest.raises(ValueError, match="a Session uses it"):
@@ -68,3 +69,21 @@ def test_frames_have_no_simulation(tmp_path):
         session.write(tmp_path / "v2e.csv", resume=True)
     del session
     gc.collect()
+
+
+def test_inputs_and_their_fingerprints(tmp_path):
+    run = tides.Run(RUN)
+    inputs = run.inputs()
+    assert [one.key for one in inputs] == ["scene.file", "camera.file"] and not inputs[0].folder
+    prints = tides.Fingerprints(but=tmp_path / "out")
+    first = run.fingerprint(prints=prints)
+    assert first == run.fingerprint() and first.files == 2 and first.bytes >= first.largest > 0
+    assert run.fingerprint("gpu").hash != first.hash != run.vary({"seed": "3"}).fingerprint().hash
+    assert prints.of(inputs[0].path).bytes + prints.of(inputs[1].path).bytes == first.bytes
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "a").write_text("x")
+    whole = tides.Fingerprints().of(tmp_path)
+    (tmp_path / "sub" / "a").write_text("xy")
+    assert tides.Fingerprints().of(tmp_path).hash != whole.hash and whole.files == 1
+    with pytest.raises(FileNotFoundError):
+        prints.of(tmp_path / "gone")

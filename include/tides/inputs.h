@@ -1,0 +1,59 @@
+/* The files that a run reads, and fingerprints of them: whether a result still is what its run would give. */
+#ifndef TIDES_INPUTS_H
+#define TIDES_INPUTS_H
+
+#include "tides/run.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Something that a run reads. */
+typedef struct tides_run_input {
+    const char *key;  /* of the run file: "scene.objects" */
+    const char *path; /* resolved against the run file */
+    int32_t folder;   /* 1: a folder, and what lies below it */
+    int32_t reserved;
+} tides_run_input;
+
+/* All that a run reads, each path once, in the order of the keys: what its keys name, and what the readers of those look for
+ * beside it, where it is there (COLMAP's cameras.bin beside images.bin, EuRoC's sensor.yaml, timestamps.txt ...). Of the folder
+ * of a trained model, or of a dataset whose camera path is asked for, the files that are read of it stand in its place; other
+ * folders stand for all that lies below them. What isn't there is listed too where a key names it. Motions from callbacks read
+ * no file. Nothing is opened but to see what kind of file it is. The caller frees `inputs` (count) with tides_free, texts and
+ * all. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_run_inputs(const tides_run *run, tides_run_input **inputs, size_t *count,
+                                                         tides_error *error);
+
+/* What a fingerprint says. Plain value. */
+typedef struct tides_fingerprint {
+    uint64_t hash;
+    uint64_t files;   /* looked at */
+    uint64_t bytes;   /* of all of them */
+    uint64_t largest; /* of the largest one [bytes] */
+} tides_fingerprint;
+
+/* Takes fingerprints, and keeps those of files that several runs share. */
+typedef struct tides_fingerprints tides_fingerprints;
+
+/* `except` (nullable) is a folder that no fingerprint looks into: that of the results, which may lie below a run's inputs. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_fingerprints_create(const char *except, tides_fingerprints **fingerprints,
+                                                                  tides_error *error);
+TIDES_API void tides_fingerprints_destroy(tides_fingerprints *fingerprints); /* NULL is fine */
+
+/* Of a file: its content. Of a folder: names, sizes and times of last change [ns] of all files below it whose names don't begin
+ * with a dot, links followed; a dataset holds gigabytes of pictures, and this reads none of them. A write in place is seen,
+ * unless somebody puts the time back; a copy elsewhere with new times is another folder. TIDES_FILE_NOT_FOUND. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_fingerprints_file(tides_fingerprints *fingerprints, const char *path,
+                                                                tides_fingerprint *fingerprint, tides_error *error);
+
+/* Of a run: the run with every default filled in, all its inputs, the library's TIDES_NUMERICS, and `with` (nullable), a text
+ * that it depends on besides, such as the device that was asked for. The sizes are of the inputs alone. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_fingerprints_run(tides_fingerprints *fingerprints, const tides_run *run,
+                                                               const char *with, tides_fingerprint *fingerprint,
+                                                               tides_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

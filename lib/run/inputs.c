@@ -1,0 +1,206 @@
+/* Which files a run reads: those that its keys name, from the parameter table, and what the readers of scenes, paths and frames
+ * look for beside them. For fingerprints (fingerprint.c) and for tides info; the files themselves are their readers'. */
+#include "tides/inputs.h"
+
+#include "camera/td_path.h"
+#include "run/td_params.h"
+#include "run/td_run.h"
+#include "scene/td_model_dir.h"
+#include "scene/td_splat.h"
+#include "td_folder.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* What is found, as it is found. */
+typedef struct found {
+    const char *key;
+    char *path;
+} found;
+typedef struct list {
+    found *items;
+    size_t count, capacity;
+    tides_error *error;
+} list;
+
+/* Takes `path`, which is allocated; NULL: out of memory. */
+static tides_status add(list *l, const char *key, char *path) {
+    if (!path) return TIDES_NO_MEMORY;
+    for (size_t i = 0; i < l->count; i++) {
+        if (strcmp(l->items[i].path, path) != 0) continue;
+        free(path);
+        return TIDES_OK;
+    }
+    void *items = l->items;
+    tides_status status = td_reserve(&items, &l->capacity, l->count + 1, sizeof *l->items, l->error);
+    l->items = items;
+    if (status == TIDES_OK)
+        l->items[l->count++] = (found){key, path};
+    else
+        free(path);
+    return status;
+}
+
+/* -- what lies beside a file -------------------------------------------------------------------------------------------- */
+
+/* Those of `names` (ended by NULL) that are there, in the folder itself or, of a file, in the folder that holds it. */
+static tides_status add_beside(list *l, const char *key, const char *path, const char *const *names) {
+    const char *slash = strrchr(path, '/');
+    const int is_folder = td_is_folder(path), length = is_folder ? (int)strlen(path) : slash ? (int)(slash - path) : 0;
+    tides_status status = TIDES_OK;
+    for (; *names && status == TIDES_OK; names++) {
+        const char *between = is_folder || slash ? "/" : "";
+        char *beside = td_format(l->error, "%.*s%s%s", length, path, between, *names);
+        if (beside && !td_is_file(beside))
+            free(beside);
+        else
+            status = add(l, key, beside);
+    }
+    return status;
+}
+
+/* What the readers of paths look for beside a file: COLMAP's cameras (colmap.c), EuRoC's camera on the body (path_euroc.c), the
+ * scene of nerfies (path_nerfies.c). */
+static tides_status add_path_file(list *l, const char *key, const char *path) {
+    static const char *const names[] = {"cameras.bin",         "cameras.txt",      "sensor.yaml",
+                                        "../cam0/sensor.yaml", "scene.json",       "metadata.json",
+                                        "../scene.json",       "../metadata.json", NULL};
+    tides_status status = add(l, key, td_strdup(path, l->error));
+    return status == TIDES_OK ? add_beside(l, key, path, names) : status;
+}
+
+/* A camera's or object's path. Of a folder the one file that is read of it, however many pictures lie there; nerfies has a
+ * folder of cameras. */
+static tides_status add_path(list *l, const char *key, const char *path) {
+    static const char *const names[] = {"scene.json", "metadata.json", "../scene.json", "../metadata.json", NULL};
+    char *file = NULL;
+    if (!td_is_folder(path)) return add_path_file(l, key, path);
+    tides_status status = td_path_find(path, &file, l->error);
+    const char *read = file ? file : path;
+    if (status == TIDES_OK && file && !td_is_folder(file))
+        status = add_path_file(l, key, file);
+    else if (status == TIDES_OK && (status = add(l, key, td_strdup(read, l->error))) == TIDES_OK)
+        status = add_beside(l, key, read, names);
+    free(file);
+    return status;
+}
+
+/* Times of frames that neither a key nor a rate gives (frame_times.c). */
+static tides_status add_frames(list *l, const char *key, const char *path, const tides_run_values *values) {
+    static const char *const beside_file[] = {"timestamps.txt", "image_timestamps.txt", NULL};
+    static const char *const beside_folder[] = {"../timestamps.txt", "../image_timestamps.txt", NULL};
+    if (values->frames.timestamps || values->frames.frames_per_second > 0) return TIDES_OK;
+    return add_beside(l, key, path, td_is_folder(path) ? beside_folder : beside_file);
+}
+
+/* SOG's meta.json with its pictures. */
+static tides_status add_sog(list *l, const char *key, const char *path) {
+    const char *slash = strrchr(path, '/');
+    char *folder = td_format(l->error, "%.*s", slash ? (int)(slash - path) : 1, slash ? path : ".");
+    td_folder pictures = {NULL, 0, 0};
+    tides_status status = folder ? td_folder_list(&pictures, folder, ".webp", l->error) : TIDES_NO_MEMORY;
+    for (size_t i = 0; status == TIDES_OK && i < pictures.count; i++)
+        status = add(l, key, td_strdup(pictures.files[i], l->error));
+    td_folder_free(&pictures);
+    free(folder);
+    return status;
+}
+
+/* What is read of a trained model: of its newest iteration where it is a folder, among checkpoints and pictures. */
+static tides_status add_model(list *l, const char *key, const td_model_dir *model) {
+    static const char *const names[] = {"cfg_args", NULL};
+    tides_status status = TIDES_OK;
+    if (model->points) status = add(l, key, td_strdup(model->points, l->error));
+    if (status == TIDES_OK && model->weights) status = add(l, key, td_strdup(model->weights, l->error));
+    for (size_t i = 0; status == TIDES_OK && i < model->frame_count; i++)
+        status = add(l, key, td_strdup(model->frames[i], l->error));
+    return status == TIDES_OK ? add_beside(l, key, model->folder, names) : status;
+}
+
+/* What isn't a scene is for its reader to refuse. */
+static tides_status add_scene(list *l, const char *key, const char *path) {
+    td_model_dir model;
+    if (td_model_dir_is(path) && td_model_dir_find(path, &model, NULL) == TIDES_OK) {
+        tides_status status = add_model(l, key, &model);
+        td_model_dir_free(&model);
+        return status;
+    }
+    tides_status status = add(l, key, td_strdup(path, l->error));
+    return status == TIDES_OK && td_is_file(path) && td_sog_is_meta(path) ? add_sog(l, key, path) : status;
+}
+
+/* -- what keys name ----------------------------------------------------------------------------------------------------- */
+
+static tides_status add_objects(list *l, const tides_run *run, const char *key) {
+    const cJSON *object;
+    tides_status status = TIDES_OK;
+    cJSON_ArrayForEach(object, td_run_value(run, key)) {
+        const cJSON *file = cJSON_GetObjectItemCaseSensitive(object, "file");
+        const cJSON *motion = cJSON_GetObjectItemCaseSensitive(object, "trajectory");
+        for (int i = 0; i < 2 && status == TIDES_OK; i++) {
+            const cJSON *name = i ? motion : file;
+            if (!cJSON_IsString(name)) continue;
+            char *path = td_run_resolve(run, name->valuestring, l->error);
+            if (!path) return TIDES_NO_MEMORY;
+            status = i ? add_path(l, key, path) : add_scene(l, key, path);
+            free(path);
+        }
+    }
+    return status;
+}
+
+/* A key's file, and what belongs to it. */
+static tides_status add_row(list *l, const tides_run *run, const td_param *row, const char *file) {
+    if (strcmp(row->key, "scene.file") == 0) return add_scene(l, row->key, file);
+    if (strcmp(row->key, "camera.file") == 0) return add_path(l, row->key, file);
+    tides_status status = add(l, row->key, td_strdup(file, l->error));
+    if (status != TIDES_OK || strcmp(row->key, "frames.file") != 0) return status;
+    tides_run_values values;
+    tides_run_get(run, &values);
+    return add_frames(l, row->key, file, &values);
+}
+
+static tides_status add_all(list *l, const tides_run *run) {
+    const int32_t on_frames = td_run_file(run, "frames.file") != NULL; /* then a camera that is named isn't read */
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; i < td_params_count && status == TIDES_OK; i++) {
+        const td_param *row = &td_params[i];
+        if (on_frames && (strncmp(row->key, "camera.", 7) == 0 || strncmp(row->key, "scene.", 6) == 0)) continue;
+        if (row->type == TIDES_PARAM_OBJECTS) status = add_objects(l, run, row->key);
+        if (run->files[i]) status = add_row(l, run, row, run->files[i]);
+        if (strcmp(row->key, "sensor.preset") == 0 && cJSON_IsString(run->values[i]) &&
+            td_preset_is_file(run->values[i]->valuestring))
+            status = add(l, row->key, td_run_resolve(run, run->values[i]->valuestring, l->error));
+    }
+    return status;
+}
+
+/* One block of memory: the inputs, and their texts behind them. */
+static tides_run_input *pack(const list *l) {
+    size_t bytes = (l->count ? l->count : 1) * sizeof(tides_run_input);
+    for (size_t i = 0; i < l->count; i++) bytes += strlen(l->items[i].path) + 1;
+    tides_run_input *inputs = td_alloc(bytes, 1, l->error);
+    char *text = inputs ? (char *)(inputs + (l->count ? l->count : 1)) : NULL;
+    for (size_t i = 0; inputs && i < l->count; i++) {
+        const size_t length = strlen(l->items[i].path) + 1;
+        memcpy(text, l->items[i].path, length);
+        inputs[i] = (tides_run_input){l->items[i].key, text, td_is_folder(text), 0};
+        text += length;
+    }
+    return inputs;
+}
+
+tides_status tides_run_inputs(const tides_run *run, tides_run_input **inputs, size_t *count, tides_error *error) {
+    if (!run || !inputs || !count) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_inputs: run, inputs or count is NULL");
+    list l = {NULL, 0, 0, error};
+    tides_status status = add_all(&l, run);
+    tides_run_input *made = status == TIDES_OK ? pack(&l) : NULL;
+    if (made) {
+        *inputs = made;
+        *count = l.count;
+    } else if (status == TIDES_OK)
+        status = TIDES_NO_MEMORY;
+    for (size_t i = 0; i < l.count; i++) free(l.items[i].path);
+    free(l.items);
+    return status;
+}
