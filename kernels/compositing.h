@@ -60,7 +60,7 @@ TD_INLINE td_mask td_above_stop(const td_image *image, td_lanes transmittance) {
 
 /* BOUND: the rest of the list can change L by more than `stop`: T times the brightest colour in the list against Y. */
 TD_INLINE td_mask td_above_bound(const td_image *image, td_real brightest, const td_composite *pixels) {
-    if (image->decoder) brightest = brightest * image->decoder_gain; /* Y is 0 or more whatever comes */
+    if (td_with_decoder(image)) brightest = brightest * image->decoder_gain; /* Y is 0 or more whatever comes */
     return pixels->transmittance * brightest > image->stop * (pixels->sums.luminance + image->log_eps);
 }
 
@@ -94,14 +94,13 @@ TD_INLINE void td_visible_alpha(TD_GLOBAL const td_real *record, const td_image 
         *tau_dot = td_select(td_splat(0.0f), *tau_dot, seen);
     }
     if (td_drops_splats(image) && image->soft_order) pixels->behind = td_fma(-before, *tau, before);
-    if (image->outputs >= TD_OUT_DIAGNOSTICS)
-        pixels->contributors = pixels->contributors + td_mask_to_real(seen & pixels->live);
+    if (td_with_diagnostics(image)) pixels->contributors = pixels->contributors + td_mask_to_real(seen & pixels->live);
 }
 
 /* Adds a splat w times to the sums; its colour record only where the image wants colour. */
 TD_INLINE void td_accumulate(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
                              td_lanes w, td_lanes w_dot, td_sums *sums) {
-    if (image->decoder) {
+    if (td_with_decoder(image)) {
         for (int k = 0; k < TD_FEATURES; k++) {
             td_lanes rate = td_fma(w, colour[TD_FEATURES + k], sums->feature[TD_FEATURES + k]);
             sums->feature[k] = td_fma(w, colour[k], sums->feature[k]);
@@ -112,8 +111,8 @@ TD_INLINE void td_accumulate(TD_GLOBAL const td_real *record, TD_GLOBAL const td
         sums->luminance = td_fma(w, luminance, sums->luminance);
         sums->luminance_dot = td_fma(w_dot, luminance, td_fma(w, luminance_dot, sums->luminance_dot));
     }
-    if (image->outputs < TD_OUT_COLOUR) return;
-    for (int c = 0; c < 3 && !image->decoder; c++) {
+    if (!td_with_colour(image)) return;
+    for (int c = 0; c < (td_with_decoder(image) ? 0 : 3); c++) {
         sums->colour[c] = td_fma(w, colour[c], sums->colour[c]);
         sums->colour[3 + c] = td_fma(w_dot, colour[c], td_fma(w, colour[3 + c], sums->colour[3 + c]));
     }
@@ -124,18 +123,16 @@ TD_INLINE void td_accumulate(TD_GLOBAL const td_real *record, TD_GLOBAL const td
 
 /* Adds a blend weight to their sum, compensated (Kahan): thousands of faint splats would cost it a digit. */
 TD_INLINE void td_add_weight(const td_image *image, td_lanes w, td_lanes w_dot, td_sums *sums) {
-    if (image->outputs < TD_OUT_DIAGNOSTICS) return;
+    if (!td_with_diagnostics(image)) return;
     td_lanes term = w - sums->weight_low, weight = sums->weight + term;
     sums->weight_low = (weight - sums->weight) - term;
     sums->weight = weight;
-    if (image->outputs >= TD_OUT_COLOUR) sums->weight_dot = sums->weight_dot + w_dot;
+    if (td_with_colour(image)) sums->weight_dot = sums->weight_dot + w_dot;
 }
 
-/* Blends one splat in hard order (paper, Eq. 2 and 8). */
-TD_INLINE void td_blend(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
-                        td_composite *pixels) {
-    td_lanes tau, tau_dot;
-    td_visible_alpha(record, image, pixels, &tau, &tau_dot);
+/* Blends one splat of alpha tau in hard order (paper, Eq. 2 and 8). */
+TD_INLINE void td_blend_alpha(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
+                              td_lanes tau, td_lanes tau_dot, td_composite *pixels) {
     td_lanes t = pixels->transmittance, t_dot = pixels->transmittance_dot;
     td_lanes w = t * tau;
     td_lanes w_dot = td_fma(t, tau_dot, t_dot * tau);
@@ -145,11 +142,20 @@ TD_INLINE void td_blend(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real
     pixels->transmittance_dot = t_dot - w_dot;
 }
 
+TD_INLINE void td_blend(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
+                        td_composite *pixels) {
+    td_lanes tau, tau_dot;
+    td_visible_alpha(record, image, pixels, &tau, &tau_dot);
+    td_blend_alpha(record, colour, image, tau, tau_dot, pixels);
+}
+
 TD_INLINE void td_sums_start(td_sums *sums, const td_image *image) {
     sums->luminance = sums->luminance_dot = td_splat(0.0f);
-    for (int k = 0; k < 2 * TD_FEATURES && image->decoder; k++) sums->feature[k] = td_splat(0.0f);
+    if (td_with_decoder(image))
+        for (int k = 0; k < 2 * TD_FEATURES; k++) sums->feature[k] = td_splat(0.0f);
     sums->weight = sums->weight_low = sums->weight_dot = sums->depth = sums->depth_dot = td_splat(0.0f);
-    for (int c = 0; c < 6; c++) sums->colour[c] = td_splat(0.0f);
+    if (td_with_colour(image))
+        for (int c = 0; c < 6; c++) sums->colour[c] = td_splat(0.0f);
 }
 
 TD_INLINE void td_composite_start(td_composite *pixels, td_lanes x, td_lanes y, const td_image *image) {

@@ -99,6 +99,20 @@ typedef struct td_image {
     int padding;
 } td_image;
 
+/* What is asked for: by the image, or where a program was built for it (specialise.h), by the build. What isn't must not come
+ * as far as the optimiser there: PoCL lays out in memory what a work-item owns before it unrolls loops, and a struct with an
+ * array that a loop goes through stays there, whether or not the loop is ever reached. (sizeof: it counts as used.) */
+#ifdef TD_BUILD_OUTPUTS
+#define TD_BUILT_WITH(image, what) ((sizeof *(image) > 0) & (what))
+#define td_with_diagnostics(image) TD_BUILT_WITH(image, TD_BUILD_OUTPUTS >= TD_OUT_DIAGNOSTICS)
+#define td_with_colour(image) TD_BUILT_WITH(image, TD_BUILD_OUTPUTS >= TD_OUT_COLOUR)
+#define td_with_decoder(image) TD_BUILT_WITH(image, TD_BUILD_DECODER != 0)
+#else
+#define td_with_diagnostics(image) ((image)->outputs >= TD_OUT_DIAGNOSTICS)
+#define td_with_colour(image) ((image)->outputs >= TD_OUT_COLOUR)
+#define td_with_decoder(image) ((image)->decoder != 0)
+#endif
+
 /* Whether splats have colour records, and reals per record. */
 TD_INLINE int td_has_colours(const td_image *image) { return image->decoder || image->outputs >= TD_OUT_COLOUR; }
 TD_INLINE int td_colour_stride(const td_image *image) { return image->decoder ? TD_FEATURE_STRIDE : TD_COLOUR_STRIDE; }

@@ -13,7 +13,7 @@
 #ifdef TD_OPENCL
 
 #define TD_GLOBAL __global
-#define TD_INLINE static inline
+#define TD_INLINE static inline __attribute__((always_inline))
 typedef float td_real;
 #if TD_LANES == 1
 typedef float td_lanes;
@@ -181,6 +181,30 @@ TD_INLINE void td_store_lanes(TD_GLOBAL td_real *plane, td_lanes value) {
     vstore4(value, 0, plane);
 #else
     plane[0] = value;
+#endif
+}
+
+/* The lanes, one by one, and back: of the work-item's own arrays. */
+TD_INLINE void td_spread(td_lanes value, td_real lane[TD_LANES]) {
+#if TD_LANES == 16
+    vstore16(value, 0, lane);
+#elif TD_LANES == 8
+    vstore8(value, 0, lane);
+#elif TD_LANES == 4
+    vstore4(value, 0, lane);
+#else
+    lane[0] = value;
+#endif
+}
+TD_INLINE td_lanes td_collect(const td_real lane[TD_LANES]) {
+#if TD_LANES == 16
+    return vload16(0, lane);
+#elif TD_LANES == 8
+    return vload8(0, lane);
+#elif TD_LANES == 4
+    return vload4(0, lane);
+#else
+    return lane[0];
 #endif
 }
 

@@ -12,8 +12,10 @@
 #ifndef TD_SOFT_ORDER_H
 #define TD_SOFT_ORDER_H
 
+#include "block_list.h"
 #include "compositing.h"
 #include "fine_depth.h"
+#include "transpose.h"
 
 /* x from which on exp(-x) is taken for 0, which is less than what rounding does to a sum with 1 in it. */
 #ifdef TD_REAL_DOUBLE
@@ -22,56 +24,83 @@
 #define TD_SOFT_REACH 16
 #endif
 
-/* Where a splat is in depth, such that differences of near ones are exact. */
+/* Where splats are in depth, such that differences of near ones are exact. */
 typedef struct td_soft_depth {
-    td_real z, low; /* rounded; what it is more, relative to z */
-    td_real growth; /* z_dot / z */
+    td_lanes z, low; /* rounded; what it is more, relative to z */
+    td_lanes growth; /* z_dot / z */
 } td_soft_depth;
 
-/* From one splat to the next: m, its rate, and 1 - m. */
+/* From each splat of a group to the next: 1 where that is near, else 0; m, its rate, and 1 - m, with nobody near 1, 0 and 0. */
+typedef struct td_soft_steps {
+    int near[TD_LANES];
+    td_real m[TD_LANES], m_dot[TD_LANES], left[TD_LANES];
+} td_soft_steps;
+
+/* One of them. */
 typedef struct td_soft_step {
     td_real m, m_dot, left;
 } td_soft_step;
 
 /* The splats that take out light now. */
 typedef struct td_soft {
-    td_sums sums;        /* by density: B */
-    td_lanes a, a_dot;   /* A */
-    td_soft_depth front; /* of the next splat to add, where there are some already */
-    int open;            /* there are some */
+    td_sums sums;      /* by density: B */
+    td_lanes a, a_dot; /* A */
+    int open;          /* there are some */
 } td_soft;
 
 /* 1 - exp(-x), to some ulp of itself, for x up to a little above TD_SOFT_REACH: by Taylor's series at x/16, and four times
  * 1 - exp(-2 h) = m (2 - m). What the series leaves out, h^6/5040, shrinks with the slope: below 5e-9 in the end. */
-TD_INLINE td_real td_soft_taken(td_real x) {
+TD_INLINE td_lanes td_soft_taken(td_lanes x) {
 #ifdef TD_REAL_DOUBLE
     return -expm1(-x);
 #else
-    td_real h = 0.0625f * x, s = h * h;
-    td_real third = td_fma_real(-1.3888889e-3f, h, 8.3333338e-3f), second = td_fma_real(-4.1666668e-2f, h, 0.16666667f);
-    td_real m = h * td_fma_real(td_fma_real(third, s, second), s, td_fma_real(-0.5f, h, 1.0f));
+    td_lanes h = 0.0625f * x, s = h * h;
+    td_lanes third = td_fma(-1.3888889e-3f, h, 8.3333338e-3f), second = td_fma(-4.1666668e-2f, h, 0.16666667f);
+    td_lanes m = h * td_fma(td_fma(third, s, second), s, td_fma(-0.5f, h, 1.0f));
     for (int i = 0; i < 4; i++) m = m * (2 - m);
     return m;
 #endif
 }
 
-/* ln(z/z_front) = 2 artanh u, u = (z - z_front) / (z + z_front), by its series to u^7: for depths up to TD_SOFT_REACH apart. */
-TD_INLINE td_soft_step td_soft_between(const td_image *image, const td_soft_depth *front, const td_soft_depth *behind) {
-    td_real u = (behind->z - front->z) / (behind->z + front->z), s = u * u;
-    td_real rest = td_fma_real(s, td_fma_real(s, TD_REAL(0.14285714285714286), TD_REAL(0.2)), TD_REAL(0.33333333333333333));
-    td_real series = td_fma_real(u * s, rest, u);
-    td_real scale = 1 / image->soft_depth, x = (2 * series + (behind->low - front->low)) * scale;
-    td_real x_dot = (behind->growth - front->growth) * scale;
-    td_soft_step step;
-    step.m = td_soft_taken(x);
-    step.left = 1 - step.m;
-    step.m_dot = step.left * x_dot;
-    return step;
+/* Is a splat at depth z still reached by one in front of it, at depth y? */
+TD_INLINE td_mask td_is_near(const td_image *image, td_lanes y, td_lanes z) {
+    return z - y < (td_real)(0.5f * TD_SOFT_REACH) * image->soft_depth * (z + y);
 }
 
-/* Is a splat at depth z still reached by one in front of it, at depth y? */
-TD_INLINE int td_is_near(const td_image *image, td_real y, td_real z) {
-    return z - y < (td_real)(0.5f * TD_SOFT_REACH) * image->soft_depth * (z + y);
+/* ln(z/z_front) = 2 artanh u, u = (z - z_front) / (z + z_front), by its series to u^7: for depths up to TD_SOFT_REACH apart. */
+TD_INLINE void td_soft_between(const td_image *image, const td_soft_depth *front, const td_soft_depth *behind, td_mask near,
+                               td_soft_steps *steps) {
+    td_lanes none = td_splat(0.0f), u = (behind->z - front->z) / (behind->z + front->z), s = u * u;
+    td_lanes rest = td_fma(s, td_fma(s, TD_REAL(0.14285714285714286), TD_REAL(0.2)), TD_REAL(0.33333333333333333));
+    td_lanes series = td_fma(u * s, rest, u);
+    td_real scale = 1 / image->soft_depth;
+    td_lanes x = (2 * series + (behind->low - front->low)) * scale;
+    td_lanes x_dot = (behind->growth - front->growth) * scale;
+    td_lanes m = td_soft_taken(x), left = 1 - m;
+    td_spread(td_select(td_splat(1.0f), m, near), steps->m);
+    td_spread(td_select(none, left * x_dot, near), steps->m_dot);
+    td_spread(td_select(none, left, near), steps->left);
+}
+
+/* The ways from the splats of a group to the next ones: they depend on depth alone, and are the same for all pixels. */
+TD_INLINE void td_soft_measure(const td_list *list, const td_image *image, const td_group *group, td_soft_steps *steps) {
+    td_real z[TD_LANES + 1], z_dot[TD_LANES + 1], low[TD_LANES + 1];
+#ifdef TD_OPENCL
+#pragma clang loop vectorize(disable)
+#endif
+    for (int k = 0; k <= TD_LANES; k++) {
+        TD_GLOBAL const td_real *record = td_list_record(list, group->place[k]);
+        z[k] = record[TD_R_DEPTH];
+        z_dot[k] = record[TD_R_DEPTH_DOT];
+        low[k] = td_depth_low(list->masks[group->place[k]]);
+    }
+    td_soft_depth front = {td_collect(z), td_collect(low), td_collect(z_dot)};
+    td_soft_depth behind = {td_collect(z + 1), td_collect(low + 1), td_collect(z_dot + 1)};
+    front.growth = front.growth / front.z;
+    behind.growth = behind.growth / behind.z;
+    td_mask near = td_is_near(image, front.z, behind.z) & (td_count_from(0) < group->count - 1 + group->followed);
+    td_index_lanes(td_mask_bit(near, 1), steps->near);
+    td_soft_between(image, &front, &behind, near, steps);
 }
 
 /* a = -ln(1 - tau) and its rate. 1 - tau is rounded, by more than a small tau has digits: what was lost is taken off again. */
@@ -90,7 +119,7 @@ TD_INLINE void td_soft_start(td_soft *soft, const td_image *image) {
 /* Adds what the splats show, w times, to the image. */
 TD_INLINE void td_add_sums(const td_soft *soft, const td_image *image, td_lanes w, td_lanes w_dot, td_sums *to) {
     const td_sums *from = &soft->sums;
-    if (image->decoder) {
+    if (td_with_decoder(image)) {
         for (int k = 0; k < TD_FEATURES; k++) {
             td_lanes rate = td_fma(w, from->feature[TD_FEATURES + k], to->feature[TD_FEATURES + k]);
             to->feature[k] = td_fma(w, from->feature[k], to->feature[k]);
@@ -101,8 +130,8 @@ TD_INLINE void td_add_sums(const td_soft *soft, const td_image *image, td_lanes 
         to->luminance_dot = td_fma(w_dot, from->luminance, td_fma(w, from->luminance_dot, to->luminance_dot));
     }
     td_add_weight(image, w * soft->a, td_fma(w_dot, soft->a, w * soft->a_dot), to);
-    if (image->outputs < TD_OUT_COLOUR) return;
-    for (int c = 0; c < 3 && !image->decoder; c++) {
+    if (!td_with_colour(image)) return;
+    for (int c = 0; c < (td_with_decoder(image) ? 0 : 3); c++) {
         to->colour[c] = td_fma(w, from->colour[c], to->colour[c]);
         to->colour[3 + c] = td_fma(w_dot, from->colour[c], td_fma(w, from->colour[3 + c], to->colour[3 + c]));
     }
@@ -120,12 +149,12 @@ TD_INLINE void td_soft_fall(const td_soft_step *step, td_lanes *value, td_lanes 
 TD_INLINE void td_soft_fall_all(const td_soft_step *step, const td_image *image, td_soft *soft) {
     td_sums *sums = &soft->sums;
     td_soft_fall(step, &soft->a, &soft->a_dot);
-    if (image->decoder)
+    if (td_with_decoder(image))
         for (int k = 0; k < TD_FEATURES; k++) td_soft_fall(step, &sums->feature[k], &sums->feature[TD_FEATURES + k]);
     else
         td_soft_fall(step, &sums->luminance, &sums->luminance_dot);
-    if (image->outputs < TD_OUT_COLOUR) return;
-    for (int c = 0; c < 3 && !image->decoder; c++) td_soft_fall(step, &sums->colour[c], &sums->colour[3 + c]);
+    if (!td_with_colour(image)) return;
+    for (int c = 0; c < (td_with_decoder(image) ? 0 : 3); c++) td_soft_fall(step, &sums->colour[c], &sums->colour[3 + c]);
     td_soft_fall(step, &sums->depth, &sums->depth_dot);
 }
 
@@ -135,10 +164,11 @@ TD_INLINE void td_soft_clear(const td_image *image, td_soft *soft) {
     td_lanes some = td_select(td_splat(0.0f), td_splat(1.0f), soft->a > TD_REAL(1e-20));
     soft->a = soft->a * some;
     soft->a_dot = soft->a_dot * some;
-    for (int k = 0; k < 2 * TD_FEATURES && image->decoder; k++) sums->feature[k] = sums->feature[k] * some;
+    if (td_with_decoder(image))
+        for (int k = 0; k < 2 * TD_FEATURES; k++) sums->feature[k] = sums->feature[k] * some;
     sums->luminance = sums->luminance * some;
     sums->luminance_dot = sums->luminance_dot * some;
-    if (image->outputs < TD_OUT_COLOUR) return;
+    if (!td_with_colour(image)) return;
     for (int c = 0; c < 6; c++) sums->colour[c] = sums->colour[c] * some;
     sums->depth = sums->depth * some;
     sums->depth_dot = sums->depth_dot * some;
@@ -162,13 +192,32 @@ TD_INLINE void td_soft_go(const td_soft *soft, const td_soft_step *step, const t
 
 /* The next splat begins to take out light. */
 TD_INLINE void td_soft_add(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
-                           td_soft *soft, td_composite *pixels) {
-    td_lanes tau, tau_dot, a, a_dot;
-    td_visible_alpha(record, image, pixels, &tau, &tau_dot);
+                           td_lanes tau, td_lanes tau_dot, td_soft *soft) {
+    td_lanes a, a_dot;
     td_optical_depth(tau, tau_dot, &a, &a_dot);
     td_accumulate(record, colour, image, a, a_dot, &soft->sums);
     soft->a = soft->a + a;
     soft->a_dot = soft->a_dot + a_dot;
+}
+
+/* Blends splat k of a group, and goes on to the next, where that is near, or to the end of what this one reaches. A splat with
+ * nobody near is blended as in hard order. */
+TD_INLINE void td_blend_soft(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
+                             const td_soft_steps *steps, int k, td_soft *soft, td_composite *pixels) {
+    int near = steps->near[k];
+    td_lanes tau, tau_dot;
+    td_visible_alpha(record, image, pixels, &tau, &tau_dot);
+    if (!near && !soft->open) {
+        td_blend_alpha(record, colour, image, tau, tau_dot, pixels);
+        return;
+    }
+    if (!soft->open) td_soft_start(soft, image);
+    soft->open = near;
+    td_soft_add(record, colour, image, tau, tau_dot, soft);
+    td_soft_step step = {steps->m[k], steps->m_dot[k], steps->left[k]};
+    if (step.m == 0 && step.m_dot == 0) return; /* of one depth */
+    td_soft_go(soft, &step, image, pixels);
+    if (near) td_soft_fall_all(&step, image, soft);
 }
 
 #endif
