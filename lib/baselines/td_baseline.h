@@ -4,7 +4,6 @@
 #define TD_BASELINE_H
 
 #include "sensor/td_sensor.h"
-#include "solver/td_comparator.h"
 #include "td_base.h"
 #include "tides/baselines.h"
 

@@ -6,10 +6,7 @@
 #include <stdlib.h>
 
 typedef struct tides_state {
-    td_comparator comparator;
-    td_sensor sensor; /* made at the first frame, whose time it starts from; where no block is on, the comparator does */
-    td_pixels pixels;
-    td_comparator_counts counts;
+    td_sensor sensor; /* made at the first frame, whose time it starts from */
     td_psf psf;
     double *S[2]; /* at the last frame and at this one [log units] (pixels) */
 } tides_state;
@@ -20,10 +17,6 @@ static void destroy(void *state) {
     td_psf_release(&s->psf);
     free(s->S[0]);
     free(s->S[1]);
-    free(s->pixels.initial);
-    free(s->pixels.reference);
-    free(s->pixels.count_on);
-    free(s->pixels.count_off);
     free(s);
 }
 
@@ -40,7 +33,8 @@ static tides_status check(const tides_baseline *b, tides_error *error) {
     /* What the sensor itself checks when it is made, at the first frame. */
     td_frontend frontend;
     td_additive_noise noise;
-    tides_status status = td_sensor_check(sensor, error);
+    tides_status status = td_sensor_check_levels(sensor, TIDES_MODEL_SECANT, error);
+    if (status == TIDES_OK) status = td_sensor_check(sensor, error);
     if (status == TIDES_OK) status = td_frontend_make(sensor, &frontend, error);
     return status == TIDES_OK ? td_additive_noise_make(sensor, &noise, error) : status;
 }
@@ -52,20 +46,10 @@ static tides_status create(tides_baseline *b, tides_error *error) {
     tides_state *s = td_alloc(1, sizeof *s, error);
     if (!s) return TIDES_NO_MEMORY;
     b->state = s;
-    s->comparator = (td_comparator){.threshold_on = sensor->threshold_on,
-                                    .threshold_off = sensor->threshold_off,
-                                    .model = TIDES_MODEL_SECANT,
-                                    .max_events_per_step = sensor->max_events_per_step};
     s->S[0] = td_alloc(b->pixels, sizeof *s->S[0], error);
     s->S[1] = td_alloc(b->pixels, sizeof *s->S[1], error);
-    s->pixels.initial = td_alloc(b->pixels, sizeof *s->pixels.initial, error);
-    s->pixels.reference = td_alloc(b->pixels, sizeof *s->pixels.reference, error);
-    s->pixels.count_on = td_alloc(b->pixels, sizeof *s->pixels.count_on, error);
-    s->pixels.count_off = td_alloc(b->pixels, sizeof *s->pixels.count_off, error);
-    if (!s->S[0] || !s->S[1] || !s->pixels.initial || !s->pixels.reference || !s->pixels.count_on || !s->pixels.count_off)
-        return TIDES_NO_MEMORY;
-    status = td_psf_set(&s->psf, sensor->psf_sigma_px, sensor->psf_domain, error);
-    return status == TIDES_OK ? td_comparator_check(&s->comparator, error) : status;
+    if (!s->S[0] || !s->S[1]) return TIDES_NO_MEMORY;
+    return td_psf_set(&s->psf, sensor->psf_sigma_px, sensor->psf_domain, error);
 }
 
 /* The logarithm of the frame as the optics show it: blurred before the logarithm or after. */
@@ -89,8 +73,7 @@ static tides_status first(tides_baseline *b, const double *Y, tides_error *error
     if (status != TIDES_OK) return status;
     status = td_sensor_create(&params, TIDES_MODEL_SECANT, b->params.log_eps, b->now, b->width, &tile, 1, &s->sensor, error);
     if (status != TIDES_OK) return status;
-    if (s->sensor.on) td_sensor_begin(&s->sensor, s->S[0], s->S[1]);
-    td_pixels_reset(&s->pixels, s->sensor.on ? s->S[1] : s->S[0], b->pixels);
+    td_sensor_begin(&s->sensor, s->S[0]);
     return TIDES_OK;
 }
 
@@ -105,10 +88,7 @@ static tides_status step(tides_baseline *b, const double *Y, tides_error *error)
     if (status != TIDES_OK) return status;
     td_signals signals = {.S0 = s->S[0], .S1 = s->S[1]};
     td_coverage coverage = {NULL, NULL};
-    if (s->sensor.on)
-        status = td_sensor_step(&s->sensor, &interval, &tile, 0, &signals, &coverage, &s->pixels, &b->made, &s->counts, error);
-    else
-        status = td_comparator_step(&s->comparator, &interval, &tile, &signals, &s->pixels, &b->made, &s->counts, error);
+    status = td_sensor_step(&s->sensor, &interval, &tile, 0, &signals, &coverage, &b->made, error);
     double *last = s->S[0];
     s->S[0] = s->S[1];
     s->S[1] = last;

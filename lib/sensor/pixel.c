@@ -121,22 +121,10 @@ static uint16_t added_at(walk *w, double s) {
 
 static tides_status emit(walk *w, double s, int64_t t, int polarity, int cause) {
     const td_pixel_step *p = w->pixel;
-    if (w->fired == TD_EVENTS_PER_PIXEL_MAX)
-        return td_fail(w->job->error, TIDES_OUT_OF_RANGE,
-                       "pixel (%d, %d) would fire more than %d events before %lld ns: raise the thresholds, lower the noise or "
-                       "mend the signal",
-                       p->x, p->y, (int)TD_EVENTS_PER_PIXEL_MAX, (long long)w->job->step->stop_ns);
     tides_event event = {.t = t, .x = p->x, .y = p->y, .polarity = (int8_t)polarity, .cause = (uint8_t)cause};
     event.frontend = added_at(w, s);
-    tides_status status = td_event_buffer_add(w->job->buffer, &event, w->job->error);
-    if (status != TIDES_OK) return status;
-    w->fired++;
-    w->job->sensor_counts.cause[cause]++;
-    if (polarity > 0)
-        w->job->counts.events_on++;
-    else
-        w->job->counts.events_off++;
-    return TIDES_OK;
+    w->job->counts.cause[cause]++;
+    return td_pixel_emit(w->job, &event, &w->fired);
 }
 
 /* The reference becomes the signal at s. */
@@ -233,7 +221,7 @@ static void consume(walk *w, double until) {
         if (polarity == 0 || at >= until) return;
         n++;
         move_reference(w, at, polarity);
-        w->job->sensor_counts.refractory++;
+        w->job->counts.refractory++;
     }
 }
 
@@ -241,7 +229,7 @@ static void consume(walk *w, double until) {
 static void pass_held(walk *w) {
     double end = fmax(place_of(w, *held_until(w)), w->s);
     int law = w->job->sensor->sensor.refractory_law;
-    lose_noise(w, end, &w->job->sensor_counts.refractory);
+    lose_noise(w, end, &w->job->counts.refractory);
     if (law == TIDES_REFRACTORY_DROP_CONSUME) consume(w, end);
     if (end > 1) {
         w->s = 2;
@@ -257,7 +245,7 @@ static int is_masked(const walk *w) { return w->s < w->pixel->visible_from || w-
 /* To where the pixel becomes visible, or the step's end. */
 static void pass_masked(walk *w) {
     double end = w->s < w->pixel->visible_from ? w->pixel->visible_from : 2;
-    lose_noise(w, end, &w->job->sensor_counts.suppressed);
+    lose_noise(w, end, &w->job->counts.suppressed);
     w->s = end;
 }
 
@@ -277,7 +265,7 @@ static tides_status look(walk *w) {
         return TIDES_OK;
     }
     if (polarity) {
-        if (at <= p->visible_from && at > 0) job->sensor_counts.suppressed++; /* it waited for this moment */
+        if (at <= p->visible_from && at > 0) job->counts.suppressed++; /* it waited for this moment */
         w->crossed++;
         w->s = at;
         return fire(w, at, td_step_time(job->step, at), polarity);
@@ -319,12 +307,12 @@ static tides_status catch_up(walk *w) {
 }
 
 tides_status td_pixel_advance(td_pixel_job *job, const td_pixel_step *pixel) {
-    const td_pixels *pixels = job->pixels;
     td_sensor *sensor = job->sensor;
-    walk w = {.job = job, .pixel = pixel, .initial = pixels->initial[pixel->local]};
-    w.reference = pixels->reference[pixel->local];
-    w.count_on = pixels->count_on[pixel->local];
-    w.count_off = pixels->count_off[pixel->local];
+    const td_pixels *pixels = &sensor->pixels;
+    walk w = {.job = job, .pixel = pixel, .initial = pixels->initial[pixel->i]};
+    w.reference = pixels->reference[pixel->i];
+    w.count_on = pixels->count_on[pixel->i];
+    w.count_off = pixels->count_off[pixel->i];
     w.on = sensor->threshold_on[pixel->i];
     w.off = sensor->threshold_off[pixel->i];
     tides_status status = TIDES_OK;
@@ -340,10 +328,10 @@ tides_status td_pixel_advance(td_pixel_job *job, const td_pixel_step *pixel) {
     }
     if (status == TIDES_OK && can_end) status = catch_up(&w);
     end_lines(&w);
-    pixels->initial[pixel->local] = w.initial;
-    pixels->reference[pixel->local] = w.reference;
-    pixels->count_on[pixel->local] = w.count_on;
-    pixels->count_off[pixel->local] = w.count_off;
+    pixels->initial[pixel->i] = w.initial;
+    pixels->reference[pixel->i] = w.reference;
+    pixels->count_on[pixel->i] = w.count_on;
+    pixels->count_off[pixel->i] = w.count_off;
     td_sensor_set_wake(sensor, pixel->i);
     return status;
 }

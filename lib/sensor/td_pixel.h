@@ -1,7 +1,9 @@
-/* Internal: one pixel over one step, its events in time order. */
+/* Internal: one pixel over one step, its events in time order: an ideal one (ideal.c), or one with blocks (pixel.c).
+ * comparator.c says which pixels of a tile need it. */
 #ifndef TD_PIXEL_H
 #define TD_PIXEL_H
 
+#include "td_base.h"
 #include "td_path.h"
 #include "td_sensor.h"
 
@@ -9,11 +11,9 @@
 typedef struct td_pixel_job {
     td_sensor *sensor;
     const td_step *step;
-    const td_pixels *pixels;
     double start; /* of the step [ns since the run's start] */
     td_event_buffer *buffer;
-    td_comparator_counts counts;    /* of this call */
-    td_sensor_counts sensor_counts; /* likewise */
+    td_sensor_counts counts; /* of this call */
     tides_error *error;
 } td_pixel_job;
 
@@ -29,5 +29,27 @@ typedef struct td_pixel_step {
 
 /* On failure the pixel is in between. */
 TIDES_MUST_CHECK tides_status td_pixel_advance(td_pixel_job *job, const td_pixel_step *pixel);
+
+/* An ideal pixel i at (x, y), by its model and its signal at the step's end. On failure counts of the pixel are those of the
+ * events in the buffer. */
+TIDES_MUST_CHECK tides_status td_ideal_advance(td_pixel_job *job, size_t i, uint16_t x, uint16_t y, const td_model *model,
+                                               double S1);
+
+/* An event of a pixel that has fired *fired in this step; its cause is counted by the caller. */
+static inline tides_status td_pixel_emit(td_pixel_job *job, const tides_event *event, int32_t *fired) {
+    if (*fired == TD_EVENTS_PER_PIXEL_MAX)
+        return td_fail(job->error, TIDES_OUT_OF_RANGE,
+                       "pixel (%d, %d) would fire more than %d events before %lld ns: raise the thresholds, lower the noise or "
+                       "mend the signal",
+                       event->x, event->y, (int)TD_EVENTS_PER_PIXEL_MAX, (long long)job->step->stop_ns);
+    tides_status status = td_event_buffer_add(job->buffer, event, job->error);
+    if (status != TIDES_OK) return status;
+    ++*fired;
+    if (event->polarity > 0)
+        job->counts.events_on++;
+    else
+        job->counts.events_off++;
+    return TIDES_OK;
+}
 
 #endif

@@ -1,9 +1,13 @@
-/* Internal: the comparator with its blocks, behind the photoreceptor's filters: mismatch, leak, refractory period, coverage
- * mask, shot noise, hot and dead pixels. Used in place of td_comparator_step where any of them is on.
+/* Internal: the sensor: signals of a tile's pixels on a step in, events out. The comparator (paper, "Comparator and sensor
+ * model"; DESIGN 3.2 to 3.4) with its blocks behind the photoreceptor's filters: mismatch, leak, refractory period, coverage
+ * mask, shot noise, hot and dead pixels, additive noise. Where none of them is on, all pixels are ideal, and a faster branch of
+ * the same comparator. It is for the solver, and for the baselines on frames; what lies before it (PSF, centre-surround's
+ * steps) and after it (readout) is theirs.
  *
- * A pixel compares S_eff = S + ramp with its own levels, where ramp = leak x (time since the run's start), so that the
- * reference stays S_init + n_on C+ - n_off C-. A pixel is re-referenced (S_init = S_eff, counts 0) where a HOLD ends and at
- * each noise event. Times of pixels are nanoseconds since the run's start, in double: 1e-4 ns at 1000 s.
+ * A pixel fires ON where S_eff - S_ref >= C+ and OFF where S_eff - S_ref <= -C-; equality fires. S_ref = S_init + n_on C+ -
+ * n_off C- always comes from the integer counts, so it doesn't drift. No crossing is ever lost: see td_sensor_step. S_eff = S +
+ * ramp, where ramp = leak x (time since the run's start). A pixel is re-referenced (S_init = S_eff, counts 0) where a HOLD ends
+ * and at each noise event. Times of pixels are nanoseconds since the run's start, in double: 1e-4 ns at 1000 s.
  *
  * Held pixels. HOLD: nothing fires, and the reference is S_eff at the end. DROP_KEEP: nothing fires; what S_eff is beyond
  * the levels at the end fires then, one event per refractory period. DROP_CONSUME: crossings move the reference and fire
@@ -18,33 +22,57 @@
 #ifndef TD_SENSOR_H
 #define TD_SENSOR_H
 
-#include "solver/td_comparator.h"
-#include "td_frontend.h"
+#include "signal/td_event_buffer.h"
+#include "signal/td_signals.h"
+#include "signal/td_step.h"
 #include "td_additive_noise.h"
+#include "td_frontend.h"
 #include "td_noise.h"
 #include "tides/sensor.h"
 
 /* A dead pixel's thresholds: out of reach, and finite, so that 0 of them are 0. */
 #define TD_OUT_OF_REACH 1e300
 
+/* A pixel that wants more events in one step has a signal that is no log luminance; without a limit it would fill memory. */
+enum { TD_EVENTS_PER_PIXEL_MAX = 1 << 20 };
+
+/* The comparator's state of each pixel, in the simulator's order. */
+typedef struct td_pixels {
+    double *initial;     /* S_init (count) */
+    double *reference;   /* S_ref, kept because it is read far more often than it changes (count) */
+    uint32_t *count_on;  /* n_on   (count) */
+    uint32_t *count_off; /* n_off  (count) */
+} td_pixels;
+
+/* What happened since the run's start. */
 typedef struct td_sensor_counts {
+    uint64_t events_on, events_off;
     uint64_t cause[TIDES_CAUSES]; /* events by TIDES_CAUSE_* */
+    uint64_t truncated;           /* fired at the step's end because the pixel had used up max_events_per_step */
+    uint64_t caught_up;  /* fired at a step's end because the model had missed or wrongly predicted crossings, or, in an ideal
+                            pixel, at its start because the signal was beyond a level already */
+    uint64_t solved;     /* pixels that the rejection couldn't settle */
+    uint64_t nonfinite;  /* pixels with NaN or infinite signals */
     uint64_t suppressed; /* by the mask: crossings put off to where their pixel became visible, and noise events lost */
     uint64_t refractory; /* crossings consumed, and noise events lost, in refractory periods */
 } td_sensor_counts;
 
 typedef struct td_sensor {
     tides_sensor sensor;
-    int on;       /* a block is on; else nothing below is there, and td_comparator_step does */
-    int restless; /* pixels may fire where nothing moves, or are waiting for a time */
-    int masks;    /* coverage is wanted */
-    int labels;   /* events get what the front end added, where there is one */
+    int on;         /* a block is on; else every pixel is ideal, and nothing of the blocks' below is there */
+    int restless;   /* pixels may fire where nothing moves, or are waiting for a time */
+    int masks;      /* coverage is wanted */
+    int labels;     /* events get what the front end added, where there is one */
+    int exhaustive; /* 1: every pixel is solved (tests, and to measure what the rejection saves); 0 as created */
     int32_t model, image_width;
     double log_eps;
     int64_t start_ns; /* the run's, floored, and what that took */
     double start_fraction;
+    size_t count; /* pixels, in the simulator's order; as long are the arrays that are there */
+    td_pixels pixels;
+    td_sensor_counts counts;
+    /* the blocks' */
     double refractory_ns;
-    size_t count;                         /* pixels, in the simulator's order; as long are the arrays that are there */
     double *threshold_on, *threshold_off; /* of each pixel */
     double *leak;                         /* [log units/ns] */
     double *held_until;                   /* end of the refractory period that is still to be dealt with; -INFINITY: none */
@@ -57,46 +85,79 @@ typedef struct td_sensor {
     td_additive_noise additive;
     double *noise_line, *noise_value; /* with it: number and begin [log units] of the line that the time reached is on, */
     uint32_t *number;                 /* and the pixel's in the image */
-    td_sensor_counts counts;
-    const td_signals *light; /* of a call: log-luminance, where the signals aren't; NULL: they are */
+    const td_signals *light;          /* of a call: log-luminance, where the signals aren't; NULL: they are */
 } td_sensor;
 
-/* Checks the parameters that the comparator reads: TIDES_BAD_ARGUMENT naming the field. */
+/* Checks what the comparator reads of the parameters, and the model: TIDES_BAD_ARGUMENT naming the field. */
+TIDES_MUST_CHECK tides_status td_sensor_check_levels(const tides_sensor *sensor, int32_t model, tides_error *error);
+
+/* The same of the blocks, but for their filters and additive noise (td_frontend_make, td_additive_noise_make). */
 TIDES_MUST_CHECK tides_status td_sensor_check(const tides_sensor *sensor, tides_error *error);
 
-/* Draws all pixels of the `tiles` (in order, one after the other) of an image `image_width` wide. td_sensor_release frees. */
+/* Draws all pixels of the `tiles` (in order, one after the other) of an image `image_width` wide, after these checks.
+ * td_sensor_release frees. */
 TIDES_MUST_CHECK tides_status td_sensor_create(const tides_sensor *given, int32_t model, double log_eps, double start,
                                                int32_t image_width, const td_tile *tiles, int32_t tile_count, td_sensor *sensor,
                                                tides_error *error);
 void td_sensor_release(td_sensor *sensor);
 
-/* The run's start: pixel i has rested at log-luminance L[i], and S[i] becomes its signal (the same memory is fine). */
-void td_sensor_begin(td_sensor *sensor, const double *L, double *S);
+/* The run's start: pixel i has rested at log-luminance L[i], its reference is the signal there, and nothing has fired. */
+void td_sensor_begin(td_sensor *sensor, const double *L);
 
 /* Coverage of a tile's pixels at both ends of the step, in [0, 1]; read only where sensor->masks. */
 typedef struct td_coverage {
     const double *begin, *end; /* (count) */
 } td_coverage;
 
-/* td_comparator_step with the blocks: pixel i of the tile is pixel first + i of the sensor. `step` is as the simulator has it:
- * events are at start_ns to stop_ns, both included, and no other step has one of these nanoseconds. After a failure the
- * events are as before, the pixels aren't. */
+/* Compares one tile over one step; appends its events pixel by pixel, each pixel's in time order (td_event_sort makes a
+ * stream). Pixel i of the tile is pixel first + i of the sensor. `step` is as the simulator has it: half-open, (start, stop];
+ * events are at start_ns to stop_ns, both included, and no other step has one of these nanoseconds. A crossing at its stop
+ * belongs to it, and has fired when the next one begins.
+ *
+ * First, events come from the local model (behind filters, from their response to it), at its times, at most
+ * max_events_per_step of them per pixel. Then the signal at the step's end decides: while S_eff - S_ref >= C+ an ON event fires
+ * at the stop, while S_eff - S_ref <= -C- an OFF event. That fires what the linear model missed, takes back with the opposite
+ * polarity what it predicted and S1 denies, and fires what the limit cut off (as far as it hasn't cancelled). The other models
+ * end at S1, so only a cut leaves them anything to catch up. So -C- < S_eff - S_ref < C+ holds of every pixel that isn't held
+ * or masked after every step, in double arithmetic as written here.
+ *
+ * Where signals aren't finite the model fires nothing; the pixel is caught up as soon as a step ends in a finite S1. One that
+ * began at NaN or infinity has no reference, and stays silent. Both are counted.
+ *
+ * TIDES_OUT_OF_RANGE: a pixel would fire more than TD_EVENTS_PER_PIXEL_MAX events in the step. TIDES_NO_MEMORY. Then counts and
+ * the events in the buffer are as before the call, and so are ideal pixels; the others are not. */
 TIDES_MUST_CHECK tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
-                                             const td_signals *signals, const td_coverage *coverage, const td_pixels *pixels,
-                                             td_event_buffer *buffer, td_comparator_counts *counts, tides_error *error);
+                                             const td_signals *signals, const td_coverage *coverage, td_event_buffer *buffer,
+                                             tides_error *error);
 
 /* [ns] since the run's start. */
 static inline double td_sensor_time(const td_sensor *sensor, int64_t ns, double fraction) {
     return (double)(ns - sensor->start_ns) + (fraction - sensor->start_fraction);
 }
 
-/* S_eff at time [ns] since the run's start, the time reached, at which the pixel's log-luminance is L. */
-static inline double td_sensor_effective(const td_sensor *sensor, size_t pixel, double L, double time) {
-    return (sensor->frontend.on ? sensor->filter[0][pixel] : L) + sensor->leak[pixel] * time;
+/* -- between steps --------------------------------------------------------------------------------------------------------- */
+
+/* What a pixel compares with its levels at time [ns since the run's start], the time reached, at which its log-luminance is L.
+ */
+double td_sensor_signal(const td_sensor *sensor, size_t pixel, double L, double time);
+
+/* The largest (S_eff - S_ref) / C+ or (S_ref - S_eff) / C- of the pixels that answer to their levels at time `time`, which have
+ * log-luminances L and, read only where sensor->masks, coverages: below 1 after a step. NaN pixels are passed over. */
+double td_sensor_worst_residual(const td_sensor *sensor, const double *L, const double *coverage, double time);
+
+/* S_ref from the counts: S_init + n_on C+ - n_off C-, with pairs of ON and OFF taken together, so that with equal thresholds
+ * a pixel that comes back to a level has the very reference that it had there before. */
+static inline double td_reference_of(double on, double off, double initial, uint32_t count_on, uint32_t count_off) {
+    uint32_t pairs = count_on < count_off ? count_on : count_off;
+    double unpaired = (double)(count_on - pairs) * on - (double)(count_off - pairs) * off; /* one of them is 0 */
+    return initial + ((double)pairs * (on - off) + unpaired);
 }
 
 /* The additive noise at a time [ns since the run's start] that isn't before the time reached; 0 without. */
 double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time);
+
+/* After the state of pixels was put there from outside: what follows from it. */
+void td_sensor_resume(td_sensor *sensor);
 
 /* The time of the pixel's next appointment, after any of its parts changed. */
 void td_sensor_set_wake(td_sensor *sensor, size_t pixel);

@@ -5,6 +5,9 @@
 
 #include "td_model.h"
 
+/* The places in (0, 1) where the slope changes sign, ascending: 0, 1 or 2 of them. None where the model isn't finite. */
+int td_model_extrema(const td_model *model, double s[2]);
+
 /* A walk along the model that stops at each crossing. */
 typedef struct td_crossing_walk {
     td_model model;

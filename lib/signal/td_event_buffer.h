@@ -27,7 +27,14 @@ static inline TIDES_MUST_CHECK tides_status td_event_buffer_add(td_event_buffer 
         tides_status status = td_event_buffer_reserve(buffer, TD_EVENT_BUFFER_GROWTH, error);
         if (status != TIDES_OK) return status;
     }
-    buffer->events[buffer->count++] = *event;
+    /* Field by field: a copy of 16 bytes would wait for the stores that have just put them together. */
+    tides_event *to = &buffer->events[buffer->count++];
+    to->t = event->t;
+    to->x = event->x;
+    to->y = event->y;
+    to->polarity = event->polarity;
+    to->cause = event->cause;
+    to->frontend = event->frontend;
     return TIDES_OK;
 }
 

@@ -12,6 +12,8 @@
 
 #include "tides/simulate.h"
 
+#include <math.h>
+
 typedef struct td_model {
     double control[4]; /* [log units] */
 } td_model;
@@ -47,10 +49,10 @@ static inline double td_model_slope(const td_model *model, double s) {
 }
 
 /* 1 if no control value is NaN or infinite. */
-int td_model_is_finite(const td_model *model);
-
-/* The places in (0, 1) where the slope changes sign, ascending: 0, 1 or 2 of them. None where the model isn't finite. */
-int td_model_extrema(const td_model *model, double s[2]);
+static inline int td_model_is_finite(const td_model *model) {
+    const double *b = model->control;
+    return isfinite(b[0]) && isfinite(b[1]) && isfinite(b[2]) && isfinite(b[3]);
+}
 
 /* The model between two places, as a model over [0, 1]; places that two parts share have the same value to the bit. */
 td_model td_model_part(const td_model *model, double from, double to);

@@ -73,19 +73,6 @@ static void exchange(const tides_simulator *s, const td_planes *p, int into_simu
     }
 }
 
-/* A pixel that has never fired keeps the very bits of its initial value, a NaN's too. */
-static void set_references(tides_simulator *s) {
-    const td_pixels *p = &s->pixels;
-    for (size_t i = 0; i < s->first_pixel[s->tiles]; i++) {
-        double on = s->sensor.on ? s->sensor.threshold_on[i] : s->comparator.threshold_on;
-        double off = s->sensor.on ? s->sensor.threshold_off[i] : s->comparator.threshold_off;
-        p->reference[i] = p->count_on[i] == 0 && p->count_off[i] == 0
-                              ? p->initial[i]
-                              : td_reference_of(on, off, p->initial[i], p->count_on[i], p->count_off[i]);
-        if (s->sensor.on) td_sensor_set_wake(&s->sensor, i);
-    }
-}
-
 void td_planes_take(td_planes *p, const tides_simulator *s) {
     exchange(s, p, 0);
     memcpy(p->timing, s->timing.weight, sizeof p->timing);
@@ -96,7 +83,7 @@ void td_planes_give(const td_planes *p, tides_simulator *s) {
     exchange(s, p, 1);
     memcpy(s->timing.weight, p->timing, sizeof p->timing);
     memcpy(s->tile_risk, p->tile_risk, (size_t)s->tiles * sizeof *p->tile_risk);
-    set_references(s);
+    td_sensor_resume(&s->sensor);
     if (s->surround.surround.on) td_surround_steps_resume(s);
 }
 

@@ -20,12 +20,12 @@ typedef struct total {
     { name, place, 1, 1, offsetof(owner, member) }
 
 static const total totals[TD_TOTALS] = {
-    COUNT("events_on", SIMULATOR, tides_simulator, counts.events_on),
-    COUNT("events_off", SIMULATOR, tides_simulator, counts.events_off),
-    COUNT("events_truncated", SIMULATOR, tides_simulator, counts.truncated),
-    COUNT("events_caught_up", SIMULATOR, tides_simulator, counts.caught_up),
-    COUNT("pixels_solved", SIMULATOR, tides_simulator, counts.solved),
-    COUNT("pixels_nonfinite", SIMULATOR, tides_simulator, counts.nonfinite),
+    COUNT("events_on", SIMULATOR, tides_simulator, sensor.counts.events_on),
+    COUNT("events_off", SIMULATOR, tides_simulator, sensor.counts.events_off),
+    COUNT("events_truncated", SIMULATOR, tides_simulator, sensor.counts.truncated),
+    COUNT("events_caught_up", SIMULATOR, tides_simulator, sensor.counts.caught_up),
+    COUNT("pixels_solved", SIMULATOR, tides_simulator, sensor.counts.solved),
+    COUNT("pixels_nonfinite", SIMULATOR, tides_simulator, sensor.counts.nonfinite),
     COUNT("events_signal", SIMULATOR, tides_simulator, sensor.counts.cause[TIDES_CAUSE_SIGNAL]),
     COUNT("events_leak", SIMULATOR, tides_simulator, sensor.counts.cause[TIDES_CAUSE_LEAK]),
     COUNT("events_shot", SIMULATOR, tides_simulator, sensor.counts.cause[TIDES_CAUSE_SHOT]),

@@ -1,4 +1,5 @@
-/* A step of one tile: signals in, events out, by the comparator or by the sensor in its place. */
+/* A step of one tile: its signals go to the sensor, which appends events; and what the sensor says of where pixels stand. For
+ * the run over steps, and for settling. */
 #include "td_simulator.h"
 
 #include <math.h>
@@ -24,20 +25,17 @@ static tides_status compare(tides_simulator *s, int t, const td_step *step, cons
                             const double *const end[], tides_error *error) {
     size_t at = s->first_pixel[t];
     td_signals signals = {begin[TD_KEPT_S], begin[TD_KEPT_S_DOT], end[TD_KEPT_S], end[TD_KEPT_S_DOT]};
-    td_pixels pixels = {s->pixels.initial + at, s->pixels.reference + at, s->pixels.count_on + at, s->pixels.count_off + at};
-    if (!s->sensor.on)
-        return td_comparator_step(&s->comparator, step, &s->tile[t], &signals, &pixels, &s->events, &s->counts, error);
     td_coverage coverage = {NULL, NULL};
     if (s->sensor.masks) coverage = (td_coverage){begin[TD_KEPT_ALPHA], end[TD_KEPT_ALPHA]};
-    return td_sensor_step(&s->sensor, step, &s->tile[t], at, &signals, &coverage, &pixels, &s->events, &s->counts, error);
+    return td_sensor_step(&s->sensor, step, &s->tile[t], at, &signals, &coverage, &s->events, error);
 }
 
 tides_status td_compare_tile(tides_simulator *s, int t, const td_step *step, const double *const begin[],
                              const double *const end[], tides_error *error) {
-    const uint64_t before = s->counts.nonfinite;
+    const uint64_t before = s->sensor.counts.nonfinite;
     tides_status status = compare(s, t, step, begin, end, error);
-    if (status != TIDES_OK || s->counts.nonfinite == before) return status;
-    return fail_nonfinite(s, t, step, s->counts.nonfinite - before, error);
+    if (status != TIDES_OK || s->sensor.counts.nonfinite == before) return status;
+    return fail_nonfinite(s, t, step, s->sensor.counts.nonfinite - before, error);
 }
 
 tides_status td_compare_still(tides_simulator *s, const td_step *step, tides_error *error) {
@@ -64,28 +62,9 @@ static const double *seen(const tides_simulator *s) {
 }
 
 double td_signal_now(const tides_simulator *s, size_t pixel) {
-    double S = seen(s)[pixel];
-    if (!s->sensor.on) return S;
-    double time = time_now(s);
-    return td_sensor_effective(&s->sensor, pixel, S, time) + td_sensor_noise_at(&s->sensor, pixel, time);
-}
-
-/* Whether the pixel answers to its levels at the time reached. */
-static int is_free(const tides_simulator *s, size_t pixel, double time) {
-    const td_sensor *sensor = &s->sensor;
-    if (sensor->masks && !(s->now.plane[TD_KEPT_ALPHA][pixel] >= sensor->sensor.b_min)) return 0;
-    return !(sensor->held_until[pixel] > time);
+    return td_sensor_signal(&s->sensor, pixel, seen(s)[pixel], time_now(s));
 }
 
 double td_worst_residual(const tides_simulator *s) {
-    size_t count = s->first_pixel[s->tiles];
-    if (!s->sensor.on) return td_comparator_worst_residual(&s->comparator, &s->pixels, seen(s), count);
-    double worst = 0, time = time_now(s);
-    for (size_t i = 0; i < count; i++) {
-        double residual = td_signal_now(s, i) - s->pixels.reference[i];
-        double threshold = residual > 0 ? s->sensor.threshold_on[i] : s->sensor.threshold_off[i];
-        double relative = fabs(residual) / threshold;
-        if (relative > worst && is_free(s, i, time)) worst = relative;
-    }
-    return worst;
+    return td_sensor_worst_residual(&s->sensor, seen(s), s->now.plane[TD_KEPT_ALPHA], time_now(s));
 }

@@ -88,11 +88,7 @@ static tides_status begin(tides_simulator *s, tides_error *error) {
     store_step(s, 0, &s->now);
     if (s->surround.surround.on) td_surround_steps_begin(s);
     const double *S = s->surround.surround.on ? s->surround.S : s->now.plane[TD_KEPT_S];
-    td_pixels_reset(&s->pixels, S, s->first_pixel[s->tiles]);
-    if (s->sensor.frontend.on || s->sensor.additive.on) {
-        td_sensor_begin(&s->sensor, S, s->pixels.initial);
-        memcpy(s->pixels.reference, s->pixels.initial, s->first_pixel[s->tiles] * sizeof(double));
-    }
+    td_sensor_begin(&s->sensor, S);
     s->started = 1;
     return TIDES_OK;
 }

@@ -126,13 +126,9 @@ static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *err
     ok = ok && (s->refine.head = td_alloc((size_t)s->tiles, sizeof *s->refine.head, error)) != NULL;
     ok = ok && (s->moving = td_alloc((size_t)s->tiles, sizeof *s->moving, error)) != NULL;
     ok = ok && (s->planes = td_alloc(samples * (size_t)td_fixed_outputs(s) * TD_TILE_PIXELS, sizeof *s->planes, error)) != NULL;
-    ok = ok && (s->pixels.initial = td_alloc(pixels, sizeof *s->pixels.initial, error)) != NULL;
-    ok = ok && (s->pixels.reference = td_alloc(pixels, sizeof *s->pixels.reference, error)) != NULL;
     for (int p = 0; ok && p < s->planes_kept; p++)
         ok = (s->now.plane[p] = td_alloc(pixels, sizeof *s->now.plane[p], error)) != NULL &&
              (s->next.plane[p] = td_alloc(pixels, sizeof *s->next.plane[p], error)) != NULL;
-    ok = ok && (s->pixels.count_on = td_alloc(pixels, sizeof *s->pixels.count_on, error)) != NULL;
-    ok = ok && (s->pixels.count_off = td_alloc(pixels, sizeof *s->pixels.count_off, error)) != NULL;
     return ok ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
@@ -232,7 +228,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     s->epoch_ns = td_time_ns(start);
     s->length = stop - start;
     take_parameters(s, device, sensor, stepping);
-    status = td_comparator_check(&s->comparator, error);
+    status = td_sensor_check_levels(sensor, stepping->model, error);
     if (status == TIDES_OK)
         status = tides_renderer_create(device, scene, intrinsics, image, progress, user, &s->renderer, error);
     if (status == TIDES_OK) status = tides_renderer_set_psf(s->renderer, sensor->psf_sigma_px, sensor->psf_domain, error);
@@ -241,6 +237,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     if (status == TIDES_OK)
         status = td_sensor_create(sensor, stepping->model, image->log_eps, 0, s->width, s->tile, s->tiles, &s->sensor, error);
     s->sensor.start_ns += s->epoch_ns;
+    s->pixels = s->sensor.pixels;
     if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, stepping, intrinsics->height, error);
     if (status != TIDES_OK) {
         tides_simulator_destroy(s);
@@ -263,11 +260,7 @@ void tides_simulator_destroy(tides_simulator *simulator) {
         free(simulator->now.plane[p]);
         free(simulator->next.plane[p]);
     }
-    free(simulator->pixels.initial);
-    free(simulator->pixels.reference);
     free(simulator->planes);
-    free(simulator->pixels.count_on);
-    free(simulator->pixels.count_off);
     free(simulator->tile);
     free(simulator->first_pixel);
     free(simulator->requests);
@@ -281,14 +274,14 @@ void tides_simulator_destroy(tides_simulator *simulator) {
 void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats) {
     *stats = simulator->stats;
     tides_renderer_stats(simulator->renderer, &stats->render);
-    stats->render.pixels_nonfinite += simulator->counts.nonfinite;
+    stats->render.pixels_nonfinite += simulator->sensor.counts.nonfinite;
     const tides_render_stats *render = &stats->render;
-    stats->events_on = simulator->counts.events_on;
-    stats->events_off = simulator->counts.events_off;
+    stats->events_on = simulator->sensor.counts.events_on;
+    stats->events_off = simulator->sensor.counts.events_off;
     stats->events = stats->events_on + stats->events_off;
     stats->events_uncertain = simulator->timing.uncertain;
-    stats->events_truncated = simulator->counts.truncated;
-    stats->events_caught_up = simulator->counts.caught_up;
+    stats->events_truncated = simulator->sensor.counts.truncated;
+    stats->events_caught_up = simulator->sensor.counts.caught_up;
     stats->renders_full_frame_equivalent = (double)render->tile_jobs / simulator->tiles;
     stats->simulated_s = simulator->started ? td_grid_time(simulator, simulator->step) : 0;
     stats->real_time_factor = stats->run_time_s > 0 ? stats->simulated_s / stats->run_time_s : 0;
@@ -301,7 +294,6 @@ void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats)
     stats->error_p99_s = td_timing_percentile(&simulator->timing, 0.99);
     stats->peak_memory_bytes = td_peak_memory();
     for (int c = 0; c < TIDES_CAUSES; c++) stats->events_by_cause[c] = simulator->sensor.counts.cause[c];
-    if (!simulator->sensor.on) stats->events_by_cause[TIDES_CAUSE_SIGNAL] = stats->events;
     stats->events_suppressed = simulator->sensor.counts.suppressed;
     stats->events_refractory = simulator->sensor.counts.refractory;
     stats->events_written = stats->events;

@@ -23,7 +23,7 @@ struct tides_simulator {
     tides_renderer *renderer;
     const tides_trajectory *camera;
     td_comparator comparator;
-    td_sensor sensor;           /* what is in the comparator's place where one of its blocks is on */
+    td_sensor sensor;
     td_surround_steps surround; /* between the pixels and the comparator, where the sensor has one */
     double epoch;               /* [s] the run's start: every other time in the solver is an offset from it, */
     double length, step_s;      /* [s] up to `length` */
@@ -45,9 +45,9 @@ struct tides_simulator {
     int64_t step;      /* steps taken */
     int started;       /* the first sample is there */
     int width, tiles;
-    td_tile *tile;       /* (tiles) */
-    size_t *first_pixel; /* (tiles + 1): where a tile's pixels begin in the arrays below */
-    td_pixels pixels;
+    td_tile *tile;          /* (tiles) */
+    size_t *first_pixel;    /* (tiles + 1): where a tile's pixels begin in the arrays below */
+    td_pixels pixels;       /* the sensor's */
     td_sample now, next;    /* at the step's two ends */
     int batch, batch_limit; /* steps per launch: now, and at most */
     td_request *requests;   /* (batch_limit x tiles) */
@@ -57,7 +57,6 @@ struct tides_simulator {
     td_event_buffer events; /* of the packet */
     tides_event *scratch;   /* for sorting */
     size_t scratch_capacity;
-    td_comparator_counts counts;
     tides_stats stats; /* times and steps; the rest is put together when asked for */
 };
 

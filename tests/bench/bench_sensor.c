@@ -1,4 +1,4 @@
-/* What each block of the sensor costs per pixel and step where hardly anything fires, beside the plain comparator; alternating,
+/* What each block of the sensor costs per pixel and step where hardly anything fires, beside ideal pixels; alternating,
  * so that a busy machine slows all alike. Prints one line each; not part of `make check`. */
 #include "sensor/td_sensor.h"
 #include "td_base.h"
@@ -6,18 +6,17 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-enum { WIDTH = 16, PIXELS = WIDTH * WIDTH, STEPS = 200, ROUNDS = 5, BLOCKS = 12 };
+enum { WIDTH = 16, PIXELS = WIDTH * WIDTH, STEPS = 200, ROUNDS = 5, BLOCKS = 13 };
 
-static double S[PIXELS], rate[PIXELS], initial[PIXELS], reference[PIXELS], coverage[PIXELS];
-static uint32_t count_on[PIXELS], count_off[PIXELS];
+static double S[PIXELS], rate[PIXELS], coverage[PIXELS];
 
-/* Block number k alone; 0: the sensor with nothing that acts. */
+/* Block number k alone; 0: the sensor with nothing that acts; the last: ideal pixels. */
 static tides_sensor block(int k, const char **name) {
     static const char *const names[BLOCKS] = {"nothing", "mismatch",   "leak",     "refractory",
                                               "b_min",   "shot noise", "hot",      "low-pass",
-                                              "circuit", "v2e's pole", "additive", "the same behind a low-pass"};
+                                              "circuit", "v2e's pole", "additive", "the same behind a low-pass",
+                                              "ideal"};
     tides_sensor s;
     tides_sensor_defaults(&s);
     *name = names[k];
@@ -32,36 +31,25 @@ static tides_sensor block(int k, const char **name) {
     if (k == 8) s.bandwidth = TIDES_BANDWIDTH_CIRCUIT;
     if (k == 9) s.photoreceptor_cutoff_hz = 300;
     if (k == 9) s.photoreceptor_law = TIDES_PHOTORECEPTOR_INTENSITY;
-    if (k >= 10) s.noise_rms = 0.02;
+    if (k == 10 || k == 11) s.noise_rms = 0.02;
     if (k == 11) s.photoreceptor_cutoff_hz = 300;
     return s;
 }
 
-/* [ns] per pixel and step of 1 ms; `sensor` NULL: the comparator. */
+/* [ns] per pixel and step of 1 ms. */
 static double run(td_sensor *sensor) {
-    const td_comparator comparator = {.threshold_on = 0.2,
-                                      .threshold_off = 0.2,
-                                      .model = TIDES_MODEL_HERMITE,
-                                      .max_events_per_step = 64};
     const td_tile tile = {0, 0, WIDTH, PIXELS};
     const td_signals signals = {S, rate, S, rate};
     const td_coverage cover = {coverage, coverage};
-    td_pixels pixels = {initial, reference, count_on, count_off};
     td_event_buffer buffer = {0};
-    td_comparator_counts counts = {0};
     tides_error error = {TIDES_OK, ""};
-    td_pixels_reset(&pixels, S, PIXELS);
-    if (sensor && (sensor->frontend.on || sensor->additive.on)) td_sensor_begin(sensor, S, initial);
-    memcpy(reference, initial, sizeof reference);
+    td_sensor_begin(sensor, S);
     double begun = td_now();
     for (int k = 0; k < STEPS; k++) {
         td_step step;
         tides_status status = td_step_between(k * 1e-3, (k + 1) * 1e-3, &step, &error);
         step.stop_ns--;
-        if (status == TIDES_OK && sensor)
-            status = td_sensor_step(sensor, &step, &tile, 0, &signals, &cover, &pixels, &buffer, &counts, &error);
-        else if (status == TIDES_OK)
-            status = td_comparator_step(&comparator, &step, &tile, &signals, &pixels, &buffer, &counts, &error);
+        if (status == TIDES_OK) status = td_sensor_step(sensor, &step, &tile, 0, &signals, &cover, &buffer, &error);
         if (status != TIDES_OK) {
             fprintf(stderr, "%s\n", error.text);
             exit(1);
@@ -75,7 +63,7 @@ static double run(td_sensor *sensor) {
 static double best(double a, double b) { return a < b ? a : b; }
 
 int main(void) {
-    double plain = INFINITY, took[BLOCKS];
+    double took[BLOCKS];
     const td_tile tile = {0, 0, WIDTH, PIXELS};
     for (int i = 0; i < PIXELS; i++) {
         S[i] = -3.0 * i / PIXELS;
@@ -85,7 +73,6 @@ int main(void) {
     for (int k = 0; k < BLOCKS; k++) took[k] = INFINITY;
     const char *name;
     for (int round = 0; round < ROUNDS; round++) {
-        plain = best(plain, run(NULL));
         for (int k = 0; k < BLOCKS; k++) {
             tides_sensor params = block(k, &name);
             td_sensor sensor;
@@ -94,7 +81,6 @@ int main(void) {
             td_sensor_release(&sensor);
         }
     }
-    printf("%-26s %7.2f ns/pixel\n", "comparator", plain);
     for (int k = 0; k < BLOCKS; k++) {
         block(k, &name);
         printf("%-26s %7.2f ns/pixel\n", name, took[k]);

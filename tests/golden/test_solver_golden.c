@@ -16,7 +16,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "solver/td_comparator.h"
+#include "sensor/td_sensor.h"
 #include "td_base.h"
 #include "tests/support/npz.h"
 #include "tests/support/shared.h"
@@ -216,8 +216,7 @@ static stream read_stream(npz *file, const cJSON *params, const movie *m) {
 
 /* Signals and state of all pixels: six planes, and the counts. */
 typedef struct planes {
-    double *S[2], *S_dot[2], *initial, *reference;
-    uint32_t *count_on, *count_off;
+    double *S[2], *S_dot[2];
 } planes;
 
 static void signal_at(const movie *m, size_t frame, double epsilon, double *S, double *S_dot) {
@@ -230,38 +229,35 @@ static void signal_at(const movie *m, size_t frame, double epsilon, double *S, d
 
 /* The comparator over all frames, the image as one tile. */
 static td_event_buffer run_frames(const golden *g, const movie *m, planes *at) {
-    td_comparator comparator = {.threshold_on = g->on, .threshold_off = g->off, .model = g->model, .max_events_per_step = 64};
+    td_sensor sensor;
+    tides_sensor params;
     td_tile tile = {0, 0, (int32_t)m->width, (int32_t)m->pixels};
-    td_pixels pixels = {at->initial, at->reference, at->count_on, at->count_off};
     td_event_buffer buffer = {0};
-    td_comparator_counts counts = {0};
-    assert_int_equal(td_comparator_check(&comparator, NULL), TIDES_OK);
+    tides_sensor_defaults(&params);
+    params.threshold_on = g->on;
+    params.threshold_off = g->off;
+    assert_int_equal(td_sensor_create(&params, g->model, 1e-3, 0, (int32_t)m->width, &tile, 1, &sensor, NULL), TIDES_OK);
     signal_at(m, 0, g->epsilon, at->S[0], at->S_dot[0]);
-    td_pixels_reset(&pixels, at->S[0], m->pixels);
+    td_sensor_begin(&sensor, at->S[0]);
     for (size_t frame = 1; frame < m->frames; frame++) {
         size_t now = frame % 2, before = 1 - now;
         td_signals signals = {at->S[before], at->S_dot[before], at->S[now], at->S_dot[now]};
         td_step step;
         signal_at(m, frame, g->epsilon, at->S[now], at->S_dot[now]);
         assert_int_equal(td_step_between(m->t[frame - 1], m->t[frame], &step, NULL), TIDES_OK);
-        assert_int_equal(td_comparator_step(&comparator, &step, &tile, &signals, &pixels, &buffer, &counts, NULL), TIDES_OK);
-        assert_true(td_comparator_worst_residual(&comparator, &pixels, at->S[now], m->pixels) < 1.0);
+        assert_int_equal(td_sensor_step(&sensor, &step, &tile, 0, &signals, NULL, &buffer, NULL), TIDES_OK);
+        assert_true(td_sensor_worst_residual(&sensor, at->S[now], NULL, 0) < 1.0);
     }
-    if (g->model != TIDES_MODEL_LINEAR) assert_int_equal(counts.caught_up, 0);
-    assert_int_equal(counts.truncated, 0);
-    assert_true(counts.events_on + counts.events_off == buffer.count);
+    if (g->model != TIDES_MODEL_LINEAR) assert_int_equal(sensor.counts.caught_up, 0);
+    assert_int_equal(sensor.counts.truncated, 0);
+    assert_true(sensor.counts.events_on + sensor.counts.events_off == buffer.count);
+    td_sensor_release(&sensor);
     return buffer;
 }
 
 static stream make_stream(const golden *g, const movie *m) {
-    double *memory = allocate(6 * m->pixels, sizeof *memory);
-    uint32_t *counts = allocate(2 * m->pixels, sizeof *counts);
-    planes at = {{memory, memory + m->pixels},
-                 {memory + 2 * m->pixels, memory + 3 * m->pixels},
-                 memory + 4 * m->pixels,
-                 memory + 5 * m->pixels,
-                 counts,
-                 counts + m->pixels};
+    double *memory = allocate(4 * m->pixels, sizeof *memory);
+    planes at = {{memory, memory + m->pixels}, {memory + 2 * m->pixels, memory + 3 * m->pixels}};
     td_event_buffer buffer = run_frames(g, m, &at);
     stream s = {allocate(buffer.count, sizeof *s.items), buffer.count};
     for (size_t k = 0; k < s.count; k++) {
@@ -271,7 +267,6 @@ static stream make_stream(const golden *g, const movie *m) {
     qsort(s.items, s.count, sizeof *s.items, compare_items);
     free(buffer.events);
     free(memory);
-    free(counts);
     return s;
 }
 

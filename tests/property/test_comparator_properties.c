@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "solver/td_comparator.h"
+#include "sensor/td_sensor.h"
 #include "signal/td_crossing.h"
 #include "td_base.h"
 
@@ -19,12 +19,9 @@
 enum { PIXELS = 256 };
 
 typedef struct rig {
-    td_comparator comparator;
+    td_sensor sensor;
     double S0[PIXELS], S0_dot[PIXELS], S1[PIXELS], S1_dot[PIXELS];
-    double initial[PIXELS], reference[PIXELS];
-    uint32_t count_on[PIXELS], count_off[PIXELS];
     td_event_buffer buffer;
-    td_comparator_counts counts;
 } rig;
 
 /* -- random input -------------------------------------------------------------------------------------------------------- */
@@ -58,38 +55,45 @@ static void seed_tests(uint64_t salt) {
 static rig *new_rig(int32_t model, double on, double off) {
     rig *r = td_alloc(1, sizeof *r, NULL);
     assert_non_null(r);
-    r->comparator = (td_comparator){.threshold_on = on, .threshold_off = off, .model = model, .max_events_per_step = 1000};
+    const td_tile tile = {0, 0, 16, PIXELS};
+    tides_sensor sensor;
+    tides_sensor_defaults(&sensor);
+    sensor.threshold_on = on;
+    sensor.threshold_off = off;
+    sensor.max_events_per_step = 1000;
+    assert_int_equal(td_sensor_create(&sensor, model, 1e-3, 0, 16, &tile, 1, &r->sensor, NULL), TIDES_OK);
     return r;
 }
 
 static void free_rig(rig *r) {
+    td_sensor_release(&r->sensor);
     free(r->buffer.events);
     free(r);
 }
 
-static void reset(rig *r, int32_t count) {
-    td_pixels pixels = {r->initial, r->reference, r->count_on, r->count_off};
-    td_pixels_reset(&pixels, r->S0, (size_t)count);
+static void reset(rig *r) {
+    td_sensor_begin(&r->sensor, r->S0);
     r->buffer.count = 0;
-    memset(&r->counts, 0, sizeof r->counts);
+    memset(&r->sensor.counts, 0, sizeof r->sensor.counts);
 }
 
 static void advance(rig *r, int32_t count, double start, double stop) {
     td_tile tile = {0, 0, 16, count};
     td_signals signals = {r->S0, r->S0_dot, r->S1, r->S1_dot};
-    td_pixels pixels = {r->initial, r->reference, r->count_on, r->count_off};
     td_step step;
     tides_error error = {0, ""};
     if (td_step_between(start, stop, &step, &error) != TIDES_OK ||
-        td_comparator_step(&r->comparator, &step, &tile, &signals, &pixels, &r->buffer, &r->counts, &error) != TIDES_OK)
+        td_sensor_step(&r->sensor, &step, &tile, 0, &signals, NULL, &r->buffer, &error) != TIDES_OK)
         fail_msg("%s", error.text);
 }
 
 static void assert_invariant(const rig *r, int32_t count) {
     for (int32_t i = 0; i < count; i++) {
-        double residual = r->S1[i] - r->reference[i];
-        assert_true(residual < r->comparator.threshold_on && residual > -r->comparator.threshold_off);
-        assert_true(r->reference[i] == td_reference(&r->comparator, r->initial[i], r->count_on[i], r->count_off[i]));
+        double residual = r->S1[i] - r->sensor.pixels.reference[i];
+        assert_true(residual < r->sensor.sensor.threshold_on && residual > -r->sensor.sensor.threshold_off);
+        assert_true(r->sensor.pixels.reference[i] ==
+                    td_reference_of(r->sensor.sensor.threshold_on, r->sensor.sensor.threshold_off, r->sensor.pixels.initial[i],
+                                    r->sensor.pixels.count_on[i], r->sensor.pixels.count_off[i]));
     }
 }
 
@@ -175,7 +179,7 @@ static void events_equal_dense_sampling(void **state) {
         r->S1[0] = r->S0[0] + any_size(0.3);
         r->S0_dot[0] = any_size(1.0);
         r->S1_dot[0] = any_size(1.0);
-        reset(r, 1);
+        reset(r);
         advance(r, 1, 0.0, 1.0);
         power p = hermite_power(r->S0[0], r->S0_dot[0], r->S1[0], r->S1_dot[0]);
         int count = run_oracle(&p, on, off, expected);
@@ -185,7 +189,7 @@ static void events_equal_dense_sampling(void **state) {
             assert_int_equal(r->buffer.events[k].polarity, expected[k].polarity);
             assert_true(s <= expected[k].s + 1e-12 && s >= expected[k].s - 1.0 / ORACLE_SAMPLES - 2e-9);
         }
-        assert_int_equal(r->counts.caught_up + r->counts.truncated, 0);
+        assert_int_equal(r->sensor.counts.caught_up + r->sensor.counts.truncated, 0);
         assert_invariant(r, 1);
         free_rig(r);
     }
@@ -229,8 +233,8 @@ static void cutting_a_step_changes_nothing(void **state) {
         whole->S1[0] = S1;
         whole->S0_dot[0] = rate0 / h;
         whole->S1_dot[0] = rate1 / h;
-        reset(whole, 1);
-        reset(cut, 1);
+        reset(whole);
+        reset(cut);
         advance(whole, 1, start, start + h);
         for (int k = 0; k < pieces; k++) {
             double a = (double)k / pieces, b = (double)(k + 1) / pieces;
@@ -247,7 +251,7 @@ static void cutting_a_step_changes_nothing(void **state) {
             assert_int_equal(cut->buffer.events[k].polarity, whole->buffer.events[k].polarity);
             assert_in_range(cut->buffer.events[k].t - whole->buffer.events[k].t + 2, 0, 4);
         }
-        assert_true(cut->reference[0] == whole->reference[0]);
+        assert_true(cut->sensor.pixels.reference[0] == whole->sensor.pixels.reference[0]);
         free_rig(whole);
         free_rig(cut);
     }
@@ -272,9 +276,9 @@ static void the_invariant_holds_after_every_step(void **state) {
     seed_tests(4);
     for (int trial = 0; trial < 40; trial++) {
         rig *r = new_rig(trial % 4, uniform(0.01, 0.5), uniform(0.01, 0.5));
-        r->comparator.max_events_per_step = 1 + (int32_t)(next_random() % 8);
+        r->sensor.sensor.max_events_per_step = 1 + (int32_t)(next_random() % 8);
         for (int i = 0; i < PIXELS; i++) r->S1[i] = r->S0[i] = uniform(-7.0, 1.0);
-        reset(r, PIXELS);
+        reset(r);
         for (int k = 0; k < 30; k++) {
             for (int i = 0; i < PIXELS; i++) {
                 r->S0[i] = r->S1[i];
@@ -289,11 +293,11 @@ static void the_invariant_holds_after_every_step(void **state) {
         }
         uint64_t on = 0, off = 0;
         for (int i = 0; i < PIXELS; i++) {
-            on += r->count_on[i];
-            off += r->count_off[i];
+            on += r->sensor.pixels.count_on[i];
+            off += r->sensor.pixels.count_off[i];
         }
-        assert_true(on == r->counts.events_on && off == r->counts.events_off && on + off == r->buffer.count);
-        assert_true(r->counts.truncated > 0);
+        assert_true(on == r->sensor.counts.events_on && off == r->sensor.counts.events_off && on + off == r->buffer.count);
+        assert_true(r->sensor.counts.truncated > 0);
         free_rig(r);
     }
 }
@@ -312,7 +316,7 @@ static void rejection_changes_nothing(void **state) {
     for (int trial = 0; trial < 400; trial++) {
         rig *fast = new_rig(trial % 4, 0.25, trial % 8 < 4 ? 0.25 : 0.5);
         int exact = trial % 3 == 0;
-        fast->comparator.max_events_per_step = 16;
+        fast->sensor.sensor.max_events_per_step = 16;
         for (int i = 0; i < PIXELS; i++) {
             double S0 = fast->S0[i] = exact ? on_grid(0.0625, 8) : uniform(-5.0, 1.0);
             fast->S1[i] = S0 + (exact ? on_grid(0.0625, 6) : any_size(0.05));
@@ -322,22 +326,29 @@ static void rejection_changes_nothing(void **state) {
             uint64_t which = next_random() % 3; /* from a reference of 1e300 it would fire for ever, and is refused */
             if (next_random() % 100 == 0) *where[which] = odd[next_random() % (which ? 4 : 3)];
         }
-        reset(fast, PIXELS);
-        rig *slow = td_alloc(1, sizeof *slow, NULL);
-        assert_non_null(slow);
-        *slow = *fast;
-        slow->comparator.exhaustive = 1;
+        reset(fast);
+        rig *slow = new_rig(fast->sensor.model, fast->sensor.sensor.threshold_on, fast->sensor.sensor.threshold_off);
+        slow->sensor.sensor.max_events_per_step = fast->sensor.sensor.max_events_per_step;
+        slow->sensor.exhaustive = 1;
+        memcpy(slow->S0, fast->S0, sizeof slow->S0);
+        memcpy(slow->S0_dot, fast->S0_dot, sizeof slow->S0_dot);
+        memcpy(slow->S1, fast->S1, sizeof slow->S1);
+        memcpy(slow->S1_dot, fast->S1_dot, sizeof slow->S1_dot);
+        reset(slow);
         advance(fast, PIXELS, 0.0, 1.0);
         advance(slow, PIXELS, 0.0, 1.0);
         assert_int_equal(fast->buffer.count, slow->buffer.count);
         if (fast->buffer.count)
             assert_memory_equal(fast->buffer.events, slow->buffer.events, fast->buffer.count * sizeof *fast->buffer.events);
-        assert_memory_equal(fast->reference, slow->reference, sizeof fast->reference);
-        assert_memory_equal(fast->count_on, slow->count_on, sizeof fast->count_on);
-        assert_memory_equal(fast->count_off, slow->count_off, sizeof fast->count_off);
-        assert_int_equal(fast->counts.nonfinite, slow->counts.nonfinite);
-        assert_int_equal(slow->counts.solved, PIXELS);
-        assert_true(fast->counts.solved < PIXELS);
+        assert_memory_equal(fast->sensor.pixels.reference, slow->sensor.pixels.reference,
+                            PIXELS * sizeof *fast->sensor.pixels.reference);
+        assert_memory_equal(fast->sensor.pixels.count_on, slow->sensor.pixels.count_on,
+                            PIXELS * sizeof *fast->sensor.pixels.count_on);
+        assert_memory_equal(fast->sensor.pixels.count_off, slow->sensor.pixels.count_off,
+                            PIXELS * sizeof *fast->sensor.pixels.count_off);
+        assert_int_equal(fast->sensor.counts.nonfinite, slow->sensor.counts.nonfinite);
+        assert_int_equal(slow->sensor.counts.solved, PIXELS);
+        assert_true(fast->sensor.counts.solved < PIXELS);
         free_rig(fast);
         free_rig(slow);
     }
@@ -348,15 +359,15 @@ static void references_do_not_drift(void **state) {
     (void)state;
     seed_tests(6);
     rig *r = new_rig(TIDES_MODEL_SECANT, 0.1, 0.1);
-    r->comparator.max_events_per_step = 100;
+    r->sensor.sensor.max_events_per_step = 100;
     r->S1[0] = r->S0[0] = 0.3;
-    reset(r, 1);
+    reset(r);
     for (int k = 0; k < 20000; k++) {
         r->S0[0] = r->S1[0];
         r->S1[0] = k % 2 ? 0.3 : uniform(-2.0, 2.0);
         advance(r, 1, k * 1e-3, (k + 1) * 1e-3);
-        int64_t net = (int64_t)r->count_on[0] - (int64_t)r->count_off[0];
-        assert_true(r->reference[0] == 0.3 + (double)net * 0.1);
+        int64_t net = (int64_t)r->sensor.pixels.count_on[0] - (int64_t)r->sensor.pixels.count_off[0];
+        assert_true(r->sensor.pixels.reference[0] == 0.3 + (double)net * 0.1);
         if (k % 2) assert_in_range(net + 1, 0, 2); /* hysteresis: within one threshold of the level */
     }
     assert_true(r->buffer.count > 100000);

@@ -28,10 +28,7 @@ typedef struct rig {
     int tiles;
     size_t pixels;
     double *plane[RIG_PLANES]; /* S, S_dot, coverage, now and next */
-    double *initial, *reference;
-    uint32_t *count_on, *count_off;
     td_event_buffer buffer;
-    td_comparator_counts counts;
     double start, now;
     rig_signal signal;
     rig_coverage coverage;
@@ -58,10 +55,6 @@ static inline rig *rig_make(const tides_sensor *sensor, int tiles, double start,
     r->tile = rig_alloc((size_t)tiles, sizeof *r->tile);
     for (int t = 0; t < tiles; t++) r->tile[t] = (td_tile){t * RIG_WIDTH, 0, RIG_WIDTH, RIG_PIXELS};
     for (int p = 0; p < RIG_PLANES; p++) r->plane[p] = rig_alloc(r->pixels, sizeof(double));
-    r->initial = rig_alloc(r->pixels, sizeof(double));
-    r->reference = rig_alloc(r->pixels, sizeof(double));
-    r->count_on = rig_alloc(r->pixels, sizeof(uint32_t));
-    r->count_off = rig_alloc(r->pixels, sizeof(uint32_t));
     r->start = r->now = start;
     r->signal = signal;
     r->user = user;
@@ -70,12 +63,7 @@ static inline rig *rig_make(const tides_sensor *sensor, int tiles, double start,
         TIDES_OK)
         fail_msg("%s", error.text);
     rig_sample(r, start, 0);
-    td_pixels pixels = {r->initial, r->reference, r->count_on, r->count_off};
-    td_pixels_reset(&pixels, r->plane[0], r->pixels);
-    if (r->sensor.frontend.on || r->sensor.additive.on) {
-        td_sensor_begin(&r->sensor, r->plane[0], r->initial);
-        for (size_t i = 0; i < r->pixels; i++) r->reference[i] = r->initial[i];
-    }
+    td_sensor_begin(&r->sensor, r->plane[0]);
     return r;
 }
 
@@ -83,10 +71,6 @@ static inline void rig_free(rig *r) {
     td_sensor_release(&r->sensor);
     for (int p = 0; p < RIG_PLANES; p++) free(r->plane[p]);
     free(r->tile);
-    free(r->initial);
-    free(r->reference);
-    free(r->count_on);
-    free(r->count_off);
     free(r->buffer.events);
     free(r);
 }
@@ -98,8 +82,7 @@ static inline void rig_check(const rig *r) {
         if (!isfinite(r->plane[0][i]) || r->sensor.held_until[i] > time ||
             (r->sensor.masks && !(r->plane[2][i] >= r->sensor.sensor.b_min)))
             continue;
-        double signal = td_sensor_effective(&r->sensor, i, r->plane[0][i], time) + td_sensor_noise_at(&r->sensor, i, time);
-        double residual = signal - r->reference[i];
+        double residual = td_sensor_signal(&r->sensor, i, r->plane[0][i], time) - r->sensor.pixels.reference[i];
         if (!(residual < r->sensor.threshold_on[i] + 1e-12 && residual > -r->sensor.threshold_off[i] - 1e-12))
             fail_msg("pixel %zu at %g s: S_eff - S_ref is %.17g", i, r->now, residual);
     }
@@ -116,9 +99,7 @@ static inline void rig_step(rig *r, double stop) {
         size_t at = (size_t)t * RIG_PIXELS;
         td_signals signals = {r->plane[0] + at, r->plane[1] + at, r->plane[3] + at, r->plane[4] + at};
         td_coverage coverage = {r->plane[2] + at, r->plane[5] + at};
-        td_pixels pixels = {r->initial + at, r->reference + at, r->count_on + at, r->count_off + at};
-        if (td_sensor_step(&r->sensor, &step, &r->tile[t], at, &signals, &coverage, &pixels, &r->buffer, &r->counts, &error) !=
-            TIDES_OK)
+        if (td_sensor_step(&r->sensor, &step, &r->tile[t], at, &signals, &coverage, &r->buffer, &error) != TIDES_OK)
             fail_msg("%s", error.text);
     }
     for (int p = 0; p < 3; p++) {

@@ -106,7 +106,8 @@ static void test_bits_of_pixels(void **state) {
         s->pixels.initial[i] = s->pixels.reference[i] = s->now.plane[TD_KEPT_S][i] = s->now.plane[TD_KEPT_S_DOT][i] = odd[i];
     s->pixels.count_on[3] = UINT32_MAX;
     s->pixels.count_off[3] = UINT32_MAX - 1;
-    s->pixels.reference[3] = td_reference(&s->comparator, 5e-324, UINT32_MAX, UINT32_MAX - 1);
+    s->pixels.reference[3] =
+        td_reference_of(s->comparator.threshold_on, s->comparator.threshold_off, 5e-324, UINT32_MAX, UINT32_MAX - 1);
     tides_simulator_state(s, before->signal, before->reference, before->on, before->off);
     cut(&j, device, path, &s);
     tides_simulator_state(s, after->signal, after->reference, after->on, after->off);

@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "solver/td_comparator.h"
+#include "sensor/td_sensor.h"
 #include "td_base.h"
 
 #include <math.h>
@@ -16,40 +16,37 @@ enum { PIXELS_MAX = 300 };
 
 /* A tile and all that belongs to it. */
 typedef struct rig {
-    td_comparator comparator;
+    td_sensor sensor;
     td_tile tile;
     double S0[PIXELS_MAX], S0_dot[PIXELS_MAX], S1[PIXELS_MAX], S1_dot[PIXELS_MAX];
-    double initial[PIXELS_MAX], reference[PIXELS_MAX];
-    uint32_t count_on[PIXELS_MAX], count_off[PIXELS_MAX];
     td_event_buffer buffer;
-    td_comparator_counts counts;
     tides_error error;
 } rig;
 
 static rig *new_rig(int32_t model, double on, double off, td_tile tile) {
     rig *r = td_alloc(1, sizeof *r, NULL);
     assert_non_null(r);
-    r->comparator = (td_comparator){.threshold_on = on, .threshold_off = off, .model = model, .max_events_per_step = 64};
+    tides_sensor sensor;
+    tides_sensor_defaults(&sensor);
+    sensor.threshold_on = on;
+    sensor.threshold_off = off;
     r->tile = tile;
+    assert_int_equal(td_sensor_create(&sensor, model, 1e-3, 0, tile.x0 + tile.width, &tile, 1, &r->sensor, NULL), TIDES_OK);
+    assert_false(r->sensor.on);
     return r;
 }
 
 static void free_rig(rig *r) {
+    td_sensor_release(&r->sensor);
     free(r->buffer.events);
     free(r);
 }
 
-static td_pixels pixels_of(rig *r) { return (td_pixels){r->initial, r->reference, r->count_on, r->count_off}; }
-
-static void reset(rig *r) {
-    td_pixels pixels = pixels_of(r);
-    td_pixels_reset(&pixels, r->S0, (size_t)r->tile.count);
-}
+static void reset(rig *r) { td_sensor_begin(&r->sensor, r->S0); }
 
 static tides_status advance(rig *r, const td_step *step) {
     td_signals signals = {r->S0, r->S0_dot, r->S1, r->S1_dot};
-    td_pixels pixels = pixels_of(r);
-    return td_comparator_step(&r->comparator, step, &r->tile, &signals, &pixels, &r->buffer, &r->counts, &r->error);
+    return td_sensor_step(&r->sensor, step, &r->tile, 0, &signals, NULL, &r->buffer, &r->error);
 }
 
 static td_step step_between(double start, double stop) {
@@ -60,8 +57,8 @@ static td_step step_between(double start, double stop) {
 
 static void assert_invariant(const rig *r) {
     for (int i = 0; i < r->tile.count; i++) {
-        double residual = r->S1[i] - r->reference[i];
-        assert_true(residual < r->comparator.threshold_on && residual > -r->comparator.threshold_off);
+        double residual = r->S1[i] - r->sensor.pixels.reference[i];
+        assert_true(residual < r->sensor.sensor.threshold_on && residual > -r->sensor.sensor.threshold_off);
     }
 }
 
@@ -141,7 +138,7 @@ static void sinusoids_against_arcsines(void **state) {
         }
     }
     assert_in_range(r->buffer.count, index, index + 1); /* one more may fire at the last instant, S = 0 */
-    assert_int_equal(r->counts.caught_up, 0);
+    assert_int_equal(r->sensor.counts.caught_up, 0);
     free_rig(r);
 }
 
@@ -172,7 +169,7 @@ static void a_signal_at_rest_fires_nothing(void **state) {
             assert_int_equal(advance(r, &step), TIDES_OK);
         }
         assert_int_equal(r->buffer.count, 0);
-        assert_int_equal(r->counts.solved, 0);
+        assert_int_equal(r->sensor.counts.solved, 0);
         free_rig(r);
     }
 }
@@ -184,7 +181,7 @@ static void a_crossing_between_two_steps_fires_once(void **state) {
     (void)state;
     for (int32_t model = TIDES_MODEL_LINEAR; model <= TIDES_MODEL_SECANT; model++) {
         rig *r = one_pixel(model, 0.0, 250.0, 0.25, 250.0);
-        r->comparator.threshold_on = 0.25;
+        r->sensor.sensor.threshold_on = 0.25;
         td_step first = step_between(0.0, 1e-3), second = step_between(1e-3, 2e-3);
         assert_int_equal(advance(r, &first), TIDES_OK);
         assert_int_equal(r->buffer.count, 1);
@@ -210,9 +207,9 @@ static void what_the_end_denies_is_taken_back(void **state) {
         assert_event(r, k, r->buffer.events[k].t, 1);
         assert_event(r, k + 3, 1000000, -1);
     }
-    assert_int_equal(r->counts.caught_up, 3);
-    assert_int_equal(r->counts.truncated, 0);
-    assert_true(r->reference[0] == 0.0);
+    assert_int_equal(r->sensor.counts.caught_up, 3);
+    assert_int_equal(r->sensor.counts.truncated, 0);
+    assert_true(r->sensor.pixels.reference[0] == 0.0);
     free_rig(r);
 }
 
@@ -223,7 +220,7 @@ static void a_small_overshoot_stands(void **state) {
     td_step step = step_between(0.0, 1e-3);
     assert_int_equal(advance(r, &step), TIDES_OK);
     assert_int_equal(r->buffer.count, 1);
-    assert_int_equal(r->counts.caught_up, 0);
+    assert_int_equal(r->sensor.counts.caught_up, 0);
     assert_invariant(r);
     free_rig(r);
 }
@@ -237,7 +234,7 @@ static void what_the_model_missed_is_caught_up(void **state) {
     assert_int_equal(advance(r, &step), TIDES_OK);
     assert_int_equal(r->buffer.count, 3);
     for (size_t k = 0; k < 3; k++) assert_event(r, k, 1000000, 1);
-    assert_int_equal(r->counts.caught_up, 3);
+    assert_int_equal(r->sensor.counts.caught_up, 3);
     free_rig(r);
 }
 
@@ -247,11 +244,11 @@ static void an_end_on_a_level_is_caught_up(void **state) {
     td_step step = step_between(0.0, 1e-3);
     for (int polarity = -1; polarity <= 1; polarity += 2) {
         rig *r = one_pixel(TIDES_MODEL_LINEAR, 0.0, 0.0, 0.5 * polarity, 0.0);
-        r->comparator.threshold_on = r->comparator.threshold_off = 0.25;
+        r->sensor.sensor.threshold_on = r->sensor.sensor.threshold_off = 0.25;
         assert_int_equal(advance(r, &step), TIDES_OK);
         assert_int_equal(r->buffer.count, 2);
         assert_event(r, 1, 1000000, polarity);
-        assert_true(r->reference[0] == 0.5 * polarity);
+        assert_true(r->sensor.pixels.reference[0] == 0.5 * polarity);
         free_rig(r);
     }
 }
@@ -280,13 +277,13 @@ static void a_jump_of_a_thousand_thresholds(void **state) {
     for (int32_t model = TIDES_MODEL_LINEAR; model <= TIDES_MODEL_SECANT; model++) {
         for (int whole = 0; whole < 2; whole++) {
             rig *r = one_pixel(model, 0.0, 250.125 / 1e-3, 250.125, 250.125 / 1e-3);
-            r->comparator.threshold_on = 0.25;
-            r->comparator.max_events_per_step = whole ? 1000 : 64;
+            r->sensor.sensor.threshold_on = 0.25;
+            r->sensor.sensor.max_events_per_step = whole ? 1000 : 64;
             td_step step = step_between(0.0, 1e-3);
             assert_int_equal(advance(r, &step), TIDES_OK);
             assert_int_equal(r->buffer.count, 1000);
-            assert_int_equal(r->counts.truncated, whole ? 0 : 936);
-            assert_int_equal(r->counts.caught_up, 0);
+            assert_int_equal(r->sensor.counts.truncated, whole ? 0 : 936);
+            assert_int_equal(r->sensor.counts.caught_up, 0);
             for (size_t k = 0; k < 1000; k++) {
                 double exact = whole || k < 64 ? 1e6 * 0.25 * (double)(k + 1) / 250.125 : 1e6;
                 assert_true(fabs((double)r->buffer.events[k].t + 0.5 - exact) <= 0.51);
@@ -301,13 +298,13 @@ static void a_jump_of_a_thousand_thresholds(void **state) {
 static void a_cut_excursion_cancels(void **state) {
     (void)state;
     rig *r = one_pixel(TIDES_MODEL_HERMITE, 0.0, 40000.0, 0.0, -40000.0); /* peak 10 = 50 C */
-    r->comparator.max_events_per_step = 5;
+    r->sensor.sensor.max_events_per_step = 5;
     td_step step = step_between(0.0, 1e-3);
     assert_int_equal(advance(r, &step), TIDES_OK);
     assert_int_equal(r->buffer.count, 10);
     for (size_t k = 0; k < 5; k++) assert_event(r, k, r->buffer.events[k].t, 1);
     for (size_t k = 5; k < 10; k++) assert_event(r, k, 1000000, -1);
-    assert_int_equal(r->counts.truncated, 5);
+    assert_int_equal(r->sensor.counts.truncated, 5);
     assert_invariant(r);
     free_rig(r);
 }
@@ -316,11 +313,11 @@ static void a_cut_excursion_cancels(void **state) {
 static void the_last_allowed_event_is_not_truncated(void **state) {
     (void)state;
     rig *r = one_pixel(TIDES_MODEL_HERMITE, 0.0, 700.0, 0.7, 700.0);
-    r->comparator.max_events_per_step = 3;
+    r->sensor.sensor.max_events_per_step = 3;
     td_step step = step_between(0.0, 1e-3);
     assert_int_equal(advance(r, &step), TIDES_OK);
     assert_int_equal(r->buffer.count, 3);
-    assert_int_equal(r->counts.truncated + r->counts.caught_up, 0);
+    assert_int_equal(r->sensor.counts.truncated + r->sensor.counts.caught_up, 0);
     free_rig(r);
 }
 
@@ -336,8 +333,8 @@ static void signals_that_are_no_numbers_fire_nothing(void **state) {
             *(k < 3 ? &r->S0[0] : &r->S1[0]) = odd[k % 3];
             assert_int_equal(advance(r, &step), TIDES_OK);
             assert_int_equal(r->buffer.count, 0);
-            assert_int_equal(r->counts.nonfinite, 1);
-            assert_true(r->reference[0] == 0.0);
+            assert_int_equal(r->sensor.counts.nonfinite, 1);
+            assert_true(r->sensor.pixels.reference[0] == 0.0);
             free_rig(r);
         }
     }
@@ -346,7 +343,7 @@ static void signals_that_are_no_numbers_fire_nothing(void **state) {
         r->S0[0] = 1.0;
         assert_int_equal(advance(r, &step), TIDES_OK);
         assert_int_equal(r->buffer.count, 0);
-        assert_int_equal(r->counts.nonfinite, 1);
+        assert_int_equal(r->sensor.counts.nonfinite, 1);
         free_rig(r);
     }
     /* After NaN: caught up at the end of a step whose start is NaN; or at the start of one whose start is finite again. */
@@ -360,8 +357,8 @@ static void signals_that_are_no_numbers_fire_nothing(void **state) {
         assert_event(ends, k, 1000000, 1);
         assert_event(starts, k, 0, 1);
     }
-    assert_int_equal(ends->counts.caught_up, 2);
-    assert_int_equal(starts->counts.caught_up, 2);
+    assert_int_equal(ends->sensor.counts.caught_up, 2);
+    assert_int_equal(starts->sensor.counts.caught_up, 2);
     free_rig(ends);
     free_rig(starts);
 }
@@ -379,47 +376,47 @@ static void too_many_events_leave_no_trace(void **state) {
         r->S1[i] = r->S0[i] > 0.0 ? -3.0 : 0.5;
     }
     r->S1[16 * 6 + 5] = 1e8;
-    rig *before = td_alloc(1, sizeof *before, NULL);
-    assert_non_null(before);
-    *before = *r;
+    const size_t events = r->buffer.count;
+    const td_sensor_counts counts = r->sensor.counts;
+    double reference[256];
+    uint32_t on[256], off[256];
+    memcpy(reference, r->sensor.pixels.reference, sizeof reference);
+    memcpy(on, r->sensor.pixels.count_on, sizeof on);
+    memcpy(off, r->sensor.pixels.count_off, sizeof off);
     assert_int_equal(advance(r, &step), TIDES_OUT_OF_RANGE);
     assert_non_null(strstr(r->error.text, "(37, 54)"));
-    assert_memory_equal(r->reference, before->reference, sizeof r->reference);
-    assert_memory_equal(r->count_on, before->count_on, sizeof r->count_on);
-    assert_memory_equal(r->count_off, before->count_off, sizeof r->count_off);
-    assert_memory_equal(&r->counts, &before->counts, sizeof r->counts);
-    assert_int_equal(r->buffer.count, before->buffer.count);
+    assert_memory_equal(r->sensor.pixels.reference, reference, sizeof reference);
+    assert_memory_equal(r->sensor.pixels.count_on, on, sizeof on);
+    assert_memory_equal(r->sensor.pixels.count_off, off, sizeof off);
+    assert_memory_equal(&r->sensor.counts, &counts, sizeof counts);
+    assert_int_equal(r->buffer.count, events);
     r->S1[16 * 6 + 5] = 0.5; /* mended, it goes on */
     assert_int_equal(advance(r, &step), TIDES_OK);
     assert_invariant(r);
-    free(before);
     free_rig(r);
 }
 
 static void parameters_are_checked(void **state) {
     (void)state;
-    const td_comparator good = {.threshold_on = 0.2,
-                                .threshold_off = 0.3,
-                                .model = TIDES_MODEL_HERMITE,
-                                .max_events_per_step = 1};
+    const int32_t cubic = TIDES_MODEL_HERMITE;
+    const tides_sensor good = {.threshold_on = 0.2, .threshold_off = 0.3, .max_events_per_step = 1};
     static const double bad[] = {0.0, -1.0, NAN, INFINITY};
     tides_error error;
-    assert_int_equal(td_comparator_check(&good, &error), TIDES_OK);
+    assert_int_equal(td_sensor_check_levels(&good, cubic, &error), TIDES_OK);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        td_comparator on = good, off = good;
+        tides_sensor on = good, off = good;
         on.threshold_on = bad[i];
         off.threshold_off = bad[i];
-        assert_int_equal(td_comparator_check(&on, &error), TIDES_BAD_ARGUMENT);
+        assert_int_equal(td_sensor_check_levels(&on, cubic, &error), TIDES_BAD_ARGUMENT);
         assert_non_null(strstr(error.text, "threshold_on"));
-        assert_int_equal(td_comparator_check(&off, &error), TIDES_BAD_ARGUMENT);
+        assert_int_equal(td_sensor_check_levels(&off, cubic, &error), TIDES_BAD_ARGUMENT);
         assert_non_null(strstr(error.text, "threshold_off"));
     }
-    td_comparator model = good, most = good;
-    model.model = 4;
+    tides_sensor most = good;
     most.max_events_per_step = 0;
-    assert_int_equal(td_comparator_check(&model, &error), TIDES_BAD_ARGUMENT);
-    assert_int_equal(td_comparator_check(&most, &error), TIDES_BAD_ARGUMENT);
-    assert_int_equal(td_comparator_check(&most, NULL), TIDES_BAD_ARGUMENT);
+    assert_int_equal(td_sensor_check_levels(&good, 4, &error), TIDES_BAD_ARGUMENT);
+    assert_int_equal(td_sensor_check_levels(&most, cubic, &error), TIDES_BAD_ARGUMENT);
+    assert_int_equal(td_sensor_check_levels(&most, cubic, NULL), TIDES_BAD_ARGUMENT);
 }
 
 /* -- tiles ----------------------------------------------------------------------------------------------------------------- */
@@ -441,12 +438,12 @@ static void pixels_have_their_places(void **state) {
             assert_int_equal(event->y, tiles[k].y0 + i / tiles[k].width);
             assert_int_equal(event->polarity, i % 2 ? 1 : -1);
             assert_int_equal(event->cause | event->frontend, 0);
-            assert_int_equal(r->count_on[i], i % 2);
-            assert_int_equal(r->count_off[i], 1 - i % 2);
-            assert_true(r->reference[i] == (i % 2 ? 0.2 : -0.1));
+            assert_int_equal(r->sensor.pixels.count_on[i], i % 2);
+            assert_int_equal(r->sensor.pixels.count_off[i], 1 - i % 2);
+            assert_true(r->sensor.pixels.reference[i] == (i % 2 ? 0.2 : -0.1));
         }
-        assert_int_equal(r->counts.events_on, tiles[k].count / 2);
-        assert_int_equal(r->counts.events_off, (tiles[k].count + 1) / 2);
+        assert_int_equal(r->sensor.counts.events_on, tiles[k].count / 2);
+        assert_int_equal(r->sensor.counts.events_off, (tiles[k].count + 1) / 2);
         free_rig(r);
     }
 }
@@ -455,10 +452,9 @@ static void the_worst_residual_is_relative(void **state) {
     (void)state;
     rig *r = new_rig(TIDES_MODEL_SECANT, 0.4, 0.1, (td_tile){0, 0, 4, 4});
     reset(r);
-    td_pixels pixels = pixels_of(r);
     const double up[4] = {0.1, 0.2, NAN, 0.0}, down[4] = {0.1, -0.08, NAN, 0.0};
-    assert_true(td_comparator_worst_residual(&r->comparator, &pixels, up, 4) == 0.5);
-    assert_true(td_comparator_worst_residual(&r->comparator, &pixels, down, 4) == 0.08 / 0.1);
+    assert_true(td_sensor_worst_residual(&r->sensor, up, NULL, 0) == 0.5);
+    assert_true(td_sensor_worst_residual(&r->sensor, down, NULL, 0) == 0.08 / 0.1);
     free_rig(r);
 }
 

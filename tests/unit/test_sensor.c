@@ -283,7 +283,7 @@ static void test_truncated(void **state) {
     rig_run(r, 0.1000001, 1);
     assert_int_equal(rig_events(r, 0, 0, got, EVENTS_MAX), 5);
     assert_true(got[4].t == 100000 * 1000 + 100 - 1 && got[3].t == got[4].t);
-    assert_true(r->counts.truncated == 2 * RIG_PIXELS && r->counts.caught_up == 0);
+    assert_true(r->sensor.counts.truncated == 2 * RIG_PIXELS && r->sensor.counts.caught_up == 0);
     rig_free(r);
     sensor.refractory_s = 1e-3; /* the end fires one event only */
     sensor.refractory_law = TIDES_REFRACTORY_DROP_KEEP;
@@ -307,9 +307,9 @@ static void test_nan(void **state) {
     sensor.shot_noise_hz = 100;
     rig *r = rig_make(&sensor, 1, 0, gap, NULL);
     rig_run(r, 0.4, 4);
-    assert_true(r->counts.nonfinite == 2);
+    assert_true(r->sensor.counts.nonfinite == 2);
     for (size_t k = 0; k < r->buffer.count; k++) assert_true(r->buffer.events[k].t >= 0 && r->buffer.events[k].t < 400000000);
-    for (size_t i = 0; i < r->pixels; i++) assert_true(isfinite(r->reference[i]));
+    for (size_t i = 0; i < r->pixels; i++) assert_true(isfinite(r->sensor.pixels.reference[i]));
     rig_free(r);
 }
 

@@ -132,7 +132,7 @@ static void test_tile_is_its_pixels(void **state) {
             }
             assert_memory_equal(S, r->sensor.filter[0], sizeof S);
         }
-        assert_true(r->counts.solved > 100 && r->counts.solved < 60 * r->pixels / 2); /* both ways were taken */
+        assert_true(r->sensor.counts.solved > 100 && r->sensor.counts.solved < 60 * r->pixels / 2); /* both ways were taken */
         rig_free(r);
     }
 }

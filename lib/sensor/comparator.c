@@ -1,6 +1,8 @@
-/* The sensor over the pixels of a tile: most do nothing in most steps, and are passed over by comparing control values with
- * levels, as in comparator.c, behind the constant low-pass too; the others go to pixel.c one by one. Filters whose rates go
- * with the light take each pixel by itself. */
+/* The comparator over the pixels of a tile (paper, "Comparator and sensor model"; DESIGN 3.2 to 3.4).
+ *
+ * Most pixels do nothing in most steps. Blocks of them are passed over by comparing control values with levels, in loops that
+ * compilers turn into vector code, behind the constant low-pass too; only what is left goes to ideal.c or pixel.c, one pixel
+ * after the other. Filters whose rates go with the light take each pixel by itself. */
 #include "td_pixel.h"
 #include "td_sensor.h"
 
@@ -8,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { BLOCK = 64 };
+enum { BLOCK = 64 }; /* pixels tested together: their flags stay in L1 */
 
 /* A block's additive noise in the step: where its lines end, and the levels less its bounds. */
 typedef struct noise_block {
@@ -28,6 +30,10 @@ typedef struct tile_job {
     noise_block *noise;     /* NULL: there is none */
 } tile_job;
 
+static uint16_t column(const tile_job *job, size_t j) { return (uint16_t)(job->tile->x0 + (int32_t)j % job->tile->width); }
+
+static uint16_t row(const tile_job *job, size_t j) { return (uint16_t)(job->tile->y0 + (int32_t)j / job->tile->width); }
+
 /* Rates that the model doesn't read count as 0. */
 static inline td_model fit(int32_t kind, const td_signals *signals, double h, size_t j) {
     double S0_dot = kind == TIDES_MODEL_SECANT ? 0.0 : signals->S0_dot[j];
@@ -35,40 +41,51 @@ static inline td_model fit(int32_t kind, const td_signals *signals, double h, si
     return td_model_fit(kind, h, signals->S0[j], S0_dot, signals->S1[j], S1_dot);
 }
 
-/* outside[k] = 0 where pixel j = first + k needs nothing: S_eff strictly between its levels, and no appointment. The loop is
- * straight-line code, as comparator.c's. */
-static inline void reject(int32_t kind, const tile_job *job, size_t first, size_t count, double *restrict outside) {
+/* outside[k] = 0 where pixel j = first + k needs nothing: the control values of S_eff and its end all strictly between the
+ * levels (NaN isn't), and no appointment; otherwise 1. An ideal pixel's levels are the sensor's own, and it has no leak. With
+ * `kind` and `ideal` constant the loop is straight-line code that vectorises (gcc -O3 -fopt-info-vec names it). The flags are
+ * doubles, set one comparison at a time, because gcc 12 gives up where comparisons of doubles end in integers. */
+static inline void reject(int32_t kind, int ideal, const tile_job *job, size_t first, size_t count, double *restrict outside) {
     const td_sensor *sensor = job->pixel.sensor;
     const td_signals from = *job->signals;
-    const double *reference = job->pixel.pixels->reference + first, *wake = sensor->wake + job->first + first;
-    const double *on = job->on, *off = job->off, *leak = sensor->leak + job->first + first;
+    const size_t at = job->first + first;
+    const double *reference = sensor->pixels.reference + at, *on = job->on, *off = job->off;
+    const double *leak = ideal ? NULL : sensor->leak + at, *wake = ideal ? NULL : sensor->wake + at;
     const double h = job->pixel.step->length_s, start = job->pixel.start, third = job->pixel.step->length_ns / 3;
-    const double stop = job->stop;
+    const double stop = job->stop, same_on = sensor->sensor.threshold_on, same_off = sensor->sensor.threshold_off;
     for (size_t k = 0; k < count; k++) {
         td_model model = fit(kind, &from, h, first + k);
-        double base = leak[k] * start - reference[k], rise = leak[k] * third, low = -off[k];
-        double r0 = model.control[0] + base, r1 = model.control[1] + base + rise, r2 = model.control[2] + base + 2 * rise;
-        double r3 = model.control[3] + base + 3 * rise, last = from.S1[first + k] + base + 3 * rise;
-        double flag = r0 < on[k] ? 0.0 : 1.0;
+        double base = ideal ? -reference[k] : leak[k] * start - reference[k], rise = ideal ? 0 : leak[k] * third;
+        double high = ideal ? same_on : on[k], low = ideal ? -same_off : -off[k];
+        double r0 = model.control[0] + base, r1 = model.control[1] + base, r2 = model.control[2] + base;
+        double r3 = model.control[3] + base, last = from.S1[first + k] + base;
+        if (!ideal) {
+            r1 += rise;
+            r2 += 2 * rise;
+            r3 += 3 * rise;
+            last += 3 * rise;
+        }
+        double flag = r0 < high ? 0.0 : 1.0;
         flag = r0 > low ? flag : 1.0;
-        flag = r1 < on[k] ? flag : 1.0;
+        flag = r1 < high ? flag : 1.0;
         flag = r1 > low ? flag : 1.0;
-        flag = r2 < on[k] ? flag : 1.0;
+        flag = r2 < high ? flag : 1.0;
         flag = r2 > low ? flag : 1.0;
-        flag = r3 < on[k] ? flag : 1.0;
+        flag = r3 < high ? flag : 1.0;
         flag = r3 > low ? flag : 1.0;
-        flag = last < on[k] ? flag : 1.0;
+        flag = last < high ? flag : 1.0;
         flag = last > low ? flag : 1.0;
-        outside[k] = wake[k] > stop ? flag : 1.0;
+        outside[k] = ideal || wake[k] > stop ? flag : 1.0;
     }
 }
 
-static void reject_block(const tile_job *job, size_t first, size_t count, double *outside) {
+/* `reject` for the model at hand, each with its own loop. */
+static inline void reject_any(int ideal, const tile_job *job, size_t first, size_t count, double *outside) {
     switch (job->pixel.sensor->model) {
-        case TIDES_MODEL_LINEAR: reject(TIDES_MODEL_LINEAR, job, first, count, outside); break;
-        case TIDES_MODEL_QUADRATIC: reject(TIDES_MODEL_QUADRATIC, job, first, count, outside); break;
-        case TIDES_MODEL_SECANT: reject(TIDES_MODEL_SECANT, job, first, count, outside); break;
-        default: reject(TIDES_MODEL_HERMITE, job, first, count, outside); break;
+        case TIDES_MODEL_LINEAR: reject(TIDES_MODEL_LINEAR, ideal, job, first, count, outside); break;
+        case TIDES_MODEL_QUADRATIC: reject(TIDES_MODEL_QUADRATIC, ideal, job, first, count, outside); break;
+        case TIDES_MODEL_SECANT: reject(TIDES_MODEL_SECANT, ideal, job, first, count, outside); break;
+        default: reject(TIDES_MODEL_HERMITE, ideal, job, first, count, outside); break;
     }
 }
 
@@ -91,12 +108,12 @@ static void gather_block(const tile_job *job, size_t first, size_t count, double
     }
 }
 
-/* reject behind the constant low-pass. The pixels that need nothing are at the step's end then; the others are as they were.
+/* `reject` behind the constant low-pass. The pixels that need nothing are at the step's end then; the others are as they were.
  * `slack` is for rounding here, so that none is passed over that its path would take to a level. */
 static void reject_filtered(const tile_job *job, size_t first, size_t count, double *restrict outside) {
     const td_sensor *sensor = job->pixel.sensor;
     const size_t at = job->first + first;
-    const double *reference = job->pixel.pixels->reference + first, *leak = sensor->leak + at, *wake = sensor->wake + at;
+    const double *reference = sensor->pixels.reference + at, *leak = sensor->leak + at, *wake = sensor->wake + at;
     const double *on = job->on, *off = job->off;
     const double start = job->pixel.start, length = job->pixel.step->length_ns, stop = job->stop;
     double b[4][BLOCK], after[BLOCK], low[BLOCK], high[BLOCK], *S = sensor->filter[0] + at;
@@ -143,9 +160,25 @@ static void filter(const tile_job *job, td_pixel_step *pixel) {
 static int needs_nothing(const tile_job *job, const td_pixel_step *pixel) {
     const td_sensor *sensor = job->pixel.sensor;
     const size_t k = pixel->local - job->begun;
-    double low, high, reference = job->pixel.pixels->reference[pixel->local];
+    double low, high, reference = sensor->pixels.reference[pixel->i];
     td_path_range(&pixel->path, &low, &high);
     return low > reference - job->off[k] && high < reference + job->on[k] && sensor->wake[pixel->i] > job->stop;
+}
+
+/* Which pixels of a block need something; those that don't are at the step's end then, but for their noise. */
+static void reject_block(const tile_job *job, size_t first, size_t count, double *outside) {
+    const td_sensor *sensor = job->pixel.sensor;
+    if (!sensor->on)
+        reject_any(1, job, first, count, outside);
+    else if (!sensor->frontend.on)
+        reject_any(0, job, first, count, outside);
+    else
+        reject_filtered(job, first, count, outside);
+}
+
+/* Filters whose rates go with the light take each pixel by itself. */
+static int can_reject(const td_sensor *sensor) {
+    return !sensor->exhaustive && (!sensor->frontend.on || sensor->frontend.kind == TD_FRONTEND_CONSTANT);
 }
 
 /* -- blocks ---------------------------------------------------------------------------------------------------------------- */
@@ -154,7 +187,7 @@ static int needs_nothing(const tile_job *job, const td_pixel_step *pixel) {
 static void take_levels(tile_job *job, size_t first, size_t count) {
     const td_sensor *sensor = job->pixel.sensor;
     const size_t at = job->first + first;
-    const double *reference = job->pixel.pixels->reference + first, *leak = sensor->leak + at;
+    const double *reference = sensor->pixels.reference + at, *leak = sensor->leak + at;
     const double stop = job->pixel.start + job->pixel.step->length_ns;
     noise_block *noise = job->noise;
     job->begun = first;
@@ -187,12 +220,15 @@ static void pass_over(const tile_job *job, size_t j) {
     sensor->noise_value[job->first + j] = job->noise->value[j - job->begun];
 }
 
+static tides_status step_ideal(tile_job *job, size_t j) {
+    const td_model model = fit(job->pixel.sensor->model, job->signals, job->pixel.step->length_s, j);
+    return td_ideal_advance(&job->pixel, job->first + j, column(job, j), row(job, j), &model, job->signals->S1[j]);
+}
+
 static tides_status step_pixel(tile_job *job, size_t j) {
     const td_step *step = job->pixel.step;
     const td_sensor *sensor = job->pixel.sensor;
-    td_pixel_step pixel = {.local = j, .i = job->first + j};
-    pixel.x = (uint16_t)(job->tile->x0 + (int32_t)j % job->tile->width);
-    pixel.y = (uint16_t)(job->tile->y0 + (int32_t)j / job->tile->width);
+    td_pixel_step pixel = {.local = j, .i = job->first + j, .x = column(job, j), .y = row(job, j)};
     pixel.input = fit(sensor->model, job->signals, step->length_s, j);
     pixel.path.cubic = pixel.input;
     pixel.end = job->signals->S1[j];
@@ -201,7 +237,7 @@ static tides_status step_pixel(tile_job *job, size_t j) {
     double ramp = sensor->leak[pixel.i] * job->pixel.start, rise = sensor->leak[pixel.i] * step->length_ns;
     for (int c = 0; c < 4; c++) pixel.path.cubic.control[c] += ramp + rise * (c / 3.0);
     pixel.end += ramp + rise;
-    if (sensor->frontend.on && needs_nothing(job, &pixel)) {
+    if (sensor->frontend.on && !sensor->exhaustive && needs_nothing(job, &pixel)) {
         pass_over(job, j);
         return TIDES_OK;
     }
@@ -209,54 +245,76 @@ static tides_status step_pixel(tile_job *job, size_t j) {
     return td_pixel_advance(&job->pixel, &pixel);
 }
 
+/* -- the tile -------------------------------------------------------------------------------------------------------------- */
+
 static void add_counts(td_sensor_counts *sum, const td_sensor_counts *more) {
     for (int c = 0; c < TIDES_CAUSES; c++) sum->cause[c] += more->cause[c];
+    sum->events_on += more->events_on;
+    sum->events_off += more->events_off;
+    sum->truncated += more->truncated;
+    sum->caught_up += more->caught_up;
+    sum->solved += more->solved;
+    sum->nonfinite += more->nonfinite;
     sum->suppressed += more->suppressed;
     sum->refractory += more->refractory;
 }
 
-tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
-                            const td_signals *signals, const td_coverage *coverage, const td_pixels *pixels,
-                            td_event_buffer *buffer, td_comparator_counts *counts, tides_error *error) {
-    noise_block noise;
-    tile_job job = {{sensor,
-                     step,
-                     pixels,
-                     td_sensor_time(sensor, step->start_ns, step->start_fraction),
-                     buffer,
-                     *counts,
-                     {{0}, 0, 0},
-                     error},
-                    tile,
-                    first,
-                    signals,
-                    coverage,
-                    (double)(step->stop_ns - sensor->start_ns) + 2, /* floored, and less one: see step_between */
-                    0,
-                    NULL,
-                    NULL,
-                    sensor->additive.on ? &noise : NULL};
-    const int passes = !sensor->frontend.on, filters = sensor->frontend.kind == TD_FRONTEND_CONSTANT;
-    size_t before = buffer->count, pixel_count = (size_t)tile->count;
+/* Takes back the events from `before` on; of ideal pixels, each says which count it has raised. */
+static void undo(const tile_job *job, size_t before) {
+    const td_sensor *sensor = job->pixel.sensor;
+    const td_pixels *pixels = &sensor->pixels;
+    for (size_t k = before; k < job->pixel.buffer->count && !sensor->on; k++) {
+        const tides_event *event = &job->pixel.buffer->events[k];
+        size_t i =
+            job->first + (size_t)(event->y - job->tile->y0) * (size_t)job->tile->width + (size_t)(event->x - job->tile->x0);
+        if (event->polarity > 0)
+            pixels->count_on[i]--;
+        else
+            pixels->count_off[i]--;
+        pixels->reference[i] = td_reference_of(sensor->sensor.threshold_on, sensor->sensor.threshold_off, pixels->initial[i],
+                                               pixels->count_on[i], pixels->count_off[i]);
+    }
+    job->pixel.buffer->count = before;
+}
+
+static tides_status step_block(tile_job *job, size_t first, size_t count) {
+    const td_sensor *sensor = job->pixel.sensor;
+    const int rejects = can_reject(sensor);
     double outside[BLOCK];
-    for (size_t done = 0; done < pixel_count; done += BLOCK) {
-        size_t count = pixel_count - done < BLOCK ? pixel_count - done : BLOCK;
-        take_levels(&job, done, count);
-        if (passes) reject_block(&job, done, count, outside);
-        if (filters) reject_filtered(&job, done, count, outside);
-        for (size_t k = 0; k < count; k++) {
-            tides_status status = TIDES_OK;
-            if ((passes || filters) && outside[k] == 0.0)
-                pass_over(&job, done + k);
-            else
-                status = step_pixel(&job, done + k);
-            if (status != TIDES_OK) {
-                buffer->count = before;
-                return status;
-            }
+    if (sensor->on) take_levels(job, first, count);
+    if (rejects) reject_block(job, first, count, outside);
+    for (size_t k = 0; k < count; k++) {
+        tides_status status = TIDES_OK;
+        if (rejects && outside[k] == 0.0)
+            pass_over(job, first + k);
+        else
+            status = sensor->on ? step_pixel(job, first + k) : step_ideal(job, first + k);
+        if (status != TIDES_OK) return status;
+    }
+    return TIDES_OK;
+}
+
+tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
+                            const td_signals *signals, const td_coverage *coverage, td_event_buffer *buffer,
+                            tides_error *error) {
+    const size_t before = buffer->count, pixels = (size_t)tile->count;
+    noise_block noise;
+    tile_job job = {.pixel = {.sensor = sensor, .step = step, .buffer = buffer, .error = error},
+                    .tile = tile,
+                    .first = first,
+                    .signals = signals,
+                    .coverage = coverage};
+    job.pixel.start = td_sensor_time(sensor, step->start_ns, step->start_fraction);
+    job.stop = (double)(step->stop_ns - sensor->start_ns) + 2; /* floored, and less one where another step follows */
+    job.noise = sensor->additive.on ? &noise : NULL;
+    for (size_t done = 0; done < pixels; done += BLOCK) {
+        tides_status status = step_block(&job, done, pixels - done < BLOCK ? pixels - done : BLOCK);
+        if (status != TIDES_OK) {
+            undo(&job, before);
+            return status;
         }
     }
-    *counts = job.pixel.counts;
-    add_counts(&sensor->counts, &job.pixel.sensor_counts);
+    if (!sensor->on) job.pixel.counts.cause[TIDES_CAUSE_SIGNAL] = job.pixel.counts.events_on + job.pixel.counts.events_off;
+    add_counts(&sensor->counts, &job.pixel.counts);
     return TIDES_OK;
 }

@@ -1,6 +1,6 @@
-/* A sensor's pixels: parameters checked, and what is drawn once per pixel. */
+/* A sensor's pixels: parameters checked, memory, what is drawn once per pixel, and where they stand when a run begins. For the
+ * solver and the baselines; comparator.c takes them from there. */
 #include "td_base.h"
-#include "td_noise_bridge.h"
 #include "td_random.h"
 #include "td_sensor.h"
 
@@ -13,6 +13,19 @@
 
 /* Rates above this would come faster than whole nanoseconds can tell apart well. */
 static const double most_hz = 1e6;
+
+tides_status td_sensor_check_levels(const tides_sensor *s, int32_t model, tides_error *error) {
+    if (!(s->threshold_on > 0.0 && s->threshold_on <= DBL_MAX))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "threshold_on is %g; it must be finite and above 0", s->threshold_on);
+    if (!(s->threshold_off > 0.0 && s->threshold_off <= DBL_MAX))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "threshold_off is %g; it must be finite and above 0", s->threshold_off);
+    if (model < TIDES_MODEL_LINEAR || model > TIDES_MODEL_SECANT)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "model is %d; it must be one of TIDES_MODEL_*", (int)model);
+    if (s->max_events_per_step < 1)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "max_events_per_step is %d; it must be at least 1",
+                       (int)s->max_events_per_step);
+    return TIDES_OK;
+}
 
 tides_status td_sensor_check(const tides_sensor *s, tides_error *error) {
     const struct {
@@ -83,6 +96,14 @@ static void draw_pixel(td_sensor *sensor, size_t i, uint32_t pixel) {
     td_sensor_set_wake(sensor, i);
 }
 
+static void draw_pixels(td_sensor *sensor, const td_tile *tiles, int32_t tile_count) {
+    for (size_t t = 0, i = 0; t < (size_t)tile_count; t++)
+        for (int32_t k = 0; k < tiles[t].count; k++) {
+            int32_t x = tiles[t].x0 + k % tiles[t].width, y = tiles[t].y0 + k / tiles[t].width;
+            draw_pixel(sensor, i++, (uint32_t)y * (uint32_t)sensor->image_width + (uint32_t)x);
+        }
+}
+
 void td_sensor_set_wake(td_sensor *sensor, size_t pixel) {
     double wake;
     td_noise_next(&sensor->noise, pixel, &wake);
@@ -91,16 +112,18 @@ void td_sensor_set_wake(td_sensor *sensor, size_t pixel) {
     sensor->wake[pixel] = wake;
 }
 
-double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time) {
-    if (!sensor->additive.on) return 0;
-    uint32_t number = sensor->number[pixel];
-    td_noise_line line =
-        td_additive_noise_resume(&sensor->additive, number, (uint64_t)sensor->noise_line[pixel], sensor->noise_value[pixel]);
-    td_additive_noise_seek(&sensor->additive, number, time, &line);
-    return td_noise_value(&sensor->additive, number, &line, time);
+static tides_status allocate(td_sensor *sensor, tides_error *error) {
+    td_pixels *pixels = &sensor->pixels;
+    double **arrays[] = {&pixels->initial, &pixels->reference};
+    uint32_t **counts[] = {&pixels->count_on, &pixels->count_off};
+    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
+        if (!(*arrays[k] = td_alloc(sensor->count, sizeof **arrays[k], error))) return TIDES_NO_MEMORY;
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++)
+        if (!(*counts[k] = td_alloc(sensor->count, sizeof **counts[k], error))) return TIDES_NO_MEMORY;
+    return TIDES_OK;
 }
 
-static tides_status allocate(td_sensor *sensor, tides_error *error) {
+static tides_status allocate_blocks(td_sensor *sensor, tides_error *error) {
     double **arrays[] = {&sensor->threshold_on, &sensor->threshold_off, &sensor->leak,
                          &sensor->held_until,   &sensor->since,         &sensor->wake};
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
@@ -124,7 +147,8 @@ tides_status td_sensor_create(const tides_sensor *given, int32_t model, double l
     memset(sensor, 0, sizeof *sensor);
     sensor->sensor = *given;
     const tides_sensor *params = &sensor->sensor;
-    tides_status status = td_sensor_check(params, error);
+    tides_status status = td_sensor_check_levels(params, model, error);
+    if (status == TIDES_OK) status = td_sensor_check(params, error);
     if (status != TIDES_OK) return status;
     sensor->model = model;
     sensor->log_eps = log_eps;
@@ -140,7 +164,6 @@ tides_status td_sensor_create(const tides_sensor *given, int32_t model, double l
     sensor->labels = params->labels && (sensor->frontend.on || sensor->additive.on || surround);
     sensor->on =
         sensor->restless || sensor->masks || surround || params->threshold_sigma > 0 || params->dead_pixel_fraction > 0;
-    if (!sensor->on) return TIDES_OK;
     td_step first; /* how the simulator's steps split that time */
     status = td_step_between(start, start + 1, &first, error);
     if (status != TIDES_OK) return status;
@@ -148,23 +171,21 @@ tides_status td_sensor_create(const tides_sensor *given, int32_t model, double l
     sensor->start_fraction = first.start_fraction;
     for (int32_t t = 0; t < tile_count; t++) sensor->count += (size_t)tiles[t].count;
     status = allocate(sensor, error);
-    if (status != TIDES_OK) {
+    if (status == TIDES_OK && sensor->on) status = allocate_blocks(sensor, error);
+    if (status != TIDES_OK)
         td_sensor_release(sensor);
-        return status;
-    }
-    for (size_t t = 0, i = 0; t < (size_t)tile_count; t++)
-        for (int32_t k = 0; k < tiles[t].count; k++) {
-            int32_t x = tiles[t].x0 + k % tiles[t].width, y = tiles[t].y0 + k / tiles[t].width;
-            draw_pixel(sensor, i++, (uint32_t)y * (uint32_t)image_width + (uint32_t)x);
-        }
-    return TIDES_OK;
+    else if (sensor->on)
+        draw_pixels(sensor, tiles, tile_count);
+    return status;
 }
 
 void td_sensor_release(td_sensor *sensor) {
-    double *arrays[] = {sensor->threshold_on, sensor->threshold_off, sensor->leak,
-                        sensor->held_until,   sensor->since,         sensor->wake};
+    double *arrays[] = {sensor->threshold_on, sensor->threshold_off, sensor->leak,           sensor->held_until,
+                        sensor->since,        sensor->wake,          sensor->pixels.initial, sensor->pixels.reference};
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
     for (int k = 0; k < TD_FRONTEND_STATE; k++) free(sensor->filter[k]);
+    free(sensor->pixels.count_on);
+    free(sensor->pixels.count_off);
     free(sensor->reach);
     free(sensor->noise_line);
     free(sensor->noise_value);
@@ -173,12 +194,15 @@ void td_sensor_release(td_sensor *sensor) {
     memset(sensor, 0, sizeof *sensor);
 }
 
-void td_sensor_begin(td_sensor *sensor, const double *L, double *S) {
+void td_sensor_begin(td_sensor *sensor, const double *L) {
+    const td_pixels *pixels = &sensor->pixels;
     for (size_t i = 0; i < sensor->count; i++) {
         double state[TD_FRONTEND_STATE] = {0}, rest = L[i];
         if (sensor->frontend.on) rest = td_frontend_rest(&sensor->frontend, L[i], sensor->log_eps, state);
         for (int k = 0; k < TD_FRONTEND_STATE; k++)
             if (sensor->filter[k]) sensor->filter[k][i] = state[k];
-        S[i] = rest + td_sensor_noise_at(sensor, i, 0);
+        if (sensor->additive.on) rest += td_sensor_noise_at(sensor, i, 0);
+        pixels->initial[i] = pixels->reference[i] = rest;
+        pixels->count_on[i] = pixels->count_off[i] = 0;
     }
 }

@@ -1,0 +1,58 @@
+/* Where a sensor's pixels stand between steps: their signals, how far from their levels, and what follows from a state that was
+ * put back. For the solver's statistics and checkpoints. */
+#include "td_noise_bridge.h"
+#include "td_sensor.h"
+
+#include <math.h>
+
+double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time) {
+    if (!sensor->additive.on) return 0;
+    uint32_t number = sensor->number[pixel];
+    td_noise_line line =
+        td_additive_noise_resume(&sensor->additive, number, (uint64_t)sensor->noise_line[pixel], sensor->noise_value[pixel]);
+    td_additive_noise_seek(&sensor->additive, number, time, &line);
+    return td_noise_value(&sensor->additive, number, &line, time);
+}
+
+double td_sensor_signal(const td_sensor *sensor, size_t pixel, double L, double time) {
+    if (!sensor->on) return L;
+    double S = (sensor->frontend.on ? sensor->filter[0][pixel] : L) + sensor->leak[pixel] * time;
+    return S + td_sensor_noise_at(sensor, pixel, time);
+}
+
+static double threshold_on(const td_sensor *sensor, size_t i) {
+    return sensor->on ? sensor->threshold_on[i] : sensor->sensor.threshold_on;
+}
+
+static double threshold_off(const td_sensor *sensor, size_t i) {
+    return sensor->on ? sensor->threshold_off[i] : sensor->sensor.threshold_off;
+}
+
+/* Whether the pixel answers to its levels. */
+static int is_free(const td_sensor *sensor, size_t i, const double *coverage, double time) {
+    if (!sensor->on) return 1;
+    if (sensor->masks && !(coverage[i] >= sensor->sensor.b_min)) return 0;
+    return !(sensor->held_until[i] > time);
+}
+
+double td_sensor_worst_residual(const td_sensor *sensor, const double *L, const double *coverage, double time) {
+    double worst = 0;
+    for (size_t i = 0; i < sensor->count; i++) {
+        double residual = td_sensor_signal(sensor, i, L[i], time) - sensor->pixels.reference[i];
+        double relative = fabs(residual) / (residual > 0 ? threshold_on(sensor, i) : threshold_off(sensor, i));
+        if (relative > worst && is_free(sensor, i, coverage, time)) worst = relative;
+    }
+    return worst;
+}
+
+/* A pixel that has never fired keeps the very bits of its initial value, a NaN's too. */
+void td_sensor_resume(td_sensor *sensor) {
+    const td_pixels *p = &sensor->pixels;
+    for (size_t i = 0; i < sensor->count; i++) {
+        int fired = p->count_on[i] || p->count_off[i];
+        p->reference[i] = fired ? td_reference_of(threshold_on(sensor, i), threshold_off(sensor, i), p->initial[i],
+                                                  p->count_on[i], p->count_off[i])
+                                : p->initial[i];
+        if (sensor->on) td_sensor_set_wake(sensor, i);
+    }
+}
