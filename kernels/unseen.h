@@ -39,11 +39,20 @@ TD_INLINE td_lanes td_travel(const td_shape s[3], td_mask ever) {
     return td_select(td_splat(0.0f), first + second, ever & s[1].visible);
 }
 
+/* A power of two of the order of the inverse variance: variances times it, and conics over it, are numbers whose products
+ * single precision holds, however wide the splat is (up to 2^120 px^2: td_shrink_wide), and nothing is rounded. Without it the
+ * products below overflowed from 1e9 px on, and each tile was cut down to min_step_s: 24 508 renders for 39. */
+TD_INLINE td_lanes td_inverse_scale(const td_shape *s) {
+    return td_inverse_power(td_clamp(td_larger(s->a.v, s->c.v), TD_REAL(1.0), TD_REAL(1.329227995784916e36))); /* 2^120 */
+}
+
 /* The most that the variance along some direction changes by relatively [1/s]: the spectral radius of V^-1 V_dot. */
 TD_INLINE td_lanes td_reshape_rate(const td_shape *s) {
-    td_lanes qa = s->conic[0].v, qb = s->conic[1].v, qc = s->conic[2].v;
-    td_lanes apart = 0.5f * td_fma(qa, s->a.d, td_fma(2.0f * qb, s->b.d, qc * s->c.d));
-    td_lanes det = td_fma(s->a.d, s->c.d, -(s->b.d * s->b.d)) * td_fma(qa, qc, -(qb * qb));
+    td_lanes shrink = td_inverse_scale(s), grow = 1.0f / shrink;
+    td_lanes qa = s->conic[0].v * grow, qb = s->conic[1].v * grow, qc = s->conic[2].v * grow;
+    td_lanes a_dot = s->a.d * shrink, b_dot = s->b.d * shrink, c_dot = s->c.d * shrink;
+    td_lanes apart = 0.5f * td_fma(qa, a_dot, td_fma(2.0f * qb, b_dot, qc * c_dot));
+    td_lanes det = td_fma(a_dot, c_dot, -(b_dot * b_dot)) * td_fma(qa, qc, -(qb * qb));
     return td_size(apart) + td_sqrt(td_larger(td_fma(apart, apart, -det), td_splat(0.0f)));
 }
 
@@ -56,8 +65,9 @@ TD_INLINE td_lanes td_reshape(const td_shape s[3], td_real duration) {
 
 /* The narrowest standard deviation [px]. */
 TD_INLINE td_lanes td_narrowest(const td_shape *s) {
-    td_lanes apart = 0.5f * (s->a.v - s->c.v), middle = 0.5f * (s->a.v + s->c.v);
-    td_lanes gap = td_sqrt(td_fma(apart, apart, s->b.v * s->b.v));
+    td_lanes shrink = td_inverse_scale(s), mixed = s->b.v * shrink;
+    td_lanes apart = 0.5f * (s->a.v - s->c.v) * shrink, middle = 0.5f * (s->a.v + s->c.v);
+    td_lanes gap = td_sqrt(td_fma(apart, apart, mixed * mixed)) / shrink;
     return td_sqrt(td_larger(middle - gap, td_splat(0.0f)));
 }
 
