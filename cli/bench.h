@@ -92,6 +92,7 @@ typedef struct bench {
     tides_device *device;
     tides_device_info info;
     cli_progress progress; /* only asked whether to stop */
+    int32_t failed;        /* rows of bench_stability that do */
 } bench;
 
 /* Events further apart than this aren't taken for each other. */
@@ -246,10 +247,12 @@ typedef struct bench_cost {
 /* bench_throughput_figure.c: throughput.png. */
 tides_status bench_figure_costs(const bench *b, const bench_cost *costs, size_t count, tides_error *error);
 
-/* bench_accuracy.c, bench_ablation.c, bench_image.c, bench_throughput.c; the exit code is the command's. */
+/* bench_accuracy.c, bench_ablation.c, bench_image.c, bench_throughput.c, bench_stability.c; the exit code is the command's. */
 tides_status bench_accuracy(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_ablation(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_image(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_throughput(bench *b, const cli_list *scenes, tides_error *error);
+/* Rows, not scenes; opens devices by itself, in processes of its own. */
+tides_status bench_stability(bench *b, const cli_list *rows, tides_error *error);
 
 #endif

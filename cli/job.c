@@ -104,7 +104,7 @@ static void print_summary(const tides_stats *stats, const tides_session_facts *s
                cli_count((double)stats->events_dropped, count), cli_count((double)stats->events_delayed, rate),
                stats->worst_delay_s);
     if (stats->events_truncated)
-        printf("truncated         %llu crossings beyond sensor.max_events_per_step\n",
+        printf("truncated         %llu crossings beyond sensor.max_events_per_step, at their step's end in time: raise it\n",
                (unsigned long long)stats->events_truncated);
     if (stats->events_uncertain)
         printf("uncertain         %s events, or places where there might be one: the signal turns within its error of a "

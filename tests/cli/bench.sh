@@ -1,6 +1,9 @@
 # A benchmark leaves tables that agree with each other and pictures, refuses nonsense, and stops when asked to.
 refuse 2 "no benchmark is called acuracy; did you mean accuracy\?" tides bench acuracy
-refuse 2 "no benchmark is called speed; there are accuracy, ablation, image and throughput" tides bench speed
+refuse 2 "no benchmark is called speed; there are accuracy, ablation, image, stability and throughput" tides bench speed
+refuse 2 "--row needle-1e6: there is no such row; did you mean needles-1e6\?" tides bench stability --row needle-1e6
+refuse 2 "--row: only stability has rows" tides bench image --row needles-1e6
+refuse 2 "--scene: stability has rows" tides bench stability --scene fan
 refuse 2 "too few arguments" tides bench
 refuse 2 "--scene ocluder: neither a scene nor a file; did you mean occluder\?" tides bench accuracy --scene ocluder
 touch taken
@@ -94,6 +97,25 @@ for block in mismatch "refractory hold" "shot noise" "hot pixels" "PSF log" "PSF
 done
 less "$(cell ns_per_pixel_step mismatch)" "$(cell ns_per_pixel_step circuit)" "what mismatch costs against the circuit"
 less "$(cell pixel_steps_per_s circuit)" "$(cell pixel_steps_per_s off)" "the throughput with the circuit against that without"
+
+# Rows that pass, one that must be refused, and one that fails: results are written, and the exit code says it.
+expect 0 tides bench stability --row needles-1e6 --row start-1e9 --row giants-1e18 -o made
+out "^3 rows: 3 pass \(1 of them refused with the line they should have\), 0 fail"
+err "\[1/3\] pass  needles-1e6 .* us 0 +%"
+err "\[3/3\] pass  giants-1e18 .*make it smaller"
+for file in stability.json stability.csv stability.png; do exists made/$file; done
+[ "$(grep -c '"row":' made/stability.json)" = $(($(wc -l <made/stability.csv) - 1)) ] || fail "JSON and CSV differ in length"
+for key in verdict why same_bits L_error L_bound L_dot_error dt_p95_us mismatch_percent times_benign peak_memory_mb bounds; do
+    grep -q "\"$key\":" made/stability.json || fail "stability.json lacks $key"
+done
+cell() { awk -F, -v name="$1" -v row="$2" '
+    NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } $1 == row { print $at[name] }' made/stability.csv; }
+[ "$(cell same_bits needles-1e6)" = 1 ] || fail "the device hasn't the float reference's bits"
+less 0 "$(cell L_error needles-1e6)" "no error against the double reference"
+less 10000 "$(cell events needles-1e6)" "the events of needles"
+expect 1 tides bench stability --quiet --row threshold-1e-4-capped -o made
+err "1 rows fail; made/stability.json says why"
+grep -q "^threshold-1e-4-capped,.*,FAIL,.*cut off" made/stability.csv || fail "a row that fails should say so"
 
 set -m # so that the job doesn't start with SIGINT ignored
 tides bench accuracy --quick --scene fan -o stopped >out 2>err &
