@@ -26,7 +26,7 @@ static void draw_column(cli_canvas *canvas, int32_t column, const stability_row 
     plot_panel panel = {.left = left, .top = top, .right = left + PLOT, .bottom = bottom};
     panel.x_low = LEAST_SHARE;
     panel.x_high = MOST_SHARE;
-    panel.y_low = (double)count; /* downwards */
+    panel.y_high = (double)count;
     panel.y_linear = 1;
     panel.title = "";
     panel.x_label = "share of the bound";
@@ -40,7 +40,7 @@ static void draw_column(cli_canvas *canvas, int32_t column, const stability_row 
         snprintf(label, sizeof label, "%s%s", row->verdict.pass ? "" : "FAIL ", row->of->name);
         plot_text(canvas, left - 10 - plot_text_width(label, 2), y, 2, label);
         if (row->result.how == STABILITY_RAN && !row->of->refusal)
-            draw_shares(canvas, &panel, row, (double)i + 0.5);
+            draw_shares(canvas, &panel, row, (double)(count - i) - 0.5);
         else
             plot_text(canvas, left + 10, y, 2, row->verdict.pass ? "refused, as it should be" : "");
     }

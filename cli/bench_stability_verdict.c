@@ -23,7 +23,7 @@
 /* A gigabyte plus the scene. Its arrays are kept twice, by the scene and by the device; splats that are projected have
  * a record, and keys to sort, for each tile that they touch. */
 #define BOUND_MEMORY 1e9
-#define BYTES_PER_GAUSSIAN 1200.0
+#define BYTES_PER_GAUSSIAN 500.0
 /* A pixel has its state, its thresholds and the signal at both ends of a step. */
 #define BYTES_PER_PIXEL 120.0
 
@@ -34,7 +34,7 @@ const stability_measured stability_measures[VERDICTS] = {
     {"mismatch", "%", "what both runs call uncertain, and 0.1 %; 5 % at most"},
     {"cut off", "%", "0.1 % of the events lose their times to max_events_per_step"},
     {"run time", "x benign", "20"},
-    {"memory", "MB", "1000, and 1.2 kB a Gaussian and 120 bytes a pixel"},
+    {"memory", "MB", "1000, and 500 bytes a Gaussian and 120 bytes a pixel"},
 };
 
 static double or_default(double own, double fallback) { return own > 0 ? own : fallback; }
