@@ -132,6 +132,8 @@ def check_text(root, path, text, sections, names):
                 yield match.start(), f"DESIGN {section}: docs/DESIGN.md has no such section"
     for match in re.finditer(r"simulators?\W+(?:\*\s+)?notes", text):
         yield match.start(), "the simulators notes aren't in the repository: say what they say"
+    for match in re.finditer(r"\bnotes?,\s+(?:\*\s+)?sections?\b", text):
+        yield match.start(), "notes with sections: name a file of the repository, or say what they say"
     for match in NAMED.finditer(ELSEWHERE.sub(lambda m: " " * len(m[0]), text)):
         name = match[1]
         if PLACEHOLDER.search(Path(name).stem) or Path(name).name in FOREIGN | GENERATED:

@@ -16,6 +16,7 @@
 #include "td_device.h"
 
 #include "tests/support/golden_render.h"
+#include "tests/support/opencl.h"
 #include "tests/support/render_frame.h"
 #include "tests/support/scene_folder.h"
 #include "tests/support/shared.h"
@@ -202,6 +203,7 @@ static void images_and_their_rates(void **state) {
     assert_true(shared_scan(folder, ".npz", visit, &r) > 0);
     tides_device_close(r.device);
     if (r.failures) fail_msg("%d comparisons failed: see the lines above", r.failures);
+    skip_without_opencl();
 }
 
 int main(void) {

@@ -15,6 +15,7 @@
 #include "tests/support/golden_motion.h"
 #include "tests/support/scene_folder.h"
 #include "tests/support/golden_folder.h"
+#include "tests/support/opencl.h"
 #include "tides/render.h"
 
 #include <math.h>
@@ -202,6 +203,7 @@ static int visit(void *user, const char *path, const char *name) {
 static void test_files(void **state) {
     (void)state;
     golden_folder("golden/stg", "", visit, NULL);
+    skip_without_opencl();
 }
 
 int main(void) {

@@ -10,6 +10,7 @@
 #include "tests/property/renderer_of.h"
 #include "td_device.h"
 #include "tests/support/moving_scene.h"
+#include "tests/support/opencl.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -141,6 +142,7 @@ static void test_cuts_change_nothing(void **state) {
     (void)state;
     check_cuts("reference", SEED + 10);
     check_cuts("cpu", SEED + 11);
+    skip_without_opencl();
 }
 
 /* -- sides ----------------------------------------------------------------------------------------------------------- */

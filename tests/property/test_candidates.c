@@ -8,6 +8,7 @@
 
 #include "tests/property/renderer_of.h"
 #include "tests/support/scene_make.h"
+#include "tests/support/opencl.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -230,6 +231,7 @@ static void test_batches_do_not_matter(void **state) {
     check_batches("reference");
     check_batches("reference-f32");
     check_batches("cpu");
+    skip_without_opencl();
 }
 
 int main(void) {

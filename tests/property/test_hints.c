@@ -10,6 +10,7 @@
 #include "td_device.h"
 #include "tests/property/renderer_of.h"
 #include "tests/support/event_stream.h"
+#include "tests/support/opencl.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -106,6 +107,7 @@ static void test_same_images(void **unused) {
         }
         tides_device_close(device);
     }
+    skip_without_opencl();
 }
 
 /* -- what is sorted -------------------------------------------------------------------------------------------------- */
@@ -169,6 +171,7 @@ static void test_sorted_where_order_changes(void **unused) {
         assert_int_equal(kept_in_run(device, 5), 1); /* nor the last, after they have met */
         tides_device_close(device);
     }
+    skip_without_opencl();
 }
 
 /* -- who leaves one ------------------------------------------------------------------------------------------------ */

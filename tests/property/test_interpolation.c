@@ -11,6 +11,7 @@
 #include "solver/td_simulator.h"
 #include "td_device.h"
 #include "tests/support/moving_scene.h"
+#include "tests/support/opencl.h"
 #include "tests/support/random_network.h"
 #include "td_sort.h"
 
@@ -199,6 +200,7 @@ static void test_bits_are_the_same_everywhere(void **state) {
     moving_scene mixed = moving_scene_make(&recipe, 0.5);
     check_bits(mixed.scene, &mixed.base);
     moving_scene_free(&mixed);
+    skip_without_opencl();
 }
 
 /* -- knots --------------------------------------------------------------------------------------------------------- */

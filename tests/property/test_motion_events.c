@@ -11,6 +11,7 @@
 
 #include "motion/td_motion.h"
 #include "tests/support/moving_scene.h"
+#include "tests/support/opencl.h"
 
 static const uint64_t SEED = 31337;
 
@@ -80,6 +81,7 @@ static void test_same_events_however_it_is_run(void **state) {
         free_outcome(&whole);
         moving_scene_free(&s);
     }
+    skip_without_opencl();
 }
 
 /* Cut at the knot, just before and after it: the same events, and the same statistics of what was moved. */

@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "tests/property/refine_world.h"
+#include "tests/support/opencl.h"
 
 static const uint64_t SEED = 16180;
 
@@ -78,6 +79,7 @@ static void test_pieces_and_devices_change_nothing(void **state) {
         free_world(&w);
     }
     tides_device_close(cpu);
+    skip_without_opencl();
 }
 
 /* -- steps of each tile and steps of all --------------------------------------------------------------------------- */

@@ -10,6 +10,7 @@
 #include "simulator_run.h"
 #include "tides/generate.h"
 #include "tests/support/scene_make.h"
+#include "tests/support/opencl.h"
 
 static const uint64_t SEED = 1618;
 
@@ -78,6 +79,7 @@ static void test_uniform_wall_is_silent(void **state) {
     }
     tides_trajectory_destroy(path);
     tides_scene_destroy(scene);
+    skip_without_opencl();
 }
 
 /* L and L_dot of a frame. */
@@ -122,6 +124,7 @@ static void test_single_precision_is_quiet(void **state) {
     }
     tides_trajectory_destroy(path);
     tides_scene_destroy(scene);
+    skip_without_opencl();
 }
 
 static double mean_y(const tides_world *world, int32_t rules) {
@@ -186,6 +189,7 @@ static void test_dense_plane_needs_no_shortest_steps(void **state) {
         tides_device_close(device);
     }
     tides_world_release(&world);
+    skip_without_opencl();
 }
 
 int main(void) {

@@ -9,6 +9,7 @@
 #include "tests/property/simulator_run.h"
 #include "tests/support/shared.h"
 #include "td_sort.h"
+#include "tests/support/opencl.h"
 
 static const uint64_t SEED = 90210;
 
@@ -90,6 +91,7 @@ static void test_devices_agree(void **state) {
         compare_devices(&j, "random scene, adaptive", 1000);
         random_scene_free(&scene);
     }
+    skip_without_opencl();
 }
 
 /* -- a real scene -------------------------------------------------------------------------------------------------- */
@@ -125,6 +127,7 @@ static void test_real_scene(void **state) {
     compare_devices(&j, "playbot", 5000);
     tides_trajectory_destroy(path);
     tides_scene_destroy(scene);
+    skip_without_opencl();
 }
 
 int main(void) {

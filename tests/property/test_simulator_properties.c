@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "tests/property/simulator_run.h"
+#include "tests/support/opencl.h"
 
 static const uint64_t SEED = 90210;
 
@@ -140,6 +141,7 @@ static void test_batches_and_repeats_change_nothing(void **state) {
     }
     free_outcome(&first);
     random_scene_free(&scene);
+    skip_without_opencl();
 }
 
 /* A camera at rest before an object that moves in the middle of the image: tiles that see nothing move may be left out. */

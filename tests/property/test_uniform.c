@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "tests/support/judged_run.h"
+#include "tests/support/opencl.h"
 #include "tests/support/scene_folder.h"
 #include "tests/support/splat_world.h"
 
@@ -102,6 +103,7 @@ static void test_coincident(void **state) {
         }
         judged_free(&j);
     }
+    skip_without_opencl();
 }
 
 /* Splats of all sizes on a tilted plane, of one grey, all within NEAR of it, or of their neighbours' depths. */
@@ -160,6 +162,7 @@ static void test_sheets(void **state) {
         }
         judged_free(&j);
     }
+    skip_without_opencl();
 }
 
 /* What a stack lets through is the product of what its splats let through one by one. */
@@ -268,6 +271,7 @@ static void test_no_events(void **state) {
         judged_free(&j);
     }
     assert_int_equal(failures, 0);
+    skip_without_opencl();
 }
 
 /* -- order swaps ----------------------------------------------------------------------------------------------------------- */

@@ -1,6 +1,7 @@
 /* Checkpoints: a run that is cut, saved and restored in a new simulator gives the same events, state and totals to the bit,
  * wherever it is cut, and may be extended. */
 #include "test_checkpoint_common.h"
+#include "tests/support/opencl.h"
 
 /* -- cutting --------------------------------------------------------------------------------------------------------------- */
 
@@ -52,6 +53,7 @@ static void test_cut_at_every_step(void **state) {
         tides_device_close(device);
         free_job(&j);
     }
+    skip_without_opencl();
 }
 
 /* Like a progress bar whose user presses Ctrl-C now and then: `user` counts down the calls. */

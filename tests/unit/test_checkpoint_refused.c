@@ -1,5 +1,6 @@
 /* Checkpoints that are refused, with one line that says why: damaged ones, those of other runs and versions, and misuse. */
 #include "test_checkpoint_common.h"
+#include "tests/support/opencl.h"
 
 static void test_damage(void **state) {
     char path[4096], spoilt[4096];
@@ -102,6 +103,7 @@ static void test_other_runs(void **state) {
     if (cpu) accept(&j, NULL, path);
     random_scene_free(&scene);
     free_job(&j);
+    skip_without_opencl();
 }
 
 static void test_run_files(void **state) {

@@ -68,6 +68,7 @@ cites 'DESIGN 2: docs/DESIGN.md has no such section' "a section that isn't there
 cites 'DESIGN 1.2: ' "a subsection that isn't there" 'As DESIGN 1.2.'
 cites "DESIGN without a section's number" "no section" 'As DESIGN has it.'
 cites "the simulators notes aren't" "notes of somebody" 'As the simulators notes, 1.4.'
+cites "notes with sections" "more notes" 'As somebody (notes, sections 1.1 to 1.4).'
 cites 'reference/none.md: no such file' "a page that isn't there" 'See reference/none.md.'
 cites 'lib/upper/gone.c: no such file' "a file that has moved" 'See lib/upper/gone.c, and td_lower.h.'
 cites 'gone.h: no such file' "a header by its name" 'See gone.h.'
