@@ -1,4 +1,4 @@
-/* The decisions of each renderer, as numbers (reference: gaussian_splatting notes, sections 1.1 to 1.4).
+/* The decisions of each renderer as numbers, from their sources (INRIA's diff-gaussian-rasterization, gsplat), and ours.
  *
  *            near          alpha_max  cut                    stop                      extent
  *   inria    0.2, hard     0.99       1/255, hard            T(1-a) < 1e-4, excluded   square of ceil(3 sigma_max), 16 px tiles
