@@ -48,6 +48,13 @@ static inline double td_model_slope(const td_model *model, double s) {
     return 3.0 * (u * u * (b[1] - b[0]) + 2.0 * u * s * (b[2] - b[1]) + s * s * (b[3] - b[2]));
 }
 
+/* d2S/ds2 there. */
+static inline double td_model_curvature(const td_model *model, double s) {
+    const double *b = model->control;
+    double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2];
+    return 6.0 * ((1.0 - s) * (d1 - d0) + s * (d2 - d1));
+}
+
 /* 1 if no control value is NaN or infinite. */
 static inline int td_model_is_finite(const td_model *model) {
     const double *b = model->control;

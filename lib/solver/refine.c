@@ -142,6 +142,14 @@ static tides_status begin_lists(tides_simulator *s, td_refine *r, tides_error *e
     return status;
 }
 
+/* Beside a cut's deviations: how far they have fallen since the cut before, which is at an end of the step that is cut. */
+static void note_falls(td_refine *r, int32_t before, int32_t sample, int32_t count) {
+    const double *deviation = td_sample_deviation(&r->samples, sample);
+    const double *last = before < 0 ? NULL : td_sample_deviation(&r->samples, before);
+    uint8_t *fall = td_sample_fall(&r->samples, sample);
+    for (int32_t i = 0; i < count; i++) fall[i] = last ? td_probe_fall(deviation[i], last[i]) : 0;
+}
+
 /* Cuts a step at the position `at`, where `sample` has been rendered: its second part is the new step `right`. */
 static void cut(const tides_simulator *s, td_refine *r, double start, double stop, int32_t left, int32_t right, uint32_t at,
                 int32_t sample) {
@@ -153,6 +161,7 @@ static void cut(const tides_simulator *s, td_refine *r, double start, double sto
     double theta = (td_refine_time(r, start, stop, at) - from) / h;
     td_probe_deviation(h, theta, &ends, inside, inside + TD_TILE_PIXELS, s->tile[a->tile].count,
                        td_sample_deviation(&r->samples, sample));
+    note_falls(r, a->probe, sample, s->tile[a->tile].count);
     a->probe = sample;
     a->past[1] = a->past[0];
     a->past[0] = a->deviation;

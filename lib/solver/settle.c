@@ -26,15 +26,16 @@ static void note_step(tides_simulator *s, const td_refine_step *step) {
 void td_settle_timing(tides_simulator *s, const td_refine_step *refined, const td_step *step, const double *const begin[],
                       const double *const end[], size_t first) {
     const td_signals signals = {begin[TD_KEPT_S], begin[TD_KEPT_S_DOT], end[TD_KEPT_S], end[TD_KEPT_S_DOT]};
-    const double *deviation = refined->probe < 0 ? NULL : td_sample_deviation(&s->refine.samples, refined->probe);
+    const td_samples *samples = &s->refine.samples;
     const size_t at = s->first_pixel[refined->tile];
     const tides_sensor *sensor = &s->sensor.sensor;
     const int holds = s->sensor.on && sensor->refractory_law == TIDES_REFRACTORY_HOLD && sensor->refractory_s > 0;
     td_timed timed = {.step = step,
                       .tile = &s->tile[refined->tile],
                       .signals = &signals,
-                      .deviation = deviation,
-                      .left = td_probe_left(refined->deviation, refined->past[0]) * (holds ? hold_adds : 1),
+                      .deviation = refined->probe < 0 ? NULL : td_sample_deviation(samples, refined->probe),
+                      .fall = refined->probe < 0 ? NULL : td_sample_fall(samples, refined->probe),
+                      .adds = holds ? hold_adds : 1,
                       .levels = {&s->comparator.threshold_on, &s->comparator.threshold_off, s->pixels.reference + at, 0, NULL,
                                  0},
                       .frontend = s->sensor.on ? &s->sensor.frontend : NULL,

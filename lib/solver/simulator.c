@@ -156,6 +156,7 @@ static void take_parameters(tides_simulator *s, const tides_device *device, cons
     s->risk = stepping->risk;
     s->slope = stepping->slope;
     s->timing.rounding = td_is_double(device) ? 0 : TD_SINGLE_ROUNDING;
+    s->timing.epsilon = td_is_double(device) ? 0 : TD_SINGLE_EPSILON;
     s->planes_kept = s->refine.samples.kept = sensor->b_min > 0 ? TD_KEPT_ALL : TD_KEPT_SIGNAL;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
     s->interpolates = stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED;
@@ -165,6 +166,7 @@ static void take_parameters(tides_simulator *s, const tides_device *device, cons
 /* Steps, tiles and arrays, for the renderer that is there. */
 static tides_status lay_out(tides_simulator *s, const tides_intrinsics *intrinsics, tides_error *error) {
     td_renderer_set_epoch(s->renderer, s->epoch);
+    s->timing.size = intrinsics->width > intrinsics->height ? intrinsics->width : intrinsics->height;
     tides_status status = td_grid_create(0, s->length, s->step_s, s->renderer->dynamic.knots, s->renderer->dynamic.knot_count,
                                          s->min_step_s, &s->grid, error);
     if (status != TIDES_OK) return status;

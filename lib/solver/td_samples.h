@@ -12,7 +12,7 @@ enum { TD_KEPT_S, TD_KEPT_S_DOT, TD_KEPT_ALPHA, TD_KEPT_ALPHA_DOT, TD_KEPT_CONTR
 enum { TD_SAMPLE_BITS = 8 };
 
 typedef struct td_samples {
-    int kept;       /* planes of the image, TD_KEPT_SIGNAL or TD_KEPT_ALL; one of deviations follows them */
+    int kept; /* planes of the image, TD_KEPT_SIGNAL or TD_KEPT_ALL; one of deviations and a short one of their falls follow */
     double **chunk; /* samples of TD_SAMPLE_BITS each */
     size_t chunks, chunk_capacity;
     int32_t *spare; /* given back */
@@ -20,8 +20,13 @@ typedef struct td_samples {
     size_t made; /* handed out at once at most since the last clear */
 } td_samples;
 
+/* Doubles that hold a byte for each pixel. */
+enum { TD_SAMPLE_FALLS = TD_TILE_PIXELS / sizeof(double) };
+
 /* Doubles of a sample: its planes, row by row, and the tile's risk score. */
-static inline size_t td_sample_reals(const td_samples *samples) { return ((size_t)samples->kept + 1) * TD_TILE_PIXELS + 1; }
+static inline size_t td_sample_reals(const td_samples *samples) {
+    return ((size_t)samples->kept + 1) * TD_TILE_PIXELS + TD_SAMPLE_FALLS + 1;
+}
 
 /* S of a sample, then the other planes kept, then its deviations. */
 static inline double *td_sample_at(const td_samples *samples, int32_t index) {
@@ -33,8 +38,13 @@ static inline double *td_sample_deviation(const td_samples *samples, int32_t ind
     return td_sample_at(samples, index) + (size_t)samples->kept * TD_TILE_PIXELS;
 }
 
+/* How far that had fallen since the longer step was cut (td_probe_fall): (TD_TILE_PIXELS) bytes in the room of doubles. */
+static inline uint8_t *td_sample_fall(const td_samples *samples, int32_t index) {
+    return (uint8_t *)(td_sample_deviation(samples, index) + TD_TILE_PIXELS);
+}
+
 static inline double *td_sample_risk(const td_samples *samples, int32_t index) {
-    return td_sample_at(samples, index) + ((size_t)samples->kept + 1) * TD_TILE_PIXELS;
+    return td_sample_at(samples, index) + ((size_t)samples->kept + 1) * TD_TILE_PIXELS + TD_SAMPLE_FALLS;
 }
 
 /* Handed out now. */

@@ -9,15 +9,17 @@
 /* Estimated timing errors of a run's events, each counted once. */
 enum { TD_TIMING_BITS = 3, TD_TIMING_BINS = 64 << TD_TIMING_BITS }; /* 64 octaves, each in 8 equal parts */
 typedef struct td_timing {
-    double rounding; /* error of S that no step makes smaller [log units]: 0 where the device computes in double */
-    double weight[TD_TIMING_BINS]; /* from 2^-48 s on */
+    double rounding; /* deviations that rounding alone may make [log units]: 0 where the device computes in double */
+    double epsilon;  /* relative error of a rounded number on the device: 0 likewise */
+    double size;     /* larger side of the image [px] */
+    double weight[TD_TIMING_BINS]; /* from 2^-48 s on; events, each in 64ths */
     uint64_t uncertain;            /* turns of the signal so near a level that the error decides whether it is reached */
 } td_timing;
 
-/* What single precision does to S: 3e-6 to 8e-6 in nine tenths of the pixels of the scenes of tides bench accuracy, against the
- * double reference; half as much again as the largest, for the tail. Most of it is the rounding of where splats are on the
- * screen. */
+/* What single precision makes of deviations, for step control: S is good to 3e-6 to 8e-6 in nine tenths of the pixels of the
+ * scenes of tides bench accuracy, against the double reference; half as much again as the largest, for the tail. */
 #define TD_SINGLE_ROUNDING 1.2e-5
+#define TD_SINGLE_EPSILON 0x1p-24
 
 /* What the pixels of a tile compare with: thresholds of pixel i at [i x stride], with stride 0 those of all; references when
  * the step is over; the leak's ramp, which is added to the signal. */
@@ -34,7 +36,8 @@ typedef struct td_timed {
     const td_tile *tile;
     const td_signals *signals;
     const double *deviation; /* NULL: it wasn't cut out of a longer one */
-    double left;             /* td_probe_left */
+    const uint8_t *fall;     /* td_sample_fall; NULL likewise */
+    double adds;             /* times this: errors of earlier events that the reference keeps; 1 where it keeps none */
     td_levels levels;
     const td_frontend *frontend; /* between the signals and the levels; NULL: there is none */
     double log_eps;
@@ -52,8 +55,8 @@ void td_timing_add_turns(td_timing *timing, const td_timed *timed);
  * within `error` of the level [in steps], at most 1; *touches is 1 where an error of so much may undo the crossing. */
 double td_timing_reach(double slope, double bend, double error, int *touches);
 
-/* The error [s] that `share` (0 to 1) of the events stay below, or so much more of them as one standard error of that share is:
- * of few events a percentile is what one or two of them say. 0 where there were none. */
+/* The error [s] that `share` (0 to 1) of the events stay below, or so much more of them as most of that share's standard error
+ * is: of few events a percentile is what one or two of them say. 0 where there were none. */
 double td_timing_percentile(const td_timing *timing, double share);
 
 #endif

@@ -1,7 +1,7 @@
 /* Reported timing errors are no smaller than true ones, on random scenes (issue 19, 1): p50, p95 and p99 of each run at default
  * settings against its exact events (judged_run.h), which the last halving of their frames' spacing moves by less than a
  * hundredth of what is measured; and the p95 reported is within 5 times of the true one in the median, so that it's worth
- * something.
+ * something; in double and in single precision.
  *
  * TIDES_TRIALS=N: N scenes (200 are the issue's) with exact events as good as that; a few with ten times less effort without.
  * TIDES_SEED=N: the first one's seed. */
@@ -92,10 +92,10 @@ static void test_reported_errors(void **state) {
         free(exact.events);
         judged_free(&j);
     }
-    const double ratio = print(devices[0], &ledgers[0]);
-    print(devices[1], &ledgers[1]);
+    const double ratios[2] = {print(devices[0], &ledgers[0]), print(devices[1], &ledgers[1])};
     assert_int_equal(ledgers[0].dishonest[3] + ledgers[1].dishonest[3], 0);
-    assert_true(ratio <= RATIO);
+    for (int d = 0; d < 2; d++)
+        if (!(ratios[d] <= RATIO)) fail_msg("%s: p95 reported over true is %g in the median", devices[d], ratios[d]);
 }
 
 int main(void) {

@@ -121,14 +121,86 @@ static void test_error(void **state) {
     (void)state;
     assert_true(td_probe_error(0, 1) == TD_PROBE_LEAST && td_probe_error(1e9, 1) == TD_PROBE_MOST);
     assert_true(td_probe_error(1, 1) == TD_PROBE_EMBEDDED && td_probe_error(1, 0) == 0);
-    assert_true(td_probe_left(1, 0) == 0.25 && td_probe_left(1, 1) == 0.5 && td_probe_left(1, 3) == 1.0 / 3);
-    assert_true(td_probe_left(1, 100) == 0.17);
+}
+
+/* -- what is left in the parts ------------------------------------------------------------------------------------------- */
+
+/* A signal that is 0 until `kink` and then rises as the power of time, looked at twice: [-1, 1] or [0, 2] is cut near its
+ * middle, and of the part [0, 1] what the cubic of its own part is off by at a place that is drawn. */
+typedef struct twice {
+    double before, deviation, s, error;
+} twice;
+
+static double risen(double t, double kink, int power) { return t > kink ? pow(t - kink, power) : 0; }
+static double rises(double t, double kink, int power) { return t > kink ? power * pow(t - kink, power - 1) : 0; }
+
+static double looked_at(double from, double to, double theta, double kink, int power) {
+    double h = to - from, at = from + theta * h;
+    looked l = {risen(from, kink, power), rises(from, kink, power), risen(to, kink, power),
+                rises(to, kink, power),   risen(at, kink, power),   rises(at, kink, power)};
+    return deviation_of(h, theta, &l);
+}
+
+static twice look_twice(uint64_t *seed, double kink, int power) {
+    int left = between(seed, 0, 1) < 0.5;
+    double theta = 0.5 + (between(seed, 0, 1) < 0.5 ? -1 : 1) * between(seed, 0.01, 0.02);
+    double from = kink < theta ? 0 : theta, to = kink < theta ? theta : 1, h = to - from, s = between(seed, 0, 1);
+    td_model part = td_model_fit(TIDES_MODEL_HERMITE, h, risen(from, kink, power), rises(from, kink, power),
+                                 risen(to, kink, power), rises(to, kink, power));
+    return (twice){looked_at(left ? 0 : -1, left ? 2 : 1, 0.5, kink, power), looked_at(0, 1, theta, kink, power), s,
+                   fabs(td_model_value(&part, s) - risen(from + s * h, kink, power))};
+}
+
+/* The law holds for a kink of the slope at a place that is drawn: errors of the part that it is in are above what the law says
+ * of the median and of a quarter no more often than that. And what is smooth has a sixteenth of the deviation left. */
+static void test_left(void **state) {
+    (void)state;
+    enum { KINKS = 4000 };
+    uint64_t seed = SEED + 3;
+    int is_kink = 0, above[2] = {0, 0};
+    for (int i = 0; i < KINKS; i++) {
+        twice t = look_twice(&seed, between(&seed, 0, 1), 1);
+        const uint8_t fall = td_probe_fall(t.deviation, t.before);
+        td_probe_law law = td_probe_left(fall);
+        double bow = t.deviation * 4 * t.s * (1 - t.s);
+        is_kink += fall >= TD_PROBE_KINK_LEAST;
+        above[0] += t.error > law.share[0] * bow;
+        above[1] += t.error > law.share[1] * bow;
+    }
+    print_message("kinks of the slope: %.3g told by their fall, above the first share %.3g, the second %.3g\n",
+                  is_kink / (double)KINKS, above[0] / (double)KINKS, above[1] / (double)KINKS);
+    assert_true(is_kink > KINKS / 2);
+    assert_true(above[0] < 0.5 * KINKS && above[1] < 0.25 * KINKS);
+    twice smooth = look_twice(&seed, -3, 4); /* a quartic */
+    td_probe_law law = td_probe_left(td_probe_fall(smooth.deviation, smooth.before));
+    assert_true(law.is_smooth && law.share[0] >= 1.0 / 16 && law.share[0] < 2.0 / 16);
+}
+
+/* Whatever the fall, shares ascend and weights sum to 1, to the bit; smooth ones promise least. */
+static void test_laws(void **state) {
+    (void)state;
+    for (int fall = 0; fall <= UINT8_MAX; fall++) {
+        td_probe_law law = td_probe_left((uint8_t)fall);
+        assert_true(law.weight[0] + law.weight[1] + law.weight[2] == 1);
+        assert_true(0 < law.share[0] && law.share[0] <= law.share[1] && law.share[1] <= law.share[2] && law.share[2] <= 1);
+        assert_int_equal(law.is_smooth, fall >= TD_PROBE_SMOOTH_LEAST && fall <= TD_PROBE_SMOOTH_MOST);
+    }
+    assert_int_equal(td_probe_fall(1, 16), 16);
+    assert_int_equal(td_probe_fall(1, 1e9), 1);
+    assert_int_equal(td_probe_fall(1, 1), TD_PROBE_FALLS);
+    assert_int_equal(td_probe_fall(1, 0), TD_PROBE_FALLS);
+    assert_int_equal(td_probe_fall((double)NAN, 1), TD_PROBE_FALLS);
+    assert_int_equal(td_probe_fall(1, (double)NAN), TD_PROBE_FALLS);
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_places), cmocka_unit_test(test_polynomials),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_places),
+                                       cmocka_unit_test(test_polynomials),
                                        cmocka_unit_test(test_sees_what_ends_hide),
-                                       cmocka_unit_test(test_bounds_the_parts_of_a_kink), cmocka_unit_test(test_error)};
+                                       cmocka_unit_test(test_bounds_the_parts_of_a_kink),
+                                       cmocka_unit_test(test_error),
+                                       cmocka_unit_test(test_left),
+                                       cmocka_unit_test(test_laws)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -79,8 +79,8 @@ static void add(td_timing *timing, double error, size_t count) {
     const td_step step = {0, 10000000, 0, 1e7, H};
     double S0 = 0, S1 = 1, rate = 1 / H;
     const td_signals signals = {&S0, &rate, &S1, &rate};
-    const td_timed timed = {.step = &step, .tile = &tile, .signals = &signals, .events = &event, .count = 1};
-    timing->rounding = error; /* a straight line: the model's own estimate is 0 */
+    const td_timed timed = {.step = &step, .tile = &tile, .signals = &signals, .events = &event, .count = 1, .adds = 1};
+    timing->epsilon = error / 4; /* 2 (1 + |S|) of them; a straight line: the model's own estimate is 0 */
     for (size_t i = 0; i < count; i++) td_timing_add(timing, &timed);
 }
 
