@@ -17,15 +17,6 @@ typedef struct bench_stream {
 /* A sink that keeps everything in a bench_stream, nothing where that is NULL. Its own status stops the run: out of memory. */
 int bench_keep(void *stream, const tides_event *events, size_t count);
 
-/* The exact stream of an image rule: hermite at `steps_per_s`, finer by tile where `tolerance` asks for it (0: equal steps).
- * `moved` is how the last halving of its steps moved it. */
-typedef struct bench_truth {
-    bench_stream stream;
-    double steps_per_s, tolerance;
-    tides_match moved;
-    double worst_residual;
-} bench_truth;
-
 enum { BENCH_TRUTH_SPLIT = 8 }; /* first steps of an exact stream per longest step, where no scene asks for more */
 enum { BENCH_RULES = 2 };       /* TIDES_RULES_SMOOTH and TIDES_RULES_INRIA have exact streams */
 
@@ -42,7 +33,7 @@ typedef struct bench_scene {
     double macro_step_s;    /* the longest step that controlled stepping may take */
     double truth_step_s;    /* the longest that the exact stream's first level may take */
     const char *image_name; /* of another image than the rules' own, or NULL */
-    bench_truth truth[BENCH_RULES];
+    tides_exact truth[BENCH_RULES];
 } bench_scene;
 
 /* The names of the built-in scenes, NULL-terminated. */
@@ -95,9 +86,6 @@ typedef struct bench {
     int32_t failed;        /* rows of bench_stability that do */
 } bench;
 
-/* Events further apart than this aren't taken for each other. */
-#define BENCH_MATCH_LIMIT_S 1e-3
-
 /* One row of the results. */
 typedef struct bench_row {
     char scene[64];
@@ -139,20 +127,6 @@ tides_status bench_each_scene(bench *b, const cli_list *names, bench_visit visit
 
 /* bench_truth.c: the exact stream of the scene under `rules`, by halving steps until nothing moves, or to a limit. */
 tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides_error *error);
-/* How far bench_refine goes. */
-#define BENCH_FLOAT_TOLERANCE 3e-6 /* what single precision lets the estimate see: 1e-6 of L among thresholds of 0.2 */
-typedef struct bench_refining {
-    double last_tolerance;                    /* continuous images: no level is asked for less */
-    double first_rate, least_rate, last_rate; /* others, equal steps per second: the first level's, what the last one has at
-                                                 least and at most */
-    double long_renders;                      /* no level comes after one of so many full renders (but up to least_rate) */
-} bench_refining;
-/* Halves the steps until nothing moves or `how` ends it, on b->device; two levels at least. The caller frees
- * truth->stream.events. */
-tides_status bench_refine(bench *b, const bench_scene *scene, int32_t rules, const bench_refining *how, bench_truth *truth,
-                          tides_error *error);
-/* 1 where nothing in the image jumps. */
-int32_t bench_is_continuous(const tides_image_params *image);
 
 /* -- results ---------------------------------------------------------------------------------------------------------- */
 
@@ -202,7 +176,7 @@ typedef struct bench_verdict {
 int32_t bench_is_honest(const bench_row *row);
 /* The largest share that the exact stream's last refinement has in median, p95 or p99; what is below the unit of event times
  * counts as nothing. */
-double bench_exact_share(const bench_truth *truth, const tides_match *match);
+double bench_exact_share(const tides_exact *truth, const tides_match *match);
 bench_verdict bench_judge(const bench_rows *rows, const char *scene);
 void bench_print_verdict(const bench_rows *rows, const char *scene, FILE *out);
 

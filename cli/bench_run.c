@@ -104,14 +104,14 @@ tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, co
                            const tides_stepping *stepping, bench_row *row, tides_error *error) {
     if (row->runs > 0 && row->run_time_s > SHORT_RUN_S) return TIDES_OK;
     const int32_t again = row->runs > 0;
-    const bench_truth *truth = &scene->truth[rules];
+    const tides_exact *truth = &scene->truth[rules];
     bench_stream stream = {.events = NULL};
     snprintf(row->scene, sizeof row->scene, "%s", scene->name);
     row->image = scene->image_name ? scene->image_name : bench_rules_name(rules);
     tides_status status = bench_simulate(b, scene, rules, sensor, stepping, &stream, row, error);
     if (status == TIDES_OK && !again)
-        status = tides_match_events(truth->stream.events, truth->stream.count, stream.events, stream.count, BENCH_MATCH_LIMIT_S,
-                                    &row->match, error);
+        status = tides_match_events(truth->events, truth->count, stream.events, stream.count, TIDES_MATCH_LIMIT_S, &row->match,
+                                    error);
     free(stream.events);
     if (status != TIDES_OK || again) return status;
     row->exact_share = bench_exact_share(truth, &row->match);

@@ -227,6 +227,6 @@ tides_status bench_scene_make(const char *name, int32_t quick, bench_scene *scen
 void bench_scene_free(bench_scene *scene) {
     tides_trajectory_destroy(scene->camera);
     tides_scene_destroy(scene->scene);
-    for (size_t i = 0; i < BENCH_RULES; i++) free(scene->truth[i].stream.events);
+    for (size_t i = 0; i < BENCH_RULES; i++) tides_free(scene->truth[i].events);
     memset(scene, 0, sizeof *scene);
 }

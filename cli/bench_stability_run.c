@@ -115,7 +115,7 @@ static tides_status compare(const stability_world *w, const outcome *device, con
     r->exact_s = exact->row.run_time_s;
     r->simulated = 1;
     return tides_match_events(exact->stream.events, exact->stream.count, device->stream.events, device->stream.count,
-                              BENCH_MATCH_LIMIT_S, &r->match, error);
+                              TIDES_MATCH_LIMIT_S, &r->match, error);
 }
 
 /* -- a row --------------------------------------------------------------------------------------------------------------- */

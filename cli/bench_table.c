@@ -68,18 +68,18 @@ cJSON *bench_header(const bench *b, const char *name) {
     ok = ok && cJSON_AddNumberToObject(header, "cores", (double)sysconf(_SC_NPROCESSORS_ONLN));
     ok = ok && cJSON_AddStringToObject(header, "date", date);
     ok = ok && cJSON_AddBoolToObject(header, "quick", b->quick);
-    ok = ok && cJSON_AddNumberToObject(header, "match_limit_us", 1e6 * BENCH_MATCH_LIMIT_S);
+    ok = ok && cJSON_AddNumberToObject(header, "match_limit_us", 1e6 * TIDES_MATCH_LIMIT_S);
     ok = ok && cJSON_AddArrayToObject(header, "scenes");
     if (ok) return header;
     cJSON_Delete(header);
     return NULL;
 }
 
-static int32_t add_truth(cJSON *list, const bench_truth *truth, int32_t rules) {
+static int32_t add_truth(cJSON *list, const tides_exact *truth, int32_t rules) {
     cJSON *json = cJSON_CreateObject();
     if (!cJSON_AddItemToArray(list, json)) return 0;
     return cJSON_AddStringToObject(json, "image", bench_rules_name(rules)) &&
-           cJSON_AddNumberToObject(json, "events", (double)truth->stream.count) &&
+           cJSON_AddNumberToObject(json, "events", (double)truth->count) &&
            cJSON_AddNumberToObject(json, "steps_per_s", truth->steps_per_s) &&
            cJSON_AddNumberToObject(json, "tolerance", truth->tolerance) &&
            cJSON_AddNumberToObject(json, "halved_median_us", truth->moved.dt_median_us) &&
@@ -116,7 +116,7 @@ int32_t bench_header_scene(cJSON *header, const bench_scene *scene, const bench_
     cJSON *truths = ok ? cJSON_AddArrayToObject(json, "exact") : NULL;
     ok = truths != NULL;
     for (int32_t rules = 0; ok && rules < BENCH_RULES; rules++)
-        if (scene->truth[rules].stream.count) ok = add_truth(truths, &scene->truth[rules], rules);
+        if (scene->truth[rules].count) ok = add_truth(truths, &scene->truth[rules], rules);
     cJSON *verdict = ok && rows ? cJSON_AddObjectToObject(json, "verdict") : NULL;
     return ok && (!rows || (verdict && add_verdict(verdict, rows, scene->name)));
 }

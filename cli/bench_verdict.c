@@ -19,7 +19,7 @@ int32_t bench_is_honest(const bench_row *row) {
 
 static double share(double moved_us, double measured_us) { return moved_us <= UNIT_US ? 0 : moved_us / measured_us; }
 
-double bench_exact_share(const bench_truth *truth, const tides_match *match) {
+double bench_exact_share(const tides_exact *truth, const tides_match *match) {
     const tides_match *moved = &truth->moved;
     return fmax(share(moved->dt_median_us, match->dt_median_us),
                 fmax(share(moved->dt_p95_us, match->dt_p95_us), share(moved->dt_p99_us, match->dt_p99_us)));

@@ -51,8 +51,8 @@ void compare_interval(const comparison *c, int64_t *start_ns, int64_t *stop_ns) 
     *stop_ns = cli_nanoseconds(c->session.values.stop) + 1;
 }
 
-tides_status compare_keep_events(const comparison *c, const char *name, const tides_session_facts *s,
-                                 const bench_stream *stream, tides_error *error) {
+tides_status compare_keep_events(const comparison *c, const char *name, const tides_session_facts *s, const tides_event *events,
+                                 size_t count, tides_error *error) {
     tides_event_writer *writer = NULL;
     int64_t start_ns, stop_ns;
     char path[COMPARE_PATH];
@@ -66,7 +66,7 @@ tides_status compare_keep_events(const comparison *c, const char *name, const ti
                                     .start_ns = start_ns,
                                     .stop_ns = stop_ns - 1};
     tides_status status = tides_event_writer_open(path, &facts, &writer, error);
-    if (status == TIDES_OK) status = tides_event_writer_append(writer, stream->events, stream->count, error);
+    if (status == TIDES_OK) status = tides_event_writer_append(writer, events, count, error);
     if (status == TIDES_OK) return tides_event_writer_finish(writer, stop_ns - 1, error);
     tides_event_writer_abandon(writer);
     return status;
@@ -152,7 +152,7 @@ static int finish(const comparison *c, tides_status status, cJSON *report, const
 
 static void free_all(comparison *c) {
     for (int32_t i = 0; i < c->count; i++) compare_row_free(&c->rows[i]);
-    free(c->exact.stream.events);
+    tides_free(c->exact.events);
     free(c->recording.events);
     tides_session_close(c->open);
 }

@@ -32,7 +32,7 @@ typedef struct comparison {
     tides_session *open; /* as the run file says; the rows' are variations of it */
     tides_session_facts session;
     cli_progress progress;
-    bench_truth exact;
+    tides_exact exact;
     cli_window recording;
     compare_row rows[COMPARE_METHODS_MAX];
     int32_t count;
@@ -42,7 +42,7 @@ typedef struct comparison {
 void compare_interval(const comparison *c, int64_t *start_ns, int64_t *stop_ns);
 /* With --keep: the stream into NAME.h5. */
 tides_status compare_keep_events(const comparison *c, const char *name, const tides_session_facts *session,
-                                 const bench_stream *stream, tides_error *error);
+                                 const tides_event *events, size_t count, tides_error *error);
 
 /* compare_methods.c: the name of method number `index`, in the order of the rows; NULL behind the last. */
 const char *compare_method(size_t index);
@@ -50,8 +50,8 @@ const char *compare_method(size_t index);
 int32_t compare_scenes_only(const char *method);
 /* The session of a method, ideal or as configured, on what c->open has open; with
  * `row` its settings are told. The caller closes it. */
-tides_status compare_configure(const comparison *c, const char *method, int32_t ideal, compare_row *row,
-                               tides_session **session, tides_error *error);
+tides_status compare_configure(const comparison *c, const char *method, int32_t what, compare_row *row, tides_session **session,
+                               tides_error *error);
 /* Runs the row's method; the row keeps the failure. TIDES_CANCELLED where the user stopped it, else TIDES_OK. */
 tides_status compare_run(comparison *c, compare_row *row, tides_error *error);
 void compare_row_free(compare_row *row);

@@ -37,7 +37,7 @@ static void stretch(const comparison *c, int64_t *first_ns, int64_t *stop_ns) {
     for (;; length /= 2) {
         *first_ns = start + (stop - start - length) / 2;
         *stop_ns = *first_ns + length;
-        const cli_window shown = slice_of(c, c->exact.stream.events, c->exact.stream.count, *first_ns, *stop_ns);
+        const cli_window shown = slice_of(c, c->exact.events, c->exact.count, *first_ns, *stop_ns);
         if (c->window_s > 0 || shown.count <= COMFORTABLE_EVENTS || length < 2000) return;
     }
 }
@@ -59,7 +59,7 @@ static void title_row(panel *p, const compare_row *row) {
 
 static int32_t make_panels(const comparison *c, panel panels[COMPARE_METHODS_MAX + 2]) {
     int32_t count = 0;
-    panels[count++] = (panel){"exact", "", c->exact.stream.events, c->exact.stream.count};
+    panels[count++] = (panel){"exact", "", c->exact.events, c->exact.count};
     if (c->recording_file) panels[count++] = (panel){"recording", "", c->recording.events, c->recording.count};
     for (int32_t i = 0; i < c->count; i++) {
         panel *p = &panels[count++];

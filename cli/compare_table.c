@@ -7,10 +7,10 @@
 /* -- JSON ------------------------------------------------------------------------------------------------------------------ */
 
 static int32_t add_exact(cJSON *root, const comparison *c) {
-    const bench_truth *e = &c->exact;
+    const tides_exact *e = &c->exact;
     cJSON *json = cJSON_AddObjectToObject(root, "exact");
     int32_t ok = json && cJSON_AddStringToObject(json, "what", compare_exact_what(c)) &&
-                 cJSON_AddNumberToObject(json, "events", (double)e->stream.count);
+                 cJSON_AddNumberToObject(json, "events", (double)e->count);
     if (!ok || c->session.frames) return ok; /* closed form: nothing was halved */
     return cJSON_AddNumberToObject(json, "steps_per_s", e->steps_per_s) &&
            cJSON_AddNumberToObject(json, "tolerance", e->tolerance) &&
@@ -46,7 +46,7 @@ static int32_t add_all(cJSON *root, const comparison *c) {
         cJSON_AddNumberToObject(root, "height", s->intrinsics.height) &&
         cJSON_AddNumberToObject(root, "threshold_on", s->values.sensor.threshold_on) &&
         cJSON_AddNumberToObject(root, "threshold_off", s->values.sensor.threshold_off) &&
-        cJSON_AddNumberToObject(root, "match_limit_us", 1e6 * BENCH_MATCH_LIMIT_S) && add_exact(root, c);
+        cJSON_AddNumberToObject(root, "match_limit_us", 1e6 * TIDES_MATCH_LIMIT_S) && add_exact(root, c);
     if (ok && c->recording_file) ok = cJSON_AddStringToObject(root, "recording", c->recording_file) != NULL;
     cJSON *list = ok ? cJSON_AddArrayToObject(root, "methods") : NULL;
     ok = list != NULL;
@@ -210,7 +210,7 @@ static void print_parameters(const cJSON *row) {
 }
 
 void compare_print(const comparison *c, const cJSON *report) {
-    const bench_truth *e = &c->exact;
+    const tides_exact *e = &c->exact;
     const cJSON *row;
     print_table(report, 0);
     if (c->recording_file) print_table(report, 1);

@@ -1,93 +1,44 @@
-/* The statistics of a run as JSON (DESIGN 6). */
+/* The statistics of a run as JSON (DESIGN 6): the library's table, and what the run was made on. */
 #include "session.h"
 
-/* Each stage, and `other`: the rest of the run time, so that the parts sum to the whole. */
-static int32_t add_times(cJSON *root, const tides_stats *s) {
-    cJSON *times = cJSON_AddObjectToObject(root, "time_s");
-    const struct {
-        const char *name;
-        double seconds;
-    } parts[] = {
-        {"build", s->render.time_build_s},
-        {"motion", s->render.time_motion_s},
-        {"sweep", s->render.time_sweep_s},
-        {"project", s->render.time_project_s},
-        {"sort", s->render.time_sort_s},
-        {"composite", s->render.time_composite_s},
-        {"transfer", s->render.time_transfer_s},
-        {"compare", s->time_compare_s},
-        {"sink", s->time_sink_s},
-        {"other", s->time_other_s},
-    };
-    int32_t ok = times != NULL;
-    for (size_t i = 0; ok && i < sizeof parts / sizeof parts[0]; i++)
-        ok = cJSON_AddNumberToObject(times, parts[i].name, parts[i].seconds) != NULL;
-    return ok;
+#include <string.h>
+
+/* A row's field as a number. */
+static double value_of(const tides_stat *row, const tides_stats *stats) {
+    const char *field = (const char *)stats + row->offset;
+    uint64_t count;
+    int32_t whole;
+    double real;
+    switch (row->type) {
+        case TIDES_STAT_COUNT: memcpy(&count, field, sizeof count); return (double)count;
+        case TIDES_STAT_WHOLE: memcpy(&whole, field, sizeof whole); return whole;
+        default: memcpy(&real, field, sizeof real); return real;
+    }
 }
 
-static int32_t add_counts(cJSON *root, const tides_stats *s) {
-    const struct {
-        const char *name;
-        double count;
-    } parts[] = {
-        {"events", (double)s->events},
-        {"events_on", (double)s->events_on},
-        {"events_off", (double)s->events_off},
-        {"events_truncated", (double)s->events_truncated},
-        {"events_uncertain", (double)s->events_uncertain},
-        {"events_caught_up", (double)s->events_caught_up},
-        {"events_suppressed", (double)s->events_suppressed},
-        {"events_refractory", (double)s->events_refractory},
-        {"events_signal", (double)s->events_by_cause[TIDES_CAUSE_SIGNAL]},
-        {"events_leak", (double)s->events_by_cause[TIDES_CAUSE_LEAK]},
-        {"events_shot", (double)s->events_by_cause[TIDES_CAUSE_SHOT]},
-        {"events_hot", (double)s->events_by_cause[TIDES_CAUSE_HOT]},
-        {"events_written", (double)s->events_written},
-        {"events_dropped", (double)s->events_dropped},
-        {"events_overflowed", (double)s->events_overflowed},
-        {"events_delayed", (double)s->events_delayed},
-        {"worst_delay_s", s->worst_delay_s},
-        {"renders_full_frame_equivalent", s->renders_full_frame_equivalent},
-        {"tiles", s->render.tiles},
-        {"tile_jobs", (double)s->render.tile_jobs},
-        {"tile_jobs_skipped", (double)s->render.tile_jobs_skipped},
-        {"tile_steps_still", (double)s->tile_steps_still},
-        {"gaussians_still", (double)s->render.gaussians_still},
-        {"gaussians_moved", (double)s->render.gaussians_moved},
-        {"gaussians_interpolated", (double)s->render.gaussians_interpolated},
-        {"gaussians_total", (double)s->render.gaussians_total},
-        {"gaussians_projected", (double)s->render.gaussians_projected},
-        {"gaussians_culled", (double)s->render.gaussians_culled},
-        {"sweeps", (double)s->render.sweeps},
-        {"pairs_evaluated", (double)s->render.pairs_evaluated},
-        {"lists_kept", (double)s->render.lists_kept},
-        {"pixels_nonfinite", (double)s->render.pixels_nonfinite},
-        {"steps", (double)s->steps},
-        {"steps_rejected", (double)s->steps_rejected},
-        {"steps_over_budget", (double)s->steps_over_budget},
-        {"steps_at_minimum", (double)s->steps_at_minimum},
-        {"steps_at_rounding", (double)s->steps_at_rounding},
-        {"steps_probed", (double)s->steps_probed},
-        {"worst_error", s->worst_error},
-        {"worst_deviation", s->worst_deviation},
-        {"error_p50_s", s->error_p50_s},
-        {"error_p95_s", s->error_p95_s},
-        {"error_p99_s", s->error_p99_s},
-        {"worst_residual", s->worst_residual},
-        {"simulated_s", s->simulated_s},
-        {"run_time_s", s->run_time_s},
-        {"real_time_factor", s->real_time_factor},
-        {"peak_memory_bytes", (double)s->peak_memory_bytes},
-    };
+/* Every row of the table; "time_s.build" goes into the object time_s. */
+static int32_t add_rows(cJSON *root, const tides_stats *stats) {
+    size_t count;
+    const tides_stat *rows = tides_stats_table(&count);
     int32_t ok = 1;
-    for (size_t i = 0; ok && i < sizeof parts / sizeof parts[0]; i++)
-        ok = cJSON_AddNumberToObject(root, parts[i].name, parts[i].count) != NULL;
+    for (size_t i = 0; ok && i < count; i++) {
+        const char *name = rows[i].name, *dot = strchr(name, '.');
+        cJSON *group = root;
+        if (dot) {
+            char key[32];
+            snprintf(key, sizeof key, "%.*s", (int)(dot - name), name);
+            group = cJSON_GetObjectItemCaseSensitive(root, key);
+            if (!group) group = cJSON_AddObjectToObject(root, key);
+            name = dot + 1;
+        }
+        ok = group && cJSON_AddNumberToObject(group, name, value_of(&rows[i], stats)) != NULL;
+    }
     return ok;
 }
 
 cJSON *cli_stats_json(const tides_stats *stats, const tides_session_facts *session) {
     cJSON *root = cJSON_CreateObject();
-    int32_t ok = root && add_counts(root, stats) && add_times(root, stats);
+    int32_t ok = root && add_rows(root, stats);
     ok = ok && cJSON_AddStringToObject(root, "device", session->info.name);
     ok = ok && cJSON_AddStringToObject(root, "platform", session->info.platform);
     ok = ok && cJSON_AddNumberToObject(root, "lanes", session->info.lanes);

@@ -33,5 +33,6 @@
 #include "tides/run.h"
 #include "tides/inputs.h"
 #include "tides/session.h"
+#include "tides/measure.h"
 
 #endif

@@ -41,8 +41,8 @@ typedef struct tides_session_facts {
     tides_run_values values;     /* of its run */
     tides_intrinsics intrinsics; /* of its images; on frames width and height alone */
     const tides_run *run;        /* its run */
-    tides_scene *scene;          /* NULL on frames; the camera and the device, too */
-    tides_trajectory *camera;
+    const tides_scene *scene;    /* NULL on frames; the camera and the device, too */
+    const tides_trajectory *camera;
     tides_frames *frames; /* NULL on a scene */
     tides_device *device;
     tides_device_info info; /* of the device; on frames its name says so */

@@ -3,6 +3,7 @@
 #include "run/td_recording.h"
 
 #include "td_base.h"
+#include "td_struct.h"
 
 #include <errno.h>
 #include <math.h>
@@ -24,8 +25,6 @@ void tides_recording_defaults(tides_recording *recording) {
 /* -- begin  */
 
 static tides_status check_how(const td_record *r, const char *path, tides_error *error) {
-    if (r->how.size != sizeof r->how)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "recording: start from tides_recording_defaults, which sets size");
     if (!(r->how.checkpoint_s >= 0) || !isfinite(r->how.checkpoint_s))
         return td_fail(error, TIDES_BAD_ARGUMENT, "recording: checkpoint_s %g must be 0 or more", r->how.checkpoint_s);
     if (r->how.resume && !r->checkpoint)
@@ -43,7 +42,8 @@ tides_status td_record_begin(td_record *r, const char *path, const tides_event_f
     r->done = done ? done : &r->own;
     memset(r->done, 0, sizeof *r->done);
     tides_recording_defaults(&r->how);
-    if (how) r->how = *how;
+    tides_status status = how ? TD_TAKE_STRUCT(tides_recording, &r->how, how, error) : TIDES_OK;
+    if (status != TIDES_OK) return status;
     if (!r->how.format && tides_event_writer_can_resume(path) && !(r->checkpoint = td_format(error, "%s.checkpoint", path)))
         return TIDES_NO_MEMORY;
     r->due = td_now() + r->how.checkpoint_s;

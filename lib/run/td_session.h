@@ -1,4 +1,4 @@
-/* Internal: a session, and what it may close. */
+/* Internal: a session as session.c opens it and session_run.c runs it, with what it may close. */
 #ifndef TD_SESSION_H
 #define TD_SESSION_H
 

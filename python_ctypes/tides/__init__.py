@@ -37,11 +37,12 @@ from .events import (
     write_events,
 )
 from .generate import GenerateOptions, World, generate, generators
+from .measure import ExactOptions, exact_stream, ideal_settings, image_is_continuous
 from .motion import Motion
 from .readout import Arbiter, Readout
 from .render import CHANNELS, ImageParams, Renderer
 from .representations import ArrayWriter, VoxelOptions, event_frame, time_surface, voxel_grid
-from .run import Fingerprints, Run, parameters, run_template
+from .run import Fingerprints, Run, parameters, run_template, statistics
 from .scene import Gaussians, Scene, SceneObject
 from .session import Session
 from .simulate import Recording, Sensor, Simulation, Stepping

@@ -140,6 +140,11 @@ TIDES_PARAM_CHOICE = 4
 TIDES_PARAM_VECTOR3 = 5
 TIDES_PARAM_OBJECTS = 6
 TIDES_PARAM_VECTOR2 = 7
+TIDES_STAT_COUNT = 0
+TIDES_STAT_REAL = 1
+TIDES_STAT_WHOLE = 2
+TIDES_IDEAL_THRESHOLDS = 1
+TIDES_IDEAL_PIXEL = 2
 
 # Opaque objects: only pointers to them exist here.
 
@@ -2189,6 +2194,29 @@ class tides_param(Structure):
     ]
 
 
+class tides_stat(Structure):
+    """const char *name; /* "events_on" */
+    const char *unit; /* "s", or "" */
+    int32_t type; /* TIDES_STAT_* */
+    int32_t reserved;
+    size_t offset; /* in tides_stats */
+    """
+
+    name: bytes | None
+    unit: bytes | None
+    type: int
+    reserved: int
+    offset: int
+
+    _fields_ = [
+        ("name", c_char_p),
+        ("unit", c_char_p),
+        ("type", c_int32),
+        ("reserved", c_int32),
+        ("offset", c_size_t),
+    ]
+
+
 class tides_run_values(Structure):
     """tides_intrinsics intrinsics; /* zeros where neither given nor yet taken from the path file */
     tides_image_params image;
@@ -2293,8 +2321,8 @@ class tides_session_facts(Structure):
     """tides_run_values values; /* of its run */
     tides_intrinsics intrinsics; /* of its images; on frames width and height alone */
     const tides_run *run; /* its run */
-    tides_scene *scene; /* NULL on frames; the camera and the device, too */
-    tides_trajectory *camera;
+    const tides_scene *scene; /* NULL on frames; the camera and the device, too */
+    const tides_trajectory *camera;
     tides_frames *frames; /* NULL on a scene */
     tides_device *device;
     tides_device_info info; /* of the device; on frames its name says so */
@@ -2373,6 +2401,66 @@ class tides_recorded(Structure):
         ("complete", c_int32),
         ("saved", c_int32),
         ("unsaved", tides_error),
+    ]
+
+
+class tides_exact_options(Structure):
+    """uint32_t size;
+    int32_t in_double; /* 1: on the double-precision reference, whatever the device: slow */
+    double first_step_s; /* images without jumps: longest step of the first level [s]; 0: an eighth of 10 ms or of the run */
+    double last_tolerance; /* likewise: no level is asked for less [thresholds]; 0: what the precision lets it see */
+    double first_rate, least_rate, last_rate; /* images that jump: equal steps per second, the first level's, and what the last
+    one has at least and at most [Hz]; 0: by long_renders, twice that, 512 kHz */
+    double long_renders; /* no level comes after one of so many full renders (but up to least_rate); 500 */
+    """
+
+    size: int
+    in_double: int
+    first_step_s: float
+    last_tolerance: float
+    first_rate: float
+    least_rate: float
+    last_rate: float
+    long_renders: float
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("in_double", c_int32),
+        ("first_step_s", c_double),
+        ("last_tolerance", c_double),
+        ("first_rate", c_double),
+        ("least_rate", c_double),
+        ("last_rate", c_double),
+        ("long_renders", c_double),
+    ]
+
+
+class tides_exact(Structure):
+    """tides_event *events; /* (count), in order; the caller frees them with tides_free */
+    size_t count;
+    double steps_per_s; /* of the last level; 0: straight lines between frames, which are in closed form */
+    double tolerance; /* finer by tile where this asks for it [thresholds]; 0: equal steps */
+    tides_match moved; /* how the last level differs from the one before, whose steps were twice as long */
+    double worst_residual; /* tides_stats's */
+    double renders; /* of the last level, in full frames */
+    """
+
+    events: Any
+    count: int
+    steps_per_s: float
+    tolerance: float
+    moved: tides_match
+    worst_residual: float
+    renders: float
+
+    _fields_ = [
+        ("events", P(tides_event)),
+        ("count", c_size_t),
+        ("steps_per_s", c_double),
+        ("tolerance", c_double),
+        ("moved", tides_match),
+        ("worst_residual", c_double),
+        ("renders", c_double),
     ]
 
 
@@ -2527,6 +2615,17 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_events_read": (c_int32, [c_char_p, c_uint64, c_size_t, P(tides_event), P(c_size_t), P(tides_error)]),
     # tides_status tides_events_summary(const char *path, tides_event_summary *summary, tides_error *error)
     "tides_events_summary": (c_int32, [c_char_p, P(tides_event_summary), P(tides_error)]),
+    # void tides_exact_options_defaults(tides_exact_options *options)
+    "tides_exact_options_defaults": (None, [P(tides_exact_options)]),
+    # tides_status tides_exact_stream(tides_device *device, const tides_scene *scene, const tides_trajectory *camera,
+    # const tides_intrinsics *intrinsics, const tides_image_params *image, const tides_sensor *sensor, double start,
+    # double stop, const tides_exact_options *options, tides_progress progress, void *user, tides_exact *exact,
+    # tides_error *error)
+    "tides_exact_stream": (c_int32, [
+        P(tides_device), P(tides_scene), P(tides_trajectory), P(tides_intrinsics), P(tides_image_params),
+        P(tides_sensor), c_double, c_double, P(tides_exact_options), tides_progress, c_void_p, P(tides_exact),
+        P(tides_error)
+    ]),
     # void tides_exr_destroy(tides_exr *exr)
     "tides_exr_destroy": (None, [P(tides_exr)]),
     # const char *tides_exr_name(const tides_exr *exr, int32_t channel)
@@ -2591,6 +2690,11 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_generate_options_defaults": (None, [P(tides_generate_options)]),
     # const tides_generator *tides_generators(size_t *count)
     "tides_generators": (P(tides_generator), [P(c_size_t)]),
+    # tides_status tides_ideal_settings(const tides_run *run, const char *method, int32_t what, const char ***texts,
+    # size_t *count, tides_error *error)
+    "tides_ideal_settings": (c_int32, [P(tides_run), c_char_p, c_int32, P(P(c_char_p)), P(c_size_t), P(tides_error)]),
+    # int32_t tides_image_is_continuous(const tides_image_params *image)
+    "tides_image_is_continuous": (c_int32, [P(tides_image_params)]),
     # void tides_image_params_defaults(tides_image_params *params)
     "tides_image_params_defaults": (None, [P(tides_image_params)]),
     # tides_status tides_ldati(const double *voxels, int32_t width, int32_t height, double start, double stop, uint64_t
@@ -2753,6 +2857,11 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_sensor_defaults": (None, [P(tides_sensor)]),
     # void tides_session_close(tides_session *session)
     "tides_session_close": (None, [P(tides_session)]),
+    # tides_status tides_session_exact(tides_session *session, const tides_exact_options *options, tides_progress
+    # progress, void *user, tides_exact *exact, tides_error *error)
+    "tides_session_exact": (c_int32, [
+        P(tides_session), P(tides_exact_options), tides_progress, c_void_p, P(tides_exact), P(tides_error)
+    ]),
     # void tides_session_get(const tides_session *session, tides_session_facts *facts)
     "tides_session_get": (None, [P(tides_session), P(tides_session_facts)]),
     # tides_status tides_session_load(const char *file, const char *const *overrides, size_t count, const char *device,
@@ -2823,6 +2932,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
         P(tides_simulator), c_double, c_char_p, P(tides_event_file), P(tides_recording), tides_progress, c_void_p,
         P(tides_recorded), P(tides_error)
     ]),
+    # const tides_stat *tides_stats_table(size_t *count)
+    "tides_stats_table": (P(tides_stat), [P(c_size_t)]),
     # const char *tides_status_name(tides_status status)
     "tides_status_name": (c_char_p, [c_int32]),
     # const char *tides_status_text(tides_status status)
@@ -2886,5 +2997,6 @@ STRUCTS = (
     tides_stepping, tides_stats, tides_frames_options, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs,
     tides_ldati_params, tides_baseline_params, tides_frame_supply, tides_channel, tides_match, tides_metrics_options,
     tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_param,
-    tides_run_values, tides_run_input, tides_fingerprint, tides_session_facts, tides_recording, tides_recorded,
+    tides_stat, tides_run_values, tides_run_input, tides_fingerprint, tides_session_facts, tides_recording,
+    tides_recorded, tides_exact_options, tides_exact,
 )

@@ -18,12 +18,14 @@ from ._progress import Progress
 from ._values import Facts, constants, plain
 from .baselines import Frames
 from .device import Device
+from .measure import ideal_settings
 from .render import Renderer
 from .scene import Scene
 from .session import Session, overrides, values_of
 from .simulate import Simulation
 from .trajectory import Camera, Intrinsics, Trajectory
 
+_STATS = {number: word for word, number in constants("TIDES_STAT_").items()}
 _TYPES = {number: word for word, number in constants("TIDES_PARAM_").items()}
 
 
@@ -38,6 +40,14 @@ def parameters() -> list[Facts]:
         choices = facts["choices"].split("|") if facts["choices"] else []
         made.append(Facts(facts, type=_TYPES[row.type], choices=choices, available=bool(row.available)))
     return made
+
+
+def statistics() -> list[Facts]:
+    """The table of statistics, which `tides simulate --stats` writes: name, unit, type ("count", "real", "whole"), offset in
+    api.tides_stats."""
+    count = c_size_t()
+    rows = lib.tides_stats_table(byref(count))
+    return [Facts(plain(row), type=_STATS[row.type]) for row in rows[: count.value]]
 
 
 def run_template(scene_file: str, camera_file: str) -> str:
@@ -130,6 +140,11 @@ class Run(Handle):
         with prints._lock:
             call("tides_fingerprints_run", prints._pointer, self._pointer, encoded(extra), byref(made))
         return plain(made)
+
+    def ideal(self, method: str | None = None, pixel: bool = True) -> "Run":
+        """The run with `method` (None: its own) in place of its own and ideal pixels of its thresholds: what is left is how the
+        method sees the image and where it puts events in time. pixel=False: only the thresholds, where it gives none."""
+        return self.vary(ideal_settings(self, method or self.values.method, pixel))
 
     def session(self, device: Device | str | int | None = None) -> Session:
         """The run with everything open that it names. `device` wins over the run file's, which wins over TIDES_DEVICE."""

@@ -19,6 +19,7 @@ from ._values import Facts, Value, _fields, plain
 from .baselines import BaselineParams, Frames, FramesOptions
 from .device import Device, opened
 from .events import EVENT
+from .measure import session_exact
 from .readout import Readout
 from .render import ImageParams, Renderer
 from .scene import Scene
@@ -146,6 +147,10 @@ class Session(Handle):
         with self._lock, Reporter(progress) as step:
             call("tides_session_write", self._pointer, path(file), how, step, None, None, byref(stats))
         return plain(stats)
+
+    def exact(self, progress: Progress = None, **options: Any) -> Facts:
+        """The exact stream of ideal pixels with the run's thresholds, and what it is worth: see measure.exact_stream."""
+        return session_exact(self, progress, **options)
 
     def simulation(self, progress: Progress = None) -> Simulation:
         """A Simulation at the run's start. Unsupported where the method sees frames: `simulate` does that."""

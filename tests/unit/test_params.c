@@ -1,5 +1,5 @@
 /* The parameter table, row by row: a row's value goes into its own field and no other, its default is the field's, and a run
- * varied is the run that had been read with those overrides. */
+ * varied is the run that had been read with those overrides. The table of statistics has every field of theirs. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -162,12 +162,29 @@ static void a_varied_run_is_one_read_so(void **state) {
     tides_run_destroy(whole);
 }
 
+/* Every byte of tides_stats but `reserved` is in one row's field, and in no other's. */
+static void each_statistic_has_a_row(void **state) {
+    (void)state;
+    static const size_t sizes[] = {[TIDES_STAT_COUNT] = 8, [TIDES_STAT_REAL] = 8, [TIDES_STAT_WHOLE] = 4};
+    unsigned char rows_of[sizeof(tides_stats)] = {0};
+    size_t count;
+    const tides_stat *rows = tides_stats_table(&count);
+    for (size_t i = 0; i < count; i++) {
+        for (size_t k = 0; k < i; k++) assert_string_not_equal(rows[i].name, rows[k].name);
+        for (size_t k = 0; k < sizes[rows[i].type]; k++) rows_of[rows[i].offset + k]++;
+    }
+    const size_t reserved = offsetof(tides_stats, render.reserved);
+    for (size_t i = 0; i < sizeof rows_of; i++) {
+        const int wanted = i < reserved || i >= reserved + 4;
+        if (rows_of[i] != wanted) fail_msg("byte %zu of tides_stats has %d rows", i, rows_of[i]);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_row_reaches_its_field_alone),
-        cmocka_unit_test(defaults_are_the_fields),
-        cmocka_unit_test(numbers_read_back_as_themselves),
-        cmocka_unit_test(a_varied_run_is_one_read_so),
+        cmocka_unit_test(each_row_reaches_its_field_alone), cmocka_unit_test(defaults_are_the_fields),
+        cmocka_unit_test(numbers_read_back_as_themselves),  cmocka_unit_test(a_varied_run_is_one_read_so),
+        cmocka_unit_test(each_statistic_has_a_row),
     };
     return cmocka_run_group_tests_name("params", tests, NULL, NULL);
 }

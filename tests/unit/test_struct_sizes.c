@@ -80,21 +80,6 @@ static tides_status take_readout(const fixture *f, const void *options, tides_er
     tides_arbiter_destroy(made);
     return status;
 }
-static tides_status take_readout_of_run(const fixture *f, const void *options, tides_error *error) {
-    tides_image_params image;
-    tides_sensor sensor;
-    tides_stepping stepping;
-    tides_simulator *made = NULL;
-    tides_image_params_defaults(&image);
-    tides_sensor_defaults(&sensor);
-    tides_stepping_defaults(&stepping);
-    tides_status status = tides_simulator_create(f->device, f->scene.scene, f->scene.path, &f->scene.camera, &image, &sensor,
-                                                 &stepping, 0, 1, NULL, NULL, &made, error);
-    assert_int_equal(status, TIDES_OK);
-    status = tides_simulator_readout(made, options, error);
-    tides_simulator_destroy(made);
-    return status;
-}
 static tides_status take_baseline(const fixture *f, const void *options, tides_error *error) {
     (void)f;
     tides_baseline *made = NULL;
@@ -130,6 +115,48 @@ static tides_status take_frames(const fixture *f, const void *options, tides_err
     return tides_frames_open("no/such/frames", options, &made, error);
 }
 
+/* The simulator of a test's scene with defaults all over. */
+static tides_simulator *plain_simulator(const fixture *f) {
+    tides_image_params image;
+    tides_sensor sensor;
+    tides_stepping stepping;
+    tides_simulator *made = NULL;
+    tides_image_params_defaults(&image);
+    tides_sensor_defaults(&sensor);
+    tides_stepping_defaults(&stepping);
+    assert_int_equal(tides_simulator_create(f->device, f->scene.scene, f->scene.path, &f->scene.camera, &image, &sensor,
+                                            &stepping, 0, 1, NULL, NULL, &made, NULL),
+                     TIDES_OK);
+    return made;
+}
+static tides_status take_readout_of_run(const fixture *f, const void *options, tides_error *error) {
+    tides_simulator *made = plain_simulator(f);
+    tides_status status = tides_simulator_readout(made, options, error);
+    tides_simulator_destroy(made);
+    return status;
+}
+static tides_status take_recording(const fixture *f, const void *options, tides_error *error) {
+    const tides_event_file facts = {.width = 16, .height = 16};
+    tides_simulator *simulator = plain_simulator(f);
+    tides_status status = tides_simulator_write(simulator, 1, "no/such/folder/a.h5", &facts, options, NULL, NULL, NULL, error);
+    tides_simulator_destroy(simulator);
+    return status;
+}
+static int stop_at_once(void *user, double fraction, const char *stage) {
+    (void)user;
+    (void)stage;
+    return fraction >= 0;
+}
+static tides_status take_exact(const fixture *f, const void *options, tides_error *error) {
+    tides_image_params image;
+    tides_sensor sensor;
+    tides_exact exact;
+    tides_image_params_defaults(&image);
+    tides_sensor_defaults(&sensor);
+    return tides_exact_stream(f->device, f->scene.scene, f->scene.path, &f->scene.camera, &image, &sensor, 0, 1, options,
+                              stop_at_once, NULL, &exact, error);
+}
+
 /* -- the table ----------------------------------------------------------------------------------------------------------- */
 
 static void voxel_defaults(tides_voxel_options *options) { tides_voxel_options_defaults(options, TIDES_VOXEL_E2VID); }
@@ -150,6 +177,8 @@ typedef union given {
     tides_generate_options generate;
     tides_path_options path;
     tides_frames_options frames;
+    tides_recording recording;
+    tides_exact_options exact;
 } given;
 
 #define FILL(member, function) \
@@ -164,6 +193,8 @@ FILL(voxel, voxel_defaults)
 FILL(generate, tides_generate_options_defaults)
 FILL(path, tides_path_options_defaults)
 FILL(frames, tides_frames_options_defaults)
+FILL(recording, tides_recording_defaults)
+FILL(exact, tides_exact_options_defaults)
 
 static const struct row {
     const char *name;
@@ -184,6 +215,8 @@ static const struct row {
     {"tides_generate_options", sizeof(tides_generate_options), fill_generate, take_generate, TIDES_OK},
     {"tides_path_options", sizeof(tides_path_options), fill_path, take_path, TIDES_FILE_NOT_FOUND},
     {"tides_frames_options", sizeof(tides_frames_options), fill_frames, take_frames, TIDES_FILE_NOT_FOUND},
+    {"tides_recording", sizeof(tides_recording), fill_recording, take_recording, TIDES_WRITE_FAILED},
+    {"tides_exact_options", sizeof(tides_exact_options), fill_exact, take_exact, TIDES_CANCELLED},
 };
 enum { ROWS = sizeof rows / sizeof *rows };
 

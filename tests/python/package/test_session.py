@@ -87,3 +87,32 @@ def test_inputs_and_their_fingerprints(tmp_path):
     assert tides.Fingerprints().of(tmp_path).hash != whole.hash and whole.files == 1
     with pytest.raises(FileNotFoundError):
         prints.of(tmp_path / "gone")
+
+
+def test_exact_streams_and_ideal_pixels(tmp_path, scene, camera):
+    run = tides.Run(RUN, {"time.stop": 0.01, "sensor.threshold_on": 0.15, "sensor.preset": "davis346"})
+    settings = tides.ideal_settings(run, "v2e")
+    assert settings["method"] == "v2e" and settings["v2e.pos_thres"] == "0.15" and settings["v2e.sigma_thres"] == "0"
+    own = tides.ideal_settings(run.vary({"v2e.pos_thres": 0.3}), "v2e", pixel=False)
+    assert own == {"method": "v2e"} and "v2e.neg_thres" in tides.ideal_settings(run, "v2e", pixel=False)
+    with pytest.raises(ValueError, match="dvs-voltmeter"):
+        tides.ideal_settings(run, "ldati")
+    ideal = run.ideal()
+    assert ideal.sensor.threshold_on == 0.15 and ideal.sensor.threshold_sigma == 0 and not ideal.gives("seed")
+    with run.session("reference") as session:
+        exact = session.exact(in_double=1, long_renders=50)
+        assert exact.moved.mismatch_percent < 5 and exact.steps_per_s > 1000 and len(exact.events) == exact["count"] > 10
+        match = tides.metrics.match(exact.events, ideal.simulate("reference"))
+        assert match.mismatch_percent < 1
+    assert tides.image_is_continuous(tides.ImageParams()) and not tides.image_is_continuous(tides.ImageParams(rules="inria"))
+    image = tides.ImageParams(rules="inria")
+    rough = tides.exact_stream(scene, camera, 0, 0.01, image=image, first_rate=1000, last_rate=2000, progress=lambda f, s: 0)
+    assert rough.tolerance == 0 and rough.steps_per_s == 2000 and np.all(np.diff(rough.events["t"]) >= 0)
+    with pytest.raises(ValueError, match="nothing fires"):
+        tides.exact_stream(scene, camera, 0, 0.001, tides.Sensor(threshold_on=50, threshold_off=50), long_renders=1)
+
+
+def test_the_table_of_statistics():
+    rows = {row.name: row for row in tides.statistics()}
+    assert rows["events"].type == "count" and rows["time_s.build"].unit == "s" and rows["tiles"].type == "whole"
+    assert rows["events_on"].offset == tides.api.tides_stats.events_on.offset

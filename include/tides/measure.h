@@ -1,0 +1,77 @@
+/* Measuring methods: the exact stream of a scene, and the settings that make a method's pixels ideal. Streams are compared with
+ * tides_match_events (tides/metrics.h). */
+#ifndef TIDES_MEASURE_H
+#define TIDES_MEASURE_H
+
+#include "tides/metrics.h"
+#include "tides/session.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Events further apart than this aren't taken for each other [s]. */
+#define TIDES_MATCH_LIMIT_S 1e-3
+
+/* How far an exact stream is refined; fill with tides_exact_options_defaults. 0: what the run asks for, as each field says. */
+typedef struct tides_exact_options {
+    uint32_t size;
+    int32_t in_double;     /* 1: on the double-precision reference, whatever the device: slow */
+    double first_step_s;   /* images without jumps: longest step of the first level [s]; 0: an eighth of 10 ms or of the run */
+    double last_tolerance; /* likewise: no level is asked for less [thresholds]; 0: what the precision lets it see */
+    double first_rate, least_rate, last_rate; /* images that jump: equal steps per second, the first level's, and what the last
+                                                 one has at least and at most [Hz]; 0: by long_renders, twice that, 512 kHz */
+    double long_renders;                      /* no level comes after one of so many full renders (but up to least_rate); 500 */
+} tides_exact_options;
+TIDES_API void tides_exact_options_defaults(tides_exact_options *options);
+
+/* An exact stream, and what it is worth. */
+typedef struct tides_exact {
+    tides_event *events; /* (count), in order; the caller frees them with tides_free */
+    size_t count;
+    double steps_per_s;    /* of the last level; 0: straight lines between frames, which are in closed form */
+    double tolerance;      /* finer by tile where this asks for it [thresholds]; 0: equal steps */
+    tides_match moved;     /* how the last level differs from the one before, whose steps were twice as long */
+    double worst_residual; /* tides_stats's */
+    double renders;        /* of the last level, in full frames */
+} tides_exact;
+
+/* The events of `sensor` in the image's own signal, refined level by level until halving the steps moves no event by more than
+ * a nanosecond, or `options` (nullable) ends it; two levels at least. Images without jumps (tides_image_is_continuous): the
+ * cubic under error control, its longest step halved and its tolerance a sixteenth from level to level. Others: equal steps,
+ * halved. No readout. TIDES_BAD_ARGUMENT where nothing fires, for nothing could be measured then. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_exact_stream(tides_device *device, const tides_scene *scene,
+                                                           const tides_trajectory *camera, const tides_intrinsics *intrinsics,
+                                                           const tides_image_params *image, const tides_sensor *sensor,
+                                                           double start, double stop, const tides_exact_options *options,
+                                                           tides_progress progress, void *user, tides_exact *exact,
+                                                           tides_error *error);
+
+/* 1 where nothing in the image jumps in time: rules smooth with all of its measures on. */
+TIDES_API int32_t tides_image_is_continuous(const tides_image_params *image);
+
+/* That of a session with ideal pixels of its own thresholds. On frames nobody knows what happened between them: exact are the
+ * crossings of straight lines in log luminance from frame to frame, in double precision. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_session_exact(tides_session *session, const tides_exact_options *options,
+                                                            tides_progress progress, void *user, tides_exact *exact,
+                                                            tides_error *error);
+
+/* What tides_ideal_settings sets, or-ed together. */
+enum {
+    TIDES_IDEAL_THRESHOLDS = 1, /* the method's thresholds are the run's (sensor.threshold_on and _off), where they have keys of
+                                   their own and the run gives none of these */
+    TIDES_IDEAL_PIXEL = 2       /* the same in any case, its logarithm is the run's, and all that an ideal pixel doesn't have is
+                                   off: noise, spread, latency, low-pass, refractory period, readout */
+};
+
+/* Overrides ("method=v2e", "v2e.pos_thres=0.2" ...) that take `method` in place of the run's own and make it so. What can't be
+ * had: v2e's logarithm stays linear below DN 20; IEBCS needs a time constant (as short at Y = 1 as its own) and a microsecond
+ * of refractory period; DVS-Voltmeter has one threshold for both polarities (the mean). The caller frees `texts` (count) with
+ * tides_free, texts and all. TIDES_BAD_ARGUMENT naming the methods. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_ideal_settings(const tides_run *run, const char *method, int32_t what,
+                                                             const char ***texts, size_t *count, tides_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,231 @@
+/* The exact stream of an image: what every error of a method is measured against (DESIGN 7). For tides compare, tides bench and
+ * whoever measures a method of his own; how streams are matched is lib/metrics', which settings are compared ideal.c's.
+ *
+ * Refined level by level until the last refinement moves nothing. Under `smooth` a level has half the step of the one before
+ * everywhere: its tolerance is a sixteenth, since the cubic's error falls with the fourth power, and its longest step is half,
+ * in case the estimate is blind somewhere. Where the image jumps (`inria`) there is no order of convergence to go by: equal
+ * steps, thousands of them. */
+#include "signal/td_event_buffer.h"
+#include "td_base.h"
+#include "td_struct.h"
+#include "tides/measure.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Nothing moves: the unit that events are counted in. */
+#define SETTLED_US 1e-3
+/* No level after one that took so many full renders: it would take twice that. Renders, not seconds, so that the exact stream
+ * doesn't depend on what else the machine does. */
+#define LONG_RENDERS 500.0
+
+/* Smooth images: the first level's tolerance, and its longest step where none is given: a common frame interval, and an eighth
+ * of it, which is short beside what shakes a camera. */
+#define FIRST_TOLERANCE 1e-3
+#define LONGEST_STEP_S 0.01
+#define SPLIT 8
+#define LEAST_STEP_S 1e-8
+/* The last level's tolerance [thresholds]: what single precision lets the estimate see, 1e-6 of L among thresholds of 0.2; in
+ * double precision the unit that events are counted in is met before. */
+#define FLOAT_TOLERANCE 3e-6
+#define DOUBLE_TOLERANCE 1e-9
+
+/* Images that jump: the first level is a quarter of the renders that the last may take; 512 kHz is 2 us from step to step. */
+#define MOST_RATE 512000.0
+
+void tides_exact_options_defaults(tides_exact_options *options) {
+    *options = (tides_exact_options){.size = sizeof *options, .long_renders = LONG_RENDERS};
+}
+
+int32_t tides_image_is_continuous(const tides_image_params *image) {
+    const tides_smoothing *s = &image->smoothing;
+    return image->rules == TIDES_RULES_SMOOTH && s->taper_end > s->taper_begin && s->stop_change > 0 && s->near_fade > 1 &&
+           s->soft_depth > 0 && s->ellipses;
+}
+
+/* All that a level is made from. */
+typedef struct job {
+    tides_device *device;
+    const tides_scene *scene;
+    const tides_trajectory *camera;
+    const tides_intrinsics *intrinsics;
+    const tides_image_params *image;
+    const tides_sensor *sensor;
+    double start, stop;
+    tides_exact_options how; /* zeros filled in */
+    int32_t continuous;
+    tides_progress progress;
+    void *user;
+} job;
+
+static tides_status check_options(const tides_exact_options *how, tides_error *error) {
+    const struct {
+        const char *name;
+        double value;
+    } numbers[] = {{"first_step_s", how->first_step_s}, {"last_tolerance", how->last_tolerance},
+                   {"first_rate", how->first_rate},     {"least_rate", how->least_rate},
+                   {"last_rate", how->last_rate},       {"long_renders", how->long_renders}};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+        if (!(numbers[i].value >= 0) || !isfinite(numbers[i].value))
+            return td_fail(error, TIDES_BAD_ARGUMENT, "exact stream: %s %g must be 0 or more", numbers[i].name,
+                           numbers[i].value);
+    return TIDES_OK;
+}
+
+static double or_else(double given, double otherwise) { return given > 0 ? given : otherwise; }
+
+/* What is left open depends on the run's length. */
+static void fill_in(job *j) {
+    const double length = j->stop - j->start;
+    tides_exact_options *how = &j->how;
+    how->long_renders = or_else(how->long_renders, LONG_RENDERS);
+    how->first_step_s = or_else(how->first_step_s, fmin(length, LONGEST_STEP_S) / SPLIT);
+    how->last_tolerance = or_else(how->last_tolerance, how->in_double ? DOUBLE_TOLERANCE : FLOAT_TOLERANCE);
+    how->first_rate = or_else(how->first_rate, fmin(how->long_renders / 4 / length, MOST_RATE / 2));
+    how->least_rate = or_else(how->least_rate, 2 * how->first_rate);
+    how->last_rate = or_else(how->last_rate, MOST_RATE);
+}
+
+static tides_stepping level_of(const job *j, int32_t level) {
+    tides_stepping s;
+    tides_stepping_defaults(&s);
+    s.model = TIDES_MODEL_HERMITE;
+    if (j->continuous) {
+        s.mode = TIDES_STEPPING_ERROR;
+        s.step_s = ldexp(j->how.first_step_s, -level);
+        s.tolerance = ldexp(FIRST_TOLERANCE, -4 * level);
+        s.min_step_s = LEAST_STEP_S;
+    } else {
+        s.mode = TIDES_STEPPING_FIXED;
+        s.step_s = ldexp(1 / j->how.first_rate, -level);
+    }
+    return s;
+}
+
+/* Is another level worth its time? */
+static int32_t goes_on(const job *j, const tides_stepping *done, int32_t level, const tides_match *moved, double renders) {
+    const tides_exact_options *how = &j->how;
+    const int32_t settled = level > 0 && moved->mismatch_percent == 0 && moved->dt_p99_us <= SETTLED_US;
+    if (level == 0) return 1;
+    if (j->continuous) return !settled && renders < how->long_renders && done->tolerance / 16 >= how->last_tolerance;
+    const double rate = 1 / done->step_s;
+    if (rate < how->least_rate * 0.999) return 1;
+    return !settled && renders < how->long_renders && rate < how->last_rate * 0.999;
+}
+
+/* A sink that keeps everything. */
+static int keep(void *user, const tides_event *events, size_t count) {
+    td_event_buffer *stream = user;
+    if (count == 0) return 0;
+    tides_status status = td_event_buffer_reserve(stream, count, NULL);
+    if (status != TIDES_OK) return status;
+    memcpy(stream->events + stream->count, events, count * sizeof *events);
+    stream->count += count;
+    return 0;
+}
+
+static tides_status simulate(const job *j, const tides_stepping *stepping, td_event_buffer *stream, tides_stats *stats,
+                             tides_error *error) {
+    tides_simulator *simulator = NULL;
+    stream->count = 0;
+    tides_status status = tides_simulator_create(j->device, j->scene, j->camera, j->intrinsics, j->image, j->sensor, stepping,
+                                                 j->start, j->stop, j->progress, j->user, &simulator, error);
+    if (status == TIDES_OK) status = tides_simulator_run(simulator, j->stop, keep, stream, j->progress, j->user, error);
+    if (status == TIDES_OK) tides_simulator_stats(simulator, stats);
+    tides_simulator_destroy(simulator);
+    return status;
+}
+
+static tides_status refine(const job *j, tides_exact *exact, tides_error *error) {
+    td_event_buffer coarse = {NULL, 0, 0}, fine = {NULL, 0, 0};
+    tides_stats stats;
+    tides_match moved;
+    memset(&moved, 0, sizeof moved);
+    memset(&stats, 0, sizeof stats);
+    tides_stepping stepping = level_of(j, 0);
+    tides_status status = TIDES_OK;
+    for (int32_t level = 0; status == TIDES_OK; level++) {
+        const td_event_buffer spare = coarse;
+        coarse = fine;
+        fine = spare;
+        stepping = level_of(j, level);
+        status = simulate(j, &stepping, &fine, &stats, error);
+        if (status == TIDES_OK && level > 0)
+            status =
+                tides_match_events(fine.events, fine.count, coarse.events, coarse.count, TIDES_MATCH_LIMIT_S, &moved, error);
+        if (status != TIDES_OK || !goes_on(j, &stepping, level, &moved, stats.renders_full_frame_equivalent)) break;
+    }
+    td_event_buffer_release(&coarse);
+    if (status == TIDES_OK && fine.count == 0)
+        status = td_fail(error, TIDES_BAD_ARGUMENT, "nothing fires, so nothing can be measured; lower the thresholds");
+    if (status != TIDES_OK) {
+        td_event_buffer_release(&fine);
+        return status;
+    }
+    *exact = (tides_exact){.events = fine.events,
+                           .count = fine.count,
+                           .steps_per_s = 1 / stepping.step_s,
+                           .tolerance = j->continuous ? stepping.tolerance : 0,
+                           .moved = moved,
+                           .worst_residual = stats.worst_residual,
+                           .renders = stats.renders_full_frame_equivalent};
+    return TIDES_OK;
+}
+
+tides_status tides_exact_stream(tides_device *device, const tides_scene *scene, const tides_trajectory *camera,
+                                const tides_intrinsics *intrinsics, const tides_image_params *image, const tides_sensor *sensor,
+                                double start, double stop, const tides_exact_options *options, tides_progress progress,
+                                void *user, tides_exact *exact, tides_error *error) {
+    if (!device || !scene || !camera || !intrinsics || !image || !sensor || !exact)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_exact_stream: one of its pointers is NULL");
+    if (!(stop > start)) return td_fail(error, TIDES_BAD_ARGUMENT, "exact stream: stop %g s isn't after %g s", stop, start);
+    job j = {device, scene, camera, intrinsics, image, sensor, start, stop, {0}, 0, progress, user};
+    tides_exact_options_defaults(&j.how);
+    tides_status status = options ? TD_TAKE_STRUCT(tides_exact_options, &j.how, options, error) : TIDES_OK;
+    if (status == TIDES_OK) status = check_options(&j.how, error);
+    if (status != TIDES_OK) return status;
+    j.continuous = tides_image_is_continuous(image);
+    fill_in(&j);
+    if (j.how.in_double) status = tides_device_open("reference", &j.device, error);
+    if (status == TIDES_OK) status = refine(&j, exact, error);
+    if (j.how.in_double && j.device != device) tides_device_close(j.device);
+    return status;
+}
+
+/* -- of a session ---------------------------------------------------------------------------------------------------------- */
+
+/* Straight lines between frames, which the method `tides` draws there. */
+static tides_status of_frames(tides_session *ideal, tides_progress progress, void *user, tides_exact *exact,
+                              tides_error *error) {
+    td_event_buffer stream = {NULL, 0, 0};
+    tides_status status = tides_session_run(ideal, keep, &stream, progress, user, NULL, error);
+    if (status == TIDES_OK && stream.count == 0)
+        status = td_fail(error, TIDES_BAD_ARGUMENT, "nothing fires, so nothing can be compared; lower the thresholds");
+    if (status == TIDES_OK)
+        *exact = (tides_exact){.events = stream.events, .count = stream.count};
+    else
+        td_event_buffer_release(&stream);
+    return status;
+}
+
+tides_status tides_session_exact(tides_session *session, const tides_exact_options *options, tides_progress progress,
+                                 void *user, tides_exact *exact, tides_error *error) {
+    if (!session || !exact) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_session_exact: session or exact is NULL");
+    tides_session_facts f;
+    tides_session *ideal = NULL;
+    const char **settings = NULL;
+    size_t count = 0;
+    tides_session_get(session, &f);
+    tides_status status = tides_ideal_settings(f.run, "tides", TIDES_IDEAL_PIXEL, &settings, &count, error);
+    if (status == TIDES_OK) status = tides_session_vary(session, settings, count, &ideal, error);
+    free(settings);
+    if (status != TIDES_OK) return status;
+    tides_session_get(ideal, &f);
+    const tides_run_values *v = &f.values;
+    status = f.frames ? of_frames(ideal, progress, user, exact, error)
+                      : tides_exact_stream(f.device, f.scene, f.camera, &f.intrinsics, &v->image, &v->sensor, v->start, v->stop,
+                                           options, progress, user, exact, error);
+    tides_session_close(ideal);
+    return status;
+}

@@ -1,0 +1,149 @@
+/* The settings that make a method's pixels ideal with a run's own thresholds. For exact streams and comparisons.
+ *
+ * An ideal pixel fires where the logarithm has moved by the threshold since its last event, and does nothing else: no noise, no
+ * spread, no latency, no low-pass, no refractory period. What is left of a method then is how it sees the image and where it
+ * puts events in time. What has only one ideal value says so in the parameter table (td_param.ideal); here is what depends on
+ * the run. */
+#include "run/td_params.h"
+#include "td_base.h"
+#include "tides/measure.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SETTINGS_MAX = 40, SETTING_BYTES = 80 };
+
+/* What a method's settings are made from. */
+typedef struct pixel {
+    double on, off, log_eps;
+} pixel;
+
+/* "key=value" texts. */
+typedef struct settings {
+    char texts[SETTINGS_MAX][SETTING_BYTES];
+    size_t count;
+} settings;
+
+/* One that doesn't fit is counted: tides_ideal_settings refuses then. */
+static void put(settings *s, const char *key, const char *value) {
+    if (s->count < SETTINGS_MAX) snprintf(s->texts[s->count], SETTING_BYTES, "%s=%s", key, value);
+    s->count++;
+}
+
+static void set(settings *s, const char *key, double value) {
+    char text[32];
+    snprintf(text, sizeof text, "%.12g", value);
+    put(s, key, text);
+}
+
+/* -- thresholds and what goes with the run --------------------------------------------------------------------------------- */
+
+static void threshold_tides(settings *s, const pixel *p) {
+    set(s, "sensor.threshold_on", p->on);
+    set(s, "sensor.threshold_off", p->off);
+}
+
+static void threshold_esim(settings *s, const pixel *p) {
+    set(s, "esim.contrast_threshold_pos", p->on);
+    set(s, "esim.contrast_threshold_neg", p->off);
+}
+
+static void ideal_esim(settings *s, const pixel *p) { set(s, "esim.log_eps", p->log_eps); }
+
+static void threshold_v2e(settings *s, const pixel *p) {
+    set(s, "v2e.pos_thres", p->on);
+    set(s, "v2e.neg_thres", p->off);
+}
+
+/* DN / (DN + k2) is ln(Y + k2 / 255) to second order of a step, and the barriers are at +-1: k1 is the inverse threshold, and
+ * there is only one, so that the mean of both is taken. The table's ideal k6 isn't 0: the original gives nothing there. */
+static void threshold_voltmeter(settings *s, const pixel *p) { set(s, "voltmeter.k1", 2 / (p->on + p->off)); }
+
+static void ideal_voltmeter(settings *s, const pixel *p) { set(s, "voltmeter.k2", fmax(255 * p->log_eps, 1e-6)); }
+
+static void threshold_iebcs(settings *s, const pixel *p) {
+    set(s, "iebcs.th_pos", p->on);
+    set(s, "iebcs.th_neg", p->off);
+}
+
+/* ln(scale Y + 1) is ln(Y + log_eps) but for a constant where the scale is 1 / log_eps. The time constant goes with the inverse
+ * of light: at Y = 1 it is as short as with IEBCS's own parameters. Shorter, and a reference taken at a whole microsecond would
+ * no longer be that of the event. The table's ideal refractory period is 1 us, the resolution of its clock: without, a large
+ * step is taken again and again at one time. */
+static void ideal_iebcs(settings *s, const pixel *p) {
+    tides_baseline_params defaults;
+    tides_baseline_params_defaults(&defaults);
+    set(s, "iebcs.scale", 1 / p->log_eps);
+    set(s, "iebcs.tau", defaults.iebcs.tau * (1 / p->log_eps + 1) / (defaults.iebcs.scale + 1));
+}
+
+/* -- the methods --------------------------------------------------------------------------------------------------------- */
+
+static const struct method {
+    const char *name;
+    void (*threshold)(settings *s, const pixel *p), (*ideal)(settings *s, const pixel *p); /* ideal: NULL where none */
+    const char *groups[3];                                                                 /* of its keys in the table */
+    const char *own[2]; /* the run has thresholds for it where it gives one of these keys; none: they are the run's */
+} methods[] = {
+    {"tides", threshold_tides, NULL, {"sensor.", "frontend.", "readout."}, {NULL, NULL}},
+    {"esim", threshold_esim, ideal_esim, {"esim."}, {"esim.contrast_threshold_pos", "esim.contrast_threshold_neg"}},
+    {"v2e", threshold_v2e, NULL, {"v2e."}, {"v2e.pos_thres", "v2e.neg_thres"}},
+    {"dvs-voltmeter", threshold_voltmeter, ideal_voltmeter, {"voltmeter."}, {"voltmeter.k1", NULL}},
+    {"iebcs", threshold_iebcs, ideal_iebcs, {"iebcs."}, {"iebcs.th_pos", "iebcs.th_neg"}},
+};
+enum { METHODS = sizeof methods / sizeof methods[0] };
+
+/* The keys that the table knows an ideal value of. */
+static void put_ideal_rows(settings *s, const struct method *m) {
+    for (size_t i = 0; i < td_params_count; i++)
+        for (int g = 0; g < 3 && m->groups[g]; g++)
+            if (td_params[i].ideal && strncmp(td_params[i].key, m->groups[g], strlen(m->groups[g])) == 0)
+                put(s, td_params[i].key, td_params[i].ideal);
+}
+
+static int32_t has_thresholds(const struct method *m, const tides_run *run) {
+    int32_t given = !m->own[0];
+    for (int i = 0; i < 2; i++)
+        if (m->own[i] && tides_run_gives(run, m->own[i])) given = 1;
+    return given;
+}
+
+/* One block of memory: the pointers, and their texts behind them. */
+static const char **pack(const settings *s, tides_error *error) {
+    const char **texts = td_alloc(s->count * (sizeof *texts + SETTING_BYTES), 1, error);
+    char *at = texts ? (char *)(texts + s->count) : NULL;
+    for (size_t i = 0; texts && i < s->count; i++, at += SETTING_BYTES) {
+        memcpy(at, s->texts[i], SETTING_BYTES);
+        texts[i] = at;
+    }
+    return texts;
+}
+
+tides_status tides_ideal_settings(const tides_run *run, const char *method, int32_t what, const char ***texts, size_t *count,
+                                  tides_error *error) {
+    if (!run || !method || !texts || !count)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_ideal_settings: run, method, texts or count is NULL");
+    const struct method *m = methods;
+    while (m < methods + METHODS && strcmp(m->name, method) != 0) m++;
+    if (m == methods + METHODS)
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "\"%.40s\" is none of the methods with pixels to be made ideal: tides, esim, v2e, dvs-voltmeter, iebcs",
+                       method);
+    tides_run_values v;
+    tides_run_get(run, &v);
+    const pixel p = {v.sensor.threshold_on, v.sensor.threshold_off, v.image.log_eps};
+    const int32_t ideal = what & TIDES_IDEAL_PIXEL;
+    settings s = {.count = 0};
+    put(&s, "method", m->name);
+    if (ideal || ((what & TIDES_IDEAL_THRESHOLDS) && !has_thresholds(m, run))) m->threshold(&s, &p);
+    if (ideal && m->ideal) m->ideal(&s, &p);
+    if (ideal) put_ideal_rows(&s, m);
+    if (s.count > SETTINGS_MAX)
+        return td_fail(error, TIDES_UNSUPPORTED, "method %s has over %d keys to be made ideal", method, SETTINGS_MAX);
+    const char **made = pack(&s, error);
+    if (!made) return TIDES_NO_MEMORY;
+    *texts = made;
+    *count = s.count;
+    return TIDES_OK;
+}
