@@ -286,6 +286,54 @@ static tides_status exr_facts(const char *file, cJSON *facts, tides_error *error
     return TIDES_OK;
 }
 
+/* -- run files ------------------------------------------------------------------------------------------------------ */
+
+/* One file or folder that a run reads, and how large it is: what isn't there says so. */
+static cJSON *input_json(tides_fingerprints *prints, const tides_run_input *input) {
+    tides_fingerprint print;
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddStringToObject(json, "key", input->key);
+    cJSON_AddStringToObject(json, "path", input->path);
+    if (tides_fingerprints_file(prints, input->path, &print, NULL) == TIDES_OK) {
+        if (input->folder) cJSON_AddNumberToObject(json, "files", (double)print.files);
+        cJSON_AddNumberToObject(json, "bytes", (double)print.bytes);
+    } else
+        cJSON_AddBoolToObject(json, "missing", 1);
+    return json;
+}
+
+static tides_status run_facts_of(const tides_run *run, cJSON *facts, tides_error *error) {
+    tides_run_values v;
+    tides_fingerprints *prints = NULL;
+    tides_run_input *inputs = NULL;
+    size_t count = 0;
+    tides_status status = tides_fingerprints_create(NULL, &prints, error);
+    if (status == TIDES_OK) status = tides_run_inputs(run, &inputs, &count, error);
+    if (status == TIDES_OK) {
+        tides_run_get(run, &v);
+        cJSON_AddStringToObject(facts, "kind", "run");
+        cJSON_AddStringToObject(facts, "method", v.method);
+        cJSON_AddNumberToObject(facts, "start_s", v.start);
+        cJSON_AddNumberToObject(facts, "stop_s", v.stop);
+        if (v.intrinsics.width) cJSON_AddNumberToObject(facts, "width", v.intrinsics.width);
+        if (v.intrinsics.height) cJSON_AddNumberToObject(facts, "height", v.intrinsics.height);
+        cJSON *list = cJSON_AddArrayToObject(facts, "inputs");
+        for (size_t i = 0; i < count; i++) cJSON_AddItemToArray(list, input_json(prints, &inputs[i]));
+    }
+    tides_free(inputs);
+    tides_fingerprints_destroy(prints);
+    return status;
+}
+
+/* Text is a run file where it can be read as one, which no path can be; else a path. */
+static tides_status text_facts(const char *file, cJSON *facts, tides_error *error) {
+    tides_run *run = NULL;
+    if (tides_run_load(file, NULL, 0, &run, NULL) != TIDES_OK) return path_facts(file, facts, error);
+    tides_status status = run_facts_of(run, facts, error);
+    tides_run_destroy(run);
+    return status;
+}
+
 /* ------------------------------------------------------------------------------------------------------------------- */
 
 /* Of folders that hold no event files the path's reader says best what is wrong. */
@@ -309,7 +357,7 @@ static tides_status facts_of(const char *file, cJSON *facts, tides_error *error)
     if (memcmp(head, "\x76\x2f\x31\x01", 4) == 0) return exr_facts(file, facts, error);
     if (open_events(file) == TIDES_OK) return events_facts(file, facts, error);
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
-    return path_facts(file, facts, error); /* text: its reader says best what is wrong */
+    return text_facts(file, facts, error); /* text: the path's reader says best what is wrong */
 }
 
 int cmd_info(const cli_command *command, int argc, char **argv) {

@@ -17,6 +17,13 @@ expect 0 tides info --json a.h5
 value out events >a.count
 expect 0 tides info --json b.h5
 [ "$(value out events)" = "$(cat a.count)" ] || fail "the converted scene gives other events"
+# A run file: what it reads.
+expect 0 tides info run.json --json
+out '"kind":[[:space:]]*"run"'
+out '"path":[[:space:]]*"path.txt"'
+echo '{"scene": {"file": "gone.ply"}, "camera": {"file": "path.txt"}}' >gone.json
+expect 0 tides info gone.json --json
+out '"missing":[[:space:]]*true'
 # The same scene 4 194 304 further along x, camera and all: an origin, and the same events.
 awk 'past { $1 = sprintf("%.6f", $1 + 4194304) } /end_header/ { past = 1 } { print }' scene.ply >far.ply
 awk '{ $2 += 4194304; print $1, sprintf("%.6f", $2), $3, $4, $5, $6, $7, $8 }' path.txt >far.txt
