@@ -51,7 +51,8 @@ WERROR  ?=
 # -- sources -----------------------------------------------------------------------------------------------------------
 KERNELS  := $(wildcard kernels/*.h kernels/*.cl)
 LIB_SRC  := $(wildcard lib/*/*.c lib/*/*/*.c)
-CLI_SRC  := $(wildcard cli/*.c)
+CLI_SRC  := $(wildcard cli/*/*.c)
+CLI_INCLUDES := $(addprefix -I,$(wildcard cli/*))
 PRESETS  := $(wildcard share/presets/*.json)
 LIB_OBJ  := $(LIB_SRC:%.c=$(OUT)/%.o) $(OUT)/kernels_embedded.o $(OUT)/presets_embedded.o
 CLI_OBJ  := $(CLI_SRC:%.c=$(OUT)/%.o)
@@ -79,6 +80,12 @@ $(OUT)/presets_embedded.c: kernels/cl2c.sh $(PRESETS)
 $(OUT)/%.o: %.c $(OUT)/.flags
 	@mkdir -p $(@D)
 	$(COMPILE) $(WERROR) -MMD -MP -c $< -o $@
+$(OUT)/cli/%.o: cli/%.c $(OUT)/.flags
+	@mkdir -p $(@D)
+	$(COMPILE) $(CLI_INCLUDES) $(WERROR) -MMD -MP -c $< -o $@
+$(OUT)/tests/fuzz/fuzz_batch.o: tests/fuzz/fuzz_batch.c $(OUT)/.flags
+	@mkdir -p $(@D)
+	$(COMPILE) $(CLI_INCLUDES) $(WERROR) -MMD -MP -c $< -o $@
 $(OUT)/%_embedded.o: $(OUT)/%_embedded.c $(OUT)/.flags
 	$(COMPILE) $(WERROR) -c $< -o $@
 
@@ -195,7 +202,7 @@ lint: ## clang-format, clang-tidy, cppcheck, the kernels through clang, and what
 	@sh scripts/deps.sh lint -q
 	@$(AGAIN) lint-built
 lint-built:
-	@TIDY_FLAGS='$(TIDES_CPPFLAGS) -std=c99' JOBS=$(JOBS) PYTHON='$(PYTHON)' sh scripts/lint.sh
+	@TIDY_FLAGS='$(TIDES_CPPFLAGS) $(CLI_INCLUDES) -std=c99' JOBS=$(JOBS) PYTHON='$(PYTHON)' sh scripts/lint.sh
 format: ## Rewrite C files and kernels in the style of .clang-format
 	clang-format-14 -i $$(sh scripts/sources.sh)
 FUZZ_SECONDS ?= 30
@@ -230,7 +237,7 @@ wheel: all ## Pack the Python package with the library: build/python/tides-*.whl
 # -- install -----------------------------------------------------------------------------------------------------------
 HEADERS := $(wildcard include/tides/*.h)
 # Man pages and completions are what the tool says of itself; below $(OUT)/share as below $(DATADIR).
-COMMANDS := $(patsubst cli/cmd_%.c,%,$(wildcard cli/cmd_*.c))
+COMMANDS := $(patsubst cli/commands/cmd_%.c,%,$(wildcard cli/commands/cmd_*.c))
 MAN1     := tides.1 $(COMMANDS:%=tides-%.1)
 PAGES    := $(OUT)/share
 $(PAGES)/.made: $(OUT)/tides

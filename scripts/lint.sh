@@ -26,7 +26,7 @@ stage_cppcheck() {
     cppcheck --quiet --std=c99 --library=posix --enable=warning,performance,portability --inline-suppr --error-exitcode=1 \
         -j "$jobs" --suppress=missingIncludeSystem --suppressions-list=scripts/cppcheck.supp \
         -D'H5E_BEGIN_TRY={' -D'H5E_END_TRY=}' -Iinclude -Ilib/base -Ilib -I. \
-        lib cli tests/support
+        $(printf -- '-I%s ' cli/*) lib cli tests/support
 }
 
 # As lib/device/program.c builds them: one pixel per work-item, as on GPUs, and the width that CPUs get. Every switch of

@@ -2,7 +2,7 @@
  * names a run, it alone is left. */
 #include "fuzz.h"
 
-#include "cli/batch.h"
+#include "cli/batch/batch.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     char path[FUZZ_PATH];
