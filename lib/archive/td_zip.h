@@ -1,7 +1,7 @@
 /* Internal: the members of a ZIP archive in memory (PKWARE APPNOTE 4.3), stored or deflated: what .npz and torch's .pth are.
- * Positions and sizes come from the central directory alone: torch leaves them zero in the local headers. ZIP64 (archives
- * of 4 GiB and more) and encryption are TIDES_UNSUPPORTED. Memory is bounded by the archive's size: a member is never more
- * than TD_ZIP_RATIO times what is stored of it, and all that is stored together never more than the archive.
+ * Positions and sizes come from the central directory alone: torch leaves them zero in the local headers. ZIP64 is read;
+ * encryption and archives in several files are TIDES_UNSUPPORTED. Memory is bounded by the archive's size: a member is never
+ * more than TD_ZIP_RATIO times what is stored of it, and all that is stored together never more than the archive.
  * Different threads may read from one td_zip at once. */
 #ifndef TD_ZIP_H
 #define TD_ZIP_H

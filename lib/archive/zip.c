@@ -1,4 +1,5 @@
-/* ZIP archives in memory: end record, central directory, local headers, inflate. */
+/* ZIP archives in memory: end records, central directory, local headers, inflate. Numbers as in PKWARE's APPNOTE 4.3 and 4.5.3
+ * (ZIP64). */
 #include "archive/td_zip.h"
 #include "td_base.h"
 #include "td_endian.h"
@@ -8,6 +9,7 @@
 #include <zlib.h>
 
 enum { END_BYTES = 22, CENTRAL_BYTES = 46, LOCAL_BYTES = 30, COMMENT_MAX = 65535 };
+enum { WIDE_EXTRA = 1, WIDE_END_BYTES = 56, LOCATOR_BYTES = 20 }; /* ZIP64's */
 
 int td_zip_is(const void *bytes, size_t size) {
     return size >= 4 && (memcmp(bytes, "PK\3\4", 4) == 0 || memcmp(bytes, "PK\5\6", 4) == 0);
@@ -21,11 +23,29 @@ static size_t find_end(const unsigned char *bytes, size_t size) {
     return size;
 }
 
-/* A 32-bit field full of ones says that the truth is in a ZIP64 record. */
+/* A 32-bit field full of ones says that the truth is in the extra field of ZIP64: size, packed, offset, those of them that are
+ * so, in this order. 0 where it isn't there. */
+static int widen(const unsigned char *extra, size_t bytes, uint64_t *const wide[3]) {
+    if (*wide[0] != UINT32_MAX && *wide[1] != UINT32_MAX && *wide[2] != UINT32_MAX) return 1;
+    for (size_t at = 0; bytes - at >= 4;) {
+        size_t length = td_le16(extra + at + 2);
+        if (length > bytes - at - 4) return 0;
+        const unsigned char *p = extra + at + 4;
+        at += 4 + length;
+        if (td_le16(p - 4) != WIDE_EXTRA) continue;
+        for (int k = 0; k < 3; k++) {
+            if (*wide[k] != UINT32_MAX) continue;
+            if (length < 8) return 0;
+            *wide[k] = td_le64(p);
+            p += 8;
+            length -= 8;
+        }
+        return 1;
+    }
+    return 0;
+}
+
 static tides_status check_member(const td_zip *zip, const td_zip_member *m, unsigned flags, tides_error *error) {
-    if (m->packed == UINT32_MAX || m->size == UINT32_MAX || m->offset == UINT32_MAX)
-        return td_fail(error, TIDES_UNSUPPORTED, "%s: %s is stored as ZIP64 (4 GiB or more), which isn't read", zip->path,
-                       m->name);
     if (flags & 1u) return td_fail(error, TIDES_UNSUPPORTED, "%s: %s is encrypted, which isn't read", zip->path, m->name);
     if (m->method != 0 && m->method != 8)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: %s is compressed by method %u: only stored and deflated ones are read",
@@ -46,15 +66,21 @@ static tides_status read_central(const td_zip *zip, size_t end, size_t *at, td_z
     if (left < CENTRAL_BYTES || memcmp(p, "PK\1\2", 4) != 0 ||
         left - CENTRAL_BYTES < (size_t)td_le16(p + 28) + td_le16(p + 30) + td_le16(p + 32))
         return td_fail(error, TIDES_BAD_FILE, "%s: the ZIP directory is damaged at byte %zu", zip->path, *at);
-    size_t length = td_le16(p + 28);
-    *member = (td_zip_member){.offset = td_le32(p + 42),
-                              .packed = td_le32(p + 20),
-                              .size = td_le32(p + 24),
-                              .method = td_le16(p + 10),
-                              .crc = td_le32(p + 16)};
+    const size_t length = td_le16(p + 28), extra = td_le16(p + 30);
+    uint64_t offset = td_le32(p + 42), packed = td_le32(p + 20), size = td_le32(p + 24);
+    *member = (td_zip_member){.method = td_le16(p + 10), .crc = td_le32(p + 16)};
     if (!(member->name = td_alloc(length + 1, 1, error))) return TIDES_NO_MEMORY;
     memcpy(member->name, p + CENTRAL_BYTES, length);
-    *at += CENTRAL_BYTES + length + td_le16(p + 30) + td_le16(p + 32);
+    *at += CENTRAL_BYTES + length + extra + td_le16(p + 32);
+    if (!widen(p + CENTRAL_BYTES + length, extra, (uint64_t *const[]){&size, &packed, &offset}))
+        return td_fail(error, TIDES_BAD_FILE, "%s: %s lacks the ZIP64 field that has its sizes: the archive is damaged",
+                       zip->path, member->name);
+    if (packed > zip->size || offset > zip->size || size > SIZE_MAX)
+        return td_fail(error, TIDES_BAD_FILE, "%s: %s lies outside the archive, or its members overlap: it is damaged",
+                       zip->path, member->name);
+    member->offset = (size_t)offset;
+    member->packed = (size_t)packed;
+    member->size = (size_t)size;
     return check_member(zip, member, td_le16(p + 8), error);
 }
 
@@ -63,7 +89,7 @@ static tides_status read_directory(td_zip *zip, size_t end, size_t at, tides_err
     for (size_t i = 0; i < zip->count; i++) {
         tides_status status = read_central(zip, end, &at, &zip->members[i], error);
         if (status) return status;
-        packed += zip->members[i].packed; /* at most 65535 times 4 GiB */
+        packed += zip->members[i].packed; /* each at most the archive's size, so that this can't overflow */
         if (packed > zip->size)
             return td_fail(error, TIDES_BAD_FILE,
                            "%s: its members together claim more bytes than the archive's %zu: they overlap", zip->path,
@@ -82,26 +108,52 @@ static void sort_names(td_zip *zip) {
     qsort(zip->by_name, zip->count, sizeof *zip->by_name, compare_names);
 }
 
+/* Where the directory begins, where it must have ended, and how many entries it has. */
+typedef struct directory {
+    uint64_t start, end, count;
+} directory;
+
+/* From ZIP64's end record, which a locator before the plain one at `end` points to; 0 where there is none. */
+static int find_wide_end(const td_zip *zip, size_t end, directory *found) {
+    if (end < LOCATOR_BYTES + WIDE_END_BYTES) return 0;
+    const size_t locator = end - LOCATOR_BYTES;
+    if (memcmp(zip->bytes + locator, "PK\6\7", 4) != 0) return 0;
+    const uint64_t at = td_le64(zip->bytes + locator + 8);
+    if (at > locator - WIDE_END_BYTES || memcmp(zip->bytes + at, "PK\6\6", 4) != 0) return 0;
+    const unsigned char *p = zip->bytes + at;
+    if (td_le64(p + 24) != td_le64(p + 32)) return 0; /* entries on this disk, in all */
+    *found = (directory){.start = td_le64(p + 48), .end = at, .count = td_le64(p + 32)};
+    return 1;
+}
+
+static tides_status find_directory(const td_zip *zip, directory *found, tides_error *error) {
+    const size_t end = find_end(zip->bytes, zip->size);
+    if (end == zip->size)
+        return td_fail(error, TIDES_BAD_FILE, "%s: no ZIP directory was found at its end: it is cut short or no ZIP archive",
+                       zip->path);
+    const unsigned char *p = zip->bytes + end;
+    *found = (directory){.start = td_le32(p + 16), .end = end, .count = td_le16(p + 10)};
+    /* Torch adds ZIP64's end records to every archive; only ones here say that they are needed. Without them they are numbers:
+     * an archive may have 65535 members. */
+    const int wide = found->count == UINT16_MAX || found->start == UINT32_MAX || td_le32(p + 12) == UINT32_MAX;
+    if (!(wide && find_wide_end(zip, end, found)) && td_le16(p + 8) != found->count)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: is one part of a ZIP archive in several, which isn't read", zip->path);
+    if (found->start > found->end || found->count > (found->end - found->start) / CENTRAL_BYTES)
+        return td_fail(error, TIDES_BAD_FILE, "%s: the ZIP directory (%llu entries at byte %llu) doesn't fit in the file",
+                       zip->path, (unsigned long long)found->count, (unsigned long long)found->start);
+    return TIDES_OK;
+}
+
 tides_status td_zip_open(td_zip *zip, const char *path, const void *bytes, size_t size, tides_error *error) {
     td_zip opened = {.path = path, .bytes = bytes, .size = size};
-    size_t end = find_end(bytes, size);
-    if (end == size)
-        return td_fail(error, TIDES_BAD_FILE, "%s: no ZIP directory was found at its end: it is cut short or no ZIP archive",
-                       path);
-    const unsigned char *p = opened.bytes + end;
-    size_t start = td_le32(p + 16), count = td_le16(p + 10);
-    /* Torch adds ZIP64's end records to every archive; only ones here say that they are needed. */
-    if (count == UINT16_MAX || start == UINT32_MAX)
-        return td_fail(error, TIDES_UNSUPPORTED, "%s: is a ZIP64 archive (4 GiB or more), which isn't read", path);
-    if (td_le16(p + 8) != count)
-        return td_fail(error, TIDES_UNSUPPORTED, "%s: is one part of a ZIP archive in several, which isn't read", path);
-    if (start > end || count > (end - start) / CENTRAL_BYTES)
-        return td_fail(error, TIDES_BAD_FILE, "%s: the ZIP directory (%zu entries at byte %zu) doesn't fit in the file", path,
-                       count, start);
+    directory found = {0, 0, 0};
+    tides_status status = find_directory(&opened, &found, error);
+    if (status != TIDES_OK) return status;
+    const size_t count = (size_t)found.count; /* bounded by the archive's size */
     opened.members = td_alloc(count, sizeof *opened.members, error);
     opened.by_name = opened.members ? td_alloc(count, sizeof *opened.by_name, error) : NULL;
     opened.count = opened.by_name ? count : 0;
-    tides_status status = opened.by_name ? read_directory(&opened, end, start, error) : TIDES_NO_MEMORY;
+    status = opened.by_name ? read_directory(&opened, (size_t)found.end, (size_t)found.start, error) : TIDES_NO_MEMORY;
     if (!status) sort_names(&opened);
     if (status)
         td_zip_close(&opened);
@@ -130,17 +182,24 @@ const td_zip_member *td_zip_find(const td_zip *zip, const char *name) {
     return NULL;
 }
 
+/* As much of `left` as zlib's 32-bit counters hold. */
+static uInt piece_of(size_t left) { return left < UINT32_MAX ? (uInt)left : UINT32_MAX; }
+
 /* Raw deflate, the whole member at once; 0 where it gives exactly `size` bytes. */
 static int inflate_into(const unsigned char *packed, size_t packed_bytes, unsigned char *data, size_t size) {
     z_stream stream = {0};
     if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) return -1;
     /* zlib's pointer isn't const (ZLIB_CONST is a build choice), but inflate never writes there. */
     memcpy(&stream.next_in, &packed, sizeof packed);
-    stream.avail_in = (uInt)packed_bytes;
     stream.next_out = data;
-    stream.avail_out = (uInt)size;
-    int result = inflate(&stream, Z_FINISH);
-    size_t written = stream.total_out;
+    int result = Z_OK;
+    while (result == Z_OK) { /* Z_BUF_ERROR where nothing is left */
+        const size_t read = (size_t)(stream.next_in - packed), written = (size_t)(stream.next_out - data);
+        stream.avail_in = piece_of(packed_bytes - read);
+        stream.avail_out = piece_of(size - written);
+        result = inflate(&stream, Z_NO_FLUSH);
+    }
+    const size_t written = (size_t)(stream.next_out - data);
     inflateEnd(&stream);
     return result == Z_STREAM_END && written == size ? 0 : -1;
 }
@@ -172,7 +231,7 @@ tides_status td_zip_read(const td_zip *zip, const td_zip_member *member, const u
         }
         found = made;
     }
-    if (crc32(0, found, (uInt)member->size) != member->crc) {
+    if (crc32_z(0, found, member->size) != member->crc) {
         free(made);
         return td_fail(error, TIDES_BAD_FILE, "%s: %s has the wrong checksum: the archive is damaged", zip->path, member->name);
     }

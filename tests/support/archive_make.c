@@ -37,6 +37,27 @@ static void add_facts(scene_bytes *to, int deflated, unsigned long crc, size_t p
     archive_number(to, extra, 2);
 }
 
+/* Of a wide archive, another extra field comes before the one that counts. */
+static void add_central(archive_make *archive, const char *name, int deflated, unsigned long crc, size_t packed, size_t size,
+                        size_t offset) {
+    scene_bytes *to = &archive->central;
+    const uint64_t ones = UINT32_MAX;
+    scene_bytes_add(to, "PK\1\2", 4);
+    archive_number(to, 20, 2);
+    add_facts(to, deflated, crc, archive->wide ? ones : packed, archive->wide ? ones : size, strlen(name),
+              archive->wide ? 5 + 4 + 24 : 0);
+    archive_number(to, 0, 8);
+    archive_number(to, 0, 2);
+    archive_number(to, archive->wide ? ones : offset, 4);
+    scene_bytes_add(to, name, strlen(name));
+    if (!archive->wide) return;
+    scene_bytes_add(to, "UT\1\0x", 5);
+    archive_number(to, 1 | 24 << 16, 4);
+    archive_number(to, size, 8);
+    archive_number(to, packed, 8);
+    archive_number(to, offset, 8);
+}
+
 void archive_add(archive_make *archive, const char *name, const void *data, size_t size, int deflated) {
     unsigned char *packed = NULL;
     size_t bytes = deflated ? deflate_raw(data, size, &packed) : size, offset = archive->bytes.size;
@@ -46,25 +67,37 @@ void archive_add(archive_make *archive, const char *name, const void *data, size
     scene_bytes_add(&archive->bytes, name, strlen(name));
     archive_number(&archive->bytes, 0, 8);
     scene_bytes_add(&archive->bytes, deflated ? packed : data, bytes);
-    scene_bytes_add(&archive->central, "PK\1\2", 4);
-    archive_number(&archive->central, 20, 2);
-    add_facts(&archive->central, deflated, crc, bytes, size, strlen(name), 0);
-    archive_number(&archive->central, 0, 8);
-    archive_number(&archive->central, 0, 2);
-    archive_number(&archive->central, offset, 4);
-    scene_bytes_add(&archive->central, name, strlen(name));
+    add_central(archive, name, deflated, crc, bytes, size, offset);
     archive->count++;
     free(packed);
+}
+
+/* ZIP64's end record, and the locator that points to it. */
+static void add_wide_end(archive_make *archive, size_t offset) {
+    const size_t record = archive->bytes.size;
+    scene_bytes_add(&archive->bytes, "PK\6\6", 4);
+    archive_number(&archive->bytes, 44, 8);
+    archive_number(&archive->bytes, 45 | 45 << 16, 4); /* versions */
+    archive_number(&archive->bytes, 0, 8);             /* disks */
+    archive_number(&archive->bytes, archive->count, 8);
+    archive_number(&archive->bytes, archive->count, 8);
+    archive_number(&archive->bytes, archive->central.size, 8);
+    archive_number(&archive->bytes, offset, 8);
+    scene_bytes_add(&archive->bytes, "PK\6\7\0\0\0\0", 8);
+    archive_number(&archive->bytes, record, 8);
+    archive_number(&archive->bytes, 1, 4);
 }
 
 scene_bytes archive_end(archive_make *archive) {
     size_t offset = archive->bytes.size;
     if (archive->count) scene_bytes_add(&archive->bytes, archive->central.data, archive->central.size);
+    if (archive->wide) add_wide_end(archive, offset);
+    const uint64_t ones = UINT32_MAX;
     scene_bytes_add(&archive->bytes, "PK\5\6\0\0\0\0", 8);
-    archive_number(&archive->bytes, archive->count, 2);
-    archive_number(&archive->bytes, archive->count, 2);
-    archive_number(&archive->bytes, archive->central.size, 4);
-    archive_number(&archive->bytes, offset, 4);
+    archive_number(&archive->bytes, archive->wide ? ones : archive->count, 2);
+    archive_number(&archive->bytes, archive->wide ? ones : archive->count, 2);
+    archive_number(&archive->bytes, archive->wide ? ones : archive->central.size, 4);
+    archive_number(&archive->bytes, archive->wide ? ones : offset, 4);
     archive_number(&archive->bytes, 2, 2);
     scene_bytes_add(&archive->bytes, "hi", 2);
     free(archive->central.data);
@@ -121,7 +154,7 @@ void pickle_tensor(scene_bytes *to, const char *type, const char *key, int32_t c
 }
 
 scene_bytes pickle_archive(const scene_bytes *pickle, const pickle_storage_bytes *storages, int count) {
-    archive_make archive = {{0}, {0}, 0};
+    archive_make archive = {.count = 0};
     char name[32];
     archive_add(&archive, "made/data.pkl", pickle->data, pickle->size, 0);
     archive_add(&archive, "made/byteorder", "little", 6, 0);

@@ -7,10 +7,11 @@
 /* Appends the lowest `bytes` bytes of a number, little-endian. */
 void archive_number(scene_bytes *to, uint64_t value, int bytes);
 
-/* A growing archive; starts as {0}. */
+/* A growing archive; starts as {0}. `wide`: the directory and its end are ZIP64's, every 32-bit field full of ones. */
 typedef struct archive_make {
     scene_bytes bytes, central;
     unsigned count;
+    int wide;
 } archive_make;
 
 /* Local headers get 8 bytes of extra field, as numpy and torch write (so sizes can't be taken for granted). */

@@ -48,7 +48,7 @@ static void add_column(archive_make *archive, const char *name, const char *dtyp
 static void put_npz(void *folder, const char *name, int long_names, const int64_t (*rows)[4], size_t count) {
     static const char *const names[2][4] = {{"t", "x", "y", "p"}, {"timestamp", "x", "y", "polarity"}};
     static const char *const dtypes[4] = {"<i8", "<u2", "<u2", "<u1"};
-    archive_make archive = {{0}, {0}, 0};
+    archive_make archive = {.count = 0};
     int64_t column[MOST];
     for (int c = 0; c < 4; c++) {
         for (size_t i = 0; i < count; i++) column[i] = rows[i][c];

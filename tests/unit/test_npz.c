@@ -54,7 +54,7 @@ static scene_bytes make_archive(void) {
     static const double grid[6] = {1, 2, 3, 4, 5, -6.5};
     static const int16_t shorts[3] = {-7, 300, 5};
     static const uint32_t text[3] = {'p', 0xb5, 0}; /* p, micro sign, padding */
-    archive_make archive = {{0}, {0}, 0};
+    archive_make archive = {.count = 0};
     add_array(&archive, "grid.npy", 1, "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }   \n", grid, sizeof grid,
               1);
     add_array(&archive, "shorts.npy", 2, "{'descr': '<i2', 'fortran_order': False, 'shape': (3,), }\n", shorts, sizeof shorts,

@@ -364,7 +364,7 @@ static void refuse_archive(archive_make *archive, tides_status status, const cha
 
 static void test_archives(void **state) {
     (void)state;
-    archive_make big = {{0}, {0}, 0}, none = {{0}, {0}, 0}, absent = {{0}, {0}, 0};
+    archive_make big = {.count = 0}, none = {.count = 0}, absent = {.count = 0};
     archive_add(&big, "m/data.pkl", "\x80\x02N.", 4, 0);
     archive_add(&big, "m/byteorder", "big", 3, 0);
     refuse_archive(&big, TIDES_UNSUPPORTED, "byte order is 'big'");

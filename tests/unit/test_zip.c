@@ -25,10 +25,9 @@ static void expect_member(const td_zip *zip, const char *name, const void *expec
     free(owned);
 }
 
-static void test_members(void **state) {
-    (void)state;
+static void check_members(int wide) {
     static char zeros[100000];
-    archive_make made = {{0}, {0}, 0};
+    archive_make made = {.wide = wide};
     archive_add(&made, "b/stored", "hello", 5, 0);
     archive_add(&made, "b/deflated", zeros, sizeof zeros, 1);
     archive_add(&made, "a", "x", 1, 1);
@@ -50,17 +49,23 @@ static void test_members(void **state) {
     assert_null(td_zip_find(&zip, "zzz"));
     td_zip_close(&zip);
     free(file.data);
-    scene_bytes none = archive_end(&(archive_make){{0}, {0}, 0});
+    scene_bytes none = archive_end(&(archive_make){.wide = wide});
     scene_expect_ok(td_zip_open(&zip, "none.zip", none.data, none.size, &error), &error);
     assert_null(td_zip_find(&zip, "a"));
     td_zip_close(&zip);
     free(none.data);
 }
 
+static void test_members(void **state) {
+    (void)state;
+    check_members(0);
+    check_members(1);
+}
+
 /* What an edit of the second of two members' central record makes of opening, or else of reading, that member. */
 static void expect_edited(int deflated, size_t field, int bytes, uint64_t value, tides_status status, const char *expected) {
     static const char data[64] = "some text some text some text some text some text some text";
-    archive_make made = {{0}, {0}, 0};
+    archive_make made = {.count = 0};
     archive_add(&made, "first", data, sizeof data, 0);
     archive_add(&made, "second", data, sizeof data, deflated);
     size_t record = made.bytes.size + 46 + strlen("first");
@@ -86,14 +91,14 @@ static void test_lies(void **state) {
     expect_edited(1, SIZE, 4, 65, TIDES_BAD_FILE, "second|doesn't unpack to the 65 bytes");
     expect_edited(1, SIZE, 4, 63, TIDES_BAD_FILE, "second|doesn't unpack to the 63 bytes"); /* more comes than declared */
     expect_edited(1, PACKED, 4, 5, TIDES_BAD_FILE, "second|doesn't unpack");
-    expect_edited(1, PACKED, 4, 100000, TIDES_BAD_FILE, "overlap");
+    expect_edited(1, PACKED, 4, 100000, TIDES_BAD_FILE, "second|overlap");
     expect_edited(0, PACKED, 4, 63, TIDES_BAD_FILE, "second|two sizes differ");
     expect_edited(0, CRC, 4, 12345, TIDES_BAD_FILE, "second|checksum");
     expect_edited(1, CRC, 4, 12345, TIDES_BAD_FILE, "second|checksum");
     expect_edited(0, METHOD, 2, 14, TIDES_UNSUPPORTED, "second|method 14");
     expect_edited(0, FLAGS, 2, 1, TIDES_UNSUPPORTED, "second|encrypted");
-    expect_edited(0, SIZE, 4, 0xffffffff, TIDES_UNSUPPORTED, "second|ZIP64");
-    expect_edited(0, OFFSET, 4, 0xffffffff, TIDES_UNSUPPORTED, "second|ZIP64");
+    expect_edited(0, SIZE, 4, 0xffffffff, TIDES_BAD_FILE, "second|ZIP64"); /* it says so, but has no such field */
+    expect_edited(0, OFFSET, 4, 0xffffffff, TIDES_BAD_FILE, "second|ZIP64");
     expect_edited(0, OFFSET, 4, 0xfffffffe, TIDES_BAD_FILE, "second|outside the archive");
     expect_edited(0, OFFSET, 4, 1, TIDES_BAD_FILE, "second|outside the archive");
     expect_edited(0, NAME_LENGTH, 2, 60000, TIDES_BAD_FILE, "directory is damaged");
@@ -105,7 +110,7 @@ static void test_overlap(void **state) {
     (void)state;
     static char data[4096];
     for (size_t i = 0; i < sizeof data; i++) data[i] = (char)(i * i >> 3); /* hardly compressible: it's stored anyway */
-    archive_make made = {{0}, {0}, 0};
+    archive_make made = {.count = 0};
     archive_add(&made, "m", data, sizeof data, 0);
     scene_bytes record = {0};
     scene_bytes_add(&record, made.central.data, made.central.size);
@@ -120,7 +125,7 @@ static void test_overlap(void **state) {
 }
 
 static void expect_end(size_t field, int bytes, uint64_t value, tides_status status, const char *expected) {
-    archive_make made = {{0}, {0}, 0};
+    archive_make made = {.count = 0};
     archive_add(&made, "m", "data", 4, 0);
     scene_bytes file = archive_end(&made);
     for (int i = 0; i < bytes; i++) file.data[file.size - 24 + field + (size_t)i] = (char)(value >> 8 * i & 255);
@@ -133,8 +138,8 @@ static void expect_end(size_t field, int bytes, uint64_t value, tides_status sta
 static void test_end_record(void **state) {
     (void)state;
     expect_end(0, 4, 0, TIDES_BAD_FILE, "no ZIP directory");
-    expect_end(10, 2, 0xffff, TIDES_UNSUPPORTED, "ZIP64");
-    expect_end(16, 4, 0xffffffff, TIDES_UNSUPPORTED, "ZIP64");
+    expect_end(10, 2, 0xffff, TIDES_UNSUPPORTED, "one part of"); /* no ZIP64 record is there to say more */
+    expect_end(16, 4, 0xffffffff, TIDES_BAD_FILE, "doesn't fit");
     expect_end(10, 2, 2, TIDES_UNSUPPORTED, "one part of");
     expect_end(8, 4, 0x00020002, TIDES_BAD_FILE, "doesn't fit");
     expect_end(16, 4, 100000, TIDES_BAD_FILE, "doesn't fit");
@@ -143,8 +148,41 @@ static void test_end_record(void **state) {
     scene_expect_error(td_zip_open(&zip, "test.zip", "", 0, &error), TIDES_BAD_FILE, &error, "no ZIP directory");
 }
 
+/* Of one member's ZIP64 archive: `at` bytes from its end, or into its directory where that is negative. */
+static void expect_wide(int at, int bytes, uint64_t value, tides_status status, const char *expected) {
+    archive_make made = {.wide = 1};
+    archive_add(&made, "m", "data", 4, 0);
+    const size_t directory = made.bytes.size;
+    scene_bytes file = archive_end(&made);
+    unsigned char *to = (unsigned char *)file.data + (at > 0 ? file.size - (size_t)at : directory + (size_t)-at);
+    for (int i = 0; i < bytes; i++) to[i] = (unsigned char)(value >> 8 * i & 255);
+    td_zip zip = {.path = NULL};
+    tides_error error = {TIDES_OK, ""};
+    scene_expect_error(td_zip_open(&zip, "test.zip", file.data, file.size, &error), status, &error, expected);
+    assert_null(zip.members);
+    free(file.data);
+}
+
+static void test_wide_lies(void **state) {
+    (void)state;
+    enum { LOCATOR = 24 + 20, RECORD = LOCATOR + 56, FIELD = 46 + 1 + 5 };
+    expect_wide(LOCATOR, 4, 0, TIDES_BAD_FILE, "doesn't fit"); /* no locator: then the ones are numbers */
+    expect_wide(LOCATOR - 8, 8, UINT64_MAX - 10, TIDES_BAD_FILE, "doesn't fit");
+    expect_wide(RECORD, 4, 0, TIDES_BAD_FILE, "doesn't fit");
+    expect_wide(RECORD - 24, 8, 7, TIDES_BAD_FILE, "doesn't fit"); /* entries here, but not in all */
+    expect_wide(RECORD - 48, 8, UINT64_MAX, TIDES_BAD_FILE, "doesn't fit");
+    expect_wide(RECORD - 48, 8, 1000, TIDES_BAD_FILE, "doesn't fit");
+    expect_wide(-FIELD, 2, 2, TIDES_BAD_FILE, "m lacks|ZIP64"); /* another field's number */
+    expect_wide(-(FIELD + 2), 2, 23, TIDES_BAD_FILE, "m lacks|ZIP64");
+    expect_wide(-(FIELD + 2), 2, 60000, TIDES_BAD_FILE, "m lacks|ZIP64");
+    expect_wide(-(FIELD + 4), 8, UINT64_MAX, TIDES_BAD_FILE, "m is stored but its two sizes differ");
+    expect_wide(-(FIELD + 12), 8, UINT64_MAX, TIDES_BAD_FILE, "m lies outside");
+    expect_wide(-(FIELD + 20), 8, UINT64_MAX, TIDES_BAD_FILE, "m lies outside");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_members), cmocka_unit_test(test_lies),
-                                       cmocka_unit_test(test_overlap), cmocka_unit_test(test_end_record)};
+                                       cmocka_unit_test(test_overlap), cmocka_unit_test(test_end_record),
+                                       cmocka_unit_test(test_wide_lies)};
     return cmocka_run_group_tests_name("zip", tests, NULL, NULL);
 }

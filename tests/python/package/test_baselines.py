@@ -1,6 +1,7 @@
 """Frames and the simulators that work on them."""
 
 import json
+import zipfile
 
 import numpy as np
 import pytest
@@ -37,6 +38,21 @@ def test_frames(tmp_path):
         frames[11]
     options = tides.FramesOptions(timestamps="a file", transfer="srgb")
     assert options.timestamps == "a file" and options.copy(rebase=1).timestamps == "a file"
+
+
+
+@pytest.mark.parametrize("save", (np.savez, np.savez_compressed))
+def test_frames_of_zip64(tmp_path, monkeypatch, save):
+    """As an archive of more than 4 GiB is written: Python puts sizes into ZIP64's fields above this limit."""
+    monkeypatch.setattr(zipfile, "ZIP64_LIMIT", 16)
+    monkeypatch.setattr(zipfile, "ZIP_FILECOUNT_LIMIT", 1)
+    luminance = np.random.default_rng(64).uniform(0, 1, (3, 4, 5))
+    save(tmp_path / "wide.npz", Y=luminance, t=np.arange(3.0))
+    bytes_of_file = (tmp_path / "wide.npz").read_bytes()
+    member = bytes_of_file.index(b"PK\1\2")
+    assert b"PK\6\6" in bytes_of_file and bytes_of_file[member + 20 : member + 28] == b"\xff" * 8
+    frames = tides.Frames(tmp_path / "wide.npz")
+    assert len(frames) == 3 and np.array_equal(frames[2], luminance[2])
 
 
 def test_baseline():
