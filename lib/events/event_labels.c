@@ -35,16 +35,7 @@ static hid_t memory_type(int label) {
 
 /* ---- writing ---- */
 
-static hid_t create(hid_t file, int label) {
-    const hsize_t none = 0, unlimited = H5S_UNLIMITED, chunk = TD_EVENT_CHUNK;
-    hid_t dataset = -1, space = H5Screate_simple(1, &none, &unlimited), creation = H5Pcreate(H5P_DATASET_CREATE);
-    if (space >= 0 && creation >= 0 && H5Pset_chunk(creation, 1, &chunk) >= 0 && H5Pset_shuffle(creation) >= 0 &&
-        H5Pset_deflate(creation, 1) >= 0 && H5Pset_obj_track_times(creation, 0) >= 0)
-        dataset = H5Dcreate2(file, name_of(label), file_type(label), space, H5P_DEFAULT, creation, H5P_DEFAULT);
-    td_h5_close(creation);
-    td_h5_close(space);
-    return dataset;
-}
+static hid_t create(hid_t file, int label) { return td_h5_create_rows(file, name_of(label), file_type(label), TD_EVENT_CHUNK); }
 
 void td_event_labels_reset(td_event_labels *labels) {
     for (int c = 0; c < TD_LABELS; c++) labels->column[c] = -1;
@@ -54,15 +45,6 @@ herr_t td_event_labels_create(hid_t file, td_event_labels *labels) {
     for (int c = 0; c < TD_LABELS; c++)
         if ((labels->column[c] = create(file, c)) < 0) return -1;
     return 0;
-}
-
-/* Rows [first, first + count) of the dataset, to be read or written; negative on failure. */
-static hid_t select_rows(hid_t dataset, uint64_t first, size_t count) {
-    const hsize_t start = first, rows = count;
-    hid_t space = H5Dget_space(dataset);
-    if (space >= 0 && H5Sselect_hyperslab(space, H5S_SELECT_SET, &start, NULL, &rows, NULL) >= 0) return space;
-    td_h5_close(space);
-    return -1;
 }
 
 /* 1 where the column is to be stored from here on. */
@@ -77,17 +59,6 @@ static int gather(int label, const tides_event *events, const int64_t *fired, si
     return any;
 }
 
-static herr_t append(hid_t dataset, int label, uint64_t row, size_t count, const void *values) {
-    const hsize_t rows = count, total = row + count;
-    if (H5Dset_extent(dataset, &total) < 0) return -1;
-    hid_t memory = H5Screate_simple(1, &rows, NULL), place = select_rows(dataset, row, count);
-    herr_t failed = -1;
-    if (memory >= 0 && place >= 0) failed = H5Dwrite(dataset, memory_type(label), memory, place, H5P_DEFAULT, values);
-    td_h5_close(place);
-    td_h5_close(memory);
-    return failed;
-}
-
 herr_t td_event_labels_append(hid_t file, td_event_labels *labels, uint64_t row, const tides_event *events,
                               const int64_t *fired, size_t count, void *scratch) {
     for (int c = 0; c < TD_LABELS; c++) {
@@ -96,7 +67,7 @@ herr_t td_event_labels_append(hid_t file, td_event_labels *labels, uint64_t row,
         int any = gather(c, events, fired, count, scratch);
         if (*column < 0 && !any) continue;
         if (*column < 0 && (*column = create(file, c)) < 0) return -1;
-        if (append(*column, c, row, count, scratch) < 0) return -1;
+        if (td_h5_append_rows(*column, memory_type(c), row, count, scratch) < 0) return -1;
     }
     return 0;
 }
@@ -160,12 +131,8 @@ static tides_status read_label(hid_t dataset, int label, const char *path, uint6
     if (count == 0) return TIDES_OK;
     void *values = td_alloc(count, sizeof(int64_t), error);
     if (!values) return TIDES_NO_MEMORY;
-    const hsize_t extent = count;
-    hid_t memory = H5Screate_simple(1, &extent, NULL), place = select_rows(dataset, first, count);
-    int done = memory >= 0 && place >= 0 && H5Dread(dataset, memory_type(label), memory, place, H5P_DEFAULT, values) >= 0;
+    int done = td_h5_read_rows(dataset, memory_type(label), first, count, values) >= 0;
     done = done && scatter(label, values, count, events, fired);
-    td_h5_close(place);
-    td_h5_close(memory);
     free(values);
     return done ? TIDES_OK : damaged(path, label, error);
 }

@@ -171,21 +171,10 @@ static tides_status check_chunks(const td_event_store *store, const char *path, 
 
 /* ---- the index ---- */
 
-static herr_t read_rows(hid_t dataset, hid_t type, uint64_t first, size_t count, void *out) {
-    const hsize_t start = first, rows = count;
-    hid_t memory = H5Screate_simple(1, &rows, NULL), file = H5Dget_space(dataset);
-    herr_t failed = -1;
-    if (memory >= 0 && file >= 0 && H5Sselect_hyperslab(file, H5S_SELECT_SET, &start, NULL, &rows, NULL) >= 0)
-        failed = H5Dread(dataset, type, memory, file, H5P_DEFAULT, out);
-    td_h5_close(file);
-    td_h5_close(memory);
-    return failed;
-}
-
 /* How much of the index stays: whole chunks, of milliseconds that kept events have begun. */
 static herr_t choose_index(td_event_store *store, uint64_t rows) {
     int64_t last = 0, after = 0;
-    if (rows > 0 && read_rows(store->columns[TD_COLUMN_NS], H5T_NATIVE_INT64, rows - 1, 1, &last) < 0) return -1;
+    if (rows > 0 && td_h5_read_rows(store->columns[TD_COLUMN_NS], H5T_NATIVE_INT64, rows - 1, 1, &last) < 0) return -1;
     if (rows > 0 && !td_event_after(last, store->offset, &after)) return -1;
     uint64_t entries = rows > 0 ? td_milliseconds_begun(last, store->offset) : 0,
              there = (uint64_t)rows_of(store->index, TD_INDEX_CHUNK);
@@ -198,11 +187,12 @@ static herr_t choose_index(td_event_store *store, uint64_t rows) {
 static herr_t rebuild_index(td_event_store *store) {
     uint64_t row = 0;
     int64_t *t = store->scratch, after = 0;
-    if (store->index_rows > 0 && read_rows(store->index, H5T_NATIVE_UINT64, store->index_rows - 1, 1, &row) < 0) return -1;
+    if (store->index_rows > 0 && td_h5_read_rows(store->index, H5T_NATIVE_UINT64, store->index_rows - 1, 1, &row) < 0)
+        return -1;
     if (row > store->rows) return -1;
     while (row < store->rows) {
         uint64_t block = TD_EVENT_CHUNK - row % TD_EVENT_CHUNK; /* to a chunk's border: it is decompressed once */
-        if (read_rows(store->columns[TD_COLUMN_NS], H5T_NATIVE_INT64, row, (size_t)block, t) < 0) return -1;
+        if (td_h5_read_rows(store->columns[TD_COLUMN_NS], H5T_NATIVE_INT64, row, (size_t)block, t) < 0) return -1;
         for (uint64_t i = 0; i < block; i++)
             if (!td_event_after(t[i], store->offset, &after) ||
                 td_event_store_index(store, td_milliseconds_begun(t[i], store->offset), row + i) < 0)

@@ -72,28 +72,15 @@ static void gather_column(int column, int64_t offset, const tides_event *events,
 
 /* ---- creation ---- */
 
-/* Shuffle and deflate 1 are as small as Blosc here and need no plugin. Modification times are off so that the same events make
- * the same bytes. */
-static hid_t create_dataset(hid_t file, const char *name, hid_t type, hsize_t chunk) {
-    const hsize_t none = 0, unlimited = H5S_UNLIMITED;
-    hid_t dataset = -1, space = H5Screate_simple(1, &none, &unlimited), creation = H5Pcreate(H5P_DATASET_CREATE);
-    if (space >= 0 && creation >= 0 && H5Pset_chunk(creation, 1, &chunk) >= 0 && H5Pset_shuffle(creation) >= 0 &&
-        H5Pset_deflate(creation, 1) >= 0 && H5Pset_obj_track_times(creation, 0) >= 0)
-        dataset = H5Dcreate2(file, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT);
-    td_h5_close(creation);
-    td_h5_close(space);
-    return dataset;
-}
-
 static herr_t create_datasets(td_event_store *store) {
     hid_t group = H5Gcreate2(store->file, "/events", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
     if (group < 0) return -1;
     td_h5_close(group);
     for (int c = 0; c < TD_COLUMNS; c++) {
-        store->columns[c] = create_dataset(store->file, td_event_column_name(c), column_file_type(c), TD_EVENT_CHUNK);
+        store->columns[c] = td_h5_create_rows(store->file, td_event_column_name(c), column_file_type(c), TD_EVENT_CHUNK);
         if (store->columns[c] < 0) return -1;
     }
-    store->index = create_dataset(store->file, "/ms_to_idx", H5T_STD_U64LE, TD_INDEX_CHUNK);
+    store->index = td_h5_create_rows(store->file, "/ms_to_idx", H5T_STD_U64LE, TD_INDEX_CHUNK);
     return store->index < 0 ? -1 : 0;
 }
 
@@ -215,21 +202,10 @@ static uint64_t space_needed(uint64_t events, uint64_t entries) {
 
 /* ---- growth ---- */
 
-static herr_t write_rows(hid_t dataset, hid_t type, uint64_t first, size_t count, const void *data) {
-    const hsize_t start = first, rows = count, total = first + count;
-    if (H5Dset_extent(dataset, &total) < 0) return -1;
-    hid_t memory = H5Screate_simple(1, &rows, NULL), file = H5Dget_space(dataset);
-    herr_t failed = -1;
-    if (memory >= 0 && file >= 0 && H5Sselect_hyperslab(file, H5S_SELECT_SET, &start, NULL, &rows, NULL) >= 0)
-        failed = H5Dwrite(dataset, type, memory, file, H5P_DEFAULT, data);
-    td_h5_close(file);
-    td_h5_close(memory);
-    return failed;
-}
-
 static herr_t write_pending(td_event_store *store) {
     if (store->pending_count == 0) return 0;
-    if (write_rows(store->index, H5T_NATIVE_UINT64, store->index_rows, store->pending_count, store->pending) < 0) return -1;
+    if (td_h5_append_rows(store->index, H5T_NATIVE_UINT64, store->index_rows, store->pending_count, store->pending) < 0)
+        return -1;
     store->index_rows += store->pending_count;
     store->pending_count = 0;
     return 0;
@@ -246,7 +222,7 @@ herr_t td_event_store_index(td_event_store *store, uint64_t end, uint64_t row) {
 static herr_t append_events(td_event_store *store, const tides_event *events, const int64_t *fired, size_t count) {
     for (int c = 0; c < TD_COLUMNS; c++) {
         gather_column(c, store->offset, events, count, store->scratch);
-        if (write_rows(store->columns[c], column_memory_type(c), store->rows, count, store->scratch) < 0) return -1;
+        if (td_h5_append_rows(store->columns[c], column_memory_type(c), store->rows, count, store->scratch) < 0) return -1;
     }
     if (td_event_labels_append(store->file, &store->labels, store->rows, events, fired, count, store->scratch) < 0) return -1;
     for (size_t i = 0; i < count; i++)

@@ -1,10 +1,9 @@
-/* Internal: what the writer and the reader of event files share: the names of the layout, and how to talk to HDF5 quietly. */
+/* Internal: what the writer and the reader of event files in HDF5 share: the names of the layout. */
 #ifndef TD_EVENT_H5_H
 #define TD_EVENT_H5_H
 
+#include "archive/td_h5.h"
 #include "tides/events.h"
-
-#include <hdf5.h>
 
 /* Version of the layout that this library writes, and the newest that it reads (root attribute "version"). */
 #define TD_EVENT_FORMAT "tides-events"
@@ -16,49 +15,6 @@ enum {
     TD_EVENT_CHUNK = 65536,
     TD_INDEX_CHUNK = 1024 /* entries of ms_to_idx per chunk: about a second */
 };
-
-/* HDF5 prints its error stack unless told otherwise, and the setting is the process's (or thread's): it is switched off for the
- * length of one call of ours and put back, because the program around us may use HDF5 too. The stack itself stays readable. */
-typedef struct td_h5_quiet {
-    H5E_auto2_t function;
-    void *data;
-} td_h5_quiet;
-
-void td_h5_quiet_begin(td_h5_quiet *saved);
-void td_h5_quiet_end(const td_h5_quiet *saved);
-
-/* Why the last HDF5 call failed, in HDF5's or the system's own words; to be asked before any other HDF5 call. */
-typedef struct td_h5_reason {
-    char text[400];
-} td_h5_reason;
-const char *td_h5_reason_text(td_h5_reason *reason);
-
-/* Metadata of a file being written may leave the cache only when we flush. Its growth is a few kilobytes per million events. */
-herr_t td_h5_forbid_evictions(hid_t file);
-
-/* Root attributes. Texts are written with fixed length, because damage to one of variable length is what HDF5 can't stand
- * (archive/td_h5_text.h); one that is too long for an attribute becomes a scalar dataset of the same name. Prophesee's readers
- * want variable length: _free_text. All return negative on failure; the readers return 0 where the attribute is absent (or of
- * another kind) and 1 where it was read; td_h5_text NULL, or the text, freed by the caller. */
-enum {
-    TD_H5_ATTRIBUTE_MAX = 60000, /* bytes: an object header's message ends at 65 535 */
-    TD_H5_TEXT_MAX = 1 << 24     /* no text in a file is longer; guards the memory that a damaged one could ask for */
-};
-herr_t td_h5_write_text(hid_t file, const char *name, const char *text);
-herr_t td_h5_write_free_text(hid_t file, const char *name, const char *text);
-herr_t td_h5_remove_text(hid_t file, const char *name);
-char *td_h5_text(hid_t file, const char *name);
-herr_t td_h5_write_int(hid_t file, const char *name, hid_t type, int64_t value);
-int td_h5_read_text(hid_t file, const char *name, char *text, size_t size);
-int td_h5_read_int(hid_t file, const char *name, int64_t *value);
-
-/* Fails where the dataset needs a filter whose plugin is missing (the error names the remedy) or that isn't to be trusted, or
- * has chunks of more than a GiB. */
-tides_status td_h5_check_filters(const char *path, const char *name, hid_t dataset, tides_error *error);
-
-/* Closes a dataset, attribute, space, type ... by what it is; negative ids are fine. Keeps the error stack, which HDF5 would
- * clear, so that cleaning up doesn't lose the reason. */
-void td_h5_close(hid_t id);
 
 /* HDF5 as a format of event files to read (event_h5_read.c). _read_from reads events [first, first + count) at once. */
 struct td_event_probe;

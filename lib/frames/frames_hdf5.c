@@ -1,6 +1,6 @@
 /* Frames in HDF5: a dataset (frames, height, width), read frame by frame, and its times. */
+#include "archive/td_h5.h"
 #include "archive/td_h5_driver.h"
-#include "events/td_event_h5.h"
 #include "td_frames.h"
 
 #include <hdf5.h>

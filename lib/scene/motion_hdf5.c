@@ -1,7 +1,7 @@
 /* An object's motion in a scene file, read and written; scene_hdf5.c documents the layout. One reader and one writer serve all
  * models: what a model's arrays and settings must be, its class checks (td_motion.h). */
 #include "motion/td_motion.h"
-#include "td_place.h"
+#include "archive/td_h5_place.h"
 #include "td_scene_hdf5.h"
 
 #include <stdlib.h>

@@ -30,7 +30,7 @@
  * h5py work. Unknown attributes and datasets are left alone; what a reader can't do without raises `version`. */
 #include "archive/td_h5_driver.h"
 #include "td_base.h"
-#include "td_place.h"
+#include "archive/td_h5_place.h"
 #include "td_scene.h"
 #include "td_scene_hdf5.h"
 

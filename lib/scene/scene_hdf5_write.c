@@ -3,7 +3,7 @@
  * The file is built in memory and written in one go: when a write to disk fails, HDF5 can neither close its file nor free it,
  * and complains on stderr when the program ends. The price is memory for two copies of the scene meanwhile. */
 #include "td_base.h"
-#include "td_place.h"
+#include "archive/td_h5_place.h"
 #include "td_scene.h"
 #include "td_scene_hdf5.h"
 

@@ -2,7 +2,7 @@
 #ifndef TD_SCENE_HDF5_H
 #define TD_SCENE_HDF5_H
 
-#include "td_place.h"
+#include "archive/td_h5_place.h"
 #include "tides/motion.h"
 
 #define TD_SCENE_HDF5_FORMAT "tides-scene"

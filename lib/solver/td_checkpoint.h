@@ -3,7 +3,7 @@
 #ifndef TD_CHECKPOINT_H
 #define TD_CHECKPOINT_H
 
-#include "scene/td_place.h"
+#include "archive/td_h5_place.h"
 #include "td_simulator.h"
 
 /* Raised when a reader of the version before couldn't make sense of the file. */

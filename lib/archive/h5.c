@@ -1,7 +1,7 @@
-/* HDF5 without noise: silence, reasons, file access properties, root attributes. */
-#include "td_event_h5.h"
+/* HDF5 without noise: silence, reasons, attributes, rows. */
+#include "td_h5.h"
 
-#include "archive/td_h5_text.h"
+#include "td_h5_text.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -61,7 +61,7 @@ static hid_t text_type(size_t size) {
     return H5I_INVALID_HID;
 }
 
-static herr_t write_attribute(hid_t file, const char *name, hid_t file_type, hid_t memory_type, const void *value) {
+herr_t td_h5_write_number(hid_t file, const char *name, hid_t file_type, hid_t memory_type, const void *value) {
     hid_t space = H5Screate(H5S_SCALAR);
     hid_t attribute = space < 0 ? -1 : H5Acreate2(file, name, file_type, space, H5P_DEFAULT, H5P_DEFAULT);
     herr_t failed = attribute < 0 ? -1 : H5Awrite(attribute, memory_type, value);
@@ -87,15 +87,15 @@ herr_t td_h5_write_text(hid_t file, const char *name, const char *text) {
     hid_t type = text_type(bytes);
     herr_t failed = -1;
     if (type >= 0)
-        failed =
-            bytes > TD_H5_ATTRIBUTE_MAX ? write_dataset(file, name, type, text) : write_attribute(file, name, type, type, text);
+        failed = bytes > TD_H5_ATTRIBUTE_MAX ? write_dataset(file, name, type, text)
+                                             : td_h5_write_number(file, name, type, type, text);
     td_h5_close(type);
     return failed;
 }
 
 herr_t td_h5_write_free_text(hid_t file, const char *name, const char *text) {
     hid_t type = text_type(H5T_VARIABLE);
-    herr_t failed = type < 0 ? -1 : write_attribute(file, name, type, type, &text);
+    herr_t failed = type < 0 ? -1 : td_h5_write_number(file, name, type, type, &text);
     td_h5_close(type);
     return failed;
 }
@@ -105,7 +105,7 @@ herr_t td_h5_remove_text(hid_t file, const char *name) {
 }
 
 herr_t td_h5_write_int(hid_t file, const char *name, hid_t type, int64_t value) {
-    return write_attribute(file, name, type, H5T_NATIVE_INT64, &value);
+    return td_h5_write_number(file, name, type, H5T_NATIVE_INT64, &value);
 }
 
 /* Opens a scalar attribute of the given class with its type; 0 where there is none. */
@@ -171,6 +171,41 @@ int td_h5_read_int(hid_t file, const char *name, int64_t *value) {
     td_h5_close(type);
     td_h5_close(attribute);
     return got;
+}
+
+/* -- rows -- */
+
+hid_t td_h5_create_rows(hid_t file, const char *name, hid_t type, hsize_t chunk) {
+    const hsize_t none = 0, unlimited = H5S_UNLIMITED;
+    hid_t dataset = -1, space = H5Screate_simple(1, &none, &unlimited), creation = H5Pcreate(H5P_DATASET_CREATE);
+    if (space >= 0 && creation >= 0 && H5Pset_chunk(creation, 1, &chunk) >= 0 && H5Pset_shuffle(creation) >= 0 &&
+        H5Pset_deflate(creation, 1) >= 0 && H5Pset_obj_track_times(creation, 0) >= 0)
+        dataset = H5Dcreate2(file, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+    td_h5_close(creation);
+    td_h5_close(space);
+    return dataset;
+}
+
+/* Either of the two is given. */
+static herr_t transfer_rows(hid_t dataset, hid_t type, uint64_t first, size_t count, const void *from, void *to) {
+    const hsize_t start = first, rows = count;
+    hid_t memory = H5Screate_simple(1, &rows, NULL), file = H5Dget_space(dataset);
+    herr_t failed = -1;
+    if (memory >= 0 && file >= 0 && H5Sselect_hyperslab(file, H5S_SELECT_SET, &start, NULL, &rows, NULL) >= 0)
+        failed = to ? H5Dread(dataset, type, memory, file, H5P_DEFAULT, to)
+                    : H5Dwrite(dataset, type, memory, file, H5P_DEFAULT, from);
+    td_h5_close(file);
+    td_h5_close(memory);
+    return failed;
+}
+
+herr_t td_h5_append_rows(hid_t dataset, hid_t type, uint64_t first, size_t count, const void *values) {
+    const hsize_t total = first + count;
+    return H5Dset_extent(dataset, &total) < 0 ? -1 : transfer_rows(dataset, type, first, count, values, NULL);
+}
+
+herr_t td_h5_read_rows(hid_t dataset, hid_t type, uint64_t first, size_t count, void *values) {
+    return transfer_rows(dataset, type, first, count, NULL, values);
 }
 
 static void close_any(hid_t id) {

@@ -1,7 +1,8 @@
 /* Groups, attributes and datasets of HDF5 files, with messages that say where. Every handle is closed on every path. */
-#include "events/td_event_h5.h"
+#include "td_h5_place.h"
+
 #include "td_base.h"
-#include "td_place.h"
+#include "td_h5.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -86,22 +87,17 @@ tides_status td_place_read_text(const td_place *place, const char *name, char **
     return TIDES_OK;
 }
 
-static tides_status write_attribute(const td_place *place, const char *name, hid_t file_type, hid_t memory_type,
-                                    const void *value) {
-    hid_t space = H5Screate(H5S_SCALAR), attribute = H5I_INVALID_HID;
-    if (space >= 0) attribute = H5Acreate2(place->id, name, file_type, space, H5P_DEFAULT, H5P_DEFAULT);
-    int done = attribute >= 0 && H5Awrite(attribute, memory_type, value) >= 0;
-    if (attribute >= 0 && H5Aclose(attribute) < 0) done = 0;
-    if (space >= 0) H5Sclose(space);
-    return done ? TIDES_OK : fail_write(place, name);
+static tides_status write_number(const td_place *place, const char *name, hid_t file_type, hid_t memory_type,
+                                 const void *value) {
+    return td_h5_write_number(place->id, name, file_type, memory_type, value) >= 0 ? TIDES_OK : fail_write(place, name);
 }
 
 tides_status td_place_write_int(const td_place *place, const char *name, int32_t value) {
-    return write_attribute(place, name, H5T_STD_I32LE, H5T_NATIVE_INT32, &value);
+    return write_number(place, name, H5T_STD_I32LE, H5T_NATIVE_INT32, &value);
 }
 
 tides_status td_place_write_double(const td_place *place, const char *name, double value) {
-    return write_attribute(place, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
+    return write_number(place, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
 }
 
 tides_status td_place_write_text(const td_place *place, const char *name, const char *text) {

@@ -1,10 +1,10 @@
-/* Internal: a place in an HDF5 scene file, the root or a group, and what is read and written there: attributes and whole
- * datasets, each with one status and one clear message.
+/* Internal: a place in an HDF5 file (scenes, checkpoints), the root or a group, and what is read and written there: attributes
+ * and whole datasets, each with one status and one clear message.
  *
- * HDF5 prints a stack of messages on stderr for each failure unless that is switched off: the entry points in scene_hdf5.c
- * and scene_hdf5_write.c do so (H5E_BEGIN_TRY) around everything that happens here. */
-#ifndef TD_PLACE_H
-#define TD_PLACE_H
+ * HDF5 prints a stack of messages on stderr for each failure unless that is switched off: the entry points of those who use
+ * this do so (H5E_BEGIN_TRY) around everything that happens here. */
+#ifndef TD_H5_PLACE_H
+#define TD_H5_PLACE_H
 
 #include "tides/base.h"
 
@@ -35,7 +35,7 @@ tides_status td_place_rank(const td_place *place, const char *name, int *rank);
 /* 1 where a link of this name exists. */
 int td_place_has(const td_place *place, const char *name);
 
-/* Attributes: one number, or one text (UTF-8, allocated on reading; a dataset where it is long: events/td_event_h5.h). */
+/* Attributes: one number, or one text (UTF-8, allocated on reading; a dataset where it is long: td_h5.h). */
 tides_status td_place_read_int(const td_place *place, const char *name, int32_t *value);
 tides_status td_place_read_double(const td_place *place, const char *name, double *value);
 tides_status td_place_read_text(const td_place *place, const char *name, char **text);
@@ -56,7 +56,7 @@ int td_place_is_wide(const td_place *place, const char *name);
 tides_status td_place_read(const td_place *place, const char *name, hid_t memory_type, void *values);
 
 /* A new dataset: `file_type` as stored, `memory_type` as given. Contiguous, since trained values hardly compress. The file is
- * built in memory (scene_hdf5_write.c), so failures to write are TIDES_NO_MEMORY. */
+ * built in memory, so failures to write are TIDES_NO_MEMORY. */
 tides_status td_place_write(const td_place *place, const char *name, hid_t file_type, hid_t memory_type, int rank,
                             const uint64_t *shape, const void *values);
 

@@ -1,6 +1,6 @@
 /* What there is at a place of an HDF5 file, where that isn't known beforehand. */
 #include "td_base.h"
-#include "td_place.h"
+#include "td_h5_place.h"
 
 size_t td_place_links(const td_place *place) {
     H5G_info_t info;
