@@ -1,4 +1,5 @@
-/* HDF5 without noise: silence, reasons, attributes, rows. */
+/* HDF5 for scenes, events, frames, arrays and checkpoints: silence, the reasons of failures, attributes, rows, and closing what
+ * is open. */
 #include "td_h5.h"
 
 #include "td_h5_text.h"

@@ -1,7 +1,6 @@
 /* Motions that a function gives: raw parameters and rates from the caller, checked, then activated on the host. */
+#include "td_activate.h"
 #include "td_models.h"
-
-#include "render/td_render.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,65 +1,12 @@
-/* Activation: raw parameters to what the projection reads, values and rates (paper, Sec. 3.2), and the padded arrays of a whole
- * scene. Done once, in double. */
+/* The padded arrays of a whole scene, as backends read them: objects split into what rests and what moves, Gaussians activated
+ * once, in double, widened to the strides of kernels/layout.h. */
+#include "motion/td_activate.h"
 #include "motion/td_motion.h"
 #include "td_render.h"
 
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
-
-/* R(q) of a unit quaternion wxyz, row-major. */
-static void rotation_of(const double q[4], double r[9]) {
-    double w = q[0], x = q[1], y = q[2], z = q[3];
-    r[0] = 1 - 2 * (y * y + z * z), r[1] = 2 * (x * y - w * z), r[2] = 2 * (x * z + w * y);
-    r[3] = 2 * (x * y + w * z), r[4] = 1 - 2 * (x * x + z * z), r[5] = 2 * (y * z - w * x);
-    r[6] = 2 * (x * z - w * y), r[7] = 2 * (y * z + w * x), r[8] = 1 - 2 * (x * x + y * y);
-}
-
-/* dR/dt for a unit quaternion q with rate p. */
-static void rotation_rate_of(const double q[4], const double p[4], double r[9]) {
-    double w = q[0], x = q[1], y = q[2], z = q[3];
-    double a = p[0], b = p[1], c = p[2], d = p[3];
-    r[0] = -4 * (y * c + z * d), r[1] = 2 * (b * y + x * c - a * z - w * d), r[2] = 2 * (b * z + x * d + a * y + w * c);
-    r[3] = 2 * (b * y + x * c + a * z + w * d), r[4] = -4 * (x * b + z * d), r[5] = 2 * (c * z + y * d - a * x - w * b);
-    r[6] = 2 * (b * z + x * d - a * y - w * c), r[7] = 2 * (c * z + y * d + a * x + w * b), r[8] = -4 * (x * b + y * c);
-}
-
-static double normalise(const double raw[4], double q[4]) {
-    double norm = sqrt(raw[0] * raw[0] + raw[1] * raw[1] + raw[2] * raw[2] + raw[3] * raw[3]);
-    for (int i = 0; i < 4; i++) q[i] = raw[i] / norm;
-    return norm;
-}
-
-static double sigmoid(double x) { return 1 / (1 + exp(-x)); }
-
-void td_activate(const double mean[3], const double log_scale[3], const double quaternion[4], double opacity_logit,
-                 double *geometry) {
-    double q[4], r[9];
-    normalise(quaternion, q);
-    rotation_of(q, r);
-    for (int i = 0; i < 3; i++) geometry[TD_G_MEAN + i] = geometry[TD_G_ORIGIN + i] = mean[i];
-    geometry[TD_G_OPACITY] = sigmoid(opacity_logit);
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) geometry[TD_G_FACTOR + 3 * i + j] = r[3 * i + j] * exp(log_scale[j]);
-}
-
-void td_activate_rates(const double mean_dot[3], const double log_scale[3], const double log_scale_dot[3],
-                       const double quaternion[4], const double quaternion_dot[4], double opacity_logit,
-                       double opacity_logit_dot, double *rates) {
-    double q[4], p[4], r[9], r_dot[9];
-    double norm = normalise(quaternion, q);
-    double along = 0;
-    for (int i = 0; i < 4; i++) along += q[i] * quaternion_dot[i];
-    for (int i = 0; i < 4; i++) p[i] = (quaternion_dot[i] - q[i] * along) / norm;
-    rotation_of(q, r);
-    rotation_rate_of(q, p, r_dot);
-    double opacity = sigmoid(opacity_logit);
-    for (int i = 0; i < 3; i++) rates[TD_G_MEAN + i] = rates[TD_G_ORIGIN + i] = mean_dot[i];
-    rates[TD_G_OPACITY] = opacity * (1 - opacity) * opacity_logit_dot;
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            rates[TD_G_FACTOR + 3 * i + j] = (r_dot[3 * i + j] + r[3 * i + j] * log_scale_dot[j]) * exp(log_scale[j]);
-}
 
 static void widen(const float *from, double *to, int count) {
     for (int i = 0; i < count; i++) to[i] = from[i];

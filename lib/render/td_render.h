@@ -31,13 +31,6 @@ tides_status td_store_add_motion(const tides_object *object, const td_resting *r
                                  td_store *store, tides_error *error);
 void td_store_release(td_store *store);
 
-/* One Gaussian's activation: raw parameters and their rates (nullable) to geometry and rates (nullable) (store.c). */
-void td_activate(const double mean[3], const double log_scale[3], const double quaternion[4], double opacity_logit,
-                 double *geometry);
-void td_activate_rates(const double mean_dot[3], const double log_scale[3], const double log_scale_dot[3],
-                       const double quaternion[4], const double quaternion_dot[4], double opacity_logit,
-                       double opacity_logit_dot, double *rates);
-
 /* The decoder of a scene that has one (decoder.c): its weights in store->decoder; TIDES_UNSUPPORTED where other objects are
  * beside it. Then what the image says of it. */
 tides_status td_store_find_decoder(const tides_scene *scene, td_store *store, tides_error *error);

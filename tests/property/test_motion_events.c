@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "motion/td_activate.h"
 #include "tests/property/simulator_run.h"
 
 #include "motion/td_motion.h"

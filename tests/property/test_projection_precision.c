@@ -14,6 +14,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "motion/td_activate.h"
 #include "render/td_render.h"
 #include "td_random.h"
 

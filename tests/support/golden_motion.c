@@ -1,6 +1,7 @@
 /* Motions against files: see the header. */
 #include "tests/support/golden_motion.h"
 
+#include "motion/td_activate.h"
 #include "render/td_render.h"
 
 #include <stdarg.h>

@@ -7,6 +7,7 @@
 
 #include "tests/support/moving_scene.h"
 
+#include "motion/td_activate.h"
 #include "motion/td_motion.h"
 #include "render/td_render.h"
 #include "tests/support/scene_folder.h"

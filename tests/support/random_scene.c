@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "motion/td_activate.h"
 #include "render/td_render.h"
 
 #include "tests/support/random_scene.h"
