@@ -2,7 +2,7 @@
 #include "tides/camera.h"
 
 #include "camera/td_colmap.h"
-#include "camera/td_path.h"
+#include "camera/td_path_reader.h"
 #include "td_folder.h"
 #include "td_struct.h"
 

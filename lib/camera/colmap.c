@@ -6,7 +6,7 @@
  * Pixel centres are at 0.5 in COLMAP as in TIDES. */
 #include "camera/td_colmap.h"
 
-#include "camera/td_path.h"
+#include "camera/td_path_reader.h"
 #include "td_base.h"
 
 #include <math.h>

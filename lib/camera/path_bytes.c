@@ -1,6 +1,6 @@
 /* Little-endian numbers of binary camera files (COLMAP's .bin), one after the other, never beyond the end: a cursor that
  * fails once and stays failed. */
-#include "camera/td_path.h"
+#include "camera/td_path_reader.h"
 
 #include "archive/td_numbers.h"
 #include "td_endian.h"

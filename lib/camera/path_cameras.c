@@ -1,7 +1,7 @@
 /* INRIA's cameras.json: a list of {id, img_name, width, height, position, rotation, fx, fy}. `position` is the camera's centre,
  * `rotation` its camera-to-world matrix by rows, in OpenCV axes. There are no times (poses are spread over `duration`, in
  * the order of the list) and no principal point: that renderer takes the image's middle. Keys we don't know are ignored. */
-#include "camera/td_path.h"
+#include "camera/td_path_reader.h"
 
 #include "td_base.h"
 

@@ -6,7 +6,7 @@
  *
  * There are no times: images are put in the order of their names, which in a video's is the order of time, and spread over
  * `duration`. */
-#include "camera/td_path.h"
+#include "camera/td_path_reader.h"
 
 #include "camera/td_colmap.h"
 #include "camera/td_rotation.h"

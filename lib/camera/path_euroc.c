@@ -4,7 +4,7 @@
  * The camera on the body is given by T_BS of its sensor.yaml, which maps the camera's axes to the body's. It is looked for in
  * ../cam0, where EuRoC has it, then beside the csv; without one the path is the body's. From the same file: the
  * intrinsics, where it has them. */
-#include "camera/td_path.h"
+#include "camera/td_path_reader.h"
 
 #include "camera/td_rotation.h"
 #include "td_base.h"

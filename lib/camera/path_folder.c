@@ -1,5 +1,5 @@
 /* Camera paths that are folders (COLMAP's, nerfstudio's, EuRoC's ...): which file of it to read. Reading is the format's. */
-#include "camera/td_path.h"
+#include "camera/td_path_reader.h"
 
 #include "td_base.h"
 

@@ -1,5 +1,5 @@
 /* JSON helpers of the path readers: every failure names the file, the path to the value, and what it should have been. */
-#include "camera/td_path.h"
+#include "camera/td_path_reader.h"
 
 #include "camera/td_rotation.h"
 #include "td_base.h"

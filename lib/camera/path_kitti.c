@@ -1,6 +1,6 @@
 /* Reads KITTI's odometry poses: 12 numbers per line, a 3x4 matrix by rows, camera to world in OpenCV axes. No times: poses
  * are spread over `duration` in the order of the lines. */
-#include "camera/td_path.h"
+#include "camera/td_path_reader.h"
 
 #include "td_base.h"
 

@@ -8,7 +8,7 @@
  *                  `duration` multiplies; without it, files are spread over `duration` in the order of their names
  *
  * Two cameras of a rig share their ids: put the files of one into a folder. */
-#include "camera/td_path.h"
+#include "camera/td_path_reader.h"
 
 #include "td_base.h"
 

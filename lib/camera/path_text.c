@@ -1,6 +1,6 @@
 /* TUM text (`t tx ty tz qx qy qz qw`, seconds, blanks between) and ESIM csv (`t, x, y, z, qx, qy, qz, qw`, nanoseconds,
  * commas between); '#' starts a comment. Both hold body-to-world poses and are told apart by the comma. */
-#include "camera/td_path.h"
+#include "camera/td_path_reader.h"
 
 #include "camera/td_rotation.h"
 #include "td_base.h"

@@ -20,7 +20,7 @@
  *
  * Values in brackets are what a missing key means. A seed above 2^53 must be a string of digits, since JSON numbers are
  * doubles. Unknown and repeated keys are errors. */
-#include "camera/td_path.h"
+#include "camera/td_path_reader.h"
 
 #include "td_base.h"
 

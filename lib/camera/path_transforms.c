@@ -8,7 +8,7 @@
  * Frames with `time` are sorted by it. Trainers scale time to [0, 1]: such times are multiplied by the option `duration`;
  * times beyond 1 are seconds already. Frames without times are spread over `duration` in the order of the list. Keys we
  * don't know are ignored. */
-#include "camera/td_path.h"
+#include "camera/td_path_reader.h"
 
 #include "td_base.h"
 

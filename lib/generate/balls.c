@@ -74,7 +74,7 @@ static tides_status add(const tides_generate_options *options, int32_t number, t
     const td_part part = {name, td_build_ball, &ball, td_generate_detail(options, TD_BALL_GAUSSIANS), 0.008};
     const double radius = b.radius;
     tides_trajectory *path = NULL;
-    tides_status status = td_path_sample(pose_at, &b, options, 0.001, &path, error);
+    tides_status status = td_sample_path(pose_at, &b, options, 0.001, &path, error);
     if (status == TIDES_OK) status = td_part_add(scene, &part, path, radius, error);
     tides_trajectory_destroy(path);
     return status;

@@ -105,7 +105,7 @@ static tides_status add_rigid(const tides_generate_options *options, int32_t num
     snprintf(name, sizeof name, "thing %d", (int)number);
     const td_part part = {name, build_rigid, &shape, 0, 0};
     tides_trajectory *path = NULL;
-    tides_status status = td_path_sample(pose_at, &m, options, 0.008, &path, error); /* 0.13 rad of the fastest */
+    tides_status status = td_sample_path(pose_at, &m, options, 0.008, &path, error); /* 0.13 rad of the fastest */
     if (status == TIDES_OK) status = td_part_add(scene, &part, path, m.radius, error);
     tides_trajectory_destroy(path);
     return status;

@@ -58,7 +58,7 @@ tides_status td_generate_plane(const tides_generate_options *options, tides_worl
     double middle[3] = {0, 0, 2.3};
     const td_part plane = {"plane", build_plane, &options->seed, td_generate_detail(options, TD_PLANE_GAUSSIANS), 0};
     tides_status status = td_part_add(world->scene, &plane, NULL, 1.0, error);
-    return status == TIDES_OK ? td_path_sample(slide, middle, options, 0.015, &world->camera, error) : status;
+    return status == TIDES_OK ? td_sample_path(slide, middle, options, 0.015, &world->camera, error) : status;
 }
 
 /* -- discs ---------------------------------------------------------------------------------------------------------------- */

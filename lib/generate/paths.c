@@ -10,7 +10,7 @@
 #define MOST_SAMPLES 5e6 /* 0.8 GB */
 #define STEP_S 0.00025   /* of the integrator: a bounce lasts 15 ms, and the fourth order then leaves 1e-9 of it */
 
-tides_status td_path_sample(td_pose_at pose, void *shape, const tides_generate_options *options, double step,
+tides_status td_sample_path(td_pose_at pose, void *shape, const tides_generate_options *options, double step,
                             tides_trajectory **path, tides_error *error) {
     const double steps = ceil(options->duration_s * options->speed / step);
     if (!(steps < MOST_SAMPLES))
@@ -67,7 +67,7 @@ static void turned(void *shape, tides_pose_sample *sample) {
 tides_status td_path_turning(const td_turning *turning, const tides_generate_options *options, tides_trajectory **path,
                              tides_error *error) {
     td_turning own = *turning;
-    return td_path_sample(turned, &own, options, 0.1 / fmax(fabs(own.rate), 1), path, error);
+    return td_sample_path(turned, &own, options, 0.1 / fmax(fabs(own.rate), 1), path, error);
 }
 
 void td_integrate(td_acceleration acceleration, const void *body, double step, double *x, double *x_dot) {

@@ -74,7 +74,7 @@ static tides_status add(const tides_generate_options *options, int32_t number, t
     const td_part part = {name, build, &p, 0, 0};
     tides_trajectory *path = NULL;
     pendulum moved = p;
-    tides_status status = td_path_sample(pose_at, &moved, options, 0.02, &path, error);
+    tides_status status = td_sample_path(pose_at, &moved, options, 0.02, &path, error);
     if (status == TIDES_OK) status = td_part_add(scene, &part, path, 1.0, error);
     tides_trajectory_destroy(path);
     return status;

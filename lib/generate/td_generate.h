@@ -101,7 +101,7 @@ void td_build_still_balls(td_splats *splats, const void *shape);
 typedef void (*td_pose_at)(void *shape, tides_pose_sample *sample);
 
 /* A path over [0, duration] with samples at most `step` of the formula's own time apart, which runs `speed` times as fast. */
-tides_status td_path_sample(td_pose_at pose, void *shape, const tides_generate_options *options, double step,
+tides_status td_sample_path(td_pose_at pose, void *shape, const tides_generate_options *options, double step,
                             tides_trajectory **path, tides_error *error);
 
 /* Turns steadily about `axis` of its own, a unit vector, from the pose `rest` (wxyz) on. */

@@ -2,7 +2,7 @@
  * look for beside them. For fingerprints (fingerprint.c) and for tides info; the files themselves are their readers'. */
 #include "tides/inputs.h"
 
-#include "camera/td_path.h"
+#include "camera/td_path_reader.h"
 #include "run/td_params.h"
 #include "run/td_run.h"
 #include "scene/td_model_dir.h"

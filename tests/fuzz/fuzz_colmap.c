@@ -2,7 +2,7 @@
 #include "fuzz.h"
 
 #include "camera/td_colmap.h"
-#include "camera/td_path.h"
+#include "camera/td_path_reader.h"
 
 static void fuzz_cameras(const char *text, size_t bytes, int binary) {
     td_colmap_cameras cameras = {NULL, 0, 0};

@@ -2,7 +2,7 @@
  * are rotations. */
 #include "tides/camera.h"
 
-#include "camera/td_path.h"
+#include "camera/td_path_reader.h"
 
 #include <math.h>
 #include <stdlib.h>

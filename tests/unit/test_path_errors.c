@@ -8,7 +8,7 @@
 
 #include "tides/camera.h"
 
-#include "camera/td_path.h"
+#include "camera/td_path_reader.h"
 
 #include <stdio.h>
 #include <string.h>

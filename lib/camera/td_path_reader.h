@@ -1,6 +1,6 @@
 /* Internal: what the readers of path files share. A reader appends samples; td_path_parse does the rest. */
-#ifndef TD_PATH_H
-#define TD_PATH_H
+#ifndef TD_PATH_READER_H
+#define TD_PATH_READER_H
 
 #include "tides/camera.h"
 
