@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-/* dR/dt for a unit quaternion q with rate p. As td_rotation_rate, whose sums are in another order and so round otherwise: events
+/* dR/dt for a unit quaternion q with rate p: td_rotation_rate, whose sums are in another order and round otherwise: events
  * would show it in their last bits. */
 static void rotation_rate_of(const double q[4], const double p[4], double r[9]) {
     double w = q[0], x = q[1], y = q[2], z = q[3];
