@@ -1,25 +1,22 @@
 /* Sorting many numbers and summing them without loss, for the parts of tides_metrics_compare. */
 #include "td_metrics.h"
 
+#include "td_sort.h"
+
 #include <math.h>
 #include <string.h>
 
-/* As lib/signal/event_sort.c: 2048 counters fit the L1 cache, and few passes do. */
-enum { DIGIT_BITS = 11, DIGITS = 1 << DIGIT_BITS };
+static inline uint64_t value_itself(const void *none, const void *value) {
+    (void)none;
+    return *(const uint64_t *)value;
+}
 
 void td_sort_values(uint64_t *values, uint64_t *scratch, size_t count) {
     uint64_t used = 0;
     for (size_t i = 0; i < count; i++) used |= values[i];
     uint64_t *from = values, *to = scratch;
-    for (int shift = 0; shift < 64 && used >> shift; shift += DIGIT_BITS) {
-        size_t place[DIGITS] = {0}, sum = 0;
-        for (size_t i = 0; i < count; i++) place[from[i] >> shift & (DIGITS - 1)]++;
-        for (int d = 0; d < DIGITS; d++) {
-            size_t here = place[d];
-            place[d] = sum;
-            sum += here;
-        }
-        for (size_t i = 0; i < count; i++) to[place[from[i] >> shift & (DIGITS - 1)]++] = from[i];
+    for (int shift = 0; shift < 64 && used >> shift; shift += TD_RADIX_BITS) {
+        td_radix_pass(value_itself, NULL, shift, from, to, count, sizeof *from);
         uint64_t *swap = from;
         from = to;
         to = swap;

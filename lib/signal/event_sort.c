@@ -4,10 +4,9 @@
  * occurs, so that a packet of 1 ms from a 346x260 sensor has 19 + 20 bits: four passes of 11 bits. */
 #include "td_event_sort.h"
 
-#include <string.h>
+#include "td_sort.h"
 
-/* 2048 counters fill half of a 32 KiB L1 cache. 8 bits would take more passes; 16 would miss the cache. */
-enum { DIGIT_BITS = 11, DIGITS = 1 << DIGIT_BITS };
+#include <string.h>
 
 /* Below this, insertion beats clearing the counters. */
 enum { FEW = 48 };
@@ -49,30 +48,16 @@ static range find_range(const tides_event *events, size_t count) {
     return least;
 }
 
-static inline uint64_t place_key(const range *from, const tides_event *event) {
+static inline uint64_t place_key(const void *context, const void *item) {
+    const range *from = context;
+    const tides_event *event = item;
     uint64_t y = event->y - from->y, x = event->x - from->x;
     return (y << from->x_bits | x) << 1 | (event->polarity > 0);
 }
 
 /* Unsigned, so that the whole range of int64 is fine. */
-static inline uint64_t time_key(const range *from, const tides_event *event) { return (uint64_t)event->t - (uint64_t)from->t; }
-
-/* One stable pass from `in` to `out` by the digit at `shift`; `by_time` is constant in both callers. */
-static inline void pass(int by_time, const range *from, int shift, const tides_event *in, tides_event *out, size_t count) {
-    size_t place[DIGITS] = {0}, next = 0;
-    for (size_t i = 0; i < count; i++) {
-        uint64_t key = by_time ? time_key(from, &in[i]) : place_key(from, &in[i]);
-        place[key >> shift & (DIGITS - 1)]++;
-    }
-    for (int digit = 0; digit < DIGITS; digit++) {
-        size_t here = place[digit];
-        place[digit] = next;
-        next += here;
-    }
-    for (size_t i = 0; i < count; i++) {
-        uint64_t key = by_time ? time_key(from, &in[i]) : place_key(from, &in[i]);
-        out[place[key >> shift & (DIGITS - 1)]++] = in[i];
-    }
+static inline uint64_t time_key(const void *context, const void *item) {
+    return (uint64_t)((const tides_event *)item)->t - (uint64_t)((const range *)context)->t;
 }
 
 static void swap(tides_event **a, tides_event **b) {
@@ -104,12 +89,12 @@ void td_event_sort(tides_event *events, tides_event *scratch, size_t count) {
     if (is_sorted(events, count)) return;
     range from = find_range(events, count);
     tides_event *in = events, *out = scratch;
-    for (int shift = 0; shift < from.place_bits; shift += DIGIT_BITS) {
-        pass(0, &from, shift, in, out, count);
+    for (int shift = 0; shift < from.place_bits; shift += TD_RADIX_BITS) {
+        td_radix_pass(place_key, &from, shift, in, out, count, sizeof *in);
         swap(&in, &out);
     }
-    for (int shift = 0; shift < from.time_bits; shift += DIGIT_BITS) {
-        pass(1, &from, shift, in, out, count);
+    for (int shift = 0; shift < from.time_bits; shift += TD_RADIX_BITS) {
+        td_radix_pass(time_key, &from, shift, in, out, count, sizeof *in);
         swap(&in, &out);
     }
     if (in != events) memcpy(events, in, count * sizeof *events);
