@@ -113,7 +113,16 @@ enum {
 tides_status stability_shapes(const stability_case *c, stability_world *w, tides_error *error);
 
 /* bench_stability_layers.c */
-enum { LAYERS_APART, LAYERS_AT_ONE_DEPTH, LAYERS_SWAP, LAYERS_INTERSECT, LAYERS_TURNING, LAYERS_SURFACE, LAYERS_RULES };
+enum {
+    LAYERS_APART,
+    LAYERS_AT_ONE_DEPTH,
+    LAYERS_SWAP,
+    LAYERS_INTERSECT,
+    LAYERS_TURNING,
+    LAYERS_SPINNING,
+    LAYERS_SURFACE,
+    LAYERS_RULES
+};
 tides_status stability_layers(const stability_case *c, stability_world *w, tides_error *error);
 
 /* bench_stability_places.c */

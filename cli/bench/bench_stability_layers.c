@@ -23,13 +23,14 @@ static void add_layers(stability_pile *pile, int32_t count, double apart) {
 typedef struct sheet {
     double centre[3], along[3], edge;
     int32_t side;
-    double logit;
+    double logit, wide; /* splats are about so many spacings wide; 0: one */
 } sheet;
 
 static void add_sheet(stability_pile *pile, const sheet *of, uint64_t *state) {
     const double pitch = of->edge / of->side, middle = 0.5 * (of->side - 1);
     double decades = 0, power = 1;
-    for (; power > 1.2 * pitch; power *= 0.7943282347242815) decades -= 0.1; /* tenths of a decade */
+    for (; power > 1.2 * pitch * (of->wide > 0 ? of->wide : 1); power *= 0.7943282347242815)
+        decades -= 0.1; /* tenths of a decade */
     for (int32_t i = 0; i < of->side * of->side; i++) {
         const double u = pitch * (i % of->side - middle), v = pitch * (i / of->side - middle);
         stability_splat s = {.decades = {decades, decades, decades - 1}, .quaternion = {1, 0, 0, 0}, .logit = of->logit};
@@ -40,9 +41,10 @@ static void add_sheet(stability_pile *pile, const sheet *of, uint64_t *state) {
 }
 
 /* Twenty by twenty splats in the plane of an object that turns about the vertical and faces the camera in the middle: there
- * every depth is the same, and their order is reversed. */
-static tides_status put_turning(stability_pile *pile, stability_world *w, tides_error *error) {
-    const sheet facing = {.along = {1, 0, 0}, .edge = 3, .side = 20, .logit = 2};
+ * every depth is the same, and their order is reversed. Or that spins about its normal (`axis` of the quaternion 3 instead of
+ * 2), so that every depth is the same but for rounding. */
+static tides_status put_turning(stability_pile *pile, stability_world *w, int32_t axis, double wide, tides_error *error) {
+    const sheet facing = {.along = {1, 0, 0}, .edge = 3, .side = 20, .logit = 2, .wide = wide};
     stability_slide slide = {.from = {0, 0, 5}, .turn = 5};
     tides_pose_sample samples[3];
     tides_trajectory *path = NULL;
@@ -52,7 +54,7 @@ static tides_status put_turning(stability_pile *pile, stability_world *w, tides_
         samples[i].time = w->scene.stop * i / 2;
         samples[i].position[2] = slide.from[2];
         samples[i].quaternion[0] = 1;
-        samples[i].quaternion[2] = slide.turn * w->scene.stop * (i - 1) / 2;
+        samples[i].quaternion[axis] = slide.turn * w->scene.stop * (i - 1) / 2;
     }
     add_sheet(pile, &facing, &state);
     tides_status status = tides_trajectory_create(samples, 3, &path, error);
@@ -108,7 +110,8 @@ tides_status stability_layers(const stability_case *c, stability_world *w, tides
             add_sheet(&pile, &first, &state);
             add_sheet(&pile, &second, &state);
             break;
-        case LAYERS_TURNING: return put_turning(&pile, w, error);
+        case LAYERS_TURNING: return put_turning(&pile, w, 2, c->size, error);
+        case LAYERS_SPINNING: return put_turning(&pile, w, 3, c->size, error);
         case LAYERS_SURFACE: add_surface(&pile, w, c->size); break;
         default: w->scene.image.rules = (int32_t)c->size; stability_backdrop(&pile, 200);
     }

@@ -6,7 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FRAMES = 5, BENIGN_RUNS = 2 };
+/* Short runs are repeated for their best time, which other work on the machine disturbs the less. */
+enum { FRAMES = 5, RUNS = 3 };
+#define SHORT_RUN_S 0.2
+
 static const double frame_shares[FRAMES] = {0, 0.13, 0.5, 0.77, 1}; /* of the run, its ends among them */
 
 /* What a device made of a world. */
@@ -44,7 +47,11 @@ static tides_status render(const bench *b, const stability_world *w, outcome *o,
 }
 
 static tides_status simulate(bench *b, const stability_world *w, outcome *o, tides_error *error) {
-    return bench_simulate(b, &w->scene, w->scene.image.rules, &w->scene.sensor, &w->stepping, &o->stream, &o->row, error);
+    const bench_scene *s = &w->scene;
+    tides_status status = TIDES_OK;
+    for (int i = 0; i < RUNS && status == TIDES_OK && (i == 0 || o->row.run_time_s < SHORT_RUN_S); i++)
+        status = bench_simulate(b, s, s->image.rules, &s->sensor, &w->stepping, &o->stream, &o->row, error);
+    return status;
 }
 
 /* Events first: the memory that they took is then known without the frames. */
@@ -58,7 +65,6 @@ static tides_status run_on(const bench *b, const char *device, const stability_w
     return status;
 }
 
-/* The better run time of two. */
 static tides_status time_benign(const bench *b, const stability_world *like, double *seconds, tides_error *error) {
     stability_world w;
     outcome o;
@@ -67,7 +73,7 @@ static tides_status time_benign(const bench *b, const stability_world *like, dou
     tides_status status = stability_make_benign(like, &w, error);
     if (status != TIDES_OK) return status;
     status = tides_device_open(b->common->device, &on.device, error);
-    for (int i = 0; i < BENIGN_RUNS && status == TIDES_OK; i++) status = simulate(&on, &w, &o, error);
+    if (status == TIDES_OK) status = simulate(&on, &w, &o, error);
     *seconds = o.row.run_time_s;
     tides_device_close(on.device);
     free_outcome(&o);

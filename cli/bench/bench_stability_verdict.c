@@ -17,9 +17,9 @@
 #define LEAST_EVENTS 1000.0
 /* Events that lose their times to max_events_per_step [%]. */
 #define BOUND_CUT 0.1
-/* Times the ordinary run; one shorter than SHORT_S can't be told from a millisecond of something else. */
+/* Times the ordinary run; one shorter than SHORT_S can't be told from a few milliseconds of something else. */
 #define BOUND_SLOW 20.0
-#define SHORT_S 2e-3
+#define SHORT_S 5e-3
 /* A gigabyte plus the scene. Its arrays are kept twice, by the scene and by the device; splats that are projected have
  * a record, and keys to sort, for each tile that they touch. */
 #define BOUND_MEMORY 1e9
