@@ -276,7 +276,7 @@ TD_INLINE void td_sweep_piece(td_piece *piece, const td_image *image, const td_s
     swept->z1 = td_larger(swept->z1, piece->z1);
     if (piece->first) swept->shown |= td_sweep_shows(&s[0], rx[0], ry[0], image);
     if (piece->last) swept->shown |= td_sweep_shows(&s[2], rx[2], ry[2], image);
-    td_lanes travel = td_larger(td_travel(s, ever), td_reshape(s, piece->duration));
+    td_lanes travel = td_larger(td_travel(s, ever), td_reshape(s, image, piece->duration));
     swept->travel = td_larger(swept->travel, td_select(travel, td_splat(0.0f), crosses));
     td_lanes none = td_splat(TD_NOWHERE), width = td_splat((td_real)image->width), height = td_splat((td_real)image->height);
     swept->x0 = td_smaller(swept->x0, td_select(td_select(none, box.x0 - wide, ever), td_splat(0.0f), crosses));

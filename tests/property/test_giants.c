@@ -114,22 +114,38 @@ static void test_wide_splats_are_as_in_double(void **state) {
     free(plane);
 }
 
+static double renders_of(const double scales[3]) {
+    world w = make(scales, 1);
+    job j = {.device = "reference-f32", .scene = w.scene, .path = w.path, .camera = w.camera, .start = 0.01, .stop = 0.03};
+    tides_sensor_defaults(&j.sensor);
+    tides_stepping_defaults(&j.stepping);
+    outcome o = run(&j);
+    const double renders = o.stats.renders_full_frame_equivalent;
+    free_outcome(&o);
+    free_world(&w);
+    return renders;
+}
+
 /* However wide a splat is, it changes slowly: it asks for no samples that a smaller one, wider than the view too, doesn't. */
 static void test_wide_splats_cost_no_renders(void **state) {
     double few = 0;
     (void)state;
     for (double size = 1e3; size < 1e16; size *= 1000) {
-        const double scales[3] = {size, 0.5 * size, 0.8 * size};
-        world w = make(scales, 1);
-        job j = {.device = "reference-f32", .scene = w.scene, .path = w.path, .camera = w.camera, .start = 0.01, .stop = 0.03};
-        tides_sensor_defaults(&j.sensor);
-        tides_stepping_defaults(&j.stepping);
-        outcome o = run(&j);
-        const double renders = o.stats.renders_full_frame_equivalent;
+        const double scales[3] = {size, 0.5 * size, 0.8 * size}, renders = renders_of(scales);
         if (few == 0) few = renders;
         if (!(renders <= 1.2 * few)) fail_msg("a splat of %g takes %g renders, one of 1000 %g", size, renders, few);
-        free_outcome(&o);
-        free_world(&w);
+    }
+}
+
+/* Nor does a needle for what of it is far outside of the view, however fast that moves where the camera turns. From 1e6 px on
+ * rounding of the rates asks for some. */
+static void test_long_needles_cost_no_renders(void **state) {
+    double few = 0;
+    (void)state;
+    for (double size = 10; size < 2e3; size *= 10) {
+        const double scales[3] = {size, 0.001, 0.001}, renders = renders_of(scales);
+        if (few == 0) few = renders;
+        if (!(renders <= 1.5 * few)) fail_msg("a needle of %g takes %g renders, one of 10 %g", size, renders, few);
     }
 }
 
@@ -211,6 +227,7 @@ static void test_motions_are_named(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_wide_splats_are_as_in_double),
                                        cmocka_unit_test(test_wide_splats_cost_no_renders),
+                                       cmocka_unit_test(test_long_needles_cost_no_renders),
                                        cmocka_unit_test(test_giants_are_named), cmocka_unit_test(test_motions_are_named)};
     return cmocka_run_group_tests_name("giants", tests, NULL, NULL);
 }
