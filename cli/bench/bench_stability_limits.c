@@ -75,7 +75,10 @@ tides_status stability_limits(const stability_case *c, stability_world *w, tides
         case LIMIT_EVENTS: return many_events(w, c->size, error);
         case LIMIT_SENSOR_1X1: set_sensor(w, 1, 1); break;
         case LIMIT_SENSOR_7X3: set_sensor(w, 7, 3); break;
-        case LIMIT_SENSOR_SQUARE: set_sensor(w, (int32_t)c->size, (int32_t)c->size); break;
+        case LIMIT_SENSOR_SQUARE:
+            set_sensor(w, (int32_t)c->size, (int32_t)c->size);
+            w->scene.stop = 0.001; /* a dozen pixels' way */
+            break;
         case LIMIT_GAUSSIANS:
             add_cloud(&pile, (int64_t)c->size);
             if (c->size > 1e5) w->scene.stop = 0.002; /* few renders: each takes a second */

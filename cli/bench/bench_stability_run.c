@@ -46,11 +46,13 @@ static tides_status render(const bench *b, const stability_world *w, outcome *o,
     return status;
 }
 
-static tides_status simulate(bench *b, const stability_world *w, int runs, outcome *o, tides_error *error) {
+/* Events are kept only where they are compared: else they would be what takes the memory. */
+static tides_status simulate(bench *b, const stability_world *w, int runs, int32_t keep, outcome *o, tides_error *error) {
     const bench_scene *s = &w->scene;
+    bench_stream *stream = keep ? &o->stream : NULL;
     tides_status status = TIDES_OK;
     for (int i = 0; i < runs && status == TIDES_OK && (i == 0 || o->row.run_time_s < SHORT_RUN_S); i++)
-        status = bench_simulate(b, s, s->image.rules, &s->sensor, &w->stepping, &o->stream, &o->row, error);
+        status = bench_simulate(b, s, s->image.rules, &s->sensor, &w->stepping, stream, &o->row, error);
     return status;
 }
 
@@ -60,7 +62,7 @@ static tides_status run_on(const bench *b, const char *device, const stability_w
     bench on = *b;
     tides_status status = tides_device_open(device, &on.device, error);
     if (status == TIDES_OK && !(flags & STABILITY_IMAGE_ONLY))
-        status = simulate(&on, w, device == b->common->device ? RUNS : 1, o, error);
+        status = simulate(&on, w, device == b->common->device ? RUNS : 1, !(flags & STABILITY_ALONE), o, error);
     if (status == TIDES_OK && !(flags & STABILITY_ALONE)) status = render(&on, w, o, error);
     tides_device_close(on.device);
     return status;
@@ -74,7 +76,7 @@ static tides_status time_benign(const bench *b, const stability_world *like, dou
     tides_status status = stability_make_benign(like, &w, error);
     if (status != TIDES_OK) return status;
     status = tides_device_open(b->common->device, &on.device, error);
-    if (status == TIDES_OK) status = simulate(&on, &w, RUNS, &o, error);
+    if (status == TIDES_OK) status = simulate(&on, &w, RUNS, 0, &o, error);
     *seconds = o.row.run_time_s;
     tides_device_close(on.device);
     free_outcome(&o);
