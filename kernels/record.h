@@ -3,6 +3,7 @@
 #define TD_RECORD_H
 
 #include "extent.h"
+#include "transpose.h"
 
 /* Where a group's records go: TD_LANES neighbours. `colours` only where colour is asked for. */
 typedef struct td_sink {
@@ -12,32 +13,34 @@ typedef struct td_sink {
 } td_sink;
 
 /* ln alpha as a quadratic in pixel offsets, in units of log2, and its rate. */
-TD_INLINE void td_store_shape(const td_shape *shape, TD_GLOBAL td_real *records) {
+TD_INLINE void td_lay_shape(const td_shape *shape, td_lanes entry[TD_RECORD_STRIDE]) {
     const td_real half_log2_e = TD_REAL(0.72134752044448170368); /* log2(e) / 2 */
     const td_dual *q = shape->conic;
     td_lanes opacity = td_select(td_splat(1.0f), shape->opacity.v, shape->visible);
-    td_scatter(records, TD_RECORD_STRIDE, TD_R_U, shape->u.v);
-    td_scatter(records, TD_RECORD_STRIDE, TD_R_V, shape->v.v);
-    td_scatter(records, TD_RECORD_STRIDE, TD_R_QXX, -half_log2_e * q[0].v);
-    td_scatter(records, TD_RECORD_STRIDE, TD_R_QXY, -2 * half_log2_e * q[1].v);
-    td_scatter(records, TD_RECORD_STRIDE, TD_R_QYY, -half_log2_e * q[2].v);
-    td_scatter(records, TD_RECORD_STRIDE, TD_R_LOG2_OPACITY, 2 * half_log2_e * td_log(opacity));
-    td_scatter(records, TD_RECORD_STRIDE, TD_R_K0, shape->opacity.d / opacity);
-    td_scatter(records, TD_RECORD_STRIDE, TD_R_KX, td_fma(q[0].v, shape->u.d, q[1].v * shape->v.d));
-    td_scatter(records, TD_RECORD_STRIDE, TD_R_KY, td_fma(q[1].v, shape->u.d, q[2].v * shape->v.d));
-    td_scatter(records, TD_RECORD_STRIDE, TD_R_KXX, -0.5f * q[0].d);
-    td_scatter(records, TD_RECORD_STRIDE, TD_R_KXY, -q[1].d);
-    td_scatter(records, TD_RECORD_STRIDE, TD_R_KYY, -0.5f * q[2].d);
-    td_scatter(records, TD_RECORD_STRIDE, TD_R_DEPTH_DOT, shape->depth.d);
+    entry[TD_R_U] = shape->u.v;
+    entry[TD_R_V] = shape->v.v;
+    entry[TD_R_QXX] = -half_log2_e * q[0].v;
+    entry[TD_R_QXY] = -2 * half_log2_e * q[1].v;
+    entry[TD_R_QYY] = -half_log2_e * q[2].v;
+    entry[TD_R_LOG2_OPACITY] = 2 * half_log2_e * td_log(opacity);
+    entry[TD_R_K0] = shape->opacity.d / opacity;
+    entry[TD_R_KX] = td_fma(q[0].v, shape->u.d, q[1].v * shape->v.d);
+    entry[TD_R_KY] = td_fma(q[1].v, shape->u.d, q[2].v * shape->v.d);
+    entry[TD_R_KXX] = -0.5f * q[0].d;
+    entry[TD_R_KXY] = -q[1].d;
+    entry[TD_R_KYY] = -0.5f * q[2].d;
+    entry[TD_R_DEPTH] = shape->depth.v;
+    entry[TD_R_DEPTH_DOT] = shape->depth.d;
 }
 
 /* Luminance always, not a number where the splat is broken; colour where asked for. */
-TD_INLINE void td_store_colour(const td_colour *colour, td_mask broken, const td_image *image, const td_sink *sink) {
+TD_INLINE void td_store_colour(const td_colour *colour, td_mask broken, const td_image *image, const td_sink *sink,
+                               td_lanes entry[TD_RECORD_STRIDE]) {
     td_dual luminance = td_dual_scale(colour->channel[0], image->luminance[0]);
     luminance = td_dual_plus(luminance, image->luminance[1], colour->channel[1]);
     luminance = td_dual_plus(luminance, image->luminance[2], colour->channel[2]);
-    td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_LUMINANCE, td_select(luminance.v, td_not_a_number(), broken));
-    td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_LUMINANCE_DOT, luminance.d);
+    entry[TD_R_LUMINANCE] = td_select(luminance.v, td_not_a_number(), broken);
+    entry[TD_R_LUMINANCE_DOT] = luminance.d;
     if (image->outputs < TD_OUT_COLOUR) return;
     for (int c = 0; c < 3; c++) {
         td_scatter(sink->colours, TD_COLOUR_STRIDE, c, colour->channel[c].v);
@@ -48,7 +51,7 @@ TD_INLINE void td_store_colour(const td_colour *colour, td_mask broken, const td
 /* Features, which stand where the SH of others are, not numbers where the splat is broken; the largest in place of
  * luminance. */
 TD_INLINE void td_store_features(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
-                                 td_index gaussian, td_mask broken, const td_sink *sink) {
+                                 td_index gaussian, td_mask broken, const td_sink *sink, td_lanes entry[TD_RECORD_STRIDE]) {
     td_sh_source from = td_sh_source_of(view, image, source, td_not_below_0(gaussian));
     td_lanes largest = td_splat(0.0f);
     for (int k = 0; k < TD_FEATURES; k++) {
@@ -59,8 +62,8 @@ TD_INLINE void td_store_features(TD_GLOBAL const td_view *view, const td_image *
         td_scatter(sink->colours, TD_FEATURE_STRIDE, TD_FEATURES + k, rate);
         largest = td_larger(largest, td_larger(value, -value));
     }
-    td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_LUMINANCE, largest);
-    td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_LUMINANCE_DOT, td_splat(0.0f));
+    entry[TD_R_LUMINANCE] = largest;
+    entry[TD_R_LUMINANCE_DOT] = td_splat(0.0f);
 }
 
 /* Projects TD_LANES candidates of a job and stores their records and masks. A group with no splat stores masks and depths
@@ -71,15 +74,19 @@ TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_ima
     td_mask blocks = td_block_mask(&shape, image, job->x, job->y);
     blocks = td_select_mask(blocks, (blocks & 0) | 0xffff, shape.broken);
     td_store_ints(sink->masks, image->soft_order ? td_pack_low(blocks, shape.depth_low) : blocks);
-    td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_DEPTH, shape.depth.v); /* of all: what is left as a hint is in its order */
-    if (!td_any(blocks != 0)) return;
-    td_store_shape(&shape, sink->records);
-    if (image->decoder) {
-        td_store_features(view, image, source, gaussian, shape.broken, sink);
+    if (!td_any(blocks != 0)) { /* of all: what is left as a hint is in its order */
+        td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_DEPTH, shape.depth.v);
         return;
     }
-    td_colour colour = td_project_colour(view, image, source, gaussian);
-    td_store_colour(&colour, shape.broken, image, sink);
+    td_lanes entry[TD_RECORD_STRIDE];
+    td_lay_shape(&shape, entry);
+    if (image->decoder) {
+        td_store_features(view, image, source, gaussian, shape.broken, sink, entry);
+    } else {
+        td_colour colour = td_project_colour(view, image, source, gaussian);
+        td_store_colour(&colour, shape.broken, image, sink, entry);
+    }
+    td_store_records(sink->records, entry);
 }
 
 /* The same for candidates [first, first + TD_LANES) of a job, finding views and places. */

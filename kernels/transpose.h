@@ -1,4 +1,4 @@
-/* Turns vectors over something else (channels) into vectors over Gaussians. */
+/* Turns vectors over something else (channels) into vectors over Gaussians, and back. */
 #ifndef TD_TRANSPOSE_H
 #define TD_TRANSPOSE_H
 
@@ -45,6 +45,15 @@ TD_INLINE void td_transpose(td_lanes row[TD_LANES]) {
         for (int i = 0; i < TD_LANES; i++) row[i] = zipped[i];
     }
 #endif
+}
+
+/* Puts entry[k] as entry k of TD_LANES records of 16 reals, one after the other; leaves `entry` in disorder. (td_scatter of all
+ * entries becomes scatters in hardware, which on Zen 4 cost as much as the whole projection.) */
+TD_INLINE void td_store_records(TD_GLOBAL td_real *records, td_lanes entry[16]) {
+    for (int k = 0; k < 16; k += TD_LANES) {
+        td_transpose(entry + k);
+        for (int i = 0; i < TD_LANES; i++) td_store_lanes(records + 16 * i + k, entry[k + i]);
+    }
 }
 
 #endif
