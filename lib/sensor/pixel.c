@@ -5,7 +5,7 @@
 #include "td_pixel.h"
 #include "archive/td_numbers.h"
 #include "td_base.h"
-#include "td_noise_bridge.h"
+#include "sensor/noise/td_noise_bridge.h"
 
 #include <math.h>
 

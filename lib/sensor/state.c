@@ -1,6 +1,6 @@
 /* Where a sensor's pixels stand between steps: their signals, how far from their levels, and what follows from a state that was
  * put back. For the solver's statistics and checkpoints. */
-#include "td_noise_bridge.h"
+#include "sensor/noise/td_noise_bridge.h"
 #include "td_sensor.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
 #define TD_PIXEL_H
 
 #include "td_base.h"
-#include "td_path.h"
+#include "sensor/response/td_response.h"
 #include "td_sensor.h"
 
 /* What the pixels of a call share. */

@@ -25,9 +25,9 @@
 #include "signal/td_event_buffer.h"
 #include "signal/td_signals.h"
 #include "signal/td_step.h"
-#include "td_additive_noise.h"
-#include "td_frontend.h"
-#include "td_noise.h"
+#include "sensor/noise/td_additive_noise.h"
+#include "sensor/response/td_frontend.h"
+#include "sensor/noise/td_shot_noise.h"
 #include "tides/sensor.h"
 
 /* A dead pixel's thresholds: out of reach, and finite, so that 0 of them are 0. */

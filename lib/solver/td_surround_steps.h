@@ -6,7 +6,7 @@
 #ifndef TD_SURROUND_STEPS_H
 #define TD_SURROUND_STEPS_H
 
-#include "sensor/td_surround.h"
+#include "sensor/surround/td_surround.h"
 
 struct tides_simulator;
 

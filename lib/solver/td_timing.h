@@ -4,7 +4,7 @@
 
 #include "td_comparator.h"
 #include "signal/td_crossing.h"
-#include "sensor/td_frontend.h"
+#include "sensor/response/td_frontend.h"
 
 /* Estimated timing errors of a run's events, each counted once. */
 enum { TD_TIMING_BITS = 3, TD_TIMING_BINS = 64 << TD_TIMING_BITS }; /* 64 octaves, each in 8 equal parts */

@@ -1,6 +1,6 @@
 /* How long the photoreceptor's filters take per pixel and step: the update, and update plus crossings; first-order filters one
  * by one and in a vector. Prints one line each; not part of `make check`. */
-#include "sensor/td_frontend.h"
+#include "sensor/response/td_frontend.h"
 #include "td_base.h"
 
 #include <math.h>

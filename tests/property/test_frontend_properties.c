@@ -1,8 +1,8 @@
 /* The photoreceptor's filters on random cubics and parameters: against an independent integration, cut into parts, bounds, and
  * crossings against a dense search. The seed is printed; TIDES_TEST_SEED sets it. */
 #include "tests/support/frontend_oracle.h"
-#include "sensor/td_frontend.h"
-#include "sensor/td_lowpass.h"
+#include "sensor/response/td_frontend.h"
+#include "sensor/response/td_lowpass.h"
 #include "td_base.h"
 
 #include <inttypes.h>

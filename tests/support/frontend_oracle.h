@@ -3,7 +3,7 @@
 #ifndef FRONTEND_ORACLE_H
 #define FRONTEND_ORACLE_H
 
-#include "sensor/td_frontend.h"
+#include "sensor/response/td_frontend.h"
 
 /* Over the part [0, s] of a step of h seconds: `state` as td_frontend_rest has it, and S is returned. `fineness` is the product
  * of the largest rate and the step's length in which Runge-Kutta steps. */

@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "sensor/td_noise_bridge.h"
+#include "sensor/noise/td_noise_bridge.h"
 #include "tests/support/scene_folder.h"
 
 #include <math.h>

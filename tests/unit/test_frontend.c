@@ -1,6 +1,6 @@
 /* The photoreceptor's filters against closed forms: ramps, steps and sinusoids through the low-pass and the circuit, crossings
  * included, from 1e-12 to 1e12 time constants per step. */
-#include "sensor/td_frontend.h"
+#include "sensor/response/td_frontend.h"
 #include "td_base.h"
 
 #include <complex.h>

@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "sensor/td_surround.h"
+#include "sensor/surround/td_surround.h"
 #include "tests/support/scene_make.h"
 #include "tests/support/scene_folder.h"
 

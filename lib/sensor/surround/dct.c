@@ -1,5 +1,5 @@
 /* The cosine transform of an image, as two products of matrices. */
-#include "td_cosine.h"
+#include "td_dct.h"
 #include "td_base.h"
 
 #include <math.h>

@@ -8,7 +8,7 @@
  *     a level is crossed if and only if the piece's end has reached it;
  *   - else the part is halved. That needs two extrema or an inflection next to an extremum, close to a level. */
 #include "signal/td_root.h"
-#include "td_path_parts.h"
+#include "td_modes.h"
 
 #include <float.h>
 #include <math.h>

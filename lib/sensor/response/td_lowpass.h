@@ -6,7 +6,7 @@
 #define TD_LOWPASS_H
 
 #include "td_complex.h"
-#include "td_path.h"
+#include "td_response.h"
 
 typedef struct td_pole {
     td_complex rate;   /* lambda per step, real part > 0 */

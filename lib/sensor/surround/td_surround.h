@@ -13,7 +13,7 @@
 #ifndef TD_SURROUND_H
 #define TD_SURROUND_H
 
-#include "td_cosine.h"
+#include "td_dct.h"
 #include "tides/sensor.h"
 
 /* Every pixel at a time, (height x width) each. */

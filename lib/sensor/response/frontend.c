@@ -2,7 +2,7 @@
 #include "td_frontend.h"
 #include "td_base.h"
 #include "td_lowpass.h"
-#include "td_pieces.h"
+#include "td_substeps.h"
 
 #include <float.h>
 #include <math.h>

@@ -4,7 +4,7 @@
 #define TD_PIECES_H
 
 #include "td_frontend.h"
-#include "td_warp.h"
+#include "td_time_map.h"
 
 /* A walk along the pieces of one step. The same step always has the same pieces. */
 typedef struct td_pieces {

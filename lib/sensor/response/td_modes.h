@@ -3,7 +3,7 @@
 #define TD_PATH_PARTS_H
 
 #include "td_complex.h"
-#include "td_path.h"
+#include "td_response.h"
 
 static inline td_complex td_mode_rate(const td_mode *mode) { return (td_complex){mode->rate, mode->frequency}; }
 

@@ -4,7 +4,7 @@
 #ifndef TD_WARP_H
 #define TD_WARP_H
 
-#include "td_path.h"
+#include "td_response.h"
 
 enum { TD_WARP_TERMS = 11 };
 

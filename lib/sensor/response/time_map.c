@@ -1,5 +1,5 @@
 /* Time as the integral of a rate that goes with the light. */
-#include "td_warp.h"
+#include "td_time_map.h"
 #include "signal/td_root.h"
 
 #include <math.h>

@@ -16,7 +16,7 @@
 #ifndef TD_FRONTEND_H
 #define TD_FRONTEND_H
 
-#include "td_path.h"
+#include "td_response.h"
 #include "tides/sensor.h"
 
 #include <stddef.h>

@@ -15,9 +15,9 @@
  * piece: the response to an input error is bound by the largest one, times coth(pi z / (2 sqrt(1 - z^2))) for a swing of
  * damping z (3.5 for the defaults in full light) should the error swing along with it. It changes sign at four places of each
  * piece instead, and measured against integration S stays within half of TD_FRONTEND_TOLERANCE (property tests). */
-#include "td_pieces.h"
+#include "td_substeps.h"
 #include "td_lowpass.h"
-#include "td_path_parts.h"
+#include "td_modes.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* Shot noise and hot pixels: candidates by counter, thinned by intensity. */
-#include "td_noise.h"
+#include "td_shot_noise.h"
 #include "td_base.h"
 #include "td_random.h"
 

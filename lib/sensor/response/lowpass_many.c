@@ -3,7 +3,7 @@
  * Operation for operation what td_poles_respond and td_path_value do with one real pole, at the step's end: the numbers are
  * theirs to the bit, so that it never shows which pixels had their path worked out. */
 #include "td_frontend.h"
-#include "td_path_parts.h"
+#include "td_modes.h"
 
 #include <float.h>
 

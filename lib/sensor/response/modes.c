@@ -1,5 +1,5 @@
 /* Modes of a path. */
-#include "td_path_parts.h"
+#include "td_modes.h"
 
 #include <math.h>
 

@@ -32,7 +32,7 @@
 #define TD_NOISE_BRIDGE_H
 
 #include "td_additive_noise.h"
-#include "td_path.h"
+#include "sensor/response/td_response.h"
 
 /* level, depth and reach of a noise whose sigma and spacing_ns are set, for levels at least `threshold` away. */
 void td_noise_bridge_make(td_additive_noise *noise, double tau_ns, double threshold);

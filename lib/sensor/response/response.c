@@ -1,7 +1,7 @@
 /* A pixel's signal on a step: its value, its bounds, and where it crosses a level. */
-#include "td_path.h"
-#include "td_path_parts.h"
-#include "td_pieces.h"
+#include "td_response.h"
+#include "td_modes.h"
+#include "td_substeps.h"
 
 #include <float.h>
 #include <math.h>
