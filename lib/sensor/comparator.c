@@ -12,9 +12,9 @@
 
 enum { BLOCK = 64 }; /* pixels tested together: their flags stay in L1 */
 
-/* A block's additive noise in the step: where its lines end, and the levels less its bounds. */
+/* A block's additive noise in the step: where its segments end, and the levels less its bounds. */
 typedef struct noise_block {
-    double line[BLOCK], value[BLOCK], on[BLOCK], off[BLOCK];
+    double segment[BLOCK], value[BLOCK], on[BLOCK], off[BLOCK];
 } noise_block;
 
 /* What the parts of a call share. */
@@ -109,7 +109,7 @@ static void gather_block(const tile_job *job, size_t first, size_t count, double
 }
 
 /* `reject` behind the constant low-pass. The pixels that need nothing are at the step's end then; the others are as they were.
- * `slack` is for rounding here, so that none is passed over that its path would take to a level. */
+ * `slack` is for rounding here, so that none is passed over that its response would take to a level. */
 static void reject_filtered(const tile_job *job, size_t first, size_t count, double *restrict outside) {
     const td_sensor *sensor = job->pixel.sensor;
     const size_t at = job->first + first;
@@ -150,7 +150,7 @@ static void filter(const tile_job *job, td_pixel_step *pixel) {
     double state[TD_FRONTEND_STATE] = {0};
     for (int k = 0; k < TD_FRONTEND_STATE; k++)
         if (sensor->filter[k]) state[k] = sensor->filter[k][pixel->i];
-    td_frontend_step(&sensor->frontend, job->pixel.step->length_s, &pixel->input, sensor->log_eps, state, &pixel->path);
+    td_frontend_step(&sensor->frontend, job->pixel.step->length_s, &pixel->input, sensor->log_eps, state, &pixel->response);
     for (int k = 0; k < TD_FRONTEND_STATE; k++)
         if (sensor->filter[k]) sensor->filter[k][pixel->i] = state[k];
     pixel->end = state[0];
@@ -161,7 +161,7 @@ static int needs_nothing(const tile_job *job, const td_pixel_step *pixel) {
     const td_sensor *sensor = job->pixel.sensor;
     const size_t k = pixel->local - job->begun;
     double low, high, reference = sensor->pixels.reference[pixel->i];
-    td_path_range(&pixel->path, &low, &high);
+    td_response_range(&pixel->response, &low, &high);
     return low > reference - job->off[k] && high < reference + job->on[k] && sensor->wake[pixel->i] > job->stop;
 }
 
@@ -183,7 +183,7 @@ static int can_reject(const td_sensor *sensor) {
 
 /* -- blocks ---------------------------------------------------------------------------------------------------------------- */
 
-/* The block's levels. `slack` is for rounding, so that none is passed over that a line would take to a level. */
+/* The block's levels. `slack` is for rounding, so that none is passed over that a segment would take to a level. */
 static void take_levels(tile_job *job, size_t first, size_t count) {
     const td_sensor *sensor = job->pixel.sensor;
     const size_t at = job->first + first;
@@ -195,9 +195,9 @@ static void take_levels(tile_job *job, size_t first, size_t count) {
     job->off = sensor->threshold_off + at;
     if (!noise) return;
     double low[BLOCK], high[BLOCK];
-    memcpy(noise->line, sensor->noise_line + at, count * sizeof *noise->line);
+    memcpy(noise->segment, sensor->noise_segment + at, count * sizeof *noise->segment);
     memcpy(noise->value, sensor->noise_value + at, count * sizeof *noise->value);
-    const td_noise_sweep sweep = {noise->line, noise->value, low, high};
+    const td_noise_sweep sweep = {noise->segment, noise->value, low, high};
     td_additive_noise_sweep(&sensor->additive, job->pixel.start, job->pixel.step->length_ns, sensor->number + at, count,
                             &sweep);
     for (size_t k = 0; k < count; k++) {
@@ -216,7 +216,7 @@ static void take_levels(tile_job *job, size_t first, size_t count) {
 static void pass_over(const tile_job *job, size_t j) {
     td_sensor *sensor = job->pixel.sensor;
     if (!job->noise) return;
-    sensor->noise_line[job->first + j] = job->noise->line[j - job->begun];
+    sensor->noise_segment[job->first + j] = job->noise->segment[j - job->begun];
     sensor->noise_value[job->first + j] = job->noise->value[j - job->begun];
 }
 
@@ -230,12 +230,12 @@ static tides_status step_pixel(tile_job *job, size_t j) {
     const td_sensor *sensor = job->pixel.sensor;
     td_pixel_step pixel = {.local = j, .i = job->first + j, .x = column(job, j), .y = row(job, j)};
     pixel.input = fit(sensor->model, job->signals, step->length_s, j);
-    pixel.path.cubic = pixel.input;
+    pixel.response.cubic = pixel.input;
     pixel.end = job->signals->S1[j];
     if (sensor->frontend.on) filter(job, &pixel);
     if (sensor->light) pixel.input = fit(TIDES_MODEL_HERMITE, sensor->light, step->length_s, j);
     double ramp = sensor->leak[pixel.i] * job->pixel.start, rise = sensor->leak[pixel.i] * step->length_ns;
-    for (int c = 0; c < 4; c++) pixel.path.cubic.control[c] += ramp + rise * (c / 3.0);
+    for (int c = 0; c < 4; c++) pixel.response.cubic.control[c] += ramp + rise * (c / 3.0);
     pixel.end += ramp + rise;
     if (sensor->frontend.on && !sensor->exhaustive && needs_nothing(job, &pixel)) {
         pass_over(job, j);

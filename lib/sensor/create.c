@@ -85,12 +85,12 @@ static void draw_pixel(td_sensor *sensor, size_t i, uint32_t pixel) {
     sensor->threshold_off[i] = off;
     sensor->held_until[i] = -INFINITY;
     sensor->since[i] = 0;
-    td_noise_begin(&sensor->noise, s, i, pixel);
+    td_shot_noise_begin(&sensor->noise, s, i, pixel);
     for (int k = 0; k < TD_NOISES && dead; k++)
         if (sensor->noise.due[k]) sensor->noise.due[k][i] = INFINITY;
     if (sensor->additive.on) {
         sensor->number[i] = pixel;
-        sensor->noise_line[i] = 0;
+        sensor->noise_segment[i] = 0;
         sensor->noise_value[i] = td_additive_noise_first(&sensor->additive, pixel);
     }
     td_sensor_set_wake(sensor, i);
@@ -106,7 +106,7 @@ static void draw_pixels(td_sensor *sensor, const td_tile *tiles, int32_t tile_co
 
 void td_sensor_set_wake(td_sensor *sensor, size_t pixel) {
     double wake;
-    td_noise_next(&sensor->noise, pixel, &wake);
+    td_shot_noise_next(&sensor->noise, pixel, &wake);
     int waits = sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD && sensor->held_until[pixel] > -INFINITY;
     if (waits && sensor->held_until[pixel] < wake) wake = sensor->held_until[pixel];
     sensor->wake[pixel] = wake;
@@ -129,17 +129,17 @@ static tides_status allocate_blocks(td_sensor *sensor, tides_error *error) {
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         if (!(*arrays[k] = td_alloc(sensor->count, sizeof **arrays[k], error))) return TIDES_NO_MEMORY;
     if (sensor->additive.on) {
-        sensor->noise_line = td_alloc(sensor->count, sizeof *sensor->noise_line, error);
+        sensor->noise_segment = td_alloc(sensor->count, sizeof *sensor->noise_segment, error);
         sensor->noise_value = td_alloc(sensor->count, sizeof *sensor->noise_value, error);
         sensor->number = td_alloc(sensor->count, sizeof *sensor->number, error);
-        if (!sensor->noise_line || !sensor->noise_value || !sensor->number) return TIDES_NO_MEMORY;
+        if (!sensor->noise_segment || !sensor->noise_value || !sensor->number) return TIDES_NO_MEMORY;
     }
     int states = !sensor->frontend.on ? 0 : sensor->frontend.kind == TD_FRONTEND_CONSTANT ? 1 : TD_FRONTEND_STATE;
     for (int k = 0; k < states; k++)
         if (!(sensor->filter[k] = td_alloc(sensor->count, sizeof *sensor->filter[k], error))) return TIDES_NO_MEMORY;
     sensor->reach = td_alloc(sensor->count, sizeof *sensor->reach, error);
     if (!sensor->reach) return TIDES_NO_MEMORY;
-    return td_noise_create(&sensor->sensor, sensor->count, &sensor->noise, error);
+    return td_shot_noise_create(&sensor->sensor, sensor->count, &sensor->noise, error);
 }
 
 tides_status td_sensor_create(const tides_sensor *given, int32_t model, double log_eps, double start, int32_t image_width,
@@ -158,12 +158,12 @@ tides_status td_sensor_create(const tides_sensor *given, int32_t model, double l
     status = td_frontend_make(params, &sensor->frontend, error);
     if (status == TIDES_OK) status = td_additive_noise_make(params, &sensor->additive, error);
     if (status != TIDES_OK) return status;
-    sensor->restless = sensor->frontend.on || sensor->additive.on || params->leak_rate_hz > 0 || params->refractory_s > 0 ||
-                       makes_noise(params);
+    sensor->active_at_rest = sensor->frontend.on || sensor->additive.on || params->leak_rate_hz > 0 ||
+                             params->refractory_s > 0 || makes_noise(params);
     int surround = params->surround_lambda_px > 0;
     sensor->labels = params->labels && (sensor->frontend.on || sensor->additive.on || surround);
     sensor->on =
-        sensor->restless || sensor->masks || surround || params->threshold_sigma > 0 || params->dead_pixel_fraction > 0;
+        sensor->active_at_rest || sensor->masks || surround || params->threshold_sigma > 0 || params->dead_pixel_fraction > 0;
     td_step first; /* how the simulator's steps split that time */
     status = td_step_between(start, start + 1, &first, error);
     if (status != TIDES_OK) return status;
@@ -187,10 +187,10 @@ void td_sensor_release(td_sensor *sensor) {
     free(sensor->pixels.count_on);
     free(sensor->pixels.count_off);
     free(sensor->reach);
-    free(sensor->noise_line);
+    free(sensor->noise_segment);
     free(sensor->noise_value);
     free(sensor->number);
-    td_noise_release(&sensor->noise);
+    td_shot_noise_release(&sensor->noise);
     memset(sensor, 0, sizeof *sensor);
 }
 

@@ -1,6 +1,6 @@
 /* One pixel over one step: crossings, ends of refractory periods, noise and mask, in time order.
  *
- * The walk stands at s and asks what comes next. Held and masked stretches are passed over, each in its own way; between them
+ * The walk stands at s and asks what comes next. Held and masked parts are passed over, each in its own way; between them
  * the first crossing before the next noise event fires, or that event does. */
 #include "td_pixel.h"
 #include "archive/td_numbers.h"
@@ -16,13 +16,13 @@ typedef struct walk {
     double on, off, initial, reference;
     uint32_t count_on, count_off;
     int32_t fired;   /* in this step */
-    int32_t crossed; /* of these, the path's crossings: bound by max_events_per_step */
+    int32_t crossed; /* of these, the response's crossings: bound by max_events_per_step */
     int cut;         /* there were more */
     double s;
-    td_noise_line line; /* of the additive noise, where there is one: it holds where the walk stands, */
-    double line_until;  /* and ends here */
-    double low, high;   /* bounds of the pixel's path without noise */
-    td_path noisy;      /* room for the path with some of it */
+    td_noise_segment segment; /* of the additive noise, where there is one: it holds where the walk stands, */
+    double segment_until;     /* and ends here */
+    double low, high;         /* bounds of the pixel's response without noise */
+    td_response noisy;        /* room for the response with some of it */
 } walk;
 
 static double time_at(const walk *w, double s) { return w->job->start + s * w->job->step->length_ns; }
@@ -35,71 +35,71 @@ static double *since(const walk *w) { return &w->job->sensor->since[w->pixel->i]
 
 /* -- additive noise -------------------------------------------------------------------------------------------------------- */
 
-/* On to the line that begins at s, or holds it. */
-static void seek_line(walk *w, double s) {
+/* On to the segment that begins at s, or holds it. */
+static void seek_segment(walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     if (!sensor->additive.on) return;
-    while (w->line_until <= s && w->line_until < 1) {
-        td_additive_noise_next(&sensor->additive, sensor->number[w->pixel->i], &w->line);
-        w->line_until = place_of(w, w->line.to_ns);
+    while (w->segment_until <= s && w->segment_until < 1) {
+        td_additive_noise_next(&sensor->additive, sensor->number[w->pixel->i], &w->segment);
+        w->segment_until = place_of(w, w->segment.to_ns);
     }
 }
 
-static void begin_lines(walk *w) {
+static void begin_segments(walk *w) {
     const td_sensor *sensor = w->job->sensor;
     size_t i = w->pixel->i;
-    w->line_until = 2;
+    w->segment_until = 2;
     if (!sensor->additive.on) return;
-    w->noisy = w->pixel->path;
-    td_path_range(&w->pixel->path, &w->low, &w->high);
-    w->line =
-        td_additive_noise_resume(&sensor->additive, sensor->number[i], (uint64_t)sensor->noise_line[i], sensor->noise_value[i]);
-    w->line_until = place_of(w, w->line.to_ns);
-    seek_line(w, 0);
+    w->noisy = w->pixel->response;
+    td_response_range(&w->pixel->response, &w->low, &w->high);
+    w->segment = td_additive_noise_resume(&sensor->additive, sensor->number[i], (uint64_t)sensor->noise_segment[i],
+                                          sensor->noise_value[i]);
+    w->segment_until = place_of(w, w->segment.to_ns);
+    seek_segment(w, 0);
 }
 
-/* The noise at s, which the line at hand holds; 0 without. */
+/* The noise at s, which the segment at hand holds; 0 without. */
 static double noise_at(const walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     if (!sensor->additive.on) return 0;
-    return td_noise_value(&sensor->additive, sensor->number[w->pixel->i], &w->line, time_at(w, s));
+    return td_noise_value(&sensor->additive, sensor->number[w->pixel->i], &w->segment, time_at(w, s));
 }
 
-/* The first crossing on [from, until], which ends no later than the line at hand. */
+/* The first crossing on [from, until], which ends no later than the segment at hand. */
 static int cross(walk *w, double from, double until, double *at) {
     const td_sensor *sensor = w->job->sensor;
-    const td_path *path = &w->pixel->path;
+    const td_response *response = &w->pixel->response;
     *at = from;
-    if (!sensor->additive.on) return td_path_crossing(path, w->reference, w->on, w->off, from, until, at);
-    const double least = fmin(w->line.begin, w->line.end) - sensor->additive.reach;
-    const double most = fmax(w->line.begin, w->line.end) + sensor->additive.reach;
+    if (!sensor->additive.on) return td_response_crossing(response, w->reference, w->on, w->off, from, until, at);
+    const double least = fmin(w->segment.begin, w->segment.end) - sensor->additive.reach;
+    const double most = fmax(w->segment.begin, w->segment.end) + sensor->additive.reach;
     if (w->low + least > w->reference - w->off && w->high + most < w->reference + w->on) return 0;
     const td_noise_search search = {&sensor->additive,
                                     sensor->number[w->pixel->i],
                                     w->job->start,
                                     w->job->step->length_ns,
-                                    path,
+                                    response,
                                     w->low,
                                     w->high,
                                     &w->noisy,
                                     w->reference,
                                     w->on,
                                     w->off};
-    return td_noise_crossing(&search, &w->line, from, until, at);
+    return td_noise_crossing(&search, &w->segment, from, until, at);
 }
 
-/* The state becomes the line that the step's end is on. */
-static void end_lines(walk *w) {
+/* The state becomes the segment that the step's end is on. */
+static void end_segments(walk *w) {
     td_sensor *sensor = w->job->sensor;
     if (!sensor->additive.on) return;
-    seek_line(w, 1);
-    sensor->noise_line[w->pixel->i] = (double)w->line.k;
-    sensor->noise_value[w->pixel->i] = w->line.begin;
+    seek_segment(w, 1);
+    sensor->noise_segment[w->pixel->i] = (double)w->segment.k;
+    sensor->noise_value[w->pixel->i] = w->segment.begin;
 }
 
-/* S_eff at the step's end, whatever the path says. */
+/* S_eff at the step's end, whatever the response says. */
 static double end_of(walk *w) {
-    seek_line(w, 1);
+    seek_segment(w, 1);
     return w->pixel->end + noise_at(w, 1);
 }
 
@@ -110,10 +110,10 @@ static uint16_t added_at(walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     const td_pixel_step *p = w->pixel;
     if (!sensor->labels) return 0;
-    seek_line(w, s);
+    seek_segment(w, s);
     double added = noise_at(w, s);
     if (sensor->frontend.on || sensor->light) {
-        double S = s < 1 ? td_path_value(&p->path, s) : p->end, ramp = sensor->leak[p->i] * time_at(w, s);
+        double S = s < 1 ? td_response_value(&p->response, s) : p->end, ramp = sensor->leak[p->i] * time_at(w, s);
         added += S - ramp - td_model_value(&p->input, s);
     }
     return td_half_bits(added);
@@ -129,8 +129,8 @@ static tides_status emit(walk *w, double s, int64_t t, int polarity, int cause) 
 
 /* The reference becomes the signal at s. */
 static void rereference(walk *w, double s) {
-    seek_line(w, s);
-    w->initial = w->reference = s < 1 ? td_path_value(&w->pixel->path, s) + noise_at(w, s) : end_of(w);
+    seek_segment(w, s);
+    w->initial = w->reference = s < 1 ? td_response_value(&w->pixel->response, s) + noise_at(w, s) : end_of(w);
     w->count_on = w->count_off = 0;
     *since(w) = time_at(w, s);
 }
@@ -174,7 +174,7 @@ static double next_noise(const walk *w, int *source) {
     const td_sensor *sensor = w->job->sensor;
     const td_step *step = w->job->step;
     double due;
-    *source = td_noise_next(&sensor->noise, w->pixel->i, &due);
+    *source = td_shot_noise_next(&sensor->noise, w->pixel->i, &due);
     if (*source < 0 || !(due <= (double)(step->stop_ns - sensor->start_ns))) return never;
     double s = place_of(w, due - sensor->start_fraction);
     return s < w->s ? w->s : s > 1 ? 1 : s;
@@ -184,7 +184,8 @@ static double next_noise(const walk *w, int *source) {
 static int take_noise(const walk *w, int source, double s) {
     const td_pixel_step *p = w->pixel;
     uint32_t number = (uint32_t)p->y * (uint32_t)w->job->sensor->image_width + p->x;
-    return td_noise_take(&w->job->sensor->noise, source, p->i, number, td_model_value(&p->input, s), w->job->sensor->log_eps);
+    return td_shot_noise_take(&w->job->sensor->noise, source, p->i, number, td_model_value(&p->input, s),
+                              w->job->sensor->log_eps);
 }
 
 static tides_status fire_noise(walk *w, int source, double s) {
@@ -205,17 +206,18 @@ static void lose_noise(walk *w, double until, uint64_t *lost) {
     while ((s = next_noise(w, &source)) < fmin(until, never)) *lost += (uint64_t)take_noise(w, source, s);
 }
 
-/* -- held and masked stretches --------------------------------------------------------------------------------------------- */
+/* -- held and masked parts of the step
+ * --------------------------------------------------------------------------------------------- */
 
 /* Crossings before `until` move the reference and are gone. */
 static void consume(walk *w, double until) {
     double at = w->s, end = fmin(until, 1);
     for (int32_t n = 0; n < TD_EVENTS_PER_PIXEL_MAX;) {
-        seek_line(w, at);
-        double stop = fmin(end, w->line_until);
+        seek_segment(w, at);
+        double stop = fmin(end, w->segment_until);
         int polarity = cross(w, at, stop, &at);
         if (polarity == 0 && stop < end) {
-            at = stop; /* the noise's next line */
+            at = stop; /* the noise's next segment */
             continue;
         }
         if (polarity == 0 || at >= until) return;
@@ -251,13 +253,13 @@ static void pass_masked(walk *w) {
 
 /* -- the step -------------------------------------------------------------------------------------------------------------- */
 
-/* One stretch in which the pixel sees: to the first crossing, noise event, or its end. */
+/* One part of the step in which the pixel sees: to the first crossing, noise event, or its end. */
 static tides_status look(walk *w) {
     const td_pixel_step *p = w->pixel;
     td_pixel_job *job = w->job;
     int source;
-    seek_line(w, w->s);
-    double noise = next_noise(w, &source), last = fmin(p->visible_to, 1), until = fmin(fmin(noise, last), w->line_until),
+    seek_segment(w, w->s);
+    double noise = next_noise(w, &source), last = fmin(p->visible_to, 1), until = fmin(fmin(noise, last), w->segment_until),
            at = w->s;
     int polarity = w->cut ? 0 : cross(w, w->s, until, &at);
     if (polarity && w->crossed == job->sensor->sensor.max_events_per_step) {
@@ -272,7 +274,7 @@ static tides_status look(walk *w) {
     }
     w->s = until;
     if (noise <= until) return fire_noise(w, source, noise);
-    if (until < last) return TIDES_OK;          /* the noise's next line */
+    if (until < last) return TIDES_OK;          /* the noise's next segment */
     w->s = until < 1 ? nextafter(until, 2) : 2; /* behind the last visible moment, or the step */
     return TIDES_OK;
 }
@@ -290,7 +292,7 @@ static tides_status follow(walk *w) {
     return status;
 }
 
-/* What the step's end asks for beyond the path, where the pixel may fire then; in a refractory sensor, once. */
+/* What the step's end asks for beyond the response, where the pixel may fire then; in a refractory sensor, once. */
 static tides_status catch_up(walk *w) {
     const td_pixel_step *p = w->pixel;
     uint64_t *late = w->cut ? &w->job->counts.truncated : &w->job->counts.caught_up;
@@ -316,10 +318,10 @@ tides_status td_pixel_advance(td_pixel_job *job, const td_pixel_step *pixel) {
     w.on = sensor->threshold_on[pixel->i];
     w.off = sensor->threshold_off[pixel->i];
     tides_status status = TIDES_OK;
-    begin_lines(&w);
+    begin_segments(&w);
     int can_end = isfinite(pixel->end) && isfinite(w.reference);
     job->counts.solved++;
-    if (can_end && td_model_is_finite(&pixel->path.cubic)) {
+    if (can_end && td_model_is_finite(&pixel->response.cubic)) {
         status = follow(&w);
     } else { /* what is due waits for a signal */
         uint64_t lost = 0;
@@ -327,7 +329,7 @@ tides_status td_pixel_advance(td_pixel_job *job, const td_pixel_step *pixel) {
         job->counts.nonfinite++;
     }
     if (status == TIDES_OK && can_end) status = catch_up(&w);
-    end_lines(&w);
+    end_segments(&w);
     pixels->initial[pixel->i] = w.initial;
     pixels->reference[pixel->i] = w.reference;
     pixels->count_on[pixel->i] = w.count_on;

@@ -8,10 +8,10 @@
 double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time) {
     if (!sensor->additive.on) return 0;
     uint32_t number = sensor->number[pixel];
-    td_noise_line line =
-        td_additive_noise_resume(&sensor->additive, number, (uint64_t)sensor->noise_line[pixel], sensor->noise_value[pixel]);
-    td_additive_noise_seek(&sensor->additive, number, time, &line);
-    return td_noise_value(&sensor->additive, number, &line, time);
+    td_noise_segment segment =
+        td_additive_noise_resume(&sensor->additive, number, (uint64_t)sensor->noise_segment[pixel], sensor->noise_value[pixel]);
+    td_additive_noise_seek(&sensor->additive, number, time, &segment);
+    return td_noise_value(&sensor->additive, number, &segment, time);
 }
 
 double td_sensor_signal(const td_sensor *sensor, size_t pixel, double L, double time) {

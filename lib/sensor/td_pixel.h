@@ -22,8 +22,8 @@ typedef struct td_pixel_step {
     size_t local, i; /* in the tile, in the sensor */
     uint16_t x, y;
     td_model input;                  /* log-luminance */
-    td_path path;                    /* S_eff */
-    double end;                      /* S_eff at the step's end, whatever the path says */
+    td_response response;            /* S_eff */
+    double end;                      /* S_eff at the step's end, whatever the response says */
     double visible_from, visible_to; /* s between which it isn't masked; 2 and 2: nowhere */
 } td_pixel_step;
 

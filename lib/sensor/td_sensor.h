@@ -59,11 +59,11 @@ typedef struct td_sensor_counts {
 
 typedef struct td_sensor {
     tides_sensor sensor;
-    int on;         /* a block is on; else every pixel is ideal, and nothing of the blocks' below is there */
-    int restless;   /* pixels may fire where nothing moves, or are waiting for a time */
-    int masks;      /* coverage is wanted */
-    int labels;     /* events get what the front end added, where there is one */
-    int exhaustive; /* 1: every pixel is solved (tests, and to measure what the rejection saves); 0 as created */
+    int on;             /* a block is on; else every pixel is ideal, and nothing of the blocks' below is there */
+    int active_at_rest; /* pixels may fire where nothing moves, or are waiting for a time */
+    int masks;          /* coverage is wanted */
+    int labels;         /* events get what the front end added, where there is one */
+    int exhaustive;     /* 1: every pixel is solved (tests, and to measure what the rejection saves); 0 as created */
     int32_t model, image_width;
     double log_eps;
     int64_t start_ns; /* the run's, floored, and what that took */
@@ -81,11 +81,11 @@ typedef struct td_sensor {
     unsigned char *reach;                 /* 1: may have fired in this macro step (td_estimate_sensor) */
     td_frontend frontend;
     double *filter[TD_FRONTEND_STATE]; /* the filters' state, where there are any; the first is S at the time reached */
-    td_noise noise;
+    td_shot_noise noise;
     td_additive_noise additive;
-    double *noise_line, *noise_value; /* with it: number and begin [log units] of the line that the time reached is on, */
-    uint32_t *number;                 /* and the pixel's in the image */
-    const td_signals *light;          /* of a call: log-luminance, where the signals aren't; NULL: they are */
+    double *noise_segment, *noise_value; /* with it: number and begin [log units] of the segment that the time reached is on, */
+    uint32_t *number;                    /* and the pixel's in the image */
+    const td_signals *light;             /* of a call: log-luminance, where the signals aren't; NULL: they are */
 } td_sensor;
 
 /* Checks what the comparator reads of the parameters, and the model: TIDES_BAD_ARGUMENT naming the field. */

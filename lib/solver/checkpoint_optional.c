@@ -20,7 +20,7 @@ double *td_optional_real(const tides_simulator *s, int which) {
                                             s->sensor.filter[2],
                                             s->sensor.filter[3],
                                             s->surround.modes,
-                                            s->sensor.noise_line,
+                                            s->sensor.noise_segment,
                                             s->sensor.noise_value};
     return all[which];
 }

@@ -40,7 +40,7 @@ tides_status td_compare_tile(tides_simulator *s, int t, const td_step *step, con
 
 tides_status td_compare_still(tides_simulator *s, const td_step *step, tides_error *error) {
     static const double no_rate[TD_TILE_PIXELS] = {0};
-    if (!s->sensor.restless) return TIDES_OK;
+    if (!s->sensor.active_at_rest) return TIDES_OK;
     int moved = 0; /* both lists ascend */
     for (int t = 0; t < s->tiles; t++) {
         if (moved < s->moving_count && s->moving[moved] == t) {

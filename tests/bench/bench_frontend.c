@@ -28,9 +28,9 @@ static void make_pixels(const td_frontend *frontend, double rise) {
         double bend = 0.01 * (2 * uniform(&seed) - 1), first = change / 3 + bend * rise, last = change / 3 - bend * rise;
         td_model before = {{L - change, L - change + last, L - first, L}},
                  now = {{L, L + first, L + change - last, L + change}};
-        td_path path;
+        td_response response;
         td_frontend_rest(frontend, L - change, LOG_EPS, state[i]);
-        td_frontend_step(frontend, H, &before, LOG_EPS, state[i], &path);
+        td_frontend_step(frontend, H, &before, LOG_EPS, state[i], &response);
         S[i] = state[i][0];
         for (int k = 0; k < 4; k++) control[k][i] = now.control[k];
     }
@@ -39,25 +39,25 @@ static void make_pixels(const td_frontend *frontend, double rise) {
 static void bench(const char *name, const td_frontend *frontend, double rise, int cross) {
     make_pixels(frontend, rise);
     double spent = 0;
-    long pixels = 0, events = 0, pieces = 0;
+    long pixels = 0, events = 0, substeps = 0;
     for (; spent < 0.3; pixels += PIXELS) {
         double begun = td_now();
         for (int i = 0; i < PIXELS; i++) {
             td_model input = {{control[0][i], control[1][i], control[2][i], control[3][i]}};
             double memory[TD_FRONTEND_STATE] = {state[i][0], state[i][1], state[i][2], state[i][3]}, from = 0;
             double reference = memory[0];
-            td_path path;
-            td_frontend_step(frontend, H, &input, LOG_EPS, memory, &path);
-            pieces += path.drive.frontend != NULL;
-            for (int polarity; cross && (polarity = td_path_crossing(&path, reference, 0.2, 0.2, from, 1, &from)) != 0;
+            td_response response;
+            td_frontend_step(frontend, H, &input, LOG_EPS, memory, &response);
+            substeps += response.source.frontend != NULL;
+            for (int polarity; cross && (polarity = td_response_crossing(&response, reference, 0.2, 0.2, from, 1, &from)) != 0;
                  events++)
                 reference += 0.2 * polarity;
         }
         spent += td_now() - begun;
     }
-    printf("%-22s rise %4.2f  %-8s %8.1f ns/pixel  %4.2f events/pixel  in pieces %3.0f %%\n", name, rise,
+    printf("%-22s rise %4.2f  %-8s %8.1f ns/pixel  %4.2f events/pixel  in substeps %3.0f %%\n", name, rise,
            cross ? "crossed" : "update", 1e9 * spent / (double)pixels, (double)events / (double)pixels,
-           100.0 * (double)pieces / (double)pixels);
+           100.0 * (double)substeps / (double)pixels);
 }
 
 static void bench_many(const td_frontend *frontend, double rise) {

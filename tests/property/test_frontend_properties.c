@@ -86,13 +86,13 @@ static void follows_the_equations(void **state) {
         L += uniform(-0.1, 0.1); /* a jump, so that there is something to forget */
         for (int k = 0; k < 4; k++) {
             td_model input = random_input(L);
-            td_path path;
+            td_response response;
             double s = uniform(0, 1);
             long double within[4] = {exact[0], exact[1], exact[2], exact[3]};
-            td_frontend_step(&frontend, h, &input, LOG_EPS, memory, &path);
+            td_frontend_step(&frontend, h, &input, LOG_EPS, memory, &response);
             long double there = oracle_advance(&sensor, h, &input, LOG_EPS, s, 0.003, within);
             long double after = oracle_advance(&sensor, h, &input, LOG_EPS, 1, 0.003, exact);
-            worst[trial % 3] = fmax(worst[trial % 3], (double)fabsl(td_path_value(&path, s) - there));
+            worst[trial % 3] = fmax(worst[trial % 3], (double)fabsl(td_response_value(&response, s) - there));
             worst[trial % 3] = fmax(worst[trial % 3], (double)fabsl(memory[0] - after));
             L = input.control[3];
         }
@@ -116,14 +116,14 @@ static void crosses_when_the_equations_do(void **state) {
         td_frontend frontend = make(&sensor);
         double memory[TD_FRONTEND_STATE], L = uniform(-4, -1), h = any_power(3e-4, 3e-3), rise = uniform(0.1, 0.4), s, from = 0;
         td_model input = {{L, L + 0.2 * rise, L + 0.7 * rise, L + rise}};
-        td_path path;
+        td_response response;
         double reference = td_frontend_rest(&frontend, L, LOG_EPS, memory);
-        td_frontend_step(&frontend, h, &input, LOG_EPS, memory, &path);
-        for (int polarity; (polarity = td_path_crossing(&path, reference, 0.02, 0.02, from, 1, &s)) != 0;) {
+        td_frontend_step(&frontend, h, &input, LOG_EPS, memory, &response);
+        for (int polarity; (polarity = td_response_crossing(&response, reference, 0.02, 0.02, from, 1, &s)) != 0;) {
             long double exact[4] = {L, L, 0, L};
             reference += 0.02 * polarity;
             from = s;
-            double slope = td_path_slope(&path, s) / h;
+            double slope = td_response_slope(&response, s) / h;
             if (fabs(slope) < 5) continue;
             double off = (double)((oracle_advance(&sensor, h, &input, LOG_EPS, s, 0.01, exact) - reference) / slope);
             worst = fmax(worst, fabs(off));
@@ -165,41 +165,42 @@ static void cutting_a_step_changes_nothing(void **state) {
         td_frontend_rest(&frontend, L + uniform(-1, 1), LOG_EPS, whole);
         memcpy(parts, whole, sizeof parts);
         td_model input = random_input(L), left, right;
-        td_path path, first, second;
+        td_response response, first, second;
         split(&input, at, &left, &right);
-        td_frontend_step(&frontend, h, &input, LOG_EPS, whole, &path);
+        td_frontend_step(&frontend, h, &input, LOG_EPS, whole, &response);
         td_frontend_step(&frontend, at * h, &left, LOG_EPS, parts, &first);
         td_frontend_step(&frontend, (1 - at) * h, &right, LOG_EPS, parts, &second);
         for (int i = 0; i <= 4; i++) {
-            double u = i / 4.0, a = td_path_value(&path, at * u), b = td_path_value(&path, at + (1 - at) * u);
-            if (!(fabs(a - td_path_value(&first, u)) <= bound) || !(fabs(b - td_path_value(&second, u)) <= bound))
-                fail_msg("trial %d, kind %d, cut at %g: %g and %g", trial, kind, at, a - td_path_value(&first, u),
-                         b - td_path_value(&second, u));
+            double u = i / 4.0, a = td_response_value(&response, at * u), b = td_response_value(&response, at + (1 - at) * u);
+            if (!(fabs(a - td_response_value(&first, u)) <= bound) || !(fabs(b - td_response_value(&second, u)) <= bound))
+                fail_msg("trial %d, kind %d, cut at %g: %g and %g", trial, kind, at, a - td_response_value(&first, u),
+                         b - td_response_value(&second, u));
         }
         assert_true(fabs(whole[0] - parts[0]) <= bound);
     }
 }
 
-/* -- paths ----------------------------------------------------------------------------------------------------------------- */
+/* -- responses
+ * ----------------------------------------------------------------------------------------------------------------- */
 
-/* A path as filters leave them, or modes of any size. */
-static td_path random_path(int trial, td_frontend *frontend, tides_sensor *sensor) {
-    td_path path = {.modes = 0};
+/* A response as filters leave them, or modes of any size. */
+static td_response random_path(int trial, td_frontend *frontend, tides_sensor *sensor) {
+    td_response response = {.modes = 0};
     if (trial % 2) {
         double memory[TD_FRONTEND_STATE], L = uniform(-6, 0);
         *sensor = random_sensor(kinds[trial / 2 % 3]);
         *frontend = make(sensor);
         td_model input = random_input(L);
         td_frontend_rest(frontend, L + uniform(-1, 1), LOG_EPS, memory);
-        td_frontend_step(frontend, any_power(1e-5, 1e-2), &input, LOG_EPS, memory, &path);
+        td_frontend_step(frontend, any_power(1e-5, 1e-2), &input, LOG_EPS, memory, &response);
         double ramp = uniform(-0.05, 0.05) * (trial % 4 == 1); /* a leak's */
-        for (int i = 0; i < 4; i++) path.cubic.control[i] += ramp * (i / 3.0);
-        return path;
+        for (int i = 0; i < 4; i++) response.cubic.control[i] += ramp * (i / 3.0);
+        return response;
     }
-    path.modes = (int)uniform(0, TD_PATH_MODES_MAX + 1);
-    for (int i = 0; i < 4; i++) path.cubic.control[i] = uniform(-1, 1);
-    for (int k = 0; k < path.modes; k++) {
-        td_mode *mode = &path.mode[k];
+    response.modes = (int)uniform(0, TD_RESPONSE_MODES_MAX + 1);
+    for (int i = 0; i < 4; i++) response.cubic.control[i] = uniform(-1, 1);
+    for (int k = 0; k < response.modes; k++) {
+        td_mode *mode = &response.mode[k];
         *mode = (td_mode){any_power(1e-3, 1e3), 0, uniform(-1, 1), uniform(-1, 1), 0};
         if (uniform(0, 1) < 0.5) mode->frequency = mode->rate * uniform(0, 5);
         if (hypot(mode->rate, mode->frequency) <= 1) {
@@ -207,7 +208,7 @@ static td_path random_path(int trial, td_frontend *frontend, tides_sensor *senso
             mode->cosine *= 20;
         }
     }
-    return path;
+    return response;
 }
 
 static void bounds_hold_what_is_sampled(void **state) {
@@ -216,12 +217,12 @@ static void bounds_hold_what_is_sampled(void **state) {
     for (int trial = 0; trial < 2000; trial++) {
         td_frontend frontend;
         tides_sensor sensor;
-        td_path path = random_path(trial, &frontend, &sensor);
+        td_response response = random_path(trial, &frontend, &sensor);
         double low, high;
-        td_path_range(&path, &low, &high);
-        int samples = path.drive.frontend ? 16 : 200; /* in pieces: each sample walks them all */
+        td_response_range(&response, &low, &high);
+        int samples = response.source.frontend ? 16 : 200; /* in substeps: each sample walks them all */
         for (int i = 0; i <= samples; i++) {
-            double value = td_path_value(&path, (double)i / samples);
+            double value = td_response_value(&response, (double)i / samples);
             if (!(value >= low && value <= high)) fail_msg("trial %d: %.17g is not in [%.17g, %.17g]", trial, value, low, high);
         }
     }
@@ -234,27 +235,29 @@ static void slopes_are_derivatives(void **state) {
     for (int trial = 0; trial < 2000; trial++) {
         td_frontend frontend;
         tides_sensor sensor;
-        td_path path = random_path(trial, &frontend, &sensor);
+        td_response response = random_path(trial, &frontend, &sensor);
         double steepest = 1;
-        for (int k = 0; k < path.modes; k++) steepest = fmax(steepest, hypot(path.mode[k].rate, path.mode[k].frequency));
-        if (path.drive.frontend) continue; /* each piece starts where another ended, within the tolerance: divided by 1e-5 */
-        double d = 1e-5 / steepest, s = uniform(d, 1 - d), slope = td_path_slope(&path, s);
-        double found = (td_path_value(&path, s + d) - td_path_value(&path, s - d)) / (2 * d);
+        for (int k = 0; k < response.modes; k++)
+            steepest = fmax(steepest, hypot(response.mode[k].rate, response.mode[k].frequency));
+        if (response.source.frontend)
+            continue; /* each substep starts where another ended, within the tolerance: divided by 1e-5 */
+        double d = 1e-5 / steepest, s = uniform(d, 1 - d), slope = td_response_slope(&response, s);
+        double found = (td_response_value(&response, s + d) - td_response_value(&response, s - d)) / (2 * d);
         assert_true(fabs(found - slope) <= 1e-8 * (1 + steepest));
     }
 }
 
 /* Every crossing against the first of many samples that has reached a level: never later than it, never before the last sample
  * that hasn't, unless S really is at the level there. */
-static void check_crossings(int trial, const td_path *path, double on, double off) {
+static void check_crossings(int trial, const td_response *response, double on, double off) {
     enum { SAMPLES = 4000 };
     static double value[SAMPLES + 1];
-    for (int i = 0; i <= SAMPLES; i++) value[i] = td_path_value(path, (double)i / SAMPLES);
+    for (int i = 0; i <= SAMPLES; i++) value[i] = td_response_value(response, (double)i / SAMPLES);
     double reference = value[0], from = 0, s;
-    double tiny = (path->drive.frontend ? TD_FRONTEND_TOLERANCE : 1e-12) * (1 + fabs(reference));
+    double tiny = (response->source.frontend ? TD_FRONTEND_TOLERANCE : 1e-12) * (1 + fabs(reference));
     int next = 0;
     for (int events = 0; events < 200; events++) {
-        int polarity = td_path_crossing(path, reference, on, off, from, 1, &s);
+        int polarity = td_response_crossing(response, reference, on, off, from, 1, &s);
         int sample = next;
         while (sample <= SAMPLES && value[sample] - reference < on - tiny && value[sample] - reference > -off + tiny) sample++;
         if (!polarity) {
@@ -264,9 +267,9 @@ static void check_crossings(int trial, const td_path *path, double on, double of
                              value[sample] - reference, (double)sample / SAMPLES);
             return;
         }
-        double level = reference + (polarity > 0 ? on : -off), there = td_path_value(path, s);
+        double level = reference + (polarity > 0 ? on : -off), there = td_response_value(response, s);
         if (s < from || s > 1) fail_msg("trial %d: crossing at %g, not in [%g, 1]", trial, s, from);
-        if (s > from && fabs(there - level) > tiny * (1 + fabs(td_path_slope(path, s))))
+        if (s > from && fabs(there - level) > tiny * (1 + fabs(td_response_slope(response, s))))
             fail_msg("trial %d: S is %g off its level at %g", trial, there - level, s);
         if (sample <= SAMPLES && s > (double)(sample + 1) / SAMPLES)
             fail_msg("trial %d: crossing at %g, but a level was reached by %g", trial, s, (double)sample / SAMPLES);
@@ -282,9 +285,9 @@ static void crossings_are_those_of_a_dense_search(void **state) {
     for (int trial = 0; trial < 1500; trial++) {
         td_frontend frontend;
         tides_sensor sensor;
-        td_path path = random_path(trial, &frontend, &sensor);
-        if (path.drive.frontend && trial % 64 != 3 && trial % 32 != 5) continue;
-        check_crossings(trial, &path, any_power(0.01, 1), any_power(0.01, 1));
+        td_response response = random_path(trial, &frontend, &sensor);
+        if (response.source.frontend && trial % 64 != 3 && trial % 32 != 5) continue;
+        check_crossings(trial, &response, any_power(0.01, 1), any_power(0.01, 1));
     }
 }
 
@@ -296,13 +299,13 @@ static void touching_counts(void **state) {
         /* S = s - a (1 - e^(-rate s)) turns once, at log(a rate) / rate. */
         double rate = any_power(4, 1e3), a = any_power(2, 50) / rate, turn = log(a * rate) / rate, s;
         if (!(turn < 0.9)) continue;
-        td_path path = {.cubic = {{-a, -a + 1.0 / 3, -a + 2.0 / 3, -a + 1}}, .modes = 1};
-        path.mode[0] = (td_mode){rate, 0, a, 0, 0};
+        td_response response = {.cubic = {{-a, -a + 1.0 / 3, -a + 2.0 / 3, -a + 1}}, .modes = 1};
+        response.mode[0] = (td_mode){rate, 0, a, 0, 0};
         double lowest = turn - a + 1 / rate, hair = 4e-15 * (1 + a);
-        assert_int_equal(td_path_crossing(&path, 0, 1e9, -lowest - hair, 0, 1, &s), -1);
+        assert_int_equal(td_response_crossing(&response, 0, 1e9, -lowest - hair, 0, 1, &s), -1);
         assert_true(fabs(s - turn) < 1e-6 / sqrt(rate));
-        assert_int_equal(td_path_crossing(&path, 0, 1e9, -lowest + hair, 0, 1, &s), 0);
-        assert_int_equal(td_path_crossing(&path, 0, 1e9, -lowest + hair, turn, turn, &s), 0);
+        assert_int_equal(td_response_crossing(&response, 0, 1e9, -lowest + hair, 0, 1, &s), 0);
+        assert_int_equal(td_response_crossing(&response, 0, 1e9, -lowest + hair, turn, turn, &s), 0);
     }
 }
 
@@ -314,21 +317,22 @@ static void values_that_are_no_numbers_do_no_harm(void **state) {
     seed(6);
     double s, low, high;
     for (int trial = 0; trial < 3000; trial++) {
-        td_path path = {.modes = 2};
+        td_response response = {.modes = 2};
         int bad = 0;
-        double *field[] = {&path.cubic.control[0], &path.cubic.control[3], &path.mode[0].rate,     &path.mode[0].cosine,
-                           &path.mode[1].sine,     &path.mode[1].rate,     &path.mode[1].frequency};
+        double *field[] = {&response.cubic.control[0], &response.cubic.control[3], &response.mode[0].rate,
+                           &response.mode[0].cosine,   &response.mode[1].sine,     &response.mode[1].rate,
+                           &response.mode[1].frequency};
         for (size_t i = 0; i < sizeof field / sizeof *field; i++) {
             double value = odd[(int)uniform(0, ODD)];
-            if (field[i] == &path.mode[0].rate || field[i] == &path.mode[1].rate) value = fabs(value);
+            if (field[i] == &response.mode[0].rate || field[i] == &response.mode[1].rate) value = fabs(value);
             bad |= !isfinite(value);
             *field[i] = value;
         }
-        int polarity = td_path_crossing(&path, 0, 0.2, 0.3, trial % 3 ? 0 : 0.5, 1, &s);
+        int polarity = td_response_crossing(&response, 0, 0.2, 0.3, trial % 3 ? 0 : 0.5, 1, &s);
         assert_true(!bad || polarity == 0);
         assert_true(polarity == 0 || (s >= 0 && s <= 1));
-        td_path_range(&path, &low, &high);
-        if (trial % 16 == 0) td_path_crossing(&path, odd[(int)uniform(0, ODD)], NAN, 0.3, 0, NAN, &s);
+        td_response_range(&response, &low, &high);
+        if (trial % 16 == 0) td_response_crossing(&response, odd[(int)uniform(0, ODD)], NAN, 0.3, 0, NAN, &s);
     }
 }
 
@@ -355,12 +359,12 @@ static void many_pixels_are_like_one(void **state) {
         for (int i = 0; i < PIXELS; i++) {
             td_model input = {{control[0][i], control[1][i], control[2][i], control[3][i]}};
             double memory[TD_FRONTEND_STATE] = {S[i], S[i], 0, S[i]};
-            td_path path;
-            td_frontend_step(&frontend, h, &input, LOG_EPS, memory, &path);
+            td_response response;
+            td_frontend_step(&frontend, h, &input, LOG_EPS, memory, &response);
             one[i] = memory[0];
             assert_int_equal(td_model_is_finite(&input), low[i] <= high[i]);
             for (int k = 0; k <= 32 && low[i] <= high[i]; k++) {
-                double value = td_path_value(&path, k / 32.0);
+                double value = td_response_value(&response, k / 32.0);
                 assert_true(value >= low[i] && value <= high[i]);
             }
         }

@@ -40,12 +40,12 @@ static void expect_mean(const double *value, size_t count, double wanted, const 
     assert_true(fabs(mean - wanted) < 3 * error);
 }
 
-static td_noise_line first_line(const td_additive_noise *noise, uint32_t pixel) {
+static td_noise_segment first_line(const td_additive_noise *noise, uint32_t pixel) {
     return td_additive_noise_resume(noise, pixel, 0, td_additive_noise_first(noise, pixel));
 }
 
 static double noise_at(const td_additive_noise *noise, uint32_t pixel, double time_ns) {
-    td_noise_line line = first_line(noise, pixel);
+    td_noise_segment line = first_line(noise, pixel);
     td_additive_noise_seek(noise, pixel, time_ns, &line);
     assert_true(line.from_ns <= time_ns && time_ns <= line.to_ns);
     return td_noise_value(noise, pixel, &line, time_ns);
@@ -62,7 +62,7 @@ static void test_points(void **state) {
     assert_non_null(value);
     double *product = value + (size_t)PIXELS * POINTS;
     for (uint32_t p = 0; p < PIXELS; p++) {
-        td_noise_line line = first_line(&noise, p);
+        td_noise_segment line = first_line(&noise, p);
         for (int k = 0; k < POINTS; k++) {
             value[(size_t)k * PIXELS + p] = line.begin;
             td_additive_noise_next(&noise, p, &line);
@@ -81,7 +81,7 @@ static void test_points(void **state) {
     free(value);
 }
 
-/* At any time, points of the grid or not: the process's variance and covariance, but for what straight stretches between the
+/* At any time, points of the grid or not: the process's variance and covariance, but for what straight segments between the
  * extremes of a part have too much, which is no more correlated than parts are. */
 static void test_times(void **state) {
     static const double lags[] = {0.03, 0.1, 0.4, 1, 2, 5}; /* of the grid's spacing */
@@ -121,7 +121,7 @@ static void test_spectrum(void **state) {
         weight += window[i] * window[i];
     }
     for (uint32_t p = 0; p < SERIES; p++) {
-        td_noise_line line = first_line(&noise, p);
+        td_noise_segment line = first_line(&noise, p);
         double re[3] = {0}, im[3] = {0};
         for (int i = 0; i < SAMPLES; i++) {
             td_additive_noise_seek(&noise, p, i * step_ns, &line);
@@ -151,16 +151,16 @@ static void test_lines(void **state) {
     td_additive_noise noise = make(SEED + 3), other = make(SEED + 4);
     (void)state;
     for (uint32_t p = 0; p < 300; p++) {
-        td_noise_line line = first_line(&noise, p), jumped = line;
+        td_noise_segment line = first_line(&noise, p), jumped = line;
         assert_true(line.from_ns <= 0 && line.to_ns > 0 && line.k == 0);
         assert_true(line.begin != td_additive_noise_first(&other, p));
         for (int n = 0; n < 50; n++) {
-            td_noise_line next = line;
+            td_noise_segment next = line;
             td_additive_noise_next(&noise, p, &next);
             assert_true(next.from_ns == line.to_ns && next.begin == line.end && next.k == line.k + 1);
             line = next;
         }
-        td_noise_line again = td_additive_noise_resume(&noise, p, line.k, line.begin);
+        td_noise_segment again = td_additive_noise_resume(&noise, p, line.k, line.begin);
         assert_memory_equal(&again, &line, sizeof line);
         td_additive_noise_seek(&noise, p, 0.5 * (line.from_ns + line.to_ns), &jumped);
         assert_memory_equal(&jumped, &line, sizeof line);
@@ -171,7 +171,7 @@ static void test_lines(void **state) {
 static void test_sweep(void **state) {
     enum { COUNT = TD_RANDOM_LANES + 5, SWEEPS = 60 };
     td_additive_noise noise = make(SEED + 5);
-    td_noise_line line[COUNT];
+    td_noise_segment line[COUNT];
     uint32_t pixel[COUNT];
     double k[COUNT], value[COUNT], low[COUNT], high[COUNT], now = 0;
     (void)state;

@@ -65,18 +65,18 @@ static void ramps(void **state) {
         lambda = frontend.rate * h;
         td_model ramp = td_model_fit(TIDES_MODEL_HERMITE, h, 0, 1 / h, 1, 1 / h);
         double memory[TD_FRONTEND_STATE];
-        td_path path;
+        td_response response;
         td_frontend_rest(&frontend, 0, LOG_EPS, memory);
-        td_frontend_step(&frontend, h, &ramp, LOG_EPS, memory, &path);
+        td_frontend_step(&frontend, h, &ramp, LOG_EPS, memory, &response);
         for (int i = 1; i <= 16; i++) {
             double s = i / 16.0, found;
             long double S = s * ramp_share((long double)lambda * s);
-            assert_close(td_path_value(&path, s), S, 4e-15L * S + 1e-15L * s * fminl(1, lambda), "ramp", lambda);
+            assert_close(td_response_value(&response, s), S, 4e-15L * S + 1e-15L * s * fminl(1, lambda), "ramp", lambda);
             if (i == 16) continue; /* an end short of its level by the last bit is the next step's */
-            assert_int_equal(td_path_crossing(&path, 0, (double)S, 1, 0, 1, &found), 1);
+            assert_int_equal(td_response_crossing(&response, 0, (double)S, 1, 0, 1, &found), 1);
             assert_close(found, s, 2e-14L, "the ramp's crossing", lambda);
         }
-        assert_true(memory[0] == td_path_value(&path, 1));
+        assert_true(memory[0] == td_response_value(&response, 1));
     }
 }
 
@@ -89,12 +89,12 @@ static void steps(void **state) {
         td_frontend frontend = make(&sensor);
         double lambda = frontend.rate * h;
         td_model one = {{1, 1, 1, 1}};
-        td_path path;
+        td_response response;
         td_frontend_rest(&frontend, 0, LOG_EPS, memory);
-        td_frontend_step(&frontend, h, &one, LOG_EPS, memory, &path);
+        td_frontend_step(&frontend, h, &one, LOG_EPS, memory, &response);
         for (double level = 0.03125; level < 1; level += 0.03125) {
             long double s = -log1pl(-level) / lambda;
-            int polarity = td_path_crossing(&path, 0, level, 1, 0, 1, &found);
+            int polarity = td_response_crossing(&response, 0, level, 1, 0, 1, &found);
             assert_int_equal(polarity, s <= 1);
             if (polarity) assert_close(found, s, 1e-14L * (s + 1e-3L / lambda) / (1 - level), "the step's crossing", lambda);
         }
@@ -125,16 +125,16 @@ static long double wave_slope(const wave *w, long double t) {
 /* The crossing at t of what S is there: its distance from the analytic crossing, to first order, or the bound where S turns. */
 static void check_wave(const td_frontend *frontend, const wave *w, double h, int count, int skip) {
     double memory[TD_FRONTEND_STATE], reference = 0, threshold = 0.05, s, dot0, dot1;
-    td_path path;
+    td_response response;
     int events = 0;
     td_frontend_rest(frontend, 0, LOG_EPS, memory);
     for (int k = 0; k < count; k++) {
         double L0 = wave_input(w, k * h, &dot0), L1 = wave_input(w, (k + 1) * h, &dot1), from = 0;
         td_model model = td_model_fit(TIDES_MODEL_HERMITE, h, L0, dot0, L1, dot1);
-        td_frontend_step(frontend, h, &model, LOG_EPS, memory, &path);
-        if (k == skip) reference = td_path_value(&path, 0);
+        td_frontend_step(frontend, h, &model, LOG_EPS, memory, &response);
+        if (k == skip) reference = td_response_value(&response, 0);
         for (int polarity;
-             k >= skip && (polarity = td_path_crossing(&path, reference, threshold, threshold, from, 1, &s)) != 0;) {
+             k >= skip && (polarity = td_response_crossing(&response, reference, threshold, threshold, from, 1, &s)) != 0;) {
             reference += polarity * threshold;
             from = s;
             events++;
@@ -215,10 +215,11 @@ static void steps_through_the_circuit(void **state) {
             td_model one = {{1, 1, 1, 1}};
             int events = 0;
             for (int k = 0; k < cuts; k++) {
-                td_path path;
+                td_response response;
                 double from = 0;
-                td_frontend_step(&frontend, h, &one, LOG_EPS, memory, &path);
-                for (int polarity; (polarity = td_path_crossing(&path, reference, threshold, threshold, from, 1, &s)) != 0;) {
+                td_frontend_step(&frontend, h, &one, LOG_EPS, memory, &response);
+                for (int polarity;
+                     (polarity = td_response_crossing(&response, reference, threshold, threshold, from, 1, &s)) != 0;) {
                     reference += polarity * threshold;
                     from = s;
                     events++;
@@ -228,8 +229,8 @@ static void steps_through_the_circuit(void **state) {
                     assert_close(off, 0, 1e-12L, "the circuit's step response", (double)t);
                 }
             }
-            assert_close(td_path_value(&(td_path){.cubic = {{memory[0], 0, 0, 0}}}, 0), step_response(pole, count, 0.05L),
-                         1e-12L, "the circuit's state", cuts);
+            assert_close(td_response_value(&(td_response){.cubic = {{memory[0], 0, 0, 0}}}, 0),
+                         step_response(pole, count, 0.05L), 1e-12L, "the circuit's state", cuts);
             assert_true(events > 50);
         }
     }
@@ -282,11 +283,12 @@ static void poles_that_meet(void **state) {
         pole[second] = mean * (1 + 0.5e-4L);
         double memory[TD_FRONTEND_STATE];
         td_model one = {{1, 1, 1, 1}};
-        td_path path;
+        td_response response;
         td_frontend_rest(&frontend, 0, LOG_EPS, memory);
-        td_frontend_step(&frontend, 0.02, &one, LOG_EPS, memory, &path);
+        td_frontend_step(&frontend, 0.02, &one, LOG_EPS, memory, &response);
         for (double s = 0; s <= 1; s += 0.015625)
-            assert_close(td_path_value(&path, s), step_response(pole, count, 0.02L * s), 1e-6L, "poles that meet", i + s);
+            assert_close(td_response_value(&response, s), step_response(pole, count, 0.02L * s), 1e-6L, "poles that meet",
+                         i + s);
     }
 }
 
@@ -308,11 +310,11 @@ static void the_intensity_law_has_its_corner_where_it_says(void **state) {
             td_model L =
                 td_model_fit(TIDES_MODEL_HERMITE, h, bias + amplitude * sin(corner * t), amplitude * corner * cos(corner * t),
                              bias + amplitude * sin(corner * (t + h)), amplitude * corner * cos(corner * (t + h)));
-            td_path path;
-            td_frontend_step(&frontend, h, &L, LOG_EPS, memory, &path);
+            td_response response;
+            td_frontend_step(&frontend, h, &L, LOG_EPS, memory, &response);
             for (int j = 0; k > 600 && j < 8; j++) {
-                high = fmax(high, td_path_value(&path, j / 8.0));
-                low = fmin(low, td_path_value(&path, j / 8.0));
+                high = fmax(high, td_response_value(&response, j / 8.0));
+                low = fmin(low, td_response_value(&response, j / 8.0));
             }
         }
         assert_close((high - low) / (2 * amplitude), sqrtl(0.5L), 3e-5L, "v2e's corner", Y[i]);
@@ -326,13 +328,13 @@ static void off_is_the_cubic_itself(void **state) {
     tides_sensor sensor = low_pass(0);
     td_frontend frontend = make(&sensor);
     td_model model = {{0, 1, -1, 2}};
-    td_path path;
+    td_response response;
     double memory[TD_FRONTEND_STATE];
     assert_int_equal(frontend.on, 0);
     assert_true(td_frontend_rest(&frontend, 0.5, LOG_EPS, memory) == 0.5);
-    td_frontend_step(&frontend, 1e-3, &model, LOG_EPS, memory, &path);
-    assert_int_equal(path.modes, 0);
-    assert_memory_equal(&path.cubic, &model, sizeof model);
+    td_frontend_step(&frontend, 1e-3, &model, LOG_EPS, memory, &response);
+    assert_int_equal(response.modes, 0);
+    assert_memory_equal(&response.cubic, &model, sizeof model);
 }
 
 static void check_refused(const tides_sensor *sensor, const char *field) {
@@ -387,20 +389,20 @@ static void an_input_that_is_no_number_waits(void **state) {
         td_frontend frontend = make(&kinds[i]);
         td_model good = {{0.5, 0.6, 0.7, 0.8}}, bad = {{0.8, NAN, 1, 1}}, bright = {{1e300, 1e300, -1e300, 1e300}};
         double memory[TD_FRONTEND_STATE], kept[TD_FRONTEND_STATE], s;
-        td_path path;
+        td_response response;
         td_frontend_rest(&frontend, NAN, LOG_EPS, memory);
-        td_frontend_step(&frontend, 1e-3, &good, LOG_EPS, memory, &path);
-        assert_close(td_path_value(&path, 0), 0.5, 1e-15L, "rest", i);
+        td_frontend_step(&frontend, 1e-3, &good, LOG_EPS, memory, &response);
+        assert_close(td_response_value(&response, 0), 0.5, 1e-15L, "rest", i);
         assert_true(memory[0] > 0.5 && memory[0] < 0.85);
         memcpy(kept, memory, sizeof kept);
-        td_frontend_step(&frontend, 1e-3, &bad, LOG_EPS, memory, &path);
+        td_frontend_step(&frontend, 1e-3, &bad, LOG_EPS, memory, &response);
         assert_memory_equal(kept, memory, sizeof kept);
-        assert_true(isnan(td_path_value(&path, 0.5)));
-        assert_int_equal(td_path_crossing(&path, 0, 0.1, 0.1, 0, 1, &s), 0);
-        td_frontend_step(&frontend, 1e-3, &good, LOG_EPS, memory, &path);
-        assert_close(td_path_value(&path, 0), kept[0], 1e-15L, "the state after NaN", i);
-        td_frontend_step(&frontend, 1e-3, &bright, LOG_EPS, memory, &path);
-        td_path_crossing(&path, 0, 0.1, 0.1, 0, 1, &s);
+        assert_true(isnan(td_response_value(&response, 0.5)));
+        assert_int_equal(td_response_crossing(&response, 0, 0.1, 0.1, 0, 1, &s), 0);
+        td_frontend_step(&frontend, 1e-3, &good, LOG_EPS, memory, &response);
+        assert_close(td_response_value(&response, 0), kept[0], 1e-15L, "the state after NaN", i);
+        td_frontend_step(&frontend, 1e-3, &bright, LOG_EPS, memory, &response);
+        td_response_crossing(&response, 0, 0.1, 0.1, 0, 1, &s);
     }
 }
 

@@ -46,20 +46,20 @@ static void test_cosine(void **state) {
     uint64_t seed = SEED;
     (void)state;
     for (size_t n = 0; n < sizeof sizes / sizeof *sizes; n++) {
-        td_cosine c;
+        td_dct c;
         int count = sizes[n][0] * sizes[n][1];
         double *image = calloc(3 * (size_t)count, sizeof *image), *modes = image + count, *again = modes + count, energy = 0;
         assert_non_null(image);
-        assert_int_equal(td_cosine_create(sizes[n][0], sizes[n][1], &c, NULL), TIDES_OK);
+        assert_int_equal(td_dct_create(sizes[n][0], sizes[n][1], &c, NULL), TIDES_OK);
         for (int i = 0; i < count; i++) image[i] = uniform(&seed);
-        td_cosine_forward(&c, image, modes);
-        td_cosine_back(&c, modes, again);
+        td_dct_forward(&c, image, modes);
+        td_dct_back(&c, modes, again);
         for (int i = 0; i < count; i++) {
             expect_close(again[i], image[i], 1e-13);
             energy += image[i] * image[i] - modes[i] * modes[i];
         }
         expect_close(energy, 0, 1e-11);
-        td_cosine_release(&c);
+        td_dct_release(&c);
         free(image);
     }
 }

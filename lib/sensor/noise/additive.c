@@ -7,9 +7,9 @@
 #include <string.h>
 
 static const double two_pi = 6.28318530717958647692;
-static const double lines_per_tau = 8;
+static const double segments_per_tau = 8;
 
-/* Faster noise would have lines of less than a nanosecond, in which times are written. */
+/* Faster noise would have segments of less than a nanosecond, in which times are written. */
 static const double largest_cutoff_hz = 1e7;
 
 tides_status td_additive_noise_make(const tides_sensor *sensor, td_additive_noise *noise, tides_error *error) {
@@ -22,17 +22,17 @@ tides_status td_additive_noise_make(const tides_sensor *sensor, td_additive_nois
                        sensor->noise_cutoff_hz, largest_cutoff_hz);
     noise->on = 1;
     noise->seed = sensor->seed;
-    noise->spacing_ns = 1e9 / (two_pi * sensor->noise_cutoff_hz * lines_per_tau);
-    noise->rho = exp(-1 / lines_per_tau);
+    noise->spacing_ns = 1e9 / (two_pi * sensor->noise_cutoff_hz * segments_per_tau);
+    noise->rho = exp(-1 / segments_per_tau);
     noise->sigma = sensor->noise_rms;
-    noise->change = noise->sigma * sqrt(-expm1(-2 / lines_per_tau));
-    td_noise_bridge_make(noise, noise->spacing_ns * lines_per_tau, fmin(sensor->threshold_on, sensor->threshold_off));
+    noise->change = noise->sigma * sqrt(-expm1(-2 / segments_per_tau));
+    td_noise_bridge_make(noise, noise->spacing_ns * segments_per_tau, fmin(sensor->threshold_on, sensor->threshold_off));
     return TIDES_OK;
 }
 
 /* -- one pixel ------------------------------------------------------------------------------------------------------------- */
 
-/* n(2 k) and n(2 k + 1) have the number k + 1; number 0 says where line 0 begins: at or before the run's start. */
+/* n(2 k) and n(2 k + 1) have the number k + 1; number 0 says where segment 0 begins: at or before the run's start. */
 static double origin_of(const td_additive_noise *noise, uint32_t pixel) {
     td_random_bits bits = td_random(noise->seed, pixel, 0, TD_RANDOM_NOISE);
     return -td_random_uniform(&bits, 0) * noise->spacing_ns;
@@ -56,22 +56,22 @@ static void draw_block(const td_additive_noise *noise, uint32_t pixel, uint64_t 
     }
 }
 
-static double end_of_line(const td_additive_noise *noise, double origin_ns, double k) {
+static double end_of_segment(const td_additive_noise *noise, double origin_ns, double k) {
     return origin_ns + (k + 1) * noise->spacing_ns;
 }
 
 /* What follows from k, begin, origin_ns and normal. */
-static void finish(const td_additive_noise *noise, td_noise_line *line) {
-    line->from_ns = line->origin_ns + (double)line->k * noise->spacing_ns;
-    line->to_ns = end_of_line(noise, line->origin_ns, (double)line->k);
-    line->end = noise->rho * line->begin + noise->change * line->normal[(line->k + 1) % TD_NOISE_BLOCK];
+static void finish(const td_additive_noise *noise, td_noise_segment *segment) {
+    segment->from_ns = segment->origin_ns + (double)segment->k * noise->spacing_ns;
+    segment->to_ns = end_of_segment(noise, segment->origin_ns, (double)segment->k);
+    segment->end = noise->rho * segment->begin + noise->change * segment->normal[(segment->k + 1) % TD_NOISE_BLOCK];
 }
 
-td_noise_line td_additive_noise_resume(const td_additive_noise *noise, uint32_t pixel, uint64_t k, double value) {
-    td_noise_line line = {.k = k, .begin = value, .origin_ns = origin_of(noise, pixel)};
-    draw_block(noise, pixel, k + 1, line.normal);
-    finish(noise, &line);
-    return line;
+td_noise_segment td_additive_noise_resume(const td_additive_noise *noise, uint32_t pixel, uint64_t k, double value) {
+    td_noise_segment segment = {.k = k, .begin = value, .origin_ns = origin_of(noise, pixel)};
+    draw_block(noise, pixel, k + 1, segment.normal);
+    finish(noise, &segment);
+    return segment;
 }
 
 double td_additive_noise_first(const td_additive_noise *noise, uint32_t pixel) {
@@ -81,15 +81,15 @@ double td_additive_noise_first(const td_additive_noise *noise, uint32_t pixel) {
     return noise->sigma * normal[0];
 }
 
-void td_additive_noise_next(const td_additive_noise *noise, uint32_t pixel, td_noise_line *line) {
-    line->k++;
-    line->begin = line->end;
-    if ((line->k + 1) % TD_NOISE_BLOCK == 0) draw_block(noise, pixel, line->k + 1, line->normal);
-    finish(noise, line);
+void td_additive_noise_next(const td_additive_noise *noise, uint32_t pixel, td_noise_segment *segment) {
+    segment->k++;
+    segment->begin = segment->end;
+    if ((segment->k + 1) % TD_NOISE_BLOCK == 0) draw_block(noise, pixel, segment->k + 1, segment->normal);
+    finish(noise, segment);
 }
 
-void td_additive_noise_seek(const td_additive_noise *noise, uint32_t pixel, double time_ns, td_noise_line *line) {
-    while (line->to_ns < time_ns) td_additive_noise_next(noise, pixel, line);
+void td_additive_noise_seek(const td_additive_noise *noise, uint32_t pixel, double time_ns, td_noise_segment *segment) {
+    while (segment->to_ns < time_ns) td_additive_noise_next(noise, pixel, segment);
 }
 
 /* -- many pixels ----------------------------------------------------------------------------------------------------------- */
@@ -99,17 +99,17 @@ typedef struct lanes {
     uint32_t pixel[TD_RANDOM_LANES];
     uint64_t number[TD_RANDOM_LANES];                         /* of the next pair of normals, */
     double point[TD_RANDOM_LANES];                            /* n(point) and the next one's */
-    double first[TD_RANDOM_LANES], last[TD_RANDOM_LANES];     /* lines */
+    double first[TD_RANDOM_LANES], last[TD_RANDOM_LANES];     /* segments */
     double x[TD_RANDOM_LANES], begin[TD_RANDOM_LANES];        /* where the lane has come to, and x(last) */
     double lowest[TD_RANDOM_LANES], highest[TD_RANDOM_LANES]; /* x so far */
 } lanes;
 
-/* The first line from `first` on that holds the step's end, by the reckoning of pixel.c. */
-static double last_line(const td_additive_noise *noise, double origin_ns, double first, double start_ns, double length_ns) {
+/* The first segment from `first` on that holds the step's end, by the reckoning of pixel.c. */
+static double last_segment(const td_additive_noise *noise, double origin_ns, double first, double start_ns, double length_ns) {
     double k = (double)(int64_t)((start_ns + length_ns - origin_ns) / noise->spacing_ns) - 1;
     if (!(k > first)) k = first;
-    while (k > first && td_place_of(end_of_line(noise, origin_ns, k - 1), start_ns, length_ns) >= 1) k--;
-    while (td_place_of(end_of_line(noise, origin_ns, k), start_ns, length_ns) < 1) k++;
+    while (k > first && td_place_of(end_of_segment(noise, origin_ns, k - 1), start_ns, length_ns) >= 1) k--;
+    while (td_place_of(end_of_segment(noise, origin_ns, k), start_ns, length_ns) < 1) k++;
     return k;
 }
 
@@ -123,7 +123,7 @@ static int64_t begin_lanes(const td_additive_noise *noise, double start_ns, doub
     td_random_uniforms_many(&bits, phase);
     for (int i = 0; i < TD_RANDOM_LANES; i++) {
         const int64_t first = (int64_t)l->first[i], pair = (first + 1) / 2;
-        l->last[i] = last_line(noise, -phase[i] * noise->spacing_ns, l->first[i], start_ns, length_ns);
+        l->last[i] = last_segment(noise, -phase[i] * noise->spacing_ns, l->first[i], start_ns, length_ns);
         l->number[i] = (uint64_t)pair + 1;
         l->point[i] = (double)(2 * pair);
         l->begin[i] = l->lowest[i] = l->highest[i] = l->x[i];
@@ -133,7 +133,7 @@ static int64_t begin_lanes(const td_additive_noise *noise, double start_ns, doub
     return most;
 }
 
-/* On by the lanes' normals n(point + after), where they are of their lines. */
+/* On by the lanes' normals n(point + after), where they are of their segments. */
 static inline void advance(const td_additive_noise *noise, double after, const double *restrict normal, lanes *restrict l) {
     for (int i = 0; i < TD_RANDOM_LANES; i++) {
         const double point = l->point[i] + after, next = noise->rho * l->x[i] + noise->change * normal[i];
@@ -169,12 +169,12 @@ void td_additive_noise_sweep(const td_additive_noise *noise, double start_ns, do
         for (size_t i = 0; i < TD_RANDOM_LANES; i++) {
             const size_t j = done + i < count ? done + i : done; /* what is left over goes with the first */
             l.pixel[i] = pixel[j];
-            l.first[i] = sweep->line[j];
+            l.first[i] = sweep->segment[j];
             l.x[i] = sweep->value[j];
         }
         sweep_lanes(noise, start_ns, length_ns, &l);
         for (size_t i = 0; i < TD_RANDOM_LANES && done + i < count; i++) {
-            sweep->line[done + i] = l.last[i];
+            sweep->segment[done + i] = l.last[i];
             sweep->value[done + i] = l.begin[i];
             sweep->low[done + i] = l.lowest[i];
             sweep->high[done + i] = l.highest[i];

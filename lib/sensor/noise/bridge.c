@@ -11,9 +11,9 @@ static const double finest = 0.25;
 /* The largest q = -log(uniform): a bridge exceeds what it leaves it once in e^12. */
 static const double q_max = 12;
 
-/* A part of a line, with bounds of the noise on it. */
+/* A part of a segment, with bounds of the noise on it. */
 typedef struct part {
-    uint32_t node; /* 1: the line; 2 n and 2 n + 1: the halves of n */
+    uint32_t node; /* 1: the segment; 2 n and 2 n + 1: the halves of n */
     int depth;     /* of the node in the tree */
     double from_ns, to_ns, begin, end, low, high;
 } part;
@@ -50,8 +50,8 @@ static void bound(const td_additive_noise *noise, part *p, double low, double hi
     p->high = fmin(0.5 * (sum + w), high);
 }
 
-static part whole(const td_additive_noise *noise, const td_noise_line *line) {
-    part p = {1, 0, line->from_ns, line->to_ns, line->begin, line->end, 0, 0};
+static part whole(const td_additive_noise *noise, const td_noise_segment *segment) {
+    part p = {1, 0, segment->from_ns, segment->to_ns, segment->begin, segment->end, 0, 0};
     bound(noise, &p, -INFINITY, INFINITY);
     return p;
 }
@@ -81,7 +81,7 @@ static double share_of(const part *p, double extreme) {
     return rise + fall > 0 ? rise / (rise + fall) : 0.5;
 }
 
-/* Apart, so that no stretch between corners is steep beyond reason where both extremes come in the middle. */
+/* Apart, so that nothing between corners is steep beyond reason where both extremes come in the middle. */
 static const double first_latest = 7.0 / 16, second_earliest = 9.0 / 16;
 
 static void find_corners(const td_additive_noise *noise, uint32_t pixel, uint64_t k, const part *p, corners *c) {
@@ -104,14 +104,14 @@ static void find_corners(const td_additive_noise *noise, uint32_t pixel, uint64_
     c->time_ns[3] = p->to_ns;
 }
 
-double td_noise_value(const td_additive_noise *noise, uint32_t pixel, const td_noise_line *line, double time_ns) {
-    part p = whole(noise, line), half[2];
+double td_noise_value(const td_additive_noise *noise, uint32_t pixel, const td_noise_segment *segment, double time_ns) {
+    part p = whole(noise, segment), half[2];
     corners c;
     while (!is_bottom(noise, &p)) {
-        halve(noise, pixel, line->k, &p, half);
+        halve(noise, pixel, segment->k, &p, half);
         p = half[time_ns > half[0].to_ns];
     }
-    find_corners(noise, pixel, line->k, &p, &c);
+    find_corners(noise, pixel, segment->k, &p, &c);
     int i = 0;
     while (i < CORNERS - 2 && time_ns > c.time_ns[i + 1]) i++;
     const double share = (time_ns - c.time_ns[i]) / (c.time_ns[i + 1] - c.time_ns[i]);
@@ -124,7 +124,7 @@ static double place_of(const td_noise_search *search, double time_ns) {
     return td_place_of(time_ns, search->start_ns, search->length_ns);
 }
 
-/* 0: the path with any noise in [low, high] reaches no level on [from, to]. 1: it may, but not before *s. */
+/* 0: the response with any noise in [low, high] reaches no level on [from, to]. 1: it may, but not before *s. */
 static int may_reach(const td_noise_search *search, double low, double high, double from, double to, double *s) {
     const double top = search->reference + search->on - high, bottom = search->reference - search->off - low;
     *s = from;
@@ -132,15 +132,16 @@ static int may_reach(const td_noise_search *search, double low, double high, dou
     /* Levels that leave no room, or a signal that hardly moves: there is nothing more to tell. */
     if (!(top > bottom) || search->high - search->low < 0.25 * (high - low)) return 1;
     const double half = 0.5 * (top - bottom);
-    return td_path_crossing(search->path, bottom + half, half, half, from, to, s) != 0;
+    return td_response_crossing(search->response, bottom + half, half, half, from, to, s) != 0;
 }
 
-/* The first crossing of the path with a straight stretch of noise. */
+/* The first crossing of the response with a straight stretch of noise. */
 static int cross_straight(const td_noise_search *search, const corners *c, int i, double from, double to, double *s) {
     const double slope = (c->value[i + 1] - c->value[i]) / (c->time_ns[i + 1] - c->time_ns[i]);
     const double begin = c->value[i] + slope * (search->start_ns - c->time_ns[i]), rise = slope * search->length_ns;
-    for (int k = 0; k < 4; k++) search->scratch->cubic.control[k] = search->path->cubic.control[k] + (begin + rise * (k / 3.0));
-    return td_path_crossing(search->scratch, search->reference, search->on, search->off, from, to, s);
+    for (int k = 0; k < 4; k++)
+        search->scratch->cubic.control[k] = search->response->cubic.control[k] + (begin + rise * (k / 3.0));
+    return td_response_crossing(search->scratch, search->reference, search->on, search->off, from, to, s);
 }
 
 static int cross_corners(const td_noise_search *search, const corners *c, double from, double to, double *s) {
@@ -156,22 +157,23 @@ static int cross_corners(const td_noise_search *search, const corners *c, double
 }
 
 /* Parts in time order; what is still to be looked at is on a stack, as deep as the tree. */
-int td_noise_crossing(const td_noise_search *search, const td_noise_line *line, double from, double to, double *s) {
+int td_noise_crossing(const td_noise_search *search, const td_noise_segment *segment, double from, double to, double *s) {
     part left[TD_NOISE_DEPTH_MAX + 2];
     int count = 0, polarity = 0;
-    left[count++] = whole(search->noise, line);
+    left[count++] = whole(search->noise, segment);
     while (count > 0 && polarity == 0) {
         const part p = left[--count];
         double begin = p.node == 1 ? from : fmax(from, place_of(search, p.from_ns)), end = to;
         corners c;
         part half[2];
-        if (p.node & (p.node + 1)) end = fmin(to, place_of(search, p.to_ns)); /* the last of a generation ends with the line */
+        if (p.node & (p.node + 1))
+            end = fmin(to, place_of(search, p.to_ns)); /* the last of a generation ends with the segment */
         if (!(begin <= end) || !may_reach(search, p.low, p.high, begin, end, &begin)) continue;
         if (is_bottom(search->noise, &p)) {
-            find_corners(search->noise, search->pixel, line->k, &p, &c);
+            find_corners(search->noise, search->pixel, segment->k, &p, &c);
             polarity = cross_corners(search, &c, begin, end, s);
         } else {
-            halve(search->noise, search->pixel, line->k, &p, half);
+            halve(search->noise, search->pixel, segment->k, &p, half);
             left[count++] = half[1];
             left[count++] = half[0];
         }

@@ -17,9 +17,9 @@ static double shot_factor(double Y) {
     return 1 - brightest_loss * (dn + dn_offset) / dn_range;
 }
 
-double td_noise_share(double Y) { return shot_factor(Y) / shot_factor(0); }
+double td_shot_noise_share(double Y) { return shot_factor(Y) / shot_factor(0); }
 
-tides_status td_noise_create(const tides_sensor *sensor, size_t pixels, td_noise *noise, tides_error *error) {
+tides_status td_shot_noise_create(const tides_sensor *sensor, size_t pixels, td_shot_noise *noise, tides_error *error) {
     memset(noise, 0, sizeof *noise);
     noise->seed = sensor->seed;
     noise->rate[TD_NOISE_SHOT_ON] = noise->rate[TD_NOISE_SHOT_OFF] = 0.5e-9 * sensor->shot_noise_hz;
@@ -29,13 +29,13 @@ tides_status td_noise_create(const tides_sensor *sensor, size_t pixels, td_noise
         noise->due[k] = td_alloc(pixels, sizeof *noise->due[k], error);
         noise->drawn[k] = td_alloc(pixels, sizeof *noise->drawn[k], error);
         if (noise->due[k] && noise->drawn[k]) continue;
-        td_noise_release(noise);
+        td_shot_noise_release(noise);
         return TIDES_NO_MEMORY;
     }
     return TIDES_OK;
 }
 
-void td_noise_release(td_noise *noise) {
+void td_shot_noise_release(td_shot_noise *noise) {
     for (int k = 0; k < TD_NOISES; k++) {
         free(noise->due[k]);
         free(noise->drawn[k]);
@@ -45,17 +45,17 @@ void td_noise_release(td_noise *noise) {
 
 /* Candidate `drawn` (from 1) of a source: half 0 says how long after the one before it, half 1 whether it is kept. Index 0 says
  * whether the pixel is hot. */
-static td_random_bits bits_of(const td_noise *noise, int source, uint32_t pixel, uint32_t drawn) {
+static td_random_bits bits_of(const td_shot_noise *noise, int source, uint32_t pixel, uint32_t drawn) {
     return td_random(noise->seed, pixel, drawn, purpose[source]);
 }
 
-static void draw_next(td_noise *noise, int source, size_t i, uint32_t pixel) {
+static void draw_next(td_shot_noise *noise, int source, size_t i, uint32_t pixel) {
     td_random_bits bits = bits_of(noise, source, pixel, ++noise->drawn[source][i]);
     double wait = floor(td_random_exponential(&bits, 0) / noise->rate[source] + 0.5);
     noise->due[source][i] += fmax(wait, 1);
 }
 
-void td_noise_begin(td_noise *noise, const tides_sensor *sensor, size_t i, uint32_t pixel) {
+void td_shot_noise_begin(td_shot_noise *noise, const tides_sensor *sensor, size_t i, uint32_t pixel) {
     for (int k = 0; k < TD_NOISES; k++) {
         if (!noise->due[k]) continue;
         td_random_bits bits = bits_of(noise, k, pixel, 0);
@@ -66,7 +66,7 @@ void td_noise_begin(td_noise *noise, const tides_sensor *sensor, size_t i, uint3
     }
 }
 
-int td_noise_next(const td_noise *noise, size_t i, double *due) {
+int td_shot_noise_next(const td_shot_noise *noise, size_t i, double *due) {
     int first = -1;
     *due = INFINITY;
     for (int k = 0; k < TD_NOISES; k++) {
@@ -77,8 +77,8 @@ int td_noise_next(const td_noise *noise, size_t i, double *due) {
     return first;
 }
 
-int td_noise_take(td_noise *noise, int source, size_t i, uint32_t pixel, double L, double log_eps) {
+int td_shot_noise_take(td_shot_noise *noise, int source, size_t i, uint32_t pixel, double L, double log_eps) {
     td_random_bits bits = bits_of(noise, source, pixel, noise->drawn[source][i]);
     draw_next(noise, source, i, pixel);
-    return source == TD_NOISE_HOT || td_random_uniform(&bits, 1) < td_noise_share(exp(L) - log_eps);
+    return source == TD_NOISE_HOT || td_random_uniform(&bits, 1) < td_shot_noise_share(exp(L) - log_eps);
 }

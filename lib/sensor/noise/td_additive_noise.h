@@ -5,7 +5,7 @@
  *   x(k + 1) = rho x(k) + noise_rms sqrt(1 - rho^2) n(k + 1),  rho = exp(-d / tau),  n standard normal
  *
  * is the process itself at these points, stationary from the first. What it does between them, td_noise_bridge.h says. Here
- * only bounds of that matter: a line is the stretch between two points, and on it the noise stays within `reach` of their
+ * only bounds of that matter: a segment is the stretch between two points, and on it the noise stays within `reach` of their
  * range.
  *
  * Normals are a function of (seed, pixel, k): not of steps, tiles, or where a run is cut. A pixel's state is k and x(k). */
@@ -28,48 +28,48 @@ typedef struct td_additive_noise {
     uint64_t seed;
     double spacing_ns;                            /* d */
     double sigma, rho, change;                    /* of grid points; change = sigma sqrt(1 - rho^2) */
-    double reach;                                 /* how far beyond its ends the noise goes on a line, at most */
-    int depth;                                    /* halvings of a line (td_noise_bridge.h), */
+    double reach;                                 /* how far beyond its ends the noise goes on a segment, at most */
+    int depth;                                    /* halvings of a segment (td_noise_bridge.h), */
     td_noise_level level[TD_NOISE_DEPTH_MAX + 1]; /* and the parts after each */
 } td_additive_noise;
 
 /* Normals are drawn in blocks, which takes a fraction of the time: block b has n(b TD_NOISE_BLOCK) and those that follow. */
 enum { TD_NOISE_BLOCK = 2 * TD_RANDOM_LANES };
 
-/* A pixel's line, from x(k) to x(k + 1). */
-typedef struct td_noise_line {
+/* A pixel's segment, from x(k) to x(k + 1). */
+typedef struct td_noise_segment {
     uint64_t k;
     double from_ns, to_ns;         /* since the run's start */
     double begin, end;             /* [log units] */
-    double origin_ns;              /* of line 0 */
+    double origin_ns;              /* of segment 0 */
     double normal[TD_NOISE_BLOCK]; /* the block that n(k + 1) is of */
-} td_noise_line;
+} td_noise_segment;
 
 /* Off where noise_rms is 0. TIDES_BAD_ARGUMENT naming the field. */
 TIDES_MUST_CHECK tides_status td_additive_noise_make(const tides_sensor *sensor, td_additive_noise *noise, tides_error *error);
 
-/* x(0) of `pixel`; the run's start is on line 0. */
+/* x(0) of `pixel`; the run's start is on segment 0. */
 double td_additive_noise_first(const td_additive_noise *noise, uint32_t pixel);
 
-/* The line that begins with x(k) = value, as a checkpoint has it. */
-td_noise_line td_additive_noise_resume(const td_additive_noise *noise, uint32_t pixel, uint64_t k, double value);
+/* The segment that begins with x(k) = value, as a checkpoint has it. */
+td_noise_segment td_additive_noise_resume(const td_additive_noise *noise, uint32_t pixel, uint64_t k, double value);
 
-/* Goes on to the line after *line. */
-void td_additive_noise_next(const td_additive_noise *noise, uint32_t pixel, td_noise_line *line);
+/* Goes on to the segment after *segment. */
+void td_additive_noise_next(const td_additive_noise *noise, uint32_t pixel, td_noise_segment *segment);
 
-/* Goes on from *line, at or before the time [ns since the run's start], to the one that holds it. */
-void td_additive_noise_seek(const td_additive_noise *noise, uint32_t pixel, double time_ns, td_noise_line *line);
+/* Goes on from *segment, at or before the time [ns since the run's start], to the one that holds it. */
+void td_additive_noise_seek(const td_additive_noise *noise, uint32_t pixel, double time_ns, td_noise_segment *segment);
 
 /* Time as a step's s in [0, 1]. */
 static inline double td_place_of(double time_ns, double start_ns, double length_ns) { return (time_ns - start_ns) / length_ns; }
 
-/* Of `count` pixels: k and x(k) of the line that the step's start is on, or one before it, which become those of its end; and
- * bounds of these lines' ends: on the step the noise stays within `reach` of them. */
+/* Of `count` pixels: k and x(k) of the segment that the step's start is on, or one before it, which become those of its end;
+ * and bounds of these segments' ends: on the step the noise stays within `reach` of them. */
 typedef struct td_noise_sweep {
-    double *line, *value, *low, *high;
+    double *segment, *value, *low, *high;
 } td_noise_sweep;
 
-/* To the bit what td_additive_noise_next comes to from line to line, of all pixels side by side. */
+/* To the bit what td_additive_noise_next comes to from segment to segment, of all pixels side by side. */
 void td_additive_noise_sweep(const td_additive_noise *noise, double start_ns, double length_ns, const uint32_t *pixel,
                              size_t count, const td_noise_sweep *sweep);
 

@@ -1,8 +1,8 @@
 /* Internal: additive noise between the points of its grid, so that it crosses levels as often as the process does.
  *
- * A straight line between two points misses the crossings of what goes there and back: lines of tau / 8 fire a third less than
- * the process where a threshold is twice noise_rms. So a line is a tree of parts. Where a part begins and ends with a and b,
- * its middle is drawn from the process's own law given these (l its length / tau),
+ * A straight line between two points misses the crossings of what goes there and back: segments of tau / 8 fire a third less
+ * than the process where a threshold is twice noise_rms. So a segment is a tree of parts. Where a part begins and ends with a
+ * and b, its middle is drawn from the process's own law given these (l its length / tau),
  *
  *   normal of mean (a + b) / (2 cosh(l / 2)) and variance noise_rms^2 tanh(l / 2),
  *
@@ -37,21 +37,21 @@
 /* level, depth and reach of a noise whose sigma and spacing_ns are set, for levels at least `threshold` away. */
 void td_noise_bridge_make(td_additive_noise *noise, double tau_ns, double threshold);
 
-/* The noise on a pixel's line at a time that it holds; beyond its ends, theirs. */
-double td_noise_value(const td_additive_noise *noise, uint32_t pixel, const td_noise_line *line, double time_ns);
+/* The noise on a pixel's segment at a time that it holds; beyond its ends, theirs. */
+double td_noise_value(const td_additive_noise *noise, uint32_t pixel, const td_noise_segment *segment, double time_ns);
 
-/* What a crossing is asked of: a pixel's path on a step, and its levels. */
+/* What a crossing is asked of: a pixel's response on a step, and its levels. */
 typedef struct td_noise_search {
     const td_additive_noise *noise;
     uint32_t pixel;
-    double start_ns, length_ns; /* of the step */
-    const td_path *path;        /* without noise, */
-    double low, high;           /* its bounds on the step, */
-    td_path *scratch;           /* and a copy whose cubic changes */
+    double start_ns, length_ns;  /* of the step */
+    const td_response *response; /* without noise, */
+    double low, high;            /* its bounds on the step, */
+    td_response *scratch;        /* and a copy whose cubic changes */
     double reference, on, off;
 } td_noise_search;
 
-/* td_path_crossing of path + noise, for `from` to `to` on the line. */
-int td_noise_crossing(const td_noise_search *search, const td_noise_line *line, double from, double to, double *s);
+/* td_response_crossing of response + noise, for `from` to `to` on the segment. */
+int td_noise_crossing(const td_noise_search *search, const td_noise_segment *segment, double from, double to, double *s);
 
 #endif

@@ -10,8 +10,8 @@
  * Candidate k of a pixel depends on (seed, pixel, k) and the candidate before it: not on steps, tiles or cuts. Times are
  * rounded to whole nanoseconds, at least one after the other, so that every one belongs to one step exactly. Whether a shot
  * candidate is kept also depends on the signal at that time, which is known as well as the steps are fine. */
-#ifndef TD_NOISE_H
-#define TD_NOISE_H
+#ifndef TD_SHOT_NOISE_H
+#define TD_SHOT_NOISE_H
 
 #include "tides/sensor.h"
 
@@ -19,27 +19,28 @@
 
 enum { TD_NOISE_SHOT_ON = 0, TD_NOISE_SHOT_OFF, TD_NOISE_HOT, TD_NOISES };
 
-typedef struct td_noise {
+typedef struct td_shot_noise {
     uint64_t seed;
     double rate[TD_NOISES];     /* candidates [1/ns]; 0: off, and the arrays aren't there */
     double *due[TD_NOISES];     /* [ns since the run's start], whole: the next candidate; INFINITY: never (pixels) */
     uint32_t *drawn[TD_NOISES]; /* candidates drawn so far, that one included (pixels) */
-} td_noise;
+} td_shot_noise;
 
-/* Room for `pixels`; td_noise_release frees. */
-TIDES_MUST_CHECK tides_status td_noise_create(const tides_sensor *sensor, size_t pixels, td_noise *noise, tides_error *error);
-void td_noise_release(td_noise *noise);
+/* Room for `pixels`; td_shot_noise_release frees. */
+TIDES_MUST_CHECK tides_status td_shot_noise_create(const tides_sensor *sensor, size_t pixels, td_shot_noise *noise,
+                                                   tides_error *error);
+void td_shot_noise_release(td_shot_noise *noise);
 
 /* Draws whether pixel i, number `pixel` of the image, is hot, and the first candidates of its sources. */
-void td_noise_begin(td_noise *noise, const tides_sensor *sensor, size_t i, uint32_t pixel);
+void td_shot_noise_begin(td_shot_noise *noise, const tides_sensor *sensor, size_t i, uint32_t pixel);
 
 /* The source whose candidate comes first, and when; -1 where there is none. */
-int td_noise_next(const td_noise *noise, size_t i, double *due);
+int td_shot_noise_next(const td_shot_noise *noise, size_t i, double *due);
 
 /* Takes the candidate at hand from `source` and draws the next; 1 where it is kept in a pixel with log-luminance L. */
-int td_noise_take(td_noise *noise, int source, size_t i, uint32_t pixel, double L, double log_eps);
+int td_shot_noise_take(td_shot_noise *noise, int source, size_t i, uint32_t pixel, double L, double log_eps);
 
 /* Share of shot candidates kept at luminance Y. */
-double td_noise_share(double Y);
+double td_shot_noise_share(double Y);
 
 #endif

@@ -112,51 +112,51 @@ double td_frontend_rest(const td_frontend *frontend, double L, double log_eps, d
     return L;
 }
 
-/* The walk over the pieces; `drive` gets a stretch for each eighth of the step. One piece alone, in the step's own time, is the
- * path itself. */
-static void step_in_pieces(td_drive *drive, double state[TD_FRONTEND_STATE], td_path *path) {
-    td_pieces pieces;
+/* The walk over the substeps; `source` gets a segment for each eighth of the step. One substep alone, in the step's own time,
+ * is the response itself. */
+static void step_in_substeps(td_filter_input *source, double state[TD_FRONTEND_STATE], td_response *response) {
+    td_substeps substeps;
     double low, high;
     int count = 0;
-    td_pieces_begin(&pieces, drive, 0);
-    for (td_stretch *at = drive->stretch; td_pieces_next(&pieces); count++) {
-        td_path_range(&pieces.path, &low, &high);
+    td_substeps_begin(&substeps, source, 0);
+    for (td_segment *at = source->segment; td_substeps_next(&substeps); count++) {
+        td_response_range(&substeps.response, &low, &high);
         at->low = fmin(at->low, low);
         at->high = fmax(at->high, high);
-        if (pieces.to >= 1 || pieces.to < drive->stretches / (double)TD_STRETCHES_MAX) continue;
-        at = &drive->stretch[drive->stretches++];
-        td_pieces_mark(&pieces, at);
+        if (substeps.to >= 1 || substeps.to < source->segments / (double)TD_SEGMENTS_MAX) continue;
+        at = &source->segment[source->segments++];
+        td_substeps_mark(&substeps, at);
     }
-    for (int i = 0; i < TD_FRONTEND_STATE; i++) state[i] = pieces.state[i];
-    if (count == 1 && !pieces.warp.on) {
-        *path = pieces.path;
+    for (int i = 0; i < TD_FRONTEND_STATE; i++) state[i] = substeps.state[i];
+    if (count == 1 && !substeps.map.on) {
+        *response = substeps.response;
         return;
     }
-    td_path_set(path, &(td_model){{0, 0, 0, 0}});
-    path->drive = *drive;
+    td_response_set(response, &(td_model){{0, 0, 0, 0}});
+    response->source = *source;
 }
 
 void td_frontend_step(const td_frontend *frontend, double h, const td_model *input, double log_eps,
-                      double state[TD_FRONTEND_STATE], td_path *path) {
-    td_path_set(path, input);
+                      double state[TD_FRONTEND_STATE], td_response *response) {
+    td_response_set(response, input);
     if (!frontend->on) return;
     if (!td_model_is_finite(input)) {
-        path->cubic = (td_model){{NAN, NAN, NAN, NAN}};
+        response->cubic = (td_model){{NAN, NAN, NAN, NAN}};
         return;
     }
     if (!isfinite(state[0])) td_frontend_rest(frontend, input->control[0], log_eps, state);
     if (frontend->kind == TD_FRONTEND_CONSTANT) {
         td_poles poles = td_poles_first_order(frontend->rate * h, state[0], input->control[0]);
-        td_poles_respond(&poles, input, path);
-        state[0] = td_path_value(path, 1);
+        td_poles_respond(&poles, input, response);
+        state[0] = td_response_value(response, 1);
         return;
     }
-    td_drive drive;
-    drive.frontend = frontend;
-    drive.input = *input;
-    drive.h = h;
-    drive.log_eps = log_eps;
-    drive.stretches = 1;
-    drive.stretch[0] = (td_stretch){0, 1, {state[0], state[1], state[2], state[3]}, INFINITY, -INFINITY, 0};
-    step_in_pieces(&drive, state, path);
+    td_filter_input source;
+    source.frontend = frontend;
+    source.input = *input;
+    source.h = h;
+    source.log_eps = log_eps;
+    source.segments = 1;
+    source.segment[0] = (td_segment){0, 1, {state[0], state[1], state[2], state[3]}, INFINITY, -INFINITY, 0};
+    step_in_substeps(&source, state, response);
 }

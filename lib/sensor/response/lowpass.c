@@ -31,7 +31,7 @@ static td_complex respond_slow(const td_pole *pole, td_complex offset, const dou
     return td_scaled(x, 24);
 }
 
-void td_poles_respond(const td_poles *poles, const td_model *input, td_path *path) {
+void td_poles_respond(const td_poles *poles, const td_model *input, td_response *response) {
     const double *b = input->control;
     double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2];
     double l[4] = {b[0], 3 * d0, 3 * (d1 - d0), d2 - 2 * d1 + d0}, c[4] = {poles->start, 0, 0, 0};
@@ -41,11 +41,11 @@ void td_poles_respond(const td_poles *poles, const td_model *input, td_path *pat
         td_complex offset = td_minus(pole->offset, td_scaled(pole->weight, l[0] - poles->origin)), size;
         int tail = !(td_magnitude(pole->rate) > 1);
         size = tail ? respond_slow(pole, offset, l, many, c) : respond_fast(pole, offset, l, many, c);
-        path->mode[k] = (td_mode){pole->rate.re, pole->rate.im, many * size.re, many * size.im, tail};
+        response->mode[k] = (td_mode){pole->rate.re, pole->rate.im, many * size.re, many * size.im, tail};
     }
-    path->modes = poles->count;
-    path->drive.frontend = NULL;
-    path->cubic = (td_model){{c[0], c[0] + c[1] / 3, c[0] + (2 * c[1] + c[2]) / 3, c[0] + c[1] + c[2] + c[3]}};
+    response->modes = poles->count;
+    response->source.frontend = NULL;
+    response->cubic = (td_model){{c[0], c[0] + c[1] / 3, c[0] + (2 * c[1] + c[2]) / 3, c[0] + c[1] + c[2] + c[3]}};
 }
 
 /* -- poles ----------------------------------------------------------------------------------------------------------------- */

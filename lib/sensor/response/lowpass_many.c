@@ -1,7 +1,7 @@
 /* The constant low-pass over the pixels of a tile, in loops that compilers vectorise.
  *
- * Operation for operation what td_poles_respond and td_path_value do with one real pole, at the step's end: the numbers are
- * theirs to the bit, so that it never shows which pixels had their path worked out. */
+ * Operation for operation what td_poles_respond and td_response_value do with one real pole, at the step's end: the numbers are
+ * theirs to the bit, so that it never shows which pixels had their response worked out. */
 #include "td_frontend.h"
 #include "td_modes.h"
 
@@ -30,7 +30,7 @@ static inline double smaller(double a, double b) { return a < b ? a : b; }
 
 static inline double larger(double a, double b) { return a > b ? a : b; }
 
-/* S is an average of what it was and what comes in, and stays between them but for rounding, of the path that bounds are to
+/* S is an average of what it was and what comes in, and stays between them but for rounding, of the response that bounds are to
  * hold for too. */
 static const double rounding = 64 * DBL_EPSILON;
 

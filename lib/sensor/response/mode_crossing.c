@@ -4,8 +4,7 @@
  * half a time constant of the fastest mode alive, more as it dies. The polynomial then tells what the part holds:
  *   - no level within its range: pass on;
  *   - the slope, or else the second derivative, keeps its sign: at most one extremum, which is found, and on the monotone
- * pieces
- *     a level is crossed if and only if the piece's end has reached it;
+ *     pieces a level is crossed if and only if the piece's end has reached it;
  *   - else the part is halved. That needs two extrema or an inflection next to an extremum, close to a level. */
 #include "signal/td_root.h"
 #include "td_modes.h"
@@ -17,7 +16,7 @@ enum { DEGREE = 15 };
 
 /* What stays the same during a walk. */
 typedef struct search {
-    const td_path *path;
+    const td_response *response;
     double reference, on, off;
     double tiny;  /* modes smaller than this are below rounding */
     double least; /* parts this short aren't halved */
@@ -83,9 +82,9 @@ static void expand(const search *at, double begin, double half, double to, serie
     *part = (series){.begin = begin, .end = end < to ? end : to};
     part->half = 0.5 * (part->end - begin);
     part->centre = begin + part->half;
-    add_cubic(part, &at->path->cubic);
-    for (int k = 0; k < at->path->modes; k++) {
-        const td_mode *mode = &at->path->mode[k];
+    add_cubic(part, &at->response->cubic);
+    for (int k = 0; k < at->response->modes; k++) {
+        const td_mode *mode = &at->response->mode[k];
         if (mode->tail)
             add_tail(part, mode);
         else if (size_at(mode, begin) > at->tiny)
@@ -195,20 +194,20 @@ static void bound_work(search *at) {
 }
 
 /* The largest number that S is a sum of. */
-static double scale_of(const td_path *path) {
+static double scale_of(const td_response *response) {
     double scale = 0;
-    for (int i = 0; i < 4; i++) scale = fmax(scale, fabs(path->cubic.control[i]));
-    for (int k = 0; k < path->modes; k++) scale = fmax(scale, hypot(path->mode[k].cosine, path->mode[k].sine));
+    for (int i = 0; i < 4; i++) scale = fmax(scale, fabs(response->cubic.control[i]));
+    for (int k = 0; k < response->modes; k++) scale = fmax(scale, hypot(response->mode[k].cosine, response->mode[k].sine));
     return scale;
 }
 
-int td_modes_crossing(const td_path *path, double reference, double threshold_on, double threshold_off, double from, double to,
-                      double *s) {
-    search at = {path, reference, threshold_on, threshold_off, 0x1p-60 * scale_of(path), 0x1p-45, 0};
+int td_modes_crossing(const td_response *response, double reference, double threshold_on, double threshold_off, double from,
+                      double to, double *s) {
+    search at = {response, reference, threshold_on, threshold_off, 0x1p-60 * scale_of(response), 0x1p-45, 0};
     double limit = INFINITY; /* on the next part's half, after halving */
     for (double begin = from;;) {
         double half = limit;
-        for (int k = 0; k < path->modes; k++) half = fmin(half, half_of(&at, &path->mode[k], begin));
+        for (int k = 0; k < response->modes; k++) half = fmin(half, half_of(&at, &response->mode[k], begin));
         if (at.least > 0x1p-30) half = fmax(half, at.least);
         series part;
         int polarity;

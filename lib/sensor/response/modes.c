@@ -1,4 +1,4 @@
-/* Modes of a path. */
+/* Modes of a response. */
 #include "td_modes.h"
 
 #include <math.h>

@@ -8,44 +8,45 @@
 
 /* -- values -------------------------------------------------------------------------------------------------------------- */
 
-static double direct_value(const td_path *path, double s) {
-    double value = td_model_value(&path->cubic, s);
-    for (int k = 0; k < path->modes; k++) value += td_mode_value(&path->mode[k], s);
+static double direct_value(const td_response *response, double s) {
+    double value = td_model_value(&response->cubic, s);
+    for (int k = 0; k < response->modes; k++) value += td_mode_value(&response->mode[k], s);
     return value;
 }
 
-static double direct_slope(const td_path *path, double s) {
-    double slope = td_model_slope(&path->cubic, s);
-    for (int k = 0; k < path->modes; k++) slope += td_mode_slope(&path->mode[k], s);
+static double direct_slope(const td_response *response, double s) {
+    double slope = td_model_slope(&response->cubic, s);
+    for (int k = 0; k < response->modes; k++) slope += td_mode_slope(&response->mode[k], s);
     return slope;
 }
 
-/* The piece that holds s. */
-static void find_piece(td_pieces *pieces, const td_path *path, double s) {
-    int stretch = path->drive.stretches - 1;
-    while (stretch > 0 && path->drive.stretch[stretch].from > s) stretch--;
-    td_pieces_begin(pieces, &path->drive, stretch);
-    while (td_pieces_next(pieces) && pieces->to < s) continue;
+/* The substep that holds s. */
+static void find_substep(td_substeps *substeps, const td_response *response, double s) {
+    int segment = response->source.segments - 1;
+    while (segment > 0 && response->source.segment[segment].from > s) segment--;
+    td_substeps_begin(substeps, &response->source, segment);
+    while (td_substeps_next(substeps) && substeps->to < s) continue;
 }
 
-double td_path_value(const td_path *path, double s) {
-    td_pieces pieces;
-    if (!path->drive.frontend) return direct_value(path, s);
-    find_piece(&pieces, path, s);
-    return direct_value(path, s) + direct_value(&pieces.path, td_pieces_place(&pieces, s));
+double td_response_value(const td_response *response, double s) {
+    td_substeps substeps;
+    if (!response->source.frontend) return direct_value(response, s);
+    find_substep(&substeps, response, s);
+    return direct_value(response, s) + direct_value(&substeps.response, td_substeps_place(&substeps, s));
 }
 
-double td_path_slope(const td_path *path, double s) {
-    td_pieces pieces;
-    if (!path->drive.frontend) return direct_slope(path, s);
-    find_piece(&pieces, path, s);
-    return direct_slope(path, s) + direct_slope(&pieces.path, td_pieces_place(&pieces, s)) * td_pieces_speed(&pieces, s);
+double td_response_slope(const td_response *response, double s) {
+    td_substeps substeps;
+    if (!response->source.frontend) return direct_slope(response, s);
+    find_substep(&substeps, response, s);
+    return direct_slope(response, s) +
+           direct_slope(&substeps.response, td_substeps_place(&substeps, s)) * td_substeps_speed(&substeps, s);
 }
 
 /* -- bounds -------------------------------------------------------------------------------------------------------------- */
 
-void td_path_range(const td_path *path, double *low, double *high) {
-    const double *b = path->cubic.control;
+void td_response_range(const td_response *response, double *low, double *high) {
+    const double *b = response->cubic.control;
     double size = 0;
     *low = *high = b[0];
     for (int i = 0; i < 4; i++) {
@@ -53,17 +54,17 @@ void td_path_range(const td_path *path, double *low, double *high) {
         *high = b[i] > *high ? b[i] : *high;
         size = fmax(size, fabs(b[i]));
     }
-    if (path->modes == 0 && !path->drive.frontend) return;
-    double mode_low = path->drive.frontend ? INFINITY : 0, mode_high = -mode_low;
-    for (int k = 0; path->drive.frontend && k < path->drive.stretches; k++) {
-        mode_low = fmin(mode_low, path->drive.stretch[k].low);
-        mode_high = fmax(mode_high, path->drive.stretch[k].high);
+    if (response->modes == 0 && !response->source.frontend) return;
+    double mode_low = response->source.frontend ? INFINITY : 0, mode_high = -mode_low;
+    for (int k = 0; response->source.frontend && k < response->source.segments; k++) {
+        mode_low = fmin(mode_low, response->source.segment[k].low);
+        mode_high = fmax(mode_high, response->source.segment[k].high);
     }
-    for (int k = 0; k <= path->modes; k++) { /* the drive's bounds, or 0 and 0, first */
+    for (int k = 0; k <= response->modes; k++) { /* the source's bounds, or 0 and 0, first */
         *low += mode_low;
         *high += mode_high;
         size += fmax(fabs(mode_low), fabs(mode_high));
-        if (k < path->modes) td_mode_range(&path->mode[k], &mode_low, &mode_high);
+        if (k < response->modes) td_mode_range(&response->mode[k], &mode_low, &mode_high);
     }
     *low -= 16 * DBL_EPSILON * size;
     *high += 16 * DBL_EPSILON * size;
@@ -71,10 +72,10 @@ void td_path_range(const td_path *path, double *low, double *high) {
 
 /* -- crossings ----------------------------------------------------------------------------------------------------------- */
 
-static int is_finite(const td_path *path) {
-    int finite = td_model_is_finite(&path->cubic);
-    for (int k = 0; k < path->modes; k++) {
-        const td_mode *mode = &path->mode[k];
+static int is_finite(const td_response *response) {
+    int finite = td_model_is_finite(&response->cubic);
+    for (int k = 0; k < response->modes; k++) {
+        const td_mode *mode = &response->mode[k];
         finite &= isfinite(mode->rate) && isfinite(mode->frequency) && isfinite(mode->cosine) && isfinite(mode->sine);
     }
     return finite;
@@ -85,66 +86,66 @@ typedef struct request {
     double reference, on, off, from, to;
 } request;
 
-/* 1 where a stretch's bounds with the cubic's on it reach a level. */
-static int may_reach(const td_path *path, int stretch, double until, const request *asked) {
-    td_path part;
+/* 1 where a segment's bounds with the cubic's on it reach a level. */
+static int may_reach(const td_response *response, int segment, double until, const request *asked) {
+    td_response part;
     double low, high;
-    td_model cubic = td_model_part(&path->cubic, path->drive.stretch[stretch].from, until);
-    td_path_set(&part, &cubic);
-    td_path_range(&part, &low, &high);
-    low += path->drive.stretch[stretch].low - asked->reference;
-    high += path->drive.stretch[stretch].high - asked->reference;
+    td_model cubic = td_model_part(&response->cubic, response->source.segment[segment].from, until);
+    td_response_set(&part, &cubic);
+    td_response_range(&part, &low, &high);
+    low += response->source.segment[segment].low - asked->reference;
+    high += response->source.segment[segment].high - asked->reference;
     return high >= asked->on || low <= -asked->off;
 }
 
-/* A crossing in the warped time of a piece took what is added to its path as a cubic of that time; one Newton step with S
+/* A crossing in the mapped time of a substep took what is added to its response as a cubic of that time; one Newton step with S
  * itself mends what that is off by, where S isn't about to turn. */
-static double mend(const td_path *path, const td_pieces *pieces, const request *asked, int polarity, double s) {
-    if (!pieces->warp.on || s <= asked->from) return s;
-    double v = td_pieces_place(pieces, s), level = asked->reference + (polarity > 0 ? asked->on : -asked->off);
-    double off = td_model_value(&path->cubic, s) + direct_value(&pieces->path, v) - level;
-    double slope = td_model_slope(&path->cubic, s) + direct_slope(&pieces->path, v) * td_pieces_speed(pieces, s);
+static double mend(const td_response *response, const td_substeps *substeps, const request *asked, int polarity, double s) {
+    if (!substeps->map.on || s <= asked->from) return s;
+    double v = td_substeps_place(substeps, s), level = asked->reference + (polarity > 0 ? asked->on : -asked->off);
+    double off = td_model_value(&response->cubic, s) + direct_value(&substeps->response, v) - level;
+    double slope = td_model_slope(&response->cubic, s) + direct_slope(&substeps->response, v) * td_substeps_speed(substeps, s);
     double step = off / slope;
-    return fabs(step) <= 1e-5 * (pieces->to - pieces->from) ? s - step : s;
+    return fabs(step) <= 1e-5 * (substeps->to - substeps->from) ? s - step : s;
 }
 
-static int crossing_in_stretch(const td_path *path, int stretch, double until, const request *asked, double *s) {
-    td_pieces pieces;
-    td_pieces_begin(&pieces, &path->drive, stretch);
-    while (pieces.to < until && td_pieces_next(&pieces)) {
-        if (pieces.to < asked->from || pieces.from > asked->to) continue;
-        td_path piece;
-        td_pieces_with(&pieces, &path->cubic, &piece);
-        double begin = td_pieces_place(&pieces, asked->from), end = td_pieces_place(&pieces, asked->to), v;
-        int polarity = td_path_crossing(&piece, asked->reference, asked->on, asked->off, begin, end, &v);
+static int crossing_in_segment(const td_response *response, int segment, double until, const request *asked, double *s) {
+    td_substeps substeps;
+    td_substeps_begin(&substeps, &response->source, segment);
+    while (substeps.to < until && td_substeps_next(&substeps)) {
+        if (substeps.to < asked->from || substeps.from > asked->to) continue;
+        td_response substep;
+        td_substeps_with(&substeps, &response->cubic, &substep);
+        double begin = td_substeps_place(&substeps, asked->from), end = td_substeps_place(&substeps, asked->to), v;
+        int polarity = td_response_crossing(&substep, asked->reference, asked->on, asked->off, begin, end, &v);
         if (polarity == 0) continue;
-        *s = mend(path, &pieces, asked, polarity, td_pieces_time(&pieces, v));
+        *s = mend(response, &substeps, asked, polarity, td_substeps_time(&substeps, v));
         *s = fmin(fmax(*s, asked->from), asked->to);
         return polarity;
     }
     return 0;
 }
 
-static int crossing_in_pieces(const td_path *path, const request *asked, double *s) {
-    const td_drive *drive = &path->drive;
-    for (int k = 0; k < drive->stretches; k++) {
-        double until = k + 1 < drive->stretches ? drive->stretch[k + 1].from : 1;
-        if (until < asked->from || drive->stretch[k].from > asked->to || !may_reach(path, k, until, asked)) continue;
-        int polarity = crossing_in_stretch(path, k, until, asked, s);
+static int crossing_in_substeps(const td_response *response, const request *asked, double *s) {
+    const td_filter_input *source = &response->source;
+    for (int k = 0; k < source->segments; k++) {
+        double until = k + 1 < source->segments ? source->segment[k + 1].from : 1;
+        if (until < asked->from || source->segment[k].from > asked->to || !may_reach(response, k, until, asked)) continue;
+        int polarity = crossing_in_segment(response, k, until, asked, s);
         if (polarity) return polarity;
     }
     return 0;
 }
 
-int td_path_crossing(const td_path *path, double reference, double threshold_on, double threshold_off, double from, double to,
-                     double *s) {
-    if (path->modes == 0 && !path->drive.frontend)
-        return td_crossing_within(&path->cubic, reference, threshold_on, threshold_off, from, to, s);
+int td_response_crossing(const td_response *response, double reference, double threshold_on, double threshold_off, double from,
+                         double to, double *s) {
+    if (response->modes == 0 && !response->source.frontend)
+        return td_crossing_within(&response->cubic, reference, threshold_on, threshold_off, from, to, s);
     double low, high;
     *s = to;
-    td_path_range(path, &low, &high);
-    if (!is_finite(path) || !(high - reference >= threshold_on || low - reference <= -threshold_off)) return 0;
-    if (!path->drive.frontend) return td_modes_crossing(path, reference, threshold_on, threshold_off, from, to, s);
+    td_response_range(response, &low, &high);
+    if (!is_finite(response) || !(high - reference >= threshold_on || low - reference <= -threshold_off)) return 0;
+    if (!response->source.frontend) return td_modes_crossing(response, reference, threshold_on, threshold_off, from, to, s);
     request asked = {reference, threshold_on, threshold_off, from, to};
-    return crossing_in_pieces(path, &asked, s);
+    return crossing_in_substeps(response, &asked, s);
 }

@@ -1,33 +1,33 @@
 /* Filters whose rates go with the light: the first-order filter S' = r (L - S), and the circuit's first stage
  * a2 y'' + a1 y' + y = L. Both have rates that are linear in J = light Y + dark.
  *
- * The first-order filter is constant in a time v that goes as the integral of J (td_warp.h), where L becomes the cubic through
- * its ends. The error is what that cubic misses of L, which no past of S enlarges: pieces are long.
+ * The first-order filter is constant in a time v that goes as the integral of J (td_time_map.h), where L becomes the cubic
+ * through its ends. The error is what that cubic misses of L, which no past of S enlarges: substeps are long.
  *
- * The circuit, and the first-order filter where Y is cut off at 0: with J frozen at J_m in the middle of a piece, and
+ * The circuit, and the first-order filter where Y is cut off at 0: with J frozen at J_m in the middle of a substep, and
  * e = J / J_m - 1, they are exactly
  *
  *   A2 y'' + A1 y' + y = L + g,   g = e (L - y - k y')      A at J_m; k = output_s / (A_loop + 1), first order: A2 = 0, k = 0
  *
- * so that a piece is the constant filter's exact response to L + g. g is taken as the cubic through its values at 0, 1/3, 2/3
+ * so that a substep is the constant filter's exact response to L + g. g is taken as the cubic through its values at 0, 1/3, 2/3
  * and 1, found by repeated substitution: e is small and so is the lag. What the cubic misses of g, seen between its nodes, is
- * an error of the input; a piece is cut shorter until it is within frontend->tolerance. Errors don't add up from piece to
- * piece: the response to an input error is bound by the largest one, times coth(pi z / (2 sqrt(1 - z^2))) for a swing of
+ * an error of the input; a substep is cut shorter until it is within frontend->tolerance. Errors don't add up from substep to
+ * substep: the response to an input error is bound by the largest one, times coth(pi z / (2 sqrt(1 - z^2))) for a swing of
  * damping z (3.5 for the defaults in full light) should the error swing along with it. It changes sign at four places of each
- * piece instead, and measured against integration S stays within half of TD_FRONTEND_TOLERANCE (property tests). */
+ * substep instead, and measured against integration S stays within half of TD_FRONTEND_TOLERANCE (property tests). */
 #include "td_substeps.h"
 #include "td_lowpass.h"
 #include "td_modes.h"
 
 #include <math.h>
 
-/* Sweeps of substitution in a piece, each better by the factor e; pieces tried in a step before any error is taken (steps that
- * an image makes need 1 to 10). */
+/* Sweeps of substitution in a substep, each better by the factor e; substeps tried in a step before any error is taken (steps
+ * that an image makes need 1 to 10). */
 enum { SWEEPS = 8, TRIED_MAX = 1 << 14, NODES = 4, BETWEEN = 3 };
 
 static const double node[NODES + BETWEEN] = {0, 1.0 / 3, 2.0 / 3, 1, 1.0 / 6, 1.0 / 2, 5.0 / 6};
 
-/* A piece while it is being solved. */
+/* A substep while it is being solved. */
 typedef struct attempt {
     const td_frontend *frontend;
     double seconds, log_eps;
@@ -37,7 +37,7 @@ typedef struct attempt {
     double surplus[NODES + BETWEEN];                                 /* e at the nodes */
     double lead;                                                     /* k [s] */
     int is_still;                                                    /* J doesn't change */
-    td_path stage;                                                   /* y */
+    td_response stage;                                               /* y */
     td_complex value[2][NODES + BETWEEN], slope[2][NODES + BETWEEN]; /* its modes at the nodes, but for their size */
 } attempt;
 
@@ -131,26 +131,26 @@ static double substitute(attempt *at, const td_poles *stage, td_model *input) {
     return worst;
 }
 
-/* What follows the photoreceptor, and the state at the piece's end. */
+/* What follows the photoreceptor, and the state at the substep's end. */
 static void finish(const attempt *at, const td_poles *stage, const td_model *input, double state[TD_FRONTEND_STATE],
-                   td_path *path) {
+                   td_response *response) {
     const td_frontend *f = at->frontend;
     td_poles poles = *stage;
     double next[TD_FRONTEND_STATE] = {0};
-    next[1] = td_path_value(&at->stage, 1);
-    next[2] = td_path_slope(&at->stage, 1) / at->seconds;
-    *path = at->stage;
+    next[1] = td_response_value(&at->stage, 1);
+    next[2] = td_response_slope(&at->stage, 1) / at->seconds;
+    *response = at->stage;
     next[3] = next[1];
     if (f->source_follower > 0) {
         poles = td_poles_then(&poles, f->source_follower * at->seconds, at->state[3]);
-        td_poles_respond(&poles, input, path);
-        next[3] = td_path_value(path, 1);
+        td_poles_respond(&poles, input, response);
+        next[3] = td_response_value(response, 1);
     }
     if (f->difference > 0) {
         poles = td_poles_then(&poles, f->difference * at->seconds, at->state[0]);
-        td_poles_respond(&poles, input, path);
+        td_poles_respond(&poles, input, response);
     }
-    next[0] = f->difference > 0 ? td_path_value(path, 1) : next[3];
+    next[0] = f->difference > 0 ? td_response_value(response, 1) : next[3];
     for (int i = 0; i < TD_FRONTEND_STATE; i++) state[i] = next[i];
 }
 
@@ -159,80 +159,81 @@ static int is_flat(const td_model *model) {
     return b[0] == b[1] && b[0] == b[2] && b[0] == b[3];
 }
 
-/* The piece from pieces->from to `to`, rates frozen; its error in g. */
-static double solve_frozen(const td_pieces *pieces, const td_model *piece, double to, double state[TD_FRONTEND_STATE],
-                           td_path *path) {
-    const td_drive *drive = pieces->drive;
+/* The substep from substeps->from to `to`, rates frozen; its error in g. */
+static double solve_frozen(const td_substeps *substeps, const td_model *substep, double to, double state[TD_FRONTEND_STATE],
+                           td_response *response) {
+    const td_filter_input *source = substeps->source;
     attempt at;
-    at.frontend = drive->frontend;
-    at.log_eps = drive->log_eps;
-    at.state = pieces->state;
-    at.seconds = drive->h * (to - pieces->from);
-    at.input = *piece;
+    at.frontend = source->frontend;
+    at.log_eps = source->log_eps;
+    at.state = substeps->state;
+    at.seconds = source->h * (to - substeps->from);
+    at.input = *substep;
     at.middle = light_at(&at, 0.5);
     at.lead =
-        drive->frontend->kind == TD_FRONTEND_CIRCUIT ? drive->frontend->sensor->circuit.output_s / drive->frontend->loop : 0;
-    at.is_still = is_flat(piece) || at.frontend->light == 0;
+        source->frontend->kind == TD_FRONTEND_CIRCUIT ? source->frontend->sensor->circuit.output_s / source->frontend->loop : 0;
+    at.is_still = is_flat(substep) || at.frontend->light == 0;
     for (int i = 0; i < NODES + BETWEEN && !at.is_still; i++) at.surplus[i] = light_at(&at, node[i]) / at.middle - 1;
     td_poles stage = photoreceptor(&at);
     td_model input;
     double error = substitute(&at, &stage, &input);
-    finish(&at, &stage, &input, state, path);
+    finish(&at, &stage, &input, state, response);
     return error;
 }
 
 /* Where the light changes and Y isn't cut off at 0. */
-static int can_warp(const td_drive *drive, const td_model *input) {
-    double cut = log(drive->log_eps), least = INFINITY, most = -INFINITY;
+static int can_map(const td_filter_input *source, const td_model *input) {
+    double cut = log(source->log_eps), least = INFINITY, most = -INFINITY;
     for (int i = 0; i < 4; i++) {
         least = fmin(least, input->control[i]);
         most = fmax(most, input->control[i]);
     }
-    return drive->frontend->kind == TD_FRONTEND_INTENSITY && least >= cut && least < most && most < 60;
+    return source->frontend->kind == TD_FRONTEND_INTENSITY && least >= cut && least < most && most < 60;
 }
 
-/* The same piece in its own time: S within the error returned. */
-static double solve_warped(const td_pieces *pieces, const td_model *input, double to, td_warp *warp,
-                           double state[TD_FRONTEND_STATE], td_path *path) {
-    const td_drive *drive = pieces->drive;
-    const td_frontend *f = drive->frontend;
-    double rate_error, error = 0, lag = 0, S = pieces->state[0];
-    double rate = f->rate * drive->h * (to - pieces->from);
-    rate *= td_warp_make(warp, input, drive->log_eps, f->light, f->dark, &rate_error);
-    td_model warped = td_warp_model(warp, input);
+/* The same substep in its own time: S within the error returned. */
+static double solve_mapped(const td_substeps *substeps, const td_model *input, double to, td_time_map *map,
+                           double state[TD_FRONTEND_STATE], td_response *response) {
+    const td_filter_input *source = substeps->source;
+    const td_frontend *f = source->frontend;
+    double rate_error, error = 0, lag = 0, S = substeps->state[0];
+    double rate = f->rate * source->h * (to - substeps->from);
+    rate *= td_time_map_make(map, input, source->log_eps, f->light, f->dark, &rate_error);
+    td_model mapped = td_time_map_model(map, input);
     td_poles poles = td_poles_first_order(rate, S, input->control[0]);
-    td_poles_respond(&poles, &warped, path);
-    state[0] = state[1] = state[3] = td_path_value(path, 1);
+    td_poles_respond(&poles, &mapped, response);
+    state[0] = state[1] = state[3] = td_response_value(response, 1);
     state[2] = 0;
     for (int i = 1; i < 4; i++) {
         double L = td_model_value(input, 0.25 * i);
-        error = larger(error, fabs(td_model_value(&warped, td_warp_place(warp, 0.25 * i)) - L));
+        error = larger(error, fabs(td_model_value(&mapped, td_time_map_place(map, 0.25 * i)) - L));
         lag = larger(lag, fabs(L - S) + fabs(input->control[i] - input->control[0]));
     }
     return error + rate_error * lag;
 }
 
-static double solve(const td_pieces *pieces, double to, td_warp *warp, double state[TD_FRONTEND_STATE], td_path *path) {
-    td_model input = td_model_part(&pieces->drive->input, pieces->from, to);
-    warp->on = 0;
-    if (can_warp(pieces->drive, &input)) return solve_warped(pieces, &input, to, warp, state, path);
-    return solve_frozen(pieces, &input, to, state, path);
+static double solve(const td_substeps *substeps, double to, td_time_map *map, double state[TD_FRONTEND_STATE],
+                    td_response *response) {
+    td_model input = td_model_part(&substeps->source->input, substeps->from, to);
+    map->on = 0;
+    if (can_map(substeps->source, &input)) return solve_mapped(substeps, &input, to, map, state, response);
+    return solve_frozen(substeps, &input, to, state, response);
 }
 
 /* -- the walk -------------------------------------------------------------------------------------------------------------- */
 
-void td_pieces_begin(td_pieces *pieces, const td_drive *drive, int stretch) {
-    const td_stretch *begin = &drive->stretch[stretch];
-    pieces->drive = drive;
-    pieces->from = pieces->to = begin->from;
-    pieces->length = begin->length;
-    pieces->tried = begin->tried;
-    for (int i = 0; i < TD_FRONTEND_STATE; i++) pieces->state[i] = begin->state[i];
+void td_substeps_begin(td_substeps *substeps, const td_filter_input *source, int segment) {
+    const td_segment *begin = &source->segment[segment];
+    substeps->source = source;
+    substeps->from = substeps->to = begin->from;
+    substeps->length = begin->length;
+    substeps->tried = begin->tried;
+    for (int i = 0; i < TD_FRONTEND_STATE; i++) substeps->state[i] = begin->state[i];
 }
 
-void td_pieces_mark(const td_pieces *pieces, td_stretch *stretch) {
-    *stretch = (td_stretch){pieces->to, pieces->length, {0}, INFINITY, -INFINITY, pieces->tried};
-    for (int i = 0; i < TD_FRONTEND_STATE; i++) stretch->state[i] = pieces->state[i];
+void td_substeps_mark(const td_substeps *substeps, td_segment *segment) {
+    *segment = (td_segment){substeps->to, substeps->length, {0}, INFINITY, -INFINITY, substeps->tried};
+    for (int i = 0; i < TD_FRONTEND_STATE; i++) segment->state[i] = substeps->state[i];
 }
 
 /* The error of the cubic goes with the fourth power of the length. */
@@ -241,40 +242,42 @@ static double better_length(double length, double tolerance, double error, doubl
     return length * (factor < most ? fmax(factor, least) : most); /* NaN: most */
 }
 
-int td_pieces_next(td_pieces *pieces) {
-    double tolerance = pieces->drive->frontend->tolerance, state[TD_FRONTEND_STATE], error;
-    if (!(pieces->to < 1)) return 0;
-    pieces->from = pieces->to;
+int td_substeps_next(td_substeps *substeps) {
+    double tolerance = substeps->source->frontend->tolerance, state[TD_FRONTEND_STATE], error;
+    if (!(substeps->to < 1)) return 0;
+    substeps->from = substeps->to;
     for (;;) {
-        double left = 1 - pieces->from;
-        pieces->to = pieces->length < left ? pieces->from + pieces->length : 1;
-        error = solve(pieces, pieces->to, &pieces->warp, state, &pieces->path);
-        if (++pieces->tried > TRIED_MAX || error <= tolerance) break;
-        if (!(pieces->from + 0.1 * pieces->length > pieces->from)) break; /* no shorter piece can be told from none */
-        pieces->length = better_length(pieces->to - pieces->from, tolerance, error, 0.05, 0.6);
+        double left = 1 - substeps->from;
+        substeps->to = substeps->length < left ? substeps->from + substeps->length : 1;
+        error = solve(substeps, substeps->to, &substeps->map, state, &substeps->response);
+        if (++substeps->tried > TRIED_MAX || error <= tolerance) break;
+        if (!(substeps->from + 0.1 * substeps->length > substeps->from)) break; /* no shorter substep can be told from none */
+        substeps->length = better_length(substeps->to - substeps->from, tolerance, error, 0.05, 0.6);
     }
-    for (int i = 0; i < TD_FRONTEND_STATE; i++) pieces->state[i] = state[i];
-    pieces->length = better_length(pieces->to - pieces->from, tolerance, error, 0.5, 4);
-    if (pieces->tried > TRIED_MAX) pieces->length = 1;
+    for (int i = 0; i < TD_FRONTEND_STATE; i++) substeps->state[i] = state[i];
+    substeps->length = better_length(substeps->to - substeps->from, tolerance, error, 0.5, 4);
+    if (substeps->tried > TRIED_MAX) substeps->length = 1;
     return 1;
 }
 
-static double local(const td_pieces *pieces, double s) { return (s - pieces->from) / (pieces->to - pieces->from); }
+static double local(const td_substeps *substeps, double s) { return (s - substeps->from) / (substeps->to - substeps->from); }
 
-double td_pieces_place(const td_pieces *pieces, double s) { return td_warp_place(&pieces->warp, local(pieces, s)); }
-
-double td_pieces_time(const td_pieces *pieces, double v) {
-    return pieces->from + td_warp_time(&pieces->warp, v) * (pieces->to - pieces->from);
+double td_substeps_place(const td_substeps *substeps, double s) {
+    return td_time_map_place(&substeps->map, local(substeps, s));
 }
 
-double td_pieces_speed(const td_pieces *pieces, double s) {
-    return td_warp_speed(&pieces->warp, local(pieces, s)) / (pieces->to - pieces->from);
+double td_substeps_time(const td_substeps *substeps, double v) {
+    return substeps->from + td_time_map_time(&substeps->map, v) * (substeps->to - substeps->from);
 }
 
-void td_pieces_with(const td_pieces *pieces, const td_model *cubic, td_path *path) {
-    td_model part = td_model_part(cubic, pieces->from, pieces->to), more = td_warp_model(&pieces->warp, &part);
-    td_path_set(path, &pieces->path.cubic);
-    for (int i = 0; i < 4; i++) path->cubic.control[i] += more.control[i];
-    path->modes = pieces->path.modes;
-    for (int k = 0; k < path->modes; k++) path->mode[k] = pieces->path.mode[k];
+double td_substeps_speed(const td_substeps *substeps, double s) {
+    return td_time_map_speed(&substeps->map, local(substeps, s)) / (substeps->to - substeps->from);
+}
+
+void td_substeps_with(const td_substeps *substeps, const td_model *cubic, td_response *response) {
+    td_model part = td_model_part(cubic, substeps->from, substeps->to), more = td_time_map_model(&substeps->map, &part);
+    td_response_set(response, &substeps->response.cubic);
+    for (int i = 0; i < 4; i++) response->cubic.control[i] += more.control[i];
+    response->modes = substeps->response.modes;
+    for (int k = 0; k < response->modes; k++) response->mode[k] = substeps->response.mode[k];
 }

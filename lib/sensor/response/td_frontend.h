@@ -10,7 +10,7 @@
  *                           then the low-passes of source_follower_hz and difference_hz: the chain of wengflow's simulator
  *
  * What rounding leaves. The constant law: S to about 1e-15. Rates that go with the light: S within TD_FRONTEND_TOLERANCE of the
- * solution, whatever the steps (pieces.c). Where L comes from a float render it is wrong by about 1e-6, and so is S, for a
+ * solution, whatever the steps (substeps.c). Where L comes from a float render it is wrong by about 1e-6, and so is S, for a
  * low-pass enlarges nothing (the circuit by its overshoot at most): a crossing is off by 1e-6 / |S_dot|, which is 100 ns at 10
  * / s. Errors of L that differ from step to step are averaged over a time constant. */
 #ifndef TD_FRONTEND_H
@@ -28,13 +28,13 @@ enum { TD_FRONTEND_OFF = 0, TD_FRONTEND_CONSTANT = 1, TD_FRONTEND_INTENSITY = 2,
 
 typedef struct td_frontend {
     const tides_sensor *sensor;
-    int on;                         /* 0: the path is the cubic itself, and there is no state */
+    int on;                         /* 0: the response is the cubic itself, and there is no state */
     int kind;                       /* TD_FRONTEND_* */
     double light, dark;             /* what rates go with is light Y + dark: of (255 Y + 20) / 275, or the photocurrent [A] */
     double rate;                    /* of the first-order filter, where that is 1 [1/s] */
     double input_s, miller_s, loop; /* circuit: tau_in I and tau_mil I [A s]; A_loop + 1 */
     double source_follower, difference; /* [1/s]; 0: left out */
-    double tolerance;                   /* of the input that a piece is solved for [log units] */
+    double tolerance;                   /* of the input that a substep is solved for [log units] */
 } td_frontend;
 
 /* `sensor` must outlive it. Off where bandwidth is FIRST_ORDER and photoreceptor_cutoff_hz is 0. TIDES_BAD_ARGUMENT naming the
@@ -44,17 +44,18 @@ TIDES_MUST_CHECK tides_status td_frontend_make(const tides_sensor *sensor, td_fr
 /* A pixel that has rested at log-luminance L for ever: its state, and the signal S. */
 double td_frontend_rest(const td_frontend *frontend, double L, double log_eps, double state[TD_FRONTEND_STATE]);
 
-/* One step of h > 0 seconds with input `input` (log-luminance): `path` is the output S, `state` goes to the step's end, and
- * state[0] is td_path_value(path, 1). Cutting a step in two changes the output by rounding only where rates stand still, and by
- * TD_FRONTEND_TOLERANCE where they go with the light. An input that isn't finite leaves the state as it was and makes the path
- * NaN; a state that isn't finite starts afresh at rest at the input's begin. The path may refer to `frontend`. */
+/* One step of h > 0 seconds with input `input` (log-luminance): `response` is the output S, `state` goes to the step's end, and
+ * state[0] is td_response_value(response, 1). Cutting a step in two changes the output by rounding only where rates stand
+ * still, and by TD_FRONTEND_TOLERANCE where they go with the light. An input that isn't finite leaves the state as it was and
+ * makes the response NaN; a state that isn't finite starts afresh at rest at the input's begin. The response may refer to
+ * `frontend`. */
 void td_frontend_step(const td_frontend *frontend, double h, const td_model *input, double log_eps,
-                      double state[TD_FRONTEND_STATE], td_path *path);
+                      double state[TD_FRONTEND_STATE], td_response *response);
 
-/* TD_FRONTEND_CONSTANT alone: the steps of many pixels without their paths, in a loop that compilers vectorise. Of pixel i,
+/* TD_FRONTEND_CONSTANT alone: the steps of many pixels without their responses, in a loop that compilers vectorise. Of pixel i,
  * control[k][i] are the input's control values, S[i] its state[0], and after[i] becomes what td_frontend_step makes of that, to
- * the bit. `low` and `high` get bounds of the path and its values, rounding included: pixels that could reach a level need
- * their path, from S[i]. Those of an input that isn't finite are NaN. */
+ * the bit. `low` and `high` get bounds of the response and its values, rounding included: pixels that could reach a level need
+ * their response, from S[i]. Those of an input that isn't finite are NaN. */
 void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, const double *const control[4], const double *S,
                            double *after, double *low, double *high);
 

@@ -17,13 +17,13 @@ typedef struct td_pole {
 
 /* Poles of one signal. */
 typedef struct td_poles {
-    td_pole pole[TD_PATH_MODES_MAX];
+    td_pole pole[TD_RESPONSE_MODES_MAX];
     int count;
     double origin, start; /* what offsets are measured from; S at the start */
 } td_poles;
 
 /* The signal over the step. */
-void td_poles_respond(const td_poles *poles, const td_model *input, td_path *path);
+void td_poles_respond(const td_poles *poles, const td_model *input, td_response *response);
 
 /* One pole alone: S' = rate (L - S). */
 td_poles td_poles_first_order(double rate, double S, double origin);

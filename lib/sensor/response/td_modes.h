@@ -1,6 +1,6 @@
-/* Internal: what path.c, path_modes.c and path_crossing.c share: modes one by one. */
-#ifndef TD_PATH_PARTS_H
-#define TD_PATH_PARTS_H
+/* Internal: what response.c, path_modes.c and path_crossing.c share: modes one by one. */
+#ifndef TD_MODES_H
+#define TD_MODES_H
 
 #include "td_complex.h"
 #include "td_response.h"
@@ -17,8 +17,8 @@ double td_mode_slope(const td_mode *mode, double s);
 /* Bounds on [0, 1]. */
 void td_mode_range(const td_mode *mode, double *low, double *high);
 
-/* td_path_crossing where there is no drive, on a path that is finite. */
-int td_modes_crossing(const td_path *path, double reference, double threshold_on, double threshold_off, double from, double to,
-                      double *s);
+/* td_response_crossing where there is no source, on a response that is finite. */
+int td_modes_crossing(const td_response *response, double reference, double threshold_on, double threshold_off, double from,
+                      double to, double *s);
 
 #endif

@@ -1,16 +1,17 @@
 /* Internal: one pixel's signal on one step as the comparator sees it, exactly as the front end gives it: a cubic in time plus
  * what filters leave of their past, decaying modes. Time within the step is s in [0, 1].
  *
- * Anything that is cubic in s (a leak's ramp) may be added to `cubic` before the path is used. A path that follows a filter
- * whose rates go with the light refers to its front end, which must outlive it, and works its pieces out anew in each call. */
-#ifndef TD_PATH_H
-#define TD_PATH_H
+ * Anything that is cubic in s (a leak's ramp) may be added to `cubic` before the response is used. A response that follows a
+ * filter whose rates go with the light refers to its front end, which must outlive it, and works its substeps out anew in each
+ * call. */
+#ifndef TD_RESPONSE_H
+#define TD_RESPONSE_H
 
 #include "signal/td_crossing.h"
 
 #include <stddef.h>
 
-enum { TD_PATH_MODES_MAX = 4, TD_FRONTEND_STATE = 4, TD_STRETCHES_MAX = 8 };
+enum { TD_RESPONSE_MODES_MAX = 4, TD_FRONTEND_STATE = 4, TD_SEGMENTS_MAX = 8 };
 
 /* The real part of (cosine + i sine) B(s) with lambda = rate + i frequency, both per step, rate >= 0. B is
  *   e^(-lambda s)            that is, e^(-rate s) (cosine cos(frequency s) + sine sin(frequency s))
@@ -22,47 +23,47 @@ typedef struct td_mode {
 } td_mode;
 
 /* Where a filter whose rates go with the light stands at a place of the step, and what bounds S from there to the next one. */
-typedef struct td_stretch {
-    double from, length; /* of the first piece to try (td_pieces.h) */
+typedef struct td_segment {
+    double from, length; /* of the first substep to try (td_substeps.h) */
     double state[TD_FRONTEND_STATE];
     double low, high;
     int tried;
-} td_stretch;
+} td_segment;
 
-/* The response of such a filter: its input, and stretches so that nobody need begin at the beginning. */
-typedef struct td_drive {
+/* The response of such a filter: its input, and segments so that nobody need begin at the beginning. */
+typedef struct td_filter_input {
     const struct td_frontend *frontend; /* NULL: there is none, and the rest isn't set */
     td_model input;                     /* log-luminance */
     double h, log_eps;
-    int stretches;
-    td_stretch stretch[TD_STRETCHES_MAX];
-} td_drive;
+    int segments;
+    td_segment segment[TD_SEGMENTS_MAX];
+} td_filter_input;
 
-/* S(s) = cubic + modes + the response to `drive`. A path that is zero but for `cubic` is that cubic. */
-typedef struct td_path {
+/* S(s) = cubic + modes + the response to `source`. A response that is zero but for `cubic` is that cubic. */
+typedef struct td_response {
     td_model cubic;
     int modes; /* 0: the cubic is all */
-    td_mode mode[TD_PATH_MODES_MAX];
-    td_drive drive;
-} td_path;
+    td_mode mode[TD_RESPONSE_MODES_MAX];
+    td_filter_input source;
+} td_response;
 
-/* The path that is this cubic; what it has no use for isn't set. */
-static inline void td_path_set(td_path *path, const td_model *cubic) {
-    path->cubic = *cubic;
-    path->modes = 0;
-    path->drive.frontend = NULL;
+/* The response that is this cubic; what it has no use for isn't set. */
+static inline void td_response_set(td_response *response, const td_model *cubic) {
+    response->cubic = *cubic;
+    response->modes = 0;
+    response->source.frontend = NULL;
 }
 
-double td_path_value(const td_path *path, double s);
-double td_path_slope(const td_path *path, double s);
+double td_response_value(const td_response *response, double s);
+double td_response_slope(const td_response *response, double s);
 
 /* The first s in [from, to] at which S - reference >= threshold_on (returns +1) or <= -threshold_off (-1), 0 where there is
  * none; `from` <= `to` within [0, 1]. S on a level counts as reached. No two crossings within the step can cancel and go
  * unseen, but for bumps that are lower than rounding. Bounded work for any input: NaN and infinities reach nothing. */
-int td_path_crossing(const td_path *path, double reference, double threshold_on, double threshold_off, double from, double to,
-                     double *s);
+int td_response_crossing(const td_response *response, double reference, double threshold_on, double threshold_off, double from,
+                         double to, double *s);
 
 /* Bounds of S on the whole step, rounding included. */
-void td_path_range(const td_path *path, double *low, double *high);
+void td_response_range(const td_response *response, double *low, double *high);
 
 #endif

@@ -23,7 +23,7 @@ static void fill(int size, double *forward, double *back, double *mu) {
     }
 }
 
-tides_status td_cosine_create(int width, int height, td_cosine *cosine, tides_error *error) {
+tides_status td_dct_create(int width, int height, td_dct *cosine, tides_error *error) {
     size_t w = (size_t)width, h = (size_t)height;
     memset(cosine, 0, sizeof *cosine);
     cosine->width = width;
@@ -37,7 +37,7 @@ tides_status td_cosine_create(int width, int height, td_cosine *cosine, tides_er
     ok = ok && (cosine->panel = td_alloc((w > h ? w : h) * COLUMNS, sizeof(double), error)) != NULL;
     ok = ok && (cosine->half = td_alloc(w * h, sizeof(double), error)) != NULL;
     if (!ok) {
-        td_cosine_release(cosine);
+        td_dct_release(cosine);
         return TIDES_NO_MEMORY;
     }
     fill(width, cosine->along_x, cosine->along_x_back, cosine->mu_x);
@@ -45,7 +45,7 @@ tides_status td_cosine_create(int width, int height, td_cosine *cosine, tides_er
     return TIDES_OK;
 }
 
-void td_cosine_release(td_cosine *cosine) {
+void td_dct_release(td_dct *cosine) {
     free(cosine->along_x);
     free(cosine->along_x_back);
     free(cosine->along_y);
@@ -74,7 +74,7 @@ static void multiply_block(const double *const a[ROWS], const double *panel, int
 }
 
 /* out = a b; a is (rows x inner), b (inner x columns). */
-static void multiply(const td_cosine *c, const double *a, const double *b, double *out, int rows, int inner, int columns) {
+static void multiply(const td_dct *c, const double *a, const double *b, double *out, int rows, int inner, int columns) {
     for (int column = 0; column < columns; column += COLUMNS) {
         int width = columns - column < COLUMNS ? columns - column : COLUMNS;
         pack(b, inner, columns, column, c->panel);
@@ -89,12 +89,12 @@ static void multiply(const td_cosine *c, const double *a, const double *b, doubl
     }
 }
 
-void td_cosine_forward(const td_cosine *c, const double *image, double *modes) {
+void td_dct_forward(const td_dct *c, const double *image, double *modes) {
     multiply(c, image, c->along_x, c->half, c->height, c->width, c->width);
     multiply(c, c->along_y, c->half, modes, c->height, c->height, c->width);
 }
 
-void td_cosine_back(const td_cosine *c, const double *modes, double *image) {
+void td_dct_back(const td_dct *c, const double *modes, double *image) {
     multiply(c, c->along_y_back, modes, c->half, c->height, c->height, c->width);
     multiply(c, c->half, c->along_x_back, image, c->height, c->width, c->width);
 }

@@ -8,8 +8,8 @@
 
 enum { MAX_DEPTH = 20 }; /* halvings of a step */
 
-/* Halves of pieces keep to whole nanoseconds: none is shorter than a few. */
-static const double least_piece_s = 32e-9;
+/* Halves of substeps keep to whole nanoseconds: none is shorter than a few. */
+static const double least_substep_s = 32e-9;
 
 /* Of the fastest mode, tau / (1 + 8 lambda^2). Rounding leaves 2e-16 of S divided by it in S_dot; what is faster is better
  * taken as a surround without delay. */
@@ -108,7 +108,7 @@ static void subtract_steady_rates(td_surround *s, double at, double *S_dot) {
             size_t i = (size_t)j * width + k;
             s->spare[i] = slope_at(s->modes, s->length_s, i, at) / mode_rate(s, j, k);
         }
-    td_cosine_back(&s->cosine, s->spare, s->image);
+    td_dct_back(&s->cosine, s->spare, s->image);
     for (size_t i = 0; i < (size_t)width * height; i++) S_dot[i] -= s->image[i];
 }
 
@@ -116,7 +116,7 @@ static void subtract_steady_rates(td_surround *s, double at, double *S_dot) {
 static void sample_at(td_surround *s, const double *modes, double at, td_surround_sample *out) {
     int width = s->cosine.width, height = s->cosine.height;
     double coupling = s->lambda_px * s->lambda_px;
-    td_cosine_back(&s->cosine, modes, s->image);
+    td_dct_back(&s->cosine, modes, s->image);
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
             size_t i = (size_t)y * width + x;
@@ -145,8 +145,8 @@ static size_t bytes_of(const td_surround *s) { return (size_t)s->cosine.width * 
 static void take_input(td_surround *s, int first, const double *p, const double *p_dot) {
     memcpy(s->input[first], p, bytes_of(s));
     memcpy(s->input[first + 1], p_dot, bytes_of(s));
-    td_cosine_forward(&s->cosine, p, s->modes[first]);
-    td_cosine_forward(&s->cosine, p_dot, s->modes[first + 1]);
+    td_dct_forward(&s->cosine, p, s->modes[first]);
+    td_dct_forward(&s->cosine, p_dot, s->modes[first + 1]);
 }
 
 /* The input stands at p, of no step yet. */
@@ -187,7 +187,7 @@ void td_surround_begin(td_surround *s, double length_s, const double *from_dot, 
     int jumped = memcmp(s->input[1], from_dot, bytes_of(s)) != 0;
     if (jumped) {
         memcpy(s->input[1], from_dot, bytes_of(s));
-        td_cosine_forward(&s->cosine, from_dot, s->modes[1]);
+        td_dct_forward(&s->cosine, from_dot, s->modes[1]);
     }
     take_input(s, 2, p, p_dot);
     s->length_s = length_s;
@@ -197,7 +197,7 @@ void td_surround_begin(td_surround *s, double length_s, const double *from_dot, 
     if (jumped) sample_at(s, s->surround, 0, &s->end);
 }
 
-/* What the cubic of a piece misses half way through, in the worst pixel. */
+/* What the cubic of a substep misses half way through, in the worst pixel. */
 static double miss(const td_surround *s, double length_s) {
     double worst = 0;
     for (size_t i = 0; i < bytes_of(s) / sizeof(double); i++) {
@@ -215,9 +215,9 @@ static void swap_samples(td_surround_sample *a, td_surround_sample *b) {
     swap(&a->p_dot, &b->p_dot);
 }
 
-/* The next piece that is short enough: samples at its begin, half and end; `surround` stays at its begin. Returns its part of
+/* The next substep that is short enough: samples at its begin, half and end; `surround` stays at its begin. Returns its part of
  * the step. */
-static double make_piece(td_surround *s) {
+static double make_substep(td_surround *s) {
     double part = ldexp(1, -s->depth);
     swap_samples(&s->begin, &s->end); /* where the last one ended */
     advance(s, s->surround, s->at, s->at + part, s->end_modes);
@@ -225,7 +225,7 @@ static double make_piece(td_surround *s) {
     for (;;) {
         advance(s, s->surround, s->at, s->at + part / 2, s->half_modes);
         sample_at(s, s->half_modes, s->at + part / 2, &s->half);
-        if (s->depth == MAX_DEPTH || part * s->length_s < least_piece_s || !(miss(s, part * s->length_s) > s->tolerance))
+        if (s->depth == MAX_DEPTH || part * s->length_s < least_substep_s || !(miss(s, part * s->length_s) > s->tolerance))
             return part;
         s->depth++;
         part /= 2;
@@ -234,8 +234,8 @@ static double make_piece(td_surround *s) {
     }
 }
 
-/* On to the piece's end; the next one may be longer where it then is a whole part of the step. */
-static void pass_piece(td_surround *s, double part) {
+/* On to the substep's end; the next one may be longer where it then is a whole part of the step. */
+static void pass_substep(td_surround *s, double part) {
     swap(&s->surround, &s->end_modes);
     s->at += part;
     double place = ldexp(s->at, s->depth);
@@ -253,13 +253,13 @@ int td_surround_next(td_surround *s, double *from, double *to, td_surround_sampl
     }
     if (!(s->at < 1)) return 0;
     *from = s->at;
-    double part = make_piece(s);
+    double part = make_substep(s);
     *to = s->at + part / 2;
     *begin = s->begin;
     *end = s->half;
     s->pending = 1;
     s->pending_part = part / 2;
-    pass_piece(s, part);
+    pass_substep(s, part);
     return 1;
 }
 
@@ -303,7 +303,7 @@ tides_status td_surround_create(const tides_sensor *sensor, int width, int heigh
                                 tides_error *error) {
     memset(surround, 0, sizeof *surround);
     tides_status status = check(sensor, tolerance, error);
-    if (status == TIDES_OK) status = td_cosine_create(width, height, &surround->cosine, error);
+    if (status == TIDES_OK) status = td_dct_create(width, height, &surround->cosine, error);
     if (status != TIDES_OK) return status;
     surround->on = 1;
     surround->lambda_px = sensor->surround_lambda_px;
@@ -321,6 +321,6 @@ void td_surround_release(td_surround *surround) {
     double **list[IMAGES];
     list_images(surround, list);
     for (int i = 0; i < IMAGES; i++) free(*list[i]);
-    td_cosine_release(&surround->cosine);
+    td_dct_release(&surround->cosine);
     memset(surround, 0, sizeof *surround);
 }

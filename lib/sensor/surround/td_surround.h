@@ -7,8 +7,8 @@
  * is known in closed form: nothing is integrated numerically, and nothing depends on how long steps are. tau = 0 is the steady
  * state of each moment. All pixels belong to all modes, so all must have their steps in common.
  *
- * The comparator wants S as cubics in time. A step is cut into pieces: where the cubic of a piece misses the exact S of any
- * pixel half way through by more than `tolerance`, the piece is halved; where it doesn't, both its halves are given out. How
+ * The comparator wants S as cubics in time. A step is cut into substeps: where the cubic of a substep misses the exact S of any
+ * pixel half way through by more than `tolerance`, the substep is halved; where it doesn't, both its halves are given out. How
  * a step is cut depends on that step alone. */
 #ifndef TD_SURROUND_H
 #define TD_SURROUND_H
@@ -25,16 +25,16 @@ typedef struct td_surround_sample {
 typedef struct td_surround {
     int on; /* 0: nothing below is there */
     double lambda_px, tau_s, tolerance;
-    td_cosine cosine;
+    td_dct cosine;
     double *surround; /* modes of h at `at` */
     double *input[4]; /* p, p_dot [1/s] at the step's begin, and at its end (height x width) */
     double *modes[4]; /* the same, in modes */
     double *half_modes, *end_modes, *spare, *image;
-    td_surround_sample begin, half, end; /* of a piece */
+    td_surround_sample begin, half, end; /* of a substep */
     double length_s;                     /* of the step */
     double at;                           /* how far in it, 0 to 1 */
-    int depth;                           /* the next piece is step / 2^depth */
-    int pending;                         /* 1: the second half of a piece is still to be given out, */
+    int depth;                           /* the next substep is step / 2^depth */
+    int pending;                         /* 1: the second half of a substep is still to be given out, */
     double pending_part;                 /* this part of the step */
 } td_surround;
 
@@ -53,8 +53,8 @@ void td_surround_resume(td_surround *surround, const double *modes, const double
 /* The step of `length_s` from where the last one ended, where p_dot is from_dot (it may have jumped), to p and p_dot. */
 void td_surround_begin(td_surround *surround, double length_s, const double *from_dot, const double *p, const double *p_dot);
 
-/* Its next piece, from *from to *to as parts of the step in [0, 1], with both ends' samples, which hold until the next call; 0
- * where the step is over. */
+/* Its next substep, from *from to *to as parts of the step in [0, 1], with both ends' samples, which hold until the next call;
+ * 0 where the step is over. */
 int td_surround_next(td_surround *surround, double *from, double *to, td_surround_sample *begin, td_surround_sample *end);
 
 #endif
