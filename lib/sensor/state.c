@@ -28,6 +28,18 @@ static double threshold_off(const td_sensor *sensor, size_t i) {
     return sensor->on ? sensor->threshold_off[i] : sensor->sensor.threshold_off;
 }
 
+td_levels td_sensor_levels(const td_sensor *sensor, const td_step *step, size_t first) {
+    const tides_sensor *same = &sensor->sensor;
+    const double *reference = sensor->pixels.reference + first;
+    if (!sensor->on) return (td_levels){&same->threshold_on, &same->threshold_off, reference, 0, NULL, 0};
+    return (td_levels){sensor->threshold_on + first,
+                       sensor->threshold_off + first,
+                       reference,
+                       1,
+                       sensor->leak + first,
+                       td_sensor_time(sensor, step->start_ns, step->start_fraction)};
+}
+
 /* Whether the pixel answers to its levels. */
 static int is_free(const td_sensor *sensor, size_t i, const double *coverage, double time) {
     if (!sensor->on) return 1;

@@ -78,7 +78,7 @@ typedef struct td_sensor {
     double *held_until;                   /* end of the refractory period that is still to be dealt with; -INFINITY: none */
     double *since;                        /* last event, re-reference or consumed crossing: where the ramp's share begins */
     double *wake;                         /* the first time that the pixel must be looked at whatever its signal does */
-    unsigned char *reach;                 /* 1: may have fired in this macro step (td_estimate_sensor) */
+    unsigned char *reach;                 /* 1: may have fired in this macro step (td_sensor_estimate) */
     td_frontend frontend;
     double *filter[TD_FRONTEND_STATE]; /* the filters' state, where there are any; the first is S at the time reached */
     td_shot_noise noise;
@@ -140,6 +140,23 @@ static inline double td_sensor_time(const td_sensor *sensor, int64_t ns, double 
 /* What a pixel compares with its levels at time [ns since the run's start], the time reached, at which its log-luminance is L.
  */
 double td_sensor_signal(const td_sensor *sensor, size_t pixel, double L, double time);
+
+/* What the pixels of a tile compare with: thresholds of pixel i at [i x stride], with stride 0 those of all; references when
+ * the step is over; the leak's ramp, which is added to the signal. */
+typedef struct td_levels {
+    const double *threshold_on, *threshold_off, *reference;
+    int stride;
+    const double *leak; /* [log units/ns]; NULL: none */
+    double time;        /* when the step begins [ns since the run's start] */
+} td_levels;
+
+/* Of a tile that begins at pixel `first`, after its step. */
+td_levels td_sensor_levels(const td_sensor *sensor, const td_step *step, size_t first);
+
+/* 1 where the ends of refractory periods re-reference pixels. */
+static inline int td_sensor_holds(const td_sensor *sensor) {
+    return sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD && sensor->refractory_ns > 0;
+}
 
 /* The largest (S_eff - S_ref) / C+ or (S_ref - S_eff) / C- of the pixels that answer to their levels at time `time`, which have
  * log-luminances L and, read only where sensor->masks, coverages: below 1 after a step. NaN pixels are passed over. */

@@ -65,8 +65,7 @@ static double error_excess(tides_simulator *s, td_refine_step *step, double star
                                  step->probe < 0 ? NULL : td_sample_deviation(&r->samples, step->probe),
                                  rounding_seen * s->timing.rounding,
                                  s->tile[step->tile].count};
-    td_estimate estimate = s->sensor.on ? td_estimate_sensor(&s->sensor, &judged, first, step->cuts, from * 1e9)
-                                        : td_estimate_step(&s->comparator, &judged);
+    td_estimate estimate = td_sensor_estimate(&s->sensor, &judged, first, step->cuts, from * 1e9);
     double threshold = smaller(s->comparator.threshold_on, s->comparator.threshold_off);
     step->error = estimate.error / threshold;
     step->deviation = estimate.deviation / threshold;

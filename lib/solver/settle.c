@@ -27,28 +27,18 @@ void td_settle_timing(tides_simulator *s, const td_refine_step *refined, const t
                       const double *const end[], size_t first) {
     const td_signals signals = {begin[TD_KEPT_S], begin[TD_KEPT_S_DOT], end[TD_KEPT_S], end[TD_KEPT_S_DOT]};
     const td_samples *samples = &s->refine.samples;
-    const size_t at = s->first_pixel[refined->tile];
-    const tides_sensor *sensor = &s->sensor.sensor;
-    const int holds = s->sensor.on && sensor->refractory_law == TIDES_REFRACTORY_HOLD && sensor->refractory_s > 0;
+    const int holds = td_sensor_holds(&s->sensor);
     td_timed timed = {.step = step,
                       .tile = &s->tile[refined->tile],
                       .signals = &signals,
                       .deviation = refined->probe < 0 ? NULL : td_sample_deviation(samples, refined->probe),
                       .fall = refined->probe < 0 ? NULL : td_sample_fall(samples, refined->probe),
                       .adds = holds ? hold_adds : 1,
-                      .levels = {&s->comparator.threshold_on, &s->comparator.threshold_off, s->pixels.reference + at, 0, NULL,
-                                 0},
-                      .frontend = s->sensor.on ? &s->sensor.frontend : NULL,
+                      .levels = td_sensor_levels(&s->sensor, step, s->first_pixel[refined->tile]),
+                      .frontend = &s->sensor.frontend,
                       .log_eps = s->sensor.log_eps,
                       .events = s->events.events + first,
                       .count = s->events.count - first};
-    if (s->sensor.on) {
-        timed.levels.threshold_on = s->sensor.threshold_on + at;
-        timed.levels.threshold_off = s->sensor.threshold_off + at;
-        timed.levels.stride = 1;
-        timed.levels.leak = s->sensor.leak + at;
-        timed.levels.time = td_sensor_time(&s->sensor, step->start_ns, step->start_fraction);
-    }
     td_timing_add(&s->timing, &timed);
     td_timing_add_turns(&s->timing, &timed);
 }

@@ -10,7 +10,9 @@
 #ifndef TD_PROBE_H
 #define TD_PROBE_H
 
-#include "td_comparator.h"
+#include "signal/td_signals.h"
+
+#include <stddef.h>
 
 /* Where [from, to] of macro step `macro` is cut; to - from > 1. */
 uint32_t td_probe_place(uint64_t macro, uint32_t from, uint32_t to);
@@ -19,25 +21,6 @@ uint32_t td_probe_place(uint64_t macro, uint32_t from, uint32_t to);
  * isn't finite. */
 void td_probe_deviation(double h, double theta, const td_signals *ends, const double *S, const double *S_dot, int32_t count,
                         double *deviation);
-
-/* What step control takes for the error of a step's cubic [log units]: from the embedded estimate of its own ends, and the
- * deviation at the place where it was cut out of a longer one. The deviation bounds it from both sides, and between the bounds
- * the step's own estimate decides: a kink leaves one part as rough as the whole was and the other smooth.
- *
- * TD_PROBE_MOST: wherever a kink is, both parts' errors are about the deviation at most (probe.c).
- * TD_PROBE_LEAST: of a smooth signal the parts have a fourteenth. The ends of a part with a kink in its middle say nothing of
- * it, and that mustn't hide more than what 1 / TD_PROBE_LEAST tolerances let through. TD_PROBE_EMBEDDED: the cubic is an order
- * better than the quadratic in the embedded estimate. With 0.7 the scenes of tides bench accuracy have the errors at a
- * tolerance that they had when the embedded estimate alone was held against it. */
-#define TD_PROBE_MOST 1.0
-#define TD_PROBE_LEAST 0.25
-#define TD_PROBE_EMBEDDED 0.7
-
-static inline double td_probe_error(double embedded, double deviation) {
-    double error = TD_PROBE_EMBEDDED * embedded, least = TD_PROBE_LEAST * deviation, most = TD_PROBE_MOST * deviation;
-    error = error > least ? error : least;
-    return error < most ? error : most;
-}
 
 /* What is reported as left of a deviation in the parts of a step: a law, for one number doesn't say what a part is off by.
  * Shares of the deviation that the cubic of a part may be off by in its middle, and how likely each is. Weights are whole

@@ -3,8 +3,8 @@
 #define TD_SIMULATOR_H
 
 #include "render/td_render.h"
-#include "sensor/td_sensor.h"
-#include "td_estimate.h"
+#include "sensor/td_estimate.h"
+#include "td_comparator.h"
 #include "td_grid.h"
 #include "td_refine.h"
 #include "td_scan.h"

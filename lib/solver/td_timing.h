@@ -2,9 +2,8 @@
 #ifndef TD_TIMING_H
 #define TD_TIMING_H
 
-#include "td_comparator.h"
 #include "signal/td_crossing.h"
-#include "sensor/response/td_frontend.h"
+#include "sensor/td_sensor.h"
 
 /* Estimated timing errors of a run's events, each counted once. */
 enum { TD_TIMING_BITS = 3, TD_TIMING_BINS = 64 << TD_TIMING_BITS }; /* 64 octaves, each in 8 equal parts */
@@ -20,15 +19,6 @@ typedef struct td_timing {
  * scenes of tides bench accuracy, against the double reference; half as much again as the largest, for the tail. */
 #define TD_SINGLE_ROUNDING 1.2e-5
 #define TD_SINGLE_EPSILON 0x1p-24
-
-/* What the pixels of a tile compare with: thresholds of pixel i at [i x stride], with stride 0 those of all; references when
- * the step is over; the leak's ramp, which is added to the signal. */
-typedef struct td_levels {
-    const double *threshold_on, *threshold_off, *reference;
-    int stride;
-    const double *leak; /* [log units/ns]; NULL: none */
-    double time;        /* when the step begins [ns since the run's start] */
-} td_levels;
 
 /* A compared step of a tile, whose model is the cubic, and the events that came of it. */
 typedef struct td_timed {

@@ -1,6 +1,6 @@
 /* Estimated errors of event times. */
 #include "td_timing.h"
-#include "td_estimate.h"
+#include "signal/td_model_error.h"
 #include "td_probe.h"
 
 #include <math.h>

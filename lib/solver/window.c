@@ -36,9 +36,9 @@ static size_t room(const td_refine *r, uint32_t longest) {
 }
 
 /* Without `local` all tiles are cut at once, and with a sensor the first cuts are judged before others, which read what was
- * found (td_estimate_sensor). */
+ * found (td_sensor_estimates_first). */
 static int must_take(const tides_simulator *s, const td_refine_step *step, const td_refine_step *last) {
-    return (!s->local && step->from == last->from) || (s->sensor.on && step->cuts < TD_FEW_CUTS);
+    return (!s->local && step->from == last->from) || td_sensor_estimates_first(&s->sensor, step->cuts);
 }
 
 static tides_status take_earliest(tides_simulator *s, td_refine *r, tides_error *error) {

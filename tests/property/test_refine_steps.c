@@ -47,7 +47,8 @@ static double excess_of(const tides_simulator *s, const job *j, const td_refine_
     const td_signals signals = {from, from + TD_TILE_PIXELS, to, to + TD_TILE_PIXELS};
     const td_estimated judged = {h,         &signals,           s->pixels.reference + s->first_pixel[step->tile],
                                  deviation, s->timing.rounding, s->tile[step->tile].count};
-    td_estimate e = td_estimate_step(&s->comparator, &judged);
+    td_sensor sensor = s->sensor; /* ideal: nothing is remembered of what is asked */
+    td_estimate e = td_sensor_estimate(&sensor, &judged, s->first_pixel[step->tile], 0, 0);
     double excess = 2 * share * s->renderer->candidates.travel[step->tile];
     *risk = fmax(*td_sample_risk(&r->samples, step->begin), *td_sample_risk(&r->samples, step->end));
     if (j->stepping.mode & TIDES_STEPPING_RISK) excess = fmax(excess, share * (1 + 31 * *risk));

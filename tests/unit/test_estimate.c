@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "solver/td_estimate.h"
+#include "sensor/td_estimate.h"
 #include "tests/support/scene_make.h"
 
 #include <math.h>
@@ -20,9 +20,12 @@ static double between(uint64_t *seed, double lower, double upper) {
     return lower + (upper - lower) * (double)(scene_next(seed) >> 11) * 0x1p-53;
 }
 
-static td_comparator comparator_of(double on, double off) {
-    td_comparator comparator = {on, off, TIDES_MODEL_HERMITE, 64, 0};
-    return comparator;
+/* Ideal pixels. */
+static td_sensor sensor_of(double on, double off) {
+    td_sensor sensor = {.model = TIDES_MODEL_HERMITE};
+    sensor.sensor.threshold_on = on;
+    sensor.sensor.threshold_off = off;
+    return sensor;
 }
 
 /* One pixel: signals at both ends of [0, h], and the reference. */
@@ -30,10 +33,10 @@ typedef struct pixel {
     double S0, S0_dot, S1, S1_dot, reference;
 } pixel;
 
-static td_estimate estimate_of(const td_comparator *comparator, double h, const pixel *p) {
+static td_estimate estimate_of(td_sensor *sensor, double h, const pixel *p) {
     td_signals signals = {&p->S0, &p->S0_dot, &p->S1, &p->S1_dot};
     const td_estimated step = {h, &signals, &p->reference, NULL, 0, 1};
-    return td_estimate_step(comparator, &step);
+    return td_sensor_estimate(sensor, &step, 0, 0, 0);
 }
 
 static void expect_near(double got, double want, double size, const char *what) {
@@ -52,13 +55,13 @@ static pixel cubic(double h, double a, double b, double c, double d) {
  * cubic and the quadratic through S0, S0_dot and S1, found here by looking. */
 static void test_cubic_signals(void **state) {
     (void)state;
-    td_comparator comparator = comparator_of(C, C);
+    td_sensor sensor = sensor_of(C, C);
     uint64_t seed = SEED;
     for (int trial = 0; trial < 200; trial++) {
         double h = between(&seed, 1e-4, 0.1), b = between(&seed, -1, 1) / h, c = between(&seed, -1, 1) / (h * h);
         double d = between(&seed, -1, 1) / (h * h * h), a = between(&seed, -5, 5);
         pixel p = cubic(h, a, b, c, d);
-        td_estimate estimate = estimate_of(&comparator, h, &p);
+        td_estimate estimate = estimate_of(&sensor, h, &p);
         double error = BULGE * fabs(d) * h * h * h, moved = fmax(fabs(p.S1 - p.S0), error), most = 0;
         expect_near(estimate.error, error, 10, "error");
         expect_near(estimate.error, BULGE * fabs(h * p.S1_dot + h * p.S0_dot - 2 * (p.S1 - p.S0)), 1, "error as DESIGN has it");
@@ -74,21 +77,21 @@ static void test_cubic_signals(void **state) {
 
 static void test_quadratic_signals_have_no_error(void **state) {
     (void)state;
-    td_comparator comparator = comparator_of(C, C);
+    td_sensor sensor = sensor_of(C, C);
     uint64_t seed = SEED + 1;
     for (int trial = 0; trial < 100; trial++) {
         pixel p = cubic(H, between(&seed, -1, 1), between(&seed, -99, 99), between(&seed, -1e4, 1e4), 0);
-        expect_near(estimate_of(&comparator, H, &p).error, 0, 1, "error");
+        expect_near(estimate_of(&sensor, H, &p).error, 0, 1, "error");
     }
     pixel still = {0.3, 0, 0.3, 0, 0.3};
-    td_estimate estimate = estimate_of(&comparator, H, &still);
+    td_estimate estimate = estimate_of(&sensor, H, &still);
     assert_true(estimate.error == 0 && estimate.seconds == 0);
 }
 
 /* The estimate bounds the error of the cubic where halving helps: S = A sin(w t + phase) with w h small. */
 static void test_bounds_the_models_error(void **state) {
     (void)state;
-    td_comparator comparator = comparator_of(C, C);
+    td_sensor sensor = sensor_of(C, C);
     uint64_t seed = SEED + 2;
     for (int trial = 0; trial < 200; trial++) {
         double w = between(&seed, 0.05, 0.3) / H, phase = between(&seed, -1.2, 1.2); /* away from where the third rate is 0 */
@@ -98,7 +101,7 @@ static void test_bounds_the_models_error(void **state) {
             double s = i / 100.0, model = p.S0 + s * (r0 + s * (3 * rise - 2 * r0 - r1 + s * (r0 + r1 - 2 * rise)));
             worst = fmax(worst, fabs(model - sin(w * s * H + phase)));
         }
-        assert_true(worst <= estimate_of(&comparator, H, &p).error);
+        assert_true(worst <= estimate_of(&sensor, H, &p).error);
     }
 }
 
@@ -113,7 +116,7 @@ static pixel bending(double bend, double reference) {
 
 static void test_only_pixels_near_a_level_count(void **state) {
     (void)state;
-    td_comparator equal = comparator_of(C, C), unequal = comparator_of(C, 1.3 * C);
+    td_sensor equal = sensor_of(C, C), unequal = sensor_of(C, 1.3 * C);
     const double bend = 0.06, error = BULGE * bend, reach = bend / 6 + error; /* 0.0189 */
     static const int levels[] = {-3, -1, 0, 1, 2, 40};
     for (size_t i = 0; i < sizeof levels / sizeof *levels; i++) {
@@ -135,7 +138,7 @@ static void test_only_pixels_near_a_level_count(void **state) {
 static void test_worst_of_many(void **state) {
     (void)state;
     enum { COUNT = 64 };
-    td_comparator comparator = comparator_of(C, C);
+    td_sensor sensor = sensor_of(C, C);
     double S0[COUNT], S0_dot[COUNT], S1[COUNT], S1_dot[COUNT], reference[COUNT];
     td_signals signals = {S0, S0_dot, S1, S1_dot};
     uint64_t seed = SEED + 3;
@@ -147,17 +150,17 @@ static void test_worst_of_many(void **state) {
             if (i % 7 == 3) p.S0 = NAN;
             if (i % 7 == 4) p.S1_dot = NAN;
             S0[i] = p.S0, S0_dot[i] = p.S0_dot, S1[i] = p.S1, S1_dot[i] = p.S1_dot, reference[i] = p.reference;
-            td_estimate one = estimate_of(&comparator, H, &p);
+            td_estimate one = estimate_of(&sensor, H, &p);
             assert_true(i % 7 != 3 && i % 7 != 4 ? !isnan(one.error) : one.error == 0 && one.seconds == 0);
             worst.error = fmax(worst.error, one.error);
             worst.seconds = fmax(worst.seconds, one.seconds);
         }
         td_estimated step = {H, &signals, reference, NULL, 0, COUNT};
-        td_estimate all = td_estimate_step(&comparator, &step);
+        td_estimate all = td_sensor_estimate(&sensor, &step, 0, 0, 0);
         assert_true(all.error == worst.error && all.seconds == worst.seconds && all.error > 0);
     }
     const td_estimated empty = {H, &signals, reference, NULL, 0, 0};
-    td_estimate none = td_estimate_step(&comparator, &empty);
+    td_estimate none = td_sensor_estimate(&sensor, &empty, 0, 0, 0);
     assert_true(none.error == 0 && none.seconds == 0);
 }
 

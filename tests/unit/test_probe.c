@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "signal/td_crossing.h"
+#include "signal/td_model_error.h"
 #include "solver/td_probe.h"
 #include "tests/support/scene_make.h"
 

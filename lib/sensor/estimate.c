@@ -1,6 +1,6 @@
-/* The estimated error of a tile's step, over the pixels that may fire in it. */
+/* The estimated error of a tile's step, over the pixels that may fire in it, for the solver's step control. */
 #include "td_estimate.h"
-#include "td_probe.h"
+#include "signal/td_model_error.h"
 
 #include <math.h>
 
@@ -57,10 +57,10 @@ static void count_pixel(const td_estimated *step, const pixel_step *p, double sc
 
 /* -- a tile -------------------------------------------------------------------------------------------------------------- */
 
-td_estimate td_estimate_step(const td_comparator *comparator, const td_estimated *step) {
+static td_estimate estimate_ideal(const td_sensor *sensor, const td_estimated *step) {
     td_estimate worst = {0, 0, 0, 0};
-    double threshold = comparator->threshold_on;
-    int equal = threshold == comparator->threshold_off;
+    double threshold = sensor->sensor.threshold_on;
+    int equal = threshold == sensor->sensor.threshold_off;
     for (int32_t i = 0; i < step->count; i++) {
         const pixel_step p = pixel_of(step, i);
         /* Where the signal hardly rises, the time of a crossing is only as good as the range that it moves in. */
@@ -80,18 +80,17 @@ td_estimate td_estimate_step(const td_comparator *comparator, const td_estimated
 
 /* May the pixel fire within the step, or have fired in the macro step before it, as far as is known? `low` and `high` bound
  * S_eff. */
-static int may_fire_sensor(td_sensor *sensor, size_t i, int cuts, double low, double high, double reference) {
+static int may_fire(td_sensor *sensor, size_t i, int cuts, double low, double high, double reference) {
     double on = sensor->threshold_on[i], off = sensor->threshold_off[i];
     if (sensor->frontend.on) return 1;
-    int holds = sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD && sensor->refractory_ns > 0;
-    if (on == off && !holds) return reaches_level(low, high, reference, on);
+    if (on == off && !td_sensor_holds(sensor)) return reaches_level(low, high, reference, on);
     if (cuts == 0) sensor->reach[i] = sensor->held_until[i] > -INFINITY;
     int leaves = !(low > reference - off && high < reference + on);
     if (leaves && cuts <= TD_FEW_CUTS) sensor->reach[i] = 1;
     return leaves || sensor->reach[i];
 }
 
-td_estimate td_estimate_sensor(td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time) {
+static td_estimate estimate_blocks(td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time) {
     td_estimate worst = {0, 0, 0, 0};
     double swing = sensor->additive.on ? noise_swing * sensor->additive.sigma : 0;
     double nominal = smaller(sensor->sensor.threshold_on, sensor->sensor.threshold_off);
@@ -102,11 +101,15 @@ td_estimate td_estimate_sensor(td_sensor *sensor, const td_estimated *step, size
         double ramp0 = sensor->leak[i] * time, ramp1 = ramp0 + sensor->leak[i] * step->h * 1e9;
         double low, high;
         range_of(&p, &low, &high); /* the ramp lies between its ends: bounds need no more */
-        if (step->reference && !may_fire_sensor(sensor, i, cuts, low + ramp0 - swing, high + ramp1 + swing, step->reference[k]))
+        if (step->reference && !may_fire(sensor, i, cuts, low + ramp0 - swing, high + ramp1 + swing, step->reference[k]))
             continue;
         double own = smaller(sensor->threshold_on[i], sensor->threshold_off[i]);
         double moved = larger(fabs(p.S1 - p.S0 + (ramp1 - ramp0)), p.error);
         count_pixel(step, &p, nominal / own, moved, &worst);
     }
     return worst;
+}
+
+td_estimate td_sensor_estimate(td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time) {
+    return sensor->on ? estimate_blocks(sensor, step, first, cuts, time) : estimate_ideal(sensor, step);
 }
