@@ -10,12 +10,14 @@
 #include <cmocka.h>
 
 #include "tests/support/judged_run.h"
+#include "tests/support/pulsing_callback.h"
 #include "tests/support/scene_make.h"
 #include "tests/support/splat_world.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { WIDTH = 20, HEIGHT = 10, FEW = 6 };
 #define FOCAL (1.25 * WIDTH)
@@ -35,8 +37,9 @@ enum { COMMENSURATE = 0, HALF_COMMENSURATE, ANY, ANY_DECADE, LAWS };
 typedef struct trial {
     uint64_t seed;
     int law;
-    double highest; /* [Hz] of this trial */
-    double fastest; /* that came */
+    double highest;  /* [Hz] of this trial */
+    double fastest;  /* that came */
+    int by_function; /* what pulses does so by a function that declares its time scale, not by keyframes */
 } trial;
 
 static double draw_hz(trial *t) {
@@ -97,13 +100,21 @@ static void add_pulsing(judged *j, trial *t, splat_set *set) {
     if (tossed(t, 0.3)) p.turn = draw_waves(t, world_between(&t->seed, 0.1, 1));
     if (tossed(t, 0.3)) p.shift[0] = draw_waves(t, pixels(t) * PIXEL_AT_2);
     if (tossed(t, 0.5) || t->fastest == 0) p.light = draw_waves(t, world_between(&t->seed, 0.1, 0.7));
-    const double interval = 1 / (world_between(&t->seed, 8, 20) * fmax(t->fastest, 50));
-    tides_motion *motion = pulsing_keyframes(set, &p, j->stop, interval);
+    const double fastest = fmax(t->fastest, 50), interval = 1 / (world_between(&t->seed, 8, 20) * fastest);
+    tides_motion *motion;
+    if (t->by_function) {
+        j->user = malloc(sizeof p);
+        assert_non_null(j->user);
+        memcpy(j->user, &p, sizeof p);
+        motion = pulsing_callback(set, j->user, j->stop, 1 / fastest);
+    } else {
+        motion = pulsing_keyframes(set, &p, j->stop, interval);
+    }
     world_add_moving(j->scene, set, motion, 0);
 }
 
 static judged draw_trial(uint64_t seed) {
-    trial t = {.seed = seed};
+    trial t = {.seed = seed, .by_function = seed % 3 == 0};
     char name[64];
     t.law = (int)(scene_next(&t.seed) % LAWS);
     t.highest = world_between_log(&t.seed, 200, HIGHEST_HZ);
@@ -124,7 +135,7 @@ static judged draw_trial(uint64_t seed) {
     else
         world_add(j.scene, &lit, NULL);
     snprintf(name, sizeof name, "%llu: law %d, %s%s%sto %.0f Hz", (unsigned long long)seed, t.law, camera ? "camera " : "",
-             object ? "object " : "", pulse ? "light " : "", t.fastest);
+             object ? "object " : "", pulse ? t.by_function ? "function " : "light " : "", t.fastest);
     snprintf(j.name, sizeof j.name, "%s", name);
     j.sensor.threshold_on = world_between_log(&t.seed, 0.02, 0.1);
     j.sensor.threshold_off = 1.037 * j.sensor.threshold_on; /* what comes back to where it began touches no level there */

@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "tests/support/judged_run.h"
+#include "tests/support/pulsing_callback.h"
 #include "tests/support/scene_folder.h"
 #include "tests/support/splat_world.h"
 
@@ -19,13 +20,11 @@
 
 static const uint64_t SEED = 20261;
 
-/* Of the exact events, in percent, and no fewer than two: a touch that is lost takes the event with it that would undo it. */
+/* Of the exact events of all cases, in percent; of a single case's, which may be few, within three standard errors: a touch
+ * that is lost takes the event with it that would undo it, so that mismatches come in pairs. */
 #define MOST_MISMATCH 0.05
-/* Two of the cases are above that, 0.052 and 0.17 %: signals that turn within the tolerance of a level. A run must have told of
- * them itself (events_uncertain: each a touch, up to two events), and they may be no more than so many times the bar. */
-#define MOST_TOLD 2.5
-/* Honesty is asked of errors that the exact events are ten times better than. */
-static const judged_scale scale = {0.1, JUDGED_LIMIT_S, 4000};
+/* Honesty is asked of errors that the exact events are ten times better than, or of what is left of them. */
+enum { FRAMES = 2000, FRAMES_OF_ALL_PHASES = 8000 };
 
 /* Phases of sines against the steps' ends, most of which are whole periods apart: zero (the same place and the same speed at
  * both), a quarter (at rest at both, in the same place), and one without symmetry. */
@@ -132,33 +131,47 @@ static judged spinning(double phase) {
     return j;
 }
 
-/* The same by keyframes, and a splat that breathes. */
-static judged turning_keyframes(double phase) {
-    judged j = small("needles turned by keyframes, 100 Hz", 0.02, 1000);
-    const pulsing p = {.turn = waves_one(0.8, 100, phase)};
-    splat_set set = thing(SEED + 6);
-    tides_motion *motion = pulsing_keyframes(&set, &p, j.stop, 0.25e-3);
+/* Parameters that pulse, by keyframes, or by a function that declares its time scale. */
+static judged by_keyframes(const char *name, const pulsing *p, uint64_t seed, double interval) {
+    judged j = small(name, 0.02, 1000);
+    splat_set set = thing(seed);
+    tides_motion *motion = pulsing_keyframes(&set, p, j.stop, interval);
     add_wall(&j, SEED + 5);
     world_add_moving(j.scene, &set, motion, 0);
     return j;
+}
+static judged by_function(const char *name, const pulsing *p, uint64_t seed, double time_scale) {
+    judged j = small(name, 0.02, 1000);
+    splat_set set = thing(seed);
+    j.user = malloc(sizeof *p);
+    assert_non_null(j.user);
+    memcpy(j.user, p, sizeof *p);
+    tides_motion *motion = pulsing_callback(&set, j.user, j.stop, time_scale);
+    add_wall(&j, SEED + 5);
+    world_add_moving(j.scene, &set, motion, 0);
+    return j;
+}
+static judged turning_keyframes(double phase) {
+    const pulsing p = {.turn = waves_one(0.8, 100, phase)};
+    return by_keyframes("needles turned by keyframes, 100 Hz", &p, SEED + 6, 0.25e-3);
 }
 static judged breathing_keyframes(double phase) {
-    judged j = small("sizes that pulse at 200 Hz", 0.02, 1000);
     const pulsing p = {.log_size = waves_one(0.4, 200, phase)};
-    splat_set set = thing(SEED + 7);
-    tides_motion *motion = pulsing_keyframes(&set, &p, j.stop, 0.25e-3);
-    add_wall(&j, SEED + 5);
-    world_add_moving(j.scene, &set, motion, 0);
-    return j;
+    return by_keyframes("sizes that pulse at 200 Hz", &p, SEED + 7, 0.25e-3);
 }
 static judged fading_keyframes(double phase) {
-    judged j = small("opacities that pulse at 300 Hz", 0.02, 1000);
     const pulsing p = {.logit = waves_one(1.5, 300, phase)};
-    splat_set set = thing(SEED + 8);
-    tides_motion *motion = pulsing_keyframes(&set, &p, j.stop, 0.2e-3);
-    add_wall(&j, SEED + 5);
-    world_add_moving(j.scene, &set, motion, 0);
-    return j;
+    return by_keyframes("opacities that pulse at 300 Hz", &p, SEED + 8, 0.2e-3);
+}
+/* Whole periods in a step: nothing but the declared scale tells of them. */
+static judged fading_function(double phase) {
+    const pulsing p = {.logit = waves_one(1.5, 300, phase), .light = waves_one(0.3, 700, phase)};
+    return by_function("opacities by a function, 300 and 700 Hz", &p, SEED + 13, 1.0 / 700);
+}
+static judged shaking_function(double phase) {
+    const pulsing p = {.shift = {waves_one(1.5 * PIXEL_AT_2, 400, phase), waves_one(PIXEL_AT_2, 100, phase)},
+                       .turn = waves_one(0.4, 200, phase)};
+    return by_function("places by a function, 400 Hz", &p, SEED + 14, 1.0 / 400);
 }
 
 /* Behind the camera at both ends of a step, in front of it between: half a period of 50 Hz. */
@@ -246,20 +259,28 @@ static int all_phases(void) {
     return trials && atoi(trials) > 0;
 }
 
+/* Of all cases, in double and in single precision. */
+static double all_exact, all_mismatched;
+
 static int expect_seen(const judged *j, const char *device, const judged_verdict *v) {
     /* What the exact stream itself doesn't know, nobody can be asked for. */
     const double unknown = (double)(v->halved.missing + v->halved.spurious);
-    const double allowed = unknown + fmax(2, 0.01 * MOST_MISMATCH * (double)v->match.reference);
-    const double wrong = (double)(v->match.missing + v->match.spurious),
-                 told = unknown + 2.0 * (double)v->stats.events_uncertain;
+    const double expected = 0.01 * MOST_MISMATCH * (double)v->match.reference,
+                 allowed = unknown + expected + 3 * sqrt(2 * expected);
+    const double wrong = (double)(v->match.missing + v->match.spurious);
+    all_exact += (double)v->match.reference;
+    all_mismatched += fmax(0, wrong - unknown);
     judged_print(j, device, v);
-    if (wrong > allowed) print_message("%s: %.0f events are wrong, %.0f told as uncertain\n", j->name, wrong, told);
-    return (wrong <= allowed || (wrong <= told && wrong <= MOST_TOLD * allowed)) && judged_honest(v);
+    /* A run knows of them itself: each is a touch, one event or two. (In single precision vibrating_100 has one more pair than
+     * in double, 0.17 % of its few: there the top is 4e-8 below its level, here 2e-7 above, and rounding is 7e-7.) */
+    const int told = wrong <= unknown + 2.0 * (double)v->stats.events_uncertain;
+    return wrong <= allowed && told && judged_honest(v);
 }
 
 typedef judged (*case_maker)(double phase);
 /* `first`: the phase that it is judged at where there's time for one. */
 static void judge(case_maker make, int first) {
+    const judged_scale scale = {0.1, JUDGED_LIMIT_S, all_phases() ? FRAMES_OF_ALL_PHASES : FRAMES};
     int failures = 0;
     for (int i = 0; i < (all_phases() ? 3 : 1); i++) {
         judged j = make(phases[(first + i) % 3]);
@@ -298,10 +319,19 @@ CASE(spinning, 1)
 CASE(turning_keyframes, 1)
 CASE(breathing_keyframes, 1)
 CASE(fading_keyframes, 0)
+CASE(fading_function, 1)
+CASE(shaking_function, 0)
 CASE(through_the_camera, 0)
 CASE(dart, 0)
 CASE(bells, 0)
 CASE(rotor_bells, 0)
+
+/* After all the others. */
+static void test_all_together(void **state) {
+    (void)state;
+    print_message("%.0f of %.0f events mismatched: %.3g %%\n", all_mismatched, all_exact, 100 * all_mismatched / all_exact);
+    assert_true(all_mismatched <= 0.01 * MOST_MISMATCH * all_exact);
+}
 
 /* -- the pulse ------------------------------------------------------------------------------------------------------------- */
 
@@ -454,10 +484,13 @@ int main(void) {
                                        cmocka_unit_test(test_turning_keyframes),
                                        cmocka_unit_test(test_breathing_keyframes),
                                        cmocka_unit_test(test_fading_keyframes),
+                                       cmocka_unit_test(test_fading_function),
+                                       cmocka_unit_test(test_shaking_function),
                                        cmocka_unit_test(test_through_the_camera),
                                        cmocka_unit_test(test_dart),
                                        cmocka_unit_test(test_bells),
-                                       cmocka_unit_test(test_rotor_bells)};
+                                       cmocka_unit_test(test_rotor_bells),
+                                       cmocka_unit_test(test_all_together)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -215,39 +215,71 @@ static tides_match match_of(const judged_stream *exact, const judged_stream *str
     return match;
 }
 
-/* -- pixels with the right number of events ------------------------------------------------------------------------------- */
+/* -- events that are the same ones ------------------------------------------------------------------------------------------
+ * */
 
-static void count_events(const judged *j, const judged_stream *s, long sign, long *counts) {
-    for (size_t i = 0; i < s->count; i++) {
-        const tides_event *e = &s->events[i];
-        counts[2 * ((size_t)e->y * (size_t)j->intrinsics.width + e->x) + (e->polarity > 0)] += sign;
-    }
+/* A stream pixel by pixel, each pixel's in time order as they came: those of pixel i from first[i] on. */
+typedef struct by_pixel {
+    tides_event *events;
+    size_t *first;
+} by_pixel;
+
+static size_t pixel_of(const judged *j, const tides_event *e) { return (size_t)e->y * (size_t)j->intrinsics.width + e->x; }
+
+static by_pixel sort_by_pixel(const judged *j, const judged_stream *s) {
+    const size_t pixels = (size_t)j->intrinsics.width * (size_t)j->intrinsics.height;
+    by_pixel sorted = {calloc(s->count + 1, sizeof *sorted.events), calloc(pixels + 2, sizeof *sorted.first)};
+    assert_true(sorted.events && sorted.first);
+    for (size_t k = 0; k < s->count; k++) sorted.first[pixel_of(j, &s->events[k]) + 2]++;
+    for (size_t i = 2; i < pixels + 2; i++) sorted.first[i] += sorted.first[i - 1];
+    for (size_t k = 0; k < s->count; k++) sorted.events[sorted.first[pixel_of(j, &s->events[k]) + 1]++] = s->events[k];
+    return sorted;
 }
 
-static judged_stream of_right_pixels(const judged *j, const judged_stream *s, const long *differences) {
-    judged_stream right = {0};
-    for (size_t i = 0; i < s->count; i++) {
-        const tides_event *e = &s->events[i];
-        const long *d = differences + 2 * ((size_t)e->y * (size_t)j->intrinsics.width + e->x);
-        if (d[0] == 0 && d[1] == 0) assert_int_equal(keep(&right, e, 1), 0);
-    }
-    return right;
+static void free_by_pixel(by_pixel *sorted) {
+    free(sorted->events);
+    free(sorted->first);
 }
 
+/* Of two pixels' events: as many of both polarities? */
+static int same_counts(const tides_event *a, size_t a_count, const tides_event *b, size_t b_count) {
+    long up = 0;
+    for (size_t k = 0; k < a_count; k++) up += a[k].polarity;
+    for (size_t k = 0; k < b_count; k++) up -= b[k].polarity;
+    return a_count == b_count && up == 0;
+}
+
+/* How many of them, from the first on, are of the same polarity and no further apart than limit_s. */
+static size_t agree(const tides_event *a, size_t a_count, const tides_event *b, size_t b_count, double limit_s) {
+    size_t k = 0;
+    while (k < a_count && k < b_count && a[k].polarity == b[k].polarity && 1e-9 * fabs((double)(a[k].t - b[k].t)) <= limit_s)
+        k++;
+    return k;
+}
+
+/* Times of events that are the same ones: all of a pixel where it has as many of either polarity as it should; and elsewhere
+ * those before the first that isn't there, or shouldn't be. */
 static void judge_streams(const judged *j, const judged_stream *exact, const judged_stream *stream, double limit_s,
                           judged_verdict *v) {
     const size_t pixels = (size_t)j->intrinsics.width * (size_t)j->intrinsics.height;
-    long *differences = calloc(2 * pixels, sizeof *differences);
-    assert_non_null(differences);
-    count_events(j, exact, 1, differences);
-    count_events(j, stream, -1, differences);
-    judged_stream right = of_right_pixels(j, exact, differences), made = of_right_pixels(j, stream, differences);
-    v->match = match_of(exact, stream, limit_s);
-    v->timing = match_of(&right, &made, limit_s);
+    by_pixel truth = sort_by_pixel(j, exact), run = sort_by_pixel(j, stream);
+    judged_stream same = {0}, made = {0};
     v->wrong_pixels = 0;
-    for (size_t i = 0; i < pixels; i++) v->wrong_pixels += differences[2 * i] != 0 || differences[2 * i + 1] != 0;
-    free(differences);
-    free(right.events);
+    for (size_t i = 0; i < pixels; i++) {
+        const tides_event *a = truth.events + truth.first[i], *b = run.events + run.first[i];
+        size_t a_count = truth.first[i + 1] - truth.first[i], b_count = run.first[i + 1] - run.first[i];
+        if (!same_counts(a, a_count, b, b_count)) {
+            v->wrong_pixels++;
+            a_count = b_count = agree(a, a_count, b, b_count, limit_s);
+        }
+        assert_int_equal(keep(&same, a, a_count), 0);
+        assert_int_equal(keep(&made, b, b_count), 0);
+    }
+    v->match = match_of(exact, stream, limit_s);
+    v->timing = match_of(&same, &made, limit_s);
+    free_by_pixel(&truth);
+    free_by_pixel(&run);
+    free(same.events);
     free(made.events);
 }
 

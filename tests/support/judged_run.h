@@ -40,9 +40,10 @@ int judged_simulate(const judged *j, const char *device, judged_stream *stream, 
 /* A run against the exact events. */
 typedef struct judged_verdict {
     tides_match match;
-    tides_match timing; /* of the pixels with as many events of either polarity as there should be: where a touch was taken for
-                           a crossing, or the other way round, the reference is another one from there on, and times with it */
-    int wrong_pixels;   /* the others */
+    tides_match timing; /* of events that are the same ones. Where a touch is taken for a crossing, or the other way round, and
+                           thresholds differ, the reference is another one from there on, and the times of that pixel's later
+                           events with it: that is what events_uncertain tells, and no timing error */
+    int wrong_pixels;   /* those with another number of events, which count up to the first that differs */
     tides_stats stats;
     tides_match halved; /* how the last halving of the frames' spacing moved the exact events */
     int frames;
