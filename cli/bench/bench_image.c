@@ -40,6 +40,7 @@ static const variant variants[] = {
     {.name = "only_soft_order", .smoothing.soft_depth = 1e-4, .none = 1},
     {.name = "taper_0.03_to_1", .smoothing.taper_begin = 0.03 * CUT},
     {.name = "taper_0.3_to_1", .smoothing.taper_begin = 0.3 * CUT},
+    {.name = "taper_0.1_to_1.9", .smoothing.taper_end = 1.9 * CUT}, /* as much light as the cut at 1 */
     {.name = "taper_0.1_to_2", .smoothing.taper_end = 2 * CUT},
     {.name = "taper_1_to_2", .smoothing = {.taper_begin = CUT, .taper_end = 2 * CUT}},
     {.name = "delta_1e-5", .smoothing.soft_depth = 1e-5},
