@@ -16,8 +16,7 @@ static double time_now(const tides_simulator *s) {
 static tides_status fail_nonfinite(const tides_simulator *s, int t, const td_step *step, uint64_t pixels, tides_error *error) {
     return td_fail(error, TIDES_BAD_ARGUMENT,
                    "the signal of %llu pixels of the tile at (%d, %d) isn't finite at %.15g s, although the image is: the "
-                   "front "
-                   "end's parameters are beyond what can be computed with",
+                   "front end's parameters are beyond what can be computed with",
                    (unsigned long long)pixels, (int)s->tile[t].x0, (int)s->tile[t].y0, 1e-9 * (double)step->start_ns);
 }
 

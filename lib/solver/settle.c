@@ -107,9 +107,7 @@ static tides_status settle_common_step(tides_simulator *s, const int32_t *which,
     tides_status status = td_surround_compare(s, from, to, error);
     r->comparing = NULL;
     if (status != TIDES_OK) return status;
-    td_sample passed = s->now;
-    s->now = s->next;
-    s->next = passed;
+    td_turn_samples(s);
     return TIDES_OK;
 }
 

@@ -102,12 +102,6 @@ tides_status td_step_of_run(const tides_simulator *s, double start, double stop,
     return TIDES_OK;
 }
 
-static void turn_samples(tides_simulator *s) {
-    td_sample passed = s->now;
-    s->now = s->next;
-    s->next = passed;
-}
-
 /* The comparator over one step of every tile that moves, from now to next. */
 static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
     td_step step;
@@ -131,7 +125,7 @@ static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
 static tides_status compare_step(tides_simulator *s, tides_error *error) {
     tides_status status = compare_tiles(s, error);
     if (status != TIDES_OK) return status;
-    turn_samples(s);
+    td_turn_samples(s);
     s->step++;
     if (s->scan.arbiter) status = td_scan_step(s, error);
     s->stats.steps += (uint64_t)s->moving_count;

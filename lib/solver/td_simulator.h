@@ -63,6 +63,13 @@ struct tides_simulator {
 /* 1 where the device computes in double precision (checkpoint_facts.c). */
 int td_is_double(const tides_device *device);
 
+/* A step is over: what was to come is now, and the sample before it is free. */
+static inline void td_turn_samples(tides_simulator *simulator) {
+    td_sample passed = simulator->now;
+    simulator->now = simulator->next;
+    simulator->next = passed;
+}
+
 /* Lists the tiles that can change in the interval that was swept last; all of them where tiles don't go their own ways. */
 void td_list_moving(tides_simulator *simulator);
 
