@@ -165,7 +165,8 @@ typedef struct stability_result {
     double L, L_dot;                           /* of the float image against the double one; the latter over the largest rate */
     tides_match match;                         /* of the device's events against the double reference's */
     tides_stats stats, exact;                  /* of both */
-    double run_time_s, benign_s, exact_s, elapsed_s;
+    double run_time_s, benign_s, exact_s;      /* best of some runs; of the processor where the device is one */
+    double elapsed_s;
     uint64_t peak_bytes; /* of the process when the device's run ended */
 } stability_result;
 

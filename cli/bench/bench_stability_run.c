@@ -16,6 +16,7 @@ static const double frame_shares[FRAMES] = {0, 0.13, 0.5, 0.77, 1}; /* of the ru
 typedef struct outcome {
     bench_stream stream;
     bench_row row;
+    double seconds; /* the best time of its runs */
     double *planes; /* L, L_dot of each frame */
 } outcome;
 
@@ -46,13 +47,21 @@ static tides_status render(const bench *b, const stability_world *w, outcome *o,
     return status;
 }
 
+/* Whether a run takes the processor's time, in which nothing else on the machine counts. */
+static int32_t computes_here(const bench *b) {
+    return b->info.kind == TIDES_DEVICE_CPU || b->info.kind == TIDES_DEVICE_REFERENCE;
+}
+
 /* Events are kept only where they are compared: else they would be what takes the memory. */
 static tides_status simulate(bench *b, const stability_world *w, int runs, int32_t keep, outcome *o, tides_error *error) {
     const bench_scene *s = &w->scene;
     bench_stream *stream = keep ? &o->stream : NULL;
     tides_status status = TIDES_OK;
-    for (int i = 0; i < runs && status == TIDES_OK && (i == 0 || o->row.run_time_s < SHORT_RUN_S); i++)
+    for (int i = 0; i < runs && status == TIDES_OK && (i == 0 || o->seconds < SHORT_RUN_S); i++) {
         status = bench_simulate(b, s, s->image.rules, &s->sensor, &w->stepping, stream, &o->row, error);
+        const double seconds = computes_here(b) ? o->row.all_threads_s : o->row.run_time_s;
+        o->seconds = i == 0 ? seconds : fmin(o->seconds, seconds);
+    }
     return status;
 }
 
@@ -77,7 +86,7 @@ static tides_status time_benign(const bench *b, const stability_world *like, dou
     if (status != TIDES_OK) return status;
     status = tides_device_open(b->common->device, &on.device, error);
     if (status == TIDES_OK) status = simulate(&on, &w, RUNS, 0, &o, error);
-    *seconds = o.row.run_time_s;
+    *seconds = o.seconds;
     tides_device_close(on.device);
     free_outcome(&o);
     bench_scene_free(&w.scene);
@@ -121,7 +130,7 @@ static tides_status compare(const stability_world *w, const outcome *device, con
     compare_images(w, device, exact, r);
     if (!exact->row.runs) return TIDES_OK;
     r->exact = exact->row.stats;
-    r->exact_s = exact->row.run_time_s;
+    r->exact_s = exact->seconds;
     r->simulated = 1;
     return tides_match_events(exact->stream.events, exact->stream.count, device->stream.events, device->stream.count,
                               TIDES_MATCH_LIMIT_S, &r->match, error);
@@ -157,7 +166,7 @@ static tides_status measure_world(const bench *b, const stability_case *c, const
     tides_status status = c->refusal ? TIDES_OK : time_benign(b, w, &r->benign_s, error);
     if (status == TIDES_OK) status = run_on(b, b->common->device, w, c->flags & ~STABILITY_IMAGE_ONLY, &device, error);
     r->stats = device.row.stats;
-    r->run_time_s = device.row.run_time_s;
+    r->run_time_s = device.seconds;
     r->peak_bytes = device.row.stats.peak_memory_bytes;
     if (status == TIDES_OK && !(c->flags & STABILITY_ALONE)) status = against_references(b, c, w, &device, r, error);
     free_outcome(&device);
