@@ -242,7 +242,11 @@ static const stability_case limits[] =
      {.name = "log_eps-1e-9",
       .sentence = "a black background at log_eps 1e-9",
       LIMITS(LIMIT_LOG_EPS, 1e-9),
-      .bound = {.L = 4.1, .L_dot = 0.1, .because = "weights are rounded at 2^-24 of the light, sixty times log_eps: ln 60"}},
+      .bound = {.L = 4.1,
+                .L_dot = 0.1,
+                .slow = 60,
+                .because =
+                    "weights are rounded at 2^-24 of the light, sixty times log_eps: ln 60; steps are cut until that is seen"}},
      {.name = "log_eps-1e-12",
       .sentence = "a log_eps below what single precision resolves",
       LIMITS(LIMIT_LOG_EPS, 1e-12),
