@@ -24,8 +24,8 @@ enum { TIDES_REFRACTORY_HOLD = 0, TIDES_REFRACTORY_DROP_KEEP = 1, TIDES_REFRACTO
 enum { TIDES_PSF_LOG = 0, TIDES_PSF_LINEAR = 1 };
 
 /* FIRST_ORDER: one pole at photoreceptor_cutoff_hz. CIRCUIT: the pixel's chain of a second-order photoreceptor, whose poles go
- * with the photocurrent, a source follower and a difference amplifier (lib/sensor/td_frontend.h has the equations); the
- * cutoff and photoreceptor_law are then not read. */
+ * with the photocurrent, a source follower and a difference amplifier (lib/sensor/response/td_frontend.h has the equations);
+ * the cutoff and photoreceptor_law are then not read. */
 enum { TIDES_BANDWIDTH_FIRST_ORDER = 0, TIDES_BANDWIDTH_CIRCUIT = 1 };
 
 /* Whether the pole stays where it is, or goes with luminance as v2e has it: cutoff (DN + 20) / 275, DN = 255 Y. */

@@ -1,4 +1,4 @@
-/* The sensor's parameters. */
+/* The sensor's parameters as a caller first gets them; create.c checks what comes back. */
 #include "tides/sensor.h"
 
 void tides_sensor_defaults(tides_sensor *sensor) {

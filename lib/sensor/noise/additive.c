@@ -1,4 +1,5 @@
-/* Ornstein-Uhlenbeck noise by counter. */
+/* Ornstein-Uhlenbeck noise by counter: points of its grid, of one pixel or of many side by side. For pixel.c and comparator.c;
+ * what it does between the points is bridge.c's. */
 #include "td_additive_noise.h"
 #include "td_base.h"
 #include "td_noise_bridge.h"

@@ -1,4 +1,4 @@
-/* The response of poles to a cubic input. */
+/* The response of poles to a cubic input: for frontend.c and substeps.c, which say which poles a filter has. */
 #include "td_lowpass.h"
 
 #include <math.h>

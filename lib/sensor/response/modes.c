@@ -1,4 +1,4 @@
-/* Modes of a response. */
+/* Modes of a response, one by one: values, slopes and bounds. For response.c, mode_crossing.c and substeps.c. */
 #include "td_modes.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* Internal: what response.c, path_modes.c and path_crossing.c share: modes one by one. */
+/* Internal: what response.c, modes.c and mode_crossing.c share: modes one by one. */
 #ifndef TD_MODES_H
 #define TD_MODES_H
 

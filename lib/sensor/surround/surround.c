@@ -1,4 +1,5 @@
-/* The centre-surround, mode by mode. */
+/* The centre-surround, mode by mode, in substeps whose cubics are good enough: for the solver, which gives it all pixels at
+ * once and the comparator what comes of them. */
 #include "td_surround.h"
 #include "td_base.h"
 
