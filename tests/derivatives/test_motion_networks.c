@@ -118,8 +118,10 @@ static void test_network_at_rest(void **state) {
     motion_rows wide = motion_rows_f64(&packed, 0.3, 1, NULL, COUNT, 0),
                 narrow = motion_rows_f32(&packed, 0.3, 1, NULL, COUNT, 0);
     for (int i = 0; i < COUNT * TD_GEOMETRY_STRIDE; i++) {
-        assert_true(isfinite(wide.geometry[i]) && isfinite(wide.rates[i]));
-        assert_true(isfinite(narrow.geometry[i]) && isfinite(narrow.rates[i]));
+        assert_true(isfinite(wide.geometry[i]));
+        assert_true(isfinite(wide.rates[i]));
+        assert_true(isfinite(narrow.geometry[i]));
+        assert_true(isfinite(narrow.rates[i]));
     }
     motion_rows_free(&wide);
     motion_rows_free(&narrow);

@@ -73,7 +73,8 @@ static golden open_golden(npz **archive) {
     assert_non_null(*archive);
     golden g = {npz_doubles(*archive, "c2w_opencv", NULL), NULL, npz_doubles(*archive, "K", NULL), 0};
     g.times = npz_doubles(*archive, "t", &g.count);
-    assert_true(g.poses && g.times && g.k && g.count > 1);
+    assert_true(g.poses && g.times && g.k);
+    assert_true(g.count > 1);
     return g;
 }
 
@@ -120,7 +121,8 @@ static void check_single(const char *name, const golden *g) {
     tides_path path = load(name, NULL);
     size_t index = strtoul(strrchr(name, '_') + 1, NULL, 10);
     assert_string_equal(path.format, "nerfies");
-    assert_true(index < g->count && tides_trajectory_is_static(path.trajectory));
+    assert_true(index < g->count);
+    assert_true(tides_trajectory_is_static(path.trajectory));
     golden one = {g->poses + 16 * index, g->times, g->k, 1};
     check_poses(&path, &one, 0, 0);
     check_intrinsics(&path, g, 1);

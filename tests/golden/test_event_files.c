@@ -162,7 +162,8 @@ static void test_ecf_bytes(void **state) {
     const hsize_t first = 0;
     hsize_t bytes = 0;
     uint32_t skipped = 0;
-    assert_true(H5Dget_chunk_storage_size(dataset, &first, &bytes) >= 0 && bytes <= sizeof stored);
+    assert_true(H5Dget_chunk_storage_size(dataset, &first, &bytes) >= 0);
+    assert_true(bytes <= sizeof stored);
     assert_true(H5Dread_chunk(dataset, H5P_DEFAULT, &first, &skipped, stored) >= 0);
     H5Dclose(dataset);
     H5Fclose(file);
@@ -180,10 +181,12 @@ static void test_real_recording(void **state) {
     if (tides_events_summary(path, &summary, &error) != TIDES_OK) fail_msg("%s", error.text);
     assert_int_equal(summary.count, 50000);
     assert_int_equal(summary.disorder, 0);
-    assert_true(summary.right <= 240 && summary.bottom <= 180);
+    assert_true(summary.right <= 240);
+    assert_true(summary.bottom <= 180);
     assert_int_equal(summary.first_ns, 3811000);
     assert_int_equal(summary.last_ns, 174156000);
-    assert_true(summary.count_on > 10000 && summary.count_on < 40000);
+    assert_true(summary.count_on > 10000);
+    assert_true(summary.count_on < 40000);
     size_t got = 0;
     tides_event *events = calloc(50000, sizeof *events);
     FILE *text = fopen(path, "r");

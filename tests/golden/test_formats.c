@@ -45,7 +45,9 @@ static tides_gaussians only_object(const tides_scene *scene) {
 static void compare(npz *golden, const char *name, const float *ours, size_t width, size_t stride) {
     size_t count = 0;
     double *expected = npz_doubles(golden, name, &count);
-    assert_true(expected && count > 0 && count % width == 0);
+    assert_true(expected);
+    assert_true(count > 0);
+    assert_true(count % width == 0);
     for (size_t i = 0; i < count; i++) {
         double got = (double)ours[i / width * stride + i % width];
         int same = isinf(expected[i]) ? got * (expected[i] > 0 ? 1 : -1) > EDGE_OF_OPACITY
@@ -58,7 +60,9 @@ static void compare(npz *golden, const char *name, const float *ours, size_t wid
 static void compare_rotations(npz *golden, const float *ours) {
     size_t count = 0;
     double *expected = npz_doubles(golden, "quat_wxyz", &count);
-    assert_true(expected && count > 0 && count % 4 == 0);
+    assert_true(expected);
+    assert_true(count > 0);
+    assert_true(count % 4 == 0);
     for (size_t i = 0; i < count; i++) {
         const float *q = ours + (i & ~(size_t)3);
         double length = sqrt((double)q[0] * q[0] + (double)q[1] * q[1] + (double)q[2] * q[2] + (double)q[3] * q[3]);
@@ -135,7 +139,11 @@ static void train_in_three_formats(void **state) {
     tides_scene *spz = load_data("data/formats/test-splat.3-points-from-train.spz");
     if (!ply || !splat || !spz) skip();
     tides_gaussians p = only_object(ply), s = only_object(splat), z = only_object(spz);
-    assert_true(p.count == 3 && s.count == 3 && z.count == 3 && p.sh_degree == 3 && z.sh_degree == 3);
+    assert_true(p.count == 3);
+    assert_true(s.count == 3);
+    assert_true(z.count == 3);
+    assert_true(p.sh_degree == 3);
+    assert_true(z.sh_degree == 3);
     for (size_t i = 0; i < 9; i++) {
         assert_close("splat mean", i, (double)s.mean[i], (double)p.mean[i], 0);
         assert_close("spz mean", i, (double)z.mean[i], (double)p.mean[i], 0.5 / 4096 + 1e-7); /* 12 fractional bits */

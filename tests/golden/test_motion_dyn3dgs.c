@@ -23,7 +23,8 @@ static frames_file file_read(const char *path) {
     npz *archive = npz_open(path);
     assert_non_null(archive);
     const npz_array *mean = npz_get(archive, "means3D");
-    assert_true(mean && mean->ndim == 3);
+    assert_true(mean);
+    assert_true(mean->ndim == 3);
     file.frames = (int)mean->shape[0];
     file.count = (int)mean->shape[1];
     file.mean = golden_floats(archive, "means3D", NULL);

@@ -34,7 +34,8 @@ static void read_sh(fudan_file *file) {
     size_t stored = reals / 3 / (size_t)file->count;
     file->sh = calloc((size_t)file->count * ENTRIES, sizeof *file->sh);
     file->harmonic = calloc((size_t)(file->count * (file->harmonics + 1)) * ENTRIES, sizeof *file->harmonic);
-    assert_true(file->sh && file->harmonic && stored + 1 >= (size_t)(K * (file->harmonics + 1)));
+    assert_true(file->sh && file->harmonic);
+    assert_true(stored + 1 >= (size_t)(K * (file->harmonics + 1)));
     for (size_t i = 0; i < (size_t)file->count; i++) {
         float *own = file->sh + i * ENTRIES, *more = file->harmonic + i * (size_t)file->harmonics * ENTRIES;
         memcpy(own, dc + 3 * i, 3 * sizeof *own);

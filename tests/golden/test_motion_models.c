@@ -83,7 +83,8 @@ static void check_fudan(npz *archive, const tides_object *object) {
         assert_null(td_motion_field(object->motion, "quaternion_right"));
     check_fudan_colours(archive, object);
     tides_motion_range(object->motion, &start, &stop);
-    assert_true(start == duration[0] && stop == duration[1]); /* told from the centres */
+    assert_true(start == duration[0]);
+    assert_true(stop == duration[1]); /* told from the centres */
     free(duration);
 }
 

@@ -28,7 +28,8 @@ static stream read_simulated(npz *archive) {
     double *t = npz_doubles(archive, "sim_t", &s.count), *x = npz_doubles(archive, "sim_x", NULL);
     double *y = npz_doubles(archive, "sim_y", NULL), *p = npz_doubles(archive, "sim_p", NULL);
     const npz_array *frame = npz_get(archive, "sim_frame");
-    assert_true(t && x && y && p && frame && frame->ndim == 3);
+    assert_true(t && x && y && p && frame);
+    assert_true(frame->ndim == 3);
     s.height = (int32_t)frame->shape[1];
     s.width = (int32_t)frame->shape[2];
     s.events = calloc(s.count + 1, sizeof *s.events);

@@ -94,14 +94,17 @@ static void check_fudan(const model *m) {
     const td_value *root = td_tree_root(m->tree), *capture = td_value_item(root, 0);
     int64_t iteration = 0;
     int rot_4d = -1;
-    assert_true(td_value_integer(td_value_item(root, 1), &iteration) && iteration == m->dir.iteration);
+    assert_true(td_value_integer(td_value_item(root, 1), &iteration));
+    assert_true(iteration == m->dir.iteration);
     assert_int_equal(capture->count, 19);
     for (size_t i = 0; i < sizeof tensors / sizeof *tensors; i++)
         expect_tensor(td_value_item(capture, tensors[i].item), m->golden, tensors[i].name);
-    assert_true(td_value_bool(td_value_item(capture, 16), &rot_4d) && rot_4d == npz_int(m->golden, "rot_4d"));
+    assert_true(td_value_bool(td_value_item(capture, 16), &rot_4d));
+    assert_true(rot_4d == npz_int(m->golden, "rot_4d"));
     if (rot_4d) expect_tensor(td_value_item(capture, 15), m->golden, "raw_rotation_r");
     int64_t degree_t = -1;
-    assert_true(td_value_integer(td_value_item(capture, 18), &degree_t) && degree_t == npz_int(m->golden, "sh_degree_t"));
+    assert_true(td_value_integer(td_value_item(capture, 18), &degree_t));
+    assert_true(degree_t == npz_int(m->golden, "sh_degree_t"));
     assert_non_null(td_value_get(td_value_item(capture, 11), "param_groups"));
     assert_non_null(td_value_get(td_tree_root(m->dir.cfg), "prefilter_var"));
 }
@@ -225,7 +228,8 @@ static void check_stg(const model *m) {
         for (int c = 0; c < 3; c++) worst = fmax(worst, fabs(rgb[c] - expected[3 * i + c]));
     }
     print_message("    decoded pictures differ by %.2g\n", worst);
-    assert_true(count > 0 && worst < 1e-12);
+    assert_true(count > 0);
+    assert_true(worst < 1e-12);
     free(features);
     free(rays);
     free(expected);
@@ -277,8 +281,10 @@ static void test_cfg_args(void **state) {
     const char *source = td_value_text(td_value_get(root, "source_path"));
     int64_t degree = 0;
     assert_int_equal(root->count, 8);
-    assert_true(source && strncmp(source, "D:\\noname\\Projects", 18) == 0);
-    assert_true(td_value_integer(td_value_get(root, "sh_degree"), &degree) && degree == 3);
+    assert_true(source);
+    assert_true(strncmp(source, "D:\\noname\\Projects", 18) == 0);
+    assert_true(td_value_integer(td_value_get(root, "sh_degree"), &degree));
+    assert_true(degree == 3);
     td_tree_free(tree);
 }
 

@@ -117,7 +117,8 @@ static void check_planes(const double *planes, int outputs, int jobs) {
     for (size_t job = 0; job < (size_t)jobs; job++)
         for (size_t i = 0; i < TD_TILE_PIXELS; i++) {
             const double *pixel = planes + job * (size_t)outputs * TD_TILE_PIXELS + i;
-            assert_true(isfinite(pixel[0]) && isfinite(pixel[TD_TILE_PIXELS]));
+            assert_true(isfinite(pixel[0]));
+            assert_true(isfinite(pixel[TD_TILE_PIXELS]));
             moving += pixel[TD_TILE_PIXELS] != 0;
         }
     assert_true(moving > 0);
@@ -138,7 +139,8 @@ static void compare_all(const scene_kind *kind, const case_setting *setting, tid
         splats += pair_compare_stages(&pair, &pair.jobs[i]);
         candidates += pair.jobs[i].count;
     }
-    assert_true(splats > 0 && splats < candidates); /* masks of both kinds have been seen */
+    assert_true(splats > 0);
+    assert_true(splats < candidates); /* masks of both kinds have been seen */
     pair_compare_empty_pixel(&pair);
     pair_free(&pair);
 }

@@ -210,7 +210,9 @@ static void test_floor_is_exact(void **state) {
 /* 0 at 0, 1 at 1, 1/2 in the middle; never decreasing; its slope is the derivative. */
 static void test_smootherstep_is_a_step(void **state) {
     (void)state;
-    assert_true(td_smootherstep(0.0f) == 0.0f && td_smootherstep(0.5f) == 0.5f && td_smootherstep(1.0f) == 1.0f);
+    assert_true(td_smootherstep(0.0f) == 0.0f);
+    assert_true(td_smootherstep(0.5f) == 0.5f);
+    assert_true(td_smootherstep(1.0f) == 1.0f);
     for (int i = 1; i < 1000; i++) {
         float x = (float)i / 1000.0f, h = 1e-2f;
         if (x < h || x > 1 - h) continue;

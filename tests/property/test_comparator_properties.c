@@ -90,7 +90,8 @@ static void advance(rig *r, int32_t count, double start, double stop) {
 static void assert_invariant(const rig *r, int32_t count) {
     for (int32_t i = 0; i < count; i++) {
         double residual = r->S1[i] - r->sensor.pixels.reference[i];
-        assert_true(residual < r->sensor.sensor.threshold_on && residual > -r->sensor.sensor.threshold_off);
+        assert_true(residual < r->sensor.sensor.threshold_on);
+        assert_true(residual > -r->sensor.sensor.threshold_off);
         assert_true(r->sensor.pixels.reference[i] ==
                     td_reference_of(r->sensor.sensor.threshold_on, r->sensor.sensor.threshold_off, r->sensor.pixels.initial[i],
                                     r->sensor.pixels.count_on[i], r->sensor.pixels.count_off[i]));
@@ -187,7 +188,8 @@ static void events_equal_dense_sampling(void **state) {
         for (int k = 0; k < count; k++) {
             double s = 1e-9 * (double)r->buffer.events[k].t;
             assert_int_equal(r->buffer.events[k].polarity, expected[k].polarity);
-            assert_true(s <= expected[k].s + 1e-12 && s >= expected[k].s - 1.0 / ORACLE_SAMPLES - 2e-9);
+            assert_true(s <= expected[k].s + 1e-12);
+            assert_true(s >= expected[k].s - 1.0 / ORACLE_SAMPLES - 2e-9);
         }
         assert_int_equal(r->sensor.counts.caught_up + r->sensor.counts.truncated, 0);
         assert_invariant(r, 1);
@@ -213,7 +215,8 @@ static void crossings_lie_on_their_levels(void **state) {
             double error = fabs((double)(power_value(&p, walk.s) - reference)), slope = fabs(power_slope(&p, walk.s));
             if (!(error <= 4e-16 * (4.0 * size + slope)))
                 fail_msg("trial %d: %g off the level at s = %.17g", trial, error, walk.s);
-            assert_true(walk.s >= before && walk.s <= 1.0);
+            assert_true(walk.s >= before);
+            assert_true(walk.s <= 1.0);
             before = walk.s;
         }
     }
@@ -264,7 +267,8 @@ static void assert_orderly(const rig *r, size_t first, int64_t start_ns, int64_t
     for (size_t k = first; k < r->buffer.count; k++) {
         const tides_event *event = &r->buffer.events[k];
         int i = event->y * 16 + event->x;
-        assert_true(event->t >= last[i] && event->t <= stop_ns);
+        assert_true(event->t >= last[i]);
+        assert_true(event->t <= stop_ns);
         assert_true(event->polarity == 1 || event->polarity == -1);
         last[i] = event->t;
     }
@@ -296,7 +300,9 @@ static void the_invariant_holds_after_every_step(void **state) {
             on += r->sensor.pixels.count_on[i];
             off += r->sensor.pixels.count_off[i];
         }
-        assert_true(on == r->sensor.counts.events_on && off == r->sensor.counts.events_off && on + off == r->buffer.count);
+        assert_true(on == r->sensor.counts.events_on);
+        assert_true(off == r->sensor.counts.events_off);
+        assert_true(on + off == r->buffer.count);
         assert_true(r->sensor.counts.truncated > 0);
         free_rig(r);
     }

@@ -95,17 +95,21 @@ static void make_labels(const char *path) { write_events(path, EVENTS_SMALL, 1);
 /* Every text attribute of an object becomes one of variable length, as files had them before. */
 static void make_texts_free(hid_t file, const char *object, const char *const *names) {
     hid_t id = H5Oopen(file, object, H5P_DEFAULT), type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
-    assert_true(id >= 0 && H5Tset_size(type, H5T_VARIABLE) >= 0 && H5Tset_cset(type, H5T_CSET_UTF8) >= 0);
+    assert_true(id >= 0);
+    assert_true(H5Tset_size(type, H5T_VARIABLE) >= 0);
+    assert_true(H5Tset_cset(type, H5T_CSET_UTF8) >= 0);
     for (; *names; names++) {
         char text[256] = "";
         const char *at = text;
         hid_t attribute = H5Aopen(id, *names, H5P_DEFAULT), fixed = H5Aget_type(attribute);
-        assert_true(H5Tget_size(fixed) < sizeof text && H5Aread(attribute, fixed, text) >= 0);
+        assert_true(H5Tget_size(fixed) < sizeof text);
+        assert_true(H5Aread(attribute, fixed, text) >= 0);
         H5Tclose(fixed);
         H5Aclose(attribute);
         assert_true(H5Adelete(id, *names) >= 0);
         attribute = H5Acreate2(id, *names, type, space, H5P_DEFAULT, H5P_DEFAULT);
-        assert_true(attribute >= 0 && H5Awrite(attribute, type, &at) >= 0);
+        assert_true(attribute >= 0);
+        assert_true(H5Awrite(attribute, type, &at) >= 0);
         H5Aclose(attribute);
     }
     H5Sclose(space);
@@ -269,7 +273,8 @@ static int try_one(void **state, const seed_file *seed, long number, uint64_t *r
     pid_t child = fork();
     if (child == 0) read_in_child(seed, path);
     int how = 0;
-    assert_true(child > 0 && waitpid(child, &how, 0) == child);
+    assert_true(child > 0);
+    assert_true(waitpid(child, &how, 0) == child);
     int well = WIFEXITED(how) && WEXITSTATUS(how) == 0;
     if (!well) {
         print_message("mutation %ld of %s: %s %d\n", number, seed->name,

@@ -63,8 +63,14 @@ static void equal_streams_are_at_distance_0(void **state) {
         make_pair(round, &p);
         const tides_metrics_options o = options_for(round);
         const tides_metrics m = metrics_of(p.a, p.count_a, p.a, p.count_a, &o);
-        assert_true(m.chamfer_px == 0 && m.victor_purpura == 0 && m.van_rossum == 0 && m.kernel_distance == 0);
-        assert_true(m.time_difference_us == 0 && m.count_ratio == 1 && m.match.mismatch_percent == 0 && m.match.dt_max_us == 0);
+        assert_true(m.chamfer_px == 0);
+        assert_true(m.victor_purpura == 0);
+        assert_true(m.van_rossum == 0);
+        assert_true(m.kernel_distance == 0);
+        assert_true(m.time_difference_us == 0);
+        assert_true(m.count_ratio == 1);
+        assert_true(m.match.mismatch_percent == 0);
+        assert_true(m.match.dt_max_us == 0);
         assert_true(m.isi_w1 == 0 || m.reference.intervals[0].count == 0);
         for (int i = 0; i < TIDES_PAIRS; i++) assert_true(m.ig_nll_excess[i] == 0 || m.reference.intervals[i].count < 2);
         for (int i = 0; i < TIDES_FANO_BINS; i++) assert_true(m.fano_error[i] == 0 || m.fano_tiles[i] == 0);
@@ -89,8 +95,12 @@ static void distances_are_symmetric(void **state) {
         assert_near(p.seed, "correlation", n.count_correlation, m.count_correlation);
         assert_near(p.seed, "ratio", n.count_ratio * m.count_ratio, 1.0);
         for (int i = 0; i < TIDES_FANO_BINS; i++) assert_near(p.seed, "Fano", n.fano_error[i], m.fano_error[i]);
-        assert_true(m.chamfer_px > 0 && m.chamfer_px <= m.chamfer_limit_px && m.van_rossum >= 0 && m.kernel_distance >= -1e-9);
-        assert_true(m.victor_purpura_fraction > 0 && m.victor_purpura_fraction <= 1);
+        assert_true(m.chamfer_px > 0);
+        assert_true(m.chamfer_px <= m.chamfer_limit_px);
+        assert_true(m.van_rossum >= 0);
+        assert_true(m.kernel_distance >= -1e-9);
+        assert_true(m.victor_purpura_fraction > 0);
+        assert_true(m.victor_purpura_fraction <= 1);
         for (int i = 0; i < TIDES_PAIRS; i++) assert_true(isnan(m.ig_nll_excess[i]) || m.ig_nll_excess[i] >= -1e-12);
     }
 }

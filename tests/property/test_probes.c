@@ -84,7 +84,8 @@ static void expect_seen(const job *j, signal_of signal, const shape *about, doub
         fail_msg("%s, period %g s: %zu events for %zu, %g mismatched and %g allowed, |dt| %g %g %g us, reported %g %g %g us",
                  what, about->period, o.count, truth.count, mismatched, allowed, m.dt_median_us, m.dt_p95_us, m.dt_p99_us,
                  1e6 * o.stats.error_p50_s, 1e6 * o.stats.error_p95_s, 1e6 * o.stats.error_p99_s);
-    assert_true(o.stats.steps_probed == o.stats.steps && o.stats.worst_deviation > 0);
+    assert_true(o.stats.steps_probed == o.stats.steps);
+    assert_true(o.stats.worst_deviation > 0);
     check_stream(j, &o);
     check_state(j, &o);
     free_outcome(&truth);
@@ -192,7 +193,8 @@ static void test_memory_changes_nothing(void **state) {
             if (s.most > s.limit + least) fail_msg("%g MB: %zu samples for %zu", mb, s.most, s.limit);
             assert_true(s.early || mb > 1);
             expect_same(&ample, &scarce, "memory");
-            assert_true(ample.stats.steps == scarce.stats.steps && ample.stats.steps_rejected == scarce.stats.steps_rejected);
+            assert_true(ample.stats.steps == scarce.stats.steps);
+            assert_true(ample.stats.steps_rejected == scarce.stats.steps_rejected);
             assert_true(ample.stats.error_p99_s == scarce.stats.error_p99_s);
             assert_true(ample.stats.events_uncertain == scarce.stats.events_uncertain);
             free_outcome(&scarce);

@@ -71,7 +71,8 @@ static void test_pieces_and_devices_change_nothing(void **state) {
             expect_same(&whole, &pieces, d ? "pieces on the cpu" : "pieces");
             assert_memory_equal(whole.signal, pieces.signal, bytes);
             assert_memory_equal(whole.reference, pieces.reference, bytes);
-            assert_true(whole.stats.steps == pieces.stats.steps && whole.stats.steps_rejected == pieces.stats.steps_rejected);
+            assert_true(whole.stats.steps == pieces.stats.steps);
+            assert_true(whole.stats.steps_rejected == pieces.stats.steps_rejected);
             free_outcome(&pieces);
         }
         tides_device_close(devices[0]);
@@ -97,7 +98,8 @@ static void test_local_steps_cost_less_and_agree(void **state) {
             fail_msg("mismatched %g %%, median %g us, p95 %g us", m.mismatch_percent, m.dt_median_us, m.dt_p95_us);
         double share = (double)local.stats.render.tile_jobs / (double)whole.stats.render.tile_jobs;
         assert_true(share < (kind == OBJECT_MOVES ? 0.5 : 1));
-        assert_true(whole.stats.tile_steps_still == 0 && whole.stats.steps % (uint64_t)tiles_of(&j) == 0);
+        assert_true(whole.stats.tile_steps_still == 0);
+        assert_true(whole.stats.steps % (uint64_t)tiles_of(&j) == 0);
         free_outcome(&local);
         free_outcome(&whole);
         free_world(&w);
@@ -114,7 +116,8 @@ static double honest_p95(const job *j, const outcome *truth) {
     if (!(p95 <= o.stats.error_p95_s && o.stats.error_p95_s < 100 * p95 && m.dt_median_us < 1e6 * o.stats.error_p50_s))
         fail_msg("tolerance %g, step %g: p95 %g s, reported %g s", j->stepping.tolerance, j->stepping.step_s, p95,
                  o.stats.error_p95_s);
-    assert_true(o.stats.error_p50_s <= o.stats.error_p95_s && o.stats.error_p95_s <= o.stats.error_p99_s);
+    assert_true(o.stats.error_p50_s <= o.stats.error_p95_s);
+    assert_true(o.stats.error_p95_s <= o.stats.error_p99_s);
     assert_true(m.mismatch_percent < 0.3);
     free_outcome(&o);
     return p95;
@@ -179,7 +182,8 @@ static void test_budget(void **state) {
             double halvings = (double)o.stats.steps_rejected / tiles;
             check_stream(&j, &o);
             check_state(&j, &o);
-            assert_true(halvings <= budgets[k] && halvings >= last);
+            assert_true(halvings <= budgets[k]);
+            assert_true(halvings >= last);
             assert_true(o.stats.renders_full_frame_equivalent <= budgets[k] + macro_steps + 1);
             assert_true((o.stats.steps_over_budget > 0) == (halvings < (double)free_run.stats.steps_rejected / tiles));
             if (o.stats.steps_over_budget > 0)

@@ -75,7 +75,9 @@ static void check_lists(const tides_simulator *s, const job *j, double start, do
             double share = (step->to - step->from) / (double)whole, risk;
             double h = td_refine_time(r, start, stop, step->to) - td_refine_time(r, start, stop, step->from);
             double excess = excess_of(s, j, step, share, h, &risk);
-            assert_true(step->from == reached && step->to > reached && step->tile == s->moving[i]);
+            assert_true(step->from == reached);
+            assert_true(step->to > reached);
+            assert_true(step->tile == s->moving[i]);
             assert_true(step->next < 0 || step->end == r->step[step->next].begin);
             if (excess > 1 + 1e-9 && td_refine_may_cut(r, step)) fail_msg("tile %d: %g above the limit", step->tile, excess);
             most_risk = fmax(most_risk, risk);
@@ -119,7 +121,8 @@ static void test_risk_follows_silhouettes(void **state) {
     outcome some = run_step_by_step(&j, check_lists);
     j.stepping.risk.w_alpha = 4;
     outcome more = run_step_by_step(&j, check_lists);
-    assert_true(none.stats.steps < some.stats.steps && some.stats.steps < more.stats.steps);
+    assert_true(none.stats.steps < some.stats.steps);
+    assert_true(some.stats.steps < more.stats.steps);
     assert_true(none.stats.tile_steps_still == more.stats.tile_steps_still); /* nothing is rendered where nothing moves */
     free_outcome(&none);
     free_outcome(&some);
@@ -138,7 +141,9 @@ static void test_unequal_thresholds_count_every_pixel(void **state) {
     j.sensor.threshold_off = 0.4 * (1 + 1e-9);
     outcome unequal = run_step_by_step(&j, check_lists);
     tides_match m = match(&equal, &unequal);
-    assert_true(unequal.stats.steps > equal.stats.steps && m.mismatch_percent < 0.3 && m.dt_median_us < 1);
+    assert_true(unequal.stats.steps > equal.stats.steps);
+    assert_true(m.mismatch_percent < 0.3);
+    assert_true(m.dt_median_us < 1);
     check_stream(&j, &unequal);
     check_state(&j, &unequal);
     free_outcome(&equal);
@@ -153,7 +158,8 @@ static void check_still_tiles(const tides_simulator *s, const job *j, double sta
                               size_t first) {
     (void)start;
     (void)stop;
-    assert_true(s->moving_count > 0 && s->moving_count < s->tiles);
+    assert_true(s->moving_count > 0);
+    assert_true(s->moving_count < s->tiles);
     for (size_t k = first; k < o->count; k++) {
         int tiles_x = (j->camera.width + TD_TILE - 1) / TD_TILE,
             tile = o->events[k].y / TD_TILE * tiles_x + o->events[k].x / TD_TILE;
@@ -254,7 +260,9 @@ static void test_nothing_passes_unseen(void **state) {
         j.stepping.step_s = 1e-5;
         outcome truth = run(&j);
         tides_match m = match(&truth, &guarded);
-        assert_true(truth.count > 500 && blind.count == 0 && blind.stats.steps_rejected == 0);
+        assert_true(truth.count > 500);
+        assert_true(blind.count == 0);
+        assert_true(blind.stats.steps_rejected == 0);
         if (!(m.mismatch_percent < 1 && m.dt_p95_us < 5))
             fail_msg("%zu events of %zu, mismatched %g %%, p95 %g us", guarded.count, truth.count, m.mismatch_percent,
                      m.dt_p95_us);
@@ -295,8 +303,10 @@ static void test_shortest_step(void **state) {
     for (int depth = 0; depth <= 6; depth += 2) {
         j.stepping.min_step_s = j.stepping.step_s / (1 << depth);
         outcome o = run_under_rules(&j, TIDES_RULES_INRIA), smooth = run_under_rules(&j, TIDES_RULES_SMOOTH);
-        assert_true(o.stats.steps > last && o.stats.steps <= 2 * (uint64_t)tiles_of(&j) << depth);
-        assert_true(o.stats.steps_at_minimum > 0 && o.stats.worst_error > j.stepping.tolerance);
+        assert_true(o.stats.steps > last);
+        assert_true(o.stats.steps <= 2 * (uint64_t)tiles_of(&j) << depth);
+        assert_true(o.stats.steps_at_minimum > 0);
+        assert_true(o.stats.worst_error > j.stepping.tolerance);
         if (depth == 6) assert_true(o.stats.steps_at_minimum > 10 * smooth.stats.steps_at_minimum);
         check_stream(&j, &o);
         check_state(&j, &o);

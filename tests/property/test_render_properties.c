@@ -203,8 +203,10 @@ static void check_ranges(const tides_frame *frame, int pixels, double rounding) 
                Y = frame->plane[TIDES_Y][i];
         for (int c = 0; c < TIDES_CHANNELS; c++)
             if (!isfinite(frame->plane[c][i])) fail_msg("%s of pixel %d is %g", tides_channel_name(c), i, frame->plane[c][i]);
-        assert_true(alpha >= 0 && alpha <= 1);
-        assert_true(contributors >= 0 && contributors == floor(contributors));
+        assert_true(alpha >= 0);
+        assert_true(alpha <= 1);
+        assert_true(contributors >= 0);
+        assert_true(contributors == floor(contributors));
         assert_true(Y >= 0);
         for (int c = TIDES_R; c <= TIDES_B; c++) assert_true(frame->plane[c][i] >= 0);
         assert_true(fabs(frame->plane[TIDES_COVERAGE][i] - alpha) < 10 * rounding); /* the sum of weights is 1 - T */

@@ -44,7 +44,8 @@ static void test_invariant_and_stream_of_adaptive_steps(void **state) {
         assert_true(o.count > 1000);
         check_stream(&j, &o);
         check_state(&j, &o);
-        assert_true(o.stats.steps_rejected > 0 && o.stats.steps > 4 * 9);
+        assert_true(o.stats.steps_rejected > 0);
+        assert_true(o.stats.steps > 4 * 9);
         assert_true(o.stats.steps_at_minimum > 0 || o.stats.worst_error <= j.stepping.tolerance);
         free_outcome(&o);
         random_scene_free(&scene);
@@ -165,7 +166,9 @@ static void test_still_tiles_change_nothing(void **state) {
         outcome whole = run(&j);
         expect_same(&local, &whole, "with and without still tiles");
         assert_memory_equal(local.signal, whole.signal, (size_t)pixels_of(&j) * sizeof(double));
-        assert_true(local.count > 100 && local.stats.tile_steps_still > 0 && whole.stats.tile_steps_still == 0);
+        assert_true(local.count > 100);
+        assert_true(local.stats.tile_steps_still > 0);
+        assert_true(whole.stats.tile_steps_still == 0);
         check_stream(&j, &local);
         check_state(&j, &local);
         free_outcome(&local);
@@ -235,7 +238,8 @@ static void test_stopping_sink_loses_nothing(void **state) {
 /* Checks what a progress gets, and stops. */
 static int stop_always(void *user, double fraction, const char *stage) {
     double *last = user;
-    assert_true(fraction > *last && fraction <= 1);
+    assert_true(fraction > *last);
+    assert_true(fraction <= 1);
     assert_string_equal(stage, "simulating");
     *last = fraction;
     return 1;

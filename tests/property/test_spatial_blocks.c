@@ -126,7 +126,10 @@ static void test_steps(void **state) {
         double matched[2], coarse = distance(&j, &a, &c, &matched[0]), finer = distance(&j, &b, &c, &matched[1]);
         print_message("%s: %zu events; off by %.0f and %.0f ns on average; %.1f and %.1f %% matched\n", block_names[blocks],
                       c.count, coarse, finer, 100 * matched[0], 100 * matched[1]);
-        assert_true(coarse < 20e3 && finer < 2e3 && matched[0] > 0.97 && matched[1] > 0.99);
+        assert_true(coarse < 20e3);
+        assert_true(finer < 2e3);
+        assert_true(matched[0] > 0.97);
+        assert_true(matched[1] > 0.99);
         free_outcome(&a);
         free_outcome(&b);
         free_outcome(&c);
@@ -155,7 +158,9 @@ static void test_noise_at_rest(void **state) {
         check_stream(&j, &o);
         check_state(&j, &o);
         if (n == 0) first = o;
-        assert_true(o.count > 10000 && o.count == first.count && o.stats.renders_full_frame_equivalent <= 1);
+        assert_true(o.count > 10000);
+        assert_true(o.count == first.count);
+        assert_true(o.stats.renders_full_frame_equivalent <= 1);
         for (size_t k = 0; k < o.count; k++) assert_true(llabs(o.events[k].t - first.events[k].t) <= 2);
         if (n > 0) free_outcome(&o);
     }

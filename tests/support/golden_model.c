@@ -28,8 +28,10 @@ static void compare_times(const char *name, const golden_model *model, const pac
     }
     print_message("%s: %d Gaussians, %d times: values to %.1e, rates to %.1e; in single precision %.1e, %.1e\n", name,
                   packed->count, (int)times, wide.value, wide.rate, narrow.value, narrow.rate);
-    assert_true(wide.value < 1e-12 && wide.rate < 1e-12);
-    assert_true(narrow.value < 1e-5 && narrow.rate < 1e-5);
+    assert_true(wide.value < 1e-12);
+    assert_true(wide.rate < 1e-12);
+    assert_true(narrow.value < 1e-5);
+    assert_true(narrow.rate < 1e-5);
     free(t);
 }
 

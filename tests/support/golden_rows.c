@@ -26,7 +26,8 @@ static slice take(npz *file, const char *name, size_t time) {
     snprintf(dot, sizeof dot, "%s_dot", name);
     s.all = npz_doubles(file, name, &total);
     s.all_dot = npz_doubles(file, dot, NULL);
-    assert_true(t && s.all && s.all_dot && times > 0);
+    assert_true(t && s.all && s.all_dot);
+    assert_true(times > 0);
     s.count = total / times;
     s.value = s.all + time * s.count;
     s.rate = s.all_dot + time * s.count;

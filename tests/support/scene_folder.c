@@ -48,7 +48,8 @@ const char *scene_in_folder(void *folder, const char *name) {
     static int next;
     char *path = paths[next++ % 4];
     int length = snprintf(path, PATH_BYTES, "%s/%s", (const char *)folder, name);
-    assert_true(length > 0 && length < PATH_BYTES);
+    assert_true(length > 0);
+    assert_true(length < PATH_BYTES);
     return path;
 }
 

@@ -217,7 +217,9 @@ static void ldati_counts(void **state) {
     assert_int_equal(again.count, s.count);
     assert_true(memcmp(again.events, s.events, s.count * sizeof *s.events) != 0);
     for (size_t k = 0; k < s.count; k++) {
-        assert_true(s.events[k].t >= 100000000 - 1000 && s.events[k].t <= 133334000 && s.events[k].t % 1000 == 0);
+        assert_true(s.events[k].t >= 100000000 - 1000);
+        assert_true(s.events[k].t <= 133334000);
+        assert_true(s.events[k].t % 1000 == 0);
         if (k) assert_true(td_event_compare(&s.events[k - 1], &s.events[k]) <= 0);
     }
     free(s.events);
@@ -249,7 +251,8 @@ static void ldati_places(void **state) {
         const size_t i = (size_t)s.events[k].y * WIDTH + s.events[k].x;
         assert_int_equal(s.events[k].polarity, i % 2 ? -1 : 1);
         const double late_us = 1e-3 * (double)s.events[k].t - wanted_us[i];
-        assert_true(late_us > -1.001 && late_us < 0.001);
+        assert_true(late_us > -1.001);
+        assert_true(late_us < 0.001);
     }
     free(s.events);
 }
@@ -337,7 +340,8 @@ static void noise_on_frames(void **state) {
     assert_int_equal(fine.count, coarse.count);
     for (size_t i = 0; i < fine.count; i++) {
         assert_true(llabs(fine.events[i].t - coarse.events[i].t) <= 1); /* a frame's last nanosecond belongs to the next */
-        assert_true(fine.events[i].x == coarse.events[i].x && fine.events[i].y == coarse.events[i].y);
+        assert_true(fine.events[i].x == coarse.events[i].x);
+        assert_true(fine.events[i].y == coarse.events[i].y);
     }
     free(fine.events);
     free(coarse.events);
@@ -424,7 +428,8 @@ static void late_frames(void **state) {
         params.iebcs.arbiter = 1;
         stream early = simulate_from(&params, waves, 60, 0, 0x1p-9), late = simulate_from(&params, waves, 60, 2e9, 0x1p-9);
         print_message("method %d: %zu events\n", methods[m], early.count);
-        assert_true(early.count > 1000 && late.count == early.count);
+        assert_true(early.count > 1000);
+        assert_true(late.count == early.count);
         for (size_t k = 0; k < early.count; k++) {
             early.events[k].t += INT64_C(2000000000000000000);
             assert_memory_equal(&early.events[k], &late.events[k], sizeof *late.events);

@@ -58,7 +58,8 @@ static td_step step_between(double start, double stop) {
 static void assert_invariant(const rig *r) {
     for (int i = 0; i < r->tile.count; i++) {
         double residual = r->S1[i] - r->sensor.pixels.reference[i];
-        assert_true(residual < r->sensor.sensor.threshold_on && residual > -r->sensor.sensor.threshold_off);
+        assert_true(residual < r->sensor.sensor.threshold_on);
+        assert_true(residual > -r->sensor.sensor.threshold_off);
     }
 }
 

@@ -133,7 +133,9 @@ static void extrema_without_cancellation(void **state) {
     assert_near(s[1] / 2e-6, 1.0, 1e-5);  /* -2 d1 / d2 */
     td_model large = {{0.0, 1e300, -3e300, 1e300}};
     assert_int_equal(td_model_extrema(&large, s), 2);
-    assert_true(s[0] > 0.0 && s[0] < s[1] && s[1] < 1.0);
+    assert_true(s[0] > 0.0);
+    assert_true(s[0] < s[1]);
+    assert_true(s[1] < 1.0);
 }
 
 /* -- crossings ------------------------------------------------------------------------------------------------------------- */

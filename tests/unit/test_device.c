@@ -75,7 +75,8 @@ static void test_list_is_consistent(void **state) {
         assert_true(rows[i].name[0] && rows[i].platform[0] && rows[i].driver[0]);
         assert_in_range(rows[i].kind, TIDES_DEVICE_CPU, TIDES_DEVICE_OTHER);
         assert_true(rows[i].lanes == 1 || rows[i].lanes == 4 || rows[i].lanes == 8 || rows[i].lanes == 16);
-        assert_true(rows[i].compute_units > 0 && rows[i].memory_bytes > 0);
+        assert_true(rows[i].compute_units > 0);
+        assert_true(rows[i].memory_bytes > 0);
     }
 }
 

@@ -99,7 +99,8 @@ static void test_cancelled(void **state) {
     put_text(in, "0.1 1 2 1\n0.2 3 4 0\n");
     tides_event_conversion_defaults(&what);
     assert_int_equal(tides_events_convert(in, out, &what, stop_at_once, &fraction, NULL, &error), TIDES_CANCELLED);
-    assert_true(fraction >= 0 && fraction <= 1);
+    assert_true(fraction >= 0);
+    assert_true(fraction <= 1);
     assert_false(file_exists(out));
     assert_false(file_exists(part));
 }
@@ -143,7 +144,8 @@ static void test_decimals(void **state) {
             fail_msg("%s: %lld", cases[i].text, (long long)value);
     }
     int64_t value = 77;
-    assert_true(td_decimal_whole("12.000", 6, 0, 12, &value) && value == 12);
+    assert_true(td_decimal_whole("12.000", 6, 0, 12, &value));
+    assert_true(value == 12);
     assert_false(td_decimal_whole("12.5", 4, 0, 100, &value));
     assert_false(td_decimal_whole("13", 2, 0, 12, &value));
     assert_false(td_decimal_whole("-1", 2, 0, 12, &value));

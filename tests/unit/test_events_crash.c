@@ -57,7 +57,8 @@ static void test_exit_without_finish(void **state) {
     pid_t child = start_child(in_folder(f, "events.h5"), events);
     int status = -1;
     assert_int_equal(waitpid(child, &status, 0), child);
-    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    assert_true(WIFEXITED(status));
+    assert_true(WEXITSTATUS(status) == 0);
     assert_false(file_exists(in_folder(f, "events.h5")));
     assert_int_equal(check_prefix(part, events), STREAM / CHUNK * CHUNK);
     free(events);

@@ -27,15 +27,19 @@ static void check_file(const char *path, const tides_event *events, size_t count
     if (offset[0] != offset_us) fail_msg("t_offset is %lld us, not %lld", (long long)offset[0], (long long)offset_us);
     assert_int_equal(rows, count);
     for (size_t i = 0; i < count; i++) {
-        assert_true(ns[i] == events[i].t && t[i] >= 0 && t[i] <= UINT32_MAX);
-        assert_true(1000 * (t[i] + offset[0]) <= ns[i] && ns[i] - 1000 * (t[i] + offset[0]) < 1000);
+        assert_true(ns[i] == events[i].t);
+        assert_true(t[i] >= 0);
+        assert_true(t[i] <= UINT32_MAX);
+        assert_true(1000 * (t[i] + offset[0]) <= ns[i]);
+        assert_true(ns[i] - 1000 * (t[i] + offset[0]) < 1000);
     }
     size_t row = 0;
     for (size_t k = 0; k < entries; k++) {
         while (row < count && t[row] < 1000 * (int64_t)k) row++;
         if ((size_t)index[k] != row) fail_msg("ms_to_idx[%zu] is %lld, expected %zu", k, (long long)index[k], row);
     }
-    assert_true((int64_t)entries * 1000000 >= stop_ns - 1000 * offset_us && row == count);
+    assert_true((int64_t)entries * 1000000 >= stop_ns - 1000 * offset_us);
+    assert_true(row == count);
     assert_file_holds(path, events, count);
     free(t);
     free(index);

@@ -117,7 +117,8 @@ static void natural_order_and_times(void **state) {
         read_into(frames, k, Y);
         assert_true(fabs(255 * Y[0] - 10.0 * (double)(k + 1)) < 1e-4);
     }
-    assert_true(tides_frames_time(frames, 1) == 1.5 && tides_frames_time(frames, 2) == 2.000001);
+    assert_true(tides_frames_time(frames, 1) == 1.5);
+    assert_true(tides_frames_time(frames, 2) == 2.000001);
     assert_true(isnan(tides_frames_time(frames, 3)));
     assert_int_equal(tides_frames_read(frames, 3, Y, NULL), TIDES_BAD_ARGUMENT);
     tides_frames_close(frames);
@@ -125,7 +126,8 @@ static void natural_order_and_times(void **state) {
     write_text(in_folder(*state, "timestamps.txt"), "0.5 f008.png\n0.75 f9.png\n2.5 f10.png"); /* seconds, and first choice */
     options.rebase = 1;
     frames = open_frames(folder_path, &options);
-    assert_true(tides_frames_time(frames, 0) == 0 && tides_frames_time(frames, 2) == 2);
+    assert_true(tides_frames_time(frames, 0) == 0);
+    assert_true(tides_frames_time(frames, 2) == 2);
     tides_frames_close(frames);
 
     write_text(in_folder(*state, "own.txt"), "1\n2\n");
@@ -214,7 +216,9 @@ static void arrays_and_memory(void **state) {
             assert_int_equal(tides_frames_from_memory(Y, t, 2, WIDTH, HEIGHT, &frames, NULL), TIDES_OK);
         int32_t width, height;
         tides_frames_size(frames, &width, &height);
-        assert_true(width == WIDTH && height == HEIGHT && tides_frames_count(frames) == 2);
+        assert_true(width == WIDTH);
+        assert_true(height == HEIGHT);
+        assert_true(tides_frames_count(frames) == 2);
         assert_true(tides_frames_time(frames, 1) == (kind == 1 ? 0.5 : 0.75));
         read_into(frames, 1, read);
         assert_memory_equal(read, Y + PIXELS, sizeof read);

@@ -111,10 +111,14 @@ static void test_counts_and_times(void **state) {
         double start, stop;
         tides_scene_range(world.scene, &start, &stop);
         assert_int_equal(moving, 3);
-        assert_true(start <= 0 && stop >= 0.25 && stop < 0.26);
+        assert_true(start <= 0);
+        assert_true(stop >= 0.25);
+        assert_true(stop < 0.26);
         tides_trajectory_range(world.camera, &start, &stop);
-        assert_true(start <= 0 && stop >= 0.25);
-        assert_true(world.intrinsics.width == 640 && world.intrinsics.height == 480);
+        assert_true(start <= 0);
+        assert_true(stop >= 0.25);
+        assert_true(world.intrinsics.width == 640);
+        assert_true(world.intrinsics.height == 480);
         assert_true(fabs(2 * atan(320 / world.intrinsics.fx) - 60 * TD_GENERATE_PI / 180) < 0.002);
         tides_world_release(&world);
     }
@@ -131,8 +135,12 @@ static void test_crowd(void **state) {
         double lower[3], upper[3];
         tides_error error;
         scene_expect_ok(tides_scene_bounds_at(world.scene, 0.25 * i * world.duration_s, lower, upper, &error), &error);
-        assert_true(lower[0] > -3.5 && upper[0] < 3.5 && lower[1] > -3 && upper[1] < 3);
-        assert_true(lower[2] >= TD_WALL_Z - 0.03 - 1e-6 && upper[2] < 2.5); /* in front of the wall, and of the camera */
+        assert_true(lower[0] > -3.5);
+        assert_true(upper[0] < 3.5);
+        assert_true(lower[1] > -3);
+        assert_true(upper[1] < 3);
+        assert_true(lower[2] >= TD_WALL_Z - 0.03 - 1e-6);
+        assert_true(upper[2] < 2.5); /* in front of the wall, and of the camera */
     }
     tides_object thrown = object_of(&world, 335), framed = object_of(&world, 336);
     assert_string_equal(tides_motion_model(thrown.motion), "polynomial");
@@ -218,7 +226,9 @@ static void test_plane_as_ply(void **state) {
     assert_true(llabs(tides_scene_count(world.scene) - 1000) < 50);
     double start, stop;
     tides_scene_range(world.scene, &start, &stop);
-    assert_true(isinf(start) && isinf(stop) && start < stop);
+    assert_true(isinf(start));
+    assert_true(isinf(stop));
+    assert_true(start < stop);
     tides_world_release(&world);
 }
 

@@ -59,7 +59,9 @@ static void test_round_trip(void **state) {
         tides_exr *exr = read_file(path);
         int32_t width, height, found;
         tides_exr_size(exr, &width, &height, &found);
-        assert_true(width == size[0] && height == size[1] && found == 4);
+        assert_true(width == size[0]);
+        assert_true(height == size[1]);
+        assert_true(found == 4);
         assert_string_equal(tides_exr_name(exr, 0), "A"); /* sorted as bytes: capitals first */
         assert_string_equal(tides_exr_name(exr, 3), "coverage");
         for (int c = 0; c < 4; c++) assert_true(same_plane(exr, names[c], planes[c]));
@@ -250,7 +252,9 @@ static void test_foreign_files(void **state) {
     tides_exr *exr = read_file(path);
     int32_t width, height, channels;
     tides_exr_size(exr, &width, &height, &channels);
-    assert_true(width == 2 && height == 2 && channels == 1);
+    assert_true(width == 2);
+    assert_true(height == 2);
+    assert_true(channels == 1);
     assert_true(same_plane(exr, "v", expected));
     tides_exr_destroy(exr);
     write_foreign(path, EXR_PIXEL_FLOAT, expected, 4);

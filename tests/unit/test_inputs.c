@@ -148,7 +148,9 @@ static void changes_are_seen_and_nothing_else(void **state) {
     tides_status status = tides_fingerprints_file(prints, scene_in_folder(f, "gone"), &print, &error);
     scene_expect_error(status, TIDES_FILE_NOT_FOUND, &error, "gone");
     scene_expect_ok(tides_fingerprints_file(prints, d, &print, &error), &error);
-    assert_true(print.files == 3 && print.bytes == 10 && print.largest == 5);
+    assert_true(print.files == 3);
+    assert_true(print.bytes == 10);
+    assert_true(print.largest == 5);
     assert_int_equal(tides_fingerprints_file(NULL, d, &print, NULL), TIDES_BAD_ARGUMENT);
     assert_int_equal(tides_fingerprints_create(NULL, NULL, NULL), TIDES_BAD_ARGUMENT);
     tides_fingerprints_destroy(prints);

@@ -36,7 +36,9 @@ static void equal_streams(void **state) {
     tides_event events[] = {at(0, 0, 0, 1), at(5, 1, 0, -1), at(9, 1, 0, -1), at(9, 0, 7, 1)};
     tides_match m = matched(events, 4, events, 4, 1e-3);
     assert_int_equal(m.matched, 4);
-    assert_true(m.mismatch_percent == 0 && m.dt_max_us == 0 && m.dt_mean_us == 0);
+    assert_true(m.mismatch_percent == 0);
+    assert_true(m.dt_max_us == 0);
+    assert_true(m.dt_mean_us == 0);
 }
 
 /* dt = 1, 2, ..., 101 us at 101 pixels: percentiles are whole numbers. */
@@ -49,8 +51,10 @@ static void percentiles_of_a_ramp(void **state) {
     }
     tides_match m = matched(a, 101, b, 101, 1e-3);
     assert_int_equal(m.matched, 101);
-    assert_true(fabs(m.dt_median_us - 51) < 1e-9 && fabs(m.dt_p95_us - 96) < 1e-9);
-    assert_true(fabs(m.dt_p99_us - 100) < 1e-9 && fabs(m.dt_max_us - 101) < 1e-9);
+    assert_true(fabs(m.dt_median_us - 51) < 1e-9);
+    assert_true(fabs(m.dt_p95_us - 96) < 1e-9);
+    assert_true(fabs(m.dt_p99_us - 100) < 1e-9);
+    assert_true(fabs(m.dt_max_us - 101) < 1e-9);
     assert_true(fabs(m.dt_mean_us - (50.0 - 101.0) / 101.0) < 1e-9); /* 50 pairs of (-k, k + 1), and -101 */
 }
 
@@ -59,7 +63,8 @@ static void percentiles_interpolate(void **state) {
     (void)state;
     tides_event a[] = {at(0, 0, 0, 1), at(0, 1, 0, 1)}, b[] = {at(1000, 0, 0, 1), at(-3000, 1, 0, 1)};
     tides_match m = matched(a, 2, b, 2, 1e-3);
-    assert_true(fabs(m.dt_median_us - 2) < 1e-12 && fabs(m.dt_p95_us - 2.9) < 1e-12);
+    assert_true(fabs(m.dt_median_us - 2) < 1e-12);
+    assert_true(fabs(m.dt_p95_us - 2.9) < 1e-12);
 }
 
 static void pixels_and_polarities_are_apart(void **state) {
@@ -70,7 +75,8 @@ static void pixels_and_polarities_are_apart(void **state) {
     assert_int_equal(m.matched, 0);
     assert_int_equal(m.spurious, 3);
     assert_true(m.mismatch_percent == 400.0);
-    assert_true(isnan(m.dt_median_us) && isnan(m.dt_max_us));
+    assert_true(isnan(m.dt_median_us));
+    assert_true(isnan(m.dt_max_us));
 }
 
 /* One event too few in the middle: its neighbours keep their partners. */
@@ -85,7 +91,8 @@ static void a_missing_event_shifts_nothing(void **state) {
     m = matched(b, 5, a, 6, 1e-3); /* and the other way round one too many */
     assert_int_equal(m.missing, 0);
     assert_int_equal(m.spurious, 1);
-    assert_true(fabs(m.dt_max_us - 6) < 1e-9 && fabs(m.mismatch_percent - 20) < 1e-9);
+    assert_true(fabs(m.dt_max_us - 6) < 1e-9);
+    assert_true(fabs(m.mismatch_percent - 20) < 1e-9);
 }
 
 /* One lost and another made up elsewhere: counts agree, and still nothing is paired over the distance. */
@@ -97,7 +104,8 @@ static void lost_and_spurious_cancel_nowhere(void **state) {
     train(other, 5, b);
     tides_match m = matched(a, 5, b, 5, 1e-3);
     assert_int_equal(m.matched, 4);
-    assert_true(m.dt_max_us == 0 && fabs(m.mismatch_percent - 40) < 1e-9);
+    assert_true(m.dt_max_us == 0);
+    assert_true(fabs(m.mismatch_percent - 40) < 1e-9);
     m = matched(a, 5, b, 5, 10.0); /* where everything may be paired, all five are */
     assert_int_equal(m.matched, 5);
 }
@@ -113,7 +121,8 @@ static void empty_streams(void **state) {
     (void)state;
     tides_event one = at(0, 0, 0, 1);
     tides_match m = matched(NULL, 0, NULL, 0, 1e-3);
-    assert_true(m.mismatch_percent == 0 && isnan(m.dt_p95_us));
+    assert_true(m.mismatch_percent == 0);
+    assert_true(isnan(m.dt_p95_us));
     m = matched(&one, 1, NULL, 0, 1e-3);
     assert_true(m.mismatch_percent == 100);
     m = matched(NULL, 0, &one, 1, 1e-3);

@@ -49,7 +49,10 @@ static void nothing_against_nothing(void **state) {
                                     m.reference.intervals[1].mean_s};
         for (size_t i = 0; i < sizeof undefined / sizeof undefined[0]; i++)
             if (!isnan(undefined[i])) fail_msg("value %zu is %g", i, undefined[i]);
-        assert_true(m.victor_purpura == 0 && m.van_rossum == 0 && m.kernel_distance == 0 && m.match.mismatch_percent == 0);
+        assert_true(m.victor_purpura == 0);
+        assert_true(m.van_rossum == 0);
+        assert_true(m.kernel_distance == 0);
+        assert_true(m.match.mismatch_percent == 0);
     }
 }
 
@@ -58,11 +61,19 @@ static void one_side_empty(void **state) {
     tides_event a[] = {event_at(1000, 0, 0, 1), event_at(5000000, 1, 0, 1), event_at(9000000, 0, 0, -1)};
     const tides_metrics_options o = everything();
     tides_metrics m = metrics_of(a, 3, NULL, 0, &o);
-    assert_true(m.count_ratio == 0 && m.chamfer_px == m.chamfer_limit_px && m.victor_purpura == 3);
-    assert_true(isnan(m.ig_nll[0]) && !isnan(m.ig_nll_self[0]) && isnan(m.simulated.same_time));
-    assert_true(m.match.missing == 3 && m.time_difference_over == 3);
+    assert_true(m.count_ratio == 0);
+    assert_true(m.chamfer_px == m.chamfer_limit_px);
+    assert_true(m.victor_purpura == 3);
+    assert_true(isnan(m.ig_nll[0]));
+    assert_true(!isnan(m.ig_nll_self[0]));
+    assert_true(isnan(m.simulated.same_time));
+    assert_true(m.match.missing == 3);
+    assert_true(m.time_difference_over == 3);
     m = metrics_of(NULL, 0, a, 3, &o);
-    assert_true(isnan(m.count_ratio) && isnan(m.ig_nll_self[0]) && isnan(m.time_difference_us) && m.victor_purpura == 3);
+    assert_true(isnan(m.count_ratio));
+    assert_true(isnan(m.ig_nll_self[0]));
+    assert_true(isnan(m.time_difference_us));
+    assert_true(m.victor_purpura == 3);
     assert_true(isinf(m.match.mismatch_percent));
 }
 
@@ -72,8 +83,13 @@ static void one_event_per_pixel(void **state) {
     for (int i = 0; i < 4; i++) a[i] = event_at(1000000 * i, i, 0, 1);
     const tides_metrics_options o = everything();
     const tides_metrics m = metrics_of(a, 4, a, 4, &o);
-    assert_true(m.reference.intervals[0].count == 0 && isnan(m.reference.intervals[0].mean_s) && isnan(m.isi_w1));
-    assert_true(isnan(m.reference.isi_spike) && isnan(m.ig_nll_self[0]) && m.chamfer_px == 0 && m.victor_purpura == 0);
+    assert_true(m.reference.intervals[0].count == 0);
+    assert_true(isnan(m.reference.intervals[0].mean_s));
+    assert_true(isnan(m.isi_w1));
+    assert_true(isnan(m.reference.isi_spike));
+    assert_true(isnan(m.ig_nll_self[0]));
+    assert_true(m.chamfer_px == 0);
+    assert_true(m.victor_purpura == 0);
     assert_true(m.speed_px_per_s == 1000);
 }
 
@@ -83,9 +99,15 @@ static void one_time_for_all(void **state) {
     for (int i = 0; i < 12; i++) a[i] = event_at(500000, i % 4, 0, 1);
     const tides_metrics_options o = everything();
     const tides_metrics m = metrics_of(a, 12, a, 12, &o);
-    assert_true(m.reference.same_time == 1 && m.reference.isi_spike == 1 && m.reference.intervals[0].floored == 8);
-    assert_true(m.isi_w1 == 0 && m.victor_purpura == 0 && m.van_rossum == 0 && m.ig_nll_excess[0] == 0);
-    assert_true(m.stop_ns - m.start_ns == 1000 && isnan(m.fano_error[0]));
+    assert_true(m.reference.same_time == 1);
+    assert_true(m.reference.isi_spike == 1);
+    assert_true(m.reference.intervals[0].floored == 8);
+    assert_true(m.isi_w1 == 0);
+    assert_true(m.victor_purpura == 0);
+    assert_true(m.van_rossum == 0);
+    assert_true(m.ig_nll_excess[0] == 0);
+    assert_true(m.stop_ns - m.start_ns == 1000);
+    assert_true(isnan(m.fano_error[0]));
 }
 
 /* What isn't wanted isn't computed. */
@@ -193,7 +215,8 @@ static void options_that_are_none(void **state) {
 }
 
 static int stop_in(void *stage, double fraction, const char *name) {
-    assert_true(fraction >= 0 && fraction <= 1);
+    assert_true(fraction >= 0);
+    assert_true(fraction <= 1);
     return strcmp(stage, name) == 0;
 }
 

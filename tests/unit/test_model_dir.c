@@ -179,7 +179,9 @@ static void test_frames(void **state) {
     scene_load(scene, scene_in_folder(*state, "t"), NULL, 1);
     const tides_motion *motion = scene_object_of(scene, 0).motion;
     assert_string_equal(tides_motion_model(motion), "keyframes");
-    assert_true(motion->start == 0 && motion->stop == 1 && td_motion_field(motion, "mean")->shape[0] == 12);
+    assert_true(motion->start == 0);
+    assert_true(motion->stop == 1);
+    assert_true(td_motion_field(motion, "mean")->shape[0] == 12);
     assert_null(td_motion_field(motion, "sh")); /* the same in every frame */
     tides_scene_destroy(scene);
     put_ply(*state, "t/time_00005.ply", 2);
@@ -243,9 +245,14 @@ static void test_gsplat(void **state) {
     tides_gaussians g = scene_object_of(scene, 0).gaussians;
     assert_int_equal(g.count, 2);
     assert_int_equal(g.sh_degree, 1);
-    assert_true(g.mean[4] == 0.01f * 5 && g.log_scale[5] == 0.01f * 6 && g.quaternion[7] == 0.01f * 8 &&
-                g.opacity_logit[1] == 0.02f);
-    assert_true(g.sh[12] == 0.01f * 4 && g.sh[3] == 0.01f && g.sh[15] == 0.01f * 10 && g.sh[23] == 0.01f * 18);
+    assert_true(g.mean[4] == 0.01f * 5);
+    assert_true(g.log_scale[5] == 0.01f * 6);
+    assert_true(g.quaternion[7] == 0.01f * 8);
+    assert_true(g.opacity_logit[1] == 0.02f);
+    assert_true(g.sh[12] == 0.01f * 4);
+    assert_true(g.sh[3] == 0.01f);
+    assert_true(g.sh[15] == 0.01f * 10);
+    assert_true(g.sh[23] == 0.01f * 18);
     tides_scene_destroy(scene);
     put_checkpoint(*state, "n.pt", NOT_FINITE);
     expect_refused(*state, "n.pt", TIDES_BAD_FILE, "n.pt|tensor means|element 4|finite");
@@ -263,7 +270,9 @@ static void test_freetime(void **state) {
     const tides_motion *motion = scene_object_of(scene, 0).motion;
     assert_string_equal(tides_motion_model(motion), "polynomial");
     const float *velocity = td_motion_field(motion, "mean_coefficient")->value;
-    assert_true(velocity[1] == 0.01f * 2 && velocity[9] == 0.01f * 4 && velocity[3] == 0);
+    assert_true(velocity[1] == 0.01f * 2);
+    assert_true(velocity[9] == 0.01f * 4);
+    assert_true(velocity[3] == 0);
     assert_true(td_motion_field(motion, "opacity_centre")->value[1] == 0.01f * 2);
     double width = exp((double)td_motion_field(motion, "opacity_log_width")->value[1]), duration = exp(0.02);
     assert_true(fabs(width * width - 2 * duration * duration) < 1e-6);

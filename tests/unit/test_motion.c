@@ -187,7 +187,8 @@ static void test_keyframe_times_are_double(void **state) {
     const tides_keyframes_motion arrays = {.frames = 3, .count = 1, .time = times, .mean = means, .quaternion = turns};
     scene_expect_ok(tides_motion_create_keyframes(&arrays, &motion, &error), &error);
     tides_motion_range(motion, &start, &stop);
-    assert_true(fabs(start - times[0]) < 1e-8 && fabs(stop - times[2]) < 1e-8);
+    assert_true(fabs(start - times[0]) < 1e-8);
+    assert_true(fabs(stop - times[2]) < 1e-8);
     tides_motion_destroy(motion);
 }
 
@@ -237,10 +238,15 @@ static void test_callback_fills_rows(void **state) {
     script s = {0};
     mean[3] = 7;
     scene_expect_ok(evaluate(&s, geometry, rates, &error), &error);
-    assert_true(s.calls == 1 && s.seen == 3);
-    assert_true(geometry[TD_G_MEAN] == 7.5 && geometry[TD_G_ORIGIN] == 7.5 && rates[TD_G_MEAN] == 2);
-    assert_true(geometry[TD_GEOMETRY_STRIDE + TD_G_MEAN] == 0.5 && rates[TD_G_FACTOR] == 0);
-    assert_true(geometry[TD_G_OPACITY] == 0.5 && geometry[TD_G_FACTOR] == -1); /* half a turn about y */
+    assert_true(s.calls == 1);
+    assert_true(s.seen == 3);
+    assert_true(geometry[TD_G_MEAN] == 7.5);
+    assert_true(geometry[TD_G_ORIGIN] == 7.5);
+    assert_true(rates[TD_G_MEAN] == 2);
+    assert_true(geometry[TD_GEOMETRY_STRIDE + TD_G_MEAN] == 0.5);
+    assert_true(rates[TD_G_FACTOR] == 0);
+    assert_true(geometry[TD_G_OPACITY] == 0.5);
+    assert_true(geometry[TD_G_FACTOR] == -1); /* half a turn about y */
     mean[3] = 0;
 }
 

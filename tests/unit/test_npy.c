@@ -78,7 +78,8 @@ static void test_big_endian(void **state) {
     static const unsigned char text[8] = {0, 0, 0, 'a', 0, 0, 0, 'b'}, large[8] = {255, 255, 255, 255, 255, 255, 255, 255};
     td_npz *npz = parse(2, "{'descr': '>f4', 'fortran_order': False, 'shape': (2,), }\n", floats, sizeof floats);
     assert_string_equal(get(npz, "data")->dtype, "<f4");
-    assert_true(number(get(npz, "data"), NULL, 0) == 1.5 && number(get(npz, "data"), "", 1) == -2.5);
+    assert_true(number(get(npz, "data"), NULL, 0) == 1.5);
+    assert_true(number(get(npz, "data"), "", 1) == -2.5);
     td_npz_close(npz);
     npz = parse(3, "{'descr': '>f2', 'fortran_order': False, 'shape': (), }\n", half, sizeof half);
     assert_true(number(get(npz, "data"), NULL, 0) == 1.5);
@@ -89,7 +90,8 @@ static void test_big_endian(void **state) {
     npz = parse(1, "{'descr': '<u8', 'fortran_order': False, 'shape': (), }\n", large, sizeof large);
     int64_t value = 7;
     assert_false(td_npy_integer(get(npz, "data"), td_npy_find_field(get(npz, "data"), NULL), 0, &value));
-    assert_true(value == 7 && number(get(npz, "data"), NULL, 0) == 0x1p64);
+    assert_true(value == 7);
+    assert_true(number(get(npz, "data"), NULL, 0) == 0x1p64);
     td_npz_close(npz);
 }
 
@@ -206,7 +208,9 @@ static void test_write_npz(void **state) {
     assert_int_equal(td_npz_count(npz), 3);
     const td_npy_array *found = get(npz, "grid");
     assert_int_equal(found->ndim, 3);
-    assert_true(found->shape[0] == 2 && found->shape[1] == 2 && found->shape[2] == 3);
+    assert_true(found->shape[0] == 2);
+    assert_true(found->shape[1] == 2);
+    assert_true(found->shape[2] == 3);
     assert_memory_equal(found->data, grid, sizeof grid);
     assert_int_equal(get(npz, "answer")->ndim, 0);
     assert_int_equal(integer(get(npz, "answer"), NULL, 0), 42);

@@ -124,11 +124,14 @@ static void test_events(void **state) {
     memset(rgb, 7, sizeof rgb);
     tides_picture_events(events, n, NULL, 3, 2, rgb);
     const uint8_t *on = rgb, *on4 = rgb + 3, *both = rgb + 6, *off = rgb + 9, *off400 = rgb + 12, *none = rgb + 15;
-    assert_true(on[0] > on[2] + 80 && on[0] > on[1] + 80);
+    assert_true(on[0] > on[2] + 80);
+    assert_true(on[0] > on[1] + 80);
     assert_true(on4[0] > on[0]);
     assert_true(off[2] > off[0] + 80);
-    assert_true(off400[2] > off[2] && off400[1] > off[1]);
-    assert_true(both[0] > both[1] + 20 && both[2] > both[1] + 20); /* violet */
+    assert_true(off400[2] > off[2]);
+    assert_true(off400[1] > off[1]);
+    assert_true(both[0] > both[1] + 20);
+    assert_true(both[2] > both[1] + 20); /* violet */
     assert_colour(none, 100, 100, 100);
     assert_colour(rgb + 18, 7, 7, 7);
     const double base[] = {0.0, 1.0, NAN, 0.0, 0.0, -4.0};

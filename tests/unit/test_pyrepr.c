@@ -34,10 +34,17 @@ static double number(const char *text) {
 
 static void test_numbers(void **state) {
     (void)state;
-    assert_true(number("0") == 0 && number("-17") == -17 && number("1.5") == 1.5 && number(" 1e-05\n") == 1e-5);
-    assert_true(number("-2.5E+3") == -2500 && number("9223372036854775807") == 9223372036854775807.0);
+    assert_true(number("0") == 0);
+    assert_true(number("-17") == -17);
+    assert_true(number("1.5") == 1.5);
+    assert_true(number(" 1e-05\n") == 1e-5);
+    assert_true(number("-2.5E+3") == -2500);
+    assert_true(number("9223372036854775807") == 9223372036854775807.0);
     assert_true(number("123456789012345678901234567890") == 123456789012345678901234567890.0);
-    assert_true(number("inf") == INFINITY && number("-inf") == -INFINITY && isnan(number("nan")) && number("True") == 1);
+    assert_true(number("inf") == INFINITY);
+    assert_true(number("-inf") == -INFINITY);
+    assert_true(isnan(number("nan")));
+    assert_true(number("True") == 1);
     td_tree *tree = parse("(1, 1.0, (3), (3,), ())");
     const td_value *root = td_tree_root(tree);
     assert_int_equal(td_value_item(root, 0)->kind, TD_VALUE_INT);
@@ -92,11 +99,14 @@ static void test_namespace(void **state) {
     int eval = -1;
     assert_int_equal(root->kind, TD_VALUE_DICT);
     assert_int_equal(root->count, 8);
-    assert_true(td_value_integer(td_value_get(root, "sh_degree"), &degree) && degree == 3);
-    assert_true(td_value_integer(td_value_item(td_value_get(config, "resolution"), 3), &time) && time == 25);
+    assert_true(td_value_integer(td_value_get(root, "sh_degree"), &degree));
+    assert_true(degree == 3);
+    assert_true(td_value_integer(td_value_item(td_value_get(config, "resolution"), 3), &time));
+    assert_true(time == 25);
     assert_int_equal(config->count, 2);
     assert_int_equal(td_value_get(root, "multires")->count, 2);
-    assert_true(td_value_bool(td_value_get(root, "eval"), &eval) && eval == 0);
+    assert_true(td_value_bool(td_value_get(root, "eval"), &eval));
+    assert_true(eval == 0);
     assert_string_equal(td_value_text(td_value_get(td_value_get(root, "inner"), "x")), "Namespace(y=1)");
     assert_int_equal(td_value_get(root, "empty")->count, 0);
     td_tree_free(tree);

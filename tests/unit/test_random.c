@@ -58,7 +58,8 @@ static void test_distributions(void **state) {
         double pair[2];
         td_random_normals(&bits, pair);
         uniform[i] = td_random_uniform(&bits, i & 1);
-        assert_true(uniform[i] > 0 && uniform[i] < 1);
+        assert_true(uniform[i] > 0);
+        assert_true(uniform[i] < 1);
         normal[i] = pair[i & 1];
         exponential[i] = td_random_exponential(&bits, i & 1);
     }
@@ -115,7 +116,9 @@ static void test_lanes(void **state) {
             double normal[2];
             td_random_normals(&bits, normal);
             for (int w = 0; w < 4; w++) assert_int_equal(lanes.word[w][k], bits.word[w]);
-            assert_true(uniform[k] == td_random_uniform(&bits, 0) && first[k] == normal[0] && second[k] == normal[1]);
+            assert_true(uniform[k] == td_random_uniform(&bits, 0));
+            assert_true(first[k] == normal[0]);
+            assert_true(second[k] == normal[1]);
         }
     }
 }

@@ -92,7 +92,8 @@ static void test_presets(void **state) {
         tides_run_values values;
         tides_run_get(run, &values);
         assert_true(values.sensor.threshold_on == 0.77);
-        assert_true(values.sensor.threshold_off >= 0.1 && values.sensor.threshold_off <= 0.25);
+        assert_true(values.sensor.threshold_off >= 0.1);
+        assert_true(values.sensor.threshold_off <= 0.25);
         assert_int_equal(values.sensor.threshold_sigma > 0, strcmp(names[i], "ideal") != 0);
         tides_run_destroy(run);
         run = parse(sets + 1, 1);
@@ -104,7 +105,8 @@ static void test_presets(void **state) {
     tides_run *run = parse(noisy, 2);
     tides_run_values values;
     tides_run_get(run, &values);
-    assert_true(values.sensor.shot_noise_hz == 0 && values.sensor.photoreceptor_cutoff_hz == 30);
+    assert_true(values.sensor.shot_noise_hz == 0);
+    assert_true(values.sensor.photoreceptor_cutoff_hz == 30);
     tides_run_destroy(run);
 }
 

@@ -39,7 +39,8 @@ static void test_store(void **state) {
         tides_object object = scene_object_of(scene, i);
         assert_true(scene_same(&all[i], &object.gaussians));
         assert_true(object.gaussians.mean != all[i].mean); /* a copy */
-        assert_true(object.scale == 1 + i && object.trajectory == NULL);
+        assert_true(object.scale == 1 + i);
+        assert_true(object.trajectory == NULL);
         assert_string_equal(object.name, i == 1 || i == 3 ? "odd" : i == 0 ? "object 0" : i == 2 ? "object 2" : "object 4");
         assert_string_equal(object.source, "");
         td_gaussians_free(&all[i]);
@@ -155,7 +156,12 @@ static void test_bounds(void **state) {
     memcpy(g.mean, (float[]){1, 2, 3, -1, 0, 5}, 6 * sizeof(float));
     scene_add(scene, &g, NULL, 2, NULL);
     tides_scene_bounds(scene, lower, upper);
-    assert_true(lower[0] == -2 && lower[1] == 0 && lower[2] == 6 && upper[0] == 2 && upper[1] == 4 && upper[2] == 10);
+    assert_true(lower[0] == -2);
+    assert_true(lower[1] == 0);
+    assert_true(lower[2] == 6);
+    assert_true(upper[0] == 2);
+    assert_true(upper[1] == 4);
+    assert_true(upper[2] == 10);
 
     /* a quarter turn about z at the start, and away: the start counts */
     tides_error error = {0, ""};
@@ -167,13 +173,17 @@ static void test_bounds(void **state) {
     scene_add(scene, &g, path, 1, NULL); /* (x, y) to (100 - y, x) */
     tides_trajectory_destroy(path);
     tides_scene_bounds(scene, lower, upper);
-    assert_true(fabs(upper[0] - 100) < 1e-12 && lower[0] == -2 && upper[1] == 4 && fabs(lower[1] + 1) < 1e-12);
+    assert_true(fabs(upper[0] - 100) < 1e-12);
+    assert_true(lower[0] == -2);
+    assert_true(upper[1] == 4);
+    assert_true(fabs(lower[1] + 1) < 1e-12);
 
     scene_expect_ok(tides_trajectory_create_static((double[]){0, 0, -50}, (double[]){1, 0, 0, 0}, &path, &error), &error);
     scene_add(scene, &g, path, 1, NULL);
     tides_trajectory_destroy(path);
     tides_scene_bounds(scene, lower, upper);
-    assert_true(lower[2] == -47 && upper[2] == 10);
+    assert_true(lower[2] == -47);
+    assert_true(upper[2] == 10);
     td_gaussians_free(&g);
     tides_scene_destroy(scene);
 }

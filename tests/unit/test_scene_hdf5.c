@@ -22,7 +22,8 @@ static void expect_same_path(const tides_trajectory *a, const tides_trajectory *
         tides_pose_sample s, t;
         assert_int_equal(tides_trajectory_sample(a, i, &s, NULL), TIDES_OK);
         assert_int_equal(tides_trajectory_sample(b, i, &t, NULL), TIDES_OK);
-        assert_true(s.time == t.time && s.has_rates == t.has_rates);
+        assert_true(s.time == t.time);
+        assert_true(s.has_rates == t.has_rates);
         assert_memory_equal(s.position, t.position, sizeof s.position);
         for (int k = 0; k < 4; k++) assert_true(fabs(s.quaternion[k] - t.quaternion[k]) < 1e-15);
         if (!s.has_rates) continue;
@@ -127,7 +128,8 @@ static void test_placement(void **state) {
     scene_add(rest, &g, NULL, 3, "b");
     scene_save(rest, at_rest);
     scene_load(scene, at_rest, path, 10);
-    assert_true(scene_object_of(scene, 0).scale == 20 && scene_object_of(scene, 1).scale == 30);
+    assert_true(scene_object_of(scene, 0).scale == 20);
+    assert_true(scene_object_of(scene, 1).scale == 30);
     expect_same_path(scene_object_of(scene, 1).trajectory, path);
     scene_add(moving, &g, NULL, 2, "a");
     scene_add(moving, &g, path, 3, "b");

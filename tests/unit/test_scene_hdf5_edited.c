@@ -59,7 +59,9 @@ static void test_other_writers(void **state) {
     replace_dataset(file, "/objects/0/mean", H5T_IEEE_F64BE, 2, (hsize_t[]){4, 3}, values, 1);
     for (int i = 0; i < 48; i++) values[i] = g.sh[i];
     hid_t half = H5Tcopy(H5T_IEEE_F32LE); /* binary16, which numpy writes: exact for these values */
-    assert_true(H5Tset_fields(half, 15, 10, 5, 0, 10) >= 0 && H5Tset_size(half, 2) >= 0 && H5Tset_ebias(half, 15) >= 0);
+    assert_true(H5Tset_fields(half, 15, 10, 5, 0, 10) >= 0);
+    assert_true(H5Tset_size(half, 2) >= 0);
+    assert_true(H5Tset_ebias(half, 15) >= 0);
     replace_dataset(file, "/objects/0/sh", half, 3, (hsize_t[]){4, 4, 3}, values, 1);
     H5Tclose(half);
     replace_dataset(file, "/objects/0/labels", H5T_STD_I32LE, 2, (hsize_t[]){4, 3}, values, 0);

@@ -51,15 +51,20 @@ static void test_there_and_back(void **state) {
     assert_null(scene_object_of(read, 0).motion);
     assert_true(scene_same(&g, &after.gaussians));
     assert_non_null(after.trajectory);
-    assert_true(after.duration_s == 2.5 && after.scale == 1.5);
+    assert_true(after.duration_s == 2.5);
+    assert_true(after.scale == 1.5);
     const tides_motion *a = before.motion, *b = after.motion;
     assert_string_equal(tides_motion_model(b), "polynomial");
-    assert_true(a->start == b->start && a->stop == b->stop && a->fields == b->fields && a->settings == b->settings);
+    assert_true(a->start == b->start);
+    assert_true(a->stop == b->stop);
+    assert_true(a->fields == b->fields);
+    assert_true(a->settings == b->settings);
     for (int i = 0; i < a->settings; i++) assert_true(td_motion_setting(b, a->setting[i].name, -77) == a->setting[i].value);
     for (int i = 0; i < a->fields; i++) {
         const td_field *x = &a->field[i], *y = td_motion_field(b, x->name);
         size_t count = 1;
-        assert_true(y && x->rank == y->rank);
+        assert_true(y);
+        assert_true(x->rank == y->rank);
         for (int k = 0; k < x->rank; k++) {
             assert_true(x->shape[k] == y->shape[k]);
             count *= (size_t)x->shape[k];
@@ -109,7 +114,8 @@ static void test_durations(void **state) {
     assert_true(scene_object_of(scene, 2).duration_s == 3); /* its own time is [2, 5] */
     assert_true(scene_object_of(scene, 0).duration_s == 0);
     assert_int_equal(tides_scene_set_duration(scene, 0.25), 2);
-    assert_true(scene_object_of(scene, 1).duration_s == 0.25 && scene_object_of(scene, 2).duration_s == 0.25);
+    assert_true(scene_object_of(scene, 1).duration_s == 0.25);
+    assert_true(scene_object_of(scene, 2).duration_s == 0.25);
     assert_int_equal(tides_motion_moving(scene_object_of(scene, 1).motion, &view), 30); /* every fourth rests */
     assert_int_equal(tides_motion_knots(scene_object_of(scene, 2).motion), 1);
     tides_scene_destroy(scene);

@@ -83,9 +83,12 @@ static void test_far_scenes_get_an_origin(void **state) {
     tides_scene_bounds(scene, lower, upper);
     assert_int_equal(tides_scene_bounds_at(scene, 0, lower_at, upper_at, NULL), TIDES_OK);
     for (int k = 0; k < 3; k++) {
-        assert_true(lower[k] >= far_off[k] - 1 && lower[k] < far_off[k] - 0.5);
-        assert_true(upper[k] <= far_off[k] + 1 && upper[k] > far_off[k] + 0.5);
-        assert_true(lower[k] == lower_at[k] && upper[k] == upper_at[k]);
+        assert_true(lower[k] >= far_off[k] - 1);
+        assert_true(lower[k] < far_off[k] - 0.5);
+        assert_true(upper[k] <= far_off[k] + 1);
+        assert_true(upper[k] > far_off[k] + 0.5);
+        assert_true(lower[k] == lower_at[k]);
+        assert_true(upper[k] == upper_at[k]);
     }
     tides_scene_destroy(scene);
     td_gaussians_free(&g);
@@ -119,7 +122,8 @@ static void test_given_origin(void **state) {
     view.origin[1] = 1234567.8;
     scene_expect_ok(tides_scene_add(scene, &view, NULL, 1, NULL, NULL, &error), &error);
     const tides_object object = scene_object_of(scene, 0);
-    assert_true(object.gaussians.origin[1] == 1234567.8 && object.gaussians.origin[0] == 0);
+    assert_true(object.gaussians.origin[1] == 1234567.8);
+    assert_true(object.gaussians.origin[0] == 0);
     assert_memory_equal(object.gaussians.mean, g.mean, 3 * COUNT * sizeof *g.mean);
     view.origin[2] = NAN;
     scene_expect_error(tides_scene_add(scene, &view, NULL, 1, NULL, NULL, &error), TIDES_BAD_ARGUMENT, &error, "origin[2]|nan");
@@ -199,7 +203,8 @@ static void test_float_files_stay_so(void **state) {
     tides_scene *scene = load(ply);
     for (int i = 0; i < 3 * COUNT; i++) {
         const tides_gaussians got = scene_object_of(scene, 0).gaussians;
-        assert_true(got.origin[0] > 4e6 && got.origin[i % 3] + got.mean[i] == (double)g.mean[i]);
+        assert_true(got.origin[0] > 4e6);
+        assert_true(got.origin[i % 3] + got.mean[i] == (double)g.mean[i]);
     }
     scene_save(scene, copy);
     tides_scene_destroy(scene);

@@ -167,7 +167,8 @@ static void test_filter_extremes(void **state) {
     for (size_t i = 0; i < 4; i++) assert_true(isfinite(g.opacity_logit[i]) && isfinite(g.log_scale[3 * i]));
     assert_true(fabsf(g.opacity_logit[0] + 600) < 1e-3f);  /* opacity 1, mass e^-600 spread over size 1 */
     assert_true(fabsf(g.opacity_logit[1] + 1600) < 1e-3f); /* and e^-1000 of that */
-    assert_true(g.opacity_logit[2] > 150 && g.log_scale[6] == 80);
+    assert_true(g.opacity_logit[2] > 150);
+    assert_true(g.log_scale[6] == 80);
     assert_true(g.opacity_logit[3] == 40);
     td_gaussians_free(&g);
 }
@@ -413,7 +414,9 @@ static void test_playbot_values(void **state) {
         size_t count = 0;
         double *expected = npz_doubles(file, arrays[a].name, &count);
         assert_non_null(expected);
-        assert_true(count > 0 && count % arrays[a].width == 0 && count / arrays[a].width <= 3000);
+        assert_true(count > 0);
+        assert_true(count % arrays[a].width == 0);
+        assert_true(count / arrays[a].width <= 3000);
         for (size_t i = 0; i < count; i++) {
             double value = arrays[a].values[i / arrays[a].width * arrays[a].stride + i % arrays[a].width];
             if (fabs(value - expected[i]) > 1e-5 * (1 + fabs(expected[i])))

@@ -282,8 +282,10 @@ static void test_truncated(void **state) {
     rig *r = rig_make(&sensor, 1, 0, ramp, &rising);
     rig_run(r, 0.1000001, 1);
     assert_int_equal(rig_events(r, 0, 0, got, EVENTS_MAX), 5);
-    assert_true(got[4].t == 100000 * 1000 + 100 - 1 && got[3].t == got[4].t);
-    assert_true(r->sensor.counts.truncated == 2 * RIG_PIXELS && r->sensor.counts.caught_up == 0);
+    assert_true(got[4].t == 100000 * 1000 + 100 - 1);
+    assert_true(got[3].t == got[4].t);
+    assert_true(r->sensor.counts.truncated == 2 * RIG_PIXELS);
+    assert_true(r->sensor.counts.caught_up == 0);
     rig_free(r);
     sensor.refractory_s = 1e-3; /* the end fires one event only */
     sensor.refractory_law = TIDES_REFRACTORY_DROP_KEEP;

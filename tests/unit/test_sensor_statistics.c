@@ -103,7 +103,8 @@ static void test_shot_intervals(void **state) {
         size_t count = intervals(r, polarity, duration, gaps);
         double distance = exponential_distance(gaps, count, 1 / rate);
         printf("%zu intervals: Kolmogorov-Smirnov %.3f (1.628 is p = 0.01)\n", count, distance);
-        assert_true(count > 100000 && distance < 1.628);
+        assert_true(count > 100000);
+        assert_true(distance < 1.628);
     }
     free(gaps);
     rig_free(r);
@@ -186,7 +187,8 @@ static void test_noise_at_any_step(void **state) {
             rig_free(r);
         } else {
             first = r;
-            assert_true(r->buffer.count > 10000 && r->sensor.counts.cause[TIDES_CAUSE_HOT] > 1000);
+            assert_true(r->buffer.count > 10000);
+            assert_true(r->sensor.counts.cause[TIDES_CAUSE_HOT] > 1000);
         }
     }
     rig_free(first);
@@ -232,7 +234,8 @@ static void test_mismatch_and_leak(void **state) {
     r = rig_make(&sensor, 8, 0, dark, NULL);
     int at_least = 0;
     for (size_t i = 0; i < r->pixels; i++) {
-        assert_true(r->sensor.threshold_on[i] >= 0.1 && r->sensor.threshold_off[i] >= 0.1);
+        assert_true(r->sensor.threshold_on[i] >= 0.1);
+        assert_true(r->sensor.threshold_off[i] >= 0.1);
         at_least += r->sensor.threshold_on[i] == 0.1;
     }
     assert_true(at_least > 100);
@@ -298,9 +301,12 @@ static void test_pixels_are_the_image_s(void **state) {
     for (int t = 0; t < 8; t++)
         for (int i = 0; i < 64; i++) {
             int from = (small[t].y0 + i / 8) * 32 + small[t].x0 + i % 8, to = 64 * t + i;
-            assert_true(a.threshold_on[from] == b.threshold_on[to] && a.threshold_off[from] == b.threshold_off[to]);
-            assert_true(a.leak[from] == b.leak[to] && a.wake[from] == b.wake[to]);
-            assert_true(a.threshold_on[from] != c.threshold_on[from] && a.wake[from] != c.wake[from]);
+            assert_true(a.threshold_on[from] == b.threshold_on[to]);
+            assert_true(a.threshold_off[from] == b.threshold_off[to]);
+            assert_true(a.leak[from] == b.leak[to]);
+            assert_true(a.wake[from] == b.wake[to]);
+            assert_true(a.threshold_on[from] != c.threshold_on[from]);
+            assert_true(a.wake[from] != c.wake[from]);
         }
     td_sensor_release(&a);
     td_sensor_release(&b);

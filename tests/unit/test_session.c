@@ -90,7 +90,9 @@ static void whole_runs_are_their_parts_by_hand(void **state) {
     tides_session *session = opened(*state, NULL, 0);
     tides_session_facts f;
     tides_session_get(session, &f);
-    assert_true(f.scene && f.camera && f.device && !f.frames && !f.sees_frames);
+    assert_true(f.scene && f.camera && f.device);
+    assert_true(!f.frames);
+    assert_true(!f.sees_frames);
     assert_int_equal(f.intrinsics.width, 24);
     assert_int_equal(f.info.kind, TIDES_DEVICE_REFERENCE);
     run_into(session, &one);
@@ -124,7 +126,10 @@ static void a_file_stopped_goes_on(void **state) {
     tides_stats stats;
     tides_recorded done;
     scene_expect_ok(tides_session_write(session, file, NULL, NULL, NULL, &done, &stats, &error), &error);
-    assert_true(done.events == one.count && done.complete && !done.saved && stats.events == one.count);
+    assert_true(done.events == one.count);
+    assert_true(done.complete);
+    assert_true(!done.saved);
+    assert_true(stats.events == one.count);
     read_file(file, &two);
     same(&one, &two);
     tides_recording how;
@@ -136,12 +141,18 @@ static void a_file_stopped_goes_on(void **state) {
     how.resume = 0;
     status = tides_session_write(session, file, &how, stop_at, &half, &done, NULL, &error);
     assert_int_equal(status, TIDES_CANCELLED);
-    assert_true(done.began && done.saved && !done.complete && done.events > 0 && done.events < one.count);
+    assert_true(done.began && done.saved);
+    assert_true(!done.complete);
+    assert_true(done.events > 0);
+    assert_true(done.events < one.count);
     assert_int_equal(access(checkpoint, F_OK), 0);
     how.resume = 1;
     how.checkpoint_s = 1e-9; /* and with checkpoints all the way */
     scene_expect_ok(tides_session_write(session, file, &how, NULL, NULL, &done, &stats, &error), &error);
-    assert_true(done.resumed_s > 0 && done.complete && done.events == one.count && stats.events == one.count);
+    assert_true(done.resumed_s > 0);
+    assert_true(done.complete);
+    assert_true(done.events == one.count);
+    assert_true(stats.events == one.count);
     assert_int_not_equal(access(checkpoint, F_OK), 0);
     read_file(file, &two);
     same(&one, &two);
@@ -161,7 +172,8 @@ static void recordings_are_checked(void **state) {
     scene_expect_error(status, TIDES_BAD_ARGUMENT, &error, "checkpoint_s");
     how = (tides_recording){.size = sizeof how, .format = "evt9"};
     status = tides_session_write(session, scene_in_folder(*state, "a.raw"), &how, NULL, NULL, NULL, NULL, &error);
-    assert_true(status != TIDES_OK && strstr(error.text, "evt9"));
+    assert_true(status != TIDES_OK);
+    assert_true(strstr(error.text, "evt9"));
     assert_int_equal(tides_session_write(session, NULL, NULL, NULL, NULL, NULL, NULL, NULL), TIDES_BAD_ARGUMENT);
     assert_int_equal(tides_session_run(NULL, keep, &one, NULL, NULL, NULL, NULL), TIDES_BAD_ARGUMENT);
     assert_int_equal(tides_simulator_write(NULL, 1, "a", NULL, NULL, NULL, NULL, NULL, NULL), TIDES_BAD_ARGUMENT);
@@ -181,7 +193,8 @@ static void variations_share_what_is_open(void **state) {
     scene_expect_ok(tides_session_vary(base, low, 2, &sensitive, &error), &error);
     run_into(base, &one);
     run_into(esim, &two);
-    assert_true(two.count > one.count / 2 && two.count < 2 * one.count);
+    assert_true(two.count > one.count / 2);
+    assert_true(two.count < 2 * one.count);
     run_into(sensitive, &two);
     assert_true(two.count > one.count);
     tides_session *alone = opened(*state, low, 2);

@@ -21,7 +21,8 @@ static void whole_nanoseconds_are_whole(void **state) {
         td_step step = step_between(k * 1e-3, (k + 1) * 1e-3);
         assert_int_equal(step.start_ns, (int64_t)k * 1000000);
         assert_int_equal(step.stop_ns, (int64_t)(k + 1) * 1000000);
-        assert_true(step.start_fraction == 0.0 && step.length_ns == 1e6);
+        assert_true(step.start_fraction == 0.0);
+        assert_true(step.length_ns == 1e6);
     }
 }
 
@@ -35,8 +36,10 @@ static void steps_join_and_cover(void **state) {
             for (int k = 1; k < 1000; k++) {
                 td_step step = step_between(starts[s] + k * grids[g], starts[s] + (k + 1) * grids[g]);
                 assert_true(step.start_ns == before.stop_ns);
-                assert_true(step.start_fraction >= 0.0 && step.start_fraction < 1.0);
-                assert_true(td_step_time(&step, 0.0) == step.start_ns && td_step_time(&step, 1.0) == step.stop_ns);
+                assert_true(step.start_fraction >= 0.0);
+                assert_true(step.start_fraction < 1.0);
+                assert_true(td_step_time(&step, 0.0) == step.start_ns);
+                assert_true(td_step_time(&step, 1.0) == step.stop_ns);
                 assert_true(td_step_time(&step, 1.0 - 1e-16) <= step.stop_ns);
                 /* At 1000 s a double is 1.1e-13 s wide; each end is taken to within two of these. */
                 assert_true(fabs(step.length_s - grids[g]) <= 1.2e-15 * (fabs(starts[s]) + 1e3 * grids[g]));
@@ -84,8 +87,12 @@ static void late_times_are_as_fine_as_early_ones(void **state) {
 /* Seconds to the nearest nanosecond of the double's own value, which 1e9 times it isn't from 1e7 s on. */
 static void starts_become_the_nearest_nanosecond(void **state) {
     (void)state;
-    assert_true(td_time_ns(0) == 0 && td_time_ns(0.1) == 100000000 && td_time_ns(1.001) == 1001000000);
-    assert_true(td_time_ns(-5) == -INT64_C(5000000000) && td_time_ns(-0.25e-9) == 0 && td_time_ns(0.75e-9) == 1);
+    assert_true(td_time_ns(0) == 0);
+    assert_true(td_time_ns(0.1) == 100000000);
+    assert_true(td_time_ns(1.001) == 1001000000);
+    assert_true(td_time_ns(-5) == -INT64_C(5000000000));
+    assert_true(td_time_ns(-0.25e-9) == 0);
+    assert_true(td_time_ns(0.75e-9) == 1);
     for (int64_t k = 0; k < 4194304; k += 4097) {            /* multiples of 2^-22: what doubles at 2e9 s are */
         int64_t rest = (k * 1000000000 + 2097152) / 4194304; /* half is rounded up, which no k is */
         assert_true(td_time_ns(2e9 + (double)k / 4194304) == INT64_C(2000000000) * 1000000000 + rest);
