@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* No cfg_args is near a megabyte, and no number in it near 64 characters: more is another file. */
 enum { FILE_BYTES_MAX = 1 << 20, NUMBER_MAX = 64 };
 
 typedef struct parser {

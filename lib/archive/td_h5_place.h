@@ -43,6 +43,7 @@ tides_status td_place_write_int(const td_place *place, const char *name, int32_t
 tides_status td_place_write_double(const td_place *place, const char *name, double value);
 tides_status td_place_write_text(const td_place *place, const char *name, const char *text);
 
+/* As many dimensions as a field of a motion has (td_motion.h). */
 enum { TD_PLACE_RANK_MAX = 4 };
 
 /* The shape of a dataset of floating-point numbers; TIDES_BAD_FILE where its rank isn't `rank`, it holds another kind of

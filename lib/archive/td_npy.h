@@ -7,6 +7,7 @@
 
 #include "tides/base.h"
 
+/* What readers here make sense of; numpy itself allows 32 dimensions (64 from version 2 on). */
 enum { TD_NPY_DIMENSIONS_MAX = 8, TD_NPY_FIELDS_MAX = 32, TD_NPY_NAME_MAX = 64 };
 
 /* One number of an element: the whole of a plain one, or a named field of a structured one. */

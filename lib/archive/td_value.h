@@ -30,6 +30,7 @@ enum {
     TD_TENSOR_BOOL
 };
 
+/* More than the 4 of a grid or a convolution, with room. */
 enum { TD_TENSOR_DIMENSIONS_MAX = 8 };
 
 /* A view of a storage: element (i, j, ..) is number offset + i stride[0] + j stride[1] + .. of `data`. All of them lie

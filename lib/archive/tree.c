@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Blocks of many values, so that a checkpoint of thousands costs few allocations; 16 bytes suit every type. */
 enum { BLOCK_BYTES = 16384, ALIGNMENT = 16 };
 
 struct td_tree {

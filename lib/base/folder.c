@@ -1,4 +1,4 @@
-/* Lists the files of a folder. */
+/* Lists the files of a folder, for readers of event files and frames that come as folders. */
 #include "td_folder.h"
 
 #include <dirent.h>

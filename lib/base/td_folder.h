@@ -1,4 +1,4 @@
-/* Internal: what a folder holds. */
+/* Internal: what a folder holds, for readers of event files, frames and paths that come as folders. */
 #ifndef TD_FOLDER_H
 #define TD_FOLDER_H
 

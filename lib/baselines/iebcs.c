@@ -10,6 +10,7 @@
 /* Its clip of latencies [us], and the light that `tau` is given at [lux]. */
 #define LATENCY_MAX_US 10000.0
 #define TAU_LUX 1e3
+/* A pixel that fires more often in a frame has parameters that mean nothing, and would fill memory. */
 enum { EVENTS_PER_PIXEL_MAX = 1 << 20 };
 
 typedef struct pixel {

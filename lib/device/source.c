@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Against files that aren't kernels and includes that go in a circle. */
 enum { MAX_KERNEL_FILE = 1 << 20, MAX_DEPTH = 16 };
 
 static tides_status add_piece(td_source_text *text, char *piece, tides_error *error) {

@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+/* Longer numbers aren't times; an exponent beyond this moves the point out of any of them. */
 enum { DIGITS_MAX = 512, EXPONENT_MAX = 100000 };
 
 /* A number as digits before the scale: 12.5e3 is "125" with scale 2. */

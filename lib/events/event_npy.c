@@ -216,6 +216,7 @@ static tides_status read_npy(td_event_stream *stream, tides_event *events, size_
 
 /* ---- writing .npy ---- */
 
+/* Bytes of a packed row, 8 for t, 2 for x, 2 for y, 1 for p; rows written at once. */
 enum { RECORD = 13, ROWS = 4096 };
 
 typedef struct npy_writer {

@@ -18,6 +18,7 @@ struct td_event_ticks {
     slot *slots;
 };
 
+/* To begin with, a power of two; it grows with what a tick holds. */
 enum { FIRST_SLOTS = 1024 };
 
 td_event_ticks *td_event_ticks_create(int64_t tick_ns, tides_error *error) {

@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+/* Points of a range that is searched through and not split further. */
 enum { LEAF = 8 };
 
 static int longest_side(const td_point *points, size_t count) {

@@ -14,6 +14,7 @@
 #include <math.h>
 #include <string.h>
 
+/* As tides_rotor_motion says. */
 enum { HARMONICS_MOST = 4 };
 static const double PI = 3.14159265358979323846;
 

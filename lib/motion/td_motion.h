@@ -18,6 +18,7 @@
 /* Setting of motions whose method doesn't clamp colour at 0 (SpacetimeGaussians, Dynamic3DGaussians). */
 #define TD_PLAIN_COLOUR "plain_colour"
 
+/* A HexPlane's grids have four dimensions; no model comes near so many arrays or settings. */
 enum { TD_FIELD_RANK_MAX = 4, TD_FIELDS_MAX = 128, TD_SETTINGS_MAX = 48 };
 
 /* A named array of a model; float32 as trained, finite. */

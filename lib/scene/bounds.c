@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Rows that a motion is asked for at once: some 100 KB of geometry. */
 enum { ROWS = 512, SH_STRIDE = 3 * (TIDES_SH_DEGREE_MAX + 1) * (TIDES_SH_DEGREE_MAX + 1) };
 
 /* Rows of a motion, a batch at a time. */

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Of the sequences that the method is trained on (CMU Panoptic); the files don't say. */
 static const double FRAMES_PER_SECOND = 30;
 
 /* What the constructor gets: owned here. */

@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* PlayCanvas's compressed PLY: splats of a chunk share its bounds, 18 floats, and are four 32-bit words each. */
 enum { CHUNK = 256, BOUNDS = 18, PACKED = 4 };
 
 static const char *const bound_names[BOUNDS] = {"min_x",       "min_y",       "min_z",       "max_x",       "max_y",
