@@ -143,13 +143,25 @@ def check_text(root, path, text, sections, names):
             yield match.start(), f"{name}: no such file in the repository"
 
 
+def check_identifiers(root, path, text, words):
+    """Functions and types that a page names and that no source has; a trailing * or _ stands for a family."""
+    for match in re.finditer(r"\b(?:td|tides)_[a-z0-9_]*[a-z0-9]\b(?![*])", text):
+        if match[0] not in words and not text[match.end() :].startswith("_*"):
+            yield match.start(), f"{match[0]}: no source has such a name"
+
+
 def check_cites(root):
     sections, found = sections_of(root), []
     names = {p.name for folder in CITING for p in (root / folder).rglob("*") if p.is_file()}
     names |= {p.name for p in root.iterdir()}
+    sources = files(root, (*SOURCE_FOLDERS, "python_ctypes", "tests"), {".c", ".h", ".cl", ".py"})
+    identifiers = {word for path in sources for word in re.findall(r"\b(?:td|tides)_\w+", path.read_text())}
     for path in citing_files(root):
         text = comments_of(path, path.read_text())
-        for offset, words in check_text(root, path, text, sections, names):
+        cited = list(check_text(root, path, text, sections, names))
+        if path.suffix == ".md":
+            cited += check_identifiers(root, path, text, identifiers)
+        for offset, words in cited:
             found.append(f"{path.relative_to(root)}:{text.count(chr(10), 0, offset) + 1}: {words}")
     return found
 

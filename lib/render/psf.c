@@ -1,4 +1,5 @@
-/* Blur by the optics, tile by tile. */
+/* Blur by the optics, tile by tile, for whoever renders frames or runs a sensor with a PSF: of L and L_dot, or of Y before
+ * the logarithm. Which pixels are wanted, and what comes of them, is the renderer's. */
 #include "td_render.h"
 #include "tides/sensor.h"
 

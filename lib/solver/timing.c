@@ -1,4 +1,5 @@
-/* Estimated errors of event times. */
+/* Estimated errors of event times, event by event, for the statistics that the simulator reports (error_p50_s and so on) and
+ * for what counts as uncertain. What is wrong with S comes from estimate.c and from probes. */
 #include "td_timing.h"
 #include "signal/td_model_error.h"
 #include "td_probe.h"

@@ -77,6 +77,10 @@ printf '#!/bin/sh\n# See gone.sh.\n' >"$work/scripts/a.sh"
 expect 1 '^scripts/a.sh:2: gone.sh: no such file' cites "a script"
 rm "$work/scripts/a.sh"
 
+printf '\nSee `td_gone`, `td_gone_*`.\n' >"$work/docs/PAGE.md"
+expect 1 '^docs/PAGE.md:2: td_gone: no source has such a name' cites "a function that isn't there"
+rm "$work/docs/PAGE.md"
+
 # -- openings ----------------------------------------------------------------------------------------------------------
 printf '/* Helpers. */\n' >"$work/lib/lower/vague.c"
 expect 1 '^lib/lower/vague.c:1: an opening of 1 words' openings "an opening that says nothing"
