@@ -458,14 +458,10 @@ static void test_exact_events(void **state) {
     tides_error error;
     judged_exact(&j, 2000, &fine, &coarse);
     scene_expect_ok(tides_match_events(formula.events, formula.count, fine.events, fine.count, 1e-3, &match, &error), &error);
-    assert_true(match.missing == 0);
-    assert_true(match.spurious == 0);
-    assert_true(match.dt_max_us <= 1e-3);
+    assert_true(match.missing == 0 && match.spurious == 0 && match.dt_max_us <= 1e-3);
     scene_expect_ok(tides_match_events(formula.events, formula.count, coarse.events, coarse.count, 1e-3, &match, &error),
                     &error);
-    assert_true(match.missing == 0);
-    assert_true(match.spurious == 0);
-    assert_true(match.dt_max_us <= 1e-3);
+    assert_true(match.missing == 0 && match.spurious == 0 && match.dt_max_us <= 1e-3);
     free(one.events);
     free(formula.events);
     free(fine.events);
