@@ -35,20 +35,6 @@ typedef struct tides_param {
 /* The table; static storage, `count` (nullable) receives its length. */
 TIDES_API const tides_param *tides_params(size_t *count);
 
-/* One row of the table of statistics, from which --stats is made: a field of tides_stats. Rows "time_s.NAME" are parts of
- * run_time_s and add up to it. */
-enum { TIDES_STAT_COUNT = 0 /* uint64_t */, TIDES_STAT_REAL = 1 /* double */, TIDES_STAT_WHOLE = 2 /* int32_t */ };
-typedef struct tides_stat {
-    const char *name; /* "events_on" */
-    const char *unit; /* "s", or "" */
-    int32_t type;     /* TIDES_STAT_* */
-    int32_t reserved;
-    size_t offset; /* in tides_stats */
-} tides_stat;
-
-/* The table; static storage, `count` (nullable) receives its length. */
-TIDES_API const tides_stat *tides_stats_table(size_t *count);
-
 typedef struct tides_run tides_run;
 
 /* Reads a run file. `overrides` (nullable, `count` of them) are "key=value" texts, value as JSON or bare text, applied after

@@ -59,7 +59,7 @@ typedef struct tides_stepping {
 } tides_stepping;
 TIDES_API void tides_stepping_defaults(tides_stepping *stepping);
 
-/* What a run did. Field for field what --stats writes (DESIGN 6). */
+/* What a run did. Field for field what --stats writes (DESIGN 6); tides_stats_table lists them. */
 typedef struct tides_stats {
     tides_render_stats render;
     uint64_t events, events_on, events_off;
@@ -100,6 +100,25 @@ typedef struct tides_stats {
     double worst_deviation;    /* the largest that a probe saw where a step rests on it [thresholds] */
 } tides_stats;
 
+enum { TIDES_STAT_COUNT = 0 /* uint64_t */, TIDES_STAT_REAL = 1 /* double */, TIDES_STAT_WHOLE = 2 /* int32_t */ };
+
+/* How those of two parts of a run make one of the whole: worked out from others and the state, by their sum, or the larger
+ * one. */
+enum { TIDES_JOIN_DERIVED = 0, TIDES_JOIN_SUM = 1, TIDES_JOIN_LARGEST = 2 };
+
+/* One row of the table of statistics, from which --stats and checkpoints are made: a field of tides_stats. Rows "time_s.NAME"
+ * are parts of run_time_s and add up to it. */
+typedef struct tides_stat {
+    const char *name; /* "events_on" */
+    const char *unit; /* "s", or "" */
+    int32_t type;     /* TIDES_STAT_* */
+    int32_t joined;   /* TIDES_JOIN_* */
+    size_t offset;    /* in tides_stats */
+} tides_stat;
+
+/* The table; static storage, `count` (nullable) receives its length. */
+TIDES_API const tides_stat *tides_stats_table(size_t *count);
+
 /* Receives events in order; `count` may be 0. Non-zero stops the run: TIDES_CANCELLED, or the status it stored itself. */
 typedef int (*tides_event_sink)(void *user, const tides_event *events, size_t count);
 
@@ -135,6 +154,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_run(tides_simulator *sim
                                                             void *sink_user, tides_progress progress, void *user,
                                                             tides_error *error);
 
+/* What the run has done so far, restored parts of it included: totals up to the time reached. Of this moment rather than of
+ * the run are worst_residual (before the first step 0) and peak_memory_bytes. Costs one pass over the pixels; call it
+ * between runs, from the thread that runs, or from a sink. */
 TIDES_API void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats);
 
 /* The state of every pixel, planes (height x width), caller's memory, each nullable: the signal at the time reached as the

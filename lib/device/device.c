@@ -140,6 +140,10 @@ static tides_status fail_no_match(const device_list *list, const char *spec, tid
                    suggestion);
 }
 
+int td_device_is_double(const tides_device *device) {
+    return device->info.kind == TIDES_DEVICE_REFERENCE && !device->single_precision;
+}
+
 static void open_reference(tides_device *device, int single_precision) {
     device->single_precision = single_precision;
     device->info.kind = TIDES_DEVICE_REFERENCE;

@@ -20,6 +20,9 @@ struct tides_device {
     td_program_entry *programs; /* built so far, newest first */
 };
 
+/* 1 where it computes in double precision: the reference. Results agree to the bit among those of one precision. */
+int td_device_is_double(const tides_device *device);
+
 /* "CL_OUT_OF_RESOURCES"; "CL error -9999" style numbers come out as "unknown OpenCL error". */
 const char *td_cl_name(cl_int code);
 

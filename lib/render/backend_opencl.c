@@ -260,7 +260,7 @@ static void add_counts(opencl_backend *b, const td_batch *batch, const staging *
         stats->gaussians_culled += (uint64_t)(batch->jobs[i].count - s->counts[i]);
         int kept = s->counts[batch->job_count + i];
         stats->lists_kept += (uint64_t)kept;
-        if (batch->kept) batch->kept[batch->jobs[i].out] = (uint8_t)kept;
+        if (batch->in_order) batch->in_order[batch->jobs[i].out] = (uint8_t)kept;
     }
 }
 

@@ -1,6 +1,6 @@
 /* Tile candidate lists: for each 16x16 tile the Gaussians whose swept box touches it, in index order. A counting sort in two
  * passes over the boxes. */
-#include "td_render.h"
+#include "td_renderer.h"
 
 #include <limits.h>
 #include <stdlib.h>
@@ -154,12 +154,12 @@ void td_candidates_give_hint(td_candidates *candidates, int tile, td_job *job) {
     }
 }
 
-void td_candidates_take_hints(td_candidates *candidates, const td_job *jobs, int count, const uint8_t *kept) {
+void td_candidates_take_hints(td_candidates *candidates, const td_job *jobs, int count, const uint8_t *in_order) {
     for (int i = 0; i < count; i++) {
         uint8_t *hint = &candidates->hint[jobs[i].y / TD_TILE * candidates->tiles_x + jobs[i].x / TD_TILE];
         if (jobs[i].new_hint)
-            *hint = kept ? HINT_THERE : HINT_WANTED;
-        else if (jobs[i].hint && kept && !kept[jobs[i].out])
+            *hint = in_order ? HINT_THERE : HINT_WANTED;
+        else if (jobs[i].hint && in_order && !in_order[jobs[i].out])
             *hint = HINT_UNFIT;
     }
 }

@@ -1,5 +1,5 @@
 /* Scenes whose pixels a small network makes from composited features (the full SpacetimeGaussians model; kernels/decoder.h). */
-#include "td_render.h"
+#include "td_renderer.h"
 
 #include "kernels/decoder.h"
 #include "motion/td_motion.h"

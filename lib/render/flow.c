@@ -1,6 +1,6 @@
 /* How fast the image moves, for samplers that bound its displacement between two renders (ESIM's by motion). */
 #include "camera/td_trajectory.h"
-#include "td_render.h"
+#include "td_renderer.h"
 
 #include <math.h>
 #include <stdlib.h>

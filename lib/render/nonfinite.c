@@ -1,6 +1,6 @@
 /* Pixels that come out infinite, or not a number: an error that says where, when, and because of which splat. Kernels show a
  * splat that they can't hold in every pixel that it isn't hidden from (td_shape.broken), so that none goes by unseen. */
-#include "td_render.h"
+#include "td_renderer.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -54,16 +54,17 @@ static tides_status find_splat(tides_renderer *renderer, int candidates, int *sp
 }
 
 /* "Gaussian 99 of object 0 ('room') ...", or what else may be the cause. */
-static tides_status describe_cause(tides_renderer *renderer, const tides_trajectory *camera, double time, int tile, char *text,
-                                   size_t size, tides_error *error) {
+static tides_status describe_cause(tides_renderer *renderer, const tides_trajectory *camera, double time, int side, int tile,
+                                   char *text, size_t size, tides_error *error) {
     const int first = renderer->candidates.first[tile], count = renderer->candidates.first[tile + 1] - first;
     const td_request request = {tile, 0};
+    const td_tile_batch alone = {&time, 1, side, &request, 1, TD_OUT_SIGNAL};
     double *planes = td_alloc(TD_OUT_SIGNAL * TD_TILE_PIXELS, sizeof *planes, error);
     tides_status status = planes ? TIDES_OK : TIDES_NO_MEMORY;
     int splat = -1;
     snprintf(text, size, "no single splat of it is, so that their sum, or the background, must be too large");
     if (status == TIDES_OK && count > 0) /* the tile by itself, so that its records are what the backend still has */
-        status = td_renderer_unchecked_tiles(renderer, camera, &time, 1, &request, 1, TD_OUT_SIGNAL, planes, error);
+        status = td_renderer_unchecked_tiles(renderer, camera, &alone, planes, error);
     if (status == TIDES_OK && count > 0) status = find_splat(renderer, count, &splat, error);
     free(planes);
     if (status != TIDES_OK || splat < 0) return status;
@@ -83,14 +84,15 @@ static tides_status describe_cause(tides_renderer *renderer, const tides_traject
     return TIDES_OK;
 }
 
-tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_trajectory *camera, const double *times,
-                                      const td_request *requests, int count, int outputs, const double *planes,
-                                      tides_error *error) {
+tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
+                                      const double *planes, tides_error *error) {
+    const td_request *requests = batch->requests;
+    const int outputs = batch->outputs;
     const size_t size = (size_t)outputs * TD_TILE_PIXELS;
     int worst = -1, place[3] = {0}, here[3] = {0};
     uint64_t pixels = 0;
     double value = 0;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < batch->count; i++) {
         const double *tile = planes + (size_t)i * size;
         if (!any_nonfinite(tile, size) || !find_pixel(renderer, requests[i].tile, tile, outputs, here, &pixels)) continue;
         if (worst >= 0) continue;
@@ -101,8 +103,8 @@ tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_traj
     if (worst < 0) return TIDES_OK;
     renderer->stats.pixels_nonfinite += pixels;
     char cause[400];
-    const double time = times[requests[worst].slot]; /* since the epoch */
-    tides_status status = describe_cause(renderer, camera, time, requests[worst].tile, cause, sizeof cause, error);
+    const double time = batch->times[requests[worst].slot]; /* since the epoch */
+    tides_status status = describe_cause(renderer, camera, time, batch->side, requests[worst].tile, cause, sizeof cause, error);
     if (status != TIDES_OK) return status;
     return td_fail(error, TIDES_BAD_ARGUMENT, "%s of pixel (%d, %d) is %s at %.15g s, one of %llu that aren't finite: %s",
                    td_plane_name(place[2]), place[0], place[1], isnan(value) ? "nan" : "infinite", renderer->epoch + time,

@@ -1,6 +1,6 @@
 /* Blur by the optics, tile by tile, for whoever renders frames or runs a sensor with a PSF: of L and L_dot, or of Y before
  * the logarithm. Which pixels are wanted, and what comes of them, is the renderer's. */
-#include "td_render.h"
+#include "td_renderer.h"
 #include "tides/sensor.h"
 
 #include <math.h>
@@ -235,23 +235,26 @@ static void finish(tides_renderer *renderer, const td_request *requests, int slo
     }
 }
 
-tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
-                               const td_request *requests, int count, int outputs, double *planes, tides_error *error) {
+tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
+                               double *planes, tides_error *error) {
+    const int slots = batch->slots, outputs = batch->outputs;
     td_psf *psf = &renderer->psf;
-    if (!psf->radius) return td_renderer_sharp_tiles(renderer, camera, times, slots, requests, count, outputs, planes, error);
-    tides_status status = list_raw(psf, &renderer->candidates, requests, count, slots, error);
+    td_tile_batch sharp = *batch;
+    if (!psf->radius) return td_renderer_sharp_tiles(renderer, camera, batch, planes, error);
+    tides_status status = list_raw(psf, &renderer->candidates, batch->requests, batch->count, slots, error);
     size_t side = TD_TILE + 2 * (size_t)psf->radius, raw = status == TIDES_OK ? (size_t)psf->raw_first[slots] : 0;
     if (status == TIDES_OK)
         status = td_reserve((void **)&psf->planes, &psf->plane_capacity, raw * (size_t)outputs * TD_TILE_PIXELS,
                             sizeof *psf->planes, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&psf->rows, &psf->row_capacity, side * (TD_TILE + 1), sizeof *psf->rows, error);
-    if (status == TIDES_OK)
-        status = td_renderer_sharp_tiles(renderer, camera, times, slots, psf->raw, (int)raw, outputs, psf->planes, error);
+    sharp.requests = psf->raw;
+    sharp.count = (int)raw;
+    if (status == TIDES_OK) status = td_renderer_sharp_tiles(renderer, camera, &sharp, psf->planes, error);
     if (status != TIDES_OK) return status;
     double begun = td_now();
     if (psf->domain == TIDES_PSF_LINEAR) to_linear(psf, (int)raw, outputs);
-    finish(renderer, requests, slots, outputs, planes);
+    finish(renderer, batch->requests, slots, outputs, planes);
     renderer->stats.time_composite_s += td_now() - begun;
     return TIDES_OK;
 }

@@ -328,7 +328,7 @@ static tides_status render(td_backend *backend, const td_batch *batch, double *p
         double projected = td_now();
         int kept;
         td_list list = sort_job(r, job, &kept);
-        if (batch->kept) batch->kept[job->out] = (uint8_t)kept;
+        if (batch->in_order) batch->in_order[job->out] = (uint8_t)kept;
         backend->stats.lists_kept += (uint64_t)kept;
         double sorted = td_now();
         composite_job(r, job, &list, &image, planes + (size_t)job->out * batch->outputs * TD_TILE_PIXELS);

@@ -6,7 +6,7 @@
  *   smooth   0.2, faded    0.99       0.1/255 to 1/255, C2   bound on L, included      the ellipse, out to the end of the taper
  *
  * smooth is inria made continuous in time: each jump of inria is a false event or a wrong timestamp (DESIGN 3.1). */
-#include "td_render.h"
+#include "td_renderer.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
  * once, in double, widened to the strides of kernels/layout.h. */
 #include "motion/td_activate.h"
 #include "motion/td_motion.h"
-#include "td_render.h"
+#include "td_renderer.h"
 
 #include <limits.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 /* The motions of a scene as a store holds them: what moves goes to the movers, what rests in spite of a motion is worked out
  * here, once. */
 #include "motion/td_motion.h"
-#include "td_render.h"
+#include "td_renderer.h"
 
 #include <limits.h>
 #include <stdlib.h>

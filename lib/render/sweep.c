@@ -1,7 +1,7 @@
 /* Sweeps: candidate lists that hold for an interval. Objects at rest before a camera at rest keep their boxes; the others are
  * swept in as many pieces as their paths ask for, and what moves by itself in as many as its motion does. */
 #include "camera/td_trajectory.h"
-#include "td_render.h"
+#include "td_renderer.h"
 
 /* Which objects move against the camera. */
 static tides_status note_moves(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error) {
@@ -82,7 +82,7 @@ static tides_status sweep_moved(tides_renderer *renderer, const tides_trajectory
     if (!renderer->dynamic.gaussians) return TIDES_OK;
     tides_status status =
         td_dynamic_sweep_rows(&renderer->dynamic, renderer->backend, (const double *)renderer->views, renderer->strays.bound,
-                              start, stop, renderer->side, renderer->row_limit, renderer->boxes, renderer->travel, error);
+                              start, stop, renderer->row_limit, renderer->boxes, renderer->travel, error);
     return status == TIDES_OK ? td_dynamic_sweep_pieces(renderer, camera, start, stop, error) : status;
 }
 

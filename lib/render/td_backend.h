@@ -133,7 +133,7 @@ typedef struct td_batch {
     int records;                /* records that the jobs use */
     int outputs;                /* TD_OUT_SIGNAL, _DIAGNOSTICS or _COLOUR */
     int hint_count;             /* numbers in all hints, place 0 counted; they last until it changes */
-    uint8_t *kept;              /* (NULL: not wanted) at job.out: 1 where the list was in order */
+    uint8_t *in_order;          /* (NULL: not wanted) at job.out: 1 where the list was in order */
 } td_batch;
 
 typedef struct td_backend td_backend;

@@ -1,180 +1,96 @@
-/* Internal: the parts of the renderer (lib/render). Files that include this are compiled in double. */
+/* Internal: the renderer as the rest of lib uses it: solver, baselines, checkpoints. Everything here is a call on a
+ * tides_renderer; what that is made of is in td_renderer.h, which only lib/render and tests of its parts include.
+ *
+ * A run asks in this order: once, planes to get kernels ready for; then for each interval of time a sweep, which lists the
+ * Gaussians that each tile may see in it, and any number of batches of tiles at times within it. Files that include this are
+ * compiled in double. Functions of one renderer aren't called from two threads at once. */
 #ifndef TD_RENDER_H
 #define TD_RENDER_H
 
 #ifndef TD_REAL_DOUBLE
 #define TD_REAL_DOUBLE
 #endif
-#include "render/dynamic/td_dynamic.h"
-#include "td_psf.h"
-#include "render/dynamic/td_stray.h"
+#include "kernels/layout.h"
+#include "td_base.h"
+#include "tides/render.h"
 
-/* Image parameters and intrinsics to the image formation's numbers (rules.c). */
-tides_status td_image_resolve(const tides_image_params *params, const tides_intrinsics *intrinsics, int scene_sh_degree,
-                              td_image *image, tides_error *error);
+/* -- times ----------------------------------------------------------------------------------------------------------------- */
 
-/* A td_image as numbers for any precision. */
-td_image_numbers td_image_pack(const td_image *image);
-
-/* The scene's Gaussians, activated, and its motions; `fades` is td_mover.fades (store.c). */
-tides_status td_store_create(const tides_scene *scene, int fades, td_store *store, tides_error *error);
-
-/* Rows of the store. */
-typedef struct td_resting {
-    int first;
-    int64_t count;
-} td_resting;
-
-/* An object's motion: the rows of those Gaussians that it leaves at rest, and a mover for object `moving_part` of the store,
- * the others; -1 where there's none (store_motion.c). */
-tides_status td_store_add_motion(const tides_object *object, const td_resting *resting, int moving_part, int fades,
-                                 td_store *store, tides_error *error);
-void td_store_release(td_store *store);
-
-/* The decoder of a scene that has one (decoder.c): its weights in store->decoder; TIDES_UNSUPPORTED where other objects are
- * beside it. Then what the image says of it. */
-tides_status td_store_find_decoder(const tides_scene *scene, td_store *store, tides_error *error);
-void td_image_set_decoder(const tides_scene *scene, const td_store *store, td_image *image);
-
-/* The view of one object from a camera: object pose NULL for one at rest (view.c). */
-void td_view_make(const tides_pose *camera, const tides_pose *object, double scale, td_view *view);
-
-/* Views of every object of `scene` at `time` [s after `epoch`]: (objects) (view.c). */
-tides_status td_views_at(const tides_scene *scene, const tides_trajectory *camera, double epoch, double time, td_view *views,
-                         tides_error *error);
-
-/* View of one object of the scene. */
-tides_status td_view_at(const tides_scene *scene, int32_t object, const tides_trajectory *camera, double epoch, double time,
-                        td_view *view, tides_error *error);
-
-/* Which Gaussians each tile may see during an interval (candidates.c). */
-typedef struct td_candidates {
-    int tiles_x, tiles_y;
-    int *first;              /* (tiles + 1) into `list`; multiples of TD_PAD */
-    int *list;               /* Gaussian indices, ascending, each object's padded to TD_PAD with TD_NO_GAUSSIAN */
-    size_t capacity;         /* of `list` */
-    int *fill, *last_object; /* (tiles) scratch */
-    float *travel;           /* (tiles) most diameters that one of its candidates travels in the interval */
-    uint8_t *moving;         /* (tiles) 1 if one of its candidates moves on the screen */
-    uint8_t *hint;           /* (tiles) what is known of the depth order of their lists (candidates.c) */
-    int instant;             /* 1: of one time, where no order is asked for twice */
-    uint64_t serial;
-} td_candidates;
-tides_status td_candidates_create(int width, int height, td_candidates *candidates, tides_error *error);
-void td_candidates_release(td_candidates *candidates);
-
-/* Lists from boxes (count x 4), travel (count) and which objects move against the camera (objects). */
-tides_status td_candidates_build(td_candidates *candidates, const td_store *store, const float *boxes, const float *travel,
-                                 const uint8_t *object_moves, tides_error *error);
-
-/* Numbers in the hints of a sweep (td_job). */
-int td_candidates_hint_count(const td_candidates *candidates);
-
-/* Gives a job of a tile the hint to begin with, or has it leave one. Then, with the batch done, what became of its jobs: `kept`
- * is at a job's `out` 1 where its list was in order; NULL: the batch failed. */
-void td_candidates_give_hint(td_candidates *candidates, int tile, td_job *job);
-void td_candidates_take_hints(td_candidates *candidates, const td_job *jobs, int count, const uint8_t *kept);
-
-/* A tile at a time of the current interval; `slot` indexes the times given. */
-typedef struct td_request {
-    int tile, slot;
-} td_request;
-
-struct tides_renderer {
-    double epoch; /* [s] every time in lib/render is an offset from it, so that times of 1e9 s resolve like those near 0 */
-    td_dynamic dynamic; /* Gaussians that a motion moves */
-    int side;           /* of knots that rates are asked for: -1 what ends there, +1 what begins */
-    int row_limit;      /* rows of dynamic Gaussians at a time */
-    tides_device *device;
-    const tides_scene *scene;
-    td_image image;
-    td_store store;
-    td_backend *backend;
-    td_candidates candidates;
-    float *boxes;          /* (store.count x 4) */
-    float *travel;         /* (store.count) */
-    int *object_first;     /* (objects + 1) an object's Gaussians in the store */
-    uint8_t *object_moves; /* (objects) against the camera */
-    int rested;            /* the last sweep saw a camera at rest, at rest_pose: boxes of what doesn't move hold on */
-    tides_pose rest_pose;
-    td_strays strays;   /* of the interval swept last */
-    double *sweep_time; /* (td_sweep_times) of the pieces in hand */
-    size_t sweep_time_capacity;
-    td_view *views; /* (slots x objects) */
-    td_backdrop *backdrops;
-    size_t view_capacity, backdrop_capacity;
-    td_job *jobs;
-    size_t job_capacity;
-    int *empty;    /* requests without candidates */
-    uint8_t *kept; /* (requests) 1 where a job's list was in order */
-    size_t empty_capacity, kept_capacity;
-    int record_limit; /* records per launch */
-    td_psf psf;       /* what the optics make of L and L_dot */
-    tides_render_stats stats;
-};
-
-/* From now on times are offsets from `epoch` [s]; a new renderer's is 0. */
+/* From now on times are offsets from `epoch` [s], so that times of 1e9 s resolve like those near 0; a new renderer's is 0. */
 void td_renderer_set_epoch(tides_renderer *renderer, double epoch);
 
-/* tides_renderer_frame at an offset from the renderer's epoch. */
-tides_status td_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time, const tides_frame *frame,
-                               tides_error *error);
+/* Times at which rates of motion models may jump [s after the epoch], ascending; the renderer's, until the epoch is set
+ * anew. */
+const double *td_renderer_knots(const tides_renderer *renderer, size_t *count);
 
-/* Makes candidate lists that hold for every time in [start, stop]. */
+/* -- getting ready --------------------------------------------------------------------------------------------------------- */
+
+/* Builds the kernels for these planes (TD_OUT_SIGNAL, _DIAGNOSTICS, _COLOUR), which a batch otherwise does when it comes. */
+tides_status td_renderer_prepare(tides_renderer *renderer, int outputs, tides_error *error);
+
+/* From the next sweep on rows of expensive motion models are interpolated within an interval where log_luminance is off by less
+ * than `tolerance` and, where time_tolerance_s > 0, late by less than that. */
+tides_status td_renderer_interpolate(tides_renderer *renderer, double tolerance, double time_tolerance_s, tides_error *error);
+
+/* -- an interval ----------------------------------------------------------------------------------------------------------- */
+
+/* Makes candidate lists that hold for every time in [start, stop] [s after the epoch]. */
 tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                tides_error *error);
 
-/* Views of every object at each time, and a backdrop for each: renderer->views and backdrops. */
-tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
-                               tides_error *error);
+/* Of the interval swept last: 1 where something that the tile may see moves on the screen, and the most diameters of its own
+ * that one of these travels. */
+int td_renderer_tile_moves(const tides_renderer *renderer, int tile);
+double td_renderer_tile_travel(const tides_renderer *renderer, int tile);
 
-/* Views at the times of a sweep of [start, stop] in 2^level pieces: renderer->views and sweep_time. */
-tides_status td_renderer_sweep_views(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
-                                     int level, tides_error *error);
+/* Tiles in a row of the image; tiles are in reading order. */
+int td_renderer_tiles_across(const tides_renderer *renderer);
 
-/* Sweeps once more, in pieces, dynamic Gaussians whose motion has a shorter scale of time than [start, stop]
- * (dynamic/sweep_pieces.c). */
-tides_status td_dynamic_sweep_pieces(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
-                                     tides_error *error);
+/* -- tiles at times -------------------------------------------------------------------------------------------------------- */
 
-/* Renders requests at `times` within the swept interval; planes: (requests x outputs x TD_TILE_PIXELS), pixels block by block
- * (td_tile_pixel). Blurred by the renderer's PSF where it has one (psf.c). */
-tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
-                               const td_request *requests, int count, int outputs, double *planes, tides_error *error);
+/* Which rate a sample has where those of a motion jump at its time: that of what ends there, or of what begins. */
+enum { TD_SIDE_ENDS = -1, TD_SIDE_BEGINS = 1 };
 
-/* The same as if there were no PSF. */
-tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
-                                     const td_request *requests, int count, int outputs, double *planes, tides_error *error);
+/* A tile at one of the times given. */
+typedef struct td_request {
+    int tile, slot; /* slot: index into the times */
+} td_request;
 
-/* Likewise, whatever comes out; td_renderer_sharp_tiles then refuses what isn't finite, naming pixel, time and splat:
- * planes of `requests` at `times` within the swept interval (nonfinite.c). */
-tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_trajectory *camera, const double *times,
-                                         int slots, const td_request *requests, int count, int outputs, double *planes,
-                                         tides_error *error);
-tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_trajectory *camera, const double *times,
-                                      const td_request *requests, int count, int outputs, const double *planes,
-                                      tides_error *error);
+/* Tiles to render, in one launch where memory allows. Everything is borrowed for the call. */
+typedef struct td_tile_batch {
+    const double *times; /* (slots) [s after the epoch], within the swept interval */
+    int slots;
+    int side; /* TD_SIDE_* */
+    const td_request *requests;
+    int count;
+    int outputs; /* planes wanted: TD_OUT_SIGNAL, _DIAGNOSTICS or _COLOUR */
+} td_tile_batch;
 
-/* The name of a backend's plane (TD_OUT_L ..), which is that of its channel; NULL where there is none. */
-const char *td_plane_name(int plane);
-
-/* The fastest motion in the image at `time` within [start, stop] [px/s]: of what is at rest in the world, pixel by pixel from
- * the camera's motion and the rendered depth Z (height x width), as ESIM does; of what moves by itself, splat by splat, hidden
- * ones too (flow.c). */
-tides_status td_renderer_flow(tides_renderer *renderer, const tides_trajectory *camera, double time, double start, double stop,
-                              const double *Z, double *fastest, tides_error *error);
-
-/* -- for scenes with motion (dynamic/tile_jobs.c) -- */
-
-/* Runs jobs, sorted or not, whose candidates are the sweep's: works out the rows that they need, in launches that stay below
- * the limits. Jobs are changed. */
-tides_status td_dynamic_run_jobs(tides_renderer *renderer, td_batch *batch, const double *times, td_job *jobs, int count,
-                                 double *planes, tides_error *error);
-
-/* Longest lists first, so that no thread is left with one at the end; then by place, to be a total order (qsort, of td_job). */
-int td_job_by_falling_count(const void *a, const void *b);
+/* Renders them: planes (count x outputs x TD_TILE_PIXELS), pixels block by block (td_tile_pixel), blurred where the renderer
+ * has a PSF. TIDES_BAD_ARGUMENT where a pixel comes out infinite or not a number, naming it, the time and the splat. */
+tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
+                               double *planes, tides_error *error);
 
 /* Where pixel (x, y) of a tile is in a plane: 4x4 blocks, row by row. */
 static inline int td_tile_pixel(int x, int y) { return 64 * (y >> 2) + 16 * (x >> 2) + 4 * (y & 3) + (x & 3); }
+
+/* -- frames ---------------------------------------------------------------------------------------------------------------- */
+
+/* tides_renderer_frame at an offset from the renderer's epoch: a sweep of that instant, and all tiles. */
+tides_status td_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time, const tides_frame *frame,
+                               tides_error *error);
+
+/* The fastest motion in the image at `time` within [start, stop] [px/s]: of what is at rest in the world, pixel by pixel from
+ * the camera's motion and the rendered depth Z (height x width), as ESIM does; of what moves by itself, splat by splat, hidden
+ * ones too. */
+tides_status td_renderer_flow(tides_renderer *renderer, const tides_trajectory *camera, double time, double start, double stop,
+                              const double *Z, double *fastest, tides_error *error);
+
+/* -- which renderer it is -------------------------------------------------------------------------------------------------- */
+
+/* What decides its images besides scene, paths and device, as numbers: image formation as resolved, intrinsics, blur,
+ * background. The same numbers make the same images. */
+enum { TD_IMAGE_FACTS = 41 };
+void td_renderer_image_facts(const tides_renderer *renderer, double facts[TD_IMAGE_FACTS]);
 
 #endif

@@ -2,7 +2,7 @@
 #include "camera/td_trajectory.h"
 #include "motion/td_motion.h"
 #include "scene/td_scene.h"
-#include "td_render.h"
+#include "td_renderer.h"
 
 /* Below any colour that a method has: it doesn't clamp them. */
 static const double no_floor = -1e30;
@@ -82,4 +82,22 @@ tides_status td_view_at(const tides_scene *scene, int32_t object, const tides_tr
     tides_pose eye;
     tides_status status = eye_at(camera, epoch, time, &eye, error);
     return status == TIDES_OK ? view_from(scene, object, &eye, epoch, time, view, error) : status;
+}
+
+tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
+                               tides_error *error) {
+    size_t objects = (size_t)renderer->store.objects;
+    tides_status status = td_reserve((void **)&renderer->views, &renderer->view_capacity, (size_t)slots * objects,
+                                     sizeof *renderer->views, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&renderer->backdrops, &renderer->backdrop_capacity, (size_t)slots,
+                            sizeof *renderer->backdrops, error);
+    for (int i = 0; i < slots && status == TIDES_OK; i++) {
+        renderer->backdrops[i] = renderer->backdrops[0];
+        td_view *views = renderer->views + (size_t)i * objects;
+        status = td_views_at(renderer->scene, camera, renderer->epoch, times[i], views, error);
+        /* An object of the scene may be two of the store: from the last on, each still finds its view in place. */
+        for (size_t k = objects; k-- > 0 && status == TIDES_OK;) views[k] = views[renderer->store.scene_object[k]];
+    }
+    return status;
 }

@@ -28,6 +28,7 @@
 #include "sensor/noise/td_additive_noise.h"
 #include "sensor/response/td_frontend.h"
 #include "sensor/noise/td_shot_noise.h"
+#include "td_state.h"
 #include "tides/sensor.h"
 
 /* A dead pixel's thresholds: out of reach, and finite, so that 0 of them are 0. */
@@ -100,6 +101,9 @@ TIDES_MUST_CHECK tides_status td_sensor_create(const tides_sensor *given, int32_
                                                int32_t image_width, const td_tile *tiles, int32_t tile_count, td_sensor *sensor,
                                                tides_error *error);
 void td_sensor_release(td_sensor *sensor);
+
+/* Adds the arrays that a checkpoint holds (state.c). */
+void td_sensor_state(td_sensor *sensor, td_state *state);
 
 /* The run's start: pixel i has rested at log-luminance L[i], its reference is the signal there, and nothing has fired. */
 void td_sensor_begin(td_sensor *sensor, const double *L);

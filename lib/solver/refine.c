@@ -71,7 +71,8 @@ static tides_status render_jobs(tides_simulator *s, td_refine *r, size_t first, 
         r->requests[i].tile = r->level_tile[first + i];
         r->requests[i].slot = slot_of(r->times, slots, r->level_time[first + i]);
     }
-    status = td_renderer_tiles(s->renderer, s->camera, r->times, slots, r->requests, (int)count, s->outputs, r->planes, error);
+    const td_tile_batch batch = {r->times, slots, TD_SIDE_ENDS, r->requests, (int)count, s->outputs};
+    status = td_renderer_tiles(s->renderer, s->camera, &batch, r->planes, error);
     for (size_t i = 0; i < count && status == TIDES_OK; i++)
         store_sample(s, r, r->level_tile[first + i], r->planes + i * reals, r->level_sample[first + i]);
     return status;

@@ -30,12 +30,12 @@ static tides_status keep_all(tides_simulator *s, tides_error *error) {
     s->planes_kept = s->refine.samples.kept = TD_KEPT_ALL;
     s->outputs = TD_OUT_DIAGNOSTICS;
     td_refine_bound(s);
-    return s->renderer->backend->type->prepare(s->renderer->backend, TD_OUT_DIAGNOSTICS, error);
+    return td_renderer_prepare(s->renderer, TD_OUT_DIAGNOSTICS, error);
 }
 
 static tides_status attach(tides_simulator *s, const tides_readout *readout, tides_error *error) {
     td_scan *scan = &s->scan;
-    int32_t width = s->width, height = s->renderer->image.height, down;
+    int32_t width = s->width, height = s->height, down;
     tides_status status = tides_arbiter_create(readout, width, height, s->sensor.sensor.seed, &scan->arbiter, error);
     if (status != TIDES_OK) return status;
     tides_arbiter_start(scan->arbiter, s->epoch_ns);

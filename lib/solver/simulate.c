@@ -28,20 +28,17 @@ static void store_tile(const tides_simulator *s, int t, const double *planes, td
 }
 
 void td_list_moving(tides_simulator *s) {
-    const td_candidates *candidates = &s->renderer->candidates;
     s->moving_count = 0;
     for (int t = 0; t < s->tiles; t++)
-        if (!s->local || !s->started || candidates->moving[t]) s->moving[s->moving_count++] = t;
+        if (!s->local || !s->started || td_renderer_tile_moves(s->renderer, t)) s->moving[s->moving_count++] = t;
 }
 
 tides_status td_turn_knot(tides_simulator *s, tides_error *error) {
     const double time = td_grid_time(s, s->step);
     if (!s->started || s->moving_count == 0 || !td_grid_is_knot(&s->grid, s->step)) return TIDES_OK;
     for (int i = 0; i < s->moving_count; i++) s->requests[i] = (td_request){s->moving[i], 0};
-    s->renderer->side = 1;
-    tides_status status =
-        td_renderer_tiles(s->renderer, s->camera, &time, 1, s->requests, s->moving_count, TD_OUT_SIGNAL, s->planes, error);
-    s->renderer->side = -1;
+    const td_tile_batch batch = {&time, 1, TD_SIDE_BEGINS, s->requests, s->moving_count, TD_OUT_SIGNAL};
+    tides_status status = td_renderer_tiles(s->renderer, s->camera, &batch, s->planes, error);
     for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {
         int t = s->moving[i];
         double S[TD_TILE_PIXELS]; /* is the same on both sides */
@@ -52,7 +49,7 @@ tides_status td_turn_knot(tides_simulator *s, tides_error *error) {
 }
 
 /* Renders what moves between grid point `from` and the last of [first, first + count), at these, into s->planes. */
-static tides_status render_steps(tides_simulator *s, int64_t from, int64_t first, int count, tides_error *error) {
+static tides_status render_steps(tides_simulator *s, int64_t from, int64_t first, int count, int side, tides_error *error) {
     double times[TD_BATCH_STEPS];
     for (int k = 0; k < count; k++) times[k] = td_grid_time(s, first + k);
     tides_status status = td_renderer_sweep(s->renderer, s->camera, td_grid_time(s, from), times[count - 1], error);
@@ -66,8 +63,8 @@ static tides_status render_steps(tides_simulator *s, int64_t from, int64_t first
         s->requests[i].slot = i / s->moving_count;
     }
     if (requests == 0) return TIDES_OK;
-    return td_renderer_tiles(s->renderer, s->camera, times, count, s->requests, requests, td_fixed_outputs(s), s->planes,
-                             error);
+    const td_tile_batch batch = {times, count, side, s->requests, requests, td_fixed_outputs(s)};
+    return td_renderer_tiles(s->renderer, s->camera, &batch, s->planes, error);
 }
 
 /* Step k of the batch into a sample; tiles at rest stay as they are now. */
@@ -81,9 +78,7 @@ static void store_step(tides_simulator *s, int k, td_sample *sample) {
 
 /* The first sample, of all tiles: every pixel's reference is the signal there. */
 static tides_status begin(tides_simulator *s, tides_error *error) {
-    s->renderer->side = 1;
-    tides_status status = render_steps(s, 0, 0, 1, error);
-    s->renderer->side = -1;
+    tides_status status = render_steps(s, 0, 0, 1, TD_SIDE_BEGINS, error);
     if (status != TIDES_OK) return status;
     store_step(s, 0, &s->now);
     if (s->surround.surround.on) td_surround_steps_begin(s);
@@ -172,7 +167,7 @@ static tides_status advance(tides_simulator *s, int64_t count, tides_event_sink 
     tides_render_stats before;
     tides_renderer_stats(s->renderer, &before);
     int steps = steps_to_knot(s, count < s->batch ? (int)count : s->batch);
-    tides_status status = render_steps(s, s->step, s->step + 1, steps, error);
+    tides_status status = render_steps(s, s->step, s->step + 1, steps, TD_SIDE_ENDS, error);
     if (status != TIDES_OK) return status;
     double begun = td_now();
     for (int k = 0; k < steps && status == TIDES_OK; k++) {

@@ -2,6 +2,7 @@
 #include "motion/td_motion.h"
 #include "td_simulator.h"
 #include "td_struct.h"
+#include "td_device.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -104,7 +105,7 @@ static tides_status check_paths(const tides_scene *scene, const tides_trajectory
 
 /* Tiles in reading order, those at the right and lower border cut to the image. */
 static void lay_tiles(tides_simulator *s, int width, int height) {
-    int tiles_x = s->renderer->candidates.tiles_x;
+    int tiles_x = td_renderer_tiles_across(s->renderer);
     size_t pixel = 0;
     for (int t = 0; t < s->tiles; t++) {
         int x0 = t % tiles_x * TD_TILE, y0 = t / tiles_x * TD_TILE;
@@ -135,8 +136,7 @@ static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *err
 static tides_status set_interpolation(tides_simulator *s, tides_error *error) {
     const td_comparator *c = &s->comparator;
     double threshold = c->threshold_on < c->threshold_off ? c->threshold_on : c->threshold_off;
-    return td_dynamic_interpolate(&s->renderer->dynamic, s->renderer->backend, s->tolerance * threshold, s->time_tolerance_s,
-                                  error);
+    return td_renderer_interpolate(s->renderer, s->tolerance * threshold, s->time_tolerance_s, error);
 }
 
 /* What the parameters say, before there is a renderer. */
@@ -155,8 +155,8 @@ static void take_parameters(tides_simulator *s, const tides_device *device, cons
     s->memory_mb = stepping->memory_mb;
     s->risk = stepping->risk;
     s->slope = stepping->slope;
-    s->timing.rounding = td_is_double(device) ? 0 : TD_SINGLE_ROUNDING;
-    s->timing.epsilon = td_is_double(device) ? 0 : TD_SINGLE_EPSILON;
+    s->timing.rounding = td_device_is_double(device) ? 0 : TD_SINGLE_ROUNDING;
+    s->timing.epsilon = td_device_is_double(device) ? 0 : TD_SINGLE_EPSILON;
     s->planes_kept = s->refine.samples.kept = sensor->b_min > 0 ? TD_KEPT_ALL : TD_KEPT_SIGNAL;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
     s->interpolates = stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED;
@@ -167,13 +167,16 @@ static void take_parameters(tides_simulator *s, const tides_device *device, cons
 static tides_status lay_out(tides_simulator *s, const tides_intrinsics *intrinsics, tides_error *error) {
     td_renderer_set_epoch(s->renderer, s->epoch);
     s->timing.size = intrinsics->width > intrinsics->height ? intrinsics->width : intrinsics->height;
-    tides_status status = td_grid_create(0, s->length, s->step_s, s->renderer->dynamic.knots, s->renderer->dynamic.knot_count,
-                                         s->min_step_s, &s->grid, error);
+    tides_render_stats facts;
+    size_t knots;
+    const double *knot = td_renderer_knots(s->renderer, &knots);
+    tides_status status = td_grid_create(0, s->length, s->step_s, knot, knots, s->min_step_s, &s->grid, error);
     if (status != TIDES_OK) return status;
-    s->renderer->side = -1; /* each sample but the first ends a step */
+    tides_renderer_stats(s->renderer, &facts);
     s->steps = s->grid.steps;
     s->width = intrinsics->width;
-    s->tiles = s->renderer->stats.tiles;
+    s->height = intrinsics->height;
+    s->tiles = facts.tiles;
     s->batch = 1;
     s->batch_limit = BATCH_TILES / s->tiles;
     if (s->batch_limit > TD_BATCH_STEPS) s->batch_limit = TD_BATCH_STEPS;
@@ -185,10 +188,9 @@ static tides_status lay_out(tides_simulator *s, const tides_intrinsics *intrinsi
 
 /* The backend builds what samples at step ends render, then what the controller's do; interpolation asks the first of them. */
 static tides_status prepare(tides_simulator *s, tides_error *error) {
-    td_backend *backend = s->renderer->backend;
-    tides_status status = backend->type->prepare(backend, td_fixed_outputs(s), error);
+    tides_status status = td_renderer_prepare(s->renderer, td_fixed_outputs(s), error);
     if (status == TIDES_OK && s->interpolates) status = set_interpolation(s, error);
-    return status == TIDES_OK ? backend->type->prepare(backend, s->outputs, error) : status;
+    return status == TIDES_OK ? td_renderer_prepare(s->renderer, s->outputs, error) : status;
 }
 
 /* What the caller gave, as this version has it. */
@@ -225,6 +227,8 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     double begun = td_now();
     tides_simulator *s = td_alloc(1, sizeof *s, error);
     if (!s) return TIDES_NO_MEMORY;
+    s->device = device;
+    s->scene = scene;
     s->camera = camera;
     s->epoch = start;
     s->epoch_ns = td_time_ns(start);
@@ -271,44 +275,6 @@ void tides_simulator_destroy(tides_simulator *simulator) {
     free(simulator->events.events);
     free(simulator->scratch);
     free(simulator);
-}
-
-void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats) {
-    *stats = simulator->stats;
-    tides_renderer_stats(simulator->renderer, &stats->render);
-    stats->render.pixels_nonfinite += simulator->sensor.counts.nonfinite;
-    const tides_render_stats *render = &stats->render;
-    stats->events_on = simulator->sensor.counts.events_on;
-    stats->events_off = simulator->sensor.counts.events_off;
-    stats->events = stats->events_on + stats->events_off;
-    stats->events_uncertain = simulator->timing.uncertain;
-    stats->events_truncated = simulator->sensor.counts.truncated;
-    stats->events_caught_up = simulator->sensor.counts.caught_up;
-    stats->renders_full_frame_equivalent = (double)render->tile_jobs / simulator->tiles;
-    stats->simulated_s = simulator->started ? td_grid_time(simulator, simulator->step) : 0;
-    stats->real_time_factor = stats->run_time_s > 0 ? stats->simulated_s / stats->run_time_s : 0;
-    double known = render->time_build_s + render->time_motion_s + render->time_sweep_s + render->time_project_s +
-                   render->time_sort_s + render->time_composite_s + render->time_transfer_s + stats->time_compare_s +
-                   stats->time_sink_s;
-    stats->time_other_s = stats->run_time_s - known;
-    stats->error_p50_s = td_timing_percentile(&simulator->timing, 0.50);
-    stats->error_p95_s = td_timing_percentile(&simulator->timing, 0.95);
-    stats->error_p99_s = td_timing_percentile(&simulator->timing, 0.99);
-    stats->peak_memory_bytes = td_peak_memory();
-    for (int c = 0; c < TIDES_CAUSES; c++) stats->events_by_cause[c] = simulator->sensor.counts.cause[c];
-    stats->events_suppressed = simulator->sensor.counts.suppressed;
-    stats->events_refractory = simulator->sensor.counts.refractory;
-    stats->events_written = stats->events;
-    if (simulator->scan.arbiter) {
-        tides_readout_stats readout;
-        tides_arbiter_stats(simulator->scan.arbiter, &readout);
-        stats->events_written = readout.out - td_release_held(&simulator->scan.arbiter->out);
-        stats->events_dropped = readout.dropped + readout.overflowed;
-        stats->events_overflowed = readout.overflowed;
-        stats->events_delayed = readout.delayed;
-        stats->worst_delay_s = readout.worst_delay_s;
-    }
-    if (simulator->started) stats->worst_residual = td_worst_residual(simulator);
 }
 
 void tides_simulator_state(const tides_simulator *simulator, double *signal, double *reference, uint32_t *count_on,

@@ -5,6 +5,7 @@
 #include "render/td_render.h"
 #include "sensor/td_estimate.h"
 #include "td_comparator.h"
+#include "td_state.h"
 #include "td_grid.h"
 #include "td_refine.h"
 #include "td_scan.h"
@@ -21,6 +22,8 @@ typedef struct td_sample {
 
 struct tides_simulator {
     tides_renderer *renderer;
+    const tides_device *device; /* the caller's, as are scene and camera */
+    const tides_scene *scene;
     const tides_trajectory *camera;
     td_comparator comparator;
     td_sensor sensor;
@@ -44,7 +47,7 @@ struct tides_simulator {
     int64_t steps;     /* of the whole run */
     int64_t step;      /* steps taken */
     int started;       /* the first sample is there */
-    int width, tiles;
+    int width, height, tiles;
     td_tile *tile;          /* (tiles) */
     size_t *first_pixel;    /* (tiles + 1): where a tile's pixels begin in the arrays below */
     td_pixels pixels;       /* the sensor's */
@@ -57,11 +60,9 @@ struct tides_simulator {
     td_event_buffer events; /* of the packet */
     tides_event *scratch;   /* for sorting */
     size_t scratch_capacity;
-    tides_stats stats; /* times and steps; the rest is put together when asked for */
+    tides_stats stats;  /* times and steps; the rest is put together when asked for (statistics.c) */
+    tides_stats before; /* what was counted in the parts of the run before a restore */
 };
-
-/* 1 where the device computes in double precision (checkpoint_facts.c). */
-int td_is_double(const tides_device *device);
 
 /* A step is over: what was to come is now, and the sample before it is free. */
 static inline void td_turn_samples(tides_simulator *simulator) {
@@ -133,6 +134,15 @@ tides_status td_scan_step(tides_simulator *simulator, tides_error *error);
 
 /* What a pixel's comparator sees at the time reached: S with its leak's ramp. */
 double td_signal_now(const tides_simulator *simulator, size_t pixel);
+
+/* Adds the arrays that a checkpoint holds; then, with these and the sensor's as they were at grid point `step`, makes the
+ * simulator go on from there. `before` is what had been counted (state.c). */
+void td_simulator_state(tides_simulator *simulator, td_state *state);
+void td_simulator_resume(tides_simulator *simulator, int64_t step, const tides_stats *before);
+
+/* One of the statistics as a number, and set to it (counts and reals). */
+double td_stat_value(const tides_stats *stats, const tides_stat *row);
+void td_stat_set(tides_stats *stats, const tides_stat *row, double value);
 
 /* tides_stats.worst_residual. */
 double td_worst_residual(const tides_simulator *simulator);

@@ -85,6 +85,12 @@ TIDES_STEPPING_ERROR = 2
 TIDES_STEPPING_ERROR_RISK = 3
 TIDES_SLOPE_EXACT = 0
 TIDES_SLOPE_DIFFERENCE = 1
+TIDES_STAT_COUNT = 0
+TIDES_STAT_REAL = 1
+TIDES_STAT_WHOLE = 2
+TIDES_JOIN_DERIVED = 0
+TIDES_JOIN_SUM = 1
+TIDES_JOIN_LARGEST = 2
 TIDES_TRANSFER_LINEAR = 0
 TIDES_TRANSFER_SRGB = 1
 TIDES_TIME_AUTO = 0
@@ -140,9 +146,6 @@ TIDES_PARAM_CHOICE = 4
 TIDES_PARAM_VECTOR3 = 5
 TIDES_PARAM_OBJECTS = 6
 TIDES_PARAM_VECTOR2 = 7
-TIDES_STAT_COUNT = 0
-TIDES_STAT_REAL = 1
-TIDES_STAT_WHOLE = 2
 TIDES_IDEAL_THRESHOLDS = 1
 TIDES_IDEAL_PIXEL = 2
 
@@ -1578,6 +1581,29 @@ class tides_stats(Structure):
     ]
 
 
+class tides_stat(Structure):
+    """const char *name; /* "events_on" */
+    const char *unit; /* "s", or "" */
+    int32_t type; /* TIDES_STAT_* */
+    int32_t joined; /* TIDES_JOIN_* */
+    size_t offset; /* in tides_stats */
+    """
+
+    name: bytes | None
+    unit: bytes | None
+    type: int
+    joined: int
+    offset: int
+
+    _fields_ = [
+        ("name", c_char_p),
+        ("unit", c_char_p),
+        ("type", c_int32),
+        ("joined", c_int32),
+        ("offset", c_size_t),
+    ]
+
+
 tides_event_sink = CFUNCTYPE(c_int, c_void_p, P(tides_event), c_size_t)
 
 
@@ -2191,29 +2217,6 @@ class tides_param(Structure):
         ("choices", c_char_p),
         ("sentence", c_char_p),
         ("available", c_int32),
-    ]
-
-
-class tides_stat(Structure):
-    """const char *name; /* "events_on" */
-    const char *unit; /* "s", or "" */
-    int32_t type; /* TIDES_STAT_* */
-    int32_t reserved;
-    size_t offset; /* in tides_stats */
-    """
-
-    name: bytes | None
-    unit: bytes | None
-    type: int
-    reserved: int
-    offset: int
-
-    _fields_ = [
-        ("name", c_char_p),
-        ("unit", c_char_p),
-        ("type", c_int32),
-        ("reserved", c_int32),
-        ("offset", c_size_t),
     ]
 
 
@@ -2994,9 +2997,9 @@ STRUCTS = (
     tides_generate_options, tides_world, tides_circuit, tides_sensor, tides_smoothing, tides_image_params, tides_frame,
     tides_render_stats, tides_event, tides_event_file, tides_event_format, tides_event_facts, tides_event_summary,
     tides_event_conversion, tides_event_conversion_report, tides_readout, tides_readout_stats, tides_risk,
-    tides_stepping, tides_stats, tides_frames_options, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs,
+    tides_stepping, tides_stats, tides_stat, tides_frames_options, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs,
     tides_ldati_params, tides_baseline_params, tides_frame_supply, tides_channel, tides_match, tides_metrics_options,
     tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_param,
-    tides_stat, tides_run_values, tides_run_input, tides_fingerprint, tides_session_facts, tides_recording,
-    tides_recorded, tides_exact_options, tides_exact,
+    tides_run_values, tides_run_input, tides_fingerprint, tides_session_facts, tides_recording, tides_recorded,
+    tides_exact_options, tides_exact,
 )

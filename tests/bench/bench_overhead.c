@@ -2,6 +2,7 @@
  *   bench_overhead [SCENE] [DEVICE]
  * Without SCENE: 20 000 random Gaussians that fill the view. At 346x260, seen from an orbit. Full frames and levels take turns;
  * the best of each is what the machine can do, the median what it did; compare numbers of one run only. */
+#include "render/td_renderer.h"
 #include "solver/td_simulator.h"
 #include "tests/support/random_scene.h"
 #include "td_sort.h"
@@ -30,7 +31,9 @@ static double level_seconds(tides_simulator *s, const int *tiles, int count, dou
         requests[i].tile = tiles[i];
         requests[i].slot = 0;
     }
-    stop_on(td_renderer_tiles(s->renderer, s->camera, &time, 1, requests, count, TD_OUT_SIGNAL, planes, &error), &error);
+    stop_on(td_renderer_tiles(s->renderer, s->camera,
+                              &(td_tile_batch){&time, 1, TD_SIDE_BEGINS, requests, count, TD_OUT_SIGNAL}, planes, &error),
+            &error);
     for (int i = 0; i < count; i++) {
         const td_tile *tile = &s->tile[tiles[i]];
         size_t at = s->first_pixel[tiles[i]];

@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "render/td_render.h"
+#include "render/td_renderer.h"
 #include "td_device.h"
 #include "tests/support/random_motion.h"
 #include "tests/support/scene_folder.h"

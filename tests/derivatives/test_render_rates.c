@@ -17,7 +17,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "render/td_render.h"
+#include "render/td_renderer.h"
 
 #include "tests/support/random_scene.h"
 #include "tests/support/render_frame.h"

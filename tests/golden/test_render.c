@@ -18,7 +18,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "render/td_render.h"
+#include "render/td_renderer.h"
 
 #include "tests/support/golden_render.h"
 #include "tests/support/golden_folder.h"

@@ -3,7 +3,7 @@
 #ifndef TESTS_KERNELS_BACKEND_PAIR_H
 #define TESTS_KERNELS_BACKEND_PAIR_H
 
-#include "render/td_render.h"
+#include "render/td_renderer.h"
 #include "td_device.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/scene_folder.h"

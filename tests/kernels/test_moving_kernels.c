@@ -41,7 +41,10 @@ static double *render_tiles(tides_renderer *renderer, const tides_trajectory *pa
     assert_true(planes && requests);
     render_times(times);
     for (int i = 0; i < SLOTS * tiles; i++) requests[i].tile = i % tiles, requests[i].slot = i / tiles;
-    scene_expect_ok(td_renderer_tiles(renderer, path, times, SLOTS, requests, SLOTS * tiles, OUTPUTS, planes, &error), &error);
+    scene_expect_ok(td_renderer_tiles(renderer, path,
+                                      &(td_tile_batch){times, SLOTS, TD_SIDE_BEGINS, requests, SLOTS * tiles, OUTPUTS}, planes,
+                                      &error),
+                    &error);
     free(requests);
     return planes;
 }
@@ -158,9 +161,10 @@ static double *at_knot(tides_device *device, const moving_scene *s, double from,
     assert_true(planes && requests);
     for (int i = 0; i < tiles; i++) requests[i].tile = i;
     if (!keeps) renderer->dynamic.cached_rows = 0;
-    renderer->side = side;
     scene_expect_ok(td_renderer_sweep(renderer, s->base.path, from, to, &error), &error);
-    scene_expect_ok(td_renderer_tiles(renderer, s->base.path, &knot, 1, requests, tiles, OUTPUTS, planes, &error), &error);
+    scene_expect_ok(td_renderer_tiles(renderer, s->base.path, &(td_tile_batch){&knot, 1, side, requests, tiles, OUTPUTS},
+                                      planes, &error),
+                    &error);
     free(requests);
     tides_renderer_destroy(renderer);
     return planes;

@@ -2,7 +2,7 @@
 #ifndef TESTS_PROPERTY_RENDERER_OF_H
 #define TESTS_PROPERTY_RENDERER_OF_H
 
-#include "render/td_render.h"
+#include "render/td_renderer.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/scene_folder.h"
 

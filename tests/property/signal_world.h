@@ -55,7 +55,7 @@ static inline tides_status render_signals(td_backend *backend, const td_batch *b
                 tile[TD_OUT_L_DOT * TD_TILE_PIXELS + at] = S_dot;
                 if (batch->outputs > TD_OUT_SIGNAL) tile[TD_OUT_ALPHA * TD_TILE_PIXELS + at] = 1;
             }
-        if (batch->kept) batch->kept[tile_job->out] = 0;
+        if (batch->in_order) batch->in_order[tile_job->out] = 0;
     }
     backend->stats.tile_jobs += (uint64_t)batch->job_count;
     return TIDES_OK;

@@ -2,6 +2,7 @@
 #ifndef TESTS_PROPERTY_SIMULATOR_RUN_H
 #define TESTS_PROPERTY_SIMULATOR_RUN_H
 
+#include "render/td_renderer.h"
 #include "solver/td_simulator.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/scene_folder.h"

@@ -26,7 +26,10 @@ static double *render_tiles(tides_renderer *renderer, const tides_trajectory *pa
     tides_error error;
     assert_true(planes && requests);
     for (int i = 0; i < slots * tiles; i++) requests[i].tile = i % tiles, requests[i].slot = i / tiles;
-    scene_expect_ok(td_renderer_tiles(renderer, path, times, slots, requests, slots * tiles, OUTPUTS, planes, &error), &error);
+    scene_expect_ok(td_renderer_tiles(renderer, path,
+                                      &(td_tile_batch){times, slots, TD_SIDE_BEGINS, requests, slots * tiles, OUTPUTS}, planes,
+                                      &error),
+                    &error);
     free(requests);
     return planes;
 }
@@ -215,7 +218,9 @@ static void check_batches(const char *spec) {
             td_request request = {i % tiles, 0};
             double tile[OUTPUTS * TD_TILE_PIXELS];
             tides_error error;
-            scene_expect_ok(td_renderer_tiles(renderer, s.path, &times[i / tiles], 1, &request, 1, OUTPUTS, tile, &error),
+            scene_expect_ok(td_renderer_tiles(renderer, s.path,
+                                              &(td_tile_batch){&times[i / tiles], 1, TD_SIDE_BEGINS, &request, 1, OUTPUTS},
+                                              tile, &error),
                             &error);
             assert_memory_equal(tile, all + (size_t)i * OUTPUTS * TD_TILE_PIXELS, sizeof tile);
         }

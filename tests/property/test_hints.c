@@ -31,7 +31,9 @@ static double *render(tides_renderer *r, const tides_trajectory *path, const dou
     double *planes = calloc(*reals, sizeof *planes);
     assert_true(requests && planes);
     for (int i = 0; i < count; i++) requests[i] = (td_request){i % tiles, i / tiles};
-    scene_expect_ok(td_renderer_tiles(r, path, times, slots, requests, count, TD_OUT_COLOUR, planes, &error), &error);
+    scene_expect_ok(td_renderer_tiles(r, path, &(td_tile_batch){times, slots, TD_SIDE_BEGINS, requests, count, TD_OUT_COLOUR},
+                                      planes, &error),
+                    &error);
     free(requests);
     return planes;
 }

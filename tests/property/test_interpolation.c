@@ -8,6 +8,7 @@
 
 #include "tests/property/renderer_of.h"
 
+#include "render/td_renderer.h"
 #include "solver/td_simulator.h"
 #include "td_device.h"
 #include "tests/support/moving_scene.h"
@@ -84,7 +85,9 @@ static double *render_between(tides_renderer *renderer, const tides_trajectory *
     for (int i = 0; i < SLOTS; i++) times[i] = start + (stop - start) * (i + 1) / (SLOTS + 1);
     for (int i = 0; i < SLOTS * tiles; i++) requests[i].tile = i % tiles, requests[i].slot = i / tiles;
     scene_expect_ok(td_renderer_sweep(renderer, path, start, stop, &error), &error);
-    scene_expect_ok(td_renderer_tiles(renderer, path, times, SLOTS, requests, SLOTS * tiles, TD_OUT_SIGNAL, planes, &error),
+    scene_expect_ok(td_renderer_tiles(renderer, path,
+                                      &(td_tile_batch){times, SLOTS, TD_SIDE_BEGINS, requests, SLOTS * tiles, TD_OUT_SIGNAL},
+                                      planes, &error),
                     &error);
     free(requests);
     return planes;

@@ -15,7 +15,7 @@
 #include <cmocka.h>
 
 #include "motion/td_activate.h"
-#include "render/td_render.h"
+#include "render/td_renderer.h"
 #include "td_random.h"
 
 #include "tests/support/golden_render.h"

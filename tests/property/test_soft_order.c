@@ -10,7 +10,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "render/td_render.h"
+#include "render/td_renderer.h"
 
 #include "kernels/soft_order.h"
 #include "tests/support/render_frame.h"

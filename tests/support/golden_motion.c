@@ -2,7 +2,7 @@
 #include "tests/support/golden_motion.h"
 
 #include "motion/td_activate.h"
-#include "render/td_render.h"
+#include "render/td_renderer.h"
 
 #include <stdarg.h>
 #include <stddef.h>

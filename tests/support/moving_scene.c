@@ -9,7 +9,7 @@
 
 #include "motion/td_activate.h"
 #include "motion/td_motion.h"
-#include "render/td_render.h"
+#include "render/td_renderer.h"
 #include "tests/support/scene_folder.h"
 
 #include <math.h>

@@ -6,7 +6,7 @@
 #include <cmocka.h>
 
 #include "motion/td_activate.h"
-#include "render/td_render.h"
+#include "render/td_renderer.h"
 
 #include "tests/support/random_scene.h"
 #include "tests/support/scene_folder.h"

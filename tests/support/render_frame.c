@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "render/td_render.h"
+#include "render/td_renderer.h"
 
 #include "tests/support/render_frame.h"
 #include "tests/support/scene_folder.h"

@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "solver/td_checkpoint.h"
+#include "checkpoint/td_checkpoint.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/scene_folder.h"
 

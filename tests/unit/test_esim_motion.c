@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "render/td_render.h"
+#include "render/td_renderer.h"
 #include "tests/support/scene_folder.h"
 #include "tides/baselines.h"
 

@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "render/td_render.h"
+#include "render/td_renderer.h"
 #include "td_kernel_source.h"
 #include "tides/run.h"
 #include "tides/simulate.h"

@@ -8,7 +8,7 @@
 #include "render/dynamic/td_stray.h"
 
 #include "camera/td_trajectory.h"
-#include "render/td_render.h"
+#include "render/td_renderer.h"
 #include "td_sort.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
  * than that, a bell of opacity within it, a fast sine. Each is swept in as many pieces as its own scale asks for. For the
  * renderer's sweep, after sweep_rows.c; the scales are what models declare (motion/td_time_scale.h). */
 #include "motion/td_motion.h"
-#include "render/td_render.h"
+#include "render/td_renderer.h"
 
 #include <math.h>
 #include <stdlib.h>

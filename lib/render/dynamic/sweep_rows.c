@@ -90,10 +90,9 @@ static tides_status sweep_chunk(td_dynamic *dynamic, td_backend *backend, const 
 }
 
 tides_status td_dynamic_sweep_rows(td_dynamic *dynamic, td_backend *backend, const double *views, const double *strays,
-                                   double start, double stop, int side, int row_limit, float *boxes, float *travel,
-                                   tides_error *error) {
+                                   double start, double stop, int row_limit, float *boxes, float *travel, tides_error *error) {
     const double time[3] = {start, start + 0.5 * (stop - start), stop}; /* as steps are halved: its rows are found again */
-    const int instant = !(start < stop), sides[3] = {instant ? side : 1, instant ? side : 1, instant ? side : -1};
+    const int instant = !(start < stop), sides[3] = {1, 1, instant ? 1 : -1};
     const td_row_cache *cached[3] = {&dynamic->cached[0], &dynamic->cached[1], &dynamic->cached[2]};
     int chunk = row_limit / 3 / TD_PAD * TD_PAD;
     tides_status status = TIDES_OK;

@@ -150,9 +150,8 @@ void td_cubic_weights(double start, double stop, double time, double weights[TD_
 /* -- sweeps (sweep_rows.c) -- */
 
 /* Boxes and travel of all that moves over [start, stop], as td_backend_class.sweep gives them. At an instant, start = stop,
- * rates are those of `side`. */
+ * rates are those of what begins there. */
 tides_status td_dynamic_sweep_rows(td_dynamic *dynamic, td_backend *backend, const double *views, const double *strays,
-                                   double start, double stop, int side, int row_limit, float *boxes, float *travel,
-                                   tides_error *error);
+                                   double start, double stop, int row_limit, float *boxes, float *travel, tides_error *error);
 
 #endif

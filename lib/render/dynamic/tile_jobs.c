@@ -3,7 +3,7 @@
  *
  * Jobs are taken slot by slot. A slot's jobs need the union of the moving candidates of their tiles, at the slot's time:
  * each is worked out once. A launch is full when its records or its rows reach their limit. */
-#include "render/td_render.h"
+#include "render/td_renderer.h"
 
 #include <stdlib.h>
 
@@ -107,8 +107,8 @@ typedef struct launch_plan {
 } launch_plan;
 
 /* As many of the following slot's jobs as there is room for; 0 in `*more` where the launch is full. */
-static tides_status take_slot(tides_renderer *r, const double *times, td_job *jobs, int count, launch_plan *launch, int *more,
-                              tides_error *error) {
+static tides_status take_slot(tides_renderer *r, const td_tile_batch *wanted, td_job *jobs, int count, launch_plan *launch,
+                              int *more, tides_error *error) {
     td_dynamic *dynamic = &r->dynamic;
     const int *candidates = r->candidates.list;
     int first = launch->to, slot = jobs[first].slot, asked = 0, padding = 2 * TD_PAD * dynamic->objects;
@@ -123,7 +123,7 @@ static tides_status take_slot(tides_renderer *r, const double *times, td_job *jo
         launch->records += job->count;
     }
     *more = launch->to > first && launch->to < count && jobs[launch->to].slot != slot;
-    tides_status status = assign_rows(dynamic, times[slot], r->side, asked, error);
+    tides_status status = assign_rows(dynamic, wanted->times[slot], wanted->side, asked, error);
     if (status == TIDES_OK)
         status =
             td_reserve((void **)&dynamic->list, &dynamic->list_capacity, (size_t)launch->records, sizeof *dynamic->list, error);
@@ -154,7 +154,7 @@ static tides_status run_launch(tides_renderer *r, td_batch *batch, td_job *jobs,
     return r->backend->type->render(r->backend, batch, planes, error);
 }
 
-tides_status td_dynamic_run_jobs(tides_renderer *r, td_batch *batch, const double *times, td_job *jobs, int count,
+tides_status td_dynamic_run_jobs(tides_renderer *r, td_batch *batch, const td_tile_batch *asked, td_job *jobs, int count,
                                  double *planes, tides_error *error) {
     tides_status status = TIDES_OK;
     qsort(jobs, (size_t)count, sizeof *jobs, by_slot);
@@ -162,7 +162,7 @@ tides_status td_dynamic_run_jobs(tides_renderer *r, td_batch *batch, const doubl
         int more = 1;
         launch.records = launch.rows = 0;
         td_rows_begin(&r->dynamic, r->store.count + r->dynamic.cached_rows);
-        while (more && status == TIDES_OK) status = take_slot(r, times, jobs, count, &launch, &more, error);
+        while (more && status == TIDES_OK) status = take_slot(r, asked, jobs, count, &launch, &more, error);
         if (status == TIDES_OK) status = run_launch(r, batch, jobs + launch.from, &launch, planes, error);
     }
     return status;

@@ -1,27 +1,27 @@
 /* Saving a simulator and restoring it: a run cut between two steps goes on as if it had never stopped, to the bit.
  *
  * The state at the end of a step is what the next one begins with: S and S_dot there, and per pixel where it began and how
- * often it has fired; the reference follows from these (td_reference). Layout of the file, HDF5, version 4 (1 lacked the
- * totals of motion; in 2 `time` was absolute; 3 lacked those of probes):
+ * often it has fired; the reference follows from these (td_reference). Layout of the file, HDF5, version 5 (1 lacked the totals
+ * of motion; in 2 `time` was absolute; 3 lacked those of probes; 4 named some totals otherwise):
  *
  *     /                    attributes  format           text    "tides-checkpoint"
- *                                      version          int     4
+ *                                      version          int     5
  *                                      tides_version    text    of the writer; for people
  *                                      run              text    the run file as JSON, or ""
  *                                      step             double  number of the grid point reached (td_grid.h)
  *                                      time             double  [s after the start] where that is
  *     /run_is              attributes  one per fact of td_facts_gather: a double, or 16 hexadecimal digits; its key says what
- *     /statistics          attributes  one double each: totals so far, named as in tides_stats
+ *     /statistics          attributes  one double each: totals so far, those rows of tides_stats_table that add up
  *     /signal, /signal_dot double (height x width)  S [log units], S_dot [log units/s]
  *     /initial             double (height x width)  S_init [log units]
  *     /count_on, /count_off  u4   (height x width)  n_on, n_off
  *     /tile_risk           double (tiles)           risk of each 16x16 tile, in reading order
- *     /held_until ...      double, u4 (height x width)  state of the sensor's blocks that are on (checkpoint_optional.c)
- *     /readout             i8                       the arbiter's, where the run has one (checkpoint_readout.c)
+ *     /held_until ...      double, u4 (height x width)  state of the sensor's blocks that are on (td_sensor_state)
+ *     /readout             i8                       the arbiter's, where the run has one (readout.c)
  *     /timing_errors       double (512)             weights of td_timing, not of a pixel
  *
- * Images are in image order, so that other tiles can take them up (but for the risk). All datasets are shuffled and
- * deflated. Behind the HDF5 file comes the seal (checkpoint_file.c). */
+ * The arrays are the rows of td_simulator_state and td_sensor_state. Images are in image order, so that other tiles can take
+ * them up (but for the risk). All datasets are shuffled and deflated. Behind the HDF5 file comes the seal (file.c). */
 #include "td_checkpoint.h"
 
 #include <inttypes.h>
@@ -80,8 +80,9 @@ static tides_status write_root(const td_place *root, const tides_simulator *s, c
 }
 
 static tides_status write_all(const td_place *root, const tides_simulator *s, const char *run, const td_fact *facts,
-                              td_planes *planes) {
+                              const td_saved *saved) {
     td_place group;
+    tides_stats totals;
     tides_status status = write_root(root, s, run);
     if (status == TIDES_OK) status = td_place_create(root, "run_is", &group);
     if (status != TIDES_OK) return status;
@@ -89,17 +90,18 @@ static tides_status write_all(const td_place *root, const tides_simulator *s, co
     H5Gclose(group.id);
     if (status == TIDES_OK) status = td_place_create(root, "statistics", &group);
     if (status != TIDES_OK) return status;
-    status = td_totals_write(s, &group);
+    tides_simulator_stats(s, &totals);
+    status = td_totals_write(&totals, &group);
     H5Gclose(group.id);
     if (status == TIDES_OK) status = td_readout_write(s, root);
-    return status == TIDES_OK ? td_planes_write(planes, s, root) : status;
+    return status == TIDES_OK ? td_saved_write(saved, s, root) : status;
 }
 
-static tides_status save(const tides_simulator *s, const char *run, const char *path, const td_fact *facts, td_planes *planes,
-                         tides_error *error) {
+static tides_status save(const tides_simulator *s, const char *run, const char *path, const td_fact *facts,
+                         const td_saved *saved, tides_error *error) {
     td_place root = {.id = td_checkpoint_image_create(), .file = path, .where = "/", .error = error};
     if (root.id < 0) return td_fail(error, TIDES_NO_MEMORY, "%s: a file in memory can't be made", path);
-    tides_status status = write_all(&root, s, run, facts, planes);
+    tides_status status = write_all(&root, s, run, facts, saved);
     if (status == TIDES_OK) status = td_checkpoint_image_write(root.id, path, error);
     H5Fclose(root.id);
     return status;
@@ -114,14 +116,14 @@ tides_status tides_simulator_save(const tides_simulator *simulator, const char *
     if (!simulator->started)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: the run hasn't begun: call tides_simulator_run first", path);
     td_fact facts[TD_FACTS];
-    td_planes planes;
+    td_saved saved;
     tides_status status = td_facts_gather(simulator, facts, error);
-    if (status == TIDES_OK) status = td_planes_create(&planes, simulator, error);
+    if (status == TIDES_OK) status = td_saved_create(&saved, simulator, error);
     if (status != TIDES_OK) return status;
-    td_planes_take(&planes, simulator);
-    H5E_BEGIN_TRY { status = save(simulator, run, path, facts, &planes, error); }
+    td_saved_take(&saved, simulator);
+    H5E_BEGIN_TRY { status = save(simulator, run, path, facts, &saved, error); }
     H5E_END_TRY
-    td_planes_free(&planes);
+    td_saved_free(&saved);
     return status;
 }
 
@@ -130,8 +132,8 @@ tides_status tides_simulator_save(const tides_simulator *simulator, const char *
 /* All that a checkpoint says. */
 typedef struct contents {
     int64_t step;
-    double totals[TD_TOTALS];
-    td_planes planes;
+    tides_stats totals;
+    td_saved saved;
     tides_arbiter *arbiter; /* NULL without a readout */
 } contents;
 
@@ -194,10 +196,10 @@ static tides_status read_all(const td_place *root, const tides_simulator *s, con
     if (status == TIDES_OK) status = read_step(root, s, &got->step);
     if (status == TIDES_OK) status = td_place_open(root, "statistics", &group);
     if (status != TIDES_OK) return status;
-    status = td_totals_read(&group, got->totals);
+    status = td_totals_read(&group, &got->totals);
     H5Gclose(group.id);
     if (status == TIDES_OK) status = td_readout_read(s, root, &got->arbiter);
-    return status == TIDES_OK ? td_planes_read(&got->planes, s, root) : status;
+    return status == TIDES_OK ? td_saved_read(&got->saved, s, root) : status;
 }
 
 static tides_status read_file(const tides_simulator *s, const char *run, const char *path, const td_fact *facts, contents *got,
@@ -218,20 +220,18 @@ tides_status tides_simulator_restore(tides_simulator *simulator, const char *run
     td_fact facts[TD_FACTS];
     contents got = {.arbiter = NULL};
     tides_status status = td_facts_gather(simulator, facts, error);
-    if (status == TIDES_OK) status = td_planes_create(&got.planes, simulator, error);
+    if (status == TIDES_OK) status = td_saved_create(&got.saved, simulator, error);
     if (status != TIDES_OK) return status;
     H5E_BEGIN_TRY { status = read_file(simulator, run, path, facts, &got, error); }
     H5E_END_TRY
     if (status == TIDES_OK) {
-        td_planes_give(&got.planes, simulator);
-        td_totals_add(simulator, got.totals);
-        simulator->step = got.step;
-        simulator->started = 1;
+        td_saved_give(&got.saved, simulator);
+        td_simulator_resume(simulator, got.step, &got.totals);
         tides_arbiter *own = simulator->scan.arbiter; /* both NULL, or both not */
         simulator->scan.arbiter = got.arbiter;
         got.arbiter = own;
     }
     tides_arbiter_destroy(got.arbiter);
-    td_planes_free(&got.planes);
+    td_saved_free(&got.saved);
     return status;
 }

@@ -3,6 +3,7 @@
  * in the same precision. */
 #include "motion/td_motion.h"
 #include "td_checkpoint.h"
+#include "td_device.h"
 
 #include <cjson/cJSON.h>
 #include <stdlib.h>
@@ -72,34 +73,23 @@ static tides_status add_scene(uint64_t *sum, const tides_scene *scene, tides_err
 
 /* Image formation as the renderer resolved it, intrinsics, background and blur included. */
 static uint64_t image_checksum(const tides_renderer *renderer) {
-    td_image_numbers numbers = td_image_pack(&renderer->image);
-    uint64_t sum = td_checksum(0, numbers.real, sizeof numbers.real);
-    sum = td_checksum(sum, numbers.whole, sizeof numbers.whole);
-    if (renderer->psf.radius) {
-        const double psf[] = {renderer->psf.sigma, renderer->psf.domain};
-        sum = td_checksum(sum, psf, sizeof psf);
-    }
-    return td_checksum(sum, renderer->backdrops[0].colour, sizeof renderer->backdrops[0].colour);
+    double facts[TD_IMAGE_FACTS];
+    td_renderer_image_facts(renderer, facts);
+    return td_checksum(0, facts, sizeof facts);
 }
 
 /* -- the facts -- */
 
-int td_is_double(const tides_device *device) {
-    tides_device_info info;
-    tides_device_describe(device, &info);
-    return info.kind == TIDES_DEVICE_REFERENCE && strcmp(info.name, "reference") == 0;
-}
-
 tides_status td_facts_gather(const tides_simulator *s, td_fact facts[TD_FACTS], tides_error *error) {
     uint64_t scene = 0, path = 0;
-    tides_status status = add_scene(&scene, s->renderer->scene, error);
+    tides_status status = add_scene(&scene, s->scene, error);
     if (status == TIDES_OK) status = add_trajectory(&path, s->camera, error);
     if (status != TIDES_OK) return status;
     const td_fact gathered[TD_FACTS] = {
         {"numerics of the library", 0, TIDES_NUMERICS, 0},
-        {"precision of the device in bits", 0, td_is_double(s->renderer->device) ? 64 : 32, 0},
-        {"camera.width", 0, s->renderer->image.width, 0},
-        {"camera.height", 0, s->renderer->image.height, 0},
+        {"precision of the device in bits", 0, td_device_is_double(s->device) ? 64 : 32, 0},
+        {"camera.width", 0, s->width, 0},
+        {"camera.height", 0, s->height, 0},
         {"sensor.threshold_on", 0, s->comparator.threshold_on, 0},
         {"sensor.threshold_off", 0, s->comparator.threshold_off, 0},
         {"sensor.max_events_per_step", 0, s->comparator.max_events_per_step, 0},

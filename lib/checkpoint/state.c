@@ -1,0 +1,142 @@
+/* A checkpoint's arrays: the tables of state that the run's parts give (td_state.h), each row a dataset. Values pass through
+ * copies in the file's order, so that a file that turns out bad leaves the simulator as it was. What a row means is its
+ * part's business. */
+#include "td_checkpoint.h"
+
+#include <stdlib.h>
+
+/* -- copies ---------------------------------------------------------------------------------------------------------------- */
+
+static size_t size_of(const td_state_row *row) { return row->type == TD_STATE_COUNT ? sizeof(uint32_t) : sizeof(double); }
+
+void td_saved_free(td_saved *saved) {
+    for (int i = 0; i < saved->state.rows; i++) free(saved->copy[i]);
+}
+
+tides_status td_saved_create(td_saved *saved, const tides_simulator *simulator, tides_error *error) {
+    tides_simulator *s = (tides_simulator *)(uintptr_t)simulator; /* tables serve both ways; only td_saved_give writes */
+    memset(saved, 0, sizeof *saved);
+    td_simulator_state(s, &saved->state);
+    td_sensor_state(&s->sensor, &saved->state);
+    if (saved->state.lost)
+        return td_fail(error, TIDES_UNSUPPORTED, "the run's state has %d arrays more than a checkpoint takes (TD_STATE_ROWS)",
+                       saved->state.lost);
+    for (int i = 0; i < saved->state.rows; i++) {
+        const td_state_row *row = &saved->state.row[i];
+        if ((saved->copy[i] = td_alloc(row->count, size_of(row), error))) continue;
+        td_saved_free(saved);
+        return TIDES_NO_MEMORY;
+    }
+    return TIDES_OK;
+}
+
+/* Copies a row between the simulator, in the tiles' order, and its copy, in the image's. */
+static void copy_pixels(const tides_simulator *s, const td_state_row *row, void *copy, int into_simulator) {
+    const size_t size = size_of(row);
+    for (int t = 0; t < s->tiles; t++) {
+        const td_tile *tile = &s->tile[t];
+        for (int i = 0; i < tile->count; i += tile->width) { /* a row of the tile is one of the image */
+            const size_t out = (size_t)(tile->y0 + i / tile->width) * (size_t)s->width + (size_t)tile->x0;
+            char *own = (char *)row->values + (s->first_pixel[t] + (size_t)i) * size, *other = (char *)copy + out * size;
+            memcpy(into_simulator ? own : other, into_simulator ? other : own, (size_t)tile->width * size);
+        }
+    }
+}
+
+static void exchange(const tides_simulator *s, const td_saved *saved, int into_simulator) {
+    for (int i = 0; i < saved->state.rows; i++) {
+        const td_state_row *row = &saved->state.row[i];
+        if (row->order == TD_STATE_PIXELS)
+            copy_pixels(s, row, saved->copy[i], into_simulator);
+        else
+            memcpy(into_simulator ? row->values : saved->copy[i], into_simulator ? saved->copy[i] : row->values,
+                   row->count * size_of(row));
+    }
+}
+
+void td_saved_take(td_saved *saved, const tides_simulator *s) { exchange(s, saved, 0); }
+
+void td_saved_give(const td_saved *saved, tides_simulator *s) { exchange(s, saved, 1); }
+
+/* -- datasets -------------------------------------------------------------------------------------------------------------- */
+
+/* A dataset of the layout; its memory is of the same type. */
+typedef struct dataset {
+    const char *name;
+    int is_count;      /* u4, else double */
+    hsize_t extent[2]; /* the second 0: one dimension */
+    void *values;
+} dataset;
+
+static dataset dataset_of(const tides_simulator *s, const td_saved *saved, int i) {
+    const td_state_row *row = &saved->state.row[i];
+    dataset d = {row->name, row->type == TD_STATE_COUNT, {row->count, 0}, saved->copy[i]};
+    if (row->order == TD_STATE_PIXELS) d.extent[0] = (hsize_t)s->height, d.extent[1] = (hsize_t)s->width;
+    return d;
+}
+
+static int rank_of(const dataset *d) { return d->extent[1] ? 2 : 1; }
+
+enum { CHUNK_BYTES = 1 << 18 };
+
+/* Some rows at a time: HDF5 filters chunks in its cache. */
+static void chunk_of(const dataset *d, hsize_t chunk[2]) {
+    hsize_t row = d->extent[1] ? d->extent[1] : 1, rows = CHUNK_BYTES / (row * sizeof(double));
+    chunk[0] = rows < 1 ? 1 : rows > d->extent[0] ? d->extent[0] : rows;
+    chunk[1] = d->extent[1];
+}
+
+static tides_status write_dataset(const td_place *root, const dataset *d) {
+    hsize_t chunk[2];
+    chunk_of(d, chunk);
+    hid_t space = H5Screate_simple(rank_of(d), d->extent, NULL), creation = H5Pcreate(H5P_DATASET_CREATE);
+    int ready = space >= 0 && creation >= 0 && H5Pset_chunk(creation, rank_of(d), chunk) >= 0 &&
+                H5Pset_shuffle(creation) >= 0 && H5Pset_deflate(creation, 1) >= 0 && H5Pset_obj_track_times(creation, 0) >= 0;
+    hid_t set = ready ? H5Dcreate2(root->id, d->name, d->is_count ? H5T_STD_U32LE : H5T_IEEE_F64LE, space, H5P_DEFAULT,
+                                   creation, H5P_DEFAULT)
+                      : H5I_INVALID_HID;
+    hid_t memory = d->is_count ? H5T_NATIVE_UINT32 : H5T_NATIVE_DOUBLE;
+    int done = set >= 0 && H5Dwrite(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, d->values) >= 0;
+    if (set >= 0 && H5Dclose(set) < 0) done = 0;
+    if (creation >= 0) H5Pclose(creation);
+    if (space >= 0) H5Sclose(space);
+    if (done) return TIDES_OK;
+    return td_fail(root->error, TIDES_NO_MEMORY, "%s: dataset %s can't be added: out of memory?", root->file, d->name);
+}
+
+static int has_shape(hid_t set, const dataset *d) {
+    hsize_t extent[2] = {0, 0};
+    hid_t space = H5Dget_space(set);
+    int fits = space >= 0 && H5Sget_simple_extent_ndims(space) == rank_of(d) &&
+               H5Sget_simple_extent_dims(space, extent, NULL) == rank_of(d) && extent[0] == d->extent[0] &&
+               extent[1] == d->extent[1];
+    if (space >= 0) H5Sclose(space);
+    return fits;
+}
+
+static tides_status read_dataset(const td_place *root, const dataset *d) {
+    hid_t set = td_place_has(root, d->name) ? H5Dopen2(root->id, d->name, H5P_DEFAULT) : H5I_INVALID_HID;
+    hid_t memory = d->is_count ? H5T_NATIVE_UINT32 : H5T_NATIVE_DOUBLE;
+    int done = set >= 0 && has_shape(set, d) && H5Dread(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, d->values) >= 0;
+    if (set >= 0) H5Dclose(set);
+    if (done) return TIDES_OK;
+    return td_fail(root->error, TIDES_BAD_FILE, "%s: dataset %s is missing, damaged or of another size", root->file, d->name);
+}
+
+tides_status td_saved_write(const td_saved *saved, const tides_simulator *s, const td_place *root) {
+    tides_status status = TIDES_OK;
+    for (int i = 0; i < saved->state.rows && status == TIDES_OK; i++) {
+        const dataset d = dataset_of(s, saved, i);
+        status = write_dataset(root, &d);
+    }
+    return status;
+}
+
+tides_status td_saved_read(td_saved *saved, const tides_simulator *s, const td_place *root) {
+    tides_status status = TIDES_OK;
+    for (int i = 0; i < saved->state.rows && status == TIDES_OK; i++) {
+        const dataset d = dataset_of(s, saved, i);
+        status = read_dataset(root, &d);
+    }
+    return status;
+}

@@ -1,0 +1,84 @@
+/* Whole images: all tiles at one time, put together. One path with tiles of a run, not two. Also what the channels are
+ * called. */
+#include "td_renderer.h"
+
+#include <stdlib.h>
+
+/* Each channel's name, and where it is among a backend's planes: the one table of both, so that they can't part. */
+static const struct channel {
+    const char *name;
+    int plane;
+} channels[TIDES_CHANNELS] = {{"Y", TD_OUT_Y},
+                              {"L", TD_OUT_L},
+                              {"L_dot", TD_OUT_L_DOT},
+                              {"A", TD_OUT_ALPHA},
+                              {"A_dot", TD_OUT_ALPHA_DOT},
+                              {"coverage", TD_OUT_COVERAGE},
+                              {"contributors", TD_OUT_CONTRIBUTORS},
+                              {"R", TD_OUT_R},
+                              {"G", TD_OUT_G},
+                              {"B", TD_OUT_B},
+                              {"R_dot", TD_OUT_R_DOT},
+                              {"G_dot", TD_OUT_G_DOT},
+                              {"B_dot", TD_OUT_B_DOT},
+                              {"Z", TD_OUT_Z},
+                              {"Z_dot", TD_OUT_Z_DOT}};
+
+const char *tides_channel_name(int32_t channel) {
+    return channel >= 0 && channel < TIDES_CHANNELS ? channels[channel].name : NULL;
+}
+
+const char *td_plane_name(int plane) {
+    for (int c = 0; c < TIDES_CHANNELS; c++)
+        if (channels[c].plane == plane) return channels[c].name;
+    return NULL;
+}
+
+/* Copies one plane of every tile to its place in an image. */
+static void assemble(const tides_renderer *renderer, const double *tiles, int plane, int outputs, double *image) {
+    int width = renderer->image.width, height = renderer->image.height, tiles_x = renderer->candidates.tiles_x;
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++) {
+            int tile = y / TD_TILE * tiles_x + x / TD_TILE;
+            image[(size_t)y * width + x] =
+                tiles[((size_t)tile * outputs + plane) * TD_TILE_PIXELS + (size_t)td_tile_pixel(x % TD_TILE, y % TD_TILE)];
+        }
+}
+
+/* The fewest planes that hold every channel asked for; 0 where none is. */
+static int outputs_for(const tides_frame *frame) {
+    int outputs = 0;
+    for (int c = 0; c < TIDES_CHANNELS; c++) {
+        if (!frame->plane[c]) continue;
+        int needed = c == TIDES_L || c == TIDES_L_DOT ? TD_OUT_SIGNAL
+                     : c <= TIDES_CONTRIBUTORS        ? TD_OUT_DIAGNOSTICS
+                                                      : TD_OUT_COLOUR;
+        outputs = needed > outputs ? needed : outputs;
+    }
+    return outputs;
+}
+
+tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time,
+                                  const tides_frame *frame, tides_error *error) {
+    if (!renderer || !camera || !frame)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_renderer_frame: renderer, camera and frame must be given");
+    return td_renderer_frame(renderer, camera, time - renderer->epoch, frame, error);
+}
+
+tides_status td_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time, const tides_frame *frame,
+                               tides_error *error) {
+    int outputs = outputs_for(frame), tiles = renderer->stats.tiles;
+    if (outputs == 0) return TIDES_OK;
+    td_request *requests = td_alloc((size_t)tiles, sizeof *requests, error);
+    const td_tile_batch batch = {&time, 1, TD_SIDE_BEGINS, requests, tiles, outputs};
+    double *planes = td_alloc((size_t)tiles * outputs * TD_TILE_PIXELS, sizeof *planes, error);
+    tides_status status = requests && planes ? TIDES_OK : TIDES_NO_MEMORY;
+    for (int i = 0; i < tiles && status == TIDES_OK; i++) requests[i].tile = i;
+    if (status == TIDES_OK) status = td_renderer_sweep(renderer, camera, time, time, error);
+    if (status == TIDES_OK) status = td_renderer_tiles(renderer, camera, &batch, planes, error);
+    for (int c = 0; c < TIDES_CHANNELS && status == TIDES_OK; c++)
+        if (frame->plane[c]) assemble(renderer, planes, channels[c].plane, outputs, frame->plane[c]);
+    free(planes);
+    free(requests);
+    return status;
+}

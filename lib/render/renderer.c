@@ -1,0 +1,178 @@
+/* The renderer as an object: made from a device, a scene, intrinsics and image parameters; asked for its statistics and for
+ * what the solver needs to know of an interval; freed. What it does is elsewhere: sweep.c lists who may be seen, tiles.c
+ * renders. */
+#include "td_device.h"
+#include "td_renderer.h"
+#include "td_struct.h"
+
+#include <stdlib.h>
+
+enum {
+    RECORD_LIMIT = 1 << 20, /* records per launch: 64 MB of them */
+    ROW_LIMIT = 1 << 20     /* rows of moving Gaussians per launch, and as many kept between launches: 128 MB each */
+};
+
+static tides_status create_backend(tides_renderer *renderer, tides_error *error) {
+    td_image_numbers numbers = td_image_pack(&renderer->image);
+    tides_device_info info;
+    tides_device_describe(renderer->device, &info);
+    if (info.kind != TIDES_DEVICE_REFERENCE)
+        return td_backend_create_opencl(renderer->device, &renderer->store, &numbers, &renderer->backend, error);
+    if (td_device_is_double(renderer->device))
+        return td_backend_create_f64(&renderer->store, &numbers, &renderer->backend, error);
+    return td_backend_create_f32(&renderer->store, &numbers, &renderer->backend, error);
+}
+
+/* The backdrop doesn't change with time in this version: its rates are 0. */
+static void set_backdrop(td_backdrop *backdrop, const tides_image_params *params) {
+    memset(backdrop, 0, sizeof *backdrop);
+    for (int c = 0; c < 3; c++) {
+        backdrop->colour[c] = params->background[c];
+        backdrop->luminance += params->luminance[c] * params->background[c];
+    }
+}
+
+static tides_status check_arguments(const tides_device *device, const tides_scene *scene, const tides_intrinsics *intrinsics,
+                                    const tides_image_params *params, tides_renderer **renderer, tides_error *error) {
+    if (device && scene && intrinsics && params && renderer) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_ARGUMENT,
+                   "tides_renderer_create: device, scene, intrinsics, params and renderer must all be given");
+}
+
+/* Arrays whose sizes the store gives, and where each object begins in it. */
+static tides_status allocate(tides_renderer *renderer, tides_error *error) {
+    size_t count = (size_t)renderer->store.count, objects = (size_t)renderer->store.objects;
+    renderer->boxes = td_alloc(count * 4, sizeof *renderer->boxes, error);
+    renderer->travel = td_alloc(count, sizeof *renderer->travel, error);
+    renderer->object_first = td_alloc(objects + 1, sizeof *renderer->object_first, error);
+    renderer->object_moves = td_alloc(objects, sizeof *renderer->object_moves, error);
+    renderer->backdrops = td_alloc(1, sizeof *renderer->backdrops, error);
+    if (!renderer->boxes || !renderer->travel || !renderer->object_first || !renderer->object_moves || !renderer->backdrops)
+        return TIDES_NO_MEMORY;
+    for (size_t i = count; i-- > 0;) renderer->object_first[renderer->store.object[i]] = (int)i;
+    renderer->object_first[objects] = (int)count;
+    return TIDES_OK;
+}
+
+tides_status tides_renderer_create(tides_device *device, const tides_scene *scene, const tides_intrinsics *intrinsics,
+                                   const tides_image_params *given, tides_progress progress, void *user,
+                                   tides_renderer **renderer, tides_error *error) {
+    tides_image_params own;
+    const tides_image_params *params = &own;
+    tides_image_params_defaults(&own);
+    tides_status status = check_arguments(device, scene, intrinsics, given, renderer, error);
+    if (status == TIDES_OK) status = TD_TAKE_STRUCT(tides_image_params, &own, given, error);
+    if (status != TIDES_OK) return status;
+    tides_renderer *made = td_alloc(1, sizeof *made, error);
+    if (!made) return TIDES_NO_MEMORY;
+    made->device = device;
+    made->scene = scene;
+    made->record_limit = RECORD_LIMIT;
+    made->row_limit = ROW_LIMIT;
+    status = td_image_resolve(params, intrinsics, tides_scene_sh_degree(scene), &made->image, error);
+    if (status == TIDES_OK) status = td_store_create(scene, params->rules == TIDES_RULES_SMOOTH, &made->store, error);
+    if (status == TIDES_OK) status = td_dynamic_create(scene, &made->store, made->row_limit, &made->dynamic, error);
+    if (status == TIDES_OK) status = td_strays_create(&made->store, &made->strays, error);
+    if (status != TIDES_OK) goto done;
+    made->image.objects = made->store.objects;
+    made->image.sh_stride = made->store.sh_stride;
+    td_image_set_decoder(scene, &made->store, &made->image);
+    made->stats.gaussians_total = (uint64_t)made->store.real_count;
+    status = td_candidates_create(intrinsics->width, intrinsics->height, &made->candidates, error);
+    if (status != TIDES_OK) goto done;
+    made->stats.tiles = made->candidates.tiles_x * made->candidates.tiles_y;
+    status = allocate(made, error);
+    if (status != TIDES_OK) goto done;
+    made->backdrop_capacity = 1;
+    set_backdrop(made->backdrops, params);
+    if (progress && progress(user, 0, "building kernels")) {
+        status = td_fail(error, TIDES_CANCELLED, "stopped on request while building kernels");
+        goto done;
+    }
+    status = create_backend(made, error);
+    if (status == TIDES_OK) {
+        *renderer = made;
+        made = NULL;
+    }
+done:
+    tides_renderer_destroy(made);
+    return status;
+}
+
+void tides_renderer_destroy(tides_renderer *renderer) {
+    if (!renderer) return;
+    if (renderer->backend) renderer->backend->type->destroy(renderer->backend);
+    td_candidates_release(&renderer->candidates);
+    td_dynamic_release(&renderer->dynamic);
+    td_strays_release(&renderer->strays);
+    free(renderer->sweep_time);
+    td_psf_release(&renderer->psf);
+    td_store_release(&renderer->store);
+    free(renderer->boxes);
+    free(renderer->travel);
+    free(renderer->object_first);
+    free(renderer->object_moves);
+    free(renderer->views);
+    free(renderer->backdrops);
+    free(renderer->jobs);
+    free(renderer->empty);
+    free(renderer->in_order);
+    free(renderer);
+}
+
+void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *stats) {
+    *stats = renderer->stats;
+    const tides_render_stats *done = &renderer->backend->stats;
+    stats->tile_jobs = done->tile_jobs;
+    stats->gaussians_projected = done->gaussians_projected;
+    stats->gaussians_culled = done->gaussians_culled;
+    stats->pairs_evaluated = done->pairs_evaluated;
+    stats->lists_kept = done->lists_kept;
+    stats->sweeps = done->sweeps;
+    stats->gaussians_moved = done->gaussians_moved;
+    stats->gaussians_interpolated = done->gaussians_interpolated;
+    stats->time_build_s = done->time_build_s;
+    stats->time_motion_s = done->time_motion_s;
+    stats->time_sweep_s += done->time_sweep_s;
+    stats->time_project_s = done->time_project_s;
+    stats->time_sort_s = done->time_sort_s;
+    stats->time_composite_s += done->time_composite_s;
+    stats->time_transfer_s = done->time_transfer_s;
+}
+
+void td_renderer_set_epoch(tides_renderer *renderer, double epoch) {
+    renderer->epoch = epoch;
+    td_dynamic_set_epoch(&renderer->dynamic, epoch);
+}
+
+const double *td_renderer_knots(const tides_renderer *renderer, size_t *count) {
+    *count = renderer->dynamic.knot_count;
+    return renderer->dynamic.knots;
+}
+
+tides_status td_renderer_prepare(tides_renderer *renderer, int outputs, tides_error *error) {
+    return renderer->backend->type->prepare(renderer->backend, outputs, error);
+}
+
+tides_status td_renderer_interpolate(tides_renderer *renderer, double tolerance, double time_tolerance_s, tides_error *error) {
+    return td_dynamic_interpolate(&renderer->dynamic, renderer->backend, tolerance, time_tolerance_s, error);
+}
+
+int td_renderer_tile_moves(const tides_renderer *renderer, int tile) { return renderer->candidates.moving[tile]; }
+
+double td_renderer_tile_travel(const tides_renderer *renderer, int tile) { return renderer->candidates.travel[tile]; }
+
+int td_renderer_tiles_across(const tides_renderer *renderer) { return renderer->candidates.tiles_x; }
+
+typedef char td_image_facts_are_these[TD_IMAGE_FACTS == TD_IMAGE_REALS + TD_IMAGE_INTS + 5 ? 1 : -1];
+
+void td_renderer_image_facts(const tides_renderer *renderer, double facts[TD_IMAGE_FACTS]) {
+    const td_image_numbers image = td_image_pack(&renderer->image);
+    const td_psf *psf = &renderer->psf;
+    int at = 0;
+    for (int i = 0; i < TD_IMAGE_REALS; i++) facts[at++] = image.real[i];
+    for (int i = 0; i < TD_IMAGE_INTS; i++) facts[at++] = image.whole[i];
+    facts[at++] = psf->radius ? psf->sigma : 0;
+    facts[at++] = psf->radius ? psf->domain : 0;
+    for (int c = 0; c < 3; c++) facts[at++] = renderer->backdrops[0].colour[c];
+}

@@ -1,0 +1,161 @@
+/* Internal to lib/render: what a renderer is made of, and what its parts ask of one another. Everyone else includes
+ * td_render.h.
+ *
+ *   renderer.c                           making, asking and freeing one
+ *   rules.c                              image parameters to the image formation's numbers
+ *   store.c, store_motion.c, decoder.c   the scene, activated
+ *   view.c                               objects as the camera sees them
+ *   sweep.c, candidates.c                which Gaussians a tile may see in an interval
+ *   tiles.c, psf.c, nonfinite.c          tiles at times: rendered, blurred, checked
+ *   frame.c, flow.c                      whole images, and how fast they move
+ *   dynamic/                             Gaussians with a motion model
+ *   backend_opencl.c, opencl_*.c, reference_*.c   what computes (td_backend.h)
+ *
+ * Compiled in double. */
+#ifndef TD_RENDERER_H
+#define TD_RENDERER_H
+
+#ifndef TD_REAL_DOUBLE
+#define TD_REAL_DOUBLE
+#endif
+#include "render/dynamic/td_dynamic.h"
+#include "render/dynamic/td_stray.h"
+#include "td_psf.h"
+#include "td_render.h"
+
+/* Image parameters and intrinsics to the image formation's numbers (rules.c). */
+tides_status td_image_resolve(const tides_image_params *params, const tides_intrinsics *intrinsics, int scene_sh_degree,
+                              td_image *image, tides_error *error);
+
+/* A td_image as numbers for any precision. */
+td_image_numbers td_image_pack(const td_image *image);
+
+/* The scene's Gaussians, activated, and its motions; `fades` is td_mover.fades (store.c). */
+tides_status td_store_create(const tides_scene *scene, int fades, td_store *store, tides_error *error);
+
+/* Rows of the store. */
+typedef struct td_resting {
+    int first;
+    int64_t count;
+} td_resting;
+
+/* An object's motion: the rows of those Gaussians that it leaves at rest, and a mover for object `moving_part` of the store,
+ * the others; -1 where there's none (store_motion.c). */
+tides_status td_store_add_motion(const tides_object *object, const td_resting *resting, int moving_part, int fades,
+                                 td_store *store, tides_error *error);
+void td_store_release(td_store *store);
+
+/* The decoder of a scene that has one (decoder.c): its weights in store->decoder; TIDES_UNSUPPORTED where other objects are
+ * beside it. Then what the image says of it. */
+tides_status td_store_find_decoder(const tides_scene *scene, td_store *store, tides_error *error);
+void td_image_set_decoder(const tides_scene *scene, const td_store *store, td_image *image);
+
+/* The view of one object from a camera: object pose NULL for one at rest (view.c). */
+void td_view_make(const tides_pose *camera, const tides_pose *object, double scale, td_view *view);
+
+/* Views of every object of `scene` at `time` [s after `epoch`]: (objects) (view.c). */
+tides_status td_views_at(const tides_scene *scene, const tides_trajectory *camera, double epoch, double time, td_view *views,
+                         tides_error *error);
+
+/* View of one object of the scene. */
+tides_status td_view_at(const tides_scene *scene, int32_t object, const tides_trajectory *camera, double epoch, double time,
+                        td_view *view, tides_error *error);
+
+/* Which Gaussians each tile may see during an interval (candidates.c). */
+typedef struct td_candidates {
+    int tiles_x, tiles_y;
+    int *first;              /* (tiles + 1) into `list`; multiples of TD_PAD */
+    int *list;               /* Gaussian indices, ascending, each object's padded to TD_PAD with TD_NO_GAUSSIAN */
+    size_t capacity;         /* of `list` */
+    int *fill, *last_object; /* (tiles) scratch */
+    float *travel;           /* (tiles) most diameters that one of its candidates travels in the interval */
+    uint8_t *moving;         /* (tiles) 1 if one of its candidates moves on the screen */
+    uint8_t *hint;           /* (tiles) what is known of the depth order of their lists (candidates.c) */
+    int instant;             /* 1: of one time, where no order is asked for twice */
+    uint64_t serial;
+} td_candidates;
+tides_status td_candidates_create(int width, int height, td_candidates *candidates, tides_error *error);
+void td_candidates_release(td_candidates *candidates);
+
+/* Lists from boxes (count x 4), travel (count) and which objects move against the camera (objects). */
+tides_status td_candidates_build(td_candidates *candidates, const td_store *store, const float *boxes, const float *travel,
+                                 const uint8_t *object_moves, tides_error *error);
+
+/* Numbers in the hints of a sweep (td_job). */
+int td_candidates_hint_count(const td_candidates *candidates);
+
+/* Gives a job of a tile the hint to begin with, or has it leave one. Then, with the batch done, what became of its jobs:
+ * `in_order` is at a job's `out` 1 where its list was in order; NULL: the batch failed. */
+void td_candidates_give_hint(td_candidates *candidates, int tile, td_job *job);
+void td_candidates_take_hints(td_candidates *candidates, const td_job *jobs, int count, const uint8_t *in_order);
+
+struct tides_renderer {
+    double epoch; /* [s] every time in lib/render is an offset from it, so that times of 1e9 s resolve like those near 0 */
+    td_dynamic dynamic; /* Gaussians that a motion moves */
+    int row_limit;      /* rows of dynamic Gaussians at a time */
+    tides_device *device;
+    const tides_scene *scene;
+    td_image image;
+    td_store store;
+    td_backend *backend;
+    td_candidates candidates;
+    float *boxes;          /* (store.count x 4) */
+    float *travel;         /* (store.count) */
+    int *object_first;     /* (objects + 1) an object's Gaussians in the store */
+    uint8_t *object_moves; /* (objects) against the camera */
+    int rested;            /* the last sweep saw a camera at rest, at rest_pose: boxes of what doesn't move hold on */
+    tides_pose rest_pose;
+    td_strays strays;   /* of the interval swept last */
+    double *sweep_time; /* (td_sweep_times) of the pieces in hand */
+    size_t sweep_time_capacity;
+    td_view *views; /* (slots x objects) */
+    td_backdrop *backdrops;
+    size_t view_capacity, backdrop_capacity;
+    td_job *jobs;
+    size_t job_capacity;
+    int *empty;        /* requests without candidates */
+    uint8_t *in_order; /* (requests) 1 where a job's list was in order */
+    size_t empty_capacity, in_order_capacity;
+    int record_limit; /* records per launch */
+    td_psf psf;       /* what the optics make of L and L_dot */
+    tides_render_stats stats;
+};
+
+/* Views of every object at each time, and a backdrop for each: renderer->views and backdrops. */
+tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
+                               tides_error *error);
+
+/* Views at the times of a sweep of [start, stop] in 2^level pieces: renderer->views and sweep_time. */
+tides_status td_renderer_sweep_views(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                                     int level, tides_error *error);
+
+/* Sweeps once more, in pieces, dynamic Gaussians whose motion has a shorter scale of time than [start, stop]
+ * (dynamic/sweep_pieces.c). */
+tides_status td_dynamic_sweep_pieces(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                                     tides_error *error);
+
+/* The name of a backend's plane (TD_OUT_L ..), which is that of its channel; NULL where there is none (frame.c). */
+const char *td_plane_name(int plane);
+
+/* td_renderer_tiles as if there were no PSF (tiles.c). */
+tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
+                                     double *planes, tides_error *error);
+
+/* Likewise, whatever comes out; td_renderer_sharp_tiles then refuses what isn't finite, naming pixel, time and splat
+ * (nonfinite.c). */
+tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
+                                         double *planes, tides_error *error);
+tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
+                                      const double *planes, tides_error *error);
+
+/* -- for scenes with motion (dynamic/tile_jobs.c) -- */
+
+/* Runs jobs, sorted or not, whose candidates are the sweep's: works out the rows that they need, in launches that stay below
+ * the limits. Jobs are changed. */
+tides_status td_dynamic_run_jobs(tides_renderer *renderer, td_batch *batch, const td_tile_batch *asked, td_job *jobs, int count,
+                                 double *planes, tides_error *error);
+
+/* Longest lists first, so that no thread is left with one at the end; then by place, to be a total order (qsort, of td_job). */
+int td_job_by_falling_count(const void *a, const void *b);
+
+#endif

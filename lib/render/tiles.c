@@ -1,0 +1,128 @@
+/* Tiles at times: requests to jobs of a backend, in launches that memory has room for. The candidates of a job are the sweep's;
+ * what blurs the result is psf.c, what refuses it nonfinite.c, and scenes with dynamic Gaussians get their rows first
+ * (dynamic/tile_jobs.c). */
+#include "td_renderer.h"
+
+#include <stdlib.h>
+
+int td_job_by_falling_count(const void *a, const void *b) {
+    const td_job *x = a, *y = b;
+    if (x->count != y->count) return x->count > y->count ? -1 : 1;
+    return x->out < y->out ? -1 : x->out > y->out;
+}
+
+/* Requests to jobs, longest first, and the list of requests without candidates; returns the number of jobs. */
+static int make_jobs(tides_renderer *renderer, const td_request *requests, int count, int *empty_count) {
+    const td_candidates *candidates = &renderer->candidates;
+    int jobs = 0;
+    *empty_count = 0;
+    for (int i = 0; i < count; i++) {
+        int tile = requests[i].tile, first = candidates->first[tile];
+        int length = candidates->first[tile + 1] - first;
+        if (length == 0) {
+            renderer->empty[(*empty_count)++] = i;
+            continue;
+        }
+        td_job job = {tile % candidates->tiles_x * TD_TILE,
+                      tile / candidates->tiles_x * TD_TILE,
+                      requests[i].slot,
+                      first,
+                      length,
+                      0,
+                      i,
+                      0,
+                      0};
+        td_candidates_give_hint(&renderer->candidates, tile, &job);
+        renderer->jobs[jobs++] = job;
+    }
+    qsort(renderer->jobs, (size_t)jobs, sizeof *renderer->jobs, td_job_by_falling_count);
+    return jobs;
+}
+
+/* Runs the jobs in launches of at most record_limit records (a single job may need more). */
+static tides_status run_jobs(tides_renderer *renderer, td_batch *batch, td_job *jobs, int count, double *planes,
+                             tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (int from = 0, to = 0; from < count && status == TIDES_OK; from = to) {
+        int records = 0;
+        for (to = from; to < count && (to == from || records + jobs[to].count <= renderer->record_limit); to++) {
+            jobs[to].records = records;
+            records += jobs[to].count;
+        }
+        batch->jobs = jobs + from;
+        batch->job_count = to - from;
+        batch->records = records;
+        status = renderer->backend->type->render(renderer->backend, batch, planes, error);
+    }
+    return status;
+}
+
+/* Tiles that nothing can reach: the backdrop by formula. */
+static void fill_empty(tides_renderer *renderer, const td_request *requests, int empty_count, int outputs, double *planes) {
+    double pixel[TD_OUT_COLOUR];
+    for (int i = 0; i < empty_count; i++) {
+        int request = renderer->empty[i];
+        renderer->backend->type->empty_pixel(renderer->backend, (const double *)&renderer->backdrops[requests[request].slot],
+                                             pixel, outputs);
+        double *tile = planes + (size_t)request * outputs * TD_TILE_PIXELS;
+        for (int k = 0; k < outputs * TD_TILE_PIXELS; k++) tile[k] = pixel[k / TD_TILE_PIXELS];
+    }
+    renderer->stats.tile_jobs_skipped += (uint64_t)empty_count;
+}
+
+/* With a decoder such tiles are jobs too: what it makes of nothing depends on the ray. */
+static tides_status run_empty(tides_renderer *renderer, td_batch *batch, const td_request *requests, int count, double *planes,
+                              tides_error *error) {
+    int tiles_x = renderer->candidates.tiles_x;
+    if (count == 0) return TIDES_OK;
+    for (int i = 0; i < count; i++) {
+        int request = renderer->empty[i], tile = requests[request].tile;
+        const td_job job = {tile % tiles_x * TD_TILE, tile / tiles_x * TD_TILE, requests[request].slot, 0, 0, 0, request, 0, 0};
+        renderer->jobs[i] = job;
+    }
+    return run_jobs(renderer, batch, renderer->jobs, count, planes, error);
+}
+
+/* Room for as many requests. */
+static tides_status reserve(tides_renderer *renderer, size_t count, tides_error *error) {
+    tides_status status = td_reserve((void **)&renderer->jobs, &renderer->job_capacity, count, sizeof *renderer->jobs, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&renderer->empty, &renderer->empty_capacity, count, sizeof *renderer->empty, error);
+    if (status == TIDES_OK)
+        status =
+            td_reserve((void **)&renderer->in_order, &renderer->in_order_capacity, count, sizeof *renderer->in_order, error);
+    return status;
+}
+
+tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *asked,
+                                         double *planes, tides_error *error) {
+    const td_request *requests = asked->requests;
+    const int outputs = asked->outputs;
+    tides_status status = td_renderer_views(renderer, camera, asked->times, asked->slots, error);
+    if (status == TIDES_OK) status = reserve(renderer, (size_t)asked->count, error);
+    if (status != TIDES_OK) return status;
+    int empty_count;
+    int jobs = make_jobs(renderer, requests, asked->count, &empty_count);
+    td_batch batch = {0};
+    batch.views = (const double *)renderer->views;
+    batch.backdrops = (const double *)renderer->backdrops;
+    batch.slots = asked->slots;
+    batch.candidates = renderer->candidates.list;
+    batch.candidate_count = renderer->candidates.first[renderer->stats.tiles];
+    batch.candidates_serial = renderer->candidates.serial;
+    batch.outputs = outputs;
+    batch.hint_count = td_candidates_hint_count(&renderer->candidates);
+    batch.in_order = renderer->in_order;
+    status = renderer->dynamic.gaussians ? td_dynamic_run_jobs(renderer, &batch, asked, renderer->jobs, jobs, planes, error)
+                                         : run_jobs(renderer, &batch, renderer->jobs, jobs, planes, error);
+    td_candidates_take_hints(&renderer->candidates, renderer->jobs, jobs, status == TIDES_OK ? renderer->in_order : NULL);
+    if (status == TIDES_OK && renderer->image.decoder) return run_empty(renderer, &batch, requests, empty_count, planes, error);
+    if (status == TIDES_OK) fill_empty(renderer, requests, empty_count, outputs, planes);
+    return status;
+}
+
+tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
+                                     double *planes, tides_error *error) {
+    tides_status status = td_renderer_unchecked_tiles(renderer, camera, batch, planes, error);
+    return status == TIDES_OK ? td_renderer_check_finite(renderer, camera, batch, planes, error) : status;
+}
