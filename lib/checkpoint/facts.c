@@ -3,7 +3,6 @@
  * in the same precision. */
 #include "motion/td_motion.h"
 #include "td_checkpoint.h"
-#include "td_device.h"
 
 #include <cjson/cJSON.h>
 #include <stdlib.h>
@@ -87,7 +86,7 @@ tides_status td_facts_gather(const tides_simulator *s, td_fact facts[TD_FACTS], 
     if (status != TIDES_OK) return status;
     const td_fact gathered[TD_FACTS] = {
         {"numerics of the library", 0, TIDES_NUMERICS, 0},
-        {"precision of the device in bits", 0, td_device_is_double(s->device) ? 64 : 32, 0},
+        {"precision of the device in bits", 0, td_renderer_is_double(s->renderer) ? 64 : 32, 0},
         {"camera.width", 0, s->width, 0},
         {"camera.height", 0, s->height, 0},
         {"sensor.threshold_on", 0, s->comparator.threshold_on, 0},

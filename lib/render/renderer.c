@@ -158,6 +158,8 @@ tides_status td_renderer_interpolate(tides_renderer *renderer, double tolerance,
     return td_dynamic_interpolate(&renderer->dynamic, renderer->backend, tolerance, time_tolerance_s, error);
 }
 
+int td_renderer_is_double(const tides_renderer *renderer) { return td_device_is_double(renderer->device); }
+
 int td_renderer_tile_moves(const tides_renderer *renderer, int tile) { return renderer->candidates.moving[tile]; }
 
 double td_renderer_tile_travel(const tides_renderer *renderer, int tile) { return renderer->candidates.travel[tile]; }

@@ -88,6 +88,9 @@ tides_status td_renderer_flow(tides_renderer *renderer, const tides_trajectory *
 
 /* -- which renderer it is -------------------------------------------------------------------------------------------------- */
 
+/* 1 where it computes in double precision: its samples have no rounding to speak of. */
+int td_renderer_is_double(const tides_renderer *renderer);
+
 /* What decides its images besides scene, paths and device, as numbers: image formation as resolved, intrinsics, blur,
  * background. The same numbers make the same images. */
 enum { TD_IMAGE_FACTS = 41 };

@@ -2,7 +2,6 @@
 #include "motion/td_motion.h"
 #include "td_simulator.h"
 #include "td_struct.h"
-#include "td_device.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -140,8 +139,7 @@ static tides_status set_interpolation(tides_simulator *s, tides_error *error) {
 }
 
 /* What the parameters say, before there is a renderer. */
-static void take_parameters(tides_simulator *s, const tides_device *device, const tides_sensor *sensor,
-                            const tides_stepping *stepping) {
+static void take_parameters(tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping) {
     const td_comparator comparator = {sensor->threshold_on, sensor->threshold_off, stepping->model, sensor->max_events_per_step,
                                       0};
     s->comparator = comparator;
@@ -155,8 +153,6 @@ static void take_parameters(tides_simulator *s, const tides_device *device, cons
     s->memory_mb = stepping->memory_mb;
     s->risk = stepping->risk;
     s->slope = stepping->slope;
-    s->timing.rounding = td_device_is_double(device) ? 0 : TD_SINGLE_ROUNDING;
-    s->timing.epsilon = td_device_is_double(device) ? 0 : TD_SINGLE_EPSILON;
     s->planes_kept = s->refine.samples.kept = sensor->b_min > 0 ? TD_KEPT_ALL : TD_KEPT_SIGNAL;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
     s->interpolates = stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED;
@@ -167,6 +163,8 @@ static void take_parameters(tides_simulator *s, const tides_device *device, cons
 static tides_status lay_out(tides_simulator *s, const tides_intrinsics *intrinsics, tides_error *error) {
     td_renderer_set_epoch(s->renderer, s->epoch);
     s->timing.size = intrinsics->width > intrinsics->height ? intrinsics->width : intrinsics->height;
+    s->timing.rounding = td_renderer_is_double(s->renderer) ? 0 : TD_SINGLE_ROUNDING;
+    s->timing.epsilon = td_renderer_is_double(s->renderer) ? 0 : TD_SINGLE_EPSILON;
     tides_render_stats facts;
     size_t knots;
     const double *knot = td_renderer_knots(s->renderer, &knots);
@@ -227,13 +225,12 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     double begun = td_now();
     tides_simulator *s = td_alloc(1, sizeof *s, error);
     if (!s) return TIDES_NO_MEMORY;
-    s->device = device;
     s->scene = scene;
     s->camera = camera;
     s->epoch = start;
     s->epoch_ns = td_time_ns(start);
     s->length = stop - start;
-    take_parameters(s, device, sensor, stepping);
+    take_parameters(s, sensor, stepping);
     status = td_sensor_check_levels(sensor, stepping->model, error);
     if (status == TIDES_OK)
         status = tides_renderer_create(device, scene, intrinsics, image, progress, user, &s->renderer, error);

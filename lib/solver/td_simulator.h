@@ -22,8 +22,7 @@ typedef struct td_sample {
 
 struct tides_simulator {
     tides_renderer *renderer;
-    const tides_device *device; /* the caller's, as are scene and camera */
-    const tides_scene *scene;
+    const tides_scene *scene; /* the caller's, as is the camera's path */
     const tides_trajectory *camera;
     td_comparator comparator;
     td_sensor sensor;
