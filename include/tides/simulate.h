@@ -134,7 +134,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_create(
     tides_progress progress, void *user, tides_simulator **simulator, tides_error *error);
 
 /* Puts a readout between pixels and sink, before the run begins and before a restore; one that isn't enabled does nothing.
- * Jitter and drops draw from the sensor's seed. How active a tile is comes from the scene: lib/solver/scan.c. The sink then
+ * Jitter and drops draw from the sensor's seed. How active a tile is comes from the scene: lib/solver/readout.c. The sink then
  * receives what has left so far; the rest comes with the last packet. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_readout(tides_simulator *simulator, const tides_readout *readout,
                                                                 tides_error *error);

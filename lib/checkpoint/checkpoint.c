@@ -227,8 +227,8 @@ tides_status tides_simulator_restore(tides_simulator *simulator, const char *run
     if (status == TIDES_OK) {
         td_saved_give(&got.saved, simulator);
         td_simulator_resume(simulator, got.step, &got.totals);
-        tides_arbiter *own = simulator->scan.arbiter; /* both NULL, or both not */
-        simulator->scan.arbiter = got.arbiter;
+        tides_arbiter *own = simulator->readout.arbiter; /* both NULL, or both not */
+        simulator->readout.arbiter = got.arbiter;
         got.arbiter = own;
     }
     tides_arbiter_destroy(got.arbiter);

@@ -6,8 +6,8 @@
 tides_status td_readout_write(const tides_simulator *s, const td_place *root) {
     int64_t *numbers = NULL;
     size_t count = 0;
-    if (!s->scan.arbiter) return TIDES_OK;
-    tides_status status = td_arbiter_pack(s->scan.arbiter, &numbers, &count, root->error);
+    if (!s->readout.arbiter) return TIDES_OK;
+    tides_status status = td_arbiter_pack(s->readout.arbiter, &numbers, &count, root->error);
     if (status != TIDES_OK) return status;
     const uint64_t shape[] = {count};
     status = td_place_write(root, "readout", H5T_STD_I64LE, H5T_NATIVE_INT64, 1, shape, numbers);
@@ -46,11 +46,11 @@ static tides_status read_numbers(const td_place *root, int64_t **numbers, size_t
 tides_status td_readout_read(const tides_simulator *s, const td_place *root, tides_arbiter **arbiter) {
     int64_t *numbers = NULL;
     size_t count = 0;
-    if (!s->scan.arbiter) return TIDES_OK;
+    if (!s->readout.arbiter) return TIDES_OK;
     tides_status status = read_numbers(root, &numbers, &count);
     if (status == TIDES_OK)
-        status = tides_arbiter_create(&s->scan.readout, s->width, s->height, s->sensor.sensor.seed, arbiter, root->error);
-    if (status == TIDES_OK) tides_arbiter_start(*arbiter, s->scan.arbiter->start_ns);
+        status = tides_arbiter_create(&s->readout.params, s->width, s->height, s->sensor.sensor.seed, arbiter, root->error);
+    if (status == TIDES_OK) tides_arbiter_start(*arbiter, s->readout.arbiter->start_ns);
     if (status == TIDES_OK) status = td_arbiter_unpack(*arbiter, numbers, count, root->error);
     if (status == TIDES_BAD_FILE) status = td_fail_within(root->error, status, "%s", root->file);
     free(numbers);

@@ -1,4 +1,5 @@
-/* Making, asking and freeing a simulator. simulate.c has the run itself. */
+/* Making, asking and freeing a simulator, for the public API: parameters checked, steps and tiles laid out, memory taken. The run
+ * itself is run.c's, its statistics statistics.c's. */
 #include "motion/td_motion.h"
 #include "td_simulator.h"
 #include "td_struct.h"
@@ -256,7 +257,7 @@ void tides_simulator_destroy(tides_simulator *simulator) {
     tides_renderer_destroy(simulator->renderer);
     td_refine_release(&simulator->refine);
     td_grid_release(&simulator->grid);
-    td_scan_release(&simulator->scan);
+    td_readout_release(&simulator->readout);
     td_sensor_release(&simulator->sensor);
     td_surround_steps_release(&simulator->surround);
     for (int p = 0; p < TD_KEPT_ALL; p++) {

@@ -1,4 +1,5 @@
 /* The readout in a run: after each step on the grid its events go through the arbiter, under the activity at the step's end.
+ * For run.c; queues and the arbiter itself are lib/readout's, what a tile shows is measured here.
  *
  * psi of a tile is the mean of three shares, each cut off at 1: its pixels' mean |L_dot| / C (C the mean of both nominal
  * thresholds) over 100 per second, their mean |alpha_dot| over 100 per second, and their mean number of contributors over 64.
@@ -33,49 +34,49 @@ static tides_status keep_all(tides_simulator *s, tides_error *error) {
     return td_renderer_prepare(s->renderer, TD_OUT_DIAGNOSTICS, error);
 }
 
-static tides_status attach(tides_simulator *s, const tides_readout *readout, tides_error *error) {
-    td_scan *scan = &s->scan;
+static tides_status attach(tides_simulator *s, const tides_readout *params, tides_error *error) {
+    td_run_readout *readout = &s->readout;
     int32_t width = s->width, height = s->height, down;
-    tides_status status = tides_arbiter_create(readout, width, height, s->sensor.sensor.seed, &scan->arbiter, error);
+    tides_status status = tides_arbiter_create(params, width, height, s->sensor.sensor.seed, &readout->arbiter, error);
     if (status != TIDES_OK) return status;
-    tides_arbiter_start(scan->arbiter, s->epoch_ns);
-    scan->readout = *readout;
-    tides_arbiter_tiles(scan->arbiter, &scan->across, &down);
-    scan->psi = td_alloc((size_t)scan->across * (size_t)down, sizeof *scan->psi, error);
-    scan->pixels = td_alloc((size_t)scan->across * (size_t)down, sizeof *scan->pixels, error);
-    scan->sums = td_alloc((size_t)scan->across * (size_t)down, sizeof *scan->sums, error);
-    if (!scan->psi || !scan->pixels || !scan->sums) return TIDES_NO_MEMORY;
+    tides_arbiter_start(readout->arbiter, s->epoch_ns);
+    readout->params = *params;
+    tides_arbiter_tiles(readout->arbiter, &readout->across, &down);
+    readout->psi = td_alloc((size_t)readout->across * (size_t)down, sizeof *readout->psi, error);
+    readout->pixels = td_alloc((size_t)readout->across * (size_t)down, sizeof *readout->pixels, error);
+    readout->sums = td_alloc((size_t)readout->across * (size_t)down, sizeof *readout->sums, error);
+    if (!readout->psi || !readout->pixels || !readout->sums) return TIDES_NO_MEMORY;
     for (int32_t y = 0; y < height; y++)
-        for (int32_t x = 0; x < width; x++) scan->pixels[y / readout->tile_px * scan->across + x / readout->tile_px]++;
+        for (int32_t x = 0; x < width; x++) readout->pixels[y / params->tile_px * readout->across + x / params->tile_px]++;
     return keep_all(s, error);
 }
 
 tides_status tides_simulator_readout(tides_simulator *simulator, const tides_readout *given, tides_error *error) {
     if (!simulator || !given)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_readout: simulator and readout must be given");
-    if (simulator->started || simulator->scan.arbiter)
+    if (simulator->started || simulator->readout.arbiter)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_readout: the run has begun, or has a readout already");
-    tides_readout readout;
-    tides_readout_defaults(&readout);
-    tides_status status = TD_TAKE_STRUCT(tides_readout, &readout, given, error);
-    if (status != TIDES_OK || !readout.enabled) return status;
-    status = attach(simulator, &readout, error);
-    if (status != TIDES_OK) td_scan_release(&simulator->scan);
+    tides_readout params;
+    tides_readout_defaults(&params);
+    tides_status status = TD_TAKE_STRUCT(tides_readout, &params, given, error);
+    if (status != TIDES_OK || !params.enabled) return status;
+    status = attach(simulator, &params, error);
+    if (status != TIDES_OK) td_readout_release(&simulator->readout);
     return status;
 }
 
 const int64_t *tides_simulator_fired(const tides_simulator *simulator) {
-    return simulator->scan.arbiter ? simulator->scan.fired : NULL;
+    return simulator->readout.arbiter ? simulator->readout.fired : NULL;
 }
 
-void td_scan_release(td_scan *scan) {
-    tides_arbiter_destroy(scan->arbiter);
-    free(scan->psi);
-    free(scan->pixels);
-    free(scan->sums);
-    free(scan->events);
-    free(scan->fired);
-    memset(scan, 0, sizeof *scan);
+void td_readout_release(td_run_readout *readout) {
+    tides_arbiter_destroy(readout->arbiter);
+    free(readout->psi);
+    free(readout->pixels);
+    free(readout->sums);
+    free(readout->events);
+    free(readout->fired);
+    memset(readout, 0, sizeof *readout);
 }
 
 /* -- activity ------------------------------------------------------------------------------------------------------------ */
@@ -88,7 +89,7 @@ static void add_tile(tides_simulator *s, int t, int moves) {
     const double threshold = 0.5 * (s->comparator.threshold_on + s->comparator.threshold_off);
     for (int32_t i = 0; i < tile->count; i++) {
         int32_t x = tile->x0 + i % tile->width, y = tile->y0 + i / tile->width;
-        td_activity *sum = &s->scan.sums[y / s->scan.readout.tile_px * s->scan.across + x / s->scan.readout.tile_px];
+        td_activity *sum = &s->readout.sums[y / s->readout.params.tile_px * s->readout.across + x / s->readout.params.tile_px];
         size_t at = s->first_pixel[t] + (size_t)i;
         double L_dot = fabs(s->now.plane[TD_KEPT_S_DOT][at]), alpha_dot = fabs(s->now.plane[TD_KEPT_ALPHA_DOT][at]);
         if (moves && isfinite(L_dot)) sum->rate += L_dot / threshold;
@@ -97,51 +98,51 @@ static void add_tile(tides_simulator *s, int t, int moves) {
     }
 }
 
-/* scan->psi of the time reached; the tiles in s->moving moved on the way there. */
+/* readout->psi of the time reached; the tiles in s->moving moved on the way there. */
 static void measure_activity(tides_simulator *s) {
-    td_scan *scan = &s->scan;
-    size_t tiles = (size_t)scan->arbiter->across * (size_t)scan->arbiter->down;
-    memset(scan->sums, 0, tiles * sizeof *scan->sums);
+    td_run_readout *readout = &s->readout;
+    size_t tiles = (size_t)readout->arbiter->across * (size_t)readout->arbiter->down;
+    memset(readout->sums, 0, tiles * sizeof *readout->sums);
     for (int t = 0, moved = 0; t < s->tiles; t++) {
         int moves = moved < s->moving_count && s->moving[moved] == t;
         moved += moves;
         add_tile(s, t, moves);
     }
     for (size_t i = 0; i < tiles; i++)
-        scan->psi[i] =
-            (share(scan->sums[i].rate / scan->pixels[i], full_rate) + share(scan->sums[i].alpha / scan->pixels[i], full_rate) +
-             share(scan->sums[i].contributors / scan->pixels[i], full_contributors)) /
-            3;
+        readout->psi[i] = (share(readout->sums[i].rate / readout->pixels[i], full_rate) +
+                           share(readout->sums[i].alpha / readout->pixels[i], full_rate) +
+                           share(readout->sums[i].contributors / readout->pixels[i], full_contributors)) /
+                          3;
 }
 
 /* -- events -------------------------------------------------------------------------------------------------------------- */
 
 /* A tides_readout_sink: keeps what leaves for the packet. */
 static int take(void *user, const tides_event *events, const int64_t *fired, size_t count) {
-    td_scan *scan = user;
-    tides_status status =
-        td_reserve((void **)&scan->events, &scan->events_capacity, scan->count + count, sizeof *scan->events, &scan->error);
+    td_run_readout *readout = user;
+    tides_status status = td_reserve((void **)&readout->events, &readout->events_capacity, readout->count + count,
+                                     sizeof *readout->events, &readout->error);
     if (status == TIDES_OK)
-        status =
-            td_reserve((void **)&scan->fired, &scan->fired_capacity, scan->count + count, sizeof *scan->fired, &scan->error);
+        status = td_reserve((void **)&readout->fired, &readout->fired_capacity, readout->count + count, sizeof *readout->fired,
+                            &readout->error);
     if (status != TIDES_OK) return 1;
-    memcpy(scan->events + scan->count, events, count * sizeof *events);
-    memcpy(scan->fired + scan->count, fired, count * sizeof *fired);
-    scan->count += count;
+    memcpy(readout->events + readout->count, events, count * sizeof *events);
+    memcpy(readout->fired + readout->count, fired, count * sizeof *fired);
+    readout->count += count;
     return 0;
 }
 
-tides_status td_scan_step(tides_simulator *s, tides_error *error) {
-    td_scan *scan = &s->scan;
-    tides_error *reason = error ? error : &scan->error;
+tides_status td_readout_step(tides_simulator *s, tides_error *error) {
+    td_run_readout *readout = &s->readout;
+    tides_error *reason = error ? error : &readout->error;
     tides_status status = td_reserve((void **)&s->scratch, &s->scratch_capacity, s->events.count, sizeof *s->scratch, reason);
     if (status != TIDES_OK) return status;
     measure_activity(s);
-    status = tides_arbiter_activity(scan->arbiter, scan->psi, reason);
+    status = tides_arbiter_activity(readout->arbiter, readout->psi, reason);
     if (status != TIDES_OK) return status;
     td_event_sort(s->events.events, s->scratch, s->events.count);
-    status = tides_arbiter_push(scan->arbiter, s->events.events, s->events.count, take, scan, reason);
+    status = tides_arbiter_push(readout->arbiter, s->events.events, s->events.count, take, readout, reason);
     s->events.count = 0;
-    if (status == TIDES_OK && s->step == s->steps) status = tides_arbiter_finish(scan->arbiter, take, scan, reason);
-    return status == TIDES_CANCELLED ? td_fail(error, TIDES_NO_MEMORY, "%s", scan->error.text) : status;
+    if (status == TIDES_OK && s->step == s->steps) status = tides_arbiter_finish(readout->arbiter, take, readout, reason);
+    return status == TIDES_CANCELLED ? td_fail(error, TIDES_NO_MEMORY, "%s", readout->error.text) : status;
 }

@@ -201,7 +201,8 @@ static tides_status add_cuts(td_refine *r, double start, double stop, tides_erro
 }
 
 /* Renders the places at which the pending steps are cut, and cuts them. */
-static tides_status refine_level(tides_simulator *s, td_refine *r, double start, double stop, tides_error *error) {
+tides_status td_refine_level(tides_simulator *s, double start, double stop, tides_error *error) {
+    td_refine *r = &s->refine;
     r->level_count = 0;
     tides_status status = add_cuts(r, start, stop, error);
     if (status == TIDES_OK) status = render_level(s, r, error);
@@ -227,29 +228,13 @@ static tides_status first_level(tides_simulator *s, td_refine *r, double start, 
 
 /* -- the macro step ---------------------------------------------------------------------------------------------------- */
 
-static tides_status begin_macro_step(tides_simulator *s, td_refine *r, double start, double stop, tides_error *error) {
+tides_status td_refine_begin(tides_simulator *s, double start, double stop, tides_error *error) {
+    td_refine *r = &s->refine;
     r->depth = depth_for(stop - start, fmax(s->min_step_s, least_steps * DBL_EPSILON * stop)) + SHORTEST_BITS;
     r->shortest = (uint32_t)1 << SHORTEST_BITS;
     r->macro = (uint64_t)s->step;
-    tides_status status = td_renderer_sweep(s->renderer, s->camera, start, stop, error);
-    if (status != TIDES_OK) return status;
-    td_list_moving(s);
-    return s->moving_count == 0 ? TIDES_OK : td_turn_knot(s, error);
-}
-
-tides_status td_refine_macro_step(tides_simulator *s, double start, double stop, tides_error *error) {
-    td_refine *r = &s->refine;
-    tides_status status = begin_macro_step(s, r, start, stop, error);
-    if (status != TIDES_OK || s->moving_count == 0) return status;
-    status = begin_lists(s, r, error);
-    if (status == TIDES_OK) status = first_level(s, r, start, stop, error);
-    while (status == TIDES_OK) {
-        status = td_control_steps(s, start, stop, error);
-        if (status != TIDES_OK || r->open_count == 0) break;
-        status = td_window_take(s, start, stop, error);
-        if (status == TIDES_OK) status = refine_level(s, r, start, stop, error);
-    }
-    return status == TIDES_OK ? td_settle(s, start, stop, 0, error) : status;
+    tides_status status = begin_lists(s, r, error);
+    return status == TIDES_OK ? first_level(s, r, start, stop, error) : status;
 }
 
 void td_refine_release(td_refine *refine) {

@@ -1,92 +1,21 @@
-/* The run: render, compare, advance.
+/* The run as a pipeline. Each time round, over one step of the grid (or several, where they are fixed):
  *
- *   sweep      candidate lists of every tile for a batch of steps
- *   render     each tile at each step's end, in one launch: S and S_dot
- *   compare    each tile over each step: events
- *   emit       the batch's events, sorted, as one packet
+ *   sweep      which tiles can change, and what each may see                  td_sweep (sweep.c; renderer)
+ *   render     tiles at times: S and S_dot                                   td_fixed_render; td_refine_begin, td_refine_level
+ *   estimate   how far each step may be off                                  td_control_steps (control.c, estimate.c)
+ *   refine     those that are too coarse are cut in two, and rendered         td_window_take, td_refine_level (refine.c)
+ *   compare    each tile over each step: events                              td_settle; td_compare_tile (tile_step.c; sensor)
+ *   read out   the step's events through the arbiter, where there is one      td_readout_step (readout.c)
+ *   emit       the events, sorted, to the sink as one packet                 emit
  *
- * Times count from the run's start. Steps lie on the grid k step_s, joined by the knots of motions. Fixed steps are rendered
- * several to a launch; how many changes the cost, never the events. Under error control each of them is a macro step, which
- * refine.c halves where a tile needs it. */
+ * Fixed steps skip what is between. Times count from the run's start; steps lie on the grid k step_s, joined by the knots of
+ * motions (grid.c). What each stage does is in its own file; here is their order, and what becomes of a failure. */
 #include "signal/td_event_sort.h"
 #include "td_simulator.h"
 
 #include <stdlib.h>
 
-/* A longer batch has wider swept boxes, so more candidates that miss their tile: above the first share the batch is halved,
- * below the second it is doubled. */
-static const double too_many_culled = 0.5, few_culled = 0.3;
-
-/* One rendered tile to its place in a sample. */
-static void store_tile(const tides_simulator *s, int t, const double *planes, td_sample *sample) {
-    size_t first = s->first_pixel[t], bytes = (size_t)s->tile[t].count * sizeof(double);
-    td_unpack_tile(&s->tile[t], planes, sample->plane[TD_KEPT_S] + first, sample->plane[TD_KEPT_S_DOT] + first);
-    if (s->planes_kept == TD_KEPT_SIGNAL) return;
-    double kept[TD_KEPT_ALL * TD_TILE_PIXELS];
-    td_unpack_diagnostics(&s->tile[t], planes, kept);
-    for (int k = TD_KEPT_SIGNAL; k < TD_KEPT_ALL; k++) memcpy(sample->plane[k] + first, kept + k * TD_TILE_PIXELS, bytes);
-}
-
-void td_list_moving(tides_simulator *s) {
-    s->moving_count = 0;
-    for (int t = 0; t < s->tiles; t++)
-        if (!s->local || !s->started || td_renderer_tile_moves(s->renderer, t)) s->moving[s->moving_count++] = t;
-}
-
-tides_status td_turn_knot(tides_simulator *s, tides_error *error) {
-    const double time = td_grid_time(s, s->step);
-    if (!s->started || s->moving_count == 0 || !td_grid_is_knot(&s->grid, s->step)) return TIDES_OK;
-    for (int i = 0; i < s->moving_count; i++) s->requests[i] = (td_request){s->moving[i], 0};
-    const td_tile_batch batch = {&time, 1, TD_SIDE_BEGINS, s->requests, s->moving_count, TD_OUT_SIGNAL};
-    tides_status status = td_renderer_tiles(s->renderer, s->camera, &batch, s->planes, error);
-    for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {
-        int t = s->moving[i];
-        double S[TD_TILE_PIXELS]; /* is the same on both sides */
-        td_unpack_tile(&s->tile[t], s->planes + (size_t)i * TD_OUT_SIGNAL * TD_TILE_PIXELS, S,
-                       s->now.plane[TD_KEPT_S_DOT] + s->first_pixel[t]);
-    }
-    return status;
-}
-
-/* Renders what moves between grid point `from` and the last of [first, first + count), at these, into s->planes. */
-static tides_status render_steps(tides_simulator *s, int64_t from, int64_t first, int count, int side, tides_error *error) {
-    double times[TD_BATCH_STEPS];
-    for (int k = 0; k < count; k++) times[k] = td_grid_time(s, first + k);
-    tides_status status = td_renderer_sweep(s->renderer, s->camera, td_grid_time(s, from), times[count - 1], error);
-    if (status != TIDES_OK) return status;
-    td_list_moving(s);
-    status = td_turn_knot(s, error);
-    if (status != TIDES_OK) return status;
-    int requests = count * s->moving_count;
-    for (int i = 0; i < requests; i++) {
-        s->requests[i].tile = s->moving[i % s->moving_count];
-        s->requests[i].slot = i / s->moving_count;
-    }
-    if (requests == 0) return TIDES_OK;
-    const td_tile_batch batch = {times, count, side, s->requests, requests, td_fixed_outputs(s)};
-    return td_renderer_tiles(s->renderer, s->camera, &batch, s->planes, error);
-}
-
-/* Step k of the batch into a sample; tiles at rest stay as they are now. */
-static void store_step(tides_simulator *s, int k, td_sample *sample) {
-    size_t tile_reals = (size_t)td_fixed_outputs(s) * TD_TILE_PIXELS, bytes = s->first_pixel[s->tiles] * sizeof(double);
-    if (s->moving_count < s->tiles)
-        for (int p = 0; p < s->planes_kept; p++) memcpy(sample->plane[p], s->now.plane[p], bytes);
-    for (int i = 0; i < s->moving_count; i++)
-        store_tile(s, s->moving[i], s->planes + ((size_t)k * s->moving_count + i) * tile_reals, sample);
-}
-
-/* The first sample, of all tiles: every pixel's reference is the signal there. */
-static tides_status begin(tides_simulator *s, tides_error *error) {
-    tides_status status = render_steps(s, 0, 0, 1, TD_SIDE_BEGINS, error);
-    if (status != TIDES_OK) return status;
-    store_step(s, 0, &s->now);
-    if (s->surround.surround.on) td_surround_steps_begin(s);
-    const double *S = s->surround.surround.on ? s->surround.S : s->now.plane[TD_KEPT_S];
-    td_sensor_begin(&s->sensor, S);
-    s->started = 1;
-    return TIDES_OK;
-}
+/* -- one step of the grid -------------------------------------------------------------------------------------------------- */
 
 tides_status td_step_of_run(const tides_simulator *s, double start, double stop, td_step *step, tides_error *error) {
     tides_status status = td_step_between(start, stop, step, error);
@@ -116,16 +45,11 @@ static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
     return status == TIDES_OK ? td_compare_still(s, &step, error) : status;
 }
 
-/* Afterwards the step's end is now. */
-static tides_status compare_step(tides_simulator *s, tides_error *error) {
-    tides_status status = compare_tiles(s, error);
-    if (status != TIDES_OK) return status;
-    td_turn_samples(s);
+/* What happens after a step was compared: it is reached, and its events go through the readout. */
+static tides_status reach(tides_simulator *s, tides_error *error) {
     s->step++;
-    if (s->scan.arbiter) status = td_scan_step(s, error);
-    s->stats.steps += (uint64_t)s->moving_count;
     s->stats.tile_steps_still += (uint64_t)(s->tiles - s->moving_count);
-    return status;
+    return s->readout.arbiter ? td_readout_step(s, error) : TIDES_OK;
 }
 
 /* Sorts the packet and gives it away. */
@@ -136,71 +60,75 @@ static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, 
     td_event_sort(s->events.events, s->scratch, s->events.count);
     s->stats.time_compare_s += td_now() - begun;
     begun = td_now();
-    int left = s->scan.arbiter != NULL; /* or from the pixels */
-    int stopped = sink && sink(user, left ? s->scan.events : s->events.events, left ? s->scan.count : s->events.count);
+    int left = s->readout.arbiter != NULL; /* or from the pixels */
+    int stopped = sink && sink(user, left ? s->readout.events : s->events.events, left ? s->readout.count : s->events.count);
     s->stats.time_sink_s += td_now() - begun;
-    s->events.count = s->scan.count = 0;
+    s->events.count = s->readout.count = 0;
     return stopped ? td_fail(error, TIDES_CANCELLED, "stopped by the event sink at %.9g s", td_time_reached(s)) : TIDES_OK;
 }
 
-/* Longer batches while few candidates miss their tiles, shorter ones when many do. */
-static void adapt_batch(tides_simulator *s, const tides_render_stats *before) {
-    tides_render_stats after;
-    tides_renderer_stats(s->renderer, &after);
-    double projected = (double)(after.gaussians_projected - before->gaussians_projected);
-    double culled = (double)(after.gaussians_culled - before->gaussians_culled);
-    if (culled > too_many_culled * projected && s->batch > 1)
-        s->batch /= 2;
-    else if (culled < few_culled * projected || projected == 0)
-        s->batch = 2 * s->batch < s->batch_limit ? 2 * s->batch : s->batch_limit;
-}
+/* -- the two kinds of steps ------------------------------------------------------------------------------------------------ */
 
-/* As many of the next `count` steps as there are until a knot: only a batch may begin at one. */
-static int steps_to_knot(const tides_simulator *s, int count) {
-    for (int k = 1; k < count; k++)
-        if (td_grid_is_knot(&s->grid, s->step + k)) return k;
-    return count;
-}
-
-/* One batch of at most `count` steps. */
-static tides_status advance(tides_simulator *s, int64_t count, tides_event_sink sink, void *user, tides_error *error) {
+/* Fixed steps: at most `most`, rendered in one launch and compared one after the other. */
+static tides_status advance_fixed(tides_simulator *s, int64_t most, tides_event_sink sink, void *user, tides_error *error) {
     tides_render_stats before;
     tides_renderer_stats(s->renderer, &before);
-    int steps = steps_to_knot(s, count < s->batch ? (int)count : s->batch);
-    tides_status status = render_steps(s, s->step, s->step + 1, steps, TD_SIDE_ENDS, error);
+    const int steps = td_fixed_batch(s, most);
+    tides_status status = td_sweep(s, td_grid_time(s, s->step), td_grid_time(s, s->step + steps), error);
+    if (status == TIDES_OK) status = td_fixed_render(s, steps, error);
     if (status != TIDES_OK) return status;
     double begun = td_now();
     for (int k = 0; k < steps && status == TIDES_OK; k++) {
-        store_step(s, k, &s->next);
-        status = compare_step(s, error);
+        td_fixed_take(s, k, &s->next);
+        status = compare_tiles(s, error);
+        if (status != TIDES_OK) break;
+        td_turn_samples(s);
+        s->stats.steps += (uint64_t)s->moving_count;
+        status = reach(s, error);
     }
     s->stats.time_compare_s += td_now() - begun;
     s->broken = status != TIDES_OK;
-    adapt_batch(s, &before);
-    tides_status emitted = emit(s, sink, user, status == TIDES_OK ? error : NULL);
+    td_fixed_adapt(s, &before);
+    tides_status emitted = emit(s, sink, user, status == TIDES_OK ? error : NULL); /* of a failure the events before it */
     return status == TIDES_OK ? emitted : status;
 }
 
-/* One macro step, refined tile by tile. */
-static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
-    double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
-    tides_status status = td_refine_macro_step(s, start, stop, error);
-    if (status != TIDES_OK) return status;
-    double begun = td_now();
-    td_step whole;
-    status = td_step_of_run(s, start, stop, &whole, error);
-    if (status == TIDES_OK) status = td_compare_still(s, &whole, error);
-    s->stats.tile_steps_still += (uint64_t)(s->tiles - s->moving_count);
-    s->stats.time_compare_s += td_now() - begun;
-    if (status != TIDES_OK) {
-        s->broken = 1;
-        return status;
+/* The steps of the tiles that move in a macro step, until nothing asks for a shorter one; then all are compared that
+ * weren't. */
+static tides_status refine(tides_simulator *s, double start, double stop, tides_error *error) {
+    tides_status status = td_refine_begin(s, start, stop, error);
+    while (status == TIDES_OK) {
+        status = td_control_steps(s, start, stop, error);
+        if (status != TIDES_OK || s->refine.open_count == 0) break;
+        status = td_window_take(s, start, stop, error);
+        if (status == TIDES_OK) status = td_refine_level(s, start, stop, error);
     }
-    s->step++;
-    if (s->scan.arbiter) status = td_scan_step(s, error);
+    return status == TIDES_OK ? td_settle(s, start, stop, 0, error) : status;
+}
+
+/* What fires in tiles where nothing moves, over the macro step as a whole. */
+static tides_status compare_still(tides_simulator *s, double start, double stop, tides_error *error) {
+    td_step whole;
+    double begun = td_now();
+    tides_status status = td_step_of_run(s, start, stop, &whole, error);
+    if (status == TIDES_OK) status = td_compare_still(s, &whole, error);
+    s->stats.time_compare_s += td_now() - begun;
+    return status;
+}
+
+/* One macro step, refined tile by tile. Until its first step is compared a failure leaves the pixels as they were. */
+static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
+    const double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
+    tides_status status = td_sweep(s, start, stop, error);
+    if (status == TIDES_OK && s->moving_count > 0) status = refine(s, start, stop, error);
+    if (status != TIDES_OK) return status; /* td_settle has said whether the pixels still agree on the time */
+    status = compare_still(s, start, stop, error);
+    if (status == TIDES_OK) status = reach(s, error);
     s->broken = status != TIDES_OK;
     return status == TIDES_OK ? emit(s, sink, user, error) : status;
 }
+
+/* -- the run --------------------------------------------------------------------------------------------------------------- */
 
 tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink, void *sink_user,
                                  tides_progress progress, void *user, tides_error *error) {
@@ -216,10 +144,11 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
     int64_t last = until - simulator->epoch >= simulator->length
                        ? simulator->steps
                        : td_grid_last_until(&simulator->grid, simulator->epoch, until);
-    if (!simulator->started) status = begin(simulator, error);
+    if (!simulator->started) status = td_begin(simulator, error);
     while (status == TIDES_OK && simulator->step < last) {
-        status = simulator->mode == TIDES_STEPPING_FIXED ? advance(simulator, last - simulator->step, sink, sink_user, error)
-                                                         : advance_refined(simulator, sink, sink_user, error);
+        status = simulator->mode == TIDES_STEPPING_FIXED
+                     ? advance_fixed(simulator, last - simulator->step, sink, sink_user, error)
+                     : advance_refined(simulator, sink, sink_user, error);
         if (status == TIDES_OK && progress && progress(user, (double)simulator->step / (double)simulator->steps, "simulating"))
             status = td_fail(error, TIDES_CANCELLED, "stopped on request at %.9g s", td_time_reached(simulator));
     }

@@ -139,9 +139,9 @@ static void derive_times(const tides_simulator *s, tides_stats *stats) {
 static void derive_readout(const tides_simulator *s, tides_stats *stats) {
     tides_readout_stats readout;
     stats->events_written = stats->events;
-    if (!s->scan.arbiter) return;
-    tides_arbiter_stats(s->scan.arbiter, &readout);
-    stats->events_written = readout.out - td_release_held(&s->scan.arbiter->out);
+    if (!s->readout.arbiter) return;
+    tides_arbiter_stats(s->readout.arbiter, &readout);
+    stats->events_written = readout.out - td_release_held(&s->readout.arbiter->out);
     stats->events_dropped = readout.dropped + readout.overflowed;
     stats->events_overflowed = readout.overflowed;
     stats->events_delayed = readout.delayed;

@@ -1,6 +1,6 @@
 /* Internal: a run's readout: its arbiter, the tiles' activity, and what has left it. */
-#ifndef TD_SCAN_H
-#define TD_SCAN_H
+#ifndef TD_RUN_READOUT_H
+#define TD_RUN_READOUT_H
 
 #include "readout/td_arbiter.h"
 
@@ -9,8 +9,8 @@ typedef struct td_activity {
     double rate, alpha, contributors;
 } td_activity;
 
-typedef struct td_scan {
-    tides_readout readout;
+typedef struct td_run_readout {
+    tides_readout params;
     tides_arbiter *arbiter; /* NULL: events go from the pixels to the sink */
     double *psi;            /* (arbiter's tiles) */
     int32_t *pixels;        /* of each of them */
@@ -20,8 +20,8 @@ typedef struct td_scan {
     int64_t *fired;      /* when */
     size_t count, events_capacity, fired_capacity;
     tides_error error; /* of taking them */
-} td_scan;
+} td_run_readout;
 
-void td_scan_release(td_scan *scan);
+void td_readout_release(td_run_readout *readout);
 
 #endif

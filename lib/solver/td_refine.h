@@ -66,10 +66,13 @@ typedef struct td_refine {
     size_t plane_capacity;
 } td_refine;
 
-/* Renders and accepts steps for the macro step that begins at s->now, and compares them (settle.c): s->now is its end then.
- * Until the first is compared nothing of the simulator's pixel state changes. Afterwards the lists of those that weren't
- * compared early are still there. */
-tides_status td_refine_macro_step(tides_simulator *s, double start, double stop, tides_error *error);
+/* Begins the macro step from s->now, which is swept, for the tiles that move: renders its end and, where it is to be looked
+ * into, a first time within, and lists the steps that come of it as `fresh`, to be judged. Until the first step is compared
+ * nothing of the simulator's pixel state changes. */
+tides_status td_refine_begin(tides_simulator *s, double start, double stop, tides_error *error);
+
+/* Cuts the pending steps in two: renders where, and lists the parts as `fresh`. */
+tides_status td_refine_level(tides_simulator *s, double start, double stop, tides_error *error);
 
 /* Time of position `at` in the macro step: exact at both ends, the same double wherever it is asked for. */
 double td_refine_time(const td_refine *refine, double start, double stop, uint32_t at);

@@ -1,4 +1,4 @@
-/* Internal: the simulator's state (simulator.c makes it, simulate.c advances it). */
+/* Internal: the simulator's state (create.c makes it, run.c advances it). */
 #ifndef TD_SIMULATOR_H
 #define TD_SIMULATOR_H
 
@@ -8,7 +8,7 @@
 #include "td_state.h"
 #include "td_grid.h"
 #include "td_refine.h"
-#include "td_scan.h"
+#include "td_readout.h"
 #include "td_surround_steps.h"
 #include "td_timing.h"
 
@@ -35,17 +35,17 @@ struct tides_simulator {
     double min_step_s, tolerance, time_tolerance_s, budget, memory_mb;
     int interpolates; /* rows of motions within macro steps */
     tides_risk risk;
-    int slope;         /* TIDES_SLOPE_* */
-    int outputs;       /* planes that each sample renders: risk, a mask and the readout want diagnostics */
-    td_scan scan;      /* the readout, where one is attached */
-    int planes_kept;   /* of these, TD_KEPT_SIGNAL or TD_KEPT_ALL */
-    double *tile_risk; /* (tiles) at the time reached */
-    td_refine refine;  /* TIDES_STEPPING_ERROR */
-    td_timing timing;  /* likewise: estimated errors of event times */
-    int broken;        /* a step failed half way: the pixels no longer agree on the time */
-    int64_t steps;     /* of the whole run */
-    int64_t step;      /* steps taken */
-    int started;       /* the first sample is there */
+    int slope;              /* TIDES_SLOPE_* */
+    int outputs;            /* planes that each sample renders: risk, a mask and the readout want diagnostics */
+    td_run_readout readout; /* the readout, where one is attached */
+    int planes_kept;        /* of these, TD_KEPT_SIGNAL or TD_KEPT_ALL */
+    double *tile_risk;      /* (tiles) at the time reached */
+    td_refine refine;       /* TIDES_STEPPING_ERROR */
+    td_timing timing;       /* likewise: estimated errors of event times */
+    int broken;             /* a step failed half way: the pixels no longer agree on the time */
+    int64_t steps;          /* of the whole run */
+    int64_t step;           /* steps taken */
+    int started;            /* the first sample is there */
     int width, height, tiles;
     td_tile *tile;          /* (tiles) */
     size_t *first_pixel;    /* (tiles + 1): where a tile's pixels begin in the arrays below */
@@ -70,14 +70,30 @@ static inline void td_turn_samples(tides_simulator *simulator) {
     simulator->next = passed;
 }
 
-/* Lists the tiles that can change in the interval that was swept last; all of them where tiles don't go their own ways. */
-void td_list_moving(tides_simulator *simulator);
-
 /* Largest risk score of a tile's pixels, from planes of TD_OUT_DIAGNOSTICS. */
 double td_tile_risk(const tides_simulator *simulator, const td_tile *tile, const double *planes);
 
+/* The renderer's sweep of [start, stop], from the time reached on; then s->moving lists the tiles that can change in it, and
+ * where motions have a knot at `start` their S_dot becomes that of what begins there (sweep.c). */
+tides_status td_sweep(tides_simulator *simulator, double start, double stop, tides_error *error);
+
+/* -- fixed steps (fixed.c) -- */
+
+/* The first sample, of all tiles: every pixel's reference is the signal there. */
+tides_status td_begin(tides_simulator *simulator, tides_error *error);
+
+/* How many of the next `most` steps make the next batch; and after it, given what had been rendered before, longer batches
+ * while few candidates miss their tiles, shorter ones when many do. */
+int td_fixed_batch(const tides_simulator *simulator, int64_t most);
+void td_fixed_adapt(tides_simulator *simulator, const tides_render_stats *before);
+
+/* Renders the ends of the next `count` steps, which are swept; then takes step `k` of them into a sample, tiles at rest staying
+ * as they are now. */
+tides_status td_fixed_render(tides_simulator *simulator, int count, tides_error *error);
+void td_fixed_take(tides_simulator *simulator, int k, td_sample *sample);
+
 /* TIDES_SLOPE_DIFFERENCE: replaces the slopes at the end of the step of h seconds that is about to be compared, and at the
- * run's start (slope.c). */
+ * run's start. */
 void td_difference_slopes(tides_simulator *simulator, double h);
 
 /* S and S_dot of a rendered tile, whose planes are kept block by block, as rows of the tile's pixels. */
@@ -98,10 +114,6 @@ static inline double td_time_reached(const tides_simulator *simulator) {
     return simulator->epoch + td_grid_time(simulator, simulator->step);
 }
 
-/* At a knot of some motion, where a step begins: the S_dot of the tiles that move (td_list_moving) becomes that of what begins
- * there. The interval is swept already. */
-tides_status td_turn_knot(tides_simulator *simulator, tides_error *error);
-
 /* The rest of TD_KEPT_* of a rendered tile into a sample of refine.c, whose planes are TD_TILE_PIXELS apart. */
 static inline void td_unpack_diagnostics(const td_tile *tile, const double *planes, double *sample) {
     static const int output[] = {TD_OUT_COVERAGE, TD_OUT_ALPHA_DOT, TD_OUT_CONTRIBUTORS};
@@ -116,7 +128,7 @@ static inline int td_fixed_outputs(const tides_simulator *simulator) {
     return simulator->planes_kept == TD_KEPT_ALL ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
 }
 
-/* The comparator, or the sensor, over one step of a tile between two samples of it: planes_kept pointers each (compare.c). */
+/* The comparator, or the sensor, over one step of a tile between two samples of it: planes_kept pointers each (tile_step.c). */
 tides_status td_compare_tile(tides_simulator *simulator, int tile, const td_step *step, const double *const begin[],
                              const double *const end[], tides_error *error);
 
@@ -128,8 +140,8 @@ tides_status td_compare_still(tides_simulator *simulator, const td_step *step, t
  * however it is cut into packets. */
 tides_status td_step_of_run(const tides_simulator *simulator, double start, double stop, td_step *step, tides_error *error);
 
-/* With a readout: the events of the step that ends at the grid point reached go through it (scan.c). */
-tides_status td_scan_step(tides_simulator *simulator, tides_error *error);
+/* With a readout: the events of the step that ends at the grid point reached go through it (readout.c). */
+tides_status td_readout_step(tides_simulator *simulator, tides_error *error);
 
 /* What a pixel's comparator sees at the time reached: S with its leak's ramp. */
 double td_signal_now(const tides_simulator *simulator, size_t pixel);

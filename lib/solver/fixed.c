@@ -1,0 +1,85 @@
+/* Fixed steps: several are rendered in one launch, each tile that moves at each step's end, and taken from there one by one as
+ * samples of the whole image. How many go to a launch changes the cost, never the events. Also the first sample of any run. For
+ * run.c; steps that are refined render for themselves (refine.c). */
+#include "td_simulator.h"
+
+/* A longer batch has wider swept boxes, so more candidates that miss their tile, each of which costs a projection: above the
+ * first share of these the batch is halved, below the second it is doubled. Chosen, not measured: where half of the projections
+ * are lost, halving the boxes' sweep is worth a launch more; and halving a batch takes the share down by a half at most, so
+ * that with less than about that between the two a batch would be halved and doubled in turn. */
+static const double too_many_culled = 0.5, few_culled = 0.3;
+
+/* One rendered tile to its place in a sample. */
+static void store_tile(const tides_simulator *s, int t, const double *planes, td_sample *sample) {
+    size_t first = s->first_pixel[t], bytes = (size_t)s->tile[t].count * sizeof(double);
+    td_unpack_tile(&s->tile[t], planes, sample->plane[TD_KEPT_S] + first, sample->plane[TD_KEPT_S_DOT] + first);
+    if (s->planes_kept == TD_KEPT_SIGNAL) return;
+    double kept[TD_KEPT_ALL * TD_TILE_PIXELS];
+    td_unpack_diagnostics(&s->tile[t], planes, kept);
+    for (int k = TD_KEPT_SIGNAL; k < TD_KEPT_ALL; k++) memcpy(sample->plane[k] + first, kept + k * TD_TILE_PIXELS, bytes);
+}
+
+/* Renders what moves at grid points [first, first + count), which are swept, into s->planes. */
+static tides_status render_points(tides_simulator *s, int64_t first, int count, int side, tides_error *error) {
+    double times[TD_BATCH_STEPS];
+    const int requests = count * s->moving_count;
+    for (int k = 0; k < count; k++) times[k] = td_grid_time(s, first + k);
+    for (int i = 0; i < requests; i++)
+        s->requests[i] = (td_request){.tile = s->moving[i % s->moving_count], .slot = i / s->moving_count};
+    if (requests == 0) return TIDES_OK;
+    const td_tile_batch batch = {times, count, side, s->requests, requests, td_fixed_outputs(s)};
+    return td_renderer_tiles(s->renderer, s->camera, &batch, s->planes, error);
+}
+
+tides_status td_fixed_render(tides_simulator *s, int count, tides_error *error) {
+    return render_points(s, s->step + 1, count, TD_SIDE_ENDS, error);
+}
+
+void td_fixed_take(tides_simulator *s, int k, td_sample *sample) {
+    size_t tile_reals = (size_t)td_fixed_outputs(s) * TD_TILE_PIXELS, bytes = s->first_pixel[s->tiles] * sizeof(double);
+    if (s->moving_count < s->tiles)
+        for (int p = 0; p < s->planes_kept; p++) memcpy(sample->plane[p], s->now.plane[p], bytes);
+    for (int i = 0; i < s->moving_count; i++)
+        store_tile(s, s->moving[i], s->planes + ((size_t)k * s->moving_count + i) * tile_reals, sample);
+}
+
+/* Slopes of S without derivatives: what a renderer that knows none could do. */
+void td_difference_slopes(tides_simulator *s, double h) {
+    for (size_t i = 0; i < s->first_pixel[s->tiles]; i++) {
+        double slope = (s->next.plane[TD_KEPT_S][i] - s->now.plane[TD_KEPT_S][i]) / h;
+        s->next.plane[TD_KEPT_S_DOT][i] = slope;
+        if (s->step == 0) s->now.plane[TD_KEPT_S_DOT][i] = slope;
+    }
+}
+
+/* As many of the next `count` steps as there are until a knot: only a batch may begin at one. */
+static int steps_to_knot(const tides_simulator *s, int count) {
+    for (int k = 1; k < count; k++)
+        if (td_grid_is_knot(&s->grid, s->step + k)) return k;
+    return count;
+}
+
+int td_fixed_batch(const tides_simulator *s, int64_t most) { return steps_to_knot(s, most < s->batch ? (int)most : s->batch); }
+
+void td_fixed_adapt(tides_simulator *s, const tides_render_stats *before) {
+    tides_render_stats after;
+    tides_renderer_stats(s->renderer, &after);
+    double projected = (double)(after.gaussians_projected - before->gaussians_projected);
+    double culled = (double)(after.gaussians_culled - before->gaussians_culled);
+    if (culled > too_many_culled * projected && s->batch > 1)
+        s->batch /= 2;
+    else if (culled < few_culled * projected || projected == 0)
+        s->batch = 2 * s->batch < s->batch_limit ? 2 * s->batch : s->batch_limit;
+}
+
+tides_status td_begin(tides_simulator *s, tides_error *error) {
+    tides_status status = td_sweep(s, 0, 0, error);
+    if (status == TIDES_OK) status = render_points(s, 0, 1, TD_SIDE_BEGINS, error);
+    if (status != TIDES_OK) return status;
+    td_fixed_take(s, 0, &s->now);
+    if (s->surround.surround.on) td_surround_steps_begin(s);
+    const double *S = s->surround.surround.on ? s->surround.S : s->now.plane[TD_KEPT_S];
+    td_sensor_begin(&s->sensor, S);
+    s->started = 1;
+    return TIDES_OK;
+}

@@ -1,0 +1,33 @@
+/* The beginning of a step: which tiles can change in it, and the rates that they begin with. For both kinds of steps, fixed and
+ * refined; what a sweep does is the renderer's. */
+#include "td_simulator.h"
+
+/* Tiles that can change in the interval swept last; all of them where tiles don't go their own ways. */
+static void list_moving(tides_simulator *s) {
+    s->moving_count = 0;
+    for (int t = 0; t < s->tiles; t++)
+        if (!s->local || !s->started || td_renderer_tile_moves(s->renderer, t)) s->moving[s->moving_count++] = t;
+}
+
+/* At a knot of some motion, where a step begins, the S_dot of the tiles that move becomes that of what begins there. */
+static tides_status turn_knot(tides_simulator *s, tides_error *error) {
+    const double time = td_grid_time(s, s->step);
+    if (!s->started || s->moving_count == 0 || !td_grid_is_knot(&s->grid, s->step)) return TIDES_OK;
+    for (int i = 0; i < s->moving_count; i++) s->requests[i] = (td_request){s->moving[i], 0};
+    const td_tile_batch batch = {&time, 1, TD_SIDE_BEGINS, s->requests, s->moving_count, TD_OUT_SIGNAL};
+    tides_status status = td_renderer_tiles(s->renderer, s->camera, &batch, s->planes, error);
+    for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {
+        int t = s->moving[i];
+        double S[TD_TILE_PIXELS]; /* is the same on both sides */
+        td_unpack_tile(&s->tile[t], s->planes + (size_t)i * TD_OUT_SIGNAL * TD_TILE_PIXELS, S,
+                       s->now.plane[TD_KEPT_S_DOT] + s->first_pixel[t]);
+    }
+    return status;
+}
+
+tides_status td_sweep(tides_simulator *s, double start, double stop, tides_error *error) {
+    tides_status status = td_renderer_sweep(s->renderer, s->camera, start, stop, error);
+    if (status != TIDES_OK) return status;
+    list_moving(s);
+    return turn_knot(s, error);
+}
