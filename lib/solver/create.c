@@ -1,5 +1,5 @@
-/* Making, asking and freeing a simulator, for the public API: parameters checked, steps and tiles laid out, memory taken. The run
- * itself is run.c's, its statistics statistics.c's. */
+/* Making, asking and freeing a simulator, for the public API: parameters checked, steps and tiles laid out, memory taken. The
+ * run itself is run.c's, its statistics statistics.c's. */
 #include "motion/td_motion.h"
 #include "td_simulator.h"
 #include "td_struct.h"
