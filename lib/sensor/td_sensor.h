@@ -145,6 +145,11 @@ static inline double td_sensor_time(const td_sensor *sensor, int64_t ns, double 
  */
 double td_sensor_signal(const td_sensor *sensor, size_t pixel, double L, double time);
 
+/* The smaller of the nominal thresholds, of which limits of errors are shares. */
+static inline double td_sensor_least_threshold(const tides_sensor *sensor) {
+    return sensor->threshold_on < sensor->threshold_off ? sensor->threshold_on : sensor->threshold_off;
+}
+
 /* What the pixels of a tile compare with: thresholds of pixel i at [i x stride], with stride 0 those of all; references when
  * the step is over; the leak's ramp, which is added to the signal. */
 typedef struct td_levels {

@@ -56,7 +56,8 @@ static double error_excess(tides_simulator *s, td_refine_step *step, double star
     const td_refine *r = &s->refine;
     const double *begin = td_sample_at(&r->samples, step->begin), *end = td_sample_at(&r->samples, step->end);
     const td_signals signals = {begin, begin + TD_TILE_PIXELS, end, end + TD_TILE_PIXELS};
-    const double from = td_refine_time(r, start, stop, step->from), *references = r->early ? r->reference : s->pixels.reference;
+    const double from = td_refine_time(r, start, stop, step->from),
+                 *references = r->early ? r->reference : s->sensor.pixels.reference;
     size_t first = s->first_pixel[step->tile];
     /* Through a surround each pixel's error is everyone's: all count. */
     const td_estimated judged = {td_refine_time(r, start, stop, step->to) - from,
@@ -66,7 +67,7 @@ static double error_excess(tides_simulator *s, td_refine_step *step, double star
                                  rounding_seen * s->timing.rounding,
                                  s->tile[step->tile].count};
     td_estimate estimate = td_sensor_estimate(&s->sensor, &judged, first, step->cuts, from * 1e9);
-    double threshold = smaller(s->comparator.threshold_on, s->comparator.threshold_off);
+    double threshold = td_sensor_least_threshold(&s->sensor.sensor);
     step->error = estimate.error / threshold;
     step->deviation = estimate.deviation / threshold;
     step->rounded = estimate.rounded / threshold;

@@ -133,17 +133,8 @@ static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *err
     return ok ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
-static tides_status set_interpolation(tides_simulator *s, tides_error *error) {
-    const td_comparator *c = &s->comparator;
-    double threshold = c->threshold_on < c->threshold_off ? c->threshold_on : c->threshold_off;
-    return td_renderer_interpolate(s->renderer, s->tolerance * threshold, s->time_tolerance_s, error);
-}
-
 /* What the parameters say, before there is a renderer. */
 static void take_parameters(tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping) {
-    const td_comparator comparator = {sensor->threshold_on, sensor->threshold_off, stepping->model, sensor->max_events_per_step,
-                                      0};
-    s->comparator = comparator;
     s->step_s = stepping->step_s;
     s->mode = stepping->mode;
     s->local = stepping->local != 0;
@@ -186,9 +177,11 @@ static tides_status lay_out(tides_simulator *s, const tides_intrinsics *intrinsi
 }
 
 /* The backend builds what samples at step ends render, then what the controller's do; interpolation asks the first of them. */
-static tides_status prepare(tides_simulator *s, tides_error *error) {
+static tides_status prepare(tides_simulator *s, const tides_sensor *sensor, tides_error *error) {
     tides_status status = td_renderer_prepare(s->renderer, td_fixed_outputs(s), error);
-    if (status == TIDES_OK && s->interpolates) status = set_interpolation(s, error);
+    if (status == TIDES_OK && s->interpolates)
+        status =
+            td_renderer_interpolate(s->renderer, s->tolerance * td_sensor_least_threshold(sensor), s->time_tolerance_s, error);
     return status == TIDES_OK ? td_renderer_prepare(s->renderer, s->outputs, error) : status;
 }
 
@@ -237,11 +230,10 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
         status = tides_renderer_create(device, scene, intrinsics, image, progress, user, &s->renderer, error);
     if (status == TIDES_OK) status = tides_renderer_set_psf(s->renderer, sensor->psf_sigma_px, sensor->psf_domain, error);
     if (status == TIDES_OK) status = lay_out(s, intrinsics, error);
-    if (status == TIDES_OK) status = prepare(s, error);
+    if (status == TIDES_OK) status = prepare(s, sensor, error);
     if (status == TIDES_OK)
         status = td_sensor_create(sensor, stepping->model, image->log_eps, 0, s->width, s->tile, s->tiles, &s->sensor, error);
     s->sensor.start_ns += s->epoch_ns;
-    s->pixels = s->sensor.pixels;
     if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, stepping, intrinsics->height, error);
     if (status != TIDES_OK) {
         tides_simulator_destroy(s);
@@ -283,9 +275,9 @@ void tides_simulator_state(const tides_simulator *simulator, double *signal, dou
             size_t from = simulator->first_pixel[t] + (size_t)i;
             size_t to = (size_t)(tile->y0 + i / tile->width) * simulator->width + (size_t)(tile->x0 + i % tile->width);
             if (signal) signal[to] = simulator->started ? td_signal_now(simulator, from) : NAN;
-            if (reference) reference[to] = simulator->started ? simulator->pixels.reference[from] : NAN;
-            if (count_on) count_on[to] = simulator->pixels.count_on[from];
-            if (count_off) count_off[to] = simulator->pixels.count_off[from];
+            if (reference) reference[to] = simulator->started ? simulator->sensor.pixels.reference[from] : NAN;
+            if (count_on) count_on[to] = simulator->sensor.pixels.count_on[from];
+            if (count_off) count_off[to] = simulator->sensor.pixels.count_off[from];
         }
     }
 }

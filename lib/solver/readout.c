@@ -86,7 +86,7 @@ static double share(double value, double full) { return fmin(value / full, 1); }
 /* What one of the simulator's tiles adds to the sums of the arbiter's. */
 static void add_tile(tides_simulator *s, int t, int moves) {
     const td_tile *tile = &s->tile[t];
-    const double threshold = 0.5 * (s->comparator.threshold_on + s->comparator.threshold_off);
+    const double threshold = 0.5 * (s->sensor.sensor.threshold_on + s->sensor.sensor.threshold_off);
     for (int32_t i = 0; i < tile->count; i++) {
         int32_t x = tile->x0 + i % tile->width, y = tile->y0 + i / tile->width;
         td_activity *sum = &s->readout.sums[y / s->readout.params.tile_px * s->readout.across + x / s->readout.params.tile_px];

@@ -134,7 +134,7 @@ static tides_status keep_references(tides_simulator *s, tides_error *error) {
     if (r->early) return TIDES_OK;
     tides_status status = td_reserve((void **)&r->reference, &r->reference_capacity, pixels, sizeof *r->reference, error);
     if (status != TIDES_OK) return status;
-    memcpy(r->reference, s->pixels.reference, pixels * sizeof *r->reference);
+    memcpy(r->reference, s->sensor.pixels.reference, pixels * sizeof *r->reference);
     r->early = 1;
     return TIDES_OK;
 }

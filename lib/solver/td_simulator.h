@@ -4,7 +4,6 @@
 
 #include "render/td_render.h"
 #include "sensor/td_estimate.h"
-#include "td_comparator.h"
 #include "td_state.h"
 #include "td_grid.h"
 #include "td_refine.h"
@@ -24,7 +23,6 @@ struct tides_simulator {
     tides_renderer *renderer;
     const tides_scene *scene; /* the caller's, as is the camera's path */
     const tides_trajectory *camera;
-    td_comparator comparator;
     td_sensor sensor;
     td_surround_steps surround; /* between the pixels and the comparator, where the sensor has one */
     double epoch;               /* [s] the run's start: every other time in the solver is an offset from it, */
@@ -49,7 +47,6 @@ struct tides_simulator {
     int width, height, tiles;
     td_tile *tile;          /* (tiles) */
     size_t *first_pixel;    /* (tiles + 1): where a tile's pixels begin in the arrays below */
-    td_pixels pixels;       /* the sensor's */
     td_sample now, next;    /* at the step's two ends */
     int batch, batch_limit; /* steps per launch: now, and at most */
     td_request *requests;   /* (batch_limit x tiles) */

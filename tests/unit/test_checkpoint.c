@@ -105,11 +105,12 @@ static void test_bits_of_pixels(void **state) {
     advance(s, j.start, before);
     const double odd[] = {-0.0, (double)NAN, (double)INFINITY, 5e-324, 0.1 + 0.2};
     for (size_t i = 0; i < sizeof odd / sizeof *odd; i++)
-        s->pixels.initial[i] = s->pixels.reference[i] = s->now.plane[TD_KEPT_S][i] = s->now.plane[TD_KEPT_S_DOT][i] = odd[i];
-    s->pixels.count_on[3] = UINT32_MAX;
-    s->pixels.count_off[3] = UINT32_MAX - 1;
-    s->pixels.reference[3] =
-        td_reference_of(s->comparator.threshold_on, s->comparator.threshold_off, 5e-324, UINT32_MAX, UINT32_MAX - 1);
+        s->sensor.pixels.initial[i] = s->sensor.pixels.reference[i] = s->now.plane[TD_KEPT_S][i] =
+            s->now.plane[TD_KEPT_S_DOT][i] = odd[i];
+    s->sensor.pixels.count_on[3] = UINT32_MAX;
+    s->sensor.pixels.count_off[3] = UINT32_MAX - 1;
+    s->sensor.pixels.reference[3] =
+        td_reference_of(s->sensor.sensor.threshold_on, s->sensor.sensor.threshold_off, 5e-324, UINT32_MAX, UINT32_MAX - 1);
     tides_simulator_state(s, before->signal, before->reference, before->on, before->off);
     cut(&j, device, path, &s);
     tides_simulator_state(s, after->signal, after->reference, after->on, after->off);
