@@ -28,11 +28,14 @@ void td_refine_bound(tides_simulator *s) {
 }
 
 /* Steps that a launch may take where the earliest are taken first: so few that those which come of them, level by level down to
- * the shortest, find room too. */
-static size_t room(const td_refine *r, uint32_t longest) {
-    size_t live = td_samples_live(&r->samples), levels = 1;
+ * the shortest, find room too. An eighth of the moving tiles may always: over some 14 levels that is two samples a tile more,
+ * and with one step at a time an image whose tiles alone need more than the bound (8192x8192 and 256 MB) took hours. */
+static size_t room(const tides_simulator *s, uint32_t longest) {
+    const td_refine *r = &s->refine;
+    size_t live = td_samples_live(&r->samples), levels = 1, least = (size_t)s->moving_count / 8;
     for (uint32_t length = longest; length >= 2 * r->shortest; length -= length * 3 / 8) levels++; /* of the longer part */
-    return r->limit > live ? (r->limit - live) / levels : 0;
+    size_t left = r->limit > live ? (r->limit - live) / levels : 0;
+    return left > least ? left : least;
 }
 
 /* Without `local` all tiles are cut at once, and with a sensor the first cuts are judged before others, which read what was
@@ -51,7 +54,7 @@ static tides_status take_earliest(tides_simulator *s, td_refine *r, tides_error 
         longest = step->to - step->from > longest ? step->to - step->from : longest;
     }
     qsort(places, r->open_count, sizeof *places, by_place);
-    size_t wanted = room(r, longest), left = 0;
+    size_t wanted = room(s, longest), left = 0;
     for (size_t i = 0; i < r->open_count; i++) {
         int32_t step = places[i].step;
         int take = r->pending_count < wanted || r->pending_count == 0 ||
