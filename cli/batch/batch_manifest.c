@@ -152,7 +152,7 @@ static tides_status check_keys(const batch *b, const cJSON *object, const char *
         for (const cJSON *other = item->next; *name && other; other = other->next)
             if (strcmp(other->string, item->string) == 0) return wrong(b, error, "is given twice; keep one", item->string);
         if (*name) continue;
-        const char *nearest = cli_nearest(item->string, known);
+        const char *nearest = tides_nearest_name(item->string, known);
         return cli_error(error, TIDES_BAD_CONFIG, "%s: unknown key \"%.100s\"; did you mean \"%s\"?", b->manifest, item->string,
                          nearest ? nearest : known[0]);
     }
@@ -235,7 +235,7 @@ static tides_status no_such_run(const batch *b, const char *name, tides_error *e
     const char **names = calloc(b->count + 1, sizeof *names);
     if (!names) return batch_no_memory(error);
     for (size_t i = 0; i < b->count; i++) names[i] = b->runs[i].name;
-    const char *nearest = cli_nearest(name, names);
+    const char *nearest = tides_nearest_name(name, names);
     cli_error(error, TIDES_BAD_CONFIG, "%s: no run is called \"%.200s\"%s%s%s; --summary --json names them all", b->manifest,
               name, nearest ? "; did you mean \"" : "", nearest ? nearest : "", nearest ? "\"?" : "");
     free(names);

@@ -27,7 +27,7 @@ static const benchmark *find_benchmark(const char *name) {
 static int unknown_benchmark(const cli_command *command, const char *name) {
     const char *names[BENCHMARKS + 1] = {NULL};
     for (size_t i = 0; i < BENCHMARKS; i++) names[i] = benchmarks[i].name;
-    const char *nearest = cli_nearest(name, names);
+    const char *nearest = tides_nearest_name(name, names);
     if (nearest) return cli_usage(command, "no benchmark is called %s; did you mean %s?", name, nearest);
     return cli_usage(command, "no benchmark is called %s; there are accuracy, ablation, image, stability and throughput", name);
 }
@@ -38,7 +38,7 @@ static int check_scene(const cli_command *command, const char *name) {
     for (const char *const *known = bench_scene_names(); *known; known++)
         if (strcmp(*known, name) == 0) return CLI_GO;
     if (stat(name, &found) == 0) return CLI_GO;
-    const char *nearest = cli_nearest(name, bench_scene_names());
+    const char *nearest = tides_nearest_name(name, bench_scene_names());
     if (nearest) return cli_usage(command, "--scene %s: neither a scene nor a file; did you mean %s?", name, nearest);
     return cli_usage(command, "--scene %s: neither a scene nor a file", name);
 }
@@ -46,7 +46,7 @@ static int check_scene(const cli_command *command, const char *name) {
 static int check_row(const cli_command *command, const char *name) {
     if (stability_find(name)) return CLI_GO;
     const char **names = stability_names();
-    const char *nearest = names ? cli_nearest(name, names) : NULL;
+    const char *nearest = names ? tides_nearest_name(name, names) : NULL;
     const int code = nearest ? cli_usage(command, "--row %s: there is no such row; did you mean %s?", name, nearest)
                              : cli_usage(command,
                                          "--row %s: there is no such row; a misspelt one gets the nearest name, and "

@@ -12,7 +12,7 @@
 static int unknown_method(const cli_command *command, const char *name) {
     const char *names[COMPARE_METHODS_MAX + 1] = {NULL};
     for (size_t i = 0; compare_method(i); i++) names[i] = compare_method(i);
-    const char *nearest = cli_nearest(name, names);
+    const char *nearest = tides_nearest_name(name, names);
     if (nearest) return cli_usage(command, "--methods: no method is called %s; did you mean %s?", name, nearest);
     return cli_usage(command, "--methods: no method is called %s; there are " METHODS, name);
 }

@@ -33,7 +33,7 @@ typedef struct job {
 /* ---- the command line ---- */
 
 static int unknown(const cli_command *command, const char *option, const char *text, const char *const *names) {
-    const char *nearest = cli_nearest(text, names);
+    const char *nearest = tides_nearest_name(text, names);
     char list[128] = "";
     for (size_t i = 0; names[i]; i++)
         snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "", names[i]);

@@ -32,7 +32,7 @@ typedef struct arguments {
 static int unknown_family(const cli_command *command, const char *name) {
     const char *names[FAMILIES + 1] = {NULL};
     for (size_t i = 0; i < FAMILIES; i++) names[i] = families[i].name;
-    const char *nearest = cli_nearest(name, names);
+    const char *nearest = tides_nearest_name(name, names);
     if (nearest) return cli_usage(command, "--only: no metric is called %s; did you mean %s?", name, nearest);
     return cli_usage(command, "--only: no metric is called %s: there are " METRICS, name);
 }

@@ -56,7 +56,7 @@ static int parse_kind(const cli_command *command, const char *name, job *j) {
         j->kind = &kinds[i];
         return CLI_GO;
     }
-    const char *nearest = cli_nearest(name, names);
+    const char *nearest = tides_nearest_name(name, names);
     if (nearest) return cli_usage(command, "--kind %s: did you mean %s?", name, nearest);
     return cli_usage(command, "--kind %s: should be frame, surface, xyt, rate or isi", name);
 }

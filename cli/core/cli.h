@@ -126,9 +126,6 @@ tides_status cli_write_text(const char *path, const char *text, tides_error *err
 /* Fills an error the way the library does. */
 tides_status cli_error(tides_error *error, tides_status status, const char *format, ...) CLI_PRINTF(3, 4);
 
-/* suggest.c: the entry of a NULL-terminated list that `name` was probably meant to be, or NULL. */
-const char *cli_nearest(const char *name, const char *const *names);
-
 /* sort.c: numbers without NaN, in ascending order. */
 void cli_sort(double *values, size_t count);
 

@@ -72,7 +72,7 @@ static int man_page(const cli_command *commands, size_t count, const char *page)
     for (size_t i = 0; i < count && i + 2 < sizeof names / sizeof names[0]; i++) names[i + 1] = commands[i].name;
     for (size_t i = 0; i < count; i++)
         if (strcmp(commands[i].name, page) == 0) return ask(&commands[i], kind);
-    nearest = cli_nearest(page, names);
+    nearest = tides_nearest_name(page, names);
     return nearest ? cli_usage(NULL, "there is no page on %s; did you mean %s?", page, nearest)
                    : cli_usage(NULL, "there is no page on %s", page);
 }

@@ -97,7 +97,7 @@ static void print_help(void) {
 static int unknown_command(const char *name) {
     const char *names[COMMANDS + 1] = {NULL};
     for (size_t i = 0; i < COMMANDS; i++) names[i] = commands[i].name;
-    const char *nearest = cli_nearest(name, names);
+    const char *nearest = tides_nearest_name(name, names);
     if (nearest) return cli_usage(NULL, "unknown command %s; did you mean %s?", name, nearest);
     return cli_usage(NULL, "unknown command %s", name);
 }

@@ -45,7 +45,7 @@ static int unknown(const parser *p, const char *name, size_t length) {
     for (size_t i = 0; i < CLI_COMMON_OPTIONS; i++) names[count++] = p->common[i].name;
     char given[64];
     snprintf(given, sizeof given, "%.*s", (int)(length < sizeof given ? length : sizeof given - 1), name);
-    const char *nearest = given[1] == '-' ? cli_nearest(given, names) : NULL;
+    const char *nearest = given[1] == '-' ? tides_nearest_name(given, names) : NULL;
     if (nearest) return cli_usage(p->command, "unknown option %s; did you mean %s?", given, nearest);
     return cli_usage(p->command, "unknown option %s", given);
 }

@@ -70,6 +70,13 @@ TIDES_API const char *tides_status_text(tides_status status);
 /* "0.1.0"; static storage. */
 TIDES_API const char *tides_version(void);
 
+/* The entry of `names` (NULL-terminated) that a misspelt `name` was probably meant to be: `name` itself where it is there,
+ * else the first that begins with it (3 bytes or more), else the nearest by letters put in, left out, replaced or swapped with
+ * their neighbour, the first of several, where these are at most half as many as `name` has. NULL where nothing is that near,
+ * and where either argument is NULL. Bytes are compared, case counts; of names above 128 bytes only beginnings and the same
+ * name are found. The answer is the list's own pointer. */
+TIDES_API const char *tides_nearest_name(const char *name, const char *const *names);
+
 /* Called now and then by long work, on the calling thread, with the fraction done in [0, 1] and a word for the stage
  * ("building kernels", "simulating"). A non-zero return stops the work with TIDES_CANCELLED; what was flushed stays. */
 typedef int (*tides_progress)(void *user, double fraction, const char *stage);

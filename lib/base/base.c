@@ -146,56 +146,6 @@ done:
     return status;
 }
 
-/* Levenshtein distance, rows of at most 128 characters; longer names are simply far. */
-static size_t td_edit_distance(const char *a, const char *b) {
-    size_t row[129], length_a = strlen(a), length_b = strlen(b);
-    if (length_a > 128 || length_b > 128) return SIZE_MAX;
-    for (size_t j = 0; j <= length_b; j++) row[j] = j;
-    for (size_t i = 1; i <= length_a; i++) {
-        size_t diagonal = row[0];
-        row[0] = i;
-        for (size_t j = 1; j <= length_b; j++) {
-            size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-            size_t best = row[j] < row[j - 1] ? row[j] + 1 : row[j - 1] + 1;
-            diagonal = row[j];
-            row[j] = replaced < best ? replaced : best;
-        }
-    }
-    return row[length_b];
-}
-
-const char *td_nearest(const char *name, const char *const *names) {
-    const char *nearest = NULL;
-    size_t least = strlen(name) / 2 + 1; /* more than half the letters wrong is not a slip */
-    for (; *names; names++) {
-        size_t distance = td_edit_distance(name, *names);
-        if (distance < least) {
-            least = distance;
-            nearest = *names;
-        }
-    }
-    return nearest;
-}
-
-const char *td_suggest(const char *name, const char *list, const char *separators, char text[TD_SUGGESTION_MAX]) {
-    enum { NAMES = 64, BYTES = 1024 };
-    char copy[BYTES];
-    const char *names[NAMES + 1] = {NULL};
-    size_t count = 0, length = strlen(list);
-    text[0] = '\0';
-    if (length >= BYTES) return text;
-    memcpy(copy, list, length + 1);
-    for (char *at = copy + strspn(copy, separators); *at && count < NAMES; at += strspn(at, separators)) {
-        names[count++] = at;
-        at += strcspn(at, separators);
-        if (*at) *at++ = '\0';
-    }
-    const char *nearest = td_nearest(name, names);
-    if (nearest && strlen(nearest) < TD_SUGGESTION_MAX - sizeof "; did you mean ?")
-        snprintf(text, TD_SUGGESTION_MAX, "; did you mean %s?", nearest);
-    return text;
-}
-
 double td_now(void) {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);

@@ -50,9 +50,6 @@ void td_remove_part(const char *part, const char *path);
 /* Waits until the bytes of an open file are on the disk; 0 or errno. Files that can't be asked (pipes) are fine. */
 int td_sync(int descriptor);
 
-/* The entry of `names` (NULL-terminated) nearest to `name` by edit distance; NULL where nothing is near. */
-const char *td_nearest(const char *name, const char *const *names);
-
 /* "; did you mean NAME?" with the nearest name of a list such as "smooth|inria|gsplat", whose names are parted by any of
  * `separators`; "" where none is near, or the list is too long. Returns `text`. */
 enum { TD_SUGGESTION_MAX = 96 };

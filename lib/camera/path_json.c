@@ -87,7 +87,7 @@ tides_status td_json_check_keys(td_path_reader *reader, const cJSON *object, con
         if (*known && cJSON_GetObjectItemCaseSensitive(object, item->string) == item) continue;
         if (*known) return td_json_fail(reader, where, item->string, "is given twice; keep one");
         char word[TD_QUOTE];
-        const char *nearest = td_nearest(item->string, keys);
+        const char *nearest = tides_nearest_name(item->string, keys);
         return td_fail(reader->error, TIDES_BAD_FILE, "%s: %s%s%s: unknown key%s%s%s", reader->file, where, *where ? "." : "",
                        td_path_quote(item->string, strlen(item->string), word), nearest ? "; did you mean \"" : "",
                        nearest ? nearest : "", nearest ? "\"?" : "");

@@ -40,7 +40,7 @@ tides_status td_event_format_named(const char *name, const td_event_format **for
         *format = td_event_formats[i];
         return TIDES_OK;
     }
-    const char *nearest = td_nearest(name, names);
+    const char *nearest = tides_nearest_name(name, names);
     return td_fail(error, TIDES_BAD_ARGUMENT, "\"%s\" is no format of event files%s%s%s", name,
                    nearest ? "; did you mean " : "", nearest ? nearest : "",
                    nearest ? "?" : ": tides convert --help lists them");

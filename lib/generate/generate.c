@@ -58,7 +58,7 @@ static tides_status find(const char *name, size_t *index, tides_error *error) {
             return TIDES_OK;
         }
     }
-    const char *nearest = td_nearest(name, names);
+    const char *nearest = tides_nearest_name(name, names);
     return nearest ? td_fail(error, TIDES_BAD_ARGUMENT, "unknown kind of scene '%.80s'; did you mean '%s'?", name, nearest)
                    : td_fail(error, TIDES_BAD_ARGUMENT,
                              "unknown kind of scene '%.80s': must be fan, pendulum, balls, plane, crowd, disc or room", name);

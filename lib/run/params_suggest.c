@@ -6,7 +6,7 @@
 
 enum { NAMES_MAX = 192 };
 
-/* Names gathered from the table, each once, NULL-terminated for td_nearest. */
+/* Names gathered from the table, each once, NULL-terminated for tides_nearest_name. */
 typedef struct name_list {
     char text[NAMES_MAX][TD_KEY_MAX];
     const char *names[NAMES_MAX + 1];
@@ -40,7 +40,7 @@ static const char *nearest_anywhere(const char *name) {
         const char *dot = strrchr(rows[i].key, '.');
         last[i] = dot ? dot + 1 : rows[i].key;
     }
-    const char *nearest = td_nearest(name, last);
+    const char *nearest = tides_nearest_name(name, last);
     for (size_t i = 0; nearest && i < count && i < NAMES_MAX; i++)
         if (strcmp(last[i], nearest) == 0) return rows[i].key;
     return NULL;
@@ -86,7 +86,7 @@ tides_status td_param_unknown(const char *where, const char *given, tides_error 
     char name[TD_KEY_MAX];
     snprintf(name, sizeof name, "%.*s", (int)length, key + known);
 
-    const char *near_here = td_nearest(name, list.names);
+    const char *near_here = tides_nearest_name(name, list.names);
     if (near_here) { /* keep what follows the slip where that makes a known key: sensr.b_min -> sensor.b_min */
         char whole[3 * TD_KEY_MAX], stem[2 * TD_KEY_MAX];
         snprintf(stem, sizeof stem, "%.*s%s", (int)known, key, near_here);

@@ -124,7 +124,7 @@ static tides_status check_object_key(const char *name, const cJSON *item, const 
             return td_fail(error, TIDES_BAD_CONFIG, "%s: %s = %s is out of range; it must lie in [1e-06, 1000000]", where, key,
                            show(item).text);
     } else {
-        const char *nearest = td_nearest(item->string, known);
+        const char *nearest = tides_nearest_name(item->string, known);
         return td_fail(error, TIDES_BAD_CONFIG, "%s: unknown key \"%s\"; did you mean \"%s.%s\"? (file, trajectory, scale)",
                        where, key, name, nearest ? nearest : "file");
     }

@@ -39,6 +39,7 @@ from .events import (
 from .generate import GenerateOptions, World, generate, generators
 from .measure import ExactOptions, exact_stream, ideal_settings, image_is_continuous
 from .motion import Motion
+from .names import nearest_name
 from .readout import Arbiter, Readout
 from .render import CHANNELS, ImageParams, Renderer
 from .representations import ArrayWriter, VoxelOptions, event_frame, time_surface, voxel_grid

@@ -2742,6 +2742,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_motion_moving": (c_int64, [P(tides_motion), P(tides_gaussians)]),
     # void tides_motion_range(const tides_motion *motion, double *start, double *stop)
     "tides_motion_range": (None, [P(tides_motion), P(c_double), P(c_double)]),
+    # const char *tides_nearest_name(const char *name, const char *const *names)
+    "tides_nearest_name": (c_char_p, [c_char_p, P(c_char_p)]),
     # const tides_param *tides_params(size_t *count)
     "tides_params": (P(tides_param), [P(c_size_t)]),
     # tides_status tides_path_load(const char *file, const tides_path_options *options, tides_path *path, tides_error

@@ -201,20 +201,29 @@ static void test_nearest(void **state) {
     (void)state;
     static const char *const names[] = {"threshold_on", "threshold_off", "leak_rate_hz", "seed", NULL};
     static const char *const none[] = {NULL};
-    assert_string_equal(td_nearest("treshold_on", names), "threshold_on");
-    assert_string_equal(td_nearest("thresholdoff", names), "threshold_off");
-    assert_string_equal(td_nearest("seeds", names), "seed");
-    assert_string_equal(td_nearest("seed", names), "seed");
-    assert_null(td_nearest("xylophone", names));
-    assert_null(td_nearest("", names));
-    assert_null(td_nearest("seed", none));
+    assert_string_equal(tides_nearest_name("treshold_on", names), "threshold_on");
+    assert_string_equal(tides_nearest_name("thresholdoff", names), "threshold_off");
+    assert_string_equal(tides_nearest_name("seeds", names), "seed");
+    assert_string_equal(tides_nearest_name("seed", names), "seed");
+    assert_null(tides_nearest_name("xylophone", names));
+    assert_null(tides_nearest_name("", names));
+    assert_null(tides_nearest_name("seed", none));
+    assert_null(tides_nearest_name(NULL, names));
+    assert_null(tides_nearest_name("seed", NULL));
+    /* One slip of typing, a name that others begin with, and how little of a name is an abbreviation. */
+    static const char *const others[] = {"tset_up", "abcd", "simulate_all", "simulate", "se", NULL};
+    assert_string_equal(tides_nearest_name("badc", others), "abcd"); /* 4 letters replaced, or 2 swaps: half of it */
+    assert_null(tides_nearest_name("dcba", others));
+    assert_string_equal(tides_nearest_name("sim", others), "simulate_all");
+    assert_string_equal(tides_nearest_name("simulate", others), "simulate");
+    assert_null(tides_nearest_name("si", (const char *const[]){"simulate", NULL}));
     char longer[400];
     memset(longer, 's', sizeof longer - 1);
     longer[sizeof longer - 1] = 0;
-    assert_null(td_nearest(longer, names));
+    assert_null(tides_nearest_name(longer, names));
     longer[128] = 0; /* the longest that is compared */
     const char *const one[] = {longer, NULL};
-    assert_ptr_equal(td_nearest(longer, one), longer);
+    assert_ptr_equal(tides_nearest_name(longer, one), longer);
 }
 
 static void test_suggest(void **state) {

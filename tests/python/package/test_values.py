@@ -121,3 +121,14 @@ def test_files_are_whole_or_as_they_were(tmp_path):
     with pytest.raises(tides.TidesError, match=str(tmp_path)):
         tides.files.write_bytes(tmp_path / "no" / "folder.txt", b"")
     assert sorted(tmp_path.iterdir()) == [link, there]
+
+
+def test_the_nearest_name_is_what_errors_suggest():
+    keys = [one.key for one in tides.parameters()]
+    assert tides.nearest_name("sensor.treshold_on", keys) == "sensor.threshold_on"
+    with pytest.raises(tides.TidesError, match='did you mean "sensor.threshold_on"'):
+        tides.Run(RUN, {"sensor.treshold_on": 1})
+    assert tides.nearest_name("sede", ["sensor", "seed"]) == "seed"  # neighbours swapped: one slip
+    assert tides.nearest_name("sen", ["seed", "sensor"]) == "sensor"  # an abbreviation
+    assert tides.nearest_name("xylophone", keys) is None and tides.nearest_name("seed", []) is None
+    assert tides.nearest_name("größe", ["seed", "grösse"]) == "grösse"
