@@ -1,8 +1,9 @@
 /* The comparator over the pixels of a tile (paper, "Comparator and sensor model"; DESIGN 3.2 to 3.4).
  *
  * Most pixels do nothing in most steps. Blocks of them are passed over by comparing control values with levels, in loops that
- * compilers turn into vector code, behind the constant low-pass too; only what is left goes to ideal.c or pixel.c, one pixel
+ * compilers turn into vector code, behind the constant low-pass too; only what is left goes to td_ideal.h or pixel.c, one pixel
  * after the other. Filters whose rates go with the light take each pixel by itself. */
+#include "td_ideal.h"
 #include "td_pixel.h"
 #include "td_sensor.h"
 
@@ -168,9 +169,7 @@ static int needs_nothing(const tile_job *job, const td_pixel_step *pixel) {
 /* Which pixels of a block need something; those that don't are at the step's end then, but for their noise. */
 static void reject_block(const tile_job *job, size_t first, size_t count, double *outside) {
     const td_sensor *sensor = job->pixel.sensor;
-    if (!sensor->on)
-        reject_any(1, job, first, count, outside);
-    else if (!sensor->frontend.on)
+    if (!sensor->frontend.on)
         reject_any(0, job, first, count, outside);
     else
         reject_filtered(job, first, count, outside);
@@ -277,18 +276,33 @@ static void undo(const tile_job *job, size_t before) {
     job->pixel.buffer->count = before;
 }
 
-static tides_status step_block(tile_job *job, size_t first, size_t count) {
-    const td_sensor *sensor = job->pixel.sensor;
-    const int rejects = can_reject(sensor);
+/* Ideal pixels. The loop over flags does nothing else, because most of them say that nothing is to be done. */
+static tides_status step_ideal_block(tile_job *job, size_t first, size_t count) {
     double outside[BLOCK];
-    if (sensor->on) take_levels(job, first, count);
+    if (job->pixel.sensor->exhaustive)
+        for (size_t k = 0; k < count; k++) outside[k] = 1;
+    else
+        reject_any(1, job, first, count, outside);
+    for (size_t k = 0;; k++) {
+        while (k < count && outside[k] == 0.0) k++;
+        if (k == count) return TIDES_OK;
+        tides_status status = step_ideal(job, first + k);
+        if (status != TIDES_OK) return status;
+    }
+}
+
+/* Pixels with blocks. */
+static tides_status step_block(tile_job *job, size_t first, size_t count) {
+    const int rejects = can_reject(job->pixel.sensor);
+    double outside[BLOCK];
+    take_levels(job, first, count);
     if (rejects) reject_block(job, first, count, outside);
     for (size_t k = 0; k < count; k++) {
         tides_status status = TIDES_OK;
         if (rejects && outside[k] == 0.0)
             pass_over(job, first + k);
         else
-            status = sensor->on ? step_pixel(job, first + k) : step_ideal(job, first + k);
+            status = step_pixel(job, first + k);
         if (status != TIDES_OK) return status;
     }
     return TIDES_OK;
@@ -308,7 +322,8 @@ tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_til
     job.stop = (double)(step->stop_ns - sensor->start_ns) + 2; /* floored, and less one where another step follows */
     job.noise = sensor->additive.on ? &noise : NULL;
     for (size_t done = 0; done < pixels; done += BLOCK) {
-        tides_status status = step_block(&job, done, pixels - done < BLOCK ? pixels - done : BLOCK);
+        const size_t count = pixels - done < BLOCK ? pixels - done : BLOCK;
+        tides_status status = sensor->on ? step_block(&job, done, count) : step_ideal_block(&job, done, count);
         if (status != TIDES_OK) {
             undo(&job, before);
             return status;

@@ -1,4 +1,4 @@
-/* Internal: one pixel over one step, its events in time order: an ideal one (ideal.c), or one with blocks (pixel.c).
+/* Internal: one pixel with blocks over one step, its events in time order (pixel.c; ideal ones: td_ideal.h).
  * comparator.c says which pixels of a tile need it. */
 #ifndef TD_PIXEL_H
 #define TD_PIXEL_H
@@ -29,11 +29,6 @@ typedef struct td_pixel_step {
 
 /* On failure the pixel is in between. */
 TIDES_MUST_CHECK tides_status td_pixel_advance(td_pixel_job *job, const td_pixel_step *pixel);
-
-/* An ideal pixel i at (x, y), by its model and its signal at the step's end. On failure counts of the pixel are those of the
- * events in the buffer. */
-TIDES_MUST_CHECK tides_status td_ideal_advance(td_pixel_job *job, size_t i, uint16_t x, uint16_t y, const td_model *model,
-                                               double S1);
 
 /* An event of a pixel that has fired *fired in this step; its cause is counted by the caller. */
 static inline tides_status td_pixel_emit(td_pixel_job *job, const tides_event *event, int32_t *fired) {
