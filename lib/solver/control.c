@@ -6,7 +6,8 @@
  *   travel  in either mode: a splat that could pass a pixel between two samples (sweep.h)
  *
  * Each gives the factor by which the step is above its limit; the largest decides. Where a budget of renders is set and a level
- * asks for more, the steps furthest above their limits go first. Without `local` one tile's wish cuts the step of all. */
+ * asks for more, the steps furthest above their limits go first. Without `local` a tile whose step is too long cuts those of
+ * all. For refine.c, which makes the steps; what errors are worth to a pixel the sensor says. */
 #include "td_simulator.h"
 
 #include <math.h>
@@ -141,14 +142,14 @@ static tides_status join_tiles(td_refine *r, tides_error *error) {
 }
 
 /* A pending step and what orders it. */
-typedef struct wish {
+typedef struct ranked_step {
     double excess;
     uint32_t from; /* steps of the whole image stay together */
     int32_t step;
-} wish;
+} ranked_step;
 
 static int by_falling_excess(const void *a, const void *b) {
-    const wish *x = a, *y = b;
+    const ranked_step *x = a, *y = b;
     if (x->excess != y->excess) return x->excess > y->excess ? -1 : 1;
     if (x->from != y->from) return x->from < y->from ? -1 : 1;
     return x->step < y->step ? -1 : x->step > y->step;
@@ -160,18 +161,18 @@ static tides_status keep_to_budget(tides_simulator *s, td_refine *r, tides_error
     size_t left = share > used ? (size_t)(share - used) : 0;
     if (s->budget <= 0 || r->pending_count <= left) return TIDES_OK;
     if (!s->local) left -= left % (size_t)s->moving_count;
-    wish *wishes = td_alloc(r->pending_count, sizeof *wishes, error);
-    if (!wishes) return TIDES_NO_MEMORY;
+    ranked_step *ranked = td_alloc(r->pending_count, sizeof *ranked, error);
+    if (!ranked) return TIDES_NO_MEMORY;
     for (size_t i = 0; i < r->pending_count; i++) {
         const td_refine_step *step = &r->step[r->pending[i]];
-        wish next = {step->excess, step->from, r->pending[i]};
-        wishes[i] = next;
+        ranked_step next = {step->excess, step->from, r->pending[i]};
+        ranked[i] = next;
     }
-    qsort(wishes, r->pending_count, sizeof *wishes, by_falling_excess);
-    for (size_t i = left; i < r->pending_count; i++) r->step[wishes[i].step].open = 0;
+    qsort(ranked, r->pending_count, sizeof *ranked, by_falling_excess);
+    for (size_t i = left; i < r->pending_count; i++) r->step[ranked[i].step].open = 0;
     r->pending_count = left;
-    for (size_t i = 0; i < left; i++) r->pending[i] = wishes[i].step;
-    free(wishes);
+    for (size_t i = 0; i < left; i++) r->pending[i] = ranked[i].step;
+    free(ranked);
     return TIDES_OK;
 }
 

@@ -127,7 +127,7 @@ static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *err
     ok = ok && (s->refine.head = td_alloc((size_t)s->tiles, sizeof *s->refine.head, error)) != NULL;
     ok = ok && (s->moving = td_alloc((size_t)s->tiles, sizeof *s->moving, error)) != NULL;
     ok = ok && (s->planes = td_alloc(samples * (size_t)td_fixed_outputs(s) * TD_TILE_PIXELS, sizeof *s->planes, error)) != NULL;
-    for (int p = 0; ok && p < s->planes_kept; p++)
+    for (int p = 0; ok && p < s->sample_planes; p++)
         ok = (s->now.plane[p] = td_alloc(pixels, sizeof *s->now.plane[p], error)) != NULL &&
              (s->next.plane[p] = td_alloc(pixels, sizeof *s->next.plane[p], error)) != NULL;
     return ok ? TIDES_OK : TIDES_NO_MEMORY;
@@ -145,7 +145,7 @@ static void take_parameters(tides_simulator *s, const tides_sensor *sensor, cons
     s->memory_mb = stepping->memory_mb;
     s->risk = stepping->risk;
     s->slope = stepping->slope;
-    s->planes_kept = s->refine.samples.kept = sensor->b_min > 0 ? TD_KEPT_ALL : TD_KEPT_SIGNAL;
+    s->sample_planes = s->refine.samples.planes = sensor->b_min > 0 ? TD_PLANES_ALL : TD_PLANES_SIGNAL;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
     s->interpolates = stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED;
     td_refine_bound(s);
@@ -252,7 +252,7 @@ void tides_simulator_destroy(tides_simulator *simulator) {
     td_readout_release(&simulator->readout);
     td_sensor_release(&simulator->sensor);
     td_surround_steps_release(&simulator->surround);
-    for (int p = 0; p < TD_KEPT_ALL; p++) {
+    for (int p = 0; p < TD_PLANES_ALL; p++) {
         free(simulator->now.plane[p]);
         free(simulator->next.plane[p]);
     }

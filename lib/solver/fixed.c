@@ -12,11 +12,12 @@ static const double too_many_culled = 0.5, few_culled = 0.3;
 /* One rendered tile to its place in a sample. */
 static void store_tile(const tides_simulator *s, int t, const double *planes, td_sample *sample) {
     size_t first = s->first_pixel[t], bytes = (size_t)s->tile[t].count * sizeof(double);
-    td_unpack_tile(&s->tile[t], planes, sample->plane[TD_KEPT_S] + first, sample->plane[TD_KEPT_S_DOT] + first);
-    if (s->planes_kept == TD_KEPT_SIGNAL) return;
-    double kept[TD_KEPT_ALL * TD_TILE_PIXELS];
-    td_unpack_diagnostics(&s->tile[t], planes, kept);
-    for (int k = TD_KEPT_SIGNAL; k < TD_KEPT_ALL; k++) memcpy(sample->plane[k] + first, kept + k * TD_TILE_PIXELS, bytes);
+    td_unpack_tile(&s->tile[t], planes, sample->plane[TD_PLANE_S] + first, sample->plane[TD_PLANE_S_DOT] + first);
+    if (s->sample_planes == TD_PLANES_SIGNAL) return;
+    double unpacked[TD_PLANES_ALL * TD_TILE_PIXELS];
+    td_unpack_diagnostics(&s->tile[t], planes, unpacked);
+    for (int k = TD_PLANES_SIGNAL; k < TD_PLANES_ALL; k++)
+        memcpy(sample->plane[k] + first, unpacked + k * TD_TILE_PIXELS, bytes);
 }
 
 /* Renders what moves at grid points [first, first + count), which are swept, into s->planes. */
@@ -38,7 +39,7 @@ tides_status td_fixed_render(tides_simulator *s, int count, tides_error *error) 
 void td_fixed_take(tides_simulator *s, int k, td_sample *sample) {
     size_t tile_reals = (size_t)td_fixed_outputs(s) * TD_TILE_PIXELS, bytes = s->first_pixel[s->tiles] * sizeof(double);
     if (s->moving_count < s->tiles)
-        for (int p = 0; p < s->planes_kept; p++) memcpy(sample->plane[p], s->now.plane[p], bytes);
+        for (int p = 0; p < s->sample_planes; p++) memcpy(sample->plane[p], s->now.plane[p], bytes);
     for (int i = 0; i < s->moving_count; i++)
         store_tile(s, s->moving[i], s->planes + ((size_t)k * s->moving_count + i) * tile_reals, sample);
 }
@@ -46,9 +47,9 @@ void td_fixed_take(tides_simulator *s, int k, td_sample *sample) {
 /* Slopes of S without derivatives: what a renderer that knows none could do. */
 void td_difference_slopes(tides_simulator *s, double h) {
     for (size_t i = 0; i < s->first_pixel[s->tiles]; i++) {
-        double slope = (s->next.plane[TD_KEPT_S][i] - s->now.plane[TD_KEPT_S][i]) / h;
-        s->next.plane[TD_KEPT_S_DOT][i] = slope;
-        if (s->step == 0) s->now.plane[TD_KEPT_S_DOT][i] = slope;
+        double slope = (s->next.plane[TD_PLANE_S][i] - s->now.plane[TD_PLANE_S][i]) / h;
+        s->next.plane[TD_PLANE_S_DOT][i] = slope;
+        if (s->step == 0) s->now.plane[TD_PLANE_S_DOT][i] = slope;
     }
 }
 
@@ -78,7 +79,7 @@ tides_status td_begin(tides_simulator *s, tides_error *error) {
     if (status != TIDES_OK) return status;
     td_fixed_take(s, 0, &s->now);
     if (s->surround.surround.on) td_surround_steps_begin(s);
-    const double *S = s->surround.surround.on ? s->surround.S : s->now.plane[TD_KEPT_S];
+    const double *S = s->surround.surround.on ? s->surround.S : s->now.plane[TD_PLANE_S];
     td_sensor_begin(&s->sensor, S);
     s->started = 1;
     return TIDES_OK;

@@ -19,7 +19,7 @@ static const double full_rate = 100, full_contributors = 64;
 /* From now on samples have diagnostics. */
 static tides_status keep_all(tides_simulator *s, tides_error *error) {
     size_t pixels = s->first_pixel[s->tiles], samples = (size_t)s->batch_limit * (size_t)s->tiles;
-    for (int p = TD_KEPT_SIGNAL; p < TD_KEPT_ALL; p++) {
+    for (int p = TD_PLANES_SIGNAL; p < TD_PLANES_ALL; p++) {
         if (!s->now.plane[p]) s->now.plane[p] = td_alloc(pixels, sizeof(double), error);
         if (!s->next.plane[p]) s->next.plane[p] = td_alloc(pixels, sizeof(double), error);
         if (!s->now.plane[p] || !s->next.plane[p]) return TIDES_NO_MEMORY;
@@ -28,7 +28,7 @@ static tides_status keep_all(tides_simulator *s, tides_error *error) {
     if (!planes) return TIDES_NO_MEMORY;
     free(s->planes);
     s->planes = planes;
-    s->planes_kept = s->refine.samples.kept = TD_KEPT_ALL;
+    s->sample_planes = s->refine.samples.planes = TD_PLANES_ALL;
     s->outputs = TD_OUT_DIAGNOSTICS;
     td_refine_bound(s);
     return td_renderer_prepare(s->renderer, TD_OUT_DIAGNOSTICS, error);
@@ -91,10 +91,10 @@ static void add_tile(tides_simulator *s, int t, int moves) {
         int32_t x = tile->x0 + i % tile->width, y = tile->y0 + i / tile->width;
         td_activity *sum = &s->readout.sums[y / s->readout.params.tile_px * s->readout.across + x / s->readout.params.tile_px];
         size_t at = s->first_pixel[t] + (size_t)i;
-        double L_dot = fabs(s->now.plane[TD_KEPT_S_DOT][at]), alpha_dot = fabs(s->now.plane[TD_KEPT_ALPHA_DOT][at]);
+        double L_dot = fabs(s->now.plane[TD_PLANE_S_DOT][at]), alpha_dot = fabs(s->now.plane[TD_PLANE_ALPHA_DOT][at]);
         if (moves && isfinite(L_dot)) sum->rate += L_dot / threshold;
         if (moves && isfinite(alpha_dot)) sum->alpha += alpha_dot;
-        sum->contributors += s->now.plane[TD_KEPT_CONTRIBUTORS][at];
+        sum->contributors += s->now.plane[TD_PLANE_CONTRIBUTORS][at];
     }
 }
 

@@ -35,21 +35,21 @@ static int depth_for(double length, double min_step) {
 
 /* -- samples --------------------------------------------------------------------------------------------------------------- */
 
-/* Copies one rendered tile, kept block by block, to a sample's rows, and notes its risk. */
+/* Copies one rendered tile, which is laid out block by block, to a sample's rows, and notes its risk. */
 static void store_sample(const tides_simulator *s, const td_refine *r, int t, const double *planes, int32_t index) {
     double *sample = td_sample_at(&r->samples, index);
     td_unpack_tile(&s->tile[t], planes, sample, sample + TD_TILE_PIXELS);
-    if (r->samples.kept == TD_KEPT_ALL) td_unpack_diagnostics(&s->tile[t], planes, sample);
+    if (r->samples.planes == TD_PLANES_ALL) td_unpack_diagnostics(&s->tile[t], planes, sample);
     *td_sample_risk(&r->samples, index) = s->outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, &s->tile[t], planes);
 }
 
 /* Distinct values of `times`, sorted, in place. */
 static int distinct(double *times, int count) {
-    int kept = 0;
+    int distinct = 0;
     qsort(times, (size_t)count, sizeof *times, td_ascending);
     for (int i = 0; i < count; i++)
-        if (kept == 0 || times[i] != times[kept - 1]) times[kept++] = times[i];
-    return kept;
+        if (distinct == 0 || times[i] != times[distinct - 1]) times[distinct++] = times[i];
+    return distinct;
 }
 
 static int slot_of(const double *times, int count, double time) {
@@ -132,7 +132,7 @@ static tides_status begin_lists(tides_simulator *s, td_refine *r, tides_error *e
         if (status == TIDES_OK) status = new_step(r, &step, error);
         if (status != TIDES_OK) return status;
         double *sample = td_sample_at(&r->samples, begin);
-        for (int k = 0; k < r->samples.kept; k++)
+        for (int k = 0; k < r->samples.planes; k++)
             memcpy(sample + k * TD_TILE_PIXELS, s->now.plane[k] + s->first_pixel[t], (size_t)s->tile[t].count * sizeof *sample);
         *td_sample_risk(&r->samples, begin) = s->tile_risk[t];
         r->step[step] =

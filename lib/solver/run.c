@@ -35,8 +35,8 @@ static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
     tides_status status = td_step_of_run(s, start, stop, &step, error);
     for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {
         int t = s->moving[i];
-        const double *begin_planes[TD_KEPT_ALL], *end_planes[TD_KEPT_ALL];
-        for (int p = 0; p < s->planes_kept; p++) {
+        const double *begin_planes[TD_PLANES_ALL], *end_planes[TD_PLANES_ALL];
+        for (int p = 0; p < s->sample_planes; p++) {
             begin_planes[p] = s->now.plane[p] + s->first_pixel[t];
             end_planes[p] = s->next.plane[p] + s->first_pixel[t];
         }

@@ -41,5 +41,5 @@ void td_samples_release(td_samples *samples) {
     for (size_t i = 0; i < samples->chunks; i++) free(samples->chunk[i]);
     free(samples->chunk);
     free(samples->spare);
-    *samples = (td_samples){.kept = samples->kept};
+    *samples = (td_samples){.planes = samples->planes};
 }

@@ -25,7 +25,7 @@ static void note_step(tides_simulator *s, const td_refine_step *step) {
 
 void td_settle_timing(tides_simulator *s, const td_refine_step *refined, const td_step *step, const double *const begin[],
                       const double *const end[], size_t first) {
-    const td_signals signals = {begin[TD_KEPT_S], begin[TD_KEPT_S_DOT], end[TD_KEPT_S], end[TD_KEPT_S_DOT]};
+    const td_signals signals = {begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
     const td_samples *samples = &s->refine.samples;
     const int holds = td_sensor_holds(&s->sensor);
     td_timed timed = {.step = step,
@@ -46,8 +46,8 @@ void td_settle_timing(tides_simulator *s, const td_refine_step *refined, const t
 static tides_status compare_step(tides_simulator *s, const td_refine_step *refined, double start, double stop,
                                  tides_error *error) {
     const td_refine *r = &s->refine;
-    const double *begin_planes[TD_KEPT_ALL], *end_planes[TD_KEPT_ALL];
-    for (int p = 0; p < s->planes_kept; p++) {
+    const double *begin_planes[TD_PLANES_ALL], *end_planes[TD_PLANES_ALL];
+    for (int p = 0; p < s->sample_planes; p++) {
         begin_planes[p] = td_sample_at(&r->samples, refined->begin) + p * TD_TILE_PIXELS;
         end_planes[p] = td_sample_at(&r->samples, refined->end) + p * TD_TILE_PIXELS;
     }
@@ -66,7 +66,7 @@ static tides_status compare_step(tides_simulator *s, const td_refine_step *refin
 static void reach(tides_simulator *s, int t, int32_t index, const td_sample *to) {
     const double *reached = td_sample_at(&s->refine.samples, index);
     size_t at = s->first_pixel[t], bytes = (size_t)s->tile[t].count * sizeof *reached;
-    for (int p = 0; p < s->planes_kept; p++) memcpy(to->plane[p] + at, reached + p * TD_TILE_PIXELS, bytes);
+    for (int p = 0; p < s->sample_planes; p++) memcpy(to->plane[p] + at, reached + p * TD_TILE_PIXELS, bytes);
     s->tile_risk[t] = *td_sample_risk(&s->refine.samples, index);
 }
 

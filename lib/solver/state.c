@@ -8,11 +8,11 @@ void td_simulator_state(tides_simulator *s, td_state *state) {
         const char *name;
         double *values;
     } real[] = {
-        {"signal", s->now.plane[TD_KEPT_S]},
-        {"signal_dot", s->now.plane[TD_KEPT_S_DOT]},
-        {"coverage", s->now.plane[TD_KEPT_ALPHA]},
-        {"alpha_dot", s->now.plane[TD_KEPT_ALPHA_DOT]},
-        {"contributors", s->now.plane[TD_KEPT_CONTRIBUTORS]},
+        {"signal", s->now.plane[TD_PLANE_S]},
+        {"signal_dot", s->now.plane[TD_PLANE_S_DOT]},
+        {"coverage", s->now.plane[TD_PLANE_ALPHA]},
+        {"alpha_dot", s->now.plane[TD_PLANE_ALPHA_DOT]},
+        {"contributors", s->now.plane[TD_PLANE_CONTRIBUTORS]},
         {"surround_modes", s->surround.modes},
     };
     for (size_t i = 0; i < sizeof real / sizeof real[0]; i++)

@@ -61,8 +61,8 @@ static void note_reached(tides_simulator *s, const td_surround_sample *reached) 
 void td_surround_steps_begin(tides_simulator *s) {
     td_surround_steps *steps = &s->surround;
     td_surround_sample now;
-    rearrange(s, TO_IMAGE, s->now.plane[TD_KEPT_S], steps->p);
-    rearrange(s, TO_IMAGE, s->now.plane[TD_KEPT_S_DOT], steps->p_dot);
+    rearrange(s, TO_IMAGE, s->now.plane[TD_PLANE_S], steps->p);
+    rearrange(s, TO_IMAGE, s->now.plane[TD_PLANE_S_DOT], steps->p_dot);
     td_surround_rest(&steps->surround, steps->p, steps->p_dot, &now);
     note_reached(s, &now);
 }
@@ -70,8 +70,8 @@ void td_surround_steps_begin(tides_simulator *s) {
 void td_surround_steps_resume(tides_simulator *s) {
     td_surround_steps *steps = &s->surround;
     td_surround_sample now;
-    rearrange(s, TO_IMAGE, s->now.plane[TD_KEPT_S], steps->p);
-    rearrange(s, TO_IMAGE, s->now.plane[TD_KEPT_S_DOT], steps->p_dot);
+    rearrange(s, TO_IMAGE, s->now.plane[TD_PLANE_S], steps->p);
+    rearrange(s, TO_IMAGE, s->now.plane[TD_PLANE_S_DOT], steps->p_dot);
     rearrange(s, TO_IMAGE, s->surround.modes, steps->from_dot);
     td_surround_resume(&steps->surround, steps->from_dot, steps->p, steps->p_dot, &now);
     note_reached(s, &now);
@@ -79,8 +79,8 @@ void td_surround_steps_resume(tides_simulator *s) {
 
 /* A tile at one end of a piece: what the comparator wants of it, and the input where it wants that. */
 typedef struct tile_sample {
-    double kept[TD_KEPT_ALL][TD_TILE_PIXELS], p[TD_TILE_PIXELS], p_dot[TD_TILE_PIXELS];
-    const double *plane[TD_KEPT_ALL];
+    double own[TD_PLANES_ALL][TD_TILE_PIXELS], p[TD_TILE_PIXELS], p_dot[TD_TILE_PIXELS];
+    const double *plane[TD_PLANES_ALL];
 } tile_sample;
 
 /* `part` of the step says where between s->now and s->next the other planes are, which are taken to be linear. */
@@ -88,15 +88,15 @@ static void take_tile(const tides_simulator *s, int t, const td_surround_sample 
     const td_tile *tile = &s->tile[t];
     for (int i = 0; i < tile->count; i++) {
         size_t at = (size_t)(tile->y0 + i / tile->width) * s->width + (size_t)(tile->x0 + i % tile->width);
-        to->kept[TD_KEPT_S][i] = from->S[at];
-        to->kept[TD_KEPT_S_DOT][i] = from->S_dot[at];
+        to->own[TD_PLANE_S][i] = from->S[at];
+        to->own[TD_PLANE_S_DOT][i] = from->S_dot[at];
         to->p[i] = from->p[at];
         to->p_dot[i] = from->p_dot[at];
     }
-    for (int k = 0; k < s->planes_kept; k++) {
-        to->plane[k] = to->kept[k];
+    for (int k = 0; k < s->sample_planes; k++) {
+        to->plane[k] = to->own[k];
         const double *now = s->now.plane[k] + s->first_pixel[t], *next = s->next.plane[k] + s->first_pixel[t];
-        for (int i = 0; i < tile->count && k >= TD_KEPT_SIGNAL; i++) to->kept[k][i] = (1 - part) * now[i] + part * next[i];
+        for (int i = 0; i < tile->count && k >= TD_PLANES_SIGNAL; i++) to->own[k][i] = (1 - part) * now[i] + part * next[i];
     }
 }
 
@@ -123,9 +123,9 @@ tides_status td_surround_compare(tides_simulator *s, double start, double stop, 
     td_surround_sample sample[2];
     double part[2];
     tides_status status = TIDES_OK;
-    rearrange(s, TO_IMAGE, s->now.plane[TD_KEPT_S_DOT], steps->from_dot);
-    rearrange(s, TO_IMAGE, s->next.plane[TD_KEPT_S], steps->p);
-    rearrange(s, TO_IMAGE, s->next.plane[TD_KEPT_S_DOT], steps->p_dot);
+    rearrange(s, TO_IMAGE, s->now.plane[TD_PLANE_S_DOT], steps->from_dot);
+    rearrange(s, TO_IMAGE, s->next.plane[TD_PLANE_S], steps->p);
+    rearrange(s, TO_IMAGE, s->next.plane[TD_PLANE_S_DOT], steps->p_dot);
     td_surround_begin(&steps->surround, stop - start, steps->from_dot, steps->p, steps->p_dot);
     while (status == TIDES_OK && td_surround_next(&steps->surround, &part[0], &part[1], &sample[0], &sample[1])) {
         td_step step;

@@ -20,7 +20,7 @@ static tides_status turn_knot(tides_simulator *s, tides_error *error) {
         int t = s->moving[i];
         double S[TD_TILE_PIXELS]; /* is the same on both sides */
         td_unpack_tile(&s->tile[t], s->planes + (size_t)i * TD_OUT_SIGNAL * TD_TILE_PIXELS, S,
-                       s->now.plane[TD_KEPT_S_DOT] + s->first_pixel[t]);
+                       s->now.plane[TD_PLANE_S_DOT] + s->first_pixel[t]);
     }
     return status;
 }

@@ -82,7 +82,7 @@ static inline int td_refine_may_cut(const td_refine *refine, const td_refine_ste
     return step->to - step->from >= 2 * refine->shortest;
 }
 
-/* Bytes for the samples of a macro step, for planes_kept that are final. */
+/* Bytes for the samples of a macro step, for sample_planes that are final. */
 void td_refine_bound(tides_simulator *s);
 
 void td_refine_release(td_refine *refine);

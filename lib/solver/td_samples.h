@@ -6,13 +6,21 @@
 #include "render/td_render.h"
 
 /* Planes of a sample: S and S_dot, and where the sensor or the readout asks for them the diagnostics. */
-enum { TD_KEPT_S, TD_KEPT_S_DOT, TD_KEPT_ALPHA, TD_KEPT_ALPHA_DOT, TD_KEPT_CONTRIBUTORS, TD_KEPT_ALL, TD_KEPT_SIGNAL = 2 };
+enum {
+    TD_PLANE_S,
+    TD_PLANE_S_DOT,
+    TD_PLANE_ALPHA,
+    TD_PLANE_ALPHA_DOT,
+    TD_PLANE_CONTRIBUTORS,
+    TD_PLANES_ALL,
+    TD_PLANES_SIGNAL = 2
+};
 
 /* To a power of two: samples of a chunk. */
 enum { TD_SAMPLE_BITS = 8 };
 
 typedef struct td_samples {
-    int kept; /* planes of the image, TD_KEPT_SIGNAL or TD_KEPT_ALL; one of deviations and a short one of their falls follow */
+    int planes; /* of the image, TD_PLANES_SIGNAL or TD_PLANES_ALL; one of deviations and a short one of their falls follow */
     double **chunk; /* samples of TD_SAMPLE_BITS each */
     size_t chunks, chunk_capacity;
     int32_t *spare; /* given back */
@@ -25,17 +33,17 @@ enum { TD_SAMPLE_FALLS = TD_TILE_PIXELS / sizeof(double) };
 
 /* Doubles of a sample: its planes, row by row, and the tile's risk score. */
 static inline size_t td_sample_reals(const td_samples *samples) {
-    return ((size_t)samples->kept + 1) * TD_TILE_PIXELS + TD_SAMPLE_FALLS + 1;
+    return ((size_t)samples->planes + 1) * TD_TILE_PIXELS + TD_SAMPLE_FALLS + 1;
 }
 
-/* S of a sample, then the other planes kept, then its deviations. */
+/* S of a sample, then its other planes, then its deviations. */
 static inline double *td_sample_at(const td_samples *samples, int32_t index) {
     return samples->chunk[index >> TD_SAMPLE_BITS] + (size_t)(index & ((1 << TD_SAMPLE_BITS) - 1)) * td_sample_reals(samples);
 }
 
 /* How far the step that was cut here was off (td_probe.h). */
 static inline double *td_sample_deviation(const td_samples *samples, int32_t index) {
-    return td_sample_at(samples, index) + (size_t)samples->kept * TD_TILE_PIXELS;
+    return td_sample_at(samples, index) + (size_t)samples->planes * TD_TILE_PIXELS;
 }
 
 /* How far that had fallen since the longer step was cut (td_probe_fall): (TD_TILE_PIXELS) bytes in the room of doubles. */
@@ -44,7 +52,7 @@ static inline uint8_t *td_sample_fall(const td_samples *samples, int32_t index) 
 }
 
 static inline double *td_sample_risk(const td_samples *samples, int32_t index) {
-    return td_sample_at(samples, index) + ((size_t)samples->kept + 1) * TD_TILE_PIXELS + TD_SAMPLE_FALLS;
+    return td_sample_at(samples, index) + ((size_t)samples->planes + 1) * TD_TILE_PIXELS + TD_SAMPLE_FALLS;
 }
 
 /* Handed out now. */

@@ -13,10 +13,10 @@
 
 enum { TD_BATCH_STEPS = 16 }; /* steps per launch at most */
 
-/* Every pixel at one time, tile by tile, each tile's pixels row by row: TD_KEPT_*, (pixels) each; those that aren't kept are
- * NULL. */
+/* Every pixel at one time, tile by tile, each tile's pixels row by row: TD_PLANE_*, (pixels) each; those that the run
+ * doesn't ask for are NULL. */
 typedef struct td_sample {
-    double *plane[TD_KEPT_ALL];
+    double *plane[TD_PLANES_ALL];
 } td_sample;
 
 struct tides_simulator {
@@ -36,7 +36,7 @@ struct tides_simulator {
     int slope;              /* TIDES_SLOPE_* */
     int outputs;            /* planes that each sample renders: risk, a mask and the readout want diagnostics */
     td_run_readout readout; /* the readout, where one is attached */
-    int planes_kept;        /* of these, TD_KEPT_SIGNAL or TD_KEPT_ALL */
+    int sample_planes;      /* of these, TD_PLANES_SIGNAL or TD_PLANES_ALL */
     double *tile_risk;      /* (tiles) at the time reached */
     td_refine refine;       /* TIDES_STEPPING_ERROR */
     td_timing timing;       /* likewise: estimated errors of event times */
@@ -93,7 +93,7 @@ void td_fixed_take(tides_simulator *simulator, int k, td_sample *sample);
  * run's start. */
 void td_difference_slopes(tides_simulator *simulator, double h);
 
-/* S and S_dot of a rendered tile, whose planes are kept block by block, as rows of the tile's pixels. */
+/* S and S_dot of a rendered tile, whose planes are laid out block by block, as rows of the tile's pixels. */
 static inline void td_unpack_tile(const td_tile *tile, const double *planes, double *S, double *S_dot) {
     for (int y = 0, i = 0; i < tile->count; y++)
         for (int x = 0; x < tile->width; x++, i++) {
@@ -111,21 +111,21 @@ static inline double td_time_reached(const tides_simulator *simulator) {
     return simulator->epoch + td_grid_time(simulator, simulator->step);
 }
 
-/* The rest of TD_KEPT_* of a rendered tile into a sample of refine.c, whose planes are TD_TILE_PIXELS apart. */
+/* The rest of TD_PLANE_* of a rendered tile into a sample of refine.c, whose planes are TD_TILE_PIXELS apart. */
 static inline void td_unpack_diagnostics(const td_tile *tile, const double *planes, double *sample) {
     static const int output[] = {TD_OUT_COVERAGE, TD_OUT_ALPHA_DOT, TD_OUT_CONTRIBUTORS};
-    for (int k = 0; k < TD_KEPT_ALL - TD_KEPT_SIGNAL; k++)
+    for (int k = 0; k < TD_PLANES_ALL - TD_PLANES_SIGNAL; k++)
         for (int y = 0, i = 0; i < tile->count; y++)
             for (int x = 0; x < tile->width; x++, i++)
-                sample[(TD_KEPT_SIGNAL + k) * TD_TILE_PIXELS + i] = planes[output[k] * TD_TILE_PIXELS + td_tile_pixel(x, y)];
+                sample[(TD_PLANES_SIGNAL + k) * TD_TILE_PIXELS + i] = planes[output[k] * TD_TILE_PIXELS + td_tile_pixel(x, y)];
 }
 
 /* What fixed steps and the first sample render: risk isn't asked there. */
 static inline int td_fixed_outputs(const tides_simulator *simulator) {
-    return simulator->planes_kept == TD_KEPT_ALL ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
+    return simulator->sample_planes == TD_PLANES_ALL ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
 }
 
-/* The comparator, or the sensor, over one step of a tile between two samples of it: planes_kept pointers each (tile_step.c). */
+/* The sensor over one step of a tile between two samples of it: sample_planes pointers each (tile_step.c). */
 tides_status td_compare_tile(tides_simulator *simulator, int tile, const td_step *step, const double *const begin[],
                              const double *const end[], tides_error *error);
 

@@ -23,9 +23,9 @@ static tides_status fail_nonfinite(const tides_simulator *s, int t, const td_ste
 static tides_status compare(tides_simulator *s, int t, const td_step *step, const double *const begin[],
                             const double *const end[], tides_error *error) {
     size_t at = s->first_pixel[t];
-    td_signals signals = {begin[TD_KEPT_S], begin[TD_KEPT_S_DOT], end[TD_KEPT_S], end[TD_KEPT_S_DOT]};
+    td_signals signals = {begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
     td_coverage coverage = {NULL, NULL};
-    if (s->sensor.masks) coverage = (td_coverage){begin[TD_KEPT_ALPHA], end[TD_KEPT_ALPHA]};
+    if (s->sensor.masks) coverage = (td_coverage){begin[TD_PLANE_ALPHA], end[TD_PLANE_ALPHA]};
     return td_sensor_step(&s->sensor, step, &s->tile[t], at, &signals, &coverage, &s->events, error);
 }
 
@@ -46,9 +46,9 @@ tides_status td_compare_still(tides_simulator *s, const td_step *step, tides_err
             moved++;
             continue;
         }
-        const double *plane[TD_KEPT_ALL];
-        for (int k = 0; k < s->planes_kept; k++) plane[k] = s->now.plane[k] + s->first_pixel[t];
-        plane[TD_KEPT_S_DOT] = no_rate;
+        const double *plane[TD_PLANES_ALL];
+        for (int k = 0; k < s->sample_planes; k++) plane[k] = s->now.plane[k] + s->first_pixel[t];
+        plane[TD_PLANE_S_DOT] = no_rate;
         tides_status status = td_compare_tile(s, t, step, plane, plane, error);
         if (status != TIDES_OK) return status;
     }
@@ -57,7 +57,7 @@ tides_status td_compare_still(tides_simulator *s, const td_step *step, tides_err
 
 /* S of every pixel at the time reached, past the surround. */
 static const double *seen(const tides_simulator *s) {
-    return s->surround.surround.on ? s->surround.S : s->now.plane[TD_KEPT_S];
+    return s->surround.surround.on ? s->surround.S : s->now.plane[TD_PLANE_S];
 }
 
 double td_signal_now(const tides_simulator *s, size_t pixel) {
@@ -65,5 +65,5 @@ double td_signal_now(const tides_simulator *s, size_t pixel) {
 }
 
 double td_worst_residual(const tides_simulator *s) {
-    return td_sensor_worst_residual(&s->sensor, seen(s), s->now.plane[TD_KEPT_ALPHA], time_now(s));
+    return td_sensor_worst_residual(&s->sensor, seen(s), s->now.plane[TD_PLANE_ALPHA], time_now(s));
 }

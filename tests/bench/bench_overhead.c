@@ -38,7 +38,8 @@ static double level_seconds(tides_simulator *s, const int *tiles, int count, dou
         const td_tile *tile = &s->tile[tiles[i]];
         size_t at = s->first_pixel[tiles[i]];
         td_unpack_tile(tile, planes + (size_t)i * TD_OUT_SIGNAL * TD_TILE_PIXELS, sample, sample + TD_TILE_PIXELS);
-        td_signals signals = {s->now.plane[TD_KEPT_S] + at, s->now.plane[TD_KEPT_S_DOT] + at, sample, sample + TD_TILE_PIXELS};
+        td_signals signals = {s->now.plane[TD_PLANE_S] + at, s->now.plane[TD_PLANE_S_DOT] + at, sample,
+                              sample + TD_TILE_PIXELS};
         const td_estimated judged = {0.5 * interval_s, &signals, s->sensor.pixels.reference + at, NULL, 0, tile->count};
         td_sensor_estimate(&s->sensor, &judged, at, 0, 0);
     }

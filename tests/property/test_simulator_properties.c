@@ -71,11 +71,11 @@ static void test_slopes_by_difference(void **state) {
     const double last = s->epoch + td_grid_time(s, s->steps - 1);
     begin(&j, s, &o);
     scene_expect_ok(tides_simulator_run(s, last, collect, &o, NULL, NULL, &error), &error);
-    memcpy(before, s->now.plane[TD_KEPT_S], sizeof before);
+    memcpy(before, s->now.plane[TD_PLANE_S], sizeof before);
     scene_expect_ok(tides_simulator_run(s, j.stop, collect, &o, NULL, NULL, &error), &error);
     for (int i = 0; i < pixels_of(&j); i++) {
-        double slope = (s->now.plane[TD_KEPT_S][i] - before[i]) / (j.stop - last);
-        assert_true(fabs(s->now.plane[TD_KEPT_S_DOT][i] - slope) <= 1e-9 * (1 + fabs(slope)));
+        double slope = (s->now.plane[TD_PLANE_S][i] - before[i]) / (j.stop - last);
+        assert_true(fabs(s->now.plane[TD_PLANE_S_DOT][i] - slope) <= 1e-9 * (1 + fabs(slope)));
     }
     finish(s, &o);
     check_stream(&j, &o);

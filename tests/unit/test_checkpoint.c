@@ -105,8 +105,8 @@ static void test_bits_of_pixels(void **state) {
     advance(s, j.start, before);
     const double odd[] = {-0.0, (double)NAN, (double)INFINITY, 5e-324, 0.1 + 0.2};
     for (size_t i = 0; i < sizeof odd / sizeof *odd; i++)
-        s->sensor.pixels.initial[i] = s->sensor.pixels.reference[i] = s->now.plane[TD_KEPT_S][i] =
-            s->now.plane[TD_KEPT_S_DOT][i] = odd[i];
+        s->sensor.pixels.initial[i] = s->sensor.pixels.reference[i] = s->now.plane[TD_PLANE_S][i] =
+            s->now.plane[TD_PLANE_S_DOT][i] = odd[i];
     s->sensor.pixels.count_on[3] = UINT32_MAX;
     s->sensor.pixels.count_off[3] = UINT32_MAX - 1;
     s->sensor.pixels.reference[3] =

@@ -100,7 +100,7 @@ static int may_reach(const td_response *response, int segment, double until, con
 
 /* A crossing in the mapped time of a substep took what is added to its response as a cubic of that time; one Newton step with S
  * itself mends what that is off by, where S isn't about to turn. */
-static double mend(const td_response *response, const td_substeps *substeps, const request *asked, int polarity, double s) {
+static double polish(const td_response *response, const td_substeps *substeps, const request *asked, int polarity, double s) {
     if (!substeps->map.on || s <= asked->from) return s;
     double v = td_substeps_place(substeps, s), level = asked->reference + (polarity > 0 ? asked->on : -asked->off);
     double off = td_model_value(&response->cubic, s) + direct_value(&substeps->response, v) - level;
@@ -119,7 +119,7 @@ static int crossing_in_segment(const td_response *response, int segment, double 
         double begin = td_substeps_place(&substeps, asked->from), end = td_substeps_place(&substeps, asked->to), v;
         int polarity = td_response_crossing(&substep, asked->reference, asked->on, asked->off, begin, end, &v);
         if (polarity == 0) continue;
-        *s = mend(response, &substeps, asked, polarity, td_substeps_time(&substeps, v));
+        *s = polish(response, &substeps, asked, polarity, td_substeps_time(&substeps, v));
         *s = fmin(fmax(*s, asked->from), asked->to);
         return polarity;
     }
