@@ -182,7 +182,7 @@ const td_event_format td_format_csv = {
     .detect = detect_csv,
     .open = open_csv,
     .read = td_event_rows_read,
-    .close = td_event_rows_close,
+    .close = td_event_close_state,
     .create = create_csv,
     .write = write_csv,
 };
@@ -195,7 +195,7 @@ const td_event_format td_format_csv_ns = {
     .size_limit = 65536,
     .open = open_csv,
     .read = td_event_rows_read,
-    .close = td_event_rows_close,
+    .close = td_event_close_state,
     .create = create_csv_ns,
     .write = write_csv_ns,
 };
@@ -209,7 +209,7 @@ const td_event_format td_format_csv_openeb = {
     .detect = detect_openeb,
     .open = open_openeb,
     .read = td_event_rows_read,
-    .close = td_event_rows_close,
+    .close = td_event_close_state,
     .create = create_openeb,
     .write = write_openeb,
 };

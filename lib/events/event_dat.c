@@ -6,7 +6,6 @@
 #include "td_base.h"
 #include "td_endian.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { TYPE_CD = 0x0c, TYPE_2D = 0x00, RECORD = 8 };
@@ -38,8 +37,6 @@ static tides_status open_dat(td_event_stream *stream, tides_error *error) {
                        stream->input.path, header.version, type, size);
     return TIDES_OK;
 }
-
-static void close_dat(td_event_stream *stream) { free(stream->state); }
 
 static tides_status read_dat(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got, tides_error *error) {
     int64_t *before = stream->state;
@@ -112,7 +109,7 @@ const td_event_format td_format_dat = {
     .detect = detect_dat,
     .open = open_dat,
     .read = read_dat,
-    .close = close_dat,
+    .close = td_event_close_state,
     .create = create_dat,
     .span = span_dat,
     .check = check_dat,

@@ -6,7 +6,6 @@
 #include "td_base.h"
 #include "td_endian.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { HEADER = 20, KIND_DVS = 1, OVERFLOW_BYTE = 0xff, RESET_BYTE = 0xfe, OVERFLOW_US = 127 };
@@ -34,8 +33,6 @@ static tides_status open_es(td_event_stream *stream, tides_error *error) {
     return td_fail(error, TIDES_BAD_FILE, "%s: its header says %d x %d px", stream->input.path, stream->facts.width,
                    stream->facts.height);
 }
-
-static void close_es(td_event_stream *stream) { free(stream->state); }
 
 /* Passes over bytes that only move the time. */
 static tides_status take_silence(td_event_stream *stream, tides_error *error) {
@@ -86,25 +83,6 @@ static tides_status create_es(td_event_sink *sink, tides_error *error) {
     return TIDES_OK;
 }
 
-/* 7874 bytes for every second without events. */
-static const int64_t longest_silence = INT64_C(100000) * 1000000000; /* [ns] */
-static const char *check_es(const td_event_sink *sink, const tides_event *event, const tides_event *previous) {
-    (void)sink;
-    int64_t from = previous ? previous->t : 0;
-    return event->t - from > longest_silence ? "comes more than 10^5 s after the one before it, and Event Stream "
-                                               "takes a byte every 127 us: count from the first "
-                                               "event (--rebase)"
-                                             : NULL;
-}
-
-static const char *span_es(int64_t start_ns, int64_t stop_ns) {
-    (void)stop_ns;
-    return start_ns > longest_silence
-               ? "Event Stream counts from 0 and takes a byte every 127 us, for 10^5 s at most: write HDF5 "
-                 "(.h5), or bring path and run to time 0 (camera.rebase, time.start)"
-               : NULL;
-}
-
 static tides_status write_es(td_event_sink *sink, const tides_event *events, size_t count, tides_error *error) {
     (void)error;
     static const unsigned char overflow = OVERFLOW_BYTE;
@@ -122,21 +100,23 @@ static tides_status write_es(td_event_sink *sink, const tides_event *events, siz
     return TIDES_OK;
 }
 
-static void discard_es(td_event_sink *sink) { free(sink->state); }
-
 const td_event_format td_format_es = {
     .name = "es",
     .endings = ".es",
     .summary = "Event Stream (event_stream, faery)",
     .tick_ns = 1000,
     .size_limit = 65535,
+    .silence_ns = INT64_C(100000) * 1000000000, /* 7874 bytes for every second without events */
+    .silent_event =
+        "comes more than 10^5 s after the one before it, and Event Stream takes a byte every 127 us: count from the "
+        "first event (--rebase)",
+    .silent_start = "Event Stream counts from 0 and takes a byte every 127 us, for 10^5 s at most: write HDF5 (.h5), or bring "
+                    "path and run to time 0 (camera.rebase, time.start)",
     .detect = detect_es,
     .open = open_es,
     .read = read_es,
-    .close = close_es,
+    .close = td_event_close_state,
     .create = create_es,
-    .span = span_es,
-    .check = check_es,
     .write = write_es,
-    .discard = discard_es,
+    .discard = td_event_discard_state,
 };

@@ -12,7 +12,6 @@
 #include "td_base.h"
 #include "td_endian.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { TYPE_OFF = 0, TYPE_ON = 1, TYPE_TIME_HIGH = 8, COORDINATES = 2048 };
@@ -45,8 +44,6 @@ static tides_status open_evt(td_event_stream *stream, tides_error *error) {
     state->swapped = header.swapped;
     return status;
 }
-
-static void close_evt(td_event_stream *stream) { free(stream->state); }
 
 static void take_high(clock_state *state, uint32_t high) {
     int64_t turns = state->high / HIGH_VALUES, before = state->high % HIGH_VALUES;
@@ -143,8 +140,6 @@ static tides_status write_evt2(td_event_sink *sink, const tides_event *events, s
     return TIDES_OK;
 }
 
-static void discard_evt2(td_event_sink *sink) { free(sink->state); }
-
 const td_event_format td_format_evt2 = {
     .name = "evt2",
     .endings = ".evt2.raw",
@@ -154,10 +149,10 @@ const td_event_format td_format_evt2 = {
     .detect = detect_evt2,
     .open = open_evt,
     .read = read_evt2,
-    .close = close_evt,
+    .close = td_event_close_state,
     .create = create_evt2,
     .write = write_evt2,
-    .discard = discard_evt2,
+    .discard = td_event_discard_state,
 };
 
 const td_event_format td_format_evt21 = {
@@ -166,5 +161,5 @@ const td_event_format td_format_evt21 = {
     .detect = detect_evt21,
     .open = open_evt,
     .read = read_evt21,
-    .close = close_evt,
+    .close = td_event_close_state,
 };

@@ -12,7 +12,6 @@
 #include "td_base.h"
 #include "td_endian.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -51,8 +50,6 @@ static tides_status open_evt3(td_event_stream *stream, tides_error *error) {
     state->polarity = -1; /* vectors before their first start: at x 0, OFF, as in Prophesee's reader */
     return td_event_header_read(stream, &header, error);
 }
-
-static void close_evt3(td_event_stream *stream) { free(stream->state); }
 
 /* The low part is zero until it is told, as in openeb; a camera that repeats the high part doesn't step back. */
 static void take_high(evt3_state *state, uint32_t high) {
@@ -163,39 +160,22 @@ static tides_status write_evt3(td_event_sink *sink, const tides_event *events, s
     return TIDES_OK;
 }
 
-/* 488 bytes for every second without events. */
-static const int64_t longest_silence = INT64_C(1000000) * 1000000000; /* [ns] */
-static const char *check_evt3(const td_event_sink *sink, const tides_event *event, const tides_event *previous) {
-    (void)sink;
-    int64_t from = previous ? previous->t : 0;
-    return event->t - from > longest_silence ? "comes more than 10^6 s after the one before it, and EVT 3.0 "
-                                               "counts every 4 ms: count from the first event (--rebase)"
-                                             : NULL;
-}
-
-static const char *span_evt3(int64_t start_ns, int64_t stop_ns) {
-    (void)stop_ns;
-    return start_ns > longest_silence
-               ? "EVT 3.0 counts from 0, every 4 ms, for 10^6 s at most: write HDF5 (.h5), or bring path "
-                 "and run to time 0 (camera.rebase, time.start)"
-               : NULL;
-}
-
-static void discard_evt3(td_event_sink *sink) { free(sink->state); }
-
 const td_event_format td_format_evt3 = {
     .name = "evt3",
     .endings = ".raw",
     .summary = "Prophesee EVT 3.0",
     .tick_ns = 1000,
     .size_limit = COORDINATES,
+    .silence_ns = INT64_C(1000000) * 1000000000, /* 488 bytes for every second without events */
+    .silent_event = "comes more than 10^6 s after the one before it, and EVT 3.0 counts every 4 ms: count from the first event "
+                    "(--rebase)",
+    .silent_start = "EVT 3.0 counts from 0, every 4 ms, for 10^6 s at most: write HDF5 (.h5), or bring path and run to time 0 "
+                    "(camera.rebase, time.start)",
     .detect = detect_evt3,
     .open = open_evt3,
     .read = read_evt3,
-    .close = close_evt3,
+    .close = td_event_close_state,
     .create = create_evt3,
-    .span = span_evt3,
-    .check = check_evt3,
     .write = write_evt3,
-    .discard = discard_evt3,
+    .discard = td_event_discard_state,
 };

@@ -4,6 +4,7 @@
 #include "td_folder.h"
 
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -121,6 +122,10 @@ int td_event_microseconds(int64_t us, int64_t *ns) {
     *ns = us * 1000;
     return 1;
 }
+
+void td_event_close_state(td_event_stream *stream) { free(stream->state); }
+
+void td_event_discard_state(td_event_sink *sink) { free(sink->state); }
 
 tides_status td_event_bad(const td_event_stream *stream, uint64_t number, const char *what, tides_error *error) {
     return td_fail(error, TIDES_BAD_FILE, "%s: event %llu %s", stream->input.path, (unsigned long long)number, what);

@@ -3,7 +3,6 @@
 
 #include "td_base.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static int is_blank(char c) { return c == ' ' || c == '\t'; }
@@ -98,8 +97,6 @@ tides_status td_event_rows_begin(td_event_stream *stream, const td_event_rows *r
     *state = *rows;
     return TIDES_OK;
 }
-
-void td_event_rows_close(td_event_stream *stream) { free(stream->state); }
 
 int td_event_rows_numeric(const char *line, size_t length, char separator, int columns) {
     char copy[TD_ROW_LINE], *words[TD_ROW_COLUMNS_MAX];

@@ -92,7 +92,7 @@ const td_event_format td_format_ecd = {
     .detect = detect_ecd,
     .open = open_ecd,
     .read = td_event_rows_read,
-    .close = td_event_rows_close,
+    .close = td_event_close_state,
     .create = create_ecd,
     .write = write_text,
 };
@@ -106,7 +106,7 @@ const td_event_format td_format_e2vid = {
     .detect = detect_e2vid,
     .open = open_e2vid,
     .read = td_event_rows_read,
-    .close = td_event_rows_close,
+    .close = td_event_close_state,
     .create = create_e2vid,
     .write = write_text,
 };

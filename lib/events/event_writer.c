@@ -30,6 +30,11 @@ int32_t tides_event_format_at(size_t index, tides_event_format *format) {
 
 /* ---- opening ---- */
 
+static const char *why_not_span(const td_event_format *format, int64_t start_ns, int64_t stop_ns) {
+    if (format->silence_ns && start_ns > format->silence_ns) return format->silent_start;
+    return format->span ? format->span(start_ns, stop_ns) : NULL;
+}
+
 static tides_status check_file(const char *path, const td_event_format *format, const tides_event_file *file,
                                tides_error *error) {
     /* Coordinates are 16 bits wide. */
@@ -51,7 +56,7 @@ static tides_status check_file(const char *path, const td_event_format *format, 
                        "%s: %s has no times before 0, and the run goes from %.15g to %.15g s: write HDF5 (.h5), or move it "
                        "(camera.rebase, time.start)",
                        path, format->summary, start, stop);
-    const char *why = known && format->span ? format->span(file->start_ns, file->stop_ns) : NULL;
+    const char *why = known ? why_not_span(format, file->start_ns, file->stop_ns) : NULL;
     if (why) return td_fail(error, TIDES_UNSUPPORTED, "%s: can't hold a run from %.15g to %.15g s: %s", path, start, stop, why);
     return TIDES_OK;
 }
@@ -204,6 +209,12 @@ static tides_status refuse(const tides_event *event, uint64_t index, tides_statu
                    event->y, event->polarity, why);
 }
 
+static const char *why_not_after(const td_event_format *format, const td_event_sink *sink, const tides_event *event,
+                                 const tides_event *previous) {
+    if (format->silence_ns && event->t - (previous ? previous->t : 0) > format->silence_ns) return format->silent_event;
+    return format->check ? format->check(sink, event, previous) : NULL;
+}
+
 static tides_status check_event(const td_event_format *format, const td_event_sink *sink, const tides_event *event,
                                 const tides_event *previous, uint64_t index, tides_error *error) {
     if (event->x >= sink->width || event->y >= sink->height)
@@ -215,7 +226,7 @@ static tides_status check_event(const td_event_format *format, const td_event_si
                       "lies before time 0: write HDF5 (.h5), or count from the first event (--rebase)", error);
     if (previous && before(event, previous))
         return refuse(event, index, TIDES_BAD_ARGUMENT, "comes before the one ahead of it: sort by t, y, x, polarity", error);
-    const char *why = format->check ? format->check(sink, event, previous) : NULL;
+    const char *why = why_not_after(format, sink, event, previous);
     return why ? refuse(event, index, TIDES_UNSUPPORTED, why, error) : TIDES_OK;
 }
 

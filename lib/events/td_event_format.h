@@ -99,6 +99,11 @@ typedef struct td_event_format {
     int32_t negative;    /* times before 0 have a place in it */
     int32_t patches;     /* its writer goes back (td_sink_patch): not into devices and FIFOs */
 
+    /* Formats that write something for time without events, from 0 on, take only so much of it at once; 0: any. And why an
+     * event or the start of a recording that lies further off can't be stored, and what to do. */
+    int64_t silence_ns;
+    const char *silent_event, *silent_start;
+
     /* 1 where the file is of this format; NULL: only by name. */
     int (*detect)(const td_event_probe *probe);
 
@@ -157,6 +162,10 @@ double td_event_reader_part(const tides_event_reader *reader);
 
 /* [us] to [ns]; 0 where 64 bits don't hold it. */
 int td_event_microseconds(int64_t us, int64_t *ns);
+
+/* Close and discard of a state that is one block of memory, or NULL. */
+void td_event_close_state(td_event_stream *stream);
+void td_event_discard_state(td_event_sink *sink);
 
 /* "PATH: event N ..." */
 tides_status td_event_bad(const td_event_stream *stream, uint64_t number, const char *what, tides_error *error);

@@ -32,7 +32,6 @@ tides_status td_event_rows_read(td_event_stream *stream, tides_event *events, si
 
 /* Allocates the state with these columns. */
 tides_status td_event_rows_begin(td_event_stream *stream, const td_event_rows *rows, tides_error *error);
-void td_event_rows_close(td_event_stream *stream);
 
 /* Whether a line of text has `columns` columns, all of them numbers. */
 int td_event_rows_numeric(const char *line, size_t length, char separator, int columns);
