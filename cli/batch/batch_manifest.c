@@ -56,20 +56,14 @@ static tides_status add_sets(batch_run *run, const cJSON *common, const cJSON *o
     return TIDES_OK;
 }
 
-static uint64_t spread(uint64_t hash, const char *text) {
-    for (; *text; text++) hash = (hash ^ (unsigned char)*text) * 0x100000001b3u; /* FNV-1a */
-    return hash;
-}
-
 /* "sensor.threshold_on=0.1,seed=2": from what the run sets, so that a grid that grows keeps its names. What a file's name
  * can't hold becomes '-', and what that or the length loses, a hash says. */
 static char *grid_name(const batch_run *run, size_t first) {
     char name[NAME_MAX_LENGTH + 1];
     size_t used = 0;
     int32_t lost = 0;
-    uint64_t hash = 0xcbf29ce484222325u;
+    const uint64_t hash = tides_fingerprint_text((const char *const *)&run->sets[first], run->count - first);
     for (size_t i = first; i < run->count; i++) {
-        hash = spread(hash, run->sets[i]);
         for (const char *at = run->sets[i]; at[0]; at++) {
             if (*at == '"') continue;
             const int32_t plain = isalnum((unsigned char)*at) || strchr("._=+-", *at);

@@ -53,6 +53,10 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_fingerprints_run(tides_fingerprint
                                                                const char *with, tides_fingerprint *fingerprint,
                                                                tides_error *error);
 
+/* Of texts one after the other, as of one text: FNV-1a of 64 bits over their bytes. For names that a program makes of what they
+ * stand for, as a batch's runs have: it stays the same in every version. NULL has no bytes. */
+TIDES_API uint64_t tides_fingerprint_text(const char *const *texts, size_t count);
+
 #ifdef __cplusplus
 }
 #endif

@@ -3,6 +3,7 @@
  * in the same precision. */
 #include "motion/td_motion.h"
 #include "td_checkpoint.h"
+#include "td_hash.h"
 
 #include <cjson/cJSON.h>
 #include <stdlib.h>
@@ -14,18 +15,18 @@
 static void add_motion(uint64_t *sum, const tides_object *object) {
     const tides_motion *motion = object->motion;
     const double times[] = {motion->start, motion->stop, object->duration_s};
-    *sum = td_checksum(*sum, motion->type->name, strlen(motion->type->name));
-    *sum = td_checksum(*sum, times, sizeof times);
+    *sum = td_hash_words(*sum, motion->type->name, strlen(motion->type->name));
+    *sum = td_hash_words(*sum, times, sizeof times);
     for (int i = 0; i < motion->settings; i++) {
-        *sum = td_checksum(*sum, motion->setting[i].name, strlen(motion->setting[i].name));
-        *sum = td_checksum(*sum, &motion->setting[i].value, sizeof motion->setting[i].value);
+        *sum = td_hash_words(*sum, motion->setting[i].name, strlen(motion->setting[i].name));
+        *sum = td_hash_words(*sum, &motion->setting[i].value, sizeof motion->setting[i].value);
     }
     for (int i = 0; i < motion->fields; i++) {
         const td_field *field = &motion->field[i];
         size_t count = 1;
         for (int k = 0; k < field->rank; k++) count *= (size_t)field->shape[k];
-        *sum = td_checksum(*sum, field->name, strlen(field->name));
-        *sum = td_checksum(*sum, field->value, count * sizeof *field->value);
+        *sum = td_hash_words(*sum, field->name, strlen(field->name));
+        *sum = td_hash_words(*sum, field->value, count * sizeof *field->value);
     }
 }
 
@@ -36,12 +37,12 @@ static tides_status add_trajectory(uint64_t *sum, const tides_trajectory *trajec
         memset(&sample, 0, sizeof sample);
         tides_status status = tides_trajectory_sample(trajectory, i, &sample, error);
         if (status != TIDES_OK) return status;
-        *sum = td_checksum(*sum, &sample.time, sizeof sample.time);
-        *sum = td_checksum(*sum, sample.position, sizeof sample.position);
-        *sum = td_checksum(*sum, sample.quaternion, sizeof sample.quaternion);
+        *sum = td_hash_words(*sum, &sample.time, sizeof sample.time);
+        *sum = td_hash_words(*sum, sample.position, sizeof sample.position);
+        *sum = td_hash_words(*sum, sample.quaternion, sizeof sample.quaternion);
         if (!sample.has_rates) continue;
-        *sum = td_checksum(*sum, sample.velocity, sizeof sample.velocity);
-        *sum = td_checksum(*sum, sample.angular_velocity, sizeof sample.angular_velocity);
+        *sum = td_hash_words(*sum, sample.velocity, sizeof sample.velocity);
+        *sum = td_hash_words(*sum, sample.angular_velocity, sizeof sample.angular_velocity);
     }
     return TIDES_OK;
 }
@@ -49,13 +50,13 @@ static tides_status add_trajectory(uint64_t *sum, const tides_trajectory *trajec
 static tides_status add_object(uint64_t *sum, const tides_object *object, tides_error *error) {
     const tides_gaussians *g = &object->gaussians;
     size_t n = (size_t)g->count, k = (size_t)(g->sh_degree + 1) * (size_t)(g->sh_degree + 1);
-    *sum = td_checksum(*sum, &object->scale, sizeof object->scale);
-    *sum = td_checksum(*sum, g->mean, 3 * n * sizeof *g->mean);
-    if (g->origin[0] != 0 || g->origin[1] != 0 || g->origin[2] != 0) *sum = td_checksum(*sum, g->origin, sizeof g->origin);
-    *sum = td_checksum(*sum, g->log_scale, 3 * n * sizeof *g->log_scale);
-    *sum = td_checksum(*sum, g->quaternion, 4 * n * sizeof *g->quaternion);
-    *sum = td_checksum(*sum, g->opacity_logit, n * sizeof *g->opacity_logit);
-    *sum = td_checksum(*sum, g->sh, 3 * k * n * sizeof *g->sh);
+    *sum = td_hash_words(*sum, &object->scale, sizeof object->scale);
+    *sum = td_hash_words(*sum, g->mean, 3 * n * sizeof *g->mean);
+    if (g->origin[0] != 0 || g->origin[1] != 0 || g->origin[2] != 0) *sum = td_hash_words(*sum, g->origin, sizeof g->origin);
+    *sum = td_hash_words(*sum, g->log_scale, 3 * n * sizeof *g->log_scale);
+    *sum = td_hash_words(*sum, g->quaternion, 4 * n * sizeof *g->quaternion);
+    *sum = td_hash_words(*sum, g->opacity_logit, n * sizeof *g->opacity_logit);
+    *sum = td_hash_words(*sum, g->sh, 3 * k * n * sizeof *g->sh);
     if (object->motion) add_motion(sum, object);
     return add_trajectory(sum, object->trajectory, error);
 }
@@ -74,7 +75,7 @@ static tides_status add_scene(uint64_t *sum, const tides_scene *scene, tides_err
 static uint64_t image_checksum(const tides_renderer *renderer) {
     double facts[TD_IMAGE_FACTS];
     td_renderer_image_facts(renderer, facts);
-    return td_checksum(0, facts, sizeof facts);
+    return td_hash_words(0, facts, sizeof facts);
 }
 
 /* -- the facts -- */
@@ -105,8 +106,8 @@ tides_status td_facts_gather(const tides_simulator *s, td_fact facts[TD_FACTS], 
         {"stepping.risk.w_c", 0, s->risk.w_c, 0},
         {"stepping.risk.w_alpha", 0, s->risk.w_alpha, 0},
         {"stepping.slope", 0, s->slope, 0},
-        {"sensor's other parameters or seed", 1, 0, td_checksum(0, &s->sensor.sensor, sizeof s->sensor.sensor)},
-        {"readout", 1, 0, td_checksum(0, &s->readout.params, sizeof s->readout.params)},
+        {"sensor's other parameters or seed", 1, 0, td_hash_words(0, &s->sensor.sensor, sizeof s->sensor.sensor)},
+        {"readout", 1, 0, td_hash_words(0, &s->readout.params, sizeof s->readout.params)},
         {"stepping.interpolate_motion", 0, s->interpolates, 0},
         {"scene", 1, 0, scene},
         {"camera path", 1, 0, path},

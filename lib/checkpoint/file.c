@@ -4,6 +4,7 @@
  * The seal is checked before HDF5 sees a byte: damage is told as damage, whatever it hit. The file is built in memory because a
  * disk that fills up while HDF5 writes leaves a file that HDF5 can neither close nor free. */
 #include "td_checkpoint.h"
+#include "td_hash.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -15,24 +16,6 @@
 enum { SEAL_BYTES = 1 + 16 + 1 + 16 + 1 };
 
 enum { GROW_BY = 1 << 20 }; /* bytes by which the image grows in memory */
-
-/* FNV-1a on words of 8 bytes instead of bytes: eight times as fast, and scenes are large. The odd multiplier carries each bit
- * only upwards, so the high half is folded down again. */
-uint64_t td_checksum(uint64_t sum, const void *data, size_t bytes) {
-    const uint64_t offset = UINT64_C(0xcbf29ce484222325), prime = UINT64_C(0x100000001b3);
-    const unsigned char *at = data;
-    uint64_t hash = sum ^ offset ^ (uint64_t)bytes;
-    for (; bytes > 0; at += 8) {
-        size_t taken = bytes < 8 ? bytes : 8;
-        uint64_t word = 0;
-        memcpy(&word, at, taken);
-        hash = (hash ^ word) * prime;
-        hash ^= hash >> 32;
-        bytes -= taken;
-        if (taken < 8) break;
-    }
-    return hash;
-}
 
 static hid_t core_access(void) {
     hid_t access = H5Pcreate(H5P_FILE_ACCESS);
@@ -67,7 +50,7 @@ static tides_status take_bytes(hid_t image, const char *path, char **bytes, size
 
 static tides_status write_sealed(const char *part, const char *bytes, size_t size, tides_error *error) {
     char seal[SEAL_BYTES + 1];
-    snprintf(seal, sizeof seal, SEAL_FORMAT, td_checksum(0, bytes, size));
+    snprintf(seal, sizeof seal, SEAL_FORMAT, td_hash_words(0, bytes, size));
     FILE *file = fopen(part, "wb");
     int written = file && fwrite(bytes, 1, size, file) == size && fwrite(seal, 1, SEAL_BYTES, file) == SEAL_BYTES;
     int reason = errno;
@@ -96,7 +79,7 @@ tides_status td_checkpoint_image_write(hid_t image, const char *path, tides_erro
 
 static tides_status check_seal(const char *path, const char *bytes, size_t size, tides_error *error) {
     char seal[SEAL_BYTES + 1];
-    if (size > SEAL_BYTES) snprintf(seal, sizeof seal, SEAL_FORMAT, td_checksum(0, bytes, size - SEAL_BYTES));
+    if (size > SEAL_BYTES) snprintf(seal, sizeof seal, SEAL_FORMAT, td_hash_words(0, bytes, size - SEAL_BYTES));
     if (size > SEAL_BYTES && memcmp(seal, bytes + size - SEAL_BYTES, SEAL_BYTES) == 0) return TIDES_OK;
     return td_fail(error, TIDES_BAD_FILE, "%s: isn't a checkpoint of TIDES, or is damaged or cut short: its seal doesn't fit",
                    path);

@@ -12,9 +12,6 @@ enum { TD_CHECKPOINT_VERSION = 5 };
 
 /* -- the file (file.c) -- */
 
-/* A 64-bit checksum that goes on from `sum` (0 to begin): for damage and mix-ups, not against forgery. */
-uint64_t td_checksum(uint64_t sum, const void *data, size_t bytes);
-
 /* A new HDF5 file in memory; negative on failure. */
 hid_t td_checkpoint_image_create(void);
 

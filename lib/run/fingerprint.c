@@ -3,6 +3,7 @@
 #include "tides/inputs.h"
 
 #include "td_base.h"
+#include "td_hash.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -26,17 +27,7 @@ struct tides_fingerprints {
     ino_t except_inode;
 };
 
-/* -- FNV-1a: no defence against malice, and none is needed ------------------------------------------------------------- */
-
-#define FNV_BASIS 0xcbf29ce484222325u
-
-static uint64_t mix(uint64_t hash, const void *data, size_t bytes) {
-    const unsigned char *at = data;
-    for (size_t i = 0; i < bytes; i++) hash = (hash ^ at[i]) * 0x100000001b3u;
-    return hash;
-}
-
-static uint64_t mix_text(uint64_t hash, const char *text) { return mix(hash, text, strlen(text) + 1); }
+static uint64_t hash_text(uint64_t hash, const char *text) { return td_hash_bytes(hash, text, strlen(text) + 1); }
 
 /* -- files and folders --------------------------------------------------------------------------------------------- */
 
@@ -56,7 +47,7 @@ static tides_status take_content(const char *path, tides_fingerprint *print, tid
         status = td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
     } else {
         size_t got;
-        while ((got = fread(piece, 1, PIECE, file)) > 0) print->hash = mix(print->hash, piece, got);
+        while ((got = fread(piece, 1, PIECE, file)) > 0) print->hash = td_hash_bytes(print->hash, piece, got);
         if (ferror(file)) status = td_fail(error, TIDES_BAD_FILE, "%s: can't be read", path);
         fclose(file);
     }
@@ -92,12 +83,12 @@ static tides_status take_entry(walk *w, const char *folder, const char *name, ti
     if (!path) return TIDES_NO_MEMORY;
     tides_status status = TIDES_OK;
     if (stat(path, &facts) == 0 && !(S_ISDIR(facts.st_mode) && is_left_out(w, &facts))) {
-        w->print->hash = mix_text(w->print->hash, name);
+        w->print->hash = hash_text(w->print->hash, name);
         if (S_ISDIR(facts.st_mode)) {
             status = take_folder(w, path, &facts, error);
         } else {
             const int64_t what[3] = {(int64_t)facts.st_size, (int64_t)facts.st_mtim.tv_sec, (int64_t)facts.st_mtim.tv_nsec};
-            w->print->hash = mix(w->print->hash, what, sizeof what);
+            w->print->hash = td_hash_bytes(w->print->hash, what, sizeof what);
             count_file(w->print, (uint64_t)facts.st_size);
         }
     }
@@ -123,13 +114,13 @@ static tides_status take_folder(walk *w, const char *path, const struct stat *fo
     }
     free(entries);
     w->depth--;
-    w->print->hash = mix_text(w->print->hash, "/");
+    w->print->hash = hash_text(w->print->hash, "/");
     return status;
 }
 
 static tides_status take(const tides_fingerprints *of, const char *path, tides_fingerprint *print, tides_error *error) {
     struct stat facts;
-    *print = (tides_fingerprint){.hash = FNV_BASIS};
+    *print = (tides_fingerprint){.hash = TD_HASH_START};
     if (stat(path, &facts) != 0) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
     if (S_ISDIR(facts.st_mode)) {
         walk w = {.of = of, .print = print};
@@ -194,13 +185,13 @@ tides_status tides_fingerprints_run(tides_fingerprints *f, const tides_run *run,
     tides_run_values values;
     tides_run_get(run, &values);
     const int32_t numerics = TIDES_NUMERICS;
-    tides_fingerprint whole = {.hash = mix(FNV_BASIS, &numerics, sizeof numerics)};
-    whole.hash = mix_text(mix_text(whole.hash, values.json), with ? with : "");
+    tides_fingerprint whole = {.hash = td_hash_bytes(TD_HASH_START, &numerics, sizeof numerics)};
+    whole.hash = hash_text(hash_text(whole.hash, values.json), with ? with : "");
     for (size_t i = 0; i < count && status == TIDES_OK; i++) {
         tides_fingerprint one;
         status = tides_fingerprints_file(f, inputs[i].path, &one, error);
         if (status != TIDES_OK) break;
-        whole.hash = mix(whole.hash, &one.hash, sizeof one.hash);
+        whole.hash = td_hash_bytes(whole.hash, &one.hash, sizeof one.hash);
         whole.files += one.files;
         whole.bytes += one.bytes;
         if (one.largest > whole.largest) whole.largest = one.largest;
@@ -208,4 +199,11 @@ tides_status tides_fingerprints_run(tides_fingerprints *f, const tides_run *run,
     tides_free(inputs);
     if (status == TIDES_OK) *fingerprint = whole;
     return status;
+}
+
+uint64_t tides_fingerprint_text(const char *const *texts, size_t count) {
+    uint64_t hash = TD_HASH_START;
+    for (size_t i = 0; texts && i < count; i++)
+        if (texts[i]) hash = td_hash_bytes(hash, texts[i], strlen(texts[i]));
+    return hash;
 }

@@ -43,7 +43,7 @@ from .names import nearest_name
 from .readout import Arbiter, Readout
 from .render import CHANNELS, ImageParams, Renderer
 from .representations import ArrayWriter, VoxelOptions, event_frame, time_surface, voxel_grid
-from .run import Fingerprints, Run, parameters, run_template, statistics
+from .run import Fingerprints, Run, fingerprint_text, parameters, run_template, statistics
 from .scene import Gaussians, Scene, SceneObject
 from .session import Session
 from .simulate import Recording, Sensor, Simulation, Stepping

@@ -2650,6 +2650,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_file_part": (c_int32, [c_char_p, c_char_p, c_size_t, P(tides_error)]),
     # tides_status tides_file_write(const char *path, const void *bytes, size_t size, tides_error *error)
     "tides_file_write": (c_int32, [c_char_p, c_void_p, c_size_t, P(tides_error)]),
+    # uint64_t tides_fingerprint_text(const char *const *texts, size_t count)
+    "tides_fingerprint_text": (c_uint64, [P(c_char_p), c_size_t]),
     # tides_status tides_fingerprints_create(const char *except, tides_fingerprints **fingerprints, tides_error *error)
     "tides_fingerprints_create": (c_int32, [c_char_p, P(P(tides_fingerprints)), P(tides_error)]),
     # void tides_fingerprints_destroy(tides_fingerprints *fingerprints)

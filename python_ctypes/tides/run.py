@@ -164,6 +164,12 @@ class Run(Handle):
             return session.simulate(progress)
 
 
+def fingerprint_text(*texts: str) -> int:
+    """A hash of 64 bits of texts one after the other, the same in every version: for names made of what they stand for."""
+    bytes_of = [one.encode() for one in texts]
+    return lib.tides_fingerprint_text((c_char_p * max(1, len(bytes_of)))(*bytes_of), len(bytes_of))
+
+
 class Fingerprints(Handle):
     """Takes fingerprints of files by content, of folders by names, sizes and times of what lies below them; each path once.
     Nothing is looked at in the folder `but`, that of the results."""

@@ -1,4 +1,5 @@
 /* Checkpoints that are refused, with one line that says why: damaged ones, those of other runs and versions, and misuse. */
+#include "td_hash.h"
 #include "test_checkpoint_common.h"
 #include "tests/support/opencl.h"
 
@@ -139,7 +140,7 @@ static void edit(const char *path, const char *attribute, int32_t value) {
     H5Aclose(id);
     H5Fclose(file);
     bytes = scene_file_read(path, &size);
-    snprintf(seal, sizeof seal, "\ntides-checkpoint %016llx\n", (unsigned long long)td_checksum(0, bytes, size));
+    snprintf(seal, sizeof seal, "\ntides-checkpoint %016llx\n", (unsigned long long)td_hash_words(0, bytes, size));
     bytes = realloc(bytes, size + 35);
     assert_non_null(bytes);
     memcpy(bytes + size, seal, 35);

@@ -116,3 +116,10 @@ def test_the_table_of_statistics():
     rows = {row.name: row for row in tides.statistics()}
     assert rows["events"].type == "count" and rows["time_s.build"].unit == "s" and rows["tiles"].type == "whole"
     assert rows["events_on"].offset == tides.api.tides_stats.events_on.offset
+
+
+def test_texts_hash_as_published():
+    # FNV-1a's own test vectors (64 bits): of no bytes, "a", "foobar"
+    assert tides.fingerprint_text() == tides.fingerprint_text("") == 0xCBF29CE484222325
+    assert tides.fingerprint_text("a") == 0xAF63DC4C8601EC8C
+    assert tides.fingerprint_text("foobar") == tides.fingerprint_text("foo", "", "bar") == 0x85944171F73967E8
