@@ -1,4 +1,5 @@
-/* The grid of steps: regular points and knots, by number and by time. */
+/* The grid of steps: regular points and knots, by number and by time. For create.c, which asks the renderer for the knots, and
+ * for whoever walks along it (run.c, fixed.c). A run's epoch is tides_simulator's; how macro steps are cut is refine.c's. */
 #include "td_grid.h"
 #include "td_base.h"
 

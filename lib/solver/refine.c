@@ -2,7 +2,10 @@
  *
  * Level 0 renders every tile in which something moves at the macro step's end, and inside it where the error is controlled.
  * Each level then cuts those of the new steps that the controller (control.c) finds too long, until there is none or min_step_s
- * is reached. All tiles' jobs of a level are one batch for the renderer; equal times share a slot. */
+ * is reached. All tiles' jobs of a level are one batch for the renderer; equal times share a slot.
+ *
+ * For run.c. Whether a step is too long is control.c's to say, which of too many come first window.c's; what becomes of
+ * accepted steps is settle.c's. */
 #include "td_probe.h"
 #include "td_simulator.h"
 #include "td_sort.h"

@@ -1,4 +1,6 @@
-/* Accepted steps: the comparator over them, what they say of the run's accuracy, and their samples given back. */
+/* Accepted steps: the comparator over them, what they say of the run's accuracy, and their samples given back. For run.c at
+ * the end of a macro step, and before that for window.c, where memory is short. What an event time is worth timing.c estimates;
+ * sorting events and handing them out are run.c's. */
 #include "td_probe.h"
 #include "td_simulator.h"
 

@@ -1,4 +1,5 @@
-/* Steps of all pixels together, through the centre-surround to the comparator. */
+/* Steps of all pixels together, through the centre-surround to the comparator. For run.c and settle.c, where the sensor has a
+ * surround; the modes' arithmetic is lib/sensor/surround's, and which steps there are the controller's. */
 #include "td_simulator.h"
 
 #include <stdlib.h>

@@ -1,5 +1,6 @@
 /* Estimated errors of event times, event by event, for the statistics that the simulator reports (error_p50_s and so on) and
- * for what counts as uncertain. What is wrong with S comes from estimate.c and from probes. */
+ * for what counts as uncertain. For settle.c. What is wrong with S it is told: by probes, and by
+ * the embedded estimate (signal/td_model_error.h); it changes no step and no event. */
 #include "td_timing.h"
 #include "signal/td_model_error.h"
 #include "td_probe.h"

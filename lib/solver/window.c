@@ -1,4 +1,5 @@
-/* Which of the open steps are refined next: all, or where their samples would be too many the earliest. */
+/* Which of the open steps are refined next: all, or where their samples would be too many the earliest. For refine.c; it counts
+ * samples, and judges no step. */
 #include "td_simulator.h"
 
 #include <stdlib.h>

@@ -98,6 +98,10 @@ static int may_reach(const td_response *response, int segment, double until, con
     return high >= asked->on || low <= -asked->off;
 }
 
+/* The most that polish may move a crossing, as a share of the substep: it is for the last digits, and a longer Newton step says
+ * that S is about to turn, where the crossing is better left as it was found. A choice. */
+static const double most_polish = 1e-5;
+
 /* A crossing in the mapped time of a substep took what is added to its response as a cubic of that time; one Newton step with S
  * itself mends what that is off by, where S isn't about to turn. */
 static double polish(const td_response *response, const td_substeps *substeps, const request *asked, int polarity, double s) {
@@ -106,7 +110,7 @@ static double polish(const td_response *response, const td_substeps *substeps, c
     double off = td_model_value(&response->cubic, s) + direct_value(&substeps->response, v) - level;
     double slope = td_model_slope(&response->cubic, s) + direct_slope(&substeps->response, v) * td_substeps_speed(substeps, s);
     double step = off / slope;
-    return fabs(step) <= 1e-5 * (substeps->to - substeps->from) ? s - step : s;
+    return fabs(step) <= most_polish * (substeps->to - substeps->from) ? s - step : s;
 }
 
 static int crossing_in_segment(const td_response *response, int segment, double until, const request *asked, double *s) {

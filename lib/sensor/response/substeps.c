@@ -236,9 +236,16 @@ void td_substeps_mark(const td_substeps *substeps, td_segment *segment) {
     for (int i = 0; i < TD_FRONTEND_STATE; i++) segment->state[i] = substeps->state[i];
 }
 
+/* Lengths of substeps, as step controllers of differential equations choose theirs (Hairer, Norsett, Wanner, Solving Ordinary
+ * Differential Equations I, II.4): the length that the error's order gives, less a margin, so that the next try rarely fails;
+ * and within limits of the one before, because an error that is far from the tolerance says little of its order. One that
+ * failed becomes clearly shorter; one that was taken may grow soon where the light comes to rest. They decide how many substeps
+ * are tried: up to TRIED_MAX, the one taken is within the tolerance whatever they are. */
+static const double margin = 0.8, failed_least = 0.05, failed_most = 0.6, taken_least = 0.5, taken_most = 4;
+
 /* The error of the cubic goes with the fourth power of the length. */
 static double better_length(double length, double tolerance, double error, double least, double most) {
-    double factor = 0.8 * sqrt(sqrt(tolerance / error));
+    double factor = margin * sqrt(sqrt(tolerance / error));
     return length * (factor < most ? fmax(factor, least) : most); /* NaN: most */
 }
 
@@ -252,10 +259,10 @@ int td_substeps_next(td_substeps *substeps) {
         error = solve(substeps, substeps->to, &substeps->map, state, &substeps->response);
         if (++substeps->tried > TRIED_MAX || error <= tolerance) break;
         if (!(substeps->from + 0.1 * substeps->length > substeps->from)) break; /* no shorter substep can be told from none */
-        substeps->length = better_length(substeps->to - substeps->from, tolerance, error, 0.05, 0.6);
+        substeps->length = better_length(substeps->to - substeps->from, tolerance, error, failed_least, failed_most);
     }
     for (int i = 0; i < TD_FRONTEND_STATE; i++) substeps->state[i] = state[i];
-    substeps->length = better_length(substeps->to - substeps->from, tolerance, error, 0.5, 4);
+    substeps->length = better_length(substeps->to - substeps->from, tolerance, error, taken_least, taken_most);
     if (substeps->tried > TRIED_MAX) substeps->length = 1;
     return 1;
 }
