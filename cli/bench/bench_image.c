@@ -38,9 +38,10 @@ static const variant variants[] = {
     {.name = "hard_order", .smoothing.soft_depth = OFF, .quick = 1},
     {.name = "only_taper", .smoothing = {.taper_begin = 0.1 * CUT, .ellipses = ON}, .none = 1},
     {.name = "only_soft_order", .smoothing.soft_depth = 1e-4, .none = 1},
-    {.name = "taper_0.3_to_1.7", .smoothing = {.taper_begin = 0.3 * CUT, .taper_end = 1.7 * CUT}},
-    {.name = "taper_0.5_to_1.5", .smoothing = {.taper_begin = 0.5 * CUT, .taper_end = 1.5 * CUT}},
-    {.name = "taper_0.1_to_1", .smoothing.taper_end = CUT}, /* more light than the cut leaves */
+    {.name = "taper_0.03_to_1", .smoothing.taper_begin = 0.03 * CUT},
+    {.name = "taper_0.3_to_1", .smoothing.taper_begin = 0.3 * CUT},
+    {.name = "taper_0.1_to_1.9", .smoothing.taper_end = 1.9 * CUT}, /* as much light as the cut at 1 */
+    {.name = "taper_0.1_to_2", .smoothing.taper_end = 2 * CUT},
     {.name = "taper_1_to_2", .smoothing = {.taper_begin = CUT, .taper_end = 2 * CUT}},
     {.name = "delta_1e-5", .smoothing.soft_depth = 1e-5},
     {.name = "delta_3e-5", .smoothing.soft_depth = 3e-5},

@@ -3,7 +3,7 @@
  *            near          alpha_max  cut                    stop                      extent
  *   inria    0.2, hard     0.99       1/255, hard            T(1-a) < 1e-4, excluded   square of ceil(3 sigma_max), 16 px tiles
  *   gsplat   0.01, hard    0.999      1/255, hard            T(1-a) <= 1e-4, excluded  per axis, opacity-aware, 16 px tiles
- *   smooth   0.2, faded    0.99       0.1/255 to 1.9/255, C2 bound on L, included      the ellipse, out to the taper's begin
+ *   smooth   0.2, faded    0.99       0.1/255 to 1/255, C2   bound on L, included      the ellipse, out to the end of the taper
  *
  * smooth is inria made continuous in time: each jump of inria is a false event or a wrong timestamp (DESIGN 3.1). */
 #include "td_renderer.h"
@@ -124,8 +124,7 @@ static tides_status check_params(const tides_image_params *params, tides_error *
 }
 
 void tides_image_params_defaults(tides_image_params *params) {
-    /* The measures of smooth were chosen by error against run time (tides bench image). The taper's middle is inria's cut, so
-     * that a splat keeps as much light as there (test_numberings.c). */
+    /* The measures of smooth were chosen by error against run time (tides bench image). */
     static const tides_image_params defaults = {.size = sizeof defaults,
                                                 .rules = TIDES_RULES_SMOOTH,
                                                 .sh_degree = TIDES_SH_DEGREE_MAX,
@@ -133,7 +132,7 @@ void tides_image_params_defaults(tides_image_params *params) {
                                                 .luminance = {0.2126, 0.7152, 0.0722},
                                                 .log_eps = 1e-3,
                                                 .smoothing = {.taper_begin = 0.1 / 255,
-                                                              .taper_end = 1.9 / 255,
+                                                              .taper_end = 1.0 / 255,
                                                               .stop_change = 1e-5,
                                                               .near_fade = 1.25,
                                                               .soft_depth = 1e-4,

@@ -214,7 +214,7 @@ static void small_splats(void **state) {
     (void)state;
     for (int i = 0; i < 4; i++) {
         random_recipe recipe = small_recipe(400 + (uint64_t)i);
-        recipe.count = 600;
+        recipe.count = 400;
         recipe.size = i < 2 ? 0.02 : 0.002;
         recipe.moving = i % 2;
         recipe.opacity_min = 0.5;

@@ -49,7 +49,7 @@ def row(*parts):
 
 WIDTH, HEIGHT, FX, FY, CX, CY = 24, 16, 26.0, 25.0, 12.4, 7.7
 DILATION, ALPHA_MAX, LOG_EPS, SOFT_DEPTH = 0.3, 0.99, 1e-3, 1e-4
-TAPER = (0.1 / 255, 1.9 / 255)
+TAPER = (0.1 / 255, 1.0 / 255)
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 BACKGROUND = np.array([0.1, 0.2, 0.3])
 EYE = np.array([0.0, 0.0, -4.0])
