@@ -74,6 +74,23 @@ tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory 
 /* Where pixel (x, y) of a tile is in a plane: 4x4 blocks, row by row. */
 static inline int td_tile_pixel(int x, int y) { return 64 * (y >> 2) + 16 * (x >> 2) + 4 * (y & 3) + (x & 3); }
 
+/* -- single pixels at single times ---------------------------------------------------------------------------------------- */
+
+typedef struct td_point {
+    double time;  /* [s after the epoch], within the swept interval */
+    int32_t x, y; /* [px] */
+} td_point;
+
+/* What an image shows there. */
+typedef struct td_point_value {
+    double L, L_dot; /* [1, 1/s] */
+} td_point_value;
+
+/* Their values: (count), for any order of points the same. Where the times of a motion's knots are among them, rates are those
+ * of what begins there. TIDES_BAD_ARGUMENT where a value isn't finite. */
+tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
+                                td_point_value *values, tides_error *error);
+
 /* -- frames ---------------------------------------------------------------------------------------------------------------- */
 
 /* tides_renderer_frame at an offset from the renderer's epoch: a sweep of that instant, and all tiles. */
