@@ -190,8 +190,6 @@ static const stability_case limits[] =
       .sentence = "thresholds of 1e-4",
       LIMITS(LIMIT_THRESHOLD, 1e-4),
       .bound = {.slow = 400, .because = "ten thousand events a pixel, and a tolerance 2000 times as fine"}},
-     /* Fails: crossings beyond the cap have the step's end as time. Statistics count them, and tides simulate says so; error
-     * control should cut such steps. */
      {.name = "threshold-1e-4-capped",
       .sentence = "the same with sensor.max_events_per_step as by default",
       LIMITS(LIMIT_CAPPED, 1e-4),

@@ -95,7 +95,7 @@ const td_param td_params[] = {
     {NUMBER("sensor.dead_pixel_fraction", sensor.dead_pixel_fraction, "", 0, 1, "part of the pixels that never fire"),
      .ideal = "0"},
     {INTEGER("sensor.max_events_per_step", sensor.max_events_per_step, "", 1, 65535,
-             "events per pixel and step placed in time; the rest fire at its end")},
+             "events per pixel and step: error control cuts steps that may have more, else the rest fire at the step's end")},
     {BOOLEAN("sensor.labels", sensor.labels, "HDF5: beside each event its cause, when it fired, and what the front end added")},
 
     {NUMBER("frontend.psf_sigma_px", sensor.psf_sigma_px, "px", 0, 100, "Gaussian blur of the optics; 0 is off"), .ideal = "0"},

@@ -38,6 +38,12 @@ static void range_of(const pixel_step *p, double *low, double *high) {
     *high = larger(larger(p->S0, p->S1), larger(a, b)) + p->bump;
 }
 
+/* How far S comes at most: along the control values. */
+static double way_of(const pixel_step *p) {
+    double first = p->rate0 * (1.0 / 3.0), last = p->rate1 * (1.0 / 3.0);
+    return fabs(first) + fabs(p->S1 - p->S0 - (first + last)) + fabs(last);
+}
+
 /* Is there a level reference + n C in [low, high]? */
 static int reaches_level(double low, double high, double reference, double threshold) {
     return floor((high - reference) / threshold) > floor((low - reference) / threshold) ||
@@ -58,11 +64,12 @@ static void count_pixel(const td_estimated *step, const pixel_step *p, double sc
 /* -- a tile -------------------------------------------------------------------------------------------------------------- */
 
 static td_estimate estimate_ideal(const td_sensor *sensor, const td_estimated *step) {
-    td_estimate worst = {0, 0, 0, 0};
-    double threshold = sensor->sensor.threshold_on;
+    td_estimate worst = {0, 0, 0, 0, 0};
+    double threshold = sensor->sensor.threshold_on, way = 0;
     int equal = threshold == sensor->sensor.threshold_off;
     for (int32_t i = 0; i < step->count; i++) {
         const pixel_step p = pixel_of(step, i);
+        way = larger(way_of(&p), way);
         /* Where the signal hardly rises, the time of a crossing is only as good as the range that it moves in. */
         double moved = larger(fabs(p.S1 - p.S0), p.error);
         /* Most pixels are no worse than one already seen: they needn't be asked about levels. NaN: the comparator passes it
@@ -75,6 +82,7 @@ static td_estimate estimate_ideal(const td_sensor *sensor, const td_estimated *s
         if (equal && step->reference && !reaches_level(low, high, step->reference[i], threshold)) continue;
         count_pixel(step, &p, 1, moved, &worst);
     }
+    worst.crossings = way / td_sensor_least_threshold(&sensor->sensor);
     return worst;
 }
 
@@ -91,7 +99,7 @@ static int may_fire(td_sensor *sensor, size_t i, int cuts, double low, double hi
 }
 
 static td_estimate estimate_blocks(td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time) {
-    td_estimate worst = {0, 0, 0, 0};
+    td_estimate worst = {0, 0, 0, 0, 0};
     double swing = sensor->additive.on ? noise_swing * sensor->additive.sigma : 0;
     double nominal = td_sensor_least_threshold(&sensor->sensor);
     for (int32_t k = 0; k < step->count; k++) {
@@ -99,11 +107,11 @@ static td_estimate estimate_blocks(td_sensor *sensor, const td_estimated *step, 
         const pixel_step p = pixel_of(step, k);
         if (!(p.error >= 0)) continue; /* NaN */
         double ramp0 = sensor->leak[i] * time, ramp1 = ramp0 + sensor->leak[i] * step->h * 1e9;
-        double low, high;
+        double low, high, own = smaller(sensor->threshold_on[i], sensor->threshold_off[i]);
+        worst.crossings = larger((way_of(&p) + fabs(ramp1 - ramp0)) / own, worst.crossings);
         range_of(&p, &low, &high); /* the ramp lies between its ends: bounds need no more */
         if (step->reference && !may_fire(sensor, i, cuts, low + ramp0 - swing, high + ramp1 + swing, step->reference[k]))
             continue;
-        double own = smaller(sensor->threshold_on[i], sensor->threshold_off[i]);
         double moved = larger(fabs(p.S1 - p.S0 + (ramp1 - ramp0)), p.error);
         count_pixel(step, &p, nominal / own, moved, &worst);
     }

@@ -21,6 +21,7 @@ typedef struct td_estimate {
     double seconds;   /* the largest such error divided by its pixel's slope [s] */
     double deviation; /* the largest deviation among them [log units] */
     double rounded;   /* the largest error, had rounding been none */
+    double crossings; /* as many as the comparator finds in any pixel, or more */
 } td_estimate;
 
 /* Errors are td_probe_error where there is a deviation, else the embedded estimate (signal/td_model_error.h). The tile begins
@@ -38,7 +39,11 @@ typedef struct td_estimate {
  * step: its range, widened, left the band between its levels on this step or on one of few cuts judged so far, or it was held
  * when the macro step began. (Of few cuts, so that it doesn't matter in which order the others are judged.) Behind a filter
  * every pixel counts: low-passes don't enlarge the error of L, but where S is isn't seen in L. What a noise event does to a
- * reference isn't foreseen: noise forces no cut. */
+ * reference isn't foreseen: noise forces no cut.
+ *
+ * Crossings: after the first each takes a threshold's way of S, and the model's way is no longer than that along its control
+ * values. So a way of n thresholds has at most n of them. Behind a filter, what is still to come of light from before the step
+ * is left out. */
 td_estimate td_sensor_estimate(td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time);
 
 /* 1 where estimates of other steps read what the one of this step found, so that it must come before them. */

@@ -72,9 +72,9 @@ static double error_excess(tides_simulator *s, td_refine_step *step, double star
     step->error = estimate.error / threshold;
     step->deviation = estimate.deviation / threshold;
     step->rounded = estimate.rounded / threshold;
-    double excess = step->error / s->tolerance;
-    if (is_rounding(s, step, threshold)) return 0;
-    return s->time_tolerance_s > 0 ? larger(excess, estimate.seconds / s->time_tolerance_s) : excess;
+    double excess = is_rounding(s, step, threshold) ? 0 : step->error / s->tolerance;
+    if (s->time_tolerance_s > 0 && excess > 0) excess = larger(excess, estimate.seconds / s->time_tolerance_s);
+    return larger(excess, estimate.crossings / s->sensor.sensor.max_events_per_step);
 }
 
 /* Judges one step: is it to be cut? One that is too short for it is accepted whatever the measures say. */

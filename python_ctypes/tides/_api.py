@@ -12,7 +12,7 @@ from typing import Any
 TIDES_VERSION_MAJOR = 0
 TIDES_VERSION_MINOR = 1
 TIDES_VERSION_PATCH = 0
-TIDES_NUMERICS = 2
+TIDES_NUMERICS = 3
 TIDES_OK = 0
 TIDES_BAD_ARGUMENT = 1
 TIDES_NO_MEMORY = 2
@@ -867,7 +867,9 @@ class tides_circuit(Structure):
 
 class tides_sensor(Structure):
     """uint32_t size;
-    int32_t max_events_per_step; /* per pixel and step, >= 1; what is cut off is counted, and fires at the step's end */
+    /* Per pixel and step, >= 1. Error control cuts steps that may have more; what is cut off where it can't, or elsewhere, is
+    * counted and fires at the step's end. */
+    int32_t max_events_per_step;
     double threshold_on; /* C+ [log units], > 0 */
     double threshold_off; /* C- [log units], > 0 */
     double threshold_sigma; /* standard deviation of C+ and of C- from pixel to pixel, independent, drawn once [log units] */

@@ -165,6 +165,37 @@ static void test_a_tolerance_in_time(void **state) {
     }
 }
 
+/* -- few events a step ------------------------------------------------------------------------------------------------ */
+
+/* However few events a step may have: steps are cut until none has more. */
+static void test_no_event_is_cut_off(void **state) {
+    static const double offs[] = {0.02, 0.03};
+    (void)state;
+    for (int trial = 0; trial < 4; trial++) {
+        world w = make_world(SEED + 60 + (uint64_t)trial, trial % KINDS);
+        job j = job_in(&w);
+        j.stop = 0.32;
+        j.sensor.threshold_on = 0.02;
+        j.sensor.threshold_off = offs[trial / 2];
+        j.stepping.tolerance = 0.5;
+        outcome free_run = run(&j);
+        assert_int_equal(free_run.stats.events_truncated, 0);
+        j.sensor.max_events_per_step = 2;
+        outcome capped = run(&j);
+        assert_int_equal(capped.stats.events_truncated, 0);
+        assert_true(capped.stats.steps_rejected > free_run.stats.steps_rejected);
+        check_stream(&j, &capped);
+        check_state(&j, &capped);
+        j.stepping.mode = TIDES_STEPPING_FIXED; /* what isn't to be cut is cut off */
+        outcome fixed = run(&j);
+        assert_true(fixed.stats.events_truncated > 0);
+        free_outcome(&fixed);
+        free_outcome(&capped);
+        free_outcome(&free_run);
+        free_world(&w);
+    }
+}
+
 /* -- budget -------------------------------------------------------------------------------------------------------- */
 
 static void test_budget(void **state) {
@@ -208,6 +239,7 @@ int main(void) {
                                        cmocka_unit_test(test_local_steps_cost_less_and_agree),
                                        cmocka_unit_test(test_errors_fall_with_the_tolerance),
                                        cmocka_unit_test(test_a_tolerance_in_time),
+                                       cmocka_unit_test(test_no_event_is_cut_off),
                                        cmocka_unit_test(test_budget)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -143,7 +143,7 @@ static void test_worst_of_many(void **state) {
     td_signals signals = {S0, S0_dot, S1, S1_dot};
     uint64_t seed = SEED + 3;
     for (int trial = 0; trial < 100; trial++) {
-        td_estimate worst = {0, 0, 0, 0};
+        td_estimate worst = {0, 0, 0, 0, 0};
         for (int i = 0; i < COUNT; i++) {
             pixel p = {between(&seed, -0.1, 0.1), between(&seed, -3, 3), between(&seed, -0.1, 0.1), between(&seed, -3, 3),
                        between(&seed, -1, 1)};
@@ -154,14 +154,48 @@ static void test_worst_of_many(void **state) {
             assert_true(i % 7 != 3 && i % 7 != 4 ? !isnan(one.error) : one.error == 0 && one.seconds == 0);
             worst.error = fmax(worst.error, one.error);
             worst.seconds = fmax(worst.seconds, one.seconds);
+            worst.crossings = fmax(worst.crossings, one.crossings);
         }
         td_estimated step = {H, &signals, reference, NULL, 0, COUNT};
         td_estimate all = td_sensor_estimate(&sensor, &step, 0, 0, 0);
         assert_true(all.error == worst.error && all.seconds == worst.seconds && all.error > 0);
+        assert_true(all.crossings == worst.crossings);
     }
     const td_estimated empty = {H, &signals, reference, NULL, 0, 0};
     td_estimate none = td_sensor_estimate(&sensor, &empty, 0, 0, 0);
     assert_true(none.error == 0 && none.seconds == 0);
+}
+
+/* Events of the model, counted by looking at many places between which it passes no level twice. */
+static int events_of(const pixel *p, double on, double off) {
+    const td_model model = td_model_fit(TIDES_MODEL_HERMITE, H, p->S0, p->S0_dot, p->S1, p->S1_dot);
+    double reference = p->reference;
+    int events = 0;
+    for (int i = 0; i <= 2000; i++) {
+        const double S = td_model_value(&model, i / 2000.0);
+        for (; S - reference >= on; events++) reference += on;
+        for (; S - reference <= -off; events++) reference -= off;
+    }
+    return events;
+}
+
+/* Never fewer than there are, and of a signal that only rises hardly more. */
+static void test_crossings(void **state) {
+    (void)state;
+    uint64_t seed = SEED + 4;
+    for (int trial = 0; trial < 400; trial++) {
+        const double on = between(&seed, 0.02, 0.3), off = trial % 2 ? on : between(&seed, 0.02, 0.3);
+        const pixel any = {between(&seed, -0.02, 0.02), between(&seed, -900, 900), between(&seed, -3, 3),
+                           between(&seed, -900, 900), 0};
+        const pixel rises = {any.S0, 300, any.S0 + 3, 300, 0};
+        td_sensor sensor = sensor_of(on, off);
+        const double most = estimate_of(&sensor, H, &any).crossings, all = estimate_of(&sensor, H, &rises).crossings;
+        const int found = events_of(&any, on, off), of_rise = events_of(&rises, on, off);
+        if (found > ceil(most)) fail_msg("trial %d: %d events, where %g were the most", trial, found, most);
+        expect_near(all, 3 / fmin(on, off), 100, "crossings of a line");
+        assert_true(of_rise <= ceil(all));
+        assert_true(off < on || of_rise >= floor(all) - 1);
+    }
 }
 
 int main(void) {
@@ -169,7 +203,8 @@ int main(void) {
                                        cmocka_unit_test(test_quadratic_signals_have_no_error),
                                        cmocka_unit_test(test_bounds_the_models_error),
                                        cmocka_unit_test(test_only_pixels_near_a_level_count),
-                                       cmocka_unit_test(test_worst_of_many)};
+                                       cmocka_unit_test(test_worst_of_many),
+                                       cmocka_unit_test(test_crossings)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
