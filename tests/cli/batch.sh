@@ -144,21 +144,56 @@ cat >forty.json <<-'JSON'
 	  "grid": { "sensor.threshold_on": [0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1], "image.log_eps": [0.001, 0.002, 0.003, 0.004, 0.005] } }
 JSON
 expect 0 tides batch forty.json -o whole.d -q
-set -m
-resumed=0
-for round in 1 2; do
-    tides batch forty.json -o forty.d -q --checkpoint 0.01 >out 2>err &
-    for _ in $(seq 1000); do
-        [ "$(ls forty.d/*/result.json 2>/dev/null | wc -l)" -ge $((10 * round)) ] && ls forty.d/*/*.checkpoint >/dev/null 2>&1 && break
+# R, S, D: it goes on; T: it is stopped; Z or nothing: it has ended.
+state_of() { awk '{ print $3 }' /proc/$1/stat 2>/dev/null; }
+runs_of() { awk -v parent=$1 '$4 == parent { print $1 }' /proc/[0-9]*/stat 2>/dev/null; }
+# Stops one run of the batch $1 (a process) where `ready RUN` says so. Until it is killed or goes on the batch can't end, however
+# slow this shell is.
+hold() {
+    for _ in $(seq 3000); do
+        for held in $(runs_of $1); do
+            kill -STOP $held 2>/dev/null || continue
+            while [[ $(state_of $held) == [RSD] ]]; do :; done
+            [ "$(state_of $held)" = T ] && ready $held && return
+            kill -CONT $held 2>/dev/null
+        done
+        [[ $(state_of $1) == [RSD] ]] || fail "the batch ended before one of its runs was held"
         sleep 0.01
     done
+    fail "no run could be held"
+}
+# Waits until $2 runs of the folder $1 are finished.
+until_finished() {
+    for _ in $(seq 3000); do
+        [ "$(ls $1/*/result.json 2>/dev/null | wc -l)" -ge $2 ] && return
+        sleep 0.01
+    done
+    fail "fewer than $2 runs of $1 finished"
+}
+until_ended() {
+    for _ in $(seq 3000); do
+        [[ $(state_of $1) == [RSDT] ]] || return
+        sleep 0.01
+    done
+    fail "$1 outlived its parent"
+}
+
+set -m
+ready() { # it has left a checkpoint
+    local part
+    part=$(readlink /proc/$1/fd/* | grep '\.part$' | head -n 1)
+    [ -n "$part" ] && [ -e "${part%.part}.checkpoint" ]
+}
+for round in 1 2; do
+    tides batch forty.json -o forty.d -q --jobs 2 --checkpoint 0.01 >out 2>err &
+    hold $!
+    until_finished forty.d $((10 * round))
+    runs=$(runs_of $!)
     kill -KILL $! || fail "the batch ended before it was killed"
     wait $!
-    sleep 0.5
-    ls forty.d/*/*.checkpoint >/dev/null 2>&1 && resumed=1
-    [ "$(ls forty.d/*/result.json | wc -l)" -lt 40 ] || fail "nothing was left to do"
+    for run in $runs; do until_ended $run; done
+    ls forty.d/*/*.checkpoint >/dev/null || fail "no checkpoint is left of the run that was killed"
 done
-[ $resumed = 1 ] || echo "(no run was killed with a checkpoint)"
 expect 0 tides batch forty.json -o forty.d --checkpoint 0.01
 out "40 done \([1-3][0-9] of them before\), 0 failed"
 (cd whole.d && find . -type f ! -name stats.json ! -name events.h5 | LC_ALL=C sort) >whole.list
@@ -174,25 +209,22 @@ for name in whole.d/*/; do
 done
 
 # With --parent it is killed when its parent is, and so are its runs.
-sh -c 'tides batch forty.json -o end.d -q --threads 1 --parent $$ 2>end.err & echo $! >end.pid; wait' &
-for _ in $(seq 1000); do
-    [ -e "$(echo end.d/*/result.json | cut -d' ' -f1)" ] && break
-    sleep 0.01
-done
+ready() { true; }
+sh -c 'tides batch forty.json -o end.d -q --jobs 2 --threads 1 --parent $$ 2>end.err & echo $! >end.pid; wait' &
+until [ -s end.pid ]; do sleep 0.01; done
+hold $(cat end.pid)
+until_finished end.d 1
+runs=$(runs_of $(cat end.pid))
 kill -KILL $! || fail "the batch ended before its parent"
 wait $!
-runs() { grep -ls "^State:.[^ZX]" /proc/$(cat end.pid)/status; }
-for _ in $(seq 200); do [ -z "$(runs)" ] && break; sleep 0.01; done
-[ -z "$(runs)" ] || fail "the batch outlived its parent"
-[ "$(ls end.d/*/result.json | wc -l)" -lt 40 ] || fail "nothing was left to do"
+for process in $(cat end.pid) $runs; do until_ended $process; done
 
 # Ctrl-C: runs save their state, and the same command goes on.
-tides batch forty.json -o int.d -q >out 2>err &
-for _ in $(seq 1000); do
-    [ -e "$(echo int.d/*/result.json | cut -d' ' -f1)" ] && break
-    sleep 0.01
-done
+tides batch forty.json -o int.d -q --jobs 2 >out 2>err &
+hold $!
+until_finished int.d 1
 kill -INT $!
+kill -CONT $held
 wait $!
 [ $? = 1 ] || fail "the exit code should be 1"
 error_line "stopped on request; [0-9]+ of 40 runs are finished; the same command goes on from there"
