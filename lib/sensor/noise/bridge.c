@@ -8,6 +8,9 @@ enum { DEPTH_MIN = 1 };
 /* Of the threshold: standard deviation of the shortest parts. */
 static const double finest = 0.25;
 
+/* Of the noise's range: a signal that moves less over a part says nothing of where in it a level may be reached. */
+static const double least_moved = 0.25;
+
 /* The largest q = -log(uniform): a bridge exceeds what it leaves it once in e^12. */
 static const double q_max = 12;
 
@@ -130,7 +133,7 @@ static int may_reach(const td_noise_search *search, double low, double high, dou
     *s = from;
     if (search->low > bottom && search->high < top) return 0;
     /* Levels that leave no room, or a signal that hardly moves: there is nothing more to tell. */
-    if (!(top > bottom) || search->high - search->low < 0.25 * (high - low)) return 1;
+    if (!(top > bottom) || search->high - search->low < least_moved * (high - low)) return 1;
     const double half = 0.5 * (top - bottom);
     return td_response_crossing(search->response, bottom + half, half, half, from, to, s) != 0;
 }

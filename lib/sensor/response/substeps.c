@@ -25,6 +25,12 @@
  * that an image makes need 1 to 10). */
 enum { SWEEPS = 8, TRIED_MAX = 1 << 14, NODES = 4, BETWEEN = 3 };
 
+/* Of the tolerance: what a sweep may still change when it is the last. The rest is for what the cubic misses. */
+static const double settled = 0.25;
+
+/* Of a substep: where so little no longer moves the time, one cut shorter would end where it begins. */
+static const double least_told = 0.1;
+
 static const double node[NODES + BETWEEN] = {0, 1.0 / 3, 2.0 / 3, 1, 1.0 / 6, 1.0 / 2, 5.0 / 6};
 
 /* A substep while it is being solved. */
@@ -105,8 +111,8 @@ static td_model through(const double g[NODES]) {
         {g[0], (-5 * g[0] + 18 * g[1] - 9 * g[2] + 2 * g[3]) / 6, (2 * g[0] - 9 * g[1] + 18 * g[2] - 5 * g[3]) / 6, g[3]}};
 }
 
-/* NaN is the largest of all. */
-static double larger(double a, double b) { return b <= a || isnan(a) ? a : b; }
+/* NaN is the worst of all. */
+static double worse(double a, double b) { return b <= a || isnan(a) ? a : b; }
 
 /* Solves the photoreceptor; `input` becomes L + g. Returns the largest error of g. */
 static double substitute(attempt *at, const td_poles *stage, td_model *input) {
@@ -122,12 +128,12 @@ static double substitute(attempt *at, const td_poles *stage, td_model *input) {
         for (int i = 0; i < NODES; i++) {
             before[i] = g[i];
             g[i] = missing(at, i);
-            worst = larger(worst, fabs(g[i] - before[i]));
+            worst = worse(worst, fabs(g[i] - before[i]));
         }
-        if (!(worst > 0.25 * at->frontend->tolerance)) break;
+        if (!(worst > settled * at->frontend->tolerance)) break;
         cubic = through(g);
     }
-    for (int i = NODES; i < NODES + BETWEEN; i++) worst = larger(worst, fabs(missing(at, i) - td_model_value(&cubic, node[i])));
+    for (int i = NODES; i < NODES + BETWEEN; i++) worst = worse(worst, fabs(missing(at, i) - td_model_value(&cubic, node[i])));
     return worst;
 }
 
@@ -206,8 +212,8 @@ static double solve_mapped(const td_substeps *substeps, const td_model *input, d
     state[2] = 0;
     for (int i = 1; i < 4; i++) {
         double L = td_model_value(input, 0.25 * i);
-        error = larger(error, fabs(td_model_value(&mapped, td_time_map_place(map, 0.25 * i)) - L));
-        lag = larger(lag, fabs(L - S) + fabs(input->control[i] - input->control[0]));
+        error = worse(error, fabs(td_model_value(&mapped, td_time_map_place(map, 0.25 * i)) - L));
+        lag = worse(lag, fabs(L - S) + fabs(input->control[i] - input->control[0]));
     }
     return error + rate_error * lag;
 }
@@ -258,7 +264,7 @@ int td_substeps_next(td_substeps *substeps) {
         substeps->to = substeps->length < left ? substeps->from + substeps->length : 1;
         error = solve(substeps, substeps->to, &substeps->map, state, &substeps->response);
         if (++substeps->tried > TRIED_MAX || error <= tolerance) break;
-        if (!(substeps->from + 0.1 * substeps->length > substeps->from)) break; /* no shorter substep can be told from none */
+        if (!(substeps->from + least_told * substeps->length > substeps->from)) break;
         substeps->length = better_length(substeps->to - substeps->from, tolerance, error, failed_least, failed_most);
     }
     for (int i = 0; i < TD_FRONTEND_STATE; i++) substeps->state[i] = state[i];
