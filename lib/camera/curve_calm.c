@@ -10,6 +10,7 @@
 #include "camera/td_curve_segment.h"
 
 #include "td_base.h"
+#include "td_extremes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,28 +24,25 @@ static const double most_beyond = 1.0;
 /* And of the range of all samples: what rings further away is no swing. */
 static const double share_of_all = 0.01;
 
-static double larger(double a, double b) { return a > b ? a : b; }
-static double smaller(double a, double b) { return a < b ? a : b; }
-
 /* Range of component k over samples [from, to). */
 static void range_of(const td_knot *knots, size_t from, size_t to, int k, double *low, double *high) {
     *low = *high = knots[from].value[k];
     for (size_t i = from + 1; i < to; i++) {
-        *low = smaller(*low, knots[i].value[k]);
-        *high = larger(*high, knots[i].value[k]);
+        *low = td_lesser(*low, knots[i].value[k]);
+        *high = td_greater(*high, knots[i].value[k]);
     }
 }
 
 /* How far the rates of a piece's ends make it go by themselves: what is thrown up comes down at the same place. */
 static double owed_to_rates(const td_knot *knot, int k) {
-    return larger(fabs(knot[0].rate[k]), fabs(knot[1].rate[k])) * (knot[1].time - knot[0].time);
+    return td_greater(fabs(knot[0].rate[k]), fabs(knot[1].rate[k])) * (knot[1].time - knot[0].time);
 }
 
 /* 1 where the piece leaves what is allowed it. */
 static int swings(const td_knot *knots, size_t count, size_t i, int k, const double c[6], double range, double owed) {
     double low, high;
     range_of(knots, i + 1 < AROUND ? 0 : i + 1 - AROUND, i + 1 + AROUND < count ? i + 1 + AROUND : count, k, &low, &high);
-    double slack = larger(most_beyond * (high - low), share_of_all * range) + owed;
+    double slack = td_greater(most_beyond * (high - low), share_of_all * range) + owed;
     for (int probe = 1; probe < PROBES; probe++) {
         double u = (double)probe / PROBES, x = c[0] + u * (c[1] + u * (c[2] + u * (c[3] + u * (c[4] + u * c[5]))));
         if (x < low - slack || x > high + slack) return 1;

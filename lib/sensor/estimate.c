@@ -1,6 +1,7 @@
 /* The estimated error of a tile's step, over the pixels that may fire in it, for the solver's step control. */
 #include "td_estimate.h"
 #include "signal/td_model_error.h"
+#include "td_extremes.h"
 
 #include <math.h>
 
@@ -10,9 +11,6 @@ static const double noise = 1e-6;
 
 /* Additive noise brings a pixel to levels that are this many sigmas from its signal; beyond it hardly ever is. */
 static const double noise_swing = 5;
-
-static double larger(double a, double b) { return a > b ? a : b; }
-static double smaller(double a, double b) { return a < b ? a : b; }
 
 /* -- one pixel ----------------------------------------------------------------------------------------------------------- */
 
@@ -34,8 +32,8 @@ static inline pixel_step pixel_of(const td_estimated *step, int32_t i) {
 /* Range of the control values, widened. */
 static void range_of(const pixel_step *p, double *low, double *high) {
     double a = p->S0 + p->rate0 / 3, b = p->S1 - p->rate1 / 3;
-    *low = smaller(smaller(p->S0, p->S1), smaller(a, b)) - p->bump;
-    *high = larger(larger(p->S0, p->S1), larger(a, b)) + p->bump;
+    *low = td_lesser(td_lesser(p->S0, p->S1), td_lesser(a, b)) - p->bump;
+    *high = td_greater(td_greater(p->S0, p->S1), td_greater(a, b)) + p->bump;
 }
 
 /* How far S comes at most: along the control values. */
@@ -53,12 +51,12 @@ static int reaches_level(double low, double high, double reference, double thres
 /* Counts a pixel with an error of `error`, which is `scale` as much in nominal thresholds, and how far it moves in the step. */
 static void count_pixel(const td_estimated *step, const pixel_step *p, double scale, double moved, td_estimate *worst) {
     int says_nothing = step->deviation && p->bump <= step->rounding;
-    double timed = larger(p->error - noise, 0);
-    worst->rounded = larger(worst->rounded, p->error * scale);
+    double timed = td_greater(p->error - noise, 0);
+    worst->rounded = td_greater(worst->rounded, p->error * scale);
     if (says_nothing) return;
-    worst->error = larger(worst->error, p->error * scale);
-    if (step->deviation) worst->deviation = larger(worst->deviation, p->bump * scale);
-    if (moved > 0) worst->seconds = larger(worst->seconds, timed * step->h / moved);
+    worst->error = td_greater(worst->error, p->error * scale);
+    if (step->deviation) worst->deviation = td_greater(worst->deviation, p->bump * scale);
+    if (moved > 0) worst->seconds = td_greater(worst->seconds, timed * step->h / moved);
 }
 
 /* -- a tile -------------------------------------------------------------------------------------------------------------- */
@@ -69,12 +67,12 @@ static td_estimate estimate_ideal(const td_sensor *sensor, const td_estimated *s
     int equal = threshold == sensor->sensor.threshold_off;
     for (int32_t i = 0; i < step->count; i++) {
         const pixel_step p = pixel_of(step, i);
-        way = larger(way_of(&p), way);
+        way = td_greater(way_of(&p), way);
         /* Where the signal hardly rises, the time of a crossing is only as good as the range that it moves in. */
-        double moved = larger(fabs(p.S1 - p.S0), p.error);
+        double moved = td_greater(fabs(p.S1 - p.S0), p.error);
         /* Most pixels are no worse than one already seen: they needn't be asked about levels. NaN: the comparator passes it
          * over. */
-        double timed = larger(p.error - noise, 0);
+        double timed = td_greater(p.error - noise, 0);
         int is_new = p.error > worst.error || timed * step->h > worst.seconds * moved || p.error > worst.rounded;
         if (!is_new && !(step->deviation && p.bump > worst.deviation)) continue;
         double low, high;
@@ -107,12 +105,12 @@ static td_estimate estimate_blocks(td_sensor *sensor, const td_estimated *step, 
         const pixel_step p = pixel_of(step, k);
         if (!(p.error >= 0)) continue; /* NaN */
         double ramp0 = sensor->leak[i] * time, ramp1 = ramp0 + sensor->leak[i] * step->h * 1e9;
-        double low, high, own = smaller(sensor->threshold_on[i], sensor->threshold_off[i]);
-        worst.crossings = larger((way_of(&p) + fabs(ramp1 - ramp0)) / own, worst.crossings);
+        double low, high, own = td_lesser(sensor->threshold_on[i], sensor->threshold_off[i]);
+        worst.crossings = td_greater((way_of(&p) + fabs(ramp1 - ramp0)) / own, worst.crossings);
         range_of(&p, &low, &high); /* the ramp lies between its ends: bounds need no more */
         if (step->reference && !may_fire(sensor, i, cuts, low + ramp0 - swing, high + ramp1 + swing, step->reference[k]))
             continue;
-        double moved = larger(fabs(p.S1 - p.S0 + (ramp1 - ramp0)), p.error);
+        double moved = td_greater(fabs(p.S1 - p.S0 + (ramp1 - ramp0)), p.error);
         count_pixel(step, &p, nominal / own, moved, &worst);
     }
     return worst;

@@ -8,6 +8,7 @@
  * Each gives the factor by which the step is above its limit; the largest decides. Where a budget of renders is set and a level
  * asks for more, the steps furthest above their limits go first. Without `local` a tile whose step is too long cuts those of
  * all. For refine.c, which makes the steps; what errors are worth to a pixel the sensor says. */
+#include "td_extremes.h"
 #include "td_simulator.h"
 
 #include <math.h>
@@ -25,9 +26,6 @@ static const double unseen = 1.000001;      /* excess of a step that nothing has
 static const double most_contributors = 64; /* splats under a pixel at which the risk's norm(c) is 1 */
 static const double least_share = 1.0 / 32; /* of the macro step, that a tile of risk 1 may take at once */
 
-static double larger(double a, double b) { return a > b ? a : b; }
-static double smaller(double a, double b) { return a < b ? a : b; }
-
 /* The largest risk score of a tile's pixels: w_b (1 - b) + w_c norm(c) + w_alpha norm(|alpha_dot|), clipped to [0, 1].
  * norm(c) = c / 64, norm(|alpha_dot|) = the opacity that would change within the longest step, both at most 1. */
 double td_tile_risk(const tides_simulator *s, const td_tile *tile, const double *planes) {
@@ -36,11 +34,11 @@ double td_tile_risk(const tides_simulator *s, const td_tile *tile, const double 
         for (int x = 0; x < tile->width; x++, i++) {
             int at = td_tile_pixel(x, y);
             double b = planes[TD_OUT_COVERAGE * TD_TILE_PIXELS + at];
-            double c = smaller(planes[TD_OUT_CONTRIBUTORS * TD_TILE_PIXELS + at] / most_contributors, 1);
-            double a = smaller(fabs(planes[TD_OUT_ALPHA_DOT * TD_TILE_PIXELS + at]) * s->step_s, 1);
-            most = larger(most, s->risk.w_b * (1 - b) + s->risk.w_c * c + s->risk.w_alpha * a);
+            double c = td_lesser(planes[TD_OUT_CONTRIBUTORS * TD_TILE_PIXELS + at] / most_contributors, 1);
+            double a = td_lesser(fabs(planes[TD_OUT_ALPHA_DOT * TD_TILE_PIXELS + at]) * s->step_s, 1);
+            most = td_greater(most, s->risk.w_b * (1 - b) + s->risk.w_c * c + s->risk.w_alpha * a);
         }
-    return smaller(most, 1);
+    return td_lesser(most, 1);
 }
 
 /* kappa(r): the share of the macro step that a tile of risk r may take at once, from 1 at r = 0 to 1/32 at r = 1. */
@@ -73,8 +71,8 @@ static double error_excess(tides_simulator *s, td_refine_step *step, double star
     step->deviation = estimate.deviation / threshold;
     step->rounded = estimate.rounded / threshold;
     double excess = is_rounding(s, step, threshold) ? 0 : step->error / s->tolerance;
-    if (s->time_tolerance_s > 0 && excess > 0) excess = larger(excess, estimate.seconds / s->time_tolerance_s);
-    return larger(excess, estimate.crossings / s->sensor.sensor.max_events_per_step);
+    if (s->time_tolerance_s > 0 && excess > 0) excess = td_greater(excess, estimate.seconds / s->time_tolerance_s);
+    return td_greater(excess, estimate.crossings / s->sensor.sensor.max_events_per_step);
 }
 
 /* Judges one step: is it to be cut? One that is too short for it is accepted whatever the measures say. */
@@ -83,11 +81,11 @@ static void judge(tides_simulator *s, td_refine_step *step, double start, double
     double share = (double)(step->to - step->from) / (double)((uint32_t)1 << r->depth);
     int may_cut = td_refine_may_cut(r, step), controls = s->mode & TIDES_STEPPING_ERROR;
     step->excess = share * td_renderer_tile_travel(s->renderer, step->tile) / most_travel;
-    if (controls) step->excess = larger(step->excess, error_excess(s, step, start, stop));
-    if (controls && may_cut && step->probe < 0) step->excess = larger(step->excess, unseen);
+    if (controls) step->excess = td_greater(step->excess, error_excess(s, step, start, stop));
+    if (controls && may_cut && step->probe < 0) step->excess = td_greater(step->excess, unseen);
     if (s->mode & TIDES_STEPPING_RISK) {
         double begin = *td_sample_risk(&r->samples, step->begin), end = *td_sample_risk(&r->samples, step->end);
-        step->excess = larger(step->excess, share / step_factor(larger(begin, end)));
+        step->excess = td_greater(step->excess, share / step_factor(td_greater(begin, end)));
     }
     step->open = (int16_t)(step->excess > 1 && may_cut);
 }

@@ -1,6 +1,7 @@
 /* Accepted steps: the comparator over them, what they say of the run's accuracy, and their samples given back. For run.c at
  * the end of a macro step, and before that for window.c, where memory is short. What an event time is worth timing.c estimates;
  * sorting events and handing them out are run.c's. */
+#include "td_extremes.h"
 #include "td_probe.h"
 #include "td_simulator.h"
 
@@ -9,8 +10,6 @@
 /* Where a hold takes the reference from the signal anew after each event, an event that is late or early makes a wrong
  * reference, and the errors of a pixel's events add up: in quadrature over the 16 or so of a busy pixel in a run. */
 static const double hold_adds = 4;
-
-static double larger(double a, double b) { return a > b ? a : b; }
 
 /* What an accepted step adds to the statistics. */
 static void note_step(tides_simulator *s, const td_refine_step *step) {
@@ -21,8 +20,8 @@ static void note_step(tides_simulator *s, const td_refine_step *step) {
     stats->steps_over_budget += (uint64_t)(above && td_refine_may_cut(&s->refine, step));
     stats->steps_at_minimum += (uint64_t)(above && !td_refine_may_cut(&s->refine, step));
     stats->steps_at_rounding += (uint64_t)(!above && step->rounded > s->tolerance);
-    stats->worst_error = larger(stats->worst_error, step->error);
-    stats->worst_deviation = larger(stats->worst_deviation, step->deviation);
+    stats->worst_error = td_greater(stats->worst_error, step->error);
+    stats->worst_deviation = td_greater(stats->worst_deviation, step->deviation);
 }
 
 void td_settle_timing(tides_simulator *s, const td_refine_step *refined, const td_step *step, const double *const begin[],

@@ -3,15 +3,13 @@
  * the embedded estimate (signal/td_model_error.h); it changes no step and no event. */
 #include "td_timing.h"
 #include "signal/td_model_error.h"
+#include "td_extremes.h"
 #include "td_probe.h"
 
 #include <math.h>
 #include <string.h>
 
 static const int first_octave = -48; /* 2^-48 s: far below a nanosecond */
-
-static double larger(double a, double b) { return a > b ? a : b; }
-static double smaller(double a, double b) { return a < b ? a : b; }
 
 /* -- one event ----------------------------------------------------------------------------------------------------------- */
 
@@ -26,7 +24,7 @@ double td_timing_reach(double v, double a, double error, int *touches) {
     double left = v * v - 2 * bend * error;
     double d = left >= 0 ? 2 * error / (v + sqrt(left)) : (v + sqrt(v * v + 2 * bend * error)) / bend;
     *touches = left < 0 && a < 0 && d < 1;
-    return smaller(d, 1);
+    return td_lesser(d, 1);
 }
 
 /* -- many ---------------------------------------------------------------------------------------------------------------- */
@@ -61,9 +59,9 @@ static double gradient(const td_tile *tile, const double *S, int32_t i) {
     const int32_t x = i % tile->width;
     double along = 0, across = 0;
     if (x > 0) along = fabs(S[i] - S[i - 1]);
-    if (x + 1 < tile->width) along = larger(along, fabs(S[i + 1] - S[i]));
+    if (x + 1 < tile->width) along = td_greater(along, fabs(S[i + 1] - S[i]));
     if (i >= tile->width) across = fabs(S[i] - S[i - tile->width]);
-    if (i + tile->width < tile->count) across = larger(across, fabs(S[i + tile->width] - S[i]));
+    if (i + tile->width < tile->count) across = td_greater(across, fabs(S[i + tile->width] - S[i]));
     return sqrt(along * along + across * across);
 }
 
@@ -93,7 +91,7 @@ static td_probe_law law_of(const td_timed *timed, int32_t i) {
 
 static double place_of(const td_step *step, int64_t t) {
     double s = ((double)(t - step->start_ns) + 0.5 - step->start_fraction) / step->length_ns;
-    return s > 0 ? smaller(s, 1) : 0;
+    return s > 0 ? td_lesser(s, 1) : 0;
 }
 
 static td_model model_of(const td_timed *timed, int32_t i) {
@@ -133,7 +131,8 @@ static void turn_of(const td_timed *timed, const td_model *model, int32_t i, dou
     const td_frontend *frontend = timed->frontend;
     if (!frontend || !frontend->on || frontend->kind == TD_FRONTEND_CIRCUIT) return;
     double L = td_model_value(model, s), rate = frontend->rate * timed->step->length_s;
-    if (frontend->kind == TD_FRONTEND_INTENSITY) rate *= frontend->light * larger(exp(L) - timed->log_eps, 0) + frontend->dark;
+    if (frontend->kind == TD_FRONTEND_INTENSITY)
+        rate *= frontend->light * td_greater(exp(L) - timed->log_eps, 0) + frontend->dark;
     *slope = rate * (L - (reference_at(timed, i, s) - ramp_at(timed, i, s)));
     *bend = rate * (L_dot - *slope);
 }
@@ -199,7 +198,7 @@ static const double margin = 0.75;
 double td_timing_percentile(const td_timing *timing, double share) {
     double total = 0, passed = 0;
     for (int k = 0; k < TD_TIMING_BINS; k++) total += timing->weight[k];
-    if (total > 0) share = smaller(share + margin * sqrt(share * (1 - share) / total), 1);
+    if (total > 0) share = td_lesser(share + margin * sqrt(share * (1 - share) / total), 1);
     for (int k = 0; k < TD_TIMING_BINS && total > 0; k++) {
         double weight = timing->weight[k];
         if (weight > 0 && passed + weight >= share * total) {

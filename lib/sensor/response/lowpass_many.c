@@ -2,6 +2,7 @@
  *
  * Operation for operation what td_poles_respond and td_response_value do with one real pole, at the step's end: the numbers are
  * theirs to the bit, so that it never shows which pixels had their response worked out. */
+#include "td_extremes.h"
 #include "td_frontend.h"
 #include "td_modes.h"
 
@@ -26,10 +27,6 @@ static inline double respond(int slow, const real_pole *pole, const double b[4],
     return S - amplitude + p1 + p2 + l3 + amplitude * pole->basis;
 }
 
-static inline double smaller(double a, double b) { return a < b ? a : b; }
-
-static inline double larger(double a, double b) { return a > b ? a : b; }
-
 /* S is an average of what it was and what comes in, and stays between them but for rounding, of the response that bounds are to
  * hold for too. */
 static const double rounding = 64 * DBL_EPSILON;
@@ -41,9 +38,9 @@ static inline void step(int slow, const real_pole *pole, size_t count, const dou
         const double b[4] = {b0[i], b1[i], b2[i], b3[i]};
         double finite = (b[0] - b[0]) + (b[1] - b[1]) + (b[2] - b[2]) + (b[3] - b[3]); /* 0, or NaN */
         double begin = S[i] - S[i] == 0 ? S[i] : b[0], end = respond(slow, pole, b, begin);
-        double least = smaller(smaller(smaller(b[0], b[1]), smaller(b[2], b[3])), begin);
-        double most = larger(larger(larger(b[0], b[1]), larger(b[2], b[3])), begin);
-        double margin = rounding * (larger(most, -least) + (most - least));
+        double least = td_lesser(td_lesser(td_lesser(b[0], b[1]), td_lesser(b[2], b[3])), begin);
+        double most = td_greater(td_greater(td_greater(b[0], b[1]), td_greater(b[2], b[3])), begin);
+        double margin = rounding * (td_greater(most, -least) + (most - least));
         after[i] = finite == 0 ? end : S[i];
         low[i] = least - margin + finite;
         high[i] = most + margin + finite;
