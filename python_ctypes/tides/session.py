@@ -18,12 +18,11 @@ from ._progress import Progress, Reporter
 from ._values import Facts, Value, _fields, plain
 from .baselines import BaselineParams, Frames, FramesOptions
 from .device import Device, opened
-from .events import EVENT
 from .measure import session_exact
 from .readout import Readout
 from .render import ImageParams, Renderer
 from .scene import Scene
-from .simulate import Sensor, Simulation, Stepping, _Collector, recording
+from .simulate import Sensor, Simulation, Stepping, _Collector, packet, recording
 from .trajectory import Camera, Intrinsics, PathOptions, Trajectory
 
 _VALUES: dict[Any, Any] = {
@@ -116,8 +115,7 @@ class Session(Handle):
         stops it by returning something true (Cancelled) or by raising. The statistics."""
 
         def take(_user: Any, events: Any, count: int) -> int:
-            view = np.ctypeslib.as_array(events, (count,)).view(EVENT) if count else np.empty(0, EVENT)
-            return 1 if sink(view) else 0
+            return 1 if sink(packet(events, count)) else 0
 
         return self._run(take, progress)
 

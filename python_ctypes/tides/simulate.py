@@ -58,6 +58,11 @@ def recording(format: str | None, resume: bool, checkpoint_s: float | None) -> R
     return how if checkpoint_s is None else how.set(checkpoint_s=checkpoint_s)
 
 
+def packet(events: Any, count: int) -> np.ndarray:
+    """What C gives a sink, as EVENT (count): a view of its memory, valid during the call only."""
+    return np.ctypeslib.as_array(events, (count,)).view(EVENT) if count else np.empty(0, EVENT)
+
+
 class _Collector:
     """A growing array of events: C's packets are copied in once."""
 
@@ -172,7 +177,7 @@ class Simulation(Handle):
         (Cancelled) or by raising."""
 
         def take(_user: Any, events: Any, count: int) -> int:
-            view = np.ctypeslib.as_array(events, (count,)).view(EVENT) if count else np.empty(0, EVENT)
+            view = packet(events, count)
             return 1 if sink(*((view, self._fired(view)) if fired else (view,))) else 0
 
         self._advance(self.stop if until is None else until, take, progress)
