@@ -9,14 +9,14 @@
 TD_INLINE void td_block_offsets(int first, td_lanes *x, td_lanes *y) {
     (void)first; /* sixteen lanes begin at 0 */
 #if TD_LANES == 16
-    *x = (float16)(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
-    *y = (float16)(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
+    *x = (td_lanes)(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
+    *y = (td_lanes)(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
 #elif TD_LANES == 8
-    *x = (float8)(0, 1, 2, 3, 0, 1, 2, 3);
-    *y = (float8)(0, 0, 0, 0, 1, 1, 1, 1) + (float)(first >> 2);
+    *x = (td_lanes)(0, 1, 2, 3, 0, 1, 2, 3);
+    *y = (td_lanes)(0, 0, 0, 0, 1, 1, 1, 1) + (td_real)(first >> 2);
 #elif TD_LANES == 4
-    *x = (float4)(0, 1, 2, 3);
-    *y = (float4)((float)(first >> 2));
+    *x = (td_lanes)(0, 1, 2, 3);
+    *y = (td_lanes)((td_real)(first >> 2));
 #else
     *x = (td_real)(first & 3);
     *y = (td_real)(first >> 2);

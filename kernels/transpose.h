@@ -7,11 +7,11 @@
 /* The lanes of an index, one by one. */
 TD_INLINE void td_index_lanes(td_index index, int lane[TD_LANES]) {
 #if TD_LANES == 16
-    vstore16(index, 0, lane);
+    vstore16(td_narrow(index), 0, lane);
 #elif TD_LANES == 8
-    vstore8(index, 0, lane);
+    vstore8(td_narrow(index), 0, lane);
 #elif TD_LANES == 4
-    vstore4(index, 0, lane);
+    vstore4(td_narrow(index), 0, lane);
 #else
     lane[0] = index;
 #endif
@@ -19,15 +19,15 @@ TD_INLINE void td_index_lanes(td_index index, int lane[TD_LANES]) {
 
 #if TD_LANES == 16
 #define TD_ZIP_LOWER(a, b) \
-    (float16)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3, a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7)
+    (td_lanes)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3, a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7)
 #define TD_ZIP_UPPER(a, b) \
-    (float16)(a.s8, b.s8, a.s9, b.s9, a.sa, b.sa, a.sb, b.sb, a.sc, b.sc, a.sd, b.sd, a.se, b.se, a.sf, b.sf)
+    (td_lanes)(a.s8, b.s8, a.s9, b.s9, a.sa, b.sa, a.sb, b.sb, a.sc, b.sc, a.sd, b.sd, a.se, b.se, a.sf, b.sf)
 #elif TD_LANES == 8
-#define TD_ZIP_LOWER(a, b) (float8)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3)
-#define TD_ZIP_UPPER(a, b) (float8)(a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7)
+#define TD_ZIP_LOWER(a, b) (td_lanes)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3)
+#define TD_ZIP_UPPER(a, b) (td_lanes)(a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7)
 #elif TD_LANES == 4
-#define TD_ZIP_LOWER(a, b) (float4)(a.x, b.x, a.y, b.y)
-#define TD_ZIP_UPPER(a, b) (float4)(a.z, b.z, a.w, b.w)
+#define TD_ZIP_LOWER(a, b) (td_lanes)(a.x, b.x, a.y, b.y)
+#define TD_ZIP_UPPER(a, b) (td_lanes)(a.z, b.z, a.w, b.w)
 #endif
 
 /* Transposes TD_LANES vectors: log2(TD_LANES) rounds that each interleave row i with row i + TD_LANES / 2. */

@@ -25,15 +25,17 @@ stage_cppcheck() {
         $(printf -- '-I%s ' cli/*) lib cli tests/support
 }
 
-# As lib/device/program.c builds them: one pixel per work-item, as on GPUs, and the width that CPUs get. Every switch of
-# kernels/specialise.h is given a value.
+# As lib/device/program.c builds them: one pixel per work-item, as on GPUs, and the width that CPUs get; what names no
+# precision in double too. Every switch of kernels/specialise.h is given a value.
 stage_kernels() {
     found=0
     switches=$(grep -oh 'TD_BUILD_[A-Z_0-9]*' kernels/* | sort -u | sed 's/.*/-D&=1/')
     for program in kernels/*.cl; do
-        for lanes in 1 16; do
+        dialects='1 16'
+        grep -qw float "$program" || dialects='1 16 1,-DTD_REAL_DOUBLE=1 8,-DTD_REAL_DOUBLE=1'
+        for dialect in $dialects; do
             clang-14 -x cl -cl-std=CL1.2 -Xclang -finclude-default-header -fsyntax-only -Wall -Wextra -Werror -Ikernels \
-                -DTD_OPENCL=1 -DTD_LANES=$lanes $switches "$program" || found=1
+                -DTD_OPENCL=1 -DTD_LANES=$(echo "$dialect" | tr , ' ') $switches "$program" || found=1
         done
     done
     return $found

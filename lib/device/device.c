@@ -159,7 +159,7 @@ static void open_reference(tides_device *device, int single_precision) {
 static tides_status open_opencl(tides_device *device, const char *spec, tides_error *error) {
     tides_status status = TIDES_OK;
     cl_int code = CL_SUCCESS;
-    cl_device_fp_config rounding = 0;
+    cl_device_fp_config rounding = 0, wide = 0;
     device_list *list = td_alloc(1, sizeof *list, error);
     if (!list) return TIDES_NO_MEMORY;
     enumerate(list);
@@ -172,6 +172,8 @@ static tides_status open_opencl(tides_device *device, const char *spec, tides_er
     device->platform = list->platform[at];
     device->id = list->id[at];
     clGetDeviceInfo(device->id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof rounding, &rounding, NULL);
+    clGetDeviceInfo(device->id, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof wide, &wide, NULL);
+    device->has_double = wide != 0;
     device->correctly_rounded = (rounding & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
     device->context = clCreateContext(NULL, 1, &device->id, NULL, NULL, &code);
     if (code != CL_SUCCESS) {

@@ -6,7 +6,7 @@
 #include <string.h>
 
 struct td_program_entry {
-    char *key; /* file, lanes and defines */
+    char *key; /* file, precision, lanes and defines */
     cl_program program;
     td_program_entry *next;
 };
@@ -51,23 +51,31 @@ static tides_status fail_build(const tides_device *device, cl_program program, c
     return status;
 }
 
+/* What programs are built in: one precision, so many lanes. */
+typedef struct dialect {
+    int is_double, lanes;
+} dialect;
+
+int td_double_lanes(const tides_device *device) { return device->info.lanes > 8 ? 8 : (int)device->info.lanes; }
+
 /* The prelude owns the pragma: it only governs text after it, so it must be the first line of all. Vectors wider than the
  * device's registers never cross a program's border here: clang's note about their calling convention is noise. */
-static char *make_prelude(const tides_device *device, const char *defines, tides_error *error) {
+static char *make_prelude(const dialect *of, const char *defines, tides_error *error) {
     return td_format(error,
-                     "#pragma OPENCL FP_CONTRACT OFF\n"
+                     "#pragma OPENCL FP_CONTRACT OFF\n%s"
                      "#ifdef __clang__\n#pragma clang diagnostic ignored \"-Wpsabi\"\n#endif\n"
                      "#define TD_OPENCL 1\n#define TD_LANES %d\n%s",
-                     (int)device->info.lanes, defines);
+                     of->is_double ? "#pragma OPENCL EXTENSION cl_khr_fp64 : enable\n#define TD_REAL_DOUBLE 1\n" : "",
+                     of->lanes, defines);
 }
 
-static tides_status build(tides_device *device, const char *file, const char *defines, cl_program *program,
+static tides_status build(tides_device *device, const dialect *of, const char *file, const char *defines, cl_program *program,
                           tides_error *error) {
     tides_status status = TIDES_NO_MEMORY;
     td_source_text text = {0};
     cl_program built = NULL;
     cl_int code = CL_SUCCESS;
-    char *prelude = make_prelude(device, defines, error);
+    char *prelude = make_prelude(of, defines, error);
     if (!prelude) goto done;
     status = td_reserve((void **)&text.piece, &text.capacity, 1, sizeof *text.piece, error);
     if (status != TIDES_OK) goto done;
@@ -92,11 +100,11 @@ done:
     return status;
 }
 
-static tides_status find_program(tides_device *device, const char *file, const char *defines, cl_program *program,
-                                 tides_error *error) {
+static tides_status find_program(tides_device *device, const dialect *of, const char *file, const char *defines,
+                                 cl_program *program, tides_error *error) {
     tides_status status = TIDES_NO_MEMORY;
     td_program_entry *entry = NULL;
-    char *key = td_format(error, "%s\n%d lanes\n%s", file, (int)device->info.lanes, defines);
+    char *key = td_format(error, "%s\n%d lanes%s\n%s", file, of->lanes, of->is_double ? " of doubles" : "", defines);
     if (!key) return TIDES_NO_MEMORY;
     for (entry = device->programs; entry; entry = entry->next)
         if (strcmp(entry->key, key) == 0) {
@@ -106,7 +114,7 @@ static tides_status find_program(tides_device *device, const char *file, const c
         }
     entry = td_alloc(1, sizeof *entry, error);
     if (!entry) goto done;
-    if ((status = build(device, file, defines, &entry->program, error)) != TIDES_OK) goto done;
+    if ((status = build(device, of, file, defines, &entry->program, error)) != TIDES_OK) goto done;
     *program = entry->program;
     entry->key = key;
     entry->next = device->programs;
@@ -118,16 +126,33 @@ done:
     return status;
 }
 
-tides_status td_kernel_create(tides_device *device, const char *file, const char *defines, const char *name, cl_kernel *kernel,
-                              tides_error *error) {
+static tides_status create_kernel(tides_device *device, const dialect *of, const char *file, const char *defines,
+                                  const char *name, cl_kernel *kernel, tides_error *error) {
     cl_program program = NULL;
     cl_int code = CL_SUCCESS;
-    tides_status status = find_program(device, file, defines, &program, error);
+    tides_status status = find_program(device, of, file, defines, &program, error);
     if (status != TIDES_OK) return status;
     cl_kernel made = clCreateKernel(program, name, &code);
     if (code != CL_SUCCESS) return td_cl_fail(error, code, "clCreateKernel");
     *kernel = made;
     return TIDES_OK;
+}
+
+tides_status td_kernel_create(tides_device *device, const char *file, const char *defines, const char *name, cl_kernel *kernel,
+                              tides_error *error) {
+    const dialect single = {0, (int)device->info.lanes};
+    return create_kernel(device, &single, file, defines, name, kernel, error);
+}
+
+tides_status td_kernel_create_double(tides_device *device, const char *file, const char *defines, const char *name,
+                                     cl_kernel *kernel, tides_error *error) {
+    const dialect wide = {1, td_double_lanes(device)};
+    if (!device->has_double)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "device '%.60s' has no double precision (cl_khr_fp64), which events solved in double need; set "
+                       "stepping.solve to \"float\", or take another device",
+                       device->info.name);
+    return create_kernel(device, &wide, file, defines, name, kernel, error);
 }
 
 void td_programs_release(tides_device *device) {

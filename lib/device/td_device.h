@@ -13,6 +13,7 @@ struct tides_device {
     tides_device_info info;
     int single_precision;  /* reference only: 1 for reference-f32 */
     int correctly_rounded; /* divide and sqrt can be asked to round correctly */
+    int has_double;        /* OpenCL only: it has cl_khr_fp64 */
     cl_platform_id platform;
     cl_device_id id;
     cl_context context;
@@ -43,6 +44,14 @@ tides_status td_cl_fail(tides_error *error, cl_int code, const char *call);
  * The caller releases the kernel. */
 tides_status td_kernel_create(tides_device *device, const char *file, const char *defines, const char *name, cl_kernel *kernel,
                               tides_error *error);
+
+/* The same in double precision (TD_REAL_DOUBLE, td_double_lanes). TIDES_UNSUPPORTED where the device has none. */
+tides_status td_kernel_create_double(tides_device *device, const char *file, const char *defines, const char *name,
+                                     cl_kernel *kernel, tides_error *error);
+
+/* TD_LANES of kernels in double precision: of the sixteen that single precision has on a CPU, half, so that a vector is as
+ * wide in bits. */
+int td_double_lanes(const tides_device *device);
 
 /* Releases every program of the table. */
 void td_programs_release(tides_device *device);

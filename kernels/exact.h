@@ -1,0 +1,88 @@
+/* exp2, log and 1 - exp(-x) in double precision, made of basic operations: what OpenCL computes with in double, and its twin in
+ * C (TD_EXACT), to the bit. Polynomials are minimax (Remez, in 50 digits), their coefficients rounded; errors below are on a
+ * million numbers against long double (tests/kernels/test_exact.c). */
+#ifndef TD_EXACT_H
+#define TD_EXACT_H
+
+#include "lanes.h"
+
+#ifdef TD_EXACT
+
+#define TD_EXACT_ROUNDS 6755399441055744.0 /* 1.5 * 2^52: added it rounds, and the number is in the low bits */
+
+/* 2^-e for x in [2^e, 2^(e + 1)), 1 <= x < 2^1023. */
+TD_INLINE td_lanes td_exact_inverse_power(td_lanes x) {
+    return td_from_bits((td_word)(0x7fe0000000000000) - (td_bits(x) & (td_word)(0x7ff0000000000000)));
+}
+
+TD_INLINE td_lanes td_exact_not_a_number(void) { return td_from_bits((td_word)(0x7ff8000000000000)); }
+
+/* (2^r - 1) / r on [-1/2, 1/2]: a polynomial of degree 10, 1.8e-17 of itself. */
+TD_INLINE td_lanes td_exact_slope(td_lanes r) {
+    td_lanes p = td_fma(4.445535797392737e-10, r, 7.072561770574863e-09);
+    p = td_fma(p, r, 1.0178121308119217e-07);
+    p = td_fma(p, r, 1.3215442723873467e-06);
+    p = td_fma(p, r, 1.5252733701195123e-05);
+    p = td_fma(p, r, 0.00015403530441481273);
+    p = td_fma(p, r, 0.001333355814653165);
+    p = td_fma(p, r, 0.009618129107607065);
+    p = td_fma(p, r, 0.055504108664821236);
+    p = td_fma(p, r, 0.24022650695910097);
+    return td_fma(p, r, 0.6931471805599453);
+}
+
+/* 2^x for x < 1024, error < 1 ulp, exact for whole x. Below -1022 it stays at 2^-1022. */
+TD_INLINE td_lanes td_exact_exp2(td_lanes x) {
+    td_lanes clamped = td_select(td_splat(-1022.0), x, x > -1022.0);
+    td_lanes shifted = clamped + TD_EXACT_ROUNDS;
+    td_lanes r = clamped - (shifted - TD_EXACT_ROUNDS), p = td_fma(td_exact_slope(r), r, 1.0);
+    return td_from_bits(td_bits(p) + (td_bits(shifted) << 52));
+}
+
+/* 1 - exp(-x), error < 2.5 ulp, for x from 0 to 700: with -x log2(e) = k + r it is (1 - 2^k) - 2^k (2^r - 1). */
+TD_INLINE td_lanes td_exact_taken(td_lanes x) {
+    td_lanes y = x * -1.4426950408889634074;
+    td_lanes shifted = y + TD_EXACT_ROUNDS, r = y - (shifted - TD_EXACT_ROUNDS);
+    td_lanes scale = td_from_bits((td_bits(shifted) + (td_word)(1023)) << 52);
+    return td_fma(-scale, td_exact_slope(r) * r, 1.0 - scale);
+}
+
+/* x = m 2^e with m in [sqrt(1/2), sqrt(2)); returns f = m - 1. */
+TD_INLINE td_lanes td_exact_mantissa(td_lanes x, td_lanes *e) {
+    const td_lanes bias = td_splat(6755399441056767.0); /* TD_EXACT_ROUNDS + 1023 */
+    /* so many steps of the exponent lie below 1/sqrt(2), and as many bits are put below it */
+    td_word above = td_bits(x) + (td_word)(0x3ff0000000000000 - 0x3fe6a09e667f3bcd);
+    *e = td_from_bits((above >> 52) + td_bits(td_splat(TD_EXACT_ROUNDS))) - bias;
+    return td_from_bits((above & (td_word)(0x000fffffffffffff)) + (td_word)(0x3fe6a09e667f3bcd)) - 1.0;
+}
+
+/* ln x of f, s = f/(2 + f) and e: ln(1 + f) = f - (f^2/2 - s (f^2/2 + R)), R = s^2 Q(s^2) with Q of degree 6, good to 5e-18;
+ * f is exact, so that what s is off by counts little. */
+TD_INLINE td_lanes td_exact_log_from(td_lanes f, td_lanes s, td_lanes e) {
+    td_lanes z = s * s, square = 0.5 * f * f;
+    td_lanes q = td_fma(0.14617736790073002, z, 0.15331607998056482);
+    q = td_fma(q, z, 0.1818289288483782);
+    q = td_fma(q, z, 0.222222110774591);
+    q = td_fma(q, z, 0.2857142862637063);
+    q = td_fma(q, z, 0.3999999999989851);
+    q = td_fma(q, z, 0.666666666666667);
+    td_lanes ln_m = f - td_fma(-s, td_fma(q, z, square), square);
+    return td_fma(e, 0.6931471805599453094, td_fma(e, 2.3190468138462996e-17, ln_m)); /* ln 2, and what that is more */
+}
+
+/* ln x of a positive normal number, < 1.5 ulp. */
+TD_INLINE td_lanes td_exact_log(td_lanes x) {
+    td_lanes e, f = td_exact_mantissa(x, &e);
+    return td_exact_log_from(f, f / (2.0 + f), e);
+}
+
+/* The same, and 1/x, with one division for both; x between 1e-300 and 1e300. */
+TD_INLINE td_lanes td_exact_log_inverse(td_lanes x, td_lanes *inverse) {
+    td_lanes e, f = td_exact_mantissa(x, &e), above = 2.0 + f;
+    td_lanes both = 1.0 / (x * above);
+    *inverse = both * above;
+    return td_exact_log_from(f, f * (both * x), e);
+}
+
+#endif
+#endif

@@ -1,0 +1,316 @@
+/* The dialect: one spelling of scalars, lanes and masks for OpenCL C and for C.
+ *
+ * A td_lanes is TD_LANES reals that go through the same arithmetic: sixteen pixels (or Gaussians) on a CPU, eight of them in
+ * double precision, one on a GPU, one in the scalar reference. Whoever includes this has declared the dialect:
+ *   TD_OPENCL         set by the program's prelude, together with TD_LANES = 1, 4, 8 or 16
+ *   TD_REAL_DOUBLE    double precision; in C with libm's functions (the reference), in OpenCL with those of exact.h
+ *   TD_EXACT          with TD_REAL_DOUBLE in C: with those of exact.h, the same bits as OpenCL in double
+ * Masks are what comparisons give: as wide as the reals, so that in double an index, which masks are joined with, is as well.
+ * Rules for everything above it: no contraction (the prelude's first line, -ffp-contract=off on the host), fma() is written
+ * where it is wanted; no rint, floor, convert_*_rte, fmin, fmax, any, all (slow in PoCL: DESIGN 3.5). */
+#ifndef TD_LANES_H
+#define TD_LANES_H
+
+#if defined(TD_OPENCL) && defined(TD_REAL_DOUBLE)
+#define TD_EXACT
+#endif
+#if defined(TD_REAL_DOUBLE) && !defined(TD_EXACT)
+#define TD_LIBM /* functions are libm's */
+#endif
+
+#ifdef TD_OPENCL
+
+#define TD_GLOBAL __global
+#define TD_INLINE static inline __attribute__((always_inline))
+
+#define TD_JOIN_(a, b) a##b
+#define TD_JOIN(a, b) TD_JOIN_(a, b)
+#if TD_LANES == 1
+#define TD_VECTOR(type) type
+#else
+#define TD_VECTOR(type) TD_JOIN(type, TD_LANES)
+#endif
+#ifdef TD_REAL_DOUBLE
+typedef double td_real;
+typedef TD_VECTOR(ulong) td_word; /* bits of reals */
+#define td_bits(x) TD_VECTOR(as_ulong)(x)
+#define td_from_bits(x) TD_VECTOR(as_double)(x)
+typedef TD_VECTOR(double) td_lanes;
+#if TD_LANES == 1
+typedef int td_mask;
+#else
+typedef TD_VECTOR(long) td_mask;
+#define td_widen(ints) TD_VECTOR(convert_long)(ints)
+#define td_narrow(index) TD_VECTOR(convert_int)(index)
+#define td_mask_to_real(m) TD_VECTOR(convert_double)(-(m))
+#endif
+#else
+typedef float td_real;
+typedef TD_VECTOR(float) td_lanes;
+typedef TD_VECTOR(int) td_mask;
+#define td_bits(x) TD_VECTOR(as_int)(x)
+#define td_from_bits(x) TD_VECTOR(as_float)(x)
+#define td_widen(ints) (ints)
+#define td_narrow(index) (index)
+#if TD_LANES > 1
+#define td_mask_to_real(m) TD_VECTOR(convert_float)(-(m))
+#endif
+#endif
+#if TD_LANES == 1
+#define td_mask_to_real(m) ((td_real)((m) != 0))
+#endif
+#define td_splat(x) ((td_lanes)(x))
+#define td_fma(a, b, c) fma((td_lanes)(a), (td_lanes)(b), (td_lanes)(c))
+#define td_fma_real(a, b, c) fma((td_real)(a), (td_real)(b), (td_real)(c)) /* of numbers that all lanes share */
+#define td_sqrt(x) sqrt(x)
+#if defined(TD_REAL_DOUBLE) && TD_LANES == 1 /* where select() would want a long */
+#define td_select(otherwise, then, mask) ((mask) ? (td_lanes)(then) : (td_lanes)(otherwise))
+#else
+#define td_select(otherwise, then, mask) select((td_lanes)(otherwise), (td_lanes)(then), (mask))
+#endif
+
+#else /* C: one lane */
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+#define TD_GLOBAL
+#define TD_INLINE static inline
+#define TD_LANES 1
+#ifdef TD_REAL_DOUBLE
+typedef double td_real;
+typedef uint64_t td_word; /* bits of reals */
+#define td_fma(a, b, c) fma(a, b, c)
+#define td_sqrt(x) sqrt(x)
+#else
+typedef float td_real;
+typedef int32_t td_word;
+#define td_fma(a, b, c) fmaf(a, b, c)
+#define td_sqrt(x) sqrtf(x)
+#endif
+typedef td_real td_lanes;
+typedef int td_mask;
+#define td_fma_real(a, b, c) td_fma(a, b, c)
+#define td_splat(x) ((td_real)(x))
+#define td_select(otherwise, then, mask) ((mask) ? (td_real)(then) : (td_real)(otherwise))
+#define td_mask_to_real(m) ((td_real)((m) != 0))
+TD_INLINE td_word td_bits(td_real x) {
+    td_word bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+TD_INLINE td_real td_from_bits(td_word bits) {
+    td_real x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+#endif
+
+/* A literal in the working precision: never a double rounded twice. */
+#ifdef TD_REAL_DOUBLE
+#define TD_REAL(x) x
+#else
+#define TD_REAL(x) x##f
+#endif
+typedef td_mask td_index;
+
+/* array[index] for each lane. */
+TD_INLINE td_lanes td_gather(TD_GLOBAL const td_real *array, td_index i) {
+#if TD_LANES == 16
+    return (td_lanes)(array[i.s0], array[i.s1], array[i.s2], array[i.s3], array[i.s4], array[i.s5], array[i.s6], array[i.s7],
+                      array[i.s8], array[i.s9], array[i.sa], array[i.sb], array[i.sc], array[i.sd], array[i.se], array[i.sf]);
+#elif TD_LANES == 8
+    return (td_lanes)(array[i.s0], array[i.s1], array[i.s2], array[i.s3], array[i.s4], array[i.s5], array[i.s6], array[i.s7]);
+#elif TD_LANES == 4
+    return (td_lanes)(array[i.x], array[i.y], array[i.z], array[i.w]);
+#else
+    return array[i];
+#endif
+}
+
+/* The same for ints. */
+TD_INLINE td_index td_gather_ints(TD_GLOBAL const int *array, td_index i) {
+#if TD_LANES == 16
+    return (td_index)(array[i.s0], array[i.s1], array[i.s2], array[i.s3], array[i.s4], array[i.s5], array[i.s6], array[i.s7],
+                      array[i.s8], array[i.s9], array[i.sa], array[i.sb], array[i.sc], array[i.sd], array[i.se], array[i.sf]);
+#elif TD_LANES == 8
+    return (td_index)(array[i.s0], array[i.s1], array[i.s2], array[i.s3], array[i.s4], array[i.s5], array[i.s6], array[i.s7]);
+#elif TD_LANES == 4
+    return (td_index)(array[i.x], array[i.y], array[i.z], array[i.w]);
+#else
+    return array[i];
+#endif
+}
+
+/* first, first + 1 .. in each lane */
+TD_INLINE td_index td_count_from(int first) {
+#if TD_LANES == 16
+    return first + (td_index)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+#elif TD_LANES == 8
+    return first + (td_index)(0, 1, 2, 3, 4, 5, 6, 7);
+#elif TD_LANES == 4
+    return first + (td_index)(0, 1, 2, 3);
+#else
+    return first;
+#endif
+}
+
+/* The larger of an index and 0. */
+TD_INLINE td_index td_not_below_0(td_index i) { return i & ~(i >> 31); }
+
+/* TD_LANES neighbours of an int or real array. */
+TD_INLINE td_index td_load_ints(TD_GLOBAL const int *array) {
+#if TD_LANES == 16
+    return td_widen(vload16(0, array));
+#elif TD_LANES == 8
+    return td_widen(vload8(0, array));
+#elif TD_LANES == 4
+    return td_widen(vload4(0, array));
+#else
+    return array[0];
+#endif
+}
+TD_INLINE void td_store_ints(TD_GLOBAL int *array, td_index value) {
+#if TD_LANES == 16
+    vstore16(td_narrow(value), 0, array);
+#elif TD_LANES == 8
+    vstore8(td_narrow(value), 0, array);
+#elif TD_LANES == 4
+    vstore4(td_narrow(value), 0, array);
+#else
+    array[0] = value;
+#endif
+}
+
+/* TD_LANES neighbours of an array. */
+TD_INLINE td_lanes td_load_lanes(TD_GLOBAL const td_real *array) {
+#if TD_LANES == 16
+    return vload16(0, array);
+#elif TD_LANES == 8
+    return vload8(0, array);
+#elif TD_LANES == 4
+    return vload4(0, array);
+#else
+    return array[0];
+#endif
+}
+
+/* TD_LANES neighbours of a plane. */
+TD_INLINE void td_store_lanes(TD_GLOBAL td_real *plane, td_lanes value) {
+#if TD_LANES == 16
+    vstore16(value, 0, plane);
+#elif TD_LANES == 8
+    vstore8(value, 0, plane);
+#elif TD_LANES == 4
+    vstore4(value, 0, plane);
+#else
+    plane[0] = value;
+#endif
+}
+
+/* The lanes, one by one, and back: of the work-item's own arrays. */
+TD_INLINE void td_spread(td_lanes value, td_real lane[TD_LANES]) {
+#if TD_LANES == 16
+    vstore16(value, 0, lane);
+#elif TD_LANES == 8
+    vstore8(value, 0, lane);
+#elif TD_LANES == 4
+    vstore4(value, 0, lane);
+#else
+    lane[0] = value;
+#endif
+}
+TD_INLINE td_lanes td_collect(const td_real lane[TD_LANES]) {
+#if TD_LANES == 16
+    return vload16(0, lane);
+#elif TD_LANES == 8
+    return vload8(0, lane);
+#elif TD_LANES == 4
+    return vload4(0, lane);
+#else
+    return lane[0];
+#endif
+}
+
+/* Entry k of TD_LANES records `stride` apart. */
+TD_INLINE void td_scatter(TD_GLOBAL td_real *records, int stride, int k, td_lanes value) {
+#if TD_LANES == 1
+    (void)stride;
+    records[k] = value;
+#else
+    td_real lane[TD_LANES];
+#if TD_LANES == 16
+    vstore16(value, 0, lane);
+#elif TD_LANES == 8
+    vstore8(value, 0, lane);
+#else
+    vstore4(value, 0, lane);
+#endif
+    for (int i = 0; i < TD_LANES; i++) records[i * stride + k] = lane[i];
+#endif
+}
+
+/* Larger and smaller of two; the second where they are unordered. */
+TD_INLINE td_lanes td_larger(td_lanes a, td_lanes b) { return td_select(b, a, a > b); }
+TD_INLINE td_lanes td_smaller(td_lanes a, td_lanes b) { return td_select(b, a, a < b); }
+/* |a| */
+TD_INLINE td_lanes td_size(td_lanes a) { return td_larger(a, -a); }
+
+TD_INLINE td_lanes td_clamp(td_lanes x, td_real lower, td_real upper) {
+    return td_smaller(td_larger(x, td_splat(lower)), td_splat(upper));
+}
+
+/* (otherwise, then) by mask, for masks. */
+TD_INLINE td_mask td_select_mask(td_mask otherwise, td_mask then, td_mask mask) {
+#if TD_LANES == 1
+    return mask ? then : otherwise;
+#else
+    return (mask & then) | (~mask & otherwise);
+#endif
+}
+
+/* `bits` where the mask is set, else 0. */
+#if TD_LANES == 1
+#define td_mask_bit(mask, bits) ((mask) ? (bits) : 0)
+#else
+#define td_mask_bit(mask, bits) ((mask) & (bits))
+#endif
+
+/* 1 if the mask is set in any lane. Halves are joined as longs: any() on 16 lanes becomes extracts and branches in PoCL. */
+TD_INLINE int td_any(td_mask mask) {
+#if TD_LANES == 1
+    return mask != 0;
+#else
+#ifdef TD_REAL_DOUBLE
+#define TD_MASK_LONGS TD_LANES
+#define td_as_longs(mask) (mask)
+#elif TD_LANES == 16
+#define TD_MASK_LONGS 8
+#define td_as_longs(mask) as_long8(mask)
+#elif TD_LANES == 8
+#define TD_MASK_LONGS 4
+#define td_as_longs(mask) as_long4(mask)
+#else
+#define TD_MASK_LONGS 2
+#define td_as_longs(mask) as_long2(mask)
+#endif
+#if TD_MASK_LONGS == 16
+    long8 a = mask.lo | mask.hi;
+    long4 b = a.lo | a.hi;
+    long2 c = b.lo | b.hi;
+#elif TD_MASK_LONGS == 8
+    long8 a = td_as_longs(mask);
+    long4 b = a.lo | a.hi;
+    long2 c = b.lo | b.hi;
+#elif TD_MASK_LONGS == 4
+    long4 b = td_as_longs(mask);
+    long2 c = b.lo | b.hi;
+#else
+    long2 c = td_as_longs(mask);
+#endif
+    return (c.x | c.y) != 0;
+#endif
+}
+
+#endif
