@@ -49,10 +49,10 @@ TD_INLINE int td_composite_list(const td_list *list, const td_image *image, int 
     return blended;
 }
 
-/* Composites pixels [first, first + TD_LANES) of block `block` (0..15) of a job, into the tile's planes (block by block: pixel
- * 16 * block + first). Returns the number of splats blended. */
+/* Composites pixels [first, first + TD_LANES) of block `block` (0..15) of a job; `out` is where the first one's planes begin,
+ * which are TD_BLOCK_PIXELS apart. Returns the number of splats blended. */
 TD_INLINE int td_composite_block(const td_job *job, const td_list *list, const td_image *image,
-                                 TD_GLOBAL const td_backdrop *backdrop, int block, int first, TD_GLOBAL td_real *planes) {
+                                 TD_GLOBAL const td_backdrop *backdrop, int block, int first, TD_GLOBAL td_real *out) {
     td_lanes x, y;
     td_block_offsets(first, &x, &y);
     x = x + ((td_real)(job->x + 4 * (block & 3)) + 0.5f);
@@ -62,24 +62,23 @@ TD_INLINE int td_composite_block(const td_job *job, const td_list *list, const t
     int blended = td_composite_list(list, image, block, &pixels);
     pixels.transmittance = pixels.transmittance + pixels.stopped;
     pixels.transmittance_dot = pixels.transmittance_dot + pixels.stopped_dot;
-    TD_GLOBAL td_real *out = planes + 16 * block + first;
     td_lanes signal[3];
     td_composite shown = pixels;
     if (td_with_decoder(image)) shown = td_develop(image, list->view, list->weights, &pixels);
     td_finish_signal(&shown, backdrop->luminance, backdrop->luminance_dot, image->log_eps, signal);
-    td_store_lanes(out + TD_OUT_L * TD_TILE_PIXELS, signal[0]);
-    td_store_lanes(out + TD_OUT_L_DOT * TD_TILE_PIXELS, signal[1]);
+    td_store_lanes(out + TD_OUT_L * TD_BLOCK_PIXELS, signal[0]);
+    td_store_lanes(out + TD_OUT_L_DOT * TD_BLOCK_PIXELS, signal[1]);
     if (td_with_diagnostics(image)) {
-        td_store_lanes(out + TD_OUT_Y * TD_TILE_PIXELS, signal[2]);
-        td_store_lanes(out + TD_OUT_ALPHA * TD_TILE_PIXELS, 1 - pixels.transmittance);
-        td_store_lanes(out + TD_OUT_ALPHA_DOT * TD_TILE_PIXELS, -pixels.transmittance_dot);
-        td_store_lanes(out + TD_OUT_COVERAGE * TD_TILE_PIXELS, pixels.sums.weight);
-        td_store_lanes(out + TD_OUT_CONTRIBUTORS * TD_TILE_PIXELS, pixels.contributors);
+        td_store_lanes(out + TD_OUT_Y * TD_BLOCK_PIXELS, signal[2]);
+        td_store_lanes(out + TD_OUT_ALPHA * TD_BLOCK_PIXELS, 1 - pixels.transmittance);
+        td_store_lanes(out + TD_OUT_ALPHA_DOT * TD_BLOCK_PIXELS, -pixels.transmittance_dot);
+        td_store_lanes(out + TD_OUT_COVERAGE * TD_BLOCK_PIXELS, pixels.sums.weight);
+        td_store_lanes(out + TD_OUT_CONTRIBUTORS * TD_BLOCK_PIXELS, pixels.contributors);
     }
     if (td_with_colour(image)) {
         td_lanes colour[8];
         td_finish_colour(&shown, backdrop, colour);
-        for (int c = 0; c < 8; c++) td_store_lanes(out + (TD_OUT_R + c) * TD_TILE_PIXELS, colour[c]);
+        for (int c = 0; c < 8; c++) td_store_lanes(out + (TD_OUT_R + c) * TD_BLOCK_PIXELS, colour[c]);
     }
     return blended;
 }

@@ -1,4 +1,5 @@
-/* One work-item per TD_LANES pixels of a 4x4 block of a tile job (block.h). Dimension 0: pixels / TD_LANES; 1: jobs. */
+/* One work-item per TD_LANES pixels of a 4x4 block that is asked for (block.h): block `asked` & 15 of job `asked` >> 4. Planes
+ * of one block stand together, TD_BLOCK_PIXELS each. */
 #include "block.h"
 #include "specialise.h"
 
@@ -6,10 +7,13 @@ __kernel void td_composite_jobs(__constant const td_image *image_buffer, __globa
                                 __global const td_backdrop *backdrops, __global const float *records,
                                 __global const float *colours, __global const int *order, __global const int *sorted_masks,
                                 __global const int *counts, __global const float *brightest, __global float *planes,
-                                __global int *blended, __global const td_view *views, __global const float *weights) {
+                                __global int *blended, __global const td_view *views, __global const float *weights,
+                                __global const int *asked, int asked_count) {
     const td_image image = td_specialised(image_buffer);
-    int job_index = (int)get_global_id(1);
-    int pixel = (int)get_global_id(0) * TD_LANES;
+    int item = (int)get_global_id(0), place = item / (TD_BLOCK_PIXELS / TD_LANES);
+    int first = item % (TD_BLOCK_PIXELS / TD_LANES) * TD_LANES;
+    if (place >= asked_count) return; /* groups are whole */
+    int job_index = asked[place] >> 4;
     const td_job job = jobs[job_index];
     td_list list;
     list.records = records + job.records * TD_RECORD_STRIDE;
@@ -20,7 +24,6 @@ __kernel void td_composite_jobs(__constant const td_image *image_buffer, __globa
     list.masks = sorted_masks + job.records;
     list.count = counts[job_index];
     list.brightest = brightest[job_index];
-    blended[job_index * (TD_TILE_PIXELS / TD_LANES) + (int)get_global_id(0)] =
-        td_composite_block(&job, &list, &image, backdrops + job.slot, pixel / 16, pixel % 16,
-                           planes + (size_t)job.out * image.outputs * TD_TILE_PIXELS);
+    blended[item] = td_composite_block(&job, &list, &image, backdrops + job.slot, asked[place] & 15, first,
+                                       planes + (size_t)place * image.outputs * TD_BLOCK_PIXELS + first);
 }

@@ -8,6 +8,10 @@
 enum {
     TD_TILE = 16, /* pixels on a side of a tile: 16 blocks of 4x4 */
     TD_TILE_PIXELS = 256,
+    TD_BLOCK = 4, /* pixels on a side of a block */
+    TD_BLOCK_PIXELS = 16,
+    TD_TILE_BLOCKS = 16,
+    TD_ALL_BLOCKS = 0xffff,  /* a set of a tile's blocks: bit k is block k, counted row by row */
     TD_PAD = 16,             /* objects and candidate lists are padded to this, so that a vector never mixes objects */
     TD_GEOMETRY_STRIDE = 16, /* reals per Gaussian */
     TD_RECORD_STRIDE = 16,   /* reals per splat record */
@@ -68,6 +72,7 @@ typedef struct td_job {
     int records;
     int out;
     int hint, new_hint; /* places among the hints: to begin with, to leave; 0: none */
+    int blocks;         /* those to be composited: what comes out of one is the same whichever others are */
 } td_job;
 
 /* Decisions of the image formation, resolved from tides_image_params by lib/render/rules.c. */

@@ -12,5 +12,5 @@ __kernel void td_layout_check(__global int *out) {
     out[4] = (int)((__private char *)&view.eye_dot[0] - (__private char *)&view);
     out[5] = (int)((__private char *)&image.width - (__private char *)&image);
     out[6] = (int)((__private char *)&image.outputs - (__private char *)&image);
-    out[7] = (int)((__private char *)&job.new_hint - (__private char *)&job);
+    out[7] = (int)((__private char *)&job.blocks - (__private char *)&job);
 }

@@ -22,8 +22,8 @@ static int td_candidate_of(long key) { return (int)(key & 0xffffffffL); }
 /* Place i of the order to begin with: a hint, or the candidates' own. */
 static int td_hinted(__global const int *hint, int i) { return hint ? hint[i] : i; }
 
-/* What comes of a job: how many keys there are, sorted, among them perhaps some of candidates that don't touch the tile, and 1
- * where they were in order. */
+/* What comes of a job: how many keys there are, sorted, among them perhaps some of candidates that touch none of its blocks,
+ * and 1 where they were in order. */
 typedef struct td_sorted {
     int count, kept;
 } td_sorted;
@@ -98,7 +98,7 @@ static td_sorted td_sort_job(__global const td_job *job, __global const int *hin
     if (job->count == 0) return done; /* a job without candidates has no keys either */
     for (int i = 0; i < job->count; i++) {
         int candidate = td_hinted(hint, i);
-        if (job->new_hint || masks[candidate]) keys[done.count++] = td_key(records, candidate);
+        if (job->new_hint || (masks[candidate] & job->blocks) != 0) keys[done.count++] = td_key(records, candidate);
     }
     for (int i = 1; i < done.count; i++) done.kept &= keys[i - 1] < keys[i];
     if (done.kept) return done;
@@ -146,13 +146,13 @@ static td_sorted td_sort_job(__global const td_job *job, __global const int *hin
 
 #endif
 
-/* Those of the sorted candidates that touch the tile, in their order, by the whole work-group: returns how many. */
-static int td_place_splats(__global const long *keys, int n, __global const int *masks, __global int *order,
+/* Those of the sorted candidates that touch the blocks, in their order, by the whole work-group: returns how many. */
+static int td_place_splats(__global const long *keys, int n, __global const int *masks, int blocks, __global int *order,
                            __global int *sorted_masks, __local int *shared) {
     int items = (int)get_local_size(0), me = (int)get_local_id(0), each = (n + items - 1) / items;
     int first = min(me * each, n), last = min(first + each, n), at = 0, count = 0;
     if (items > 1) {
-        for (int i = first; i < last; i++) count += masks[td_candidate_of(keys[i])] != 0;
+        for (int i = first; i < last; i++) count += (masks[td_candidate_of(keys[i])] & blocks) != 0;
         shared[me] = count;
         barrier(CLK_LOCAL_MEM_FENCE);
         for (int i = 0; i < me; i++) at += shared[i];
@@ -160,7 +160,7 @@ static int td_place_splats(__global const long *keys, int n, __global const int 
     }
     for (int i = first; i < last; i++) {
         int candidate = td_candidate_of(keys[i]), mask = masks[candidate];
-        if (!mask) continue;
+        if ((mask & blocks) == 0) continue;
         order[at] = candidate;
         sorted_masks[at++] = mask;
     }
@@ -179,16 +179,16 @@ __kernel void td_sort_jobs(__global const td_job *jobs, __global const td_backdr
     __global long *job_keys = keys + 2 * job->records;
     __global const int *hint = job->hint ? hints + job->hint : 0;
     td_sorted done = td_sort_job(job, hint, job_records, job_masks, job_keys, shared);
-    int count = td_place_splats(job_keys, done.count, job_masks, order + job->records, sorted_masks + job->records, shared);
+    int count = td_place_splats(job_keys, done.count, job_masks, job->blocks, order + job->records, sorted_masks + job->records,
+                                shared);
     if (job->new_hint)
         for (int i = (int)get_local_id(0); i < done.count; i += (int)get_local_size(0))
             hints[job->new_hint + i] = td_candidate_of(job_keys[i]);
     if (get_local_id(0) != 0) return;
     float most = backdrops[job->slot].luminance;
-    for (int i = 0; i < done.count; i++) {
-        int candidate = td_candidate_of(job_keys[i]);
-        if (!job_masks[candidate]) continue;
-        float luminance = job_records[candidate * TD_RECORD_STRIDE + TD_R_LUMINANCE];
+    for (int i = 0; i < job->count; i++) { /* of the whole tile: where a block stops doesn't depend on what is asked for */
+        if (!job_masks[i]) continue;
+        float luminance = job_records[i * TD_RECORD_STRIDE + TD_R_LUMINANCE];
         luminance = luminance > 0.0f ? luminance : -luminance;
         most = luminance > most ? luminance : most;
     }

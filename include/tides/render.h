@@ -78,11 +78,12 @@ typedef struct tides_frame {
 
 /* What a renderer or a run did. Plain value; counts only grow. */
 typedef struct tides_render_stats {
-    uint64_t tile_jobs;              /* (tile, time) pairs composited */
+    uint64_t tile_jobs;              /* (tile, time) pairs composited, whole or in part; */
+    uint64_t blocks;                 /* (4x4 block, time) pairs of these */
     uint64_t tile_jobs_skipped;      /* tiles without a candidate: background by formula */
     uint64_t gaussians_total;        /* Gaussians in the scene */
     uint64_t gaussians_projected;    /* (Gaussian, tile job) projections */
-    uint64_t gaussians_culled;       /* of these, not touching their tile at that time */
+    uint64_t gaussians_culled;       /* of these, touching none of the job's blocks at that time */
     uint64_t gaussians_still;        /* at rest before a resting camera: not looked at again when lists were made */
     uint64_t gaussians_moved;        /* rows worked out of Gaussians that move by themselves: (Gaussian, time) pairs */
     uint64_t gaussians_interpolated; /* rows that were interpolated instead (tides_stepping.interpolate_motion) */

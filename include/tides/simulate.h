@@ -84,7 +84,7 @@ typedef struct tides_stats {
     double error_p50_s, error_p95_s, error_p99_s;
     double worst_residual;                /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
     uint64_t tile_steps_still;            /* (tile, step) pairs in which nothing moved: neither rendered nor compared */
-    double renders_full_frame_equivalent; /* tile jobs over tiles */
+    double renders_full_frame_equivalent; /* 4x4 blocks composited, over those of all tiles */
     double simulated_s, run_time_s, real_time_factor; /* simulated / run time */
     double time_compare_s, time_sink_s, time_other_s;
     uint64_t peak_memory_bytes; /* of the process */

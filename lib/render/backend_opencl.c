@@ -110,18 +110,28 @@ static tides_status sweep(td_backend *backend, const td_sweep_request *request, 
 typedef struct staging {
     float *views, *backdrops, *planes;
     td_job *jobs;
+    int *asked; /* blocks to be composited, job by job: job x TD_TILE_BLOCKS + block */
     int *blended;
     int *counts; /* (2 x jobs) splats of each list; then 1 where it was in order */
-    size_t view_reals, backdrop_reals, plane_reals, blended_count;
+    size_t view_reals, backdrop_reals, plane_reals, asked_count, blended_count;
 } staging;
+
+static size_t count_blocks(const td_batch *batch) {
+    size_t count = 0;
+    for (int i = 0; i < batch->job_count; i++)
+        for (int block = 0; block < TD_TILE_BLOCKS; block++) count += (size_t)(batch->jobs[i].blocks >> block & 1);
+    return count;
+}
 
 static tides_status lay_staging(opencl_backend *b, const td_batch *batch, staging *s, tides_error *error) {
     size_t jobs = (size_t)batch->job_count;
     s->view_reals = (size_t)batch->slots * b->objects * TD_VIEW_REALS;
     s->backdrop_reals = (size_t)batch->slots * TD_BACKDROP_REALS;
-    s->plane_reals = jobs * batch->outputs * TD_TILE_PIXELS;
-    s->blended_count = jobs * (TD_TILE_PIXELS / b->device->info.lanes);
-    size_t reals = s->view_reals + s->backdrop_reals + s->plane_reals, ints = jobs * TD_JOB_INTS + s->blended_count + 2 * jobs;
+    s->asked_count = count_blocks(batch);
+    s->plane_reals = s->asked_count * batch->outputs * TD_BLOCK_PIXELS;
+    s->blended_count = s->asked_count * (size_t)(TD_BLOCK_PIXELS / b->device->info.lanes);
+    size_t reals = s->view_reals + s->backdrop_reals + s->plane_reals;
+    size_t ints = jobs * TD_JOB_INTS + s->asked_count + s->blended_count + 2 * jobs;
     tides_status status = td_reserve((void **)&b->host, &b->host_capacity, reals, sizeof *b->host, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&b->host_ints, &b->host_ints_capacity, ints, sizeof *b->host_ints, error);
@@ -130,7 +140,8 @@ static tides_status lay_staging(opencl_backend *b, const td_batch *batch, stagin
     s->backdrops = s->views + s->view_reals;
     s->planes = s->backdrops + s->backdrop_reals;
     s->jobs = (td_job *)(void *)b->host_ints; /* a td_job is TD_JOB_INTS ints */
-    s->blended = b->host_ints + jobs * TD_JOB_INTS;
+    s->asked = b->host_ints + jobs * TD_JOB_INTS;
+    s->blended = s->asked + s->asked_count;
     s->counts = s->blended + s->blended_count;
     return TIDES_OK;
 }
@@ -161,6 +172,7 @@ static tides_status reserve_batch(opencl_backend *b, const td_batch *batch, stag
         {&b->views, s->view_reals * sizeof(cl_float)},
         {&b->backdrops, s->backdrop_reals * sizeof(cl_float)},
         {&b->jobs, jobs * sizeof(td_job)},
+        {&b->asked, s->asked_count * sizeof(cl_int)},
     };
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         tides_status status = td_buffer_reserve(b->device, wanted[i].buffer, wanted[i].bytes, error);
@@ -174,9 +186,12 @@ static tides_status send_batch(opencl_backend *b, const td_batch *batch, const s
     size_t jobs = (size_t)batch->job_count;
     for (size_t i = 0; i < s->view_reals; i++) s->views[i] = (float)batch->views[i];
     for (size_t i = 0; i < s->backdrop_reals; i++) s->backdrops[i] = (float)batch->backdrops[i];
+    size_t asked = 0;
     for (size_t i = 0; i < jobs; i++) {
         s->jobs[i] = batch->jobs[i];
         s->jobs[i].out = (int)i;
+        for (int block = 0; block < TD_TILE_BLOCKS; block++)
+            if (batch->jobs[i].blocks >> block & 1) s->asked[asked++] = (int)i * TD_TILE_BLOCKS + block;
     }
     tides_status status = TIDES_OK;
     if (b->candidates_serial != batch->candidates_serial) {
@@ -188,6 +203,7 @@ static tides_status send_batch(opencl_backend *b, const td_batch *batch, const s
     if (status == TIDES_OK)
         status = td_buffer_send(b->device, &b->backdrops, s->backdrops, s->backdrop_reals * sizeof *s->backdrops, error);
     if (status == TIDES_OK) status = td_buffer_send(b->device, &b->jobs, s->jobs, jobs * sizeof *s->jobs, error);
+    if (status == TIDES_OK) status = td_buffer_send(b->device, &b->asked, s->asked, asked * sizeof *s->asked, error);
     return status;
 }
 
@@ -225,27 +241,31 @@ static tides_status launch_sort(opencl_backend *b, const td_batch *batch, cl_eve
     return td_launch(b->device, b->sort_kernel, 1, &global, &local, arguments, 10, event, error);
 }
 
-static tides_status launch_composite(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
-    size_t items = (size_t)(TD_TILE_PIXELS / b->device->info.lanes);
-    size_t global[2] = {items, (size_t)batch->job_count}, local[2] = {items, 1};
+static tides_status launch_composite(opencl_backend *b, const td_batch *batch, const staging *s, cl_event *event,
+                                     tides_error *error) {
+    size_t local = (size_t)(TD_TILE_PIXELS / b->device->info.lanes), global = (s->blended_count + local - 1) / local * local;
+    cl_int asked_count = (cl_int)s->asked_count;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->jobs),
                                      TD_BUFFER_ARGUMENT(b->backdrops),    TD_BUFFER_ARGUMENT(b->records),
                                      TD_BUFFER_ARGUMENT(b->colours),      TD_BUFFER_ARGUMENT(b->order),
                                      TD_BUFFER_ARGUMENT(b->sorted_masks), TD_BUFFER_ARGUMENT(b->counts),
                                      TD_BUFFER_ARGUMENT(b->brightest),    TD_BUFFER_ARGUMENT(b->planes),
                                      TD_BUFFER_ARGUMENT(b->blended),      TD_BUFFER_ARGUMENT(b->views),
-                                     TD_BUFFER_ARGUMENT(b->decoder)};
-    return td_launch(b->device, b->composite_kernel[kind_of_outputs(batch->outputs)], 2, global, local, arguments, 13, event,
-                     error);
+                                     TD_BUFFER_ARGUMENT(b->decoder),      TD_BUFFER_ARGUMENT(b->asked),
+                                     TD_VALUE_ARGUMENT(asked_count)};
+    return td_launch(b->device, b->composite_kernel[kind_of_outputs(batch->outputs)], 1, &global, &local, arguments,
+                     (cl_uint)(sizeof arguments / sizeof *arguments), event, error);
 }
 
-/* Planes to the caller, tile by tile to its place, widened. */
+/* Planes to the caller, block by block to its place, widened. */
 static void place_planes(const td_batch *batch, const staging *s, double *planes) {
-    size_t tile = (size_t)batch->outputs * TD_TILE_PIXELS;
-    for (int i = 0; i < batch->job_count; i++) {
-        const float *from = s->planes + (size_t)i * tile;
-        double *to = planes + (size_t)batch->jobs[i].out * tile;
-        for (size_t k = 0; k < tile; k++) to[k] = from[k];
+    size_t outputs = (size_t)batch->outputs;
+    for (size_t i = 0; i < s->asked_count; i++) {
+        size_t job = (size_t)s->asked[i] / TD_TILE_BLOCKS, block = (size_t)s->asked[i] % TD_TILE_BLOCKS;
+        const float *from = s->planes + i * outputs * TD_BLOCK_PIXELS;
+        double *to = planes + (size_t)batch->jobs[job].out * outputs * TD_TILE_PIXELS + block * TD_BLOCK_PIXELS;
+        for (size_t k = 0; k < outputs; k++, from += TD_BLOCK_PIXELS, to += TD_TILE_PIXELS)
+            for (size_t p = 0; p < TD_BLOCK_PIXELS; p++) to[p] = from[p];
     }
 }
 
@@ -255,6 +275,7 @@ static void add_counts(opencl_backend *b, const td_batch *batch, const staging *
     for (size_t i = 0; i < s->blended_count; i++)
         stats->pairs_evaluated += (uint64_t)b->device->info.lanes * (uint64_t)s->blended[i];
     stats->tile_jobs += (uint64_t)batch->job_count;
+    stats->blocks += s->asked_count;
     for (int i = 0; i < batch->job_count; i++) {
         stats->gaussians_projected += (uint64_t)batch->jobs[i].count;
         stats->gaussians_culled += (uint64_t)(batch->jobs[i].count - s->counts[i]);
@@ -272,7 +293,7 @@ static tides_status run_stages(opencl_backend *b, const td_batch *batch, staging
     if (status == TIDES_OK) status = send_batch(b, batch, s, error);
     if (status == TIDES_OK) status = launch_project(b, batch, &events[0], error);
     if (status == TIDES_OK) status = launch_sort(b, batch, &events[1], error);
-    if (status == TIDES_OK) status = launch_composite(b, batch, &events[2], error);
+    if (status == TIDES_OK) status = launch_composite(b, batch, s, &events[2], error);
     if (status == TIDES_OK) status = fetch_batch(b, batch, s, error);
     /* Also after a failure: what was sent still reads host memory. */
     status = td_finish(b->device, status, error);
@@ -282,7 +303,7 @@ static tides_status run_stages(opencl_backend *b, const td_batch *batch, staging
 
 /* One tile without candidates: drivers such as PoCL compile when a kernel first runs, and that belongs to the build's time. */
 static tides_status warm_up(opencl_backend *b, int outputs, tides_error *error) {
-    static const td_job nothing = {0};
+    static const td_job nothing = {.blocks = TD_ALL_BLOCKS};
     static const double backdrop[TD_BACKDROP_REALS] = {0};
     static const int candidate = TD_NO_GAUSSIAN;
     double seconds[STAGES];
@@ -365,7 +386,7 @@ static void destroy(td_backend *backend) {
                             &b->views,        &b->strays,       &b->sweep_rows, &b->backdrops, &b->boxes,  &b->travel,
                             &b->candidates,   &b->jobs,         &b->records,    &b->colours,   &b->masks,  &b->keys,
                             &b->order,        &b->sorted_masks, &b->counts,     &b->brightest, &b->planes, &b->blended,
-                            &b->decoder,      &b->hints};
+                            &b->decoder,      &b->hints,        &b->asked};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     td_opencl_motion_release(b);
     td_opencl_cubics_release(b);

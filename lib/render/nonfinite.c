@@ -15,13 +15,24 @@ static int any_nonfinite(const double *values, size_t count) {
     return !(all == 0);
 }
 
-/* The first such pixel of a tile in the image, row by row; adds them up. 0 where there's none. */
-static int find_pixel(const tides_renderer *renderer, int tile, const double *planes, int outputs, int place[3],
+/* The same of the blocks of a tile that were asked for: others hold anything. */
+static int any_nonfinite_block(const double *planes, int outputs, int blocks) {
+    int found = 0;
+    if (blocks == TD_ALL_BLOCKS) return any_nonfinite(planes, (size_t)outputs * TD_TILE_PIXELS);
+    for (int block = 0; block < TD_TILE_BLOCKS; block++)
+        for (int k = 0; k < outputs && (blocks >> block & 1); k++)
+            found |= any_nonfinite(planes + k * TD_TILE_PIXELS + block * TD_BLOCK_PIXELS, TD_BLOCK_PIXELS);
+    return found;
+}
+
+/* The first such pixel of these blocks in the image, row by row; adds them up. 0 where there's none. */
+static int find_pixel(const tides_renderer *renderer, int tile, int blocks, const double *planes, int outputs, int place[3],
                       uint64_t *count) {
     const int x0 = tile % renderer->candidates.tiles_x * TD_TILE, y0 = tile / renderer->candidates.tiles_x * TD_TILE;
     int found = 0;
     for (int y = 0; y < TD_TILE && y0 + y < renderer->image.height; y++)
         for (int x = 0; x < TD_TILE && x0 + x < renderer->image.width; x++) {
+            if (!(blocks >> (y / TD_BLOCK * (TD_TILE / TD_BLOCK) + x / TD_BLOCK) & 1)) continue;
             int plane = 0;
             while (plane < outputs && isfinite(planes[plane * TD_TILE_PIXELS + td_tile_pixel(x, y)])) plane++;
             if (plane == outputs) continue;
@@ -57,7 +68,7 @@ static tides_status find_splat(tides_renderer *renderer, int candidates, int *sp
 static tides_status describe_cause(tides_renderer *renderer, const tides_trajectory *camera, double time, int side, int tile,
                                    char *text, size_t size, tides_error *error) {
     const int first = renderer->candidates.first[tile], count = renderer->candidates.first[tile + 1] - first;
-    const td_request request = {tile, 0};
+    const td_request request = {tile, 0, 0};
     const td_tile_batch alone = {&time, 1, side, &request, 1, TD_OUT_SIGNAL};
     double *planes = td_alloc(TD_OUT_SIGNAL * TD_TILE_PIXELS, sizeof *planes, error);
     tides_status status = planes ? TIDES_OK : TIDES_NO_MEMORY;
@@ -94,7 +105,9 @@ tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_traj
     double value = 0;
     for (int i = 0; i < batch->count; i++) {
         const double *tile = planes + (size_t)i * size;
-        if (!any_nonfinite(tile, size) || !find_pixel(renderer, requests[i].tile, tile, outputs, here, &pixels)) continue;
+        const int blocks = td_request_blocks(&requests[i]);
+        if (!any_nonfinite_block(tile, outputs, blocks)) continue;
+        if (!find_pixel(renderer, requests[i].tile, blocks, tile, outputs, here, &pixels)) continue;
         if (worst >= 0) continue;
         worst = i;
         memcpy(place, here, sizeof place);

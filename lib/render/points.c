@@ -12,6 +12,7 @@ static void ask(const tides_renderer *renderer, const td_point *points, int coun
         times[i] = points[i].time;
         requests[i].tile = points[i].y / TD_TILE * td_renderer_tiles_across(renderer) + points[i].x / TD_TILE;
         requests[i].slot = i;
+        requests[i].blocks = 1 << (points[i].y % TD_TILE / TD_BLOCK * (TD_TILE / TD_BLOCK) + points[i].x % TD_TILE / TD_BLOCK);
     }
 }
 

@@ -99,7 +99,7 @@ static tides_status add_window(td_psf *psf, const td_candidates *candidates, td_
     tides_status status = td_reserve((void **)&psf->raw, &psf->raw_capacity, most, sizeof *psf->raw, error);
     for (int y = w.y0; y <= w.y1 && status == TIDES_OK; y++)
         for (int x = w.x0; x <= w.x1; x++) {
-            td_request wanted = {y * candidates->tiles_x + x, request.slot};
+            td_request wanted = {y * candidates->tiles_x + x, request.slot, 0};
             if (psf->place[wanted.tile] >= 0) continue;
             psf->place[wanted.tile] = *count;
             psf->raw[(*count)++] = wanted;

@@ -240,7 +240,7 @@ static tides_status reserve_records(reference *r, size_t count, int outputs, tid
     if (status == TIDES_OK) status = td_reserve((void **)&r->order, &capacity[4], count, sizeof *r->order, error);
     if (status == TIDES_OK) status = td_reserve((void **)&r->sorted_masks, &capacity[5], count, sizeof *r->sorted_masks, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&r->planes, &capacity[6], (size_t)outputs * TD_TILE_PIXELS, sizeof *r->planes, error);
+        status = td_reserve((void **)&r->planes, &capacity[6], (size_t)outputs * TD_BLOCK_PIXELS, sizeof *r->planes, error);
     return status;
 }
 
@@ -263,22 +263,31 @@ static void project_job(reference *r, const td_job *job, const td_batch *batch, 
 
 /* The next of the list, front to back. */
 static void add_splat(reference *r, int candidate, td_list *list) {
-    td_real luminance = r->records[candidate * TD_RECORD_STRIDE + TD_R_LUMINANCE];
-    luminance = luminance > 0 ? luminance : -luminance;
-    list->brightest = luminance > list->brightest ? luminance : list->brightest;
     r->order[list->count] = candidate;
     r->sorted_masks[list->count++] = r->masks[candidate];
+}
+
+/* Of all of the tile's splats and the backdrop: where a block stops doesn't depend on what else is asked for. */
+static td_real brightest_of(const reference *r, const td_job *job) {
+    td_real most = r->backdrops[job->slot].luminance;
+    for (int i = 0; i < job->count; i++) {
+        if (!r->masks[i]) continue;
+        td_real luminance = r->records[i * TD_RECORD_STRIDE + TD_R_LUMINANCE];
+        luminance = luminance > 0 ? luminance : -luminance;
+        most = luminance > most ? luminance : most;
+    }
+    return most;
 }
 
 static td_list sort_job(reference *r, const td_job *job, int *kept) {
     const int *hint = job->hint ? r->hints + job->hint : NULL;
     const td_view *view = r->views + job->slot * r->image.objects;
-    td_list list = {r->records, r->colours, r->order, r->sorted_masks, 0, r->backdrops[job->slot].luminance, view, r->decoder};
+    td_list list = {r->records, r->colours, r->order, r->sorted_masks, 0, brightest_of(r, job), view, r->decoder};
     int sorted = 0;
     *kept = 1;
     for (int i = 0; i < job->count; i++) {
         int candidate = hint ? hint[i] : i;
-        if (!job->new_hint && !r->masks[candidate]) continue;
+        if (!job->new_hint && !(r->masks[candidate] & job->blocks)) continue;
         reference_key key = {r->records[candidate * TD_RECORD_STRIDE + TD_R_DEPTH], candidate};
         if (sorted > 0 && compare_keys(&r->keys[sorted - 1], &key) > 0) *kept = 0;
         r->keys[sorted++] = key;
@@ -287,7 +296,7 @@ static td_list sort_job(reference *r, const td_job *job, int *kept) {
     for (int i = 0; i < sorted; i++) {
         int candidate = r->keys[i].candidate;
         if (job->new_hint) r->hints[job->new_hint + i] = candidate;
-        if (r->masks[candidate]) add_splat(r, candidate, &list);
+        if (r->masks[candidate] & job->blocks) add_splat(r, candidate, &list);
     }
     r->last_count = list.count;
     r->last_brightest = list.brightest;
@@ -295,10 +304,16 @@ static td_list sort_job(reference *r, const td_job *job, int *kept) {
 }
 
 static void composite_job(reference *r, const td_job *job, const td_list *list, const td_image *image, double *planes) {
+    const td_backdrop *backdrop = &r->backdrops[job->slot];
     size_t pairs = 0;
-    for (int pixel = 0; pixel < TD_TILE_PIXELS; pixel++)
-        pairs += (size_t)td_composite_block(job, list, image, &r->backdrops[job->slot], pixel / 16, pixel % 16, r->planes);
-    for (int i = 0; i < image->outputs * TD_TILE_PIXELS; i++) planes[i] = r->planes[i];
+    for (int block = 0; block < TD_TILE_BLOCKS; block++) {
+        if (!(job->blocks >> block & 1)) continue;
+        for (int pixel = 0; pixel < TD_BLOCK_PIXELS; pixel++)
+            pairs += (size_t)td_composite_block(job, list, image, backdrop, block, pixel, r->planes + pixel);
+        for (int i = 0; i < image->outputs * TD_BLOCK_PIXELS; i++)
+            planes[i / TD_BLOCK_PIXELS * TD_TILE_PIXELS + block * TD_BLOCK_PIXELS + i % TD_BLOCK_PIXELS] = r->planes[i];
+        r->base.stats.blocks++;
+    }
     r->base.stats.pairs_evaluated += pairs;
 }
 
@@ -343,16 +358,16 @@ static tides_status render(td_backend *backend, const td_batch *batch, double *p
 /* One pixel whose list is empty, in this precision. */
 static void empty_pixel_of(const td_image *image, const double *wide_backdrop, double *planes, int outputs) {
     static const int no_list[1] = {0};
-    td_real out[TD_OUT_COLOUR * TD_TILE_PIXELS] = {0};
+    td_real out[TD_OUT_COLOUR * TD_BLOCK_PIXELS] = {0};
     td_backdrop backdrop;
     narrow(wide_backdrop, (td_real *)&backdrop, TD_BACKDROP_REALS);
     td_image own = *image;
     own.outputs = outputs;
     own.decoder = 0; /* then no pixel is the same as another */
-    td_job job = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+    td_job job = {0};
     td_list list = {out, out, no_list, no_list, 0, backdrop.luminance, NULL, NULL};
     td_composite_block(&job, &list, &own, &backdrop, 0, 0, out);
-    for (int k = 0; k < outputs; k++) planes[k] = out[k * TD_TILE_PIXELS];
+    for (int k = 0; k < outputs; k++) planes[k] = out[k * TD_BLOCK_PIXELS];
 }
 
 static void empty_pixel(const td_backend *backend, const double *backdrop, double *planes, int outputs) {

@@ -124,6 +124,7 @@ void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *st
     *stats = renderer->stats;
     const tides_render_stats *done = &renderer->backend->stats;
     stats->tile_jobs = done->tile_jobs;
+    stats->blocks = done->blocks;
     stats->gaussians_projected = done->gaussians_projected;
     stats->gaussians_culled = done->gaussians_culled;
     stats->pairs_evaluated = done->pairs_evaluated;

@@ -17,7 +17,7 @@ enum {
     TD_BACKDROP_REALS = 8,
     TD_IMAGE_REALS = 22,
     TD_IMAGE_INTS = 14,
-    TD_JOB_INTS = 9,
+    TD_JOB_INTS = 10,
     TD_MOVER_WHOLE = TD_MOVER_INTS + 8
 };
 
@@ -153,7 +153,7 @@ typedef struct td_backend_class {
      * travel. */
     tides_status (*sweep)(td_backend *backend, const td_sweep_request *request, float *boxes, float *travel,
                           tides_error *error);
-    /* All stages; planes: (outputs x TD_TILE_PIXELS) per job at job.out. */
+    /* All stages; planes: (outputs x TD_TILE_PIXELS) per job at job.out, of which the job's blocks are written. */
     tides_status (*render)(td_backend *backend, const td_batch *batch, double *planes, tides_error *error);
     /* One pixel with nothing in front of the backdrop, in the class's own arithmetic: (outputs). */
     void (*empty_pixel)(const td_backend *backend, const double *backdrop, double *planes, int outputs);

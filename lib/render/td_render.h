@@ -51,10 +51,13 @@ int td_renderer_tiles_across(const tides_renderer *renderer);
 /* Which rate a sample has where those of a motion jump at its time: that of what ends there, or of what begins. */
 enum { TD_SIDE_ENDS = -1, TD_SIDE_BEGINS = 1 };
 
-/* A tile at one of the times given. */
+/* A tile at one of the times given, or some of its 4x4 blocks: the others cost no compositing. */
 typedef struct td_request {
     int tile, slot; /* slot: index into the times */
+    int blocks;     /* bit k: block k, row by row; 0: all */
 } td_request;
+
+static inline int td_request_blocks(const td_request *request) { return request->blocks ? request->blocks : TD_ALL_BLOCKS; }
 
 /* Tiles to render, in one launch where memory allows. Everything is borrowed for the call. */
 typedef struct td_tile_batch {
@@ -67,7 +70,8 @@ typedef struct td_tile_batch {
 } td_tile_batch;
 
 /* Renders them: planes (count x outputs x TD_TILE_PIXELS), pixels block by block (td_tile_pixel), blurred where the renderer
- * has a PSF. TIDES_BAD_ARGUMENT where a pixel comes out infinite or not a number, naming it, the time and the splat. */
+ * has a PSF. Blocks that aren't asked for aren't written, or hold anything. A block's pixels are the same whichever others
+ * are asked for. TIDES_BAD_ARGUMENT where a pixel comes out infinite or not a number, naming it, the time and the splat. */
 tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
                                double *planes, tides_error *error);
 

@@ -11,6 +11,15 @@ int td_job_by_falling_count(const void *a, const void *b) {
     return x->out < y->out ? -1 : x->out > y->out;
 }
 
+static td_job job_of(const tides_renderer *renderer, const td_request *request, int out) {
+    const int tiles_x = renderer->candidates.tiles_x;
+    return (td_job){.x = request->tile % tiles_x * TD_TILE,
+                    .y = request->tile / tiles_x * TD_TILE,
+                    .slot = request->slot,
+                    .out = out,
+                    .blocks = td_request_blocks(request)};
+}
+
 /* Requests to jobs, longest first, and the list of requests without candidates; returns the number of jobs. */
 static int make_jobs(tides_renderer *renderer, const td_request *requests, int count, int *empty_count) {
     const td_candidates *candidates = &renderer->candidates;
@@ -23,15 +32,9 @@ static int make_jobs(tides_renderer *renderer, const td_request *requests, int c
             renderer->empty[(*empty_count)++] = i;
             continue;
         }
-        td_job job = {tile % candidates->tiles_x * TD_TILE,
-                      tile / candidates->tiles_x * TD_TILE,
-                      requests[i].slot,
-                      first,
-                      length,
-                      0,
-                      i,
-                      0,
-                      0};
+        td_job job = job_of(renderer, &requests[i], i);
+        job.candidates = first;
+        job.count = length;
         td_candidates_give_hint(&renderer->candidates, tile, &job);
         renderer->jobs[jobs++] = job;
     }
@@ -73,12 +76,10 @@ static void fill_empty(tides_renderer *renderer, const td_request *requests, int
 /* With a decoder such tiles are jobs too: what it makes of nothing depends on the ray. */
 static tides_status run_empty(tides_renderer *renderer, td_batch *batch, const td_request *requests, int count, double *planes,
                               tides_error *error) {
-    int tiles_x = renderer->candidates.tiles_x;
     if (count == 0) return TIDES_OK;
     for (int i = 0; i < count; i++) {
-        int request = renderer->empty[i], tile = requests[request].tile;
-        const td_job job = {tile % tiles_x * TD_TILE, tile / tiles_x * TD_TILE, requests[request].slot, 0, 0, 0, request, 0, 0};
-        renderer->jobs[i] = job;
+        int request = renderer->empty[i];
+        renderer->jobs[i] = job_of(renderer, &requests[request], request);
     }
     return run_jobs(renderer, batch, renderer->jobs, count, planes, error);
 }

@@ -73,6 +73,7 @@ static tides_status render_jobs(tides_simulator *s, td_refine *r, size_t first, 
     for (size_t i = 0; i < count; i++) {
         r->requests[i].tile = r->level_tile[first + i];
         r->requests[i].slot = slot_of(r->times, slots, r->level_time[first + i]);
+        r->requests[i].blocks = 0;
     }
     const td_tile_batch batch = {r->times, slots, TD_SIDE_ENDS, r->requests, (int)count, s->outputs};
     status = td_renderer_tiles(s->renderer, s->camera, &batch, r->planes, error);

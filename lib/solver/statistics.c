@@ -32,6 +32,7 @@ static const tides_stat table[] = {
     REAL("renders_full_frame_equivalent", "full frames", DERIVED, renders_full_frame_equivalent),
     ROW("tiles", "", WHOLE, DERIVED, render.tiles),
     COUNT("tile_jobs", SUM, render.tile_jobs),
+    COUNT("blocks", SUM, render.blocks),
     COUNT("tile_jobs_skipped", SUM, render.tile_jobs_skipped),
     COUNT("tile_steps_still", SUM, tile_steps_still),
     COUNT("gaussians_still", SUM, render.gaussians_still),
@@ -152,7 +153,7 @@ void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats)
     collect(simulator, stats);
     join(stats, &simulator->before);
     stats->events = stats->events_on + stats->events_off;
-    stats->renders_full_frame_equivalent = (double)stats->render.tile_jobs / simulator->tiles;
+    stats->renders_full_frame_equivalent = (double)stats->render.blocks / TD_TILE_BLOCKS / stats->render.tiles;
     derive_times(simulator, stats);
     derive_readout(simulator, stats);
     stats->error_p50_s = td_timing_percentile(&simulator->timing, 0.50);

@@ -13,7 +13,7 @@ static void list_moving(tides_simulator *s) {
 static tides_status turn_knot(tides_simulator *s, tides_error *error) {
     const double time = td_grid_time(s, s->step);
     if (!s->started || s->moving_count == 0 || !td_grid_is_knot(&s->grid, s->step)) return TIDES_OK;
-    for (int i = 0; i < s->moving_count; i++) s->requests[i] = (td_request){s->moving[i], 0};
+    for (int i = 0; i < s->moving_count; i++) s->requests[i] = (td_request){s->moving[i], 0, 0};
     const td_tile_batch batch = {&time, 1, TD_SIDE_BEGINS, s->requests, s->moving_count, TD_OUT_SIGNAL};
     tides_status status = td_renderer_tiles(s->renderer, s->camera, &batch, s->planes, error);
     for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {

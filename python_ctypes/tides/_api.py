@@ -1037,11 +1037,12 @@ class tides_frame(Structure):
 
 
 class tides_render_stats(Structure):
-    """uint64_t tile_jobs; /* (tile, time) pairs composited */
+    """uint64_t tile_jobs; /* (tile, time) pairs composited, whole or in part; */
+    uint64_t blocks; /* (4x4 block, time) pairs of these */
     uint64_t tile_jobs_skipped; /* tiles without a candidate: background by formula */
     uint64_t gaussians_total; /* Gaussians in the scene */
     uint64_t gaussians_projected; /* (Gaussian, tile job) projections */
-    uint64_t gaussians_culled; /* of these, not touching their tile at that time */
+    uint64_t gaussians_culled; /* of these, touching none of the job's blocks at that time */
     uint64_t gaussians_still; /* at rest before a resting camera: not looked at again when lists were made */
     uint64_t gaussians_moved; /* rows worked out of Gaussians that move by themselves: (Gaussian, time) pairs */
     uint64_t gaussians_interpolated; /* rows that were interpolated instead (tides_stepping.interpolate_motion) */
@@ -1055,6 +1056,7 @@ class tides_render_stats(Structure):
     """
 
     tile_jobs: int
+    blocks: int
     tile_jobs_skipped: int
     gaussians_total: int
     gaussians_projected: int
@@ -1078,6 +1080,7 @@ class tides_render_stats(Structure):
 
     _fields_ = [
         ("tile_jobs", c_uint64),
+        ("blocks", c_uint64),
         ("tile_jobs_skipped", c_uint64),
         ("gaussians_total", c_uint64),
         ("gaussians_projected", c_uint64),
@@ -1490,7 +1493,7 @@ class tides_stats(Structure):
     double error_p50_s, error_p95_s, error_p99_s;
     double worst_residual; /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
     uint64_t tile_steps_still; /* (tile, step) pairs in which nothing moved: neither rendered nor compared */
-    double renders_full_frame_equivalent; /* tile jobs over tiles */
+    double renders_full_frame_equivalent; /* 4x4 blocks composited, over those of all tiles */
     double simulated_s, run_time_s, real_time_factor; /* simulated / run time */
     double time_compare_s, time_sink_s, time_other_s;
     uint64_t peak_memory_bytes; /* of the process */

@@ -66,8 +66,16 @@ static inline void pair_make_jobs(backend_pair *pair) {
         int tile = (i * 7 + 3) % tiles, slot = i / tiles; /* not in order, so that a mix-up of places shows */
         int first = lists->first[tile], count = lists->first[tile + 1] - first;
         if (count == 0) continue;
-        td_job job =
-            {tile % lists->tiles_x * TD_TILE, tile / lists->tiles_x * TD_TILE, slot, first, count, pair->records, 0, 0, 0};
+        td_job job = {tile % lists->tiles_x * TD_TILE,
+                      tile / lists->tiles_x * TD_TILE,
+                      slot,
+                      first,
+                      count,
+                      pair->records,
+                      0,
+                      0,
+                      0,
+                      TD_ALL_BLOCKS};
         pair->jobs[pair->job_count++] = job;
         pair->records += count;
     }

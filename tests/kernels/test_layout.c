@@ -18,10 +18,10 @@ static const int expected[NUMBERS] = {(int)sizeof(td_view),
                                       (int)offsetof(td_view, eye_dot),
                                       (int)offsetof(td_image, width),
                                       (int)offsetof(td_image, outputs),
-                                      (int)offsetof(td_job, new_hint)};
+                                      (int)offsetof(td_job, blocks)};
 
 static const char *const names[NUMBERS] = {"sizeof(td_view)", "sizeof(td_backdrop)", "sizeof(td_job)",   "sizeof(td_image)",
-                                           "td_view.eye_dot", "td_image.width",      "td_image.outputs", "td_job.new_hint"};
+                                           "td_view.eye_dot", "td_image.width",      "td_image.outputs", "td_job.blocks"};
 
 /* What the device answers; `numbers` are -1 where it wrote nothing. */
 static tides_status ask(tides_device *device, int *numbers, tides_error *error) {

@@ -36,7 +36,7 @@ static void render_times(double times[SLOTS]) {
 static double *render_tiles(tides_renderer *renderer, const tides_trajectory *path) {
     int tiles = renderer->stats.tiles;
     double times[SLOTS], *planes = malloc((size_t)SLOTS * (size_t)tiles * OUTPUTS * TD_TILE_PIXELS * sizeof *planes);
-    td_request *requests = malloc((size_t)SLOTS * (size_t)tiles * sizeof *requests);
+    td_request *requests = calloc((size_t)SLOTS * (size_t)tiles, sizeof *requests);
     tides_error error;
     assert_true(planes && requests);
     render_times(times);

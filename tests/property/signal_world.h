@@ -58,6 +58,9 @@ static inline tides_status render_signals(td_backend *backend, const td_batch *b
         if (batch->in_order) batch->in_order[tile_job->out] = 0;
     }
     backend->stats.tile_jobs += (uint64_t)batch->job_count;
+    for (int k = 0; k < batch->job_count; k++)
+        for (int block = 0; block < TD_TILE_BLOCKS; block++)
+            backend->stats.blocks += (uint64_t)(batch->jobs[k].blocks >> block & 1);
     return TIDES_OK;
 }
 

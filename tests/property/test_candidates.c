@@ -22,7 +22,7 @@ enum { OUTPUTS = TD_OUT_DIAGNOSTICS };
 static double *render_tiles(tides_renderer *renderer, const tides_trajectory *path, const double *times, int slots) {
     int tiles = renderer->stats.tiles;
     double *planes = malloc((size_t)slots * (size_t)tiles * OUTPUTS * TD_TILE_PIXELS * sizeof *planes);
-    td_request *requests = malloc((size_t)slots * (size_t)tiles * sizeof *requests);
+    td_request *requests = calloc((size_t)slots * (size_t)tiles, sizeof *requests);
     tides_error error;
     assert_true(planes && requests);
     for (int i = 0; i < slots * tiles; i++) requests[i].tile = i % tiles, requests[i].slot = i / tiles;
@@ -215,7 +215,7 @@ static void check_batches(const char *spec) {
         }
         renderer->record_limit = record_limit;
         for (int i = 0; i < SLOTS * tiles; i++) { /* one by one */
-            td_request request = {i % tiles, 0};
+            td_request request = {i % tiles, 0, 0};
             double tile[OUTPUTS * TD_TILE_PIXELS];
             tides_error error;
             scene_expect_ok(td_renderer_tiles(renderer, s.path,

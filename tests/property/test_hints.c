@@ -30,7 +30,7 @@ static double *render(tides_renderer *r, const tides_trajectory *path, const dou
     *reals = (size_t)count * TD_OUT_COLOUR * TD_TILE_PIXELS;
     double *planes = calloc(*reals, sizeof *planes);
     assert_true(requests && planes);
-    for (int i = 0; i < count; i++) requests[i] = (td_request){i % tiles, i / tiles};
+    for (int i = 0; i < count; i++) requests[i] = (td_request){i % tiles, i / tiles, 0};
     scene_expect_ok(td_renderer_tiles(r, path, &(td_tile_batch){times, slots, TD_SIDE_BEGINS, requests, count, TD_OUT_COLOUR},
                                       planes, &error),
                     &error);
@@ -95,6 +95,36 @@ static tides_device *device_of(int lanes) {
 static const int all_lanes[] = {-1, 0, 1, 16};
 enum { DEVICES = sizeof all_lanes / sizeof *all_lanes };
 
+/* Some blocks of each tile, in batches of their own sets, from lists and orders that other jobs left: as in whole tiles. */
+static void compare_sets(tides_device *device, const random_scene *scene, uint64_t *state) {
+    tides_renderer *r = make_renderer(device, scene->scene, &scene->camera, TIDES_RULES_SMOOTH);
+    int tiles = r->stats.tiles;
+    size_t reals;
+    td_request *requests = calloc((size_t)tiles, sizeof *requests);
+    assert_non_null(requests);
+    sweep(r, scene->path);
+    for (int batch = 0; batch < BATCHES; batch++) {
+        double time = START + (STOP - START) * random_uniform(state);
+        for (int i = 0; i < tiles; i++)
+            requests[i] = (td_request){i, 0, 1 + (int)(random_uniform(state) * (TD_ALL_BLOCKS - 1))};
+        const td_tile_batch sets = {&time, 1, TD_SIDE_BEGINS, requests, tiles, TD_OUT_COLOUR};
+        double *part = calloc((size_t)tiles * TD_OUT_COLOUR * TD_TILE_PIXELS, sizeof *part);
+        tides_error error;
+        assert_non_null(part);
+        scene_expect_ok(td_renderer_tiles(r, scene->path, &sets, part, &error), &error);
+        double *whole = render(r, scene->path, &time, 1, &reals);
+        for (size_t i = 0; i < reals; i++) {
+            int blocks = requests[i / (TD_OUT_COLOUR * TD_TILE_PIXELS)].blocks, block = (int)(i % TD_TILE_PIXELS) / 16;
+            if ((blocks >> block & 1) && memcmp(&part[i], &whole[i], sizeof *part) != 0)
+                fail_msg("%s: number %zu is %.9g, in the whole tile %.9g", device->info.name, i, part[i], whole[i]);
+        }
+        free(part);
+        free(whole);
+    }
+    free(requests);
+    tides_renderer_destroy(r);
+}
+
 static void test_same_images(void **unused) {
     (void)unused;
     print_message("seed %llu\n", (unsigned long long)SEED);
@@ -105,6 +135,7 @@ static void test_same_images(void **unused) {
             random_recipe recipe = recipe_of(SEED + 10 * trial);
             random_scene scene = random_scene_make(&recipe);
             compare_batches(device, &scene, &state);
+            compare_sets(device, &scene, &state);
             random_scene_free(&scene);
         }
         tides_device_close(device);
@@ -179,7 +210,7 @@ static void test_sorted_where_order_changes(void **unused) {
 /* -- who leaves one ------------------------------------------------------------------------------------------------ */
 
 static td_job ask(td_candidates *candidates) {
-    td_job job = {0, 0, 0, 0, TD_PAD, 0, 0, 0, 0};
+    td_job job = {.count = TD_PAD};
     td_candidates_give_hint(candidates, 0, &job);
     return job;
 }

@@ -79,7 +79,7 @@ static void network_scene_free(network_scene *s) {
 static double *render_between(tides_renderer *renderer, const tides_trajectory *path, double start, double stop) {
     int tiles = renderer->stats.tiles;
     double times[SLOTS], *planes = malloc((size_t)SLOTS * (size_t)tiles * TD_OUT_SIGNAL * TD_TILE_PIXELS * sizeof *planes);
-    td_request *requests = malloc((size_t)SLOTS * (size_t)tiles * sizeof *requests);
+    td_request *requests = calloc((size_t)SLOTS * (size_t)tiles, sizeof *requests);
     tides_error error;
     assert_true(planes && requests);
     for (int i = 0; i < SLOTS; i++) times[i] = start + (stop - start) * (i + 1) / (SLOTS + 1);

@@ -61,8 +61,16 @@ static int make_jobs(const td_candidates *candidates, td_job *jobs, int *records
     for (int t = 0; t < tiles; t++) {
         int first = candidates->first[t], length = candidates->first[t + 1] - first;
         if (length == 0) continue;
-        td_job job =
-            {t % candidates->tiles_x * TD_TILE, t / candidates->tiles_x * TD_TILE, 0, first, length, *records, t, 0, 0};
+        td_job job = {t % candidates->tiles_x * TD_TILE,
+                      t / candidates->tiles_x * TD_TILE,
+                      0,
+                      first,
+                      length,
+                      *records,
+                      t,
+                      0,
+                      0,
+                      TD_ALL_BLOCKS};
         jobs[count++] = job;
         *records += length;
     }

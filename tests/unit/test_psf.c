@@ -86,7 +86,7 @@ static double *tiles_of(tides_renderer *renderer, const tides_trajectory *path, 
     td_request *requests = calloc((size_t)asked, sizeof *requests);
     tides_error error;
     assert_true(planes && requests);
-    for (int i = 0; i < asked; i++) requests[i] = (td_request){i % tiles, i / tiles};
+    for (int i = 0; i < asked; i++) requests[i] = (td_request){i % tiles, i / tiles, 0};
     scene_expect_ok(td_renderer_tiles(renderer, path, &(td_tile_batch){times, slots, TD_SIDE_BEGINS, requests, asked, outputs},
                                       planes, &error),
                     &error);
@@ -242,14 +242,17 @@ static void check_tiles(tides_renderer *renderer, const random_scene *s) {
     double *some = calloc((size_t)size * 4, sizeof *some);
     assert_non_null(some);
     for (int i = 0; i < SLOTS * tiles; i++) {
-        td_request alone = {i % tiles, 0};
+        td_request alone = {i % tiles, 0, 0};
         scene_expect_ok(td_renderer_tiles(renderer, s->path,
                                           &(td_tile_batch){&times[i / tiles], 1, TD_SIDE_BEGINS, &alone, 1, OUTPUTS}, some,
                                           &error),
                         &error);
         assert_memory_equal(some, whole + (size_t)i * size, (size_t)size * sizeof *some);
         int other = (7 * i + 3) % (SLOTS * tiles);
-        td_request company[4] = {{other % tiles, other / tiles}, {i % tiles, i / tiles}, {0, 2}, {i % tiles, i / tiles}};
+        td_request company[4] = {{other % tiles, other / tiles, 0},
+                                 {i % tiles, i / tiles, 0},
+                                 {0, 2, 0},
+                                 {i % tiles, i / tiles, 0}};
         scene_expect_ok(td_renderer_tiles(renderer, s->path,
                                           &(td_tile_batch){times, SLOTS, TD_SIDE_BEGINS, company, 4, OUTPUTS}, some, &error),
                         &error);
