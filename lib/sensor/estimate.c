@@ -3,6 +3,7 @@
 #include "signal/td_model_error.h"
 #include "td_extremes.h"
 
+#include <float.h>
 #include <math.h>
 
 /* What single precision leaves of S on its way through the renderer: an error below it is rounding, which no cut removes, and
@@ -37,7 +38,7 @@ static void range_of(const pixel_step *p, double *low, double *high) {
 }
 
 /* How far S comes at most: along the control values. */
-static double way_of(const pixel_step *p) {
+static inline double way_of(const pixel_step *p) {
     double first = p->rate0 * (1.0 / 3.0), last = p->rate1 * (1.0 / 3.0);
     return fabs(first) + fabs(p->S1 - p->S0 - (first + last)) + fabs(last);
 }
@@ -61,25 +62,86 @@ static void count_pixel(const td_estimated *step, const pixel_step *p, double sc
 
 /* -- a tile -------------------------------------------------------------------------------------------------------------- */
 
+enum { BLOCK = 64 }; /* pixels marked together */
+
+/* Of a block's pixels. */
+typedef struct marks {
+    double mark[BLOCK]; /* 0 where the pixel can't add to the estimate: no worse than what is there, or no level within reach;
+                           otherwise 1, and it is asked exactly */
+    double way[BLOCK];  /* the longest of these pixels and of those as far behind the blocks before */
+} marks;
+
+/* Marks the pixels from `first` on. With `probed` and `levelled` constant the loop is straight-line code that vectorises, by
+ * the same means as comparator.c's: marks are doubles, and rounding to a whole number is adding 1.5 x 2^52. `slack` is for
+ * rounding here, so that none is passed over that reaches_level would find; it is as large as a level where that sum is of no
+ * use. */
+static inline void mark_some(int probed, int levelled, const td_estimated *step, const td_estimate *worst, double threshold,
+                             int32_t first, int32_t count, double *restrict mark, double *restrict way) {
+    const double *S0 = step->signals->S0 + first, *S0_dot = step->signals->S0_dot + first;
+    const double *S1 = step->signals->S1 + first, *S1_dot = step->signals->S1_dot + first;
+    const double *deviation = probed ? step->deviation + first : NULL, *reference = levelled ? step->reference + first : NULL;
+    const double h = step->h, per_level = 1 / threshold, whole = 0x1.8p52;
+    const td_estimate most = *worst;
+    for (int32_t k = 0; k < count; k++) {
+        const pixel_step p = {S0[k], S1[k], h * S0_dot[k], h * S1_dot[k], 0, 0};
+        double embedded = td_embedded(p.S1 - p.S0, p.rate0, p.rate1), bump = probed ? deviation[k] : embedded;
+        double error = probed ? td_probe_error(embedded, bump) : embedded;
+        double timed = td_greater(error - noise, 0), moved = td_greater(fabs(p.S1 - p.S0), error);
+        double flag = error > most.error ? 1.0 : 0.0;
+        flag = timed * h > most.seconds * moved ? 1.0 : flag;
+        if (probed) flag = bump > most.deviation ? 1.0 : flag;
+        if (levelled) {
+            double a = p.S0 + p.rate0 * (1.0 / 3.0), b = p.S1 - p.rate1 * (1.0 / 3.0);
+            double low = td_lesser(td_lesser(p.S0, p.S1), td_lesser(a, b)) - bump;
+            double high = td_greater(td_greater(p.S0, p.S1), td_greater(a, b)) + bump;
+            double slack = 64 * DBL_EPSILON * (fabs(low) + fabs(high) + fabs(reference[k]));
+            double middle = (0.5 * (low + high) - reference[k]) * per_level, half = (0.5 * (high - low) + slack) * per_level;
+            flag = fabs(middle - ((middle + whole) - whole)) > half ? 0.0 : flag;
+        }
+        mark[k] = flag;
+        way[k] = td_greater(way_of(&p), way[k]);
+    }
+}
+
+static void mark_block(const td_estimated *step, const td_estimate *worst, int levelled, double threshold, int32_t first,
+                       int32_t count, marks *to) {
+    if (step->deviation && levelled)
+        mark_some(1, 1, step, worst, threshold, first, count, to->mark, to->way);
+    else if (step->deviation)
+        mark_some(1, 0, step, worst, threshold, first, count, to->mark, to->way);
+    else if (levelled)
+        mark_some(0, 1, step, worst, threshold, first, count, to->mark, to->way);
+    else
+        mark_some(0, 0, step, worst, threshold, first, count, to->mark, to->way);
+}
+
+/* Pixel i, if it is worse than what was seen and may fire. NaN: the comparator passes it over. */
+static void ask_ideal(const td_estimated *step, int levelled, double threshold, int32_t i, td_estimate *worst) {
+    const pixel_step p = pixel_of(step, i);
+    /* Where the signal hardly rises, the time of a crossing is only as good as the range that it moves in. */
+    double moved = td_greater(fabs(p.S1 - p.S0), p.error);
+    double timed = td_greater(p.error - noise, 0);
+    int is_new = p.error > worst->error || timed * step->h > worst->seconds * moved;
+    if (!is_new && !(step->deviation && p.bump > worst->deviation)) return;
+    double low, high;
+    range_of(&p, &low, &high);
+    if (levelled && !reaches_level(low, high, step->reference[i], threshold)) return;
+    count_pixel(step, &p, 1, moved, worst);
+}
+
 static td_estimate estimate_ideal(const td_sensor *sensor, const td_estimated *step) {
     td_estimate worst = {0, 0, 0, 0, 0};
-    double threshold = sensor->sensor.threshold_on, way = 0;
-    int equal = threshold == sensor->sensor.threshold_off;
-    for (int32_t i = 0; i < step->count; i++) {
-        const pixel_step p = pixel_of(step, i);
-        way = td_greater(way_of(&p), way);
-        /* Where the signal hardly rises, the time of a crossing is only as good as the range that it moves in. */
-        double moved = td_greater(fabs(p.S1 - p.S0), p.error);
-        /* Most pixels are no worse than one already seen: they needn't be asked about levels. NaN: the comparator passes it
-         * over. */
-        double timed = td_greater(p.error - noise, 0);
-        int is_new = p.error > worst.error || timed * step->h > worst.seconds * moved || p.error > worst.rounded;
-        if (!is_new && !(step->deviation && p.bump > worst.deviation)) continue;
-        double low, high;
-        range_of(&p, &low, &high);
-        if (equal && step->reference && !reaches_level(low, high, step->reference[i], threshold)) continue;
-        count_pixel(step, &p, 1, moved, &worst);
+    const double threshold = sensor->sensor.threshold_on;
+    const int levelled = step->reference && threshold == sensor->sensor.threshold_off;
+    marks block = {.way = {0}};
+    double way = 0;
+    for (int32_t first = 0; first < step->count; first += BLOCK) {
+        const int32_t count = step->count - first < BLOCK ? step->count - first : BLOCK;
+        mark_block(step, &worst, levelled, threshold, first, count, &block);
+        for (int32_t k = 0; k < count; k++)
+            if (block.mark[k] != 0.0) ask_ideal(step, levelled, threshold, first + k, &worst);
     }
+    for (int k = 0; k < BLOCK; k++) way = td_greater(block.way[k], way);
     worst.crossings = way / td_sensor_least_threshold(&sensor->sensor);
     return worst;
 }
