@@ -35,7 +35,7 @@ static inline tides_status td_ideal_fire(td_pixel_job *job, td_ideal *at, int64_
 /* The model's events; `*cut` becomes 1 where there were more than max_events_per_step. */
 static inline tides_status td_ideal_follow(td_pixel_job *job, td_ideal *at, const td_model *model, int *cut) {
     td_crossing_walk walk;
-    td_crossing_begin(&walk, model);
+    td_crossing_begin(&walk, model, job->step);
     for (;;) {
         int polarity = td_crossing_next(&walk, at->reference, at->on, at->off);
         if (polarity == 0) return TIDES_OK;

@@ -4,6 +4,7 @@
 #define TD_CROSSING_H
 
 #include "td_model.h"
+#include "td_step.h"
 
 /* The places in (0, 1) where the slope changes sign, ascending: 0, 1 or 2 of them. None where the model isn't finite. */
 int td_model_extrema(const td_model *model, double s[2]);
@@ -14,10 +15,14 @@ typedef struct td_crossing_walk {
     double knot[4];  /* the start, the extrema and the end: between knots the model is monotone */
     double value[4]; /* S at the knots, within the range of the control values */
     int knots, next; /* how many there are; the first that hasn't been passed */
-    double s;        /* where the walk stands */
+    double s;        /* where the walk stands; with a `step` so near that td_step_time is what it is there */
+    const td_step *step;
+    int is_near; /* that near only: s is still to be found from these */
+    double low, reference, rise;
 } td_crossing_walk;
 
-void td_crossing_begin(td_crossing_walk *walk, const td_model *model);
+/* `step`: only the times are wanted that it gives the crossings, to the nanosecond; NULL: their places. */
+void td_crossing_begin(td_crossing_walk *walk, const td_model *model, const td_step *step);
 
 /* Goes on to the first s, at or after where the walk stands, at which S - reference >= threshold_on (returns +1) or
  * S - reference <= -threshold_off (returns -1); 0 where the rest of the step has none. The caller then moves the reference by

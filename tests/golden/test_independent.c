@@ -164,7 +164,7 @@ static void test_crossings(void **state) {
         const td_model model = td_model_fit(TIDES_MODEL_HERMITE, v[0], v[1], v[2], v[3], v[4]);
         double reference = v[1], on = v[5], off = v[6];
         td_crossing_walk walk;
-        td_crossing_begin(&walk, &model);
+        td_crossing_begin(&walk, &model, NULL);
         for (int i = 0; i < (int)v[7]; i++, events++) {
             double s = next(file), polarity = next(file);
             int found = td_crossing_next(&walk, reference, on, off);

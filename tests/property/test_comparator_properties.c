@@ -207,7 +207,7 @@ static void crossings_lie_on_their_levels(void **state) {
         power p = hermite_power(S0, rate0, S1, rate1);
         td_model model = td_model_fit(TIDES_MODEL_HERMITE, 1.0, S0, rate0, S1, rate1);
         td_crossing_walk walk;
-        td_crossing_begin(&walk, &model);
+        td_crossing_begin(&walk, &model, NULL);
         double before = 0.0, size = fabs(S0) + fabs(S1 - S0) + fabs(rate0) + fabs(rate1);
         int polarity;
         while ((polarity = td_crossing_next(&walk, reference, on, off)) != 0) {
@@ -220,6 +220,35 @@ static void crossings_lie_on_their_levels(void **state) {
             before = walk.s;
         }
     }
+}
+
+/* A walk that is told its step stops at places of the same nanoseconds as one that is not, and is spared most places. */
+static void times_of_crossings_are_those_of_their_places(void **state) {
+    (void)state;
+    seed_tests(5);
+    int near = 0, crossings = 0;
+    for (int trial = 0; trial < 100000; trial++) {
+        double on = uniform(0.02, 0.5), off = uniform(0.02, 0.5), reference = uniform(-5.0, 1.0), S0 = reference;
+        double S1 = S0 + any_size(0.3), rate0 = any_size(1.0), rate1 = any_size(1.0), length = exp(uniform(0.0, 21.0));
+        td_step step = {0, (int64_t)length + 1, uniform(0.0, 1.0), length, length * 1e-9};
+        td_model model = td_model_fit(TIDES_MODEL_HERMITE, 1.0, S0, rate0, S1, rate1);
+        td_crossing_walk timed, placed;
+        td_crossing_begin(&timed, &model, &step);
+        td_crossing_begin(&placed, &model, NULL);
+        int polarity;
+        while ((polarity = td_crossing_next(&placed, reference, on, off)) != 0) {
+            assert_int_equal(td_crossing_next(&timed, reference, on, off), polarity);
+            reference += polarity > 0 ? on : -off;
+            int64_t t = td_step_time(&step, timed.s), expected = td_step_time(&step, placed.s);
+            if (t != expected) fail_msg("trial %d: at %lld ns, not %lld", trial, (long long)t, (long long)expected);
+            crossings++;
+            near += timed.is_near && length > 1e4 && length < 1e7;
+        }
+        assert_int_equal(td_crossing_next(&timed, reference, on, off), 0);
+        assert_true(timed.s == placed.s);
+    }
+    assert_true(crossings > 100000);
+    assert_true(near > 0.3 * crossings); /* a third of the steps are between 10 us and 10 ms */
 }
 
 /* One cubic over a millisecond at 1000 s, in one step and in n: the same events, each within 2 ns. */
@@ -382,9 +411,13 @@ static void references_do_not_drift(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(events_equal_dense_sampling),    cmocka_unit_test(crossings_lie_on_their_levels),
-        cmocka_unit_test(cutting_a_step_changes_nothing), cmocka_unit_test(the_invariant_holds_after_every_step),
-        cmocka_unit_test(rejection_changes_nothing),      cmocka_unit_test(references_do_not_drift),
+        cmocka_unit_test(events_equal_dense_sampling),
+        cmocka_unit_test(crossings_lie_on_their_levels),
+        cmocka_unit_test(times_of_crossings_are_those_of_their_places),
+        cmocka_unit_test(cutting_a_step_changes_nothing),
+        cmocka_unit_test(the_invariant_holds_after_every_step),
+        cmocka_unit_test(rejection_changes_nothing),
+        cmocka_unit_test(references_do_not_drift),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -31,7 +31,7 @@ typedef struct crossings {
 static crossings find(const td_model *model, double reference, double on, double off) {
     crossings found = {.reference = reference};
     td_crossing_walk walk;
-    td_crossing_begin(&walk, model);
+    td_crossing_begin(&walk, model, NULL);
     for (; found.count < 64; found.count++) {
         int polarity = td_crossing_next(&walk, found.reference, on, off);
         if (!polarity) break;
@@ -252,7 +252,7 @@ static void extreme_scales(void **state) {
     }
     td_model steep = cubic(0.0, 1e12, 0.0, 0.0); /* the first of very many */
     td_crossing_walk walk;
-    td_crossing_begin(&walk, &steep);
+    td_crossing_begin(&walk, &steep, NULL);
     assert_int_equal(td_crossing_next(&walk, 0.0, 0.2, 0.2), 1);
     assert_near(walk.s / 2e-13, 1.0, 1e-12);
 }
