@@ -4,18 +4,11 @@
 
 #include "cli.h"
 #include "picture.h"
+#include "stream.h"
 
 #include <stdio.h>
 
 /* -- scenes (bench_scenes.c) ------------------------------------------------------------------------------------------ */
-
-/* Events in memory. */
-typedef struct bench_stream {
-    tides_event *events;
-    size_t count, capacity;
-} bench_stream;
-/* A sink that keeps everything in a bench_stream, nothing where that is NULL. Its own status stops the run: out of memory. */
-int bench_keep(void *stream, const tides_event *events, size_t count);
 
 enum { BENCH_TRUTH_SPLIT = 8 }; /* first steps of an exact stream per longest step, where no scene asks for more */
 enum { BENCH_RULES = 2 };       /* TIDES_RULES_SMOOTH and TIDES_RULES_INRIA have exact streams */
@@ -110,7 +103,7 @@ bench_row *bench_rows_add(bench_rows *rows, tides_error *error);
 
 /* Simulates once; run time and statistics go to the row, the events to the stream (emptied before; nullable). */
 tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
-                            const tides_stepping *stepping, bench_stream *stream, bench_row *row, tides_error *error);
+                            const tides_stepping *stepping, cli_stream *stream, bench_row *row, tides_error *error);
 /* Runs a row again where it was short, for the better run time; else simulates and matches it against the truth. */
 tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
                            const tides_stepping *stepping, bench_row *row, tides_error *error);

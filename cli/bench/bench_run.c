@@ -48,21 +48,6 @@ bench_row *bench_rows_add(bench_rows *rows, tides_error *error) {
 
 /* -- runs ---------------------------------------------------------------------------------------------------------------- */
 
-int bench_keep(void *user, const tides_event *events, size_t count) {
-    bench_stream *stream = user;
-    if (!stream || count == 0) return 0;
-    if (stream->count + count > stream->capacity) {
-        size_t capacity = 2 * (stream->count + count);
-        tides_event *grown = realloc(stream->events, capacity * sizeof *grown);
-        if (!grown) return TIDES_NO_MEMORY;
-        stream->events = grown;
-        stream->capacity = capacity;
-    }
-    memcpy(stream->events + stream->count, events, count * sizeof *events);
-    stream->count += count;
-    return 0;
-}
-
 static double clock_s(clockid_t clock) {
     struct timespec now;
     clock_gettime(clock, &now);
@@ -70,7 +55,7 @@ static double clock_s(clockid_t clock) {
 }
 
 tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
-                            const tides_stepping *stepping, bench_stream *stream, bench_row *row, tides_error *error) {
+                            const tides_stepping *stepping, cli_stream *stream, bench_row *row, tides_error *error) {
     tides_image_params image = scene->image;
     tides_simulator *simulator = NULL;
     tides_stats before;
@@ -86,7 +71,7 @@ tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, c
     }
     tides_simulator_stats(simulator, &before);
     const double began = cli_now(), all_began = clock_s(CLOCK_PROCESS_CPUTIME_ID), own_began = clock_s(CLOCK_THREAD_CPUTIME_ID);
-    status = tides_simulator_run(simulator, scene->stop, bench_keep, stream, cli_progress_step, &b->progress, error);
+    status = tides_simulator_run(simulator, scene->stop, cli_keep, stream, cli_progress_step, &b->progress, error);
     const double elapsed = cli_now() - began;
     row->all_threads_s = clock_s(CLOCK_PROCESS_CPUTIME_ID) - all_began;
     row->own_thread_s = clock_s(CLOCK_THREAD_CPUTIME_ID) - own_began;
@@ -105,7 +90,7 @@ tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, co
     if (row->runs > 0 && row->run_time_s > SHORT_RUN_S) return TIDES_OK;
     const int32_t again = row->runs > 0;
     const tides_exact *truth = &scene->truth[rules];
-    bench_stream stream = {.events = NULL};
+    cli_stream stream = {.events = NULL};
     snprintf(row->scene, sizeof row->scene, "%s", scene->name);
     row->image = scene->image_name ? scene->image_name : bench_rules_name(rules);
     tides_status status = bench_simulate(b, scene, rules, sensor, stepping, &stream, row, error);

@@ -14,7 +14,7 @@ static const double frame_shares[FRAMES] = {0, 0.13, 0.5, 0.77, 1}; /* of the ru
 
 /* What a device made of a world. */
 typedef struct outcome {
-    bench_stream stream;
+    cli_stream stream;
     bench_row row;
     double seconds; /* the best time of its runs */
     double *planes; /* L, L_dot of each frame */
@@ -55,7 +55,7 @@ static int32_t computes_here(const bench *b) {
 /* Events are kept only where they are compared: else they would be what takes the memory. */
 static tides_status simulate(bench *b, const stability_world *w, int runs, int32_t keep, outcome *o, tides_error *error) {
     const bench_scene *s = &w->scene;
-    bench_stream *stream = keep ? &o->stream : NULL;
+    cli_stream *stream = keep ? &o->stream : NULL;
     tides_status status = TIDES_OK;
     for (int i = 0; i < runs && status == TIDES_OK && (i == 0 || o->seconds < SHORT_RUN_S); i++) {
         status = bench_simulate(b, s, s->image.rules, &s->sensor, &w->stepping, stream, &o->row, error);
@@ -95,7 +95,7 @@ static tides_status time_benign(const bench *b, const stability_world *like, dou
 
 /* -- comparing ----------------------------------------------------------------------------------------------------------- */
 
-static int32_t same_events(const bench_stream *a, const bench_stream *b) {
+static int32_t same_events(const cli_stream *a, const cli_stream *b) {
     if (a->count != b->count) return 0;
     for (size_t i = 0; i < a->count; i++) {
         const tides_event *x = &a->events[i], *y = &b->events[i];

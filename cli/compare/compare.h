@@ -2,17 +2,17 @@
 #ifndef CLI_COMPARE_H
 #define CLI_COMPARE_H
 
-#include "bench.h"
 #include "metrics_report.h"
 #include "session.h"
+#include "stream.h"
 
 /* One method, and what became of it. */
 typedef struct compare_row {
     const char *name;
-    tides_error error;   /* status TIDES_OK where it ran */
-    cJSON *settings;     /* ["key=value", ...] on top of the run file */
-    cJSON *parameters;   /* those that its column shows, {key: value}, as they were in force */
-    bench_stream stream; /* its events */
+    tides_error error; /* status TIDES_OK where it ran */
+    cJSON *settings;   /* ["key=value", ...] on top of the run file */
+    cJSON *parameters; /* those that its column shows, {key: value}, as they were in force */
+    cli_stream stream; /* its events */
     tides_stats stats;
     cJSON *against_exact, *against_recording; /* cli_metrics_json; NULL where there is none */
 } compare_row;

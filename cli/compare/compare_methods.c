@@ -1,8 +1,5 @@
-/* The methods of a comparison: what makes each an ideal pixel with the run's thresholds, and running it.
- *
- * An ideal pixel fires where the logarithm has moved by the threshold since its last event, and does nothing else: no noise, no
- * spread, no latency, no low-pass, no refractory period. What is left of a method then is how it sees the image and where it
- * puts events in time. */
+/* The methods of a comparison, each run as an ideal pixel with the run's thresholds (tides_ideal_settings says what that is), or
+ * as it is configured. */
 #include "compare.h"
 
 #include <stdio.h>
@@ -135,7 +132,7 @@ static tides_status work(comparison *c, compare_row *row, tides_session *session
     tides_session_facts facts;
     tides_session_get(session, &facts);
     tides_status status =
-        tides_session_run(session, bench_keep, &row->stream, cli_progress_step, &c->progress, &row->stats, error);
+        tides_session_run(session, cli_keep, &row->stream, cli_progress_step, &c->progress, &row->stats, error);
     cli_progress_end(&c->progress);
     if (status == TIDES_OK)
         status = measure(c, c->exact.events, c->exact.count, TIDES_METRICS_DEFAULT | TIDES_METRIC_MATCH, row, &c->progress,
