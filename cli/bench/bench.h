@@ -173,6 +173,19 @@ double bench_exact_share(const tides_exact *truth, const tides_match *match);
 bench_verdict bench_judge(const bench_rows *rows, const char *scene);
 void bench_print_verdict(const bench_rows *rows, const char *scene, FILE *out);
 
+/* bench_run.c: a benchmark that is rows of measured runs: scene by scene, then its files, its picture and what it prints. */
+typedef struct bench_sheet {
+    bench_rows rows;
+    cJSON *header;
+} bench_sheet;
+typedef struct bench_kind {
+    const char *name;
+    bench_visit visit; /* its user is the bench_sheet */
+    tides_status (*figure)(const bench *b, const bench_rows *rows, tides_error *error);
+    void (*print)(const bench_rows *rows);
+} bench_kind;
+tides_status bench_fill_sheet(bench *b, const bench_kind *kind, const cli_list *scenes, tides_error *error);
+
 /* bench_figure.c: pictures of the rows. A canvas whose first line says the version, the device and `what` is seen: wider than
  * asked for where that needs it; rgb is NULL where memory ran out. */
 cli_canvas bench_canvas(const bench *b, int32_t width, int32_t height, const char *what, tides_error *error);

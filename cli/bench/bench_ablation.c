@@ -11,7 +11,7 @@
  *   with_masking             full, with pixels silent where coverage is below B_MIN: what masking takes away and puts off
  *   with_readout             full, behind the default readout: what its delays, jitter and drops add
  *   global_step              full, but one step for the whole image
- *   one_event                full, but at most one event per pixel and step
+ *   one_event                full, but at most one event per pixel and step: steps are cut until none has more
  *   fixed_step               no controller: the paper's schedule, ten equal steps where full may take one
  *
  * The others are compute-matched: equal steps, as many renders as full took.
@@ -74,11 +74,6 @@ static const variant variants[] = {
     {.name = "straight_line", .mode = FIXED, .model = TIDES_MODEL_SECANT, .local = 1},
 };
 enum { VARIANTS = sizeof variants / sizeof variants[0] };
-
-typedef struct job {
-    bench_rows rows;
-    cJSON *header;
-} job;
 
 /* `matched` is how many equal steps cost what full did. */
 static double steps_of(const variant *v, const bench_scene *scene, double matched) {
@@ -148,20 +143,20 @@ static tides_status measure(bench *b, const bench_scene *scene, const variant *v
 }
 
 static tides_status visit(void *user, bench *b, bench_scene *scene, tides_error *error) {
-    job *j = user;
-    const size_t first = j->rows.count;
+    bench_sheet *sheet = user;
+    const size_t first = sheet->rows.count;
     const int32_t passes = b->quick ? 1 : 2;
     double steps = 1;
     tides_status status = bench_find_truth(b, scene, TIDES_RULES_SMOOTH, error);
     for (int32_t pass = 0; pass < passes; pass++)
         for (size_t i = 0; i < VARIANTS && status == TIDES_OK; i++) {
-            bench_row *row = pass ? &j->rows.rows[first + i] : bench_rows_add(&j->rows, error);
+            bench_row *row = pass ? &sheet->rows.rows[first + i] : bench_rows_add(&sheet->rows, error);
             if (!row) return TIDES_NO_MEMORY;
             status = measure(b, scene, &variants[i], steps, row, error);
             if (status == TIDES_OK && i == 0 && pass == 0)
                 status = match_compute(b, scene, row->stats.renders_full_frame_equivalent, &steps, error);
         }
-    if (status == TIDES_OK && !bench_header_scene(j->header, scene, NULL))
+    if (status == TIDES_OK && !bench_header_scene(sheet->header, scene, NULL))
         status = cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
     return status;
 }
@@ -181,13 +176,6 @@ static void print_table(const bench_rows *rows) {
 }
 
 tides_status bench_ablation(bench *b, const cli_list *scenes, tides_error *error) {
-    job j = {.header = bench_header(b, "ablation")};
-    if (!j.header) return cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
-    tides_status status = bench_each_scene(b, scenes, visit, &j, error);
-    if (status == TIDES_OK) status = bench_write(b, "ablation", j.header, &j.rows, error);
-    if (status == TIDES_OK) status = bench_figure_bars(b, &j.rows, error);
-    if (status == TIDES_OK && !b->common->quiet && !b->common->json) print_table(&j.rows);
-    cJSON_Delete(j.header);
-    free(j.rows.rows);
-    return status;
+    static const bench_kind kind = {"ablation", visit, bench_figure_bars, print_table};
+    return bench_fill_sheet(b, &kind, scenes, error);
 }

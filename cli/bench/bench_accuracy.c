@@ -82,21 +82,17 @@ static tides_status pass(bench *b, const bench_scene *scene, bench_rows *rows, s
     return TIDES_OK;
 }
 
-typedef struct job {
-    bench_rows rows;
-    cJSON *header;
-} job;
-
 static tides_status visit(void *user, bench *b, bench_scene *scene, tides_error *error) {
-    job *j = user;
-    const size_t first = j->rows.count;
+    bench_sheet *sheet = user;
+    const size_t first = sheet->rows.count;
     tides_status status = TIDES_OK;
     for (int32_t rules = 0; rules < BENCH_RULES && status == TIDES_OK; rules++)
         status = bench_find_truth(b, scene, rules, error);
     for (int32_t again = 0; again < (b->quick ? 1 : 2) && status == TIDES_OK; again++)
-        status = pass(b, scene, &j->rows, first, again, error);
+        status = pass(b, scene, &sheet->rows, first, again, error);
     if (status != TIDES_OK) return status;
-    if (!bench_header_scene(j->header, scene, &j->rows)) return cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
+    if (!bench_header_scene(sheet->header, scene, &sheet->rows))
+        return cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
     return TIDES_OK;
 }
 
@@ -108,13 +104,6 @@ static void print_summary(const bench_rows *rows) {
 }
 
 tides_status bench_accuracy(bench *b, const cli_list *scenes, tides_error *error) {
-    job j = {.header = bench_header(b, "accuracy")};
-    if (!j.header) return cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
-    tides_status status = bench_each_scene(b, scenes, visit, &j, error);
-    if (status == TIDES_OK) status = bench_write(b, "accuracy", j.header, &j.rows, error);
-    if (status == TIDES_OK) status = bench_figure_curves(b, &j.rows, error);
-    if (status == TIDES_OK && !b->common->quiet && !b->common->json) print_summary(&j.rows);
-    cJSON_Delete(j.header);
-    free(j.rows.rows);
-    return status;
+    static const bench_kind kind = {"accuracy", visit, bench_figure_curves, print_summary};
+    return bench_fill_sheet(b, &kind, scenes, error);
 }

@@ -139,3 +139,17 @@ tides_status bench_each_scene(bench *b, const cli_list *names, bench_visit visit
         return cli_error(error, TIDES_FILE_NOT_FOUND, "none of the scenes is there; set TIDES_SHARED to the folder with data/");
     return status;
 }
+
+/* -- a benchmark of rows ------------------------------------------------------------------------------------------------- */
+
+tides_status bench_fill_sheet(bench *b, const bench_kind *kind, const cli_list *scenes, tides_error *error) {
+    bench_sheet sheet = {.header = bench_header(b, kind->name)};
+    if (!sheet.header) return cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
+    tides_status status = bench_each_scene(b, scenes, kind->visit, &sheet, error);
+    if (status == TIDES_OK) status = bench_write(b, kind->name, sheet.header, &sheet.rows, error);
+    if (status == TIDES_OK) status = kind->figure(b, &sheet.rows, error);
+    if (status == TIDES_OK && !b->common->quiet && !b->common->json) kind->print(&sheet.rows);
+    cJSON_Delete(sheet.header);
+    free(sheet.rows.rows);
+    return status;
+}
