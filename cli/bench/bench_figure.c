@@ -38,6 +38,8 @@ static plot_panel lay_panel(int32_t index) {
         plot_panel){.left = x + LEFT, .top = y + TOP, .right = x + PANEL_WIDTH - RIGHT, .bottom = y + PANEL_HEIGHT - BOTTOM};
 }
 
+static int32_t panels_end(int32_t panels) { return HEADING + PANEL_HEIGHT * ((panels + PANEL_COLUMNS - 1) / PANEL_COLUMNS); }
+
 cli_canvas bench_canvas(const bench *b, int32_t width, int32_t height, const char *what, tides_error *error) {
     enum { MARGIN = 16, TEXT = 2 };
     char heading[320];
@@ -51,11 +53,12 @@ cli_canvas bench_canvas(const bench *b, int32_t width, int32_t height, const cha
     return canvas;
 }
 
-static cli_canvas make_canvas(const bench *b, int32_t panels, const char *what, tides_error *error) {
-    const int32_t columns = panels < PANEL_COLUMNS ? panels : PANEL_COLUMNS;
-    /* One panel is too narrow for the legend. */
-    return bench_canvas(b, PANEL_WIDTH * (columns < 2 ? 2 : columns),
-                        HEADING + PANEL_HEIGHT * ((panels + PANEL_COLUMNS - 1) / PANEL_COLUMNS) + LEGEND, what, error);
+/* With room for the panels, and below them for the legend. One panel is too narrow for a legend. */
+static cli_canvas make_canvas(const bench *b, int32_t panels, const plot_curve *legend, int32_t curves, const char *what,
+                              tides_error *error) {
+    const int32_t columns = panels < 2 ? 2 : panels < PANEL_COLUMNS ? panels : PANEL_COLUMNS, width = PANEL_WIDTH * columns;
+    const int32_t lines = plot_legend_lines(width, LEFT, legend, curves);
+    return bench_canvas(b, width, panels_end(panels) + LEGEND + (lines - 1) * PLOT_LEGEND_LINE, what, error);
 }
 
 tides_status bench_write_canvas(const bench *b, cli_canvas *canvas, const char *name, tides_error *error) {
@@ -113,12 +116,14 @@ static tides_status draw_curves(const bench *b, const bench_rows *rows, quantity
     plot_curve legend[CURVES_MAX];
     const int32_t scenes = find_scenes(rows, first);
     curve_data *curves = malloc(CURVES_MAX * sizeof *curves);
+    int32_t count =
+        curves && scenes ? collect(rows, rows->rows[first[0]].scene, what, curves) : 0; /* in all scenes the same ones */
+    for (int32_t k = 0; k < count; k++) legend[k] = curves[k].curve;
     cli_canvas canvas =
-        make_canvas(b, scenes,
+        make_canvas(b, scenes, legend, count,
                     what == RUN_TIME ? "run time for an error of event times, each against its image's exact events"
                                      : "renders for an error of event times, each against its image's exact events",
                     error);
-    int32_t count = 0;
     if (!curves || !canvas.rgb) {
         free(curves);
         free(canvas.rgb);
@@ -135,9 +140,8 @@ static tides_status draw_curves(const bench *b, const bench_rows *rows, quantity
         plot_axes(&canvas, &panel, 1);
         plot_target(&canvas, &panel, 2.0);
         for (int32_t k = 0; k < count; k++) plot_draw(&canvas, &panel, &curves[k].curve);
-        for (int32_t k = 0; k < count; k++) legend[k] = curves[k].curve;
     }
-    plot_legend(&canvas, LEFT, canvas.height - 30, legend, count);
+    plot_legend(&canvas, LEFT, panels_end(scenes) + 14, legend, count);
     free(curves);
     return bench_write_canvas(b, &canvas, what == RUN_TIME ? "accuracy_time" : "accuracy_renders", error);
 }
@@ -187,7 +191,7 @@ static void draw_bars(cli_canvas *canvas, plot_panel *panel, const bench_rows *r
 tides_status bench_figure_bars(const bench *b, const bench_rows *rows, tides_error *error) {
     size_t first[SCENES_MAX];
     const int32_t scenes = find_scenes(rows, first);
-    cli_canvas canvas = make_canvas(b, scenes, "what the parts are worth, as errors against the exact events", error);
+    cli_canvas canvas = make_canvas(b, scenes, NULL, 0, "what the parts are worth, as errors against the exact events", error);
     if (!canvas.rgb) return TIDES_NO_MEMORY;
     for (int32_t s = 0; s < scenes; s++) {
         plot_panel panel = lay_panel(s);

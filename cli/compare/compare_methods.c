@@ -1,5 +1,5 @@
-/* The methods of a comparison, each run as an ideal pixel with the run's thresholds (tides_ideal_settings says what that is), or
- * as it is configured. */
+/* The methods of a comparison: each run as an ideal pixel with the thresholds of the run (tides_ideal_settings says what that
+ * is), or as it is configured. */
 #include "compare.h"
 
 #include <stdio.h>

@@ -15,8 +15,9 @@ static const uint8_t colours[PLOT_COLOURS][3] = {{0, 114, 178},   {213, 94, 0}, 
 static const uint8_t ink[3] = {30, 30, 30}, grid[3] = {225, 225, 225}, frame[3] = {110, 110, 110};
 
 enum { CELL_WIDTH = 6, CELL_HEIGHT = 9, TEXT = 2 };
-#define LINE_WIDTH 2.2 /* [px] */
-#define MARKER 5.5     /* [px] half a marker's size */
+enum { LEGEND_SAMPLE = 46, LEGEND_GAP = 36 }; /* [px] from an entry's beginning to its label; from its end to the next */
+#define LINE_WIDTH 2.2                        /* [px] */
+#define MARKER 5.5                            /* [px] half a marker's size */
 
 cli_canvas plot_canvas(int32_t width, int32_t height) {
     cli_canvas canvas = {width, height, malloc(3 * (size_t)width * (size_t)height), NULL};
@@ -207,14 +208,35 @@ void plot_mark(cli_canvas *canvas, const plot_panel *p, double x) {
         if (y / 6 % 2) draw_blend(canvas, column, y, frame, 1);
 }
 
+/* Where the next entry of a legend goes: on to the next line where it wouldn't end before `width`. */
+static void place_entry(const plot_curve *curve, int32_t width, int32_t left, int32_t *x, int32_t *y, int32_t *next) {
+    const int32_t wide = LEGEND_SAMPLE + plot_text_width(curve->label, TEXT);
+    if (*x > left && *x + wide > width) {
+        *x = left;
+        *y += PLOT_LEGEND_LINE;
+    }
+    *next = *x + wide + LEGEND_GAP;
+}
+
 void plot_legend(cli_canvas *canvas, int32_t x, int32_t y, const plot_curve *curves, int32_t count) {
-    for (int32_t i = 0; i < count; i++) {
+    for (int32_t i = 0, left = x, next; i < count; i++) {
         if (curves[i].style < 0) continue;
+        place_entry(&curves[i], canvas->width, left, &x, &y, &next);
         draw_line(canvas, x, y + 8, x + 36, y + 8, LINE_WIDTH, colours[curves[i].style % PLOT_COLOURS]);
         marker(canvas, x + 18, y + 8, curves[i].style);
-        plot_text(canvas, x + 46, y, TEXT, curves[i].label);
-        x += 46 + plot_text_width(curves[i].label, TEXT) + 36;
+        plot_text(canvas, x + LEGEND_SAMPLE, y, TEXT, curves[i].label);
+        x = next;
     }
+}
+
+int32_t plot_legend_lines(int32_t width, int32_t x, const plot_curve *curves, int32_t count) {
+    int32_t y = 0;
+    for (int32_t i = 0, left = x, next; i < count; i++) {
+        if (curves[i].style < 0) continue;
+        place_entry(&curves[i], width, left, &x, &y, &next);
+        x = next;
+    }
+    return 1 + y / PLOT_LEGEND_LINE;
 }
 
 void plot_bar(cli_canvas *canvas, const plot_panel *p, int32_t top, int32_t bottom, double value, int32_t style) {

@@ -47,8 +47,11 @@ void plot_draw(cli_canvas *canvas, const plot_panel *panel, const plot_curve *cu
 void plot_target(cli_canvas *canvas, const plot_panel *panel, double y);
 /* A dashed line down the panel at x. */
 void plot_mark(cli_canvas *canvas, const plot_panel *panel, double x);
-/* A sample of each curve beside its label, in a row from (x, y) on. */
+/* A sample of each curve beside its label, in lines from (x, y) on that end where the canvas does; a line is so high [px]. How
+ * many lines that are on a canvas `width` wide, plot_legend_lines says. */
+enum { PLOT_LEGEND_LINE = 30 };
 void plot_legend(cli_canvas *canvas, int32_t x, int32_t y, const plot_curve *curves, int32_t count);
+int32_t plot_legend_lines(int32_t width, int32_t x, const plot_curve *curves, int32_t count);
 void plot_steps(cli_canvas *canvas, const plot_panel *panel, const plot_stairs *stairs);
 /* Ticks of a linear axis that is `pixels` long, at least `room` px apart, and the decimals that their labels need; how many. */
 enum { PLOT_TICKS_MAX = 64 };
