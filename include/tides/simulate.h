@@ -31,12 +31,19 @@ enum { TIDES_STEPPING_FIXED = 0, TIDES_STEPPING_RISK = 1, TIDES_STEPPING_ERROR =
  * more renders, and fixed steps. */
 enum { TIDES_SLOPE_EXACT = 0, TIDES_SLOPE_DIFFERENCE = 1 };
 
+/* Where events come from: from the local model between two renders, or from the image itself, which is looked up where events
+ * are, pixel by pixel, until no time is off by more than time_tolerance_s (10 ns where that is 0), or than rounding in the
+ * precision named. Steps then only have to find the crossings. With ERROR or RISK, and where neither a PSF, a filter, a
+ * surround nor additive noise comes between image and comparator; else TIDES_UNSUPPORTED. */
+enum { TIDES_SOLVE_OFF = 0, TIDES_SOLVE_FLOAT = 1, TIDES_SOLVE_DOUBLE = 2 };
+
 /* Weights of the risk score: coverage, contributors, |alpha_dot|. */
 typedef struct tides_risk {
     double w_b, w_c, w_alpha;
 } tides_risk;
 
-/* Step control; fill with tides_stepping_defaults (error, hermite, local, 10 ms, 1 us, 0.01, 0, 0, 0.3 0.3 0.4, exact, 0). */
+/* Step control; fill with tides_stepping_defaults (error, hermite, local, 10 ms, 1 us, 0.01, 0, 0, 0.3 0.3 0.4, exact, 0, 256,
+ * off). */
 typedef struct tides_stepping {
     uint32_t size;
     int32_t mode;            /* TIDES_STEPPING_* */
@@ -56,6 +63,7 @@ typedef struct tides_stepping {
                                    both tolerances. FIXED: has no effect, each step is worked out */
     double memory_mb; /* [1e6 bytes] >= 1: what the samples of a macro step may take, and their launches; or, if that is more, a
                          few samples of each moving tile. Changes the order of the work, no event */
+    int32_t solve;    /* TIDES_SOLVE_* */
 } tides_stepping;
 TIDES_API void tides_stepping_defaults(tides_stepping *stepping);
 
@@ -98,6 +106,8 @@ typedef struct tides_stats {
     uint64_t events_uncertain; /* events that the signal's estimated error may undo, and places where it may make some: it turns
                                    so near a level that the error decides whether it is reached. Not for FIXED */
     double worst_deviation;    /* the largest that a probe saw where a step rests on it [thresholds] */
+    uint64_t events_solved;    /* of `events`, those whose times were looked up in the image (stepping.solve), and */
+    uint64_t points_looked_up; /* pixels at single times that were looked up for them */
 } tides_stats;
 
 enum { TIDES_STAT_COUNT = 0 /* uint64_t */, TIDES_STAT_REAL = 1 /* double */, TIDES_STAT_WHOLE = 2 /* int32_t */ };

@@ -91,6 +91,7 @@ static tides_stepping level_of(const job *j, int32_t level) {
     tides_stepping s;
     tides_stepping_defaults(&s);
     s.model = TIDES_MODEL_HERMITE;
+    s.solve = TIDES_SOLVE_OFF;
     if (j->continuous) {
         s.mode = TIDES_STEPPING_ERROR;
         s.step_s = ldexp(j->how.first_step_s, -level);

@@ -144,6 +144,8 @@ const td_param td_params[] = {
             "error control: estimated error of L that cuts a step")},
     {NUMBER("stepping.time_tolerance_s", stepping.time_tolerance_s, "s", 0, 1e3,
             "error control: estimated error of event times; 0 doesn't ask")},
+    {CHOICE("stepping.solve", stepping.solve, "off|float|double",
+            "look the image up where events are, in this precision; off: the model's times")},
     {BOOLEAN("stepping.local", stepping.local, "each 16x16 tile has its own steps, and none where nothing moves")},
     {NUMBER("stepping.budget", stepping.budget, "full frames", 0, 1e12,
             "renders that cuts may cost in the run; 0 sets no bound")},

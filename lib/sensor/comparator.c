@@ -29,6 +29,7 @@ typedef struct tile_job {
     size_t begun;           /* pixels of the tile before the block at hand */
     const double *on, *off; /* the block's levels: what its signals must stay within to need nothing */
     noise_block *noise;     /* NULL: there is none */
+    td_pieces *pieces;      /* of the one pixel at hand; NULL: its signals at the step's ends are all */
 } tile_job;
 
 static uint16_t column(const tile_job *job, size_t j) { return (uint16_t)(job->tile->x0 + (int32_t)j % job->tile->width); }
@@ -221,7 +222,7 @@ static void pass_over(const tile_job *job, size_t j) {
 
 static tides_status step_ideal(tile_job *job, size_t j) {
     const td_model model = fit(job->pixel.sensor->model, job->signals, job->pixel.step->length_s, j);
-    return td_ideal_advance(&job->pixel, job->first + j, column(job, j), row(job, j), &model, job->signals->S1[j]);
+    return td_ideal_advance(&job->pixel, job->first + j, column(job, j), row(job, j), &model, NULL, job->signals->S1[j]);
 }
 
 static tides_status step_pixel(tile_job *job, size_t j) {
@@ -236,6 +237,8 @@ static tides_status step_pixel(tile_job *job, size_t j) {
     double ramp = sensor->leak[pixel.i] * job->pixel.start, rise = sensor->leak[pixel.i] * step->length_ns;
     for (int c = 0; c < 4; c++) pixel.response.cubic.control[c] += ramp + rise * (c / 3.0);
     pixel.end += ramp + rise;
+    if (job->pieces) td_pieces_add_ramp(job->pieces, ramp, rise);
+    pixel.response.pieces = job->pieces;
     if (sensor->frontend.on && !sensor->exhaustive && needs_nothing(job, &pixel)) {
         pass_over(job, j);
         return TIDES_OK;
@@ -332,4 +335,38 @@ tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_til
     if (!sensor->on) job.pixel.counts.cause[TIDES_CAUSE_SIGNAL] = job.pixel.counts.events_on + job.pixel.counts.events_off;
     add_counts(&sensor->counts, &job.pixel.counts);
     return TIDES_OK;
+}
+
+/* -- one pixel ------------------------------------------------------------------------------------------------------------- */
+
+static tides_status step_single(tile_job *job, size_t j) {
+    if (!job->pixel.sensor->on) {
+        const td_model model = fit(TIDES_MODEL_HERMITE, job->signals, job->pixel.step->length_s, j);
+        return td_ideal_advance(&job->pixel, job->first + j, column(job, j), row(job, j), &model, job->pieces,
+                                job->signals->S1[j]);
+    }
+    take_levels(job, j, 1);
+    return step_pixel(job, j);
+}
+
+tides_status td_sensor_advance(td_sensor *sensor, const td_sensor_single *single, td_event_buffer *buffer, tides_error *error) {
+    const td_signals *at = single->signals;
+    const size_t j = single->local;
+    td_pieces pieces;
+    tile_job job = {.pixel = {.sensor = sensor, .step = single->step, .buffer = buffer, .error = error},
+                    .tile = single->tile,
+                    .first = single->first,
+                    .signals = at,
+                    .coverage = single->coverage};
+    const td_ends ends = {single->step->length_s, at->S0[j], at->S0_dot[j], at->S1[j], at->S1_dot[j]};
+    job.pixel.start = td_sensor_time(sensor, single->step->start_ns, single->step->start_fraction);
+    job.pixel.changes = single->changes;
+    job.stop = (double)(single->step->stop_ns - sensor->start_ns) + 2; /* as in td_sensor_step */
+    single->changes->count = single->changes->lost = 0;
+    td_pieces_make(&pieces, &ends, single->nodes, single->count);
+    job.pieces = &pieces;
+    tides_status status = step_single(&job, j);
+    if (!sensor->on) job.pixel.counts.cause[TIDES_CAUSE_SIGNAL] = job.pixel.counts.events_on + job.pixel.counts.events_off;
+    add_counts(&sensor->counts, &job.pixel.counts);
+    return status;
 }

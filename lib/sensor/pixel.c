@@ -133,16 +133,18 @@ static void rereference(walk *w, double s) {
     w->initial = w->reference = s < 1 ? td_response_value(&w->pixel->response, s) + noise_at(w, s) : end_of(w);
     w->count_on = w->count_off = 0;
     *since(w) = time_at(w, s);
+    td_pixel_note(w->job, s, w->reference, 0, 0);
 }
 
-/* The reference moves by a threshold, at s. */
-static void move_reference(walk *w, double s, int polarity) {
+/* The reference moves by a threshold, at s: with an event, or because it was consumed. */
+static void move_reference(walk *w, double s, int polarity, int fired) {
     if (polarity > 0)
         w->count_on++;
     else
         w->count_off++;
     w->reference = td_reference_of(w->on, w->off, w->initial, w->count_on, w->count_off);
     *since(w) = time_at(w, s);
+    td_pixel_note(w->job, s, w->reference, polarity, fired);
 }
 
 static void begin_refractory(walk *w, double s) {
@@ -161,7 +163,7 @@ static int cause_of(const walk *w, double s, int polarity) {
 static tides_status fire(walk *w, double s, int64_t t, int polarity) {
     tides_status status = emit(w, s, t, polarity, cause_of(w, s, polarity));
     if (status != TIDES_OK) return status;
-    move_reference(w, s, polarity);
+    move_reference(w, s, polarity, 1);
     begin_refractory(w, s);
     return TIDES_OK;
 }
@@ -222,7 +224,7 @@ static void consume(walk *w, double until) {
         }
         if (polarity == 0 || at >= until) return;
         n++;
-        move_reference(w, at, polarity);
+        move_reference(w, at, polarity, 0);
         w->job->counts.refractory++;
     }
 }

@@ -32,10 +32,12 @@ static inline tides_status td_ideal_fire(td_pixel_job *job, td_ideal *at, int64_
     return TIDES_OK;
 }
 
-/* The model's events; `*cut` becomes 1 where there were more than max_events_per_step. */
-static inline tides_status td_ideal_follow(td_pixel_job *job, td_ideal *at, const td_model *model, int *cut) {
+/* The model's events, where it is over [from, from + length] of the step; `*cut` becomes 1 where there were more than
+ * max_events_per_step. */
+static inline tides_status td_ideal_follow(td_pixel_job *job, td_ideal *at, const td_model *model, double from, double length,
+                                           int *cut) {
     td_crossing_walk walk;
-    td_crossing_begin(&walk, model, job->step);
+    td_crossing_begin(&walk, model, length == 1 ? job->step : NULL); /* of a part the times are others */
     for (;;) {
         int polarity = td_crossing_next(&walk, at->reference, at->on, at->off);
         if (polarity == 0) return TIDES_OK;
@@ -43,10 +45,20 @@ static inline tides_status td_ideal_follow(td_pixel_job *job, td_ideal *at, cons
             *cut = 1;
             return TIDES_OK;
         }
-        if (walk.s == 0.0) job->counts.caught_up++; /* S0 was beyond the level: after NaN, or not the S1 of the step before */
-        tides_status status = td_ideal_fire(job, at, td_step_time(job->step, walk.s), polarity);
+        double s = from + length * walk.s;
+        if (s == 0.0) job->counts.caught_up++; /* S0 was beyond the level: after NaN, or not the S1 of the step before */
+        tides_status status = td_ideal_fire(job, at, td_step_time(job->step, s), polarity);
         if (status != TIDES_OK) return status;
+        td_pixel_note(job, s, at->reference, polarity, 1);
     }
+}
+
+/* The same piece by piece. */
+static inline tides_status td_ideal_follow_pieces(td_pixel_job *job, td_ideal *at, const td_pieces *pieces, int *cut) {
+    tides_status status = TIDES_OK;
+    for (int k = 0; k < pieces->count && status == TIDES_OK && !*cut; k++)
+        status = td_ideal_follow(job, at, &pieces->model[k], pieces->from[k], pieces->from[k + 1] - pieces->from[k], cut);
+    return status;
 }
 
 /* What S1 asks for beyond the model, at the step's end. */
@@ -54,19 +66,21 @@ static inline tides_status td_ideal_catch_up(td_pixel_job *job, td_ideal *at, do
     tides_status status = TIDES_OK;
     while (status == TIDES_OK && S1 - at->reference >= at->on) {
         status = td_ideal_fire(job, at, job->step->stop_ns, 1);
+        td_pixel_note(job, 1, at->reference, 1, 1);
         ++*late;
     }
     while (status == TIDES_OK && S1 - at->reference <= -at->off) {
         status = td_ideal_fire(job, at, job->step->stop_ns, -1);
+        td_pixel_note(job, 1, at->reference, -1, 1);
         ++*late;
     }
     return status;
 }
 
-/* Pixel i at (x, y), by its model and its signal at the step's end. On failure counts of the pixel are those of the events in
- * the buffer. */
+/* Pixel i at (x, y), by its model, or its pieces where there are any, and its signal at the step's end. On failure counts of
+ * the pixel are those of the events in the buffer. */
 static inline TIDES_MUST_CHECK tides_status td_ideal_advance(td_pixel_job *job, size_t i, uint16_t x, uint16_t y,
-                                                             const td_model *model, double S1) {
+                                                             const td_model *model, const td_pieces *pieces, double S1) {
     const td_pixels *pixels = &job->sensor->pixels;
     td_ideal at = {.x = x, .y = y, .initial = pixels->initial[i], .reference = pixels->reference[i]};
     at.on = job->sensor->sensor.threshold_on;
@@ -78,7 +92,7 @@ static inline TIDES_MUST_CHECK tides_status td_ideal_advance(td_pixel_job *job, 
     int cut = 0, can_end = isfinite(S1) && isfinite(at.reference);
     job->counts.solved++;
     if (can_end && td_model_is_finite(model))
-        status = td_ideal_follow(job, &at, model, &cut);
+        status = pieces ? td_ideal_follow_pieces(job, &at, pieces, &cut) : td_ideal_follow(job, &at, model, 0, 1, &cut);
     else
         job->counts.nonfinite++;
     if (status == TIDES_OK && can_end)

@@ -14,8 +14,20 @@ typedef struct td_pixel_job {
     double start; /* of the step [ns since the run's start] */
     td_event_buffer *buffer;
     td_sensor_counts counts; /* of this call */
+    td_changes *changes;     /* what is done where; NULL: nobody asks */
     tides_error *error;
 } td_pixel_job;
+
+/* The pixel's reference is another one from s on: after an event or a consumed crossing of this polarity; 0: it was taken from
+ * the signal. */
+static inline void td_pixel_note(const td_pixel_job *job, double s, double reference, int polarity, int fired) {
+    td_changes *changes = job->changes;
+    if (!changes) return;
+    if (changes->count < TD_CHANGES_MAX)
+        changes->change[changes->count++] = (td_change){s, reference, (int8_t)polarity, (int8_t)fired};
+    else
+        changes->lost++;
+}
 
 /* A pixel's step. */
 typedef struct td_pixel_step {

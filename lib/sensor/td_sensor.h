@@ -23,6 +23,7 @@
 #define TD_SENSOR_H
 
 #include "signal/td_event_buffer.h"
+#include "signal/td_pieces.h"
 #include "signal/td_signals.h"
 #include "signal/td_step.h"
 #include "sensor/noise/td_additive_noise.h"
@@ -133,6 +134,57 @@ typedef struct td_coverage {
 TIDES_MUST_CHECK tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
                                              const td_signals *signals, const td_coverage *coverage, td_event_buffer *buffer,
                                              tides_error *error);
+
+/* -- one pixel at a time --------------------------------------------------------------------------------------------------- */
+
+/* For the solver, which looks the signal up where events are, and compares those pixels again (lib/solver/solve.c). Where
+ * filters, a surround or additive noise stand between signal and comparator, what is done where isn't seen in the signal:
+ * td_sensor_solves says whether any of them is on. */
+int td_sensor_solves(const td_sensor *sensor);
+
+/* Where a pixel's reference changed in a step. */
+typedef struct td_change {
+    double s;         /* 1: at the step's end, as the signal there asked for, too */
+    double reference; /* from then on */
+    int8_t polarity;  /* of the crossing; 0: it was taken from the signal */
+    int8_t fired;     /* the crossing is an event, the last one in the buffer by then */
+} td_change;
+
+/* In time order. What finds no room is lost, and counted: of that many the times are the model's. */
+enum { TD_CHANGES_MAX = 96 };
+typedef struct td_changes {
+    int count, lost;
+    td_change change[TD_CHANGES_MAX];
+} td_changes;
+
+/* active[i] becomes 1 where pixel i of the tile may do something in the step, its signal being off by widen[i] at most between
+ * the step's ends; what is 1 stays. The others are at the step's end then. */
+void td_sensor_find(const td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first, const td_signals *signals,
+                    const double *widen, uint8_t *active);
+
+/* td_sensor_step of pixel `local` of the tile alone, on the cubics through these nodes; `changes` says what it did. On failure
+ * the pixel is in between. */
+typedef struct td_sensor_single {
+    const td_step *step;
+    const td_tile *tile;
+    size_t first, local;
+    const td_signals *signals;
+    const td_coverage *coverage;
+    const td_node *nodes;
+    int count;
+    td_changes *changes;
+} td_sensor_single;
+TIDES_MUST_CHECK tides_status td_sensor_advance(td_sensor *sensor, const td_sensor_single *single, td_event_buffer *buffer,
+                                                tides_error *error);
+
+/* All that a pixel carries from one step to the next, to take it back to where it was. */
+enum { TD_PIXEL_WORDS = 12 };
+typedef struct td_kept_pixel {
+    uint64_t word[TD_PIXEL_WORDS];
+    int words;
+} td_kept_pixel;
+void td_sensor_keep(const td_sensor *sensor, size_t pixel, td_kept_pixel *kept);
+void td_sensor_put_back(td_sensor *sensor, size_t pixel, const td_kept_pixel *kept);
 
 /* [ns] since the run's start. */
 static inline double td_sensor_time(const td_sensor *sensor, int64_t ns, double fraction) {

@@ -70,8 +70,9 @@ static double error_excess(tides_simulator *s, td_refine_step *step, double star
     step->error = estimate.error / threshold;
     step->deviation = estimate.deviation / threshold;
     step->rounded = estimate.rounded / threshold;
+    const int asks_time = s->time_tolerance_s > 0 && s->solve.precision == TIDES_SOLVE_OFF; /* else no step's matter */
     double excess = is_rounding(s, step, threshold) ? 0 : step->error / s->tolerance;
-    if (s->time_tolerance_s > 0 && excess > 0) excess = td_greater(excess, estimate.seconds / s->time_tolerance_s);
+    if (asks_time && excess > 0) excess = td_greater(excess, estimate.seconds / s->time_tolerance_s);
     return td_greater(excess, estimate.crossings / s->sensor.sensor.max_events_per_step);
 }
 

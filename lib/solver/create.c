@@ -25,8 +25,9 @@ void tides_stepping_defaults(tides_stepping *stepping) {
                                             {0.3, 0.3, 0.4},
                                             TIDES_SLOPE_EXACT,
                                             0,
-                                            256};
-    *stepping = defaults;
+                                            256,
+                                            TIDES_SOLVE_OFF};
+    memcpy(stepping, &defaults, sizeof defaults); /* padding too, so that two of them are the same bytes */
 }
 
 static tides_status check_arguments(const tides_stepping *stepping, double start, double stop, tides_error *error) {
@@ -235,6 +236,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
         status = td_sensor_create(sensor, stepping->model, image->log_eps, 0, s->width, s->tile, s->tiles, &s->sensor, error);
     s->sensor.start_ns += s->epoch_ns;
     if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, stepping, intrinsics->height, error);
+    if (status == TIDES_OK) status = td_solve_create(s, stepping, error);
     if (status != TIDES_OK) {
         tides_simulator_destroy(s);
         return status;
@@ -248,6 +250,7 @@ void tides_simulator_destroy(tides_simulator *simulator) {
     if (!simulator) return;
     tides_renderer_destroy(simulator->renderer);
     td_refine_release(&simulator->refine);
+    td_solve_release(&simulator->solve);
     td_grid_release(&simulator->grid);
     td_readout_release(&simulator->readout);
     td_sensor_release(&simulator->sensor);

@@ -44,14 +44,19 @@ void td_settle_timing(tides_simulator *s, const td_refine_step *refined, const t
     td_timing_add_turns(&s->timing, &timed);
 }
 
+void td_settle_planes(const tides_simulator *s, const td_refine_step *refined, const double *begin[], const double *end[]) {
+    const double *from = td_sample_at(&s->refine.samples, refined->begin), *to = td_sample_at(&s->refine.samples, refined->end);
+    for (int p = 0; p < s->sample_planes; p++) {
+        begin[p] = from + p * TD_TILE_PIXELS;
+        end[p] = to + p * TD_TILE_PIXELS;
+    }
+}
+
 static tides_status compare_step(tides_simulator *s, const td_refine_step *refined, double start, double stop,
                                  tides_error *error) {
     const td_refine *r = &s->refine;
     const double *begin_planes[TD_PLANES_ALL], *end_planes[TD_PLANES_ALL];
-    for (int p = 0; p < s->sample_planes; p++) {
-        begin_planes[p] = td_sample_at(&r->samples, refined->begin) + p * TD_TILE_PIXELS;
-        end_planes[p] = td_sample_at(&r->samples, refined->end) + p * TD_TILE_PIXELS;
-    }
+    td_settle_planes(s, refined, begin_planes, end_planes);
     td_step step;
     size_t first = s->events.count;
     tides_status status = td_step_of_run(s, td_refine_time(r, start, stop, refined->from),
@@ -59,7 +64,6 @@ static tides_status compare_step(tides_simulator *s, const td_refine_step *refin
     if (status == TIDES_OK) status = td_compare_tile(s, refined->tile, &step, begin_planes, end_planes, error);
     if (status != TIDES_OK) return status;
     td_settle_timing(s, refined, &step, begin_planes, end_planes, first);
-    note_step(s, refined);
     return TIDES_OK;
 }
 
@@ -81,12 +85,15 @@ static void pass_head(td_refine *r, int t) {
     r->spare_step = done;
 }
 
+/* The accepted steps of a tile: compared where they weren't solved. */
 static tides_status settle_tile(tides_simulator *s, int t, double start, double stop, int early, tides_error *error) {
     td_refine *r = &s->refine;
+    const int is_solved = s->solve.precision != TIDES_SOLVE_OFF;
     for (int32_t i = r->head[t]; i >= 0 && !r->step[i].open;) {
         const td_refine_step step = r->step[i];
-        tides_status status = compare_step(s, &step, start, stop, error);
+        tides_status status = is_solved ? TIDES_OK : compare_step(s, &step, start, stop, error);
         if (status != TIDES_OK) return status;
+        note_step(s, &step);
         if (step.next < 0) reach(s, t, step.end, &s->now);
         i = step.next;
         if (early) pass_head(r, t);
@@ -144,6 +151,7 @@ tides_status td_settle(tides_simulator *s, double start, double stop, int early,
     double begun = td_now();
     tides_status status = early ? keep_references(s, error) : TIDES_OK;
     if (status != TIDES_OK) return status;
+    if (s->solve.precision != TIDES_SOLVE_OFF) status = td_solve_steps(s, start, stop, error);
     if (s->surround.surround.on)
         status = settle_together(s, start, stop, early, error);
     else

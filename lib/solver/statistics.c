@@ -18,6 +18,8 @@ static const tides_stat table[] = {
     COUNT("events_truncated", SUM, events_truncated),
     COUNT("events_uncertain", SUM, events_uncertain),
     COUNT("events_caught_up", SUM, events_caught_up),
+    COUNT("events_solved", SUM, events_solved),
+    COUNT("points_looked_up", SUM, points_looked_up),
     COUNT("events_suppressed", SUM, events_suppressed),
     COUNT("events_refractory", SUM, events_refractory),
     COUNT("events_signal", SUM, events_by_cause[TIDES_CAUSE_SIGNAL]),
@@ -109,6 +111,8 @@ static void collect(const tides_simulator *s, tides_stats *stats) {
     stats->events_on = s->sensor.counts.events_on;
     stats->events_off = s->sensor.counts.events_off;
     stats->events_uncertain = s->timing.uncertain;
+    stats->events_solved = s->solve.events;
+    stats->points_looked_up = s->solve.lookups;
     stats->events_truncated = s->sensor.counts.truncated;
     stats->events_caught_up = s->sensor.counts.caught_up;
     for (int c = 0; c < TIDES_CAUSES; c++) stats->events_by_cause[c] = s->sensor.counts.cause[c];

@@ -94,6 +94,9 @@ tides_status td_control_steps(tides_simulator *s, double start, double stop, tid
  * is to come; else all are accepted (settle.c). */
 tides_status td_settle(tides_simulator *s, double start, double stop, int early, tides_error *error);
 
+/* The planes of a step's samples at both its ends (settle.c). */
+void td_settle_planes(const tides_simulator *s, const td_refine_step *refined, const double *begin[], const double *end[]);
+
 /* The events from number `first` on came of a tile's accepted step, compared between these planes (settle.c). */
 void td_settle_timing(tides_simulator *s, const td_refine_step *refined, const td_step *step, const double *const begin[],
                       const double *const end[], size_t first);

@@ -8,6 +8,7 @@
 #include "td_grid.h"
 #include "td_refine.h"
 #include "td_readout.h"
+#include "td_solve.h"
 #include "td_surround_steps.h"
 #include "td_timing.h"
 
@@ -40,6 +41,7 @@ struct tides_simulator {
     double *tile_risk;      /* (tiles) at the time reached */
     td_refine refine;       /* TIDES_STEPPING_ERROR */
     td_timing timing;       /* likewise: estimated errors of event times */
+    td_solve solve;         /* likewise: events on the image itself */
     int broken;             /* a step failed half way: the pixels no longer agree on the time */
     int64_t steps;          /* of the whole run */
     int64_t step;           /* steps taken */

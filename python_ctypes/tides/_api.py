@@ -85,6 +85,9 @@ TIDES_STEPPING_ERROR = 2
 TIDES_STEPPING_ERROR_RISK = 3
 TIDES_SLOPE_EXACT = 0
 TIDES_SLOPE_DIFFERENCE = 1
+TIDES_SOLVE_OFF = 0
+TIDES_SOLVE_FLOAT = 1
+TIDES_SOLVE_DOUBLE = 2
 TIDES_STAT_COUNT = 0
 TIDES_STAT_REAL = 1
 TIDES_STAT_WHOLE = 2
@@ -1436,6 +1439,7 @@ class tides_stepping(Structure):
     both tolerances. FIXED: has no effect, each step is worked out */
     double memory_mb; /* [1e6 bytes] >= 1: what the samples of a macro step may take, and their launches; or, if that is more, a
     few samples of each moving tile. Changes the order of the work, no event */
+    int32_t solve; /* TIDES_SOLVE_* */
     """
 
     size: int
@@ -1451,6 +1455,7 @@ class tides_stepping(Structure):
     slope: int
     interpolate_motion: int
     memory_mb: float
+    solve: int
 
     _fields_ = [
         ("size", c_uint32),
@@ -1466,6 +1471,7 @@ class tides_stepping(Structure):
         ("slope", c_int32),
         ("interpolate_motion", c_int32),
         ("memory_mb", c_double),
+        ("solve", c_int32),
     ]
 
 
@@ -1507,6 +1513,8 @@ class tides_stats(Structure):
     uint64_t events_uncertain; /* events that the signal's estimated error may undo, and places where it may make some: it turns
     so near a level that the error decides whether it is reached. Not for FIXED */
     double worst_deviation; /* the largest that a probe saw where a step rests on it [thresholds] */
+    uint64_t events_solved; /* of `events`, those whose times were looked up in the image (stepping.solve), and */
+    uint64_t points_looked_up; /* pixels at single times that were looked up for them */
     """
 
     render: tides_render_stats
@@ -1545,6 +1553,8 @@ class tides_stats(Structure):
     steps_at_rounding: int
     events_uncertain: int
     worst_deviation: float
+    events_solved: int
+    points_looked_up: int
 
     _fields_ = [
         ("render", tides_render_stats),
@@ -1583,6 +1593,8 @@ class tides_stats(Structure):
         ("steps_at_rounding", c_uint64),
         ("events_uncertain", c_uint64),
         ("worst_deviation", c_double),
+        ("events_solved", c_uint64),
+        ("points_looked_up", c_uint64),
     ]
 
 

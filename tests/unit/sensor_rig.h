@@ -78,6 +78,10 @@ static inline void rig_free(rig *r) {
 /* The invariant, at the time reached. */
 static inline void rig_check(const rig *r) {
     double time = (r->now - r->start) * 1e9;
+    if (!r->sensor.on) {
+        assert_true(td_sensor_worst_residual(&r->sensor, r->plane[0], NULL, time) < 1);
+        return;
+    }
     for (size_t i = 0; i < r->pixels; i++) {
         if (!isfinite(r->plane[0][i]) || r->sensor.held_until[i] > time ||
             (r->sensor.masks && !(r->plane[2][i] >= r->sensor.sensor.b_min)))

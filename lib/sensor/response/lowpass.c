@@ -43,6 +43,7 @@ void td_poles_respond(const td_poles *poles, const td_model *input, td_response 
         size = tail ? respond_slow(pole, offset, l, many, c) : respond_fast(pole, offset, l, many, c);
         response->mode[k] = (td_mode){pole->rate.re, pole->rate.im, many * size.re, many * size.im, tail};
     }
+    response->pieces = NULL;
     response->modes = poles->count;
     response->source.frontend = NULL;
     response->cubic = (td_model){{c[0], c[0] + c[1] / 3, c[0] + (2 * c[1] + c[2]) / 3, c[0] + c[1] + c[2] + c[3]}};

@@ -30,6 +30,7 @@ static void find_substep(td_substeps *substeps, const td_response *response, dou
 
 double td_response_value(const td_response *response, double s) {
     td_substeps substeps;
+    if (response->pieces) return td_pieces_value(response->pieces, s);
     if (!response->source.frontend) return direct_value(response, s);
     find_substep(&substeps, response, s);
     return direct_value(response, s) + direct_value(&substeps.response, td_substeps_place(&substeps, s));
@@ -37,6 +38,7 @@ double td_response_value(const td_response *response, double s) {
 
 double td_response_slope(const td_response *response, double s) {
     td_substeps substeps;
+    if (response->pieces) return td_pieces_slope(response->pieces, s);
     if (!response->source.frontend) return direct_slope(response, s);
     find_substep(&substeps, response, s);
     return direct_slope(response, s) +
@@ -143,6 +145,7 @@ static int crossing_in_substeps(const td_response *response, const request *aske
 
 int td_response_crossing(const td_response *response, double reference, double threshold_on, double threshold_off, double from,
                          double to, double *s) {
+    if (response->pieces) return td_pieces_crossing(response->pieces, reference, threshold_on, threshold_off, from, to, s);
     if (response->modes == 0 && !response->source.frontend)
         return td_crossing_within(&response->cubic, reference, threshold_on, threshold_off, from, to, s);
     double low, high;

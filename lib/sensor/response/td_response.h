@@ -8,6 +8,7 @@
 #define TD_RESPONSE_H
 
 #include "signal/td_crossing.h"
+#include "signal/td_pieces.h"
 
 #include <stddef.h>
 
@@ -42,7 +43,8 @@ typedef struct td_filter_input {
 /* S(s) = cubic + modes + the response to `source`. A response that is zero but for `cubic` is that cubic. */
 typedef struct td_response {
     td_model cubic;
-    int modes; /* 0: the cubic is all */
+    const td_pieces *pieces; /* NULL, or in place of the cubic, which is then between the ends alone; without modes or source */
+    int modes;               /* 0: the cubic is all */
     td_mode mode[TD_RESPONSE_MODES_MAX];
     td_filter_input source;
 } td_response;
@@ -50,6 +52,7 @@ typedef struct td_response {
 /* The response that is this cubic; what it has no use for isn't set. */
 static inline void td_response_set(td_response *response, const td_model *cubic) {
     response->cubic = *cubic;
+    response->pieces = NULL;
     response->modes = 0;
     response->source.frontend = NULL;
 }

@@ -1,0 +1,93 @@
+/* Pixels one at a time, for the solver: which may do something in a step, and where a pixel stands, to take it back there. */
+#include "td_sensor.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+int td_sensor_solves(const td_sensor *sensor) {
+    return sensor->model == TIDES_MODEL_HERMITE && !sensor->frontend.on && !sensor->additive.on &&
+           !(sensor->sensor.surround_lambda_px > 0) && !(sensor->sensor.psf_sigma_px > 0);
+}
+
+/* -- who may do something -------------------------------------------------------------------------------------------------- */
+
+/* Does the signal stay strictly between the levels, for all that is known? `ramp` is at the step's start, `rise` within it.
+ * NaN doesn't. */
+static inline int stays(const td_signals *at, double h, int32_t i, double ramp, double rise, double widen, double low,
+                        double high) {
+    const td_model model = td_model_fit(TIDES_MODEL_HERMITE, h, at->S0[i], at->S0_dot[i], at->S1[i], at->S1_dot[i]);
+    const double *b = model.control, third = rise / 3;
+    const double r0 = b[0] + ramp, r1 = b[1] + ramp + third, r2 = b[2] + ramp + 2 * third, r3 = b[3] + ramp + rise;
+    const double slack = widen + 16 * DBL_EPSILON * (fabs(r0) + fabs(r3) + fabs(low) + fabs(high));
+    double most = r0 > r1 ? r0 : r1, least = r0 < r1 ? r0 : r1;
+    const double most_late = r2 > r3 ? r2 : r3, least_late = r2 < r3 ? r2 : r3;
+    most = most > most_late ? most : most_late;
+    least = least < least_late ? least : least_late;
+    return (most + slack < high) & (least - slack > low) & (r0 < high) & (r0 > low) & (r3 < high) & (r3 > low);
+}
+
+void td_sensor_find(const td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first, const td_signals *signals,
+                    const double *widen, uint8_t *active) {
+    const double *reference = sensor->pixels.reference + first, h = step->length_s;
+    const double on = sensor->sensor.threshold_on, off = sensor->sensor.threshold_off;
+    if (!sensor->on) {
+        for (int32_t i = 0; i < tile->count; i++)
+            active[i] |= (uint8_t)!stays(signals, h, i, 0, 0, widen[i], reference[i] - off, reference[i] + on);
+        return;
+    }
+    const double start = td_sensor_time(sensor, step->start_ns, step->start_fraction);
+    const double stop = (double)(step->stop_ns - sensor->start_ns) + 2; /* as in td_sensor_step */
+    for (int32_t i = 0; i < tile->count; i++) {
+        const size_t k = first + (size_t)i;
+        const int still = stays(signals, h, i, sensor->leak[k] * start, sensor->leak[k] * step->length_ns, widen[i],
+                                reference[i] - sensor->threshold_off[k], reference[i] + sensor->threshold_on[k]);
+        active[i] |= (uint8_t) !(still && sensor->wake[k] > stop);
+    }
+}
+
+/* -- where a pixel stands -------------------------------------------------------------------------------------------------- */
+
+static void keep_real(td_kept_pixel *kept, double value) { memcpy(&kept->word[kept->words++], &value, sizeof value); }
+
+static double put_real(const td_kept_pixel *kept, int *word) {
+    double value;
+    memcpy(&value, &kept->word[(*word)++], sizeof value);
+    return value;
+}
+
+/* What follows from the rest (reference, wake) is kept too, or it would have to be worked out. */
+void td_sensor_keep(const td_sensor *sensor, size_t i, td_kept_pixel *kept) {
+    const td_pixels *pixels = &sensor->pixels;
+    kept->words = 0;
+    kept->word[kept->words++] = (uint64_t)pixels->count_on[i] << 32 | pixels->count_off[i];
+    keep_real(kept, pixels->reference[i]);
+    if (!sensor->on) return;
+    keep_real(kept, pixels->initial[i]);
+    keep_real(kept, sensor->held_until[i]);
+    keep_real(kept, sensor->since[i]);
+    keep_real(kept, sensor->wake[i]);
+    for (int n = 0; n < TD_NOISES; n++) {
+        if (!sensor->noise.due[n]) continue;
+        keep_real(kept, sensor->noise.due[n][i]);
+        kept->word[kept->words++] = sensor->noise.drawn[n][i];
+    }
+}
+
+void td_sensor_put_back(td_sensor *sensor, size_t i, const td_kept_pixel *kept) {
+    const td_pixels *pixels = &sensor->pixels;
+    int word = 0;
+    pixels->count_on[i] = (uint32_t)(kept->word[word] >> 32);
+    pixels->count_off[i] = (uint32_t)kept->word[word++];
+    pixels->reference[i] = put_real(kept, &word);
+    if (!sensor->on) return;
+    pixels->initial[i] = put_real(kept, &word);
+    sensor->held_until[i] = put_real(kept, &word);
+    sensor->since[i] = put_real(kept, &word);
+    sensor->wake[i] = put_real(kept, &word);
+    for (int n = 0; n < TD_NOISES; n++) {
+        if (!sensor->noise.due[n]) continue;
+        sensor->noise.due[n][i] = put_real(kept, &word);
+        sensor->noise.drawn[n][i] = (uint32_t)kept->word[word++];
+    }
+}

@@ -1,0 +1,177 @@
+/* Events on the image itself, round after round: which pixels may do something, then all that isn't settled looked up in one
+ * batch, until all is. For settle.c. What a pixel needs is solve_run.c's to say, what was found solve_nodes.c's to keep. */
+#include "td_probe.h"
+#include "signal/td_model_error.h"
+#include "td_simulator.h"
+
+#include <stdlib.h>
+
+/* Times that are settled where no tolerance is set [s]: ten units of event times, above which nothing that follows is felt. */
+static const double default_target_s = 1e-8;
+
+/* -- having it ------------------------------------------------------------------------------------------------------------ */
+
+static tides_status refuse(const char *what, tides_error *error) {
+    return td_fail(error, TIDES_UNSUPPORTED, "stepping.solve: events can't be solved on the image %s; set \"off\"", what);
+}
+
+tides_status td_solve_create(tides_simulator *s, const tides_stepping *stepping, tides_error *error) {
+    const int32_t precision = stepping->solve;
+    if (precision != TIDES_SOLVE_OFF && precision != TIDES_SOLVE_FLOAT && precision != TIDES_SOLVE_DOUBLE)
+        return td_fail(error, TIDES_UNSUPPORTED, "stepping.solve: %d is none of TIDES_SOLVE_*", (int)precision);
+    if (precision == TIDES_SOLVE_OFF) return TIDES_OK;
+    if (s->mode == TIDES_STEPPING_FIXED) return refuse("with fixed steps, whose errors nobody knows", error);
+    if (!td_sensor_solves(&s->sensor))
+        return refuse("where a PSF, a filter, a surround or additive noise comes between it and the comparator, or with "
+                      "another "
+                      "model than hermite",
+                      error);
+    if (precision == TIDES_SOLVE_DOUBLE && !td_renderer_is_double(s->renderer))
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "stepping.solve: this device looks pixels up in single precision; set \"float\", or use device "
+                       "reference");
+    s->solve.precision = precision;
+    s->solve.target_s = s->time_tolerance_s > 0 ? s->time_tolerance_s : default_target_s;
+    return TIDES_OK;
+}
+
+void td_solve_release(td_solve *solve) {
+    free(solve->pixel);
+    free(solve->looked);
+    free(solve->found);
+    free(solve->point);
+    free(solve->asked);
+    free(solve->value);
+    *solve = (td_solve){.precision = solve->precision};
+}
+
+static tides_status look_up(tides_simulator *s, tides_error *error) {
+    td_solve *solve = &s->solve;
+    tides_status status =
+        td_reserve((void **)&solve->value, &solve->value_capacity, solve->points, sizeof *solve->value, error);
+    if (status != TIDES_OK) return status;
+    solve->lookups += solve->points;
+    return td_renderer_points(s->renderer, s->camera, solve->point, solve->points, solve->value, error);
+}
+
+tides_status td_solve_begin(tides_simulator *s, tides_error *error) {
+    td_solve *solve = &s->solve;
+    const size_t pixels = s->first_pixel[s->tiles];
+    if (solve->precision != TIDES_SOLVE_DOUBLE || td_renderer_is_double(s->renderer)) return TIDES_OK;
+    tides_status status = td_reserve((void **)&solve->point, &solve->point_capacity, pixels, sizeof *solve->point, error);
+    if (status != TIDES_OK) return status;
+    for (int t = 0; t < s->tiles; t++)
+        for (int32_t i = 0; i < s->tile[t].count; i++)
+            solve->point[s->first_pixel[t] + (size_t)i] =
+                (td_point){0, s->tile[t].x0 + i % s->tile[t].width, s->tile[t].y0 + i / s->tile[t].width};
+    solve->points = pixels;
+    status = look_up(s, error);
+    for (size_t i = 0; i < pixels && status == TIDES_OK; i++) {
+        s->now.plane[TD_PLANE_S][i] = solve->value[i].L;
+        s->now.plane[TD_PLANE_S_DOT][i] = solve->value[i].L_dot;
+    }
+    return status;
+}
+
+/* -- before anything is looked up ----------------------------------------------------------------------------------------- */
+
+td_trust td_solve_first_trust(const tides_simulator *s, const td_refine_step *refined, double h, int32_t i) {
+    const td_samples *samples = &s->refine.samples;
+    if (refined->probe >= 0) {
+        const td_probe_law law = td_probe_left(td_sample_fall(samples, refined->probe)[i]);
+        return (td_trust){TD_PROBE_LEFT_MOST * td_sample_deviation(samples, refined->probe)[i], law.is_smooth};
+    }
+    const double *begin[TD_PLANES_ALL], *end[TD_PLANES_ALL];
+    td_settle_planes(s, refined, begin, end);
+    const double rise = end[TD_PLANE_S][i] - begin[TD_PLANE_S][i];
+    return (td_trust){td_embedded(rise, h * begin[TD_PLANE_S_DOT][i], h * end[TD_PLANE_S_DOT][i]), 1};
+}
+
+double td_solve_widen(const tides_simulator *s, const td_refine_step *refined, double h, int32_t i) {
+    return td_solve_first_trust(s, refined, h, i).error + s->timing.rounding;
+}
+
+/* Lists the tile's pixels that aren't listed yet and may do something in a step of it. */
+static tides_status list_active(tides_simulator *s, int32_t step, double start, double stop, uint8_t *active,
+                                tides_error *error) {
+    td_solve *solve = &s->solve;
+    const td_refine_step *refined = &s->refine.step[step];
+    const td_tile *tile = &s->tile[refined->tile];
+    const double *begin[TD_PLANES_ALL], *end[TD_PLANES_ALL];
+    double widen[TD_TILE_PIXELS];
+    uint8_t before[TD_TILE_PIXELS];
+    td_step span;
+    td_settle_planes(s, refined, begin, end);
+    const td_signals signals = {begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
+    tides_status status = td_step_of_run(s, td_refine_time(&s->refine, start, stop, refined->from),
+                                         td_refine_time(&s->refine, start, stop, refined->to), &span, error);
+    if (status != TIDES_OK) return status;
+    for (int32_t i = 0; i < tile->count; i++) widen[i] = td_solve_widen(s, refined, span.length_s, i);
+    memcpy(before, active, sizeof before);
+    td_sensor_find(&s->sensor, &span, tile, s->first_pixel[refined->tile], &signals, widen, active);
+    for (int32_t i = 0; i < tile->count && status == TIDES_OK; i++) {
+        if (active[i] == before[i]) continue;
+        status = td_reserve((void **)&solve->pixel, &solve->pixel_capacity, solve->pixels + 1, sizeof *solve->pixel, error);
+        if (status == TIDES_OK) solve->pixel[solve->pixels++] = (td_solving){refined->tile, i, step, -1};
+    }
+    return status;
+}
+
+/* Of all tiles that move; an ideal pixel that has done something may do more in any step that follows. */
+static tides_status list_pixels(tides_simulator *s, double start, double stop, tides_error *error) {
+    const td_refine *r = &s->refine;
+    tides_status status = TIDES_OK;
+    s->solve.pixels = s->solve.looked_count = s->solve.found_count = 0;
+    for (int k = 0; k < s->moving_count; k++) {
+        uint8_t active[TD_TILE_PIXELS] = {0};
+        for (int32_t i = r->head[s->moving[k]]; i >= 0 && !r->step[i].open && status == TIDES_OK; i = r->step[i].next)
+            status = list_active(s, i, start, stop, active, error);
+    }
+    return status;
+}
+
+/* -- round after round ---------------------------------------------------------------------------------------------------- */
+
+/* What was found becomes nodes. */
+static tides_status take(tides_simulator *s, double start, double stop, tides_error *error) {
+    td_solve *solve = &s->solve;
+    tides_status status = TIDES_OK;
+    for (size_t k = 0; k < solve->points && status == TIDES_OK; k++) {
+        const td_asked *asked = &solve->asked[k];
+        const int32_t i = solve->pixel[asked->pixel].local;
+        td_looked *looked = &solve->looked[asked->looked];
+        const td_refine_step *refined = &s->refine.step[looked->step];
+        const double *begin[TD_PLANES_ALL], *end[TD_PLANES_ALL];
+        td_step span;
+        td_settle_planes(s, refined, begin, end);
+        status = td_step_of_run(s, td_refine_time(&s->refine, start, stop, refined->from),
+                                td_refine_time(&s->refine, start, stop, refined->to), &span, error);
+        const td_ends ends = {span.length_s, begin[TD_PLANE_S][i], begin[TD_PLANE_S_DOT][i], end[TD_PLANE_S][i],
+                              end[TD_PLANE_S_DOT][i]};
+        if (status == TIDES_OK) status = td_solve_insert(solve, looked, &ends, asked->s, &solve->value[k], error);
+    }
+    return status;
+}
+
+/* Runs every pixel that isn't settled, and keeps those that still aren't. */
+static tides_status run_pixels(tides_simulator *s, double start, double stop, tides_error *error) {
+    td_solve *solve = &s->solve;
+    tides_status status = TIDES_OK;
+    solve->points = 0;
+    for (size_t k = 0; k < solve->pixels && status == TIDES_OK; k++)
+        if (solve->pixel[k].step >= 0) status = td_solve_run(s, (int32_t)k, start, stop, error);
+    return status;
+}
+
+tides_status td_solve_steps(tides_simulator *s, double start, double stop, tides_error *error) {
+    tides_status status = list_pixels(s, start, stop, error);
+    while (status == TIDES_OK) {
+        status = run_pixels(s, start, stop, error);
+        if (status != TIDES_OK || s->solve.points == 0) break;
+        double begun = td_now();
+        status = look_up(s, error);
+        s->stats.time_compare_s -= td_now() - begun; /* it is the renderer's, or `other` */
+        if (status == TIDES_OK) status = take(s, start, stop, error);
+    }
+    return status;
+}

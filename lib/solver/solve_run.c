@@ -1,0 +1,296 @@
+/* One pixel through the steps of a macro step, as far as it is settled: what its comparator does, which of the places are good
+ * enough, and which are to be looked up. For solve.c, which looks them up. */
+#include "signal/td_model_error.h"
+#include "td_hash.h"
+#include "td_probe.h"
+#include "td_simulator.h"
+
+#include <math.h>
+
+/* Rounds of looking up that a pixel may take in a step: each squares what is left of a smooth signal's error, and halves what a
+ * kink may be in. What isn't settled then is reported as it stands. */
+enum { MOST_LOOKS = 10 };
+
+/* References that are taken from the signal: so good that no event which follows feels it [thresholds]. */
+static const double enough_of_threshold = 1e-7;
+
+/* A pixel in a step. */
+typedef struct visit {
+    tides_simulator *s;
+    td_solving *pixel;
+    int32_t number, step; /* which pixel, which step of the macro step */
+    size_t at;            /* the sensor's */
+    double from, to;      /* the step [s after the epoch] */
+    td_step span;
+    td_signals signals;
+    td_coverage coverage;
+    td_ends ends;
+    int32_t looked;               /* td_looked, or -1 */
+    double reference, held_until; /* that the step begins with, */
+    uint64_t state;               /* and all else */
+    int nodes;
+    td_node node[TD_NODES_MAX];
+    td_changes changes;
+    td_trusted model;
+} visit;
+
+/* -- the step ------------------------------------------------------------------------------------------------------------- */
+
+static tides_status enter(visit *v, int32_t step, double start, double stop, tides_error *error) {
+    tides_simulator *s = v->s;
+    const td_refine *r = &s->refine;
+    const td_refine_step *refined = &r->step[step];
+    const int32_t i = v->pixel->local;
+    const double *begin[TD_PLANES_ALL], *end[TD_PLANES_ALL];
+    td_settle_planes(s, refined, begin, end);
+    v->step = step;
+    v->from = td_refine_time(r, start, stop, refined->from);
+    v->to = td_refine_time(r, start, stop, refined->to);
+    v->signals = (td_signals){begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
+    v->coverage = (td_coverage){NULL, NULL};
+    if (s->sensor.masks) v->coverage = (td_coverage){begin[TD_PLANE_ALPHA], end[TD_PLANE_ALPHA]};
+    v->reference = s->sensor.pixels.reference[v->at];
+    v->held_until = s->sensor.on ? s->sensor.held_until[v->at] : -INFINITY;
+    tides_status status = td_step_of_run(s, v->from, v->to, &v->span, error);
+    const td_signals *at = &v->signals;
+    v->ends = (td_ends){v->span.length_s, at->S0[i], at->S0_dot[i], at->S1[i], at->S1_dot[i]};
+    return status;
+}
+
+/* What is known of the pixel in this step; forgotten where it was found for another state. */
+static void recall(visit *v, const td_kept_pixel *state) {
+    td_solve *solve = &v->s->solve;
+    v->looked = v->pixel->looked;
+    while (v->looked >= 0 && solve->looked[v->looked].step != v->step) v->looked = solve->looked[v->looked].next;
+    v->state = td_hash_words(0, state->word, (size_t)state->words * sizeof *state->word);
+    if (v->looked < 0 || solve->looked[v->looked].state == v->state) return;
+    td_looked *looked = &solve->looked[v->looked];
+    looked->first = -1;
+    looked->nodes = looked->looks = 0;
+    looked->trust = td_solve_first_trust(v->s, &v->s->refine.step[v->step], v->span.length_s, v->pixel->local);
+    looked->state = v->state;
+}
+
+/* With nothing found and nothing near, the pixel is at the step's end. */
+static int may_act(const visit *v) {
+    const td_refine_step *refined = &v->s->refine.step[v->step];
+    const td_tile one = {0, 0, 1, 1};
+    const int32_t i = v->pixel->local;
+    const td_signals *at = &v->signals;
+    const td_signals own = {at->S0 + i, at->S0_dot + i, at->S1 + i, at->S1_dot + i};
+    const double widen = td_solve_widen(v->s, refined, v->span.length_s, i);
+    uint8_t active = 0;
+    if (v->looked >= 0) return 1;
+    td_sensor_find(&v->s->sensor, &v->span, &one, v->at, &own, &widen, &active);
+    return active;
+}
+
+static void take_model(visit *v) {
+    tides_simulator *s = v->s;
+    const td_sensor *sensor = &s->sensor;
+    const td_refine_step *refined = &s->refine.step[v->step];
+    td_trusted *model = &v->model;
+    const double rounding = td_timing_rounding(&s->timing, &s->tile[refined->tile], v->signals.S1, v->pixel->local);
+    const int in_double = s->solve.precision == TIDES_SOLVE_DOUBLE;
+    v->nodes = 0;
+    model->trust[0] = td_solve_first_trust(s, refined, v->span.length_s, v->pixel->local);
+    if (v->looked >= 0) v->nodes = td_solve_nodes(&s->solve, &s->solve.looked[v->looked], v->node, model->trust);
+    model->floor = in_double ? TD_SOLVE_DOUBLE_ROUNDING * (1 + fabs(v->ends.S1)) : rounding;
+    model->ends = in_double ? rounding : 0;
+    td_pieces_make(&model->pieces, &v->ends, v->node, v->nodes);
+    if (!sensor->on) return;
+    const double start = td_sensor_time(sensor, v->span.start_ns, v->span.start_fraction);
+    td_pieces_add_ramp(&model->pieces, sensor->leak[v->at] * start, sensor->leak[v->at] * v->span.length_ns);
+}
+
+/* -- what is to be looked up ---------------------------------------------------------------------------------------------- */
+
+static tides_status new_looked(visit *v, tides_error *error) {
+    td_solve *solve = &v->s->solve;
+    tides_status status =
+        td_reserve((void **)&solve->looked, &solve->looked_capacity, solve->looked_count + 1, sizeof *solve->looked, error);
+    if (status != TIDES_OK) return status;
+    v->looked = (int32_t)solve->looked_count++;
+    solve->looked[v->looked] =
+        (td_looked){.step = v->step, .next = v->pixel->looked, .first = -1, .trust = v->model.trust[0], .state = v->state};
+    v->pixel->looked = v->looked;
+    return TIDES_OK;
+}
+
+static tides_status ask(visit *v, double s, tides_error *error) {
+    td_solve *solve = &v->s->solve;
+    const td_tile *tile = &v->s->tile[v->pixel->tile];
+    const int32_t i = v->pixel->local;
+    const size_t k = solve->points;
+    tides_status status = v->looked < 0 ? new_looked(v, error) : TIDES_OK;
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&solve->point, &solve->point_capacity, k + 1, sizeof *solve->point, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&solve->asked, &solve->asked_capacity, k + 1, sizeof *solve->asked, error);
+    if (status != TIDES_OK) return status;
+    const double time = v->from + s * (v->to - v->from);
+    solve->point[k] = (td_point){time < v->to ? time : v->to, tile->x0 + i % tile->width, tile->y0 + i / tile->width};
+    solve->asked[k] = (td_asked){v->number, v->looked, s};
+    solve->points++;
+    return TIDES_OK;
+}
+
+/* Slope and curvature at s towards `polarity`, per step, and what the signal may be off by there. */
+static double error_at(const visit *v, double s, int polarity, double *slope, double *bend) {
+    *slope = polarity * td_pieces_slope(&v->model.pieces, s);
+    *bend = polarity * td_pieces_curvature(&v->model.pieces, s);
+    return td_trusted_error(&v->model, s);
+}
+
+/* Is what happens at a change as good as asked for? */
+static int is_good(const visit *v, const td_change *change) {
+    int touches;
+    double slope, bend;
+    if (!(change->s > 0 && change->s < 1)) return 1;
+    const double error = error_at(v, change->s, change->polarity ? change->polarity : 1, &slope, &bend);
+    if (error <= v->model.floor) return 1;
+    if (change->polarity == 0) return error <= enough_of_threshold * td_sensor_least_threshold(&v->s->sensor.sensor);
+    return td_timing_reach(slope, bend, error, &touches) * v->span.length_s <= v->s->solve.target_s;
+}
+
+/* The reference at s, and whether a refractory period is on. */
+static double reference_at(const visit *v, double s, int *is_held) {
+    const td_sensor *sensor = &v->s->sensor;
+    const double start = td_sensor_time(sensor, v->span.start_ns, v->span.start_fraction);
+    double reference = v->reference;
+    *is_held = v->held_until > start + s * v->span.length_ns;
+    for (int k = 0; k < v->changes.count && v->changes.change[k].s <= s; k++) {
+        const td_change *change = &v->changes.change[k];
+        reference = change->reference;
+        *is_held = change->fired && sensor->on && (s - change->s) * v->span.length_ns < sensor->refractory_ns;
+    }
+    return reference;
+}
+
+/* A turn of the signal that the error may take to a level which it hasn't reached. */
+typedef struct turn {
+    double s, error;
+} turn;
+
+static int near_turns(const visit *v, turn *found, int most) {
+    const td_sensor *sensor = &v->s->sensor;
+    const double on = sensor->on ? sensor->threshold_on[v->at] : sensor->sensor.threshold_on;
+    const double off = sensor->on ? sensor->threshold_off[v->at] : sensor->sensor.threshold_off;
+    const td_pieces *pieces = &v->model.pieces;
+    int count = 0;
+    for (int k = 0; k < pieces->count; k++) {
+        const td_model *model = &pieces->model[k];
+        double places[2];
+        const int turns = td_model_extrema(model, places);
+        for (int t = 0; t < turns && count < most; t++) {
+            const double s = pieces->from[k] + places[t] * (pieces->from[k + 1] - pieces->from[k]);
+            int is_held;
+            const double residual = td_model_value(model, places[t]) - reference_at(v, s, &is_held);
+            const double left = td_model_curvature(model, places[t]) < 0 ? on - residual : residual + off;
+            const double error = td_trusted_error(&v->model, s);
+            if (!is_held && left > 0 && left <= error + v->model.floor) found[count++] = (turn){s, error};
+        }
+    }
+    return count;
+}
+
+/* Asks for what isn't good enough; `*asked` says whether there was any. Where turns stay in doubt, they are counted. */
+static tides_status judge(visit *v, int *asked, int *doubts, tides_error *error) {
+    enum { MOST_TURNS = 16 };
+    turn turns[MOST_TURNS];
+    const td_solve *solve = &v->s->solve;
+    const size_t before = solve->points;
+    const int looks = v->looked < 0 ? 0 : solve->looked[v->looked].looks;
+    const int may_ask = looks < MOST_LOOKS;
+    const int count = near_turns(v, turns, MOST_TURNS);
+    tides_status status = TIDES_OK;
+    *doubts = 0;
+    for (int k = 0; k < v->changes.count && status == TIDES_OK && may_ask; k++)
+        if (!is_good(v, &v->changes.change[k])) status = ask(v, v->changes.change[k].s, error);
+    for (int k = 0; k < count && status == TIDES_OK; k++) {
+        if (may_ask && turns[k].error > v->model.floor)
+            status = ask(v, turns[k].s, error);
+        else
+            ++*doubts;
+    }
+    *asked = solve->points > before;
+    if (*asked) v->s->solve.looked[v->looked].looks++;
+    return status;
+}
+
+/* -- the pixel ------------------------------------------------------------------------------------------------------------ */
+
+static tides_status advance(visit *v, tides_error *error) {
+    const td_sensor_single single = {.step = &v->span,
+                                     .tile = &v->s->tile[v->pixel->tile],
+                                     .first = v->at - (size_t)v->pixel->local,
+                                     .local = (size_t)v->pixel->local,
+                                     .signals = &v->signals,
+                                     .coverage = &v->coverage,
+                                     .nodes = v->node,
+                                     .count = v->nodes,
+                                     .changes = &v->changes};
+    return td_sensor_advance(&v->s->sensor, &single, &v->s->events, error);
+}
+
+/* What the events of a settled step are worth. Noise has times of its own. */
+static void note_events(visit *v, int doubts) {
+    tides_simulator *s = v->s;
+    s->timing.uncertain += (uint64_t)doubts;
+    for (int k = 0; k < v->changes.count; k++) {
+        const td_change *change = &v->changes.change[k];
+        double slope, bend;
+        if (!change->fired) continue;
+        const double error = error_at(v, change->s, change->polarity, &slope, &bend);
+        td_timing_add_solved(&s->timing, hypot(error, v->model.floor), slope, bend, v->span.length_s);
+        s->solve.events += (uint64_t)(v->nodes > 0);
+    }
+}
+
+/* The pixel's next step; `*asked` where something in it is to be looked up, else it is settled if all before were. */
+static tides_status pass_step(visit *v, int settles, int *asked, tides_error *error) {
+    int doubts = 0;
+    *asked = 0;
+    if (!may_act(v)) return TIDES_OK;
+    take_model(v);
+    tides_status status = advance(v, error);
+    if (status == TIDES_OK) status = judge(v, asked, &doubts, error);
+    if (status == TIDES_OK && settles && !*asked) note_events(v, doubts);
+    return status;
+}
+
+tides_status td_solve_run(tides_simulator *s, int32_t number, double start, double stop, tides_error *error) {
+    const td_refine *r = &s->refine;
+    visit v;
+    td_kept_pixel settled = {.words = 0}, state;
+    td_sensor_counts counts = s->sensor.counts;
+    size_t events = s->events.count;
+    int32_t unsettled = -1;
+    tides_status status = TIDES_OK;
+    v.s = s;
+    v.number = number;
+    v.pixel = &s->solve.pixel[number];
+    v.at = s->first_pixel[v.pixel->tile] + (size_t)v.pixel->local;
+    for (int32_t k = v.pixel->step; k >= 0 && !r->step[k].open && status == TIDES_OK; k = r->step[k].next) {
+        int asked = 0;
+        if (unsettled < 0) {
+            counts = s->sensor.counts;
+            events = s->events.count;
+        }
+        td_sensor_keep(&s->sensor, v.at, &state);
+        status = enter(&v, k, start, stop, error);
+        recall(&v, &state);
+        if (status == TIDES_OK) status = pass_step(&v, unsettled < 0, &asked, error);
+        if (asked && unsettled < 0) {
+            unsettled = k;
+            settled = state;
+        }
+        if (asked && s->sensor.on) break; /* what follows depends on when this was: it would be looked up in vain */
+    }
+    v.pixel->step = unsettled;
+    if (unsettled < 0) return status;
+    s->sensor.counts = counts;
+    s->events.count = events;
+    td_sensor_put_back(&s->sensor, v.at, &settled);
+    return status;
+}

@@ -1,0 +1,119 @@
+/* Internal: events on the image itself. Before accepted steps count as compared, the places where their pixels' comparators do
+ * something (events, ends of holds, noise), and those where the signal turns so near a level that the model's error decides,
+ * are looked up in the image: single pixels at single times (td_renderer_points), in one batch for all tiles. What is found
+ * become nodes of that pixel's model in that step (signal/td_pieces.h), and the comparator goes over the pixel again, until no
+ * place is off by more than the time asked for, or than rounding.
+ *
+ * A piece that begins at a node is right there in value and rate, so that at a distance d from it little of the model's error
+ * is left: one look nearly always settles an event.
+ *
+ * Events don't depend on batches, windows or cuts: the nodes of a pixel in a step are those that follow from its samples and
+ * from the state that it begins the step with. Pixels are run ahead of that, for longer batches; where the state turns out to
+ * be another one, the nodes are found anew. */
+#ifndef TD_SOLVE_H
+#define TD_SOLVE_H
+
+#include "td_refine.h"
+#include "signal/td_pieces.h"
+
+/* What a piece of a pixel's model may be off by in its middle [log units], and how the error lies in it: as that of a smooth
+ * signal, 16 u^2 (1 - u)^2, or of one with a kink somewhere, 4 u (1 - u). */
+typedef struct td_trust {
+    double error;
+    int is_smooth;
+} td_trust;
+
+/* A node, the piece that begins there, and the pixel's next node in the step, or -1. */
+typedef struct td_found {
+    td_node node;
+    td_trust trust;
+    int32_t next;
+} td_found;
+
+/* A pixel in a step in which something was looked up. */
+typedef struct td_looked {
+    int32_t step, next;   /* in the macro step; the pixel's next one, or -1 */
+    int32_t first;        /* node, or -1 */
+    int16_t nodes, looks; /* of the latter, rounds */
+    td_trust trust;       /* of the first piece */
+    uint64_t state;       /* that the pixel began the step with (td_hash.h) */
+} td_looked;
+
+/* A pixel that may do something, and how far it is settled. */
+typedef struct td_solving {
+    int32_t tile, local;
+    int32_t step;   /* the first that isn't settled; -1: none is left */
+    int32_t looked; /* td_looked, or -1 */
+} td_solving;
+
+/* Who asked for a point, and where in its step. */
+typedef struct td_asked {
+    int32_t pixel, looked;
+    double s;
+} td_asked;
+
+typedef struct td_solve {
+    int32_t precision; /* TIDES_SOLVE_* */
+    double target_s;   /* times that are as good as that are settled */
+    uint64_t events;   /* that were looked up, */
+    uint64_t lookups;  /* and points for them */
+    td_solving *pixel;
+    size_t pixels, pixel_capacity;
+    td_looked *looked;
+    size_t looked_count, looked_capacity;
+    td_found *found;
+    size_t found_count, found_capacity;
+    td_point *point; /* to be looked up in this round */
+    size_t points, point_capacity;
+    td_asked *asked; /* (points) */
+    size_t asked_capacity;
+    td_point_value *value;
+    size_t value_capacity;
+} td_solve;
+
+/* What the parameters ask for, once the sensor is there; TIDES_UNSUPPORTED where it can't be had. */
+TIDES_MUST_CHECK tides_status td_solve_create(tides_simulator *s, const tides_stepping *stepping, tides_error *error);
+void td_solve_release(td_solve *solve);
+
+/* The first sample as the image has it in the precision of what is looked up, before references are taken from it. */
+TIDES_MUST_CHECK tides_status td_solve_begin(tides_simulator *s, tides_error *error);
+
+/* The comparator over the accepted steps of the tiles that move, those that nothing open is before (settle.c). */
+TIDES_MUST_CHECK tides_status td_solve_steps(tides_simulator *s, double start, double stop, tides_error *error);
+
+/* -- parts of it ---------------------------------------------------------------------------------------------------------- */
+
+/* Runs a pixel on from where it is settled to the first step in which something is to be looked up, and lists that; an ideal
+ * one to the last step. `number`: which of solve->pixel it is (solve_run.c). */
+TIDES_MUST_CHECK tides_status td_solve_run(tides_simulator *s, int32_t number, double start, double stop, tides_error *error);
+
+/* What a pixel's model on a step of h seconds may be off by before anything is looked up; and the signal, rounding included
+ * (solve.c). */
+td_trust td_solve_first_trust(const tides_simulator *s, const td_refine_step *refined, double h, int32_t i);
+double td_solve_widen(const tides_simulator *s, const td_refine_step *refined, double h, int32_t i);
+
+/* The model of a pixel in a step, and what it may be off by (solve_nodes.c). */
+typedef struct td_trusted {
+    td_pieces pieces; /* with the leak's ramp */
+    td_trust trust[TD_PIECES_MAX];
+    double ends;  /* what the signal at the step's ends is off by beyond */
+    double floor; /* what any number that is looked up is off by */
+} td_trusted;
+
+/* At s, but for the floor. */
+double td_trusted_error(const td_trusted *model, double s);
+
+/* The pixel's nodes, and the trust of each piece; how many nodes. */
+int td_solve_nodes(const td_solve *solve, const td_looked *looked, td_node *nodes, td_trust *trust);
+
+/* A value that was looked up at s becomes a node; where a node is there already, nothing. */
+TIDES_MUST_CHECK tides_status td_solve_insert(td_solve *solve, td_looked *looked, const td_ends *ends, double s,
+                                              const td_point_value *value, tides_error *error);
+
+/* What a value in double is off by, times 1 + |L|: some units of the sums and logarithms that it comes of. */
+#define TD_SOLVE_DOUBLE_ROUNDING 0x1p-50
+
+/* Nodes are further apart than this, in steps: far below a nanosecond, and far enough for slopes from their difference. */
+#define TD_SOLVE_APART 1e-8
+
+#endif

@@ -1,0 +1,210 @@
+/* Events that are solved on the image itself (stepping.solve): their times against exact ones, with and without blocks of the
+ * sensor; errors that are reported; the same events in whatever windows, cuts and batches; and what it is refused with.
+ *
+ * TIDES_TRIALS=N: N random scenes instead of a handful. TIDES_SEED=N: the first one's seed. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "refine_world.h"
+#include "tests/support/grazing_world.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const uint64_t SEED = 1461;
+
+static uint64_t number_of(const char *variable, uint64_t fallback) {
+    const char *text = getenv(variable);
+    return text && *text ? strtoull(text, NULL, 10) : fallback;
+}
+
+/* -- against exact events ------------------------------------------------------------------------------------------------ */
+
+/* Ten times the default: steps needn't be good, only find the crossings. */
+#define LOOSE 0.1
+
+/* What a scene's events may be off by, beyond what the last halving moved the exact ones by: the time asked for. */
+#define MOST_P95_US 0.01
+
+enum { FEW = 5 };
+
+static void check_scene(uint64_t seed, double *reported, double *measured) {
+    const judged_scale scale = {0.1, 0.01, 4000};
+    judged j = grazing_world_make(seed);
+    judged_stream exact = {0};
+    int settled = 0;
+    j.stepping.tolerance = LOOSE;
+    judged_verdict v = judged_against_exact(&j, "reference", &scale, &settled, &exact);
+    j.stepping.solve = TIDES_SOLVE_DOUBLE;
+    judged_verdict w = judged_against(&j, "reference", 0.01, &exact);
+    w.halved = v.halved;
+    judged_print(&j, "solved", &w);
+    assert_int_equal(w.stats.events_caught_up, 0);
+    assert_true(w.stats.events_solved <= w.stats.events && w.stats.points_looked_up >= w.stats.events_solved);
+    if (!judged_honest(&w)) fail_msg("seed %llu: reported errors are too small", (unsigned long long)seed);
+    if (w.match.mismatch_percent > v.match.mismatch_percent)
+        fail_msg("seed %llu: %g %% mismatched", (unsigned long long)seed, w.match.mismatch_percent);
+    if (w.timing.matched > 0 && w.timing.dt_p95_us - w.halved.dt_p95_us > MOST_P95_US)
+        fail_msg("seed %llu: p95 %g us", (unsigned long long)seed, w.timing.dt_p95_us);
+    *reported = fmax(*reported, w.stats.error_p95_s);
+    *measured += w.timing.matched > 0;
+    free(exact.events);
+    judged_free(&j);
+}
+
+static void test_exact_events(void **state) {
+    (void)state;
+    double reported = 0, scenes = 0;
+    for (uint64_t k = 0; k < number_of("TIDES_TRIALS", FEW); k++)
+        check_scene(number_of("TIDES_SEED", 15) + k, &reported, &scenes);
+    assert_true(scenes > 0);
+    if (!(reported < 2e-8)) fail_msg("a p95 of %g s was reported, where 10 ns are asked for", reported);
+}
+
+/* -- with blocks --------------------------------------------------------------------------------------------------------- */
+
+static job loose_job(const world *w) {
+    job j = job_in(w);
+    j.device = "reference";
+    j.stepping.tolerance = LOOSE;
+    j.stepping.solve = TIDES_SOLVE_DOUBLE;
+    return j;
+}
+
+static void leak(tides_sensor *s) { s->leak_rate_hz = 5; }
+static void mismatch(tides_sensor *s) { s->threshold_sigma = 0.02; }
+static void hold(tides_sensor *s) { s->refractory_s = 1e-3; }
+static void keep(tides_sensor *s) {
+    s->refractory_s = 1e-3;
+    s->refractory_law = TIDES_REFRACTORY_DROP_KEEP;
+}
+static void consume(tides_sensor *s) {
+    s->refractory_s = 1e-3;
+    s->refractory_law = TIDES_REFRACTORY_DROP_CONSUME;
+    s->threshold_off = 0.07;
+}
+static void unseen(tides_sensor *s) { s->b_min = 0.3; }
+
+static const struct block {
+    const char *name;
+    void (*set)(tides_sensor *);
+    double most_p95_us; /* of a mask coverage decides, which is linear in a step */
+} blocks[] = {{"leak", leak, 0.1}, {"mismatch", mismatch, 0.1},    {"hold", hold, 0.1},
+              {"keep", keep, 0.1}, {"drop_consume", consume, 0.1}, {"mask", unseen, INFINITY}};
+
+static void test_blocks(void **state) {
+    (void)state;
+    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) {
+        world w = make_world(SEED + k % 2, CAMERA_MOVES);
+        job j = loose_job(&w);
+        blocks[k].set(&j.sensor);
+        outcome solved = run(&j);
+        j.stepping.solve = TIDES_SOLVE_OFF;
+        outcome off = run(&j), truth = truth_of(&j, 5e-5);
+        const tides_match m = match(&truth, &solved), before = match(&truth, &off);
+        print_message("%-12s %zu events, p95 %.3g us (%.3g without), mismatched %.3g %% (%.3g)\n", blocks[k].name, solved.count,
+                      m.dt_p95_us, before.dt_p95_us, m.mismatch_percent, before.mismatch_percent);
+        assert_true(solved.count > 500 && solved.stats.events_solved > 0);
+        if (!(m.dt_p95_us < blocks[k].most_p95_us && m.dt_p95_us < 0.5 * before.dt_p95_us))
+            fail_msg("%s: p95 %g us, %g without", blocks[k].name, m.dt_p95_us, before.dt_p95_us);
+        assert_true(m.mismatch_percent <= before.mismatch_percent + 0.05);
+        assert_true(solved.stats.worst_residual < 1);
+        free_outcome(&solved);
+        free_outcome(&off);
+        free_outcome(&truth);
+        free_world(&w);
+    }
+}
+
+/* -- the same events whatever the order ---------------------------------------------------------------------------------- */
+
+/* In three calls. */
+static outcome run_cut(const job *j) {
+    outcome o = {0};
+    tides_error error;
+    tides_device *device = open_device(j->device);
+    tides_simulator *s = make_simulator(j, device);
+    begin(j, s, &o);
+    for (int k = 1; k <= 3; k++)
+        scene_expect_ok(tides_simulator_run(s, j->start + (j->stop - j->start) * k / 3, collect, &o, NULL, NULL, &error),
+                        &error);
+    finish(s, &o);
+    tides_simulator_destroy(s);
+    tides_device_close(device);
+    return o;
+}
+
+static void test_any_window_and_cut(void **state) {
+    (void)state;
+    for (int trial = 0; trial < 4; trial++) {
+        world w = make_world(SEED + 10 + (uint64_t)trial, trial % KINDS);
+        job j = loose_job(&w);
+        j.stepping.tolerance = 0.003; /* many samples */
+        if (trial >= 2) hold(&j.sensor);
+        if (trial % 2) {
+            j.device = "reference-f32";
+            j.stepping.solve = TIDES_SOLVE_FLOAT;
+        }
+        outcome whole = run(&j), cut = run_cut(&j);
+        j.stepping.memory_mb = 1;
+        outcome windows = run(&j);
+        expect_same(&whole, &cut, "cuts");
+        expect_same(&whole, &windows, "windows");
+        assert_true(whole.stats.points_looked_up == cut.stats.points_looked_up && whole.stats.events_solved > 100);
+        assert_true(whole.stats.error_p95_s == windows.stats.error_p95_s);
+        assert_true(whole.stats.events_uncertain == windows.stats.events_uncertain);
+        free_outcome(&whole);
+        free_outcome(&cut);
+        free_outcome(&windows);
+        free_world(&w);
+    }
+}
+
+/* -- what it is refused with --------------------------------------------------------------------------------------------- */
+
+static void expect_refused(const job *j, const char *said) {
+    tides_image_params params;
+    tides_error error;
+    tides_simulator *s = NULL;
+    tides_device *device = open_device(j->device);
+    tides_image_params_defaults(&params);
+    assert_int_equal(tides_simulator_create(device, j->scene, j->path, &j->camera, &params, &j->sensor, &j->stepping, j->start,
+                                            j->stop, NULL, NULL, &s, &error),
+                     TIDES_UNSUPPORTED);
+    assert_null(s);
+    if (!strstr(error.text, "stepping.solve") || !strstr(error.text, said)) fail_msg("%s", error.text);
+    tides_device_close(device);
+}
+
+static void test_refused(void **state) {
+    (void)state;
+    world w = make_world(SEED, CAMERA_MOVES);
+    const job good = loose_job(&w);
+    job j = good;
+    j.stepping.mode = TIDES_STEPPING_FIXED;
+    expect_refused(&j, "fixed steps");
+    j = good;
+    j.sensor.psf_sigma_px = 1;
+    expect_refused(&j, "PSF");
+    j = good;
+    j.sensor.photoreceptor_cutoff_hz = 300;
+    expect_refused(&j, "filter");
+    j = good;
+    j.sensor.noise_rms = 0.01;
+    expect_refused(&j, "additive noise");
+    j = good;
+    j.device = "reference-f32";
+    expect_refused(&j, "single precision");
+    j.stepping.solve = 3;
+    expect_refused(&j, "none of");
+    free_world(&w);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_exact_events), cmocka_unit_test(test_blocks),
+                                       cmocka_unit_test(test_any_window_and_cut), cmocka_unit_test(test_refused)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
