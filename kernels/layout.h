@@ -45,7 +45,44 @@ enum {
     TD_OUT_R, TD_OUT_G, TD_OUT_B, TD_OUT_R_DOT, TD_OUT_G_DOT, TD_OUT_B_DOT, TD_OUT_Z, TD_OUT_Z_DOT,
     TD_OUT_SIGNAL = 2, TD_OUT_DIAGNOSTICS = 7, TD_OUT_COLOUR = 15
 };
+
+/* A row of a record path (path.h): numbers, then their rates. Where the determinant is 0 the row can't be used: its splat is
+ * behind the near plane there, or broken (td_shape), or too wide for single precision to tell its determinant. */
+enum {
+    TD_P_U = 0, TD_P_V, TD_P_B, TD_P_C, TD_P_DET, TD_P_OPACITY, TD_P_LUMINANCE, TD_P_DEPTH,
+    TD_PATH_NUMBERS = 8, TD_PATH_STRIDE = 16
+};
+
+enum {
+    TD_PATH_LEVEL_BITS = 3,
+    TD_PATH_LEVELS = 8, /* 2^7 pieces of a piece at most */
+    TD_PATH_CUBIC = 8   /* reals of a moment's weights: td_path_cubic and two unused */
+};
+
+/* A Gaussian's path: the number of its first row and its level, as row * TD_PATH_LEVELS + level. */
+enum {
+    TD_PATH_DIRECT = -1, /* none: it is projected at each time */
+    TD_PATH_UNSEEN = -2  /* in no tile's list */
+};
+
+#define TD_PATH_NEVER 1e30f /* the misfit of what no cubic can follow */
 /* clang-format on */
+
+/* Gaussians of one object at one node: gaussians[first .. first + count), rows of td_source, to rows[first ..]; `count` is a
+ * multiple of TD_PAD, filled up with TD_NO_GAUSSIAN, whose row is one that nobody reads. */
+typedef struct td_node_job {
+    int slot; /* of the views */
+    int first, count;
+    int padding;
+} td_node_job;
+
+/* What paths are measured by. */
+typedef struct td_path_terms {
+    td_real tolerance;      /* of log_luminance */
+    td_real time_tolerance; /* of when it is reached [s]; 0: not asked for */
+    td_real rounding;       /* relative, of one number */
+    td_real padding;
+} td_path_terms;
 
 /* Object to camera at one time: p_camera = r p_object + t (an object's scale is inside r); eye is the camera's centre in the
  * object's coordinates, so that SH of every degree turns with the object. [slot][object] */

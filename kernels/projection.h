@@ -14,6 +14,7 @@ typedef struct td_shape {
     td_lanes depth_low;    /* what z is more, relative to it: for soft order */
     td_dual u, v;          /* mean2d [px] */
     td_dual a, b, c;       /* covariance after dilation: (a b; b c) [px^2] */
+    td_dual det;           /* its determinant [px^4]; of what was made smaller where td_shrink_wide did */
     td_dual conic[3];      /* its inverse: xx, xy, yy [1/px^2] */
     td_dual opacity;       /* with antialiasing and near fade */
     td_lanes compensation; /* the antialiasing factor, 1 where off */
@@ -167,6 +168,7 @@ TD_INLINE td_dual td_shape_covariance(td_shape *shape, const td_matrix23 *given,
     td_dual det = td_dual_add(det0, td_dual_times(td_dual_add(xx, yy), dilation));
     det.v = det.v + dilation * dilation;
     if (wide) det0 = td_dual_times(det0, grow), det = td_dual_times(det, grow);
+    shape->det = det;
     td_dual inverse = td_dual_reciprocal(det);
     td_dual ratio = td_dual_mul(det0, inverse);
     /* Without dilation a splat may be narrower than single precision can tell, 2^-25 px: no pixel's centre sees it. */
@@ -187,13 +189,8 @@ TD_INLINE td_dual td_shape_covariance(td_shape *shape, const td_matrix23 *given,
     return td_dual_sqrt(td_dual_select(ratio, floor_value, floored));
 }
 
-/* Opacity as composited: antialiasing, the fade at the near plane, and whether anything is left above the cut. */
-TD_INLINE void td_shape_opacity(td_shape *shape, td_dual opacity, td_dual compensation, const td_image *image) {
-    shape->compensation = td_splat(1.0f);
-    if (image->antialias) {
-        opacity = td_dual_mul(opacity, compensation);
-        shape->compensation = compensation.v;
-    }
+/* Opacity as composited: the fade at the near plane, and whether anything is left above the cut. */
+TD_INLINE void td_shape_fade(td_shape *shape, td_dual opacity, const td_image *image) {
     if (image->near_full > image->near) {
         td_real scale = 1 / (image->near_full - image->near);
         td_dual x = td_dual_clamp(td_dual_scale(td_dual_offset(shape->depth, -image->near), scale), 0, 1);
@@ -206,9 +203,10 @@ TD_INLINE void td_shape_opacity(td_shape *shape, td_dual opacity, td_dual compen
     shape->power = 2.0f * td_log(td_select(td_splat(1.0f), opacity.v / cut, shape->visible));
 }
 
-/* Projects the Gaussians at `gaussian` (rows; TD_NO_GAUSSIAN lanes come out invisible). */
-TD_INLINE td_shape td_project_shape(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
-                                    td_index gaussian) {
+/* Projects the Gaussians at `gaussian` (rows; TD_NO_GAUSSIAN lanes come out invisible), but for what td_shape_fade does:
+ * opacity is that with antialiasing, `visible` is in front of the near plane and not too narrow to tell. */
+TD_INLINE td_shape td_project_bare(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
+                                   td_index gaussian) {
     td_shape shape;
     td_index index = td_not_below_0(gaussian) * TD_GEOMETRY_STRIDE; /* padding reads row 0 */
     td_dual mean[3];
@@ -231,12 +229,26 @@ TD_INLINE td_shape td_project_shape(TD_GLOBAL const td_view *view, const td_imag
     td_matrix23 map = td_screen_map(view, image, x_z, y_z, inverse_z);
     td_matrix23 a = td_project_factor(&map, source, image, index);
     td_dual compensation = td_shape_covariance(&shape, &a, image);
-    td_dual opacity = td_entry(source, image, index, TD_G_OPACITY);
-    td_shape_opacity(&shape, opacity, compensation, image);
+    shape.compensation = td_splat(1.0f);
+    shape.opacity = td_entry(source, image, index, TD_G_OPACITY);
+    if (image->antialias) {
+        shape.opacity = td_dual_mul(shape.opacity, compensation);
+        shape.compensation = compensation.v;
+    }
+    return shape;
+}
+
+/* All of it. */
+TD_INLINE td_shape td_project_shape(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
+                                    td_index gaussian) {
+    td_shape shape = td_project_bare(view, image, source, gaussian);
+    td_lanes z = shape.depth.v;
+    td_shape_fade(&shape, shape.opacity, image);
     td_lanes all = (shape.conic[0].d + shape.conic[2].d) + (shape.u.d + shape.v.d) + (shape.opacity.v + shape.opacity.d);
     /* Its own opacity: what fades at the near plane has none left where its depth isn't a number. */
-    td_mask unseen = (opacity.v <= (image->cut_rule == TD_CUT_NONE ? TD_REAL(0.0) : image->cut)) | (gaussian < 0);
-    shape.broken = (((z.v > image->near) & (shape.broken | td_is_broken(all))) | td_is_broken(z.v)) & ~unseen;
+    td_lanes own = td_gather(source->geometry, td_not_below_0(gaussian) * TD_GEOMETRY_STRIDE + TD_G_OPACITY);
+    td_mask unseen = (own <= (image->cut_rule == TD_CUT_NONE ? TD_REAL(0.0) : image->cut)) | (gaussian < 0);
+    shape.broken = (((z > image->near) & (shape.broken | td_is_broken(all))) | td_is_broken(z)) & ~unseen;
     return shape;
 }
 

@@ -33,12 +33,16 @@ TD_INLINE void td_lay_shape(const td_shape *shape, td_lanes entry[TD_RECORD_STRI
     entry[TD_R_DEPTH_DOT] = shape->depth.d;
 }
 
+TD_INLINE td_dual td_luminance_of(const td_colour *colour, const td_image *image) {
+    td_dual luminance = td_dual_scale(colour->channel[0], image->luminance[0]);
+    luminance = td_dual_plus(luminance, image->luminance[1], colour->channel[1]);
+    return td_dual_plus(luminance, image->luminance[2], colour->channel[2]);
+}
+
 /* Luminance always, not a number where the splat is broken; colour where asked for. */
 TD_INLINE void td_store_colour(const td_colour *colour, td_mask broken, const td_image *image, const td_sink *sink,
                                td_lanes entry[TD_RECORD_STRIDE]) {
-    td_dual luminance = td_dual_scale(colour->channel[0], image->luminance[0]);
-    luminance = td_dual_plus(luminance, image->luminance[1], colour->channel[1]);
-    luminance = td_dual_plus(luminance, image->luminance[2], colour->channel[2]);
+    td_dual luminance = td_luminance_of(colour, image);
     entry[TD_R_LUMINANCE] = td_select(luminance.v, td_not_a_number(), broken);
     entry[TD_R_LUMINANCE_DOT] = luminance.d;
     if (image->outputs < TD_OUT_COLOUR) return;
@@ -66,18 +70,22 @@ TD_INLINE void td_store_features(TD_GLOBAL const td_view *view, const td_image *
     entry[TD_R_LUMINANCE_DOT] = td_splat(0.0f);
 }
 
-/* Projects TD_LANES candidates of a job and stores their records and masks. A group with no splat stores masks and depths
- * only. */
+/* Masks, and depths where a group has no splat in the tile: returns whether it has one. */
+TD_INLINE int td_store_masks(const td_shape *shape, const td_image *image, const td_job *job, const td_sink *sink) {
+    td_mask blocks = td_block_mask(shape, image, job->x, job->y);
+    blocks = td_select_mask(blocks, (blocks & 0) | 0xffff, shape->broken);
+    td_store_ints(sink->masks, image->soft_order ? td_pack_low(blocks, shape->depth_low) : blocks);
+    if (td_any(blocks != 0)) return 1;
+    td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_DEPTH,
+               shape->depth.v); /* of all: what is left as a hint is in its order */
+    return 0;
+}
+
+/* Projects TD_LANES candidates of a job and stores their records and masks. */
 TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
                                      const td_job *job, td_index gaussian, const td_sink *sink) {
     td_shape shape = td_project_shape(view, image, source, gaussian);
-    td_mask blocks = td_block_mask(&shape, image, job->x, job->y);
-    blocks = td_select_mask(blocks, (blocks & 0) | 0xffff, shape.broken);
-    td_store_ints(sink->masks, image->soft_order ? td_pack_low(blocks, shape.depth_low) : blocks);
-    if (!td_any(blocks != 0)) { /* of all: what is left as a hint is in its order */
-        td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_DEPTH, shape.depth.v);
-        return;
-    }
+    if (!td_store_masks(&shape, image, job, sink)) return;
     td_lanes entry[TD_RECORD_STRIDE];
     td_lay_shape(&shape, entry);
     if (image->decoder) {

@@ -291,7 +291,8 @@ static tides_status run_stages(opencl_backend *b, const td_batch *batch, staging
     cl_event events[STAGES] = {NULL, NULL, NULL};
     tides_status status = reserve_batch(b, batch, s, error);
     if (status == TIDES_OK) status = send_batch(b, batch, s, error);
-    if (status == TIDES_OK) status = launch_project(b, batch, &events[0], error);
+    if (status == TIDES_OK)
+        status = batch->paths ? td_opencl_fetch(b, batch, &events[0], error) : launch_project(b, batch, &events[0], error);
     if (status == TIDES_OK) status = launch_sort(b, batch, &events[1], error);
     if (status == TIDES_OK) status = launch_composite(b, batch, s, &events[2], error);
     if (status == TIDES_OK) status = fetch_batch(b, batch, s, error);
@@ -310,7 +311,7 @@ static tides_status warm_up(opencl_backend *b, int outputs, tides_error *error) 
     staging s;
     double *views = td_alloc((size_t)b->objects * TD_VIEW_REALS, sizeof *views, error);
     if (!views) return TIDES_NO_MEMORY;
-    td_batch batch = {views, backdrop, 1, &nothing, 1, &candidate, 1, b->candidates_serial - 1, TD_PAD, outputs, 0, NULL};
+    td_batch batch = {views, backdrop, 1, &nothing, 1, &candidate, 1, b->candidates_serial - 1, TD_PAD, outputs, 0, NULL, NULL};
     tides_status status = run_stages(b, &batch, &s, seconds, error);
     free(views);
     return status;
@@ -390,13 +391,25 @@ static void destroy(td_backend *backend) {
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     td_opencl_motion_release(b);
     td_opencl_cubics_release(b);
+    td_opencl_paths_release(b);
     free(b->host);
     free(b->host_ints);
     free(b);
 }
 
-static const td_backend_class opencl_class =
-    {sweep, render, empty_pixel, prepare, inspect, destroy, td_opencl_move, td_opencl_prepare_cubics, td_opencl_misfits};
+static const td_backend_class opencl_class = {sweep,
+                                              render,
+                                              empty_pixel,
+                                              prepare,
+                                              inspect,
+                                              destroy,
+                                              td_opencl_move,
+                                              td_opencl_prepare_cubics,
+                                              td_opencl_misfits,
+                                              td_opencl_prepare_paths,
+                                              td_opencl_nodes,
+                                              td_opencl_path_misfits,
+                                              td_opencl_path_rows};
 
 /* The scene to the device. Arrays that aren't there get one float, since kernels want an argument. */
 static tides_status write_store(opencl_backend *b, const td_store *store, tides_error *error) {

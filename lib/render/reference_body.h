@@ -4,6 +4,8 @@
 #include "kernels/block.h"
 #include "kernels/interpolate.h"
 #include "kernels/movers.h"
+#include "kernels/path_node.h"
+#include "kernels/path_record.h"
 #include "kernels/record.h"
 #include "kernels/sweep.h"
 #include "td_backend.h"
@@ -36,6 +38,8 @@ typedef struct reference {
     td_stray *strays; /* (objects), of the last sweep */
     int *sweep_rows;
     size_t view_capacity, backdrop_capacity, record_capacity[7], hint_capacity, stray_capacity, sweep_row_capacity;
+    td_real *path_rows, *path_low, *path_cubics; /* record paths (reference_paths.h) */
+    size_t path_row_capacity, path_low_capacity, path_cubic_capacity;
     int last_count; /* of the last job: for inspect */
     td_real last_brightest;
 } reference;
@@ -227,6 +231,8 @@ static tides_status misfits(td_backend *backend, const td_misfit_request *reques
     return TIDES_OK;
 }
 
+#include "reference_paths.h"
+
 /* -- jobs ---------------------------------------------------------------------------------------------------------- */
 
 /* Makes room for the stages of one job. */
@@ -257,8 +263,12 @@ static void project_job(reference *r, const td_job *job, const td_batch *batch, 
     sink.records = r->records;
     sink.colours = r->colours;
     sink.masks = r->masks;
+    const td_path_source from = path_source_of(r, batch->paths);
     for (int i = 0; i < job->count; i++)
-        td_project_group(&local, i, batch->candidates, r->object, r->views, image, &r->source, &sink);
+        if (batch->paths)
+            td_path_group(&local, i, batch->candidates, r->object, r->views, image, &r->source, &from, &sink);
+        else
+            td_project_group(&local, i, batch->candidates, r->object, r->views, image, &r->source, &sink);
 }
 
 /* The next of the list, front to back. */
@@ -332,6 +342,8 @@ static tides_status render(td_backend *backend, const td_batch *batch, double *p
         status = td_reserve((void **)&r->backdrops, &r->backdrop_capacity, (size_t)batch->slots, sizeof *r->backdrops, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&r->hints, &r->hint_capacity, (size_t)batch->hint_count, sizeof *r->hints, error);
+    if (status != TIDES_OK) return status;
+    if (batch->paths) status = copy_cubics(r, batch, error);
     if (status != TIDES_OK) return status;
     narrow(batch->backdrops, (td_real *)r->backdrops, (size_t)batch->slots * TD_BACKDROP_REALS);
     for (int i = 0; i < batch->job_count; i++) {
@@ -413,11 +425,14 @@ static void destroy(td_backend *backend) {
     free(r->order);
     free(r->sorted_masks);
     free(r->hints);
+    free(r->path_rows);
+    free(r->path_low);
+    free(r->path_cubics);
     free(r);
 }
 
-static const td_backend_class reference_class = {sweep,   render, empty_pixel,    prepare, inspect,
-                                                 destroy, move,   prepare_cubics, misfits};
+static const td_backend_class reference_class = {sweep,          render,  empty_pixel,   prepare, inspect,      destroy,  move,
+                                                 prepare_cubics, misfits, prepare_paths, nodes,   path_misfits, path_rows};
 
 /* Copies the store's arrays in this precision; SH comes as floats or doubles. */
 static tides_status copy_store(reference *r, const td_store *store, tides_error *error) {

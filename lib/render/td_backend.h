@@ -118,6 +118,33 @@ typedef struct td_sweep_request {
     const int *rows; /* (td_sweep_times) where their rows begin; NULL: at `begin`, since they don't move by themselves */
 } td_sweep_request;
 
+/* Gaussians to project at nodes of record paths, to their rows (kernels/path_node.h). Everything is borrowed for the call. */
+typedef struct td_node_request {
+    const double *views; /* (slots x objects x TD_VIEW_REALS) at the nodes */
+    int slots;
+    const td_node_job *jobs;
+    int job_count;
+    const int *gaussians, *rows; /* (count) what the jobs point into: rows of Gaussians, rows of paths */
+    int count;
+    int row_count; /* rows in all: those below stay as they are */
+} td_node_request;
+
+/* What misfits of paths are asked for of: `count` (a multiple of TD_PAD) of one level, from their first rows on. */
+typedef struct td_path_request {
+    const int *first; /* (count) */
+    int count, level, pieces;
+    const double *lengths;                        /* (pieces) [s] */
+    double tolerance, time_tolerance_s, rounding; /* td_path_terms */
+} td_path_request;
+
+/* Paths that a batch's Gaussians are on. */
+typedef struct td_path_batch {
+    const int *path_of;   /* (gaussians of the store) layout.h */
+    uint64_t serial;      /* changes with path_of: devices keep a copy */
+    const double *cubics; /* (slots x TD_PATH_LEVELS x TD_PATH_CUBIC) weights of each slot's time */
+    const int *nodes;     /* (slots x TD_PATH_LEVELS) the node before it */
+} td_path_batch;
+
 static inline int td_sweep_times(int level) { return (2 << level) + 1; }
 
 /* Jobs for one run of all stages. Everything is borrowed for the call. */
@@ -134,6 +161,7 @@ typedef struct td_batch {
     int outputs;                /* TD_OUT_SIGNAL, _DIAGNOSTICS or _COLOUR */
     int hint_count;             /* numbers in all hints, place 0 counted; they last until it changes */
     uint8_t *in_order;          /* (NULL: not wanted) at job.out: 1 where the list was in order */
+    const td_path_batch *paths; /* NULL: every candidate is projected */
 } td_batch;
 
 typedef struct td_backend td_backend;
@@ -168,6 +196,14 @@ typedef struct td_backend_class {
     tides_status (*prepare_cubics)(td_backend *backend, tides_error *error);
     /* td_misfit_group (interpolate.h): (count). */
     tides_status (*misfits)(td_backend *backend, const td_misfit_request *request, float *misfits, tides_error *error);
+    /* Gets kernels for record paths ready; batches without need none. */
+    tides_status (*prepare_paths)(td_backend *backend, tides_error *error);
+    /* Projects Gaussians at nodes. Batches with paths may then ask for the rows. */
+    tides_status (*nodes)(td_backend *backend, const td_node_request *request, tides_error *error);
+    /* td_path_worst (path_node.h): (count). */
+    tides_status (*path_misfits)(td_backend *backend, const td_path_request *request, float *misfits, tides_error *error);
+    /* The first `count` rows (x TD_PATH_STRIDE) and the low parts of their depths (tests). */
+    tides_status (*path_rows)(td_backend *backend, int count, double *rows, double *low, tides_error *error);
 } td_backend_class;
 
 struct td_backend {

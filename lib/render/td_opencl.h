@@ -31,6 +31,13 @@ typedef struct opencl_backend {
 
     cl_kernel cubic_kernel, misfit_kernel; /* interpolation (opencl_cubics.c); NULL where there's none */
     td_buffer cubics, cubic_jobs, misfit_terms, misfits;
+
+    cl_kernel node_kernel, measure_kernel, fetch_kernel; /* record paths (opencl_paths.c); NULL where there are none */
+    td_buffer path_rows, path_low, path_of, path_cubics, path_nodes;
+    td_buffer node_jobs, node_gaussians, node_places, path_first, path_lengths, path_terms, path_misfits;
+    uint64_t path_serial; /* of what the device has */
+    float *path_host;     /* staging, beside `host`, which a batch under way is using */
+    size_t path_host_capacity;
 } opencl_backend;
 
 /* Work-items that share a job's candidates, or neighbouring Gaussians: one on a CPU, a warp or two on a GPU. */
@@ -54,6 +61,15 @@ tides_status td_opencl_run_cubics(opencl_backend *b, const td_move_batch *moves,
 tides_status td_opencl_prepare_cubics(td_backend *backend, tides_error *error);
 tides_status td_opencl_misfits(td_backend *backend, const td_misfit_request *request, float *misfits, tides_error *error);
 void td_opencl_cubics_release(opencl_backend *b);
+
+/* td_backend_class.prepare_paths, .nodes, .path_misfits, .path_rows; then what a batch with paths runs in place of the
+ * projection, its jobs and views being there (opencl_paths.c). */
+tides_status td_opencl_prepare_paths(td_backend *backend, tides_error *error);
+tides_status td_opencl_nodes(td_backend *backend, const td_node_request *request, tides_error *error);
+tides_status td_opencl_path_misfits(td_backend *backend, const td_path_request *request, float *misfits, tides_error *error);
+tides_status td_opencl_path_rows(td_backend *backend, int count, double *rows, double *low, tides_error *error);
+tides_status td_opencl_fetch(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error);
+void td_opencl_paths_release(opencl_backend *b);
 
 /* td_backend_class.move */
 tides_status td_opencl_move(td_backend *backend, const td_move_batch *moves, tides_error *error);

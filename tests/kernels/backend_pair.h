@@ -158,6 +158,7 @@ static inline td_batch pair_batch(const backend_pair *pair, const td_job *jobs, 
                       records,
                       outputs,
                       0,
+                      NULL,
                       NULL};
     return batch;
 }

@@ -1,0 +1,13 @@
+/* Misfits of `count` paths of one level, whose first rows are given (path_node.h). */
+#include "path_node.h"
+#include "specialise.h"
+
+__kernel void td_measure_paths(__constant const td_image *image_buffer, __global const float *rows, __global const int *first,
+                               int count, int level, int pieces, __global const float *lengths,
+                               __constant const td_path_terms *terms_buffer, __global float *misfits) {
+    const td_image image = td_specialised(image_buffer);
+    const td_path_terms terms = *terms_buffer;
+    int i = (int)get_global_id(0) * TD_LANES;
+    if (i >= count) return;
+    td_store_lanes(misfits + i, td_path_worst(rows, td_load_ints(first + i), level, pieces, lengths, &terms, &image));
+}

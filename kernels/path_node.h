@@ -1,0 +1,177 @@
+/* Rows of record paths (path.h): Gaussians projected at a node, and by how much the cubic through two rows misses one in the
+ * middle. */
+#ifndef TD_PATH_NODE_H
+#define TD_PATH_NODE_H
+
+#include "path.h"
+#include "record.h"
+
+/* Where the rows go. */
+typedef struct td_node_sink {
+    TD_GLOBAL td_real *rows;
+    TD_GLOBAL td_real *low; /* nothing in double */
+} td_node_sink;
+
+/* Splats from 2^24 px on, 2^48 px^2, have determinants that the projection makes smaller (td_shrink_wide): no row of these. */
+TD_INLINE td_mask td_node_holds(const td_shape *shape) {
+    const td_real wide = TD_REAL(281474976710656.0);
+    td_lanes all = (shape->conic[0].d + shape->conic[2].d) + (shape->u.d + shape->v.d);
+    return shape->visible & ~shape->broken & ~td_is_broken(all) & (shape->a.v < wide) & (shape->c.v < wide) &
+           (shape->c.v > 0.0f) & (shape->det.v > 0.0f);
+}
+
+TD_INLINE void td_node_lay(const td_shape *shape, td_dual luminance, td_lanes entry[TD_PATH_STRIDE]) {
+    td_mask holds = td_node_holds(shape);
+    entry[TD_P_U] = shape->u.v, entry[TD_PATH_NUMBERS + TD_P_U] = shape->u.d;
+    entry[TD_P_V] = shape->v.v, entry[TD_PATH_NUMBERS + TD_P_V] = shape->v.d;
+    entry[TD_P_B] = shape->b.v, entry[TD_PATH_NUMBERS + TD_P_B] = shape->b.d;
+    entry[TD_P_C] = shape->c.v, entry[TD_PATH_NUMBERS + TD_P_C] = shape->c.d;
+    entry[TD_P_DET] = td_select(td_splat(0.0f), shape->det.v, holds), entry[TD_PATH_NUMBERS + TD_P_DET] = shape->det.d;
+    entry[TD_P_OPACITY] = shape->opacity.v, entry[TD_PATH_NUMBERS + TD_P_OPACITY] = shape->opacity.d;
+    entry[TD_P_LUMINANCE] = luminance.v, entry[TD_PATH_NUMBERS + TD_P_LUMINANCE] = luminance.d;
+    entry[TD_P_DEPTH] = shape->depth.v, entry[TD_PATH_NUMBERS + TD_P_DEPTH] = shape->depth.d;
+}
+
+/* Gaussians [i, i + TD_LANES) of a job. */
+TD_INLINE void td_node_group(const td_node_job *job, int i, TD_GLOBAL const int *gaussians, TD_GLOBAL const int *rows,
+                             TD_GLOBAL const int *object, TD_GLOBAL const td_view *views, const td_image *image,
+                             const td_source *source, const td_node_sink *sink) {
+    td_index gaussian = td_load_ints(gaussians + job->first + i), row = td_load_ints(rows + job->first + i);
+    int leader = gaussians[job->first + (i & ~(TD_PAD - 1))];
+    td_source own = td_source_of(source, image, leader);
+    TD_GLOBAL const td_view *view = views + job->slot * image->objects + object[td_owner_of(&own, leader)];
+    td_shape shape = td_project_bare(view, image, &own, gaussian);
+    td_colour colour = td_project_colour(view, image, &own, gaussian);
+    td_lanes entry[TD_PATH_STRIDE];
+    td_node_lay(&shape, td_luminance_of(&colour, image), entry);
+#ifndef TD_REAL_DOUBLE
+    int at[TD_LANES];
+    td_real low[TD_LANES];
+    td_index_lanes(row, at);
+    td_spread(shape.depth_low, low);
+    for (int lane = 0; lane < TD_LANES; lane++) sink->low[at[lane]] = low[lane];
+#endif
+    td_path_store(sink->rows, row, entry);
+}
+
+/* -- the misfit ---------------------------------------------------------------------------------------------------- */
+
+/* How far a number is off, and its rate. */
+typedef struct td_path_stray {
+    td_dual u, v, a, b, c, det, opacity, luminance;
+} td_path_stray;
+
+TD_INLINE td_path_stray td_path_compare(const td_path_splat *path, td_dual path_a, const td_path_splat *own, td_dual own_a) {
+    td_path_stray off;
+    off.u = td_dual_sub(own->u, path->u), off.v = td_dual_sub(own->v, path->v);
+    off.a = td_dual_sub(own_a, path_a), off.b = td_dual_sub(own->b, path->b), off.c = td_dual_sub(own->c, path->c);
+    off.det = td_dual_sub(own->det, path->det);
+    off.opacity = td_dual_sub(own->opacity, path->opacity);
+    off.luminance = td_dual_sub(own->luminance, path->luminance);
+    return off;
+}
+
+/* What log_luminance changes by where splat_alpha changes most, for small changes of a splat's numbers, at most: of a splat
+ * that is as bright as what is seen there, before black or the other way round (interpolate.h).
+ *
+ * A shift d of the mean changes alpha by e^(-1/2) opacity sqrt(d^T Q d) at most, one standard deviation out; a change D of the
+ * covariance by opacity |M|_F / e, M = Q D, on the circle of sqrt 2. |M|_F^2 = tr(M)^2 - 2 det(M) in the coordinates where the
+ * splat is round, with tr(M) = ddet / det to first order and det(M) = det(D) / det: without the conic, which would cancel. */
+TD_INLINE td_lanes td_path_change(const td_path_splat *own, td_lanes own_a, td_lanes du, td_lanes dv, td_lanes da, td_lanes db,
+                                  td_lanes dc, td_lanes ddet, td_lanes dopacity, td_lanes dluminance, td_real log_eps) {
+    td_lanes inverse = 1.0f / own->det.v;
+    td_lanes along = own->c.v * du * du - 2.0f * own->b.v * du * dv + own_a * dv * dv;
+    td_lanes shift = td_sqrt(td_larger(along, td_splat(0.0f)) * inverse);
+    td_lanes trace = ddet * inverse, swap = (da * dc - db * db) * inverse;
+    td_lanes shape = td_sqrt(td_larger(td_fma(trace, trace, -2.0f * swap), td_splat(0.0f)));
+    td_lanes colour = td_size(dluminance) / (td_size(own->luminance.v) + log_eps);
+    td_lanes part = td_fma(TD_REAL(0.36787944117144233), shape, TD_REAL(0.6065306597126334) * shift) + colour;
+    return td_fma(td_size(own->opacity.v), part, td_size(dopacity));
+}
+
+/* What rounding of the numbers may make of it: mean2d to its last digits, the covariance's entries, which a needle at an angle
+ * is sensitive to, by |M|. */
+TD_INLINE td_lanes td_path_noise(const td_path_splat *own, td_lanes own_a, td_real rounding) {
+    td_lanes a = rounding * own_a, c = rounding * own->c.v;
+    td_lanes inverse = 1.0f / own->det.v;
+    td_lanes u = rounding * own->u.v, v = rounding * own->v.v;
+    td_lanes shift = td_sqrt((own->c.v * u * u + own_a * v * v) * inverse); /* without what cancels */
+    td_lanes shape = 2.0f * td_sqrt(a * c * inverse) + rounding;
+    return td_size(own->opacity.v) * (shape + shift + rounding);
+}
+
+/* The cubic's middle, `h` seconds long. */
+TD_INLINE td_path_cubic td_path_middle(td_real h) {
+    td_path_cubic cubic;
+    cubic.way = td_splat(0.5f), cubic.start = td_splat(0.125f * h), cubic.end = td_splat(-0.125f * h);
+    cubic.way_dot = td_splat(1.5f / h), cubic.start_dot = td_splat(-0.25f), cubic.end_dot = td_splat(-0.25f);
+    return cubic;
+}
+
+/* A row as it is. */
+TD_INLINE td_path_splat td_path_row(const td_lanes entry[TD_PATH_STRIDE]) {
+    td_path_splat splat;
+    splat.u = td_dual_make(entry[TD_P_U], entry[TD_PATH_NUMBERS + TD_P_U]);
+    splat.v = td_dual_make(entry[TD_P_V], entry[TD_PATH_NUMBERS + TD_P_V]);
+    splat.b = td_dual_make(entry[TD_P_B], entry[TD_PATH_NUMBERS + TD_P_B]);
+    splat.c = td_dual_make(entry[TD_P_C], entry[TD_PATH_NUMBERS + TD_P_C]);
+    splat.det = td_dual_make(entry[TD_P_DET], entry[TD_PATH_NUMBERS + TD_P_DET]);
+    splat.opacity = td_dual_make(entry[TD_P_OPACITY], entry[TD_PATH_NUMBERS + TD_P_OPACITY]);
+    splat.luminance = td_dual_make(entry[TD_P_LUMINANCE], entry[TD_PATH_NUMBERS + TD_P_LUMINANCE]);
+    splat.depth = td_dual_make(entry[TD_P_DEPTH], entry[TD_PATH_NUMBERS + TD_P_DEPTH]);
+    splat.depth_low = td_splat(0.0f);
+    return splat;
+}
+
+TD_INLINE td_dual td_path_a(const td_path_splat *splat) {
+    return td_dual_mul(td_dual_fma(splat->b, splat->b, splat->det), td_dual_reciprocal(splat->c));
+}
+
+/* Misfit of TD_LANES splats within one piece of `h` seconds whose rows, at its start, middle and end, follow one another from
+ * `row` on: by how many tolerances log_luminance may be off in the halves. Not above 1: the halves' cubics will do.
+ *
+ * Value and rate are compared, the rate over half the piece: that bounds what the halves' cubics are off by, up to a tenth,
+ * where the path has a kink; a smooth one they follow 16 times better (interpolate.h). How late that is: the same over the
+ * rate of splat_alpha. Beside the tolerance stands what rounding makes of numbers. */
+TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, td_index row, td_real h, const td_path_terms *terms,
+                                  const td_image *image) {
+    td_lanes start[TD_PATH_STRIDE], middle[TD_PATH_STRIDE], end[TD_PATH_STRIDE];
+    td_path_load(rows, row, start);
+    td_path_load(rows, row + 1, middle);
+    td_path_load(rows, row + 2, end);
+    td_path_cubic cubic = td_path_middle(h);
+    td_path_splat path = td_path_blend(&cubic, start, end, td_splat(0.0f), td_splat(0.0f)), own = td_path_row(middle);
+    td_dual a = td_path_a(&own);
+    td_path_stray off = td_path_compare(&path, td_path_a(&path), &own, a);
+    const td_real eps = image->log_eps;
+    td_lanes value =
+        td_path_change(&own, a.v, off.u.v, off.v.v, off.a.v, off.b.v, off.c.v, off.det.v, off.opacity.v, off.luminance.v, eps);
+    td_lanes rate =
+        td_path_change(&own, a.v, off.u.d, off.v.d, off.a.d, off.b.d, off.c.d, off.det.d, off.opacity.d, off.luminance.d, eps);
+    td_lanes stray = td_fma(td_splat(0.5f * h), rate, value), noise = td_path_noise(&own, a.v, terms->rounding);
+    td_lanes misfit = stray / (terms->tolerance + noise);
+    if (terms->time_tolerance > 0) {
+        td_lanes speed =
+            td_path_change(&own, a.v, own.u.d, own.v.d, a.d, own.b.d, own.c.d, own.det.d, own.opacity.d, own.luminance.d, eps);
+        misfit = td_larger(misfit, stray / td_larger(td_fma(speed, td_splat(terms->time_tolerance), noise), td_splat(1e-30f)));
+    }
+    td_mask whole = (start[TD_P_DET] > 0.0f) & (own.det.v > 0.0f) & (end[TD_P_DET] > 0.0f) & (path.det.v > 0.0f) &
+                    (path.c.v > 0.0f) & ~td_is_broken(misfit);
+    return td_select(td_splat(TD_PATH_NEVER), misfit, whole);
+}
+
+/* The largest misfit of TD_LANES splats over all pieces of the interval: `pieces` of them, of lengths[piece] seconds, each cut
+ * into 2^level; a splat's rows begin at first[lane]. `level` is 1 at least. */
+TD_INLINE td_lanes td_path_worst(TD_GLOBAL const td_real *rows, td_index first, int level, int pieces,
+                                 TD_GLOBAL const td_real *lengths, const td_path_terms *terms, const td_image *image) {
+    td_lanes worst = td_splat(0.0f);
+    int parts = 1 << (level - 1);
+    for (int piece = 0; piece < pieces; piece++) {
+        td_real h = lengths[piece] / (td_real)parts;
+        for (int k = 0; k < parts; k++)
+            worst = td_larger(td_path_misfit(rows, first + 2 * (piece * parts + k), h, terms, image), worst);
+    }
+    return worst;
+}
+
+#endif

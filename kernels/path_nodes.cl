@@ -1,0 +1,19 @@
+/* One work-group per node job: its Gaussians, TD_LANES at a time, to rows of record paths (path_node.h). */
+#include "path_node.h"
+#include "specialise.h"
+
+__kernel void td_project_nodes(__constant const td_image *image_buffer, __global const td_node_job *jobs,
+                               __global const int *gaussians, __global const int *places, __global const int *object,
+                               __global const td_view *views, __global const float *geometry, __global const float *rates,
+                               __global const float *sh, __global const float *sh_rates, __global const int *owners,
+                               int first_rate, int first_moved, __global float *rows, __global float *low) {
+    const td_image image = td_specialised(image_buffer);
+    const td_node_job job = jobs[get_group_id(0)];
+    const td_source source = td_source_make(geometry, rates, sh, sh_rates, owners, first_rate, first_moved);
+    td_node_sink sink;
+    sink.rows = rows;
+    sink.low = low;
+    int step = (int)get_local_size(0) * TD_LANES;
+    for (int i = (int)get_local_id(0) * TD_LANES; i < job.count; i += step)
+        td_node_group(&job, i, gaussians, places, object, views, &image, &source, &sink);
+}

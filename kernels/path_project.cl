@@ -1,0 +1,28 @@
+/* One work-group per tile job: its candidates, TD_LANES at a time, from their paths to splat records (path_record.h). */
+#include "path_record.h"
+#include "specialise.h"
+
+__kernel void td_fetch_jobs(__constant const td_image *image_buffer, __global const td_job *jobs,
+                            __global const int *candidates, __global const int *object, __global const td_view *views,
+                            __global const float *geometry, __global const float *rates, __global const float *sh,
+                            __global const float *sh_rates, __global const int *owners, int first_rate, int first_moved,
+                            __global const float *rows, __global const float *low, __global const float *cubics,
+                            __global const int *nodes, __global const int *path_of, __global float *records,
+                            __global int *masks) {
+    const td_image image = td_specialised(image_buffer);
+    const td_job job = jobs[get_group_id(0)];
+    const td_source source = td_source_make(geometry, rates, sh, sh_rates, owners, first_rate, first_moved);
+    td_path_source from;
+    from.paths.rows = rows;
+    from.paths.low = low;
+    from.paths.cubics = cubics;
+    from.paths.nodes = nodes;
+    from.path_of = path_of;
+    td_sink sink;
+    sink.records = records;
+    sink.colours = records; /* none is written */
+    sink.masks = masks;
+    int step = (int)get_local_size(0) * TD_LANES;
+    for (int first = (int)get_local_id(0) * TD_LANES; first < job.count; first += step)
+        td_path_group(&job, first, candidates, object, views, &image, &source, &from, &sink);
+}

@@ -1,0 +1,74 @@
+/* From record paths (path.h) to the records of a tile job, in place of a projection (record.h). */
+#ifndef TD_PATH_RECORD_H
+#define TD_PATH_RECORD_H
+
+#include "path.h"
+#include "record.h"
+
+/* Beside the paths, which one each of the store's Gaussians has: TD_PATH_DIRECT for none. Rows from first_moved on (td_source)
+ * have none either. */
+typedef struct td_path_source {
+    td_paths paths;
+    TD_GLOBAL const int *path_of;
+} td_path_source;
+
+/* (otherwise, then) by mask, for what records are made of. */
+TD_INLINE void td_shape_choose(td_shape *shape, const td_shape *then, td_mask mask) {
+    shape->depth = td_dual_select(shape->depth, then->depth, mask);
+    shape->depth_low = td_select(shape->depth_low, then->depth_low, mask);
+    shape->u = td_dual_select(shape->u, then->u, mask);
+    shape->v = td_dual_select(shape->v, then->v, mask);
+    shape->a = td_dual_select(shape->a, then->a, mask);
+    shape->b = td_dual_select(shape->b, then->b, mask);
+    shape->c = td_dual_select(shape->c, then->c, mask);
+    for (int k = 0; k < 3; k++) shape->conic[k] = td_dual_select(shape->conic[k], then->conic[k], mask);
+    shape->opacity = td_dual_select(shape->opacity, then->opacity, mask);
+    shape->power = td_select(shape->power, then->power, mask);
+    shape->visible = td_select_mask(shape->visible, then->visible, mask);
+    shape->broken = td_select_mask(shape->broken, then->broken, mask);
+}
+
+/* Those of a group that have no path are projected. They are of one kind (td_source_of), whatever stands before them. */
+TD_INLINE void td_project_rest(const td_job *job, TD_GLOBAL const int *object, TD_GLOBAL const td_view *views,
+                               const td_image *image, const td_source *source, td_index gaussian, td_mask rest, td_shape *shape,
+                               td_dual *luminance) {
+    int lane[TD_LANES], leader = 0;
+    td_index alone = td_select_mask((gaussian & 0) + TD_NO_GAUSSIAN, gaussian, rest);
+    td_index_lanes(alone, lane);
+    for (int i = 0; i < TD_LANES; i++) leader = lane[i] > leader ? lane[i] : leader;
+    td_source own = td_source_of(source, image, leader);
+    TD_GLOBAL const td_view *view = views + job->slot * image->objects + object[td_owner_of(&own, leader)];
+    td_shape projected = td_project_shape(view, image, &own, alone);
+    td_colour colour = td_project_colour(view, image, &own, alone);
+    td_shape_choose(shape, &projected, rest);
+    *luminance = td_dual_select(*luminance, td_luminance_of(&colour, image), rest);
+}
+
+/* Candidates [first, first + TD_LANES) of a job at the moment of its slot: records and masks, no colours. */
+TD_INLINE void td_path_group(const td_job *job, int first, TD_GLOBAL const int *candidates, TD_GLOBAL const int *object,
+                             TD_GLOBAL const td_view *views, const td_image *image, const td_source *source,
+                             const td_path_source *from, const td_sink *all) {
+    td_index gaussian = td_load_ints(candidates + job->candidates + first);
+    td_mask there = gaussian >= 0, moved = gaussian >= source->first_moved;
+    td_index path = td_gather_ints(from->path_of, td_select_mask(td_not_below_0(gaussian), gaussian & 0, moved));
+    td_mask rest = there & (moved | (path < 0));
+    td_path_splat splat = td_path_at(&from->paths, td_not_below_0(path), (td_index)(job->slot));
+    td_shape shape = td_path_shape(&splat, image);
+    td_dual luminance = splat.luminance;
+    shape.visible = shape.visible & there;
+    shape.broken = shape.broken & there;
+    if (td_any(rest)) td_project_rest(job, object, views, image, source, gaussian, rest, &shape, &luminance);
+    int at = job->records + first;
+    td_sink sink;
+    sink.records = all->records + at * TD_RECORD_STRIDE;
+    sink.colours = all->colours;
+    sink.masks = all->masks + at;
+    if (!td_store_masks(&shape, image, job, &sink)) return;
+    td_lanes entry[TD_RECORD_STRIDE];
+    td_lay_shape(&shape, entry);
+    entry[TD_R_LUMINANCE] = td_select(luminance.v, td_not_a_number(), shape.broken);
+    entry[TD_R_LUMINANCE_DOT] = luminance.d;
+    td_store_records(sink.records, entry);
+}
+
+#endif

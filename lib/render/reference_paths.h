@@ -1,0 +1,74 @@
+/* Record paths in the references (kernels/path.h): rows at nodes, their misfits, and what a batch takes from them. Part of
+ * reference_body.h, in its precision. */
+
+/* An array grown to `count` numbers where it has fewer, keeping what it has. */
+static tides_status grow_rows_of_paths(td_real **array, size_t *capacity, size_t count, tides_error *error) {
+    if (count <= *capacity) return TIDES_OK;
+    size_t more = count > 2 * *capacity ? count : 2 * *capacity;
+    tides_status status = grow(array, more, error);
+    if (status == TIDES_OK) *capacity = more;
+    return status;
+}
+
+static tides_status prepare_paths(td_backend *backend, tides_error *error) {
+    (void)backend, (void)error; /* nothing to build */
+    return TIDES_OK;
+}
+
+static tides_status nodes(td_backend *backend, const td_node_request *request, tides_error *error) {
+    reference *r = (reference *)backend;
+    double begun = td_now();
+    size_t rows = (size_t)request->row_count;
+    td_image image = r->image;
+    image.outputs = TD_OUT_SIGNAL;
+    tides_status status = grow_rows_of_paths(&r->path_rows, &r->path_row_capacity, rows * TD_PATH_STRIDE, error);
+    if (status == TIDES_OK) status = grow_rows_of_paths(&r->path_low, &r->path_low_capacity, rows, error);
+    if (status == TIDES_OK) status = copy_views(r, request->views, request->slots, error);
+    if (status != TIDES_OK) return status;
+    const td_node_sink sink = {r->path_rows, r->path_low};
+    for (int k = 0; k < request->job_count; k++) {
+        const td_node_job *job = &request->jobs[k];
+        for (int i = 0; i < job->count; i++)
+            td_node_group(job, i, request->gaussians, request->rows, r->object, r->views, &image, &r->source, &sink);
+    }
+    backend->stats.time_project_s += td_now() - begun;
+    return TIDES_OK;
+}
+
+static tides_status path_misfits(td_backend *backend, const td_path_request *request, float *misfits, tides_error *error) {
+    reference *r = (reference *)backend;
+    double begun = td_now();
+    const td_path_terms terms = {(td_real)request->tolerance, (td_real)request->time_tolerance_s, (td_real)request->rounding,
+                                 0};
+    td_real *lengths = NULL;
+    tides_status status = copy_array(request->lengths, (size_t)request->pieces, &lengths, error);
+    for (int i = 0; i < request->count && status == TIDES_OK; i++)
+        misfits[i] =
+            (float)td_path_worst(r->path_rows, request->first[i], request->level, request->pieces, lengths, &terms, &r->image);
+    free(lengths);
+    backend->stats.time_project_s += td_now() - begun;
+    return status;
+}
+
+static tides_status path_rows(td_backend *backend, int count, double *rows, double *low, tides_error *error) {
+    const reference *r = (const reference *)backend;
+    (void)error;
+    for (size_t i = 0; i < (size_t)count * TD_PATH_STRIDE; i++) rows[i] = r->path_rows[i];
+    for (int i = 0; i < count; i++) low[i] = r->path_low[i];
+    return TIDES_OK;
+}
+
+/* The weights of a batch's times in this precision. */
+static tides_status copy_cubics(reference *r, const td_batch *batch, tides_error *error) {
+    size_t count = (size_t)batch->slots * TD_PATH_LEVELS * TD_PATH_CUBIC;
+    tides_status status = td_reserve((void **)&r->path_cubics, &r->path_cubic_capacity, count, sizeof *r->path_cubics, error);
+    if (status == TIDES_OK) narrow(batch->paths->cubics, r->path_cubics, count);
+    return status;
+}
+
+static td_path_source path_source_of(const reference *r, const td_path_batch *batch) {
+    const td_path_source none = {{NULL, NULL, NULL, NULL}, NULL};
+    const td_path_source from = {{r->path_rows, r->path_low, r->path_cubics, batch ? batch->nodes : NULL},
+                                 batch ? batch->path_of : NULL};
+    return batch ? from : none;
+}
