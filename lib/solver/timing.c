@@ -140,6 +140,10 @@ static void turn_of(const td_timed *timed, const td_model *model, int32_t i, dou
     *bend = rate * (L_dot - *slope);
 }
 
+/* Of errors that have nothing to do with each other. (hypot would also mind numbers whose squares don't fit, and take longer than
+ * all the rest.) */
+static double together(double a, double b) { return sqrt(a * a + b * b); }
+
 /* An event of pixel i at s, where the signal has this slope and curvature towards it. */
 static void add_event(td_timing *timing, const td_timed *timed, int32_t i, double s, double slope, double bend) {
     const td_probe_law law = law_of(timed, i);
@@ -147,7 +151,7 @@ static void add_event(td_timing *timing, const td_timed *timed, int32_t i, doubl
     int touches = 0;
     for (int k = 0; k < TD_PROBE_SHARES && law.weight[k] > 0; k++) {
         int may_touch;
-        double reach = td_timing_reach(slope, bend, hypot(law.share[k] * middle, rounding), &may_touch);
+        double reach = td_timing_reach(slope, bend, together(law.share[k] * middle, rounding), &may_touch);
         timing->weight[bin_of(reach * timed->step->length_s + 1e-9)] += law.weight[k]; /* times are floored to nanoseconds */
         touches |= may_touch && (k == 0 || law.share[k] <= TD_PROBE_LEFT_MOST);
     }
@@ -180,25 +184,50 @@ void td_timing_add(td_timing *timing, const td_timed *timed) {
 static double most_error(const td_timing *timing, const td_timed *timed, int32_t i, double s) {
     const td_probe_law law = law_of(timed, i);
     const double share = timed->deviation ? TD_PROBE_LEFT_MOST : 1;
-    return hypot(share * deviation_of(timed, i) * share_at(&law, s), rounding_of(timing, timed, i));
+    return together(share * deviation_of(timed, i) * share_at(&law, s), rounding_of(timing, timed, i));
+}
+
+enum { BLOCK = 64 }; /* pixels marked together */
+
+/* mark[k] = 1 where the control values of pixel first + k both rise and fall, otherwise 0. As doubles, by one comparison at a
+ * time, so that the loop vectorises (lib/sensor/comparator.c). */
+static void mark_turns(const td_timed *timed, int32_t first, int32_t count, double *restrict mark) {
+    const double *S0 = timed->signals->S0 + first, *S0_dot = timed->signals->S0_dot + first;
+    const double *S1 = timed->signals->S1 + first, *S1_dot = timed->signals->S1_dot + first;
+    const double h = timed->step->length_s;
+    for (int32_t k = 0; k < count; k++) {
+        const td_model model = td_model_fit(TIDES_MODEL_HERMITE, h, S0[k], S0_dot[k], S1[k], S1_dot[k]);
+        const double *b = model.control;
+        double rise = b[1] - b[0], on = b[2] - b[1], last = b[3] - b[2];
+        double most = td_greater(td_greater(rise, on), last), least = td_lesser(td_lesser(rise, on), last);
+        double flag = most > 0.0 ? 1.0 : 0.0;
+        mark[k] = least < 0.0 ? flag : 0.0;
+    }
+}
+
+/* The turns of pixel i. */
+static void add_turns(td_timing *timing, const td_timed *timed, int32_t i) {
+    const td_levels *levels = &timed->levels;
+    const td_model model = model_of(timed, i);
+    double turn[2];
+    for (int k = td_model_extrema(&model, turn); k-- > 0;) {
+        double residual = td_model_value(&model, turn[k]) + ramp_at(timed, i, turn[k]) - reference_at(timed, i, turn[k]);
+        int is_top = td_model_curvature(&model, turn[k]) < 0;
+        double left =
+            is_top ? levels->threshold_on[i * levels->stride] - residual : residual + levels->threshold_off[i * levels->stride];
+        timing->uncertain += (uint64_t)(left > 0 && left < most_error(timing, timed, i, turn[k]));
+    }
 }
 
 void td_timing_add_turns(td_timing *timing, const td_timed *timed) {
-    const td_levels *levels = &timed->levels;
     if (timed->frontend && timed->frontend->on) return; /* the model is of L, not of S */
-    for (int32_t i = 0; i < timed->tile->count; i++) {
-        const td_model model = model_of(timed, i);
-        const double *b = model.control;
-        int rises = b[1] > b[0] || b[2] > b[1] || b[3] > b[2], falls = b[1] < b[0] || b[2] < b[1] || b[3] < b[2];
-        if (!(rises && falls)) continue;
-        double turn[2];
-        for (int k = td_model_extrema(&model, turn); k-- > 0;) {
-            double residual = td_model_value(&model, turn[k]) + ramp_at(timed, i, turn[k]) - reference_at(timed, i, turn[k]);
-            int is_top = td_model_curvature(&model, turn[k]) < 0;
-            double left = is_top ? levels->threshold_on[i * levels->stride] - residual
-                                 : residual + levels->threshold_off[i * levels->stride];
-            timing->uncertain += (uint64_t)(left > 0 && left < most_error(timing, timed, i, turn[k]));
-        }
+    const int32_t pixels = timed->tile->count;
+    for (int32_t first = 0; first < pixels; first += BLOCK) {
+        const int32_t count = pixels - first < BLOCK ? pixels - first : BLOCK;
+        double mark[BLOCK];
+        mark_turns(timed, first, count, mark);
+        for (int32_t k = 0; k < count; k++)
+            if (mark[k] != 0.0) add_turns(timing, timed, first + k);
     }
 }
 
