@@ -150,9 +150,13 @@ static tides_status begin_lists(tides_simulator *s, td_refine *r, tides_error *e
 /* Beside a cut's deviations: how far they have fallen since the cut before, which is at an end of the step that is cut. */
 static void note_falls(td_refine *r, int32_t before, int32_t sample, int32_t count) {
     const double *deviation = td_sample_deviation(&r->samples, sample);
-    const double *last = before < 0 ? NULL : td_sample_deviation(&r->samples, before);
     uint8_t *fall = td_sample_fall(&r->samples, sample);
-    for (int32_t i = 0; i < count; i++) fall[i] = last ? td_probe_fall(deviation[i], last[i]) : 0;
+    if (before < 0) {
+        memset(fall, 0, (size_t)count);
+        return;
+    }
+    const double *last = td_sample_deviation(&r->samples, before);
+    for (int32_t i = 0; i < count; i++) fall[i] = td_probe_fall(deviation[i], last[i]);
 }
 
 /* Cuts a step at the position `at`, where `sample` has been rendered: its second part is the new step `right`. */

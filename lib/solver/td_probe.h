@@ -48,9 +48,8 @@ enum { TD_PROBE_SHARES = 3 };
 enum { TD_PROBE_FALLS = 255 };
 
 static inline uint8_t td_probe_fall(double deviation, double before) {
-    double parts = TD_PROBE_FALLS * deviation;
-    if (!(parts < (TD_PROBE_FALLS - 1) * before)) return TD_PROBE_FALLS;
-    return (uint8_t)(1 + (int)(parts / before));
+    const double fallen = TD_PROBE_FALLS * deviation / before, most = TD_PROBE_FALLS - 1;
+    return (uint8_t)(1 + (int)(fallen < most ? fallen : most)); /* no branch, so that loops vectorise; NaN is the most */
 }
 
 /* Falls that a sixteenth may look like, for cuts are off the middle and higher terms count; and those that a kink of the slope

@@ -95,14 +95,20 @@ void td_fixed_take(tides_simulator *simulator, int k, td_sample *sample);
  * run's start. */
 void td_difference_slopes(tides_simulator *simulator, double h);
 
-/* S and S_dot of a rendered tile, whose planes are laid out block by block, as rows of the tile's pixels. */
+/* One plane of a rendered tile, which is laid out block by block, row by row in each, as rows of the tile's pixels. */
+static inline void td_unpack_plane(const td_tile *tile, const double *restrict plane, double *restrict rows) {
+    const int whole = tile->width / TD_BLOCK * TD_BLOCK;
+    for (int y = 0; y * tile->width < tile->count; y++, rows += tile->width) {
+        for (int x = 0; x < whole; x += TD_BLOCK)
+            for (int k = 0; k < TD_BLOCK; k++) rows[x + k] = plane[td_tile_pixel(x, y) + k];
+        for (int x = whole; x < tile->width; x++) rows[x] = plane[td_tile_pixel(x, y)];
+    }
+}
+
+/* S and S_dot of such a tile. */
 static inline void td_unpack_tile(const td_tile *tile, const double *planes, double *S, double *S_dot) {
-    for (int y = 0, i = 0; i < tile->count; y++)
-        for (int x = 0; x < tile->width; x++, i++) {
-            int at = td_tile_pixel(x, y);
-            S[i] = planes[TD_OUT_L * TD_TILE_PIXELS + at];
-            S_dot[i] = planes[TD_OUT_L_DOT * TD_TILE_PIXELS + at];
-        }
+    td_unpack_plane(tile, planes + TD_OUT_L * TD_TILE_PIXELS, S);
+    td_unpack_plane(tile, planes + TD_OUT_L_DOT * TD_TILE_PIXELS, S_dot);
 }
 
 /* Time of grid point k [s after the epoch]; the last one is `length`. */
@@ -117,9 +123,7 @@ static inline double td_time_reached(const tides_simulator *simulator) {
 static inline void td_unpack_diagnostics(const td_tile *tile, const double *planes, double *sample) {
     static const int output[] = {TD_OUT_COVERAGE, TD_OUT_ALPHA_DOT, TD_OUT_CONTRIBUTORS};
     for (int k = 0; k < TD_PLANES_ALL - TD_PLANES_SIGNAL; k++)
-        for (int y = 0, i = 0; i < tile->count; y++)
-            for (int x = 0; x < tile->width; x++, i++)
-                sample[(TD_PLANES_SIGNAL + k) * TD_TILE_PIXELS + i] = planes[output[k] * TD_TILE_PIXELS + td_tile_pixel(x, y)];
+        td_unpack_plane(tile, planes + output[k] * TD_TILE_PIXELS, sample + (TD_PLANES_SIGNAL + k) * TD_TILE_PIXELS);
 }
 
 /* What fixed steps and the first sample render: risk isn't asked there. */

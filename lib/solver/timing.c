@@ -140,8 +140,8 @@ static void turn_of(const td_timed *timed, const td_model *model, int32_t i, dou
     *bend = rate * (L_dot - *slope);
 }
 
-/* Of errors that have nothing to do with each other. (hypot would also mind numbers whose squares don't fit, and take longer than
- * all the rest.) */
+/* Of errors that have nothing to do with each other. (hypot minds squares that no number holds, and took longer than the
+ * rest.) */
 static double together(double a, double b) { return sqrt(a * a + b * b); }
 
 /* An event of pixel i at s, where the signal has this slope and curvature towards it. */
