@@ -90,6 +90,7 @@ typedef struct bench_row {
     int32_t runs;
     tides_stats stats;
     tides_match match;
+    int32_t refused;    /* the device can't have it: no row of the results */
     double exact_share; /* how far the exact stream itself may be off, as a share of the errors measured against it */
 } bench_row;
 
@@ -104,9 +105,13 @@ bench_row *bench_rows_add(bench_rows *rows, tides_error *error);
 /* Simulates once; run time and statistics go to the row, the events to the stream (emptied before; nullable). */
 tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
                             const tides_stepping *stepping, cli_stream *stream, bench_row *row, tides_error *error);
-/* Runs a row again where it was short, for the better run time; else simulates and matches it against the truth. */
+/* Runs a row again where it was short, for the better run time; else simulates and matches it against the truth. What asks for
+ * double precision of a device without is told and left out. */
 tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
                            const tides_stepping *stepping, bench_row *row, tides_error *error);
+/* The parts of exact events, which a row may have: where unset, off, whatever the library's defaults are. */
+enum { BENCH_SOLVED_FLOAT = 1, BENCH_SOLVED = 2 };
+void bench_choose_parts(tides_stepping *stepping, int32_t parts);
 /* A line on stderr. */
 void bench_say(const bench *b, const char *format, ...) CLI_PRINTF(2, 3);
 void bench_say_row(const bench *b, const bench_row *row);

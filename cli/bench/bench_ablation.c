@@ -11,6 +11,7 @@
  *   with_masking             full, with pixels silent where coverage is below B_MIN: what masking takes away and puts off
  *   with_readout             full, behind the default readout: what its delays, jitter and drops add
  *   global_step              full, but one step for the whole image
+ *   solved_float, solved     full, its events looked up in the image, in single or double precision
  *   one_event                full, but at most one event per pixel and step: steps are cut until none has more
  *   fixed_step               no controller: the paper's schedule, ten equal steps where full may take one
  *
@@ -43,6 +44,7 @@ typedef struct variant {
     int32_t steps;           /* of fixed rows: STEPS_* */
     int32_t slope;
     int32_t no_alpha_dot, masking, readout;
+    int32_t parts; /* BENCH_SOLVED ... */
 } variant;
 
 enum {
@@ -63,6 +65,8 @@ static const variant variants[] = {
     {.name = "with_masking", .mode = ERROR, .model = CUBIC, .local = 1, .masking = 1},
     {.name = "with_readout", .mode = ERROR, .model = CUBIC, .local = 1, .readout = 1},
     {.name = "global_step", .mode = ERROR, .model = CUBIC},
+    {.name = "solved_float", .mode = ERROR, .model = CUBIC, .local = 1, .parts = BENCH_SOLVED_FLOAT},
+    {.name = "solved", .mode = ERROR, .model = CUBIC, .local = 1, .parts = BENCH_SOLVED},
     {.name = "one_event", .mode = ERROR, .model = CUBIC, .local = 1, .events_per_step = 1},
     {.name = "fixed_step", .mode = FIXED, .model = CUBIC, .local = 1, .steps = STEPS_TEN},
     {.name = "compute_matched", .mode = FIXED, .model = CUBIC, .local = 1},
@@ -91,6 +95,7 @@ static tides_stepping stepping_of(const variant *v, const bench_scene *scene, do
     s.tolerance = TOLERANCE;
     s.time_tolerance_s = 0;
     s.slope = v->slope;
+    bench_choose_parts(&s, v->parts);
     if (v->no_alpha_dot) s.risk.w_alpha = 0;
     return s;
 }

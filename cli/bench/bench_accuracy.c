@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SETTINGS_MAX = 10, METHODS_MAX = 16 };
+enum { SETTINGS_MAX = 10 };
 enum { RATE = 0, TOLERANCE = 1, TIME_TOLERANCE = 2, LONGEST_STEP = 3 }; /* what a setting is */
 
 /* One method is one row here; its settings end with 0, and --quick takes its own. Equal steps render whole frames (local = 0),
@@ -15,29 +15,36 @@ typedef struct method {
     const char *name;
     int32_t rules, mode, model, local, unit;
     double settings[SETTINGS_MAX], quick[SETTINGS_MAX];
+    int32_t parts; /* BENCH_SOLVED ... */
 } method;
 
-/* `risk` is the paper's score: its setting is the longest step, of which each tile takes its kappa. */
+/* `error` is the cubic alone between renders of whole tiles; `solved_float` and `solved` look its events up in the image.
+ *
+ * `risk` is the paper's score: its setting is the longest step, of which each tile takes its kappa. */
 /* clang-format off */
 static const method methods[] = {
     {"esim",         TIDES_RULES_SMOOTH, TIDES_STEPPING_FIXED, TIDES_MODEL_SECANT,    0, RATE,
-     {500, 1000, 2000, 4000, 8000, 16000, 32000, 64000}, {2000, 4000, 16000, 32000}},
+     {500, 1000, 2000, 4000, 8000, 16000, 32000, 64000}, {2000, 4000, 16000, 32000}, 0},
     {"quadratic",    TIDES_RULES_SMOOTH, TIDES_STEPPING_FIXED, TIDES_MODEL_QUADRATIC, 0, RATE,
-     {500, 1000, 2000, 4000, 8000, 16000, 32000}, {2000, 8000}},
+     {500, 1000, 2000, 4000, 8000, 16000, 32000}, {2000, 8000}, 0},
     {"hermite",      TIDES_RULES_SMOOTH, TIDES_STEPPING_FIXED, TIDES_MODEL_HERMITE,   0, RATE,
-     {500, 1000, 2000, 4000, 8000, 16000}, {2000, 8000}},
+     {500, 1000, 2000, 4000, 8000, 16000}, {2000, 8000}, 0},
     {"error",        TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TOLERANCE,
-     {0.1, 0.03, 0.01, 0.005, 0.003, 0.002, 0.001}, {0.1, 0.01, 0.003}},
+     {0.1, 0.03, 0.01, 0.005, 0.003, 0.002, 0.001}, {0.1, 0.01, 0.003}, 0},
+    {"solved_float", TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TOLERANCE,
+     {0.3, 0.1, 0.03, 0.01, 0.003}, {0.1, 0.01}, BENCH_SOLVED_FLOAT},
+    {"solved",       TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TOLERANCE,
+     {0.3, 0.1, 0.03, 0.01, 0.003}, {0.1, 0.01}, BENCH_SOLVED},
     {"error_time",   TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TIME_TOLERANCE,
-     {1e-5, 1e-6}, {1e-5}},
+     {1e-5, 1e-6}, {1e-5}, 0},
     {"risk",         TIDES_RULES_SMOOTH, TIDES_STEPPING_RISK,  TIDES_MODEL_HERMITE,   1, LONGEST_STEP,
-     {4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4}, {1e-3, 2.5e-4}},
+     {4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4}, {1e-3, 2.5e-4}, 0},
     {"error_risk",   TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR_RISK, TIDES_MODEL_HERMITE, 1, TOLERANCE,
-     {0.1, 0.03, 0.01, 0.003}, {0.01}},
+     {0.1, 0.03, 0.01, 0.003}, {0.01}, 0},
     {"error_global", TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   0, TOLERANCE,
-     {0.1, 0.03, 0.01}, {0.1, 0.01}},
+     {0.1, 0.03, 0.01}, {0.1, 0.01}, 0},
     {"esim_inria",   TIDES_RULES_INRIA,  TIDES_STEPPING_FIXED, TIDES_MODEL_SECANT,    0, RATE,
-     {500, 1000, 2000, 4000, 8000, 16000, 32000, 64000}, {4000, 16000}},
+     {500, 1000, 2000, 4000, 8000, 16000, 32000, 64000}, {4000, 16000}, 0},
 };
 /* clang-format on */
 enum { METHODS = sizeof methods / sizeof methods[0] };
@@ -55,6 +62,7 @@ static tides_stepping stepping_of(const method *m, const bench_scene *scene, dou
     s.min_step_s = 1e-6;
     s.tolerance = m->unit == TOLERANCE ? setting : 1.0; /* a whole threshold: the time tolerance decides */
     s.time_tolerance_s = m->unit == TIME_TOLERANCE ? setting : 0;
+    bench_choose_parts(&s, m->parts);
     return s;
 }
 

@@ -28,6 +28,12 @@ void bench_say_row(const bench *b, const bench_row *row) {
 
 const char *bench_rules_name(int32_t rules) { return rules == TIDES_RULES_INRIA ? "inria" : "smooth"; }
 
+void bench_choose_parts(tides_stepping *stepping, int32_t parts) {
+    stepping->solve = parts & BENCH_SOLVED         ? TIDES_SOLVE_DOUBLE
+                      : parts & BENCH_SOLVED_FLOAT ? TIDES_SOLVE_FLOAT
+                                                   : TIDES_SOLVE_OFF;
+}
+
 /* -- rows ---------------------------------------------------------------------------------------------------------------- */
 
 bench_row *bench_rows_add(bench_rows *rows, tides_error *error) {
@@ -87,13 +93,18 @@ tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, c
 
 tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
                            const tides_stepping *stepping, bench_row *row, tides_error *error) {
-    if (row->runs > 0 && row->run_time_s > SHORT_RUN_S) return TIDES_OK;
+    if (row->refused || (row->runs > 0 && row->run_time_s > SHORT_RUN_S)) return TIDES_OK;
     const int32_t again = row->runs > 0;
     const tides_exact *truth = &scene->truth[rules];
     cli_stream stream = {.events = NULL};
     snprintf(row->scene, sizeof row->scene, "%s", scene->name);
     row->image = scene->image_name ? scene->image_name : bench_rules_name(rules);
-    tides_status status = bench_simulate(b, scene, rules, sensor, stepping, &stream, row, error);
+    tides_error reason = {TIDES_OK, ""};
+    tides_status status = bench_simulate(b, scene, rules, sensor, stepping, &stream, row, &reason);
+    row->refused = status == TIDES_UNSUPPORTED && stepping->solve == TIDES_SOLVE_DOUBLE;
+    if (row->refused) bench_say(b, "%-13s %s is left out: %s", scene->name, row->method, reason.text);
+    if (row->refused) return TIDES_OK;
+    if (status != TIDES_OK) *error = reason;
     if (status == TIDES_OK && !again)
         status = tides_match_events(truth->events, truth->count, stream.events, stream.count, TIDES_MATCH_LIMIT_S, &row->match,
                                     error);
@@ -142,10 +153,18 @@ tides_status bench_each_scene(bench *b, const cli_list *names, bench_visit visit
 
 /* -- a benchmark of rows ------------------------------------------------------------------------------------------------- */
 
+static void drop_refused(bench_rows *rows) {
+    size_t kept = 0;
+    for (size_t i = 0; i < rows->count; i++)
+        if (!rows->rows[i].refused) rows->rows[kept++] = rows->rows[i];
+    rows->count = kept;
+}
+
 tides_status bench_fill_sheet(bench *b, const bench_kind *kind, const cli_list *scenes, tides_error *error) {
     bench_sheet sheet = {.header = bench_header(b, kind->name)};
     if (!sheet.header) return cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
     tides_status status = bench_each_scene(b, scenes, kind->visit, &sheet, error);
+    drop_refused(&sheet.rows);
     if (status == TIDES_OK) status = bench_write(b, kind->name, sheet.header, &sheet.rows, error);
     if (status == TIDES_OK) status = kind->figure(b, &sheet.rows, error);
     if (status == TIDES_OK && !b->common->quiet && !b->common->json) kind->print(&sheet.rows);

@@ -29,7 +29,7 @@ bench_verdict bench_judge(const bench_rows *rows, const char *scene) {
     bench_verdict v = {.mismatch_percent = NAN};
     for (size_t i = 0; i < rows->count; i++) {
         const bench_row *row = &rows->rows[i];
-        if (strcmp(row->scene, scene) != 0) continue;
+        if (strcmp(row->scene, scene) != 0 || row->refused) continue;
         const int32_t honest = bench_is_honest(row);
         v.rows++;
         v.estimated += honest >= 0;
