@@ -115,33 +115,21 @@ TD_INLINE td_real td_from_bits(td_word bits) {
 #endif
 typedef td_mask td_index;
 
-/* array[index] for each lane. */
-TD_INLINE td_lanes td_gather(TD_GLOBAL const td_real *array, td_index i) {
+/* array[index] for each lane, as a `type`. */
 #if TD_LANES == 16
-    return (td_lanes)(array[i.s0], array[i.s1], array[i.s2], array[i.s3], array[i.s4], array[i.s5], array[i.s6], array[i.s7],
-                      array[i.s8], array[i.s9], array[i.sa], array[i.sb], array[i.sc], array[i.sd], array[i.se], array[i.sf]);
+#define TD_GATHER(type, array, i)                                                                                  \
+    (type)(array[i.s0], array[i.s1], array[i.s2], array[i.s3], array[i.s4], array[i.s5], array[i.s6], array[i.s7], \
+           array[i.s8], array[i.s9], array[i.sa], array[i.sb], array[i.sc], array[i.sd], array[i.se], array[i.sf])
 #elif TD_LANES == 8
-    return (td_lanes)(array[i.s0], array[i.s1], array[i.s2], array[i.s3], array[i.s4], array[i.s5], array[i.s6], array[i.s7]);
+#define TD_GATHER(type, array, i) \
+    (type)(array[i.s0], array[i.s1], array[i.s2], array[i.s3], array[i.s4], array[i.s5], array[i.s6], array[i.s7])
 #elif TD_LANES == 4
-    return (td_lanes)(array[i.x], array[i.y], array[i.z], array[i.w]);
+#define TD_GATHER(type, array, i) (type)(array[i.x], array[i.y], array[i.z], array[i.w])
 #else
-    return array[i];
+#define TD_GATHER(type, array, i) ((type)array[i])
 #endif
-}
-
-/* The same for ints. */
-TD_INLINE td_index td_gather_ints(TD_GLOBAL const int *array, td_index i) {
-#if TD_LANES == 16
-    return (td_index)(array[i.s0], array[i.s1], array[i.s2], array[i.s3], array[i.s4], array[i.s5], array[i.s6], array[i.s7],
-                      array[i.s8], array[i.s9], array[i.sa], array[i.sb], array[i.sc], array[i.sd], array[i.se], array[i.sf]);
-#elif TD_LANES == 8
-    return (td_index)(array[i.s0], array[i.s1], array[i.s2], array[i.s3], array[i.s4], array[i.s5], array[i.s6], array[i.s7]);
-#elif TD_LANES == 4
-    return (td_index)(array[i.x], array[i.y], array[i.z], array[i.w]);
-#else
-    return array[i];
-#endif
-}
+TD_INLINE td_lanes td_gather(TD_GLOBAL const td_real *array, td_index i) { return TD_GATHER(td_lanes, array, i); }
+TD_INLINE td_index td_gather_ints(TD_GLOBAL const int *array, td_index i) { return TD_GATHER(td_index, array, i); }
 
 /* first, first + 1 .. in each lane */
 TD_INLINE td_index td_count_from(int first) {

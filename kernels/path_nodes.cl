@@ -4,9 +4,9 @@
 
 __kernel void td_project_nodes(__constant const td_image *image_buffer, __global const td_node_job *jobs,
                                __global const int *gaussians, __global const int *places, __global const int *object,
-                               __global const td_view *views, __global const float *geometry, __global const float *rates,
-                               __global const float *sh, __global const float *sh_rates, __global const int *owners,
-                               int first_rate, int first_moved, __global float *rows, __global float *low) {
+                               __global const td_view *views, __global const td_real *geometry, __global const td_real *rates,
+                               __global const td_sh_real *sh, __global const td_real *sh_rates, __global const int *owners,
+                               int first_rate, int first_moved, __global td_real *rows, __global td_real *low) {
     const td_image image = td_specialised(image_buffer);
     const td_node_job job = jobs[get_group_id(0)];
     const td_source source = td_source_make(geometry, rates, sh, sh_rates, owners, first_rate, first_moved);

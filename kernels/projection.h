@@ -33,7 +33,8 @@ typedef struct td_matrix23 {
  * that nothing moves. */
 typedef struct td_source {
     TD_GLOBAL const td_real *geometry, *rates; /* TD_GEOMETRY_STRIDE per row */
-    TD_GLOBAL const td_real *sh, *sh_rates;    /* sh_stride per row */
+    TD_GLOBAL const td_sh_real *sh;            /* sh_stride per row */
+    TD_GLOBAL const td_real *sh_rates;         /* likewise */
     TD_GLOBAL const int *owners;               /* of each moved row: its Gaussian in the store, and the row of its SH */
     int first_rate, first_moved;
     int rated, moved, sh_rated; /* whether the rows in hand have rates, are moved ones, and have rates of SH (td_source_of) */
@@ -42,8 +43,8 @@ typedef struct td_source {
 #ifdef TD_OPENCL
 /* A kernel's arrays as a source; td_source_of fills in the rest. */
 TD_INLINE td_source td_source_make(TD_GLOBAL const td_real *geometry, TD_GLOBAL const td_real *rates,
-                                   TD_GLOBAL const td_real *sh, TD_GLOBAL const td_real *sh_rates, TD_GLOBAL const int *owners,
-                                   int first_rate, int first_moved) {
+                                   TD_GLOBAL const td_sh_real *sh, TD_GLOBAL const td_real *sh_rates,
+                                   TD_GLOBAL const int *owners, int first_rate, int first_moved) {
     td_source source;
     source.geometry = geometry;
     source.rates = rates;

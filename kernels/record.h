@@ -59,7 +59,7 @@ TD_INLINE void td_store_features(TD_GLOBAL const td_view *view, const td_image *
     td_sh_source from = td_sh_source_of(view, image, source, td_not_below_0(gaussian));
     td_lanes largest = td_splat(0.0f);
     for (int k = 0; k < TD_FEATURES; k++) {
-        td_lanes value = td_gather(from.sh, from.index + k), rate = td_splat(0.0f);
+        td_lanes value = td_gather_sh(from.sh, from.index + k), rate = td_splat(0.0f);
         if (from.moving) rate = td_gather(from.rates, from.rate_index + k);
         value = td_select(value, td_not_a_number(), broken);
         td_scatter(sink->colours, TD_FEATURE_STRIDE, k, value);

@@ -6,6 +6,14 @@
 
 #include "dual.h"
 
+/* Coefficients are kept in the working precision, or, where the program says so, as the floats that scenes have of them. */
+#ifdef TD_BUILD_SH_FLOAT
+typedef float td_sh_real;
+#else
+typedef td_real td_sh_real;
+#endif
+TD_INLINE td_lanes td_gather_sh(TD_GLOBAL const td_sh_real *array, td_index i) { return TD_GATHER(td_lanes, array, i); }
+
 typedef struct td_colour {
     td_dual channel[3];
 } td_colour;
@@ -13,7 +21,7 @@ typedef struct td_colour {
 /* Where a group of Gaussians' coefficients are: reals at index + 3 k + channel, rates at rate_index + likewise where
  * `moving`. */
 typedef struct td_sh_source {
-    TD_GLOBAL const td_real *sh;
+    TD_GLOBAL const td_sh_real *sh;
     TD_GLOBAL const td_real *rates;
     td_index index, rate_index;
     int moving;
@@ -24,7 +32,7 @@ typedef struct td_sh_source {
 TD_INLINE void td_sh_add(td_colour *colour, td_dual basis, const td_sh_source *source, int k) {
     for (int c = 0; c < 3; c++) {
         td_index index = source->index + (3 * k + c);
-        td_lanes sh = td_gather(source->sh, index);
+        td_lanes sh = td_gather_sh(source->sh, index);
         colour->channel[c] = td_dual_fma_still(basis, sh, colour->channel[c]);
         if (source->moving)
             colour->channel[c].d =

@@ -114,7 +114,7 @@ TD_INLINE td_lanes td_colour_surplus(TD_GLOBAL const td_view *view, const td_ima
     for (int k = 0; k < image->sh_stride; k++) {
         td_dual x[3];
         for (int i = 0; i < 3; i++)
-            x[i] = td_dual_make(td_gather(sh[i].sh, sh[i].index + k), td_gather(sh[i].rates, sh[i].rate_index + k));
+            x[i] = td_dual_make(td_gather_sh(sh[i].sh, sh[i].index + k), td_gather(sh[i].rates, sh[i].rate_index + k));
         td_lanes weight = td_splat(image->luminance[k % 3]);
         sum = td_fma(weight, td_surplus(x[0], x[1], x[2], duration), sum);
         td_lanes colour = td_fma(td_larger(x[0].v, td_larger(x[1].v, x[2].v)), TD_REAL(0.28209479177387814), td_splat(0.5f));

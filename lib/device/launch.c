@@ -54,13 +54,18 @@ done:
     return status;
 }
 
-tides_status td_buffer_read_part(tides_device *device, const td_buffer *buffer, void *data, size_t offset, size_t bytes,
-                                 tides_error *error) {
+tides_status td_buffer_read_at(tides_device *device, const td_buffer *buffer, size_t offset, void *data, size_t bytes,
+                               tides_error *error) {
     tides_status status = TIDES_OK;
     if (bytes == 0) return status;
-    TD_CL(clEnqueueReadBuffer(device->queue, buffer->memory, CL_TRUE, offset, bytes, (char *)data + offset, 0, NULL, NULL));
+    TD_CL(clEnqueueReadBuffer(device->queue, buffer->memory, CL_TRUE, offset, bytes, data, 0, NULL, NULL));
 done:
     return status;
+}
+
+tides_status td_buffer_read_part(tides_device *device, const td_buffer *buffer, void *data, size_t offset, size_t bytes,
+                                 tides_error *error) {
+    return td_buffer_read_at(device, buffer, offset, (char *)data + offset, bytes, error);
 }
 
 tides_status td_buffer_read(tides_device *device, const td_buffer *buffer, void *data, size_t bytes, tides_error *error) {

@@ -22,6 +22,9 @@ tides_status td_buffer_read(tides_device *device, const td_buffer *buffer, void 
 /* To `offset` bytes into a buffer that is large enough; blocking. */
 tides_status td_buffer_write_at(tides_device *device, const td_buffer *buffer, size_t offset, const void *data, size_t bytes,
                                 tides_error *error);
+/* From `offset` bytes into a buffer. */
+tides_status td_buffer_read_at(tides_device *device, const td_buffer *buffer, size_t offset, void *data, size_t bytes,
+                               tides_error *error);
 /* The bytes [offset, offset + bytes) of the buffer, to the same place in `data`. */
 tides_status td_buffer_read_part(tides_device *device, const td_buffer *buffer, void *data, size_t offset, size_t bytes,
                                  tides_error *error);

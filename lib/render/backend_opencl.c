@@ -20,9 +20,8 @@ tides_status td_opencl_write_reals(opencl_backend *b, td_buffer *buffer, const d
     return status == TIDES_OK ? td_opencl_write_reals_at(b, buffer, 0, from, count, error) : status;
 }
 
-/* What the image fixes is compiled in; DESIGN 3.6: what is off costs nothing. */
-static char *make_defines(const opencl_backend *b, int outputs, tides_error *error) {
-    const td_image *image = &b->image;
+/* DESIGN 3.6: what is off costs nothing. */
+char *td_opencl_defines(const td_image *image, int outputs, tides_error *error) {
     return td_format(error,
                      "#define TD_BUILD_SH_DEGREE %d\n#define TD_BUILD_ANTIALIAS %d\n#define TD_BUILD_CUT_RULE %d\n"
                      "#define TD_BUILD_STOP_RULE %d\n#define TD_BUILD_EXTENT_RULE %d\n#define TD_BUILD_MOVING %d\n"
@@ -34,7 +33,7 @@ static char *make_defines(const opencl_backend *b, int outputs, tides_error *err
 tides_status td_opencl_make_kernel(opencl_backend *b, const char *file, const char *name, int outputs, cl_kernel *kernel,
                                    tides_error *error) {
     if (*kernel) return TIDES_OK;
-    char *defines = make_defines(b, outputs, error);
+    char *defines = td_opencl_defines(&b->image, outputs, error);
     if (!defines) return TIDES_NO_MEMORY;
     double begun = td_now();
     tides_status status = td_kernel_create(b->device, file, defines, name, kernel, error);
@@ -409,7 +408,8 @@ static const td_backend_class opencl_class = {sweep,
                                               td_opencl_prepare_paths,
                                               td_opencl_nodes,
                                               td_opencl_path_misfits,
-                                              td_opencl_path_rows};
+                                              td_opencl_path_rows,
+                                              td_opencl_moved_rows};
 
 /* The scene to the device. Arrays that aren't there get one float, since kernels want an argument. */
 static tides_status write_store(opencl_backend *b, const td_store *store, tides_error *error) {

@@ -143,3 +143,26 @@ tides_status td_opencl_move(td_backend *backend, const td_move_batch *moves, tid
     backend->stats.time_motion_s += td_now() - begun;
     return status;
 }
+
+/* Numbers from `first` on of a buffer of floats. */
+static tides_status read_reals(opencl_backend *b, const td_buffer *buffer, size_t first, double *to, size_t count,
+                               tides_error *error) {
+    tides_status status = td_reserve((void **)&b->host, &b->host_capacity, count, sizeof *b->host, error);
+    if (status == TIDES_OK)
+        status = td_buffer_read_at(b->device, buffer, first * sizeof *b->host, b->host, count * sizeof *b->host, error);
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) to[i] = b->host[i];
+    return status;
+}
+
+tides_status td_opencl_moved_rows(td_backend *backend, const td_moved_rows *rows, tides_error *error) {
+    opencl_backend *b = (opencl_backend *)backend;
+    size_t row = (size_t)rows->row, rate = row - (size_t)b->first_rate, first = row - (size_t)b->gaussians;
+    size_t count = (size_t)rows->count, sh = b->moves_sh ? (size_t)b->image.sh_stride : 0, stride = TD_GEOMETRY_STRIDE;
+    tides_status status =
+        td_buffer_read_at(b->device, &b->owners, 2 * first * sizeof(cl_int), rows->owners, 2 * count * sizeof(cl_int), error);
+    if (status == TIDES_OK) status = read_reals(b, &b->geometry, row * stride, rows->geometry, count * stride, error);
+    if (status == TIDES_OK) status = read_reals(b, &b->rates, rate * stride, rows->rates, count * stride, error);
+    if (status == TIDES_OK && sh) status = read_reals(b, &b->sh, row * sh, rows->sh, count * sh, error);
+    if (status == TIDES_OK && sh) status = read_reals(b, &b->sh_rates, rate * sh, rows->sh_rates, count * sh, error);
+    return status;
+}

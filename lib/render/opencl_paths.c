@@ -161,7 +161,8 @@ tides_status td_opencl_path_rows(td_backend *backend, int count, double *rows, d
     tides_status status = td_reserve((void **)&b->host, &b->host_capacity, reals, sizeof *b->host, error);
     if (status == TIDES_OK) status = td_buffer_read(b->device, &b->path_rows, b->host, reals * sizeof *b->host, error);
     for (size_t i = 0; i < reals && status == TIDES_OK; i++) rows[i] = b->host[i];
-    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->path_low, b->host, (size_t)count * sizeof *b->host, error);
+    if (status != TIDES_OK || !low) return status;
+    status = td_buffer_read(b->device, &b->path_low, b->host, (size_t)count * sizeof *b->host, error);
     for (int i = 0; i < count && status == TIDES_OK; i++) low[i] = b->host[i];
     return status;
 }

@@ -54,7 +54,7 @@ static tides_status path_rows(td_backend *backend, int count, double *rows, doub
     const reference *r = (const reference *)backend;
     (void)error;
     for (size_t i = 0; i < (size_t)count * TD_PATH_STRIDE; i++) rows[i] = r->path_rows[i];
-    for (int i = 0; i < count; i++) low[i] = r->path_low[i];
+    for (int i = 0; i < count && low; i++) low[i] = r->path_low[i];
     return TIDES_OK;
 }
 
@@ -71,4 +71,22 @@ static td_path_source path_source_of(const reference *r, const td_path_batch *ba
     const td_path_source from = {{r->path_rows, r->path_low, r->path_cubics, batch ? batch->nodes : NULL},
                                  batch ? batch->path_of : NULL};
     return batch ? from : none;
+}
+
+static void widen(const td_real *from, double *to, size_t count) {
+    for (size_t i = 0; i < count; i++) to[i] = from[i];
+}
+
+static tides_status moved_rows(td_backend *backend, const td_moved_rows *rows, tides_error *error) {
+    const reference *r = (const reference *)backend;
+    size_t row = (size_t)rows->row, rate = row - (size_t)r->source.first_rate, first = row - (size_t)r->count;
+    size_t count = (size_t)rows->count, sh = r->moves_sh ? (size_t)r->image.sh_stride : 0, stride = TD_GEOMETRY_STRIDE;
+    (void)error;
+    widen(r->arrays[0] + row * stride, rows->geometry, count * stride);
+    widen(r->arrays[1] + rate * stride, rows->rates, count * stride);
+    memcpy(rows->owners, r->owners + 2 * first, 2 * count * sizeof *rows->owners);
+    if (!sh) return TIDES_OK;
+    widen(r->arrays[2] + row * sh, rows->sh, count * sh);
+    widen(r->arrays[3] + rate * sh, rows->sh_rates, count * sh);
+    return TIDES_OK;
 }

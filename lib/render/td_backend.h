@@ -164,6 +164,15 @@ typedef struct td_batch {
     const td_path_batch *paths; /* NULL: every candidate is projected */
 } td_batch;
 
+/* Rows of Gaussians that move by themselves, as they are now: [row, row + count) of td_source, row >= store.count. Caller's
+ * arrays; those of SH are left alone where no mover moves SH. */
+typedef struct td_moved_rows {
+    int row, count;
+    double *geometry, *rates; /* (count x TD_GEOMETRY_STRIDE) */
+    double *sh, *sh_rates;    /* (count x sh_stride) */
+    int *owners;              /* (2 x count) */
+} td_moved_rows;
+
 typedef struct td_backend td_backend;
 
 /* The stages' results for one job, as inspect copies them: caller's arrays for `records` candidates. Records and colours mean
@@ -202,8 +211,10 @@ typedef struct td_backend_class {
     tides_status (*nodes)(td_backend *backend, const td_node_request *request, tides_error *error);
     /* td_path_worst (path_node.h): (count). */
     tides_status (*path_misfits)(td_backend *backend, const td_path_request *request, float *misfits, tides_error *error);
-    /* The first `count` rows (x TD_PATH_STRIDE) and the low parts of their depths (tests). */
+    /* The first `count` rows (x TD_PATH_STRIDE), and the low parts of their depths, unless that is NULL. */
     tides_status (*path_rows)(td_backend *backend, int count, double *rows, double *low, tides_error *error);
+    /* Copies rows that batches have moved, in double: for td_exact. */
+    tides_status (*moved_rows)(td_backend *backend, const td_moved_rows *rows, tides_error *error);
 } td_backend_class;
 
 struct td_backend {

@@ -52,6 +52,9 @@ tides_status td_opencl_write_reals_at(opencl_backend *b, td_buffer *buffer, size
 tides_status td_opencl_motion_create(opencl_backend *b, const td_movers *movers, tides_error *error);
 void td_opencl_motion_release(opencl_backend *b);
 
+/* What an image fixes, compiled in: lines of defines, the caller's to free; NULL: out of memory (backend_opencl.c). */
+char *td_opencl_defines(const td_image *image, int outputs, tides_error *error);
+
 /* A kernel for the image's decisions, unless it is there (backend_opencl.c). */
 tides_status td_opencl_make_kernel(opencl_backend *b, const char *file, const char *name, int outputs, cl_kernel *kernel,
                                    tides_error *error);
@@ -71,7 +74,8 @@ tides_status td_opencl_path_rows(td_backend *backend, int count, double *rows, d
 tides_status td_opencl_fetch(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error);
 void td_opencl_paths_release(opencl_backend *b);
 
-/* td_backend_class.move */
+/* td_backend_class.move and .moved_rows */
 tides_status td_opencl_move(td_backend *backend, const td_move_batch *moves, tides_error *error);
+tides_status td_opencl_moved_rows(td_backend *backend, const td_moved_rows *rows, tides_error *error);
 
 #endif

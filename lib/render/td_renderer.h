@@ -9,6 +9,7 @@
  *   tiles.c, psf.c, nonfinite.c          tiles at times: rendered, blurred, checked
  *   frame.c, flow.c                      whole images, and how fast they move
  *   dynamic/                             Gaussians with a motion model
+ *   exact.c, exact_*.c                   rows of record paths in double precision (td_exact.h)
  *   backend_opencl.c, opencl_*.c, reference_*.c   what computes (td_backend.h)
  *
  * Compiled in double. */

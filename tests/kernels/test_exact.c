@@ -180,7 +180,7 @@ static void test_layout(void **state) {
                                (int)offsetof(td_view, eye_dot),
                                (int)offsetof(td_image, width),
                                (int)offsetof(td_image, outputs),
-                               (int)offsetof(td_job, new_hint)};
+                               (int)offsetof(td_job, blocks)};
     enum { NUMBERS = sizeof want / sizeof *want };
     (void)state;
     int got[NUMBERS] = {0};

@@ -1,0 +1,79 @@
+/* The scene in double precision (td_exact.h): which class, and what both share, rows of Gaussians that move by themselves. */
+#include "td_exact.h"
+
+#include <limits.h>
+#include <stdlib.h>
+
+tides_status td_exact_create(tides_device *device, const td_store *store, const td_image_numbers *image, td_exact **exact,
+                             tides_error *error) {
+    tides_status status = device->info.kind == TIDES_DEVICE_REFERENCE
+                              ? td_exact_create_twin(store, image, exact, error)
+                              : td_exact_create_opencl(device, store, image, exact, error);
+    if (status != TIDES_OK) return status;
+    (*exact)->gaussians = store->count;
+    (*exact)->sh_stride = store->sh_stride;
+    (*exact)->moves_sh = store->movers.moves_sh;
+    return TIDES_OK;
+}
+
+static void free_moved(td_moved_rows *moved) {
+    free(moved->geometry);
+    free(moved->rates);
+    free(moved->sh);
+    free(moved->sh_rates);
+    free(moved->owners);
+}
+
+void td_exact_destroy(td_exact *exact) {
+    if (!exact) return;
+    free_moved(&exact->moved);
+    exact->type->destroy(exact);
+}
+
+/* Room for `count` moved rows. */
+static tides_status reserve_moved(td_exact *exact, size_t count, tides_error *error) {
+    if (count <= exact->moved_capacity) return TIDES_OK;
+    size_t sh = exact->moves_sh ? count * (size_t)exact->sh_stride : 1;
+    td_moved_rows grown = {0};
+    grown.geometry = td_alloc(count * TD_GEOMETRY_STRIDE, sizeof *grown.geometry, error);
+    grown.rates = td_alloc(count * TD_GEOMETRY_STRIDE, sizeof *grown.rates, error);
+    grown.sh = td_alloc(sh, sizeof *grown.sh, error);
+    grown.sh_rates = td_alloc(sh, sizeof *grown.sh_rates, error);
+    grown.owners = td_alloc(2 * count, sizeof *grown.owners, error);
+    if (!grown.geometry || !grown.rates || !grown.sh || !grown.sh_rates || !grown.owners) {
+        free_moved(&grown);
+        return TIDES_NO_MEMORY;
+    }
+    free_moved(&exact->moved);
+    exact->moved = grown;
+    exact->moved_capacity = count;
+    return TIDES_OK;
+}
+
+/* The moved rows that a request names, from the backend. */
+static tides_status take_moved(td_exact *exact, td_backend *backend, const td_node_request *request, tides_error *error) {
+    int first = INT_MAX, last = -1;
+    for (int i = 0; i < request->count; i++) {
+        int row = request->gaussians[i];
+        if (row < exact->gaussians) continue;
+        if (row < first) first = row;
+        if (row > last) last = row;
+    }
+    if (last < 0) return TIDES_OK;
+    tides_status status = reserve_moved(exact, (size_t)(last - first) + 1, error);
+    if (status != TIDES_OK) return status;
+    td_moved_rows *moved = &exact->moved;
+    moved->row = first;
+    moved->count = last - first + 1;
+    status = backend->type->moved_rows(backend, moved, error);
+    return status == TIDES_OK ? exact->type->move(exact, moved, error) : status;
+}
+
+tides_status td_exact_nodes(td_exact *exact, td_backend *backend, const td_node_request *request, tides_error *error) {
+    tides_status status = take_moved(exact, backend, request, error);
+    return status == TIDES_OK ? exact->type->nodes(exact, request, error) : status;
+}
+
+tides_status td_exact_rows(td_exact *exact, int count, double *rows, tides_error *error) {
+    return exact->type->rows(exact, count, rows, error);
+}

@@ -1,0 +1,172 @@
+/* The scene in double precision on an OpenCL device (td_exact.h): buffers of doubles, and the kernel of nodes built for them.
+ * SH stay floats where that is what they are: most of what the kernel reads. */
+#include "td_exact.h"
+#include "td_opencl.h"
+
+#include <stdlib.h>
+
+typedef struct opencl_exact {
+    td_exact base;
+    tides_device *device;
+    int first_rate; /* row that rates begin with */
+    int objects;
+    int sh_float; /* SH are floats */
+    cl_kernel kernel;
+    td_buffer image, object, geometry, rates, sh, sh_rates, owners; /* the scene */
+    td_buffer views, jobs, gaussians, places;                       /* a request */
+    td_buffer rows;
+} opencl_exact;
+
+static tides_status write_doubles(opencl_exact *e, td_buffer *buffer, size_t first, const double *from, size_t count,
+                                  tides_error *error) {
+    return td_buffer_write_at(e->device, buffer, first * sizeof *from, from, count * sizeof *from, error);
+}
+
+static tides_status move(td_exact *exact, const td_moved_rows *moved, tides_error *error) {
+    opencl_exact *e = (opencl_exact *)exact;
+    size_t row = (size_t)moved->row, count = (size_t)moved->count, end = row + count, first = row - (size_t)exact->gaussians;
+    size_t skipped = (size_t)e->first_rate, sh = exact->moves_sh ? (size_t)exact->sh_stride : 0, stride = TD_GEOMETRY_STRIDE;
+    size_t real = sizeof(double);
+    tides_status status = td_buffer_grow(e->device, &e->owners, 2 * (end - (size_t)exact->gaussians) * sizeof(cl_int), error);
+    if (status == TIDES_OK) status = td_buffer_grow(e->device, &e->geometry, end * stride * real, error);
+    if (status == TIDES_OK) status = td_buffer_grow(e->device, &e->rates, (end - skipped) * stride * real, error);
+    if (status == TIDES_OK && sh) status = td_buffer_grow(e->device, &e->sh, end * sh * real, error);
+    if (status == TIDES_OK && sh) status = td_buffer_grow(e->device, &e->sh_rates, (end - skipped) * sh * real, error);
+    if (status == TIDES_OK)
+        status = td_buffer_write_at(e->device, &e->owners, 2 * first * sizeof(cl_int), moved->owners,
+                                    2 * count * sizeof(cl_int), error);
+    if (status == TIDES_OK) status = write_doubles(e, &e->geometry, row * stride, moved->geometry, count * stride, error);
+    if (status == TIDES_OK) status = write_doubles(e, &e->rates, (row - skipped) * stride, moved->rates, count * stride, error);
+    if (status == TIDES_OK && sh) status = write_doubles(e, &e->sh, row * sh, moved->sh, count * sh, error);
+    if (status == TIDES_OK && sh)
+        status = write_doubles(e, &e->sh_rates, (row - skipped) * sh, moved->sh_rates, count * sh, error);
+    return status;
+}
+
+static tides_status send(opencl_exact *e, const td_node_request *request, tides_error *error) {
+    size_t ints = (size_t)request->count * sizeof(cl_int), views = (size_t)request->slots * (size_t)e->objects * TD_VIEW_REALS;
+    tides_status status =
+        td_buffer_grow(e->device, &e->rows, (size_t)request->row_count * TD_PATH_STRIDE * sizeof(double), error);
+    if (status == TIDES_OK)
+        status = td_buffer_write(e->device, &e->views, request->views, views * sizeof *request->views, error);
+    if (status == TIDES_OK)
+        status = td_buffer_write(e->device, &e->jobs, request->jobs, (size_t)request->job_count * sizeof *request->jobs, error);
+    if (status == TIDES_OK) status = td_buffer_write(e->device, &e->gaussians, request->gaussians, ints, error);
+    return status == TIDES_OK ? td_buffer_write(e->device, &e->places, request->rows, ints, error) : status;
+}
+
+static tides_status nodes(td_exact *exact, const td_node_request *request, tides_error *error) {
+    opencl_exact *e = (opencl_exact *)exact;
+    tides_status status = send(e, request, error);
+    if (status != TIDES_OK || request->job_count == 0) return status;
+    size_t local = e->device->info.lanes > 1 ? 1 : 64, global = (size_t)request->job_count * local;
+    cl_int first_rate = e->first_rate, first_moved = exact->gaussians;
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(e->image),     TD_BUFFER_ARGUMENT(e->jobs),
+                                     TD_BUFFER_ARGUMENT(e->gaussians), TD_BUFFER_ARGUMENT(e->places),
+                                     TD_BUFFER_ARGUMENT(e->object),    TD_BUFFER_ARGUMENT(e->views),
+                                     TD_BUFFER_ARGUMENT(e->geometry),  TD_BUFFER_ARGUMENT(e->rates),
+                                     TD_BUFFER_ARGUMENT(e->sh),        TD_BUFFER_ARGUMENT(e->sh_rates),
+                                     TD_BUFFER_ARGUMENT(e->owners),    TD_VALUE_ARGUMENT(first_rate),
+                                     TD_VALUE_ARGUMENT(first_moved),   TD_BUFFER_ARGUMENT(e->rows),
+                                     TD_BUFFER_ARGUMENT(e->rows)}; /* no low parts of depth in double */
+    status = td_launch(e->device, e->kernel, 1, &global, &local, arguments, (cl_uint)(sizeof arguments / sizeof *arguments),
+                       NULL, error);
+    return td_finish(e->device, status, error);
+}
+
+static tides_status rows(td_exact *exact, int count, double *to, tides_error *error) {
+    opencl_exact *e = (opencl_exact *)exact;
+    return td_buffer_read(e->device, &e->rows, to, (size_t)count * TD_PATH_STRIDE * sizeof *to, error);
+}
+
+static void destroy(td_exact *exact) {
+    opencl_exact *e = (opencl_exact *)exact;
+    td_buffer *buffers[] = {&e->image,  &e->object, &e->geometry, &e->rates,     &e->sh,     &e->sh_rates,
+                            &e->owners, &e->views,  &e->jobs,     &e->gaussians, &e->places, &e->rows};
+    for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
+    if (e->kernel) clReleaseKernel(e->kernel);
+    free(e);
+}
+
+static const td_exact_class opencl_class = {move, nodes, rows, destroy};
+
+const td_buffer *td_exact_row_buffer(const td_exact *exact) {
+    return exact->type == &opencl_class ? &((const opencl_exact *)exact)->rows : NULL;
+}
+
+/* The store's SH as floats, or as doubles, as the kernel takes them. */
+static tides_status write_sh(opencl_exact *e, const td_store *store, tides_error *error) {
+    size_t count = (size_t)store->count * (size_t)store->sh_stride;
+    if (store->sh_wide) return td_buffer_write(e->device, &e->sh, store->sh_wide, count * sizeof *store->sh_wide, error);
+    if (e->sh_float) return td_buffer_write(e->device, &e->sh, store->sh, count * sizeof *store->sh, error);
+    double *wide = td_alloc(count, sizeof *wide, error);
+    if (!wide) return TIDES_NO_MEMORY;
+    for (size_t i = 0; i < count; i++) wide[i] = store->sh[i];
+    tides_status status = td_buffer_write(e->device, &e->sh, wide, count * sizeof *wide, error);
+    free(wide);
+    return status;
+}
+
+/* Kernels want an argument for each array: what isn't there is one number. */
+static tides_status write_store(opencl_exact *e, const td_store *store, tides_error *error) {
+    static const double none[2] = {0};
+    size_t count = (size_t)store->count, geometry = count * TD_GEOMETRY_STRIDE * sizeof(double);
+    size_t sh = count * (size_t)store->sh_stride * sizeof(double);
+    tides_status status = td_buffer_write(e->device, &e->object, store->object, count * sizeof *store->object, error);
+    if (status == TIDES_OK) status = td_buffer_write(e->device, &e->geometry, store->geometry, geometry, error);
+    if (status == TIDES_OK)
+        status = td_buffer_write(e->device, &e->rates, store->rates ? store->rates : none,
+                                 store->rates ? geometry : sizeof none, error);
+    if (status == TIDES_OK)
+        status = td_buffer_write(e->device, &e->sh_rates, store->sh_rates ? store->sh_rates : none,
+                                 store->sh_rates ? sh : sizeof none, error);
+    if (status == TIDES_OK) status = td_buffer_write(e->device, &e->owners, none, sizeof none, error);
+    return status == TIDES_OK ? write_sh(e, store, error) : status;
+}
+
+/* The image as kernels in double have it, reals and then ints, is td_image_numbers. */
+static tides_status build(opencl_exact *e, const td_image_numbers *numbers, int moving, tides_error *error) {
+    td_image decisions; /* what is compiled in are ints */
+    memset(&decisions, 0, sizeof decisions);
+    memcpy((char *)&decisions + TD_IMAGE_REALS * sizeof(td_real), numbers->whole, sizeof numbers->whole);
+    decisions.moving = moving;
+    char *image = td_opencl_defines(&decisions, TD_OUT_SIGNAL, error);
+    char *defines = image ? td_format(error, "%s%s", image, e->sh_float ? "#define TD_BUILD_SH_FLOAT 1\n" : "") : NULL;
+    free(image);
+    if (!defines) return TIDES_NO_MEMORY;
+    tides_status status = td_kernel_create_double(e->device, "path_nodes.cl", defines, "td_project_nodes", &e->kernel, error);
+    free(defines);
+    return status == TIDES_OK ? td_buffer_write(e->device, &e->image, numbers, sizeof *numbers, error) : status;
+}
+
+/* One job without Gaussians: drivers such as PoCL compile when a kernel first runs. */
+static tides_status warm_up(opencl_exact *e, tides_error *error) {
+    static const td_node_job no_nodes = {0, 0, 0, 0};
+    static const int nothing[TD_PAD] = {0};
+    double *views = td_alloc((size_t)e->objects * TD_VIEW_REALS, sizeof *views, error);
+    if (!views) return TIDES_NO_MEMORY;
+    const td_node_request request = {views, 1, &no_nodes, 1, nothing, nothing, TD_PAD, 1};
+    tides_status status = nodes(&e->base, &request, error);
+    free(views);
+    return status;
+}
+
+tides_status td_exact_create_opencl(tides_device *device, const td_store *store, const td_image_numbers *image,
+                                    td_exact **exact, tides_error *error) {
+    opencl_exact *e = td_alloc(1, sizeof *e, error);
+    if (!e) return TIDES_NO_MEMORY;
+    e->base.type = &opencl_class;
+    e->device = device;
+    e->objects = store->objects;
+    e->first_rate = store->rates ? 0 : store->count;
+    e->sh_float = !store->sh_wide && !store->movers.moves_sh; /* moved ones are in the backend's precision */
+    tides_status status = build(e, image, store->rates != NULL || store->movers.count > 0, error);
+    if (status == TIDES_OK) status = write_store(e, store, error);
+    if (status == TIDES_OK) status = warm_up(e, error);
+    if (status != TIDES_OK) {
+        destroy(&e->base);
+        return status;
+    }
+    *exact = &e->base;
+    return TIDES_OK;
+}

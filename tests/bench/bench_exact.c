@@ -1,0 +1,109 @@
+/* Projection at three nodes of record paths, in the backend's precision and in double: milliseconds of a launch, on the clock
+ * and of all threads together.
+ *   usage: bench_exact [GAUSSIANS [SH_DEGREE [JOB_SIZE]]] */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "render/td_renderer.h"
+
+#include "render/td_exact.h"
+#include "tests/support/random_scene.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum { NODES = 3, TURNS = 9 };
+static const double node_times[NODES] = {0.4, 0.405, 0.41};
+
+typedef struct asked {
+    int *gaussians, *rows, count, job_count;
+    td_node_job *jobs;
+} asked;
+
+/* Every Gaussian at every node, a job at a time: the nodes of the same Gaussians follow one another. */
+static asked ask(int gaussians, int job_size) {
+    asked a = {0};
+    size_t all = (size_t)NODES * (size_t)gaussians;
+    a.gaussians = calloc(all, sizeof *a.gaussians);
+    a.rows = calloc(all, sizeof *a.rows);
+    a.jobs = calloc(all / TD_PAD + NODES, sizeof *a.jobs);
+    if (!a.gaussians || !a.rows || !a.jobs) abort();
+    for (int first = 0; first < gaussians; first += job_size)
+        for (int node = 0; node < NODES; node++) {
+            int size = gaussians - first < job_size ? gaussians - first : job_size;
+            a.jobs[a.job_count++] = (td_node_job){node, a.count, size, 0};
+            for (int i = first; i < first + size; i++) {
+                a.gaussians[a.count] = i;
+                a.rows[a.count++] = i * NODES + node;
+            }
+        }
+    return a;
+}
+
+static double processor(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* The fastest of some turns: exact NULL for the backend's own. */
+static void measure(const char *name, td_backend *backend, td_exact *exact, const td_node_request *request) {
+    double least = 1e9, work = 1e9;
+    tides_error error;
+    for (int turn = 0; turn < TURNS; turn++) {
+        double begun = td_now(), before = processor();
+        tides_status status =
+            exact ? td_exact_nodes(exact, backend, request, &error) : backend->type->nodes(backend, request, &error);
+        if (status != TIDES_OK) {
+            fprintf(stderr, "bench_exact: %s\n", error.text);
+            exit(1);
+        }
+        if (td_now() - begun < least) least = td_now() - begun;
+        if (processor() - before < work) work = processor() - before;
+    }
+    printf("%-8s %8.1f %10.1f\n", name, 1e3 * least, 1e3 * work);
+}
+
+int main(int argc, char **argv) {
+    random_recipe recipe = random_recipe_defaults(1);
+    tides_device *device = NULL;
+    tides_error error;
+    td_backend *backend = NULL;
+    td_exact *exact = NULL;
+    recipe.count = argc > 1 ? atoi(argv[1]) : 100000;
+    recipe.sh_degree = argc > 2 ? atoi(argv[2]) : 3;
+    if (tides_device_open(NULL, &device, &error) != TIDES_OK) {
+        fprintf(stderr, "bench_exact: %s\n", error.text);
+        return 1;
+    }
+    random_scene scene = random_scene_make(&recipe);
+    td_store store = random_scene_store(&scene, node_times[0]);
+    td_image_numbers image = random_scene_image(&scene, TIDES_RULES_SMOOTH, 0, TD_OUT_SIGNAL);
+    double *views = random_scene_views(&scene, node_times, NODES);
+    asked a = ask(store.count, argc > 3 ? atoi(argv[3]) : 1024);
+    const td_node_request request = {views, NODES, a.jobs, a.job_count, a.gaussians, a.rows, a.count, a.count};
+    if (td_backend_create_opencl(device, &store, &image, &backend, &error) != TIDES_OK ||
+        backend->type->prepare_paths(backend, &error) != TIDES_OK ||
+        td_exact_create(device, &store, &image, &exact, &error) != TIDES_OK) {
+        fprintf(stderr, "bench_exact: %s\n", error.text);
+        return 1;
+    }
+    printf("%d Gaussians of SH degree %d, %d nodes, jobs of %d\n%-8s %8s %10s\n", store.count, recipe.sh_degree, NODES,
+           a.jobs[0].count, "", "ms", "cpu ms");
+    measure("float", backend, NULL, &request);
+    measure("double", backend, exact, &request);
+    td_exact_destroy(exact);
+    backend->type->destroy(backend);
+    free(views);
+    free(a.gaussians);
+    free(a.rows);
+    free(a.jobs);
+    td_store_release(&store);
+    random_scene_free(&scene);
+    tides_device_close(device);
+    return 0;
+}

@@ -1,0 +1,230 @@
+/* Rows of record paths in double precision (td_exact.h): OpenCL's have the bits of the double reference's, at every width, of
+ * scenes at rest and moving, around the camera, of needles and of splats wider than the image, with every rule; Gaussians that
+ * a motion moves are the backend's. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "tests/property/renderer_of.h" /* before others: in double */
+#include "render/td_exact.h"
+#include "tests/support/moving_scene.h"
+#include "tests/support/scene_folder.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const uint64_t SEED = 2214;
+enum { NODES = 3, KINDS = 2 }; /* OpenCL, twin */
+static const double node_times[NODES] = {0.4, 0.405, 0.41};
+
+/* Opens the OpenCL CPU device for kernels of `lanes`; skips the test where there's none. */
+static tides_device *open_cpu(int lanes) {
+    tides_device *device = NULL;
+    tides_error error;
+    tides_status status = tides_device_open("cpu", &device, &error);
+    if (status == TIDES_NO_DEVICE) {
+        print_message("skipped: %s\n", error.text);
+        skip();
+    }
+    scene_expect_ok(status, &error);
+    device->info.lanes = lanes;
+    return device;
+}
+
+/* A row for each of `count` neighbouring rows of Gaussians from `first` on, at each node, in jobs of `job_size`; and one, the
+ * first, for padding. */
+typedef struct asked {
+    int *gaussians, *rows; /* (NODES x count) */
+    td_node_job *jobs;
+    td_node_request request;
+} asked;
+
+static asked ask(const double *views, int first, int count, int real_count, int job_size) {
+    asked a = {0};
+    size_t all = (size_t)NODES * (size_t)count;
+    a.gaussians = calloc(all, sizeof *a.gaussians);
+    a.rows = calloc(all, sizeof *a.rows);
+    a.jobs = calloc(all / TD_PAD, sizeof *a.jobs);
+    assert_true(a.gaussians && a.rows && a.jobs);
+    int jobs = 0;
+    for (int node = 0; node < NODES; node++)
+        for (int i = 0; i < count; i++) {
+            int at = node * count + i, none = i >= real_count && i % TD_PAD;
+            a.gaussians[at] = none ? TD_NO_GAUSSIAN : first + i;
+            a.rows[at] = none ? 0 : 1 + i * NODES + node;
+            if (i % job_size == 0) a.jobs[jobs++] = (td_node_job){node, at, count - i < job_size ? count - i : job_size, 0};
+        }
+    a.request = (td_node_request){views, NODES, a.jobs, jobs, a.gaussians, a.rows, (int)all, 1 + (int)all};
+    return a;
+}
+
+static void asked_free(asked *a) {
+    free(a->gaussians);
+    free(a->rows);
+    free(a->jobs);
+}
+
+static double *rows_of(td_exact *exact, td_backend *backend, const asked *a) {
+    double *rows = calloc((size_t)a->request.row_count * TD_PATH_STRIDE, sizeof *rows);
+    tides_error error;
+    assert_non_null(rows);
+    scene_expect_ok(td_exact_nodes(exact, backend, &a->request, &error), &error);
+    scene_expect_ok(td_exact_rows(exact, a->request.row_count, rows, &error), &error);
+    return rows;
+}
+
+/* Bit for bit, but for what isn't a number; rows that can be used and those that can't are counted. */
+static void compare(const char *name, const asked *a, const double *found, const double *expected, int used[2]) {
+    for (int row = 1; row < a->request.row_count; row++) {
+        const double *f = found + (size_t)row * TD_PATH_STRIDE, *e = expected + (size_t)row * TD_PATH_STRIDE;
+        for (int k = 0; k < TD_PATH_STRIDE; k++)
+            if (memcmp(&f[k], &e[k], sizeof *f) != 0 && !(isnan(f[k]) && isnan(e[k])))
+                fail_msg("%s: row %d, entry %d: %.17g on the device, %.17g in the reference", name, row, k, f[k], e[k]);
+        used[e[TD_P_DET] > 0]++;
+    }
+}
+
+/* -- Gaussians at rest, or with rates ------------------------------------------------------------------------------ */
+
+/* One axis in three is a thousandth of what it was. */
+static void make_needles(td_store *store) {
+    for (int i = 0; i < store->real_count; i++)
+        for (int row = 0; row < 3; row++)
+            store->geometry[(size_t)i * TD_GEOMETRY_STRIDE + TD_G_FACTOR + 3 * row + i % 3] *= 1e-3;
+}
+
+typedef struct setting {
+    int rules, antialias, sh_degree, moving, lanes, job_size;
+} setting;
+
+static void compare_store(const char *name, tides_device *device, const random_recipe *recipe, const setting *s,
+                          void (*edit)(td_store *store), int used[2]) {
+    random_scene scene = random_scene_make(recipe);
+    td_store store = random_scene_store(&scene, node_times[0]);
+    if (edit) edit(&store);
+    td_image_numbers image = random_scene_image(&scene, s->rules, s->antialias, TD_OUT_SIGNAL);
+    image.whole[3] = s->sh_degree; /* width, height, objects, sh_degree (layout.h) */
+    double *views = random_scene_views(&scene, node_times, NODES), *rows[KINDS];
+    asked a = ask(views, 0, store.count, store.count, s->job_size);
+    tides_device *reference = open_device("reference"), *devices[KINDS] = {device, reference};
+    tides_error error;
+    for (int k = 0; k < KINDS; k++) {
+        td_exact *exact = NULL;
+        scene_expect_ok(td_exact_create(devices[k], &store, &image, &exact, &error), &error);
+        assert_true((td_exact_row_buffer(exact) != NULL) == (k == 0));
+        rows[k] = rows_of(exact, NULL, &a);
+        td_exact_destroy(exact);
+    }
+    compare(name, &a, rows[0], rows[1], used);
+    free(rows[0]);
+    free(rows[1]);
+    free(views);
+    asked_free(&a);
+    td_store_release(&store);
+    random_scene_free(&scene);
+    tides_device_close(reference);
+}
+
+static void test_opencl_equals_the_reference(void **state) {
+    static const setting settings[] = {{TIDES_RULES_SMOOTH, 0, 3, 0, 16, 64},
+                                       {TIDES_RULES_SMOOTH, 1, 2, 1, 8, 1 << 20},
+                                       {TIDES_RULES_INRIA, 0, 1, 1, 4, TD_PAD},
+                                       {TIDES_RULES_GSPLAT, 1, 4, 0, 1, 48}};
+    int used[2] = {0, 0};
+    (void)state;
+    for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
+        tides_device *device = open_cpu(settings[i].lanes);
+        random_recipe ordinary = random_recipe_defaults(SEED + i);
+        ordinary.count = 300, ordinary.objects = 3, ordinary.sh_degree = settings[i].sh_degree;
+        ordinary.moving = settings[i].moving;
+        random_recipe around = ordinary, huge = ordinary;
+        around.spread = 5, around.size = 0.3, around.camera_speed = 8;
+        huge.size = 1e5;
+        compare_store("ordinary", device, &ordinary, &settings[i], NULL, used);
+        compare_store("needles", device, &ordinary, &settings[i], make_needles, used);
+        compare_store("around the camera", device, &around, &settings[i], NULL, used);
+        compare_store("huge", device, &huge, &settings[i], NULL, used);
+        tides_device_close(device);
+    }
+    assert_true(used[0] > 0 && used[1] > 0);
+}
+
+/* -- Gaussians that a motion moves --------------------------------------------------------------------------------- */
+
+/* The rows that a sweep worked out, in the precision of the renderer's backend. */
+static double *moved_rows(tides_device *device, const moving_scene *s, const char *of, asked *a) {
+    tides_error error;
+    tides_device *backend = of ? open_device(of) : device;
+    tides_renderer *renderer = make_renderer(backend, s->scene, &s->base.camera, TIDES_RULES_SMOOTH);
+    td_image_numbers image = td_image_pack(&renderer->image);
+    td_exact *exact = NULL;
+    scene_expect_ok(td_renderer_sweep(renderer, s->base.path, node_times[0], node_times[NODES - 1], &error), &error);
+    scene_expect_ok(td_renderer_views(renderer, s->base.path, node_times, NODES, &error), &error);
+    assert_true(renderer->dynamic.gaussians > 2 * TD_PAD);
+    *a =
+        ask((const double *)renderer->views, renderer->store.count + TD_PAD, renderer->dynamic.gaussians - TD_PAD, 1 << 20, 32);
+    scene_expect_ok(td_exact_create(device, &renderer->store, &image, &exact, &error), &error);
+    double *rows = rows_of(exact, renderer->backend, a), *again = rows_of(exact, renderer->backend, a);
+    assert_memory_equal(rows, again, (size_t)a->request.row_count * TD_PATH_STRIDE * sizeof *rows);
+    free(again);
+    td_exact_destroy(exact);
+    tides_renderer_destroy(renderer);
+    if (of) tides_device_close(backend);
+    return rows;
+}
+
+/* Of the reference in double they are its own, and OpenCL's backend moves what the reference in float does. */
+static void test_moved_rows(void **state) {
+    static const int widths[] = {16, 4, 1};
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        tides_device *device = open_cpu(widths[i]), *reference = open_device("reference");
+        random_recipe recipe = random_recipe_defaults(SEED + (uint64_t)i);
+        recipe.count = 200, recipe.objects = 3, recipe.sh_degree = i;
+        moving_scene s = moving_scene_make(&recipe, 0.6);
+        int used[2] = {0, 0};
+        asked a[4];
+        double *own = moved_rows(device, &s, NULL, &a[0]), *single = moved_rows(reference, &s, "reference-f32", &a[1]);
+        double *wide = moved_rows(device, &s, "reference", &a[2]), *twin = moved_rows(reference, &s, "reference", &a[3]);
+        compare("rows of floats", &a[0], own, single, used);
+        compare("rows of doubles", &a[2], wide, twin, used);
+        assert_true(used[1] > 0);
+        assert_memory_not_equal(own, wide, (size_t)a[0].request.row_count * TD_PATH_STRIDE * sizeof *own);
+        double *all[] = {own, single, wide, twin};
+        for (int k = 0; k < 4; k++) {
+            free(all[k]);
+            asked_free(&a[k]);
+        }
+        moving_scene_free(&s);
+        tides_device_close(reference);
+        tides_device_close(device);
+    }
+}
+
+/* A device without double precision is refused. */
+static void test_single_precision_is_refused(void **state) {
+    (void)state;
+    tides_device *device = open_cpu(16);
+    random_recipe recipe = random_recipe_defaults(SEED);
+    random_scene scene = random_scene_make(&recipe);
+    td_store store = random_scene_store(&scene, 0);
+    td_image_numbers image = random_scene_image(&scene, TIDES_RULES_SMOOTH, 0, TD_OUT_SIGNAL);
+    td_exact *exact = NULL;
+    tides_error error;
+    device->has_double = 0;
+    assert_int_equal(td_exact_create(device, &store, &image, &exact, &error), TIDES_UNSUPPORTED);
+    assert_null(exact);
+    assert_non_null(strstr(error.text, "stepping.solve"));
+    td_store_release(&store);
+    random_scene_free(&scene);
+    tides_device_close(device);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_opencl_equals_the_reference), cmocka_unit_test(test_moved_rows),
+                                       cmocka_unit_test(test_single_precision_is_refused)};
+    print_message("seed %llu\n", (unsigned long long)SEED);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
