@@ -372,6 +372,29 @@ static void many_pixels_are_like_one(void **state) {
     }
 }
 
+/* td_pole_respond is td_poles_respond of one real pole, and a mode that doesn't swing is like one that hardly does. */
+static void one_real_pole_is_like_many(void **state) {
+    (void)state;
+    seed(8);
+    for (int trial = 0; trial < 20000; trial++) {
+        const double rate = any_power(1e-9, 1e6), S = uniform(-6, 0), s = uniform(0, 1);
+        const td_model input = random_input(uniform(-6, 0));
+        const td_poles poles = td_poles_first_order(rate, S, input.control[0]);
+        td_response one, many;
+        td_pole_respond(rate, S, &input, &one);
+        td_poles_respond(&poles, &input, &many);
+        assert_memory_equal(&one.cubic, &many.cubic, sizeof one.cubic);
+        assert_int_equal(one.modes, many.modes);
+        assert_true(one.mode[0].cosine == many.mode[0].cosine && one.mode[0].rate == many.mode[0].rate);
+        assert_int_equal(one.mode[0].tail, many.mode[0].tail);
+        many.mode[0].frequency = 1e-300; /* takes the way of those that swing */
+        many.mode[0].sine = 0;
+        const double value = td_response_value(&many, s), slope = td_response_slope(&many, s);
+        assert_true(fabs(td_response_value(&one, s) - value) <= 1e-13 * (1 + fabs(value)));
+        assert_true(fabs(td_response_slope(&one, s) - slope) <= 1e-13 * (1 + fabs(slope)));
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(follows_the_equations),
@@ -383,6 +406,7 @@ int main(void) {
         cmocka_unit_test(touching_counts),
         cmocka_unit_test(values_that_are_no_numbers_do_no_harm),
         cmocka_unit_test(many_pixels_are_like_one),
+        cmocka_unit_test(one_real_pole_is_like_many),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

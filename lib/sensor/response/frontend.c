@@ -1,5 +1,6 @@
 /* The photoreceptor's filters: parameters, rest, and a step of one pixel or of many. */
 #include "td_frontend.h"
+#include "td_extremes.h"
 #include "td_base.h"
 #include "td_lowpass.h"
 #include "td_substeps.h"
@@ -121,8 +122,8 @@ static void step_in_substeps(td_filter_input *source, double state[TD_FRONTEND_S
     td_substeps_begin(&substeps, source, 0);
     for (td_segment *at = source->segment; td_substeps_next(&substeps); count++) {
         td_response_range(&substeps.response, &low, &high);
-        at->low = fmin(at->low, low);
-        at->high = fmax(at->high, high);
+        at->low = td_lesser(low, at->low);
+        at->high = td_greater(high, at->high);
         if (substeps.to >= 1 || substeps.to < source->segments / (double)TD_SEGMENTS_MAX) continue;
         at = &source->segment[source->segments++];
         td_substeps_mark(&substeps, at);
@@ -156,6 +157,7 @@ void td_frontend_step(const td_frontend *frontend, double h, const td_model *inp
     source.input = *input;
     source.h = h;
     source.log_eps = log_eps;
+    source.dark_L = log(log_eps);
     source.segments = 1;
     source.segment[0] = (td_segment){0, 1, {state[0], state[1], state[2], state[3]}, INFINITY, -INFINITY, 0};
     step_in_substeps(&source, state, response);

@@ -49,6 +49,32 @@ void td_poles_respond(const td_poles *poles, const td_model *input, td_response 
     response->cubic = (td_model){{c[0], c[0] + c[1] / 3, c[0] + (2 * c[1] + c[2]) / 3, c[0] + c[1] + c[2] + c[3]}};
 }
 
+/* The same operations, without those on imaginary parts that are 0. */
+void td_pole_respond(double rate, double S, const td_model *input, td_response *response) {
+    const double *b = input->control;
+    const double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2], offset = S - b[0];
+    const double l1 = 3 * d0, l2 = 3 * (d1 - d0), l3 = d2 - 2 * d1 + d0;
+    const int tail = !(fabs(rate) > 1);
+    double c0 = S, c1, c2, c3 = l3, size;
+    if (tail) {
+        c1 = -(rate * offset);
+        c2 = rate * (l1 - c1) * (1.0 / 2);
+        c3 = rate * (l2 - c2) * (1.0 / 3);
+        size = rate * (l3 - c3) * (1.0 / 4) * 24;
+    } else {
+        const double inverse = 1 / rate;
+        c2 = l2 - l3 * inverse * 3;
+        c1 = l1 - c2 * inverse * 2;
+        size = offset + c1 * inverse;
+        c0 = S - size;
+    }
+    response->mode[0] = (td_mode){rate, 0, size, 0, tail};
+    response->modes = 1;
+    response->pieces = NULL;
+    response->source.frontend = NULL;
+    response->cubic = (td_model){{c0, c0 + c1 / 3, c0 + (2 * c1 + c2) / 3, c0 + c1 + c2 + c3}};
+}
+
 /* -- poles ----------------------------------------------------------------------------------------------------------------- */
 
 td_poles td_poles_first_order(double rate, double S, double origin) {

@@ -1,5 +1,6 @@
 /* Modes of a response, one by one: values, slopes and bounds. For response.c, mode_crossing.c and substeps.c. */
 #include "td_modes.h"
+#include "td_extremes.h"
 
 #include <math.h>
 
@@ -62,8 +63,17 @@ void td_mode_tails(td_complex rate, double s, td_complex tail[5]) {
 
 static double real_part(const td_mode *mode, td_complex basis) { return mode->cosine * basis.re - mode->sine * basis.im; }
 
+/* tail[4] and tail[3] of a real rate, by the same operations. */
+static double real_tail(double rate, double s) { return real_series(rate * -s) * (1.0 / 24) * (s * s * s * s); }
+
+static double real_tail_slope(double rate, double s) {
+    const double z = rate * -s;
+    return (z * (real_series(z) * (1.0 / 24)) + 1.0 / 6) * (s * s * s);
+}
+
 double td_mode_value(const td_mode *mode, double s) {
     td_complex rate = td_mode_rate(mode), tail[5];
+    if (mode->frequency == 0) return mode->cosine * (mode->tail ? real_tail(rate.re, s) : exp(-rate.re * s));
     if (!mode->tail) return real_part(mode, td_decay(rate, s));
     td_mode_tails(rate, s, tail);
     return real_part(mode, tail[4]);
@@ -71,6 +81,7 @@ double td_mode_value(const td_mode *mode, double s) {
 
 double td_mode_slope(const td_mode *mode, double s) {
     td_complex rate = td_mode_rate(mode), tail[5];
+    if (mode->frequency == 0) return mode->cosine * (mode->tail ? real_tail_slope(rate.re, s) : -(rate.re * exp(-rate.re * s)));
     if (!mode->tail) return -real_part(mode, td_times(rate, td_decay(rate, s)));
     td_mode_tails(rate, s, tail);
     return real_part(mode, tail[3]);
@@ -85,6 +96,6 @@ void td_mode_range(const td_mode *mode, double *low, double *high) {
         end = hypot(mode->cosine, mode->sine) / (mode->tail ? 24 : 1);
         begin = -end;
     }
-    *low = fmin(begin, end);
-    *high = fmax(begin, end);
+    *low = td_lesser(end, begin); /* the end may be NaN where the begin isn't */
+    *high = td_greater(end, begin);
 }

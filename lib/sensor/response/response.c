@@ -1,5 +1,6 @@
 /* A pixel's signal on a step: its value, its bounds, and where it crosses a level. */
 #include "td_response.h"
+#include "td_extremes.h"
 #include "td_modes.h"
 #include "td_substeps.h"
 
@@ -54,18 +55,18 @@ void td_response_range(const td_response *response, double *low, double *high) {
     for (int i = 0; i < 4; i++) {
         *low = b[i] < *low ? b[i] : *low;
         *high = b[i] > *high ? b[i] : *high;
-        size = fmax(size, fabs(b[i]));
+        size = td_greater(fabs(b[i]), size);
     }
     if (response->modes == 0 && !response->source.frontend) return;
     double mode_low = response->source.frontend ? INFINITY : 0, mode_high = -mode_low;
     for (int k = 0; response->source.frontend && k < response->source.segments; k++) {
-        mode_low = fmin(mode_low, response->source.segment[k].low);
-        mode_high = fmax(mode_high, response->source.segment[k].high);
+        mode_low = td_lesser(response->source.segment[k].low, mode_low);
+        mode_high = td_greater(response->source.segment[k].high, mode_high);
     }
     for (int k = 0; k <= response->modes; k++) { /* the source's bounds, or 0 and 0, first */
         *low += mode_low;
         *high += mode_high;
-        size += fmax(fabs(mode_low), fabs(mode_high));
+        size += td_greater(fabs(mode_low), fabs(mode_high)); /* both are NaN, or neither */
         if (k < response->modes) td_mode_range(&response->mode[k], &mode_low, &mode_high);
     }
     *low -= 16 * DBL_EPSILON * size;

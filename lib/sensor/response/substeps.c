@@ -16,6 +16,7 @@
  * damping z (3.5 for the defaults in full light) should the error swing along with it. It changes sign at four places of each
  * substep instead, and measured against integration S stays within half of TD_FRONTEND_TOLERANCE (property tests). */
 #include "td_substeps.h"
+#include "td_extremes.h"
 #include "td_lowpass.h"
 #include "td_modes.h"
 
@@ -189,12 +190,12 @@ static double solve_frozen(const td_substeps *substeps, const td_model *substep,
 
 /* Where the light changes and Y isn't cut off at 0. */
 static int can_map(const td_filter_input *source, const td_model *input) {
-    double cut = log(source->log_eps), least = INFINITY, most = -INFINITY;
+    double least = INFINITY, most = -INFINITY;
     for (int i = 0; i < 4; i++) {
-        least = fmin(least, input->control[i]);
-        most = fmax(most, input->control[i]);
+        least = td_lesser(input->control[i], least);
+        most = td_greater(input->control[i], most);
     }
-    return source->frontend->kind == TD_FRONTEND_INTENSITY && least >= cut && least < most && most < 60;
+    return source->frontend->kind == TD_FRONTEND_INTENSITY && least >= source->dark_L && least < most && most < 60;
 }
 
 /* The same substep in its own time: S within the error returned. */
@@ -202,17 +203,17 @@ static double solve_mapped(const td_substeps *substeps, const td_model *input, d
                            double state[TD_FRONTEND_STATE], td_response *response) {
     const td_filter_input *source = substeps->source;
     const td_frontend *f = source->frontend;
-    double rate_error, error = 0, lag = 0, S = substeps->state[0];
+    double rate_error, error = 0, lag = 0, S = substeps->state[0], place[3];
     double rate = f->rate * source->h * (to - substeps->from);
     rate *= td_time_map_make(map, input, source->log_eps, f->light, f->dark, &rate_error);
     td_model mapped = td_time_map_model(map, input);
-    td_poles poles = td_poles_first_order(rate, S, input->control[0]);
-    td_poles_respond(&poles, &mapped, response);
+    td_pole_respond(rate, S, &mapped, response);
     state[0] = state[1] = state[3] = td_response_value(response, 1);
     state[2] = 0;
+    td_time_map_quarters(map, place);
     for (int i = 1; i < 4; i++) {
         double L = td_model_value(input, 0.25 * i);
-        error = worse(error, fabs(td_model_value(&mapped, td_time_map_place(map, 0.25 * i)) - L));
+        error = worse(error, fabs(td_model_value(&mapped, place[i - 1]) - L));
         lag = worse(lag, fabs(L - S) + fabs(input->control[i] - input->control[0]));
     }
     return error + rate_error * lag;
@@ -252,7 +253,7 @@ static const double margin = 0.8, failed_least = 0.05, failed_most = 0.6, taken_
 /* The error of the cubic goes with the fourth power of the length. */
 static double better_length(double length, double tolerance, double error, double least, double most) {
     double factor = margin * sqrt(sqrt(tolerance / error));
-    return length * (factor < most ? fmax(factor, least) : most); /* NaN: most */
+    return length * (factor < most ? td_greater(factor, least) : most); /* NaN: most */
 }
 
 int td_substeps_next(td_substeps *substeps) {

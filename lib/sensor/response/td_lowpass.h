@@ -25,6 +25,10 @@ typedef struct td_poles {
 /* The signal over the step. */
 void td_poles_respond(const td_poles *poles, const td_model *input, td_response *response);
 
+/* One pole with a real rate alone, whose origin is the input's begin: as td_poles_first_order and td_poles_respond, to the bit,
+ * in less time. */
+void td_pole_respond(double rate, double S, const td_model *input, td_response *response);
+
 /* One pole alone: S' = rate (L - S). */
 td_poles td_poles_first_order(double rate, double S, double origin);
 

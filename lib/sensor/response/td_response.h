@@ -35,7 +35,7 @@ typedef struct td_segment {
 typedef struct td_filter_input {
     const struct td_frontend *frontend; /* NULL: there is none, and the rest isn't set */
     td_model input;                     /* log-luminance */
-    double h, log_eps;
+    double h, log_eps, dark_L;          /* of Y = 0: log(log_eps) */
     int segments;
     td_segment segment[TD_SEGMENTS_MAX];
 } td_filter_input;

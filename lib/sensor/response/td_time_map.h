@@ -18,9 +18,10 @@ typedef struct td_time_map {
  * the largest relative error of the rate that v stands for. */
 double td_time_map_make(td_time_map *map, const td_model *L, double log_eps, double light, double dark, double *error);
 
-double td_time_map_place(const td_time_map *map, double u); /* v at u */
-double td_time_map_time(const td_time_map *map, double v);  /* u at v */
-double td_time_map_speed(const td_time_map *map, double u); /* dv/du */
+double td_time_map_place(const td_time_map *map, double u);     /* v at u */
+void td_time_map_quarters(const td_time_map *map, double v[3]); /* v at 1/4, 1/2 and 3/4 */
+double td_time_map_time(const td_time_map *map, double v);      /* u at v */
+double td_time_map_speed(const td_time_map *map, double u);     /* dv/du */
 
 /* A cubic of u as one of v: with the values and the slopes of both ends. */
 td_model td_time_map_model(const td_time_map *map, const td_model *model);

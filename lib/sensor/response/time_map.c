@@ -1,5 +1,6 @@
 /* Time as the integral of a rate that goes with the light. */
 #include "td_time_map.h"
+#include "td_extremes.h"
 #include "signal/td_root.h"
 
 #include <math.h>
@@ -36,16 +37,26 @@ double td_time_map_make(td_time_map *map, const td_model *L, double log_eps, dou
     map->term[0] = -start;
     const double by = 1 / total;
     for (int k = 0; k < TD_TIME_MAP_TERMS; k++) map->term[k] *= by;
-    least = light * (exp(fmin(L->control[0], L->control[3])) - log_eps) + dark;
+    least = light * (exp(td_lesser(L->control[0], L->control[3])) - log_eps) + dark;
     *error = 2 * fabs(rate[TD_TIME_MAP_TERMS - 1]) / least;
     return 0.5 * total;
 }
 
+static double within(double v) { return td_lesser(td_greater(v, 0), 1); }
+
 double td_time_map_place(const td_time_map *map, double u) {
-    if (!map->on || u <= 0 || u >= 1) return fmin(fmax(u, 0), 1);
+    if (!map->on || u <= 0 || u >= 1) return within(u);
     double x = 2 * u - 1, sum = 0;
     for (int k = TD_TIME_MAP_TERMS - 1; k >= 0; k--) sum = sum * x + map->term[k];
-    return fmin(fmax(sum, 0), 1);
+    return within(sum);
+}
+
+/* Side by side, because one sum waits for its products. */
+void td_time_map_quarters(const td_time_map *map, double v[3]) {
+    double sum[3] = {0, 0, 0};
+    for (int k = TD_TIME_MAP_TERMS - 1; k >= 0; k--)
+        for (int i = 0; i < 3; i++) sum[i] = sum[i] * (0.5 * i - 0.5) + map->term[k];
+    for (int i = 0; i < 3; i++) v[i] = map->on ? within(sum[i]) : 0.25 * (i + 1);
 }
 
 double td_time_map_speed(const td_time_map *map, double u) {
@@ -77,6 +88,11 @@ double td_time_map_time(const td_time_map *map, double v) {
 td_model td_time_map_model(const td_time_map *map, const td_model *model) {
     const double *b = model->control;
     if (!map->on) return *model;
-    double first = (b[1] - b[0]) / td_time_map_speed(map, 0), last = (b[3] - b[2]) / td_time_map_speed(map, 1);
+    double begin = 0, end = 0; /* half the speeds there, summed as td_time_map_speed does */
+    for (int k = TD_TIME_MAP_TERMS - 1; k >= 1; k--) {
+        begin = k * map->term[k] - begin;
+        end = end + k * map->term[k];
+    }
+    double first = (b[1] - b[0]) / (2 * begin), last = (b[3] - b[2]) / (2 * end);
     return (td_model){{b[0], b[0] + first, b[3] - last, b[3]}};
 }
