@@ -350,22 +350,17 @@ static tides_status step_single(tile_job *job, size_t j) {
 }
 
 tides_status td_sensor_advance(td_sensor *sensor, const td_sensor_single *single, td_event_buffer *buffer, tides_error *error) {
-    const td_signals *at = single->signals;
-    const size_t j = single->local;
-    td_pieces pieces;
     tile_job job = {.pixel = {.sensor = sensor, .step = single->step, .buffer = buffer, .error = error},
                     .tile = single->tile,
                     .first = single->first,
-                    .signals = at,
-                    .coverage = single->coverage};
-    const td_ends ends = {single->step->length_s, at->S0[j], at->S0_dot[j], at->S1[j], at->S1_dot[j]};
+                    .signals = single->signals,
+                    .coverage = single->coverage,
+                    .pieces = single->pieces};
     job.pixel.start = td_sensor_time(sensor, single->step->start_ns, single->step->start_fraction);
     job.pixel.changes = single->changes;
     job.stop = (double)(single->step->stop_ns - sensor->start_ns) + 2; /* as in td_sensor_step */
     single->changes->count = single->changes->lost = 0;
-    td_pieces_make(&pieces, &ends, single->nodes, single->count);
-    job.pieces = &pieces;
-    tides_status status = step_single(&job, j);
+    tides_status status = step_single(&job, single->local);
     if (!sensor->on) job.pixel.counts.cause[TIDES_CAUSE_SIGNAL] = job.pixel.counts.events_on + job.pixel.counts.events_off;
     add_counts(&sensor->counts, &job.pixel.counts);
     return status;

@@ -37,7 +37,10 @@ static inline tides_status td_ideal_fire(td_pixel_job *job, td_ideal *at, int64_
 static inline tides_status td_ideal_follow(td_pixel_job *job, td_ideal *at, const td_model *model, double from, double length,
                                            int *cut) {
     td_crossing_walk walk;
-    td_crossing_begin(&walk, model, length == 1 ? job->step : NULL); /* of a part the times are others */
+    td_step part = *job->step;
+    part.start_fraction += from * part.length_ns;
+    part.length_ns *= length;
+    td_crossing_begin(&walk, model, &part);
     for (;;) {
         int polarity = td_crossing_next(&walk, at->reference, at->on, at->off);
         if (polarity == 0) return TIDES_OK;

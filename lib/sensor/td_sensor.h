@@ -162,16 +162,15 @@ typedef struct td_changes {
 void td_sensor_find(const td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first, const td_signals *signals,
                     const double *widen, uint8_t *active);
 
-/* td_sensor_step of pixel `local` of the tile alone, on the cubics through these nodes; `changes` says what it did. On failure
- * the pixel is in between. */
+/* td_sensor_step of pixel `local` of the tile alone, on these pieces between the signals at the step's ends, which get its
+ * leak's ramp; `changes` says what it did. On failure the pixel is in between. */
 typedef struct td_sensor_single {
     const td_step *step;
     const td_tile *tile;
     size_t first, local;
     const td_signals *signals;
     const td_coverage *coverage;
-    const td_node *nodes;
-    int count;
+    td_pieces *pieces;
     td_changes *changes;
 } td_sensor_single;
 TIDES_MUST_CHECK tides_status td_sensor_advance(td_sensor *sensor, const td_sensor_single *single, td_event_buffer *buffer,

@@ -39,6 +39,7 @@ void td_solve_release(td_solve *solve) {
     free(solve->pixel);
     free(solve->looked);
     free(solve->found);
+    free(solve->step);
     free(solve->point);
     free(solve->asked);
     free(solve->value);
@@ -87,8 +88,17 @@ td_trust td_solve_first_trust(const tides_simulator *s, const td_refine_step *re
     return (td_trust){td_embedded(rise, h * begin[TD_PLANE_S_DOT][i], h * end[TD_PLANE_S_DOT][i]), 1};
 }
 
-double td_solve_widen(const tides_simulator *s, const td_refine_step *refined, double h, int32_t i) {
-    return td_solve_first_trust(s, refined, h, i).error + s->timing.rounding;
+/* What all pixels of a step share. */
+static tides_status lay_step(tides_simulator *s, const td_refine_step *refined, double start, double stop, td_solve_step *at,
+                             tides_error *error) {
+    const double *begin[TD_PLANES_ALL], *end[TD_PLANES_ALL];
+    td_settle_planes(s, refined, begin, end);
+    at->from = td_refine_time(&s->refine, start, stop, refined->from);
+    at->to = td_refine_time(&s->refine, start, stop, refined->to);
+    at->signals = (td_signals){begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
+    at->coverage = (td_coverage){NULL, NULL};
+    if (s->sensor.masks) at->coverage = (td_coverage){begin[TD_PLANE_ALPHA], end[TD_PLANE_ALPHA]};
+    return td_step_of_run(s, at->from, at->to, &at->span, error);
 }
 
 /* Lists the tile's pixels that aren't listed yet and may do something in a step of it. */
@@ -97,18 +107,15 @@ static tides_status list_active(tides_simulator *s, int32_t step, double start, 
     td_solve *solve = &s->solve;
     const td_refine_step *refined = &s->refine.step[step];
     const td_tile *tile = &s->tile[refined->tile];
-    const double *begin[TD_PLANES_ALL], *end[TD_PLANES_ALL];
+    td_solve_step *at = &solve->step[step];
     double widen[TD_TILE_PIXELS];
     uint8_t before[TD_TILE_PIXELS];
-    td_step span;
-    td_settle_planes(s, refined, begin, end);
-    const td_signals signals = {begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
-    tides_status status = td_step_of_run(s, td_refine_time(&s->refine, start, stop, refined->from),
-                                         td_refine_time(&s->refine, start, stop, refined->to), &span, error);
+    tides_status status = lay_step(s, refined, start, stop, at, error);
     if (status != TIDES_OK) return status;
-    for (int32_t i = 0; i < tile->count; i++) widen[i] = td_solve_widen(s, refined, span.length_s, i);
+    for (int32_t i = 0; i < tile->count; i++)
+        widen[i] = td_solve_first_trust(s, refined, at->span.length_s, i).error + s->timing.rounding;
     memcpy(before, active, sizeof before);
-    td_sensor_find(&s->sensor, &span, tile, s->first_pixel[refined->tile], &signals, widen, active);
+    td_sensor_find(&s->sensor, &at->span, tile, s->first_pixel[refined->tile], &at->signals, widen, active);
     for (int32_t i = 0; i < tile->count && status == TIDES_OK; i++) {
         if (active[i] == before[i]) continue;
         status = td_reserve((void **)&solve->pixel, &solve->pixel_capacity, solve->pixels + 1, sizeof *solve->pixel, error);
@@ -120,7 +127,8 @@ static tides_status list_active(tides_simulator *s, int32_t step, double start, 
 /* Of all tiles that move; an ideal pixel that has done something may do more in any step that follows. */
 static tides_status list_pixels(tides_simulator *s, double start, double stop, tides_error *error) {
     const td_refine *r = &s->refine;
-    tides_status status = TIDES_OK;
+    td_solve *solve = &s->solve;
+    tides_status status = td_reserve((void **)&solve->step, &solve->step_capacity, r->steps, sizeof *solve->step, error);
     s->solve.pixels = s->solve.looked_count = s->solve.found_count = 0;
     for (int k = 0; k < s->moving_count; k++) {
         uint8_t active[TD_TILE_PIXELS] = {0};
@@ -133,45 +141,39 @@ static tides_status list_pixels(tides_simulator *s, double start, double stop, t
 /* -- round after round ---------------------------------------------------------------------------------------------------- */
 
 /* What was found becomes nodes. */
-static tides_status take(tides_simulator *s, double start, double stop, tides_error *error) {
-    td_solve *solve = &s->solve;
+static tides_status take(td_solve *solve, tides_error *error) {
     tides_status status = TIDES_OK;
     for (size_t k = 0; k < solve->points && status == TIDES_OK; k++) {
         const td_asked *asked = &solve->asked[k];
         const int32_t i = solve->pixel[asked->pixel].local;
         td_looked *looked = &solve->looked[asked->looked];
-        const td_refine_step *refined = &s->refine.step[looked->step];
-        const double *begin[TD_PLANES_ALL], *end[TD_PLANES_ALL];
-        td_step span;
-        td_settle_planes(s, refined, begin, end);
-        status = td_step_of_run(s, td_refine_time(&s->refine, start, stop, refined->from),
-                                td_refine_time(&s->refine, start, stop, refined->to), &span, error);
-        const td_ends ends = {span.length_s, begin[TD_PLANE_S][i], begin[TD_PLANE_S_DOT][i], end[TD_PLANE_S][i],
-                              end[TD_PLANE_S_DOT][i]};
-        if (status == TIDES_OK) status = td_solve_insert(solve, looked, &ends, asked->s, &solve->value[k], error);
+        const td_solve_step *step = &solve->step[looked->step];
+        const td_signals *at = &step->signals;
+        const td_ends ends = {step->span.length_s, at->S0[i], at->S0_dot[i], at->S1[i], at->S1_dot[i]};
+        status = td_solve_insert(solve, looked, &ends, asked->s, &solve->value[k], error);
     }
     return status;
 }
 
 /* Runs every pixel that isn't settled, and keeps those that still aren't. */
-static tides_status run_pixels(tides_simulator *s, double start, double stop, tides_error *error) {
+static tides_status run_pixels(tides_simulator *s, tides_error *error) {
     td_solve *solve = &s->solve;
     tides_status status = TIDES_OK;
     solve->points = 0;
     for (size_t k = 0; k < solve->pixels && status == TIDES_OK; k++)
-        if (solve->pixel[k].step >= 0) status = td_solve_run(s, (int32_t)k, start, stop, error);
+        if (solve->pixel[k].step >= 0) status = td_solve_run(s, (int32_t)k, error);
     return status;
 }
 
 tides_status td_solve_steps(tides_simulator *s, double start, double stop, tides_error *error) {
     tides_status status = list_pixels(s, start, stop, error);
     while (status == TIDES_OK) {
-        status = run_pixels(s, start, stop, error);
+        status = run_pixels(s, error);
         if (status != TIDES_OK || s->solve.points == 0) break;
         double begun = td_now();
         status = look_up(s, error);
         s->stats.time_compare_s -= td_now() - begun; /* it is the renderer's, or `other` */
-        if (status == TIDES_OK) status = take(s, start, stop, error);
+        if (status == TIDES_OK) status = take(&s->solve, error);
     }
     return status;
 }

@@ -20,87 +20,79 @@ typedef struct visit {
     td_solving *pixel;
     int32_t number, step; /* which pixel, which step of the macro step */
     size_t at;            /* the sensor's */
-    double from, to;      /* the step [s after the epoch] */
-    td_step span;
-    td_signals signals;
-    td_coverage coverage;
+    const td_solve_step *now;
     td_ends ends;
+    td_trust first;               /* of its model, where nothing is found yet */
     int32_t looked;               /* td_looked, or -1 */
     double reference, held_until; /* that the step begins with, */
-    uint64_t state;               /* and all else */
+    td_kept_pixel state;          /* and all else */
     int nodes;
     td_node node[TD_NODES_MAX];
     td_changes changes;
     td_trusted model;
 } visit;
 
-/* -- the step ------------------------------------------------------------------------------------------------------------- */
+/* -- the step -------------------------------------------------------------------------------------------------------------- */
 
-static tides_status enter(visit *v, int32_t step, double start, double stop, tides_error *error) {
-    tides_simulator *s = v->s;
-    const td_refine *r = &s->refine;
-    const td_refine_step *refined = &r->step[step];
+static void enter(visit *v, int32_t step) {
+    const td_sensor *sensor = &v->s->sensor;
     const int32_t i = v->pixel->local;
-    const double *begin[TD_PLANES_ALL], *end[TD_PLANES_ALL];
-    td_settle_planes(s, refined, begin, end);
     v->step = step;
-    v->from = td_refine_time(r, start, stop, refined->from);
-    v->to = td_refine_time(r, start, stop, refined->to);
-    v->signals = (td_signals){begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
-    v->coverage = (td_coverage){NULL, NULL};
-    if (s->sensor.masks) v->coverage = (td_coverage){begin[TD_PLANE_ALPHA], end[TD_PLANE_ALPHA]};
-    v->reference = s->sensor.pixels.reference[v->at];
-    v->held_until = s->sensor.on ? s->sensor.held_until[v->at] : -INFINITY;
-    tides_status status = td_step_of_run(s, v->from, v->to, &v->span, error);
-    const td_signals *at = &v->signals;
-    v->ends = (td_ends){v->span.length_s, at->S0[i], at->S0_dot[i], at->S1[i], at->S1_dot[i]};
-    return status;
+    v->now = &v->s->solve.step[step];
+    const td_signals *at = &v->now->signals;
+    v->ends = (td_ends){v->now->span.length_s, at->S0[i], at->S0_dot[i], at->S1[i], at->S1_dot[i]};
+    v->first = td_solve_first_trust(v->s, &v->s->refine.step[step], v->ends.h, i);
+    v->reference = sensor->pixels.reference[v->at];
+    v->held_until = sensor->on ? sensor->held_until[v->at] : -INFINITY;
+    td_sensor_keep(sensor, v->at, &v->state);
+}
+
+static uint64_t state_of(const visit *v) {
+    return td_hash_words(0, v->state.word, (size_t)v->state.words * sizeof *v->state.word);
 }
 
 /* What is known of the pixel in this step; forgotten where it was found for another state. */
-static void recall(visit *v, const td_kept_pixel *state) {
+static void recall(visit *v) {
     td_solve *solve = &v->s->solve;
     v->looked = v->pixel->looked;
     while (v->looked >= 0 && solve->looked[v->looked].step != v->step) v->looked = solve->looked[v->looked].next;
-    v->state = td_hash_words(0, state->word, (size_t)state->words * sizeof *state->word);
-    if (v->looked < 0 || solve->looked[v->looked].state == v->state) return;
+    if (v->looked < 0) return;
     td_looked *looked = &solve->looked[v->looked];
+    const uint64_t state = state_of(v);
+    if (looked->state == state) return;
     looked->first = -1;
     looked->nodes = looked->looks = 0;
-    looked->trust = td_solve_first_trust(v->s, &v->s->refine.step[v->step], v->span.length_s, v->pixel->local);
-    looked->state = v->state;
+    looked->trust = v->first;
+    looked->state = state;
 }
 
 /* With nothing found and nothing near, the pixel is at the step's end. */
 static int may_act(const visit *v) {
-    const td_refine_step *refined = &v->s->refine.step[v->step];
-    const td_tile one = {0, 0, 1, 1};
-    const int32_t i = v->pixel->local;
-    const td_signals *at = &v->signals;
-    const td_signals own = {at->S0 + i, at->S0_dot + i, at->S1 + i, at->S1_dot + i};
-    const double widen = td_solve_widen(v->s, refined, v->span.length_s, i);
+    static const td_tile one = {0, 0, 1, 1};
+    const td_ends *at = &v->ends;
+    const td_signals own = {&at->S0, &at->S0_dot, &at->S1, &at->S1_dot};
+    const double widen = v->first.error + v->s->timing.rounding;
     uint8_t active = 0;
     if (v->looked >= 0) return 1;
-    td_sensor_find(&v->s->sensor, &v->span, &one, v->at, &own, &widen, &active);
+    td_sensor_find(&v->s->sensor, &v->now->span, &one, v->at, &own, &widen, &active);
     return active;
 }
 
-static void take_model(visit *v) {
-    tides_simulator *s = v->s;
-    const td_sensor *sensor = &s->sensor;
-    const td_refine_step *refined = &s->refine.step[v->step];
+static void take_nodes(visit *v) {
     td_trusted *model = &v->model;
-    const double rounding = td_timing_rounding(&s->timing, &s->tile[refined->tile], v->signals.S1, v->pixel->local);
-    const int in_double = s->solve.precision == TIDES_SOLVE_DOUBLE;
     v->nodes = 0;
-    model->trust[0] = td_solve_first_trust(s, refined, v->span.length_s, v->pixel->local);
-    if (v->looked >= 0) v->nodes = td_solve_nodes(&s->solve, &s->solve.looked[v->looked], v->node, model->trust);
-    model->floor = in_double ? TD_SOLVE_DOUBLE_ROUNDING * (1 + fabs(v->ends.S1)) : rounding;
-    model->ends = in_double ? rounding : 0;
+    model->trust[0] = v->first;
+    if (v->looked >= 0) v->nodes = td_solve_nodes(&v->s->solve, &v->s->solve.looked[v->looked], v->node, model->trust);
     td_pieces_make(&model->pieces, &v->ends, v->node, v->nodes);
-    if (!sensor->on) return;
-    const double start = td_sensor_time(sensor, v->span.start_ns, v->span.start_fraction);
-    td_pieces_add_ramp(&model->pieces, sensor->leak[v->at] * start, sensor->leak[v->at] * v->span.length_ns);
+}
+
+/* What else the model is off by. */
+static void take_rounding(visit *v) {
+    const tides_simulator *s = v->s;
+    const int in_double = s->solve.precision == TIDES_SOLVE_DOUBLE;
+    const double rounding = td_timing_rounding(&s->timing, &s->tile[v->pixel->tile], v->now->signals.S1, v->pixel->local);
+    v->model.floor = in_double ? TD_SOLVE_DOUBLE_ROUNDING * (1 + fabs(v->ends.S1)) : rounding;
+    v->model.ends = in_double ? rounding : 0;
 }
 
 /* -- what is to be looked up ---------------------------------------------------------------------------------------------- */
@@ -112,7 +104,7 @@ static tides_status new_looked(visit *v, tides_error *error) {
     if (status != TIDES_OK) return status;
     v->looked = (int32_t)solve->looked_count++;
     solve->looked[v->looked] =
-        (td_looked){.step = v->step, .next = v->pixel->looked, .first = -1, .trust = v->model.trust[0], .state = v->state};
+        (td_looked){.step = v->step, .next = v->pixel->looked, .first = -1, .trust = v->first, .state = state_of(v)};
     v->pixel->looked = v->looked;
     return TIDES_OK;
 }
@@ -128,8 +120,8 @@ static tides_status ask(visit *v, double s, tides_error *error) {
     if (status == TIDES_OK)
         status = td_reserve((void **)&solve->asked, &solve->asked_capacity, k + 1, sizeof *solve->asked, error);
     if (status != TIDES_OK) return status;
-    const double time = v->from + s * (v->to - v->from);
-    solve->point[k] = (td_point){time < v->to ? time : v->to, tile->x0 + i % tile->width, tile->y0 + i / tile->width};
+    const double time = v->now->from + s * (v->now->to - v->now->from);
+    solve->point[k] = (td_point){time < v->now->to ? time : v->now->to, tile->x0 + i % tile->width, tile->y0 + i / tile->width};
     solve->asked[k] = (td_asked){v->number, v->looked, s};
     solve->points++;
     return TIDES_OK;
@@ -150,19 +142,19 @@ static int is_good(const visit *v, const td_change *change) {
     const double error = error_at(v, change->s, change->polarity ? change->polarity : 1, &slope, &bend);
     if (error <= v->model.floor) return 1;
     if (change->polarity == 0) return error <= enough_of_threshold * td_sensor_least_threshold(&v->s->sensor.sensor);
-    return td_timing_reach(slope, bend, error, &touches) * v->span.length_s <= v->s->solve.target_s;
+    return td_timing_reach(slope, bend, error, &touches) * v->now->span.length_s <= v->s->solve.target_s;
 }
 
 /* The reference at s, and whether a refractory period is on. */
 static double reference_at(const visit *v, double s, int *is_held) {
     const td_sensor *sensor = &v->s->sensor;
-    const double start = td_sensor_time(sensor, v->span.start_ns, v->span.start_fraction);
+    const double start = td_sensor_time(sensor, v->now->span.start_ns, v->now->span.start_fraction);
     double reference = v->reference;
-    *is_held = v->held_until > start + s * v->span.length_ns;
+    *is_held = v->held_until > start + s * v->now->span.length_ns;
     for (int k = 0; k < v->changes.count && v->changes.change[k].s <= s; k++) {
         const td_change *change = &v->changes.change[k];
         reference = change->reference;
-        *is_held = change->fired && sensor->on && (s - change->s) * v->span.length_ns < sensor->refractory_ns;
+        *is_held = change->fired && sensor->on && (s - change->s) * v->now->span.length_ns < sensor->refractory_ns;
     }
     return reference;
 }
@@ -218,17 +210,16 @@ static tides_status judge(visit *v, int *asked, int *doubts, tides_error *error)
     return status;
 }
 
-/* -- the pixel ------------------------------------------------------------------------------------------------------------ */
+/* -- the pixel ------------------------------------------------------------------------------------------------------------- */
 
 static tides_status advance(visit *v, tides_error *error) {
-    const td_sensor_single single = {.step = &v->span,
+    const td_sensor_single single = {.step = &v->now->span,
                                      .tile = &v->s->tile[v->pixel->tile],
                                      .first = v->at - (size_t)v->pixel->local,
                                      .local = (size_t)v->pixel->local,
-                                     .signals = &v->signals,
-                                     .coverage = &v->coverage,
-                                     .nodes = v->node,
-                                     .count = v->nodes,
+                                     .signals = &v->now->signals,
+                                     .coverage = &v->now->coverage,
+                                     .pieces = &v->model.pieces,
                                      .changes = &v->changes};
     return td_sensor_advance(&v->s->sensor, &single, &v->s->events, error);
 }
@@ -242,7 +233,7 @@ static void note_events(visit *v, int doubts) {
         double slope, bend;
         if (!change->fired) continue;
         const double error = error_at(v, change->s, change->polarity, &slope, &bend);
-        td_timing_add_solved(&s->timing, hypot(error, v->model.floor), slope, bend, v->span.length_s);
+        td_timing_add_solved(&s->timing, hypot(error, v->model.floor), slope, bend, v->now->span.length_s);
         s->solve.events += (uint64_t)(v->nodes > 0);
     }
 }
@@ -252,17 +243,18 @@ static tides_status pass_step(visit *v, int settles, int *asked, tides_error *er
     int doubts = 0;
     *asked = 0;
     if (!may_act(v)) return TIDES_OK;
-    take_model(v);
+    take_nodes(v);
     tides_status status = advance(v, error);
+    take_rounding(v);
     if (status == TIDES_OK) status = judge(v, asked, &doubts, error);
     if (status == TIDES_OK && settles && !*asked) note_events(v, doubts);
     return status;
 }
 
-tides_status td_solve_run(tides_simulator *s, int32_t number, double start, double stop, tides_error *error) {
+tides_status td_solve_run(tides_simulator *s, int32_t number, tides_error *error) {
     const td_refine *r = &s->refine;
     visit v;
-    td_kept_pixel settled = {.words = 0}, state;
+    td_kept_pixel settled = {.words = 0};
     td_sensor_counts counts = s->sensor.counts;
     size_t events = s->events.count;
     int32_t unsettled = -1;
@@ -273,17 +265,16 @@ tides_status td_solve_run(tides_simulator *s, int32_t number, double start, doub
     v.at = s->first_pixel[v.pixel->tile] + (size_t)v.pixel->local;
     for (int32_t k = v.pixel->step; k >= 0 && !r->step[k].open && status == TIDES_OK; k = r->step[k].next) {
         int asked = 0;
+        enter(&v, k);
+        recall(&v);
         if (unsettled < 0) {
             counts = s->sensor.counts;
             events = s->events.count;
         }
-        td_sensor_keep(&s->sensor, v.at, &state);
-        status = enter(&v, k, start, stop, error);
-        recall(&v, &state);
-        if (status == TIDES_OK) status = pass_step(&v, unsettled < 0, &asked, error);
+        status = pass_step(&v, unsettled < 0, &asked, error);
         if (asked && unsettled < 0) {
             unsettled = k;
-            settled = state;
+            settled = v.state;
         }
         if (asked && s->sensor.on) break; /* what follows depends on when this was: it would be looked up in vain */
     }

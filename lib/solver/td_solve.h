@@ -13,6 +13,7 @@
 #ifndef TD_SOLVE_H
 #define TD_SOLVE_H
 
+#include "sensor/td_sensor.h"
 #include "td_refine.h"
 #include "signal/td_pieces.h"
 
@@ -46,6 +47,14 @@ typedef struct td_solving {
     int32_t looked; /* td_looked, or -1 */
 } td_solving;
 
+/* A step that is being solved. */
+typedef struct td_solve_step {
+    td_step span;
+    double from, to; /* [s after the epoch] */
+    td_signals signals;
+    td_coverage coverage;
+} td_solve_step;
+
 /* Who asked for a point, and where in its step. */
 typedef struct td_asked {
     int32_t pixel, looked;
@@ -63,6 +72,8 @@ typedef struct td_solve {
     size_t looked_count, looked_capacity;
     td_found *found;
     size_t found_count, found_capacity;
+    td_solve_step *step; /* of those that are being solved, as refine.step numbers them */
+    size_t step_capacity;
     td_point *point; /* to be looked up in this round */
     size_t points, point_capacity;
     td_asked *asked; /* (points) */
@@ -85,12 +96,10 @@ TIDES_MUST_CHECK tides_status td_solve_steps(tides_simulator *s, double start, d
 
 /* Runs a pixel on from where it is settled to the first step in which something is to be looked up, and lists that; an ideal
  * one to the last step. `number`: which of solve->pixel it is (solve_run.c). */
-TIDES_MUST_CHECK tides_status td_solve_run(tides_simulator *s, int32_t number, double start, double stop, tides_error *error);
+TIDES_MUST_CHECK tides_status td_solve_run(tides_simulator *s, int32_t number, tides_error *error);
 
-/* What a pixel's model on a step of h seconds may be off by before anything is looked up; and the signal, rounding included
- * (solve.c). */
+/* What a pixel's model on a step of h seconds may be off by before anything is looked up (solve.c). */
 td_trust td_solve_first_trust(const tides_simulator *s, const td_refine_step *refined, double h, int32_t i);
-double td_solve_widen(const tides_simulator *s, const td_refine_step *refined, double h, int32_t i);
 
 /* The model of a pixel in a step, and what it may be off by (solve_nodes.c). */
 typedef struct td_trusted {

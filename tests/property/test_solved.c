@@ -43,7 +43,7 @@ static void check_scene(uint64_t seed, double *reported, double *measured) {
     w.halved = v.halved;
     judged_print(&j, "solved", &w);
     assert_int_equal(w.stats.events_caught_up, 0);
-    assert_true(w.stats.events_solved <= w.stats.events && w.stats.points_looked_up >= w.stats.events_solved);
+    assert_true(w.stats.events_solved <= w.stats.events && (w.stats.points_looked_up > 0 || w.stats.events_solved == 0));
     if (!judged_honest(&w)) fail_msg("seed %llu: reported errors are too small", (unsigned long long)seed);
     if (w.match.mismatch_percent > v.match.mismatch_percent)
         fail_msg("seed %llu: %g %% mismatched", (unsigned long long)seed, w.match.mismatch_percent);

@@ -189,7 +189,10 @@ static void test_singles_are_the_tile(void **state) {
         uint8_t active[RIG_PIXELS] = {0};
         td_sensor_find(&single->sensor, &step, &single->tile[0], 0, &signals, widen, active);
         for (size_t i = 0; i < single->pixels; i++) {
-            const td_sensor_single one = {&step, &single->tile[0], 0, i, &signals, NULL, NULL, 0, &changes};
+            const td_ends ends = {0.02, signals.S0[i], signals.S0_dot[i], signals.S1[i], signals.S1_dot[i]};
+            td_pieces pieces;
+            td_pieces_make(&pieces, &ends, NULL, 0);
+            const td_sensor_single one = {&step, &single->tile[0], 0, i, &signals, NULL, &pieces, &changes};
             const size_t before = single->buffer.count;
             if (!active[i]) continue;
             assert_int_equal(td_sensor_advance(&single->sensor, &one, &single->buffer, &error), TIDES_OK);
