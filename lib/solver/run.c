@@ -111,6 +111,7 @@ static tides_status compare_still(tides_simulator *s, double start, double stop,
     td_step whole;
     double begun = td_now();
     tides_status status = td_step_of_run(s, start, stop, &whole, error);
+    if (status == TIDES_OK) status = td_solve_still(s, &whole, start, error);
     if (status == TIDES_OK) status = td_compare_still(s, &whole, error);
     s->stats.time_compare_s += td_now() - begun;
     return status;

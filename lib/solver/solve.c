@@ -177,3 +177,47 @@ tides_status td_solve_steps(tides_simulator *s, double start, double stop, tides
     }
     return status;
 }
+
+/* -- at rest --------------------------------------------------------------------------------------------------------------- */
+
+/* Asks for the pixels of a tile in which nothing moves that may do something in the step: their places in the sample, too. */
+static tides_status ask_still(tides_simulator *s, int t, const td_step *span, double start, tides_error *error) {
+    static const double no_rate[TD_TILE_PIXELS] = {0};
+    td_solve *solve = &s->solve;
+    const td_tile *tile = &s->tile[t];
+    const double *S = s->now.plane[TD_PLANE_S] + s->first_pixel[t];
+    const td_signals signals = {S, no_rate, S, no_rate};
+    double widen[TD_TILE_PIXELS];
+    uint8_t active[TD_TILE_PIXELS] = {0};
+    tides_status status = TIDES_OK;
+    for (int32_t i = 0; i < tile->count; i++) widen[i] = s->timing.rounding;
+    td_sensor_find(&s->sensor, span, tile, s->first_pixel[t], &signals, widen, active);
+    for (int32_t i = 0; i < tile->count && status == TIDES_OK; i++) {
+        const size_t k = solve->points;
+        if (!active[i]) continue;
+        status = td_reserve((void **)&solve->point, &solve->point_capacity, k + 1, sizeof *solve->point, error);
+        if (status == TIDES_OK)
+            status = td_reserve((void **)&solve->asked, &solve->asked_capacity, k + 1, sizeof *solve->asked, error);
+        if (status != TIDES_OK) return status;
+        solve->point[k] = (td_point){start, tile->x0 + i % tile->width, tile->y0 + i / tile->width};
+        solve->asked[k] = (td_asked){(int32_t)(s->first_pixel[t] + (size_t)i), -1, 0};
+        solve->points++;
+    }
+    return status;
+}
+
+tides_status td_solve_still(tides_simulator *s, const td_step *span, double start, tides_error *error) {
+    td_solve *solve = &s->solve;
+    tides_status status = TIDES_OK;
+    if (solve->precision != TIDES_SOLVE_DOUBLE || !s->sensor.active_at_rest) return TIDES_OK;
+    solve->points = 0;
+    for (int t = 0, moved = 0; t < s->tiles && status == TIDES_OK; t++) { /* both lists ascend */
+        const int moves = moved < s->moving_count && s->moving[moved] == t;
+        moved += moves;
+        if (!moves) status = ask_still(s, t, span, start, error);
+    }
+    if (status == TIDES_OK && solve->points > 0) status = look_up(s, error);
+    for (size_t k = 0; k < solve->points && status == TIDES_OK; k++)
+        s->now.plane[TD_PLANE_S][solve->asked[k].pixel] = solve->value[k].L;
+    return status;
+}

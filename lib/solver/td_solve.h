@@ -92,6 +92,10 @@ TIDES_MUST_CHECK tides_status td_solve_begin(tides_simulator *s, tides_error *er
 /* The comparator over the accepted steps of the tiles that move, those that nothing open is before (settle.c). */
 TIDES_MUST_CHECK tides_status td_solve_steps(tides_simulator *s, double start, double stop, tides_error *error);
 
+/* Before tiles at rest are compared over a macro step that begins at `start`: what may do something there gets its signal from
+ * what is looked up, so that slow ramps meet the levels where references say. */
+TIDES_MUST_CHECK tides_status td_solve_still(tides_simulator *s, const td_step *span, double start, tides_error *error);
+
 /* -- parts of it ---------------------------------------------------------------------------------------------------------- */
 
 /* Runs a pixel on from where it is settled to the first step in which something is to be looked up, and lists that; an ideal
