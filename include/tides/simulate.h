@@ -43,7 +43,7 @@ typedef struct tides_risk {
 } tides_risk;
 
 /* Step control; fill with tides_stepping_defaults (error, hermite, local, 10 ms, 1 us, 0.01, 0, 0, 0.3 0.3 0.4, exact, 0, 256,
- * off). */
+ * off, 0). */
 typedef struct tides_stepping {
     uint32_t size;
     int32_t mode;            /* TIDES_STEPPING_* */
@@ -64,6 +64,9 @@ typedef struct tides_stepping {
     double memory_mb; /* [1e6 bytes] >= 1: what the samples of a macro step may take, and their launches; or, if that is more, a
                          few samples of each moving tile. Changes the order of the work, no event */
     int32_t solve;    /* TIDES_SOLVE_* */
+    int32_t paths; /* 1: within a macro step splats follow record paths, cubics between the times at which they are projected,
+                      Gaussian by Gaussian as many as stay within a hundredth of both tolerances. Images whose colours a
+                      decoder makes have none. FIXED: has no effect, each step is projected */
 } tides_stepping;
 TIDES_API void tides_stepping_defaults(tides_stepping *stepping);
 

@@ -104,6 +104,7 @@ void tides_renderer_destroy(tides_renderer *renderer) {
     if (renderer->backend) renderer->backend->type->destroy(renderer->backend);
     td_candidates_release(&renderer->candidates);
     td_dynamic_release(&renderer->dynamic);
+    td_paths_release(&renderer->paths);
     td_strays_release(&renderer->strays);
     free(renderer->sweep_time);
     td_psf_release(&renderer->psf);
@@ -125,7 +126,7 @@ void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *st
     const tides_render_stats *done = &renderer->backend->stats;
     stats->tile_jobs = done->tile_jobs;
     stats->blocks = done->blocks;
-    stats->gaussians_projected = done->gaussians_projected;
+    stats->gaussians_projected = done->gaussians_projected - stats->gaussians_on_paths;
     stats->gaussians_culled = done->gaussians_culled;
     stats->pairs_evaluated = done->pairs_evaluated;
     stats->lists_kept = done->lists_kept;

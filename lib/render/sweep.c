@@ -104,5 +104,5 @@ tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory 
         memset(renderer->candidates.moving, 1, (size_t)renderer->stats.tiles);
     if (status == TIDES_OK) status = td_psf_spread(&renderer->psf, &renderer->candidates, error);
     renderer->stats.time_sweep_s += td_now() - begun;
-    return status;
+    return status == TIDES_OK ? td_paths_find(renderer, camera, start, stop, error) : status;
 }

@@ -6,6 +6,7 @@
  *   store.c, store_motion.c, decoder.c   the scene, activated
  *   view.c                               objects as the camera sees them
  *   sweep.c, candidates.c                which Gaussians a tile may see in an interval
+ *   paths.c, path_times.c                splats at a few times of an interval, cubics between (td_paths.h)
  *   tiles.c, psf.c, nonfinite.c          tiles at times: rendered, blurred, checked
  *   frame.c, flow.c                      whole images, and how fast they move
  *   dynamic/                             Gaussians with a motion model
@@ -21,6 +22,7 @@
 #endif
 #include "render/dynamic/td_dynamic.h"
 #include "render/dynamic/td_stray.h"
+#include "td_paths.h"
 #include "td_psf.h"
 #include "td_render.h"
 
@@ -118,7 +120,8 @@ struct tides_renderer {
     uint8_t *in_order; /* (requests) 1 where a job's list was in order */
     size_t empty_capacity, in_order_capacity;
     int record_limit; /* records per launch */
-    td_psf psf;       /* what the optics make of L and L_dot */
+    td_record_paths paths;
+    td_psf psf; /* what the optics make of L and L_dot */
     tides_render_stats stats;
 };
 
@@ -134,6 +137,14 @@ tides_status td_renderer_sweep_views(tides_renderer *renderer, const tides_traje
  * (dynamic/sweep_pieces.c). */
 tides_status td_dynamic_sweep_pieces(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                      tides_error *error);
+
+/* Record paths of the interval swept last, whose candidate lists are there (paths.c); there are none where nothing asks for
+ * them, at an instant, and where the interval falls into too many pieces: then Gaussians are projected at each time. Its
+ * pieces, `cut` 0 where they are too many (path_times.c). */
+tides_status td_paths_find(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                           tides_error *error);
+tides_status td_paths_cut(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop, int *cut,
+                          tides_error *error);
 
 /* The name of a backend's plane (TD_OUT_L ..), which is that of its channel; NULL where there is none (frame.c). */
 const char *td_plane_name(int plane);

@@ -95,6 +95,27 @@ static tides_status reserve(tides_renderer *renderer, size_t count, tides_error 
     return status;
 }
 
+/* The paths of the interval, for batches without colour. */
+static tides_status follow_paths(tides_renderer *renderer, const td_tile_batch *asked, const td_job *jobs, int count,
+                                 td_batch *batch, td_path_batch *follow, tides_error *error) {
+    td_record_paths *paths = &renderer->paths;
+    if (!paths->there || asked->outputs >= TD_OUT_COLOUR) return TIDES_OK;
+    tides_status status = td_paths_moments(paths, asked->times, asked->slots, error);
+    if (status != TIDES_OK) return status;
+    *follow = (td_path_batch){paths->path_of, paths->serial, paths->cubics, paths->nodes};
+    batch->paths = follow;
+    for (int i = 0; i < count; i++) {
+        int tile = jobs[i].y / TD_TILE * renderer->candidates.tiles_x + jobs[i].x / TD_TILE;
+        renderer->stats.gaussians_on_paths += (uint64_t)(jobs[i].count - paths->direct[tile]);
+    }
+    return TIDES_OK;
+}
+
+/* Whether some candidates' rows are to be worked out for the batch's times. */
+static int needs_rows(const tides_renderer *renderer, const td_batch *batch) {
+    return renderer->dynamic.gaussians && !(batch->paths && !renderer->paths.direct_moves);
+}
+
 tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *asked,
                                          double *planes, tides_error *error) {
     const td_request *requests = asked->requests;
@@ -114,8 +135,11 @@ tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_t
     batch.outputs = outputs;
     batch.hint_count = td_candidates_hint_count(&renderer->candidates);
     batch.in_order = renderer->in_order;
-    status = renderer->dynamic.gaussians ? td_dynamic_run_jobs(renderer, &batch, asked, renderer->jobs, jobs, planes, error)
-                                         : run_jobs(renderer, &batch, renderer->jobs, jobs, planes, error);
+    td_path_batch paths;
+    if (status == TIDES_OK) status = follow_paths(renderer, asked, renderer->jobs, jobs, &batch, &paths, error);
+    if (status != TIDES_OK) return status;
+    status = needs_rows(renderer, &batch) ? td_dynamic_run_jobs(renderer, &batch, asked, renderer->jobs, jobs, planes, error)
+                                          : run_jobs(renderer, &batch, renderer->jobs, jobs, planes, error);
     td_candidates_take_hints(&renderer->candidates, renderer->jobs, jobs, status == TIDES_OK ? renderer->in_order : NULL);
     if (status == TIDES_OK && renderer->image.decoder) return run_empty(renderer, &batch, requests, empty_count, planes, error);
     if (status == TIDES_OK) fill_empty(renderer, requests, empty_count, outputs, planes);

@@ -147,6 +147,8 @@ const td_param td_params[] = {
     {CHOICE("stepping.solve", stepping.solve, "off|float|double",
             "look the image up where events are, in this precision; off: the model's times")},
     {BOOLEAN("stepping.local", stepping.local, "each 16x16 tile has its own steps, and none where nothing moves")},
+    {BOOLEAN("stepping.paths", stepping.paths,
+             "project splats at a few times of a step and follow cubics between, where that stays within the tolerances")},
     {NUMBER("stepping.budget", stepping.budget, "full frames", 0, 1e12,
             "renders that cuts may cost in the run; 0 sets no bound")},
     {NUMBER("stepping.memory_mb", stepping.memory_mb, "MB", 1, 1e9,

@@ -26,7 +26,8 @@ void tides_stepping_defaults(tides_stepping *stepping) {
                                             TIDES_SLOPE_EXACT,
                                             0,
                                             256,
-                                            TIDES_SOLVE_OFF};
+                                            TIDES_SOLVE_OFF,
+                                            0};
     memcpy(stepping, &defaults, sizeof defaults); /* padding too, so that two of them are the same bytes */
 }
 
@@ -149,6 +150,7 @@ static void take_parameters(tides_simulator *s, const tides_sensor *sensor, cons
     s->sample_planes = s->refine.samples.planes = sensor->b_min > 0 ? TD_PLANES_ALL : TD_PLANES_SIGNAL;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
     s->interpolates = stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED;
+    s->paths = stepping->paths && stepping->mode != TIDES_STEPPING_FIXED;
     td_refine_bound(s);
 }
 
@@ -177,12 +179,18 @@ static tides_status lay_out(tides_simulator *s, const tides_intrinsics *intrinsi
     return status;
 }
 
+/* What record paths may be off by, of both tolerances: of what steps may be off by a part that nobody misses. */
+static const double path_share = 1e-2;
+
 /* The backend builds what samples at step ends render, then what the controller's do; interpolation asks the first of them. */
 static tides_status prepare(tides_simulator *s, const tides_sensor *sensor, tides_error *error) {
     tides_status status = td_renderer_prepare(s->renderer, td_fixed_outputs(s), error);
     if (status == TIDES_OK && s->interpolates)
         status =
             td_renderer_interpolate(s->renderer, s->tolerance * td_sensor_least_threshold(sensor), s->time_tolerance_s, error);
+    if (status == TIDES_OK && s->paths)
+        status = td_renderer_paths(s->renderer, path_share * s->tolerance * td_sensor_least_threshold(sensor),
+                                   path_share * s->time_tolerance_s, error);
     return status == TIDES_OK ? td_renderer_prepare(s->renderer, s->outputs, error) : status;
 }
 

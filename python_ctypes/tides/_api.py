@@ -1049,6 +1049,9 @@ class tides_render_stats(Structure):
     uint64_t gaussians_still; /* at rest before a resting camera: not looked at again when lists were made */
     uint64_t gaussians_moved; /* rows worked out of Gaussians that move by themselves: (Gaussian, time) pairs */
     uint64_t gaussians_interpolated; /* rows that were interpolated instead (tides_stepping.interpolate_motion) */
+    uint64_t path_nodes; /* record paths (tides_stepping.paths): times that Gaussians were projected at, */
+    uint64_t gaussians_at_nodes; /* those projected there, each time counted, */
+    uint64_t gaussians_on_paths; /* and (Gaussian, tile job) pairs taken from them, which gaussians_projected leaves out */
     uint64_t sweeps; /* times that Gaussians were swept for tile candidate lists */
     uint64_t pairs_evaluated; /* (splat, pixel) pairs composited, in blocks of 16 */
     uint64_t lists_kept; /* tile jobs whose splats were in depth order already: not sorted */
@@ -1067,6 +1070,9 @@ class tides_render_stats(Structure):
     gaussians_still: int
     gaussians_moved: int
     gaussians_interpolated: int
+    path_nodes: int
+    gaussians_at_nodes: int
+    gaussians_on_paths: int
     sweeps: int
     pairs_evaluated: int
     lists_kept: int
@@ -1091,6 +1097,9 @@ class tides_render_stats(Structure):
         ("gaussians_still", c_uint64),
         ("gaussians_moved", c_uint64),
         ("gaussians_interpolated", c_uint64),
+        ("path_nodes", c_uint64),
+        ("gaussians_at_nodes", c_uint64),
+        ("gaussians_on_paths", c_uint64),
         ("sweeps", c_uint64),
         ("pairs_evaluated", c_uint64),
         ("lists_kept", c_uint64),
@@ -1440,6 +1449,9 @@ class tides_stepping(Structure):
     double memory_mb; /* [1e6 bytes] >= 1: what the samples of a macro step may take, and their launches; or, if that is more, a
     few samples of each moving tile. Changes the order of the work, no event */
     int32_t solve; /* TIDES_SOLVE_* */
+    int32_t paths; /* 1: within a macro step splats follow record paths, cubics between the times at which they are projected,
+    Gaussian by Gaussian as many as stay within a hundredth of both tolerances. Images whose colours a
+    decoder makes have none. FIXED: has no effect, each step is projected */
     """
 
     size: int
@@ -1456,6 +1468,7 @@ class tides_stepping(Structure):
     interpolate_motion: int
     memory_mb: float
     solve: int
+    paths: int
 
     _fields_ = [
         ("size", c_uint32),
@@ -1472,6 +1485,7 @@ class tides_stepping(Structure):
         ("interpolate_motion", c_int32),
         ("memory_mb", c_double),
         ("solve", c_int32),
+        ("paths", c_int32),
     ]
 
 

@@ -3,8 +3,7 @@
  * renderer's sweep; what moves faster than three rows show is swept once more afterwards (sweep_pieces.c). */
 #include "render/dynamic/td_dynamic.h"
 
-/* The rows cached for a time, or NULL. Where rates don't jump either side will do. */
-static td_row_cache *find_cached(td_dynamic *dynamic, double time, int side) {
+td_row_cache *td_dynamic_find_cached(td_dynamic *dynamic, double time, int side) {
     for (int k = 0; k < TD_ROW_CACHES; k++) {
         td_row_cache *cached = &dynamic->cached[k];
         if (cached->is_there && !(cached->time < time || cached->time > time) &&
@@ -45,9 +44,9 @@ static tides_status cache_rows(td_dynamic *dynamic, td_backend *backend, const d
                                const td_row_cache *cached[3], tides_error *error) {
     td_row_cache *used[3] = {NULL, NULL, NULL};
     tides_status status = TIDES_OK;
-    for (int i = 0; i < 3; i++) used[i] = find_cached(dynamic, time[i], side[i]);
+    for (int i = 0; i < 3; i++) used[i] = td_dynamic_find_cached(dynamic, time[i], side[i]);
     for (int i = 0; i < 3 && status == TIDES_OK; i++) {
-        if (!used[i]) used[i] = find_cached(dynamic, time[i], side[i]); /* worked out for another of the three */
+        if (!used[i]) used[i] = td_dynamic_find_cached(dynamic, time[i], side[i]); /* worked out for another of the three */
         if (!used[i]) {
             used[i] = find_spare(dynamic, used);
             status = work_out(dynamic, backend, used[i], time[i], side[i], error);

@@ -129,6 +129,14 @@ tides_status td_rows_end_between(td_dynamic *dynamic, const td_dynamic_object *o
 /* Has the backend work out the batch. */
 tides_status td_rows_send(td_dynamic *dynamic, td_backend *backend, tides_error *error);
 
+/* Rows of `count` Gaussians of the store, in order, at a time: those cached by the sweep, or worked out behind these, until the
+ * next batch begins; what doesn't move by itself is its own row (rows_at.c). */
+tides_status td_dynamic_rows_at(td_dynamic *dynamic, td_backend *backend, const int *gaussians, int count, double time,
+                                int side, int *rows, tides_error *error);
+
+/* The rows cached for a time, or NULL. Where rates don't jump either side will do (sweep_rows.c). */
+td_row_cache *td_dynamic_find_cached(td_dynamic *dynamic, double time, int side);
+
 /* -- interpolation (interpolate.c) -- */
 
 /* From the next sweep on rows between those of its start, middle and end are interpolated where log_luminance is off by less

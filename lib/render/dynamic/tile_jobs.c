@@ -19,14 +19,17 @@ static const td_dynamic_object *object_of(const td_dynamic *dynamic, int leader)
     return mover < 0 ? NULL : &dynamic->object[mover];
 }
 
+/* Whether a Gaussian follows a record path: it needs no row. */
+static int follows(const td_batch *batch, int gaussian) { return batch->paths && batch->paths->path_of[gaussian] >= 0; }
+
 /* Moving candidates of a job that the slot hasn't asked for yet; with `take` they are then. */
-static int count_new(td_dynamic *dynamic, const int *candidates, int count, int take) {
+static int count_new(td_dynamic *dynamic, const td_batch *batch, const int *candidates, int count, int take) {
     int fresh = 0;
     for (int group = 0; group < count; group += TD_PAD) {
         const td_dynamic_object *object = object_of(dynamic, candidates[group]);
         for (int i = group; object && i < group + TD_PAD && candidates[i] != TD_NO_GAUSSIAN; i++) {
             int at = candidates[i] - object->first + object->base;
-            if (dynamic->stamp[at] == dynamic->serial) continue;
+            if (dynamic->stamp[at] == dynamic->serial || follows(batch, candidates[i])) continue;
             fresh++;
             if (!take) continue;
             dynamic->stamp[at] = dynamic->serial;
@@ -90,12 +93,13 @@ static tides_status assign_rows(td_dynamic *dynamic, double time, int side, int 
 }
 
 /* A job's own list: rows instead of Gaussians. */
-static void point_at_rows(const td_dynamic *dynamic, const int *candidates, int count, int *list) {
+static void point_at_rows(const td_dynamic *dynamic, const td_batch *batch, const int *candidates, int count, int *list) {
     for (int group = 0; group < count; group += TD_PAD) {
         const td_dynamic_object *object = object_of(dynamic, candidates[group]);
         for (int i = group; i < group + TD_PAD; i++) {
             list[i] = candidates[i];
-            if (object && list[i] != TD_NO_GAUSSIAN) list[i] = dynamic->row_of[list[i] - object->first + object->base];
+            if (object && list[i] != TD_NO_GAUSSIAN && !follows(batch, list[i]))
+                list[i] = dynamic->row_of[list[i] - object->first + object->base];
         }
     }
 }
@@ -107,19 +111,19 @@ typedef struct launch_plan {
 } launch_plan;
 
 /* As many of the following slot's jobs as there is room for; 0 in `*more` where the launch is full. */
-static tides_status take_slot(tides_renderer *r, const td_tile_batch *wanted, td_job *jobs, int count, launch_plan *launch,
-                              int *more, tides_error *error) {
+static tides_status take_slot(tides_renderer *r, const td_batch *batch, const td_tile_batch *wanted, td_job *jobs, int count,
+                              launch_plan *launch, int *more, tides_error *error) {
     td_dynamic *dynamic = &r->dynamic;
     const int *candidates = r->candidates.list;
     int first = launch->to, slot = jobs[first].slot, asked = 0, padding = 2 * TD_PAD * dynamic->objects;
     begin_slot(dynamic);
     for (; launch->to < count && jobs[launch->to].slot == slot; launch->to++) {
         const td_job *job = &jobs[launch->to];
-        int fresh = count_new(dynamic, candidates + job->candidates, job->count, 0);
+        int fresh = count_new(dynamic, batch, candidates + job->candidates, job->count, 0);
         int full =
             launch->records > r->record_limit - job->count || dynamic->rows.count + asked + padding > r->row_limit - fresh;
         if (full && launch->to > launch->from) break;
-        asked += count_new(dynamic, candidates + job->candidates, job->count, 1);
+        asked += count_new(dynamic, batch, candidates + job->candidates, job->count, 1);
         launch->records += job->count;
     }
     *more = launch->to > first && launch->to < count && jobs[launch->to].slot != slot;
@@ -128,7 +132,7 @@ static tides_status take_slot(tides_renderer *r, const td_tile_batch *wanted, td
         status =
             td_reserve((void **)&dynamic->list, &dynamic->list_capacity, (size_t)launch->records, sizeof *dynamic->list, error);
     for (int i = first; i < launch->to && status == TIDES_OK; i++) {
-        point_at_rows(dynamic, candidates + jobs[i].candidates, jobs[i].count, dynamic->list + launch->rows);
+        point_at_rows(dynamic, batch, candidates + jobs[i].candidates, jobs[i].count, dynamic->list + launch->rows);
         jobs[i].candidates = launch->rows;
         launch->rows += jobs[i].count;
     }
@@ -162,7 +166,7 @@ tides_status td_dynamic_run_jobs(tides_renderer *r, td_batch *batch, const td_ti
         int more = 1;
         launch.records = launch.rows = 0;
         td_rows_begin(&r->dynamic, r->store.count + r->dynamic.cached_rows);
-        while (more && status == TIDES_OK) status = take_slot(r, asked, jobs, count, &launch, &more, error);
+        while (more && status == TIDES_OK) status = take_slot(r, batch, asked, jobs, count, &launch, &more, error);
         if (status == TIDES_OK) status = run_launch(r, batch, jobs + launch.from, &launch, planes, error);
     }
     return status;

@@ -1,0 +1,37 @@
+/* Rows of some dynamic Gaussians at one time, for whoever needs them outside a tile's jobs: nodes of record paths. */
+#include "render/dynamic/td_dynamic.h"
+
+/* The object that a Gaussian belongs to; NULL where it doesn't move by itself. */
+static const td_dynamic_object *object_of(const td_dynamic *dynamic, int gaussian) {
+    int mover = dynamic->store->mover[dynamic->store->object[gaussian]];
+    return mover < 0 ? NULL : &dynamic->object[mover];
+}
+
+static void take_cached(const td_dynamic *dynamic, const td_row_cache *cached, const int *gaussians, int count, int *rows) {
+    for (int i = 0; i < count; i++) {
+        const td_dynamic_object *object = object_of(dynamic, gaussians[i]);
+        rows[i] = object ? cached->row + gaussians[i] - object->first + object->base : gaussians[i];
+    }
+}
+
+tides_status td_dynamic_rows_at(td_dynamic *dynamic, td_backend *backend, const int *gaussians, int count, double time,
+                                int side, int *rows, tides_error *error) {
+    const td_row_cache *cached = dynamic->cached_rows ? td_dynamic_find_cached(dynamic, time, side) : NULL;
+    tides_status status = TIDES_OK;
+    if (cached) {
+        take_cached(dynamic, cached, gaussians, count, rows);
+        return status;
+    }
+    td_rows_begin(dynamic, dynamic->store->count + dynamic->cached_rows);
+    for (int i = 0; i < count && status == TIDES_OK;) {
+        const td_dynamic_object *object = object_of(dynamic, gaussians[i]);
+        int first = dynamic->rows.count;
+        if (object) status = td_rows_reserve(dynamic, count - i + TD_PAD, error);
+        for (; i < count && object_of(dynamic, gaussians[i]) == object && status == TIDES_OK; i++) {
+            rows[i] = object ? dynamic->rows.row + dynamic->rows.count : gaussians[i];
+            if (object) td_rows_add(dynamic, object, gaussians[i]);
+        }
+        if (object && status == TIDES_OK) status = td_rows_end_run(dynamic, object, first, time, side, error);
+    }
+    return status == TIDES_OK && dynamic->rows.count ? td_rows_send(dynamic, backend, error) : status;
+}
