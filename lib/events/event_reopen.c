@@ -225,7 +225,7 @@ tides_status td_event_store_reopen(td_event_store *store, const char *path, cons
     td_event_store_reset(store);
     tides_status status = td_event_store_claim(path, 0, error);
     if (status != TIDES_OK) return status;
-    store->scratch = td_alloc(TD_EVENT_CHUNK, sizeof(int64_t), error);
+    store->scratch = td_alloc(1, TD_EVENT_SCRATCH, error);
     if (!store->scratch) return TIDES_NO_MEMORY;
     status = reopen(store, path, facts, rows, error);
     if (status != TIDES_OK) td_event_store_drop(store);

@@ -163,7 +163,7 @@ tides_status td_event_store_create(td_event_store *store, const char *path, cons
     store->offset = offset;
     tides_status status = td_event_store_claim(path, 1, error);
     if (status != TIDES_OK) return status;
-    store->scratch = td_alloc(TD_EVENT_CHUNK, sizeof(int64_t), error);
+    store->scratch = td_alloc(1, TD_EVENT_SCRATCH, error);
     if (!store->scratch) return TIDES_NO_MEMORY;
     if (create_all(store, path, facts) >= 0 && !store->failed) return TIDES_OK;
     td_h5_reason reason;
@@ -219,10 +219,16 @@ herr_t td_event_store_index(td_event_store *store, uint64_t end, uint64_t row) {
     return 0;
 }
 
+static herr_t append_column(const td_event_store *store, int column, size_t count) {
+    const hid_t type = column_memory_type(column), to = store->columns[column];
+    if (count < TD_EVENT_CHUNK) return td_h5_append_rows(to, type, store->rows, count, store->scratch);
+    return td_h5_append_chunk(to, type, store->rows, count, store->scratch, (int64_t *)store->scratch + TD_EVENT_CHUNK);
+}
+
 static herr_t append_events(td_event_store *store, const tides_event *events, const int64_t *fired, size_t count) {
     for (int c = 0; c < TD_COLUMNS; c++) {
         gather_column(c, store->offset, events, count, store->scratch);
-        if (td_h5_append_rows(store->columns[c], column_memory_type(c), store->rows, count, store->scratch) < 0) return -1;
+        if (append_column(store, c, count) < 0) return -1;
     }
     if (td_event_labels_append(store->file, &store->labels, store->rows, events, fired, count, store->scratch) < 0) return -1;
     for (size_t i = 0; i < count; i++)

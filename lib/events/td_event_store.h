@@ -22,9 +22,12 @@ typedef struct td_event_store {
     uint64_t next_ms;                 /* first millisecond without an entry, written or pending */
     uint64_t pending[TD_INDEX_CHUNK]; /* entries that wait for their chunk to fill */
     size_t pending_count;
-    void *scratch; /* one column of one chunk */
+    void *scratch; /* one column of one chunk, and what packs it: TD_EVENT_SCRATCH bytes */
     int failed;    /* errno of the first write that failed, or 0: HDF5 isn't told (archive/td_h5_driver.h) */
 } td_event_store;
+
+/* Bytes of a store's scratch. */
+#define TD_EVENT_SCRATCH (TD_EVENT_CHUNK * sizeof(int64_t) + TD_H5_CHUNK_ROOM(TD_EVENT_CHUNK * sizeof(int64_t)))
 
 /* Nothing open; all of them in a new file; the labels of `count` events at `row` (`fired` NULL: at their t), where `scratch`
  * holds a chunk of int64; those of an unfinished file, cut to `rows`. */
