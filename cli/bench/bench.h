@@ -110,7 +110,7 @@ tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, c
 tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
                            const tides_stepping *stepping, bench_row *row, tides_error *error);
 /* The parts of exact events, which a row may have: where unset, off, whatever the library's defaults are. */
-enum { BENCH_SOLVED_FLOAT = 1, BENCH_SOLVED = 2 };
+enum { BENCH_SOLVED_FLOAT = 1, BENCH_SOLVED = 2, BENCH_PATHS = 8 };
 void bench_choose_parts(tides_stepping *stepping, int32_t parts);
 /* A line on stderr. */
 void bench_say(const bench *b, const char *format, ...) CLI_PRINTF(2, 3);
@@ -134,7 +134,7 @@ cJSON *bench_header(const bench *b, const char *name);
 int32_t bench_header_scene(cJSON *header, const bench_scene *scene, const bench_rows *rows);
 tides_status bench_write(const bench *b, const char *name, cJSON *header, const bench_rows *rows, tides_error *error);
 /* The same of any rows: one cell per column, the same columns in each row. */
-enum { BENCH_CELLS_MAX = 32 };
+enum { BENCH_CELLS_MAX = 40 };
 typedef struct bench_cell {
     const char *name, *text; /* text without quotes; NULL: */
     double number;           /* NaN: none */

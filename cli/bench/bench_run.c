@@ -32,6 +32,7 @@ void bench_choose_parts(tides_stepping *stepping, int32_t parts) {
     stepping->solve = parts & BENCH_SOLVED         ? TIDES_SOLVE_DOUBLE
                       : parts & BENCH_SOLVED_FLOAT ? TIDES_SOLVE_FLOAT
                                                    : TIDES_SOLVE_OFF;
+    stepping->paths = (parts & BENCH_PATHS) != 0;
 }
 
 /* -- rows ---------------------------------------------------------------------------------------------------------------- */

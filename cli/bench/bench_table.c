@@ -40,6 +40,7 @@ static int32_t cells_of(const void *rows, size_t index, bench_cell cells[BENCH_C
         {"steps_rejected", NULL, (double)r->stats.steps_rejected},
         {"steps_at_minimum", NULL, (double)r->stats.steps_at_minimum},
         {"events_solved", NULL, (double)r->stats.events_solved},
+        {"gaussians_projected", NULL, (double)r->stats.render.gaussians_projected},
         {"points_looked_up", NULL, (double)r->stats.points_looked_up},
         {"runs", NULL, r->runs},
     };
