@@ -37,27 +37,31 @@ enum { TIDES_SLOPE_EXACT = 0, TIDES_SLOPE_DIFFERENCE = 1 };
  * surround nor additive noise comes between image and comparator; else TIDES_UNSUPPORTED. */
 enum { TIDES_SOLVE_OFF = 0, TIDES_SOLVE_FLOAT = 1, TIDES_SOLVE_DOUBLE = 2 };
 
+/* What has steps of its own under RISK and ERROR, with `local`: a 16x16 tile, or a 4x4 block of pixels, so that only the blocks
+ * in which something asks for a sample are composited. */
+enum { TIDES_UNIT_TILE = 0, TIDES_UNIT_BLOCK = 1 };
+
 /* Weights of the risk score: coverage, contributors, |alpha_dot|. */
 typedef struct tides_risk {
     double w_b, w_c, w_alpha;
 } tides_risk;
 
 /* Step control; fill with tides_stepping_defaults (error, hermite, local, 10 ms, 1 us, 0.01, 0, 0, 0.3 0.3 0.4, exact, 0, 256,
- * off, 0). */
+ * off, 0, tiles). */
 typedef struct tides_stepping {
     uint32_t size;
-    int32_t mode;            /* TIDES_STEPPING_* */
-    int32_t model;           /* TIDES_MODEL_* */
-    int32_t local;           /* 1: each 16x16 tile goes its own way: none where nothing moves, steps of its own where they are
+    int32_t mode;               /* TIDES_STEPPING_* */
+    int32_t model;              /* TIDES_MODEL_* */
+    int32_t local;              /* 1: each `unit` goes its own way: none where nothing moves, steps of its own where they are
                                 chosen; 0: whole frames, the same steps for all */
-    double step_s;           /* [s] > 0: the step, or the longest; the last is shortened to end at `stop` */
-    double min_step_s;       /* [s] > 0: steps that are no longer than this aren't cut */
-    double tolerance;        /* ERROR: estimated error of S, in units of the smaller threshold, > 0 */
-    double time_tolerance_s; /* ERROR: estimated error of event times [s]; 0: not asked for */
-    double budget;           /* renders that cuts may cost in the whole run, in full frames; what is over it goes first where
+    double step_s;              /* [s] > 0: the step, or the longest; the last is shortened to end at `stop` */
+    double min_step_s;          /* [s] > 0: steps that are no longer than this aren't cut */
+    double tolerance;           /* ERROR: estimated error of S, in units of the smaller threshold, > 0 */
+    double time_tolerance_s;    /* ERROR: estimated error of event times [s]; 0: not asked for */
+    double budget;              /* renders that cuts may cost in the whole run, in full frames; what is over it goes first where
                                 the measures are worst. 0: no bound */
-    tides_risk risk;         /* RISK */
-    int32_t slope;           /* TIDES_SLOPE_* */
+    tides_risk risk;            /* RISK */
+    int32_t slope;              /* TIDES_SLOPE_* */
     int32_t interpolate_motion; /* 1: between the start, middle and end of a macro step expensive motion models (networks,
                                    callbacks) are interpolated, Gaussian by Gaussian where that is estimated to stay within
                                    both tolerances. FIXED: has no effect, each step is worked out */
@@ -67,6 +71,7 @@ typedef struct tides_stepping {
     int32_t paths; /* 1: within a macro step splats follow record paths, cubics between the times at which they are projected,
                       Gaussian by Gaussian as many as stay within a hundredth of both tolerances. Images whose colours a
                       decoder makes have none. FIXED: has no effect, each step is projected */
+    int32_t unit;  /* TIDES_UNIT_* */
 } tides_stepping;
 TIDES_API void tides_stepping_defaults(tides_stepping *stepping);
 
@@ -83,8 +88,8 @@ typedef struct tides_stats {
     uint64_t events_delayed;                /* left the readout later than they fired */
     uint64_t events_suppressed; /* by sensor.b_min: crossings put off to where their pixel became visible, noise events lost */
     uint64_t events_refractory; /* crossings consumed and noise events lost in refractory periods */
-    uint64_t steps;             /* (tile, step) pairs that went to the comparator */
-    uint64_t steps_rejected;    /* cut in two: (tile, step) pairs that were too coarse, or to be looked into */
+    uint64_t steps;             /* (tile or block, step) pairs that went to the comparator */
+    uint64_t steps_rejected;    /* cut in two: such pairs that were too coarse, or to be looked into */
     uint64_t steps_over_budget; /* accepted above the tolerance because the budget was used up */
     uint64_t steps_at_minimum;  /* accepted above the tolerance because they were as short as min_step_s */
     double worst_delay_s;       /* in the readout, jitter aside [s] */

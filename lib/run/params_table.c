@@ -149,6 +149,7 @@ const td_param td_params[] = {
     {BOOLEAN("stepping.local", stepping.local, "each 16x16 tile has its own steps, and none where nothing moves")},
     {BOOLEAN("stepping.paths", stepping.paths,
              "project splats at a few times of a step and follow cubics between, where that stays within the tolerances")},
+    {CHOICE("stepping.unit", stepping.unit, "tile|block", "what has its own steps: a 16x16 tile or a 4x4 block of pixels")},
     {NUMBER("stepping.budget", stepping.budget, "full frames", 0, 1e12,
             "renders that cuts may cost in the run; 0 sets no bound")},
     {NUMBER("stepping.memory_mb", stepping.memory_mb, "MB", 1, 1e9,

@@ -32,7 +32,7 @@ double td_tile_risk(const tides_simulator *s, const td_tile *tile, const double 
     double most = 0;
     for (int y = 0, i = 0; i < tile->count; y++)
         for (int x = 0; x < tile->width; x++, i++) {
-            int at = td_tile_pixel(x, y);
+            int at = td_unit_pixel(tile, x, y);
             double b = planes[TD_OUT_COVERAGE * TD_TILE_PIXELS + at];
             double c = td_lesser(planes[TD_OUT_CONTRIBUTORS * TD_TILE_PIXELS + at] / most_contributors, 1);
             double a = td_lesser(fabs(planes[TD_OUT_ALPHA_DOT * TD_TILE_PIXELS + at]) * s->step_s, 1);
@@ -54,7 +54,7 @@ static int is_rounding(const tides_simulator *s, const td_refine_step *step, dou
 static double error_excess(tides_simulator *s, td_refine_step *step, double start, double stop) {
     const td_refine *r = &s->refine;
     const double *begin = td_sample_at(&r->samples, step->begin), *end = td_sample_at(&r->samples, step->end);
-    const td_signals signals = {begin, begin + TD_TILE_PIXELS, end, end + TD_TILE_PIXELS};
+    const td_signals signals = {begin, begin + r->samples.pixels, end, end + r->samples.pixels};
     const double from = td_refine_time(r, start, stop, step->from),
                  *references = r->early ? r->reference : s->sensor.pixels.reference;
     size_t first = s->first_pixel[step->tile];
@@ -81,7 +81,7 @@ static void judge(tides_simulator *s, td_refine_step *step, double start, double
     const td_refine *r = &s->refine;
     double share = (double)(step->to - step->from) / (double)((uint32_t)1 << r->depth);
     int may_cut = td_refine_may_cut(r, step), controls = s->mode & TIDES_STEPPING_ERROR;
-    step->excess = share * td_renderer_tile_travel(s->renderer, step->tile) / most_travel;
+    step->excess = share * td_renderer_tile_travel(s->renderer, td_units_tile(s, step->tile)) / most_travel;
     if (controls) step->excess = td_greater(step->excess, error_excess(s, step, start, stop));
     if (controls && may_cut && step->probe < 0) step->excess = td_greater(step->excess, unseen);
     if (s->mode & TIDES_STEPPING_RISK) {

@@ -27,7 +27,9 @@ void tides_stepping_defaults(tides_stepping *stepping) {
                                             0,
                                             256,
                                             TIDES_SOLVE_OFF,
-                                            0};
+                                            0,
+
+                                            TIDES_UNIT_TILE};
     memcpy(stepping, &defaults, sizeof defaults); /* padding too, so that two of them are the same bytes */
 }
 
@@ -39,6 +41,8 @@ static tides_status check_arguments(const tides_stepping *stepping, double start
     if (stepping->slope == TIDES_SLOPE_DIFFERENCE && stepping->mode != TIDES_STEPPING_FIXED)
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "stepping.slope: differences need fixed steps; the control of the others judges exact slopes");
+    if (stepping->unit != TIDES_UNIT_TILE && stepping->unit != TIDES_UNIT_BLOCK)
+        return td_fail(error, TIDES_UNSUPPORTED, "stepping.unit: %d is none of TIDES_UNIT_*", (int)stepping->unit);
     if (!isfinite(start) || !isfinite(stop) || !(stop > start))
         return td_fail(error, TIDES_BAD_ARGUMENT, "time: start %.17g s, stop %.17g s; stop must be a time after start", start,
                        stop);
@@ -105,34 +109,20 @@ static tides_status check_paths(const tides_scene *scene, const tides_trajectory
     return status;
 }
 
-/* Tiles in reading order, those at the right and lower border cut to the image. */
-static void lay_tiles(tides_simulator *s, int width, int height) {
-    int tiles_x = td_renderer_tiles_across(s->renderer);
-    size_t pixel = 0;
-    for (int t = 0; t < s->tiles; t++) {
-        int x0 = t % tiles_x * TD_TILE, y0 = t / tiles_x * TD_TILE;
-        int w = width - x0 < TD_TILE ? width - x0 : TD_TILE, h = height - y0 < TD_TILE ? height - y0 : TD_TILE;
-        td_tile tile = {x0, y0, w, w * h};
-        s->tile[t] = tile;
-        s->first_pixel[t] = pixel;
-        pixel += (size_t)tile.count;
-    }
-    s->first_pixel[s->tiles] = pixel;
-}
-
 static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *error) {
-    size_t samples = (size_t)s->batch_limit * s->tiles;
-    int ok = (s->tile = td_alloc((size_t)s->tiles, sizeof *s->tile, error)) != NULL;
-    ok = ok && (s->first_pixel = td_alloc((size_t)s->tiles + 1, sizeof *s->first_pixel, error)) != NULL;
-    ok = ok && (s->requests = td_alloc(samples, sizeof *s->requests, error)) != NULL;
-    ok = ok && (s->tile_risk = td_alloc((size_t)s->tiles, sizeof *s->tile_risk, error)) != NULL;
+    int ok = (s->tile_risk = td_alloc((size_t)s->tiles, sizeof *s->tile_risk, error)) != NULL;
     ok = ok && (s->refine.head = td_alloc((size_t)s->tiles, sizeof *s->refine.head, error)) != NULL;
     ok = ok && (s->moving = td_alloc((size_t)s->tiles, sizeof *s->moving, error)) != NULL;
-    ok = ok && (s->planes = td_alloc(samples * (size_t)td_fixed_outputs(s) * TD_TILE_PIXELS, sizeof *s->planes, error)) != NULL;
     for (int p = 0; ok && p < s->sample_planes; p++)
         ok = (s->now.plane[p] = td_alloc(pixels, sizeof *s->now.plane[p], error)) != NULL &&
              (s->next.plane[p] = td_alloc(pixels, sizeof *s->next.plane[p], error)) != NULL;
     return ok ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+/* Where all pixels have their steps in common, blocks would only be more of the same work. */
+static int unit_of(const tides_sensor *sensor, const tides_stepping *stepping) {
+    const int own = stepping->mode != TIDES_STEPPING_FIXED && stepping->local && sensor->surround_lambda_px == 0;
+    return own ? stepping->unit : TIDES_UNIT_TILE;
 }
 
 /* What the parameters say, before there is a renderer. */
@@ -147,7 +137,9 @@ static void take_parameters(tides_simulator *s, const tides_sensor *sensor, cons
     s->memory_mb = stepping->memory_mb;
     s->risk = stepping->risk;
     s->slope = stepping->slope;
+    s->unit = unit_of(sensor, stepping);
     s->sample_planes = s->refine.samples.planes = sensor->b_min > 0 ? TD_PLANES_ALL : TD_PLANES_SIGNAL;
+    s->refine.samples.pixels = s->unit == TIDES_UNIT_BLOCK ? TD_BLOCK_PIXELS : TD_TILE_PIXELS;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
     s->interpolates = stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED;
     s->paths = stepping->paths && stepping->mode != TIDES_STEPPING_FIXED;
@@ -169,14 +161,13 @@ static tides_status lay_out(tides_simulator *s, const tides_intrinsics *intrinsi
     s->steps = s->grid.steps;
     s->width = intrinsics->width;
     s->height = intrinsics->height;
-    s->tiles = facts.tiles;
+    s->image_tiles = facts.tiles;
     s->batch = 1;
-    s->batch_limit = BATCH_TILES / s->tiles;
+    s->batch_limit = BATCH_TILES / s->image_tiles;
     if (s->batch_limit > TD_BATCH_STEPS) s->batch_limit = TD_BATCH_STEPS;
     if (s->batch_limit < 1) s->batch_limit = 1;
-    status = allocate(s, (size_t)intrinsics->width * (size_t)intrinsics->height, error);
-    if (status == TIDES_OK) lay_tiles(s, intrinsics->width, intrinsics->height);
-    return status;
+    status = td_units_lay(s, error);
+    return status == TIDES_OK ? allocate(s, (size_t)s->width * (size_t)s->height, error) : status;
 }
 
 /* What record paths may be off by, of both tolerances: of what steps may be off by a part that nobody misses. */
@@ -259,6 +250,7 @@ void tides_simulator_destroy(tides_simulator *simulator) {
     tides_renderer_destroy(simulator->renderer);
     td_refine_release(&simulator->refine);
     td_solve_release(&simulator->solve);
+    td_launch_release(&simulator->launch);
     td_grid_release(&simulator->grid);
     td_readout_release(&simulator->readout);
     td_sensor_release(&simulator->sensor);
@@ -267,10 +259,8 @@ void tides_simulator_destroy(tides_simulator *simulator) {
         free(simulator->now.plane[p]);
         free(simulator->next.plane[p]);
     }
-    free(simulator->planes);
     free(simulator->tile);
     free(simulator->first_pixel);
-    free(simulator->requests);
     free(simulator->moving);
     free(simulator->tile_risk);
     free(simulator->events.events);

@@ -15,21 +15,20 @@ static void store_tile(const tides_simulator *s, int t, const double *planes, td
     td_unpack_tile(&s->tile[t], planes, sample->plane[TD_PLANE_S] + first, sample->plane[TD_PLANE_S_DOT] + first);
     if (s->sample_planes == TD_PLANES_SIGNAL) return;
     double unpacked[TD_PLANES_ALL * TD_TILE_PIXELS];
-    td_unpack_diagnostics(&s->tile[t], planes, unpacked);
+    td_unpack_diagnostics(&s->tile[t], planes, TD_TILE_PIXELS, unpacked);
     for (int k = TD_PLANES_SIGNAL; k < TD_PLANES_ALL; k++)
         memcpy(sample->plane[k] + first, unpacked + k * TD_TILE_PIXELS, bytes);
 }
 
-/* Renders what moves at grid points [first, first + count), which are swept, into s->planes. */
+/* Renders what moves at grid points [first, first + count), which are swept: s->launch, point by point. */
 static tides_status render_points(tides_simulator *s, int64_t first, int count, int side, tides_error *error) {
-    double times[TD_BATCH_STEPS];
-    const int requests = count * s->moving_count;
-    for (int k = 0; k < count; k++) times[k] = td_grid_time(s, first + k);
-    for (int i = 0; i < requests; i++)
-        s->requests[i] = (td_request){.tile = s->moving[i % s->moving_count], .slot = i / s->moving_count};
-    if (requests == 0) return TIDES_OK;
-    const td_tile_batch batch = {times, count, side, s->requests, requests, td_fixed_outputs(s)};
-    return td_renderer_tiles(s->renderer, s->camera, &batch, s->planes, error);
+    tides_status status = TIDES_OK;
+    td_launch_clear(&s->launch);
+    for (int k = 0; k < count; k++)
+        for (int i = 0; i < s->moving_count && status == TIDES_OK; i++)
+            status = td_launch_add(&s->launch, s->moving[i], td_grid_time(s, first + k), 0, error);
+    if (status != TIDES_OK) return status;
+    return td_launch_render(s, 0, s->launch.count, side, td_fixed_outputs(s), error);
 }
 
 tides_status td_fixed_render(tides_simulator *s, int count, tides_error *error) {
@@ -37,11 +36,11 @@ tides_status td_fixed_render(tides_simulator *s, int count, tides_error *error) 
 }
 
 void td_fixed_take(tides_simulator *s, int k, td_sample *sample) {
-    size_t tile_reals = (size_t)td_fixed_outputs(s) * TD_TILE_PIXELS, bytes = s->first_pixel[s->tiles] * sizeof(double);
+    const size_t bytes = s->first_pixel[s->tiles] * sizeof(double);
     if (s->moving_count < s->tiles)
         for (int p = 0; p < s->sample_planes; p++) memcpy(sample->plane[p], s->now.plane[p], bytes);
     for (int i = 0; i < s->moving_count; i++)
-        store_tile(s, s->moving[i], s->planes + ((size_t)k * s->moving_count + i) * tile_reals, sample);
+        store_tile(s, s->moving[i], td_launch_planes(&s->launch, (size_t)k * (size_t)s->moving_count + (size_t)i), sample);
 }
 
 /* Slopes of S without derivatives: what a renderer that knows none could do. */

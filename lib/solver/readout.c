@@ -18,16 +18,12 @@ static const double full_rate = 100, full_contributors = 64;
 
 /* From now on samples have diagnostics. */
 static tides_status keep_all(tides_simulator *s, tides_error *error) {
-    size_t pixels = s->first_pixel[s->tiles], samples = (size_t)s->batch_limit * (size_t)s->tiles;
+    size_t pixels = s->first_pixel[s->tiles];
     for (int p = TD_PLANES_SIGNAL; p < TD_PLANES_ALL; p++) {
         if (!s->now.plane[p]) s->now.plane[p] = td_alloc(pixels, sizeof(double), error);
         if (!s->next.plane[p]) s->next.plane[p] = td_alloc(pixels, sizeof(double), error);
         if (!s->now.plane[p] || !s->next.plane[p]) return TIDES_NO_MEMORY;
     }
-    double *planes = td_alloc(samples * TD_OUT_DIAGNOSTICS * TD_TILE_PIXELS, sizeof *planes, error);
-    if (!planes) return TIDES_NO_MEMORY;
-    free(s->planes);
-    s->planes = planes;
     s->sample_planes = s->refine.samples.planes = TD_PLANES_ALL;
     s->outputs = TD_OUT_DIAGNOSTICS;
     td_refine_bound(s);

@@ -8,7 +8,6 @@
  * accepted steps is settle.c's. */
 #include "td_probe.h"
 #include "td_simulator.h"
-#include "td_sort.h"
 
 #include <float.h>
 #include <math.h>
@@ -38,74 +37,32 @@ static int depth_for(double length, double min_step) {
 
 /* -- samples --------------------------------------------------------------------------------------------------------------- */
 
-/* Copies one rendered tile, which is laid out block by block, to a sample's rows, and notes its risk. */
+/* Copies one rendered unit to a sample's rows, and notes its risk. */
 static void store_sample(const tides_simulator *s, const td_refine *r, int t, const double *planes, int32_t index) {
     double *sample = td_sample_at(&r->samples, index);
-    td_unpack_tile(&s->tile[t], planes, sample, sample + TD_TILE_PIXELS);
-    if (r->samples.planes == TD_PLANES_ALL) td_unpack_diagnostics(&s->tile[t], planes, sample);
+    const size_t apart = (size_t)r->samples.pixels;
+    td_unpack_tile(&s->tile[t], planes, sample, sample + apart);
+    if (r->samples.planes == TD_PLANES_ALL) td_unpack_diagnostics(&s->tile[t], planes, apart, sample);
     *td_sample_risk(&r->samples, index) = s->outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, &s->tile[t], planes);
-}
-
-/* Distinct values of `times`, sorted, in place. */
-static int distinct(double *times, int count) {
-    int distinct = 0;
-    qsort(times, (size_t)count, sizeof *times, td_ascending);
-    for (int i = 0; i < count; i++)
-        if (distinct == 0 || times[i] != times[distinct - 1]) times[distinct++] = times[i];
-    return distinct;
-}
-
-static int slot_of(const double *times, int count, double time) {
-    const double *found = bsearch(&time, times, (size_t)count, sizeof *times, td_ascending);
-    return (int)(found - times);
-}
-
-/* Renders `count` of the level's jobs from number `first` on. */
-static tides_status render_jobs(tides_simulator *s, td_refine *r, size_t first, size_t count, tides_error *error) {
-    size_t reals = (size_t)s->outputs * TD_TILE_PIXELS;
-    tides_status status = td_reserve((void **)&r->times, &r->time_capacity, count, sizeof *r->times, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&r->requests, &r->request_capacity, count, sizeof *r->requests, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&r->planes, &r->plane_capacity, count * reals, sizeof *r->planes, error);
-    if (status != TIDES_OK) return status;
-    memcpy(r->times, r->level_time + first, count * sizeof *r->times);
-    int slots = distinct(r->times, (int)count);
-    for (size_t i = 0; i < count; i++) {
-        r->requests[i].tile = r->level_tile[first + i];
-        r->requests[i].slot = slot_of(r->times, slots, r->level_time[first + i]);
-        r->requests[i].blocks = 0;
-    }
-    const td_tile_batch batch = {r->times, slots, TD_SIDE_ENDS, r->requests, (int)count, s->outputs};
-    status = td_renderer_tiles(s->renderer, s->camera, &batch, r->planes, error);
-    for (size_t i = 0; i < count && status == TIDES_OK; i++)
-        store_sample(s, r, r->level_tile[first + i], r->planes + i * reals, r->level_sample[first + i]);
-    return status;
 }
 
 /* All of the level's jobs, in as many launches as their planes have room for. */
 static tides_status render_level(tides_simulator *s, td_refine *r, tides_error *error) {
+    td_launch *level = &s->launch;
     tides_status status = TIDES_OK;
-    for (size_t first = 0; first < r->level_count && status == TIDES_OK; first += r->batch) {
-        size_t left = r->level_count - first;
-        status = render_jobs(s, r, first, left < r->batch ? left : r->batch, error);
+    for (size_t first = 0; first < level->count && status == TIDES_OK; first += level->done) {
+        status = td_launch_render(s, first, r->batch, TD_SIDE_ENDS, s->outputs, error);
+        for (size_t i = first; i < first + level->done && status == TIDES_OK; i++)
+            store_sample(s, r, level->ask[i].unit, td_launch_planes(level, i), level->ask[i].sample);
     }
     return status;
 }
 
 /* Adds a job to the level, for a new sample. */
-static tides_status add_job(td_refine *r, int tile, double time, tides_error *error) {
-    size_t k = r->level_count, count = k + 1;
-    tides_status status = td_reserve((void **)&r->level_tile, &r->level_tile_capacity, count, sizeof *r->level_tile, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&r->level_time, &r->level_time_capacity, count, sizeof *r->level_time, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&r->level_sample, &r->level_sample_capacity, count, sizeof *r->level_sample, error);
-    if (status == TIDES_OK) status = td_samples_take(&r->samples, &r->level_sample[k], error);
-    if (status != TIDES_OK) return status;
-    r->level_tile[k] = tile;
-    r->level_time[k] = time;
-    r->level_count = count;
-    return TIDES_OK;
+static tides_status add_job(tides_simulator *s, int tile, double time, tides_error *error) {
+    int32_t sample;
+    tides_status status = td_samples_take(&s->refine.samples, &sample, error);
+    return status == TIDES_OK ? td_launch_add(&s->launch, tile, time, sample, error) : status;
 }
 
 /* -- steps ----------------------------------------------------------------------------------------------------------------- */
@@ -124,7 +81,8 @@ static tides_status new_step(td_refine *r, int32_t *index, tides_error *error) {
 /* The moving tiles' lists of one whole step each, from the samples that the last macro step ended with to those to come. */
 static tides_status begin_lists(tides_simulator *s, td_refine *r, tides_error *error) {
     td_samples_clear(&r->samples);
-    r->steps = r->cuts = r->open_count = r->fresh_count = r->level_count = 0;
+    r->steps = r->cuts = r->open_count = r->fresh_count = 0;
+    td_launch_clear(&s->launch);
     r->spare_step = -1;
     r->early = 0;
     tides_status status = td_reserve((void **)&r->fresh, &r->fresh_capacity, (size_t)s->moving_count, sizeof *r->fresh, error);
@@ -137,7 +95,8 @@ static tides_status begin_lists(tides_simulator *s, td_refine *r, tides_error *e
         if (status != TIDES_OK) return status;
         double *sample = td_sample_at(&r->samples, begin);
         for (int k = 0; k < r->samples.planes; k++)
-            memcpy(sample + k * TD_TILE_PIXELS, s->now.plane[k] + s->first_pixel[t], (size_t)s->tile[t].count * sizeof *sample);
+            memcpy(sample + k * r->samples.pixels, s->now.plane[k] + s->first_pixel[t],
+                   (size_t)s->tile[t].count * sizeof *sample);
         *td_sample_risk(&r->samples, begin) = s->tile_risk[t];
         r->step[step] =
             (td_refine_step){.to = (uint32_t)1 << r->depth, .begin = begin, .probe = -1, .next = -1, .tile = t, .open = 1};
@@ -165,10 +124,10 @@ static void cut(const tides_simulator *s, td_refine *r, double start, double sto
     td_refine_step *a = &r->step[left], *b = &r->step[right];
     const double *begin = td_sample_at(&r->samples, a->begin), *end = td_sample_at(&r->samples, a->end);
     const double *inside = td_sample_at(&r->samples, sample);
-    const td_signals ends = {begin, begin + TD_TILE_PIXELS, end, end + TD_TILE_PIXELS};
+    const td_signals ends = {begin, begin + r->samples.pixels, end, end + r->samples.pixels};
     double from = td_refine_time(r, start, stop, a->from), h = td_refine_time(r, start, stop, a->to) - from;
     double theta = (td_refine_time(r, start, stop, at) - from) / h;
-    td_probe_deviation(h, theta, &ends, inside, inside + TD_TILE_PIXELS, s->tile[a->tile].count,
+    td_probe_deviation(h, theta, &ends, inside, inside + r->samples.pixels, s->tile[a->tile].count,
                        td_sample_deviation(&r->samples, sample));
     note_falls(r, a->probe, sample, s->tile[a->tile].count);
     a->probe = sample;
@@ -191,19 +150,19 @@ static tides_status cut_pending(tides_simulator *s, td_refine *r, double start, 
         status = new_step(r, &right, error);
         if (status != TIDES_OK) return status;
         uint32_t at = td_probe_place(r->macro, r->step[left].from, r->step[left].to);
-        cut(s, r, start, stop, left, right, at, r->level_sample[first + i]);
+        cut(s, r, start, stop, left, right, at, s->launch.ask[first + i].sample);
         r->fresh[r->fresh_count++] = left;
         r->fresh[r->fresh_count++] = right;
     }
     return status;
 }
 
-static tides_status add_cuts(td_refine *r, double start, double stop, tides_error *error) {
+static tides_status add_cuts(tides_simulator *s, td_refine *r, double start, double stop, tides_error *error) {
     tides_status status = TIDES_OK;
     for (size_t i = 0; i < r->pending_count && status == TIDES_OK; i++) {
         const td_refine_step *step = &r->step[r->pending[i]];
         uint32_t at = td_probe_place(r->macro, step->from, step->to);
-        status = add_job(r, step->tile, td_refine_time(r, start, stop, at), error);
+        status = add_job(s, step->tile, td_refine_time(r, start, stop, at), error);
     }
     return status;
 }
@@ -211,8 +170,8 @@ static tides_status add_cuts(td_refine *r, double start, double stop, tides_erro
 /* Renders the places at which the pending steps are cut, and cuts them. */
 tides_status td_refine_level(tides_simulator *s, double start, double stop, tides_error *error) {
     td_refine *r = &s->refine;
-    r->level_count = 0;
-    tides_status status = add_cuts(r, start, stop, error);
+    td_launch_clear(&s->launch);
+    tides_status status = add_cuts(s, r, start, stop, error);
     if (status == TIDES_OK) status = render_level(s, r, error);
     return status == TIDES_OK ? cut_pending(s, r, start, stop, 0, error) : status;
 }
@@ -222,12 +181,12 @@ static tides_status first_level(tides_simulator *s, td_refine *r, double start, 
     int looks = (s->mode & TIDES_STEPPING_ERROR) && !(s->budget > 0) && td_refine_may_cut(r, &r->step[r->fresh[0]]);
     size_t count = r->fresh_count;
     tides_status status = td_reserve((void **)&r->pending, &r->pending_capacity, count, sizeof *r->pending, error);
-    for (size_t i = 0; i < count && status == TIDES_OK; i++) status = add_job(r, r->step[r->fresh[i]].tile, stop, error);
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) status = add_job(s, r->step[r->fresh[i]].tile, stop, error);
     if (status != TIDES_OK) return status;
     memcpy(r->pending, r->fresh, count * sizeof *r->fresh);
-    for (size_t i = 0; i < count; i++) r->step[r->fresh[i]].end = r->level_sample[i];
+    for (size_t i = 0; i < count; i++) r->step[r->fresh[i]].end = s->launch.ask[i].sample;
     r->pending_count = looks ? count : 0;
-    status = add_cuts(r, start, stop, error);
+    status = add_cuts(s, r, start, stop, error);
     if (status == TIDES_OK) status = render_level(s, r, error);
     if (!looks || status != TIDES_OK) return status;
     s->stats.steps_rejected += count;
@@ -253,11 +212,5 @@ void td_refine_release(td_refine *refine) {
     free(refine->open);
     free(refine->pending);
     free(refine->fresh);
-    free(refine->level_tile);
-    free(refine->level_time);
-    free(refine->level_sample);
-    free(refine->times);
-    free(refine->requests);
-    free(refine->planes);
     memset(refine, 0, sizeof *refine);
 }

@@ -48,7 +48,7 @@ static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
 /* What happens after a step was compared: it is reached, and its events go through the readout. */
 static tides_status reach(tides_simulator *s, tides_error *error) {
     s->step++;
-    s->stats.tile_steps_still += (uint64_t)(s->tiles - s->moving_count);
+    s->stats.tile_steps_still += (uint64_t)(s->image_tiles - s->moving_tiles);
     return s->readout.arbiter ? td_readout_step(s, error) : TIDES_OK;
 }
 

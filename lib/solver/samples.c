@@ -42,5 +42,5 @@ void td_samples_release(td_samples *samples) {
     for (size_t i = 0; i < samples->chunks; i++) free(samples->chunk[i]);
     free(samples->chunk);
     free(samples->spare);
-    *samples = (td_samples){.planes = samples->planes};
+    *samples = (td_samples){.planes = samples->planes, .pixels = samples->pixels};
 }

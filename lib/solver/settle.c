@@ -47,8 +47,8 @@ void td_settle_timing(tides_simulator *s, const td_refine_step *refined, const t
 void td_settle_planes(const tides_simulator *s, const td_refine_step *refined, const double *begin[], const double *end[]) {
     const double *from = td_sample_at(&s->refine.samples, refined->begin), *to = td_sample_at(&s->refine.samples, refined->end);
     for (int p = 0; p < s->sample_planes; p++) {
-        begin[p] = from + p * TD_TILE_PIXELS;
-        end[p] = to + p * TD_TILE_PIXELS;
+        begin[p] = from + p * s->refine.samples.pixels;
+        end[p] = to + p * s->refine.samples.pixels;
     }
 }
 
@@ -71,7 +71,7 @@ static tides_status compare_step(tides_simulator *s, const td_refine_step *refin
 static void reach(tides_simulator *s, int t, int32_t index, const td_sample *to) {
     const double *reached = td_sample_at(&s->refine.samples, index);
     size_t at = s->first_pixel[t], bytes = (size_t)s->tile[t].count * sizeof *reached;
-    for (int p = 0; p < s->sample_planes; p++) memcpy(to->plane[p] + at, reached + p * TD_TILE_PIXELS, bytes);
+    for (int p = 0; p < s->sample_planes; p++) memcpy(to->plane[p] + at, reached + p * s->refine.samples.pixels, bytes);
     s->tile_risk[t] = *td_sample_risk(&s->refine.samples, index);
 }
 

@@ -4,22 +4,30 @@
 
 /* Tiles that can change in the interval swept last; all of them where tiles don't go their own ways. */
 static void list_moving(tides_simulator *s) {
-    s->moving_count = 0;
-    for (int t = 0; t < s->tiles; t++)
-        if (!s->local || !s->started || td_renderer_tile_moves(s->renderer, t)) s->moving[s->moving_count++] = t;
+    int last = -1;
+    s->moving_count = s->moving_tiles = 0;
+    for (int t = 0; t < s->tiles; t++) {
+        const int tile = td_units_tile(s, t);
+        if (s->local && s->started && !td_renderer_tile_moves(s->renderer, tile)) continue;
+        s->moving[s->moving_count++] = t;
+        s->moving_tiles += tile != last;
+        last = tile;
+    }
 }
 
 /* At a knot of some motion, where a step begins, the S_dot of the tiles that move becomes that of what begins there. */
 static tides_status turn_knot(tides_simulator *s, tides_error *error) {
     const double time = td_grid_time(s, s->step);
     if (!s->started || s->moving_count == 0 || !td_grid_is_knot(&s->grid, s->step)) return TIDES_OK;
-    for (int i = 0; i < s->moving_count; i++) s->requests[i] = (td_request){s->moving[i], 0, 0};
-    const td_tile_batch batch = {&time, 1, TD_SIDE_BEGINS, s->requests, s->moving_count, TD_OUT_SIGNAL};
-    tides_status status = td_renderer_tiles(s->renderer, s->camera, &batch, s->planes, error);
+    td_launch_clear(&s->launch);
+    tides_status status = TIDES_OK;
+    for (int i = 0; i < s->moving_count && status == TIDES_OK; i++)
+        status = td_launch_add(&s->launch, s->moving[i], time, 0, error);
+    if (status == TIDES_OK) status = td_launch_render(s, 0, s->launch.count, TD_SIDE_BEGINS, TD_OUT_SIGNAL, error);
     for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {
         int t = s->moving[i];
         double S[TD_TILE_PIXELS]; /* is the same on both sides */
-        td_unpack_tile(&s->tile[t], s->planes + (size_t)i * TD_OUT_SIGNAL * TD_TILE_PIXELS, S,
+        td_unpack_tile(&s->tile[t], td_launch_planes(&s->launch, (size_t)i), S,
                        s->now.plane[TD_PLANE_S_DOT] + s->first_pixel[t]);
     }
     return status;

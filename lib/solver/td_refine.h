@@ -34,7 +34,7 @@ typedef struct td_refine {
     int depth;         /* positions are in units of its 2^depth'th part */
     uint32_t shortest; /* units of the shortest steps: those of twice as many are cut */
     size_t limit;      /* samples at a time */
-    size_t batch;      /* samples per launch */
+    size_t batch;      /* (tile, time) jobs per launch */
     td_refine_step *step;
     size_t steps, step_capacity;
     int32_t spare_step; /* given back: a list by `next`, or -1 */
@@ -51,19 +51,6 @@ typedef struct td_refine {
     size_t pending_count, pending_capacity;
     int32_t *fresh; /* steps that came of it */
     size_t fresh_count, fresh_capacity;
-    int *level_tile; /* what the level renders: tiles, */
-    size_t level_tile_capacity;
-    double *level_time; /* times, */
-    size_t level_time_capacity;
-    int32_t *level_sample; /* and where to */
-    size_t level_sample_capacity;
-    size_t level_count;
-    double *times; /* the distinct ones of these */
-    size_t time_capacity;
-    td_request *requests;
-    size_t request_capacity;
-    double *planes;
-    size_t plane_capacity;
 } td_refine;
 
 /* Begins the macro step from s->now, which is swept, for the tiles that move: renders its end and, where it is to be looked

@@ -1,4 +1,4 @@
-/* Internal: rendered tiles of a macro step, handed out and taken back one by one. Memory grows in chunks that stay where they
+/* Internal: rendered units of a macro step, handed out and taken back one by one. Memory grows in chunks that stay where they
  * are, so that nothing is copied and no more is held than was ever in use at once. */
 #ifndef TD_SAMPLES_H
 #define TD_SAMPLES_H
@@ -21,6 +21,7 @@ enum { TD_SAMPLE_BITS = 8 };
 
 typedef struct td_samples {
     int planes; /* of the image, TD_PLANES_SIGNAL or TD_PLANES_ALL; one of deviations and a short one of their falls follow */
+    int pixels; /* of a plane: TD_TILE_PIXELS or TD_BLOCK_PIXELS */
     double **chunk; /* samples of TD_SAMPLE_BITS each */
     size_t chunks, chunk_capacity;
     int32_t *spare; /* given back */
@@ -29,11 +30,11 @@ typedef struct td_samples {
 } td_samples;
 
 /* Doubles that hold a byte for each pixel. */
-enum { TD_SAMPLE_FALLS = TD_TILE_PIXELS / sizeof(double) };
+static inline size_t td_sample_falls(const td_samples *samples) { return (size_t)samples->pixels / sizeof(double); }
 
 /* Doubles of a sample: its planes, row by row, and the tile's risk score. */
 static inline size_t td_sample_reals(const td_samples *samples) {
-    return ((size_t)samples->planes + 1) * TD_TILE_PIXELS + TD_SAMPLE_FALLS + 1;
+    return ((size_t)samples->planes + 1) * (size_t)samples->pixels + td_sample_falls(samples) + 1;
 }
 
 /* S of a sample, then its other planes, then its deviations. */
@@ -43,16 +44,16 @@ static inline double *td_sample_at(const td_samples *samples, int32_t index) {
 
 /* How far the step that was cut here was off (td_probe.h). */
 static inline double *td_sample_deviation(const td_samples *samples, int32_t index) {
-    return td_sample_at(samples, index) + (size_t)samples->planes * TD_TILE_PIXELS;
+    return td_sample_at(samples, index) + (size_t)samples->planes * (size_t)samples->pixels;
 }
 
-/* How far that had fallen since the longer step was cut (td_probe_fall): (TD_TILE_PIXELS) bytes in the room of doubles. */
+/* How far that had fallen since the longer step was cut (td_probe_fall): (pixels) bytes in the room of doubles. */
 static inline uint8_t *td_sample_fall(const td_samples *samples, int32_t index) {
-    return (uint8_t *)(td_sample_deviation(samples, index) + TD_TILE_PIXELS);
+    return (uint8_t *)(td_sample_deviation(samples, index) + samples->pixels);
 }
 
 static inline double *td_sample_risk(const td_samples *samples, int32_t index) {
-    return td_sample_at(samples, index) + ((size_t)samples->planes + 1) * TD_TILE_PIXELS + TD_SAMPLE_FALLS;
+    return td_sample_at(samples, index) + td_sample_reals(samples) - 1;
 }
 
 /* Handed out now. */

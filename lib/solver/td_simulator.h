@@ -11,6 +11,7 @@
 #include "td_solve.h"
 #include "td_surround_steps.h"
 #include "td_timing.h"
+#include "td_units.h"
 
 enum { TD_BATCH_STEPS = 16 }; /* steps per launch at most */
 
@@ -47,15 +48,18 @@ struct tides_simulator {
     int64_t steps;          /* of the whole run */
     int64_t step;           /* steps taken */
     int started;            /* the first sample is there */
-    int width, height, tiles;
+    int width, height;
+    int unit;               /* TIDES_UNIT_* */
+    int image_tiles;        /* the renderer's; s->tile are units (td_units.h) */
+    int tiles;              /* so many of them */
     td_tile *tile;          /* (tiles) */
     size_t *first_pixel;    /* (tiles + 1): where a tile's pixels begin in the arrays below */
     td_sample now, next;    /* at the step's two ends */
     int batch, batch_limit; /* steps per launch: now, and at most */
-    td_request *requests;   /* (batch_limit x tiles) */
     int *moving;            /* (tiles) those that can change in the interval swept last, */
-    int moving_count;       /* so many of them */
-    double *planes;         /* (batch_limit x tiles x TD_OUT_SIGNAL x TD_TILE_PIXELS) */
+    int moving_count;       /* so many of them, */
+    int moving_tiles;       /* in so many of the renderer's tiles */
+    td_launch launch;       /* what was rendered last */
     td_event_buffer events; /* of the packet */
     tides_event *scratch;   /* for sorting */
     size_t scratch_capacity;
@@ -96,22 +100,6 @@ void td_fixed_take(tides_simulator *simulator, int k, td_sample *sample);
  * run's start. */
 void td_difference_slopes(tides_simulator *simulator, double h);
 
-/* One plane of a rendered tile, which is laid out block by block, row by row in each, as rows of the tile's pixels. */
-static inline void td_unpack_plane(const td_tile *tile, const double *restrict plane, double *restrict rows) {
-    const int whole = tile->width / TD_BLOCK * TD_BLOCK;
-    for (int y = 0; y * tile->width < tile->count; y++, rows += tile->width) {
-        for (int x = 0; x < whole; x += TD_BLOCK)
-            for (int k = 0; k < TD_BLOCK; k++) rows[x + k] = plane[td_tile_pixel(x, y) + k];
-        for (int x = whole; x < tile->width; x++) rows[x] = plane[td_tile_pixel(x, y)];
-    }
-}
-
-/* S and S_dot of such a tile. */
-static inline void td_unpack_tile(const td_tile *tile, const double *planes, double *S, double *S_dot) {
-    td_unpack_plane(tile, planes + TD_OUT_L * TD_TILE_PIXELS, S);
-    td_unpack_plane(tile, planes + TD_OUT_L_DOT * TD_TILE_PIXELS, S_dot);
-}
-
 /* Time of grid point k [s after the epoch]; the last one is `length`. */
 static inline double td_grid_time(const tides_simulator *simulator, int64_t k) { return td_grid_at(&simulator->grid, k); }
 
@@ -120,11 +108,11 @@ static inline double td_time_reached(const tides_simulator *simulator) {
     return simulator->epoch + td_grid_time(simulator, simulator->step);
 }
 
-/* The rest of TD_PLANE_* of a rendered tile into a sample of refine.c, whose planes are TD_TILE_PIXELS apart. */
-static inline void td_unpack_diagnostics(const td_tile *tile, const double *planes, double *sample) {
+/* The rest of TD_PLANE_* of a rendered tile into a sample of refine.c, whose planes are `apart` numbers apart. */
+static inline void td_unpack_diagnostics(const td_tile *tile, const double *planes, size_t apart, double *sample) {
     static const int output[] = {TD_OUT_COVERAGE, TD_OUT_ALPHA_DOT, TD_OUT_CONTRIBUTORS};
     for (int k = 0; k < TD_PLANES_ALL - TD_PLANES_SIGNAL; k++)
-        td_unpack_plane(tile, planes + output[k] * TD_TILE_PIXELS, sample + (TD_PLANES_SIGNAL + k) * TD_TILE_PIXELS);
+        td_unpack_plane(tile, planes + output[k] * TD_TILE_PIXELS, sample + (size_t)(TD_PLANES_SIGNAL + k) * apart);
 }
 
 /* What fixed steps and the first sample render: risk isn't asked there. */

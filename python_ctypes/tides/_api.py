@@ -88,6 +88,8 @@ TIDES_SLOPE_DIFFERENCE = 1
 TIDES_SOLVE_OFF = 0
 TIDES_SOLVE_FLOAT = 1
 TIDES_SOLVE_DOUBLE = 2
+TIDES_UNIT_TILE = 0
+TIDES_UNIT_BLOCK = 1
 TIDES_STAT_COUNT = 0
 TIDES_STAT_REAL = 1
 TIDES_STAT_WHOLE = 2
@@ -1433,7 +1435,7 @@ class tides_stepping(Structure):
     """uint32_t size;
     int32_t mode; /* TIDES_STEPPING_* */
     int32_t model; /* TIDES_MODEL_* */
-    int32_t local; /* 1: each 16x16 tile goes its own way: none where nothing moves, steps of its own where they are
+    int32_t local; /* 1: each `unit` goes its own way: none where nothing moves, steps of its own where they are
     chosen; 0: whole frames, the same steps for all */
     double step_s; /* [s] > 0: the step, or the longest; the last is shortened to end at `stop` */
     double min_step_s; /* [s] > 0: steps that are no longer than this aren't cut */
@@ -1452,6 +1454,7 @@ class tides_stepping(Structure):
     int32_t paths; /* 1: within a macro step splats follow record paths, cubics between the times at which they are projected,
     Gaussian by Gaussian as many as stay within a hundredth of both tolerances. Images whose colours a
     decoder makes have none. FIXED: has no effect, each step is projected */
+    int32_t unit; /* TIDES_UNIT_* */
     """
 
     size: int
@@ -1469,6 +1472,7 @@ class tides_stepping(Structure):
     memory_mb: float
     solve: int
     paths: int
+    unit: int
 
     _fields_ = [
         ("size", c_uint32),
@@ -1486,6 +1490,7 @@ class tides_stepping(Structure):
         ("memory_mb", c_double),
         ("solve", c_int32),
         ("paths", c_int32),
+        ("unit", c_int32),
     ]
 
 
@@ -1501,8 +1506,8 @@ class tides_stats(Structure):
     uint64_t events_delayed; /* left the readout later than they fired */
     uint64_t events_suppressed; /* by sensor.b_min: crossings put off to where their pixel became visible, noise events lost */
     uint64_t events_refractory; /* crossings consumed and noise events lost in refractory periods */
-    uint64_t steps; /* (tile, step) pairs that went to the comparator */
-    uint64_t steps_rejected; /* cut in two: (tile, step) pairs that were too coarse, or to be looked into */
+    uint64_t steps; /* (tile or block, step) pairs that went to the comparator */
+    uint64_t steps_rejected; /* cut in two: such pairs that were too coarse, or to be looked into */
     uint64_t steps_over_budget; /* accepted above the tolerance because the budget was used up */
     uint64_t steps_at_minimum; /* accepted above the tolerance because they were as short as min_step_s */
     double worst_delay_s; /* in the readout, jitter aside [s] */

@@ -41,10 +41,10 @@ class Sensor(Value, _api.tides_sensor):
 
 class Stepping(Value, _api.tides_stepping):
     """Step control: mode ("fixed", "risk", "error", "error_risk"), model ("hermite", "quadratic", "linear", "secant"), step_s,
-    min_step_s, tolerance [thresholds], time_tolerance_s, budget [full frames], local, memory_mb, risk.w_b ..."""
+    min_step_s, tolerance [thresholds], time_tolerance_s, budget [full frames], local, unit ("tile", "block"), memory_mb, risk.w_b ..."""
 
     _defaults = "tides_stepping_defaults"
-    _words = {"mode": "TIDES_STEPPING_", "model": "TIDES_MODEL_", "slope": "TIDES_SLOPE_"}
+    _words = {"mode": "TIDES_STEPPING_", "model": "TIDES_MODEL_", "slope": "TIDES_SLOPE_", "unit": "TIDES_UNIT_"}
 
 
 class Recording(Value, _api.tides_recording):

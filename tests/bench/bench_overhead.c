@@ -25,7 +25,7 @@ static void stop_on(tides_status status, const tides_error *error) {
 static double level_seconds(tides_simulator *s, const int *tiles, int count, double *planes) {
     static double sample[4 * TD_TILE_PIXELS];
     tides_error error;
-    td_request *requests = s->requests;
+    static td_request requests[TILES_MAX];
     double begun = td_now(), time = 0.5 * interval_s;
     for (int i = 0; i < count; i++) {
         requests[i].tile = tiles[i];

@@ -64,6 +64,8 @@ static const run_entry runs[] = {
     {"stepping/error tight", "rigid", F64, ERROR "stepping.tolerance=0.001", 0},
     {"stepping/error budget", "rigid", F32, ERROR "stepping.step_s=0.01 stepping.budget=2", 0},
     {"stepping/error_risk hermite", "rigid", F32, BOTH, RUN_RESUME},
+    {"stepping/error blocks", "rigid", F32, ERROR "stepping.unit=block", RUN_CPU | RUN_RESUME},
+    {"stepping/error_risk blocks", "rigid", F64, BOTH "stepping.unit=block stepping.tolerance=0.002", RUN_RESUME},
     {"stepping/few per step", "rigid", F32, FIXED "stepping.step_s=0.02 sensor.max_events_per_step=1", 0},
 
     {"image/inria", "rigid", F32, "image.rules=inria", RUN_CPU},

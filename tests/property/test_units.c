@@ -1,0 +1,159 @@
+/* Steps of 4x4 blocks (stepping.unit): what is fired agrees with steps of whole tiles and with the truth, for fewer pixels; it
+ * is the same however the run is cut, launched and given memory; and where pixels have their steps in common the unit changes
+ * nothing. test_units_asked.c has who is asked. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "tests/property/refine_world.h"
+#include "tests/support/opencl.h"
+
+static const uint64_t SEED = 4404;
+
+/* -- what is fired --------------------------------------------------------------------------------------------------------- */
+
+static void expect_near(const outcome *truth, const outcome *o, const char *what) {
+    tides_match m = match(truth, o);
+    if (!(m.mismatch_percent < 0.3 && m.dt_median_us < 1 && m.dt_p95_us < 20))
+        fail_msg("%s: mismatched %g %%, median %g us, p95 %g us", what, m.mismatch_percent, m.dt_median_us, m.dt_p95_us);
+}
+
+static void test_fewer_pixels_and_the_same_events(void **state) {
+    (void)state;
+    print_message("seed %llu\n", (unsigned long long)SEED);
+    for (int trial = 0; trial < 6; trial++) {
+        world w = make_world(SEED + (uint64_t)trial, trial % KINDS);
+        job j = job_in(&w);
+        outcome whole = run(&j), truth = truth_of(&j, 5e-5);
+        j.stepping.unit = TIDES_UNIT_BLOCK;
+        outcome parts = run(&j);
+        check_stream(&j, &parts);
+        check_state(&j, &parts);
+        expect_near(&whole, &parts, "against tiles");
+        expect_near(&truth, &parts, "against fine steps");
+        assert_true(parts.stats.render.blocks < 9 * whole.stats.render.blocks / 10);
+        assert_true(20 * parts.stats.render.tile_jobs <= 21 * whole.stats.render.tile_jobs);
+        assert_true(parts.stats.worst_error <= j.stepping.tolerance || parts.stats.steps_at_minimum > 0);
+        assert_true(parts.stats.tile_steps_still == whole.stats.tile_steps_still);
+        free_outcome(&whole);
+        free_outcome(&parts);
+        free_outcome(&truth);
+        free_world(&w);
+    }
+}
+
+/* -- the same bits --------------------------------------------------------------------------------------------------------- */
+
+/* Every block of the sensor that reads neighbours in the order of pixels or times, and a readout. */
+static void dress(job *j, int trial) {
+    j->sensor.threshold_sigma = trial % 2 ? 0.01 : 0;
+    j->sensor.refractory_s = trial % 3 ? 0 : 3e-4;
+    j->sensor.leak_rate_hz = trial % 3 == 1 ? 4 : 0;
+    j->sensor.b_min = trial % 4 == 1 ? 0.2 : 0;
+    j->sensor.psf_sigma_px = trial % 4 == 2 ? 0.8 : 0;
+    j->sensor.photoreceptor_cutoff_hz = trial % 5 == 3 ? 300 : 0;
+    j->sensor.noise_rms = trial % 5 == 4 ? 0.02 : 0;
+    j->sensor.seed = SEED;
+}
+
+/* In pieces, with `read_out` through a readout, with launches of few records where `records` isn't 0. */
+static outcome run_in(const job *j, tides_device *device, int pieces, int read_out, int records) {
+    outcome o = {0};
+    tides_error error;
+    tides_simulator *s = make_simulator(j, device);
+    const tides_readout readout = busy_readout();
+    if (read_out) scene_expect_ok(tides_simulator_readout(s, &readout, &error), &error);
+    if (records) s->renderer->record_limit = records;
+    begin(j, s, &o);
+    for (int k = 1; k <= pieces; k++) {
+        double until = j->start + (j->stop - j->start) * k / pieces;
+        scene_expect_ok(tides_simulator_run(s, k == pieces ? j->stop : until, collect, &o, NULL, NULL, &error), &error);
+    }
+    finish(s, &o);
+    tides_simulator_destroy(s);
+    return o;
+}
+
+static void test_order_of_the_work_changes_nothing(void **state) {
+    static const int modes[] = {TIDES_STEPPING_ERROR, TIDES_STEPPING_RISK, TIDES_STEPPING_ERROR_RISK};
+    (void)state;
+    tides_device *cpu = open_device("cpu");
+    for (int trial = 0; trial < 10; trial++) {
+        world w = make_world(SEED + 40 + (uint64_t)trial, trial % KINDS);
+        job j = job_in(&w);
+        dress(&j, trial);
+        j.stepping.unit = TIDES_UNIT_BLOCK;
+        j.stepping.mode = modes[trial % 3];
+        j.stepping.min_step_s = 2e-4;
+        tides_device *device = open_device(j.device);
+        outcome first = run_in(&j, device, 1, trial % 2, 0);
+        j.stepping.memory_mb = 1;
+        outcome again = run_in(&j, device, 3, trial % 2, 64);
+        expect_same(&first, &again, "in pieces, with little memory");
+        assert_true(first.count > 100 && first.stats.steps == again.stats.steps);
+        /* with a blur launches share what neighbours ask for */
+        assert_true(j.sensor.psf_sigma_px > 0 || first.stats.render.blocks == again.stats.render.blocks);
+        assert_true(first.stats.error_p95_s == again.stats.error_p95_s);
+        assert_memory_equal(first.signal, again.signal, (size_t)pixels_of(&j) * sizeof *first.signal);
+        if (cpu) {
+            outcome other = run_in(&j, cpu, 2, trial % 2, 0);
+            expect_same(&first, &other, "on the cpu");
+            free_outcome(&other);
+        }
+        free_outcome(&first);
+        free_outcome(&again);
+        tides_device_close(device);
+        free_world(&w);
+    }
+    tides_device_close(cpu);
+    skip_without_opencl();
+}
+
+static void test_budget_is_kept(void **state) {
+    static const double budgets[] = {0.5, 3, 8};
+    (void)state;
+    for (size_t k = 0; k < sizeof budgets / sizeof *budgets; k++) {
+        world w = make_world(SEED + 80 + k, (int)k % KINDS);
+        job j = job_in(&w);
+        j.stepping.unit = TIDES_UNIT_BLOCK;
+        j.stepping.budget = budgets[k];
+        outcome o = run(&j);
+        check_stream(&j, &o);
+        check_state(&j, &o);
+        assert_true(o.stats.renders_full_frame_equivalent <= budgets[k] + 5); /* the ends of four macro steps, and the first */
+        assert_true(k > 0 || o.stats.steps_over_budget > 0);
+        free_outcome(&o);
+        free_world(&w);
+    }
+}
+
+/* -- steps in common ------------------------------------------------------------------------------------------------------- */
+
+static void test_steps_in_common_are_of_tiles(void **state) {
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        world w = make_world(SEED + 60 + (uint64_t)k, k % KINDS);
+        job j = job_in(&w);
+        if (k == 0) j.stepping.mode = TIDES_STEPPING_FIXED;
+        if (k == 1) j.stepping.local = 0;
+        if (k == 2) j.sensor.surround_lambda_px = 2, j.sensor.surround_tau_s = 4e-3;
+        outcome tiles = run(&j);
+        j.stepping.unit = TIDES_UNIT_BLOCK;
+        outcome blocks = run(&j);
+        expect_same(&tiles, &blocks, "steps in common");
+        assert_true(tiles.stats.render.blocks == blocks.stats.render.blocks && tiles.stats.steps == blocks.stats.steps);
+        free_outcome(&tiles);
+        free_outcome(&blocks);
+        free_world(&w);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_fewer_pixels_and_the_same_events),
+                                       cmocka_unit_test(test_order_of_the_work_changes_nothing),
+                                       cmocka_unit_test(test_budget_is_kept),
+                                       cmocka_unit_test(test_steps_in_common_are_of_tiles)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
