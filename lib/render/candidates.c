@@ -16,8 +16,10 @@ tides_status td_candidates_create(int width, int height, td_candidates *candidat
     candidates->travel = td_alloc(tiles, sizeof *candidates->travel, error);
     candidates->moving = td_alloc(tiles, sizeof *candidates->moving, error);
     candidates->hint = td_alloc(tiles, sizeof *candidates->hint, error);
+    candidates->moving_blocks = td_alloc(tiles, sizeof *candidates->moving_blocks, error);
+    candidates->block_travel = td_alloc(tiles * TD_TILE_BLOCKS, sizeof *candidates->block_travel, error);
     if (candidates->first && candidates->fill && candidates->last_object && candidates->travel && candidates->moving &&
-        candidates->hint)
+        candidates->hint && candidates->moving_blocks && candidates->block_travel)
         return TIDES_OK;
     td_candidates_release(candidates);
     return TIDES_NO_MEMORY;
@@ -31,6 +33,8 @@ void td_candidates_release(td_candidates *candidates) {
     free(candidates->travel);
     free(candidates->moving);
     free(candidates->hint);
+    free(candidates->moving_blocks);
+    free(candidates->block_travel);
     memset(candidates, 0, sizeof *candidates);
 }
 
@@ -89,6 +93,43 @@ static void note_motion(td_candidates *candidates, const td_store *store, const 
     }
 }
 
+/* Adds a moving candidate of the tile at (x0, y0), which its box touches, to the blocks that it touches. */
+static void add_to_blocks(const float *box, float way, int x0, int y0, uint16_t *moving, float *travel) {
+    const int left = box[0] > (float)x0 ? ((int)box[0] - x0) / TD_BLOCK : 0;
+    const int top = box[1] > (float)y0 ? ((int)box[1] - y0) / TD_BLOCK : 0;
+    const int right = box[2] < (float)(x0 + TD_TILE) ? ((int)box[2] - x0) / TD_BLOCK : 3;
+    const int bottom = box[3] < (float)(y0 + TD_TILE) ? ((int)box[3] - y0) / TD_BLOCK : 3;
+    for (int row = top; row <= bottom; row++)
+        for (int k = 4 * row + left; k <= 4 * row + right; k++) {
+            *moving |= (uint16_t)(1 << k);
+            travel[k] = way > travel[k] ? way : travel[k];
+        }
+}
+
+/* The same of each tile's blocks. */
+static void note_blocks(td_candidates *candidates, const td_store *store, const float *boxes, const float *travel,
+                        const uint8_t *object_moves) {
+    int tiles = candidates->tiles_x * candidates->tiles_y;
+    memset(candidates->moving_blocks, 0, (size_t)tiles * sizeof *candidates->moving_blocks);
+    memset(candidates->block_travel, 0, (size_t)tiles * TD_TILE_BLOCKS * sizeof *candidates->block_travel);
+    for (int t = 0; t < tiles; t++)
+        for (int i = candidates->first[t]; i < candidates->first[t + 1] && candidates->moving[t]; i++) {
+            int g = candidates->list[i];
+            if (g == TD_NO_GAUSSIAN || !object_moves[store->object[g]]) continue;
+            add_to_blocks(boxes + 4 * (size_t)g, travel[g], t % candidates->tiles_x * TD_TILE,
+                          t / candidates->tiles_x * TD_TILE, &candidates->moving_blocks[t],
+                          candidates->block_travel + (size_t)t * TD_TILE_BLOCKS);
+        }
+}
+
+void td_candidates_blocks_as_tiles(td_candidates *candidates) {
+    int tiles = candidates->tiles_x * candidates->tiles_y;
+    for (int t = 0; t < tiles; t++) {
+        candidates->moving_blocks[t] = candidates->moving[t] ? TD_ALL_BLOCKS : 0;
+        for (int k = 0; k < TD_TILE_BLOCKS; k++) candidates->block_travel[t * TD_TILE_BLOCKS + k] = candidates->travel[t];
+    }
+}
+
 /* What is known of a tile's depth order in this sweep. */
 enum {
     HINT_WANTED, /* nothing yet: the next job leaves its order */
@@ -132,6 +173,7 @@ tides_status td_candidates_build(td_candidates *candidates, const td_store *stor
     memset(candidates->list, 0xff, (size_t)total * sizeof *candidates->list); /* TD_NO_GAUSSIAN */
     pass(candidates, store, boxes, candidates->list);
     note_motion(candidates, store, travel, object_moves);
+    if (candidates->by_blocks) note_blocks(candidates, store, boxes, travel, object_moves);
     candidates->serial++;
     if (!candidates->instant) renew_hints(candidates);
     return TIDES_OK;

@@ -166,6 +166,16 @@ int td_renderer_tile_moves(const tides_renderer *renderer, int tile) { return re
 
 double td_renderer_tile_travel(const tides_renderer *renderer, int tile) { return renderer->candidates.travel[tile]; }
 
+void td_renderer_by_blocks(tides_renderer *renderer) { renderer->candidates.by_blocks = 1; }
+
+int td_renderer_block_moves(const tides_renderer *renderer, int tile, int block) {
+    return renderer->candidates.moving_blocks[tile] >> block & 1;
+}
+
+double td_renderer_block_travel(const tides_renderer *renderer, int tile, int block) {
+    return renderer->candidates.block_travel[tile * TD_TILE_BLOCKS + block];
+}
+
 int td_renderer_tiles_across(const tides_renderer *renderer) { return renderer->candidates.tiles_x; }
 
 typedef char td_image_facts_are_these[TD_IMAGE_FACTS == TD_IMAGE_REALS + TD_IMAGE_INTS + 5 ? 1 : -1];

@@ -100,9 +100,11 @@ tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory 
     if (status == TIDES_OK)
         status = td_candidates_build(&renderer->candidates, &renderer->store, renderer->boxes, renderer->travel,
                                      renderer->object_moves, error);
-    if (status == TIDES_OK && renderer->image.decoder && renderer->object_moves[0]) /* what is behind everything moves too */
-        memset(renderer->candidates.moving, 1, (size_t)renderer->stats.tiles);
+    const int all_moves = renderer->image.decoder && renderer->object_moves[0]; /* what is behind everything moves too */
+    if (status == TIDES_OK && all_moves) memset(renderer->candidates.moving, 1, (size_t)renderer->stats.tiles);
     if (status == TIDES_OK) status = td_psf_spread(&renderer->psf, &renderer->candidates, error);
+    const int by_tiles = all_moves || renderer->psf.radius || renderer->image.extent_rule != TD_EXTENT_ELLIPSE;
+    if (status == TIDES_OK && renderer->candidates.by_blocks && by_tiles) td_candidates_blocks_as_tiles(&renderer->candidates);
     renderer->stats.time_sweep_s += td_now() - begun;
     return status == TIDES_OK ? td_paths_find(renderer, camera, start, stop, error) : status;
 }

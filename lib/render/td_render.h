@@ -47,6 +47,12 @@ tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory 
 int td_renderer_tile_moves(const tides_renderer *renderer, int tile);
 double td_renderer_tile_travel(const tides_renderer *renderer, int tile);
 
+/* The same of 4x4 blocks, from the next sweep on. A block in which nothing moves may still change by what image.stop leaves
+ * open: where lists end goes by the tile's brightest splat. */
+void td_renderer_by_blocks(tides_renderer *renderer);
+int td_renderer_block_moves(const tides_renderer *renderer, int tile, int block);
+double td_renderer_block_travel(const tides_renderer *renderer, int tile, int block);
+
 /* Tiles in a row of the image; tiles are in reading order. */
 int td_renderer_tiles_across(const tides_renderer *renderer);
 

@@ -73,6 +73,9 @@ typedef struct td_candidates {
     int *fill, *last_object; /* (tiles) scratch */
     float *travel;           /* (tiles) most diameters that one of its candidates travels in the interval */
     uint8_t *moving;         /* (tiles) 1 if one of its candidates moves on the screen */
+    int by_blocks;           /* 1: both are wanted of blocks too */
+    uint16_t *moving_blocks; /* (tiles) those that a moving candidate's box touches */
+    float *block_travel;     /* (tiles x TD_TILE_BLOCKS) */
     uint8_t *hint;           /* (tiles) what is known of the depth order of their lists (candidates.c) */
     int instant;             /* 1: of one time, where no order is asked for twice */
     uint64_t serial;
@@ -83,6 +86,9 @@ void td_candidates_release(td_candidates *candidates);
 /* Lists from boxes (count x 4), travel (count) and which objects move against the camera (objects). */
 tides_status td_candidates_build(td_candidates *candidates, const td_store *store, const float *boxes, const float *travel,
                                  const uint8_t *object_moves, tides_error *error);
+
+/* Each block moves as its tile does: where boxes don't say what a splat touches, or where more than splats moves. */
+void td_candidates_blocks_as_tiles(td_candidates *candidates);
 
 /* Numbers in the hints of a sweep (td_job). */
 int td_candidates_hint_count(const td_candidates *candidates);

@@ -81,7 +81,7 @@ static void judge(tides_simulator *s, td_refine_step *step, double start, double
     const td_refine *r = &s->refine;
     double share = (double)(step->to - step->from) / (double)((uint32_t)1 << r->depth);
     int may_cut = td_refine_may_cut(r, step), controls = s->mode & TIDES_STEPPING_ERROR;
-    step->excess = share * td_renderer_tile_travel(s->renderer, td_units_tile(s, step->tile)) / most_travel;
+    step->excess = share * td_units_travel(s, step->tile) / most_travel;
     if (controls) step->excess = td_greater(step->excess, error_excess(s, step, start, stop));
     if (controls && may_cut && step->probe < 0) step->excess = td_greater(step->excess, unseen);
     if (s->mode & TIDES_STEPPING_RISK) {

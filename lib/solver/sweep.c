@@ -8,7 +8,7 @@ static void list_moving(tides_simulator *s) {
     s->moving_count = s->moving_tiles = 0;
     for (int t = 0; t < s->tiles; t++) {
         const int tile = td_units_tile(s, t);
-        if (s->local && s->started && !td_renderer_tile_moves(s->renderer, tile)) continue;
+        if (s->local && s->started && !td_units_moves(s, t)) continue;
         s->moving[s->moving_count++] = t;
         s->moving_tiles += tile != last;
         last = tile;

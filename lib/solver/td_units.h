@@ -42,6 +42,10 @@ struct tides_simulator;
 tides_status td_units_lay(struct tides_simulator *s, tides_error *error);
 int32_t td_units_tile(const struct tides_simulator *s, int32_t unit);
 
+/* What the renderer says of a unit in the interval swept last: td_renderer_tile_moves and _travel. */
+int td_units_moves(const struct tides_simulator *s, int32_t unit);
+double td_units_travel(const struct tides_simulator *s, int32_t unit);
+
 static inline void td_launch_clear(td_launch *launch) { launch->count = launch->first = launch->done = 0; }
 tides_status td_launch_add(td_launch *launch, int32_t unit, double time, int32_t sample, tides_error *error);
 

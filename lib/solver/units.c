@@ -23,6 +23,7 @@ tides_status td_units_lay(tides_simulator *s, tides_error *error) {
     s->tile = td_alloc(most, sizeof *s->tile, error);
     s->first_pixel = td_alloc(most + 1, sizeof *s->first_pixel, error);
     if (!s->tile || !s->first_pixel) return TIDES_NO_MEMORY;
+    if (blocks) td_renderer_by_blocks(s->renderer);
     const int across = td_renderer_tiles_across(s->renderer);
     for (int t = 0; t < s->image_tiles; t++)
         for (int k = 0; k < each; k++)
@@ -35,11 +36,22 @@ int32_t td_units_tile(const tides_simulator *s, int32_t unit) {
     return at->y0 / TD_TILE * td_renderer_tiles_across(s->renderer) + at->x0 / TD_TILE;
 }
 
-/* What a request for a unit says of blocks. */
-static int blocks_of(const tides_simulator *s, int32_t unit) {
+/* Which block of its tile a unit is. */
+static int block_of(const tides_simulator *s, int32_t unit) {
     const td_tile *at = &s->tile[unit];
-    if (s->unit == TIDES_UNIT_TILE) return 0;
-    return 1 << (at->y0 % TD_TILE / TD_BLOCK * (TD_TILE / TD_BLOCK) + at->x0 % TD_TILE / TD_BLOCK);
+    return at->y0 % TD_TILE / TD_BLOCK * (TD_TILE / TD_BLOCK) + at->x0 % TD_TILE / TD_BLOCK;
+}
+
+int td_units_moves(const tides_simulator *s, int32_t unit) {
+    const int tile = td_units_tile(s, unit);
+    if (s->unit == TIDES_UNIT_TILE) return td_renderer_tile_moves(s->renderer, tile);
+    return td_renderer_block_moves(s->renderer, tile, block_of(s, unit));
+}
+
+double td_units_travel(const tides_simulator *s, int32_t unit) {
+    const int tile = td_units_tile(s, unit);
+    if (s->unit == TIDES_UNIT_TILE) return td_renderer_tile_travel(s->renderer, tile);
+    return td_renderer_block_travel(s->renderer, tile, block_of(s, unit));
 }
 
 /* -- what is asked for ----------------------------------------------------------------------------------------------------- */
@@ -103,7 +115,7 @@ static tides_status join_request(const tides_simulator *s, td_launch *l, const t
         l->last[slot] = (int32_t)l->requests++;
     }
     *place = l->last[slot];
-    l->request[*place].blocks |= blocks_of(s, ask->unit);
+    if (s->unit == TIDES_UNIT_BLOCK) l->request[*place].blocks |= 1 << block_of(s, ask->unit);
     return TIDES_OK;
 }
 

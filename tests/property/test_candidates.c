@@ -239,10 +239,70 @@ static void test_batches_do_not_matter(void **state) {
     skip_without_opencl();
 }
 
+/* -- blocks ---------------------------------------------------------------------------------------------------------------- */
+
+/* A tile moves where one of its blocks does, and travels as far as the one that goes furthest. */
+static void expect_of_blocks(const tides_renderer *r, int tile) {
+    double travel = 0;
+    int moves = 0;
+    for (int k = 0; k < TD_TILE_BLOCKS; k++) {
+        moves |= td_renderer_block_moves(r, tile, k);
+        travel = fmax(travel, td_renderer_block_travel(r, tile, k));
+        assert_true(td_renderer_block_moves(r, tile, k) || td_renderer_block_travel(r, tile, k) <= 0);
+    }
+    assert_true(moves == td_renderer_tile_moves(r, tile));
+    assert_true(!(travel < td_renderer_tile_travel(r, tile)) && !(travel > td_renderer_tile_travel(r, tile)));
+}
+
+/* Blocks of moving tiles of which the sweep says that nothing moves in them: how many; fails where one changes by more than the
+ * end of its list may (image.stop, of the brightest splat). */
+static int check_still_blocks(tides_renderer *r, const random_scene *s, double start, double length) {
+    double times[SLOTS] = {start, start + 0.2 * length, start + 0.5 * length, start + 0.9 * length, start + length};
+    const int tiles = r->stats.tiles;
+    int still = 0;
+    sweep(r, s->path, start, start + length);
+    double *planes = render_tiles(r, s->path, times, SLOTS);
+    for (int t = 0; t < tiles; t++) expect_of_blocks(r, t);
+    for (int i = 0; i < tiles * TD_TILE_BLOCKS; i++) {
+        int tile = i / TD_TILE_BLOCKS, block = i % TD_TILE_BLOCKS;
+        if (!td_renderer_tile_moves(r, tile) || td_renderer_block_moves(r, tile, block)) continue;
+        still++;
+        for (int k = TD_TILE_BLOCKS * block; k < TD_TILE_BLOCKS * (block + 1); k++)
+            for (int slot = 1; slot < SLOTS; slot++) {
+                const double *first = planes + (size_t)tile * OUTPUTS * TD_TILE_PIXELS + k;
+                const double *now = first + (size_t)slot * (size_t)tiles * OUTPUTS * TD_TILE_PIXELS;
+                if (!(fabs(now[TD_OUT_L] - first[TD_OUT_L]) <= 2 * (double)r->image.stop))
+                    fail_msg("tile %d, block %d: L was %.9g and is %.9g", tile, block, first[TD_OUT_L], now[TD_OUT_L]);
+            }
+    }
+    free(planes);
+    return still;
+}
+
+static void test_blocks_say_what_moves_in_them(void **state) {
+    (void)state;
+    tides_device *device = open_fast_device();
+    int still = 0;
+    for (uint64_t trial = 4; trial < 35; trial += 5) { /* before a camera at rest */
+        random_scene s = fast_scene(trial);
+        tides_renderer *renderer = make_renderer(device, s.scene, &s.camera, (int)(trial / 5) % 2);
+        uint64_t seed = s.recipe.seed;
+        td_renderer_by_blocks(renderer);
+        for (int i = 0; i < LENGTHS; i++)
+            still += check_still_blocks(renderer, &s, random_start(&seed, lengths[i]), lengths[i]);
+        tides_renderer_destroy(renderer);
+        random_scene_free(&s);
+    }
+    tides_device_close(device);
+    print_message("%d blocks of moving tiles were still\n", still);
+    assert_true(still > 100);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_candidate_lists_are_conservative),
                                        cmocka_unit_test(test_swept_boxes_hold_the_splats),
-                                       cmocka_unit_test(test_batches_do_not_matter)};
+                                       cmocka_unit_test(test_batches_do_not_matter),
+                                       cmocka_unit_test(test_blocks_say_what_moves_in_them)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
