@@ -1,4 +1,5 @@
 /* Pixels one at a time, for the solver: which may do something in a step, and where a pixel stands, to take it back there. */
+#include "td_extremes.h"
 #include "td_sensor.h"
 
 #include <float.h>
@@ -43,6 +44,30 @@ void td_sensor_find(const td_sensor *sensor, const td_step *step, const td_tile 
         const int still = stays(signals, h, i, sensor->leak[k] * start, sensor->leak[k] * step->length_ns, widen[i],
                                 reference[i] - sensor->threshold_off[k], reference[i] + sensor->threshold_on[k]);
         active[i] |= (uint8_t) !(still && sensor->wake[k] > stop);
+    }
+}
+
+/* Thresholds are counted from so many below the reference: numbers are positive then, and whole ones of them are cut off. What
+ * is further away is nowhere near a log luminance. */
+static const double levels_below = 1 << 24;
+
+void td_sensor_reaches(const td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
+                       const td_signals *signals, const double *widen, uint8_t *reaches) {
+    const double *reference = sensor->pixels.reference + first, h = step->length_s;
+    const double threshold = sensor->sensor.threshold_on, per = 1 / threshold;
+    if (sensor->on || threshold != sensor->sensor.threshold_off) {
+        memset(reaches, 1, (size_t)tile->count);
+        return;
+    }
+    for (int32_t i = 0; i < tile->count; i++) {
+        const double a = signals->S0[i], d = signals->S1[i];
+        const double b = a + h / 3 * signals->S0_dot[i], c = d - h / 3 * signals->S1_dot[i];
+        const double low = td_lesser(td_lesser(a, d), td_lesser(b, c)) - widen[i] - reference[i];
+        const double high = td_greater(td_greater(a, d), td_greater(b, c)) + widen[i] - reference[i];
+        const double slack = 0x1p-20; /* in thresholds: beyond the rounding of numbers as large as levels_below */
+        const double from = low * per + levels_below - slack, to = high * per + levels_below + slack;
+        const int is_near = (from > 0) & (to < 2 * levels_below); /* NaN isn't */
+        reaches[i] = (uint8_t)(!is_near || (int32_t)from != (int32_t)to);
     }
 }
 

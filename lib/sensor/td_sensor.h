@@ -162,6 +162,11 @@ typedef struct td_changes {
 void td_sensor_find(const td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first, const td_signals *signals,
                     const double *widen, uint8_t *active);
 
+/* reaches[i] becomes 0 where no level is within the signal's range in the step, so widened, whatever the pixel has fired
+ * before: all its levels are reference + n C. With blocks, or thresholds that differ, all become 1. */
+void td_sensor_reaches(const td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
+                       const td_signals *signals, const double *widen, uint8_t *reaches);
+
 /* td_sensor_step of pixel `local` of the tile alone, on these pieces between the signals at the step's ends, which get its
  * leak's ramp; `changes` says what it did. On failure the pixel is in between. */
 typedef struct td_sensor_single {

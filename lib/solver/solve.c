@@ -40,6 +40,7 @@ void td_solve_release(td_solve *solve) {
     free(solve->looked);
     free(solve->found);
     free(solve->step);
+    free(solve->reaches);
     free(solve->point);
     free(solve->asked);
     free(solve->value);
@@ -116,6 +117,8 @@ static tides_status list_active(tides_simulator *s, int32_t step, double start, 
         widen[i] = td_solve_first_trust(s, refined, at->span.length_s, i).error + s->timing.rounding;
     memcpy(before, active, sizeof before);
     td_sensor_find(&s->sensor, &at->span, tile, s->first_pixel[refined->tile], &at->signals, widen, active);
+    td_sensor_reaches(&s->sensor, &at->span, tile, s->first_pixel[refined->tile], &at->signals, widen,
+                      solve->reaches + (size_t)step * TD_TILE_PIXELS);
     for (int32_t i = 0; i < tile->count && status == TIDES_OK; i++) {
         if (active[i] == before[i]) continue;
         status = td_reserve((void **)&solve->pixel, &solve->pixel_capacity, solve->pixels + 1, sizeof *solve->pixel, error);
@@ -129,6 +132,8 @@ static tides_status list_pixels(tides_simulator *s, double start, double stop, t
     const td_refine *r = &s->refine;
     td_solve *solve = &s->solve;
     tides_status status = td_reserve((void **)&solve->step, &solve->step_capacity, r->steps, sizeof *solve->step, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&solve->reaches, &solve->reach_capacity, r->steps * TD_TILE_PIXELS, 1, error);
     s->solve.pixels = s->solve.looked_count = s->solve.found_count = 0;
     for (int k = 0; k < s->moving_count; k++) {
         uint8_t active[TD_TILE_PIXELS] = {0};

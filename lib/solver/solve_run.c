@@ -265,6 +265,7 @@ tides_status td_solve_run(tides_simulator *s, int32_t number, tides_error *error
     v.at = s->first_pixel[v.pixel->tile] + (size_t)v.pixel->local;
     for (int32_t k = v.pixel->step; k >= 0 && !r->step[k].open && status == TIDES_OK; k = r->step[k].next) {
         int asked = 0;
+        if (!s->solve.reaches[(size_t)k * TD_TILE_PIXELS + (size_t)v.pixel->local]) continue;
         enter(&v, k);
         recall(&v);
         if (unsettled < 0) {

@@ -74,6 +74,8 @@ typedef struct td_solve {
     size_t found_count, found_capacity;
     td_solve_step *step; /* of those that are being solved, as refine.step numbers them */
     size_t step_capacity;
+    uint8_t *reaches; /* of each of them (TD_TILE_PIXELS): 0 where no pixel's level is (td_sensor_reaches) */
+    size_t reach_capacity;
     td_point *point; /* to be looked up in this round */
     size_t points, point_capacity;
     td_asked *asked; /* (points) */

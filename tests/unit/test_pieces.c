@@ -209,6 +209,45 @@ static void test_singles_are_the_tile(void **state) {
     }
 }
 
+/* Where no level is within a pixel's range nothing fires, whatever it has fired before; such pixels are told from others. */
+static void test_out_of_reach(void **state) {
+    (void)state;
+    tides_sensor params;
+    tides_sensor_defaults(&params);
+    rig *r = rig_make(&params, 1, 0, swing, NULL);
+    td_step step;
+    td_changes changes;
+    tides_error error = {TIDES_OK, ""};
+    int out = 0, fired = 0;
+    assert_int_equal(td_step_between(0, 0.001, &step, &error), TIDES_OK);
+    rig_sample(r, 0.001, 3);
+    const td_signals signals = {r->plane[0], r->plane[1], r->plane[3], r->plane[4]};
+    const double widen[RIG_PIXELS] = {0};
+    uint8_t reaches[RIG_PIXELS];
+    for (uint32_t count = 0; count < 12; count++) {
+        for (size_t i = 0; i < r->pixels; i++) { /* a reference up to six thresholds away, the signal between its levels */
+            r->sensor.pixels.initial[i] = r->plane[0][i] + 0.39 * ((double)(i % 19) / 19 - 0.5) - 0.2 * ((double)count - 6);
+            r->sensor.pixels.reference[i] = r->sensor.pixels.initial[i];
+        }
+        td_sensor_reaches(&r->sensor, &step, &r->tile[0], 0, &signals, widen, reaches);
+        for (size_t i = 0; i < r->pixels; i++) {
+            r->sensor.pixels.count_on[i] = count > 6 ? count - 6 : 0;
+            r->sensor.pixels.count_off[i] = count > 6 ? 0 : 6 - count;
+            r->sensor.pixels.reference[i] += 0.2 * ((double)count - 6);
+            const td_ends ends = {0.001, signals.S0[i], signals.S0_dot[i], signals.S1[i], signals.S1_dot[i]};
+            td_pieces pieces;
+            td_pieces_make(&pieces, &ends, NULL, 0);
+            const td_sensor_single one = {&step, &r->tile[0], 0, i, &signals, NULL, &pieces, &changes};
+            assert_int_equal(td_sensor_advance(&r->sensor, &one, &r->buffer, &error), TIDES_OK);
+            assert_true(reaches[i] || changes.count == 0);
+            out += !reaches[i];
+            fired += changes.count > 0;
+        }
+    }
+    assert_true(out > 1000 && fired > 100);
+    rig_free(r);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_nodes_are_met_and_bound_the_error),
@@ -216,6 +255,7 @@ int main(void) {
         cmocka_unit_test(test_crossings),
         cmocka_unit_test(test_taken_back),
         cmocka_unit_test(test_singles_are_the_tile),
+        cmocka_unit_test(test_out_of_reach),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
