@@ -6,7 +6,7 @@
 
 #include "lanes.h"
 
-#ifdef TD_EXACT
+#if defined(TD_EXACT) && defined(TD_REAL_DOUBLE)
 
 #define TD_EXACT_ROUNDS 6755399441055744.0 /* 1.5 * 2^52: added it rounds, and the number is in the low bits */
 

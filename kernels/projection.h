@@ -41,7 +41,7 @@ typedef struct td_source {
 } td_source;
 
 #ifdef TD_OPENCL
-/* A kernel's arrays as a source; td_source_of fills in the rest. */
+/* A kernel's arrays as a source; what is 0 is td_source_of's. */
 TD_INLINE td_source td_source_make(TD_GLOBAL const td_real *geometry, TD_GLOBAL const td_real *rates,
                                    TD_GLOBAL const td_sh_real *sh, TD_GLOBAL const td_real *sh_rates,
                                    TD_GLOBAL const int *owners, int first_rate, int first_moved) {
@@ -53,6 +53,7 @@ TD_INLINE td_source td_source_make(TD_GLOBAL const td_real *geometry, TD_GLOBAL 
     source.owners = owners;
     source.first_rate = first_rate;
     source.first_moved = first_moved;
+    source.rated = source.moved = source.sh_rated = 0;
     return source;
 }
 #endif

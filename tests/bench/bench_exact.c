@@ -51,59 +51,58 @@ static double processor(void) {
 }
 
 /* The fastest of some turns: exact NULL for the backend's own. */
-static void measure(const char *name, td_backend *backend, td_exact *exact, const td_node_request *request) {
+static tides_status measure(const char *name, td_backend *backend, td_exact *exact, const td_node_request *request,
+                            tides_error *error) {
     double least = 1e9, work = 1e9;
-    tides_error error;
-    for (int turn = 0; turn < TURNS; turn++) {
+    tides_status status = TIDES_OK;
+    for (int turn = 0; turn < TURNS && status == TIDES_OK; turn++) {
         double begun = td_now(), before = processor();
-        tides_status status =
-            exact ? td_exact_nodes(exact, backend, request, &error) : backend->type->nodes(backend, request, &error);
-        if (status != TIDES_OK) {
-            fprintf(stderr, "bench_exact: %s\n", error.text);
-            exit(1);
-        }
+        status = exact ? td_exact_nodes(exact, backend, request, error) : backend->type->nodes(backend, request, error);
         if (td_now() - begun < least) least = td_now() - begun;
         if (processor() - before < work) work = processor() - before;
     }
     printf("%-8s %8.1f %10.1f\n", name, 1e3 * least, 1e3 * work);
+    return status;
+}
+
+static tides_status run(tides_device *device, const random_scene *scene, int job_size, tides_error *error) {
+    td_backend *backend = NULL;
+    td_exact *exact = NULL;
+    td_store store = random_scene_store(scene, node_times[0]);
+    td_image_numbers image = random_scene_image(scene, TIDES_RULES_SMOOTH, 0, TD_OUT_SIGNAL);
+    double *views = random_scene_views(scene, node_times, NODES);
+    asked a = ask(store.count, job_size);
+    const td_node_request request = {views, NODES, a.jobs, a.job_count, a.gaussians, a.rows, a.count, a.count};
+    tides_status status = td_backend_create_opencl(device, &store, &image, &backend, error);
+    if (status == TIDES_OK) status = backend->type->prepare_paths(backend, error);
+    if (status == TIDES_OK) status = td_exact_create(device, &store, &image, &exact, error);
+    printf("%d Gaussians of SH degree %d, %d nodes, jobs of %d\n%-8s %8s %10s\n", store.count, scene->recipe.sh_degree, NODES,
+           job_size, "", "ms", "cpu ms");
+    if (status == TIDES_OK) status = measure("float", backend, NULL, &request, error);
+    if (status == TIDES_OK) status = measure("double", backend, exact, &request, error);
+    td_exact_destroy(exact);
+    if (backend) backend->type->destroy(backend);
+    free(views);
+    free(a.gaussians);
+    free(a.rows);
+    free(a.jobs);
+    td_store_release(&store);
+    return status;
 }
 
 int main(int argc, char **argv) {
     random_recipe recipe = random_recipe_defaults(1);
     tides_device *device = NULL;
     tides_error error;
-    td_backend *backend = NULL;
-    td_exact *exact = NULL;
     recipe.count = argc > 1 ? atoi(argv[1]) : 100000;
     recipe.sh_degree = argc > 2 ? atoi(argv[2]) : 3;
-    if (tides_device_open(NULL, &device, &error) != TIDES_OK) {
-        fprintf(stderr, "bench_exact: %s\n", error.text);
-        return 1;
+    tides_status status = tides_device_open(NULL, &device, &error);
+    if (status == TIDES_OK) {
+        random_scene scene = random_scene_make(&recipe);
+        status = run(device, &scene, argc > 3 ? atoi(argv[3]) : 256, &error);
+        random_scene_free(&scene);
     }
-    random_scene scene = random_scene_make(&recipe);
-    td_store store = random_scene_store(&scene, node_times[0]);
-    td_image_numbers image = random_scene_image(&scene, TIDES_RULES_SMOOTH, 0, TD_OUT_SIGNAL);
-    double *views = random_scene_views(&scene, node_times, NODES);
-    asked a = ask(store.count, argc > 3 ? atoi(argv[3]) : 1024);
-    const td_node_request request = {views, NODES, a.jobs, a.job_count, a.gaussians, a.rows, a.count, a.count};
-    if (td_backend_create_opencl(device, &store, &image, &backend, &error) != TIDES_OK ||
-        backend->type->prepare_paths(backend, &error) != TIDES_OK ||
-        td_exact_create(device, &store, &image, &exact, &error) != TIDES_OK) {
-        fprintf(stderr, "bench_exact: %s\n", error.text);
-        return 1;
-    }
-    printf("%d Gaussians of SH degree %d, %d nodes, jobs of %d\n%-8s %8s %10s\n", store.count, recipe.sh_degree, NODES,
-           a.jobs[0].count, "", "ms", "cpu ms");
-    measure("float", backend, NULL, &request);
-    measure("double", backend, exact, &request);
-    td_exact_destroy(exact);
-    backend->type->destroy(backend);
-    free(views);
-    free(a.gaussians);
-    free(a.rows);
-    free(a.jobs);
-    td_store_release(&store);
-    random_scene_free(&scene);
     tides_device_close(device);
-    return 0;
+    if (status != TIDES_OK) fprintf(stderr, "bench_exact: %s\n", error.text);
+    return status != TIDES_OK;
 }
