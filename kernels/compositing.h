@@ -25,16 +25,9 @@ typedef struct td_composite {
     td_mask live; /* not yet terminated */
 } td_composite;
 
-/* Splat alpha and rate at the pixels: tau and tau_dot (paper, Eq. 2 and 7), before the termination mask. */
-TD_INLINE void td_splat_alpha(TD_GLOBAL const td_real *record, const td_image *image, const td_composite *pixels, td_lanes *tau,
-                              td_lanes *tau_dot, td_mask *seen) {
-    td_lanes dx = pixels->x - record[TD_R_U], dy = pixels->y - record[TD_R_V];
-    td_lanes power = td_fma(record[TD_R_QYY] * dy, dy, record[TD_R_LOG2_OPACITY]);
-    power = td_fma(dx, td_fma(record[TD_R_QXX], dx, record[TD_R_QXY] * dy), power);
-    td_lanes rate = td_fma(dy, td_fma(record[TD_R_KYY], dy, record[TD_R_KY]), record[TD_R_K0]);
-    rate = td_fma(dx, td_fma(record[TD_R_KXX], dx, td_fma(record[TD_R_KXY], dy, record[TD_R_KX])), rate);
-    td_lanes alpha = td_exp2(power);
-    td_lanes alpha_dot = alpha * rate;
+/* What an alpha and its rate become: tau and tau_dot, and where they are above the cut. */
+TD_INLINE void td_cap_alpha(const td_image *image, td_lanes alpha, td_lanes alpha_dot, td_lanes *tau, td_lanes *tau_dot,
+                            td_mask *seen) {
     td_lanes capped = td_smaller(alpha, td_splat(image->alpha_max));
     td_lanes capped_dot = td_select(td_splat(0.0f), alpha_dot, alpha < image->alpha_max);
     if (image->cut_rule == TD_CUT_TAPER) {
@@ -47,6 +40,19 @@ TD_INLINE void td_splat_alpha(TD_GLOBAL const td_real *record, const td_image *i
     *seen = alpha >= image->cut;
     *tau = capped;
     *tau_dot = capped_dot;
+}
+
+/* Splat alpha and rate at the pixels: tau and tau_dot (paper, Eq. 2 and 7), before the termination mask. */
+TD_INLINE void td_splat_alpha(TD_GLOBAL const td_real *record, const td_image *image, const td_composite *pixels, td_lanes *tau,
+                              td_lanes *tau_dot, td_mask *seen) {
+    td_lanes dx = pixels->x - record[TD_R_U], dy = pixels->y - record[TD_R_V];
+    td_lanes power = td_fma(record[TD_R_QYY] * dy, dy, record[TD_R_LOG2_OPACITY]);
+    power = td_fma(dx, td_fma(record[TD_R_QXX], dx, record[TD_R_QXY] * dy), power);
+    td_lanes rate = td_fma(dy, td_fma(record[TD_R_KYY], dy, record[TD_R_KY]), record[TD_R_K0]);
+    rate = td_fma(dx, td_fma(record[TD_R_KXX], dx, td_fma(record[TD_R_KXY], dy, record[TD_R_KX])), rate);
+    td_lanes alpha = td_exp2(power);
+    td_lanes alpha_dot = alpha * rate;
+    td_cap_alpha(image, alpha, alpha_dot, tau, tau_dot, seen);
 }
 
 /* Does the rule drop the splat that takes T below the stop, and all that follow? */
@@ -168,12 +174,8 @@ TD_INLINE void td_composite_start(td_composite *pixels, td_lanes x, td_lanes y, 
     pixels->live = x == x;
 }
 
-/* Y, L and their rates with the backdrop behind (paper, Eq. 3, 4 and 9): planes[0] = L, [1] = L_dot, [2] = Y. */
-TD_INLINE void td_finish_signal(const td_composite *pixels, td_real backdrop, td_real backdrop_dot, td_real log_eps,
-                                td_lanes planes[3]) {
-    td_lanes t = pixels->transmittance;
-    td_lanes y = td_fma(t, backdrop, pixels->sums.luminance);
-    td_lanes y_dot = td_fma(pixels->transmittance_dot, backdrop, td_fma(t, backdrop_dot, pixels->sums.luminance_dot));
+/* L and L_dot of Y and its rate: planes[0] = L, [1] = L_dot, [2] = Y. */
+TD_INLINE void td_finish_luminance(td_lanes y, td_lanes y_dot, td_real log_eps, td_lanes planes[3]) {
     td_mask below = y < 0.0f; /* only colours without a floor come here: black */
     y = td_select(y, td_splat(0.0f), below);
     y_dot = td_select(y_dot, td_splat(0.0f), below);
@@ -181,6 +183,15 @@ TD_INLINE void td_finish_signal(const td_composite *pixels, td_real backdrop, td
     planes[0] = td_select(td_log(y + log_eps), none, none != 0.0f);
     planes[1] = y_dot / (y + log_eps);
     planes[2] = y;
+}
+
+/* Y, L and their rates with the backdrop behind (paper, Eq. 3, 4 and 9): planes[0] = L, [1] = L_dot, [2] = Y. */
+TD_INLINE void td_finish_signal(const td_composite *pixels, td_real backdrop, td_real backdrop_dot, td_real log_eps,
+                                td_lanes planes[3]) {
+    td_lanes t = pixels->transmittance;
+    td_lanes y = td_fma(t, backdrop, pixels->sums.luminance);
+    td_lanes y_dot = td_fma(pixels->transmittance_dot, backdrop, td_fma(t, backdrop_dot, pixels->sums.luminance_dot));
+    td_finish_luminance(y, y_dot, log_eps, planes);
 }
 
 /* Colour planes in the order of TD_OUT_R ..: r g b, their rates, mean depth and its rate. */
