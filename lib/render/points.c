@@ -1,10 +1,20 @@
-/* Pixels at times of their own, for the solver, which solves events on them: whole tiles at as many times, of which one pixel
- * each is taken. */
+/* Pixels at times of their own, for the solver, which solves events on them. Unless they were asked to be exact: whole tiles
+ * at as many times, of which one pixel each is taken. Exact ones are worked out one by one (kernels/points.h): rows of record
+ * paths for the interval swept last when it is first asked for, lists of the tiles that points are in, and the points, tile by
+ * tile. */
+#include "td_point_nodes.h"
 #include "td_renderer.h"
 
+#include <math.h>
 #include <stdlib.h>
 
-enum { POINTS_AT_ONCE = 256 };
+enum {
+    TILES_AT_ONCE = 256,
+    POINTS_AT_ONCE = 1 << 16, /* in a launch: 5 MB with what goes with them */
+    MOST_RANKED = 64          /* pieces that points are sorted by */
+};
+
+/* -- whole tiles ----------------------------------------------------------------------------------------------------------- */
 
 /* Tiles at times, one for each of `count` points. */
 static void ask(const tides_renderer *renderer, const td_point *points, int count, double *times, td_request *requests) {
@@ -25,14 +35,14 @@ static void take(const td_point *points, int count, const double *planes, td_poi
     }
 }
 
-tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
-                                td_point_value *values, tides_error *error) {
-    double times[POINTS_AT_ONCE];
-    td_request requests[POINTS_AT_ONCE];
-    double *planes = td_alloc((size_t)POINTS_AT_ONCE * TD_OUT_SIGNAL * TD_TILE_PIXELS, sizeof *planes, error);
+static tides_status points_of_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
+                                    size_t count, td_point_value *values, tides_error *error) {
+    double times[TILES_AT_ONCE];
+    td_request requests[TILES_AT_ONCE];
+    double *planes = td_alloc((size_t)TILES_AT_ONCE * TD_OUT_SIGNAL * TD_TILE_PIXELS, sizeof *planes, error);
     tides_status status = planes ? TIDES_OK : TIDES_NO_MEMORY;
-    for (size_t from = 0; from < count && status == TIDES_OK; from += POINTS_AT_ONCE) {
-        const int some = (int)(count - from < POINTS_AT_ONCE ? count - from : POINTS_AT_ONCE);
+    for (size_t from = 0; from < count && status == TIDES_OK; from += TILES_AT_ONCE) {
+        const int some = (int)(count - from < TILES_AT_ONCE ? count - from : TILES_AT_ONCE);
         ask(renderer, points + from, some, times, requests);
         const td_tile_batch batch = {times, some, TD_SIDE_BEGINS, requests, some, TD_OUT_SIGNAL};
         status = td_renderer_tiles(renderer, camera, &batch, planes, error);
@@ -40,4 +50,257 @@ tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory
     }
     free(planes);
     return status;
+}
+
+/* -- exact points ---------------------------------------------------------------------------------------------------------- */
+
+struct td_points {
+    td_points_engine *engine;
+    td_point_nodes nodes;
+    int begun; /* 1: an interval, for the candidates of this serial */
+    uint64_t serial;
+    td_points_tile *tiles; /* (tiles) */
+    uint8_t *listed;       /* (tiles) 1: its list is made */
+    int *wanted;           /* (tiles) lists to make */
+    int *first;            /* (ranks + 1) points of each */
+    size_t first_capacity;
+    double *column[TD_POINT_COLUMNS]; /* (points of a launch + TD_PAD) */
+    int *piece;
+    td_points_chunk *chunks;
+    double *values;
+};
+
+void td_points_destroy(td_points *points) {
+    if (!points) return;
+    if (points->engine) points->engine->type->destroy(points->engine);
+    td_point_nodes_release(&points->nodes);
+    for (int k = 0; k < TD_POINT_COLUMNS; k++) free(points->column[k]);
+    free(points->tiles);
+    free(points->listed);
+    free(points->wanted);
+    free(points->first);
+    free(points->piece);
+    free(points->chunks);
+    free(points->values);
+    free(points);
+}
+
+/* Why this renderer has no exact points; NULL: it has. */
+static const char *why_not(const tides_renderer *renderer) {
+    const td_image *image = &renderer->image;
+    if (renderer->psf.radius) return "the optics' blur (image.psf_sigma_px) makes a pixel of its neighbours too";
+    if (image->decoder) return "a decoder makes the scene's colours";
+    if (image->extent_rule != TD_EXTENT_ELLIPSE || image->stop_rule == TD_STOP_BELOW || image->stop_rule == TD_STOP_BELOW_OR_AT)
+        return "splats of image.rules inria and gsplat end abruptly, so that the image jumps";
+    if (renderer->dynamic.gaussians) return "the scene's motion model works in single precision";
+    return NULL;
+}
+
+static tides_status allocate(const tides_renderer *renderer, td_points *p, tides_error *error) {
+    size_t tiles = (size_t)renderer->stats.tiles, launch = POINTS_AT_ONCE + TD_PAD;
+    p->tiles = td_alloc(tiles, sizeof *p->tiles, error);
+    p->listed = td_alloc(tiles, sizeof *p->listed, error);
+    p->wanted = td_alloc(tiles, sizeof *p->wanted, error);
+    p->piece = td_alloc(launch, sizeof *p->piece, error);
+    p->chunks = td_alloc(launch, sizeof *p->chunks, error);
+    p->values = td_alloc(2 * launch, sizeof *p->values, error);
+    int all = p->tiles && p->listed && p->wanted && p->piece && p->chunks && p->values;
+    for (int k = 0; k < TD_POINT_COLUMNS; k++) {
+        p->column[k] = td_alloc(launch, sizeof *p->column[k], error);
+        all = all && p->column[k];
+    }
+    return all ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+static tides_status create_engine(const tides_renderer *renderer, const td_image_numbers *image, td_points_engine **engine,
+                                  tides_error *error) {
+    tides_device_info info;
+    tides_device_describe(renderer->device, &info);
+    return info.kind == TIDES_DEVICE_REFERENCE ? td_points_create_twin(image, engine, error)
+                                               : td_points_create_opencl(renderer->device, image, engine, error);
+}
+
+tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *error) {
+    if (renderer->points) return TIDES_OK;
+    const char *why = why_not(renderer);
+    if (why) return td_fail(error, TIDES_UNSUPPORTED, "single pixels can't be worked out in double precision: %s", why);
+    const td_image_numbers image = td_image_pack(&renderer->image);
+    td_points *made = td_alloc(1, sizeof *made, error);
+    if (!made) return TIDES_NO_MEMORY;
+    const double begun = td_now();
+    tides_status status = allocate(renderer, made, error);
+    if (status == TIDES_OK) status = td_point_nodes_create(renderer, &made->nodes, error);
+    if (status == TIDES_OK) status = create_engine(renderer, &image, &made->engine, error);
+    renderer->backend->stats.time_build_s += td_now() - begun;
+    if (status == TIDES_OK)
+        renderer->points = made;
+    else
+        td_points_destroy(made);
+    return status;
+}
+
+static void lay_tiles(const tides_renderer *renderer, td_points *p) {
+    const td_candidates *lists = &renderer->candidates;
+    for (int tile = 0; tile < renderer->stats.tiles; tile++) {
+        p->tiles[tile].x = tile % lists->tiles_x * TD_TILE;
+        p->tiles[tile].y = tile / lists->tiles_x * TD_TILE;
+        p->tiles[tile].first = lists->first[tile];
+        p->tiles[tile].count = lists->first[tile + 1] - lists->first[tile];
+        p->listed[tile] = 0;
+    }
+}
+
+/* Rows for the interval swept last, unless they are there. */
+static tides_status begin_interval(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, tides_error *error) {
+    if (p->begun && p->serial == renderer->candidates.serial) return TIDES_OK;
+    td_point_nodes *nodes = &p->nodes;
+    p->begun = 0;
+    lay_tiles(renderer, p);
+    tides_status status =
+        td_point_nodes_find(renderer, camera, p->engine, renderer->swept[0], renderer->swept[1], nodes, error);
+    const td_points_interval interval = {.path = nodes->path,
+                                         .gaussians = renderer->store.count,
+                                         .exact = nodes->exact,
+                                         .row_count = nodes->rows,
+                                         .row = nodes->row,
+                                         .lengths = nodes->length,
+                                         .curves = nodes->curves,
+                                         .pieces = nodes->pieces,
+                                         .candidates = renderer->candidates.list,
+                                         .candidate_count = renderer->candidates.first[renderer->stats.tiles],
+                                         .tiles = p->tiles,
+                                         .tile_count = renderer->stats.tiles};
+    if (status == TIDES_OK) status = p->engine->type->begin(p->engine, &interval, error);
+    p->begun = status == TIDES_OK;
+    p->serial = renderer->candidates.serial;
+    return status;
+}
+
+static int tile_of(const tides_renderer *renderer, const td_point *point) {
+    return point->y / TD_TILE * renderer->candidates.tiles_x + point->x / TD_TILE;
+}
+static int block_of(const td_point *point) { return point->y % TD_TILE / 4 * 4 + point->x % TD_TILE / 4; }
+
+/* The piece that a time is in. */
+static int piece_of(const td_point_nodes *nodes, double time) {
+    int low = 0, high = nodes->pieces - 1;
+    while (low < high) {
+        const int middle = (low + high + 1) / 2;
+        if (nodes->knot[middle] <= time)
+            low = middle;
+        else
+            high = middle - 1;
+    }
+    return low;
+}
+
+/* Where a point stands: tile by tile, piece by piece, block by block, so that neighbours share splats and curves. */
+static int rank_of(const tides_renderer *renderer, const td_points *p, const td_point *point) {
+    const int pieces = p->nodes.pieces < MOST_RANKED ? p->nodes.pieces : 1;
+    const int piece = pieces > 1 ? piece_of(&p->nodes, point->time) : 0;
+    return 16 * (pieces * tile_of(renderer, point) + piece) + block_of(point);
+}
+
+/* The points' numbers by rank: order (count). */
+static tides_status order_points(const tides_renderer *renderer, td_points *p, const td_point *points, size_t count, int *order,
+                                 tides_error *error) {
+    const size_t pieces = p->nodes.pieces < MOST_RANKED ? (size_t)p->nodes.pieces : 1;
+    const size_t ranks = 16 * pieces * (size_t)renderer->stats.tiles;
+    tides_status status = td_reserve((void **)&p->first, &p->first_capacity, ranks + 1, sizeof *p->first, error);
+    if (status != TIDES_OK) return status;
+    memset(p->first, 0, (ranks + 1) * sizeof *p->first);
+    for (size_t i = 0; i < count; i++) p->first[rank_of(renderer, p, &points[i]) + 1]++;
+    for (size_t i = 0; i < ranks; i++) p->first[i + 1] += p->first[i];
+    for (size_t i = 0; i < count; i++) order[p->first[rank_of(renderer, p, &points[i])]++] = (int)i;
+    return TIDES_OK;
+}
+
+static tides_status check_point(const tides_renderer *renderer, const td_point *point, tides_error *error) {
+    const td_image *image = &renderer->image;
+    if (point->time >= renderer->swept[0] && point->time <= renderer->swept[1] && point->x >= 0 && point->y >= 0 &&
+        point->x < image->width && point->y < image->height)
+        return TIDES_OK;
+    return td_fail(error, TIDES_BAD_ARGUMENT, "point (%d, %d) at %.9g s is outside of the image, or of [%.9g, %.9g] s",
+                   (int)point->x, (int)point->y, point->time, renderer->swept[0], renderer->swept[1]);
+}
+
+/* Point i is at `time`: in which piece, and where there. */
+static void place_time(const td_point_nodes *nodes, double time, td_points *p, int i) {
+    const int low = piece_of(nodes, time);
+    const double length = nodes->knot[low + 1] - nodes->knot[low];
+    p->piece[i] = low;
+    p->column[2][i] = length > 0 ? (time - nodes->knot[low]) / length : 0;
+    p->column[3][i] = length > 0 ? length : 1; /* of an instant there is but the beginning */
+}
+
+/* Lays points order[0 .. count) for a launch; returns the number of chunks, and of tiles whose lists are missing. */
+static int lay_launch(const tides_renderer *renderer, td_points *p, const td_point *points, const int *order, int count,
+                      int *wanted) {
+    int chunks = 0;
+    *wanted = 0;
+    for (int i = 0; i < count; i++) {
+        const td_point *point = &points[order[i]];
+        const int tile = tile_of(renderer, point);
+        p->column[0][i] = point->x + 0.5;
+        p->column[1][i] = point->y + 0.5;
+        place_time(&p->nodes, point->time, p, i);
+        if (chunks == 0 || p->chunks[chunks - 1].tile != tile || p->chunks[chunks - 1].count == p->engine->lanes ||
+            p->piece[i] != p->piece[i - 1])
+            p->chunks[chunks++] = (td_points_chunk){tile, i, 0, 0};
+        p->chunks[chunks - 1].count++;
+        p->chunks[chunks - 1].blocks |= 1 << block_of(point);
+        if (!p->listed[tile]) p->wanted[(*wanted)++] = tile;
+        p->listed[tile] = 1;
+    }
+    return chunks;
+}
+
+static tides_status run_launch(tides_renderer *renderer, td_points *p, const td_point *points, const int *order, int count,
+                               td_point_value *values, tides_error *error) {
+    int wanted;
+    const int chunks = lay_launch(renderer, p, points, order, count, &wanted);
+    const td_points_batch batch = {{p->column[0], p->column[1], p->column[2], p->column[3]},
+                                   p->piece,
+                                   count,
+                                   p->chunks,
+                                   chunks,
+                                   renderer->backdrops[0].luminance,
+                                   renderer->backdrops[0].luminance_dot};
+    tides_status status = p->engine->type->lists(p->engine, p->wanted, wanted, error);
+    if (status != TIDES_OK) p->begun = 0; /* which lists are there isn't known */
+    if (status == TIDES_OK) status = p->engine->type->values(p->engine, &batch, p->values, error);
+    for (int i = 0; i < count && status == TIDES_OK; i++) {
+        const td_point *point = &points[order[i]];
+        values[order[i]] = (td_point_value){p->values[2 * i], p->values[2 * i + 1]};
+        if (isfinite(p->values[2 * i]) && isfinite(p->values[2 * i + 1])) continue;
+        status = td_fail(error, TIDES_BAD_ARGUMENT, "pixel (%d, %d) at %.9g s isn't finite: log_luminance %g, its rate %g",
+                         (int)point->x, (int)point->y, point->time, p->values[2 * i], p->values[2 * i + 1]);
+    }
+    return status;
+}
+
+static tides_status exact_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
+                                 td_point_value *values, tides_error *error) {
+    td_points *p = renderer->points;
+    int *order = td_alloc(count, sizeof *order, error);
+    tides_status status = order ? TIDES_OK : TIDES_NO_MEMORY;
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) status = check_point(renderer, &points[i], error);
+    if (status == TIDES_OK) status = begin_interval(renderer, camera, p, error);
+    if (status == TIDES_OK) status = order_points(renderer, p, points, count, order, error);
+    for (size_t from = 0; from < count && status == TIDES_OK; from += POINTS_AT_ONCE) {
+        const int some = (int)(count - from < POINTS_AT_ONCE ? count - from : POINTS_AT_ONCE);
+        status = run_launch(renderer, p, points, order + from, some, values, error);
+    }
+    free(order);
+    return status;
+}
+
+tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
+                                td_point_value *values, tides_error *error) {
+    return renderer->points ? exact_points(renderer, camera, points, count, values, error)
+                            : points_of_tiles(renderer, camera, points, count, values, error);
+}
+
+double td_renderer_points_error(const tides_renderer *renderer) {
+    return renderer->points && renderer->points->begun ? renderer->points->nodes.worst : 0;
 }

@@ -89,6 +89,8 @@ static tides_status sweep_moved(tides_renderer *renderer, const tides_trajectory
 tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                tides_error *error) {
     tides_status status = td_renderer_sweep_views(renderer, camera, start, stop, 0, error);
+    renderer->swept[0] = start;
+    renderer->swept[1] = stop;
     if (status == TIDES_OK) status = note_moves(renderer, camera, error);
     if (status == TIDES_OK)
         status = td_strays_find(&renderer->strays, renderer->scene, &renderer->store, &renderer->image, camera, renderer->epoch,

@@ -105,6 +105,15 @@ typedef struct td_point_value {
 tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
                                 td_point_value *values, tides_error *error);
 
+/* From now on points are worked out one by one, in double precision whatever the renderer computes in, with every splat (no
+ * stop rule), on the image that record paths make of the interval swept last (kernels/points.h). TIDES_UNSUPPORTED, saying
+ * why, where that can't be had: then, as before, points are pixels of whole tiles. */
+tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *error);
+
+/* What log_luminance of exact points may be off by in the interval that some were asked for last: an estimate of what record
+ * paths make of it, of the splat that is worst; 0 without exact points. */
+double td_renderer_points_error(const tides_renderer *renderer);
+
 /* -- frames ---------------------------------------------------------------------------------------------------------------- */
 
 /* tides_renderer_frame at an offset from the renderer's epoch: a sweep of that instant, and all tiles. */

@@ -11,6 +11,7 @@
  *   frame.c, flow.c                      whole images, and how fast they move
  *   dynamic/                             Gaussians with a motion model
  *   exact.c, exact_*.c                   rows of record paths in double precision (td_exact.h)
+ *   points.c, points_*.c, point_nodes.c  single pixels at single times (td_points.h)
  *   backend_opencl.c, opencl_*.c, reference_*.c   what computes (td_backend.h)
  *
  * Compiled in double. */
@@ -98,6 +99,9 @@ int td_candidates_hint_count(const td_candidates *candidates);
 void td_candidates_give_hint(td_candidates *candidates, int tile, td_job *job);
 void td_candidates_take_hints(td_candidates *candidates, const td_job *jobs, int count, const uint8_t *in_order);
 
+typedef struct td_points td_points;
+void td_points_destroy(td_points *points);
+
 struct tides_renderer {
     double epoch; /* [s] every time in lib/render is an offset from it, so that times of 1e9 s resolve like those near 0 */
     td_dynamic dynamic; /* Gaussians that a motion moves */
@@ -127,7 +131,9 @@ struct tides_renderer {
     size_t empty_capacity, in_order_capacity;
     int record_limit; /* records per launch */
     td_record_paths paths;
-    td_psf psf; /* what the optics make of L and L_dot */
+    td_points *points; /* exact ones, where they were asked for (points.c) */
+    double swept[2];   /* the interval swept last [s after the epoch] */
+    td_psf psf;        /* what the optics make of L and L_dot */
     tides_render_stats stats;
 };
 

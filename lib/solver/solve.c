@@ -26,10 +26,11 @@ tides_status td_solve_create(tides_simulator *s, const tides_stepping *stepping,
                       "another "
                       "model than hermite",
                       error);
-    if (precision == TIDES_SOLVE_DOUBLE && !td_renderer_is_double(s->renderer))
-        return td_fail(error, TIDES_UNSUPPORTED,
-                       "stepping.solve: this device looks pixels up in single precision; set \"float\", or use device "
-                       "reference");
+    if (precision == TIDES_SOLVE_DOUBLE && !td_renderer_is_double(s->renderer)) {
+        const tides_status status = td_renderer_exact_points(s->renderer, error);
+        if (status != TIDES_OK)
+            return td_fail_within(error, status, "stepping.solve: \"double\" can't be had here; set \"float\"");
+    }
     s->solve.precision = precision;
     s->solve.target_s = s->time_tolerance_s > 0 ? s->time_tolerance_s : default_target_s;
     return TIDES_OK;

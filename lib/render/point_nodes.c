@@ -1,0 +1,270 @@
+/* Record paths in double precision for single pixels: pieces of the interval, between samples of the camera's and the objects'
+ * paths; every listed Gaussian projected at their ends and in their middles; by what the middles show each gets as many nodes
+ * as it needs. */
+#include "camera/td_trajectory.h"
+#include "td_point_nodes.h"
+#include "td_renderer.h"
+#include "td_sort.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum {
+    JOB_GAUSSIANS = 256, /* of a job: enough for its start, few enough that threads end together */
+    MOST_LEVEL = 5       /* 32 curves a piece: the error falls by 16^5 */
+};
+
+/* Samples nearer than this to another are it [s]. */
+static const double same_time = 1e-9;
+
+tides_status td_point_nodes_create(const tides_renderer *renderer, td_point_nodes *nodes, tides_error *error) {
+    const size_t count = (size_t)renderer->store.count;
+    const td_image_numbers image = td_image_pack(&renderer->image);
+    nodes->path = td_alloc(count, sizeof *nodes->path, error);
+    nodes->gaussians = td_alloc(count, sizeof *nodes->gaussians, error);
+    nodes->level = td_alloc(count, sizeof *nodes->level, error);
+    nodes->first = td_alloc(count + TD_PAD, sizeof *nodes->first, error);
+    nodes->tried = td_alloc(count + TD_PAD, sizeof *nodes->tried, error);
+    nodes->misfit = td_alloc(count + TD_PAD, sizeof *nodes->misfit, error);
+    if (!nodes->path || !nodes->gaussians || !nodes->level || !nodes->first || !nodes->tried || !nodes->misfit)
+        return TIDES_NO_MEMORY;
+    return td_exact_create(renderer->device, &renderer->store, &image, &nodes->exact, error);
+}
+
+void td_point_nodes_release(td_point_nodes *nodes) {
+    td_exact_destroy(nodes->exact);
+    free(nodes->knot);
+    free(nodes->path);
+    free(nodes->gaussians);
+    free(nodes->level);
+    free(nodes->first);
+    free(nodes->tried);
+    free(nodes->row);
+    free(nodes->length);
+    free(nodes->misfit);
+    free(nodes->time);
+    free(nodes->entry);
+    free(nodes->at);
+    free(nodes->jobs);
+}
+
+/* -- pieces ---------------------------------------------------------------------------------------------------------------- */
+
+static tides_status add_knot(td_point_nodes *nodes, double time, tides_error *error) {
+    const size_t wanted = (size_t)nodes->pieces + 1;
+    tides_status status = td_reserve((void **)&nodes->knot, &nodes->knot_capacity, wanted, sizeof *nodes->knot, error);
+    if (status == TIDES_OK) nodes->knot[nodes->pieces++] = time;
+    return status;
+}
+
+/* The samples of a path within the interval, where its curve may bend. */
+static tides_status add_samples(td_point_nodes *nodes, const tides_trajectory *path, double epoch, double start, double stop,
+                                tides_error *error) {
+    tides_status status = TIDES_OK;
+    tides_pose_sample sample;
+    if (!path || tides_trajectory_is_static(path)) return status;
+    for (size_t i = td_trajectory_find(path, epoch, start); i < tides_trajectory_count(path) && status == TIDES_OK; i++) {
+        status = tides_trajectory_sample(path, i, &sample, error);
+        const double time = sample.time - epoch;
+        if (status != TIDES_OK || time >= stop - same_time) break;
+        if (time > start + same_time) status = add_knot(nodes, time, error);
+    }
+    return status;
+}
+
+/* Knots of [start, stop], each once, in order. */
+static tides_status cut(const tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                        td_point_nodes *nodes, tides_error *error) {
+    nodes->pieces = 0; /* knots, until they are in order */
+    tides_status status = add_knot(nodes, start, error);
+    if (status == TIDES_OK) status = add_knot(nodes, stop, error);
+    if (status == TIDES_OK) status = add_samples(nodes, camera, renderer->epoch, start, stop, error);
+    for (int i = 0; i < renderer->store.objects && status == TIDES_OK; i++) {
+        tides_object object;
+        status = tides_scene_object(renderer->scene, renderer->store.scene_object[i], &object, error);
+        if (status == TIDES_OK) status = add_samples(nodes, object.trajectory, renderer->epoch, start, stop, error);
+    }
+    if (status != TIDES_OK) return status;
+    int kept = 1;
+    qsort(nodes->knot, (size_t)nodes->pieces, sizeof *nodes->knot, td_ascending);
+    for (int i = 1; i < nodes->pieces; i++)
+        if (nodes->knot[i] > nodes->knot[kept - 1] + same_time || (i == nodes->pieces - 1 && kept == 1))
+            nodes->knot[kept++] = nodes->knot[i];
+    nodes->pieces = kept - 1;
+    return TIDES_OK;
+}
+
+/* -- projection ------------------------------------------------------------------------------------------------------------ */
+
+static tides_status reserve_entries(td_point_nodes *nodes, size_t more, tides_error *error) {
+    const size_t wanted = (size_t)nodes->entries + more;
+    tides_status status = td_reserve((void **)&nodes->entry, &nodes->entry_capacity[0], wanted, sizeof *nodes->entry, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&nodes->at, &nodes->entry_capacity[1], wanted, sizeof *nodes->at, error);
+    if (status == TIDES_OK)
+        status =
+            td_reserve((void **)&nodes->jobs, &nodes->job_capacity, (size_t)nodes->job_count + 1, sizeof *nodes->jobs, error);
+    return status;
+}
+
+/* Fills the last job up to a multiple of TD_PAD with what goes to the row that nobody reads. */
+static void end_job(td_point_nodes *nodes) {
+    td_node_job *job = &nodes->jobs[nodes->job_count - 1];
+    for (; job->count % TD_PAD; job->count++, nodes->entries++) {
+        nodes->entry[nodes->entries] = TD_NO_GAUSSIAN;
+        nodes->at[nodes->entries] = nodes->rows;
+    }
+}
+
+/* Jobs for one node of the Gaussians of a level. */
+static tides_status add_node(const tides_renderer *renderer, td_point_nodes *nodes, int level, int node, tides_error *error) {
+    int open = 0, object = -1;
+    tides_status status = reserve_entries(nodes, 0, error);
+    for (int i = 0; i < nodes->count && status == TIDES_OK; i++) {
+        const int gaussian = nodes->gaussians[i];
+        if (nodes->level[i] != level) continue;
+        status = reserve_entries(nodes, 2 * TD_PAD, error);
+        if (status != TIDES_OK) return status;
+        if (open && (renderer->store.object[gaussian] != object || nodes->jobs[nodes->job_count - 1].count == JOB_GAUSSIANS)) {
+            end_job(nodes);
+            open = 0;
+            status = reserve_entries(nodes, 2 * TD_PAD, error);
+            if (status != TIDES_OK) return status;
+        }
+        if (!open) nodes->jobs[nodes->job_count++] = (td_node_job){node, nodes->entries, 0, 0};
+        open = 1;
+        object = renderer->store.object[gaussian];
+        nodes->entry[nodes->entries] = gaussian;
+        nodes->at[nodes->entries++] = nodes->first[i] + node;
+        nodes->jobs[nodes->job_count - 1].count++;
+    }
+    if (open && status == TIDES_OK) end_job(nodes);
+    return status;
+}
+
+/* Node k of a level, counted through all pieces [s after the epoch]. */
+static double node_time(const td_point_nodes *nodes, int level, int k) {
+    const int piece = k >> level, part = k & ((1 << level) - 1);
+    if (part == 0) return nodes->knot[piece];
+    return nodes->knot[piece] + (nodes->knot[piece + 1] - nodes->knot[piece]) * (part / (double)(1 << level));
+}
+
+/* Rows of the Gaussians of a level, at all its nodes. */
+static tides_status project(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, int level,
+                            tides_error *error) {
+    const int slots = (nodes->pieces << level) + 1;
+    tides_status status = td_reserve((void **)&nodes->time, &nodes->time_capacity, (size_t)slots, sizeof *nodes->time, error);
+    nodes->entries = nodes->job_count = 0;
+    for (int k = 0; k < slots && status == TIDES_OK; k++) {
+        nodes->time[k] = node_time(nodes, level, k);
+        status = add_node(renderer, nodes, level, k, error);
+    }
+    if (status == TIDES_OK && nodes->job_count > 0) status = td_renderer_views(renderer, camera, nodes->time, slots, error);
+    if (status != TIDES_OK || nodes->job_count == 0) return status;
+    const td_node_request request = {.views = (const double *)renderer->views,
+                                     .slots = slots,
+                                     .jobs = nodes->jobs,
+                                     .job_count = nodes->job_count,
+                                     .gaussians = nodes->entry,
+                                     .rows = nodes->at,
+                                     .count = nodes->entries,
+                                     .row_count = nodes->rows + 1};
+    return td_exact_nodes(nodes->exact, renderer->backend, &request, error);
+}
+
+/* -- levels ---------------------------------------------------------------------------------------------------------------- */
+
+/* Those in a list, with rows of level 1. */
+static void find_listed(const tides_renderer *renderer, td_point_nodes *nodes) {
+    const td_candidates *lists = &renderer->candidates;
+    const int end = lists->first[renderer->stats.tiles], rows = 2 * nodes->pieces + 1;
+    for (int i = 0; i < renderer->store.count; i++) nodes->path[i] = TD_PATH_UNSEEN;
+    for (int i = 0; i < end; i++)
+        if (lists->list[i] >= 0) nodes->path[lists->list[i]] = 0;
+    nodes->count = 0;
+    for (int i = 0; i < renderer->store.count; i++) {
+        if (nodes->path[i] == TD_PATH_UNSEEN) continue;
+        nodes->first[nodes->count] = nodes->count * rows;
+        nodes->level[nodes->count] = 1;
+        nodes->gaussians[nodes->count++] = i;
+    }
+    nodes->rows = nodes->count * rows;
+}
+
+/* Gives a Gaussian rows of the next level. */
+static tides_status refine(td_point_nodes *nodes, int i, tides_error *error) {
+    const int level = ++nodes->level[i];
+    const int64_t rows = (int64_t)nodes->rows + ((int64_t)nodes->pieces << level) + 1;
+    if (rows > INT32_MAX / TD_PATH_STRIDE)
+        return td_fail(error, TIDES_NO_MEMORY, "record paths of an interval of %g s: too many rows; use shorter steps",
+                       nodes->knot[nodes->pieces] - nodes->knot[0]);
+    nodes->first[i] = nodes->rows;
+    nodes->rows = (int)rows;
+    return TIDES_OK;
+}
+
+/* What Gaussian i needs whose cubics of the level before are off by `off` (of log_luminance) in the middle: its level is
+ * enough where a sixteenth of that is, by which a smooth path's error falls with each level; at the last it may have a kink,
+ * and is taken to be off by all of it. What can't be compared at all crosses the near plane: it has faded where its curves
+ * can't be used, and isn't counted. */
+static tides_status choose_level(td_point_nodes *nodes, int i, double off, tides_error *error) {
+    const double never = 1e29 * TD_POINT_PATH_TARGET; /* TD_PATH_NEVER */
+    double left = off / 16;
+    if (left > TD_POINT_PATH_TARGET && nodes->level[i] < MOST_LEVEL) return refine(nodes, i, error);
+    if (left > TD_POINT_PATH_TARGET) left = off;
+    if (nodes->level[i] == 1 && off <= TD_POINT_PATH_TARGET) {
+        nodes->level[i] = 0; /* with every other row of level 1 */
+        left = off;
+    }
+    if (off < never && left > nodes->worst) nodes->worst = left;
+    return TIDES_OK;
+}
+
+/* Compares the paths of a level with those of the level before, and gives the next level to those that need it. */
+static tides_status try_level(td_point_nodes *nodes, td_points_engine *engine, int level, tides_error *error) {
+    int count = 0;
+    for (int i = 0; i < nodes->count; i++)
+        if (nodes->level[i] == level) nodes->tried[count++] = nodes->first[i];
+    for (int i = count; i < count + TD_PAD; i++) nodes->tried[i] = count ? nodes->tried[0] : 0;
+    const td_points_misfits request = {nodes->exact, nodes->rows, nodes->tried,  count,
+                                       level,        nodes->knot, nodes->pieces, TD_POINT_PATH_TARGET};
+    tides_status status = count ? engine->type->misfits(engine, &request, nodes->misfit, error) : TIDES_OK;
+    for (int i = 0, k = 0; i < nodes->count && status == TIDES_OK; i++)
+        if (nodes->level[i] == level) status = choose_level(nodes, i, (double)nodes->misfit[k++] * TD_POINT_PATH_TARGET, error);
+    return status;
+}
+
+/* Curves of all; paths. Of an instant there is but the beginning, whatever the length. */
+static tides_status lay_curves(td_point_nodes *nodes, tides_error *error) {
+    size_t curves = 0;
+    for (int i = 0; i < nodes->count; i++) curves += (size_t)nodes->pieces << nodes->level[i];
+    tides_status status = td_reserve((void **)&nodes->row, &nodes->row_capacity, 2 * curves, sizeof *nodes->row, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&nodes->length, &nodes->length_capacity, curves, sizeof *nodes->length, error);
+    if (status != TIDES_OK) return status;
+    nodes->curves = 0;
+    for (int i = 0; i < nodes->count; i++) {
+        const int level = nodes->level[i], stride = level == 0 ? 2 : 1; /* level 0 has the rows of level 1 */
+        nodes->path[nodes->gaussians[i]] = nodes->curves * TD_PATH_LEVELS + level;
+        for (int k = 0; k < nodes->pieces << level; k++) {
+            const double h = nodes->knot[(k >> level) + 1] - nodes->knot[k >> level];
+            nodes->row[2 * nodes->curves] = nodes->first[i] + stride * k;
+            nodes->row[2 * nodes->curves + 1] = nodes->first[i] + stride * (k + 1);
+            nodes->length[nodes->curves++] = (h > 0 ? h : 1) / (double)(1 << level);
+        }
+    }
+    return TIDES_OK;
+}
+
+tides_status td_point_nodes_find(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
+                                 double start, double stop, td_point_nodes *nodes, tides_error *error) {
+    tides_status status = cut(renderer, camera, start, stop, nodes, error);
+    if (status != TIDES_OK) return status;
+    find_listed(renderer, nodes);
+    nodes->worst = 0;
+    for (int level = 1; level <= MOST_LEVEL && status == TIDES_OK; level++) {
+        status = project(renderer, camera, nodes, level, error);
+        if (status == TIDES_OK && stop > start) status = try_level(nodes, engine, level, error);
+    }
+    return status == TIDES_OK ? lay_curves(nodes, error) : status;
+}

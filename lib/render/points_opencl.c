@@ -1,0 +1,294 @@
+/* Single pixels at single times on an OpenCL device, in double precision: the kernels of points.cl. */
+#include "td_launch.h"
+#include "td_points.h"
+
+#include <float.h>
+#include <stdlib.h>
+
+enum {
+    ENTRY_REALS = 8,  /* TD_POINT_ENTRY of kernels/points.h */
+    CURVE_REALS = 32, /* TD_CURVE_REALS */
+    /* Work-items: on a CPU enough for its threads to share out what's uneven; on a GPU as many as memory for their rooms has
+     * room for, up to what fills a large one several times over. */
+    CPU_WORKERS_PER_UNIT = 8,
+    CPU_EVEN = 64,
+    GPU_WORKERS = 1 << 16,
+    GPU_GROUP = 64
+};
+
+/* Bytes of rooms that work-items may take [bytes]. */
+static const size_t room_limit = (size_t)512 << 20;
+
+typedef struct opencl_points {
+    td_points_engine base;
+    tides_device *device;
+    cl_kernel misfit_kernel, curve_kernel, list_kernel, value_kernel;
+    td_buffer image;
+    td_buffer first, piece_lengths, misfits;                                     /* paths that are tried */
+    td_buffer path, row, lengths, curves, candidates, tiles;                     /* an interval */
+    td_buffer wanted, reached, strongest, keys, gaussian, blocks, power, counts; /* lists */
+    td_buffer columns, piece, chunks, values;                                    /* a batch */
+    td_buffer entries, order, found;
+    cl_int pieces, longest; /* longest: of the lists */
+    const td_points_tile *tile;
+} opencl_points;
+
+static int on_gpu(const opencl_points *p) { return p->base.lanes == 1; }
+
+/* Work-items that share out what is even. */
+static size_t even_items(const opencl_points *p, int count, size_t *local) {
+    *local = on_gpu(p) ? GPU_GROUP : 1;
+    if (!on_gpu(p)) return CPU_EVEN;
+    return count > GPU_GROUP ? ((size_t)count + GPU_GROUP - 1) / GPU_GROUP * GPU_GROUP : GPU_GROUP;
+}
+
+static tides_status launch_misfits(opencl_points *p, const td_buffer *rows, const td_points_misfits *request,
+                                   tides_error *error) {
+    size_t local, global = even_items(p, request->count, &local);
+    const cl_int count = request->count, level = request->level, pieces = request->pieces;
+    const cl_double target = request->target, rounding = DBL_EPSILON / 2;
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image), {rows, NULL, 0},
+                                     TD_BUFFER_ARGUMENT(p->first), TD_VALUE_ARGUMENT(count),
+                                     TD_VALUE_ARGUMENT(level),     TD_BUFFER_ARGUMENT(p->piece_lengths),
+                                     TD_VALUE_ARGUMENT(pieces),    TD_VALUE_ARGUMENT(target),
+                                     TD_VALUE_ARGUMENT(rounding),  TD_BUFFER_ARGUMENT(p->misfits)};
+    return td_launch(p->device, p->misfit_kernel, 1, &global, &local, arguments,
+                     (cl_uint)(sizeof arguments / sizeof *arguments), NULL, error);
+}
+
+static tides_status misfits(td_points_engine *engine, const td_points_misfits *request, float *out, tides_error *error) {
+    opencl_points *p = (opencl_points *)engine;
+    const size_t count = (size_t)request->count, pieces = (size_t)request->pieces;
+    if (count == 0) return TIDES_OK;
+    double *host = td_alloc(count + pieces, sizeof *host, error);
+    if (!host) return TIDES_NO_MEMORY;
+    for (size_t i = 0; i < pieces; i++) host[count + i] = request->knot[i + 1] - request->knot[i];
+    tides_status status = td_buffer_write(p->device, &p->first, request->first, (count + TD_PAD) * sizeof(cl_int), error);
+    if (status == TIDES_OK)
+        status = td_buffer_write(p->device, &p->piece_lengths, host + count, pieces * sizeof(cl_double), error);
+    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->misfits, (count + TD_PAD) * sizeof(cl_double), error);
+    if (status == TIDES_OK) status = launch_misfits(p, td_exact_row_buffer(request->exact), request, error);
+    if (status == TIDES_OK) status = td_buffer_read(p->device, &p->misfits, host, count * sizeof *host, error);
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) out[i] = (float)host[i];
+    free(host);
+    return status;
+}
+
+static tides_status bend_curves(opencl_points *p, const td_buffer *rows, cl_int count, tides_error *error) {
+    size_t local, global = even_items(p, count, &local);
+    const td_argument arguments[] = {{rows, NULL, 0},
+                                     TD_BUFFER_ARGUMENT(p->row),
+                                     TD_BUFFER_ARGUMENT(p->lengths),
+                                     TD_VALUE_ARGUMENT(count),
+                                     TD_BUFFER_ARGUMENT(p->curves)};
+    return td_launch(p->device, p->curve_kernel, 1, &global, &local, arguments, 5, NULL, error);
+}
+
+/* The interval's own data, and room for its lists. */
+static tides_status begin(td_points_engine *engine, const td_points_interval *interval, tides_error *error) {
+    opencl_points *p = (opencl_points *)engine;
+    size_t candidates = (size_t)interval->candidate_count + TD_PAD, tiles = (size_t)interval->tile_count;
+    size_t curves = (size_t)interval->curves;
+    const struct {
+        td_buffer *buffer;
+        const void *data; /* NULL: room only */
+        size_t bytes;
+    } wanted[] = {
+        {&p->path, interval->path, (size_t)interval->gaussians * sizeof(cl_int)},
+        {&p->row, interval->row, 2 * curves * sizeof(cl_int)},
+        {&p->lengths, interval->lengths, curves * sizeof(cl_double)},
+        {&p->curves, NULL, curves * CURVE_REALS * sizeof(cl_double)},
+        {&p->candidates, interval->candidates, (size_t)interval->candidate_count * sizeof(cl_int)},
+        {&p->tiles, interval->tiles, tiles * sizeof *interval->tiles},
+        {&p->wanted, NULL, tiles * sizeof(cl_int)},
+        {&p->reached, NULL, candidates * sizeof(cl_int)},
+        {&p->strongest, NULL, candidates * sizeof(cl_double)},
+        {&p->keys, NULL, 2 * candidates * sizeof(cl_long)},
+        {&p->gaussian, NULL, candidates * sizeof(cl_int)},
+        {&p->blocks, NULL, candidates * sizeof(cl_int)},
+        {&p->power, NULL, candidates * sizeof(cl_double)},
+        {&p->counts, NULL, tiles * sizeof(cl_int)},
+    };
+    p->pieces = interval->pieces;
+    p->longest = 0;
+    p->tile = interval->tiles;
+    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
+        tides_status status = td_buffer_reserve(p->device, wanted[i].buffer, wanted[i].bytes ? wanted[i].bytes : 1, error);
+        if (status == TIDES_OK && wanted[i].data && wanted[i].bytes)
+            status = td_buffer_write(p->device, wanted[i].buffer, wanted[i].data, wanted[i].bytes, error);
+        if (status != TIDES_OK) return status;
+    }
+    return bend_curves(p, interval->exact ? td_exact_row_buffer(interval->exact) : &p->image, interval->curves, error);
+}
+
+static tides_status lists(td_points_engine *engine, const int *tiles, int count, tides_error *error) {
+    opencl_points *p = (opencl_points *)engine;
+    if (count == 0) return TIDES_OK;
+    size_t local = on_gpu(p) ? GPU_GROUP : 1, global = (size_t)count * local;
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),     TD_BUFFER_ARGUMENT(p->tiles),
+                                     TD_BUFFER_ARGUMENT(p->wanted),    TD_BUFFER_ARGUMENT(p->candidates),
+                                     TD_BUFFER_ARGUMENT(p->path),      TD_BUFFER_ARGUMENT(p->curves),
+                                     TD_VALUE_ARGUMENT(p->pieces),     TD_BUFFER_ARGUMENT(p->reached),
+                                     TD_BUFFER_ARGUMENT(p->strongest), TD_BUFFER_ARGUMENT(p->keys),
+                                     TD_BUFFER_ARGUMENT(p->gaussian),  TD_BUFFER_ARGUMENT(p->blocks),
+                                     TD_BUFFER_ARGUMENT(p->power),     TD_BUFFER_ARGUMENT(p->counts)};
+    tides_status status = td_buffer_write(p->device, &p->wanted, tiles, (size_t)count * sizeof *tiles, error);
+    if (status == TIDES_OK)
+        status = td_launch(p->device, p->list_kernel, 1, &global, &local, arguments,
+                           (cl_uint)(sizeof arguments / sizeof *arguments), NULL, error);
+    for (int i = 0; i < count; i++)
+        if (p->tile[tiles[i]].count > p->longest) p->longest = p->tile[tiles[i]].count;
+    return td_finish(p->device, status, error);
+}
+
+/* Work-items for so many chunks, and their rooms. */
+static tides_status reserve_rooms(opencl_points *p, int chunks, size_t *items, tides_error *error) {
+    const size_t lanes = (size_t)p->base.lanes, places = (size_t)p->longest + 1;
+    const size_t entries = places * lanes * ENTRY_REALS * sizeof(cl_double), order = places * lanes * sizeof(cl_int);
+    size_t most = on_gpu(p) ? GPU_WORKERS : (size_t)CPU_WORKERS_PER_UNIT * (size_t)p->device->info.compute_units;
+    if (most > room_limit / (entries + order)) most = room_limit / (entries + order);
+    if (most > (size_t)chunks) most = (size_t)chunks;
+    *items = most < 1 ? 1 : most;
+    if (on_gpu(p)) *items = (*items + GPU_GROUP - 1) / GPU_GROUP * GPU_GROUP;
+    tides_status status = td_buffer_reserve(p->device, &p->entries, *items * entries, error);
+    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->order, *items * order, error);
+    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->found, *items * places * sizeof(cl_int), error);
+    return status;
+}
+
+/* Points and chunks to the device; columns follow one another, `stride` apart. */
+static tides_status send_batch(opencl_points *p, const td_points_batch *batch, size_t stride, tides_error *error) {
+    const size_t column = stride * sizeof(cl_double), used = (size_t)batch->count * sizeof(cl_double);
+    tides_status status = td_buffer_reserve(p->device, &p->columns, TD_POINT_COLUMNS * column, error);
+    for (size_t k = 0; k < TD_POINT_COLUMNS && batch->count > 0 && status == TIDES_OK; k++)
+        status = td_buffer_write_at(p->device, &p->columns, k * column, batch->column[k], used, error);
+    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->piece, batch->piece, stride * sizeof(cl_int), error);
+    if (status == TIDES_OK)
+        status =
+            td_buffer_write(p->device, &p->chunks, batch->chunks, (size_t)batch->chunk_count * sizeof *batch->chunks, error);
+    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->values, 2 * stride * sizeof(cl_double), error);
+    return status;
+}
+
+static tides_status launch_values(opencl_points *p, const td_points_batch *batch, size_t items, cl_int stride,
+                                  tides_error *error) {
+    size_t local = on_gpu(p) ? GPU_GROUP : 1;
+    const cl_int chunks = batch->chunk_count;
+    const cl_double backdrop = batch->backdrop, backdrop_dot = batch->backdrop_dot;
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),    TD_BUFFER_ARGUMENT(p->tiles),
+                                     TD_BUFFER_ARGUMENT(p->counts),   TD_BUFFER_ARGUMENT(p->path),
+                                     TD_BUFFER_ARGUMENT(p->curves),   TD_VALUE_ARGUMENT(p->pieces),
+                                     TD_BUFFER_ARGUMENT(p->gaussian), TD_BUFFER_ARGUMENT(p->blocks),
+                                     TD_BUFFER_ARGUMENT(p->power),    TD_BUFFER_ARGUMENT(p->columns),
+                                     TD_VALUE_ARGUMENT(stride),       TD_BUFFER_ARGUMENT(p->piece),
+                                     TD_BUFFER_ARGUMENT(p->chunks),   TD_VALUE_ARGUMENT(chunks),
+                                     TD_BUFFER_ARGUMENT(p->entries),  TD_BUFFER_ARGUMENT(p->order),
+                                     TD_BUFFER_ARGUMENT(p->found),    TD_VALUE_ARGUMENT(p->longest),
+                                     TD_VALUE_ARGUMENT(backdrop),     TD_VALUE_ARGUMENT(backdrop_dot),
+                                     TD_BUFFER_ARGUMENT(p->values)};
+    return td_launch(p->device, p->value_kernel, 1, &items, &local, arguments, (cl_uint)(sizeof arguments / sizeof *arguments),
+                     NULL, error);
+}
+
+static tides_status values(td_points_engine *engine, const td_points_batch *batch, double *out, tides_error *error) {
+    opencl_points *p = (opencl_points *)engine;
+    const size_t stride = (size_t)batch->count + TD_PAD; /* the last lanes read a little further */
+    size_t items;
+    tides_status status = reserve_rooms(p, batch->chunk_count, &items, error);
+    if (status == TIDES_OK) status = send_batch(p, batch, stride, error);
+    if (status == TIDES_OK) status = launch_values(p, batch, items, (cl_int)stride, error);
+    if (status == TIDES_OK && batch->count > 0)
+        status = td_buffer_read(p->device, &p->values, out, 2 * (size_t)batch->count * sizeof *out, error);
+    return td_finish(p->device, status, error);
+}
+
+static void destroy(td_points_engine *engine) {
+    opencl_points *p = (opencl_points *)engine;
+    td_buffer *buffers[] = {&p->first,     &p->piece_lengths, &p->misfits, &p->image,      &p->path,    &p->row,    &p->curves,
+                            &p->strongest, &p->power,         &p->lengths, &p->candidates, &p->tiles,   &p->wanted, &p->reached,
+                            &p->keys,      &p->gaussian,      &p->blocks,  &p->counts,     &p->columns, &p->piece,  &p->chunks,
+                            &p->values,    &p->entries,       &p->order,   &p->found};
+    for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
+    if (p->misfit_kernel) clReleaseKernel(p->misfit_kernel);
+    if (p->curve_kernel) clReleaseKernel(p->curve_kernel);
+    if (p->list_kernel) clReleaseKernel(p->list_kernel);
+    if (p->value_kernel) clReleaseKernel(p->value_kernel);
+    free(p);
+}
+
+static const td_points_class opencl_points_class = {misfits, begin, lists, values, destroy};
+
+/* The image in double: reals, then ints. */
+static tides_status write_image(opencl_points *p, const td_image_numbers *image, tides_error *error) {
+    td_image packed;
+    memcpy(&packed, image->real, sizeof image->real);
+    memcpy((char *)&packed + sizeof image->real, image->whole, sizeof image->whole);
+    return td_buffer_write(p->device, &p->image, &packed, sizeof packed, error);
+}
+
+static tides_status make_kernels(opencl_points *p, const td_image_numbers *numbers, tides_error *error) {
+    td_image image;
+    memcpy((char *)&image + sizeof numbers->real, numbers->whole, sizeof numbers->whole);
+    const struct {
+        const char *name;
+        cl_kernel *kernel;
+    } kernels[] = {{"td_point_find_misfits", &p->misfit_kernel},
+                   {"td_point_bend_curves", &p->curve_kernel},
+                   {"td_point_make_lists", &p->list_kernel},
+                   {"td_point_values", &p->value_kernel}};
+    /* What points don't ask for is 0, so that few programs are built. */
+    char *defines = td_format(error,
+                              "#define TD_BUILD_SH_DEGREE 0\n#define TD_BUILD_ANTIALIAS 0\n#define TD_BUILD_CUT_RULE %d\n"
+                              "#define TD_BUILD_STOP_RULE 0\n#define TD_BUILD_EXTENT_RULE 0\n#define TD_BUILD_MOVING 0\n"
+                              "#define TD_BUILD_OUTPUTS %d\n#define TD_BUILD_SOFT_ORDER %d\n#define TD_BUILD_DECODER 0\n",
+                              image.cut_rule, TD_OUT_SIGNAL, image.soft_order);
+    tides_status status = defines ? TIDES_OK : TIDES_NO_MEMORY;
+    for (size_t i = 0; i < sizeof kernels / sizeof *kernels && status == TIDES_OK; i++)
+        status = td_kernel_create_double(p->device, "points.cl", defines, kernels[i].name, kernels[i].kernel, error);
+    free(defines);
+    return status;
+}
+
+/* An interval with nothing in it: drivers such as PoCL compile when a kernel first runs, and that belongs to the build's time.
+ * */
+static tides_status warm_up(opencl_points *p, tides_error *error) {
+    static const td_points_tile nothing = {0, 0, 0, 0};
+    static const int none[TD_PAD] = {0};
+    static const double no_length[2] = {0, 1};
+    const td_points_interval interval = {.path = none,
+                                         .gaussians = 1,
+                                         .row = none,
+                                         .lengths = no_length,
+                                         .pieces = 1,
+                                         .candidates = none,
+                                         .candidate_count = 1,
+                                         .tiles = &nothing,
+                                         .tile_count = 1};
+    const td_points_batch batch = {{no_length, no_length, no_length, no_length}, none, 0, NULL, 0, 0, 0};
+    const td_points_misfits nobody = {NULL, 1, none, 0, 1, no_length, 1, 1};
+    td_buffer *misfit_buffers[] = {&p->first, &p->piece_lengths, &p->misfits};
+    tides_status status = begin(&p->base, &interval, error);
+    for (int i = 0; i < 3 && status == TIDES_OK; i++)
+        status = td_buffer_reserve(p->device, misfit_buffers[i], sizeof(cl_double), error);
+    if (status == TIDES_OK) status = launch_misfits(p, &p->image, &nobody, error);
+    if (status == TIDES_OK) status = lists(&p->base, none, 1, error);
+    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->chunks, sizeof(td_points_chunk), error);
+    return status == TIDES_OK ? values(&p->base, &batch, NULL, error) : status;
+}
+
+tides_status td_points_create_opencl(tides_device *device, const td_image_numbers *image, td_points_engine **engine,
+                                     tides_error *error) {
+    opencl_points *p = td_alloc(1, sizeof *p, error);
+    if (!p) return TIDES_NO_MEMORY;
+    p->base.type = &opencl_points_class;
+    p->base.lanes = td_double_lanes(device);
+    p->device = device;
+    tides_status status = write_image(p, image, error);
+    if (status == TIDES_OK) status = make_kernels(p, image, error);
+    if (status == TIDES_OK) status = warm_up(p, error);
+    if (status == TIDES_OK)
+        *engine = &p->base;
+    else
+        destroy(&p->base);
+    return status;
+}

@@ -1,0 +1,42 @@
+/* Internal to lib/render: record paths in double precision for single pixels (points.c): which Gaussians have which nodes in
+ * the interval swept last, their rows, and the curves between those. */
+#ifndef TD_POINT_NODES_H
+#define TD_POINT_NODES_H
+
+#include "td_points.h"
+
+/* What paths may be off by, of log_luminance: at L_dot = 20 /s it is 5 ns. */
+#define TD_POINT_PATH_TARGET 1e-7
+
+typedef struct td_point_nodes {
+    td_exact *exact;
+    double *knot; /* (pieces + 1) where the pieces of the interval begin and end [s after the epoch] */
+    int pieces;
+    int *path;      /* (store.count) as td_points_interval has it */
+    int *gaussians; /* (count) those in a list */
+    int count;
+    uint8_t *level; /* (count) 2^level curves a piece */
+    int *first;     /* (count + TD_PAD) first rows */
+    int rows;
+    int *row;       /* (2 x curves) the rows that each begins and ends with */
+    double *length; /* (curves) [s] */
+    int curves;
+    double worst; /* estimate of what paths are off by, of log_luminance: the most of all that have one */
+    int *tried;   /* (count + TD_PAD) first rows of a level's, and their misfits */
+    float *misfit;
+    double *time;    /* of a level's nodes */
+    int *entry, *at; /* (entries) Gaussians, and rows, of the jobs */
+    td_node_job *jobs;
+    int entries, job_count;
+    size_t knot_capacity, row_capacity, length_capacity, time_capacity, entry_capacity[2], job_capacity;
+} td_point_nodes;
+
+struct tides_renderer;
+tides_status td_point_nodes_create(const struct tides_renderer *renderer, td_point_nodes *nodes, tides_error *error);
+void td_point_nodes_release(td_point_nodes *nodes);
+
+/* All of them, for [start, stop] and the lists that the renderer has now. */
+tides_status td_point_nodes_find(struct tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
+                                 double start, double stop, td_point_nodes *nodes, tides_error *error);
+
+#endif

@@ -1,0 +1,86 @@
+/* Internal to lib/render: single pixels at single times (kernels/points.h), in double precision. Two classes, OpenCL and its
+ * twin in C, give the same bits; points.c asks them. */
+#ifndef TD_POINTS_ENGINE_H
+#define TD_POINTS_ENGINE_H
+
+#ifndef TD_REAL_DOUBLE
+#define TD_REAL_DOUBLE
+#endif
+#include "kernels/layout.h"
+#include "td_backend.h"
+#include "td_exact.h"
+#include "tides/device.h"
+
+enum { TD_POINT_TILE_INTS = 4, TD_POINT_CHUNK_INTS = 4, TD_POINT_COLUMNS = 4 };
+
+/* A tile's candidates, or the splats of its list: td_point_tile of kernels/points.h. */
+typedef struct td_points_tile {
+    int x, y, first, count;
+} td_points_tile;
+
+/* Points [first, first + count) of one tile, which are in `blocks` of it: td_point_chunk. */
+typedef struct td_points_chunk {
+    int tile, first, count, blocks;
+} td_points_chunk;
+
+/* An interval. Everything is borrowed until the next one begins. */
+typedef struct td_points_interval {
+    const int *path; /* (gaussians) of each Gaussian of the store: its first curve * TD_PATH_LEVELS + level, or below 0 */
+    int gaussians;
+    td_exact *exact; /* whose rows are wanted */
+    int row_count;
+    const int *row;        /* (2 x curves) the rows that each begins and ends with */
+    const double *lengths; /* (curves) [s] */
+    int curves;
+    int pieces;
+    const int *candidates; /* (candidate_count) what tiles point into */
+    int candidate_count;
+    const td_points_tile *tiles; /* (tile_count) all of the image */
+    int tile_count;
+} td_points_interval;
+
+/* Points, tile by tile; arrays are readable for TD_PAD further ones. */
+typedef struct td_points_batch {
+    const double *column[TD_POINT_COLUMNS]; /* pixel centres x and y, s, h */
+    const int *piece;
+    int count;
+    const td_points_chunk *chunks;
+    int chunk_count;
+    double backdrop, backdrop_dot; /* luminance behind everything */
+} td_points_batch;
+
+/* What misfits are asked for of: paths of a level, by their first rows (count; readable for TD_PAD further ones). */
+typedef struct td_points_misfits {
+    td_exact *exact;
+    int row_count; /* in all */
+    const int *first;
+    int count, level;   /* level: 1 at least */
+    const double *knot; /* (pieces + 1) [s] */
+    int pieces;
+    double target; /* of log_luminance */
+} td_points_misfits;
+
+typedef struct td_points_engine td_points_engine;
+
+typedef struct td_points_class {
+    /* By how many targets cubics of the level before miss the rows in their middles: (count). */
+    tides_status (*misfits)(td_points_engine *engine, const td_points_misfits *request, float *misfits, tides_error *error);
+    tides_status (*begin)(td_points_engine *engine, const td_points_interval *interval, tides_error *error);
+    /* Makes the lists of these tiles of the interval: (count). */
+    tides_status (*lists)(td_points_engine *engine, const int *tiles, int count, tides_error *error);
+    /* values: (2 x count) L and L_dot; lists of their tiles are made. */
+    tides_status (*values)(td_points_engine *engine, const td_points_batch *batch, double *values, tides_error *error);
+    void (*destroy)(td_points_engine *engine);
+} td_points_class;
+
+struct td_points_engine {
+    const td_points_class *type;
+    int lanes; /* most points of a chunk */
+};
+
+/* On an OpenCL device with double precision; TIDES_UNSUPPORTED where it has none. The twin in C. */
+tides_status td_points_create_opencl(tides_device *device, const td_image_numbers *image, td_points_engine **engine,
+                                     tides_error *error);
+tides_status td_points_create_twin(const td_image_numbers *image, td_points_engine **engine, tides_error *error);
+
+#endif

@@ -1,0 +1,98 @@
+/* Exact points against frames: what one costs, in core seconds of this process, and what rows and lists of an interval do.
+ *   bench_points RUN.json [START [INTERVAL [POINTS [DEVICE]]]]
+ * Points are everywhere in the image and the interval. Compare numbers of one run only. */
+#include "render/td_render.h"
+#include "tides.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum { FRAMES = 8, ROUNDS = 5 };
+
+static void stop_on(tides_status status, const tides_error *error) {
+    if (status == TIDES_OK) return;
+    fprintf(stderr, "bench_points: %s\n", error->text);
+    exit(1);
+}
+
+static double uniform(uint64_t *state) { /* splitmix64 */
+    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+static double core_seconds(void) { return (double)clock() / CLOCKS_PER_SEC; }
+
+/* Core seconds of a frame, the least of some. */
+static double time_frames(tides_renderer *renderer, const tides_trajectory *camera, double time, double *planes,
+                          size_t pixels) {
+    double best = HUGE_VAL;
+    tides_error error;
+    for (int i = 0; i < FRAMES; i++) {
+        tides_frame frame = {{NULL}};
+        frame.plane[TIDES_L] = planes;
+        frame.plane[TIDES_L_DOT] = planes + pixels;
+        const double begun = core_seconds();
+        stop_on(td_renderer_frame(renderer, camera, time, &frame, &error), &error);
+        if (core_seconds() - begun < best) best = core_seconds() - begun;
+    }
+    return best;
+}
+
+static double time_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
+                          td_point_value *values) {
+    tides_error error;
+    const double begun = core_seconds();
+    stop_on(td_renderer_points(renderer, camera, points, count, values, &error), &error);
+    return core_seconds() - begun;
+}
+
+int main(int argc, char **argv) {
+    if (argc < 2) {
+        fprintf(stderr, "usage: bench_points RUN.json [START [INTERVAL [POINTS [DEVICE]]]]\n");
+        return 2;
+    }
+    const double start = argc > 2 ? atof(argv[2]) : 0.1, length = argc > 3 ? atof(argv[3]) : 0.005;
+    const size_t count = argc > 4 ? (size_t)atol(argv[4]) : 40000;
+    tides_error error;
+    tides_session *session = NULL;
+    tides_renderer *renderer = NULL;
+    tides_session_facts facts;
+    stop_on(tides_session_load(argv[1], NULL, 0, argc > 5 ? argv[5] : "cpu", &session, &error), &error);
+    stop_on(tides_session_renderer(session, NULL, NULL, &renderer, &error), &error);
+    tides_session_get(session, &facts);
+    const size_t pixels = (size_t)facts.intrinsics.width * (size_t)facts.intrinsics.height;
+    double *planes = malloc(2 * pixels * sizeof *planes);
+    td_point *points = malloc(count * sizeof *points);
+    td_point_value *values = malloc(count * sizeof *values);
+    if (!planes || !points || !values) return 1;
+    uint64_t state = 1;
+    for (size_t i = 0; i < count; i++) {
+        points[i].time = start + length * uniform(&state);
+        points[i].x = (int32_t)(uniform(&state) * facts.intrinsics.width);
+        points[i].y = (int32_t)(uniform(&state) * facts.intrinsics.height);
+    }
+    double frame = time_frames(renderer, facts.camera, start, planes, pixels);
+    stop_on(td_renderer_exact_points(renderer, &error), &error);
+    double first = HUGE_VAL, again = HUGE_VAL;
+    for (int i = 0; i < ROUNDS; i++) {
+        stop_on(td_renderer_sweep(renderer, facts.camera, start, start + length, &error), &error);
+        const double a = time_points(renderer, facts.camera, points, count, values);
+        const double b = time_points(renderer, facts.camera, points, count, values);
+        if (a < first) first = a;
+        if (b < again) again = b;
+    }
+    printf("frame: %.2f ms, %.3f us per pixel; %zu points: %.2f ms with rows and lists, %.3f us per point without: %.2f "
+           "pixels\n",
+           1e3 * frame, 1e6 * frame / (double)pixels, count, 1e3 * first, 1e6 * again / (double)count,
+           again / (double)count / (frame / (double)pixels));
+    free(planes);
+    free(points);
+    free(values);
+    tides_renderer_destroy(renderer);
+    tides_session_close(session);
+    return 0;
+}

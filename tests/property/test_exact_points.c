@@ -1,0 +1,235 @@
+/* Exact points: every pixel is what a frame of the double reference shows there, but for what record paths are off by; its
+ * rate is that of the image of paths; and a point is the same to the bit whoever is asked for beside it. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "renderer_of.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double START = 0.3; /* [s] */
+enum { POINTS = 2000 };
+
+/* What a scene is looked at with. */
+typedef struct point_world {
+    random_scene scene;
+    tides_device *device;
+    tides_renderer *renderer;
+    double length; /* of the interval [s] */
+} point_world;
+
+static tides_renderer *renderer_of(tides_device *device, const random_scene *s, double soft_depth, int antialias) {
+    tides_renderer *renderer = NULL;
+    tides_image_params params;
+    tides_error error;
+    tides_image_params_defaults(&params);
+    params.background[1] = 0.2;
+    params.antialias = antialias;
+    params.smoothing.soft_depth = soft_depth;
+    params.smoothing.stop_change = 1e-13; /* the frames' lists to their end */
+    scene_expect_ok(tides_renderer_create(device, s->scene, &s->camera, &params, NULL, NULL, &renderer, &error), &error);
+    return renderer;
+}
+
+static point_world open_world(const random_recipe *recipe, const char *device, double length, double soft_depth) {
+    tides_error error;
+    point_world w = {random_scene_make(recipe), open_device(device), NULL, length};
+    w.renderer = renderer_of(w.device, &w.scene, soft_depth, recipe->seed % 2 == 1);
+    scene_expect_ok(td_renderer_sweep(w.renderer, w.scene.path, START, START + length, &error), &error);
+    return w;
+}
+
+static void close_world(point_world *w) {
+    tides_renderer_destroy(w->renderer);
+    tides_device_close(w->device);
+    random_scene_free(&w->scene);
+}
+
+/* Points all over the image and the interval, its corners and ends too. */
+static void scatter(const point_world *w, td_point *points) {
+    const int width = w->scene.recipe.width, height = w->scene.recipe.height;
+    for (int i = 0; i < POINTS; i++) {
+        points[i].time = START + w->length * (double)(i * 37 % POINTS) / (POINTS - 1);
+        points[i].x = i * 13 % width;
+        points[i].y = i * 29 % height;
+    }
+    points[1].x = width - 1;
+    points[1].y = height - 1;
+    points[1].time = START + w->length;
+}
+
+static void values_of(const point_world *w, const td_point *points, size_t count, td_point_value *values) {
+    tides_error error;
+    scene_expect_ok(td_renderer_points(w->renderer, w->scene.path, points, count, values, &error), &error);
+}
+
+static void be_exact(const point_world *w) {
+    tides_error error;
+    scene_expect_ok(td_renderer_exact_points(w->renderer, &error), &error);
+}
+
+/* Largest differences of L and, relative to 1 + |L_dot|, of L_dot. */
+static void check_against_frames(const random_recipe *recipe, double length, double soft_depth, double most, double most_rate) {
+    static td_point points[POINTS];
+    static td_point_value frames[POINTS], exact[POINTS];
+    double worst = 0, worst_rate = 0, said;
+    point_world w = open_world(recipe, "reference", length, soft_depth);
+    scatter(&w, points);
+    values_of(&w, points, POINTS, frames);
+    be_exact(&w);
+    values_of(&w, points, POINTS, exact);
+    for (int i = 0; i < POINTS; i++) {
+        const double off = fabs(exact[i].L - frames[i].L);
+        const double rate = fabs(exact[i].L_dot - frames[i].L_dot) / (1 + fabs(frames[i].L_dot));
+        if (off > worst) worst = off;
+        if (rate > worst_rate) worst_rate = rate;
+    }
+    said = td_renderer_points_error(w.renderer);
+    close_world(&w);
+    if (worst > most || worst_rate > most_rate || worst > said + 1e-9)
+        fail_msg("seed %u, %g s: L is off by %.3g, L_dot by %.3g of itself; at most %.3g was said", (unsigned)recipe->seed,
+                 length, worst, worst_rate, said);
+}
+
+static void test_pixels_of_the_double_reference(void **state) {
+    (void)state;
+    for (uint64_t seed = 1410; seed < 1414; seed++) {
+        random_recipe recipe = recipe_of(seed);
+        recipe.count = 400;
+        check_against_frames(&recipe, 1e-4, 1e-4, 1e-9, 1e-6);
+        check_against_frames(&recipe, 1e-4, 0, 1e-9, 1e-6);
+        check_against_frames(&recipe, 1e-4, 0.05, 1e-9, 1e-6);
+        check_against_frames(&recipe, 0, 1e-4, 1e-12, 1e-9); /* no path at all: an instant */
+    }
+}
+
+/* Splats of an interval get as many nodes as they need: what is left is below the estimate; near the target, but for colours
+ * that are clamped on the way, whose kink no number of nodes follows. */
+static void test_paths_are_as_good_as_they_say(void **state) {
+    (void)state;
+    for (uint64_t seed = 1410; seed < 1414; seed++) {
+        random_recipe recipe = recipe_of(seed);
+        recipe.count = 400;
+        recipe.spread = 1.2; /* none near the camera */
+        check_against_frames(&recipe, 0.01, 1e-4, 1e-5, 0.1);
+    }
+}
+
+/* L_dot is the rate of the image that L is of: central differences agree to their own error. */
+static void test_rates_are_those_of_the_values(void **state) {
+    (void)state;
+    static td_point points[POINTS], moved[POINTS];
+    static td_point_value values[POINTS], before[POINTS], after[POINTS];
+    const double h = 1e-6;
+    random_recipe recipe = recipe_of(1430);
+    recipe.count = 400;
+    point_world w = open_world(&recipe, "reference", 0.005, 1e-4);
+    be_exact(&w);
+    scatter(&w, points);
+    for (int i = 0; i < POINTS; i++) points[i].time = START + 2e-4 + 0.9 * (points[i].time - START);
+    values_of(&w, points, POINTS, values);
+    for (int side = -1; side <= 1; side += 2) {
+        for (int i = 0; i < POINTS; i++) moved[i] = points[i], moved[i].time += side * h;
+        values_of(&w, moved, POINTS, side < 0 ? before : after);
+    }
+    int off = 0;
+    for (int i = 0; i < POINTS; i++) {
+        const double slope = (after[i].L - before[i].L) / (2 * h);
+        if (fabs(slope - values[i].L_dot) > 1e-5 * (1 + fabs(slope))) off++;
+    }
+    close_world(&w);
+    assert_true(off <= POINTS / 500); /* where a kink lies between the two: a channel's clamp, alpha_max */
+}
+
+/* Equal depths, needles and nothing at all. */
+static void test_depth_ties_and_empty_tiles(void **state) {
+    (void)state;
+    random_recipe recipe = recipe_of(1440);
+    recipe.count = 24; /* most tiles are empty */
+    recipe.size = 0.02;
+    recipe.camera_speed = 0;
+    check_against_frames(&recipe, 1e-4, 1e-4, 1e-9, 1e-6);
+}
+
+/* Why there are none. */
+static void check_refused(int rules, const char *why) {
+    tides_error error;
+    random_recipe recipe = recipe_of(1450);
+    random_scene s = random_scene_make(&recipe);
+    tides_device *device = open_device("reference");
+    tides_renderer *renderer = make_renderer(device, s.scene, &s.camera, rules);
+    assert_int_equal(td_renderer_exact_points(renderer, &error), TIDES_UNSUPPORTED);
+    assert_non_null(strstr(error.text, why));
+    tides_renderer_destroy(renderer);
+    tides_device_close(device);
+    random_scene_free(&s);
+}
+
+static void test_images_that_jump_have_none(void **state) {
+    (void)state;
+    check_refused(TIDES_RULES_INRIA, "abruptly");
+    check_refused(TIDES_RULES_GSPLAT, "abruptly");
+}
+
+/* Outside of the image or the interval. */
+static void test_points_outside_are_refused(void **state) {
+    (void)state;
+    tides_error error;
+    td_point_value value;
+    random_recipe recipe = recipe_of(1451);
+    point_world w = open_world(&recipe, "reference", 0.005, 1e-4);
+    be_exact(&w);
+    const td_point outside[] = {{START - 1e-6, 3, 3}, {START + 0.006, 3, 3}, {START, -1, 3}, {START, 3, 43}, {NAN, 3, 3}};
+    for (size_t i = 0; i < sizeof outside / sizeof *outside; i++)
+        assert_int_equal(td_renderer_points(w.renderer, w.scene.path, &outside[i], 1, &value, &error), TIDES_BAD_ARGUMENT);
+    close_world(&w);
+}
+
+/* The same bits from both classes, however the points are asked for. */
+static void check_devices(const random_recipe *recipe, double soft_depth) {
+    static td_point points[POINTS], turned[POINTS];
+    static td_point_value all[POINTS], back[POINTS], twin[POINTS];
+    point_world w = open_world(recipe, "cpu", 0.005, soft_depth), c = open_world(recipe, "reference-f32", 0.005, soft_depth);
+    scatter(&w, points);
+    for (int i = 0; i < POINTS; i++) turned[i] = points[POINTS - 1 - i];
+    be_exact(&w);
+    be_exact(&c);
+    values_of(&w, points, POINTS, all);
+    for (int from = 0, some = 1; from < POINTS; from += some, some = some % 37 + 3)
+        values_of(&w, turned + from, (size_t)(POINTS - from < some ? POINTS - from : some), back + from);
+    values_of(&c, points, POINTS, twin);
+    for (int i = 0; i < POINTS; i++) {
+        assert_memory_equal(&all[i], &back[POINTS - 1 - i], sizeof *all);
+        if (memcmp(&all[i], &twin[i], sizeof *all) != 0)
+            fail_msg("point %d: %.17g, the twin has %.17g; %.17g and %.17g", i, all[i].L, twin[i].L, all[i].L_dot,
+                     twin[i].L_dot);
+    }
+    close_world(&w);
+    close_world(&c);
+}
+
+static void test_bits_of_any_device_and_order(void **state) {
+    (void)state;
+    for (uint64_t seed = 1420; seed < 1424; seed++) {
+        random_recipe recipe = recipe_of(seed);
+        recipe.count = 500;
+        recipe.spread = seed % 2 ? 4 : 1.5; /* 4: some are near the camera and behind it */
+        check_devices(&recipe, 1e-4);
+        check_devices(&recipe, seed % 2 ? 0 : 0.05);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_bits_of_any_device_and_order),
+                                       cmocka_unit_test(test_pixels_of_the_double_reference),
+                                       cmocka_unit_test(test_paths_are_as_good_as_they_say),
+                                       cmocka_unit_test(test_rates_are_those_of_the_values),
+                                       cmocka_unit_test(test_depth_ties_and_empty_tiles),
+                                       cmocka_unit_test(test_images_that_jump_have_none),
+                                       cmocka_unit_test(test_points_outside_are_refused)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
