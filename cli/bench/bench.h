@@ -110,7 +110,8 @@ tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, c
 tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
                            const tides_stepping *stepping, bench_row *row, tides_error *error);
 /* The parts of exact events, which a row may have: where unset, off, whatever the library's defaults are. */
-enum { BENCH_SOLVED_FLOAT = 1, BENCH_SOLVED = 2, BENCH_PATHS = 8 };
+enum { BENCH_SOLVED_FLOAT = 1, BENCH_SOLVED = 2, BENCH_BLOCKS = 4, BENCH_PATHS = 8 };
+enum { BENCH_TOGETHER = BENCH_SOLVED | BENCH_BLOCKS | BENCH_PATHS };
 void bench_choose_parts(tides_stepping *stepping, int32_t parts);
 /* A line on stderr. */
 void bench_say(const bench *b, const char *format, ...) CLI_PRINTF(2, 3);

@@ -19,7 +19,7 @@ typedef struct method {
 } method;
 
 /* `error` is the cubic alone between renders of whole tiles; `solved_float` and `solved` look its events up in the image,
- * `paths` follows a path of each splat between few projections.
+ * `blocks` refines by 4x4 pixels, `paths` follows a path of each splat between few projections, and `together` does all three.
  *
  * `risk` is the paper's score: its setting is the longest step, of which each tile takes its kappa. */
 /* clang-format off */
@@ -36,8 +36,12 @@ static const method methods[] = {
      {0.3, 0.1, 0.03, 0.01, 0.003}, {0.1, 0.01}, BENCH_SOLVED_FLOAT},
     {"solved",       TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TOLERANCE,
      {0.3, 0.1, 0.03, 0.01, 0.003}, {0.1, 0.01}, BENCH_SOLVED},
+    {"blocks",       TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TOLERANCE,
+     {0.1, 0.03, 0.01, 0.003, 0.001}, {0.1, 0.01}, BENCH_BLOCKS},
     {"paths",        TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TOLERANCE,
      {0.1, 0.03, 0.01, 0.003, 0.001}, {0.1, 0.01}, BENCH_PATHS},
+    {"together",     TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TOLERANCE,
+     {0.3, 0.1, 0.03, 0.01, 0.003}, {0.1, 0.01}, BENCH_TOGETHER},
     {"error_time",   TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TIME_TOLERANCE,
      {1e-5, 1e-6}, {1e-5}, 0},
     {"risk",         TIDES_RULES_SMOOTH, TIDES_STEPPING_RISK,  TIDES_MODEL_HERMITE,   1, LONGEST_STEP,

@@ -32,6 +32,7 @@ void bench_choose_parts(tides_stepping *stepping, int32_t parts) {
     stepping->solve = parts & BENCH_SOLVED         ? TIDES_SOLVE_DOUBLE
                       : parts & BENCH_SOLVED_FLOAT ? TIDES_SOLVE_FLOAT
                                                    : TIDES_SOLVE_OFF;
+    stepping->unit = parts & BENCH_BLOCKS ? TIDES_UNIT_BLOCK : TIDES_UNIT_TILE;
     stepping->paths = (parts & BENCH_PATHS) != 0;
 }
 

@@ -82,8 +82,8 @@ static void print_ratio(FILE *out, double above, int32_t bound_above, double bel
 }
 
 static void print_target(FILE *out, const bench_rows *rows, const char *scene, int32_t measure, double target_us) {
-    static const char *const others[] = {"esim",  "quadratic", "hermite",    "solved_float", "solved",
-                                         "paths", "risk",      "error_risk", "error_global", "esim_inria"};
+    static const char *const others[] = {"esim",  "quadratic", "hermite", "solved_float", "solved",       "blocks",
+                                         "paths", "together",  "risk",    "error_risk",   "error_global", "esim_inria"};
     bench_need error, other;
     char label[48];
     snprintf(label, sizeof label, "%s <= %g us", measure == BENCH_P95 ? "p95" : "median", target_us);

@@ -92,6 +92,7 @@ static tides_stepping level_of(const job *j, int32_t level) {
     tides_stepping_defaults(&s);
     s.model = TIDES_MODEL_HERMITE;
     s.solve = TIDES_SOLVE_OFF;
+    s.unit = TIDES_UNIT_TILE;
     s.paths = 0;
     if (j->continuous) {
         s.mode = TIDES_STEPPING_ERROR;
