@@ -5,8 +5,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* From here on a Gaussian is cheaper projected for each tile that asks: 2^6 cubics in each piece. */
-enum { MOST_LEVEL = 6, FIRST_LEVEL = 1 };
+/* More nodes than 2^4 in a piece, of what moves by itself than 2^2, aren't asked for: each costs a projection, or a network's
+ * evaluation and one, and a Gaussian whose tiles take more samples than that is the exception. */
+enum { FIRST_LEVEL = 1, MOST_LEVEL = 4, MOST_MOVED_LEVEL = 2 };
 
 enum {
     ROW_LIMIT = 1 << 22,     /* rows in all, 256 MB on the device; Gaussians beyond have no path */
@@ -172,14 +173,17 @@ static tides_status project_level(tides_renderer *renderer, const tides_trajecto
 
 /* -- misfits ------------------------------------------------------------------------------------------------------- */
 
-/* What becomes of a Gaussian whose path of this level has a misfit. */
-static void judge(td_record_paths *paths, int gaussian, int level, float misfit) {
+/* What becomes of a Gaussian whose path of this level has a misfit: it tries the level that a smooth one would need, unless that
+ * is too fine. */
+static void judge(tides_renderer *renderer, int gaussian, int level, float misfit) {
+    td_record_paths *paths = &renderer->paths;
+    const int moves = renderer->store.mover[renderer->store.object[gaussian]] >= 0;
     if (misfit <= 1) return;
     paths->path_of[gaussian] = TD_PATH_DIRECT;
-    if (level == MOST_LEVEL || misfit >= TD_PATH_NEVER) return;
+    if (misfit >= TD_PATH_NEVER) return;
     int more = (int)ceil(log2(misfit) / order_bits);
-    more = more < 1 ? 1 : more;
-    paths->level[gaussian] = (uint8_t)(level + more < MOST_LEVEL ? level + more : MOST_LEVEL);
+    int next = level + (more < 1 ? 1 : more);
+    if (next <= (moves ? MOST_MOVED_LEVEL : MOST_LEVEL)) paths->level[gaussian] = (uint8_t)next;
 }
 
 static tides_status measure_level(tides_renderer *renderer, int level, int count, tides_error *error) {
@@ -200,7 +204,7 @@ static tides_status measure_level(tides_renderer *renderer, int level, int count
                                      .time_tolerance_s = paths->time_tolerance_s,
                                      .rounding = td_renderer_is_double(renderer) ? rounding_double : rounding_float};
     status = renderer->backend->type->path_misfits(renderer->backend, &request, paths->misfit, error);
-    for (int i = 0; i < count && status == TIDES_OK; i++) judge(paths, paths->wanted[i], level, paths->misfit[i]);
+    for (int i = 0; i < count && status == TIDES_OK; i++) judge(renderer, paths->wanted[i], level, paths->misfit[i]);
     return status;
 }
 

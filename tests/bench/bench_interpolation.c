@@ -1,7 +1,8 @@
-/* What interpolating the rows of a deformation network is worth (scene.interpolate_motion), and what it costs.
+/* What interpolating is worth where a deformation network moves a scene, and what it costs: its rows (scene.interpolate_motion),
+ * or what splats do on the screen (stepping.paths).
  *   bench_interpolation [DEVICE] [GAUSSIANS] [STEP_S]
- * 4DGaussians with the sizes of its D-NeRF configuration and random weights, 2 s long, 0.1 s of it simulated with and without,
- * in turns; best of the rounds. Then how far the two streams of events are apart. Last, for comparison, a model that isn't
+ * 4DGaussians with the sizes of its D-NeRF configuration and random weights, 2 s long, 0.1 s of it simulated without, with the one and
+ * with the other, in turns; best of the rounds. Then how far their streams of events are from those without. Last, for comparison, a model that isn't
  * interpolated because its rows are cheap: a polynomial's. */
 #include "td_base.h"
 #include "tests/support/moving_scene.h"
@@ -15,7 +16,8 @@
 #include <string.h>
 #include <time.h>
 
-enum { ROUNDS = 3 };
+enum { ROUNDS = 3, WAYS = 3 };
+static const char *const ways[WAYS] = {"without", "rows", "paths"};
 static const double START = 0.5, STOP = 0.6, DURATION = 2;
 
 static void stop_on(tides_status status, const tides_error *error) {
@@ -46,7 +48,7 @@ static double processor_now(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static stream simulate(tides_device *device, const tides_scene *scene, double step_s, int interpolates) {
+static stream simulate(tides_device *device, const tides_scene *scene, double step_s, int way) {
     static const double position[3] = {0, 0, -5}, quaternion[4] = {1, 0, 0, 0};
     const tides_intrinsics intrinsics = {346, 260, 300, 300, 173, 130};
     stream s;
@@ -61,7 +63,8 @@ static stream simulate(tides_device *device, const tides_scene *scene, double st
     tides_sensor_defaults(&sensor);
     tides_stepping_defaults(&stepping);
     stepping.step_s = step_s;
-    stepping.interpolate_motion = interpolates;
+    stepping.interpolate_motion = way == 1;
+    stepping.paths = way == 2;
     stop_on(tides_trajectory_create_static(position, quaternion, &camera, &error), &error);
     stop_on(tides_simulator_create(device, scene, camera, &intrinsics, &params, &sensor, &stepping, START, STOP, NULL, NULL,
                                    &simulator, &error),
@@ -111,10 +114,10 @@ static void print_apart(stream *a, stream *b) {
 static void keep_least(double *least, double value, int round) { *least = round == 0 || value < *least ? value : *least; }
 
 static void compare(const char *name, tides_device *device, const tides_scene *scene, double step_s) {
-    double run[2], processor[2], motion[2];
-    stream kept[2];
+    double run[WAYS], processor[WAYS], motion[WAYS];
+    stream kept[WAYS];
     for (int round = 0; round < ROUNDS; round++)
-        for (int on = 0; on < 2; on++) {
+        for (int on = 0; on < WAYS; on++) {
             stream s = simulate(device, scene, step_s, on);
             double seconds = s.stats.run_time_s - s.stats.render.time_build_s;
             keep_least(&run[on], seconds, round);
@@ -124,18 +127,17 @@ static void compare(const char *name, tides_device *device, const tides_scene *s
             kept[on] = s;
         }
     printf("%s, steps of at most %g s\n", name, step_s);
-    for (int on = 0; on < 2; on++) {
+    for (int on = 0; on < WAYS; on++) {
         const tides_stats *stats = &kept[on].stats;
-        double rows = (double)(stats->render.gaussians_moved + stats->render.gaussians_interpolated);
-        printf("%-8s run %7.2f s, processor %7.2f s, motion %7.2f s; rows %8.0f k worked out, %8.0f k interpolated, %.2f us "
-               "each; "
-               "%.1f renders\n",
-               on ? "with" : "without", run[on], processor[on], motion[on], 1e-3 * (double)stats->render.gaussians_moved,
-               1e-3 * (double)stats->render.gaussians_interpolated, 1e6 * motion[on] / rows,
-               stats->renders_full_frame_equivalent);
+        printf("%-8s run %7.2f s, processor %7.2f s, motion %7.2f s, projection %7.2f s; rows %8.0f k worked out, %8.0f k "
+               "interpolated; %8.0f k projected, %8.0f k at nodes, %8.0f k on paths; %.1f renders\n",
+               ways[on], run[on], processor[on], motion[on], stats->render.time_project_s,
+               1e-3 * (double)stats->render.gaussians_moved, 1e-3 * (double)stats->render.gaussians_interpolated,
+               1e-3 * (double)stats->render.gaussians_projected, 1e-3 * (double)stats->render.gaussians_at_nodes,
+               1e-3 * (double)stats->render.gaussians_on_paths, stats->renders_full_frame_equivalent);
     }
-    print_apart(&kept[0], &kept[1]);
-    for (int on = 0; on < 2; on++) free(kept[on].events);
+    for (int on = 1; on < WAYS; on++) print_apart(&kept[0], &kept[on]);
+    for (int on = 0; on < WAYS; on++) free(kept[on].events);
 }
 
 static tides_scene *scene_of(const tides_gaussians *gaussians, tides_motion *motion) {
