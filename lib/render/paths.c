@@ -1,11 +1,11 @@
 /* Record paths of an interval: which Gaussians have one, and of how many nodes (td_paths.h). For the renderer's sweep, which
- * asks for them once it knows who can be seen. Pieces and times are path_times.c's, rows and misfits the backend's. */
+ * asks for them once it knows who can be seen. Times are path_times.c's, rows and misfits the backend's. */
 #include "td_renderer.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* More nodes than 2^4 in a piece, of what moves by itself than 2^2, aren't asked for: each costs a projection, or a network's
+/* More nodes than 2^4, of what moves by itself than 2^2, aren't asked for: each costs a projection, or a network's
  * evaluation and one, and a Gaussian whose tiles take more samples than that is the exception. */
 enum { FIRST_LEVEL = 1, MOST_LEVEL = 4, MOST_MOVED_LEVEL = 2 };
 
@@ -17,6 +17,9 @@ enum {
 
 /* What rounding makes of a number, relative: some units of the last place. */
 static const double rounding_float = 0x1p-22, rounding_double = 0x1p-50;
+
+/* Shifts below this are nothing [px], and no splat is taken for narrower than this [px^2]: misfits see to those that are. */
+static const double least_px = 2e-5, least_variance = 0.1;
 
 /* A smooth misfit falls by this much from one level to the next. */
 static const double order_bits = 4;
@@ -38,21 +41,41 @@ tides_status td_renderer_paths(tides_renderer *renderer, double tolerance, doubl
     return TIDES_OK;
 }
 
-/* Gaussians that some tile may see want a path of the first level. */
+/* The first level that an object's Gaussians may have, by how far its path strays from the cubics of as many pieces; 0 where
+ * none will do. What a pixel makes of a shift: e^(-1/2) per standard deviation (kernels/path_node.h), the dilation's where it
+ * is switched on. */
+static int first_level(const tides_renderer *renderer, int object) {
+    const double *px = renderer->strays.px + (size_t)object * TD_STRAY_LEVELS;
+    const double sigma = sqrt(fmax(renderer->image.dilation, least_variance));
+    const double enough = fmax(renderer->paths.tolerance * sigma / 0.6065306597126334, least_px);
+    int level = FIRST_LEVEL, most = renderer->store.mover[object] >= 0 ? MOST_MOVED_LEVEL : MOST_LEVEL;
+    while (level <= most && px[level] > enough) level++;
+    return level <= most ? level : 0;
+}
+
+/* Gaussians that some tile may see want a path of their object's first level. */
 static void mark_seen(tides_renderer *renderer) {
     td_record_paths *paths = &renderer->paths;
     const td_candidates *lists = &renderer->candidates;
-    int entries = lists->first[lists->tiles_x * lists->tiles_y];
+    int entries = lists->first[lists->tiles_x * lists->tiles_y], object = -1, level = 0;
     memset(paths->level, 0, (size_t)renderer->store.count);
     for (int g = 0; g < renderer->store.count; g++) paths->path_of[g] = TD_PATH_UNSEEN;
-    for (int i = 0; i < entries; i++)
-        if (lists->list[i] != TD_NO_GAUSSIAN) paths->level[lists->list[i]] = FIRST_LEVEL;
+    for (int i = 0; i < entries; i++) {
+        int g = lists->list[i];
+        if (g == TD_NO_GAUSSIAN) continue;
+        if (renderer->store.object[g] != object) {
+            object = renderer->store.object[g];
+            level = first_level(renderer, object);
+        }
+        paths->level[g] = (uint8_t)level;
+        paths->path_of[g] = TD_PATH_DIRECT;
+    }
 }
 
 /* Those that want a level, in order, and the first row of each; what there's no room for goes without. Returns how many. */
 static tides_status take_level(tides_renderer *renderer, int level, int *count, tides_error *error) {
     td_record_paths *paths = &renderer->paths;
-    int rows = td_paths_rows(paths, level);
+    int rows = td_paths_rows(level);
     *count = 0;
     tides_status status = td_reserve((void **)&paths->wanted, &paths->wanted_capacity, (size_t)renderer->store.count,
                                      sizeof *paths->wanted, error);
@@ -157,11 +180,10 @@ static tides_status project_moved(tides_renderer *renderer, const tides_trajecto
 static tides_status project_level(tides_renderer *renderer, const tides_trajectory *camera, int level, int count,
                                   tides_error *error) {
     td_record_paths *paths = &renderer->paths;
-    int rows = td_paths_rows(paths, level), at_once = ENTRY_LIMIT / count > 1 ? ENTRY_LIMIT / count : 1;
+    int rows = td_paths_rows(level), at_once = ENTRY_LIMIT / count > 1 ? ENTRY_LIMIT / count : 1;
     int chunk = renderer->row_limit / 2; /* beside what the sweep has cached; padding is less */
     tides_status status = td_reserve((void **)&paths->time, &paths->time_capacity, (size_t)rows, sizeof *paths->time, error);
-    for (int node = 0; node < rows && status == TIDES_OK; node++)
-        paths->time[node] = td_paths_node(paths, node >> level, level, node & ((1 << level) - 1));
+    for (int node = 0; node < rows && status == TIDES_OK; node++) paths->time[node] = td_paths_node(paths, level, node);
     for (int node = 0; node < rows && !renderer->dynamic.gaussians && status == TIDES_OK; node += at_once)
         status = project_nodes(renderer, camera, node, node + at_once < rows ? node + at_once : rows, count, error);
     for (int node = 0; node < rows && renderer->dynamic.gaussians; node++)
@@ -173,8 +195,8 @@ static tides_status project_level(tides_renderer *renderer, const tides_trajecto
 
 /* -- misfits ------------------------------------------------------------------------------------------------------- */
 
-/* What becomes of a Gaussian whose path of this level has a misfit: it tries the level that a smooth one would need, unless that
- * is too fine. */
+/* What becomes of a Gaussian whose path of this level has a misfit: it tries the level that a smooth one would need, unless
+ * that is too fine. */
 static void judge(tides_renderer *renderer, int gaussian, int level, float misfit) {
     td_record_paths *paths = &renderer->paths;
     const int moves = renderer->store.mover[renderer->store.object[gaussian]] >= 0;
@@ -188,6 +210,7 @@ static void judge(tides_renderer *renderer, int gaussian, int level, float misfi
 
 static tides_status measure_level(tides_renderer *renderer, int level, int count, tides_error *error) {
     td_record_paths *paths = &renderer->paths;
+    const double length = paths->stop - paths->start;
     int padded = (count + TD_PAD - 1) / TD_PAD * TD_PAD;
     tides_status status =
         td_reserve((void **)&paths->first, &paths->first_capacity, (size_t)padded, sizeof *paths->first, error);
@@ -198,8 +221,8 @@ static tides_status measure_level(tides_renderer *renderer, int level, int count
     const td_path_request request = {.first = paths->first,
                                      .count = padded,
                                      .level = level,
-                                     .pieces = paths->pieces,
-                                     .lengths = paths->length,
+                                     .pieces = 1,
+                                     .lengths = &length,
                                      .tolerance = paths->tolerance,
                                      .time_tolerance_s = paths->time_tolerance_s,
                                      .rounding = td_renderer_is_double(renderer) ? rounding_double : rounding_float};
@@ -233,11 +256,11 @@ static tides_status count_direct(tides_renderer *renderer, tides_error *error) {
 tides_status td_paths_find(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                            tides_error *error) {
     td_record_paths *paths = &renderer->paths;
-    int cut = 0;
+    tides_status status = TIDES_OK;
     paths->there = 0;
     if (!paths->on || !(start < stop) || td_dynamic_knot_within(&renderer->dynamic, start, stop)) return TIDES_OK;
-    tides_status status = td_paths_cut(renderer, camera, start, stop, &cut, error);
-    if (status != TIDES_OK || !cut) return status;
+    paths->start = start;
+    paths->stop = stop;
     mark_seen(renderer);
     paths->row_count = 1;
     for (int level = FIRST_LEVEL; level <= MOST_LEVEL && status == TIDES_OK; level++) {
@@ -255,9 +278,8 @@ tides_status td_paths_find(tides_renderer *renderer, const tides_trajectory *cam
 }
 
 void td_paths_release(td_record_paths *paths) {
-    void *owned[] = {paths->knot,  paths->path_of, paths->direct,    paths->cubics, paths->nodes,
-                     paths->level, paths->wanted,  paths->gaussians, paths->rows,   paths->first,
-                     paths->jobs,  paths->time,    paths->length,    paths->misfit};
+    void *owned[] = {paths->path_of,   paths->direct, paths->cubics, paths->nodes, paths->level, paths->wanted,
+                     paths->gaussians, paths->rows,   paths->first,  paths->jobs,  paths->time,  paths->misfit};
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
     memset(paths, 0, sizeof *paths);
 }

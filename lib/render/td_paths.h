@@ -1,10 +1,10 @@
 /* Internal to lib/render: record paths, the host's side (kernels/path.h has the arithmetic).
  *
- * A sweep of an interval is followed by the nodes of its paths: both ends, the samples of the camera's and the objects' paths
- * within, between which all is smooth (the pieces), and what cuts each piece into 2, 4, 8 .. parts of one length. Every
- * Gaussian of some tile's list gets as many as it needs: on each level the cubic through neighbouring nodes is compared with
- * what was projected in the middle, by what the difference does to log_luminance. The nodes depend on the interval
- * alone, so that every evaluation within it is of one image, whatever asks for it and when. Compiled in double. */
+ * A sweep of an interval is followed by the nodes of its paths: both ends, and what cuts it into 2, 4, 8 .. parts. Every
+ * Gaussian of some tile's list gets as many as it needs: as many as its object's path asks for (td_stray.h has looked at all
+ * its samples), and more while the cubic through neighbouring nodes and what was projected in the middle differ in what they
+ * do to log_luminance. The nodes depend on the interval alone, so that every evaluation within it is of one image, whatever
+ * asks for it and when. Compiled in double. */
 #ifndef TD_RECORD_PATHS_H
 #define TD_RECORD_PATHS_H
 
@@ -15,9 +15,8 @@ typedef struct td_record_paths {
     int on;
     double tolerance, time_tolerance_s; /* what paths may be off by, of log_luminance and of times (0: not asked) */
     int there;                          /* 1: the interval swept last has paths */
-    double *knot;                       /* (pieces + 1) where pieces begin and end [s after the epoch] */
-    int pieces;
-    int *path_of; /* (gaussians of the store) layout.h */
+    double start, stop;                 /* that interval [s after the epoch] */
+    int *path_of;                       /* (gaussians of the store) layout.h */
     int row_count;
     uint64_t serial;  /* of path_of */
     int *direct;      /* (tiles) entries of its list that have no path */
@@ -28,20 +27,20 @@ typedef struct td_record_paths {
     int *wanted;    /* those of a level */
     int *gaussians, *rows, *first;
     td_node_job *jobs;
-    double *time, *length;
+    double *time;
     float *misfit;
     int job_count, entries;
-    size_t knot_capacity, direct_capacity, cubic_capacity, node_capacity, wanted_capacity, entry_capacity[2], first_capacity,
-        job_capacity, time_capacity, length_capacity, misfit_capacity;
+    size_t direct_capacity, cubic_capacity, node_capacity, wanted_capacity, entry_capacity[2], first_capacity, job_capacity,
+        time_capacity, misfit_capacity;
 } td_record_paths;
 
 void td_paths_release(td_record_paths *paths);
 
-/* Node k of 2^level in piece `piece` [s after the epoch]; k = 2^level is the next piece's first. */
-double td_paths_node(const td_record_paths *paths, int piece, int level, int k);
+/* Node k of 2^level + 1 [s after the epoch]. */
+double td_paths_node(const td_record_paths *paths, int level, int k);
 
 /* Rows of a path of a level. */
-static inline int td_paths_rows(const td_record_paths *paths, int level) { return (paths->pieces << level) + 1; }
+static inline int td_paths_rows(int level) { return (1 << level) + 1; }
 
 /* The nodes before these times, and the weights from there: paths->nodes and ->cubics. */
 tides_status td_paths_moments(td_record_paths *paths, const double *times, int slots, tides_error *error);

@@ -151,12 +151,9 @@ tides_status td_dynamic_sweep_pieces(tides_renderer *renderer, const tides_traje
                                      tides_error *error);
 
 /* Record paths of the interval swept last, whose candidate lists are there (paths.c); there are none where nothing asks for
- * them, at an instant, and where the interval falls into too many pieces: then Gaussians are projected at each time. Its
- * pieces, `cut` 0 where they are too many (path_times.c). */
+ * them, and at an instant. */
 tides_status td_paths_find(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                            tides_error *error);
-tides_status td_paths_cut(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop, int *cut,
-                          tides_error *error);
 
 /* The name of a backend's plane (TD_OUT_L ..), which is that of its channel; NULL where there is none (frame.c). */
 const char *td_plane_name(int plane);

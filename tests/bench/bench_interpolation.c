@@ -1,9 +1,9 @@
-/* What interpolating is worth where a deformation network moves a scene, and what it costs: its rows (scene.interpolate_motion),
- * or what splats do on the screen (stepping.paths).
+/* What interpolating is worth where a deformation network moves a scene, and what it costs: its rows
+ * (scene.interpolate_motion), or what splats do on the screen (stepping.paths).
  *   bench_interpolation [DEVICE] [GAUSSIANS] [STEP_S]
- * 4DGaussians with the sizes of its D-NeRF configuration and random weights, 2 s long, 0.1 s of it simulated without, with the one and
- * with the other, in turns; best of the rounds. Then how far their streams of events are from those without. Last, for comparison, a model that isn't
- * interpolated because its rows are cheap: a polynomial's. */
+ * 4DGaussians with the sizes of its D-NeRF configuration and random weights, 2 s long, 0.1 s of it simulated without, with the
+ * one and with the other, in turns; best of the rounds. Then how far their streams of events are from those without. Last, for
+ * comparison, a model that isn't interpolated because its rows are cheap: a polynomial's. */
 #include "td_base.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/random_network.h"

@@ -35,8 +35,9 @@ tides_status td_strays_create(const td_store *store, td_strays *strays, tides_er
     strays->objects = store->objects;
     strays->bound = td_alloc(objects * TD_STRAY_REALS, sizeof *strays->bound, error);
     strays->level = td_alloc(objects, sizeof *strays->level, error);
+    strays->px = td_alloc(objects * TD_STRAY_LEVELS, sizeof *strays->px, error);
     strays->middle = td_alloc(4 * objects, sizeof *strays->middle, error);
-    if (!strays->bound || !strays->level || !strays->middle) return TIDES_NO_MEMORY;
+    if (!strays->bound || !strays->level || !strays->px || !strays->middle) return TIDES_NO_MEMORY;
     for (int g = 0; g < store->count;) {
         int object = store->object[g], first = g;
         double *middle = strays->middle + 4 * (size_t)object, square = 0;
@@ -56,6 +57,7 @@ tides_status td_strays_create(const td_store *store, td_strays *strays, tides_er
 void td_strays_release(td_strays *strays) {
     free(strays->bound);
     free(strays->level);
+    free(strays->px);
     free(strays->middle);
     free(strays->share);
     free(strays->view);
@@ -227,17 +229,20 @@ static tides_status find_one(td_strays *strays, int object, const seen_path *pat
     if (status != TIDES_OK) return status;
     stray_measure measure = measure_object(strays, object, image, &strays->view[strays->samples / 2]);
     double turn = turn_of(strays, path->stop - path->start), px = 0;
+    double *seen_px = strays->px + (size_t)object * TD_STRAY_LEVELS;
     int which = 0, level = 0, narrow = -1;
     for (; level < TD_STRAY_LEVELS; level++) {
         status = compare_pieces(strays, path, level, measure.origin, &most, error);
         if (status != TIDES_OK) return status;
         if (level == 0) which = px_of(&measure, &most, 1) < px_of(&measure, &most, 0);
         px = px_of(&measure, &most, which);
+        seen_px[level] = missed * px;
         if (level == 0 && px < least_px) break;
         set_level(stray, level, &most, which);
         if (narrow < 0 && px <= most_px) narrow = level;
         if (px < enough_px) break;
     }
+    for (int k = level + 1; k < TD_STRAY_LEVELS; k++) seen_px[k] = seen_px[k - 1] / order;
     memcpy(stray->origin, measure.origin[which], sizeof stray->origin);
     for (int k = level + 1; k < TD_STRAY_LEVELS && px >= least_px; k++) {
         stray->position[k] = stray->position[k - 1] / order;
@@ -255,6 +260,7 @@ tides_status td_strays_find(td_strays *strays, const tides_scene *scene, const t
     int camera_rests = tides_trajectory_is_static(camera);
     memset(strays->bound, 0, (size_t)strays->objects * TD_STRAY_REALS * sizeof *strays->bound);
     memset(strays->level, 0, (size_t)strays->objects * sizeof *strays->level);
+    memset(strays->px, 0, (size_t)strays->objects * TD_STRAY_LEVELS * sizeof *strays->px);
     if (!(start < stop)) return TIDES_OK;
     for (int i = 0; i < strays->objects; i++) {
         tides_object facts;

@@ -12,8 +12,9 @@
 
 typedef struct td_strays {
     int objects;
-    double *bound;  /* (objects x TD_STRAY_REALS): a td_stray each */
-    int *level;     /* (objects) 2^level pieces make its boxes narrow enough */
+    double *bound; /* (objects x TD_STRAY_REALS): a td_stray each */
+    int *level;    /* (objects) 2^level pieces make its boxes narrow enough */
+    double *px; /* (objects x TD_STRAY_LEVELS) how far its middle strays on the screen from the cubics of 2^level pieces [px] */
     double *middle; /* (objects x 4) the mean of the Gaussians' means, and their distance from it (rms) */
     double *share;  /* (samples) where a path is looked at, in units of the interval */
     td_view *view;  /* (samples) what is seen there */
