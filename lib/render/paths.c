@@ -26,9 +26,7 @@ static const double order_bits = 4;
 
 tides_status td_renderer_paths(tides_renderer *renderer, double tolerance, double time_tolerance_s, tides_error *error) {
     td_record_paths *paths = &renderer->paths;
-    if (renderer->image.decoder)
-        return td_fail(error, TIDES_UNSUPPORTED,
-                       "stepping.paths: a scene whose colours a decoder makes has no record paths; leave it off");
+    if (renderer->image.decoder) return TIDES_OK; /* features have no luminance to interpolate: projected at each time */
     tides_status status = renderer->backend->type->prepare_paths(renderer->backend, error);
     if (status != TIDES_OK) return status;
     size_t count = (size_t)renderer->store.count;

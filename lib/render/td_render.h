@@ -33,7 +33,7 @@ tides_status td_renderer_prepare(tides_renderer *renderer, int outputs, tides_er
 tides_status td_renderer_interpolate(tides_renderer *renderer, double tolerance, double time_tolerance_s, tides_error *error);
 
 /* From the next sweep on splats follow record paths within an interval (stepping.paths), where log_luminance is off by less
- * than `tolerance` and, where time_tolerance_s > 0, late by less than that. TIDES_UNSUPPORTED for scenes with a decoder. */
+ * than `tolerance` and, where time_tolerance_s > 0, late by less than that. Scenes with a decoder have none. */
 tides_status td_renderer_paths(tides_renderer *renderer, double tolerance, double time_tolerance_s, tides_error *error);
 
 /* -- an interval ----------------------------------------------------------------------------------------------------------- */

@@ -10,6 +10,7 @@
 #include "td_device.h"
 #include "tests/property/renderer_of.h"
 #include "tests/support/moving_scene.h"
+#include "tests/support/run_worlds.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -30,9 +31,11 @@ static int collect(void *user, const tides_event *events, size_t count) {
     return 0;
 }
 
-/* 30 ms across a sample of the paths and a knot of the motions, in one call or in many, launches small where they are many. */
-static stream simulate(tides_device *device, const moving_scene *scene, int paths, int calls) {
-    const double from = 0.43, to = 0.46;
+/* RUN_START to RUN_STOP, across a sample of the camera's path and a knot of the bent motion, in one call or in many, launches
+ * small where they are many. */
+static stream simulate_on(tides_device *device, const tides_scene *scene, const tides_trajectory *camera,
+                          const tides_intrinsics *intrinsics, int paths, int calls) {
+    const double from = RUN_START, to = RUN_STOP;
     stream s;
     tides_error error;
     tides_image_params params;
@@ -45,8 +48,8 @@ static stream simulate(tides_device *device, const moving_scene *scene, int path
     tides_stepping_defaults(&stepping);
     sensor.threshold_on = sensor.threshold_off = 0.1;
     stepping.paths = paths;
-    scene_expect_ok(tides_simulator_create(device, scene->scene, scene->base.path, &scene->base.camera, &params, &sensor,
-                                           &stepping, from, to, NULL, NULL, &simulator, &error),
+    scene_expect_ok(tides_simulator_create(device, scene, camera, intrinsics, &params, &sensor, &stepping, from, to, NULL, NULL,
+                                           &simulator, &error),
                     &error);
     if (calls > 1) simulator->renderer->record_limit = 100;
     for (int i = 1; i <= calls; i++)
@@ -56,6 +59,10 @@ static stream simulate(tides_device *device, const moving_scene *scene, int path
     tides_simulator_stats(simulator, &s.stats);
     tides_simulator_destroy(simulator);
     return s;
+}
+
+static stream simulate(tides_device *device, const moving_scene *scene, int paths, int calls) {
+    return simulate_on(device, scene->scene, scene->base.path, &scene->base.camera, paths, calls);
 }
 
 static int by_pixel(const void *a, const void *b) {
@@ -116,9 +123,52 @@ static void test_order_of_work_changes_nothing(void **state) {
     tides_device_close(device);
 }
 
+/* Every kind of motion: as many events but for some at the edge of a threshold, and most records from paths. What a decoder
+ * colours has none: to the bit what it was. */
+static void test_worlds(void **state) {
+    static const char *const names[] = {"rigid",   "moving",   "callback", "timenet", "motion1",
+                                        "motion2", "hexplane", "network",  "screw"};
+    tides_device *device = open_fast_device();
+    uint64_t on_paths = 0, projected = 0;
+    (void)state;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        run_world world = run_world_make(names[i]);
+        stream a = simulate_on(device, world.scene, world.path, &world.camera, 0, 1);
+        stream b = simulate_on(device, world.scene, world.path, &world.camera, 1, 1);
+        print_message("%s: %d events and %d; rows of motions %d and %d; %d projected, %d at nodes, %d on paths\n", names[i],
+                      (int)a.count, (int)b.count, (int)a.stats.render.gaussians_moved, (int)b.stats.render.gaussians_moved,
+                      (int)b.stats.render.gaussians_projected, (int)b.stats.render.gaussians_at_nodes,
+                      (int)b.stats.render.gaussians_on_paths);
+        assert_true(a.count > 0 && fabs((double)a.count - (double)b.count) <= 2 + 0.01 * (double)a.count);
+        on_paths += b.stats.render.gaussians_on_paths;
+        projected += b.stats.render.gaussians_projected;
+        free(a.events);
+        free(b.events);
+        run_world_free(&world);
+    }
+    assert_true(on_paths > projected);
+    tides_device_close(device);
+}
+
+static void test_decoders_have_none(void **state) {
+    tides_device *device = open_fast_device();
+    run_world world = run_world_make("motion0");
+    stream a = simulate_on(device, world.scene, world.path, &world.camera, 0, 1);
+    stream b = simulate_on(device, world.scene, world.path, &world.camera, 1, 1);
+    (void)state;
+    assert_int_equal(b.stats.render.path_nodes, 0);
+    assert_true(a.count > 0 && a.count == b.count);
+    assert_memory_equal(a.events, b.events, a.count * sizeof *a.events);
+    free(a.events);
+    free(b.events);
+    run_world_free(&world);
+    tides_device_close(device);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_events_are_those_of_projections),
-                                       cmocka_unit_test(test_order_of_work_changes_nothing)};
+                                       cmocka_unit_test(test_order_of_work_changes_nothing), cmocka_unit_test(test_worlds),
+                                       cmocka_unit_test(test_decoders_have_none)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
