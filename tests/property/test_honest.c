@@ -1,7 +1,7 @@
 /* Reported timing errors are no smaller than true ones, on random scenes (issue 19, 1): p50, p95 and p99 of each run at default
  * settings against its exact events (judged_run.h), which the last halving of their frames' spacing moves by less than a
  * hundredth of what is measured; and the p95 reported is within 5 times of the true one in the median, so that it's worth
- * something; in double and in single precision.
+ * something; in double and in single precision, and with steps of blocks.
  *
  * TIDES_TRIALS=N: N scenes (200 are the issue's) with exact events as good as that; a few with ten times less effort without.
  * TIDES_SEED=N: the first one's seed. */
@@ -76,7 +76,7 @@ static uint64_t number_of(const char *variable, uint64_t fallback) {
 
 static void test_reported_errors(void **state) {
     static const char *const devices[] = {"reference", "reference-f32"};
-    static ledger ledgers[2];
+    static ledger ledgers[2], of_blocks;
     (void)state;
     const uint64_t first = number_of("TIDES_SEED", 15), trials = number_of("TIDES_TRIALS", 0);
     const judged_scale scale = trials ? (judged_scale){0.01, LIMIT_S, 32000} : (judged_scale){0.1, LIMIT_S, 2000};
@@ -89,11 +89,17 @@ static void test_reported_errors(void **state) {
         twin = judged_against(&j, devices[1], LIMIT_S, &exact);
         twin.halved = v.halved;
         enter(&ledgers[1], &j, devices[1], &twin, settled);
+        j.stepping.unit = TIDES_UNIT_BLOCK;
+        twin = judged_against(&j, devices[0], LIMIT_S, &exact);
+        twin.halved = v.halved;
+        enter(&of_blocks, &j, "blocks", &twin, settled);
         free(exact.events);
         judged_free(&j);
     }
     const double ratios[2] = {print(devices[0], &ledgers[0]), print(devices[1], &ledgers[1])};
-    assert_int_equal(ledgers[0].dishonest[3] + ledgers[1].dishonest[3], 0);
+    const double ratio_of_blocks = print("blocks", &of_blocks);
+    assert_int_equal(ledgers[0].dishonest[3] + ledgers[1].dishonest[3] + of_blocks.dishonest[3], 0);
+    if (!(ratio_of_blocks <= RATIO)) fail_msg("blocks: p95 reported over true is %g in the median", ratio_of_blocks);
     for (int d = 0; d < 2; d++)
         if (!(ratios[d] <= RATIO)) fail_msg("%s: p95 reported over true is %g in the median", devices[d], ratios[d]);
 }

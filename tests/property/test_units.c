@@ -46,7 +46,8 @@ static void test_fewer_pixels_and_the_same_events(void **state) {
 
 /* -- the same bits --------------------------------------------------------------------------------------------------------- */
 
-/* Every block of the sensor that reads neighbours in the order of pixels or times, and a readout. */
+/* Blocks of the sensor that read neighbours in the order of pixels or times; events looked up in the image where they can be;
+ * splats on paths. */
 static void dress(job *j, int trial) {
     j->sensor.threshold_sigma = trial % 2 ? 0.01 : 0;
     j->sensor.refractory_s = trial % 3 ? 0 : 3e-4;
@@ -56,6 +57,9 @@ static void dress(job *j, int trial) {
     j->sensor.photoreceptor_cutoff_hz = trial % 5 == 3 ? 300 : 0;
     j->sensor.noise_rms = trial % 5 == 4 ? 0.02 : 0;
     j->sensor.seed = SEED;
+    const int clear = !(j->sensor.psf_sigma_px > 0 || j->sensor.photoreceptor_cutoff_hz > 0 || j->sensor.noise_rms > 0);
+    j->stepping.solve = clear && trial % 2 == 0 ? TIDES_SOLVE_FLOAT : TIDES_SOLVE_OFF;
+    j->stepping.paths = trial % 4 == 0;
 }
 
 /* In pieces, with `read_out` through a readout, with launches of few records where `records` isn't 0. */
