@@ -54,6 +54,41 @@ TD_INLINE td_point_powers td_point_weights(const td_point_lanes *at, int level, 
     return powers;
 }
 
+#if TD_LANES == 8
+/* Eight vectors of eight: td_transpose without arrays, which would stay in memory (layout.h). */
+typedef struct td_point_eight {
+    td_lanes a, b, c, d, e, f, g, h;
+} td_point_eight;
+
+TD_INLINE td_point_eight td_point_zip(const td_point_eight *x) {
+    td_point_eight y;
+    y.a = TD_ZIP_LOWER(x->a, x->e), y.b = TD_ZIP_UPPER(x->a, x->e), y.c = TD_ZIP_LOWER(x->b, x->f);
+    y.d = TD_ZIP_UPPER(x->b, x->f), y.e = TD_ZIP_LOWER(x->c, x->g), y.f = TD_ZIP_UPPER(x->c, x->g);
+    y.g = TD_ZIP_LOWER(x->d, x->h), y.h = TD_ZIP_UPPER(x->d, x->h);
+    return y;
+}
+TD_INLINE td_point_eight td_point_turn(const td_point_eight *x) {
+    td_point_eight once = td_point_zip(x), twice = td_point_zip(&once);
+    return td_point_zip(&twice);
+}
+
+/* Eight reals at each of eight places, a vector of the first, of the second, ... */
+TD_INLINE td_point_eight td_point_load_eight(TD_GLOBAL const td_real *array, const int at[8], int offset) {
+    td_point_eight x;
+    x.a = td_load_lanes(array + at[0] + offset), x.b = td_load_lanes(array + at[1] + offset);
+    x.c = td_load_lanes(array + at[2] + offset), x.d = td_load_lanes(array + at[3] + offset);
+    x.e = td_load_lanes(array + at[4] + offset), x.f = td_load_lanes(array + at[5] + offset);
+    x.g = td_load_lanes(array + at[6] + offset), x.h = td_load_lanes(array + at[7] + offset);
+    return td_point_turn(&x);
+}
+
+/* Vector k, which is known where it's compiled. */
+TD_INLINE td_lanes td_point_pick(const td_point_eight *x, int k) {
+    if (k < 4) return k < 2 ? (k == 0 ? x->a : x->b) : (k == 2 ? x->c : x->d);
+    return k < 6 ? (k == 4 ? x->e : x->f) : (k == 6 ? x->g : x->h);
+}
+#endif
+
 /* The curves that points are on, of one splat: the same for all, either of two neighbours, or anyone's own. Which it is is
  * known where it's compiled. */
 enum { TD_CURVE_SHARED = 0, TD_CURVE_PAIR, TD_CURVE_APART };
@@ -61,13 +96,32 @@ typedef struct td_point_curves {
     TD_GLOBAL const td_real *curves, *first; /* the splat's; of those that the points are on, the first */
     td_index curve;
     td_mask second; /* PAIR: on the one after it */
+#if TD_LANES == 8
+    td_point_eight terms[4]; /* APART: a0 .. a3 */
+#endif
 } td_point_curves;
 
-/* Coefficient k of TD_CURVE_REALS. */
+TD_INLINE void td_point_part(td_point_curves *on) {
+    (void)on;
+#if TD_LANES == 8
+    int at[TD_LANES];
+    td_index_lanes(on->curve * TD_CURVE_REALS, at);
+    on->terms[0] = td_point_load_eight(on->curves, at, 0);
+    on->terms[1] = td_point_load_eight(on->curves, at, TD_PATH_NUMBERS);
+    on->terms[2] = td_point_load_eight(on->curves, at, 2 * TD_PATH_NUMBERS);
+    on->terms[3] = td_point_load_eight(on->curves, at, 3 * TD_PATH_NUMBERS);
+#endif
+}
+
+/* Coefficient k of TD_CURVE_REALS; APART: after td_point_part. */
 TD_INLINE td_lanes td_point_term(const td_point_curves *on, int kind, int k) {
-    if (kind == TD_CURVE_APART) return td_gather(on->curves, on->curve * TD_CURVE_REALS + k);
     if (kind == TD_CURVE_SHARED) return td_splat(on->first[k]);
-    return td_select(td_splat(on->first[k]), td_splat(on->first[TD_CURVE_REALS + k]), on->second);
+    if (kind == TD_CURVE_PAIR) return td_select(td_splat(on->first[k]), td_splat(on->first[TD_CURVE_REALS + k]), on->second);
+#if TD_LANES == 8
+    return td_point_pick(&on->terms[k / TD_PATH_NUMBERS], k % TD_PATH_NUMBERS);
+#else
+    return td_gather(on->curves, on->curve * TD_CURVE_REALS + k);
+#endif
 }
 TD_INLINE td_lanes td_point_value(const td_point_curves *on, int kind, const td_point_powers *powers, int k) {
     td_lanes sum = td_fma(td_point_term(on, kind, TD_PATH_NUMBERS + k), powers->s, td_point_term(on, kind, k));
@@ -130,7 +184,6 @@ enum { TD_E_TAU = 0, TD_E_TAU_DOT, TD_E_LUMINANCE, TD_E_LUMINANCE_DOT, TD_E_DEPT
 
 typedef struct td_point_entry {
     td_lanes tau, tau_dot, luminance, luminance_dot, depth, growth; /* growth: depth_dot / depth */
-    td_lanes spare, spare2;
 } td_point_entry;
 
 /* A work-item's own room, for the longest list: entries [splat][lane][TD_POINT_ENTRY], the last of them of nothing; per lane an
@@ -151,33 +204,16 @@ TD_INLINE int td_point_find(const td_point_lists *lists, const td_point_tile *ti
     return count;
 }
 
-#if TD_LANES == 8
-/* An entry's vectors to a vector per lane, and back: td_transpose without arrays, which would stay in memory (layout.h). */
-TD_INLINE void td_point_zip(td_point_entry *e) {
-    td_lanes a = TD_ZIP_LOWER(e->tau, e->depth), b = TD_ZIP_UPPER(e->tau, e->depth);
-    td_lanes c = TD_ZIP_LOWER(e->tau_dot, e->growth), d = TD_ZIP_UPPER(e->tau_dot, e->growth);
-    td_lanes f = TD_ZIP_LOWER(e->luminance, e->spare), g = TD_ZIP_UPPER(e->luminance, e->spare);
-    td_lanes h = TD_ZIP_LOWER(e->luminance_dot, e->spare2), i = TD_ZIP_UPPER(e->luminance_dot, e->spare2);
-    e->tau = a, e->tau_dot = b, e->luminance = c, e->luminance_dot = d;
-    e->depth = f, e->growth = g, e->spare = h, e->spare2 = i;
-}
-TD_INLINE void td_point_turn(td_point_entry *e) {
-    td_point_zip(e);
-    td_point_zip(e);
-    td_point_zip(e);
-}
-#endif
-
 /* Lanes one by one, each an entry: transposed, since gathers and scatters of a processor cost more (transpose.h). */
 TD_INLINE void td_point_store(const td_point_entry *made, int number, const td_point_room *room) {
     TD_GLOBAL td_real *to = room->entries + number * (TD_POINT_ENTRY * TD_LANES);
     td_point_entry e = *made;
 #if TD_LANES == 8
-    td_point_turn(&e);
-    td_store_lanes(to, e.tau), td_store_lanes(to + 8, e.tau_dot);
-    td_store_lanes(to + 16, e.luminance), td_store_lanes(to + 24, e.luminance_dot);
-    td_store_lanes(to + 32, e.depth), td_store_lanes(to + 40, e.growth);
-    td_store_lanes(to + 48, e.spare), td_store_lanes(to + 56, e.spare2);
+    td_lanes none = td_splat(0.0f);
+    td_point_eight all = {e.tau, e.tau_dot, e.luminance, e.luminance_dot, e.depth, e.growth, none, none};
+    td_point_eight x = td_point_turn(&all);
+    td_store_lanes(to, x.a), td_store_lanes(to + 8, x.b), td_store_lanes(to + 16, x.c), td_store_lanes(to + 24, x.d);
+    td_store_lanes(to + 32, x.e), td_store_lanes(to + 40, x.f), td_store_lanes(to + 48, x.g), td_store_lanes(to + 56, x.h);
 #else
     td_scatter(to, TD_POINT_ENTRY, TD_E_TAU, e.tau), td_scatter(to, TD_POINT_ENTRY, TD_E_TAU_DOT, e.tau_dot);
     td_scatter(to, TD_POINT_ENTRY, TD_E_LUMINANCE, e.luminance);
@@ -190,12 +226,10 @@ TD_INLINE void td_point_store(const td_point_entry *made, int number, const td_p
 TD_INLINE td_point_entry td_point_fetch(const td_point_room *room, TD_GLOBAL const int *number) {
     td_point_entry e;
 #if TD_LANES == 8
-    e.tau = td_load_lanes(room->entries + number[0] * 64), e.tau_dot = td_load_lanes(room->entries + number[1] * 64 + 8);
-    e.luminance = td_load_lanes(room->entries + number[2] * 64 + 16);
-    e.luminance_dot = td_load_lanes(room->entries + number[3] * 64 + 24);
-    e.depth = td_load_lanes(room->entries + number[4] * 64 + 32), e.growth = td_load_lanes(room->entries + number[5] * 64 + 40);
-    e.spare = td_load_lanes(room->entries + number[6] * 64 + 48), e.spare2 = td_load_lanes(room->entries + number[7] * 64 + 56);
-    td_point_turn(&e);
+    int at[8];
+    td_index_lanes((td_load_ints(number) * 8 + td_count_from(0)) * TD_POINT_ENTRY, at);
+    td_point_eight x = td_point_load_eight(room->entries, at, 0);
+    e.tau = x.a, e.tau_dot = x.b, e.luminance = x.c, e.luminance_dot = x.d, e.depth = x.e, e.growth = x.f;
 #else
     td_index at = (td_load_ints(number) * TD_LANES + td_count_from(0)) * TD_POINT_ENTRY;
     e.tau = td_gather(room->entries, at + TD_E_TAU), e.tau_dot = td_gather(room->entries, at + TD_E_TAU_DOT);
@@ -231,7 +265,6 @@ TD_INLINE int td_point_enter(const td_point_curves *on, int kind, const td_point
     entry.luminance = td_point_value(on, kind, powers, TD_P_LUMINANCE);
     entry.luminance_dot = td_point_rate(on, kind, powers, TD_P_LUMINANCE);
     entry.depth = z.v, entry.growth = z.d * (inverse * under);
-    entry.spare = entry.spare2 = td_splat(0.0f);
     td_point_store(&entry, number, room);
     return 1;
 }

@@ -65,6 +65,7 @@ TD_INLINE int td_point_enter_path(const td_point_place *place, TD_GLOBAL const t
         return td_point_enter(&on, TD_CURVE_SHARED, &place->powers, image, at, lists, i, number, room, sees, depth);
     if (place->kind == TD_CURVE_PAIR)
         return td_point_enter(&on, TD_CURVE_PAIR, &place->powers, image, at, lists, i, number, room, sees, depth);
+    td_point_part(&on);
     return td_point_enter(&on, TD_CURVE_APART, &place->powers, image, at, lists, i, number, room, sees, depth);
 }
 

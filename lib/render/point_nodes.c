@@ -1,6 +1,5 @@
-/* Record paths in double precision for single pixels: pieces of the interval, between samples of the camera's and the objects'
- * paths; every listed Gaussian projected at their ends and in their middles; by what the middles show each gets as many nodes
- * as it needs. */
+/* Record paths in double precision for single pixels: pieces of the interval; every listed Gaussian projected at their ends
+ * and in their middles; by what the middles show each gets as many nodes as it needs. */
 #include "camera/td_trajectory.h"
 #include "td_point_nodes.h"
 #include "td_renderer.h"
@@ -11,6 +10,7 @@
 
 enum {
     JOB_GAUSSIANS = 256, /* of a job: enough for its start, few enough that threads end together */
+    WHOLE_LEVEL = 3,     /* the interval stays whole where that is enough for half of all */
     MOST_LEVEL = 5       /* 32 curves a piece: the error falls by 16^5 */
 };
 
@@ -72,13 +72,20 @@ static tides_status add_samples(td_point_nodes *nodes, const tides_trajectory *p
     return status;
 }
 
-/* Knots of [start, stop], each once, in order. */
-static tides_status cut(const tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
-                        td_point_nodes *nodes, tides_error *error) {
+/* The interval as one piece. */
+static tides_status begin_whole(td_point_nodes *nodes, double start, double stop, tides_error *error) {
     nodes->pieces = 0; /* knots, until they are in order */
     tides_status status = add_knot(nodes, start, error);
     if (status == TIDES_OK) status = add_knot(nodes, stop, error);
-    if (status == TIDES_OK) status = add_samples(nodes, camera, renderer->epoch, start, stop, error);
+    nodes->pieces = 1;
+    return status;
+}
+
+/* Cuts it where paths may bend: the pieces are between knots, each once, in order. */
+static tides_status cut(const tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                        td_point_nodes *nodes, tides_error *error) {
+    nodes->pieces = 2;
+    tides_status status = add_samples(nodes, camera, renderer->epoch, start, stop, error);
     for (int i = 0; i < renderer->store.objects && status == TIDES_OK; i++) {
         tides_object object;
         status = tides_scene_object(renderer->scene, renderer->store.scene_object[i], &object, error);
@@ -256,15 +263,36 @@ static tides_status lay_curves(td_point_nodes *nodes, tides_error *error) {
     return TIDES_OK;
 }
 
-tides_status td_point_nodes_find(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
-                                 double start, double stop, td_point_nodes *nodes, tides_error *error) {
-    tides_status status = cut(renderer, camera, start, stop, nodes, error);
-    if (status != TIDES_OK) return status;
+/* Rows of everything listed, in the pieces that there are. `bent`: whether it may stop where
+ * WHOLE_LEVEL isn't enough for more than half of all; whether it did. */
+static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
+                              td_point_nodes *nodes, int *bent, tides_error *error) {
+    tides_status status = TIDES_OK;
+    const int moves = nodes->knot[0] < nodes->knot[nodes->pieces], may_bend = *bent;
+    *bent = 0;
     find_listed(renderer, nodes);
     nodes->worst = 0;
-    for (int level = 1; level <= MOST_LEVEL && status == TIDES_OK; level++) {
+    for (int level = 1; level <= MOST_LEVEL && status == TIDES_OK && !*bent; level++) {
+        int finer = 0;
         status = project(renderer, camera, nodes, level, error);
-        if (status == TIDES_OK && stop > start) status = try_level(nodes, engine, level, error);
+        if (status == TIDES_OK && moves) status = try_level(nodes, engine, level, error);
+        for (int i = 0; i < nodes->count; i++) finer += nodes->level[i] > level;
+        *bent = may_bend && level == WHOLE_LEVEL && 2 * finer > nodes->count;
+    }
+    return status;
+}
+
+/* Most paths are smooth enough for the interval to be one piece, whatever samples they have within it: then points share
+ * curves. Where they aren't, as where a camera turns a corner, it's cut there. */
+tides_status td_point_nodes_find(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
+                                 double start, double stop, td_point_nodes *nodes, tides_error *error) {
+    int bent = 1;
+    tides_status status = begin_whole(nodes, start, stop, error);
+    if (status == TIDES_OK) status = find_rows(renderer, camera, engine, nodes, &bent, error);
+    if (status == TIDES_OK && bent) {
+        bent = 0;
+        status = cut(renderer, camera, start, stop, nodes, error);
+        if (status == TIDES_OK) status = find_rows(renderer, camera, engine, nodes, &bent, error);
     }
     return status == TIDES_OK ? lay_curves(nodes, error) : status;
 }

@@ -11,7 +11,7 @@
 enum {
     TILES_AT_ONCE = 256,
     POINTS_AT_ONCE = 1 << 16, /* in a launch: 5 MB with what goes with them */
-    MOST_RANKED = 64          /* pieces that points are sorted by */
+    SLICES = 16               /* of an interval, by which points of a block are ordered */
 };
 
 /* -- whole tiles ----------------------------------------------------------------------------------------------------------- */
@@ -194,24 +194,25 @@ static int piece_of(const td_point_nodes *nodes, double time) {
     return low;
 }
 
-/* Where a point stands: tile by tile, piece by piece, block by block, so that neighbours share splats and curves. */
-static int rank_of(const tides_renderer *renderer, const td_points *p, const td_point *point) {
-    const int pieces = p->nodes.pieces < MOST_RANKED ? p->nodes.pieces : 1;
-    const int piece = pieces > 1 ? piece_of(&p->nodes, point->time) : 0;
-    return 16 * (pieces * tile_of(renderer, point) + piece) + block_of(point);
+/* Where a point stands: tile by tile, block by block, slice by slice of the interval, so that neighbours share splats, and
+ * mostly curves. */
+static int rank_of(const tides_renderer *renderer, const td_point *point) {
+    const double length = renderer->swept[1] - renderer->swept[0];
+    int slice = length > 0 ? (int)((point->time - renderer->swept[0]) / length * SLICES) : 0;
+    if (slice >= SLICES) slice = SLICES - 1;
+    return (16 * tile_of(renderer, point) + block_of(point)) * SLICES + slice;
 }
 
 /* The points' numbers by rank: order (count). */
 static tides_status order_points(const tides_renderer *renderer, td_points *p, const td_point *points, size_t count, int *order,
                                  tides_error *error) {
-    const size_t pieces = p->nodes.pieces < MOST_RANKED ? (size_t)p->nodes.pieces : 1;
-    const size_t ranks = 16 * pieces * (size_t)renderer->stats.tiles;
+    const size_t ranks = (size_t)16 * SLICES * (size_t)renderer->stats.tiles;
     tides_status status = td_reserve((void **)&p->first, &p->first_capacity, ranks + 1, sizeof *p->first, error);
     if (status != TIDES_OK) return status;
     memset(p->first, 0, (ranks + 1) * sizeof *p->first);
-    for (size_t i = 0; i < count; i++) p->first[rank_of(renderer, p, &points[i]) + 1]++;
+    for (size_t i = 0; i < count; i++) p->first[rank_of(renderer, &points[i]) + 1]++;
     for (size_t i = 0; i < ranks; i++) p->first[i + 1] += p->first[i];
-    for (size_t i = 0; i < count; i++) order[p->first[rank_of(renderer, p, &points[i])]++] = (int)i;
+    for (size_t i = 0; i < count; i++) order[p->first[rank_of(renderer, &points[i])]++] = (int)i;
     return TIDES_OK;
 }
 
@@ -244,8 +245,7 @@ static int lay_launch(const tides_renderer *renderer, td_points *p, const td_poi
         p->column[0][i] = point->x + 0.5;
         p->column[1][i] = point->y + 0.5;
         place_time(&p->nodes, point->time, p, i);
-        if (chunks == 0 || p->chunks[chunks - 1].tile != tile || p->chunks[chunks - 1].count == p->engine->lanes ||
-            p->piece[i] != p->piece[i - 1])
+        if (chunks == 0 || p->chunks[chunks - 1].tile != tile || p->chunks[chunks - 1].count == p->engine->lanes)
             p->chunks[chunks++] = (td_points_chunk){tile, i, 0, 0};
         p->chunks[chunks - 1].count++;
         p->chunks[chunks - 1].blocks |= 1 << block_of(point);
@@ -302,5 +302,6 @@ tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory
 }
 
 double td_renderer_points_error(const tides_renderer *renderer) {
-    return renderer->points && renderer->points->begun ? renderer->points->nodes.worst : 0;
+    /* twice: a pixel sees several splats, of which more than one may be off */
+    return renderer->points && renderer->points->begun ? 2 * renderer->points->nodes.worst : 0;
 }

@@ -5,8 +5,8 @@
 
 #include "td_points.h"
 
-/* What paths may be off by, of log_luminance: at L_dot = 20 /s it is 5 ns. */
-#define TD_POINT_PATH_TARGET 1e-7
+/* What paths may be off by, of log_luminance, at most: at L_dot = 20 /s it is 25 ns. */
+#define TD_POINT_PATH_TARGET 5e-7
 
 typedef struct td_point_nodes {
     td_exact *exact;

@@ -111,7 +111,8 @@ tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory
 tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *error);
 
 /* What log_luminance of exact points may be off by in the interval that some were asked for last: an estimate of what record
- * paths make of it, of the splat that is worst; 0 without exact points. */
+ * paths make of it, of the splat that is worst where it is as bright as what is seen there; a brighter one before black makes
+ * several times that. 0 without exact points. */
 double td_renderer_points_error(const tides_renderer *renderer);
 
 /* -- frames ---------------------------------------------------------------------------------------------------------------- */

@@ -1,6 +1,6 @@
 /* Exact points against frames: what one costs, in core seconds of this process, and what rows and lists of an interval do.
- *   bench_points RUN.json [START [INTERVAL [POINTS [DEVICE]]]]
- * Points are everywhere in the image and the interval. Compare numbers of one run only. */
+ * bench_points RUN.json [START [INTERVAL [POINTS [DEVICE [COMPARE]]]]] Points are where events are: anywhere in the interval,
+ * at pixels as often as log_luminance changes there. Compare numbers of one run only. */
 #include "render/td_render.h"
 #include "tides.h"
 
@@ -22,6 +22,25 @@ static double uniform(uint64_t *state) { /* splitmix64 */
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
     return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+/* Pixels by their share of the sum of |L_dot|, which becomes running sums. */
+static void scatter(double *rates, size_t pixels, int32_t width, double start, double length, td_point *points, size_t count) {
+    uint64_t state = 1;
+    double sum = 0;
+    for (size_t i = 0; i < pixels; i++) rates[i] = sum += fabs(rates[i]);
+    for (size_t i = 0; i < count; i++) {
+        const double at = sum * uniform(&state);
+        size_t low = 0, high = pixels - 1;
+        while (low < high) {
+            const size_t middle = (low + high) / 2;
+            if (rates[middle] < at)
+                low = middle + 1;
+            else
+                high = middle;
+        }
+        points[i] = (td_point){start + length * uniform(&state), (int32_t)low % width, (int32_t)low / width};
+    }
 }
 
 static double core_seconds(void) { return (double)clock() / CLOCKS_PER_SEC; }
@@ -50,9 +69,45 @@ static double time_points(tides_renderer *renderer, const tides_trajectory *came
     return core_seconds() - begun;
 }
 
+static int ascending(const void *a, const void *b) {
+    const double *x = a, *y = b;
+    return *x < *y ? -1 : *x > *y;
+}
+
+/* How far values are from pixels of the double reference, whose lists end by `stop_change`. */
+static void compare(const char *file, double stop_change, double start, double length, const td_point *points,
+                    const td_point_value *values) {
+    enum { COMPARED = 1500 };
+    static td_point_value truth[COMPARED];
+    static double off[COMPARED], late[COMPARED];
+    tides_error error;
+    tides_session *session = NULL;
+    tides_renderer *renderer = NULL;
+    tides_session_facts facts;
+    stop_on(tides_session_load(file, NULL, 0, "reference", &session, &error), &error);
+    tides_session_get(session, &facts);
+    facts.values.image.smoothing.stop_change = stop_change;
+    stop_on(tides_renderer_create(facts.device, facts.scene, &facts.intrinsics, &facts.values.image, NULL, NULL, &renderer,
+                                  &error),
+            &error);
+    stop_on(td_renderer_sweep(renderer, facts.camera, start, start + length, &error), &error);
+    stop_on(td_renderer_points(renderer, facts.camera, points, COMPARED, truth, &error), &error);
+    for (int i = 0; i < COMPARED; i++) {
+        off[i] = fabs(values[i].L - truth[i].L);
+        late[i] = off[i] / (fabs(truth[i].L_dot) + 1e-9);
+    }
+    qsort(off, COMPARED, sizeof *off, ascending);
+    qsort(late, COMPARED, sizeof *late, ascending);
+    printf("stop_change %g: L is off by %.2g (median), %.2g (p95), %.2g; an event by %.2g, %.2g, %.2g us\n", stop_change,
+           off[COMPARED / 2], off[COMPARED * 95 / 100], off[COMPARED - 1], 1e6 * late[COMPARED / 2],
+           1e6 * late[COMPARED * 95 / 100], 1e6 * late[COMPARED - 1]);
+    tides_renderer_destroy(renderer);
+    tides_session_close(session);
+}
+
 int main(int argc, char **argv) {
     if (argc < 2) {
-        fprintf(stderr, "usage: bench_points RUN.json [START [INTERVAL [POINTS [DEVICE]]]]\n");
+        fprintf(stderr, "usage: bench_points RUN.json [START [INTERVAL [POINTS [DEVICE [COMPARE]]]]]\n");
         return 2;
     }
     const double start = argc > 2 ? atof(argv[2]) : 0.1, length = argc > 3 ? atof(argv[3]) : 0.005;
@@ -69,13 +124,8 @@ int main(int argc, char **argv) {
     td_point *points = malloc(count * sizeof *points);
     td_point_value *values = malloc(count * sizeof *values);
     if (!planes || !points || !values) return 1;
-    uint64_t state = 1;
-    for (size_t i = 0; i < count; i++) {
-        points[i].time = start + length * uniform(&state);
-        points[i].x = (int32_t)(uniform(&state) * facts.intrinsics.width);
-        points[i].y = (int32_t)(uniform(&state) * facts.intrinsics.height);
-    }
     double frame = time_frames(renderer, facts.camera, start, planes, pixels);
+    scatter(planes + pixels, pixels, facts.intrinsics.width, start, length, points, count);
     stop_on(td_renderer_exact_points(renderer, &error), &error);
     double first = HUGE_VAL, again = HUGE_VAL;
     for (int i = 0; i < ROUNDS; i++) {
@@ -89,6 +139,10 @@ int main(int argc, char **argv) {
            "pixels\n",
            1e3 * frame, 1e6 * frame / (double)pixels, count, 1e3 * first, 1e6 * again / (double)count,
            again / (double)count / (frame / (double)pixels));
+    printf("paths are said to be off by %.2g of L at most\n", td_renderer_points_error(renderer));
+    static const double stops[] = {1e-12, 1e-7, 1e-6, 1e-5};
+    for (size_t i = 0; i < sizeof stops / sizeof *stops && argc > 6; i++)
+        compare(argv[1], stops[i], start, length, points, values);
     free(planes);
     free(points);
     free(values);

@@ -163,14 +163,39 @@ static void test_any_window_and_cut(void **state) {
     }
 }
 
+/* -- samples in single precision ----------------------------------------------------------------------------------------- */
+
+/* Events are solved in double on any device that has it: as good as those of the double reference. */
+static void test_single_precision(void **state) {
+    (void)state;
+    world w = make_world(SEED, CAMERA_MOVES);
+    job j = loose_job(&w), off = j;
+    j.device = off.device = "reference-f32";
+    off.stepping.solve = TIDES_SOLVE_OFF;
+    outcome solved = run(&j), before = run(&off);
+    off.device = "reference";
+    outcome truth = truth_of(&off, 5e-5);
+    const tides_match m = match(&truth, &solved), loose = match(&truth, &before);
+    print_message("single precision, %zu events: p95 %.3g us (%.3g without), mismatched %.3g %% (%.3g)\n", solved.count,
+                  m.dt_p95_us, loose.dt_p95_us, m.mismatch_percent, loose.mismatch_percent);
+    assert_true(solved.count > 500 && solved.stats.events_solved > 0);
+    assert_true(m.dt_p95_us < 0.1 && m.dt_p95_us < 0.5 * loose.dt_p95_us);
+    assert_true(m.mismatch_percent <= loose.mismatch_percent + 0.05);
+    free_outcome(&solved);
+    free_outcome(&before);
+    free_outcome(&truth);
+    free_world(&w);
+}
+
 /* -- what it is refused with --------------------------------------------------------------------------------------------- */
 
-static void expect_refused(const job *j, const char *said) {
+static void expect_refused(const job *j, int32_t rules, const char *said) {
     tides_image_params params;
     tides_error error;
     tides_simulator *s = NULL;
     tides_device *device = open_device(j->device);
     tides_image_params_defaults(&params);
+    params.rules = rules;
     assert_int_equal(tides_simulator_create(device, j->scene, j->path, &j->camera, &params, &j->sensor, &j->stepping, j->start,
                                             j->stop, NULL, NULL, &s, &error),
                      TIDES_UNSUPPORTED);
@@ -185,26 +210,27 @@ static void test_refused(void **state) {
     const job good = loose_job(&w);
     job j = good;
     j.stepping.mode = TIDES_STEPPING_FIXED;
-    expect_refused(&j, "fixed steps");
+    expect_refused(&j, TIDES_RULES_SMOOTH, "fixed steps");
     j = good;
     j.sensor.psf_sigma_px = 1;
-    expect_refused(&j, "PSF");
+    expect_refused(&j, TIDES_RULES_SMOOTH, "PSF");
     j = good;
     j.sensor.photoreceptor_cutoff_hz = 300;
-    expect_refused(&j, "filter");
+    expect_refused(&j, TIDES_RULES_SMOOTH, "filter");
     j = good;
     j.sensor.noise_rms = 0.01;
-    expect_refused(&j, "additive noise");
+    expect_refused(&j, TIDES_RULES_SMOOTH, "additive noise");
     j = good;
     j.device = "reference-f32";
-    expect_refused(&j, "single precision");
+    expect_refused(&j, TIDES_RULES_INRIA, "abruptly"); /* where pixels are looked up one by one */
     j.stepping.solve = 3;
-    expect_refused(&j, "none of");
+    expect_refused(&j, TIDES_RULES_SMOOTH, "none of");
     free_world(&w);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_exact_events), cmocka_unit_test(test_blocks),
-                                       cmocka_unit_test(test_any_window_and_cut), cmocka_unit_test(test_refused)};
+                                       cmocka_unit_test(test_any_window_and_cut), cmocka_unit_test(test_single_precision),
+                                       cmocka_unit_test(test_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
