@@ -33,8 +33,9 @@ enum { TIDES_SLOPE_EXACT = 0, TIDES_SLOPE_DIFFERENCE = 1 };
 
 /* Where events come from: from the local model between two renders, or from the image itself, which is looked up where events
  * are, pixel by pixel, until no time is off by more than time_tolerance_s (10 ns where that is 0), or than rounding in the
- * precision named. Steps then only have to find the crossings. With ERROR or RISK, and where neither a PSF, a filter, a
- * surround nor additive noise comes between image and comparator; else TIDES_UNSUPPORTED. */
+ * precision named: DOUBLE works single pixels out whatever the device computes in (not yet for motion models), FLOAT whole 4x4
+ * blocks of pixels as samples are. Steps then only have to find the crossings. With ERROR or RISK, and where neither a PSF, a
+ * filter, a surround nor additive noise comes between image and comparator; else TIDES_UNSUPPORTED. */
 enum { TIDES_SOLVE_OFF = 0, TIDES_SOLVE_FLOAT = 1, TIDES_SOLVE_DOUBLE = 2 };
 
 /* What has steps of its own under RISK and ERROR, with `local`: a 16x16 tile, or a 4x4 block of pixels, so that only the blocks
@@ -116,6 +117,7 @@ typedef struct tides_stats {
     double worst_deviation;    /* the largest that a probe saw where a step rests on it [thresholds] */
     uint64_t events_solved;    /* of `events`, those whose times were looked up in the image (stepping.solve), and */
     uint64_t points_looked_up; /* pixels at single times that were looked up for them */
+    double time_look_up_s;     /* spent on that in double precision; in single it is part of the renderer's times */
 } tides_stats;
 
 enum { TIDES_STAT_COUNT = 0 /* uint64_t */, TIDES_STAT_REAL = 1 /* double */, TIDES_STAT_WHOLE = 2 /* int32_t */ };

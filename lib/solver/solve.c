@@ -1,5 +1,6 @@
 /* Events on the image itself, round after round: which pixels may do something, then all that isn't settled looked up in one
  * batch, until all is. For settle.c. What a pixel needs is solve_run.c's to say, what was found solve_nodes.c's to keep. */
+#include "td_extremes.h"
 #include "td_probe.h"
 #include "signal/td_model_error.h"
 #include "td_simulator.h"
@@ -23,15 +24,14 @@ tides_status td_solve_create(tides_simulator *s, const tides_stepping *stepping,
     if (s->mode == TIDES_STEPPING_FIXED) return refuse("with fixed steps, whose errors nobody knows", error);
     if (!td_sensor_solves(&s->sensor))
         return refuse("where a PSF, a filter, a surround or additive noise comes between it and the comparator, or with "
-                      "another "
-                      "model than hermite",
+                      "another model than hermite",
                       error);
-    if (precision == TIDES_SOLVE_DOUBLE && !td_renderer_is_double(s->renderer)) {
-        const tides_status status = td_renderer_exact_points(s->renderer, error);
-        if (status != TIDES_OK)
-            return td_fail_within(error, status, "stepping.solve: \"double\" can't be had here; set \"float\"");
+    if (precision == TIDES_SOLVE_DOUBLE) {
+        tides_status status = td_renderer_exact_points(s->renderer, error);
+        if (status != TIDES_OK) return td_fail_within(error, status, "stepping.solve \"double\"");
     }
     s->solve.precision = precision;
+    s->solve.samples = s->timing.rounding + (precision == TIDES_SOLVE_DOUBLE ? TD_SOLVE_SAMPLES : 0);
     s->solve.target_s = s->time_tolerance_s > 0 ? s->time_tolerance_s : default_target_s;
     return TIDES_OK;
 }
@@ -54,13 +54,25 @@ static tides_status look_up(tides_simulator *s, tides_error *error) {
         td_reserve((void **)&solve->value, &solve->value_capacity, solve->points, sizeof *solve->value, error);
     if (status != TIDES_OK) return status;
     solve->lookups += solve->points;
-    return td_renderer_points(s->renderer, s->camera, solve->point, solve->points, solve->value, error);
+    const double begun = td_now();
+    status = td_renderer_points(s->renderer, s->camera, solve->point, solve->points, solve->value, error);
+    if (solve->precision == TIDES_SOLVE_DOUBLE) s->stats.time_look_up_s += td_now() - begun;
+    solve->paths = td_renderer_points_error(s->renderer);
+    return status;
+}
+
+/* The same while the comparator's time is taken, which it is no part of. */
+static tides_status look_up_apart(tides_simulator *s, tides_error *error) {
+    const double begun = td_now();
+    const tides_status status = look_up(s, error);
+    s->stats.time_compare_s -= td_now() - begun;
+    return status;
 }
 
 tides_status td_solve_begin(tides_simulator *s, tides_error *error) {
     td_solve *solve = &s->solve;
     const size_t pixels = s->first_pixel[s->tiles];
-    if (solve->precision != TIDES_SOLVE_DOUBLE || td_renderer_is_double(s->renderer)) return TIDES_OK;
+    if (solve->precision != TIDES_SOLVE_DOUBLE) return TIDES_OK;
     tides_status status = td_reserve((void **)&solve->point, &solve->point_capacity, pixels, sizeof *solve->point, error);
     if (status != TIDES_OK) return status;
     for (int t = 0; t < s->tiles; t++)
@@ -98,8 +110,9 @@ static tides_status lay_step(tides_simulator *s, const td_refine_step *refined, 
     at->from = td_refine_time(&s->refine, start, stop, refined->from);
     at->to = td_refine_time(&s->refine, start, stop, refined->to);
     at->signals = (td_signals){begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
-    at->coverage = (td_coverage){NULL, NULL};
+    at->coverage = at->alpha_dot = (td_coverage){NULL, NULL};
     if (s->sensor.masks) at->coverage = (td_coverage){begin[TD_PLANE_ALPHA], end[TD_PLANE_ALPHA]};
+    if (s->sensor.masks) at->alpha_dot = (td_coverage){begin[TD_PLANE_ALPHA_DOT], end[TD_PLANE_ALPHA_DOT]};
     return td_step_of_run(s, at->from, at->to, &at->span, error);
 }
 
@@ -115,11 +128,11 @@ static tides_status list_active(tides_simulator *s, int32_t step, double start, 
     tides_status status = lay_step(s, refined, start, stop, at, error);
     if (status != TIDES_OK) return status;
     for (int32_t i = 0; i < tile->count; i++)
-        widen[i] = td_solve_first_trust(s, refined, at->span.length_s, i).error + s->timing.rounding;
+        widen[i] = td_solve_first_trust(s, refined, at->span.length_s, i).error + solve->samples;
     memcpy(before, active, sizeof before);
     td_sensor_find(&s->sensor, &at->span, tile, s->first_pixel[refined->tile], &at->signals, widen, active);
     td_sensor_reaches(&s->sensor, &at->span, tile, s->first_pixel[refined->tile], &at->signals, widen,
-                      solve->reaches + (size_t)step * TD_TILE_PIXELS);
+                      solve->reaches + (size_t)step * (size_t)s->refine.samples.pixels);
     for (int32_t i = 0; i < tile->count && status == TIDES_OK; i++) {
         if (active[i] == before[i]) continue;
         status = td_reserve((void **)&solve->pixel, &solve->pixel_capacity, solve->pixels + 1, sizeof *solve->pixel, error);
@@ -134,7 +147,7 @@ static tides_status list_pixels(tides_simulator *s, double start, double stop, t
     td_solve *solve = &s->solve;
     tides_status status = td_reserve((void **)&solve->step, &solve->step_capacity, r->steps, sizeof *solve->step, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&solve->reaches, &solve->reach_capacity, r->steps * TD_TILE_PIXELS, 1, error);
+        status = td_reserve((void **)&solve->reaches, &solve->reach_capacity, r->steps * (size_t)r->samples.pixels, 1, error);
     s->solve.pixels = s->solve.looked_count = s->solve.found_count = 0;
     for (int k = 0; k < s->moving_count; k++) {
         uint8_t active[TD_TILE_PIXELS] = {0};
@@ -176,9 +189,7 @@ tides_status td_solve_steps(tides_simulator *s, double start, double stop, tides
     while (status == TIDES_OK) {
         status = run_pixels(s, error);
         if (status != TIDES_OK || s->solve.points == 0) break;
-        double begun = td_now();
-        status = look_up(s, error);
-        s->stats.time_compare_s -= td_now() - begun; /* it is the renderer's, or `other` */
+        status = look_up_apart(s, error);
         if (status == TIDES_OK) status = take(&s->solve, error);
     }
     return status;
@@ -196,7 +207,7 @@ static tides_status ask_still(tides_simulator *s, int t, const td_step *span, do
     double widen[TD_TILE_PIXELS];
     uint8_t active[TD_TILE_PIXELS] = {0};
     tides_status status = TIDES_OK;
-    for (int32_t i = 0; i < tile->count; i++) widen[i] = s->timing.rounding;
+    for (int32_t i = 0; i < tile->count; i++) widen[i] = solve->samples;
     td_sensor_find(&s->sensor, span, tile, s->first_pixel[t], &signals, widen, active);
     for (int32_t i = 0; i < tile->count && status == TIDES_OK; i++) {
         const size_t k = solve->points;
@@ -222,7 +233,7 @@ tides_status td_solve_still(tides_simulator *s, const td_step *span, double star
         moved += moves;
         if (!moves) status = ask_still(s, t, span, start, error);
     }
-    if (status == TIDES_OK && solve->points > 0) status = look_up(s, error);
+    if (status == TIDES_OK && solve->points > 0) status = look_up_apart(s, error);
     for (size_t k = 0; k < solve->points && status == TIDES_OK; k++)
         s->now.plane[TD_PLANE_S][solve->asked[k].pixel] = solve->value[k].L;
     return status;

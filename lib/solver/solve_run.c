@@ -1,6 +1,7 @@
 /* One pixel through the steps of a macro step, as far as it is settled: what its comparator does, which of the places are good
  * enough, and which are to be looked up. For solve.c, which looks them up. */
 #include "signal/td_model_error.h"
+#include "td_extremes.h"
 #include "td_hash.h"
 #include "td_probe.h"
 #include "td_simulator.h"
@@ -71,7 +72,7 @@ static int may_act(const visit *v) {
     static const td_tile one = {0, 0, 1, 1};
     const td_ends *at = &v->ends;
     const td_signals own = {&at->S0, &at->S0_dot, &at->S1, &at->S1_dot};
-    const double widen = v->first.error + v->s->timing.rounding;
+    const double widen = v->first.error + v->s->solve.samples;
     uint8_t active = 0;
     if (v->looked >= 0) return 1;
     td_sensor_find(&v->s->sensor, &v->now->span, &one, v->at, &own, &widen, &active);
@@ -90,9 +91,9 @@ static void take_nodes(visit *v) {
 static void take_rounding(visit *v) {
     const tides_simulator *s = v->s;
     const int in_double = s->solve.precision == TIDES_SOLVE_DOUBLE;
-    const double rounding = td_timing_rounding(&s->timing, &s->tile[v->pixel->tile], v->now->signals.S1, v->pixel->local);
-    v->model.floor = in_double ? TD_SOLVE_DOUBLE_ROUNDING * (1 + fabs(v->ends.S1)) : rounding;
-    v->model.ends = in_double ? rounding : 0;
+    v->model.ends = in_double ? s->solve.samples : 0;
+    v->model.floor = in_double ? TD_SOLVE_DOUBLE_ROUNDING * (1 + fabs(v->ends.S1))
+                               : td_timing_rounding(&s->timing, &s->tile[v->pixel->tile], v->now->signals.S1, v->pixel->local);
 }
 
 /* -- what is to be looked up ---------------------------------------------------------------------------------------------- */
@@ -224,16 +225,41 @@ static tides_status advance(visit *v, tides_error *error) {
     return td_sensor_advance(&v->s->sensor, &single, &v->s->events, error);
 }
 
+/* Of an event that waited for its pixel to become visible coverage decides when, which the comparator takes to be linear: by
+ * how much its rates at the ends say that it bows [steps]; 0 of others. */
+static double waited(const visit *v, const td_change *change) {
+    const td_coverage *at = &v->now->coverage, *rate = &v->now->alpha_dot;
+    const int32_t i = v->pixel->local;
+    if (!at->begin || at->begin[i] >= v->s->sensor.sensor.b_min) return 0;
+    const double rise = at->end[i] - at->begin[i], visible = (v->s->sensor.sensor.b_min - at->begin[i]) / rise;
+    if (change->s > visible + TD_SOLVE_APART) return 0;
+    const double bow = td_greater(fabs(v->ends.h * rate->begin[i] - rise), fabs(v->ends.h * rate->end[i] - rise));
+    return td_lesser(0.25 * bow / fabs(rise), 1);
+}
+
+/* What a solved event may be off by: what is left there, and what most record paths do, and in a share of all events the
+ * worst. */
+static void note_error(visit *v, const td_change *change) {
+    td_timing *timing = &v->s->timing;
+    double slope, bend;
+    const double h = v->now->span.length_s, late = waited(v, change);
+    const double left = error_at(v, change->s, change->polarity, &slope, &bend);
+    const double worst = v->nodes > 0 ? v->s->solve.paths : 0, most = td_lesser(worst, TD_SOLVE_PATHS);
+    if (late > 0) {
+        td_timing_add_solved(timing, 1, late, 1, 0, h);
+        return;
+    }
+    td_timing_add_solved(timing, 1 - TD_SOLVE_BENT, hypot(left, v->model.floor + most), slope, bend, h);
+    td_timing_add_solved(timing, TD_SOLVE_BENT, hypot(left, v->model.floor + worst), slope, bend, h);
+}
+
 /* What the events of a settled step are worth. Noise has times of its own. */
 static void note_events(visit *v, int doubts) {
     tides_simulator *s = v->s;
     s->timing.uncertain += (uint64_t)doubts;
     for (int k = 0; k < v->changes.count; k++) {
-        const td_change *change = &v->changes.change[k];
-        double slope, bend;
-        if (!change->fired) continue;
-        const double error = error_at(v, change->s, change->polarity, &slope, &bend);
-        td_timing_add_solved(&s->timing, hypot(error, v->model.floor), slope, bend, v->now->span.length_s);
+        if (!v->changes.change[k].fired) continue;
+        note_error(v, &v->changes.change[k]);
         s->solve.events += (uint64_t)(v->nodes > 0);
     }
 }
@@ -265,7 +291,7 @@ tides_status td_solve_run(tides_simulator *s, int32_t number, tides_error *error
     v.at = s->first_pixel[v.pixel->tile] + (size_t)v.pixel->local;
     for (int32_t k = v.pixel->step; k >= 0 && !r->step[k].open && status == TIDES_OK; k = r->step[k].next) {
         int asked = 0;
-        if (!s->solve.reaches[(size_t)k * TD_TILE_PIXELS + (size_t)v.pixel->local]) continue;
+        if (!s->solve.reaches[(size_t)k * (size_t)r->samples.pixels + (size_t)v.pixel->local]) continue;
         enter(&v, k);
         recall(&v);
         if (unsettled < 0) {

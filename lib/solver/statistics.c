@@ -74,6 +74,7 @@ static const tides_stat table[] = {
     REAL("time_s.composite", "s", SUM, render.time_composite_s),
     REAL("time_s.transfer", "s", SUM, render.time_transfer_s),
     REAL("time_s.compare", "s", SUM, time_compare_s),
+    REAL("time_s.look_up", "s", SUM, time_look_up_s),
     REAL("time_s.sink", "s", SUM, time_sink_s),
     REAL("time_s.other", "s", DERIVED, time_other_s),
 };
@@ -137,7 +138,7 @@ static void derive_times(const tides_simulator *s, tides_stats *stats) {
     const tides_render_stats *render = &stats->render;
     const double known = render->time_build_s + render->time_motion_s + render->time_sweep_s + render->time_project_s +
                          render->time_sort_s + render->time_composite_s + render->time_transfer_s + stats->time_compare_s +
-                         stats->time_sink_s;
+                         stats->time_sink_s + stats->time_look_up_s;
     stats->time_other_s = stats->run_time_s - known;
     stats->simulated_s = s->started ? td_grid_time(s, s->step) : 0;
     stats->real_time_factor = stats->run_time_s > 0 ? stats->simulated_s / stats->run_time_s : 0;

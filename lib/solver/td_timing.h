@@ -38,9 +38,9 @@ typedef struct td_timed {
 /* Adds the step's events. */
 void td_timing_add(td_timing *timing, const td_timed *timed);
 
-/* Adds an event that was solved: what the signal is off by there, its slope and curvature towards the event, per step of h
- * seconds. */
-void td_timing_add_solved(td_timing *timing, double error, double slope, double bend, double h);
+/* Adds a share of an event that was solved, in 64ths: what the signal is off by there, its slope and curvature towards the
+ * event, per step of h seconds. What may be undone counts where the share is most of it. */
+void td_timing_add_solved(td_timing *timing, double share, double error, double slope, double bend, double h);
 
 /* What rounding does to the signal S of pixel i of a tile [log units]. */
 double td_timing_rounding(const td_timing *timing, const td_tile *tile, const double *S, int32_t i);

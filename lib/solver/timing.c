@@ -158,11 +158,11 @@ static void add_event(td_timing *timing, const td_timed *timed, int32_t i, doubl
     timing->uncertain += (uint64_t)touches;
 }
 
-void td_timing_add_solved(td_timing *timing, double error, double slope, double bend, double h) {
+void td_timing_add_solved(td_timing *timing, double share, double error, double slope, double bend, double h) {
     int may_touch;
     const double reach = td_timing_reach(slope, bend, error, &may_touch);
-    timing->weight[bin_of(reach * h + 1e-9)] += 1; /* times are floored to nanoseconds */
-    timing->uncertain += (uint64_t)may_touch;
+    timing->weight[bin_of(reach * h + 1e-9)] += share; /* times are floored to nanoseconds */
+    timing->uncertain += (uint64_t)(may_touch && share > 0.5);
 }
 
 void td_timing_add(td_timing *timing, const td_timed *timed) {

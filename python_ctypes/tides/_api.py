@@ -1534,6 +1534,7 @@ class tides_stats(Structure):
     double worst_deviation; /* the largest that a probe saw where a step rests on it [thresholds] */
     uint64_t events_solved; /* of `events`, those whose times were looked up in the image (stepping.solve), and */
     uint64_t points_looked_up; /* pixels at single times that were looked up for them */
+    double time_look_up_s; /* spent on that in double precision; in single it is part of the renderer's times */
     """
 
     render: tides_render_stats
@@ -1574,6 +1575,7 @@ class tides_stats(Structure):
     worst_deviation: float
     events_solved: int
     points_looked_up: int
+    time_look_up_s: float
 
     _fields_ = [
         ("render", tides_render_stats),
@@ -1614,6 +1616,7 @@ class tides_stats(Structure):
         ("worst_deviation", c_double),
         ("events_solved", c_uint64),
         ("points_looked_up", c_uint64),
+        ("time_look_up_s", c_double),
     ]
 
 

@@ -21,7 +21,8 @@ typedef struct job {
     tides_sensor sensor;
     tides_stepping stepping;
     double start, stop;
-    int batch; /* steps per launch, 0: as the simulator likes */
+    int batch;          /* steps per launch, 0: as the simulator likes */
+    double stop_change; /* image.smoothing.stop_change; 0: the default */
 } job;
 
 /* What came out. */
@@ -70,6 +71,7 @@ static inline tides_simulator *make_simulator(const job *j, tides_device *device
     tides_error error;
     tides_image_params_defaults(&params);
     params.background[0] = 0.1;
+    if (j->stop_change > 0) params.smoothing.stop_change = j->stop_change;
     scene_expect_ok(tides_simulator_create(device, j->scene, j->path, &j->camera, &params, &j->sensor, &j->stepping, j->start,
                                            j->stop, NULL, NULL, &s, &error),
                     &error);
