@@ -95,7 +95,7 @@ const td_param td_params[] = {
     {NUMBER("sensor.dead_pixel_fraction", sensor.dead_pixel_fraction, "", 0, 1, "part of the pixels that never fire"),
      .ideal = "0"},
     {INTEGER("sensor.max_events_per_step", sensor.max_events_per_step, "", 1, 65535,
-             "events per pixel and step: error control cuts steps that may have more, else the rest fire at the step's end")},
+             "events per pixel and step; error control cuts steps of more, else the rest is at the step's end")},
     {BOOLEAN("sensor.labels", sensor.labels, "HDF5: beside each event its cause, when it fired, and what the front end added")},
 
     {NUMBER("frontend.psf_sigma_px", sensor.psf_sigma_px, "px", 0, 100, "Gaussian blur of the optics; 0 is off"), .ideal = "0"},
@@ -148,7 +148,7 @@ const td_param td_params[] = {
             "look the image up where events are, in this precision; off: the model's times")},
     {BOOLEAN("stepping.local", stepping.local, "each 16x16 tile has its own steps, and none where nothing moves")},
     {BOOLEAN("stepping.paths", stepping.paths,
-             "project splats at a few times of a step and follow cubics between, where that stays within the tolerances")},
+             "project splats at a few times of a step, cubics between where that stays within the tolerances")},
     {CHOICE("stepping.unit", stepping.unit, "tile|block", "what has its own steps: a 16x16 tile or a 4x4 block of pixels")},
     {NUMBER("stepping.budget", stepping.budget, "full frames", 0, 1e12,
             "renders that cuts may cost in the run; 0 sets no bound")},
