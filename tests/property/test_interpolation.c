@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "event_list.h"
 #include "tests/property/renderer_of.h"
 
 #include "render/td_renderer.h"
@@ -231,20 +232,6 @@ static void test_never_across_a_knot(void **state) {
 }
 
 /* -- events -------------------------------------------------------------------------------------------------------- */
-
-typedef struct stream {
-    tides_event *events;
-    size_t count, capacity;
-    tides_stats stats;
-} stream;
-
-static int collect(void *user, const tides_event *events, size_t count) {
-    stream *s = user;
-    scene_expect_ok(td_reserve((void **)&s->events, &s->capacity, s->count + count, sizeof *events, NULL), NULL);
-    if (count) memcpy(s->events + s->count, events, count * sizeof *events);
-    s->count += count;
-    return 0;
-}
 
 /* The network scene from 0.3 s to 0.4 s, across a knot, in macro steps of 20 ms; in one call or in many. */
 static stream simulate(tides_device *device, const network_scene *scene, int interpolates, int calls) {

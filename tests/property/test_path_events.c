@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "event_list.h"
 #include "solver/td_simulator.h"
 #include "td_device.h"
 #include "tests/property/renderer_of.h"
@@ -16,20 +17,6 @@
 #include <stdlib.h>
 
 static const uint64_t SEED = 90;
-
-typedef struct stream {
-    tides_event *events;
-    size_t count, capacity;
-    tides_stats stats;
-} stream;
-
-static int collect(void *user, const tides_event *events, size_t count) {
-    stream *s = user;
-    scene_expect_ok(td_reserve((void **)&s->events, &s->capacity, s->count + count, sizeof *events, NULL), NULL);
-    if (count) memcpy(s->events + s->count, events, count * sizeof *events);
-    s->count += count;
-    return 0;
-}
 
 /* RUN_START to RUN_STOP, across a sample of the camera's path and a knot of the bent motion, in one call or in many, launches
  * small where they are many. */
