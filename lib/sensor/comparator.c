@@ -339,28 +339,30 @@ tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_til
 
 /* -- one pixel ------------------------------------------------------------------------------------------------------------- */
 
-static tides_status step_single(tile_job *job, size_t j) {
+static tides_status step_single(tile_job *job) {
     if (!job->pixel.sensor->on) {
-        const td_model model = fit(TIDES_MODEL_HERMITE, job->signals, job->pixel.step->length_s, j);
-        return td_ideal_advance(&job->pixel, job->first + j, column(job, j), row(job, j), &model, job->pieces,
-                                job->signals->S1[j]);
+        const td_model model = fit(TIDES_MODEL_HERMITE, job->signals, job->pixel.step->length_s, 0);
+        return td_ideal_advance(&job->pixel, job->first, column(job, 0), row(job, 0), &model, job->pieces, job->signals->S1[0]);
     }
-    take_levels(job, j, 1);
-    return step_pixel(job, j);
+    take_levels(job, 0, 1);
+    return step_pixel(job, 0);
 }
 
 tides_status td_sensor_advance(td_sensor *sensor, const td_sensor_single *single, td_event_buffer *buffer, tides_error *error) {
+    const td_ends *ends = single->ends;
+    const td_tile tile = {single->x, single->y, 1, 1};
+    const td_signals signals = {&ends->S0, &ends->S0_dot, &ends->S1, &ends->S1_dot};
     tile_job job = {.pixel = {.sensor = sensor, .step = single->step, .buffer = buffer, .error = error},
-                    .tile = single->tile,
-                    .first = single->first,
-                    .signals = single->signals,
-                    .coverage = single->coverage,
+                    .tile = &tile,
+                    .first = single->pixel,
+                    .signals = &signals,
+                    .coverage = &single->coverage,
                     .pieces = single->pieces};
     job.pixel.start = td_sensor_time(sensor, single->step->start_ns, single->step->start_fraction);
     job.pixel.changes = single->changes;
     job.stop = (double)(single->step->stop_ns - sensor->start_ns) + 2; /* as in td_sensor_step */
     single->changes->count = single->changes->lost = 0;
-    tides_status status = step_single(&job, single->local);
+    tides_status status = step_single(&job);
     if (!sensor->on) job.pixel.counts.cause[TIDES_CAUSE_SIGNAL] = job.pixel.counts.events_on + job.pixel.counts.events_off;
     add_counts(&sensor->counts, &job.pixel.counts);
     return status;

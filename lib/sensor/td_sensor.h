@@ -109,6 +109,11 @@ void td_sensor_state(td_sensor *sensor, td_state *state);
 /* The run's start: pixel i has rested at log-luminance L[i], its reference is the signal there, and nothing has fired. */
 void td_sensor_begin(td_sensor *sensor, const double *L);
 
+/* That was at L, for a pixel that has done nothing yet; where td_sensor_solves. */
+static inline void td_sensor_refer(td_sensor *sensor, size_t pixel, double L) {
+    sensor->pixels.initial[pixel] = sensor->pixels.reference[pixel] = L;
+}
+
 /* Coverage of a tile's pixels at both ends of the step, in [0, 1]; read only where sensor->masks. */
 typedef struct td_coverage {
     const double *begin, *end; /* (count) */
@@ -167,14 +172,14 @@ void td_sensor_find(const td_sensor *sensor, const td_step *step, const td_tile 
 void td_sensor_reaches(const td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
                        const td_signals *signals, const double *widen, uint8_t *reaches);
 
-/* td_sensor_step of pixel `local` of the tile alone, on these pieces between the signals at the step's ends, which get its
- * leak's ramp; `changes` says what it did. On failure the pixel is in between. */
+/* td_sensor_step of one pixel at (x, y), on these pieces between the signals at the step's ends, which get its leak's ramp;
+ * `changes` says what it did. On failure the pixel is in between. */
 typedef struct td_sensor_single {
     const td_step *step;
-    const td_tile *tile;
-    size_t first, local;
-    const td_signals *signals;
-    const td_coverage *coverage;
+    size_t pixel; /* the sensor's */
+    int32_t x, y;
+    const td_ends *ends;
+    td_coverage coverage; /* the pixel's, read only where sensor->masks */
     td_pieces *pieces;
     td_changes *changes;
 } td_sensor_single;

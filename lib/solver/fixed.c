@@ -77,8 +77,6 @@ tides_status td_begin(tides_simulator *s, tides_error *error) {
     if (status == TIDES_OK) status = render_points(s, 0, 1, TD_SIDE_BEGINS, error);
     if (status != TIDES_OK) return status;
     td_fixed_take(s, 0, &s->now);
-    status = td_solve_begin(s, error);
-    if (status != TIDES_OK) return status;
     if (s->surround.surround.on) td_surround_steps_begin(s);
     const double *S = s->surround.surround.on ? s->surround.S : s->now.plane[TD_PLANE_S];
     td_sensor_begin(&s->sensor, S);

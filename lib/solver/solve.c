@@ -30,6 +30,10 @@ tides_status td_solve_create(tides_simulator *s, const tides_stepping *stepping,
         tides_status status = td_renderer_exact_points(s->renderer, error);
         if (status != TIDES_OK) return td_fail_within(error, status, "stepping.solve \"double\"");
     }
+    if (precision == TIDES_SOLVE_DOUBLE) {
+        s->solve.known = td_alloc((size_t)s->tiles, sizeof *s->solve.known, error);
+        if (!s->solve.known) return TIDES_NO_MEMORY;
+    }
     s->solve.precision = precision;
     s->solve.samples = s->timing.rounding + (precision == TIDES_SOLVE_DOUBLE ? TD_SOLVE_SAMPLES : 0);
     s->solve.target_s = s->time_tolerance_s > 0 ? s->time_tolerance_s : default_target_s;
@@ -37,6 +41,7 @@ tides_status td_solve_create(tides_simulator *s, const tides_stepping *stepping,
 }
 
 void td_solve_release(td_solve *solve) {
+    free(solve->known);
     free(solve->pixel);
     free(solve->looked);
     free(solve->found);
@@ -48,7 +53,7 @@ void td_solve_release(td_solve *solve) {
     *solve = (td_solve){.precision = solve->precision};
 }
 
-static tides_status look_up(tides_simulator *s, tides_error *error) {
+tides_status td_solve_look_up(tides_simulator *s, int compares, tides_error *error) {
     td_solve *solve = &s->solve;
     tides_status status =
         td_reserve((void **)&solve->value, &solve->value_capacity, solve->points, sizeof *solve->value, error);
@@ -56,36 +61,25 @@ static tides_status look_up(tides_simulator *s, tides_error *error) {
     solve->lookups += solve->points;
     const double begun = td_now();
     status = td_renderer_points(s->renderer, s->camera, solve->point, solve->points, solve->value, error);
-    if (solve->precision == TIDES_SOLVE_DOUBLE) s->stats.time_look_up_s += td_now() - begun;
+    const double took = td_now() - begun;
+    if (solve->precision == TIDES_SOLVE_DOUBLE) s->stats.time_look_up_s += took;
+    if (compares) s->stats.time_compare_s -= took;
     solve->paths = td_renderer_points_error(s->renderer);
     return status;
 }
 
-/* The same while the comparator's time is taken, which it is no part of. */
-static tides_status look_up_apart(tides_simulator *s, tides_error *error) {
-    const double begun = td_now();
-    const tides_status status = look_up(s, error);
-    s->stats.time_compare_s -= td_now() - begun;
-    return status;
-}
-
-tides_status td_solve_begin(tides_simulator *s, tides_error *error) {
+tides_status td_solve_ask(tides_simulator *s, const td_tile *tile, int32_t local, double time, const td_asked *asked,
+                          tides_error *error) {
     td_solve *solve = &s->solve;
-    const size_t pixels = s->first_pixel[s->tiles];
-    if (solve->precision != TIDES_SOLVE_DOUBLE) return TIDES_OK;
-    tides_status status = td_reserve((void **)&solve->point, &solve->point_capacity, pixels, sizeof *solve->point, error);
+    const size_t k = solve->points;
+    tides_status status = td_reserve((void **)&solve->point, &solve->point_capacity, k + 1, sizeof *solve->point, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&solve->asked, &solve->asked_capacity, k + 1, sizeof *solve->asked, error);
     if (status != TIDES_OK) return status;
-    for (int t = 0; t < s->tiles; t++)
-        for (int32_t i = 0; i < s->tile[t].count; i++)
-            solve->point[s->first_pixel[t] + (size_t)i] =
-                (td_point){0, s->tile[t].x0 + i % s->tile[t].width, s->tile[t].y0 + i / s->tile[t].width};
-    solve->points = pixels;
-    status = look_up(s, error);
-    for (size_t i = 0; i < pixels && status == TIDES_OK; i++) {
-        s->now.plane[TD_PLANE_S][i] = solve->value[i].L;
-        s->now.plane[TD_PLANE_S_DOT][i] = solve->value[i].L_dot;
-    }
-    return status;
+    solve->point[k] = (td_point){time, tile->x0 + local % tile->width, tile->y0 + local / tile->width};
+    solve->asked[k] = *asked;
+    solve->points++;
+    return TIDES_OK;
 }
 
 /* -- before anything is looked up ----------------------------------------------------------------------------------------- */
@@ -116,61 +110,93 @@ static tides_status lay_step(tides_simulator *s, const td_refine_step *refined, 
     return td_step_of_run(s, at->from, at->to, &at->span, error);
 }
 
-/* Lists the tile's pixels that aren't listed yet and may do something in a step of it. */
-static tides_status list_active(tides_simulator *s, int32_t step, double start, double stop, uint8_t *active,
-                                tides_error *error) {
+/* Lists a pixel of a unit with its steps from `first` on, the `row`th, which is the first in which it may do something. */
+static tides_status list_pixel(tides_simulator *s, int32_t first, size_t row, int32_t i, tides_error *error) {
     td_solve *solve = &s->solve;
-    const td_refine_step *refined = &s->refine.step[step];
-    const td_tile *tile = &s->tile[refined->tile];
-    td_solve_step *at = &solve->step[step];
-    double widen[TD_TILE_PIXELS];
-    uint8_t before[TD_TILE_PIXELS];
-    tides_status status = lay_step(s, refined, start, stop, at, error);
-    if (status != TIDES_OK) return status;
-    for (int32_t i = 0; i < tile->count; i++)
-        widen[i] = td_solve_first_trust(s, refined, at->span.length_s, i).error + solve->samples;
-    memcpy(before, active, sizeof before);
-    td_sensor_find(&s->sensor, &at->span, tile, s->first_pixel[refined->tile], &at->signals, widen, active);
-    td_sensor_reaches(&s->sensor, &at->span, tile, s->first_pixel[refined->tile], &at->signals, widen,
-                      solve->reaches + (size_t)step * (size_t)s->refine.samples.pixels);
-    for (int32_t i = 0; i < tile->count && status == TIDES_OK; i++) {
-        if (active[i] == before[i]) continue;
-        status = td_reserve((void **)&solve->pixel, &solve->pixel_capacity, solve->pixels + 1, sizeof *solve->pixel, error);
-        if (status == TIDES_OK) solve->pixel[solve->pixels++] = (td_solving){refined->tile, i, step, -1};
+    const td_refine *r = &s->refine;
+    const size_t begun = solve->looked_count;
+    tides_status status =
+        td_reserve((void **)&solve->pixel, &solve->pixel_capacity, solve->pixels + 1, sizeof *solve->pixel, error);
+    for (int32_t k = first; k >= 0 && !r->step[k].open && status == TIDES_OK; k = r->step[k].next, row++) {
+        if (!solve->reaches[row * (size_t)r->samples.pixels + (size_t)i]) continue;
+        status =
+            td_reserve((void **)&solve->looked, &solve->looked_capacity, solve->looked_count + 1, sizeof *solve->looked, error);
+        if (status != TIDES_OK) break;
+        const td_signals *at = &solve->step[k].signals;
+        const double h = solve->step[k].span.length_s;
+        solve->looked[solve->looked_count++] = (td_looked){.ends = {h, at->S0[i], at->S0_dot[i], at->S1[i], at->S1_dot[i]},
+                                                           .trust = td_solve_first_trust(s, &r->step[k], h, i),
+                                                           .step = k,
+                                                           .first = -1};
     }
+    if (status == TIDES_OK)
+        solve->pixel[solve->pixels++] = (td_solving){r->step[first].tile, i, (int32_t)begun, (int32_t)solve->looked_count};
     return status;
 }
 
-/* Of all tiles that move; an ideal pixel that has done something may do more in any step that follows. */
-static tides_status list_pixels(tides_simulator *s, double start, double stop, tides_error *error) {
-    const td_refine *r = &s->refine;
+/* Which of a unit's pixels may do something in a step, its `row`th, and which have a level within reach. */
+static tides_status find_active(tides_simulator *s, int32_t step, size_t row, uint8_t *active, tides_error *error) {
     td_solve *solve = &s->solve;
-    tides_status status = td_reserve((void **)&solve->step, &solve->step_capacity, r->steps, sizeof *solve->step, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&solve->reaches, &solve->reach_capacity, r->steps * (size_t)r->samples.pixels, 1, error);
-    s->solve.pixels = s->solve.looked_count = s->solve.found_count = 0;
-    for (int k = 0; k < s->moving_count; k++) {
-        uint8_t active[TD_TILE_PIXELS] = {0};
-        for (int32_t i = r->head[s->moving[k]]; i >= 0 && !r->step[i].open && status == TIDES_OK; i = r->step[i].next)
-            status = list_active(s, i, start, stop, active, error);
+    const td_refine_step *refined = &s->refine.step[step];
+    const td_tile *tile = &s->tile[refined->tile];
+    const td_solve_step *at = &solve->step[step];
+    const size_t pixels = (size_t)s->refine.samples.pixels, first = s->first_pixel[refined->tile];
+    double widen[TD_TILE_PIXELS];
+    tides_status status = td_reserve((void **)&solve->reaches, &solve->reach_capacity, (row + 1) * pixels, 1, error);
+    if (status != TIDES_OK) return status;
+    for (int32_t i = 0; i < tile->count; i++)
+        widen[i] = td_solve_first_trust(s, refined, at->span.length_s, i).error + solve->samples;
+    td_sensor_find(&s->sensor, &at->span, tile, first, &at->signals, widen, active);
+    td_sensor_reaches(&s->sensor, &at->span, tile, first, &at->signals, widen, solve->reaches + row * pixels);
+    return TIDES_OK;
+}
+
+/* Runs the pixel that was listed last, and drops it where it is settled. */
+static tides_status run_last(tides_simulator *s, tides_error *error) {
+    td_solving *pixel = &s->solve.pixel[s->solve.pixels - 1];
+    tides_status status = td_solve_run(s, pixel, error);
+    if (pixel->next == pixel->end) s->solve.pixels--;
+    return status;
+}
+
+/* The pixels of a unit that may do something: each is listed, and run while what was read for it is at hand. */
+static tides_status begin_unit(tides_simulator *s, int t, double start, double stop, tides_error *error) {
+    const td_refine *r = &s->refine;
+    uint8_t active[TD_TILE_PIXELS] = {0}, before[TD_TILE_PIXELS];
+    int32_t first[TD_TILE_PIXELS];
+    size_t row[TD_TILE_PIXELS], rows = 0;
+    tides_status status = TIDES_OK;
+    for (int32_t k = r->head[t]; k >= 0 && !r->step[k].open && status == TIDES_OK; k = r->step[k].next, rows++) {
+        memcpy(before, active, sizeof before);
+        status = lay_step(s, &r->step[k], start, stop, &s->solve.step[k], error);
+        if (status == TIDES_OK) status = find_active(s, k, rows, active, error);
+        for (int32_t i = 0; i < s->tile[t].count; i++)
+            if (active[i] != before[i]) first[i] = k, row[i] = rows;
+    }
+    for (int32_t i = 0; i < s->tile[t].count && status == TIDES_OK; i++) {
+        if (!active[i]) continue;
+        status = list_pixel(s, first[i], row[i], i, error);
+        if (status == TIDES_OK) status = run_last(s, error);
     }
     return status;
 }
 
 /* -- round after round ---------------------------------------------------------------------------------------------------- */
 
+/* All units that move: what they ask for is to be looked up. */
+static tides_status begin_units(tides_simulator *s, double start, double stop, tides_error *error) {
+    td_solve *solve = &s->solve;
+    tides_status status = td_reserve((void **)&solve->step, &solve->step_capacity, s->refine.steps, sizeof *solve->step, error);
+    solve->pixels = solve->looked_count = solve->found_count = solve->points = 0;
+    for (int k = 0; k < s->moving_count && status == TIDES_OK; k++) status = begin_unit(s, s->moving[k], start, stop, error);
+    return status;
+}
+
 /* What was found becomes nodes. */
 static tides_status take(td_solve *solve, tides_error *error) {
     tides_status status = TIDES_OK;
-    for (size_t k = 0; k < solve->points && status == TIDES_OK; k++) {
-        const td_asked *asked = &solve->asked[k];
-        const int32_t i = solve->pixel[asked->pixel].local;
-        td_looked *looked = &solve->looked[asked->looked];
-        const td_solve_step *step = &solve->step[looked->step];
-        const td_signals *at = &step->signals;
-        const td_ends ends = {step->span.length_s, at->S0[i], at->S0_dot[i], at->S1[i], at->S1_dot[i]};
-        status = td_solve_insert(solve, looked, &ends, asked->s, &solve->value[k], error);
-    }
+    for (size_t k = 0; k < solve->points && status == TIDES_OK; k++)
+        status = td_solve_insert(solve, &solve->looked[solve->asked[k].looked], solve->asked[k].s, &solve->value[k], error);
     return status;
 }
 
@@ -178,63 +204,22 @@ static tides_status take(td_solve *solve, tides_error *error) {
 static tides_status run_pixels(tides_simulator *s, tides_error *error) {
     td_solve *solve = &s->solve;
     tides_status status = TIDES_OK;
+    size_t left = 0;
     solve->points = 0;
-    for (size_t k = 0; k < solve->pixels && status == TIDES_OK; k++)
-        if (solve->pixel[k].step >= 0) status = td_solve_run(s, (int32_t)k, error);
+    for (size_t k = 0; k < solve->pixels && status == TIDES_OK; k++) {
+        status = td_solve_run(s, &solve->pixel[k], error);
+        if (solve->pixel[k].next < solve->pixel[k].end) solve->pixel[left++] = solve->pixel[k];
+    }
+    solve->pixels = left;
     return status;
 }
 
 tides_status td_solve_steps(tides_simulator *s, double start, double stop, tides_error *error) {
-    tides_status status = list_pixels(s, start, stop, error);
-    while (status == TIDES_OK) {
-        status = run_pixels(s, error);
-        if (status != TIDES_OK || s->solve.points == 0) break;
-        status = look_up_apart(s, error);
+    tides_status status = begin_units(s, start, stop, error);
+    while (status == TIDES_OK && s->solve.points > 0) {
+        status = td_solve_look_up(s, 1, error);
         if (status == TIDES_OK) status = take(&s->solve, error);
+        if (status == TIDES_OK) status = run_pixels(s, error);
     }
-    return status;
-}
-
-/* -- at rest --------------------------------------------------------------------------------------------------------------- */
-
-/* Asks for the pixels of a tile in which nothing moves that may do something in the step: their places in the sample, too. */
-static tides_status ask_still(tides_simulator *s, int t, const td_step *span, double start, tides_error *error) {
-    static const double no_rate[TD_TILE_PIXELS] = {0};
-    td_solve *solve = &s->solve;
-    const td_tile *tile = &s->tile[t];
-    const double *S = s->now.plane[TD_PLANE_S] + s->first_pixel[t];
-    const td_signals signals = {S, no_rate, S, no_rate};
-    double widen[TD_TILE_PIXELS];
-    uint8_t active[TD_TILE_PIXELS] = {0};
-    tides_status status = TIDES_OK;
-    for (int32_t i = 0; i < tile->count; i++) widen[i] = solve->samples;
-    td_sensor_find(&s->sensor, span, tile, s->first_pixel[t], &signals, widen, active);
-    for (int32_t i = 0; i < tile->count && status == TIDES_OK; i++) {
-        const size_t k = solve->points;
-        if (!active[i]) continue;
-        status = td_reserve((void **)&solve->point, &solve->point_capacity, k + 1, sizeof *solve->point, error);
-        if (status == TIDES_OK)
-            status = td_reserve((void **)&solve->asked, &solve->asked_capacity, k + 1, sizeof *solve->asked, error);
-        if (status != TIDES_OK) return status;
-        solve->point[k] = (td_point){start, tile->x0 + i % tile->width, tile->y0 + i / tile->width};
-        solve->asked[k] = (td_asked){(int32_t)(s->first_pixel[t] + (size_t)i), -1, 0};
-        solve->points++;
-    }
-    return status;
-}
-
-tides_status td_solve_still(tides_simulator *s, const td_step *span, double start, tides_error *error) {
-    td_solve *solve = &s->solve;
-    tides_status status = TIDES_OK;
-    if (solve->precision != TIDES_SOLVE_DOUBLE || !s->sensor.active_at_rest) return TIDES_OK;
-    solve->points = 0;
-    for (int t = 0, moved = 0; t < s->tiles && status == TIDES_OK; t++) { /* both lists ascend */
-        const int moves = moved < s->moving_count && s->moving[moved] == t;
-        moved += moves;
-        if (!moves) status = ask_still(s, t, span, start, error);
-    }
-    if (status == TIDES_OK && solve->points > 0) status = look_up_apart(s, error);
-    for (size_t k = 0; k < solve->points && status == TIDES_OK; k++)
-        s->now.plane[TD_PLANE_S][solve->asked[k].pixel] = solve->value[k].L;
     return status;
 }

@@ -77,8 +77,8 @@ static void neighbours(const td_solve *solve, const td_looked *looked, double s,
     }
 }
 
-tides_status td_solve_insert(td_solve *solve, td_looked *looked, const td_ends *ends, double s, const td_point_value *value,
-                             tides_error *error) {
+tides_status td_solve_insert(td_solve *solve, td_looked *looked, double s, const td_point_value *value, tides_error *error) {
+    const td_ends *ends = &looked->ends;
     int32_t before, after;
     neighbours(solve, looked, s, &before, &after);
     const td_node a = before >= 0 ? solve->found[before].node : (td_node){0, ends->S0, ends->S0_dot};

@@ -18,13 +18,11 @@ static const double enough_of_threshold = 1e-7;
 /* A pixel in a step. */
 typedef struct visit {
     tides_simulator *s;
-    td_solving *pixel;
-    int32_t number, step; /* which pixel, which step of the macro step */
-    size_t at;            /* the sensor's */
+    const td_solving *pixel;
+    size_t at;      /* the sensor's */
+    int32_t number; /* of what is known of the pixel in this step, */
+    td_looked *looked;
     const td_solve_step *now;
-    td_ends ends;
-    td_trust first;               /* of its model, where nothing is found yet */
-    int32_t looked;               /* td_looked, or -1 */
     double reference, held_until; /* that the step begins with, */
     td_kept_pixel state;          /* and all else */
     int nodes;
@@ -35,56 +33,41 @@ typedef struct visit {
 
 /* -- the step -------------------------------------------------------------------------------------------------------------- */
 
-static void enter(visit *v, int32_t step) {
+/* Of ideal pixels counts are all: the rest follows from them. */
+static uint64_t state_of(const visit *v) {
+    return v->state.words <= 2 ? v->state.word[0] : td_hash_words(0, v->state.word, (size_t)v->state.words * sizeof(uint64_t));
+}
+
+/* What was found for another state is forgotten. */
+static void enter(visit *v, int32_t number) {
     const td_sensor *sensor = &v->s->sensor;
-    const int32_t i = v->pixel->local;
-    v->step = step;
-    v->now = &v->s->solve.step[step];
-    const td_signals *at = &v->now->signals;
-    v->ends = (td_ends){v->now->span.length_s, at->S0[i], at->S0_dot[i], at->S1[i], at->S1_dot[i]};
-    v->first = td_solve_first_trust(v->s, &v->s->refine.step[step], v->ends.h, i);
+    v->number = number;
+    v->looked = &v->s->solve.looked[number];
+    v->now = &v->s->solve.step[v->looked->step];
     v->reference = sensor->pixels.reference[v->at];
     v->held_until = sensor->on ? sensor->held_until[v->at] : -INFINITY;
     td_sensor_keep(sensor, v->at, &v->state);
-}
-
-static uint64_t state_of(const visit *v) {
-    return td_hash_words(0, v->state.word, (size_t)v->state.words * sizeof *v->state.word);
-}
-
-/* What is known of the pixel in this step; forgotten where it was found for another state. */
-static void recall(visit *v) {
-    td_solve *solve = &v->s->solve;
-    v->looked = v->pixel->looked;
-    while (v->looked >= 0 && solve->looked[v->looked].step != v->step) v->looked = solve->looked[v->looked].next;
-    if (v->looked < 0) return;
-    td_looked *looked = &solve->looked[v->looked];
-    const uint64_t state = state_of(v);
-    if (looked->state == state) return;
-    looked->first = -1;
-    looked->nodes = looked->looks = 0;
-    looked->trust = v->first;
-    looked->state = state;
+    if (v->looked->looks == 0 || v->looked->state == state_of(v)) return;
+    v->looked->trust = td_solve_first_trust(v->s, &v->s->refine.step[v->looked->step], v->looked->ends.h, v->pixel->local);
+    v->looked->first = -1;
+    v->looked->nodes = v->looked->looks = 0;
 }
 
 /* With nothing found and nothing near, the pixel is at the step's end. */
 static int may_act(const visit *v) {
     static const td_tile one = {0, 0, 1, 1};
-    const td_ends *at = &v->ends;
+    const td_ends *at = &v->looked->ends;
     const td_signals own = {&at->S0, &at->S0_dot, &at->S1, &at->S1_dot};
-    const double widen = v->first.error + v->s->solve.samples;
+    const double widen = v->looked->trust.error + v->s->solve.samples;
     uint8_t active = 0;
-    if (v->looked >= 0) return 1;
+    if (v->looked->looks > 0) return 1;
     td_sensor_find(&v->s->sensor, &v->now->span, &one, v->at, &own, &widen, &active);
     return active;
 }
 
 static void take_nodes(visit *v) {
-    td_trusted *model = &v->model;
-    v->nodes = 0;
-    model->trust[0] = v->first;
-    if (v->looked >= 0) v->nodes = td_solve_nodes(&v->s->solve, &v->s->solve.looked[v->looked], v->node, model->trust);
-    td_pieces_make(&model->pieces, &v->ends, v->node, v->nodes);
+    v->nodes = td_solve_nodes(&v->s->solve, v->looked, v->node, v->model.trust);
+    td_pieces_make(&v->model.pieces, &v->looked->ends, v->node, v->nodes);
 }
 
 /* What else the model is off by. */
@@ -92,40 +75,16 @@ static void take_rounding(visit *v) {
     const tides_simulator *s = v->s;
     const int in_double = s->solve.precision == TIDES_SOLVE_DOUBLE;
     v->model.ends = in_double ? s->solve.samples : 0;
-    v->model.floor = in_double ? TD_SOLVE_DOUBLE_ROUNDING * (1 + fabs(v->ends.S1))
+    v->model.floor = in_double ? TD_SOLVE_DOUBLE_ROUNDING * (1 + fabs(v->looked->ends.S1))
                                : td_timing_rounding(&s->timing, &s->tile[v->pixel->tile], v->now->signals.S1, v->pixel->local);
 }
 
 /* -- what is to be looked up ---------------------------------------------------------------------------------------------- */
 
-static tides_status new_looked(visit *v, tides_error *error) {
-    td_solve *solve = &v->s->solve;
-    tides_status status =
-        td_reserve((void **)&solve->looked, &solve->looked_capacity, solve->looked_count + 1, sizeof *solve->looked, error);
-    if (status != TIDES_OK) return status;
-    v->looked = (int32_t)solve->looked_count++;
-    solve->looked[v->looked] =
-        (td_looked){.step = v->step, .next = v->pixel->looked, .first = -1, .trust = v->first, .state = state_of(v)};
-    v->pixel->looked = v->looked;
-    return TIDES_OK;
-}
-
-static tides_status ask(visit *v, double s, tides_error *error) {
-    td_solve *solve = &v->s->solve;
-    const td_tile *tile = &v->s->tile[v->pixel->tile];
-    const int32_t i = v->pixel->local;
-    const size_t k = solve->points;
-    tides_status status = v->looked < 0 ? new_looked(v, error) : TIDES_OK;
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&solve->point, &solve->point_capacity, k + 1, sizeof *solve->point, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&solve->asked, &solve->asked_capacity, k + 1, sizeof *solve->asked, error);
-    if (status != TIDES_OK) return status;
+static tides_status ask(const visit *v, double s, tides_error *error) {
     const double time = v->now->from + s * (v->now->to - v->now->from);
-    solve->point[k] = (td_point){time < v->now->to ? time : v->now->to, tile->x0 + i % tile->width, tile->y0 + i / tile->width};
-    solve->asked[k] = (td_asked){v->number, v->looked, s};
-    solve->points++;
-    return TIDES_OK;
+    const td_asked asked = {v->number, s};
+    return td_solve_ask(v->s, &v->s->tile[v->pixel->tile], v->pixel->local, td_lesser(time, v->now->to), &asked, error);
 }
 
 /* Slope and curvature at s towards `polarity`, per step, and what the signal may be off by there. */
@@ -193,8 +152,7 @@ static tides_status judge(visit *v, int *asked, int *doubts, tides_error *error)
     turn turns[MOST_TURNS];
     const td_solve *solve = &v->s->solve;
     const size_t before = solve->points;
-    const int looks = v->looked < 0 ? 0 : solve->looked[v->looked].looks;
-    const int may_ask = looks < MOST_LOOKS;
+    const int may_ask = v->looked->looks < MOST_LOOKS;
     const int count = near_turns(v, turns, MOST_TURNS);
     tides_status status = TIDES_OK;
     *doubts = 0;
@@ -207,21 +165,25 @@ static tides_status judge(visit *v, int *asked, int *doubts, tides_error *error)
             ++*doubts;
     }
     *asked = solve->points > before;
-    if (*asked) v->s->solve.looked[v->looked].looks++;
+    if (!*asked) return status;
+    v->looked->looks++;
+    v->looked->state = state_of(v);
     return status;
 }
 
 /* -- the pixel ------------------------------------------------------------------------------------------------------------- */
 
 static tides_status advance(visit *v, tides_error *error) {
-    const td_sensor_single single = {.step = &v->now->span,
-                                     .tile = &v->s->tile[v->pixel->tile],
-                                     .first = v->at - (size_t)v->pixel->local,
-                                     .local = (size_t)v->pixel->local,
-                                     .signals = &v->now->signals,
-                                     .coverage = &v->now->coverage,
-                                     .pieces = &v->model.pieces,
-                                     .changes = &v->changes};
+    const td_tile *tile = &v->s->tile[v->pixel->tile];
+    const int32_t i = v->pixel->local;
+    td_sensor_single single = {.step = &v->now->span,
+                               .pixel = v->at,
+                               .x = tile->x0 + i % tile->width,
+                               .y = tile->y0 + i / tile->width,
+                               .ends = &v->looked->ends,
+                               .pieces = &v->model.pieces,
+                               .changes = &v->changes};
+    if (v->now->coverage.begin) single.coverage = (td_coverage){v->now->coverage.begin + i, v->now->coverage.end + i};
     return td_sensor_advance(&v->s->sensor, &single, &v->s->events, error);
 }
 
@@ -233,7 +195,8 @@ static double waited(const visit *v, const td_change *change) {
     if (!at->begin || at->begin[i] >= v->s->sensor.sensor.b_min) return 0;
     const double rise = at->end[i] - at->begin[i], visible = (v->s->sensor.sensor.b_min - at->begin[i]) / rise;
     if (change->s > visible + TD_SOLVE_APART) return 0;
-    const double bow = td_greater(fabs(v->ends.h * rate->begin[i] - rise), fabs(v->ends.h * rate->end[i] - rise));
+    const double bow =
+        td_greater(fabs(v->looked->ends.h * rate->begin[i] - rise), fabs(v->looked->ends.h * rate->end[i] - rise));
     return td_lesser(0.25 * bow / fabs(rise), 1);
 }
 
@@ -277,36 +240,32 @@ static tides_status pass_step(visit *v, int settles, int *asked, tides_error *er
     return status;
 }
 
-tides_status td_solve_run(tides_simulator *s, int32_t number, tides_error *error) {
-    const td_refine *r = &s->refine;
-    visit v;
+tides_status td_solve_run(tides_simulator *s, td_solving *pixel, tides_error *error) {
+    visit v; /* large: what a step has no use for isn't set */
     td_kept_pixel settled = {.words = 0};
     td_sensor_counts counts = s->sensor.counts;
     size_t events = s->events.count;
-    int32_t unsettled = -1;
+    int32_t unsettled = pixel->end;
     tides_status status = TIDES_OK;
     v.s = s;
-    v.number = number;
-    v.pixel = &s->solve.pixel[number];
-    v.at = s->first_pixel[v.pixel->tile] + (size_t)v.pixel->local;
-    for (int32_t k = v.pixel->step; k >= 0 && !r->step[k].open && status == TIDES_OK; k = r->step[k].next) {
+    v.pixel = pixel;
+    v.at = s->first_pixel[pixel->tile] + (size_t)pixel->local;
+    for (int32_t k = pixel->next; k < pixel->end && status == TIDES_OK; k++) {
         int asked = 0;
-        if (!s->solve.reaches[(size_t)k * (size_t)r->samples.pixels + (size_t)v.pixel->local]) continue;
         enter(&v, k);
-        recall(&v);
-        if (unsettled < 0) {
+        if (unsettled == pixel->end) {
             counts = s->sensor.counts;
             events = s->events.count;
         }
-        status = pass_step(&v, unsettled < 0, &asked, error);
-        if (asked && unsettled < 0) {
+        status = pass_step(&v, unsettled == pixel->end, &asked, error);
+        if (asked && unsettled == pixel->end) {
             unsettled = k;
             settled = v.state;
         }
         if (asked && s->sensor.on) break; /* what follows depends on when this was: it would be looked up in vain */
     }
-    v.pixel->step = unsettled;
-    if (unsettled < 0) return status;
+    pixel->next = unsettled;
+    if (unsettled == pixel->end) return status;
     s->sensor.counts = counts;
     s->events.count = events;
     td_sensor_put_back(&s->sensor, v.at, &settled);

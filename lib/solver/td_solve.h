@@ -31,20 +31,21 @@ typedef struct td_found {
     int32_t next;
 } td_found;
 
-/* A pixel in a step in which something was looked up. */
+/* A pixel in a step in which it may do something: all that is read of it round after round, side by side, for samples of a
+ * macro step are too many for caches. */
 typedef struct td_looked {
-    int32_t step, next;   /* in the macro step; the pixel's next one, or -1 */
+    td_ends ends;
+    td_trust trust;       /* of the first piece */
+    uint64_t state;       /* that the pixel began the step with when something was looked up (state_of) */
+    int32_t step;         /* in the macro step */
     int32_t first;        /* node, or -1 */
     int16_t nodes, looks; /* of the latter, rounds */
-    td_trust trust;       /* of the first piece */
-    uint64_t state;       /* that the pixel began the step with (td_hash.h) */
 } td_looked;
 
 /* A pixel that may do something, and how far it is settled. */
 typedef struct td_solving {
     int32_t tile, local;
-    int32_t step;   /* the first that isn't settled; -1: none is left */
-    int32_t looked; /* td_looked, or -1 */
+    int32_t next, end; /* its steps, from the first that isn't settled on: td_looked, side by side */
 } td_solving;
 
 /* A step that is being solved. */
@@ -55,9 +56,9 @@ typedef struct td_solve_step {
     td_coverage coverage, alpha_dot; /* where there is a mask */
 } td_solve_step;
 
-/* Who asked for a point, and where in its step. */
+/* Who asked for a point (td_looked), and where in its step. */
 typedef struct td_asked {
-    int32_t pixel, looked;
+    int32_t looked;
     double s;
 } td_asked;
 
@@ -68,7 +69,8 @@ typedef struct td_solve {
     double paths;      /* what the worst splat's record path makes of what is looked up in the interval [log units] */
     uint64_t events;   /* that were looked up, */
     uint64_t lookups;  /* and points for them */
-    td_solving *pixel;
+    double *known;     /* (units) 1 where pixels have their signal as it is looked up; NULL in single precision */
+    td_solving *pixel; /* those that aren't settled */
     size_t pixels, pixel_capacity;
     td_looked *looked;
     size_t looked_count, looked_capacity;
@@ -76,7 +78,7 @@ typedef struct td_solve {
     size_t found_count, found_capacity;
     td_solve_step *step; /* of those that are being solved, as refine.step numbers them */
     size_t step_capacity;
-    uint8_t *reaches; /* of each of them (TD_TILE_PIXELS): 0 where no pixel's level is (td_sensor_reaches) */
+    uint8_t *reaches; /* of each of a unit's steps (samples.pixels): 0 where no pixel's level is (td_sensor_reaches) */
     size_t reach_capacity;
     td_point *point; /* to be looked up in this round */
     size_t points, point_capacity;
@@ -90,21 +92,30 @@ typedef struct td_solve {
 TIDES_MUST_CHECK tides_status td_solve_create(tides_simulator *s, const tides_stepping *stepping, tides_error *error);
 void td_solve_release(td_solve *solve);
 
-/* The first sample as the image has it in the precision of what is looked up, before references are taken from it. */
-TIDES_MUST_CHECK tides_status td_solve_begin(tides_simulator *s, tides_error *error);
+/* Before a macro step that begins at `start`, once it is swept: what moves in it for the first time gets its signal and its
+ * references from what is looked up (solve_rest.c). */
+TIDES_MUST_CHECK tides_status td_solve_references(tides_simulator *s, double start, tides_error *error);
 
 /* The comparator over the accepted steps of the tiles that move, those that nothing open is before (settle.c). */
 TIDES_MUST_CHECK tides_status td_solve_steps(tides_simulator *s, double start, double stop, tides_error *error);
 
 /* Before tiles at rest are compared over a macro step that begins at `start`: what may do something there gets its signal from
- * what is looked up, so that slow ramps meet the levels where references say. */
+ * what is looked up, so that slow ramps meet the levels where references say (solve_rest.c). */
 TIDES_MUST_CHECK tides_status td_solve_still(tides_simulator *s, const td_step *span, double start, tides_error *error);
 
 /* -- parts of it ---------------------------------------------------------------------------------------------------------- */
 
-/* Runs a pixel on from where it is settled to the first step in which something is to be looked up, and lists that; an ideal
- * one to the last step. `number`: which of solve->pixel it is (solve_run.c). */
-TIDES_MUST_CHECK tides_status td_solve_run(tides_simulator *s, int32_t number, tides_error *error);
+/* Looks up what is asked for: solve->point to solve->value. `compares`: the comparator's time is taken, which it is no part of.
+ */
+TIDES_MUST_CHECK tides_status td_solve_look_up(tides_simulator *s, int compares, tides_error *error);
+
+/* Asks for a pixel of a unit at a time; `looked` and `s` are given back with what was found. */
+TIDES_MUST_CHECK tides_status td_solve_ask(tides_simulator *s, const td_tile *tile, int32_t local, double time,
+                                           const td_asked *asked, tides_error *error);
+
+/* Runs a pixel on from where it is settled to the first step in which something is to be looked up, and asks for that; an ideal
+ * one to the last step (solve_run.c). */
+TIDES_MUST_CHECK tides_status td_solve_run(tides_simulator *s, td_solving *pixel, tides_error *error);
 
 /* What a pixel's model on a step of h seconds may be off by before anything is looked up (solve.c). */
 td_trust td_solve_first_trust(const tides_simulator *s, const td_refine_step *refined, double h, int32_t i);
@@ -124,8 +135,8 @@ double td_trusted_error(const td_trusted *model, double s);
 int td_solve_nodes(const td_solve *solve, const td_looked *looked, td_node *nodes, td_trust *trust);
 
 /* A value that was looked up at s becomes a node; where a node is there already, nothing. */
-TIDES_MUST_CHECK tides_status td_solve_insert(td_solve *solve, td_looked *looked, const td_ends *ends, double s,
-                                              const td_point_value *value, tides_error *error);
+TIDES_MUST_CHECK tides_status td_solve_insert(td_solve *solve, td_looked *looked, double s, const td_point_value *value,
+                                              tides_error *error);
 
 /* What a value in double is off by, times 1 + |L|: some units of the sums and logarithms that it comes of. */
 #define TD_SOLVE_DOUBLE_ROUNDING 0x1p-50

@@ -10,16 +10,20 @@ static const struct {
     const char *device;
     double budget;
     int rests; /* the camera: objects move before a background that doesn't */
+    int solve;
 } kinds[] = {
-    {TIDES_STEPPING_FIXED, "reference", 0, 0},
-    {TIDES_STEPPING_ERROR, "reference", 0, 0},
-    {TIDES_STEPPING_FIXED, "cpu", 0, 0},
-    {TIDES_STEPPING_ERROR, "cpu", 0, 0},
-    {TIDES_STEPPING_FIXED, "reference-f32", 0, 1},
-    {TIDES_STEPPING_ERROR, "reference-f32", 0, 1},
-    {TIDES_STEPPING_RISK, "reference-f32", 0, 0},
-    {TIDES_STEPPING_ERROR_RISK, "reference-f32", 0, 1},
-    {TIDES_STEPPING_ERROR, "reference-f32", 30.0, 0},
+    {TIDES_STEPPING_FIXED, "reference", 0, 0, 0},
+    {TIDES_STEPPING_ERROR, "reference", 0, 0, 0},
+    {TIDES_STEPPING_FIXED, "cpu", 0, 0, 0},
+    {TIDES_STEPPING_ERROR, "cpu", 0, 0, 0},
+    {TIDES_STEPPING_FIXED, "reference-f32", 0, 1, 0},
+    {TIDES_STEPPING_ERROR, "reference-f32", 0, 1, 0},
+    {TIDES_STEPPING_RISK, "reference-f32", 0, 0, 0},
+    {TIDES_STEPPING_ERROR_RISK, "reference-f32", 0, 1, 0},
+    {TIDES_STEPPING_ERROR, "reference-f32", 30.0, 0, 0},
+    {TIDES_STEPPING_ERROR, "reference", 0, 0, TIDES_SOLVE_DOUBLE},
+    {TIDES_STEPPING_ERROR, "reference-f32", 0, 1, TIDES_SOLVE_DOUBLE}, /* some begin to move later: references by then */
+    {TIDES_STEPPING_ERROR, "cpu", 0, 1, TIDES_SOLVE_DOUBLE},
 };
 
 static void test_cut_at_every_step(void **state) {
@@ -29,6 +33,7 @@ static void test_cut_at_every_step(void **state) {
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
         job j = make_job(kinds[k].mode, kinds[k].device);
         j.stepping.budget = kinds[k].budget;
+        j.stepping.solve = kinds[k].solve;
         if (kinds[k].rests) {
             random_scene_free(&j.scene);
             j.scene = make_scene(SEED, 0);
@@ -37,6 +42,7 @@ static void test_cut_at_every_step(void **state) {
         if (device) {
             outcome *whole = run_whole(&j, device), *pieces = new_outcome();
             assert_true((whole->stats.steps_over_budget > 0) == (kinds[k].budget > 0));
+            assert_true((whole->stats.events_solved > 0) == (kinds[k].solve != TIDES_SOLVE_OFF));
             tides_simulator *s = make_simulator(&j, device);
             for (int64_t step = 0; step <= s->steps; step++) {
                 advance(s, s->epoch + td_grid_time(s, step), pieces);
