@@ -169,6 +169,18 @@ static void test_taken_back(void **state) {
     }
 }
 
+static td_sensor_single single_of(const td_tile *tile, size_t i, const td_step *step, const td_ends *ends, td_pieces *pieces,
+                                  td_changes *changes) {
+    const int32_t at = (int32_t)i;
+    return (td_sensor_single){.step = step,
+                              .pixel = i,
+                              .x = tile->x0 + at % tile->width,
+                              .y = tile->y0 + at / tile->width,
+                              .ends = ends,
+                              .pieces = pieces,
+                              .changes = changes};
+}
+
 /* One pixel at a time with no nodes: the tile's events. */
 static void test_singles_are_the_tile(void **state) {
     (void)state;
@@ -192,7 +204,7 @@ static void test_singles_are_the_tile(void **state) {
             const td_ends ends = {0.02, signals.S0[i], signals.S0_dot[i], signals.S1[i], signals.S1_dot[i]};
             td_pieces pieces;
             td_pieces_make(&pieces, &ends, NULL, 0);
-            const td_sensor_single one = {&step, &single->tile[0], 0, i, &signals, NULL, &pieces, &changes};
+            const td_sensor_single one = single_of(&single->tile[0], i, &step, &ends, &pieces, &changes);
             const size_t before = single->buffer.count;
             if (!active[i]) continue;
             assert_int_equal(td_sensor_advance(&single->sensor, &one, &single->buffer, &error), TIDES_OK);
@@ -237,7 +249,7 @@ static void test_out_of_reach(void **state) {
             const td_ends ends = {0.001, signals.S0[i], signals.S0_dot[i], signals.S1[i], signals.S1_dot[i]};
             td_pieces pieces;
             td_pieces_make(&pieces, &ends, NULL, 0);
-            const td_sensor_single one = {&step, &r->tile[0], 0, i, &signals, NULL, &pieces, &changes};
+            const td_sensor_single one = single_of(&r->tile[0], i, &step, &ends, &pieces, &changes);
             assert_int_equal(td_sensor_advance(&r->sensor, &one, &r->buffer, &error), TIDES_OK);
             assert_true(reaches[i] || changes.count == 0);
             out += !reaches[i];
