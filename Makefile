@@ -62,7 +62,7 @@ TESTS    := $(TEST_SRC:%.c=$(OUT)/%)
 GOLDEN   := $(patsubst %.c,$(OUT)/%,$(wildcard tests/golden/test_*.c))
 
 .PHONY: all
-all: build/tides build/libtides.so ## Build the library and the command line tool (default)
+all: build/tides build/libtides.so $(OUT)/libtides-limit.so ## Build the library and the command line tool (default)
 
 # Flags that change rebuild what they changed (all but WERROR: it changes no object).
 $(OUT)/.flags: FORCE
@@ -104,6 +104,19 @@ build/tides: $(OUT)/tides FORCE
 build/libtides.so: $(OUT)/libtides.so.$(VERSION) FORCE
 	@ln -sfn $(OUT:build/%=%)/libtides.so $@
 
+# What `tides bench throughput` holds frames against: as fast as the compiler makes it on this very machine, so it is an object of
+# its own, opened by that command alone and installed by none. A compiler without these flags leaves it out.
+LIMIT_OBJ    := $(patsubst %.c,$(OUT)/%.o,$(wildcard cli/bench/limit/*.c))
+LIMIT_FLAGS  := -std=c99 -O3 -march=native -mprefer-vector-width=512 -funroll-loops -fno-math-errno -fno-trapping-math \
+                -ffp-contract=fast -fPIC -fvisibility=hidden -pthread $(WARNINGS) -Wno-psabi
+LIMIT_FITS   := $(shell echo 'typedef int i __attribute__((vector_size(8))); i f(i a); i f(i a) { return __builtin_shufflevector(a, a, 0, 2); }' | \
+                $(CC) -O3 -march=native -mprefer-vector-width=512 -x c -c -o /dev/null - 2>/dev/null && echo yes)
+$(OUT)/cli/bench/limit/%.o: cli/bench/limit/%.c $(OUT)/.flags
+	@mkdir -p $(@D)
+	$(CC) $(LIMIT_FLAGS) $(WERROR) -MMD -MP -c $< -o $@
+$(OUT)/libtides-limit.so: $(if $(LIMIT_FITS),$(LIMIT_OBJ))
+	$(if $(LIMIT_FITS),$(CC) -shared -pthread -o $@ $(LIMIT_OBJ) -lm,@echo 'no $@: $(CC) lacks -march=native or __builtin_shufflevector')
+
 # Tests reach internals, so they link the objects, not the shared library.
 $(OUT)/tests/%: $(OUT)/tests/%.o $(SUPPORT_OBJ) $(OUT)/libtides.a
 	$(LINK) -o $@ $< $(SUPPORT_OBJ) $(OUT)/libtides.a $(TIDES_LDLIBS) $(LDLIBS) -lcmocka
@@ -121,7 +134,7 @@ $(OUT)/tests/fuzz/fuzz_batch: $(filter-out %/main.o,$(CLI_OBJ))
 BENCH    := $(patsubst %.c,$(OUT)/%,$(wildcard tests/bench/bench_*.c))
 
 .SECONDARY: # keep the tests' objects
--include $(LIB_OBJ:.o=.d) $(CLI_OBJ:.o=.d) $(TESTS:=.d) $(GOLDEN:=.d) $(FUZZ:=.d) $(BENCH:=.d) $(SUPPORT_OBJ:.o=.d)
+-include $(LIB_OBJ:.o=.d) $(CLI_OBJ:.o=.d) $(LIMIT_OBJ:.o=.d) $(TESTS:=.d) $(GOLDEN:=.d) $(FUZZ:=.d) $(BENCH:=.d) $(SUPPORT_OBJ:.o=.d)
 
 # -- set-up and demo ---------------------------------------------------------------------------------------------------
 # The flags above are found when make starts, so whatever installs packages starts make afresh before it builds.

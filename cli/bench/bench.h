@@ -35,6 +35,8 @@ const char *const *bench_scene_names(void);
  * short. A built-in scene whose file isn't there is TIDES_FILE_NOT_FOUND. */
 tides_status bench_scene_make(const char *name, int32_t quick, bench_scene *scene, tides_error *error);
 void bench_scene_free(bench_scene *scene);
+/* All but what is to be seen, for scenes that aren't built in. */
+void bench_lay_out(bench_scene *scene, const char *name, const char *sentence);
 
 /* bench_parts.c: what the built-in scenes are made of. */
 tides_status bench_add_wall(tides_scene *scene, tides_error *error);             /* the demo's wall */
@@ -113,6 +115,10 @@ tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, co
 enum { BENCH_SOLVED_FLOAT = 1, BENCH_SOLVED = 2, BENCH_BLOCKS = 4, BENCH_PATHS = 8 };
 enum { BENCH_TOGETHER = BENCH_SOLVED | BENCH_BLOCKS | BENCH_PATHS };
 void bench_choose_parts(tides_stepping *stepping, int32_t parts);
+/* Median and quartiles of measured values, between neighbours; puts them in order. */
+void bench_quartiles(double *values, int32_t count, double *low, double *median, double *high);
+/* A clock of the process or the thread [s]: processor time. */
+double bench_processor_s(int32_t all_threads);
 /* A line on stderr. */
 void bench_say(const bench *b, const char *format, ...) CLI_PRINTF(2, 3);
 void bench_say_row(const bench *b, const bench_row *row);
@@ -217,7 +223,7 @@ tides_status bench_find_jumps(bench *b, const bench_scene *scene, const tides_im
 tides_status bench_frame_costs(bench *b, const bench_scene *scene, const tides_image_params *images, size_t count,
                                double *seconds, tides_error *error);
 
-/* bench_throughput.c: what a block costs in a scene: its runs against runs without it, taken in turns. */
+/* bench_blocks.c: what a block costs in a scene: its runs against runs without it, taken in turns. */
 typedef struct bench_cost {
     char scene[64];
     const char *block, *group; /* "mismatch" of "comparator" */
@@ -230,13 +236,14 @@ typedef struct bench_cost {
     double spent_s; /* in its runs and theirs */
     tides_stats stats;
 } bench_cost;
-/* bench_throughput_figure.c: throughput.png. */
+/* bench_blocks_figure.c: blocks.png. */
 tides_status bench_figure_costs(const bench *b, const bench_cost *costs, size_t count, tides_error *error);
 
-/* bench_accuracy.c, bench_ablation.c, bench_image.c, bench_throughput.c, bench_stability.c; the exit code is the command's. */
+/* bench_accuracy.c, bench_ablation.c, bench_blocks.c, bench_image.c, bench_stability.c; the exit code is the command's. */
 tides_status bench_accuracy(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_ablation(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_image(bench *b, const cli_list *scenes, tides_error *error);
+tides_status bench_blocks(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_throughput(bench *b, const cli_list *scenes, tides_error *error);
 /* Rows, not scenes; opens devices by itself, in processes of its own. */
 tides_status bench_stability(bench *b, const cli_list *rows, tides_error *error);

@@ -36,6 +36,28 @@ void bench_choose_parts(tides_stepping *stepping, int32_t parts) {
     stepping->paths = (parts & BENCH_PATHS) != 0;
 }
 
+/* -- figures -------------------------------------------------------------------------------------------------------------- */
+
+static double quantile(const double *sorted, int32_t count, double share) {
+    const double at = share * (count - 1);
+    const int32_t below = (int32_t)at;
+    if (below + 1 >= count) return sorted[count - 1];
+    return sorted[below] + (at - below) * (sorted[below + 1] - sorted[below]);
+}
+
+void bench_quartiles(double *values, int32_t count, double *low, double *median, double *high) {
+    cli_sort(values, (size_t)count);
+    *low = quantile(values, count, 0.25);
+    *median = quantile(values, count, 0.5);
+    *high = quantile(values, count, 0.75);
+}
+
+double bench_processor_s(int32_t all_threads) {
+    struct timespec now;
+    clock_gettime(all_threads ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_THREAD_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
 /* -- rows ---------------------------------------------------------------------------------------------------------------- */
 
 bench_row *bench_rows_add(bench_rows *rows, tides_error *error) {
@@ -56,12 +78,6 @@ bench_row *bench_rows_add(bench_rows *rows, tides_error *error) {
 
 /* -- runs ---------------------------------------------------------------------------------------------------------------- */
 
-static double clock_s(clockid_t clock) {
-    struct timespec now;
-    clock_gettime(clock, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
                             const tides_stepping *stepping, cli_stream *stream, bench_row *row, tides_error *error) {
     tides_image_params image = scene->image;
@@ -78,11 +94,11 @@ tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, c
         return status;
     }
     tides_simulator_stats(simulator, &before);
-    const double began = cli_now(), all_began = clock_s(CLOCK_PROCESS_CPUTIME_ID), own_began = clock_s(CLOCK_THREAD_CPUTIME_ID);
+    const double began = cli_now(), all_began = bench_processor_s(1), own_began = bench_processor_s(0);
     status = tides_simulator_run(simulator, scene->stop, cli_keep, stream, cli_progress_step, &b->progress, error);
     const double elapsed = cli_now() - began;
-    row->all_threads_s = clock_s(CLOCK_PROCESS_CPUTIME_ID) - all_began;
-    row->own_thread_s = clock_s(CLOCK_THREAD_CPUTIME_ID) - own_began;
+    row->all_threads_s = bench_processor_s(1) - all_began;
+    row->own_thread_s = bench_processor_s(0) - own_began;
     tides_simulator_stats(simulator, &row->stats);
     tides_simulator_destroy(simulator);
     const double seconds = elapsed - (row->stats.render.time_build_s - before.render.time_build_s);

@@ -206,6 +206,13 @@ static void lay_out(bench_scene *s, const recipe *r, int32_t quick) {
     tides_readout_defaults(&s->readout);
 }
 
+void bench_lay_out(bench_scene *scene, const char *name, const char *sentence) {
+    memset(scene, 0, sizeof *scene);
+    snprintf(scene->name, sizeof scene->name, "%s", name);
+    lay_out(scene, &any_file, 0);
+    scene->sentence = sentence;
+}
+
 tides_status bench_scene_make(const char *name, int32_t quick, bench_scene *scene, tides_error *error) {
     const recipe *r = &any_file;
     for (size_t i = 0; i < RECIPES; i++)

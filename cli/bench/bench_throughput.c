@@ -1,253 +1,187 @@
-/* tides bench throughput: how fast the simulator is, and what each block of the sensor and the readout costs, alone. A row is
- * one line of the table below; its settings are what a user would give with --set.
- *
- * All rows take the same equal steps over the same scene, so that they render the same frames. Each run of a row follows a run
- * with all blocks off, and the figures are medians over these pairs. Costs are in processor time, which other programs hardly
- * lengthen: the ratio in that of all threads, the nanoseconds in that of the thread which runs the sensor and the readout, as
- * rendering, which is done by others but on the reference device, would drown them. "off" is measured so too, as the first row
- * and as the last: how far its ratio is from 1 is how good the others are. */
-#include "bench.h"
+/* tides bench throughput: what each stage takes, and how fast the machine would let it be. Frames of each scene at two sizes
+ * are made under all rules, with rates and without, in turns with the limit: the same image in plain C made for this very
+ * machine (limit/limit.h). */
+#include "bench_throughput.h"
+#include "bench_targets.h"
+#include "bench_worlds.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define STEPS_PER_S 2000.0 /* [1/s] */
-/* Pairs of runs for each row; no more once they took so long [s], but two. */
-enum { PAIRS = 9, PAIRS_QUICK = 3, PAIRS_LEAST = 2 };
-#define LONG_S 4.0
-#define LONG_QUICK_S 0.5
+typedef struct image_size {
+    int32_t width, height;
+} image_size;
+static const image_size sizes[] = {{346, 260}, {1280, 720}}, quick_sizes[] = {{96, 72}};
 
-enum { SETTINGS_MAX = 4 };
-typedef struct block_case {
-    const char *name, *group;
-    const char *settings[SETTINGS_MAX];
-} block_case;
+/* How far the limit's image may be off inria's: mean |difference| of L, and of L_dot as a share. Splats that a threshold of
+ * alpha or of T drops here and keeps there are all there is. */
+#define LIMIT_L_MOST 1e-3
+#define LIMIT_L_DOT_MOST 0.02
 
-/* Sizes where the block acts on what fires here: mismatch and leak as in v2e, rates and periods as in its noisy preset. */
-static const block_case blocks[] = {
-    {"off", "base", {NULL}},
-    {"mismatch", "comparator", {"sensor.threshold_sigma=0.03"}},
-    {"refractory hold", "comparator", {"sensor.refractory_s=0.0005", "sensor.refractory_law=hold"}},
-    {"refractory drop_keep", "comparator", {"sensor.refractory_s=0.0005", "sensor.refractory_law=drop_keep"}},
-    {"refractory drop_consume", "comparator", {"sensor.refractory_s=0.0005", "sensor.refractory_law=drop_consume"}},
-    {"leak", "comparator", {"sensor.leak_rate_hz=0.1", "sensor.leak_sigma=0.1"}},
-    {"b_min", "comparator", {"sensor.b_min=0.1"}},
-    {"shot noise", "comparator", {"frontend.shot_noise_hz=5"}},
-    {"hot pixels", "comparator", {"frontend.hot_pixel_fraction=0.001"}},
-    {"dead pixels", "comparator", {"sensor.dead_pixel_fraction=0.001"}},
-    {"PSF log", "front end", {"frontend.psf_sigma_px=1"}},
-    {"PSF linear", "front end", {"frontend.psf_sigma_px=1", "frontend.psf_domain=linear"}},
-    {"low-pass", "front end", {"frontend.photoreceptor_cutoff_hz=300"}},
-    {"low-pass by light", "front end", {"frontend.photoreceptor_cutoff_hz=300", "frontend.photoreceptor_law=intensity"}},
-    {"circuit", "front end", {"frontend.bandwidth=circuit"}},
-    {"centre-surround", "front end", {"frontend.center_surround=[2,0.001]"}},
-    {"additive noise", "front end", {"frontend.noise_rms=0.02"}},
-    {"readout tiles", "readout", {"readout.enabled=true", "readout.kind=tiles"}},
-    {"readout rows", "readout", {"readout.enabled=true", "readout.kind=rows"}},
-    {"readout bottleneck", "readout", {"readout.enabled=true", "readout.kind=bottleneck"}},
-    {"ideal", "preset", {"sensor.preset=ideal"}},
-    {"dvs128", "preset", {"sensor.preset=dvs128"}},
-    {"davis240", "preset", {"sensor.preset=davis240"}},
-    {"davis346", "preset", {"sensor.preset=davis346"}},
-    {"gen3", "preset", {"sensor.preset=gen3"}},
-    {"gen4", "preset", {"sensor.preset=gen4"}},
-    {"imx636", "preset", {"sensor.preset=imx636"}},
-    {"v2e-clean", "preset", {"sensor.preset=v2e-clean"}},
-    {"v2e-noisy", "preset", {"sensor.preset=v2e-noisy"}},
-    {"inria", "image", {"image.rules=inria"}},
-    {"off again", "base", {NULL}},
-};
-enum { BLOCKS = sizeof blocks / sizeof blocks[0] };
+/* -- rows ------------------------------------------------------------------------------------------------------------------ */
 
-/* One run [s]. */
-typedef struct timed {
-    double run, all_threads, own_thread;
-} timed;
-
-/* A row's runs, and those without its block. */
-typedef struct pairs {
-    timed with[PAIRS], without[PAIRS];
-} pairs;
-
-typedef struct job {
-    bench_cost *costs;
-    size_t count;
-    cJSON *header;
-} job;
-
-/* -- one row ------------------------------------------------------------------------------------------------------------- */
-
-/* The scene with a block's settings. */
-static tides_status set_block(const block_case *block, bench_scene *scene, int32_t *rules, tides_error *error) {
-    static const char least[] = "{\"scene\": {\"file\": \"-\"}, \"camera\": {\"file\": \"-\"}}";
-    size_t count = 0;
-    while (count < SETTINGS_MAX && block->settings[count]) count++;
-    tides_run *run = NULL;
-    tides_run_values values;
-    tides_status status = tides_run_parse(least, "", block->settings, count, &run, error);
-    if (status != TIDES_OK) return status;
-    tides_run_get(run, &values);
-    scene->sensor = values.sensor;
-    scene->readout = values.readout;
-    *rules = values.image.rules;
-    tides_run_destroy(run);
-    return TIDES_OK;
-}
-
-static tides_status simulate(bench *b, const bench_scene *scene, const block_case *block, timed *took, bench_row *row,
-                             tides_error *error) {
-    bench_scene with = *scene;
-    int32_t rules;
-    tides_stepping stepping;
-    tides_stepping_defaults(&stepping);
-    stepping.mode = TIDES_STEPPING_FIXED;
-    stepping.step_s = 1 / STEPS_PER_S;
-    memset(row, 0, sizeof *row);
-    tides_status status = set_block(block, &with, &rules, error);
-    if (status == TIDES_OK) status = bench_simulate(b, &with, rules, &with.sensor, &stepping, NULL, row, error);
-    *took = (timed){row->run_time_s, row->all_threads_s, row->own_thread_s};
-    return status;
-}
-
-static tides_status measure_pair(bench *b, const bench_scene *scene, const block_case *block, pairs *p, bench_cost *cost,
-                                 tides_error *error) {
-    bench_row row;
-    tides_status status = simulate(b, scene, &blocks[0], &p->without[cost->runs], &row, error);
-    if (status == TIDES_OK) status = simulate(b, scene, block, &p->with[cost->runs], &row, error);
-    if (status != TIDES_OK) return status;
-    cost->stats = row.stats;
-    cost->spent_s += p->with[cost->runs].run + p->without[cost->runs].run;
-    cost->runs++;
-    return TIDES_OK;
-}
-
-/* Of sorted numbers, between neighbours. */
-static double quantile(const double *sorted, int32_t count, double share) {
-    const double at = share * (count - 1);
-    const int32_t below = (int32_t)at;
-    if (below + 1 >= count) return sorted[count - 1];
-    return sorted[below] + (at - below) * (sorted[below + 1] - sorted[below]);
-}
-
-static void quartiles(double *values, int32_t count, double *low, double *median, double *high) {
-    cli_sort(values, (size_t)count);
-    *low = quantile(values, count, 0.25);
-    *median = quantile(values, count, 0.5);
-    *high = quantile(values, count, 0.75);
-}
-
-static void judge_pairs(const pairs *p, bench_cost *cost) {
-    double run[PAIRS] = {0}, processor[PAIRS] = {0}, ratio[PAIRS] = {0}, ns[PAIRS] = {0}, low, high;
-    for (int32_t i = 0; i < cost->runs; i++) {
-        run[i] = p->with[i].run;
-        processor[i] = p->with[i].all_threads;
-        ratio[i] = p->with[i].all_threads / p->without[i].all_threads;
-        ns[i] = 1e9 * (p->with[i].own_thread - p->without[i].own_thread) / cost->pixel_steps;
+bench_stage *bench_stages_add(bench_stages *stages, const bench_scene *scene, const char *maker, const char *stage,
+                              tides_error *error) {
+    bench_stage *grown = realloc(stages->rows, (stages->count + 1) * sizeof *grown);
+    if (!grown) {
+        cli_error(error, TIDES_NO_MEMORY, "out of memory: rows of results");
+        return NULL;
     }
-    quartiles(ratio, cost->runs, &cost->ratio_low, &cost->ratio, &cost->ratio_high);
-    quartiles(ns, cost->runs, &cost->ns_low, &cost->ns, &cost->ns_high);
-    quartiles(processor, cost->runs, &low, &cost->processor_s, &high);
-    quartiles(run, cost->runs, &low, &cost->run_time_s, &high);
+    stages->rows = grown;
+    bench_stage *row = &grown[stages->count++];
+    *row = (bench_stage){.maker = maker, .stage = stage, .unit = "", .runs = 1};
+    snprintf(row->scene, sizeof row->scene, "%s", scene->name);
+    row->width = scene->intrinsics.width;
+    row->height = scene->intrinsics.height;
+    row->gaussians = (double)tides_scene_count(scene->scene);
+    row->time_s = row->low_s = row->high_s = row->share = row->calls = row->items = row->pairs = row->bytes = NAN;
+    row->limit_s = row->over_limit = row->over_limit_low = row->over_limit_high = NAN;
+    row->over_inria = row->over_without_rates = NAN;
+    return row;
 }
-
-/* -- one scene ----------------------------------------------------------------------------------------------------------- */
-
-static void begin_cost(const bench_scene *scene, const block_case *block, bench_cost *cost) {
-    memset(cost, 0, sizeof *cost);
-    snprintf(cost->scene, sizeof cost->scene, "%s", scene->name);
-    cost->block = block->name;
-    cost->group = block->group;
-    for (size_t i = 0, used = 0; i < SETTINGS_MAX && block->settings[i] && used < sizeof cost->settings; i++)
-        used += (size_t)snprintf(cost->settings + used, sizeof cost->settings - used, "%s%s", i ? " " : "", block->settings[i]);
-    cost->steps = round(STEPS_PER_S * (scene->stop - scene->start));
-    cost->pixel_steps = cost->steps * scene->intrinsics.width * scene->intrinsics.height;
-}
-
-static void say_cost(const bench *b, const bench_cost *cost) {
-    bench_say(b, "%-10s %-24s %8.3g s  x %.4g (%.4g to %.4g)  %.3g ns per pixel and step", cost->scene, cost->block,
-              cost->run_time_s, cost->ratio, cost->ratio_low, cost->ratio_high, cost->ns);
-}
-
-static tides_status visit(void *user, bench *b, bench_scene *scene, tides_error *error) {
-    job *j = user;
-    const int32_t rounds = b->quick ? PAIRS_QUICK : PAIRS;
-    const double enough_s = b->quick ? LONG_QUICK_S : LONG_S;
-    bench_cost *grown = realloc(j->costs, (j->count + BLOCKS) * sizeof *grown);
-    pairs *p = calloc(BLOCKS, sizeof *p);
-    tides_status status = grown && p ? TIDES_OK : cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
-    if (grown) j->costs = grown;
-    bench_cost *costs = j->costs + j->count;
-    for (size_t i = 0; i < BLOCKS && status == TIDES_OK; i++) begin_cost(scene, &blocks[i], &costs[i]);
-    for (int32_t round = 0; round < rounds; round++)
-        for (size_t i = 0; i < BLOCKS && status == TIDES_OK; i++) {
-            if (round >= PAIRS_LEAST && costs[i].spent_s > enough_s) continue;
-            status = measure_pair(b, scene, &blocks[i], &p[i], &costs[i], error);
-        }
-    for (size_t i = 0; i < BLOCKS && status == TIDES_OK; i++) {
-        judge_pairs(&p[i], &costs[i]);
-        say_cost(b, &costs[i]);
-        j->count++;
-    }
-    free(p);
-    if (status == TIDES_OK && !bench_header_scene(j->header, scene, NULL))
-        status = cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
-    return status;
-}
-
-/* -- results ------------------------------------------------------------------------------------------------------------- */
 
 static int32_t cells_of(const void *rows, size_t index, bench_cell cells[BENCH_CELLS_MAX]) {
-    const bench_cost *c = (const bench_cost *)rows + index;
+    const bench_stage *r = (const bench_stage *)rows + index;
     const bench_cell made[] = {
-        {"scene", c->scene, 0},
-        {"block", c->block, 0},
-        {"group", c->group, 0},
-        {"runs", NULL, c->runs},
-        {"run_time_s", NULL, c->run_time_s},
-        {"processor_time_s", NULL, c->processor_s},
-        {"ratio", NULL, c->ratio},
-        {"ratio_low", NULL, c->ratio_low},
-        {"ratio_high", NULL, c->ratio_high},
-        {"ns_per_pixel_step", NULL, c->ns},
-        {"ns_low", NULL, c->ns_low},
-        {"ns_high", NULL, c->ns_high},
-        {"pixel_steps_per_s", NULL, c->pixel_steps / c->run_time_s},
-        {"events_per_s", NULL, (double)c->stats.events_written / c->run_time_s},
-        {"frames_per_s", NULL, c->stats.renders_full_frame_equivalent / c->run_time_s},
-        {"real_time_factor", NULL, c->stats.simulated_s / c->run_time_s},
-        {"events", NULL, (double)c->stats.events_written},
-        {"renders", NULL, c->stats.renders_full_frame_equivalent},
-        {"steps", NULL, c->steps},
-        {"pixel_steps", NULL, c->pixel_steps},
-        {"settings", c->settings, 0},
+        {"scene", r->scene, 0},
+        {"width", NULL, r->width},
+        {"height", NULL, r->height},
+        {"gaussians", NULL, r->gaussians},
+        {"maker", r->maker, 0},
+        {"stage", r->stage, 0},
+        {"runs", NULL, r->runs},
+        {"time_s", NULL, r->time_s},
+        {"time_low_s", NULL, r->low_s},
+        {"time_high_s", NULL, r->high_s},
+        {"share", NULL, r->share},
+        {"calls", NULL, r->calls},
+        {"items", NULL, r->items},
+        {"unit", r->unit, 0},
+        {"items_per_s", NULL, r->items / r->time_s},
+        {"pairs_per_s", NULL, r->pairs / r->time_s},
+        {"bytes_per_s", NULL, r->bytes / r->time_s},
+        {"limit_s", NULL, r->limit_s},
+        {"over_limit", NULL, r->over_limit},
+        {"over_limit_low", NULL, r->over_limit_low},
+        {"over_limit_high", NULL, r->over_limit_high},
+        {"over_inria", NULL, r->over_inria},
+        {"over_without_rates", NULL, r->over_without_rates},
     };
     memcpy(cells, made, sizeof made);
     return sizeof made / sizeof made[0];
 }
 
-static void print_table(const job *j) {
-    printf("%-10s %-24s %10s %7s %15s %10s %12s %11s %9s\n", "scene", "block", "run time s", "ratio", "quartiles", "ns/px step",
-           "Mpx steps/s", "Mevents/s", "frames/s");
-    for (size_t i = 0; i < j->count; i++) {
-        const bench_cost *c = &j->costs[i];
-        printf("%-10s %-24s %10.3g %7.3f %7.3f %7.3f %10.3g %12.4g %11.3g %9.3g\n", c->scene, c->block, c->run_time_s, c->ratio,
-               c->ratio_low, c->ratio_high, c->ns, 1e-6 * c->pixel_steps / c->run_time_s,
-               1e-6 * (double)c->stats.events_written / c->run_time_s, c->stats.renders_full_frame_equivalent / c->run_time_s);
+/* -- scenes --------------------------------------------------------------------------------------------------------------- */
+
+static tides_status check_limit(const bench *b, const bench_scene *scene, const frame_times *t, tides_error *error) {
+    if (!t->limited) {
+        bench_say(b, "%-9s no limit: %s", scene->name, t->why);
+        return TIDES_OK;
+    }
+    if (t->L_apart <= LIMIT_L_MOST && t->L_dot_apart <= LIMIT_L_DOT_MOST) return TIDES_OK;
+    return cli_error(error, TIDES_BAD_ARGUMENT, "%s: the limit's image isn't inria's: L is off by %.3g, L_dot by %.3g of it",
+                     scene->name, t->L_apart, t->L_dot_apart);
+}
+
+static void say_frames(const bench *b, const bench_scene *scene, const frame_times *t) {
+    for (int32_t maker = t->limited ? LIMIT : INRIA; maker < MAKERS; maker++) {
+        double ms[STAGES], low, high;
+        for (int k = 0; k < STAGES; k++) {
+            double sorted[FRAME_ROUNDS];
+            memcpy(sorted, t->s[maker][k], (size_t)t->rounds * sizeof *sorted);
+            bench_quartiles(sorted, t->rounds, &low, &ms[k], &high);
+            ms[k] *= 1e3;
+        }
+        bench_say(
+            b, "%-9s %4dx%-4d %-9s %8.3f ms | sweep %7.3f project %7.3f sort %7.3f composite %7.3f transfer %6.3f other %6.3f",
+            scene->name, (int)scene->intrinsics.width, (int)scene->intrinsics.height, frame_maker_name(maker), ms[STAGE_FRAME],
+            ms[STAGE_SWEEP], ms[STAGE_PROJECT], ms[STAGE_SORT], ms[STAGE_COMPOSITE], ms[STAGE_TRANSFER], ms[STAGE_OTHER]);
+    }
+}
+
+static tides_status measure_scene(bench *b, const char *name, bench_stages *stages, tides_error *error) {
+    const image_size *all = b->quick ? quick_sizes : sizes;
+    const size_t count = b->quick ? sizeof quick_sizes / sizeof *quick_sizes : sizeof sizes / sizeof *sizes;
+    bench_scene scene;
+    tides_status status = bench_world_make(name, b->quick, &scene, error);
+    if (status != TIDES_OK) return status;
+    bench_say(b, "%s: %s; %lld Gaussians", scene.name, scene.sentence, (long long)tides_scene_count(scene.scene));
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) {
+        frame_times times;
+        bench_resize(&scene, all[i].width, all[i].height);
+        status = frames_measure(b, &scene, &times, error);
+        if (status == TIDES_OK) say_frames(b, &scene, &times);
+        if (status == TIDES_OK) status = check_limit(b, &scene, &times, error);
+        if (status == TIDES_OK) status = bench_frame_rows(stages, &scene, &times, error);
+    }
+    if (status == TIDES_OK && !bench_header_scene(stages->header, &scene, NULL))
+        status = cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
+    bench_scene_free(&scene);
+    return status;
+}
+
+static int32_t is_world(const char *name) {
+    for (const char *const *known = bench_world_names(); *known; known++)
+        if (strcmp(*known, name) == 0) return 1;
+    return 0;
+}
+
+static tides_status measure_scenes(bench *b, const cli_list *asked, bench_stages *stages, tides_error *error) {
+    static const char *const quick_names[] = {"random", "demo", NULL};
+    const char *const *names = b->quick ? quick_names : bench_world_names();
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; status == TIDES_OK && (asked->count ? i < asked->count : names[i] != NULL); i++) {
+        const char *name = asked->count ? asked->items[i] : names[i];
+        status = measure_scene(b, name, stages, error);
+        if (status != TIDES_FILE_NOT_FOUND || !is_world(name)) continue;
+        bench_say(b, "%s: skipped: %s", name, error->text);
+        status = TIDES_OK;
+    }
+    return status;
+}
+
+/* -- results -------------------------------------------------------------------------------------------------------------- */
+
+/* Nothing where there is no such number. */
+static void put_number(const char *format, int width, double number) {
+    char text[32] = "";
+    if (isfinite(number)) snprintf(text, sizeof text, format, number);
+    printf(" %*s", width, text);
+}
+
+static void print_table(const bench_stages *stages) {
+    printf("%-9s %-9s %-9s %-10s %9s %6s %9s %9s %7s %9s %7s %7s\n", "scene", "size", "maker", "stage", "ms", "share",
+           "M items/s", "Gpairs/s", "GB/s", "limit ms", "over it", "x inria");
+    for (size_t i = 0; i < stages->count; i++) {
+        const bench_stage *r = &stages->rows[i];
+        if (strcmp(r->stage, "processor") == 0) continue;
+        printf("%-9s %4dx%-4d %-9s %-10s %9.3f", r->scene, (int)r->width, (int)r->height, r->maker, r->stage, 1e3 * r->time_s);
+        put_number("%.1f%%", 6, 100 * r->share);
+        put_number("%.4g", 9, 1e-6 * r->items / r->time_s);
+        put_number("%.3g", 9, 1e-9 * r->pairs / r->time_s);
+        put_number("%.3g", 7, 1e-9 * r->bytes / r->time_s);
+        put_number("%.3f", 9, 1e3 * r->limit_s);
+        put_number("%.2f", 7, r->over_limit);
+        put_number("%.2f", 7, r->over_inria);
+        putchar('\n');
     }
 }
 
 tides_status bench_throughput(bench *b, const cli_list *scenes, tides_error *error) {
-    const cli_list moving = {.items = {"fan", "trained"}, .count = b->quick ? 1 : 2};
-    job j = {.header = bench_header(b, "throughput")};
-    if (!j.header) return cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
-    tides_status status = bench_each_scene(b, scenes->count ? scenes : &moving, visit, &j, error);
-    const bench_table table = {j.costs, j.count, cells_of};
-    if (status == TIDES_OK) status = bench_write_table(b, "throughput", j.header, &table, error);
-    if (status == TIDES_OK) status = bench_figure_costs(b, j.costs, j.count, error);
-    if (status == TIDES_OK && !b->common->quiet && !b->common->json) print_table(&j);
-    cJSON_Delete(j.header);
-    free(j.costs);
+    bench_stages stages = {.header = bench_header(b, "throughput")};
+    stages.targets = stages.header ? cJSON_AddArrayToObject(stages.header, "targets") : NULL;
+    tides_status status = stages.targets ? measure_scenes(b, scenes, &stages, error)
+                                         : cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
+    const bench_table table = {stages.rows, stages.count, cells_of};
+    if (status == TIDES_OK) status = bench_write_table(b, "throughput", stages.header, &table, error);
+    if (status == TIDES_OK) status = bench_figure_stages(b, &stages, error);
+    if (status == TIDES_OK && !b->common->quiet && !b->common->json) {
+        print_table(&stages);
+        bench_print_targets(stages.targets, stdout);
+    }
+    cJSON_Delete(stages.header);
+    free(stages.rows);
     return status;
 }

@@ -1,85 +1,97 @@
-/* The picture of what blocks cost: a panel for each scene, a bar for each block. */
-#include "bench.h"
+/* The picture of what stages take: a panel for each scene and size, a bar for each maker, made of its stages. */
+#include "bench_throughput.h"
 #include "plot.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { WIDTH = 1000, LEFT = 320, RIGHT = 330, HEADING = 44, TOP = 74, PITCH = 24, BOTTOM = 70 /* [px] */ };
-enum { SPANS_MAX = CLI_LIST_MAX };
+enum {
+    WIDTH = 900,
+    LEFT = 150,
+    RIGHT = 150,
+    HEADING = 60,
+    TOP = 64,
+    PITCH = 26,
+    BOTTOM = 66,
+    LEGEND = 50,
+    COLUMNS = 2 /* [px] */
+};
+enum { PANELS_MAX = 2 * CLI_LIST_MAX };
 
-/* The rows of a scene. */
-typedef struct span {
-    size_t first, last;
-} span;
+/* Stages of a bar, in their order; `lists` has the colour of what the renderer does for them. */
+static const char *const drawn[] = {"sweep", "project", "sort", "composite", "transfer", "other"};
+enum { DRAWN = sizeof drawn / sizeof drawn[0] };
 
-static int32_t find_spans(const bench_cost *costs, size_t count, span spans[SPANS_MAX]) {
-    int32_t found = 0;
-    for (size_t i = 0; i < count; i++) {
-        if (found && strcmp(costs[spans[found - 1].first].scene, costs[i].scene) == 0)
-            spans[found - 1].last = i + 1;
-        else if (found < SPANS_MAX)
-            spans[found++] = (span){i, i + 1};
+static int32_t style_of(const char *stage) {
+    for (int32_t k = 0; k < DRAWN; k++)
+        if (strcmp(drawn[k], stage) == 0) return k;
+    return strcmp(stage, "lists") == 0 ? 0 : -1;
+}
+
+static int32_t same_panel(const bench_stage *a, const bench_stage *b) {
+    return strcmp(a->scene, b->scene) == 0 && a->width == b->width;
+}
+
+/* Where each panel begins. */
+static int32_t find_panels(const bench_stages *s, size_t first[PANELS_MAX]) {
+    int32_t count = 0;
+    for (size_t i = 0; i < s->count; i++)
+        if ((i == 0 || !same_panel(&s->rows[i - 1], &s->rows[i])) && count < PANELS_MAX) first[count++] = i;
+    return count;
+}
+
+/* From the last stage to the first, each bar reaching as far as all before it. */
+static void draw_bar(cli_canvas *canvas, const plot_panel *panel, const bench_stages *s, size_t from, size_t to, int32_t top) {
+    double end[DRAWN] = {0}, sum = 0, whole = 0;
+    for (int32_t k = 0; k < DRAWN; k++)
+        for (size_t i = from; i < to; i++)
+            if (style_of(s->rows[i].stage) == k) sum += s->rows[i].time_s, end[k] = sum;
+    for (int32_t k = DRAWN; k-- > 0;)
+        if (end[k] > 0) plot_bar(canvas, panel, top + 4, top + PITCH - 4, 1e3 * end[k], k);
+    for (size_t i = from; i < to; i++)
+        if (strcmp(s->rows[i].stage, "frame") == 0) whole = 1e3 * s->rows[i].time_s;
+    char text[64];
+    const char *maker = s->rows[from].maker;
+    plot_text(canvas, panel->left - 10 - plot_text_width(maker, 2), top + PITCH / 2 - 8, 2, maker);
+    snprintf(text, sizeof text, "%.3g ms", whole);
+    plot_text(canvas, panel->right + 10, top + PITCH / 2 - 8, 2, text);
+}
+
+static void draw_panel(cli_canvas *canvas, int32_t index, int32_t height, const bench_stages *s, size_t first) {
+    const int32_t x = index % COLUMNS * WIDTH, top = HEADING + LEGEND + index / COLUMNS * height + TOP;
+    const bench_stage *head = &s->rows[first];
+    size_t end = first;
+    plot_panel panel = {.left = x + LEFT, .top = top, .right = x + WIDTH - RIGHT, .bottom = top, .x_linear = 1};
+    for (; end < s->count && same_panel(head, &s->rows[end]); end++) {
+        if (strcmp(s->rows[end].stage, "frame") != 0) continue;
+        panel.x_high = fmax(panel.x_high, 1e3 * s->rows[end].time_s);
+        panel.bottom += PITCH;
     }
-    return found;
-}
-
-/* What can't be told from nothing: the largest difference, median or quartile, of runs that differ in nothing [ns]. */
-static double noise_of(const bench_cost *costs, span rows) {
-    double noise = 0;
-    for (size_t i = rows.first; i < rows.last; i++)
-        if (strcmp(costs[i].group, "base") == 0) noise = fmax(noise, fmax(fabs(costs[i].ns_low), fabs(costs[i].ns_high)));
-    return noise;
-}
-
-/* A colour for each group of blocks, in their order. */
-static int32_t style_of(const bench_cost *costs, span rows, size_t index) {
-    int32_t style = 0;
-    for (size_t i = rows.first + 1; i <= index; i++) style += strcmp(costs[i].group, costs[i - 1].group) != 0;
-    return style % PLOT_COLOURS;
-}
-
-static void draw_panel(cli_canvas *canvas, int32_t column, const bench_cost *costs, span rows) {
-    const double noise = noise_of(costs, rows);
-    const int32_t top = HEADING + TOP, bottom = top + (int32_t)(rows.last - rows.first) * PITCH;
-    plot_panel panel = {.left = column * WIDTH + LEFT, .top = top, .right = (column + 1) * WIDTH - RIGHT, .bottom = bottom};
     char title[160];
-    panel.x_low = INFINITY;
-    panel.x_high = noise;
-    for (size_t i = rows.first; i < rows.last; i++) {
-        if (costs[i].ns > 0) panel.x_low = fmin(panel.x_low, fmax(costs[i].ns, 0.1));
-        panel.x_high = fmax(panel.x_high, costs[i].ns);
-    }
-    plot_round_range(&panel.x_low, &panel.x_high);
-    snprintf(title, sizeof title, "%s: off, %.4g million pixel-steps/s", costs[rows.first].scene,
-             1e-6 * costs[rows.first].pixel_steps / costs[rows.first].run_time_s);
+    snprintf(title, sizeof title, "%s, %.6g splats, %dx%d", head->scene, head->gaussians, (int)head->width, (int)head->height);
     panel.title = title;
-    panel.x_label = "processor time beyond off [ns per pixel and step]";
+    panel.x_label = "a frame [ms], median";
     panel.y_label = "";
+    panel.x_high *= 1.05;
     plot_axes(canvas, &panel, 0);
-    plot_mark(canvas, &panel, noise);
-    for (size_t i = rows.first; i < rows.last; i++) {
-        const bench_cost *c = &costs[i];
-        const int32_t bar = top + (int32_t)(i - rows.first) * PITCH, text = bar + PITCH / 2 - 8;
-        char value[64];
-        plot_bar(canvas, &panel, bar + 4, bar + PITCH - 4, c->ns, style_of(costs, rows, i));
-        plot_text(canvas, panel.left - 10 - plot_text_width(c->block, 2), text, 2, c->block);
-        snprintf(value, sizeof value, "x%.3f (%.3f..%.3f)", c->ratio, c->ratio_low, c->ratio_high);
-        plot_text(canvas, panel.right + 10, text, 2, value);
+    int32_t bar = top;
+    for (size_t i = first, to; i < end; i = to, bar += PITCH) {
+        for (to = i; to < end && strcmp(s->rows[to].maker, s->rows[i].maker) == 0;) to++;
+        draw_bar(canvas, &panel, s, i, to, bar);
     }
 }
 
-tides_status bench_figure_costs(const bench *b, const bench_cost *costs, size_t count, tides_error *error) {
-    span spans[SPANS_MAX];
-    const int32_t panels = find_spans(costs, count, spans);
-    size_t most = 0;
-    for (int32_t i = 0; i < panels; i++)
-        if (spans[i].last - spans[i].first > most) most = spans[i].last - spans[i].first;
-    const int32_t height = TOP + (int32_t)most * PITCH + BOTTOM;
-    cli_canvas canvas = bench_canvas(b, WIDTH * (panels > 1 ? panels : 1), HEADING + height,
-                                     "each block alone, against off. Dashed: what runs without any differ by", error);
+tides_status bench_figure_stages(const bench *b, const bench_stages *stages, tides_error *error) {
+    size_t first[PANELS_MAX];
+    const int32_t panels = find_panels(stages, first);
+    const int32_t height = TOP + MAKERS * PITCH + BOTTOM, rows = (panels + COLUMNS - 1) / COLUMNS;
+    cli_canvas canvas = bench_canvas(b, WIDTH * (panels > 1 ? COLUMNS : 1), HEADING + LEGEND + rows * height,
+                                     "stages of a frame. L: without L_dot. limit: plain C made for this machine", error);
     if (!canvas.rgb) return TIDES_NO_MEMORY;
-    for (int32_t i = 0; i < panels; i++) draw_panel(&canvas, i, costs, spans[i]);
+    plot_curve legend[DRAWN];
+    for (int32_t k = 0; k < DRAWN; k++) legend[k] = (plot_curve){.label = k ? drawn[k] : "sweep (limit: lists)", .style = k};
+    plot_legend(&canvas, LEFT, HEADING, legend, DRAWN);
+    for (int32_t i = 0; i < panels; i++) draw_panel(&canvas, i, height, stages, first[i]);
     return bench_write_canvas(b, &canvas, "throughput", error);
 }

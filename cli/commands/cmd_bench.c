@@ -1,21 +1,24 @@
 /* tides bench: what accuracy costs, what the parts of the sensor do, and what breaks. */
 #include "bench_stability.h"
+#include "bench_worlds.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
-/* One that opens devices by itself goes through rows, the others through scenes. */
+/* One that opens devices by itself goes through rows, the others through scenes: built-in ones, or files. */
 typedef struct benchmark {
     const char *name;
     tides_status (*run)(bench *b, const cli_list *names, tides_error *error);
     int32_t own_devices;
+    const char *const *(*scenes)(void);
 } benchmark;
-static const benchmark benchmarks[] = {{"accuracy", bench_accuracy, 0},
-                                       {"ablation", bench_ablation, 0},
-                                       {"image", bench_image, 0},
-                                       {"stability", bench_stability, 1},
-                                       {"throughput", bench_throughput, 0}};
+static const benchmark benchmarks[] = {{"accuracy", bench_accuracy, 0, bench_scene_names},
+                                       {"ablation", bench_ablation, 0, bench_scene_names},
+                                       {"blocks", bench_blocks, 0, bench_scene_names},
+                                       {"image", bench_image, 0, bench_scene_names},
+                                       {"stability", bench_stability, 1, NULL},
+                                       {"throughput", bench_throughput, 0, bench_world_names}};
 enum { BENCHMARKS = sizeof benchmarks / sizeof benchmarks[0] };
 
 static const benchmark *find_benchmark(const char *name) {
@@ -29,16 +32,17 @@ static int unknown_benchmark(const cli_command *command, const char *name) {
     for (size_t i = 0; i < BENCHMARKS; i++) names[i] = benchmarks[i].name;
     const char *nearest = tides_nearest_name(name, names);
     if (nearest) return cli_usage(command, "no benchmark is called %s; did you mean %s?", name, nearest);
-    return cli_usage(command, "no benchmark is called %s; there are accuracy, ablation, image, stability and throughput", name);
+    return cli_usage(command,
+                     "no benchmark is called %s; there are accuracy, ablation, blocks, image, stability and throughput", name);
 }
 
 /* A built-in scene, or a file. */
-static int check_scene(const cli_command *command, const char *name) {
+static int check_scene(const cli_command *command, const benchmark *of, const char *name) {
     struct stat found;
-    for (const char *const *known = bench_scene_names(); *known; known++)
+    for (const char *const *known = of->scenes(); *known; known++)
         if (strcmp(*known, name) == 0) return CLI_GO;
     if (stat(name, &found) == 0) return CLI_GO;
-    const char *nearest = tides_nearest_name(name, bench_scene_names());
+    const char *nearest = tides_nearest_name(name, of->scenes());
     if (nearest) return cli_usage(command, "--scene %s: neither a scene nor a file; did you mean %s?", name, nearest);
     return cli_usage(command, "--scene %s: neither a scene nor a file", name);
 }
@@ -61,7 +65,7 @@ static int check_names(const cli_command *command, const benchmark *of, const cl
     int code = CLI_GO;
     if (of->own_devices && scenes->count) return cli_usage(command, "--scene: %s has rows; --row chooses one", of->name);
     if (!of->own_devices && rows->count) return cli_usage(command, "--row: only stability has rows; --scene chooses a scene");
-    for (size_t i = 0; i < scenes->count && code == CLI_GO; i++) code = check_scene(command, scenes->items[i]);
+    for (size_t i = 0; i < scenes->count && code == CLI_GO; i++) code = check_scene(command, of, scenes->items[i]);
     for (size_t i = 0; i < rows->count && code == CLI_GO; i++) code = check_row(command, rows->items[i]);
     return code;
 }

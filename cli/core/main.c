@@ -72,16 +72,17 @@ static const cli_command commands[] = {
      "moves, and between frames those of straight lines in log luminance. A method that fails takes no other with it.\n"
      "The keys for --set are listed by tides simulate --help.",
      1, cmd_compare},
-    {"bench", "accuracy|ablation|image|stability|throughput [-o DIR] [--quick] [--scene NAME] [--row NAME]",
+    {"bench", "accuracy|ablation|blocks|image|stability|throughput [-o DIR] [--quick] [--scene NAME] [--row NAME]",
      "Measure run time against the error of event times, and try to break it.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
      "ablation: what each part of the method is worth, what masking and the readout change; ablation.json, .csv and a plot.\n"
      "image: what each measure that makes the image continuous in time is worth and costs; image.json and .csv.\n"
      "stability: worlds made to break it, on the device and both references, with a verdict on each row; stability.json, .csv\n"
      "and a plot. Where a row fails the exit code is 1.\n"
-     "throughput: what each block of sensor and readout costs; throughput.json, .csv and a plot.\n"
+     "blocks: what each block of sensor and readout costs; blocks.json, .csv and a plot.\n"
+     "throughput: what each stage of a frame takes, beside the same image in plain C made for this machine.\n"
      "Scenes: fan, handheld, occluder, nearly_static, vibration, flicker; trained and playbot where $TIDES_SHARED/data has "
-     "them.",
+     "them. Of throughput: random, surfaces, demo; guitar and playbot.",
      1, cmd_bench},
 };
 

@@ -1,6 +1,6 @@
 # A benchmark leaves tables that agree with each other and pictures, refuses nonsense, and stops when asked to.
 refuse 2 "no benchmark is called acuracy; did you mean accuracy\?" tides bench acuracy
-refuse 2 "no benchmark is called speed; there are accuracy, ablation, image, stability and throughput" tides bench speed
+refuse 2 "no benchmark is called speed; there are accuracy, ablation, blocks, image, stability and throughput" tides bench speed
 refuse 2 "--row needle-1e6: there is no such row; did you mean needles-1e6\?" tides bench stability --row needle-1e6
 refuse 2 "--row: only stability has rows" tides bench image --row needles-1e6
 refuse 2 "--scene: stability has rows" tides bench stability --scene fan
@@ -79,20 +79,20 @@ done
 jumps() { awk -v image="$1" '/"image":/ { found = index($0, "\"" image "\"") } found && /jump_sum/ { print $2 + 0; exit }' made/image.json; }
 less "$(jumps smooth)" "$(jumps inria)" "jumps of smooth against inria"
 
-expect 0 tides bench throughput --quick -o made
+expect 0 tides bench blocks --quick -o made
 out "^fan +off +[0-9.e-]+ +[0-9.]+ "
 err "fan +circuit +.* s  x [0-9.]+ \([0-9.]+ to [0-9.]+\)"
-for file in throughput.json throughput.csv throughput.png; do exists made/$file; done
-[ "$(grep -c '"block":' made/throughput.json)" = "$(grep -c "^fan," made/throughput.csv)" ] || fail "JSON and CSV differ in length"
+for file in blocks.json blocks.csv blocks.png; do exists made/$file; done
+[ "$(grep -c '"block":' made/blocks.json)" = "$(grep -c "^fan," made/blocks.csv)" ] || fail "JSON and CSV differ in length"
 for key in settings ratio ratio_low ratio_high ns_per_pixel_step pixel_steps_per_s events_per_s frames_per_s run_time_s processor_time_s; do
-    grep -q "\"$key\":" made/throughput.json || fail "throughput.json lacks $key"
+    grep -q "\"$key\":" made/blocks.json || fail "blocks.json lacks $key"
 done
 # Every preset that is installed has its row, and blocks act: those that can change how many events there are in so short a time do.
 for preset in "$here"/../../share/presets/*.json; do
-    grep -q "^fan,$(basename "$preset" .json),preset," made/throughput.csv || fail "no $(basename "$preset")"
+    grep -q "^fan,$(basename "$preset" .json),preset," made/blocks.csv || fail "no $(basename "$preset")"
 done
 cell() { awk -F, -v name="$1" -v block="$2" '
-    NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } $2 == block { print $at[name] }' made/throughput.csv; }
+    NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } $2 == block { print $at[name] }' made/blocks.csv; }
 [ "$(cell events "off again")" = "$(cell events off)" ] || fail "off differs from off"
 for block in mismatch "refractory hold" "shot noise" "hot pixels" "PSF log" "PSF linear" low-pass "low-pass by light" \
     circuit centre-surround "additive noise" dvs128 v2e-noisy; do
@@ -100,6 +100,29 @@ for block in mismatch "refractory hold" "shot noise" "hot pixels" "PSF log" "PSF
 done
 less "$(cell ns_per_pixel_step mismatch)" "$(cell ns_per_pixel_step circuit)" "what mismatch costs against the circuit"
 less "$(cell pixel_steps_per_s circuit)" "$(cell pixel_steps_per_s off)" "the throughput with the circuit against that without"
+
+# Stages add up to frames; the limit makes inria's image, or says why there is none.
+expect 0 tides bench throughput --quick -o made
+for maker in inria gsplat smooth "smooth L"; do out "^random +96x72 +$maker +composite +[0-9.]+ +[0-9.]+% "; done
+out "frame under smooth over inria +random 96x72 +[0-9.]+ at most 1.5 times"
+out "^targets: [0-9]+ of [0-9]+ measured are reached"
+for file in throughput.json throughput.csv throughput.png; do exists made/$file; done
+[ "$(grep -c '"stage":' made/throughput.json)" = $(($(wc -l <made/throughput.csv) - 1)) ] || fail "JSON and CSV differ in length"
+for key in maker share calls items_per_s pairs_per_s bytes_per_s limit_s over_limit over_inria over_without_rates target reached; do
+    grep -q "\"$key\":" made/throughput.json || fail "throughput.json lacks $key"
+done
+awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+    { of = $at["scene"] "," $at["maker"] } $at["stage"] == "processor" { next }
+    $at["stage"] == "frame" { whole[of] = $at["share"]; next } { parts[of] += $at["share"] }
+    END { for (of in whole) if (parts[of] < 0.5 || parts[of] > 1.5) { print of, parts[of]; exit 1 } }' made/throughput.csv ||
+    fail "stages don't add up to their frames"
+if grep -q "no limit:" err; then
+    grep -q "^random,.*,limit," made/throughput.csv && fail "there is no limit, and it has rows"
+else
+    grep -q "^random,96,72,2000,inria,composite,.*,[0-9.e-]*,[0-9.]*," made/throughput.csv || fail "no limit of composite"
+    out "^random +96x72 +limit +lists "
+fi
+refuse 2 "--scene guiter: neither a scene nor a file; did you mean guitar\?" tides bench throughput --scene guiter
 
 # Rows that pass, one that must be refused, and one that fails: results are written, and the exit code says it.
 expect 0 tides bench stability --row needles-1e6 --row start-1e9 --row giants-1e18 -o made

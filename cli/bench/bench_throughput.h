@@ -1,0 +1,40 @@
+/* Rows of `tides bench throughput`. */
+#ifndef CLI_BENCH_THROUGHPUT_H
+#define CLI_BENCH_THROUGHPUT_H
+
+#include "bench_frames.h"
+
+/* A stage of what some maker makes of a scene. Times are of one frame, or of the run; NaN: there is no such number. */
+typedef struct bench_stage {
+    char scene[64];
+    int32_t width, height;
+    double gaussians;
+    const char *maker; /* "inria", "limit L", "run", "sink" */
+    const char *stage; /* "composite" */
+    int32_t runs;
+    double time_s, low_s, high_s; /* median and quartiles */
+    double share;                 /* of the whole */
+    double calls, items;
+    const char *unit; /* of items */
+    double pairs, bytes;
+    double limit_s, over_limit, over_limit_low, over_limit_high;
+    double over_inria, over_without_rates; /* the whole frame: against inria's, and against its own without L_dot */
+} bench_stage;
+
+typedef struct bench_stages {
+    bench_stage *rows;
+    size_t count;
+    cJSON *header, *targets;
+} bench_stages;
+
+/* Appends a row of a scene, its numbers not known yet; NULL: out of memory. */
+bench_stage *bench_stages_add(bench_stages *stages, const bench_scene *scene, const char *maker, const char *stage,
+                              tides_error *error);
+
+/* bench_frame_rows.c: the rows and the targets of a scene's frames. */
+tides_status bench_frame_rows(bench_stages *stages, const bench_scene *scene, const frame_times *times, tides_error *error);
+
+/* bench_throughput_figure.c: throughput.png. */
+tides_status bench_figure_stages(const bench *b, const bench_stages *stages, tides_error *error);
+
+#endif

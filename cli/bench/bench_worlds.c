@@ -1,0 +1,186 @@
+/* Scenes that frames and runs are timed on, at any size: trained ones, and made ones of any number of splats. Cameras go about
+ * what is there at 1 rad/s, with 45 degrees from top to bottom. */
+#include "bench_worlds.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ORBIT_S 2.0  /* how long paths last */
+#define FRAMES_S 0.3 /* and over how long frames are spread */
+
+/* -- random numbers ------------------------------------------------------------------------------------------------------- */
+
+static double uniform(uint64_t *state) { /* splitmix64 */
+    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+static double normal(uint64_t *state) {
+    double sum = 0;
+    for (int i = 0; i < 12; i++) sum += uniform(state);
+    return sum - 6;
+}
+
+/* -- made scenes ---------------------------------------------------------------------------------------------------------- */
+
+/* Arrays of Gaussians to be filled. */
+typedef struct cloud {
+    int64_t count;
+    int32_t degree;
+    float *mean, *scale, *quaternion, *opacity, *sh;
+} cloud;
+
+static size_t coefficients(const cloud *c) { return 3 * (size_t)(c->degree + 1) * (size_t)(c->degree + 1); }
+
+static void free_cloud(cloud *c) { free(c->mean), free(c->scale), free(c->quaternion), free(c->opacity), free(c->sh); }
+
+static int32_t make_cloud(cloud *c, int64_t count, int32_t degree) {
+    const size_t n = (size_t)count;
+    *c = (cloud){.count = count, .degree = degree};
+    c->mean = malloc(3 * n * sizeof *c->mean);
+    c->scale = malloc(3 * n * sizeof *c->scale);
+    c->quaternion = malloc(4 * n * sizeof *c->quaternion);
+    c->opacity = malloc(n * sizeof *c->opacity);
+    c->sh = malloc(coefficients(c) * n * sizeof *c->sh);
+    if (c->mean && c->scale && c->quaternion && c->opacity && c->sh) return 1;
+    free_cloud(c);
+    return 0;
+}
+
+static tides_status add_cloud(tides_scene *scene, cloud *c, const char *name, tides_error *error) {
+    tides_gaussians g = {.count = c->count, .sh_degree = c->degree, .mean = c->mean, .log_scale = c->scale, .sh = c->sh};
+    g.quaternion = c->quaternion;
+    g.opacity_logit = c->opacity;
+    tides_status status = tides_scene_add(scene, &g, NULL, 1, name, NULL, error);
+    free_cloud(c);
+    return status;
+}
+
+static void paint(cloud *c, uint64_t *state) {
+    const size_t each = coefficients(c);
+    for (size_t i = 0; i < each * (size_t)c->count; i++) c->sh[i] = (float)((i % each < 3 ? 1 : 0.1) * normal(state));
+}
+
+tides_status bench_add_random(tides_scene *scene, int64_t count, tides_error *error) {
+    uint64_t state = 1;
+    cloud c;
+    if (!make_cloud(&c, count, 3)) return cli_error(error, TIDES_NO_MEMORY, "out of memory: %lld Gaussians", (long long)count);
+    const double size = log(0.006) + log(1e5 / (double)count) / 3; /* as dense whatever their number */
+    for (int64_t i = 0; i < 3 * count; i++) c.mean[i] = (float)(2 * uniform(&state) - 1);
+    for (int64_t i = 0; i < 3 * count; i++) c.scale[i] = (float)(size + 0.5 * normal(&state));
+    for (int64_t i = 0; i < 4 * count; i++) c.quaternion[i] = (float)normal(&state);
+    for (int64_t i = 0; i < count; i++) c.opacity[i] = (float)(2 * normal(&state));
+    paint(&c, &state);
+    return add_cloud(scene, &c, "random", error);
+}
+
+/* Flat on a sphere at `direction` from its middle: turned so that the third axis goes outwards. */
+static void lay_flat(const double n[3], float q[4]) {
+    const double size = sqrt(2 * (1 + n[2])); /* halfway from z to n */
+    q[0] = (float)(size > 1e-6 ? 0.5 * size : 0);
+    q[1] = (float)(size > 1e-6 ? -n[1] / size : 1);
+    q[2] = (float)(size > 1e-6 ? n[0] / size : 0);
+    q[3] = 0;
+}
+
+/* Spheres of all sizes, one behind the other, of flat splats that overlap: twice as wide as they are apart, and half seen
+ * through, as those of trained scenes are. */
+tides_status bench_add_surfaces(tides_scene *scene, int64_t count, tides_error *error) {
+    enum { SPHERES = 40 };
+    double centre[SPHERES][3], radius[SPHERES], area[SPHERES + 1] = {0};
+    uint64_t state = 2;
+    cloud c;
+    if (!make_cloud(&c, count, 2)) return cli_error(error, TIDES_NO_MEMORY, "out of memory: %lld Gaussians", (long long)count);
+    for (int s = 0; s < SPHERES; s++) {
+        radius[s] = 0.08 + 0.22 * uniform(&state);
+        for (int k = 0; k < 3; k++) centre[s][k] = 1.6 * uniform(&state) - 0.8;
+        area[s + 1] = area[s] + radius[s] * radius[s];
+    }
+    const double apart = sqrt(4 * 3.14159265358979 * area[SPHERES] / (double)count);
+    for (int64_t i = 0; i < count; i++) {
+        const double at = area[SPHERES] * ((double)i + 0.5) / (double)count;
+        double n[3], size = 0;
+        int s = 0;
+        while (s + 1 < SPHERES && area[s + 1] < at) s++;
+        for (int k = 0; k < 3; k++) n[k] = normal(&state), size += n[k] * n[k];
+        for (int k = 0; k < 3; k++) n[k] /= sqrt(size), c.mean[3 * i + k] = (float)(centre[s][k] + radius[s] * n[k]);
+        lay_flat(n, c.quaternion + 4 * i);
+        for (int k = 0; k < 3; k++) c.scale[3 * i + k] = (float)(log((k < 2 ? 1.0 : 0.1) * apart) + 0.3 * normal(&state));
+        c.opacity[i] = (float)normal(&state);
+    }
+    paint(&c, &state);
+    return add_cloud(scene, &c, "surfaces", error);
+}
+
+/* -- cameras -------------------------------------------------------------------------------------------------------------- */
+
+tides_status bench_orbit_all(bench_scene *s, double rad_per_s, tides_error *error) {
+    double lower[3], upper[3], size = 0;
+    tides_orbit orbit = {.up = {0, -1, 0}, .angular_speed = rad_per_s, .start = 0, .stop = ORBIT_S};
+    tides_scene_bounds(s->scene, lower, upper);
+    for (int k = 0; k < 3; k++) {
+        orbit.target[k] = 0.5 * (lower[k] + upper[k]);
+        size = fmax(size, upper[k] - lower[k]);
+    }
+    orbit.radius = 1.1 * size;
+    return tides_trajectory_create_orbit(&orbit, &s->camera, error);
+}
+
+void bench_resize(bench_scene *s, int32_t width, int32_t height) {
+    s->intrinsics = (tides_intrinsics){width, height, 1.2 * height, 1.2 * height, 0.5 * width, 0.5 * height};
+}
+
+/* -- the table ------------------------------------------------------------------------------------------------------------ */
+
+typedef struct world {
+    const char *name, *sentence;
+    const char *file; /* below $TIDES_SHARED/data */
+    tides_status (*add)(tides_scene *scene, int64_t count, tides_error *error);
+    int64_t count, quick;
+} world;
+
+static const world worlds[] = {
+    {"guitar", "a trained guitar, tiny splats", "playcanvas/guitar.compressed.ply", NULL, 0, 0},
+    {"playbot", "a trained robot, few splats of SH 2", "playcanvas/playbot_lod5_inria_sh2.ply", NULL, 0, 0},
+    {"random", "random splats of SH 3 that fill the view", NULL, bench_add_random, 100000, 2000},
+    {"surfaces", "soft splats of SH 2 on surfaces, one behind the other", NULL, bench_add_surfaces, 500000, 2000},
+    {"demo", "the demo: a textured fan before a room, handheld camera", NULL, NULL, 0, 0},
+};
+enum { WORLDS = sizeof worlds / sizeof worlds[0] };
+
+const char *const *bench_world_names(void) {
+    static const char *const names[WORLDS + 1] = {"guitar", "playbot", "random", "surfaces", "demo", NULL};
+    return names;
+}
+
+/* Another name is that of a file, or of a scene of bench_scenes.c. */
+tides_status bench_world_make(const char *name, int32_t quick, bench_scene *scene, tides_error *error) {
+    const world *w = NULL;
+    for (size_t i = 0; i < WORLDS; i++)
+        if (strcmp(worlds[i].name, name) == 0) w = &worlds[i];
+    if (!w || (!w->file && !w->add)) {
+        tides_status status = bench_scene_make(w ? "fan" : name, quick, scene, error);
+        if (status == TIDES_OK && w) snprintf(scene->name, sizeof scene->name, "%s", w->name), scene->sentence = w->sentence;
+        return status;
+    }
+    bench_scene made;
+    char file[4200];
+    const char *shared = getenv("TIDES_SHARED");
+    bench_lay_out(&made, w->name, w->sentence);
+    snprintf(file, sizeof file, "%s/data/%s", shared && *shared ? shared : "../shared", w->file ? w->file : "");
+    made.stop = FRAMES_S;
+    tides_status status = tides_scene_create(&made.scene, error);
+    if (status == TIDES_OK)
+        status = w->add ? w->add(made.scene, quick ? w->quick : w->count, error)
+                        : tides_scene_add_file(made.scene, file, NULL, 1.0, error);
+    if (status == TIDES_OK) status = bench_orbit_all(&made, 1.0, error);
+    if (status == TIDES_OK)
+        *scene = made;
+    else
+        bench_scene_free(&made);
+    return status;
+}
