@@ -21,6 +21,7 @@
 #include "tides/camera.h"
 #include "tides/generate.h"
 #include "tides/render.h"
+#include "tides/truth.h"
 #include "tides/sensor.h"
 #include "tides/simulate.h"
 #include "tides/frames.h"

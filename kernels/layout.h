@@ -46,6 +46,15 @@ enum {
     TD_OUT_SIGNAL = 2, TD_OUT_DIAGNOSTICS = 7, TD_OUT_COLOUR = 15
 };
 
+/* Planes of ground truth (truth.h), of a pass of their own: flow [px/s], depth at the pixel and its median, alpha, the number
+ * of the scene's object or -1, the normal in camera coordinates, and the place among the tile's candidates of the splat that
+ * has the median, or -1. */
+enum {
+    TD_TRUTH_U = 0, TD_TRUTH_V, TD_TRUTH_DEPTH, TD_TRUTH_MEDIAN, TD_TRUTH_ALPHA, TD_TRUTH_INSTANCE,
+    TD_TRUTH_NX, TD_TRUTH_NY, TD_TRUTH_NZ, TD_TRUTH_SPLAT,
+    TD_OUT_TRUTH = 10 /* as `outputs`: these and nothing else */
+};
+
 /* A row of a record path (path.h): numbers, then their rates. Where the determinant is 0 the row can't be used: its splat is
  * behind the near plane there, or broken (td_shape), or too wide for single precision to tell its determinant. */
 enum {

@@ -5,7 +5,8 @@
 
 enum { STAGES = 3 };
 
-static int kind_of_outputs(int outputs) { return outputs == TD_OUT_SIGNAL ? 0 : outputs == TD_OUT_DIAGNOSTICS ? 1 : 2; }
+/* Ground truth begins with the signal's records. */
+static int kind_of_outputs(int outputs) { return outputs == TD_OUT_DIAGNOSTICS ? 1 : outputs == TD_OUT_COLOUR ? 2 : 0; }
 
 tides_status td_opencl_write_reals_at(opencl_backend *b, td_buffer *buffer, size_t first, const double *from, size_t count,
                                       tides_error *error) {
@@ -293,7 +294,9 @@ static tides_status run_stages(opencl_backend *b, const td_batch *batch, staging
     if (status == TIDES_OK)
         status = batch->paths ? td_opencl_fetch(b, batch, &events[0], error) : launch_project(b, batch, &events[0], error);
     if (status == TIDES_OK) status = launch_sort(b, batch, &events[1], error);
-    if (status == TIDES_OK) status = launch_composite(b, batch, s, &events[2], error);
+    if (status == TIDES_OK)
+        status = batch->outputs == TD_OUT_TRUTH ? td_opencl_truth(b, batch, s->asked_count, &events[2], error)
+                                                : launch_composite(b, batch, s, &events[2], error);
     if (status == TIDES_OK) status = fetch_batch(b, batch, s, error);
     /* Also after a failure: what was sent still reads host memory. */
     status = td_finish(b->device, status, error);
@@ -319,12 +322,14 @@ static tides_status warm_up(opencl_backend *b, int outputs, tides_error *error) 
 static tides_status prepare(td_backend *backend, int outputs, tides_error *error) {
     opencl_backend *b = (opencl_backend *)backend;
     int kind = kind_of_outputs(outputs);
-    if (b->composite_kernel[kind]) return TIDES_OK;
+    const int truth = outputs == TD_OUT_TRUTH;
+    if (truth ? b->truth_kernel != NULL : b->composite_kernel[kind] != NULL) return TIDES_OK;
     /* Records only differ by whether there is colour: diagnostics share the projection of the signal. */
     int record_outputs = outputs < TD_OUT_COLOUR ? TD_OUT_SIGNAL : TD_OUT_COLOUR;
     tides_status status =
         td_opencl_make_kernel(b, "project.cl", "td_project_jobs", record_outputs, &b->project_kernel[kind], error);
-    if (status == TIDES_OK)
+    if (status == TIDES_OK && truth) status = td_opencl_make_truth(b, error);
+    if (status == TIDES_OK && !truth)
         status = td_opencl_make_kernel(b, "composite.cl", "td_composite_jobs", outputs, &b->composite_kernel[kind], error);
     double begun = td_now();
     if (status == TIDES_OK) status = warm_up(b, outputs, error);
@@ -391,6 +396,7 @@ static void destroy(td_backend *backend) {
     td_opencl_motion_release(b);
     td_opencl_cubics_release(b);
     td_opencl_paths_release(b);
+    td_opencl_truth_release(b);
     free(b->host);
     free(b->host_ints);
     free(b);
@@ -468,6 +474,7 @@ tides_status td_backend_create_opencl(tides_device *device, const td_store *stor
     tides_status status = write_image(b, error);
     b->image.moving = store->rates != NULL || store->movers.count > 0;
     if (status == TIDES_OK) status = write_store(b, store, error);
+    if (status == TIDES_OK) status = td_opencl_truth_create(b, store, error);
     if (status == TIDES_OK) status = td_opencl_motion_create(b, &store->movers, error);
     if (status == TIDES_OK)
         status = td_opencl_make_kernel(b, "sweep.cl", "td_sweep_gaussians", TD_OUT_SIGNAL, &b->sweep_kernel, error);

@@ -34,8 +34,7 @@ const char *td_plane_name(int plane) {
     return NULL;
 }
 
-/* Copies one plane of every tile to its place in an image. */
-static void assemble(const tides_renderer *renderer, const double *tiles, int plane, int outputs, double *image) {
+void td_renderer_assemble(const tides_renderer *renderer, const double *tiles, int plane, int outputs, double *image) {
     int width = renderer->image.width, height = renderer->image.height, tiles_x = renderer->candidates.tiles_x;
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
@@ -65,20 +64,35 @@ tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajecto
     return td_renderer_frame(renderer, camera, time - renderer->epoch, frame, error);
 }
 
-tides_status td_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time, const tides_frame *frame,
-                               tides_error *error) {
-    int outputs = outputs_for(frame), tiles = renderer->stats.tiles;
-    if (outputs == 0) return TIDES_OK;
+tides_status td_renderer_all_tiles(tides_renderer *renderer, const tides_trajectory *camera, double time, int outputs,
+                                   double **tiles_of, tides_error *error) {
+    const int tiles = renderer->stats.tiles;
     td_request *requests = td_alloc((size_t)tiles, sizeof *requests, error);
     const td_tile_batch batch = {&time, 1, TD_SIDE_BEGINS, requests, tiles, outputs};
     double *planes = td_alloc((size_t)tiles * outputs * TD_TILE_PIXELS, sizeof *planes, error);
     tides_status status = requests && planes ? TIDES_OK : TIDES_NO_MEMORY;
     for (int i = 0; i < tiles && status == TIDES_OK; i++) requests[i].tile = i;
     if (status == TIDES_OK) status = td_renderer_sweep(renderer, camera, time, time, error);
-    if (status == TIDES_OK) status = td_renderer_tiles(renderer, camera, &batch, planes, error);
-    for (int c = 0; c < TIDES_CHANNELS && status == TIDES_OK; c++)
-        if (frame->plane[c]) assemble(renderer, planes, channels[c].plane, outputs, frame->plane[c]);
-    free(planes);
+    if (status == TIDES_OK && outputs == TD_OUT_TRUTH) /* which no optics blur */
+        status = td_renderer_sharp_tiles(renderer, camera, &batch, planes, error);
+    else if (status == TIDES_OK)
+        status = td_renderer_tiles(renderer, camera, &batch, planes, error);
     free(requests);
+    if (status == TIDES_OK)
+        *tiles_of = planes;
+    else
+        free(planes);
+    return status;
+}
+
+tides_status td_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time, const tides_frame *frame,
+                               tides_error *error) {
+    const int outputs = outputs_for(frame);
+    double *planes = NULL;
+    if (outputs == 0) return TIDES_OK;
+    tides_status status = td_renderer_all_tiles(renderer, camera, time, outputs, &planes, error);
+    for (int c = 0; c < TIDES_CHANNELS && status == TIDES_OK; c++)
+        if (frame->plane[c]) td_renderer_assemble(renderer, planes, channels[c].plane, outputs, frame->plane[c]);
+    free(planes);
     return status;
 }

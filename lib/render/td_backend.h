@@ -73,6 +73,14 @@ typedef struct td_store {
     double *decoder; /* (TD_DECODER_REALS) weights; NULL without a decoder */
 } td_store;
 
+/* Objects of the scene that a store is of. */
+static inline int td_store_scene_objects(const td_store *store) {
+    int count = 0;
+    for (int i = 0; i < store->objects; i++)
+        if (store->scene_object[i] >= count) count = store->scene_object[i] + 1;
+    return count;
+}
+
 /* Rows that the host has worked out (TD_MOTION_HOST): `count` rows from `row` on are in the batch's arrays from `from` on. */
 typedef struct td_host_rows {
     int row, count, from;
@@ -158,7 +166,7 @@ typedef struct td_batch {
     int candidate_count;
     uint64_t candidates_serial; /* changes with the candidates: devices keep a copy */
     int records;                /* records that the jobs use */
-    int outputs;                /* TD_OUT_SIGNAL, _DIAGNOSTICS or _COLOUR */
+    int outputs;                /* TD_OUT_SIGNAL, _DIAGNOSTICS, _COLOUR, or _TRUTH for planes of ground truth in their place */
     int hint_count;             /* numbers in all hints, place 0 counted; they last until it changes */
     uint8_t *in_order;          /* (NULL: not wanted) at job.out: 1 where the list was in order */
     const td_path_batch *paths; /* NULL: every candidate is projected */

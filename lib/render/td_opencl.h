@@ -32,6 +32,10 @@ typedef struct opencl_backend {
     cl_kernel cubic_kernel, misfit_kernel; /* interpolation (opencl_cubics.c); NULL where there's none */
     td_buffer cubics, cubic_jobs, misfit_terms, misfits;
 
+    cl_kernel surface_kernel, truth_kernel; /* ground truth (opencl_truth.c); NULL where none was asked for */
+    td_buffer surfaces, surface_rates, object_numbers;
+    int scene_objects;
+
     cl_kernel node_kernel, measure_kernel, fetch_kernel; /* record paths (opencl_paths.c); NULL where there are none */
     td_buffer path_rows, path_low, path_of, path_cubics, path_nodes;
     td_buffer node_jobs, node_gaussians, node_places, path_first, path_lengths, path_terms, path_misfits;
@@ -73,6 +77,13 @@ tides_status td_opencl_path_misfits(td_backend *backend, const td_path_request *
 tides_status td_opencl_path_rows(td_backend *backend, int count, double *rows, double *low, tides_error *error);
 tides_status td_opencl_fetch(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error);
 void td_opencl_paths_release(opencl_backend *b);
+
+/* Ground truth: what the store says of it; its kernels; planes of a batch in place of compositing, `asked` blocks of it;
+ * freeing all (opencl_truth.c). */
+tides_status td_opencl_truth_create(opencl_backend *b, const td_store *store, tides_error *error);
+tides_status td_opencl_make_truth(opencl_backend *b, tides_error *error);
+tides_status td_opencl_truth(opencl_backend *b, const td_batch *batch, size_t asked, cl_event *event, tides_error *error);
+void td_opencl_truth_release(opencl_backend *b);
 
 /* td_backend_class.move and .moved_rows */
 tides_status td_opencl_move(td_backend *backend, const td_move_batch *moves, tides_error *error);

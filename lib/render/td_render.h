@@ -76,7 +76,7 @@ typedef struct td_tile_batch {
     int side; /* TD_SIDE_* */
     const td_request *requests;
     int count;
-    int outputs; /* planes wanted: TD_OUT_SIGNAL, _DIAGNOSTICS or _COLOUR */
+    int outputs; /* planes wanted: TD_OUT_SIGNAL, _DIAGNOSTICS, _COLOUR, or _TRUTH for ground truth */
 } td_tile_batch;
 
 /* Renders them: planes (count x outputs x TD_TILE_PIXELS), pixels block by block (td_tile_pixel), blurred where the renderer

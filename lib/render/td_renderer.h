@@ -9,6 +9,7 @@
  *   paths.c, path_times.c                splats at a few times of an interval, cubics between (td_paths.h)
  *   tiles.c, psf.c, nonfinite.c          tiles at times: rendered, blurred, checked
  *   frame.c, flow.c                      whole images, and how fast they move
+ *   truth.c                              ground truth (kernels/truth.h)
  *   dynamic/                             Gaussians with a motion model
  *   exact.c, exact_*.c                   rows of record paths in double precision (td_exact.h)
  *   points.c, points_*.c, point_nodes.c  single pixels at single times (td_points.h)
@@ -157,6 +158,17 @@ tides_status td_paths_find(tides_renderer *renderer, const tides_trajectory *cam
 
 /* The name of a backend's plane (TD_OUT_L ..), which is that of its channel; NULL where there is none (frame.c). */
 const char *td_plane_name(int plane);
+
+/* All tiles at one time, swept for it: planes (tiles x outputs x TD_TILE_PIXELS), the caller's to free; sharp where they are
+ * ground truth. Then one plane of theirs as an image (height x width) (frame.c). */
+tides_status td_renderer_all_tiles(tides_renderer *renderer, const tides_trajectory *camera, double time, int outputs,
+                                   double **planes, tides_error *error);
+void td_renderer_assemble(const tides_renderer *renderer, const double *planes, int plane, int outputs, double *image);
+
+/* The name of a plane of ground truth (TD_TRUTH_U ..), and such planes of a pixel that shows nothing: (TD_OUT_TRUTH)
+ * (truth.c). */
+const char *td_truth_name(int plane);
+void td_truth_of_nothing(double *planes);
 
 /* td_renderer_tiles as if there were no PSF (tiles.c). */
 tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,

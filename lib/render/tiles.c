@@ -65,8 +65,11 @@ static void fill_empty(tides_renderer *renderer, const td_request *requests, int
     double pixel[TD_OUT_COLOUR];
     for (int i = 0; i < empty_count; i++) {
         int request = renderer->empty[i];
-        renderer->backend->type->empty_pixel(renderer->backend, (const double *)&renderer->backdrops[requests[request].slot],
-                                             pixel, outputs);
+        const double *backdrop = (const double *)&renderer->backdrops[requests[request].slot];
+        if (outputs == TD_OUT_TRUTH)
+            td_truth_of_nothing(pixel);
+        else
+            renderer->backend->type->empty_pixel(renderer->backend, backdrop, pixel, outputs);
         double *tile = planes + (size_t)request * outputs * TD_TILE_PIXELS;
         for (int k = 0; k < outputs * TD_TILE_PIXELS; k++) tile[k] = pixel[k / TD_TILE_PIXELS];
     }
@@ -99,7 +102,7 @@ static tides_status reserve(tides_renderer *renderer, size_t count, tides_error 
 static tides_status follow_paths(tides_renderer *renderer, const td_tile_batch *asked, const td_job *jobs, int count,
                                  td_batch *batch, td_path_batch *follow, tides_error *error) {
     td_record_paths *paths = &renderer->paths;
-    if (!paths->there || asked->outputs >= TD_OUT_COLOUR) return TIDES_OK;
+    if (!paths->there || asked->outputs >= TD_OUT_COLOUR || asked->outputs == TD_OUT_TRUTH) return TIDES_OK;
     tides_status status = td_paths_moments(paths, asked->times, asked->slots, error);
     if (status != TIDES_OK) return status;
     *follow = (td_path_batch){paths->path_of, paths->serial, paths->cubics, paths->nodes};

@@ -67,6 +67,16 @@ TIDES_B_DOT = 12
 TIDES_Z = 13
 TIDES_Z_DOT = 14
 TIDES_CHANNELS = 15
+TIDES_TRUTH_FLOW_U = 0
+TIDES_TRUTH_FLOW_V = 1
+TIDES_TRUTH_DEPTH = 2
+TIDES_TRUTH_DEPTH_MEDIAN = 3
+TIDES_TRUTH_ALPHA = 4
+TIDES_TRUTH_INSTANCE = 5
+TIDES_TRUTH_NORMAL_X = 6
+TIDES_TRUTH_NORMAL_Y = 7
+TIDES_TRUTH_NORMAL_Z = 8
+TIDES_TRUTHS = 9
 TIDES_LABEL_CAUSE = 1
 TIDES_LABEL_FIRED = 2
 TIDES_LABEL_FRONTEND = 4
@@ -1115,6 +1125,17 @@ class tides_render_stats(Structure):
         ("tiles", c_int32),
         ("reserved", c_int32),
         ("pixels_nonfinite", c_uint64),
+    ]
+
+
+class tides_truth(Structure):
+    """double *plane[TIDES_TRUTHS];
+    """
+
+    plane: Any
+
+    _fields_ = [
+        ("plane", P(c_double) * 9),
     ]
 
 
@@ -2833,6 +2854,11 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_renderer_set_psf": (c_int32, [P(tides_renderer), c_double, c_int32, P(tides_error)]),
     # void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *stats)
     "tides_renderer_stats": (None, [P(tides_renderer), P(tides_render_stats)]),
+    # tides_status tides_renderer_truth(tides_renderer *renderer, const tides_trajectory *camera, double time, const
+    # tides_truth *truth, tides_error *error)
+    "tides_renderer_truth": (c_int32, [
+        P(tides_renderer), P(tides_trajectory), c_double, P(tides_truth), P(tides_error)
+    ]),
     # void tides_run_destroy(tides_run *run)
     "tides_run_destroy": (None, [P(tides_run)]),
     # void tides_run_get(const tides_run *run, tides_run_values *values)
@@ -3020,6 +3046,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     # tides_status tides_trajectory_sample(const tides_trajectory *trajectory, size_t index, tides_pose_sample *sample,
     # tides_error *error)
     "tides_trajectory_sample": (c_int32, [P(tides_trajectory), c_size_t, P(tides_pose_sample), P(tides_error)]),
+    # const char *tides_truth_name(int32_t truth)
+    "tides_truth_name": (c_char_p, [c_int32]),
     # const char *tides_version(void)
     "tides_version": (c_char_p, []),
     # tides_status tides_voxel_grid(const tides_event *events, size_t count, int32_t width, int32_t height, const
@@ -3038,11 +3066,11 @@ STRUCTS = (
     tides_polynomial_motion, tides_rotor_motion, tides_keyframes_motion, tides_theta, tides_callback_motion,
     tides_gaussians, tides_object, tides_intrinsics, tides_path_options, tides_path, tides_generator,
     tides_generate_options, tides_world, tides_circuit, tides_sensor, tides_smoothing, tides_image_params, tides_frame,
-    tides_render_stats, tides_event, tides_event_file, tides_event_format, tides_event_facts, tides_event_summary,
-    tides_event_conversion, tides_event_conversion_report, tides_readout, tides_readout_stats, tides_risk,
-    tides_stepping, tides_stats, tides_stat, tides_frames_options, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs,
-    tides_ldati_params, tides_baseline_params, tides_frame_supply, tides_channel, tides_match, tides_metrics_options,
-    tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_param,
-    tides_run_values, tides_run_input, tides_fingerprint, tides_session_facts, tides_recording, tides_recorded,
-    tides_exact_options, tides_exact,
+    tides_render_stats, tides_truth, tides_event, tides_event_file, tides_event_format, tides_event_facts,
+    tides_event_summary, tides_event_conversion, tides_event_conversion_report, tides_readout, tides_readout_stats,
+    tides_risk, tides_stepping, tides_stats, tides_stat, tides_frames_options, tides_esim, tides_v2e, tides_voltmeter,
+    tides_iebcs, tides_ldati_params, tides_baseline_params, tides_frame_supply, tides_channel, tides_match,
+    tides_metrics_options, tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options,
+    tides_array_shape, tides_param, tides_run_values, tides_run_input, tides_fingerprint, tides_session_facts,
+    tides_recording, tides_recorded, tides_exact_options, tides_exact,
 )

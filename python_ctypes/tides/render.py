@@ -20,6 +20,9 @@ from .trajectory import Camera, Trajectory
 #: Planes that a frame may have: "Y", "L", "L_dot" [1/s], "A", "A_dot" [1/s], "coverage", "contributors", "R", "G", "B" ...
 CHANNELS = tuple(text(lib.tides_channel_name(index)) for index in range(_api.TIDES_CHANNELS))
 
+#: Planes of ground truth: "flow_u", "flow_v" [px/s], "depth", "depth_median", "alpha", "instance", "normal_x" ...
+TRUTHS = tuple(text(lib.tides_truth_name(index)) for index in range(_api.TIDES_TRUTHS))
+
 
 class ImageParams(Value, _api.tides_image_params):
     """Image formation: rules ("smooth", "inria", "gsplat"), antialias, sh_degree, dilation [px^2], luminance (3), log_eps,
@@ -68,16 +71,33 @@ class Renderer(Handle):
     ) -> dict[str, np.ndarray]:
         """One frame at `time` [s]: float64 planes (height x width), row 0 on top, by the names in CHANNELS. Colour and
         depth cost; the rest comes with the pass. `trajectory` replaces the camera's path."""
-        lens = self.camera.intrinsics
-        frame, planes = _api.tides_frame(), {}
-        for name in channels:
-            if name not in CHANNELS:
-                raise ValueError(f"channels: {name!r} is none of {', '.join(CHANNELS)}{nearest(name, CHANNELS)}")
-            planes[name] = np.empty((lens.height, lens.width))
-            frame.plane[CHANNELS.index(name)] = pointer(planes[name], c_double)
+        frame = _api.tides_frame()
+        planes = self._planes("channels", channels, CHANNELS, frame)
         path = trajectory or self.camera.trajectory
         with self._lock:
             call("tides_renderer_frame", self._pointer, path._pointer, time, frame)
+        return planes
+
+    def truth(
+        self, time: float, planes: Iterable[str] = TRUTHS, trajectory: Trajectory | None = None
+    ) -> dict[str, np.ndarray]:
+        """Ground truth of the frame at `time` [s]: float64 planes (height x width), row 0 on top, by the names in TRUTHS:
+        optical flow [px/s], depth of what is seen [scene units], its instance and normal. No PSF blurs it."""
+        truth = _api.tides_truth()
+        made = self._planes("planes", planes, TRUTHS, truth)
+        path = trajectory or self.camera.trajectory
+        with self._lock:
+            call("tides_renderer_truth", self._pointer, path._pointer, time, truth)
+        return made
+
+    def _planes(self, argument: str, names: Iterable[str], known: tuple[str, ...], struct: Any) -> dict[str, np.ndarray]:
+        """Empty planes for the names, and their addresses in the struct."""
+        lens, planes = self.camera.intrinsics, {}
+        for name in names:
+            if name not in known:
+                raise ValueError(f"{argument}: {name!r} is none of {', '.join(known)}{nearest(name, known)}")
+            planes[name] = np.empty((lens.height, lens.width))
+            struct.plane[known.index(name)] = pointer(planes[name], c_double)
         return planes
 
     @property

@@ -33,6 +33,21 @@ def test_frame(scene, camera):
     assert tides.lib.tides_channel_name(99) is None
 
 
+def test_truth(scene, camera):
+    with tides.Renderer(scene, camera) as renderer:
+        truth = renderer.truth(0.05)
+        assert tuple(truth) == tides.TRUTHS and tides.TRUTHS[:3] == ("flow_u", "flow_v", "depth")
+        assert all(plane.shape == SIZE[::-1] and plane.dtype == np.float64 for plane in truth.values())
+        seen = truth["alpha"] > 0.5
+        assert seen.any() and (truth["depth_median"][seen] > 0).all() and (truth["instance"][seen] >= 0).all()
+        assert np.abs(truth["alpha"] - renderer.frame(0.05, ["A"])["A"]).max() < 1e-4
+        length = np.sqrt(sum(truth[name] ** 2 for name in ("normal_x", "normal_y", "normal_z")))
+        assert np.abs(length[seen] - 1).max() < 1e-5
+        with pytest.raises(ValueError, match="did you mean 'depth'"):
+            renderer.truth(0.05, ["dept"])
+    assert tides.lib.tides_truth_name(99) is None
+
+
 def test_image_rules(scene, camera):
     image = tides.ImageParams(rules="inria", background=(1, 1, 1))
     assert tides.Renderer(scene, camera, image).frame(0, ["Y"])["Y"].max() > 0.99

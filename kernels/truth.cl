@@ -1,0 +1,43 @@
+/* Ground truth (truth.h), after the projection and the sort of a batch: surfaces of its candidates, a work-group per tile job;
+ * then planes, a work-item per TD_LANES pixels of a block as in composite.cl. */
+#include "truth.h"
+#include "specialise.h"
+
+__kernel void td_surface_jobs(__constant const td_image *image_buffer, __global const td_job *jobs,
+                              __global const int *candidates, __global const int *object, __global const int *numbers,
+                              __global const td_view *views, __global const float *geometry, __global const float *rates,
+                              __global const int *owners, int first_rate, int first_moved, __global const float *records,
+                              __global const int *masks, __global float *surfaces, __global float *surface_rates) {
+    const td_image image = td_specialised(image_buffer);
+    const td_job job = jobs[get_group_id(0)];
+    const td_source source = td_source_make(geometry, rates, geometry, geometry, owners, first_rate, first_moved); /* no SH */
+    td_surfaces to;
+    to.places = surfaces;
+    to.rates = surface_rates;
+    int step = (int)get_local_size(0) * TD_LANES;
+    for (int first = (int)get_local_id(0) * TD_LANES; first < job.count; first += step)
+        td_surface_group(&job, first, candidates, object, numbers, views, &image, &source, records, masks, &to);
+}
+
+__kernel void td_truth_jobs(__constant const td_image *image_buffer, __global const td_job *jobs, __global const float *records,
+                            __global float *surfaces, __global float *surface_rates, __global const int *order,
+                            __global const int *sorted_masks, __global const int *counts, int objects, __global float *planes,
+                            __global int *blended, __global const int *asked, int asked_count) {
+    const td_image image = td_specialised(image_buffer);
+    int item = (int)get_global_id(0), place = item / (TD_BLOCK_PIXELS / TD_LANES);
+    int first = item % (TD_BLOCK_PIXELS / TD_LANES) * TD_LANES;
+    if (place >= asked_count) return; /* groups are whole */
+    int job_index = asked[place] >> 4;
+    const td_job job = jobs[job_index];
+    td_list list;
+    list.records = list.colours = records + job.records * TD_RECORD_STRIDE;
+    list.order = order + job.records;
+    list.masks = sorted_masks + job.records;
+    list.count = counts[job_index];
+    list.brightest = 0;
+    td_surfaces of;
+    of.places = surfaces + job.records * TD_RECORD_STRIDE;
+    of.rates = surface_rates + job.records * TD_RECORD_STRIDE;
+    blended[item] = td_truth_block(&job, &list, &of, &image, objects, asked[place] & 15, first,
+                                   planes + (size_t)place * TD_OUT_TRUTH * TD_BLOCK_PIXELS + first);
+}
