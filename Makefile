@@ -155,10 +155,10 @@ demo-built:
 	@ls -l build/demo
 
 # -- checks ------------------------------------------------------------------------------------------------------------
-RUN_TESTS = CC='$(CC)' PYTHON='$(PYTHON)' PKG_CONFIG='$(PKG_CONFIG)' MAKE='$(MAKE)' CONFIG='$(CONFIG)' OUT='$(OUT)' \
+RUN_TESTS = JOBS='$(JOBS)' CC='$(CC)' PYTHON='$(PYTHON)' PKG_CONFIG='$(PKG_CONFIG)' MAKE='$(MAKE)' CONFIG='$(CONFIG)' OUT='$(OUT)' \
             TIDES='$(CURDIR)/$(OUT)/tides' bash scripts/run_tests.sh $(OUT)/logs
-SCRIPTS := tests/unit/test_headers.sh tests/unit/test_lint.sh scripts/check_symbols.sh scripts/install_check.sh $(wildcard tests/cli/run.sh) \
-           scripts/python_tests.sh scripts/client_tests.sh scripts/check_readme.py
+SCRIPTS := $(wildcard tests/cli/run.sh) scripts/python_tests.sh scripts/client_tests.sh scripts/check_readme.py \
+           scripts/install_check.sh tests/unit/test_headers.sh tests/unit/test_lint.sh scripts/check_symbols.sh
 
 .PHONY: check check-built check-readme check-readme-built check-golden check-golden-built check-asan check-asan-built \
         check-valgrind check-valgrind-built check-clang check-clang-built install-check
@@ -167,7 +167,7 @@ check: ## Install what is missing, build without warnings, run every test
 	@$(AGAIN) WERROR=-Werror all tests
 	@$(AGAIN) check-built
 check-built:
-	@README_QUICK=1 $(RUN_TESTS) $(TESTS) $(GOLDEN) $(SCRIPTS)
+	@README_QUICK=1 $(RUN_TESTS) $(SCRIPTS) $(GOLDEN) $(TESTS)
 check-readme: ## Run every command and example of README.md, the slow ones too
 	@sh scripts/deps.sh build -q
 	@$(AGAIN) all
@@ -190,7 +190,7 @@ check-asan: ## Run the test programs and the CLI tests with the address and unde
 check-asan-built:
 	@ASAN_OPTIONS=detect_stack_use_after_return=1:use_sigaltstack=0:intercept_tls_get_addr=0:$$ASAN_OPTIONS \
 	    LSAN_OPTIONS=suppressions=$(CURDIR)/scripts/lsan.supp:print_suppressions=0 \
-	    $(RUN_TESTS) $(TESTS) $(GOLDEN) $(wildcard tests/cli/run.sh)
+	    $(RUN_TESTS) $(wildcard tests/cli/run.sh) $(GOLDEN) $(TESTS)
 # Those of the unit tests that neither load an OpenCL driver nor kill themselves.
 VALGRIND := $(filter $(addprefix $(OUT)/tests/unit/test_,base comparator crossing event_sort events events_read image_exr \
             image_png model_dir npy npz path path_datasets pickle pyrepr run run_open scene scene_hdf5 scene_packed scene_ply scene_sog scene_spz \

@@ -1,13 +1,14 @@
 #!/bin/bash
-# Runs test programs one after the other, prints one line for each, and ends with "N passed, N failed, N skipped" (test cases).
-# usage: run_tests.sh LOGDIR PROGRAM...
+# Runs test programs, JOBS at a time, prints one line for each as it ends, and then "N passed, N failed, N skipped" (test cases).
+# usage: [JOBS=1] run_tests.sh LOGDIR PROGRAM...     the longest first, so that none is left alone with one core at the end
 # Cases are counted from what a program prints: cmocka's report, pytest's last line, or a last line of the form above. A
 # program that prints neither is one case: exit 0 passed, 77 skipped. A failing program's output is shown, and the rest run on.
 set -u
 
 logs=$1
 shift
-limit=${TEST_TIMEOUT:-300} # [s] for one program
+limit=${TEST_TIMEOUT:-600} # [s] for one program, which shares the machine
+jobs=${JOBS:-1}
 mkdir -p "$logs"
 
 # Kernel builds are shared by all programs and stay inside build/.
@@ -38,8 +39,9 @@ count_cases() {
         }' "$1"
 }
 
-total_passed=0 total_failed=0 total_skipped=0
-for program in "$@"; do
+# Runs one program: its counts go to the first line of REPORT, what there is to say of it to the rest.
+run_one() {
+    local program=$1 report=$2 name log command code started elapsed passed failed skipped word
     name=${program#build/*/}
     name=${name#./}
     name=${name#tests/}
@@ -61,17 +63,43 @@ for program in "$@"; do
     word=ok
     [ "$passed" = 0 ] && word=skip
     [ "$failed" != 0 ] && word=FAIL
-    printf '%-4s %-40s %4d passed %3d failed %3d skipped %5d.%d s\n' $word "$name" "$passed" "$failed" "$skipped" \
-        $((elapsed / 10)) $((elapsed % 10))
-    if [ "$failed" != 0 ]; then
-        [ $code = 124 ] && echo "     stopped after $limit s"
-        echo "     exit code $code; the end of $log:"
-        tail -n 120 "$log" | sed 's/^/     | /'
-    fi
-    [ $code = 77 ] && tail -n 1 "$log" | sed 's/^/     /'
+    {
+        echo "$passed $failed $skipped"
+        printf '%-4s %-40s %4d passed %3d failed %3d skipped %5d.%d s\n' $word "$name" "$passed" "$failed" "$skipped" \
+            $((elapsed / 10)) $((elapsed % 10))
+        if [ "$failed" != 0 ]; then
+            [ $code = 124 ] && echo "     stopped after $limit s"
+            echo "     exit code $code; the end of $log:"
+            tail -n 120 "$log" | sed 's/^/     | /'
+        fi
+        [ $code = 77 ] && tail -n 1 "$log" | sed 's/^/     /'
+    } >"$report"
+}
+
+total_passed=0 total_failed=0 total_skipped=0
+
+# Waits for one of the programs under way, and says how it went.
+collect_one() {
+    local done_pid passed failed skipped
+    wait -n -p done_pid || true
+    { read -r passed failed skipped; cat; } <"$reports/${number[$done_pid]}"
     total_passed=$((total_passed + passed))
     total_failed=$((total_failed + failed))
     total_skipped=$((total_skipped + skipped))
+    running=$((running - 1))
+}
+
+reports=$(mktemp -d) || exit 1
+trap 'rm -rf "$reports"' EXIT
+trap 'kill $(jobs -p) 2>/dev/null; exit 1' INT TERM
+declare -A number
+running=0 count=0
+for program in "$@"; do
+    while [ $running -ge "$jobs" ]; do collect_one; done
+    count=$((count + 1)) running=$((running + 1))
+    run_one "$program" "$reports/$count" &
+    number[$!]=$count
 done
+while [ $running -gt 0 ]; do collect_one; done
 echo "$total_passed passed, $total_failed failed, $total_skipped skipped"
 [ "$total_failed" = 0 ]

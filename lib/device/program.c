@@ -1,12 +1,17 @@
-/* Building kernels: prelude and source to a cl_program, once per device, file and set of defines. PoCL and the vendors' drivers
- * cache binaries on disk themselves, so this keeps only a table in memory. */
+/* Building kernels: prelude and source to a cl_program, once per device, files and set of defines. PoCL and vendors' drivers
+ * cache binaries on disk themselves, so this keeps only a table in memory.
+ *
+ * Tried and refused: a cache of binaries of our own. From one PoCL 3.1 makes a program in 1 to 4 ms instead of the 25 to 40 for
+ * which clang reads 900 KB of headers to find the key of its own cache. But to hand a binary over it compiles kernels again,
+ * for work-groups of any size: 0.3 to 1.7 s each, as long as the build itself. Fewer programs are cheaper.
+ * -cl-opt-disable, which would leave optimising to the launch: kernels 13 to 18 times slower. */
 #include "td_device.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 struct td_program_entry {
-    char *key; /* file, precision, lanes and defines */
+    char *key; /* files, precision, lanes and defines */
     cl_program program;
     td_program_entry *next;
 };
@@ -69,7 +74,20 @@ static char *make_prelude(const dialect *of, const char *defines, tides_error *e
                      of->lanes, defines);
 }
 
-static tides_status build(tides_device *device, const dialect *of, const char *file, const char *defines, cl_program *program,
+/* The text of each of `files`, and of what they include, once. */
+static tides_status gather_all(td_source_text *text, const char *files, tides_error *error) {
+    tides_status status = TIDES_OK;
+    while (*files && status == TIDES_OK) {
+        size_t length = strcspn(files, " ");
+        char *file = td_format(error, "%.*s", (int)length, files);
+        status = file ? td_source_gather(text, file, error) : TIDES_NO_MEMORY;
+        free(file);
+        files += length + strspn(files + length, " ");
+    }
+    return status;
+}
+
+static tides_status build(tides_device *device, const dialect *of, const char *files, const char *defines, cl_program *program,
                           tides_error *error) {
     tides_status status = TIDES_NO_MEMORY;
     td_source_text text = {0};
@@ -81,14 +99,14 @@ static tides_status build(tides_device *device, const dialect *of, const char *f
     if (status != TIDES_OK) goto done;
     text.piece[text.count++] = prelude;
     prelude = NULL;
-    if ((status = td_source_gather(&text, file, error)) != TIDES_OK) goto done;
+    if ((status = gather_all(&text, files, error)) != TIDES_OK) goto done;
     built = clCreateProgramWithSource(device->context, (cl_uint)text.count, (const char **)(void *)text.piece, NULL, &code);
     TD_CL(code);
     code = clBuildProgram(built, 1, &device->id,
                           device->correctly_rounded ? "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt" : "-cl-std=CL1.2",
                           NULL, NULL);
     if (code != CL_SUCCESS) {
-        status = fail_build(device, built, file, error);
+        status = fail_build(device, built, files, error);
         goto done;
     }
     *program = built;
@@ -100,11 +118,11 @@ done:
     return status;
 }
 
-static tides_status find_program(tides_device *device, const dialect *of, const char *file, const char *defines,
+static tides_status find_program(tides_device *device, const dialect *of, const char *files, const char *defines,
                                  cl_program *program, tides_error *error) {
     tides_status status = TIDES_NO_MEMORY;
     td_program_entry *entry = NULL;
-    char *key = td_format(error, "%s\n%d lanes%s\n%s", file, of->lanes, of->is_double ? " of doubles" : "", defines);
+    char *key = td_format(error, "%s\n%d lanes%s\n%s", files, of->lanes, of->is_double ? " of doubles" : "", defines);
     if (!key) return TIDES_NO_MEMORY;
     for (entry = device->programs; entry; entry = entry->next)
         if (strcmp(entry->key, key) == 0) {
@@ -114,7 +132,7 @@ static tides_status find_program(tides_device *device, const dialect *of, const 
         }
     entry = td_alloc(1, sizeof *entry, error);
     if (!entry) goto done;
-    if ((status = build(device, of, file, defines, &entry->program, error)) != TIDES_OK) goto done;
+    if ((status = build(device, of, files, defines, &entry->program, error)) != TIDES_OK) goto done;
     *program = entry->program;
     entry->key = key;
     entry->next = device->programs;
@@ -126,11 +144,11 @@ done:
     return status;
 }
 
-static tides_status create_kernel(tides_device *device, const dialect *of, const char *file, const char *defines,
+static tides_status create_kernel(tides_device *device, const dialect *of, const char *files, const char *defines,
                                   const char *name, cl_kernel *kernel, tides_error *error) {
     cl_program program = NULL;
     cl_int code = CL_SUCCESS;
-    tides_status status = find_program(device, of, file, defines, &program, error);
+    tides_status status = find_program(device, of, files, defines, &program, error);
     if (status != TIDES_OK) return status;
     cl_kernel made = clCreateKernel(program, name, &code);
     if (code != CL_SUCCESS) return td_cl_fail(error, code, "clCreateKernel");
@@ -138,13 +156,13 @@ static tides_status create_kernel(tides_device *device, const dialect *of, const
     return TIDES_OK;
 }
 
-tides_status td_kernel_create(tides_device *device, const char *file, const char *defines, const char *name, cl_kernel *kernel,
+tides_status td_kernel_create(tides_device *device, const char *files, const char *defines, const char *name, cl_kernel *kernel,
                               tides_error *error) {
     const dialect single = {0, (int)device->info.lanes};
-    return create_kernel(device, &single, file, defines, name, kernel, error);
+    return create_kernel(device, &single, files, defines, name, kernel, error);
 }
 
-tides_status td_kernel_create_double(tides_device *device, const char *file, const char *defines, const char *name,
+tides_status td_kernel_create_double(tides_device *device, const char *files, const char *defines, const char *name,
                                      cl_kernel *kernel, tides_error *error) {
     const dialect wide = {1, td_double_lanes(device)};
     if (!device->has_double)
@@ -152,7 +170,7 @@ tides_status td_kernel_create_double(tides_device *device, const char *file, con
                        "device '%.60s' has no double precision (cl_khr_fp64), which events solved in double need; set "
                        "stepping.solve to \"float\", or take another device",
                        device->info.name);
-    return create_kernel(device, &wide, file, defines, name, kernel, error);
+    return create_kernel(device, &wide, files, defines, name, kernel, error);
 }
 
 void td_programs_release(tides_device *device) {

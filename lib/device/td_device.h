@@ -40,13 +40,13 @@ tides_status td_cl_fail(tides_error *error, cl_int code, const char *call);
         }                                               \
     } while (0)
 
-/* The kernel `name` of kernel file `file` built with `defines` ("#define A 1\n..."), from the device's table or newly built.
- * The caller releases the kernel. */
-tides_status td_kernel_create(tides_device *device, const char *file, const char *defines, const char *name, cl_kernel *kernel,
+/* The kernel `name` of the program of `files` (one kernel file, or several with spaces between), built with `defines`
+ * ("#define A 1\n..."), from the device's table or newly. The caller releases the kernel. */
+tides_status td_kernel_create(tides_device *device, const char *files, const char *defines, const char *name, cl_kernel *kernel,
                               tides_error *error);
 
 /* The same in double precision (TD_REAL_DOUBLE, td_double_lanes). TIDES_UNSUPPORTED where the device has none. */
-tides_status td_kernel_create_double(tides_device *device, const char *file, const char *defines, const char *name,
+tides_status td_kernel_create_double(tides_device *device, const char *files, const char *defines, const char *name,
                                      cl_kernel *kernel, tides_error *error);
 
 /* TD_LANES of kernels in double precision: of the sixteen that single precision has on a CPU, half, so that a vector is as

@@ -21,28 +21,6 @@ tides_status td_opencl_write_reals(opencl_backend *b, td_buffer *buffer, const d
     return status == TIDES_OK ? td_opencl_write_reals_at(b, buffer, 0, from, count, error) : status;
 }
 
-/* DESIGN 3.6: what is off costs nothing. */
-char *td_opencl_defines(const td_image *image, int outputs, tides_error *error) {
-    return td_format(error,
-                     "#define TD_BUILD_SH_DEGREE %d\n#define TD_BUILD_ANTIALIAS %d\n#define TD_BUILD_CUT_RULE %d\n"
-                     "#define TD_BUILD_STOP_RULE %d\n#define TD_BUILD_EXTENT_RULE %d\n#define TD_BUILD_MOVING %d\n"
-                     "#define TD_BUILD_OUTPUTS %d\n#define TD_BUILD_SOFT_ORDER %d\n#define TD_BUILD_DECODER %d\n",
-                     image->sh_degree, image->antialias, image->cut_rule, image->stop_rule, image->extent_rule, image->moving,
-                     outputs, image->soft_order, image->decoder);
-}
-
-tides_status td_opencl_make_kernel(opencl_backend *b, const char *file, const char *name, int outputs, cl_kernel *kernel,
-                                   tides_error *error) {
-    if (*kernel) return TIDES_OK;
-    char *defines = td_opencl_defines(&b->image, outputs, error);
-    if (!defines) return TIDES_NO_MEMORY;
-    double begun = td_now();
-    tides_status status = td_kernel_create(b->device, file, defines, name, kernel, error);
-    b->base.stats.time_build_s += td_now() - begun;
-    free(defines);
-    return status;
-}
-
 /* Views, strays and rows of a sweep to the device, and room for its results. */
 static tides_status send_interval(opencl_backend *b, const td_sweep_request *request, tides_error *error) {
     int times = td_sweep_times(request->level);

@@ -130,7 +130,7 @@ static tides_status build(opencl_exact *e, const td_image_numbers *numbers, int 
     memset(&decisions, 0, sizeof decisions);
     memcpy((char *)&decisions + TD_IMAGE_REALS * sizeof(td_real), numbers->whole, sizeof numbers->whole);
     decisions.moving = moving;
-    char *image = td_opencl_defines(&decisions, TD_OUT_SIGNAL, error);
+    char *image = td_opencl_defines("path_nodes.cl", &decisions, TD_OUT_SIGNAL, error);
     char *defines = image ? td_format(error, "%s%s", image, e->sh_float ? "#define TD_BUILD_SH_FLOAT 1\n" : "") : NULL;
     free(image);
     if (!defines) return TIDES_NO_MEMORY;

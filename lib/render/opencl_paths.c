@@ -144,11 +144,11 @@ static tides_status warm_up(opencl_backend *b, tides_error *error) {
 
 tides_status td_opencl_prepare_paths(td_backend *backend, tides_error *error) {
     opencl_backend *b = (opencl_backend *)backend;
-    tides_status status = td_opencl_make_kernel(b, "path_nodes.cl", "td_project_nodes", TD_OUT_SIGNAL, &b->node_kernel, error);
+    tides_status status = td_opencl_make_kernel(b, TD_PATH_KERNELS, "td_project_nodes", TD_OUT_SIGNAL, &b->node_kernel, error);
     if (status == TIDES_OK)
-        status = td_opencl_make_kernel(b, "path_misfits.cl", "td_measure_paths", TD_OUT_SIGNAL, &b->measure_kernel, error);
+        status = td_opencl_make_kernel(b, TD_PATH_KERNELS, "td_measure_paths", TD_OUT_SIGNAL, &b->measure_kernel, error);
     if (status == TIDES_OK)
-        status = td_opencl_make_kernel(b, "path_project.cl", "td_fetch_jobs", TD_OUT_SIGNAL, &b->fetch_kernel, error);
+        status = td_opencl_make_kernel(b, TD_PATH_KERNELS, "td_fetch_jobs", TD_OUT_SIGNAL, &b->fetch_kernel, error);
     double begun = td_now();
     if (status == TIDES_OK) status = warm_up(b, error);
     backend->stats.time_build_s += td_now() - begun;

@@ -56,11 +56,14 @@ tides_status td_opencl_write_reals_at(opencl_backend *b, td_buffer *buffer, size
 tides_status td_opencl_motion_create(opencl_backend *b, const td_movers *movers, tides_error *error);
 void td_opencl_motion_release(opencl_backend *b);
 
-/* What an image fixes, compiled in: lines of defines, the caller's to free; NULL: out of memory (backend_opencl.c). */
-char *td_opencl_defines(const td_image *image, int outputs, tides_error *error);
+/* The kernels of record paths are one program: each costs PoCL 25 ms a process, for headers of its own that it reads. */
+#define TD_PATH_KERNELS "path_nodes.cl path_misfits.cl path_project.cl"
 
-/* A kernel for the image's decisions, unless it is there (backend_opencl.c). */
-tides_status td_opencl_make_kernel(opencl_backend *b, const char *file, const char *name, int outputs, cl_kernel *kernel,
+/* What an image fixes, compiled in: lines of defines, the caller's to free; NULL: out of memory (opencl_build.c). */
+char *td_opencl_defines(const char *files, const td_image *image, int outputs, tides_error *error);
+
+/* A kernel for the image's decisions, unless it is there (opencl_build.c). */
+tides_status td_opencl_make_kernel(opencl_backend *b, const char *files, const char *name, int outputs, cl_kernel *kernel,
                                    tides_error *error);
 
 /* The cubic jobs of a batch, whose places the device has; td_backend_class.prepare_cubics and .misfits (opencl_cubics.c). */

@@ -1,0 +1,72 @@
+/* The renderer's kernels, each built for what it looks at of the image's decisions and no more. */
+#include "td_opencl.h"
+
+#include <stdlib.h>
+
+/* The image's decisions that kernels are built for (specialise.h). */
+enum {
+    BY_SH = 1,
+    BY_ANTIALIAS = 2,
+    BY_CUT = 4,
+    BY_STOP = 8,
+    BY_EXTENT = 16,
+    BY_MOVING = 32,
+    BY_OUTPUTS = 64,
+    BY_SOFT_ORDER = 128,
+    BY_DECODER = 256,
+    BY_ALL = 511,
+    BY_PROJECTION = BY_SH | BY_ANTIALIAS | BY_CUT | BY_EXTENT | BY_MOVING | BY_SOFT_ORDER
+};
+
+/* Which of them a program looks at. It isn't built for others, since drivers cache builds by their text: the tests' 44 sorts
+ * were one, compiled again for each degree of harmonics. What isn't listed is built for everything. */
+static int decisions_of(const char *files) {
+    static const struct {
+        const char *files;
+        int decisions;
+    } known[] = {{"sweep.cl", BY_ANTIALIAS | BY_CUT | BY_MOVING | BY_SOFT_ORDER},
+                 {"sort.cl", 0},
+                 {"project.cl", BY_PROJECTION | BY_OUTPUTS | BY_DECODER},
+                 {"composite.cl", BY_CUT | BY_STOP | BY_OUTPUTS | BY_SOFT_ORDER | BY_DECODER},
+                 {"interpolate.cl", 0},
+                 {"misfit.cl", BY_PROJECTION},
+                 {"path_nodes.cl", BY_PROJECTION},
+                 {TD_PATH_KERNELS, BY_PROJECTION | BY_OUTPUTS | BY_DECODER}};
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (strcmp(known[i].files, files) == 0) return known[i].decisions;
+    return BY_ALL;
+}
+
+/* DESIGN 3.6: what is off costs nothing. */
+char *td_opencl_defines(const char *files, const td_image *image, int outputs, tides_error *error) {
+    const struct {
+        const char *name;
+        int value;
+    } all[] = {{"SH_DEGREE", image->sh_degree},
+               {"ANTIALIAS", image->antialias},
+               {"CUT_RULE", image->cut_rule},
+               {"STOP_RULE", image->stop_rule},
+               {"EXTENT_RULE", image->extent_rule},
+               {"MOVING", image->moving},
+               {"OUTPUTS", outputs},
+               {"SOFT_ORDER", image->soft_order},
+               {"DECODER", image->decoder}};
+    int decisions = decisions_of(files);
+    char text[512] = "";
+    for (size_t i = 0, used = 0; i < sizeof all / sizeof *all; i++)
+        if (decisions >> i & 1)
+            used += (size_t)snprintf(text + used, sizeof text - used, "#define TD_BUILD_%s %d\n", all[i].name, all[i].value);
+    return td_format(error, "%s", text);
+}
+
+tides_status td_opencl_make_kernel(opencl_backend *b, const char *files, const char *name, int outputs, cl_kernel *kernel,
+                                   tides_error *error) {
+    if (*kernel) return TIDES_OK;
+    char *defines = td_opencl_defines(files, &b->image, outputs, error);
+    if (!defines) return TIDES_NO_MEMORY;
+    double begun = td_now();
+    tides_status status = td_kernel_create(b->device, files, defines, name, kernel, error);
+    b->base.stats.time_build_s += td_now() - begun;
+    free(defines);
+    return status;
+}
