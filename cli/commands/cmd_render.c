@@ -1,12 +1,49 @@
-/* tides render: one frame as EXR, and as a picture. */
+/* tides render: one frame as EXR, and as a picture; with ground truth where asked for. */
 #include "session.h"
+
+#include <string.h>
 
 /* What was asked for. */
 typedef struct render_request {
     const char *run, *exr, *png, *time;
-    int32_t rgb, depth;
+    const char *truth; /* names of it, separated by commas */
+    int32_t rgb, depth, metres;
+    int32_t truths; /* CLI_FRAME_TRUTH bits */
     cli_list sets;
 } render_request;
+
+#define TRUTH(name) (CLI_FRAME_TRUTH << TIDES_TRUTH_##name)
+
+/* What --truth knows. */
+static const struct truth_kind {
+    const char *name;
+    int32_t truths;
+} truth_kinds[] = {
+    {"flow", TRUTH(FLOW_U) | TRUTH(FLOW_V)},
+    {"depth", TRUTH(DEPTH) | TRUTH(DEPTH_MEDIAN)},
+    {"instance", TRUTH(INSTANCE)},
+    {"normal", TRUTH(NORMAL_X) | TRUTH(NORMAL_Y) | TRUTH(NORMAL_Z)},
+    {"all", (CLI_FRAME_TRUTH << TIDES_TRUTHS) - CLI_FRAME_TRUTH},
+};
+enum { TRUTH_KINDS = sizeof truth_kinds / sizeof *truth_kinds };
+
+/* The planes that --truth names. */
+static int parse_truth(const cli_command *command, render_request *request) {
+    for (const char *at = request->truth; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL) {
+        const size_t length = strcspn(at, ",");
+        int kind = 0;
+        while (kind < TRUTH_KINDS &&
+               !(strlen(truth_kinds[kind].name) == length && strncmp(truth_kinds[kind].name, at, length) == 0))
+            kind++;
+        if (kind == TRUTH_KINDS)
+            return cli_usage(command, "--truth %s: '%.*s' is none of flow, depth, instance, normal, all", request->truth,
+                             (int)length, at);
+        request->truths |= truth_kinds[kind].truths;
+    }
+    if (request->metres && !(request->truths & TRUTH(DEPTH)))
+        return cli_usage(command, "--metres says what depths are in: --truth depth asks for them");
+    return CLI_GO;
+}
 
 static cJSON *facts_of(const tides_session_facts *session, double time, const render_request *request) {
     cJSON *facts = cJSON_CreateObject();
@@ -23,11 +60,12 @@ static tides_status render(tides_session *session, const tides_session_facts *fa
                            const cli_common *common, tides_error *error) {
     cli_progress progress = {.quiet = common->quiet};
     cli_frame frame;
-    const int32_t wanted = (request->rgb ? CLI_FRAME_RGB : 0) | (request->depth ? CLI_FRAME_DEPTH : 0);
+    const int32_t wanted = (request->rgb ? CLI_FRAME_RGB : 0) | (request->depth ? CLI_FRAME_DEPTH : 0) | request->truths;
     cli_catch_interrupt();
     tides_status status = cli_frame_render(session, time, wanted, &progress, &frame, error);
     cli_progress_end(&progress);
     if (status != TIDES_OK) return status;
+    if (request->metres) cli_frame_to_metres(&frame, facts->values.metres_per_unit);
     if (request->exr) status = cli_frame_write_exr(&frame, request->exr, time, facts, error);
     if (status == TIDES_OK && request->png) status = cli_preview_write(request->png, &frame, NULL, error);
     cli_frame_free(&frame);
@@ -55,12 +93,16 @@ int cmd_render(const cli_command *command, int argc, char **argv) {
         {"--png", 0, "OUT.png", "picture of Y and L_dot side by side", NULL, &request.png, NULL},
         {"--rgb", 0, NULL, "render colour too", &request.rgb, NULL, NULL},
         {"--depth", 0, NULL, "render depth too", &request.depth, NULL, NULL},
+        {"--truth", 0, "NAMES", "ground truth too: flow, depth, instance, normal (separated by commas), or all", NULL,
+         &request.truth, NULL},
+        {"--metres", 0, NULL, "its depths in metres, as scene.metres_per_unit says", &request.metres, NULL, NULL},
         {"--set", 0, "KEY=VALUE", "override a key of the run file; may be repeated", NULL, NULL, &request.sets},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
     int code = cli_parse(command, options, argc, argv, &common, &request.run);
     if (code != CLI_GO) return code;
     if ((code = check_outputs(command, &request)) != CLI_GO) return code;
+    if ((code = parse_truth(command, &request)) != CLI_GO) return code;
     double time = 0;
     if (request.time && (code = cli_number(command, "--time", request.time, &time)) != CLI_GO) return code;
 
@@ -74,7 +116,9 @@ int cmd_render(const cli_command *command, int argc, char **argv) {
         return cli_failed("%s: the run has frames.file and no scene to render", request.run);
     }
     if (!request.time) time = facts.values.start;
-    if (render(session, &facts, time, &request, &common, &error) != TIDES_OK)
+    if (request.metres && !(facts.values.metres_per_unit > 0))
+        code = cli_failed("%s: --metres: how long a unit of the scene is isn't known: set scene.metres_per_unit", request.run);
+    else if (render(session, &facts, time, &request, &common, &error) != TIDES_OK)
         code = cli_fail(&error);
     else
         code = cli_report_facts(facts_of(&facts, time, &request), &common);

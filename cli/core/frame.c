@@ -11,6 +11,21 @@ static int32_t is_wanted(int32_t channel, int32_t wanted) {
     return (wanted & CLI_FRAME_RGB) != 0;
 }
 
+/* A plane, zeroed; an error where there's no memory. */
+static double *make_plane(size_t pixels, tides_status *status, tides_error *error) {
+    double *plane = calloc(pixels, sizeof *plane);
+    if (!plane) *status = cli_error(error, TIDES_NO_MEMORY, "out of memory: a frame of %zu pixels", pixels);
+    return plane;
+}
+
+static tides_status render_truth(tides_renderer *renderer, const tides_trajectory *camera, double time, cli_frame *frame,
+                                 tides_error *error) {
+    tides_truth truth;
+    memcpy(truth.plane, frame->truth, sizeof truth.plane);
+    if (frame->truth[TIDES_TRUTH_DEPTH]) frame->depth_unit = "units";
+    return tides_renderer_truth(renderer, camera, time, &truth, error);
+}
+
 tides_status cli_frame_render(tides_session *session, double time, int32_t wanted, cli_progress *progress, cli_frame *frame,
                               tides_error *error) {
     tides_session_facts facts;
@@ -21,9 +36,10 @@ tides_status cli_frame_render(tides_session *session, double time, int32_t wante
     tides_status status = TIDES_OK;
     for (int32_t i = 0; i < TIDES_CHANNELS; i++) {
         if (!is_wanted(i, wanted)) continue;
-        made.plane[i] = calloc(pixels, sizeof *made.plane[i]);
-        if (!made.plane[i]) status = cli_error(error, TIDES_NO_MEMORY, "out of memory: a frame of %zu pixels", pixels);
+        made.plane[i] = make_plane(pixels, &status, error);
     }
+    for (int32_t i = 0; i < TIDES_TRUTHS; i++)
+        if (wanted & CLI_FRAME_TRUTH << i) made.truth[i] = make_plane(pixels, &status, error);
     if (status == TIDES_OK) status = tides_session_renderer(session, cli_progress_step, progress, &renderer, error);
     const tides_sensor *sensor = &facts.values.sensor;
     if (status == TIDES_OK) status = tides_renderer_set_psf(renderer, sensor->psf_sigma_px, sensor->psf_domain, error);
@@ -32,6 +48,7 @@ tides_status cli_frame_render(tides_session *session, double time, int32_t wante
         memcpy(planes.plane, made.plane, sizeof planes.plane);
         status = tides_renderer_frame(renderer, facts.camera, time, &planes, error);
     }
+    if (status == TIDES_OK) status = render_truth(renderer, facts.camera, time, &made, error);
     tides_renderer_destroy(renderer);
     if (status == TIDES_OK)
         *frame = made;
@@ -42,26 +59,49 @@ tides_status cli_frame_render(tides_session *session, double time, int32_t wante
 
 void cli_frame_free(cli_frame *frame) {
     for (int32_t i = 0; i < TIDES_CHANNELS; i++) free(frame->plane[i]);
+    for (int32_t i = 0; i < TIDES_TRUTHS; i++) free(frame->truth[i]);
     memset(frame, 0, sizeof *frame);
+}
+
+void cli_frame_to_metres(cli_frame *frame, double metres_per_unit) {
+    double *depths[2] = {frame->truth[TIDES_TRUTH_DEPTH], frame->truth[TIDES_TRUTH_DEPTH_MEDIAN]};
+    for (int k = 0; k < 2; k++)
+        for (size_t i = 0; depths[k] && i < (size_t)frame->width * (size_t)frame->height; i++) depths[k][i] *= metres_per_unit;
+    frame->depth_unit = "m";
+}
+
+/* Adds a plane to the channels. */
+static void add_channel(const double *plane, const char *name, size_t pixels, float *floats, tides_channel *channels,
+                        int32_t *count) {
+    float *own = floats + (size_t)*count * pixels;
+    for (size_t k = 0; k < pixels; k++) own[k] = (float)plane[k];
+    channels[(*count)++] = (tides_channel){name, own};
 }
 
 tides_status cli_frame_write_exr(const cli_frame *frame, const char *path, double time, const tides_session_facts *session,
                                  tides_error *error) {
     const size_t pixels = (size_t)frame->width * (size_t)frame->height;
-    tides_channel channels[TIDES_CHANNELS];
+    tides_channel channels[TIDES_CHANNELS + TIDES_TRUTHS];
     int32_t count = 0;
-    float *floats = calloc(pixels * TIDES_CHANNELS, sizeof *floats);
+    float *floats = calloc(pixels * (TIDES_CHANNELS + TIDES_TRUTHS), sizeof *floats);
     if (!floats) return cli_error(error, TIDES_NO_MEMORY, "out of memory: a frame of %zu pixels", pixels);
-    for (int32_t i = 0; i < TIDES_CHANNELS; i++) {
-        if (!frame->plane[i]) continue;
-        float *plane = floats + (size_t)count * pixels;
-        for (size_t k = 0; k < pixels; k++) plane[k] = (float)frame->plane[i][k];
-        channels[count++] = (tides_channel){tides_channel_name(i), plane};
-    }
+    for (int32_t i = 0; i < TIDES_CHANNELS; i++)
+        if (frame->plane[i]) add_channel(frame->plane[i], tides_channel_name(i), pixels, floats, channels, &count);
+    for (int32_t i = 0; i < TIDES_TRUTHS; i++)
+        if (frame->truth[i]) add_channel(frame->truth[i], tides_truth_name(i), pixels, floats, channels, &count);
     char time_text[40];
     snprintf(time_text, sizeof time_text, "%.17g", time);
-    const char *const attributes[] = {"tides_version",      tides_version(), "tides_time_s",     time_text, "tides_run",
-                                      session->values.json, "tides_device",  session->info.name, NULL};
+    const char *const attributes[] = {"tides_version",
+                                      tides_version(),
+                                      "tides_time_s",
+                                      time_text,
+                                      "tides_run",
+                                      session->values.json,
+                                      "tides_device",
+                                      session->info.name,
+                                      frame->depth_unit ? "tides_depth_unit" : NULL,
+                                      frame->depth_unit,
+                                      NULL};
     tides_status status = tides_exr_write(path, frame->width, frame->height, channels, count, TIDES_EXR_ZIP, attributes, error);
     free(floats);
     return status;

@@ -12,11 +12,16 @@ tides_status cli_session_open(const char *file, const cli_list *sets, const cli_
 typedef struct cli_frame {
     int32_t width, height;
     double *plane[TIDES_CHANNELS]; /* NULL where not rendered */
+    double *truth[TIDES_TRUTHS];   /* likewise */
+    const char *depth_unit;        /* of ground truth: "m", or "units" */
 } cli_frame;
-enum { CLI_FRAME_PLAIN = 0, CLI_FRAME_RGB = 1, CLI_FRAME_DEPTH = 2 };
+/* What is wanted: and ground truth, plane k as CLI_FRAME_TRUTH << k. */
+enum { CLI_FRAME_PLAIN = 0, CLI_FRAME_RGB = 1, CLI_FRAME_DEPTH = 2, CLI_FRAME_TRUTH = 4 };
 tides_status cli_frame_render(tides_session *session, double time, int32_t wanted, cli_progress *progress, cli_frame *frame,
                               tides_error *error);
 void cli_frame_free(cli_frame *frame);
+/* Depths of ground truth in metres, of which the scene has so many a unit. */
+void cli_frame_to_metres(cli_frame *frame, double metres_per_unit);
 /* Every plane as a float channel, with time, run and version as attributes. */
 tides_status cli_frame_write_exr(const cli_frame *frame, const char *path, double time, const tides_session_facts *session,
                                  tides_error *error);
@@ -35,7 +40,11 @@ tides_status cli_window_read(const char *path, cli_window *window, tides_error *
 tides_status cli_window_ordered(const char *path, const cli_window *window, tides_error *error);
 cli_window cli_window_slice(const cli_window *window, int64_t first_ns, int64_t stop_ns);
 
-/* preview.c: labelled panels side by side: Y or colour, L_dot, and with a window its events. */
+/* preview_truth.c: how many panels ground truth has there; and these, from panel `first` on. */
+struct cli_canvas;
+int32_t cli_preview_truths(const cli_frame *frame);
+void cli_preview_truth(const cli_frame *frame, int32_t first, struct cli_canvas *canvas, uint8_t *rgb);
+/* preview.c: labelled panels side by side: Y or colour, L_dot, with a window its events, and what there is of ground truth. */
 tides_status cli_preview_write(const char *path, const cli_frame *frame, const cli_window *window, tides_error *error);
 
 /* job.c: the main job. */

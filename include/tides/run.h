@@ -70,6 +70,7 @@ typedef struct tides_run_values {
     double frames_per_second; /* of a baseline's renders [Hz] */
     tides_path_options path;  /* of camera.file */
     double scene_duration_s;  /* 0: the scene's own */
+    double metres_per_unit;   /* of the scene [m]; 0: unknown */
     const char *json;         /* the run with every default filled in, as written into event files */
 } tides_run_values;
 TIDES_API void tides_run_get(const tides_run *run, tides_run_values *values);

@@ -1,4 +1,4 @@
-/* The sRGB transfer function and the diverging colour map. */
+/* The sRGB transfer function and the colour maps. */
 #include "td_colour_map.h"
 
 #include <math.h>
@@ -28,4 +28,27 @@ void td_colour_signed(double value, uint8_t rgb[3]) {
     int below = position >= 16.0 ? 15 : (int)position;
     double part = position - below;
     for (int c = 0; c < 3; c++) rgb[c] = (uint8_t)((1.0 - part) * anchors[below][c] + part * anchors[below + 1][c] + 0.5);
+}
+
+/* Made for TIDES in CIE Lab: lightness 14 to 95, hues 305 degrees to 100, chroma up to 58 where sRGB reaches it. */
+/* clang-format off */
+static const uint8_t ramp[9][3] = {
+    {30, 19, 104}, {0, 58, 112}, {0, 86, 124}, {0, 115, 139}, {3, 145, 151}, {1, 177, 151}, {85, 206, 130}, {177, 227, 120},
+    {255, 242, 160},
+};
+/* clang-format on */
+
+void td_colour_ramp(double value, uint8_t rgb[3]) {
+    double position = clamp(value, 0.0, 1.0) * 8.0;
+    int below = position >= 8.0 ? 7 : (int)position;
+    double part = position - below;
+    for (int c = 0; c < 3; c++) rgb[c] = (uint8_t)((1.0 - part) * ramp[below][c] + part * ramp[below + 1][c] + 0.5);
+}
+
+void td_colour_wheel(double hue, double saturation, double value, uint8_t rgb[3]) {
+    for (int c = 0; c < 3; c++) {
+        double turned = hue - c / 3.0, apart = fabs(turned - floor(turned + 0.5)); /* from the channel's own hue: 0 to 1/2 */
+        double pure = clamp(2.0 - 6.0 * apart, 0.0, 1.0);
+        rgb[c] = (uint8_t)(255.0 * value * (1.0 - saturation * (1.0 - pure)) + 0.5);
+    }
 }

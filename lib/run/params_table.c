@@ -41,6 +41,9 @@ const td_param td_params[] = {
      .fallback = "null"},
     {BOOLEAN("scene.interpolate_motion", stepping.interpolate_motion,
              "within a step, interpolate what networks and callbacks move where that stays within tolerance")},
+    {NUMBER("scene.metres_per_unit", metres_per_unit, "m", 1e-12, 1e12,
+            "what a unit of the scene is; null: unknown, so that nothing can be had in metres"),
+     .fallback = "null"},
     {OBJECTS("scene.objects", "more splat files, each {file, trajectory, scale}; a trajectory moves it as a rigid body"),
      .fallback = "[]"},
 

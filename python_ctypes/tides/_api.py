@@ -2294,6 +2294,7 @@ class tides_run_values(Structure):
     double frames_per_second; /* of a baseline's renders [Hz] */
     tides_path_options path; /* of camera.file */
     double scene_duration_s; /* 0: the scene's own */
+    double metres_per_unit; /* of the scene [m]; 0: unknown */
     const char *json; /* the run with every default filled in, as written into event files */
     """
 
@@ -2315,6 +2316,7 @@ class tides_run_values(Structure):
     frames_per_second: float
     path: tides_path_options
     scene_duration_s: float
+    metres_per_unit: float
     json: bytes | None
 
     _fields_ = [
@@ -2336,6 +2338,7 @@ class tides_run_values(Structure):
         ("frames_per_second", c_double),
         ("path", tides_path_options),
         ("scene_duration_s", c_double),
+        ("metres_per_unit", c_double),
         ("json", c_char_p),
     ]
 
@@ -2816,11 +2819,19 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     # tides_status tides_path_save(const char *file, const tides_trajectory *trajectory, const tides_intrinsics
     # *intrinsics, tides_error *error)
     "tides_path_save": (c_int32, [c_char_p, P(tides_trajectory), P(tides_intrinsics), P(tides_error)]),
+    # void tides_picture_depth(const double *depth, int32_t width, int32_t height, double near, double far, uint8_t
+    # *rgb)
+    "tides_picture_depth": (None, [P(c_double), c_int32, c_int32, c_double, c_double, P(c_uint8)]),
     # void tides_picture_events(const tides_event *events, size_t count, const double *base, int32_t width, int32_t
     # height, uint8_t *rgb)
     "tides_picture_events": (None, [P(tides_event), c_size_t, P(c_double), c_int32, c_int32, P(c_uint8)]),
+    # void tides_picture_flow(const double *u, const double *v, int32_t width, int32_t height, double limit, uint8_t
+    # *rgb)
+    "tides_picture_flow": (None, [P(c_double), P(c_double), c_int32, c_int32, c_double, P(c_uint8)]),
     # void tides_picture_grey(const double *values, int32_t width, int32_t height, double white, uint8_t *rgb)
     "tides_picture_grey": (None, [P(c_double), c_int32, c_int32, c_double, P(c_uint8)]),
+    # void tides_picture_labels(const double *labels, int32_t width, int32_t height, uint8_t *rgb)
+    "tides_picture_labels": (None, [P(c_double), c_int32, c_int32, P(c_uint8)]),
     # void tides_picture_rgb(const double *r, const double *g, const double *b, int32_t width, int32_t height, uint8_t
     # *rgb)
     "tides_picture_rgb": (None, [P(c_double), P(c_double), P(c_double), c_int32, c_int32, P(c_uint8)]),

@@ -90,6 +90,21 @@ def picture_signed(values: Any, limit: float = 0.0) -> np.ndarray:
     return _picture("tides_picture_signed", [values], limit)
 
 
+def picture_flow(u: Any, v: Any, limit: float = 0.0) -> np.ndarray:
+    """Flow as a colour wheel: right red, down yellow-green, left cyan, up violet, white at rest; limit 0: the fastest."""
+    return _picture("tides_picture_flow", [u, v], limit)
+
+
+def picture_depth(depth: Any, near: float = 0.0, far: float = 0.0) -> np.ndarray:
+    """Depths from `near`, light, to `far`, dark (0, 0: the nearest and farthest there are); 0 is black."""
+    return _picture("tides_picture_depth", [depth], near, far)
+
+
+def picture_labels(labels: Any) -> np.ndarray:
+    """Whole numbers in colours of their own; negative ones are black."""
+    return _picture("tides_picture_labels", [labels])
+
+
 def picture_events(events: Any, width: int, height: int, base: Any = None) -> np.ndarray:
     """Events in red (ON) and blue (OFF) over `base` (height x width, linear; None: grey), uint8 (height x width x 3)."""
     events, rgb = as_events(events), np.empty((height, width, 3), np.uint8)

@@ -13,6 +13,19 @@ expect 0 tides render run.json --time 0.02 -o g.exr --rgb --depth --json
 out '"time_s":[[:space:]]*0.02'
 expect 0 tides info g.exr
 for channel in R G B R_dot G_dot B_dot Z Z_dot; do out "name $channel "; done
+# Ground truth: what is named and nothing else; depths in units, and in metres where those are known; a panel each.
+expect 0 tides render run.json --time 0.02 -qo t.exr --truth flow,depth
+expect 0 tides info t.exr
+for channel in L flow_u flow_v depth depth_median; do out "name $channel "; done
+grep -Eq "name (alpha|instance|normal_x|Z) " out && fail "these weren't asked for"
+grep -aq "tides_depth_unit.*string.*units" t.exr || fail "the unit of depths isn't said"
+expect 0 tides render run.json --time 0.02 -qo t.exr --png t.png --truth all --metres --set scene.metres_per_unit=0.5
+expect 0 tides info t.exr
+for channel in alpha instance normal_x normal_y normal_z; do out "name $channel "; done
+grep -aq "tides_depth_unit.*string....\+m" t.exr || fail "depths should be in metres"
+[ "$(head -c 24 t.png | tail -c 8 | head -c 4 | od -An -tu1 | awk '{print $3 * 256 + $4}')" -gt \
+    "$(head -c 24 f.png | tail -c 8 | head -c 4 | od -An -tu1 | awk '{print $3 * 256 + $4}')" ] || fail "ground truth has no panels"
+refuse 1 "set scene.metres_per_unit" tides render run.json -o x.exr --truth depth --metres
 # Time: the start where not given, and an error outside the path.
 expect 0 tides render run.json -o h.exr --json
 out '"time_s":[[:space:]]*0,'

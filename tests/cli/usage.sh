@@ -14,6 +14,8 @@ refuse 2 "\"b\" is one argument too many" tides info a b
 refuse 2 "--output needs a value" tides simulate run.json -o
 refuse 2 "--output is given twice" tides simulate run.json -o a -o b
 refuse 2 "--json takes no value" tides devices --json=yes
+refuse 2 "--truth flow,dept: 'dept' is none of flow, depth, instance, normal, all" tides render run.json -o x.exr --truth flow,dept
+refuse 2 "--metres says what depths are in" tides render run.json -o x.exr --truth flow --metres
 refuse 2 "--time abc: not a number" tides render run.json -o x.exr --time abc
 refuse 2 "--time nan: not a number" tides render run.json -o x.exr --time nan
 refuse 2 "--time 1s: not a number" tides render run.json -o x.exr --time 1s

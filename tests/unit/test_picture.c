@@ -63,6 +63,51 @@ static void test_signed(void **state) {
     assert_colour(far + 6, 255, 0, 255);
 }
 
+static void test_flow(void **state) {
+    (void)state;
+    const double u[] = {2, 0, -2, 1, 0, 4, NAN}, v[] = {0, 2, 0, 0, 0, 0, 1};
+    uint8_t rgb[21], automatic[3];
+    tides_picture_flow(u, v, 7, 1, 2, rgb);
+    assert_colour(rgb, 255, 0, 0);
+    assert_colour(rgb + 3, 128, 255, 0);
+    assert_colour(rgb + 6, 0, 255, 255);
+    assert_colour(rgb + 9, 255, 128, 128);
+    assert_colour(rgb + 12, 255, 255, 255);
+    assert_colour(rgb + 15, 191, 0, 0);
+    assert_colour(rgb + 18, 255, 0, 255);
+    tides_picture_flow(u + 5, v + 5, 1, 1, 0, automatic);
+    assert_colour(automatic, 255, 0, 0);
+    tides_picture_flow(u + 4, v + 4, 1, 1, 0, automatic); /* nothing moves */
+    assert_colour(automatic, 255, 255, 255);
+}
+
+static void test_depth(void **state) {
+    (void)state;
+    const double depth[] = {1, 3, 2, 0, NAN};
+    uint8_t rgb[15], ranged[15];
+    tides_picture_depth(depth, 5, 1, 0, 0, rgb);
+    assert_colour(rgb, 255, 242, 160);
+    assert_colour(rgb + 3, 30, 19, 104);
+    assert_colour(rgb + 6, 3, 145, 151);
+    assert_colour(rgb + 9, 0, 0, 0);
+    assert_colour(rgb + 12, 255, 0, 255);
+    tides_picture_depth(depth, 5, 1, 1, 3, ranged);
+    assert_memory_equal(ranged, rgb, sizeof rgb);
+    tides_picture_depth(depth, 1, 1, 0, 0, ranged); /* a single depth */
+    assert_colour(ranged, 255, 242, 160);
+}
+
+static void test_labels(void **state) {
+    (void)state;
+    const double labels[] = {0, 1, 0, -1, NAN, 1e6};
+    uint8_t rgb[18];
+    tides_picture_labels(labels, 6, 1, rgb);
+    assert_memory_equal(rgb, rgb + 6, 3);
+    assert_true(memcmp(rgb, rgb + 3, 3) != 0 && memcmp(rgb, rgb + 15, 3) != 0);
+    assert_colour(rgb + 9, 0, 0, 0);
+    assert_colour(rgb + 12, 255, 0, 255);
+}
+
 static int by_magnitude(const void *a, const void *b) {
     double x = fabs(*(const double *)a), y = fabs(*(const double *)b);
     return x < y ? -1 : x > y;
@@ -197,15 +242,12 @@ static void test_text_is_clipped(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_grey),
-        cmocka_unit_test(test_rgb),
-        cmocka_unit_test(test_signed),
-        cmocka_unit_test(test_percentile),
-        cmocka_unit_test(test_percentile_of_odd_images),
-        cmocka_unit_test(test_events),
-        cmocka_unit_test(test_font_is_complete),
-        cmocka_unit_test(test_text),
-        cmocka_unit_test(test_text_is_clipped),
+        cmocka_unit_test(test_grey),       cmocka_unit_test(test_rgb),
+        cmocka_unit_test(test_signed),     cmocka_unit_test(test_flow),
+        cmocka_unit_test(test_depth),      cmocka_unit_test(test_labels),
+        cmocka_unit_test(test_percentile), cmocka_unit_test(test_percentile_of_odd_images),
+        cmocka_unit_test(test_events),     cmocka_unit_test(test_font_is_complete),
+        cmocka_unit_test(test_text),       cmocka_unit_test(test_text_is_clipped),
     };
     return cmocka_run_group_tests_name("image: pictures", tests, NULL, NULL);
 }

@@ -203,6 +203,9 @@ def test_pictures(tmp_path):
     signed = tides.image.picture_signed(ramp, 1.0)
     assert signed[0, 0, 2] > signed[0, 0, 0] and signed[0, -1, 0] > signed[0, -1, 2]
     assert tides.image.picture_rgb(ramp, ramp * 0, ramp * 0)[0, -1].tolist() == [255, 0, 0]
+    assert tides.image.picture_flow(ramp, ramp * 0)[0, [0, -1]].tolist() == [[0, 255, 255], [255, 0, 0]]
+    assert tides.image.picture_depth(ramp)[0, 0].tolist() == [0, 0, 0] and tides.image.picture_depth(ramp)[0, -1, 0] < 60
+    assert tides.image.picture_labels(ramp * 0 - 1).max() == 0
     on = tides.make_events([1], [4], [6], [1])
     shown = tides.image.picture_events(on, *SIZE, base=ramp * 0)
     assert shown[6, 4, 0] > shown[6, 4, 2] and len(set(shown[0, 0])) == 1

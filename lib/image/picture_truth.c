@@ -1,0 +1,64 @@
+/* Pictures of ground truth: flow as a colour wheel, depths as a ramp, instances in colours of their own. */
+#include "tides/image.h"
+
+#include "td_colour_map.h"
+
+#include <math.h>
+#include <string.h>
+
+static const uint8_t nan_colour[3] = TD_COLOUR_NAN;
+static const uint8_t nothing[3] = {0, 0, 0};
+
+static size_t pixels_of(int32_t width, int32_t height) { return width > 0 && height > 0 ? (size_t)width * (size_t)height : 0; }
+
+static double fastest(const double *u, const double *v, size_t pixels) {
+    double most = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        const double speed = hypot(u[i], v[i]);
+        if (isfinite(speed)) most = fmax(most, speed);
+    }
+    return most;
+}
+
+void tides_picture_flow(const double *u, const double *v, int32_t width, int32_t height, double limit, uint8_t *rgb) {
+    static const double turn = 6.28318530717958647693;
+    const size_t pixels = pixels_of(width, height);
+    if (!(limit > 0)) limit = fastest(u, v, pixels);
+    for (size_t i = 0; i < pixels; i++) {
+        const double speed = hypot(u[i], v[i]), share = limit > 0 ? speed / limit : 0;
+        if (isnan(speed))
+            memcpy(rgb + 3 * i, nan_colour, 3);
+        else
+            td_colour_wheel(atan2(v[i], u[i]) / turn, share < 1 ? share : 1, share > 1 ? 0.75 : 1, rgb + 3 * i);
+    }
+}
+
+void tides_picture_depth(const double *depth, int32_t width, int32_t height, double near, double far, uint8_t *rgb) {
+    const size_t pixels = pixels_of(width, height);
+    if (!(far > near)) {
+        near = INFINITY, far = 0;
+        for (size_t i = 0; i < pixels; i++)
+            if (depth[i] > 0 && isfinite(depth[i])) near = fmin(near, depth[i]), far = fmax(far, depth[i]);
+    }
+    for (size_t i = 0; i < pixels; i++) {
+        if (isnan(depth[i]))
+            memcpy(rgb + 3 * i, nan_colour, 3);
+        else if (!(depth[i] > 0))
+            memcpy(rgb + 3 * i, nothing, 3);
+        else
+            td_colour_ramp(far > near ? (far - depth[i]) / (far - near) : 1, rgb + 3 * i);
+    }
+}
+
+void tides_picture_labels(const double *labels, int32_t width, int32_t height, uint8_t *rgb) {
+    const double golden = 0.61803398874989484820; /* of a turn: neighbours in number are far apart in hue */
+    const size_t pixels = pixels_of(width, height);
+    for (size_t i = 0; i < pixels; i++) {
+        if (isnan(labels[i]))
+            memcpy(rgb + 3 * i, nan_colour, 3);
+        else if (!(labels[i] >= 0))
+            memcpy(rgb + 3 * i, nothing, 3);
+        else
+            td_colour_wheel(0.6 + golden * floor(labels[i]), 0.7, 0.95, rgb + 3 * i);
+    }
+}
