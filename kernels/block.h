@@ -23,6 +23,44 @@ TD_INLINE void td_block_offsets(int first, td_lanes *x, td_lanes *y) {
 #endif
 }
 
+/* Splats whose alphas are worked out before any of them takes light: eight, after which it is asked whether to go on. */
+enum { TD_BATCH = TD_LANES < 8 ? TD_LANES : 8 };
+
+/* tau and tau_dot of a batch. Splats don't depend on each other here: what one waits for, the processor fills with others. */
+TD_INLINE void td_batch_alphas(const td_list *list, const td_image *image, const int *place, int count,
+                               const td_composite *pixels, td_lanes *tau, td_lanes *tau_dot, td_mask *seen) {
+    for (int k = 0; k < count; k++)
+        td_splat_alpha(td_list_record(list, place[k]), image, pixels, tau + k, tau_dot + k, seen + k);
+}
+
+/* a and a_dot of those that are soft: near the next, or reached by the one before. */
+TD_INLINE void td_batch_depths(const int *near, int open, int count, const td_lanes *tau, const td_lanes *tau_dot, td_lanes *a,
+                               td_lanes *a_dot) {
+    for (int k = 0; k < count; k++) {
+        if (near[k] | open) td_optical_depth(tau[k], tau_dot[k], a + k, a_dot + k);
+        open = near[k];
+    }
+}
+
+/* Blends splats [first, first + count) of a group. A splat with nobody near is blended as in hard order. */
+TD_INLINE void td_blend_batch(const td_list *list, const td_image *image, const td_group *group, int first, int count,
+                              const td_soft_steps *steps, td_soft *soft, td_composite *pixels) {
+    td_lanes tau[TD_BATCH], tau_dot[TD_BATCH], a[TD_BATCH], a_dot[TD_BATCH];
+    td_mask seen[TD_BATCH];
+    td_batch_alphas(list, image, group->place + first, count, pixels, tau, tau_dot, seen);
+    if (image->soft_order) td_batch_depths(steps->near + first, soft->open, count, tau, tau_dot, a, a_dot);
+    for (int k = 0; k < count; k++) {
+        TD_GLOBAL const td_real *record = td_list_record(list, group->place[first + k]);
+        TD_GLOBAL const td_real *colour = td_list_colour(list, image, group->place[first + k]);
+        td_admit(image, seen[k], pixels, tau + k, tau_dot + k, a + k, a_dot + k);
+        if (image->soft_order && (soft->open | steps->near[first + k])) {
+            td_blend_soft(record, colour, image, steps, first + k, a[k], a_dot[k], soft, pixels);
+        } else {
+            td_blend_alpha(record, colour, image, tau[k], tau_dot[k], pixels);
+        }
+    }
+}
+
 /* Blends the splats that touch `block`, in hard or soft depth order; returns how many. */
 TD_INLINE int td_composite_list(const td_list *list, const td_image *image, int block, td_composite *pixels) {
     int blended = 0;
@@ -34,14 +72,11 @@ TD_INLINE int td_composite_list(const td_list *list, const td_image *image, int 
     td_finder_start(list, block, &finder);
     for (td_next_group(list, block, &finder, &group); group.count > 0; td_next_group(list, block, &finder, &group)) {
         if (image->soft_order) td_soft_measure(list, image, &group, &steps);
-        for (int k = 0; k < group.count; k++) {
-            TD_GLOBAL const td_real *record = td_list_record(list, group.place[k]);
-            TD_GLOBAL const td_real *colour = td_list_colour(list, image, group.place[k]);
-            if (image->soft_order)
-                td_blend_soft(record, colour, image, &steps, k, &soft, pixels);
-            else
-                td_blend(record, colour, image, pixels);
-            if ((++blended & 7) != 0) continue;
+        for (int first = 0; first < group.count; first += TD_BATCH) {
+            int left = group.count - first, count = left < TD_BATCH ? left : TD_BATCH;
+            td_blend_batch(list, image, &group, first, count, &steps, &soft, pixels);
+            blended += count;
+            if ((blended & 7) != 0) continue;
             if (!td_look_ahead(image, list->brightest, pixels)) return blended;
             if (image->soft_order) td_soft_clear(image, &soft);
         }

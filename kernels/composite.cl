@@ -8,7 +8,7 @@ __kernel void td_composite_jobs(__constant const td_image *image_buffer, __globa
                                 __global const float *colours, __global const int *order, __global const int *sorted_masks,
                                 __global const int *counts, __global const float *brightest, __global float *planes,
                                 __global int *blended, __global const td_view *views, __global const float *weights,
-                                __global const int *asked, int asked_count) {
+                                __global const int *asked, __global const int *words, int asked_count) {
     const td_image image = td_specialised(image_buffer);
     int item = (int)get_global_id(0), place = item / (TD_BLOCK_PIXELS / TD_LANES);
     int first = item % (TD_BLOCK_PIXELS / TD_LANES) * TD_LANES;
@@ -22,6 +22,7 @@ __kernel void td_composite_jobs(__constant const td_image *image_buffer, __globa
     list.weights = weights;
     list.order = order + job.records;
     list.masks = sorted_masks + job.records;
+    list.words = words + td_first_word(job.records, job_index);
     list.count = counts[job_index];
     list.brightest = brightest[job_index];
     blended[item] = td_composite_block(&job, &list, &image, backdrops + job.slot, asked[place] & 15, first,

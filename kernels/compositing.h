@@ -42,7 +42,12 @@ TD_INLINE void td_cap_alpha(const td_image *image, td_lanes alpha, td_lanes alph
     *tau_dot = capped_dot;
 }
 
-/* Splat alpha and rate at the pixels: tau and tau_dot (paper, Eq. 2 and 7), before the termination mask. */
+/* Does the rule drop the splat that takes T below the stop, and all that follow? */
+TD_INLINE int td_drops_splats(const td_image *image) {
+    return image->stop_rule == TD_STOP_BELOW || image->stop_rule == TD_STOP_BELOW_OR_AT;
+}
+
+/* Splat alpha and rate at the pixels: tau and tau_dot (paper, Eq. 2 and 7), before rules that drop splats. */
 TD_INLINE void td_splat_alpha(TD_GLOBAL const td_real *record, const td_image *image, const td_composite *pixels, td_lanes *tau,
                               td_lanes *tau_dot, td_mask *seen) {
     td_lanes dx = pixels->x - record[TD_R_U], dy = pixels->y - record[TD_R_V];
@@ -53,11 +58,9 @@ TD_INLINE void td_splat_alpha(TD_GLOBAL const td_real *record, const td_image *i
     td_lanes alpha = td_exp2(power);
     td_lanes alpha_dot = alpha * rate;
     td_cap_alpha(image, alpha, alpha_dot, tau, tau_dot, seen);
-}
-
-/* Does the rule drop the splat that takes T below the stop, and all that follow? */
-TD_INLINE int td_drops_splats(const td_image *image) {
-    return image->stop_rule == TD_STOP_BELOW || image->stop_rule == TD_STOP_BELOW_OR_AT;
+    if (image->cut_rule == TD_CUT_TAPER || td_drops_splats(image)) return; /* 0 below the cut by itself; td_admit */
+    *tau = td_select(td_splat(0.0f), *tau, *seen);
+    *tau_dot = td_select(td_splat(0.0f), *tau_dot, *seen);
 }
 
 TD_INLINE td_mask td_above_stop(const td_image *image, td_lanes transmittance) {
@@ -84,22 +87,23 @@ TD_INLINE int td_look_ahead(const td_image *image, td_real brightest, td_composi
     return td_any(pixels->live);
 }
 
-/* tau and its rate with the cut, and the rules that drop splats: 0 where the pixel doesn't blend this one. */
-TD_INLINE void td_visible_alpha(TD_GLOBAL const td_real *record, const td_image *image, td_composite *pixels, td_lanes *tau,
-                                td_lanes *tau_dot) {
-    td_mask seen;
-    td_splat_alpha(record, image, pixels, tau, tau_dot, &seen);
-    td_lanes before = image->soft_order ? pixels->behind : pixels->transmittance;
+/* The rules that drop splats, which need the light that is left: 0 in place of tau and its rate, and of a and its rate (soft
+ * order), where the pixel doesn't blend this one. */
+TD_INLINE void td_admit(const td_image *image, td_mask seen, td_composite *pixels, td_lanes *tau, td_lanes *tau_dot,
+                        td_lanes *a, td_lanes *a_dot) {
     if (td_drops_splats(image)) { /* every splat above the cut is tested */
+        td_lanes none = td_splat(0.0f), before = image->soft_order ? pixels->behind : pixels->transmittance;
         td_mask on = pixels->live & td_above_stop(image, before * (1 - *tau));
         pixels->live = td_select_mask(pixels->live, on, seen);
         seen = seen & pixels->live;
+        *tau = td_select(none, *tau, seen);
+        *tau_dot = td_select(none, *tau_dot, seen);
+        if (image->soft_order) {
+            pixels->behind = td_fma(-before, *tau, before);
+            *a = td_select(none, *a, seen);
+            *a_dot = td_select(none, *a_dot, seen);
+        }
     }
-    if (td_drops_splats(image) || image->cut_rule != TD_CUT_TAPER) { /* a taper is 0 below the cut by itself */
-        *tau = td_select(td_splat(0.0f), *tau, seen);
-        *tau_dot = td_select(td_splat(0.0f), *tau_dot, seen);
-    }
-    if (td_drops_splats(image) && image->soft_order) pixels->behind = td_fma(-before, *tau, before);
     if (td_with_diagnostics(image)) pixels->contributors = pixels->contributors + td_mask_to_real(seen & pixels->live);
 }
 
@@ -146,13 +150,6 @@ TD_INLINE void td_blend_alpha(TD_GLOBAL const td_real *record, TD_GLOBAL const t
     td_add_weight(image, w, w_dot, &pixels->sums);
     pixels->transmittance = t - w;
     pixels->transmittance_dot = t_dot - w_dot;
-}
-
-TD_INLINE void td_blend(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
-                        td_composite *pixels) {
-    td_lanes tau, tau_dot;
-    td_visible_alpha(record, image, pixels, &tau, &tau_dot);
-    td_blend_alpha(record, colour, image, tau, tau_dot, pixels);
 }
 
 TD_INLINE void td_sums_start(td_sums *sums, const td_image *image) {

@@ -192,34 +192,20 @@ TD_INLINE void td_soft_go(const td_soft *soft, const td_soft_step *step, const t
     pixels->transmittance_dot = after_dot;
 }
 
-/* The next splat begins to take out light. */
-TD_INLINE void td_soft_add(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
-                           td_lanes tau, td_lanes tau_dot, td_soft *soft) {
-    td_lanes a, a_dot;
-    td_optical_depth(tau, tau_dot, &a, &a_dot);
+/* Blends splat k of a group, of optical depth a, and goes on to the next, where that is near, or to the end of what this one
+ * reaches. */
+TD_INLINE void td_blend_soft(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
+                             const td_soft_steps *steps, int k, td_lanes a, td_lanes a_dot, td_soft *soft,
+                             td_composite *pixels) {
+    td_soft_step step = {steps->m[k], steps->m_dot[k], steps->left[k]};
+    if (!soft->open) td_soft_start(soft, image);
+    soft->open = steps->near[k];
     td_accumulate(record, colour, image, a, a_dot, &soft->sums);
     soft->a = soft->a + a;
     soft->a_dot = soft->a_dot + a_dot;
-}
-
-/* Blends splat k of a group, and goes on to the next, where that is near, or to the end of what this one reaches. A splat with
- * nobody near is blended as in hard order. */
-TD_INLINE void td_blend_soft(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
-                             const td_soft_steps *steps, int k, td_soft *soft, td_composite *pixels) {
-    int near = steps->near[k];
-    td_lanes tau, tau_dot;
-    td_visible_alpha(record, image, pixels, &tau, &tau_dot);
-    if (!near && !soft->open) {
-        td_blend_alpha(record, colour, image, tau, tau_dot, pixels);
-        return;
-    }
-    if (!soft->open) td_soft_start(soft, image);
-    soft->open = near;
-    td_soft_add(record, colour, image, tau, tau_dot, soft);
-    td_soft_step step = {steps->m[k], steps->m_dot[k], steps->left[k]};
     if (step.m == 0 && step.m_dot == 0) return; /* of one depth */
     td_soft_go(soft, &step, image, pixels);
-    if (near) td_soft_fall_all(&step, image, soft);
+    if (soft->open) td_soft_fall_all(&step, image, soft);
 }
 
 #endif

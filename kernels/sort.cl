@@ -5,7 +5,7 @@
  * alone; on a GPU only if what doesn't touch the tile now is in order too. Sorting by insertion what is nearly in order
  * doesn't pay: under a moving camera no number of moves that it was allowed (1 to 64 per key; AVX-512) beat the network. */
 #include "bitonic.h"
-#include "layout.h"
+#include "block_words.h"
 
 enum { TD_GROUP_MOST = 64 }; /* work-items of a group */
 
@@ -74,8 +74,11 @@ static int td_place_splats(__global const long *keys, int n, __global const int 
         for (int i = first; i < last; i++) count += (masks[td_candidate_of(keys[i])] & blocks) != 0;
         shared[me] = count;
         barrier(CLK_LOCAL_MEM_FENCE);
-        for (int i = 0; i < me; i++) at += shared[i];
-        for (count = at; me < items; me++) count += shared[me];
+        count = 0;
+        for (int i = 0; i < items; i++) {
+            at += i < me ? shared[i] : 0;
+            count += shared[i];
+        }
     }
     for (int i = first; i < last; i++) {
         int candidate = td_candidate_of(keys[i]), mask = masks[candidate];
@@ -86,11 +89,11 @@ static int td_place_splats(__global const long *keys, int n, __global const int 
     return items > 1 ? count : at;
 }
 
-/* order and sorted_masks: what td_list wants; counts[job], and counts[jobs + job] 1 where the list was in order;
+/* order, sorted_masks and words: what td_list wants; counts[job], and counts[jobs + job] 1 where the list was in order;
  * brightest[job]. Keys have twice the room of the records. */
 __kernel void td_sort_jobs(__global const td_job *jobs, __global const td_backdrop *backdrops, __global const float *records,
                            __global const int *masks, __global long *keys, __global int *order, __global int *sorted_masks,
-                           __global int *counts, __global float *brightest, __global int *hints) {
+                           __global int *counts, __global float *brightest, __global int *hints, __global int *words) {
     __local int shared[TD_GROUP_MOST];
     __global const td_job *job = jobs + get_group_id(0);
     __global const float *job_records = records + job->records * TD_RECORD_STRIDE;
@@ -100,6 +103,11 @@ __kernel void td_sort_jobs(__global const td_job *jobs, __global const td_backdr
     td_sorted done = td_sort_job(job, hint, job_records, job_masks, job_keys, shared);
     int count = td_place_splats(job_keys, done.count, job_masks, job->blocks, order + job->records, sorted_masks + job->records,
                                 shared);
+#if TD_LANES == 1
+    barrier(CLK_GLOBAL_MEM_FENCE);
+#endif
+    td_lay_words(sorted_masks + job->records, count, (int)get_local_id(0), (int)get_local_size(0),
+                 words + td_first_word(job->records, (int)get_group_id(0)));
     if (job->new_hint)
         for (int i = (int)get_local_id(0); i < done.count; i += (int)get_local_size(0))
             hints[job->new_hint + i] = td_candidate_of(job_keys[i]);

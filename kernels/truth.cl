@@ -21,8 +21,9 @@ __kernel void td_surface_jobs(__constant const td_image *image_buffer, __global 
 
 __kernel void td_truth_jobs(__constant const td_image *image_buffer, __global const td_job *jobs, __global const float *records,
                             __global float *surfaces, __global float *surface_rates, __global const int *order,
-                            __global const int *sorted_masks, __global const int *counts, int objects, __global float *planes,
-                            __global int *blended, __global const int *asked, int asked_count) {
+                            __global const int *sorted_masks, __global const int *words, __global const int *counts,
+                            int objects, __global float *planes, __global int *blended, __global const int *asked,
+                            int asked_count) {
     const td_image image = td_specialised(image_buffer);
     int item = (int)get_global_id(0), place = item / (TD_BLOCK_PIXELS / TD_LANES);
     int first = item % (TD_BLOCK_PIXELS / TD_LANES) * TD_LANES;
@@ -33,6 +34,7 @@ __kernel void td_truth_jobs(__constant const td_image *image_buffer, __global co
     list.records = list.colours = records + job.records * TD_RECORD_STRIDE;
     list.order = order + job.records;
     list.masks = sorted_masks + job.records;
+    list.words = words + td_first_word(job.records, job_index);
     list.count = counts[job_index];
     list.brightest = 0;
     td_surfaces of;

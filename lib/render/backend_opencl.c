@@ -142,6 +142,7 @@ static tides_status reserve_batch(opencl_backend *b, const td_batch *batch, stag
         {&b->keys, 2 * records * sizeof(cl_long)},
         {&b->order, records * sizeof(cl_int)},
         {&b->sorted_masks, records * sizeof(cl_int)},
+        {&b->words, (records / 2 + 2 * TD_TILE_BLOCKS * jobs) * sizeof(cl_int)},
         {&b->counts, 2 * jobs * sizeof(cl_int)},
         {&b->hints, (size_t)(batch->hint_count > 0 ? batch->hint_count : 1) * sizeof(cl_int)},
         {&b->brightest, jobs * sizeof(cl_float)},
@@ -215,13 +216,16 @@ static tides_status launch_sort(opencl_backend *b, const td_batch *batch, cl_eve
                                      TD_BUFFER_ARGUMENT(b->records),      TD_BUFFER_ARGUMENT(b->masks),
                                      TD_BUFFER_ARGUMENT(b->keys),         TD_BUFFER_ARGUMENT(b->order),
                                      TD_BUFFER_ARGUMENT(b->sorted_masks), TD_BUFFER_ARGUMENT(b->counts),
-                                     TD_BUFFER_ARGUMENT(b->brightest),    TD_BUFFER_ARGUMENT(b->hints)};
-    return td_launch(b->device, b->sort_kernel, 1, &global, &local, arguments, 10, event, error);
+                                     TD_BUFFER_ARGUMENT(b->brightest),    TD_BUFFER_ARGUMENT(b->hints),
+                                     TD_BUFFER_ARGUMENT(b->words)};
+    return td_launch(b->device, b->sort_kernel, 1, &global, &local, arguments, 11, event, error);
 }
 
 static tides_status launch_composite(opencl_backend *b, const td_batch *batch, const staging *s, cl_event *event,
                                      tides_error *error) {
-    size_t local = (size_t)(TD_TILE_PIXELS / b->device->info.lanes), global = (s->blended_count + local - 1) / local * local;
+    /* One block per group on a CPU: drivers hand out groups by the dozen, and in one tile may be most of the splats. */
+    size_t lanes = (size_t)b->device->info.lanes, local = (lanes > 1 ? TD_BLOCK_PIXELS : TD_TILE_PIXELS) / lanes;
+    size_t global = (s->blended_count + local - 1) / local * local;
     cl_int asked_count = (cl_int)s->asked_count;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->jobs),
                                      TD_BUFFER_ARGUMENT(b->backdrops),    TD_BUFFER_ARGUMENT(b->records),
@@ -230,7 +234,7 @@ static tides_status launch_composite(opencl_backend *b, const td_batch *batch, c
                                      TD_BUFFER_ARGUMENT(b->brightest),    TD_BUFFER_ARGUMENT(b->planes),
                                      TD_BUFFER_ARGUMENT(b->blended),      TD_BUFFER_ARGUMENT(b->views),
                                      TD_BUFFER_ARGUMENT(b->decoder),      TD_BUFFER_ARGUMENT(b->asked),
-                                     TD_VALUE_ARGUMENT(asked_count)};
+                                     TD_BUFFER_ARGUMENT(b->words),        TD_VALUE_ARGUMENT(asked_count)};
     return td_launch(b->device, b->composite_kernel[kind_of_outputs(batch->outputs)], 1, &global, &local, arguments,
                      (cl_uint)(sizeof arguments / sizeof *arguments), event, error);
 }
@@ -369,7 +373,7 @@ static void destroy(td_backend *backend) {
                             &b->views,        &b->strays,       &b->sweep_rows, &b->backdrops, &b->boxes,  &b->travel,
                             &b->candidates,   &b->jobs,         &b->records,    &b->colours,   &b->masks,  &b->keys,
                             &b->order,        &b->sorted_masks, &b->counts,     &b->brightest, &b->planes, &b->blended,
-                            &b->decoder,      &b->hints,        &b->asked};
+                            &b->decoder,      &b->hints,        &b->asked,      &b->words};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     td_opencl_motion_release(b);
     td_opencl_cubics_release(b);

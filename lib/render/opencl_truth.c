@@ -34,10 +34,10 @@ tides_status td_opencl_truth(opencl_backend *b, const td_batch *batch, size_t as
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),  TD_BUFFER_ARGUMENT(b->jobs),
                                      TD_BUFFER_ARGUMENT(b->records),       TD_BUFFER_ARGUMENT(b->surfaces),
                                      TD_BUFFER_ARGUMENT(b->surface_rates), TD_BUFFER_ARGUMENT(b->order),
-                                     TD_BUFFER_ARGUMENT(b->sorted_masks),  TD_BUFFER_ARGUMENT(b->counts),
-                                     TD_VALUE_ARGUMENT(objects),           TD_BUFFER_ARGUMENT(b->planes),
-                                     TD_BUFFER_ARGUMENT(b->blended),       TD_BUFFER_ARGUMENT(b->asked),
-                                     TD_VALUE_ARGUMENT(asked_count)};
+                                     TD_BUFFER_ARGUMENT(b->sorted_masks),  TD_BUFFER_ARGUMENT(b->words),
+                                     TD_BUFFER_ARGUMENT(b->counts),        TD_VALUE_ARGUMENT(objects),
+                                     TD_BUFFER_ARGUMENT(b->planes),        TD_BUFFER_ARGUMENT(b->blended),
+                                     TD_BUFFER_ARGUMENT(b->asked),         TD_VALUE_ARGUMENT(asked_count)};
     return td_launch(b->device, b->truth_kernel, 1, &global, &local, arguments, (cl_uint)(sizeof arguments / sizeof *arguments),
                      event, error);
 }

@@ -35,10 +35,10 @@ typedef struct reference {
     td_backdrop *backdrops;
     td_real *records, *colours, *planes;
     reference_key *keys;
-    int *masks, *order, *sorted_masks, *hints;
+    int *masks, *order, *sorted_masks, *words, *hints;
     td_stray *strays; /* (objects), of the last sweep */
     int *sweep_rows;
-    size_t view_capacity, backdrop_capacity, record_capacity[7], hint_capacity, stray_capacity, sweep_row_capacity;
+    size_t view_capacity, backdrop_capacity, record_capacity[8], hint_capacity, stray_capacity, sweep_row_capacity;
     td_real *path_rows, *path_low, *path_cubics; /* record paths (reference_paths.h) */
     size_t path_row_capacity, path_low_capacity, path_cubic_capacity;
     td_real *surfaces; /* ground truth (reference_truth.h) */
@@ -138,6 +138,8 @@ static tides_status reserve_records(reference *r, size_t count, int outputs, tid
     if (status == TIDES_OK) status = td_reserve((void **)&r->order, &capacity[4], count, sizeof *r->order, error);
     if (status == TIDES_OK) status = td_reserve((void **)&r->sorted_masks, &capacity[5], count, sizeof *r->sorted_masks, error);
     if (status == TIDES_OK)
+        status = td_reserve((void **)&r->words, &capacity[7], count / 2 + 2 * TD_TILE_BLOCKS, sizeof *r->words, error);
+    if (status == TIDES_OK)
         status = td_reserve((void **)&r->planes, &capacity[6], (size_t)outputs * TD_BLOCK_PIXELS, sizeof *r->planes, error);
     return status;
 }
@@ -184,7 +186,7 @@ static td_real brightest_of(const reference *r, const td_job *job) {
 static td_list sort_job(reference *r, const td_job *job, int *kept) {
     const int *hint = job->hint ? r->hints + job->hint : NULL;
     const td_view *view = r->views + job->slot * r->image.objects;
-    td_list list = {r->records, r->colours, r->order, r->sorted_masks, 0, brightest_of(r, job), view, r->decoder};
+    td_list list = {r->records, r->colours, r->order, r->sorted_masks, r->words, 0, brightest_of(r, job), view, r->decoder};
     int sorted = 0;
     *kept = 1;
     for (int i = 0; i < job->count; i++) {
@@ -200,6 +202,7 @@ static td_list sort_job(reference *r, const td_job *job, int *kept) {
         if (job->new_hint) r->hints[job->new_hint + i] = candidate;
         if (r->masks[candidate] & job->blocks) add_splat(r, candidate, &list);
     }
+    td_lay_words(r->sorted_masks, list.count, 0, 1, r->words);
     r->last_count = list.count;
     r->last_brightest = list.brightest;
     return list;
@@ -276,7 +279,7 @@ static void empty_pixel_of(const td_image *image, const double *wide_backdrop, d
     own.outputs = outputs;
     own.decoder = 0; /* then no pixel is the same as another */
     td_job job = {0};
-    td_list list = {out, out, no_list, no_list, 0, backdrop.luminance, NULL, NULL};
+    td_list list = {out, out, no_list, no_list, no_list, 0, backdrop.luminance, NULL, NULL};
     td_composite_block(&job, &list, &own, &backdrop, 0, 0, out);
     for (int k = 0; k < outputs; k++) planes[k] = out[k * TD_BLOCK_PIXELS];
 }
@@ -323,6 +326,7 @@ static void destroy(td_backend *backend) {
     free(r->masks);
     free(r->order);
     free(r->sorted_masks);
+    free(r->words);
     free(r->hints);
     free(r->surfaces);
     free(r->object_numbers);

@@ -19,7 +19,7 @@ typedef struct opencl_backend {
     td_buffer image_buffer, object, geometry, rates, sh, sh_rates;                /* the scene */
     td_buffer views, strays, sweep_rows, backdrops, boxes, travel;                /* an interval */
     td_buffer candidates, jobs, asked;                                            /* a batch */
-    td_buffer records, colours, masks, keys, order, sorted_masks, counts, brightest, planes, blended, decoder, hints;
+    td_buffer records, colours, masks, keys, order, sorted_masks, words, counts, brightest, planes, blended, decoder, hints;
     uint64_t candidates_serial; /* of what the device has */
     float *host;                /* staging for numbers that change precision */
     int *host_ints;

@@ -1,0 +1,69 @@
+/* A sorted list by blocks: for every 32 places of the list, and every block of the tile, a word with a bit for each splat that
+ * touches the block. Sixteen blocks that each went through the masks of thousands of splats took more time than compositing. */
+#ifndef TD_BLOCK_WORDS_H
+#define TD_BLOCK_WORDS_H
+
+#include "layout.h"
+
+#ifdef TD_OPENCL
+typedef uint uint32_t;
+#endif
+
+enum { TD_WORD_PLACES = 32 };
+
+TD_INLINE int td_words_of(int count) { return (count + TD_WORD_PLACES - 1) / TD_WORD_PLACES; }
+
+/* Where a job's words begin. Behind the last there is room for a row that is read, but not used. */
+TD_INLINE int td_first_word(int records, int job) {
+    return (records / TD_WORD_PLACES + 2 * job) * TD_TILE_BLOCKS; /* records are rounded down, words up */
+}
+
+TD_INLINE uint32_t td_word_at(TD_GLOBAL const int *words, int at, int block) {
+    return (uint32_t)words[at * TD_TILE_BLOCKS + block];
+}
+
+/* The lowest set bit's place; for 0 anything. */
+TD_INLINE int td_lowest_bit(uint32_t x) {
+#ifdef TD_OPENCL
+    return 31 - (int)clz(x & -x);
+#elif defined(__GNUC__)
+    return __builtin_ctz(x | 0x80000000u);
+#else
+    int place = 0;
+    for (; place < 31 && (x & 1) == 0; x >>= 1) place++;
+    return place;
+#endif
+}
+
+/* Asks for memory that will be read soon. */
+TD_INLINE void td_fetch_ahead(TD_GLOBAL const td_real *at) {
+#if TD_LANES > 1
+    __builtin_prefetch((const void *)(size_t)at);
+#else
+    (void)at;
+#endif
+}
+
+/* Words of blocks [first, first + TD_LANES): of each mask a bit for each block. */
+TD_INLINE td_index td_lay_word(TD_GLOBAL const int *masks, int count, int first) {
+    td_index block = td_count_from(first), none = block & 0, bits = none;
+    for (int k = 0; k < count; k++) {
+        td_index bit = ((none | masks[k]) >> block) & 1;
+#ifdef TD_OPENCL
+        bits |= bit << k;
+#else
+        bits |= (int)((uint32_t)bit << k);
+#endif
+    }
+    return bits;
+}
+
+/* Of a list of `count` masks, by item `me` of `items`. */
+TD_INLINE void td_lay_words(TD_GLOBAL const int *masks, int count, int me, int items, TD_GLOBAL int *words) {
+    for (int i = me * TD_LANES; i < td_words_of(count) * TD_TILE_BLOCKS; i += items * TD_LANES) {
+        int first = i / TD_TILE_BLOCKS * TD_WORD_PLACES, left = count - first;
+        td_store_ints(words + i, td_lay_word(masks + first, left < TD_WORD_PLACES ? left : TD_WORD_PLACES, i % TD_TILE_BLOCKS));
+    }
+}
+
+#endif
