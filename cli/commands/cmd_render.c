@@ -6,7 +6,9 @@
 /* What was asked for. */
 typedef struct render_request {
     const char *run, *exr, *png, *time;
-    const char *truth; /* names of it, separated by commas */
+    const char *truth;           /* names of it, separated by commas */
+    const char *displacement_to; /* [s] */
+    double to;
     int32_t rgb, depth, metres;
     int32_t truths; /* CLI_FRAME_TRUTH bits */
     cli_list sets;
@@ -60,7 +62,9 @@ static tides_status render(tides_session *session, const tides_session_facts *fa
                            const cli_common *common, tides_error *error) {
     cli_progress progress = {.quiet = common->quiet};
     cli_frame frame;
-    const int32_t wanted = (request->rgb ? CLI_FRAME_RGB : 0) | (request->depth ? CLI_FRAME_DEPTH : 0) | request->truths;
+    const int32_t wanted = (request->rgb ? CLI_FRAME_RGB : 0) | (request->depth ? CLI_FRAME_DEPTH : 0) | request->truths |
+                           (request->displacement_to ? CLI_FRAME_DISPLACEMENT : 0);
+    frame.displacement_to = request->to;
     cli_catch_interrupt();
     tides_status status = cli_frame_render(session, time, wanted, &progress, &frame, error);
     cli_progress_end(&progress);
@@ -95,6 +99,8 @@ int cmd_render(const cli_command *command, int argc, char **argv) {
         {"--depth", 0, NULL, "render depth too", &request.depth, NULL, NULL},
         {"--truth", 0, "NAMES", "ground truth too: flow, depth, instance, normal (separated by commas), or all", NULL,
          &request.truth, NULL},
+        {"--displacement-to", 0, "T", "where what is seen will be at T, or was [s]: displacement [px], and whether it is seen",
+         NULL, &request.displacement_to, NULL},
         {"--metres", 0, NULL, "its depths in metres, as scene.metres_per_unit says", &request.metres, NULL, NULL},
         {"--set", 0, "KEY=VALUE", "override a key of the run file; may be repeated", NULL, NULL, &request.sets},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
@@ -104,6 +110,9 @@ int cmd_render(const cli_command *command, int argc, char **argv) {
     if ((code = check_outputs(command, &request)) != CLI_GO) return code;
     if ((code = parse_truth(command, &request)) != CLI_GO) return code;
     double time = 0;
+    if (request.displacement_to &&
+        (code = cli_number(command, "--displacement-to", request.displacement_to, &request.to)) != CLI_GO)
+        return code;
     if (request.time && (code = cli_number(command, "--time", request.time, &time)) != CLI_GO) return code;
 
     tides_error error = {TIDES_OK, ""};

@@ -23,7 +23,10 @@ static tides_status render_truth(tides_renderer *renderer, const tides_trajector
     tides_truth truth;
     memcpy(truth.plane, frame->truth, sizeof truth.plane);
     if (frame->truth[TIDES_TRUTH_DEPTH]) frame->depth_unit = "units";
-    return tides_renderer_truth(renderer, camera, time, &truth, error);
+    tides_status status = tides_renderer_truth(renderer, camera, time, &truth, error);
+    double *const *way = frame->displacement;
+    if (status != TIDES_OK || !way[0]) return status;
+    return tides_renderer_displacement(renderer, camera, time, frame->displacement_to, way[0], way[1], way[2], error);
 }
 
 tides_status cli_frame_render(tides_session *session, double time, int32_t wanted, cli_progress *progress, cli_frame *frame,
@@ -40,6 +43,9 @@ tides_status cli_frame_render(tides_session *session, double time, int32_t wante
     }
     for (int32_t i = 0; i < TIDES_TRUTHS; i++)
         if (wanted & CLI_FRAME_TRUTH << i) made.truth[i] = make_plane(pixels, &status, error);
+    if (wanted & CLI_FRAME_DISPLACEMENT) made.displacement_to = frame->displacement_to;
+    for (int32_t i = 0; i < CLI_DISPLACEMENTS && wanted & CLI_FRAME_DISPLACEMENT; i++)
+        made.displacement[i] = make_plane(pixels, &status, error);
     if (status == TIDES_OK) status = tides_session_renderer(session, cli_progress_step, progress, &renderer, error);
     const tides_sensor *sensor = &facts.values.sensor;
     if (status == TIDES_OK) status = tides_renderer_set_psf(renderer, sensor->psf_sigma_px, sensor->psf_domain, error);
@@ -60,6 +66,7 @@ tides_status cli_frame_render(tides_session *session, double time, int32_t wante
 void cli_frame_free(cli_frame *frame) {
     for (int32_t i = 0; i < TIDES_CHANNELS; i++) free(frame->plane[i]);
     for (int32_t i = 0; i < TIDES_TRUTHS; i++) free(frame->truth[i]);
+    for (int32_t i = 0; i < CLI_DISPLACEMENTS; i++) free(frame->displacement[i]);
     memset(frame, 0, sizeof *frame);
 }
 
@@ -81,27 +88,37 @@ static void add_channel(const double *plane, const char *name, size_t pixels, fl
 tides_status cli_frame_write_exr(const cli_frame *frame, const char *path, double time, const tides_session_facts *session,
                                  tides_error *error) {
     const size_t pixels = (size_t)frame->width * (size_t)frame->height;
-    tides_channel channels[TIDES_CHANNELS + TIDES_TRUTHS];
+    static const char *const displacements[CLI_DISPLACEMENTS] = {"displacement_u", "displacement_v", "displacement_visible"};
+    enum { MOST = TIDES_CHANNELS + TIDES_TRUTHS + CLI_DISPLACEMENTS };
+    tides_channel channels[MOST];
     int32_t count = 0;
-    float *floats = calloc(pixels * (TIDES_CHANNELS + TIDES_TRUTHS), sizeof *floats);
+    float *floats = calloc(pixels * MOST, sizeof *floats);
     if (!floats) return cli_error(error, TIDES_NO_MEMORY, "out of memory: a frame of %zu pixels", pixels);
     for (int32_t i = 0; i < TIDES_CHANNELS; i++)
         if (frame->plane[i]) add_channel(frame->plane[i], tides_channel_name(i), pixels, floats, channels, &count);
     for (int32_t i = 0; i < TIDES_TRUTHS; i++)
         if (frame->truth[i]) add_channel(frame->truth[i], tides_truth_name(i), pixels, floats, channels, &count);
-    char time_text[40];
+    for (int32_t i = 0; i < CLI_DISPLACEMENTS; i++)
+        if (frame->displacement[i]) add_channel(frame->displacement[i], displacements[i], pixels, floats, channels, &count);
+    char time_text[40], to_text[40];
     snprintf(time_text, sizeof time_text, "%.17g", time);
-    const char *const attributes[] = {"tides_version",
-                                      tides_version(),
-                                      "tides_time_s",
-                                      time_text,
-                                      "tides_run",
-                                      session->values.json,
-                                      "tides_device",
-                                      session->info.name,
-                                      frame->depth_unit ? "tides_depth_unit" : NULL,
-                                      frame->depth_unit,
-                                      NULL};
+    snprintf(to_text, sizeof to_text, "%.17g", frame->displacement_to);
+    const char *attributes[] = {"tides_version",
+                                tides_version(),
+                                "tides_time_s",
+                                time_text,
+                                "tides_run",
+                                session->values.json,
+                                "tides_device",
+                                session->info.name,
+                                NULL,
+                                NULL,
+                                NULL,
+                                NULL,
+                                NULL};
+    size_t at = 8;
+    if (frame->depth_unit) attributes[at++] = "tides_depth_unit", attributes[at++] = frame->depth_unit;
+    if (frame->displacement[0]) attributes[at++] = "tides_displacement_to_s", attributes[at++] = to_text;
     tides_status status = tides_exr_write(path, frame->width, frame->height, channels, count, TIDES_EXR_ZIP, attributes, error);
     free(floats);
     return status;

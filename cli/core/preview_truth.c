@@ -42,6 +42,15 @@ static void normal_panel(const cli_frame *frame, uint8_t *rgb, char label[LABEL_
     }
 }
 
+static void displacement_panel(const cli_frame *frame, uint8_t *rgb, char label[LABEL_SIZE]) {
+    const double *u = frame->displacement[0], *v = frame->displacement[1];
+    double farthest = 0;
+    for (size_t i = 0; i < pixels_of(frame); i++)
+        if (isfinite(u[i]) && isfinite(v[i])) farthest = fmax(farthest, hypot(u[i], v[i]));
+    snprintf(label, LABEL_SIZE, "to %.4g s: up to %.3g px", frame->displacement_to, farthest);
+    tides_picture_flow(u, v, frame->width, frame->height, farthest, rgb);
+}
+
 /* One for each of these planes that there is. */
 static const struct panel {
     int32_t truth;
@@ -55,7 +64,7 @@ enum { PANELS = sizeof panels / sizeof *panels };
 int32_t cli_preview_truths(const cli_frame *frame) {
     int32_t count = 0;
     for (int i = 0; i < PANELS; i++) count += frame->truth[panels[i].truth] != NULL;
-    return count;
+    return count + (frame->displacement[0] != NULL);
 }
 
 void cli_preview_truth(const cli_frame *frame, int32_t first, cli_canvas *canvas, uint8_t *rgb) {
@@ -65,4 +74,7 @@ void cli_preview_truth(const cli_frame *frame, int32_t first, cli_canvas *canvas
         panels[i].draw(frame, rgb, label);
         cli_canvas_panel(canvas, first++, frame->width, frame->height, rgb, label);
     }
+    if (!frame->displacement[0]) return;
+    displacement_panel(frame, rgb, label);
+    cli_canvas_panel(canvas, first, frame->width, frame->height, rgb, label);
 }

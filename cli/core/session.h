@@ -9,14 +9,17 @@ tides_status cli_session_open(const char *file, const cli_list *sets, const cli_
                               tides_error *error);
 
 /* frame.c: the wanted planes of one frame, in memory. */
+enum { CLI_DISPLACEMENTS = 3 };
 typedef struct cli_frame {
     int32_t width, height;
-    double *plane[TIDES_CHANNELS]; /* NULL where not rendered */
-    double *truth[TIDES_TRUTHS];   /* likewise */
-    const char *depth_unit;        /* of ground truth: "m", or "units" */
+    double *plane[TIDES_CHANNELS];           /* NULL where not rendered */
+    double *truth[TIDES_TRUTHS];             /* likewise */
+    const char *depth_unit;                  /* of ground truth: "m", or "units" */
+    double *displacement[CLI_DISPLACEMENTS]; /* u, v and visible, to where things are at displacement_to [s] */
+    double displacement_to;
 } cli_frame;
-/* What is wanted: and ground truth, plane k as CLI_FRAME_TRUTH << k. */
-enum { CLI_FRAME_PLAIN = 0, CLI_FRAME_RGB = 1, CLI_FRAME_DEPTH = 2, CLI_FRAME_TRUTH = 4 };
+/* What is wanted: and ground truth, plane k as CLI_FRAME_TRUTH << k; displacement to the frame's displacement_to, given. */
+enum { CLI_FRAME_PLAIN = 0, CLI_FRAME_RGB = 1, CLI_FRAME_DEPTH = 2, CLI_FRAME_TRUTH = 4, CLI_FRAME_DISPLACEMENT = 1 << 20 };
 tides_status cli_frame_render(tides_session *session, double time, int32_t wanted, cli_progress *progress, cli_frame *frame,
                               tides_error *error);
 void cli_frame_free(cli_frame *frame);

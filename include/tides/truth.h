@@ -40,6 +40,44 @@ typedef struct tides_truth {
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_truth(tides_renderer *renderer, const tides_trajectory *camera,
                                                              double time, const tides_truth *truth, tides_error *error);
 
+/* -- material points: tracks, and displacement between two times -- */
+
+/* A place in a Gaussian, which it moves and deforms with: xi standard deviations along its own axes (the columns of its factor,
+ * kernels/truth.h). */
+typedef struct tides_material_point {
+    int32_t object; /* of the scene; -1: no point */
+    int32_t reserved;
+    int64_t gaussian; /* within the object */
+    double xi[3];
+} tides_material_point;
+
+/* Where a point is at a time. */
+typedef struct tides_track {
+    double u, v;     /* [px], (0.5, 0.5) being the first pixel's centre; NaN behind the near plane, or where there's no point */
+    double depth;    /* camera z [scene units]; NaN where there's no point */
+    int32_t visible; /* 1: in the image, and not behind what is seen there (the splat of the median depth) */
+    int32_t reserved;
+} tides_track;
+
+/* Points that the places xy (count x 2) [px] show at `time`: of the splat that has the median depth at the pixel; none where
+ * nothing takes the transmittance below 1/2. TIDES_BAD_ARGUMENT: a place outside of the image. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_pick(tides_renderer *renderer, const tides_trajectory *camera,
+                                                            double time, const double *xy, size_t count,
+                                                            tides_material_point *points, tides_error *error);
+
+/* Where points are at `time`, in double precision whatever the renderer computes in (but for what motion models make of them).
+ * One pass of ground truth, for what hides them. TIDES_BAD_ARGUMENT: a Gaussian that the scene doesn't have. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_follow(tides_renderer *renderer, const tides_trajectory *camera,
+                                                              double time, const tides_material_point *points, size_t count,
+                                                              tides_track *tracks, tides_error *error);
+
+/* Displacement [px] of what each pixel shows at `from` to where it is at `to`, forward or backward in time; NaN where no
+ * point is seen. It isn't optical flow, which is a velocity [px/s] at one time. `visible`: 1 where it is seen at `to` as
+ * well. Planes (height x width), each nullable. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_displacement(tides_renderer *renderer, const tides_trajectory *camera,
+                                                                    double from, double to, double *u, double *v,
+                                                                    double *visible, tides_error *error);
+
 #ifdef __cplusplus
 }
 #endif

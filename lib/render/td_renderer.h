@@ -10,6 +10,7 @@
  *   tiles.c, psf.c, nonfinite.c          tiles at times: rendered, blurred, checked
  *   frame.c, flow.c                      whole images, and how fast they move
  *   truth.c                              ground truth (kernels/truth.h)
+ *   follow.c, gaussian_rows.c            points that are followed through the motion, on the host
  *   dynamic/                             Gaussians with a motion model
  *   exact.c, exact_*.c                   rows of record paths in double precision (td_exact.h)
  *   points.c, points_*.c, point_nodes.c  single pixels at single times (td_points.h)
@@ -169,6 +170,10 @@ void td_renderer_assemble(const tides_renderer *renderer, const double *planes, 
  * (truth.c). */
 const char *td_truth_name(int plane);
 void td_truth_of_nothing(double *planes);
+
+/* What Gaussians of the store are at a time: (count x TD_GEOMETRY_STRIDE), of those below 0 nothing (gaussian_rows.c). */
+tides_status td_renderer_rows_at(tides_renderer *renderer, const int *gaussians, size_t count, double time, double *geometry,
+                                 tides_error *error);
 
 /* td_renderer_tiles as if there were no PSF (tiles.c). */
 tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,

@@ -1139,6 +1139,48 @@ class tides_truth(Structure):
     ]
 
 
+class tides_material_point(Structure):
+    """int32_t object; /* of the scene; -1: no point */
+    int32_t reserved;
+    int64_t gaussian; /* within the object */
+    double xi[3];
+    """
+
+    object: int
+    reserved: int
+    gaussian: int
+    xi: Any
+
+    _fields_ = [
+        ("object", c_int32),
+        ("reserved", c_int32),
+        ("gaussian", c_int64),
+        ("xi", c_double * 3),
+    ]
+
+
+class tides_track(Structure):
+    """double u, v; /* [px], (0.5, 0.5) being the first pixel's centre; NaN behind the near plane, or where there's no point */
+    double depth; /* camera z [scene units]; NaN where there's no point */
+    int32_t visible; /* 1: in the image, and not behind what is seen there (the splat of the median depth) */
+    int32_t reserved;
+    """
+
+    u: float
+    v: float
+    depth: float
+    visible: int
+    reserved: int
+
+    _fields_ = [
+        ("u", c_double),
+        ("v", c_double),
+        ("depth", c_double),
+        ("visible", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
 class tides_event(Structure):
     """int64_t t; /* [ns] of the run's clock: the scene's and the path's time, absolute */
     uint16_t x, y; /* [px] */
@@ -2856,10 +2898,28 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     ]),
     # void tides_renderer_destroy(tides_renderer *renderer)
     "tides_renderer_destroy": (None, [P(tides_renderer)]),
+    # tides_status tides_renderer_displacement(tides_renderer *renderer, const tides_trajectory *camera, double from,
+    # double to, double *u, double *v, double *visible, tides_error *error)
+    "tides_renderer_displacement": (c_int32, [
+        P(tides_renderer), P(tides_trajectory), c_double, c_double, P(c_double), P(c_double), P(c_double),
+        P(tides_error)
+    ]),
+    # tides_status tides_renderer_follow(tides_renderer *renderer, const tides_trajectory *camera, double time, const
+    # tides_material_point *points, size_t count, tides_track *tracks, tides_error *error)
+    "tides_renderer_follow": (c_int32, [
+        P(tides_renderer), P(tides_trajectory), c_double, P(tides_material_point), c_size_t, P(tides_track),
+        P(tides_error)
+    ]),
     # tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time, const
     # tides_frame *frame, tides_error *error)
     "tides_renderer_frame": (c_int32, [
         P(tides_renderer), P(tides_trajectory), c_double, P(tides_frame), P(tides_error)
+    ]),
+    # tides_status tides_renderer_pick(tides_renderer *renderer, const tides_trajectory *camera, double time, const
+    # double *xy, size_t count, tides_material_point *points, tides_error *error)
+    "tides_renderer_pick": (c_int32, [
+        P(tides_renderer), P(tides_trajectory), c_double, P(c_double), c_size_t, P(tides_material_point),
+        P(tides_error)
     ]),
     # tides_status tides_renderer_set_psf(tides_renderer *renderer, double sigma_px, int32_t domain, tides_error *error)
     "tides_renderer_set_psf": (c_int32, [P(tides_renderer), c_double, c_int32, P(tides_error)]),
@@ -3077,11 +3137,11 @@ STRUCTS = (
     tides_polynomial_motion, tides_rotor_motion, tides_keyframes_motion, tides_theta, tides_callback_motion,
     tides_gaussians, tides_object, tides_intrinsics, tides_path_options, tides_path, tides_generator,
     tides_generate_options, tides_world, tides_circuit, tides_sensor, tides_smoothing, tides_image_params, tides_frame,
-    tides_render_stats, tides_truth, tides_event, tides_event_file, tides_event_format, tides_event_facts,
-    tides_event_summary, tides_event_conversion, tides_event_conversion_report, tides_readout, tides_readout_stats,
-    tides_risk, tides_stepping, tides_stats, tides_stat, tides_frames_options, tides_esim, tides_v2e, tides_voltmeter,
-    tides_iebcs, tides_ldati_params, tides_baseline_params, tides_frame_supply, tides_channel, tides_match,
-    tides_metrics_options, tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options,
-    tides_array_shape, tides_param, tides_run_values, tides_run_input, tides_fingerprint, tides_session_facts,
-    tides_recording, tides_recorded, tides_exact_options, tides_exact,
+    tides_render_stats, tides_truth, tides_material_point, tides_track, tides_event, tides_event_file,
+    tides_event_format, tides_event_facts, tides_event_summary, tides_event_conversion, tides_event_conversion_report,
+    tides_readout, tides_readout_stats, tides_risk, tides_stepping, tides_stats, tides_stat, tides_frames_options,
+    tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params, tides_baseline_params, tides_frame_supply,
+    tides_channel, tides_match, tides_metrics_options, tides_interval_fit, tides_stream_metrics, tides_metrics,
+    tides_voxel_options, tides_array_shape, tides_param, tides_run_values, tides_run_input, tides_fingerprint,
+    tides_session_facts, tides_recording, tides_recorded, tides_exact_options, tides_exact,
 )

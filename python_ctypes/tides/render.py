@@ -8,7 +8,7 @@ from typing import Any, Iterable
 import numpy as np
 
 from . import _api
-from ._call import call, nearest, pointer, text
+from ._call import array, call, nearest, pointer, text
 from ._handle import Handle
 from ._library import lib
 from ._progress import Progress, Reporter
@@ -22,6 +22,11 @@ CHANNELS = tuple(text(lib.tides_channel_name(index)) for index in range(_api.TID
 
 #: Planes of ground truth: "flow_u", "flow_v" [px/s], "depth", "depth_median", "alpha", "instance", "normal_x" ...
 TRUTHS = tuple(text(lib.tides_truth_name(index)) for index in range(_api.TIDES_TRUTHS))
+
+#: Material points (Renderer.pick): the scene's object (-1: none), its Gaussian, and standard deviations along its axes.
+MATERIAL_POINT = np.dtype([("object", "i4"), ("reserved", "i4"), ("gaussian", "i8"), ("xi", "f8", 3)])
+#: Where one is (Renderer.follow): u, v [px], depth [scene units], and whether it is seen.
+TRACK = np.dtype([("u", "f8"), ("v", "f8"), ("depth", "f8"), ("visible", "i4"), ("reserved", "i4")])
 
 
 class ImageParams(Value, _api.tides_image_params):
@@ -89,6 +94,40 @@ class Renderer(Handle):
         with self._lock:
             call("tides_renderer_truth", self._pointer, path._pointer, time, truth)
         return made
+
+    def displacement(self, start: float, stop: float, trajectory: Trajectory | None = None) -> dict[str, np.ndarray]:
+        """Where what each pixel shows at `start` is at `stop`, earlier or later [s]: "u" and "v" [px], NaN where no point is
+        seen, and "visible", True where it is seen then too. Optical flow, a velocity, is truth()'s."""
+        lens = self.camera.intrinsics
+        planes = [np.empty((lens.height, lens.width)) for _ in range(3)]
+        path = trajectory or self.camera.trajectory
+        addresses = [pointer(plane, c_double) for plane in planes]
+        with self._lock:
+            call("tides_renderer_displacement", self._pointer, path._pointer, start, stop, *addresses)
+        return {"u": planes[0], "v": planes[1], "visible": planes[2] > 0}
+
+    def pick(self, time: float, places: Any, trajectory: Trajectory | None = None) -> np.ndarray:
+        """The points (MATERIAL_POINT) that `places` (count x 2) [px] show at `time` [s]; the first pixel's centre is (0.5, 0.5)."""
+        xy = array(places, np.float64, (None, 2), "places")
+        points = np.zeros(len(xy), MATERIAL_POINT)
+        path = trajectory or self.camera.trajectory
+        made = pointer(points, _api.tides_material_point)
+        with self._lock:
+            call("tides_renderer_pick", self._pointer, path._pointer, time, pointer(xy, c_double), len(xy), made)
+        return points
+
+    def follow(self, time: float, points: Any, trajectory: Trajectory | None = None) -> np.ndarray:
+        """Where points are at `time` [s] (TRACK)."""
+        given = array(points, MATERIAL_POINT, (None,), "points")
+        tracks = np.zeros(len(given), TRACK)
+        path = trajectory or self.camera.trajectory
+        made = pointer(tracks, _api.tides_track)
+        with self._lock:
+            call(
+                "tides_renderer_follow", self._pointer, path._pointer, time, pointer(given, _api.tides_material_point),
+                len(given), made,
+            )
+        return tracks
 
     def _planes(self, argument: str, names: Iterable[str], known: tuple[str, ...], struct: Any) -> dict[str, np.ndarray]:
         """Empty planes for the names, and their addresses in the struct."""

@@ -25,6 +25,11 @@ for channel in alpha instance normal_x normal_y normal_z; do out "name $channel 
 grep -aq "tides_depth_unit.*string....\+m" t.exr || fail "depths should be in metres"
 [ "$(head -c 24 t.png | tail -c 8 | head -c 4 | od -An -tu1 | awk '{print $3 * 256 + $4}')" -gt \
     "$(head -c 24 f.png | tail -c 8 | head -c 4 | od -An -tu1 | awk '{print $3 * 256 + $4}')" ] || fail "ground truth has no panels"
+expect 0 tides render run.json --time 0.02 -qo d.exr --displacement-to 0.01
+expect 0 tides info d.exr
+for channel in displacement_u displacement_v displacement_visible; do out "name $channel "; done
+grep -aq "tides_displacement_to_s" d.exr || fail "where things are displaced to isn't said"
+refuse 1 "0.5" tides render run.json -o i.exr --displacement-to 0.5
 refuse 1 "set scene.metres_per_unit" tides render run.json -o x.exr --truth depth --metres
 # Time: the start where not given, and an error outside the path.
 expect 0 tides render run.json -o h.exr --json

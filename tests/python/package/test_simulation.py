@@ -48,6 +48,25 @@ def test_truth(scene, camera):
     assert tides.lib.tides_truth_name(99) is None
 
 
+def test_tracks(scene, camera):
+    with tides.Renderer(scene, camera) as renderer:
+        way = renderer.displacement(0.04, 0.06)
+        seen = np.isfinite(way["u"])
+        assert seen.any() and (way["visible"] <= seen).all() and way["u"].shape == SIZE[::-1]
+        rows, columns = np.nonzero(seen)
+        places = np.stack([columns, rows], axis=1) + 0.5
+        points = renderer.pick(0.04, places)
+        assert (points["object"] >= 0).all() and (points["gaussian"] < scene.count).all()
+        tracks = renderer.follow(0.06, points)
+        assert np.abs(tracks["u"] - places[:, 0] - way["u"][seen]).max() < 0.1
+        assert np.array_equal(tracks["visible"] > 0, way["visible"][seen])
+        with pytest.raises(tides.TidesError, match="outside of the image"):
+            renderer.pick(0.04, [[-1, 0]])
+        points["gaussian"] = 10**9
+        with pytest.raises(tides.TidesError, match="no Gaussian"):
+            renderer.follow(0.06, points)
+
+
 def test_image_rules(scene, camera):
     image = tides.ImageParams(rules="inria", background=(1, 1, 1))
     assert tides.Renderer(scene, camera, image).frame(0, ["Y"])["Y"].max() > 0.99
