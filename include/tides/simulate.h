@@ -33,7 +33,7 @@ enum { TIDES_SLOPE_EXACT = 0, TIDES_SLOPE_DIFFERENCE = 1 };
 
 /* Where events come from: from the local model between two renders, or from the image itself, which is looked up where events
  * are, pixel by pixel, until no time is off by more than time_tolerance_s (10 ns where that is 0), or than rounding in the
- * precision named: DOUBLE works single pixels out whatever the device computes in (not yet for motion models), FLOAT whole 4x4
+ * precision named: DOUBLE works single pixels out whatever the device computes in (motion models in its own), FLOAT whole 4x4
  * blocks of pixels as samples are. Steps then only have to find the crossings. With ERROR or RISK, and where neither a PSF, a
  * filter, a surround nor additive noise comes between image and comparator; else TIDES_UNSUPPORTED. */
 enum { TIDES_SOLVE_OFF = 0, TIDES_SOLVE_FLOAT = 1, TIDES_SOLVE_DOUBLE = 2 };

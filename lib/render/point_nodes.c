@@ -123,11 +123,13 @@ static void end_job(td_point_nodes *nodes) {
     }
 }
 
-/* Jobs for one node of the Gaussians of a level. */
-static tides_status add_node(const tides_renderer *renderer, td_point_nodes *nodes, int level, int node, tides_error *error) {
-    int open = 0, object = -1;
+/* Jobs for node `node`, which is number `slot` of a request, of gaussians[from .. end) that have a level; `row` (nullable) has
+ * the rows of those, where some move by themselves. */
+static tides_status add_node(const tides_renderer *renderer, td_point_nodes *nodes, int level, int node, int slot, int from,
+                             int end, const int *row, tides_error *error) {
+    int open = 0, object = -1, taken = 0;
     tides_status status = reserve_entries(nodes, 0, error);
-    for (int i = 0; i < nodes->count && status == TIDES_OK; i++) {
+    for (int i = from; i < end && status == TIDES_OK; i++) {
         const int gaussian = nodes->gaussians[i];
         if (nodes->level[i] != level) continue;
         status = reserve_entries(nodes, 2 * TD_PAD, error);
@@ -138,10 +140,10 @@ static tides_status add_node(const tides_renderer *renderer, td_point_nodes *nod
             status = reserve_entries(nodes, 2 * TD_PAD, error);
             if (status != TIDES_OK) return status;
         }
-        if (!open) nodes->jobs[nodes->job_count++] = (td_node_job){node, nodes->entries, 0, 0};
+        if (!open) nodes->jobs[nodes->job_count++] = (td_node_job){slot, nodes->entries, 0, 0};
         open = 1;
         object = renderer->store.object[gaussian];
-        nodes->entry[nodes->entries] = gaussian;
+        nodes->entry[nodes->entries] = row ? row[taken++] : gaussian;
         nodes->at[nodes->entries++] = nodes->first[i] + node;
         nodes->jobs[nodes->job_count - 1].count++;
     }
@@ -156,18 +158,12 @@ static double node_time(const td_point_nodes *nodes, int level, int k) {
     return nodes->knot[piece] + (nodes->knot[piece + 1] - nodes->knot[piece]) * (part / (double)(1 << level));
 }
 
-/* Rows of the Gaussians of a level, at all its nodes. */
-static tides_status project(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, int level,
-                            tides_error *error) {
-    const int slots = (nodes->pieces << level) + 1;
-    tides_status status = td_reserve((void **)&nodes->time, &nodes->time_capacity, (size_t)slots, sizeof *nodes->time, error);
-    nodes->entries = nodes->job_count = 0;
-    for (int k = 0; k < slots && status == TIDES_OK; k++) {
-        nodes->time[k] = node_time(nodes, level, k);
-        status = add_node(renderer, nodes, level, k, error);
-    }
-    if (status == TIDES_OK && nodes->job_count > 0) status = td_renderer_views(renderer, camera, nodes->time, slots, error);
-    if (status != TIDES_OK || nodes->job_count == 0) return status;
+/* The nodes that there are jobs for, at `slots` times. */
+static tides_status send(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, const double *times,
+                         int slots, tides_error *error) {
+    if (nodes->job_count == 0) return TIDES_OK;
+    tides_status status = td_renderer_views(renderer, camera, times, slots, error);
+    if (status != TIDES_OK) return status;
     const td_node_request request = {.views = (const double *)renderer->views,
                                      .slots = slots,
                                      .jobs = nodes->jobs,
@@ -177,6 +173,51 @@ static tides_status project(tides_renderer *renderer, const tides_trajectory *ca
                                      .count = nodes->entries,
                                      .row_count = nodes->rows + 1};
     return td_exact_nodes(nodes->exact, renderer->backend, &request, error);
+}
+
+/* One node of gaussians[from .. end), some of which move by themselves: first their rows. `wanted` and `row` have room for
+ * them. */
+static tides_status project_moved(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, int level,
+                                  int node, int from, int end, int *wanted, int *row, tides_error *error) {
+    const int is_last = node == nodes->pieces << level;
+    int count = 0;
+    for (int i = from; i < end; i++)
+        if (nodes->level[i] == level) wanted[count++] = nodes->gaussians[i];
+    if (count == 0) return TIDES_OK;
+    tides_status status = td_dynamic_rows_at(&renderer->dynamic, renderer->backend, wanted, count, nodes->time[node],
+                                             is_last ? TD_SIDE_ENDS : TD_SIDE_BEGINS, row, error);
+    nodes->entries = nodes->job_count = 0;
+    if (status == TIDES_OK) status = add_node(renderer, nodes, level, node, 0, from, end, row, error);
+    return status == TIDES_OK ? send(renderer, camera, nodes, nodes->time + node, 1, error) : status;
+}
+
+/* All nodes, one by one, of so many Gaussians as rows of motions have room for beside what the sweep has cached. */
+static tides_status project_all_moved(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
+                                      int level, int slots, tides_error *error) {
+    const int chunk = renderer->row_limit / 2;
+    int *wanted = td_alloc(2 * (size_t)nodes->count, sizeof *wanted, error);
+    tides_status status = wanted ? TIDES_OK : TIDES_NO_MEMORY;
+    for (int node = 0; node < slots; node++)
+        for (int from = 0; from < nodes->count && status == TIDES_OK; from += chunk)
+            status =
+                project_moved(renderer, camera, nodes, level, node, from,
+                              nodes->count - from > chunk ? from + chunk : nodes->count, wanted, wanted + nodes->count, error);
+    free(wanted);
+    return status;
+}
+
+/* Rows of the Gaussians of a level, at all its nodes. */
+static tides_status project(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, int level,
+                            tides_error *error) {
+    const int slots = (nodes->pieces << level) + 1;
+    tides_status status = td_reserve((void **)&nodes->time, &nodes->time_capacity, (size_t)slots, sizeof *nodes->time, error);
+    nodes->entries = nodes->job_count = 0;
+    for (int k = 0; k < slots && status == TIDES_OK; k++) nodes->time[k] = node_time(nodes, level, k);
+    if (renderer->dynamic.gaussians && status == TIDES_OK)
+        return project_all_moved(renderer, camera, nodes, level, slots, error);
+    for (int k = 0; k < slots && status == TIDES_OK; k++)
+        status = add_node(renderer, nodes, level, k, k, 0, nodes->count, NULL, error);
+    return status == TIDES_OK ? send(renderer, camera, nodes, nodes->time, slots, error) : status;
 }
 
 /* -- levels ---------------------------------------------------------------------------------------------------------------- */
@@ -210,16 +251,23 @@ static tides_status refine(td_point_nodes *nodes, int i, tides_error *error) {
     return TIDES_OK;
 }
 
+/* What the rows of Gaussian i allow its paths to be good to: those that a motion model moves are in the backend's precision. */
+static double target_of(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
+    const int moves = renderer->store.mover[renderer->store.object[nodes->gaussians[i]]] >= 0;
+    return moves && !td_renderer_is_double(renderer) ? TD_POINT_PATH_MOVED : TD_POINT_PATH_TARGET;
+}
+
 /* What Gaussian i needs whose cubics of the level before are off by `off` (of log_luminance) in the middle: its level is
  * enough where a sixteenth of that is, by which a smooth path's error falls with each level; at the last it may have a kink,
  * and is taken to be off by all of it. What can't be compared at all crosses the near plane: it has faded where its curves
  * can't be used, and isn't counted. */
-static tides_status choose_level(td_point_nodes *nodes, int i, double off, tides_error *error) {
+static tides_status choose_level(const tides_renderer *renderer, td_point_nodes *nodes, int i, double off, tides_error *error) {
     const double never = 1e29 * TD_POINT_PATH_TARGET; /* TD_PATH_NEVER */
+    const double target = target_of(renderer, nodes, i);
     double left = off / 16;
-    if (left > TD_POINT_PATH_TARGET && nodes->level[i] < MOST_LEVEL) return refine(nodes, i, error);
-    if (left > TD_POINT_PATH_TARGET) left = off;
-    if (nodes->level[i] == 1 && off <= TD_POINT_PATH_TARGET) {
+    if (left > target && nodes->level[i] < MOST_LEVEL) return refine(nodes, i, error);
+    if (left > target) left = off;
+    if (nodes->level[i] == 1 && off <= target) {
         nodes->level[i] = 0; /* with every other row of level 1 */
         left = off;
     }
@@ -228,7 +276,8 @@ static tides_status choose_level(td_point_nodes *nodes, int i, double off, tides
 }
 
 /* Compares the paths of a level with those of the level before, and gives the next level to those that need it. */
-static tides_status try_level(td_point_nodes *nodes, td_points_engine *engine, int level, tides_error *error) {
+static tides_status try_level(const tides_renderer *renderer, td_point_nodes *nodes, td_points_engine *engine, int level,
+                              tides_error *error) {
     int count = 0;
     for (int i = 0; i < nodes->count; i++)
         if (nodes->level[i] == level) nodes->tried[count++] = nodes->first[i];
@@ -237,7 +286,8 @@ static tides_status try_level(td_point_nodes *nodes, td_points_engine *engine, i
                                        level,        nodes->knot, nodes->pieces, TD_POINT_PATH_TARGET};
     tides_status status = count ? engine->type->misfits(engine, &request, nodes->misfit, error) : TIDES_OK;
     for (int i = 0, k = 0; i < nodes->count && status == TIDES_OK; i++)
-        if (nodes->level[i] == level) status = choose_level(nodes, i, (double)nodes->misfit[k++] * TD_POINT_PATH_TARGET, error);
+        if (nodes->level[i] == level)
+            status = choose_level(renderer, nodes, i, (double)nodes->misfit[k++] * TD_POINT_PATH_TARGET, error);
     return status;
 }
 
@@ -275,7 +325,7 @@ static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *
     for (int level = 1; level <= MOST_LEVEL && status == TIDES_OK && !*bent; level++) {
         int finer = 0;
         status = project(renderer, camera, nodes, level, error);
-        if (status == TIDES_OK && moves) status = try_level(nodes, engine, level, error);
+        if (status == TIDES_OK && moves) status = try_level(renderer, nodes, engine, level, error);
         for (int i = 0; i < nodes->count; i++) finer += nodes->level[i] > level;
         *bent = may_bend && level == WHOLE_LEVEL && 2 * finer > nodes->count;
     }

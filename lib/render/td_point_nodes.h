@@ -8,6 +8,11 @@
 /* What paths may be off by, of log_luminance, at most: at L_dot = 20 /s it is 25 ns. */
 #define TD_POINT_PATH_TARGET 5e-7
 
+/* The same of what a motion model moves. Rows may be in single precision, which are rounded to some 1e-5 px: a misfit of
+ * sixteen times this isn't all rounding. With 1e-5 p95 was 0.7 us of a scene whose samples in single precision alone have 0.2
+ * (tests/property/test_motion_events.c). */
+#define TD_POINT_PATH_MOVED 1e-6
+
 typedef struct td_point_nodes {
     td_exact *exact;
     double *knot; /* (pieces + 1) where the pieces of the interval begin and end [s after the epoch] */

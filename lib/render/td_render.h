@@ -110,6 +110,12 @@ tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory
  * why, where that can't be had: then, as before, points are pixels of whole tiles. */
 tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *error);
 
+/* 1 where those are in double but for what motion models have worked out in single precision. */
+int td_renderer_points_rounded(const tides_renderer *renderer);
+
+/* What most of their record paths may be off by, of log_luminance. */
+double td_renderer_points_target(const tides_renderer *renderer);
+
 /* What log_luminance of exact points may be off by in the interval that some were asked for last: an estimate of what record
  * paths make of it, of the splat that is worst where it is as bright as what is seen there; a brighter one before black makes
  * several times that. 0 without exact points. */

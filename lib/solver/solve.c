@@ -35,6 +35,8 @@ tides_status td_solve_create(tides_simulator *s, const tides_stepping *stepping,
         if (!s->solve.known) return TIDES_NO_MEMORY;
     }
     s->solve.precision = precision;
+    s->solve.is_exact = precision == TIDES_SOLVE_DOUBLE && !td_renderer_points_rounded(s->renderer);
+    s->solve.usual_paths = td_renderer_points_target(s->renderer);
     s->solve.samples = s->timing.rounding + (precision == TIDES_SOLVE_DOUBLE ? TD_SOLVE_SAMPLES : 0);
     s->solve.target_s = s->time_tolerance_s > 0 ? s->time_tolerance_s : default_target_s;
     return TIDES_OK;

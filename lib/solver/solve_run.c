@@ -73,10 +73,10 @@ static void take_nodes(visit *v) {
 /* What else the model is off by. */
 static void take_rounding(visit *v) {
     const tides_simulator *s = v->s;
-    const int in_double = s->solve.precision == TIDES_SOLVE_DOUBLE;
-    v->model.ends = in_double ? s->solve.samples : 0;
-    v->model.floor = in_double ? TD_SOLVE_DOUBLE_ROUNDING * (1 + fabs(v->looked->ends.S1))
-                               : td_timing_rounding(&s->timing, &s->tile[v->pixel->tile], v->now->signals.S1, v->pixel->local);
+    v->model.ends = s->solve.precision == TIDES_SOLVE_DOUBLE ? s->solve.samples : 0;
+    v->model.floor = s->solve.is_exact
+                         ? TD_SOLVE_DOUBLE_ROUNDING * (1 + fabs(v->looked->ends.S1))
+                         : td_timing_rounding(&s->timing, &s->tile[v->pixel->tile], v->now->signals.S1, v->pixel->local);
 }
 
 /* -- what is to be looked up ---------------------------------------------------------------------------------------------- */
@@ -207,7 +207,7 @@ static void note_error(visit *v, const td_change *change) {
     double slope, bend;
     const double h = v->now->span.length_s, late = waited(v, change);
     const double left = error_at(v, change->s, change->polarity, &slope, &bend);
-    const double worst = v->nodes > 0 ? v->s->solve.paths : 0, most = td_lesser(worst, TD_SOLVE_PATHS);
+    const double worst = v->nodes > 0 ? v->s->solve.paths : 0, most = td_lesser(worst, v->s->solve.usual_paths);
     if (late > 0) {
         td_timing_add_solved(timing, 1, late, 1, 0, h);
         return;

@@ -63,14 +63,16 @@ typedef struct td_asked {
 } td_asked;
 
 typedef struct td_solve {
-    int32_t precision; /* TIDES_SOLVE_* */
-    double target_s;   /* times that are as good as that are settled */
-    double samples;    /* what samples may be off by beside what is looked up [log units] */
-    double paths;      /* what the worst splat's record path makes of what is looked up in the interval [log units] */
-    uint64_t events;   /* that were looked up, */
-    uint64_t lookups;  /* and points for them */
-    double *known;     /* (units) 1 where pixels have their signal as it is looked up; NULL in single precision */
-    td_solving *pixel; /* those that aren't settled */
+    int32_t precision;  /* TIDES_SOLVE_* */
+    int is_exact;       /* what is looked up is in double, all of it */
+    double target_s;    /* times that are as good as that are settled */
+    double samples;     /* what samples may be off by beside what is looked up [log units] */
+    double usual_paths; /* what most record paths make of what is looked up [log units] */
+    double paths;       /* what the worst splat's record path makes of what is looked up in the interval [log units] */
+    uint64_t events;    /* that were looked up, */
+    uint64_t lookups;   /* and points for them */
+    double *known;      /* (units) 1 where pixels have their signal as it is looked up; NULL in single precision */
+    td_solving *pixel;  /* those that aren't settled */
     size_t pixels, pixel_capacity;
     td_looked *looked;
     size_t looked_count, looked_capacity;
@@ -141,11 +143,10 @@ TIDES_MUST_CHECK tides_status td_solve_insert(td_solve *solve, td_looked *looked
 /* What a value in double is off by, times 1 + |L|: some units of the sums and logarithms that it comes of. */
 #define TD_SOLVE_DOUBLE_ROUNDING 0x1p-50
 
-/* What record paths do to log_luminance in most pixels: each splat's may be off by so much (TD_POINT_PATH_TARGET),
- * but for the few that bend so sharply that their paths end with what they have. The estimate of the worst of those is some
- * splat's, in some pixels at some time: reported for every event it made a p95 of 15 us of one of 4 ns. So it is reported for
- * a share of them, in 64ths: with none p99 was too small in 1 of 12 scenes (tests/property/test_solved.c). */
-#define TD_SOLVE_PATHS 5e-7
+/* What record paths do to log_luminance in most pixels: each splat's may be off by what was asked for, but for the few that
+ * bend so sharply that their paths end with what they have. The estimate of the worst of those is some splat's, in some pixels
+ * at some time: reported for every event it made a p95 of 15 us of one of 4 ns. So it is reported for a share of them, in
+ * 64ths: with none p99 was too small in 1 of 12 scenes (tests/property/test_solved.c). */
 #define TD_SOLVE_BENT (2.0 / 64)
 
 /* What compositing leaves out of samples, and not of what is looked up in double: image.smoothing.stop_change. */

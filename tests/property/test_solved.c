@@ -35,17 +35,6 @@ static uint64_t number_of(const char *variable, uint64_t fallback) {
 
 enum { FEW = 5 };
 
-/* Single pixels are worked out in double where no motion model is; else whole tiles, by the double reference too. */
-static int32_t precision_for(const tides_scene *scene) {
-    int moves = 0;
-    for (int32_t i = 0; i < tides_scene_objects(scene); i++) {
-        tides_object object;
-        scene_expect_ok(tides_scene_object(scene, i, &object, NULL), NULL);
-        moves |= object.motion != NULL;
-    }
-    return moves ? TIDES_SOLVE_FLOAT : TIDES_SOLVE_DOUBLE;
-}
-
 static void check_scene(uint64_t seed, double *reported, double *measured) {
     const judged_scale scale = {0.1, 0.01, 4000};
     judged j = grazing_world_make(seed);
@@ -54,7 +43,7 @@ static void check_scene(uint64_t seed, double *reported, double *measured) {
     j.stepping.tolerance = LOOSE;
     j.image.smoothing.stop_change = ALL_LIGHT;
     judged_verdict v = judged_against_exact(&j, "reference", &scale, &settled, &exact);
-    j.stepping.solve = precision_for(j.scene);
+    j.stepping.solve = TIDES_SOLVE_DOUBLE;
     judged_verdict w = judged_against(&j, "reference", 0.01, &exact);
     w.halved = v.halved;
     judged_print(&j, "solved", &w);
