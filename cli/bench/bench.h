@@ -245,7 +245,8 @@ tides_status bench_ablation(bench *b, const cli_list *scenes, tides_error *error
 tides_status bench_image(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_blocks(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_throughput(bench *b, const cli_list *scenes, tides_error *error);
-/* Rows, not scenes; opens devices by itself, in processes of its own. */
+/* Axes, and rows, not scenes; both open devices by themselves, in processes of their own. */
+tides_status bench_scaling(bench *b, const cli_list *axes, tides_error *error);
 tides_status bench_stability(bench *b, const cli_list *rows, tides_error *error);
 
 #endif

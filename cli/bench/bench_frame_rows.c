@@ -91,6 +91,7 @@ static tides_status add_row(bench_stages *stages, const bench_scene *scene, cons
     memcpy(sorted, s, (size_t)t->rounds * sizeof *sorted);
     bench_quartiles(sorted, t->rounds, &row->low_s, &row->time_s, &row->high_s);
     row->runs = (int32_t)t->frames;
+    row->of_frame = 1;
     row->share = median_ratio(s, t->s[maker][STAGE_FRAME], t->rounds);
     if (maker < INRIA)
         count_limit(scene, &t->counted[maker - LIMIT], maker, stage, row);

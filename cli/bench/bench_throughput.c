@@ -115,6 +115,7 @@ static tides_status measure_scene(bench *b, const char *name, bench_stages *stag
         if (status == TIDES_OK) say_frames(b, &scene, &times);
         if (status == TIDES_OK) status = check_limit(b, &scene, &times, error);
         if (status == TIDES_OK) status = bench_frame_rows(stages, &scene, &times, error);
+        if (status == TIDES_OK && i == 0) status = bench_run_rows(b, stages, &scene, error);
     }
     if (status == TIDES_OK && !bench_header_scene(stages->header, &scene, NULL))
         status = cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
@@ -174,6 +175,7 @@ tides_status bench_throughput(bench *b, const cli_list *scenes, tides_error *err
     stages.targets = stages.header ? cJSON_AddArrayToObject(stages.header, "targets") : NULL;
     tides_status status = stages.targets ? measure_scenes(b, scenes, &stages, error)
                                          : cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
+    if (status == TIDES_OK) status = bench_sink_rows(b, &stages, error);
     const bench_table table = {stages.rows, stages.count, cells_of};
     if (status == TIDES_OK) status = bench_write_table(b, "throughput", stages.header, &table, error);
     if (status == TIDES_OK) status = bench_figure_stages(b, &stages, error);

@@ -11,6 +11,7 @@ typedef struct bench_stage {
     double gaussians;
     const char *maker; /* "inria", "limit L", "run", "sink" */
     const char *stage; /* "composite" */
+    int32_t of_frame;  /* 1: a stage of a frame, or the whole */
     int32_t runs;
     double time_s, low_s, high_s; /* median and quartiles */
     double share;                 /* of the whole */
@@ -33,6 +34,11 @@ bench_stage *bench_stages_add(bench_stages *stages, const bench_scene *scene, co
 
 /* bench_frame_rows.c: the rows and the targets of a scene's frames. */
 tides_status bench_frame_rows(bench_stages *stages, const bench_scene *scene, const frame_times *times, tides_error *error);
+
+/* bench_run_rows.c: a run of the scene with all parts of exact events, stage by stage. */
+tides_status bench_run_rows(bench *b, bench_stages *stages, const bench_scene *scene, tides_error *error);
+/* bench_sink_rows.c: events from the comparator into nothing and into files, and their targets. */
+tides_status bench_sink_rows(bench *b, bench_stages *stages, tides_error *error);
 
 /* bench_throughput_figure.c: throughput.png. */
 tides_status bench_figure_stages(const bench *b, const bench_stages *stages, tides_error *error);

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -82,7 +83,7 @@ static void draw_panel(cli_canvas *canvas, int32_t index, int32_t height, const 
     }
 }
 
-tides_status bench_figure_stages(const bench *b, const bench_stages *stages, tides_error *error) {
+static tides_status draw_frames(const bench *b, const bench_stages *stages, tides_error *error) {
     size_t first[PANELS_MAX];
     const int32_t panels = find_panels(stages, first);
     const int32_t height = TOP + MAKERS * PITCH + BOTTOM, rows = (panels + COLUMNS - 1) / COLUMNS;
@@ -94,4 +95,15 @@ tides_status bench_figure_stages(const bench *b, const bench_stages *stages, tid
     plot_legend(&canvas, LEFT, HEADING, legend, DRAWN);
     for (int32_t i = 0; i < panels; i++) draw_panel(&canvas, i, height, stages, first[i]);
     return bench_write_canvas(b, &canvas, "throughput", error);
+}
+
+/* Frames alone: what runs and sinks take is in the table. */
+tides_status bench_figure_stages(const bench *b, const bench_stages *stages, tides_error *error) {
+    bench_stages frames = {.rows = malloc((stages->count + 1) * sizeof *frames.rows)};
+    if (!frames.rows) return cli_error(error, TIDES_NO_MEMORY, "out of memory: a picture");
+    for (size_t i = 0; i < stages->count; i++)
+        if (stages->rows[i].of_frame) frames.rows[frames.count++] = stages->rows[i];
+    const tides_status status = draw_frames(b, &frames, error);
+    free(frames.rows);
+    return status;
 }

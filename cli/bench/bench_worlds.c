@@ -51,11 +51,12 @@ static int32_t make_cloud(cloud *c, int64_t count, int32_t degree) {
     return 0;
 }
 
-static tides_status add_cloud(tides_scene *scene, cloud *c, const char *name, tides_error *error) {
+static tides_status add_cloud(tides_scene *scene, cloud *c, const tides_trajectory *path, const char *name,
+                              tides_error *error) {
     tides_gaussians g = {.count = c->count, .sh_degree = c->degree, .mean = c->mean, .log_scale = c->scale, .sh = c->sh};
     g.quaternion = c->quaternion;
     g.opacity_logit = c->opacity;
-    tides_status status = tides_scene_add(scene, &g, NULL, 1, name, NULL, error);
+    tides_status status = tides_scene_add(scene, &g, path, 1, name, NULL, error);
     free_cloud(c);
     return status;
 }
@@ -66,6 +67,10 @@ static void paint(cloud *c, uint64_t *state) {
 }
 
 tides_status bench_add_random(tides_scene *scene, int64_t count, tides_error *error) {
+    return bench_add_random_at(scene, count, NULL, error);
+}
+
+tides_status bench_add_random_at(tides_scene *scene, int64_t count, const tides_trajectory *path, tides_error *error) {
     uint64_t state = 1;
     cloud c;
     if (!make_cloud(&c, count, 3)) return cli_error(error, TIDES_NO_MEMORY, "out of memory: %lld Gaussians", (long long)count);
@@ -75,7 +80,7 @@ tides_status bench_add_random(tides_scene *scene, int64_t count, tides_error *er
     for (int64_t i = 0; i < 4 * count; i++) c.quaternion[i] = (float)normal(&state);
     for (int64_t i = 0; i < count; i++) c.opacity[i] = (float)(2 * normal(&state));
     paint(&c, &state);
-    return add_cloud(scene, &c, "random", error);
+    return add_cloud(scene, &c, path, "random", error);
 }
 
 /* Flat on a sphere at `direction` from its middle: turned so that the third axis goes outwards. */
@@ -113,7 +118,77 @@ tides_status bench_add_surfaces(tides_scene *scene, int64_t count, tides_error *
         c.opacity[i] = (float)normal(&state);
     }
     paint(&c, &state);
-    return add_cloud(scene, &c, "surfaces", error);
+    return add_cloud(scene, &c, NULL, "surfaces", error);
+}
+
+/* -- patches -------------------------------------------------------------------------------------------------------------- */
+
+/* What the camera that faces them sees of the plane z = 0 [scene units], from so far away, at 4 by 3. */
+#define VIEW_WIDTH 2.0
+#define VIEW_HEIGHT 1.5
+#define VIEW_DISTANCE 1.8
+#define SWING_HZ 20.0
+
+static tides_status swing_path(double stop, tides_trajectory **path, tides_error *error) {
+    const bench_vibration swing = {.quaternion = {1, 0, 0, 0}, .along = {0.8, 0.6, 0}, .amplitude = {0.03}, .hz = {SWING_HZ}};
+    return bench_vibrating_path(&swing, stop, path, error);
+}
+
+/* One rectangle's splats, of which the middle one is about (x, y). */
+static void fill_patch(const bench_patch *p, double x, double y, int32_t columns, int32_t rows, cloud *c, uint64_t *state) {
+    int64_t i = 0;
+    for (int32_t layer = 0; layer < p->layers; layer++) {
+        const double shift_x = uniform(state), shift_y = uniform(state);
+        for (int32_t row = 0; row < rows; row++)
+            for (int32_t column = 0; column < columns; column++, i++) {
+                const double at[3] = {x + p->spacing * (column - 0.5 * columns + shift_x),
+                                      y + p->spacing * (row - 0.5 * rows + shift_y), p->apart * layer};
+                const float turn[4] = {1, 0, 0, 0};
+                for (int k = 0; k < 3; k++) c->mean[3 * i + k] = (float)at[k];
+                for (int k = 0; k < 3; k++) c->scale[3 * i + k] = (float)log((k < 2 ? 1 : 0.1) * p->width * p->spacing);
+                memcpy(c->quaternion + 4 * i, turn, sizeof turn);
+                c->opacity[i] = (float)log(p->opacity / (1 - p->opacity));
+            }
+    }
+    paint(c, state);
+}
+
+tides_status bench_add_patches(tides_scene *scene, const bench_patch *p, tides_error *error) {
+    const int32_t count = p->columns * p->rows;
+    const double width = VIEW_WIDTH / p->columns, height = VIEW_HEIGHT / p->rows;
+    const int32_t columns = (int32_t)ceil(width / p->spacing), rows = (int32_t)ceil(height / p->spacing);
+    uint64_t state = 3;
+    tides_trajectory *swing = NULL;
+    tides_status status = swing_path(ORBIT_S, &swing, error);
+    for (int32_t i = 0; i < count && status == TIDES_OK; i++) {
+        cloud c;
+        if (!make_cloud(&c, (int64_t)columns * rows * p->layers, 0)) {
+            status = cli_error(error, TIDES_NO_MEMORY, "out of memory: patches");
+            break;
+        }
+        const double x = width * (i % p->columns + 0.5) - 0.5 * VIEW_WIDTH,
+                     y = height * (i / p->columns + 0.5) - 0.5 * VIEW_HEIGHT;
+        fill_patch(p, x, y, columns, rows, &c, &state);
+        const int32_t place = (7 * i) % count; /* spread over the view: 7 divides no number of patches */
+        status = add_cloud(scene, &c, place < p->swinging ? swing : NULL, "patch", error);
+    }
+    tides_trajectory_destroy(swing);
+    return status;
+}
+
+tides_status bench_face_patches(bench_scene *s, tides_error *error) {
+    static const double position[3] = {0, 0, -VIEW_DISTANCE}, straight[4] = {1, 0, 0, 0};
+    return tides_trajectory_create_static(position, straight, &s->camera, error);
+}
+
+tides_status bench_pass_patches(bench_scene *s, tides_error *error) {
+    const tides_dolly pass = {.from = {-0.4, 0, -VIEW_DISTANCE},
+                              .to = {0.4, 0.1, -VIEW_DISTANCE},
+                              .target = {0, 0, 0},
+                              .up = {0, -1, 0},
+                              .start = 0,
+                              .stop = 0.5};
+    return tides_trajectory_create_dolly(&pass, &s->camera, error);
 }
 
 /* -- cameras -------------------------------------------------------------------------------------------------------------- */

@@ -12,6 +12,23 @@ tides_status bench_world_make(const char *name, int32_t quick, bench_scene *scen
  * number. */
 tides_status bench_add_random(tides_scene *scene, int64_t count, tides_error *error);
 tides_status bench_add_surfaces(tides_scene *scene, int64_t count, tides_error *error);
+/* The former as an object on a path. */
+tides_status bench_add_random_at(tides_scene *scene, int64_t count, const tides_trajectory *path, tides_error *error);
+
+/* Textured rectangles side by side, which fill the view of a camera that faces them: splats in rows, or in several layers,
+ * their rows shifted. */
+typedef struct bench_patch {
+    int32_t columns, rows, layers;
+    double apart;     /* between layers [scene units] */
+    double spacing;   /* of splats [scene units], */
+    double width;     /* and their sigma over it */
+    double opacity;   /* in (0, 1) */
+    int32_t swinging; /* so many of the rectangles go to and fro */
+} bench_patch;
+tides_status bench_add_patches(tides_scene *scene, const bench_patch *patch, tides_error *error);
+/* A camera at rest before them, and one that passes by. */
+tides_status bench_face_patches(bench_scene *scene, tides_error *error);
+tides_status bench_pass_patches(bench_scene *scene, tides_error *error);
 /* A camera in orbit about all that is there. */
 tides_status bench_orbit_all(bench_scene *scene, double rad_per_s, tides_error *error);
 /* Another size, with 45 degrees from top to bottom. */

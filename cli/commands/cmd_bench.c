@@ -1,4 +1,6 @@
-/* tides bench: what accuracy costs, what the parts of the sensor do, and what breaks. */
+/* tides bench: what accuracy costs, what the parts of the sensor do, how fast it all is, and what breaks. */
+#include "bench_page.h"
+#include "bench_scaling.h"
 #include "bench_stability.h"
 #include "bench_worlds.h"
 
@@ -6,71 +8,92 @@
 #include <string.h>
 #include <sys/stat.h>
 
+/* What --scene or --row chooses from. */
+typedef const char *const *(*name_list)(void);
+
 /* One that opens devices by itself goes through rows, the others through scenes: built-in ones, or files. */
 typedef struct benchmark {
     const char *name;
     tides_status (*run)(bench *b, const cli_list *names, tides_error *error);
     int32_t own_devices;
-    const char *const *(*scenes)(void);
+    name_list names; /* NULL: stability_names, which the caller frees */
 } benchmark;
-static const benchmark benchmarks[] = {{"accuracy", bench_accuracy, 0, bench_scene_names},
-                                       {"ablation", bench_ablation, 0, bench_scene_names},
-                                       {"blocks", bench_blocks, 0, bench_scene_names},
-                                       {"image", bench_image, 0, bench_scene_names},
-                                       {"stability", bench_stability, 1, NULL},
-                                       {"throughput", bench_throughput, 0, bench_world_names}};
+static const benchmark benchmarks[] = {
+    {"accuracy", bench_accuracy, 0, bench_scene_names},     {"ablation", bench_ablation, 0, bench_scene_names},
+    {"blocks", bench_blocks, 0, bench_scene_names},         {"image", bench_image, 0, bench_scene_names},
+    {"scaling", bench_scaling, 1, scaling_names},           {"stability", bench_stability, 1, NULL},
+    {"throughput", bench_throughput, 0, bench_world_names},
+};
 enum { BENCHMARKS = sizeof benchmarks / sizeof benchmarks[0] };
+static const benchmark everything = {"all", NULL, 0, NULL};
 
 static const benchmark *find_benchmark(const char *name) {
     for (size_t i = 0; i < BENCHMARKS; i++)
         if (strcmp(benchmarks[i].name, name) == 0) return &benchmarks[i];
-    return NULL;
+    return strcmp(name, everything.name) == 0 ? &everything : NULL;
 }
 
 static int unknown_benchmark(const cli_command *command, const char *name) {
-    const char *names[BENCHMARKS + 1] = {NULL};
+    const char *names[BENCHMARKS + 2] = {NULL};
     for (size_t i = 0; i < BENCHMARKS; i++) names[i] = benchmarks[i].name;
+    names[BENCHMARKS] = everything.name;
     const char *nearest = tides_nearest_name(name, names);
     if (nearest) return cli_usage(command, "no benchmark is called %s; did you mean %s?", name, nearest);
     return cli_usage(command,
-                     "no benchmark is called %s; there are accuracy, ablation, blocks, image, stability and throughput", name);
+                     "no benchmark is called %s; there are accuracy, ablation, blocks, image, scaling, stability, throughput "
+                     "and all",
+                     name);
+}
+
+/* -- what is chosen ------------------------------------------------------------------------------------------------------- */
+
+static int32_t is_one_of(const char *name, const char *const *names) {
+    for (; *names; names++)
+        if (strcmp(*names, name) == 0) return 1;
+    return 0;
 }
 
 /* A built-in scene, or a file. */
 static int check_scene(const cli_command *command, const benchmark *of, const char *name) {
     struct stat found;
-    for (const char *const *known = of->scenes(); *known; known++)
-        if (strcmp(*known, name) == 0) return CLI_GO;
-    if (stat(name, &found) == 0) return CLI_GO;
-    const char *nearest = tides_nearest_name(name, of->scenes());
+    if (is_one_of(name, of->names()) || stat(name, &found) == 0) return CLI_GO;
+    const char *nearest = tides_nearest_name(name, of->names());
     if (nearest) return cli_usage(command, "--scene %s: neither a scene nor a file; did you mean %s?", name, nearest);
     return cli_usage(command, "--scene %s: neither a scene nor a file", name);
 }
 
-static int check_row(const cli_command *command, const char *name) {
-    if (stability_find(name)) return CLI_GO;
-    const char **names = stability_names();
+static int check_row(const cli_command *command, const benchmark *of, const char *name) {
+    if (of->names ? is_one_of(name, of->names()) : stability_find(name) != NULL) return CLI_GO;
+    const char **owned = of->names ? NULL : stability_names();
+    const char *const *names = of->names ? of->names() : (const char *const *)owned;
     const char *nearest = names ? tides_nearest_name(name, names) : NULL;
     const int code = nearest ? cli_usage(command, "--row %s: there is no such row; did you mean %s?", name, nearest)
                              : cli_usage(command,
                                          "--row %s: there is no such row; a misspelt one gets the nearest name, and "
-                                         "stability.csv of a run has all",
-                                         name);
-    free(names);
+                                         "%s.csv of a run has all",
+                                         name, of->name);
+    free(owned);
     return code;
 }
 
 /* Scenes and rows, each of the benchmarks that have them. */
 static int check_names(const cli_command *command, const benchmark *of, const cli_list *scenes, const cli_list *rows) {
     int code = CLI_GO;
+    if (of == &everything && scenes->count + rows->count) return cli_usage(command, "all takes neither --scene nor --row");
     if (of->own_devices && scenes->count) return cli_usage(command, "--scene: %s has rows; --row chooses one", of->name);
-    if (!of->own_devices && rows->count) return cli_usage(command, "--row: only stability has rows; --scene chooses a scene");
+    if (!of->own_devices && rows->count)
+        return cli_usage(command, "--row: only scaling and stability have rows; --scene chooses a scene");
     for (size_t i = 0; i < scenes->count && code == CLI_GO; i++) code = check_scene(command, of, scenes->items[i]);
-    for (size_t i = 0; i < rows->count && code == CLI_GO; i++) code = check_row(command, rows->items[i]);
+    for (size_t i = 0; i < rows->count && code == CLI_GO; i++) code = check_row(command, of, rows->items[i]);
     return code;
 }
 
+/* -- runs ----------------------------------------------------------------------------------------------------------------- */
+
+/* A benchmark, and the page of all that its folder has then. */
 static tides_status run(bench *b, const benchmark *of, const cli_list *names, tides_error *error) {
+    const char *known[BENCHMARKS + 1] = {NULL};
+    for (size_t i = 0; i < BENCHMARKS; i++) known[i] = benchmarks[i].name;
     tides_status status = cli_make_directory(b->directory, error);
     if (status == TIDES_OK && !of->own_devices) status = tides_device_open(b->common->device, &b->device, error);
     if (status != TIDES_OK) return status;
@@ -78,9 +101,23 @@ static tides_status run(bench *b, const benchmark *of, const cli_list *names, ti
         tides_device_describe(b->device, &b->info);
         cli_note(b->common, "device %s (%s)", b->info.name, b->info.platform);
     }
-    cli_catch_interrupt();
     status = of->run(b, names, error);
     tides_device_close(b->device);
+    b->device = NULL;
+    return status == TIDES_OK ? bench_page(b, known, error) : status;
+}
+
+/* Those with processes of their own first: nothing that has threads may be open in the process that starts them. */
+static tides_status run_all(bench *b, tides_error *error) {
+    static const cli_list none = {.count = 0};
+    tides_status status = TIDES_OK;
+    for (int32_t own = 1; own >= 0; own--)
+        for (size_t i = 0; i < BENCHMARKS && status == TIDES_OK; i++) {
+            if (benchmarks[i].own_devices != own) continue;
+            bench_say(b, "%s", benchmarks[i].name);
+            b->float_truth = 0;
+            status = run(b, &benchmarks[i], &none, error);
+        }
     return status;
 }
 
@@ -93,7 +130,7 @@ int cmd_bench(const cli_command *command, int argc, char **argv) {
         {"--output", 'o', "DIR", "where results go (tides-bench)", NULL, &directory, NULL},
         {"--quick", 0, NULL, "small scenes and few settings: a look, not a measurement", &quick, NULL, NULL},
         {"--scene", 0, "NAME", "only this scene, or a trained .ply file; may be repeated", NULL, NULL, &scenes},
-        {"--row", 0, "NAME", "of stability: only this row; may be repeated", NULL, NULL, &rows},
+        {"--row", 0, "NAME", "of scaling and stability: only this row; may be repeated", NULL, NULL, &rows},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
     int code = cli_parse(command, options, argc, argv, &common, &name);
@@ -104,9 +141,11 @@ int cmd_bench(const cli_command *command, int argc, char **argv) {
 
     tides_error error = {TIDES_OK, ""};
     bench b = {.common = &common, .directory = directory ? directory : "tides-bench", .quick = quick, .progress = {.quiet = 1}};
-    const tides_status status = run(&b, of, of->own_devices ? &rows : &scenes, &error);
+    cli_catch_interrupt();
+    const tides_status status =
+        of == &everything ? run_all(&b, &error) : run(&b, of, of->own_devices ? &rows : &scenes, &error);
     if (status == TIDES_CANCELLED) return cli_failed("stopped on request; nothing was written");
     if (status != TIDES_OK) return cli_fail(&error);
-    if (b.failed) return cli_failed("%d rows fail; %s/%s.json says why", (int)b.failed, b.directory, of->name);
+    if (b.failed) return cli_failed("%d rows fail; %s/stability.json says why", (int)b.failed, b.directory);
     return CLI_OK;
 }

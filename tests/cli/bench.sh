@@ -1,8 +1,10 @@
 # A benchmark leaves tables that agree with each other and pictures, refuses nonsense, and stops when asked to.
 refuse 2 "no benchmark is called acuracy; did you mean accuracy\?" tides bench acuracy
-refuse 2 "no benchmark is called speed; there are accuracy, ablation, blocks, image, stability and throughput" tides bench speed
+refuse 2 "no benchmark is called speed; there are accuracy, ablation, blocks, image, scaling, stability, throughput and all" tides bench speed
 refuse 2 "--row needle-1e6: there is no such row; did you mean needles-1e6\?" tides bench stability --row needle-1e6
-refuse 2 "--row: only stability has rows" tides bench image --row needles-1e6
+refuse 2 "--row: only scaling and stability have rows" tides bench image --row needles-1e6
+refuse 2 "--row pixel: there is no such row; did you mean pixels\?" tides bench scaling --row pixel
+refuse 2 "all takes neither --scene nor --row" tides bench all --scene fan
 refuse 2 "--scene: stability has rows" tides bench stability --scene fan
 refuse 2 "too few arguments" tides bench
 refuse 2 "--scene ocluder: neither a scene nor a file; did you mean occluder\?" tides bench accuracy --scene ocluder
@@ -105,6 +107,10 @@ less "$(cell pixel_steps_per_s circuit)" "$(cell pixel_steps_per_s off)" "the th
 expect 0 tides bench throughput --quick -o made
 for maker in inria gsplat smooth "smooth L"; do out "^random +96x72 +$maker +composite +[0-9.]+ +[0-9.]+% "; done
 out "frame under smooth over inria +random 96x72 +[0-9.]+ at most 1.5 times"
+for part in look_up composite compare; do out "^demo +96x72 +run +$part +[0-9.]+ +[0-9.]+% "; done
+for sink in nothing HDF5; do out "comparator to sink +$sink +[0-9.]+ at least [0-9]+ million events/s"; done
+out "^random +96x72 +RAW +sink +[0-9.]+ "
+missing made/throughput_events.raw
 out "^targets: [0-9]+ of [0-9]+ measured are reached"
 for file in throughput.json throughput.csv throughput.png; do exists made/$file; done
 [ "$(grep -c '"stage":' made/throughput.json)" = $(($(wc -l <made/throughput.csv) - 1)) ] || fail "JSON and CSV differ in length"
@@ -113,7 +119,7 @@ for key in maker share calls items_per_s pairs_per_s bytes_per_s limit_s over_li
 done
 awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
     { of = $at["scene"] "," $at["maker"] } $at["stage"] == "processor" { next }
-    $at["stage"] == "frame" { whole[of] = $at["share"]; next } { parts[of] += $at["share"] }
+    $at["stage"] == "frame" || $at["stage"] == "compare to sink" { whole[of] = $at["share"]; next } { parts[of] += $at["share"] }
     END { for (of in whole) if (parts[of] < 0.5 || parts[of] > 1.5) { print of, parts[of]; exit 1 } }' made/throughput.csv ||
     fail "stages don't add up to their frames"
 if grep -q "no limit:" err; then
@@ -123,6 +129,28 @@ else
     out "^random +96x72 +limit +lists "
 fi
 refuse 2 "--scene guiter: neither a scene nor a file; did you mean guitar\?" tides bench throughput --scene guiter
+
+# Points cost more where there is more to do; the page has what is in the folder, pictures too.
+expect 0 tides bench scaling --quick --row pixels --row layers --row coplanar --row "moving share" -o made
+out "exponent of cost +pixels +[0-9.e-]+ at most 1.05"
+out "renders of a dense plane, over a quarter of it +12 and 3 splats a pixel +[0-9.]+ at most 1.5"
+for file in scaling.json scaling.csv scaling.png index.html; do exists made/$file; done
+for key in axis x unit exponent exponent_at_end processor_time_s peak_memory_mb target reached; do
+    grep -q "\"$key\":" made/scaling.json || fail "scaling.json lacks $key"
+done
+point() { awk -F, -v axis="$1" -v x="$2" 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } $1 == axis && $2 == x { print $at["pairs_evaluated"] }' made/scaling.csv; }
+less "$(point pixels 4800)" "$(point pixels 19200)" "pairs of few pixels against many"
+less "$(point layers 1)" "$(point layers 4)" "pairs of one layer against four"
+grep -q "^in view," made/scaling.csv && fail "it wasn't asked for"
+for name in accuracy throughput scaling; do grep -q "<h2 id=\"$name\">" made/index.html || fail "the page lacks $name"; done
+grep -q 'src="data:image/png;base64,iVBORw0KGgo' made/index.html || fail "the page has no picture"
+grep -Eq '(src|href)="?(http|/|[a-z]+\.png)' made/index.html && fail "the page needs other files"
+${PYTHON:-python3} - made/index.html made/scaling.png <<'END' || fail "the page's picture isn't the file's"
+import base64, re, sys
+page = open(sys.argv[1]).read()
+pictures = [base64.b64decode(p, validate=True) for p in re.findall(r'base64,([^"]*)"', page)]
+sys.exit(open(sys.argv[2], "rb").read() not in pictures)
+END
 
 # Rows that pass, one that must be refused, and one that fails: results are written, and the exit code says it.
 expect 0 tides bench stability --row needles-1e6 --row start-1e9 --row giants-1e18 -o made

@@ -1,0 +1,59 @@
+/* How cost grows: axes, their points, and what each point took (tides bench scaling). */
+#ifndef CLI_BENCH_SCALING_H
+#define CLI_BENCH_SCALING_H
+
+#include "bench.h"
+
+enum { POINTS_MAX = 8, AXES_MAX = 16 };
+
+/* What a point is made of. Its camera and its stepping are those of the run; a frame is made of it where the axis says so. */
+typedef struct scaling_world {
+    bench_scene scene;
+    tides_stepping stepping;
+    int32_t threads; /* of the device; 0: as many as it has */
+    int32_t quick;
+} scaling_world;
+
+typedef enum scaling_work { WORK_FRAMES, WORK_RUN } scaling_work;
+
+/* What grows. */
+typedef struct scaling_axis {
+    const char *name, *unit, *sentence; /* "pixels", "px", what stays and what grows */
+    scaling_work work;
+    tides_status (*make)(double x, scaling_world *world, tides_error *error);
+    double points[POINTS_MAX]; /* ascending, 0 behind the last; the first may be 0 too */
+    double most;               /* the exponent may be so large; 0: it is told and not judged */
+    int32_t by_events;         /* 1: x is the events that came, not what was asked for */
+    int32_t in_quick;          /* of the points; the rest is left out with --quick */
+} scaling_axis;
+
+/* bench_scaling_axes.c: all of them; how many. */
+const scaling_axis *scaling_axes(size_t *count);
+
+/* Plain numbers: it comes through a pipe. */
+typedef struct scaling_result {
+    double x;
+    double time_s, processor_s; /* of a frame, or of the run without kernel builds; the least of some */
+    int32_t runs, failed;
+    tides_stats stats; /* of the last run; of frames what the last one projected and composited */
+    uint64_t peak_bytes;
+    char said[256]; /* why it failed */
+} scaling_result;
+
+typedef struct scaling_line {
+    const scaling_axis *axis;
+    scaling_result points[POINTS_MAX];
+    int32_t count;
+    double exponent, exponent_end; /* fitted to all points, and to the last three; NaN: too few */
+} scaling_line;
+
+/* bench_scaling_run.c: measures a point in this process, on the device that `b` names. */
+void scaling_measure(bench *b, const scaling_axis *axis, double x, scaling_result *result);
+
+/* Names of the axes, NULL-terminated. */
+const char *const *scaling_names(void);
+
+/* bench_scaling_figure.c: scaling.png. */
+tides_status scaling_figure(const bench *b, const scaling_line *lines, size_t count, tides_error *error);
+
+#endif
