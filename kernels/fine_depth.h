@@ -20,7 +20,9 @@ TD_INLINE td_lanes td_add_product(td_lanes sum, td_real a, td_lanes b, td_lanes 
 /* m . p + offset, rounded once; *low is what it is more, relative to it (0 for 0). */
 TD_INLINE td_lanes td_fine_row(TD_GLOBAL const td_real *m, const td_dual p[3], td_real offset, td_lanes *low) {
     td_lanes sum = td_splat(offset), lost = td_splat(0.0f);
-    for (int j = 0; j < 3; j++) sum = td_add_product(sum, m[j], p[j].v, &lost);
+    sum = td_add_product(sum, m[0], p[0].v, &lost);
+    sum = td_add_product(sum, m[1], p[1].v, &lost);
+    sum = td_add_product(sum, m[2], p[2].v, &lost);
     td_lanes total = sum + lost;
     *low = td_select((lost - (total - sum)) / total, td_splat(0.0f), total == 0.0f);
     return total;

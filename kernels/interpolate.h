@@ -122,7 +122,7 @@ TD_INLINE td_lanes td_pixels_per_unit(TD_GLOBAL const td_view *view, const td_im
         TD_GLOBAL const td_view *at = view + i * image->objects;
         td_dual mean[3];
         for (int k = 0; k < 3; k++) mean[k] = td_entry(source, image, index[i], TD_G_MEAN + k);
-        td_lanes depth = td_view_row(at->r + 6, at->r_dot + 6, mean, at->t[2], at->t_dot[2]).v;
+        td_lanes depth = td_view_row(at->r + 6, at->r_dot + 6, image, mean, at->t[2], at->t_dot[2]).v;
         nearest = i ? td_smaller(nearest, depth) : depth;
     }
     for (int k = 0; k < 3; k++) scale += view->r[6 + k] * view->r[6 + k]; /* an object's, squared */

@@ -184,6 +184,19 @@ TD_INLINE td_lanes td_load_lanes(TD_GLOBAL const td_real *array) {
 #endif
 }
 
+#if defined(TD_REAL_DOUBLE) && TD_LANES > 1
+/* Of an array of floats, widened. */
+TD_INLINE td_lanes td_load_floats(TD_GLOBAL const float *array) {
+#if TD_LANES == 16
+    return convert_double16(vload16(0, array));
+#elif TD_LANES == 8
+    return convert_double8(vload8(0, array));
+#else
+    return convert_double4(vload4(0, array));
+#endif
+}
+#endif
+
 /* TD_LANES neighbours of a plane. */
 TD_INLINE void td_store_lanes(TD_GLOBAL td_real *plane, td_lanes value) {
 #if TD_LANES == 16

@@ -37,28 +37,6 @@ typedef struct td_path_splat {
     td_lanes depth_low;
 } td_path_splat;
 
-/* -- rows ---------------------------------------------------------------------------------------------------------- */
-
-/* Rows of TD_LANES splats, anywhere: entry k of each. */
-TD_INLINE void td_path_load(TD_GLOBAL const td_real *rows, td_index row, td_lanes entry[TD_PATH_STRIDE]) {
-    int at[TD_LANES];
-    td_index_lanes(row, at);
-    for (int k = 0; k < TD_PATH_STRIDE; k += TD_LANES) {
-        for (int i = 0; i < TD_LANES; i++) entry[k + i] = td_load_lanes(rows + at[i] * TD_PATH_STRIDE + k);
-        td_transpose(entry + k);
-    }
-}
-
-/* The other way; leaves `entry` in disorder. */
-TD_INLINE void td_path_store(TD_GLOBAL td_real *rows, td_index row, td_lanes entry[TD_PATH_STRIDE]) {
-    int at[TD_LANES];
-    td_index_lanes(row, at);
-    for (int k = 0; k < TD_PATH_STRIDE; k += TD_LANES) {
-        td_transpose(entry + k);
-        for (int i = 0; i < TD_LANES; i++) td_store_lanes(rows + at[i] * TD_PATH_STRIDE + k, entry[k + i]);
-    }
-}
-
 /* -- between rows -------------------------------------------------------------------------------------------------- */
 
 /* The weights at `entry` (moment * TD_PATH_LEVELS + level) of each lane: mostly the same for all. */
@@ -118,8 +96,8 @@ TD_INLINE td_path_splat td_path_at(const td_paths *paths, td_index path, td_inde
     td_index entry = moment * TD_PATH_LEVELS + (path & (TD_PATH_LEVELS - 1));
     td_index row = (path >> TD_PATH_LEVEL_BITS) + td_gather_ints(paths->nodes, entry);
     td_path_cubic cubic = td_path_weights(paths->cubics, entry);
-    td_path_load(paths->rows, row, from);
-    td_path_load(paths->rows, row + 1, to);
+    td_load_rows(paths->rows, row, from);
+    td_load_rows(paths->rows, row + 1, to);
 #ifndef TD_REAL_DOUBLE
     low_from = td_gather(paths->low, row), low_to = td_gather(paths->low, row + 1);
 #endif

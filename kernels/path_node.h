@@ -40,8 +40,10 @@ TD_INLINE void td_node_group(const td_node_job *job, int i, TD_GLOBAL const int 
     int leader = gaussians[job->first + (i & ~(TD_PAD - 1))];
     td_source own = td_source_of(source, image, leader);
     TD_GLOBAL const td_view *view = views + job->slot * image->objects + object[td_owner_of(&own, leader)];
-    td_shape shape = td_project_bare(view, image, &own, gaussian);
-    td_colour colour = td_project_colour(view, image, &own, gaussian);
+    td_gaussian numbers;
+    td_load_gaussian(&own, image, td_not_below_0(gaussian), &numbers);
+    td_shape shape = td_project_bare(view, image, &numbers, gaussian >= 0);
+    td_colour colour = td_project_colour(view, image, &own, &numbers, td_not_below_0(gaussian));
     td_lanes entry[TD_PATH_STRIDE];
     td_node_lay(&shape, td_luminance_of(&colour, image), entry);
 #ifndef TD_REAL_DOUBLE
@@ -51,7 +53,7 @@ TD_INLINE void td_node_group(const td_node_job *job, int i, TD_GLOBAL const int 
     td_spread(shape.depth_low, low);
     for (int lane = 0; lane < TD_LANES; lane++) sink->low[at[lane]] = low[lane];
 #endif
-    td_path_store(sink->rows, row, entry);
+    td_store_rows(sink->rows, row, entry);
 }
 
 /* -- the misfit ---------------------------------------------------------------------------------------------------- */
@@ -136,9 +138,9 @@ TD_INLINE td_dual td_path_a(const td_path_splat *splat) {
 TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, td_index row, td_real h, const td_path_terms *terms,
                                   const td_image *image) {
     td_lanes start[TD_PATH_STRIDE], middle[TD_PATH_STRIDE], end[TD_PATH_STRIDE];
-    td_path_load(rows, row, start);
-    td_path_load(rows, row + 1, middle);
-    td_path_load(rows, row + 2, end);
+    td_load_rows(rows, row, start);
+    td_load_rows(rows, row + 1, middle);
+    td_load_rows(rows, row + 2, end);
     td_path_cubic cubic = td_path_middle(h);
     td_path_splat path = td_path_blend(&cubic, start, end, td_splat(0.0f), td_splat(0.0f)), own = td_path_row(middle);
     td_dual a = td_path_a(&own);

@@ -38,8 +38,11 @@ TD_INLINE void td_project_rest(const td_job *job, TD_GLOBAL const int *object, T
     for (int i = 0; i < TD_LANES; i++) leader = lane[i] > leader ? lane[i] : leader;
     td_source own = td_source_of(source, image, leader);
     TD_GLOBAL const td_view *view = views + job->slot * image->objects + object[td_owner_of(&own, leader)];
-    td_shape projected = td_project_shape(view, image, &own, alone);
-    td_colour colour = td_project_colour(view, image, &own, alone);
+    td_gaussian numbers;
+    td_index row = td_not_below_0(alone);
+    td_load_gaussian(&own, image, row, &numbers);
+    td_shape projected = td_project_shape(view, image, &numbers, alone >= 0);
+    td_colour colour = td_project_colour(view, image, &own, &numbers, row);
     td_shape_choose(shape, &projected, rest);
     *luminance = td_dual_select(*luminance, td_luminance_of(&colour, image), rest);
 }

@@ -7,6 +7,7 @@
 
 #include "fine_depth.h"
 #include "sh.h"
+#include "transpose.h"
 
 /* A group of Gaussians in the view of one camera. Continuous values may be meaningless where `visible` is 0. */
 typedef struct td_shape {
@@ -23,7 +24,8 @@ typedef struct td_shape {
     td_mask broken; /* in front of the camera, and single precision can't hold it: to be seen everywhere (record.h) */
 } td_shape;
 
-/* A 2x3 matrix: what maps object displacements to pixels, and its product with the factor. */
+/* A 2x3 matrix: what maps object displacements to pixels, and its product with the factor. (No loop goes through it or any
+ * other array here: layout.h says why.) */
 typedef struct td_matrix23 {
     td_dual row[2][3];
 } td_matrix23;
@@ -81,12 +83,45 @@ TD_INLINE td_dual td_entry(const td_source *source, const td_image *image, td_in
     return td_dual_make(td_gather(source->geometry, index + k), rate);
 }
 
+/* Rows of TD_LANES Gaussians: entries as layout.h numbers them. */
+typedef struct td_gaussian {
+    td_lanes v[TD_GEOMETRY_STRIDE], d[TD_GEOMETRY_STRIDE]; /* d: 0 where they have no rates */
+} td_gaussian;
+
+TD_INLINE void td_load_gaussian(const td_source *source, const td_image *image, td_index row, td_gaussian *gaussian) {
+    td_load_rows(source->geometry, row, gaussian->v);
+    if (!image->moving) return;
+    if (source->rated)
+        td_load_rows(source->rates, td_not_below_0(row - source->first_rate), gaussian->d);
+    else
+        td_zero_row(gaussian->d);
+}
+
+TD_INLINE td_dual td_number_of(const td_gaussian *gaussian, const td_image *image, int k) {
+    return td_dual_make(gaussian->v[k], image->moving ? gaussian->d[k] : td_splat(0.0f));
+}
+
+/* a b + c for a number b of a Gaussian. */
+TD_INLINE td_dual td_dual_fma_own(const td_image *image, td_dual a, td_dual b, td_dual c) {
+    return image->moving ? td_dual_fma(a, b, c) : td_dual_fma_still(a, b.v, c);
+}
+
+/* The same for all lanes. */
+TD_INLINE td_dual td_dual_all(td_real v, td_real d) { return td_dual_make(td_splat(v), td_splat(d)); }
+
 /* sum_j (m_j + dt mdot_j) p_j + offset, for a uniform row m of a moving frame */
-TD_INLINE td_dual td_view_row(TD_GLOBAL const td_real *m, TD_GLOBAL const td_real *m_dot, const td_dual p[3], td_real offset,
-                              td_real offset_dot) {
-    td_dual sum = td_dual_make(td_splat(offset), td_splat(offset_dot));
-    for (int j = 0; j < 3; j++) sum = td_dual_fma(td_dual_make(td_splat(m[j]), td_splat(m_dot[j])), p[j], sum);
-    return sum;
+TD_INLINE td_dual td_view_row(TD_GLOBAL const td_real *m, TD_GLOBAL const td_real *m_dot, const td_image *image,
+                              const td_dual p[3], td_real offset, td_real offset_dot) {
+    td_dual sum = td_dual_all(offset, offset_dot);
+    sum = td_dual_fma_own(image, td_dual_all(m[0], m_dot[0]), p[0], sum);
+    sum = td_dual_fma_own(image, td_dual_all(m[1], m_dot[1]), p[1], sum);
+    return td_dual_fma_own(image, td_dual_all(m[2], m_dot[2]), p[2], sum);
+}
+
+/* Entry j of a row of T: focal / z (r - slope r_z), r of the view. */
+TD_INLINE td_dual td_screen_entry(TD_GLOBAL const td_view *view, int row, int j, td_dual focal, td_dual slope) {
+    td_dual r = td_dual_all(view->r[3 * row + j], view->r_dot[3 * row + j]);
+    return td_dual_mul(focal, td_dual_sub(r, td_dual_mul(slope, td_dual_all(view->r[6 + j], view->r_dot[6 + j]))));
 }
 
 /* T = J R, the Jacobian of the pinhole after the view's rotation. (x_z, y_z) = (x/z, y/z). */
@@ -95,14 +130,10 @@ TD_INLINE td_matrix23 td_screen_map(TD_GLOBAL const td_view *view, const td_imag
     td_matrix23 t;
     td_dual slope_x = td_dual_clamp(x_z, image->limit_x0, image->limit_x1);
     td_dual slope_y = td_dual_clamp(y_z, image->limit_y0, image->limit_y1);
-    td_dual j00 = td_dual_scale(inverse_z, image->fx), j11 = td_dual_scale(inverse_z, image->fy);
-    for (int j = 0; j < 3; j++) {
-        td_dual rx = td_dual_make(td_splat(view->r[j]), td_splat(view->r_dot[j]));
-        td_dual ry = td_dual_make(td_splat(view->r[3 + j]), td_splat(view->r_dot[3 + j]));
-        td_dual rz = td_dual_make(td_splat(view->r[6 + j]), td_splat(view->r_dot[6 + j]));
-        t.row[0][j] = td_dual_mul(j00, td_dual_sub(rx, td_dual_mul(slope_x, rz)));
-        t.row[1][j] = td_dual_mul(j11, td_dual_sub(ry, td_dual_mul(slope_y, rz)));
-    }
+    td_dual focal_x = td_dual_scale(inverse_z, image->fx), focal_y = td_dual_scale(inverse_z, image->fy);
+    t.row[0][0] = td_screen_entry(view, 0, 0, focal_x, slope_x), t.row[1][0] = td_screen_entry(view, 1, 0, focal_y, slope_y);
+    t.row[0][1] = td_screen_entry(view, 0, 1, focal_x, slope_x), t.row[1][1] = td_screen_entry(view, 1, 1, focal_y, slope_y);
+    t.row[0][2] = td_screen_entry(view, 0, 2, focal_x, slope_x), t.row[1][2] = td_screen_entry(view, 1, 2, focal_y, slope_y);
     return t;
 }
 
@@ -110,29 +141,39 @@ TD_INLINE td_dual td_dual_dot3(const td_dual a[3], const td_dual b[3]) {
     return td_dual_fma(a[0], b[0], td_dual_fma(a[1], b[1], td_dual_mul(a[2], b[2])));
 }
 
-/* A = T M, with the Gaussians' factors M. */
-TD_INLINE td_matrix23 td_project_factor(const td_matrix23 *t, const td_source *source, const td_image *image, td_index index) {
+/* A = T M, with the Gaussians' factors M: column j of one row. */
+TD_INLINE td_dual td_factor_entry(const td_dual t[3], const td_image *image, const td_gaussian *gaussian, int j) {
+    td_dual sum = td_dual_fma_own(image, t[0], td_number_of(gaussian, image, TD_G_FACTOR + j), td_dual_all(0, 0));
+    sum = td_dual_fma_own(image, t[1], td_number_of(gaussian, image, TD_G_FACTOR + 3 + j), sum);
+    return td_dual_fma_own(image, t[2], td_number_of(gaussian, image, TD_G_FACTOR + 6 + j), sum);
+}
+
+TD_INLINE td_matrix23 td_project_factor(const td_matrix23 *t, const td_image *image, const td_gaussian *gaussian) {
     td_matrix23 a;
-    for (int i = 0; i < 2; i++)
-        for (int j = 0; j < 3; j++) a.row[i][j] = td_dual_make(td_splat(0.0f), td_splat(0.0f));
-    for (int k = 0; k < 3; k++)
-        for (int j = 0; j < 3; j++) {
-            td_dual m = td_entry(source, image, index, TD_G_FACTOR + 3 * k + j);
-            for (int i = 0; i < 2; i++)
-                a.row[i][j] = image->moving ? td_dual_fma(t->row[i][k], m, a.row[i][j])
-                                            : td_dual_fma_still(t->row[i][k], m.v, a.row[i][j]);
-        }
+    a.row[0][0] = td_factor_entry(t->row[0], image, gaussian, 0), a.row[1][0] = td_factor_entry(t->row[1], image, gaussian, 0);
+    a.row[0][1] = td_factor_entry(t->row[0], image, gaussian, 1), a.row[1][1] = td_factor_entry(t->row[1], image, gaussian, 1);
+    a.row[0][2] = td_factor_entry(t->row[0], image, gaussian, 2), a.row[1][2] = td_factor_entry(t->row[1], image, gaussian, 2);
     return a;
+}
+
+/* Entry j of a0 x a1. */
+TD_INLINE td_dual td_cross_entry(const td_matrix23 *a, int k, int l) {
+    return td_dual_fma(a->row[0][k], a->row[1][l], td_dual_negate(td_dual_mul(a->row[0][l], a->row[1][k])));
 }
 
 /* |a0 x a1|^2: the determinant of A A^T. */
 TD_INLINE td_dual td_factor_determinant(const td_matrix23 *a) {
-    td_dual n[3];
-    for (int j = 0; j < 3; j++) {
-        int k = (j + 1) % 3, l = (j + 2) % 3;
-        n[j] = td_dual_fma(a->row[0][k], a->row[1][l], td_dual_negate(td_dual_mul(a->row[0][l], a->row[1][k])));
-    }
+    const td_dual n[3] = {td_cross_entry(a, 1, 2), td_cross_entry(a, 2, 0), td_cross_entry(a, 0, 1)};
     return td_dual_dot3(n, n);
+}
+
+TD_INLINE td_lanes td_largest_entry(const td_dual a[3], td_lanes largest) {
+    return td_larger(td_larger(td_larger(largest, td_size(a[0].v)), td_size(a[1].v)), td_size(a[2].v));
+}
+
+TD_INLINE td_dual td_dual_times(td_dual a, td_lanes factor) { return td_dual_make(a.v * factor, a.d * factor); }
+TD_INLINE void td_row_times(td_dual a[3], td_lanes factor) {
+    a[0] = td_dual_times(a[0], factor), a[1] = td_dual_times(a[1], factor), a[2] = td_dual_times(a[2], factor);
 }
 
 /* Splats may be so wide [px] that the determinant, products of four such lengths, leaves single precision, and with it
@@ -141,20 +182,16 @@ TD_INLINE td_dual td_factor_determinant(const td_matrix23 *a) {
  * its inverse in `grow`. Beyond 2^60 px conics would leave single precision too: the shape is broken. */
 TD_INLINE int td_shrink_wide(td_shape *shape, td_matrix23 *a, td_lanes *shrink, td_lanes *grow) {
     const td_real wide = TD_REAL(33554432.0), widest = TD_REAL(1152921504606846976.0); /* 2^25 and 2^60 */
-    td_lanes largest = td_splat(0.0f);
-    for (int i = 0; i < 2; i++)
-        for (int j = 0; j < 3; j++) largest = td_larger(largest, td_larger(a->row[i][j].v, -a->row[i][j].v));
+    td_lanes largest = td_largest_entry(a->row[1], td_largest_entry(a->row[0], td_splat(0.0f)));
     td_mask needs = largest > wide;
     shape->broken = largest > widest;
     if (!td_any(needs)) return 0;
     *shrink = td_select(td_splat(1.0f), td_inverse_power(td_clamp(largest, wide, widest)), needs);
     *grow = 1.0f / *shrink;
-    for (int i = 0; i < 2; i++)
-        for (int j = 0; j < 3; j++) a->row[i][j] = td_dual_make(a->row[i][j].v * *shrink, a->row[i][j].d * *shrink);
+    td_row_times(a->row[0], *shrink);
+    td_row_times(a->row[1], *shrink);
     return 1;
 }
-
-TD_INLINE td_dual td_dual_times(td_dual a, td_lanes factor) { return td_dual_make(a.v * factor, a.d * factor); }
 
 /* Covariance, conic and antialiasing factor from A. */
 TD_INLINE td_dual td_shape_covariance(td_shape *shape, const td_matrix23 *given, const td_image *image) {
@@ -205,23 +242,22 @@ TD_INLINE void td_shape_fade(td_shape *shape, td_dual opacity, const td_image *i
     shape->power = 2.0f * td_log(td_select(td_splat(1.0f), opacity.v / cut, shape->visible));
 }
 
-/* Projects the Gaussians at `gaussian` (rows; TD_NO_GAUSSIAN lanes come out invisible), but for what td_shape_fade does:
- * opacity is that with antialiasing, `visible` is in front of the near plane and not too narrow to tell. */
-TD_INLINE td_shape td_project_bare(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
-                                   td_index gaussian) {
+/* Projects Gaussians, but for what td_shape_fade does: opacity is that with antialiasing, `visible` is in front of the near
+ * plane and not too narrow to tell. What isn't `there` comes out invisible. */
+TD_INLINE td_shape td_project_bare(TD_GLOBAL const td_view *view, const td_image *image, const td_gaussian *gaussian,
+                                   td_mask there) {
     td_shape shape;
-    td_index index = td_not_below_0(gaussian) * TD_GEOMETRY_STRIDE; /* padding reads row 0 */
-    td_dual mean[3];
-    for (int j = 0; j < 3; j++) mean[j] = td_entry(source, image, index, TD_G_MEAN + j);
-    td_dual x = td_view_row(view->r, view->r_dot, mean, view->t[0], view->t_dot[0]);
-    td_dual y = td_view_row(view->r + 3, view->r_dot + 3, mean, view->t[1], view->t_dot[1]);
-    td_dual z = td_view_row(view->r + 6, view->r_dot + 6, mean, view->t[2], view->t_dot[2]);
+    const td_dual mean[3] = {td_number_of(gaussian, image, TD_G_MEAN), td_number_of(gaussian, image, TD_G_MEAN + 1),
+                             td_number_of(gaussian, image, TD_G_MEAN + 2)};
+    td_dual x = td_view_row(view->r, view->r_dot, image, mean, view->t[0], view->t_dot[0]);
+    td_dual y = td_view_row(view->r + 3, view->r_dot + 3, image, mean, view->t[1], view->t_dot[1]);
+    td_dual z = td_view_row(view->r + 6, view->r_dot + 6, image, mean, view->t[2], view->t_dot[2]);
     shape.depth_low = td_splat(0.0f);
 #ifndef TD_REAL_DOUBLE
     if (image->soft_order) z.v = td_fine_row(view->r + 6, mean, view->t[2], &shape.depth_low);
 #endif
     shape.depth = z;
-    shape.visible = (z.v > image->near) & (gaussian >= 0);
+    shape.visible = (z.v > image->near) & there;
     /* What lies behind the near plane is invisible anyway: keep its arithmetic finite. */
     td_dual safe = td_dual_select(td_dual_make(td_splat(1.0f), td_splat(0.0f)), z, z.v > image->near);
     td_dual inverse_z = td_dual_reciprocal(safe);
@@ -229,10 +265,10 @@ TD_INLINE td_shape td_project_bare(TD_GLOBAL const td_view *view, const td_image
     shape.u = td_dual_offset(td_dual_scale(x_z, image->fx), image->cx);
     shape.v = td_dual_offset(td_dual_scale(y_z, image->fy), image->cy);
     td_matrix23 map = td_screen_map(view, image, x_z, y_z, inverse_z);
-    td_matrix23 a = td_project_factor(&map, source, image, index);
+    td_matrix23 a = td_project_factor(&map, image, gaussian);
     td_dual compensation = td_shape_covariance(&shape, &a, image);
     shape.compensation = td_splat(1.0f);
-    shape.opacity = td_entry(source, image, index, TD_G_OPACITY);
+    shape.opacity = td_number_of(gaussian, image, TD_G_OPACITY);
     if (image->antialias) {
         shape.opacity = td_dual_mul(shape.opacity, compensation);
         shape.compensation = compensation.v;
@@ -241,16 +277,16 @@ TD_INLINE td_shape td_project_bare(TD_GLOBAL const td_view *view, const td_image
 }
 
 /* All of it. */
-TD_INLINE td_shape td_project_shape(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
-                                    td_index gaussian) {
-    td_shape shape = td_project_bare(view, image, source, gaussian);
+TD_INLINE td_shape td_project_shape(TD_GLOBAL const td_view *view, const td_image *image, const td_gaussian *gaussian,
+                                    td_mask there) {
+    td_shape shape = td_project_bare(view, image, gaussian, there);
     td_lanes z = shape.depth.v;
     td_shape_fade(&shape, shape.opacity, image);
     td_lanes all = (shape.conic[0].d + shape.conic[2].d) + (shape.u.d + shape.v.d) + (shape.opacity.v + shape.opacity.d);
     /* Its own opacity: what fades at the near plane has none left where its depth isn't a number. */
-    td_lanes own = td_gather(source->geometry, td_not_below_0(gaussian) * TD_GEOMETRY_STRIDE + TD_G_OPACITY);
-    td_mask unseen = (own <= (image->cut_rule == TD_CUT_NONE ? TD_REAL(0.0) : image->cut)) | (gaussian < 0);
-    shape.broken = (((z > image->near) & (shape.broken | td_is_broken(all))) | td_is_broken(z)) & ~unseen;
+    td_real cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(0.0) : image->cut;
+    td_mask unseen = gaussian->v[TD_G_OPACITY] <= cut;
+    shape.broken = (((z > image->near) & (shape.broken | td_is_broken(all))) | td_is_broken(z)) & there & ~unseen;
     return shape;
 }
 
@@ -268,21 +304,21 @@ TD_INLINE td_sh_source td_sh_source_of(TD_GLOBAL const td_view *view, const td_i
     return sh;
 }
 
-/* The unit direction from the eye to the Gaussian's origin, in the object's coordinates, and the colour seen along it. */
-TD_INLINE td_colour td_project_colour(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
-                                      td_index gaussian) {
-    td_index safe = td_not_below_0(gaussian);
-    td_index index = safe * TD_GEOMETRY_STRIDE;
-    td_dual d[3];
+/* From the eye to the Gaussian, along axis j of the object's coordinates. */
+TD_INLINE td_dual td_from_eye(TD_GLOBAL const td_view *view, const td_image *image, const td_gaussian *gaussian, int j) {
     int origin = image->moving ? TD_G_ORIGIN : TD_G_MEAN; /* the same for what doesn't move, and at hand */
-    for (int j = 0; j < 3; j++) {
-        td_dual eye = td_dual_make(td_splat(view->eye[j]), td_splat(view->eye_dot[j]));
-        d[j] = td_dual_sub(td_entry(source, image, index, origin + j), eye);
-    }
+    return td_dual_sub(td_number_of(gaussian, image, origin + j), td_dual_all(view->eye[j], view->eye_dot[j]));
+}
+
+/* The unit direction from the eye to the origins of the Gaussians at `row`, and the colours seen along it. */
+TD_INLINE td_colour td_project_colour(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
+                                      const td_gaussian *gaussian, td_index row) {
+    const td_dual d[3] = {td_from_eye(view, image, gaussian, 0), td_from_eye(view, image, gaussian, 1),
+                          td_from_eye(view, image, gaussian, 2)};
     /* A Gaussian at the eye itself is behind the near plane; the offset only keeps 1/length finite. */
     td_dual length = td_dual_sqrt(td_dual_offset(td_dual_dot3(d, d), TD_REAL(1e-30)));
     td_dual inverse = td_dual_reciprocal(length);
-    td_sh_source sh = td_sh_source_of(view, image, source, safe);
+    td_sh_source sh = td_sh_source_of(view, image, source, row);
     return td_sh_colour(td_dual_mul(d[0], inverse), td_dual_mul(d[1], inverse), td_dual_mul(d[2], inverse), &sh,
                         image->sh_degree);
 }

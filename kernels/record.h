@@ -54,9 +54,9 @@ TD_INLINE void td_store_colour(const td_colour *colour, td_mask broken, const td
 
 /* Features, which stand where the SH of others are, not numbers where the splat is broken; the largest in place of
  * luminance. */
-TD_INLINE void td_store_features(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
-                                 td_index gaussian, td_mask broken, const td_sink *sink, td_lanes entry[TD_RECORD_STRIDE]) {
-    td_sh_source from = td_sh_source_of(view, image, source, td_not_below_0(gaussian));
+TD_INLINE void td_store_features(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source, td_index row,
+                                 td_mask broken, const td_sink *sink, td_lanes entry[TD_RECORD_STRIDE]) {
+    td_sh_source from = td_sh_source_of(view, image, source, row);
     td_lanes largest = td_splat(0.0f);
     for (int k = 0; k < TD_FEATURES; k++) {
         td_lanes value = td_gather_sh(from.sh, from.index + k), rate = td_splat(0.0f);
@@ -84,14 +84,17 @@ TD_INLINE int td_store_masks(const td_shape *shape, const td_image *image, const
 /* Projects TD_LANES candidates of a job and stores their records and masks. */
 TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
                                      const td_job *job, td_index gaussian, const td_sink *sink) {
-    td_shape shape = td_project_shape(view, image, source, gaussian);
+    td_gaussian own;
+    td_index row = td_not_below_0(gaussian); /* padding reads row 0 */
+    td_load_gaussian(source, image, row, &own);
+    td_shape shape = td_project_shape(view, image, &own, gaussian >= 0);
     if (!td_store_masks(&shape, image, job, sink)) return;
     td_lanes entry[TD_RECORD_STRIDE];
     td_lay_shape(&shape, entry);
     if (image->decoder) {
-        td_store_features(view, image, source, gaussian, shape.broken, sink, entry);
+        td_store_features(view, image, source, row, shape.broken, sink, entry);
     } else {
-        td_colour colour = td_project_colour(view, image, source, gaussian);
+        td_colour colour = td_project_colour(view, image, source, &own, row);
         td_store_colour(&colour, shape.broken, image, sink, entry);
     }
     td_store_records(sink->records, entry);

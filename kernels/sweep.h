@@ -123,7 +123,7 @@ TD_INLINE td_mask td_sweep_outside(const td_axis *axis, TD_GLOBAL const td_view 
         td_dual mean[3];
         td_index index = td_count_from(row[i]) * TD_GEOMETRY_STRIDE;
         for (int k = 0; k < 3; k++) mean[k] = td_entry(source, image, index, TD_G_MEAN + k);
-        x[i] = td_view_row(view[i]->r + 3 * axis->row, view[i]->r_dot + 3 * axis->row, mean, view[i]->t[axis->row],
+        x[i] = td_view_row(view[i]->r + 3 * axis->row, view[i]->r_dot + 3 * axis->row, image, mean, view[i]->t[axis->row],
                            view[i]->t_dot[axis->row]);
     }
     td_sweep_range(x[0], x[1], x[2], duration, td_splat(0.0f), &x0, &x1);
@@ -290,7 +290,9 @@ TD_INLINE void td_sweep_sample(td_piece *piece, int i, const td_interval *all, c
                                int which, int at, int offset) {
     piece->row[i] = all->rows[at] + offset;
     piece->view[i] = all->views + at * image->objects + which;
-    piece->s[i] = td_project_shape(piece->view[i], image, source, td_count_from(piece->row[i]));
+    td_gaussian gaussian;
+    td_load_gaussian(source, image, td_count_from(piece->row[i]), &gaussian);
+    piece->s[i] = td_project_shape(piece->view[i], image, &gaussian, td_count_from(piece->row[i]) >= 0);
 }
 
 /* Pieces that Gaussians that move by themselves ask for: twice as many as the finest level at which one of them is rough. */

@@ -91,7 +91,7 @@ TD_INLINE void td_store_surfaces(TD_GLOBAL const td_view *view, const td_image *
     td_lanes place[16], rate[16], k[6];
     for (int j = 0; j < 3; j++) mean[j] = td_entry(source, image, index, TD_G_MEAN + j);
     for (int i = 0; i < 3; i++) {
-        td_dual c = td_view_row(view->r + 3 * i, view->r_dot + 3 * i, mean, view->t[i], view->t_dot[i]);
+        td_dual c = td_view_row(view->r + 3 * i, view->r_dot + 3 * i, image, mean, view->t[i], view->t_dot[i]);
         place[TD_S_C + i] = td_select(c.v, td_not_a_number(), broken);
         rate[TD_S_C + i] = c.d;
     }

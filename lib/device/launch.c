@@ -6,7 +6,7 @@ tides_status td_buffer_reserve(tides_device *device, td_buffer *buffer, size_t b
     if (bytes <= buffer->bytes) return TIDES_OK;
     cl_int code = CL_SUCCESS;
     size_t grown = buffer->bytes ? bytes + bytes / 4 : bytes;
-    cl_mem memory = clCreateBuffer(device->context, CL_MEM_READ_WRITE, grown, NULL, &code);
+    cl_mem memory = clCreateBuffer(device->context, CL_MEM_READ_WRITE, grown + TD_BUFFER_SLACK, NULL, &code);
     if (code != CL_SUCCESS)
         return td_fail(error, TIDES_NO_MEMORY, "device %.60s: a buffer of %zu bytes can't be had (%s)", device->info.name,
                        grown, td_cl_name(code));

@@ -10,6 +10,9 @@ typedef struct td_buffer {
     size_t bytes;
 } td_buffer;
 
+/* Bytes behind the end that may be read: a kernel that takes 16 numbers at a time ends where the last ones do. */
+enum { TD_BUFFER_SLACK = 16 * sizeof(cl_double) };
+
 tides_status td_buffer_reserve(tides_device *device, td_buffer *buffer, size_t bytes, tides_error *error);
 void td_buffer_release(td_buffer *buffer);
 

@@ -78,12 +78,14 @@ static glance glance_at(const moment *m, const td_view *view, const double *row,
     double place[16], rate[16], way[3];
     td_source source;
     td_truth pixel;
+    td_gaussian own;
     glance g;
     memset(&source, 0, sizeof source);
     source.geometry = row;
     surface_at(m, view, row, place, rate);
     td_truth_start(&pixel, x, y, &m->image);
-    const td_shape shape = td_project_shape(view, &m->image, &source, 0);
+    td_load_gaussian(&source, &m->image, 0, &own);
+    const td_shape shape = td_project_shape(view, &m->image, &own, 1);
     const double dx = x - shape.u.v, dy = y - shape.v.v, scale = rate[TD_S_SCALE], *f = place + TD_S_F;
     const double out = shape.conic[0].v * dx * dx + 2 * shape.conic[1].v * dx * dy + shape.conic[2].v * dy * dy;
     td_seen_point(place, scale, TD_TRUTH_REACH * (out + TD_TRUTH_MIDDLE), &pixel, g.xi);

@@ -50,6 +50,11 @@ static void put(golden_splat *splat, int at, td_dual x) {
     splat->rate[at] = x.d;
 }
 
+static td_shape probe_shape(const probe *p, td_gaussian *gaussian) {
+    td_load_gaussian(&p->source, &p->image, 0, gaussian);
+    return td_project_shape(&p->view, &p->image, gaussian, 1);
+}
+
 /* Factor M = R diag(s) back to s (the columns' lengths), R, and M M^T. */
 static void put_activation(const probe *p, golden_splat *splat) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
@@ -69,7 +74,8 @@ static void put_camera_mean(const probe *p, golden_splat *splat) {
     td_dual mean[3];
     for (int j = 0; j < 3; j++) mean[j] = td_entry(&p->source, &p->image, 0, TD_G_MEAN + j);
     for (int i = 0; i < 3; i++)
-        put(splat, SPLAT_PC + i, td_view_row(p->view.r + 3 * i, p->view.r_dot + 3 * i, mean, p->view.t[i], p->view.t_dot[i]));
+        put(splat, SPLAT_PC + i,
+            td_view_row(p->view.r + 3 * i, p->view.r_dot + 3 * i, &p->image, mean, p->view.t[i], p->view.t_dot[i]));
 }
 
 static void put_shape(const td_shape *shape, golden_splat *splat) {
@@ -90,20 +96,22 @@ void GOLDEN_PROJECT(const td_image_numbers *image, const double *view, const td_
     probe_fill(&p, image, view, store, gaussian);
     put_activation(&p, splat);
     put_camera_mean(&p, splat);
-    td_shape shape = td_project_shape(&p.view, &p.image, &p.source, 0);
+    td_gaussian numbers;
+    td_shape shape = probe_shape(&p, &numbers);
     put_shape(&shape, splat);
-    td_colour colour = td_project_colour(&p.view, &p.image, &p.source, 0);
+    td_colour colour = td_project_colour(&p.view, &p.image, &p.source, &numbers, 0);
     for (int c = 0; c < 3; c++) put(splat, SPLAT_COLOUR + c, colour.channel[c]);
     /* The files hold the antialiasing factor in every mode: it is the opacity of an antialiased splat of opacity 1. */
     p.image.antialias = 1;
     p.geometry[TD_G_OPACITY] = 1;
     p.rates[TD_G_OPACITY] = 0;
-    put(splat, SPLAT_COMP, td_project_shape(&p.view, &p.image, &p.source, 0).opacity);
+    put(splat, SPLAT_COMP, probe_shape(&p, &numbers).opacity);
 }
 
 int GOLDEN_TILE(const td_image_numbers *image, const double *view, const td_store *store, int gaussian, int x, int y) {
     probe p;
     probe_fill(&p, image, view, store, gaussian);
-    td_shape shape = td_project_shape(&p.view, &p.image, &p.source, 0);
+    td_gaussian numbers;
+    td_shape shape = probe_shape(&p, &numbers);
     return td_rectangle_holds(&shape, &p.image, x, y) != 0;
 }
