@@ -105,17 +105,16 @@ build/libtides.so: $(OUT)/libtides.so.$(VERSION) FORCE
 	@ln -sfn $(OUT:build/%=%)/libtides.so $@
 
 # What `tides bench throughput` holds frames against: as fast as the compiler makes it on this very machine, so it is an object of
-# its own, opened by that command alone and installed by none. A compiler without these flags leaves it out.
+# its own, opened by that command alone and installed by none. Machines without AVX-512 have none.
 LIMIT_OBJ    := $(patsubst %.c,$(OUT)/%.o,$(wildcard cli/bench/limit/*.c))
 LIMIT_FLAGS  := -std=c99 -O3 -march=native -mprefer-vector-width=512 -funroll-loops -fno-math-errno -fno-trapping-math \
                 -ffp-contract=fast -fPIC -fvisibility=hidden -pthread $(WARNINGS) -Wno-psabi
-LIMIT_FITS   := $(shell echo 'typedef int i __attribute__((vector_size(8))); i f(i a); i f(i a) { return __builtin_shufflevector(a, a, 0, 2); }' | \
-                $(CC) -O3 -march=native -mprefer-vector-width=512 -x c -c -o /dev/null - 2>/dev/null && echo yes)
+LIMIT_FITS   := $(shell echo | $(CC) -march=native -dM -E - 2>/dev/null | grep -c -e __AVX512F__ -e __AVX512BW__ -e __AVX512DQ__ -e __AVX512VL__)
 $(OUT)/cli/bench/limit/%.o: cli/bench/limit/%.c $(OUT)/.flags
 	@mkdir -p $(@D)
 	$(CC) $(LIMIT_FLAGS) $(WERROR) -MMD -MP -c $< -o $@
-$(OUT)/libtides-limit.so: $(if $(LIMIT_FITS),$(LIMIT_OBJ))
-	$(if $(LIMIT_FITS),$(CC) -shared -pthread -o $@ $(LIMIT_OBJ) -lm,@echo 'no $@: $(CC) lacks -march=native or __builtin_shufflevector')
+$(OUT)/libtides-limit.so: $(if $(filter 4,$(LIMIT_FITS)),$(LIMIT_OBJ))
+	$(if $(filter 4,$(LIMIT_FITS)),$(CC) -shared -pthread -o $@ $(LIMIT_OBJ) -lm,@echo 'no $@: it needs a machine with AVX-512')
 
 # Tests reach internals, so they link the objects, not the shared library.
 $(OUT)/tests/%: $(OUT)/tests/%.o $(SUPPORT_OBJ) $(OUT)/libtides.a

@@ -183,7 +183,7 @@ static void put_targets(FILE *file, const cJSON *targets) {
     fputs("<h3>Targets</h3><div class=wide><table><tr><th class=text>target</th><th class=text>of</th><th>measured</th>"
           "<th class=text>is to be</th><th class=text></th><th></th></tr>\n",
           file);
-    cJSON_ArrayForEach(target, targets) put_target(file, target);
+    cJSON_ArrayForEach(target, targets) { put_target(file, target); }
     fputs("</table></div>\n", file);
 }
 

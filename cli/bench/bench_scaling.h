@@ -12,9 +12,10 @@ typedef struct scaling_world {
     tides_stepping stepping;
     int32_t threads; /* of the device; 0: as many as it has */
     int32_t quick;
+    int32_t kernels; /* 1: none are cached */
 } scaling_world;
 
-typedef enum scaling_work { WORK_FRAMES, WORK_RUN } scaling_work;
+typedef enum scaling_work { WORK_FRAMES, WORK_RUN, WORK_START /* to the first event */ } scaling_work;
 
 /* What grows. */
 typedef struct scaling_axis {
@@ -52,6 +53,9 @@ void scaling_measure(bench *b, const scaling_axis *axis, double x, scaling_resul
 
 /* Names of the axes, NULL-terminated. */
 const char *const *scaling_names(void);
+
+/* bench_scaling_start.c: from opening the device to the first event. */
+tides_status scaling_start(bench *b, const scaling_world *world, scaling_result *result, tides_error *error);
 
 /* bench_scaling_figure.c: scaling.png. */
 tides_status scaling_figure(const bench *b, const scaling_line *lines, size_t count, tides_error *error);

@@ -109,6 +109,12 @@ static tides_status memory(double x, scaling_world *w, tides_error *error) {
     return status;
 }
 
+/* x: what a device's cache of kernels is, 1 as the run before left it, 2 empty. */
+static tides_status start(double x, scaling_world *w, tides_error *error) {
+    w->kernels = x > 1;
+    return random_world(w, 2000, 4 * ORBIT_RAD_S, error);
+}
+
 static const scaling_axis axes[] = {
     {"in view",
      "Gaussians",
@@ -168,6 +174,15 @@ static const scaling_axis axes[] = {
     {"speed", "rad/s", "20 000 random Gaussians and a camera in orbit; a run", WORK_RUN, speed, {0.5, 1, 2, 4, 8, 16}, 0, 0, 2},
     {"threads", "threads", "20 000 random Gaussians; a run by wall time", WORK_RUN, threads, {1, 2, 4, 8, 16, 32, 64}, 0, 0, 1},
     {"memory", "Gaussians", "random Gaussians of SH 3 at 1280x720; a run of 2 ms", WORK_RUN, memory, {1000000}, 0, 0, 0},
+    {"start",
+     "1: cached; 2: not",
+     "2 000 random Gaussians; from opening the device to the first event",
+     WORK_START,
+     start,
+     {1, 2},
+     0,
+     0,
+     1},
 };
 
 const scaling_axis *scaling_axes(size_t *count) {

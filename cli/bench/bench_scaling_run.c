@@ -79,9 +79,11 @@ void scaling_measure(bench *b, const scaling_axis *axis, double x, scaling_resul
     tides_stepping_defaults(&w.stepping);
     tides_status status = axis->make(x, &w, &error);
     set_threads(w.threads);
-    if (status == TIDES_OK) status = tides_device_open(b->common->device, &b->device, &error);
-    if (status == TIDES_OK) tides_device_describe(b->device, &b->info);
-    if (status == TIDES_OK) status = axis->work == WORK_FRAMES ? frames(b, &w, r, &error) : runs(b, &w, r, &error);
+    if (status == TIDES_OK && axis->work == WORK_START)
+        status = scaling_start(b, &w, r, &error);
+    else if (status == TIDES_OK)
+        status = tides_device_open(b->common->device, &b->device, &error);
+    if (status == TIDES_OK && b->device) status = axis->work == WORK_FRAMES ? frames(b, &w, r, &error) : runs(b, &w, r, &error);
     if (axis->by_events) r->x = (double)r->stats.events;
     if (getrusage(RUSAGE_SELF, &usage) == 0) r->peak_bytes = 1024 * (uint64_t)usage.ru_maxrss;
     r->failed = status != TIDES_OK;

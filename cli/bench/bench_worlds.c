@@ -166,8 +166,8 @@ tides_status bench_add_patches(tides_scene *scene, const bench_patch *p, tides_e
             status = cli_error(error, TIDES_NO_MEMORY, "out of memory: patches");
             break;
         }
-        const double x = width * (i % p->columns + 0.5) - 0.5 * VIEW_WIDTH,
-                     y = height * (i / p->columns + 0.5) - 0.5 * VIEW_HEIGHT;
+        const int32_t column = i % p->columns, row = i / p->columns;
+        const double x = width * (column + 0.5) - 0.5 * VIEW_WIDTH, y = height * (row + 0.5) - 0.5 * VIEW_HEIGHT;
         fill_patch(p, x, y, columns, rows, &c, &state);
         const int32_t place = (7 * i) % count; /* spread over the view: 7 divides no number of patches */
         status = add_cloud(scene, &c, place < p->swinging ? swing : NULL, "patch", error);

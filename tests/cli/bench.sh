@@ -133,9 +133,10 @@ fi
 refuse 2 "--scene guiter: neither a scene nor a file; did you mean guitar\?" tides bench throughput --scene guiter
 
 # Points cost more where there is more to do; the page has what is in the folder, pictures too.
-expect 0 tides bench scaling --quick --row pixels --row layers --row coplanar --row "moving share" -o made
+expect 0 tides bench scaling --quick --row pixels --row layers --row coplanar --row "moving share" --row start -o made
 out "exponent of cost +pixels +[0-9.e-]+ at most 1.05"
 out "renders of a dense plane, over a quarter of it +12 and 3 splats a pixel +[0-9.]+ at most 1.5"
+out "start to the first event, kernels cached +2 000 Gaussians +[0-9.]+ at most 0.3 s"
 for file in scaling.json scaling.csv scaling.png index.html; do exists made/$file; done
 for key in axis x unit exponent exponent_at_end processor_time_s peak_memory_mb target reached; do
     grep -q "\"$key\":" made/scaling.json || fail "scaling.json lacks $key"

@@ -74,7 +74,7 @@ static void factor_of(const float q[4], const float log_scale[3], float m[9]) {
     const double r[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
                          2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
                          2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
-    for (int k = 0; k < 9; k++) m[k] = (float)(r[k] * exp(log_scale[k % 3]));
+    for (int k = 0; k < 9; k++) m[k] = (float)(r[k] * exp((double)log_scale[k % 3]));
 }
 
 static void fill_part(const limit_object *o, limit_part *part) {
@@ -204,12 +204,6 @@ static int32_t frame(limit *l, const limit_view *views, int32_t rates, float *lo
 extern const limit_functions limit_of_frames __attribute__((visibility("default")));
 const limit_functions limit_of_frames = {
     .size = sizeof(limit_functions),
-#ifdef __AVX512F__
-    .avx512 = 1,
-#endif
-#ifdef __AVX2__
-    .avx2 = 1,
-#endif
     .made_by = __VERSION__,
     .create = create,
     .destroy = destroy,

@@ -1,5 +1,5 @@
-/* What a frame costs at least on this machine: the same image and rate as TIDES_RULES_INRIA, in plain C with the compiler's
- * vectors, made with -O3 -march=native. `tides bench throughput` runs it in turns with the renderer and says how far that is
+/* What a frame costs at least on this machine: the same image and rate as TIDES_RULES_INRIA, in plain C with vectors of
+ * AVX-512, made with -O3 -march=native. `tides bench throughput` runs it in turns with the renderer and says how far that is
  * above it, stage by stage.
  *
  * It is an object of its own (Makefile), opened while the benchmark runs, as what -march=native makes runs only on machines
@@ -47,9 +47,8 @@ typedef struct limit_counts {
 typedef struct limit limit;
 
 typedef struct limit_functions {
-    uint32_t size;       /* of this struct */
-    int32_t avx512;      /* 1: needs a processor with AVX-512 F, BW, DQ and VL */
-    int32_t avx2;        /* 1: needs one with AVX2 and FMA */
+    uint32_t size; /* of this struct */
+    int32_t reserved;
     const char *made_by; /* compiler and version */
     /* NULL: out of memory. The Gaussians are copied. */
     limit *(*create)(const limit_setup *setup);

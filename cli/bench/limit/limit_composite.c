@@ -87,20 +87,12 @@ static int32_t make_room(limit_worker *w, size_t count) {
  * side by side: without, the question how many blocks a splat reaches goes wrong at most of them. */
 static void split_list(const uint16_t *masks, int32_t count, size_t capacity, int32_t *lists, int32_t counts[BLOCKS]) {
     memset(counts, 0, BLOCKS * sizeof *counts);
-#ifdef LIMIT_COMPRESS
     for (int32_t i = 0; i < count; i += LANES) {
         uint16_t some[LANES] = {0};
         memcpy(some, masks + i, (size_t)(count - i < LANES ? count - i : LANES) * sizeof *some);
         for (int32_t block = 0; block < BLOCKS; block++)
             counts[block] += put_reaching(some, block, i, lists + (size_t)block * capacity + counts[block]);
     }
-#else
-    for (int32_t i = 0; i < count; i++)
-        for (uint32_t rest = masks[i]; rest; rest &= rest - 1) {
-            const int32_t block = __builtin_ctz(rest);
-            lists[(size_t)block * capacity + (size_t)counts[block]++] = i;
-        }
-#endif
 }
 
 /* Records side by side, and the blocks' lists. */
