@@ -1,12 +1,12 @@
-/* Record paths as single pixels read them (points.h): curves, and for each tile the splats that its blocks may see within an
- * interval, in a depth order. */
+/* Record paths as single pixels read them (points.h): curves, and for each tile the splats that it may see within an interval,
+ * in a depth order. */
 #ifndef TD_POINT_LISTS_H
 #define TD_POINT_LISTS_H
 
 #include "path.h"
 
-/* A tile's list, whose places begin at `first`: candidates in any order of places; then, after td_point_list, `count` splats.
- * */
+/* A tile's list, whose places begin at `first`: `count` candidates in any order; then, once made, so many places of which the
+ * first ones are taken. Both are multiples of TD_PAD. */
 typedef struct td_point_tile {
     int x, y; /* its top left pixel */
     int first, count;
@@ -16,7 +16,6 @@ typedef struct td_point_tile {
 typedef struct td_point_chunk {
     int tile;
     int first, count; /* of the points */
-    int blocks;       /* that they are in, a bit each */
 } td_point_chunk;
 
 /* Points as arrays: pixel centres, where in its piece each is in [0, 1], the piece's length [s], the piece. */
@@ -25,21 +24,27 @@ typedef struct td_point_arrays {
     TD_GLOBAL const int *piece;
 } td_point_arrays;
 
+/* Slices of an interval, in which what splats reach is known more narrowly: of its one piece so many that 2^split make it up,
+ * or where it has several, `group` pieces each. */
+typedef struct td_point_slices {
+    int pieces; /* of the interval */
+    int count, split, group;
+} td_point_slices;
+
 /* Paths as points read them: between two rows a curve, each number a0 + a1 s + a2 s^2 + a3 s^3 for s in [0, 1]; first all a0,
- * then all a1, ... A splat's curves follow one another. One whose determinant is 0 can't be used: nothing is seen of it. */
+ * then all a1, ... A splat's curves follow one another: it has pieces << level. One whose determinant is 0 can't be used:
+ * nothing is seen of it. */
 enum { TD_CURVE_REALS = 4 * TD_PATH_NUMBERS };
 typedef struct td_point_paths {
     TD_GLOBAL const int *path; /* of each Gaussian of the store: its first curve * TD_PATH_LEVELS + level; below 0: none */
     TD_GLOBAL const td_real *curves; /* TD_CURVE_REALS each */
-    int pieces;                      /* of the interval: a splat has so many curves << level */
+    td_point_slices slices;
 } td_point_paths;
 
 /* The sorted lists of all tiles. */
 typedef struct td_point_lists {
-    TD_GLOBAL const int *gaussian; /* in a depth order */
-    TD_GLOBAL const int *blocks;   /* that each may reach within the interval */
-    TD_GLOBAL const td_real
-        *power; /* the most that 2 ln(opacity / cut) comes to there: where d^T Q d is more nothing is seen */
+    TD_GLOBAL const int *path;    /* in a depth order; of equal depth, the Gaussian of lower number has the lower path */
+    TD_GLOBAL const float *tests; /* point_tests.h */
 } td_point_lists;
 
 /* -- curves -------------------------------------------------------------------------------------------------------- */
@@ -57,75 +62,65 @@ TD_INLINE void td_point_curve(TD_GLOBAL const td_real *from, TD_GLOBAL const td_
     }
 }
 
-/* -- lists --------------------------------------------------------------------------------------------------------- */
-
-/* Bounds of a number on a curve: those of its Bezier control points, with a margin for rounding. */
-typedef struct td_point_range {
-    td_lanes low, high;
-} td_point_range;
-
-TD_INLINE td_point_range td_point_hull(TD_GLOBAL const td_real *curves, td_index curve, int k) {
-    const td_real third = TD_REAL(0.33333333333333333);
-    td_index at = curve * TD_CURVE_REALS + k;
-    td_lanes a0 = td_gather(curves, at), a1 = td_gather(curves, at + TD_PATH_NUMBERS);
-    td_lanes a2 = td_gather(curves, at + 2 * TD_PATH_NUMBERS), a3 = td_gather(curves, at + 3 * TD_PATH_NUMBERS);
-    td_lanes b = td_fma(a1, third, a0), c = td_fma(2 * a1 + a2, third, a0), d = ((a0 + a1) + a2) + a3;
-    td_lanes low = td_smaller(td_smaller(a0, b), td_smaller(c, d)), high = td_larger(td_larger(a0, b), td_larger(c, d));
-    td_lanes margin = TD_REAL(1e-6) * td_larger(td_size(low), td_size(high));
-    td_point_range range;
-    range.low = low - margin;
-    range.high = high + margin;
-    return range;
-}
-
-/* One bit of four for each 4 pixels from `edge` on of which one's centre may be within [low, high]. */
-TD_INLINE td_index td_point_bits(td_lanes low, td_lanes high, int edge) {
-    td_mask bits = (low < low) & 0;
-    for (int i = 0; i < 4; i++) {
-        td_real x = (td_real)(edge + 4 * i);
-        bits |= td_mask_bit((low <= x + 3.5f) & (high >= x + 0.5f), 1 << i);
-    }
+/* Depth in the middle of the interval, as a number that sorts alike; 0 for whoever is behind the camera then. */
+TD_INLINE int td_point_depth_key(const td_point_paths *paths, int path) {
+    int middle = (paths->slices.pieces << (path & (TD_PATH_LEVELS - 1))) / 2;
+    float depth = (float)paths->curves[(path / TD_PATH_LEVELS + middle) * TD_CURVE_REALS + TD_P_DEPTH];
+    depth = depth > 0.0f ? depth : 0.0f;
+#ifdef TD_OPENCL
+    return as_int(depth);
+#else
+    int bits;
+    memcpy(&bits, &depth, sizeof bits);
     return bits;
+#endif
 }
 
-/* The blocks of a tile that splats may reach on a curve, and how much d^T Q d may be where they are seen. alpha is below the
- * cut where dx^2 > power a. */
-TD_INLINE td_index td_point_reach(TD_GLOBAL const td_real *curves, td_index curve, const td_image *image, int x, int y,
-                                  td_lanes *power) {
-    td_real cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
-    td_point_range u = td_point_hull(curves, curve, TD_P_U), v = td_point_hull(curves, curve, TD_P_V);
-    td_point_range b = td_point_hull(curves, curve, TD_P_B), c = td_point_hull(curves, curve, TD_P_C);
-    td_point_range det = td_point_hull(curves, curve, TD_P_DET), opacity = td_point_hull(curves, curve, TD_P_OPACITY);
-    td_mask seen = (det.high > 0.0f) & (opacity.high > cut), known = (c.low > 0.0f) & (det.high > 0.0f);
-    td_lanes side = td_larger(td_size(b.low), td_size(b.high));
-    td_lanes a = td_fma(side, side, det.high) / td_select(td_splat(1.0f), c.low, known);
-    *power = td_fma(2.0f * td_log(td_select(td_splat(1.0f), opacity.high / cut, seen)), TD_REAL(1.0001), TD_REAL(1e-6));
-    td_lanes rx = td_sqrt(*power * td_select(td_splat(1.0f), a, known)) + TD_REAL(0.01);
-    td_lanes ry = td_sqrt(*power * td_select(td_splat(1.0f), c.high, known)) + TD_REAL(0.01);
-    td_index across = td_point_bits(u.low - rx, u.high + rx, x), down = td_point_bits(v.low - ry, v.high + ry, y);
-    td_index bits = across & 0;
-    for (int j = 0; j < 4; j++) bits |= td_mask_bit(((down >> j) & 1) != 0, across << (4 * j));
-    bits = td_select_mask((bits & 0) | 0xffff, bits, known);
-    return td_mask_bit(seen, bits);
+/* Eight numbers of TD_LANES splats. */
+typedef struct td_point_eight {
+    td_lanes a, b, c, d, e, f, g, h;
+} td_point_eight;
+
+/* Number k, which is known where it's compiled. */
+TD_INLINE td_lanes td_point_pick(const td_point_eight *x, int k) {
+    if (k < 4) return k < 2 ? (k == 0 ? x->a : x->b) : (k == 2 ? x->c : x->d);
+    return k < 6 ? (k == 4 ? x->e : x->f) : (k == 6 ? x->g : x->h);
 }
 
-/* TD_LANES candidates of a tile: the blocks that each may reach in the interval, with the most of their power; depth in the
- * middle, for the order. */
-TD_INLINE td_index td_point_candidates(const td_point_paths *paths, const td_image *image, const td_point_tile *tile,
-                                       td_index gaussian, td_lanes *depth, td_lanes *power) {
-    td_index path = td_gather_ints(paths->path, td_not_below_0(gaussian)), blocks = path & 0;
-    td_mask on = (gaussian >= 0) & (path >= 0);
-    td_index level = path & (TD_PATH_LEVELS - 1), first = td_not_below_0(path) / TD_PATH_LEVELS;
-    td_index one = (path & 0) | 1, last = (one << level) * paths->pieces - 1;
-    *power = td_splat(0.0f);
-    for (int k = 0; td_any(on & (last >= k)); k++) {
-        td_index at = td_select_mask(last, (path & 0) | k, last >= k);
-        td_lanes most;
-        blocks |= td_point_reach(paths->curves, first + at, image, tile->x, tile->y, &most);
-        *power = td_larger(*power, most);
-    }
-    *depth = td_gather(paths->curves, (first + (last + 1) / 2) * TD_CURVE_REALS + TD_P_DEPTH);
-    return td_mask_bit(on, blocks);
+#if TD_LANES == 8
+/* td_transpose without arrays, which would stay in memory (layout.h). */
+TD_INLINE td_point_eight td_point_zip(const td_point_eight *x) {
+    td_point_eight y;
+    y.a = TD_ZIP_LOWER(x->a, x->e), y.b = TD_ZIP_UPPER(x->a, x->e), y.c = TD_ZIP_LOWER(x->b, x->f);
+    y.d = TD_ZIP_UPPER(x->b, x->f), y.e = TD_ZIP_LOWER(x->c, x->g), y.f = TD_ZIP_UPPER(x->c, x->g);
+    y.g = TD_ZIP_LOWER(x->d, x->h), y.h = TD_ZIP_UPPER(x->d, x->h);
+    return y;
+}
+TD_INLINE td_point_eight td_point_turn(const td_point_eight *x) {
+    td_point_eight once = td_point_zip(x), twice = td_point_zip(&once);
+    return td_point_zip(&twice);
+}
+#endif
+
+/* Eight reals at each of TD_LANES places: all the first, all the second, ... */
+#if TD_LANES == 4
+#define TD_POINT_EACH(array, at, k) (td_lanes)((array)[at[0] + k], (array)[at[1] + k], (array)[at[2] + k], (array)[at[3] + k])
+#else
+#define TD_POINT_EACH(array, at, k) td_splat((array)[at[0] + k])
+#endif
+TD_INLINE td_point_eight td_point_load_eight(TD_GLOBAL const td_real *array, const int at[TD_LANES]) {
+    td_point_eight x;
+#if TD_LANES == 8
+    x.a = td_load_lanes(array + at[0]), x.b = td_load_lanes(array + at[1]), x.c = td_load_lanes(array + at[2]);
+    x.d = td_load_lanes(array + at[3]), x.e = td_load_lanes(array + at[4]), x.f = td_load_lanes(array + at[5]);
+    x.g = td_load_lanes(array + at[6]), x.h = td_load_lanes(array + at[7]);
+    return td_point_turn(&x);
+#else
+    x.a = TD_POINT_EACH(array, at, 0), x.b = TD_POINT_EACH(array, at, 1), x.c = TD_POINT_EACH(array, at, 2);
+    x.d = TD_POINT_EACH(array, at, 3), x.e = TD_POINT_EACH(array, at, 4), x.f = TD_POINT_EACH(array, at, 5);
+    x.g = TD_POINT_EACH(array, at, 6), x.h = TD_POINT_EACH(array, at, 7);
+    return x;
+#endif
 }
 
 #endif

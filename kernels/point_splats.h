@@ -1,141 +1,67 @@
-/* A splat at single pixels at single times (points.h), TD_LANES of them: on its curve, what each sees of it, and how that is
- * kept until all are known. */
+/* The splats that a point sees (points.h), TD_LANES of them at a time: each on its curve at the point's time, what the point
+ * sees of it, and how that is kept until all are known. */
 #ifndef TD_POINT_SPLATS_H
 #define TD_POINT_SPLATS_H
 
 #include "compositing.h"
-#include "point_lists.h"
+#include "point_tests.h"
+#include "soft_order.h"
 
-/* -- splats at points ---------------------------------------------------------------------------------------------- */
+/* -- curves at a time ---------------------------------------------------------------------------------------------- */
 
-/* TD_LANES points. */
-typedef struct td_point_lanes {
-    td_lanes x, y, s, h;
-    td_index piece, block; /* block: a bit of the sixteen */
-} td_point_lanes;
-
-TD_INLINE td_point_lanes td_point_load(const td_point_arrays *points, const td_point_tile *tile, int first) {
-    td_point_lanes at;
-    at.x = td_load_lanes(points->x + first);
-    at.y = td_load_lanes(points->y + first);
-    at.s = td_load_lanes(points->s + first);
-    at.h = td_load_lanes(points->h + first);
-    at.piece = td_load_ints(points->piece + first);
-    at.block = at.piece & 0;
-    for (int i = 0; i < 16; i++) {
-        td_real x = (td_real)(tile->x + 4 * (i & 3)), y = (td_real)(tile->y + 4 * (i >> 2));
-        at.block |= td_mask_bit((at.x > x) & (at.x < x + 4) & (at.y > y) & (at.y < y + 4), 1 << i);
+/* Where a time is on the curves of each level: which one of a splat's it is, s on it, and s by time. Arrays of the work-item's
+ * own, since splats have levels of their own. */
+TD_INLINE void td_point_weights(td_real s, td_real h, int piece, td_real way[TD_PATH_LEVELS], td_real rate[TD_PATH_LEVELS],
+                                int number[TD_PATH_LEVELS]) {
+    for (int level = 0; level < TD_PATH_LEVELS; level++) {
+        int parts = 1 << level, part = (int)(s * (td_real)parts);
+        part = part < parts - 1 ? part : parts - 1;
+        way[level] = s * (td_real)parts - (td_real)part;
+        rate[level] = (td_real)parts / h;
+        number[level] = (piece << level) + part;
     }
-    return at;
 }
 
-/* Powers of s on the curves of a level at the points' times, and their rates. */
-typedef struct td_point_powers {
-    td_lanes s, s2, s3, rate, rate2, rate3;
-} td_point_powers;
+/* Splats found, one after the other: paths, where each one's curve is, s on it, and s by time. */
+typedef struct td_point_found {
+    TD_GLOBAL int *path, *curve;
+    TD_GLOBAL td_real *way, *rate;
+} td_point_found;
 
-/* The same, and which of a splat's curves it is. */
-TD_INLINE td_point_powers td_point_weights(const td_point_lanes *at, int level, td_index *curve) {
-    td_point_powers powers;
-    td_lanes parts = td_splat((td_real)(1 << level)), way = at->s * parts, part = td_splat(0.0f);
-    td_index number = at->piece << level;
-    for (int k = 1; k < 1 << level; k++) { /* levels are few, and mostly 0 */
-        td_mask behind = way >= (td_real)k;
-        number += td_mask_bit(behind, 1);
-        part = td_select(part, td_splat((td_real)k), behind);
-    }
-    powers.s = way - part;
-    powers.s2 = powers.s * powers.s;
-    powers.s3 = powers.s2 * powers.s;
-    powers.rate = parts / at->h;
-    powers.rate2 = 2 * powers.s * powers.rate;
-    powers.rate3 = 3 * powers.s2 * powers.rate;
-    *curve = number;
-    return powers;
+/* A cubic and its slope, by Horner's rule. */
+TD_INLINE void td_point_cubic(td_lanes a0, td_lanes a1, td_lanes a2, td_lanes a3, td_lanes s, td_lanes rate, td_lanes *value,
+                              td_lanes *slope) {
+    td_lanes b2 = td_fma(a3, s, a2), b1 = td_fma(b2, s, a1);
+    *value = td_fma(b1, s, a0);
+    *slope = td_fma(td_fma(a3, s, b2), s, b1) * rate;
 }
 
+/* The numbers of TD_LANES splats from number i on, and their rates. A curve's eight numbers lie side by side, so that a vector
+ * takes them all: two blocks are turned over, where turning the coefficients would be four. */
+TD_INLINE void td_point_numbers(TD_GLOBAL const td_real *curves, const td_point_found *found, int i, td_point_eight *value,
+                                td_point_eight *slope) {
+    TD_GLOBAL const int *at = found->curve + i;
 #if TD_LANES == 8
-/* Eight vectors of eight: td_transpose without arrays, which would stay in memory (layout.h). */
-typedef struct td_point_eight {
-    td_lanes a, b, c, d, e, f, g, h;
-} td_point_eight;
-
-TD_INLINE td_point_eight td_point_zip(const td_point_eight *x) {
-    td_point_eight y;
-    y.a = TD_ZIP_LOWER(x->a, x->e), y.b = TD_ZIP_UPPER(x->a, x->e), y.c = TD_ZIP_LOWER(x->b, x->f);
-    y.d = TD_ZIP_UPPER(x->b, x->f), y.e = TD_ZIP_LOWER(x->c, x->g), y.f = TD_ZIP_UPPER(x->c, x->g);
-    y.g = TD_ZIP_LOWER(x->d, x->h), y.h = TD_ZIP_UPPER(x->d, x->h);
-    return y;
-}
-TD_INLINE td_point_eight td_point_turn(const td_point_eight *x) {
-    td_point_eight once = td_point_zip(x), twice = td_point_zip(&once);
-    return td_point_zip(&twice);
-}
-
-/* Eight reals at each of eight places, a vector of the first, of the second, ... */
-TD_INLINE td_point_eight td_point_load_eight(TD_GLOBAL const td_real *array, const int at[8], int offset) {
-    td_point_eight x;
-    x.a = td_load_lanes(array + at[0] + offset), x.b = td_load_lanes(array + at[1] + offset);
-    x.c = td_load_lanes(array + at[2] + offset), x.d = td_load_lanes(array + at[3] + offset);
-    x.e = td_load_lanes(array + at[4] + offset), x.f = td_load_lanes(array + at[5] + offset);
-    x.g = td_load_lanes(array + at[6] + offset), x.h = td_load_lanes(array + at[7] + offset);
-    return td_point_turn(&x);
-}
-
-/* Vector k, which is known where it's compiled. */
-TD_INLINE td_lanes td_point_pick(const td_point_eight *x, int k) {
-    if (k < 4) return k < 2 ? (k == 0 ? x->a : x->b) : (k == 2 ? x->c : x->d);
-    return k < 6 ? (k == 4 ? x->e : x->f) : (k == 6 ? x->g : x->h);
-}
-#endif
-
-/* The curves that points are on, of one splat: the same for all, either of two neighbours, or anyone's own. Which it is is
- * known where it's compiled. */
-enum { TD_CURVE_SHARED = 0, TD_CURVE_PAIR, TD_CURVE_APART };
-typedef struct td_point_curves {
-    TD_GLOBAL const td_real *curves, *first; /* the splat's; of those that the points are on, the first */
-    td_index curve;
-    td_mask second; /* PAIR: on the one after it */
-#if TD_LANES == 8
-    td_point_eight terms[4]; /* APART: a0 .. a3 */
-#endif
-} td_point_curves;
-
-TD_INLINE void td_point_part(td_point_curves *on) {
-    (void)on;
-#if TD_LANES == 8
-    int at[TD_LANES];
-    td_index_lanes(on->curve * TD_CURVE_REALS, at);
-    on->terms[0] = td_point_load_eight(on->curves, at, 0);
-    on->terms[1] = td_point_load_eight(on->curves, at, TD_PATH_NUMBERS);
-    on->terms[2] = td_point_load_eight(on->curves, at, 2 * TD_PATH_NUMBERS);
-    on->terms[3] = td_point_load_eight(on->curves, at, 3 * TD_PATH_NUMBERS);
-#endif
-}
-
-/* Coefficient k of TD_CURVE_REALS; APART: after td_point_part. */
-TD_INLINE td_lanes td_point_term(const td_point_curves *on, int kind, int k) {
-    if (kind == TD_CURVE_SHARED) return td_splat(on->first[k]);
-    if (kind == TD_CURVE_PAIR) return td_select(td_splat(on->first[k]), td_splat(on->first[TD_CURVE_REALS + k]), on->second);
-#if TD_LANES == 8
-    return td_point_pick(&on->terms[k / TD_PATH_NUMBERS], k % TD_PATH_NUMBERS);
+    td_point_eight v, d;
+#define TD_POINT_BLOCK(lane, block) td_load_lanes(curves + at[lane] + (block)*TD_PATH_NUMBERS)
+#define TD_POINT_ROW(lane, x)                                                                                          \
+    td_point_cubic(TD_POINT_BLOCK(lane, 0), TD_POINT_BLOCK(lane, 1), TD_POINT_BLOCK(lane, 2), TD_POINT_BLOCK(lane, 3), \
+                   td_splat(found->way[i + (lane)]), td_splat(found->rate[i + (lane)]), &v.x, &d.x)
+    TD_POINT_ROW(0, a), TD_POINT_ROW(1, b), TD_POINT_ROW(2, c), TD_POINT_ROW(3, d);
+    TD_POINT_ROW(4, e), TD_POINT_ROW(5, f), TD_POINT_ROW(6, g), TD_POINT_ROW(7, h);
+    *value = td_point_turn(&v), *slope = td_point_turn(&d);
 #else
-    return td_gather(on->curves, on->curve * TD_CURVE_REALS + k);
+    td_lanes s = td_load_lanes(found->way + i), rate = td_load_lanes(found->rate + i);
+#define TD_POINT_TERM(block, k) TD_POINT_EACH(curves, at, (block)*TD_PATH_NUMBERS + (k))
+#define TD_POINT_NUMBER(k, x)                                                                                              \
+    td_point_cubic(TD_POINT_TERM(0, k), TD_POINT_TERM(1, k), TD_POINT_TERM(2, k), TD_POINT_TERM(3, k), s, rate, &value->x, \
+                   &slope->x)
+    TD_POINT_NUMBER(0, a), TD_POINT_NUMBER(1, b), TD_POINT_NUMBER(2, c), TD_POINT_NUMBER(3, d);
+    TD_POINT_NUMBER(4, e), TD_POINT_NUMBER(5, f), TD_POINT_NUMBER(6, g), TD_POINT_NUMBER(7, h);
 #endif
 }
-TD_INLINE td_lanes td_point_value(const td_point_curves *on, int kind, const td_point_powers *powers, int k) {
-    td_lanes sum = td_fma(td_point_term(on, kind, TD_PATH_NUMBERS + k), powers->s, td_point_term(on, kind, k));
-    sum = td_fma(td_point_term(on, kind, 2 * TD_PATH_NUMBERS + k), powers->s2, sum);
-    return td_fma(td_point_term(on, kind, 3 * TD_PATH_NUMBERS + k), powers->s3, sum);
-}
-TD_INLINE td_lanes td_point_rate(const td_point_curves *on, int kind, const td_point_powers *powers, int k) {
-    td_lanes sum = td_point_term(on, kind, TD_PATH_NUMBERS + k) * powers->rate;
-    sum = td_fma(td_point_term(on, kind, 2 * TD_PATH_NUMBERS + k), powers->rate2, sum);
-    return td_fma(td_point_term(on, kind, 3 * TD_PATH_NUMBERS + k), powers->rate3, sum);
-}
-TD_INLINE td_dual td_point_number(const td_point_curves *on, int kind, const td_point_powers *powers, int k) {
-    return td_dual_make(td_point_value(on, kind, powers, k), td_point_rate(on, kind, powers, k));
-}
+
+/* -- what a point sees --------------------------------------------------------------------------------------------- */
 
 /* Opacity with the fade at the near plane. */
 TD_INLINE td_dual td_point_opacity(td_dual opacity, td_dual depth, const td_image *image) {
@@ -151,14 +77,13 @@ typedef struct td_point_form {
     td_lanes dx, dy, b, c, det, along, over, under;
 } td_point_form;
 
-TD_INLINE td_point_form td_point_forms(const td_point_curves *on, int kind, const td_point_powers *powers,
-                                       const td_point_lanes *at) {
+TD_INLINE td_point_form td_point_forms(const td_point_eight *value, td_real x, td_real y) {
     td_point_form f;
-    f.dx = at->x - td_point_value(on, kind, powers, TD_P_U);
-    f.dy = at->y - td_point_value(on, kind, powers, TD_P_V);
-    f.b = td_point_value(on, kind, powers, TD_P_B);
-    f.c = td_point_value(on, kind, powers, TD_P_C);
-    f.det = td_point_value(on, kind, powers, TD_P_DET);
+    f.dx = x - td_point_pick(value, TD_P_U);
+    f.dy = y - td_point_pick(value, TD_P_V);
+    f.b = td_point_pick(value, TD_P_B);
+    f.c = td_point_pick(value, TD_P_C);
+    f.det = td_point_pick(value, TD_P_DET);
     f.along = td_fma(f.c, f.dx, -(f.b * f.dy));
     f.over = td_fma(f.along, f.along, f.det * (f.dy * f.dy));
     f.under = f.c * f.det;
@@ -166,112 +91,221 @@ TD_INLINE td_point_form td_point_forms(const td_point_curves *on, int kind, cons
 }
 
 /* d^T Q d and its rate; inverse: 1 / under. */
-TD_INLINE td_dual td_point_distance(const td_point_form *f, td_lanes inverse, const td_point_curves *on, int kind,
-                                    const td_point_powers *powers) {
-    td_lanes u = -td_point_rate(on, kind, powers, TD_P_U), v = -td_point_rate(on, kind, powers, TD_P_V);
-    td_lanes b = td_point_rate(on, kind, powers, TD_P_B), c = td_point_rate(on, kind, powers, TD_P_C);
-    td_lanes det = td_point_rate(on, kind, powers, TD_P_DET);
+TD_INLINE td_dual td_point_distance(const td_point_form *f, td_lanes inverse, const td_point_eight *slope) {
+    td_lanes u = -td_point_pick(slope, TD_P_U), v = -td_point_pick(slope, TD_P_V), b = td_point_pick(slope, TD_P_B);
+    td_lanes c = td_point_pick(slope, TD_P_C), det = td_point_pick(slope, TD_P_DET);
     td_lanes along = td_fma(c, f->dx, f->c * u) - td_fma(b, f->dy, f->b * v);
     td_lanes over = td_fma(2 * f->along, along, f->dy * td_fma(det, f->dy, 2 * f->det * v));
     td_lanes under = td_fma(c, f->det, f->c * det), distance = f->over * inverse;
     return td_dual_make(distance, td_fma(-distance, under, over) * inverse);
 }
 
-/* -- what points see ----------------------------------------------------------------------------------------------- */
+/* A splat as a point looks at it, before and after the exponential: both of as many reals as the widest vector has. Growth:
+ * depth_dot / depth. */
+enum {
+    TD_V_POWER = 0,
+    TD_V_OPACITY,
+    TD_V_SLOPE,
+    TD_V_LUMINANCE,
+    TD_V_LUMINANCE_DOT,
+    TD_V_DEPTH,
+    TD_V_GROWTH,
+    TD_POINT_VIEW = 8
+};
+typedef struct td_point_view {
+    td_lanes power, opacity, slope; /* alpha = opacity 2^power, alpha_dot = slope 2^power; */
+    td_lanes luminance, luminance_dot, depth, growth;
+} td_point_view;
 
-/* A splat at a point: of as many reals as the widest vector has. */
-enum { TD_E_TAU = 0, TD_E_TAU_DOT, TD_E_LUMINANCE, TD_E_LUMINANCE_DOT, TD_E_DEPTH, TD_E_GROWTH, TD_POINT_ENTRY = 8 };
-
+/* What it takes of the light: tau in hard order, the optical depth in soft order. */
+enum { TD_E_TAKES = 0, TD_E_TAKES_DOT, TD_E_LUMINANCE, TD_E_LUMINANCE_DOT, TD_E_DEPTH, TD_E_GROWTH, TD_POINT_ENTRY = 8 };
 typedef struct td_point_entry {
-    td_lanes tau, tau_dot, luminance, luminance_dot, depth, growth; /* growth: depth_dot / depth */
+    td_lanes takes, takes_dot, luminance, luminance_dot, depth, growth;
 } td_point_entry;
 
-/* A work-item's own room, for the longest list: entries [splat][lane][TD_POINT_ENTRY], the last of them of nothing; per lane an
- * order of its own [place][lane], of numbers of entries; splats found. */
-typedef struct td_point_room {
-    TD_GLOBAL td_real *entries; /* ((room + 1) x TD_LANES x TD_POINT_ENTRY) */
-    TD_GLOBAL int *order;       /* ((room + 1) x TD_LANES) */
-    TD_GLOBAL int *found;       /* (room + 1) places in the tile's list */
-} td_point_room;
-
-/* Splats of the tile that reach one of the blocks: returns how many. */
-TD_INLINE int td_point_find(const td_point_lists *lists, const td_point_tile *tile, int blocks, const td_point_room *room) {
-    int count = 0;
-    for (int i = tile->first; i < tile->first + tile->count; i++) {
-        room->found[count] = i;
-        count += (lists->blocks[i] & blocks) != 0;
-    }
-    return count;
+/* TD_LANES splats with these numbers; nothing comes of what can't be seen there. */
+TD_INLINE td_point_view td_point_see(const td_image *image, const td_point_eight *value, const td_point_eight *slope, td_real x,
+                                     td_real y) {
+    td_point_view view;
+    td_point_form form = td_point_forms(value, x, y);
+    td_dual z = td_dual_make(td_point_pick(value, TD_P_DEPTH), td_point_pick(slope, TD_P_DEPTH));
+    td_mask there = (form.det > 0.0f) & (form.c > 0.0f) & (z.v > image->near);
+    td_lanes under = td_select(td_splat(1.0f), form.under, there), depth = td_select(td_splat(1.0f), z.v, there);
+    td_lanes inverse = 1 / (under * depth); /* one division for two */
+    td_dual distance = td_point_distance(&form, inverse * depth, slope);
+    td_dual opacity = td_dual_make(td_point_pick(value, TD_P_OPACITY), td_point_pick(slope, TD_P_OPACITY));
+    opacity = td_point_opacity(opacity, z, image);
+    td_lanes power = distance.v * TD_REAL(-0.72134752044448170368); /* log2(e) / 2 */
+    view.power = td_select(td_splat(-1000.0f), power, there);
+    view.opacity = opacity.v;
+    view.slope = td_fma(-0.5f * distance.d, opacity.v, opacity.d);
+    view.luminance = td_point_pick(value, TD_P_LUMINANCE), view.luminance_dot = td_point_pick(slope, TD_P_LUMINANCE);
+    view.depth = z.v, view.growth = z.d * (inverse * under);
+    return view;
 }
 
-/* Lanes one by one, each an entry: transposed, since gathers and scatters of a processor cost more (transpose.h). */
-TD_INLINE void td_point_store(const td_point_entry *made, int number, const td_point_room *room) {
-    TD_GLOBAL td_real *to = room->entries + number * (TD_POINT_ENTRY * TD_LANES);
+/* What it is to the light; depth is TD_POINT_NEVER where it's below the cut. */
+#define TD_POINT_NEVER TD_REAL(1e30)
+TD_INLINE td_point_entry td_point_enter(const td_image *image, const td_point_view *view) {
+    td_point_entry entry;
+    td_real cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
+    td_lanes fall = td_exp2(view->power), alpha = view->opacity * fall;
+    td_mask sees;
+    td_cap_alpha(image, alpha, view->slope * fall, &entry.takes, &entry.takes_dot, &sees);
+    if (image->soft_order) td_optical_depth(entry.takes, entry.takes_dot, &entry.takes, &entry.takes_dot);
+    entry.luminance = view->luminance, entry.luminance_dot = view->luminance_dot;
+    entry.depth = td_select(td_splat(TD_POINT_NEVER), view->depth, alpha >= cut);
+    entry.growth = view->growth;
+    return entry;
+}
+
+/* -- a point's list ------------------------------------------------------------------------------------------------ */
+
+/* Splats that are looked at together, in loops of their own: one that did all would wait for its own chain of operations, which
+ * is longer than a processor looks ahead (1.3 times slower). */
+enum { TD_POINT_BATCH = 64 };
+
+/* A work-item's own room: for each lane's point `rows` entries, the first of them of nothing, and their numbers front to back,
+ * [place][lane]; steps of the light (point_light.h); and of the point that is looked at, a batch of views, what was found, and
+ * depths and numbers front to back. */
+typedef struct td_point_room {
+    TD_GLOBAL td_real *entries; /* (TD_LANES x rows x TD_POINT_ENTRY) */
+    TD_GLOBAL td_real *steps;   /* (rows x TD_POINT_STEP x TD_LANES) */
+    TD_GLOBAL td_real *depth;   /* (rows) */
+    TD_GLOBAL int *order;       /* (rows x TD_LANES) */
+    TD_GLOBAL int *number;      /* (rows) */
+    td_point_found found;       /* (rows) */
+    int rows;                   /* of the longest list, and 1 + TD_POINT_BATCH: a batch of views is where steps will be */
+} td_point_room;
+
+/* Reals and ints of a row, in two blocks. */
+enum {
+    TD_POINT_STEP = 8,
+    TD_POINT_ROW_REALS = TD_LANES * (TD_POINT_ENTRY + TD_POINT_STEP) + 3,
+    TD_POINT_ROW_INTS = TD_LANES + 3
+};
+TD_INLINE td_point_room td_point_room_at(TD_GLOBAL td_real *reals, TD_GLOBAL int *ints, int rows) {
+    td_point_room room;
+    room.entries = reals;
+    room.steps = reals + rows * (TD_LANES * TD_POINT_ENTRY);
+    room.depth = room.steps + rows * (TD_LANES * TD_POINT_STEP);
+    room.found.way = room.depth + rows;
+    room.found.rate = room.found.way + rows;
+    room.order = ints;
+    room.number = ints + rows * TD_LANES;
+    room.found.path = room.number + rows;
+    room.found.curve = room.found.path + rows;
+    room.rows = rows;
+    return room;
+}
+
+TD_INLINE void td_point_store_view(const td_point_view *view, TD_GLOBAL td_real *to) {
+    td_store_lanes(to + TD_V_POWER * TD_LANES, view->power);
+    td_store_lanes(to + TD_V_OPACITY * TD_LANES, view->opacity);
+    td_store_lanes(to + TD_V_SLOPE * TD_LANES, view->slope);
+    td_store_lanes(to + TD_V_LUMINANCE * TD_LANES, view->luminance);
+    td_store_lanes(to + TD_V_LUMINANCE_DOT * TD_LANES, view->luminance_dot);
+    td_store_lanes(to + TD_V_DEPTH * TD_LANES, view->depth);
+    td_store_lanes(to + TD_V_GROWTH * TD_LANES, view->growth);
+}
+
+TD_INLINE td_point_view td_point_load_view(TD_GLOBAL const td_real *from) {
+    td_point_view view;
+    view.power = td_load_lanes(from + TD_V_POWER * TD_LANES);
+    view.opacity = td_load_lanes(from + TD_V_OPACITY * TD_LANES);
+    view.slope = td_load_lanes(from + TD_V_SLOPE * TD_LANES);
+    view.luminance = td_load_lanes(from + TD_V_LUMINANCE * TD_LANES);
+    view.luminance_dot = td_load_lanes(from + TD_V_LUMINANCE_DOT * TD_LANES);
+    view.depth = td_load_lanes(from + TD_V_DEPTH * TD_LANES);
+    view.growth = td_load_lanes(from + TD_V_GROWTH * TD_LANES);
+    return view;
+}
+
+/* Splats by splat, each an entry: transposed, since gathers and scatters of a processor cost more (transpose.h). */
+TD_INLINE void td_point_store(const td_point_entry *made, TD_GLOBAL td_real *to) {
     td_point_entry e = *made;
 #if TD_LANES == 8
     td_lanes none = td_splat(0.0f);
-    td_point_eight all = {e.tau, e.tau_dot, e.luminance, e.luminance_dot, e.depth, e.growth, none, none};
+    td_point_eight all = {e.takes, e.takes_dot, e.luminance, e.luminance_dot, e.depth, e.growth, none, none};
     td_point_eight x = td_point_turn(&all);
     td_store_lanes(to, x.a), td_store_lanes(to + 8, x.b), td_store_lanes(to + 16, x.c), td_store_lanes(to + 24, x.d);
     td_store_lanes(to + 32, x.e), td_store_lanes(to + 40, x.f), td_store_lanes(to + 48, x.g), td_store_lanes(to + 56, x.h);
 #else
-    td_scatter(to, TD_POINT_ENTRY, TD_E_TAU, e.tau), td_scatter(to, TD_POINT_ENTRY, TD_E_TAU_DOT, e.tau_dot);
+    td_scatter(to, TD_POINT_ENTRY, TD_E_TAKES, e.takes), td_scatter(to, TD_POINT_ENTRY, TD_E_TAKES_DOT, e.takes_dot);
     td_scatter(to, TD_POINT_ENTRY, TD_E_LUMINANCE, e.luminance);
     td_scatter(to, TD_POINT_ENTRY, TD_E_LUMINANCE_DOT, e.luminance_dot);
     td_scatter(to, TD_POINT_ENTRY, TD_E_DEPTH, e.depth), td_scatter(to, TD_POINT_ENTRY, TD_E_GROWTH, e.growth);
 #endif
 }
 
-/* Entries number[lane]. */
+/* The entries `number` of the lanes. */
 TD_INLINE td_point_entry td_point_fetch(const td_point_room *room, TD_GLOBAL const int *number) {
-    td_point_entry e;
-#if TD_LANES == 8
-    int at[8];
-    td_index_lanes((td_load_ints(number) * 8 + td_count_from(0)) * TD_POINT_ENTRY, at);
-    td_point_eight x = td_point_load_eight(room->entries, at, 0);
-    e.tau = x.a, e.tau_dot = x.b, e.luminance = x.c, e.luminance_dot = x.d, e.depth = x.e, e.growth = x.f;
-#else
-    td_index at = (td_load_ints(number) * TD_LANES + td_count_from(0)) * TD_POINT_ENTRY;
-    e.tau = td_gather(room->entries, at + TD_E_TAU), e.tau_dot = td_gather(room->entries, at + TD_E_TAU_DOT);
-    e.luminance = td_gather(room->entries, at + TD_E_LUMINANCE);
-    e.luminance_dot = td_gather(room->entries, at + TD_E_LUMINANCE_DOT);
-    e.depth = td_gather(room->entries, at + TD_E_DEPTH), e.growth = td_gather(room->entries, at + TD_E_GROWTH);
-#endif
+    int at[TD_LANES];
+    for (int lane = 0; lane < TD_LANES; lane++) at[lane] = (lane * room->rows + number[lane]) * TD_POINT_ENTRY;
+    td_point_eight x = td_point_load_eight(room->entries, at);
+    td_point_entry e = {x.a, x.b, x.c, x.d, x.e, x.f};
     return e;
 }
 
-/* Makes entry `number` of a splat, at place i of the tile's list: 0 where it's seen from none of the points; else where it is,
- * and its depth there. */
-TD_INLINE int td_point_enter(const td_point_curves *on, int kind, const td_point_powers *powers, const td_image *image,
-                             const td_point_lanes *at, const td_point_lists *lists, int i, int number,
-                             const td_point_room *room, td_mask *seen, td_lanes *depth) {
-    td_lanes tau, tau_dot;
-    td_point_form form = td_point_forms(on, kind, powers, at);
-    td_mask inside = (form.over <= lists->power[i] * form.under) & (form.det > 0.0f) & (form.c > 0.0f);
-    inside = inside & ((at->block & lists->blocks[i]) != 0);
-    if (!td_any(inside)) return 0;
-    td_dual z = td_point_number(on, kind, powers, TD_P_DEPTH);
-    inside = inside & (z.v > image->near);
-    td_lanes under = td_select(td_splat(1.0f), form.under, inside), depth_there = td_select(td_splat(1.0f), z.v, inside);
-    td_lanes inverse = 1 / (under * depth_there); /* one division for two */
-    td_dual distance = td_point_distance(&form, inverse * depth_there, on, kind, powers);
-    td_dual opacity = td_point_opacity(td_point_number(on, kind, powers, TD_P_OPACITY), z, image);
-    td_lanes fall = td_exp2(distance.v * TD_REAL(-0.72134752044448170368)); /* log2(e) / 2 */
-    td_cap_alpha(image, opacity.v * fall, fall * td_fma(-0.5f * distance.d, opacity.v, opacity.d), &tau, &tau_dot, seen);
-    *seen = *seen & inside;
-    *depth = z.v;
-    td_point_entry entry;
-    entry.tau = tau, entry.tau_dot = tau_dot;
-    entry.luminance = td_point_value(on, kind, powers, TD_P_LUMINANCE);
-    entry.luminance_dot = td_point_rate(on, kind, powers, TD_P_LUMINANCE);
-    entry.depth = z.v, entry.growth = z.d * (inverse * under);
-    td_point_store(&entry, number, room);
-    return 1;
+/* Puts entry `number`, at depth z, in its place among `count`: mostly the last. At equal depth, paths decide (td_point_lists).
+ */
+TD_INLINE void td_point_insert(const td_point_room *room, int count, int number, td_real z) {
+    TD_GLOBAL td_real *depth = room->depth;
+    TD_GLOBAL int *order = room->number, *path = room->found.path - 1; /* entries are counted from 1 */
+    int i = count;
+    for (; i > 0 && (depth[i - 1] > z || (depth[i - 1] == z && path[order[i - 1]] > path[number])); i--)
+        depth[i] = depth[i - 1], order[i] = order[i - 1];
+    depth[i] = z;
+    order[i] = number;
 }
 
-/* The entry of nothing. */
-TD_INLINE void td_point_enter_nothing(int number, const td_point_room *room) {
-    for (int k = 0; k < TD_POINT_ENTRY * TD_LANES; k++) room->entries[number * (TD_POINT_ENTRY * TD_LANES) + k] = 0;
+/* A point on its way down its tile's list: where it is, splats seen; what they take in all, at least, as an optical depth; how
+ * far the farthest of them was; and the depth from which on nothing is seen any more. */
+typedef struct td_point_eye {
+    td_real x, y;
+    int seen;
+    td_real taken, far, end;
+} td_point_eye;
+
+/* Optical depth behind which nothing is seen: 1e-14 of it. What is dropped is told by what the point sees, in the list's order,
+ * and by nothing else. */
+#define TD_POINT_OPAQUE 32
+
+/* Takes entry `number`, at depth z. */
+TD_INLINE void td_point_take(const td_image *image, const td_point_room *room, int number, td_real z, td_real takes,
+                             td_point_eye *eye) {
+    if (z >= eye->end) return;
+    td_point_insert(room, eye->seen++, number, z);
+    eye->taken += takes;
+    eye->far = z > eye->far ? z : eye->far;
+    if (eye->taken < TD_POINT_OPAQUE || eye->end < TD_POINT_NEVER) return;
+    td_real reach = image->soft_order ? (td_real)(0.5f * TD_SOFT_REACH) * image->soft_depth : 0; /* td_is_near */
+    if (reach < 1) eye->end = eye->far * (TD_REAL(1.000001) * (1 + reach) / (1 - reach));
+}
+
+/* Enters `count` of the splats found, TD_POINT_BATCH at most, from number `from` on, as what the point of a lane sees. */
+TD_INLINE void td_point_look(TD_GLOBAL const td_real *curves, const td_image *image, const td_point_room *room, int lane,
+                             int from, int count, td_point_eye *eye) {
+    TD_GLOBAL td_real *entries = room->entries + (lane * room->rows + 1 + from) * TD_POINT_ENTRY;
+    for (int k = from + count; k < from + count + TD_LANES - 1; k++) { /* anyone, where the last turn has too many */
+        room->found.curve[k] = room->found.curve[from];
+        room->found.way[k] = room->found.rate[k] = 0;
+    }
+    for (int i = 0; i < count; i += TD_LANES) {
+        td_point_eight value, slope;
+        td_point_numbers(curves, &room->found, from + i, &value, &slope);
+        td_point_view view = td_point_see(image, &value, &slope, eye->x, eye->y);
+        td_point_store_view(&view, room->steps + i * TD_POINT_VIEW);
+    }
+    for (int i = 0; i < count; i += TD_LANES) {
+        td_point_view view = td_point_load_view(room->steps + i * TD_POINT_VIEW);
+        td_point_entry entry = td_point_enter(image, &view);
+        td_point_store(&entry, entries + i * TD_POINT_ENTRY);
+    }
+    for (int k = 0; k < count; k++) {
+        TD_GLOBAL const td_real *entry = entries + k * TD_POINT_ENTRY;
+        td_point_take(image, room, 1 + from + k, entry[TD_E_DEPTH], entry[TD_E_TAKES], eye);
+    }
 }
 
 #endif

@@ -11,7 +11,9 @@
 enum {
     TILES_AT_ONCE = 256,
     POINTS_AT_ONCE = 1 << 16, /* in a launch: 5 MB with what goes with them */
-    SLICES = 16               /* of an interval, by which points of a block are ordered */
+    SLICES = 16,              /* of an interval, by which points of a block are ordered */
+    SPLIT = 2,                /* a whole interval's slices of tests, as a power of two: with 4 of 10 ms a splat hardly bends */
+    MOST_SLICES = 8           /* of one in pieces */
 };
 
 /* -- whole tiles ----------------------------------------------------------------------------------------------------------- */
@@ -149,6 +151,12 @@ static void lay_tiles(const tides_renderer *renderer, td_points *p) {
     }
 }
 
+static td_points_slices slices_of(int pieces) {
+    if (pieces == 1) return (td_points_slices){1, 1 << SPLIT, SPLIT, 1};
+    const int group = (pieces + MOST_SLICES - 1) / MOST_SLICES;
+    return (td_points_slices){pieces, (pieces + group - 1) / group, 0, group};
+}
+
 /* Rows for the interval swept last, unless they are there. */
 static tides_status begin_interval(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, tides_error *error) {
     if (p->begun && p->serial == renderer->candidates.serial) return TIDES_OK;
@@ -164,7 +172,7 @@ static tides_status begin_interval(tides_renderer *renderer, const tides_traject
                                          .row = nodes->row,
                                          .lengths = nodes->length,
                                          .curves = nodes->curves,
-                                         .pieces = nodes->pieces,
+                                         .slices = slices_of(nodes->pieces),
                                          .candidates = renderer->candidates.list,
                                          .candidate_count = renderer->candidates.first[renderer->stats.tiles],
                                          .tiles = p->tiles,
@@ -245,9 +253,8 @@ static int lay_launch(const tides_renderer *renderer, td_points *p, const td_poi
         p->column[1][i] = point->y + 0.5;
         place_time(&p->nodes, point->time, p, i);
         if (chunks == 0 || p->chunks[chunks - 1].tile != tile || p->chunks[chunks - 1].count == p->engine->lanes)
-            p->chunks[chunks++] = (td_points_chunk){tile, i, 0, 0};
+            p->chunks[chunks++] = (td_points_chunk){tile, i, 0};
         p->chunks[chunks - 1].count++;
-        p->chunks[chunks - 1].blocks |= 1 << block_of(point);
         if (!p->listed[tile]) p->wanted[(*wanted)++] = tile;
         p->listed[tile] = 1;
     }

@@ -6,8 +6,10 @@
 #include <stdlib.h>
 
 enum {
-    ENTRY_REALS = 8,  /* TD_POINT_ENTRY of kernels/points.h */
+    ROW_REALS = 16,   /* TD_POINT_ENTRY + TD_POINT_STEP of kernels/points.h */
+    BATCH = 64,       /* TD_POINT_BATCH */
     CURVE_REALS = 32, /* TD_CURVE_REALS */
+    TEST_REALS = 8,   /* TD_TEST_REALS */
     /* Work-items: on a CPU enough for its threads to share out what's uneven; on a GPU as many as memory for their rooms has
      * room for, up to what fills a large one several times over. */
     CPU_WORKERS_PER_UNIT = 8,
@@ -24,12 +26,13 @@ typedef struct opencl_points {
     tides_device *device;
     cl_kernel misfit_kernel, curve_kernel, list_kernel, value_kernel;
     td_buffer image;
-    td_buffer first, piece_lengths, misfits;                                     /* paths that are tried */
-    td_buffer path, row, lengths, curves, candidates, tiles;                     /* an interval */
-    td_buffer wanted, reached, strongest, keys, gaussian, blocks, power, counts; /* lists */
-    td_buffer columns, piece, chunks, values;                                    /* a batch */
-    td_buffer entries, order, found;
-    cl_int pieces, longest; /* longest: of the lists */
+    td_buffer first, piece_lengths, misfits;                 /* paths that are tried */
+    td_buffer path, row, lengths, curves, candidates, tiles; /* an interval */
+    td_buffer wanted, keys, listed, tests, counts;           /* lists */
+    td_buffer columns, piece, chunks, values;                /* a batch */
+    td_buffer entries, order;
+    td_points_slices slices;
+    int longest; /* of the lists */
     const td_points_tile *tile;
 } opencl_points;
 
@@ -101,15 +104,12 @@ static tides_status begin(td_points_engine *engine, const td_points_interval *in
         {&p->candidates, interval->candidates, (size_t)interval->candidate_count * sizeof(cl_int)},
         {&p->tiles, interval->tiles, tiles * sizeof *interval->tiles},
         {&p->wanted, NULL, tiles * sizeof(cl_int)},
-        {&p->reached, NULL, candidates * sizeof(cl_int)},
-        {&p->strongest, NULL, candidates * sizeof(cl_double)},
         {&p->keys, NULL, 2 * candidates * sizeof(cl_long)},
-        {&p->gaussian, NULL, candidates * sizeof(cl_int)},
-        {&p->blocks, NULL, candidates * sizeof(cl_int)},
-        {&p->power, NULL, candidates * sizeof(cl_double)},
+        {&p->listed, NULL, candidates * sizeof(cl_int)},
+        {&p->tests, NULL, candidates * (size_t)interval->slices.count * TEST_REALS * sizeof(cl_float)},
         {&p->counts, NULL, tiles * sizeof(cl_int)},
     };
-    p->pieces = interval->pieces;
+    p->slices = interval->slices;
     p->longest = 0;
     p->tile = interval->tiles;
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
@@ -125,13 +125,13 @@ static tides_status lists(td_points_engine *engine, const int *tiles, int count,
     opencl_points *p = (opencl_points *)engine;
     if (count == 0) return TIDES_OK;
     size_t local = on_gpu(p) ? GPU_GROUP : 1, global = (size_t)count * local;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),     TD_BUFFER_ARGUMENT(p->tiles),
-                                     TD_BUFFER_ARGUMENT(p->wanted),    TD_BUFFER_ARGUMENT(p->candidates),
-                                     TD_BUFFER_ARGUMENT(p->path),      TD_BUFFER_ARGUMENT(p->curves),
-                                     TD_VALUE_ARGUMENT(p->pieces),     TD_BUFFER_ARGUMENT(p->reached),
-                                     TD_BUFFER_ARGUMENT(p->strongest), TD_BUFFER_ARGUMENT(p->keys),
-                                     TD_BUFFER_ARGUMENT(p->gaussian),  TD_BUFFER_ARGUMENT(p->blocks),
-                                     TD_BUFFER_ARGUMENT(p->power),     TD_BUFFER_ARGUMENT(p->counts)};
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),        TD_BUFFER_ARGUMENT(p->tiles),
+                                     TD_BUFFER_ARGUMENT(p->wanted),       TD_BUFFER_ARGUMENT(p->candidates),
+                                     TD_BUFFER_ARGUMENT(p->path),         TD_BUFFER_ARGUMENT(p->curves),
+                                     TD_VALUE_ARGUMENT(p->slices.pieces), TD_VALUE_ARGUMENT(p->slices.count),
+                                     TD_VALUE_ARGUMENT(p->slices.split),  TD_VALUE_ARGUMENT(p->slices.group),
+                                     TD_BUFFER_ARGUMENT(p->keys),         TD_BUFFER_ARGUMENT(p->listed),
+                                     TD_BUFFER_ARGUMENT(p->tests),        TD_BUFFER_ARGUMENT(p->counts)};
     tides_status status = td_buffer_write(p->device, &p->wanted, tiles, (size_t)count * sizeof *tiles, error);
     if (status == TIDES_OK)
         status = td_launch(p->device, p->list_kernel, 1, &global, &local, arguments,
@@ -142,18 +142,17 @@ static tides_status lists(td_points_engine *engine, const int *tiles, int count,
 }
 
 /* Work-items for so many chunks, and their rooms. */
-static tides_status reserve_rooms(opencl_points *p, int chunks, size_t *items, tides_error *error) {
-    const size_t lanes = (size_t)p->base.lanes, places = (size_t)p->longest + 1;
-    const size_t entries = places * lanes * ENTRY_REALS * sizeof(cl_double), order = places * lanes * sizeof(cl_int);
+static tides_status reserve_rooms(opencl_points *p, int chunks, size_t *items, int *rows, tides_error *error) {
+    const size_t lanes = (size_t)p->base.lanes, places = ((size_t)p->longest + 1 + BATCH + 7) / 8 * 8;
+    const size_t reals = places * (lanes * ROW_REALS + 3) * sizeof(cl_double), ints = places * (lanes + 3) * sizeof(cl_int);
     size_t most = on_gpu(p) ? GPU_WORKERS : (size_t)CPU_WORKERS_PER_UNIT * (size_t)p->device->info.compute_units;
-    if (most > room_limit / (entries + order)) most = room_limit / (entries + order);
+    if (most > room_limit / (reals + ints)) most = room_limit / (reals + ints);
     if (most > (size_t)chunks) most = (size_t)chunks;
+    *rows = (int)places;
     *items = most < 1 ? 1 : most;
     if (on_gpu(p)) *items = (*items + GPU_GROUP - 1) / GPU_GROUP * GPU_GROUP;
-    tides_status status = td_buffer_reserve(p->device, &p->entries, *items * entries, error);
-    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->order, *items * order, error);
-    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->found, *items * places * sizeof(cl_int), error);
-    return status;
+    tides_status status = td_buffer_reserve(p->device, &p->entries, *items * reals, error);
+    return status == TIDES_OK ? td_buffer_reserve(p->device, &p->order, *items * ints, error) : status;
 }
 
 /* Points and chunks to the device; columns follow one another, `stride` apart. */
@@ -170,21 +169,21 @@ static tides_status send_batch(opencl_points *p, const td_points_batch *batch, s
     return status;
 }
 
-static tides_status launch_values(opencl_points *p, const td_points_batch *batch, size_t items, cl_int stride,
+static tides_status launch_values(opencl_points *p, const td_points_batch *batch, size_t items, cl_int rows, cl_int stride,
                                   tides_error *error) {
     size_t local = on_gpu(p) ? GPU_GROUP : 1;
     const cl_int chunks = batch->chunk_count;
     const cl_double backdrop = batch->backdrop, backdrop_dot = batch->backdrop_dot;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),    TD_BUFFER_ARGUMENT(p->tiles),
-                                     TD_BUFFER_ARGUMENT(p->counts),   TD_BUFFER_ARGUMENT(p->path),
-                                     TD_BUFFER_ARGUMENT(p->curves),   TD_VALUE_ARGUMENT(p->pieces),
-                                     TD_BUFFER_ARGUMENT(p->gaussian), TD_BUFFER_ARGUMENT(p->blocks),
-                                     TD_BUFFER_ARGUMENT(p->power),    TD_BUFFER_ARGUMENT(p->columns),
-                                     TD_VALUE_ARGUMENT(stride),       TD_BUFFER_ARGUMENT(p->piece),
-                                     TD_BUFFER_ARGUMENT(p->chunks),   TD_VALUE_ARGUMENT(chunks),
-                                     TD_BUFFER_ARGUMENT(p->entries),  TD_BUFFER_ARGUMENT(p->order),
-                                     TD_BUFFER_ARGUMENT(p->found),    TD_VALUE_ARGUMENT(p->longest),
-                                     TD_VALUE_ARGUMENT(backdrop),     TD_VALUE_ARGUMENT(backdrop_dot),
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),        TD_BUFFER_ARGUMENT(p->tiles),
+                                     TD_BUFFER_ARGUMENT(p->counts),       TD_BUFFER_ARGUMENT(p->curves),
+                                     TD_VALUE_ARGUMENT(p->slices.pieces), TD_VALUE_ARGUMENT(p->slices.count),
+                                     TD_VALUE_ARGUMENT(p->slices.split),  TD_VALUE_ARGUMENT(p->slices.group),
+                                     TD_BUFFER_ARGUMENT(p->listed),       TD_BUFFER_ARGUMENT(p->tests),
+                                     TD_BUFFER_ARGUMENT(p->columns),      TD_VALUE_ARGUMENT(stride),
+                                     TD_BUFFER_ARGUMENT(p->piece),        TD_BUFFER_ARGUMENT(p->chunks),
+                                     TD_VALUE_ARGUMENT(chunks),           TD_BUFFER_ARGUMENT(p->entries),
+                                     TD_BUFFER_ARGUMENT(p->order),        TD_VALUE_ARGUMENT(rows),
+                                     TD_VALUE_ARGUMENT(backdrop),         TD_VALUE_ARGUMENT(backdrop_dot),
                                      TD_BUFFER_ARGUMENT(p->values)};
     return td_launch(p->device, p->value_kernel, 1, &items, &local, arguments, (cl_uint)(sizeof arguments / sizeof *arguments),
                      NULL, error);
@@ -194,9 +193,10 @@ static tides_status values(td_points_engine *engine, const td_points_batch *batc
     opencl_points *p = (opencl_points *)engine;
     const size_t stride = (size_t)batch->count + TD_PAD; /* the last lanes read a little further */
     size_t items;
-    tides_status status = reserve_rooms(p, batch->chunk_count, &items, error);
+    int rows;
+    tides_status status = reserve_rooms(p, batch->chunk_count, &items, &rows, error);
     if (status == TIDES_OK) status = send_batch(p, batch, stride, error);
-    if (status == TIDES_OK) status = launch_values(p, batch, items, (cl_int)stride, error);
+    if (status == TIDES_OK) status = launch_values(p, batch, items, rows, (cl_int)stride, error);
     if (status == TIDES_OK && batch->count > 0)
         status = td_buffer_read(p->device, &p->values, out, 2 * (size_t)batch->count * sizeof *out, error);
     return td_finish(p->device, status, error);
@@ -204,10 +204,9 @@ static tides_status values(td_points_engine *engine, const td_points_batch *batc
 
 static void destroy(td_points_engine *engine) {
     opencl_points *p = (opencl_points *)engine;
-    td_buffer *buffers[] = {&p->first,     &p->piece_lengths, &p->misfits, &p->image,      &p->path,    &p->row,    &p->curves,
-                            &p->strongest, &p->power,         &p->lengths, &p->candidates, &p->tiles,   &p->wanted, &p->reached,
-                            &p->keys,      &p->gaussian,      &p->blocks,  &p->counts,     &p->columns, &p->piece,  &p->chunks,
-                            &p->values,    &p->entries,       &p->order,   &p->found};
+    td_buffer *buffers[] = {&p->first,      &p->piece_lengths, &p->misfits, &p->image,  &p->path,   &p->row,     &p->curves,
+                            &p->candidates, &p->lengths,       &p->tiles,   &p->wanted, &p->keys,   &p->listed,  &p->tests,
+                            &p->counts,     &p->columns,       &p->piece,   &p->chunks, &p->values, &p->entries, &p->order};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     if (p->misfit_kernel) clReleaseKernel(p->misfit_kernel);
     if (p->curve_kernel) clReleaseKernel(p->curve_kernel);
@@ -259,7 +258,7 @@ static tides_status warm_up(opencl_points *p, tides_error *error) {
                                          .gaussians = 1,
                                          .row = none,
                                          .lengths = no_length,
-                                         .pieces = 1,
+                                         .slices = {1, 1, 0, 1},
                                          .candidates = none,
                                          .candidate_count = 1,
                                          .tiles = &nothing,

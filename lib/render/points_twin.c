@@ -12,8 +12,7 @@
 
 /* A splat's place in its tile's list. */
 typedef struct twin_key {
-    double depth, power;
-    int gaussian, blocks;
+    int depth, place, path;
 } twin_key;
 
 typedef struct twin {
@@ -21,13 +20,13 @@ typedef struct twin {
     td_image image;
     td_points_interval interval;
     double *rows, *curves;
-    int *gaussian, *blocks; /* (candidate_count) the lists */
-    double *power;
-    int *count; /* (tile_count) splats of each */
+    int *listed;  /* (candidate_count) the lists */
+    float *tests; /* (candidate_count x slices x TD_TEST_REALS) */
+    int *count;   /* (tile_count) splats of each */
     twin_key *keys;
-    double *entries; /* td_point_room */
-    int *order, *found;
-    size_t list_capacity[4], curve_capacity, rows_capacity, key_capacity, room_capacity[3];
+    double *reals; /* of td_point_room */
+    int *ints;
+    size_t list_capacity[3], curve_capacity, rows_capacity, key_capacity, room_capacity[2];
 } twin;
 
 typedef char td_point_tile_is_as_here[sizeof(td_point_tile) == sizeof(td_points_tile) ? 1 : -1];
@@ -36,11 +35,12 @@ typedef char td_point_chunk_is_as_here[sizeof(td_point_chunk) == sizeof(td_point
 static int key_order(const void *a, const void *b) {
     const twin_key *x = a, *y = b;
     if (x->depth != y->depth) return x->depth < y->depth ? -1 : 1;
-    return x->gaussian < y->gaussian ? -1 : x->gaussian > y->gaussian;
+    return x->place < y->place ? -1 : x->place > y->place;
 }
 
 static td_point_paths paths_of(const twin *t) {
-    const td_point_paths paths = {t->interval.path, t->curves, t->interval.pieces};
+    const td_points_slices *s = &t->interval.slices;
+    const td_point_paths paths = {t->interval.path, t->curves, {s->pieces, s->count, s->split, s->group}};
     return paths;
 }
 
@@ -66,11 +66,10 @@ static tides_status misfits(td_points_engine *engine, const td_points_misfits *r
 static tides_status begin(td_points_engine *engine, const td_points_interval *interval, tides_error *error) {
     twin *t = (twin *)engine;
     size_t candidates = (size_t)interval->candidate_count, tiles = (size_t)interval->tile_count;
+    size_t tests = candidates * (size_t)interval->slices.count * TD_TEST_REALS, *capacity = t->list_capacity;
     t->interval = *interval;
-    tides_status status = td_reserve((void **)&t->gaussian, &t->list_capacity[0], candidates, sizeof *t->gaussian, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&t->blocks, &t->list_capacity[1], candidates, sizeof *t->blocks, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&t->power, &t->list_capacity[3], candidates, sizeof *t->power, error);
+    tides_status status = td_reserve((void **)&t->listed, &capacity[0], candidates, sizeof *t->listed, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&t->tests, &capacity[1], tests, sizeof *t->tests, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&t->curves, &t->curve_capacity, (size_t)interval->curves * TD_CURVE_REALS,
                             sizeof *t->curves, error);
@@ -79,28 +78,34 @@ static tides_status begin(td_points_engine *engine, const td_points_interval *in
         td_point_curve(t->rows + (size_t)interval->row[2 * i] * TD_PATH_STRIDE,
                        t->rows + (size_t)interval->row[2 * i + 1] * TD_PATH_STRIDE, interval->lengths[i],
                        t->curves + (size_t)i * TD_CURVE_REALS);
-    if (status == TIDES_OK) status = td_reserve((void **)&t->count, &t->list_capacity[2], tiles, sizeof *t->count, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&t->count, &capacity[2], tiles, sizeof *t->count, error);
     return status;
 }
 
-static void make_list(twin *t, int tile) {
+static td_point_tile tile_of(const twin *t, int tile) {
     const td_points_tile *job = &t->interval.tiles[tile];
     const td_point_tile place = {job->x, job->y, job->first, job->count};
+    return place;
+}
+
+static void make_list(twin *t, int number) {
+    const td_point_tile tile = tile_of(t, number);
     const td_point_paths paths = paths_of(t);
     int count = 0;
-    for (int i = job->first; i < job->first + job->count; i++) {
-        twin_key key;
-        key.gaussian = t->interval.candidates[i];
-        key.blocks = td_point_candidates(&paths, &t->image, &place, key.gaussian, &key.depth, &key.power);
-        if (key.blocks) t->keys[count++] = key;
+    for (int i = tile.first; i < tile.first + tile.count; i++) {
+        const int gaussian = t->interval.candidates[i], path = gaussian < 0 ? -1 : t->interval.path[gaussian];
+        if (path >= 0) t->keys[count++] = (twin_key){td_point_depth_key(&paths, path), i, path};
     }
     qsort(t->keys, (size_t)count, sizeof *t->keys, key_order);
-    for (int i = 0; i < count; i++) {
-        t->gaussian[job->first + i] = t->keys[i].gaussian;
-        t->blocks[job->first + i] = t->keys[i].blocks;
-        t->power[job->first + i] = t->keys[i].power;
+    for (int i = 0; i < count; i++) t->listed[tile.first + i] = t->keys[i].path;
+    const int groups = (count + TD_PAD - 1) / TD_PAD;
+    for (int slice = 0; slice < paths.slices.count; slice++) {
+        float *tests = t->tests + td_point_tests_at(&tile, &paths.slices, slice);
+        for (int i = 0; i < groups * TD_PAD; i++)
+            td_point_make_tests(&paths, &t->image, &tile, slice, i < count ? t->keys[i].path : -1, tests + td_point_test_of(i));
+        td_point_find_fronts(tests, groups);
     }
-    t->count[tile] = count;
+    t->count[number] = count;
 }
 
 static tides_status lists(td_points_engine *engine, const int *tiles, int count, tides_error *error) {
@@ -114,47 +119,42 @@ static tides_status lists(td_points_engine *engine, const int *tiles, int count,
     return TIDES_OK;
 }
 
-/* Room for a list of `count` splats. */
-static tides_status reserve_room(twin *t, size_t count, tides_error *error) {
+static tides_status reserve_room(twin *t, size_t rows, tides_error *error) {
     size_t *capacity = t->room_capacity;
-    tides_status status =
-        td_reserve((void **)&t->entries, &capacity[0], (count + 1) * TD_POINT_ENTRY, sizeof *t->entries, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&t->order, &capacity[1], count + 1, sizeof *t->order, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&t->found, &capacity[2], count + 1, sizeof *t->found, error);
-    return status;
+    tides_status status = td_reserve((void **)&t->reals, &capacity[0], rows * TD_POINT_ROW_REALS, sizeof *t->reals, error);
+    return status == TIDES_OK ? td_reserve((void **)&t->ints, &capacity[1], rows * TD_POINT_ROW_INTS, sizeof *t->ints, error)
+                              : status;
 }
 
 static tides_status values(td_points_engine *engine, const td_points_batch *batch, double *out, tides_error *error) {
     twin *t = (twin *)engine;
     const td_point_paths paths = paths_of(t);
-    const td_point_lists all = {t->gaussian, t->blocks, t->power};
+    const td_point_lists all = {t->listed, t->tests};
     const td_point_arrays points = {batch->column[0], batch->column[1], batch->column[2], batch->column[3], batch->piece};
     for (int i = 0; i < batch->chunk_count; i++) {
         const td_points_chunk *given = &batch->chunks[i];
-        const td_points_tile *job = &t->interval.tiles[given->tile];
-        const td_point_tile tile = {job->x, job->y, job->first, t->count[given->tile]};
-        const td_point_chunk chunk = {given->tile, given->first, given->count, given->blocks};
-        tides_status status = reserve_room(t, (size_t)tile.count, error);
+        const td_point_tile tile = tile_of(t, given->tile);
+        const td_point_chunk chunk = {given->tile, given->first, given->count};
+        const int taken = t->count[given->tile], rows = taken + 1 + TD_POINT_BATCH;
+        tides_status status = reserve_room(t, (size_t)rows, error);
         if (status != TIDES_OK) return status;
-        const td_point_room room = {t->entries, t->order, t->found};
-        td_point_chunk_values(&chunk, &tile, &paths, &all, &points, &t->image, &room, batch->backdrop, batch->backdrop_dot,
-                              out);
+        const td_point_room room = td_point_room_at(t->reals, t->ints, rows);
+        td_point_chunk_values(&chunk, &tile, taken, &paths, &all, &points, &t->image, &room, batch->backdrop,
+                              batch->backdrop_dot, out);
     }
     return TIDES_OK;
 }
 
 static void destroy(td_points_engine *engine) {
     twin *t = (twin *)engine;
-    free(t->gaussian);
-    free(t->blocks);
-    free(t->power);
+    free(t->listed);
+    free(t->tests);
     free(t->rows);
     free(t->curves);
     free(t->count);
     free(t->keys);
-    free(t->entries);
-    free(t->order);
-    free(t->found);
+    free(t->reals);
+    free(t->ints);
     free(t);
 }
 

@@ -11,28 +11,34 @@
 #include "td_exact.h"
 #include "tides/device.h"
 
-enum { TD_POINT_TILE_INTS = 4, TD_POINT_CHUNK_INTS = 4, TD_POINT_COLUMNS = 4 };
+enum { TD_POINT_TILE_INTS = 4, TD_POINT_CHUNK_INTS = 3, TD_POINT_COLUMNS = 4 };
 
 /* A tile's candidates, or the splats of its list: td_point_tile of kernels/points.h. */
 typedef struct td_points_tile {
     int x, y, first, count;
 } td_points_tile;
 
-/* Points [first, first + count) of one tile, which are in `blocks` of it: td_point_chunk. */
+/* Points [first, first + count) of one tile: td_point_chunk. */
 typedef struct td_points_chunk {
-    int tile, first, count, blocks;
+    int tile, first, count;
 } td_points_chunk;
+
+/* How an interval is sliced: td_point_slices. */
+typedef struct td_points_slices {
+    int pieces, count, split, group;
+} td_points_slices;
 
 /* An interval. Everything is borrowed until the next one begins. */
 typedef struct td_points_interval {
-    const int *path; /* (gaussians) of each Gaussian of the store: its first curve * TD_PATH_LEVELS + level, or below 0 */
+    const int
+        *path; /* (gaussians) of each Gaussian of the store, rising: its first curve * TD_PATH_LEVELS + level, or below 0 */
     int gaussians;
     td_exact *exact; /* whose rows are wanted */
     int row_count;
     const int *row;        /* (2 x curves) the rows that each begins and ends with */
     const double *lengths; /* (curves) [s] */
     int curves;
-    int pieces;
+    td_points_slices slices;
     const int *candidates; /* (candidate_count) what tiles point into */
     int candidate_count;
     const td_points_tile *tiles; /* (tile_count) all of the image */

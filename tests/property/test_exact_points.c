@@ -191,10 +191,10 @@ static void test_points_outside_are_refused(void **state) {
 }
 
 /* The same bits from both classes, however the points are asked for. */
-static void check_devices(const random_recipe *recipe, double soft_depth) {
+static void check_devices(const random_recipe *recipe, double length, double soft_depth) {
     static td_point points[POINTS], turned[POINTS];
     static td_point_value all[POINTS], back[POINTS], twin[POINTS];
-    point_world w = open_world(recipe, "cpu", 0.005, soft_depth), c = open_world(recipe, "reference-f32", 0.005, soft_depth);
+    point_world w = open_world(recipe, "cpu", length, soft_depth), c = open_world(recipe, "reference-f32", length, soft_depth);
     scatter(&w, points);
     for (int i = 0; i < POINTS; i++) turned[i] = points[POINTS - 1 - i];
     be_exact(&w);
@@ -219,13 +219,39 @@ static void test_bits_of_any_device_and_order(void **state) {
         random_recipe recipe = recipe_of(seed);
         recipe.count = 500;
         recipe.spread = seed % 2 ? 4 : 1.5; /* 4: some are near the camera and behind it */
-        check_devices(&recipe, 1e-4);
-        check_devices(&recipe, seed % 2 ? 0 : 0.05);
+        check_devices(&recipe, 0.005, 1e-4);
+        check_devices(&recipe, 0.005, seed % 2 ? 0 : 0.05);
     }
+}
+
+/* Where a stack of splats lets no light through, those behind it aren't looked at: nothing that counts is lost. */
+static void test_behind_what_is_opaque(void **state) {
+    (void)state;
+    for (uint64_t seed = 1460; seed < 1462; seed++) {
+        random_recipe recipe = recipe_of(seed);
+        recipe.count = 800;
+        recipe.spread = 1;
+        recipe.opacity_min = 0.7;
+        recipe.opacity_max = 0.99;
+        check_against_frames(&recipe, 0, seed % 2 ? 0 : 1e-3, 1e-12, 1e-9);
+        check_devices(&recipe, 0.005, seed % 2 ? 0 : 1e-4);
+    }
+}
+
+/* An interval that a path's samples cut into pieces, in each of which it turns. */
+static void test_paths_with_corners(void **state) {
+    (void)state;
+    random_recipe recipe = recipe_of(1470);
+    recipe.count = 200;
+    recipe.spread = 1.2;
+    check_devices(&recipe, 0.45, 1e-4); /* samples at 0.5 s and 0.75 s */
+    check_against_frames(&recipe, 0.45, 1e-4, 1e-4, 0.1);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_bits_of_any_device_and_order),
+                                       cmocka_unit_test(test_behind_what_is_opaque),
+                                       cmocka_unit_test(test_paths_with_corners),
                                        cmocka_unit_test(test_pixels_of_the_double_reference),
                                        cmocka_unit_test(test_paths_are_as_good_as_they_say),
                                        cmocka_unit_test(test_rates_are_those_of_the_values),

@@ -1,0 +1,266 @@
+/* Which splats of a tile's list a point may see (points.h), asked of sixteen of them at once in single precision.
+ *
+ * In a slice of the interval a splat is tested as an ellipse that moves along a line at constant speed and holds all that it
+ * is in that slice: with P the most that d^T Q d comes to where anything is seen, the matrix S = P (covariance + spread)
+ * and what the centre is off the line, both from bounds of its curves (Bezier control points); a point at d from the line may
+ * see it only where d^T S^-1 d <= 1. Whether it does is asked again in double precision (point_splats.h), so that nothing but
+ * time depends on how wide these are. */
+#ifndef TD_POINT_TESTS_H
+#define TD_POINT_TESTS_H
+
+#include "point_lists.h"
+
+/* A test, from the tile's top left corner: the centre and its way in the slice; d^T S^-1 d = a dx^2 + b dx dy + c dy^2, where a
+ * isn't a number nothing is seen; the least depth. Tests of TD_PAD places go together, [slice][group][TD_TEST_REALS][TD_PAD];
+ * the first depth of a group is the least of all from there on. */
+enum { TD_T_U = 0, TD_T_U_WAY, TD_T_V, TD_T_V_WAY, TD_T_A, TD_T_B, TD_T_C, TD_T_DEPTH, TD_TEST_REALS };
+
+TD_INLINE size_t td_point_tests_at(const td_point_tile *tile, const td_point_slices *slices, int slice) {
+    return ((size_t)tile->first * (size_t)slices->count + (size_t)slice * (size_t)tile->count) * TD_TEST_REALS;
+}
+
+/* Where those of a place are among them. */
+TD_INLINE int td_point_test_of(int place) { return place / TD_PAD * (TD_PAD * TD_TEST_REALS) + place % TD_PAD; }
+
+/* -- making -------------------------------------------------------------------------------------------------------- */
+
+/* A number's Bezier control points on a part of its curve. */
+typedef struct td_point_arc {
+    td_lanes a, b, c, d;
+} td_point_arc;
+
+/* TD_LANES curves, and the parts of them. */
+typedef struct td_point_bent {
+    td_point_eight a0, a1, a2, a3;
+    td_lanes from, part;
+} td_point_bent;
+
+TD_INLINE td_point_arc td_point_bend(const td_point_bent *on, int k) {
+    const td_real third = TD_REAL(0.33333333333333333);
+    td_lanes a0 = td_point_pick(&on->a0, k), a1 = td_point_pick(&on->a1, k), a2 = td_point_pick(&on->a2, k);
+    td_lanes a3 = td_point_pick(&on->a3, k), from = on->from, to = on->from + on->part, step = on->part * third;
+    td_point_arc arc;
+    arc.a = td_fma(td_fma(td_fma(a3, from, a2), from, a1), from, a0);
+    arc.d = td_fma(td_fma(td_fma(a3, to, a2), to, a1), to, a0);
+    arc.b = td_fma(td_fma(td_fma(3 * a3, from, 2 * a2), from, a1), step, arc.a);
+    arc.c = td_fma(td_fma(td_fma(3 * a3, to, 2 * a2), to, a1), -step, arc.d);
+    return arc;
+}
+
+typedef struct td_point_range {
+    td_lanes low, high;
+} td_point_range;
+
+/* Widens a range by an arc's, with a margin for rounding. */
+TD_INLINE void td_point_widen(const td_point_bent *on, int k, td_point_range *range) {
+    td_point_arc p = td_point_bend(on, k);
+    td_lanes low = td_smaller(td_smaller(p.a, p.b), td_smaller(p.c, p.d));
+    td_lanes high = td_larger(td_larger(p.a, p.b), td_larger(p.c, p.d));
+    td_lanes margin = TD_REAL(1e-6) * td_larger(td_size(low), td_size(high));
+    range->low = td_smaller(range->low, low - margin);
+    range->high = td_larger(range->high, high + margin);
+}
+
+/* A centre's line, start + w way for w in [0, 1] in the slice, and how far the centre may be off it. */
+typedef struct td_point_line {
+    td_lanes start, way, off;
+} td_point_line;
+
+/* Of an arc from w = begin, `length` long; the first one sets the line. */
+TD_INLINE void td_point_follow(const td_point_bent *on, int k, int is_first, td_lanes begin, td_lanes length,
+                               td_point_line *line) {
+    const td_real third = TD_REAL(0.33333333333333333);
+    td_point_arc p = td_point_bend(on, k);
+    if (is_first) {
+        line->start = p.a;
+        line->way = (p.d - p.a) / length;
+        line->off = td_splat(0.0f);
+    }
+    td_lanes at = td_fma(begin, line->way, line->start), step = length * third * line->way;
+    td_lanes ends = td_larger(td_size(p.a - at), td_size(p.d - (at + 3 * step)));
+    td_lanes middle = td_larger(td_size(p.b - (at + step)), td_size(p.c - (at + 2 * step)));
+    line->off = td_larger(line->off, td_larger(ends, middle));
+}
+
+/* What TD_LANES splats are in a slice. */
+typedef struct td_point_bounds {
+    td_point_line u, v;
+    td_point_range b, c, det, opacity, depth;
+} td_point_bounds;
+
+/* A splat's curves in a slice: `count` of them from `first`, or of one the part from `from` on; each is `length` of the
+ * slice. */
+typedef struct td_point_span {
+    int first, count;
+    td_real from, part, length;
+} td_point_span;
+
+TD_INLINE td_point_span td_point_spans(const td_point_slices *slices, int slice, int path) {
+    td_point_span span;
+    int level = path & (TD_PATH_LEVELS - 1), up = level - slices->split, start = slice * slices->group;
+    int pieces = slices->pieces - start < slices->group ? slices->pieces - start : slices->group;
+    if (slices->split) start = slice, pieces = 1;
+    span.first = (up < 0 ? start >> -up : start << up) + path / TD_PATH_LEVELS;
+    span.count = up < 0 ? 1 : pieces << up;
+    span.part = up < 0 ? 1 / (td_real)(1 << -up) : 1;
+    span.from = up < 0 ? (td_real)(slice & ((1 << -up) - 1)) * span.part : 0;
+    span.length = up < 0 ? 1 : 1 / (td_real)(slices->group << up);
+    return span;
+}
+
+TD_INLINE td_point_bounds td_point_find_bounds(const td_point_paths *paths, int slice, td_index path) {
+    td_point_bounds bounds;
+    td_point_range none = {td_splat(TD_REAL(1e30)), td_splat(TD_REAL(-1e30))};
+    bounds.b = bounds.c = bounds.det = bounds.opacity = bounds.depth = none;
+    int mine[TD_LANES], first[TD_LANES], count[TD_LANES], at[TD_LANES], most = 1;
+    td_real from[TD_LANES], part[TD_LANES], length[TD_LANES], begin[TD_LANES];
+    td_index_lanes(td_not_below_0(path), mine);
+    for (int lane = 0; lane < TD_LANES; lane++) {
+        td_point_span span = td_point_spans(&paths->slices, slice, mine[lane]);
+        first[lane] = span.first, count[lane] = span.count;
+        from[lane] = span.from, part[lane] = span.part, length[lane] = span.length;
+        most = span.count > most ? span.count : most;
+    }
+    for (int k = 0; k < most; k++) {
+        td_point_bent on;
+        for (int lane = 0; lane < TD_LANES; lane++) {
+            int own = k < count[lane] ? k : count[lane] - 1;
+            at[lane] = (first[lane] + own) * TD_CURVE_REALS;
+            begin[lane] = (td_real)own * length[lane];
+        }
+        on.a0 = td_point_load_eight(paths->curves, at), on.a1 = td_point_load_eight(paths->curves + TD_PATH_NUMBERS, at);
+        on.a2 = td_point_load_eight(paths->curves + 2 * TD_PATH_NUMBERS, at);
+        on.a3 = td_point_load_eight(paths->curves + 3 * TD_PATH_NUMBERS, at);
+        on.from = td_collect(from), on.part = td_collect(part);
+        td_point_follow(&on, TD_P_U, k == 0, td_collect(begin), td_collect(length), &bounds.u);
+        td_point_follow(&on, TD_P_V, k == 0, td_collect(begin), td_collect(length), &bounds.v);
+        td_point_widen(&on, TD_P_B, &bounds.b), td_point_widen(&on, TD_P_C, &bounds.c);
+        td_point_widen(&on, TD_P_DET, &bounds.det), td_point_widen(&on, TD_P_OPACITY, &bounds.opacity);
+        td_point_widen(&on, TD_P_DEPTH, &bounds.depth);
+    }
+    return bounds;
+}
+
+/* S, an ellipse {d: d^T S^-1 d <= 1}. */
+typedef struct td_point_ellipse {
+    td_lanes xx, xy, yy;
+} td_point_ellipse;
+
+/* Holds P times each of the covariances and what the centre is off: the middle of their ranges; its distance to any of them is
+ * an ellipse within a circle. The sum of an ellipse and a circle of radius r is within (1 + h) of the ellipse + (1 + 1/h) r^2,
+ * for any h. */
+TD_INLINE td_point_ellipse td_point_hold(const td_point_bounds *of, td_lanes power) {
+    const td_real more = TD_REAL(0.01);
+    td_point_ellipse s;
+    td_lanes none = td_splat(0.0f), least = td_larger(none, td_larger(of->b.low, -of->b.high));
+    td_lanes most = td_larger(td_size(of->b.low), td_size(of->b.high));
+    td_lanes low = td_fma(least, least, td_larger(of->det.low, none)) / of->c.high;
+    td_lanes high = td_fma(most, most, of->det.high) / of->c.low;
+    td_lanes spread = 0.5f * (td_larger(high - low, of->c.high - of->c.low) + (of->b.high - of->b.low));
+    td_lanes far = (td_size(of->u.start) + td_size(of->u.way)) + (td_size(of->v.start) + td_size(of->v.way));
+    td_lanes round = TD_REAL(3e-7) * (far + 2 * (td_real)TD_TILE); /* of singles */
+    td_lanes off = td_fma(of->u.off, of->u.off, of->v.off * of->v.off) + round * round;
+    td_lanes scale = (1 + more) * power, circle = td_fma(scale, spread, 2 * (1 + 1 / more) * off);
+    s.xx = td_fma(scale, 0.5f * (low + high), circle);
+    s.yy = td_fma(scale, 0.5f * (of->c.low + of->c.high), circle);
+    s.xy = scale * (0.5f * (of->b.low + of->b.high));
+    return s;
+}
+
+/* May a line's splats, `wide` to both sides, be at the pixels from `edge` on? */
+TD_INLINE td_mask td_point_meets(const td_point_line *line, td_lanes wide) {
+    td_lanes reach = td_sqrt(wide) + (line->off + TD_REAL(0.01)), end = line->start + line->way;
+    td_mask begins = td_smaller(line->start, end) - reach<(td_real)TD_TILE, ends = td_larger(line->start, end) + reach> 0.0f;
+    return begins & ends;
+}
+
+TD_INLINE void td_point_store_test(TD_GLOBAL float *tests, int k, td_lanes value) {
+#if TD_LANES == 1
+    tests[k * TD_PAD] = (float)value;
+#else
+    TD_JOIN(vstore, TD_LANES)(TD_JOIN(convert_float, TD_LANES)(value), 0, tests + k * TD_PAD);
+#endif
+}
+
+/* Makes the tests of TD_LANES neighbouring places, whose paths are `path`, in a slice. */
+TD_INLINE void td_point_make_tests(const td_point_paths *paths, const td_image *image, const td_point_tile *tile, int slice,
+                                   td_index path, TD_GLOBAL float *tests) {
+    td_real cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
+    td_lanes none = td_splat(0.0f), one = td_splat(1.0f);
+    td_point_bounds of = td_point_find_bounds(paths, slice, path);
+    of.u.start = of.u.start - (td_real)tile->x;
+    of.v.start = of.v.start - (td_real)tile->y;
+    td_mask seen = (path >= 0) & (of.det.high > 0.0f) & (of.opacity.high > cut), known = seen & (of.c.low > 0.0f);
+    of.c.low = td_select(one, of.c.low, known);
+    td_lanes power = td_fma(2.0f * td_log(td_select(one, of.opacity.high / cut, seen)), TD_REAL(1.0001), TD_REAL(1e-6));
+    td_point_ellipse s = td_point_hold(&of, power);
+    td_lanes product = s.xx * s.yy, det = td_fma(-s.xy, s.xy, product);
+    known = known & (det > TD_REAL(1e-12) * product) & (product < TD_REAL(1e30));
+    seen = seen & ((known == 0) | (td_point_meets(&of.u, s.xx) & td_point_meets(&of.v, s.yy)));
+    td_lanes under = td_fma(TD_REAL(2e-6), product, det); /* more than singles lose: each term is below product / det */
+    td_lanes inverse = td_select(none, 1 / td_select(one, under, known), known);
+    td_point_store_test(tests, TD_T_U, td_select(none, of.u.start, known));
+    td_point_store_test(tests, TD_T_U_WAY, td_select(none, of.u.way, known));
+    td_point_store_test(tests, TD_T_V, td_select(none, of.v.start, known));
+    td_point_store_test(tests, TD_T_V_WAY, td_select(none, of.v.way, known));
+    td_point_store_test(tests, TD_T_A, td_select(td_not_a_number(), td_select(none, s.yy * inverse, known), seen));
+    td_point_store_test(tests, TD_T_B, td_select(none, -2 * s.xy * inverse, known));
+    td_point_store_test(tests, TD_T_C, td_select(none, s.xx * inverse, known));
+    td_point_store_test(tests, TD_T_DEPTH, td_select(td_splat(TD_REAL(1e30)), of.depth.low, seen));
+}
+
+/* The least depth of a slice's groups and all behind. */
+TD_INLINE void td_point_find_fronts(TD_GLOBAL float *tests, int groups) {
+    float least = 1e30f;
+    for (int i = groups - 1; i >= 0; i--) {
+        TD_GLOBAL float *depth = tests + td_point_test_of(i * TD_PAD) + TD_T_DEPTH * TD_PAD;
+        for (int k = 0; k < TD_PAD; k++) least = depth[k] < least ? depth[k] : least;
+        depth[0] = least;
+    }
+}
+
+/* -- asking -------------------------------------------------------------------------------------------------------- */
+
+#if TD_LANES == 1
+typedef float td_point_wide;
+enum { TD_POINT_WIDE = 1 };
+#define td_point_wide_load(tests, k) ((tests)[(k)*TD_PAD])
+TD_INLINE int td_point_within(td_point_wide q) { return q <= 1.0f; }
+TD_INLINE int td_point_lowest(int bits) { return bits - 1; }
+#else
+typedef float16 td_point_wide;
+enum { TD_POINT_WIDE = 16 };
+#define td_point_wide_load(tests, k) vload16(0, (tests) + (k)*TD_PAD)
+TD_INLINE int td_point_within(td_point_wide q) {
+    int16 bits = (q <= 1.0f) & (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
+    int8 a = bits.lo | bits.hi;
+    int4 b = a.lo | a.hi;
+    int2 c = b.lo | b.hi;
+    return c.x | c.y;
+}
+TD_INLINE int td_point_lowest(int bits) { return (int)popcount((bits & -bits) - 1); } /* which bit it is */
+#endif
+
+/* Bit k: the point at (x, y), at w in the slice, may see the splat of place k. */
+TD_INLINE int td_point_ask(TD_GLOBAL const float *tests, float x, float y, float w) {
+    td_point_wide dx = x - (td_point_wide_load(tests, TD_T_U) + w * td_point_wide_load(tests, TD_T_U_WAY));
+    td_point_wide dy = y - (td_point_wide_load(tests, TD_T_V) + w * td_point_wide_load(tests, TD_T_V_WAY));
+    td_point_wide a = td_point_wide_load(tests, TD_T_A) * dx + td_point_wide_load(tests, TD_T_B) * dy;
+    return td_point_within(a * dx + td_point_wide_load(tests, TD_T_C) * dy * dy);
+}
+
+/* The least depth of all from a place's group on. */
+TD_INLINE float td_point_front(TD_GLOBAL const float *tests, int place) {
+    return tests[td_point_test_of(place / TD_PAD * TD_PAD) + TD_T_DEPTH * TD_PAD];
+}
+
+/* Which slice a point is in, and where in it, in [0, 1]. */
+TD_INLINE int td_point_slice(const td_point_slices *slices, int piece, td_real s, float *w) {
+    td_real way = slices->split ? s * (td_real)(1 << slices->split) : ((td_real)piece + s) / (td_real)slices->group;
+    int slice = slices->split ? (int)way : piece / slices->group;
+    slice = slice < slices->count - 1 ? slice : slices->count - 1;
+    *w = (float)(way - (td_real)slice);
+    return slice;
+}
+
+#endif
