@@ -28,16 +28,16 @@ typedef struct td_point_found {
     TD_GLOBAL td_real *way, *rate;
 } td_point_found;
 
-/* A cubic and its slope, by Horner's rule. */
-TD_INLINE void td_point_cubic(td_lanes a0, td_lanes a1, td_lanes a2, td_lanes a3, td_lanes s, td_lanes rate, td_lanes *value,
+/* A cubic and its slope in s, by Horner's rule. */
+TD_INLINE void td_point_cubic(td_lanes a0, td_lanes a1, td_lanes a2, td_lanes a3, td_lanes s, td_lanes *value,
                               td_lanes *slope) {
     td_lanes b2 = td_fma(a3, s, a2), b1 = td_fma(b2, s, a1);
     *value = td_fma(b1, s, a0);
-    *slope = td_fma(td_fma(a3, s, b2), s, b1) * rate;
+    *slope = td_fma(td_fma(a3, s, b2), s, b1);
 }
 
-/* The numbers of TD_LANES splats from number i on, and their rates. A curve's eight numbers lie side by side, so that a vector
- * takes them all: two blocks are turned over, where turning the coefficients would be four. */
+/* The numbers of TD_LANES splats from number i on, and their slopes in s. A curve's eight numbers lie side by side, so that a
+ * vector takes them all: two blocks are turned over, where turning the coefficients would be four. */
 TD_INLINE void td_point_numbers(TD_GLOBAL const td_real *curves, const td_point_found *found, int i, td_point_eight *value,
                                 td_point_eight *slope) {
     TD_GLOBAL const int *at = found->curve + i;
@@ -46,16 +46,15 @@ TD_INLINE void td_point_numbers(TD_GLOBAL const td_real *curves, const td_point_
 #define TD_POINT_BLOCK(lane, block) td_load_lanes(curves + at[lane] + (block)*TD_PATH_NUMBERS)
 #define TD_POINT_ROW(lane, x)                                                                                          \
     td_point_cubic(TD_POINT_BLOCK(lane, 0), TD_POINT_BLOCK(lane, 1), TD_POINT_BLOCK(lane, 2), TD_POINT_BLOCK(lane, 3), \
-                   td_splat(found->way[i + (lane)]), td_splat(found->rate[i + (lane)]), &v.x, &d.x)
+                   td_splat(found->way[i + (lane)]), &v.x, &d.x)
     TD_POINT_ROW(0, a), TD_POINT_ROW(1, b), TD_POINT_ROW(2, c), TD_POINT_ROW(3, d);
     TD_POINT_ROW(4, e), TD_POINT_ROW(5, f), TD_POINT_ROW(6, g), TD_POINT_ROW(7, h);
     *value = td_point_turn(&v), *slope = td_point_turn(&d);
 #else
-    td_lanes s = td_load_lanes(found->way + i), rate = td_load_lanes(found->rate + i);
+    td_lanes s = td_load_lanes(found->way + i);
 #define TD_POINT_TERM(block, k) TD_POINT_EACH(curves, at, (block)*TD_PATH_NUMBERS + (k))
-#define TD_POINT_NUMBER(k, x)                                                                                              \
-    td_point_cubic(TD_POINT_TERM(0, k), TD_POINT_TERM(1, k), TD_POINT_TERM(2, k), TD_POINT_TERM(3, k), s, rate, &value->x, \
-                   &slope->x)
+#define TD_POINT_NUMBER(k, x) \
+    td_point_cubic(TD_POINT_TERM(0, k), TD_POINT_TERM(1, k), TD_POINT_TERM(2, k), TD_POINT_TERM(3, k), s, &value->x, &slope->x)
     TD_POINT_NUMBER(0, a), TD_POINT_NUMBER(1, b), TD_POINT_NUMBER(2, c), TD_POINT_NUMBER(3, d);
     TD_POINT_NUMBER(4, e), TD_POINT_NUMBER(5, f), TD_POINT_NUMBER(6, g), TD_POINT_NUMBER(7, h);
 #endif
@@ -123,9 +122,9 @@ typedef struct td_point_entry {
     td_lanes takes, takes_dot, luminance, luminance_dot, depth, growth;
 } td_point_entry;
 
-/* TD_LANES splats with these numbers; nothing comes of what can't be seen there. */
-TD_INLINE td_point_view td_point_see(const td_image *image, const td_point_eight *value, const td_point_eight *slope, td_real x,
-                                     td_real y) {
+/* TD_LANES splats with these numbers, whose slopes are in s; rate: s by time. Nothing comes of what can't be seen there. */
+TD_INLINE td_point_view td_point_see(const td_image *image, const td_point_eight *value, const td_point_eight *slope,
+                                     td_lanes rate, td_real x, td_real y) {
     td_point_view view;
     td_point_form form = td_point_forms(value, x, y);
     td_dual z = td_dual_make(td_point_pick(value, TD_P_DEPTH), td_point_pick(slope, TD_P_DEPTH));
@@ -138,9 +137,9 @@ TD_INLINE td_point_view td_point_see(const td_image *image, const td_point_eight
     td_lanes power = distance.v * TD_REAL(-0.72134752044448170368); /* log2(e) / 2 */
     view.power = td_select(td_splat(-1000.0f), power, there);
     view.opacity = opacity.v;
-    view.slope = td_fma(-0.5f * distance.d, opacity.v, opacity.d);
-    view.luminance = td_point_pick(value, TD_P_LUMINANCE), view.luminance_dot = td_point_pick(slope, TD_P_LUMINANCE);
-    view.depth = z.v, view.growth = z.d * (inverse * under);
+    view.slope = td_fma(-0.5f * distance.d, opacity.v, opacity.d) * rate;
+    view.luminance = td_point_pick(value, TD_P_LUMINANCE), view.luminance_dot = td_point_pick(slope, TD_P_LUMINANCE) * rate;
+    view.depth = z.v, view.growth = z.d * rate * (inverse * under);
     return view;
 }
 
@@ -167,13 +166,12 @@ enum { TD_POINT_BATCH = 64 };
 
 /* A work-item's own room: for each lane's point `rows` entries, the first of them of nothing, and their numbers front to back,
  * [place][lane]; steps of the light (point_light.h); and of the point that is looked at, a batch of views, what was found, and
- * depths and numbers front to back. */
+ * depths front to back. */
 typedef struct td_point_room {
     TD_GLOBAL td_real *entries; /* (TD_LANES x rows x TD_POINT_ENTRY) */
     TD_GLOBAL td_real *steps;   /* (rows x TD_POINT_STEP x TD_LANES) */
     TD_GLOBAL td_real *depth;   /* (rows) */
     TD_GLOBAL int *order;       /* (rows x TD_LANES) */
-    TD_GLOBAL int *number;      /* (rows) */
     td_point_found found;       /* (rows) */
     int rows;                   /* of the longest list, and 1 + TD_POINT_BATCH: a batch of views is where steps will be */
 } td_point_room;
@@ -182,7 +180,7 @@ typedef struct td_point_room {
 enum {
     TD_POINT_STEP = 8,
     TD_POINT_ROW_REALS = TD_LANES * (TD_POINT_ENTRY + TD_POINT_STEP) + 3,
-    TD_POINT_ROW_INTS = TD_LANES + 3
+    TD_POINT_ROW_INTS = TD_LANES + 2
 };
 TD_INLINE td_point_room td_point_room_at(TD_GLOBAL td_real *reals, TD_GLOBAL int *ints, int rows) {
     td_point_room room;
@@ -192,8 +190,7 @@ TD_INLINE td_point_room td_point_room_at(TD_GLOBAL td_real *reals, TD_GLOBAL int
     room.found.way = room.depth + rows;
     room.found.rate = room.found.way + rows;
     room.order = ints;
-    room.number = ints + rows * TD_LANES;
-    room.found.path = room.number + rows;
+    room.found.path = ints + rows * TD_LANES;
     room.found.curve = room.found.path + rows;
     room.rows = rows;
     return room;
@@ -249,14 +246,14 @@ TD_INLINE td_point_entry td_point_fetch(const td_point_room *room, TD_GLOBAL con
 
 /* Puts entry `number`, at depth z, in its place among `count`: mostly the last. At equal depth, paths decide (td_point_lists).
  */
-TD_INLINE void td_point_insert(const td_point_room *room, int count, int number, td_real z) {
+TD_INLINE void td_point_insert(const td_point_room *room, int lane, int count, int number, td_real z) {
     TD_GLOBAL td_real *depth = room->depth;
-    TD_GLOBAL int *order = room->number, *path = room->found.path - 1; /* entries are counted from 1 */
+    TD_GLOBAL int *order = room->order + lane, *path = room->found.path - 1; /* entries are counted from 1 */
     int i = count;
-    for (; i > 0 && (depth[i - 1] > z || (depth[i - 1] == z && path[order[i - 1]] > path[number])); i--)
-        depth[i] = depth[i - 1], order[i] = order[i - 1];
+    for (; i > 0 && (depth[i - 1] > z || (depth[i - 1] == z && path[order[(i - 1) * TD_LANES]] > path[number])); i--)
+        depth[i] = depth[i - 1], order[i * TD_LANES] = order[(i - 1) * TD_LANES];
     depth[i] = z;
-    order[i] = number;
+    order[i * TD_LANES] = number;
 }
 
 /* A point on its way down its tile's list: where it is, splats seen; what they take in all, at least, as an optical depth; how
@@ -272,10 +269,10 @@ typedef struct td_point_eye {
 #define TD_POINT_OPAQUE 32
 
 /* Takes entry `number`, at depth z. */
-TD_INLINE void td_point_take(const td_image *image, const td_point_room *room, int number, td_real z, td_real takes,
+TD_INLINE void td_point_take(const td_image *image, const td_point_room *room, int lane, int number, td_real z, td_real takes,
                              td_point_eye *eye) {
     if (z >= eye->end) return;
-    td_point_insert(room, eye->seen++, number, z);
+    td_point_insert(room, lane, eye->seen++, number, z);
     eye->taken += takes;
     eye->far = z > eye->far ? z : eye->far;
     if (eye->taken < TD_POINT_OPAQUE || eye->end < TD_POINT_NEVER) return;
@@ -294,7 +291,7 @@ TD_INLINE void td_point_look(TD_GLOBAL const td_real *curves, const td_image *im
     for (int i = 0; i < count; i += TD_LANES) {
         td_point_eight value, slope;
         td_point_numbers(curves, &room->found, from + i, &value, &slope);
-        td_point_view view = td_point_see(image, &value, &slope, eye->x, eye->y);
+        td_point_view view = td_point_see(image, &value, &slope, td_load_lanes(room->found.rate + from + i), eye->x, eye->y);
         td_point_store_view(&view, room->steps + i * TD_POINT_VIEW);
     }
     for (int i = 0; i < count; i += TD_LANES) {
@@ -304,7 +301,7 @@ TD_INLINE void td_point_look(TD_GLOBAL const td_real *curves, const td_image *im
     }
     for (int k = 0; k < count; k++) {
         TD_GLOBAL const td_real *entry = entries + k * TD_POINT_ENTRY;
-        td_point_take(image, room, 1 + from + k, entry[TD_E_DEPTH], entry[TD_E_TAKES], eye);
+        td_point_take(image, room, lane, 1 + from + k, entry[TD_E_DEPTH], entry[TD_E_TAKES], eye);
     }
 }
 

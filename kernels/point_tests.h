@@ -221,32 +221,44 @@ TD_INLINE void td_point_find_fronts(TD_GLOBAL float *tests, int groups) {
 
 /* -- asking -------------------------------------------------------------------------------------------------------- */
 
+/* Places are asked TD_POINT_ASKED at a time: two groups, whose bits are brought together as one. */
 #if TD_LANES == 1
 typedef float td_point_wide;
-enum { TD_POINT_WIDE = 1 };
+typedef int td_point_bits;
+enum { TD_POINT_ASKED = 1 };
 #define td_point_wide_load(tests, k) ((tests)[(k)*TD_PAD])
-TD_INLINE int td_point_within(td_point_wide q) { return q <= 1.0f; }
-TD_INLINE int td_point_lowest(int bits) { return bits - 1; }
+TD_INLINE int td_point_lowest(td_point_bits bits) { return bits - 1; }
 #else
 typedef float16 td_point_wide;
-enum { TD_POINT_WIDE = 16 };
+typedef uint td_point_bits;
+enum { TD_POINT_ASKED = 2 * TD_PAD };
 #define td_point_wide_load(tests, k) vload16(0, (tests) + (k)*TD_PAD)
-TD_INLINE int td_point_within(td_point_wide q) {
-    int16 bits = (q <= 1.0f) & (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
-    int8 a = bits.lo | bits.hi;
-    int4 b = a.lo | a.hi;
-    int2 c = b.lo | b.hi;
-    return c.x | c.y;
-}
-TD_INLINE int td_point_lowest(int bits) { return (int)popcount((bits & -bits) - 1); } /* which bit it is */
+TD_INLINE int td_point_lowest(td_point_bits bits) { return (int)popcount((bits & -bits) - 1); } /* which one it is */
 #endif
 
-/* Bit k: the point at (x, y), at w in the slice, may see the splat of place k. */
-TD_INLINE int td_point_ask(TD_GLOBAL const float *tests, float x, float y, float w) {
+/* d^T S^-1 d of a group's splats, for the point at (x, y), at w in the slice. */
+TD_INLINE td_point_wide td_point_distances(TD_GLOBAL const float *tests, float x, float y, float w) {
     td_point_wide dx = x - (td_point_wide_load(tests, TD_T_U) + w * td_point_wide_load(tests, TD_T_U_WAY));
     td_point_wide dy = y - (td_point_wide_load(tests, TD_T_V) + w * td_point_wide_load(tests, TD_T_V_WAY));
     td_point_wide a = td_point_wide_load(tests, TD_T_A) * dx + td_point_wide_load(tests, TD_T_B) * dy;
-    return td_point_within(a * dx + td_point_wide_load(tests, TD_T_C) * dy * dy);
+    return a * dx + td_point_wide_load(tests, TD_T_C) * dy * dy;
+}
+
+/* Bit k: it may see the splat of place i + k. */
+TD_INLINE td_point_bits td_point_ask(TD_GLOBAL const float *tests, int i, int taken, float x, float y, float w) {
+    TD_GLOBAL const float *group = tests + td_point_test_of(i);
+#if TD_LANES == 1
+    (void)taken;
+    return td_point_distances(group, x, y, w) <= 1.0f;
+#else
+    const int16 ones = (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
+    int16 bits = (td_point_distances(group, x, y, w) <= 1.0f) & ones;
+    if (i + TD_PAD < taken) bits |= (td_point_distances(group + TD_PAD * TD_TEST_REALS, x, y, w) <= 1.0f) & (ones << TD_PAD);
+    int8 a = bits.lo | bits.hi;
+    int4 b = a.lo | a.hi;
+    int2 c = b.lo | b.hi;
+    return (uint)(c.x | c.y);
+#endif
 }
 
 /* The least depth of all from a place's group on. */

@@ -3,8 +3,9 @@
  * A point has a list of its own: of its tile's splats those that a quick test leaves (point_tests.h), of these those that it
  * sees, TD_LANES at a time, each on its curve at the point's time (point_splats.h), in the order of that time: splats change
  * places rarely, so that the tile's order is nearly it. Then light goes down the lists of TD_LANES points together
- * (point_light.h). What a point gets depends on nothing but itself. Every splat counts: there's no stop rule, and where the
- * image's drops splats, or its extent isn't the ellipse, there are no points (lib/render/points.c says so). */
+ * (point_light.h). What a point gets depends on nothing but itself. Every splat counts but those behind what is opaque
+ * (TD_POINT_OPAQUE): the image's stop rule doesn't; where it drops splats, or the extent isn't the ellipse, there are no points
+ * (lib/render/points.c says so). */
 #ifndef TD_POINTS_H
 #define TD_POINTS_H
 
@@ -23,8 +24,8 @@ TD_INLINE int td_point_list(const td_point_paths *paths, const td_point_lists *l
         lists->tests + td_point_tests_at(tile, &paths->slices, td_point_slice(&paths->slices, piece, s, &w));
     td_point_weights(s, points->h[point], piece, way, rate, number);
     for (int i = 0; i < taken && td_point_front(tests, i) < (float)eye.end;) {
-        for (; i < taken && count - done <= TD_POINT_BATCH - TD_POINT_WIDE; i += TD_POINT_WIDE)
-            for (int bits = td_point_ask(tests + td_point_test_of(i), x, y, w); bits; bits &= bits - 1) {
+        for (; i < taken && count - done <= TD_POINT_BATCH - TD_POINT_ASKED; i += TD_POINT_ASKED)
+            for (td_point_bits bits = td_point_ask(tests, i, taken, x, y, w); bits; bits &= bits - 1) {
                 int path = listed[i + td_point_lowest(bits)], level = path & (TD_PATH_LEVELS - 1);
                 room->found.path[count] = path;
                 room->found.curve[count] = (path / TD_PATH_LEVELS + number[level]) * TD_CURVE_REALS;
@@ -34,7 +35,6 @@ TD_INLINE int td_point_list(const td_point_paths *paths, const td_point_lists *l
         td_point_look(paths->curves, image, room, lane, done, count - done, &eye);
         done = count;
     }
-    for (int i = 0; i < eye.seen; i++) room->order[i * TD_LANES + lane] = room->number[i];
     return eye.seen;
 }
 

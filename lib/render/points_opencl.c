@@ -144,7 +144,7 @@ static tides_status lists(td_points_engine *engine, const int *tiles, int count,
 /* Work-items for so many chunks, and their rooms. */
 static tides_status reserve_rooms(opencl_points *p, int chunks, size_t *items, int *rows, tides_error *error) {
     const size_t lanes = (size_t)p->base.lanes, places = ((size_t)p->longest + 1 + BATCH + 7) / 8 * 8;
-    const size_t reals = places * (lanes * ROW_REALS + 3) * sizeof(cl_double), ints = places * (lanes + 3) * sizeof(cl_int);
+    const size_t reals = places * (lanes * ROW_REALS + 3) * sizeof(cl_double), ints = places * (lanes + 2) * sizeof(cl_int);
     size_t most = on_gpu(p) ? GPU_WORKERS : (size_t)CPU_WORKERS_PER_UNIT * (size_t)p->device->info.compute_units;
     if (most > room_limit / (reals + ints)) most = room_limit / (reals + ints);
     if (most > (size_t)chunks) most = (size_t)chunks;
