@@ -26,17 +26,20 @@ TD_INLINE void td_block_offsets(int first, td_lanes *x, td_lanes *y) {
 /* Splats whose alphas are worked out before any of them takes light: eight, after which it is asked whether to go on. */
 enum { TD_BATCH = TD_LANES < 8 ? TD_LANES : 8 };
 
-/* tau and tau_dot of a batch. Splats don't depend on each other here: what one waits for, the processor fills with others. */
+/* What td_splat_alpha has for a batch. Splats don't depend on each other here: while one waits, others go on. */
 TD_INLINE void td_batch_alphas(const td_list *list, const td_image *image, const int *place, int count,
-                               const td_composite *pixels, td_lanes *tau, td_lanes *tau_dot, td_mask *seen) {
+                               const td_composite *pixels, td_lanes *tau, td_lanes *tau_dot, td_lanes *wanted) {
     for (int k = 0; k < count; k++)
-        td_splat_alpha(td_list_record(list, place[k]), image, pixels, tau + k, tau_dot + k, seen + k);
+        td_splat_alpha(td_list_record(list, place[k]), image, pixels, tau + k, tau_dot + k, wanted + k);
 }
 
 /* a and a_dot of those that are soft: near the next, or reached by the one before. */
 TD_INLINE void td_batch_depths(const int *near, int open, int count, const td_lanes *tau, const td_lanes *tau_dot, td_lanes *a,
                                td_lanes *a_dot) {
     for (int k = 0; k < count; k++) {
+#if TD_LANES == 1
+        a[k] = a_dot[k] = 0; /* for compilers that can't see that it isn't read otherwise */
+#endif
         if (near[k] | open) td_optical_depth(tau[k], tau_dot[k], a + k, a_dot + k);
         open = near[k];
     }
@@ -45,19 +48,18 @@ TD_INLINE void td_batch_depths(const int *near, int open, int count, const td_la
 /* Blends splats [first, first + count) of a group. A splat with nobody near is blended as in hard order. */
 TD_INLINE void td_blend_batch(const td_list *list, const td_image *image, const td_group *group, int first, int count,
                               const td_soft_steps *steps, td_soft *soft, td_composite *pixels) {
-    td_lanes tau[TD_BATCH], tau_dot[TD_BATCH], a[TD_BATCH], a_dot[TD_BATCH];
-    td_mask seen[TD_BATCH];
-    td_batch_alphas(list, image, group->place + first, count, pixels, tau, tau_dot, seen);
+    td_lanes tau[TD_BATCH], tau_dot[TD_BATCH], wanted[TD_BATCH], a[TD_BATCH], a_dot[TD_BATCH];
+    td_batch_alphas(list, image, group->place + first, count, pixels, tau, tau_dot, wanted);
     if (image->soft_order) td_batch_depths(steps->near + first, soft->open, count, tau, tau_dot, a, a_dot);
     for (int k = 0; k < count; k++) {
         TD_GLOBAL const td_real *record = td_list_record(list, group->place[first + k]);
         TD_GLOBAL const td_real *colour = td_list_colour(list, image, group->place[first + k]);
-        td_admit(image, seen[k], pixels, tau + k, tau_dot + k, a + k, a_dot + k);
-        if (image->soft_order && (soft->open | steps->near[first + k])) {
-            td_blend_soft(record, colour, image, steps, first + k, a[k], a_dot[k], soft, pixels);
-        } else {
-            td_blend_alpha(record, colour, image, tau[k], tau_dot[k], pixels);
-        }
+        td_mask on = pixels->live;
+        if (image->soft_order) on = td_soft_admit(image, wanted[k], pixels, tau + k, tau_dot + k);
+        if (image->soft_order && (soft->open | steps->near[first + k]))
+            td_blend_soft(record, colour, image, steps, first + k, a[k], a_dot[k], on, soft, pixels);
+        else
+            td_blend_alpha(record, colour, image, tau[k], tau_dot[k], wanted[k], pixels);
     }
 }
 
@@ -101,10 +103,14 @@ TD_INLINE int td_composite_block(const td_job *job, const td_list *list, const t
     td_composite shown = pixels;
     if (td_with_decoder(image)) shown = td_develop(image, list->view, list->weights, &pixels);
     td_finish_signal(&shown, backdrop->luminance, backdrop->luminance_dot, image->log_eps, signal);
+    if (!td_with_rates(image)) { /* compilers leave out what nobody stores */
+        td_store_lanes(out, signal[2]);
+        return blended;
+    }
     td_store_lanes(out + TD_OUT_L * TD_BLOCK_PIXELS, signal[0]);
     td_store_lanes(out + TD_OUT_L_DOT * TD_BLOCK_PIXELS, signal[1]);
+    if (image->outputs > TD_OUT_Y) td_store_lanes(out + TD_OUT_Y * TD_BLOCK_PIXELS, signal[2]);
     if (td_with_diagnostics(image)) {
-        td_store_lanes(out + TD_OUT_Y * TD_BLOCK_PIXELS, signal[2]);
         td_store_lanes(out + TD_OUT_ALPHA * TD_BLOCK_PIXELS, 1 - pixels.transmittance);
         td_store_lanes(out + TD_OUT_ALPHA_DOT * TD_BLOCK_PIXELS, -pixels.transmittance_dot);
         td_store_lanes(out + TD_OUT_COVERAGE * TD_BLOCK_PIXELS, pixels.sums.weight);

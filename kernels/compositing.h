@@ -19,10 +19,10 @@ typedef struct td_composite {
     td_lanes x, y;                             /* pixel centres [px] */
     td_lanes transmittance, transmittance_dot; /* T, T_dot; 0 in lanes that have stopped early */
     td_lanes stopped, stopped_dot;             /* T, T_dot of those */
-    td_lanes behind;                           /* soft order: T behind all splats so far, for rules that drop splats */
+    td_lanes behind;                           /* soft order: T behind all splats so far, for rules that drop splats; 0 as T */
     td_sums sums;                              /* by blend weight: what the pixels show */
     td_lanes contributors;
-    td_mask live; /* not yet terminated */
+    td_mask live; /* BOUND: not yet terminated */
 } td_composite;
 
 /* What an alpha and its rate become: tau and tau_dot, and where they are above the cut. */
@@ -47,9 +47,11 @@ TD_INLINE int td_drops_splats(const td_image *image) {
     return image->stop_rule == TD_STOP_BELOW || image->stop_rule == TD_STOP_BELOW_OR_AT;
 }
 
-/* Splat alpha and rate at the pixels: tau and tau_dot (paper, Eq. 2 and 7), before rules that drop splats. */
+/* Splat alpha and rate at the pixels: tau and tau_dot (paper, Eq. 2 and 7), before rules that drop splats; what these want to
+ * be left behind the splat: the stop, or -1 where the pixel doesn't see it. */
 TD_INLINE void td_splat_alpha(TD_GLOBAL const td_real *record, const td_image *image, const td_composite *pixels, td_lanes *tau,
-                              td_lanes *tau_dot, td_mask *seen) {
+                              td_lanes *tau_dot, td_lanes *wanted) {
+    td_mask seen;
     td_lanes dx = pixels->x - record[TD_R_U], dy = pixels->y - record[TD_R_V];
     td_lanes power = td_fma(record[TD_R_QYY] * dy, dy, record[TD_R_LOG2_OPACITY]);
     power = td_fma(dx, td_fma(record[TD_R_QXX], dx, record[TD_R_QXY] * dy), power);
@@ -57,14 +59,16 @@ TD_INLINE void td_splat_alpha(TD_GLOBAL const td_real *record, const td_image *i
     rate = td_fma(dx, td_fma(record[TD_R_KXX], dx, td_fma(record[TD_R_KXY], dy, record[TD_R_KX])), rate);
     td_lanes alpha = td_exp2(power);
     td_lanes alpha_dot = alpha * rate;
-    td_cap_alpha(image, alpha, alpha_dot, tau, tau_dot, seen);
-    if (image->cut_rule == TD_CUT_TAPER || td_drops_splats(image)) return; /* 0 below the cut by itself; td_admit */
-    *tau = td_select(td_splat(0.0f), *tau, *seen);
-    *tau_dot = td_select(td_splat(0.0f), *tau_dot, *seen);
+    td_cap_alpha(image, alpha, alpha_dot, tau, tau_dot, &seen);
+    *wanted = td_select(td_splat(-1.0f), td_splat(image->stop), seen);
+    if (image->cut_rule == TD_CUT_TAPER) return; /* 0 below the cut by itself */
+    *tau = td_select(td_splat(0.0f), *tau, seen);
+    *tau_dot = td_select(td_splat(0.0f), *tau_dot, seen);
 }
 
-TD_INLINE td_mask td_above_stop(const td_image *image, td_lanes transmittance) {
-    return image->stop_rule == TD_STOP_BELOW ? transmittance >= image->stop : transmittance > image->stop;
+/* Where those rules blend a splat: by what is left behind it. In lanes that have stopped there's nothing. */
+TD_INLINE td_mask td_above_stop(const td_image *image, td_lanes left, td_lanes wanted) {
+    return image->stop_rule == TD_STOP_BELOW ? left >= wanted : left > wanted;
 }
 
 /* BOUND: the rest of the list can change L by more than `stop`: T times the brightest colour in the list against Y. */
@@ -76,7 +80,8 @@ TD_INLINE td_mask td_above_bound(const td_image *image, td_real brightest, const
 /* Can any lane still change? Asked at every eighth splat of a list. Lanes that can't by BOUND put their T aside: what comes is
  * in front of nothing then and changes nothing, so that lanes don't depend on their neighbours. */
 TD_INLINE int td_look_ahead(const td_image *image, td_real brightest, td_composite *pixels) {
-    if (td_drops_splats(image)) return image->soft_order || td_any(pixels->live); /* soft: what has begun must end */
+    if (td_drops_splats(image))
+        return image->soft_order || td_any(pixels->transmittance > 0.0f); /* soft: what has begun must end */
     if (image->stop_rule == TD_STOP_NONE) return 1;
     td_lanes none = td_splat(0.0f);
     pixels->live = td_above_bound(image, brightest, pixels);
@@ -87,24 +92,9 @@ TD_INLINE int td_look_ahead(const td_image *image, td_real brightest, td_composi
     return td_any(pixels->live);
 }
 
-/* The rules that drop splats, which need the light that is left: 0 in place of tau and its rate, and of a and its rate (soft
- * order), where the pixel doesn't blend this one. */
-TD_INLINE void td_admit(const td_image *image, td_mask seen, td_composite *pixels, td_lanes *tau, td_lanes *tau_dot,
-                        td_lanes *a, td_lanes *a_dot) {
-    if (td_drops_splats(image)) { /* every splat above the cut is tested */
-        td_lanes none = td_splat(0.0f), before = image->soft_order ? pixels->behind : pixels->transmittance;
-        td_mask on = pixels->live & td_above_stop(image, before * (1 - *tau));
-        pixels->live = td_select_mask(pixels->live, on, seen);
-        seen = seen & pixels->live;
-        *tau = td_select(none, *tau, seen);
-        *tau_dot = td_select(none, *tau_dot, seen);
-        if (image->soft_order) {
-            pixels->behind = td_fma(-before, *tau, before);
-            *a = td_select(none, *a, seen);
-            *a_dot = td_select(none, *a_dot, seen);
-        }
-    }
-    if (td_with_diagnostics(image)) pixels->contributors = pixels->contributors + td_mask_to_real(seen & pixels->live);
+/* Of those that blend a splat. */
+TD_INLINE void td_count(const td_image *image, td_mask blended, td_composite *pixels) {
+    if (td_with_diagnostics(image)) pixels->contributors = pixels->contributors + td_mask_to_real(blended);
 }
 
 /* Adds a splat w times to the sums; its colour record only where the image wants colour. */
@@ -140,16 +130,29 @@ TD_INLINE void td_add_weight(const td_image *image, td_lanes w, td_lanes w_dot, 
     if (td_with_colour(image)) sums->weight_dot = sums->weight_dot + w_dot;
 }
 
-/* Blends one splat of alpha tau in hard order (paper, Eq. 2 and 8). */
+/* Blends one splat of alpha tau in hard order (paper, Eq. 2 and 8). Where a rule drops it, T is put aside and is 0 from there
+ * on: with a mask of lanes each splat waited longer for the one before. */
 TD_INLINE void td_blend_alpha(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
-                              td_lanes tau, td_lanes tau_dot, td_composite *pixels) {
-    td_lanes t = pixels->transmittance, t_dot = pixels->transmittance_dot;
+                              td_lanes tau, td_lanes tau_dot, td_lanes wanted, td_composite *pixels) {
+    td_lanes none = td_splat(0.0f), t = pixels->transmittance, t_dot = pixels->transmittance_dot;
     td_lanes w = t * tau;
     td_lanes w_dot = td_fma(t, tau_dot, t_dot * tau);
-    td_accumulate(record, colour, image, w, w_dot, &pixels->sums);
-    td_add_weight(image, w, w_dot, &pixels->sums);
     pixels->transmittance = t - w;
     pixels->transmittance_dot = t_dot - w_dot;
+    if (td_drops_splats(image) && !image->soft_order) {
+        td_mask on = td_above_stop(image, t * (1 - tau), wanted);
+        w = td_select(none, w, on);
+        w_dot = td_select(none, w_dot, on);
+        pixels->transmittance = td_select(none, pixels->transmittance, on);
+        pixels->transmittance_dot = td_select(none, pixels->transmittance_dot, on);
+        pixels->stopped = pixels->stopped + td_select(t, none, on);
+        pixels->stopped_dot = pixels->stopped_dot + td_select(t_dot, none, on);
+        td_count(image, (wanted >= 0.0f) & on, pixels);
+    } else if (!image->soft_order) {
+        td_count(image, (wanted >= 0.0f) & pixels->live, pixels);
+    }
+    td_accumulate(record, colour, image, w, w_dot, &pixels->sums);
+    td_add_weight(image, w, w_dot, &pixels->sums);
 }
 
 TD_INLINE void td_sums_start(td_sums *sums, const td_image *image) {

@@ -38,12 +38,13 @@ enum {
     TD_R_K0, TD_R_KX, TD_R_KY, TD_R_KXX, TD_R_KXY, TD_R_KYY, TD_R_DEPTH, TD_R_DEPTH_DOT
 };
 
-/* Planes of a tile's output, TD_TILE_PIXELS reals each. SIGNAL: the first two only. */
+/* Planes of a tile's output, TD_TILE_PIXELS reals each, and how many there are. SIGNAL: the first two only. LUMINANCE: Y alone,
+ * as the first, and no rates: methods that see frames are to be as fast as they can be. */
 enum {
     TD_OUT_L = 0, TD_OUT_L_DOT,
     TD_OUT_Y, TD_OUT_ALPHA, TD_OUT_ALPHA_DOT, TD_OUT_COVERAGE, TD_OUT_CONTRIBUTORS,
     TD_OUT_R, TD_OUT_G, TD_OUT_B, TD_OUT_R_DOT, TD_OUT_G_DOT, TD_OUT_B_DOT, TD_OUT_Z, TD_OUT_Z_DOT,
-    TD_OUT_SIGNAL = 2, TD_OUT_DIAGNOSTICS = 7, TD_OUT_COLOUR = 15
+    TD_OUT_LUMINANCE = 1, TD_OUT_SIGNAL = 2, TD_OUT_SIGNAL_Y = 3, TD_OUT_DIAGNOSTICS = 7, TD_OUT_COLOUR = 15
 };
 
 /* Planes of ground truth (truth.h), of a pass of their own: flow [px/s], depth at the pixel and its median, alpha, the number
@@ -144,7 +145,7 @@ typedef struct td_image {
     int sh_degree, sh_stride; /* evaluated bands; reals per Gaussian in the SH array */
     int antialias, cut_rule, stop_rule, extent_rule;
     int moving;     /* some Gaussians have rates of their own */
-    int outputs;    /* TD_OUT_SIGNAL, _DIAGNOSTICS or _COLOUR */
+    int outputs;    /* TD_OUT_LUMINANCE, _SIGNAL, _SIGNAL_Y, _DIAGNOSTICS or _COLOUR */
     int soft_order; /* 1: soft depth order */
     int decoder;    /* TD_DECODER_...; 0: splats have colours */
     int padding;
@@ -157,10 +158,12 @@ typedef struct td_image {
 #define TD_BUILT_WITH(image, what) ((sizeof *(image) > 0) & (what))
 #define td_with_diagnostics(image) TD_BUILT_WITH(image, TD_BUILD_OUTPUTS >= TD_OUT_DIAGNOSTICS)
 #define td_with_colour(image) TD_BUILT_WITH(image, TD_BUILD_OUTPUTS >= TD_OUT_COLOUR)
+#define td_with_rates(image) TD_BUILT_WITH(image, TD_BUILD_OUTPUTS != TD_OUT_LUMINANCE)
 #define td_with_decoder(image) TD_BUILT_WITH(image, TD_BUILD_DECODER != 0)
 #else
 #define td_with_diagnostics(image) ((image)->outputs >= TD_OUT_DIAGNOSTICS)
 #define td_with_colour(image) ((image)->outputs >= TD_OUT_COLOUR)
+#define td_with_rates(image) ((image)->outputs != TD_OUT_LUMINANCE)
 #define td_with_decoder(image) ((image)->decoder != 0)
 #endif
 

@@ -192,18 +192,38 @@ TD_INLINE void td_soft_go(const td_soft *soft, const td_soft_step *step, const t
     pixels->transmittance_dot = after_dot;
 }
 
-/* Blends splat k of a group, of optical depth a, and goes on to the next, where that is near, or to the end of what this one
- * reaches. */
+/* Rules that drop splats, by the light that is left behind all so far: where they blend it; tau is 0 elsewhere. */
+TD_INLINE td_mask td_soft_admit(const td_image *image, td_lanes wanted, td_composite *pixels, td_lanes *tau,
+                                td_lanes *tau_dot) {
+    td_mask on = pixels->live;
+    if (td_drops_splats(image)) {
+        td_lanes none = td_splat(0.0f), before = pixels->behind;
+        on = td_above_stop(image, before * (1 - *tau), wanted);
+        pixels->behind = td_select(none, td_fma(-before, *tau, before), on);
+        *tau = td_select(none, *tau, on);
+        *tau_dot = td_select(none, *tau_dot, on);
+    }
+    td_count(image, (wanted >= 0.0f) & on, pixels);
+    return on;
+}
+
+/* Blends splat k of a group, of optical depth a where `on`, and goes on to the next, where that is near, or to the end of what
+ * this one reaches. */
 TD_INLINE void td_blend_soft(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
-                             const td_soft_steps *steps, int k, td_lanes a, td_lanes a_dot, td_soft *soft,
+                             const td_soft_steps *steps, int k, td_lanes a, td_lanes a_dot, td_mask on, td_soft *soft,
                              td_composite *pixels) {
     td_soft_step step = {steps->m[k], steps->m_dot[k], steps->left[k]};
+    if (td_drops_splats(image)) {
+        a = td_select(td_splat(0.0f), a, on);
+        a_dot = td_select(td_splat(0.0f), a_dot, on);
+    }
     if (!soft->open) td_soft_start(soft, image);
     soft->open = steps->near[k];
     td_accumulate(record, colour, image, a, a_dot, &soft->sums);
     soft->a = soft->a + a;
     soft->a_dot = soft->a_dot + a_dot;
-    if (step.m == 0 && step.m_dot == 0) return; /* of one depth */
+    td_real moves = td_with_rates(image) ? step.m_dot : 0;
+    if (step.m == 0 && moves == 0) return; /* of one depth */
     td_soft_go(soft, &step, image, pixels);
     if (soft->open) td_soft_fall_all(&step, image, soft);
 }

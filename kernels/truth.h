@@ -232,7 +232,8 @@ TD_INLINE td_lanes td_truth_alpha(TD_GLOBAL const td_real *record, const td_imag
     td_cap_alpha(image, td_exp2(power), td_splat(0.0f), &tau, &unused, &seen);
     td_lanes before = image->soft_order ? pixels->behind : pixels->transmittance;
     if (td_drops_splats(image)) {
-        pixels->live = td_select_mask(pixels->live, pixels->live & td_above_stop(image, before * (1 - tau)), seen);
+        td_mask on = td_above_stop(image, before * (1 - tau), td_splat(image->stop));
+        pixels->live = td_select_mask(pixels->live, pixels->live & on, seen);
         seen = seen & pixels->live;
     }
     tau = td_select(td_splat(0.0f), tau, seen);

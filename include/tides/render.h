@@ -71,7 +71,8 @@ enum {
 TIDES_API const char *tides_channel_name(int32_t channel);
 
 /* Where a frame goes: plane pointers, each (height x width), row 0 on top, caller's memory, NULL where not wanted. Values of
- * single-precision devices are widened, not recomputed. Asking for colour or depth costs; the rest comes with the pass. */
+ * single-precision devices are widened, not recomputed. Y alone costs least, without rates; then L and L_dot, Y beside them,
+ * A to contributors, and most with colour or depth, whether one of a kind is asked for or all. */
 typedef struct tides_frame {
     double *plane[TIDES_CHANNELS];
 } tides_frame;

@@ -6,7 +6,14 @@
 enum { STAGES = 3 };
 
 /* Ground truth begins with the signal's records. */
-static int kind_of_outputs(int outputs) { return outputs == TD_OUT_DIAGNOSTICS ? 1 : outputs == TD_OUT_COLOUR ? 2 : 0; }
+/* Which of TD_OUTPUT_KINDS; ground truth has the signal's. */
+static int kind_of_outputs(int outputs) {
+    static const int kinds[TD_OUTPUT_KINDS] = {TD_OUT_SIGNAL, TD_OUT_DIAGNOSTICS, TD_OUT_COLOUR, TD_OUT_LUMINANCE,
+                                               TD_OUT_SIGNAL_Y};
+    int kind = TD_OUTPUT_KINDS - 1;
+    while (kind > 0 && kinds[kind] != outputs) kind--;
+    return kind;
+}
 
 tides_status td_opencl_write_reals_at(opencl_backend *b, td_buffer *buffer, size_t first, const double *from, size_t count,
                                       tides_error *error) {

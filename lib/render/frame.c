@@ -44,17 +44,19 @@ void td_renderer_assemble(const tides_renderer *renderer, const double *tiles, i
         }
 }
 
-/* The fewest planes that hold every channel asked for; 0 where none is. */
-static int outputs_for(const tides_frame *frame) {
+/* The fewest planes that hold every channel asked for; 0 where none is. Y alone needs no rates, but optics blur by L. */
+static int outputs_for(const tides_renderer *renderer, const tides_frame *frame) {
     int outputs = 0;
     for (int c = 0; c < TIDES_CHANNELS; c++) {
         if (!frame->plane[c]) continue;
         int needed = c == TIDES_L || c == TIDES_L_DOT ? TD_OUT_SIGNAL
+                     : c == TIDES_Y                   ? TD_OUT_LUMINANCE
                      : c <= TIDES_CONTRIBUTORS        ? TD_OUT_DIAGNOSTICS
                                                       : TD_OUT_COLOUR;
         outputs = needed > outputs ? needed : outputs;
     }
-    return outputs;
+    const int alone = outputs == TD_OUT_LUMINANCE && !renderer->psf.radius;
+    return frame->plane[TIDES_Y] && outputs < TD_OUT_DIAGNOSTICS && !alone ? TD_OUT_SIGNAL_Y : outputs;
 }
 
 tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time,
@@ -87,12 +89,14 @@ tides_status td_renderer_all_tiles(tides_renderer *renderer, const tides_traject
 
 tides_status td_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time, const tides_frame *frame,
                                tides_error *error) {
-    const int outputs = outputs_for(frame);
+    const int outputs = outputs_for(renderer, frame);
     double *planes = NULL;
     if (outputs == 0) return TIDES_OK;
     tides_status status = td_renderer_all_tiles(renderer, camera, time, outputs, &planes, error);
     for (int c = 0; c < TIDES_CHANNELS && status == TIDES_OK; c++)
-        if (frame->plane[c]) td_renderer_assemble(renderer, planes, channels[c].plane, outputs, frame->plane[c]);
+        if (frame->plane[c])
+            td_renderer_assemble(renderer, planes, outputs == TD_OUT_LUMINANCE ? 0 : channels[c].plane, outputs,
+                                 frame->plane[c]);
     free(planes);
     return status;
 }

@@ -120,6 +120,8 @@ tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_traj
     tides_status status = describe_cause(renderer, camera, time, batch->side, requests[worst].tile, cause, sizeof cause, error);
     if (status != TIDES_OK) return status;
     return td_fail(error, TIDES_BAD_ARGUMENT, "%s of pixel (%d, %d) is %s at %.15g s, one of %llu that aren't finite: %s",
-                   outputs == TD_OUT_TRUTH ? td_truth_name(place[2]) : td_plane_name(place[2]), place[0], place[1],
-                   isnan(value) ? "nan" : "infinite", renderer->epoch + time, (unsigned long long)pixels, cause);
+                   outputs == TD_OUT_TRUTH ? td_truth_name(place[2])
+                                           : td_plane_name(outputs == TD_OUT_LUMINANCE ? TD_OUT_Y : place[2]),
+                   place[0], place[1], isnan(value) ? "nan" : "infinite", renderer->epoch + time, (unsigned long long)pixels,
+                   cause);
 }

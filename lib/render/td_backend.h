@@ -166,7 +166,7 @@ typedef struct td_batch {
     int candidate_count;
     uint64_t candidates_serial; /* changes with the candidates: devices keep a copy */
     int records;                /* records that the jobs use */
-    int outputs;                /* TD_OUT_SIGNAL, _DIAGNOSTICS, _COLOUR, or _TRUTH for planes of ground truth in their place */
+    int outputs;                /* TD_OUT_LUMINANCE .. _COLOUR, or _TRUTH for planes of ground truth in their place */
     int hint_count;             /* numbers in all hints, place 0 counted; they last until it changes */
     uint8_t *in_order;          /* (NULL: not wanted) at job.out: 1 where the list was in order */
     const td_path_batch *paths; /* NULL: every candidate is projected */

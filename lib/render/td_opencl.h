@@ -5,7 +5,7 @@
 #include "td_backend.h"
 #include "td_launch.h"
 
-enum { TD_OUTPUT_KINDS = 3 };
+enum { TD_OUTPUT_KINDS = 5 };
 
 typedef struct opencl_backend {
     td_backend base;

@@ -25,7 +25,7 @@ const double *td_renderer_knots(const tides_renderer *renderer, size_t *count);
 
 /* -- getting ready --------------------------------------------------------------------------------------------------------- */
 
-/* Builds the kernels for these planes (TD_OUT_SIGNAL, _DIAGNOSTICS, _COLOUR), which a batch otherwise does when it comes. */
+/* Builds the kernels for these planes (TD_OUT_SIGNAL ..), which a batch otherwise does when it comes. */
 tides_status td_renderer_prepare(tides_renderer *renderer, int outputs, tides_error *error);
 
 /* From the next sweep on rows of expensive motion models are interpolated within an interval where log_luminance is off by less
@@ -76,7 +76,7 @@ typedef struct td_tile_batch {
     int side; /* TD_SIDE_* */
     const td_request *requests;
     int count;
-    int outputs; /* planes wanted: TD_OUT_SIGNAL, _DIAGNOSTICS, _COLOUR, or _TRUTH for ground truth */
+    int outputs; /* planes wanted: TD_OUT_LUMINANCE .. _COLOUR, or _TRUTH for ground truth */
 } td_tile_batch;
 
 /* Renders them: planes (count x outputs x TD_TILE_PIXELS), pixels block by block (td_tile_pixel), blurred where the renderer

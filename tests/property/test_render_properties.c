@@ -195,6 +195,34 @@ static void test_nothing_moves_where_nothing_moves(void **state) {
     tides_device_close(device);
 }
 
+/* -- fewer planes -------------------------------------------------------------------------------------------------- */
+
+/* Y alone, which is rendered without rates, and Y beside L and its rate are those of all planes, in every bit. */
+static void test_what_else_is_asked_for_does_not_matter(void **state) {
+    (void)state;
+    static const char *const references[] = {"reference", "reference-f32"};
+    for (int run = 0; run < 3 * RULES; run++) {
+        tides_device *device = run < 2 * RULES ? open_device(references[run / RULES]) : open_fast_device();
+        random_recipe recipe = recipe_of(SEED + 700 + (uint64_t)run);
+        random_scene s = random_scene_make(&recipe);
+        tides_renderer *renderer = make_renderer(device, s.scene, &s.camera, run % RULES);
+        tides_frame all = make_frame(&s.camera, TIDES_CHANNELS), one = make_frame(&s.camera, 1),
+                    three = make_frame(&s.camera, 3);
+        size_t bytes = (size_t)recipe.width * (size_t)recipe.height * sizeof(double);
+        render(renderer, s.path, 0.4, &all);
+        render(renderer, s.path, 0.4, &one);
+        render(renderer, s.path, 0.4, &three);
+        assert_memory_equal(one.plane[TIDES_Y], all.plane[TIDES_Y], bytes);
+        for (int c = 0; c < 3; c++) assert_memory_equal(three.plane[c], all.plane[c], bytes);
+        free_frame(&all);
+        free_frame(&one);
+        free_frame(&three);
+        tides_renderer_destroy(renderer);
+        random_scene_free(&s);
+        tides_device_close(device);
+    }
+}
+
 /* -- ranges -------------------------------------------------------------------------------------------------------- */
 
 static void check_ranges(const tides_frame *frame, int pixels, double rounding) {
@@ -326,6 +354,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_order_of_gaussians_does_not_matter),
                                        cmocka_unit_test(test_time_runs_both_ways),
                                        cmocka_unit_test(test_nothing_moves_where_nothing_moves),
+                                       cmocka_unit_test(test_what_else_is_asked_for_does_not_matter),
                                        cmocka_unit_test(test_values_are_in_their_ranges),
                                        cmocka_unit_test(test_smooth_looks_like_inria)};
     print_message("seed %llu\n", (unsigned long long)SEED);
