@@ -160,7 +160,7 @@ SCRIPTS := $(wildcard tests/cli/run.sh) scripts/python_tests.sh scripts/client_t
            scripts/install_check.sh tests/unit/test_headers.sh tests/unit/test_lint.sh scripts/check_symbols.sh
 
 .PHONY: check check-built check-readme check-readme-built check-golden check-golden-built check-asan check-asan-built \
-        check-valgrind check-valgrind-built check-clang check-clang-built install-check
+        check-valgrind check-valgrind-built check-clang check-clang-built check-determinism check-determinism-built install-check
 check: ## Install what is missing, build without warnings, run every test
 	@sh scripts/deps.sh build -q
 	@$(AGAIN) WERROR=-Werror all tests
@@ -206,10 +206,18 @@ check-clang: ## Build with clang without warnings and run the test programs
 	@$(AGAIN) CONFIG=clang check-clang-built
 check-clang-built:
 	@$(RUN_TESTS) $(TESTS) $(GOLDEN)
+check-determinism: ## One hash for each run of tides bench determinism, built by gcc and by clang, and from Python
+	@sh scripts/deps.sh lint -q
+	@$(AGAIN) all
+	@$(AGAIN) CONFIG=clang build/clang/tides
+	@$(AGAIN) check-determinism-built
+check-determinism-built:
+	@TIDES='$(CURDIR)/$(OUT)/tides' OTHERS='$(CURDIR)/build/clang/tides' OUT='$(OUT)' PYTHON='$(PYTHON)' \
+	    sh scripts/check_determinism.sh
 install-check: all ## Install into an empty folder, build a program there with pkg-config, run it, uninstall
 	@MAKE='$(MAKE)' CC='$(CC)' PKG_CONFIG='$(PKG_CONFIG)' CONFIG='$(CONFIG)' sh scripts/install_check.sh
 
-.PHONY: lint lint-built format fuzz fuzz-built fuzz-hdf5 fuzz-hdf5-built bench bench-built
+.PHONY: lint lint-built format fuzz fuzz-built fuzz-hdf5 fuzz-hdf5-built faults faults-built bench bench-built
 lint: ## clang-format, clang-tidy, cppcheck, the kernels through clang, and what arrows.txt and docs say of the whole
 	@sh scripts/deps.sh lint -q
 	@$(AGAIN) lint-built
@@ -224,13 +232,21 @@ fuzz: ## Run each target of tests/fuzz with libFuzzer and sanitisers for FUZZ_SE
 fuzz-built: $(FUZZ)
 	@failed=0; for target in $(FUZZ); do sh scripts/fuzz.sh $$target $(FUZZ_SECONDS) || failed=1; done; exit $$failed
 MUTATIONS ?= 20000
-fuzz-hdf5: ## Damage our own HDF5 files MUTATIONS=20000 times, and let every call of the system fail in turn
+fuzz-hdf5: ## Damage our own HDF5 files MUTATIONS=20000 times
 	@sh scripts/deps.sh build -q
 	@$(AGAIN) all $(OUT)/tests/property/test_hdf5_mutations
 	@$(AGAIN) fuzz-hdf5-built
 fuzz-hdf5-built:
 	TIDES_MUTATIONS=$(MUTATIONS) $(OUT)/tests/property/test_hdf5_mutations
-	TIDES_FAULTS=all TIDES='$(CURDIR)/$(OUT)/tides' bash tests/cli/run.sh tests/cli/faults.sh
+faults: ## Let every write, every allocation and every call of OpenCL fail in turn: half an hour
+	@sh scripts/deps.sh build -q
+	@$(AGAIN) all
+	@$(AGAIN) faults-built
+faults-built:
+	@mkdir -p $(OUT)/logs
+	@rm -f $(OUT)/logs/faults.txt
+	@TIDES_FAULTS=all TIDES_FAULTS_COUNTS='$(CURDIR)/$(OUT)/logs/faults.txt' TIDES='$(CURDIR)/$(OUT)/tides' \
+	    bash tests/cli/run.sh $(wildcard tests/cli/faults*.sh); code=$$?; cat $(OUT)/logs/faults.txt; exit $$code
 bench: ## Run the benchmarks of tests/bench, where there are any
 	@sh scripts/deps.sh build -q
 	@$(AGAIN) bench-built

@@ -117,7 +117,7 @@ TD_INLINE void td_surface_group(const td_job *job, int first, TD_GLOBAL const in
                                 const td_source *source, TD_GLOBAL const td_real *records, TD_GLOBAL const int *masks,
                                 const td_surfaces *all) {
     int at = job->records + first, leader = candidates[job->candidates + (first & ~(TD_PAD - 1))];
-    if (!td_any(td_load_ints(masks + at) != 0)) return; /* nothing of it is seen, and its records may be unwritten */
+    if (!td_any((td_load_ints(masks + at) & job->blocks) != 0)) return; /* nothing of it is asked for */
     td_source own = td_source_of(source, image, leader);
     int number = object[td_owner_of(&own, leader)];
     td_index lanes = td_count_from(0) * TD_RECORD_STRIDE;

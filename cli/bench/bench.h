@@ -78,7 +78,7 @@ typedef struct bench {
     tides_device *device;
     tides_device_info info;
     cli_progress progress; /* only asked whether to stop */
-    int32_t failed;        /* rows of bench_stability that do */
+    int32_t failed;        /* rows of bench_stability and bench_determinism that do */
 } bench;
 
 /* One row of the results. */
@@ -132,6 +132,18 @@ tides_status bench_each_scene(bench *b, const cli_list *names, bench_visit visit
 
 /* bench_truth.c: the exact stream of the scene under `rules`, by halving steps until nothing moves, or to a limit. */
 tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides_error *error);
+
+/* -- processes (bench_child.c) ---------------------------------------------------------------------------------------- */
+
+/* Runs work(user, result) in a process of its own, for `limit_s` at most. `how` it went: BENCH_RAN where it ended by itself;
+ * where it died, of which `signal`. BENCH_REFUSED is for what the work itself says. */
+enum { BENCH_RAN, BENCH_REFUSED, BENCH_STOPPED, BENCH_DIED, BENCH_LATE };
+typedef void (*bench_work)(void *user, void *result);
+tides_status bench_child(bench *b, bench_work work, void *user, void *result, size_t size, double limit_s, int32_t *how,
+                         int32_t *signal, tides_error *error);
+/* What the device that `b` names says of itself, into b->info: asked in a process of its own, so that this one has none of the
+ * driver's threads. */
+tides_status bench_ask_device(bench *b, tides_error *error);
 
 /* -- results ---------------------------------------------------------------------------------------------------------- */
 
@@ -239,14 +251,15 @@ typedef struct bench_cost {
 /* bench_blocks_figure.c: blocks.png. */
 tides_status bench_figure_costs(const bench *b, const bench_cost *costs, size_t count, tides_error *error);
 
-/* bench_accuracy.c, bench_ablation.c, bench_blocks.c, bench_image.c, bench_stability.c; the exit code is the command's. */
+/* bench_accuracy.c, bench_ablation.c, bench_blocks.c, bench_image.c; the exit code is the command's. */
 tides_status bench_accuracy(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_ablation(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_image(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_blocks(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_throughput(bench *b, const cli_list *scenes, tides_error *error);
-/* Axes, and rows, not scenes; both open devices by themselves, in processes of their own. */
+/* Axes, rows and runs, not scenes; all open devices by themselves, in processes of their own. */
 tides_status bench_scaling(bench *b, const cli_list *axes, tides_error *error);
 tides_status bench_stability(bench *b, const cli_list *rows, tides_error *error);
+tides_status bench_determinism(bench *b, const cli_list *rows, tides_error *error);
 
 #endif

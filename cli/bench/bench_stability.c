@@ -24,37 +24,6 @@ static void measure(void *user, void *result) {
     stability_measure(j->b, j->of, result);
 }
 
-/* -- the device, asked in a process of its own, so that none has its threads ----------------------------------------------- */
-
-typedef struct device_answer {
-    tides_device_info info;
-    tides_error error;
-} device_answer;
-
-static void ask(void *user, void *result) {
-    const bench *b = user;
-    device_answer *answer = result;
-    tides_device *device = NULL;
-    if (tides_device_open(b->common->device, &device, &answer->error) == TIDES_OK) tides_device_describe(device, &answer->info);
-    tides_device_close(device);
-}
-
-static tides_status ask_device(bench *b, tides_error *error) {
-    device_answer answer;
-    int32_t how, signal;
-    memset(&answer, 0, sizeof answer);
-    tides_status status = stability_child(b, ask, b, &answer, sizeof answer, LIMIT_S, &how, &signal, error);
-    if (status != TIDES_OK) return status;
-    if (how == STABILITY_STOPPED) return TIDES_CANCELLED;
-    if (how != STABILITY_RAN) return cli_error(error, TIDES_NO_DEVICE, "the device died when it was opened");
-    if (answer.error.status != TIDES_OK) {
-        *error = answer.error;
-        return error->status;
-    }
-    b->info = answer.info;
-    return TIDES_OK;
-}
-
 /* -- rows ------------------------------------------------------------------------------------------------------------------ */
 
 /* The rows called for, or all. */
@@ -79,7 +48,7 @@ static void say_row(const bench *b, const stability_row *row, size_t index, size
     const stability_result *r = &row->result;
     const double *m = row->verdict.measured;
     char numbers[160] = "";
-    if (r->how == STABILITY_RAN && !row->of->refusal)
+    if (r->how == BENCH_RAN && !row->of->refusal)
         snprintf(numbers, sizeof numbers, "  L %-8.2g L_dot %-8.2g p95 %-8.3g us %-6.3g %%  x%-5.3g %5.0f MB  %llu events",
                  m[VERDICT_L], m[VERDICT_L_DOT], m[VERDICT_DT], m[VERDICT_MISMATCH], m[VERDICT_SLOW], m[VERDICT_MEMORY],
                  (unsigned long long)r->stats.events);
@@ -92,11 +61,11 @@ static tides_status measure_row(bench *b, stability_row *row, tides_error *error
     stability_result *r = &row->result;
     int32_t how, signal;
     const double began = cli_now();
-    tides_status status = stability_child(b, measure, &j, r, sizeof *r, row->of->flags & STABILITY_BIG ? BIG_LIMIT_S : LIMIT_S,
-                                          &how, &signal, error);
+    tides_status status =
+        bench_child(b, measure, &j, r, sizeof *r, row->of->flags & STABILITY_BIG ? BIG_LIMIT_S : LIMIT_S, &how, &signal, error);
     if (status != TIDES_OK) return status;
-    if (how == STABILITY_STOPPED || (how == STABILITY_RAN && r->how == STABILITY_STOPPED)) return TIDES_CANCELLED;
-    if (how != STABILITY_RAN) {
+    if (how == BENCH_STOPPED || (how == BENCH_RAN && r->how == BENCH_STOPPED)) return TIDES_CANCELLED;
+    if (how != BENCH_RAN) {
         memset(r, 0, sizeof *r);
         r->how = how;
         r->signal = signal;
@@ -117,7 +86,7 @@ static int32_t cells_of(const void *rows, size_t index, bench_cell cells[BENCH_C
     const stability_row *row = (const stability_row *)rows + index;
     const stability_result *r = &row->result;
     const stability_verdict *v = &row->verdict;
-    const int32_t ran = r->how == STABILITY_RAN;
+    const int32_t ran = r->how == BENCH_RAN;
     const bench_cell made[] = {
         {"row", row->of->name, 0},
         {"what", row->of->sentence, 0},
@@ -191,7 +160,7 @@ tides_status bench_stability(bench *b, const cli_list *names, tides_error *error
     stability_row *rows = calloc(most, sizeof *rows);
     if (!rows) return cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
     const size_t count = choose(b, names, rows);
-    tides_status status = ask_device(b, error);
+    tides_status status = bench_ask_device(b, error);
     for (size_t i = 0; i < count && status == TIDES_OK; i++) {
         status = measure_row(b, &rows[i], error);
         if (status != TIDES_OK) break;

@@ -150,13 +150,11 @@ tides_status stability_limits(const stability_case *c, stability_world *w, tides
 enum { FRONT_PHOTORECEPTOR, FRONT_INTENSITY, FRONT_CIRCUIT, FRONT_SOURCE_FOLLOWER, FRONT_SURROUND, FRONT_NOISE, FRONT_PSF };
 tides_status stability_front_ends(const stability_case *c, stability_world *w, tides_error *error);
 
-/* -- measuring (bench_stability_run.c, in a process of bench_stability_child.c) ---------------------------------------- */
-
-enum { STABILITY_RAN, STABILITY_REFUSED, STABILITY_STOPPED, STABILITY_DIED, STABILITY_LATE };
+/* -- measuring (bench_stability_run.c, in a process of bench_child.c) ------------------------------------------------- */
 
 /* Plain numbers: it comes through a pipe. */
 typedef struct stability_result {
-    int32_t how; /* STABILITY_* */
+    int32_t how; /* BENCH_RAN .. BENCH_LATE */
     int32_t signal;
     int32_t same_bits;           /* of device and float reference: 1, 0, or -1 where that isn't asked */
     int32_t rendered, simulated; /* 1: the double reference did so too */
@@ -172,12 +170,6 @@ typedef struct stability_result {
 
 /* Measures a case on the device that `b` names (b->device isn't open). */
 void stability_measure(const bench *b, const stability_case *c, stability_result *result);
-
-/* Runs work(user, result) in a process of its own, for `limit_s` at most; STABILITY_RAN where it ended by itself. `how`, and
- * `signal` where it died. */
-typedef void (*stability_work)(void *user, void *result);
-tides_status stability_child(bench *b, stability_work work, void *user, void *result, size_t size, double limit_s, int32_t *how,
-                             int32_t *signal, tides_error *error);
 
 /* -- verdicts (bench_stability_verdict.c) ------------------------------------------------------------------------------ */
 

@@ -39,7 +39,7 @@ static void draw_column(cli_canvas *canvas, int32_t column, const stability_row 
         const int32_t y = top + (int32_t)i * PITCH + PITCH / 2 - 8;
         snprintf(label, sizeof label, "%s%s", row->verdict.pass ? "" : "FAIL ", row->of->name);
         plot_text(canvas, left - 10 - plot_text_width(label, 2), y, 2, label);
-        if (row->result.how == STABILITY_RAN && !row->of->refusal)
+        if (row->result.how == BENCH_RAN && !row->of->refusal)
             draw_shares(canvas, &panel, row, (double)(count - i) - 0.5);
         else
             plot_text(canvas, left + 10, y, 2, row->verdict.pass ? "refused, as it should be" : "");

@@ -184,7 +184,7 @@ void stability_measure(const bench *b, const stability_case *c, stability_result
         status = measure_world(b, c, &w, r, &error);
         bench_scene_free(&w.scene);
     }
-    r->how = status == TIDES_OK ? STABILITY_RAN : status == TIDES_CANCELLED ? STABILITY_STOPPED : STABILITY_REFUSED;
+    r->how = status == TIDES_OK ? BENCH_RAN : status == TIDES_CANCELLED ? BENCH_STOPPED : BENCH_REFUSED;
     snprintf(r->said, sizeof r->said, "%s", error.text);
     r->elapsed_s = cli_now() - began;
 }

@@ -101,8 +101,8 @@ static void judge_numbers(const stability_case *c, const stability_result *r, st
 
 /* A row that should be refused must say so in one line, on the device as in the float reference. */
 static void judge_refusal(const stability_case *c, const stability_result *r, stability_verdict *v) {
-    v->pass = r->how == STABILITY_REFUSED && c->refusal && strstr(r->said, c->refusal) && !strchr(r->said, '\n');
-    if (r->how != STABILITY_REFUSED)
+    v->pass = r->how == BENCH_REFUSED && c->refusal && strstr(r->said, c->refusal) && !strchr(r->said, '\n');
+    if (r->how != BENCH_REFUSED)
         snprintf(v->why, sizeof v->why, "ran, but should say: %.300s", c->refusal);
     else
         snprintf(v->why, sizeof v->why, "%.400s", r->said);
@@ -113,13 +113,13 @@ stability_verdict stability_judge(const stability_case *c, const stability_resul
     memset(&v, 0, sizeof v);
     for (int i = 0; i < VERDICTS; i++) v.measured[i] = v.bound[i] = NAN;
     v.pass = 1;
-    if (r->how == STABILITY_DIED || r->how == STABILITY_LATE) {
+    if (r->how == BENCH_DIED || r->how == BENCH_LATE) {
         v.pass = 0;
-        if (r->how == STABILITY_LATE)
+        if (r->how == BENCH_LATE)
             snprintf(v.why, sizeof v.why, "no end within %.0f s", r->elapsed_s);
         else
             snprintf(v.why, sizeof v.why, "died of signal %d", (int)r->signal);
-    } else if (c->refusal || r->how == STABILITY_REFUSED) {
+    } else if (c->refusal || r->how == BENCH_REFUSED) {
         judge_refusal(c, r, &v);
     } else {
         judge_numbers(c, r, &v);

@@ -1,4 +1,6 @@
-/* tides bench: what accuracy costs, what the parts of the sensor do, how fast it all is, and what breaks. */
+/* tides bench: what accuracy costs, what the parts of the sensor do, how fast it all is, what breaks, and that
+ * nothing else changes an event. */
+#include "bench_determinism.h"
 #include "bench_page.h"
 #include "bench_scaling.h"
 #include "bench_stability.h"
@@ -19,9 +21,13 @@ typedef struct benchmark {
     name_list names; /* NULL: stability_names, which the caller frees */
 } benchmark;
 static const benchmark benchmarks[] = {
-    {"accuracy", bench_accuracy, 0, bench_scene_names},     {"ablation", bench_ablation, 0, bench_scene_names},
-    {"blocks", bench_blocks, 0, bench_scene_names},         {"image", bench_image, 0, bench_scene_names},
-    {"scaling", bench_scaling, 1, scaling_names},           {"stability", bench_stability, 1, NULL},
+    {"accuracy", bench_accuracy, 0, bench_scene_names},
+    {"ablation", bench_ablation, 0, bench_scene_names},
+    {"blocks", bench_blocks, 0, bench_scene_names},
+    {"determinism", bench_determinism, 1, determinism_names},
+    {"image", bench_image, 0, bench_scene_names},
+    {"scaling", bench_scaling, 1, scaling_names},
+    {"stability", bench_stability, 1, NULL},
     {"throughput", bench_throughput, 0, bench_world_names},
 };
 enum { BENCHMARKS = sizeof benchmarks / sizeof benchmarks[0] };
@@ -40,7 +46,8 @@ static int unknown_benchmark(const cli_command *command, const char *name) {
     const char *nearest = tides_nearest_name(name, names);
     if (nearest) return cli_usage(command, "no benchmark is called %s; did you mean %s?", name, nearest);
     return cli_usage(command,
-                     "no benchmark is called %s; there are accuracy, ablation, blocks, image, scaling, stability, throughput "
+                     "no benchmark is called %s; there are accuracy, ablation, blocks, determinism, image, scaling, stability, "
+                     "throughput "
                      "and all",
                      name);
 }
@@ -82,7 +89,7 @@ static int check_names(const cli_command *command, const benchmark *of, const cl
     if (of == &everything && scenes->count + rows->count) return cli_usage(command, "all takes neither --scene nor --row");
     if (of->own_devices && scenes->count) return cli_usage(command, "--scene: %s has rows; --row chooses one", of->name);
     if (!of->own_devices && rows->count)
-        return cli_usage(command, "--row: only scaling and stability have rows; --scene chooses a scene");
+        return cli_usage(command, "--row: only determinism, scaling and stability have rows; --scene chooses a scene");
     for (size_t i = 0; i < scenes->count && code == CLI_GO; i++) code = check_scene(command, of, scenes->items[i]);
     for (size_t i = 0; i < rows->count && code == CLI_GO; i++) code = check_row(command, of, rows->items[i]);
     return code;
@@ -130,7 +137,7 @@ int cmd_bench(const cli_command *command, int argc, char **argv) {
         {"--output", 'o', "DIR", "where results go (tides-bench)", NULL, &directory, NULL},
         {"--quick", 0, NULL, "small scenes and few settings: a look, not a measurement", &quick, NULL, NULL},
         {"--scene", 0, "NAME", "only this scene, or a trained .ply file; may be repeated", NULL, NULL, &scenes},
-        {"--row", 0, "NAME", "of scaling and stability: only this row; may be repeated", NULL, NULL, &rows},
+        {"--row", 0, "NAME", "of determinism, scaling and stability: only this row; may be repeated", NULL, NULL, &rows},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
     int code = cli_parse(command, options, argc, argv, &common, &name);

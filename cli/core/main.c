@@ -72,10 +72,14 @@ static const cli_command commands[] = {
      "moves, and between frames those of straight lines in log luminance. A method that fails takes no other with it.\n"
      "The keys for --set are listed by tides simulate --help.",
      1, cmd_compare},
-    {"bench", "accuracy|ablation|blocks|image|scaling|stability|throughput|all [-o DIR] [--quick] [--scene NAME] [--row NAME]",
+    {"bench",
+     "accuracy|ablation|blocks|determinism|image|scaling|stability|throughput|all [-o DIR] [--quick] [--scene NAME] [--row "
+     "NAME]",
      "Measure run time against the error of event times, and try to break it.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
      "ablation: what each part of the method is worth, what masking and the readout change; ablation.json, .csv and a plot.\n"
+     "determinism: runs made in ways that mustn't matter, one hash for each; determinism.json and .csv. Where ways differ the\n"
+     "exit code is 1.\n"
      "image: what each measure that makes the image continuous in time is worth and costs; image.json and .csv.\n"
      "stability: worlds made to break it, on the device and both references, with a verdict on each row; stability.json, .csv\n"
      "and a plot. Where a row fails the exit code is 1.\n"

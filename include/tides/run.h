@@ -71,7 +71,9 @@ typedef struct tides_run_values {
     tides_path_options path;  /* of camera.file */
     double scene_duration_s;  /* 0: the scene's own */
     double metres_per_unit;   /* of the scene [m]; 0: unknown */
-    const char *json;         /* the run with every default filled in, as written into event files */
+    int32_t event_truth;      /* 1: event files get ground truth (tides_session_truth) */
+    int32_t reserved;
+    const char *json; /* the run with every default filled in, as written into event files */
 } tides_run_values;
 TIDES_API void tides_run_get(const tides_run *run, tides_run_values *values);
 

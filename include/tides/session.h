@@ -70,6 +70,13 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_renderer(tides_session *se
 
 /* -- into a file --------------------------------------------------------------------------------------------------------- */
 
+/* Adds ground truth to a finished HDF5 recording of this session's run, as columns beside its events: /events/flow_u, flow_v
+ * [px/s], depth [scene units], alpha, instance (tides_event_truth), each at the time that its event fired; columns that are
+ * there are replaced. It takes a copy of the file, and one block of pixels rendered for each event. What sensor.truth asks of
+ * tides_session_write. A failure leaves the file as it was; TIDES_UNSUPPORTED for other formats, and for runs on frames. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_session_truth(tides_session *session, const char *path, tides_progress progress,
+                                                            void *user, tides_error *error);
+
 /* How events go into a file; fill with tides_recording_defaults (the ending's format, from the start, 30 s). */
 typedef struct tides_recording {
     uint32_t size;

@@ -3,6 +3,7 @@
 #ifndef TIDES_TRUTH_H
 #define TIDES_TRUTH_H
 
+#include "tides/events.h"
 #include "tides/render.h"
 
 #ifdef __cplusplus
@@ -77,6 +78,21 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_follow(tides_renderer *re
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_displacement(tides_renderer *renderer, const tides_trajectory *camera,
                                                                     double from, double to, double *u, double *v,
                                                                     double *visible, tides_error *error);
+
+/* -- events -- */
+
+/* What an event's pixel saw when it fired. */
+typedef struct tides_event_truth {
+    double flow_u, flow_v;      /* [px/s] */
+    double depth, alpha;        /* [scene units], [1] */
+    int32_t instance, reserved; /* the scene's object; -1 where nothing is seen */
+} tides_event_truth;
+
+/* Ground truth of events (count), each at its own time: when it fired [ns] (nullable: its t). Events are best in order; one
+ * outside of the image is TIDES_BAD_ARGUMENT. A block of pixels is rendered for each. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_event_truth(tides_renderer *renderer, const tides_trajectory *camera,
+                                                                   const tides_event *events, const int64_t *fired,
+                                                                   size_t count, tides_event_truth *truth, tides_error *error);
 
 #ifdef __cplusplus
 }

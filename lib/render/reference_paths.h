@@ -10,8 +10,14 @@ static tides_status grow_rows_of_paths(td_real **array, size_t *capacity, size_t
     return status;
 }
 
+/* Nothing to build; but where no Gaussian has a path, groups without one still read rows 0 and 1, nobody's. */
 static tides_status prepare_paths(td_backend *backend, tides_error *error) {
-    (void)backend, (void)error; /* nothing to build */
+    reference *r = (reference *)backend;
+    tides_status status = grow_rows_of_paths(&r->path_rows, &r->path_row_capacity, 2 * TD_PATH_STRIDE, error);
+    if (status == TIDES_OK) status = grow_rows_of_paths(&r->path_low, &r->path_low_capacity, 2, error);
+    if (status != TIDES_OK) return status;
+    memset(r->path_rows, 0, 2 * TD_PATH_STRIDE * sizeof *r->path_rows);
+    memset(r->path_low, 0, 2 * sizeof *r->path_low);
     return TIDES_OK;
 }
 

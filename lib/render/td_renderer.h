@@ -10,6 +10,7 @@
  *   tiles.c, psf.c, nonfinite.c          tiles at times: rendered, blurred, checked
  *   frame.c, flow.c                      whole images, and how fast they move
  *   truth.c                              ground truth (kernels/truth.h)
+ *   event_truth.c                        the same of events
  *   follow.c, gaussian_rows.c            points that are followed through the motion, on the host
  *   dynamic/                             Gaussians with a motion model
  *   exact.c, exact_*.c                   rows of record paths in double precision (td_exact.h)

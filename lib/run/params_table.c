@@ -99,6 +99,8 @@ const td_param td_params[] = {
      .ideal = "0"},
     {INTEGER("sensor.max_events_per_step", sensor.max_events_per_step, "", 1, 65535,
              "events per pixel and step; error control cuts steps of more, else the rest is at the step's end")},
+    {BOOLEAN("sensor.truth", event_truth,
+             "HDF5: beside each event the flow, depth and instance that its pixel saw when it fired")},
     {BOOLEAN("sensor.labels", sensor.labels, "HDF5: beside each event its cause, when it fired, and what the front end added")},
 
     {NUMBER("frontend.psf_sigma_px", sensor.psf_sigma_px, "px", 0, 100, "Gaussian blur of the optics; 0 is off"), .ideal = "0"},

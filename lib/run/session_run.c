@@ -85,6 +85,17 @@ static tides_status write_baseline(tides_session *session, td_record *record, ti
     return status == TIDES_OK ? td_record_judge(record, run_baseline(session, &to, stats, error), error) : status;
 }
 
+/* Before anything is made: whether events can have their truth where they go. */
+static tides_status check_truth(const tides_session_facts *f, const char *path, const tides_recording *how,
+                                tides_error *error) {
+    if (!f->values.event_truth) return TIDES_OK;
+    if (f->frames)
+        return td_fail(error, TIDES_UNSUPPORTED, "sensor.truth is true: ground truth needs a scene; set it to false");
+    if (how && how->format ? strcmp(how->format, "hdf5") == 0 : tides_event_writer_can_resume(path)) return TIDES_OK;
+    return td_fail(error, TIDES_UNSUPPORTED,
+                   "%s: only HDF5 has columns for ground truth: write .h5, or set sensor.truth to false", path);
+}
+
 /* A new file is opened first, for that may fail at once, and a simulator takes seconds. */
 static tides_status write_simulator(tides_session *session, td_record *record, tides_stats *stats, tides_error *error) {
     const int32_t resume = record->how.resume;
@@ -105,6 +116,7 @@ tides_status tides_session_write(tides_session *session, const char *path, const
     const tides_event_file facts = file_facts(&session->facts);
     if (stats) memset(stats, 0, sizeof *stats);
     tides_status status = check_frames(&session->facts, error);
+    if (status == TIDES_OK) status = check_truth(&session->facts, path, how, error);
     if (status != TIDES_OK) return status;
     td_record record;
     status = td_record_begin(&record, path, &facts, how, progress, user, done, error);
@@ -113,5 +125,7 @@ tides_status tides_session_write(tides_session *session, const char *path, const
                                             : write_simulator(session, &record, stats, error);
     if (status == TIDES_OK) status = td_record_finish(&record, error);
     td_record_end(&record);
+    if (status == TIDES_OK && session->facts.values.event_truth)
+        status = tides_session_truth(session, path, progress, user, error);
     return status;
 }

@@ -6,6 +6,7 @@
 #include "td_ideal.h"
 #include "td_pixel.h"
 #include "td_sensor.h"
+#include "td_wide.h"
 
 #include <float.h>
 #include <math.h>
@@ -91,6 +92,14 @@ static inline void reject_any(int ideal, const tile_job *job, size_t first, size
     }
 }
 
+TD_WIDE static void reject_ideal(const tile_job *job, size_t first, size_t count, double *outside) {
+    reject_any(1, job, first, count, outside);
+}
+
+TD_WIDE static void reject_others(const tile_job *job, size_t first, size_t count, double *outside) {
+    reject_any(0, job, first, count, outside);
+}
+
 /* The control values of `count` pixels' inputs. */
 static inline void gather(int32_t kind, const tile_job *job, size_t first, size_t count, double control[4][BLOCK]) {
     const td_signals from = *job->signals;
@@ -101,7 +110,7 @@ static inline void gather(int32_t kind, const tile_job *job, size_t first, size_
     }
 }
 
-static void gather_block(const tile_job *job, size_t first, size_t count, double control[4][BLOCK]) {
+TD_WIDE static void gather_block(const tile_job *job, size_t first, size_t count, double control[4][BLOCK]) {
     switch (job->pixel.sensor->model) {
         case TIDES_MODEL_LINEAR: gather(TIDES_MODEL_LINEAR, job, first, count, control); break;
         case TIDES_MODEL_QUADRATIC: gather(TIDES_MODEL_QUADRATIC, job, first, count, control); break;
@@ -171,7 +180,7 @@ static int needs_nothing(const tile_job *job, const td_pixel_step *pixel) {
 static void reject_block(const tile_job *job, size_t first, size_t count, double *outside) {
     const td_sensor *sensor = job->pixel.sensor;
     if (!sensor->frontend.on)
-        reject_any(0, job, first, count, outside);
+        reject_others(job, first, count, outside);
     else
         reject_filtered(job, first, count, outside);
 }
@@ -285,13 +294,12 @@ static tides_status step_ideal_block(tile_job *job, size_t first, size_t count) 
     if (job->pixel.sensor->exhaustive)
         for (size_t k = 0; k < count; k++) outside[k] = 1;
     else
-        reject_any(1, job, first, count, outside);
-    for (size_t k = 0;; k++) {
-        while (k < count && outside[k] == 0.0) k++;
-        if (k == count) return TIDES_OK;
+        reject_ideal(job, first, count, outside);
+    for (size_t k = 0; (k = td_next_mark(outside, k, count)) < count; k++) {
         tides_status status = step_ideal(job, first + k);
         if (status != TIDES_OK) return status;
     }
+    return TIDES_OK;
 }
 
 /* Pixels with blocks. */

@@ -2,6 +2,7 @@
 #include "td_estimate.h"
 #include "signal/td_model_error.h"
 #include "td_extremes.h"
+#include "td_wide.h"
 
 #include <float.h>
 #include <math.h>
@@ -103,8 +104,8 @@ static inline void mark_some(int probed, int levelled, const td_estimated *step,
     }
 }
 
-static void mark_block(const td_estimated *step, const td_estimate *worst, int levelled, double threshold, int32_t first,
-                       int32_t count, marks *to) {
+TD_WIDE static void mark_block(const td_estimated *step, const td_estimate *worst, int levelled, double threshold,
+                               int32_t first, int32_t count, marks *to) {
     if (step->deviation && levelled)
         mark_some(1, 1, step, worst, threshold, first, count, to->mark, to->way);
     else if (step->deviation)
@@ -138,8 +139,8 @@ static td_estimate estimate_ideal(const td_sensor *sensor, const td_estimated *s
     for (int32_t first = 0; first < step->count; first += BLOCK) {
         const int32_t count = step->count - first < BLOCK ? step->count - first : BLOCK;
         mark_block(step, &worst, levelled, threshold, first, count, &block);
-        for (int32_t k = 0; k < count; k++)
-            if (block.mark[k] != 0.0) ask_ideal(step, levelled, threshold, first + k, &worst);
+        for (size_t k = 0; (k = td_next_mark(block.mark, k, (size_t)count)) < (size_t)count; k++)
+            ask_ideal(step, levelled, threshold, first + (int32_t)k, &worst);
     }
     for (int k = 0; k < BLOCK; k++) way = td_greater(block.way[k], way);
     worst.crossings = way / td_sensor_least_threshold(&sensor->sensor);

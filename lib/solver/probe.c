@@ -1,5 +1,6 @@
 /* Probes: where a step is cut, and how far its cubic is off there. */
 #include "td_probe.h"
+#include "td_wide.h"
 
 #include <math.h>
 
@@ -31,15 +32,20 @@ uint32_t td_probe_place(uint64_t macro, uint32_t from, uint32_t to) {
     return from + step;
 }
 
-void td_probe_deviation(double h, double theta, const td_signals *ends, const double *S, const double *S_dot, int32_t count,
-                        double *deviation) {
+TD_WIDE static void deviate(double h, double theta, const td_signals *at, const double *S, const double *S_dot, int32_t count,
+                            double *deviation) {
     const double rest = 1 - theta;
     const double way = theta * theta * (3 - 2 * theta), start = h * theta * rest * rest, end = -h * theta * theta * rest;
     const double way_dot = 6 * theta * rest, start_dot = h * rest * (1 - 3 * theta), end_dot = h * theta * (3 * theta - 2);
     for (int32_t i = 0; i < count; i++) {
-        double rise = ends->S1[i] - ends->S0[i];
-        double value = ends->S0[i] + (way * rise + (start * ends->S0_dot[i] + end * ends->S1_dot[i]));
-        double rate = way_dot * rise + (start_dot * ends->S0_dot[i] + end_dot * ends->S1_dot[i]);
+        double rise = at->S1[i] - at->S0[i];
+        double value = at->S0[i] + (way * rise + (start * at->S0_dot[i] + end * at->S1_dot[i]));
+        double rate = way_dot * rise + (start_dot * at->S0_dot[i] + end_dot * at->S1_dot[i]);
         deviation[i] = fabs(S[i] - value) + rate_weight * fabs(h * S_dot[i] - rate);
     }
+}
+
+void td_probe_deviation(double h, double theta, const td_signals *ends, const double *S, const double *S_dot, int32_t count,
+                        double *deviation) {
+    deviate(h, theta, ends, S, S_dot, count, deviation);
 }

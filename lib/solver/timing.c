@@ -5,6 +5,7 @@
 #include "signal/td_model_error.h"
 #include "td_extremes.h"
 #include "td_probe.h"
+#include "td_wide.h"
 
 #include <math.h>
 #include <string.h>
@@ -191,7 +192,7 @@ enum { BLOCK = 64 }; /* pixels marked together */
 
 /* mark[k] = 1 where the control values of pixel first + k both rise and fall, otherwise 0. As doubles, by one comparison at a
  * time, so that the loop vectorises (lib/sensor/comparator.c). */
-static void mark_turns(const td_timed *timed, int32_t first, int32_t count, double *restrict mark) {
+TD_WIDE static void mark_turns(const td_timed *timed, int32_t first, int32_t count, double *restrict mark) {
     const double *S0 = timed->signals->S0 + first, *S0_dot = timed->signals->S0_dot + first;
     const double *S1 = timed->signals->S1 + first, *S1_dot = timed->signals->S1_dot + first;
     const double h = timed->step->length_s;
@@ -226,8 +227,8 @@ void td_timing_add_turns(td_timing *timing, const td_timed *timed) {
         const int32_t count = pixels - first < BLOCK ? pixels - first : BLOCK;
         double mark[BLOCK];
         mark_turns(timed, first, count, mark);
-        for (int32_t k = 0; k < count; k++)
-            if (mark[k] != 0.0) add_turns(timing, timed, first + k);
+        for (size_t k = 0; (k = td_next_mark(mark, k, (size_t)count)) < (size_t)count; k++)
+            add_turns(timing, timed, first + (int32_t)k);
     }
 }
 

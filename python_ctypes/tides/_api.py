@@ -67,6 +67,9 @@ TIDES_B_DOT = 12
 TIDES_Z = 13
 TIDES_Z_DOT = 14
 TIDES_CHANNELS = 15
+TIDES_LABEL_CAUSE = 1
+TIDES_LABEL_FIRED = 2
+TIDES_LABEL_FRONTEND = 4
 TIDES_TRUTH_FLOW_U = 0
 TIDES_TRUTH_FLOW_V = 1
 TIDES_TRUTH_DEPTH = 2
@@ -77,9 +80,6 @@ TIDES_TRUTH_NORMAL_X = 6
 TIDES_TRUTH_NORMAL_Y = 7
 TIDES_TRUTH_NORMAL_Z = 8
 TIDES_TRUTHS = 9
-TIDES_LABEL_CAUSE = 1
-TIDES_LABEL_FIRED = 2
-TIDES_LABEL_FRONTEND = 4
 TIDES_READOUT_TILES = 0
 TIDES_READOUT_ROWS = 1
 TIDES_READOUT_BOTTLENECK = 2
@@ -1128,59 +1128,6 @@ class tides_render_stats(Structure):
     ]
 
 
-class tides_truth(Structure):
-    """double *plane[TIDES_TRUTHS];
-    """
-
-    plane: Any
-
-    _fields_ = [
-        ("plane", P(c_double) * 9),
-    ]
-
-
-class tides_material_point(Structure):
-    """int32_t object; /* of the scene; -1: no point */
-    int32_t reserved;
-    int64_t gaussian; /* within the object */
-    double xi[3];
-    """
-
-    object: int
-    reserved: int
-    gaussian: int
-    xi: Any
-
-    _fields_ = [
-        ("object", c_int32),
-        ("reserved", c_int32),
-        ("gaussian", c_int64),
-        ("xi", c_double * 3),
-    ]
-
-
-class tides_track(Structure):
-    """double u, v; /* [px], (0.5, 0.5) being the first pixel's centre; NaN behind the near plane, or where there's no point */
-    double depth; /* camera z [scene units]; NaN where there's no point */
-    int32_t visible; /* 1: in the image, and not behind what is seen there (the splat of the median depth) */
-    int32_t reserved;
-    """
-
-    u: float
-    v: float
-    depth: float
-    visible: int
-    reserved: int
-
-    _fields_ = [
-        ("u", c_double),
-        ("v", c_double),
-        ("depth", c_double),
-        ("visible", c_int32),
-        ("reserved", c_int32),
-    ]
-
-
 class tides_event(Structure):
     """int64_t t; /* [ns] of the run's clock: the scene's and the path's time, absolute */
     uint16_t x, y; /* [px] */
@@ -1395,6 +1342,82 @@ class tides_event_conversion_report(Structure):
         ("from", c_char * 32),
         ("to", c_char * 32),
         ("labels", c_int32),
+    ]
+
+
+class tides_truth(Structure):
+    """double *plane[TIDES_TRUTHS];
+    """
+
+    plane: Any
+
+    _fields_ = [
+        ("plane", P(c_double) * 9),
+    ]
+
+
+class tides_material_point(Structure):
+    """int32_t object; /* of the scene; -1: no point */
+    int32_t reserved;
+    int64_t gaussian; /* within the object */
+    double xi[3];
+    """
+
+    object: int
+    reserved: int
+    gaussian: int
+    xi: Any
+
+    _fields_ = [
+        ("object", c_int32),
+        ("reserved", c_int32),
+        ("gaussian", c_int64),
+        ("xi", c_double * 3),
+    ]
+
+
+class tides_track(Structure):
+    """double u, v; /* [px], (0.5, 0.5) being the first pixel's centre; NaN behind the near plane, or where there's no point */
+    double depth; /* camera z [scene units]; NaN where there's no point */
+    int32_t visible; /* 1: in the image, and not behind what is seen there (the splat of the median depth) */
+    int32_t reserved;
+    """
+
+    u: float
+    v: float
+    depth: float
+    visible: int
+    reserved: int
+
+    _fields_ = [
+        ("u", c_double),
+        ("v", c_double),
+        ("depth", c_double),
+        ("visible", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_event_truth(Structure):
+    """double flow_u, flow_v; /* [px/s] */
+    double depth, alpha; /* [scene units], [1] */
+    int32_t instance, reserved; /* the scene's object; -1 where nothing is seen */
+    """
+
+    flow_u: float
+    flow_v: float
+    depth: float
+    alpha: float
+    instance: int
+    reserved: int
+
+    _fields_ = [
+        ("flow_u", c_double),
+        ("flow_v", c_double),
+        ("depth", c_double),
+        ("alpha", c_double),
+        ("instance", c_int32),
+        ("reserved", c_int32),
     ]
 
 
@@ -2337,6 +2360,8 @@ class tides_run_values(Structure):
     tides_path_options path; /* of camera.file */
     double scene_duration_s; /* 0: the scene's own */
     double metres_per_unit; /* of the scene [m]; 0: unknown */
+    int32_t event_truth; /* 1: event files get ground truth (tides_session_truth) */
+    int32_t reserved;
     const char *json; /* the run with every default filled in, as written into event files */
     """
 
@@ -2359,6 +2384,8 @@ class tides_run_values(Structure):
     path: tides_path_options
     scene_duration_s: float
     metres_per_unit: float
+    event_truth: int
+    reserved: int
     json: bytes | None
 
     _fields_ = [
@@ -2381,6 +2408,8 @@ class tides_run_values(Structure):
         ("path", tides_path_options),
         ("scene_duration_s", c_double),
         ("metres_per_unit", c_double),
+        ("event_truth", c_int32),
+        ("reserved", c_int32),
         ("json", c_char_p),
     ]
 
@@ -2904,6 +2933,12 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
         P(tides_renderer), P(tides_trajectory), c_double, c_double, P(c_double), P(c_double), P(c_double),
         P(tides_error)
     ]),
+    # tides_status tides_renderer_event_truth(tides_renderer *renderer, const tides_trajectory *camera, const
+    # tides_event *events, const int64_t *fired, size_t count, tides_event_truth *truth, tides_error *error)
+    "tides_renderer_event_truth": (c_int32, [
+        P(tides_renderer), P(tides_trajectory), P(tides_event), P(c_int64), c_size_t, P(tides_event_truth),
+        P(tides_error)
+    ]),
     # tides_status tides_renderer_follow(tides_renderer *renderer, const tides_trajectory *camera, double time, const
     # tides_material_point *points, size_t count, tides_track *tracks, tides_error *error)
     "tides_renderer_follow": (c_int32, [
@@ -3028,6 +3063,9 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_session_simulator": (c_int32, [
         P(tides_session), tides_progress, c_void_p, P(P(tides_simulator)), P(tides_error)
     ]),
+    # tides_status tides_session_truth(tides_session *session, const char *path, tides_progress progress, void *user,
+    # tides_error *error)
+    "tides_session_truth": (c_int32, [P(tides_session), c_char_p, tides_progress, c_void_p, P(tides_error)]),
     # tides_status tides_session_vary(const tides_session *base, const char *const *overrides, size_t count,
     # tides_session **session, tides_error *error)
     "tides_session_vary": (c_int32, [P(tides_session), P(c_char_p), c_size_t, P(P(tides_session)), P(tides_error)]),
@@ -3137,11 +3175,12 @@ STRUCTS = (
     tides_polynomial_motion, tides_rotor_motion, tides_keyframes_motion, tides_theta, tides_callback_motion,
     tides_gaussians, tides_object, tides_intrinsics, tides_path_options, tides_path, tides_generator,
     tides_generate_options, tides_world, tides_circuit, tides_sensor, tides_smoothing, tides_image_params, tides_frame,
-    tides_render_stats, tides_truth, tides_material_point, tides_track, tides_event, tides_event_file,
-    tides_event_format, tides_event_facts, tides_event_summary, tides_event_conversion, tides_event_conversion_report,
-    tides_readout, tides_readout_stats, tides_risk, tides_stepping, tides_stats, tides_stat, tides_frames_options,
-    tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params, tides_baseline_params, tides_frame_supply,
-    tides_channel, tides_match, tides_metrics_options, tides_interval_fit, tides_stream_metrics, tides_metrics,
-    tides_voxel_options, tides_array_shape, tides_param, tides_run_values, tides_run_input, tides_fingerprint,
-    tides_session_facts, tides_recording, tides_recorded, tides_exact_options, tides_exact,
+    tides_render_stats, tides_event, tides_event_file, tides_event_format, tides_event_facts, tides_event_summary,
+    tides_event_conversion, tides_event_conversion_report, tides_truth, tides_material_point, tides_track,
+    tides_event_truth, tides_readout, tides_readout_stats, tides_risk, tides_stepping, tides_stats, tides_stat,
+    tides_frames_options, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params,
+    tides_baseline_params, tides_frame_supply, tides_channel, tides_match, tides_metrics_options, tides_interval_fit,
+    tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_param, tides_run_values,
+    tides_run_input, tides_fingerprint, tides_session_facts, tides_recording, tides_recorded, tides_exact_options,
+    tides_exact,
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ctypes import POINTER, byref, c_double
+from ctypes import POINTER, byref, c_double, c_int64
 from typing import Any, Iterable
 
 import numpy as np
@@ -14,6 +14,7 @@ from ._library import lib
 from ._progress import Progress, Reporter
 from ._values import Facts, Value, choice, constants, plain
 from .device import Device, opened
+from .events import as_events
 from .scene import Scene
 from .trajectory import Camera, Trajectory
 
@@ -27,6 +28,11 @@ TRUTHS = tuple(text(lib.tides_truth_name(index)) for index in range(_api.TIDES_T
 MATERIAL_POINT = np.dtype([("object", "i4"), ("reserved", "i4"), ("gaussian", "i8"), ("xi", "f8", 3)])
 #: Where one is (Renderer.follow): u, v [px], depth [scene units], and whether it is seen.
 TRACK = np.dtype([("u", "f8"), ("v", "f8"), ("depth", "f8"), ("visible", "i4"), ("reserved", "i4")])
+
+#: What an event's pixel saw when it fired (Renderer.event_truth).
+EVENT_TRUTH = np.dtype(
+    [(name, "f8") for name in ("flow_u", "flow_v", "depth", "alpha")] + [("instance", "i4"), ("reserved", "i4")]
+)
 
 
 class ImageParams(Value, _api.tides_image_params):
@@ -128,6 +134,22 @@ class Renderer(Handle):
                 len(given), made,
             )
         return tracks
+
+    def event_truth(self, events: Any, fired: Any = None, trajectory: Trajectory | None = None) -> np.ndarray:
+        """What each event's pixel saw when it fired (`fired` [ns]; None: at its t): an array with the fields flow_u, flow_v
+        [px/s], depth [scene units], alpha, instance."""
+        given = as_events(events)
+        times = None if fired is None else array(fired, np.int64, (len(given),), "fired")
+        truth = np.zeros(len(given), EVENT_TRUTH)
+        path = trajectory or self.camera.trajectory
+        clock = None if times is None else pointer(times, c_int64)
+        made = pointer(truth, _api.tides_event_truth)
+        with self._lock:
+            call(
+                "tides_renderer_event_truth", self._pointer, path._pointer, pointer(given, _api.tides_event), clock,
+                len(given), made,
+            )
+        return truth
 
     def _planes(self, argument: str, names: Iterable[str], known: tuple[str, ...], struct: Any) -> dict[str, np.ndarray]:
         """Empty planes for the names, and their addresses in the struct."""

@@ -146,6 +146,12 @@ class Session(Handle):
             call("tides_session_write", self._pointer, path(file), how, step, None, None, byref(stats))
         return plain(stats)
 
+    def add_truth(self, file: str | os.PathLike[str], progress: Progress = None) -> None:
+        """Adds ground truth to a finished HDF5 recording of this run: columns flow_u, flow_v [px/s], depth [scene units], alpha
+        and instance beside its events, each at the time that its event fired. sensor.truth has `write` do it."""
+        with self._lock, Reporter(progress) as step:
+            call("tides_session_truth", self._pointer, path(file), step, None)
+
     def exact(self, progress: Progress = None, **options: Any) -> Facts:
         """The exact stream of ideal pixels with the run's thresholds, and what it is worth: see measure.exact_stream."""
         return session_exact(self, progress, **options)

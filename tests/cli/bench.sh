@@ -1,11 +1,13 @@
 # A benchmark leaves tables that agree with each other and pictures, refuses nonsense, and stops when asked to.
 refuse 2 "no benchmark is called acuracy; did you mean accuracy\?" tides bench acuracy
-refuse 2 "no benchmark is called speed; there are accuracy, ablation, blocks, image, scaling, stability, throughput and all" tides bench speed
+refuse 2 "no benchmark is called speed; there are accuracy, ablation, blocks, determinism, image, scaling, stability, throughput and all" \
+    tides bench speed
 refuse 2 "--row needle-1e6: there is no such row; did you mean needles-1e6\?" tides bench stability --row needle-1e6
-refuse 2 "--row: only scaling and stability have rows" tides bench image --row needles-1e6
+refuse 2 "--row: only determinism, scaling and stability have rows" tides bench image --row needles-1e6
 refuse 2 "--row pixel: there is no such row; did you mean pixels\?" tides bench scaling --row pixel
 refuse 2 "all takes neither --scene nor --row" tides bench all --scene fan
 refuse 2 "--scene: stability has rows" tides bench stability --scene fan
+refuse 2 "--row togther: there is no such row; did you mean together\?" tides bench determinism --row togther
 refuse 2 "too few arguments" tides bench
 refuse 2 "--scene ocluder: neither a scene nor a file; did you mean occluder\?" tides bench accuracy --scene ocluder
 touch taken
@@ -173,6 +175,31 @@ hurried() { (ulimit -t 1 && exec "$@"); }
 expect 1 hurried tides bench stability --quiet --row gaussians-1e6 -o made
 err "1 rows fail; made/stability.json says why"
 grep -q "^gaussians-1e6,.*,FAIL,died of signal" made/stability.csv || fail "a row that fails should say so"
+
+# One hash for each run, whatever the way; and it is that of the events of `tides simulate`.
+expect 0 tides bench determinism --quick --row together -o made
+grep -Eqx '[0-9a-f]{64}  together' out || fail "one hash for the run"
+[ "$(grep -c "^together,.*,same," made/determinism.csv)" = 6 ] || fail "six ways, all the same"
+grep -q "^together,killed,.*,same,.*,[1-9],[0-9.]*$" made/determinism.csv || fail "nothing was killed"
+ls made | grep -Eq '\.cut|checkpoint|part$' && fail "files of the ways are left"
+if "${PYTHON:-/usr/bin/python3}" -c 'import h5py' 2>/dev/null; then
+    settings=$(sed -n 's/^.*"settings":[[:space:]]*"\(.*\)",*$/\1/p' made/determinism.json | sed 's/[^ ][^ ]*/--set &/g')
+    # shellcheck disable=SC2086
+    expect 0 tides simulate made/run.json -qo made/e.h5 --device cpu $settings
+    made=$("${PYTHON:-/usr/bin/python3}" - <<-'PY'
+	import hashlib
+	import h5py
+	import numpy
+	events = h5py.File("made/e.h5", "r")["events"]
+	packed = numpy.zeros(len(events["x"]), "<i8, <u2, <u2, i1")
+	for name, field in zip(("t_ns", "x", "y", "p"), packed.dtype.names):
+	    packed[field] = events[name][:]
+	packed["f3"] = numpy.where(events["p"][:] > 0, 1, -1)
+	print(hashlib.sha256(packed.tobytes()).hexdigest())
+	PY
+    )
+    grep -q "\"sha256\":.*\"$made\"" made/determinism.json || fail "the hash isn't that of the events"
+fi
 
 set -m # so that the job doesn't start with SIGINT ignored
 tides bench accuracy --quick --scene fan -o stopped >out 2>err &

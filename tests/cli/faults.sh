@@ -53,12 +53,14 @@ fails() {
             if [ -e "$file.part" ]; then
                 grep -Eq "$file\.part" err && [ "$1 $2" = "tides simulate" ] || fail "$file: $call $k of $n leaves a .part"
             fi
+            files=$((files + 1))
         done
     done
     unset FAULT_NEAR
     rm -f "$file" "$file".part*
 }
 
+files=0
 fails e.h5 tides simulate run.json -qo e.h5
 fails e.raw tides simulate run.json -qo e.raw
 fails s.json tides simulate run.json -qo x.h5 --stats s.json
@@ -72,6 +74,8 @@ fails p.hdf5 tides convert base.h5 p.hdf5 --to ecf -q
 fails v.png tides view base.h5 -qo v.png
 fails a.npy tides export base.h5 -qo a.npy
 fails a.h5 tides export base.h5 -qo a.h5
+
+report "write, fsync, rename, close: $files failed"
 
 # A folder that can't be put on the disk: the file is in place by then.
 mkdir folder
@@ -123,7 +127,7 @@ for who in ours others hdf5; do
         esac
         missing s.json.part
     done
-    echo "memory of $who: $tried of $n, HDF5 crashed in $crashes"
+    report "memory of $who: $tried of $n failed; HDF5 crashed in $crashes"
     [ $who != ours ] || [ "$crashes" = 0 ] || fail "HDF5 crashed where ours got no memory"
 done
 

@@ -7,6 +7,8 @@ fail() {
     [ -f err ] && sed 's/^/  stderr: /' err
     exit 1
 }
+# A line for whoever ran a sweep (make faults), and for the log.
+report() { echo "$*" | tee -a "${TIDES_FAULTS_COUNTS:-/dev/null}"; }
 skip() { echo "$*"; exit 77; }
 
 # expect CODE COMMAND...: runs it, keeps stdout and stderr in the files out and err.

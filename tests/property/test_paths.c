@@ -214,11 +214,61 @@ static void test_moving_gaussians(void **state) {
     skip_without_opencl();
 }
 
+/* The scene's camera, shaken to and fro 40 times within the interval. */
+static tides_trajectory *shaken(const random_scene *scene) {
+    enum { SAMPLES = 81 };
+    tides_pose_sample samples[SAMPLES];
+    tides_trajectory *path = NULL;
+    tides_pose pose;
+    tides_error error;
+    memset(samples, 0, sizeof samples);
+    scene_expect_ok(tides_trajectory_sample(scene->path, 0, &samples[0], &error), &error);
+    scene_expect_ok(tides_trajectory_at(scene->path, start, &pose, &error), &error);
+    for (int i = SAMPLES - 1; i >= 0; i--) {
+        samples[i] = samples[0];
+        samples[i].time = start + (stop - start) * i / (SAMPLES - 1);
+        samples[i].has_rates = 0;
+        for (int k = 0; k < 3; k++) samples[i].position[k] = pose.position[k] + (i % 2 ? 0.02 : -0.02);
+    }
+    scene_expect_ok(tides_trajectory_create(samples, SAMPLES, &path, &error), &error);
+    return path;
+}
+
+/* A camera that no cubic follows: no node is projected, and the image is that of projections, in both references too. */
+static void test_nobody_has_one(void **state) {
+    static const char *const specs[] = {"reference-f32", "reference", "cpu"};
+    random_recipe recipe = recipe_of(SEED + 2);
+    random_scene scene = random_scene_make(&recipe);
+    tides_trajectory *camera = shaken(&scene);
+    (void)state;
+    for (size_t i = 0; i < sizeof specs / sizeof *specs; i++) {
+        tides_device *device = NULL;
+        tides_error error;
+        if (tides_device_open(specs[i], &device, &error) != TIDES_OK) continue; /* skipped below */
+        tides_renderer *direct = make_renderer(device, scene.scene, &scene.camera, TIDES_RULES_SMOOTH);
+        tides_renderer *paths = make_renderer(device, scene.scene, &scene.camera, TIDES_RULES_SMOOTH);
+        double *projected = render(direct, camera, 0), *on_paths = render(paths, camera, 1e-4);
+        tides_render_stats stats;
+        tides_renderer_stats(paths, &stats);
+        assert_true(stats.path_nodes == 0 && stats.gaussians_projected > 0);
+        assert_memory_equal(projected, on_paths,
+                            (size_t)TIMES * (size_t)paths->stats.tiles * TD_OUT_SIGNAL * TD_TILE_PIXELS * sizeof *projected);
+        free(projected);
+        free(on_paths);
+        tides_renderer_destroy(direct);
+        tides_renderer_destroy(paths);
+        tides_device_close(device);
+    }
+    tides_trajectory_destroy(camera);
+    random_scene_free(&scene);
+    skip_without_opencl();
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_images_are_those_of_projections),
                                        cmocka_unit_test(test_rates_are_its_own),
                                        cmocka_unit_test(test_paths_depend_on_the_interval_alone),
-                                       cmocka_unit_test(test_moving_gaussians)};
+                                       cmocka_unit_test(test_moving_gaussians), cmocka_unit_test(test_nobody_has_one)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -34,6 +34,38 @@ def test_a_session_runs_whatever_the_file_says(tmp_path):
     assert session.closed and scene.closed
 
 
+def test_events_get_their_truth(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    columns = ("flow_u", "flow_v", "depth", "alpha", "instance")
+    plain, told = tmp_path / "plain.h5", tmp_path / "told.h5"
+    with tides.Session(RUN, device="reference-f32") as session:
+        session.write(plain)
+        events = tides.read_events(plain)
+        with session.vary({"sensor.truth": True}) as other:
+            other.write(told)
+        with session.renderer() as renderer:
+            truth = renderer.event_truth(events)
+            frame = renderer.truth(1e-9 * events["t"][5])
+        assert np.array_equal(tides.read_events(told), events) and truth["alpha"].max() > 0.5
+        x, y = events["x"][5], events["y"][5]
+        assert all(truth[name][5] == frame[name][y, x] for name in columns)
+        session.add_truth(plain)
+        session.add_truth(plain)  # replaced
+        for file in (plain, told):
+            with h5py.File(file) as read:
+                for name in columns:
+                    assert np.array_equal(read["events"][name][:], truth[name].astype(read["events"][name].dtype))
+        assert np.array_equal(tides.read_events(plain), events)
+        (tmp_path / "junk.h5").write_bytes(b"junk")
+        with pytest.raises(tides.errors.Unsupported, match="isn't an HDF5 event file"):
+            session.add_truth(tmp_path / "junk.h5")
+        assert (tmp_path / "junk.h5").read_bytes() == b"junk" and not list(tmp_path.glob("*.part"))
+        with session.vary({"sensor.truth": True}) as other:
+            with pytest.raises(tides.errors.Unsupported, match="only HDF5 has columns"):
+                other.write(tmp_path / "a.raw")
+        assert not (tmp_path / "a.raw").exists()
+
+
 def test_variations_share_what_is_open(tmp_path):
     session = tides.Run(RUN).session("reference")
     low = session.vary({"sensor.threshold_on": 0.1, "sensor.threshold_off": 0.1})

@@ -1,0 +1,107 @@
+/* A process for each row of `tides bench stability` and `determinism`: its memory is its own, and one that crashes or doesn't
+ * end is a row that fails. Nothing that has threads is open in the process that forks. */
+#include "batch.h"
+#include "bench.h"
+
+#include <signal.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+/* All of `size`, or nothing: what is written is far below a pipe's capacity. */
+static int32_t take_result(int from, void *result, size_t size) {
+    size_t taken = 0;
+    while (taken < size) {
+        const ssize_t n = read(from, (char *)result + taken, size - taken);
+        if (n <= 0) return 0;
+        taken += (size_t)n;
+    }
+    return 1;
+}
+
+static void be_child(pid_t parent, int to, bench_work work, void *user, void *result, size_t size) {
+    tides_error ignored = {TIDES_OK, ""};
+    const tides_status together = batch_end_with(parent, &ignored);
+    if (together != TIDES_OK && together != TIDES_UNSUPPORTED) _exit(CLI_FAILED);
+    work(user, result);
+    fflush(NULL);
+    _exit(write(to, result, size) == (ssize_t)size ? CLI_OK : CLI_FAILED);
+}
+
+/* Waits until the child ends, the limit is reached or the user wants to stop; both of these end it. */
+static int wait_for(bench *b, pid_t child, double limit_s, int32_t *how) {
+    static const struct timespec pause = {0, 2000000};
+    const double began = cli_now();
+    int ended = 0;
+    while (waitpid(child, &ended, WNOHANG) != child) {
+        const int32_t stop = cli_progress_step(&b->progress, 0, "rows");
+        if (stop) *how = BENCH_STOPPED;
+        if (!stop && cli_now() - began > limit_s) *how = BENCH_LATE;
+        if (*how != BENCH_RAN) {
+            kill(child, SIGKILL);
+            waitpid(child, &ended, 0);
+            break;
+        }
+        nanosleep(&pause, NULL);
+    }
+    return ended;
+}
+
+tides_status bench_child(bench *b, bench_work work, void *user, void *result, size_t size, double limit_s, int32_t *how,
+                         int32_t *signal, tides_error *error) {
+    int ends[2];
+    const pid_t parent = getpid();
+    if (pipe(ends) != 0) return cli_error(error, TIDES_NO_MEMORY, "no pipe can be made for a row of its own process");
+    fflush(NULL);
+    const pid_t child = fork();
+    if (child == 0) be_child(parent, ends[1], work, user, result, size);
+    close(ends[1]);
+    *how = BENCH_RAN;
+    *signal = 0;
+    if (child < 0) {
+        close(ends[0]);
+        return cli_error(error, TIDES_NO_MEMORY, "no process can be started for a row");
+    }
+    const int ended = wait_for(b, child, limit_s, how);
+    if (*how == BENCH_RAN && !take_result(ends[0], result, size)) {
+        *how = BENCH_DIED;
+        *signal = WIFSIGNALED(ended) ? WTERMSIG(ended) : 0;
+    }
+    close(ends[0]);
+    return TIDES_OK;
+}
+
+/* -- the device ------------------------------------------------------------------------------------------------------------ */
+
+/* A driver that takes longer to say its name has no end [s]. */
+#define ASK_LIMIT_S 120.0
+
+typedef struct device_answer {
+    tides_device_info info;
+    tides_error error;
+} device_answer;
+
+static void ask(void *user, void *result) {
+    const bench *b = user;
+    device_answer *answer = result;
+    tides_device *device = NULL;
+    if (tides_device_open(b->common->device, &device, &answer->error) == TIDES_OK) tides_device_describe(device, &answer->info);
+    tides_device_close(device);
+}
+
+tides_status bench_ask_device(bench *b, tides_error *error) {
+    device_answer answer;
+    int32_t how, signal;
+    memset(&answer, 0, sizeof answer);
+    tides_status status = bench_child(b, ask, b, &answer, sizeof answer, ASK_LIMIT_S, &how, &signal, error);
+    if (status != TIDES_OK) return status;
+    if (how == BENCH_STOPPED) return TIDES_CANCELLED;
+    if (how != BENCH_RAN) return cli_error(error, TIDES_NO_DEVICE, "the device died when it was opened");
+    if (answer.error.status != TIDES_OK) {
+        *error = answer.error;
+        return error->status;
+    }
+    b->info = answer.info;
+    return TIDES_OK;
+}

@@ -1,0 +1,87 @@
+/* The runs of `tides bench determinism`, and the ways that they are made in. */
+#include "bench_determinism.h"
+
+#include <string.h>
+
+#define DOUBLE "stepping.solve=double", "stepping.tolerance=0.1"
+#define TOGETHER DOUBLE, "stepping.unit=block", "stepping.paths=true"
+#define COMPARATOR                                                                                                \
+    "sensor.threshold_sigma=0.02", "sensor.refractory_s=0.001", "sensor.leak_rate_hz=5", "sensor.leak_sigma=0.2", \
+        "sensor.dead_pixel_fraction=0.01", "frontend.shot_noise_hz=20", "frontend.hot_pixel_fraction=0.01"
+#define FRONT_END                                                                                   \
+    "frontend.psf_sigma_px=0.7", "frontend.photoreceptor_cutoff_hz=200", "frontend.noise_rms=0.02", \
+        "frontend.noise_cutoff_hz=300"
+
+const determinism_run determinism_runs[] =
+    {{"fixed", "equal steps", {"stepping.mode=fixed"}, 0},
+     {"error", "steps under error control, the default", {"stepping.mode=error"}, 0},
+     {"error_risk", "steps by the paper's risk too", {"stepping.mode=error_risk"}, 0},
+     {"blocks", "steps of 4x4 blocks", {"stepping.unit=block"}, 0},
+     {"paths", "records from paths", {"stepping.paths=true"}, 0},
+     {"solved_float", "events looked up in single precision", {"stepping.solve=float", "stepping.tolerance=0.1"}, 0},
+     {"solved", "events looked up in double precision", {DOUBLE}, 0},
+     {"together", "events looked up in double precision, blocks and paths", {TOGETHER}, 0},
+     {"sensor", "most blocks of the sensor at once", {COMPARATOR, FRONT_END}, 0},
+     {"comparator_solved", "those of the comparator, events looked up", {COMPARATOR, TOGETHER}, 0},
+     {"surround", "centre-surround", {"frontend.center_surround=[2,0.004]"}, 0},
+     {"readout",
+      "an arbiter that queues, drops and jitters",
+      {"readout.enabled=true", "readout.tile_px=8", "readout.tick_s=0.00005", "readout.k0=2", "readout.queue_capacity=64",
+       "readout.p0=0.01", "readout.sigma0_s=0.000002"},
+      0},
+     {"inria", "an image that jumps", {"image.rules=inria", "stepping.mode=fixed"}, 0},
+     {"esim", "straight lines between frames", {"method=esim", "frames_per_second=500"}, 1},
+     {.name = NULL}};
+
+/* The device's twin in C comes with the rows that it must equal to the bit; its double precision is another run. */
+#define THREADS(count) \
+    .variable = {"POCL_MAX_PTHREAD_COUNT", "POCL_CPU_MAX_CU_COUNT"}, .value = {#count, #count}, .units = count, .pocl = 1
+#define METHOD(name) .variable = {"POCL_WORK_GROUP_METHOD"}, .value = {name}, .pocl = 1, .own_kernels = 1
+
+const determinism_way determinism_ways[] =
+    {{.name = "whole", .sentence = "in one go", .quick = 1},
+     {.name = "again", .sentence = "the same once more"},
+     {.name = "one thread", .sentence = "PoCL with one thread", THREADS(1), .quick = 1},
+     {.name = "three threads", .sentence = "PoCL with three threads", THREADS(3)},
+     {.name = "PoCL basic",
+      .sentence = "PoCL's driver without threads",
+      .variable = {"POCL_DEVICES"},
+      .value = {"basic"},
+      .pocl = 1},
+     {.name = "PoCL loops", .sentence = "work-groups as PoCL's loops", METHOD("loops")},
+     {.name = "PoCL loopvec", .sentence = "work-groups as PoCL's vectorised loops", METHOD("loopvec")},
+     {.name = "C in float", .sentence = "scalar C", .device = "reference-f32", .quick = 1},
+     {.name = "little memory", .sentence = "launches of a hundredth of the size", .sets = {"stepping.memory_mb=1"}, .quick = 1},
+     {.name = "pieces", .sentence = "asked for in pieces, to times drawn at random", .how = DETERMINISM_PIECES},
+     {.name = "saved", .sentence = "saved and restored at times drawn at random", .how = DETERMINISM_SAVED, .quick = 1},
+     {.name = "file", .sentence = "through an event file", .how = DETERMINISM_FILE},
+     {.name = "killed", .sentence = "simulate, killed at random and resumed", .how = DETERMINISM_KILLED, .quick = 1},
+     {.name = "killed in C", .sentence = "the same in scalar C", .how = DETERMINISM_KILLED, .device = "reference-f32"},
+     {.name = NULL}};
+
+const determinism_run *determinism_find(const char *name) {
+    for (const determinism_run *r = determinism_runs; r->name; r++)
+        if (strcmp(r->name, name) == 0) return r;
+    return NULL;
+}
+
+size_t determinism_count(void) { return sizeof determinism_runs / sizeof determinism_runs[0] - 1; }
+
+const char *const *determinism_names(void) {
+    static const char *names[sizeof determinism_runs / sizeof determinism_runs[0]]; /* the last stays NULL */
+    for (size_t i = 0; i < determinism_count(); i++) names[i] = determinism_runs[i].name;
+    return names;
+}
+
+/* The demo's world, smaller and shorter, with steps enough to be cut between. */
+static const char *const full_world[] = {"camera.width=96", "camera.height=72",      "camera.fx=84",
+                                         "camera.fy=84",    "camera.cx=48",          "camera.cy=36",
+                                         "time.stop=0.06",  "stepping.step_s=0.004", NULL};
+static const char *const quick_world[] = {"camera.width=40", "camera.height=32",      "camera.fx=35",
+                                          "camera.fy=35",    "camera.cx=20",          "camera.cy=16",
+                                          "time.stop=0.03",  "stepping.step_s=0.004", NULL};
+
+void determinism_take(const bench *b, const determinism_run *run, cli_list *sets) {
+    for (const char *const *set = b->quick ? quick_world : full_world; *set; set++) sets->items[sets->count++] = *set;
+    for (size_t i = 0; i < DETERMINISM_TEXTS && run->sets[i]; i++) sets->items[sets->count++] = run->sets[i];
+}

@@ -1,0 +1,33 @@
+/* Loops over many doubles, for the vectors that the processor has. */
+#ifndef TD_WIDE_H
+#define TD_WIDE_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+/* Such a function is compiled more than once, and the loader takes the widest that runs here (gcc's target_clones). The library
+ * itself is built for any x86-64, whose vectors hold two doubles. All have the same bits: nothing is contracted (-ffp-contract)
+ * or reordered. Loops of comparisons gain most: with AVX-512 a comparison is a mask. Sanitizers aren't up yet when the loader
+ * asks. */
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define TD_WIDE __attribute__((__target_clones__("avx512f", "avx2", "default")))
+#else
+#define TD_WIDE
+#endif
+
+/* The first k' >= k with mark[k'] != 0, or count. Marks are 0.0 or 1.0, and few are 1: eight are passed over at a time. */
+static inline size_t td_next_mark(const double *mark, size_t k, size_t count) {
+    enum { EACH = 8 };
+    for (; k + EACH <= count; k += EACH) {
+        uint64_t bits[EACH], any = 0;
+        memcpy(bits, mark + k, sizeof bits);
+        for (int i = 0; i < EACH; i++) any |= bits[i];
+        if (any) break;
+    }
+    while (k < count && mark[k] == 0.0) k++;
+    return k;
+}
+
+#endif

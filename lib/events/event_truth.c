@@ -1,0 +1,133 @@
+/* Columns of ground truth, added to a file that is complete (td_event_truth.h says which). */
+#include "td_event_truth.h"
+
+#include "archive/td_h5_driver.h"
+#include "td_base.h"
+#include "td_event_store.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { COLUMNS = 5, INSTANCE = 4 };
+
+static const char *const names[COLUMNS] = {"/events/flow_u", "/events/flow_v", "/events/depth", "/events/alpha",
+                                           "/events/instance"};
+
+/* A file on its way: the copy, and room for a chunk. */
+typedef struct truth_file {
+    const char *path;
+    char *part;
+    int failed; /* errno of the first write that failed, or 0 (archive/td_h5_driver.h) */
+    hid_t file, column[COLUMNS];
+    tides_event *events;
+    int64_t *fired;
+    tides_event_truth *truth;
+    void *scratch; /* (TD_EVENT_CHUNK) values of a column */
+} truth_file;
+
+static tides_status copy_file(const char *from, const char *to, tides_error *error) {
+    char bytes[65536];
+    size_t got = 0;
+    FILE *in = fopen(from, "rb"), *out = in ? fopen(to, "wb") : NULL;
+    int wrong = !out;
+    while (!wrong && (got = fread(bytes, 1, sizeof bytes, in)) > 0) wrong = fwrite(bytes, 1, got, out) != got;
+    wrong |= in && ferror(in);
+    const int why = errno;
+    if (in) fclose(in);
+    if (out && fclose(out) != 0) wrong = 1;
+    return wrong ? td_fail(error, TIDES_WRITE_FAILED, "%s: can't be copied to %s: %s", from, to, strerror(why)) : TIDES_OK;
+}
+
+static tides_status h5_failed(const truth_file *f, tides_error *error) {
+    td_h5_reason reason;
+    return td_fail(error, TIDES_WRITE_FAILED, "%s: ground truth can't be written: %s", f->path,
+                   f->failed ? strerror(f->failed) : td_h5_reason_text(&reason));
+}
+
+static hid_t type_of(int column) { return column == INSTANCE ? H5T_STD_I32LE : H5T_IEEE_F32LE; }
+
+/* The copy's columns, empty. */
+static tides_status open_columns(truth_file *f, tides_error *error) {
+    char format[32] = "";
+    hid_t access = td_h5_write_access(&f->failed);
+    f->file = access < 0 ? -1 : H5Fopen(f->part, H5F_ACC_RDWR, access);
+    td_h5_close(access);
+    if (f->file >= 0) td_h5_read_text(f->file, "format", format, sizeof format);
+    if (f->file < 0 || strcmp(format, TD_EVENT_FORMAT) != 0)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: isn't an HDF5 event file of TIDES: only these get ground truth", f->path);
+    for (int c = 0; c < COLUMNS; c++) {
+        if (H5Lexists(f->file, names[c], H5P_DEFAULT) > 0 && H5Ldelete(f->file, names[c], H5P_DEFAULT) < 0)
+            return h5_failed(f, error);
+        f->column[c] = td_h5_create_rows(f->file, names[c], type_of(c), TD_EVENT_CHUNK);
+        if (f->column[c] < 0) return h5_failed(f, error);
+    }
+    return TIDES_OK;
+}
+
+/* Values of a column to the scratch. */
+static void gather(int column, const tides_event_truth *truth, size_t count, void *scratch) {
+    float *values = scratch;
+    int32_t *whole = scratch;
+    for (size_t i = 0; i < count && column == INSTANCE; i++) whole[i] = truth[i].instance;
+    for (size_t i = 0; i < count && column != INSTANCE; i++) {
+        const double of[INSTANCE] = {truth[i].flow_u, truth[i].flow_v, truth[i].depth, truth[i].alpha};
+        values[i] = (float)of[column];
+    }
+}
+
+/* Chunk by chunk; tides_events_read has a file of its own open, the one that is complete. */
+static tides_status fill_columns(truth_file *f, td_truth_source source, void *user, tides_error *error) {
+    tides_status status = TIDES_OK;
+    size_t got = TD_EVENT_CHUNK;
+    for (uint64_t row = 0; got == TD_EVENT_CHUNK && status == TIDES_OK; row += got) {
+        status = tides_events_read(f->path, row, TD_EVENT_CHUNK, f->events, &got, error);
+        if (status == TIDES_OK) status = tides_events_labels(f->path, row, got, f->events, f->fired, error);
+        if (status == TIDES_OK && got > 0) status = source(user, f->events, f->fired, got, f->truth, error);
+        for (int c = 0; c < COLUMNS && got > 0 && status == TIDES_OK; c++) {
+            gather(c, f->truth, got, f->scratch);
+            const hid_t memory = c == INSTANCE ? H5T_NATIVE_INT32 : H5T_NATIVE_FLOAT;
+            if (td_h5_append_rows(f->column[c], memory, row, got, f->scratch) < 0) status = h5_failed(f, error);
+        }
+    }
+    return status;
+}
+
+static tides_status close_columns(truth_file *f, tides_status status, tides_error *error) {
+    for (int c = 0; c < COLUMNS; c++) td_h5_close(f->column[c]);
+    const herr_t closed = f->file >= 0 ? H5Fclose(f->file) : 0;
+    return status == TIDES_OK && (closed < 0 || f->failed) ? h5_failed(f, error) : status;
+}
+
+static tides_status reserve(truth_file *f, tides_error *error) {
+    f->events = td_alloc(TD_EVENT_CHUNK, sizeof *f->events, error);
+    f->fired = td_alloc(TD_EVENT_CHUNK, sizeof *f->fired, error);
+    f->truth = td_alloc(TD_EVENT_CHUNK, sizeof *f->truth, error);
+    f->scratch = td_alloc(TD_EVENT_CHUNK, sizeof(float), error);
+    return f->events && f->fired && f->truth && f->scratch ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+tides_status td_events_add_truth(const char *path, td_truth_source source, void *user, tides_error *error) {
+    truth_file f = {.path = path, .file = -1, .column = {-1, -1, -1, -1, -1}};
+    td_h5_quiet quiet;
+    tides_status status = td_part_name(path, 0, &f.part, error);
+    if (status != TIDES_OK) return status;
+    td_h5_quiet_begin(&quiet);
+    status = reserve(&f, error);
+    if (status == TIDES_OK) status = copy_file(path, f.part, error);
+    if (status == TIDES_OK) status = open_columns(&f, error);
+    if (status == TIDES_OK) status = fill_columns(&f, source, user, error);
+    status = close_columns(&f, status, error);
+    if (status == TIDES_OK)
+        status = td_commit_file(f.part, path, error);
+    else
+        td_remove_part(f.part, path);
+    td_h5_quiet_end(&quiet);
+    free(f.events);
+    free(f.fired);
+    free(f.truth);
+    free(f.scratch);
+    free(f.part);
+    return status;
+}

@@ -1,0 +1,103 @@
+/* Ground truth of events: each one's pixel at the very time that it fired, in jobs of one block. */
+#include "td_renderer.h"
+#include "tides/truth.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { EVENTS_AT_ONCE = 1024 };
+
+/* Candidate lists hold for all events of a launch: the longer it is, the more of them miss their tile [ns]. */
+static const int64_t longest_ns = 5000000;
+
+/* A launch's room. */
+typedef struct launch {
+    double *times, *planes; /* (EVENTS_AT_ONCE), (EVENTS_AT_ONCE x TD_OUT_TRUTH x TD_TILE_PIXELS) */
+    td_request *requests;   /* (EVENTS_AT_ONCE) */
+} launch;
+
+static int64_t time_of(const tides_event *events, const int64_t *fired, size_t i) { return fired ? fired[i] : events[i].t; }
+
+/* How many of the events from the first one on lie within longest_ns, and when: in order, but for what a readout did. */
+static size_t take_some(const tides_event *events, const int64_t *fired, size_t count, int64_t span[2]) {
+    size_t taken = 0;
+    span[0] = span[1] = time_of(events, fired, 0);
+    for (; taken < count && taken < EVENTS_AT_ONCE; taken++) {
+        const int64_t t = time_of(events, fired, taken);
+        const int64_t low = t < span[0] ? t : span[0], high = t > span[1] ? t : span[1];
+        if (high - low > longest_ns) break;
+        span[0] = low, span[1] = high;
+    }
+    return taken;
+}
+
+static void take_values(const td_request *request, int pixel, const double *planes, tides_event_truth *truth) {
+    const double *at = planes + (size_t)request->slot * TD_OUT_TRUTH * TD_TILE_PIXELS + pixel;
+    truth->flow_u = at[TD_TRUTH_U * TD_TILE_PIXELS];
+    truth->flow_v = at[TD_TRUTH_V * TD_TILE_PIXELS];
+    truth->depth = at[TD_TRUTH_DEPTH * TD_TILE_PIXELS];
+    truth->alpha = at[TD_TRUTH_ALPHA * TD_TILE_PIXELS];
+    truth->instance = (int32_t)at[TD_TRUTH_INSTANCE * TD_TILE_PIXELS];
+    truth->reserved = 0;
+}
+
+/* Events within one launch; times count from `epoch_ns`, which is the renderer's epoch. */
+static tides_status run_launch(tides_renderer *r, const tides_trajectory *camera, const tides_event *events,
+                               const int64_t *fired, size_t count, const int64_t span[2], int64_t epoch_ns, const launch *l,
+                               tides_event_truth *truth, tides_error *error) {
+    for (size_t i = 0; i < count; i++) {
+        const int tile = events[i].y / TD_TILE * r->candidates.tiles_x + events[i].x / TD_TILE;
+        const int block = events[i].y % TD_TILE / TD_BLOCK * (TD_TILE / TD_BLOCK) + events[i].x % TD_TILE / TD_BLOCK;
+        l->times[i] = 1e-9 * (double)(time_of(events, fired, i) - epoch_ns);
+        l->requests[i] = (td_request){tile, (int)i, 1 << block};
+    }
+    const td_tile_batch batch = {l->times, (int)count, TD_SIDE_BEGINS, l->requests, (int)count, TD_OUT_TRUTH};
+    tides_status status =
+        td_renderer_sweep(r, camera, 1e-9 * (double)(span[0] - epoch_ns), 1e-9 * (double)(span[1] - epoch_ns), error);
+    if (status == TIDES_OK) status = td_renderer_sharp_tiles(r, camera, &batch, l->planes, error);
+    for (size_t i = 0; i < count && status == TIDES_OK; i++)
+        take_values(&l->requests[i], td_tile_pixel(events[i].x % TD_TILE, events[i].y % TD_TILE), l->planes, &truth[i]);
+    return status;
+}
+
+static tides_status run_all(tides_renderer *r, const tides_trajectory *camera, const tides_event *events, const int64_t *fired,
+                            size_t count, const launch *l, tides_event_truth *truth, tides_error *error) {
+    const int64_t second = 1000000000, epoch = time_of(events, fired, 0) / second;
+    tides_status status = TIDES_OK;
+    td_renderer_set_epoch(r, (double)epoch); /* so that nanoseconds resolve at 1.4e9 s */
+    for (size_t from = 0; from < count && status == TIDES_OK;) {
+        int64_t span[2];
+        const size_t some = take_some(events + from, fired ? fired + from : NULL, count - from, span);
+        status = run_launch(r, camera, events + from, fired ? fired + from : NULL, some, span, epoch * second, l, truth + from,
+                            error);
+        from += some;
+    }
+    return status;
+}
+
+static tides_status check_events(const tides_renderer *r, const tides_event *events, size_t count, tides_error *error) {
+    for (size_t i = 0; i < count; i++)
+        if (events[i].x >= r->image.width || events[i].y >= r->image.height)
+            return td_fail(error, TIDES_BAD_ARGUMENT, "event %zu, at (%d, %d), is outside of the image, %d x %d px", i,
+                           events[i].x, events[i].y, r->image.width, r->image.height);
+    return TIDES_OK;
+}
+
+tides_status tides_renderer_event_truth(tides_renderer *r, const tides_trajectory *camera, const tides_event *events,
+                                        const int64_t *fired, size_t count, tides_event_truth *truth, tides_error *error) {
+    if (!r || !camera || (count && (!events || !truth)))
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "tides_renderer_event_truth: renderer, camera, events and truth must be given");
+    if (count == 0) return TIDES_OK;
+    const double epoch = r->epoch;
+    launch l = {td_alloc(EVENTS_AT_ONCE, sizeof *l.times, error),
+                td_alloc((size_t)EVENTS_AT_ONCE * TD_OUT_TRUTH * TD_TILE_PIXELS, sizeof *l.planes, error),
+                td_alloc(EVENTS_AT_ONCE, sizeof *l.requests, error)};
+    tides_status status = l.times && l.planes && l.requests ? check_events(r, events, count, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) status = run_all(r, camera, events, fired, count, &l, truth, error);
+    td_renderer_set_epoch(r, epoch);
+    free(l.times);
+    free(l.planes);
+    free(l.requests);
+    return status;
+}
