@@ -29,6 +29,7 @@ struct stability_case {
     double size;         /* and how extreme */
     const char *refusal; /* the row must be refused with a line that holds this */
     int32_t flags;
+    int32_t parts; /* of exact events (BENCH_SOLVED ..) that the row has; 0: what the library's defaults are */
     struct {
         double L, L_dot, dt_us, mismatch_percent, slow, memory; /* 0: the default */
         const char *because;

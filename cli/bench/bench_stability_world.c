@@ -165,6 +165,7 @@ tides_status stability_make(const stability_case *c, stability_world *w, tides_e
     snprintf(w->scene.name, sizeof w->scene.name, "%s", c->name);
     if (status == TIDES_OK) status = c->make(c, w, error);
     if (status == TIDES_OK) status = slide_camera(w, error);
+    if (c->parts) bench_choose_parts(&w->stepping, c->parts);
     if (status != TIDES_OK) bench_scene_free(&w->scene);
     return status;
 }
