@@ -109,27 +109,39 @@ same() {
     cmp -s e.h5 whole.h5 && return
     tides convert e.h5 same.csv -q && tides convert whole.h5 whole.csv -q && cmp -s same.csv whole.csv
 }
-for who in ours others hdf5; do
-    with memory 0 tides simulate run.json -qo e.h5 --stats s.json || fail "it should run"
+# memory WHO FEW NAME OPTIONS...: of a run with these options.
+memory() {
+    local who=$1 few=$2 name=$3 n k code tried=0 crashes=0
+    shift 3
+    with memory 0 tides simulate run.json -qo e.h5 --stats s.json "$@" || fail "it should run"
     cp e.h5 whole.h5
-    n=$(calls $who)
-    tried=0 crashes=0
-    for k in $(numbers "$n" $([ $who = ours ] && echo 40 || echo 20)); do
+    n=$(calls "$who")
+    for k in $(numbers "$n" "$few"); do
         rm -f e.h5* s.json*
-        FAULT_WHO=$who with memory "$k" timeout 20 tides simulate run.json -qo e.h5 --stats s.json
+        FAULT_WHO=$who with memory "$k" timeout 60 tides simulate run.json -qo e.h5 --stats s.json "$@"
         code=$?
         tried=$((tried + 1))
         case $code in
             0) same && [ -s s.json ] || fail "memory of $who, $k of $n: it did without, but not the same" ;;
-            1) told || [ $who != ours ] || fail "memory of $who, $k of $n: not one line" ;;
+            1) told || [ "$who" != ours ] || fail "memory of $who, $k of $n: not one line" ;;
             99) crashes=$((crashes + 1)) ;;
             *) fail "memory of $who, $k of $n: exit code $code" ;;
         esac
         missing s.json.part
     done
-    report "memory of $who: $tried of $n failed; HDF5 crashed in $crashes"
-    [ $who != ours ] || [ "$crashes" = 0 ] || fail "HDF5 crashed where ours got no memory"
-done
+    report "memory of $who, $name: $tried of $n failed; HDF5 crashed in $crashes"
+    [ "$who" != ours ] || [ "$crashes" = 0 ] || fail "HDF5 crashed where ours got no memory"
+}
+memory ours 40 "a run"
+memory ours 30 "events looked up" --set stepping.solve=double --set stepping.unit=block --set stepping.paths=true --set time.stop=0.01
+unset TIDES_DEVICE
+tides devices --json >devices.json 2>err
+grep -q '"kind":[[:space:]]*"cpu"' devices.json &&
+    memory ours 20 "events looked up on the processor" --device cpu --set stepping.solve=double --set stepping.unit=block \
+        --set stepping.paths=true --set time.stop=0.01
+export TIDES_DEVICE=reference
+memory others 20 "a run"
+memory hdf5 20 "a run"
 
 # -- Python ------------------------------------------------------------------------------------------------------------------
 
