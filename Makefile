@@ -160,7 +160,8 @@ SCRIPTS := $(wildcard tests/cli/run.sh) scripts/python_tests.sh scripts/client_t
            scripts/install_check.sh tests/unit/test_headers.sh tests/unit/test_lint.sh scripts/check_symbols.sh
 
 .PHONY: check check-built check-readme check-readme-built check-golden check-golden-built check-asan check-asan-built \
-        check-valgrind check-valgrind-built check-clang check-clang-built check-determinism check-determinism-built install-check
+        check-valgrind check-valgrind-built check-clang check-clang-built check-determinism check-determinism-built check-stability \
+        check-all install-check
 check: ## Install what is missing, build without warnings, run every test
 	@sh scripts/deps.sh build -q
 	@$(AGAIN) WERROR=-Werror all tests
@@ -214,6 +215,15 @@ check-determinism: ## One hash for each run of tides bench determinism, built by
 check-determinism-built:
 	@TIDES='$(CURDIR)/$(OUT)/tides' OTHERS='$(CURDIR)/build/clang/tides' OUT='$(OUT)' PYTHON='$(PYTHON)' \
 	    sh scripts/check_determinism.sh
+# In the order of what is found soonest; the long sweeps come last.
+CHECKS := lint check check-golden check-clang check-asan check-valgrind install-check check-readme check-determinism fuzz \
+          fuzz-hdf5 faults check-stability
+check-all: ## All checks that there are, one after the other: hours
+	@set -e; for check in $(CHECKS); do echo "== make $$check"; $(MAKE) --no-print-directory $$check; done
+check-stability: ## tides bench stability, all rows: an hour
+	@sh scripts/deps.sh build -q
+	@$(AGAIN) all
+	build/tides bench stability -o build/stability
 install-check: all ## Install into an empty folder, build a program there with pkg-config, run it, uninstall
 	@MAKE='$(MAKE)' CC='$(CC)' PKG_CONFIG='$(PKG_CONFIG)' CONFIG='$(CONFIG)' sh scripts/install_check.sh
 
