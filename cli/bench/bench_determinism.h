@@ -29,6 +29,7 @@ typedef struct determinism_way {
     int32_t units;                      /* compute units that the device must then have; 0: any */
     int32_t pocl;                       /* 1: means something to PoCL alone */
     int32_t own_kernels;                /* 1: builds kernels that PoCL's cache would take for the others */
+    int32_t signal;                     /* that ends the processes; 0: SIGKILL */
     int32_t quick;                      /* 1: with --quick too */
 } determinism_way;
 

@@ -1,6 +1,7 @@
 /* The runs of `tides bench determinism`, and the ways that they are made in. */
 #include "bench_determinism.h"
 
+#include <signal.h>
 #include <string.h>
 
 #define DOUBLE "stepping.solve=double", "stepping.tolerance=0.1"
@@ -56,6 +57,10 @@ const determinism_way determinism_ways[] =
      {.name = "saved", .sentence = "saved and restored at times drawn at random", .how = DETERMINISM_SAVED, .quick = 1},
      {.name = "file", .sentence = "through an event file", .how = DETERMINISM_FILE},
      {.name = "killed", .sentence = "simulate, killed at random and resumed", .how = DETERMINISM_KILLED, .quick = 1},
+     {.name = "interrupted",
+      .sentence = "the same with Ctrl-C, which writes a last checkpoint",
+      .how = DETERMINISM_KILLED,
+      .signal = SIGINT},
      {.name = "killed in C", .sentence = "the same in scalar C", .how = DETERMINISM_KILLED, .device = "reference-f32"},
      {.name = NULL}};
 

@@ -126,12 +126,18 @@ static pid_t start_job(making *m) {
     if (child != 0) return child;
     tides_error ignored = {TIDES_OK, ""};
     const tides_status together = batch_end_with(parent, &ignored);
+    if (m->job->way->signal && !freopen("/dev/null", "w", stderr)) _exit(CLI_FAILED); /* it says that it was stopped */
     _exit(together == TIDES_OK || together == TIDES_UNSUPPORTED ? cli_job_run(&job, &m->common) : CLI_FAILED);
 }
 
 static void wait_seconds(double seconds) {
     const struct timespec pause = {(time_t)seconds, (long)(1e9 * (seconds - (double)(time_t)seconds))};
     nanosleep(&pause, NULL);
+}
+
+/* Died of the signal, or where it may be told to, stopped on request. */
+static int32_t was_cut(const making *m, int ended) {
+    return WIFSIGNALED(ended) || (m->job->way->signal && WIFEXITED(ended) && WEXITSTATUS(ended) == CLI_FAILED);
 }
 
 /* Starts the job and kills it within `usual_s`; with 0 lets it end. Returns how it ended, as waitpid has it, or -1. */
@@ -141,7 +147,7 @@ static int run_job(making *m, double usual_s, uint64_t *state) {
     if (child < 0) return -1;
     if (usual_s > 0) {
         wait_seconds(usual_s * stability_between(state, 0.2, 1));
-        kill(child, SIGKILL);
+        kill(child, m->job->way->signal ? m->job->way->signal : SIGKILL);
     }
     while (waitpid(child, &ended, 0) < 0 && errno == EINTR) {
     }
@@ -156,7 +162,7 @@ static tides_status make_killed(making *m, tides_error *error) {
     int ended = 0;
     for (int i = 0; i < TRIES && m->cuts < CUTS && ended >= 0; i++) {
         ended = run_job(m, usual_s, &state);
-        if (WIFSIGNALED(ended))
+        if (was_cut(m, ended))
             m->cuts++;
         else
             usual_s *= 0.5;
