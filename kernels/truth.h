@@ -172,6 +172,7 @@ TD_INLINE void td_seen_point(TD_GLOBAL const td_real *place, td_real scale, td_l
     xi[2] = td_fma(s0, n1, -(s1 * n0)) * inverse;
     td_lanes way = td_fma(xi[0], xi[0], td_fma(xi[1], xi[1], xi[2] * xi[2])) * (scale * scale);
     td_mask far = way > reach;
+    if (!td_any(far)) return; /* nearly always, and roots and quotients are dear */
     td_lanes back = td_select(td_splat(1.0f), td_sqrt(reach / td_select(td_splat(1.0f), way, far)), far);
     for (int j = 0; j < 3; j++) xi[j] = xi[j] * back;
 }
@@ -269,6 +270,23 @@ TD_INLINE void td_truth_blend(const td_seen *seen, td_lanes tau, int object, con
     pixels->transmittance = pixels->transmittance - w;
 }
 
+/* A splat that some of the pixels see, `near` or behind one that is near: it begins to take out light, else it takes it. */
+TD_INLINE void td_truth_splat(const td_surfaces *surfaces, const td_image *image, int place, td_lanes tau, td_lanes before,
+                              td_lanes reach, int soft, td_seen *open, const td_objects *objects, td_truth *pixels) {
+    TD_GLOBAL const td_real *at = surfaces->places + place * TD_RECORD_STRIDE;
+    td_seen seen = td_seen_at(at, surfaces->rates + place * TD_RECORD_STRIDE, reach, image, pixels);
+    int object = (int)at[TD_S_OBJECT] - objects->first;
+    td_truth_pass(&seen, (td_real)place, before, pixels);
+    if (!soft) {
+        td_truth_blend(&seen, tau, object, objects, pixels);
+        return;
+    }
+    td_lanes a, a_dot;
+    td_optical_depth(tau, td_splat(0.0f), &a, &a_dot);
+    td_seen_add(open, a, &seen);
+    if (object >= 0 && object < objects->count) objects->density[object] = objects->density[object] + a;
+}
+
 /* The splats of a block, front to back; returns how many. */
 TD_INLINE int td_truth_list(const td_list *list, const td_surfaces *surfaces, const td_image *image, int block,
                             const td_objects *objects, td_truth *pixels) {
@@ -280,24 +298,20 @@ TD_INLINE int td_truth_list(const td_list *list, const td_surfaces *surfaces, co
     td_finder_start(list, block, &finder);
     for (td_next_group(list, block, &finder, &group); group.count > 0; td_next_group(list, block, &finder, &group)) {
         if (image->soft_order) td_soft_measure(list, image, &group, &steps);
+        for (int k = 0; k < group.count; k++) { /* a third of the time was waiting for them */
+            td_fetch_ahead(surfaces->places + list->order[group.place[k]] * TD_RECORD_STRIDE);
+            td_fetch_ahead(surfaces->rates + list->order[group.place[k]] * TD_RECORD_STRIDE);
+        }
         for (int k = 0; k < group.count; k++) {
-            int place = list->order[group.place[k]], near = 0;
+            int near = 0;
             td_real m = 1, left = 0;
             if (image->soft_order) near = steps.near[k], m = steps.m[k], left = steps.left[k];
-            TD_GLOBAL const td_real *at = surfaces->places + place * TD_RECORD_STRIDE;
-            td_lanes before = pixels->behind, reach, a, a_dot;
+            int soft = near || is_open;
+            td_lanes before = pixels->behind, reach;
             td_lanes tau = td_truth_alpha(td_list_record(list, group.place[k]), image, pixels, &reach);
-            td_seen seen = td_seen_at(at, surfaces->rates + place * TD_RECORD_STRIDE, reach, image, pixels);
-            int object = (int)at[TD_S_OBJECT] - objects->first;
-            td_truth_pass(&seen, (td_real)place, before, pixels);
-            if (near || is_open) {
-                td_optical_depth(tau, td_splat(0.0f), &a, &a_dot);
-                td_seen_add(&open, a, &seen);
-                if (object >= 0 && object < objects->count) objects->density[object] = objects->density[object] + a;
-                if (m != 0) td_truth_go(m, left, &open, objects, pixels);
-            } else {
-                td_truth_blend(&seen, tau, object, objects, pixels);
-            }
+            if (td_any(tau != 0.0f)) /* else it's as good as not there */
+                td_truth_splat(surfaces, image, list->order[group.place[k]], tau, before, reach, soft, &open, objects, pixels);
+            if (soft && m != 0) td_truth_go(m, left, &open, objects, pixels);
             is_open = near;
             if ((++blended & 7) != 0) continue;
             td_mask bright = pixels->transmittance > TD_TRUTH_FAINT;
