@@ -466,8 +466,9 @@ tides_status td_backend_create_opencl(tides_device *device, const td_store *stor
     if (status == TIDES_OK) status = td_opencl_truth_create(b, store, error);
     if (status == TIDES_OK) status = td_opencl_motion_create(b, &store->movers, error);
     if (status == TIDES_OK)
-        status = td_opencl_make_kernel(b, "sweep.cl", "td_sweep_gaussians", TD_OUT_SIGNAL, &b->sweep_kernel, error);
-    if (status == TIDES_OK) status = td_opencl_make_kernel(b, "sort.cl", "td_sort_jobs", TD_OUT_SIGNAL, &b->sort_kernel, error);
+        status = td_opencl_make_kernel(b, TD_FIRST_KERNELS, "td_sweep_gaussians", TD_OUT_SIGNAL, &b->sweep_kernel, error);
+    if (status == TIDES_OK)
+        status = td_opencl_make_kernel(b, TD_FIRST_KERNELS, "td_sort_jobs", TD_OUT_SIGNAL, &b->sort_kernel, error);
     if (status == TIDES_OK) status = warm_sweep(b, error);
     if (status != TIDES_OK) {
         destroy(&b->base);

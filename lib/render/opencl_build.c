@@ -24,8 +24,7 @@ static int decisions_of(const char *files) {
     static const struct {
         const char *files;
         int decisions;
-    } known[] = {{"sweep.cl", BY_ANTIALIAS | BY_CUT | BY_MOVING | BY_SOFT_ORDER},
-                 {"sort.cl", 0},
+    } known[] = {{TD_FIRST_KERNELS, BY_ANTIALIAS | BY_CUT | BY_MOVING | BY_SOFT_ORDER},
                  {"project.cl", BY_PROJECTION | BY_OUTPUTS | BY_DECODER},
                  {"composite.cl", BY_CUT | BY_STOP | BY_OUTPUTS | BY_SOFT_ORDER | BY_DECODER},
                  {"interpolate.cl", 0},

@@ -56,7 +56,9 @@ tides_status td_opencl_write_reals_at(opencl_backend *b, td_buffer *buffer, size
 tides_status td_opencl_motion_create(opencl_backend *b, const td_movers *movers, tides_error *error);
 void td_opencl_motion_release(opencl_backend *b);
 
-/* The kernels of record paths are one program: each costs PoCL 25 ms a process, for headers of its own that it reads. */
+/* Kernels that are built together and for the same decisions are one program: each costs PoCL 25 ms a process, for headers of
+ * its own that it reads. Those that every scene needs, and those of record paths: */
+#define TD_FIRST_KERNELS "sweep.cl sort.cl"
 #define TD_PATH_KERNELS "path_nodes.cl path_misfits.cl path_project.cl"
 
 /* What an image fixes, compiled in: lines of defines, the caller's to free; NULL: out of memory (opencl_build.c). */
