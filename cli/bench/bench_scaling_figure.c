@@ -7,14 +7,12 @@
 
 enum { WIDTH = 520, HEIGHT = 380, COLUMNS = 4, LEFT = 96, RIGHT = 24, TOP = 44, BOTTOM = 64, HEADING = 40 /* [px] */ };
 
-/* A line through the middle of the points, as steep as the fit, from end to end. */
-static void draw_fit(cli_canvas *canvas, const plot_panel *panel, const double *x, const double *y, int32_t count,
-                     double slope) {
-    double middle_x = 0, middle_y = 0, ends_x[2] = {x[0], x[count - 1]}, ends_y[2];
+/* The ends of a line through the middle of the points, as steep as the fit. */
+static void fit_ends(const double *x, const double *y, int32_t count, double slope, double ends_x[2], double ends_y[2]) {
+    double middle_x = 0, middle_y = 0;
+    ends_x[0] = x[0], ends_x[1] = x[count - 1];
     for (int32_t i = 0; i < count; i++) middle_x += log(x[i]) / count, middle_y += log(y[i]) / count;
     for (int i = 0; i < 2; i++) ends_y[i] = exp(middle_y + slope * (log(ends_x[i]) - middle_x));
-    const plot_curve fitted = {.label = "fit", .x = ends_x, .y = ends_y, .count = 2, .style = 1};
-    plot_draw(canvas, panel, &fitted);
 }
 
 static void draw_panel(cli_canvas *canvas, int32_t index, const scaling_line *line) {
@@ -32,6 +30,12 @@ static void draw_panel(cli_canvas *canvas, int32_t index, const scaling_line *li
         count++;
     }
     if (count == 0) return;
+    double ends_x[2], ends_y[2];
+    const plot_curve fitted = {.label = "fit", .x = ends_x, .y = ends_y, .count = 2, .style = 1};
+    const int32_t has_fit = isfinite(line->exponent);
+    fit_ends(x, y, count, has_fit ? line->exponent : 0, ends_x, ends_y);
+    for (int i = 0; i < 2 && has_fit; i++)
+        panel.y_low = fmin(panel.y_low, ends_y[i]), panel.y_high = fmax(panel.y_high, ends_y[i]);
     plot_round_range(&panel.x_low, &panel.x_high);
     plot_round_range(&panel.y_low, &panel.y_high);
     char title[96];
@@ -41,7 +45,7 @@ static void draw_panel(cli_canvas *canvas, int32_t index, const scaling_line *li
     panel.x_label = line->axis->unit;
     panel.y_label = "s";
     plot_axes(canvas, &panel, 1);
-    if (isfinite(line->exponent)) draw_fit(canvas, &panel, x, y, count, line->exponent);
+    if (has_fit) plot_draw(canvas, &panel, &fitted);
     for (int32_t i = 0; i < count; i++) { /* one by one: no line between them */
         const plot_curve point = {.label = "measured", .x = &x[i], .y = &y[i], .count = 1, .style = 0};
         plot_draw(canvas, &panel, &point);
