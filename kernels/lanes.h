@@ -115,6 +115,13 @@ TD_INLINE td_real td_from_bits(td_word bits) {
 #endif
 typedef td_mask td_index;
 
+/* Asks for a line of memory that is wanted soon. */
+#if defined(TD_OPENCL) && TD_LANES > 1
+#define td_soon(place) __builtin_prefetch((const void *)(size_t)(place))
+#else
+#define td_soon(place) ((void)(place))
+#endif
+
 /* array[index] for each lane, as a `type`. */
 #if TD_LANES == 16
 #define TD_GATHER(type, array, i)                                                                                  \

@@ -7,8 +7,7 @@ __kernel void td_fetch_jobs(__constant const td_image *image_buffer, __global co
                             __global const float *geometry, __global const float *rates, __global const float *sh,
                             __global const float *sh_rates, __global const int *owners, int first_rate, int first_moved,
                             __global const float *rows, __global const float *low, __global const float *cubics,
-                            __global const int *nodes, __global const int *path_of, __global float *records,
-                            __global int *masks) {
+                            __global const int *nodes, __global const int *path, __global float *records, __global int *masks) {
     const td_image image = td_specialised(image_buffer);
     const td_job job = jobs[get_group_id(0)];
     const td_source source = td_source_make(geometry, rates, sh, sh_rates, owners, first_rate, first_moved);
@@ -17,7 +16,7 @@ __kernel void td_fetch_jobs(__constant const td_image *image_buffer, __global co
     from.paths.low = low;
     from.paths.cubics = cubics;
     from.paths.nodes = nodes;
-    from.path_of = path_of;
+    from.path = path;
     td_sink sink;
     sink.records = records;
     sink.colours = records; /* none is written */

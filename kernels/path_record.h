@@ -5,11 +5,11 @@
 #include "path.h"
 #include "record.h"
 
-/* Beside the paths, which one each of the store's Gaussians has: TD_PATH_DIRECT for none. Rows from first_moved on (td_source)
- * have none either. */
+/* Beside the paths, which one each candidate has, in the order of the candidates: TD_PATH_DIRECT for none, TD_PATH_UNSEEN where
+ * there is no candidate. */
 typedef struct td_path_source {
     td_paths paths;
-    TD_GLOBAL const int *path_of;
+    TD_GLOBAL const int *path;
 } td_path_source;
 
 /* (otherwise, then) by mask, for what records are made of. */
@@ -47,20 +47,34 @@ TD_INLINE void td_project_rest(const td_job *job, TD_GLOBAL const int *object, T
     *luminance = td_dual_select(*luminance, td_luminance_of(&colour, image), rest);
 }
 
+/* The rows of the group behind: what a splat is made of lies anywhere, and to wait for it took half of the time. */
+TD_INLINE void td_path_soon(const td_job *job, int next, const td_path_source *from) {
+    TD_GLOBAL const int *nodes = from->paths.nodes + job->slot * TD_PATH_LEVELS;
+    TD_GLOBAL const int *path = from->path + job->candidates + next;
+    for (int lane = 0; lane < TD_LANES; lane++) {
+        int row = (path[lane] >> TD_PATH_LEVEL_BITS) + nodes[path[lane] & (TD_PATH_LEVELS - 1)];
+        td_soon(from->paths.rows + row * TD_PATH_STRIDE);
+        td_soon(from->paths.rows + (row + 1) * TD_PATH_STRIDE);
+        td_soon(from->paths.low + row);
+    }
+}
+
 /* Candidates [first, first + TD_LANES) of a job at the moment of its slot: records and masks, no colours. */
 TD_INLINE void td_path_group(const td_job *job, int first, TD_GLOBAL const int *candidates, TD_GLOBAL const int *object,
                              TD_GLOBAL const td_view *views, const td_image *image, const td_source *source,
                              const td_path_source *from, const td_sink *all) {
-    td_index gaussian = td_load_ints(candidates + job->candidates + first);
-    td_mask there = gaussian >= 0, moved = gaussian >= source->first_moved;
-    td_index path = td_gather_ints(from->path_of, td_select_mask(td_not_below_0(gaussian), gaussian & 0, moved));
-    td_mask rest = there & (moved | (path < 0));
+    td_index path = td_load_ints(from->path + job->candidates + first);
+    if (TD_LANES > 1 && first + TD_LANES < job->count) td_path_soon(job, first + TD_LANES, from);
+    td_mask there = path != TD_PATH_UNSEEN, rest = path == TD_PATH_DIRECT;
     td_path_splat splat = td_path_at(&from->paths, td_not_below_0(path), (td_index)(job->slot));
     td_shape shape = td_path_shape(&splat, image);
     td_dual luminance = splat.luminance;
     shape.visible = shape.visible & there;
     shape.broken = shape.broken & there;
-    if (td_any(rest)) td_project_rest(job, object, views, image, source, gaussian, rest, &shape, &luminance);
+    if (td_any(rest)) {
+        td_index gaussian = td_load_ints(candidates + job->candidates + first);
+        td_project_rest(job, object, views, image, source, gaussian, rest, &shape, &luminance);
+    }
     int at = job->records + first;
     td_sink sink;
     sink.records = all->records + at * TD_RECORD_STRIDE;

@@ -100,11 +100,22 @@ TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_ima
     td_store_records(sink->records, entry);
 }
 
+/* The rows of the group behind: they lie anywhere, and to wait for them takes as long as all else. */
+TD_INLINE void td_project_soon(TD_GLOBAL const int *gaussian, const td_image *image, const td_source *source) {
+    for (int lane = 0; lane < TD_LANES; lane++) {
+        td_soon(source->geometry + gaussian[lane] * TD_GEOMETRY_STRIDE);
+        TD_GLOBAL const td_sh_real *sh = source->sh + gaussian[lane] * image->sh_stride;
+        for (int k = 0; k < image->sh_stride && gaussian[lane] < source->first_moved; k += TD_ROW) td_soon(sh + k);
+    }
+}
+
 /* The same for candidates [first, first + TD_LANES) of a job, finding views and places. */
 TD_INLINE void td_project_group(const td_job *job, int first, TD_GLOBAL const int *candidates, TD_GLOBAL const int *object,
                                 TD_GLOBAL const td_view *views, const td_image *image, const td_source *source,
                                 const td_sink *all) {
     td_index gaussian = td_load_ints(candidates + job->candidates + first);
+    if (TD_LANES > 1 && first + TD_LANES < job->count)
+        td_project_soon(candidates + job->candidates + first + TD_LANES, image, source);
     int leader = candidates[job->candidates + (first & ~(TD_PAD - 1))]; /* padded: one object per TD_PAD candidates */
     td_source own = td_source_of(source, image, leader);
     TD_GLOBAL const td_view *view = views + job->slot * image->objects + object[td_owner_of(&own, leader)];

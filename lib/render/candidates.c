@@ -53,46 +53,6 @@ static tile_range tiles_of(const td_candidates *candidates, const float *box) {
     return range;
 }
 
-/* One pass over all boxes. `list` NULL: counts into fill; else writes there. Each object's share is padded to TD_PAD. */
-static void pass(td_candidates *candidates, const td_store *store, const float *boxes, int *list) {
-    int tiles = candidates->tiles_x * candidates->tiles_y;
-    for (int t = 0; t < tiles; t++) {
-        candidates->last_object[t] = -1;
-        candidates->fill[t] = list ? candidates->first[t] : 0;
-    }
-    for (int g = 0; g < store->count; g++) {
-        tile_range range = tiles_of(candidates, boxes + 4 * (size_t)g);
-        int object = store->object[g];
-        for (int y = range.y0; y <= range.y1; y++)
-            for (int x = range.x0; x <= range.x1; x++) {
-                int t = y * candidates->tiles_x + x;
-                if (candidates->last_object[t] != object) {
-                    candidates->last_object[t] = object;
-                    candidates->fill[t] = (candidates->fill[t] + TD_PAD - 1) / TD_PAD * TD_PAD;
-                }
-                if (list) list[candidates->fill[t]] = g;
-                candidates->fill[t]++;
-            }
-    }
-}
-
-/* Which tiles see something move, and how far at most. */
-static void note_motion(td_candidates *candidates, const td_store *store, const float *travel, const uint8_t *object_moves) {
-    int tiles = candidates->tiles_x * candidates->tiles_y;
-    for (int t = 0; t < tiles; t++) {
-        float most = 0;
-        uint8_t moving = 0;
-        for (int i = candidates->first[t]; i < candidates->first[t + 1]; i++) {
-            int g = candidates->list[i];
-            if (g == TD_NO_GAUSSIAN || !object_moves[store->object[g]]) continue;
-            moving = 1;
-            most = travel[g] > most ? travel[g] : most;
-        }
-        candidates->travel[t] = most;
-        candidates->moving[t] = moving;
-    }
-}
-
 /* Adds a moving candidate of the tile at (x0, y0), which its box touches, to the blocks that it touches. */
 static void add_to_blocks(const float *box, float way, int x0, int y0, uint16_t *moving, float *travel) {
     const int left = box[0] > (float)x0 ? ((int)box[0] - x0) / TD_BLOCK : 0;
@@ -106,20 +66,69 @@ static void add_to_blocks(const float *box, float way, int x0, int y0, uint16_t 
         }
 }
 
-/* The same of each tile's blocks. */
-static void note_blocks(td_candidates *candidates, const td_store *store, const float *boxes, const float *travel,
-                        const uint8_t *object_moves) {
-    int tiles = candidates->tiles_x * candidates->tiles_y;
-    memset(candidates->moving_blocks, 0, (size_t)tiles * sizeof *candidates->moving_blocks);
-    memset(candidates->block_travel, 0, (size_t)tiles * TD_TILE_BLOCKS * sizeof *candidates->block_travel);
-    for (int t = 0; t < tiles; t++)
-        for (int i = candidates->first[t]; i < candidates->first[t + 1] && candidates->moving[t]; i++) {
-            int g = candidates->list[i];
-            if (g == TD_NO_GAUSSIAN || !object_moves[store->object[g]]) continue;
-            add_to_blocks(boxes + 4 * (size_t)g, travel[g], t % candidates->tiles_x * TD_TILE,
-                          t / candidates->tiles_x * TD_TILE, &candidates->moving_blocks[t],
-                          candidates->block_travel + (size_t)t * TD_TILE_BLOCKS);
-        }
+/* What a Gaussian is to the tiles that it touches. */
+typedef struct touching {
+    const float *box;
+    float travel;
+    int gaussian, moves;
+} touching;
+
+/* Puts a Gaussian into a tile's list. What moves there, and how far at most, is noted on the way: lists are long, and to go
+ * through them once more, Gaussian by Gaussian, took as long as to make them. */
+static void place(td_candidates *candidates, int tile, const touching *it) {
+    candidates->list[candidates->fill[tile]] = it->gaussian;
+    if (!it->moves) return;
+    candidates->moving[tile] = 1;
+    candidates->travel[tile] = it->travel > candidates->travel[tile] ? it->travel : candidates->travel[tile];
+    if (candidates->by_blocks)
+        add_to_blocks(it->box, it->travel, tile % candidates->tiles_x * TD_TILE, tile / candidates->tiles_x * TD_TILE,
+                      &candidates->moving_blocks[tile], candidates->block_travel + (size_t)tile * TD_TILE_BLOCKS);
+}
+
+/* Each object's share of a tile's list begins at a multiple of TD_PAD. */
+static void pad(td_candidates *candidates, int tile, int object) {
+    if (candidates->last_object[tile] == object) return;
+    candidates->last_object[tile] = object;
+    candidates->fill[tile] = (candidates->fill[tile] + TD_PAD - 1) / TD_PAD * TD_PAD;
+}
+
+/* Both passes go over all boxes: the first only counts into `fill`, the second places from `first` on. */
+static void count_all(td_candidates *candidates, const td_store *store, const float *boxes) {
+    for (int t = 0; t < candidates->tiles_x * candidates->tiles_y; t++) {
+        candidates->last_object[t] = -1;
+        candidates->fill[t] = 0;
+    }
+    for (int g = 0; g < store->count; g++) {
+        const tile_range range = tiles_of(candidates, boxes + 4 * (size_t)g);
+        for (int y = range.y0; y <= range.y1; y++)
+            for (int t = y * candidates->tiles_x + range.x0; t <= y * candidates->tiles_x + range.x1; t++) {
+                pad(candidates, t, store->object[g]);
+                candidates->fill[t]++;
+            }
+    }
+}
+
+static void place_all(td_candidates *candidates, const td_store *store, const float *boxes, const float *travel,
+                      const uint8_t *object_moves) {
+    const size_t tiles = (size_t)candidates->tiles_x * (size_t)candidates->tiles_y;
+    memset(candidates->moving, 0, tiles * sizeof *candidates->moving);
+    memset(candidates->travel, 0, tiles * sizeof *candidates->travel);
+    memset(candidates->moving_blocks, 0, tiles * sizeof *candidates->moving_blocks);
+    memset(candidates->block_travel, 0, tiles * TD_TILE_BLOCKS * sizeof *candidates->block_travel);
+    for (size_t t = 0; t < tiles; t++) {
+        candidates->last_object[t] = -1;
+        candidates->fill[t] = candidates->first[t];
+    }
+    for (int g = 0; g < store->count; g++) {
+        const touching it = {boxes + 4 * (size_t)g, travel[g], g, object_moves[store->object[g]]};
+        const tile_range range = tiles_of(candidates, it.box);
+        for (int y = range.y0; y <= range.y1; y++)
+            for (int t = y * candidates->tiles_x + range.x0; t <= y * candidates->tiles_x + range.x1; t++) {
+                pad(candidates, t, store->object[g]);
+                place(candidates, t, &it);
+                candidates->fill[t]++;
+            }
+    }
 }
 
 void td_candidates_blocks_as_tiles(td_candidates *candidates) {
@@ -156,7 +165,7 @@ tides_status td_candidates_build(td_candidates *candidates, const td_store *stor
                                  const uint8_t *object_moves, tides_error *error) {
     int tiles = candidates->tiles_x * candidates->tiles_y;
     int64_t total = 0;
-    pass(candidates, store, boxes, NULL);
+    count_all(candidates, store, boxes);
     for (int t = 0; t < tiles; t++) {
         candidates->first[t] = (int)total;
         total += (candidates->fill[t] + TD_PAD - 1) / TD_PAD * TD_PAD;
@@ -171,9 +180,7 @@ tides_status td_candidates_build(td_candidates *candidates, const td_store *stor
                                      sizeof *candidates->list, error);
     if (status != TIDES_OK) return status;
     memset(candidates->list, 0xff, (size_t)total * sizeof *candidates->list); /* TD_NO_GAUSSIAN */
-    pass(candidates, store, boxes, candidates->list);
-    note_motion(candidates, store, travel, object_moves);
-    if (candidates->by_blocks) note_blocks(candidates, store, boxes, travel, object_moves);
+    place_all(candidates, store, boxes, travel, object_moves);
     candidates->serial++;
     if (!candidates->instant) renew_hints(candidates);
     return TIDES_OK;

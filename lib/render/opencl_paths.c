@@ -85,14 +85,25 @@ tides_status td_opencl_path_misfits(td_backend *backend, const td_path_request *
     return status;
 }
 
-/* The paths of a batch to the device: the weights of its times, and where that is new which Gaussian is on which. */
+/* Which candidate is on which path, unless the device has that. */
+static tides_status send_which(opencl_backend *b, const td_batch *batch, tides_error *error) {
+    if (b->path_serials[0] == batch->paths->serial && b->path_serials[1] == batch->candidates_serial) return TIDES_OK;
+    size_t count = (size_t)batch->candidate_count;
+    tides_status status = td_reserve((void **)&b->path_list, &b->path_list_capacity, count, sizeof *b->path_list, error);
+    for (size_t i = 0; i < count && status == TIDES_OK; i++)
+        b->path_list[i] = td_path_of(batch->paths, batch->candidates[i], b->gaussians);
+    if (status == TIDES_OK) status = td_buffer_write(b->device, &b->path_of, b->path_list, count * sizeof *b->path_list, error);
+    if (status != TIDES_OK) return status;
+    b->path_serials[0] = batch->paths->serial;
+    b->path_serials[1] = batch->candidates_serial;
+    return TIDES_OK;
+}
+
+/* The paths of a batch to the device, and the weights of its times. */
 static tides_status send_paths(opencl_backend *b, const td_batch *batch, tides_error *error) {
     const td_path_batch *paths = batch->paths;
     size_t entries = (size_t)batch->slots * TD_PATH_LEVELS;
-    tides_status status = TIDES_OK;
-    if (b->path_serial != paths->serial)
-        status = td_buffer_write(b->device, &b->path_of, paths->path_of, (size_t)b->gaussians * sizeof(cl_int), error);
-    if (status == TIDES_OK) b->path_serial = paths->serial;
+    tides_status status = send_which(b, batch, error);
     if (status == TIDES_OK) status = td_buffer_write(b->device, &b->path_nodes, paths->nodes, entries * sizeof(cl_int), error);
     if (status == TIDES_OK)
         status =
@@ -176,6 +187,7 @@ void td_opencl_paths_release(opencl_backend *b) {
         if (kernels[i]) clReleaseKernel(kernels[i]);
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     free(b->path_host);
+    free(b->path_list);
 }
 
 tides_status td_opencl_fetch(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {

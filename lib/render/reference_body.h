@@ -40,7 +40,8 @@ typedef struct reference {
     int *sweep_rows;
     size_t view_capacity, backdrop_capacity, record_capacity[8], hint_capacity, stray_capacity, sweep_row_capacity;
     td_real *path_rows, *path_low, *path_cubics; /* record paths (reference_paths.h) */
-    size_t path_row_capacity, path_low_capacity, path_cubic_capacity;
+    int *path_list;
+    size_t path_row_capacity, path_low_capacity, path_cubic_capacity, path_list_capacity;
     td_real *surfaces; /* ground truth (reference_truth.h) */
     size_t surface_capacity;
     int *object_numbers, scene_objects;
@@ -333,6 +334,7 @@ static void destroy(td_backend *backend) {
     free(r->path_rows);
     free(r->path_low);
     free(r->path_cubics);
+    free(r->path_list);
     free(r);
 }
 

@@ -64,18 +64,22 @@ static tides_status path_rows(td_backend *backend, int count, double *rows, doub
     return TIDES_OK;
 }
 
-/* The weights of a batch's times in this precision. */
+/* The weights of a batch's times in this precision, and which candidate is on which path. */
 static tides_status copy_cubics(reference *r, const td_batch *batch, tides_error *error) {
     size_t count = (size_t)batch->slots * TD_PATH_LEVELS * TD_PATH_CUBIC;
     tides_status status = td_reserve((void **)&r->path_cubics, &r->path_cubic_capacity, count, sizeof *r->path_cubics, error);
     if (status == TIDES_OK) narrow(batch->paths->cubics, r->path_cubics, count);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&r->path_list, &r->path_list_capacity, (size_t)batch->candidate_count,
+                            sizeof *r->path_list, error);
+    for (int i = 0; i < batch->candidate_count && status == TIDES_OK; i++)
+        r->path_list[i] = td_path_of(batch->paths, batch->candidates[i], r->count);
     return status;
 }
 
 static td_path_source path_source_of(const reference *r, const td_path_batch *batch) {
     const td_path_source none = {{NULL, NULL, NULL, NULL}, NULL};
-    const td_path_source from = {{r->path_rows, r->path_low, r->path_cubics, batch ? batch->nodes : NULL},
-                                 batch ? batch->path_of : NULL};
+    const td_path_source from = {{r->path_rows, r->path_low, r->path_cubics, batch ? batch->nodes : NULL}, r->path_list};
     return batch ? from : none;
 }
 

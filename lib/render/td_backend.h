@@ -148,10 +148,17 @@ typedef struct td_path_request {
 /* Paths that a batch's Gaussians are on. */
 typedef struct td_path_batch {
     const int *path_of;   /* (gaussians of the store) layout.h */
-    uint64_t serial;      /* changes with path_of: devices keep a copy */
+    uint64_t serial;      /* changes with path_of: devices keep a copy for their candidates */
     const double *cubics; /* (slots x TD_PATH_LEVELS x TD_PATH_CUBIC) weights of each slot's time */
     const int *nodes;     /* (slots x TD_PATH_LEVELS) the node before it */
 } td_path_batch;
+
+/* That of a candidate, one of the `gaussians` of the store, or a row behind them (none), or padding. Devices keep one for each
+ * candidate, in their order: a look at path_of is a miss of the cache, and what follows from it are more. */
+static inline int td_path_of(const td_path_batch *paths, int candidate, int gaussians) {
+    if (candidate < 0) return TD_PATH_UNSEEN;
+    return candidate < gaussians ? paths->path_of[candidate] : TD_PATH_DIRECT;
+}
 
 static inline int td_sweep_times(int level) { return (2 << level) + 1; }
 

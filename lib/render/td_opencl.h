@@ -39,8 +39,10 @@ typedef struct opencl_backend {
     cl_kernel node_kernel, measure_kernel, fetch_kernel; /* record paths (opencl_paths.c); NULL where there are none */
     td_buffer path_rows, path_low, path_of, path_cubics, path_nodes;
     td_buffer node_jobs, node_gaussians, node_places, path_first, path_lengths, path_terms, path_misfits;
-    uint64_t path_serial; /* of what the device has */
-    float *path_host;     /* staging, beside `host`, which a batch under way is using */
+    uint64_t path_serials[2]; /* of paths and candidates that the device's path_of is of */
+    int *path_list;           /* that, on the host */
+    size_t path_list_capacity;
+    float *path_host; /* staging, beside `host`, which a batch under way is using */
     size_t path_host_capacity;
 } opencl_backend;
 
