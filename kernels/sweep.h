@@ -290,6 +290,10 @@ TD_INLINE void td_sweep_sample(td_piece *piece, int i, const td_interval *all, c
                                int which, int at, int offset) {
     piece->row[i] = all->rows[at] + offset;
     piece->view[i] = all->views + at * image->objects + which;
+    if (i > 0 && all->duration == 0) { /* an instant: the same once more */
+        piece->s[i] = piece->s[0];
+        return;
+    }
     td_gaussian gaussian;
     td_load_gaussian(source, image, td_count_from(piece->row[i]), &gaussian);
     piece->s[i] = td_project_shape(piece->view[i], image, &gaussian, td_count_from(piece->row[i]) >= 0);
