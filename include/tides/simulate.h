@@ -35,8 +35,9 @@ enum { TIDES_SLOPE_EXACT = 0, TIDES_SLOPE_DIFFERENCE = 1 };
  * are, pixel by pixel, until no time is off by more than time_tolerance_s (10 ns where that is 0), or than rounding in the
  * precision named: DOUBLE works single pixels out whatever the device computes in (motion models in its own), FLOAT whole 4x4
  * blocks of pixels as samples are. Steps then only have to find the crossings. With ERROR or RISK, and where neither a PSF, a
- * filter, a surround nor additive noise comes between image and comparator; else TIDES_UNSUPPORTED. */
-enum { TIDES_SOLVE_OFF = 0, TIDES_SOLVE_FLOAT = 1, TIDES_SOLVE_DOUBLE = 2 };
+ * filter, a surround nor additive noise comes between image and comparator; else TIDES_UNSUPPORTED, and says why. AUTO is
+ * DOUBLE where it can be had, else OFF: tides_stats.solve says which. */
+enum { TIDES_SOLVE_OFF = 0, TIDES_SOLVE_FLOAT = 1, TIDES_SOLVE_DOUBLE = 2, TIDES_SOLVE_AUTO = 3 };
 
 /* What has steps of its own under RISK and ERROR, with `local`: a 16x16 tile, or a 4x4 block of pixels, so that only the blocks
  * in which something asks for a sample are composited. */
@@ -118,6 +119,7 @@ typedef struct tides_stats {
     uint64_t events_solved;    /* of `events`, those whose times were looked up in the image (stepping.solve), and */
     uint64_t points_looked_up; /* pixels at single times that were looked up for them */
     double time_look_up_s;     /* spent on that in double precision; in single it is part of the renderer's times */
+    uint64_t solve;            /* TIDES_SOLVE_* that the run has: AUTO is OFF or DOUBLE */
 } tides_stats;
 
 enum { TIDES_STAT_COUNT = 0 /* uint64_t */, TIDES_STAT_REAL = 1 /* double */, TIDES_STAT_WHOLE = 2 /* int32_t */ };

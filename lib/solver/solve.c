@@ -12,33 +12,50 @@ static const double default_target_s = 1e-8;
 
 /* -- having it ------------------------------------------------------------------------------------------------------------ */
 
-static tides_status refuse(const char *what, tides_error *error) {
-    return td_fail(error, TIDES_UNSUPPORTED, "stepping.solve: events can't be solved on the image %s; set \"off\"", what);
+/* Why events can't be solved on the image; NULL: they can, where the renderer has its points. */
+static const char *why_not(const tides_simulator *s) {
+    if (s->mode == TIDES_STEPPING_FIXED) return "with fixed steps, whose errors nobody knows";
+    if (!td_sensor_solves(&s->sensor))
+        return "where a PSF, a filter, a surround or additive noise comes between it and the comparator, or with another model "
+               "than hermite";
+    return NULL;
+}
+
+/* What AUTO is here. What goes wrong in double for another reason than that it can't be had is an error. */
+static tides_status resolve(tides_simulator *s, int32_t *precision, tides_error *error) {
+    *precision = TIDES_SOLVE_OFF;
+    if (why_not(s)) return TIDES_OK;
+    tides_status status = td_renderer_exact_points(s->renderer, error);
+    if (status == TIDES_OK) *precision = TIDES_SOLVE_DOUBLE;
+    return status == TIDES_UNSUPPORTED ? TIDES_OK : status;
+}
+
+/* The precision that is asked for, or what stands in its way. */
+static tides_status check(tides_simulator *s, int32_t asked, int32_t *precision, tides_error *error) {
+    *precision = asked;
+    if (asked == TIDES_SOLVE_OFF) return TIDES_OK;
+    if (asked == TIDES_SOLVE_AUTO) return resolve(s, precision, error);
+    if (asked != TIDES_SOLVE_FLOAT && asked != TIDES_SOLVE_DOUBLE)
+        return td_fail(error, TIDES_UNSUPPORTED, "stepping.solve: %d is none of TIDES_SOLVE_*", (int)asked);
+    if (why_not(s))
+        return td_fail(error, TIDES_UNSUPPORTED, "stepping.solve: events can't be solved on the image %s; set \"off\"",
+                       why_not(s));
+    if (asked == TIDES_SOLVE_FLOAT) return TIDES_OK;
+    tides_status status = td_renderer_exact_points(s->renderer, error);
+    return status == TIDES_OK ? status : td_fail_within(error, status, "stepping.solve \"double\"");
 }
 
 tides_status td_solve_create(tides_simulator *s, const tides_stepping *stepping, tides_error *error) {
-    const int32_t precision = stepping->solve;
-    if (precision != TIDES_SOLVE_OFF && precision != TIDES_SOLVE_FLOAT && precision != TIDES_SOLVE_DOUBLE)
-        return td_fail(error, TIDES_UNSUPPORTED, "stepping.solve: %d is none of TIDES_SOLVE_*", (int)precision);
-    if (precision == TIDES_SOLVE_OFF) return TIDES_OK;
-    if (s->mode == TIDES_STEPPING_FIXED) return refuse("with fixed steps, whose errors nobody knows", error);
-    if (!td_sensor_solves(&s->sensor))
-        return refuse("where a PSF, a filter, a surround or additive noise comes between it and the comparator, or with "
-                      "another model than hermite",
-                      error);
-    if (precision == TIDES_SOLVE_DOUBLE) {
-        tides_status status = td_renderer_exact_points(s->renderer, error);
-        if (status != TIDES_OK) return td_fail_within(error, status, "stepping.solve \"double\"");
-    }
-    if (precision == TIDES_SOLVE_DOUBLE) {
-        s->solve.known = td_alloc((size_t)s->tiles, sizeof *s->solve.known, error);
-        if (!s->solve.known) return TIDES_NO_MEMORY;
-    }
-    s->solve.precision = precision;
-    s->solve.is_exact = precision == TIDES_SOLVE_DOUBLE && !td_renderer_points_rounded(s->renderer);
-    s->solve.usual_paths = td_renderer_points_target(s->renderer);
-    s->solve.samples = s->timing.rounding + (precision == TIDES_SOLVE_DOUBLE ? TD_SOLVE_SAMPLES : 0);
-    s->solve.target_s = s->time_tolerance_s > 0 ? s->time_tolerance_s : default_target_s;
+    td_solve *solve = &s->solve;
+    tides_status status = check(s, stepping->solve, &solve->precision, error);
+    if (status != TIDES_OK || solve->precision == TIDES_SOLVE_OFF) return status;
+    const int in_double = solve->precision == TIDES_SOLVE_DOUBLE;
+    if (in_double) solve->known = td_alloc((size_t)s->tiles, sizeof *solve->known, error);
+    if (in_double && !solve->known) return TIDES_NO_MEMORY;
+    solve->is_exact = in_double && !td_renderer_points_rounded(s->renderer);
+    solve->usual_paths = td_renderer_points_target(s->renderer);
+    solve->samples = s->timing.rounding + (in_double ? TD_SOLVE_SAMPLES : 0);
+    solve->target_s = s->time_tolerance_s > 0 ? s->time_tolerance_s : default_target_s;
     return TIDES_OK;
 }
 

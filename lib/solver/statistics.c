@@ -18,6 +18,7 @@ static const tides_stat table[] = {
     COUNT("events_truncated", SUM, events_truncated),
     COUNT("events_uncertain", SUM, events_uncertain),
     COUNT("events_caught_up", SUM, events_caught_up),
+    COUNT("solve", DERIVED, solve),
     COUNT("events_solved", SUM, events_solved),
     COUNT("points_looked_up", SUM, points_looked_up),
     COUNT("events_suppressed", SUM, events_suppressed),
@@ -115,6 +116,7 @@ static void collect(const tides_simulator *s, tides_stats *stats) {
     stats->events_on = s->sensor.counts.events_on;
     stats->events_off = s->sensor.counts.events_off;
     stats->events_uncertain = s->timing.uncertain;
+    stats->solve = (uint64_t)s->solve.precision;
     stats->events_solved = s->solve.events;
     stats->points_looked_up = s->solve.lookups;
     stats->events_truncated = s->sensor.counts.truncated;

@@ -98,6 +98,7 @@ TIDES_SLOPE_DIFFERENCE = 1
 TIDES_SOLVE_OFF = 0
 TIDES_SOLVE_FLOAT = 1
 TIDES_SOLVE_DOUBLE = 2
+TIDES_SOLVE_AUTO = 3
 TIDES_UNIT_TILE = 0
 TIDES_UNIT_BLOCK = 1
 TIDES_STAT_COUNT = 0
@@ -1621,6 +1622,7 @@ class tides_stats(Structure):
     uint64_t events_solved; /* of `events`, those whose times were looked up in the image (stepping.solve), and */
     uint64_t points_looked_up; /* pixels at single times that were looked up for them */
     double time_look_up_s; /* spent on that in double precision; in single it is part of the renderer's times */
+    uint64_t solve; /* TIDES_SOLVE_* that the run has: AUTO is OFF or DOUBLE */
     """
 
     render: tides_render_stats
@@ -1662,6 +1664,7 @@ class tides_stats(Structure):
     events_solved: int
     points_looked_up: int
     time_look_up_s: float
+    solve: int
 
     _fields_ = [
         ("render", tides_render_stats),
@@ -1703,6 +1706,7 @@ class tides_stats(Structure):
         ("events_solved", c_uint64),
         ("points_looked_up", c_uint64),
         ("time_look_up_s", c_double),
+        ("solve", c_uint64),
     ]
 
 

@@ -232,14 +232,40 @@ static void test_refused(void **state) {
     j = good;
     j.device = "reference-f32";
     expect_refused(&j, TIDES_RULES_INRIA, "abruptly"); /* where pixels are looked up one by one */
-    j.stepping.solve = 3;
+    j.stepping.solve = 4;
     expect_refused(&j, TIDES_RULES_SMOOTH, "none of");
     free_world(&w);
 }
 
+/* -- where it can be had -------------------------------------------------------------------------------------------------- */
+
+/* "auto" is double, to the bit, or nothing; which it was is said. */
+static void test_auto(void **state) {
+    (void)state;
+    world w = make_world(SEED, CAMERA_MOVES);
+    for (int has = 0; has < 2; has++) {
+        job j = loose_job(&w);
+        if (!has) j.sensor.photoreceptor_cutoff_hz = 300;
+        j.stepping.solve = has ? TIDES_SOLVE_DOUBLE : TIDES_SOLVE_OFF;
+        outcome named = run(&j);
+        j.stepping.solve = TIDES_SOLVE_AUTO;
+        outcome automatic = run(&j);
+        expect_same(&named, &automatic, "auto");
+        assert_true(named.count > 500 && (named.stats.events_solved > 0) == has);
+        assert_int_equal(automatic.stats.solve, has ? TIDES_SOLVE_DOUBLE : TIDES_SOLVE_OFF);
+        assert_int_equal(named.stats.solve, automatic.stats.solve);
+        free_outcome(&named);
+        free_outcome(&automatic);
+    }
+    free_world(&w);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_exact_events), cmocka_unit_test(test_blocks),
-                                       cmocka_unit_test(test_any_window_and_cut), cmocka_unit_test(test_single_precision),
-                                       cmocka_unit_test(test_refused)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_exact_events),
+                                       cmocka_unit_test(test_blocks),
+                                       cmocka_unit_test(test_any_window_and_cut),
+                                       cmocka_unit_test(test_single_precision),
+                                       cmocka_unit_test(test_refused),
+                                       cmocka_unit_test(test_auto)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
