@@ -43,7 +43,7 @@ for run in runs:
     with tides.Session(f"{folder}/run.json", settings) as session:
         events = session.simulate()
     packed = numpy.zeros(len(events), "<i8, <u2, <u2, i1")
-    for field, name in zip(packed.dtype.names, ("t", "x", "y", "polarity")):
+    for field, name in zip(packed.dtype.names, ("t", "x", "y", "p")):
         packed[field] = events[name]
     if hashlib.sha256(packed.tobytes()).hexdigest() != run["sha256"]:
         print(f"Python: other events in {run['run']}")
