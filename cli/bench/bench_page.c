@@ -25,6 +25,7 @@ static const chapter chapters[] = {
     {"accuracy", "Run time against the error of event times: methods and settings, each against its image's exact events."},
     {"ablation", "What each part of the method is worth, and what masking and a readout change."},
     {"blocks", "What each block of the sensor and of the readout costs, alone."},
+    {"determinism", "The same runs made in different ways, and one SHA-256 for each run."},
     {"image", "What each measure that makes the image continuous in time is worth, and what it costs."},
     {"scaling", "How cost grows with Gaussians, pixels, events, layers, what moves, speed and threads."},
     {"stability", "Worlds made to break the simulator, and whether they do."},

@@ -47,8 +47,7 @@ static int unknown_benchmark(const cli_command *command, const char *name) {
     if (nearest) return cli_usage(command, "no benchmark is called %s; did you mean %s?", name, nearest);
     return cli_usage(command,
                      "no benchmark is called %s; there are accuracy, ablation, blocks, determinism, image, scaling, stability, "
-                     "throughput "
-                     "and all",
+                     "throughput and all",
                      name);
 }
 
@@ -153,6 +152,8 @@ int cmd_bench(const cli_command *command, int argc, char **argv) {
         of == &everything ? run_all(&b, &error) : run(&b, of, of->own_devices ? &rows : &scenes, &error);
     if (status == TIDES_CANCELLED) return cli_failed("stopped on request; nothing was written");
     if (status != TIDES_OK) return cli_fail(&error);
-    if (b.failed) return cli_failed("%d rows fail; %s/stability.json says why", (int)b.failed, b.directory);
+    if (b.failed && of == &everything)
+        return cli_failed("%d rows fail; %s/stability.json and determinism.json say why", (int)b.failed, b.directory);
+    if (b.failed) return cli_failed("%d rows fail; %s/%s.json says why", (int)b.failed, b.directory, of->name);
     return CLI_OK;
 }

@@ -97,11 +97,12 @@ td_store golden_store(const golden_file *file, int time, int sh_degree) {
     store.sh_stride = 3 * (sh_degree + 1) * (sh_degree + 1);
     size_t count = (size_t)store.count;
     store.object = calloc(count, sizeof *store.object);
+    store.scene_object = calloc(1, sizeof *store.scene_object);
     store.geometry = calloc(count * TD_GEOMETRY_STRIDE, sizeof *store.geometry);
     store.rates = calloc(count * TD_GEOMETRY_STRIDE, sizeof *store.rates);
     store.sh_wide = calloc(count * (size_t)store.sh_stride, sizeof *store.sh_wide);
     store.sh_rates = calloc(count * (size_t)store.sh_stride, sizeof *store.sh_rates);
-    assert_true(store.object && store.geometry && store.rates && store.sh_wide && store.sh_rates);
+    assert_true(store.object && store.scene_object && store.geometry && store.rates && store.sh_wide && store.sh_rates);
     for (int i = 0; i < file->gaussians; i++)
         activate(file, (size_t)time * (size_t)file->gaussians + (size_t)i, &store, (size_t)i);
     return store;
