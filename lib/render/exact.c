@@ -2,7 +2,6 @@
 #include "td_exact.h"
 
 #include <limits.h>
-#include <stdlib.h>
 
 tides_status td_exact_create(tides_device *device, const td_store *store, const td_image_numbers *image, td_exact **exact,
                              tides_error *error) {
@@ -16,38 +15,19 @@ tides_status td_exact_create(tides_device *device, const td_store *store, const 
     return TIDES_OK;
 }
 
-static void free_moved(td_moved_rows *moved) {
-    free(moved->geometry);
-    free(moved->rates);
-    free(moved->sh);
-    free(moved->sh_rates);
-    free(moved->owners);
-}
-
 void td_exact_destroy(td_exact *exact) {
     if (!exact) return;
-    free_moved(&exact->moved);
+    td_moved_rows_release(&exact->moved);
     exact->type->destroy(exact);
 }
 
 /* Room for `count` moved rows. */
 static tides_status reserve_moved(td_exact *exact, size_t count, tides_error *error) {
     if (count <= exact->moved_capacity) return TIDES_OK;
-    size_t sh = exact->moves_sh ? count * (size_t)exact->sh_stride : 1;
-    td_moved_rows grown = {0};
-    grown.geometry = td_alloc(count * TD_GEOMETRY_STRIDE, sizeof *grown.geometry, error);
-    grown.rates = td_alloc(count * TD_GEOMETRY_STRIDE, sizeof *grown.rates, error);
-    grown.sh = td_alloc(sh, sizeof *grown.sh, error);
-    grown.sh_rates = td_alloc(sh, sizeof *grown.sh_rates, error);
-    grown.owners = td_alloc(2 * count, sizeof *grown.owners, error);
-    if (!grown.geometry || !grown.rates || !grown.sh || !grown.sh_rates || !grown.owners) {
-        free_moved(&grown);
-        return TIDES_NO_MEMORY;
-    }
-    free_moved(&exact->moved);
-    exact->moved = grown;
-    exact->moved_capacity = count;
-    return TIDES_OK;
+    const size_t sh_stride = exact->moves_sh ? (size_t)exact->sh_stride : 0;
+    tides_status status = td_moved_rows_reserve(count, sh_stride, &exact->moved, error);
+    if (status == TIDES_OK) exact->moved_capacity = count;
+    return status;
 }
 
 /* The moved rows that a request names, from the backend. */

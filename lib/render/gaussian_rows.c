@@ -16,24 +16,6 @@ static int by_gaussian(const void *a, const void *b) {
     return x->gaussian < y->gaussian ? -1 : x->gaussian > y->gaussian;
 }
 
-/* Room for rows that the backend has moved. */
-static void free_moved(td_moved_rows *moved) {
-    free(moved->geometry);
-    free(moved->rates);
-    free(moved->sh);
-    free(moved->sh_rates);
-    free(moved->owners);
-}
-static tides_status make_moved(const tides_renderer *r, td_moved_rows *moved, tides_error *error) {
-    const size_t sh = ROWS_AT_ONCE * (size_t)r->store.sh_stride + 1;
-    moved->geometry = td_alloc(ROWS_AT_ONCE * TD_GEOMETRY_STRIDE, sizeof *moved->geometry, error);
-    moved->rates = td_alloc(ROWS_AT_ONCE * TD_GEOMETRY_STRIDE, sizeof *moved->rates, error);
-    moved->sh = td_alloc(sh, sizeof *moved->sh, error);
-    moved->sh_rates = td_alloc(sh, sizeof *moved->sh_rates, error);
-    moved->owners = td_alloc(2 * ROWS_AT_ONCE, sizeof *moved->owners, error);
-    return moved->geometry && moved->rates && moved->sh && moved->sh_rates && moved->owners ? TIDES_OK : TIDES_NO_MEMORY;
-}
-
 /* Rows of Gaussians that move by themselves, wants[0 .. count) in ascending order, to geometry. */
 static tides_status take_moved(tides_renderer *r, const wanted *wants, int count, double time, int *gaussians, int *rows,
                                td_moved_rows *moved, double *geometry, tides_error *error) {
@@ -59,7 +41,8 @@ tides_status td_renderer_rows_at(tides_renderer *r, const int *gaussians, size_t
     wanted *wants = td_alloc(count + 1, sizeof *wants, error);
     int *lists = td_alloc(2 * ROWS_AT_ONCE, sizeof *lists, error);
     td_moved_rows moved = {0};
-    tides_status status = wants && lists ? make_moved(r, &moved, error) : TIDES_NO_MEMORY;
+    tides_status status = wants && lists ? TIDES_OK : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) status = td_moved_rows_reserve(ROWS_AT_ONCE, (size_t)store->sh_stride, &moved, error);
     int moving = 0;
     for (size_t i = 0; i < count && status == TIDES_OK; i++) {
         const int g = gaussians[i];
@@ -74,7 +57,7 @@ tides_status td_renderer_rows_at(tides_renderer *r, const int *gaussians, size_t
     for (int from = 0; from < moving && status == TIDES_OK; from += ROWS_AT_ONCE)
         status = take_moved(r, wants + from, moving - from < ROWS_AT_ONCE ? moving - from : ROWS_AT_ONCE, time, lists,
                             lists + ROWS_AT_ONCE, &moved, geometry, error);
-    free_moved(&moved);
+    td_moved_rows_release(&moved);
     free(wants);
     free(lists);
     return status;

@@ -188,6 +188,11 @@ typedef struct td_moved_rows {
     int *owners;              /* (2 x count) */
 } td_moved_rows;
 
+/* Room for `count` rows, in place of what `rows` has (moved_rows.c); sh_stride 0 where no mover moves SH. Where memory doesn't
+ * do, rows keep what they have. */
+TIDES_MUST_CHECK tides_status td_moved_rows_reserve(size_t count, size_t sh_stride, td_moved_rows *rows, tides_error *error);
+void td_moved_rows_release(td_moved_rows *rows);
+
 typedef struct td_backend td_backend;
 
 /* The stages' results for one job, as inspect copies them: caller's arrays for `records` candidates. Records and colours mean
