@@ -24,6 +24,15 @@ typedef struct td_group {
     const int *place; /* (TD_LANES + 1) in the list; from `count` + `followed` on as the last */
 } td_group;
 
+/* Where a batch's sorted job has its list; records, and what is to be seen of them, are the caller's to say. */
+TD_INLINE void td_list_lay(td_list *list, const td_job *job, int job_index, TD_GLOBAL const int *order,
+                           TD_GLOBAL const int *masks, TD_GLOBAL const int *words, TD_GLOBAL const int *counts) {
+    list->order = order + job->records;
+    list->masks = masks + job->records;
+    list->words = words + td_first_word(job->records, job_index);
+    list->count = counts[job_index];
+}
+
 TD_INLINE TD_GLOBAL const td_real *td_list_record(const td_list *list, int i) {
     return list->records + list->order[i] * TD_RECORD_STRIDE;
 }
@@ -92,7 +101,7 @@ TD_INLINE void td_find_more(const td_list *list, int block, td_finder *finder) {
         at += word == 0;
         word = word == 0 ? next : word;
     }
-    for (int k = finder->count; k < count; k++) td_fetch_ahead(td_list_record(list, finder->place[k]));
+    for (int k = finder->count; k < count; k++) td_soon(td_list_record(list, finder->place[k]));
     for (int k = count; k <= TD_LANES && count > 0; k++) finder->place[k] = finder->place[count - 1];
     finder->count = count;
     finder->at = at;

@@ -35,15 +35,6 @@ TD_INLINE int td_lowest_bit(uint32_t x) {
 #endif
 }
 
-/* Asks for memory that will be read soon. */
-TD_INLINE void td_fetch_ahead(TD_GLOBAL const td_real *at) {
-#if TD_LANES > 1
-    __builtin_prefetch((const void *)(size_t)at);
-#else
-    (void)at;
-#endif
-}
-
 /* Words of blocks [first, first + TD_LANES): of each mask a bit for each block. */
 TD_INLINE td_index td_lay_word(TD_GLOBAL const int *masks, int count, int first) {
     td_index block = td_count_from(first), none = block & 0, bits = none;

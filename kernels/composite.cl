@@ -20,10 +20,7 @@ __kernel void td_composite_jobs(__constant const td_image *image_buffer, __globa
     list.colours = colours + (td_has_colours(&image) ? job.records * td_colour_stride(&image) : 0);
     list.view = views + job.slot * image.objects;
     list.weights = weights;
-    list.order = order + job.records;
-    list.masks = sorted_masks + job.records;
-    list.words = words + td_first_word(job.records, job_index);
-    list.count = counts[job_index];
+    td_list_lay(&list, &job, job_index, order, sorted_masks, words, counts);
     list.brightest = brightest[job_index];
     blended[item] = td_composite_block(&job, &list, &image, backdrops + job.slot, asked[place] & 15, first,
                                        planes + (size_t)place * image.outputs * TD_BLOCK_PIXELS + first);

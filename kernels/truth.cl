@@ -32,10 +32,7 @@ __kernel void td_truth_jobs(__constant const td_image *image_buffer, __global co
     const td_job job = jobs[job_index];
     td_list list;
     list.records = list.colours = records + job.records * TD_RECORD_STRIDE;
-    list.order = order + job.records;
-    list.masks = sorted_masks + job.records;
-    list.words = words + td_first_word(job.records, job_index);
-    list.count = counts[job_index];
+    td_list_lay(&list, &job, job_index, order, sorted_masks, words, counts);
     list.brightest = 0;
     td_surfaces of;
     of.places = surfaces + job.records * TD_RECORD_STRIDE;

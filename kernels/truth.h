@@ -299,8 +299,8 @@ TD_INLINE int td_truth_list(const td_list *list, const td_surfaces *surfaces, co
     for (td_next_group(list, block, &finder, &group); group.count > 0; td_next_group(list, block, &finder, &group)) {
         if (image->soft_order) td_soft_measure(list, image, &group, &steps);
         for (int k = 0; k < group.count; k++) { /* a third of the time was waiting for them */
-            td_fetch_ahead(surfaces->places + list->order[group.place[k]] * TD_RECORD_STRIDE);
-            td_fetch_ahead(surfaces->rates + list->order[group.place[k]] * TD_RECORD_STRIDE);
+            td_soon(surfaces->places + list->order[group.place[k]] * TD_RECORD_STRIDE);
+            td_soon(surfaces->rates + list->order[group.place[k]] * TD_RECORD_STRIDE);
         }
         for (int k = 0; k < group.count; k++) {
             int near = 0;
