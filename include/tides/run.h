@@ -81,8 +81,22 @@ TIDES_API void tides_run_get(const tides_run *run, tides_run_values *values);
  * no key. */
 TIDES_API int32_t tides_run_gives(const tides_run *run, const char *key);
 
-/* Opens what the run names: the scene with its objects, and the camera's path; intrinsics from the run file win over the path
- * file's, and missing ones are an error that names the key. The caller destroys scene and trajectory. */
+/* Cameras of a rig (rig.cameras): what each makes, and where it sits on the body that camera.file moves. */
+enum { TIDES_RIG_BOTH = 0, TIDES_RIG_EVENT = 1, TIDES_RIG_FRAME = 2, TIDES_RIG_NAME = 32 };
+typedef struct tides_rig_camera {
+    char name[TIDES_RIG_NAME];
+    int32_t kind; /* TIDES_RIG_BOTH, _EVENT or _FRAME */
+    int32_t reserved;
+    double T_B_C[16]; /* row-major: p_body = T_B_C p_camera [scene units] */
+} tides_rig_camera;
+
+/* Camera `index` of the run's rig; 1, or 0 behind the last, and for runs without a rig. A run is of one of them: vary it by
+ * rig.camera for another. */
+TIDES_API int32_t tides_run_rig_camera(const tides_run *run, size_t index, tides_rig_camera *camera);
+
+/* Opens what the run names: the scene with its objects, and the camera's path, on its rig where there is one; intrinsics from
+ * the run file win over the path file's, and missing ones are an error that names the key. The caller destroys scene and
+ * trajectory. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera,
                                                        tides_intrinsics *intrinsics, tides_error *error);
 

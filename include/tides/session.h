@@ -29,8 +29,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_open(const tides_run *run,
                                                            tides_error *error);
 
 /* Another session on what `base` has open, with more overrides (tides_run_vary): other methods, sensors, steps. Those that need
- * something else opened (a scene, a size, a device) are TIDES_BAD_CONFIG naming the key. `base` must outlive it; the two are
- * one object where threads are concerned. */
+ * something else opened (a scene, a size, a device) are TIDES_BAD_CONFIG naming the key; another camera of a rig (rig.camera)
+ * has its own place and lens on the same scene. `base` must outlive it; the two are one object where threads are concerned. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_vary(const tides_session *base, const char *const *overrides,
                                                            size_t count, tides_session **session, tides_error *error);
 

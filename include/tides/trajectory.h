@@ -45,6 +45,13 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_create(const tides_pose
 TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_create_static(const double position[3], const double quaternion[4],
                                                                        tides_trajectory **trajectory, tides_error *error);
 
+/* The path of what sits rigidly on a body, such as a camera on its rig: p_body = R(quaternion) p_mounted + position, wxyz,
+ * [scene units]. Poses and rates are the body's, composed at each time: the curve stays the body's. (A path through
+ * tides_trajectory_sample's samples would be another one between them.) `body` isn't needed afterwards. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_create_mounted(const tides_trajectory *body, const double position[3],
+                                                                        const double quaternion[4],
+                                                                        tides_trajectory **trajectory, tides_error *error);
+
 /* NULL is fine. */
 TIDES_API void tides_trajectory_destroy(tides_trajectory *trajectory);
 

@@ -9,6 +9,7 @@
 #include "tides/trajectory.h"
 
 #include "camera/td_curve.h"
+#include "camera/td_mount.h"
 #include "camera/td_rotation.h"
 #include "camera/td_trajectory.h"
 #include "td_base.h"
@@ -32,6 +33,8 @@ struct tides_trajectory {
     tides_pose_sample *samples; /* quaternions normalised and sign-aligned */
     size_t count;
     td_curve *curve; /* NULL: static */
+    int32_t mounted; /* 1: samples and curve are a body's, and this is `mount` on it */
+    td_mount mount;
 };
 
 static tides_status check_samples(const tides_pose_sample *samples, size_t count, tides_error *error) {
@@ -167,6 +170,27 @@ tides_status tides_trajectory_create_static(const double position[3], const doub
     return tides_trajectory_create(&sample, 1, trajectory, error);
 }
 
+tides_status tides_trajectory_create_mounted(const tides_trajectory *body, const double position[3], const double quaternion[4],
+                                             tides_trajectory **trajectory, tides_error *error) {
+    if (!body || !position || !quaternion || !trajectory)
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "a mounted path needs a body's, a position, a quaternion and a place for the result");
+    double q[4];
+    memcpy(q, quaternion, sizeof q);
+    if (!td_all_finite(position, 3) || !td_all_finite(quaternion, 4) || !td_normalise_quaternion(q))
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "a mount needs finite numbers, and a quaternion that isn't zero (1 0 0 0 is no turn)");
+    tides_trajectory *made = NULL;
+    tides_status status = tides_trajectory_create(body->samples, body->count, &made, error);
+    if (status != TIDES_OK) return status;
+    td_mount none;
+    td_mount_none(&none);
+    td_mount_add(body->mounted ? &body->mount : &none, position, q, &made->mount);
+    made->mounted = 1;
+    *trajectory = made;
+    return TIDES_OK;
+}
+
 void tides_trajectory_destroy(tides_trajectory *trajectory) {
     if (!trajectory) return;
     td_curve_destroy(trajectory->curve);
@@ -187,8 +211,8 @@ static void normalise_with_rate(double q[4], double q_dot[4]) {
     for (int k = 0; k < 4; k++) q_dot[k] -= along * q[k];
 }
 
-/* At the path's own time, within it. */
-static void pose_at(const tides_trajectory *trajectory, double relative, tides_pose *pose) {
+/* Of the samples' body, at the path's own time, within it. */
+static void body_at(const tides_trajectory *trajectory, double relative, tides_pose *pose) {
     const tides_pose_sample *first = trajectory->samples;
     if (!trajectory->curve) {
         memset(pose, 0, sizeof *pose);
@@ -203,6 +227,11 @@ static void pose_at(const tides_trajectory *trajectory, double relative, tides_p
     normalise_with_rate(value + 3, rate + 3);
     td_rotation_from_quaternion(value + 3, pose->rotation);
     td_rotation_rate(value + 3, rate + 3, pose->rotation_dot);
+}
+
+static void pose_at(const tides_trajectory *trajectory, double relative, tides_pose *pose) {
+    body_at(trajectory, relative, pose);
+    if (trajectory->mounted) td_mount_pose(&trajectory->mount, pose);
 }
 
 static tides_status fail_outside(const tides_trajectory *trajectory, double time, tides_error *error) {
@@ -258,5 +287,6 @@ tides_status tides_trajectory_sample(const tides_trajectory *trajectory, size_t 
         return td_fail(error, TIDES_BAD_ARGUMENT, "sample %zu doesn't exist; the path has %zu samples, numbered from 0", index,
                        trajectory->count);
     *sample = trajectory->samples[index];
+    if (trajectory->mounted) td_mount_sample(&trajectory->mount, sample);
     return TIDES_OK;
 }

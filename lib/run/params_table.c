@@ -68,6 +68,11 @@ const td_param td_params[] = {
              "nerfies: leave out scene.json's scale and center (as 4DGaussians does)")},
     {BOOLEAN("camera.rebase", path.rebase, "put the path's first sample at time 0 (camera.start_s is then ignored)")},
 
+    {OBJECTS("rig.cameras", "cameras on one body, whose path is camera.file: each {name, T_B_C, kind, camera, sensor ...}"),
+     .fallback = "[]"},
+    {TEXT("rig.camera", "the camera of them that a run is of, by name; null: the first (tides dataset: all)"),
+     .fallback = "null"},
+
     {NUMBER("time.start", start, "s", -LAST_SECOND, LAST_SECOND,
             "where the run begins; pixels rest at the signal of this moment")},
     {NUMBER("time.stop", stop, "s", -LAST_SECOND, LAST_SECOND, "where the run ends")},

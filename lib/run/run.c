@@ -79,18 +79,21 @@ static tides_status create(const char *origin, const char *directory, tides_run 
     made->directory = made->origin ? td_strdup(directory, error) : NULL;
     made->values = made->directory ? td_run_defaults(error) : NULL;
     made->given = made->values ? td_alloc(td_params_count, sizeof *made->given, error) : NULL;
-    made->files = made->given ? td_alloc(td_params_count, sizeof *made->files, error) : NULL;
-    if (made->files)
+    made->beneath = made->given ? td_alloc(td_params_count, sizeof *made->beneath, error) : NULL;
+    made->files = made->beneath ? td_alloc(td_params_count, sizeof *made->files, error) : NULL;
+    const tides_status status = made->files ? TIDES_OK : TIDES_NO_MEMORY;
+    if (status == TIDES_OK)
         *run = made;
     else
         tides_run_destroy(made);
-    return made->files ? TIDES_OK : TIDES_NO_MEMORY;
+    return status;
 }
 
-/* After the file's text: overrides, preset, checks, and what is derived. A run that fails is destroyed. */
+/* After the file's text: overrides, rig, preset, checks, and what is derived. A run that fails is destroyed. */
 static tides_status finish(tides_run *made, const char *const *overrides, size_t count, tides_run **run, tides_error *error) {
     tides_status status = TIDES_OK;
     for (size_t i = 0; status == TIDES_OK && i < count; i++) status = td_run_override(made, overrides[i], error);
+    if (status == TIDES_OK) status = td_rig_apply(made, error);
     if (status == TIDES_OK) status = td_run_preset(made, error);
     if (status == TIDES_OK) status = check_whole(made, error);
     if (status == TIDES_OK) status = derive(made, error);
@@ -147,9 +150,11 @@ tides_status tides_run_vary(const tides_run *base, const char *const *overrides,
     tides_run *made = NULL;
     tides_status status = create(base->origin, base->directory, &made, error);
     for (size_t i = 0; status == TIDES_OK && i < td_params_count; i++) {
-        if (!base->given[i]) continue;
-        made->given[i] = 1;
-        status = td_run_store(made, &tides_params(NULL)[i], base->values[i], error);
+        const int32_t hidden = base->given[i] == TD_GIVEN_RIG; /* the rig's camera may be another one now */
+        const cJSON *value = hidden ? base->beneath[i] : base->given[i] ? base->values[i] : NULL;
+        if (!value) continue;
+        made->given[i] = hidden ? TD_GIVEN_FILE : base->given[i];
+        status = td_run_store(made, &tides_params(NULL)[i], value, error);
     }
     if (status == TIDES_OK) return finish(made, overrides, count, run, error);
     tides_run_destroy(made);
@@ -160,6 +165,7 @@ void tides_run_destroy(tides_run *run) {
     if (!run) return;
     for (size_t i = 0; run->files && i < td_params_count; i++) free(run->files[i]);
     td_run_free_values(run->values);
+    td_run_free_values(run->beneath);
     free(run->files);
     free(run->given);
     free(run->origin);
@@ -170,5 +176,5 @@ void tides_run_destroy(tides_run *run) {
 
 int32_t tides_run_gives(const tides_run *run, const char *key) {
     const tides_param *row = run && key ? td_param_find(key) : NULL;
-    return row && run->given[row - tides_params(NULL)];
+    return row && run->given[row - tides_params(NULL)] != 0;
 }

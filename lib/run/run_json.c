@@ -37,7 +37,7 @@ static tides_status read_object(tides_run *run, const cJSON *object, const char 
         tides_status status = row ? td_param_check(row, item, run->origin, error) : read_object(run, item, key, error);
         if (status == TIDES_OK && row) status = td_run_store(run, row, item, error);
         if (status != TIDES_OK) return status;
-        if (row) run->given[row - tides_params(NULL)] = 1;
+        if (row) run->given[row - tides_params(NULL)] = TD_GIVEN_FILE;
     }
     return TIDES_OK;
 }
@@ -133,7 +133,7 @@ tides_status td_run_override(tides_run *run, const char *assignment, tides_error
     if (!value) return td_fail(error, TIDES_NO_MEMORY, "out of memory: reading --set %s", key);
     tides_status status = td_param_check(row, value, "--set", error);
     if (status == TIDES_OK) status = td_run_store(run, row, value, error);
-    if (status == TIDES_OK) run->given[row - tides_params(NULL)] = 1;
+    if (status == TIDES_OK) run->given[row - tides_params(NULL)] = TD_GIVEN_SET;
     cJSON_Delete(value);
     return status;
 }

@@ -129,7 +129,7 @@ static tides_status merge_intrinsics(const tides_run *run, const tides_path *fil
     return TIDES_OK;
 }
 
-static tides_status open_camera(const tides_run *run, tides_trajectory **camera, tides_intrinsics *intrinsics,
+tides_status td_run_open_camera(const tides_run *run, tides_trajectory **camera, tides_intrinsics *intrinsics,
                                 tides_error *error) {
     tides_run_values values;
     tides_run_get(run, &values);
@@ -138,6 +138,7 @@ static tides_status open_camera(const tides_run *run, tides_trajectory **camera,
     if (status != TIDES_OK) return status;
     status = check_cover(run, path.trajectory, values.camera_file, "camera.file", error);
     if (status == TIDES_OK) status = merge_intrinsics(run, &path, intrinsics, error);
+    if (status == TIDES_OK) status = td_rig_mount(run, &path.trajectory, error);
     if (status == TIDES_OK)
         *camera = path.trajectory;
     else
@@ -153,7 +154,7 @@ tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_tra
         return td_fail(error, TIDES_BAD_CONFIG, "%s: the run has frames.file and no scene to render", run->origin);
     tides_trajectory *path = NULL;
     tides_intrinsics size = {0};
-    tides_status status = open_camera(run, &path, &size, error); /* first: it is small, and most slips are in it */
+    tides_status status = td_run_open_camera(run, &path, &size, error); /* first: it is small, and most slips are in it */
     if (status == TIDES_OK) status = open_scene(run, scene, error);
     if (status != TIDES_OK) {
         tides_trajectory_destroy(path);

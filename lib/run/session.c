@@ -13,9 +13,9 @@ void tides_session_close(tides_session *session) {
     if (!session) return;
     if (session->owns_inputs) {
         tides_frames_close(session->frames);
-        tides_trajectory_destroy(session->camera);
         tides_scene_destroy(session->scene);
     }
+    if (session->owns_inputs || session->owns_camera) tides_trajectory_destroy(session->camera);
     if (session->owns_device) tides_device_close(session->facts.device);
     tides_run_destroy(session->run);
     free(session);
@@ -91,7 +91,8 @@ tides_status tides_session_open(const tides_run *run, tides_device *device, tide
 /* -- variations  */
 
 /* Keys of what a session has open, each "group." or a whole key. Of frames, how they are read depends on the rest, too. */
-static const char *const opened[] = {"scene.file", "scene.objects", "scene.duration_s", "camera.", "frames.", "device", NULL};
+static const char *const opened[] = {"scene.file",  "scene.objects", "scene.duration_s", "camera.",
+                                     "rig.cameras", "frames.",       "device",           NULL};
 static const char *const opened_frames[] = {"image.luminance", "ldati.fps", NULL};
 
 static int32_t is_among(const char *const *names, const char *key) {
@@ -102,15 +103,24 @@ static int32_t is_among(const char *const *names, const char *key) {
     return 0;
 }
 
+/* What cameras of a rig may differ in, where another one of them is chosen. */
+static const char *const lens[] = {"camera.width", "camera.height", "camera.fx", "camera.fy", "camera.cx", "camera.cy", NULL};
+
+static int32_t same_value(const cJSON *one, const cJSON *two) { return one && two ? cJSON_Compare(one, two, 1) : one == two; }
+
+/* 1 where `run` is of another camera of the rig than the base's. */
+static int32_t is_other_camera(const tides_session *base, const tides_run *run) {
+    return !base->frames && !same_value(td_run_value(base->facts.run, "rig.camera"), td_run_value(run, "rig.camera"));
+}
+
 static tides_status check_opened(const tides_session *base, const tides_run *run, tides_error *error) {
     const tides_run *own = base->facts.run;
+    const int32_t other = is_other_camera(base, run);
     size_t count;
     const tides_param *rows = tides_params(&count);
     for (size_t i = 0; i < count; i++) {
         if (!is_among(opened, rows[i].key) && !(base->frames && is_among(opened_frames, rows[i].key))) continue;
-        if (own->values[i] && run->values[i] ? cJSON_Compare(own->values[i], run->values[i], 1)
-                                             : own->values[i] == run->values[i])
-            continue;
+        if (same_value(own->values[i], run->values[i]) || (other && is_among(lens, rows[i].key))) continue;
         return td_fail(error, TIDES_BAD_CONFIG,
                        "%s: %s is another one, and a session can't be varied in what it has open; open one of its own",
                        own->origin, rows[i].key);
@@ -131,14 +141,21 @@ tides_status tides_session_vary(const tides_session *base, const char *const *ov
     if (!made) return TIDES_NO_MEMORY;
     tides_status status = tides_run_vary(base->facts.run, overrides, count, &made->run, error);
     if (status == TIDES_OK) status = check_opened(base, made->run, error);
+    if (status == TIDES_OK) {
+        made->facts = base->facts;
+        made->camera = base->camera;
+    }
+    if (status == TIDES_OK && is_other_camera(base, made->run)) {
+        status = td_run_open_camera(made->run, &made->camera, &made->facts.intrinsics, error);
+        made->owns_camera = status == TIDES_OK;
+    }
     if (status != TIDES_OK) {
         tides_session_close(made);
         return status;
     }
     made->scene = base->scene;
-    made->camera = base->camera;
     made->frames = base->frames;
-    made->facts = base->facts;
+    made->facts.camera = made->camera;
     made->facts.run = made->run;
     tides_run_get(made->run, &made->facts.values);
     made->facts.sees_frames = made->frames || made->facts.values.baseline.method != TIDES_METHOD_TIDES;

@@ -10,11 +10,15 @@
 /* Longest dotted key that is looked at; longer ones are unknown by construction. */
 enum { TD_KEY_MAX = 96 };
 
+/* The run file, an override, or the camera of a rig. */
+enum { TD_GIVEN_FILE = 1, TD_GIVEN_SET = 2, TD_GIVEN_RIG = 3 };
+
 struct tides_run {
     char *origin;         /* what errors call the text: the file's name, or "run" */
     char *directory;      /* what relative paths refer to */
     cJSON **values;       /* one per row of the table; NULL where required and not (yet) given */
-    unsigned char *given; /* one per row: the run file or an override says it */
+    unsigned char *given; /* one per row: TD_GIVEN_*, who says it; 0 where its value is the default or the preset's */
+    cJSON **beneath;      /* one per row: what the run file says where TD_GIVEN_RIG hides it, or NULL */
     char **files;         /* one per row: the resolved path where the row is a file's, and isn't null */
     char *json;           /* every key, defaults filled in */
 };
@@ -39,6 +43,12 @@ tides_status td_run_override(tides_run *run, const char *assignment, tides_error
 /* run_json.c: copies `value` to its row's place. */
 tides_status td_run_store(tides_run *run, const tides_param *row, const cJSON *value, tides_error *error);
 
+/* rig.c: whether rig.cameras may be `value`; what the camera that rig.camera names has of its own, into the run; and its path,
+ * on the body's, which it replaces. Both do nothing without a rig. */
+tides_status td_rig_check(const cJSON *value, const char *where, tides_error *error);
+tides_status td_rig_apply(tides_run *run, tides_error *error);
+tides_status td_rig_mount(const tides_run *run, tides_trajectory **path, tides_error *error);
+
 /* preset.c: the values of sensor.preset for the rows that aren't given. */
 tides_status td_run_preset(tides_run *run, tides_error *error);
 /* 1 where it is a path, and not the name of one of ours. */
@@ -52,6 +62,10 @@ void td_run_free_values(cJSON **values);
 
 /* run_values.c: what the values are where a run says nothing; files, texts and intrinsics are NULL and 0. */
 void td_run_values_defaults(tides_run_values *values);
+
+/* run_open.c: the camera's path and intrinsics alone. */
+tides_status td_run_open_camera(const tides_run *run, tides_trajectory **camera, tides_intrinsics *intrinsics,
+                                tides_error *error);
 
 /* run.c: the value of a row that is known to be in the table; `path` against the run's directory, allocated. */
 const cJSON *td_run_value(const tides_run *run, const char *key);

@@ -162,6 +162,10 @@ TIDES_PARAM_CHOICE = 4
 TIDES_PARAM_VECTOR3 = 5
 TIDES_PARAM_OBJECTS = 6
 TIDES_PARAM_VECTOR2 = 7
+TIDES_RIG_BOTH = 0
+TIDES_RIG_EVENT = 1
+TIDES_RIG_FRAME = 2
+TIDES_RIG_NAME = 32
 TIDES_IDEAL_THRESHOLDS = 1
 TIDES_IDEAL_PIXEL = 2
 
@@ -2418,6 +2422,26 @@ class tides_run_values(Structure):
     ]
 
 
+class tides_rig_camera(Structure):
+    """char name[TIDES_RIG_NAME];
+    int32_t kind; /* TIDES_RIG_BOTH, _EVENT or _FRAME */
+    int32_t reserved;
+    double T_B_C[16]; /* row-major: p_body = T_B_C p_camera [scene units] */
+    """
+
+    name: Any
+    kind: int
+    reserved: int
+    T_B_C: Any
+
+    _fields_ = [
+        ("name", c_char * 32),
+        ("kind", c_int32),
+        ("reserved", c_int32),
+        ("T_B_C", c_double * 16),
+    ]
+
+
 class tides_run_input(Structure):
     """const char *key; /* of the run file: "scene.objects" */
     const char *path; /* resolved against the run file */
@@ -2990,6 +3014,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     # tides_status tides_run_parse(const char *text, const char *directory, const char *const *overrides, size_t count,
     # tides_run **run, tides_error *error)
     "tides_run_parse": (c_int32, [c_char_p, c_char_p, P(c_char_p), c_size_t, P(P(tides_run)), P(tides_error)]),
+    # int32_t tides_run_rig_camera(const tides_run *run, size_t index, tides_rig_camera *camera)
+    "tides_run_rig_camera": (c_int32, [P(tides_run), c_size_t, P(tides_rig_camera)]),
     # tides_status tides_run_template(const char *scene_file, const char *camera_file, char **text, tides_error *error)
     "tides_run_template": (c_int32, [c_char_p, c_char_p, P(c_char_p), P(tides_error)]),
     # tides_status tides_run_vary(const tides_run *base, const char *const *overrides, size_t count, tides_run **run,
@@ -3144,6 +3170,11 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     # tides_status tides_trajectory_create_handheld(const tides_handheld *handheld, tides_trajectory **trajectory,
     # tides_error *error)
     "tides_trajectory_create_handheld": (c_int32, [P(tides_handheld), P(P(tides_trajectory)), P(tides_error)]),
+    # tides_status tides_trajectory_create_mounted(const tides_trajectory *body, const double position[3], const double
+    # quaternion[4], tides_trajectory **trajectory, tides_error *error)
+    "tides_trajectory_create_mounted": (c_int32, [
+        P(tides_trajectory), P(c_double), P(c_double), P(P(tides_trajectory)), P(tides_error)
+    ]),
     # tides_status tides_trajectory_create_orbit(const tides_orbit *orbit, tides_trajectory **trajectory, tides_error
     # *error)
     "tides_trajectory_create_orbit": (c_int32, [P(tides_orbit), P(P(tides_trajectory)), P(tides_error)]),
@@ -3185,6 +3216,6 @@ STRUCTS = (
     tides_frames_options, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params,
     tides_baseline_params, tides_frame_supply, tides_channel, tides_match, tides_metrics_options, tides_interval_fit,
     tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_param, tides_run_values,
-    tides_run_input, tides_fingerprint, tides_session_facts, tides_recording, tides_recorded, tides_exact_options,
-    tides_exact,
+    tides_rig_camera, tides_run_input, tides_fingerprint, tides_session_facts, tides_recording, tides_recorded,
+    tides_exact_options, tides_exact,
 )

@@ -26,6 +26,7 @@ from .simulate import Simulation
 from .trajectory import Camera, Intrinsics, Trajectory
 
 _STATS = {number: word for word, number in constants("TIDES_STAT_").items()}
+_KINDS = ("both", "event", "frame")
 _TYPES = {number: word for word, number in constants("TIDES_PARAM_").items()}
 
 
@@ -109,6 +110,16 @@ class Run(Handle):
     def gives(self, key: str) -> bool:
         """Whether the file or an override says `key`; else it has its default or the preset's value."""
         return bool(lib.tides_run_gives(self._pointer, key.encode()))
+
+    @property
+    def rig(self) -> list[Facts]:
+        """Cameras of the run's rig: name, kind ("both", "event", "frame"), T_B_C (4 x 4, p_body = T_B_C p_camera). The run
+        is of one of them: run.vary({"rig.camera": name})."""
+        made, camera = [], _api.tides_rig_camera()
+        while lib.tides_run_rig_camera(self._pointer, len(made), byref(camera)):
+            name = text(bytes(camera.name).split(b"\0")[0])
+            made.append(Facts(name=name, kind=_KINDS[camera.kind], T_B_C=np.array(camera.T_B_C).reshape(4, 4)))
+        return made
 
     def open(self) -> tuple[Scene, Camera]:
         """Opens what the run names."""

@@ -137,6 +137,11 @@ class Trajectory(Handle):
         """The path in a file of any known format; `options` are those of Camera.load."""
         return Camera.load(file, **options).trajectory
 
+    def mounted(self, position: Any, quaternion: Any = (1, 0, 0, 0)) -> "Trajectory":
+        """The path of what sits on this body: p_body = R(quaternion) p_mounted + position [scene units]."""
+        place = (doubles(position, 3, "position"), doubles(quaternion, 4, "quaternion"))
+        return self._generate("mounted", self._pointer, *place)
+
     def at(self, time: float) -> Pose:
         """Pose and rates at `time` [s]. OutOfRange outside `range`."""
         pose = _api.tides_pose()

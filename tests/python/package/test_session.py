@@ -66,6 +66,20 @@ def test_events_get_their_truth(tmp_path):
         assert not (tmp_path / "a.raw").exists()
 
 
+def test_cameras_of_a_rig():
+    right = np.eye(4)
+    right[0, 3] = 0.1
+    cameras = [{"name": "left"}, {"name": "right", "kind": "event", "T_B_C": right.tolist(), "camera": {"width": 20}}]
+    with tides.Session(RUN, {"rig.cameras": cameras}, device="reference") as session:
+        rig = tides.Run(RUN, {"rig.cameras": cameras}).rig
+        assert [one.name for one in rig] == ["left", "right"] and [one.kind for one in rig] == ["both", "event"]
+        assert np.array_equal(rig[1].T_B_C, right) and tides.Run(RUN).rig == []
+        with session.vary({"rig.camera": "right"}) as other:
+            a, b = session.camera.trajectory.at(0.01), other.camera.trajectory.at(0.01)
+            assert other.camera.intrinsics.width == 20
+            assert np.allclose(b.position, a.position + a.rotation @ right[:3, 3], atol=1e-15)
+
+
 def test_variations_share_what_is_open(tmp_path):
     session = tides.Run(RUN).session("reference")
     low = session.vary({"sensor.threshold_on": 0.1, "sensor.threshold_off": 0.1})

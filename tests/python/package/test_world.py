@@ -35,6 +35,14 @@ def test_trajectory_with_rates():
         tides.Trajectory([0, 1], np.zeros((2, 3)), [[1, 0, 0, 0]] * 2, velocities=np.zeros((2, 3)))
 
 
+def test_mounted_on_a_body():
+    body = tides.Trajectory.orbit(radius=3, angular_speed=2)
+    camera = body.mounted([0.1, 0, 0.2], [0, 0, 0, 1])
+    b, c = body.at(0.3), camera.at(0.3)
+    assert np.allclose(c.position, b.position + b.rotation @ [0.1, 0, 0.2], atol=1e-15)
+    assert np.allclose(c.rotation, b.rotation @ np.diag([-1, -1, 1]), atol=1e-15)
+
+
 def test_generators():
     static = tides.Trajectory.static([1, 2, 3])
     assert static.is_static and static.range == (-np.inf, np.inf) and np.array_equal(static.at(5).position, [1, 2, 3])
