@@ -4,6 +4,7 @@
  * compilers turn into vector code, behind the constant low-pass too; only what is left goes to td_ideal.h or pixel.c, one pixel
  * after the other. Filters whose rates go with the light take each pixel by itself. */
 #include "td_ideal.h"
+#include "td_ideal_block.h"
 #include "td_pixel.h"
 #include "td_sensor.h"
 #include "td_wide.h"
@@ -12,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { BLOCK = 64 }; /* pixels tested together: their flags stay in L1 */
+enum { BLOCK = TD_IDEAL_BLOCK };
 
 /* A block's additive noise in the step: where its segments end, and the levels less its bounds. */
 typedef struct noise_block {
@@ -229,11 +230,6 @@ static void pass_over(const tile_job *job, size_t j) {
     sensor->noise_value[job->first + j] = job->noise->value[j - job->begun];
 }
 
-static tides_status step_ideal(tile_job *job, size_t j) {
-    const td_model model = fit(job->pixel.sensor->model, job->signals, job->pixel.step->length_s, j);
-    return td_ideal_advance(&job->pixel, job->first + j, column(job, j), row(job, j), &model, NULL, job->signals->S1[j]);
-}
-
 static tides_status step_pixel(tile_job *job, size_t j) {
     const td_step *step = job->pixel.step;
     const td_sensor *sensor = job->pixel.sensor;
@@ -288,18 +284,15 @@ static void undo(const tile_job *job, size_t before) {
     job->pixel.buffer->count = before;
 }
 
-/* Ideal pixels. The loop over flags does nothing else, because most of them say that nothing is to be done. */
+/* Ideal pixels. */
 static tides_status step_ideal_block(tile_job *job, size_t first, size_t count) {
     double outside[BLOCK];
     if (job->pixel.sensor->exhaustive)
         for (size_t k = 0; k < count; k++) outside[k] = 1;
     else
         reject_ideal(job, first, count, outside);
-    for (size_t k = 0; (k = td_next_mark(outside, k, count)) < count; k++) {
-        tides_status status = step_ideal(job, first + k);
-        if (status != TIDES_OK) return status;
-    }
-    return TIDES_OK;
+    const td_ideal_block block = {job->tile, job->signals, job->first, first, count};
+    return td_ideal_block_step(&job->pixel, &block, outside);
 }
 
 /* Pixels with blocks. */

@@ -4,7 +4,7 @@
  * so no pair of crossings within a step can cancel and go unseen, and each crossing has a bracket before any equation is
  * solved. */
 #include "td_crossing.h"
-#include "td_root.h"
+#include "td_level.h"
 
 #include <float.h>
 #include <math.h>
@@ -71,74 +71,38 @@ void td_crossing_begin(td_crossing_walk *walk, const td_model *model, const td_s
     walk->value[walk->knots++] = b[3];
 }
 
-/* A level that a model is to reach, less its value where it is looked for. */
-typedef struct level {
-    const td_model *model;
-    double reference, rise;
-} level;
-
-static double excess_of(const void *of, double s) {
-    const level *at = of;
-    return td_model_value(at->model, s) - at->reference - at->rise;
-}
-
-static double slope_of(const void *of, double s) { return td_model_slope(((const level *)of)->model, s); }
-
-/* Where the chord from `low` to `high` reaches the level. */
-static double chord(const level *at, double low, double high, double value_high) {
-    double value_low = td_model_value(at->model, low);
-    return low + (high - low) * ((at->reference - value_low + at->rise) / (value_high - value_low));
-}
-
-/* The place in (low, high] where S - reference reaches `rise` (ON above 0, OFF below), given that it has at `high` and hasn't
- * at `low`. The chord says where to begin. */
-static double solve(const level *at, double low, double high, double value_high) {
-    double guess = chord(at, low, high, value_high);
-    return td_root(excess_of, slope_of, at, at->rise > 0.0 ? 1.0 : -1.0, low, high, guess);
-}
-
-/* What rounding makes of an excess at most, several times over; it is so far below what the excess is within a few Newton steps
- * of a place of the same sign that a search which ends there ends on the place. */
-static double rounding_of(const level *at) {
-    const double *b = at->model->control;
-    return 64 * DBL_EPSILON * (fabs(b[0]) + fabs(b[1]) + fabs(b[2]) + fabs(b[3]) + fabs(at->reference) + fabs(at->rise));
-}
-
-/* Of a nanosecond: how near a place is to be known, so that few are near the end of theirs. */
-static const double near_enough = 0x1p-10;
-
-/* Finds a place that has the time which `solve` would give: 1 where it did. Two thirds of what `solve` does is to tell apart
- * neighbouring numbers, in the rounding of the excess. Here Newton goes on until its next step is short; then two places beside
- * it of one nanosecond, on both sides of the level by more than rounding, have all places between them where `solve` could end,
- * for the piece is monotone. */
-static int solve_near(const level *at, const td_step *step, double low, double high, double value_high, double *s) {
+/* Finds a place that has the time which td_level_solve would give: 1 where it did. Two thirds of what that does is to tell
+ * apart neighbouring numbers, in the rounding of the excess. Here Newton goes on until its next step is short; then two places
+ * beside it of one nanosecond, on both sides of the level by more than rounding, have all places between them where it could
+ * end, for the piece is monotone. */
+static int solve_near(const td_level *at, const td_step *step, double low, double high, double value_high, double *s) {
     enum { TRIES = 6 };
-    const double side = near_enough / step->length_ns, sign = at->rise > 0.0 ? 1.0 : -1.0;
-    double place = chord(at, low, high, value_high), move = 1;
+    const double side = TD_NEAR_ENOUGH_NS / step->length_ns, sign = at->rise > 0.0 ? 1.0 : -1.0;
+    double place = td_level_chord(at, low, high, value_high), move = 1;
     for (int i = 0; i < TRIES && !(move * move < side); i++) {
         if (!(place > low && place < high)) return 0;
-        move = excess_of(at, place) / slope_of(at, place);
+        move = td_level_excess(at, place) / td_level_slope(at, place);
         place -= move;
     }
-    const double before = place - side, after = place + side, least = rounding_of(at);
+    const double before = place - side, after = place + side, least = td_level_rounding(at);
     if (!(before - side > low && after + side < high)) return 0;
     *s = place;
-    return td_step_time(step, before - side) == td_step_time(step, after + side) && sign * excess_of(at, before) < -least &&
-           sign * excess_of(at, after) > least;
+    return td_step_time(step, before - side) == td_step_time(step, after + side) &&
+           sign * td_level_excess(at, before) < -least && sign * td_level_excess(at, after) > least;
 }
 
 /* On to the crossing that lies before `knot`. From a place that is only near, it first goes on to where that is. */
 static void go(td_crossing_walk *walk, double reference, double rise, double knot, double value) {
     if (walk->is_near) {
-        const level last = {&walk->model, walk->reference, walk->rise};
-        walk->s = solve(&last, walk->low, knot, value);
+        const td_level last = {&walk->model, walk->reference, walk->rise};
+        walk->s = td_level_solve(&last, walk->low, knot, value);
     }
-    const level at = {&walk->model, reference, rise};
+    const td_level at = {&walk->model, reference, rise};
     walk->low = walk->s;
     walk->reference = reference;
     walk->rise = rise;
     walk->is_near = walk->step && solve_near(&at, walk->step, walk->low, knot, value, &walk->s);
-    if (!walk->is_near) walk->s = solve(&at, walk->low, knot, value);
+    if (!walk->is_near) walk->s = td_level_solve(&at, walk->low, knot, value);
 }
 
 int td_crossing_next(td_crossing_walk *walk, double reference, double threshold_on, double threshold_off) {

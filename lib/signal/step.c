@@ -32,9 +32,3 @@ int64_t td_time_ns(double seconds) {
     double whole = floor(seconds); /* the rest is exact */
     return (int64_t)whole * 1000000000 + (int64_t)round((seconds - whole) * 1e9);
 }
-
-int64_t td_step_time(const td_step *step, double s) {
-    if (s >= 1.0) return step->stop_ns;
-    int64_t ns = step->start_ns + (int64_t)(step->start_fraction + s * step->length_ns);
-    return ns < step->stop_ns ? ns : step->stop_ns;
-}

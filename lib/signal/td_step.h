@@ -26,6 +26,10 @@ TIDES_MUST_CHECK tides_status td_step_between(double start, double stop, td_step
 int64_t td_time_ns(double seconds);
 
 /* Time of an event at s in [0, 1], floored [ns]; at s = 1 exactly stop_ns, never beyond it. */
-int64_t td_step_time(const td_step *step, double s);
+static inline int64_t td_step_time(const td_step *step, double s) {
+    if (s >= 1.0) return step->stop_ns;
+    int64_t ns = step->start_ns + (int64_t)(step->start_fraction + s * step->length_ns);
+    return ns < step->stop_ns ? ns : step->stop_ns;
+}
 
 #endif

@@ -1,6 +1,6 @@
 /* What must hold of the comparator for any signals: random cubics against dense sampling, steps cut in pieces, the invariant
- * after every step, and the rejection of whole tiles against solving every pixel. The seed is printed; TIDES_TEST_SEED sets
- * it. */
+ * after every step, whole tiles against solving every pixel, and against pixels by themselves. The seed is printed;
+ * TIDES_TEST_SEED sets it. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -409,6 +409,69 @@ static void references_do_not_drift(void **state) {
     free_rig(r);
 }
 
+/* A cubic of any kind between the signal where the step before ended, mostly, and any other. */
+static void draw_step(rig *r, int32_t i) {
+    const int odd = (int)uniform(0.0, 60.0);
+    const double h = 1e-3, least = any_size(0.05);
+    r->S0[i] = odd == 0 ? uniform(-5.0, 1.0) : r->S1[i];
+    r->S1[i] = r->S0[i] + (odd < 30 ? any_size(0.1) : least);
+    r->S0_dot[i] = odd % 3 ? (r->S1[i] - r->S0[i]) / h * uniform(0.5, 1.5) : any_size(0.3) / h;
+    r->S1_dot[i] = odd % 3 ? (r->S1[i] - r->S0[i]) / h * uniform(0.5, 1.5) : any_size(0.3) / h;
+    if (odd == 1) r->S0_dot[i] = NAN;
+    if (odd == 2) r->S1_dot[i] = 1e5; /* more levels than are listed at once */
+}
+
+/* One pixel after the other, as the solver asks for them. */
+static void advance_singly(rig *r, const td_step *step) {
+    for (int32_t i = 0; i < PIXELS; i++) {
+        const td_ends ends = {1e-3, r->S0[i], r->S0_dot[i], r->S1[i], r->S1_dot[i]};
+        td_changes changes;
+        const td_sensor_single single =
+            {.step = step, .pixel = (size_t)i, .x = i % 16, .y = i / 16, .ends = &ends, .changes = &changes};
+        assert_int_equal(td_sensor_advance(&r->sensor, &single, &r->buffer, NULL), TIDES_OK);
+    }
+}
+
+/* Places of a tile's crossings are found together; events, counts and references are those of pixels by themselves. */
+static void tiles_do_what_their_pixels_do(void **state) {
+    (void)state;
+    seed_tests(7);
+    size_t events = 0;
+    for (int trial = 0; trial < 300; trial++) {
+        const double on = uniform(0.01, 0.2), off = trial % 2 ? on : uniform(0.01, 0.2), length = exp(uniform(0.0, 17.0));
+        rig *together = new_rig(TIDES_MODEL_HERMITE, on, off), *apart = new_rig(TIDES_MODEL_HERMITE, on, off);
+        for (int32_t i = 0; i < PIXELS; i++) together->S1[i] = together->S0[i] = apart->S0[i] = uniform(-5.0, 1.0);
+        together->sensor.sensor.max_events_per_step = apart->sensor.sensor.max_events_per_step = trial % 3 ? 1000 : 4;
+        together->sensor.exhaustive = trial % 5 == 0;
+        reset(together);
+        reset(apart);
+        for (int k = 0; k < 4; k++) {
+            const td_tile tile = {0, 0, 16, PIXELS};
+            const td_signals signals = {together->S0, together->S0_dot, together->S1, together->S1_dot};
+            const td_step step = {(int64_t)k << 30, ((int64_t)k << 30) + (int64_t)length + 1, uniform(0.0, 1.0), length, 1e-3};
+            for (int32_t i = 0; i < PIXELS; i++) draw_step(together, i);
+            for (int c = 0; c < 4; c++) {
+                const double *const from[4] = {signals.S0, signals.S0_dot, signals.S1, signals.S1_dot};
+                double *const to[4] = {apart->S0, apart->S0_dot, apart->S1, apart->S1_dot};
+                memcpy(to[c], from[c], sizeof apart->S0);
+            }
+            assert_int_equal(td_sensor_step(&together->sensor, &step, &tile, 0, &signals, NULL, &together->buffer, NULL),
+                             TIDES_OK);
+            advance_singly(apart, &step);
+        }
+        together->sensor.counts.solved = apart->sensor.counts.solved; /* singly, no pixel is passed over */
+        assert_int_equal(together->buffer.count, apart->buffer.count);
+        assert_memory_equal(together->buffer.events, apart->buffer.events, apart->buffer.count * sizeof(tides_event));
+        assert_memory_equal(&together->sensor.counts, &apart->sensor.counts, sizeof apart->sensor.counts);
+        assert_memory_equal(together->sensor.pixels.reference, apart->sensor.pixels.reference, PIXELS * sizeof(double));
+        assert_memory_equal(together->sensor.pixels.count_on, apart->sensor.pixels.count_on, PIXELS * sizeof(uint32_t));
+        events += apart->buffer.count;
+        free_rig(together);
+        free_rig(apart);
+    }
+    assert_true(events > 500000);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(events_equal_dense_sampling),
@@ -418,6 +481,7 @@ int main(void) {
         cmocka_unit_test(the_invariant_holds_after_every_step),
         cmocka_unit_test(rejection_changes_nothing),
         cmocka_unit_test(references_do_not_drift),
+        cmocka_unit_test(tiles_do_what_their_pixels_do),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,48 @@
+/* Internal: a level that a local model is to reach on a monotone piece, and the place where it does, for crossings one after
+ * the other (crossing.c) and many at once (crossing_list.c). */
+#ifndef TD_LEVEL_H
+#define TD_LEVEL_H
+
+#include "td_model.h"
+#include "td_root.h"
+
+#include <float.h>
+#include <math.h>
+
+/* The level is reference + rise: ON with a rise above 0, OFF below. */
+typedef struct td_level {
+    const td_model *model;
+    double reference, rise;
+} td_level;
+
+static inline double td_level_excess(const void *of, double s) {
+    const td_level *at = of;
+    return td_model_value(at->model, s) - at->reference - at->rise;
+}
+
+static inline double td_level_slope(const void *of, double s) { return td_model_slope(((const td_level *)of)->model, s); }
+
+/* Where the chord from `low` to `high` reaches the level. */
+static inline double td_level_chord(const td_level *at, double low, double high, double value_high) {
+    double value_low = td_model_value(at->model, low);
+    return low + (high - low) * ((at->reference - value_low + at->rise) / (value_high - value_low));
+}
+
+/* The place in (low, high] where S - reference reaches the rise, given that it has at `high` and hasn't at `low`. The chord
+ * says where to begin. */
+static inline double td_level_solve(const td_level *at, double low, double high, double value_high) {
+    double guess = td_level_chord(at, low, high, value_high);
+    return td_root(td_level_excess, td_level_slope, at, at->rise > 0.0 ? 1.0 : -1.0, low, high, guess);
+}
+
+/* What rounding makes of an excess at most, several times over; it is so far below what the excess is within a few Newton steps
+ * of a place of the same sign that a search which ends there ends on the place. */
+static inline double td_level_rounding(const td_level *at) {
+    const double *b = at->model->control;
+    return 64 * DBL_EPSILON * (fabs(b[0]) + fabs(b[1]) + fabs(b[2]) + fabs(b[3]) + fabs(at->reference) + fabs(at->rise));
+}
+
+/* Of a nanosecond: how near a place is to be known, so that few are near the end of theirs. */
+#define TD_NEAR_ENOUGH_NS 0x1p-10
+
+#endif
