@@ -17,7 +17,8 @@ enum {
 /* Samples nearer than this to another are it [s]. */
 static const double same_time = 1e-9;
 
-tides_status td_point_nodes_create(const tides_renderer *renderer, td_point_nodes *nodes, tides_error *error) {
+tides_status td_point_nodes_create(const tides_renderer *renderer, td_exact *shared, td_point_nodes *nodes,
+                                   tides_error *error) {
     const size_t count = (size_t)renderer->store.count;
     const td_image_numbers image = td_image_pack(&renderer->image);
     nodes->path = td_alloc(count, sizeof *nodes->path, error);
@@ -28,11 +29,13 @@ tides_status td_point_nodes_create(const tides_renderer *renderer, td_point_node
     nodes->misfit = td_alloc(count + TD_PAD, sizeof *nodes->misfit, error);
     if (!nodes->path || !nodes->gaussians || !nodes->level || !nodes->first || !nodes->tried || !nodes->misfit)
         return TIDES_NO_MEMORY;
-    return td_exact_create(renderer->device, &renderer->store, &image, &nodes->exact, error);
+    nodes->exact = shared;
+    nodes->is_shared = shared != NULL;
+    return shared ? TIDES_OK : td_exact_create(renderer->device, &renderer->store, &image, &nodes->exact, error);
 }
 
 void td_point_nodes_release(td_point_nodes *nodes) {
-    td_exact_destroy(nodes->exact);
+    if (!nodes->is_shared) td_exact_destroy(nodes->exact);
     free(nodes->knot);
     free(nodes->path);
     free(nodes->gaussians);
@@ -80,6 +83,9 @@ static tides_status begin_whole(td_point_nodes *nodes, double start, double stop
     nodes->pieces = 1;
     return status;
 }
+
+/* Of an instant one row of each is enough. */
+static int is_instant(const td_point_nodes *nodes) { return !(nodes->knot[0] < nodes->knot[nodes->pieces]); }
 
 /* Cuts it where paths may bend: the pieces are between knots, each once, in order. */
 static tides_status cut(const tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
@@ -209,7 +215,7 @@ static tides_status project_all_moved(tides_renderer *renderer, const tides_traj
 /* Rows of the Gaussians of a level, at all its nodes. */
 static tides_status project(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, int level,
                             tides_error *error) {
-    const int slots = (nodes->pieces << level) + 1;
+    const int slots = is_instant(nodes) ? 1 : (nodes->pieces << level) + 1;
     tides_status status = td_reserve((void **)&nodes->time, &nodes->time_capacity, (size_t)slots, sizeof *nodes->time, error);
     nodes->entries = nodes->job_count = 0;
     for (int k = 0; k < slots && status == TIDES_OK; k++) nodes->time[k] = node_time(nodes, level, k);
@@ -223,9 +229,8 @@ static tides_status project(tides_renderer *renderer, const tides_trajectory *ca
 /* -- levels ---------------------------------------------------------------------------------------------------------------- */
 
 /* Those in a list, with rows of level 1. */
-static void find_listed(const tides_renderer *renderer, td_point_nodes *nodes) {
-    const td_candidates *lists = &renderer->candidates;
-    const int end = lists->first[renderer->stats.tiles], rows = 2 * nodes->pieces + 1;
+static void find_listed(const tides_renderer *renderer, const td_point_span *lists, td_point_nodes *nodes) {
+    const int end = lists->first[renderer->stats.tiles], level = !is_instant(nodes), rows = level ? 2 * nodes->pieces + 1 : 1;
     for (int i = 0; i < renderer->store.count; i++) nodes->path[i] = TD_PATH_UNSEEN;
     for (int i = 0; i < end; i++)
         if (lists->list[i] >= 0) nodes->path[lists->list[i]] = 0;
@@ -233,7 +238,7 @@ static void find_listed(const tides_renderer *renderer, td_point_nodes *nodes) {
     for (int i = 0; i < renderer->store.count; i++) {
         if (nodes->path[i] == TD_PATH_UNSEEN) continue;
         nodes->first[nodes->count] = nodes->count * rows;
-        nodes->level[nodes->count] = 1;
+        nodes->level[nodes->count] = (uint8_t)level;
         nodes->gaussians[nodes->count++] = i;
     }
     nodes->rows = nodes->count * rows;
@@ -291,8 +296,9 @@ static tides_status try_level(const tides_renderer *renderer, td_point_nodes *no
     return status;
 }
 
-/* Curves of all; paths. Of an instant there is but the beginning, whatever the length. */
+/* Curves of all; paths. */
 static tides_status lay_curves(td_point_nodes *nodes, tides_error *error) {
+    const int moves = !is_instant(nodes);
     size_t curves = 0;
     for (int i = 0; i < nodes->count; i++) curves += (size_t)nodes->pieces << nodes->level[i];
     tides_status status = td_reserve((void **)&nodes->row, &nodes->row_capacity, 2 * curves, sizeof *nodes->row, error);
@@ -301,13 +307,13 @@ static tides_status lay_curves(td_point_nodes *nodes, tides_error *error) {
     if (status != TIDES_OK) return status;
     nodes->curves = 0;
     for (int i = 0; i < nodes->count; i++) {
-        const int level = nodes->level[i], stride = level == 0 ? 2 : 1; /* level 0 has the rows of level 1 */
+        const int level = nodes->level[i], stride = !moves ? 0 : level == 0 ? 2 : 1; /* level 0 has the rows of level 1 */
         nodes->path[nodes->gaussians[i]] = nodes->curves * TD_PATH_LEVELS + level;
         for (int k = 0; k < nodes->pieces << level; k++) {
             const double h = nodes->knot[(k >> level) + 1] - nodes->knot[k >> level];
             nodes->row[2 * nodes->curves] = nodes->first[i] + stride * k;
             nodes->row[2 * nodes->curves + 1] = nodes->first[i] + stride * (k + 1);
-            nodes->length[nodes->curves++] = (h > 0 ? h : 1) / (double)(1 << level);
+            nodes->length[nodes->curves++] = (moves ? h : TD_POINT_INSTANT) / (double)(1 << level);
         }
     }
     return TIDES_OK;
@@ -316,16 +322,17 @@ static tides_status lay_curves(td_point_nodes *nodes, tides_error *error) {
 /* Rows of everything listed, in the pieces that there are. `bent`: whether it may stop where
  * WHOLE_LEVEL isn't enough for more than half of all; whether it did. */
 static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
-                              td_point_nodes *nodes, int *bent, tides_error *error) {
+                              const td_point_span *span, td_point_nodes *nodes, int *bent, tides_error *error) {
     tides_status status = TIDES_OK;
-    const int moves = nodes->knot[0] < nodes->knot[nodes->pieces], may_bend = *bent;
+    const int may_bend = *bent;
     *bent = 0;
-    find_listed(renderer, nodes);
+    find_listed(renderer, span, nodes);
     nodes->worst = 0;
+    if (is_instant(nodes)) return project(renderer, camera, nodes, 0, error);
     for (int level = 1; level <= MOST_LEVEL && status == TIDES_OK && !*bent; level++) {
         int finer = 0;
         status = project(renderer, camera, nodes, level, error);
-        if (status == TIDES_OK && moves) status = try_level(renderer, nodes, engine, level, error);
+        if (status == TIDES_OK) status = try_level(renderer, nodes, engine, level, error);
         for (int i = 0; i < nodes->count; i++) finer += nodes->level[i] > level;
         *bent = may_bend && level == WHOLE_LEVEL && 2 * finer > nodes->count;
     }
@@ -335,14 +342,14 @@ static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *
 /* Most paths are smooth enough for the interval to be one piece, whatever samples they have within it: then points share
  * curves. Where they aren't, as where a camera turns a corner, it's cut there. */
 tides_status td_point_nodes_find(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
-                                 double start, double stop, td_point_nodes *nodes, tides_error *error) {
+                                 const td_point_span *span, td_point_nodes *nodes, tides_error *error) {
     int bent = 1;
-    tides_status status = begin_whole(nodes, start, stop, error);
-    if (status == TIDES_OK) status = find_rows(renderer, camera, engine, nodes, &bent, error);
+    tides_status status = begin_whole(nodes, span->start, span->stop, error);
+    if (status == TIDES_OK) status = find_rows(renderer, camera, engine, span, nodes, &bent, error);
     if (status == TIDES_OK && bent) {
         bent = 0;
-        status = cut(renderer, camera, start, stop, nodes, error);
-        if (status == TIDES_OK) status = find_rows(renderer, camera, engine, nodes, &bent, error);
+        status = cut(renderer, camera, span->start, span->stop, nodes, error);
+        if (status == TIDES_OK) status = find_rows(renderer, camera, engine, span, nodes, &bent, error);
     }
     return status == TIDES_OK ? lay_curves(nodes, error) : status;
 }

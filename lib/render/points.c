@@ -1,7 +1,11 @@
 /* Pixels at times of their own, for the solver, which solves events on them. Unless they were asked to be exact: whole tiles
  * at as many times, of which one pixel each is taken. Exact ones are worked out one by one (kernels/points.h): rows of record
  * paths for the interval swept last when it is first asked for, lists of the tiles that points are in, and the points, tile by
- * tile. */
+ * tile.
+ *
+ * An instant that is kept has an engine of its own, with its curves and lists, beside the scene in double that all have in
+ * common: when both had one engine, in turns, preparing the instant again for each interval cost as much as the points that
+ * were spared by asking for it late. */
 #include "td_point_nodes.h"
 #include "td_renderer.h"
 
@@ -59,12 +63,14 @@ static tides_status points_of_tiles(tides_renderer *renderer, const tides_trajec
 struct td_points {
     td_points_engine *engine;
     td_point_nodes nodes;
-    int begun; /* 1: an interval, for the candidates of this serial */
+    td_point_span at; /* the interval that is asked for, */
+    int begun;        /* 1: and it is that of this serial, whose rows are there */
     uint64_t serial;
-    td_points_tile *tiles; /* (tiles) */
-    uint8_t *listed;       /* (tiles) 1: its list is made */
-    int *wanted;           /* (tiles) lists to make */
-    int *first;            /* (ranks + 1) points of each */
+    int *own_first, *own_list; /* copies of its lists, of an instant that is kept; else NULL */
+    td_points_tile *tiles;     /* (tiles) */
+    uint8_t *listed;           /* (tiles) 1: its list is made */
+    int *wanted;               /* (tiles) lists to make */
+    int *first;                /* (ranks + 1) points of each */
     size_t first_capacity;
     double *column[TD_POINT_COLUMNS]; /* (points of a launch + TD_PAD) */
     int *piece;
@@ -77,6 +83,8 @@ void td_points_destroy(td_points *points) {
     if (points->engine) points->engine->type->destroy(points->engine);
     td_point_nodes_release(&points->nodes);
     for (int k = 0; k < TD_POINT_COLUMNS; k++) free(points->column[k]);
+    free(points->own_first);
+    free(points->own_list);
     free(points->tiles);
     free(points->listed);
     free(points->wanted);
@@ -121,32 +129,37 @@ static tides_status create_engine(const tides_renderer *renderer, const td_image
                                                : td_points_create_opencl(renderer->device, image, engine, error);
 }
 
-tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *error) {
-    if (renderer->points) return TIDES_OK;
-    const char *why = why_not(renderer);
-    if (why) return td_fail(error, TIDES_UNSUPPORTED, "single pixels can't be worked out in double precision: %s", why);
+/* `shared`: another's scene in double, or NULL. */
+static tides_status create_points(const tides_renderer *renderer, td_exact *shared, td_points **points, tides_error *error) {
     const td_image_numbers image = td_image_pack(&renderer->image);
     td_points *made = td_alloc(1, sizeof *made, error);
     if (!made) return TIDES_NO_MEMORY;
     const double begun = td_now();
     tides_status status = allocate(renderer, made, error);
-    if (status == TIDES_OK) status = td_point_nodes_create(renderer, &made->nodes, error);
+    if (status == TIDES_OK) status = td_point_nodes_create(renderer, shared, &made->nodes, error);
     if (status == TIDES_OK) status = create_engine(renderer, &image, &made->engine, error);
     renderer->backend->stats.time_build_s += td_now() - begun;
     if (status == TIDES_OK)
-        renderer->points = made;
+        *points = made;
     else
         td_points_destroy(made);
     return status;
 }
 
+tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *error) {
+    if (renderer->points) return TIDES_OK;
+    const char *why = why_not(renderer);
+    if (why) return td_fail(error, TIDES_UNSUPPORTED, "single pixels can't be worked out in double precision: %s", why);
+    return create_points(renderer, NULL, &renderer->points, error);
+}
+
 static void lay_tiles(const tides_renderer *renderer, td_points *p) {
-    const td_candidates *lists = &renderer->candidates;
+    const int across = renderer->candidates.tiles_x, *first = p->at.first;
     for (int tile = 0; tile < renderer->stats.tiles; tile++) {
-        p->tiles[tile].x = tile % lists->tiles_x * TD_TILE;
-        p->tiles[tile].y = tile / lists->tiles_x * TD_TILE;
-        p->tiles[tile].first = lists->first[tile];
-        p->tiles[tile].count = lists->first[tile + 1] - lists->first[tile];
+        p->tiles[tile].x = tile % across * TD_TILE;
+        p->tiles[tile].y = tile / across * TD_TILE;
+        p->tiles[tile].first = first[tile];
+        p->tiles[tile].count = first[tile + 1] - first[tile];
         p->listed[tile] = 0;
     }
 }
@@ -157,14 +170,13 @@ static td_points_slices slices_of(int pieces) {
     return (td_points_slices){pieces, (pieces + group - 1) / group, 0, group};
 }
 
-/* Rows for the interval swept last, unless they are there. */
+/* Rows for the interval that is asked for, unless they are there. */
 static tides_status begin_interval(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, tides_error *error) {
-    if (p->begun && p->serial == renderer->candidates.serial) return TIDES_OK;
+    if (p->begun && p->serial == p->at.serial) return TIDES_OK;
     td_point_nodes *nodes = &p->nodes;
     p->begun = 0;
     lay_tiles(renderer, p);
-    tides_status status =
-        td_point_nodes_find(renderer, camera, p->engine, renderer->swept[0], renderer->swept[1], nodes, error);
+    tides_status status = td_point_nodes_find(renderer, camera, p->engine, &p->at, nodes, error);
     const td_points_interval interval = {.path = nodes->path,
                                          .gaussians = renderer->store.count,
                                          .exact = nodes->exact,
@@ -173,13 +185,13 @@ static tides_status begin_interval(tides_renderer *renderer, const tides_traject
                                          .lengths = nodes->length,
                                          .curves = nodes->curves,
                                          .slices = slices_of(nodes->pieces),
-                                         .candidates = renderer->candidates.list,
-                                         .candidate_count = renderer->candidates.first[renderer->stats.tiles],
+                                         .candidates = p->at.list,
+                                         .candidate_count = p->at.first[renderer->stats.tiles],
                                          .tiles = p->tiles,
                                          .tile_count = renderer->stats.tiles};
     if (status == TIDES_OK) status = p->engine->type->begin(p->engine, &interval, error);
     p->begun = status == TIDES_OK;
-    p->serial = renderer->candidates.serial;
+    p->serial = p->at.serial;
     return status;
 }
 
@@ -203,9 +215,9 @@ static int piece_of(const td_point_nodes *nodes, double time) {
 
 /* Where a point stands: tile by tile, block by block, slice by slice of the interval, so that neighbours share splats, and
  * mostly curves. */
-static int rank_of(const tides_renderer *renderer, const td_point *point) {
-    const double length = renderer->swept[1] - renderer->swept[0];
-    int slice = length > 0 ? (int)((point->time - renderer->swept[0]) / length * SLICES) : 0;
+static int rank_of(const tides_renderer *renderer, const td_points *p, const td_point *point) {
+    const double length = p->at.stop - p->at.start;
+    int slice = length > 0 ? (int)((point->time - p->at.start) / length * SLICES) : 0;
     if (slice >= SLICES) slice = SLICES - 1;
     return (16 * tile_of(renderer, point) + block_of(point)) * SLICES + slice;
 }
@@ -217,19 +229,20 @@ static tides_status order_points(const tides_renderer *renderer, td_points *p, c
     tides_status status = td_reserve((void **)&p->first, &p->first_capacity, ranks + 1, sizeof *p->first, error);
     if (status != TIDES_OK) return status;
     memset(p->first, 0, (ranks + 1) * sizeof *p->first);
-    for (size_t i = 0; i < count; i++) p->first[rank_of(renderer, &points[i]) + 1]++;
+    for (size_t i = 0; i < count; i++) p->first[rank_of(renderer, p, &points[i]) + 1]++;
     for (size_t i = 0; i < ranks; i++) p->first[i + 1] += p->first[i];
-    for (size_t i = 0; i < count; i++) order[p->first[rank_of(renderer, &points[i])]++] = (int)i;
+    for (size_t i = 0; i < count; i++) order[p->first[rank_of(renderer, p, &points[i])]++] = (int)i;
     return TIDES_OK;
 }
 
-static tides_status check_point(const tides_renderer *renderer, const td_point *point, tides_error *error) {
+static tides_status check_point(const tides_renderer *renderer, const td_point_span *at, const td_point *point,
+                                tides_error *error) {
     const td_image *image = &renderer->image;
-    if (point->time >= renderer->swept[0] && point->time <= renderer->swept[1] && point->x >= 0 && point->y >= 0 &&
-        point->x < image->width && point->y < image->height)
+    if (point->time >= at->start && point->time <= at->stop && point->x >= 0 && point->y >= 0 && point->x < image->width &&
+        point->y < image->height)
         return TIDES_OK;
     return td_fail(error, TIDES_BAD_ARGUMENT, "point (%d, %d) at %.9g s is outside of the image, or of [%.9g, %.9g] s",
-                   (int)point->x, (int)point->y, point->time, renderer->swept[0], renderer->swept[1]);
+                   (int)point->x, (int)point->y, point->time, at->start, at->stop);
 }
 
 /* Point i is at `time`: in which piece, and where there. */
@@ -238,7 +251,7 @@ static void place_time(const td_point_nodes *nodes, double time, td_points *p, i
     const double length = nodes->knot[low + 1] - nodes->knot[low];
     p->piece[i] = low;
     p->column[2][i] = length > 0 ? (time - nodes->knot[low]) / length : 0;
-    p->column[3][i] = length > 0 ? length : 1; /* of an instant there is but the beginning */
+    p->column[3][i] = length > 0 ? length : TD_POINT_INSTANT;
 }
 
 /* Lays points order[0 .. count) for a launch; returns the number of chunks, and of tiles whose lists are missing. */
@@ -285,12 +298,11 @@ static tides_status run_launch(tides_renderer *renderer, td_points *p, const td_
     return status;
 }
 
-static tides_status exact_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
-                                 td_point_value *values, tides_error *error) {
-    td_points *p = renderer->points;
+static tides_status exact_points(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
+                                 size_t count, td_point_value *values, tides_error *error) {
     int *order = td_alloc(count, sizeof *order, error);
     tides_status status = order ? TIDES_OK : TIDES_NO_MEMORY;
-    for (size_t i = 0; i < count && status == TIDES_OK; i++) status = check_point(renderer, &points[i], error);
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) status = check_point(renderer, &p->at, &points[i], error);
     if (status == TIDES_OK) status = begin_interval(renderer, camera, p, error);
     if (status == TIDES_OK) status = order_points(renderer, p, points, count, order, error);
     for (size_t from = 0; from < count && status == TIDES_OK; from += POINTS_AT_ONCE) {
@@ -303,8 +315,32 @@ static tides_status exact_points(tides_renderer *renderer, const tides_trajector
 
 tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
                                 td_point_value *values, tides_error *error) {
-    return renderer->points ? exact_points(renderer, camera, points, count, values, error)
-                            : points_of_tiles(renderer, camera, points, count, values, error);
+    if (!renderer->points) return points_of_tiles(renderer, camera, points, count, values, error);
+    const td_candidates *lists = &renderer->candidates;
+    renderer->points->at = (td_point_span){lists->first, lists->list, renderer->swept[0], renderer->swept[1], lists->serial};
+    return exact_points(renderer, camera, renderer->points, points, count, values, error);
+}
+
+tides_status td_renderer_keep_instant(tides_renderer *renderer, tides_error *error) {
+    const td_candidates *lists = &renderer->candidates;
+    const size_t tiles = (size_t)renderer->stats.tiles + 1, candidates = (size_t)lists->first[tiles - 1];
+    td_points_destroy(renderer->kept);
+    renderer->kept = NULL;
+    tides_status status = create_points(renderer, renderer->points->nodes.exact, &renderer->kept, error);
+    if (status != TIDES_OK) return status;
+    td_points *p = renderer->kept;
+    p->own_first = td_alloc(tiles, sizeof *p->own_first, error);
+    p->own_list = td_alloc(candidates + 1, sizeof *p->own_list, error);
+    if (!p->own_first || !p->own_list) return TIDES_NO_MEMORY;
+    memcpy(p->own_first, lists->first, tiles * sizeof *p->own_first);
+    memcpy(p->own_list, lists->list, candidates * sizeof *p->own_list);
+    p->at = (td_point_span){p->own_first, p->own_list, renderer->swept[0], renderer->swept[0], lists->serial};
+    return TIDES_OK;
+}
+
+tides_status td_renderer_kept_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
+                                     size_t count, td_point_value *values, tides_error *error) {
+    return exact_points(renderer, camera, renderer->kept, points, count, values, error);
 }
 
 double td_renderer_points_error(const tides_renderer *renderer) {

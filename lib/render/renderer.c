@@ -102,6 +102,7 @@ done:
 void tides_renderer_destroy(tides_renderer *renderer) {
     if (!renderer) return;
     if (renderer->backend) renderer->backend->type->destroy(renderer->backend);
+    td_points_destroy(renderer->kept);
     td_points_destroy(renderer->points);
     td_candidates_release(&renderer->candidates);
     td_dynamic_release(&renderer->dynamic);

@@ -13,9 +13,21 @@
  * (tests/property/test_motion_events.c). */
 #define TD_POINT_PATH_MOVED 1e-6
 
+/* What points are asked for of: the lists of an interval that was swept, and its ends. */
+typedef struct td_point_span {
+    const int *first, *list; /* as td_candidates has them */
+    double start, stop;      /* [s after the epoch] */
+    uint64_t serial;         /* tells it from others */
+} td_point_span;
+
+/* How long the one curve of an instant is, of which but the beginning is asked for [s]: so short that nothing moves on it, and
+ * a power of two, so that rates are what they were. */
+#define TD_POINT_INSTANT 0x1p-40
+
 typedef struct td_point_nodes {
-    td_exact *exact;
-    double *knot; /* (pieces + 1) where the pieces of the interval begin and end [s after the epoch] */
+    td_exact *exact; /* whose rows are its own until the next that share it are found */
+    int is_shared;   /* it is another's */
+    double *knot;    /* (pieces + 1) where the pieces of the interval begin and end [s after the epoch] */
     int pieces;
     int *path;      /* (store.count) as td_points_interval has it */
     int *gaussians; /* (count) those in a list */
@@ -37,11 +49,13 @@ typedef struct td_point_nodes {
 } td_point_nodes;
 
 struct tides_renderer;
-tides_status td_point_nodes_create(const struct tides_renderer *renderer, td_point_nodes *nodes, tides_error *error);
+/* `shared`: another's scene in double, or NULL. */
+tides_status td_point_nodes_create(const struct tides_renderer *renderer, td_exact *shared, td_point_nodes *nodes,
+                                   tides_error *error);
 void td_point_nodes_release(td_point_nodes *nodes);
 
-/* All of them, for [start, stop] and the lists that the renderer has now. */
+/* All of them. */
 tides_status td_point_nodes_find(struct tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
-                                 double start, double stop, td_point_nodes *nodes, tides_error *error);
+                                 const td_point_span *span, td_point_nodes *nodes, tides_error *error);
 
 #endif

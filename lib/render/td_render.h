@@ -110,6 +110,12 @@ tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory
  * why, where that can't be had: then, as before, points are pixels of whole tiles. */
 tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *error);
 
+/* Of exact points: keeps the instant swept last, so that td_renderer_kept_points answers at its time whatever is swept
+ * since. */
+tides_status td_renderer_keep_instant(tides_renderer *renderer, tides_error *error);
+tides_status td_renderer_kept_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
+                                     size_t count, td_point_value *values, tides_error *error);
+
 /* 1 where those are in double but for what motion models have worked out in single precision. */
 int td_renderer_points_rounded(const tides_renderer *renderer);
 

@@ -135,6 +135,7 @@ struct tides_renderer {
     int record_limit; /* records per launch */
     td_record_paths paths;
     td_points *points; /* exact ones, where they were asked for (points.c) */
+    td_points *kept;   /* those of an instant that is kept, which share what these have */
     double swept[2];   /* the interval swept last [s after the epoch] */
     td_psf psf;        /* what the optics make of L and L_dot */
     tides_render_stats stats;

@@ -120,8 +120,8 @@ static tides_status compare_still(tides_simulator *s, double start, double stop,
 /* One macro step, refined tile by tile. Until its first step is compared a failure leaves the pixels as they were. */
 static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
     const double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
-    tides_status status = td_sweep(s, start, stop, error);
-    if (status == TIDES_OK) status = td_solve_references(s, start, error);
+    tides_status status = td_solve_keep_start(s, error);
+    if (status == TIDES_OK) status = td_sweep(s, start, stop, error);
     if (status == TIDES_OK && s->moving_count > 0) status = refine(s, start, stop, error);
     if (status != TIDES_OK) return status; /* td_settle has said whether the pixels still agree on the time */
     status = compare_still(s, start, stop, error);

@@ -50,7 +50,7 @@ tides_status td_solve_create(tides_simulator *s, const tides_stepping *stepping,
     tides_status status = check(s, stepping->solve, &solve->precision, error);
     if (status != TIDES_OK || solve->precision == TIDES_SOLVE_OFF) return status;
     const int in_double = solve->precision == TIDES_SOLVE_DOUBLE;
-    if (in_double) solve->known = td_alloc((size_t)s->tiles, sizeof *solve->known, error);
+    if (in_double) solve->known = td_alloc(s->first_pixel[s->tiles], sizeof *solve->known, error);
     if (in_double && !solve->known) return TIDES_NO_MEMORY;
     solve->is_exact = in_double && !td_renderer_points_rounded(s->renderer);
     solve->usual_paths = td_renderer_points_target(s->renderer);
@@ -61,6 +61,8 @@ tides_status td_solve_create(tides_simulator *s, const tides_stepping *stepping,
 
 void td_solve_release(td_solve *solve) {
     free(solve->known);
+    free(solve->wanted);
+    free(solve->start);
     free(solve->pixel);
     free(solve->looked);
     free(solve->found);
@@ -72,7 +74,7 @@ void td_solve_release(td_solve *solve) {
     *solve = (td_solve){.precision = solve->precision};
 }
 
-tides_status td_solve_look_up(tides_simulator *s, int compares, tides_error *error) {
+tides_status td_solve_look_up(tides_simulator *s, tides_error *error) {
     td_solve *solve = &s->solve;
     tides_status status =
         td_reserve((void **)&solve->value, &solve->value_capacity, solve->points, sizeof *solve->value, error);
@@ -82,7 +84,7 @@ tides_status td_solve_look_up(tides_simulator *s, int compares, tides_error *err
     status = td_renderer_points(s->renderer, s->camera, solve->point, solve->points, solve->value, error);
     const double took = td_now() - begun;
     if (solve->precision == TIDES_SOLVE_DOUBLE) s->stats.time_look_up_s += took;
-    if (compares) s->stats.time_compare_s -= took;
+    s->stats.time_compare_s -= took; /* which it is no part of */
     solve->paths = td_renderer_points_error(s->renderer);
     return status;
 }
@@ -149,12 +151,14 @@ static tides_status list_pixel(tides_simulator *s, int32_t first, size_t row, in
                                                            .first = -1};
     }
     if (status == TIDES_OK)
-        solve->pixel[solve->pixels++] = (td_solving){r->step[first].tile, i, (int32_t)begun, (int32_t)solve->looked_count};
+        solve->pixel[solve->pixels++] = (td_solving){r->step[first].tile, i, (int32_t)begun, (int32_t)solve->looked_count, 0};
     return status;
 }
 
-/* Which of a unit's pixels may do something in a step, its `row`th, and which have a level within reach. */
-static tides_status find_active(tides_simulator *s, int32_t step, size_t row, uint8_t *active, tides_error *error) {
+/* Which of a unit's pixels may do something in a step, its `row`th, and which have a level within reach; `doubt` is of their
+ * references. */
+static tides_status find_active(tides_simulator *s, int32_t step, size_t row, const double *doubt, uint8_t *active,
+                                tides_error *error) {
     td_solve *solve = &s->solve;
     const td_refine_step *refined = &s->refine.step[step];
     const td_tile *tile = &s->tile[refined->tile];
@@ -164,17 +168,22 @@ static tides_status find_active(tides_simulator *s, int32_t step, size_t row, ui
     tides_status status = td_reserve((void **)&solve->reaches, &solve->reach_capacity, (row + 1) * pixels, 1, error);
     if (status != TIDES_OK) return status;
     for (int32_t i = 0; i < tile->count; i++)
-        widen[i] = td_solve_first_trust(s, refined, at->span.length_s, i).error + solve->samples;
+        widen[i] = td_solve_first_trust(s, refined, at->span.length_s, i).error + solve->samples + doubt[i];
     td_sensor_find(&s->sensor, &at->span, tile, first, &at->signals, widen, active);
     td_sensor_reaches(&s->sensor, &at->span, tile, first, &at->signals, widen, solve->reaches + row * pixels);
     return TIDES_OK;
 }
 
-/* Runs the pixel that was listed last, and drops it where it is settled. */
+/* Runs the pixel that was listed last, and drops it where it is settled; one whose reference isn't known waits for that. */
 static tides_status run_last(tides_simulator *s, tides_error *error) {
-    td_solving *pixel = &s->solve.pixel[s->solve.pixels - 1];
+    td_solve *solve = &s->solve;
+    td_solving *pixel = &solve->pixel[solve->pixels - 1];
+    if (solve->known && solve->known[s->first_pixel[pixel->tile] + (size_t)pixel->local] == 0) {
+        pixel->waits = 1;
+        return td_solve_ask_reference(s, pixel->tile, pixel->local, error);
+    }
     tides_status status = td_solve_run(s, pixel, error);
-    if (pixel->next == pixel->end) s->solve.pixels--;
+    if (pixel->next == pixel->end) solve->pixels--;
     return status;
 }
 
@@ -184,11 +193,13 @@ static tides_status begin_unit(tides_simulator *s, int t, double start, double s
     uint8_t active[TD_TILE_PIXELS] = {0}, before[TD_TILE_PIXELS];
     int32_t first[TD_TILE_PIXELS];
     size_t row[TD_TILE_PIXELS], rows = 0;
+    double doubt[TD_TILE_PIXELS];
     tides_status status = TIDES_OK;
+    td_solve_doubt(s, t, doubt);
     for (int32_t k = r->head[t]; k >= 0 && !r->step[k].open && status == TIDES_OK; k = r->step[k].next, rows++) {
         memcpy(before, active, sizeof before);
         status = lay_step(s, &r->step[k], start, stop, &s->solve.step[k], error);
-        if (status == TIDES_OK) status = find_active(s, k, rows, active, error);
+        if (status == TIDES_OK) status = find_active(s, k, rows, doubt, active, error);
         for (int32_t i = 0; i < s->tile[t].count; i++)
             if (active[i] != before[i]) first[i] = k, row[i] = rows;
     }
@@ -202,13 +213,30 @@ static tides_status begin_unit(tides_simulator *s, int t, double start, double s
 
 /* -- round after round ---------------------------------------------------------------------------------------------------- */
 
+/* Runs every pixel that isn't settled, or that waited for its reference, and keeps those that still aren't. */
+static tides_status run_pixels(tides_simulator *s, int waited, tides_error *error) {
+    td_solve *solve = &s->solve;
+    tides_status status = TIDES_OK;
+    size_t left = 0;
+    for (size_t k = 0; k < solve->pixels && status == TIDES_OK; k++) {
+        td_solving *pixel = &solve->pixel[k];
+        if (pixel->waits == waited) status = td_solve_run(s, pixel, error);
+        pixel->waits = 0;
+        if (pixel->next < pixel->end) solve->pixel[left++] = *pixel;
+    }
+    solve->pixels = left;
+    return status;
+}
+
 /* All units that move: what they ask for is to be looked up. */
 static tides_status begin_units(tides_simulator *s, double start, double stop, tides_error *error) {
     td_solve *solve = &s->solve;
     tides_status status = td_reserve((void **)&solve->step, &solve->step_capacity, s->refine.steps, sizeof *solve->step, error);
     solve->pixels = solve->looked_count = solve->found_count = solve->points = 0;
     for (int k = 0; k < s->moving_count && status == TIDES_OK; k++) status = begin_unit(s, s->moving[k], start, stop, error);
-    return status;
+    if (status != TIDES_OK || solve->references == 0) return status;
+    status = td_solve_refer(s, error);
+    return status == TIDES_OK ? run_pixels(s, 1, error) : status;
 }
 
 /* What was found becomes nodes. */
@@ -219,26 +247,13 @@ static tides_status take(td_solve *solve, tides_error *error) {
     return status;
 }
 
-/* Runs every pixel that isn't settled, and keeps those that still aren't. */
-static tides_status run_pixels(tides_simulator *s, tides_error *error) {
-    td_solve *solve = &s->solve;
-    tides_status status = TIDES_OK;
-    size_t left = 0;
-    solve->points = 0;
-    for (size_t k = 0; k < solve->pixels && status == TIDES_OK; k++) {
-        status = td_solve_run(s, &solve->pixel[k], error);
-        if (solve->pixel[k].next < solve->pixel[k].end) solve->pixel[left++] = solve->pixel[k];
-    }
-    solve->pixels = left;
-    return status;
-}
-
 tides_status td_solve_steps(tides_simulator *s, double start, double stop, tides_error *error) {
     tides_status status = begin_units(s, start, stop, error);
     while (status == TIDES_OK && s->solve.points > 0) {
-        status = td_solve_look_up(s, 1, error);
+        status = td_solve_look_up(s, error);
         if (status == TIDES_OK) status = take(&s->solve, error);
-        if (status == TIDES_OK) status = run_pixels(s, error);
+        s->solve.points = 0;
+        if (status == TIDES_OK) status = run_pixels(s, 0, error);
     }
     return status;
 }

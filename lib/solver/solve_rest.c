@@ -1,43 +1,73 @@
-/* Pixels that nothing moves, for solve.c: references that were taken at rest, and ramps that meet them there. In double
- * precision: in single, what is looked up is what samples are. */
+/* What pixels were before anything moved, for solve.c: their references, and ramps that meet them at rest. In double precision:
+ * in single, what is looked up is what samples are. */
 #include "td_simulator.h"
 
-/* Asks for all pixels of a unit. */
-static tides_status ask_unit(tides_simulator *s, int t, double time, tides_error *error) {
-    tides_status status = TIDES_OK;
-    for (int32_t i = 0; i < s->tile[t].count && status == TIDES_OK; i++) {
-        const td_asked asked = {(int32_t)(s->first_pixel[t] + (size_t)i), 0};
-        status = td_solve_ask(s, &s->tile[t], i, time, &asked, error);
-    }
+/* -- references ------------------------------------------------------------------------------------------------------------ */
+
+/* The first macro step begins there: its own interval will do. */
+static int begins(const tides_simulator *s) { return s->step == 0; }
+
+tides_status td_solve_keep_start(tides_simulator *s, tides_error *error) {
+    td_solve *solve = &s->solve;
+    if (!solve->known || solve->kept || begins(s)) return TIDES_OK;
+    tides_status status = td_renderer_sweep(s->renderer, s->camera, 0, 0, error);
+    if (status == TIDES_OK) status = td_renderer_keep_instant(s->renderer, error);
+    solve->kept = status == TIDES_OK;
     return status;
 }
 
-/* A pixel that has been at rest since the run's start is where it was then: so what never moves is never looked up. Where ramps
- * take pixels at rest to their levels all are, at once. */
-tides_status td_solve_references(tides_simulator *s, double start, tides_error *error) {
+/* A reference that was sampled is off by as much as any sample, and by rounding where the image is steep: four times what 99 %
+ * of samples stay below (timing.c), for a pixel that is taken to rest here loses its event, and one that isn't costs a look. */
+void td_solve_doubt(const tides_simulator *s, int t, double *doubt) {
+    enum { ROUNDINGS = 4 };
+    const td_tile *tile = &s->tile[t];
+    const size_t first = s->first_pixel[t];
+    const double *known = s->solve.known, *rest = s->sensor.pixels.initial + first;
+    for (int32_t i = 0; i < tile->count; i++) {
+        doubt[i] = 0;
+        if (known && known[first + (size_t)i] == 0)
+            doubt[i] = s->solve.samples + ROUNDINGS * td_timing_rounding(&s->timing, tile, rest, i);
+    }
+}
+
+tides_status td_solve_ask_reference(tides_simulator *s, int t, int32_t local, tides_error *error) {
     td_solve *solve = &s->solve;
-    const int all = s->sensor.active_at_rest, count = all ? s->tiles : s->moving_count;
-    tides_status status = TIDES_OK;
-    if (!solve->known) return TIDES_OK;
-    solve->points = 0;
-    for (int k = 0; k < count && status == TIDES_OK; k++) {
-        const int t = all ? k : s->moving[k];
-        if (solve->known[t] == 0) status = ask_unit(s, t, start, error);
+    const td_tile *tile = &s->tile[t];
+    const size_t k = solve->references;
+    tides_status status = td_reserve((void **)&solve->wanted, &solve->wanted_capacity, k + 1, sizeof *solve->wanted, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&solve->start, &solve->start_capacity, k + 1, sizeof *solve->start, error);
+    if (status != TIDES_OK) return status;
+    solve->wanted[k] = s->first_pixel[t] + (size_t)local;
+    solve->start[k] = (td_point){0, tile->x0 + local % tile->width, tile->y0 + local / tile->width};
+    solve->references++;
+    return TIDES_OK;
+}
+
+tides_status td_solve_refer(tides_simulator *s, tides_error *error) {
+    td_solve *solve = &s->solve;
+    const size_t count = solve->references;
+    solve->references = 0;
+    tides_status status = td_reserve((void **)&solve->value, &solve->value_capacity, count, sizeof *solve->value, error);
+    if (status != TIDES_OK || count == 0) return status;
+    const double begun = td_now();
+    status = begins(s) ? td_renderer_points(s->renderer, s->camera, solve->start, count, solve->value, error)
+                       : td_renderer_kept_points(s->renderer, s->camera, solve->start, count, solve->value, error);
+    const double took = td_now() - begun;
+    s->stats.time_look_up_s += took;
+    s->stats.time_compare_s -= took;
+    solve->lookups += count;
+    for (size_t k = 0; k < count && status == TIDES_OK; k++) {
+        td_sensor_refer(&s->sensor, solve->wanted[k], solve->value[k].L);
+        solve->known[solve->wanted[k]] = 1;
     }
-    if (status == TIDES_OK && solve->points > 0) status = td_solve_look_up(s, 0, error);
-    for (size_t k = 0; k < solve->points && status == TIDES_OK; k++) {
-        const size_t pixel = (size_t)solve->asked[k].looked;
-        s->now.plane[TD_PLANE_S][pixel] = solve->value[k].L;
-        s->now.plane[TD_PLANE_S_DOT][pixel] = solve->value[k].L_dot;
-        td_sensor_refer(&s->sensor, pixel, solve->value[k].L);
-    }
-    for (int k = 0; k < count && status == TIDES_OK; k++) solve->known[all ? k : s->moving[k]] = 1;
     return status;
 }
 
 /* -- ramps ---------------------------------------------------------------------------------------------------------------- */
 
-/* Asks for the pixels of a tile in which nothing moves that may do something in the step: their places in the sample, too. */
+/* Asks for the pixels of a tile in which nothing moves that may do something in the step: their places in the sample, too, and
+ * their references where they aren't known. */
 static tides_status ask_still(tides_simulator *s, int t, const td_step *span, double start, tides_error *error) {
     static const double no_rate[TD_TILE_PIXELS] = {0};
     const td_tile *tile = &s->tile[t];
@@ -46,11 +76,15 @@ static tides_status ask_still(tides_simulator *s, int t, const td_step *span, do
     double widen[TD_TILE_PIXELS];
     uint8_t active[TD_TILE_PIXELS] = {0};
     tides_status status = TIDES_OK;
-    for (int32_t i = 0; i < tile->count; i++) widen[i] = s->solve.samples;
+    td_solve_doubt(s, t, widen);
+    for (int32_t i = 0; i < tile->count; i++) widen[i] += s->solve.samples;
     td_sensor_find(&s->sensor, span, tile, s->first_pixel[t], &signals, widen, active);
     for (int32_t i = 0; i < tile->count && status == TIDES_OK; i++) {
         const td_asked asked = {(int32_t)(s->first_pixel[t] + (size_t)i), 0};
-        if (active[i]) status = td_solve_ask(s, tile, i, start, &asked, error);
+        if (!active[i]) continue;
+        status = td_solve_ask(s, tile, i, start, &asked, error);
+        if (status == TIDES_OK && s->solve.known[s->first_pixel[t] + (size_t)i] == 0)
+            status = td_solve_ask_reference(s, t, i, error);
     }
     return status;
 }
@@ -65,7 +99,8 @@ tides_status td_solve_still(tides_simulator *s, const td_step *span, double star
         moved += moves;
         if (!moves) status = ask_still(s, t, span, start, error);
     }
-    if (status == TIDES_OK && solve->points > 0) status = td_solve_look_up(s, 1, error);
+    if (status == TIDES_OK) status = td_solve_refer(s, error);
+    if (status == TIDES_OK && solve->points > 0) status = td_solve_look_up(s, error);
     for (size_t k = 0; k < solve->points && status == TIDES_OK; k++)
         s->now.plane[TD_PLANE_S][solve->asked[k].looked] = solve->value[k].L;
     return status;

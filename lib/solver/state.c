@@ -18,7 +18,7 @@ void td_simulator_state(tides_simulator *s, td_state *state) {
     for (size_t i = 0; i < sizeof real / sizeof real[0]; i++)
         td_state_add(state, real[i].name, TD_STATE_REAL, TD_STATE_PIXELS, pixels, real[i].values);
     td_state_add(state, "tile_risk", TD_STATE_REAL, TD_STATE_PLAIN, (size_t)s->tiles, s->tile_risk);
-    td_state_add(state, "solve_known", TD_STATE_REAL, TD_STATE_PLAIN, (size_t)s->tiles, s->solve.known);
+    td_state_add(state, "solve_known", TD_STATE_REAL, TD_STATE_PIXELS, pixels, s->solve.known);
     td_state_add(state, "timing_errors", TD_STATE_REAL, TD_STATE_PLAIN, TD_TIMING_BINS, s->timing.weight);
 }
 

@@ -7,6 +7,9 @@
  * A piece that begins at a node is right there in value and rate, so that at a distance d from it little of the model's error
  * is left: one look nearly always settles an event.
  *
+ * Pixels begin the run with references in the precision of samples. One that may act for the first time, for all that its
+ * reference may be off by, has it looked up then, at the run's start; one that never does, never.
+ *
  * Events don't depend on batches, windows or cuts: the nodes of a pixel in a step are those that follow from its samples and
  * from the state that it begins the step with. Pixels are run ahead of that, for longer batches; where the state turns out to
  * be another one, the nodes are found anew. */
@@ -46,6 +49,7 @@ typedef struct td_looked {
 typedef struct td_solving {
     int32_t tile, local;
     int32_t next, end; /* its steps, from the first that isn't settled on: td_looked, side by side */
+    int32_t waits;     /* for its reference */
 } td_solving;
 
 /* A step that is being solved. */
@@ -71,8 +75,12 @@ typedef struct td_solve {
     double paths;       /* what the worst splat's record path makes of what is looked up in the interval [log units] */
     uint64_t events;    /* that were looked up, */
     uint64_t lookups;   /* and points for them */
-    double *known;      /* (units) 1 where pixels have their signal as it is looked up; NULL in single precision */
-    td_solving *pixel;  /* those that aren't settled */
+    double *known;      /* (pixels) 1 where the reference is one that was looked up; NULL in single precision */
+    int kept;           /* the renderer has kept the run's start (td_solve_keep_start) */
+    size_t *wanted;     /* pixels whose references are to be looked up, */
+    td_point *start;    /* and where they are */
+    size_t references, wanted_capacity, start_capacity;
+    td_solving *pixel; /* those that aren't settled */
     size_t pixels, pixel_capacity;
     td_looked *looked;
     size_t looked_count, looked_capacity;
@@ -94,26 +102,30 @@ typedef struct td_solve {
 TIDES_MUST_CHECK tides_status td_solve_create(tides_simulator *s, const tides_stepping *stepping, tides_error *error);
 void td_solve_release(td_solve *solve);
 
-/* Before a macro step that begins at `start`, once it is swept: what moves in it for the first time gets its signal and its
- * references from what is looked up (solve_rest.c). */
-TIDES_MUST_CHECK tides_status td_solve_references(tides_simulator *s, double start, tides_error *error);
+/* Before a macro step is swept: behind the first, the run's start is swept, and kept for references (solve_rest.c). */
+TIDES_MUST_CHECK tides_status td_solve_keep_start(tides_simulator *s, tides_error *error);
 
 /* The comparator over the accepted steps of the tiles that move, those that nothing open is before (settle.c). */
 TIDES_MUST_CHECK tides_status td_solve_steps(tides_simulator *s, double start, double stop, tides_error *error);
 
-/* Before tiles at rest are compared over a macro step that begins at `start`: what may do something there gets its signal from
- * what is looked up, so that slow ramps meet the levels where references say (solve_rest.c). */
+/* Before tiles at rest are compared over a macro step that begins at `start`: what may do something there gets its signal and
+ * its reference from what is looked up, so that slow ramps meet the levels where references say (solve_rest.c). */
 TIDES_MUST_CHECK tides_status td_solve_still(tides_simulator *s, const td_step *span, double start, tides_error *error);
 
 /* -- parts of it ---------------------------------------------------------------------------------------------------------- */
 
-/* Looks up what is asked for: solve->point to solve->value. `compares`: the comparator's time is taken, which it is no part of.
- */
-TIDES_MUST_CHECK tides_status td_solve_look_up(tides_simulator *s, int compares, tides_error *error);
+/* Looks up what is asked for: solve->point to solve->value. */
+TIDES_MUST_CHECK tides_status td_solve_look_up(tides_simulator *s, tides_error *error);
 
 /* Asks for a pixel of a unit at a time; `looked` and `s` are given back with what was found. */
 TIDES_MUST_CHECK tides_status td_solve_ask(tides_simulator *s, const td_tile *tile, int32_t local, double time,
                                            const td_asked *asked, tides_error *error);
+
+/* What the references of a unit's pixels may be off by, where they aren't known: (TD_TILE_PIXELS). Then: asks for that of a
+ * pixel; looks up all that were asked for (solve_rest.c). */
+void td_solve_doubt(const tides_simulator *s, int t, double *doubt);
+TIDES_MUST_CHECK tides_status td_solve_ask_reference(tides_simulator *s, int t, int32_t local, tides_error *error);
+TIDES_MUST_CHECK tides_status td_solve_refer(tides_simulator *s, tides_error *error);
 
 /* Runs a pixel on from where it is settled to the first step in which something is to be looked up, and asks for that; an ideal
  * one to the last step (solve_run.c). */

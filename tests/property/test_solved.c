@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "refine_world.h"
+#include "solver/td_simulator.h"
 #include "tests/support/grazing_world.h"
 
 #include <math.h>
@@ -172,6 +173,67 @@ static void test_any_window_and_cut(void **state) {
     }
 }
 
+/* -- references ----------------------------------------------------------------------------------------------------------- */
+
+/* What all pixels have at the run's start, in double; the worst that references in single precision are off by, as a share of
+ * what they are taken to be off by. */
+static double know_all(tides_simulator *s) {
+    double worst = 0;
+    for (int t = 0; t < s->tiles; t++) {
+        const td_tile *tile = &s->tile[t];
+        const size_t first = s->first_pixel[t];
+        double doubt[TD_TILE_PIXELS];
+        td_point points[TD_TILE_PIXELS];
+        td_point_value values[TD_TILE_PIXELS];
+        tides_error error;
+        td_solve_doubt(s, t, doubt);
+        for (int i = 0; i < tile->count; i++) points[i] = (td_point){0, tile->x0 + i % tile->width, tile->y0 + i / tile->width};
+        scene_expect_ok(td_renderer_points(s->renderer, s->camera, points, (size_t)tile->count, values, &error), &error);
+        for (int i = 0; i < tile->count; i++) {
+            const size_t pixel = first + (size_t)i;
+            worst = fmax(worst, fabs(s->sensor.pixels.initial[pixel] - values[i].L) / doubt[i]);
+            td_sensor_refer(&s->sensor, pixel, values[i].L);
+            s->solve.known[pixel] = 1;
+        }
+    }
+    return worst;
+}
+
+/* References that are looked up when pixels first may act make the events of references that all have from the start, in the
+ * first macro step and later ones, whether they wait at rest or where something moves. */
+static void test_references_in_time(void **state) {
+    (void)state;
+    for (int kind = 0; kind < KINDS; kind++) {
+        world w = make_world(SEED + 20, kind);
+        job j = loose_job(&w);
+        outcome early = {0};
+        tides_error error;
+        j.device = "reference-f32";
+        j.stop_change = 0; /* as it is by default, so that samples end sooner than what is looked up */
+        outcome late = run(&j);
+        tides_device *device = open_device(j.device);
+        tides_simulator *s = make_simulator(&j, device);
+        begin(&j, s, &early);
+        scene_expect_ok(tides_simulator_run(s, j.start, collect, &early, NULL, NULL, &error), &error);
+        const double worst = know_all(s);
+        scene_expect_ok(tides_simulator_run(s, j.stop, collect, &early, NULL, NULL, &error), &error);
+        finish(s, &early);
+        tides_simulator_destroy(s);
+        tides_device_close(device);
+        const tides_match m = match(&early, &late);
+        print_message("%zu events, %d pixels, %llu looks (%llu with all references known): off by %.2g of the bound, p99 %g "
+                      "us\n",
+                      late.count, w.scene.camera.width * w.scene.camera.height, (unsigned long long)late.stats.points_looked_up,
+                      (unsigned long long)early.stats.points_looked_up, worst, m.dt_p99_us);
+        assert_true(late.count == early.count && m.mismatch_percent == 0 && m.dt_p99_us < 0.001);
+        assert_true(worst > 0.001 && worst < 1);
+        assert_true(late.stats.points_looked_up > early.stats.points_looked_up);
+        free_outcome(&late);
+        free_outcome(&early);
+        free_world(&w);
+    }
+}
+
 /* -- samples in single precision ----------------------------------------------------------------------------------------- */
 
 /* Events are solved in double on any device that has it: as good as those of the double reference. */
@@ -264,6 +326,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_exact_events),
                                        cmocka_unit_test(test_blocks),
                                        cmocka_unit_test(test_any_window_and_cut),
+                                       cmocka_unit_test(test_references_in_time),
                                        cmocka_unit_test(test_single_precision),
                                        cmocka_unit_test(test_refused),
                                        cmocka_unit_test(test_auto)};
