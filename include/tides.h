@@ -14,6 +14,7 @@
 #define TIDES_H
 
 #include "tides/base.h"
+#include "tides/dataset.h"
 #include "tides/device.h"
 #include "tides/trajectory.h"
 #include "tides/motion.h"

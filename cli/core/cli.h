@@ -59,6 +59,7 @@ int cmd_info(const cli_command *command, int argc, char **argv);
 int cmd_render(const cli_command *command, int argc, char **argv);
 int cmd_scene(const cli_command *command, int argc, char **argv);
 int cmd_simulate(const cli_command *command, int argc, char **argv);
+int cmd_dataset(const cli_command *command, int argc, char **argv);
 int cmd_convert(const cli_command *command, int argc, char **argv);
 int cmd_cut(const cli_command *command, int argc, char **argv);
 int cmd_view(const cli_command *command, int argc, char **argv);

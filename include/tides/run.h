@@ -66,12 +66,13 @@ typedef struct tides_run_values {
     const char *scene_file, *camera_file, *device, *seed, *method;
     tides_baseline_params baseline; /* its method is `method` */
     tides_frames_options frames;
-    const char *frames_file;  /* NULL: the run has a scene */
-    double frames_per_second; /* of a baseline's renders [Hz] */
-    tides_path_options path;  /* of camera.file */
-    double scene_duration_s;  /* 0: the scene's own */
-    double metres_per_unit;   /* of the scene [m]; 0: unknown */
-    int32_t event_truth;      /* 1: event files get ground truth (tides_session_truth) */
+    const char *frames_file;                                      /* NULL: the run has a scene */
+    double frames_per_second;                                     /* of a baseline's renders [Hz] */
+    tides_path_options path;                                      /* of camera.file */
+    double scene_duration_s;                                      /* 0: the scene's own */
+    double metres_per_unit;                                       /* of the scene [m]; 0: unknown */
+    double dataset_picture_hz, dataset_truth_hz, dataset_pose_hz; /* of tides_dataset_write [Hz] */
+    int32_t event_truth;                                          /* 1: event files get ground truth (tides_session_truth) */
     int32_t reserved;
     const char *json; /* the run with every default filled in, as written into event files */
 } tides_run_values;

@@ -1,4 +1,4 @@
-/* Writes 8-bit RGB pictures with libpng, for previews and figures; libpng's way of failing is turned into ours here. */
+/* Writes pictures with libpng, for previews, figures and datasets; libpng's way of failing is turned into ours here. */
 #include "td_png.h"
 
 #include "td_base.h"
@@ -13,8 +13,8 @@
  * would be undefined afterwards. */
 typedef struct png_job {
     FILE *file;
-    int32_t width, height;
-    const uint8_t *rgb;
+    td_png_form form;
+    const uint8_t *values;
     png_structp png;
     png_infop info;
     int32_t y;
@@ -32,17 +32,26 @@ void td_png_on_warning(png_structp png, png_const_charp text) {
     (void)text;
 }
 
+/* PNG has the highest first. */
+static int lowest_byte_first(void) {
+    const uint16_t one = 1;
+    return *(const uint8_t *)&one == 1;
+}
+
 /* 0, or -1 with job->message filled. */
 static int write_picture(png_job *job) {
     if (setjmp(png_jmpbuf(job->png))) return -1;
     png_init_io(job->png, job->file);
     png_set_user_limits(job->png, INT32_MAX, INT32_MAX); /* libpng's default of a million pixels a side */
-    png_set_IHDR(job->png, job->info, (png_uint_32)job->width, (png_uint_32)job->height, 8, PNG_COLOR_TYPE_RGB,
-                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    png_set_sRGB(job->png, job->info, PNG_sRGB_INTENT_PERCEPTUAL);
+    const td_png_form *form = &job->form;
+    const size_t row = (size_t)form->width * (size_t)form->channels * (size_t)(form->bits / 8);
+    png_set_IHDR(job->png, job->info, (png_uint_32)form->width, (png_uint_32)form->height, form->bits,
+                 form->channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (form->bits == 8) png_set_sRGB(job->png, job->info, PNG_sRGB_INTENT_PERCEPTUAL);
     png_write_info(job->png, job->info);
-    for (job->y = 0; job->y < job->height; job->y++)
-        png_write_row(job->png, job->rgb + (size_t)job->y * (size_t)job->width * 3);
+    if (form->bits == 16 && lowest_byte_first()) png_set_swap(job->png);
+    for (job->y = 0; job->y < form->height; job->y++) png_write_row(job->png, job->values + (size_t)job->y * row);
     png_write_end(job->png, NULL);
     return 0;
 }
@@ -62,7 +71,7 @@ static tides_status encode(png_job *job, const char *path, tides_error *error) {
 
 tides_status td_png_encode(const char *path, FILE *file, int32_t width, int32_t height, const uint8_t *rgb,
                            tides_error *error) {
-    png_job job = {.file = file, .width = width, .height = height, .rgb = rgb};
+    png_job job = {.file = file, .form = {width, height, 8, 3}, .values = rgb};
     return encode(&job, path, error);
 }
 
@@ -81,10 +90,15 @@ tides_status tides_png_write(const char *path, int32_t width, int32_t height, co
     if (!path || !rgb) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_png_write: an argument is NULL");
     if (width < 1 || height < 1)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: a picture can't be %d x %d px", path, width, height);
+    const td_png_form form = {width, height, 8, 3};
+    return td_png_write(path, &form, rgb, error);
+}
+
+tides_status td_png_write(const char *path, const td_png_form *form, const void *values, tides_error *error) {
     char *part = NULL;
     tides_status status = td_part_name(path, 1, &part, error);
     if (status != TIDES_OK) return status;
-    png_job job = {.width = width, .height = height, .rgb = rgb};
+    png_job job = {.form = *form, .values = values};
     status = write_part(&job, path, part, error);
     free(part);
     return status;

@@ -19,4 +19,11 @@ void td_png_on_warning(png_structp png, png_const_charp text);
 /* A picture to an open stream; `path` is for messages. */
 tides_status td_png_encode(const char *path, FILE *file, int32_t width, int32_t height, const uint8_t *rgb, tides_error *error);
 
+/* Other pictures: 8 or 16 bits, grey (1) or r, g and b (3 together); `values` are uint8_t, or uint16_t, which are numbers
+ * rather than light. Written as tides_png_write does. */
+typedef struct td_png_form {
+    int32_t width, height, bits, channels;
+} td_png_form;
+tides_status td_png_write(const char *path, const td_png_form *form, const void *values, tides_error *error);
+
 #endif

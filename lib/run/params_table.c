@@ -283,6 +283,11 @@ const td_param td_params[] = {
     {NUMBER("ldati.fps", baseline.ldati.fps, "Hz", 1e-6, 1e9,
             "voxel grids of frames.file a second (V2CE's default): each lasts 1 / fps; ON first, 10 planes")},
 
+    {NUMBER("dataset.picture_hz", dataset_picture_hz, "Hz", 1e-3, 1e5, "tides dataset: pictures a second")},
+    {NUMBER("dataset.truth_hz", dataset_truth_hz, "Hz", 1e-3, 1e5,
+            "tides dataset: depth, masks and flow a second; displacements go from one to the next")},
+    {NUMBER("dataset.pose_hz", dataset_pose_hz, "Hz", 1e-3, 1e6, "tides dataset: poses a second")},
+
     {STRING("device", device, "reference, cpu, gpu, an index or a part of a device's name; auto: TIDES_DEVICE, else the best"),
      .fallback = "\"auto\""},
     {STRING("seed", seed, "64-bit number, in quotes, that all randomness comes from"), .fallback = "\"0\""},

@@ -205,6 +205,17 @@ tides_status td_rig_apply(tides_run *run, tides_error *error) {
     return status;
 }
 
+/* Noise is a function of seed and pixel: two cameras of one seed would have the same. The first keeps the run's; others are
+ * 2^64 / phi further each, which hashing spreads. */
+uint64_t td_rig_seed(const tides_run *run, uint64_t seed) {
+    const cJSON *mine = chosen(run), *camera;
+    cJSON_ArrayForEach(camera, td_run_value(run, "rig.cameras")) {
+        if (camera == mine) break;
+        seed += 0x9e3779b97f4a7c15u;
+    }
+    return seed;
+}
+
 /* -- for readers ---------------------------------------------------------------------------------------------------------- */
 
 static void describe(const cJSON *camera, tides_rig_camera *facts) {

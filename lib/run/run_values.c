@@ -16,6 +16,9 @@ void td_run_values_defaults(tides_run_values *values) {
     tides_path_options_defaults(&values->path);
     values->stop = 1.0;
     values->frames_per_second = 1000.0;
+    values->dataset_picture_hz = 20.0; /* DSEC's cameras and MVSEC's ground truth */
+    values->dataset_truth_hz = 10.0;   /* DSEC's and BlinkFlow's flow */
+    values->dataset_pose_hz = 200.0;   /* motion capture's, as in ECD */
 }
 
 /* The constant of a choice; the table has checked that the name is one of them. */
@@ -61,7 +64,7 @@ static void derive(const tides_run *run, tides_run_values *values) {
     tides_frames_options *frames = &values->frames;
     values->method = td_run_value(run, "method")->valuestring;
     values->json = run->json;
-    values->sensor.seed = strtoull(values->seed, NULL, 10); /* the table has checked that it is a 64-bit number */
+    values->sensor.seed = td_rig_seed(run, strtoull(values->seed, NULL, 10)); /* the table has checked the number */
     baseline->seed = values->sensor.seed;
     baseline->sensor = values->sensor;
     baseline->log_eps = values->image.log_eps;

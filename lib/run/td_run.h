@@ -44,9 +44,10 @@ tides_status td_run_override(tides_run *run, const char *assignment, tides_error
 tides_status td_run_store(tides_run *run, const tides_param *row, const cJSON *value, tides_error *error);
 
 /* rig.c: whether rig.cameras may be `value`; what the camera that rig.camera names has of its own, into the run; and its path,
- * on the body's, which it replaces. Both do nothing without a rig. */
+ * on the body's, which it replaces. All do nothing without a rig. */
 tides_status td_rig_check(const cJSON *value, const char *where, tides_error *error);
 tides_status td_rig_apply(tides_run *run, tides_error *error);
+uint64_t td_rig_seed(const tides_run *run, uint64_t seed); /* of that camera: its own noise */
 tides_status td_rig_mount(const tides_run *run, tides_trajectory **path, tides_error *error);
 
 /* preset.c: the values of sensor.preset for the rows that aren't given. */

@@ -45,7 +45,7 @@ from .render import CHANNELS, EVENT_TRUTH, MATERIAL_POINT, TRACK, TRUTHS, ImageP
 from .representations import ArrayWriter, VoxelOptions, event_frame, time_surface, voxel_grid
 from .run import Fingerprints, Run, fingerprint_text, parameters, run_template, statistics
 from .scene import Gaussians, Scene, SceneObject
-from .session import Session
+from .session import Session, dataset_layouts
 from .simulate import Recording, Sensor, Simulation, Stepping
 from .trajectory import Camera, Intrinsics, PathOptions, Pose, Trajectory
 

@@ -25,6 +25,21 @@ TIDES_NO_DEVICE = 8
 TIDES_DEVICE_FAILED = 9
 TIDES_CANCELLED = 10
 TIDES_OUT_OF_RANGE = 11
+TIDES_TRANSFER_LINEAR = 0
+TIDES_TRANSFER_SRGB = 1
+TIDES_TIME_AUTO = 0
+TIDES_TIME_S = 1
+TIDES_TIME_MS = 2
+TIDES_TIME_US = 3
+TIDES_TIME_NS = 4
+TIDES_LABEL_CAUSE = 1
+TIDES_LABEL_FIRED = 2
+TIDES_LABEL_FRONTEND = 4
+TIDES_READOUT_TILES = 0
+TIDES_READOUT_ROWS = 1
+TIDES_READOUT_BOTTLENECK = 2
+TIDES_JITTER_GAUSSIAN = 0
+TIDES_JITTER_DELAY = 1
 TIDES_DEVICE_CPU = 1
 TIDES_DEVICE_GPU = 2
 TIDES_DEVICE_OTHER = 3
@@ -67,24 +82,6 @@ TIDES_B_DOT = 12
 TIDES_Z = 13
 TIDES_Z_DOT = 14
 TIDES_CHANNELS = 15
-TIDES_LABEL_CAUSE = 1
-TIDES_LABEL_FIRED = 2
-TIDES_LABEL_FRONTEND = 4
-TIDES_TRUTH_FLOW_U = 0
-TIDES_TRUTH_FLOW_V = 1
-TIDES_TRUTH_DEPTH = 2
-TIDES_TRUTH_DEPTH_MEDIAN = 3
-TIDES_TRUTH_ALPHA = 4
-TIDES_TRUTH_INSTANCE = 5
-TIDES_TRUTH_NORMAL_X = 6
-TIDES_TRUTH_NORMAL_Y = 7
-TIDES_TRUTH_NORMAL_Z = 8
-TIDES_TRUTHS = 9
-TIDES_READOUT_TILES = 0
-TIDES_READOUT_ROWS = 1
-TIDES_READOUT_BOTTLENECK = 2
-TIDES_JITTER_GAUSSIAN = 0
-TIDES_JITTER_DELAY = 1
 TIDES_MODEL_LINEAR = 0
 TIDES_MODEL_QUADRATIC = 1
 TIDES_MODEL_HERMITE = 2
@@ -107,13 +104,6 @@ TIDES_STAT_WHOLE = 2
 TIDES_JOIN_DERIVED = 0
 TIDES_JOIN_SUM = 1
 TIDES_JOIN_LARGEST = 2
-TIDES_TRANSFER_LINEAR = 0
-TIDES_TRANSFER_SRGB = 1
-TIDES_TIME_AUTO = 0
-TIDES_TIME_S = 1
-TIDES_TIME_MS = 2
-TIDES_TIME_US = 3
-TIDES_TIME_NS = 4
 TIDES_METHOD_TIDES = 0
 TIDES_METHOD_ESIM = 1
 TIDES_METHOD_V2E = 2
@@ -128,6 +118,28 @@ TIDES_ARBITER_BOTTLENECK = 1
 TIDES_ARBITER_ROW = 2
 TIDES_ARBITER_SYNCHRONOUS = 3
 TIDES_LDATI_PLANES = 10
+TIDES_PARAM_NUMBER = 0
+TIDES_PARAM_INTEGER = 1
+TIDES_PARAM_BOOLEAN = 2
+TIDES_PARAM_STRING = 3
+TIDES_PARAM_CHOICE = 4
+TIDES_PARAM_VECTOR3 = 5
+TIDES_PARAM_OBJECTS = 6
+TIDES_PARAM_VECTOR2 = 7
+TIDES_RIG_BOTH = 0
+TIDES_RIG_EVENT = 1
+TIDES_RIG_FRAME = 2
+TIDES_RIG_NAME = 32
+TIDES_TRUTH_FLOW_U = 0
+TIDES_TRUTH_FLOW_V = 1
+TIDES_TRUTH_DEPTH = 2
+TIDES_TRUTH_DEPTH_MEDIAN = 3
+TIDES_TRUTH_ALPHA = 4
+TIDES_TRUTH_INSTANCE = 5
+TIDES_TRUTH_NORMAL_X = 6
+TIDES_TRUTH_NORMAL_Y = 7
+TIDES_TRUTH_NORMAL_Z = 8
+TIDES_TRUTHS = 9
 TIDES_EXR_NONE = 0
 TIDES_EXR_ZIPS = 2
 TIDES_EXR_ZIP = 3
@@ -154,41 +166,13 @@ TIDES_NORMALISE_SAMPLE = 2
 TIDES_VOXEL_E2VID = 0
 TIDES_VOXEL_DSEC = 1
 TIDES_VOXEL_TIMELENS = 2
-TIDES_PARAM_NUMBER = 0
-TIDES_PARAM_INTEGER = 1
-TIDES_PARAM_BOOLEAN = 2
-TIDES_PARAM_STRING = 3
-TIDES_PARAM_CHOICE = 4
-TIDES_PARAM_VECTOR3 = 5
-TIDES_PARAM_OBJECTS = 6
-TIDES_PARAM_VECTOR2 = 7
-TIDES_RIG_BOTH = 0
-TIDES_RIG_EVENT = 1
-TIDES_RIG_FRAME = 2
-TIDES_RIG_NAME = 32
 TIDES_IDEAL_THRESHOLDS = 1
 TIDES_IDEAL_PIXEL = 2
 
 # Opaque objects: only pointers to them exist here.
 
 
-class tides_device(Structure):
-    pass
-
-
-class tides_trajectory(Structure):
-    pass
-
-
-class tides_motion(Structure):
-    pass
-
-
-class tides_scene(Structure):
-    pass
-
-
-class tides_renderer(Structure):
+class tides_frames(Structure):
     pass
 
 
@@ -204,15 +188,39 @@ class tides_arbiter(Structure):
     pass
 
 
+class tides_trajectory(Structure):
+    pass
+
+
+class tides_device(Structure):
+    pass
+
+
+class tides_motion(Structure):
+    pass
+
+
+class tides_scene(Structure):
+    pass
+
+
+class tides_renderer(Structure):
+    pass
+
+
 class tides_simulator(Structure):
     pass
 
 
-class tides_frames(Structure):
+class tides_baseline(Structure):
     pass
 
 
-class tides_baseline(Structure):
+class tides_run(Structure):
+    pass
+
+
+class tides_session(Structure):
     pass
 
 
@@ -228,15 +236,7 @@ class tides_array_writer(Structure):
     pass
 
 
-class tides_run(Structure):
-    pass
-
-
 class tides_fingerprints(Structure):
-    pass
-
-
-class tides_session(Structure):
     pass
 
 
@@ -257,36 +257,334 @@ class tides_error(Structure):
 tides_progress = CFUNCTYPE(c_int, c_void_p, c_double, c_char_p)
 
 
-class tides_device_info(Structure):
-    """int32_t kind; /* TIDES_DEVICE_CPU, _GPU, _OTHER, _REFERENCE */
-    int32_t index; /* what SPEC may name; -1 for the reference */
-    char name[128]; /* CL_DEVICE_NAME */
-    char platform[128]; /* CL_PLATFORM_NAME */
-    char driver[128]; /* CL_DEVICE_VERSION and CL_DRIVER_VERSION */
-    int32_t compute_units;
-    int32_t lanes; /* pixels per work-item that kernels are built for */
-    uint64_t memory_bytes;
+class tides_frames_options(Structure):
+    """uint32_t size;
+    int32_t transfer; /* TIDES_TRANSFER_* */
+    int32_t unit; /* TIDES_TIME_* of timestamp files and of arrays with times */
+    int32_t rebase; /* 1: the first frame's time becomes 0 */
+    const char *timestamps; /* text file with one time per line, or NULL */
+    double frames_per_second; /* [Hz]: frame k is at k / rate; 0: not given */
+    double luminance[3]; /* weights of r, g, b */
+    int32_t planes; /* 1: luminance; more: arrays of so many values per pixel, taken as they are (voxel grids) */
     """
 
-    kind: int
-    index: int
-    name: Any
-    platform: Any
-    driver: Any
-    compute_units: int
-    lanes: int
-    memory_bytes: int
+    size: int
+    transfer: int
+    unit: int
+    rebase: int
+    timestamps: bytes | None
+    frames_per_second: float
+    luminance: Any
+    planes: int
 
     _fields_ = [
-        ("kind", c_int32),
-        ("index", c_int32),
-        ("name", c_char * 128),
-        ("platform", c_char * 128),
-        ("driver", c_char * 128),
-        ("compute_units", c_int32),
-        ("lanes", c_int32),
-        ("memory_bytes", c_uint64),
+        ("size", c_uint32),
+        ("transfer", c_int32),
+        ("unit", c_int32),
+        ("rebase", c_int32),
+        ("timestamps", c_char_p),
+        ("frames_per_second", c_double),
+        ("luminance", c_double * 3),
+        ("planes", c_int32),
     ]
+
+
+class tides_event(Structure):
+    """int64_t t; /* [ns] of the run's clock: the scene's and the path's time, absolute */
+    uint16_t x, y; /* [px] */
+    int8_t polarity; /* +1 or -1 */
+    uint8_t cause; /* TIDES_CAUSE_*: the signal, or which noise */
+    uint16_t frontend; /* tides_event_frontend as an IEEE 754 binary16 number: to one part in 2048 */
+    """
+
+    t: int
+    x: int
+    y: int
+    polarity: int
+    cause: int
+    frontend: int
+
+    _fields_ = [
+        ("t", c_int64),
+        ("x", c_uint16),
+        ("y", c_uint16),
+        ("polarity", c_int8),
+        ("cause", c_uint8),
+        ("frontend", c_uint16),
+    ]
+
+
+class tides_event_file(Structure):
+    """int32_t width, height; /* [px] */
+    const char *run; /* run file as JSON text, or NULL */
+    const char *seed; /* or NULL */
+    int32_t labels; /* 1: with all labels; TIDES_UNSUPPORTED but in HDF5. 0: HDF5 has causes, if some aren't the signal's */
+    /* [ns] The recording's stretch; both 0: not known. Where it is, what the format can't hold of it is TIDES_UNSUPPORTED at
+    * once; else the first event that doesn't fit is. HDF5 counts its 32-bit microseconds from t_offset: 0 where the recording
+    * lies within their first 4294.967 s, else its start; where that isn't known, of half an hour from its first event. */
+    int64_t start_ns, stop_ns;
+    """
+
+    width: int
+    height: int
+    run: bytes | None
+    seed: bytes | None
+    labels: int
+    start_ns: int
+    stop_ns: int
+
+    _fields_ = [
+        ("width", c_int32),
+        ("height", c_int32),
+        ("run", c_char_p),
+        ("seed", c_char_p),
+        ("labels", c_int32),
+        ("start_ns", c_int64),
+        ("stop_ns", c_int64),
+    ]
+
+
+class tides_event_format(Structure):
+    """const char *name, *summary, *endings;
+    int32_t reads, writes;
+    int64_t tick_ns; /* times are floored to it on writing */
+    """
+
+    name: bytes | None
+    summary: bytes | None
+    endings: bytes | None
+    reads: int
+    writes: int
+    tick_ns: int
+
+    _fields_ = [
+        ("name", c_char_p),
+        ("summary", c_char_p),
+        ("endings", c_char_p),
+        ("reads", c_int32),
+        ("writes", c_int32),
+        ("tick_ns", c_int64),
+    ]
+
+
+class tides_event_facts(Structure):
+    """char format[32]; /* "evt3" ...; of HDF5 its layout: "tides", "dsec", "eds", "mvsec", "v2e", "timostoff", "m3ed", "rvt";
+    of a folder that of its files */
+    char version[32]; /* of TIDES that wrote it, or "" */
+    int32_t width, height; /* [px]; 0 where the file doesn't say */
+    int32_t counted; /* 1: count is known without reading the file */
+    uint64_t count;
+    int32_t labels; /* TIDES_LABEL_* that the file has, for tides_events_labels */
+    """
+
+    format: Any
+    version: Any
+    width: int
+    height: int
+    counted: int
+    count: int
+    labels: int
+
+    _fields_ = [
+        ("format", c_char * 32),
+        ("version", c_char * 32),
+        ("width", c_int32),
+        ("height", c_int32),
+        ("counted", c_int32),
+        ("count", c_uint64),
+        ("labels", c_int32),
+    ]
+
+
+class tides_event_summary(Structure):
+    """uint64_t count, count_on;
+    uint64_t disorder; /* events earlier than the one before them */
+    int64_t first_ns, last_ns; /* the earliest and the latest; 0 where empty */
+    int32_t width, height; /* 0 where the file doesn't say */
+    int32_t right, bottom; /* the largest x + 1 and y + 1 [px] */
+    char layout[32]; /* as tides_event_facts.format */
+    char version[32]; /* of the writer, or "" */
+    int32_t labels; /* as tides_event_facts.labels */
+    """
+
+    count: int
+    count_on: int
+    disorder: int
+    first_ns: int
+    last_ns: int
+    width: int
+    height: int
+    right: int
+    bottom: int
+    layout: Any
+    version: Any
+    labels: int
+
+    _fields_ = [
+        ("count", c_uint64),
+        ("count_on", c_uint64),
+        ("disorder", c_uint64),
+        ("first_ns", c_int64),
+        ("last_ns", c_int64),
+        ("width", c_int32),
+        ("height", c_int32),
+        ("right", c_int32),
+        ("bottom", c_int32),
+        ("layout", c_char * 32),
+        ("version", c_char * 32),
+        ("labels", c_int32),
+    ]
+
+
+class tides_event_conversion(Structure):
+    """const char *from, *to; /* names of formats; NULL: by content, by ending */
+    int32_t width, height; /* of the sensor [px]; 0: what the file says, else what its events reach */
+    int64_t start_ns, stop_ns; /* events with start <= t < stop are kept */
+    int32_t x, y, cut_width, cut_height; /* and those in this window, which becomes the sensor; cut_width 0: all */
+    int32_t rebase; /* 1: times count from the file's first event, those of start and stop too */
+    """
+
+    to: bytes | None
+    width: int
+    height: int
+    start_ns: int
+    stop_ns: int
+    x: int
+    y: int
+    cut_width: int
+    cut_height: int
+    rebase: int
+
+    _fields_ = [
+        ("from", c_char_p),
+        ("to", c_char_p),
+        ("width", c_int32),
+        ("height", c_int32),
+        ("start_ns", c_int64),
+        ("stop_ns", c_int64),
+        ("x", c_int32),
+        ("y", c_int32),
+        ("cut_width", c_int32),
+        ("cut_height", c_int32),
+        ("rebase", c_int32),
+    ]
+
+
+class tides_event_conversion_report(Structure):
+    """uint64_t read, written;
+    uint64_t disorder; /* events earlier than the one before them in the file: they were put in order */
+    uint64_t collapsed; /* as tides_event_writer_collapsed */
+    int64_t first_ns, last_ns; /* as written; 0 where nothing was */
+    int32_t width, height;
+    char from[32], to[32];
+    int32_t labels; /* TIDES_LABEL_* of the file, which aren't kept */
+    """
+
+    read: int
+    written: int
+    disorder: int
+    collapsed: int
+    first_ns: int
+    last_ns: int
+    width: int
+    height: int
+    to: Any
+    labels: int
+
+    _fields_ = [
+        ("read", c_uint64),
+        ("written", c_uint64),
+        ("disorder", c_uint64),
+        ("collapsed", c_uint64),
+        ("first_ns", c_int64),
+        ("last_ns", c_int64),
+        ("width", c_int32),
+        ("height", c_int32),
+        ("from", c_char * 32),
+        ("to", c_char * 32),
+        ("labels", c_int32),
+    ]
+
+
+class tides_readout(Structure):
+    """uint32_t size;
+    int32_t enabled; /* for runs; an arbiter itself doesn't ask */
+    int32_t kind; /* TIDES_READOUT_* */
+    int32_t tile_px; /* side of a tile [px], >= 1 */
+    int32_t k0; /* events per tick at rest, >= 1 */
+    int32_t queue_capacity; /* events that wait in one queue, >= 1 */
+    double tick_s; /* [s]: whole nanoseconds; 0: infinite rate */
+    double beta_k; /* in [0, 1] */
+    double p0, eta; /* in [0, 1] */
+    double sigma0_s, gamma_sigma_s; /* [s] >= 0 */
+    int32_t jitter_law; /* TIDES_JITTER_* */
+    int32_t reserved;
+    """
+
+    size: int
+    enabled: int
+    kind: int
+    tile_px: int
+    k0: int
+    queue_capacity: int
+    tick_s: float
+    beta_k: float
+    p0: float
+    eta: float
+    sigma0_s: float
+    gamma_sigma_s: float
+    jitter_law: int
+    reserved: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("enabled", c_int32),
+        ("kind", c_int32),
+        ("tile_px", c_int32),
+        ("k0", c_int32),
+        ("queue_capacity", c_int32),
+        ("tick_s", c_double),
+        ("beta_k", c_double),
+        ("p0", c_double),
+        ("eta", c_double),
+        ("sigma0_s", c_double),
+        ("gamma_sigma_s", c_double),
+        ("jitter_law", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_readout_stats(Structure):
+    """uint64_t in, out;
+    uint64_t dropped; /* by chance */
+    uint64_t overflowed; /* their queue was full */
+    uint64_t waiting; /* in queues, or held until the order is certain */
+    uint64_t delayed; /* left later than they fired, jitter aside */
+    uint64_t ticks; /* in which something was served; idle ones are skipped */
+    double worst_delay_s;
+    """
+
+    out: int
+    dropped: int
+    overflowed: int
+    waiting: int
+    delayed: int
+    ticks: int
+    worst_delay_s: float
+
+    _fields_ = [
+        ("in", c_uint64),
+        ("out", c_uint64),
+        ("dropped", c_uint64),
+        ("overflowed", c_uint64),
+        ("waiting", c_uint64),
+        ("delayed", c_uint64),
+        ("ticks", c_uint64),
+        ("worst_delay_s", c_double),
+    ]
+
+
+tides_readout_sink = CFUNCTYPE(c_int, c_void_p, P(tides_event), P(c_int64), c_size_t)
 
 
 class tides_pose_sample(Structure):
@@ -417,6 +715,116 @@ class tides_handheld(Structure):
         ("seed", c_uint64),
         ("start", c_double),
         ("stop", c_double),
+    ]
+
+
+class tides_intrinsics(Structure):
+    """int32_t width, height; /* [px] */
+    double fx, fy, cx, cy; /* [px] */
+    """
+
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+
+    _fields_ = [
+        ("width", c_int32),
+        ("height", c_int32),
+        ("fx", c_double),
+        ("fy", c_double),
+        ("cx", c_double),
+        ("cy", c_double),
+    ]
+
+
+class tides_path_options(Structure):
+    """uint32_t size; /* sizeof this struct, set by the defaults function */
+    int32_t reserved;
+    double duration; /* [s] files without times (cameras.json, COLMAP, LLFF ...): poses are spread evenly over
+    [0, duration], in the order of the file or of names; files with trainer's times in [0, 1]
+    (D-NeRF, nerfies): times are multiplied by it */
+    double start; /* [s] subtracted from every time of the file, after scaling */
+    int32_t rebase; /* 1: `start` is ignored and the first sample is put at 0 */
+    int32_t raw_positions; /* nerfies: 1 leaves positions as the camera files have them (as 4DGaussians trains) instead of
+    applying scene.json (as Nerfies, HyperNeRF and Deformable-3D-Gaussians do) */
+    """
+
+    size: int
+    reserved: int
+    duration: float
+    start: float
+    rebase: int
+    raw_positions: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("reserved", c_int32),
+        ("duration", c_double),
+        ("start", c_double),
+        ("rebase", c_int32),
+        ("raw_positions", c_int32),
+    ]
+
+
+class tides_path(Structure):
+    """tides_trajectory *trajectory; /* owned by the caller after success */
+    tides_intrinsics intrinsics; /* fields the file doesn't give, or gives differently from frame to frame, are 0 */
+    double field_of_view_x; /* [rad] where the file gives one (Blender and D-NeRF give no width with it), else 0 */
+    char format[32]; /* "tides", "transforms", "cameras", "tum", "esim", "euroc", "kitti", "colmap", "llff", "nerfies" */
+    int32_t distorted; /* 1: the file gives lens distortion. It isn't simulated: what is, is the pinhole that agrees
+    with the lens at its axis, whose intrinsics these are */
+    int32_t reserved;
+    """
+
+    trajectory: Any
+    intrinsics: tides_intrinsics
+    field_of_view_x: float
+    format: Any
+    distorted: int
+    reserved: int
+
+    _fields_ = [
+        ("trajectory", P(tides_trajectory)),
+        ("intrinsics", tides_intrinsics),
+        ("field_of_view_x", c_double),
+        ("format", c_char * 32),
+        ("distorted", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_device_info(Structure):
+    """int32_t kind; /* TIDES_DEVICE_CPU, _GPU, _OTHER, _REFERENCE */
+    int32_t index; /* what SPEC may name; -1 for the reference */
+    char name[128]; /* CL_DEVICE_NAME */
+    char platform[128]; /* CL_PLATFORM_NAME */
+    char driver[128]; /* CL_DEVICE_VERSION and CL_DRIVER_VERSION */
+    int32_t compute_units;
+    int32_t lanes; /* pixels per work-item that kernels are built for */
+    uint64_t memory_bytes;
+    """
+
+    kind: int
+    index: int
+    name: Any
+    platform: Any
+    driver: Any
+    compute_units: int
+    lanes: int
+    memory_bytes: int
+
+    _fields_ = [
+        ("kind", c_int32),
+        ("index", c_int32),
+        ("name", c_char * 128),
+        ("platform", c_char * 128),
+        ("driver", c_char * 128),
+        ("compute_units", c_int32),
+        ("lanes", c_int32),
+        ("memory_bytes", c_uint64),
     ]
 
 
@@ -683,167 +1091,6 @@ class tides_object(Structure):
         ("name", c_char_p),
         ("source", c_char_p),
         ("motion", P(tides_motion)),
-        ("duration_s", c_double),
-    ]
-
-
-class tides_intrinsics(Structure):
-    """int32_t width, height; /* [px] */
-    double fx, fy, cx, cy; /* [px] */
-    """
-
-    width: int
-    height: int
-    fx: float
-    fy: float
-    cx: float
-    cy: float
-
-    _fields_ = [
-        ("width", c_int32),
-        ("height", c_int32),
-        ("fx", c_double),
-        ("fy", c_double),
-        ("cx", c_double),
-        ("cy", c_double),
-    ]
-
-
-class tides_path_options(Structure):
-    """uint32_t size; /* sizeof this struct, set by the defaults function */
-    int32_t reserved;
-    double duration; /* [s] files without times (cameras.json, COLMAP, LLFF ...): poses are spread evenly over
-    [0, duration], in the order of the file or of names; files with trainer's times in [0, 1]
-    (D-NeRF, nerfies): times are multiplied by it */
-    double start; /* [s] subtracted from every time of the file, after scaling */
-    int32_t rebase; /* 1: `start` is ignored and the first sample is put at 0 */
-    int32_t raw_positions; /* nerfies: 1 leaves positions as the camera files have them (as 4DGaussians trains) instead of
-    applying scene.json (as Nerfies, HyperNeRF and Deformable-3D-Gaussians do) */
-    """
-
-    size: int
-    reserved: int
-    duration: float
-    start: float
-    rebase: int
-    raw_positions: int
-
-    _fields_ = [
-        ("size", c_uint32),
-        ("reserved", c_int32),
-        ("duration", c_double),
-        ("start", c_double),
-        ("rebase", c_int32),
-        ("raw_positions", c_int32),
-    ]
-
-
-class tides_path(Structure):
-    """tides_trajectory *trajectory; /* owned by the caller after success */
-    tides_intrinsics intrinsics; /* fields the file doesn't give, or gives differently from frame to frame, are 0 */
-    double field_of_view_x; /* [rad] where the file gives one (Blender and D-NeRF give no width with it), else 0 */
-    char format[32]; /* "tides", "transforms", "cameras", "tum", "esim", "euroc", "kitti", "colmap", "llff", "nerfies" */
-    int32_t distorted; /* 1: the file gives lens distortion. It isn't simulated: what is, is the pinhole that agrees
-    with the lens at its axis, whose intrinsics these are */
-    int32_t reserved;
-    """
-
-    trajectory: Any
-    intrinsics: tides_intrinsics
-    field_of_view_x: float
-    format: Any
-    distorted: int
-    reserved: int
-
-    _fields_ = [
-        ("trajectory", P(tides_trajectory)),
-        ("intrinsics", tides_intrinsics),
-        ("field_of_view_x", c_double),
-        ("format", c_char * 32),
-        ("distorted", c_int32),
-        ("reserved", c_int32),
-    ]
-
-
-class tides_generator(Structure):
-    """const char *name; /* "fan" */
-    const char *sentence; /* what is to be seen */
-    const char *counted; /* what options.count counts: "balls"; NULL: this kind has no number to choose */
-    int32_t count; /* how many by default; 0 where `counted` is NULL */
-    int32_t count_most;
-    int64_t gaussians; /* of each moving object by default (of the plane, of the fan's blades); 0: nothing to choose */
-    double duration_s;
-    """
-
-    name: bytes | None
-    sentence: bytes | None
-    counted: bytes | None
-    count: int
-    count_most: int
-    gaussians: int
-    duration_s: float
-
-    _fields_ = [
-        ("name", c_char_p),
-        ("sentence", c_char_p),
-        ("counted", c_char_p),
-        ("count", c_int32),
-        ("count_most", c_int32),
-        ("gaussians", c_int64),
-        ("duration_s", c_double),
-    ]
-
-
-class tides_generate_options(Structure):
-    """uint32_t size; /* sizeof this struct, set by the defaults function */
-    int32_t count; /* of what the kind counts; 0: its default */
-    int64_t gaussians; /* about how many each moving object has, the grids that cover it being rounded; 0: its default */
-    double duration_s; /* how long motions and the camera's path last, from second 0 [s], up to 600; 0: its default */
-    double speed; /* objects (of the plane: the camera) move so many times as fast, in (0, 1000] */
-    uint64_t seed; /* of colours, places, phases and the camera's shake */
-    int32_t width, height; /* of the image [px]; the field of view is always 60 degrees across */
-    """
-
-    size: int
-    count: int
-    gaussians: int
-    duration_s: float
-    speed: float
-    seed: int
-    width: int
-    height: int
-
-    _fields_ = [
-        ("size", c_uint32),
-        ("count", c_int32),
-        ("gaussians", c_int64),
-        ("duration_s", c_double),
-        ("speed", c_double),
-        ("seed", c_uint64),
-        ("width", c_int32),
-        ("height", c_int32),
-    ]
-
-
-class tides_world(Structure):
-    """tides_scene *scene;
-    tides_trajectory *camera;
-    tides_intrinsics intrinsics;
-    double background[3]; /* for scene.background: linear r g b */
-    double duration_s;
-    """
-
-    scene: Any
-    camera: Any
-    intrinsics: tides_intrinsics
-    background: Any
-    duration_s: float
-
-    _fields_ = [
-        ("scene", P(tides_scene)),
-        ("camera", P(tides_trajectory)),
-        ("intrinsics", tides_intrinsics),
-        ("background", c_double * 3),
         ("duration_s", c_double),
     ]
 
@@ -1133,380 +1380,6 @@ class tides_render_stats(Structure):
     ]
 
 
-class tides_event(Structure):
-    """int64_t t; /* [ns] of the run's clock: the scene's and the path's time, absolute */
-    uint16_t x, y; /* [px] */
-    int8_t polarity; /* +1 or -1 */
-    uint8_t cause; /* TIDES_CAUSE_*: the signal, or which noise */
-    uint16_t frontend; /* tides_event_frontend as an IEEE 754 binary16 number: to one part in 2048 */
-    """
-
-    t: int
-    x: int
-    y: int
-    polarity: int
-    cause: int
-    frontend: int
-
-    _fields_ = [
-        ("t", c_int64),
-        ("x", c_uint16),
-        ("y", c_uint16),
-        ("polarity", c_int8),
-        ("cause", c_uint8),
-        ("frontend", c_uint16),
-    ]
-
-
-class tides_event_file(Structure):
-    """int32_t width, height; /* [px] */
-    const char *run; /* run file as JSON text, or NULL */
-    const char *seed; /* or NULL */
-    int32_t labels; /* 1: with all labels; TIDES_UNSUPPORTED but in HDF5. 0: HDF5 has causes, if some aren't the signal's */
-    /* [ns] The recording's stretch; both 0: not known. Where it is, what the format can't hold of it is TIDES_UNSUPPORTED at
-    * once; else the first event that doesn't fit is. HDF5 counts its 32-bit microseconds from t_offset: 0 where the recording
-    * lies within their first 4294.967 s, else its start; where that isn't known, of half an hour from its first event. */
-    int64_t start_ns, stop_ns;
-    """
-
-    width: int
-    height: int
-    run: bytes | None
-    seed: bytes | None
-    labels: int
-    start_ns: int
-    stop_ns: int
-
-    _fields_ = [
-        ("width", c_int32),
-        ("height", c_int32),
-        ("run", c_char_p),
-        ("seed", c_char_p),
-        ("labels", c_int32),
-        ("start_ns", c_int64),
-        ("stop_ns", c_int64),
-    ]
-
-
-class tides_event_format(Structure):
-    """const char *name, *summary, *endings;
-    int32_t reads, writes;
-    int64_t tick_ns; /* times are floored to it on writing */
-    """
-
-    name: bytes | None
-    summary: bytes | None
-    endings: bytes | None
-    reads: int
-    writes: int
-    tick_ns: int
-
-    _fields_ = [
-        ("name", c_char_p),
-        ("summary", c_char_p),
-        ("endings", c_char_p),
-        ("reads", c_int32),
-        ("writes", c_int32),
-        ("tick_ns", c_int64),
-    ]
-
-
-class tides_event_facts(Structure):
-    """char format[32]; /* "evt3" ...; of HDF5 its layout: "tides", "dsec", "eds", "mvsec", "v2e", "timostoff", "m3ed", "rvt";
-    of a folder that of its files */
-    char version[32]; /* of TIDES that wrote it, or "" */
-    int32_t width, height; /* [px]; 0 where the file doesn't say */
-    int32_t counted; /* 1: count is known without reading the file */
-    uint64_t count;
-    int32_t labels; /* TIDES_LABEL_* that the file has, for tides_events_labels */
-    """
-
-    format: Any
-    version: Any
-    width: int
-    height: int
-    counted: int
-    count: int
-    labels: int
-
-    _fields_ = [
-        ("format", c_char * 32),
-        ("version", c_char * 32),
-        ("width", c_int32),
-        ("height", c_int32),
-        ("counted", c_int32),
-        ("count", c_uint64),
-        ("labels", c_int32),
-    ]
-
-
-class tides_event_summary(Structure):
-    """uint64_t count, count_on;
-    uint64_t disorder; /* events earlier than the one before them */
-    int64_t first_ns, last_ns; /* the earliest and the latest; 0 where empty */
-    int32_t width, height; /* 0 where the file doesn't say */
-    int32_t right, bottom; /* the largest x + 1 and y + 1 [px] */
-    char layout[32]; /* as tides_event_facts.format */
-    char version[32]; /* of the writer, or "" */
-    int32_t labels; /* as tides_event_facts.labels */
-    """
-
-    count: int
-    count_on: int
-    disorder: int
-    first_ns: int
-    last_ns: int
-    width: int
-    height: int
-    right: int
-    bottom: int
-    layout: Any
-    version: Any
-    labels: int
-
-    _fields_ = [
-        ("count", c_uint64),
-        ("count_on", c_uint64),
-        ("disorder", c_uint64),
-        ("first_ns", c_int64),
-        ("last_ns", c_int64),
-        ("width", c_int32),
-        ("height", c_int32),
-        ("right", c_int32),
-        ("bottom", c_int32),
-        ("layout", c_char * 32),
-        ("version", c_char * 32),
-        ("labels", c_int32),
-    ]
-
-
-class tides_event_conversion(Structure):
-    """const char *from, *to; /* names of formats; NULL: by content, by ending */
-    int32_t width, height; /* of the sensor [px]; 0: what the file says, else what its events reach */
-    int64_t start_ns, stop_ns; /* events with start <= t < stop are kept */
-    int32_t x, y, cut_width, cut_height; /* and those in this window, which becomes the sensor; cut_width 0: all */
-    int32_t rebase; /* 1: times count from the file's first event, those of start and stop too */
-    """
-
-    to: bytes | None
-    width: int
-    height: int
-    start_ns: int
-    stop_ns: int
-    x: int
-    y: int
-    cut_width: int
-    cut_height: int
-    rebase: int
-
-    _fields_ = [
-        ("from", c_char_p),
-        ("to", c_char_p),
-        ("width", c_int32),
-        ("height", c_int32),
-        ("start_ns", c_int64),
-        ("stop_ns", c_int64),
-        ("x", c_int32),
-        ("y", c_int32),
-        ("cut_width", c_int32),
-        ("cut_height", c_int32),
-        ("rebase", c_int32),
-    ]
-
-
-class tides_event_conversion_report(Structure):
-    """uint64_t read, written;
-    uint64_t disorder; /* events earlier than the one before them in the file: they were put in order */
-    uint64_t collapsed; /* as tides_event_writer_collapsed */
-    int64_t first_ns, last_ns; /* as written; 0 where nothing was */
-    int32_t width, height;
-    char from[32], to[32];
-    int32_t labels; /* TIDES_LABEL_* of the file, which aren't kept */
-    """
-
-    read: int
-    written: int
-    disorder: int
-    collapsed: int
-    first_ns: int
-    last_ns: int
-    width: int
-    height: int
-    to: Any
-    labels: int
-
-    _fields_ = [
-        ("read", c_uint64),
-        ("written", c_uint64),
-        ("disorder", c_uint64),
-        ("collapsed", c_uint64),
-        ("first_ns", c_int64),
-        ("last_ns", c_int64),
-        ("width", c_int32),
-        ("height", c_int32),
-        ("from", c_char * 32),
-        ("to", c_char * 32),
-        ("labels", c_int32),
-    ]
-
-
-class tides_truth(Structure):
-    """double *plane[TIDES_TRUTHS];
-    """
-
-    plane: Any
-
-    _fields_ = [
-        ("plane", P(c_double) * 9),
-    ]
-
-
-class tides_material_point(Structure):
-    """int32_t object; /* of the scene; -1: no point */
-    int32_t reserved;
-    int64_t gaussian; /* within the object */
-    double xi[3];
-    """
-
-    object: int
-    reserved: int
-    gaussian: int
-    xi: Any
-
-    _fields_ = [
-        ("object", c_int32),
-        ("reserved", c_int32),
-        ("gaussian", c_int64),
-        ("xi", c_double * 3),
-    ]
-
-
-class tides_track(Structure):
-    """double u, v; /* [px], (0.5, 0.5) being the first pixel's centre; NaN behind the near plane, or where there's no point */
-    double depth; /* camera z [scene units]; NaN where there's no point */
-    int32_t visible; /* 1: in the image, and not behind what is seen there (the splat of the median depth) */
-    int32_t reserved;
-    """
-
-    u: float
-    v: float
-    depth: float
-    visible: int
-    reserved: int
-
-    _fields_ = [
-        ("u", c_double),
-        ("v", c_double),
-        ("depth", c_double),
-        ("visible", c_int32),
-        ("reserved", c_int32),
-    ]
-
-
-class tides_event_truth(Structure):
-    """double flow_u, flow_v; /* [px/s] */
-    double depth, alpha; /* [scene units], [1] */
-    int32_t instance, reserved; /* the scene's object; -1 where nothing is seen */
-    """
-
-    flow_u: float
-    flow_v: float
-    depth: float
-    alpha: float
-    instance: int
-    reserved: int
-
-    _fields_ = [
-        ("flow_u", c_double),
-        ("flow_v", c_double),
-        ("depth", c_double),
-        ("alpha", c_double),
-        ("instance", c_int32),
-        ("reserved", c_int32),
-    ]
-
-
-class tides_readout(Structure):
-    """uint32_t size;
-    int32_t enabled; /* for runs; an arbiter itself doesn't ask */
-    int32_t kind; /* TIDES_READOUT_* */
-    int32_t tile_px; /* side of a tile [px], >= 1 */
-    int32_t k0; /* events per tick at rest, >= 1 */
-    int32_t queue_capacity; /* events that wait in one queue, >= 1 */
-    double tick_s; /* [s]: whole nanoseconds; 0: infinite rate */
-    double beta_k; /* in [0, 1] */
-    double p0, eta; /* in [0, 1] */
-    double sigma0_s, gamma_sigma_s; /* [s] >= 0 */
-    int32_t jitter_law; /* TIDES_JITTER_* */
-    int32_t reserved;
-    """
-
-    size: int
-    enabled: int
-    kind: int
-    tile_px: int
-    k0: int
-    queue_capacity: int
-    tick_s: float
-    beta_k: float
-    p0: float
-    eta: float
-    sigma0_s: float
-    gamma_sigma_s: float
-    jitter_law: int
-    reserved: int
-
-    _fields_ = [
-        ("size", c_uint32),
-        ("enabled", c_int32),
-        ("kind", c_int32),
-        ("tile_px", c_int32),
-        ("k0", c_int32),
-        ("queue_capacity", c_int32),
-        ("tick_s", c_double),
-        ("beta_k", c_double),
-        ("p0", c_double),
-        ("eta", c_double),
-        ("sigma0_s", c_double),
-        ("gamma_sigma_s", c_double),
-        ("jitter_law", c_int32),
-        ("reserved", c_int32),
-    ]
-
-
-class tides_readout_stats(Structure):
-    """uint64_t in, out;
-    uint64_t dropped; /* by chance */
-    uint64_t overflowed; /* their queue was full */
-    uint64_t waiting; /* in queues, or held until the order is certain */
-    uint64_t delayed; /* left later than they fired, jitter aside */
-    uint64_t ticks; /* in which something was served; idle ones are skipped */
-    double worst_delay_s;
-    """
-
-    out: int
-    dropped: int
-    overflowed: int
-    waiting: int
-    delayed: int
-    ticks: int
-    worst_delay_s: float
-
-    _fields_ = [
-        ("in", c_uint64),
-        ("out", c_uint64),
-        ("dropped", c_uint64),
-        ("overflowed", c_uint64),
-        ("waiting", c_uint64),
-        ("delayed", c_uint64),
-        ("ticks", c_uint64),
-        ("worst_delay_s", c_double),
-    ]
-
-
-tides_readout_sink = CFUNCTYPE(c_int, c_void_p, P(tides_event), P(c_int64), c_size_t)
-
-
 class tides_risk(Structure):
     """double w_b, w_c, w_alpha;
     """
@@ -1740,38 +1613,6 @@ class tides_stat(Structure):
 tides_event_sink = CFUNCTYPE(c_int, c_void_p, P(tides_event), c_size_t)
 
 
-class tides_frames_options(Structure):
-    """uint32_t size;
-    int32_t transfer; /* TIDES_TRANSFER_* */
-    int32_t unit; /* TIDES_TIME_* of timestamp files and of arrays with times */
-    int32_t rebase; /* 1: the first frame's time becomes 0 */
-    const char *timestamps; /* text file with one time per line, or NULL */
-    double frames_per_second; /* [Hz]: frame k is at k / rate; 0: not given */
-    double luminance[3]; /* weights of r, g, b */
-    int32_t planes; /* 1: luminance; more: arrays of so many values per pixel, taken as they are (voxel grids) */
-    """
-
-    size: int
-    transfer: int
-    unit: int
-    rebase: int
-    timestamps: bytes | None
-    frames_per_second: float
-    luminance: Any
-    planes: int
-
-    _fields_ = [
-        ("size", c_uint32),
-        ("transfer", c_int32),
-        ("unit", c_int32),
-        ("rebase", c_int32),
-        ("timestamps", c_char_p),
-        ("frames_per_second", c_double),
-        ("luminance", c_double * 3),
-        ("planes", c_int32),
-    ]
-
-
 class tides_esim(Structure):
     """double contrast_threshold_pos, contrast_threshold_neg; /* [log units] 1.0 */
     double contrast_threshold_sigma_pos, contrast_threshold_sigma_neg; /* [log units] 0.021, drawn anew per frame and pixel */
@@ -1993,6 +1834,421 @@ class tides_frame_supply(Structure):
         ("frames_per_second", c_double),
         ("start", c_double),
         ("stop", c_double),
+    ]
+
+
+class tides_param(Structure):
+    """const char *key; /* "sensor.threshold_on" */
+    int32_t type; /* TIDES_PARAM_* */
+    const char *unit; /* "log units", or "" */
+    double lower, upper; /* inclusive bounds of numbers; 0 and 0 for the rest */
+    const char *fallback; /* default as JSON text; NULL: required */
+    const char *choices; /* "smooth|inria|gsplat", or NULL */
+    const char *sentence; /* what it does */
+    int32_t available; /* 0: part of the contract, but this version only takes the default */
+    """
+
+    key: bytes | None
+    type: int
+    unit: bytes | None
+    lower: float
+    upper: float
+    fallback: bytes | None
+    choices: bytes | None
+    sentence: bytes | None
+    available: int
+
+    _fields_ = [
+        ("key", c_char_p),
+        ("type", c_int32),
+        ("unit", c_char_p),
+        ("lower", c_double),
+        ("upper", c_double),
+        ("fallback", c_char_p),
+        ("choices", c_char_p),
+        ("sentence", c_char_p),
+        ("available", c_int32),
+    ]
+
+
+class tides_run_values(Structure):
+    """tides_intrinsics intrinsics; /* zeros where neither given nor yet taken from the path file */
+    tides_image_params image;
+    tides_sensor sensor;
+    tides_stepping stepping;
+    tides_readout readout;
+    double start, stop;
+    const char *scene_file, *camera_file, *device, *seed, *method;
+    tides_baseline_params baseline; /* its method is `method` */
+    tides_frames_options frames;
+    const char *frames_file; /* NULL: the run has a scene */
+    double frames_per_second; /* of a baseline's renders [Hz] */
+    tides_path_options path; /* of camera.file */
+    double scene_duration_s; /* 0: the scene's own */
+    double metres_per_unit; /* of the scene [m]; 0: unknown */
+    double dataset_picture_hz, dataset_truth_hz, dataset_pose_hz; /* of tides_dataset_write [Hz] */
+    int32_t event_truth; /* 1: event files get ground truth (tides_session_truth) */
+    int32_t reserved;
+    const char *json; /* the run with every default filled in, as written into event files */
+    """
+
+    intrinsics: tides_intrinsics
+    image: tides_image_params
+    sensor: tides_sensor
+    stepping: tides_stepping
+    readout: tides_readout
+    start: float
+    stop: float
+    scene_file: bytes | None
+    camera_file: bytes | None
+    device: bytes | None
+    seed: bytes | None
+    method: bytes | None
+    baseline: tides_baseline_params
+    frames: tides_frames_options
+    frames_file: bytes | None
+    frames_per_second: float
+    path: tides_path_options
+    scene_duration_s: float
+    metres_per_unit: float
+    dataset_picture_hz: float
+    dataset_truth_hz: float
+    dataset_pose_hz: float
+    event_truth: int
+    reserved: int
+    json: bytes | None
+
+    _fields_ = [
+        ("intrinsics", tides_intrinsics),
+        ("image", tides_image_params),
+        ("sensor", tides_sensor),
+        ("stepping", tides_stepping),
+        ("readout", tides_readout),
+        ("start", c_double),
+        ("stop", c_double),
+        ("scene_file", c_char_p),
+        ("camera_file", c_char_p),
+        ("device", c_char_p),
+        ("seed", c_char_p),
+        ("method", c_char_p),
+        ("baseline", tides_baseline_params),
+        ("frames", tides_frames_options),
+        ("frames_file", c_char_p),
+        ("frames_per_second", c_double),
+        ("path", tides_path_options),
+        ("scene_duration_s", c_double),
+        ("metres_per_unit", c_double),
+        ("dataset_picture_hz", c_double),
+        ("dataset_truth_hz", c_double),
+        ("dataset_pose_hz", c_double),
+        ("event_truth", c_int32),
+        ("reserved", c_int32),
+        ("json", c_char_p),
+    ]
+
+
+class tides_rig_camera(Structure):
+    """char name[TIDES_RIG_NAME];
+    int32_t kind; /* TIDES_RIG_BOTH, _EVENT or _FRAME */
+    int32_t reserved;
+    double T_B_C[16]; /* row-major: p_body = T_B_C p_camera [scene units] */
+    """
+
+    name: Any
+    kind: int
+    reserved: int
+    T_B_C: Any
+
+    _fields_ = [
+        ("name", c_char * 32),
+        ("kind", c_int32),
+        ("reserved", c_int32),
+        ("T_B_C", c_double * 16),
+    ]
+
+
+class tides_session_facts(Structure):
+    """tides_run_values values; /* of its run */
+    tides_intrinsics intrinsics; /* of its images; on frames width and height alone */
+    const tides_run *run; /* its run */
+    const tides_scene *scene; /* NULL on frames; the camera and the device, too */
+    const tides_trajectory *camera;
+    tides_frames *frames; /* NULL on a scene */
+    tides_device *device;
+    tides_device_info info; /* of the device; on frames its name says so */
+    int32_t sees_frames; /* 1: the method sees frames, of a sequence or rendered: all but TIDES on a scene */
+    int32_t reserved;
+    """
+
+    values: tides_run_values
+    intrinsics: tides_intrinsics
+    run: Any
+    scene: Any
+    camera: Any
+    frames: Any
+    device: Any
+    info: tides_device_info
+    sees_frames: int
+    reserved: int
+
+    _fields_ = [
+        ("values", tides_run_values),
+        ("intrinsics", tides_intrinsics),
+        ("run", P(tides_run)),
+        ("scene", P(tides_scene)),
+        ("camera", P(tides_trajectory)),
+        ("frames", P(tides_frames)),
+        ("device", P(tides_device)),
+        ("info", tides_device_info),
+        ("sees_frames", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_recording(Structure):
+    """uint32_t size;
+    int32_t resume; /* 1: go on where PATH.checkpoint is, with the PATH.part beside it */
+    const char *format; /* of tides_event_format_at; NULL: that of the path's ending */
+    double checkpoint_s; /* [s] of wall time between checkpoints; 0: none, nor where the run is stopped */
+    """
+
+    size: int
+    resume: int
+    format: bytes | None
+    checkpoint_s: float
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("resume", c_int32),
+        ("format", c_char_p),
+        ("checkpoint_s", c_double),
+    ]
+
+
+class tides_recorded(Structure):
+    """uint64_t events; /* in the file so far */
+    uint64_t collapsed; /* tides_event_writer_collapsed */
+    double resumed_s; /* [s] since the run's start where it went on; 0: from the start */
+    int32_t began; /* 1: the file is open; PATH.part holds its events should the run be stopped */
+    int32_t complete; /* 1: PATH is there */
+    int32_t saved; /* 1: the last checkpoint was written: `resume` goes on from it */
+    tides_error unsaved; /* why a checkpoint couldn't be, for the first time; the run goes on */
+    """
+
+    events: int
+    collapsed: int
+    resumed_s: float
+    began: int
+    complete: int
+    saved: int
+    unsaved: tides_error
+
+    _fields_ = [
+        ("events", c_uint64),
+        ("collapsed", c_uint64),
+        ("resumed_s", c_double),
+        ("began", c_int32),
+        ("complete", c_int32),
+        ("saved", c_int32),
+        ("unsaved", tides_error),
+    ]
+
+
+class tides_dataset_layout(Structure):
+    """const char *name, *summary;
+    int32_t metric, reserved;
+    """
+
+    name: bytes | None
+    summary: bytes | None
+    metric: int
+    reserved: int
+
+    _fields_ = [
+        ("name", c_char_p),
+        ("summary", c_char_p),
+        ("metric", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_dataset_report(Structure):
+    """uint64_t events; /* of all cameras */
+    int32_t cameras; /* of the rig; 1 without one */
+    int32_t pictures, truths, poses; /* of each camera: frames, frames of ground truth, poses */
+    """
+
+    events: int
+    cameras: int
+    pictures: int
+    truths: int
+    poses: int
+
+    _fields_ = [
+        ("events", c_uint64),
+        ("cameras", c_int32),
+        ("pictures", c_int32),
+        ("truths", c_int32),
+        ("poses", c_int32),
+    ]
+
+
+class tides_generator(Structure):
+    """const char *name; /* "fan" */
+    const char *sentence; /* what is to be seen */
+    const char *counted; /* what options.count counts: "balls"; NULL: this kind has no number to choose */
+    int32_t count; /* how many by default; 0 where `counted` is NULL */
+    int32_t count_most;
+    int64_t gaussians; /* of each moving object by default (of the plane, of the fan's blades); 0: nothing to choose */
+    double duration_s;
+    """
+
+    name: bytes | None
+    sentence: bytes | None
+    counted: bytes | None
+    count: int
+    count_most: int
+    gaussians: int
+    duration_s: float
+
+    _fields_ = [
+        ("name", c_char_p),
+        ("sentence", c_char_p),
+        ("counted", c_char_p),
+        ("count", c_int32),
+        ("count_most", c_int32),
+        ("gaussians", c_int64),
+        ("duration_s", c_double),
+    ]
+
+
+class tides_generate_options(Structure):
+    """uint32_t size; /* sizeof this struct, set by the defaults function */
+    int32_t count; /* of what the kind counts; 0: its default */
+    int64_t gaussians; /* about how many each moving object has, the grids that cover it being rounded; 0: its default */
+    double duration_s; /* how long motions and the camera's path last, from second 0 [s], up to 600; 0: its default */
+    double speed; /* objects (of the plane: the camera) move so many times as fast, in (0, 1000] */
+    uint64_t seed; /* of colours, places, phases and the camera's shake */
+    int32_t width, height; /* of the image [px]; the field of view is always 60 degrees across */
+    """
+
+    size: int
+    count: int
+    gaussians: int
+    duration_s: float
+    speed: float
+    seed: int
+    width: int
+    height: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("count", c_int32),
+        ("gaussians", c_int64),
+        ("duration_s", c_double),
+        ("speed", c_double),
+        ("seed", c_uint64),
+        ("width", c_int32),
+        ("height", c_int32),
+    ]
+
+
+class tides_world(Structure):
+    """tides_scene *scene;
+    tides_trajectory *camera;
+    tides_intrinsics intrinsics;
+    double background[3]; /* for scene.background: linear r g b */
+    double duration_s;
+    """
+
+    scene: Any
+    camera: Any
+    intrinsics: tides_intrinsics
+    background: Any
+    duration_s: float
+
+    _fields_ = [
+        ("scene", P(tides_scene)),
+        ("camera", P(tides_trajectory)),
+        ("intrinsics", tides_intrinsics),
+        ("background", c_double * 3),
+        ("duration_s", c_double),
+    ]
+
+
+class tides_truth(Structure):
+    """double *plane[TIDES_TRUTHS];
+    """
+
+    plane: Any
+
+    _fields_ = [
+        ("plane", P(c_double) * 9),
+    ]
+
+
+class tides_material_point(Structure):
+    """int32_t object; /* of the scene; -1: no point */
+    int32_t reserved;
+    int64_t gaussian; /* within the object */
+    double xi[3];
+    """
+
+    object: int
+    reserved: int
+    gaussian: int
+    xi: Any
+
+    _fields_ = [
+        ("object", c_int32),
+        ("reserved", c_int32),
+        ("gaussian", c_int64),
+        ("xi", c_double * 3),
+    ]
+
+
+class tides_track(Structure):
+    """double u, v; /* [px], (0.5, 0.5) being the first pixel's centre; NaN behind the near plane, or where there's no point */
+    double depth; /* camera z [scene units]; NaN where there's no point */
+    int32_t visible; /* 1: in the image, and not behind what is seen there (the splat of the median depth) */
+    int32_t reserved;
+    """
+
+    u: float
+    v: float
+    depth: float
+    visible: int
+    reserved: int
+
+    _fields_ = [
+        ("u", c_double),
+        ("v", c_double),
+        ("depth", c_double),
+        ("visible", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_event_truth(Structure):
+    """double flow_u, flow_v; /* [px/s] */
+    double depth, alpha; /* [scene units], [1] */
+    int32_t instance, reserved; /* the scene's object; -1 where nothing is seen */
+    """
+
+    flow_u: float
+    flow_v: float
+    depth: float
+    alpha: float
+    instance: int
+    reserved: int
+
+    _fields_ = [
+        ("flow_u", c_double),
+        ("flow_v", c_double),
+        ("depth", c_double),
+        ("alpha", c_double),
+        ("instance", c_int32),
+        ("reserved", c_int32),
     ]
 
 
@@ -2319,129 +2575,6 @@ class tides_array_shape(Structure):
     ]
 
 
-class tides_param(Structure):
-    """const char *key; /* "sensor.threshold_on" */
-    int32_t type; /* TIDES_PARAM_* */
-    const char *unit; /* "log units", or "" */
-    double lower, upper; /* inclusive bounds of numbers; 0 and 0 for the rest */
-    const char *fallback; /* default as JSON text; NULL: required */
-    const char *choices; /* "smooth|inria|gsplat", or NULL */
-    const char *sentence; /* what it does */
-    int32_t available; /* 0: part of the contract, but this version only takes the default */
-    """
-
-    key: bytes | None
-    type: int
-    unit: bytes | None
-    lower: float
-    upper: float
-    fallback: bytes | None
-    choices: bytes | None
-    sentence: bytes | None
-    available: int
-
-    _fields_ = [
-        ("key", c_char_p),
-        ("type", c_int32),
-        ("unit", c_char_p),
-        ("lower", c_double),
-        ("upper", c_double),
-        ("fallback", c_char_p),
-        ("choices", c_char_p),
-        ("sentence", c_char_p),
-        ("available", c_int32),
-    ]
-
-
-class tides_run_values(Structure):
-    """tides_intrinsics intrinsics; /* zeros where neither given nor yet taken from the path file */
-    tides_image_params image;
-    tides_sensor sensor;
-    tides_stepping stepping;
-    tides_readout readout;
-    double start, stop;
-    const char *scene_file, *camera_file, *device, *seed, *method;
-    tides_baseline_params baseline; /* its method is `method` */
-    tides_frames_options frames;
-    const char *frames_file; /* NULL: the run has a scene */
-    double frames_per_second; /* of a baseline's renders [Hz] */
-    tides_path_options path; /* of camera.file */
-    double scene_duration_s; /* 0: the scene's own */
-    double metres_per_unit; /* of the scene [m]; 0: unknown */
-    int32_t event_truth; /* 1: event files get ground truth (tides_session_truth) */
-    int32_t reserved;
-    const char *json; /* the run with every default filled in, as written into event files */
-    """
-
-    intrinsics: tides_intrinsics
-    image: tides_image_params
-    sensor: tides_sensor
-    stepping: tides_stepping
-    readout: tides_readout
-    start: float
-    stop: float
-    scene_file: bytes | None
-    camera_file: bytes | None
-    device: bytes | None
-    seed: bytes | None
-    method: bytes | None
-    baseline: tides_baseline_params
-    frames: tides_frames_options
-    frames_file: bytes | None
-    frames_per_second: float
-    path: tides_path_options
-    scene_duration_s: float
-    metres_per_unit: float
-    event_truth: int
-    reserved: int
-    json: bytes | None
-
-    _fields_ = [
-        ("intrinsics", tides_intrinsics),
-        ("image", tides_image_params),
-        ("sensor", tides_sensor),
-        ("stepping", tides_stepping),
-        ("readout", tides_readout),
-        ("start", c_double),
-        ("stop", c_double),
-        ("scene_file", c_char_p),
-        ("camera_file", c_char_p),
-        ("device", c_char_p),
-        ("seed", c_char_p),
-        ("method", c_char_p),
-        ("baseline", tides_baseline_params),
-        ("frames", tides_frames_options),
-        ("frames_file", c_char_p),
-        ("frames_per_second", c_double),
-        ("path", tides_path_options),
-        ("scene_duration_s", c_double),
-        ("metres_per_unit", c_double),
-        ("event_truth", c_int32),
-        ("reserved", c_int32),
-        ("json", c_char_p),
-    ]
-
-
-class tides_rig_camera(Structure):
-    """char name[TIDES_RIG_NAME];
-    int32_t kind; /* TIDES_RIG_BOTH, _EVENT or _FRAME */
-    int32_t reserved;
-    double T_B_C[16]; /* row-major: p_body = T_B_C p_camera [scene units] */
-    """
-
-    name: Any
-    kind: int
-    reserved: int
-    T_B_C: Any
-
-    _fields_ = [
-        ("name", c_char * 32),
-        ("kind", c_int32),
-        ("reserved", c_int32),
-        ("T_B_C", c_double * 16),
-    ]
-
-
 class tides_run_input(Structure):
     """const char *key; /* of the run file: "scene.objects" */
     const char *path; /* resolved against the run file */
@@ -2479,93 +2612,6 @@ class tides_fingerprint(Structure):
         ("files", c_uint64),
         ("bytes", c_uint64),
         ("largest", c_uint64),
-    ]
-
-
-class tides_session_facts(Structure):
-    """tides_run_values values; /* of its run */
-    tides_intrinsics intrinsics; /* of its images; on frames width and height alone */
-    const tides_run *run; /* its run */
-    const tides_scene *scene; /* NULL on frames; the camera and the device, too */
-    const tides_trajectory *camera;
-    tides_frames *frames; /* NULL on a scene */
-    tides_device *device;
-    tides_device_info info; /* of the device; on frames its name says so */
-    int32_t sees_frames; /* 1: the method sees frames, of a sequence or rendered: all but TIDES on a scene */
-    int32_t reserved;
-    """
-
-    values: tides_run_values
-    intrinsics: tides_intrinsics
-    run: Any
-    scene: Any
-    camera: Any
-    frames: Any
-    device: Any
-    info: tides_device_info
-    sees_frames: int
-    reserved: int
-
-    _fields_ = [
-        ("values", tides_run_values),
-        ("intrinsics", tides_intrinsics),
-        ("run", P(tides_run)),
-        ("scene", P(tides_scene)),
-        ("camera", P(tides_trajectory)),
-        ("frames", P(tides_frames)),
-        ("device", P(tides_device)),
-        ("info", tides_device_info),
-        ("sees_frames", c_int32),
-        ("reserved", c_int32),
-    ]
-
-
-class tides_recording(Structure):
-    """uint32_t size;
-    int32_t resume; /* 1: go on where PATH.checkpoint is, with the PATH.part beside it */
-    const char *format; /* of tides_event_format_at; NULL: that of the path's ending */
-    double checkpoint_s; /* [s] of wall time between checkpoints; 0: none, nor where the run is stopped */
-    """
-
-    size: int
-    resume: int
-    format: bytes | None
-    checkpoint_s: float
-
-    _fields_ = [
-        ("size", c_uint32),
-        ("resume", c_int32),
-        ("format", c_char_p),
-        ("checkpoint_s", c_double),
-    ]
-
-
-class tides_recorded(Structure):
-    """uint64_t events; /* in the file so far */
-    uint64_t collapsed; /* tides_event_writer_collapsed */
-    double resumed_s; /* [s] since the run's start where it went on; 0: from the start */
-    int32_t began; /* 1: the file is open; PATH.part holds its events should the run be stopped */
-    int32_t complete; /* 1: PATH is there */
-    int32_t saved; /* 1: the last checkpoint was written: `resume` goes on from it */
-    tides_error unsaved; /* why a checkpoint couldn't be, for the first time; the run goes on */
-    """
-
-    events: int
-    collapsed: int
-    resumed_s: float
-    began: int
-    complete: int
-    saved: int
-    unsaved: tides_error
-
-    _fields_ = [
-        ("events", c_uint64),
-        ("collapsed", c_uint64),
-        ("resumed_s", c_double),
-        ("began", c_int32),
-        ("complete", c_int32),
-        ("saved", c_int32),
-        ("unsaved", tides_error),
     ]
 
 
@@ -2702,6 +2748,13 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     ]),
     # const char *tides_channel_name(int32_t channel)
     "tides_channel_name": (c_char_p, [c_int32]),
+    # int32_t tides_dataset_layout_at(size_t index, tides_dataset_layout *layout)
+    "tides_dataset_layout_at": (c_int32, [c_size_t, P(tides_dataset_layout)]),
+    # tides_status tides_dataset_write(tides_session *session, const char *folder, const char *layouts, tides_progress
+    # progress, void *user, tides_dataset_report *report, tides_error *error)
+    "tides_dataset_write": (c_int32, [
+        P(tides_session), c_char_p, c_char_p, tides_progress, c_void_p, P(tides_dataset_report), P(tides_error)
+    ]),
     # void tides_device_close(tides_device *device)
     "tides_device_close": (None, [P(tides_device)]),
     # void tides_device_describe(const tides_device *device, tides_device_info *info)
@@ -3206,16 +3259,16 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
 }
 
 STRUCTS = (
-    tides_error, tides_device_info, tides_pose_sample, tides_pose, tides_orbit, tides_dolly, tides_handheld,
-    tides_polynomial_motion, tides_rotor_motion, tides_keyframes_motion, tides_theta, tides_callback_motion,
-    tides_gaussians, tides_object, tides_intrinsics, tides_path_options, tides_path, tides_generator,
-    tides_generate_options, tides_world, tides_circuit, tides_sensor, tides_smoothing, tides_image_params, tides_frame,
-    tides_render_stats, tides_event, tides_event_file, tides_event_format, tides_event_facts, tides_event_summary,
-    tides_event_conversion, tides_event_conversion_report, tides_truth, tides_material_point, tides_track,
-    tides_event_truth, tides_readout, tides_readout_stats, tides_risk, tides_stepping, tides_stats, tides_stat,
-    tides_frames_options, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params,
-    tides_baseline_params, tides_frame_supply, tides_channel, tides_match, tides_metrics_options, tides_interval_fit,
-    tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_param, tides_run_values,
-    tides_rig_camera, tides_run_input, tides_fingerprint, tides_session_facts, tides_recording, tides_recorded,
-    tides_exact_options, tides_exact,
+    tides_error, tides_frames_options, tides_event, tides_event_file, tides_event_format, tides_event_facts,
+    tides_event_summary, tides_event_conversion, tides_event_conversion_report, tides_readout, tides_readout_stats,
+    tides_pose_sample, tides_pose, tides_orbit, tides_dolly, tides_handheld, tides_intrinsics, tides_path_options,
+    tides_path, tides_device_info, tides_polynomial_motion, tides_rotor_motion, tides_keyframes_motion, tides_theta,
+    tides_callback_motion, tides_gaussians, tides_object, tides_circuit, tides_sensor, tides_smoothing,
+    tides_image_params, tides_frame, tides_render_stats, tides_risk, tides_stepping, tides_stats, tides_stat,
+    tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params, tides_baseline_params, tides_frame_supply,
+    tides_param, tides_run_values, tides_rig_camera, tides_session_facts, tides_recording, tides_recorded,
+    tides_dataset_layout, tides_dataset_report, tides_generator, tides_generate_options, tides_world, tides_truth,
+    tides_material_point, tides_track, tides_event_truth, tides_channel, tides_match, tides_metrics_options,
+    tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_run_input,
+    tides_fingerprint, tides_exact_options, tides_exact,
 )

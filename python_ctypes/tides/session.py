@@ -56,6 +56,15 @@ def values_of(struct: Any, owner: Any) -> Facts:
     return Facts({name: value(getattr(struct, name)) for name, _ in _fields(struct)})
 
 
+def dataset_layouts() -> list[Facts]:
+    """The layouts of Session.dataset: name, summary, metric (whether scene.metres_per_unit must be known)."""
+    made, layout = [], _api.tides_dataset_layout()
+    while lib.tides_dataset_layout_at(len(made), byref(layout)):
+        facts = plain(layout)
+        made.append(Facts(facts, metric=bool(facts["metric"])))
+    return made
+
+
 class Session(Handle):
     """A run file with all open that it names: Session("room.json", {"method": "esim"}). It may run any number of times, each
     from the start. A `device` wins over the run file's, which wins over TIDES_DEVICE. Fields: values (as a Run's),
@@ -145,6 +154,15 @@ class Session(Handle):
         with self._lock, Reporter(progress) as step:
             call("tides_session_write", self._pointer, path(file), how, step, None, None, byref(stats))
         return plain(stats)
+
+    def dataset(self, folder: str | os.PathLike[str], layouts: str | list[str], progress: Progress = None) -> Facts:
+        """Every camera of the run's rig as a dataset in `folder`, in one layout ("dsec") or several (a folder for each):
+        tides.dataset_layouts() lists them. The numbers of events, cameras, pictures, truths and poses."""
+        names = layouts if isinstance(layouts, str) else ",".join(layouts)
+        report = _api.tides_dataset_report()
+        with self._lock, Reporter(progress) as step:
+            call("tides_dataset_write", self._pointer, path(folder), encoded(names), step, None, byref(report))
+        return plain(report)
 
     def add_truth(self, file: str | os.PathLike[str], progress: Progress = None) -> None:
         """Adds ground truth to a finished HDF5 recording of this run: columns flow_u, flow_v [px/s], depth [scene units], alpha

@@ -149,6 +149,8 @@ static void a_run_is_of_one_camera(void **state) {
     assert_true(fabs(values_of(back).sensor.threshold_on - 0.4) < 1e-15);
     assert_int_equal(values_of(back).intrinsics.width, 24);
     assert_true(fabs(values_of(over).sensor.threshold_on - 0.7) < 1e-15);
+    assert_int_equal(values_of(first).sensor.seed, 0);
+    assert_true(values_of(second).sensor.seed != 0);            /* noise of its own */
     tides_run *again = parsed(values_of(second).json, NULL, 0); /* what event files keep is the same run */
     assert_string_equal(values_of(again).json, values_of(second).json);
     tides_rig_camera camera;

@@ -1,0 +1,65 @@
+/* tides dataset: a run, with all cameras of its rig, to a folder of a dataset. */
+#include "session.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static void help_layouts(void) {
+    tides_dataset_layout layout;
+    printf("\nlayouts (--layout):\n");
+    for (size_t i = 0; tides_dataset_layout_at(i, &layout); i++)
+        printf("  %-11s %s%s\n", layout.name, layout.summary, layout.metric ? " (needs scene.metres_per_unit)" : "");
+}
+
+/* The names one after the other, with commas between; what is none of them is for the library to refuse. */
+static int join(const cli_list *layouts, char *text, size_t size) {
+    size_t used = 0;
+    for (size_t i = 0; i < (size_t)layouts->count; i++) {
+        const int written = snprintf(text + used, size - used, "%s%s", i ? "," : "", layouts->items[i]);
+        if (written < 0 || (size_t)written >= size - used) return 0;
+        used += (size_t)written;
+    }
+    return 1;
+}
+
+static cJSON *facts_of(const char *folder, const tides_dataset_report *report) {
+    cJSON *facts = cJSON_CreateObject();
+    cJSON_AddStringToObject(facts, "folder", folder);
+    cJSON_AddNumberToObject(facts, "cameras", report->cameras);
+    cJSON_AddNumberToObject(facts, "events", (double)report->events);
+    cJSON_AddNumberToObject(facts, "pictures", report->pictures);
+    cJSON_AddNumberToObject(facts, "truths", report->truths);
+    cJSON_AddNumberToObject(facts, "poses", report->poses);
+    return facts;
+}
+
+int cmd_dataset(const cli_command *command, int argc, char **argv) {
+    cli_common common;
+    cli_list sets = {.count = 0}, layouts = {.count = 0};
+    const char *run = NULL, *output = NULL;
+    const cli_option options[] = {
+        {"--output", 'o', "DIR", "the dataset's folder, which must not be there yet (required)", NULL, &output, NULL},
+        {"--layout", 0, "NAME", "whose layout; may be repeated: each gets a folder in DIR (required)", NULL, NULL, &layouts},
+        {"--set", 0, "KEY=VALUE", "override a key of the run file; may be repeated", NULL, NULL, &sets},
+        {NULL, 0, NULL, NULL, NULL, NULL, NULL},
+    };
+    int code = cli_parse(command, options, argc, argv, &common, &run);
+    if (code == CLI_OK) help_layouts();
+    if (code != CLI_GO) return code;
+    char names[256];
+    if (!output) return cli_usage(command, "the output is missing: -o DIR");
+    if (layouts.count == 0) return cli_usage(command, "the layout is missing: --layout dsec");
+    if (!join(&layouts, names, sizeof names)) return cli_usage(command, "--layout: too many names");
+
+    tides_error error = {TIDES_OK, ""};
+    tides_session *session = NULL;
+    tides_dataset_report report;
+    if (cli_session_open(run, &sets, &common, &session, &error) != TIDES_OK) return cli_fail(&error);
+    cli_progress progress = {.quiet = common.quiet};
+    cli_catch_interrupt();
+    const tides_status status = tides_dataset_write(session, output, names, cli_progress_step, &progress, &report, &error);
+    cli_progress_end(&progress);
+    code = status == TIDES_OK ? cli_report_facts(facts_of(output, &report), &common) : cli_fail(&error);
+    tides_session_close(session);
+    return code;
+}

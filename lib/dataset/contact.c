@@ -1,0 +1,137 @@
+/* contact.png: a row for each camera with its picture in the middle of the sequence, the events around it, flow, depth and
+ * instances; so that a look says whether the dataset is what was meant. */
+#include "td_dataset.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PICTURE, EVENTS, FLOW, DEPTH, INSTANCE, PANELS, GAP = 4, LABEL = 14 };
+static const char *const labels[PANELS] = {"picture", "events", "flow", "depth", "instance"};
+
+/* [us] before and after the middle, of the events that are drawn. */
+enum { HALF_WINDOW = 10000 };
+
+/* Panels are as large as the largest camera; rows of cameras that lack something stay dark there. */
+typedef struct contact {
+    uint8_t *rgb, *panel;
+    int32_t width, height, cell_width, cell_height;
+    tides_event *events;
+    size_t count, capacity;
+    int32_t row;
+} contact;
+
+static size_t middle(size_t count) { return count / 2; }
+static int64_t middle_us(const td_dataset *set) { return td_dataset_us(set, set->truth_hz, middle(set->truths)); }
+
+static tides_status open_sheet(td_writer *w, tides_error *error) {
+    contact *c = w->kept = td_alloc(1, sizeof *c, error);
+    if (!c) return TIDES_NO_MEMORY;
+    for (size_t i = 0; i < w->set->count; i++) {
+        const tides_intrinsics *k = &w->set->cameras[i].facts.intrinsics;
+        if (k->width > c->cell_width) c->cell_width = k->width;
+        if (k->height > c->cell_height) c->cell_height = k->height;
+    }
+    c->row = -1;
+    c->width = PANELS * (c->cell_width + GAP) + GAP;
+    c->height = (int32_t)w->set->count * (c->cell_height + GAP + LABEL) + GAP;
+    c->rgb = td_alloc(3 * (size_t)c->width, (size_t)c->height, error);
+    c->panel = c->rgb ? td_alloc(3 * (size_t)c->cell_width, (size_t)c->cell_height, error) : NULL;
+    if (!c->panel) return TIDES_NO_MEMORY;
+    memset(c->rgb, 24, 3 * (size_t)c->width * (size_t)c->height);
+    return TIDES_OK;
+}
+
+static tides_status begin(td_writer *w, tides_error *error) {
+    const tides_status status = w->kept ? TIDES_OK : open_sheet(w, error);
+    if (status != TIDES_OK) return status;
+    contact *c = w->kept;
+    c->row++;
+    c->count = 0;
+    return TIDES_OK;
+}
+
+/* A camera's panel in its place, with what it is above. */
+static void place(td_writer *w, int panel, const uint8_t *rgb) {
+    static const uint8_t light[3] = {230, 230, 230};
+    contact *c = w->kept;
+    const tides_intrinsics *k = &w->camera->facts.intrinsics;
+    const int32_t left = GAP + panel * (c->cell_width + GAP), top = c->row * (c->cell_height + GAP + LABEL) + LABEL;
+    char text[80];
+    snprintf(text, sizeof text, "%s %s", panel == 0 ? w->camera->name : "", labels[panel]);
+    tides_picture_text(c->rgb, c->width, c->height, left, top - LABEL + 3, 1, light, text + (panel != 0));
+    for (int32_t y = 0; y < k->height; y++)
+        memcpy(c->rgb + 3 * ((size_t)(top + y) * (size_t)c->width + (size_t)left), rgb + 3 * (size_t)y * (size_t)k->width,
+               3 * (size_t)k->width);
+}
+
+static tides_status events(td_writer *w, const tides_event *list, size_t count, tides_error *error) {
+    contact *c = w->kept;
+    const int64_t from = 1000 * (middle_us(w->set) - HALF_WINDOW), to = 1000 * (middle_us(w->set) + HALF_WINDOW);
+    for (size_t i = 0; i < count; i++) {
+        if (list[i].t < from || list[i].t >= to) continue;
+        void *all = c->events;
+        const tides_status status = td_reserve(&all, &c->capacity, c->count + 1, sizeof *list, error);
+        c->events = all;
+        if (status != TIDES_OK) return status;
+        c->events[c->count++] = list[i];
+    }
+    return TIDES_OK;
+}
+
+static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {
+    (void)error;
+    if (p->index == middle(w->set->pictures)) place(w, PICTURE, p->rgb);
+    return TIDES_OK;
+}
+
+static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
+    (void)error;
+    contact *c = w->kept;
+    if (t->index != middle(w->set->truths)) return TIDES_OK;
+    const int32_t width = w->camera->facts.intrinsics.width, height = w->camera->facts.intrinsics.height;
+    tides_picture_flow(t->flow_u, t->flow_v, width, height, 0, c->panel);
+    place(w, FLOW, c->panel);
+    tides_picture_depth(t->depth, width, height, 0, 0, c->panel);
+    place(w, DEPTH, c->panel);
+    tides_picture_labels(t->instance, width, height, c->panel);
+    place(w, INSTANCE, c->panel);
+    return TIDES_OK;
+}
+
+static tides_status end(td_writer *w, tides_error *error) {
+    (void)error;
+    contact *c = w->kept;
+    if (w->camera->event < 0) return TIDES_OK;
+    tides_picture_events(c->events, c->count, NULL, w->camera->facts.intrinsics.width, w->camera->facts.intrinsics.height,
+                         c->panel);
+    place(w, EVENTS, c->panel);
+    return TIDES_OK;
+}
+
+static tides_status complete(td_writer *w, tides_error *error) {
+    contact *c = w->kept;
+    char *path = td_in_folder(w->root, error, "contact.png");
+    const tides_status status = path ? tides_png_write(path, c->width, c->height, c->rgb, error) : TIDES_NO_MEMORY;
+    free(path);
+    return status;
+}
+
+static void drop(td_writer *w) {
+    contact *c = w->kept;
+    if (!c) return;
+    free(c->events);
+    free(c->panel);
+    free(c->rgb);
+    free(c);
+}
+
+const td_layout td_layout_contact = {.name = "contact",
+                                     .summary = "a picture of the dataset",
+                                     .begin = begin,
+                                     .events = events,
+                                     .picture = picture,
+                                     .truth = truth,
+                                     .end = end,
+                                     .complete = complete,
+                                     .drop = drop};

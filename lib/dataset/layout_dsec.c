@@ -1,0 +1,239 @@
+/* DSEC (Gehrig et al. 2021; dsec.ifi.uzh.ch/data-format), of a rig: event cameras left and right, cameras of pictures left and
+ * right. Times are microseconds; flow and disparity are the left event camera's.
+ *
+ *   events/{left,right}/events.h5, rectify_map.h5 (rectified place of each raw pixel; here its own)
+ *   images/timestamps.txt, images/{left,right}/exposure_timestamps.txt, images/{left,right}/rectified/%06d.png
+ *   flow/{forward,backward}/%06d.png, 16 bits: (I - 32768) / 128 in R and G [px], B = 1: known; number of the picture at the
+ *     time that it begins; flow/{forward,backward}_timestamps.txt
+ *   disparity/event/%06d.png, 16 bits: I / 256 [px], 0: unknown; disparity/timestamps.txt
+ *   calibration/cam_to_cam.yaml: cam0 and cam3 make events, cam1 and cam2 pictures, left and right
+ *   poses.txt: `t px py pz qx qy qz qw` of the left event camera [s, m], which DSEC itself hasn't */
+#include "td_arrays.h"
+#include "td_dataset.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const char *const sides[] = {"left", "right"};
+
+typedef struct dsec {
+    tides_event_writer *events;
+    td_lines times, exposures, forward, backward, disparity, poses;
+    uint16_t *rgb;
+} dsec;
+
+/* -- what it has a place for ---------------------------------------------------------------------------------------------- */
+
+static const td_member *find(const td_dataset *set, int events, int side) {
+    for (size_t i = 0; i < set->count; i++)
+        if ((events ? set->cameras[i].event : set->cameras[i].picture) == side) return &set->cameras[i];
+    return NULL;
+}
+
+/* Two cameras whose raw images are their rectified ones: beside one another, of one lens. */
+static tides_status check_pair(const td_dataset *set, int events, tides_error *error) {
+    const td_member *left = find(set, events, 0), *right = find(set, events, 1);
+    if (!left || !right) return TIDES_OK;
+    const tides_intrinsics *a = &left->facts.intrinsics, *b = &right->facts.intrinsics;
+    double t[16], away = fabs(a->fx - b->fx) + fabs(a->fy - b->fy) + fabs(a->cx - b->cx) + fabs(a->cy - b->cy);
+    td_between(set, left, right, t);
+    for (int i = 0; i < 9; i++) away += fabs(t[i / 3 * 4 + i % 3] - (i % 4 == 0));
+    away += fabs(t[7]) + fabs(t[11]);
+    if (t[3] < 0 && away < 1e-9 && a->width == b->width && a->height == b->height) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_CONFIG,
+                   "dsec: %s and %s aren't rectified: give them one lens, and the second a T_B_C to the right of the first "
+                   "along x",
+                   left->name, right->name);
+}
+
+static tides_status check(const td_dataset *set, tides_error *error) {
+    if (set->event_cameras < 1 || set->event_cameras > 2 || set->picture_cameras > 2)
+        return td_fail(error, TIDES_BAD_CONFIG,
+                       "dsec: it has one or two cameras that make events and up to two that make pictures, not %zu and %zu",
+                       set->event_cameras, set->picture_cameras);
+    const double ratio = set->picture_hz / set->truth_hz;
+    if (fabs(ratio - rint(ratio)) > 1e-9 || ratio < 1)
+        return td_fail(error, TIDES_BAD_CONFIG,
+                       "dsec: flow has the numbers of pictures: dataset.picture_hz must be a whole multiple of "
+                       "dataset.truth_hz");
+    const tides_status status = check_pair(set, 1, error);
+    return status == TIDES_OK ? check_pair(set, 0, error) : status;
+}
+
+/* -- a camera -------------------------------------------------------------------------------------------------------------- */
+
+static tides_status write_rectify_map(const td_writer *w, tides_error *error) {
+    const size_t width = (size_t)w->camera->facts.intrinsics.width, height = (size_t)w->camera->facts.intrinsics.height;
+    const size_t inner[2] = {width, 2};
+    float *row = td_alloc(2 * width, sizeof *row, error);
+    if (!row) return TIDES_NO_MEMORY;
+    td_arrays file;
+    td_array map = {.dataset = 0};
+    tides_status status =
+        td_arrays_open(&file, td_in_folder(w->folder, error, "events/%s/rectify_map.h5", sides[w->camera->event]), error);
+    if (status == TIDES_OK)
+        status = td_array_begin(&file, "rectify_map", H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, 3, inner, height, &map, error);
+    for (size_t y = 0; y < height && status == TIDES_OK; y++) {
+        for (size_t x = 0; x < width; x++) row[2 * x] = (float)x, row[2 * x + 1] = (float)y;
+        status = td_array_append(&file, &map, 1, row, error);
+    }
+    td_array_end(&map);
+    const tides_status closed = td_arrays_close(&file, error);
+    free(row);
+    return status == TIDES_OK ? closed : status;
+}
+
+static tides_status begin_events(td_writer *w, dsec *d, tides_error *error) {
+    const tides_event_file facts = td_event_facts_of(w->set, w->camera);
+    char *path = td_in_folder(w->folder, error, "events/%s/events.h5", sides[w->camera->event]);
+    tides_status status = path ? td_make_parents(path, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) status = tides_event_writer_open(path, &facts, &d->events, error);
+    free(path);
+    return status == TIDES_OK ? write_rectify_map(w, error) : status;
+}
+
+/* What is of the left event camera. */
+static tides_status begin_truth(td_writer *w, dsec *d, tides_error *error) {
+    static const char head[] = "# from_timestamp_us, to_timestamp_us\n";
+    tides_status status = td_lines_open(&d->forward, w->folder, "flow/forward_timestamps.txt", error);
+    if (status == TIDES_OK) status = td_lines_put(&d->forward, error, "%s", head);
+    if (status == TIDES_OK) status = td_lines_open(&d->backward, w->folder, "flow/backward_timestamps.txt", error);
+    if (status == TIDES_OK) status = td_lines_put(&d->backward, error, "%s", head);
+    if (status == TIDES_OK) status = td_lines_open(&d->poses, w->folder, "poses.txt", error);
+    if (status == TIDES_OK && find(w->set, 1, 1))
+        status = td_lines_open(&d->disparity, w->folder, "disparity/timestamps.txt", error);
+    return status;
+}
+
+static tides_status begin_pictures(td_writer *w, dsec *d, tides_error *error) {
+    char name[64];
+    snprintf(name, sizeof name, "images/%s/exposure_timestamps.txt", sides[w->camera->picture]);
+    tides_status status = td_lines_open(&d->exposures, w->folder, name, error);
+    if (status == TIDES_OK)
+        status = td_lines_put(&d->exposures, error, "# exposure_start_timestamp_us, exposure_end_timestamp_us\n");
+    if (status == TIDES_OK && w->camera->picture == 0)
+        status = td_lines_open(&d->times, w->folder, "images/timestamps.txt", error);
+    return status;
+}
+
+static tides_status begin(td_writer *w, tides_error *error) {
+    dsec *d = w->state = td_alloc(1, sizeof *d, error);
+    if (!d) return TIDES_NO_MEMORY;
+    d->rgb = td_alloc(3 * td_pixels(w->camera), sizeof *d->rgb, error);
+    tides_status status = d->rgb ? TIDES_OK : TIDES_NO_MEMORY;
+    if (status == TIDES_OK && w->camera->event >= 0) status = begin_events(w, d, error);
+    if (status == TIDES_OK && w->camera->event == 0) status = begin_truth(w, d, error);
+    if (status == TIDES_OK && w->camera->picture >= 0) status = begin_pictures(w, d, error);
+    return status;
+}
+
+static tides_status events(td_writer *w, const tides_event *list, size_t count, tides_error *error) {
+    return tides_event_writer_append(((dsec *)w->state)->events, list, count, error);
+}
+
+static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {
+    dsec *d = w->state;
+    const long long us = p->us;
+    tides_status status = d->times.file ? td_lines_put(&d->times, error, "%lld\n", us) : TIDES_OK;
+    if (status == TIDES_OK) status = td_lines_put(&d->exposures, error, "%lld, %lld\n", us, us);
+    char format[48];
+    snprintf(format, sizeof format, "images/%s/rectified/%%06u.png", sides[w->camera->picture]);
+    return status == TIDES_OK ? td_plane_write(w->folder, format, (unsigned)p->index, w->camera, 8, 3, p->rgb, error) : status;
+}
+
+/* -- ground truth ---------------------------------------------------------------------------------------------------------- */
+
+/* 32768 + 128 px; -1 where 16 bits don't hold it. */
+static int32_t flow_16(double px) {
+    const double value = rint(128 * px) + 32768;
+    return value >= 0 && value <= 65535 ? (int32_t)value : -1;
+}
+
+static tides_status write_flow(td_writer *w, const char *format, unsigned number, const double *u, const double *v,
+                               tides_error *error) {
+    uint16_t *rgb = ((dsec *)w->state)->rgb;
+    for (size_t i = 0; i < td_pixels(w->camera); i++) {
+        const int32_t right = isnan(u[i]) ? -1 : flow_16(u[i]), down = isnan(v[i]) ? -1 : flow_16(v[i]);
+        const int known = right >= 0 && down >= 0;
+        rgb[3 * i] = (uint16_t)(known ? right : 32768);
+        rgb[3 * i + 1] = (uint16_t)(known ? down : 32768);
+        rgb[3 * i + 2] = (uint16_t)known;
+    }
+    return td_plane_write(w->folder, format, number, w->camera, 16, 3, rgb, error);
+}
+
+static tides_status write_disparity(td_writer *w, const td_truth *t, unsigned number, tides_error *error) {
+    dsec *d = w->state;
+    const td_member *right = find(w->set, 1, 1);
+    double between[16];
+    td_between(w->set, w->camera, right, between);
+    const double pixels = 256 * w->camera->facts.intrinsics.fx * -between[3]; /* at a metre */
+    for (size_t i = 0; i < td_pixels(w->camera); i++) {
+        const double value = t->depth[i] > 0 ? rint(pixels / (t->depth[i] * w->set->metres)) : 0;
+        d->rgb[i] = value >= 1 && value <= 65535 ? (uint16_t)value : 0;
+    }
+    const tides_status status = td_lines_put(&d->disparity, error, "%lld\n", (long long)t->us);
+    return status == TIDES_OK ? td_plane_write(w->folder, "disparity/event/%06u.png", number, w->camera, 16, 1, d->rgb, error)
+                              : status;
+}
+
+static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
+    dsec *d = w->state;
+    if (w->camera->event != 0) return TIDES_OK;
+    const unsigned number = (unsigned)(t->index * (size_t)llround(w->set->picture_hz / w->set->truth_hz));
+    tides_status status = TIDES_OK;
+    if (t->next_u) {
+        status = td_lines_put(&d->forward, error, "%lld, %lld\n", (long long)t->us, (long long)t->next_us);
+        if (status == TIDES_OK) status = write_flow(w, "flow/forward/%06u.png", number, t->next_u, t->next_v, error);
+    }
+    if (status == TIDES_OK && t->before_u) {
+        status = td_lines_put(&d->backward, error, "%lld, %lld\n", (long long)t->us, (long long)t->before_us);
+        if (status == TIDES_OK) status = write_flow(w, "flow/backward/%06u.png", number, t->before_u, t->before_v, error);
+    }
+    return status == TIDES_OK && d->disparity.file ? write_disparity(w, t, number, error) : status;
+}
+
+static tides_status pose(td_writer *w, const td_place_at *at, tides_error *error) {
+    dsec *d = w->state;
+    return d->poses.file ? td_pose_line(w->set, &d->poses, at, error) : TIDES_OK;
+}
+
+static void drop(td_writer *w) {
+    dsec *d = w->state;
+    if (!d) return;
+    tides_event_writer_abandon(d->events);
+    td_lines *const lines[] = {&d->times, &d->exposures, &d->forward, &d->backward, &d->disparity, &d->poses};
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) td_lines_drop(lines[i]);
+    free(d->rgb);
+    free(d);
+    w->state = NULL;
+}
+
+static tides_status end(td_writer *w, tides_error *error) {
+    dsec *d = w->state;
+    tides_status status = TIDES_OK;
+    if (d->events) status = tides_event_writer_finish(d->events, td_event_facts_of(w->set, w->camera).stop_ns, error);
+    d->events = NULL;
+    td_lines *const lines[] = {&d->times, &d->exposures, &d->forward, &d->backward, &d->disparity, &d->poses};
+    for (size_t i = 0; i < sizeof lines / sizeof *lines && status == TIDES_OK; i++) status = td_lines_close(lines[i], error);
+    drop(w);
+    return status;
+}
+
+static tides_status complete(td_writer *w, tides_error *error) {
+    const td_member *const cameras[4] = {find(w->set, 1, 0), find(w->set, 0, 0), find(w->set, 0, 1), find(w->set, 1, 1)};
+    return td_dsec_calibration(w, cameras, error);
+}
+
+const td_layout td_layout_dsec = {.name = "dsec",
+                                  .summary = "DSEC: stereo events, pictures, flow, disparity",
+                                  .metric = 1,
+                                  .check = check,
+                                  .begin = begin,
+                                  .events = events,
+                                  .picture = picture,
+                                  .truth = truth,
+                                  .pose = pose,
+                                  .end = end,
+                                  .complete = complete,
+                                  .drop = drop};

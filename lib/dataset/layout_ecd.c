@@ -1,0 +1,111 @@
+/* The Event Camera Dataset (Mueggler et al. 2017; rpg.ifi.uzh.ch/davis_data), of each camera: events.txt `t x y p`, images.txt
+ * and images/, groundtruth.txt `t px py pz qx qy qz qw` of the camera in the world [m], calib.txt
+ * `fx fy cx cy k1 k2 p1 p2 k3`, and as its synthetic sequences depthmaps.txt and depthmaps/ [m]. All times in seconds. */
+#include "td_dataset.h"
+
+#include <stdlib.h>
+
+typedef struct ecd {
+    tides_event_writer *events;
+    td_lines images, poses, depths;
+    float *depth;
+} ecd;
+
+static tides_status write_calibration(const td_writer *w, tides_error *error) {
+    const tides_intrinsics *k = &w->camera->facts.intrinsics;
+    td_lines lines = {NULL, NULL};
+    tides_status status = td_lines_open(&lines, w->folder, "calib.txt", error);
+    if (status == TIDES_OK)
+        status = td_lines_put(&lines, error, "%.17g %.17g %.17g %.17g 0 0 0 0 0\n", k->fx, k->fy, td_whole_cx(w->camera),
+                              td_whole_cy(w->camera));
+    const tides_status closed = td_lines_close(&lines, error);
+    return status == TIDES_OK ? closed : status;
+}
+
+static tides_status open_events(td_writer *w, ecd *e, tides_error *error) {
+    const tides_event_file facts = td_event_facts_of(w->set, w->camera);
+    char *path = td_in_folder(w->folder, error, "events.txt");
+    const tides_status status = path ? tides_event_writer_open_as(path, "ecd", &facts, &e->events, error) : TIDES_NO_MEMORY;
+    free(path);
+    return status;
+}
+
+static tides_status begin(td_writer *w, tides_error *error) {
+    ecd *e = w->state = td_alloc(1, sizeof *e, error);
+    if (!e) return TIDES_NO_MEMORY;
+    e->depth = td_alloc(td_pixels(w->camera), sizeof *e->depth, error);
+    tides_status status = e->depth ? TIDES_OK : TIDES_NO_MEMORY;
+    if (status == TIDES_OK && w->camera->event >= 0) status = open_events(w, e, error);
+    if (status == TIDES_OK && w->camera->picture >= 0) status = td_lines_open(&e->images, w->folder, "images.txt", error);
+    if (status == TIDES_OK) status = td_lines_open(&e->poses, w->folder, "groundtruth.txt", error);
+    if (status == TIDES_OK) status = td_lines_open(&e->depths, w->folder, "depthmaps.txt", error);
+    return status == TIDES_OK ? write_calibration(w, error) : status;
+}
+
+static tides_status events(td_writer *w, const tides_event *list, size_t count, tides_error *error) {
+    return tides_event_writer_append(((ecd *)w->state)->events, list, count, error);
+}
+
+static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {
+    ecd *e = w->state;
+    const tides_status status = td_lines_put(&e->images, error, "%.6f images/frame_%08zu.png\n", td_seconds(p->us), p->index);
+    return status == TIDES_OK
+               ? td_plane_write(w->folder, "images/frame_%08u.png", (unsigned)p->index, w->camera, 8, 1, p->grey, error)
+               : status;
+}
+
+/* 0 where nothing is seen. */
+static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
+    ecd *e = w->state;
+    const tides_intrinsics *k = &w->camera->facts.intrinsics;
+    for (size_t i = 0; i < td_pixels(w->camera); i++) e->depth[i] = (float)(t->depth[i] * w->set->metres);
+    const tides_channel channel = {"Z", e->depth};
+    const char *const unit[] = {"depth_unit", "m", NULL};
+    tides_status status = td_lines_put(&e->depths, error, "%.6f depthmaps/frame_%08zu.exr\n", td_seconds(t->us), t->index);
+    if (status != TIDES_OK) return status;
+    char *path = td_in_folder(w->folder, error, "depthmaps/frame_%08zu.exr", t->index);
+    status = path ? td_make_parents(path, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) status = tides_exr_write(path, k->width, k->height, &channel, 1, TIDES_EXR_ZIP, unit, error);
+    free(path);
+    return status;
+}
+
+static tides_status pose(td_writer *w, const td_place_at *at, tides_error *error) {
+    return td_pose_line(w->set, &((ecd *)w->state)->poses, at, error);
+}
+
+static void drop(td_writer *w) {
+    ecd *e = w->state;
+    if (!e) return;
+    tides_event_writer_abandon(e->events);
+    td_lines_drop(&e->images);
+    td_lines_drop(&e->poses);
+    td_lines_drop(&e->depths);
+    free(e->depth);
+    free(e);
+    w->state = NULL;
+}
+
+static tides_status end(td_writer *w, tides_error *error) {
+    ecd *e = w->state;
+    tides_status status = TIDES_OK;
+    if (e->events) status = tides_event_writer_finish(e->events, td_event_facts_of(w->set, w->camera).stop_ns, error);
+    e->events = NULL;
+    if (status == TIDES_OK) status = td_lines_close(&e->images, error);
+    if (status == TIDES_OK) status = td_lines_close(&e->poses, error);
+    if (status == TIDES_OK) status = td_lines_close(&e->depths, error);
+    drop(w);
+    return status;
+}
+
+const td_layout td_layout_ecd = {.name = "ecd",
+                                 .summary = "Event Camera Dataset, text and pictures",
+                                 .metric = 1,
+                                 .per_camera = 1,
+                                 .begin = begin,
+                                 .events = events,
+                                 .picture = picture,
+                                 .truth = truth,
+                                 .pose = pose,
+                                 .end = end,
+                                 .drop = drop};

@@ -1,0 +1,172 @@
+/* EVIMO2 v2, its npz form (Burner et al. 2022), of each camera: dataset_events_{t,xy,p}.npy [s, px, 0 or 1],
+ * dataset_classical.npz (pictures), dataset_depth.npz [mm, 0: none], dataset_mask.npz (1000 times the object's number in the
+ * scene plus one; 0: none), dataset_flow.npz (displacement to the next ground truth [px], NaN: unknown; and t, t_end), each
+ * plane under KIND_NUMBER, and dataset_info.npz with K and D. EVIMO's own info has a pickled `meta` besides, with poses; those
+ * are in poses.txt, `t px py pz qx qy qz qw` of the camera in the world [m]. */
+#include "archive/td_npy.h"
+#include "td_dataset.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { T, XY, P, CLASSICAL, DEPTH, MASK, FLOW, FILES };
+static const char *const names[FILES] = {"dataset_events_t.npy",  "dataset_events_xy.npy", "dataset_events_p.npy",
+                                         "dataset_classical.npz", "dataset_depth.npz",     "dataset_mask.npz",
+                                         "dataset_flow.npz"};
+
+typedef struct evimo {
+    td_npy_writer *file[FILES];
+    td_lines poses;
+    uint16_t *plane;
+    float *flow;
+    double *times; /* of the flow: from, to */
+    size_t flows;
+} evimo;
+
+static tides_status open_file(td_writer *w, int which, tides_error *error) {
+    char *path = td_in_folder(w->folder, error, "%s", names[which]);
+    const tides_status status =
+        path ? td_npy_writer_open(path, which >= CLASSICAL, &((evimo *)w->state)->file[which], error) : TIDES_NO_MEMORY;
+    free(path);
+    return status;
+}
+
+static tides_status begin_columns(evimo *e, tides_error *error) {
+    const size_t two = 2;
+    tides_status status = td_npy_writer_begin(e->file[T], "data", "'<f8'", 8, 1, NULL, error);
+    if (status == TIDES_OK) status = td_npy_writer_begin(e->file[XY], "data", "'<u2'", 2, 2, &two, error);
+    return status == TIDES_OK ? td_npy_writer_begin(e->file[P], "data", "'|u1'", 1, 1, NULL, error) : status;
+}
+
+static tides_status begin(td_writer *w, tides_error *error) {
+    evimo *e = w->state = td_alloc(1, sizeof *e, error);
+    if (!e) return TIDES_NO_MEMORY;
+    e->plane = td_alloc(td_pixels(w->camera), sizeof *e->plane, error);
+    e->flow = e->plane ? td_alloc(2 * td_pixels(w->camera), sizeof *e->flow, error) : NULL;
+    e->times = e->flow ? td_alloc(2 * w->set->truths, sizeof *e->times, error) : NULL;
+    tides_status status = e->times ? td_lines_open(&e->poses, w->folder, "poses.txt", error) : TIDES_NO_MEMORY;
+    for (int i = 0; i < FILES && status == TIDES_OK; i++)
+        if ((i > P || w->camera->event >= 0) && (i != CLASSICAL || w->camera->picture >= 0)) status = open_file(w, i, error);
+    return status == TIDES_OK && e->file[T] ? begin_columns(e, error) : status;
+}
+
+static tides_status events(td_writer *w, const tides_event *list, size_t count, tides_error *error) {
+    evimo *e = w->state;
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) {
+        const double t = 1e-9 * (double)list[i].t;
+        const uint16_t xy[2] = {list[i].x, list[i].y};
+        const uint8_t p = list[i].polarity > 0;
+        status = td_npy_writer_append(e->file[T], &t, 1, error);
+        if (status == TIDES_OK) status = td_npy_writer_append(e->file[XY], xy, 1, error);
+        if (status == TIDES_OK) status = td_npy_writer_append(e->file[P], &p, 1, error);
+    }
+    return status;
+}
+
+/* A (height x width) plane, or of `last` values a pixel where that isn't 0. */
+static tides_status put(td_writer *w, int which, const char *kind, size_t index, const char *dtype, size_t item, size_t last,
+                        const void *values, tides_error *error) {
+    char name[48];
+    snprintf(name, sizeof name, "%s_%010zu", kind, index);
+    const size_t inner[2] = {(size_t)w->camera->facts.intrinsics.width, last};
+    td_npy_writer *file = ((evimo *)w->state)->file[which];
+    const tides_status status = td_npy_writer_begin(file, name, dtype, item, last ? 3 : 2, inner, error);
+    return status == TIDES_OK ? td_npy_writer_append(file, values, (size_t)w->camera->facts.intrinsics.height, error) : status;
+}
+
+static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {
+    return put(w, CLASSICAL, "classical", p->index, "'|u1'", 1, 3, p->rgb, error);
+}
+
+static tides_status put_flow(td_writer *w, const td_truth *t, tides_error *error) {
+    evimo *e = w->state;
+    for (size_t i = 0; i < td_pixels(w->camera); i++) {
+        e->flow[2 * i] = (float)t->next_u[i];
+        e->flow[2 * i + 1] = (float)t->next_v[i];
+    }
+    e->times[e->flows] = td_seconds(t->us);
+    e->times[w->set->truths + e->flows++] = td_seconds(t->next_us);
+    return put(w, FLOW, "flow", t->index, "'<f4'", 4, 2, e->flow, error);
+}
+
+static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
+    evimo *e = w->state;
+    td_depth_16(w->set, w->camera, t->depth, 1000, e->plane);
+    tides_status status = put(w, DEPTH, "depth", t->index, "'<u2'", 2, 0, e->plane, error);
+    for (size_t i = 0; i < td_pixels(w->camera); i++)
+        e->plane[i] = t->instance[i] >= 0 && t->instance[i] < 65 ? (uint16_t)(1000 * (int)(t->instance[i] + 1)) : 0;
+    if (status == TIDES_OK) status = put(w, MASK, "mask", t->index, "'<u2'", 2, 0, e->plane, error);
+    return status == TIDES_OK && t->next_u ? put_flow(w, t, error) : status;
+}
+
+static tides_status pose(td_writer *w, const td_place_at *at, tides_error *error) {
+    return td_pose_line(w->set, &((evimo *)w->state)->poses, at, error);
+}
+
+static tides_status write_info(td_writer *w, tides_error *error) {
+    const tides_intrinsics *k = &w->camera->facts.intrinsics;
+    const double matrix[9] = {k->fx, 0, td_whole_cx(w->camera), 0, k->fy, td_whole_cy(w->camera), 0, 0, 1}, lens[5] = {0};
+    const size_t three = 3;
+    char *path = td_in_folder(w->folder, error, "dataset_info.npz");
+    td_npy_writer *npy = NULL;
+    tides_status status = path ? td_npy_writer_open(path, 1, &npy, error) : TIDES_NO_MEMORY;
+    free(path);
+    if (status != TIDES_OK) return status;
+    status = td_npy_writer_begin(npy, "K", "'<f8'", 8, 2, &three, error);
+    if (status == TIDES_OK) status = td_npy_writer_append(npy, matrix, 3, error);
+    if (status == TIDES_OK) status = td_npy_writer_begin(npy, "D", "'<f8'", 8, 1, NULL, error);
+    if (status == TIDES_OK) status = td_npy_writer_append(npy, lens, 5, error);
+    if (status == TIDES_OK) return td_npy_writer_close(npy, error);
+    td_npy_writer_discard(npy);
+    return status;
+}
+
+static void drop(td_writer *w) {
+    evimo *e = w->state;
+    if (!e) return;
+    for (int i = 0; i < FILES; i++) td_npy_writer_discard(e->file[i]);
+    td_lines_drop(&e->poses);
+    free(e->times);
+    free(e->flow);
+    free(e->plane);
+    free(e);
+    w->state = NULL;
+}
+
+static tides_status end(td_writer *w, tides_error *error) {
+    evimo *e = w->state;
+    tides_status status = td_npy_writer_begin(e->file[FLOW], "t", "'<f8'", 8, 1, NULL, error);
+    if (status == TIDES_OK) status = td_npy_writer_append(e->file[FLOW], e->times, e->flows, error);
+    if (status == TIDES_OK) status = td_npy_writer_begin(e->file[FLOW], "t_end", "'<f8'", 8, 1, NULL, error);
+    if (status == TIDES_OK) status = td_npy_writer_append(e->file[FLOW], e->times + w->set->truths, e->flows, error);
+    for (int i = 0; i < FILES && status == TIDES_OK; i++) {
+        if (e->file[i]) status = td_npy_writer_close(e->file[i], error);
+        e->file[i] = NULL;
+    }
+    if (status == TIDES_OK) status = td_lines_close(&e->poses, error);
+    if (status == TIDES_OK) status = write_info(w, error);
+    drop(w);
+    return status;
+}
+
+/* Sixteen bits hold 64 objects. */
+static tides_status check(const td_dataset *set, tides_error *error) {
+    const int32_t objects = tides_scene_objects(set->cameras[0].facts.scene);
+    if (objects <= 65) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_CONFIG, "evimo: masks have 16 bits, 1000 for each object: 65 at most, not %d", objects);
+}
+
+const td_layout td_layout_evimo = {.name = "evimo",
+                                   .summary = "EVIMO2 v2: npz of events, depth, masks, displacement",
+                                   .metric = 1,
+                                   .per_camera = 1,
+                                   .check = check,
+                                   .begin = begin,
+                                   .events = events,
+                                   .picture = picture,
+                                   .truth = truth,
+                                   .pose = pose,
+                                   .end = end,
+                                   .drop = drop};

@@ -1,0 +1,77 @@
+/* TUM RGB-D (Sturm et al. 2012): rgb/ and depth/ with rgb.txt and depth.txt, files called by their times; depth in 16 bits,
+ * 5000 to a metre, 0 where there is none; groundtruth.txt `t tx ty tz qx qy qz qw` of the camera in the world [m]. Seconds. */
+#include "td_dataset.h"
+
+#include <stdlib.h>
+
+typedef struct tum {
+    td_lines rgb, depth, poses;
+    uint16_t *values;
+} tum;
+
+static tides_status begin(td_writer *w, tides_error *error) {
+    tum *t = w->state = td_alloc(1, sizeof *t, error);
+    if (!t) return TIDES_NO_MEMORY;
+    t->values = td_alloc(td_pixels(w->camera), sizeof *t->values, error);
+    tides_status status = t->values ? TIDES_OK : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) status = td_lines_open(&t->rgb, w->folder, "rgb.txt", error);
+    if (status == TIDES_OK) status = td_lines_open(&t->depth, w->folder, "depth.txt", error);
+    if (status == TIDES_OK) status = td_lines_open(&t->poses, w->folder, "groundtruth.txt", error);
+    if (status == TIDES_OK) status = td_lines_put(&t->rgb, error, "# timestamp filename\n");
+    if (status == TIDES_OK) status = td_lines_put(&t->depth, error, "# timestamp filename\n");
+    return status == TIDES_OK ? td_lines_put(&t->poses, error, "# timestamp tx ty tz qx qy qz qw\n") : status;
+}
+
+/* A picture called by its time, and its line. */
+static tides_status put(td_writer *w, td_lines *lines, const char *kind, int64_t us, int32_t bits, int32_t channels,
+                        const void *values, tides_error *error) {
+    char name[64];
+    snprintf(name, sizeof name, "%s/%.6f.png", kind, td_seconds(us));
+    const tides_status status = td_lines_put(lines, error, "%.6f %s\n", td_seconds(us), name);
+    return status == TIDES_OK ? td_plane_write(w->folder, name, 0, w->camera, bits, channels, values, error) : status;
+}
+
+static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {
+    return put(w, &((tum *)w->state)->rgb, "rgb", p->us, 8, 3, p->rgb, error);
+}
+
+static tides_status truth(td_writer *w, const td_truth *truth, tides_error *error) {
+    tum *t = w->state;
+    td_depth_16(w->set, w->camera, truth->depth, 5000, t->values);
+    return put(w, &t->depth, "depth", truth->us, 16, 1, t->values, error);
+}
+
+static tides_status pose(td_writer *w, const td_place_at *at, tides_error *error) {
+    return td_pose_line(w->set, &((tum *)w->state)->poses, at, error);
+}
+
+static void drop(td_writer *w) {
+    tum *t = w->state;
+    if (!t) return;
+    td_lines_drop(&t->rgb);
+    td_lines_drop(&t->depth);
+    td_lines_drop(&t->poses);
+    free(t->values);
+    free(t);
+    w->state = NULL;
+}
+
+static tides_status end(td_writer *w, tides_error *error) {
+    tum *t = w->state;
+    tides_status status = td_lines_close(&t->rgb, error);
+    if (status == TIDES_OK) status = td_lines_close(&t->depth, error);
+    if (status == TIDES_OK) status = td_lines_close(&t->poses, error);
+    drop(w);
+    return status;
+}
+
+const td_layout td_layout_tum = {.name = "tum",
+                                 .summary = "TUM RGB-D: colour, depth, poses",
+                                 .metric = 1,
+                                 .per_camera = 1,
+                                 .begin = begin,
+                                 .picture = picture,
+                                 .truth = truth,
+                                 .pose = pose,
+                                 .end = end,
+                                 .drop = drop};

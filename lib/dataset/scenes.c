@@ -1,0 +1,107 @@
+/* What a camera sees at the dataset's times: pictures, and ground truth with the displacements to the times beside it. */
+#include "td_dataset.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Planes of a camera, in one block of memory. */
+enum { R, G, B, Y, FLOW_U, FLOW_V, DEPTH, INSTANCE, NEXT_U, NEXT_V, NEXT_SEEN, BEFORE_U, BEFORE_V, PLANES };
+
+typedef struct scenes {
+    const td_scenes *to;
+    const td_dataset *set;
+    const td_member *camera;
+    tides_renderer *renderer;
+    size_t pixels;
+    double *values;
+    uint8_t *grey, *rgb;
+    tides_error *error;
+} scenes;
+
+static double *plane(const scenes *s, int which) { return s->values + (size_t)which * s->pixels; }
+
+static tides_status open_scenes(scenes *s) {
+    s->pixels = td_pixels(s->camera);
+    s->values = td_alloc(PLANES * s->pixels, sizeof *s->values, s->error);
+    s->rgb = s->values ? td_alloc(6 * s->pixels, 1, s->error) : NULL;
+    if (!s->rgb) return TIDES_NO_MEMORY;
+    s->grey = s->rgb + 3 * s->pixels;
+    return tides_session_renderer(s->camera->session, NULL, NULL, &s->renderer, s->error);
+}
+
+static void close_scenes(scenes *s) {
+    tides_renderer_destroy(s->renderer);
+    free(s->rgb);
+    free(s->values);
+}
+
+/* -- pictures -------------------------------------------------------------------------------------------------------------- */
+
+static tides_status picture(scenes *s, size_t index) {
+    td_picture made = {index, td_dataset_us(s->set, s->set->picture_hz, index), s->grey, s->rgb};
+    tides_frame frame = {{NULL}};
+    frame.plane[TIDES_R] = plane(s, R), frame.plane[TIDES_G] = plane(s, G), frame.plane[TIDES_B] = plane(s, B);
+    frame.plane[TIDES_Y] = plane(s, Y);
+    tides_status status = tides_renderer_frame(s->renderer, s->camera->facts.camera, td_seconds(made.us), &frame, s->error);
+    if (status != TIDES_OK) return status;
+    const int32_t width = s->camera->facts.intrinsics.width, height = s->camera->facts.intrinsics.height;
+    tides_picture_grey(plane(s, Y), width, height, 1.0, s->rgb);
+    for (size_t i = 0; i < s->pixels; i++) s->grey[i] = s->rgb[3 * i];
+    tides_picture_rgb(plane(s, R), plane(s, G), plane(s, B), width, height, s->rgb);
+    for (td_writer *w = s->to->writers; w < s->to->writers + s->to->count && status == TIDES_OK; w++)
+        if (w->layout->picture) status = w->layout->picture(w, &made, s->error);
+    return status;
+}
+
+/* -- ground truth ---------------------------------------------------------------------------------------------------------- */
+
+static tides_status displacement(scenes *s, int64_t from, int64_t to, int which, double *seen) {
+    return tides_renderer_displacement(s->renderer, s->camera->facts.camera, td_seconds(from), td_seconds(to), plane(s, which),
+                                       plane(s, which + 1), seen, s->error);
+}
+
+static tides_status planes_at(scenes *s, double time) {
+    tides_truth truth = {{NULL}};
+    truth.plane[TIDES_TRUTH_FLOW_U] = plane(s, FLOW_U);
+    truth.plane[TIDES_TRUTH_FLOW_V] = plane(s, FLOW_V);
+    truth.plane[TIDES_TRUTH_DEPTH_MEDIAN] = plane(s, DEPTH);
+    truth.plane[TIDES_TRUTH_INSTANCE] = plane(s, INSTANCE);
+    return tides_renderer_truth(s->renderer, s->camera->facts.camera, time, &truth, s->error);
+}
+
+static tides_status truth(scenes *s, size_t index) {
+    const double hz = s->set->truth_hz;
+    const int first = index == 0, last = index + 1 == s->set->truths;
+    td_truth made = {.index = index, .us = td_dataset_us(s->set, hz, index)};
+    made.next_us = td_dataset_us(s->set, hz, index + 1);
+    made.before_us = first ? made.us : td_dataset_us(s->set, hz, index - 1);
+    tides_status status = planes_at(s, td_seconds(made.us));
+    if (status == TIDES_OK && !last) status = displacement(s, made.us, made.next_us, NEXT_U, plane(s, NEXT_SEEN));
+    if (status == TIDES_OK && !first) status = displacement(s, made.us, made.before_us, BEFORE_U, NULL);
+    made.flow_u = plane(s, FLOW_U), made.flow_v = plane(s, FLOW_V);
+    made.depth = plane(s, DEPTH), made.instance = plane(s, INSTANCE);
+    if (!last) made.next_u = plane(s, NEXT_U), made.next_v = plane(s, NEXT_V), made.next_seen = plane(s, NEXT_SEEN);
+    if (!first) made.before_u = plane(s, BEFORE_U), made.before_v = plane(s, BEFORE_V);
+    for (td_writer *w = s->to->writers; w < s->to->writers + s->to->count && status == TIDES_OK; w++)
+        if (w->layout->truth) status = w->layout->truth(w, &made, s->error);
+    return status;
+}
+
+static tides_status give(scenes *s) {
+    const size_t pictures = s->camera->picture >= 0 ? s->set->pictures : 0, all = pictures + s->set->truths;
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; i < all && status == TIDES_OK; i++) {
+        if (s->to->step(s->to->user, (double)i / (double)all, i < pictures ? "pictures" : "ground truth"))
+            return td_fail(s->error, TIDES_CANCELLED, "stopped on request");
+        status = i < pictures ? picture(s, i) : truth(s, i - pictures);
+    }
+    return status;
+}
+
+tides_status td_scenes_give(const td_scenes *to, const td_dataset *set, const td_member *camera, tides_error *error) {
+    scenes s = {.to = to, .set = set, .camera = camera, .error = error};
+    tides_status status = open_scenes(&s);
+    if (status == TIDES_OK) status = give(&s);
+    close_scenes(&s);
+    return status;
+}

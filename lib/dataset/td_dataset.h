@@ -1,0 +1,140 @@
+/* Internal: what a sequence has, and what a layout makes of it. dataset.c makes everything once and gives it to each layout
+ * as it comes; a layout is a file of functions that write, and knows no other. */
+#ifndef TD_DATASET_H
+#define TD_DATASET_H
+
+#include "td_base.h"
+#include "tides/dataset.h"
+#include "tides/image.h"
+#include "tides/truth.h"
+
+/* -- what there is --------------------------------------------------------------------------------------------------------- */
+
+/* A camera of the rig, varied from the session that was given. */
+typedef struct td_member {
+    char name[TIDES_RIG_NAME];
+    double T_B_C[16];
+    tides_session *session;
+    int32_t owned;          /* the session is to be closed */
+    int32_t event, picture; /* number among cameras that make events, or pictures: 0 is left, 1 right; -1: makes none */
+    tides_session_facts facts;
+} td_member;
+
+typedef struct td_dataset {
+    td_member *cameras;
+    size_t count, event_cameras, picture_cameras;
+    const char *name; /* of the sequence: the folder's last part */
+    double metres;    /* of a unit; 0: unknown */
+    double picture_hz, truth_hz, pose_hz;
+    size_t pictures, truths, poses; /* of each camera */
+    int64_t start_us, stop_us;
+} td_dataset;
+
+/* Time number k of a rate, on whole microseconds: files have no finer ones, and what they say is then exactly where all was. */
+int64_t td_dataset_us(const td_dataset *set, double hz, size_t k);
+static inline double td_seconds(int64_t us) { return (double)us / 1e6; } /* the double that is nearest, as the decimal text's */
+
+/* A picture, 8-bit sRGB. */
+typedef struct td_picture {
+    size_t index;
+    int64_t us;
+    const uint8_t *grey, *rgb; /* (height x width), (height x width x 3) */
+} td_picture;
+
+/* Ground truth at a time. Planes are (height x width). */
+typedef struct td_truth {
+    size_t index;
+    int64_t us, next_us, before_us;    /* next_us, before_us: of the displacements */
+    const double *flow_u, *flow_v;     /* [px/s] */
+    const double *depth;               /* of the median splat [scene units]; 0: none */
+    const double *instance;            /* -1: none */
+    const double *next_u, *next_v;     /* displacement to next_us [px], NaN: unknown; NULL: this is the last */
+    const double *next_seen;           /* 1: seen there as well */
+    const double *before_u, *before_v; /* to before_us; NULL: this is the first */
+} td_truth;
+
+/* A camera's place in the world [scene units]. */
+typedef struct td_place_at {
+    int64_t us;
+    double position[3], quaternion[4], rotation[9]; /* wxyz */
+} td_place_at;
+
+/* -- layouts --------------------------------------------------------------------------------------------------------------- */
+
+/* One layout being written: of each camera in turn. */
+typedef struct td_layout td_layout;
+typedef struct td_writer {
+    const td_layout *layout;
+    const td_dataset *set;
+    const td_member *camera;
+    char *root;   /* the layout's folder */
+    char *folder; /* the camera's: root, or a folder in it where the layout has one for each */
+    void *state;  /* the layout's, of this camera */
+    void *kept;   /* the layout's, of all cameras */
+} td_writer;
+
+/* NULL where a layout has no use for it. `begin` and `end` are around each camera; `complete` is after all, and `drop` frees
+ * both states whatever happened. */
+struct td_layout {
+    const char *name, *summary;
+    int32_t metric, per_camera;
+    tides_status (*check)(const td_dataset *set, tides_error *error);
+    tides_status (*begin)(td_writer *w, tides_error *error);
+    tides_status (*events)(td_writer *w, const tides_event *events, size_t count, tides_error *error);
+    tides_status (*picture)(td_writer *w, const td_picture *picture, tides_error *error);
+    tides_status (*truth)(td_writer *w, const td_truth *truth, tides_error *error);
+    tides_status (*pose)(td_writer *w, const td_place_at *place, tides_error *error);
+    tides_status (*end)(td_writer *w, tides_error *error);
+    tides_status (*complete)(td_writer *w, tides_error *error);
+    void (*drop)(td_writer *w);
+};
+extern const td_layout td_layout_ecd, td_layout_dsec, td_layout_mvsec, td_layout_evimo, td_layout_blinkflow, td_layout_tum;
+tides_status td_dsec_calibration(const td_writer *w, const td_member *const cameras[4], tides_error *error);
+extern const td_layout td_layout_contact; /* contact.png: of every dataset */
+
+/* scenes.c: pictures and ground truth of a camera, to every layout. */
+typedef struct td_scenes {
+    td_writer *writers;
+    size_t count;
+    tides_progress step;
+    void *user;
+} td_scenes;
+tides_status td_scenes_give(const td_scenes *to, const td_dataset *set, const td_member *camera, tides_error *error);
+
+/* -- what layouts share: folder.c, values.c -------------------------------------------------------------------------- */
+
+/* FOLDER/name, made by td_format's rules; NULL where out of memory. And a folder with all folders above it that are missing. */
+char *td_in_folder(const char *folder, tides_error *error, const char *format, ...) TD_PRINTF(3, 4);
+tides_status td_make_folders(const char *path, tides_error *error);
+tides_status td_make_parents(const char *file, tides_error *error);
+void td_remove_folder(const char *path); /* with all that is in it */
+
+/* A text file being written: lines go straight into the (unfinished) folder. */
+typedef struct td_lines {
+    FILE *file;
+    char *path;
+} td_lines;
+tides_status td_lines_open(td_lines *lines, const char *folder, const char *name, tides_error *error);
+tides_status td_lines_put(td_lines *lines, tides_error *error, const char *format, ...) TD_PRINTF(3, 4);
+tides_status td_lines_close(td_lines *lines, tides_error *error); /* one that isn't open is fine */
+void td_lines_drop(td_lines *lines);
+
+/* Pictures at FOLDER/format with a number: 8 or 16 bits, 1 or 3 channels. */
+tides_status td_plane_write(const char *folder, const char *format, unsigned number, const td_member *camera, int32_t bits,
+                            int32_t channels, const void *values, tides_error *error);
+
+/* The recording's facts, for its event writer. */
+tides_event_file td_event_facts_of(const td_dataset *set, const td_member *camera);
+
+size_t td_pixels(const td_member *camera);
+/* cx and cy where pixel centres are whole numbers, as OpenCV, ROS and all these layouts have them: ours are at 0.5. */
+double td_whole_cx(const td_member *camera);
+double td_whole_cy(const td_member *camera);
+/* T_1_0: from camera 0's coordinates to camera 1's, in metres; row-major 4x4. */
+void td_between(const td_dataset *set, const td_member *zero, const td_member *one, double transform[16]);
+/* `t px py pz qx qy qz qw` [s, m]: of the camera in the world. */
+tides_status td_pose_line(const td_dataset *set, td_lines *lines, const td_place_at *at, tides_error *error);
+/* 16-bit depth: metres times `scale`, 0 where unknown or beyond. */
+void td_depth_16(const td_dataset *set, const td_member *camera, const double *depth, double scale, uint16_t *out);
+
+#endif

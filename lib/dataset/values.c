@@ -1,0 +1,65 @@
+/* Numbers that layouts share: their conventions of pixels, frames and depths, made of ours. */
+#include "image/td_png.h"
+#include "signal/td_step.h"
+#include "td_dataset.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+int64_t td_dataset_us(const td_dataset *set, double hz, size_t k) {
+    return set->start_us + (int64_t)llround(1e6 * (double)k / hz);
+}
+
+size_t td_pixels(const td_member *camera) {
+    return (size_t)camera->facts.intrinsics.width * (size_t)camera->facts.intrinsics.height;
+}
+
+double td_whole_cx(const td_member *camera) { return camera->facts.intrinsics.cx - 0.5; }
+double td_whole_cy(const td_member *camera) { return camera->facts.intrinsics.cy - 0.5; }
+
+tides_event_file td_event_facts_of(const td_dataset *set, const td_member *camera) {
+    (void)set;
+    const tides_session_facts *f = &camera->facts;
+    return (tides_event_file){.width = f->intrinsics.width,
+                              .height = f->intrinsics.height,
+                              .run = f->values.json,
+                              .seed = f->values.seed,
+                              .start_ns = td_time_ns(f->values.start),
+                              .stop_ns = td_time_ns(f->values.stop)};
+}
+
+/* R_1^T R_0 and R_1^T (t_0 - t_1): both cameras are given on the body. */
+void td_between(const td_dataset *set, const td_member *zero, const td_member *one, double transform[16]) {
+    const double *a = zero->T_B_C, *b = one->T_B_C;
+    memset(transform, 0, 16 * sizeof *transform);
+    transform[15] = 1;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            for (int j = 0; j < 3; j++) transform[4 * i + j] += b[4 * k + i] * a[4 * k + j];
+            transform[4 * i + 3] += b[4 * k + i] * (a[4 * k + 3] - b[4 * k + 3]) * set->metres;
+        }
+}
+
+void td_depth_16(const td_dataset *set, const td_member *camera, const double *depth, double scale, uint16_t *out) {
+    for (size_t i = 0; i < td_pixels(camera); i++) {
+        const double value = rint(depth[i] * set->metres * scale);
+        out[i] = value >= 1 && value <= 65535 ? (uint16_t)value : 0;
+    }
+}
+
+tides_status td_pose_line(const td_dataset *set, td_lines *lines, const td_place_at *at, tides_error *error) {
+    const double m = set->metres, *p = at->position, *q = at->quaternion;
+    return td_lines_put(lines, error, "%.6f %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", td_seconds(at->us), m * p[0],
+                        m * p[1], m * p[2], q[1], q[2], q[3], q[0]);
+}
+
+tides_status td_plane_write(const char *folder, const char *format, unsigned number, const td_member *camera, int32_t bits,
+                            int32_t channels, const void *values, tides_error *error) {
+    char *path = td_in_folder(folder, error, format, number);
+    const td_png_form form = {camera->facts.intrinsics.width, camera->facts.intrinsics.height, bits, channels};
+    tides_status status = path ? td_make_parents(path, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) status = td_png_write(path, &form, values, error);
+    free(path);
+    return status;
+}

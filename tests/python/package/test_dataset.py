@@ -1,0 +1,237 @@
+"""Datasets: what each layout's files hold, read as their own users read them, is what the renderer says."""
+
+import json
+import struct
+import zlib
+
+import numpy as np
+import pytest
+import tides
+
+BASELINE, METRES = 0.2, 0.5
+LAYOUTS = ("ecd", "dsec", "mvsec", "evimo", "blinkflow", "tum")
+
+
+def read_png(file):
+    """8 or 16 bits, grey or RGB, as an array; every filter of the PNG specification."""
+    data, at, packed = file.read_bytes(), 8, b""
+    while at < len(data):
+        (length,), kind = struct.unpack(">I", data[at : at + 4]), data[at + 4 : at + 8]
+        if kind == b"IHDR":
+            width, height, bits, colour = struct.unpack(">IIBB", data[at + 8 : at + 18])
+        packed += data[at + 8 : at + 8 + length] if kind == b"IDAT" else b""
+        at += 12 + length
+    channels, wide = (3 if colour == 2 else 1), bits // 8
+    step, raw = channels * wide, zlib.decompress(packed)
+    rows, before = [], bytearray(width * step)
+    for y in range(height):
+        kind, row = raw[y * (width * step + 1)], bytearray(raw[y * (width * step + 1) + 1 : (y + 1) * (width * step + 1)])
+        for i, value in enumerate(row):
+            a, b, c = (row[i - step] if i >= step else 0), before[i], (before[i - step] if i >= step else 0)
+            paeth = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
+            row[i] = (value + (0, a, b, (a + b) // 2, paeth)[kind]) & 255
+        rows.append(bytes(row))
+        before = row
+    image = np.frombuffer(b"".join(rows), f">u{wide}").reshape(height, width, channels)
+    return image if channels == 3 else image[..., 0]
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory):
+    """A cloud that turns before a stereo rig, its dataset in every layout, and what a renderer says at its times."""
+    folder = tmp_path_factory.mktemp("dataset")
+    random = np.random.default_rng(3)
+    cloud = tides.Gaussians.from_colours(
+        random.uniform(-1, 1, (120, 3)), random.uniform(0.1, 0.25, (120, 3)), random.uniform(0, 1, (120, 3))
+    )
+    scene = tides.Scene()
+    scene.add(cloud, name="cloud")
+    scene.save(folder / "cloud.h5")
+    path = tides.Trajectory.orbit(radius=4, angular_speed=1, start=1, stop=1.21)
+    tides.Camera(path, tides.Intrinsics.from_fov(40, 28, 0.8)).save(folder / "path.json")
+    right = np.eye(4)
+    right[0, 3] = BASELINE
+    run = {
+        "scene": {"file": "cloud.h5", "metres_per_unit": METRES},
+        "camera": {"file": "path.json"},
+        "time": {"start": 1, "stop": 1.21},
+        "stepping": {"step_s": 0.01},
+        "rig": {"cameras": [{"name": "one"}, {"name": "two", "T_B_C": right.tolist()}]},
+    }
+    (folder / "run.json").write_text(json.dumps(run))
+    with tides.Session(folder / "run.json", device="reference-f32") as session:
+        report = session.dataset(folder / "all", LAYOUTS)
+        with session.vary({"rig.camera": "two"}) as other:
+            events = [session.simulate(), other.simulate()]
+        with session.renderer() as renderer:
+            times = [1.0, 1.1, 1.2]
+            truth = [renderer.truth(t) for t in times]
+            moves = [renderer.displacement(a, b) for a, b in ((1.0, 1.1), (1.1, 1.2), (1.1, 1.0), (1.2, 1.1))]
+            frame = renderer.frame(1.05, ["Y"])["Y"]
+        poses = session.camera.trajectory
+        intrinsics = session.intrinsics
+        yield {**locals(), "all": folder / "all"}
+
+
+def test_what_is_made(world):
+    assert world["report"].cameras == 2 and world["report"].events == sum(len(one) for one in world["events"]) > 1000
+    assert (world["report"].pictures, world["report"].truths, world["report"].poses) == (5, 3, 43)
+    assert [one.name for one in tides.dataset_layouts()] == list(LAYOUTS)
+    assert (world["all"] / "contact.png").exists() and not list(world["folder"].glob("*.part"))
+    assert not np.array_equal(world["events"][0], world["events"][1])
+
+
+def same_events(got, wanted):
+    """Columns t [ns], x, y, ON."""
+    t, x, y, p = got
+    assert np.array_equal(t, wanted["t"]) and np.array_equal(x, wanted["x"]) and np.array_equal(y, wanted["y"])
+    assert np.array_equal(p > 0, wanted["p"] > 0)
+
+
+def test_ecd(world):
+    root = world["all"] / "ecd" / "one"
+    rows = [line.split() for line in (root / "events.txt").read_text().splitlines()]
+    columns = [np.array([int(row[0].replace(".", "")) for row in rows])]
+    columns += [np.array([int(row[i]) for row in rows]) for i in (1, 2, 3)]
+    same_events(columns, world["events"][0])
+    k = np.loadtxt(root / "calib.txt")
+    lens = world["intrinsics"]
+    assert np.array_equal(k, [lens.fx, lens.fy, lens.cx - 0.5, lens.cy - 0.5, 0, 0, 0, 0, 0])
+    poses = np.loadtxt(root / "groundtruth.txt")
+    assert np.allclose(poses[:, 0], 1 + np.arange(43) / 200, atol=1e-9)
+    for row in poses[::9]:
+        pose = world["poses"].at(row[0])
+        x, y, z, w = row[4:]
+        third = [2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)]
+        assert np.allclose(row[1:4], METRES * pose.position, atol=1e-15)
+        assert np.allclose(third, pose.rotation[:, 2], atol=1e-14)
+    (t, name), *_ = [line.split() for line in (root / "images.txt").read_text().splitlines()][1:]
+    grey, y = read_png(root / name) / 255.0, np.clip(world["frame"], 0, 1)
+    wanted = np.where(y <= 0.0031308, 12.92 * y, 1.055 * y ** (1 / 2.4) - 0.055)
+    assert t == "1.050000" and np.abs(grey - wanted).max() < 0.51 / 255
+    depth = tides.image.read_exr(root / "depthmaps/frame_00000001.exr")
+    assert np.array_equal(depth["Z"], (METRES * world["truth"][1]["depth_median"]).astype(np.float32))
+
+
+def decode_flow(file):
+    """As DSEC's site has it."""
+    image = read_png(file)
+    flow, known = (image[..., :2].astype(np.float64) - 2**15) / 128, image[..., 2]
+    assert known.max() <= 1
+    return flow, known == 1
+
+
+def test_dsec(world):
+    h5py = pytest.importorskip("h5py")
+    root = world["all"] / "dsec"
+    for side, events in zip(("left", "right"), world["events"]):
+        with h5py.File(root / "events" / side / "events.h5") as file:
+            t, us = file["events/t"][:].astype(np.int64), file["ms_to_idx"][:]
+            assert np.array_equal(t + file["t_offset"][()], events["t"] // 1000)
+            window = slice(us[1050], us[1100])  # DSEC's own: whole milliseconds from t_offset on
+            assert np.array_equal(t[window], t[(t >= 1050000) & (t < 1100000)]) and len(t[window])
+            same_events([events["t"], *(file["events"][name][:] for name in "xyp")], events)
+        with h5py.File(root / "events" / side / "rectify_map.h5") as file:
+            ways = file["rectify_map"][:]
+        assert ways.shape == (28, 40, 2) and ways.dtype == np.float32
+        assert np.array_equal(ways[7, 11], [11, 7])
+        assert len(list((root / "images" / side / "rectified").glob("*.png"))) == 5
+    times = np.loadtxt(root / "flow/forward_timestamps.txt", delimiter=",", dtype=np.int64)
+    assert times.tolist() == [[1000000, 1100000], [1100000, 1200000]]
+    times = np.loadtxt(root / "flow/backward_timestamps.txt", delimiter=",", dtype=np.int64)
+    assert times.tolist() == [[1100000, 1000000], [1200000, 1100000]]
+    files = ("forward/000000", "forward/000002", "backward/000002", "backward/000004")
+    for name, move in zip(files, world["moves"]):
+        flow, known = decode_flow(root / f"flow/{name}.png")
+        wanted = np.stack([move["u"], move["v"]], -1)
+        assert known.any() and np.array_equal(known, np.isfinite(wanted).all(-1))
+        assert np.abs(flow - wanted)[known].max() <= 0.5 / 128
+    disparity, depth = read_png(root / "disparity/event/000002.png") / 256, world["truth"][1]["depth_median"]
+    assert np.array_equal(disparity > 0, depth > 0)
+    assert np.abs(disparity[depth > 0] - world["intrinsics"].fx * BASELINE / depth[depth > 0]).max() <= 0.5 / 256
+    text = (root / "calibration/cam_to_cam.yaml").read_text()
+    q = [float(one) for one in text.split("cams_03:")[1].split("- [")[4].split("]")[0].split(",")]
+    assert np.isclose(1 / q[2], BASELINE * METRES) and "T_32:" in text and "camRect0:" in text
+
+
+def test_mvsec(world):
+    h5py = pytest.importorskip("h5py")
+    root = world["all"] / "mvsec"
+    with h5py.File(root / "all_data.hdf5") as data, h5py.File(root / "all_gt.hdf5") as truth:
+        for side, events in zip(("left", "right"), world["events"]):
+            own = data["davis"][side]
+            x, y, t, p = own["events"][:].T
+            same_events([np.round(1e9 * t).astype(np.int64), x, y, p], events)
+            assert set(np.unique(p)) == {-1, 1} and own["image_raw"].shape == (5, 28, 40)
+            for time, index in zip(own["image_raw_ts"], own["image_raw_event_inds"]):
+                assert index == np.sum(events["t"] <= round(1e9 * time)) - 1
+        own = truth["davis/left"]
+        for i, wanted in enumerate(world["truth"]):
+            depth = np.where(wanted["depth_median"] > 0, METRES * wanted["depth_median"], np.nan).astype(np.float32)
+            assert np.array_equal(own["depth_image_raw"][i], depth, equal_nan=True)
+        assert np.array_equal(own["depth_image_raw_ts"], [1.0, 1.1, 1.2])
+        pose = world["poses"].at(own["pose_ts"][7])
+        assert np.allclose(own["pose"][7][:3, :3], pose.rotation, atol=1e-15)
+        assert np.allclose(own["pose"][7][:3, 3], METRES * pose.position, atol=1e-15)
+        flow = np.load(root / "all_gt_flow_dist.npz")
+        for i in range(2):
+            assert np.array_equal(own["flow_dist"][i][0], np.nan_to_num(world["moves"][i]["u"]))
+            assert np.array_equal(flow["y_flow_dist"][i], np.nan_to_num(world["moves"][i]["v"]))
+        assert np.array_equal(flow["x_flow_dist"], own["flow_dist"][:, 0])
+        assert np.array_equal(flow["timestamps"], own["flow_dist_ts"][:])
+
+
+def test_evimo(world):
+    root = world["all"] / "evimo" / "two"
+    t, xy, p = (np.load(root / f"dataset_events_{name}.npy") for name in ("t", "xy", "p"))
+    same_events([np.round(1e9 * t).astype(np.int64), *xy.T, p], world["events"][1])
+    root = world["all"] / "evimo" / "one"
+    depth, mask, flow = (np.load(root / f"dataset_{name}.npz") for name in ("depth", "mask", "flow"))
+    wanted = world["truth"][2]
+    assert np.array_equal(depth["depth_0000000002"], np.round(1000 * METRES * wanted["depth_median"]))
+    assert np.array_equal(mask["mask_0000000002"], 1000 * (wanted["instance"] + 1))
+    assert np.array_equal(flow["flow_0000000001"][..., 0], world["moves"][1]["u"].astype(np.float32), equal_nan=True)
+    assert np.array_equal(flow["t"], [1.0, 1.1]) and np.array_equal(flow["t_end"], [1.1, 1.2])
+    info, lens = np.load(root / "dataset_info.npz"), world["intrinsics"]
+    assert np.array_equal(info["K"], [[lens.fx, 0, lens.cx - 0.5], [0, lens.fy, lens.cy - 0.5], [0, 0, 1]])
+    assert np.load(root / "dataset_classical.npz")["classical_0000000004"].shape == (28, 40, 3)
+
+
+def test_blinkflow_and_tum(world):
+    flow = np.load(world["all"] / "blinkflow/one/forward_flow/000000.npy")
+    u = world["moves"][0]["u"]
+    assert flow.shape == (28, 40, 3) and flow.dtype == np.float32 and np.array_equal(flow[..., 2] == 1, np.isfinite(u))
+    assert np.array_equal(flow[..., 0], np.nan_to_num(u).astype(np.float32))
+    same_events(
+        [tides.read_events(world["all"] / "blinkflow/two/events_left/events.h5")[name] for name in ("t", "x", "y", "p")],
+        world["events"][1],
+    )
+    root = world["all"] / "tum/one"
+    rows = [line.split() for line in (root / "depth.txt").read_text().splitlines()[1:]]
+    assert [row[0] for row in rows] == ["1.000000", "1.100000", "1.200000"]
+    depth = read_png(root / rows[1][1])
+    assert np.array_equal(depth, np.round(5000 * METRES * world["truth"][1]["depth_median"]))
+
+
+def test_wrong_input_is_named(world):
+    run, folder = world["folder"] / "run.json", world["folder"]
+    turned = [[0, 0, 1, BASELINE], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]]
+    cases = (
+        ({"scene.metres_per_unit": None}, "ecd", "scene.metres_per_unit"),
+        ({}, "kitti", "none of ecd"),
+        ({}, "ecd,ecd", "twice"),
+        ({"dataset.truth_hz": 15}, "dsec", "whole multiple"),
+        ({"rig.cameras": [{"name": "a"}, {"name": "b", "T_B_C": turned}]}, "dsec", "rectified"),
+        ({"rig.cameras": [{"name": "a", "kind": "frame"}]}, "dsec", "event"),
+        ({"rig.cameras": [{"name": "a", "kind": "event"}]}, "mvsec", "both"),
+    )
+    for settings, layout, words in cases:
+        with tides.Session(run, settings, device="reference-f32") as session:
+            with pytest.raises(tides.errors.BadConfig, match=words):
+                session.dataset(folder / "no", layout)
+    with tides.Session(run, device="reference-f32") as session:
+        with pytest.raises(tides.errors.WriteFailed, match="is there already"):
+            session.dataset(world["all"], "ecd")
+        with pytest.raises(tides.errors.Cancelled):
+            session.dataset(folder / "no", "ecd", progress=lambda fraction, stage: stage == "pictures")
+    assert sorted(one.name for one in folder.iterdir()) == ["all", "cloud.h5", "path.json", "run.json"]
