@@ -2,7 +2,11 @@
  *
  * Threads: any number may list and open devices at once; an open device serves one thread at a time. OpenCL's drivers are
  * loaded when a process first asks for devices, and the library lets one thread at a time do that (loaders aren't ready for
- * two); a program that calls OpenCL by itself too makes its own first call before or after, not meanwhile. */
+ * two); a program that calls OpenCL by itself too makes its own first call before or after, not meanwhile.
+ *
+ * Forks: drivers have threads, which a fork leaves behind. In a process forked from one that had listed or opened devices,
+ * calls that need OpenCL fail with TIDES_NO_DEVICE and say so, rather than wait for ever; closing and destroying works, and so
+ * do the references, events and files. Fork first, or fork and exec (Python: multiprocessing's "spawn" or "forkserver"). */
 #ifndef TIDES_DEVICE_H
 #define TIDES_DEVICE_H
 

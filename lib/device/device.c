@@ -1,8 +1,8 @@
 /* Finding, opening and describing devices by one SPEC string. Programs are built in program.c, and launched in launch.c. */
 #include "td_device.h"
+#include "td_forked.h"
 
 #include <ctype.h>
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -67,13 +67,14 @@ static void ask_all(device_list *list) {
 }
 
 /* One thread at a time. The first call of a process makes the loader load the drivers, and neither ocl-icd 2.3 nor PoCL 3.1 is
- * ready for two first calls at once: in 3 of 10 tries a thread found no device, or the driver ended the process. What the mutex
- * guards is the loader's state, of which a process has one: hence the library's only variable that isn't an object's. */
-static void enumerate(device_list *list) {
-    static pthread_mutex_t loading = PTHREAD_MUTEX_INITIALIZER;
-    pthread_mutex_lock(&loading);
+ * ready for two first calls at once: in 3 of 10 tries a thread found no device, or the driver ended the process. */
+static tides_status enumerate(device_list *list, tides_error *error) {
+    tides_status status = td_check_forked(error);
+    if (status != TIDES_OK) return status;
+    td_drivers_lock();
     ask_all(list);
-    pthread_mutex_unlock(&loading);
+    td_drivers_unlock();
+    return TIDES_OK;
 }
 
 tides_status tides_device_list(tides_device_info *rows, int32_t capacity, int32_t *count, tides_error *error) {
@@ -81,11 +82,11 @@ tides_status tides_device_list(tides_device_info *rows, int32_t capacity, int32_
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_device_list: rows must hold capacity >= 0 entries and count be given");
     device_list *list = td_alloc(1, sizeof *list, error);
     if (!list) return TIDES_NO_MEMORY;
-    enumerate(list);
-    for (int32_t i = 0; i < list->count && i < capacity; i++) rows[i] = list->info[i];
-    *count = list->count;
+    tides_status status = enumerate(list, error);
+    for (int32_t i = 0; status == TIDES_OK && i < list->count && i < capacity; i++) rows[i] = list->info[i];
+    if (status == TIDES_OK) *count = list->count;
     free(list);
-    return TIDES_OK;
+    return status;
 }
 
 /* Case-blind search of `part` in `text`. */
@@ -162,8 +163,9 @@ static tides_status open_opencl(tides_device *device, const char *spec, tides_er
     cl_device_fp_config rounding = 0, wide = 0;
     device_list *list = td_alloc(1, sizeof *list, error);
     if (!list) return TIDES_NO_MEMORY;
-    enumerate(list);
-    int32_t at = match(list, spec);
+    int32_t at = -1;
+    if ((status = enumerate(list, error)) != TIDES_OK) goto done;
+    at = match(list, spec);
     if (at < 0) {
         status = fail_no_match(list, spec, error);
         goto done;
@@ -211,8 +213,8 @@ tides_status tides_device_open(const char *spec, tides_device **device, tides_er
 void tides_device_close(tides_device *device) {
     if (!device) return;
     td_programs_release(device);
-    if (device->queue) clReleaseCommandQueue(device->queue);
-    if (device->context) clReleaseContext(device->context);
+    if (device->queue && !td_is_forked()) clReleaseCommandQueue(device->queue);
+    if (device->context && !td_is_forked()) clReleaseContext(device->context);
     free(device);
 }
 

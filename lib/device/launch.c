@@ -2,8 +2,11 @@
  * that move data. */
 #include "td_launch.h"
 
+#include "td_forked.h"
+
 tides_status td_buffer_reserve(tides_device *device, td_buffer *buffer, size_t bytes, tides_error *error) {
     if (bytes <= buffer->bytes) return TIDES_OK;
+    if (td_is_forked()) return td_check_forked(error);
     cl_int code = CL_SUCCESS;
     size_t grown = buffer->bytes ? bytes + bytes / 4 : bytes;
     cl_mem memory = clCreateBuffer(device->context, CL_MEM_READ_WRITE, grown + TD_BUFFER_SLACK, NULL, &code);
@@ -17,7 +20,7 @@ tides_status td_buffer_reserve(tides_device *device, td_buffer *buffer, size_t b
 }
 
 void td_buffer_release(td_buffer *buffer) {
-    if (buffer->memory) clReleaseMemObject(buffer->memory);
+    if (buffer->memory && !td_is_forked()) clReleaseMemObject(buffer->memory);
     buffer->memory = NULL;
     buffer->bytes = 0;
 }
@@ -39,8 +42,8 @@ done:
 
 tides_status td_buffer_write_at(tides_device *device, const td_buffer *buffer, size_t offset, const void *data, size_t bytes,
                                 tides_error *error) {
-    tides_status status = TIDES_OK;
-    if (bytes == 0) return status;
+    tides_status status = td_check_forked(error);
+    if (status != TIDES_OK || bytes == 0) return status;
     TD_CL(clEnqueueWriteBuffer(device->queue, buffer->memory, CL_TRUE, offset, bytes, data, 0, NULL, NULL));
 done:
     return status;
@@ -56,8 +59,8 @@ done:
 
 tides_status td_buffer_read_at(tides_device *device, const td_buffer *buffer, size_t offset, void *data, size_t bytes,
                                tides_error *error) {
-    tides_status status = TIDES_OK;
-    if (bytes == 0) return status;
+    tides_status status = td_check_forked(error);
+    if (status != TIDES_OK || bytes == 0) return status;
     TD_CL(clEnqueueReadBuffer(device->queue, buffer->memory, CL_TRUE, offset, bytes, data, 0, NULL, NULL));
 done:
     return status;
@@ -73,14 +76,16 @@ tides_status td_buffer_read(tides_device *device, const td_buffer *buffer, void 
 }
 
 tides_status td_buffer_send(tides_device *device, const td_buffer *buffer, const void *data, size_t bytes, tides_error *error) {
-    tides_status status = TIDES_OK;
+    tides_status status = td_check_forked(error);
+    if (status != TIDES_OK) return status;
     TD_CL(clEnqueueWriteBuffer(device->queue, buffer->memory, CL_FALSE, 0, bytes, data, 0, NULL, NULL));
 done:
     return status;
 }
 
 tides_status td_buffer_fetch(tides_device *device, const td_buffer *buffer, void *data, size_t bytes, tides_error *error) {
-    tides_status status = TIDES_OK;
+    tides_status status = td_check_forked(error);
+    if (status != TIDES_OK) return status;
     TD_CL(clEnqueueReadBuffer(device->queue, buffer->memory, CL_FALSE, 0, bytes, data, 0, NULL, NULL));
 done:
     return status;
@@ -88,7 +93,8 @@ done:
 
 tides_status td_launch(tides_device *device, cl_kernel kernel, cl_uint dimensions, const size_t *global, const size_t *local,
                        const td_argument *arguments, cl_uint count, cl_event *event, tides_error *error) {
-    tides_status status = TIDES_OK;
+    tides_status status = td_check_forked(error);
+    if (status != TIDES_OK) return status;
     for (cl_uint i = 0; i < count; i++) {
         if (arguments[i].buffer)
             TD_CL(clSetKernelArg(kernel, i, sizeof arguments[i].buffer->memory, &arguments[i].buffer->memory));
@@ -113,6 +119,7 @@ double td_event_seconds(cl_event *event) {
 /* A call that failed hasn't waited, and commands under way would go on reading and writing memory that is freed next: seen
  * as a crash, now and then. So it is asked again; what refuses twice has lost its device, and its commands. */
 tides_status td_finish(tides_device *device, tides_status status, tides_error *error) {
+    if (td_is_forked()) return status == TIDES_OK ? td_check_forked(error) : status;
     cl_int finished = clFinish(device->queue);
     if (finished == CL_SUCCESS) return status;
     clFinish(device->queue);

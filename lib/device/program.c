@@ -6,6 +6,7 @@
  * for work-groups of any size: 0.3 to 1.7 s each, as long as the build itself. Fewer programs are cheaper.
  * -cl-opt-disable, which would leave optimising to the launch: kernels 13 to 18 times slower. */
 #include "td_device.h"
+#include "td_forked.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -148,7 +149,8 @@ static tides_status create_kernel(tides_device *device, const dialect *of, const
                                   const char *name, cl_kernel *kernel, tides_error *error) {
     cl_program program = NULL;
     cl_int code = CL_SUCCESS;
-    tides_status status = find_program(device, of, files, defines, &program, error);
+    tides_status status = td_check_forked(error);
+    if (status == TIDES_OK) status = find_program(device, of, files, defines, &program, error);
     if (status != TIDES_OK) return status;
     cl_kernel made = clCreateKernel(program, name, &code);
     if (code != CL_SUCCESS) return td_cl_fail(error, code, "clCreateKernel");
@@ -177,7 +179,7 @@ void td_programs_release(tides_device *device) {
     while (device->programs) {
         td_program_entry *entry = device->programs;
         device->programs = entry->next;
-        clReleaseProgram(entry->program);
+        if (!td_is_forked()) clReleaseProgram(entry->program);
         free(entry->key);
         free(entry);
     }

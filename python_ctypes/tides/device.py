@@ -30,7 +30,11 @@ def devices() -> list[Facts]:
 
 class Device(Handle):
     """An open device: Device() is TIDES_DEVICE's or the first GPU, else the first CPU; Device("cpu"), "gpu", "reference", an
-    index of `devices()`, a part of a name. NoDevice where nothing matches. One device serves one thread at a time."""
+    index of `devices()`, a part of a name. NoDevice where nothing matches. One device serves one thread at a time.
+
+    OpenCL doesn't survive a fork: in a child forked from a process that has used a device (multiprocessing's default on Linux
+    until Python 3.14, PyTorch's DataLoader with workers) what needs one raises NoDevice. Use the context "spawn" or "forkserver",
+    or open devices in the children alone."""
 
     _destroy = "tides_device_close"
 
