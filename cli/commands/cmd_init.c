@@ -1,4 +1,5 @@
-/* tides init: a run file to begin with: every key with its default, and a comment that says what it does. */
+/* tides init: a run file to begin with: every key with its default, and a comment that says what it does. Defaults are comments
+ * themselves: a value that is given would keep a preset from setting it. */
 #include "cli.h"
 
 #include <stdio.h>
@@ -37,11 +38,16 @@ static void put_value(const template *t, const tides_param *row) {
         fputs(row->fallback ? row->fallback : "null", t->file);
 }
 
-/* "key": default, // sentence [unit]: choices */
-static void put_row(const template *t, const tides_param *row, const char *name, int indent, int32_t last) {
-    fprintf(t->file, "%*s\"%s\": ", indent, "", name);
+/* Rows that everybody has something to say of, and that no preset sets. */
+static int32_t is_open(const tides_param *row) {
+    return strcmp(row->key, "scene.file") == 0 || strcmp(row->key, "camera.file") == 0 || strncmp(row->key, "time.", 5) == 0;
+}
+
+/* // "key": default, // sentence [unit]: choices */
+static void put_row(const template *t, const tides_param *row, const char *name, int indent) {
+    fprintf(t->file, "%*s%s\"%s\": ", indent, "", is_open(row) ? "" : "// ", name);
     put_value(t, row);
-    fprintf(t->file, "%s // %s", last ? "" : ",", row->sentence);
+    fprintf(t->file, ", // %s", row->sentence);
     if (row->unit[0]) fprintf(t->file, " [%s]", row->unit);
     if (row->choices) fprintf(t->file, ": %s", row->choices);
     putc('\n', t->file);
@@ -57,12 +63,12 @@ static size_t put_group(const template *t, size_t i, size_t length, int indent) 
             fprintf(t->file, "%*s\"%.*s\": {\n", indent, "", (int)part, name);
             i = put_group(t, next, length + part + 1, indent + 2);
             next = next_row(t, i, prefix, length);
-            fprintf(t->file, "%*s}%s\n", indent, "", next < t->count ? "," : "");
+            fprintf(t->file, "%*s},\n", indent, "");
         } else {
             const tides_param *row = &t->rows[next];
             i = next + 1;
             next = next_row(t, i, prefix, length);
-            put_row(t, row, name, indent, next == t->count);
+            put_row(t, row, name, indent);
         }
         if (next == t->count) break;
     }
@@ -76,8 +82,9 @@ static char *make_template(const char *scene, const char *camera) {
     t.rows = tides_params(&t.count);
     t.file = open_memstream(&text, &bytes);
     if (!t.file) return NULL;
-    fputs("// A run file of TIDES: tides simulate FILE -o events.h5. Paths are relative to this file; keys at their default "
-          "may go.\n"
+    fputs("// A run file of TIDES: tides simulate FILE -o events.h5. Paths are relative to this file. What stands "
+          "behind // is\n"
+          "// the default: take the // away in front of a key to change it. A sensor: \"preset\": \"dvs128\".\n"
           "{\n",
           t.file);
     put_group(&t, next_row(&t, 0, "", 0), 0, 2);

@@ -107,6 +107,7 @@ void cli_say(const char *format, va_list arguments, const char *end) CLI_PRINTF(
 int cli_failed(const char *format, ...) CLI_PRINTF(1, 2);
 int cli_usage(const cli_command *command, const char *format, ...) CLI_PRINTF(2, 3); /* CLI_USAGE */
 void cli_note(const cli_common *common, const char *format, ...) CLI_PRINTF(2, 3);   /* only with -v */
+void cli_tell_lines(const cli_common *common, const char *lines);                    /* each line one; not with -q */
 /* Prints facts as JSON, or as aligned text; deletes them. NULL facts: out of memory. */
 int cli_print_facts(cJSON *facts, int32_t json);
 /* The same as --json and --quiet have it: with --quiet alone nothing is printed. */

@@ -46,6 +46,13 @@ void cli_note(const cli_common *common, const char *format, ...) {
     va_end(arguments);
 }
 
+void cli_tell_lines(const cli_common *common, const char *lines) {
+    for (size_t length; *lines && !common->quiet; lines += length + (lines[length] == '\n')) {
+        length = strcspn(lines, "\n");
+        fprintf(stderr, "tides: %.*s\n", (int)length, lines);
+    }
+}
+
 tides_status cli_error(tides_error *error, tides_status status, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);

@@ -40,7 +40,9 @@ typedef struct tides_run tides_run;
 /* Reads a run file. `overrides` (nullable, `count` of them) are "key=value" texts, value as JSON or bare text, applied after
  * the file. Unknown keys are errors that name the nearest known key; values out of range name the key, the value and the range;
  * a key that this version doesn't act on is an error unless it holds its default. Relative paths are relative to the file.
- * Beyond JSON, "//" outside a text begins a comment that ends with the line. */
+ * Beyond JSON, "//" outside a text begins a comment that ends with the line, and a comma may stand before a closing bracket.
+ * A value that an override gives is stronger than a preset (sensor.preset) that an override names, that than the file's own
+ * values, and those than a preset that the file names; tides_run_notes says what a preset didn't get to set. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_run_load(const char *file, const char *const *overrides, size_t count,
                                                        tides_run **run, tides_error *error);
 
@@ -77,6 +79,10 @@ typedef struct tides_run_values {
     const char *json; /* the run with every default filled in, as written into event files */
 } tides_run_values;
 TIDES_API void tides_run_get(const tides_run *run, tides_run_values *values);
+
+/* What a reader of the run file may not expect of it, a line each, such as which values a preset didn't get to set; "" where
+ * there is nothing. The run's, and lives as long. */
+TIDES_API const char *tides_run_notes(const tides_run *run);
 
 /* 1 where the file or an override says `key` ("sensor.threshold_on"), 0 where it has its default or the preset's value, or is
  * no key. */

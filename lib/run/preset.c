@@ -1,4 +1,5 @@
-/* Sensor presets: the values of a sensor, for the keys that the run file and the overrides leave open.
+/* Sensor presets: the values of a sensor, for the keys that overrides leave open, and the run file too unless an override names
+ * the preset.
  *
  * A preset is a JSON object { "about": text, group: { name: value, ... } } with the names of the run file's groups sensor,
  * frontend and readout; a value may be { "value": value, "source": text } to say where it comes from. Those of share/presets
@@ -68,8 +69,41 @@ static int may_hold(const char *group) {
     return strcmp(group, "sensor") == 0 || strcmp(group, "frontend") == 0 || strcmp(group, "readout") == 0;
 }
 
+/* The keys that a preset would have set otherwise. */
+typedef struct kept_keys {
+    char names[300];
+    size_t used;
+    int count, left_out;
+} kept_keys;
+
+static void keep(kept_keys *kept, const char *key) {
+    const char *comma = kept->count++ ? ", " : "";
+    if (kept->used + strlen(comma) + strlen(key) < sizeof kept->names)
+        kept->used += (size_t)snprintf(kept->names + kept->used, sizeof kept->names - kept->used, "%s%s", comma, key);
+    else
+        kept->left_out = 1;
+}
+
+/* An override is stronger than any preset, a preset that an override names stronger than the run file's own values, and these
+ * than the preset that stands beside them. Of a rig's camera, values are as strong as overrides, and so is its preset. */
+static tides_status set(tides_run *run, const tides_param *row, const cJSON *value, kept_keys *kept, tides_error *error) {
+    const size_t i = (size_t)(row - tides_params(NULL));
+    const int32_t strong = run->given[td_param_find("sensor.preset") - tides_params(NULL)] >= TD_GIVEN_SET;
+    if (run->given[i] >= TD_GIVEN_SET || (run->given[i] == TD_GIVEN_FILE && !strong)) {
+        if (!cJSON_Compare(run->values[i], value, 1)) keep(kept, row->key);
+        return TIDES_OK;
+    }
+    if (run->given[i] == TD_GIVEN_FILE) {
+        run->beneath[i] = run->values[i];
+        run->values[i] = NULL;
+        run->given[i] = TD_GIVEN_PRESET;
+    }
+    return td_run_store(run, row, value, error);
+}
+
 /* One value of the preset, plain or with its source. */
-static tides_status apply(tides_run *run, const char *where, const char *group, const cJSON *item, tides_error *error) {
+static tides_status apply(tides_run *run, const char *where, const char *group, const cJSON *item, kept_keys *kept,
+                          tides_error *error) {
     char key[TD_KEY_MAX];
     int length = snprintf(key, sizeof key, "%s.%s", group, item->string);
     const tides_param *row = length > 0 && (size_t)length < sizeof key ? td_param_find(key) : NULL;
@@ -79,11 +113,10 @@ static tides_status apply(tides_run *run, const char *where, const char *group, 
         return td_fail(error, TIDES_BAD_CONFIG, "%s: %s has no value; write { \"value\": ..., \"source\": \"...\" }", where,
                        key);
     tides_status status = td_param_check(row, value, where, error);
-    if (status != TIDES_OK || run->given[row - tides_params(NULL)]) return status;
-    return td_run_store(run, row, value, error);
+    return status == TIDES_OK ? set(run, row, value, kept, error) : status;
 }
 
-static tides_status apply_all(tides_run *run, const char *where, const cJSON *root, tides_error *error) {
+static tides_status apply_all(tides_run *run, const char *where, const cJSON *root, kept_keys *kept, tides_error *error) {
     const cJSON *group, *item;
     tides_status status = TIDES_OK;
     if (!cJSON_IsObject(root)) return td_fail(error, TIDES_BAD_CONFIG, "%s: isn't a JSON object { ... }", where);
@@ -97,10 +130,19 @@ static tides_status apply_all(tides_run *run, const char *where, const cJSON *ro
                            "%s: \"%s\": a preset holds \"about\" and the objects sensor, frontend, readout", where, shown);
         }
         cJSON_ArrayForEach(item, group) {
-            if (status == TIDES_OK) status = apply(run, where, group->string, item, error);
+            if (status == TIDES_OK) status = apply(run, where, group->string, item, kept, error);
         }
     }
     return status;
+}
+
+/* Whoever asks for a sensor should hear that it isn't quite that one. */
+static tides_status note_kept(tides_run *run, const char *where, const kept_keys *kept, tides_error *error) {
+    if (kept->count == 0) return TIDES_OK;
+    char line[600];
+    snprintf(line, sizeof line, "%s: given otherwise, and so not set by it: %s%s", where, kept->names,
+             kept->left_out ? " ..." : "");
+    return td_run_note(run, line, error);
 }
 
 tides_status td_run_preset(tides_run *run, tides_error *error) {
@@ -112,7 +154,9 @@ tides_status td_run_preset(tides_run *run, tides_error *error) {
     snprintf(where, sizeof where, "%.60s: preset %.60s", run->origin, preset->valuestring);
     td_one_line(where);
     cJSON *root = cJSON_Parse(text);
-    status = root ? apply_all(run, where, root, error) : td_fail(error, TIDES_BAD_CONFIG, "%s: isn't valid JSON", where);
+    kept_keys kept = {.count = 0};
+    status = root ? apply_all(run, where, root, &kept, error) : td_fail(error, TIDES_BAD_CONFIG, "%s: isn't valid JSON", where);
+    if (status == TIDES_OK) status = note_kept(run, where, &kept, error);
     cJSON_Delete(root);
     free(text);
     return status;

@@ -142,6 +142,16 @@ tides_status tides_run_parse(const char *text, const char *directory, const char
     return parse(text, strlen(text), "run", directory ? directory : "", overrides, count, run, error);
 }
 
+tides_status td_run_note(tides_run *run, const char *line, tides_error *error) {
+    char *notes = td_format(error, "%s%s%s", run->notes ? run->notes : "", run->notes ? "\n" : "", line);
+    if (!notes) return TIDES_NO_MEMORY;
+    free(run->notes);
+    run->notes = notes;
+    return TIDES_OK;
+}
+
+const char *tides_run_notes(const tides_run *run) { return run && run->notes ? run->notes : ""; }
+
 /* The given values alone: a preset's are found anew, for the overrides may name another one. */
 tides_status tides_run_vary(const tides_run *base, const char *const *overrides, size_t count, tides_run **run,
                             tides_error *error) {
@@ -150,7 +160,7 @@ tides_status tides_run_vary(const tides_run *base, const char *const *overrides,
     tides_run *made = NULL;
     tides_status status = create(base->origin, base->directory, &made, error);
     for (size_t i = 0; status == TIDES_OK && i < td_params_count; i++) {
-        const int32_t hidden = base->given[i] == TD_GIVEN_RIG; /* the rig's camera may be another one now */
+        const int32_t hidden = base->given[i] > TD_GIVEN_SET; /* the rig's camera or the preset may be another one now */
         const cJSON *value = hidden ? base->beneath[i] : base->given[i] ? base->values[i] : NULL;
         if (!value) continue;
         made->given[i] = hidden ? TD_GIVEN_FILE : base->given[i];
@@ -166,6 +176,7 @@ void tides_run_destroy(tides_run *run) {
     for (size_t i = 0; run->files && i < td_params_count; i++) free(run->files[i]);
     td_run_free_values(run->values);
     td_run_free_values(run->beneath);
+    free(run->notes);
     free(run->files);
     free(run->given);
     free(run->origin);
@@ -176,5 +187,6 @@ void tides_run_destroy(tides_run *run) {
 
 int32_t tides_run_gives(const tides_run *run, const char *key) {
     const tides_param *row = run && key ? td_param_find(key) : NULL;
-    return row && run->given[row - tides_params(NULL)] != 0;
+    const int32_t given = row ? run->given[row - tides_params(NULL)] : 0;
+    return given != 0 && given != TD_GIVEN_PRESET;
 }

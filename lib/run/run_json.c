@@ -69,16 +69,21 @@ static tides_status bad_syntax(const tides_run *run, const char *text, size_t by
                    near_it[0] ? "\"" : "");
 }
 
-/* Comments become spaces, so that errors keep their line and column. */
+/* Comments become spaces, and so does the comma before a closing bracket: what is left when lines of a template are taken into
+ * use or out of it. Errors keep their line and column. */
 static void blank_comments(char *text, size_t bytes) {
     int32_t quoted = 0;
+    char *comma = NULL; /* the last sign, where that is a comma */
     for (size_t i = 0; i < bytes; i++) {
+        if (!quoted && text[i] == '/' && i + 1 < bytes && text[i + 1] == '/')
+            while (i < bytes && text[i] != '\n' && text[i] != '\r') text[i++] = ' ';
         if (quoted && text[i] == '\\')
             i++;
         else if (text[i] == '"')
             quoted = !quoted;
-        else if (!quoted && text[i] == '/' && i + 1 < bytes && text[i + 1] == '/')
-            while (i < bytes && text[i] != '\n' && text[i] != '\r') text[i++] = ' ';
+        if (i >= bytes || strchr(" \t\r\n", text[i])) continue;
+        if (comma && (text[i] == '}' || text[i] == ']')) *comma = ' ';
+        comma = text[i] == ',' && !quoted ? &text[i] : NULL;
     }
 }
 

@@ -10,17 +10,19 @@
 /* Longest dotted key that is looked at; longer ones are unknown by construction. */
 enum { TD_KEY_MAX = 96 };
 
-/* The run file, an override, or the camera of a rig. */
-enum { TD_GIVEN_FILE = 1, TD_GIVEN_SET = 2, TD_GIVEN_RIG = 3 };
+/* The run file, an override, the camera of a rig, or the preset that an override names; the latter two also where the run file
+ * says something else. */
+enum { TD_GIVEN_FILE = 1, TD_GIVEN_SET = 2, TD_GIVEN_RIG = 3, TD_GIVEN_PRESET = 4 };
 
 struct tides_run {
     char *origin;         /* what errors call the text: the file's name, or "run" */
     char *directory;      /* what relative paths refer to */
     cJSON **values;       /* one per row of the table; NULL where required and not (yet) given */
-    unsigned char *given; /* one per row: TD_GIVEN_*, who says it; 0 where its value is the default or the preset's */
-    cJSON **beneath;      /* one per row: what the run file says where TD_GIVEN_RIG hides it, or NULL */
+    unsigned char *given; /* one per row: TD_GIVEN_*, who says it; 0 where its value is the default or the file's preset's */
+    cJSON **beneath;      /* one per row: what the run file says where TD_GIVEN_RIG or _PRESET hides it, or NULL */
     char **files;         /* one per row: the resolved path where the row is a file's, and isn't null */
     char *json;           /* every key, defaults filled in */
+    char *notes;          /* what the run's reader may not expect, a line each; NULL: nothing */
 };
 
 /* params.c: row of `key`, or NULL; 1 where `key` is the first part of some row's key ("sensor", "stepping.risk"). */
@@ -43,6 +45,9 @@ tides_status td_run_override(tides_run *run, const char *assignment, tides_error
 /* run_json.c: copies `value` to its row's place. */
 tides_status td_run_store(tides_run *run, const tides_param *row, const cJSON *value, tides_error *error);
 
+/* run.c: adds a line to the notes. */
+tides_status td_run_note(tides_run *run, const char *line, tides_error *error);
+
 /* rig.c: whether rig.cameras may be `value`; what the camera that rig.camera names has of its own, into the run; and its path,
  * on the body's, which it replaces. All do nothing without a rig. */
 tides_status td_rig_check(const cJSON *value, const char *where, tides_error *error);
@@ -50,7 +55,7 @@ tides_status td_rig_apply(tides_run *run, tides_error *error);
 uint64_t td_rig_seed(const tides_run *run, uint64_t seed); /* of that camera: its own noise */
 tides_status td_rig_mount(const tides_run *run, tides_trajectory **path, tides_error *error);
 
-/* preset.c: the values of sensor.preset for the rows that aren't given. */
+/* preset.c: the values of sensor.preset for the rows that nobody gives who is stronger. */
 tides_status td_run_preset(tides_run *run, tides_error *error);
 /* 1 where it is a path, and not the name of one of ours. */
 int32_t td_preset_is_file(const char *name);

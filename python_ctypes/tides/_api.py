@@ -3057,6 +3057,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     # tides_status tides_run_load(const char *file, const char *const *overrides, size_t count, tides_run **run,
     # tides_error *error)
     "tides_run_load": (c_int32, [c_char_p, P(c_char_p), c_size_t, P(P(tides_run)), P(tides_error)]),
+    # const char *tides_run_notes(const tides_run *run)
+    "tides_run_notes": (c_char_p, [P(tides_run)]),
     # tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera, tides_intrinsics
     # *intrinsics, tides_error *error)
     "tides_run_open": (c_int32, [

@@ -107,6 +107,11 @@ class Run(Handle):
             raise AttributeError(name)
         return getattr(self.values, name)
 
+    @property
+    def notes(self) -> list[str]:
+        """What a reader of the run file may not expect of it, such as which values a preset didn't get to set."""
+        return text(lib.tides_run_notes(self._pointer)).splitlines()
+
     def gives(self, key: str) -> bool:
         """Whether the file or an override says `key`; else it has its default or the preset's value."""
         return bool(lib.tides_run_gives(self._pointer, key.encode()))

@@ -354,10 +354,10 @@ static void baseline_defaults_agree(void **state) {
 static void syntax_errors_have_line_and_column(void **state) {
     (void)state;
     const tides_status bad = TIDES_BAD_CONFIG;
-    REFUSED("{\n  \"time\": {\"stop\": 1,}\n}", NULL, bad, "run:2:22");
+    REFUSED("{\n  \"time\": {\"stop\": 1,,}\n}", NULL, bad, "run:2:23");
     REFUSED("{\n  time: 1}", NULL, bad, "run:2:3", "time: 1}");
     REFUSED("{\"time\": {\"stop\": 1 \"start\": 2}}", NULL, bad, "run:1:21", "start");
-    REFUSED("{\"a\": [1,\n2,\n]}", NULL, bad, "run:3:1");
+    REFUSED("{\"a\": [1,\n2,\n,]}", NULL, bad, "run:3:2");
     REFUSED("", NULL, bad, "run:1:1");
     REFUSED("{" BASE "} x", NULL, bad, "run:1:", "x");
     REFUSED("{\"a\": [1, 2", NULL, bad, "run:1:");

@@ -8,6 +8,7 @@
 #include "tides/run.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static tides_run *parse(const char *const *sets, size_t count) {
@@ -110,7 +111,51 @@ static void test_presets(void **state) {
     tides_run_destroy(run);
 }
 
+/* The file's own keys win over its preset, not over one that an override names; a run that is varied is one read so. */
+static void test_who_wins(void **state) {
+    (void)state;
+    static const char text[] = "{\"scene\": {\"file\": \"a.ply\"}, \"camera\": {\"file\": \"p.json\"}, // all at hand\n"
+                               "\"sensor\": {\"preset\": \"gen4\", \"threshold_on\": 0.77, \"refractory_s\": 0.5,},}";
+    static const struct {
+        const char *sets[2];
+        size_t count;
+        double threshold_on;
+        const char *note;
+    } cases[] =
+        {{{NULL}, 0, 0.77, "preset gen4: given otherwise, and so not set by it: sensor.threshold_on, sensor.refractory_s"},
+         {{"sensor.preset=ideal"}, 1, 0.2, ""},
+         {{"sensor.preset=ideal", "sensor.threshold_on=0.5"},
+          2,
+          0.5,
+          "preset ideal: given otherwise, and so not set by it: sensor.threshold_on"},
+         {{"sensor.preset=null"}, 1, 0.77, ""}};
+    tides_error error = {TIDES_OK, ""};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        tides_run *run = NULL, *base = NULL, *varied = NULL;
+        tides_run_values values;
+        const char *const preset = "sensor.preset=dvs128";
+        assert_int_equal(tides_run_parse(text, "", cases[i].sets, cases[i].count, &run, &error), TIDES_OK);
+        assert_int_equal(tides_run_parse(text, "", &preset, 1, &base, &error), TIDES_OK);
+        assert_int_equal(tides_run_gives(base, "sensor.threshold_on"), 0);
+        tides_run_get(run, &values);
+        assert_true(values.sensor.threshold_on == cases[i].threshold_on);
+        assert_non_null(strstr(tides_run_notes(run), cases[i].note));
+        assert_int_equal(tides_run_notes(run)[0] == '\0', cases[i].note[0] == '\0');
+        char *whole = strdup(values.json);
+        if (cases[i].count) { /* with none the base's own preset stays */
+            assert_int_equal(tides_run_vary(base, cases[i].sets, cases[i].count, &varied, &error), TIDES_OK);
+            tides_run_get(varied, &values);
+            assert_string_equal(values.json, whole);
+        }
+        free(whole);
+        tides_run_destroy(varied);
+        tides_run_destroy(base);
+        tides_run_destroy(run);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_keys_reach_their_fields), cmocka_unit_test(test_presets)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_keys_reach_their_fields), cmocka_unit_test(test_presets),
+                                       cmocka_unit_test(test_who_wins)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

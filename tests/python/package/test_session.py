@@ -1,6 +1,7 @@
 """Sessions: a run file with everything open that it names."""
 
 import gc
+import multiprocessing
 
 import numpy as np
 import pytest
@@ -78,6 +79,41 @@ def test_cameras_of_a_rig():
             a, b = session.camera.trajectory.at(0.01), other.camera.trajectory.at(0.01)
             assert other.camera.intrinsics.width == 20
             assert np.allclose(b.position, a.position + a.rotation @ right[:3, 3], atol=1e-15)
+
+
+def _forked(connection, device):
+    """In a child of a fork: what it is told, on a new device and on the parent's."""
+    told = []
+    for spec in (device, "cpu", "reference"):
+        try:
+            told.append(len(tides.Run(RUN).simulate(spec)))
+        except tides.errors.NoDevice as error:
+            told.append(str(error))
+    connection.send(told)
+
+
+def test_forks_are_told_and_spawn_works():
+    if not tides.devices():
+        pytest.skip("this machine has no OpenCL device")
+    with tides.Device(0) as device:
+        whole = len(tides.Run(RUN).simulate(device))
+        ours, theirs = multiprocessing.Pipe()
+        child = multiprocessing.get_context("fork").Process(target=_forked, args=(theirs, device))
+        child.start()
+        assert ours.poll(60), "the child hangs"
+        own, new, reference = ours.recv()
+        child.join(60)
+        assert child.exitcode == 0
+        assert 'multiprocessing_context="spawn"' in own and own == new and reference > 100
+        assert len(tides.Run(RUN).simulate(device)) == whole
+
+
+def test_presets_and_what_they_did_not_set():
+    text = {"scene": {"file": "a.ply"}, "camera": {"file": "p"}, "sensor": {"preset": "gen4", "threshold_on": 0.5}}
+    run = tides.Run(text=text)
+    assert run.notes == ["run: preset gen4: given otherwise, and so not set by it: sensor.threshold_on"]
+    varied = run.vary({"sensor.preset": "gen4"})
+    assert run.sensor.threshold_on == 0.5 and varied.sensor.threshold_on == 0.223 and varied.notes == []
 
 
 def test_variations_share_what_is_open(tmp_path):
