@@ -1,4 +1,5 @@
-/* One work-group per tile job: its candidates, TD_LANES at a time, to splat records (record.h). */
+/* One work-group per tile job: its candidates, TD_LANES at a time, to splat records (record.h). shared_as: for each slot, whose
+ * luminance it has of `shared` times (luminance.cl), or -1. */
 #include "record.h"
 #include "specialise.h"
 
@@ -6,10 +7,15 @@ __kernel void td_project_jobs(__constant const td_image *image_buffer, __global 
                               __global const int *candidates, __global const int *object, __global const td_view *views,
                               __global const float *geometry, __global const float *rates, __global const float *sh,
                               __global const float *sh_rates, __global const int *owners, int first_rate, int first_moved,
-                              __global float *records, __global float *colours, __global int *masks) {
+                              __global float *records, __global float *colours, __global int *masks,
+                              __global const int *shared_as, __global const float *luminance, int shared) {
     const td_image image = td_specialised(image_buffer);
     const td_job job = jobs[get_group_id(0)];
-    const td_source source = td_source_make(geometry, rates, sh, sh_rates, owners, first_rate, first_moved);
+    td_source source = td_source_make(geometry, rates, sh, sh_rates, owners, first_rate, first_moved);
+    if (shared_as[job.slot] >= 0) {
+        source.luminance = luminance + (size_t)shared_as[job.slot] * first_moved;
+        source.luminance_dot = source.luminance + (size_t)shared * first_moved;
+    }
     td_sink sink;
     sink.records = records;
     sink.colours = colours;

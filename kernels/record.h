@@ -39,12 +39,26 @@ TD_INLINE td_dual td_luminance_of(const td_colour *colour, const td_image *image
     return td_dual_plus(luminance, image->luminance[2], colour->channel[2]);
 }
 
-/* Luminance always, not a number where the splat is broken; colour where asked for. */
-TD_INLINE void td_store_colour(const td_colour *colour, td_mask broken, const td_image *image, const td_sink *sink,
-                               td_lanes entry[TD_RECORD_STRIDE]) {
-    td_dual luminance = td_luminance_of(colour, image);
+/* What Gaussians [first, first + TD_LANES) of the store show, seen or not. */
+TD_INLINE td_dual td_luminance_from(TD_GLOBAL const td_view *view, const td_image *image, const td_source *all, int first) {
+    td_source source = td_source_of(all, image, first);
+    td_index row = td_count_from(first);
+    td_gaussian own;
+    td_load_gaussian(&source, image, row, &own);
+    td_colour colour = td_project_colour(view, image, &source, &own, row);
+    return td_luminance_of(&colour, image);
+}
+
+/* Not a number where the splat is broken. */
+TD_INLINE void td_lay_luminance(td_dual luminance, td_mask broken, td_lanes entry[TD_RECORD_STRIDE]) {
     entry[TD_R_LUMINANCE] = td_select(luminance.v, td_not_a_number(), broken);
     entry[TD_R_LUMINANCE_DOT] = luminance.d;
+}
+
+/* Luminance always; colour where asked for. */
+TD_INLINE void td_store_colour(const td_colour *colour, td_mask broken, const td_image *image, const td_sink *sink,
+                               td_lanes entry[TD_RECORD_STRIDE]) {
+    td_lay_luminance(td_luminance_of(colour, image), broken, entry);
     if (image->outputs < TD_OUT_COLOUR) return;
     for (int c = 0; c < 3; c++) {
         td_scatter(sink->colours, TD_COLOUR_STRIDE, c, colour->channel[c].v);
@@ -93,6 +107,9 @@ TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_ima
     td_lay_shape(&shape, entry);
     if (image->decoder) {
         td_store_features(view, image, source, row, shape.broken, sink, entry);
+    } else if (image->outputs < TD_OUT_COLOUR && source->luminance) {
+        td_lanes value = td_gather(source->luminance, row), rate = td_gather(source->luminance_dot, row);
+        td_lay_luminance(td_dual_make(value, rate), shape.broken, entry);
     } else {
         td_colour colour = td_project_colour(view, image, source, &own, row);
         td_store_colour(&colour, shape.broken, image, sink, entry);
@@ -105,7 +122,8 @@ TD_INLINE void td_project_soon(TD_GLOBAL const int *gaussian, const td_image *im
     for (int lane = 0; lane < TD_LANES; lane++) {
         td_soon(source->geometry + gaussian[lane] * TD_GEOMETRY_STRIDE);
         TD_GLOBAL const td_sh_real *sh = source->sh + gaussian[lane] * image->sh_stride;
-        for (int k = 0; k < image->sh_stride && gaussian[lane] < source->first_moved; k += TD_ROW) td_soon(sh + k);
+        int reads = !source->luminance && gaussian[lane] < source->first_moved;
+        for (int k = 0; k < image->sh_stride && reads; k += TD_ROW) td_soon(sh + k);
     }
 }
 

@@ -3,9 +3,8 @@
 
 #include <stdlib.h>
 
-enum { STAGES = 3 };
+enum { STAGES = 3, LAUNCHES = STAGES + 1 }; /* projection may have two */
 
-/* Ground truth begins with the signal's records. */
 /* Which of TD_OUTPUT_KINDS; ground truth has the signal's. */
 static int kind_of_outputs(int outputs) {
     static const int kinds[TD_OUTPUT_KINDS] = {TD_OUT_SIGNAL, TD_OUT_DIAGNOSTICS, TD_OUT_COLOUR, TD_OUT_LUMINANCE,
@@ -202,9 +201,9 @@ static tides_status fetch_batch(opencl_backend *b, const td_batch *batch, const 
     return status;
 }
 
-static tides_status launch_project(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
+static tides_status launch_project(opencl_backend *b, const td_batch *batch, int shared, cl_event *event, tides_error *error) {
     size_t local = td_opencl_group_size(b), global = (size_t)batch->job_count * local;
-    cl_int first_rate = b->first_rate, first_moved = b->gaussians;
+    cl_int first_rate = b->first_rate, first_moved = b->gaussians, shared_count = shared;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->jobs),
                                      TD_BUFFER_ARGUMENT(b->candidates),   TD_BUFFER_ARGUMENT(b->object),
                                      TD_BUFFER_ARGUMENT(b->views),        TD_BUFFER_ARGUMENT(b->geometry),
@@ -212,7 +211,8 @@ static tides_status launch_project(opencl_backend *b, const td_batch *batch, cl_
                                      TD_BUFFER_ARGUMENT(b->sh_rates),     TD_BUFFER_ARGUMENT(b->owners),
                                      TD_VALUE_ARGUMENT(first_rate),       TD_VALUE_ARGUMENT(first_moved),
                                      TD_BUFFER_ARGUMENT(b->records),      TD_BUFFER_ARGUMENT(b->colours),
-                                     TD_BUFFER_ARGUMENT(b->masks)};
+                                     TD_BUFFER_ARGUMENT(b->masks),        TD_BUFFER_ARGUMENT(b->shared_as),
+                                     TD_BUFFER_ARGUMENT(b->luminance),    TD_VALUE_ARGUMENT(shared_count)};
     return td_launch(b->device, b->project_kernel[kind_of_outputs(batch->outputs)], 1, &global, &local, arguments,
                      (cl_uint)(sizeof arguments / sizeof *arguments), event, error);
 }
@@ -274,14 +274,22 @@ static void add_counts(opencl_backend *b, const td_batch *batch, const staging *
     }
 }
 
+/* Records of all jobs, with the times of two launches. */
+static tides_status make_records(opencl_backend *b, const td_batch *batch, cl_event *own, cl_event *shared,
+                                 tides_error *error) {
+    int slots;
+    if (batch->paths) return td_opencl_fetch(b, batch, own, error);
+    tides_status status = td_opencl_share_luminance(b, batch, &slots, shared, error);
+    return status == TIDES_OK ? launch_project(b, batch, slots, own, error) : status;
+}
+
 /* All of a batch on the device, with the time of each stage; kernels are prepared. */
 static tides_status run_stages(opencl_backend *b, const td_batch *batch, staging *s, double *stage_seconds,
                                tides_error *error) {
-    cl_event events[STAGES] = {NULL, NULL, NULL};
+    cl_event events[LAUNCHES] = {NULL};
     tides_status status = reserve_batch(b, batch, s, error);
     if (status == TIDES_OK) status = send_batch(b, batch, s, error);
-    if (status == TIDES_OK)
-        status = batch->paths ? td_opencl_fetch(b, batch, &events[0], error) : launch_project(b, batch, &events[0], error);
+    if (status == TIDES_OK) status = make_records(b, batch, &events[0], &events[STAGES], error);
     if (status == TIDES_OK) status = launch_sort(b, batch, &events[1], error);
     if (status == TIDES_OK)
         status = batch->outputs == TD_OUT_TRUTH ? td_opencl_truth(b, batch, s->asked_count, &events[2], error)
@@ -290,6 +298,7 @@ static tides_status run_stages(opencl_backend *b, const td_batch *batch, staging
     /* Also after a failure: what was sent still reads host memory. */
     status = td_finish(b->device, status, error);
     for (int i = 0; i < STAGES; i++) stage_seconds[i] = td_event_seconds(&events[i]);
+    stage_seconds[0] += td_event_seconds(&events[STAGES]);
     return status;
 }
 
@@ -302,7 +311,8 @@ static tides_status warm_up(opencl_backend *b, int outputs, tides_error *error) 
     staging s;
     double *views = td_alloc((size_t)b->objects * TD_VIEW_REALS, sizeof *views, error);
     if (!views) return TIDES_NO_MEMORY;
-    td_batch batch = {views, backdrop, 1, &nothing, 1, &candidate, 1, b->candidates_serial - 1, TD_PAD, outputs, 0, NULL, NULL};
+    td_batch batch = {views,  backdrop, 1, &nothing, 1,    &candidate, 1, b->candidates_serial - 1,
+                      TD_PAD, outputs,  0, NULL,     NULL, NULL};
     tides_status status = run_stages(b, &batch, &s, seconds, error);
     free(views);
     return status;
@@ -316,7 +326,7 @@ static tides_status prepare(td_backend *backend, int outputs, tides_error *error
     /* Records only differ by whether there is colour: diagnostics share the projection of the signal. */
     int record_outputs = outputs < TD_OUT_COLOUR ? TD_OUT_SIGNAL : TD_OUT_COLOUR;
     tides_status status =
-        td_opencl_make_kernel(b, "project.cl", "td_project_jobs", record_outputs, &b->project_kernel[kind], error);
+        td_opencl_make_kernel(b, TD_PROJECT_KERNELS, "td_project_jobs", record_outputs, &b->project_kernel[kind], error);
     if (status == TIDES_OK && truth) status = td_opencl_make_truth(b, error);
     if (status == TIDES_OK && !truth)
         status = td_opencl_make_kernel(b, "composite.cl", "td_composite_jobs", outputs, &b->composite_kernel[kind], error);
@@ -385,6 +395,7 @@ static void destroy(td_backend *backend) {
     td_opencl_motion_release(b);
     td_opencl_cubics_release(b);
     td_opencl_paths_release(b);
+    td_opencl_luminance_release(b);
     td_opencl_truth_release(b);
     free(b->host);
     free(b->host_ints);

@@ -29,6 +29,7 @@ void td_candidates_release(td_candidates *candidates) {
     free(candidates->first);
     free(candidates->list);
     free(candidates->fill);
+    free(candidates->groups);
     free(candidates->last_object);
     free(candidates->travel);
     free(candidates->moving);
@@ -92,14 +93,22 @@ static void pad(td_candidates *candidates, int tile, int object) {
     candidates->fill[tile] = (candidates->fill[tile] + TD_PAD - 1) / TD_PAD * TD_PAD;
 }
 
+/* Gaussians come in the store's order, and so do their groups. */
+static void add_group(td_candidates *candidates, int group) {
+    if (candidates->group_count == 0 || candidates->groups[candidates->group_count - 1] != group)
+        candidates->groups[candidates->group_count++] = group;
+}
+
 /* Both passes go over all boxes: the first only counts into `fill`, the second places from `first` on. */
 static void count_all(td_candidates *candidates, const td_store *store, const float *boxes) {
     for (int t = 0; t < candidates->tiles_x * candidates->tiles_y; t++) {
         candidates->last_object[t] = -1;
         candidates->fill[t] = 0;
     }
+    candidates->group_count = 0;
     for (int g = 0; g < store->count; g++) {
         const tile_range range = tiles_of(candidates, boxes + 4 * (size_t)g);
+        if (range.x0 <= range.x1 && range.y0 <= range.y1) add_group(candidates, g / TD_PAD);
         for (int y = range.y0; y <= range.y1; y++)
             for (int t = y * candidates->tiles_x + range.x0; t <= y * candidates->tiles_x + range.x1; t++) {
                 pad(candidates, t, store->object[g]);
@@ -165,6 +174,9 @@ tides_status td_candidates_build(td_candidates *candidates, const td_store *stor
                                  const uint8_t *object_moves, tides_error *error) {
     int tiles = candidates->tiles_x * candidates->tiles_y;
     int64_t total = 0;
+    tides_status status = td_reserve((void **)&candidates->groups, &candidates->groups_capacity,
+                                     (size_t)(store->count / TD_PAD), sizeof *candidates->groups, error);
+    if (status != TIDES_OK) return status;
     count_all(candidates, store, boxes);
     for (int t = 0; t < tiles; t++) {
         candidates->first[t] = (int)total;
@@ -176,8 +188,8 @@ tides_status td_candidates_build(td_candidates *candidates, const td_store *stor
                            INT_MAX / TD_RECORD_STRIDE);
     }
     candidates->first[tiles] = (int)total;
-    tides_status status = td_reserve((void **)&candidates->list, &candidates->capacity, total ? (size_t)total : 1,
-                                     sizeof *candidates->list, error);
+    status = td_reserve((void **)&candidates->list, &candidates->capacity, total ? (size_t)total : 1, sizeof *candidates->list,
+                        error);
     if (status != TIDES_OK) return status;
     memset(candidates->list, 0xff, (size_t)total * sizeof *candidates->list); /* TD_NO_GAUSSIAN */
     place_all(candidates, store, boxes, travel, object_moves);

@@ -41,7 +41,7 @@ static void name_splats(const tides_renderer *r, double *splat) {
 }
 
 static tides_status moment_take(tides_renderer *r, const tides_trajectory *camera, double time, moment *m, tides_error *error) {
-    double *planes = NULL;
+    const double *planes = NULL;
     memset(m, 0, sizeof *m);
     m->time = time;
     m->image = r->image;
@@ -56,7 +56,6 @@ static tides_status moment_take(tides_renderer *r, const tides_trajectory *camer
         status = td_renderer_views(r, camera, &time, 1, error);
     }
     if (status == TIDES_OK) memcpy(m->views, r->views, (size_t)r->store.objects * sizeof *m->views);
-    free(planes);
     return status;
 }
 

@@ -34,14 +34,22 @@ const char *td_plane_name(int plane) {
     return NULL;
 }
 
+/* Row y of a tile's plane, `width` pixels of it. */
+static void copy_row(const double *plane, int y, int width, double *to) {
+    const double *from = plane + td_tile_pixel(0, y);
+    for (int x = 0; x + TD_BLOCK <= width; x += TD_BLOCK, from += TD_BLOCK_PIXELS)
+        memcpy(to + x, from, TD_BLOCK * sizeof *to); /* of a block's four rows of four */
+    for (int x = width - width % TD_BLOCK; x < width; x++) to[x] = plane[td_tile_pixel(x, y)];
+}
+
 void td_renderer_assemble(const tides_renderer *renderer, const double *tiles, int plane, int outputs, double *image) {
-    int width = renderer->image.width, height = renderer->image.height, tiles_x = renderer->candidates.tiles_x;
-    for (int y = 0; y < height; y++)
-        for (int x = 0; x < width; x++) {
-            int tile = y / TD_TILE * tiles_x + x / TD_TILE;
-            image[(size_t)y * width + x] =
-                tiles[((size_t)tile * outputs + plane) * TD_TILE_PIXELS + (size_t)td_tile_pixel(x % TD_TILE, y % TD_TILE)];
-        }
+    const int width = renderer->image.width, height = renderer->image.height, tiles_x = renderer->candidates.tiles_x;
+    for (int tile = 0; tile < renderer->stats.tiles; tile++) {
+        const int x = tile % tiles_x * TD_TILE, y = tile / tiles_x * TD_TILE;
+        const int across = width - x < TD_TILE ? width - x : TD_TILE, down = height - y < TD_TILE ? height - y : TD_TILE;
+        const double *from = tiles + ((size_t)tile * (size_t)outputs + (size_t)plane) * TD_TILE_PIXELS;
+        for (int row = 0; row < down; row++) copy_row(from, row, across, image + (size_t)(y + row) * (size_t)width + x);
+    }
 }
 
 /* The fewest planes that hold every channel asked for; 0 where none is. Y alone needs no rates, but optics blur by L. */
@@ -67,12 +75,14 @@ tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajecto
 }
 
 tides_status td_renderer_all_tiles(tides_renderer *renderer, const tides_trajectory *camera, double time, int outputs,
-                                   double **tiles_of, tides_error *error) {
+                                   const double **tiles_of, tides_error *error) {
     const int tiles = renderer->stats.tiles;
     td_request *requests = td_alloc((size_t)tiles, sizeof *requests, error);
     const td_tile_batch batch = {&time, 1, TD_SIDE_BEGINS, requests, tiles, outputs};
-    double *planes = td_alloc((size_t)tiles * outputs * TD_TILE_PIXELS, sizeof *planes, error);
-    tides_status status = requests && planes ? TIDES_OK : TIDES_NO_MEMORY;
+    tides_status status = requests ? td_reserve((void **)&renderer->frame_planes, &renderer->frame_capacity,
+                                                (size_t)tiles * (size_t)outputs * TD_TILE_PIXELS, sizeof(double), error)
+                                   : TIDES_NO_MEMORY;
+    double *planes = renderer->frame_planes;
     for (int i = 0; i < tiles && status == TIDES_OK; i++) requests[i].tile = i;
     if (status == TIDES_OK) status = td_renderer_sweep(renderer, camera, time, time, error);
     if (status == TIDES_OK && outputs == TD_OUT_TRUTH) /* which no optics blur */
@@ -80,23 +90,19 @@ tides_status td_renderer_all_tiles(tides_renderer *renderer, const tides_traject
     else if (status == TIDES_OK)
         status = td_renderer_tiles(renderer, camera, &batch, planes, error);
     free(requests);
-    if (status == TIDES_OK)
-        *tiles_of = planes;
-    else
-        free(planes);
+    if (status == TIDES_OK) *tiles_of = planes;
     return status;
 }
 
 tides_status td_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time, const tides_frame *frame,
                                tides_error *error) {
     const int outputs = outputs_for(renderer, frame);
-    double *planes = NULL;
+    const double *planes = NULL;
     if (outputs == 0) return TIDES_OK;
     tides_status status = td_renderer_all_tiles(renderer, camera, time, outputs, &planes, error);
     for (int c = 0; c < TIDES_CHANNELS && status == TIDES_OK; c++)
         if (frame->plane[c])
             td_renderer_assemble(renderer, planes, outputs == TD_OUT_LUMINANCE ? 0 : channels[c].plane, outputs,
                                  frame->plane[c]);
-    free(planes);
     return status;
 }

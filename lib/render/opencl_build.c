@@ -25,7 +25,7 @@ static int decisions_of(const char *files) {
         const char *files;
         int decisions;
     } known[] = {{TD_FIRST_KERNELS, BY_ANTIALIAS | BY_CUT | BY_MOVING | BY_SOFT_ORDER},
-                 {"project.cl", BY_PROJECTION | BY_OUTPUTS | BY_DECODER},
+                 {TD_PROJECT_KERNELS, BY_PROJECTION | BY_OUTPUTS | BY_DECODER},
                  {"composite.cl", BY_CUT | BY_STOP | BY_OUTPUTS | BY_SOFT_ORDER | BY_DECODER},
                  {"interpolate.cl", 0},
                  {"misfit.cl", BY_PROJECTION},

@@ -120,6 +120,7 @@ void tides_renderer_destroy(tides_renderer *renderer) {
     free(renderer->jobs);
     free(renderer->empty);
     free(renderer->in_order);
+    free(renderer->frame_planes);
     free(renderer);
 }
 
@@ -130,6 +131,7 @@ void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *st
     stats->blocks = done->blocks;
     stats->gaussians_projected = done->gaussians_projected - stats->gaussians_on_paths;
     stats->gaussians_culled = done->gaussians_culled;
+    stats->gaussians_shared = done->gaussians_shared;
     stats->pairs_evaluated = done->pairs_evaluated;
     stats->lists_kept = done->lists_kept;
     stats->sweeps = done->sweeps;

@@ -160,6 +160,13 @@ static inline int td_path_of(const td_path_batch *paths, int candidate, int gaus
     return candidate < gaussians ? paths->path_of[candidate] : TD_PATH_DIRECT;
 }
 
+/* Gaussians of the store that are in some list, by groups of TD_PAD that follow each other: what they show a device may work
+ * out once for all tiles of a time (kernels/luminance.cl). Changes with the candidates. */
+typedef struct td_groups {
+    const int *number; /* (count) ascending */
+    int count;
+} td_groups;
+
 static inline int td_sweep_times(int level) { return (2 << level) + 1; }
 
 /* Jobs for one run of all stages. Everything is borrowed for the call. */
@@ -177,6 +184,7 @@ typedef struct td_batch {
     int hint_count;             /* numbers in all hints, place 0 counted; they last until it changes */
     uint8_t *in_order;          /* (NULL: not wanted) at job.out: 1 where the list was in order */
     const td_path_batch *paths; /* NULL: every candidate is projected */
+    const td_groups *groups;    /* NULL: candidates aren't all rows of the store */
 } td_batch;
 
 /* Rows of Gaussians that move by themselves, as they are now: [row, row + count) of td_source, row >= store.count. Caller's

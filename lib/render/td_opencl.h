@@ -42,6 +42,12 @@ typedef struct opencl_backend {
     uint64_t path_serials[2]; /* of paths and candidates that the device's path_of is of */
     int *path_list;           /* that, on the host */
     size_t path_list_capacity;
+    cl_kernel luminance_kernel; /* what tiles share (opencl_luminance.c); NULL until it is first wanted */
+    td_buffer groups, shared_slots, shared_as, luminance;
+    uint64_t groups_serial; /* of what the device has */
+    int *share_ints;        /* (2 x slots) of each which it is among those that are shared, or -1; then those */
+    size_t share_ints_capacity;
+
     float *path_host; /* staging, beside `host`, which a batch under way is using */
     size_t path_host_capacity;
 } opencl_backend;
@@ -59,8 +65,9 @@ tides_status td_opencl_motion_create(opencl_backend *b, const td_movers *movers,
 void td_opencl_motion_release(opencl_backend *b);
 
 /* Kernels that are built together and for the same decisions are one program: each costs PoCL 25 ms a process, for headers of
- * its own that it reads. Those that every scene needs, and those of record paths: */
+ * its own that it reads. Those that every scene needs, those that make records, and those of record paths: */
 #define TD_FIRST_KERNELS "sweep.cl sort.cl"
+#define TD_PROJECT_KERNELS "project.cl luminance.cl"
 #define TD_PATH_KERNELS "path_nodes.cl path_misfits.cl path_project.cl"
 
 /* What an image fixes, compiled in: lines of defines, the caller's to free; NULL: out of memory (opencl_build.c). */
@@ -84,6 +91,12 @@ tides_status td_opencl_path_misfits(td_backend *backend, const td_path_request *
 tides_status td_opencl_path_rows(td_backend *backend, int count, double *rows, double *low, tides_error *error);
 tides_status td_opencl_fetch(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error);
 void td_opencl_paths_release(opencl_backend *b);
+
+/* Before a batch's projection, its jobs and views being there: which slots' tiles share what their Gaussians show, and that, to
+ * the device; how many there are (opencl_luminance.c). */
+tides_status td_opencl_share_luminance(opencl_backend *b, const td_batch *batch, int *shared, cl_event *event,
+                                       tides_error *error);
+void td_opencl_luminance_release(opencl_backend *b);
 
 /* Ground truth: what the store says of it; its kernels; planes of a batch in place of compositing, `asked` blocks of it;
  * freeing all (opencl_truth.c). */

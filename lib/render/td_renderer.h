@@ -75,6 +75,9 @@ typedef struct td_candidates {
     int *list;               /* Gaussian indices, ascending, each object's padded to TD_PAD with TD_NO_GAUSSIAN */
     size_t capacity;         /* of `list` */
     int *fill, *last_object; /* (tiles) scratch */
+    int *groups;             /* TD_PAD neighbours in the store with one in a list: their numbers, ascending */
+    size_t groups_capacity;
+    int group_count;
     float *travel;           /* (tiles) most diameters that one of its candidates travels in the interval */
     uint8_t *moving;         /* (tiles) 1 if one of its candidates moves on the screen */
     int by_blocks;           /* 1: both are wanted of blocks too */
@@ -129,7 +132,9 @@ struct tides_renderer {
     size_t view_capacity, backdrop_capacity;
     td_job *jobs;
     size_t job_capacity;
-    int *empty;        /* requests without candidates */
+    int *empty;           /* requests without candidates */
+    double *frame_planes; /* of a whole image: memory that is new costs its pages, as much as all else of putting it together */
+    size_t frame_capacity;
     uint8_t *in_order; /* (requests) 1 where a job's list was in order */
     size_t empty_capacity, in_order_capacity;
     int record_limit; /* records per launch */
@@ -162,10 +167,10 @@ tides_status td_paths_find(tides_renderer *renderer, const tides_trajectory *cam
 /* The name of a backend's plane (TD_OUT_L ..), which is that of its channel; NULL where there is none (frame.c). */
 const char *td_plane_name(int plane);
 
-/* All tiles at one time, swept for it: planes (tiles x outputs x TD_TILE_PIXELS), the caller's to free; sharp where they are
- * ground truth. Then one plane of theirs as an image (height x width) (frame.c). */
+/* All tiles at one time, swept for it: planes (tiles x outputs x TD_TILE_PIXELS), lent until the next such call; sharp where
+ * they are ground truth. Then one plane of theirs as an image (height x width) (frame.c). */
 tides_status td_renderer_all_tiles(tides_renderer *renderer, const tides_trajectory *camera, double time, int outputs,
-                                   double **planes, tides_error *error);
+                                   const double **planes, tides_error *error);
 void td_renderer_assemble(const tides_renderer *renderer, const double *planes, int plane, int outputs, double *image);
 
 /* The name of a plane of ground truth (TD_TRUTH_U ..), and such planes of a pixel that shows nothing: (TD_OUT_TRUTH)

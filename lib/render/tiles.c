@@ -141,8 +141,11 @@ tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_t
     td_path_batch paths;
     if (status == TIDES_OK) status = follow_paths(renderer, asked, renderer->jobs, jobs, &batch, &paths, error);
     if (status != TIDES_OK) return status;
-    status = needs_rows(renderer, &batch) ? td_dynamic_run_jobs(renderer, &batch, asked, renderer->jobs, jobs, planes, error)
-                                          : run_jobs(renderer, &batch, renderer->jobs, jobs, planes, error);
+    const td_groups groups = {renderer->candidates.groups, renderer->candidates.group_count};
+    const int moves = needs_rows(renderer, &batch);
+    if (!moves) batch.groups = &groups;
+    status = moves ? td_dynamic_run_jobs(renderer, &batch, asked, renderer->jobs, jobs, planes, error)
+                   : run_jobs(renderer, &batch, renderer->jobs, jobs, planes, error);
     td_candidates_take_hints(&renderer->candidates, renderer->jobs, jobs, status == TIDES_OK ? renderer->in_order : NULL);
     if (status == TIDES_OK && renderer->image.decoder) return run_empty(renderer, &batch, requests, empty_count, planes, error);
     if (status == TIDES_OK) fill_empty(renderer, requests, empty_count, outputs, planes);

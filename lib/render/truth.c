@@ -2,8 +2,6 @@
 #include "td_renderer.h"
 #include "tides/truth.h"
 
-#include <stdlib.h>
-
 /* Each plane's name, and where it is among a backend's: the one table of both. */
 static const struct truth {
     const char *name;
@@ -31,13 +29,12 @@ tides_status tides_renderer_truth(tides_renderer *renderer, const tides_trajecto
                                   const tides_truth *truth, tides_error *error) {
     if (!renderer || !camera || !truth)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_renderer_truth: renderer, camera and truth must be given");
-    double *planes = NULL;
+    const double *planes = NULL;
     int wanted = 0;
     for (int i = 0; i < TIDES_TRUTHS; i++) wanted |= truth->plane[i] != NULL;
     if (!wanted) return TIDES_OK;
     tides_status status = td_renderer_all_tiles(renderer, camera, time - renderer->epoch, TD_OUT_TRUTH, &planes, error);
     for (int i = 0; i < TIDES_TRUTHS && status == TIDES_OK; i++)
         if (truth->plane[i]) td_renderer_assemble(renderer, planes, truths[i].plane, TD_OUT_TRUTH, truth->plane[i]);
-    free(planes);
     return status;
 }

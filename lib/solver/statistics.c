@@ -43,6 +43,7 @@ static const tides_stat table[] = {
     COUNT("gaussians_interpolated", SUM, render.gaussians_interpolated),
     COUNT("gaussians_total", DERIVED, render.gaussians_total),
     COUNT("gaussians_projected", SUM, render.gaussians_projected),
+    COUNT("gaussians_shared", SUM, render.gaussians_shared),
     COUNT("gaussians_culled", SUM, render.gaussians_culled),
     COUNT("path_nodes", SUM, render.path_nodes),
     COUNT("gaussians_at_nodes", SUM, render.gaussians_at_nodes),

@@ -1308,8 +1308,9 @@ class tides_render_stats(Structure):
     uint64_t blocks; /* (4x4 block, time) pairs of these */
     uint64_t tile_jobs_skipped; /* tiles without a candidate: background by formula */
     uint64_t gaussians_total; /* Gaussians in the scene */
-    uint64_t gaussians_projected; /* (Gaussian, tile job) projections */
-    uint64_t gaussians_culled; /* of these, touching none of the job's blocks at that time */
+    uint64_t gaussians_projected; /* (Gaussian, tile job) projections, */
+    uint64_t gaussians_shared; /* of these, whose colour was worked out once for all tiles of the time, */
+    uint64_t gaussians_culled; /* and touching none of the job's blocks at that time */
     uint64_t gaussians_still; /* at rest before a resting camera: not looked at again when lists were made */
     uint64_t gaussians_moved; /* rows worked out of Gaussians that move by themselves: (Gaussian, time) pairs */
     uint64_t gaussians_interpolated; /* rows that were interpolated instead (tides_stepping.interpolate_motion) */
@@ -1330,6 +1331,7 @@ class tides_render_stats(Structure):
     tile_jobs_skipped: int
     gaussians_total: int
     gaussians_projected: int
+    gaussians_shared: int
     gaussians_culled: int
     gaussians_still: int
     gaussians_moved: int
@@ -1357,6 +1359,7 @@ class tides_render_stats(Structure):
         ("tile_jobs_skipped", c_uint64),
         ("gaussians_total", c_uint64),
         ("gaussians_projected", c_uint64),
+        ("gaussians_shared", c_uint64),
         ("gaussians_culled", c_uint64),
         ("gaussians_still", c_uint64),
         ("gaussians_moved", c_uint64),

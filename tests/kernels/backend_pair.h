@@ -39,6 +39,7 @@ typedef struct backend_pair {
     td_backend *backend[2];
     double *views, *backdrops; /* of pair_times */
     td_candidates candidates;
+    td_groups groups;       /* of them */
     td_job *jobs;           /* every tile that has candidates, at every slot */
     int job_count, records; /* of all jobs together; `out` is a permutation of 0 .. job_count - 1 */
 } backend_pair;
@@ -107,6 +108,7 @@ static inline void pair_sweep(backend_pair *pair) {
     scene_expect_ok(td_candidates_create(pair->scene.camera.width, pair->scene.camera.height, &pair->candidates, &error),
                     &error);
     scene_expect_ok(td_candidates_build(&pair->candidates, &pair->store, boxes[0], travel[0], moves, &error), &error);
+    pair->groups = (td_groups){pair->candidates.groups, pair->candidates.group_count};
     free(moves);
     free(travel[0]);
     free(travel[1]);
@@ -159,7 +161,8 @@ static inline td_batch pair_batch(const backend_pair *pair, const td_job *jobs, 
                       outputs,
                       0,
                       NULL,
-                      NULL};
+                      NULL,
+                      &pair->groups};
     return batch;
 }
 

@@ -136,6 +136,9 @@ static void compare_all(const scene_kind *kind, const case_setting *setting, tid
         check_planes(planes, outputs[i], pair.job_count);
         free(planes);
     }
+    /* Colours were worked out once for all tiles where that is done, and for each tile where it isn't. */
+    const tides_render_stats *done = &pair.backend[PAIR_DEVICE]->stats;
+    assert_int_equal(done->gaussians_shared > 0, setting->all_outputs && setting->image.sh_degree > 0);
     for (int i = 0; i < pair.job_count; i += 4) {
         splats += pair_compare_stages(&pair, &pair.jobs[i]);
         candidates += pair.jobs[i].count;
