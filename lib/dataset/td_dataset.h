@@ -88,7 +88,8 @@ struct td_layout {
     tides_status (*complete)(td_writer *w, tides_error *error);
     void (*drop)(td_writer *w);
 };
-extern const td_layout td_layout_ecd, td_layout_dsec, td_layout_mvsec, td_layout_evimo, td_layout_blinkflow, td_layout_tum;
+extern const td_layout td_layout_ecd, td_layout_dsec, td_layout_mvsec, td_layout_evimo, td_layout_blinkflow, td_layout_tum,
+    td_layout_ros2;
 tides_status td_dsec_calibration(const td_writer *w, const td_member *const cameras[4], tides_error *error);
 extern const td_layout td_layout_contact; /* contact.png: of every dataset */
 

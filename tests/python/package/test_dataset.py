@@ -9,7 +9,7 @@ import pytest
 import tides
 
 BASELINE, METRES = 0.2, 0.5
-LAYOUTS = ("ecd", "dsec", "mvsec", "evimo", "blinkflow", "tum")
+LAYOUTS = ("ecd", "dsec", "mvsec", "evimo", "blinkflow", "tum", "ros2")
 
 
 def read_png(file):
@@ -211,6 +211,29 @@ def test_blinkflow_and_tum(world):
     assert [row[0] for row in rows] == ["1.000000", "1.100000", "1.200000"]
     depth = read_png(root / rows[1][1])
     assert np.array_equal(depth, np.round(5000 * METRES * world["truth"][1]["depth_median"]))
+
+
+def test_ros2(world):
+    """What is at the ends of the file, and that the index leads to messages; tests/clients reads it with ROS's own readers."""
+    data = (world["all"] / "ros2/all.mcap").read_bytes()
+    magic = b"\x89MCAP0\r\n"
+    assert data[:8] == magic == data[-8:] and data[-37] == 2
+    at, channels, messages = struct.unpack("<Q", data[-28:-20])[0], {}, 0
+    while data[at] != 2:
+        kind, size = data[at], struct.unpack("<Q", data[at + 1 : at + 9])[0]
+        body = data[at + 9 : at + 9 + size]
+        if kind == 4:
+            channels[body[0]] = body[8 : 8 + body[4]].decode()
+        if kind == 11:
+            messages = struct.unpack("<Q", body[:8])[0]
+        if kind == 8:
+            start = struct.unpack("<Q", body[16:24])[0]
+            assert data[start] == 6
+        at += 9 + size
+    kinds = ("events", "image_raw", "camera_info", "pose", "depth", "optic_flow")
+    assert set(channels.values()) == {f"/{side}/{kind}" for side in ("one", "two") for kind in kinds}
+    text = (world["all"] / "ros2/metadata.yaml").read_text()
+    assert f"message_count: {messages}" in text and "storage_identifier: mcap" in text
 
 
 def test_wrong_input_is_named(world):

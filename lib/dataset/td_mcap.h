@@ -1,0 +1,37 @@
+/* Internal: MCAP (mcap.dev/spec), the container of ROS 2 bags: messages in chunks, with the index that players go by. */
+#ifndef TD_MCAP_H
+#define TD_MCAP_H
+
+#include "td_base.h"
+
+/* Bytes that grow, and numbers put behind them, lowest byte first. `failed`: memory ran out, and nothing is put any more. */
+typedef struct td_buffer {
+    unsigned char *bytes;
+    size_t size, capacity;
+    int failed;
+} td_buffer;
+void td_buffer_put(td_buffer *buffer, const void *bytes, size_t size);
+void td_buffer_number(td_buffer *buffer, uint64_t value, int bytes);
+void td_buffer_free(td_buffer *buffer);
+
+typedef struct td_mcap td_mcap;
+
+/* Begins a file; takes over `path`, NULL being out of memory. */
+tides_status td_mcap_open(char *path, td_mcap **mcap, tides_error *error);
+
+/* A channel of messages in CDR; `schema`, which stays the caller's, is the ros2msg text of `type` ("sensor_msgs/msg/Imu"). */
+tides_status td_mcap_channel(td_mcap *mcap, const char *topic, const char *type, const char *schema, int *number,
+                             tides_error *error);
+
+/* A message at `ns`; those of a channel in the order of time, channels in any. */
+tides_status td_mcap_message(td_mcap *mcap, int channel, int64_t ns, const td_buffer *message, tides_error *error);
+
+/* What a bag's metadata.yaml says. */
+uint64_t td_mcap_count(const td_mcap *mcap, int channel); /* -1: of all */
+void td_mcap_range(const td_mcap *mcap, int64_t *first, int64_t *last);
+
+/* Ends the file; the mcap stays for its counts. */
+tides_status td_mcap_finish(td_mcap *mcap, tides_error *error);
+void td_mcap_free(td_mcap *mcap); /* NULL is fine */
+
+#endif
