@@ -46,6 +46,10 @@ typedef struct batch {
 tides_status batch_read(batch *b, tides_error *error);
 void batch_free(batch *b);
 
+/* batch_draws.c: whether `from`, keys with ranges or values, can be drawn from; what run `index` draws, NULL: out of memory. */
+tides_status batch_check_draws(const batch *b, const cJSON *from, tides_error *error);
+cJSON *batch_draw(const cJSON *from, const char *seed, int index);
+
 /* batch_hash.c: reads every run once: wrong ones are an error that names the run; a run whose inputs can't be read has failed.
  * Fills hash and estimate. */
 tides_status batch_prepare(batch *b, tides_error *error);

@@ -1,4 +1,5 @@
-/* The manifest of a batch: a base run, a grid over its keys, a list of runs, or both, as runs with names. */
+/* The manifest of a batch: a base run, a grid over its keys, random draws, a list of runs, or several of these, as runs with
+ * names. */
 #include "batch.h"
 
 #include <ctype.h>
@@ -159,9 +160,10 @@ static const cJSON *member(const batch *b, const cJSON *object, const char *name
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
     if (!item || (item->type & 0xff) == type || *status != TIDES_OK) return item;
     *status = wrong(b, error,
-                    type == cJSON_String  ? "is not a text in quotes"
-                    : type == cJSON_Array ? "is not a list [ ... ]"
-                                          : "is not an object { \"key\": value, ... }",
+                    type == cJSON_String   ? "is not a text in quotes"
+                    : type == cJSON_Number ? "is not a number"
+                    : type == cJSON_Array  ? "is not a list [ ... ]"
+                                           : "is not an object { \"key\": value, ... }",
                     name);
     return NULL;
 }
@@ -182,16 +184,47 @@ static tides_status add_listed(batch *b, const cJSON *base, const cJSON *common,
     return add_run(b, name->valuestring, file->valuestring, common, set, NULL, error);
 }
 
+static tides_status add_draw(batch *b, const cJSON *base, const cJSON *common, const cJSON *from, const char *seed, int index,
+                             tides_error *error) {
+    char name[32];
+    snprintf(name, sizeof name, "draw-%05d", index);
+    cJSON *drawn = batch_draw(from, seed, index);
+    const tides_status status =
+        drawn ? add_run(b, name, base->valuestring, common, drawn, NULL, error) : batch_no_memory(error);
+    cJSON_Delete(drawn);
+    return status;
+}
+
+static tides_status add_draws(batch *b, const cJSON *base, const cJSON *common, const cJSON *draw, tides_error *error) {
+    static const char *const known[] = {"count", "seed", "set", NULL};
+    tides_status status = check_keys(b, draw, known, error);
+    const cJSON *count = member(b, draw, "count", cJSON_Number, &status, error);
+    const cJSON *seed = member(b, draw, "seed", cJSON_String, &status, error);
+    const cJSON *from = member(b, draw, "set", cJSON_Object, &status, error);
+    if (status != TIDES_OK) return status;
+    if (!base) return wrong(b, error, "is missing: the run file that is drawn for", "base");
+    if (!from) return wrong(b, error, "has no set: the keys and what to draw them from", "draw");
+    if (!count || !(count->valuedouble >= 1 && count->valuedouble <= RUNS_MAX) || count->valuedouble != count->valueint)
+        return wrong(b, error, "needs a count of runs", "draw");
+    status = batch_check_draws(b, from, error);
+    for (int i = 0; status == TIDES_OK && i < count->valueint; i++)
+        status = add_draw(b, base, common, from, seed ? seed->valuestring : "0", i, error);
+    return status;
+}
+
 static tides_status add_all(batch *b, const cJSON *root, tides_error *error) {
-    static const char *const known[] = {"base", "set", "grid", "runs", NULL};
+    static const char *const known[] = {"base", "set", "grid", "runs", "draw", NULL};
     tides_status status = check_keys(b, root, known, error);
     const cJSON *base = member(b, root, "base", cJSON_String, &status, error);
     const cJSON *common = member(b, root, "set", cJSON_Object, &status, error);
     const cJSON *grid = member(b, root, "grid", cJSON_Object, &status, error);
     const cJSON *runs = member(b, root, "runs", cJSON_Array, &status, error);
-    if (status == TIDES_OK && !grid && !runs) status = wrong(b, error, "and runs are missing: give one of them", "grid");
+    const cJSON *draw = member(b, root, "draw", cJSON_Object, &status, error);
+    if (status == TIDES_OK && !grid && !runs && !draw)
+        status = wrong(b, error, "and runs are missing: give one of them, or draw", "grid");
     if (status == TIDES_OK && grid && !base) status = wrong(b, error, "is missing: the run file that grid varies", "base");
     if (status == TIDES_OK && grid) status = add_grid(b, base->valuestring, common, grid, error);
+    if (status == TIDES_OK && draw) status = add_draws(b, base, common, draw, error);
     for (const cJSON *entry = runs ? runs->child : NULL; status == TIDES_OK && entry; entry = entry->next)
         status = add_listed(b, base, common, entry, error);
     return status;

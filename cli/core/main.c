@@ -38,7 +38,9 @@ static const cli_command commands[] = {
     {"batch", "MANIFEST.json -o DIR", "Simulate many runs, several at a time; what is finished is skipped.",
      "MANIFEST.json: {\"base\": \"run.json\", \"set\": {KEY: VALUE}, \"grid\": {KEY: [VALUES], ...},\n"
      "\"runs\": [{\"name\": NAME, \"file\": \"run.json\", \"set\": {KEY: VALUE}}, ...]}; grid and runs may stand alone,\n"
-     "keys as for --set. DIR/NAME holds each run's events.h5, stats.json, log.txt, and result.json or failure.json;\n"
+     "keys as for --set. \"draw\": {\"count\": N, \"seed\": \"S\", \"set\": {KEY: [LOWEST, HIGHEST] or [VALUES]}} draws runs "
+     "at random.\n"
+     "DIR/NAME holds each run's events.h5, stats.json, log.txt, and result.json or failure.json;\n"
      "DIR/summary.json and .csv all results. The same command again goes on after an interruption and does again\n"
      "only what changed.",
      1, cmd_batch},

@@ -230,3 +230,26 @@ wait $!
 error_line "stopped on request; [0-9]+ of 40 runs are finished; the same command goes on from there"
 expect 0 tides batch forty.json -o int.d -q
 cmp whole.d/summary.csv int.d/summary.csv || fail "the summaries differ"
+
+# Random draws: between two numbers, or one of a list; the same whatever else is drawn, however many runs there are.
+cat >draw.json <<-'JSON'
+	{ "base": "run.json", "draw": { "count": 3, "seed": "7", "set": { "sensor.threshold_on": [0.16, 0.34], "seed": [1, 9],
+	  "sensor.max_events_per_step": [40, 41], "stepping.model": ["hermite"] } } }
+JSON
+expect 0 tides batch draw.json -qo draw.d
+drawn() { sed -n 's/.*"\(sensor.threshold_on=[^"]*\)".*/\1/p' "$1"; }
+[ "$(cat draw.d/draw-0000?/job.json | drawn /dev/stdin | sort -u | wc -l)" = 3 ] || fail "three runs should draw three thresholds"
+for job in draw.d/draw-0000?/job.json; do
+    drawn "$job" | awk -F= '{ exit !($2 >= 0.16 && $2 <= 0.34) }' || fail "$job: outside of its range"
+    grep -Eq '"seed=\\"[1-9]\\""' "$job" || fail "$job: no seed of 1 to 9"
+    grep -Eq 'max_events_per_step=4[01]"' "$job" || fail "$job: a whole key should get whole numbers"
+done
+first=$(drawn draw.d/draw-00000/job.json)
+sed -i 's/"count": 3/"count": 4/; s/"seed": \[1, 9\],//' draw.json
+expect 0 tides batch draw.json -qo more.d
+[ "$(drawn more.d/draw-00000/job.json)" = "$first" ] || fail "other keys and more runs should leave draws as they are"
+exists more.d/draw-00003/events.h5
+sed -i 's/0.16, 0.34/0.4, 0.34/' draw.json
+refuse 1 "lowest is above" tides batch draw.json -o no.d
+sed -i 's/"count": 4, //' draw.json
+refuse 1 "needs a count" tides batch draw.json -o no.d

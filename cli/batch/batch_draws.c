@@ -1,0 +1,78 @@
+/* Random draws of a batch: "draw": {"count": N, "seed": "S", "set": {KEY: [LOWEST, HIGHEST] or [VALUE, ...]}}, N runs that have
+ * for each key a number between two, or one of a list of other values.
+ *
+ * Each value is a function of (seed, number of the run, key): another key, or more runs, leave what there was as it is. */
+#include "batch.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Uniform in [0, 1): 53 bits of the texts' hash, stirred (finaliser of splitmix64: Steele, Lea, Flood 2014). */
+static double uniform(const char *seed, int index, const char *key) {
+    char number[16];
+    snprintf(number, sizeof number, "%d", index);
+    const char *const texts[] = {"draw", seed, number, key};
+    uint64_t bits = tides_fingerprint_text(texts, 4);
+    bits = (bits ^ bits >> 30) * 0xbf58476d1ce4e5b9u;
+    bits = (bits ^ bits >> 27) * 0x94d049bb133111ebu;
+    return ldexp((double)((bits ^ bits >> 31) >> 11), -53);
+}
+
+/* What the run file's table says of a key; NULL: no such key, which reading the run will name. */
+static const tides_param *row_of(const char *key) {
+    size_t count;
+    const tides_param *rows = tides_params(&count);
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(rows[i].key, key) == 0) return &rows[i];
+    return NULL;
+}
+
+static int32_t is_range(const cJSON *values) {
+    return cJSON_GetArraySize(values) == 2 && cJSON_IsNumber(values->child) && cJSON_IsNumber(values->child->next);
+}
+
+/* A number between two; a whole one, both ends among them, for whole keys and for the seed, which is a text of digits. */
+static cJSON *between(const char *key, const cJSON *range, double u) {
+    const tides_param *row = row_of(key);
+    const double low = range->child->valuedouble, high = range->child->next->valuedouble;
+    const int32_t is_seed = strcmp(key, "seed") == 0;
+    if (!is_seed && !(row && row->type == TIDES_PARAM_INTEGER)) return cJSON_CreateNumber(low + u * (high - low));
+    const double whole = fmin(floor(low + u * (high - low + 1)), high);
+    if (!is_seed) return cJSON_CreateNumber(whole);
+    char text[32];
+    snprintf(text, sizeof text, "%.0f", whole);
+    return cJSON_CreateString(text);
+}
+
+static const cJSON *one_of(const cJSON *values, double u) {
+    return cJSON_GetArrayItem(values, (int)(u * cJSON_GetArraySize(values)));
+}
+
+tides_status batch_check_draws(const batch *b, const cJSON *from, tides_error *error) {
+    const cJSON *item;
+    cJSON_ArrayForEach(item, from) {
+        if (!cJSON_IsArray(item) || !item->child)
+            return cli_error(error, TIDES_BAD_CONFIG, "%s: draw: %.100s is no list; write [LOWEST, HIGHEST], or values",
+                             b->manifest, item->string);
+        if (is_range(item) && !(item->child->valuedouble <= item->child->next->valuedouble))
+            return cli_error(error, TIDES_BAD_CONFIG, "%s: draw: %.100s: its lowest is above its highest", b->manifest,
+                             item->string);
+    }
+    return TIDES_OK;
+}
+
+cJSON *batch_draw(const cJSON *from, const char *seed, int index) {
+    cJSON *drawn = cJSON_CreateObject();
+    const cJSON *item;
+    cJSON_ArrayForEach(item, from) {
+        const double u = uniform(seed, index, item->string);
+        cJSON *value = is_range(item) ? between(item->string, item, u) : cJSON_Duplicate(one_of(item, u), 1);
+        if (!value || !cJSON_AddItemToObject(drawn, item->string, value)) {
+            cJSON_Delete(value);
+            cJSON_Delete(drawn);
+            return NULL;
+        }
+    }
+    return drawn;
+}
