@@ -8,6 +8,7 @@
 #define TD_DECODER_H
 
 #include "compositing.h"
+#include "lens.h"
 #include "motion.h"
 
 enum { TD_DECODER_SIGMOID = 1, TD_DECODER_CLAMP = 2, TD_DECODER_PLAIN = 3 };
@@ -16,7 +17,8 @@ enum { TD_DECODER_INPUTS = 12, TD_DECODER_HIDDEN = 6, TD_DECODER_SECOND = 72 };
 /* The last six inputs: the eye, and the unit direction of the pixels in the object's coordinates. */
 TD_INLINE void td_decoder_ray(const td_image *image, TD_GLOBAL const td_view *view, const td_composite *pixels,
                               td_dual ray[6]) {
-    td_lanes x = (pixels->x - image->cx) / image->fx, y = (pixels->y - image->cy) / image->fy;
+    td_lanes x, y;
+    td_ray_of(image, pixels->x, pixels->y, &x, &y);
     td_dual square = td_dual_make(td_splat(0.0f), td_splat(0.0f));
     for (int j = 0; j < 3; j++) {
         td_lanes v = td_fma(x, view->r[j], td_fma(y, view->r[3 + j], td_splat(view->r[6 + j])));

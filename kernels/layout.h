@@ -126,6 +126,17 @@ typedef struct td_job {
 enum { TD_CUT_NONE = 0, TD_CUT_HARD = 1, TD_CUT_TAPER = 2 };
 enum { TD_STOP_NONE = 0, TD_STOP_BELOW = 1, TD_STOP_BELOW_OR_AT = 2, TD_STOP_BOUND = 3 };
 enum { TD_EXTENT_ELLIPSE = 0, TD_EXTENT_INRIA = 1, TD_EXTENT_GSPLAT = 2 };
+enum { TD_LENS_NONE = 0, TD_LENS_RADTAN = 1, TD_LENS_EQUIDISTANT = 2 };
+
+/* A lens (lens.h), reals only; resolved by lib/camera/lens.c. */
+typedef struct td_lens {
+    td_real k1, k2, k3, k4, p1, p2;
+    td_real straight_from, straight_radius;  /* w1 and its root: from there on d goes on straight */
+    td_real straight_slope, straight_offset; /* A and B */
+    /* Bounds: of |Dd|, with equidistant after the pinhole and times the distance; of |q| / |d|, 0 where that isn't needed; of
+     * the corners' |d|; and what td_lens_outside says. */
+    td_real stretch, slope, corner, reach, sideways, tangential;
+} td_lens;
 
 typedef struct td_image {
     td_real fx, fy, cx, cy;
@@ -140,6 +151,7 @@ typedef struct td_image {
     td_real luminance[3];
     td_real soft_depth;   /* relative depth over which what a splat takes of the light falls to 1/e (soft_order.h) */
     td_real decoder_gain; /* most that Y changes per largest |feature| */
+    td_lens lens;
     int width, height;
     int objects;
     int sh_degree, sh_stride; /* evaluated bands; reals per Gaussian in the SH array */
@@ -148,7 +160,7 @@ typedef struct td_image {
     int outputs;    /* TD_OUT_LUMINANCE, _SIGNAL, _SIGNAL_Y, _DIAGNOSTICS or _COLOUR */
     int soft_order; /* 1: soft depth order */
     int decoder;    /* TD_DECODER_...; 0: splats have colours */
-    int padding;
+    int lens_model; /* TD_LENS_... */
 } td_image;
 
 /* What is asked for: by the image, or where a program was built for it (specialise.h), by the build. What isn't must not come

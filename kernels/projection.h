@@ -6,6 +6,7 @@
 #define TD_PROJECTION_H
 
 #include "fine_depth.h"
+#include "lens.h"
 #include "sh.h"
 #include "transpose.h"
 
@@ -126,12 +127,32 @@ TD_INLINE td_dual td_screen_entry(TD_GLOBAL const td_view *view, int row, int j,
     return td_dual_mul(focal, td_dual_sub(r, td_dual_mul(slope, td_dual_all(view->r[6 + j], view->r_dot[6 + j]))));
 }
 
+/* Column j of T for a lens: K Dd (r - slope r_z) / z. */
+TD_INLINE void td_lens_column(TD_GLOBAL const td_view *view, const td_image *image, int j, const td_bent *bent, td_dual slope_x,
+                              td_dual slope_y, td_dual inverse_z, td_matrix23 *t) {
+    td_dual x = td_screen_entry(view, 0, j, inverse_z, slope_x), y = td_screen_entry(view, 1, j, inverse_z, slope_y);
+    t->row[0][j] = td_dual_scale(td_dual_fma(bent->xx, x, td_dual_mul(bent->xy, y)), image->fx);
+    t->row[1][j] = td_dual_scale(td_dual_fma(bent->yx, x, td_dual_mul(bent->yy, y)), image->fy);
+}
+
+/* T = J R with a lens. */
+TD_INLINE td_matrix23 td_lens_map(TD_GLOBAL const td_view *view, const td_image *image, td_dual slope_x, td_dual slope_y,
+                                  td_dual inverse_z) {
+    td_matrix23 t;
+    td_bent bent = td_bend(image, slope_x, slope_y);
+    td_lens_column(view, image, 0, &bent, slope_x, slope_y, inverse_z, &t);
+    td_lens_column(view, image, 1, &bent, slope_x, slope_y, inverse_z, &t);
+    td_lens_column(view, image, 2, &bent, slope_x, slope_y, inverse_z, &t);
+    return t;
+}
+
 /* T = J R, the Jacobian of the pinhole after the view's rotation. (x_z, y_z) = (x/z, y/z). */
 TD_INLINE td_matrix23 td_screen_map(TD_GLOBAL const td_view *view, const td_image *image, td_dual x_z, td_dual y_z,
                                     td_dual inverse_z) {
     td_matrix23 t;
     td_dual slope_x = td_dual_clamp(x_z, image->limit_x0, image->limit_x1);
     td_dual slope_y = td_dual_clamp(y_z, image->limit_y0, image->limit_y1);
+    if (image->lens_model) return td_lens_map(view, image, slope_x, slope_y, inverse_z);
     td_dual focal_x = td_dual_scale(inverse_z, image->fx), focal_y = td_dual_scale(inverse_z, image->fy);
     t.row[0][0] = td_screen_entry(view, 0, 0, focal_x, slope_x), t.row[1][0] = td_screen_entry(view, 1, 0, focal_y, slope_y);
     t.row[0][1] = td_screen_entry(view, 0, 1, focal_x, slope_x), t.row[1][1] = td_screen_entry(view, 1, 1, focal_y, slope_y);
@@ -264,9 +285,13 @@ TD_INLINE td_shape td_project_bare(TD_GLOBAL const td_view *view, const td_image
     td_dual safe = td_dual_select(td_dual_make(td_splat(1.0f), td_splat(0.0f)), z, z.v > image->near);
     td_dual inverse_z = td_dual_reciprocal(safe);
     td_dual x_z = td_dual_mul(x, inverse_z), y_z = td_dual_mul(y, inverse_z);
+    td_matrix23 map = td_screen_map(view, image, x_z, y_z, inverse_z);
+    if (image->lens_model) {
+        td_bent bent = td_bend(image, x_z, y_z);
+        x_z = bent.x, y_z = bent.y;
+    }
     shape.u = td_dual_offset(td_dual_scale(x_z, image->fx), image->cx);
     shape.v = td_dual_offset(td_dual_scale(y_z, image->fy), image->cy);
-    td_matrix23 map = td_screen_map(view, image, x_z, y_z, inverse_z);
     td_matrix23 a = td_project_factor(&map, image, gaussian);
     td_dual compensation = td_shape_covariance(&shape, &a, image);
     shape.compensation = td_splat(1.0f);

@@ -34,6 +34,9 @@ TD_INLINE td_image td_specialised(__constant const td_image *buffer) {
 #ifdef TD_BUILD_DECODER
     image.decoder = TD_BUILD_DECODER;
 #endif
+#ifdef TD_BUILD_LENS
+    image.lens_model = TD_BUILD_LENS;
+#endif
     return image;
 }
 

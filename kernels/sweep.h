@@ -112,6 +112,15 @@ typedef struct td_axis {
     int row;                            /* of the view's matrix */
 } td_axis;
 
+/* Where means are in the camera's coordinates: entry `axis`. */
+TD_INLINE td_dual td_sweep_place(int axis, TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
+                                 int row) {
+    td_dual mean[3];
+    td_index index = td_count_from(row) * TD_GEOMETRY_STRIDE;
+    for (int k = 0; k < 3; k++) mean[k] = td_entry(source, image, index, TD_G_MEAN + k);
+    return td_view_row(view->r + 3 * axis, view->r_dot + 3 * axis, image, mean, view->t[axis], view->t_dot[axis]);
+}
+
 /* The mask of those that stay to one side of the image, at whatever depth up to z1: x_camera / z only falls with depth. `size`:
  * how far the splats reach in the scene; `blur`: and on the screen. */
 TD_INLINE td_mask td_sweep_outside(const td_axis *axis, TD_GLOBAL const td_view *const view[3], const td_image *image,
@@ -119,18 +128,28 @@ TD_INLINE td_mask td_sweep_outside(const td_axis *axis, TD_GLOBAL const td_view 
                                    td_lanes blur) {
     td_dual x[3];
     td_lanes x0, x1;
-    for (int i = 0; i < 3; i++) {
-        td_dual mean[3];
-        td_index index = td_count_from(row[i]) * TD_GEOMETRY_STRIDE;
-        for (int k = 0; k < 3; k++) mean[k] = td_entry(source, image, index, TD_G_MEAN + k);
-        x[i] = td_view_row(view[i]->r + 3 * axis->row, view[i]->r_dot + 3 * axis->row, image, mean, view[i]->t[axis->row],
-                           view[i]->t_dot[axis->row]);
-    }
+    for (int i = 0; i < 3; i++) x[i] = td_sweep_place(axis->row, view[i], image, source, row[i]);
     td_sweep_range(x[0], x[1], x[2], duration, td_splat(0.0f), &x0, &x1);
     td_lanes reach = size * td_sqrt(td_splat(1 + axis->limit * axis->limit));
     td_lanes deep = td_larger(z1, td_splat(image->near));
     return (axis->focal * (x0 - reach) > deep * (axis->size - axis->centre + blur)) |
            (axis->focal * (x1 + reach) < -deep * (axis->centre + blur));
+}
+
+/* Through a lens: those farther from the axis than any corner, whatever their depth up to z1. */
+TD_INLINE td_mask td_sweep_beyond(TD_GLOBAL const td_view *const view[3], const td_image *image, const td_source *source,
+                                  const int row[3], td_real duration, td_lanes z1, td_lanes size, td_lanes blur) {
+    td_lanes across = td_splat(0.0f);
+    for (int axis = 0; axis < 2; axis++) {
+        td_dual x[3];
+        td_lanes x0, x1;
+        for (int i = 0; i < 3; i++) x[i] = td_sweep_place(axis, view[i], image, source, row[i]);
+        td_sweep_range(x[0], x[1], x[2], duration, td_splat(0.0f), &x0, &x1);
+        td_lanes least = td_larger(td_larger(x0, -x1), td_splat(0.0f));
+        across = td_fma(least, least, across);
+    }
+    td_real focal = image->fx < image->fy ? image->fx : image->fy;
+    return td_lens_outside(image, td_sqrt(across), td_larger(z1, td_splat(image->near)), size, blur / focal);
 }
 
 /* Larger of the two sizes of a clamp's ends. */
@@ -164,6 +183,8 @@ TD_INLINE td_mask td_sweep_crosses(const td_piece *piece, const td_image *image,
     td_lanes size = td_fma(sigmas * td_sqrt(td_splat(scale)),
                            TD_REAL(1.01) * td_sweep_reach(piece->stray, image, source, piece->row).factor, piece->off);
     td_lanes blur = td_fma(sigmas, td_sqrt(td_splat(image->dilation)), td_splat(1.0f));
+    if (image->lens_model)
+        return crosses & (td_sweep_beyond(piece->view, image, source, piece->row, piece->duration, piece->z1, size, blur) == 0);
     td_axis x = {image->fx, image->cx, (td_real)image->width, td_sweep_limit(image->limit_x0, image->limit_x1), 0};
     td_axis y = {image->fy, image->cy, (td_real)image->height, td_sweep_limit(image->limit_y0, image->limit_y1), 1};
     td_mask outside = td_sweep_outside(&x, piece->view, image, source, piece->row, piece->duration, piece->z1, size, blur) |
@@ -190,9 +211,14 @@ typedef struct td_span2 {
     td_lanes x0, y0, x1, y1;
 } td_span2;
 
-/* How many focal lengths of pixels a unit of scene at slopes x, y comes to at most. */
+/* How many focal lengths of pixels a unit of scene comes to at most, seen at x, y focal lengths from the principal point:
+ * slopes, or through a lens what bounds them. */
 TD_INLINE td_lanes td_sweep_tilt(const td_piece *piece, const td_image *image, td_lanes x, td_lanes y) {
     td_lanes nearest = td_larger(piece->z0, td_splat(image->near));
+    if (image->lens_model) {
+        x = x * image->lens.slope, y = y * image->lens.slope;
+        nearest = nearest / image->lens.stretch;
+    }
     return td_sqrt(td_fma(x, x, td_fma(y, y, td_splat(1.0f)))) / nearest;
 }
 

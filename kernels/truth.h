@@ -138,6 +138,7 @@ typedef struct td_seen {
 /* TD_LANES pixels on their way down the list. */
 typedef struct td_truth {
     td_lanes x, y, rx, ry;          /* pixel centres [px]; x/z and y/z of what they show */
+    td_lanes xx, xy, yx, yy;        /* a lens' Dd there; unused without one */
     td_lanes transmittance, behind; /* T, and what it would be in hard order */
     td_seen sums;
     td_lanes median, splat; /* depth of the first that took T below a half, and its place in the job; 0 and -1 before */
@@ -177,6 +178,13 @@ TD_INLINE void td_seen_point(TD_GLOBAL const td_real *place, td_real scale, td_l
     for (int j = 0; j < 3; j++) xi[j] = xi[j] * back;
 }
 
+/* A pinhole's flow through the lens: K Dd K^-1. */
+TD_INLINE void td_seen_through(const td_image *image, const td_truth *pixels, td_seen *seen) {
+    td_lanes x = seen->u / image->fx, y = seen->v / image->fy;
+    seen->u = td_fma(pixels->xx, x, pixels->xy * y) * image->fx;
+    seen->v = td_fma(pixels->yx, x, pixels->yy * y) * image->fy;
+}
+
 /* A splat's point at the pixels; |xi|^2 is at most `reach`. */
 TD_INLINE td_seen td_seen_at(TD_GLOBAL const td_real *place, TD_GLOBAL const td_real *rate, td_lanes reach,
                              const td_image *image, const td_truth *pixels) {
@@ -192,6 +200,7 @@ TD_INLINE td_seen td_seen_at(TD_GLOBAL const td_real *place, TD_GLOBAL const td_
     td_lanes inverse = 1 / seen.z;
     seen.u = td_fma(-pixels->rx, z_dot, x_dot) * (inverse * image->fx);
     seen.v = td_fma(-pixels->ry, z_dot, y_dot) * (inverse * image->fy);
+    if (image->lens_model) td_seen_through(image, pixels, &seen);
     td_lanes nx = td_fma(pixels->rx, k[0], td_fma(pixels->ry, k[1], td_splat(k[2])));
     td_lanes ny = td_fma(pixels->rx, k[1], td_fma(pixels->ry, rest[0], td_splat(rest[1])));
     td_lanes nz = td_fma(pixels->rx, k[2], td_fma(pixels->ry, rest[1], td_splat(rest[2])));
@@ -325,8 +334,12 @@ TD_INLINE int td_truth_list(const td_list *list, const td_surfaces *surfaces, co
 TD_INLINE void td_truth_start(td_truth *pixels, td_lanes x, td_lanes y, const td_image *image) {
     pixels->x = x;
     pixels->y = y;
-    pixels->rx = (x - image->cx) / image->fx;
-    pixels->ry = (y - image->cy) / image->fy;
+    td_ray_of(image, x, y, &pixels->rx, &pixels->ry);
+    pixels->xx = pixels->xy = pixels->yx = pixels->yy = td_splat(0.0f);
+    if (image->lens_model) {
+        td_bent bent = td_bend(image, td_still(pixels->rx), td_still(pixels->ry));
+        pixels->xx = bent.xx.v, pixels->xy = bent.xy.v, pixels->yx = bent.yx.v, pixels->yy = bent.yy.v;
+    }
     pixels->transmittance = pixels->behind = td_splat(1.0f);
     pixels->sums = td_seen_nothing();
     pixels->median = td_splat(0.0f);

@@ -193,7 +193,7 @@ static void lay_out(bench_scene *s, const recipe *r, int32_t quick) {
     const int32_t width = quick ? 96 : r->width, height = quick ? 72 : r->height;
     const double focal = 300.0 / 346.0 * width; /* the demo's field of view */
     s->sentence = r->sentence;
-    s->intrinsics = (tides_intrinsics){width, height, focal, focal, 0.5 * width, 0.5 * height};
+    s->intrinsics = (tides_intrinsics){width, height, focal, focal, 0.5 * width, 0.5 * height, {0}};
     s->start = 0;
     s->stop = quick ? 0.0025 : r->duration_s;
     s->macro_step_s = r->macro_step_s;

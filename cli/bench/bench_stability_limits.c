@@ -7,7 +7,7 @@
 enum { BACKDROP = 100, SEED = 17320 };
 
 static void set_sensor(stability_world *w, int32_t width, int32_t height) {
-    w->scene.intrinsics = (tides_intrinsics){width, height, 0.9375 * width, 0.9375 * width, 0.5 * width, 0.5 * height};
+    w->scene.intrinsics = (tides_intrinsics){width, height, 0.9375 * width, 0.9375 * width, 0.5 * width, 0.5 * height, {0}};
 }
 
 /* Small splats, all over the view and behind each other. */

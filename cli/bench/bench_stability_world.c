@@ -145,7 +145,7 @@ tides_status stability_path(const stability_world *w, const stability_slide *sli
 static tides_status lay_out(stability_world *w, tides_error *error) {
     memset(w, 0, sizeof *w);
     bench_scene *s = &w->scene;
-    s->intrinsics = (tides_intrinsics){WIDTH, HEIGHT, FOCAL, FOCAL, 0.5 * WIDTH, 0.5 * HEIGHT};
+    s->intrinsics = (tides_intrinsics){WIDTH, HEIGHT, FOCAL, FOCAL, 0.5 * WIDTH, 0.5 * HEIGHT, {0}};
     s->stop = DURATION_S;
     tides_image_params_defaults(&s->image);
     s->image.log_eps = 0.01;

@@ -206,7 +206,7 @@ tides_status bench_orbit_all(bench_scene *s, double rad_per_s, tides_error *erro
 }
 
 void bench_resize(bench_scene *s, int32_t width, int32_t height) {
-    s->intrinsics = (tides_intrinsics){width, height, 1.2 * height, 1.2 * height, 0.5 * width, 0.5 * height};
+    s->intrinsics = (tides_intrinsics){width, height, 1.2 * height, 1.2 * height, 0.5 * width, 0.5 * height, {0}};
 }
 
 /* -- the table ------------------------------------------------------------------------------------------------------------ */

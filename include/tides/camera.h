@@ -1,4 +1,4 @@
-/* The camera: pinhole intrinsics, and paths read from the files that people have. */
+/* The camera: intrinsics, lenses, and paths read from the files that people have. */
 #ifndef TIDES_CAMERA_H
 #define TIDES_CAMERA_H
 
@@ -8,10 +8,28 @@
 extern "C" {
 #endif
 
-/* A pinhole: u = fx x/z + cx, v = fy y/z + cy; pixel (0,0) is the top left one and its centre lies at (0.5, 0.5). */
+enum { TIDES_LENS_NONE = 0, TIDES_LENS_RADTAN, TIDES_LENS_EQUIDISTANT };
+
+/* How lines bend: slopes (a, b) = (x/z, y/z), r^2 = a^2 + b^2, become (a', b'). All zeros is a pinhole.
+ *   RADTAN (OpenCV's, COLMAP's OPENCV, ROS's plumb_bob), with k4 0:
+ *     a' = a (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 a b + p2 (r^2 + 2 a^2),
+ *     b' = b (1 + k1 r^2 + k2 r^4 + k3 r^6) + p1 (r^2 + 2 b^2) + 2 p2 a b
+ *   EQUIDISTANT (OpenCV's fisheye, Kannala-Brandt), with p1 and p2 0 and theta = atan(r):
+ *     (a', b') = (a, b) theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8) / r
+ * A lens that folds over within the image is refused. Seen is what is in front of the near plane, as without a lens: where an
+ * equidistant image reaches to 90 degrees and beyond, the background shows. */
+typedef struct tides_lens {
+    int32_t model; /* TIDES_LENS_* */
+    int32_t reserved;
+    double k1, k2, k3, k4, p1, p2;
+} tides_lens;
+
+/* u = fx a' + cx, v = fy b' + cy; pixel (0,0) is the top left one and its centre lies at (0.5, 0.5): 0.5 more than where
+ * pixel centres are whole numbers (OpenCV, ROS, Kalibr, DSEC). */
 typedef struct tides_intrinsics {
     int32_t width, height; /* [px] */
     double fx, fy, cx, cy; /* [px] */
+    tides_lens lens;
 } tides_intrinsics;
 
 /* How to read a path file; fill with tides_path_options_defaults. */

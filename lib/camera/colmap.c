@@ -63,8 +63,8 @@ static tides_status add_entry(const char *file, const entry *e, td_colmap_camera
     void *list = cameras->list;
     if (td_reserve(&list, &cameras->capacity, cameras->count + 1, sizeof *cameras->list, error)) return TIDES_NO_MEMORY;
     cameras->list = list;
-    cameras->list[cameras->count++] =
-        (td_colmap_camera){e->id, distorted, {(int32_t)e->width, (int32_t)e->height, p[0], p[two], p[1 + two], p[2 + two]}};
+    const tides_intrinsics read = {(int32_t)e->width, (int32_t)e->height, p[0], p[two], p[1 + two], p[2 + two], {0}};
+    cameras->list[cameras->count++] = (td_colmap_camera){e->id, distorted, read};
     return TIDES_OK;
 }
 

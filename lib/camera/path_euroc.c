@@ -76,7 +76,7 @@ static tides_status parse_sensor(td_path_reader *reader, const char *file, const
         int good = f[0] > 0 && f[1] > 0;
         for (int k = 0; k < 2; k++) good &= pixels[k] >= 1 && pixels[k] <= INT32_MAX && pixels[k] == floor(pixels[k]);
         if (!good) return td_fail(reader->error, TIDES_BAD_FILE, "%s: resolution and intrinsics must be above 0", file);
-        *out = (tides_intrinsics){(int32_t)pixels[0], (int32_t)pixels[1], f[0], f[1], f[2], f[3]};
+        *out = (tides_intrinsics){(int32_t)pixels[0], (int32_t)pixels[1], f[0], f[1], f[2], f[3], {0}};
     }
     if (yaml_list(text, "distortion_coefficients", bent, 4))
         for (int k = 0; k < 4; k++) reader->path.distorted |= bent[k] != 0;

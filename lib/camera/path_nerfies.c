@@ -110,7 +110,7 @@ static tides_status read_intrinsics(td_path_reader *one, const cJSON *root, tide
         if (!(size[k] >= 1 && size[k] <= INT32_MAX && size[k] == floor(size[k])))
             return td_json_fail(one, "", "image_size", "must be two whole numbers of pixels");
     if (!(focal > 0 && aspect > 0)) return td_json_fail(one, "", "focal_length, pixel_aspect_ratio", "must be above 0");
-    *out = (tides_intrinsics){(int32_t)size[0], (int32_t)size[1], focal, focal * aspect, middle[0], middle[1]};
+    *out = (tides_intrinsics){(int32_t)size[0], (int32_t)size[1], focal, focal * aspect, middle[0], middle[1], {0}};
     return TIDES_OK;
 }
 

@@ -109,7 +109,7 @@ tides_status tides_generate(const char *name, const tides_generate_options *opti
     if (status != TIDES_OK) return td_fail_within(error, status, "%s", name);
     tides_world made = {.duration_s = own.duration_s};
     const double focal = FOCAL_PER_WIDTH * own.width;
-    made.intrinsics = (tides_intrinsics){own.width, own.height, focal, focal, 0.5 * own.width, 0.5 * own.height};
+    made.intrinsics = (tides_intrinsics){own.width, own.height, focal, focal, 0.5 * own.width, 0.5 * own.height, {0}};
     memcpy(made.background, kinds[index].background, sizeof made.background);
     status = tides_scene_create(&made.scene, error);
     if (status == TIDES_OK) status = kinds[index].make(&own, &made, error);

@@ -2,6 +2,8 @@
 #include "camera/td_trajectory.h"
 #include "td_renderer.h"
 
+#include "kernels/lens.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -10,17 +12,24 @@
 static const double probe_s = 1e-3;
 
 /* A point X = R p + t of the world, seen by the camera, moves at X_dot = R_dot p + t_dot with p = R^T (X - t); its place on the
- * screen, u = fx X/Z + cx, at u_dot = fx (X_dot - (X/Z) Z_dot) / Z, and v likewise. The point of a pixel lies on its ray at the
- * depth that was rendered there. */
+ * screen, u = fx X/Z + cx, at u_dot = fx (X_dot - (X/Z) Z_dot) / Z, and v likewise; K Dd K^-1 times that
+ * through a lens. The point of a pixel lies on its ray at the depth that was rendered there. */
 static double pixel_flow(const td_image *image, const td_view *view, int x, int y, double Z) {
-    double ray[3] = {(x + 0.5 - image->cx) / image->fx, (y + 0.5 - image->cy) / image->fy, 1.0}, p[3], moved[3];
+    double ray[3] = {0, 0, 1.0}, p[3], moved[3];
+    td_ray_of(image, x + 0.5, y + 0.5, &ray[0], &ray[1]);
     for (int i = 0; i < 3; i++) {
         p[i] = 0;
         for (int j = 0; j < 3; j++) p[i] += view->r[3 * j + i] * (Z * ray[j] - view->t[j]);
     }
     for (int i = 0; i < 3; i++)
         moved[i] = view->r_dot[3 * i] * p[0] + view->r_dot[3 * i + 1] * p[1] + view->r_dot[3 * i + 2] * p[2] + view->t_dot[i];
-    return hypot(image->fx * (moved[0] - ray[0] * moved[2]), image->fy * (moved[1] - ray[1] * moved[2])) / Z;
+    double u = moved[0] - ray[0] * moved[2], v = moved[1] - ray[1] * moved[2];
+    if (image->lens_model) {
+        const td_bent bent = td_bend(image, td_still(ray[0]), td_still(ray[1]));
+        const double across = u;
+        u = bent.xx.v * across + bent.xy.v * v, v = bent.yx.v * across + bent.yy.v * v;
+    }
+    return hypot(image->fx * u, image->fy * v) / Z;
 }
 
 /* What the camera's own motion does to the image, were everything at rest; pixels without depth show nothing that moves. */

@@ -109,8 +109,13 @@ static void point_at(const moment *m, const td_view *view, const double *row, co
 
 /* A place before the camera on the screen. */
 static void project(const moment *m, const double p[3], double *u, double *v) {
-    *u = m->image.fx * p[0] / p[2] + m->image.cx;
-    *v = m->image.fy * p[1] / p[2] + m->image.cy;
+    double x = p[0] / p[2], y = p[1] / p[2];
+    if (m->image.lens_model) {
+        const td_bent bent = td_bend(&m->image, td_still(x), td_still(y));
+        x = bent.x.v, y = bent.y.v;
+    }
+    *u = m->image.fx * x + m->image.cx;
+    *v = m->image.fy * y + m->image.cy;
 }
 
 /* -- picking --------------------------------------------------------------------------------------------------------- */

@@ -14,8 +14,9 @@ enum {
     BY_OUTPUTS = 64,
     BY_SOFT_ORDER = 128,
     BY_DECODER = 256,
-    BY_ALL = 511,
-    BY_PROJECTION = BY_SH | BY_ANTIALIAS | BY_CUT | BY_EXTENT | BY_MOVING | BY_SOFT_ORDER
+    BY_LENS = 512,
+    BY_ALL = 1023,
+    BY_PROJECTION = BY_SH | BY_ANTIALIAS | BY_CUT | BY_EXTENT | BY_MOVING | BY_SOFT_ORDER | BY_LENS
 };
 
 /* Which of them a program looks at. It isn't built for others, since drivers cache builds by their text: the tests' 44 sorts
@@ -24,9 +25,9 @@ static int decisions_of(const char *files) {
     static const struct {
         const char *files;
         int decisions;
-    } known[] = {{TD_FIRST_KERNELS, BY_ANTIALIAS | BY_CUT | BY_MOVING | BY_SOFT_ORDER},
+    } known[] = {{TD_FIRST_KERNELS, BY_ANTIALIAS | BY_CUT | BY_MOVING | BY_SOFT_ORDER | BY_LENS},
                  {TD_PROJECT_KERNELS, BY_PROJECTION | BY_OUTPUTS | BY_DECODER},
-                 {"composite.cl", BY_CUT | BY_STOP | BY_OUTPUTS | BY_SOFT_ORDER | BY_DECODER},
+                 {"composite.cl", BY_CUT | BY_STOP | BY_OUTPUTS | BY_SOFT_ORDER | BY_DECODER | BY_LENS},
                  {"interpolate.cl", 0},
                  {"misfit.cl", BY_PROJECTION},
                  {"path_nodes.cl", BY_PROJECTION},
@@ -49,7 +50,8 @@ char *td_opencl_defines(const char *files, const td_image *image, int outputs, t
                {"MOVING", image->moving},
                {"OUTPUTS", outputs},
                {"SOFT_ORDER", image->soft_order},
-               {"DECODER", image->decoder}};
+               {"DECODER", image->decoder},
+               {"LENS", image->lens_model}};
     int decisions = decisions_of(files);
     char text[512] = "";
     for (size_t i = 0, used = 0; i < sizeof all / sizeof *all; i++)

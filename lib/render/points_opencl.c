@@ -239,7 +239,8 @@ static tides_status make_kernels(opencl_points *p, const td_image_numbers *numbe
     char *defines = td_format(error,
                               "#define TD_BUILD_SH_DEGREE 0\n#define TD_BUILD_ANTIALIAS 0\n#define TD_BUILD_CUT_RULE %d\n"
                               "#define TD_BUILD_STOP_RULE 0\n#define TD_BUILD_EXTENT_RULE 0\n#define TD_BUILD_MOVING 0\n"
-                              "#define TD_BUILD_OUTPUTS %d\n#define TD_BUILD_SOFT_ORDER %d\n#define TD_BUILD_DECODER 0\n",
+                              "#define TD_BUILD_OUTPUTS %d\n#define TD_BUILD_SOFT_ORDER %d\n#define TD_BUILD_DECODER "
+                              "0\n#define TD_BUILD_LENS 0\n",
                               image.cut_rule, TD_OUT_SIGNAL, image.soft_order);
     tides_status status = defines ? TIDES_OK : TIDES_NO_MEMORY;
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels && status == TIDES_OK; i++)

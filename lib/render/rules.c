@@ -6,14 +6,14 @@
  *   smooth   0.2, faded    0.99       0.1/255 to 1/255, C2   bound on L, included      the ellipse, out to the end of the taper
  *
  * smooth is inria made continuous in time: each jump of inria is a false event or a wrong timestamp (DESIGN 3.1). */
+#include "camera/td_lens.h"
 #include "td_renderer.h"
 
 #include <math.h>
 
-enum { MAX_PIXELS = 16384 };
-
 static const double alpha_cut = 1.0 / 255.0;
 static const double jacobian_margin = 0.3; /* of tan(fov/2), beyond the image's border */
+static const double no_limit = 1e6;
 
 static void set_inria(td_image *image) {
     image->near = image->near_full = 0.2;
@@ -56,6 +56,17 @@ static void set_limits(td_image *image, int32_t rules, const tides_intrinsics *c
     double tan_x = 0.5 * camera->width / camera->fx, tan_y = 0.5 * camera->height / camera->fy;
     double left = camera->cx / camera->fx, top = camera->cy / camera->fy;
     double right = (camera->width - camera->cx) / camera->fx, bottom = (camera->height - camera->cy) / camera->fy;
+    if (image->lens_model == TD_LENS_EQUIDISTANT) { /* nothing grows beyond bounds there */
+        image->limit_x0 = image->limit_y0 = -no_limit;
+        image->limit_x1 = image->limit_y1 = no_limit;
+        return;
+    }
+    if (image->lens_model == TD_LENS_RADTAN) {
+        double range[4];
+        td_camera_range(image, range);
+        left = -range[0], right = range[1], top = -range[2], bottom = range[3];
+        tan_x = 0.5 * (left + right), tan_y = 0.5 * (top + bottom);
+    }
     if (rules == TIDES_RULES_INRIA) left = right = tan_x, top = bottom = tan_y;
     image->limit_x0 = -left - jacobian_margin * tan_x;
     image->limit_x1 = right + jacobian_margin * tan_x;
@@ -63,7 +74,7 @@ static void set_limits(td_image *image, int32_t rules, const tides_intrinsics *c
     image->limit_y1 = bottom + jacobian_margin * tan_y;
 }
 
-/* A number of the image or the camera and where it must lie: the ranges of the run file's keys (lib/run/params_table.c). Within
+/* A number of the image and where it must lie: the ranges of the run file's keys (lib/run/params_table.c). Within
  * them no product that is formed of them leaves single precision; a log_eps of 1e-12 and less lets L_dot = Y_dot / (Y +
  * log_eps) do so where it is dark. */
 typedef struct ranged {
@@ -77,17 +88,6 @@ static tides_status check_ranges(const ranged *numbers, size_t count, tides_erro
             return td_fail(error, TIDES_BAD_ARGUMENT, "%s: %g is out of range; it must lie in [%.10g, %.10g]", numbers[i].name,
                            numbers[i].value, numbers[i].lower, numbers[i].upper);
     return TIDES_OK;
-}
-
-static tides_status check_intrinsics(const tides_intrinsics *camera, tides_error *error) {
-    if (camera->width < 1 || camera->width > MAX_PIXELS || camera->height < 1 || camera->height > MAX_PIXELS)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "camera: %d x %d pixels; width and height must be 1 to %d",
-                       (int)camera->width, (int)camera->height, MAX_PIXELS);
-    const ranged numbers[] = {{"camera.fx", camera->fx, 1e-3, 1e9},
-                              {"camera.fy", camera->fy, 1e-3, 1e9},
-                              {"camera.cx", camera->cx, -1e6, 1e6},
-                              {"camera.cy", camera->cy, -1e6, 1e6}};
-    return check_ranges(numbers, sizeof numbers / sizeof *numbers, error);
 }
 
 static tides_status check_smoothing(const tides_smoothing *s, tides_error *error) {
@@ -142,10 +142,10 @@ void tides_image_params_defaults(tides_image_params *params) {
 
 tides_status td_image_resolve(const tides_image_params *params, const tides_intrinsics *intrinsics, int scene_sh_degree,
                               td_image *image, tides_error *error) {
-    tides_status status = check_intrinsics(intrinsics, error);
-    if (status == TIDES_OK) status = check_params(params, error);
-    if (status != TIDES_OK) return status;
+    tides_status status = check_params(params, error);
     memset(image, 0, sizeof *image);
+    if (status == TIDES_OK) status = td_camera_resolve(intrinsics, image, error);
+    if (status != TIDES_OK) return status;
     if (params->rules == TIDES_RULES_INRIA)
         set_inria(image);
     else if (params->rules == TIDES_RULES_GSPLAT)
@@ -153,12 +153,6 @@ tides_status td_image_resolve(const tides_image_params *params, const tides_intr
     else
         set_smooth(image, &params->smoothing);
     set_limits(image, params->rules, intrinsics);
-    image->fx = intrinsics->fx;
-    image->fy = intrinsics->fy;
-    image->cx = intrinsics->cx;
-    image->cy = intrinsics->cy;
-    image->width = intrinsics->width;
-    image->height = intrinsics->height;
     image->dilation = params->dilation;
     image->antialias = params->antialias != 0;
     image->log_eps = params->log_eps;

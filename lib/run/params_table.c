@@ -31,6 +31,9 @@
 /* In the order of stepping.model's choices. */
 static const int32_t models[] = {TIDES_MODEL_HERMITE, TIDES_MODEL_QUADRATIC, TIDES_MODEL_LINEAR, TIDES_MODEL_SECANT};
 
+/* In the order of camera.lens's; run_open.c sees to the first. */
+static const int32_t lens_models[] = {TIDES_LENS_NONE, TIDES_LENS_NONE, TIDES_LENS_RADTAN, TIDES_LENS_EQUIDISTANT};
+
 const td_param td_params[] = {
     {STRING("scene.file", scene_file,
             "splats (.ply, .h5, .spz, .splat, .ksplat, .sog); may be left out where scene.objects are given"),
@@ -61,6 +64,15 @@ const td_param td_params[] = {
      .fallback = "null"},
     {NUMBER("camera.cy", intrinsics.cy, "px", -1e6, 1e6, "principal point; null takes the path file's, else the image centre"),
      .fallback = "null"},
+    {CHOICE("camera.lens", intrinsics.lens.model, "file|none|radtan|equidistant",
+            "how lines bend; file: as the path file says, coefficients and all"),
+     .constants = lens_models},
+    {NUMBER("camera.k1", intrinsics.lens.k1, "", -1e3, 1e3, "coefficient of camera.lens")},
+    {NUMBER("camera.k2", intrinsics.lens.k2, "", -1e3, 1e3, "the same")},
+    {NUMBER("camera.k3", intrinsics.lens.k3, "", -1e3, 1e3, "the same (radtan's third)")},
+    {NUMBER("camera.k4", intrinsics.lens.k4, "", -1e3, 1e3, "the same, of equidistant")},
+    {NUMBER("camera.p1", intrinsics.lens.p1, "", -1e3, 1e3, "the same, tangential, of radtan")},
+    {NUMBER("camera.p2", intrinsics.lens.p2, "", -1e3, 1e3, "the same")},
     {NUMBER("camera.duration_s", path.duration, "s", 1e-9, LAST_SECOND,
             "length of paths whose file has no times, or times in [0, 1]")},
     {NUMBER("camera.start_s", path.start, "s", -LAST_SECOND, LAST_SECOND, "subtracted from every time of the path file")},

@@ -47,6 +47,6 @@ from .run import Fingerprints, Run, fingerprint_text, parameters, run_template, 
 from .scene import Gaussians, Scene, SceneObject
 from .session import Session, dataset_layouts
 from .simulate import Recording, Sensor, Simulation, Stepping
-from .trajectory import Camera, Intrinsics, PathOptions, Pose, Trajectory
+from .trajectory import Camera, Intrinsics, Lens, PathOptions, Pose, Trajectory
 
 __all__ = [name for name in dir() if not name.startswith("_")]

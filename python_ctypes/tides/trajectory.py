@@ -178,8 +178,20 @@ def _samples(pointer: Any) -> np.ndarray:
     return samples
 
 
+class Lens(Value, _api.tides_lens):
+    """How lines bend: model ("none", "radtan", "equidistant") and its coefficients k1, k2, k3, k4, p1, p2."""
+
+    _words = {"model": "TIDES_LENS_"}
+
+
 class Intrinsics(Value, _api.tides_intrinsics):
-    """A pinhole: width, height [px]; fx, fy, cx, cy [px]. u = fx x/z + cx; the centre of pixel (0, 0) is at (0.5, 0.5)."""
+    """A camera: width, height [px]; fx, fy, cx, cy [px]; lens (a Lens; a pinhole where not given). u = fx x/z + cx; the centre
+    of pixel (0, 0) is at (0.5, 0.5)."""
+
+    lens: Any = property(
+        lambda self: Lens._from(_api.tides_intrinsics.lens.__get__(self)),
+        lambda self, lens: _api.tides_intrinsics.lens.__set__(self, lens),
+    )
 
     @classmethod
     def from_fov(cls, width: int, height: int, fov_x: float) -> "Intrinsics":

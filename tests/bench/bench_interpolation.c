@@ -50,7 +50,7 @@ static double processor_now(void) {
 
 static stream simulate(tides_device *device, const tides_scene *scene, double step_s, int way) {
     static const double position[3] = {0, 0, -5}, quaternion[4] = {1, 0, 0, 0};
-    const tides_intrinsics intrinsics = {346, 260, 300, 300, 173, 130};
+    const tides_intrinsics intrinsics = {346, 260, 300, 300, 173, 130, {0}};
     stream s;
     tides_error error;
     tides_image_params params;

@@ -123,7 +123,7 @@ int main(int argc, char **argv) {
     tides_device *device;
     tides_simulator *s;
     random_scene random = {.scene = NULL};
-    tides_intrinsics intrinsics = {346, 260, 300, 300, 173, 130};
+    tides_intrinsics intrinsics = {346, 260, 300, 300, 173, 130, {0}};
     if (argc > 1 && argv[1][0]) {
         stop_on(tides_scene_create(&scene, &error), &error);
         stop_on(tides_scene_add_file(scene, argv[1], NULL, 1, &error), &error);

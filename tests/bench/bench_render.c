@@ -110,7 +110,7 @@ int main(int argc, char **argv) {
     }
     orbit.radius = 1.1 * size;
     stop_on(tides_trajectory_create_orbit(&orbit, &camera, &error), &error);
-    tides_intrinsics intrinsics = {width, height, 1.2 * height, 1.2 * height, 0.5 * width, 0.5 * height};
+    tides_intrinsics intrinsics = {width, height, 1.2 * height, 1.2 * height, 0.5 * width, 0.5 * height, {0}};
     stop_on(tides_device_open(argc > 2 ? argv[2] : NULL, &device, &error), &error);
     printf("%s, %lld Gaussians, %d x %d\n", device->info.name, (long long)tides_scene_count(scene), width, height);
     static const int widths[] = {16, 8, 4};

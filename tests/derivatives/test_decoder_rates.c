@@ -55,7 +55,7 @@ typedef struct view_of {
 } view_of;
 
 static int view_open(const char *name, int lanes, const tides_scene *scene, view_of *view) {
-    const tides_intrinsics intrinsics = {WIDTH, HEIGHT, 140, 140, 75, 45};
+    const tides_intrinsics intrinsics = {WIDTH, HEIGHT, 140, 140, 75, 45, {0}};
     tides_error error = {0, ""};
     tides_image_params params;
     tides_image_params_defaults(&params); /* smooth: soft order, tapers */
@@ -158,7 +158,7 @@ static void test_kernels_equal_single_precision(void **state) {
 }
 
 static void test_alone_only(void **state) {
-    const tides_intrinsics intrinsics = {WIDTH, HEIGHT, 140, 140, 75, 45};
+    const tides_intrinsics intrinsics = {WIDTH, HEIGHT, 140, 140, 75, 45, {0}};
     random_motion made = random_motion_make(RANDOM_MOTION_DECODER, SEED);
     tides_scene *scene = make_scene(&made);
     tides_image_params params;

@@ -74,7 +74,7 @@ static td_store make_store(const tides_scene *scene, int way) {
 
 /* Inria's image without its cut, so that the formula holds at every pixel. */
 static td_image make_image(void) {
-    tides_intrinsics camera = {WIDTH, HEIGHT, focal, focal, centre_x, centre_y};
+    tides_intrinsics camera = {WIDTH, HEIGHT, focal, focal, centre_x, centre_y, {0}};
     tides_image_params params;
     td_image image;
     tides_error error;

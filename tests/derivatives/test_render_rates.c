@@ -177,6 +177,19 @@ static void everything_moving(void **state) {
     }
 }
 
+/* Through lenses: Jacobians with rates of their own. */
+static void lenses(void **state) {
+    (void)state;
+    for (int lens = TIDES_LENS_RADTAN; lens <= TIDES_LENS_EQUIDISTANT; lens++) {
+        random_recipe recipe = small_recipe(240 + (uint64_t)lens);
+        recipe.sh_degree = 1;
+        recipe.objects = 2;
+        recipe.lens = lens;
+        recipe.moving = lens == TIDES_LENS_RADTAN;
+        check_recipe(&recipe, SMOOTHED);
+    }
+}
+
 /* A moving scene and a camera at rest. */
 static void camera_at_rest(void **state) {
     (void)state;
@@ -235,9 +248,9 @@ static void with_all_cuts(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rigid_objects),        cmocka_unit_test(everything_moving), cmocka_unit_test(camera_at_rest),
-        cmocka_unit_test(within_the_near_fade), cmocka_unit_test(inside_the_cloud),  cmocka_unit_test(small_splats),
-        cmocka_unit_test(with_all_cuts),
+        cmocka_unit_test(rigid_objects),  cmocka_unit_test(everything_moving),    cmocka_unit_test(lenses),
+        cmocka_unit_test(camera_at_rest), cmocka_unit_test(within_the_near_fade), cmocka_unit_test(inside_the_cloud),
+        cmocka_unit_test(small_splats),   cmocka_unit_test(with_all_cuts),
     };
     return cmocka_run_group_tests_name("render rates", tests, NULL, NULL);
 }

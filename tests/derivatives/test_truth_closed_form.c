@@ -19,7 +19,7 @@
 #include <string.h>
 
 enum { WIDTH = 60, HEIGHT = 44, PIXELS = WIDTH * HEIGHT, ACROSS = 33 };
-static const tides_intrinsics lens = {WIDTH, HEIGHT, 55, 57, 29.25, 21.5};
+static tides_intrinsics lens = {WIDTH, HEIGHT, 55, 57, 29.25, 21.5, {0}};
 static const double plane_z = 4, time_now = 0.5, border = 6;
 static const double normal[3] = {8.0 / 17, 0, 15.0 / 17};
 
@@ -108,10 +108,64 @@ static void compare(const char *name, const precision *p, const seen *got, const
 
 static double along(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+/* -- through a lens, written once more -------------------------------------------------------------------------------- */
+
+static void bend(const long double q[2], long double d[2]) {
+    const tides_lens *l = &lens.lens;
+    const long double a = q[0], b = q[1], r2 = a * a + b * b, r = sqrtl(r2), theta = atanl(r), p = theta * theta;
+    d[0] = a, d[1] = b;
+    if (l->model == TIDES_LENS_RADTAN) {
+        const long double radial = 1 + l->k1 * r2 + l->k2 * r2 * r2 + l->k3 * r2 * r2 * r2;
+        d[0] = a * radial + 2 * l->p1 * a * b + l->p2 * (r2 + 2 * a * a);
+        d[1] = b * radial + l->p1 * (r2 + 2 * b * b) + 2 * l->p2 * a * b;
+    }
+    if (l->model == TIDES_LENS_EQUIDISTANT) {
+        const long double bent = theta * (1 + l->k1 * p + l->k2 * p * p + l->k3 * p * p * p + l->k4 * p * p * p * p);
+        d[0] = r > 0 ? a / r * bent : a, d[1] = r > 0 ? b / r * bent : b;
+    }
+}
+
+/* Its matrix, by central differences of the fourth order in long doubles: to 1e-14 or so. */
+static void differences(const long double q[2], long double m[2][2]) {
+    const long double h = 1e-4L;
+    for (int j = 0; j < 2; j++) {
+        long double d[4][2];
+        static const int steps[4] = {-2, -1, 1, 2};
+        for (int k = 0; k < 4; k++) {
+            const long double at[2] = {q[0] + (j == 0) * steps[k] * h, q[1] + (j == 1) * steps[k] * h};
+            bend(at, d[k]);
+        }
+        for (int i = 0; i < 2; i++) m[i][j] = (8 * (d[2][i] - d[1][i]) - (d[3][i] - d[0][i])) / (12 * h);
+    }
+}
+
+/* The slopes that a pixel shows. */
+static void slopes(double x, double y, double out[2]) {
+    const long double want[2] = {(x - lens.cx) / (long double)lens.fx, (y - lens.cy) / (long double)lens.fy};
+    long double q[2] = {want[0], want[1]}, d[2], m[2][2];
+    for (int i = 0; i < 60; i++) {
+        bend(q, d);
+        differences(q, m);
+        const long double e[2] = {want[0] - d[0], want[1] - d[1]}, det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+        q[0] += (m[1][1] * e[0] - m[0][1] * e[1]) / det;
+        q[1] += (m[0][0] * e[1] - m[1][0] * e[0]) / det;
+    }
+    out[0] = (double)q[0], out[1] = (double)q[1];
+}
+
+/* Rates of slopes at `at` as flow. */
+static void flow_through(const double at[2], double a_dot, double b_dot, double flow[2]) {
+    const long double q[2] = {at[0], at[1]};
+    long double m[2][2];
+    differences(q, m);
+    flow[0] = (double)(lens.fx * (m[0][0] * a_dot + m[0][1] * b_dot));
+    flow[1] = (double)(lens.fy * (m[1][0] * a_dot + m[1][1] * b_dot));
+}
+
 /* The plane at rest from any pose: the ray meets it where normal . (position + z R d) = normal . (0, 0, plane_z). */
 static expected at_rest(double x, double y, const tides_pose *eye) {
-    const double d[3] = {(x - lens.cx) / lens.fx, (y - lens.cy) / lens.fy, 1};
-    double way[3], to[3], moved[3];
+    double d[3] = {0, 0, 1}, way[3], to[3], moved[3];
+    slopes(x, y, d);
     expected e;
     for (int i = 0; i < 3; i++) way[i] = along(eye->rotation + 3 * i, d);
     e.depth = (normal[2] * plane_z - along(normal, eye->position)) / along(normal, way);
@@ -124,8 +178,7 @@ static expected at_rest(double x, double y, const tides_pose *eye) {
             e.normal[i] -= eye->rotation[3 * j + i] * normal[j];
         }
     }
-    e.flow[0] = lens.fx * (moved[0] - d[0] * moved[2]) / e.depth;
-    e.flow[1] = lens.fy * (moved[1] - d[1] * moved[2]) / e.depth;
+    flow_through(d, (moved[0] - d[0] * moved[2]) / e.depth, (moved[1] - d[1] * moved[2]) / e.depth, e.flow);
     return e;
 }
 
@@ -150,6 +203,21 @@ static void test_any_way(void **state) {
     static const double velocity[3] = {0.7, -0.4, 0.9}, spin[3] = {0, 0.8, 0};
     (void)state;
     check_plane("any way", velocity, spin, at_rest);
+}
+
+/* Barrel and decentred; and as wide as 100 degrees across. Depths and normals are those of rays, flow is the lens'. */
+static void test_lenses(void **state) {
+    static const tides_lens bent[] = {{TIDES_LENS_RADTAN, 0, -0.32, 0.14, -0.03, 0, 3e-3, -2e-3},
+                                      {TIDES_LENS_EQUIDISTANT, 0, -0.05, 0.02, -0.006, 0.001, 0, 0}};
+    static const double velocity[3] = {0.7, -0.4, 0.9}, spin[3] = {0, 0.8, 0};
+    const tides_intrinsics before = lens;
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        lens.lens = bent[i];
+        if (i == 1) lens.fx = 41, lens.fy = 42;
+        check_plane(i ? "equidistant" : "radtan", velocity, spin, at_rest);
+    }
+    lens = before;
 }
 
 /* Forwards by v: what is at depth z flies from (cx, cy) at v / z. */
@@ -233,6 +301,7 @@ static void test_polynomials(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_any_way), cmocka_unit_test(test_dolly),
-                                       cmocka_unit_test(test_roll), cmocka_unit_test(test_polynomials)};
+                                       cmocka_unit_test(test_roll), cmocka_unit_test(test_lenses),
+                                       cmocka_unit_test(test_polynomials)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,6 +2,7 @@
  * checked in, so that every clone has something to compare with that shares no line with the library.
  *
  *   image       L and L_dot of 20 moving Gaussians by the double reference: within 1e-12 (measured: 4e-14)
+ *   lenses      the same through a radtan and an equidistant lens
  *   crossings   of cubics: within 1e-12 of the step (measured: 3e-15)
  *   baselines   without their noise: places and polarities the same, times within 1 ns (whole microseconds: the same) */
 #include <stdarg.h>
@@ -121,22 +122,31 @@ static void render(const tides_scene *scene, const tides_intrinsics *camera, con
     tides_device_close(device);
 }
 
-static void test_image(void **state) {
-    double camera[7], background[3], L[PIXELS], L_dot[PIXELS], most = 0, most_dot = 0;
+/* The scene of image.txt, whose pixels `file` has next, or `lenses`. */
+typedef struct picture {
+    double camera[7], background[3];
     moving_splats splats;
-    (void)state;
+} picture;
+
+static FILE *open_picture(picture *p) {
     FILE *file = open_file("image.txt");
     assert_int_equal((int)next(file), GAUSSIANS);
-    next_many(file, camera, 7);
-    next_many(file, background, 3);
-    assert_int_equal((int)(camera[0] * camera[1]), PIXELS);
-    read_splats(file, &splats);
-    tides_scene *scene = scene_of(&splats);
-    const tides_intrinsics intrinsics = {(int32_t)camera[0], (int32_t)camera[1], camera[2], camera[3], camera[4], camera[5]};
+    next_many(file, p->camera, 7);
+    next_many(file, p->background, 3);
+    assert_int_equal((int)(p->camera[0] * p->camera[1]), PIXELS);
+    read_splats(file, &p->splats);
+    return file;
+}
+
+static void compare_image(const picture *p, const tides_lens *lens, FILE *file) {
+    double L[PIXELS], L_dot[PIXELS], most = 0, most_dot = 0;
+    const double *c = p->camera;
+    tides_scene *scene = scene_of(&p->splats);
+    const tides_intrinsics intrinsics = {(int32_t)c[0], (int32_t)c[1], c[2], c[3], c[4], c[5], *lens};
     tides_frame frame = {{NULL}};
     frame.plane[TIDES_L] = L;
     frame.plane[TIDES_L_DOT] = L_dot;
-    render(scene, &intrinsics, background, camera[6], &frame);
+    render(scene, &intrinsics, p->background, c[6], &frame);
     for (size_t i = 0; i < PIXELS; i++) {
         double value = next(file), rate = next(file);
         expect_near(L[i], value, 1e-12, "L of pixel", i);
@@ -146,6 +156,28 @@ static void test_image(void **state) {
     }
     print_message("L within %.2g, L_dot within %.2g 1/s\n", most, most_dot);
     tides_scene_destroy(scene);
+}
+
+static void test_image(void **state) {
+    static const tides_lens none = {.model = TIDES_LENS_NONE};
+    picture p;
+    (void)state;
+    FILE *file = open_picture(&p);
+    compare_image(&p, &none, file);
+    fclose(file);
+}
+
+static void test_lenses(void **state) {
+    picture p;
+    (void)state;
+    fclose(open_picture(&p));
+    FILE *file = open_file("lenses.txt");
+    for (int32_t model = TIDES_LENS_RADTAN; model <= TIDES_LENS_EQUIDISTANT; model++) {
+        double k[6];
+        next_many(file, k, 6);
+        const tides_lens lens = {model, 0, k[0], k[1], k[2], k[3], k[4], k[5]};
+        compare_image(&p, &lens, file);
+    }
     fclose(file);
 }
 
@@ -297,7 +329,7 @@ static void test_baselines(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_image), cmocka_unit_test(test_crossings),
-                                       cmocka_unit_test(test_baselines)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_image), cmocka_unit_test(test_lenses),
+                                       cmocka_unit_test(test_crossings), cmocka_unit_test(test_baselines)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -167,7 +167,8 @@ static stg_world world_open(const char *path, const char *name) {
                                       k[0],
                                       k[4],
                                       k[2],
-                                      k[5]};
+                                      k[5],
+                                      {0}};
     char decoder[32];
     npz_string(world.archive, "decoder", decoder, sizeof decoder);
     world.lite = strcmp(decoder, "none") == 0;

@@ -96,7 +96,7 @@ static void make_needles(td_store *store) {
 }
 
 typedef struct setting {
-    int rules, antialias, sh_degree, moving, lanes, job_size;
+    int rules, antialias, sh_degree, moving, lanes, job_size, lens;
 } setting;
 
 static void compare_store(const char *name, tides_device *device, const random_recipe *recipe, const setting *s,
@@ -128,17 +128,18 @@ static void compare_store(const char *name, tides_device *device, const random_r
 }
 
 static void test_opencl_equals_the_reference(void **state) {
-    static const setting settings[] = {{TIDES_RULES_SMOOTH, 0, 3, 0, 16, 64},
-                                       {TIDES_RULES_SMOOTH, 1, 2, 1, 8, 1 << 20},
-                                       {TIDES_RULES_INRIA, 0, 1, 1, 4, TD_PAD},
-                                       {TIDES_RULES_GSPLAT, 1, 4, 0, 1, 48}};
+    static const setting settings[] = {{TIDES_RULES_SMOOTH, 0, 3, 0, 16, 64, TIDES_LENS_EQUIDISTANT},
+                                       {TIDES_RULES_SMOOTH, 1, 2, 1, 8, 1 << 20, TIDES_LENS_NONE},
+                                       {TIDES_RULES_INRIA, 0, 1, 1, 4, TD_PAD, TIDES_LENS_RADTAN},
+                                       {TIDES_RULES_GSPLAT, 1, 4, 0, 1, 48, TIDES_LENS_NONE},
+                                       {TIDES_RULES_SMOOTH, 0, 0, 0, 16, 64, TIDES_LENS_NONE}};
     int used[2] = {0, 0};
     (void)state;
     for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
         tides_device *device = open_cpu(settings[i].lanes);
         random_recipe ordinary = random_recipe_defaults(SEED + i);
         ordinary.count = 300, ordinary.objects = 3, ordinary.sh_degree = settings[i].sh_degree;
-        ordinary.moving = settings[i].moving;
+        ordinary.moving = settings[i].moving, ordinary.lens = settings[i].lens;
         random_recipe around = ordinary, huge = ordinary;
         around.spread = 5, around.size = 0.3, around.camera_speed = 8;
         huge.size = 1e5;

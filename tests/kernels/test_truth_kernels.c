@@ -16,13 +16,16 @@ typedef struct case_setting {
     pair_setting image;
     int lanes, objects, moving;
     double size; /* of splats [scene units] */
+    int lens;
 } case_setting;
 
-static const case_setting settings[] = {{"smooth", {TIDES_RULES_SMOOTH, 0, 0}, 16, 3, 0, 0.12},
-                                        {"smooth, one lane, moving", {TIDES_RULES_SMOOTH, 1, 0}, 1, 3, 1, 0.12},
-                                        {"smooth, one object", {TIDES_RULES_SMOOTH, 0, 0}, 8, 1, 0, 0.12},
-                                        {"inria, twenty objects, moving", {TIDES_RULES_INRIA, 0, 0}, 16, 20, 1, 0.3},
-                                        {"gsplat, smaller than a pixel", {TIDES_RULES_GSPLAT, 0, 0}, 4, 3, 1, 2e-3}};
+static const case_setting settings[] = {{"smooth", {TIDES_RULES_SMOOTH, 0, 0}, 16, 3, 0, 0.12, 0},
+                                        {"smooth, one lane, moving", {TIDES_RULES_SMOOTH, 1, 0}, 1, 3, 1, 0.12, 0},
+                                        {"smooth, one object", {TIDES_RULES_SMOOTH, 0, 0}, 8, 1, 0, 0.12, 0},
+                                        {"inria, twenty objects, moving", {TIDES_RULES_INRIA, 0, 0}, 16, 20, 1, 0.3, 0},
+                                        {"gsplat, smaller than a pixel", {TIDES_RULES_GSPLAT, 0, 0}, 4, 3, 1, 2e-3, 0},
+                                        {"radtan", {TIDES_RULES_SMOOTH, 0, 0}, 16, 1, 1, 0.12, TIDES_LENS_RADTAN},
+                                        {"equidistant", {TIDES_RULES_INRIA, 0, 0}, 8, 3, 0, 0.12, TIDES_LENS_EQUIDISTANT}};
 
 /* Sheets of five splats a place: soft order has something to do. */
 static void make_sheets(td_store *store) {
@@ -70,6 +73,7 @@ static void compare_setting(const case_setting *setting) {
     random_recipe recipe = pair_ordinary(SEED);
     recipe.objects = setting->objects;
     recipe.moving = setting->moving;
+    recipe.lens = setting->lens;
     recipe.sh_degree = 0;
     recipe.size = setting->size;
     recipe.opacity_max = 0.999;

@@ -190,7 +190,7 @@ static inline void add_moving(tides_scene *scene, const cloud *c, tides_motion *
 /* The camera looks along z at what is 3 away; NEAR: at what is around it. */
 static inline world make_world(uint64_t *seed, int kind, double step) {
     static const double here[3] = {0, 0, 0}, there[3] = {0, 0, 3};
-    world w = {NULL, NULL, {320, 240, 300, 300, 160, 120}};
+    world w = {NULL, NULL, {320, 240, 300, 300, 160, 120, {0}}};
     cloud c;
     tides_error error;
     int shaken = kind == CAMERA || kind == NEAR || scene_next(seed) % 2;

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 
 enum { WIDTH = 60, HEIGHT = 44, PIXELS = WIDTH * HEIGHT };
-static const tides_intrinsics lens = {WIDTH, HEIGHT, 55, 57, 29.25, 21.5};
+static const tides_intrinsics lens = {WIDTH, HEIGHT, 55, 57, 29.25, 21.5, {0}};
 static const double plane_z = 4, first = 0.4, second = 0.55;
 
 typedef struct displaced {

@@ -174,7 +174,7 @@ static void add_splat(tides_scene *scene, double z, double z_dot) {
 /* Two splats, the farther first, the other moving towards it: they change places at 0.2 s where z_dot is 5. Renders at three
  * times, one after the other; returns how many lists were in order, in a tile that sees both. */
 static int kept_in_run(tides_device *device, double z_dot) {
-    static const tides_intrinsics camera = {16, 16, 20, 20, 8, 8};
+    static const tides_intrinsics camera = {16, 16, 20, 20, 8, 8, {0}};
     static const double times[3] = {0.11, 0.15, 0.29};
     tides_scene *scene = NULL;
     tides_error error;

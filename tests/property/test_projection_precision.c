@@ -69,7 +69,7 @@ static void draw_camera(world *w) {
     double focal = uniform(30, 120);
     tides_image_params_defaults(&params);
     params.rules = TIDES_RULES_GSPLAT;
-    w->camera = (tides_intrinsics){WIDTH, HEIGHT, focal, focal * uniform(0.9, 1.1), 0, 0};
+    w->camera = (tides_intrinsics){WIDTH, HEIGHT, focal, focal * uniform(0.9, 1.1), 0, 0, {0}};
     w->camera.cx = uniform(-20, WIDTH + 20);
     w->camera.cy = uniform(-20, HEIGHT + 20);
     scene_expect_ok(td_image_resolve(&params, &w->camera, 0, &image, &error), &error);

@@ -307,7 +307,7 @@ static tides_trajectory *orbit_about(const tides_scene *scene) {
 }
 
 static int compare_rules(void *user, const char *path, const char *name) {
-    static const tides_intrinsics camera = {320, 240, 300, 300, 160, 120};
+    static const tides_intrinsics camera = {320, 240, 300, 300, 160, 120, {0}};
     real_scenes *real = user;
     tides_scene *scene = NULL;
     tides_error error;

@@ -84,7 +84,7 @@ static void test_uniform_wall_is_silent(void **state) {
 
 /* L and L_dot of a frame. */
 static double *frame_on(const char *spec, const tides_scene *scene, const tides_trajectory *path, int pixels, double time) {
-    tides_intrinsics camera = {64, 48, 60, 60, 32, 24};
+    tides_intrinsics camera = {64, 48, 60, 60, 32, 24, {0}};
     tides_image_params params;
     tides_renderer *renderer = NULL;
     tides_error error;

@@ -101,7 +101,7 @@ static tides_scene *scene_of(const splat *splats, int count) {
 
 /* smooth without its bound on termination: nothing but depth order is left to jump. */
 static td_image image_of(int objects, int order) {
-    tides_intrinsics camera = {WIDTH, HEIGHT, 30, 30, 12.2, 9.7};
+    tides_intrinsics camera = {WIDTH, HEIGHT, 30, 30, 12.2, 9.7, {0}};
     tides_image_params params;
     td_image image;
     tides_error error;

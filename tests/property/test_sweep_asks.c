@@ -46,7 +46,7 @@ static tides_trajectory *path_of(const tides_pose_sample *samples, size_t count)
 
 static stage empty_stage(void) {
     const tides_pose_sample still = {.quaternion = {1, 0, 0, 0}};
-    stage s = {NULL, path_of(&still, 1), {48, 48, 60, 60, 24, 24}};
+    stage s = {NULL, path_of(&still, 1), {48, 48, 60, 60, 24, 24, {0}}};
     scene_expect_ok(tides_scene_create(&s.scene, NULL), NULL);
     return s;
 }

@@ -69,7 +69,17 @@ static double worst_overhang(tides_renderer *renderer, const world *w, uint64_t 
     return worst;
 }
 
-static void check_kind(int kind, const char *name, int trials) {
+/* What the camera sees through, as wide as 150 degrees from corner to corner. */
+static void bend(tides_intrinsics *camera, int lens) {
+    static const tides_lens bent[] = {{0},
+                                      {TIDES_LENS_RADTAN, 0, -0.25, 0.09, -0.01, 0, 2e-3, -1e-3},
+                                      {TIDES_LENS_EQUIDISTANT, 0, -0.03, 0.006, -0.001, 1e-4, 0, 0}};
+    camera->lens = bent[lens];
+    if (lens == TIDES_LENS_EQUIDISTANT) camera->fx = camera->fy = 158;
+    if (lens == TIDES_LENS_RADTAN) camera->fx = camera->fy = 230;
+}
+
+static void check_kind(int kind, const char *name, int trials, int lens) {
     static const double steps[] = {1e-3, 3.3e-3, 10e-3};
     const char *more = getenv("TIDES_TRIALS");
     double worst = 0;
@@ -80,6 +90,7 @@ static void check_kind(int kind, const char *name, int trials) {
         uint64_t seed = SEED + 1000 * (uint64_t)kind + (uint64_t)trial;
         double step = steps[trial % 3];
         world w = make_world(&seed, kind, trial % 2 ? step : 0);
+        if (lens) bend(&w.camera, lens);
         tides_renderer *renderer = make_renderer(device, w.scene, &w.camera, trial % RULES);
         for (int i = 0; i < 3; i++) {
             double start = i == 0 ? 0 : i == 1 ? step : uniform(&seed, 0, LASTS - step);
@@ -100,33 +111,48 @@ static void check_kind(int kind, const char *name, int trials) {
 
 static void test_shaken_camera(void **state) {
     (void)state;
-    check_kind(CAMERA, "camera", 24);
+    check_kind(CAMERA, "camera", 24, TIDES_LENS_NONE);
 }
 static void test_shaken_object(void **state) {
     (void)state;
-    check_kind(OBJECT, "object", 24);
+    check_kind(OBJECT, "object", 24, TIDES_LENS_NONE);
 }
 static void test_shaken_gaussians(void **state) {
     (void)state;
-    check_kind(FRAMES, "frames", 12);
+    check_kind(FRAMES, "frames", 12, TIDES_LENS_NONE);
 }
 static void test_narrow_bells(void **state) {
     (void)state;
-    check_kind(BELLS, "bells", 12);
+    check_kind(BELLS, "bells", 12, TIDES_LENS_NONE);
 }
 static void test_callbacks(void **state) {
     (void)state;
-    check_kind(CALLBACK, "callback", 6);
+    check_kind(CALLBACK, "callback", 6, TIDES_LENS_NONE);
 }
 static void test_near_plane(void **state) {
     (void)state;
-    check_kind(NEAR, "around the camera", 24);
+    check_kind(NEAR, "around the camera", 24, TIDES_LENS_NONE);
+}
+
+/* Bounds hold through lenses too. */
+static void test_lenses(void **state) {
+    (void)state;
+    for (int lens = TIDES_LENS_RADTAN; lens <= TIDES_LENS_EQUIDISTANT; lens++) {
+        check_kind(CAMERA, lens == TIDES_LENS_RADTAN ? "radtan, camera" : "equidistant, camera", 6, lens);
+        check_kind(OBJECT, lens == TIDES_LENS_RADTAN ? "radtan, object" : "equidistant, object", 6, lens);
+        check_kind(FRAMES, lens == TIDES_LENS_RADTAN ? "radtan, frames" : "equidistant, frames", 3, lens);
+        check_kind(NEAR, lens == TIDES_LENS_RADTAN ? "radtan, around" : "equidistant, around", 12, lens);
+    }
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_shaken_camera),    cmocka_unit_test(test_shaken_object),
-                                       cmocka_unit_test(test_shaken_gaussians), cmocka_unit_test(test_narrow_bells),
-                                       cmocka_unit_test(test_callbacks),        cmocka_unit_test(test_near_plane)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_shaken_camera),
+                                       cmocka_unit_test(test_shaken_object),
+                                       cmocka_unit_test(test_shaken_gaussians),
+                                       cmocka_unit_test(test_narrow_bells),
+                                       cmocka_unit_test(test_callbacks),
+                                       cmocka_unit_test(test_near_plane),
+                                       cmocka_unit_test(test_lenses)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

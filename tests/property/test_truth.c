@@ -87,7 +87,7 @@ static void test_alpha_is_the_images(void **state) {
 /* Twelve balls in a row, an object each, before a wall, which is the last one; the wall has a hole. */
 static void test_instances(void **state) {
     enum { BALLS = 12, LENS = 40 };
-    const tides_intrinsics lens = {WIDTH, HEIGHT, LENS, LENS, WIDTH / 2, HEIGHT / 2};
+    const tides_intrinsics lens = {WIDTH, HEIGHT, LENS, LENS, WIDTH / 2, HEIGHT / 2, {0}};
     const double origin[3] = {0}, ahead[4] = {1, 0, 0, 0};
     tides_scene *scene = NULL;
     tides_trajectory *camera = NULL;
@@ -131,7 +131,7 @@ static const double shift_px = 0.01;
 /* The image with its lens moved by (x, y) pixels. */
 static void take_shifted(const tides_scene *scene, const tides_trajectory *camera, tides_device *device, double x, double y,
                          planes *to) {
-    const tides_intrinsics lens = {WIDTH, HEIGHT, 80, 80, WIDTH / 2 + x, HEIGHT / 2 + y};
+    const tides_intrinsics lens = {WIDTH, HEIGHT, 80, 80, WIDTH / 2 + x, HEIGHT / 2 + y, {0}};
     tides_renderer *renderer = make_renderer(device, scene, &lens, TIDES_RULES_SMOOTH);
     take_image(renderer, camera, 0.5, to);
     if (x == 0 && y == 0) take_truth(renderer, camera, 0.5, to);

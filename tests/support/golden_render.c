@@ -156,7 +156,7 @@ static void adjust(const golden_file *file, td_image *image) {
 td_image_numbers golden_image(const golden_file *file, int sh_degree, int outputs) {
     const golden_mode *mode = find_mode(file->mode);
     const double *k = golden_reals(file, "K"), *weight = golden_reals(file, "lum_w");
-    tides_intrinsics camera = {file->width, file->height, k[0], k[4], k[2], k[5]};
+    tides_intrinsics camera = {file->width, file->height, k[0], k[4], k[2], k[5], {0}};
     tides_image_params params;
     td_image image;
     tides_error error;

@@ -24,7 +24,7 @@ judged judged_make(const char *name, int width, int height, double stop) {
     snprintf(j.name, sizeof j.name, "%s", name);
     scene_expect_ok(tides_scene_create(&j.scene, &error), &error);
     scene_expect_ok(tides_trajectory_create_static(origin, straight, &j.camera, &error), &error);
-    j.intrinsics = (tides_intrinsics){width, height, 1.25 * width, 1.25 * width, 0.5 * width, 0.5 * height};
+    j.intrinsics = (tides_intrinsics){width, height, 1.25 * width, 1.25 * width, 0.5 * width, 0.5 * height, {0}};
     tides_image_params_defaults(&j.image);
     tides_sensor_defaults(&j.sensor);
     tides_stepping_defaults(&j.stepping);

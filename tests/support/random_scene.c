@@ -22,7 +22,7 @@ static double between(uint64_t *seed, double lower, double upper) {
 }
 
 random_recipe random_recipe_defaults(uint64_t seed) {
-    random_recipe recipe = {seed, 60, 1, 3, 0, 64, 48, 1.5, 0.12, 0.1, 0.9, 1, 1};
+    random_recipe recipe = {seed, 60, 1, 3, 0, 64, 48, 1.5, 0.12, 0.1, 0.9, 1, TIDES_LENS_NONE, 1};
     return recipe;
 }
 
@@ -107,6 +107,18 @@ static void add_objects(random_scene *s, uint64_t *seed) {
     }
 }
 
+/* An equidistant lens is to have its farthest corner at 75 degrees. */
+static void bend(tides_intrinsics *camera, int lens) {
+    static const tides_lens radtan = {TIDES_LENS_RADTAN, 0, -0.21, 0.06, -0.004, 0, 2e-3, -3e-3};
+    static const tides_lens equidistant = {TIDES_LENS_EQUIDISTANT, 0, -0.03, 0.006, -0.001, 1e-4, 0, 0};
+    if (lens == TIDES_LENS_RADTAN) camera->lens = radtan;
+    if (lens != TIDES_LENS_EQUIDISTANT) return;
+    const double corner = hypot(camera->width - camera->cx, camera->height - camera->cy), angle = 75 / 57.29577951308232;
+    camera->lens = equidistant;
+    camera->fx = corner / (angle * (1 + angle * angle * (-0.03 + angle * angle * 0.006)));
+    camera->fy = 0.96 * camera->fx;
+}
+
 random_scene random_scene_make(const random_recipe *recipe) {
     static const double eye[3] = {0, 0, -4};
     random_scene s = {0};
@@ -118,6 +130,7 @@ random_scene random_scene_make(const random_recipe *recipe) {
     s.camera.fy = 1.05 * recipe->width; /* not square, and the centre a little off, so that a mix-up shows */
     s.camera.cx = 0.5 * recipe->width + 1.3;
     s.camera.cy = 0.5 * recipe->height - 0.7;
+    bend(&s.camera, recipe->lens);
     s.parameters = RANDOM_SH + 3 * (recipe->sh_degree + 1) * (recipe->sh_degree + 1);
     draw_all(&s, &seed);
     add_objects(&s, &seed);

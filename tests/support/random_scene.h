@@ -19,6 +19,7 @@ typedef struct random_recipe {
     double size;        /* typical standard deviation [scene units]; each axis 1/3 to 3 times that */
     double opacity_min, opacity_max; /* in (0, 1) */
     double speed;                    /* of raw parameters [1/s] */
+    int lens;                        /* TIDES_LENS_*: a strong one of the kind, equidistant as wide as 150 degrees */
     double camera_speed;             /* [scene units/s] and [rad/s], roughly; 0: at rest */
 } random_recipe;
 

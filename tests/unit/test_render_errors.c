@@ -64,17 +64,26 @@ static void test_cameras(void **state) {
     static const struct {
         tides_intrinsics camera;
         const char *words;
-    } wrong[] = {{{0, 10, 1, 1, 0, 0}, "0 x 10|width"},
-                 {{10, 0, 1, 1, 0, 0}, "10 x 0|height"},
-                 {{-5, 10, 1, 1, 0, 0}, "-5 x 10"},
-                 {{16385, 10, 1, 1, 0, 0}, "16385|16384"},
-                 {{10, INT32_MAX, 1, 1, 0, 0}, "2147483647"},
-                 {{10, 10, 0, 1, 0, 0}, "camera.fx|0 is out of range"},
-                 {{10, 10, 1, -2, 0, 0}, "camera.fy|-2"},
-                 {{10, 10, NAN, 1, 0, 0}, "camera.fx|nan"},
-                 {{10, 10, 1, INFINITY, 0, 0}, "camera.fy|inf"},
-                 {{10, 10, 1, 1, NAN, 0}, "camera.cx|nan"},
-                 {{10, 10, 1, 1, 0, -INFINITY}, "camera.cy|-inf"}};
+    } wrong[] = {{{0, 10, 1, 1, 0, 0, {0}}, "0 x 10|width"},
+                 {{10, 0, 1, 1, 0, 0, {0}}, "10 x 0|height"},
+                 {{-5, 10, 1, 1, 0, 0, {0}}, "-5 x 10"},
+                 {{16385, 10, 1, 1, 0, 0, {0}}, "16385|16384"},
+                 {{10, INT32_MAX, 1, 1, 0, 0, {0}}, "2147483647"},
+                 {{10, 10, 0, 1, 0, 0, {0}}, "camera.fx|0 is out of range"},
+                 {{10, 10, 1, -2, 0, 0, {0}}, "camera.fy|-2"},
+                 {{10, 10, NAN, 1, 0, 0, {0}}, "camera.fx|nan"},
+                 {{10, 10, 1, INFINITY, 0, 0, {0}}, "camera.fy|inf"},
+                 {{10, 10, 1, 1, NAN, 0, {0}}, "camera.cx|nan"},
+                 {{10, 10, 1, 1, 0, -INFINITY, {0}}, "camera.cy|-inf"},
+                 {{10, 10, 1, 1, 0, 0, {.model = 3}}, "camera.lens|3"},
+                 {{10, 10, 1, 1, 0, 0, {.k1 = 0.1}}, "camera.k1|none"},
+                 {{10, 10, 9, 9, 5, 5, {.model = TIDES_LENS_RADTAN, .k4 = 0.1}}, "camera.k4|radtan|k3"},
+                 {{10, 10, 9, 9, 5, 5, {.model = TIDES_LENS_EQUIDISTANT, .p2 = 0.1}}, "camera.p2|equidistant|k4"},
+                 {{10, 10, 9, 9, 5, 5, {.model = TIDES_LENS_RADTAN, .k1 = NAN}}, "camera.k1|nan"},
+                 {{10, 10, 9, 9, 5, 5, {.model = TIDES_LENS_RADTAN, .k1 = -1}},
+                  "camera.lens|radtan folds over|within the image"},
+                 {{10, 10, 4, 4, 5, 5, {.model = TIDES_LENS_EQUIDISTANT, .k1 = -0.3}}, "equidistant folds over"},
+                 {{10, 10, 9, 9, 5, 5, {.model = TIDES_LENS_RADTAN, .p1 = 2}}, "can't be undone|fold"}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
         expect_refused(f, &wrong[i].camera, &f->params, TIDES_BAD_ARGUMENT, wrong[i].words);
 }

@@ -86,20 +86,32 @@ static void intrinsics_are(void *folder, const char *const *sets, tides_intrinsi
     close_run(&o);
 }
 
+static void a_lens_is_the_runs(void **state) {
+    tides_error error = {0, ""};
+    opened o;
+    write_files(*state);
+    scene_expect_ok(open_run(*state, SETS("camera.lens=radtan", "camera.k1=-0.1", "camera.p2=0.002"), &o, &error), &error);
+    const tides_lens *lens = &o.intrinsics.lens;
+    assert_int_equal(lens->model, TIDES_LENS_RADTAN);
+    assert_true(lens->k1 == -0.1 && lens->k2 == 0 && lens->p2 == 0.002);
+    close_run(&o);
+    fails(*state, SETS("camera.k2=0.1"), TIDES_BAD_CONFIG, "camera.k2|without camera.lens");
+}
+
 static void the_path_gives_what_the_run_does_not(void **state) {
     write_files(*state);
-    intrinsics_are(*state, SETS(NULL), (tides_intrinsics){80, 60, 50, 55, 41, 31});
-    intrinsics_are(*state, SETS("camera.fx=70"), (tides_intrinsics){80, 60, 70, 55, 41, 31});
-    intrinsics_are(*state, SETS("camera.cx=0", "camera.cy=-2"), (tides_intrinsics){80, 60, 50, 55, 0, -2});
+    intrinsics_are(*state, SETS(NULL), (tides_intrinsics){80, 60, 50, 55, 41, 31, {0}});
+    intrinsics_are(*state, SETS("camera.fx=70"), (tides_intrinsics){80, 60, 70, 55, 41, 31, {0}});
+    intrinsics_are(*state, SETS("camera.cx=0", "camera.cy=-2"), (tides_intrinsics){80, 60, 50, 55, 0, -2, {0}});
     /* Another size: the file's lens doesn't apply. */
-    intrinsics_are(*state, SETS("camera.width=40", "camera.fx=9"), (tides_intrinsics){40, 60, 9, 9, 20, 30});
+    intrinsics_are(*state, SETS("camera.width=40", "camera.fx=9"), (tides_intrinsics){40, 60, 9, 9, 20, 30, {0}});
     fails(*state, SETS("camera.width=40"), TIDES_BAD_CONFIG, "camera.fx|80x60|40x60");
 }
 
 static void an_angle_of_view_holds_at_any_size(void **state) {
     write_files(*state);
     const char *const sets[] = {"camera.file=angle.json", "camera.width=100", "camera.height=50", NULL};
-    intrinsics_are(*state, sets, (tides_intrinsics){100, 50, 50, 50, 50, 25});
+    intrinsics_are(*state, sets, (tides_intrinsics){100, 50, 50, 50, 50, 25, {0}});
 }
 
 static void missing_intrinsics_are_named(void **state) {
@@ -109,7 +121,7 @@ static void missing_intrinsics_are_named(void **state) {
     fails(*state, SETS(file, rebase, "camera.width=8"), TIDES_BAD_CONFIG, "camera.height is missing");
     fails(*state, SETS(file, rebase, "camera.width=8", "camera.height=6"), TIDES_BAD_CONFIG, "camera.fx is missing");
     intrinsics_are(*state, SETS(file, rebase, "camera.width=8", "camera.height=6", "camera.fx=5"),
-                   (tides_intrinsics){8, 6, 5, 5, 4, 3});
+                   (tides_intrinsics){8, 6, 5, 5, 4, 3, {0}});
 }
 
 static void paths_must_cover_the_run(void **state) {
@@ -119,7 +131,7 @@ static void paths_must_cover_the_run(void **state) {
           "camera.file|[10, 12] s|[0, 1] s|camera.start_s");
     const char *const start[] = {"camera.file=plain.txt", "camera.start_s=10.5", "camera.width=8",
                                  "camera.height=6",       "camera.fx=5",         NULL};
-    intrinsics_are(*state, start, (tides_intrinsics){8, 6, 5, 5, 4, 3});
+    intrinsics_are(*state, start, (tides_intrinsics){8, 6, 5, 5, 4, 3, {0}});
     fails(*state, SETS("scene.objects=[{\"file\": \"one.ply\"}, {\"file\": \"one.ply\", \"trajectory\": \"plain.txt\"}]"),
           TIDES_OUT_OF_RANGE, "scene.objects[1].trajectory|plain.txt|[10, 12] s");
 }
@@ -186,6 +198,7 @@ static void missing_files_are_named(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        IN_FOLDER(a_lens_is_the_runs),
         IN_FOLDER(the_path_gives_what_the_run_does_not),
         IN_FOLDER(an_angle_of_view_holds_at_any_size),
         IN_FOLDER(missing_intrinsics_are_named),

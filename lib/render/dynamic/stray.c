@@ -209,7 +209,7 @@ static stray_measure measure_object(const td_strays *strays, int object, const t
     measure.reach[0] = middle[3];
     measure.reach[1] = sqrt(length3(away) * length3(away) + middle[3] * middle[3]);
     double distance = fmax(length3(seen), fmax(0.1 * scale * middle[3], image->near));
-    measure.px_per_unit = fmax(image->fx, image->fy) / distance;
+    measure.px_per_unit = fmax(image->fx, image->fy) * (image->lens_model ? image->lens.stretch : 1) / distance;
     return measure;
 }
 

@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
-"""Makes image.txt, crossings.txt and baselines.txt: results of TIDES's equations by other means, in double precision, so that a
-clone without outside data still compares with something that shares no line with the library (../test_independent.c).
+"""Makes image.txt, lenses.txt, crossings.txt and baselines.txt: results of TIDES's equations by other means, in double
+precision, so that a clone without outside data still compares with something that shares no line with the library
+(../test_independent.c).
 
 usage: make.py     writes beside itself; needs numpy. Numbers are drawn by splitmix64, not by numpy, so that they stay the same.
 
 image       20 Gaussians that move by polynomials, projected and composited as docs/DESIGN.md 3.1 and docs/soft_order.md say.
             Weights of the soft order are integrated numerically from their definition, not by the library's recursion; rates
             are complex steps of the whole image, not duals.
+lenses      the same through a radtan and an equidistant lens, from their definitions; Jacobians are differences of
+            these, not formulas.
 crossings   events of cubics by the eigenvalues of companion matrices (numpy.roots), not by brackets.
 baselines   ESIM, v2e, DVS-Voltmeter and IEBCS without their noise, and LDATI of whole voxels, written from their papers'
             equations pixel by pixel.
@@ -92,7 +95,39 @@ def clip(value, low, high):
     return np.where(value.real < low, low, np.where(value.real > high, high, value))
 
 
-def splat(g, k, time):
+def pinhole(a, b):
+    return a, b
+
+
+def radtan(a, b, k1=-0.31, k2=0.12, p1=2e-3, p2=-3e-3, k3=-0.02):
+    r2 = a * a + b * b
+    radial = 1 + k1 * r2 + k2 * r2**2 + k3 * r2**3
+    return (
+        a * radial + 2 * p1 * a * b + p2 * (r2 + 2 * a * a),
+        b * radial + p1 * (r2 + 2 * b * b) + 2 * p2 * a * b,
+    )
+
+
+def equidistant(a, b, k1=-0.04, k2=0.01, k3=-0.003, k4=0.0005):
+    r = np.sqrt(a * a + b * b)
+    theta = np.arctan(r)
+    bent = theta * (1 + k1 * theta**2 + k2 * theta**4 + k3 * theta**6 + k4 * theta**8)
+    return a * bent / r, b * bent / r
+
+
+def slopes_of(lens, a, b):
+    """The matrix of lens's derivatives at (a, b), by central differences of the eighth order (complex steps stay within)."""
+    h, weights = 0.01, (4 / 5, -1 / 5, 4 / 105, -1 / 280)
+    columns = []
+    for da, db in ((h, 0), (0, h)):
+        ways = [
+            np.array(lens(a + k * da, b + k * db)) - np.array(lens(a - k * da, b - k * db)) for k in range(1, len(weights) + 1)
+        ]
+        columns.append(sum(weight * way for weight, way in zip(weights, ways)) / h)
+    return np.array(columns).T
+
+
+def splat(g, k, time, lens):
     """Depth, colour's luminance, and alpha at every pixel of Gaussian k, with the polynomial model of tides/motion.h."""
     dt = time - g["centre"][k]
     mean = g["mean"][k] + g["c"][k][0] * dt + g["c"][k][1] * dt**2 + g["c"][k][2] * dt**3
@@ -103,12 +138,16 @@ def splat(g, k, time):
     # The Jacobian's slopes end 0.3 tan(fov/2) beyond the borders; INRIA's borders are those of a centred image.
     limits = 1.3 * 0.5 * WIDTH / FX, 1.3 * 0.5 * HEIGHT / FY
     slope_x, slope_y = clip(x / z, -limits[0], limits[0]), clip(y / z, -limits[1], limits[1])
-    jacobian = np.array([[FX / z, 0 * z, -FX * slope_x / z], [0 * z, FY / z, -FY * slope_y / z]])
+    jacobian = np.array([[1 / z, 0 * z, -slope_x / z], [0 * z, 1 / z, -slope_y / z]])
+    if lens is not pinhole:
+        jacobian = slopes_of(lens, slope_x, slope_y) @ jacobian
+    jacobian = np.diag([FX, FY]) @ jacobian
+    bent_x, bent_y = lens(x / z, y / z)
     flat = jacobian @ factor
     covariance = flat @ flat.T + DILATION * np.eye(2)
     det = covariance[0, 0] * covariance[1, 1] - covariance[0, 1] ** 2
-    dx = np.arange(WIDTH)[None, :] + 0.5 - (FX * x / z + CX)
-    dy = np.arange(HEIGHT)[:, None] + 0.5 - (FY * y / z + CY)
+    dx = np.arange(WIDTH)[None, :] + 0.5 - (FX * bent_x + CX)
+    dy = np.arange(HEIGHT)[:, None] + 0.5 - (FY * bent_y + CY)
     form = (covariance[1, 1] * dx**2 - 2 * covariance[0, 1] * dx * dy + covariance[0, 0] * dy**2) / det
     alpha = opacity * np.exp(-0.5 * form)
     s = clip((alpha - TAPER[0]) / (TAPER[1] - TAPER[0]), 0, 1)
@@ -123,9 +162,9 @@ PANELS = (0, 0.5, 1, 2, 4, 8, 16, 32, 60)
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(20)
 
 
-def image(g, time):
+def image(g, time, lens=pinhole):
     """log(Y + eps) at `time`, which may be complex."""
-    splats = sorted((splat(g, k, time) for k in range(len(g["mean"]))), key=lambda made: made[0].real)
+    splats = sorted((splat(g, k, time, lens) for k in range(len(g["mean"]))), key=lambda made: made[0].real)
     s = [np.log(z) / SOFT_DEPTH for z, _, _ in splats]
     a = [-np.log(1 - tau) for _, _, tau in splats]
     Y = np.zeros((HEIGHT, WIDTH), complex)
@@ -161,6 +200,21 @@ def write_image():
             out.write(row(*(g[name][k] for name in g)))
         for L, L_dot in zip(made.real.ravel(), made.imag.ravel() / step):
             out.write(row(L, L_dot))
+
+
+def write_lenses():
+    g = draw_gaussians(20)
+    step = 1e-30
+    with (HERE / "lenses.txt").open("w") as out:
+        out.write("# made by make.py: k1 k2 k3 k4 p1 p2 of a radtan and an equidistant lens, L and L_dot of image.txt's scene\n")
+        for lens, numbers in (
+            (radtan, (-0.31, 0.12, -0.02, 0, 2e-3, -3e-3)),
+            (equidistant, (-0.04, 0.01, -0.003, 0.0005, 0, 0)),
+        ):
+            made = image(g, TIME + 1j * step, lens)
+            out.write(row(numbers))
+            for L, L_dot in zip(made.real.ravel(), made.imag.ravel() / step):
+                out.write(row(L, L_dot))
 
 
 # -- crossings ---------------------------------------------------------------------------------------------------------
@@ -303,5 +357,6 @@ def write_baselines():
 
 if __name__ == "__main__":
     write_image()
+    write_lenses()
     write_crossings()
     write_baselines()

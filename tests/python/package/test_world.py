@@ -67,6 +67,19 @@ def test_camera_file(tmp_path, camera):
     assert tides.PathOptions().duration == 1.0
 
 
+def test_lens(cloud):
+    lens = tides.Lens(model="equidistant", k1=-0.03)
+    bent = tides.Intrinsics.from_fov(32, 24, 1.2).copy(lens=lens)
+    assert bent.lens == lens and bent.lens.model == "equidistant" and tides.Intrinsics().lens.model == "none"
+    with tides.Scene() as scene:
+        scene.add(cloud)
+        path = tides.Trajectory.static([0, 0, -3])
+        seen = [tides.Renderer(scene, lens).render(path, 0.0).L for lens in (bent, bent.copy(lens=tides.Lens()))]
+        assert not np.array_equal(*seen)
+        with pytest.raises(tides.Error, match="folds over"):
+            tides.Renderer(scene, bent.copy(lens=tides.Lens(model="radtan", k1=-3.0)))
+
+
 def test_scene_keeps_what_it_is_given(cloud, tmp_path):
     path = tides.Trajectory.dolly((0, 0, 0), (1, 0, 0), (0, 0, 5))
     with tides.Scene() as scene:

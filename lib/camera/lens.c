@@ -1,0 +1,219 @@
+/* Lenses as the kernels take them: how far out a calibration's polynomial is used, what bounds hold of it, and whether it can
+ * be undone wherever the image is.
+ *
+ * Along a radius both lenses are G(s) = s (1 + k1 s^2 + k2 s^4 + k3 s^6 + k4 s^8), s = tan(theta) for radtan, theta for
+ * equidistant. G' = 0 is where a lens folds over: within the image it is refused, beyond the corner d goes on straight from
+ * half way to it (kernels/lens.h). */
+#include "camera/td_lens.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { STEPS = 1024, MAX_PIXELS = 16384, GRID = 32 };
+
+static const double right_angle = 1.57079632679489661923;
+/* How much farther than the corner polynomials are used at most, and the least slope with which d goes on. */
+static const double beyond_corner = 1.25, least_slope = 0.05;
+/* Beyond this angle nothing is left to go on for. */
+static const double widest = 1.5;
+/* |D(tangential)| <= 7 |p| r, and twice that where it goes on straight; |tangential| <= 3 |p| r^2. */
+static const double tangential_slope = 14, tangential_size = 3;
+/* By what pixels may be missed after kernels' Newton steps [px]. */
+static const double undone_px = 1e-6;
+
+/* -- what it says -------------------------------------------------------------------------------------------------- */
+
+/* A number of the camera and where it must lie: the ranges of the run file's keys (lib/run/params_table.c). Within them no
+ * product that is formed of them leaves single precision. `lenses`: a bit for each lens that has it. */
+typedef struct ranged {
+    const char *name;
+    double value, lower, upper;
+    int lenses;
+} ranged;
+
+static const char *const lens_names[] = {"none", "radtan", "equidistant"};
+
+static tides_status check_numbers(const ranged *numbers, size_t count, int model, tides_error *error) {
+    for (size_t i = 0; i < count; i++) {
+        const ranged *n = &numbers[i];
+        if (!(n->value >= n->lower && n->value <= n->upper))
+            return td_fail(error, TIDES_BAD_ARGUMENT, "%s: %g is out of range; it must lie in [%.10g, %.10g]", n->name,
+                           n->value, n->lower, n->upper);
+        if (!(n->lenses >> model & 1) && (n->value < 0 || n->value > 0))
+            return td_fail(error, TIDES_BAD_ARGUMENT, "%s: %g, but camera.lens is %s, which has %s", n->name, n->value,
+                           lens_names[model],
+                           model == TD_LENS_RADTAN        ? "k1, k2, p1, p2 and k3"
+                           : model == TD_LENS_EQUIDISTANT ? "k1, k2, k3 and k4"
+                                                          : "no coefficients: set camera.lens");
+    }
+    return TIDES_OK;
+}
+
+static tides_status check_camera(const tides_intrinsics *c, tides_error *error) {
+    enum { ALL = 7, BENT = 6, RADTAN = 2, EQUIDISTANT = 4 };
+    if (c->width < 1 || c->width > MAX_PIXELS || c->height < 1 || c->height > MAX_PIXELS)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "camera: %d x %d pixels; width and height must be 1 to %d", (int)c->width,
+                       (int)c->height, MAX_PIXELS);
+    if (c->lens.model < TIDES_LENS_NONE || c->lens.model > TIDES_LENS_EQUIDISTANT)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "camera.lens: %d is none of TIDES_LENS_*", (int)c->lens.model);
+    const ranged numbers[] = {{"camera.fx", c->fx, 1e-3, 1e9, ALL},         {"camera.fy", c->fy, 1e-3, 1e9, ALL},
+                              {"camera.cx", c->cx, -1e6, 1e6, ALL},         {"camera.cy", c->cy, -1e6, 1e6, ALL},
+                              {"camera.k1", c->lens.k1, -1e3, 1e3, BENT},   {"camera.k2", c->lens.k2, -1e3, 1e3, BENT},
+                              {"camera.k3", c->lens.k3, -1e3, 1e3, BENT},   {"camera.k4", c->lens.k4, -1e3, 1e3, EQUIDISTANT},
+                              {"camera.p1", c->lens.p1, -1e3, 1e3, RADTAN}, {"camera.p2", c->lens.p2, -1e3, 1e3, RADTAN}};
+    return check_numbers(numbers, sizeof numbers / sizeof *numbers, c->lens.model, error);
+}
+
+/* -- along a radius ------------------------------------------------------------------------------------------------ */
+
+/* G and its derivative by s. */
+static double along(const td_lens *lens, double s, double *slope) {
+    const td_of_w p = td_lens_polynomial(lens, s * s);
+    *slope = p.f + 2 * s * s * p.first;
+    return s * p.f;
+}
+
+/* The same with what goes on straight from s1. */
+static double along_straight(const td_lens *lens, double s1, double s, double *slope) {
+    if (s <= s1) return along(lens, s, slope);
+    *slope = lens->straight_slope;
+    return lens->straight_slope * s + lens->straight_offset;
+}
+
+/* |d| of the image's farthest corner. */
+static double corner_of(const td_image *image) {
+    double most = 0;
+    for (int k = 0; k < 4; k++)
+        most = fmax(most, hypot(((k & 1 ? image->width : 0) - image->cx) / image->fx,
+                                ((k & 2 ? image->height : 0) - image->cy) / image->fy));
+    return most;
+}
+
+/* What lies along a radius: s of the corner, and where polynomials end (0: nowhere). */
+typedef struct radius {
+    double corner, end;
+} radius;
+
+static tides_status find_radius(const td_image *image, radius *found, tides_error *error) {
+    const td_lens *lens = &image->lens;
+    const int angle = image->lens_model == TD_LENS_EQUIDISTANT;
+    const double step = (angle ? right_angle : lens->corner) / STEPS, most = angle ? right_angle : 1000 * lens->corner;
+    double s = 0, slope = 1, g = 0, px = sqrt(image->fx * image->fy);
+    for (int i = 1; g < lens->corner && s < most && slope > 0; i++) g = along(lens, s = fmin(i * step, most), &slope);
+    if (!(slope > 0) || (g < lens->corner && !angle))
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "camera.lens: %s folds over %.1f px from the principal point, within the image, whose farthest corner "
+                       "is "
+                       "at %.1f px: its coefficients don't hold out there; take a smaller image, or calibrate to its corners",
+                       lens_names[image->lens_model], g * px, lens->corner * px);
+    found->corner = s;
+    found->end = beyond_corner * s;
+    for (int i = 0; i <= STEPS && s < found->end; i++) {
+        s = found->corner + (found->end - found->corner) * i / STEPS;
+        along(lens, s, &slope);
+        if (!(slope > 0)) found->end = 0.5 * (found->corner + s);
+    }
+    if (angle && found->end > widest) found->end = 0;
+    return TIDES_OK;
+}
+
+/* -- bounds -------------------------------------------------------------------------------------------------------- */
+
+/* Of the slopes along and across a radius. */
+typedef struct bounds {
+    double most, least, outer; /* outer: the least along from the corner on */
+} bounds;
+
+static bounds bounds_of(const td_image *image, const radius *r) {
+    const int angle = image->lens_model == TD_LENS_EQUIDISTANT;
+    const double last = angle ? right_angle : r->end, end = r->end > 0 ? r->end : last;
+    bounds b = {1, 1, angle ? 0 : image->lens.straight_slope};
+    for (int i = 1; i <= STEPS; i++) {
+        double s = last * i / STEPS, slope, g = along_straight(&image->lens, end, s, &slope);
+        b.most = fmax(b.most, fmax(slope, angle ? g / sin(s) : g / s));
+        b.least = fmin(b.least, g / s);
+        if (s >= r->corner && !angle) b.outer = fmin(b.outer, slope);
+    }
+    return b;
+}
+
+static void set_bounds(td_image *image, const radius *r) {
+    td_lens *lens = &image->lens;
+    const double tangential = hypot(lens->p1, lens->p2);
+    const bounds b = bounds_of(image, r);
+    if (image->lens_model == TD_LENS_EQUIDISTANT) {
+        lens->stretch = lens->sideways = b.most;
+        return;
+    }
+    const double slack = tangential_slope * tangential * r->end;
+    const double least = fmax(fmin(b.least, lens->straight_slope) - slack, 0.1 * least_slope);
+    const double outer = fmax(b.outer - slack, 1e-9); /* so that nothing is ever outside */
+    double range[4], tilt = 0;
+    lens->stretch = fmax(b.most, lens->straight_slope) + slack;
+    lens->slope = 1 / least;
+    td_camera_range(image, range);
+    for (int k = 0; k < 2; k++) tilt += pow(1.3 * fmax(fabs(range[2 * k]), fabs(range[2 * k + 1])), 2);
+    lens->reach = 2 * lens->stretch * sqrt(1 + tilt) / outer; /* 2: whatever side of its clamps the Jacobian is on */
+    lens->tangential = tangential_size * tangential;
+}
+
+void td_camera_range(const td_image *image, double range[4]) {
+    range[0] = range[2] = INFINITY;
+    range[1] = range[3] = -INFINITY;
+    for (int i = 0; i <= GRID; i++)
+        for (int j = 0; j <= GRID; j++) {
+            double a, b;
+            td_ray_of(image, image->width * i / (double)GRID, image->height * j / (double)GRID, &a, &b);
+            range[0] = fmin(range[0], a), range[1] = fmax(range[1], a);
+            range[2] = fmin(range[2], b), range[3] = fmax(range[3], b);
+        }
+}
+
+/* Whether kernels find the ray of each pixel, and only one: on a grid. What an equidistant lens shows of what isn't in front of
+ * the camera is left out. */
+static tides_status check_undone(const td_image *image, tides_error *error) {
+    for (int i = 0; i <= GRID; i++)
+        for (int j = 0; j <= GRID; j++) {
+            const double u = image->width * i / (double)GRID, v = image->height * j / (double)GRID;
+            double a, b;
+            td_ray_of(image, u, v, &a, &b);
+            const td_bent bent = td_bend(image, td_still(a), td_still(b));
+            const double off = hypot(bent.x.v * image->fx + image->cx - u, bent.y.v * image->fy + image->cy - v);
+            const double det = bent.xx.v * bent.yy.v - bent.xy.v * bent.yx.v;
+            if (image->lens_model == TD_LENS_EQUIDISTANT && hypot(a, b) > tan(widest)) continue;
+            if (!(off < undone_px && det > 0))
+                return td_fail(error, TIDES_BAD_ARGUMENT,
+                               "camera.lens: %s can't be undone at (%.1f, %.1f) px: its coefficients fold the image over there",
+                               lens_names[image->lens_model], u, v);
+        }
+    return TIDES_OK;
+}
+
+tides_status td_camera_resolve(const tides_intrinsics *camera, td_image *image, tides_error *error) {
+    tides_status status = check_camera(camera, error);
+    if (status != TIDES_OK) return status;
+    image->fx = camera->fx, image->fy = camera->fy;
+    image->cx = camera->cx, image->cy = camera->cy;
+    image->width = camera->width, image->height = camera->height;
+    image->lens_model = camera->lens.model;
+    memset(&image->lens, 0, sizeof image->lens);
+    if (camera->lens.model == TIDES_LENS_NONE) return TIDES_OK;
+    td_lens *lens = &image->lens;
+    lens->k1 = camera->lens.k1, lens->k2 = camera->lens.k2, lens->k3 = camera->lens.k3, lens->k4 = camera->lens.k4;
+    lens->p1 = camera->lens.p1, lens->p2 = camera->lens.p2;
+    lens->corner = corner_of(image);
+    lens->straight_from = 1e30;
+    radius r = {0, 0};
+    status = find_radius(image, &r, error);
+    if (status != TIDES_OK) return status;
+    if (r.end > 0) {
+        double slope, g = along(lens, r.end, &slope), floor = least_slope;
+        lens->straight_radius = image->lens_model == TD_LENS_EQUIDISTANT ? tan(r.end) : r.end;
+        lens->straight_from = lens->straight_radius * lens->straight_radius;
+        if (image->lens_model == TD_LENS_RADTAN) floor += tangential_slope * hypot(lens->p1, lens->p2) * r.end;
+        lens->straight_slope = fmax(slope, floor);
+        lens->straight_offset = g - lens->straight_slope * r.end;
+    }
+    set_bounds(image, &r);
+    return check_undone(image, error);
+}
