@@ -121,6 +121,18 @@ done:
 
 /* -- paths ---------------------------------------------------------------------------------------------------------- */
 
+static void lens_facts(const tides_lens *lens, cJSON *facts) {
+    static const char *const models[] = {"none", "radtan", "equidistant"};
+    const struct {
+        const char *name;
+        double value;
+    } all[] = {{"k1", lens->k1}, {"k2", lens->k2}, {"k3", lens->k3}, {"k4", lens->k4}, {"p1", lens->p1}, {"p2", lens->p2}};
+    if (lens->model == TIDES_LENS_NONE) return;
+    cJSON_AddStringToObject(facts, "lens", models[lens->model]);
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
+        if (all[i].value > 0 || all[i].value < 0) cJSON_AddNumberToObject(facts, all[i].name, all[i].value);
+}
+
 static void intrinsics_facts(const tides_intrinsics *camera, cJSON *facts) {
     if (camera->width) cJSON_AddNumberToObject(facts, "width", camera->width);
     if (camera->height) cJSON_AddNumberToObject(facts, "height", camera->height);
@@ -130,6 +142,7 @@ static void intrinsics_facts(const tides_intrinsics *camera, cJSON *facts) {
     } rest[] = {{"fx", camera->fx}, {"fy", camera->fy}, {"cx", camera->cx}, {"cy", camera->cy}};
     for (size_t i = 0; i < sizeof rest / sizeof rest[0]; i++)
         if (rest[i].value > 0 || rest[i].value < 0) cJSON_AddNumberToObject(facts, rest[i].name, rest[i].value);
+    lens_facts(&camera->lens, facts);
 }
 
 /* Length of the path and the box around its samples. */
@@ -174,7 +187,7 @@ static tides_status path_facts(const char *file, cJSON *facts, tides_error *erro
         cJSON_AddNumberToObject(facts, "duration_s", stop - start);
     }
     intrinsics_facts(&path.intrinsics, facts);
-    if (path.distorted) cJSON_AddStringToObject(facts, "distortion", "ignored");
+    if (path.distorted) cJSON_AddStringToObject(facts, "lens", "unknown");
     status = extent_facts(path.trajectory, facts, error);
     tides_trajectory_destroy(path.trajectory);
     return status;

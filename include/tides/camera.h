@@ -53,8 +53,8 @@ typedef struct tides_path {
     tides_intrinsics intrinsics;  /* fields the file doesn't give, or gives differently from frame to frame, are 0 */
     double field_of_view_x;       /* [rad] where the file gives one (Blender and D-NeRF give no width with it), else 0 */
     char format[32];   /* "tides", "transforms", "cameras", "tum", "esim", "euroc", "kitti", "colmap", "llff", "nerfies" */
-    int32_t distorted; /* 1: the file gives lens distortion. It isn't simulated: what is, is the pinhole that agrees
-                                     with the lens at its axis, whose intrinsics these are */
+    int32_t distorted; /* 1: the file gives distortion that is no tides_lens, or differs from frame to frame: intrinsics are of
+                          the pinhole that agrees with the lens at its axis. Runs then want camera.lens */
     int32_t reserved;
 } tides_path;
 

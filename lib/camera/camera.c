@@ -52,19 +52,6 @@ void td_path_sort(td_path_reader *reader) {
     if (reader->count > 0) qsort(reader->samples, reader->count, sizeof *reader->samples, by_time);
 }
 
-void td_path_share_intrinsics(tides_intrinsics *common, const tides_intrinsics *other, int first) {
-    if (first) {
-        *common = *other;
-        return;
-    }
-    if (common->width != other->width) common->width = 0;
-    if (common->height != other->height) common->height = 0;
-    if (common->fx != other->fx) common->fx = 0.0;
-    if (common->fy != other->fy) common->fy = 0.0;
-    if (common->cx != other->cx) common->cx = 0.0;
-    if (common->cy != other->cy) common->cy = 0.0;
-}
-
 const char *td_path_quote(const char *word, size_t bytes, char out[TD_QUOTE]) {
     size_t length = bytes < TD_QUOTE ? bytes : TD_QUOTE - 1;
     for (size_t i = 0; i < length; i++) {

@@ -1,8 +1,9 @@
 /* COLMAP's cameras, as text: lines of `ID MODEL WIDTH HEIGHT PARAMETERS`, '#' starts a comment; or binary, little-endian:
  * uint64 count, then {uint32 id, int32 model, uint64 width, uint64 height, double parameters} each.
  *
- * A model's parameters begin with f, cx, cy or fx, fy, cx, cy; the rest bends lines. What is simulated is a pinhole: the one
- * that agrees with the lens at its axis, so that distortion is left out here, and reported once, by tides_path.distorted.
+ * A model's parameters begin with f, cx, cy or fx, fy, cx, cy; the rest bends lines: radtan's or equidistant's coefficients.
+ * What has more of them that aren't 0 (FULL_OPENCV, FOV, THIN_PRISM_FISHEYE) is reported by tides_path.distorted; intrinsics
+ * are then of the pinhole that agrees with the lens at its axis.
  * Pixel centres are at 0.5 in COLMAP as in TIDES. */
 #include "camera/td_colmap.h"
 
@@ -34,6 +35,27 @@ static const struct {
 /* A fisheye bends lines whatever its parameters are. */
 static int is_fisheye(int model) { return strstr(models[model].name, "FISHEYE") != NULL; }
 
+/* Where the lens' k1 k2 p1 p2 k3, or k1 to k4, are among the parameters behind the principal point; -1: there's none. */
+static const int places[MODELS][5] = {{-1, -1, -1, -1, -1}, {-1, -1, -1, -1, -1}, {0, -1, -1, -1, -1}, {0, 1, -1, -1, -1},
+                                      {0, 1, 2, 3, -1},     {0, 1, 2, 3, -1},     {0, 1, 2, 3, 4},     {-1, -1, -1, -1, -1},
+                                      {0, -1, -1, -1, -1},  {0, 1, -1, -1, -1},   {0, 1, 4, 5, -1}};
+
+/* The lens of a model; returns 0 where other parameters bend lines too. */
+static int lens_of(int model, const double *parameters, tides_lens *lens) {
+    const int first = 2 + models[model].focals, rest = models[model].parameters - first;
+    double k[5] = {0};
+    int used = 0, whole = 1;
+    for (int i = 0; i < 5; i++) {
+        if (places[model][i] < 0) continue;
+        k[i] = parameters[first + places[model][i]];
+        used |= 1 << places[model][i];
+    }
+    for (int i = 0; i < rest; i++) whole &= (used >> i & 1) || parameters[first + i] == 0.0;
+    *lens = (tides_lens){.model = TIDES_LENS_NONE};
+    if (whole) *lens = is_fisheye(model) ? td_equidistant(k) : td_radtan(k);
+    return whole;
+}
+
 int td_colmap_is_named(const char *file, const char *name) {
     const char *slash = strrchr(file, '/');
     return strcmp(slash ? slash + 1 : file, name) == 0;
@@ -48,8 +70,7 @@ typedef struct entry {
 
 static tides_status add_entry(const char *file, const entry *e, td_colmap_cameras *cameras, tides_error *error) {
     const double *p = e->parameters;
-    int two = models[e->model].focals == 2, distorted = is_fisheye(e->model);
-    for (int k = 2 + models[e->model].focals; k < models[e->model].parameters; k++) distorted |= p[k] != 0.0;
+    int two = models[e->model].focals == 2;
     if (!(e->width >= 1 && e->width <= INT32_MAX && e->height >= 1 && e->height <= INT32_MAX))
         return td_fail(error, TIDES_BAD_FILE, "%s: camera %lu: its size, %g x %g, must be whole numbers of pixels from 1 on",
                        file, (unsigned long)e->id, e->width, e->height);
@@ -63,7 +84,8 @@ static tides_status add_entry(const char *file, const entry *e, td_colmap_camera
     void *list = cameras->list;
     if (td_reserve(&list, &cameras->capacity, cameras->count + 1, sizeof *cameras->list, error)) return TIDES_NO_MEMORY;
     cameras->list = list;
-    const tides_intrinsics read = {(int32_t)e->width, (int32_t)e->height, p[0], p[two], p[1 + two], p[2 + two], {0}};
+    tides_intrinsics read = {(int32_t)e->width, (int32_t)e->height, p[0], p[two], p[1 + two], p[2 + two], {0}};
+    const int distorted = !lens_of(e->model, p, &read.lens);
     cameras->list[cameras->count++] = (td_colmap_camera){e->id, distorted, read};
     return TIDES_OK;
 }

@@ -41,7 +41,7 @@ tides_status td_path_read_cameras(td_path_reader *reader, const cJSON *root) {
         if (status == TIDES_OK) status = td_json_rotation(reader, where, "rotation", rotation, sample->pose.quaternion);
         if (status == TIDES_OK) status = read_intrinsics(reader, item, where, &intrinsics);
         if (status != TIDES_OK) return status;
-        td_path_share_intrinsics(&reader->path.intrinsics, &intrinsics, reader->count == 1);
+        td_path_share_intrinsics(&reader->path, &intrinsics, reader->count == 1);
     }
     td_path_spread(reader);
     return TIDES_OK;

@@ -62,7 +62,7 @@ static tides_status add(images *m, const char *where, size_t place, const double
     if (!camera)
         return td_fail(m->reader->error, TIDES_BAD_FILE, "%s: %s: camera %g isn't among the %zu of the cameras file",
                        m->reader->file, where, v[8], m->cameras->count);
-    td_path_share_intrinsics(&m->reader->path.intrinsics, &camera->intrinsics, m->count == 0);
+    td_path_share_intrinsics(&m->reader->path, &camera->intrinsics, m->count == 0);
     m->reader->path.distorted |= camera->distorted;
     m->count++;
     return TIDES_OK;

@@ -56,6 +56,16 @@ static int yaml_list(const char *text, const char *key, double *values, int coun
     return 1;
 }
 
+/* 1 where the word behind `key:` is `word`. */
+static int yaml_says(const char *text, const char *key, const char *word) {
+    size_t length = strlen(key);
+    while (text && (strncmp(text, key, length) != 0 || text[length] != ':'))
+        text = (text = strchr(text, '\n')) ? text + 1 : NULL;
+    if (!text) return 0;
+    text += length + 1 + strspn(text + length + 1, " \t\"'");
+    return strncmp(text, word, strlen(word)) == 0;
+}
+
 /* What the camera's file says; `found` is 1 where there is one. */
 typedef struct sensor {
     int found;
@@ -63,7 +73,7 @@ typedef struct sensor {
 } sensor;
 
 static tides_status parse_sensor(td_path_reader *reader, const char *file, const char *text, sensor *s) {
-    double m[16], pixels[2], f[4], bent[4], q[4];
+    double m[16], pixels[2], f[4], bent[5] = {0}, q[4];
     tides_intrinsics *out = &reader->path.intrinsics;
     if (!yaml_list(text, "T_BS", m, 16))
         return td_fail(reader->error, TIDES_BAD_FILE, "%s: needs T_BS with 16 finite numbers in [], by rows", file);
@@ -76,10 +86,19 @@ static tides_status parse_sensor(td_path_reader *reader, const char *file, const
         int good = f[0] > 0 && f[1] > 0;
         for (int k = 0; k < 2; k++) good &= pixels[k] >= 1 && pixels[k] <= INT32_MAX && pixels[k] == floor(pixels[k]);
         if (!good) return td_fail(reader->error, TIDES_BAD_FILE, "%s: resolution and intrinsics must be above 0", file);
-        *out = (tides_intrinsics){(int32_t)pixels[0], (int32_t)pixels[1], f[0], f[1], f[2], f[3], {0}};
+        /* Pixel centres are whole numbers there, as in OpenCV. */
+        *out = (tides_intrinsics){(int32_t)pixels[0], (int32_t)pixels[1], f[0], f[1], f[2] + 0.5, f[3] + 0.5, {0}};
     }
-    if (yaml_list(text, "distortion_coefficients", bent, 4))
-        for (int k = 0; k < 4; k++) reader->path.distorted |= bent[k] != 0;
+    if (yaml_list(text, "distortion_coefficients", bent, 4)) {
+        if (yaml_says(text, "distortion_model", "equidistant"))
+            out->lens = td_equidistant(bent);
+        else
+            out->lens = td_radtan(bent);
+        if (!yaml_says(text, "distortion_model", "equidistant") && !yaml_says(text, "distortion_model", "radial-tangential")) {
+            reader->path.distorted = out->lens.model != TIDES_LENS_NONE;
+            out->lens = (tides_lens){.model = TIDES_LENS_NONE};
+        }
+    }
     td_path_reader blamed = *reader;
     blamed.file = file;
     return td_json_rotation(&blamed, "T_BS", "rotation", s->rotation, q);

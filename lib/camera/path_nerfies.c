@@ -114,12 +114,21 @@ static tides_status read_intrinsics(td_path_reader *one, const cJSON *root, tide
     return TIDES_OK;
 }
 
-/* 1 where a number of the list, or the number itself, isn't 0. */
-static int bends(const cJSON *root, const char *key) {
-    const cJSON *list = cJSON_GetObjectItemCaseSensitive(root, key), *item;
-    int bent = cJSON_IsNumber(list) && list->valuedouble != 0;
-    cJSON_ArrayForEach(item, list) { bent |= cJSON_IsNumber(item) && item->valuedouble != 0; }
-    return bent;
+/* radial_distortion (k1 k2 k3) and tangential_distortion (p1 p2), each of which may be left out. */
+static tides_status read_lens(td_path_reader *one, const cJSON *root, tides_lens *lens) {
+    double radial[3] = {0}, tangential[2] = {0};
+    tides_status status = TIDES_OK;
+    if (td_json_has(root, "radial_distortion")) status = td_json_vector(one, root, "", "radial_distortion", radial, 3);
+    if (!status && td_json_has(root, "tangential_distortion"))
+        status = td_json_vector(one, root, "", "tangential_distortion", tangential, 2);
+    *lens = td_radtan((const double[5]){radial[0], radial[1], tangential[0], tangential[1], radial[2]});
+    return status;
+}
+
+/* No lens has axes that aren't at right angles. */
+static int is_skewed(const cJSON *root) {
+    const cJSON *skew = cJSON_GetObjectItemCaseSensitive(root, "skew");
+    return cJSON_IsNumber(skew) && skew->valuedouble != 0;
 }
 
 /* A camera of the path; `file` is where `root` is from. */
@@ -135,9 +144,10 @@ static tides_status add_camera(nerfies *n, const char *file, const cJSON *root) 
     if (!status) status = td_json_rotation(&one, "", "orientation", rotation, sample->pose.quaternion);
     if (!status) status = td_json_vector(&one, root, "", "position", sample->pose.position, 3);
     if (!status) status = read_intrinsics(&one, root, &camera);
+    if (!status) status = read_lens(&one, root, &camera.lens);
     for (int k = 0; k < 3; k++) sample->pose.position[k] = (sample->pose.position[k] - n->center[k]) * n->scale;
-    td_path_share_intrinsics(&reader->path.intrinsics, &camera, reader->count == 1);
-    reader->path.distorted |= bends(root, "skew") || bends(root, "radial_distortion") || bends(root, "tangential_distortion");
+    td_path_share_intrinsics(&reader->path, &camera, reader->count == 1);
+    reader->path.distorted |= is_skewed(root);
     return status;
 }
 

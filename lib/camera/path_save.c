@@ -16,14 +16,23 @@ static void write_vector(FILE *out, const char *key, const double *values, int c
     fputc(']', out);
 }
 
+static void write_camera(FILE *out, const tides_intrinsics *camera) {
+    static const char *const models[] = {"none", "radtan", "equidistant"};
+    const tides_lens *lens = &camera->lens;
+    fprintf(out, "  \"intrinsics\": {\"width\": %d, \"height\": %d, \"fx\": %.17g, \"fy\": %.17g, \"cx\": %.17g, \"cy\": %.17g",
+            (int)camera->width, (int)camera->height, camera->fx, camera->fy, camera->cx, camera->cy);
+    if (lens->model != TIDES_LENS_NONE)
+        fprintf(out,
+                ",\n    \"lens\": {\"model\": \"%s\", \"k1\": %.17g, \"k2\": %.17g, \"k3\": %.17g, \"k4\": %.17g, \"p1\": "
+                "%.17g, \"p2\": %.17g}",
+                models[lens->model], lens->k1, lens->k2, lens->k3, lens->k4, lens->p1, lens->p2);
+    fputs("},\n", out);
+}
+
 static void write_path(FILE *out, const tides_trajectory *trajectory, const tides_intrinsics *camera) {
     size_t count = tides_trajectory_count(trajectory);
     fputs("{\n  \"format\": \"tides-path\", \"version\": 1,\n", out);
-    if (camera)
-        fprintf(out,
-                "  \"intrinsics\": {\"width\": %d, \"height\": %d, \"fx\": %.17g, \"fy\": %.17g, \"cx\": %.17g, \"cy\": "
-                "%.17g},\n",
-                (int)camera->width, (int)camera->height, camera->fx, camera->fy, camera->cx, camera->cy);
+    if (camera) write_camera(out, camera);
     fputs("  \"samples\": [\n", out);
     for (size_t i = 0; i < count; i++) {
         tides_pose_sample sample;
@@ -42,9 +51,12 @@ static void write_path(FILE *out, const tides_trajectory *trajectory, const tide
 
 /* What tides_path_load would refuse isn't written. */
 static tides_status check_intrinsics(const tides_intrinsics *camera, tides_error *error) {
-    const double numbers[] = {camera->fx, camera->fy, camera->cx, camera->cy};
+    const tides_lens *lens = &camera->lens;
+    const double numbers[] = {camera->fx, camera->fy, camera->cx, camera->cy, lens->k1,
+                              lens->k2,   lens->k3,   lens->k4,   lens->p1,   lens->p2};
+    int known = lens->model >= TIDES_LENS_NONE && lens->model <= TIDES_LENS_EQUIDISTANT;
     int positive = camera->width >= 1 && camera->height >= 1 && camera->fx > 0.0 && camera->fy > 0.0;
-    if (positive && td_all_finite(numbers, 4)) return TIDES_OK;
+    if (positive && known && td_all_finite(numbers, 10)) return TIDES_OK;
     return td_fail(error, TIDES_BAD_ARGUMENT,
                    "intrinsics %dx%d, fx %g, fy %g, cx %g, cy %g: sizes and focal lengths must be above 0, all values finite; "
                    "pass "

@@ -2,7 +2,8 @@
  *
  *   {
  *     "format": "tides-path", "version": 1,
- *     "intrinsics": {"width": 346, "height": 260, "fx": 250, "fy": 250, "cx": 173, "cy": 130},      (may be left out)
+ *     "intrinsics": {"width": 346, "height": 260, "fx": 250, "fy": 250, "cx": 173, "cy": 130,
+ *                    "lens": {"model": "radtan", "k1": -0.3, "k2": 0.1, "p1": 0, "p2": 0, "k3": 0}},     (may be left out)
  *     "samples": [
  *       {"t": 0.0, "position": [x, y, z], "quaternion": [w, x, y, z],                             body to world
  *        "velocity": [x, y, z], "angular_velocity": [x, y, z]},                                   both or neither; world axes
@@ -152,14 +153,32 @@ static tides_status read_samples(td_path_reader *reader, const cJSON *list) {
     return TIDES_OK;
 }
 
+/* {"model": "radtan"} or "equidistant", and its coefficients; 0 where left out. */
+static tides_status read_lens(td_path_reader *reader, const cJSON *object, tides_lens *lens) {
+    static const char *const keys[] = {"k1", "k2", "k3", "k4", "p1", "p2", "model", NULL}, *where = "intrinsics.lens";
+    double *values[] = {&lens->k1, &lens->k2, &lens->k3, &lens->k4, &lens->p1, &lens->p2};
+    const cJSON *model = cJSON_GetObjectItemCaseSensitive(object, "model");
+    tides_status status = td_json_check_keys(reader, object, where, keys);
+    if (status != TIDES_OK) return status;
+    const char *name = cJSON_IsString(model) ? model->valuestring : "";
+    lens->model = strcmp(name, "radtan") == 0 ? TIDES_LENS_RADTAN : TIDES_LENS_EQUIDISTANT;
+    if (lens->model == TIDES_LENS_EQUIDISTANT && strcmp(name, "equidistant") != 0)
+        return td_json_fail(reader, where, "model", "must be \"radtan\" or \"equidistant\"");
+    for (int k = 0; k < 6 && status == TIDES_OK; k++)
+        if (td_json_has(object, keys[k])) status = td_json_number(reader, object, where, keys[k], values[k]);
+    return status;
+}
+
 static tides_status read_intrinsics(td_path_reader *reader, const cJSON *object, tides_intrinsics *out) {
-    static const char *const keys[] = {"width", "height", "fx", "fy", "cx", "cy", NULL};
+    static const char *const keys[] = {"width", "height", "fx", "fy", "cx", "cy", "lens", NULL};
     const char *where = "intrinsics";
     double *values[] = {&out->fx, &out->fy, &out->cx, &out->cy};
     tides_status status = td_json_check_keys(reader, object, where, keys);
     if (status == TIDES_OK) status = td_json_pixels(reader, object, where, "width", &out->width);
     if (status == TIDES_OK) status = td_json_pixels(reader, object, where, "height", &out->height);
     for (int k = 0; k < 4 && status == TIDES_OK; k++) status = td_json_number(reader, object, where, keys[2 + k], values[k]);
+    if (status == TIDES_OK && td_json_has(object, "lens"))
+        status = read_lens(reader, cJSON_GetObjectItemCaseSensitive(object, "lens"), &out->lens);
     if (status == TIDES_OK && !(out->fx > 0.0 && out->fy > 0.0))
         return td_json_fail(reader, where, "fx, fy", "must be above 0");
     return status;

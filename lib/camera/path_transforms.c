@@ -3,7 +3,8 @@
  * `transform_matrix` is camera-to-world in OpenGL axes (x right, y up, z back), so its y and z columns change sign here.
  * Intrinsics are fl_x fl_y cx cy w h, for all frames or per frame; fl_x and fl_y may be given as camera_angle_x and
  * camera_angle_y instead, a missing fl_y is fl_x, a missing principal point the image's middle. A Blender file without a
- * size gives path.field_of_view_x alone. Distortion is only reported, by path.distorted: what is simulated is a pinhole.
+ * size gives path.field_of_view_x alone. A lens is k1 k2 p1 p2 k3 (OPENCV, or no camera_model), k1 to k4 (OPENCV_FISHEYE,
+ * and instant-ngp's is_fisheye), or nerfstudio's distortion_params, k1 k2 k3 k4 p1 p2; path.distorted tells where it's none.
  *
  * Frames with `time` are sorted by it. Trainers scale time to [0, 1]: such times are multiplied by the option `duration`;
  * times beyond 1 are seconds already. Frames without times are spread over `duration` in the order of the list. Keys we
@@ -57,17 +58,40 @@ static tides_status read_intrinsics(td_path_reader *reader, const cJSON *frame, 
     return TIDES_OK;
 }
 
-/* 1 where the camera bends lines: a coefficient that isn't 0, or a fisheye's model. */
-static int is_distorted(const cJSON *camera) {
-    static const char *const keys[] = {"k1", "k2", "k3", "k4", "p1", "p2", "distortion_params"};
-    const cJSON *model = cJSON_GetObjectItemCaseSensitive(camera, "camera_model"), *item;
-    int bent = cJSON_IsString(model) && strstr(model->valuestring, "FISHEYE") != NULL;
-    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
-        const cJSON *value = cJSON_GetObjectItemCaseSensitive(camera, keys[k]);
-        bent |= cJSON_IsNumber(value) && value->valuedouble != 0.0;
-        cJSON_ArrayForEach(item, value) { bent |= cJSON_IsNumber(item) && item->valuedouble != 0.0; }
+/* What the frame has of a key, or else the root. */
+static const cJSON *inherited_item(const cJSON *frame, const cJSON *root, const char *key) {
+    const cJSON *own = cJSON_GetObjectItemCaseSensitive(frame, key);
+    return own ? own : cJSON_GetObjectItemCaseSensitive(root, key);
+}
+
+/* A number, 0 where neither has it. */
+static double coefficient(const cJSON *frame, const cJSON *root, const char *key) {
+    const cJSON *item = inherited_item(frame, root, key);
+    return cJSON_IsNumber(item) ? item->valuedouble : 0;
+}
+
+/* The lens; returns 0 where there's one that can't be had. */
+static int read_lens(const cJSON *frame, const cJSON *root, tides_lens *lens) {
+    static const char *const keys[] = {"k1", "k2", "k3", "k4", "p1", "p2"};
+    static const char *const models[] = {"OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "PERSPECTIVE"};
+    const cJSON *model = inherited_item(frame, root, "camera_model"), *list = inherited_item(frame, root, "distortion_params");
+    const char *name = cJSON_IsString(model) ? model->valuestring : "OPENCV";
+    int fisheye = strcmp(name, "OPENCV_FISHEYE") == 0 || cJSON_IsTrue(inherited_item(frame, root, "is_fisheye"));
+    int known = fisheye || !cJSON_IsString(model);
+    double c[6] = {0};
+    for (int k = 0; k < 6; k++) {
+        const cJSON *item = cJSON_GetArrayItem(list, k);
+        c[k] = cJSON_IsNumber(item) ? item->valuedouble : coefficient(frame, root, keys[k]);
     }
-    return bent;
+    for (size_t k = 0; k < sizeof models / sizeof *models; k++) known |= strcmp(name, models[k]) == 0;
+    if (fisheye)
+        *lens = td_equidistant(c);
+    else
+        *lens = td_radtan((const double[5]){c[0], c[1], c[4], c[5], c[2]});
+    const double rest = fisheye ? fabs(c[4]) + fabs(c[5]) : fabs(c[3]);
+    if (known && !(rest > 0)) return 1;
+    *lens = (tides_lens){.model = TIDES_LENS_NONE};
+    return 0;
 }
 
 static tides_status read_pose(td_path_reader *reader, const cJSON *frame, const char *where, tides_pose_sample *pose) {
@@ -119,9 +143,9 @@ tides_status td_path_read_transforms(td_path_reader *reader, const cJSON *root) 
             timed++;
         }
         if (status != TIDES_OK) return status;
+        if (!read_lens(frame, root, &intrinsics.lens)) reader->path.distorted = 1;
         sample->time = time;
-        td_path_share_intrinsics(&reader->path.intrinsics, &intrinsics, index == 1);
-        reader->path.distorted |= is_distorted(root) || is_distorted(frame);
+        td_path_share_intrinsics(&reader->path, &intrinsics, index == 1);
         if (index == 1) reader->path.field_of_view_x = angle_x;
         if (reader->path.field_of_view_x != angle_x) reader->path.field_of_view_x = 0.0;
     }

@@ -6,7 +6,7 @@
 
 typedef struct td_colmap_camera {
     uint32_t id;
-    int32_t distorted; /* 1: the model bends lines, and its parameters aren't all 0 */
+    int32_t distorted; /* 1: the model bends lines as no lens here does */
     tides_intrinsics intrinsics;
 } td_colmap_camera;
 

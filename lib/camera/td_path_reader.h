@@ -125,7 +125,12 @@ const char *td_path_quote(const char *word, size_t bytes, char out[TD_QUOTE]);
 tides_status td_json_rotation(td_path_reader *reader, const char *where, const char *key, const double rotation[9],
                               double q[4]);
 
-/* Keeps in `common` what all samples share: a field that differs from the first sample's becomes 0. */
-void td_path_share_intrinsics(tides_intrinsics *common, const tides_intrinsics *other, int first);
+/* Lenses by coefficients in OpenCV's order: k1 k2 p1 p2 k3 (a pinhole where all are 0), and k1 k2 k3 k4. */
+tides_lens td_radtan(const double k[5]);
+tides_lens td_equidistant(const double k[4]);
+
+/* Keeps what all samples share: a field that differs from the first sample's becomes 0. Of lenses that differ none can be kept:
+ * path->distorted says so. */
+void td_path_share_intrinsics(tides_path *path, const tides_intrinsics *other, int first);
 
 #endif

@@ -99,8 +99,14 @@ static tides_status open_scene(const tides_run *run, tides_scene **scene, tides_
 static double given_or(double value, double otherwise) { return value > 0 || value < 0 ? value : otherwise; }
 
 /* The run's lens where it names one, else the path file's: coefficients belong to their lens. */
-static tides_status merge_lens(const tides_run *run, const tides_lens *theirs, tides_lens *merged, tides_error *error) {
+static tides_status merge_lens(const tides_run *run, const tides_path *file, tides_lens *merged, tides_error *error) {
     if (strcmp(td_run_value(run, "camera.lens")->valuestring, "file") != 0) return TIDES_OK;
+    if (file->distorted)
+        return td_fail(error, TIDES_BAD_CONFIG,
+                       "%s: the camera of %s bends lines as no lens here does, or differently from frame to frame; set "
+                       "camera.lens: "
+                       "none for the pinhole that agrees with it at its axis, or radtan or equidistant with coefficients",
+                       run->origin, td_run_file(run, "camera.file"));
     const double given[] = {merged->k1, merged->k2, merged->k3, merged->k4, merged->p1, merged->p2};
     static const char *const names[] = {"k1", "k2", "k3", "k4", "p1", "p2"};
     for (int i = 0; i < 6; i++)
@@ -108,7 +114,7 @@ static tides_status merge_lens(const tides_run *run, const tides_lens *theirs, t
             return td_fail(error, TIDES_BAD_CONFIG,
                            "%s: camera.%s is given without camera.lens; set that to radtan or equidistant", run->origin,
                            names[i]);
-    *merged = *theirs;
+    *merged = file->intrinsics.lens;
     return TIDES_OK;
 }
 
@@ -140,7 +146,7 @@ static tides_status merge_intrinsics(const tides_run *run, const tides_path *fil
     if (!cJSON_IsNumber(td_run_value(run, "camera.cx"))) own.cx = given_or(theirs.cx, 0.5 * own.width);
     if (!cJSON_IsNumber(td_run_value(run, "camera.cy"))) own.cy = given_or(theirs.cy, 0.5 * own.height);
     *merged = own;
-    return merge_lens(run, &path->lens, &merged->lens, error);
+    return merge_lens(run, file, &merged->lens, error);
 }
 
 tides_status td_run_open_camera(const tides_run *run, tides_trajectory **camera, tides_intrinsics *intrinsics,

@@ -256,6 +256,12 @@ static void save_and_load(void **state) {
     again = load(file, NULL);
     assert_intrinsics(&again, 0, 0, 0, 0, 0, 0);
     tides_trajectory_destroy(again.trajectory);
+    tides_intrinsics bent = path.intrinsics;
+    bent.lens = (tides_lens){TIDES_LENS_EQUIDISTANT, 0, 0.1, -0.2, 1.0 / 3, 1e-30, 0, 0};
+    assert_int_equal(tides_path_save(file, path.trajectory, &bent, NULL), TIDES_OK);
+    again = load(file, NULL);
+    assert_memory_equal(&again.intrinsics, &bent, sizeof bent);
+    tides_trajectory_destroy(again.trajectory);
     char part[700];
     snprintf(part, sizeof part, "%s.part", file);
     assert_int_not_equal(access(part, F_OK), 0);
@@ -264,6 +270,8 @@ static void save_and_load(void **state) {
     tides_intrinsics flat = path.intrinsics;
     flat.fx = 0.0;
     assert_int_equal(tides_path_save(file, path.trajectory, &flat, &error), TIDES_BAD_ARGUMENT);
+    bent.lens.model = 3;
+    assert_int_equal(tides_path_save(file, path.trajectory, &bent, &error), TIDES_BAD_ARGUMENT);
     snprintf(part, sizeof part, "%s/nowhere/path", folder);
     assert_int_equal(tides_path_save(part, path.trajectory, NULL, &error), TIDES_WRITE_FAILED);
     assert_non_null(strstr(error.text, "nowhere/path"));

@@ -86,6 +86,14 @@ static void intrinsics_are(void *folder, const char *const *sets, tides_intrinsi
     close_run(&o);
 }
 
+/* A path of two poses whose camera is of a model, with k1. */
+static void write_bent(void *folder, const char *model) {
+    char text[600];
+    int bytes = snprintf(text, sizeof text, "{\"camera_model\": \"%s\", \"k1\": 0.25, \"w\": 80, \"h\": 60, \"fl_x\": 50, %s",
+                         model, angle_path + strlen("{\"camera_angle_x\": 1.5707963267948966, "));
+    scene_file_write(scene_in_folder(folder, "bent.json"), text, (size_t)bytes);
+}
+
 static void a_lens_is_the_runs(void **state) {
     tides_error error = {0, ""};
     opened o;
@@ -96,6 +104,18 @@ static void a_lens_is_the_runs(void **state) {
     assert_true(lens->k1 == -0.1 && lens->k2 == 0 && lens->p2 == 0.002);
     close_run(&o);
     fails(*state, SETS("camera.k2=0.1"), TIDES_BAD_CONFIG, "camera.k2|without camera.lens");
+    write_bent(*state, "OPENCV_FISHEYE");
+    scene_expect_ok(open_run(*state, SETS("camera.file=bent.json"), &o, &error), &error);
+    assert_int_equal(o.intrinsics.lens.model, TIDES_LENS_EQUIDISTANT);
+    assert_true(o.intrinsics.lens.k1 == 0.25);
+    close_run(&o);
+    scene_expect_ok(open_run(*state, SETS("camera.file=bent.json", "camera.lens=none"), &o, &error), &error);
+    assert_int_equal(o.intrinsics.lens.model, TIDES_LENS_NONE);
+    close_run(&o);
+    write_bent(*state, "FISHEYE624");
+    fails(*state, SETS("camera.file=bent.json"), TIDES_BAD_CONFIG, "bent.json|camera.lens|none|radtan");
+    scene_expect_ok(open_run(*state, SETS("camera.file=bent.json", "camera.lens=none"), &o, &error), &error);
+    close_run(&o);
 }
 
 static void the_path_gives_what_the_run_does_not(void **state) {
