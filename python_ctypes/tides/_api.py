@@ -40,6 +40,9 @@ TIDES_READOUT_ROWS = 1
 TIDES_READOUT_BOTTLENECK = 2
 TIDES_JITTER_GAUSSIAN = 0
 TIDES_JITTER_DELAY = 1
+TIDES_LENS_NONE = 0
+TIDES_LENS_RADTAN = 1
+TIDES_LENS_EQUIDISTANT = 2
 TIDES_DEVICE_CPU = 1
 TIDES_DEVICE_GPU = 2
 TIDES_DEVICE_OTHER = 3
@@ -718,9 +721,37 @@ class tides_handheld(Structure):
     ]
 
 
+class tides_lens(Structure):
+    """int32_t model; /* TIDES_LENS_* */
+    int32_t reserved;
+    double k1, k2, k3, k4, p1, p2;
+    """
+
+    model: int
+    reserved: int
+    k1: float
+    k2: float
+    k3: float
+    k4: float
+    p1: float
+    p2: float
+
+    _fields_ = [
+        ("model", c_int32),
+        ("reserved", c_int32),
+        ("k1", c_double),
+        ("k2", c_double),
+        ("k3", c_double),
+        ("k4", c_double),
+        ("p1", c_double),
+        ("p2", c_double),
+    ]
+
+
 class tides_intrinsics(Structure):
     """int32_t width, height; /* [px] */
     double fx, fy, cx, cy; /* [px] */
+    tides_lens lens;
     """
 
     width: int
@@ -729,6 +760,7 @@ class tides_intrinsics(Structure):
     fy: float
     cx: float
     cy: float
+    lens: tides_lens
 
     _fields_ = [
         ("width", c_int32),
@@ -737,6 +769,7 @@ class tides_intrinsics(Structure):
         ("fy", c_double),
         ("cx", c_double),
         ("cy", c_double),
+        ("lens", tides_lens),
     ]
 
 
@@ -774,8 +807,8 @@ class tides_path(Structure):
     tides_intrinsics intrinsics; /* fields the file doesn't give, or gives differently from frame to frame, are 0 */
     double field_of_view_x; /* [rad] where the file gives one (Blender and D-NeRF give no width with it), else 0 */
     char format[32]; /* "tides", "transforms", "cameras", "tum", "esim", "euroc", "kitti", "colmap", "llff", "nerfies" */
-    int32_t distorted; /* 1: the file gives lens distortion. It isn't simulated: what is, is the pinhole that agrees
-    with the lens at its axis, whose intrinsics these are */
+    int32_t distorted; /* 1: the file gives distortion that is no tides_lens, or differs from frame to frame: intrinsics are of
+    the pinhole that agrees with the lens at its axis. Runs then want camera.lens */
     int32_t reserved;
     """
 
@@ -3266,14 +3299,14 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
 STRUCTS = (
     tides_error, tides_frames_options, tides_event, tides_event_file, tides_event_format, tides_event_facts,
     tides_event_summary, tides_event_conversion, tides_event_conversion_report, tides_readout, tides_readout_stats,
-    tides_pose_sample, tides_pose, tides_orbit, tides_dolly, tides_handheld, tides_intrinsics, tides_path_options,
-    tides_path, tides_device_info, tides_polynomial_motion, tides_rotor_motion, tides_keyframes_motion, tides_theta,
-    tides_callback_motion, tides_gaussians, tides_object, tides_circuit, tides_sensor, tides_smoothing,
-    tides_image_params, tides_frame, tides_render_stats, tides_risk, tides_stepping, tides_stats, tides_stat,
-    tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params, tides_baseline_params, tides_frame_supply,
-    tides_param, tides_run_values, tides_rig_camera, tides_session_facts, tides_recording, tides_recorded,
-    tides_dataset_layout, tides_dataset_report, tides_generator, tides_generate_options, tides_world, tides_truth,
-    tides_material_point, tides_track, tides_event_truth, tides_channel, tides_match, tides_metrics_options,
-    tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_run_input,
-    tides_fingerprint, tides_exact_options, tides_exact,
+    tides_pose_sample, tides_pose, tides_orbit, tides_dolly, tides_handheld, tides_lens, tides_intrinsics,
+    tides_path_options, tides_path, tides_device_info, tides_polynomial_motion, tides_rotor_motion,
+    tides_keyframes_motion, tides_theta, tides_callback_motion, tides_gaussians, tides_object, tides_circuit,
+    tides_sensor, tides_smoothing, tides_image_params, tides_frame, tides_render_stats, tides_risk, tides_stepping,
+    tides_stats, tides_stat, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params,
+    tides_baseline_params, tides_frame_supply, tides_param, tides_run_values, tides_rig_camera, tides_session_facts,
+    tides_recording, tides_recorded, tides_dataset_layout, tides_dataset_report, tides_generator,
+    tides_generate_options, tides_world, tides_truth, tides_material_point, tides_track, tides_event_truth,
+    tides_channel, tides_match, tides_metrics_options, tides_interval_fit, tides_stream_metrics, tides_metrics,
+    tides_voxel_options, tides_array_shape, tides_run_input, tides_fingerprint, tides_exact_options, tides_exact,
 )
