@@ -17,6 +17,13 @@
 #define TD_WIDE
 #endif
 
+/* Asks for memory that is read soon. */
+#if defined(__GNUC__)
+#define TD_SOON(place) __builtin_prefetch(place)
+#else
+#define TD_SOON(place) ((void)(place))
+#endif
+
 /* The first k' >= k with mark[k'] != 0, or count. Marks are 0.0 or 1.0, and few are 1: eight are passed over at a time. */
 static inline size_t td_next_mark(const double *mark, size_t k, size_t count) {
     enum { EACH = 8 };

@@ -340,31 +340,41 @@ tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_til
 
 /* -- one pixel ------------------------------------------------------------------------------------------------------------- */
 
-static tides_status step_single(tile_job *job) {
-    if (!job->pixel.sensor->on) {
-        const td_model model = fit(TIDES_MODEL_HERMITE, job->signals, job->pixel.step->length_s, 0);
-        return td_ideal_advance(&job->pixel, job->first, column(job, 0), row(job, 0), &model, job->pieces, job->signals->S1[0]);
-    }
-    take_levels(job, 0, 1);
-    return step_pixel(job, 0);
-}
-
-tides_status td_sensor_advance(td_sensor *sensor, const td_sensor_single *single, td_event_buffer *buffer, tides_error *error) {
+/* With blocks. */
+static tides_status advance_pixel(const td_pixel_job *pixel, const td_sensor_single *single, td_sensor_counts *counts) {
     const td_ends *ends = single->ends;
     const td_tile tile = {single->x, single->y, 1, 1};
     const td_signals signals = {&ends->S0, &ends->S0_dot, &ends->S1, &ends->S1_dot};
-    tile_job job = {.pixel = {.sensor = sensor, .step = single->step, .buffer = buffer, .error = error},
+    tile_job job = {.pixel = *pixel,
                     .tile = &tile,
                     .first = single->pixel,
                     .signals = &signals,
                     .coverage = &single->coverage,
                     .pieces = single->pieces};
-    job.pixel.start = td_sensor_time(sensor, single->step->start_ns, single->step->start_fraction);
-    job.pixel.changes = single->changes;
-    job.stop = (double)(single->step->stop_ns - sensor->start_ns) + 2; /* as in td_sensor_step */
+    job.stop = (double)(single->step->stop_ns - pixel->sensor->start_ns) + 2; /* as in td_sensor_step */
+    take_levels(&job, 0, 1);
+    tides_status status = step_pixel(&job, 0);
+    *counts = job.pixel.counts;
+    return status;
+}
+
+static tides_status advance_ideal(td_pixel_job *pixel, const td_sensor_single *single, td_sensor_counts *counts) {
+    const td_ends *ends = single->ends;
+    const td_model model =
+        td_model_fit(TIDES_MODEL_HERMITE, single->step->length_s, ends->S0, ends->S0_dot, ends->S1, ends->S1_dot);
+    tides_status status =
+        td_ideal_advance(pixel, single->pixel, (uint16_t)single->x, (uint16_t)single->y, &model, single->pieces, ends->S1);
+    *counts = pixel->counts;
+    counts->cause[TIDES_CAUSE_SIGNAL] = counts->events_on + counts->events_off;
+    return status;
+}
+
+tides_status td_sensor_advance(td_sensor *sensor, const td_sensor_single *single, td_event_buffer *buffer, tides_error *error) {
+    td_sensor_counts counts;
+    td_pixel_job job = {.sensor = sensor, .step = single->step, .buffer = buffer, .changes = single->changes, .error = error};
+    job.start = td_sensor_time(sensor, single->step->start_ns, single->step->start_fraction);
     single->changes->count = single->changes->lost = 0;
-    tides_status status = step_single(&job);
-    if (!sensor->on) job.pixel.counts.cause[TIDES_CAUSE_SIGNAL] = job.pixel.counts.events_on + job.pixel.counts.events_off;
-    add_counts(&sensor->counts, &job.pixel.counts);
+    tides_status status = sensor->on ? advance_pixel(&job, single, &counts) : advance_ideal(&job, single, &counts);
+    add_counts(&sensor->counts, &counts);
     return status;
 }

@@ -57,8 +57,8 @@ void td_crossing_begin(td_crossing_walk *walk, const td_model *model, const td_s
     int count = td_model_extrema(model, extrema);
     walk->model = *model;
     walk->step = step;
-    walk->is_near = 0;
-    walk->s = 0.0;
+    walk->near = 0;
+    walk->s = walk->low = 0.0;
     walk->next = 0;
     walk->knots = 0;
     walk->knot[walk->knots] = 0.0;
@@ -71,38 +71,62 @@ void td_crossing_begin(td_crossing_walk *walk, const td_model *model, const td_s
     walk->value[walk->knots++] = b[3];
 }
 
+/* Where Newton begins: where the chord reaches the level, or an end that is much nearer to it, as the end of a piece is that
+ * was looked up at the crossing itself. */
+static double near_guess(const td_level *at, double low, double high, double value_high) {
+    const double value_low = td_model_value(at->model, low), span = high - low, rise = value_high - value_low;
+    const double after_low = at->reference - value_low + at->rise, before_high = at->reference - value_high + at->rise;
+    const double much = 0x1p-6; /* then Newton's first step squares what is left; else a third one is needed */
+    if (fabs(before_high) < much * fabs(rise) && fabs(before_high) < much * span * fabs(td_level_slope(at, high))) return high;
+    if (fabs(after_low) < much * fabs(rise) && fabs(after_low) < much * span * fabs(td_level_slope(at, low))) return low;
+    return low + span * (after_low / rise);
+}
+
 /* Finds a place that has the time which td_level_solve would give: 1 where it did. Two thirds of what that does is to tell
  * apart neighbouring numbers, in the rounding of the excess. Here Newton goes on until its next step is short; then two places
  * beside it of one nanosecond, on both sides of the level by more than rounding, have all places between them where it could
- * end, for the piece is monotone. */
-static int solve_near(const td_level *at, const td_step *step, double low, double high, double value_high, double *s) {
+ * end, for the piece is monotone. An end of the piece is such a place as it stands: td_level_solve ends between both. What was
+ * crossed before, and is near only, is none. */
+static int solve_near(const td_level *at, const td_crossing_walk *walk, double high, double value_high, double *s) {
     enum { TRIES = 6 };
-    const double side = TD_NEAR_ENOUGH_NS / step->length_ns, sign = at->rise > 0.0 ? 1.0 : -1.0;
-    double place = td_level_chord(at, low, high, value_high), move = 1;
+    const td_step *step = walk->step;
+    const double side = TD_NEAR_ENOUGH_NS / step->length_ns, sign = at->rise > 0.0 ? 1.0 : -1.0, low = walk->s;
+    if (!(4 * side < high - low)) return 0;
+    double place = near_guess(at, low, high, value_high), move = 1;
     for (int i = 0; i < TRIES && !(move * move < side); i++) {
-        if (!(place > low && place < high)) return 0;
+        if (!(place >= low && place <= high)) return 0;
         move = td_level_excess(at, place) / td_level_slope(at, place);
         place -= move;
     }
+    if (!(place > (walk->near ? low + 2 * side : low - side) && place < high + side)) return 0;
     const double before = place - side, after = place + side, least = td_level_rounding(at);
-    if (!(before - side > low && after + side < high)) return 0;
-    *s = place;
-    return td_step_time(step, before - side) == td_step_time(step, after + side) &&
-           sign * td_level_excess(at, before) < -least && sign * td_level_excess(at, after) > least;
+    const int inner_before = before > low, inner_after = after < high;
+    *s = place > low ? (place < high ? place : high) : after;
+    return td_step_time(step, inner_before ? before : low) == td_step_time(step, inner_after ? after : high) &&
+           (!inner_before || sign * td_level_excess(at, before) < -least) &&
+           (!inner_after || sign * td_level_excess(at, after) > least);
 }
 
-/* On to the crossing that lies before `knot`. From a place that is only near, it first goes on to where that is. */
-static void go(td_crossing_walk *walk, double reference, double rise, double knot, double value) {
-    if (walk->is_near) {
-        const td_level last = {&walk->model, walk->reference, walk->rise};
-        walk->s = td_level_solve(&last, walk->low, knot, value);
+/* From a place that is only near to where that is: crossing after crossing since the last that is known. */
+static void settle(td_crossing_walk *walk, double knot, double value) {
+    for (int i = 0; i < walk->near; i++) {
+        const td_level at = {&walk->model, walk->crossed[i].reference, walk->crossed[i].rise};
+        walk->low = td_level_solve(&at, walk->low, knot, value);
     }
+    walk->s = walk->low;
+    walk->near = 0;
+}
+
+/* On to the crossing that lies before `knot`: near where that will do. */
+static void go(td_crossing_walk *walk, double reference, double rise, double knot, double value) {
     const td_level at = {&walk->model, reference, rise};
-    walk->low = walk->s;
-    walk->reference = reference;
-    walk->rise = rise;
-    walk->is_near = walk->step && solve_near(&at, walk->step, walk->low, knot, value, &walk->s);
-    if (!walk->is_near) walk->s = td_level_solve(&at, walk->low, knot, value);
+    if (walk->near == TD_CROSSED_MAX) settle(walk, knot, value);
+    if (walk->step && solve_near(&at, walk, knot, value, &walk->s)) {
+        walk->crossed[walk->near++] = (td_crossed){reference, rise};
+        return;
+    }
+    settle(walk, knot, value);
+    walk->s = walk->low = td_level_solve(&at, walk->low, knot, value);
 }
 
 int td_crossing_next(td_crossing_walk *walk, double reference, double threshold_on, double threshold_off) {
@@ -114,8 +138,8 @@ int td_crossing_next(td_crossing_walk *walk, double reference, double threshold_
             go(walk, reference, polarity > 0 ? threshold_on : -threshold_off, knot, value);
             return polarity;
         }
-        walk->s = knot;
-        walk->is_near = 0;
+        walk->s = walk->low = knot;
+        walk->near = 0;
     }
     return 0;
 }
@@ -124,7 +148,7 @@ int td_crossing_next(td_crossing_walk *walk, double reference, double threshold_
 static void cut(td_crossing_walk *walk, double from, double to) {
     td_crossing_walk all = *walk;
     walk->knots = 0;
-    walk->s = from;
+    walk->s = walk->low = from;
     walk->knot[walk->knots] = from;
     walk->value[walk->knots++] = td_model_value(&all.model, from);
     for (int i = 0; i < all.knots && to > from; i++) {

@@ -9,6 +9,13 @@
 /* The places in (0, 1) where the slope changes sign, ascending: 0, 1 or 2 of them. None where the model isn't finite. */
 int td_model_extrema(const td_model *model, double s[2]);
 
+/* A level that was crossed. */
+typedef struct td_crossed {
+    double reference, rise;
+} td_crossed;
+
+enum { TD_CROSSED_MAX = 8 };
+
 /* A walk along the model that stops at each crossing. */
 typedef struct td_crossing_walk {
     td_model model;
@@ -17,8 +24,9 @@ typedef struct td_crossing_walk {
     int knots, next; /* how many there are; the first that hasn't been passed */
     double s;        /* where the walk stands; with a `step` so near that td_step_time is what it is there */
     const td_step *step;
-    int is_near; /* that near only: s is still to be found from these */
-    double low, reference, rise;
+    double low; /* the last place that is known to rounding, */
+    int near;   /* and so many crossings since, which are near only */
+    td_crossed crossed[TD_CROSSED_MAX];
 } td_crossing_walk;
 
 /* `step`: only the times are wanted that it gives the crossings, to the nanosecond; NULL: their places. */

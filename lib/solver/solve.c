@@ -4,6 +4,7 @@
 #include "td_probe.h"
 #include "signal/td_model_error.h"
 #include "td_simulator.h"
+#include "td_wide.h"
 
 #include <stdlib.h>
 
@@ -68,6 +69,7 @@ void td_solve_release(td_solve *solve) {
     free(solve->found);
     free(solve->step);
     free(solve->reaches);
+    free(solve->trust);
     free(solve->point);
     free(solve->asked);
     free(solve->value);
@@ -105,16 +107,21 @@ tides_status td_solve_ask(tides_simulator *s, const td_tile *tile, int32_t local
 
 /* -- before anything is looked up ----------------------------------------------------------------------------------------- */
 
-td_trust td_solve_first_trust(const tides_simulator *s, const td_refine_step *refined, double h, int32_t i) {
+void td_solve_first_trust(const tides_simulator *s, const td_refine_step *refined, double h, int32_t first, int32_t count,
+                          td_trust *trust) {
     const td_samples *samples = &s->refine.samples;
     if (refined->probe >= 0) {
-        const td_probe_law law = td_probe_left(td_sample_fall(samples, refined->probe)[i]);
-        return (td_trust){TD_PROBE_LEFT_MOST * td_sample_deviation(samples, refined->probe)[i], law.is_smooth};
+        const double *deviation = td_sample_deviation(samples, refined->probe) + first;
+        const uint8_t *fall = td_sample_fall(samples, refined->probe) + first;
+        for (int32_t i = 0; i < count; i++)
+            trust[i] = (td_trust){TD_PROBE_LEFT_MOST * deviation[i], td_probe_is_smooth(fall[i])};
+        return;
     }
     const double *begin[TD_PLANES_ALL], *end[TD_PLANES_ALL];
     td_settle_planes(s, refined, begin, end);
-    const double rise = end[TD_PLANE_S][i] - begin[TD_PLANE_S][i];
-    return (td_trust){td_embedded(rise, h * begin[TD_PLANE_S_DOT][i], h * end[TD_PLANE_S_DOT][i]), 1};
+    const double *S0 = begin[TD_PLANE_S] + first, *S0_dot = begin[TD_PLANE_S_DOT] + first;
+    const double *S1 = end[TD_PLANE_S] + first, *S1_dot = end[TD_PLANE_S_DOT] + first;
+    for (int32_t i = 0; i < count; i++) trust[i] = (td_trust){td_embedded(S1[i] - S0[i], h * S0_dot[i], h * S1_dot[i]), 1};
 }
 
 /* What all pixels of a step share. */
@@ -139,14 +146,15 @@ static tides_status list_pixel(tides_simulator *s, int32_t first, size_t row, in
     tides_status status =
         td_reserve((void **)&solve->pixel, &solve->pixel_capacity, solve->pixels + 1, sizeof *solve->pixel, error);
     for (int32_t k = first; k >= 0 && !r->step[k].open && status == TIDES_OK; k = r->step[k].next, row++) {
-        if (!solve->reaches[row * (size_t)r->samples.pixels + (size_t)i]) continue;
+        const size_t place = row * (size_t)r->samples.pixels + (size_t)i;
+        if (!solve->reaches[place]) continue;
         status =
             td_reserve((void **)&solve->looked, &solve->looked_capacity, solve->looked_count + 1, sizeof *solve->looked, error);
         if (status != TIDES_OK) break;
         const td_signals *at = &solve->step[k].signals;
         const double h = solve->step[k].span.length_s;
         solve->looked[solve->looked_count++] = (td_looked){.ends = {h, at->S0[i], at->S0_dot[i], at->S1[i], at->S1_dot[i]},
-                                                           .trust = td_solve_first_trust(s, &r->step[k], h, i),
+                                                           .trust = solve->trust[place],
                                                            .step = k,
                                                            .first = -1};
     }
@@ -166,9 +174,12 @@ static tides_status find_active(tides_simulator *s, int32_t step, size_t row, co
     const size_t pixels = (size_t)s->refine.samples.pixels, first = s->first_pixel[refined->tile];
     double widen[TD_TILE_PIXELS];
     tides_status status = td_reserve((void **)&solve->reaches, &solve->reach_capacity, (row + 1) * pixels, 1, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&solve->trust, &solve->trust_capacity, (row + 1) * pixels, sizeof *solve->trust, error);
     if (status != TIDES_OK) return status;
-    for (int32_t i = 0; i < tile->count; i++)
-        widen[i] = td_solve_first_trust(s, refined, at->span.length_s, i).error + solve->samples + doubt[i];
+    td_trust *trust = solve->trust + row * pixels;
+    td_solve_first_trust(s, refined, at->span.length_s, 0, tile->count, trust);
+    for (int32_t i = 0; i < tile->count; i++) widen[i] = trust[i].error + solve->samples + doubt[i];
     td_sensor_find(&s->sensor, &at->span, tile, first, &at->signals, widen, active);
     td_sensor_reaches(&s->sensor, &at->span, tile, first, &at->signals, widen, solve->reaches + row * pixels);
     return TIDES_OK;
@@ -213,6 +224,14 @@ static tides_status begin_unit(tides_simulator *s, int t, double start, double s
 
 /* -- round after round ---------------------------------------------------------------------------------------------------- */
 
+/* Those of a macro step are too many for caches, and are asked for so many ahead. */
+enum { AHEAD = 6 };
+
+static void soon(const td_looked *looked) {
+    TD_SOON(looked);
+    TD_SOON((const char *)(looked + 1) - 1);
+}
+
 /* Runs every pixel that isn't settled, or that waited for its reference, and keeps those that still aren't. */
 static tides_status run_pixels(tides_simulator *s, int waited, tides_error *error) {
     td_solve *solve = &s->solve;
@@ -220,6 +239,7 @@ static tides_status run_pixels(tides_simulator *s, int waited, tides_error *erro
     size_t left = 0;
     for (size_t k = 0; k < solve->pixels && status == TIDES_OK; k++) {
         td_solving *pixel = &solve->pixel[k];
+        if (k + AHEAD < solve->pixels) soon(&solve->looked[solve->pixel[k + AHEAD].next]);
         if (pixel->waits == waited) status = td_solve_run(s, pixel, error);
         pixel->waits = 0;
         if (pixel->next < pixel->end) solve->pixel[left++] = *pixel;
@@ -242,8 +262,10 @@ static tides_status begin_units(tides_simulator *s, double start, double stop, t
 /* What was found becomes nodes. */
 static tides_status take(td_solve *solve, tides_error *error) {
     tides_status status = TIDES_OK;
-    for (size_t k = 0; k < solve->points && status == TIDES_OK; k++)
+    for (size_t k = 0; k < solve->points && status == TIDES_OK; k++) {
+        if (k + AHEAD < solve->points) soon(&solve->looked[solve->asked[k + AHEAD].looked]);
         status = td_solve_insert(solve, &solve->looked[solve->asked[k].looked], solve->asked[k].s, &solve->value[k], error);
+    }
     return status;
 }
 

@@ -11,9 +11,7 @@ static double shape_of(int is_smooth, double u) {
     return is_smooth ? bow * bow : bow;
 }
 
-double td_trusted_error(const td_trusted *model, double s) {
-    const int k = td_pieces_find(&model->pieces, s);
-    const double u = td_pieces_place(&model->pieces, k, s);
+double td_trusted_error(const td_trusted *model, int k, double u) {
     double error = model->trust[k].error * shape_of(model->trust[k].is_smooth, u);
     if (k == 0) error += model->ends * (1 - u) * (1 - u) * (1 + 2 * u);
     if (k == model->pieces.count - 1) error += model->ends * u * u * (3 - 2 * u);

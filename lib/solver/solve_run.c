@@ -15,6 +15,11 @@ enum { MOST_LOOKS = 10 };
 /* References that are taken from the signal: so good that no event which follows feels it [thresholds]. */
 static const double enough_of_threshold = 1e-7;
 
+/* What a change is worth: slope and curvature there towards its polarity, per step, and what the signal may be off by. */
+typedef struct worth {
+    double slope, bend, error;
+} worth;
+
 /* A pixel in a step. */
 typedef struct visit {
     tides_simulator *s;
@@ -28,6 +33,7 @@ typedef struct visit {
     int nodes;
     td_node node[TD_NODES_MAX];
     td_changes changes;
+    worth worth[TD_CHANGES_MAX]; /* of each */
     td_trusted model;
 } visit;
 
@@ -48,7 +54,7 @@ static void enter(visit *v, int32_t number) {
     v->held_until = sensor->on ? sensor->held_until[v->at] : -INFINITY;
     td_sensor_keep(sensor, v->at, &v->state);
     if (v->looked->looks == 0 || v->looked->state == state_of(v)) return;
-    v->looked->trust = td_solve_first_trust(v->s, &v->s->refine.step[v->looked->step], v->looked->ends.h, v->pixel->local);
+    td_solve_first_trust(v->s, &v->s->refine.step[v->looked->step], v->looked->ends.h, v->pixel->local, 1, &v->looked->trust);
     v->looked->first = -1;
     v->looked->nodes = v->looked->looks = 0;
 }
@@ -87,22 +93,27 @@ static tides_status ask(const visit *v, double s, tides_error *error) {
     return td_solve_ask(v->s, &v->s->tile[v->pixel->tile], v->pixel->local, td_lesser(time, v->now->to), &asked, error);
 }
 
-/* Slope and curvature at s towards `polarity`, per step, and what the signal may be off by there. */
-static double error_at(const visit *v, double s, int polarity, double *slope, double *bend) {
-    *slope = polarity * td_pieces_slope(&v->model.pieces, s);
-    *bend = polarity * td_pieces_curvature(&v->model.pieces, s);
-    return td_trusted_error(&v->model, s);
+static void weigh(visit *v) {
+    const td_pieces *pieces = &v->model.pieces;
+    for (int n = 0; n < v->changes.count; n++) {
+        const td_change *change = &v->changes.change[n];
+        const int k = td_pieces_find(pieces, change->s);
+        const double sign = change->polarity ? change->polarity : 1, per = 1 / (pieces->from[k + 1] - pieces->from[k]);
+        const double u = td_pieces_place(pieces, k, change->s);
+        v->worth[n].slope = sign * per * td_model_slope(&pieces->model[k], u);
+        v->worth[n].bend = sign * per * per * td_model_curvature(&pieces->model[k], u);
+        v->worth[n].error = td_trusted_error(&v->model, k, u);
+    }
 }
 
-/* Is what happens at a change as good as asked for? */
-static int is_good(const visit *v, const td_change *change) {
+/* Is what happens at change n as good as asked for? */
+static int is_good(const visit *v, int n) {
     int touches;
-    double slope, bend;
-    if (!(change->s > 0 && change->s < 1)) return 1;
-    const double error = error_at(v, change->s, change->polarity ? change->polarity : 1, &slope, &bend);
-    if (error <= v->model.floor) return 1;
-    if (change->polarity == 0) return error <= enough_of_threshold * td_sensor_least_threshold(&v->s->sensor.sensor);
-    return td_timing_reach(slope, bend, error, &touches) * v->now->span.length_s <= v->s->solve.target_s;
+    const td_change *change = &v->changes.change[n];
+    const worth *at = &v->worth[n];
+    if (!(change->s > 0 && change->s < 1) || at->error <= v->model.floor) return 1;
+    if (change->polarity == 0) return at->error <= enough_of_threshold * td_sensor_least_threshold(&v->s->sensor.sensor);
+    return td_timing_reach(at->slope, at->bend, at->error, &touches) * v->now->span.length_s <= v->s->solve.target_s;
 }
 
 /* The reference at s, and whether a refractory period is on. */
@@ -139,7 +150,7 @@ static int near_turns(const visit *v, turn *found, int most) {
             int is_held;
             const double residual = td_model_value(model, places[t]) - reference_at(v, s, &is_held);
             const double left = td_model_curvature(model, places[t]) < 0 ? on - residual : residual + off;
-            const double error = td_trusted_error(&v->model, s);
+            const double error = td_trusted_error(&v->model, k, places[t]);
             if (!is_held && left > 0 && left <= error + v->model.floor) found[count++] = (turn){s, error};
         }
     }
@@ -156,8 +167,9 @@ static tides_status judge(visit *v, int *asked, int *doubts, tides_error *error)
     const int count = near_turns(v, turns, MOST_TURNS);
     tides_status status = TIDES_OK;
     *doubts = 0;
+    weigh(v);
     for (int k = 0; k < v->changes.count && status == TIDES_OK && may_ask; k++)
-        if (!is_good(v, &v->changes.change[k])) status = ask(v, v->changes.change[k].s, error);
+        if (!is_good(v, k)) status = ask(v, v->changes.change[k].s, error);
     for (int k = 0; k < count && status == TIDES_OK; k++) {
         if (may_ask && turns[k].error > v->model.floor)
             status = ask(v, turns[k].s, error);
@@ -202,18 +214,19 @@ static double waited(const visit *v, const td_change *change) {
 
 /* What a solved event may be off by: what is left there, and what most record paths do, and in a share of all events the
  * worst. */
-static void note_error(visit *v, const td_change *change) {
+static void note_error(visit *v, int n) {
     td_timing *timing = &v->s->timing;
-    double slope, bend;
-    const double h = v->now->span.length_s, late = waited(v, change);
-    const double left = error_at(v, change->s, change->polarity, &slope, &bend);
+    const worth *at = &v->worth[n];
+    const double h = v->now->span.length_s, late = waited(v, &v->changes.change[n]);
     const double worst = v->nodes > 0 ? v->s->solve.paths : 0, most = td_lesser(worst, v->s->solve.usual_paths);
+    const double bent = worst > most ? TD_SOLVE_BENT : 0;
     if (late > 0) {
         td_timing_add_solved(timing, 1, late, 1, 0, h);
         return;
     }
-    td_timing_add_solved(timing, 1 - TD_SOLVE_BENT, hypot(left, v->model.floor + most), slope, bend, h);
-    td_timing_add_solved(timing, TD_SOLVE_BENT, hypot(left, v->model.floor + worst), slope, bend, h);
+    td_timing_add_solved(timing, 1 - bent, td_timing_together(at->error, v->model.floor + most), at->slope, at->bend, h);
+    if (bent > 0)
+        td_timing_add_solved(timing, bent, td_timing_together(at->error, v->model.floor + worst), at->slope, at->bend, h);
 }
 
 /* What the events of a settled step are worth. Noise has times of its own. */
@@ -222,7 +235,7 @@ static void note_events(visit *v, int doubts) {
     s->timing.uncertain += (uint64_t)doubts;
     for (int k = 0; k < v->changes.count; k++) {
         if (!v->changes.change[k].fired) continue;
-        note_error(v, &v->changes.change[k]);
+        note_error(v, k);
         s->solve.events += (uint64_t)(v->nodes > 0);
     }
 }

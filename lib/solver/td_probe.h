@@ -56,12 +56,15 @@ static inline uint8_t td_probe_fall(double deviation, double before) {
  * has. In parts. */
 enum { TD_PROBE_SMOOTH_LEAST = 6, TD_PROBE_SMOOTH_MOST = 38, TD_PROBE_KINK_LEAST = 90 }; /* 0.02, 0.15, 0.35 */
 
+/* td_probe_left(fall).is_smooth. */
+static inline int td_probe_is_smooth(uint8_t fall) { return fall >= TD_PROBE_SMOOTH_LEAST && fall <= TD_PROBE_SMOOTH_MOST; }
+
 static inline td_probe_law td_probe_left(uint8_t fall) {
     static const td_probe_law rough = {0, {2.0 / 16, 6.0 / 16, 1}, {52.0 / 64, 6.0 / 64, 6.0 / 64}};
     static const td_probe_law kink = {0, {2.0 / 16, 8.0 / 16, 1}, {32.0 / 64, 16.0 / 64, 16.0 / 64}};
     td_probe_law smooth = {1, {1.4 / 16, 4.0 / 16, 8.0 / 16}, {57.0 / 64, 1.0 / 64, 6.0 / 64}};
     if (fall >= TD_PROBE_KINK_LEAST) return kink;
-    if (fall < TD_PROBE_SMOOTH_LEAST || fall > TD_PROBE_SMOOTH_MOST) return rough;
+    if (!td_probe_is_smooth(fall)) return rough;
     const double falls_on = 1.1 / TD_PROBE_FALLS * fall;
     if (falls_on > smooth.share[0]) smooth.share[0] = falls_on;
     return smooth;

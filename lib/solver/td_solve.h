@@ -90,6 +90,8 @@ typedef struct td_solve {
     size_t step_capacity;
     uint8_t *reaches; /* of each of a unit's steps (samples.pixels): 0 where no pixel's level is (td_sensor_reaches) */
     size_t reach_capacity;
+    td_trust *trust; /* likewise: before anything is looked up */
+    size_t trust_capacity;
     td_point *point; /* to be looked up in this round */
     size_t points, point_capacity;
     td_asked *asked; /* (points) */
@@ -131,8 +133,10 @@ TIDES_MUST_CHECK tides_status td_solve_refer(tides_simulator *s, tides_error *er
  * one to the last step (solve_run.c). */
 TIDES_MUST_CHECK tides_status td_solve_run(tides_simulator *s, td_solving *pixel, tides_error *error);
 
-/* What a pixel's model on a step of h seconds may be off by before anything is looked up (solve.c). */
-td_trust td_solve_first_trust(const tides_simulator *s, const td_refine_step *refined, double h, int32_t i);
+/* What the models of pixels [first, first + count) of a unit on a step of h seconds may be off by before anything is looked up:
+ * (count) (solve.c). */
+void td_solve_first_trust(const tides_simulator *s, const td_refine_step *refined, double h, int32_t first, int32_t count,
+                          td_trust *trust);
 
 /* The model of a pixel in a step, and what it may be off by (solve_nodes.c). */
 typedef struct td_trusted {
@@ -142,8 +146,8 @@ typedef struct td_trusted {
     double floor; /* what any number that is looked up is off by */
 } td_trusted;
 
-/* At s, but for the floor. */
-double td_trusted_error(const td_trusted *model, double s);
+/* At u of piece k, but for the floor. */
+double td_trusted_error(const td_trusted *model, int k, double u);
 
 /* The pixel's nodes, and the trust of each piece; how many nodes. */
 int td_solve_nodes(const td_solve *solve, const td_looked *looked, td_node *nodes, td_trust *trust);

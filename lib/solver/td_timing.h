@@ -20,6 +20,10 @@ typedef struct td_timing {
 #define TD_SINGLE_ROUNDING 1.2e-5
 #define TD_SINGLE_EPSILON 0x1p-24
 
+/* Of errors that have nothing to do with each other. (hypot minds squares that no number holds, and took longer than the
+ * rest.) */
+static inline double td_timing_together(double a, double b) { return sqrt(a * a + b * b); }
+
 /* A compared step of a tile, whose model is the cubic, and the events that came of it. */
 typedef struct td_timed {
     const td_step *step;

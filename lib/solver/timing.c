@@ -141,10 +141,6 @@ static void turn_of(const td_timed *timed, const td_model *model, int32_t i, dou
     *bend = rate * (L_dot - *slope);
 }
 
-/* Of errors that have nothing to do with each other. (hypot minds squares that no number holds, and took longer than the
- * rest.) */
-static double together(double a, double b) { return sqrt(a * a + b * b); }
-
 /* An event of pixel i at s, where the signal has this slope and curvature towards it. */
 static void add_event(td_timing *timing, const td_timed *timed, int32_t i, double s, double slope, double bend) {
     const td_probe_law law = law_of(timed, i);
@@ -152,7 +148,7 @@ static void add_event(td_timing *timing, const td_timed *timed, int32_t i, doubl
     int touches = 0;
     for (int k = 0; k < TD_PROBE_SHARES && law.weight[k] > 0; k++) {
         int may_touch;
-        double reach = td_timing_reach(slope, bend, together(law.share[k] * middle, rounding), &may_touch);
+        double reach = td_timing_reach(slope, bend, td_timing_together(law.share[k] * middle, rounding), &may_touch);
         timing->weight[bin_of(reach * timed->step->length_s + 1e-9)] += law.weight[k]; /* times are floored to nanoseconds */
         touches |= may_touch && (k == 0 || law.share[k] <= TD_PROBE_LEFT_MOST);
     }
@@ -185,7 +181,7 @@ void td_timing_add(td_timing *timing, const td_timed *timed) {
 static double most_error(const td_timing *timing, const td_timed *timed, int32_t i, double s) {
     const td_probe_law law = law_of(timed, i);
     const double share = timed->deviation ? TD_PROBE_LEFT_MOST : 1;
-    return together(share * deviation_of(timed, i) * share_at(&law, s), rounding_of(timing, timed, i));
+    return td_timing_together(share * deviation_of(timed, i) * share_at(&law, s), rounding_of(timing, timed, i));
 }
 
 enum { BLOCK = 64 }; /* pixels marked together */
