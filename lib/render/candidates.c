@@ -1,9 +1,23 @@
-/* Tile candidate lists: for each 16x16 tile the Gaussians whose swept box touches it, in index order. A counting sort in two
- * passes over the boxes. */
+/* Tile candidate lists: for each 16x16 tile the Gaussians whose swept box touches it, in index order. A counting sort: one
+ * pass over the boxes, and one over those that touch any tile. */
 #include "td_renderer.h"
 
 #include <limits.h>
 #include <stdlib.h>
+
+/* A tile's list while it is made. What is asked for with each Gaussian lies side by side. */
+struct td_tile_fill {
+    int end;    /* one behind its last Gaussian */
+    int object; /* of that one; -1: none yet */
+    int moves;
+    float travel;
+};
+
+/* A Gaussian that touches tiles, and which, both ends included. */
+struct td_touched {
+    int gaussian;
+    uint16_t x0, y0, x1, y1;
+};
 
 tides_status td_candidates_create(int width, int height, td_candidates *candidates, tides_error *error) {
     memset(candidates, 0, sizeof *candidates);
@@ -12,14 +26,13 @@ tides_status td_candidates_create(int width, int height, td_candidates *candidat
     size_t tiles = (size_t)candidates->tiles_x * candidates->tiles_y;
     candidates->first = td_alloc(tiles + 1, sizeof *candidates->first, error);
     candidates->fill = td_alloc(tiles, sizeof *candidates->fill, error);
-    candidates->last_object = td_alloc(tiles, sizeof *candidates->last_object, error);
     candidates->travel = td_alloc(tiles, sizeof *candidates->travel, error);
     candidates->moving = td_alloc(tiles, sizeof *candidates->moving, error);
     candidates->hint = td_alloc(tiles, sizeof *candidates->hint, error);
     candidates->moving_blocks = td_alloc(tiles, sizeof *candidates->moving_blocks, error);
     candidates->block_travel = td_alloc(tiles * TD_TILE_BLOCKS, sizeof *candidates->block_travel, error);
-    if (candidates->first && candidates->fill && candidates->last_object && candidates->travel && candidates->moving &&
-        candidates->hint && candidates->moving_blocks && candidates->block_travel)
+    if (candidates->first && candidates->fill && candidates->travel && candidates->moving && candidates->hint &&
+        candidates->moving_blocks && candidates->block_travel)
         return TIDES_OK;
     td_candidates_release(candidates);
     return TIDES_NO_MEMORY;
@@ -29,8 +42,8 @@ void td_candidates_release(td_candidates *candidates) {
     free(candidates->first);
     free(candidates->list);
     free(candidates->fill);
+    free(candidates->touched);
     free(candidates->groups);
-    free(candidates->last_object);
     free(candidates->travel);
     free(candidates->moving);
     free(candidates->hint);
@@ -39,19 +52,16 @@ void td_candidates_release(td_candidates *candidates) {
     memset(candidates, 0, sizeof *candidates);
 }
 
-typedef struct tile_range {
-    int x0, y0, x1, y1; /* inclusive; empty where x0 > x1 or y0 > y1 */
-} tile_range;
-
-static tile_range tiles_of(const td_candidates *candidates, const float *box) {
-    tile_range range = {0, 0, -1, -1};
-    float limit_x = (float)(TD_TILE * candidates->tiles_x), limit_y = (float)(TD_TILE * candidates->tiles_y);
-    if (!(box[0] < limit_x && box[1] < limit_y && box[2] >= 0 && box[3] >= 0)) return range;
-    range.x0 = box[0] > 0 ? (int)box[0] / TD_TILE : 0;
-    range.y0 = box[1] > 0 ? (int)box[1] / TD_TILE : 0;
-    range.x1 = box[2] < limit_x ? (int)box[2] / TD_TILE : candidates->tiles_x - 1;
-    range.y1 = box[3] < limit_y ? (int)box[3] / TD_TILE : candidates->tiles_y - 1;
-    return range;
+/* Whether a box touches any. */
+static int touches(const td_candidates *candidates, const float *box, int gaussian, struct td_touched *touched) {
+    const float limit_x = (float)(TD_TILE * candidates->tiles_x), limit_y = (float)(TD_TILE * candidates->tiles_y);
+    if (!(box[0] < limit_x && box[1] < limit_y && box[2] >= 0 && box[3] >= 0)) return 0;
+    touched->gaussian = gaussian;
+    touched->x0 = (uint16_t)(box[0] > 0 ? (unsigned)box[0] / TD_TILE : 0);
+    touched->y0 = (uint16_t)(box[1] > 0 ? (unsigned)box[1] / TD_TILE : 0);
+    touched->x1 = (uint16_t)(box[2] < limit_x ? (unsigned)box[2] / TD_TILE : (unsigned)candidates->tiles_x - 1);
+    touched->y1 = (uint16_t)(box[3] < limit_y ? (unsigned)box[3] / TD_TILE : (unsigned)candidates->tiles_y - 1);
+    return touched->x0 <= touched->x1 && touched->y0 <= touched->y1;
 }
 
 /* Adds a moving candidate of the tile at (x0, y0), which its box touches, to the blocks that it touches. */
@@ -74,23 +84,29 @@ typedef struct touching {
     int gaussian, moves;
 } touching;
 
+/* Each object's share of a tile's list begins at a multiple of TD_PAD. */
+static int padded(int end) { return (end + TD_PAD - 1) / TD_PAD * TD_PAD; }
+
+/* Nobody up to there. */
+static void fill_up(td_candidates *candidates, struct td_tile_fill *fill, int end) {
+    while (fill->end < end) candidates->list[fill->end++] = TD_NO_GAUSSIAN;
+}
+
 /* Puts a Gaussian into a tile's list. What moves there, and how far at most, is noted on the way: lists are long, and to go
  * through them once more, Gaussian by Gaussian, took as long as to make them. */
-static void place(td_candidates *candidates, int tile, const touching *it) {
-    candidates->list[candidates->fill[tile]] = it->gaussian;
+static void place(td_candidates *candidates, int tile, int object, const touching *it) {
+    struct td_tile_fill *fill = &candidates->fill[tile];
+    if (fill->object != object) {
+        fill_up(candidates, fill, padded(fill->end));
+        fill->object = object;
+    }
+    candidates->list[fill->end++] = it->gaussian;
     if (!it->moves) return;
-    candidates->moving[tile] = 1;
-    candidates->travel[tile] = it->travel > candidates->travel[tile] ? it->travel : candidates->travel[tile];
+    fill->moves = 1;
+    fill->travel = it->travel > fill->travel ? it->travel : fill->travel;
     if (candidates->by_blocks)
         add_to_blocks(it->box, it->travel, tile % candidates->tiles_x * TD_TILE, tile / candidates->tiles_x * TD_TILE,
                       &candidates->moving_blocks[tile], candidates->block_travel + (size_t)tile * TD_TILE_BLOCKS);
-}
-
-/* Each object's share of a tile's list begins at a multiple of TD_PAD. */
-static void pad(td_candidates *candidates, int tile, int object) {
-    if (candidates->last_object[tile] == object) return;
-    candidates->last_object[tile] = object;
-    candidates->fill[tile] = (candidates->fill[tile] + TD_PAD - 1) / TD_PAD * TD_PAD;
 }
 
 /* Gaussians come in the store's order, and so do their groups. */
@@ -99,45 +115,57 @@ static void add_group(td_candidates *candidates, int group) {
         candidates->groups[candidates->group_count++] = group;
 }
 
-/* Both passes go over all boxes: the first only counts into `fill`, the second places from `first` on. */
+/* Who touches which tiles, and how long their lists will be. */
 static void count_all(td_candidates *candidates, const td_store *store, const float *boxes) {
-    for (int t = 0; t < candidates->tiles_x * candidates->tiles_y; t++) {
-        candidates->last_object[t] = -1;
-        candidates->fill[t] = 0;
-    }
+    const int tiles_x = candidates->tiles_x;
+    struct td_touched *touched = candidates->touched;
+    for (int t = 0; t < tiles_x * candidates->tiles_y; t++) candidates->fill[t] = (struct td_tile_fill){.object = -1};
     candidates->group_count = 0;
     for (int g = 0; g < store->count; g++) {
-        const tile_range range = tiles_of(candidates, boxes + 4 * (size_t)g);
-        if (range.x0 <= range.x1 && range.y0 <= range.y1) add_group(candidates, g / TD_PAD);
-        for (int y = range.y0; y <= range.y1; y++)
-            for (int t = y * candidates->tiles_x + range.x0; t <= y * candidates->tiles_x + range.x1; t++) {
-                pad(candidates, t, store->object[g]);
-                candidates->fill[t]++;
+        if (!touches(candidates, boxes + 4 * (size_t)g, g, touched)) continue;
+        const int object = store->object[g];
+        add_group(candidates, g / TD_PAD);
+        for (int y = touched->y0; y <= touched->y1; y++)
+            for (int t = y * tiles_x + touched->x0; t <= y * tiles_x + touched->x1; t++) {
+                struct td_tile_fill *fill = &candidates->fill[t];
+                if (fill->object != object) fill->end = padded(fill->end);
+                fill->object = object;
+                fill->end++;
             }
+        touched++;
+    }
+    candidates->touched_count = (int)(touched - candidates->touched);
+}
+
+/* Lists begin anew, where they are to lie. */
+static void begin_lists(td_candidates *candidates) {
+    const size_t tiles = (size_t)candidates->tiles_x * (size_t)candidates->tiles_y;
+    memset(candidates->moving_blocks, 0, tiles * sizeof *candidates->moving_blocks);
+    memset(candidates->block_travel, 0, tiles * TD_TILE_BLOCKS * sizeof *candidates->block_travel);
+    for (size_t t = 0; t < tiles; t++) candidates->fill[t] = (struct td_tile_fill){.end = candidates->first[t], .object = -1};
+}
+
+static void end_lists(td_candidates *candidates) {
+    for (int t = 0; t < candidates->tiles_x * candidates->tiles_y; t++) {
+        struct td_tile_fill *fill = &candidates->fill[t];
+        fill_up(candidates, fill, candidates->first[t + 1]);
+        candidates->moving[t] = (uint8_t)fill->moves;
+        candidates->travel[t] = fill->travel;
     }
 }
 
 static void place_all(td_candidates *candidates, const td_store *store, const float *boxes, const float *travel,
                       const uint8_t *object_moves) {
-    const size_t tiles = (size_t)candidates->tiles_x * (size_t)candidates->tiles_y;
-    memset(candidates->moving, 0, tiles * sizeof *candidates->moving);
-    memset(candidates->travel, 0, tiles * sizeof *candidates->travel);
-    memset(candidates->moving_blocks, 0, tiles * sizeof *candidates->moving_blocks);
-    memset(candidates->block_travel, 0, tiles * TD_TILE_BLOCKS * sizeof *candidates->block_travel);
-    for (size_t t = 0; t < tiles; t++) {
-        candidates->last_object[t] = -1;
-        candidates->fill[t] = candidates->first[t];
+    const int tiles_x = candidates->tiles_x;
+    begin_lists(candidates);
+    for (int i = 0; i < candidates->touched_count; i++) {
+        const struct td_touched *on = &candidates->touched[i];
+        const int g = on->gaussian, object = store->object[g];
+        const touching it = {boxes + 4 * (size_t)g, travel[g], g, object_moves[object]};
+        for (int y = on->y0; y <= on->y1; y++)
+            for (int t = y * tiles_x + on->x0; t <= y * tiles_x + on->x1; t++) place(candidates, t, object, &it);
     }
-    for (int g = 0; g < store->count; g++) {
-        const touching it = {boxes + 4 * (size_t)g, travel[g], g, object_moves[store->object[g]]};
-        const tile_range range = tiles_of(candidates, it.box);
-        for (int y = range.y0; y <= range.y1; y++)
-            for (int t = y * candidates->tiles_x + range.x0; t <= y * candidates->tiles_x + range.x1; t++) {
-                pad(candidates, t, store->object[g]);
-                place(candidates, t, &it);
-                candidates->fill[t]++;
-            }
-    }
+    end_lists(candidates);
 }
 
 void td_candidates_blocks_as_tiles(td_candidates *candidates) {
@@ -176,11 +204,14 @@ tides_status td_candidates_build(td_candidates *candidates, const td_store *stor
     int64_t total = 0;
     tides_status status = td_reserve((void **)&candidates->groups, &candidates->groups_capacity,
                                      (size_t)(store->count / TD_PAD), sizeof *candidates->groups, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&candidates->touched, &candidates->touched_capacity, (size_t)store->count,
+                            sizeof *candidates->touched, error);
     if (status != TIDES_OK) return status;
     count_all(candidates, store, boxes);
     for (int t = 0; t < tiles; t++) {
         candidates->first[t] = (int)total;
-        total += (candidates->fill[t] + TD_PAD - 1) / TD_PAD * TD_PAD;
+        total += padded(candidates->fill[t].end);
         if (total > INT_MAX / TD_RECORD_STRIDE)
             return td_fail(error, TIDES_UNSUPPORTED,
                            "scene: its splats touch the tiles of this image more than %d times; use a "
@@ -191,7 +222,6 @@ tides_status td_candidates_build(td_candidates *candidates, const td_store *stor
     status = td_reserve((void **)&candidates->list, &candidates->capacity, total ? (size_t)total : 1, sizeof *candidates->list,
                         error);
     if (status != TIDES_OK) return status;
-    memset(candidates->list, 0xff, (size_t)total * sizeof *candidates->list); /* TD_NO_GAUSSIAN */
     place_all(candidates, store, boxes, travel, object_moves);
     candidates->serial++;
     if (!candidates->instant) renew_hints(candidates);

@@ -71,11 +71,14 @@ tides_status td_view_at(const tides_scene *scene, int32_t object, const tides_tr
 /* Which Gaussians each tile may see during an interval (candidates.c). */
 typedef struct td_candidates {
     int tiles_x, tiles_y;
-    int *first;              /* (tiles + 1) into `list`; multiples of TD_PAD */
-    int *list;               /* Gaussian indices, ascending, each object's padded to TD_PAD with TD_NO_GAUSSIAN */
-    size_t capacity;         /* of `list` */
-    int *fill, *last_object; /* (tiles) scratch */
-    int *groups;             /* TD_PAD neighbours in the store with one in a list: their numbers, ascending */
+    int *first;                 /* (tiles + 1) into `list`; multiples of TD_PAD */
+    int *list;                  /* Gaussian indices, ascending, each object's padded to TD_PAD with TD_NO_GAUSSIAN */
+    size_t capacity;            /* of `list` */
+    struct td_tile_fill *fill;  /* (tiles) scratch */
+    struct td_touched *touched; /* (touched_count) scratch */
+    size_t touched_capacity;
+    int touched_count;
+    int *groups; /* TD_PAD neighbours in the store with one in a list: their numbers, ascending */
     size_t groups_capacity;
     int group_count;
     float *travel;           /* (tiles) most diameters that one of its candidates travels in the interval */

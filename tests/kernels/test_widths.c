@@ -100,7 +100,7 @@ static void compare_scene(tides_device *device) {
 }
 
 static void compare_width(int lanes) {
-    static const int counts[] = {1, 7, 8, 9, 15, 16, 17, 1000, 3000};
+    static const int counts[] = {1, 7, 8, 9, 15, 16, 17, 33, 64, 65, 200, 1000, 3000};
     tides_device *device = pair_device(lanes);
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
         compare_list(device, counts[i], "shuffled", NULL);
