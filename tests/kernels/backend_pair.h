@@ -83,37 +83,70 @@ static inline void pair_make_jobs(backend_pair *pair) {
     for (int i = 0; i < pair->job_count; i++) pair->jobs[i].out = pair->job_count - 1 - i;
 }
 
-/* Boxes from both backends, equal; candidate lists from them. */
-static inline void pair_sweep(backend_pair *pair) {
-    size_t reals = (size_t)pair->store.count * 4;
-    float *boxes[2], *travel[2];
-    uint8_t *moves = calloc((size_t)pair->store.objects, sizeof *moves);
+/* What a sweep leaves of each Gaussian. */
+typedef struct pair_boxes {
+    float *box, *travel;
+} pair_boxes;
+
+static inline void pair_boxes_free(pair_boxes *boxes) {
+    free(boxes->box);
+    free(boxes->travel);
+}
+
+/* Boxes from both backends, equal: of the first moment where `duration` is 0. */
+static inline pair_boxes pair_boxes_of(backend_pair *pair, double duration) {
+    const size_t count = (size_t)pair->store.count;
+    const td_sweep_request request = {.views = pair->views, .duration = duration, .end = pair->store.count};
+    pair_boxes made[2];
     tides_error error;
-    assert_non_null(moves);
     for (int k = 0; k < 2; k++) {
-        travel[k] = calloc((size_t)pair->store.count, sizeof *travel[k]);
-        assert_non_null(travel[k]);
-        boxes[k] = calloc(reals, sizeof *boxes[k]);
-        assert_non_null(boxes[k]);
-        const td_sweep_request request = {.views = pair->views,
-                                          .duration = pair_times[PAIR_SLOTS - 1] - pair_times[0],
-                                          .end = pair->store.count};
-        scene_expect_ok(pair->backend[k]->type->sweep(pair->backend[k], &request, boxes[k], travel[k], &error), &error);
+        made[k].travel = calloc(count, sizeof *made[k].travel);
+        made[k].box = calloc(4 * count, sizeof *made[k].box);
+        assert_true(made[k].travel && made[k].box);
+        td_backend *backend = pair->backend[k];
+        scene_expect_ok(backend->type->sweep(backend, &request, made[k].box, made[k].travel, &error), &error);
     }
-    assert_memory_equal(travel[0], travel[1], (size_t)pair->store.count * sizeof *travel[0]);
-    for (size_t i = 0; i < reals; i++)
-        if (memcmp(&boxes[0][i], &boxes[1][i], sizeof(float)) != 0)
+    assert_memory_equal(made[0].travel, made[1].travel, count * sizeof *made[0].travel);
+    for (size_t i = 0; i < 4 * count; i++)
+        if (memcmp(&made[0].box[i], &made[1].box[i], sizeof(float)) != 0)
             fail_msg("%s: box entry %d of Gaussian %d: %.9g on the device, %.9g in the reference", pair->name, (int)(i % 4),
-                     (int)(i / 4), (double)boxes[0][i], (double)boxes[1][i]);
+                     (int)(i / 4), (double)made[0].box[i], (double)made[1].box[i]);
+    pair_boxes_free(&made[1]);
+    return made[0];
+}
+
+/* Boxes of a moment, which are made in a way of their own, lie in those of an interval that begins with it, to rounding. */
+static inline void pair_check_instant(backend_pair *pair, const pair_boxes *interval) {
+    pair_boxes instant = pair_boxes_of(pair, 0);
+    int seen = 0;
+    for (size_t i = 0; i < (size_t)pair->store.count; i++) {
+        const float *part = instant.box + 4 * i, *whole = interval->box + 4 * i;
+        if (part[0] > part[2]) continue;
+        seen++;
+        for (int k = 0; k < 2; k++) {
+            const float from = part[k] > -1e4f ? part[k] : -1e4f, to = part[2 + k] < 1e4f ? part[2 + k] : 1e4f;
+            assert_true(whole[0] <= whole[2] && (whole[k] <= from + 0.01f || whole[k] <= 0));
+            const int32_t size = k ? pair->scene.camera.height : pair->scene.camera.width;
+            assert_true(whole[2 + k] >= to - 0.01f || whole[2 + k] >= (float)size);
+        }
+    }
+    assert_true(seen > 0);
+    pair_boxes_free(&instant);
+}
+
+/* Candidate lists of the whole interval. */
+static inline void pair_sweep(backend_pair *pair) {
+    tides_error error;
+    uint8_t *moves = calloc((size_t)pair->store.objects, sizeof *moves);
+    assert_non_null(moves);
+    pair_boxes boxes = pair_boxes_of(pair, pair_times[PAIR_SLOTS - 1] - pair_times[0]);
+    pair_check_instant(pair, &boxes);
     scene_expect_ok(td_candidates_create(pair->scene.camera.width, pair->scene.camera.height, &pair->candidates, &error),
                     &error);
-    scene_expect_ok(td_candidates_build(&pair->candidates, &pair->store, boxes[0], travel[0], moves, &error), &error);
+    scene_expect_ok(td_candidates_build(&pair->candidates, &pair->store, boxes.box, boxes.travel, moves, &error), &error);
     pair->groups = (td_groups){pair->candidates.groups, pair->candidates.group_count};
     free(moves);
-    free(travel[0]);
-    free(travel[1]);
-    free(boxes[0]);
-    free(boxes[1]);
+    pair_boxes_free(&boxes);
 }
 
 /* A scene on both backends, swept, with its jobs. `edit` (nullable) changes the store first. */
