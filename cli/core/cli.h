@@ -58,6 +58,7 @@ int cmd_devices(const cli_command *command, int argc, char **argv);
 int cmd_info(const cli_command *command, int argc, char **argv);
 int cmd_render(const cli_command *command, int argc, char **argv);
 int cmd_scene(const cli_command *command, int argc, char **argv);
+int cmd_frames(const cli_command *command, int argc, char **argv);
 int cmd_simulate(const cli_command *command, int argc, char **argv);
 int cmd_dataset(const cli_command *command, int argc, char **argv);
 int cmd_convert(const cli_command *command, int argc, char **argv);

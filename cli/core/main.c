@@ -24,6 +24,11 @@ static const cli_command commands[] = {
      "Channels: Y, L, L_dot, A, A_dot, coverage, contributors; with --rgb R, G, B and with --depth Z, and their _dot.\n"
      "The keys for --set are listed by tides simulate --help.",
      1, cmd_render},
+    {"frames", "RUN.json -o DIR", "Render exposed frames: blurred, by a global or rolling shutter, with noise.",
+     "exposure.* of the run file says how. DIR gets frame_000000.png .., timestamps.txt (the middle of each exposure) and\n"
+     "exposure_timestamps.txt (when it began and ended), all in seconds. The keys for --set are listed by tides simulate "
+     "--help.",
+     1, cmd_frames},
     {"simulate", "RUN.json -o EVENTS.h5", "Simulate events with continuous-time timestamps.",
      "Events go to HDF5 in the DSEC layout, with nanosecond times in events/t_ns, or by the ending to another format (.raw, "
      ".dat, .es,\n"

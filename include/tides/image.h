@@ -34,6 +34,10 @@ TIDES_API const float *tides_exr_pixels(const tides_exr *exr, int32_t channel); 
 TIDES_MUST_CHECK TIDES_API tides_status tides_png_write(const char *path, int32_t width, int32_t height, const uint8_t *rgb,
                                                         tides_error *error);
 
+/* Values as they are, of 8 or 16 bits, (height x width x planes): 1 plane is grey, 3 are r, g and b together. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_png_write_values(const char *path, int32_t width, int32_t height, int32_t planes,
+                                                               int32_t bits, const uint16_t *values, tides_error *error);
+
 /* Pictures of one size, one after the other, at 0.02 to 1000 pictures a second. By `path`:
  *   .png, .apng   an animated PNG, repeated for ever
  *   .y4m          a video for ffmpeg and mpv: YUV4MPEG2, 4:4:4, BT.601 in studio range

@@ -3,6 +3,8 @@
 #define TIDES_RUN_H
 
 #include "tides/baselines.h"
+#include "tides/exposure.h"
+#include "tides/imu.h"
 #include "tides/readout.h"
 
 #ifdef __cplusplus
@@ -75,7 +77,10 @@ typedef struct tides_run_values {
     double metres_per_unit;                                       /* of the scene [m]; 0: unknown */
     double dataset_picture_hz, dataset_truth_hz, dataset_pose_hz; /* of tides_dataset_write [Hz] */
     int32_t event_truth;                                          /* 1: event files get ground truth (tides_session_truth) */
-    int32_t reserved;
+    int32_t track_count;                                          /* points to follow (tides_session_tracks) */
+    double track_rate_hz;                                         /* at which [Hz] */
+    tides_exposure exposure;                                      /* of frames (tides_session_frames) */
+    tides_imu imu;                                                /* but for metres_per_unit, which is above */
     const char *json; /* the run with every default filled in, as written into event files */
 } tides_run_values;
 TIDES_API void tides_run_get(const tides_run *run, tides_run_values *values);

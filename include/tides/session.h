@@ -68,6 +68,25 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_simulator(tides_session *s
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_renderer(tides_session *session, tides_progress progress, void *user,
                                                                tides_renderer **renderer, tides_error *error);
 
+/* -- what else a camera's rig records ------------------------------------------------------------------------------------ */
+
+/* What was written. Plain value. */
+typedef struct tides_session_taken {
+    uint64_t count;     /* frames, samples, or times of tracks */
+    uint64_t tracks;    /* points followed */
+    double error;       /* frames: the largest estimated error of mean light in a pixel [1] */
+    double renders;     /* frames: renders that they took, in full frames */
+    uint64_t unsettled; /* frames: pixels that stayed above the tolerance */
+} tides_session_taken;
+
+/* Frames of the run's scene as exposure.* says, into the folder `path`, which is made unless it is there: frame_000000.png ..,
+ * timestamps.txt, a line per frame with its time [s], the middle of its exposure, and exposure_timestamps.txt with when that
+ * began and ended [s], from the first row's to the last one's. The optics' blur is the sensor's. `done` is nullable;
+ * TIDES_CANCELLED leaves the frames so far, and no times. TIDES_BAD_CONFIG: not one exposure fits into the run.
+ * TIDES_UNSUPPORTED for runs on frames. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_session_frames(tides_session *session, const char *path, tides_progress progress,
+                                                             void *user, tides_session_taken *done, tides_error *error);
+
 /* -- into a file --------------------------------------------------------------------------------------------------------- */
 
 /* Adds ground truth to a finished HDF5 recording of this session's run, as columns beside its events: /events/flow_u, flow_v

@@ -60,6 +60,11 @@ TIDES_API void tides_trajectory_destroy(tides_trajectory *trajectory);
 TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_at(const tides_trajectory *trajectory, double time, tides_pose *pose,
                                                             tides_error *error);
 
+/* Acceleration of the body's origin at `time` [scene units/s^2], in world axes: the curve's exact second derivative.
+ * TIDES_OUT_OF_RANGE as above; TIDES_UNSUPPORTED at a sample where the curve is C1 only, so that there are two. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_acceleration(const tides_trajectory *trajectory, double time,
+                                                                      double acceleration[3], tides_error *error);
+
 /* First and last time [s]; -INFINITY and INFINITY for a static path. */
 TIDES_API void tides_trajectory_range(const tides_trajectory *trajectory, double *start, double *stop);
 

@@ -19,6 +19,11 @@ enum {
     TD_RANDOM_DROP = 8,
     TD_RANDOM_JITTER = 9,
     TD_RANDOM_NOISE_BRIDGE = 10, /* with a number above TD_RANDOM_PURPOSE_BITS: the node of a line's tree */
+    TD_RANDOM_FRAME_SHOT = 11,
+    TD_RANDOM_FRAME_READ = 12,
+    TD_RANDOM_IMU_NOISE = 13,
+    TD_RANDOM_IMU_WALK = 14,
+    TD_RANDOM_TRACKS = 15,
     /* the baselines, from 64 on */
     TD_RANDOM_ESIM_THRESHOLD = 64,
     TD_RANDOM_V2E_THRESHOLD = 65,

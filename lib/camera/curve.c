@@ -24,6 +24,7 @@ struct td_curve {
     size_t segments;
     double *time; /* segments + 1 */
     td_segment *segment;
+    unsigned char *bends; /* (segments + 1) 1: C1 only */
 };
 
 /* lower x[i-1] + diagonal x[i] + upper x[i+1] = x: the right-hand side before the solution, the second derivatives after. */
@@ -163,14 +164,15 @@ td_curve *td_curve_create(const td_knot *knots, size_t count, int with_rates, ti
     curve->time = td_alloc(count, sizeof *curve->time, error);
     if (!curve->time) goto failed;
     curve->segment = td_alloc(count - 1, sizeof *curve->segment, error);
-    if (!curve->segment) goto failed;
+    curve->bends = td_alloc(count, sizeof *curve->bends, error);
+    if (!curve->segment || !curve->bends) goto failed;
     if (with_rates)
         quintic_curvature(knots, count, rows);
     else
         cubic_curvature(knots, count, rows);
     for (size_t i = 0; i < count; i++) curve->time[i] = knots[i].time;
     for (size_t i = 0; i + 1 < count; i++) fill_segment(knots + i, rows + i, with_rates, curve->segment + i);
-    if (td_curve_calm(knots, count, with_rates, curve->segment, error) != TIDES_OK) goto failed;
+    if (td_curve_calm(knots, count, with_rates, curve->segment, curve->bends, error) != TIDES_OK) goto failed;
     free(rows);
     return curve;
 failed:
@@ -183,6 +185,7 @@ void td_curve_destroy(td_curve *curve) {
     if (!curve) return;
     free(curve->time);
     free(curve->segment);
+    free(curve->bends);
     free(curve);
 }
 
@@ -206,4 +209,19 @@ void td_curve_at(const td_curve *curve, size_t index, double time, double value[
         value[k] = c[0] + u * (c[1] + u * (c[2] + u * (c[3] + u * (c[4] + u * c[5]))));
         rate[k] = (c[1] + u * (2.0 * c[2] + u * (3.0 * c[3] + u * (4.0 * c[4] + u * (5.0 * c[5]))))) / span;
     }
+}
+
+void td_curve_second(const td_curve *curve, size_t index, double time, double second[TD_CURVE_WIDTH]) {
+    double span = curve->time[index + 1] - curve->time[index];
+    double u = (time - curve->time[index]) / span;
+    for (int k = 0; k < WIDTH; k++) {
+        const double *c = curve->segment[index].coefficient[k];
+        second[k] = (2.0 * c[2] + u * (6.0 * c[3] + u * (12.0 * c[4] + u * (20.0 * c[5])))) / (span * span);
+    }
+}
+
+size_t td_curve_first_bend(const td_curve *curve, double start, double stop) {
+    for (size_t i = 1; i < curve->segments; i++)
+        if (curve->bends[i] && curve->time[i] > start && curve->time[i] < stop) return i;
+    return curve->segments + 1;
 }

@@ -99,11 +99,15 @@ static void calm_component(const td_knot *knots, size_t count, int with_rates, i
     }
 }
 
-tides_status td_curve_calm(const td_knot *knots, size_t count, int with_rates, td_segment *segments, tides_error *error) {
+tides_status td_curve_calm(const td_knot *knots, size_t count, int with_rates, td_segment *segments, unsigned char *bends,
+                           tides_error *error) {
     double *slope = td_alloc(count, sizeof *slope, error);
     unsigned char *calm = td_alloc(count, sizeof *calm, error);
     if (slope && calm)
-        for (int k = 0; k < TD_CURVE_WIDTH; k++) calm_component(knots, count, with_rates, k, segments, slope, calm);
+        for (int k = 0; k < TD_CURVE_WIDTH; k++) {
+            calm_component(knots, count, with_rates, k, segments, slope, calm);
+            for (size_t i = 0; i < count; i++) bends[i] |= calm[i];
+        }
     free(slope);
     free(calm);
     return slope && calm ? TIDES_OK : TIDES_NO_MEMORY;

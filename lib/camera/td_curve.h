@@ -28,4 +28,11 @@ size_t td_curve_find(const td_curve *curve, double time);
 /* Value and exact derivative of segment `index` at `time`. */
 void td_curve_at(const td_curve *curve, size_t index, double time, double value[TD_CURVE_WIDTH], double rate[TD_CURVE_WIDTH]);
 
+/* Second derivative of segment `index` at `time`. */
+void td_curve_second(const td_curve *curve, size_t index, double time, double second[TD_CURVE_WIDTH]);
+
+/* The first knot in (start, stop) at which the curve is C1 only (curve_calm.c); the number of knots where there is none. An
+ * end of the curve is no such knot. */
+size_t td_curve_first_bend(const td_curve *curve, double start, double stop);
+
 #endif

@@ -9,7 +9,8 @@ typedef struct td_segment {
 } td_segment;
 
 /* Puts pieces that don't swing in the place of those that do (curve_calm.c); `segments` are those of the spline through the
- * knots. */
-tides_status td_curve_calm(const td_knot *knots, size_t count, int with_rates, td_segment *segments, tides_error *error);
+ * knots, and bends[i] becomes 1 where the curve is C1 only at knot i. */
+tides_status td_curve_calm(const td_knot *knots, size_t count, int with_rates, td_segment *segments, unsigned char *bends,
+                           tides_error *error);
 
 #endif

@@ -14,4 +14,8 @@ TIDES_MUST_CHECK tides_status td_trajectory_at(const tides_trajectory *trajector
  * at. 0 for a path of one sample. */
 size_t td_trajectory_find(const tides_trajectory *trajectory, double epoch, double offset);
 
+/* TIDES_UNSUPPORTED, naming the sample, where the path isn't C2 within (start, stop) [s]. */
+TIDES_MUST_CHECK tides_status td_trajectory_check_smooth(const tides_trajectory *trajectory, double start, double stop,
+                                                         tides_error *error);
+
 #endif

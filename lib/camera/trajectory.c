@@ -253,6 +253,37 @@ tides_status tides_trajectory_at(const tides_trajectory *trajectory, double time
     return TIDES_OK;
 }
 
+/* The curve has two accelerations at a sample where it is C1 only. */
+static tides_status check_bends(const tides_trajectory *trajectory, double start, double stop, tides_error *error) {
+    const size_t bend = trajectory->curve ? td_curve_first_bend(trajectory->curve, start, stop) : trajectory->count;
+    if (bend >= trajectory->count) return TIDES_OK;
+    return td_fail(error, TIDES_UNSUPPORTED,
+                   "the path isn't C2 at sample %zu, %.17g s, so that its acceleration jumps: samples there are far closer "
+                   "than "
+                   "their neighbours, and a spline would swing; give evenly timed ones",
+                   bend, trajectory->samples[bend].time);
+}
+
+tides_status td_trajectory_check_smooth(const tides_trajectory *trajectory, double start, double stop, tides_error *error) {
+    const double from = trajectory->samples[0].time;
+    return check_bends(trajectory, start - from, stop - from, error);
+}
+
+tides_status tides_trajectory_acceleration(const tides_trajectory *trajectory, double time, double acceleration[3],
+                                           tides_error *error) {
+    tides_pose pose;
+    if (!acceleration) return fail_arguments(error);
+    tides_status status = tides_trajectory_at(trajectory, time, &pose, error);
+    if (status != TIDES_OK) return status;
+    const double relative = time - trajectory->samples[0].time;
+    double second[TD_CURVE_WIDTH] = {0};
+    status = check_bends(trajectory, nextafter(relative, -INFINITY), nextafter(relative, INFINITY), error);
+    if (status != TIDES_OK) return status;
+    if (trajectory->curve) td_curve_second(trajectory->curve, td_curve_find(trajectory->curve, relative), relative, second);
+    memcpy(acceleration, second, 3 * sizeof *acceleration);
+    return TIDES_OK;
+}
+
 tides_status td_trajectory_at(const tides_trajectory *trajectory, double epoch, double offset, tides_pose *pose,
                               tides_error *error) {
     if (!trajectory || !pose || isnan(epoch) || isnan(offset)) return fail_arguments(error);

@@ -103,3 +103,21 @@ tides_status td_png_write(const char *path, const td_png_form *form, const void 
     free(part);
     return status;
 }
+
+tides_status tides_png_write_values(const char *path, int32_t width, int32_t height, int32_t planes, int32_t bits,
+                                    const uint16_t *values, tides_error *error) {
+    if (!path || !values) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_png_write_values: an argument is NULL");
+    if (width < 1 || height < 1 || (planes != 1 && planes != 3) || (bits != 8 && bits != 16))
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "%s: %d x %d px of %d planes of %d bits can't be written: 1 or 3 planes, 8 or 16 bits", path, width,
+                       height, planes, bits);
+    const td_png_form form = {width, height, bits, planes};
+    if (bits == 16) return td_png_write(path, &form, values, error);
+    const size_t count = (size_t)width * (size_t)height * (size_t)planes;
+    uint8_t *bytes = td_alloc(count, 1, error);
+    tides_status status = bytes ? TIDES_OK : TIDES_NO_MEMORY;
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) bytes[i] = (uint8_t)values[i];
+    if (status == TIDES_OK) status = td_png_write(path, &form, bytes, error);
+    free(bytes);
+    return status;
+}

@@ -14,6 +14,10 @@ void td_run_values_defaults(tides_run_values *values) {
     tides_baseline_params_defaults(&values->baseline);
     tides_frames_options_defaults(&values->frames);
     tides_path_options_defaults(&values->path);
+    tides_exposure_defaults(&values->exposure);
+    tides_imu_defaults(&values->imu);
+    values->track_count = 100;
+    values->track_rate_hz = 100;
     values->stop = 1.0;
     values->frames_per_second = 1000.0;
     values->dataset_picture_hz = 20.0; /* DSEC's cameras and MVSEC's ground truth */
@@ -65,7 +69,7 @@ static void derive(const tides_run *run, tides_run_values *values) {
     values->method = td_run_value(run, "method")->valuestring;
     values->json = run->json;
     values->sensor.seed = td_rig_seed(run, strtoull(values->seed, NULL, 10)); /* the table has checked the number */
-    baseline->seed = values->sensor.seed;
+    baseline->seed = values->exposure.seed = values->imu.seed = values->sensor.seed;
     baseline->sensor = values->sensor;
     baseline->log_eps = values->image.log_eps;
     memcpy(frames->luminance, values->image.luminance, sizeof frames->luminance);

@@ -36,6 +36,7 @@ from .events import (
     to_tonic,
     write_events,
 )
+from .exposure import Exposure
 from .generate import GenerateOptions, World, generate, generators
 from .measure import ExactOptions, exact_stream, ideal_settings, image_is_continuous
 from .motion import Motion
@@ -47,6 +48,6 @@ from .run import Fingerprints, Run, fingerprint_text, parameters, run_template, 
 from .scene import Gaussians, Scene, SceneObject
 from .session import Session, dataset_layouts
 from .simulate import Recording, Sensor, Simulation, Stepping
-from .trajectory import Camera, Intrinsics, Lens, PathOptions, Pose, Trajectory
+from .trajectory import IMU_SAMPLE, Camera, Imu, Intrinsics, Lens, PathOptions, Pose, Trajectory
 
 __all__ = [name for name in dir() if not name.startswith("_")]

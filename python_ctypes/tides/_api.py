@@ -121,6 +121,8 @@ TIDES_ARBITER_BOTTLENECK = 1
 TIDES_ARBITER_ROW = 2
 TIDES_ARBITER_SYNCHRONOUS = 3
 TIDES_LDATI_PLANES = 10
+TIDES_SHUTTER_GLOBAL = 0
+TIDES_SHUTTER_ROLLING = 1
 TIDES_PARAM_NUMBER = 0
 TIDES_PARAM_INTEGER = 1
 TIDES_PARAM_BOOLEAN = 2
@@ -1873,6 +1875,146 @@ class tides_frame_supply(Structure):
     ]
 
 
+class tides_exposure(Structure):
+    """uint32_t size; /* sizeof this struct */
+    int32_t shutter; /* TIDES_SHUTTER_* */
+    double frames_per_second; /* [Hz] */
+    double exposure_s; /* [s] for which each row gathers light; 0: an instant */
+    double row_time_s; /* [s] rolling: from a row to the one below it; negative: from the bottom up */
+    double tolerance; /* most that mean light may be off by: an estimate of it, in every pixel [1] */
+    int32_t colour; /* 1: r, g and b; 0: Y */
+    int32_t bits; /* of a value: 8 or 16 */
+    int32_t transfer; /* TIDES_TRANSFER_*: how light becomes a value (tides/frames.h) */
+    int32_t reserved;
+    double gamma; /* with TIDES_TRANSFER_LINEAR: values go as light^(1 / gamma), 1 being full scale */
+    double gain; /* values are at full scale where light times gain is 1 */
+    double full_well_e; /* electrons at full scale, whose number is Poisson's: shot noise; 0: none */
+    double read_noise_e; /* electrons, rms, added to each value; asks for full_well_e */
+    uint64_t seed; /* of noise */
+    """
+
+    size: int
+    shutter: int
+    frames_per_second: float
+    exposure_s: float
+    row_time_s: float
+    tolerance: float
+    colour: int
+    bits: int
+    transfer: int
+    reserved: int
+    gamma: float
+    gain: float
+    full_well_e: float
+    read_noise_e: float
+    seed: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("shutter", c_int32),
+        ("frames_per_second", c_double),
+        ("exposure_s", c_double),
+        ("row_time_s", c_double),
+        ("tolerance", c_double),
+        ("colour", c_int32),
+        ("bits", c_int32),
+        ("transfer", c_int32),
+        ("reserved", c_int32),
+        ("gamma", c_double),
+        ("gain", c_double),
+        ("full_well_e", c_double),
+        ("read_noise_e", c_double),
+        ("seed", c_uint64),
+    ]
+
+
+class tides_exposed(Structure):
+    """double error; /* largest estimated error of a pixel's mean light [1]; above the tolerance where pixels are unsettled */
+    double renders; /* full frames' worth of tiles rendered */
+    uint64_t unsettled; /* pixels that no cut to 1/4096 of the frame's exposure brought within the tolerance */
+    """
+
+    error: float
+    renders: float
+    unsettled: int
+
+    _fields_ = [
+        ("error", c_double),
+        ("renders", c_double),
+        ("unsettled", c_uint64),
+    ]
+
+
+class tides_imu(Structure):
+    """uint32_t size; /* sizeof this struct */
+    int32_t reserved;
+    double rate_hz;
+    double gravity; /* its magnitude [m/s^2]; 0: none */
+    double down[3]; /* where it points to, in world axes, of any length; needed unless gravity is 0 */
+    double metres_per_unit; /* of the path [m]; needed */
+    double gyroscope_noise; /* white noise's density [rad/s/sqrt(Hz)] */
+    double accelerometer_noise; /* [m/s^2/sqrt(Hz)] */
+    double gyroscope_walk; /* density of the bias's random walk [rad/s^2/sqrt(Hz)] */
+    double accelerometer_walk; /* [m/s^3/sqrt(Hz)] */
+    double gyroscope_bias[3]; /* at the first sample [rad/s] */
+    double accelerometer_bias[3]; /* [m/s^2] */
+    uint64_t seed; /* of noise and walks */
+    """
+
+    size: int
+    reserved: int
+    rate_hz: float
+    gravity: float
+    down: Any
+    metres_per_unit: float
+    gyroscope_noise: float
+    accelerometer_noise: float
+    gyroscope_walk: float
+    accelerometer_walk: float
+    gyroscope_bias: Any
+    accelerometer_bias: Any
+    seed: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("reserved", c_int32),
+        ("rate_hz", c_double),
+        ("gravity", c_double),
+        ("down", c_double * 3),
+        ("metres_per_unit", c_double),
+        ("gyroscope_noise", c_double),
+        ("accelerometer_noise", c_double),
+        ("gyroscope_walk", c_double),
+        ("accelerometer_walk", c_double),
+        ("gyroscope_bias", c_double * 3),
+        ("accelerometer_bias", c_double * 3),
+        ("seed", c_uint64),
+    ]
+
+
+class tides_imu_sample(Structure):
+    """double time; /* [s] */
+    double angular_rate[3]; /* of the body against the world [rad/s] */
+    double specific_force[3]; /* R^T (a - g) [m/s^2] */
+    double gyroscope_bias[3]; /* [rad/s] */
+    double accelerometer_bias[3]; /* [m/s^2] */
+    """
+
+    time: float
+    angular_rate: Any
+    specific_force: Any
+    gyroscope_bias: Any
+    accelerometer_bias: Any
+
+    _fields_ = [
+        ("time", c_double),
+        ("angular_rate", c_double * 3),
+        ("specific_force", c_double * 3),
+        ("gyroscope_bias", c_double * 3),
+        ("accelerometer_bias", c_double * 3),
+    ]
+
+
 class tides_param(Structure):
     """const char *key; /* "sensor.threshold_on" */
     int32_t type; /* TIDES_PARAM_* */
@@ -1924,7 +2066,10 @@ class tides_run_values(Structure):
     double metres_per_unit; /* of the scene [m]; 0: unknown */
     double dataset_picture_hz, dataset_truth_hz, dataset_pose_hz; /* of tides_dataset_write [Hz] */
     int32_t event_truth; /* 1: event files get ground truth (tides_session_truth) */
-    int32_t reserved;
+    int32_t track_count; /* points to follow (tides_session_tracks) */
+    double track_rate_hz; /* at which [Hz] */
+    tides_exposure exposure; /* of frames (tides_session_frames) */
+    tides_imu imu; /* but for metres_per_unit, which is above */
     const char *json; /* the run with every default filled in, as written into event files */
     """
 
@@ -1951,7 +2096,10 @@ class tides_run_values(Structure):
     dataset_truth_hz: float
     dataset_pose_hz: float
     event_truth: int
-    reserved: int
+    track_count: int
+    track_rate_hz: float
+    exposure: tides_exposure
+    imu: tides_imu
     json: bytes | None
 
     _fields_ = [
@@ -1978,7 +2126,10 @@ class tides_run_values(Structure):
         ("dataset_truth_hz", c_double),
         ("dataset_pose_hz", c_double),
         ("event_truth", c_int32),
-        ("reserved", c_int32),
+        ("track_count", c_int32),
+        ("track_rate_hz", c_double),
+        ("exposure", tides_exposure),
+        ("imu", tides_imu),
         ("json", c_char_p),
     ]
 
@@ -2038,6 +2189,29 @@ class tides_session_facts(Structure):
         ("info", tides_device_info),
         ("sees_frames", c_int32),
         ("reserved", c_int32),
+    ]
+
+
+class tides_session_taken(Structure):
+    """uint64_t count; /* frames, samples, or times of tracks */
+    uint64_t tracks; /* points followed */
+    double error; /* frames: the largest estimated error of mean light in a pixel [1] */
+    double renders; /* frames: renders that they took, in full frames */
+    uint64_t unsettled; /* frames: pixels that stayed above the tolerance */
+    """
+
+    count: int
+    tracks: int
+    error: float
+    renders: float
+    unsettled: int
+
+    _fields_ = [
+        ("count", c_uint64),
+        ("tracks", c_uint64),
+        ("error", c_double),
+        ("renders", c_double),
+        ("unsettled", c_uint64),
     ]
 
 
@@ -2880,6 +3054,22 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
         P(tides_sensor), c_double, c_double, P(tides_exact_options), tides_progress, c_void_p, P(tides_exact),
         P(tides_error)
     ]),
+    # size_t tides_exposure_count(const tides_exposure *exposure, int32_t height, double start, double stop)
+    "tides_exposure_count": (c_size_t, [P(tides_exposure), c_int32, c_double, c_double]),
+    # void tides_exposure_defaults(tides_exposure *exposure)
+    "tides_exposure_defaults": (None, [P(tides_exposure)]),
+    # int32_t tides_exposure_planes(const tides_exposure *exposure)
+    "tides_exposure_planes": (c_int32, [P(tides_exposure)]),
+    # void tides_exposure_row(const tides_exposure *exposure, int32_t height, double time, int32_t row, double *start,
+    # double *stop)
+    "tides_exposure_row": (None, [P(tides_exposure), c_int32, c_double, c_int32, P(c_double), P(c_double)]),
+    # double tides_exposure_time(const tides_exposure *exposure, int32_t height, double start, size_t index)
+    "tides_exposure_time": (c_double, [P(tides_exposure), c_int32, c_double, c_size_t]),
+    # tides_status tides_exposure_values(const tides_exposure *exposure, int32_t width, int32_t height, size_t index,
+    # const double *light, uint16_t *values, tides_error *error)
+    "tides_exposure_values": (c_int32, [
+        P(tides_exposure), c_int32, c_int32, c_size_t, P(c_double), P(c_uint16), P(tides_error)
+    ]),
     # void tides_exr_destroy(tides_exr *exr)
     "tides_exr_destroy": (None, [P(tides_exr)]),
     # const char *tides_exr_name(const tides_exr *exr, int32_t channel)
@@ -2953,6 +3143,10 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_image_is_continuous": (c_int32, [P(tides_image_params)]),
     # void tides_image_params_defaults(tides_image_params *params)
     "tides_image_params_defaults": (None, [P(tides_image_params)]),
+    # size_t tides_imu_count(const tides_imu *imu, double start, double stop)
+    "tides_imu_count": (c_size_t, [P(tides_imu), c_double, c_double]),
+    # void tides_imu_defaults(tides_imu *imu)
+    "tides_imu_defaults": (None, [P(tides_imu)]),
     # tides_status tides_ldati(const double *voxels, int32_t width, int32_t height, double start, double stop, uint64_t
     # seed, uint64_t frame, tides_event_sink sink, void *user, tides_error *error)
     "tides_ldati": (c_int32, [
@@ -3031,6 +3225,9 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     # tides_status tides_png_write(const char *path, int32_t width, int32_t height, const uint8_t *rgb, tides_error
     # *error)
     "tides_png_write": (c_int32, [c_char_p, c_int32, c_int32, P(c_uint8), P(tides_error)]),
+    # tides_status tides_png_write_values(const char *path, int32_t width, int32_t height, int32_t planes, int32_t bits,
+    # const uint16_t *values, tides_error *error)
+    "tides_png_write_values": (c_int32, [c_char_p, c_int32, c_int32, c_int32, c_int32, P(c_uint16), P(tides_error)]),
     # void tides_readout_defaults(tides_readout *readout)
     "tides_readout_defaults": (None, [P(tides_readout)]),
     # void tides_recording_defaults(tides_recording *recording)
@@ -3054,6 +3251,12 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     # tides_event *events, const int64_t *fired, size_t count, tides_event_truth *truth, tides_error *error)
     "tides_renderer_event_truth": (c_int32, [
         P(tides_renderer), P(tides_trajectory), P(tides_event), P(c_int64), c_size_t, P(tides_event_truth),
+        P(tides_error)
+    ]),
+    # tides_status tides_renderer_expose(tides_renderer *renderer, const tides_trajectory *camera, double time, const
+    # tides_exposure *exposure, double *light, tides_exposed *done, tides_error *error)
+    "tides_renderer_expose": (c_int32, [
+        P(tides_renderer), P(tides_trajectory), c_double, P(tides_exposure), P(c_double), P(tides_exposed),
         P(tides_error)
     ]),
     # tides_status tides_renderer_follow(tides_renderer *renderer, const tides_trajectory *camera, double time, const
@@ -3161,6 +3364,11 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_session_exact": (c_int32, [
         P(tides_session), P(tides_exact_options), tides_progress, c_void_p, P(tides_exact), P(tides_error)
     ]),
+    # tides_status tides_session_frames(tides_session *session, const char *path, tides_progress progress, void *user,
+    # tides_session_taken *done, tides_error *error)
+    "tides_session_frames": (c_int32, [
+        P(tides_session), c_char_p, tides_progress, c_void_p, P(tides_session_taken), P(tides_error)
+    ]),
     # void tides_session_get(const tides_session *session, tides_session_facts *facts)
     "tides_session_get": (None, [P(tides_session), P(tides_session_facts)]),
     # tides_status tides_session_load(const char *file, const char *const *overrides, size_t count, const char *device,
@@ -3247,6 +3455,9 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_time_surface": (c_int32, [
         P(tides_event), c_size_t, c_int32, c_int32, c_int64, c_double, P(c_double), P(tides_error)
     ]),
+    # tides_status tides_trajectory_acceleration(const tides_trajectory *trajectory, double time, double
+    # acceleration[3], tides_error *error)
+    "tides_trajectory_acceleration": (c_int32, [P(tides_trajectory), c_double, P(c_double), P(tides_error)]),
     # tides_status tides_trajectory_at(const tides_trajectory *trajectory, double time, tides_pose *pose, tides_error
     # *error)
     "tides_trajectory_at": (c_int32, [P(tides_trajectory), c_double, P(tides_pose), P(tides_error)]),
@@ -3274,6 +3485,11 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_trajectory_create_static": (c_int32, [P(c_double), P(c_double), P(P(tides_trajectory)), P(tides_error)]),
     # void tides_trajectory_destroy(tides_trajectory *trajectory)
     "tides_trajectory_destroy": (None, [P(tides_trajectory)]),
+    # tides_status tides_trajectory_imu(const tides_trajectory *trajectory, const tides_imu *imu, double start, size_t
+    # count, tides_imu_sample *samples, tides_error *error)
+    "tides_trajectory_imu": (c_int32, [
+        P(tides_trajectory), P(tides_imu), c_double, c_size_t, P(tides_imu_sample), P(tides_error)
+    ]),
     # int32_t tides_trajectory_is_static(const tides_trajectory *trajectory)
     "tides_trajectory_is_static": (c_int32, [P(tides_trajectory)]),
     # void tides_trajectory_range(const tides_trajectory *trajectory, double *start, double *stop)
@@ -3304,9 +3520,10 @@ STRUCTS = (
     tides_keyframes_motion, tides_theta, tides_callback_motion, tides_gaussians, tides_object, tides_circuit,
     tides_sensor, tides_smoothing, tides_image_params, tides_frame, tides_render_stats, tides_risk, tides_stepping,
     tides_stats, tides_stat, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params,
-    tides_baseline_params, tides_frame_supply, tides_param, tides_run_values, tides_rig_camera, tides_session_facts,
-    tides_recording, tides_recorded, tides_dataset_layout, tides_dataset_report, tides_generator,
-    tides_generate_options, tides_world, tides_truth, tides_material_point, tides_track, tides_event_truth,
-    tides_channel, tides_match, tides_metrics_options, tides_interval_fit, tides_stream_metrics, tides_metrics,
-    tides_voxel_options, tides_array_shape, tides_run_input, tides_fingerprint, tides_exact_options, tides_exact,
+    tides_baseline_params, tides_frame_supply, tides_exposure, tides_exposed, tides_imu, tides_imu_sample, tides_param,
+    tides_run_values, tides_rig_camera, tides_session_facts, tides_session_taken, tides_recording, tides_recorded,
+    tides_dataset_layout, tides_dataset_report, tides_generator, tides_generate_options, tides_world, tides_truth,
+    tides_material_point, tides_track, tides_event_truth, tides_channel, tides_match, tides_metrics_options,
+    tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_run_input,
+    tides_fingerprint, tides_exact_options, tides_exact,
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from ctypes import POINTER, byref, c_char_p, c_double, c_float, c_int32, c_uint8
+from ctypes import POINTER, byref, c_char_p, c_double, c_float, c_int32, c_uint8, c_uint16
 from typing import Any, Mapping
 
 import numpy as np
@@ -58,6 +58,17 @@ def write_png(file: str | os.PathLike[str], rgb: Any) -> None:
     """Writes uint8 (height x width x 3)."""
     rgb = _rgb(rgb)
     call("tides_png_write", path(file), rgb.shape[1], rgb.shape[0], pointer(rgb, c_uint8))
+
+
+def write_png_values(file: str | os.PathLike[str], values: Any, bits: int = 8) -> None:
+    """Writes whole numbers (height x width, or x 3) as they are, of 8 or 16 bits."""
+    given = np.asarray(values)
+    if given.dtype.kind not in "ui" or (given.size and (given.min() < 0 or given.max() >= 1 << bits)):
+        raise ValueError(f"values: whole numbers from 0 to {(1 << bits) - 1} are needed")
+    planes = given.shape[2] if given.ndim == 3 else 1
+    given = array(given, np.uint16, (None, None, planes) if given.ndim == 3 else (None, None), "values")
+    made = pointer(given, c_uint16)
+    call("tides_png_write_values", path(file), given.shape[1], given.shape[0], planes, bits, made)
 
 
 def _rgb(rgb: Any) -> np.ndarray:

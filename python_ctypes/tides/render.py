@@ -15,6 +15,7 @@ from ._progress import Progress, Reporter
 from ._values import Facts, Value, choice, constants, plain
 from .device import Device, opened
 from .events import as_events
+from .exposure import Exposure
 from .scene import Scene
 from .trajectory import Camera, Trajectory
 
@@ -88,6 +89,20 @@ class Renderer(Handle):
         with self._lock:
             call("tides_renderer_frame", self._pointer, path._pointer, time, frame)
         return planes
+
+    def expose(
+        self, time: float, exposure: Exposure | None = None, trajectory: Trajectory | None = None
+    ) -> tuple[np.ndarray, Facts]:
+        """Mean linear light of an exposed frame at `time` [s], the middle of its exposure: float64 (height x width), or
+        (3 x height x width) with exposure.colour; and what it took: error, renders, unsettled."""
+        how, lens = exposure or Exposure(), self.camera.intrinsics
+        light = np.empty(((3,) if how.planes == 3 else ()) + (lens.height, lens.width))
+        done, path = _api.tides_exposed(), trajectory or self.camera.trajectory
+        with self._lock:
+            call(
+                "tides_renderer_expose", self._pointer, path._pointer, time, how, pointer(light, c_double), byref(done)
+            )
+        return light, plain(done)
 
     def truth(
         self, time: float, planes: Iterable[str] = TRUTHS, trajectory: Trajectory | None = None

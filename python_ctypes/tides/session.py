@@ -18,12 +18,13 @@ from ._progress import Progress, Reporter
 from ._values import Facts, Value, _fields, plain
 from .baselines import BaselineParams, Frames, FramesOptions
 from .device import Device, opened
+from .exposure import Exposure
 from .measure import session_exact
 from .readout import Readout
 from .render import ImageParams, Renderer
 from .scene import Scene
 from .simulate import Sensor, Simulation, Stepping, _Collector, packet, recording
-from .trajectory import Camera, Intrinsics, PathOptions, Trajectory
+from .trajectory import Camera, Imu, Intrinsics, PathOptions, Trajectory
 
 _VALUES: dict[Any, Any] = {
     _api.tides_intrinsics: Intrinsics,
@@ -34,6 +35,8 @@ _VALUES: dict[Any, Any] = {
     _api.tides_baseline_params: BaselineParams,
     _api.tides_frames_options: FramesOptions,
     _api.tides_path_options: PathOptions,
+    _api.tides_exposure: Exposure,
+    _api.tides_imu: Imu,
 }
 
 
@@ -169,6 +172,13 @@ class Session(Handle):
         and instance beside its events, each at the time that its event fired. sensor.truth has `write` do it."""
         with self._lock, Reporter(progress) as step:
             call("tides_session_truth", self._pointer, path(file), step, None)
+
+    def write_frames(self, folder: str | os.PathLike[str], progress: Progress = None) -> Facts:
+        """Frames as exposure.* says, into a folder: numbered PNGs, timestamps.txt, exposure_timestamps.txt. What it took."""
+        taken = _api.tides_session_taken()
+        with self._lock, Reporter(progress) as step:
+            call("tides_session_frames", self._pointer, path(folder), step, None, byref(taken))
+        return plain(taken)
 
     def exact(self, progress: Progress = None, **options: Any) -> Facts:
         """The exact stream of ideal pixels with the run's thresholds, and what it is worth: see measure.exact_stream."""

@@ -21,6 +21,20 @@ _SHOWN: Any = [name for name, _ in _fields(_api.tides_pose_sample)]
 _UP = (0.0, 1.0, 0.0)
 
 
+#: Measurements of an IMU (Trajectory.imu): time [s], angular_rate [rad/s], specific_force [m/s^2], and the biases in them.
+IMU_SAMPLE = np.dtype(
+    [("time", "f8")]
+    + [(name, "f8", 3) for name in ("angular_rate", "specific_force", "gyroscope_bias", "accelerometer_bias")]
+)
+
+
+class Imu(Value, _api.tides_imu):
+    """An IMU with a path's axes: rate_hz, gravity [m/s^2], down (3), metres_per_unit; gyroscope_noise [rad/s/sqrt(Hz)],
+    accelerometer_noise [m/s^2/sqrt(Hz)], gyroscope_walk, accelerometer_walk, gyroscope_bias (3), accelerometer_bias (3), seed."""
+
+    _defaults = "tides_imu_defaults"
+
+
 @dataclass(frozen=True)
 class Pose:
     """Pose and rate at one time: p_world = rotation p_body + position."""
@@ -148,6 +162,19 @@ class Trajectory(Handle):
         call("tides_trajectory_at", self._pointer, time, pose)
         rotation, rotation_dot = (np.array(one).reshape(3, 3) for one in (pose.rotation, pose.rotation_dot))
         return Pose(rotation, np.array(pose.position), rotation_dot, np.array(pose.position_dot))
+
+    def acceleration(self, time: float) -> np.ndarray:
+        """Acceleration of the body's origin at `time` [scene units/s^2], in world axes. Unsupported where the path is C1."""
+        made = (c_double * 3)()
+        call("tides_trajectory_acceleration", self._pointer, time, made)
+        return np.array(made)
+
+    def imu(self, imu: Imu, start: float, stop: float) -> np.ndarray:
+        """What an IMU on the body measures from `start` to `stop` [s] (IMU_SAMPLE)."""
+        samples = np.zeros(lib.tides_imu_count(imu, start, stop), IMU_SAMPLE)
+        made = cast(samples.ctypes.data, POINTER(_api.tides_imu_sample))
+        call("tides_trajectory_imu", self._pointer, imu, start, len(samples), made)
+        return samples
 
     @property
     def range(self) -> tuple[float, float]:

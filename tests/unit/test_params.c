@@ -45,7 +45,8 @@ static size_t size_of(const td_param *row) {
 
 /* Another value than the default, as "key=value". */
 static void another(const td_param *row, char text[160]) {
-    const double middle = row->key[0] == 't' ? 0.5 : row->lower + 0.37109375 * (row->upper - row->lower); /* time.* */
+    const double middle =
+        strncmp(row->key, "time.", 5) == 0 ? 0.5 : row->lower + 0.37109375 * (row->upper - row->lower); /* time.* */
     const char *last = row->choices ? strrchr(row->choices, '|') + 1 : "";
     char number[32], second[32];
     td_number_text(middle, number);

@@ -157,6 +157,28 @@ static tides_status take_exact(const fixture *f, const void *options, tides_erro
                               stop_at_once, NULL, &exact, error);
 }
 
+static tides_status take_exposure(const fixture *f, const void *options, tides_error *error) {
+    static double light[3 * 64 * 48];
+    tides_image_params image;
+    tides_renderer *made = NULL;
+    tides_image_params_defaults(&image);
+    tides_status status = tides_renderer_create(f->device, f->scene.scene, &f->scene.camera, &image, NULL, NULL, &made, error);
+    assert_true((size_t)f->scene.camera.width * (size_t)f->scene.camera.height * 3 <= sizeof light / sizeof *light);
+    if (status == TIDES_OK) status = tides_renderer_expose(made, f->scene.path, 0.5, options, light, NULL, error);
+    tides_renderer_destroy(made);
+    return status;
+}
+static tides_status take_exposure_of_values(const fixture *f, const void *options, tides_error *error) {
+    static const double light[3] = {0.5, 0.5, 0.5};
+    uint16_t values[3];
+    (void)f;
+    return tides_exposure_values(options, 1, 1, 0, light, values, error);
+}
+static tides_status take_imu(const fixture *f, const void *options, tides_error *error) {
+    tides_imu_sample sample;
+    return tides_trajectory_imu(f->scene.path, options, 0.5, 1, &sample, error);
+}
+
 /* -- the table ----------------------------------------------------------------------------------------------------------- */
 
 static void voxel_defaults(tides_voxel_options *options) { tides_voxel_options_defaults(options, TIDES_VOXEL_E2VID); }
@@ -179,6 +201,8 @@ typedef union given {
     tides_frames_options frames;
     tides_recording recording;
     tides_exact_options exact;
+    tides_exposure exposure;
+    tides_imu imu;
 } given;
 
 #define FILL(member, function) \
@@ -195,6 +219,8 @@ FILL(path, tides_path_options_defaults)
 FILL(frames, tides_frames_options_defaults)
 FILL(recording, tides_recording_defaults)
 FILL(exact, tides_exact_options_defaults)
+FILL(exposure, tides_exposure_defaults)
+FILL(imu, tides_imu_defaults)
 
 static const struct row {
     const char *name;
@@ -217,6 +243,9 @@ static const struct row {
     {"tides_frames_options", sizeof(tides_frames_options), fill_frames, take_frames, TIDES_FILE_NOT_FOUND},
     {"tides_recording", sizeof(tides_recording), fill_recording, take_recording, TIDES_WRITE_FAILED},
     {"tides_exact_options", sizeof(tides_exact_options), fill_exact, take_exact, TIDES_CANCELLED},
+    {"tides_exposure", sizeof(tides_exposure), fill_exposure, take_exposure, TIDES_OK},
+    {"tides_exposure", sizeof(tides_exposure), fill_exposure, take_exposure_of_values, TIDES_OK},
+    {"tides_imu", sizeof(tides_imu), fill_imu, take_imu, TIDES_BAD_CONFIG}, /* metres_per_unit is the caller's to know */
 };
 enum { ROWS = sizeof rows / sizeof *rows };
 

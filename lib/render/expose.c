@@ -1,0 +1,134 @@
+/* Exposed frames: which rows are exposed when, and bands of tiles that are integrated together (expose_panels.c). */
+#include "td_expose.h"
+
+#include "td_extremes.h"
+#include "td_struct.h"
+#include "tides/frames.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A band's renders are kept until it is done: rows of tiles, with so many nodes each to begin with, that this holds; a band
+ * has one row at least. */
+static const double band_bytes = 256e6;
+enum { NODES_OF_TILE = 33 };
+
+/* How much longer than one row of tiles a band may be exposed: what it sees meanwhile is swept, and projected, for all. */
+static const double longest_band = 1.25;
+
+void tides_exposure_defaults(tides_exposure *exposure) {
+    if (!exposure) return;
+    *exposure = (tides_exposure){.size = sizeof *exposure,
+                                 .frames_per_second = 30,
+                                 .exposure_s = 0.01,
+                                 .row_time_s = 20e-6,
+                                 .tolerance = 1e-3,
+                                 .bits = 8,
+                                 .gamma = 1,
+                                 .gain = 1};
+}
+
+int32_t tides_exposure_planes(const tides_exposure *exposure) { return exposure && exposure->colour ? 3 : 1; }
+
+/* -- when ------------------------------------------------------------------------------------------------------------ */
+
+/* From a row to the next one. */
+static double row_time(const tides_exposure *e) { return e->shutter == TIDES_SHUTTER_ROLLING ? e->row_time_s : 0; }
+
+void tides_exposure_row(const tides_exposure *e, int32_t height, double time, int32_t row, double *start, double *stop) {
+    const double middle = time + (row - 0.5 * (height - 1)) * row_time(e);
+    if (start) *start = middle - 0.5 * e->exposure_s;
+    if (stop) *stop = middle + 0.5 * e->exposure_s;
+}
+
+/* How long before its time a frame begins, and after it ends. */
+static double half_span(const tides_exposure *e, int32_t height) {
+    return 0.5 * (e->exposure_s + (height - 1) * fabs(row_time(e)));
+}
+
+/* Frames and runs end where they are said to, not a rounding before. */
+static const double slack = 1e-9;
+
+size_t tides_exposure_count(const tides_exposure *e, int32_t height, double start, double stop) {
+    const double room = stop - start - 2 * half_span(e, height);
+    return room < -slack ? 0 : (size_t)floor(td_greater(room, 0) * e->frames_per_second + slack * e->frames_per_second) + 1;
+}
+
+double tides_exposure_time(const tides_exposure *e, int32_t height, double start, size_t index) {
+    return start + half_span(e, height) + (double)index / e->frames_per_second;
+}
+
+/* -- what is asked --------------------------------------------------------------------------------------------------- */
+
+static tides_status take_exposure(const tides_exposure *given, tides_exposure *own, tides_error *error) {
+    tides_exposure_defaults(own);
+    tides_status status = TD_TAKE_STRUCT(tides_exposure, own, given, error);
+    if (status != TIDES_OK) return status;
+    if (own->shutter != TIDES_SHUTTER_GLOBAL && own->shutter != TIDES_SHUTTER_ROLLING)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "exposure.shutter: %d is none of TIDES_SHUTTER_*", (int)own->shutter);
+    if (!(own->exposure_s >= 0 && own->exposure_s <= 1e3))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "exposure.exposure_s: %g s must lie in [0, 1000]", own->exposure_s);
+    if (!(fabs(own->row_time_s) <= 1))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "exposure.row_time_s: %g s must lie in [-1, 1]", own->row_time_s);
+    if (!(own->tolerance >= 1e-5 && own->tolerance <= 1))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "exposure.tolerance: %g must lie in [1e-5, 1]", own->tolerance);
+    return TIDES_OK;
+}
+
+/* -- a frame --------------------------------------------------------------------------------------------------------- */
+
+/* The band that begins with a row of tiles: how far it goes, and the interval that it is exposed in. */
+static td_row_window band_from(const tides_renderer *r, td_expose_band *band) {
+    const int height = r->image.height;
+    const size_t node = (size_t)band->planes * 2 * TD_TILE_PIXELS * sizeof(double);
+    const double row_bytes = (double)node * NODES_OF_TILE * r->candidates.tiles_x;
+    const td_row_window one = td_expose_tile_row(band, height, band->first);
+    td_row_window all = one;
+    band->last = band->first + 1;
+    while (band->last < r->candidates.tiles_y && row_bytes * (band->last + 1 - band->first) <= band_bytes) {
+        const td_row_window next = td_expose_tile_row(band, height, band->last);
+        const td_row_window more = {td_lesser(all.start, next.start), td_greater(all.stop, next.stop)};
+        if (more.stop - more.start > longest_band * (one.stop - one.start)) break;
+        all = more;
+        band->last++;
+    }
+    return all;
+}
+
+/* Band by band, each swept for its own time, unless that is the one before's. */
+static tides_status expose_bands(tides_renderer *r, const tides_trajectory *camera, td_expose_band *band, tides_error *error) {
+    td_row_window swept = {INFINITY, -INFINITY};
+    tides_status status = TIDES_OK;
+    for (band->first = 0; band->first < r->candidates.tiles_y && status == TIDES_OK; band->first = band->last) {
+        const td_row_window now = band_from(r, band);
+        if (!(now.start == swept.start && now.stop == swept.stop))
+            status = td_renderer_sweep(r, camera, now.start, now.stop, error);
+        swept = now;
+        if (status == TIDES_OK) status = td_expose_panels(r, camera, band, error);
+    }
+    return status;
+}
+
+tides_status tides_renderer_expose(tides_renderer *r, const tides_trajectory *camera, double time,
+                                   const tides_exposure *exposure, double *light, tides_exposed *done, tides_error *error) {
+    tides_exposure e;
+    if (!r || !camera || !exposure || !light)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_renderer_expose: renderer, camera, exposure and light must be given");
+    tides_status status = take_exposure(exposure, &e, error);
+    if (status != TIDES_OK) return status;
+    const int height = r->image.height;
+    if (r->psf.radius && row_time(&e) != 0)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "a rolling shutter with blur by the optics (psf_sigma_px) isn't supported: blur mixes rows of other "
+                       "times; set one of them to 0");
+    td_row_window *rows = td_alloc((size_t)height, sizeof *rows, error);
+    if (!rows) return TIDES_NO_MEMORY;
+    for (int y = 0; y < height; y++) tides_exposure_row(&e, height, time - r->epoch, y, &rows[y].start, &rows[y].stop);
+    td_expose_band band = {.rows = rows, .planes = tides_exposure_planes(&e), .tolerance = e.tolerance, .light = light};
+    status = expose_bands(r, camera, &band, error);
+    for (int c = 0; c < band.planes && status == TIDES_OK; c++) /* blur and mean are linear: either order */
+        status = td_psf_image(&r->psf, r->image.width, height, light + (size_t)c * height * r->image.width, error);
+    if (done && status == TIDES_OK) *done = (tides_exposed){band.error, (double)band.tiles / r->stats.tiles, band.unsettled};
+    free(rows);
+    return status;
+}

@@ -1,0 +1,39 @@
+/* Internal to lib/render: the mean of light over the exposures of some rows of tiles (expose_panels.c), for whole frames
+ * (expose.c).
+ *
+ * Pixel by pixel light is a cubic from node to node in time, through values and rates: a row's mean is that cubic's, over the
+ * row's own exposure, in closed form. A *panel* is what lies between two nodes, and has a third one in its middle: what its
+ * two halves say against the whole tells how wrong they are (error_of). The errors of a pixel's panels add up; while a sum is
+ * above the tolerance the panels that have more than half their share of it are cut in two. */
+#ifndef TD_EXPOSE_H
+#define TD_EXPOSE_H
+
+#include "td_renderer.h"
+#include "tides/exposure.h"
+
+/* Times of a row of tiles are counted in these parts of its exposure, so that tiles share them to the bit. */
+enum { TD_EXPOSE_PARTS = 4096 };
+
+/* A row's exposure [s after the epoch]; stop == start is an instant. */
+typedef struct td_row_window {
+    double start, stop;
+} td_row_window;
+
+/* What to expose: rows of tiles [first, last), all in one swept interval. */
+typedef struct td_expose_band {
+    int first, last;
+    const td_row_window *rows; /* (image height) */
+    int planes;                /* 1: Y; 3: r, g, b */
+    double tolerance;
+    double *light;             /* (planes x height x width), of which the band's rows are written */
+    double error;              /* the largest estimate so far */
+    uint64_t unsettled, tiles; /* counted on */
+} td_expose_band;
+
+/* When a row of tiles is exposed: the union of its rows' windows. */
+td_row_window td_expose_tile_row(const td_expose_band *band, int height, int tile_row);
+
+tides_status td_expose_panels(tides_renderer *renderer, const tides_trajectory *camera, td_expose_band *band,
+                              tides_error *error);
+
+#endif

@@ -1,0 +1,128 @@
+/* Frames of a run, exposed as its exposure.* keys say, as numbered pictures with their times. */
+#include "run/td_run.h"
+#include "run/td_session.h"
+#include "td_base.h"
+#include "tides/image.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* What a frame is made in. */
+typedef struct frame_job {
+    const tides_session_facts *facts;
+    const char *folder;
+    tides_renderer *renderer;
+    double *light;
+    uint16_t *values;
+    tides_session_taken taken;
+} frame_job;
+
+static tides_status make_folder(const char *folder, tides_error *error) {
+    if (mkdir(folder, 0777) == 0 || errno == EEXIST) return TIDES_OK;
+    return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", folder, strerror(errno));
+}
+
+static tides_status make_frame(frame_job *job, size_t index, double time, tides_error *error) {
+    const tides_session_facts *f = job->facts;
+    const tides_exposure *exposure = &f->values.exposure;
+    const int32_t width = f->intrinsics.width, height = f->intrinsics.height;
+    tides_exposed exposed;
+    tides_status status = tides_renderer_expose(job->renderer, f->camera, time, exposure, job->light, &exposed, error);
+    if (status == TIDES_OK) status = tides_exposure_values(exposure, width, height, index, job->light, job->values, error);
+    char *path = status == TIDES_OK ? td_format(error, "%s/frame_%06zu.png", job->folder, index) : NULL;
+    if (status == TIDES_OK && !path) status = TIDES_NO_MEMORY;
+    if (status == TIDES_OK)
+        status =
+            tides_png_write_values(path, width, height, tides_exposure_planes(exposure), exposure->bits, job->values, error);
+    free(path);
+    if (status != TIDES_OK) return status;
+    job->taken.count++;
+    job->taken.renders += exposed.renders;
+    job->taken.unsettled += exposed.unsettled;
+    job->taken.error = exposed.error > job->taken.error ? exposed.error : job->taken.error;
+    return TIDES_OK;
+}
+
+/* -- times ----------------------------------------------------------------------------------------------------------- */
+
+/* When a frame begins and ends: whichever of its first and last row is first, and last. */
+static void span_of(const frame_job *job, double time, double *start, double *stop) {
+    const tides_exposure *exposure = &job->facts->values.exposure;
+    const int32_t height = job->facts->intrinsics.height;
+    double from, to;
+    tides_exposure_row(exposure, height, time, 0, start, stop);
+    tides_exposure_row(exposure, height, time, height - 1, &from, &to);
+    *start = from < *start ? from : *start;
+    *stop = to > *stop ? to : *stop;
+}
+
+/* A text of `count` lines, each of one time or of two. */
+static tides_status write_times(const frame_job *job, const char *name, size_t count, int spans, tides_error *error) {
+    enum { LINE = 64 };
+    const tides_run_values *v = &job->facts->values;
+    const int32_t height = job->facts->intrinsics.height;
+    char *text = td_alloc(count + 2, LINE, error), *path = td_format(error, "%s/%s", job->folder, name);
+    tides_status status = text && path ? TIDES_OK : TIDES_NO_MEMORY;
+    size_t at = 0;
+    if (status == TIDES_OK && spans) at += (size_t)snprintf(text, LINE, "# start stop [s]\n");
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) {
+        const double time = tides_exposure_time(&v->exposure, height, v->start, i);
+        double start, stop;
+        span_of(job, time, &start, &stop);
+        at +=
+            (size_t)(spans ? snprintf(text + at, LINE, "%.9f %.9f\n", start, stop) : snprintf(text + at, LINE, "%.9f\n", time));
+    }
+    if (status == TIDES_OK) status = tides_file_write(path, text, at, error);
+    free(path);
+    free(text);
+    return status;
+}
+
+/* -- the run --------------------------------------------------------------------------------------------------------- */
+
+static tides_status make_frames(frame_job *job, size_t count, tides_progress progress, void *user, tides_error *error) {
+    const tides_run_values *v = &job->facts->values;
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) {
+        if (progress && progress(user, (double)i / (double)count, "frames"))
+            return td_fail(error, TIDES_CANCELLED, "stopped on request after %zu of %zu frames", i, count);
+        status = make_frame(job, i, tides_exposure_time(&v->exposure, job->facts->intrinsics.height, v->start, i), error);
+    }
+    if (status == TIDES_OK) status = write_times(job, "exposure_timestamps.txt", count, 1, error);
+    return status == TIDES_OK ? write_times(job, "timestamps.txt", count, 0, error) : status;
+}
+
+static tides_status prepare(tides_session *session, frame_job *job, tides_progress progress, void *user, tides_error *error) {
+    const tides_session_facts *f = job->facts;
+    const size_t values = (size_t)f->intrinsics.width * (size_t)f->intrinsics.height * 3;
+    tides_status status = tides_session_renderer(session, progress, user, &job->renderer, error);
+    if (status == TIDES_OK)
+        status = tides_renderer_set_psf(job->renderer, f->values.sensor.psf_sigma_px, TIDES_PSF_LINEAR, error);
+    if (status == TIDES_OK) status = make_folder(job->folder, error);
+    job->light = td_alloc(values, sizeof *job->light, error);
+    job->values = td_alloc(values, sizeof *job->values, error);
+    return status == TIDES_OK && !(job->light && job->values) ? TIDES_NO_MEMORY : status;
+}
+
+tides_status tides_session_frames(tides_session *session, const char *path, tides_progress progress, void *user,
+                                  tides_session_taken *done, tides_error *error) {
+    if (!session || !path) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_session_frames: session or path is NULL");
+    const tides_run_values *v = &session->facts.values;
+    const int32_t height = session->facts.intrinsics.height;
+    frame_job job = {.facts = &session->facts, .folder = path};
+    const size_t count = tides_exposure_count(&v->exposure, height, v->start, v->stop);
+    if (count == 0)
+        return td_fail(error, TIDES_BAD_CONFIG,
+                       "%s: no frame's exposure fits between time.start and time.stop, %g s: shorten exposure.exposure_s or "
+                       "row_time_s",
+                       session->facts.run->origin, v->stop - v->start);
+    tides_status status = prepare(session, &job, progress, user, error);
+    if (status == TIDES_OK) status = make_frames(&job, count, progress, user, error);
+    if (done && status == TIDES_OK) *done = job.taken;
+    free(job.light);
+    free(job.values);
+    tides_renderer_destroy(job.renderer);
+    return status;
+}

@@ -1,0 +1,79 @@
+"""Exposed frames and inertial measurements."""
+
+import numpy as np
+import pytest
+import tides
+
+RUN = "tests/install/run.json"
+
+
+def test_an_exposed_frame_is_the_mean_of_frames(scene, camera):
+    exposure = tides.Exposure(exposure_s=0.02, tolerance=1e-3)
+    with tides.Renderer(scene, camera) as renderer:
+        light, took = renderer.expose(0.05, exposure)
+        mean = np.mean([renderer.frame(0.04 + 0.02 * (k + 0.5) / 64, ["Y"])["Y"] for k in range(64)], axis=0)
+        sharp = renderer.frame(0.05, ["Y"])["Y"]
+        colour, _ = renderer.expose(0.05, exposure.copy(colour=1))
+        rolling, _ = renderer.expose(0.05, exposure.copy(exposure_s=0, shutter="rolling", row_time_s=1e-3))
+        row = renderer.frame(0.05 - 17.5e-3, ["Y"])["Y"][0]
+    assert np.abs(light - mean).max() <= 1e-3 < np.abs(light - sharp).max() and took.error <= 1e-3
+    assert colour.shape == (3, *light.shape) and took.unsettled == 0 and took.renders > 1
+    assert np.abs(np.tensordot([0.2126, 0.7152, 0.0722], colour, 1) - light).max() <= 2e-3
+    assert np.abs(rolling[0] - row).max() <= 1e-3
+
+
+def test_values_and_times():
+    exposure = tides.Exposure(shutter="rolling", exposure_s=0.01, row_time_s=1e-3, frames_per_second=50, bits=16)
+    assert np.allclose(exposure.times(11, 0, 0.1), [0.01, 0.03, 0.05, 0.07, 0.09])
+    assert np.allclose(exposure.row(11, 0.01, 0), (0, 0.01)) and np.allclose(exposure.row(11, 0.01, 10), (0.01, 0.02))
+    assert exposure.values(np.array([[0, 0.5, 1, 2]])).tolist() == [[0, 32768, 65535, 65535]]
+    noisy = exposure.copy(full_well_e=5000, read_noise_e=4, seed=3)
+    values = noisy.values(np.full((200, 200), 0.4)) / 65535
+    assert abs(values.mean() - 0.4) < 1e-3 and abs(values.std() * 5000 - np.sqrt(2000 + 16)) < 1
+    assert (noisy.values(np.full((200, 200), 0.4)) == np.round(values * 65535)).all()
+    with pytest.raises(tides.errors.BadArgument, match="full_well_e"):
+        tides.Exposure(read_noise_e=1).values(np.zeros((2, 2)))
+
+
+def test_values_as_pictures(tmp_path):
+    values = np.arange(12, dtype=np.uint16).reshape(2, 2, 3) * 5000
+    tides.image.write_png_values(tmp_path / "a.png", values, 16)
+    with pytest.raises(ValueError, match="255"):
+        tides.image.write_png_values(tmp_path / "b.png", values)
+    try:
+        import cv2
+    except ImportError:
+        return
+    assert (cv2.imread(str(tmp_path / "a.png"), cv2.IMREAD_UNCHANGED)[..., ::-1] == values).all()
+
+
+def test_frames_of_a_run(tmp_path):
+    with tides.Session(RUN, {"exposure.exposure_s": 0.01, "exposure.frames_per_second": 100}) as session:
+        taken = session.write_frames(tmp_path / "frames")
+        times = session.values.exposure.times(session.intrinsics.height, session.values.start, session.values.stop)
+    assert taken.count == len(times) == len(list((tmp_path / "frames").glob("*.png")))
+    assert np.allclose(np.loadtxt(tmp_path / "frames/timestamps.txt"), times)
+    spans = np.loadtxt(tmp_path / "frames/exposure_timestamps.txt", ndmin=2)
+    assert np.allclose(spans.mean(axis=1), times) and np.allclose(np.diff(spans), 0.01)
+    with tides.Frames(tmp_path / "frames") as frames:
+        assert len(frames) == len(times)
+
+
+def test_what_an_imu_measures():
+    times = np.linspace(0, 2, 41)
+    positions = np.stack([np.sin(times), np.cos(times), times], axis=1)
+    path = tides.Trajectory(times, positions, [(np.cos(t / 4), 0, 0, np.sin(t / 4)) for t in times])
+    imu = tides.Imu(down=(0, 0, -2), metres_per_unit=2, rate_hz=100)
+    samples = path.imu(imu, 0.5, 1.5)
+    assert len(samples) == 101 and np.allclose(samples["angular_rate"], (0, 0, 0.5), atol=1e-6)
+    t = samples["time"]
+    a, c, s = -2 * np.stack([np.sin(t), np.cos(t)]), np.cos(t / 2), np.sin(t / 2)
+    assert np.allclose(path.acceleration(1.0), [-np.sin(1), -np.cos(1), 0], atol=1e-3)
+    force = np.stack([c * a[0] + s * a[1], c * a[1] - s * a[0], np.full(len(t), 9.80665)], axis=1)
+    assert np.allclose(samples["specific_force"], force, atol=1e-2)
+    noisy = path.imu(imu.copy(gyroscope_noise=1e-3, gyroscope_walk=1e-4, gyroscope_bias=(1, 0, 0)), 0.5, 1.5)
+    assert noisy["gyroscope_bias"][0].tolist() == [1, 0, 0] and noisy["gyroscope_bias"][:, 1].std() > 0
+    with pytest.raises(tides.errors.BadConfig, match="metres_per_unit"):
+        path.imu(tides.Imu(down=(0, 0, -1)), 0, 1)
+    with pytest.raises(tides.errors.BadConfig, match="imu.down"):
+        path.imu(tides.Imu(metres_per_unit=1), 0, 1)
