@@ -58,6 +58,8 @@ int cmd_devices(const cli_command *command, int argc, char **argv);
 int cmd_info(const cli_command *command, int argc, char **argv);
 int cmd_render(const cli_command *command, int argc, char **argv);
 int cmd_scene(const cli_command *command, int argc, char **argv);
+int cmd_imu(const cli_command *command, int argc, char **argv);
+int cmd_tracks(const cli_command *command, int argc, char **argv);
 int cmd_frames(const cli_command *command, int argc, char **argv);
 int cmd_simulate(const cli_command *command, int argc, char **argv);
 int cmd_dataset(const cli_command *command, int argc, char **argv);

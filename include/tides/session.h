@@ -87,6 +87,19 @@ typedef struct tides_session_taken {
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_frames(tides_session *session, const char *path, tides_progress progress,
                                                              void *user, tides_session_taken *done, tides_error *error);
 
+/* What an IMU on the run's camera measures from time.start to time.stop as imu.* says: .csv, EuRoC's columns [ns, rad/s,
+ * m/s^2], or .txt, ECD's [s, m/s^2, rad/s], with the biases that are in it in NAME_bias.csv or .txt beside; or .npz, with all
+ * of tides_imu_sample. `done` is nullable. As tides_trajectory_imu; TIDES_UNSUPPORTED: another ending, a run on frames. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_session_imu(tides_session *session, const char *path, tides_session_taken *done,
+                                                          tides_error *error);
+
+/* Points of the run's scene, followed: tracks.count of them, chosen where something is seen at eight times from time.start to
+ * time.stop, by the run's seed; where each is and whether it is seen, at tracks.rate_hz. .npz has t (times) [s], uv (times x
+ * tracks x 2) [px], depth (times x tracks) [scene units], visible, object and gaussian (tracks), and query (tracks x 3), when
+ * and where each was chosen; .csv has a line for each time and track. `done` is nullable. TIDES_BAD_CONFIG: nothing is seen. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_session_tracks(tides_session *session, const char *path, tides_progress progress,
+                                                             void *user, tides_session_taken *done, tides_error *error);
+
 /* -- into a file --------------------------------------------------------------------------------------------------------- */
 
 /* Adds ground truth to a finished HDF5 recording of this session's run, as columns beside its events: /events/flow_u, flow_v

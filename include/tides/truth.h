@@ -66,6 +66,14 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_pick(tides_renderer *rend
                                                             double time, const double *xy, size_t count,
                                                             tides_material_point *points, tides_error *error);
 
+/* Chooses up to `count` places where something is seen at `time`, even over all pixels that show something: xy (count x 2)
+ * [px], and the points there. Places are drawn by (seed, number, draw) alone. `chosen` says how many there are: fewer than
+ * asked for where less than a 32nd of the image shows something. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_choose(tides_renderer *renderer, const tides_trajectory *camera,
+                                                              double time, uint64_t seed, uint32_t number, size_t count,
+                                                              double *xy, tides_material_point *points, size_t *chosen,
+                                                              tides_error *error);
+
 /* Where points are at `time`, in double precision whatever the renderer computes in (but for what motion models make of them).
  * One pass of ground truth, for what hides them. TIDES_BAD_ARGUMENT: a Gaussian that the scene doesn't have. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_follow(tides_renderer *renderer, const tides_trajectory *camera,

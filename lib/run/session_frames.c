@@ -2,6 +2,7 @@
 #include "run/td_run.h"
 #include "run/td_session.h"
 #include "td_base.h"
+#include "td_text.h"
 #include "tides/image.h"
 
 #include <errno.h>
@@ -60,24 +61,23 @@ static void span_of(const frame_job *job, double time, double *start, double *st
 
 /* A text of `count` lines, each of one time or of two. */
 static tides_status write_times(const frame_job *job, const char *name, size_t count, int spans, tides_error *error) {
-    enum { LINE = 64 };
     const tides_run_values *v = &job->facts->values;
     const int32_t height = job->facts->intrinsics.height;
-    char *text = td_alloc(count + 2, LINE, error), *path = td_format(error, "%s/%s", job->folder, name);
-    tides_status status = text && path ? TIDES_OK : TIDES_NO_MEMORY;
-    size_t at = 0;
-    if (status == TIDES_OK && spans) at += (size_t)snprintf(text, LINE, "# start stop [s]\n");
+    char *path = td_format(error, "%s/%s", job->folder, name);
+    td_text text = {NULL};
+    tides_status status = path ? td_text_open(&text, path, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK && spans) td_text_put(&text, "# start stop [s]\n");
     for (size_t i = 0; i < count && status == TIDES_OK; i++) {
         const double time = tides_exposure_time(&v->exposure, height, v->start, i);
         double start, stop;
         span_of(job, time, &start, &stop);
-        at +=
-            (size_t)(spans ? snprintf(text + at, LINE, "%.9f %.9f\n", start, stop) : snprintf(text + at, LINE, "%.9f\n", time));
+        if (spans)
+            td_text_put(&text, "%.9f %.9f\n", start, stop);
+        else
+            td_text_put(&text, "%.9f\n", time);
     }
-    if (status == TIDES_OK) status = tides_file_write(path, text, at, error);
     free(path);
-    free(text);
-    return status;
+    return td_text_close(&text, status, error);
 }
 
 /* -- the run --------------------------------------------------------------------------------------------------------- */

@@ -3232,6 +3232,12 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_readout_defaults": (None, [P(tides_readout)]),
     # void tides_recording_defaults(tides_recording *recording)
     "tides_recording_defaults": (None, [P(tides_recording)]),
+    # tides_status tides_renderer_choose(tides_renderer *renderer, const tides_trajectory *camera, double time, uint64_t
+    # seed, uint32_t number, size_t count, double *xy, tides_material_point *points, size_t *chosen, tides_error *error)
+    "tides_renderer_choose": (c_int32, [
+        P(tides_renderer), P(tides_trajectory), c_double, c_uint64, c_uint32, c_size_t, P(c_double),
+        P(tides_material_point), P(c_size_t), P(tides_error)
+    ]),
     # tides_status tides_renderer_create(tides_device *device, const tides_scene *scene, const tides_intrinsics
     # *intrinsics, const tides_image_params *params, tides_progress progress, void *user, tides_renderer **renderer,
     # tides_error *error)
@@ -3371,6 +3377,9 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     ]),
     # void tides_session_get(const tides_session *session, tides_session_facts *facts)
     "tides_session_get": (None, [P(tides_session), P(tides_session_facts)]),
+    # tides_status tides_session_imu(tides_session *session, const char *path, tides_session_taken *done, tides_error
+    # *error)
+    "tides_session_imu": (c_int32, [P(tides_session), c_char_p, P(tides_session_taken), P(tides_error)]),
     # tides_status tides_session_load(const char *file, const char *const *overrides, size_t count, const char *device,
     # tides_session **session, tides_error *error)
     "tides_session_load": (c_int32, [c_char_p, P(c_char_p), c_size_t, c_char_p, P(P(tides_session)), P(tides_error)]),
@@ -3391,6 +3400,11 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     # **simulator, tides_error *error)
     "tides_session_simulator": (c_int32, [
         P(tides_session), tides_progress, c_void_p, P(P(tides_simulator)), P(tides_error)
+    ]),
+    # tides_status tides_session_tracks(tides_session *session, const char *path, tides_progress progress, void *user,
+    # tides_session_taken *done, tides_error *error)
+    "tides_session_tracks": (c_int32, [
+        P(tides_session), c_char_p, tides_progress, c_void_p, P(tides_session_taken), P(tides_error)
     ]),
     # tides_status tides_session_truth(tides_session *session, const char *path, tides_progress progress, void *user,
     # tides_error *error)

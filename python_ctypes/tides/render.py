@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ctypes import POINTER, byref, c_double, c_int64
+from ctypes import POINTER, byref, c_double, c_int64, c_size_t
 from typing import Any, Iterable
 
 import numpy as np
@@ -136,6 +136,20 @@ class Renderer(Handle):
         with self._lock:
             call("tides_renderer_pick", self._pointer, path._pointer, time, pointer(xy, c_double), len(xy), made)
         return points
+
+    def choose(
+        self, time: float, count: int, seed: int = 0, number: int = 0, trajectory: Trajectory | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Up to `count` places (n x 2) [px] where something is seen at `time` [s], drawn by seed and number, and their points."""
+        xy, points, chosen = np.zeros((count, 2)), np.zeros(count, MATERIAL_POINT), c_size_t()
+        path = trajectory or self.camera.trajectory
+        made = pointer(points, _api.tides_material_point)
+        with self._lock:
+            call(
+                "tides_renderer_choose", self._pointer, path._pointer, time, seed, number, count, pointer(xy, c_double),
+                made, byref(chosen),
+            )
+        return xy[: chosen.value], points[: chosen.value]
 
     def follow(self, time: float, points: Any, trajectory: Trajectory | None = None) -> np.ndarray:
         """Where points are at `time` [s] (TRACK)."""

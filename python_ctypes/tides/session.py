@@ -180,6 +180,20 @@ class Session(Handle):
             call("tides_session_frames", self._pointer, path(folder), step, None, byref(taken))
         return plain(taken)
 
+    def write_imu(self, file: str | os.PathLike[str]) -> Facts:
+        """What an IMU on the camera measures as imu.* says: .csv, .txt, or .npz. How many samples."""
+        taken = _api.tides_session_taken()
+        with self._lock:
+            call("tides_session_imu", self._pointer, path(file), byref(taken))
+        return plain(taken)
+
+    def write_tracks(self, file: str | os.PathLike[str], progress: Progress = None) -> Facts:
+        """Points as tracks.* says, followed through the run: .npz or .csv. How many times and tracks."""
+        taken = _api.tides_session_taken()
+        with self._lock, Reporter(progress) as step:
+            call("tides_session_tracks", self._pointer, path(file), step, None, byref(taken))
+        return plain(taken)
+
     def exact(self, progress: Progress = None, **options: Any) -> Facts:
         """The exact stream of ideal pixels with the run's thresholds, and what it is worth: see measure.exact_stream."""
         return session_exact(self, progress, **options)

@@ -1,9 +1,9 @@
 # Every command explains itself, and so does the tool.
 expect 0 tides --help
-for command in demo init devices info scene render frames simulate batch convert cut view export metrics compare bench; do
+for command in demo init devices info scene render frames imu tracks simulate batch convert cut view export metrics compare bench; do
     out "^  $command "
 done
-for command in demo init devices info scene render frames simulate batch convert cut view export metrics compare bench; do
+for command in demo init devices info scene render frames imu tracks simulate batch convert cut view export metrics compare bench; do
     expect 0 tides $command --help
     out "^usage: tides $command"
     out "--device SPEC"

@@ -77,3 +77,52 @@ def test_what_an_imu_measures():
         path.imu(tides.Imu(down=(0, 0, -1)), 0, 1)
     with pytest.raises(tides.errors.BadConfig, match="imu.down"):
         path.imu(tides.Imu(metres_per_unit=1), 0, 1)
+
+
+def test_chosen_points_are_seen(scene, camera):
+    with tides.Renderer(scene, camera) as renderer:
+        xy, points = renderer.choose(0.02, 40, seed=7)
+        again, _ = renderer.choose(0.02, 40, seed=7)
+        others, _ = renderer.choose(0.02, 40, seed=7, number=1)
+        tracks = renderer.follow(0.02, points)
+        empty = tides.Trajectory.static((0, 0, 50))  # looks away
+        assert len(renderer.choose(0.02, 5, trajectory=empty)[0]) == 0
+    assert len(xy) == 40 and (xy == again).all() and (xy != others).any() and (points["object"] == 0).all()
+    assert np.median(np.hypot(tracks["u"] - xy[:, 0], tracks["v"] - xy[:, 1])) < 1e-6 and tracks["visible"].mean() > 0.9
+
+
+def test_tracks_of_a_run(tmp_path):
+    with tides.Session(RUN, {"tracks.count": 20, "tracks.rate_hz": 50}) as session:
+        taken = session.write_tracks(tmp_path / "a.npz")
+        session.write_tracks(tmp_path / "a.csv")
+        span = session.values.stop - session.values.start
+        with pytest.raises(tides.errors.Unsupported, match="npz"):
+            session.write_tracks(tmp_path / "a.txt")
+    made, rows = np.load(tmp_path / "a.npz"), np.loadtxt(tmp_path / "a.csv", delimiter=",", skiprows=1)
+    times = round(50 * span) + 1
+    assert taken.tracks == 20 and taken.count == times and made["uv"].shape == (times, 20, 2)
+    assert made["depth"].shape == made["visible"].shape == (times, 20) and made["query"].shape == (20, 3)
+    assert np.allclose(rows[:, 3:5].reshape(times, 20, 2), made["uv"], rtol=1e-8, equal_nan=True)
+    early = np.flatnonzero(made["query"][:, 0] == made["t"][0])
+    assert len(early) > 0 and np.allclose(made["uv"][0, early], made["query"][early, 1:], atol=0.5)
+    assert made["visible"][0, early].mean() > 0.5
+
+
+def test_imu_of_a_run(tmp_path):
+    known = {"scene.metres_per_unit": 0.5, "imu.down": [0, 1, 0], "imu.rate_hz": 400, "imu.gyroscope_walk": 0.01}
+    with tides.Session(RUN) as session, pytest.raises(tides.errors.BadConfig, match="metres_per_unit"):
+        session.write_imu(tmp_path / "a.csv")
+    with tides.Session(RUN, known) as session:
+        taken = session.write_imu(tmp_path / "a.npz")
+        session.write_imu(tmp_path / "a.csv")
+        session.write_imu(tmp_path / "a.txt")
+        with pytest.raises(tides.errors.Unsupported, match="csv"):
+            session.write_imu(tmp_path / "a.bag")
+    made = np.load(tmp_path / "a.npz")
+    euroc, ecd = np.loadtxt(tmp_path / "a.csv", delimiter=","), np.loadtxt(tmp_path / "a.txt")
+    assert taken.count == len(made["t"]) == len(euroc) == len(ecd)
+    assert np.allclose(euroc[:, 0] * 1e-9, made["t"]) and np.allclose(ecd[:, 0], made["t"])
+    assert np.allclose(euroc[:, 1:4], made["angular_rate"]) and np.allclose(euroc[:, 4:], made["specific_force"])
+    assert np.allclose(ecd[:, 1:4], made["specific_force"]) and np.allclose(ecd[:, 4:], made["angular_rate"])
+    bias = np.loadtxt(tmp_path / "a_bias.csv", delimiter=",")
+    assert np.allclose(bias[:, 1:4], made["gyroscope_bias"]) and made["gyroscope_bias"].std() > 0

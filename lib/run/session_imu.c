@@ -1,0 +1,141 @@
+/* Inertial measurements of a run's camera as files, with the biases that are in them. */
+#include "archive/td_npy.h"
+#include "run/td_run.h"
+#include "run/td_session.h"
+#include "td_base.h"
+#include "td_folder.h"
+#include "td_text.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Measurements of a run. */
+typedef struct recording {
+    const tides_session_facts *facts;
+    tides_imu_sample *samples;
+    size_t count;
+} recording;
+
+/* Sample k's time in whole nanoseconds: from the start's, so that it is a multiple of the period at any epoch. */
+static int64_t nanoseconds(const recording *r, size_t k) {
+    const double start = r->facts->values.start, whole = floor(start);
+    return (int64_t)whole * 1000000000 + llround((start - whole) * 1e9 + (double)k * 1e9 / r->facts->values.imu.rate_hz);
+}
+
+static int64_t seconds_of(int64_t ns) { return ns / 1000000000 - (ns % 1000000000 < 0); }
+
+/* "12.345000000", exactly. */
+static void put_seconds(td_text *text, int64_t ns) {
+    const int64_t s = seconds_of(ns), rest = ns - s * 1000000000;
+    if (s < 0 && rest > 0) /* -0.25 is a second below 0, and 0.75 */
+        td_text_put(text, "-%lld.%09lld", (long long)-(s + 1), (long long)(1000000000 - rest));
+    else
+        td_text_put(text, "%lld.%09lld", (long long)s, (long long)rest);
+}
+
+static void put_three(td_text *text, const double v[3], char separator) {
+    for (int k = 0; k < 3; k++) td_text_put(text, "%c%.12g", separator, v[k]);
+}
+
+/* EuRoC's columns: nanoseconds, then the gyroscope, then the accelerometer. */
+static void put_csv(const recording *r, td_text *text, int biases) {
+    td_text_put(text, biases
+                          ? "#timestamp [ns],b_w_x [rad s^-1],b_w_y [rad s^-1],b_w_z [rad s^-1],b_a_x [m s^-2],b_a_y [m s^-2],"
+                            "b_a_z [m s^-2]\n"
+                          : "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],"
+                            "a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n");
+    for (size_t i = 0; i < r->count; i++) {
+        const tides_imu_sample *s = &r->samples[i];
+        td_text_put(text, "%lld", (long long)nanoseconds(r, i));
+        put_three(text, biases ? s->gyroscope_bias : s->angular_rate, ',');
+        put_three(text, biases ? s->accelerometer_bias : s->specific_force, ',');
+        td_text_put(text, "\n");
+    }
+}
+
+/* ECD's imu.txt: seconds, the accelerometer, then the gyroscope. */
+static void put_txt(const recording *r, td_text *text, int biases) {
+    for (size_t i = 0; i < r->count; i++) {
+        const tides_imu_sample *s = &r->samples[i];
+        put_seconds(text, nanoseconds(r, i));
+        put_three(text, biases ? s->accelerometer_bias : s->specific_force, ' ');
+        put_three(text, biases ? s->gyroscope_bias : s->angular_rate, ' ');
+        td_text_put(text, "\n");
+    }
+}
+
+static tides_status write_text(const recording *r, const char *path, void (*put)(const recording *, td_text *, int), int biases,
+                               tides_error *error) {
+    td_text text;
+    tides_status status = td_text_open(&text, path, error);
+    if (status != TIDES_OK) return status;
+    put(r, &text, biases);
+    return td_text_close(&text, TIDES_OK, error);
+}
+
+/* The measurements, and their biases in NAME_bias.txt beside NAME.txt. */
+static tides_status write_pair(const recording *r, const char *path, void (*put)(const recording *, td_text *, int),
+                               tides_error *error) {
+    enum { ENDING = 4 }; /* ".csv", ".txt" */
+    const int stem = (int)strlen(path) - ENDING;
+    char *beside = td_format(error, "%.*s_bias%s", stem, path, path + stem);
+    if (!beside) return TIDES_NO_MEMORY;
+    tides_status status = write_text(r, beside, put, 1, error);
+    if (status == TIDES_OK) status = write_text(r, path, put, 0, error);
+    free(beside);
+    return status;
+}
+
+/* An array (count x 3) of what stands at `offset` in a sample. */
+static tides_status put_array(const recording *r, td_npy_writer *npz, const char *name, size_t offset, size_t width,
+                              tides_error *error) {
+    tides_status status = td_npy_writer_begin(npz, name, "'<f8'", sizeof(double), width > 1 ? 2 : 1, &width, error);
+    for (size_t i = 0; i < r->count && status == TIDES_OK; i++)
+        status = td_npy_writer_append(npz, (const char *)&r->samples[i] + offset, 1, error);
+    return status;
+}
+
+static tides_status write_npz(const recording *r, const char *path, tides_error *error) {
+    static const struct {
+        const char *name;
+        size_t offset, width;
+    } arrays[] = {{"t", offsetof(tides_imu_sample, time), 1},
+                  {"angular_rate", offsetof(tides_imu_sample, angular_rate), 3},
+                  {"specific_force", offsetof(tides_imu_sample, specific_force), 3},
+                  {"gyroscope_bias", offsetof(tides_imu_sample, gyroscope_bias), 3},
+                  {"accelerometer_bias", offsetof(tides_imu_sample, accelerometer_bias), 3}};
+    td_npy_writer *npz = NULL;
+    tides_status status = td_npy_writer_open(path, 1, &npz, error);
+    if (status != TIDES_OK) return status;
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays && status == TIDES_OK; i++)
+        status = put_array(r, npz, arrays[i].name, arrays[i].offset, arrays[i].width, error);
+    if (status == TIDES_OK) return td_npy_writer_close(npz, error);
+    td_npy_writer_discard(npz);
+    return status;
+}
+
+static tides_status write_any(const recording *r, const char *path, tides_error *error) {
+    if (td_ends_in(path, ".npz")) return write_npz(r, path, error);
+    return write_pair(r, path, td_ends_in(path, ".csv") ? put_csv : put_txt, error);
+}
+
+tides_status tides_session_imu(tides_session *session, const char *path, tides_session_taken *done, tides_error *error) {
+    if (!session || !path) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_session_imu: session or path is NULL");
+    const tides_run_values *v = &session->facts.values;
+    tides_imu imu = v->imu;
+    imu.metres_per_unit = v->metres_per_unit;
+    if (session->facts.frames)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: the run has frames.file and no camera that moves",
+                       session->facts.run->origin);
+    if (!td_ends_in(path, ".csv") && !td_ends_in(path, ".txt") && !td_ends_in(path, ".npz"))
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: inertial measurements are written as .csv, .txt or .npz", path);
+    recording r = {.facts = &session->facts, .count = tides_imu_count(&imu, v->start, v->stop)};
+    r.samples = td_alloc(r.count, sizeof *r.samples, error);
+    tides_status status = r.samples ? TIDES_OK : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) status = tides_trajectory_imu(session->facts.camera, &imu, v->start, r.count, r.samples, error);
+    if (status == TIDES_OK) status = write_any(&r, path, error);
+    if (status == TIDES_OK && done) *done = (tides_session_taken){.count = r.count};
+    free(r.samples);
+    return status;
+}

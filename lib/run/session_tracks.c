@@ -1,0 +1,165 @@
+/* Tracks of a run: points chosen where something is seen, at several times, and where each of them is at all times. */
+#include "archive/td_npy.h"
+#include "run/td_run.h"
+#include "run/td_session.h"
+#include "td_base.h"
+#include "td_folder.h"
+#include "td_text.h"
+#include "tides/truth.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* At so many times, evenly from the run's start to its stop, a share of the points is chosen: what comes into view later has
+ * some, too. */
+enum { CHOICES = 8 };
+
+static const double slack = 1e-9; /* [s] that a time may lie beyond the stop, by rounding */
+
+typedef struct track_job {
+    const tides_session_facts *facts;
+    tides_renderer *renderer;
+    size_t points, times;
+    tides_material_point *point; /* (points) */
+    double *query;               /* (points x 3): when and where it was chosen [s, px, px] */
+    tides_track *track;          /* (times x points) */
+} track_job;
+
+static double time_of(const track_job *job, size_t k) {
+    const tides_run_values *v = &job->facts->values;
+    return v->start + (double)k / v->track_rate_hz;
+}
+
+static tides_status choose(track_job *job, tides_error *error) {
+    const tides_run_values *v = &job->facts->values;
+    const size_t wanted = (size_t)v->track_count;
+    double *xy = td_alloc(wanted, 2 * sizeof *xy, error);
+    tides_status status = xy ? TIDES_OK : TIDES_NO_MEMORY;
+    for (uint32_t k = 0; k < CHOICES && status == TIDES_OK; k++) {
+        const double time = v->start + (v->stop - v->start) * k / (CHOICES - 1);
+        const size_t share = wanted * (k + 1) / CHOICES - wanted * k / CHOICES;
+        size_t found = 0;
+        if (share == 0) continue;
+        status = tides_renderer_choose(job->renderer, job->facts->camera, time, v->sensor.seed, k, share, xy,
+                                       job->point + job->points, &found, error);
+        for (size_t i = 0; i < found; i++) {
+            double *query = job->query + 3 * (job->points + i);
+            query[0] = time;
+            memcpy(query + 1, xy + 2 * i, 2 * sizeof *query);
+        }
+        job->points += status == TIDES_OK ? found : 0;
+    }
+    free(xy);
+    if (status == TIDES_OK && job->points == 0)
+        return td_fail(error, TIDES_BAD_CONFIG, "%s: nothing is seen that could be followed", job->facts->run->origin);
+    return status;
+}
+
+static tides_status follow(track_job *job, tides_progress progress, void *user, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (size_t k = 0; k < job->times && status == TIDES_OK; k++) {
+        if (progress && progress(user, (double)k / (double)job->times, "tracks"))
+            return td_fail(error, TIDES_CANCELLED, "stopped on request after %zu of %zu times", k, job->times);
+        status = tides_renderer_follow(job->renderer, job->facts->camera, time_of(job, k), job->point, job->points,
+                                       job->track + k * job->points, error);
+    }
+    return status;
+}
+
+/* -- files ----------------------------------------------------------------------------------------------------------- */
+
+static tides_status write_csv(const track_job *job, const char *path, tides_error *error) {
+    td_text text;
+    tides_status status = td_text_open(&text, path, error);
+    if (status != TIDES_OK) return status;
+    td_text_put(&text, "t,track,object,u,v,depth,visible\n");
+    for (size_t k = 0; k < job->times; k++)
+        for (size_t i = 0; i < job->points; i++) {
+            const tides_track *at = &job->track[k * job->points + i];
+            td_text_put(&text, "%.9f,%zu,%d,%.9g,%.9g,%.9g,%d\n", time_of(job, k), i, (int)job->point[i].object, at->u, at->v,
+                        at->depth, (int)at->visible);
+        }
+    return td_text_close(&text, TIDES_OK, error);
+}
+
+/* An array of one value, or two, of each of `count` records, `bytes` in all; `shape` has what follows the first extent. */
+typedef struct column {
+    const char *name, *dtype;
+    size_t offset, bytes, item; /* within the record; of what is taken of it; of a number */
+    int ndim;
+    size_t inner[2];
+} column;
+
+static tides_status put_column(td_npy_writer *npz, const column *c, const void *records, size_t size, size_t count,
+                               tides_error *error) {
+    const size_t row = (c->ndim > 1 ? c->inner[0] : 1) * (c->ndim > 2 ? c->inner[1] : 1) * c->item / c->bytes;
+    char *values = td_alloc(count, c->bytes, error);
+    if (!values) return TIDES_NO_MEMORY;
+    for (size_t i = 0; i < count; i++) memcpy(values + i * c->bytes, (const char *)records + i * size + c->offset, c->bytes);
+    tides_status status = td_npy_writer_begin(npz, c->name, c->dtype, c->item, c->ndim, c->inner, error);
+    if (status == TIDES_OK) status = td_npy_writer_append(npz, values, count / row, error);
+    free(values);
+    return status;
+}
+
+static tides_status put_arrays(const track_job *job, td_npy_writer *npz, const double *times, tides_error *error) {
+    const size_t n = job->points, all = n * job->times;
+    const column t = {"t", "'<f8'", 0, 8, 8, 1, {0}}, query = {"query", "'<f8'", 0, 24, 8, 2, {3}};
+    const column of_tracks[] = {{"uv", "'<f8'", offsetof(tides_track, u), 16, 8, 3, {n, 2}},
+                                {"depth", "'<f8'", offsetof(tides_track, depth), 8, 8, 2, {n}},
+                                {"visible", "'<i4'", offsetof(tides_track, visible), 4, 4, 2, {n}}};
+    const column of_points[] = {{"object", "'<i4'", offsetof(tides_material_point, object), 4, 4, 1, {0}},
+                                {"gaussian", "'<i8'", offsetof(tides_material_point, gaussian), 8, 8, 1, {0}}};
+    tides_status status = put_column(npz, &t, times, sizeof *times, job->times, error);
+    for (size_t i = 0; i < 3 && status == TIDES_OK; i++)
+        status = put_column(npz, &of_tracks[i], job->track, sizeof *job->track, all, error);
+    for (size_t i = 0; i < 2 && status == TIDES_OK; i++)
+        status = put_column(npz, &of_points[i], job->point, sizeof *job->point, n, error);
+    return status == TIDES_OK ? put_column(npz, &query, job->query, 3 * sizeof *job->query, n, error) : status;
+}
+
+static tides_status write_npz(const track_job *job, const char *path, tides_error *error) {
+    td_npy_writer *npz = NULL;
+    double *times = td_alloc(job->times, sizeof *times, error);
+    tides_status status = times ? td_npy_writer_open(path, 1, &npz, error) : TIDES_NO_MEMORY;
+    for (size_t k = 0; k < job->times && status == TIDES_OK; k++) times[k] = time_of(job, k);
+    if (status == TIDES_OK) status = put_arrays(job, npz, times, error);
+    free(times);
+    if (status == TIDES_OK) return td_npy_writer_close(npz, error);
+    td_npy_writer_discard(npz);
+    return status;
+}
+
+/* -- the run --------------------------------------------------------------------------------------------------------- */
+
+static tides_status prepare(tides_session *session, track_job *job, tides_progress progress, void *user, tides_error *error) {
+    const tides_run_values *v = &job->facts->values;
+    const size_t wanted = (size_t)v->track_count;
+    job->times = (size_t)floor((v->stop - v->start + slack) * v->track_rate_hz) + 1;
+    tides_status status = tides_session_renderer(session, progress, user, &job->renderer, error);
+    if (status != TIDES_OK) return status;
+    job->point = td_alloc(wanted, sizeof *job->point, error);
+    job->query = td_alloc(wanted, 3 * sizeof *job->query, error);
+    job->track = td_alloc(job->times, wanted * sizeof *job->track, error);
+    return job->point && job->query && job->track ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+tides_status tides_session_tracks(tides_session *session, const char *path, tides_progress progress, void *user,
+                                  tides_session_taken *done, tides_error *error) {
+    if (!session || !path) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_session_tracks: session or path is NULL");
+    const int csv = td_ends_in(path, ".csv");
+    if (!csv && !td_ends_in(path, ".npz"))
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: tracks are written as .npz or .csv", path);
+    track_job job = {.facts = &session->facts};
+    tides_status status = prepare(session, &job, progress, user, error);
+    if (status == TIDES_OK) status = choose(&job, error);
+    if (status == TIDES_OK) status = follow(&job, progress, user, error);
+    if (status == TIDES_OK) status = csv ? write_csv(&job, path, error) : write_npz(&job, path, error);
+    if (status == TIDES_OK && done) *done = (tides_session_taken){.count = job.times, .tracks = job.points};
+    free(job.point);
+    free(job.query);
+    free(job.track);
+    tides_renderer_destroy(job.renderer);
+    return status;
+}

@@ -1,0 +1,54 @@
+/* Text files of numbers, for times of frames, measurements and tracks: written to a .part in the C locale, and renamed when all
+ * of it is on the disk (td_text.h). */
+#include "td_text.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+static tides_status fail_write(const td_text *text, int reason, tides_error *error) {
+    return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", text->path, strerror(reason));
+}
+
+tides_status td_text_open(td_text *text, const char *path, tides_error *error) {
+    memset(text, 0, sizeof *text);
+    text->path = td_strdup(path, error);
+    tides_status status = text->path ? td_part_name(path, 1, &text->part, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) {
+        text->plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0); /* the program's may have a decimal comma */
+        text->file = text->plain ? fopen(text->part, "wb") : NULL;
+        if (!text->file) status = fail_write(text, errno, error);
+    }
+    if (text->file) {
+        text->before = uselocale(text->plain);
+        return TIDES_OK;
+    }
+    if (text->plain) freelocale(text->plain);
+    free(text->part);
+    free(text->path);
+    memset(text, 0, sizeof *text);
+    return status;
+}
+
+void td_text_put(td_text *text, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    if (vfprintf(text->file, format, arguments) < 0 && !text->failed) text->failed = errno;
+    va_end(arguments);
+}
+
+tides_status td_text_close(td_text *text, tides_status status, tides_error *error) {
+    if (!text->file) return status;
+    uselocale(text->before);
+    freelocale(text->plain);
+    if (fclose(text->file) != 0 && !text->failed) text->failed = errno; /* what was buffered may find no room */
+    if (status == TIDES_OK && text->failed) status = fail_write(text, text->failed, error);
+    if (status == TIDES_OK)
+        status = td_commit_file(text->part, text->path, error);
+    else
+        td_remove_part(text->part, text->path);
+    free(text->part);
+    free(text->path);
+    memset(text, 0, sizeof *text);
+    return status;
+}
