@@ -16,6 +16,9 @@ info path.txt
 scene plane --size 16x12 --gaussians 500 --run %.json -o %.ply
 scene --list
 render run.json -o %.exr --png %.png
+frames run.json -o % --set exposure.exposure_s=0.002
+imu run.json -o %.csv --set scene.metres_per_unit=1 --set imu.gravity=0
+tracks run.json -o %.npz --set tracks.count=5
 simulate run.json -o %.h5 --stats %.json --preview %.png
 simulate run.json -o %.raw
 batch grid.json -o %

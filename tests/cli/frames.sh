@@ -1,0 +1,43 @@
+# Frames, inertial measurements and tracks of a run: what is written, that seeds decide, and what is refused.
+make_scene
+expect 0 tides frames run.json -o blurred --set exposure.frames_per_second=100 --set exposure.exposure_s=0.01
+out '^frames +4$'
+[ "$(ls blurred | tr '\n' ' ')" = "exposure_timestamps.txt frame_000000.png frame_000001.png frame_000002.png frame_000003.png timestamps.txt " ] ||
+    fail "four frames and their times"
+[ "$(cat blurred/timestamps.txt | tr '\n' ' ')" = "0.005000000 0.015000000 0.025000000 0.035000000 " ] || fail "times are mid-exposure"
+grep -q '^0.010000000 0.020000000$' blurred/exposure_timestamps.txt || fail "the second exposure begins where the first ends"
+
+# Noise is the seed's; what is recorded feeds a baseline again.
+noisy="--set exposure.frames_per_second=100 --set exposure.exposure_s=0.01 --set exposure.full_well_e=1000 --set exposure.read_noise_e=5"
+expect 0 tides frames run.json -o one $noisy
+expect 0 tides frames run.json -o two $noisy
+expect 0 tides frames run.json -o three $noisy --set seed=2
+cmp -s one/frame_000001.png two/frame_000001.png || fail "the same seed, another picture"
+! cmp -s one/frame_000001.png three/frame_000001.png || fail "another seed, the same noise"
+! cmp -s one/frame_000001.png blurred/frame_000001.png || fail "no noise"
+printf '{"frames": {"file": "blurred"}, "method": "esim", "time": {"start": 0.005, "stop": 0.035}}' >again.json
+expect 0 tides simulate again.json -o again.h5
+
+refuse 1 "exposure.exposure_s" tides frames run.json -o long --set exposure.exposure_s=0.05
+refuse 1 "exposure.bits" tides frames run.json -o odd --set exposure.bits=12
+refuse 1 "psf_sigma_px" tides frames run.json -o both --set exposure.shutter=rolling --set frontend.psf_sigma_px=1 \
+    --set exposure.exposure_s=0.01
+refuse 2 "-o DIR" tides frames run.json
+
+known="--set scene.metres_per_unit=0.001 --set imu.down=[0,1,0]"
+expect 0 tides imu run.json -o imu.csv $known
+exists imu_bias.csv
+[ "$(wc -l <imu.csv)" = 10 ] || fail "nine samples in 0.04 s at 200 Hz, and a header"
+grep -q '^5000000,' imu.csv || fail "EuRoC's nanoseconds"
+expect 0 tides imu run.json -o imu.txt $known
+awk 'NR == 3 { exit !($1 == "0.010000000" && $3 < -9 && $3 > -11) }' imu.txt || fail "at rest an accelerometer feels what holds it up"
+refuse 1 "scene.metres_per_unit" tides imu run.json -o no.csv
+refuse 1 "imu.down" tides imu run.json -o no.csv --set scene.metres_per_unit=1
+refuse 1 "csv, .txt or .npz" tides imu run.json -o imu.bag $known
+
+expect 0 tides tracks run.json -o tracks.csv --set tracks.count=16 --set tracks.rate_hz=50
+out '^tracks +16$'
+[ "$(wc -l <tracks.csv)" = 49 ] || fail "sixteen tracks at three times, and a header"
+expect 0 tides tracks run.json -o again.csv --set tracks.count=16 --set tracks.rate_hz=50
+cmp -s tracks.csv again.csv || fail "the same seed, other points"
+refuse 1 "npz or .csv" tides tracks run.json -o tracks.png
