@@ -161,7 +161,7 @@ SCRIPTS := $(wildcard tests/cli/run.sh) scripts/python_tests.sh scripts/client_t
 
 .PHONY: check check-built check-readme check-readme-built check-golden check-golden-built check-asan check-asan-built \
         check-valgrind check-valgrind-built check-clang check-clang-built check-determinism check-determinism-built check-stability \
-        check-all mutants install-check
+        check-all check-devices check-devices-built mutants install-check
 check: ## Install what is missing, build without warnings, run every test
 	@sh scripts/deps.sh build -q
 	@$(AGAIN) WERROR=-Werror all tests
@@ -215,11 +215,17 @@ check-determinism: ## One hash for each run of tides bench determinism, built by
 check-determinism-built:
 	@TIDES='$(CURDIR)/$(OUT)/tides' OTHERS='$(CURDIR)/build/clang/tides' OUT='$(OUT)' PYTHON='$(PYTHON)' \
 	    sh scripts/check_determinism.sh
+check-devices: ## Small runs on Oclgrind: reference-f32's events to the bit, no data race, no access outside a buffer
+	@sh scripts/deps.sh lint -q
+	@$(AGAIN) all
+	@$(AGAIN) check-devices-built
+check-devices-built:
+	@TIDES='$(CURDIR)/$(OUT)/tides' sh scripts/check_devices.sh
 mutants: ## Change formulas of the kernels and the solver, one at a time: a test must notice each
 	@sh scripts/deps.sh build -q
 	@MAKE='$(MAKE)' JOBS=$(JOBS) PYTHON='$(PYTHON)' sh scripts/mutants.sh
 # In the order of what is found soonest; the long sweeps come last.
-CHECKS := lint check check-golden check-clang check-asan check-valgrind install-check check-readme check-determinism mutants fuzz \
+CHECKS := lint check check-golden check-clang check-asan check-valgrind install-check check-readme check-determinism check-devices mutants fuzz \
           fuzz-hdf5 faults check-stability
 check-all: ## All checks that there are, one after the other: hours
 	@set -e; for check in $(CHECKS); do echo "== make $$check"; $(MAKE) --no-print-directory $$check; done

@@ -24,8 +24,11 @@ static int32_t kind_of(cl_device_id id) {
     return type & CL_DEVICE_TYPE_CPU ? TIDES_DEVICE_CPU : TIDES_DEVICE_OTHER;
 }
 
-/* Pixels per work-item: a 4x4 block on a CPU, where a vector of sixteen hides latency even in two halves; one on a GPU. */
-static int32_t lanes_of(int32_t kind) { return kind == TIDES_DEVICE_CPU ? 16 : 1; }
+/* Pixels per work-item: a 4x4 block on a CPU, where a vector of sixteen hides latency even in two halves; one on a GPU, and
+ * where a driver makes vectors of work-items itself: rusticl on llvmpipe takes twenty minutes and 7 GB to compile ours. */
+static int32_t lanes_of(const tides_device_info *info) {
+    return info->kind == TIDES_DEVICE_CPU && strcmp(info->platform, "rusticl") != 0 ? 16 : 1;
+}
 
 static void describe(cl_platform_id platform, cl_device_id id, int32_t index, tides_device_info *info) {
     memset(info, 0, sizeof *info);
@@ -34,9 +37,9 @@ static void describe(cl_platform_id platform, cl_device_id id, int32_t index, ti
     cl_ulong memory = 0;
     info->kind = kind_of(id);
     info->index = index;
-    info->lanes = lanes_of(info->kind);
     clGetDeviceInfo(id, CL_DEVICE_NAME, sizeof info->name - 1, info->name, NULL);
     clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof info->platform - 1, info->platform, NULL);
+    info->lanes = lanes_of(info);
     clGetDeviceInfo(id, CL_DEVICE_VERSION, sizeof version - 1, version, NULL);
     clGetDeviceInfo(id, CL_DRIVER_VERSION, sizeof driver - 1, driver, NULL);
     snprintf(info->driver, sizeof info->driver, "%s, driver %s", version, driver);
