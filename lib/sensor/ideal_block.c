@@ -40,6 +40,7 @@ static inline td_model model_of(const run *r, size_t k) {
 static int list_piece(run *r, listed *p, const td_model *model, const double end[2], const double value[2]) {
     const tides_sensor *sensor = &r->job->sensor->sensor;
     const double on = sensor->threshold_on, off = sensor->threshold_off;
+    const int first = r->list.count;
     const double initial = r->job->sensor->pixels.initial[r->block->first + r->block->begin + p->k];
     for (;;) {
         const double residual = value[1] - p->reference;
@@ -47,7 +48,7 @@ static int list_piece(run *r, listed *p, const td_model *model, const double end
         if (!(rises || falls)) return 1;
         if (r->list.count == TD_CROSSING_LIST_ROOM || r->list.count - p->first >= sensor->max_events_per_step) return 0;
         const td_level level = {model, p->reference, rises ? on : -off};
-        td_crossing_list_add(&r->list, &level, end, value);
+        td_crossing_list_add(&r->list, &level, first, end, value);
         if (rises)
             p->on++;
         else
@@ -70,8 +71,8 @@ static int list_levels(run *r, listed *p, double S1) {
     return S1 - p->reference < sensor->threshold_on && S1 - p->reference > -sensor->threshold_off;
 }
 
-/* Lists pixel k; what didn't work out leaves no levels. */
-static void list_pixel(run *r, size_t k) {
+/* Lists pixel k: 1, or 0 and no levels of it. */
+static int list_pixel(run *r, size_t k) {
     const td_pixels *pixels = &r->job->sensor->pixels;
     const size_t j = r->block->begin + k, i = r->block->first + j;
     listed *p = &r->pixel[r->pixels++];
@@ -79,6 +80,7 @@ static void list_pixel(run *r, size_t k) {
     p->is_plain = list_levels(r, p, r->block->signals->S1[j]);
     if (!p->is_plain) r->list.count = p->first;
     p->last = r->list.count;
+    return p->is_plain;
 }
 
 /* -- firing ---------------------------------------------------------------------------------------------------------------- */
@@ -90,7 +92,7 @@ static uint16_t row(const td_tile *tile, size_t j) { return (uint16_t)(tile->y0 
 /* The events of the pixel's levels, whose places are known. */
 static tides_status fire_levels(run *r, const listed *p) {
     td_pixel_job *job = r->job;
-    const td_crossing_list *list = &r->list;
+    td_crossing_list *list = &r->list;
     const td_pixels *pixels = &job->sensor->pixels;
     const size_t j = r->block->begin + p->k, i = r->block->first + j;
     const size_t count = (size_t)(p->last - p->first);
@@ -101,10 +103,8 @@ static tides_status fire_levels(run *r, const listed *p) {
     }
     tides_event *to = buffer->events + buffer->count;
     const uint16_t x = column(r->block->tile, j), y = row(r->block->tile, j);
-    int piece = p->first;
     for (int k = p->first; k < p->last; k++, to++) {
-        if (list->low[k] != list->low[piece]) piece = k;
-        to->t = td_crossing_list_time(list, job->step, piece, k);
+        to->t = td_crossing_list_time(list, job->step, k);
         to->x = x;
         to->y = y;
         to->polarity = list->rise[k] > 0.0 ? 1 : -1;
@@ -133,20 +133,23 @@ static tides_status fire(run *r) {
     td_crossing_list_solve(&r->list, r->job->step);
     for (int n = 0; n < r->pixels && status == TIDES_OK; n++)
         status = r->pixel[n].is_plain ? fire_levels(r, &r->pixel[n]) : take_long_way(r, r->pixel[n].k);
-    r->pixels = r->list.count = 0;
+    r->pixels = 0;
+    td_crossing_list_clear(&r->list);
     return status;
 }
 
 tides_status td_ideal_block_step(td_pixel_job *job, const td_ideal_block *block, const double *mark) {
-    enum { FULL = TD_CROSSING_LIST_ROOM * 3 / 4 }; /* what the next pixel asks for should find room */
     run r;
     r.job = job;
     r.block = block;
-    r.pixels = r.list.count = 0;
+    r.pixels = 0;
+    td_crossing_list_clear(&r.list);
     tides_status status = TIDES_OK;
     for (size_t k = 0; (k = td_next_mark(mark, k, block->count)) < block->count && status == TIDES_OK; k++) {
+        if (list_pixel(&r, k) || r.pixels == 1) continue;
+        r.pixels--; /* what found no room may find it in an empty list */
+        status = fire(&r);
         list_pixel(&r, k);
-        if (r.list.count >= FULL) status = fire(&r);
     }
     return status == TIDES_OK && r.pixels > 0 ? fire(&r) : status;
 }

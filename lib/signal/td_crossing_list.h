@@ -11,6 +11,9 @@ enum { TD_CROSSING_LIST_ROOM = 192 };
 
 typedef struct td_crossing_list {
     int count;
+    int searched; /* the last crossing whose place was searched for, which is at */
+    double at;
+    int first[TD_CROSSING_LIST_ROOM];                                           /* crossing on its piece */
     double control[4][TD_CROSSING_LIST_ROOM];                                   /* of the models */
     double reference[TD_CROSSING_LIST_ROOM], rise[TD_CROSSING_LIST_ROOM];       /* the levels: td_level */
     double low[TD_CROSSING_LIST_ROOM], high[TD_CROSSING_LIST_ROOM];             /* ends of the monotone piece */
@@ -19,10 +22,17 @@ typedef struct td_crossing_list {
     double known[TD_CROSSING_LIST_ROOM]; /* that is 1; 0: look there again, with td_crossing_list_time */
 } td_crossing_list;
 
-/* Appends the crossing of a level that the model reaches by the end of its piece; there is room. */
-static inline void td_crossing_list_add(td_crossing_list *list, const td_level *level, const double end[2],
+static inline void td_crossing_list_clear(td_crossing_list *list) {
+    list->count = 0;
+    list->searched = -1;
+}
+
+/* Appends the crossing of a level that the model reaches by the end of its piece, on which `first` was the first; there is
+ * room. */
+static inline void td_crossing_list_add(td_crossing_list *list, const td_level *level, int first, const double end[2],
                                         const double value[2]) {
     const int k = list->count++;
+    list->first[k] = first;
     for (int c = 0; c < 4; c++) list->control[c][k] = level->model->control[c];
     list->reference[k] = level->reference;
     list->rise[k] = level->rise;
@@ -35,11 +45,11 @@ static inline void td_crossing_list_add(td_crossing_list *list, const td_level *
 /* Finds the places of all. */
 void td_crossing_list_solve(td_crossing_list *list, const td_step *step);
 
-/* The time of crossing k: td_step_time of the place that td_crossing_next would stop at. `first` is the first one on its
- * piece. */
-int64_t td_crossing_list_search(const td_crossing_list *list, const td_step *step, int first, int k);
-static inline int64_t td_crossing_list_time(const td_crossing_list *list, const td_step *step, int first, int k) {
-    return list->known[k] != 0.0 ? td_step_time(step, list->place[k]) : td_crossing_list_search(list, step, first, k);
+/* The time of crossing k: td_step_time of the place that td_crossing_next would stop at. To be asked for in the list's
+ * order. */
+int64_t td_crossing_list_search(td_crossing_list *list, const td_step *step, int k);
+static inline int64_t td_crossing_list_time(td_crossing_list *list, const td_step *step, int k) {
+    return list->known[k] != 0.0 ? td_step_time(step, list->place[k]) : td_crossing_list_search(list, step, k);
 }
 
 #endif
