@@ -14,7 +14,7 @@
  *     scalar dataset /run where it is longer than 60 kB), count (events that are safely in the file), stop_ns (end of the
  *     recording; -1 while it is being written). Texts have fixed length (h5py gives bytes); before, they had variable length
  *
- * All datasets are chunked, shuffled and deflated (level 1). The microseconds end 71.6 minutes after t_offset, as in DSEC.
+ * All datasets are chunked, shuffled and deflated. The microseconds end 71.6 minutes after t_offset, as in DSEC.
  *
  * A file grows as PATH.part; event_store.c says why it stays readable whatever happens to the process. In a .part, ms_to_idx
  * lags behind (whole chunks only), and the datasets may hold rows beyond `count` that mean nothing. What a flush finds after
