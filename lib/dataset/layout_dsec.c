@@ -51,6 +51,7 @@ static tides_status check(const td_dataset *set, tides_error *error) {
         return td_fail(error, TIDES_BAD_CONFIG,
                        "dsec: it has one or two cameras that make events and up to two that make pictures, not %zu and %zu",
                        set->event_cameras, set->picture_cameras);
+    if (td_check_lens(set, "dsec", TIDES_LENS_NONE, 0, error) != TIDES_OK) return TIDES_BAD_CONFIG;
     const double ratio = set->picture_hz / set->truth_hz;
     if (fabs(ratio - rint(ratio)) > 1e-9 || ratio < 1)
         return td_fail(error, TIDES_BAD_CONFIG,

@@ -14,12 +14,18 @@ typedef struct ecd {
 static tides_status write_calibration(const td_writer *w, tides_error *error) {
     const tides_intrinsics *k = &w->camera->facts.intrinsics;
     td_lines lines = {NULL, NULL};
+    double l[5];
+    td_lens_numbers(w->camera, l);
     tides_status status = td_lines_open(&lines, w->folder, "calib.txt", error);
     if (status == TIDES_OK)
-        status = td_lines_put(&lines, error, "%.17g %.17g %.17g %.17g 0 0 0 0 0\n", k->fx, k->fy, td_whole_cx(w->camera),
-                              td_whole_cy(w->camera));
+        status = td_lines_put(&lines, error, "%.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", k->fx, k->fy,
+                              td_whole_cx(w->camera), td_whole_cy(w->camera), l[0], l[1], l[2], l[3], l[4]);
     const tides_status closed = td_lines_close(&lines, error);
     return status == TIDES_OK ? closed : status;
+}
+
+static tides_status check(const td_dataset *set, tides_error *error) {
+    return td_check_lens(set, "ecd", TIDES_LENS_RADTAN, 0, error);
 }
 
 static tides_status open_events(td_writer *w, ecd *e, tides_error *error) {
@@ -102,6 +108,7 @@ const td_layout td_layout_ecd = {.name = "ecd",
                                  .summary = "Event Camera Dataset, text and pictures",
                                  .metric = 1,
                                  .per_camera = 1,
+                                 .check = check,
                                  .begin = begin,
                                  .events = events,
                                  .picture = picture,

@@ -107,7 +107,9 @@ static tides_status pose(td_writer *w, const td_place_at *at, tides_error *error
 
 static tides_status write_info(td_writer *w, tides_error *error) {
     const tides_intrinsics *k = &w->camera->facts.intrinsics;
-    const double matrix[9] = {k->fx, 0, td_whole_cx(w->camera), 0, k->fy, td_whole_cy(w->camera), 0, 0, 1}, lens[5] = {0};
+    const double matrix[9] = {k->fx, 0, td_whole_cx(w->camera), 0, k->fy, td_whole_cy(w->camera), 0, 0, 1};
+    double lens[5];
+    const int count = td_lens_numbers(w->camera, lens);
     const size_t three = 3;
     char *path = td_in_folder(w->folder, error, "dataset_info.npz");
     td_npy_writer *npy = NULL;
@@ -117,7 +119,7 @@ static tides_status write_info(td_writer *w, tides_error *error) {
     status = td_npy_writer_begin(npy, "K", "'<f8'", 8, 2, &three, error);
     if (status == TIDES_OK) status = td_npy_writer_append(npy, matrix, 3, error);
     if (status == TIDES_OK) status = td_npy_writer_begin(npy, "D", "'<f8'", 8, 1, NULL, error);
-    if (status == TIDES_OK) status = td_npy_writer_append(npy, lens, 5, error);
+    if (status == TIDES_OK) status = td_npy_writer_append(npy, lens, (size_t)count, error);
     if (status == TIDES_OK) return td_npy_writer_close(npy, error);
     td_npy_writer_discard(npy);
     return status;

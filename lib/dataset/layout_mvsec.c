@@ -44,7 +44,7 @@ static td_arrays *file_of(td_writer *w, int which) { return which < DEPTH ? &fil
 static tides_status check(const td_dataset *set, tides_error *error) {
     int both = set->count <= 2;
     for (size_t i = 0; i < set->count; i++) both = both && set->cameras[i].event >= 0 && set->cameras[i].picture >= 0;
-    if (both) return TIDES_OK;
+    if (both) return td_check_lens(set, "mvsec", TIDES_LENS_EQUIDISTANT, 1, error);
     return td_fail(error, TIDES_BAD_CONFIG, "mvsec: it has one or two cameras, each of events and pictures: kind \"both\"");
 }
 
@@ -96,12 +96,14 @@ static tides_status begin_arrays(td_writer *w, tides_error *error) {
 static tides_status put_camera(td_writer *w, tides_error *error) {
     td_lines *yaml = &files_of(w)->chain;
     const tides_intrinsics *k = &w->camera->facts.intrinsics;
+    double l[5];
+    const int fisheye = td_lens_numbers(w->camera, l) == 4;
     tides_status status =
         td_lines_put(yaml, error,
                      "cam%d:\n  camera_model: pinhole\n  intrinsics: [%.17g, %.17g, %.17g, %.17g]\n"
-                     "  distortion_model: radtan\n  distortion_coeffs: [0.0, 0.0, 0.0, 0.0]\n  resolution: [%d, %d]\n",
-                     (int)w->camera->event, k->fx, k->fy, td_whole_cx(w->camera), td_whole_cy(w->camera), (int)k->width,
-                     (int)k->height);
+                     "  distortion_model: %s\n  distortion_coeffs: [%.17g, %.17g, %.17g, %.17g]\n  resolution: [%d, %d]\n",
+                     (int)w->camera->event, k->fx, k->fy, td_whole_cx(w->camera), td_whole_cy(w->camera),
+                     fisheye ? "equidistant" : "radtan", l[0], l[1], l[2], l[3], (int)k->width, (int)k->height);
     if (w->camera->event == 0) return status;
     double t[16];
     td_between(w->set, &w->set->cameras[0], w->camera, t);

@@ -131,6 +131,11 @@ size_t td_pixels(const td_member *camera);
 /* cx and cy where pixel centres are whole numbers, as OpenCV, ROS and all these layouts have them: ours are at 0.5. */
 double td_whole_cx(const td_member *camera);
 double td_whole_cy(const td_member *camera);
+/* The lens as files have it: k1 k2 p1 p2 k3 of radtan (zeros without a lens), or k1 k2 k3 k4 of equidistant; how many. */
+int td_lens_numbers(const td_member *camera, double numbers[5]);
+/* TIDES_BAD_CONFIG, naming the layout and the camera, where a camera's lens is another one than these: TIDES_LENS_*, -1: any;
+ * TIDES_LENS_NONE: only none. `least`: radtan without k3. */
+tides_status td_check_lens(const td_dataset *set, const char *layout, int32_t most, int least, tides_error *error);
 /* T_1_0: from camera 0's coordinates to camera 1's, in metres; row-major 4x4. */
 void td_between(const td_dataset *set, const td_member *zero, const td_member *one, double transform[16]);
 /* `t px py pz qx qy qz qw` [s, m]: of the camera in the world. */

@@ -29,6 +29,28 @@ tides_event_file td_event_facts_of(const td_dataset *set, const td_member *camer
                               .stop_ns = td_time_ns(f->values.stop)};
 }
 
+int td_lens_numbers(const td_member *camera, double numbers[5]) {
+    const tides_lens *l = &camera->facts.intrinsics.lens;
+    const int fisheye = l->model == TIDES_LENS_EQUIDISTANT;
+    const double radtan[5] = {l->k1, l->k2, l->p1, l->p2, l->k3}, equidistant[5] = {l->k1, l->k2, l->k3, l->k4};
+    memcpy(numbers, fisheye ? equidistant : radtan, sizeof radtan);
+    return fisheye ? 4 : 5;
+}
+
+tides_status td_check_lens(const td_dataset *set, const char *layout, int32_t most, int least, tides_error *error) {
+    for (size_t i = 0; i < set->count; i++) {
+        const tides_lens *l = &set->cameras[i].facts.intrinsics.lens;
+        if (l->model == TIDES_LENS_NONE) continue;
+        if (l->model <= most && !(least && l->model == TIDES_LENS_RADTAN && fabs(l->k3) > 0)) continue;
+        return td_fail(error, TIDES_BAD_CONFIG, "%s: %s has a lens that the layout has no place for: set camera.lens to %s",
+                       layout, set->cameras[i].name,
+                       most == TIDES_LENS_NONE ? "none, for its images are rectified"
+                       : least                 ? "radtan without k3"
+                                               : "radtan");
+    }
+    return TIDES_OK;
+}
+
 /* R_1^T R_0 and R_1^T (t_0 - t_1): both cameras are given on the body. */
 void td_between(const td_dataset *set, const td_member *zero, const td_member *one, double transform[16]) {
     const double *a = zero->T_B_C, *b = one->T_B_C;

@@ -104,7 +104,9 @@ static int32_t is_among(const char *const *names, const char *key) {
 }
 
 /* What cameras of a rig may differ in, where another one of them is chosen. */
-static const char *const lens[] = {"camera.width", "camera.height", "camera.fx", "camera.fy", "camera.cx", "camera.cy", NULL};
+static const char *const lens[] = {"camera.width", "camera.height", "camera.fx", "camera.fy", "camera.cx",
+                                   "camera.cy",    "camera.lens",   "camera.k1", "camera.k2", "camera.k3",
+                                   "camera.k4",    "camera.p1",     "camera.p2", NULL};
 
 static int32_t same_value(const cJSON *one, const cJSON *two) { return one && two ? cJSON_Compare(one, two, 1) : one == two; }
 

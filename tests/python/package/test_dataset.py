@@ -258,3 +258,21 @@ def test_wrong_input_is_named(world):
         with pytest.raises(tides.errors.Cancelled):
             session.dataset(folder / "no", "ecd", progress=lambda fraction, stage: stage == "pictures")
     assert sorted(one.name for one in folder.iterdir()) == ["all", "cloud.h5", "path.json", "run.json"]
+
+
+def test_lenses_are_written(world):
+    run, folder = world["folder"] / "run.json", world["folder"]
+    radtan = {"camera.lens": "radtan", "camera.k1": -0.1, "camera.k2": 0.02, "camera.p1": 0.003, "camera.p2": -0.004}
+    settings = {**radtan, "dataset.truth_hz": 20, "dataset.picture_hz": 20, "time.stop": 1.06}
+    with tides.Session(run, settings, device="reference-f32") as session:
+        session.dataset(folder / "bent", ["ecd", "mvsec", "evimo", "ros2"])
+        with pytest.raises(tides.errors.BadConfig, match="dsec: one has a lens.*rectified"):
+            session.dataset(folder / "no", "dsec")
+    assert np.loadtxt(folder / "bent/ecd/one/calib.txt")[4:].tolist() == [-0.1, 0.02, 0.003, -0.004, 0]
+    assert np.load(folder / "bent/evimo/one/dataset_info.npz")["D"].tolist() == [-0.1, 0.02, 0.003, -0.004, 0]
+    chain = (folder / "bent/mvsec/camchain.yaml").read_text()
+    numbers = [float(one) for one in chain.split("distortion_coeffs: [")[1].split("]")[0].split(",")]
+    assert "distortion_model: radtan" in chain and numbers == [-0.1, 0.02, 0.003, -0.004]
+    with tides.Session(run, {"camera.lens": "equidistant", "camera.k1": 0.01}, device="reference-f32") as session:
+        with pytest.raises(tides.errors.BadConfig, match="ecd: one has a lens.*radtan"):
+            session.dataset(folder / "no", "ecd")
