@@ -269,6 +269,25 @@ tides_status td_trajectory_check_smooth(const tides_trajectory *trajectory, doub
     return check_bends(trajectory, start - from, stop - from, error);
 }
 
+/* R_ddot m: what turning adds for a mount's arm m. The unit quaternion u = q / |q| has, with a = u . q_dot, the second rate
+ * q_ddot - 2 a q_dot - (q_dot . q_dot + u . q_ddot) u + 3 a^2 u, all by |q|; R is quadratic in it, which td_rotation_rate
+ * makes a rate of: R_ddot = rate(u, u_ddot) + rate(u_dot, u_dot). */
+static void add_swing(const tides_trajectory *trajectory, double relative, const double q_ddot[4], double acceleration[3]) {
+    double value[TD_CURVE_WIDTH], rate[TD_CURVE_WIDTH], second[4], bent[9], turned[9], length = 0, a = 0, b = 0;
+    td_curve_at(trajectory->curve, td_curve_find(trajectory->curve, relative), relative, value, rate);
+    double *u = value + 3, *v = rate + 3;
+    for (int k = 0; k < 4; k++) length += u[k] * u[k];
+    length = sqrt(length);
+    for (int k = 0; k < 4; k++) u[k] /= length, v[k] /= length, second[k] = q_ddot[k] / length;
+    for (int k = 0; k < 4; k++) a += u[k] * v[k], b += v[k] * v[k] + u[k] * second[k];
+    for (int k = 0; k < 4; k++) second[k] += (3 * a * a - b) * u[k] - 2 * a * v[k];
+    for (int k = 0; k < 4; k++) v[k] -= a * u[k];
+    td_rotation_rate(u, second, bent);
+    td_rotation_rate(v, v, turned);
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) acceleration[i] += (bent[3 * i + k] + turned[3 * i + k]) * trajectory->mount.position[k];
+}
+
 tides_status tides_trajectory_acceleration(const tides_trajectory *trajectory, double time, double acceleration[3],
                                            tides_error *error) {
     tides_pose pose;
@@ -281,6 +300,7 @@ tides_status tides_trajectory_acceleration(const tides_trajectory *trajectory, d
     if (status != TIDES_OK) return status;
     if (trajectory->curve) td_curve_second(trajectory->curve, td_curve_find(trajectory->curve, relative), relative, second);
     memcpy(acceleration, second, 3 * sizeof *acceleration);
+    if (trajectory->mounted && trajectory->curve) add_swing(trajectory, relative, second + 3, acceleration);
     return TIDES_OK;
 }
 

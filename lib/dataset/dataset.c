@@ -94,6 +94,8 @@ static void set_times(td_dataset *set, const tides_run_values *v) {
     const int64_t start = td_time_ns(v->start), stop = td_time_ns(v->stop);
     set->start_us = start / 1000 + (start % 1000 > 0);
     set->stop_us = stop / 1000 - (stop % 1000 < 0);
+    const double *down = v->imu.down;
+    set->has_imu = v->metres_per_unit > 0 && (fabs(down[0]) + fabs(down[1]) + fabs(down[2]) > 0 || !(v->imu.gravity > 0));
     set->metres = v->metres_per_unit;
     set->picture_hz = v->dataset_picture_hz;
     set->truth_hz = v->dataset_truth_hz;
@@ -185,6 +187,21 @@ static void give_poses(job *j, const td_member *camera) {
     }
 }
 
+/* What an IMU in the camera's place measures, with the camera's axes. */
+static void give_imu(job *j, const td_member *camera) {
+    const tides_run_values *v = &camera->facts.values;
+    tides_imu imu = v->imu;
+    imu.metres_per_unit = j->set.metres;
+    const size_t count = j->set.has_imu && j->status == TIDES_OK ? tides_imu_count(&imu, v->start, v->stop) : 0;
+    tides_imu_sample *samples = count ? td_alloc(count, sizeof *samples, j->error) : NULL;
+    if (count) j->status = samples ? TIDES_OK : TIDES_NO_MEMORY;
+    if (count && j->status == TIDES_OK)
+        j->status = tides_trajectory_imu(camera->facts.camera, &imu, v->start, count, samples, j->error);
+    for (size_t i = 0; i < count && j->status == TIDES_OK; i++)
+        EACH(j, w) if (w->layout->imu) j->status = w->layout->imu(w, &samples[i], j->error);
+    free(samples);
+}
+
 static void give_camera(job *j, const td_member *camera, size_t index) {
     const double share = 1.0 / (double)j->set.count;
     begin_camera(j, camera);
@@ -192,6 +209,7 @@ static void give_camera(job *j, const td_member *camera, size_t index) {
     j->width = 0.7 * share; /* most of it, in runs measured */
     if (j->status == TIDES_OK && camera->event >= 0) simulate(j, camera);
     give_poses(j, camera);
+    give_imu(j, camera);
     j->from += j->width;
     j->width = 0.3 * share;
     if (j->status == TIDES_OK) {

@@ -1,13 +1,14 @@
 /* The Event Camera Dataset (Mueggler et al. 2017; rpg.ifi.uzh.ch/davis_data), of each camera: events.txt `t x y p`, images.txt
  * and images/, groundtruth.txt `t px py pz qx qy qz qw` of the camera in the world [m], calib.txt
- * `fx fy cx cy k1 k2 p1 p2 k3`, and as its synthetic sequences depthmaps.txt and depthmaps/ [m]. All times in seconds. */
+ * `fx fy cx cy k1 k2 p1 p2 k3`, imu.txt `t ax ay az gx gy gz` where there is an IMU, and as its synthetic sequences
+ * depthmaps.txt and depthmaps/ [m]. All times in seconds. */
 #include "td_dataset.h"
 
 #include <stdlib.h>
 
 typedef struct ecd {
     tides_event_writer *events;
-    td_lines images, poses, depths;
+    td_lines images, poses, depths, imu;
     float *depth;
 } ecd;
 
@@ -45,6 +46,7 @@ static tides_status begin(td_writer *w, tides_error *error) {
     if (status == TIDES_OK && w->camera->picture >= 0) status = td_lines_open(&e->images, w->folder, "images.txt", error);
     if (status == TIDES_OK) status = td_lines_open(&e->poses, w->folder, "groundtruth.txt", error);
     if (status == TIDES_OK) status = td_lines_open(&e->depths, w->folder, "depthmaps.txt", error);
+    if (status == TIDES_OK && w->set->has_imu) status = td_lines_open(&e->imu, w->folder, "imu.txt", error);
     return status == TIDES_OK ? write_calibration(w, error) : status;
 }
 
@@ -76,6 +78,10 @@ static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
     return status;
 }
 
+static tides_status imu(td_writer *w, const tides_imu_sample *sample, tides_error *error) {
+    return td_imu_line(&((ecd *)w->state)->imu, sample, error);
+}
+
 static tides_status pose(td_writer *w, const td_place_at *at, tides_error *error) {
     return td_pose_line(w->set, &((ecd *)w->state)->poses, at, error);
 }
@@ -87,6 +93,7 @@ static void drop(td_writer *w) {
     td_lines_drop(&e->images);
     td_lines_drop(&e->poses);
     td_lines_drop(&e->depths);
+    td_lines_drop(&e->imu);
     free(e->depth);
     free(e);
     w->state = NULL;
@@ -100,6 +107,7 @@ static tides_status end(td_writer *w, tides_error *error) {
     if (status == TIDES_OK) status = td_lines_close(&e->images, error);
     if (status == TIDES_OK) status = td_lines_close(&e->poses, error);
     if (status == TIDES_OK) status = td_lines_close(&e->depths, error);
+    if (status == TIDES_OK) status = td_lines_close(&e->imu, error);
     drop(w);
     return status;
 }
@@ -114,5 +122,6 @@ const td_layout td_layout_ecd = {.name = "ecd",
                                  .picture = picture,
                                  .truth = truth,
                                  .pose = pose,
+                                 .imu = imu,
                                  .end = end,
                                  .drop = drop};

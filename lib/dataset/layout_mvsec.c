@@ -1,7 +1,7 @@
 /* MVSEC (Zhu et al. 2018; daniilidis-group.github.io/mvsec), of one or two cameras that make both events and pictures. Seconds.
  *
  *   NAME_data.hdf5  davis/{left,right}/events (n, 4): x, y, t, p = +-1; image_raw (n, height, width), image_raw_ts,
- *                   image_raw_event_inds (number of events up to the picture, less one)
+ *                   image_raw_event_inds (number of events up to the picture, less one); imu (n, 6): ax ay az gx gy gz, imu_ts
  *   NAME_gt.hdf5    davis/{left,right}/depth_image_raw (n, height, width) [m], NaN: none; depth_image_raw_ts;
  *                   pose (n, 4, 4) of the camera in the world [m], pose_ts; davis/left/flow_dist (n, 2, height, width), _ts
  *   NAME_gt_flow_dist.npz  timestamps, x_flow_dist, y_flow_dist: the same
@@ -25,7 +25,21 @@ typedef struct mvsec_files {
     td_lines chain;
 } mvsec_files;
 
-enum { EVENTS, IMAGES, IMAGE_TIMES, IMAGE_EVENTS, DEPTH, DEPTH_TIMES, POSES, POSE_TIMES, FLOW, FLOW_TIMES, ARRAYS };
+enum {
+    EVENTS,
+    IMAGES,
+    IMAGE_TIMES,
+    IMAGE_EVENTS,
+    IMU,
+    IMU_TIMES,
+    DEPTH,
+    DEPTH_TIMES,
+    POSES,
+    POSE_TIMES,
+    FLOW,
+    FLOW_TIMES,
+    ARRAYS
+};
 
 /* Rows that are packed together: of events, of numbers, of whole images. */
 enum { EVENT_ROWS = 16384, NUMBER_ROWS = 1024 };
@@ -61,7 +75,7 @@ static tides_status open_files(td_writer *w, tides_error *error) {
 
 static tides_status begin_arrays(td_writer *w, tides_error *error) {
     const size_t height = (size_t)w->camera->facts.intrinsics.height, width = (size_t)w->camera->facts.intrinsics.width;
-    const size_t four[2] = {4, 4}, plane[2] = {height, width}, pair[3] = {2, height, width};
+    const size_t four[2] = {4, 4}, six = 6, plane[2] = {height, width}, pair[3] = {2, height, width};
     const hid_t f64 = H5T_IEEE_F64LE, real = H5T_NATIVE_DOUBLE;
     const struct {
         const char *name;
@@ -74,6 +88,8 @@ static tides_status begin_arrays(td_writer *w, tides_error *error) {
         [IMAGES] = {"image_raw", H5T_STD_U8LE, H5T_NATIVE_UINT8, 3, plane, 1},
         [IMAGE_TIMES] = {"image_raw_ts", f64, real, 1, NULL, NUMBER_ROWS},
         [IMAGE_EVENTS] = {"image_raw_event_inds", H5T_STD_I64LE, H5T_NATIVE_INT64, 1, NULL, NUMBER_ROWS},
+        [IMU] = {"imu", f64, real, 2, &six, NUMBER_ROWS},
+        [IMU_TIMES] = {"imu_ts", f64, real, 1, NULL, NUMBER_ROWS},
         [DEPTH] = {"depth_image_raw", H5T_IEEE_F32LE, real, 3, plane, 1},
         [DEPTH_TIMES] = {"depth_image_raw_ts", f64, real, 1, NULL, NUMBER_ROWS},
         [POSES] = {"pose", f64, real, 3, four, NUMBER_ROWS},
@@ -85,6 +101,7 @@ static tides_status begin_arrays(td_writer *w, tides_error *error) {
     tides_status status = TIDES_OK;
     for (int i = 0; i < ARRAYS && status == TIDES_OK; i++) {
         if (i >= FLOW && w->camera->event != 0) break;
+        if ((i == IMU || i == IMU_TIMES) && !w->set->has_imu) continue;
         char name[64];
         snprintf(name, sizeof name, "davis/%s/%s", sides[w->camera->event], forms[i].name);
         status = td_array_begin(file_of(w, i), name, forms[i].stored, forms[i].memory, forms[i].ndim, forms[i].inner,
@@ -197,6 +214,12 @@ static tides_status pose(td_writer *w, const td_place_at *at, tides_error *error
     return status == TIDES_OK ? put(w, POSE_TIMES, 1, &time, error) : status;
 }
 
+static tides_status imu(td_writer *w, const tides_imu_sample *s, tides_error *error) {
+    const double *a = s->specific_force, *g = s->angular_rate, row[6] = {a[0], a[1], a[2], g[0], g[1], g[2]};
+    const tides_status status = put(w, IMU, 1, row, error);
+    return status == TIDES_OK ? put(w, IMU_TIMES, 1, &s->time, error) : status;
+}
+
 /* -- ending ---------------------------------------------------------------------------------------------------------------- */
 
 /* u (0) or v (1) of all flow_dist, read back: one of them at a time is what an .npz takes. */
@@ -270,6 +293,7 @@ const td_layout td_layout_mvsec = {.name = "mvsec",
                                    .picture = picture,
                                    .truth = truth,
                                    .pose = pose,
+                                   .imu = imu,
                                    .end = end,
                                    .complete = complete,
                                    .drop = drop};

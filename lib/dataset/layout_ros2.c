@@ -2,6 +2,7 @@
  * evt3), image_raw, camera_info, pose of the camera in the world [m], depth (32FC1 [m], NaN: none, as REP 118 has it) and
  * optic_flow (32FC2 [px/s], as ESIM has it). Messages are at the run's times;
  * packets of events at their first event's. */
+#include "signal/td_step.h"
 #include "td_ros.h"
 
 #include <math.h>
@@ -62,6 +63,7 @@ static tides_status begin(td_writer *w, tides_error *error) {
     if (status == TIDES_OK && w->camera->picture >= 0) status = add_topic(w, TD_ROS_IMAGE, "image_raw", error);
     if (status == TIDES_OK) status = add_topic(w, TD_ROS_INFO, "camera_info", error);
     if (status == TIDES_OK) status = add_topic(w, TD_ROS_POSE, "pose", error);
+    if (status == TIDES_OK && w->set->has_imu) status = add_topic(w, TD_ROS_IMU, "imu", error);
     if (status == TIDES_OK) status = add_topic(w, DEPTH, "depth", error);
     if (status == TIDES_OK) status = add_topic(w, FLOW, "optic_flow", error);
     if (status != TIDES_OK) return status;
@@ -120,6 +122,13 @@ static tides_status pose(td_writer *w, const td_place_at *at, tides_error *error
     return send(r, TD_ROS_POSE, 1000 * at->us, error);
 }
 
+static tides_status imu(td_writer *w, const tides_imu_sample *sample, tides_error *error) {
+    ros2 *r = w->kept;
+    const int64_t ns = td_time_ns(sample->time);
+    td_ros_imu(&r->message, w->camera, ns, sample);
+    return send(r, TD_ROS_IMU, ns, error);
+}
+
 /* rosbag2's version 5. */
 static tides_status put_metadata(td_writer *w, td_lines *yaml, tides_error *error) {
     ros2 *r = w->kept;
@@ -175,5 +184,6 @@ const td_layout td_layout_ros2 = {.name = "ros2",
                                   .picture = picture,
                                   .truth = truth,
                                   .pose = pose,
+                                  .imu = imu,
                                   .complete = complete,
                                   .drop = drop};

@@ -40,6 +40,12 @@ static const struct message {
                                                                                                                         "z\nflo"
                                                                                                                         "at64 "
                                                                                                                         "w\n"},
+    [TD_ROS_IMU] = {"sensor_msgs/msg/Imu",
+                    "std_msgs/Header header\ngeometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n"
+                    "geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n"
+                    "geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance\n" HEADER
+                        DEFINES("geometry_msgs/Quaternion") "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n" DEFINES(
+                            "geometry_msgs/Vector3") "float64 x\nfloat64 y\nfloat64 z\n"},
 };
 
 const char *td_ros_type(int kind) { return messages[kind].type; }
@@ -156,4 +162,16 @@ void td_ros_pose(td_buffer *b, int64_t ns, const double position[3], const doubl
     put_doubles(b, position, 3);
     put_doubles(b, q + 1, 3);
     put_double(b, q[0]);
+}
+
+/* No orientation, which a covariance that begins with -1 says; covariances of 0 are unknown ones. */
+void td_ros_imu(td_buffer *b, const td_member *camera, int64_t ns, const tides_imu_sample *sample) {
+    const double still[4] = {0, 0, 0, 1}, none[9] = {-1}, unknown[9] = {0};
+    begin(b, ns, camera->name);
+    put_doubles(b, still, 4);
+    put_doubles(b, none, 9);
+    put_doubles(b, sample->angular_rate, 3);
+    put_doubles(b, unknown, 9);
+    put_doubles(b, sample->specific_force, 3);
+    put_doubles(b, unknown, 9);
 }

@@ -28,6 +28,7 @@ typedef struct td_dataset {
     double picture_hz, truth_hz, pose_hz;
     size_t pictures, truths, poses; /* of each camera */
     int64_t start_us, stop_us;
+    int32_t has_imu; /* the run says where down is (imu.down), or that there is no gravity; and the scale in metres */
 } td_dataset;
 
 /* Time number k of a rate, on whole microseconds: files have no finer ones, and what they say is then exactly where all was. */
@@ -84,6 +85,7 @@ struct td_layout {
     tides_status (*picture)(td_writer *w, const td_picture *picture, tides_error *error);
     tides_status (*truth)(td_writer *w, const td_truth *truth, tides_error *error);
     tides_status (*pose)(td_writer *w, const td_place_at *place, tides_error *error);
+    tides_status (*imu)(td_writer *w, const tides_imu_sample *sample, tides_error *error);
     tides_status (*end)(td_writer *w, tides_error *error);
     tides_status (*complete)(td_writer *w, tides_error *error);
     void (*drop)(td_writer *w);
@@ -138,6 +140,8 @@ int td_lens_numbers(const td_member *camera, double numbers[5]);
 tides_status td_check_lens(const td_dataset *set, const char *layout, int32_t most, int least, tides_error *error);
 /* T_1_0: from camera 0's coordinates to camera 1's, in metres; row-major 4x4. */
 void td_between(const td_dataset *set, const td_member *zero, const td_member *one, double transform[16]);
+/* `t ax ay az gx gy gz` [s, m/s^2, rad/s]. */
+tides_status td_imu_line(td_lines *lines, const tides_imu_sample *sample, tides_error *error);
 /* `t px py pz qx qy qz qw` [s, m]: of the camera in the world. */
 tides_status td_pose_line(const td_dataset *set, td_lines *lines, const td_place_at *at, tides_error *error);
 /* 16-bit depth: metres times `scale`, 0 where unknown or beyond. */

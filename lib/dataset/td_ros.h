@@ -5,7 +5,7 @@
 #include "td_dataset.h"
 #include "td_mcap.h"
 
-enum { TD_ROS_EVENTS, TD_ROS_IMAGE, TD_ROS_INFO, TD_ROS_POSE, TD_ROS_KINDS };
+enum { TD_ROS_EVENTS, TD_ROS_IMAGE, TD_ROS_INFO, TD_ROS_POSE, TD_ROS_IMU, TD_ROS_KINDS };
 
 /* "sensor_msgs/msg/Image", and the text that defines it with what it is made of. */
 const char *td_ros_type(int kind);
@@ -18,5 +18,6 @@ void td_ros_image(td_buffer *message, const td_member *camera, int64_t ns, const
                   const void *values);
 void td_ros_info(td_buffer *message, const td_member *camera, int64_t ns);
 void td_ros_pose(td_buffer *message, int64_t ns, const double position[3], const double quaternion[4]); /* [m], wxyz */
+void td_ros_imu(td_buffer *message, const td_member *camera, int64_t ns, const tides_imu_sample *sample);
 
 #endif

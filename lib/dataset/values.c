@@ -70,6 +70,12 @@ void td_depth_16(const td_dataset *set, const td_member *camera, const double *d
     }
 }
 
+tides_status td_imu_line(td_lines *lines, const tides_imu_sample *sample, tides_error *error) {
+    const double *a = sample->specific_force, *g = sample->angular_rate;
+    return td_lines_put(lines, error, "%.9f %.17g %.17g %.17g %.17g %.17g %.17g\n", sample->time, a[0], a[1], a[2], g[0], g[1],
+                        g[2]);
+}
+
 tides_status td_pose_line(const td_dataset *set, td_lines *lines, const td_place_at *at, tides_error *error) {
     const double m = set->metres, *p = at->position, *q = at->quaternion;
     return td_lines_put(lines, error, "%.6f %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", td_seconds(at->us), m * p[0],

@@ -28,6 +28,7 @@ def world(tmp_path_factory):
         "camera": {"file": "path.json"},
         "time": {"start": 16.7, "stop": 16.9},
         "stepping": {"step_s": 0.01},
+        "imu": {"down": [0, 1, 0]},
         "rig": {"cameras": [{"name": "left"}, {"name": "right", "kind": "event", "T_B_C": RIGHT}]},
     }
     (folder / "run.json").write_text(json.dumps(run))
@@ -103,6 +104,11 @@ def test_mcap(world):
     wanted = world["truth"]["depth_median"].ravel()
     assert np.array_equal(depth, np.where(wanted > 0, METRES * wanted, np.nan).astype(np.float32), equal_nan=True)
     assert np.array_equal(flow[1::2], world["truth"]["flow_v"].ravel().astype(np.float32))
+    imu = messages["/left/imu"][5]
+    wanted = world["session"].camera.trajectory.imu(tides.Imu(down=(0, 1, 0), metres_per_unit=METRES), 16.7, 16.75)[5]
+    force = imu.linear_acceleration
+    assert np.allclose([force.x, force.y, force.z], wanted["specific_force"], rtol=1e-12)
+    assert imu.orientation_covariance[0] == -1
     for one in messages["/left/pose"][::7]:
         t = one.header.stamp.sec + 1e-9 * one.header.stamp.nanosec
         place = one.pose.position
@@ -121,4 +127,4 @@ def test_rosbags(world):
                 assert message.distortion_model == "plumb_bob" and message.p.shape == (12,)
         assert bag.message_count == sum(count.values())
     assert count["/left/pose"] == world["report"].poses and count["/left/image_raw"] == world["report"].pictures
-    assert kinds == {"EventPacket", "Image", "CameraInfo", "PoseStamped"}
+    assert kinds == {"EventPacket", "Image", "CameraInfo", "PoseStamped", "Imu"}

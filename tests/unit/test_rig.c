@@ -110,6 +110,33 @@ static void mounts_agree_with_themselves(void **state) {
     tides_trajectory_destroy(body);
 }
 
+/* A camera's acceleration is the rate of its velocity; an IMU's specific force is that in its own axes. */
+static void mounts_accelerate(void **state) {
+    (void)state;
+    const double h = 1e-5;
+    tides_trajectory *body = body_path(), *camera = mounted_on(body, arm, turned);
+    tides_error error = {0, ""};
+    for (double t = 0.1; t < 0.9; t += 0.0531) {
+        double acceleration[3], expected[3], force[3];
+        const tides_pose before = at(camera, t - h), after = at(camera, t + h), here = at(camera, t);
+        for (int k = 0; k < 3; k++) expected[k] = (after.position_dot[k] - before.position_dot[k]) / (2 * h);
+        scene_expect_ok(tides_trajectory_acceleration(camera, t, acceleration, &error), &error);
+        near_all(acceleration, expected, 3, 1e-4); /* of up to 500: a difference is as good as samples' thirds let it be */
+        tides_imu imu;
+        tides_imu_defaults(&imu);
+        imu.gravity = 0;
+        imu.metres_per_unit = 2;
+        tides_imu_sample sample;
+        scene_expect_ok(tides_trajectory_imu(camera, &imu, t, 1, &sample, &error), &error);
+        for (int k = 0; k < 3; k++)
+            force[k] = 2 * (here.rotation[k] * acceleration[0] + here.rotation[3 + k] * acceleration[1] +
+                            here.rotation[6 + k] * acceleration[2]);
+        near_all(sample.specific_force, force, 3, 1e-12);
+    }
+    tides_trajectory_destroy(camera);
+    tides_trajectory_destroy(body);
+}
+
 /* -- in run files --------------------------------------------------------------------------------------------------------- */
 
 #define MATRIX(x) "[[1, 0, 0, " x "], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]"
@@ -236,6 +263,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(mounts_are_composed_exactly),
         cmocka_unit_test(mounts_agree_with_themselves),
+        cmocka_unit_test(mounts_accelerate),
         cmocka_unit_test(a_run_is_of_one_camera),
         cmocka_unit_test(bad_rigs_are_named),
         cmocka_unit_test_setup_teardown(cameras_share_the_scene, scene_folder_setup, scene_folder_teardown),

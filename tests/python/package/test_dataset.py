@@ -56,6 +56,7 @@ def world(tmp_path_factory):
         "camera": {"file": "path.json"},
         "time": {"start": 1, "stop": 1.21},
         "stepping": {"step_s": 0.01},
+        "imu": {"down": [0, 1, 0], "rate_hz": 100},
         "rig": {"cameras": [{"name": "one"}, {"name": "two", "T_B_C": right.tolist()}]},
     }
     (folder / "run.json").write_text(json.dumps(run))
@@ -70,6 +71,7 @@ def world(tmp_path_factory):
             frame = renderer.frame(1.05, ["Y"])["Y"]
         poses = session.camera.trajectory
         intrinsics = session.intrinsics
+        imu = poses.imu(tides.Imu(rate_hz=100, down=(0, 1, 0), metres_per_unit=METRES), 1.0, 1.21)
         yield {**locals(), "all": folder / "all"}
 
 
@@ -108,6 +110,9 @@ def test_ecd(world):
     (t, name), *_ = [line.split() for line in (root / "images.txt").read_text().splitlines()][1:]
     grey, y = read_png(root / name) / 255.0, np.clip(world["frame"], 0, 1)
     wanted = np.where(y <= 0.0031308, 12.92 * y, 1.055 * y ** (1 / 2.4) - 0.055)
+    imu, reference = np.loadtxt(root / "imu.txt"), world["imu"]
+    assert np.allclose(imu[:, 0], 1 + np.arange(22) / 100, atol=1e-9)
+    assert np.array_equal(imu[:, 1:4], reference["specific_force"]) and np.array_equal(imu[:, 4:], reference["angular_rate"])
     assert t == "1.050000" and np.abs(grey - wanted).max() < 0.51 / 255
     depth = tides.image.read_exr(root / "depthmaps/frame_00000001.exr")
     assert np.array_equal(depth["Z"], (METRES * world["truth"][1]["depth_median"]).astype(np.float32))
@@ -169,6 +174,8 @@ def test_mvsec(world):
         for i, wanted in enumerate(world["truth"]):
             depth = np.where(wanted["depth_median"] > 0, METRES * wanted["depth_median"], np.nan).astype(np.float32)
             assert np.array_equal(own["depth_image_raw"][i], depth, equal_nan=True)
+        assert np.array_equal(data["davis/left/imu"][:, :3], world["imu"]["specific_force"])
+        assert np.array_equal(data["davis/left/imu_ts"], world["imu"]["time"])
         assert np.array_equal(own["depth_image_raw_ts"], [1.0, 1.1, 1.2])
         pose = world["poses"].at(own["pose_ts"][7])
         assert np.allclose(own["pose"][7][:3, :3], pose.rotation, atol=1e-15)
@@ -230,7 +237,7 @@ def test_ros2(world):
             start = struct.unpack("<Q", body[16:24])[0]
             assert data[start] == 6
         at += 9 + size
-    kinds = ("events", "image_raw", "camera_info", "pose", "depth", "optic_flow")
+    kinds = ("events", "imu", "image_raw", "camera_info", "pose", "depth", "optic_flow")
     assert set(channels.values()) == {f"/{side}/{kind}" for side in ("one", "two") for kind in kinds}
     text = (world["all"] / "ros2/metadata.yaml").read_text()
     assert f"message_count: {messages}" in text and "storage_identifier: mcap" in text
