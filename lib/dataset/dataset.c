@@ -89,11 +89,23 @@ static size_t times_of(const td_dataset *set, double hz) {
     return count;
 }
 
+/* [us] that exposures reach before and after their middle at most, over all cameras. */
+static int64_t lead_of(const td_dataset *set) {
+    double lead = 0;
+    for (size_t i = 0; i < set->count; i++) {
+        int64_t from, to;
+        td_exposed_between(&set->cameras[i], 0, &from, &to);
+        lead = fmax(lead, (double)(to > -from ? to : -from));
+    }
+    return (int64_t)lead;
+}
+
 /* Whole microseconds within the run. */
 static void set_times(td_dataset *set, const tides_run_values *v) {
     const int64_t start = td_time_ns(v->start), stop = td_time_ns(v->stop);
-    set->start_us = start / 1000 + (start % 1000 > 0);
-    set->stop_us = stop / 1000 - (stop % 1000 < 0);
+    const int64_t lead = set->exposed ? lead_of(set) : 0;
+    set->start_us = start / 1000 + (start % 1000 > 0) + lead;
+    set->stop_us = stop / 1000 - (stop % 1000 < 0) - lead;
     const double *down = v->imu.down;
     set->has_imu = v->metres_per_unit > 0 && (fabs(down[0]) + fabs(down[1]) + fabs(down[2]) > 0 || !(v->imu.gravity > 0));
     set->metres = v->metres_per_unit;
@@ -263,9 +275,13 @@ tides_status tides_dataset_write(tides_session *session, const char *folder, con
     tides_session_get(session, &facts);
     const char *slash = strrchr(folder, '/');
     j.set.name = slash && slash[1] ? slash + 1 : folder;
-    set_times(&j.set, &facts.values);
+    j.set.exposed = tides_run_gives(facts.run, "exposure.exposure_s");
     j.part = td_format(error, "%s.part", folder);
     j.status = j.part ? add_cameras(&j.set, session, error) : TIDES_NO_MEMORY;
+    if (j.status == TIDES_OK) set_times(&j.set, &facts.values);
+    if (j.status == TIDES_OK && j.set.stop_us <= j.set.start_us)
+        j.status =
+            td_fail(error, TIDES_BAD_CONFIG, "the run has no room for an exposure: set exposure.exposure_s or time.stop");
     const int fresh = j.status == TIDES_OK && !td_is_folder(j.part);
     if (j.status == TIDES_OK && !fresh)
         j.status = td_fail(error, TIDES_WRITE_FAILED, "%s: is there: another is being written, or one died; remove it", j.part);

@@ -134,9 +134,9 @@ static tides_status events(td_writer *w, const tides_event *list, size_t count, 
 
 static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {
     dsec *d = w->state;
-    const long long us = p->us;
+    const long long us = p->us, from = p->from_us, to = p->to_us;
     tides_status status = d->times.file ? td_lines_put(&d->times, error, "%lld\n", us) : TIDES_OK;
-    if (status == TIDES_OK) status = td_lines_put(&d->exposures, error, "%lld, %lld\n", us, us);
+    if (status == TIDES_OK) status = td_lines_put(&d->exposures, error, "%lld, %lld\n", from, to);
     char format[48];
     snprintf(format, sizeof format, "images/%s/rectified/%%06u.png", sides[w->camera->picture]);
     return status == TIDES_OK ? td_plane_write(w->folder, format, (unsigned)p->index, w->camera, 8, 3, p->rgb, error) : status;

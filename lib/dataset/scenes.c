@@ -15,6 +15,7 @@ typedef struct scenes {
     size_t pixels;
     double *values;
     uint8_t *grey, *rgb;
+    uint16_t *numbers; /* of an exposure */
     tides_error *error;
 } scenes;
 
@@ -24,30 +25,45 @@ static tides_status open_scenes(scenes *s) {
     s->pixels = td_pixels(s->camera);
     s->values = td_alloc(PLANES * s->pixels, sizeof *s->values, s->error);
     s->rgb = s->values ? td_alloc(6 * s->pixels, 1, s->error) : NULL;
-    if (!s->rgb) return TIDES_NO_MEMORY;
+    s->numbers = s->rgb ? td_alloc(3 * s->pixels, sizeof *s->numbers, s->error) : NULL;
+    if (!s->numbers) return TIDES_NO_MEMORY;
     s->grey = s->rgb + 3 * s->pixels;
     return tides_session_renderer(s->camera->session, NULL, NULL, &s->renderer, s->error);
 }
 
 static void close_scenes(scenes *s) {
     tides_renderer_destroy(s->renderer);
+    free(s->numbers);
     free(s->rgb);
     free(s->values);
 }
 
 /* -- pictures -------------------------------------------------------------------------------------------------------------- */
 
-static tides_status picture(scenes *s, size_t index) {
-    td_picture made = {index, td_dataset_us(s->set, s->set->picture_hz, index), s->grey, s->rgb};
+/* Of an instant. */
+static tides_status render(scenes *s, int64_t us) {
     tides_frame frame = {{NULL}};
     frame.plane[TIDES_R] = plane(s, R), frame.plane[TIDES_G] = plane(s, G), frame.plane[TIDES_B] = plane(s, B);
     frame.plane[TIDES_Y] = plane(s, Y);
-    tides_status status = tides_renderer_frame(s->renderer, s->camera->facts.camera, td_seconds(made.us), &frame, s->error);
+    tides_status status = tides_renderer_frame(s->renderer, s->camera->facts.camera, td_seconds(us), &frame, s->error);
     if (status != TIDES_OK) return status;
     const int32_t width = s->camera->facts.intrinsics.width, height = s->camera->facts.intrinsics.height;
     tides_picture_grey(plane(s, Y), width, height, 1.0, s->rgb);
     for (size_t i = 0; i < s->pixels; i++) s->grey[i] = s->rgb[3 * i];
     tides_picture_rgb(plane(s, R), plane(s, G), plane(s, B), width, height, s->rgb);
+    return TIDES_OK;
+}
+
+static tides_status picture(scenes *s, size_t index) {
+    const int64_t us = td_dataset_us(s->set, s->set->picture_hz, index);
+    td_picture made = {index, us, us, us, s->grey, s->rgb};
+    tides_status status;
+    if (s->set->exposed) {
+        td_exposed_between(s->camera, us, &made.from_us, &made.to_us);
+        status = td_exposed_make(s->camera, s->renderer, &made, plane(s, R), s->numbers, s->rgb, s->grey, s->error);
+    } else {
+        status = render(s, us);
+    }
     for (td_writer *w = s->to->writers; w < s->to->writers + s->to->count && status == TIDES_OK; w++)
         if (w->layout->picture) status = w->layout->picture(w, &made, s->error);
     return status;

@@ -27,7 +27,8 @@ typedef struct td_dataset {
     double metres;    /* of a unit; 0: unknown */
     double picture_hz, truth_hz, pose_hz;
     size_t pictures, truths, poses; /* of each camera */
-    int64_t start_us, stop_us;
+    int64_t start_us, stop_us;      /* of all but events and IMU: within, whole exposures have room */
+    int32_t exposed;                /* the run gives exposure.exposure_s */
     int32_t has_imu; /* the run says where down is (imu.down), or that there is no gravity; and the scale in metres */
 } td_dataset;
 
@@ -35,10 +36,10 @@ typedef struct td_dataset {
 int64_t td_dataset_us(const td_dataset *set, double hz, size_t k);
 static inline double td_seconds(int64_t us) { return (double)us / 1e6; } /* the double that is nearest, as the decimal text's */
 
-/* A picture, 8-bit sRGB. */
+/* A picture, 8 bits: an instant's in sRGB, or exposed as the run says. Times are the exposure's middle, start and end. */
 typedef struct td_picture {
     size_t index;
-    int64_t us;
+    int64_t us, from_us, to_us;
     const uint8_t *grey, *rgb; /* (height x width), (height x width x 3) */
 } td_picture;
 
@@ -94,6 +95,12 @@ extern const td_layout td_layout_ecd, td_layout_dsec, td_layout_mvsec, td_layout
     td_layout_ros2;
 tides_status td_dsec_calibration(const td_writer *w, const td_member *const cameras[4], tides_error *error);
 extern const td_layout td_layout_contact; /* contact.png: of every dataset */
+
+/* exposed.c: when a picture at `us` is exposed, all rows together, on whole microseconds; and the picture, whose light has
+ * room for four planes and whose values for three. */
+void td_exposed_between(const td_member *camera, int64_t us, int64_t *from_us, int64_t *to_us);
+tides_status td_exposed_make(const td_member *camera, tides_renderer *renderer, const td_picture *picture, double *light,
+                             uint16_t *values, uint8_t *rgb, uint8_t *grey, tides_error *error);
 
 /* scenes.c: pictures and ground truth of a camera, to every layout. */
 typedef struct td_scenes {

@@ -1,0 +1,36 @@
+/* Pictures as the run's exposure.* keys say: light gathered over a time, by a global or rolling shutter, with its noise; colour
+ * and luminance of one exposure, in 8 bits. */
+#include "td_dataset.h"
+
+#include <math.h>
+
+void td_exposed_between(const td_member *camera, int64_t us, int64_t *from_us, int64_t *to_us) {
+    const tides_exposure *e = &camera->facts.values.exposure;
+    double first, last, from, to;
+    tides_exposure_row(e, camera->facts.intrinsics.height, 0, 0, &first, &last);
+    tides_exposure_row(e, camera->facts.intrinsics.height, 0, camera->facts.intrinsics.height - 1, &from, &to);
+    *from_us = us + (int64_t)floor(1e6 * fmin(first, from));
+    *to_us = us + (int64_t)ceil(1e6 * fmax(last, to));
+}
+
+tides_status td_exposed_make(const td_member *camera, tides_renderer *renderer, const td_picture *picture, double *light,
+                             uint16_t *values, uint8_t *rgb, uint8_t *grey, tides_error *error) {
+    const int32_t width = camera->facts.intrinsics.width, height = camera->facts.intrinsics.height;
+    const double *weights = camera->facts.values.image.luminance;
+    const size_t pixels = td_pixels(camera);
+    tides_exposure exposure = camera->facts.values.exposure;
+    exposure.colour = 1;
+    exposure.bits = 8;
+    double *y = light + 3 * pixels;
+    tides_status status =
+        tides_renderer_expose(renderer, camera->facts.camera, td_seconds(picture->us), &exposure, light, NULL, error);
+    if (status == TIDES_OK) status = tides_exposure_values(&exposure, width, height, picture->index, light, values, error);
+    if (status != TIDES_OK) return status;
+    for (size_t i = 0; i < 3 * pixels; i++) rgb[i] = (uint8_t)values[i];
+    for (size_t i = 0; i < pixels; i++)
+        y[i] = weights[0] * light[i] + weights[1] * light[pixels + i] + weights[2] * light[2 * pixels + i];
+    exposure.colour = 0;
+    status = tides_exposure_values(&exposure, width, height, picture->index, y, values, error);
+    for (size_t i = 0; i < pixels && status == TIDES_OK; i++) grey[i] = (uint8_t)values[i];
+    return status;
+}
