@@ -42,11 +42,6 @@ TD_INLINE void td_cap_alpha(const td_image *image, td_lanes alpha, td_lanes alph
     *tau_dot = capped_dot;
 }
 
-/* Does the rule drop the splat that takes T below the stop, and all that follow? */
-TD_INLINE int td_drops_splats(const td_image *image) {
-    return image->stop_rule == TD_STOP_BELOW || image->stop_rule == TD_STOP_BELOW_OR_AT;
-}
-
 /* Splat alpha and rate at the pixels: tau and tau_dot (paper, Eq. 2 and 7), before rules that drop splats; what these want to
  * be left behind the splat: the stop, or -1 where the pixel doesn't see it. */
 TD_INLINE void td_splat_alpha(TD_GLOBAL const td_real *record, const td_image *image, const td_composite *pixels, td_lanes *tau,

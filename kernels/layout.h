@@ -183,4 +183,9 @@ typedef struct td_image {
 TD_INLINE int td_has_colours(const td_image *image) { return image->decoder || image->outputs >= TD_OUT_COLOUR; }
 TD_INLINE int td_colour_stride(const td_image *image) { return image->decoder ? TD_FEATURE_STRIDE : TD_COLOUR_STRIDE; }
 
+/* Does the rule drop the splat that takes T below the stop, and all that follow? */
+TD_INLINE int td_drops_splats(const td_image *image) {
+    return image->stop_rule == TD_STOP_BELOW || image->stop_rule == TD_STOP_BELOW_OR_AT;
+}
+
 #endif

@@ -9,24 +9,24 @@
 
 /* -- curves at a time ---------------------------------------------------------------------------------------------- */
 
-/* Where a time is on the curves of each level: which one of a splat's it is, s on it, and s by time. Arrays of the work-item's
- * own, since splats have levels of their own. */
-TD_INLINE void td_point_weights(td_real s, td_real h, int piece, td_real way[TD_PATH_LEVELS], td_real rate[TD_PATH_LEVELS],
-                                int number[TD_PATH_LEVELS]) {
+/* Where a lane's time is on the curves of each level, [level][lane]: which of a splat's, as reals from its first on; s on it;
+ * and s by time. Arrays of the work-item's own, since splats have levels of their own. */
+TD_INLINE void td_point_weights(td_real s, td_real h, int piece, int lane, td_real *way, td_real *rate, int *curve) {
     for (int level = 0; level < TD_PATH_LEVELS; level++) {
         int parts = 1 << level, part = (int)(s * (td_real)parts);
         part = part < parts - 1 ? part : parts - 1;
-        way[level] = s * (td_real)parts - (td_real)part;
-        rate[level] = (td_real)parts / h;
-        number[level] = (piece << level) + part;
+        way[level * TD_LANES + lane] = s * (td_real)parts - (td_real)part;
+        rate[level * TD_LANES + lane] = (td_real)parts / h;
+        curve[level * TD_LANES + lane] = ((piece << level) + part) * TD_CURVE_REALS;
     }
 }
 
-/* Splats found, one after the other: paths, where each one's curve is, s on it, and s by time. */
-typedef struct td_point_found {
-    TD_GLOBAL int *path, *curve;
-    TD_GLOBAL td_real *way, *rate;
-} td_point_found;
+/* Are all lanes on one curve? */
+TD_INLINE int td_point_together(const int *curve) {
+    int same = 1;
+    for (int lane = 1; lane < TD_LANES; lane++) same &= curve[lane] == curve[0];
+    return same;
+}
 
 /* A cubic and its slope in s, by Horner's rule. */
 TD_INLINE void td_point_cubic(td_lanes a0, td_lanes a1, td_lanes a2, td_lanes a3, td_lanes s, td_lanes *value,
@@ -36,22 +36,32 @@ TD_INLINE void td_point_cubic(td_lanes a0, td_lanes a1, td_lanes a2, td_lanes a3
     *slope = td_fma(td_fma(a3, s, b2), s, b1);
 }
 
-/* The numbers of TD_LANES splats from number i on, and their slopes in s. A curve's eight numbers lie side by side, so that a
+/* A splat's numbers on one curve, at the times of the lanes, and their slopes in s. */
+TD_INLINE void td_point_numbers_together(TD_GLOBAL const td_real *curve, const td_real *way, td_point_eight *value,
+                                         td_point_eight *slope) {
+    td_lanes s = td_collect(way);
+#define TD_POINT_SHARED(k, x)                                                                                              \
+    td_point_cubic(td_splat(curve[k]), td_splat(curve[TD_PATH_NUMBERS + (k)]), td_splat(curve[2 * TD_PATH_NUMBERS + (k)]), \
+                   td_splat(curve[3 * TD_PATH_NUMBERS + (k)]), s, &value->x, &slope->x)
+    TD_POINT_SHARED(0, a), TD_POINT_SHARED(1, b), TD_POINT_SHARED(2, c), TD_POINT_SHARED(3, d);
+    TD_POINT_SHARED(4, e), TD_POINT_SHARED(5, f), TD_POINT_SHARED(6, g), TD_POINT_SHARED(7, h);
+}
+
+/* The same where each lane has a curve of its own, at curves + at[lane]. A curve's eight numbers lie side by side, so that a
  * vector takes them all: two blocks are turned over, where turning the coefficients would be four. */
-TD_INLINE void td_point_numbers(TD_GLOBAL const td_real *curves, const td_point_found *found, int i, td_point_eight *value,
-                                td_point_eight *slope) {
-    TD_GLOBAL const int *at = found->curve + i;
+TD_INLINE void td_point_numbers_apart(TD_GLOBAL const td_real *curves, const int *at, const td_real *way, td_point_eight *value,
+                                      td_point_eight *slope) {
 #if TD_LANES == 8
     td_point_eight v, d;
 #define TD_POINT_BLOCK(lane, block) td_load_lanes(curves + at[lane] + (block)*TD_PATH_NUMBERS)
 #define TD_POINT_ROW(lane, x)                                                                                          \
     td_point_cubic(TD_POINT_BLOCK(lane, 0), TD_POINT_BLOCK(lane, 1), TD_POINT_BLOCK(lane, 2), TD_POINT_BLOCK(lane, 3), \
-                   td_splat(found->way[i + (lane)]), &v.x, &d.x)
+                   td_splat(way[lane]), &v.x, &d.x)
     TD_POINT_ROW(0, a), TD_POINT_ROW(1, b), TD_POINT_ROW(2, c), TD_POINT_ROW(3, d);
     TD_POINT_ROW(4, e), TD_POINT_ROW(5, f), TD_POINT_ROW(6, g), TD_POINT_ROW(7, h);
     *value = td_point_turn(&v), *slope = td_point_turn(&d);
 #else
-    td_lanes s = td_load_lanes(found->way + i);
+    td_lanes s = td_collect(way);
 #define TD_POINT_TERM(block, k) TD_POINT_EACH(curves, at, (block)*TD_PATH_NUMBERS + (k))
 #define TD_POINT_NUMBER(k, x) \
     td_point_cubic(TD_POINT_TERM(0, k), TD_POINT_TERM(1, k), TD_POINT_TERM(2, k), TD_POINT_TERM(3, k), s, &value->x, &slope->x)
@@ -76,7 +86,7 @@ typedef struct td_point_form {
     td_lanes dx, dy, b, c, det, along, over, under;
 } td_point_form;
 
-TD_INLINE td_point_form td_point_forms(const td_point_eight *value, td_real x, td_real y) {
+TD_INLINE td_point_form td_point_forms(const td_point_eight *value, td_lanes x, td_lanes y) {
     td_point_form f;
     f.dx = x - td_point_pick(value, TD_P_U);
     f.dy = y - td_point_pick(value, TD_P_V);
@@ -99,32 +109,32 @@ TD_INLINE td_dual td_point_distance(const td_point_form *f, td_lanes inverse, co
     return td_dual_make(distance, td_fma(-distance, under, over) * inverse);
 }
 
-/* A splat as a point looks at it, before and after the exponential: both of as many reals as the widest vector has. Growth:
- * depth_dot / depth. */
+/* A splat as points look at it, before the exponential; and what it is to the light, of which it takes tau in hard order, the
+ * optical depth in soft order. Growth: depth_dot / depth. Both are kept at one place, a vector for each number. */
+enum { TD_V_POWER = 0, TD_V_OPACITY, TD_V_SLOPE, TD_V_LUMINANCE, TD_V_LUMINANCE_DOT, TD_V_DEPTH, TD_V_GROWTH };
 enum {
-    TD_V_POWER = 0,
-    TD_V_OPACITY,
-    TD_V_SLOPE,
-    TD_V_LUMINANCE,
-    TD_V_LUMINANCE_DOT,
-    TD_V_DEPTH,
-    TD_V_GROWTH,
-    TD_POINT_VIEW = 8
+    TD_E_TAKES = 0,
+    TD_E_TAKES_DOT,
+    TD_E_LUMINANCE,
+    TD_E_LUMINANCE_DOT,
+    TD_E_DEPTH,
+    TD_E_GROWTH,
+    TD_E_PATH,
+    TD_POINT_ENTRY = 7 * TD_LANES
 };
 typedef struct td_point_view {
     td_lanes power, opacity, slope; /* alpha = opacity 2^power, alpha_dot = slope 2^power; */
     td_lanes luminance, luminance_dot, depth, growth;
 } td_point_view;
 
-/* What it takes of the light: tau in hard order, the optical depth in soft order. */
-enum { TD_E_TAKES = 0, TD_E_TAKES_DOT, TD_E_LUMINANCE, TD_E_LUMINANCE_DOT, TD_E_DEPTH, TD_E_GROWTH, TD_POINT_ENTRY = 8 };
 typedef struct td_point_entry {
-    td_lanes takes, takes_dot, luminance, luminance_dot, depth, growth;
+    td_lanes takes, takes_dot, luminance, luminance_dot, depth, growth, path;
 } td_point_entry;
 
-/* TD_LANES splats with these numbers, whose slopes are in s; rate: s by time. Nothing comes of what can't be seen there. */
+/* A splat with these numbers at the times of the lanes, their slopes in s; rate: s by time. Nothing comes of what can't be seen
+ * there. */
 TD_INLINE td_point_view td_point_see(const td_image *image, const td_point_eight *value, const td_point_eight *slope,
-                                     td_lanes rate, td_real x, td_real y) {
+                                     td_lanes rate, td_lanes x, td_lanes y) {
     td_point_view view;
     td_point_form form = td_point_forms(value, x, y);
     td_dual z = td_dual_make(td_point_pick(value, TD_P_DEPTH), td_point_pick(slope, TD_P_DEPTH));
@@ -139,62 +149,27 @@ TD_INLINE td_point_view td_point_see(const td_image *image, const td_point_eight
     view.opacity = opacity.v;
     view.slope = td_fma(-0.5f * distance.d, opacity.v, opacity.d) * rate;
     view.luminance = td_point_pick(value, TD_P_LUMINANCE), view.luminance_dot = td_point_pick(slope, TD_P_LUMINANCE) * rate;
-    view.depth = z.v, view.growth = z.d * rate * (inverse * under);
+    view.depth = td_select(td_splat(0.0f), z.v, there), view.growth = z.d * rate * (inverse * under);
     return view;
 }
 
-/* What it is to the light; depth is TD_POINT_NEVER where it's below the cut. */
-#define TD_POINT_NEVER TD_REAL(1e30)
-TD_INLINE td_point_entry td_point_enter(const td_image *image, const td_point_view *view) {
+/* What it is to the light, and who sees it. To whoever doesn't it is nothing, whatever it is to others. */
+TD_INLINE td_point_entry td_point_enter(const td_image *image, const td_point_view *view, td_lanes end, td_mask *sees) {
     td_point_entry entry;
+    td_lanes none = td_splat(0.0f), fall = td_exp2(view->power), alpha = view->opacity * fall;
     td_real cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
-    td_lanes fall = td_exp2(view->power), alpha = view->opacity * fall;
-    td_mask sees;
-    td_cap_alpha(image, alpha, view->slope * fall, &entry.takes, &entry.takes_dot, &sees);
+    td_mask above;
+    td_cap_alpha(image, alpha, view->slope * fall, &entry.takes, &entry.takes_dot, &above);
     if (image->soft_order) td_optical_depth(entry.takes, entry.takes_dot, &entry.takes, &entry.takes_dot);
-    entry.luminance = view->luminance, entry.luminance_dot = view->luminance_dot;
-    entry.depth = td_select(td_splat(TD_POINT_NEVER), view->depth, alpha >= cut);
-    entry.growth = view->growth;
+    *sees = (alpha >= cut) & (view->depth < end);
+    entry.takes = td_select(none, entry.takes, *sees), entry.takes_dot = td_select(none, entry.takes_dot, *sees);
+    entry.luminance = td_select(none, view->luminance, *sees);
+    entry.luminance_dot = td_select(none, view->luminance_dot, *sees);
+    entry.depth = view->depth, entry.growth = view->growth;
     return entry;
 }
 
-/* -- a point's list ------------------------------------------------------------------------------------------------ */
-
-/* Splats that are looked at together, in loops of their own: one that did all would wait for its own chain of operations, which
- * is longer than a processor looks ahead (1.3 times slower). */
-enum { TD_POINT_BATCH = 64 };
-
-/* A work-item's own room: for each lane's point `rows` entries, the first of them of nothing, and their numbers front to back,
- * [place][lane]; steps of the light (point_light.h); and of the point that is looked at, a batch of views, what was found, and
- * depths front to back. */
-typedef struct td_point_room {
-    TD_GLOBAL td_real *entries; /* (TD_LANES x rows x TD_POINT_ENTRY) */
-    TD_GLOBAL td_real *steps;   /* (rows x TD_POINT_STEP x TD_LANES) */
-    TD_GLOBAL td_real *depth;   /* (rows) */
-    TD_GLOBAL int *order;       /* (rows x TD_LANES) */
-    td_point_found found;       /* (rows) */
-    int rows;                   /* of the longest list, and 1 + TD_POINT_BATCH: a batch of views is where steps will be */
-} td_point_room;
-
-/* Reals and ints of a row, in two blocks. */
-enum {
-    TD_POINT_STEP = 8,
-    TD_POINT_ROW_REALS = TD_LANES * (TD_POINT_ENTRY + TD_POINT_STEP) + 3,
-    TD_POINT_ROW_INTS = TD_LANES + 2
-};
-TD_INLINE td_point_room td_point_room_at(TD_GLOBAL td_real *reals, TD_GLOBAL int *ints, int rows) {
-    td_point_room room;
-    room.entries = reals;
-    room.steps = reals + rows * (TD_LANES * TD_POINT_ENTRY);
-    room.depth = room.steps + rows * (TD_LANES * TD_POINT_STEP);
-    room.found.way = room.depth + rows;
-    room.found.rate = room.found.way + rows;
-    room.order = ints;
-    room.found.path = ints + rows * TD_LANES;
-    room.found.curve = room.found.path + rows;
-    room.rows = rows;
-    return room;
-}
+/* -- in order ------------------------------------------------------------------------------------------------------ */
 
 TD_INLINE void td_point_store_view(const td_point_view *view, TD_GLOBAL td_real *to) {
     td_store_lanes(to + TD_V_POWER * TD_LANES, view->power);
@@ -205,7 +180,6 @@ TD_INLINE void td_point_store_view(const td_point_view *view, TD_GLOBAL td_real 
     td_store_lanes(to + TD_V_DEPTH * TD_LANES, view->depth);
     td_store_lanes(to + TD_V_GROWTH * TD_LANES, view->growth);
 }
-
 TD_INLINE td_point_view td_point_load_view(TD_GLOBAL const td_real *from) {
     td_point_view view;
     view.power = td_load_lanes(from + TD_V_POWER * TD_LANES);
@@ -218,90 +192,106 @@ TD_INLINE td_point_view td_point_load_view(TD_GLOBAL const td_real *from) {
     return view;
 }
 
-/* Splats by splat, each an entry: transposed, since gathers and scatters of a processor cost more (transpose.h). */
-TD_INLINE void td_point_store(const td_point_entry *made, TD_GLOBAL td_real *to) {
-    td_point_entry e = *made;
-#if TD_LANES == 8
-    td_lanes none = td_splat(0.0f);
-    td_point_eight all = {e.takes, e.takes_dot, e.luminance, e.luminance_dot, e.depth, e.growth, none, none};
-    td_point_eight x = td_point_turn(&all);
-    td_store_lanes(to, x.a), td_store_lanes(to + 8, x.b), td_store_lanes(to + 16, x.c), td_store_lanes(to + 24, x.d);
-    td_store_lanes(to + 32, x.e), td_store_lanes(to + 40, x.f), td_store_lanes(to + 48, x.g), td_store_lanes(to + 56, x.h);
-#else
-    td_scatter(to, TD_POINT_ENTRY, TD_E_TAKES, e.takes), td_scatter(to, TD_POINT_ENTRY, TD_E_TAKES_DOT, e.takes_dot);
-    td_scatter(to, TD_POINT_ENTRY, TD_E_LUMINANCE, e.luminance);
-    td_scatter(to, TD_POINT_ENTRY, TD_E_LUMINANCE_DOT, e.luminance_dot);
-    td_scatter(to, TD_POINT_ENTRY, TD_E_DEPTH, e.depth), td_scatter(to, TD_POINT_ENTRY, TD_E_GROWTH, e.growth);
-#endif
+TD_INLINE void td_point_store_entry(const td_point_entry *entry, TD_GLOBAL td_real *to) {
+    td_store_lanes(to + TD_E_TAKES * TD_LANES, entry->takes);
+    td_store_lanes(to + TD_E_TAKES_DOT * TD_LANES, entry->takes_dot);
+    td_store_lanes(to + TD_E_LUMINANCE * TD_LANES, entry->luminance);
+    td_store_lanes(to + TD_E_LUMINANCE_DOT * TD_LANES, entry->luminance_dot);
+    td_store_lanes(to + TD_E_DEPTH * TD_LANES, entry->depth);
+    td_store_lanes(to + TD_E_GROWTH * TD_LANES, entry->growth);
+    td_store_lanes(to + TD_E_PATH * TD_LANES, entry->path);
+}
+TD_INLINE td_point_entry td_point_load_entry(TD_GLOBAL const td_real *from) {
+    td_point_entry entry;
+    entry.takes = td_load_lanes(from + TD_E_TAKES * TD_LANES);
+    entry.takes_dot = td_load_lanes(from + TD_E_TAKES_DOT * TD_LANES);
+    entry.luminance = td_load_lanes(from + TD_E_LUMINANCE * TD_LANES);
+    entry.luminance_dot = td_load_lanes(from + TD_E_LUMINANCE_DOT * TD_LANES);
+    entry.depth = td_load_lanes(from + TD_E_DEPTH * TD_LANES);
+    entry.growth = td_load_lanes(from + TD_E_GROWTH * TD_LANES);
+    entry.path = td_load_lanes(from + TD_E_PATH * TD_LANES);
+    return entry;
+}
+TD_INLINE td_point_entry td_point_choose(const td_point_entry *otherwise, const td_point_entry *then, td_mask mask) {
+    td_point_entry entry;
+    entry.takes = td_select(otherwise->takes, then->takes, mask);
+    entry.takes_dot = td_select(otherwise->takes_dot, then->takes_dot, mask);
+    entry.luminance = td_select(otherwise->luminance, then->luminance, mask);
+    entry.luminance_dot = td_select(otherwise->luminance_dot, then->luminance_dot, mask);
+    entry.depth = td_select(otherwise->depth, then->depth, mask);
+    entry.growth = td_select(otherwise->growth, then->growth, mask);
+    entry.path = td_select(otherwise->path, then->path, mask);
+    return entry;
 }
 
-/* The entries `number` of the lanes. */
-TD_INLINE td_point_entry td_point_fetch(const td_point_room *room, TD_GLOBAL const int *number) {
-    int at[TD_LANES];
-    for (int lane = 0; lane < TD_LANES; lane++) at[lane] = (lane * room->rows + number[lane]) * TD_POINT_ENTRY;
-    td_point_eight x = td_point_load_eight(room->entries, at);
-    td_point_entry e = {x.a, x.b, x.c, x.d, x.e, x.f};
-    return e;
+/* Puts an entry in its place among `count`, in each lane by its own depth: mostly the last. At equal depth, paths decide
+ * (td_point_lists). Whoever doesn't see a splat has it in its order all the same, so that splats change places together. */
+TD_INLINE void td_point_insert(TD_GLOBAL td_real *entries, int count, const td_point_entry *made) {
+    td_point_entry entry = *made;
+    TD_GLOBAL td_real *to = entries + count * TD_POINT_ENTRY;
+    for (; to != entries; to -= TD_POINT_ENTRY) {
+        TD_GLOBAL td_real *before = to - TD_POINT_ENTRY;
+        td_lanes depth = td_load_lanes(before + TD_E_DEPTH * TD_LANES), path = td_load_lanes(before + TD_E_PATH * TD_LANES);
+        td_mask nearer = (entry.depth < depth) | ((entry.depth == depth) & (entry.path < path));
+        if (!td_any(nearer)) break;
+        td_point_entry front = td_point_load_entry(before), behind = td_point_choose(&entry, &front, nearer);
+        td_point_store_entry(&behind, to);
+        entry = td_point_choose(&front, &entry, nearer);
+    }
+    td_point_store_entry(&entry, to);
 }
 
-/* Puts entry `number`, at depth z, in its place among `count`: mostly the last. At equal depth, paths decide (td_point_lists).
- */
-TD_INLINE void td_point_insert(const td_point_room *room, int lane, int count, int number, td_real z) {
-    TD_GLOBAL td_real *depth = room->depth;
-    TD_GLOBAL int *order = room->order + lane, *path = room->found.path - 1; /* entries are counted from 1 */
-    int i = count;
-    for (; i > 0 && (depth[i - 1] > z || (depth[i - 1] == z && path[order[(i - 1) * TD_LANES]] > path[number])); i--)
-        depth[i] = depth[i - 1], order[i * TD_LANES] = order[(i - 1) * TD_LANES];
-    depth[i] = z;
-    order[i * TD_LANES] = number;
-}
+/* -- a list -------------------------------------------------------------------------------------------------------- */
 
-/* A point on its way down its tile's list: where it is, splats seen; what they take in all, at least, as an optical depth; how
- * far the farthest of them was; and the depth from which on nothing is seen any more. */
+/* Points on their way down their tile's list: where they are, entries made for them; what splats seen take in all, at least, as
+ * an optical depth; how far the farthest of them was; and the depth from which on nothing is seen any more. */
 typedef struct td_point_eye {
-    td_real x, y;
-    int seen;
-    td_real taken, far, end;
+    td_lanes x, y, taken, far, end;
+    int count;
 } td_point_eye;
 
 /* Optical depth behind which nothing is seen: 1e-14 of it. What is dropped is told by what the point sees, in the list's order,
  * and by nothing else. */
 #define TD_POINT_OPAQUE 32
+#define TD_POINT_NEVER TD_REAL(1e30)
 
-/* Takes entry `number`, at depth z. */
-TD_INLINE void td_point_take(const td_image *image, const td_point_room *room, int lane, int number, td_real z, td_real takes,
-                             td_point_eye *eye) {
-    if (z >= eye->end) return;
-    td_point_insert(room, lane, eye->seen++, number, z);
-    eye->taken += takes;
-    eye->far = z > eye->far ? z : eye->far;
-    if (eye->taken < TD_POINT_OPAQUE || eye->end < TD_POINT_NEVER) return;
+/* Takes note of what is seen of a splat. */
+TD_INLINE void td_point_note(const td_image *image, const td_point_entry *entry, td_mask sees, td_point_eye *eye) {
     td_real reach = image->soft_order ? (td_real)(0.5f * TD_SOFT_REACH) * image->soft_depth : 0; /* td_is_near */
-    if (reach < 1) eye->end = eye->far * (TD_REAL(1.000001) * (1 + reach) / (1 - reach));
+    eye->taken = eye->taken + entry->takes;
+    eye->far = td_select(eye->far, entry->depth, sees & (entry->depth > eye->far));
+    td_mask opaque = (eye->taken >= (td_real)TD_POINT_OPAQUE) & (eye->end >= TD_POINT_NEVER);
+    if (reach < 1) eye->end = td_select(eye->end, eye->far * (TD_REAL(1.000001) * (1 + reach) / (1 - reach)), opaque);
 }
 
-/* Enters `count` of the splats found, TD_POINT_BATCH at most, from number `from` on, as what the point of a lane sees. */
-TD_INLINE void td_point_look(TD_GLOBAL const td_real *curves, const td_image *image, const td_point_room *room, int lane,
-                             int from, int count, td_point_eye *eye) {
-    TD_GLOBAL td_real *entries = room->entries + (lane * room->rows + 1 + from) * TD_POINT_ENTRY;
-    for (int k = from + count; k < from + count + TD_LANES - 1; k++) { /* anyone, where the last turn has too many */
-        room->found.curve[k] = room->found.curve[from];
-        room->found.way[k] = room->found.rate[k] = 0;
-    }
-    for (int i = 0; i < count; i += TD_LANES) {
+/* Splats that are looked at together, in loops of their own: one that did all would wait for its own chain of operations, which
+ * is longer than a processor looks ahead (1.3 times slower). */
+enum { TD_POINT_BATCH = 64 };
+
+/* Enters the splats found, as what the points see: views go where entries will be, which are no more than they. */
+TD_INLINE void td_point_look(TD_GLOBAL const td_real *curves, const td_image *image, const int *found, int count,
+                             const td_real *way, const td_real *rate, const int *curve, const int *together,
+                             TD_GLOBAL td_real *entries, td_point_eye *eye) {
+    TD_GLOBAL td_real *views = entries + eye->count * TD_POINT_ENTRY;
+    for (int i = 0; i < count; i++) {
+        int level = found[i] & (TD_PATH_LEVELS - 1), lanes = level * TD_LANES;
+        TD_GLOBAL const td_real *own = curves + found[i] / TD_PATH_LEVELS * TD_CURVE_REALS;
         td_point_eight value, slope;
-        td_point_numbers(curves, &room->found, from + i, &value, &slope);
-        td_point_view view = td_point_see(image, &value, &slope, td_load_lanes(room->found.rate + from + i), eye->x, eye->y);
-        td_point_store_view(&view, room->steps + i * TD_POINT_VIEW);
+        if (together[level])
+            td_point_numbers_together(own + curve[lanes], way + lanes, &value, &slope);
+        else
+            td_point_numbers_apart(own, curve + lanes, way + lanes, &value, &slope);
+        td_point_view view = td_point_see(image, &value, &slope, td_collect(rate + lanes), eye->x, eye->y);
+        td_point_store_view(&view, views + i * TD_POINT_ENTRY);
     }
-    for (int i = 0; i < count; i += TD_LANES) {
-        td_point_view view = td_point_load_view(room->steps + i * TD_POINT_VIEW);
-        td_point_entry entry = td_point_enter(image, &view);
-        td_point_store(&entry, entries + i * TD_POINT_ENTRY);
-    }
-    for (int k = 0; k < count; k++) {
-        TD_GLOBAL const td_real *entry = entries + k * TD_POINT_ENTRY;
-        td_point_take(image, room, lane, 1 + from + k, entry[TD_E_DEPTH], entry[TD_E_TAKES], eye);
+    for (int i = 0; i < count; i++) {
+        td_mask sees;
+        td_point_view view = td_point_load_view(views + i * TD_POINT_ENTRY);
+        td_point_entry entry = td_point_enter(image, &view, eye->end, &sees);
+        if (!td_any(sees)) continue;
+        entry.path = td_splat((td_real)found[i]);
+        td_point_note(image, &entry, sees, eye);
+        td_point_insert(entries, eye->count++, &entry);
     }
 }
 

@@ -244,16 +244,22 @@ TD_INLINE td_point_wide td_point_distances(TD_GLOBAL const float *tests, float x
     return a * dx + td_point_wide_load(tests, TD_T_C) * dy * dy;
 }
 
-/* Bit k: it may see the splat of place i + k. */
-TD_INLINE td_point_bits td_point_ask(TD_GLOBAL const float *tests, int i, int taken, float x, float y, float w) {
+/* Bit k: any of `lanes` points may see the splat of place i + k. Each has a slice, in whose tests it is at (x, y) and w. */
+TD_INLINE td_point_bits td_point_ask(TD_GLOBAL const float *tests, const int *slice, int lanes, int i, int taken,
+                                     const float *x, const float *y, const float *w) {
     TD_GLOBAL const float *group = tests + td_point_test_of(i);
 #if TD_LANES == 1
-    (void)taken;
-    return td_point_distances(group, x, y, w) <= 1.0f;
+    (void)taken, (void)lanes;
+    return td_point_distances(group + slice[0], x[0], y[0], w[0]) <= 1.0f;
 #else
     const int16 ones = (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
-    int16 bits = (td_point_distances(group, x, y, w) <= 1.0f) & ones;
-    if (i + TD_PAD < taken) bits |= (td_point_distances(group + TD_PAD * TD_TEST_REALS, x, y, w) <= 1.0f) & (ones << TD_PAD);
+    int16 first = 0, second = 0;
+    for (int k = 0; k < lanes; k++) {
+        first |= td_point_distances(group + slice[k], x[k], y[k], w[k]) <= 1.0f;
+        if (i + TD_PAD < taken)
+            second |= td_point_distances(group + slice[k] + TD_PAD * TD_TEST_REALS, x[k], y[k], w[k]) <= 1.0f;
+    }
+    int16 bits = (first & ones) | (second & (ones << TD_PAD));
     int8 a = bits.lo | bits.hi;
     int4 b = a.lo | a.hi;
     int2 c = b.lo | b.hi;

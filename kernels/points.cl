@@ -80,13 +80,13 @@ __kernel void td_point_make_lists(__constant const td_image *image_buffer, __glo
         td_point_find_fronts(tests + td_point_tests_at(&tile, &paths.slices, slice), taken / TD_PAD);
 }
 
-/* Each work-item works out its share of the chunks, in its own room of so many rows (td_point_room). */
+/* Each work-item works out its share of the chunks, in its own room for so many entries. */
 __kernel void td_point_values(__constant const td_image *image_buffer, __global const td_point_tile *tiles,
                               __global const int *counts, __global const td_real *curves, int pieces, int slices, int split,
                               int group, __global const int *listed, __global const float *tests,
                               __global const td_real *columns, int stride, __global const int *piece,
-                              __global const td_point_chunk *chunks, int chunk_count, __global td_real *entries,
-                              __global int *order, int rows, td_real backdrop, td_real backdrop_dot, __global td_real *values) {
+                              __global const td_point_chunk *chunks, int chunk_count, __global td_real *entries, int rows,
+                              td_real backdrop, td_real backdrop_dot, __global td_real *values) {
     const td_image image = td_specialised(image_buffer);
     const td_point_paths paths = td_paths_make(listed, curves, pieces, slices, split, group);
     const int me = (int)get_global_id(0), items = (int)get_global_size(0);
@@ -99,8 +99,7 @@ __kernel void td_point_values(__constant const td_image *image_buffer, __global 
     points.s = columns + 2 * stride;
     points.h = columns + 3 * stride;
     points.piece = piece;
-    const td_point_room room =
-        td_point_room_at(entries + (long)me * rows * TD_POINT_ROW_REALS, order + (long)me * rows * TD_POINT_ROW_INTS, rows);
+    __global td_real *own = entries + (long)me * rows * TD_POINT_ENTRY;
 #if TD_LANES == 1
     const int first = me, end = chunk_count, step = items;
 #else /* neighbours, which are mostly of one tile, find its tests in the cache */
@@ -109,7 +108,7 @@ __kernel void td_point_values(__constant const td_image *image_buffer, __global 
     for (int i = first; i < end; i += step) {
         const td_point_chunk chunk = chunks[i];
         const td_point_tile tile = tiles[chunk.tile];
-        td_point_chunk_values(&chunk, &tile, counts[chunk.tile], &paths, &lists, &points, &image, &room, backdrop, backdrop_dot,
+        td_point_chunk_values(&chunk, &tile, counts[chunk.tile], &paths, &lists, &points, &image, own, backdrop, backdrop_dot,
                               values);
     }
 }

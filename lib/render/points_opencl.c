@@ -6,8 +6,7 @@
 #include <stdlib.h>
 
 enum {
-    ROW_REALS = 16,   /* TD_POINT_ENTRY + TD_POINT_STEP of kernels/points.h */
-    BATCH = 64,       /* TD_POINT_BATCH */
+    ENTRY_REALS = 7,  /* TD_POINT_ENTRY of kernels/points.h, by lanes */
     CURVE_REALS = 32, /* TD_CURVE_REALS */
     TEST_REALS = 8,   /* TD_TEST_REALS */
     /* Work-items: on a CPU enough for its threads to share out what's uneven; on a GPU as many as memory for their rooms has
@@ -30,7 +29,7 @@ typedef struct opencl_points {
     td_buffer path, row, lengths, curves, candidates, tiles; /* an interval */
     td_buffer wanted, keys, listed, tests, counts;           /* lists */
     td_buffer columns, piece, chunks, values;                /* a batch */
-    td_buffer entries, order;
+    td_buffer entries;
     td_points_slices slices;
     int longest; /* of the lists */
     const td_points_tile *tile;
@@ -143,16 +142,15 @@ static tides_status lists(td_points_engine *engine, const int *tiles, int count,
 
 /* Work-items for so many chunks, and their rooms. */
 static tides_status reserve_rooms(opencl_points *p, int chunks, size_t *items, int *rows, tides_error *error) {
-    const size_t lanes = (size_t)p->base.lanes, places = ((size_t)p->longest + 1 + BATCH + 7) / 8 * 8;
-    const size_t reals = places * (lanes * ROW_REALS + 3) * sizeof(cl_double), ints = places * (lanes + 2) * sizeof(cl_int);
+    const size_t places = p->longest > 0 ? (size_t)p->longest : 1;
+    const size_t room = places * ENTRY_REALS * (size_t)p->base.lanes * sizeof(cl_double);
     size_t most = on_gpu(p) ? GPU_WORKERS : (size_t)CPU_WORKERS_PER_UNIT * (size_t)p->device->info.compute_units;
-    if (most > room_limit / (reals + ints)) most = room_limit / (reals + ints);
+    if (most > room_limit / room) most = room_limit / room;
     if (most > (size_t)chunks) most = (size_t)chunks;
     *rows = (int)places;
     *items = most < 1 ? 1 : most;
     if (on_gpu(p)) *items = (*items + GPU_GROUP - 1) / GPU_GROUP * GPU_GROUP;
-    tides_status status = td_buffer_reserve(p->device, &p->entries, *items * reals, error);
-    return status == TIDES_OK ? td_buffer_reserve(p->device, &p->order, *items * ints, error) : status;
+    return td_buffer_reserve(p->device, &p->entries, *items * room, error);
 }
 
 /* Points and chunks to the device; columns follow one another, `stride` apart. */
@@ -174,16 +172,25 @@ static tides_status launch_values(opencl_points *p, const td_points_batch *batch
     size_t local = on_gpu(p) ? GPU_GROUP : 1;
     const cl_int chunks = batch->chunk_count;
     const cl_double backdrop = batch->backdrop, backdrop_dot = batch->backdrop_dot;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),        TD_BUFFER_ARGUMENT(p->tiles),
-                                     TD_BUFFER_ARGUMENT(p->counts),       TD_BUFFER_ARGUMENT(p->curves),
-                                     TD_VALUE_ARGUMENT(p->slices.pieces), TD_VALUE_ARGUMENT(p->slices.count),
-                                     TD_VALUE_ARGUMENT(p->slices.split),  TD_VALUE_ARGUMENT(p->slices.group),
-                                     TD_BUFFER_ARGUMENT(p->listed),       TD_BUFFER_ARGUMENT(p->tests),
-                                     TD_BUFFER_ARGUMENT(p->columns),      TD_VALUE_ARGUMENT(stride),
-                                     TD_BUFFER_ARGUMENT(p->piece),        TD_BUFFER_ARGUMENT(p->chunks),
-                                     TD_VALUE_ARGUMENT(chunks),           TD_BUFFER_ARGUMENT(p->entries),
-                                     TD_BUFFER_ARGUMENT(p->order),        TD_VALUE_ARGUMENT(rows),
-                                     TD_VALUE_ARGUMENT(backdrop),         TD_VALUE_ARGUMENT(backdrop_dot),
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),
+                                     TD_BUFFER_ARGUMENT(p->tiles),
+                                     TD_BUFFER_ARGUMENT(p->counts),
+                                     TD_BUFFER_ARGUMENT(p->curves),
+                                     TD_VALUE_ARGUMENT(p->slices.pieces),
+                                     TD_VALUE_ARGUMENT(p->slices.count),
+                                     TD_VALUE_ARGUMENT(p->slices.split),
+                                     TD_VALUE_ARGUMENT(p->slices.group),
+                                     TD_BUFFER_ARGUMENT(p->listed),
+                                     TD_BUFFER_ARGUMENT(p->tests),
+                                     TD_BUFFER_ARGUMENT(p->columns),
+                                     TD_VALUE_ARGUMENT(stride),
+                                     TD_BUFFER_ARGUMENT(p->piece),
+                                     TD_BUFFER_ARGUMENT(p->chunks),
+                                     TD_VALUE_ARGUMENT(chunks),
+                                     TD_BUFFER_ARGUMENT(p->entries),
+                                     TD_VALUE_ARGUMENT(rows),
+                                     TD_VALUE_ARGUMENT(backdrop),
+                                     TD_VALUE_ARGUMENT(backdrop_dot),
                                      TD_BUFFER_ARGUMENT(p->values)};
     return td_launch(p->device, p->value_kernel, 1, &items, &local, arguments, (cl_uint)(sizeof arguments / sizeof *arguments),
                      NULL, error);
@@ -204,9 +211,9 @@ static tides_status values(td_points_engine *engine, const td_points_batch *batc
 
 static void destroy(td_points_engine *engine) {
     opencl_points *p = (opencl_points *)engine;
-    td_buffer *buffers[] = {&p->first,      &p->piece_lengths, &p->misfits, &p->image,  &p->path,   &p->row,     &p->curves,
-                            &p->candidates, &p->lengths,       &p->tiles,   &p->wanted, &p->keys,   &p->listed,  &p->tests,
-                            &p->counts,     &p->columns,       &p->piece,   &p->chunks, &p->values, &p->entries, &p->order};
+    td_buffer *buffers[] = {&p->first,      &p->piece_lengths, &p->misfits, &p->image,  &p->path,   &p->row,    &p->curves,
+                            &p->candidates, &p->lengths,       &p->tiles,   &p->wanted, &p->keys,   &p->listed, &p->tests,
+                            &p->counts,     &p->columns,       &p->piece,   &p->chunks, &p->values, &p->entries};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     if (p->misfit_kernel) clReleaseKernel(p->misfit_kernel);
     if (p->curve_kernel) clReleaseKernel(p->curve_kernel);

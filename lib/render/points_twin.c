@@ -24,9 +24,8 @@ typedef struct twin {
     float *tests; /* (candidate_count x slices x TD_TEST_REALS) */
     int *count;   /* (tile_count) splats of each */
     twin_key *keys;
-    double *reals; /* of td_point_room */
-    int *ints;
-    size_t list_capacity[3], curve_capacity, rows_capacity, key_capacity, room_capacity[2];
+    double *entries; /* of a point */
+    size_t list_capacity[3], curve_capacity, rows_capacity, key_capacity, entry_capacity;
 } twin;
 
 typedef char td_point_tile_is_as_here[sizeof(td_point_tile) == sizeof(td_points_tile) ? 1 : -1];
@@ -119,13 +118,6 @@ static tides_status lists(td_points_engine *engine, const int *tiles, int count,
     return TIDES_OK;
 }
 
-static tides_status reserve_room(twin *t, size_t rows, tides_error *error) {
-    size_t *capacity = t->room_capacity;
-    tides_status status = td_reserve((void **)&t->reals, &capacity[0], rows * TD_POINT_ROW_REALS, sizeof *t->reals, error);
-    return status == TIDES_OK ? td_reserve((void **)&t->ints, &capacity[1], rows * TD_POINT_ROW_INTS, sizeof *t->ints, error)
-                              : status;
-}
-
 static tides_status values(td_points_engine *engine, const td_points_batch *batch, double *out, tides_error *error) {
     twin *t = (twin *)engine;
     const td_point_paths paths = paths_of(t);
@@ -135,11 +127,11 @@ static tides_status values(td_points_engine *engine, const td_points_batch *batc
         const td_points_chunk *given = &batch->chunks[i];
         const td_point_tile tile = tile_of(t, given->tile);
         const td_point_chunk chunk = {given->tile, given->first, given->count};
-        const int taken = t->count[given->tile], rows = taken + 1 + TD_POINT_BATCH;
-        tides_status status = reserve_room(t, (size_t)rows, error);
+        const int taken = t->count[given->tile];
+        const size_t room = (size_t)taken * TD_POINT_ENTRY;
+        tides_status status = td_reserve((void **)&t->entries, &t->entry_capacity, room, sizeof *t->entries, error);
         if (status != TIDES_OK) return status;
-        const td_point_room room = td_point_room_at(t->reals, t->ints, rows);
-        td_point_chunk_values(&chunk, &tile, taken, &paths, &all, &points, &t->image, &room, batch->backdrop,
+        td_point_chunk_values(&chunk, &tile, taken, &paths, &all, &points, &t->image, t->entries, batch->backdrop,
                               batch->backdrop_dot, out);
     }
     return TIDES_OK;
@@ -153,8 +145,7 @@ static void destroy(td_points_engine *engine) {
     free(t->curves);
     free(t->count);
     free(t->keys);
-    free(t->reals);
-    free(t->ints);
+    free(t->entries);
     free(t);
 }
 
