@@ -227,21 +227,27 @@ typedef float td_point_wide;
 typedef int td_point_bits;
 enum { TD_POINT_ASKED = 1 };
 #define td_point_wide_load(tests, k) ((tests)[(k)*TD_PAD])
+#ifdef TD_OPENCL
+#define td_point_wide_fma(a, b, c) fma((float)(a), (float)(b), (float)(c))
+#else
+#define td_point_wide_fma(a, b, c) fmaf(a, b, c)
+#endif
 TD_INLINE int td_point_lowest(td_point_bits bits) { return bits - 1; }
 #else
 typedef float16 td_point_wide;
 typedef uint td_point_bits;
 enum { TD_POINT_ASKED = 2 * TD_PAD };
+#define td_point_wide_fma(a, b, c) fma((td_point_wide)(a), (td_point_wide)(b), (td_point_wide)(c))
 #define td_point_wide_load(tests, k) vload16(0, (tests) + (k)*TD_PAD)
 TD_INLINE int td_point_lowest(td_point_bits bits) { return (int)popcount((bits & -bits) - 1); } /* which one it is */
 #endif
 
 /* d^T S^-1 d of a group's splats, for the point at (x, y), at w in the slice. */
 TD_INLINE td_point_wide td_point_distances(TD_GLOBAL const float *tests, float x, float y, float w) {
-    td_point_wide dx = x - (td_point_wide_load(tests, TD_T_U) + w * td_point_wide_load(tests, TD_T_U_WAY));
-    td_point_wide dy = y - (td_point_wide_load(tests, TD_T_V) + w * td_point_wide_load(tests, TD_T_V_WAY));
-    td_point_wide a = td_point_wide_load(tests, TD_T_A) * dx + td_point_wide_load(tests, TD_T_B) * dy;
-    return a * dx + td_point_wide_load(tests, TD_T_C) * dy * dy;
+    td_point_wide dx = td_point_wide_fma(-w, td_point_wide_load(tests, TD_T_U_WAY), x - td_point_wide_load(tests, TD_T_U));
+    td_point_wide dy = td_point_wide_fma(-w, td_point_wide_load(tests, TD_T_V_WAY), y - td_point_wide_load(tests, TD_T_V));
+    td_point_wide a = td_point_wide_fma(td_point_wide_load(tests, TD_T_A), dx, td_point_wide_load(tests, TD_T_B) * dy);
+    return td_point_wide_fma(a, dx, td_point_wide_load(tests, TD_T_C) * dy * dy);
 }
 
 /* Bit k: any of `lanes` points may see the splat of place i + k. Each has a slice, in whose tests it is at (x, y) and w. */

@@ -21,6 +21,11 @@ TD_INLINE int td_point_goes_on(TD_GLOBAL const float *tests, const int *slice, i
     return 0;
 }
 
+/* A curve is wanted soon: four lines of memory. */
+TD_INLINE void td_point_soon(TD_GLOBAL const td_real *curve) {
+    td_soon(curve), td_soon(curve + 8), td_soon(curve + 16), td_soon(curve + 24);
+}
+
 /* Enters what a chunk's points see of the first `taken` places of their tile's list; how much that is. Lanes without a point
  * have that of the first. */
 TD_INLINE int td_point_enter_all(const td_point_chunk *chunk, const td_point_tile *tile, int taken, const td_point_paths *paths,
@@ -43,8 +48,11 @@ TD_INLINE int td_point_enter_all(const td_point_chunk *chunk, const td_point_til
         int count = 0;
         for (; i < taken && count <= TD_POINT_BATCH - TD_POINT_ASKED; i += TD_POINT_ASKED)
             for (td_point_bits bits = td_point_ask(tests, slice, chunk->count, i, taken, across, down, w); bits;
-                 bits &= bits - 1)
-                found[count++] = lists->path[tile->first + i + td_point_lowest(bits)];
+                 bits &= bits - 1) {
+                int path = lists->path[tile->first + i + td_point_lowest(bits)], level = path & (TD_PATH_LEVELS - 1);
+                td_point_soon(paths->curves + path / TD_PATH_LEVELS * TD_CURVE_REALS + curve[level * TD_LANES]);
+                found[count++] = path;
+            }
         td_point_look(paths->curves, image, found, count, way, rate, curve, together, entries, &eye);
     }
     return eye.count;
