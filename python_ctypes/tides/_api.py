@@ -1451,7 +1451,8 @@ class tides_stepping(Structure):
     callbacks) are interpolated, Gaussian by Gaussian where that is estimated to stay within
     both tolerances. FIXED: has no effect, each step is worked out */
     double memory_mb; /* [1e6 bytes] >= 1: what the samples of a macro step may take, and their launches; or, if that is more, a
-    few samples of each moving tile. Changes the order of the work, no event */
+    few samples of each moving tile; looking up single pixels has a room of its own, 512 at
+    most. Changes the order of the work, no event */
     int32_t solve; /* TIDES_SOLVE_* */
     int32_t paths; /* 1: within a macro step splats follow record paths, cubics between the times at which they are projected,
     Gaussian by Gaussian as many as stay within a hundredth of both tolerances. Images whose colours a
