@@ -74,10 +74,13 @@ def test_lens(cloud):
     with tides.Scene() as scene:
         scene.add(cloud)
         path = tides.Trajectory.static([0, 0, -3])
-        seen = [tides.Renderer(scene, lens).render(path, 0.0).L for lens in (bent, bent.copy(lens=tides.Lens()))]
+        seen = []
+        for one in (bent, bent.copy(lens=tides.Lens())):
+            with tides.Renderer(scene, tides.Camera(path, one)) as renderer:
+                seen.append(renderer.frame(0.0, ["L"])["L"])
         assert not np.array_equal(*seen)
-        with pytest.raises(tides.Error, match="folds over"):
-            tides.Renderer(scene, bent.copy(lens=tides.Lens(model="radtan", k1=-3.0)))
+        with pytest.raises(tides.errors.TidesError, match="folds over"):
+            tides.Renderer(scene, tides.Camera(path, bent.copy(lens=tides.Lens(model="radtan", k1=-3.0))))
 
 
 def test_scene_keeps_what_it_is_given(cloud, tmp_path):
