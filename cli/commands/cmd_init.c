@@ -11,7 +11,7 @@ typedef struct template {
     FILE *file;
     const tides_param *rows;
     size_t count;
-    const char *scene, *camera; /* file names */
+    const char *scene, *camera; /* file names; no camera: an orbit */
 }
 template;
 
@@ -33,19 +33,24 @@ static void put_value(const template *t, const tides_param *row) {
     if (strcmp(row->key, "scene.file") == 0)
         put_quoted(t->file, t->scene);
     else if (strcmp(row->key, "camera.file") == 0)
-        put_quoted(t->file, t->camera);
+        put_quoted(t->file, t->camera ? t->camera : "path.json");
+    else if (strcmp(row->key, "camera.orbit_s") == 0 && !t->camera)
+        fputs("12.0", t->file);
     else
         fputs(row->fallback ? row->fallback : "null", t->file);
 }
 
+static int32_t is_key(const tides_param *row, const char *key) { return strcmp(row->key, key) == 0; }
+
 /* Rows that everybody has something to say of, and that no preset sets. */
-static int32_t is_open(const tides_param *row) {
-    return strcmp(row->key, "scene.file") == 0 || strcmp(row->key, "camera.file") == 0 || strncmp(row->key, "time.", 5) == 0;
+static int32_t is_open(const template *t, const tides_param *row) {
+    return is_key(row, "scene.file") || is_key(row, t->camera ? "camera.file" : "camera.orbit_s") ||
+           strncmp(row->key, "time.", 5) == 0;
 }
 
 /* // "key": default, // sentence [unit]: choices */
 static void put_row(const template *t, const tides_param *row, const char *name, int indent) {
-    fprintf(t->file, "%*s%s\"%s\": ", indent, "", is_open(row) ? "" : "// ", name);
+    fprintf(t->file, "%*s%s\"%s\": ", indent, "", is_open(t, row) ? "" : "// ", name);
     put_value(t, row);
     fprintf(t->file, ", // %s", row->sentence);
     if (row->unit[0]) fprintf(t->file, " [%s]", row->unit);
@@ -110,7 +115,7 @@ int cmd_init(const cli_command *command, int argc, char **argv) {
     const cli_option options[] = {
         {"--output", 'o', "RUN.json", "the file to write (run.json)", NULL, &output, NULL},
         {"--scene", 0, "FILE", "scene.file (scene.ply)", NULL, &scene, NULL},
-        {"--camera", 0, "FILE", "camera.file (path.json)", NULL, &camera, NULL},
+        {"--camera", 0, "FILE", "camera.file (with a scene alone: an orbit about it)", NULL, &camera, NULL},
         {"--force", 0, NULL, "replace a file that is there", &force, NULL, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
@@ -121,7 +126,7 @@ int cmd_init(const cli_command *command, int argc, char **argv) {
         return cli_failed("%s: is there already; name another with -o, or replace it with --force", output);
 
     tides_error error = {TIDES_OK, ""};
-    char *text = make_template(scene ? scene : "scene.ply", camera ? camera : "path.json");
+    char *text = make_template(scene ? scene : "scene.ply", camera || scene ? camera : "path.json");
     if (!text) return cli_failed("out of memory: %s", output);
     tides_status status = check(text, &error);
     if (status == TIDES_OK) status = cli_write_text(output, text, &error);
@@ -133,6 +138,7 @@ int cmd_init(const cli_command *command, int argc, char **argv) {
         return cli_print_facts(facts, 1);
     }
     if (!common.quiet)
-        printf("%s: name your scene and camera path in it, then: tides simulate %s -o events.h5\n", output, output);
+        printf("%s: %stides simulate %s -o events.h5\n", output,
+               scene ? "" : "name your scene and camera path in it, then: ", output);
     return CLI_OK;
 }

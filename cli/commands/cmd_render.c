@@ -1,6 +1,7 @@
 /* tides render: one frame as EXR, and as a picture; with ground truth where asked for. */
 #include "session.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* What was asked for. */
@@ -58,6 +59,14 @@ static cJSON *facts_of(const tides_session_facts *session, double time, const re
     return facts;
 }
 
+/* 1 where no pixel has anything of the scene before it. */
+static int32_t is_empty(const cli_frame *frame) {
+    const size_t pixels = (size_t)frame->width * (size_t)frame->height;
+    size_t i = 0;
+    while (i < pixels && !(frame->plane[TIDES_COVERAGE][i] > 0)) i++;
+    return i == pixels;
+}
+
 static tides_status render(tides_session *session, const tides_session_facts *facts, double time, const render_request *request,
                            const cli_common *common, tides_error *error) {
     cli_progress progress = {.quiet = common->quiet};
@@ -69,6 +78,9 @@ static tides_status render(tides_session *session, const tides_session_facts *fa
     tides_status status = cli_frame_render(session, time, wanted, &progress, &frame, error);
     cli_progress_end(&progress);
     if (status != TIDES_OK) return status;
+    if (!common->quiet && is_empty(&frame))
+        fprintf(stderr, "tides: nothing of the scene is in view at %.15g s: another --time, path or camera.up may show it\n",
+                time);
     if (request->metres) cli_frame_to_metres(&frame, facts->values.metres_per_unit);
     if (request->exr) status = cli_frame_write_exr(&frame, request->exr, time, facts, error);
     if (status == TIDES_OK && request->png) status = cli_preview_write(request->png, &frame, NULL, error);
@@ -76,11 +88,16 @@ static tides_status render(tides_session *session, const tides_session_facts *fa
     return status;
 }
 
-/* A file is what its name says. */
-static int check_outputs(const cli_command *command, const render_request *request) {
+/* A file is what its name says. -o takes a picture too. */
+static int check_outputs(const cli_command *command, render_request *request) {
+    if (request->exr && !request->png && cli_ends_in(request->exr, ".png")) {
+        request->png = request->exr;
+        request->exr = NULL;
+        request->rgb = 1;
+    }
     if (!request->exr && !request->png) return cli_usage(command, "the output is missing: -o OUT.exr, or --png OUT.png");
     if (request->exr && !cli_ends_in(request->exr, ".exr"))
-        return cli_usage(command, "-o %s: should end in .exr, for it is written as OpenEXR; --png OUT.png makes a picture",
+        return cli_usage(command, "-o %s: should end in .exr, for it is written as OpenEXR, or in .png, for a picture",
                          request->exr);
     if (request->png && !cli_ends_in(request->png, ".png"))
         return cli_usage(command, "--png %s: should end in .png, for it is written as PNG; -o OUT.exr keeps floats",
@@ -93,7 +110,7 @@ int cmd_render(const cli_command *command, int argc, char **argv) {
     render_request request = {.run = NULL};
     const cli_option options[] = {
         {"--time", 't', "T", "time of the frame [s]; time.start where not given", NULL, &request.time, NULL},
-        {"--output", 'o', "OUT.exr", "float channels as OpenEXR", NULL, &request.exr, NULL},
+        {"--output", 'o', "OUT.exr", "float channels as OpenEXR; OUT.png: as --png", NULL, &request.exr, NULL},
         {"--png", 0, "OUT.png", "picture of Y and L_dot side by side", NULL, &request.png, NULL},
         {"--rgb", 0, NULL, "render colour too", &request.rgb, NULL, NULL},
         {"--depth", 0, NULL, "render depth too", &request.depth, NULL, NULL},

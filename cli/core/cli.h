@@ -57,6 +57,7 @@ int cmd_demo(const cli_command *command, int argc, char **argv);
 int cmd_devices(const cli_command *command, int argc, char **argv);
 int cmd_info(const cli_command *command, int argc, char **argv);
 int cmd_render(const cli_command *command, int argc, char **argv);
+int cmd_camera(const cli_command *command, int argc, char **argv);
 int cmd_scene(const cli_command *command, int argc, char **argv);
 int cmd_imu(const cli_command *command, int argc, char **argv);
 int cmd_tracks(const cli_command *command, int argc, char **argv);

@@ -213,6 +213,8 @@ int cli_job_run(const cli_job *job, const cli_common *common) {
     else if (!common->quiet)
         print_summary(&state.stats, &state.facts);
     if (code == CLI_OK && !common->quiet) cli_tell_collapsed(state.done.collapsed);
+    if (code == CLI_OK && !common->quiet && !state.facts.sees_frames && state.stats.render.pairs_evaluated == 0)
+        fprintf(stderr, "tides: nothing of the scene was in view, at any time: look at the path, or at camera.up\n");
     tides_session_close(state.session);
     return code;
 }

@@ -20,7 +20,12 @@ static const cli_command commands[] = {
      1, cmd_info},
     {"scene", "KIND -o SCENE.h5 [--run RUN.json]", "Make a scene to try things on: fan, pendulum, balls, crowd ...",
      "The same options give the same scene. With --run, tides simulate RUN.json works at once.", 1, cmd_scene},
+    {"camera", "orbit|dolly|handheld|look-at -o PATH.json [--scene SCENE]", "Write a camera path for a scene.",
+     "orbit: round what it looks at; dolly: on a line; handheld: shaken as by a hand; look-at: at rest. With a scene, what it\n"
+     "looks at, from how far and what is up are found; each can be said. The path goes to camera.file of a run file.",
+     1, cmd_camera},
     {"render", "RUN.json --time T -o OUT.exr", "Render one frame with its exact time derivative.",
+     "In place of a run file, a scene (.ply, .spz, a model's folder ...) is looked at from an orbit that is found.\n"
      "Channels: Y, L, L_dot, A, A_dot, coverage, contributors; with --rgb R, G, B and with --depth Z, and their _dot.\n"
      "The keys for --set are listed by tides simulate --help.",
      1, cmd_render},
@@ -38,6 +43,7 @@ static const cli_command commands[] = {
      "The keys for --set are listed by tides simulate --help.",
      1, cmd_tracks},
     {"simulate", "RUN.json -o EVENTS.h5", "Simulate events with continuous-time timestamps.",
+     "In place of a run file, a scene (.ply, .spz, a model's folder ...) is seen from an orbit that is found, for 0.1 s.\n"
      "Events go to HDF5 in the DSEC layout, with nanosecond times in events/t_ns, or by the ending to another format (.raw, "
      ".dat, .es,\n"
      ".aedat4, .npy, .npz, .csv, .txt), most in microseconds. Ctrl-C leaves what was simulated in EVENTS.h5.part.",

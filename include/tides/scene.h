@@ -124,6 +124,13 @@ TIDES_API void tides_scene_range(const tides_scene *scene, double *start, double
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_bounds_at(const tides_scene *scene, double time, double lower[3],
                                                               double upper[3], tides_error *error);
 
+/* An orbit that shows a scene nobody has a camera path for: about the median of its Gaussians, so far out that nine tenths of
+ * them (of captures with a background: what is in the middle) fill `field_of_view` [rad], the narrower one of the image; a turn
+ * in 12 s, from 0 to 12 s. `up` (nullable) is guessed: -y, as trainers on photographs have it, or z where the scene lies flat
+ * across it. For tides_trajectory_create_orbit. An empty scene: TIDES_BAD_ARGUMENT. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_scene_orbit(const tides_scene *scene, const double up[3], double field_of_view,
+                                                          tides_orbit *orbit, tides_error *error);
+
 #ifdef __cplusplus
 }
 #endif

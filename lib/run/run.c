@@ -37,9 +37,12 @@ static tides_status check_whole(const tides_run *run, tides_error *error) {
     size_t count;
     const tides_param *rows = tides_params(&count);
     const int32_t frames = run_text(run, "frames.file") != NULL; /* then there is neither scene nor camera */
+    const int32_t orbit = cJSON_IsNumber(td_run_value(run, "camera.orbit_s"));
     for (size_t i = 0; i < count; i++)
-        if (!run->values[i] && !(frames && strcmp(rows[i].key, "camera.file") == 0))
+        if (!run->values[i] && !((frames || orbit) && strcmp(rows[i].key, "camera.file") == 0))
             return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is missing: %s", run->origin, rows[i].key, rows[i].sentence);
+    if (orbit && run_text(run, "camera.file"))
+        return td_fail(error, TIDES_BAD_CONFIG, "%s: camera.file and camera.orbit_s are both given; keep one", run->origin);
     if (frames && run_text(run, "scene.file"))
         return td_fail(error, TIDES_BAD_CONFIG, "%s: scene.file and frames.file are both given; keep one", run->origin);
     if (!frames && !run_text(run, "scene.file") && cJSON_GetArraySize(td_run_value(run, "scene.objects")) == 0)
@@ -121,15 +124,55 @@ static char *directory_of(const char *file, tides_error *error) {
     return td_format(error, "%.*s", slash ? (int)(slash - file + 1) : 0, file);
 }
 
+/* The run that a splat file is, given in place of a run file: it alone, on an orbit, for a tenth of a second. */
+static char *run_of_scene(const char *file, tides_error *error) {
+    const char *slash = strrchr(file, '/');
+    char *text = NULL, *printed = NULL;
+    cJSON *root = cJSON_CreateObject();
+    int32_t ok =
+        root && cJSON_AddStringToObject(cJSON_AddObjectToObject(root, "scene"), "file", slash && slash[1] ? slash + 1 : file);
+    ok = ok && cJSON_AddNumberToObject(cJSON_AddObjectToObject(root, "camera"), "orbit_s", 12.0);
+    ok = ok && cJSON_AddNumberToObject(cJSON_AddObjectToObject(root, "time"), "stop", 0.1);
+    if (ok) printed = cJSON_PrintUnformatted(root);
+    text = printed ? td_strdup(printed, error) : NULL;
+    if (!printed) td_fail(error, TIDES_NO_MEMORY, "out of memory: %s", file);
+    cJSON_free(printed);
+    cJSON_Delete(root);
+    return text;
+}
+
+/* 1 where a splat file or a model's folder is given in place of a run file. */
+static int32_t is_scene(const char *file) {
+    const size_t length = strlen(file);
+    return !(length > 5 && strcmp(file + length - 5, ".json") == 0) && tides_scene_is_file(file);
+}
+
+static tides_status note_scene(tides_run *run, tides_error *error) {
+    char line[400];
+    snprintf(line, sizeof line,
+             "%.100s: a scene without a run file: an orbit is found for it (camera.up = [x, y, z] turns it); "
+             "tides init --scene %.100s writes a run file to change",
+             run->origin, run->origin);
+    td_one_line(line);
+    return td_run_note(run, line, error);
+}
+
 tides_status tides_run_load(const char *file, const char *const *overrides, size_t count, tides_run **run, tides_error *error) {
     if (!file || !run || (count && !overrides))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_load: file, run or overrides is NULL");
     char *text = NULL, *directory = NULL;
     size_t bytes = 0;
-    tides_status status = td_read_file(file, RUN_FILE_LIMIT, &text, &bytes, error);
+    const int32_t scene = is_scene(file);
+    tides_status status = TIDES_OK;
+    if (!scene)
+        status = td_read_file(file, RUN_FILE_LIMIT, &text, &bytes, error);
+    else if (!(text = run_of_scene(file, error)))
+        status = TIDES_NO_MEMORY;
     if (status != TIDES_OK) return status;
     directory = directory_of(file, error);
-    status = directory ? parse(text, bytes, file, directory, overrides, count, run, error) : TIDES_NO_MEMORY;
+    status =
+        directory ? parse(text, scene ? strlen(text) : bytes, file, directory, overrides, count, run, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK && scene) status = note_scene(*run, error);
     free(directory);
     free(text);
     return status;

@@ -95,6 +95,8 @@ static tides_status open_scene(const tides_run *run, tides_scene **scene, tides_
     return status;
 }
 
+enum { LARGEST_SIDE = 16384 }; /* camera.width's and .height's bound */
+
 /* Path files leave what they don't know at 0. */
 static double given_or(double value, double otherwise) { return value > 0 || value < 0 ? value : otherwise; }
 
@@ -118,15 +120,41 @@ static tides_status merge_lens(const tides_run *run, const tides_path *file, tid
     return TIDES_OK;
 }
 
+/* Image and lens in more or fewer pixels: the same view. */
+static void scale_view(tides_intrinsics *view, double scale) {
+    const double width = fmax(1, round(scale * view->width)), height = fmax(1, round(scale * view->height));
+    const double x = width / view->width, y = height / view->height;
+    view->fx *= x;
+    view->cx *= x;
+    view->fy *= y;
+    view->cy *= y;
+    view->width = (int32_t)width;
+    view->height = (int32_t)height;
+}
+
+/* camera.width or camera.height alone is a wish for the same view at that size. */
+static double scale_of_one_side(const tides_intrinsics *own, const tides_intrinsics *path) {
+    if (own->fx > 0 || own->fy > 0 || !(path->fx > 0) || path->width == 0 || path->height == 0) return 0;
+    if (own->width && !own->height) return (double)own->width / path->width;
+    return own->height && !own->width ? (double)own->height / path->height : 0;
+}
+
 /* What the run file and the path file say together. The path file's focal length and centre belong to its own image size:
- * they are taken only where the run keeps that size, since neither cropping nor scaling is what everybody means. An angle of
- * view holds at any size. */
+ * they are taken only where the run keeps that size or names one side alone, which scales them; of two sides neither cropping
+ * nor scaling is what everybody means. An angle of view holds at any size. */
 static tides_status merge_intrinsics(const tides_run *run, const tides_path *file, tides_intrinsics *merged,
                                      tides_error *error) {
     tides_run_values values;
     tides_run_get(run, &values);
     const tides_intrinsics *path = &file->intrinsics;
     tides_intrinsics own = values.intrinsics, theirs = *path;
+    const double one_side = scale_of_one_side(&own, path);
+    if (one_side > 0) {
+        scale_view(&theirs, one_side);
+        own.width = theirs.width;
+        own.height = theirs.height;
+        path = &theirs;
+    }
     if (own.width == 0) own.width = path->width;
     if (own.height == 0) own.height = path->height;
     const int32_t resized = (path->width && path->width != own.width) || (path->height && path->height != own.height);
@@ -137,7 +165,8 @@ static tides_status merge_intrinsics(const tides_run *run, const tides_path *fil
     const char *missing = own.width == 0 ? "width" : own.height == 0 ? "height" : own.fx > 0 ? NULL : "fx";
     if (missing && resized)
         return td_fail(error, TIDES_BAD_CONFIG,
-                       "%s: camera.%s is missing: that of %s is for %dx%d px, the run wants %dx%d; set camera.%s [px]",
+                       "%s: camera.%s is missing: that of %s is for %dx%d px, the run wants %dx%d; set camera.%s [px], or "
+                       "camera.scale alone",
                        run->origin, missing, td_run_file(run, "camera.file"), path->width, path->height, own.width, own.height,
                        missing);
     if (missing)
@@ -145,19 +174,53 @@ static tides_status merge_intrinsics(const tides_run *run, const tides_path *fil
                        run->origin, missing, td_run_file(run, "camera.file"), missing);
     if (!cJSON_IsNumber(td_run_value(run, "camera.cx"))) own.cx = given_or(theirs.cx, 0.5 * own.width);
     if (!cJSON_IsNumber(td_run_value(run, "camera.cy"))) own.cy = given_or(theirs.cy, 0.5 * own.height);
+    const double scale = td_run_number(run, "camera.scale");
+    if (scale < 1 || scale > 1) scale_view(&own, scale);
+    if (own.width > LARGEST_SIDE || own.height > LARGEST_SIDE)
+        return td_fail(error, TIDES_BAD_CONFIG, "%s: camera.scale = %g makes %dx%d px; at most %d on a side", run->origin,
+                       scale, own.width, own.height, LARGEST_SIDE);
     *merged = own;
     return merge_lens(run, file, &merged->lens, error);
 }
 
-tides_status td_run_open_camera(const tides_run *run, tides_trajectory **camera, tides_intrinsics *intrinsics,
-                                tides_error *error) {
+/* An orbit about what `scene` holds, at 640x480 px and 60 degrees where the run doesn't say otherwise. Its samples are those of
+ * whole turns from second 0, so that a run which is longer sees the same path. */
+static tides_status find_orbit(const tides_run *run, const tides_scene *scene, tides_trajectory **camera,
+                               tides_intrinsics *intrinsics, tides_error *error) {
+    const double fx = 554.25625842204073; /* 320 / tan 30 degrees */
+    const tides_path none = {.intrinsics = {.width = 640, .height = 480, .fx = fx, .fy = fx, .cx = 320, .cy = 240},
+                             .field_of_view_x = 2 * atan(320 / fx)};
+    const cJSON *up = td_run_value(run, "camera.up");
+    const double turn = td_run_number(run, "camera.orbit_s"), start = td_run_number(run, "time.start");
+    double own[3] = {0};
+    tides_orbit orbit;
+    tides_status status = merge_intrinsics(run, &none, intrinsics, error);
+    if (status != TIDES_OK) return status;
+    for (int i = 0; i < 3 && cJSON_IsArray(up); i++) own[i] = cJSON_GetArrayItem(up, i)->valuedouble;
+    const double tangent = fmin(intrinsics->width / intrinsics->fx, intrinsics->height / intrinsics->fy);
+    status = tides_scene_orbit(scene, cJSON_IsArray(up) ? own : NULL, 2 * atan(0.5 * tangent), &orbit, error);
+    if (status != TIDES_OK) return status;
+    orbit.angular_speed = 2 * 3.14159265358979323846 / turn;
+    orbit.start = turn * floor(start / turn);
+    orbit.stop = turn * ceil(td_run_number(run, "time.stop") / turn);
+    orbit.start_angle = 0;
+    status = tides_trajectory_create_orbit(&orbit, camera, error);
+    return status == TIDES_OK ? status : td_fail_within(error, status, "%s: camera.orbit_s, camera.up", run->origin);
+}
+
+tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, tides_trajectory **camera,
+                                tides_intrinsics *intrinsics, tides_error *error) {
     tides_run_values values;
     tides_run_get(run, &values);
     tides_path path = {.trajectory = NULL};
-    tides_status status = tides_path_load(values.camera_file, &values.path, &path, error);
-    if (status != TIDES_OK) return status;
-    status = check_cover(run, path.trajectory, values.camera_file, "camera.file", error);
-    if (status == TIDES_OK) status = merge_intrinsics(run, &path, intrinsics, error);
+    tides_status status;
+    if (values.camera_file) {
+        status = tides_path_load(values.camera_file, &values.path, &path, error);
+        if (status == TIDES_OK) status = check_cover(run, path.trajectory, values.camera_file, "camera.file", error);
+        if (status == TIDES_OK) status = merge_intrinsics(run, &path, intrinsics, error);
+    } else {
+        status = find_orbit(run, scene, &path.trajectory, intrinsics, error);
+    }
     if (status == TIDES_OK) status = td_rig_mount(run, &path.trajectory, error);
     if (status == TIDES_OK)
         *camera = path.trajectory;
@@ -174,12 +237,18 @@ tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_tra
         return td_fail(error, TIDES_BAD_CONFIG, "%s: the run has frames.file and no scene to render", run->origin);
     tides_trajectory *path = NULL;
     tides_intrinsics size = {0};
-    tides_status status = td_run_open_camera(run, &path, &size, error); /* first: it is small, and most slips are in it */
-    if (status == TIDES_OK) status = open_scene(run, scene, error);
+    tides_scene *made = NULL;
+    const int32_t given = td_run_file(run, "camera.file") != NULL;
+    tides_status status = given ? td_run_open_camera(run, NULL, &path, &size, error)
+                                : TIDES_OK; /* first: it is small, and most slips are in it */
+    if (status == TIDES_OK) status = open_scene(run, &made, error);
+    if (status == TIDES_OK && !given) status = td_run_open_camera(run, made, &path, &size, error);
     if (status != TIDES_OK) {
+        tides_scene_destroy(made);
         tides_trajectory_destroy(path);
         return status;
     }
+    *scene = made;
     *camera = path;
     *intrinsics = size;
     return TIDES_OK;

@@ -148,7 +148,7 @@ tides_status tides_session_vary(const tides_session *base, const char *const *ov
         made->camera = base->camera;
     }
     if (status == TIDES_OK && is_other_camera(base, made->run)) {
-        status = td_run_open_camera(made->run, &made->camera, &made->facts.intrinsics, error);
+        status = td_run_open_camera(made->run, base->scene, &made->camera, &made->facts.intrinsics, error);
         made->owns_camera = status == TIDES_OK;
     }
     if (status != TIDES_OK) {

@@ -69,9 +69,9 @@ void td_run_free_values(cJSON **values);
 /* run_values.c: what the values are where a run says nothing; files, texts and intrinsics are NULL and 0. */
 void td_run_values_defaults(tides_run_values *values);
 
-/* run_open.c: the camera's path and intrinsics alone. */
-tides_status td_run_open_camera(const tides_run *run, tides_trajectory **camera, tides_intrinsics *intrinsics,
-                                tides_error *error);
+/* run_open.c: the camera's path and intrinsics alone; `scene` is what an orbit is about, NULL where camera.file is given. */
+tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, tides_trajectory **camera,
+                                tides_intrinsics *intrinsics, tides_error *error);
 
 /* run.c: the value of a row that is known to be in the table; `path` against the run's directory, allocated. */
 const cJSON *td_run_value(const tides_run *run, const char *key);

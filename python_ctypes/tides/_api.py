@@ -3354,6 +3354,9 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_scene_object": (c_int32, [P(tides_scene), c_int32, P(tides_object), P(tides_error)]),
     # int32_t tides_scene_objects(const tides_scene *scene)
     "tides_scene_objects": (c_int32, [P(tides_scene)]),
+    # tides_status tides_scene_orbit(const tides_scene *scene, const double up[3], double field_of_view, tides_orbit
+    # *orbit, tides_error *error)
+    "tides_scene_orbit": (c_int32, [P(tides_scene), P(c_double), c_double, P(tides_orbit), P(tides_error)]),
     # void tides_scene_range(const tides_scene *scene, double *start, double *stop)
     "tides_scene_range": (None, [P(tides_scene), P(c_double), P(c_double)]),
     # tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_error *error)

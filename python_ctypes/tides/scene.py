@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from . import _api
-from ._call import array, call, encoded, path, pointer, text
+from ._call import array, call, doubles, encoded, path, pointer, text
 from ._handle import Handle
 from ._library import lib
 from .motion import Motion, give_means, means
@@ -204,6 +204,13 @@ class Scene(Handle):
         start, stop = c_double(), c_double()
         lib.tides_scene_range(self._pointer, byref(start), byref(stop))
         return start.value, stop.value
+
+    def orbit(self, up: Any = None, field_of_view: float = 0.8) -> Trajectory:
+        """A camera path that shows the scene, for one without: round its middle, so far out that most of it fills `field_of_view`
+        [rad], a turn in 12 s, from 0 to 12 s. `up` (3) is guessed: -y, or z where the scene lies flat across it."""
+        found = _api.tides_orbit()
+        call("tides_scene_orbit", self._pointer, None if up is None else doubles(up, 3, "up"), field_of_view, byref(found))
+        return Trajectory.orbit(**{name: list(v) if hasattr(v := getattr(found, name), "__len__") else v for name, _ in found._fields_})
 
     def bounds_at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper corner (3) of the box about the means where they are at `time` [s]."""

@@ -13,6 +13,7 @@ info events.h5
 info frame.exr
 info scene.ply
 info path.txt
+camera orbit --from 0,0,-3 -o %.json
 scene plane --size 16x12 --gaussians 500 --run %.json -o %.ply
 scene --list
 render run.json -o %.exr --png %.png

@@ -1,7 +1,7 @@
 # A run file to begin with: it holds every key with its default and what it does, and runs as it is.
 make_scene
 expect 0 tides init -o new.json --scene scene.ply --camera path.txt
-out "new.json: name your scene"
+out "new.json: tides simulate new.json"
 keys=$(tides simulate --help | grep -cE '^  [a-z_0-9]+(\.[a-z_0-9]+)* \[')
 [ "$(grep -c '": .* // ' new.json)" = "$keys" ] || fail "new.json doesn't hold $keys keys with a comment each"
 grep -q '^    // "threshold_on": 0.2, // C+: rise of L that fires an ON event \[log units\]$' new.json || fail "a row is wrong"

@@ -39,7 +39,7 @@ missing i.exr
 # A file is what its name says, and a name that doesn't fit is refused before anything is rendered.
 expect 0 tides render run.json -o "capital letters.EXR" --png capitals.PNG -q
 exists "capital letters.EXR"
-refuse 2 "-o x.png: should end in .exr.*--png" tides render run.json -o x.png
+refuse 2 "-o x.jpg: should end in .exr.* or in .png" tides render run.json -o x.jpg
 refuse 2 "--png x.exr: should end in .png.*-o" tides render run.json --png x.exr
 refuse 2 "-o .exr: should end in .exr" tides render run.json -o .exr
 for file in x.png x.exr .exr; do missing $file; done

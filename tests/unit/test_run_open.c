@@ -47,7 +47,7 @@ static tides_status open_run(void *folder, const char *const *sets, opened *o, t
     while (sets[count]) count++;
     tides_run *run = NULL;
     tides_status status = tides_run_parse(text, folder, sets, count, &run, error);
-    scene_expect_ok(status, error);
+    if (status != TIDES_OK) return status;
     memset(o, 0, sizeof *o);
     status = tides_run_open(run, &o->scene, &o->camera, &o->intrinsics, error);
     tides_run_destroy(run);
@@ -125,7 +125,55 @@ static void the_path_gives_what_the_run_does_not(void **state) {
     intrinsics_are(*state, SETS("camera.cx=0", "camera.cy=-2"), (tides_intrinsics){80, 60, 50, 55, 0, -2, {0}});
     /* Another size: the file's lens doesn't apply. */
     intrinsics_are(*state, SETS("camera.width=40", "camera.fx=9"), (tides_intrinsics){40, 60, 9, 9, 20, 30, {0}});
-    fails(*state, SETS("camera.width=40"), TIDES_BAD_CONFIG, "camera.fx|80x60|40x60");
+    fails(*state, SETS("camera.width=40", "camera.height=60"), TIDES_BAD_CONFIG, "camera.fx|80x60|40x60|camera.scale");
+}
+
+/* The same view in other pixels: camera.scale, and one side alone. */
+static void views_scale(void **state) {
+    write_files(*state);
+    intrinsics_are(*state, SETS("camera.width=40"), (tides_intrinsics){40, 30, 25, 27.5, 20.5, 15.5, {0}});
+    intrinsics_are(*state, SETS("camera.height=120"), (tides_intrinsics){160, 120, 100, 110, 82, 62, {0}});
+    intrinsics_are(*state, SETS("camera.width=40", "camera.cx=3"), (tides_intrinsics){40, 30, 25, 27.5, 3, 15.5, {0}});
+    intrinsics_are(*state, SETS("camera.scale=0.5"), (tides_intrinsics){40, 30, 25, 27.5, 20.5, 15.5, {0}});
+    intrinsics_are(*state, SETS("camera.scale=2", "camera.width=40"), (tides_intrinsics){80, 60, 50, 55, 41, 31, {0}});
+    intrinsics_are(*state, SETS("camera.scale=0.11"),
+                   (tides_intrinsics){9, 7, 50 * 9 / 80., 55 * 7 / 60., 41 * 9 / 80., 31 * 7 / 60., {0}});
+    fails(*state, SETS("camera.scale=900"), TIDES_BAD_CONFIG, "camera.scale = 900|72000x54000");
+}
+
+/* A splat file in place of a run file, and camera.orbit_s: the scene is in the middle, and a longer run sees the same. */
+static void a_scene_alone_has_an_orbit(void **state) {
+    write_files(*state);
+    tides_error error = {0, ""};
+    tides_run *run = NULL;
+    tides_run_values values;
+    opened o;
+    scene_expect_ok(tides_run_load(scene_in_folder(*state, "one.ply"), NULL, 0, &run, &error), &error);
+    tides_run_get(run, &values);
+    assert_null(values.camera_file);
+    assert_true(values.stop == 0.1);
+    assert_non_null(strstr(tides_run_notes(run), "a scene without a run file"));
+    scene_expect_ok(tides_run_open(run, &o.scene, &o.camera, &o.intrinsics, &error), &error);
+    assert_int_equal(o.intrinsics.width, 640);
+    assert_int_equal(o.intrinsics.height, 480);
+    assert_true(fabs(o.intrinsics.fx - 320 / tan(0.5235987755982988)) < 1e-9 && o.intrinsics.fy == o.intrinsics.fx);
+    tides_pose pose, later;
+    scene_expect_ok(tides_trajectory_at(o.camera, 0.05, &pose, &error), &error);
+    const double way[3] = {-pose.position[0], -pose.position[1], 4 - pose.position[2]}; /* the splat is at 0 0 4 */
+    const double distance = sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
+    assert_true(pose.position[1] < -0.1); /* above, where y is down */
+    for (int i = 0; i < 3; i++) assert_true(fabs(pose.rotation[3 * i + 2] - way[i] / distance) < 1e-6);
+    close_run(&o);
+    tides_run_destroy(run);
+    const char *const sets[] = {"time.stop=7", "camera.width=320", "camera.up=[0,-2,0]"};
+    scene_expect_ok(tides_run_load(scene_in_folder(*state, "one.ply"), sets, 3, &run, &error), &error);
+    scene_expect_ok(tides_run_open(run, &o.scene, &o.camera, &o.intrinsics, &error), &error);
+    assert_int_equal(o.intrinsics.height, 240);
+    scene_expect_ok(tides_trajectory_at(o.camera, 0.05, &later, &error), &error);
+    assert_memory_equal(&pose, &later, sizeof pose);
+    close_run(&o);
+    tides_run_destroy(run);
+    fails(*state, SETS("camera.orbit_s=3"), TIDES_BAD_CONFIG, "camera.file and camera.orbit_s are both given");
 }
 
 static void an_angle_of_view_holds_at_any_size(void **state) {
@@ -220,6 +268,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         IN_FOLDER(a_lens_is_the_runs),
         IN_FOLDER(the_path_gives_what_the_run_does_not),
+        IN_FOLDER(views_scale),
+        IN_FOLDER(a_scene_alone_has_an_orbit),
         IN_FOLDER(an_angle_of_view_holds_at_any_size),
         IN_FOLDER(missing_intrinsics_are_named),
         IN_FOLDER(paths_must_cover_the_run),

@@ -244,6 +244,11 @@ def test_range_and_bounds(cloud):
     assert scene.range == (-np.inf, np.inf)
     scene.add(cloud, tides.Trajectory([0, 2], [[0, 0, 0], [4, 0, 0]], [[1, 0, 0, 0]] * 2))
     assert scene.range == (0.0, 2.0)
+    middle, pose = np.median(cloud.mean, 0), scene.orbit(up=[0, 0, 1]).at(3.0)
+    ahead = (middle - pose.position) / np.linalg.norm(middle - pose.position)
+    assert np.allclose(pose.rotation[:, 2], ahead, atol=0.2) and pose.position[2] > middle[2]
+    with pytest.raises(tides.errors.BadArgument, match="holds nothing"):
+        tides.Scene().orbit()
     lower, upper = scene.bounds_at(1.0)
     assert np.allclose(upper - [2, 0, 0], cloud.mean.max(0), atol=1e-5) and np.allclose(lower, cloud.mean.min(0))
     with pytest.raises(tides.errors.OutOfRange):
