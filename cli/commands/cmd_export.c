@@ -231,7 +231,7 @@ static int report(const job *j) {
 int cmd_export(const cli_command *command, int argc, char **argv) {
     cli_common common;
     arguments given = {NULL, NULL, NULL, NULL, NULL, NULL};
-    job j = {.common = &common, .decay_s = 0.03}; /* HOTS's surfaces, as in tonic's examples */
+    job j = {.common = &common, .decay_s = 0.03, .stretch = {.of_run = 1}}; /* HOTS's surfaces, as in tonic's examples */
     const cli_option options[] = {
         {"--output", 'o', "FILE", "where the arrays go: .npy, .npz, .h5, .exr (one window)", NULL, &j.out, NULL},
         {"--as", 0, "KIND", "voxel (the default), frame, surface", NULL, &given.kind, NULL},
@@ -244,8 +244,10 @@ int cmd_export(const cli_command *command, int argc, char **argv) {
          NULL},
         {"--events", 0, "N", "an array for every N events", NULL, &given.events, NULL},
         {"--partial", 0, NULL, "keep the last window where it is shorter", &j.partial, NULL, NULL},
-        {"--start", 0, "SECONDS", "the first window begins here (at the first event)", NULL, &j.stretch.start_text, NULL},
-        {"--stop", 0, "SECONDS", "and the last one ends by here (after the last event)", NULL, &j.stretch.stop_text, NULL},
+        {"--start", 0, "SECONDS", "the first window begins here (the recording's start, else the first event)", NULL,
+         &j.stretch.start_text, NULL},
+        {"--stop", 0, "SECONDS", "and the last one ends by here (the recording's end, else after the last event)", NULL,
+         &j.stretch.stop_text, NULL},
         {"--from", 0, "FORMAT", "read as this (by content)", NULL, &j.stretch.format, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };

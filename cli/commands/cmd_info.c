@@ -338,13 +338,47 @@ static tides_status run_facts_of(const tides_run *run, cJSON *facts, tides_error
     return status;
 }
 
-/* Text is a run file where it can be read as one, which no path can be; else a path. */
-static tides_status text_facts(const char *file, cJSON *facts, tides_error *error) {
+/* 1 where a text that neither run nor path could be made of was to be a run: what is wrong with it is then the run's to say. */
+static int32_t looks_like_run(const char *text) {
+    static const char *const keys[] = {"\"scene\"", "\"sensor\"", "\"stepping\"", "\"time\":"};
+    while (*text == ' ' || *text == '\t' || *text == '\r' || *text == '\n') text++;
+    if (text[0] == '/' && text[1] == '/') return 1;
+    for (size_t i = 0; *text == '{' && !strstr(text, "\"frames\"") && i < sizeof keys / sizeof *keys; i++)
+        if (strstr(text, keys[i])) return 1;
+    return 0;
+}
+
+/* Text is a run file where it can be read as one, which no path can be; else a path. `start`: its first bytes. */
+static tides_status text_facts(const char *file, const char *start, cJSON *facts, tides_error *error) {
     tides_run *run = NULL;
-    if (tides_run_load(file, NULL, 0, &run, NULL) != TIDES_OK) return path_facts(file, facts, error);
+    tides_error of_run;
+    if (tides_run_load(file, NULL, 0, &run, &of_run) != TIDES_OK) {
+        if (strstr(start, "\"lodLevels\""))
+            return cli_error(error, TIDES_UNSUPPORTED,
+                             "%s: is a streamed SOG (levels of detail): name the meta.json of one of its parts", file);
+        tides_status of_path = path_facts(file, facts, error);
+        if (of_path != TIDES_OK && looks_like_run(start)) *error = of_run;
+        return of_path;
+    }
     tides_status status = run_facts_of(run, facts, error);
     tides_run_destroy(run);
     return status;
+}
+
+/* -- arrays, and what isn't what it seems ------------------------------------------------------------------------------- */
+
+/* A .npy that holds no events: its header says type and shape. */
+static tides_status array_facts(const char *start, size_t got, cJSON *facts) {
+    const size_t at = start[6] == 1 ? 10 : 12;
+    char shape[128] = "?", type[32] = "?";
+    const char *text = got > at ? start + at : "", *found = strstr(text, "'shape': (");
+    if (found) sscanf(found + 10, "%127[^)]", shape);
+    found = strstr(text, "'descr': '");
+    if (found) sscanf(found + 10, "%31[^']", type);
+    cJSON_AddStringToObject(facts, "kind", "array");
+    cJSON_AddStringToObject(facts, "type", type);
+    cJSON_AddStringToObject(facts, "shape", shape);
+    return TIDES_OK;
 }
 
 /* ------------------------------------------------------------------------------------------------------------------- */
@@ -356,12 +390,12 @@ static tides_status folder_facts(const char *file, cJSON *facts, tides_error *er
 }
 
 static tides_status facts_of(const char *file, cJSON *facts, tides_error *error) {
-    unsigned char head[8] = {0};
+    char head[4096] = {0};
     struct stat folder;
     if (stat(file, &folder) == 0 && S_ISDIR(folder.st_mode)) return folder_facts(file, facts, error);
     FILE *stream = fopen(file, "rb");
     if (!stream) return cli_error(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", file, strerror(errno));
-    size_t got = fread(head, 1, sizeof head, stream);
+    size_t got = fread(head, 1, sizeof head - 1, stream);
     const int32_t failed = ferror(stream);
     fclose(stream);
     if (failed) return cli_error(error, TIDES_BAD_FILE, "%s: can't be read: %s", file, strerror(errno));
@@ -370,7 +404,10 @@ static tides_status facts_of(const char *file, cJSON *facts, tides_error *error)
     if (memcmp(head, "\x76\x2f\x31\x01", 4) == 0) return exr_facts(file, facts, error);
     if (open_events(file) == TIDES_OK) return events_facts(file, facts, error);
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
-    return text_facts(file, facts, error); /* text: the path's reader says best what is wrong */
+    if (memcmp(head, "\x93NUMPY", 6) == 0) return array_facts(head, got, facts);
+    if (memcmp(head, "version https://git-lfs", 23) == 0 || memcmp(head, "glTF", 4) == 0)
+        return scene_facts(file, facts, error);
+    return text_facts(file, head, facts, error); /* text: the path's reader says best what is wrong */
 }
 
 int cmd_info(const cli_command *command, int argc, char **argv) {

@@ -42,8 +42,11 @@ tides_status cli_stretch_read(cli_stretch *s, cli_window *recording, tides_error
     if (count && (events[0].t < -time_limit || events[count - 1].t > time_limit))
         return cli_error(error, TIDES_BAD_FILE,
                          "%s: its times go beyond 63 years: tides convert --rebase counts from the first event", s->file);
-    if (!s->start_text) s->start_ns = count ? events[0].t : s->stop_text ? s->stop_ns : 0;
-    if (!s->stop_text) s->stop_ns = count ? events[count - 1].t + 1 : s->start_ns;
+    const int64_t last = count ? events[count - 1].t + 1 : INT64_MIN;
+    const int32_t known = s->of_run && recording->run_start_ns < recording->run_stop_ns;
+    if (!s->start_text) s->start_ns = known ? recording->run_start_ns : count ? events[0].t : s->stop_text ? s->stop_ns : 0;
+    if (!s->stop_text)
+        s->stop_ns = known && last < recording->run_stop_ns ? recording->run_stop_ns : count ? last : s->start_ns;
     if (s->start_ns > s->stop_ns) s->start_ns = s->stop_ns; /* all events lie before a start that was given */
     return TIDES_OK;
 }

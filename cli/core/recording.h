@@ -10,6 +10,7 @@ typedef struct cli_stretch {
     const char *start_text, *stop_text, *window_text, *step_text; /* of the options; NULL where not given */
     int64_t start_ns, stop_ns;  /* [start, stop): of the texts, else once read of the events */
     int64_t window_ns, step_ns; /* 0 where not given; a step without one is the window */
+    int32_t of_run;             /* 1: what isn't given is the recording's stretch where the file says it, not its events' */
     int64_t before_ns;          /* events up to this long before `start` are read too */
 } cli_stretch;
 

@@ -35,7 +35,8 @@ typedef struct cli_window {
     const char *format;        /* the file's, or NULL: by content */
     tides_event *events;
     size_t count;
-    int32_t width, height; /* of the sensor [px]: what the file says, else what the events reach; at least 1 */
+    int32_t width, height;             /* of the sensor [px]: what the file says, else what the events reach; at least 1 */
+    int64_t run_start_ns, run_stop_ns; /* the recording's stretch where the file says it, else both 0 */
 } cli_window;
 /* window.c: fills events, count and size from an event file; the caller frees the events. _ordered: TIDES_BAD_FILE where they
  * aren't in order of time. _slice: those of [first, stop) of a window in order, borrowed. */

@@ -46,6 +46,8 @@ tides_status cli_window_read(const char *path, cli_window *window, tides_error *
     if (status == TIDES_OK) {
         tides_event_reader_facts(reader, &facts); /* some formats know the size only once they are read */
         set_size(window, &facts);
+        window->run_start_ns = facts.start_ns;
+        window->run_stop_ns = facts.stop_ns;
     }
     tides_event_reader_close(reader);
     if (status == TIDES_OK) return TIDES_OK;

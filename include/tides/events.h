@@ -116,6 +116,8 @@ typedef struct tides_event_facts {
     int32_t counted;       /* 1: count is known without reading the file */
     uint64_t count;
     int32_t labels; /* TIDES_LABEL_* that the file has, for tides_events_labels */
+    int32_t reserved;
+    int64_t start_ns, stop_ns; /* the recording's stretch; both 0: the file doesn't say. Our HDF5 does once it is complete */
 } tides_event_facts;
 
 typedef struct tides_event_reader tides_event_reader;

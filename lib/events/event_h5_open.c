@@ -22,9 +22,13 @@ enum {
     CACHE_SLOTS = 7 /* chunks of a dataset that HDF5 keeps: a prime, as its hash wants */
 };
 
+/* The same layout is twice in the table, because our files have RVT's size of the sensor too, and RVT's no t_offset. */
+#define DSEC_ROWS {"/events/p", "/events/t", "/events/x", "/events/y"}, {OWN, OWN, OWN, OWN}, 0
+
 static const layout layouts[] = {
-    {"rvt", "/events/height", {"/events/p", "/events/t", "/events/x", "/events/y"}, {OWN, OWN, OWN, OWN}, 0},
-    {"dsec", "/events/p", {"/events/p", "/events/t", "/events/x", "/events/y"}, {OWN, OWN, OWN, OWN}, 0},
+    {"dsec", "/t_offset", DSEC_ROWS},
+    {"rvt", "/events/height", DSEC_ROWS},
+    {"dsec", "/events/p", DSEC_ROWS},
     {"timostoff", "/events/ps", {"/events/ps", "/events/ts", "/events/xs", "/events/ys"}, {OWN, OWN, OWN, OWN}, 1},
     {"m3ed",
      "/prophesee/left/p",
@@ -40,7 +44,9 @@ static const layout layouts[] = {
     {"v2e", "/events", {"/events", "/events", "/events", "/events"}, {3, 0, 1, 2}, 0},
 };
 
-enum { LAYOUTS = sizeof layouts / sizeof *layouts, DSEC = 1, V2E = LAYOUTS - 1 };
+enum { LAYOUTS = sizeof layouts / sizeof *layouts, DSEC = 2, V2E = LAYOUTS - 1 };
+
+static int is_dsec(const layout *found) { return strcmp(found->name, layouts[DSEC].name) == 0; }
 
 /* ---- files and datasets ---- */
 
@@ -119,7 +125,7 @@ static tides_status open_columns(td_event_source *source, const layout *found, t
             return td_fail(error, TIDES_BAD_FILE, "%s: has no %s: event files in the DSEC layout hold /events/p, t, x and y",
                            source->path, found->datasets[c]);
     }
-    source->nanoseconds = found == &layouts[DSEC] && td_h5_exists(source->file, "/events/t_ns");
+    source->nanoseconds = is_dsec(found) && td_h5_exists(source->file, "/events/t_ns");
     if (source->nanoseconds) source->columns[TD_H5_T].name = "/events/t_ns";
     for (int c = 0; c < TD_H5_COLUMNS; c++) {
         td_h5_column *column = &source->columns[c];
@@ -186,7 +192,7 @@ static void read_size(const td_event_source *source, const layout *found, tides_
 }
 
 static tides_status read_offset(td_event_source *source, const layout *found, tides_error *error) {
-    if (source->nanoseconds || found != &layouts[DSEC] || !td_h5_exists(source->file, "/t_offset")) return TIDES_OK;
+    if (source->nanoseconds || !is_dsec(found) || !td_h5_exists(source->file, "/t_offset")) return TIDES_OK;
     if (read_integers(source->file, "/t_offset", 0, &source->offset, 1) == 1) return TIDES_OK;
     return td_fail(error, TIDES_BAD_FILE, "%s: /t_offset should be one integer", source->path);
 }
@@ -207,6 +213,11 @@ static tides_status read_own_facts(td_event_source *source, tides_event_facts *f
         return td_fail(error, TIDES_BAD_FILE, "%s: its attribute count doesn't fit its %" PRIu64 " rows", source->path,
                        source->count);
     source->count = (uint64_t)count;
+    int64_t start = 0, stop = 0;
+    if (td_h5_read_int(source->file, "start_ns", &start) && td_h5_read_int(source->file, "stop_ns", &stop) && start < stop) {
+        facts->start_ns = start;
+        facts->stop_ns = stop;
+    }
     snprintf(facts->format, sizeof facts->format, "tides");
     facts->labels = td_event_labels_of(source->file);
     td_h5_read_text(source->file, "tides_version", facts->version, sizeof facts->version);

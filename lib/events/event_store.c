@@ -84,13 +84,13 @@ static herr_t create_datasets(td_event_store *store) {
     return store->index < 0 ? -1 : 0;
 }
 
-/* DSEC's t_offset is a scalar dataset. It is 0 where that will do: an offset beyond 2^32 (DSEC's own are) makes DSEC's reader
- * fail under NumPy 2, which doesn't add such a number to 32-bit ones. */
-static herr_t create_offset(hid_t file, int64_t offset) {
+/* DSEC's t_offset is a scalar dataset, and so is the sensor's size where RVT looks for it. The offset is 0 where that will do:
+ * one beyond 2^32 (DSEC's own are) makes DSEC's reader fail under NumPy 2, which doesn't add such a number to 32-bit ones. */
+static herr_t create_scalar(hid_t file, const char *name, hid_t type, int64_t value) {
     hid_t creation = H5Pcreate(H5P_DATASET_CREATE), space = H5Screate(H5S_SCALAR), dataset = -1;
     if (creation >= 0 && space >= 0 && H5Pset_obj_track_times(creation, 0) >= 0)
-        dataset = H5Dcreate2(file, "/t_offset", H5T_STD_I64LE, space, H5P_DEFAULT, creation, H5P_DEFAULT);
-    herr_t failed = dataset < 0 ? -1 : H5Dwrite(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &offset);
+        dataset = H5Dcreate2(file, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+    herr_t failed = dataset < 0 ? -1 : H5Dwrite(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &value);
     td_h5_close(dataset);
     td_h5_close(space);
     td_h5_close(creation);
@@ -107,6 +107,7 @@ static herr_t create_attributes(td_event_store *store, const tides_event_file *f
     if (facts->seed && td_h5_write_text(file, "seed", facts->seed) < 0) return -1;
     if (facts->run && td_h5_write_text(file, "run", facts->run) < 0) return -1;
     if (td_h5_write_int(file, "count", H5T_STD_I64LE, 0) < 0) return -1;
+    if (facts->stop_ns > facts->start_ns && td_h5_write_int(file, "start_ns", H5T_STD_I64LE, facts->start_ns) < 0) return -1;
     if (td_h5_write_int(file, "stop_ns", H5T_STD_I64LE, -1) < 0) return -1;
     store->count = H5Aopen(file, "count", H5P_DEFAULT);
     store->stop = H5Aopen(file, "stop_ns", H5P_DEFAULT);
@@ -132,7 +133,9 @@ static herr_t create_all(td_event_store *store, const char *path, const tides_ev
     td_h5_close(access);
     if (store->file < 0 || td_h5_forbid_evictions(store->file) < 0) return -1;
     if (create_attributes(store, facts) < 0 || create_datasets(store) < 0) return -1;
-    if (create_offset(store->file, store->offset) < 0) return -1;
+    if (create_scalar(store->file, "/t_offset", H5T_STD_I64LE, store->offset) < 0) return -1;
+    if (create_scalar(store->file, "/events/height", H5T_STD_I32LE, facts->height) < 0) return -1;
+    if (create_scalar(store->file, "/events/width", H5T_STD_I32LE, facts->width) < 0) return -1;
     if (facts->labels && td_event_labels_create(store->file, &store->labels) < 0) return -1;
     return H5Fflush(store->file, H5F_SCOPE_LOCAL);
 }

@@ -4,6 +4,7 @@
  *   /events/t      u4   [us] after t_offset: floor(t_ns / 1000) - t_offset
  *   /events/x, y   u2   [px]
  *   /events/t_ns   i8   [ns] the exact time, absolute: t_offset is in it; ours, ignored by others
+ *   /events/height, width   i4 scalars [px], where RVT's reader looks for them
  *   /events/cause, fired, frontend: labels, where there are any (event_labels.c)
  *   /ms_to_idx     u8   entry k: the first event with t >= 1000 k, so it counts from t_offset too. It covers the recording's
  *                       end: a query that ends within the recording finds its entry. (DSEC's own reader fails on a window
@@ -11,8 +12,9 @@
  *   /t_offset      i8   scalar [us]: 0 where the recording lies within the first 4294.967 s, else its start: times of 1.4e9 s
  *                       (or before 0) are t + t_offset, as in DSEC
  *   attributes of the root: format "tides-events", version 1, tides_version, width, height, seed, run (the run file's JSON; a
- *     scalar dataset /run where it is longer than 60 kB), count (events that are safely in the file), stop_ns (end of the
- *     recording; -1 while it is being written). Texts have fixed length (h5py gives bytes); before, they had variable length
+ *     scalar dataset /run where it is longer than 60 kB), count (events that are safely in the file), start_ns (where the
+ *     recording begins, if that is known), stop_ns (its end; -1 while it is being written). Texts have fixed length (h5py gives
+ *     bytes); before, they had variable length
  *
  * All datasets are chunked, shuffled and deflated. The microseconds end 71.6 minutes after t_offset, as in DSEC.
  *
@@ -96,7 +98,8 @@ static void discard_hdf5(td_event_sink *sink) {
 }
 
 static tides_status create_hdf5(td_event_sink *sink, tides_error *error) {
-    const tides_event_file facts = {sink->width, sink->height, sink->run, sink->seed, sink->labels, 0, 0};
+    const tides_event_file facts = {sink->width,  sink->height,   sink->run,    sink->seed,
+                                    sink->labels, sink->start_ns, sink->stop_ns};
     tides_status status = make_state(sink, error);
     if (status != TIDES_OK) return status;
     hdf5_writer *w = sink->state;

@@ -343,6 +343,6 @@ const td_param td_params[] = {
 
     {STRING("device", device, "reference, cpu, gpu, an index or a part of a device's name; auto: TIDES_DEVICE, else the best"),
      .fallback = "\"auto\""},
-    {STRING("seed", seed, "64-bit number, in quotes, that all randomness comes from"), .fallback = "\"0\""},
+    {STRING("seed", seed, "whole number that all randomness comes from; above 2^53 in quotes"), .fallback = "\"0\""},
 };
 const size_t td_params_count = sizeof td_params / sizeof td_params[0];

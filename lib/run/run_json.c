@@ -5,7 +5,11 @@
 #include <string.h>
 
 tides_status td_run_store(tides_run *run, const tides_param *row, const cJSON *value, tides_error *error) {
-    cJSON *copy = cJSON_Duplicate(value, 1);
+    const int32_t is_number =
+        strcmp(row->key, "seed") == 0 && cJSON_IsNumber(value); /* kept as text, which has room for 64 bits */
+    char digits[24];
+    if (is_number) snprintf(digits, sizeof digits, "%.0f", value->valuedouble);
+    cJSON *copy = is_number ? cJSON_CreateString(digits) : cJSON_Duplicate(value, 1);
     if (!copy) return td_fail(error, TIDES_NO_MEMORY, "out of memory: copying %s", row->key);
     cJSON **place = &run->values[row - tides_params(NULL)];
     cJSON_Delete(*place);

@@ -91,7 +91,9 @@ static tides_status check_choice(const tides_param *row, const cJSON *value, con
 }
 
 static tides_status check_seed(const cJSON *value, const char *where, tides_error *error) {
-    static const char *const wanted = "a 64-bit number in quotes, such as \"42\"";
+    static const char *const wanted = "a 64-bit number from 0 on, such as 42 (above 2^53 in quotes)";
+    const double number = cJSON_IsNumber(value) ? value->valuedouble : 0;
+    if (cJSON_IsNumber(value) && number >= 0 && number <= 0x1p53 && number == floor(number)) return TIDES_OK;
     if (!cJSON_IsString(value)) return wrong_type(where, "seed", value, wanted, error);
     const char *text = value->valuestring;
     size_t digits = strspn(text, "0123456789");

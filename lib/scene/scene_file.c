@@ -159,6 +159,13 @@ tides_status tides_scene_add_file(tides_scene *scene, const char *file, const ti
     beginning start;
     tides_status status = read_beginning(file, &start, error);
     if (status) return status;
+    static const char pointer[] = "version https://git-lfs";
+    if (start.got >= sizeof pointer - 1 && memcmp(start.bytes, pointer, sizeof pointer - 1) == 0)
+        return td_fail(error, TIDES_BAD_FILE, "%s: is a pointer of Git LFS and not the file itself: git lfs pull fetches it",
+                       file);
+    if (start.got >= 4 && memcmp(start.bytes, "glTF", 4) == 0)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: is a binary glTF, which isn't read: export its splats as .ply or .spz",
+                       file);
     size_t format = format_of(&start);
     if (start.folder ? format == FORMATS : td_model_dir_is(file)) return add_model(scene, file, trajectory, scale, error);
     if (format == FORMATS)

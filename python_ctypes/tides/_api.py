@@ -380,6 +380,8 @@ class tides_event_facts(Structure):
     int32_t counted; /* 1: count is known without reading the file */
     uint64_t count;
     int32_t labels; /* TIDES_LABEL_* that the file has, for tides_events_labels */
+    int32_t reserved;
+    int64_t start_ns, stop_ns; /* the recording's stretch; both 0: the file doesn't say. Our HDF5 does once it is complete */
     """
 
     format: Any
@@ -389,6 +391,9 @@ class tides_event_facts(Structure):
     counted: int
     count: int
     labels: int
+    reserved: int
+    start_ns: int
+    stop_ns: int
 
     _fields_ = [
         ("format", c_char * 32),
@@ -398,6 +403,9 @@ class tides_event_facts(Structure):
         ("counted", c_int32),
         ("count", c_uint64),
         ("labels", c_int32),
+        ("reserved", c_int32),
+        ("start_ns", c_int64),
+        ("stop_ns", c_int64),
     ]
 
 

@@ -60,3 +60,11 @@ refuse 1 "No such file" tides export absent.raw -o x.npy
 missing x.npy
 missing x.npy.part
 missing x.exr
+
+# Windows of a recording of ours begin where the run does, and end where it ends, whatever its first and last events are.
+make_scene
+expect 0 tides simulate run.json -qo run.h5
+expect 0 tides export run.h5 -o r.npy --window 0.01 --json
+[ "$(value out windows) $(value out start_ns) $(value out stop_ns)" = "4 0 40000000" ] || fail "a run of 0.04 s is four windows of 0.01 s"
+expect 0 tides export run.h5 -o r.npy --window 0.01 --start 0.005 --json
+[ "$(value out windows) $(value out start_ns)" = "3 5000000" ] || fail "--start wins"

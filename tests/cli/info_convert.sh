@@ -66,3 +66,21 @@ printf '\211HDF\r\n\032\nrest' >broken.h5
 refuse 1 "broken.h5" tides info broken.h5
 printf 'ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nend_header\n' >lying.ply
 refuse 1 "lying.ply" tides info lying.ply
+
+# What people try: run files with a slip in them, arrays, pointers of Git LFS, glTF, streamed SOG.
+printf '%s\n' '// a run' '{ "scene": { "file": "a.ply" }, "camera": { "fil": "p.txt" } }' >slip.json
+refuse 1 "unknown key camera.fil|camera.fil.*camera.file" tides info slip.json
+printf '{ "scene": { "file": "a.ply" }, "camera": { "file": "p.txt" }, "time": { "stop": -1 } }' >slip.json
+refuse 1 "time.stop = -1 s is not after" tides info slip.json
+printf "\223NUMPY\001\000\166\000{'descr': '<f4', 'fortran_order': False, 'shape': (5, 2, 3), }" >v.npy
+printf '%*s\n' 57 '' >>v.npy
+expect 0 tides info v.npy
+out "kind +array"
+out "shape +5, 2, 3"
+printf 'version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 3\n' >lfs.ply
+refuse 1 "lfs.ply: is a pointer of Git LFS" tides info lfs.ply
+refuse 1 "lfs.ply: is a pointer of Git LFS" tides camera orbit --scene lfs.ply -o x.json
+printf 'glTF\002\000\000\000' >a.glb
+refuse 1 "a.glb: is a binary glTF" tides info a.glb
+printf '{ "lodLevels": 3, "filenames": [] }' >lod-meta.json
+refuse 1 "streamed SOG" tides info lod-meta.json

@@ -234,7 +234,8 @@ static void wrong_values_name_key_value_and_range(void **state) {
         snprintf(key, sizeof key, "%.*s", (int)strcspn(cases[i].set, "="), cases[i].set);
         REFUSED("{" BASE "}", cases[i].set, bad, "--set: ", key, cases[i].value, cases[i].says);
     }
-    REFUSED("{" BASE ", \"seed\": 5}", NULL, bad, "run: seed = 5", "in quotes");
+    REFUSED("{" BASE ", \"seed\": 5.5}", NULL, bad, "run: seed = 5.5", "in quotes");
+    REFUSED("{" BASE ", \"seed\": 1e17}", NULL, bad, "run: seed = 1e+17", "in quotes");
     REFUSED("{" BASE ", \"time\": {\"start\": 1, \"stop\": 1}}", NULL, bad, "time.stop = 1 s", "time.start = 1 s");
     REFUSED("{" BASE ", \"sensor\": 3}", NULL, bad, "sensor is not an object");
     REFUSED("{\"scene\": {\"file\": \"a\"}}", NULL, bad, "camera.file is missing");

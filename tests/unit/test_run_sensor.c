@@ -73,6 +73,17 @@ static void test_keys_reach_their_fields(void **state) {
         if (!(found >= cases[i].value && found <= cases[i].value)) fail_msg("%s: %g", set, found);
         tides_run_destroy(run);
     }
+    tides_run *whole = NULL; /* a plain number, in the file and as an override */
+    tides_run_values numbered;
+    tides_error error = {TIDES_OK, ""};
+    assert_int_equal(tides_run_parse("{\"scene\": {\"file\": \"a\"}, \"camera\": {\"file\": \"p\"}, \"seed\": "
+                                     "4503599627370497}",
+                                     "", NULL, 0, &whole, &error),
+                     TIDES_OK);
+    tides_run_get(whole, &numbered);
+    assert_true(numbered.sensor.seed == UINT64_C(4503599627370497));
+    assert_string_equal(numbered.seed, "4503599627370497");
+    tides_run_destroy(whole);
     const char *seed = "seed=18446744073709551615";
     tides_run *run = parse(&seed, 1);
     tides_run_values values;
