@@ -1,7 +1,7 @@
 # A dataset's folder: there whole or not at all, of every camera of the rig, and each wrong input in one line.
 make_scene
 metric="--set scene.metres_per_unit=0.5 --set dataset.truth_hz=20"
-expect 0 tides dataset run.json -qo one --layout ecd $metric
+expect 0 tides dataset run.json -o one --layout ecd --quiet $metric
 silent
 for file in events.txt images.txt groundtruth.txt calib.txt depthmaps.txt images/frame_00000000.png; do
     [ -s "one/$file" ] || fail "one/$file should be there"
