@@ -111,8 +111,10 @@ static void defaults_are_the_fields(void **state) {
     for (size_t i = 0; i < td_params_count; i++) {
         const td_param *row = &td_params[i];
         const int32_t numeric = row->type != TIDES_PARAM_STRING && row->type != TIDES_PARAM_OBJECTS;
-        if (numeric && row->fallback) assert_string_equal(row->fallback, "null");
-        if (numeric) assert_true(row->field < sizeof values);
+        const int32_t has_field = row->field != TD_NO_FIELD; /* else run_open.c reads it, and the row has the default */
+        if (numeric && has_field && row->fallback) assert_string_equal(row->fallback, "null");
+        if (numeric && has_field) assert_true(row->field < sizeof values);
+        if (numeric && !has_field) assert_non_null(row->fallback);
     }
     tides_run_destroy(run);
 }
