@@ -23,7 +23,7 @@ VERSION := $(MAJOR).$(call version,MINOR).$(call version,PATCH)
 
 # -- flags -------------------------------------------------------------------------------------------------------------
 HDF5 := $(shell $(PKG_CONFIG) --exists hdf5-serial 2>/dev/null && echo hdf5-serial || echo hdf5)
-DEPS := libpng libcjson $(HDF5) OpenCL zlib libzstd liblz4 libwebp
+DEPS := libpng libcjson $(HDF5) OpenCL zlib libdeflate libzstd liblz4 libwebp
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wundef -Wmissing-prototypes -Wstrict-prototypes -Wcast-qual \
             -Wpointer-arith -Wwrite-strings -Wconversion -Wno-sign-conversion
 OPTIMISE_release := -O3 -g
