@@ -6,7 +6,7 @@
 
 /* What was asked for. */
 typedef struct render_request {
-    const char *run, *exr, *png, *time;
+    const char *run, *exr, *png, *time, *rectify;
     const char *truth;           /* names of it, separated by commas */
     const char *displacement_to; /* [s] */
     double to;
@@ -56,6 +56,7 @@ static cJSON *facts_of(const tides_session_facts *session, double time, const re
     cJSON_AddStringToObject(facts, "device", session->info.name);
     if (request->exr) cJSON_AddStringToObject(facts, "exr", request->exr);
     if (request->png) cJSON_AddStringToObject(facts, "png", request->png);
+    if (request->rectify) cJSON_AddStringToObject(facts, "rectify", request->rectify);
     return facts;
 }
 
@@ -71,6 +72,12 @@ static tides_status render(tides_session *session, const tides_session_facts *fa
                            const cli_common *common, tides_error *error) {
     cli_progress progress = {.quiet = common->quiet};
     cli_frame frame;
+    if (request->rectify) {
+        tides_intrinsics flat = facts->intrinsics;
+        flat.lens = (tides_lens){.model = TIDES_LENS_NONE};
+        const tides_status saved = tides_rectify_save(request->rectify, &facts->intrinsics, &flat, NULL, error);
+        if (saved != TIDES_OK || (!request->exr && !request->png)) return saved;
+    }
     const int32_t wanted = (request->rgb ? CLI_FRAME_RGB : 0) | (request->depth ? CLI_FRAME_DEPTH : 0) | request->truths |
                            (request->displacement_to ? CLI_FRAME_DISPLACEMENT : 0);
     frame.displacement_to = request->to;
@@ -95,7 +102,10 @@ static int check_outputs(const cli_command *command, render_request *request) {
         request->exr = NULL;
         request->rgb = 1;
     }
-    if (!request->exr && !request->png) return cli_usage(command, "the output is missing: -o OUT.exr, or --png OUT.png");
+    if (!request->exr && !request->png && !request->rectify)
+        return cli_usage(command, "the output is missing: -o OUT.exr, or --png OUT.png");
+    if (request->rectify && !cli_ends_in(request->rectify, ".npy"))
+        return cli_usage(command, "--rectify %s: should end in .npy, for it is an array of float32", request->rectify);
     if (request->exr && !cli_ends_in(request->exr, ".exr"))
         return cli_usage(command, "-o %s: should end in .exr, for it is written as OpenEXR, or in .png, for a picture",
                          request->exr);
@@ -119,6 +129,9 @@ int cmd_render(const cli_command *command, int argc, char **argv) {
         {"--displacement-to", 0, "T", "where what is seen will be at T, or was [s]: displacement [px], and whether it is seen",
          NULL, &request.displacement_to, NULL},
         {"--metres", 0, NULL, "its depths in metres, as scene.metres_per_unit says", &request.metres, NULL, NULL},
+        {"--rectify", 0, "MAP.npy",
+         "where each pixel would be without the lens: (height, width, 2) of float32, centres at whole px", NULL,
+         &request.rectify, NULL},
         {"--set", 0, "KEY=VALUE", "override a key of the run file; may be repeated", NULL, NULL, &request.sets},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };

@@ -79,6 +79,18 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_path_load(const char *file, const 
 TIDES_MUST_CHECK TIDES_API tides_status tides_path_save(const char *file, const tides_trajectory *trajectory,
                                                         const tides_intrinsics *intrinsics, tides_error *error);
 
+/* Where each raw pixel is in the image of a pinhole: map (raw height x width x 2), (u, v) of the ray through its centre, which
+ * `rotation` (3x3 by rows, raw camera to rectified; NULL: none) turns. Places are as OpenCV and DSEC's rectify_map have them,
+ * with pixel centres at whole numbers: a pinhole's own map is (column, row). Not a number where nothing in front of the cameras
+ * is seen. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_rectify_map(const tides_intrinsics *raw, const tides_intrinsics *rectified,
+                                                          const double rotation[9], float *map, tides_error *error);
+
+/* The same as a .npy file of float32. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_rectify_save(const char *file, const tides_intrinsics *raw,
+                                                           const tides_intrinsics *rectified, const double rotation[9],
+                                                           tides_error *error);
+
 #ifdef __cplusplus
 }
 #endif

@@ -3241,6 +3241,12 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_readout_defaults": (None, [P(tides_readout)]),
     # void tides_recording_defaults(tides_recording *recording)
     "tides_recording_defaults": (None, [P(tides_recording)]),
+    # tides_status tides_rectify_map(const tides_intrinsics *raw, const tides_intrinsics *rectified, const double
+    # rotation[9], float *map, tides_error *error)
+    "tides_rectify_map": (c_int32, [P(tides_intrinsics), P(tides_intrinsics), P(c_double), P(c_float), P(tides_error)]),
+    # tides_status tides_rectify_save(const char *file, const tides_intrinsics *raw, const tides_intrinsics *rectified,
+    # const double rotation[9], tides_error *error)
+    "tides_rectify_save": (c_int32, [c_char_p, P(tides_intrinsics), P(tides_intrinsics), P(c_double), P(tides_error)]),
     # tides_status tides_renderer_choose(tides_renderer *renderer, const tides_trajectory *camera, double time, uint64_t
     # seed, uint32_t number, size_t count, double *xy, tides_material_point *points, size_t *chosen, tides_error *error)
     "tides_renderer_choose": (c_int32, [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from ctypes import POINTER, byref, c_double, cast
+from ctypes import POINTER, byref, c_double, c_float, cast
 from dataclasses import dataclass
 from typing import Any
 
@@ -219,6 +219,19 @@ class Intrinsics(Value, _api.tides_intrinsics):
         lambda self: Lens._from(_api.tides_intrinsics.lens.__get__(self)),
         lambda self, lens: _api.tides_intrinsics.lens.__set__(self, lens),
     )
+
+    def rectify_map(self, rectified: "Intrinsics | None" = None, rotation: Any = None) -> np.ndarray:
+        """Where each pixel is in the image of the pinhole `rectified` (this one without its lens where not given), turned by
+        the 3x3 `rotation`: (height, width, 2) of float32, with pixel centres at whole numbers as OpenCV and DSEC have them."""
+        made = np.empty((self.height, self.width, 2), np.float32)
+        turned = None if rotation is None else (c_double * 9)(*np.ravel(rotation))
+        call("tides_rectify_map", self, rectified or self.copy(lens=Lens()), turned, made.ctypes.data_as(POINTER(c_float)))
+        return made
+
+    def save_rectify_map(self, file: str | os.PathLike[str], rectified: "Intrinsics | None" = None, rotation: Any = None) -> None:
+        """The same as a .npy file."""
+        turned = None if rotation is None else (c_double * 9)(*np.ravel(rotation))
+        call("tides_rectify_save", path(file), self, rectified or self.copy(lens=Lens()), turned)
 
     @classmethod
     def from_fov(cls, width: int, height: int, fov_x: float) -> "Intrinsics":

@@ -67,7 +67,7 @@ def test_camera_file(tmp_path, camera):
     assert tides.PathOptions().duration == 1.0
 
 
-def test_lens(cloud):
+def test_lens(cloud, tmp_path):
     lens = tides.Lens(model="equidistant", k1=-0.03)
     bent = tides.Intrinsics.from_fov(32, 24, 1.2).copy(lens=lens)
     assert bent.lens == lens and bent.lens.model == "equidistant" and tides.Intrinsics().lens.model == "none"
@@ -79,6 +79,10 @@ def test_lens(cloud):
             with tides.Renderer(scene, tides.Camera(path, one)) as renderer:
                 seen.append(renderer.frame(0.0, ["L"])["L"])
         assert not np.array_equal(*seen)
+        own = bent.copy(lens=tides.Lens()).rectify_map()
+        assert np.allclose(own[3, 5], (5, 3), atol=1e-5) and own.shape == (24, 32, 2)
+        bent.save_rectify_map(tmp_path / "map.npy", rotation=np.eye(3))
+        assert np.array_equal(np.load(tmp_path / "map.npy"), bent.rectify_map()) and not np.allclose(own, bent.rectify_map())
         with pytest.raises(tides.errors.TidesError, match="folds over"):
             tides.Renderer(scene, tides.Camera(path, bent.copy(lens=tides.Lens(model="radtan", k1=-3.0))))
 
