@@ -15,8 +15,8 @@ static const char *const stage_names[STAGES] = {"motion",   "sweep", "project", 
 const char *frame_stage_name(frame_stage stage) { return stage_names[stage]; }
 
 const char *frame_maker_name(int32_t maker) {
-    static const char *const names[MAKERS] = {"limit",  "limit L",  "inria",  "inria L",
-                                              "gsplat", "gsplat L", "smooth", "smooth L"};
+    static const char *const names[MAKERS] = {"limit",  "limit L",  "inria",  "inria Y",
+                                              "gsplat", "gsplat Y", "smooth", "smooth Y"};
     return names[maker];
 }
 
@@ -84,8 +84,12 @@ static tides_status renderer_frames(workshop *w, int32_t maker, int32_t round, i
     tides_frame frame = {{NULL}};
     tides_render_stats before, *after = &times->done[maker];
     tides_status status = TIDES_OK;
-    frame.plane[TIDES_L] = w->L;
-    frame.plane[TIDES_L_DOT] = maker & 1 ? NULL : w->L_dot;
+    if (maker & 1) { /* what is asked for without a rate: a plane of log-luminance comes from the kernel with rates */
+        frame.plane[TIDES_Y] = w->L;
+    } else {
+        frame.plane[TIDES_L] = w->L;
+        frame.plane[TIDES_L_DOT] = w->L_dot;
+    }
     tides_renderer_stats(renderer, &before);
     for (int32_t i = 0; i < frames && status == TIDES_OK; i++)
         status = tides_renderer_frame(renderer, w->scene->camera, time_of(w, round, i), &frame, error);

@@ -24,7 +24,7 @@ const char *frame_stage_name(frame_stage stage);
 
 /* What makes frames: the limit and the rules, each with L_dot and without, which is at the next place. */
 typedef enum frame_maker { LIMIT, INRIA = 2, GSPLAT = 4, SMOOTH = 6, MAKERS = 8 } frame_maker;
-const char *frame_maker_name(int32_t maker); /* "inria", "inria L" */
+const char *frame_maker_name(int32_t maker); /* "inria", "inria Y" */
 
 typedef struct frame_times {
     double s[MAKERS][STAGES][FRAME_ROUNDS]; /* of a frame [s] */

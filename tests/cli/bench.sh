@@ -107,7 +107,7 @@ less "$(cell pixel_steps_per_s circuit)" "$(cell pixel_steps_per_s off)" "the th
 
 # Stages add up to frames; the limit makes inria's image, or says why there is none.
 expect 0 tides bench throughput --quick -o made
-for maker in inria gsplat smooth "smooth L"; do out "^random +96x72 +$maker +composite +[0-9.]+ +[0-9.]+% "; done
+for maker in inria gsplat smooth "smooth Y"; do out "^random +96x72 +$maker +composite +[0-9.]+ +[0-9.]+% "; done
 out "frame under smooth over inria +random 96x72 +[0-9.]+ at most 1.5 times"
 for part in look_up composite compare; do out "^demo +96x72 +run +$part +[0-9.]+ +[0-9.]+% "; done
 for sink in nothing HDF5; do out "comparator to sink +$sink +[0-9.]+ at least [0-9]+ million events/s"; done

@@ -58,7 +58,11 @@ printf '1 OPENCV 640 480 500 500 320 240 0.1 0 0 0\n' >colmap/cameras.txt
 printf '1 1 0 0 0 0 0 0 1 a.png\n\n2 1 0 0 0 1 0 0 1 b.png\n\n' >colmap/images.txt
 expect 0 tides info colmap
 out "^format +colmap"
-out "^distortion +ignored"
+out "^lens +radtan"
+out "^k1 +0.1"
+printf '1 FULL_OPENCV 640 480 500 500 320 240 0.1 0 0 0 0 0.2 0 0\n' >colmap/cameras.txt
+expect 0 tides info colmap
+out "^lens +unknown"
 printf 'hello\n' >text
 expect 1 tides info text
 error_line "text"
