@@ -78,6 +78,13 @@ class Handle:
         """The library has taken the object over."""
         self._finalizer.detach()
 
+    def __reduce__(self) -> Any:
+        """Pickled are objects that know the file or the values they came from; the rest is memory of this process."""
+        raise TypeError(
+            f"a {type(self).__name__} can't be pickled: it is open in this process alone. Pickle what it is made of (Run, "
+            "Scene, Camera, Trajectory and parameters can be) and make it anew where it is needed"
+        )
+
     def __enter__(self) -> Any:
         return self
 

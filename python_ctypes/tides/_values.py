@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import ctypes
+import operator
 from typing import Any
 
-from . import _api
+from . import _api, presets
 from ._call import nearest, text
 from ._library import lib
 
 _HIDDEN = ("size", "reserved")
+_REALS = (ctypes.c_double, ctypes.c_float)
+_WHOLE = tuple(getattr(ctypes, f"c_{sign}int{bits}") for sign in ("", "u") for bits in (8, 16, 32, 64))
 
 
 class Facts(dict):
@@ -65,6 +68,65 @@ def _list_property(field: Any) -> property:
     return property(lambda self: tuple(field.__get__(self)), lambda self, value: field.__set__(self, tuple(value)))
 
 
+def _expected(kind: Any) -> str:
+    """What a field of this type takes, in words."""
+    if kind in _REALS:
+        return "a number"
+    if kind is ctypes.c_char_p:
+        return "a text or None"
+    if issubclass(kind, ctypes.Array):
+        return f"{kind._length_} times {_expected(kind._type_)}"
+    if issubclass(kind, ctypes.Structure):
+        return f"a {kind.__name__}, or its fields one by one"
+    lower, upper = _bounds(kind)
+    return f"a whole number from {lower} to {upper}"
+
+
+def _bounds(kind: Any) -> tuple[int, int]:
+    bits = 8 * ctypes.sizeof(kind)
+    return (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) if kind(-1).value < 0 else (0, 2**bits - 1)
+
+
+def _checked(name: str, value: Any, kind: Any) -> None:
+    """ctypes would wrap whole numbers that don't fit, fill up arrays that are too short, and take a number for a text's
+    address."""
+    if kind is ctypes.c_char_p:
+        if not isinstance(value, (str, bytes, type(None))):
+            raise TypeError
+        return
+    if issubclass(kind, ctypes.Array):
+        fits = len(tuple(value)) == kind._length_
+    elif kind in _WHOLE and not isinstance(value, str):
+        lower, upper = _bounds(kind)
+        fits = lower <= operator.index(value) <= upper
+    else:
+        return
+    if not fits:
+        raise ValueError(f"{name}: {value!r}, where {_expected(kind)} is needed")
+
+
+def _set_field(self: Any, name: str, value: Any) -> None:
+    """Sets a field of a struct; what doesn't fit is refused by the field's name and what it takes."""
+    kinds = dict(_fields(self))
+    if name not in kinds:
+        raise AttributeError(f"{type(self).__name__} has no {name!r}{nearest(name, kinds)}")
+    place = f"{type(self).__name__}.{name}"
+    try:
+        if name not in getattr(self, "_words", ()):
+            _checked(place, value, kinds[name])
+        ctypes.Structure.__setattr__(self, name, value)
+    except TypeError:
+        raise TypeError(f"{place}: {value!r}, where {_expected(kinds[name])} is needed") from None
+
+
+def _guard(struct: Any) -> None:
+    """Structs inside of values refuse what the values themselves refuse."""
+    for _, kind in struct._fields_:
+        if issubclass(kind, ctypes.Structure):
+            kind.__setattr__ = _set_field
+            _guard(kind)
+
+
 def _text_property(field: Any) -> property:
     return property(
         lambda self: None if field.__get__(self) is None else text(field.__get__(self)),
@@ -78,9 +140,11 @@ class Value:
 
     _defaults: str | None = None  # the C function that fills the struct
     _words: dict[str, str] = {}  # field: prefix of its enum's constants
+    _preset: str | None = None  # the run file's group that presets fill it from: `preset` is then an argument
 
     def __init_subclass__(cls, **more: Any):
         super().__init_subclass__(**more)
+        _guard(cls)
         for name, kind in _fields(cls):
             if name in cls._words:
                 setattr(cls, name, _word_property(name, getattr(cls, name), constants(cls._words[name])))
@@ -91,7 +155,10 @@ class Value:
 
     def __init__(self, **fields: Any):
         super().__init__()
-        if self._defaults:
+        preset = fields.pop("preset", None) if self._preset else None
+        if preset is not None:
+            presets.fill(self, self._preset, preset)
+        elif self._defaults:
             getattr(lib, self._defaults)(self)
         self.set(**fields)
 
@@ -102,10 +169,7 @@ class Value:
         return self
 
     def __setattr__(self, name: str, value: Any) -> None:
-        names = [field for field, _ in _fields(self)]
-        if name not in names:
-            raise AttributeError(f"{type(self).__name__} has no {name!r}{nearest(name, names)}")
-        super().__setattr__(name, value)
+        _set_field(self, name, value)
 
     @classmethod
     def _from(cls, struct: Any, owner: Any = None) -> Any:
@@ -123,8 +187,17 @@ class Value:
         """The fields as a dict, enums as words."""
         return Facts({name: plain(getattr(self, name)) for name, _ in _fields(self)})
 
+    def __reduce__(self) -> Any:
+        """Pickled are its fields: ctypes would refuse the texts."""
+        return _filled, (type(self), {name: getattr(self, name) for name, _ in _fields(self)})
+
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Value) and type(self) is type(other) and self.to_dict() == other.to_dict()
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self.to_dict().items())})"
+
+
+def _filled(kind: Any, fields: dict[str, Any]) -> Any:
+    """A pickled value."""
+    return kind(**fields)

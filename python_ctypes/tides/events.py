@@ -18,6 +18,7 @@ from ._handle import Handle
 from ._library import lib
 from ._progress import Progress, Reporter
 from ._values import Facts, Value, _fields, constants, plain
+from .files import part_name
 
 _NAMES = {"polarity": "p"}  # C's name: numpy's, as tonic and others have it
 _FIELDS = {**dict(_fields(_api.tides_event)), "frontend": "<f2"}  # in C its bits
@@ -251,11 +252,19 @@ def write_events(
     format: str | None = None,
     stop_ns: int | None = None,
 ) -> int:
-    """Writes EVENT (n), sorted, to a file of any writable format. Returns how many events collapsed into another's tick."""
-    with EventWriter(file, width, height, format) as writer:
-        writer.append(events)
-        collapsed = writer.collapsed
-        writer.finish(stop_ns)
+    """Writes EVENT (n), sorted, to a file of any writable format. Returns how many events collapsed into another's tick. A
+    write that fails leaves the folder as it was: the events are still here, and nobody goes on with their .part."""
+    events, part = as_events(events), part_name(file)
+    writer = EventWriter(file, width, height, format)  # from here on the .part is ours
+    try:
+        with writer:
+            writer.append(events)
+            collapsed = writer.collapsed
+            writer.finish(stop_ns)
+    except BaseException:
+        if part != os.fsdecode(file) and os.path.lexists(part):
+            os.unlink(part)
+        raise
     return collapsed
 
 

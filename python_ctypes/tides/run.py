@@ -66,9 +66,10 @@ class Run(Handle):
     Run(text={...}, directory="."), paths being relative to the file or the directory. BadConfig names the key.
 
     Fields of `values` are attributes: run.start, run.stop, run.sensor, run.stepping, run.image, run.intrinsics, run.device
-    ..."""
+    ... Pickled are the file's name, or the text, and the overrides: a worker process reads them again."""
 
     _destroy = "tides_run_destroy"
+    _variations: tuple[dict[str, Any], ...] = ()  # what `vary` was given since
 
     def __init__(
         self,
@@ -81,6 +82,8 @@ class Run(Handle):
         if (file is None) == (text is None):
             raise ValueError("file, text: give one of them")
         made = POINTER(_api.tides_run)()
+        name = None if file is None else os.path.abspath(file)
+        self._given = (name, dict(set or {}), text, os.path.abspath(directory))
         if file is not None:
             call("tides_run_load", path(file), *overrides(set), byref(made))
         else:
@@ -99,8 +102,12 @@ class Run(Handle):
         made = POINTER(_api.tides_run)()
         call("tides_run_vary", self._pointer, *overrides(set), byref(made))
         run = Run.__new__(Run)
+        run._given, run._variations = self._given, (*self._variations, dict(set))
         run._take(made)
         return run
+
+    def __reduce__(self) -> Any:
+        return _read_again, (*self._given, self._variations)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or name == "values":
@@ -178,6 +185,14 @@ class Run(Handle):
         """All events of the run, as EVENT (n), by whatever method it names."""
         with self.session(device) as session:
             return session.simulate(progress)
+
+
+def _read_again(file: Any, set: dict[str, Any], text: Any, directory: str, variations: tuple[dict[str, Any], ...]) -> Run:
+    """A pickled run."""
+    run = Run(file, set, text=text, directory=directory)
+    for one in variations:
+        run = run.vary(one)
+    return run
 
 
 def fingerprint_text(*texts: str) -> int:

@@ -100,7 +100,9 @@ class SceneObject:
 class Scene(Handle):
     """What is looked at. Scene() is empty, Scene(file) holds what a file does (.ply, .spz, .ksplat, .splat, .sog, .h5, a
     trainer's folder). `len(scene)` is the number of objects. A scene doesn't change while a Renderer or Simulation uses it.
-    """
+
+    Pickled are the names of its files, which are read again, and the values of what was added as values: a worker process
+    gets a scene of its own. A `Motion` is neither."""
 
     _destroy = "tides_scene_destroy"
 
@@ -111,6 +113,7 @@ class Scene(Handle):
         call("tides_scene_create", byref(made))
         super().__init__(made)
         self._callbacks: list[Any] = []  # what the motions in it call; a scene outlives its users
+        self._steps: list[tuple[str, tuple[Any, ...]]] | None = []  # how it was made, for pickle; None: elsewhere
         if file is not None:
             self.add_file(file, trajectory, scale)
 
@@ -118,8 +121,29 @@ class Scene(Handle):
     def _of(cls, pointer: Any) -> "Scene":
         made = cls.__new__(cls)
         Handle.__init__(made, pointer)
-        made._callbacks = []
+        made._callbacks, made._steps = [], None
         return made
+
+    def __reduce__(self) -> Any:
+        self._pointer  # a closed scene says so
+        steps = self._steps
+        if steps is None:  # opened by a run: what stands still is its values
+            steps = [("add", (index, None)) for index in range(len(self))]
+        return _remade, ([(name, self._values(*what) if name == "add" else what) for name, what in steps],)
+
+    def _values(self, index: int, trajectory: Trajectory | None) -> tuple[Any, ...]:
+        """What `add` was given for an object."""
+        one = self[index]
+        if one.motion:
+            raise TypeError(
+                f"this Scene can't be pickled: object {index} ({one.name!r}) moves by {one.motion}, which this scene has no "
+                "file for. Pickle the Run that opens it, or save it as .h5 and open Scene(file)"
+            )
+        return one.gaussians, trajectory or one.trajectory, one.scale, one.name or None
+
+    def _note(self, step: str, *what: Any) -> None:
+        if self._steps is not None:
+            self._steps.append((step, what))
 
     @staticmethod
     def is_file(file: str | os.PathLike[str]) -> bool:
@@ -148,6 +172,7 @@ class Scene(Handle):
                 call("tides_scene_add_moving", self._pointer, gaussians._struct(), motion._pointer, duration_s, *rest)
                 self._callbacks.append(motion._callback)
                 motion._give_away()
+        self._note("add", index.value, trajectory)
         return index.value
 
     def add_file(self, file: str | os.PathLike[str], trajectory: Trajectory | None = None, scale: float = 1.0) -> None:
@@ -155,12 +180,14 @@ class Scene(Handle):
         self._unused("changed")
         with self._lock:
             call("tides_scene_add_file", self._pointer, path(file), trajectory._pointer if trajectory else None, scale)
+        self._note("add_file", os.path.abspath(file), trajectory, scale)
 
     def set_duration(self, duration_s: float) -> int:
         """Makes the motions of all objects last `duration_s` [s]; returns how many there are."""
         self._unused("changed")
         if not duration_s > 0:
             raise ValueError(f"duration_s: {duration_s}, where a time above 0 is needed")
+        self._note("set_duration", duration_s)
         return lib.tides_scene_set_duration(self._pointer, duration_s)
 
     def save(self, file: str | os.PathLike[str]) -> None:
@@ -227,6 +254,14 @@ class Scene(Handle):
 
     def __repr__(self) -> str:
         return "Scene(closed)" if self.closed else f"Scene({len(self)} objects, {self.count} Gaussians)"
+
+
+def _remade(steps: list[tuple[str, tuple[Any, ...]]]) -> Scene:
+    """A pickled scene, made as it was made."""
+    scene = Scene()
+    for name, what in steps:
+        getattr(scene, name)(*what)
+    return scene
 
 
 def _motion_range(motion: Any) -> tuple[float, float]:

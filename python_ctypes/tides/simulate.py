@@ -28,7 +28,8 @@ _RECORD = sizeof(_api.tides_event)
 
 
 class Sensor(Value, _api.tides_sensor):
-    """The sensor: threshold_on, threshold_off [log units] and what else the header names; off by default."""
+    """The sensor: thresholds, and noise and dynamics, which are off by default. `preset` ("davis346", or a .json file like
+    share/presets') gives the fields that aren't given; Readout(preset=...) has its readout."""
 
     _defaults = "tides_sensor_defaults"
     _words = {
@@ -37,6 +38,7 @@ class Sensor(Value, _api.tides_sensor):
         "photoreceptor_law": "TIDES_PHOTORECEPTOR_",
         "bandwidth": "TIDES_BANDWIDTH_",
     }
+    _preset = "sensor"
 
 
 class Stepping(Value, _api.tides_stepping):
@@ -88,9 +90,10 @@ class Simulation(Handle):
         run()             all (the rest) as an array
         for packet in s   arrays, one for each `step_s`
         write(file)       a file of any format
-    Ctrl-C ends each within a step; what was simulated stays, and the next call goes on from there."""
+    once: what has given its last event says so (ValueError) instead of giving none. Ctrl-C ends each within a step; what was simulated stays, and the next call goes on from there."""
 
     _destroy = "tides_simulator_destroy"
+    _spent = False  # all was taken: there is no rest to give
 
     def __init__(
         self,
@@ -137,7 +140,20 @@ class Simulation(Handle):
         return simulation
 
     # -- running ----------------------------------------------------------------------------------------------------
-    def _advance(self, until: float, sink: Callable[..., int], progress: Progress) -> None:
+    def _goes_on(self) -> None:
+        if self._spent:
+            raise ValueError(
+                f"this Simulation is at its end ({self.stop:g} s) and has given all its events: make a new one to run again "
+                "(Run.simulate and Session.simulate begin at the start each time)"
+            )
+
+    def _advance(self, until: float | None, sink: Callable[..., int], progress: Progress) -> None:
+        """To `until`, or to the end (None), after which nothing is left."""
+        self._goes_on()
+        self._step_to(self.stop if until is None else until, sink, progress)
+        self._spent = until is None
+
+    def _step_to(self, until: float, sink: Callable[..., int], progress: Progress) -> None:
         with self._lock, Reporter(progress, self._stopping) as step:
             taken = _api.tides_event_sink(kept(sink, 1))
             try:
@@ -150,7 +166,7 @@ class Simulation(Handle):
         is ended before, the exception's `events` are those so far."""
         collector = _Collector()
         try:
-            self._advance(self.stop if until is None else until, collector.take, progress)
+            self._advance(until, collector.take, progress)
         except BaseException as raised:
             raised.events = collector.result()  # type: ignore[attr-defined]
             raise
@@ -162,10 +178,11 @@ class Simulation(Handle):
         duration_s = self.stepping.step_s if duration_s is None else duration_s
         if not duration_s > 0:
             raise ValueError(f"duration_s: {duration_s}, where a time above 0 is needed")
+        self._goes_on()
         count = max(1, math.ceil((self.stop - self.start) / duration_s - 1e-9))
         first = int(round(self.stats.simulated_s / duration_s, 9))
         for index in range(first, count):
-            yield self.run(self.stop if index + 1 == count else self.start + (index + 1) * duration_s)
+            yield self.run(None if index + 1 == count else self.start + (index + 1) * duration_s)
 
     __iter__ = packets
 
@@ -180,7 +197,7 @@ class Simulation(Handle):
             view = packet(events, count)
             return 1 if sink(*((view, self._fired(view)) if fired else (view,))) else 0
 
-        self._advance(self.stop if until is None else until, take, progress)
+        self._advance(until, take, progress)
 
     def _fired(self, events: np.ndarray) -> np.ndarray:
         times = lib.tides_simulator_fired(self._pointer)
@@ -198,6 +215,7 @@ class Simulation(Handle):
         for HDF5 FILE.checkpoint does too, every `checkpoint_s` [s] (None: 30; 0: never) and at Ctrl-C, and a new Simulation's
         write(file, resume=True) goes on from there, as does `tides simulate --resume`. With sensor.labels an HDF5 file has
         each event's cause, when it fired and what the front end added (`read_labelled`)."""
+        self._goes_on()
         lens, stretch = self.camera.intrinsics, (_nanoseconds(self.start), _nanoseconds(self.stop))
         texts = encoded(self._run), encoded(self._seed)
         facts = _api.tides_event_file(lens.width, lens.height, *texts, bool(self.sensor.labels), *stretch)
@@ -207,6 +225,7 @@ class Simulation(Handle):
                 call("tides_simulator_write", self._pointer, self.stop, path(file), facts, how, step, None, None)
             finally:
                 self._stopping.clear()
+        self._spent = True
         return self.stats
 
     def cancel(self) -> None:

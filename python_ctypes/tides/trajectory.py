@@ -48,9 +48,11 @@ class Pose:
 class Trajectory(Handle):
     """A rigid motion over time. Positions (n x 3) follow a C2 cubic spline through `times` (n) [s], rotations (quaternions,
     n x 4, wxyz, body to world) a smooth curve; with velocities (n x 3) [scene units/s] and angular velocities (n x 3)
-    [rad/s, world axes] the curves go through those too. A camera's body axes are OpenCV's: x right, y down, z forward."""
+    [rad/s, world axes] the curves go through those too. A camera's body axes are OpenCV's: x right, y down, z forward.
+    Pickled are its samples."""
 
     _destroy = "tides_trajectory_destroy"
+    _mount: tuple[Any, ...] = ()  # the path that this is mounted on, and where
 
     def __init__(
         self,
@@ -88,8 +90,12 @@ class Trajectory(Handle):
     @classmethod
     def _copy(cls, pointer: Any) -> "Trajectory":
         """A copy of a path that something else owns."""
+        return cls._created(_samples(pointer))
+
+    @classmethod
+    def _created(cls, samples: np.ndarray) -> "Trajectory":
         made = cls.__new__(cls)
-        made._create(_samples(pointer))
+        made._create(samples)
         return made
 
     @classmethod
@@ -101,7 +107,8 @@ class Trajectory(Handle):
     @classmethod
     def static(cls, position: Any, quaternion: Any = (1, 0, 0, 0)) -> "Trajectory":
         """A pose that never changes."""
-        return cls._generate("static", doubles(position, 3, "position"), doubles(quaternion, 4, "quaternion"))
+        place = (doubles(position, 3, "position"), doubles(quaternion, 4, "quaternion"))
+        return cls._generate("static", *place)
 
     @classmethod
     def orbit(
@@ -154,7 +161,21 @@ class Trajectory(Handle):
     def mounted(self, position: Any, quaternion: Any = (1, 0, 0, 0)) -> "Trajectory":
         """The path of what sits on this body: p_body = R(quaternion) p_mounted + position [scene units]."""
         place = (doubles(position, 3, "position"), doubles(quaternion, 4, "quaternion"))
-        return self._generate("mounted", self._pointer, *place)
+        made = self._generate("mounted", self._pointer, *place)
+        made._mount = (self, tuple(place[0]), tuple(place[1]))
+        return made
+
+    def __reduce__(self) -> Any:
+        if self._mount:
+            return Trajectory.mounted, self._mount
+        samples = _samples(self._pointer)
+        copy = Trajectory._created(samples)
+        if not np.array_equal(_samples(copy._pointer), samples):  # quaternions were normalised once more
+            raise TypeError(
+                "this Trajectory can't be pickled: its samples don't say it to the bit. Pickle the Run or the rig's path "
+                "that it came from"
+            )
+        return Trajectory._created, (samples,)
 
     def at(self, time: float) -> Pose:
         """Pose and rates at `time` [s]. OutOfRange outside `range`."""

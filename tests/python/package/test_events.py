@@ -103,6 +103,12 @@ def test_writer(tmp_path):
     with tides.EventWriter(tmp_path / "b.h5", *SIZE, resume=1200) as writer:
         writer.append(events[1200:])
     assert np.array_equal(tides.read_events(tmp_path / "b.h5"), events)
+    for ending in ("h5", "npy", "csv", "raw"):  # sorted is what each wants
+        with pytest.raises(tides.errors.BadArgument):
+            tides.write_events(tmp_path / f"unsorted.{ending}", events[::-1], *SIZE)
+    with pytest.raises(ValueError, match="events"):
+        tides.write_events(tmp_path / "unsorted.h5", [1, 2], *SIZE)
+    assert not list(tmp_path.glob("unsorted*"))  # nor a .part
     twice = tides.make_events([10, 20], [1, 1], [1, 1], [1, 1])
     assert tides.write_events(tmp_path / "c.csv", twice, *SIZE) == 1
 

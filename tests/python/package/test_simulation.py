@@ -82,7 +82,27 @@ def test_events(simulation, events):
     state = simulation.state
     assert state.signal.shape == SIZE[::-1] and (np.abs(state.signal - state.reference) < 0.2).all()
     assert state.count_on.sum() == (events["p"] == 1).sum() and state.count_off.sum() == (events["p"] == -1).sum()
-    assert len(simulation.run()) == 0  # it is at its end
+    with pytest.raises(ValueError, match=r"at its end \(0.1 s\).*make a new one"):
+        simulation.run()
+
+
+def test_what_is_spent_says_so(scene, camera, events, tmp_path):
+    ways = {
+        "run": lambda one: one.run(),
+        "packets": lambda one: list(one),
+        "feed": lambda one: one.feed(lambda packet: None),
+        "write": lambda one: one.write(tmp_path / "events.h5"),
+    }
+    for first in ways.values():
+        simulation = again(scene, camera)
+        first(simulation)
+        for second in ways.values():
+            with pytest.raises(ValueError, match="has given all its events"):
+                second(simulation)
+        assert simulation.stats.events == len(events)
+    assert np.array_equal(tides.read_events(tmp_path / "events.h5"), events)  # a second write leaves the first
+    simulation = again(scene, camera)
+    assert np.array_equal(simulation.run(0.1), events) and len(simulation.run()) == 0  # to a time: there may be a rest
 
 
 def test_absolute_times(scene, camera, tmp_path):

@@ -38,6 +38,53 @@ def test_wrong_names_and_words_are_refused():
         tides.Stepping(step_s="long")
 
 
+def test_wrong_types_name_field_and_expectation():
+    for fields, message in (
+        ({"step_s": "long"}, "Stepping.step_s: 'long', where a number is needed"),
+        ({"local": 1.5}, "Stepping.local: 1.5, where a whole number from -2147483648 to 2147483647 is needed"),
+        ({"risk": 3}, "Stepping.risk: 3, where a tides_risk"),
+    ):
+        with pytest.raises(TypeError, match=message):
+            tides.Stepping(**fields)
+    with pytest.raises(ValueError, match=r"mode: \[1\] is none of fixed \(0\), risk"):
+        tides.Stepping(mode=[1])
+    with pytest.raises(TypeError, match="ImageParams.luminance: 1, where 3 times a number"):
+        tides.ImageParams(luminance=1)
+    with pytest.raises(ValueError, match="ImageParams.luminance: .*, where 3 times a number"):
+        tides.ImageParams(luminance=(1, 0))  # ctypes would make the third 0
+    with pytest.raises(ValueError, match="Sensor.seed: -1, where a whole number from 0 to 18446744073709551615"):
+        tides.Sensor(seed=-1)  # ctypes would wrap it
+    with pytest.raises(TypeError, match="tides_risk.w_b: 'much', where a number"):
+        tides.Stepping().risk.w_b = "much"
+    with pytest.raises(AttributeError, match="did you mean 'w_b'"):
+        tides.Stepping().risk.wb = 0.5
+    with pytest.raises(TypeError, match="FramesOptions.timestamps: 3, where a text"):
+        tides.FramesOptions(timestamps=3)
+    assert tides.Sensor(seed=np.uint64(2**63), threshold_on=np.float32(0.25)).seed == 2**63
+    assert tides.ImageParams(luminance=np.array([0, 1, 0])).luminance == (0, 1, 0)
+
+
+def test_presets(tmp_path):
+    run = tides.Run(RUN, {"sensor.preset": "davis346"})
+    sensor = tides.Sensor(preset="davis346", threshold_on=0.3)
+    ours = run.sensor.copy(threshold_on=0.3, **{name: getattr(sensor, name) for name in given(run)})
+    assert sensor == ours and sensor.threshold_sigma == 0.03 and sensor != tides.Sensor(threshold_on=0.3)
+    assert tides.Readout(preset="davis346").kind == "rows"
+    assert tides.Sensor(preset="ideal").threshold_sigma == 0 and tides.Sensor(preset=None) == tides.Sensor()
+    (tmp_path / "mine.json").write_text('{"sensor": {"leak_rate_hz": 0.5}}')
+    assert tides.Sensor(preset=tmp_path / "mine.json").leak_rate_hz == 0.5
+    with pytest.raises(tides.errors.BadConfig, match="did you mean davis346"):
+        tides.Sensor(preset="davis34")
+    with pytest.raises(AttributeError, match="no 'preset'"):
+        tides.Stepping(preset="davis346")
+
+
+def given(run):
+    """Of a run's sensor, what its file says itself: not the preset's."""
+    names = tides.Sensor().to_dict()
+    return [name for name in names if run.gives(f"sensor.{name}") or run.gives(f"frontend.{name}") or name == "seed"]
+
+
 def test_devices():
     rows = tides.devices()
     assert [row.index for row in rows] == list(range(len(rows)))

@@ -1,0 +1,27 @@
+"""Sensor presets for those who write no run file: the values that `sensor.preset` gives there."""
+
+from __future__ import annotations
+
+import json
+import os
+from ctypes import POINTER, byref, memmove, sizeof
+from typing import Any
+
+from . import _api
+from ._call import call
+from ._library import lib
+
+
+def fill(value: Any, group: str, preset: str | os.PathLike[str]) -> None:
+    """Sets a struct to what a run file's `group` holds with a preset: a name of share/presets, or the path of a .json file.
+    BadConfig names those there are. The library reads them for run files alone, so it reads one: its scene and camera are
+    names that nobody opens."""
+    name = os.path.abspath(preset) if os.fspath(preset).endswith(".json") else os.fspath(preset)
+    words = {"scene": {"file": "-"}, "camera": {"file": "-"}, "time": {"start": 0, "stop": 1}, "sensor": {"preset": name}}
+    run, values = POINTER(_api.tides_run)(), _api.tides_run_values()
+    call("tides_run_parse", json.dumps(words).encode(), b".", None, 0, byref(run))
+    try:
+        lib.tides_run_get(run, byref(values))
+        memmove(byref(value), byref(getattr(values, group)), sizeof(value))
+    finally:
+        lib.tides_run_destroy(run)
