@@ -10,10 +10,12 @@ one line that says what, where, and how to fix it. C code runs without the GIL; 
 
 from . import _api as api
 from . import errors, files, image, metrics
+from ._describe import describe
 from ._handle import Handle
 from ._library import PATH as library_path
 from ._library import VERSION as __version__
 from ._library import lib
+from ._values import Value
 from .baselines import Baseline, BaselineParams, Frames, FramesOptions, esim_next_time, ldati
 from .device import Device, devices
 from .errors import TidesError
@@ -49,5 +51,9 @@ from .scene import Gaussians, Scene, SceneObject
 from .session import Session, dataset_layouts
 from .simulate import Recording, Sensor, Simulation, Stepping
 from .trajectory import IMU_SAMPLE, Camera, Imu, Intrinsics, Lens, PathOptions, Pose, Trajectory
+
+for value in Value.__subclasses__():  # ctypes makes none while their classes are being made
+    describe(value)
+del value, describe, Value
 
 __all__ = [name for name in dir() if not name.startswith("_")]

@@ -140,6 +140,7 @@ class Value:
 
     _defaults: str | None = None  # the C function that fills the struct
     _words: dict[str, str] = {}  # field: prefix of its enum's constants
+    _groups: tuple[str, ...] = ()  # where the run file's keys of the fields are: their sentences describe them
     _preset: str | None = None  # the run file's group that presets fill it from: `preset` is then an argument
 
     def __init_subclass__(cls, **more: Any):

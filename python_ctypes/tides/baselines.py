@@ -23,7 +23,7 @@ class FramesOptions(Value, _api.tides_frames_options):
     """transfer ("linear", "srgb"), unit ("auto", "s", "ms", "us", "ns"), rebase, timestamps (a file), frames_per_second [Hz],
     luminance (3), planes (1; 20: voxel grids of LDATI)."""
 
-    _defaults = "tides_frames_options_defaults"
+    _defaults, _groups = "tides_frames_options_defaults", ("frames.",)
     _words = {"transfer": "TIDES_TRANSFER_", "unit": "TIDES_TIME_"}
 
 
@@ -86,7 +86,7 @@ class BaselineParams(Value, _api.tides_baseline_params):
     """method ("tides", "esim", "v2e", "iebcs", "voltmeter", "ldati"), seed, and each method's own parameters:
     params.esim.log_eps ..."""
 
-    _defaults = "tides_baseline_params_defaults"
+    _defaults, _groups = "tides_baseline_params_defaults", ("",)
     _words = {"method": "TIDES_METHOD_"}
 
 

@@ -17,7 +17,7 @@ class Exposure(Value, _api.tides_exposure):
     """An exposure: shutter ("global", "rolling"), frames_per_second [Hz], exposure_s, row_time_s [s], tolerance of mean light,
     colour (1: r, g, b; 0: Y), bits (8, 16), transfer ("linear", "srgb"), gamma, gain, full_well_e, read_noise_e [e-], seed."""
 
-    _defaults = "tides_exposure_defaults"
+    _defaults, _groups = "tides_exposure_defaults", ("exposure.",)
     _words = {"shutter": "TIDES_SHUTTER_", "transfer": "TIDES_TRANSFER_"}
 
     @property

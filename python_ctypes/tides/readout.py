@@ -22,7 +22,7 @@ class Readout(Value, _api.tides_readout):
 
     _defaults = "tides_readout_defaults"
     _words = {"kind": "TIDES_READOUT_", "jitter_law": "TIDES_JITTER_"}
-    _preset = "readout"
+    _groups, _preset = ("readout.",), "readout"
 
 
 class Arbiter(Handle):

@@ -40,7 +40,7 @@ class ImageParams(Value, _api.tides_image_params):
     """Image formation: rules ("smooth", "inria", "gsplat"), antialias, sh_degree, dilation [px^2], luminance (3), log_eps,
     background (3), linear r g b."""
 
-    _defaults = "tides_image_params_defaults"
+    _defaults, _groups = "tides_image_params_defaults", ("image.", "scene.")
     _words = {"rules": "TIDES_RULES_"}
 
 

@@ -38,14 +38,14 @@ class Sensor(Value, _api.tides_sensor):
         "photoreceptor_law": "TIDES_PHOTORECEPTOR_",
         "bandwidth": "TIDES_BANDWIDTH_",
     }
-    _preset = "sensor"
+    _groups, _preset = ("sensor.", "frontend."), "sensor"
 
 
 class Stepping(Value, _api.tides_stepping):
     """Step control: mode ("fixed", "risk", "error", "error_risk"), model ("hermite", "quadratic", "linear", "secant"), step_s,
     min_step_s, tolerance [thresholds], time_tolerance_s, budget [full frames], local, unit ("tile", "block"), memory_mb, risk.w_b ..."""
 
-    _defaults = "tides_stepping_defaults"
+    _defaults, _groups = "tides_stepping_defaults", ("stepping.",)
     _words = {"mode": "TIDES_STEPPING_", "model": "TIDES_MODEL_", "slope": "TIDES_SLOPE_", "unit": "TIDES_UNIT_"}
 
 

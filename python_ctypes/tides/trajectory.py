@@ -32,7 +32,7 @@ class Imu(Value, _api.tides_imu):
     """An IMU with a path's axes: rate_hz, gravity [m/s^2], down (3), metres_per_unit; gyroscope_noise [rad/s/sqrt(Hz)],
     accelerometer_noise [m/s^2/sqrt(Hz)], gyroscope_walk, accelerometer_walk, gyroscope_bias (3), accelerometer_bias (3), seed."""
 
-    _defaults = "tides_imu_defaults"
+    _defaults, _groups = "tides_imu_defaults", ("imu.",)
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,9 @@
 """Plain values, errors by kind, devices, run files."""
 
+import inspect
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -77,6 +79,34 @@ def test_presets(tmp_path):
         tides.Sensor(preset="davis34")
     with pytest.raises(AttributeError, match="no 'preset'"):
         tides.Stepping(preset="davis346")
+
+
+VALUES = [one for one in vars(tides).values() if isinstance(one, type) and hasattr(one, "to_dict")]
+
+
+@pytest.mark.parametrize("kind", VALUES)
+def test_fields_are_documented(kind):
+    told = {line.split(" = ")[0].strip(): line for line in inspect.getdoc(kind).splitlines() if " = " in line}
+    for name, default in kind().to_dict().items():
+        if isinstance(default, dict):
+            assert any(one.startswith(f"{name}.") for one in told), name
+        else:
+            shown = tuple(default) if isinstance(default, list) else default
+            assert f"{name} = {shown!r}" in told[name]
+    names = set(inspect.signature(kind).parameters) - {"preset"}
+    assert names == set(kind().to_dict()) - {"from"}  # which Python can't take as a keyword
+
+
+def test_fields_say_units_and_ranges():
+    for kind, lines in (
+        (tides.Sensor, ("threshold_on = 0.2: .*log units", "refractory_law = 'hold': .*drop_keep", "leak_rate_hz = 0.0: .*Hz")),
+        (tides.Stepping, ("step_s = .*: .*\\[s\\], .* to ", "risk.w_b = 0.3: .", "model = 'hermite': .*quadratic")),
+        (tides.Lens, ("model = 'none': one of none, radtan, equidistant",)),
+        (tides.ImageParams, ("dilation = .*\\[px\\^2\\], 0 to 100", "smoothing.near_fade = .*near planes")),
+    ):
+        for line in lines:
+            assert re.search(f"^ *{line}", kind.__doc__, re.M), line
+    assert list(inspect.signature(tides.Sensor).parameters)[0] == "preset"
 
 
 def given(run):
