@@ -78,7 +78,8 @@ TIDES_API const char *tides_version(void);
 TIDES_API const char *tides_nearest_name(const char *name, const char *const *names);
 
 /* Called now and then by long work, on the calling thread, with the fraction done in [0, 1] and a word for the stage
- * ("building kernels", "simulating"). A non-zero return stops the work with TIDES_CANCELLED; what was flushed stays. */
+ * ("building kernels", "simulating"). A non-zero return stops the work with TIDES_CANCELLED; what was flushed stays. A run asks
+ * between the launches of a step, too: one that is stopped there is undone, and goes on from the step's start. */
 typedef int (*tides_progress)(void *user, double fraction, const char *stage);
 
 /* How every file of the library is written, so that PATH holds the old bytes or the new ones, never a part, whatever dies:

@@ -191,9 +191,9 @@ TIDES_API void tides_simulator_state(const tides_simulator *simulator, double *s
                                      uint32_t *count_off);
 
 /* Writes the run's state to `path`, HDF5, beside and renamed (layout documented in lib/checkpoint/checkpoint.c), between two
- * calls of tides_simulator_run; a progress that stops the run makes such a place. A new simulator that restores it gives the
- * rest of the events, the same to the bit. `run` (nullable) is the run file as JSON, for tides_simulator_restore to compare
- * with. */
+ * calls of tides_simulator_run; a progress that stops the run makes such a place, at the end of a step or, where it stops
+ * one half way, at its start. A new simulator that restores it gives the rest of the events, the same to the bit. `run`
+ * (nullable) is the run file as JSON, for tides_simulator_restore to compare with. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_save(const tides_simulator *simulator, const char *run,
                                                              const char *path, tides_error *error);
 

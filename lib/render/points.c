@@ -331,7 +331,8 @@ static tides_status exact_points(tides_renderer *renderer, const tides_trajector
     if (status == TIDES_OK) status = order_points(renderer, p, points, (int)count, order, error);
     for (size_t from = 0; from < count && status == TIDES_OK; from += POINTS_AT_ONCE) {
         const int some = (int)(count - from < POINTS_AT_ONCE ? count - from : POINTS_AT_ONCE);
-        status = run_launch(renderer, p, points, order + from, some, values, error);
+        status = td_renderer_heed(renderer, error);
+        if (status == TIDES_OK) status = run_launch(renderer, p, points, order + from, some, values, error);
     }
     free(order);
     return status;

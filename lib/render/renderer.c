@@ -146,6 +146,38 @@ void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *st
     stats->time_transfer_s = done->time_transfer_s;
 }
 
+/* Times of `now`, and all else of `before`. */
+static tides_render_stats counts_of(const tides_render_stats *before, const tides_render_stats *now) {
+    tides_render_stats both = *before;
+    both.time_build_s = now->time_build_s;
+    both.time_motion_s = now->time_motion_s;
+    both.time_sweep_s = now->time_sweep_s;
+    both.time_project_s = now->time_project_s;
+    both.time_sort_s = now->time_sort_s;
+    both.time_composite_s = now->time_composite_s;
+    both.time_transfer_s = now->time_transfer_s;
+    return both;
+}
+
+td_render_counts td_renderer_counts(const tides_renderer *renderer) {
+    return (td_render_counts){renderer->stats, renderer->backend->stats};
+}
+
+void td_renderer_put_counts(tides_renderer *renderer, const td_render_counts *counts) {
+    renderer->stats = counts_of(&counts->own, &renderer->stats);
+    renderer->backend->stats = counts_of(&counts->backend, &renderer->backend->stats);
+}
+
+void td_renderer_set_heed(tides_renderer *renderer, td_heed heed, void *user) {
+    renderer->heed = heed;
+    renderer->heed_user = user;
+}
+
+tides_status td_renderer_heed(const tides_renderer *renderer, tides_error *error) {
+    if (!renderer->heed || renderer->heed(renderer->heed_user) == 0) return TIDES_OK;
+    return td_fail(error, TIDES_CANCELLED, "stopped on request");
+}
+
 void td_renderer_set_epoch(tides_renderer *renderer, double epoch) {
     renderer->epoch = epoch;
     td_dynamic_set_epoch(&renderer->dynamic, epoch);

@@ -36,6 +36,20 @@ tides_status td_renderer_interpolate(tides_renderer *renderer, double tolerance,
  * than `tolerance` and, where time_tolerance_s > 0, late by less than that. Scenes with a decoder have none. */
 tides_status td_renderer_paths(tides_renderer *renderer, double tolerance, double time_tolerance_s, tides_error *error);
 
+/* -- stopping -------------------------------------------------------------------------------------------------------------- */
+
+/* From now on `heed` (NULL: nobody) is asked before each launch of tiles or points. Where it says other than 0, what is under
+ * way ends with TIDES_CANCELLED: nothing that came of it is to be used, and the renderer is as good as before. */
+typedef int (*td_heed)(void *user);
+void td_renderer_set_heed(tides_renderer *renderer, td_heed heed, void *user);
+
+/* What has been counted, for work that may be thrown away; then that again, but for the time that went by. */
+typedef struct td_render_counts {
+    tides_render_stats own, backend;
+} td_render_counts;
+td_render_counts td_renderer_counts(const tides_renderer *renderer);
+void td_renderer_put_counts(tides_renderer *renderer, const td_render_counts *counts);
+
 /* -- an interval ----------------------------------------------------------------------------------------------------------- */
 
 /* Makes candidate lists that hold for every time in [start, stop] [s after the epoch]. */

@@ -108,6 +108,9 @@ int td_candidates_hint_count(const td_candidates *candidates);
 void td_candidates_give_hint(td_candidates *candidates, int tile, td_job *job);
 void td_candidates_take_hints(td_candidates *candidates, const td_job *jobs, int count, const uint8_t *in_order);
 
+/* TIDES_CANCELLED where who is to be heeded wants to stop: before each launch. */
+tides_status td_renderer_heed(const tides_renderer *renderer, tides_error *error);
+
 typedef struct td_points td_points;
 void td_points_destroy(td_points *points);
 
@@ -146,6 +149,8 @@ struct tides_renderer {
     td_points *kept;   /* those of an instant that is kept, which share what these have */
     double swept[2];   /* the interval swept last [s after the epoch] */
     td_psf psf;        /* what the optics make of L and L_dot */
+    td_heed heed;      /* asked before each launch, with */
+    void *heed_user;
     tides_render_stats stats;
 };
 

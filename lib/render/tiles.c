@@ -55,7 +55,8 @@ static tides_status run_jobs(tides_renderer *renderer, td_batch *batch, td_job *
         batch->jobs = jobs + from;
         batch->job_count = to - from;
         batch->records = records;
-        status = renderer->backend->type->render(renderer->backend, batch, planes, error);
+        status = td_renderer_heed(renderer, error);
+        if (status == TIDES_OK) status = renderer->backend->type->render(renderer->backend, batch, planes, error);
     }
     return status;
 }

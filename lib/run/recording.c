@@ -78,6 +78,7 @@ tides_status td_record_again(td_record *r, tides_error *error) {
 
 int td_record_take(void *user, const tides_event *events, size_t count) {
     td_record *r = user;
+    r->whole = 1;
     const int64_t *fired = r->simulator ? tides_simulator_fired(r->simulator) : NULL;
     tides_status status = tides_event_writer_append_fired(r->writer, events, fired, count, &r->cause);
     if (status == TIDES_OK) r->done->events += count;
@@ -90,11 +91,13 @@ tides_status td_record_judge(const td_record *r, tides_status status, tides_erro
     return r->cause.status;
 }
 
-/* A tides_progress that also stops the simulator where a checkpoint is due. */
+/* A tides_progress that also stops the simulator where a checkpoint is due; within a step, which would be lost, it never is. */
 static int step(void *user, double fraction, const char *stage) {
     td_record *r = user;
+    const int32_t whole = r->whole;
+    r->whole = 0;
     r->stopped = r->progress ? r->progress(r->user, fraction, stage) : 0;
-    return r->stopped || (r->checkpoint && r->how.checkpoint_s > 0 && td_now() >= r->due);
+    return r->stopped || (whole && r->checkpoint && r->how.checkpoint_s > 0 && td_now() >= r->due);
 }
 
 /* First the events, then the state that follows them: whatever the process dies between leaves a pair that fits. A failure is

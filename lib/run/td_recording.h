@@ -17,6 +17,7 @@ typedef struct td_record {
     tides_progress progress; /* the caller's, nullable */
     void *user;
     int32_t stopped;   /* the last stop was the caller's */
+    int32_t whole;     /* a packet has come since progress was told last: the simulator is between steps */
     tides_error cause; /* of the first failure of the file */
 } td_record;
 

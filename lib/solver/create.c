@@ -265,6 +265,7 @@ void tides_simulator_destroy(tides_simulator *simulator) {
     free(simulator->tile_risk);
     free(simulator->events.events);
     free(simulator->scratch);
+    free(simulator->undo.bytes);
     free(simulator);
 }
 

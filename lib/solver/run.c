@@ -81,9 +81,11 @@ static tides_status advance_fixed(tides_simulator *s, int64_t most, tides_event_
     tides_render_stats before;
     tides_renderer_stats(s->renderer, &before);
     const int steps = td_fixed_batch(s, most);
+    const td_render_counts counted = td_renderer_counts(s->renderer);
     tides_status status = td_sweep(s, td_grid_time(s, s->step), td_grid_time(s, s->step + steps), error);
     if (status == TIDES_OK) status = td_fixed_render(s, steps, error);
-    if (status != TIDES_OK) return status;
+    if (status == TIDES_CANCELLED) td_renderer_put_counts(s->renderer, &counted);
+    if (status != TIDES_OK) return status; /* the pixels are as they were */
     double begun = td_now();
     for (int k = 0; k < steps && status == TIDES_OK; k++) {
         td_fixed_take(s, k, &s->next);
@@ -126,20 +128,47 @@ static tides_status compare_still(tides_simulator *s, double start, double stop,
     return status;
 }
 
-/* One macro step, refined tile by tile. Until its first step is compared a failure leaves the pixels as they were. */
-static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
+/* The comparator over one macro step, refined tile by tile. Until its first step is compared a failure leaves the pixels as
+ * they were. */
+static tides_status compare_refined(tides_simulator *s, tides_error *error) {
     const double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
     tides_status status = td_solve_keep_start(s, error);
     if (status == TIDES_OK) status = td_sweep(s, start, stop, error);
     if (status == TIDES_OK && s->moving_count > 0) status = refine(s, start, stop, error);
     if (status != TIDES_OK) return status; /* td_settle has said whether the pixels still agree on the time */
     status = compare_still(s, start, stop, error);
-    if (status == TIDES_OK) status = reach(s, error);
+    s->broken = status != TIDES_OK;
+    return status;
+}
+
+/* One macro step, or none of it where it is stopped. */
+static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
+    tides_status status = td_undo_keep(s, error);
+    if (status != TIDES_OK) return status;
+    status = compare_refined(s, error);
+    td_undo_stopped(s, status);
+    if (status != TIDES_OK) return status;
+    status = reach(s, error);
     s->broken = status != TIDES_OK;
     return status == TIDES_OK ? emit(s, sink, user, error) : status;
 }
 
 /* -- the run --------------------------------------------------------------------------------------------------------------- */
+
+/* Steps up to grid point `last`. */
+static tides_status advance_to(tides_simulator *s, int64_t last, tides_event_sink sink, void *sink_user, tides_error *error) {
+    const td_asking *asking = &s->asking;
+    tides_status status = TIDES_OK;
+    while (status == TIDES_OK && s->step < last) {
+        td_ask_step(s);
+        status = s->mode == TIDES_STEPPING_FIXED ? advance_fixed(s, last - s->step, sink, sink_user, error)
+                                                 : advance_refined(s, sink, sink_user, error);
+        if (!asking->progress || (status != TIDES_OK && !asking->stopped)) continue;
+        if (asking->stopped || asking->progress(asking->user, (double)s->step / (double)s->steps, "simulating"))
+            status = td_fail(error, TIDES_CANCELLED, "stopped on request at %.9g s", td_time_reached(s));
+    }
+    return status;
+}
 
 tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink, void *sink_user,
                                  tides_progress progress, void *user, tides_error *error) {
@@ -156,13 +185,9 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
                        ? simulator->steps
                        : td_grid_last_until(&simulator->grid, simulator->epoch, until);
     if (!simulator->started) status = td_begin(simulator, error);
-    while (status == TIDES_OK && simulator->step < last) {
-        status = simulator->mode == TIDES_STEPPING_FIXED
-                     ? advance_fixed(simulator, last - simulator->step, sink, sink_user, error)
-                     : advance_refined(simulator, sink, sink_user, error);
-        if (status == TIDES_OK && progress && progress(user, (double)simulator->step / (double)simulator->steps, "simulating"))
-            status = td_fail(error, TIDES_CANCELLED, "stopped on request at %.9g s", td_time_reached(simulator));
-    }
+    td_ask_begin(simulator, progress, user);
+    if (status == TIDES_OK) status = advance_to(simulator, last, sink, sink_user, error);
+    td_ask_end(simulator);
     simulator->stats.run_time_s += td_now() - begun;
     return status;
 }

@@ -21,6 +21,24 @@ typedef struct td_sample {
     double *plane[TD_PLANES_ALL];
 } td_sample;
 
+/* A run's progress while a step is under way (undo.c). */
+typedef struct td_asking {
+    tides_progress progress; /* NULL: nobody asks */
+    void *user;
+    int64_t launches, usual; /* of this step so far, and of the one before */
+    int stopped;             /* within a step */
+} td_asking;
+
+/* The state at the beginning of a step, which is what is left of it should it be stopped. */
+typedef struct td_undo {
+    unsigned char *bytes; /* of each row of the table of state, one after the other */
+    size_t capacity;
+    tides_stats stats;
+    td_sensor_counts counts;
+    td_render_counts render;
+    uint64_t uncertain, solved, lookups;
+} td_undo;
+
 struct tides_simulator {
     tides_renderer *renderer;
     const tides_scene *scene; /* the caller's, as is the camera's path */
@@ -44,10 +62,12 @@ struct tides_simulator {
     td_refine refine;       /* TIDES_STEPPING_ERROR */
     td_timing timing;       /* likewise: estimated errors of event times */
     td_solve solve;         /* likewise: events on the image itself */
-    int broken;             /* a step failed half way: the pixels no longer agree on the time */
-    int64_t steps;          /* of the whole run */
-    int64_t step;           /* steps taken */
-    int started;            /* the first sample is there */
+    td_asking asking;
+    td_undo undo;
+    int broken;    /* a step failed half way: the pixels no longer agree on the time */
+    int64_t steps; /* of the whole run */
+    int64_t step;  /* steps taken */
+    int started;   /* the first sample is there */
     int width, height;
     int unit;               /* TIDES_UNIT_* */
     int image_tiles;        /* the renderer's; s->tile are units (td_units.h) */
@@ -134,6 +154,16 @@ tides_status td_step_of_run(const tides_simulator *simulator, double start, doub
 
 /* With a readout: the events of the step that ends at the grid point reached go through it (readout.c). */
 tides_status td_readout_step(tides_simulator *simulator, tides_error *error);
+
+/* Begins and ends asking a run's progress within its steps; the launches of each step are counted from td_ask_step on. */
+void td_ask_begin(tides_simulator *simulator, tides_progress progress, void *user);
+void td_ask_step(tides_simulator *simulator);
+void td_ask_end(tides_simulator *simulator);
+
+/* Keeps the state at the time reached where somebody may stop the step that begins there; then, where the status says that
+ * somebody did, goes back to it. */
+tides_status td_undo_keep(tides_simulator *simulator, tides_error *error);
+void td_undo_stopped(tides_simulator *simulator, tides_status status);
 
 /* What a pixel's comparator sees at the time reached: S with its leak's ramp. */
 double td_signal_now(const tides_simulator *simulator, size_t pixel);

@@ -100,6 +100,84 @@ static void test_cut_anywhere(void **state) {
     }
 }
 
+/* -- stopping within a step ------------------------------------------------------------------------------------------------ */
+
+/* A progress that stops at a call, by what it has been told; fractions ascend. */
+typedef struct watcher {
+    int calls, stop_at;
+    double last;
+} watcher;
+
+static int watch(void *user, double fraction, const char *stage) {
+    watcher *w = user;
+    assert_string_equal(stage, "simulating");
+    assert_true(fraction > w->last && fraction <= 1);
+    w->last = fraction;
+    return ++w->calls == w->stop_at;
+}
+
+static watcher run_watched(tides_simulator *s, const job *j, int stop_at, tides_status expected, outcome *o) {
+    watcher w = {0, stop_at, 0};
+    tides_error error;
+    tides_status status = tides_simulator_run(s, j->stop, collect, o, watch, &w, &error);
+    assert_int_equal(status, expected);
+    assert_true(status == TIDES_OK || strstr(error.text, "request"));
+    return w;
+}
+
+/* Stopped at the call, saved, and gone on with; or, without a file, gone on with as it stands. */
+static void stop_and_go_on(const job *j, tides_device *device, int stop_at, const char *file, const outcome *whole) {
+    outcome *pieces = new_outcome();
+    tides_simulator *s = make_simulator(j, device);
+    const watcher w = run_watched(s, j, stop_at, TIDES_CANCELLED, pieces);
+    assert_int_equal(w.calls, stop_at);
+    if (w.last < 1.0 / (double)s->steps) {
+        assert_true(s->step == 0 && pieces->count == 0);
+        assert_int_equal(s->asking.launches, stop_at + 1); /* the first isn't asked, and the last not done */
+    }
+    if (file) cut(j, device, file, &s);
+    advance(s, j->stop, pieces);
+    finish(s, pieces);
+    expect_same(whole, pieces);
+    expect_same_totals(&whole->stats, &pieces->stats);
+    free_outcome(pieces);
+}
+
+static const struct {
+    int mode, solve, surround;
+    double memory_mb;
+} stopped[] = {{TIDES_STEPPING_ERROR, TIDES_SOLVE_OFF, 0, 256},  {TIDES_STEPPING_ERROR, TIDES_SOLVE_OFF, 0, 1},
+               {TIDES_STEPPING_ERROR, TIDES_SOLVE_OFF, 1, 1},    {TIDES_STEPPING_ERROR, TIDES_SOLVE_FLOAT, 0, 256},
+               {TIDES_STEPPING_ERROR, TIDES_SOLVE_DOUBLE, 0, 1}, {TIDES_STEPPING_ERROR, TIDES_SOLVE_DOUBLE, 0, 256}};
+
+/* Two long steps, stopped at any of the launches. */
+static void test_stops_within_a_step(void **state) {
+    char path[4096];
+    snprintf(path, sizeof path, "%s", scene_in_folder(*state, "within.checkpoint"));
+    for (size_t k = 0; k < sizeof stopped / sizeof *stopped; k++) {
+        job j = make_job(stopped[k].mode, "reference-f32");
+        j.stepping.step_s = 0.04;
+        j.stepping.solve = stopped[k].solve;
+        j.stepping.memory_mb = stopped[k].memory_mb;
+        j.stepping.local = !stopped[k].surround;
+        if (stopped[k].surround) j.sensor.surround_lambda_px = 3, j.sensor.surround_tau_s = 5e-3;
+        tides_device *device = open_device(&j);
+        outcome *whole = run_whole(&j, device), *asked = new_outcome();
+        tides_simulator *s = make_simulator(&j, device);
+        const watcher all = run_watched(s, &j, 0, TIDES_OK, asked);
+        finish(s, asked);
+        expect_same(whole, asked);
+        assert_true(all.last >= 1 && all.calls > 2 * 4);
+        print_message("%d calls\n", all.calls);
+        for (int i = 1, odd = 0; i < all.calls; i += 1 + all.calls / 4, odd = !odd)
+            stop_and_go_on(&j, device, i, odd ? path : NULL, whole);
+        free_outcome(whole);
+        free_outcome(asked);
+        tides_device_close(device);
+        free_job(&j);
+    }
+}
+
 /* Pixels that have fired nothing keep a negative zero and a NaN. */
 static void test_bits_of_pixels(void **state) {
     char path[4096];
@@ -178,6 +256,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_cut_at_every_step, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(test_cut_anywhere, scene_folder_setup, scene_folder_teardown),
+        cmocka_unit_test_setup_teardown(test_stops_within_a_step, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(test_bits_of_pixels, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test(test_totals_are_complete),
         cmocka_unit_test_setup_teardown(test_extending, scene_folder_setup, scene_folder_teardown),

@@ -159,6 +159,29 @@ static void a_file_stopped_goes_on(void **state) {
     tides_session_close(session);
 }
 
+/* Ctrl-C before the first step of a run in long ones is done: nothing is written, and all is still to come. */
+static void a_file_stopped_within_a_step_goes_on(void **state) {
+    static const char *const long_steps[] = {"stepping.mode=error", "stepping.step_s=0.05"};
+    tides_error error = {0, ""};
+    tides_session *session = opened(*state, long_steps, 2);
+    const char *file = scene_in_folder(*state, "within.h5");
+    double early = 0.1;
+    tides_recorded done;
+    run_into(session, &one);
+    tides_status status = tides_session_write(session, file, NULL, stop_at, &early, &done, NULL, &error);
+    scene_expect_error(status, TIDES_CANCELLED, &error, "request");
+    assert_true(done.began && done.saved && !done.complete);
+    assert_int_equal(done.events, 0);
+    tides_recording how;
+    tides_recording_defaults(&how);
+    how.resume = 1;
+    scene_expect_ok(tides_session_write(session, file, &how, NULL, NULL, &done, NULL, &error), &error);
+    assert_true(done.complete && done.events == one.count);
+    read_file(file, &two);
+    same(&one, &two);
+    tides_session_close(session);
+}
+
 static void recordings_are_checked(void **state) {
     tides_error error = {0, ""};
     tides_session *session = opened(*state, NULL, 0);
@@ -245,11 +268,9 @@ static void what_is_the_callers_stays_open(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        IN_FOLDER(whole_runs_are_their_parts_by_hand),
-        IN_FOLDER(a_file_stopped_goes_on),
-        IN_FOLDER(recordings_are_checked),
-        IN_FOLDER(variations_share_what_is_open),
-        IN_FOLDER(what_is_the_callers_stays_open),
+        IN_FOLDER(whole_runs_are_their_parts_by_hand),   IN_FOLDER(a_file_stopped_goes_on),
+        IN_FOLDER(a_file_stopped_within_a_step_goes_on), IN_FOLDER(recordings_are_checked),
+        IN_FOLDER(variations_share_what_is_open),        IN_FOLDER(what_is_the_callers_stays_open),
     };
     return cmocka_run_group_tests_name("session", tests, NULL, NULL);
 }

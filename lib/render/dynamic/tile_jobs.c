@@ -164,6 +164,7 @@ tides_status td_dynamic_run_jobs(tides_renderer *r, td_batch *batch, const td_ti
     qsort(jobs, (size_t)count, sizeof *jobs, by_slot);
     for (launch_plan launch = {0, 0, 0, 0}; launch.from < count && status == TIDES_OK; launch.from = launch.to) {
         int more = 1;
+        status = td_renderer_heed(r, error);
         launch.records = launch.rows = 0;
         td_rows_begin(&r->dynamic, r->store.count + r->dynamic.cached_rows);
         while (more && status == TIDES_OK) status = take_slot(r, batch, asked, jobs, count, &launch, &more, error);
