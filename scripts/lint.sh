@@ -5,7 +5,7 @@
 set -u
 jobs=${JOBS:-2}
 failed=
-stages=${*:-format tidy cppcheck kernels sizes shell arrows cites openings}
+stages=${*:-format tidy cppcheck kernels sizes shell top arrows cites openings}
 
 # One process for many files: one for each took minutes on a busy machine.
 stage_format() {
@@ -56,6 +56,16 @@ stage_shell() {
         case $(head -n 1 "$script") in *bash) bash -n "$script" ;; *) sh -n "$script" ;; esac || found=1
     done
     return $found
+}
+
+# The top level is what README shows: a test that ran in the wrong folder has left its files there before.
+stage_top() {
+    git rev-parse --git-dir >/dev/null 2>&1 || return 0 # an unpacked archive
+    if git ls-files | cut -d/ -f1 | LC_ALL=C sort -u |
+        grep -vxE '\.ci|\.clang-(format|tidy)|\.gitignore|LICENSE|Makefile|README.md|(cli|docs|include|kernels|lib|python_ctypes|scripts|share|tests)'; then
+        echo "above: not of the top level"
+        return 1
+    fi
 }
 
 stage_arrows() { ${PYTHON:-python3} scripts/house.py arrows; }

@@ -235,6 +235,12 @@ tides_status td_npy_writer_append(td_npy_writer *writer, const void *rows, size_
     return TIDES_OK;
 }
 
+tides_status td_npy_writer_put(td_npy_writer *writer, const char *name, const char *dtype, size_t item, int ndim,
+                               const size_t *inner, const void *rows, size_t count, tides_error *error) {
+    const tides_status status = td_npy_writer_begin(writer, name, dtype, item, ndim, inner, error);
+    return status == TIDES_OK ? td_npy_writer_append(writer, rows, count, error) : status;
+}
+
 tides_status td_npy_writer_close(td_npy_writer *writer, tides_error *error) {
     tides_status status = end_array(writer, error);
     if (!status && !writer->zipped && !writer->count)
@@ -255,4 +261,10 @@ void td_npy_writer_discard(td_npy_writer *writer) {
     fclose(writer->file);
     td_remove_part(writer->part, writer->path);
     free_writer(writer);
+}
+
+tides_status td_npy_writer_end(td_npy_writer *writer, tides_status status, tides_error *error) {
+    if (status == TIDES_OK) return td_npy_writer_close(writer, error);
+    td_npy_writer_discard(writer);
+    return status;
 }

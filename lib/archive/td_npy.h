@@ -75,10 +75,17 @@ tides_status td_npy_writer_begin(td_npy_writer *writer, const char *name, const 
 /* Appends `count` rows (elements times the inner extents), little-endian, packed. */
 tides_status td_npy_writer_append(td_npy_writer *writer, const void *rows, size_t count, tides_error *error);
 
+/* Both, for an array that is there as a whole. */
+tides_status td_npy_writer_put(td_npy_writer *writer, const char *name, const char *dtype, size_t item, int ndim,
+                               const size_t *inner, const void *rows, size_t count, tides_error *error);
+
 /* Ends the file and puts it in place; frees the writer in any case, and on failure removes the partial file. */
 tides_status td_npy_writer_close(td_npy_writer *writer, tides_error *error);
 
 /* Removes the partial file and frees the writer; NULL is fine. */
 void td_npy_writer_discard(td_npy_writer *writer);
+
+/* _close where `status` is TIDES_OK, else _discard: the status, or why it couldn't be closed. */
+tides_status td_npy_writer_end(td_npy_writer *writer, tides_status status, tides_error *error);
 
 #endif

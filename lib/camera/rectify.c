@@ -72,12 +72,8 @@ tides_status tides_rectify_save(const char *file, const tides_intrinsics *raw, c
     float *map = td_alloc(2 * width * height, sizeof *map, error);
     status = map ? tides_rectify_map(raw, rectified, rotation, map, error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK) status = td_npy_writer_open(file, 0, &writer, error);
-    if (status == TIDES_OK) status = td_npy_writer_begin(writer, "rectify_map", "'<f4'", sizeof *map, 3, inner, error);
-    if (status == TIDES_OK) status = td_npy_writer_append(writer, map, height, error);
     if (status == TIDES_OK)
-        status = td_npy_writer_close(writer, error);
-    else
-        td_npy_writer_discard(writer);
+        status = td_npy_writer_put(writer, "rectify_map", "'<f4'", sizeof *map, 3, inner, map, height, error);
     free(map);
-    return status;
+    return td_npy_writer_end(writer, status, error);
 }

@@ -61,38 +61,10 @@ void td_remove_folder(const char *path) {
     rmdir(path);
 }
 
-/* -- text ------------------------------------------------------------------------------------------------------------------ */
-
-tides_status td_lines_open(td_lines *lines, const char *folder, const char *name, tides_error *error) {
-    lines->path = td_in_folder(folder, error, "%s", name);
-    if (!lines->path) return TIDES_NO_MEMORY;
-    tides_status status = td_make_parents(lines->path, error);
-    lines->file = status == TIDES_OK ? fopen(lines->path, "w") : NULL;
-    if (status == TIDES_OK && !lines->file)
-        status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", lines->path, strerror(errno));
-    return status;
-}
-
-tides_status td_lines_put(td_lines *lines, tides_error *error, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    const int written = vfprintf(lines->file, format, arguments);
-    va_end(arguments);
-    return written >= 0 ? TIDES_OK
-                        : td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", lines->path, strerror(errno));
-}
-
-void td_lines_drop(td_lines *lines) {
-    if (lines->file) fclose(lines->file);
-    free(lines->path);
-    *lines = (td_lines){NULL, NULL};
-}
-
-tides_status td_lines_close(td_lines *lines, tides_error *error) {
-    tides_status status = TIDES_OK;
-    if (lines->file && fclose(lines->file) != 0)
-        status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", lines->path, strerror(errno));
-    lines->file = NULL;
-    td_lines_drop(lines);
+tides_status td_text_in_folder(td_text *text, const char *folder, const char *name, tides_error *error) {
+    char *path = td_in_folder(folder, error, "%s", name);
+    tides_status status = path ? td_make_parents(path, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) status = td_text_open(text, path, error);
+    free(path);
     return status;
 }

@@ -18,12 +18,7 @@ static tides_status begin(td_writer *w, tides_error *error) {
     b->flow = td_alloc(3 * td_pixels(w->camera), sizeof *b->flow, error);
     if (!b->flow) return TIDES_NO_MEMORY;
     if (w->camera->event < 0) return TIDES_OK;
-    const tides_event_file facts = td_event_facts_of(w->set, w->camera);
-    char *path = td_in_folder(w->folder, error, "events_left/events.h5");
-    tides_status status = path ? td_make_parents(path, error) : TIDES_NO_MEMORY;
-    if (status == TIDES_OK) status = tides_event_writer_open(path, &facts, &b->events, error);
-    free(path);
-    return status;
+    return td_events_begin(w, td_in_folder(w->folder, error, "events_left/events.h5"), "hdf5", &b->events, error);
 }
 
 static tides_status events(td_writer *w, const tides_event *list, size_t count, tides_error *error) {
@@ -35,11 +30,9 @@ static tides_status write_flow(td_writer *w, const char *path, const float *flow
     td_npy_writer *npy = NULL;
     tides_status status = td_npy_writer_open(path, 0, &npy, error);
     if (status != TIDES_OK) return status;
-    status = td_npy_writer_begin(npy, "data", "'<f4'", sizeof(float), 3, inner, error);
-    if (status == TIDES_OK) status = td_npy_writer_append(npy, flow, (size_t)w->camera->facts.intrinsics.height, error);
-    if (status == TIDES_OK) return td_npy_writer_close(npy, error);
-    td_npy_writer_discard(npy);
-    return status;
+    status = td_npy_writer_put(npy, "data", "'<f4'", sizeof(float), 3, inner, flow, (size_t)w->camera->facts.intrinsics.height,
+                               error);
+    return td_npy_writer_end(npy, status, error);
 }
 
 static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
@@ -69,9 +62,7 @@ static void drop(td_writer *w) {
 
 static tides_status end(td_writer *w, tides_error *error) {
     blinkflow *b = w->state;
-    tides_status status = TIDES_OK;
-    if (b->events) status = tides_event_writer_finish(b->events, td_event_facts_of(w->set, w->camera).stop_ns, error);
-    b->events = NULL;
+    const tides_status status = td_events_end(w, &b->events, error);
     drop(w);
     return status;
 }

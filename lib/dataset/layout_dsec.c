@@ -18,7 +18,7 @@ static const char *const sides[] = {"left", "right"};
 
 typedef struct dsec {
     tides_event_writer *events;
-    td_lines times, exposures, forward, backward, disparity, poses;
+    td_text times, exposures, forward, backward, disparity, poses;
     uint16_t *rgb;
 } dsec;
 
@@ -85,35 +85,32 @@ static tides_status write_rectify_map(const td_writer *w, tides_error *error) {
 }
 
 static tides_status begin_events(td_writer *w, dsec *d, tides_error *error) {
-    const tides_event_file facts = td_event_facts_of(w->set, w->camera);
     char *path = td_in_folder(w->folder, error, "events/%s/events.h5", sides[w->camera->event]);
-    tides_status status = path ? td_make_parents(path, error) : TIDES_NO_MEMORY;
-    if (status == TIDES_OK) status = tides_event_writer_open(path, &facts, &d->events, error);
-    free(path);
+    const tides_status status = td_events_begin(w, path, "hdf5", &d->events, error);
     return status == TIDES_OK ? write_rectify_map(w, error) : status;
 }
 
 /* What is of the left event camera. */
 static tides_status begin_truth(td_writer *w, dsec *d, tides_error *error) {
     static const char head[] = "# from_timestamp_us, to_timestamp_us\n";
-    tides_status status = td_lines_open(&d->forward, w->folder, "flow/forward_timestamps.txt", error);
-    if (status == TIDES_OK) status = td_lines_put(&d->forward, error, "%s", head);
-    if (status == TIDES_OK) status = td_lines_open(&d->backward, w->folder, "flow/backward_timestamps.txt", error);
-    if (status == TIDES_OK) status = td_lines_put(&d->backward, error, "%s", head);
-    if (status == TIDES_OK) status = td_lines_open(&d->poses, w->folder, "poses.txt", error);
+    tides_status status = td_text_in_folder(&d->forward, w->folder, "flow/forward_timestamps.txt", error);
+    if (status == TIDES_OK) status = td_text_put(&d->forward, error, "%s", head);
+    if (status == TIDES_OK) status = td_text_in_folder(&d->backward, w->folder, "flow/backward_timestamps.txt", error);
+    if (status == TIDES_OK) status = td_text_put(&d->backward, error, "%s", head);
+    if (status == TIDES_OK) status = td_text_in_folder(&d->poses, w->folder, "poses.txt", error);
     if (status == TIDES_OK && find(w->set, 1, 1))
-        status = td_lines_open(&d->disparity, w->folder, "disparity/timestamps.txt", error);
+        status = td_text_in_folder(&d->disparity, w->folder, "disparity/timestamps.txt", error);
     return status;
 }
 
 static tides_status begin_pictures(td_writer *w, dsec *d, tides_error *error) {
     char name[64];
     snprintf(name, sizeof name, "images/%s/exposure_timestamps.txt", sides[w->camera->picture]);
-    tides_status status = td_lines_open(&d->exposures, w->folder, name, error);
+    tides_status status = td_text_in_folder(&d->exposures, w->folder, name, error);
     if (status == TIDES_OK)
-        status = td_lines_put(&d->exposures, error, "# exposure_start_timestamp_us, exposure_end_timestamp_us\n");
+        status = td_text_put(&d->exposures, error, "# exposure_start_timestamp_us, exposure_end_timestamp_us\n");
     if (status == TIDES_OK && w->camera->picture == 0)
-        status = td_lines_open(&d->times, w->folder, "images/timestamps.txt", error);
+        status = td_text_in_folder(&d->times, w->folder, "images/timestamps.txt", error);
     return status;
 }
 
@@ -135,8 +132,8 @@ static tides_status events(td_writer *w, const tides_event *list, size_t count, 
 static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {
     dsec *d = w->state;
     const long long us = p->us, from = p->from_us, to = p->to_us;
-    tides_status status = d->times.file ? td_lines_put(&d->times, error, "%lld\n", us) : TIDES_OK;
-    if (status == TIDES_OK) status = td_lines_put(&d->exposures, error, "%lld, %lld\n", from, to);
+    tides_status status = d->times.file ? td_text_put(&d->times, error, "%lld\n", us) : TIDES_OK;
+    if (status == TIDES_OK) status = td_text_put(&d->exposures, error, "%lld, %lld\n", from, to);
     char format[48];
     snprintf(format, sizeof format, "images/%s/rectified/%%06u.png", sides[w->camera->picture]);
     return status == TIDES_OK ? td_plane_write(w->folder, format, (unsigned)p->index, w->camera, 8, 3, p->rgb, error) : status;
@@ -173,7 +170,7 @@ static tides_status write_disparity(td_writer *w, const td_truth *t, unsigned nu
         const double value = t->depth[i] > 0 ? rint(pixels / (t->depth[i] * w->set->metres)) : 0;
         d->rgb[i] = value >= 1 && value <= 65535 ? (uint16_t)value : 0;
     }
-    const tides_status status = td_lines_put(&d->disparity, error, "%lld\n", (long long)t->us);
+    const tides_status status = td_text_put(&d->disparity, error, "%lld\n", (long long)t->us);
     return status == TIDES_OK ? td_plane_write(w->folder, "disparity/event/%06u.png", number, w->camera, 16, 1, d->rgb, error)
                               : status;
 }
@@ -184,11 +181,11 @@ static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
     const unsigned number = (unsigned)(t->index * (size_t)llround(w->set->picture_hz / w->set->truth_hz));
     tides_status status = TIDES_OK;
     if (t->next_u) {
-        status = td_lines_put(&d->forward, error, "%lld, %lld\n", (long long)t->us, (long long)t->next_us);
+        status = td_text_put(&d->forward, error, "%lld, %lld\n", (long long)t->us, (long long)t->next_us);
         if (status == TIDES_OK) status = write_flow(w, "flow/forward/%06u.png", number, t->next_u, t->next_v, error);
     }
     if (status == TIDES_OK && t->before_u) {
-        status = td_lines_put(&d->backward, error, "%lld, %lld\n", (long long)t->us, (long long)t->before_us);
+        status = td_text_put(&d->backward, error, "%lld, %lld\n", (long long)t->us, (long long)t->before_us);
         if (status == TIDES_OK) status = write_flow(w, "flow/backward/%06u.png", number, t->before_u, t->before_v, error);
     }
     return status == TIDES_OK && d->disparity.file ? write_disparity(w, t, number, error) : status;
@@ -203,8 +200,8 @@ static void drop(td_writer *w) {
     dsec *d = w->state;
     if (!d) return;
     tides_event_writer_abandon(d->events);
-    td_lines *const lines[] = {&d->times, &d->exposures, &d->forward, &d->backward, &d->disparity, &d->poses};
-    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) td_lines_drop(lines[i]);
+    td_text *const lines[] = {&d->times, &d->exposures, &d->forward, &d->backward, &d->disparity, &d->poses};
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) td_text_drop(lines[i]);
     free(d->rgb);
     free(d);
     w->state = NULL;
@@ -212,11 +209,10 @@ static void drop(td_writer *w) {
 
 static tides_status end(td_writer *w, tides_error *error) {
     dsec *d = w->state;
-    tides_status status = TIDES_OK;
-    if (d->events) status = tides_event_writer_finish(d->events, td_event_facts_of(w->set, w->camera).stop_ns, error);
-    d->events = NULL;
-    td_lines *const lines[] = {&d->times, &d->exposures, &d->forward, &d->backward, &d->disparity, &d->poses};
-    for (size_t i = 0; i < sizeof lines / sizeof *lines && status == TIDES_OK; i++) status = td_lines_close(lines[i], error);
+    tides_status status = td_events_end(w, &d->events, error);
+    td_text *const lines[] = {&d->times, &d->exposures, &d->forward, &d->backward, &d->disparity, &d->poses};
+    for (size_t i = 0; i < sizeof lines / sizeof *lines && status == TIDES_OK; i++)
+        status = td_text_close(lines[i], TIDES_OK, error);
     drop(w);
     return status;
 }

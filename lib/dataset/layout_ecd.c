@@ -8,33 +8,24 @@
 
 typedef struct ecd {
     tides_event_writer *events;
-    td_lines images, poses, depths, imu;
+    td_text images, poses, depths, imu;
     float *depth;
 } ecd;
 
 static tides_status write_calibration(const td_writer *w, tides_error *error) {
     const tides_intrinsics *k = &w->camera->facts.intrinsics;
-    td_lines lines = {NULL, NULL};
+    td_text lines = {NULL};
     double l[5];
     td_lens_numbers(w->camera, l);
-    tides_status status = td_lines_open(&lines, w->folder, "calib.txt", error);
+    tides_status status = td_text_in_folder(&lines, w->folder, "calib.txt", error);
     if (status == TIDES_OK)
-        status = td_lines_put(&lines, error, "%.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", k->fx, k->fy,
-                              td_whole_cx(w->camera), td_whole_cy(w->camera), l[0], l[1], l[2], l[3], l[4]);
-    const tides_status closed = td_lines_close(&lines, error);
-    return status == TIDES_OK ? closed : status;
+        status = td_text_put(&lines, error, "%.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", k->fx, k->fy,
+                             td_whole_cx(w->camera), td_whole_cy(w->camera), l[0], l[1], l[2], l[3], l[4]);
+    return td_text_close(&lines, status, error);
 }
 
 static tides_status check(const td_dataset *set, tides_error *error) {
     return td_check_lens(set, "ecd", TIDES_LENS_RADTAN, 0, error);
-}
-
-static tides_status open_events(td_writer *w, ecd *e, tides_error *error) {
-    const tides_event_file facts = td_event_facts_of(w->set, w->camera);
-    char *path = td_in_folder(w->folder, error, "events.txt");
-    const tides_status status = path ? tides_event_writer_open_as(path, "ecd", &facts, &e->events, error) : TIDES_NO_MEMORY;
-    free(path);
-    return status;
 }
 
 static tides_status begin(td_writer *w, tides_error *error) {
@@ -42,11 +33,12 @@ static tides_status begin(td_writer *w, tides_error *error) {
     if (!e) return TIDES_NO_MEMORY;
     e->depth = td_alloc(td_pixels(w->camera), sizeof *e->depth, error);
     tides_status status = e->depth ? TIDES_OK : TIDES_NO_MEMORY;
-    if (status == TIDES_OK && w->camera->event >= 0) status = open_events(w, e, error);
-    if (status == TIDES_OK && w->camera->picture >= 0) status = td_lines_open(&e->images, w->folder, "images.txt", error);
-    if (status == TIDES_OK) status = td_lines_open(&e->poses, w->folder, "groundtruth.txt", error);
-    if (status == TIDES_OK) status = td_lines_open(&e->depths, w->folder, "depthmaps.txt", error);
-    if (status == TIDES_OK && w->set->has_imu) status = td_lines_open(&e->imu, w->folder, "imu.txt", error);
+    if (status == TIDES_OK && w->camera->event >= 0)
+        status = td_events_begin(w, td_in_folder(w->folder, error, "events.txt"), "ecd", &e->events, error);
+    if (status == TIDES_OK && w->camera->picture >= 0) status = td_text_in_folder(&e->images, w->folder, "images.txt", error);
+    if (status == TIDES_OK) status = td_text_in_folder(&e->poses, w->folder, "groundtruth.txt", error);
+    if (status == TIDES_OK) status = td_text_in_folder(&e->depths, w->folder, "depthmaps.txt", error);
+    if (status == TIDES_OK && w->set->has_imu) status = td_text_in_folder(&e->imu, w->folder, "imu.txt", error);
     return status == TIDES_OK ? write_calibration(w, error) : status;
 }
 
@@ -56,7 +48,7 @@ static tides_status events(td_writer *w, const tides_event *list, size_t count, 
 
 static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {
     ecd *e = w->state;
-    const tides_status status = td_lines_put(&e->images, error, "%.6f images/frame_%08zu.png\n", td_seconds(p->us), p->index);
+    const tides_status status = td_text_put(&e->images, error, "%.6f images/frame_%08zu.png\n", td_seconds(p->us), p->index);
     return status == TIDES_OK
                ? td_plane_write(w->folder, "images/frame_%08u.png", (unsigned)p->index, w->camera, 8, 1, p->grey, error)
                : status;
@@ -69,7 +61,7 @@ static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
     for (size_t i = 0; i < td_pixels(w->camera); i++) e->depth[i] = (float)(t->depth[i] * w->set->metres);
     const tides_channel channel = {"Z", e->depth};
     const char *const unit[] = {"depth_unit", "m", NULL};
-    tides_status status = td_lines_put(&e->depths, error, "%.6f depthmaps/frame_%08zu.exr\n", td_seconds(t->us), t->index);
+    tides_status status = td_text_put(&e->depths, error, "%.6f depthmaps/frame_%08zu.exr\n", td_seconds(t->us), t->index);
     if (status != TIDES_OK) return status;
     char *path = td_in_folder(w->folder, error, "depthmaps/frame_%08zu.exr", t->index);
     status = path ? td_make_parents(path, error) : TIDES_NO_MEMORY;
@@ -90,10 +82,10 @@ static void drop(td_writer *w) {
     ecd *e = w->state;
     if (!e) return;
     tides_event_writer_abandon(e->events);
-    td_lines_drop(&e->images);
-    td_lines_drop(&e->poses);
-    td_lines_drop(&e->depths);
-    td_lines_drop(&e->imu);
+    td_text_drop(&e->images);
+    td_text_drop(&e->poses);
+    td_text_drop(&e->depths);
+    td_text_drop(&e->imu);
     free(e->depth);
     free(e);
     w->state = NULL;
@@ -101,13 +93,11 @@ static void drop(td_writer *w) {
 
 static tides_status end(td_writer *w, tides_error *error) {
     ecd *e = w->state;
-    tides_status status = TIDES_OK;
-    if (e->events) status = tides_event_writer_finish(e->events, td_event_facts_of(w->set, w->camera).stop_ns, error);
-    e->events = NULL;
-    if (status == TIDES_OK) status = td_lines_close(&e->images, error);
-    if (status == TIDES_OK) status = td_lines_close(&e->poses, error);
-    if (status == TIDES_OK) status = td_lines_close(&e->depths, error);
-    if (status == TIDES_OK) status = td_lines_close(&e->imu, error);
+    tides_status status = td_events_end(w, &e->events, error);
+    if (status == TIDES_OK) status = td_text_close(&e->images, TIDES_OK, error);
+    if (status == TIDES_OK) status = td_text_close(&e->poses, TIDES_OK, error);
+    if (status == TIDES_OK) status = td_text_close(&e->depths, TIDES_OK, error);
+    if (status == TIDES_OK) status = td_text_close(&e->imu, TIDES_OK, error);
     drop(w);
     return status;
 }

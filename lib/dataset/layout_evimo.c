@@ -17,7 +17,7 @@ static const char *const names[FILES] = {"dataset_events_t.npy",  "dataset_event
 
 typedef struct evimo {
     td_npy_writer *file[FILES];
-    td_lines poses;
+    td_text poses;
     uint16_t *plane;
     float *flow;
     double *times; /* of the flow: from, to */
@@ -45,7 +45,7 @@ static tides_status begin(td_writer *w, tides_error *error) {
     e->plane = td_alloc(td_pixels(w->camera), sizeof *e->plane, error);
     e->flow = e->plane ? td_alloc(2 * td_pixels(w->camera), sizeof *e->flow, error) : NULL;
     e->times = e->flow ? td_alloc(2 * w->set->truths, sizeof *e->times, error) : NULL;
-    tides_status status = e->times ? td_lines_open(&e->poses, w->folder, "poses.txt", error) : TIDES_NO_MEMORY;
+    tides_status status = e->times ? td_text_in_folder(&e->poses, w->folder, "poses.txt", error) : TIDES_NO_MEMORY;
     for (int i = 0; i < FILES && status == TIDES_OK; i++)
         if ((i > P || w->camera->event >= 0) && (i != CLASSICAL || w->camera->picture >= 0)) status = open_file(w, i, error);
     return status == TIDES_OK && e->file[T] ? begin_columns(e, error) : status;
@@ -72,8 +72,8 @@ static tides_status put(td_writer *w, int which, const char *kind, size_t index,
     snprintf(name, sizeof name, "%s_%010zu", kind, index);
     const size_t inner[2] = {(size_t)w->camera->facts.intrinsics.width, last};
     td_npy_writer *file = ((evimo *)w->state)->file[which];
-    const tides_status status = td_npy_writer_begin(file, name, dtype, item, last ? 3 : 2, inner, error);
-    return status == TIDES_OK ? td_npy_writer_append(file, values, (size_t)w->camera->facts.intrinsics.height, error) : status;
+    return td_npy_writer_put(file, name, dtype, item, last ? 3 : 2, inner, values, (size_t)w->camera->facts.intrinsics.height,
+                             error);
 }
 
 static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {
@@ -116,20 +116,16 @@ static tides_status write_info(td_writer *w, tides_error *error) {
     tides_status status = path ? td_npy_writer_open(path, 1, &npy, error) : TIDES_NO_MEMORY;
     free(path);
     if (status != TIDES_OK) return status;
-    status = td_npy_writer_begin(npy, "K", "'<f8'", 8, 2, &three, error);
-    if (status == TIDES_OK) status = td_npy_writer_append(npy, matrix, 3, error);
-    if (status == TIDES_OK) status = td_npy_writer_begin(npy, "D", "'<f8'", 8, 1, NULL, error);
-    if (status == TIDES_OK) status = td_npy_writer_append(npy, lens, (size_t)count, error);
-    if (status == TIDES_OK) return td_npy_writer_close(npy, error);
-    td_npy_writer_discard(npy);
-    return status;
+    status = td_npy_writer_put(npy, "K", "'<f8'", 8, 2, &three, matrix, 3, error);
+    if (status == TIDES_OK) status = td_npy_writer_put(npy, "D", "'<f8'", 8, 1, NULL, lens, (size_t)count, error);
+    return td_npy_writer_end(npy, status, error);
 }
 
 static void drop(td_writer *w) {
     evimo *e = w->state;
     if (!e) return;
     for (int i = 0; i < FILES; i++) td_npy_writer_discard(e->file[i]);
-    td_lines_drop(&e->poses);
+    td_text_drop(&e->poses);
     free(e->times);
     free(e->flow);
     free(e->plane);
@@ -139,15 +135,14 @@ static void drop(td_writer *w) {
 
 static tides_status end(td_writer *w, tides_error *error) {
     evimo *e = w->state;
-    tides_status status = td_npy_writer_begin(e->file[FLOW], "t", "'<f8'", 8, 1, NULL, error);
-    if (status == TIDES_OK) status = td_npy_writer_append(e->file[FLOW], e->times, e->flows, error);
-    if (status == TIDES_OK) status = td_npy_writer_begin(e->file[FLOW], "t_end", "'<f8'", 8, 1, NULL, error);
-    if (status == TIDES_OK) status = td_npy_writer_append(e->file[FLOW], e->times + w->set->truths, e->flows, error);
+    tides_status status = td_npy_writer_put(e->file[FLOW], "t", "'<f8'", 8, 1, NULL, e->times, e->flows, error);
+    if (status == TIDES_OK)
+        status = td_npy_writer_put(e->file[FLOW], "t_end", "'<f8'", 8, 1, NULL, e->times + w->set->truths, e->flows, error);
     for (int i = 0; i < FILES && status == TIDES_OK; i++) {
         if (e->file[i]) status = td_npy_writer_close(e->file[i], error);
         e->file[i] = NULL;
     }
-    if (status == TIDES_OK) status = td_lines_close(&e->poses, error);
+    if (status == TIDES_OK) status = td_text_close(&e->poses, TIDES_OK, error);
     if (status == TIDES_OK) status = write_info(w, error);
     drop(w);
     return status;

@@ -22,7 +22,7 @@ static const char *const sides[] = {"left", "right"};
 /* Files that both cameras are in. */
 typedef struct mvsec_files {
     td_arrays data, truth;
-    td_lines chain;
+    td_text chain;
 } mvsec_files;
 
 enum {
@@ -70,7 +70,7 @@ static tides_status open_files(td_writer *w, tides_error *error) {
     tides_status status = td_arrays_open(&f->data, td_in_folder(w->root, error, "%.200s_data.hdf5", w->set->name), error);
     if (status == TIDES_OK)
         status = td_arrays_open(&f->truth, td_in_folder(w->root, error, "%.200s_gt.hdf5", w->set->name), error);
-    return status == TIDES_OK ? td_lines_open(&f->chain, w->root, "camchain.yaml", error) : status;
+    return status == TIDES_OK ? td_text_in_folder(&f->chain, w->root, "camchain.yaml", error) : status;
 }
 
 static tides_status begin_arrays(td_writer *w, tides_error *error) {
@@ -111,23 +111,23 @@ static tides_status begin_arrays(td_writer *w, tides_error *error) {
 }
 
 static tides_status put_camera(td_writer *w, tides_error *error) {
-    td_lines *yaml = &files_of(w)->chain;
+    td_text *yaml = &files_of(w)->chain;
     const tides_intrinsics *k = &w->camera->facts.intrinsics;
     double l[5];
     const int fisheye = td_lens_numbers(w->camera, l) == 4;
     tides_status status =
-        td_lines_put(yaml, error,
-                     "cam%d:\n  camera_model: pinhole\n  intrinsics: [%.17g, %.17g, %.17g, %.17g]\n"
-                     "  distortion_model: %s\n  distortion_coeffs: [%.17g, %.17g, %.17g, %.17g]\n  resolution: [%d, %d]\n",
-                     (int)w->camera->event, k->fx, k->fy, td_whole_cx(w->camera), td_whole_cy(w->camera),
-                     fisheye ? "equidistant" : "radtan", l[0], l[1], l[2], l[3], (int)k->width, (int)k->height);
+        td_text_put(yaml, error,
+                    "cam%d:\n  camera_model: pinhole\n  intrinsics: [%.17g, %.17g, %.17g, %.17g]\n"
+                    "  distortion_model: %s\n  distortion_coeffs: [%.17g, %.17g, %.17g, %.17g]\n  resolution: [%d, %d]\n",
+                    (int)w->camera->event, k->fx, k->fy, td_whole_cx(w->camera), td_whole_cy(w->camera),
+                    fisheye ? "equidistant" : "radtan", l[0], l[1], l[2], l[3], (int)k->width, (int)k->height);
     if (w->camera->event == 0) return status;
     double t[16];
     td_between(w->set, &w->set->cameras[0], w->camera, t);
-    if (status == TIDES_OK) status = td_lines_put(yaml, error, "  T_cn_cnm1:\n");
+    if (status == TIDES_OK) status = td_text_put(yaml, error, "  T_cn_cnm1:\n");
     for (int i = 0; i < 4 && status == TIDES_OK; i++)
         status =
-            td_lines_put(yaml, error, "  - [%.17g, %.17g, %.17g, %.17g]\n", t[4 * i], t[4 * i + 1], t[4 * i + 2], t[4 * i + 3]);
+            td_text_put(yaml, error, "  - [%.17g, %.17g, %.17g, %.17g]\n", t[4 * i], t[4 * i + 1], t[4 * i + 2], t[4 * i + 3]);
     return status;
 }
 
@@ -248,9 +248,7 @@ static tides_status write_flow(td_writer *w, tides_error *error) {
         status = td_npy_writer_append(npy, &time, 1, error);
     }
     for (int which = 0; which < 2 && status == TIDES_OK; which++) status = copy_flow(w, npy, which, error);
-    if (status == TIDES_OK) return td_npy_writer_close(npy, error);
-    td_npy_writer_discard(npy);
-    return status;
+    return td_npy_writer_end(npy, status, error);
 }
 
 static void end_camera(td_writer *w) {
@@ -272,7 +270,7 @@ static tides_status end(td_writer *w, tides_error *error) {
 static tides_status complete(td_writer *w, tides_error *error) {
     tides_status status = td_arrays_close(&files_of(w)->data, error);
     if (status == TIDES_OK) status = td_arrays_close(&files_of(w)->truth, error);
-    return status == TIDES_OK ? td_lines_close(&files_of(w)->chain, error) : status;
+    return status == TIDES_OK ? td_text_close(&files_of(w)->chain, TIDES_OK, error) : status;
 }
 
 static void drop(td_writer *w) {
@@ -280,7 +278,7 @@ static void drop(td_writer *w) {
     if (!w->kept) return;
     td_arrays_drop(&files_of(w)->data);
     td_arrays_drop(&files_of(w)->truth);
-    td_lines_drop(&files_of(w)->chain);
+    td_text_drop(&files_of(w)->chain);
     free(w->kept);
 }
 

@@ -130,40 +130,39 @@ static tides_status imu(td_writer *w, const tides_imu_sample *sample, tides_erro
 }
 
 /* rosbag2's version 5. */
-static tides_status put_metadata(td_writer *w, td_lines *yaml, tides_error *error) {
+static tides_status put_metadata(td_writer *w, td_text *yaml, tides_error *error) {
     ros2 *r = w->kept;
     int64_t first, last;
     td_mcap_range(r->mcap, &first, &last);
     const long long from = first, length = last - first;
     const unsigned long long all = td_mcap_count(r->mcap, -1);
-    tides_status status = td_lines_put(yaml, error,
-                                       "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n"
-                                       "  duration:\n    nanoseconds: %lld\n"
-                                       "  starting_time:\n    nanoseconds_since_epoch: %lld\n"
-                                       "  message_count: %llu\n  topics_with_message_count:\n",
-                                       length, from, all);
+    tides_status status = td_text_put(yaml, error,
+                                      "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n"
+                                      "  duration:\n    nanoseconds: %lld\n"
+                                      "  starting_time:\n    nanoseconds_since_epoch: %lld\n"
+                                      "  message_count: %llu\n  topics_with_message_count:\n",
+                                      length, from, all);
     for (int i = 0; i < r->count && status == TIDES_OK; i++)
-        status = td_lines_put(yaml, error,
-                              "    - topic_metadata:\n        name: %s\n        type: %s\n"
-                              "        serialization_format: cdr\n        offered_qos_profiles: \"\"\n"
-                              "      message_count: %llu\n",
-                              r->topics[i].name, td_ros_type(r->topics[i].kind), (unsigned long long)td_mcap_count(r->mcap, i));
+        status = td_text_put(yaml, error,
+                             "    - topic_metadata:\n        name: %s\n        type: %s\n"
+                             "        serialization_format: cdr\n        offered_qos_profiles: \"\"\n"
+                             "      message_count: %llu\n",
+                             r->topics[i].name, td_ros_type(r->topics[i].kind), (unsigned long long)td_mcap_count(r->mcap, i));
     if (status != TIDES_OK) return status;
-    return td_lines_put(yaml, error,
-                        "  compression_format: \"\"\n  compression_mode: \"\"\n"
-                        "  relative_file_paths:\n    - %.200s.mcap\n  files:\n    - path: %.200s.mcap\n"
-                        "      starting_time:\n        nanoseconds_since_epoch: %lld\n"
-                        "      duration:\n        nanoseconds: %lld\n      message_count: %llu\n",
-                        w->set->name, w->set->name, from, length, all);
+    return td_text_put(yaml, error,
+                       "  compression_format: \"\"\n  compression_mode: \"\"\n"
+                       "  relative_file_paths:\n    - %.200s.mcap\n  files:\n    - path: %.200s.mcap\n"
+                       "      starting_time:\n        nanoseconds_since_epoch: %lld\n"
+                       "      duration:\n        nanoseconds: %lld\n      message_count: %llu\n",
+                       w->set->name, w->set->name, from, length, all);
 }
 
 static tides_status complete(td_writer *w, tides_error *error) {
-    td_lines yaml = {NULL, NULL};
+    td_text yaml = {NULL};
     tides_status status = td_mcap_finish(((ros2 *)w->kept)->mcap, error);
-    if (status == TIDES_OK) status = td_lines_open(&yaml, w->root, "metadata.yaml", error);
+    if (status == TIDES_OK) status = td_text_in_folder(&yaml, w->root, "metadata.yaml", error);
     if (status == TIDES_OK) status = put_metadata(w, &yaml, error);
-    const tides_status closed = td_lines_close(&yaml, error);
-    return status == TIDES_OK ? closed : status;
+    return td_text_close(&yaml, status, error);
 }
 
 static void drop(td_writer *w) {

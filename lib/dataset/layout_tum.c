@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 typedef struct tum {
-    td_lines rgb, depth, poses;
+    td_text rgb, depth, poses;
     uint16_t *values;
 } tum;
 
@@ -14,20 +14,20 @@ static tides_status begin(td_writer *w, tides_error *error) {
     if (!t) return TIDES_NO_MEMORY;
     t->values = td_alloc(td_pixels(w->camera), sizeof *t->values, error);
     tides_status status = t->values ? TIDES_OK : TIDES_NO_MEMORY;
-    if (status == TIDES_OK) status = td_lines_open(&t->rgb, w->folder, "rgb.txt", error);
-    if (status == TIDES_OK) status = td_lines_open(&t->depth, w->folder, "depth.txt", error);
-    if (status == TIDES_OK) status = td_lines_open(&t->poses, w->folder, "groundtruth.txt", error);
-    if (status == TIDES_OK) status = td_lines_put(&t->rgb, error, "# timestamp filename\n");
-    if (status == TIDES_OK) status = td_lines_put(&t->depth, error, "# timestamp filename\n");
-    return status == TIDES_OK ? td_lines_put(&t->poses, error, "# timestamp tx ty tz qx qy qz qw\n") : status;
+    if (status == TIDES_OK) status = td_text_in_folder(&t->rgb, w->folder, "rgb.txt", error);
+    if (status == TIDES_OK) status = td_text_in_folder(&t->depth, w->folder, "depth.txt", error);
+    if (status == TIDES_OK) status = td_text_in_folder(&t->poses, w->folder, "groundtruth.txt", error);
+    if (status == TIDES_OK) status = td_text_put(&t->rgb, error, "# timestamp filename\n");
+    if (status == TIDES_OK) status = td_text_put(&t->depth, error, "# timestamp filename\n");
+    return status == TIDES_OK ? td_text_put(&t->poses, error, "# timestamp tx ty tz qx qy qz qw\n") : status;
 }
 
 /* A picture called by its time, and its line. */
-static tides_status put(td_writer *w, td_lines *lines, const char *kind, int64_t us, int32_t bits, int32_t channels,
+static tides_status put(td_writer *w, td_text *lines, const char *kind, int64_t us, int32_t bits, int32_t channels,
                         const void *values, tides_error *error) {
     char name[64];
     snprintf(name, sizeof name, "%s/%.6f.png", kind, td_seconds(us));
-    const tides_status status = td_lines_put(lines, error, "%.6f %s\n", td_seconds(us), name);
+    const tides_status status = td_text_put(lines, error, "%.6f %s\n", td_seconds(us), name);
     return status == TIDES_OK ? td_plane_write(w->folder, name, 0, w->camera, bits, channels, values, error) : status;
 }
 
@@ -48,9 +48,9 @@ static tides_status pose(td_writer *w, const td_place_at *at, tides_error *error
 static void drop(td_writer *w) {
     tum *t = w->state;
     if (!t) return;
-    td_lines_drop(&t->rgb);
-    td_lines_drop(&t->depth);
-    td_lines_drop(&t->poses);
+    td_text_drop(&t->rgb);
+    td_text_drop(&t->depth);
+    td_text_drop(&t->poses);
     free(t->values);
     free(t);
     w->state = NULL;
@@ -58,9 +58,9 @@ static void drop(td_writer *w) {
 
 static tides_status end(td_writer *w, tides_error *error) {
     tum *t = w->state;
-    tides_status status = td_lines_close(&t->rgb, error);
-    if (status == TIDES_OK) status = td_lines_close(&t->depth, error);
-    if (status == TIDES_OK) status = td_lines_close(&t->poses, error);
+    tides_status status = td_text_close(&t->rgb, TIDES_OK, error);
+    if (status == TIDES_OK) status = td_text_close(&t->depth, TIDES_OK, error);
+    if (status == TIDES_OK) status = td_text_close(&t->poses, TIDES_OK, error);
     drop(w);
     return status;
 }

@@ -4,6 +4,7 @@
 #define TD_DATASET_H
 
 #include "td_base.h"
+#include "td_text.h"
 #include "tides/dataset.h"
 #include "tides/image.h"
 #include "tides/truth.h"
@@ -119,22 +120,18 @@ tides_status td_make_folders(const char *path, tides_error *error);
 tides_status td_make_parents(const char *file, tides_error *error);
 void td_remove_folder(const char *path); /* with all that is in it */
 
-/* A text file being written: lines go straight into the (unfinished) folder. */
-typedef struct td_lines {
-    FILE *file;
-    char *path;
-} td_lines;
-tides_status td_lines_open(td_lines *lines, const char *folder, const char *name, tides_error *error);
-tides_status td_lines_put(td_lines *lines, tides_error *error, const char *format, ...) TD_PRINTF(3, 4);
-tides_status td_lines_close(td_lines *lines, tides_error *error); /* one that isn't open is fine */
-void td_lines_drop(td_lines *lines);
+/* A new text file, FOLDER/name. */
+tides_status td_text_in_folder(td_text *text, const char *folder, const char *name, tides_error *error);
 
 /* Pictures at FOLDER/format with a number: 8 or 16 bits, 1 or 3 channels. */
 tides_status td_plane_write(const char *folder, const char *format, unsigned number, const td_member *camera, int32_t bits,
                             int32_t channels, const void *values, tides_error *error);
 
-/* The recording's facts, for its event writer. */
-tides_event_file td_event_facts_of(const td_dataset *set, const td_member *camera);
+/* The camera's event file in one of tides_event_format_at's formats; takes over `path`, NULL being out of memory. And its end:
+ * one that isn't open is fine, and none is open after it. */
+tides_status td_events_begin(const td_writer *w, char *path, const char *format, tides_event_writer **events,
+                             tides_error *error);
+tides_status td_events_end(const td_writer *w, tides_event_writer **events, tides_error *error);
 
 size_t td_pixels(const td_member *camera);
 /* cx and cy where pixel centres are whole numbers, as OpenCV, ROS and all these layouts have them: ours are at 0.5. */
@@ -148,9 +145,9 @@ tides_status td_check_lens(const td_dataset *set, const char *layout, int32_t mo
 /* T_1_0: from camera 0's coordinates to camera 1's, in metres; row-major 4x4. */
 void td_between(const td_dataset *set, const td_member *zero, const td_member *one, double transform[16]);
 /* `t ax ay az gx gy gz` [s, m/s^2, rad/s]. */
-tides_status td_imu_line(td_lines *lines, const tides_imu_sample *sample, tides_error *error);
+tides_status td_imu_line(td_text *lines, const tides_imu_sample *sample, tides_error *error);
 /* `t px py pz qx qy qz qw` [s, m]: of the camera in the world. */
-tides_status td_pose_line(const td_dataset *set, td_lines *lines, const td_place_at *at, tides_error *error);
+tides_status td_pose_line(const td_dataset *set, td_text *lines, const td_place_at *at, tides_error *error);
 /* 16-bit depth: metres times `scale`, 0 where unknown or beyond. */
 void td_depth_16(const td_dataset *set, const td_member *camera, const double *depth, double scale, uint16_t *out);
 

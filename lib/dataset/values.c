@@ -18,15 +18,25 @@ size_t td_pixels(const td_member *camera) {
 double td_whole_cx(const td_member *camera) { return camera->facts.intrinsics.cx - 0.5; }
 double td_whole_cy(const td_member *camera) { return camera->facts.intrinsics.cy - 0.5; }
 
-tides_event_file td_event_facts_of(const td_dataset *set, const td_member *camera) {
-    (void)set;
-    const tides_session_facts *f = &camera->facts;
-    return (tides_event_file){.width = f->intrinsics.width,
-                              .height = f->intrinsics.height,
-                              .run = f->values.json,
-                              .seed = f->values.seed,
-                              .start_ns = td_time_ns(f->values.start),
-                              .stop_ns = td_time_ns(f->values.stop)};
+tides_status td_events_begin(const td_writer *w, char *path, const char *format, tides_event_writer **events,
+                             tides_error *error) {
+    const tides_session_facts *f = &w->camera->facts;
+    const tides_event_file facts = {.width = f->intrinsics.width,
+                                    .height = f->intrinsics.height,
+                                    .run = f->values.json,
+                                    .seed = f->values.seed,
+                                    .start_ns = td_time_ns(f->values.start),
+                                    .stop_ns = td_time_ns(f->values.stop)};
+    tides_status status = path ? td_make_parents(path, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) status = tides_event_writer_open_as(path, format, &facts, events, error);
+    free(path);
+    return status;
+}
+
+tides_status td_events_end(const td_writer *w, tides_event_writer **events, tides_error *error) {
+    tides_event_writer *writer = *events;
+    *events = NULL;
+    return writer ? tides_event_writer_finish(writer, td_time_ns(w->camera->facts.values.stop), error) : TIDES_OK;
 }
 
 int td_lens_numbers(const td_member *camera, double numbers[5]) {
@@ -70,16 +80,16 @@ void td_depth_16(const td_dataset *set, const td_member *camera, const double *d
     }
 }
 
-tides_status td_imu_line(td_lines *lines, const tides_imu_sample *sample, tides_error *error) {
+tides_status td_imu_line(td_text *lines, const tides_imu_sample *sample, tides_error *error) {
     const double *a = sample->specific_force, *g = sample->angular_rate;
-    return td_lines_put(lines, error, "%.9f %.17g %.17g %.17g %.17g %.17g %.17g\n", sample->time, a[0], a[1], a[2], g[0], g[1],
-                        g[2]);
+    return td_text_put(lines, error, "%.9f %.17g %.17g %.17g %.17g %.17g %.17g\n", sample->time, a[0], a[1], a[2], g[0], g[1],
+                       g[2]);
 }
 
-tides_status td_pose_line(const td_dataset *set, td_lines *lines, const td_place_at *at, tides_error *error) {
+tides_status td_pose_line(const td_dataset *set, td_text *lines, const td_place_at *at, tides_error *error) {
     const double m = set->metres, *p = at->position, *q = at->quaternion;
-    return td_lines_put(lines, error, "%.6f %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", td_seconds(at->us), m * p[0],
-                        m * p[1], m * p[2], q[1], q[2], q[3], q[0]);
+    return td_text_put(lines, error, "%.6f %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", td_seconds(at->us), m * p[0], m * p[1],
+                       m * p[2], q[1], q[2], q[3], q[0]);
 }
 
 tides_status td_plane_write(const char *folder, const char *format, unsigned number, const td_member *camera, int32_t bits,

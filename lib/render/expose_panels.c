@@ -4,6 +4,7 @@
 #include "td_expose.h"
 
 #include "td_extremes.h"
+#include "td_sort.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -77,16 +78,11 @@ static tides_status add_node(expose_job *job, int tile, int part, int *at, tides
     return TIDES_OK;
 }
 
-static int by_time(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
 /* The distinct times of nodes, ascending. */
 static int gather_times(const expose_job *job, size_t first, int count, double *times) {
     int distinct = 0;
     for (int i = 0; i < count; i++) times[i] = time_of(job, &job->nodes[first + (size_t)i]);
-    qsort(times, (size_t)count, sizeof *times, by_time);
+    qsort(times, (size_t)count, sizeof *times, td_ascending);
     for (int i = 0; i < count; i++)
         if (distinct == 0 || times[i] > times[distinct - 1]) times[distinct++] = times[i];
     return distinct;
@@ -111,7 +107,7 @@ static tides_status render_some(expose_job *job, size_t first, int count, tides_
     const int slots = gather_times(job, first, count, job->times);
     for (int i = 0; i < count; i++) {
         const node *n = &job->nodes[first + (size_t)i];
-        const double time = time_of(job, n), *slot = bsearch(&time, job->times, (size_t)slots, sizeof time, by_time);
+        const double time = time_of(job, n), *slot = bsearch(&time, job->times, (size_t)slots, sizeof time, td_ascending);
         job->requests[i] = (td_request){job->band->first * job->tiles_x + n->tile, (int)(slot - job->times), 0};
     }
     const td_tile_batch batch = {job->times, slots, TD_SIDE_BEGINS, job->requests, count, outputs};

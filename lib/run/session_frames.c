@@ -66,15 +66,15 @@ static tides_status write_times(const frame_job *job, const char *name, size_t c
     char *path = td_format(error, "%s/%s", job->folder, name);
     td_text text = {NULL};
     tides_status status = path ? td_text_open(&text, path, error) : TIDES_NO_MEMORY;
-    if (status == TIDES_OK && spans) td_text_put(&text, "# start stop [s]\n");
+    if (status == TIDES_OK && spans) td_text_put(&text, NULL, "# start stop [s]\n");
     for (size_t i = 0; i < count && status == TIDES_OK; i++) {
         const double time = tides_exposure_time(&v->exposure, height, v->start, i);
         double start, stop;
         span_of(job, time, &start, &stop);
         if (spans)
-            td_text_put(&text, "%.9f %.9f\n", start, stop);
+            td_text_put(&text, NULL, "%.9f %.9f\n", start, stop);
         else
-            td_text_put(&text, "%.9f\n", time);
+            td_text_put(&text, NULL, "%.9f\n", time);
     }
     free(path);
     return td_text_close(&text, status, error);

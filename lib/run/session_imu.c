@@ -29,28 +29,28 @@ static int64_t seconds_of(int64_t ns) { return ns / 1000000000 - (ns % 100000000
 static void put_seconds(td_text *text, int64_t ns) {
     const int64_t s = seconds_of(ns), rest = ns - s * 1000000000;
     if (s < 0 && rest > 0) /* -0.25 is a second below 0, and 0.75 */
-        td_text_put(text, "-%lld.%09lld", (long long)-(s + 1), (long long)(1000000000 - rest));
+        td_text_put(text, NULL, "-%lld.%09lld", (long long)-(s + 1), (long long)(1000000000 - rest));
     else
-        td_text_put(text, "%lld.%09lld", (long long)s, (long long)rest);
+        td_text_put(text, NULL, "%lld.%09lld", (long long)s, (long long)rest);
 }
 
 static void put_three(td_text *text, const double v[3], char separator) {
-    for (int k = 0; k < 3; k++) td_text_put(text, "%c%.12g", separator, v[k]);
+    for (int k = 0; k < 3; k++) td_text_put(text, NULL, "%c%.12g", separator, v[k]);
 }
 
 /* EuRoC's columns: nanoseconds, then the gyroscope, then the accelerometer. */
 static void put_csv(const recording *r, td_text *text, int biases) {
-    td_text_put(text, biases
-                          ? "#timestamp [ns],b_w_x [rad s^-1],b_w_y [rad s^-1],b_w_z [rad s^-1],b_a_x [m s^-2],b_a_y [m s^-2],"
-                            "b_a_z [m s^-2]\n"
-                          : "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],"
-                            "a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n");
+    td_text_put(text, NULL,
+                biases ? "#timestamp [ns],b_w_x [rad s^-1],b_w_y [rad s^-1],b_w_z [rad s^-1],b_a_x [m s^-2],b_a_y [m s^-2],"
+                         "b_a_z [m s^-2]\n"
+                       : "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],"
+                         "a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n");
     for (size_t i = 0; i < r->count; i++) {
         const tides_imu_sample *s = &r->samples[i];
-        td_text_put(text, "%lld", (long long)nanoseconds(r, i));
+        td_text_put(text, NULL, "%lld", (long long)nanoseconds(r, i));
         put_three(text, biases ? s->gyroscope_bias : s->angular_rate, ',');
         put_three(text, biases ? s->accelerometer_bias : s->specific_force, ',');
-        td_text_put(text, "\n");
+        td_text_put(text, NULL, "\n");
     }
 }
 
@@ -61,7 +61,7 @@ static void put_txt(const recording *r, td_text *text, int biases) {
         put_seconds(text, nanoseconds(r, i));
         put_three(text, biases ? s->accelerometer_bias : s->specific_force, ' ');
         put_three(text, biases ? s->gyroscope_bias : s->angular_rate, ' ');
-        td_text_put(text, "\n");
+        td_text_put(text, NULL, "\n");
     }
 }
 
@@ -110,9 +110,7 @@ static tides_status write_npz(const recording *r, const char *path, tides_error 
     if (status != TIDES_OK) return status;
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays && status == TIDES_OK; i++)
         status = put_array(r, npz, arrays[i].name, arrays[i].offset, arrays[i].width, error);
-    if (status == TIDES_OK) return td_npy_writer_close(npz, error);
-    td_npy_writer_discard(npz);
-    return status;
+    return td_npy_writer_end(npz, status, error);
 }
 
 static tides_status write_any(const recording *r, const char *path, tides_error *error) {

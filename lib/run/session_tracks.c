@@ -73,12 +73,12 @@ static tides_status write_csv(const track_job *job, const char *path, tides_erro
     td_text text;
     tides_status status = td_text_open(&text, path, error);
     if (status != TIDES_OK) return status;
-    td_text_put(&text, "t,track,object,u,v,depth,visible\n");
+    td_text_put(&text, NULL, "t,track,object,u,v,depth,visible\n");
     for (size_t k = 0; k < job->times; k++)
         for (size_t i = 0; i < job->points; i++) {
             const tides_track *at = &job->track[k * job->points + i];
-            td_text_put(&text, "%.9f,%zu,%d,%.9g,%.9g,%.9g,%d\n", time_of(job, k), i, (int)job->point[i].object, at->u, at->v,
-                        at->depth, (int)at->visible);
+            td_text_put(&text, NULL, "%.9f,%zu,%d,%.9g,%.9g,%.9g,%d\n", time_of(job, k), i, (int)job->point[i].object, at->u,
+                        at->v, at->depth, (int)at->visible);
         }
     return td_text_close(&text, TIDES_OK, error);
 }
@@ -97,8 +97,8 @@ static tides_status put_column(td_npy_writer *npz, const column *c, const void *
     char *values = td_alloc(count, c->bytes, error);
     if (!values) return TIDES_NO_MEMORY;
     for (size_t i = 0; i < count; i++) memcpy(values + i * c->bytes, (const char *)records + i * size + c->offset, c->bytes);
-    tides_status status = td_npy_writer_begin(npz, c->name, c->dtype, c->item, c->ndim, c->inner, error);
-    if (status == TIDES_OK) status = td_npy_writer_append(npz, values, count / row, error);
+    const tides_status status =
+        td_npy_writer_put(npz, c->name, c->dtype, c->item, c->ndim, c->inner, values, count / row, error);
     free(values);
     return status;
 }
@@ -126,9 +126,7 @@ static tides_status write_npz(const track_job *job, const char *path, tides_erro
     for (size_t k = 0; k < job->times && status == TIDES_OK; k++) times[k] = time_of(job, k);
     if (status == TIDES_OK) status = put_arrays(job, npz, times, error);
     free(times);
-    if (status == TIDES_OK) return td_npy_writer_close(npz, error);
-    td_npy_writer_discard(npz);
-    return status;
+    return td_npy_writer_end(npz, status, error);
 }
 
 /* -- the run --------------------------------------------------------------------------------------------------------- */

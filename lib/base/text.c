@@ -1,5 +1,5 @@
-/* Text files of numbers, for times of frames, measurements and tracks: written to a .part in the C locale, and renamed when all
- * of it is on the disk (td_text.h). */
+/* Text files of numbers, for times of frames, measurements, tracks and datasets: written to a .part in the C locale, and
+ * renamed when all of it is on the disk (td_text.h). */
 #include "td_text.h"
 
 #include <errno.h>
@@ -8,6 +8,13 @@
 
 static tides_status fail_write(const td_text *text, int reason, tides_error *error) {
     return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", text->path, strerror(reason));
+}
+
+static void free_text(td_text *text) {
+    if (text->plain) freelocale(text->plain);
+    free(text->part);
+    free(text->path);
+    memset(text, 0, sizeof *text);
 }
 
 tides_status td_text_open(td_text *text, const char *path, tides_error *error) {
@@ -19,36 +26,29 @@ tides_status td_text_open(td_text *text, const char *path, tides_error *error) {
         text->file = text->plain ? fopen(text->part, "wb") : NULL;
         if (!text->file) status = fail_write(text, errno, error);
     }
-    if (text->file) {
-        text->before = uselocale(text->plain);
-        return TIDES_OK;
-    }
-    if (text->plain) freelocale(text->plain);
-    free(text->part);
-    free(text->path);
-    memset(text, 0, sizeof *text);
+    if (status != TIDES_OK) free_text(text);
     return status;
 }
 
-void td_text_put(td_text *text, const char *format, ...) {
+/* The thread's locale is another one for this line only: its caller's code runs between two lines. */
+tides_status td_text_put(td_text *text, tides_error *error, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
+    const locale_t before = uselocale(text->plain);
     if (vfprintf(text->file, format, arguments) < 0 && !text->failed) text->failed = errno;
+    uselocale(before);
     va_end(arguments);
+    return text->failed ? fail_write(text, text->failed, error) : TIDES_OK;
 }
 
 tides_status td_text_close(td_text *text, tides_status status, tides_error *error) {
     if (!text->file) return status;
-    uselocale(text->before);
-    freelocale(text->plain);
     if (fclose(text->file) != 0 && !text->failed) text->failed = errno; /* what was buffered may find no room */
     if (status == TIDES_OK && text->failed) status = fail_write(text, text->failed, error);
     if (status == TIDES_OK)
         status = td_commit_file(text->part, text->path, error);
     else
         td_remove_part(text->part, text->path);
-    free(text->part);
-    free(text->path);
-    memset(text, 0, sizeof *text);
+    free_text(text);
     return status;
 }
