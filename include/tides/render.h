@@ -33,6 +33,12 @@ typedef struct tides_smoothing {
     int32_t reserved;
 } tides_smoothing;
 
+/* A colour filter array over the pixels: cells of 2x2 whose channels are named row by row, the first at pixel (0, 0). */
+enum { TIDES_FILTER_OFF = 0, TIDES_FILTER_RGGB = 1, TIDES_FILTER_GRBG = 2, TIDES_FILTER_GBRG = 3, TIDES_FILTER_BGGR = 4 };
+
+/* The channel that pixel (x, y) sees through `filter`: 0 red, 1 green, 2 blue; -1 where it is OFF, or none of these. */
+TIDES_API int32_t tides_colour_filter_channel(int32_t filter, int32_t x, int32_t y);
+
 /* Image formation; fill with tides_image_params_defaults. */
 typedef struct tides_image_params {
     uint32_t size;        /* sizeof this struct */
@@ -44,9 +50,12 @@ typedef struct tides_image_params {
     double log_eps;       /* L = ln(Y + log_eps), 1e-9 to 1e6 */
     double background[3]; /* r g b, >= 0 */
     tides_smoothing smoothing;
+    int32_t colour_filter; /* TIDES_FILTER_*: other than OFF each pixel's luminance is one channel, and so are L and all that
+                              comes of it; `luminance` must then be the default. Takes three times as long */
+    int32_t reserved;
 } tides_image_params;
 
-/* smooth, 0, 4, 0.3, (0.2126, 0.7152, 0.0722), 1e-3, black, (0.1/255 to 1/255, 1e-5, 1.25, 1e-4, ellipses). */
+/* smooth, 0, 4, 0.3, (0.2126, 0.7152, 0.0722), 1e-3, black, (0.1/255 to 1/255, 1e-5, 1.25, 1e-4, ellipses), no filter. */
 TIDES_API void tides_image_params_defaults(tides_image_params *params);
 
 /* clang-format off */

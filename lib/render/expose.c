@@ -117,6 +117,11 @@ tides_status tides_renderer_expose(tides_renderer *r, const tides_trajectory *ca
     tides_status status = take_exposure(exposure, &e, error);
     if (status != TIDES_OK) return status;
     const int height = r->image.height;
+    if (r->colour_filter && !e.colour)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "exposure.colour is false with sensor.colour_filter: what a filtered pixel is exposed to is one plane "
+                       "of "
+                       "a frame in colour; set it to true");
     if (r->psf.radius && row_time(&e) != 0)
         return td_fail(error, TIDES_UNSUPPORTED,
                        "a rolling shutter with blur by the optics (psf_sigma_px) isn't supported: blur mixes rows of other "

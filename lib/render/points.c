@@ -151,7 +151,10 @@ tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *err
     if (renderer->points) return TIDES_OK;
     const char *why = why_not(renderer);
     if (why) return td_fail(error, TIDES_UNSUPPORTED, "single pixels can't be worked out in double precision: %s", why);
-    return create_points(renderer, NULL, &renderer->points, error);
+    tides_status status = create_points(renderer, NULL, &renderer->points, error);
+    for (int c = 0; c < 3 && status == TIDES_OK; c++)
+        if (renderer->beside[c]) status = td_renderer_exact_points(renderer->beside[c], error);
+    return status;
 }
 
 static void lay_tiles(const tides_renderer *renderer, td_points *p) {
@@ -338,15 +341,20 @@ static tides_status exact_points(tides_renderer *renderer, const tides_trajector
     return status;
 }
 
-tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
-                                td_point_value *values, tides_error *error) {
-    if (!renderer->points) return points_of_tiles(renderer, camera, points, count, values, error);
+static tides_status swept_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
+                                 td_point_value *values, tides_error *error) {
     const td_candidates *lists = &renderer->candidates;
     renderer->points->at = (td_point_span){lists->first, lists->list, renderer->swept[0], renderer->swept[1], lists->serial};
     return exact_points(renderer, camera, renderer->points, points, count, values, error);
 }
 
-tides_status td_renderer_keep_instant(tides_renderer *renderer, tides_error *error) {
+tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
+                                td_point_value *values, tides_error *error) {
+    return renderer->points ? td_mosaic_points(renderer, swept_points, camera, points, count, values, error)
+                            : points_of_tiles(renderer, camera, points, count, values, error);
+}
+
+static tides_status keep_instant(tides_renderer *renderer, tides_error *error) {
     const td_candidates *lists = &renderer->candidates;
     const size_t tiles = (size_t)renderer->stats.tiles + 1, candidates = (size_t)lists->first[tiles - 1];
     td_points_destroy(renderer->kept);
@@ -363,14 +371,29 @@ tides_status td_renderer_keep_instant(tides_renderer *renderer, tides_error *err
     return TIDES_OK;
 }
 
+tides_status td_renderer_keep_instant(tides_renderer *renderer, tides_error *error) {
+    tides_status status = keep_instant(renderer, error);
+    for (int c = 0; c < 3 && status == TIDES_OK; c++)
+        if (renderer->beside[c]) status = keep_instant(renderer->beside[c], error);
+    return status;
+}
+
+static tides_status kept_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
+                                td_point_value *values, tides_error *error) {
+    return exact_points(renderer, camera, renderer->kept, points, count, values, error);
+}
+
 tides_status td_renderer_kept_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
                                      size_t count, td_point_value *values, tides_error *error) {
-    return exact_points(renderer, camera, renderer->kept, points, count, values, error);
+    return td_mosaic_points(renderer, kept_points, camera, points, count, values, error);
 }
 
 double td_renderer_points_error(const tides_renderer *renderer) {
     /* twice: a pixel sees several splats, of which more than one may be off */
-    return renderer->points && renderer->points->begun ? 2 * renderer->points->nodes.worst : 0;
+    double most = renderer->points && renderer->points->begun ? 2 * renderer->points->nodes.worst : 0;
+    for (int c = 0; c < 3; c++)
+        if (renderer->beside[c]) most = fmax(most, td_renderer_points_error(renderer->beside[c]));
+    return most;
 }
 
 int td_renderer_points_rounded(const tides_renderer *renderer) {

@@ -235,8 +235,8 @@ static void finish(tides_renderer *renderer, const td_request *requests, int slo
     }
 }
 
-tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
-                               double *planes, tides_error *error) {
+tides_status td_renderer_blurred_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
+                                       double *planes, tides_error *error) {
     const int slots = batch->slots, outputs = batch->outputs;
     td_psf *psf = &renderer->psf;
     td_tile_batch sharp = *batch;
@@ -261,5 +261,8 @@ tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory 
 
 tides_status tides_renderer_set_psf(tides_renderer *renderer, double sigma_px, int32_t domain, tides_error *error) {
     if (!renderer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_renderer_set_psf: renderer must be given");
-    return td_psf_set(&renderer->psf, sigma_px, domain, error);
+    tides_status status = td_psf_set(&renderer->psf, sigma_px, domain, error);
+    for (int c = 0; c < 3 && status == TIDES_OK; c++)
+        if (renderer->beside[c]) status = tides_renderer_set_psf(renderer->beside[c], sigma_px, domain, error);
+    return status;
 }

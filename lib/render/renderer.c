@@ -5,6 +5,7 @@
 #include "td_renderer.h"
 #include "td_struct.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 enum {
@@ -63,6 +64,8 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     tides_status status = check_arguments(device, scene, intrinsics, given, renderer, error);
     if (status == TIDES_OK) status = TD_TAKE_STRUCT(tides_image_params, &own, given, error);
     if (status != TIDES_OK) return status;
+    if (params->colour_filter != TIDES_FILTER_OFF)
+        return td_mosaic_create(device, scene, intrinsics, params, progress, user, renderer, error);
     tides_renderer *made = td_alloc(1, sizeof *made, error);
     if (!made) return TIDES_NO_MEMORY;
     made->device = device;
@@ -101,6 +104,7 @@ done:
 
 void tides_renderer_destroy(tides_renderer *renderer) {
     if (!renderer) return;
+    td_mosaic_release(renderer);
     if (renderer->backend) renderer->backend->type->destroy(renderer->backend);
     td_points_destroy(renderer->kept);
     td_points_destroy(renderer->points);
@@ -144,6 +148,7 @@ void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *st
     stats->time_sort_s = done->time_sort_s;
     stats->time_composite_s += done->time_composite_s;
     stats->time_transfer_s = done->time_transfer_s;
+    td_mosaic_add_stats(renderer, stats);
 }
 
 /* Times of `now`, and all else of `before`. */
@@ -160,17 +165,29 @@ static tides_render_stats counts_of(const tides_render_stats *before, const tide
 }
 
 td_render_counts td_renderer_counts(const tides_renderer *renderer) {
-    return (td_render_counts){renderer->stats, renderer->backend->stats};
+    td_render_counts counts = {{renderer->stats}, {renderer->backend->stats}};
+    for (int c = 1; c < 3; c++) {
+        if (!renderer->beside[c]) continue;
+        counts.own[c] = renderer->beside[c]->stats;
+        counts.backend[c] = renderer->beside[c]->backend->stats;
+    }
+    return counts;
 }
 
 void td_renderer_put_counts(tides_renderer *renderer, const td_render_counts *counts) {
-    renderer->stats = counts_of(&counts->own, &renderer->stats);
-    renderer->backend->stats = counts_of(&counts->backend, &renderer->backend->stats);
+    for (int c = 0; c < 3; c++) {
+        tides_renderer *one = c == 0 ? renderer : renderer->beside[c];
+        if (!one) continue;
+        one->stats = counts_of(&counts->own[c], &one->stats);
+        one->backend->stats = counts_of(&counts->backend[c], &one->backend->stats);
+    }
 }
 
 void td_renderer_set_heed(tides_renderer *renderer, td_heed heed, void *user) {
     renderer->heed = heed;
     renderer->heed_user = user;
+    for (int c = 0; c < 3; c++)
+        if (renderer->beside[c]) td_renderer_set_heed(renderer->beside[c], heed, user);
 }
 
 tides_status td_renderer_heed(const tides_renderer *renderer, tides_error *error) {
@@ -181,6 +198,8 @@ tides_status td_renderer_heed(const tides_renderer *renderer, tides_error *error
 void td_renderer_set_epoch(tides_renderer *renderer, double epoch) {
     renderer->epoch = epoch;
     td_dynamic_set_epoch(&renderer->dynamic, epoch);
+    for (int c = 0; c < 3; c++)
+        if (renderer->beside[c]) td_renderer_set_epoch(renderer->beside[c], epoch);
 }
 
 const double *td_renderer_knots(const tides_renderer *renderer, size_t *count) {
@@ -189,32 +208,51 @@ const double *td_renderer_knots(const tides_renderer *renderer, size_t *count) {
 }
 
 tides_status td_renderer_prepare(tides_renderer *renderer, int outputs, tides_error *error) {
-    return renderer->backend->type->prepare(renderer->backend, outputs, error);
+    tides_status status = renderer->backend->type->prepare(renderer->backend, outputs, error);
+    for (int c = 0; c < 3 && status == TIDES_OK; c++)
+        if (renderer->beside[c]) status = td_renderer_prepare(renderer->beside[c], outputs, error);
+    return status;
 }
 
 tides_status td_renderer_interpolate(tides_renderer *renderer, double tolerance, double time_tolerance_s, tides_error *error) {
-    return td_dynamic_interpolate(&renderer->dynamic, renderer->backend, tolerance, time_tolerance_s, error);
+    tides_status status = td_dynamic_interpolate(&renderer->dynamic, renderer->backend, tolerance, time_tolerance_s, error);
+    for (int c = 0; c < 3 && status == TIDES_OK; c++)
+        if (renderer->beside[c]) status = td_renderer_interpolate(renderer->beside[c], tolerance, time_tolerance_s, error);
+    return status;
 }
 
 int td_renderer_is_double(const tides_renderer *renderer) { return td_device_is_double(renderer->device); }
 
 int td_renderer_tile_moves(const tides_renderer *renderer, int tile) { return renderer->candidates.moving[tile]; }
 
-double td_renderer_tile_travel(const tides_renderer *renderer, int tile) { return renderer->candidates.travel[tile]; }
+/* Of a colour filter's channels the most: travel is of their colours too, what moves is of their places alone. */
+double td_renderer_tile_travel(const tides_renderer *renderer, int tile) {
+    double most = renderer->candidates.travel[tile];
+    for (int c = 0; c < 3; c++)
+        if (renderer->beside[c]) most = fmax(most, td_renderer_tile_travel(renderer->beside[c], tile));
+    return most;
+}
 
-void td_renderer_by_blocks(tides_renderer *renderer) { renderer->candidates.by_blocks = 1; }
+void td_renderer_by_blocks(tides_renderer *renderer) {
+    renderer->candidates.by_blocks = 1;
+    for (int c = 0; c < 3; c++)
+        if (renderer->beside[c]) td_renderer_by_blocks(renderer->beside[c]);
+}
 
 int td_renderer_block_moves(const tides_renderer *renderer, int tile, int block) {
     return renderer->candidates.moving_blocks[tile] >> block & 1;
 }
 
 double td_renderer_block_travel(const tides_renderer *renderer, int tile, int block) {
-    return renderer->candidates.block_travel[tile * TD_TILE_BLOCKS + block];
+    double most = renderer->candidates.block_travel[tile * TD_TILE_BLOCKS + block];
+    for (int c = 0; c < 3; c++)
+        if (renderer->beside[c]) most = fmax(most, td_renderer_block_travel(renderer->beside[c], tile, block));
+    return most;
 }
 
 int td_renderer_tiles_across(const tides_renderer *renderer) { return renderer->candidates.tiles_x; }
 
-typedef char td_image_facts_are_these[TD_IMAGE_FACTS == TD_IMAGE_REALS + TD_IMAGE_INTS + 5 ? 1 : -1];
+typedef char td_image_facts_are_these[TD_IMAGE_FACTS == TD_IMAGE_REALS + TD_IMAGE_INTS + 6 ? 1 : -1];
 
 void td_renderer_image_facts(const tides_renderer *renderer, double facts[TD_IMAGE_FACTS]) {
     const td_image_numbers image = td_image_pack(&renderer->image);
@@ -225,4 +263,5 @@ void td_renderer_image_facts(const tides_renderer *renderer, double facts[TD_IMA
     facts[at++] = psf->radius ? psf->sigma : 0;
     facts[at++] = psf->radius ? psf->domain : 0;
     for (int c = 0; c < 3; c++) facts[at++] = renderer->backdrops[0].colour[c];
+    facts[at++] = renderer->colour_filter;
 }

@@ -43,9 +43,10 @@ tides_status td_renderer_paths(tides_renderer *renderer, double tolerance, doubl
 typedef int (*td_heed)(void *user);
 void td_renderer_set_heed(tides_renderer *renderer, td_heed heed, void *user);
 
-/* What has been counted, for work that may be thrown away; then that again, but for the time that went by. */
+/* What has been counted, by each channel of a colour filter, for work that may be thrown away; then that again, but for the
+ * time that went by. */
 typedef struct td_render_counts {
-    tides_render_stats own, backend;
+    tides_render_stats own[3], backend[3];
 } td_render_counts;
 td_render_counts td_renderer_counts(const tides_renderer *renderer);
 void td_renderer_put_counts(tides_renderer *renderer, const td_render_counts *counts);
@@ -159,8 +160,8 @@ tides_status td_renderer_flow(tides_renderer *renderer, const tides_trajectory *
 int td_renderer_is_double(const tides_renderer *renderer);
 
 /* What decides its images besides scene, paths and device, as numbers: image formation as resolved, intrinsics, blur,
- * background. The same numbers make the same images. */
-enum { TD_IMAGE_FACTS = 57 };
+ * background, colour filter. The same numbers make the same images. */
+enum { TD_IMAGE_FACTS = 58 };
 void td_renderer_image_facts(const tides_renderer *renderer, double facts[TD_IMAGE_FACTS]);
 
 #endif

@@ -8,6 +8,7 @@
  *   sweep.c, candidates.c                which Gaussians a tile may see in an interval
  *   paths.c, path_times.c                splats at a few times of an interval, cubics between (td_paths.h)
  *   tiles.c, psf.c, nonfinite.c          tiles at times: rendered, blurred, checked
+ *   mosaic.c                             a colour filter: each pixel of the channel that it sees
  *   frame.c, flow.c                      whole images, and how fast they move
  *   truth.c                              ground truth (kernels/truth.h)
  *   event_truth.c                        the same of events
@@ -152,7 +153,28 @@ struct tides_renderer {
     td_heed heed;      /* asked before each launch, with */
     void *heed_user;
     tides_render_stats stats;
+    int colour_filter;         /* TIDES_FILTER_*: other than OFF this is the renderer of red, with (mosaic.c) */
+    tides_renderer *beside[3]; /* those of green and blue at 1 and 2; else NULL */
+    double *mosaic;            /* planes of theirs */
+    size_t mosaic_capacity;
 };
+
+/* A renderer with a colour filter; what it has beside it, freed; what that did, added (mosaic.c). */
+tides_status td_mosaic_create(tides_device *device, const tides_scene *scene, const tides_intrinsics *intrinsics,
+                              const tides_image_params *params, tides_progress progress, void *user, tides_renderer **renderer,
+                              tides_error *error);
+void td_mosaic_release(tides_renderer *renderer);
+void td_mosaic_add_stats(const tides_renderer *renderer, tides_render_stats *stats);
+
+/* Points through `look_up`, each by the renderer of its own channel (mosaic.c). */
+typedef tides_status td_look_up(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
+                                td_point_value *values, tides_error *error);
+tides_status td_mosaic_points(tides_renderer *renderer, td_look_up *look_up, const tides_trajectory *camera,
+                              const td_point *points, size_t count, td_point_value *values, tides_error *error);
+
+/* td_renderer_tiles as if there were no colour filter (psf.c). */
+tides_status td_renderer_blurred_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
+                                       double *planes, tides_error *error);
 
 /* Views of every object at each time, and a backdrop for each: renderer->views and backdrops. */
 tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,

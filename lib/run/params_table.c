@@ -108,6 +108,8 @@ const td_param td_params[] = {
     {VECTOR3("image.luminance", image.luminance, "", 0, 100, "weights of r, g, b in luminance Y")},
     {NUMBER("image.log_eps", image.log_eps, "", 1e-9, 1e6, "L = ln(Y + log_eps)")},
 
+    {CHOICE("sensor.colour_filter", image.colour_filter, "off|rggb|grbg|gbrg|bggr",
+            "what pixels see through: each one channel of light, by its place in cells of 2x2 (R, G / G, B)")},
     {NUMBER("sensor.threshold_on", sensor.threshold_on, "log units", 1e-4, 100, "C+: rise of L that fires an ON event")},
     {NUMBER("sensor.threshold_off", sensor.threshold_off, "log units", 1e-4, 100, "C-: fall of L that fires an OFF event")},
     {TEXT("sensor.preset", "values for keys that aren't given: a sensor's name, or a JSON file like share/presets'"),

@@ -9,6 +9,9 @@
 
 /* Before anything is made: what a method that sees frames would go without. */
 static tides_status check_frames(const tides_session_facts *f, tides_error *error) {
+    if (f->frames && f->values.image.colour_filter != TIDES_FILTER_OFF)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "sensor.colour_filter needs a scene: frames.file is read as luminance; leave one of them out");
     if (!f->sees_frames) return TIDES_OK;
     if (f->values.readout.enabled)
         return td_fail(error, TIDES_UNSUPPORTED,

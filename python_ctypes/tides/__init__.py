@@ -44,7 +44,7 @@ from .measure import ExactOptions, exact_stream, ideal_settings, image_is_contin
 from .motion import Motion
 from .names import nearest_name
 from .readout import Arbiter, Readout
-from .render import CHANNELS, EVENT_TRUTH, MATERIAL_POINT, TRACK, TRUTHS, ImageParams, Renderer
+from .render import CHANNELS, EVENT_TRUTH, MATERIAL_POINT, TRACK, TRUTHS, ImageParams, Renderer, colour_filter
 from .representations import ArrayWriter, VoxelOptions, event_frame, time_surface, voxel_grid
 from .run import Fingerprints, Run, fingerprint_text, parameters, run_template, statistics
 from .scene import Gaussians, Scene, SceneObject

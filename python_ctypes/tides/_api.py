@@ -69,6 +69,11 @@ TIDES_CAUSES = 4
 TIDES_RULES_SMOOTH = 0
 TIDES_RULES_INRIA = 1
 TIDES_RULES_GSPLAT = 2
+TIDES_FILTER_OFF = 0
+TIDES_FILTER_RGGB = 1
+TIDES_FILTER_GRBG = 2
+TIDES_FILTER_GBRG = 3
+TIDES_FILTER_BGGR = 4
 TIDES_Y = 0
 TIDES_L = 1
 TIDES_L_DOT = 2
@@ -1310,6 +1315,9 @@ class tides_image_params(Structure):
     double log_eps; /* L = ln(Y + log_eps), 1e-9 to 1e6 */
     double background[3]; /* r g b, >= 0 */
     tides_smoothing smoothing;
+    int32_t colour_filter; /* TIDES_FILTER_*: other than OFF each pixel's luminance is one channel, and so are L and all that
+    comes of it; `luminance` must then be the default. Takes three times as long */
+    int32_t reserved;
     """
 
     size: int
@@ -1321,6 +1329,8 @@ class tides_image_params(Structure):
     log_eps: float
     background: Any
     smoothing: tides_smoothing
+    colour_filter: int
+    reserved: int
 
     _fields_ = [
         ("size", c_uint32),
@@ -1332,6 +1342,8 @@ class tides_image_params(Structure):
         ("log_eps", c_double),
         ("background", c_double * 3),
         ("smoothing", tides_smoothing),
+        ("colour_filter", c_int32),
+        ("reserved", c_int32),
     ]
 
 
@@ -2967,6 +2979,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     ]),
     # const char *tides_channel_name(int32_t channel)
     "tides_channel_name": (c_char_p, [c_int32]),
+    # int32_t tides_colour_filter_channel(int32_t filter, int32_t x, int32_t y)
+    "tides_colour_filter_channel": (c_int32, [c_int32, c_int32, c_int32]),
     # int32_t tides_dataset_layout_at(size_t index, tides_dataset_layout *layout)
     "tides_dataset_layout_at": (c_int32, [c_size_t, P(tides_dataset_layout)]),
     # tides_status tides_dataset_write(tides_session *session, const char *folder, const char *layouts, tides_progress

@@ -38,10 +38,20 @@ EVENT_TRUTH = np.dtype(
 
 class ImageParams(Value, _api.tides_image_params):
     """Image formation: rules ("smooth", "inria", "gsplat"), antialias, sh_degree, dilation [px^2], luminance (3), log_eps,
-    background (3), linear r g b."""
+    background (3), linear r g b, colour_filter ("off", "rggb", "grbg", "gbrg", "bggr")."""
 
-    _defaults, _groups = "tides_image_params_defaults", ("image.", "scene.")
-    _words = {"rules": "TIDES_RULES_"}
+    _defaults, _groups = "tides_image_params_defaults", ("image.", "scene.", "sensor.")
+    _words = {"rules": "TIDES_RULES_", "colour_filter": "TIDES_FILTER_"}
+
+
+def colour_filter(name: str, height: int, width: int) -> np.ndarray:
+    """What each pixel sees through sensor.colour_filter `name` ("rggb", ...): (height x width) uint8, 0 red, 1 green, 2 blue.
+    An event's is colour_filter(...)[y, x]."""
+    number = choice("colour filter", name, constants("TIDES_FILTER_"))
+    cell = [[lib.tides_colour_filter_channel(number, x, y) for x in (0, 1)] for y in (0, 1)]
+    if cell[0][0] < 0:
+        raise ValueError("colour filter: 'off' lets all light through")
+    return np.tile(np.array(cell, "u1"), (height // 2 + 1, width // 2 + 1))[:height, :width]
 
 
 class Renderer(Handle):

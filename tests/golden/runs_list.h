@@ -106,6 +106,8 @@ static const run_entry runs[] = {
     {"generated/disc", "disc", F32, FIXED, 0},
     {"generated/room", "room", F32, "", 0},
 
+    {"sensor/colour filter", "rigid", F32, FIXED "sensor.colour_filter=rggb frontend.psf_sigma_px=0.7", RUN_CPU | RUN_RESUME},
+    {"sensor/colour filter solved", "rigid", F32, "sensor.colour_filter=gbrg stepping.solve=double", RUN_RESUME},
     {"sensor/threshold_sigma", "rigid", F32, "sensor.threshold_sigma=0.02 sensor.threshold_min=0.05", RUN_RESUME},
     {"sensor/refractory hold", "rigid", F32, "sensor.refractory_s=0.006", RUN_RESUME},
     {"sensor/refractory keep", "rigid", F32, "sensor.refractory_s=0.006 sensor.refractory_law=drop_keep", RUN_RESUME},

@@ -33,6 +33,22 @@ def test_frame(scene, camera):
     assert tides.lib.tides_channel_name(99) is None
 
 
+def test_colour_filter(scene, camera):
+    cells = tides.colour_filter("grbg", *SIZE[::-1])
+    assert cells.shape == SIZE[::-1] and cells[:2, :2].tolist() == [[1, 0], [2, 1]]
+    with tides.Renderer(scene, camera, tides.ImageParams(colour_filter="grbg")) as renderer:
+        seen = renderer.frame(0.05, ["L", "L_dot"])
+    for c in range(3):
+        alone = tides.ImageParams(luminance=[float(k == c) for k in range(3)])
+        with tides.Renderer(scene, camera, alone) as renderer:
+            frame = renderer.frame(0.05, ["L", "L_dot"])
+        assert all(np.array_equal(seen[name][cells == c], frame[name][cells == c]) for name in frame)
+    with pytest.raises(ValueError, match="did you mean 'rggb'"):
+        tides.colour_filter("rgb", 2, 2)
+    with pytest.raises(ValueError, match="lets all light through"):
+        tides.colour_filter("off", 2, 2)
+
+
 def test_truth(scene, camera):
     with tides.Renderer(scene, camera) as renderer:
         truth = renderer.truth(0.05)
