@@ -16,6 +16,7 @@
 extern "C" {
 #endif
 
+/* As tides_version has it. */
 #define TIDES_VERSION_MAJOR 0
 #define TIDES_VERSION_MINOR 1
 #define TIDES_VERSION_PATCH 0
@@ -57,8 +58,8 @@ enum {
 
 /* What went wrong. Plain value, owned by the caller; `text` is always terminated. */
 typedef struct tides_error {
-    tides_status status;
-    char text[1020];
+    tides_status status; /* TIDES_OK, or what went wrong */
+    char text[1020];     /* one line: what, where, and how to put it right */
 } tides_error;
 
 /* "TIDES_BAD_FILE"; static storage; "TIDES_UNKNOWN_STATUS" for anything else. */

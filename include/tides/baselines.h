@@ -66,9 +66,9 @@ typedef struct tides_iebcs {
     double bgnp, bgnn;               /* [Hz] 0.1, 0.01: periodic noise events of each polarity */
     double scale;                    /* 1e4: lux-like units of Y = 1 */
     const char *noise_pos;           /* .npy of measured noise histograms (rows, columns, 72) per polarity, or NULL */
-    const char *noise_neg;
-    double arbiter_us; /* [us] 0.1: time per event, per event of a row, or per clock */
-    int32_t arbiter;   /* TIDES_ARBITER_* */
+    const char *noise_neg;           /* of OFF events, likewise */
+    double arbiter_us;               /* [us] 0.1: time per event, per event of a row, or per clock */
+    int32_t arbiter;                 /* TIDES_ARBITER_* */
 } tides_iebcs;
 
 /* LDATI, V2CE's second stage: its frames are voxel grids (2, TIDES_LDATI_PLANES, height, width), ON first, each of the interval
@@ -81,18 +81,19 @@ typedef struct tides_ldati_params {
 /* Fill with tides_baseline_params_defaults: the originals' own. */
 typedef struct tides_baseline_params {
     uint32_t size;
-    int32_t method; /* TIDES_METHOD_* */
-    uint64_t seed;
-    tides_sensor sensor; /* of TIDES_METHOD_TIDES */
-    double log_eps;      /* likewise: L = ln(Y + log_eps) */
-    tides_esim esim;
-    tides_v2e v2e;
-    tides_voltmeter voltmeter;
-    tides_iebcs iebcs;
-    tides_ldati_params ldati;
+    int32_t method;            /* TIDES_METHOD_* */
+    uint64_t seed;             /* of what the method draws at random */
+    tides_sensor sensor;       /* of TIDES_METHOD_TIDES */
+    double log_eps;            /* likewise: L = ln(Y + log_eps) */
+    tides_esim esim;           /* of TIDES_METHOD_ESIM */
+    tides_v2e v2e;             /* of TIDES_METHOD_V2E */
+    tides_voltmeter voltmeter; /* of TIDES_METHOD_VOLTMETER */
+    tides_iebcs iebcs;         /* of TIDES_METHOD_IEBCS */
+    tides_ldati_params ldati;  /* of TIDES_METHOD_LDATI */
 } tides_baseline_params;
 TIDES_API void tides_baseline_params_defaults(tides_baseline_params *params);
 
+/* A method at work on a sequence of frames. Opaque. */
 typedef struct tides_baseline tides_baseline;
 
 /* A simulator of (width x height) px, at most 16384 a side. TIDES_BAD_ARGUMENT naming the parameter; files of noise are read

@@ -21,7 +21,7 @@ enum { TIDES_LENS_NONE = 0, TIDES_LENS_RADTAN, TIDES_LENS_EQUIDISTANT };
 typedef struct tides_lens {
     int32_t model; /* TIDES_LENS_* */
     int32_t reserved;
-    double k1, k2, k3, k4, p1, p2;
+    double k1, k2, k3, k4, p1, p2; /* [1] those that the model hasn't are 0 */
 } tides_lens;
 
 /* u = fx a' + cx, v = fy b' + cy; pixel (0,0) is the top left one and its centre lies at (0.5, 0.5): 0.5 more than where
@@ -29,7 +29,7 @@ typedef struct tides_lens {
 typedef struct tides_intrinsics {
     int32_t width, height; /* [px] */
     double fx, fy, cx, cy; /* [px] */
-    tides_lens lens;
+    tides_lens lens;       /* zeros: a pinhole */
 } tides_intrinsics;
 
 /* How to read a path file; fill with tides_path_options_defaults. */

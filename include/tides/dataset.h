@@ -11,8 +11,9 @@ extern "C" {
 
 /* A layout: its name ("dsec"), a few words, and whether it has lengths in metres: scene.metres_per_unit must then be known. */
 typedef struct tides_dataset_layout {
-    const char *name, *summary;
-    int32_t metric, reserved;
+    const char *name, *summary; /* static storage */
+    int32_t metric;             /* 1: it has lengths in metres */
+    int32_t reserved;
 } tides_dataset_layout;
 
 /* Layout number `index` from 0 on; 1, or 0 behind the last. */

@@ -16,20 +16,21 @@
 extern "C" {
 #endif
 
+/* A device with its queue and its built kernels. Opaque. */
 typedef struct tides_device tides_device;
 
 enum { TIDES_DEVICE_CPU = 1, TIDES_DEVICE_GPU = 2, TIDES_DEVICE_OTHER = 3, TIDES_DEVICE_REFERENCE = 4 };
 
 /* One row of `tides devices`. Plain value. */
 typedef struct tides_device_info {
-    int32_t kind;       /* TIDES_DEVICE_CPU, _GPU, _OTHER, _REFERENCE */
-    int32_t index;      /* what SPEC may name; -1 for the reference */
-    char name[128];     /* CL_DEVICE_NAME */
-    char platform[128]; /* CL_PLATFORM_NAME */
-    char driver[128];   /* CL_DEVICE_VERSION and CL_DRIVER_VERSION */
-    int32_t compute_units;
-    int32_t lanes; /* pixels per work-item that kernels are built for */
-    uint64_t memory_bytes;
+    int32_t kind;          /* TIDES_DEVICE_CPU, _GPU, _OTHER, _REFERENCE */
+    int32_t index;         /* what SPEC may name; -1 for the reference */
+    char name[128];        /* CL_DEVICE_NAME */
+    char platform[128];    /* CL_PLATFORM_NAME */
+    char driver[128];      /* CL_DEVICE_VERSION and CL_DRIVER_VERSION */
+    int32_t compute_units; /* CL_DEVICE_MAX_COMPUTE_UNITS */
+    int32_t lanes;         /* pixels per work-item that kernels are built for */
+    uint64_t memory_bytes; /* CL_DEVICE_GLOBAL_MEM_SIZE */
 } tides_device_info;
 
 /* Opens the device that `spec` names; NULL or "" reads the environment's TIDES_DEVICE, and "auto" where that is unset.

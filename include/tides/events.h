@@ -36,17 +36,18 @@ typedef struct tides_event_file {
     /* [ns] The recording's stretch; both 0: not known. Where it is, what the format can't hold of it is TIDES_UNSUPPORTED at
      * once; else the first event that doesn't fit is. HDF5 counts its 32-bit microseconds from t_offset: 0 where the recording
      * lies within their first 4294.967 s, else its start; where that isn't known, of half an hour from its first event. */
-    int64_t start_ns, stop_ns;
+    int64_t start_ns, stop_ns; /* as above */
 } tides_event_file;
 
+/* A file that is being written. Opaque. */
 typedef struct tides_event_writer tides_event_writer;
 
 /* The formats of event files: name ("evt3"), a few words, the endings of files that are written in it ("" where it is only
  * chosen by name), and what the library does with it. */
 typedef struct tides_event_format {
-    const char *name, *summary, *endings;
-    int32_t reads, writes;
-    int64_t tick_ns; /* times are floored to it on writing */
+    const char *name, *summary, *endings; /* static storage */
+    int32_t reads, writes;                /* 1 where the library can */
+    int64_t tick_ns;                      /* times are floored to it on writing */
 } tides_event_format;
 
 /* Format number `index` from 0 on, its texts constant; 1, or 0 behind the last. */
@@ -114,12 +115,13 @@ typedef struct tides_event_facts {
     char version[32]; /* of TIDES that wrote it, or "" */
     int32_t width, height; /* [px]; 0 where the file doesn't say */
     int32_t counted;       /* 1: count is known without reading the file */
-    uint64_t count;
-    int32_t labels; /* TIDES_LABEL_* that the file has, for tides_events_labels */
+    uint64_t count;        /* events; where `counted` */
+    int32_t labels;        /* TIDES_LABEL_* that the file has, for tides_events_labels */
     int32_t reserved;
     int64_t start_ns, stop_ns; /* the recording's stretch; both 0: the file doesn't say. Our HDF5 does once it is complete */
 } tides_event_facts;
 
+/* A file that is being read. Opaque. */
 typedef struct tides_event_reader tides_event_reader;
 
 /* Opens an event file of any format, found from what it holds, or of the named format. Events come in the file's order, in
@@ -130,6 +132,7 @@ typedef struct tides_event_reader tides_event_reader;
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_open(const char *path, const char *format,
                                                                 tides_event_reader **reader, tides_error *error);
 
+/* What the file said of itself when it was opened. */
 TIDES_API void tides_event_reader_facts(const tides_event_reader *reader, tides_event_facts *facts);
 
 /* The next events, up to `capacity`; `*got` is 0 only at the end of the file (or where capacity is). A damaged file fails
@@ -147,7 +150,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_events_labels(const char *path, ui
 
 /* What a file holds. */
 typedef struct tides_event_summary {
-    uint64_t count, count_on;
+    uint64_t count, count_on;  /* events, and those that are ON */
     uint64_t disorder;         /* events earlier than the one before them */
     int64_t first_ns, last_ns; /* the earliest and the latest; 0 where empty */
     int32_t width, height;     /* 0 where the file doesn't say */
@@ -177,14 +180,15 @@ typedef struct tides_event_conversion {
     int32_t rebase;                      /* 1: times count from the file's first event, those of start and stop too */
 } tides_event_conversion;
 
+/* What came of a conversion. Plain value. */
 typedef struct tides_event_conversion_report {
-    uint64_t read, written;
+    uint64_t read, written;    /* events */
     uint64_t disorder;         /* events earlier than the one before them in the file: they were put in order */
     uint64_t collapsed;        /* as tides_event_writer_collapsed */
     int64_t first_ns, last_ns; /* as written; 0 where nothing was */
-    int32_t width, height;
-    char from[32], to[32];
-    int32_t labels; /* TIDES_LABEL_* of the file, which aren't kept */
+    int32_t width, height;     /* [px] of the sensor as written */
+    char from[32], to[32];     /* names of formats */
+    int32_t labels;            /* TIDES_LABEL_* of the file, which aren't kept */
 } tides_event_conversion_report;
 
 /* Everything, by content and by ending. */

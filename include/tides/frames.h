@@ -28,6 +28,7 @@ typedef struct tides_frames_options {
 } tides_frames_options;
 TIDES_API void tides_frames_options_defaults(tides_frames_options *options);
 
+/* A sequence of frames: a file, a folder, or memory. Opaque. */
 typedef struct tides_frames tides_frames;
 
 /* Opens a sequence, all frames of one size, times ascending:
@@ -48,6 +49,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_frames_from_memory(const double *Y
                                                                  tides_error *error);
 TIDES_API void tides_frames_close(tides_frames *frames); /* NULL is fine */
 
+/* How many frames, and their size [px]. */
 TIDES_API size_t tides_frames_count(const tides_frames *frames);
 TIDES_API void tides_frames_size(const tides_frames *frames, int32_t *width, int32_t *height);
 TIDES_API int32_t tides_frames_planes(const tides_frames *frames);            /* values per pixel, as options say */

@@ -18,9 +18,9 @@ typedef struct tides_generator {
     const char *sentence; /* what is to be seen */
     const char *counted;  /* what options.count counts: "balls"; NULL: this kind has no number to choose */
     int32_t count;        /* how many by default; 0 where `counted` is NULL */
-    int32_t count_most;
-    int64_t gaussians; /* of each moving object by default (of the plane, of the fan's blades); 0: nothing to choose */
-    double duration_s;
+    int32_t count_most;   /* of options.count */
+    int64_t gaussians;    /* of each moving object by default (of the plane, of the fan's blades); 0: nothing to choose */
+    double duration_s;    /* of its motions and path by default [s] */
 } tides_generator;
 
 /* All kinds; static storage, `count` (nullable) receives how many. */
@@ -40,11 +40,11 @@ TIDES_API void tides_generate_options_defaults(tides_generate_options *options);
 
 /* What was made. The caller releases it. */
 typedef struct tides_world {
-    tides_scene *scene;
-    tides_trajectory *camera;
-    tides_intrinsics intrinsics;
-    double background[3]; /* for scene.background: linear r g b */
-    double duration_s;
+    tides_scene *scene;          /* with its objects' motions */
+    tides_trajectory *camera;    /* the path that sees it */
+    tides_intrinsics intrinsics; /* of that camera */
+    double background[3];        /* for scene.background: linear r g b */
+    double duration_s;           /* of motions and path [s] */
 } tides_world;
 
 /* Makes a world of `kind`. Unknown kinds (the nearest is named), options out of range or that the kind doesn't have, more than

@@ -13,7 +13,7 @@ extern "C" {
 typedef struct tides_imu {
     uint32_t size; /* sizeof this struct */
     int32_t reserved;
-    double rate_hz;
+    double rate_hz;               /* samples a second [Hz], > 0 */
     double gravity;               /* its magnitude [m/s^2]; 0: none */
     double down[3];               /* where it points to, in world axes, of any length; needed unless gravity is 0 */
     double metres_per_unit;       /* of the path [m]; needed */

@@ -27,7 +27,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_run_inputs(const tides_run *run, t
 
 /* What a fingerprint says. Plain value. */
 typedef struct tides_fingerprint {
-    uint64_t hash;
+    uint64_t hash;    /* FNV-1a of 64 bits, of what is said below */
     uint64_t files;   /* looked at */
     uint64_t bytes;   /* of all of them */
     uint64_t largest; /* of the largest one [bytes] */

@@ -27,8 +27,8 @@ TIDES_API void tides_exact_options_defaults(tides_exact_options *options);
 
 /* An exact stream, and what it is worth. */
 typedef struct tides_exact {
-    tides_event *events; /* (count), in order; the caller frees them with tides_free */
-    size_t count;
+    tides_event *events;   /* (count), in order; the caller frees them with tides_free */
+    size_t count;          /* of events */
     double steps_per_s;    /* of the last level; 0: straight lines between frames, which are in closed form */
     double tolerance;      /* finer by tile where this asks for it [thresholds]; 0: equal steps */
     tides_match moved;     /* how the last level differs from the one before, whose steps were twice as long */

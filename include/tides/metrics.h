@@ -20,8 +20,8 @@ typedef struct tides_match {
     uint64_t missing, spurious;    /* events of the reference, of the simulated stream, that have no counterpart */
     double mismatch_percent;       /* 100 (missing + spurious) / reference; 0 where both are empty, infinite where only the
                                       reference is */
-    double dt_median_us, dt_p95_us, dt_p99_us, dt_max_us;
-    double dt_mean_us; /* of the signed simulated - reference: the bias */
+    double dt_median_us, dt_p95_us, dt_p99_us, dt_max_us; /* of |simulated - reference| over the pairs [us] */
+    double dt_mean_us;                                    /* of the signed simulated - reference: the bias */
 } tides_match;
 
 /* Matches the events of each pixel and polarity in order of time: of all pairings that don't cross and pair nothing further
@@ -68,18 +68,18 @@ typedef struct tides_metrics_options {
     int64_t tick_ns;           /* times are floored to this clock (but for `match`); 0: as they are */
     double isi_floor_s;        /* shorter intervals count as this, > 0 */
     double clock_s;            /* ISI spike: period of a known clock; 0: find the spikes */
-    double fano_bin_s[TIDES_FANO_BINS];
-    int32_t fano_tile_px;        /* edge of the tiles of Fano error and Same-ts, > 0 */
-    int32_t fano_events_min;     /* tiles with fewer events than this, in either stream, are left out */
-    double fano_epsilon;         /* added to both Fano factors before the logarithm, > 0 */
-    double speed_px_per_s;       /* Chamfer: v; 0: from the reference */
-    double window_s;             /* Chamfer: events of one window are compared */
-    double cell_px;              /* Chamfer: edge of the cells of which each keeps one point */
-    double victor_purpura_per_s; /* cost of shifting an event by a second; adding or removing one costs 1 */
-    double van_rossum_s;         /* time constant of the filter */
-    double difference_limit_s;   /* time difference: longer ones, and missing events, count as this */
-    double kernel_px, kernel_s;  /* standard deviations of the Gaussian kernel */
-    double match_limit_s;        /* as limit_s of tides_match_events */
+    double fano_bin_s[TIDES_FANO_BINS]; /* lengths of the bins that are counted in [s], > 0 */
+    int32_t fano_tile_px;               /* edge of the tiles of Fano error and Same-ts, > 0 */
+    int32_t fano_events_min;            /* tiles with fewer events than this, in either stream, are left out */
+    double fano_epsilon;                /* added to both Fano factors before the logarithm, > 0 */
+    double speed_px_per_s;              /* Chamfer: v; 0: from the reference */
+    double window_s;                    /* Chamfer: events of one window are compared */
+    double cell_px;                     /* Chamfer: edge of the cells of which each keeps one point */
+    double victor_purpura_per_s;        /* cost of shifting an event by a second; adding or removing one costs 1 */
+    double van_rossum_s;                /* time constant of the filter */
+    double difference_limit_s;          /* time difference: longer ones, and missing events, count as this */
+    double kernel_px, kernel_s;         /* standard deviations of the Gaussian kernel */
+    double match_limit_s;               /* as limit_s of tides_match_events */
 } tides_metrics_options;
 
 /* TIDES_METRICS_DEFAULT; whole streams; tick 1 us; floor 0.5 us; bins of 1, 0.2 and 5 ms, tiles of 16 px, 20 events, 1e-3;
@@ -96,9 +96,9 @@ typedef struct tides_interval_fit {
 
 /* What can be said of one stream. */
 typedef struct tides_stream_metrics {
-    uint64_t events;    /* in the interval and region */
-    double on_fraction; /* ON events / events */
-    tides_interval_fit intervals[TIDES_PAIRS];
+    uint64_t events;                           /* in the interval and region */
+    double on_fraction;                        /* ON events / events */
+    tides_interval_fit intervals[TIDES_PAIRS]; /* by the polarities of the pair */
     double isi_spike;             /* fraction of intervals (any) of at most 1 us or on a clock: lib/metrics/isi_spike.c */
     double same_time;             /* fraction of events that share their tick with another event of the sensor */
     double same_time_tile;        /* of their tile */
@@ -108,10 +108,10 @@ typedef struct tides_stream_metrics {
 
 /* A simulated stream against a reference. */
 typedef struct tides_metrics {
-    uint32_t computed;         /* TIDES_METRIC_*: the rest is NaN and 0 */
-    int32_t width, height;     /* [px] of the sensor, or of the region of interest */
-    int64_t start_ns, stop_ns; /* the interval */
-    tides_stream_metrics reference, simulated;
+    uint32_t computed;                         /* TIDES_METRIC_*: the rest is NaN and 0 */
+    int32_t width, height;                     /* [px] of the sensor, or of the region of interest */
+    int64_t start_ns, stop_ns;                 /* the interval */
+    tides_stream_metrics reference, simulated; /* of each stream by itself */
 
     double count_ratio;       /* simulated / reference events */
     double count_correlation; /* Pearson's, of events per pixel; NaN where either stream has the same count everywhere */
@@ -119,7 +119,7 @@ typedef struct tides_metrics {
     /* Negative log-likelihood of the reference's intervals [nats per interval, tau in seconds] under the fit to the simulated
      * ones, and under their own fit; excess is the difference: the Kullback-Leibler divergence of the fits, free of units, not
      * negative. NaN under 2 simulated intervals or 1 of the reference. Blind to batching shorter than the intervals. */
-    double ig_nll[TIDES_PAIRS], ig_nll_self[TIDES_PAIRS], ig_nll_excess[TIDES_PAIRS];
+    double ig_nll[TIDES_PAIRS], ig_nll_self[TIDES_PAIRS], ig_nll_excess[TIDES_PAIRS]; /* as above */
     double isi_w1; /* Wasserstein-1 distance of log10 intervals (any) [decades] */
 
     double fano_error[TIDES_FANO_BINS];    /* mean |ln((F_simulated + epsilon) / (F_reference + epsilon))| over the tiles */
@@ -130,11 +130,11 @@ typedef struct tides_metrics {
      * distances to the nearest point of the other stream, at most chamfer_limit_px; C = (mean + mean) / 2, averaged over the
      * terms with their numbers of points. A term with one stream empty counts as the limit. */
     double speed_px_per_s; /* v: given, or 1 / median time to the latest event of the 4-neighbours and polarity within 50 ms */
-    double chamfer_px;
+    double chamfer_px;     /* C [px] */
     double chamfer_fraction;                                 /* of the diagonal */
     double chamfer_limit_px;                                 /* min(v window, diagonal) */
     double chamfer_to_simulated_px, chamfer_to_reference_px; /* means of all points of the reference, of the simulated stream */
-    uint64_t chamfer_terms, chamfer_one_sided;
+    uint64_t chamfer_terms, chamfer_one_sided;               /* windows of a polarity; those with one stream empty */
 
     /* Spike-train distances between the trains of each pixel and polarity, summed. */
     double victor_purpura;          /* least cost of turning one train into the other */
@@ -145,7 +145,7 @@ typedef struct tides_metrics {
     double time_difference_us;     /* mean over the reference's events (V2CE, stage 2), at most difference_limit_s */
     uint64_t time_difference_over; /* events with a longer one, or with none */
     double kernel_distance;        /* squared distance of the streams under the Gaussian kernel, polarity as sign */
-    tides_match match;
+    tides_match match;             /* pairs of events */
 } tides_metrics;
 
 /* Compares two streams, each in order of time (else TIDES_BAD_ARGUMENT, as for events outside the sensor). 0 events are

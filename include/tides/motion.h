@@ -11,6 +11,7 @@
 extern "C" {
 #endif
 
+/* How Gaussians move by themselves. Opaque, constant once made. */
 typedef struct tides_motion tides_motion;
 
 /* NULL is fine. A motion that a scene took over isn't the caller's any more. */
@@ -113,11 +114,11 @@ typedef tides_status (*tides_motion_function)(void *user, double time, int32_t s
  * renderer; renderers of several threads call it at once. `user` must outlive the motion. NaN or Inf from the function, or a
  * quaternion of zero, end the call under way with TIDES_BAD_ARGUMENT. Scenes that hold one can't be saved. */
 typedef struct tides_callback_motion {
-    int64_t count;      /* N */
-    double start, stop; /* its own clock, any unit */
-    tides_motion_function function;
-    void *user;
-    int32_t moves_sh; /* 1: it gives spherical harmonics too */
+    int64_t count;                  /* N */
+    double start, stop;             /* its own clock, any unit */
+    tides_motion_function function; /* fills values and rates */
+    void *user;                     /* its first argument */
+    int32_t moves_sh;               /* 1: it gives spherical harmonics too */
     int32_t reserved;
     double time_scale; /* how long its own clock runs while nothing happens that values and rates at the start, the middle and
                         * the end don't show: about the shortest period. 0: one macro step of the run (step_s), at least */

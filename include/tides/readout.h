@@ -52,15 +52,16 @@ TIDES_API void tides_readout_defaults(tides_readout *readout);
 
 /* What became of the events. in = out + dropped + overflowed + waiting, always. */
 typedef struct tides_readout_stats {
-    uint64_t in, out;
-    uint64_t dropped;    /* by chance */
-    uint64_t overflowed; /* their queue was full */
-    uint64_t waiting;    /* in queues, or held until the order is certain */
-    uint64_t delayed;    /* left later than they fired, jitter aside */
-    uint64_t ticks;      /* in which something was served; idle ones are skipped */
-    double worst_delay_s;
+    uint64_t in, out;     /* events given to it; those that left */
+    uint64_t dropped;     /* by chance */
+    uint64_t overflowed;  /* their queue was full */
+    uint64_t waiting;     /* in queues, or held until the order is certain */
+    uint64_t delayed;     /* left later than they fired, jitter aside */
+    uint64_t ticks;       /* in which something was served; idle ones are skipped */
+    double worst_delay_s; /* from firing to leaving, jitter aside [s] */
 } tides_readout_stats;
 
+/* A readout with the events that wait in it. Opaque. */
 typedef struct tides_arbiter tides_arbiter;
 
 /* Receives events in order (t, y, x, polarity), with the time [ns] at which each fired. Non-zero stops: TIDES_CANCELLED. */
@@ -91,6 +92,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_arbiter_push(tides_arbiter *arbite
 TIDES_MUST_CHECK TIDES_API tides_status tides_arbiter_finish(tides_arbiter *arbiter, tides_readout_sink sink, void *user,
                                                              tides_error *error);
 
+/* What it did since it was made. */
 TIDES_API void tides_arbiter_stats(const tides_arbiter *arbiter, tides_readout_stats *stats);
 
 #ifdef __cplusplus

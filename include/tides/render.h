@@ -21,9 +21,8 @@ enum {
 /* What makes 3DGS continuous in time under TIDES_RULES_SMOOTH, measure by measure; each can be switched off, which brings back
  * inria's jump (tides bench image shows what it costs). Other rules don't read it. */
 typedef struct tides_smoothing {
-    double taper_begin,
-        taper_end;      /* splat alpha rises from 0 to its full value between these (C2), 0 < begin <= end < 1; equal:
-                                      a hard cutoff there */
+    /* Splat alpha rises from 0 to its full value between these (C2), 0 < begin <= end < 1; equal: a hard cutoff there. */
+    double taper_begin, taper_end;
     double stop_change; /* what the rest of a pixel's list may change in L when compositing stops; 0: stops hard, before
                                       the splat that takes the transmittance below 1e-4 */
     double near_fade;   /* splats have their full opacity at this many near planes, >= 1; 1: they pop up there */
@@ -41,15 +40,15 @@ TIDES_API int32_t tides_colour_filter_channel(int32_t filter, int32_t x, int32_t
 
 /* Image formation; fill with tides_image_params_defaults. */
 typedef struct tides_image_params {
-    uint32_t size;        /* sizeof this struct */
-    int32_t rules;        /* TIDES_RULES_* */
-    int32_t antialias;    /* 1: opacity times sqrt(det before / det after dilation) */
-    int32_t sh_degree;    /* bands above this are ignored, 0..4 */
-    double dilation;      /* added to the diagonal of the 2D covariance [px^2] */
-    double luminance[3];  /* Y = luminance . (r, g, b) */
-    double log_eps;       /* L = ln(Y + log_eps), 1e-9 to 1e6 */
-    double background[3]; /* r g b, >= 0 */
-    tides_smoothing smoothing;
+    uint32_t size;             /* sizeof this struct */
+    int32_t rules;             /* TIDES_RULES_* */
+    int32_t antialias;         /* 1: opacity times sqrt(det before / det after dilation) */
+    int32_t sh_degree;         /* bands above this are ignored, 0..4 */
+    double dilation;           /* added to the diagonal of the 2D covariance [px^2] */
+    double luminance[3];       /* Y = luminance . (r, g, b) */
+    double log_eps;            /* L = ln(Y + log_eps), 1e-9 to 1e6 */
+    double background[3];      /* r g b, >= 0 */
+    tides_smoothing smoothing; /* soft order and tapers */
     int32_t colour_filter; /* TIDES_FILTER_*: other than OFF each pixel's luminance is one channel, and so are L and all that
                               comes of it; `luminance` must then be the default. Takes three times as long */
     int32_t reserved;
@@ -83,7 +82,7 @@ TIDES_API const char *tides_channel_name(int32_t channel);
  * single-precision devices are widened, not recomputed. Y alone costs least, without rates; then L and L_dot, Y beside them,
  * A to contributors, and most with colour or depth, whether one of a kind is asked for or all. */
 typedef struct tides_frame {
-    double *plane[TIDES_CHANNELS];
+    double *plane[TIDES_CHANNELS]; /* by TIDES_Y, TIDES_L ... */
 } tides_frame;
 
 /* What a renderer or a run did. Plain value; counts only grow. */
@@ -104,12 +103,14 @@ typedef struct tides_render_stats {
     uint64_t sweeps;                 /* times that Gaussians were swept for tile candidate lists */
     uint64_t pairs_evaluated;        /* (splat, pixel) pairs composited, in blocks of 16 */
     uint64_t lists_kept;             /* tile jobs whose splats were in depth order already: not sorted */
+    /* Wall time by stage [s]. */
     double time_build_s, time_motion_s, time_sweep_s, time_project_s, time_sort_s, time_composite_s, time_transfer_s;
     int32_t tiles; /* tiles in a full frame */
     int32_t reserved;
     uint64_t pixels_nonfinite; /* (pixel, time) pairs that came out infinite or not a number: the call that met them failed */
 } tides_render_stats;
 
+/* A scene seen through a camera, on a device. Opaque. */
 typedef struct tides_renderer tides_renderer;
 
 /* A renderer of `scene` through a camera. `device` and `scene` must outlive it; the scene must not change meanwhile.
@@ -133,6 +134,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_set_psf(tides_renderer *r
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera,
                                                              double time, const tides_frame *frame, tides_error *error);
 
+/* What it did since it was made. */
 TIDES_API void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *stats);
 
 #ifdef __cplusplus

@@ -26,12 +26,13 @@ enum {
     TIDES_VOXEL_TIMELENS = 2 /* 5 bins between two images: set start_ns and stop_ns; not normalised */
 };
 
+/* How events become a grid; fill with tides_voxel_options_defaults. */
 typedef struct tides_voxel_options {
     uint32_t size;     /* sizeof this struct */
     int32_t bins;      /* 1 to 4096 */
     int32_t normalise; /* TIDES_NORMALISE_* */
-    int64_t start_ns,
-        stop_ns; /* times of the first and last bin, events outside are left out; equal: of the first and last event */
+    /* Times of the first and last bin, events outside are left out; equal: of the first and last event. */
+    int64_t start_ns, stop_ns;
 } tides_voxel_options;
 
 /* The options of TIDES_VOXEL_*; those of E2VID for anything else. */
@@ -55,11 +56,12 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_time_surface(const tides_event *ev
 /* The arrays of a file: their dataset's name (letters, digits and _, at most 31), their shape, and the planes' names in an EXR
  * file (NULL: name.0000 ...). Strings are copied. */
 typedef struct tides_array_shape {
-    const char *name;
-    int32_t planes, height, width;
-    const char *const *plane_names;
+    const char *name;               /* of the dataset */
+    int32_t planes, height, width;  /* of one array */
+    const char *const *plane_names; /* (planes), or NULL */
 } tides_array_shape;
 
+/* A file of arrays that is being written. Opaque. */
 typedef struct tides_array_writer tides_array_writer;
 
 /* Starts a file of arrays of one shape, as float32 in the order of their windows, by the ending of `path`:

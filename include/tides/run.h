@@ -37,6 +37,7 @@ typedef struct tides_param {
 /* The table; static storage, `count` (nullable) receives its length. */
 TIDES_API const tides_param *tides_params(size_t *count);
 
+/* A run file that was read. Opaque, constant once made. */
 typedef struct tides_run tides_run;
 
 /* Reads a run file; a splat file or a model's folder in its place is a run of that scene on an orbit (camera.orbit_s = 12),
@@ -63,25 +64,25 @@ TIDES_API void tides_run_destroy(tides_run *run); /* NULL is fine */
 /* What the run file says, as the structs that the library takes. Plain value; strings live as long as the run. */
 typedef struct tides_run_values {
     tides_intrinsics intrinsics; /* zeros where neither given nor yet taken from the path file */
-    tides_image_params image;
-    tides_sensor sensor;
-    tides_stepping stepping;
-    tides_readout readout;
-    double start, stop;
-    const char *scene_file, *camera_file, *device, *seed, *method;
-    tides_baseline_params baseline; /* its method is `method` */
-    tides_frames_options frames;
-    const char *frames_file;                                      /* NULL: the run has a scene */
-    double frames_per_second;                                     /* of a baseline's renders [Hz] */
-    tides_path_options path;                                      /* of camera.file */
-    double scene_duration_s;                                      /* 0: the scene's own */
-    double metres_per_unit;                                       /* of the scene [m]; 0: unknown */
-    double dataset_picture_hz, dataset_truth_hz, dataset_pose_hz; /* of tides_dataset_write [Hz] */
-    int32_t event_truth;                                          /* 1: event files get ground truth (tides_session_truth) */
-    int32_t track_count;                                          /* points to follow (tides_session_tracks) */
-    double track_rate_hz;                                         /* at which [Hz] */
-    tides_exposure exposure;                                      /* of frames (tides_session_frames) */
-    tides_imu imu;                                                /* but for metres_per_unit, which is above */
+    tides_image_params image;    /* image.*, scene.background */
+    tides_sensor sensor;         /* sensor.* */
+    tides_stepping stepping;     /* stepping.* */
+    tides_readout readout;       /* readout.* */
+    double start, stop;          /* time.* [s] */
+    const char *scene_file, *camera_file, *device, *seed, *method; /* as in the file; "" or NULL where it has none */
+    tides_baseline_params baseline;                                /* its method is `method` */
+    tides_frames_options frames;                                   /* frames.* */
+    const char *frames_file;                                       /* NULL: the run has a scene */
+    double frames_per_second;                                      /* of a baseline's renders [Hz] */
+    tides_path_options path;                                       /* of camera.file */
+    double scene_duration_s;                                       /* 0: the scene's own */
+    double metres_per_unit;                                        /* of the scene [m]; 0: unknown */
+    double dataset_picture_hz, dataset_truth_hz, dataset_pose_hz;  /* of tides_dataset_write [Hz] */
+    int32_t event_truth;                                           /* 1: event files get ground truth (tides_session_truth) */
+    int32_t track_count;                                           /* points to follow (tides_session_tracks) */
+    double track_rate_hz;                                          /* at which [Hz] */
+    tides_exposure exposure;                                       /* of frames (tides_session_frames) */
+    tides_imu imu;                                                 /* but for metres_per_unit, which is above */
     const char *json; /* the run with every default filled in, as written into event files */
 } tides_run_values;
 TIDES_API void tides_run_get(const tides_run *run, tides_run_values *values);
@@ -97,8 +98,8 @@ TIDES_API int32_t tides_run_gives(const tides_run *run, const char *key);
 /* Cameras of a rig (rig.cameras): what each makes, and where it sits on the body that camera.file moves. */
 enum { TIDES_RIG_BOTH = 0, TIDES_RIG_EVENT = 1, TIDES_RIG_FRAME = 2, TIDES_RIG_NAME = 32 };
 typedef struct tides_rig_camera {
-    char name[TIDES_RIG_NAME];
-    int32_t kind; /* TIDES_RIG_BOTH, _EVENT or _FRAME */
+    char name[TIDES_RIG_NAME]; /* of letters, digits, _ and - */
+    int32_t kind;              /* TIDES_RIG_BOTH, _EVENT or _FRAME */
     int32_t reserved;
     double T_B_C[16]; /* row-major: p_body = T_B_C p_camera [scene units] */
 } tides_rig_camera;

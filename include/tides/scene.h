@@ -12,6 +12,7 @@
 extern "C" {
 #endif
 
+/* Gaussians in objects, each with its trajectory and motion. Opaque. */
 typedef struct tides_scene tides_scene;
 
 enum { TIDES_SH_DEGREE_MAX = 4 };
@@ -94,13 +95,13 @@ TIDES_API int32_t tides_scene_sh_degree(const tides_scene *scene);
 
 /* One object, as views that live as long as the scene and until the next add. */
 typedef struct tides_object {
-    tides_gaussians gaussians;
+    tides_gaussians gaussians;          /* views of its arrays */
     const tides_trajectory *trajectory; /* NULL: at rest */
-    double scale;
-    const char *name;
-    const char *source;         /* file it came from, or "" */
-    const tides_motion *motion; /* NULL: the Gaussians don't move by themselves */
-    double duration_s;          /* [s] how long the motion lasts; 0 without one */
+    double scale;                       /* of the object in the world [1] */
+    const char *name;                   /* or "" */
+    const char *source;                 /* file it came from, or "" */
+    const tides_motion *motion;         /* NULL: the Gaussians don't move by themselves */
+    double duration_s;                  /* [s] how long the motion lasts; 0 without one */
 } tides_object;
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_object *object,
                                                            tides_error *error);

@@ -53,9 +53,9 @@ typedef struct tides_sensor {
     uint32_t size;
     /* Per pixel and step, >= 1. Error control cuts steps that may have more; what is cut off where it can't, or elsewhere, is
      * counted and fires at the step's end. */
-    int32_t max_events_per_step;
-    double threshold_on;  /* C+ [log units], > 0 */
-    double threshold_off; /* C- [log units], > 0 */
+    int32_t max_events_per_step; /* as above */
+    double threshold_on;         /* C+ [log units], > 0 */
+    double threshold_off;        /* C- [log units], > 0 */
 
     double threshold_sigma; /* standard deviation of C+ and of C- from pixel to pixel, independent, drawn once [log units] */
     double threshold_min;   /* no pixel's threshold is below this [log units], > 0 */
@@ -66,20 +66,20 @@ typedef struct tides_sensor {
     double leak_sigma;      /* decades of log-normal spread of that rate from pixel to pixel */
     double b_min;           /* pixels with less coverage than this stay silent, in [0, 1] */
     double shot_noise_hz;   /* noise events, both polarities, of a pixel at Y = 0; 0.264 of it at Y = 1, linear between [Hz] */
-    double hot_pixel_fraction, hot_pixel_rate_hz;
-    double dead_pixel_fraction;
+    double hot_pixel_fraction, hot_pixel_rate_hz; /* of all pixels [1]; their noise events a second, both polarities [Hz] */
+    double dead_pixel_fraction;                   /* of all pixels: those that never fire [1] */
 
     double psf_sigma_px;            /* [px] */
     double photoreceptor_cutoff_hz; /* -3 dB [Hz]; 0: off */
     int32_t photoreceptor_law;      /* TIDES_PHOTORECEPTOR_* */
     int32_t bandwidth;              /* TIDES_BANDWIDTH_* */
-    tides_circuit circuit;
-    double surround_lambda_px; /* space constant of the surround's diffuser [px]; 0: off */
-    double surround_tau_s;     /* its time constant [s] */
-    double noise_rms;          /* additive Ornstein-Uhlenbeck noise [log units] */
-    double noise_cutoff_hz;    /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
-    uint64_t seed;             /* of all that is random here */
-    int32_t labels;            /* 1: events get tides_event_frontend */
+    tides_circuit circuit;          /* of TIDES_BANDWIDTH_CIRCUIT */
+    double surround_lambda_px;      /* space constant of the surround's diffuser [px]; 0: off */
+    double surround_tau_s;          /* its time constant [s] */
+    double noise_rms;               /* additive Ornstein-Uhlenbeck noise [log units] */
+    double noise_cutoff_hz;         /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
+    uint64_t seed;                  /* of all that is random here */
+    int32_t labels;                 /* 1: events get tides_event_frontend */
     int32_t reserved;
 } tides_sensor;
 TIDES_API void tides_sensor_defaults(tides_sensor *sensor);

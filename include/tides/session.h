@@ -16,6 +16,7 @@
 extern "C" {
 #endif
 
+/* A run with all that it names open. Opaque. */
 typedef struct tides_session tides_session;
 
 /* Reads a run file as tides_run_load does and opens all that it names: scene and camera, or frames; and the device, which runs
@@ -38,15 +39,15 @@ TIDES_API void tides_session_close(tides_session *session); /* NULL is fine */
 
 /* What a session has. Plain value; what it points to is the session's, and lives as long. */
 typedef struct tides_session_facts {
-    tides_run_values values;     /* of its run */
-    tides_intrinsics intrinsics; /* of its images; on frames width and height alone */
-    const tides_run *run;        /* its run */
-    const tides_scene *scene;    /* NULL on frames; the camera and the device, too */
-    const tides_trajectory *camera;
-    tides_frames *frames; /* NULL on a scene */
-    tides_device *device;
-    tides_device_info info; /* of the device; on frames its name says so */
-    int32_t sees_frames;    /* 1: the method sees frames, of a sequence or rendered: all but TIDES on a scene */
+    tides_run_values values;        /* of its run */
+    tides_intrinsics intrinsics;    /* of its images; on frames width and height alone */
+    const tides_run *run;           /* its run */
+    const tides_scene *scene;       /* NULL on frames; the camera and the device, too */
+    const tides_trajectory *camera; /* its path, on the rig where there is one */
+    tides_frames *frames;           /* NULL on a scene */
+    tides_device *device;           /* that it runs on */
+    tides_device_info info;         /* of the device; on frames its name says so */
+    int32_t sees_frames;            /* 1: the method sees frames, of a sequence or rendered: all but TIDES on a scene */
     int32_t reserved;
 } tides_session_facts;
 TIDES_API void tides_session_get(const tides_session *session, tides_session_facts *facts);

@@ -45,7 +45,7 @@ enum { TIDES_UNIT_TILE = 0, TIDES_UNIT_BLOCK = 1 };
 
 /* Weights of the risk score: coverage, contributors, |alpha_dot|. */
 typedef struct tides_risk {
-    double w_b, w_c, w_alpha;
+    double w_b, w_c, w_alpha; /* [1] >= 0 */
 } tides_risk;
 
 /* Step control; fill with tides_stepping_defaults (error, hermite, local, 10 ms, 1 us, 0.01, 0, 0, 0.3 0.3 0.4, exact, 0, 256,
@@ -80,9 +80,9 @@ TIDES_API void tides_stepping_defaults(tides_stepping *stepping);
 
 /* What a run did. Field for field what --stats writes (DESIGN 6); tides_stats_table lists them. */
 typedef struct tides_stats {
-    tides_render_stats render;
-    uint64_t events, events_on, events_off;
-    uint64_t events_truncated; /* crossings beyond max_events_per_step in a step, moved to the step's end */
+    tides_render_stats render;              /* of its renderer */
+    uint64_t events, events_on, events_off; /* that pixels fired */
+    uint64_t events_truncated;              /* crossings beyond max_events_per_step in a step, moved to the step's end */
     uint64_t events_caught_up; /* crossings that the local model missed or put out of range, fired at the step's end */
     uint64_t events_by_cause[TIDES_CAUSES]; /* of `events`, by TIDES_CAUSE_* */
     uint64_t events_written;                /* given to the sink: without a readout `events`, with one fewer */
@@ -100,13 +100,13 @@ typedef struct tides_stats {
     /* Estimated timing error that so many percent of the events stay below [s]; likewise 0 under fixed steps. Of each event:
      * what probes saw there, and rounding, by the slope and the curvature of the signal where it fired. Under RISK alone from
      * the ends of steps where nothing was cut, which may show nothing. */
-    double error_p50_s, error_p95_s, error_p99_s;
+    double error_p50_s, error_p95_s, error_p99_s; /* as above [s] */
     double worst_residual;                /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
     uint64_t tile_steps_still;            /* (tile, step) pairs in which nothing moved: neither rendered nor compared */
     double renders_full_frame_equivalent; /* 4x4 blocks composited, over those of all tiles */
     double simulated_s, run_time_s, real_time_factor; /* simulated / run time */
-    double time_compare_s, time_sink_s, time_other_s;
-    uint64_t peak_memory_bytes; /* of the process */
+    double time_compare_s, time_sink_s, time_other_s; /* wall time of the comparator, the sink, the rest [s] */
+    uint64_t peak_memory_bytes;                       /* of the process */
     uint64_t
         steps_probed; /* of `steps`, those that rest on a probe: an evaluation inside a step that they are a part of, compared
                               with its model in value and rate. All under error control but where min_step_s or the budget
@@ -145,6 +145,7 @@ TIDES_API const tides_stat *tides_stats_table(size_t *count);
 /* Receives events in order; `count` may be 0. Non-zero stops the run: TIDES_CANCELLED, or the status it stored itself. */
 typedef int (*tides_event_sink)(void *user, const tides_event *events, size_t count);
 
+/* A simulation between two of its times. Opaque. */
 typedef struct tides_simulator tides_simulator;
 
 /* A simulator on its own renderer. `device`, `scene` and `camera` must outlive it. Pixel state starts at `start` [s]: each

@@ -14,6 +14,7 @@
 extern "C" {
 #endif
 
+/* A path: poses with rates at any time. Opaque, constant once made. */
 typedef struct tides_trajectory tides_trajectory;
 
 /* One sample. Plain value. Rates are used where `has_rates` is 1 for every sample of a path (Hermite interpolation of
@@ -24,7 +25,7 @@ typedef struct tides_pose_sample {
     double quaternion[4];       /* body to world, wxyz; normalised here */
     double velocity[3];         /* d(position)/dt                       [scene units/s] */
     double angular_velocity[3]; /* in world axes                        [rad/s] */
-    int32_t has_rates;
+    int32_t has_rates;          /* 1: velocity and angular_velocity are given */
     int32_t reserved;
 } tides_pose_sample;
 
@@ -81,31 +82,31 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_sample(const tides_traj
 
 /* A camera on a circle of `radius` about `target` in the plane normal to `up`, `height` above it, looking at the target. */
 typedef struct tides_orbit {
-    double target[3], up[3];
-    double radius, height;
-    double start_angle;   /* [rad] */
-    double angular_speed; /* [rad/s] */
-    double start, stop;   /* [s] */
+    double target[3], up[3]; /* world axes [scene units]; `up` of any length */
+    double radius, height;   /* [scene units] */
+    double start_angle;      /* [rad] */
+    double angular_speed;    /* [rad/s] */
+    double start, stop;      /* [s] */
 } tides_orbit;
 TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_create_orbit(const tides_orbit *orbit, tides_trajectory **trajectory,
                                                                       tides_error *error);
 
 /* A camera that moves on a line from `from` to `to` while looking at `target`. */
 typedef struct tides_dolly {
-    double from[3], to[3], target[3], up[3];
-    double start, stop; /* [s] */
+    double from[3], to[3], target[3], up[3]; /* world axes [scene units]; `up` of any length */
+    double start, stop;                      /* [s] */
 } tides_dolly;
 TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_create_dolly(const tides_dolly *dolly, tides_trajectory **trajectory,
                                                                       tides_error *error);
 
 /* A camera held by hand: at `position`, looking at `target`, shaken by a few sines per axis whose phases come from `seed`. */
 typedef struct tides_handheld {
-    double position[3], target[3], up[3];
-    double position_amplitude; /* [scene units], rms per axis */
-    double rotation_amplitude; /* [rad], rms per axis */
-    double frequency;          /* [Hz], of the slowest sine; the fastest is 5 times that */
-    uint64_t seed;
-    double start, stop; /* [s] */
+    double position[3], target[3], up[3]; /* world axes [scene units]; `up` of any length */
+    double position_amplitude;            /* [scene units], rms per axis */
+    double rotation_amplitude;            /* [rad], rms per axis */
+    double frequency;                     /* [Hz], of the slowest sine; the fastest is 5 times that */
+    uint64_t seed;                        /* of the phases */
+    double start, stop;                   /* [s] */
 } tides_handheld;
 TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_create_handheld(const tides_handheld *handheld,
                                                                          tides_trajectory **trajectory, tides_error *error);

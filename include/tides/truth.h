@@ -33,7 +33,7 @@ TIDES_API const char *tides_truth_name(int32_t truth);
 /* Where planes go: each (height x width), row 0 on top, caller's memory, NULL where not wanted. Where nothing is seen all are
  * 0, but for the instance. */
 typedef struct tides_truth {
-    double *plane[TIDES_TRUTHS];
+    double *plane[TIDES_TRUTHS]; /* by TIDES_TRUTH_* */
 } tides_truth;
 
 /* Ground truth of the frame at `time` [s] seen from `camera`, as tides_renderer_frame has it; no PSF blurs it. Planes that
@@ -49,7 +49,7 @@ typedef struct tides_material_point {
     int32_t object; /* of the scene; -1: no point */
     int32_t reserved;
     int64_t gaussian; /* within the object */
-    double xi[3];
+    double xi[3];     /* in standard deviations [1] */
 } tides_material_point;
 
 /* Where a point is at a time. */

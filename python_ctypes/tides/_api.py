@@ -251,8 +251,8 @@ class tides_fingerprints(Structure):
 
 
 class tides_error(Structure):
-    """tides_status status;
-    char text[1020];
+    """tides_status status; /* TIDES_OK, or what went wrong */
+    char text[1020]; /* one line: what, where, and how to put it right */
     """
 
     status: int
@@ -332,7 +332,7 @@ class tides_event_file(Structure):
     /* [ns] The recording's stretch; both 0: not known. Where it is, what the format can't hold of it is TIDES_UNSUPPORTED at
     * once; else the first event that doesn't fit is. HDF5 counts its 32-bit microseconds from t_offset: 0 where the recording
     * lies within their first 4294.967 s, else its start; where that isn't known, of half an hour from its first event. */
-    int64_t start_ns, stop_ns;
+    int64_t start_ns, stop_ns; /* as above */
     """
 
     width: int
@@ -355,8 +355,8 @@ class tides_event_file(Structure):
 
 
 class tides_event_format(Structure):
-    """const char *name, *summary, *endings;
-    int32_t reads, writes;
+    """const char *name, *summary, *endings; /* static storage */
+    int32_t reads, writes; /* 1 where the library can */
     int64_t tick_ns; /* times are floored to it on writing */
     """
 
@@ -383,7 +383,7 @@ class tides_event_facts(Structure):
     char version[32]; /* of TIDES that wrote it, or "" */
     int32_t width, height; /* [px]; 0 where the file doesn't say */
     int32_t counted; /* 1: count is known without reading the file */
-    uint64_t count;
+    uint64_t count; /* events; where `counted` */
     int32_t labels; /* TIDES_LABEL_* that the file has, for tides_events_labels */
     int32_t reserved;
     int64_t start_ns, stop_ns; /* the recording's stretch; both 0: the file doesn't say. Our HDF5 does once it is complete */
@@ -415,7 +415,7 @@ class tides_event_facts(Structure):
 
 
 class tides_event_summary(Structure):
-    """uint64_t count, count_on;
+    """uint64_t count, count_on; /* events, and those that are ON */
     uint64_t disorder; /* events earlier than the one before them */
     int64_t first_ns, last_ns; /* the earliest and the latest; 0 where empty */
     int32_t width, height; /* 0 where the file doesn't say */
@@ -489,12 +489,12 @@ class tides_event_conversion(Structure):
 
 
 class tides_event_conversion_report(Structure):
-    """uint64_t read, written;
+    """uint64_t read, written; /* events */
     uint64_t disorder; /* events earlier than the one before them in the file: they were put in order */
     uint64_t collapsed; /* as tides_event_writer_collapsed */
     int64_t first_ns, last_ns; /* as written; 0 where nothing was */
-    int32_t width, height;
-    char from[32], to[32];
+    int32_t width, height; /* [px] of the sensor as written */
+    char from[32], to[32]; /* names of formats */
     int32_t labels; /* TIDES_LABEL_* of the file, which aren't kept */
     """
 
@@ -573,13 +573,13 @@ class tides_readout(Structure):
 
 
 class tides_readout_stats(Structure):
-    """uint64_t in, out;
+    """uint64_t in, out; /* events given to it; those that left */
     uint64_t dropped; /* by chance */
     uint64_t overflowed; /* their queue was full */
     uint64_t waiting; /* in queues, or held until the order is certain */
     uint64_t delayed; /* left later than they fired, jitter aside */
     uint64_t ticks; /* in which something was served; idle ones are skipped */
-    double worst_delay_s;
+    double worst_delay_s; /* from firing to leaving, jitter aside [s] */
     """
 
     out: int
@@ -611,7 +611,7 @@ class tides_pose_sample(Structure):
     double quaternion[4]; /* body to world, wxyz; normalised here */
     double velocity[3]; /* d(position)/dt [scene units/s] */
     double angular_velocity[3]; /* in world axes [rad/s] */
-    int32_t has_rates;
+    int32_t has_rates; /* 1: velocity and angular_velocity are given */
     int32_t reserved;
     """
 
@@ -655,8 +655,8 @@ class tides_pose(Structure):
 
 
 class tides_orbit(Structure):
-    """double target[3], up[3];
-    double radius, height;
+    """double target[3], up[3]; /* world axes [scene units]; `up` of any length */
+    double radius, height; /* [scene units] */
     double start_angle; /* [rad] */
     double angular_speed; /* [rad/s] */
     double start, stop; /* [s] */
@@ -684,7 +684,7 @@ class tides_orbit(Structure):
 
 
 class tides_dolly(Structure):
-    """double from[3], to[3], target[3], up[3];
+    """double from[3], to[3], target[3], up[3]; /* world axes [scene units]; `up` of any length */
     double start, stop; /* [s] */
     """
 
@@ -705,11 +705,11 @@ class tides_dolly(Structure):
 
 
 class tides_handheld(Structure):
-    """double position[3], target[3], up[3];
+    """double position[3], target[3], up[3]; /* world axes [scene units]; `up` of any length */
     double position_amplitude; /* [scene units], rms per axis */
     double rotation_amplitude; /* [rad], rms per axis */
     double frequency; /* [Hz], of the slowest sine; the fastest is 5 times that */
-    uint64_t seed;
+    uint64_t seed; /* of the phases */
     double start, stop; /* [s] */
     """
 
@@ -739,7 +739,7 @@ class tides_handheld(Structure):
 class tides_lens(Structure):
     """int32_t model; /* TIDES_LENS_* */
     int32_t reserved;
-    double k1, k2, k3, k4, p1, p2;
+    double k1, k2, k3, k4, p1, p2; /* [1] those that the model hasn't are 0 */
     """
 
     model: int
@@ -766,7 +766,7 @@ class tides_lens(Structure):
 class tides_intrinsics(Structure):
     """int32_t width, height; /* [px] */
     double fx, fy, cx, cy; /* [px] */
-    tides_lens lens;
+    tides_lens lens; /* zeros: a pinhole */
     """
 
     width: int
@@ -850,9 +850,9 @@ class tides_device_info(Structure):
     char name[128]; /* CL_DEVICE_NAME */
     char platform[128]; /* CL_PLATFORM_NAME */
     char driver[128]; /* CL_DEVICE_VERSION and CL_DRIVER_VERSION */
-    int32_t compute_units;
+    int32_t compute_units; /* CL_DEVICE_MAX_COMPUTE_UNITS */
     int32_t lanes; /* pixels per work-item that kernels are built for */
-    uint64_t memory_bytes;
+    uint64_t memory_bytes; /* CL_DEVICE_GLOBAL_MEM_SIZE */
     """
 
     kind: int
@@ -1047,8 +1047,8 @@ tides_motion_function = CFUNCTYPE(c_int32, c_void_p, c_double, c_int32, P(c_int3
 class tides_callback_motion(Structure):
     """int64_t count; /* N */
     double start, stop; /* its own clock, any unit */
-    tides_motion_function function;
-    void *user;
+    tides_motion_function function; /* fills values and rates */
+    void *user; /* its first argument */
     int32_t moves_sh; /* 1: it gives spherical harmonics too */
     int32_t reserved;
     double time_scale; /* how long its own clock runs while nothing happens that values and rates at the start, the middle and
@@ -1115,10 +1115,10 @@ class tides_gaussians(Structure):
 
 
 class tides_object(Structure):
-    """tides_gaussians gaussians;
+    """tides_gaussians gaussians; /* views of its arrays */
     const tides_trajectory *trajectory; /* NULL: at rest */
-    double scale;
-    const char *name;
+    double scale; /* of the object in the world [1] */
+    const char *name; /* or "" */
     const char *source; /* file it came from, or "" */
     const tides_motion *motion; /* NULL: the Gaussians don't move by themselves */
     double duration_s; /* [s] how long the motion lasts; 0 without one */
@@ -1184,7 +1184,7 @@ class tides_sensor(Structure):
     """uint32_t size;
     /* Per pixel and step, >= 1. Error control cuts steps that may have more; what is cut off where it can't, or elsewhere, is
     * counted and fires at the step's end. */
-    int32_t max_events_per_step;
+    int32_t max_events_per_step; /* as above */
     double threshold_on; /* C+ [log units], > 0 */
     double threshold_off; /* C- [log units], > 0 */
     double threshold_sigma; /* standard deviation of C+ and of C- from pixel to pixel, independent, drawn once [log units] */
@@ -1196,13 +1196,13 @@ class tides_sensor(Structure):
     double leak_sigma; /* decades of log-normal spread of that rate from pixel to pixel */
     double b_min; /* pixels with less coverage than this stay silent, in [0, 1] */
     double shot_noise_hz; /* noise events, both polarities, of a pixel at Y = 0; 0.264 of it at Y = 1, linear between [Hz] */
-    double hot_pixel_fraction, hot_pixel_rate_hz;
-    double dead_pixel_fraction;
+    double hot_pixel_fraction, hot_pixel_rate_hz; /* of all pixels [1]; their noise events a second, both polarities [Hz] */
+    double dead_pixel_fraction; /* of all pixels: those that never fire [1] */
     double psf_sigma_px; /* [px] */
     double photoreceptor_cutoff_hz; /* -3 dB [Hz]; 0: off */
     int32_t photoreceptor_law; /* TIDES_PHOTORECEPTOR_* */
     int32_t bandwidth; /* TIDES_BANDWIDTH_* */
-    tides_circuit circuit;
+    tides_circuit circuit; /* of TIDES_BANDWIDTH_CIRCUIT */
     double surround_lambda_px; /* space constant of the surround's diffuser [px]; 0: off */
     double surround_tau_s; /* its time constant [s] */
     double noise_rms; /* additive Ornstein-Uhlenbeck noise [log units] */
@@ -1274,9 +1274,8 @@ class tides_sensor(Structure):
 
 
 class tides_smoothing(Structure):
-    """double taper_begin,
-    taper_end; /* splat alpha rises from 0 to its full value between these (C2), 0 < begin <= end < 1; equal:
-    a hard cutoff there */
+    """/* Splat alpha rises from 0 to its full value between these (C2), 0 < begin <= end < 1; equal: a hard cutoff there. */
+    double taper_begin, taper_end;
     double stop_change; /* what the rest of a pixel's list may change in L when compositing stops; 0: stops hard, before
     the splat that takes the transmittance below 1e-4 */
     double near_fade; /* splats have their full opacity at this many near planes, >= 1; 1: they pop up there */
@@ -1314,7 +1313,7 @@ class tides_image_params(Structure):
     double luminance[3]; /* Y = luminance . (r, g, b) */
     double log_eps; /* L = ln(Y + log_eps), 1e-9 to 1e6 */
     double background[3]; /* r g b, >= 0 */
-    tides_smoothing smoothing;
+    tides_smoothing smoothing; /* soft order and tapers */
     int32_t colour_filter; /* TIDES_FILTER_*: other than OFF each pixel's luminance is one channel, and so are L and all that
     comes of it; `luminance` must then be the default. Takes three times as long */
     int32_t reserved;
@@ -1348,7 +1347,7 @@ class tides_image_params(Structure):
 
 
 class tides_frame(Structure):
-    """double *plane[TIDES_CHANNELS];
+    """double *plane[TIDES_CHANNELS]; /* by TIDES_Y, TIDES_L ... */
     """
 
     plane: Any
@@ -1375,6 +1374,7 @@ class tides_render_stats(Structure):
     uint64_t sweeps; /* times that Gaussians were swept for tile candidate lists */
     uint64_t pairs_evaluated; /* (splat, pixel) pairs composited, in blocks of 16 */
     uint64_t lists_kept; /* tile jobs whose splats were in depth order already: not sorted */
+    /* Wall time by stage [s]. */
     double time_build_s, time_motion_s, time_sweep_s, time_project_s, time_sort_s, time_composite_s, time_transfer_s;
     int32_t tiles; /* tiles in a full frame */
     int32_t reserved;
@@ -1439,7 +1439,7 @@ class tides_render_stats(Structure):
 
 
 class tides_risk(Structure):
-    """double w_b, w_c, w_alpha;
+    """double w_b, w_c, w_alpha; /* [1] >= 0 */
     """
 
     w_b: float
@@ -1518,8 +1518,8 @@ class tides_stepping(Structure):
 
 
 class tides_stats(Structure):
-    """tides_render_stats render;
-    uint64_t events, events_on, events_off;
+    """tides_render_stats render; /* of its renderer */
+    uint64_t events, events_on, events_off; /* that pixels fired */
     uint64_t events_truncated; /* crossings beyond max_events_per_step in a step, moved to the step's end */
     uint64_t events_caught_up; /* crossings that the local model missed or put out of range, fired at the step's end */
     uint64_t events_by_cause[TIDES_CAUSES]; /* of `events`, by TIDES_CAUSE_* */
@@ -1538,12 +1538,12 @@ class tides_stats(Structure):
     /* Estimated timing error that so many percent of the events stay below [s]; likewise 0 under fixed steps. Of each event:
     * what probes saw there, and rounding, by the slope and the curvature of the signal where it fired. Under RISK alone from
     * the ends of steps where nothing was cut, which may show nothing. */
-    double error_p50_s, error_p95_s, error_p99_s;
+    double error_p50_s, error_p95_s, error_p99_s; /* as above [s] */
     double worst_residual; /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
     uint64_t tile_steps_still; /* (tile, step) pairs in which nothing moved: neither rendered nor compared */
     double renders_full_frame_equivalent; /* 4x4 blocks composited, over those of all tiles */
     double simulated_s, run_time_s, real_time_factor; /* simulated / run time */
-    double time_compare_s, time_sink_s, time_other_s;
+    double time_compare_s, time_sink_s, time_other_s; /* wall time of the comparator, the sink, the rest [s] */
     uint64_t peak_memory_bytes; /* of the process */
     uint64_t
     steps_probed; /* of `steps`, those that rest on a probe: an evaluation inside a step that they are a part of, compared
@@ -1783,7 +1783,7 @@ class tides_iebcs(Structure):
     double bgnp, bgnn; /* [Hz] 0.1, 0.01: periodic noise events of each polarity */
     double scale; /* 1e4: lux-like units of Y = 1 */
     const char *noise_pos; /* .npy of measured noise histograms (rows, columns, 72) per polarity, or NULL */
-    const char *noise_neg;
+    const char *noise_neg; /* of OFF events, likewise */
     double arbiter_us; /* [us] 0.1: time per event, per event of a row, or per clock */
     int32_t arbiter; /* TIDES_ARBITER_* */
     """
@@ -1835,14 +1835,14 @@ class tides_ldati_params(Structure):
 class tides_baseline_params(Structure):
     """uint32_t size;
     int32_t method; /* TIDES_METHOD_* */
-    uint64_t seed;
+    uint64_t seed; /* of what the method draws at random */
     tides_sensor sensor; /* of TIDES_METHOD_TIDES */
     double log_eps; /* likewise: L = ln(Y + log_eps) */
-    tides_esim esim;
-    tides_v2e v2e;
-    tides_voltmeter voltmeter;
-    tides_iebcs iebcs;
-    tides_ldati_params ldati;
+    tides_esim esim; /* of TIDES_METHOD_ESIM */
+    tides_v2e v2e; /* of TIDES_METHOD_V2E */
+    tides_voltmeter voltmeter; /* of TIDES_METHOD_VOLTMETER */
+    tides_iebcs iebcs; /* of TIDES_METHOD_IEBCS */
+    tides_ldati_params ldati; /* of TIDES_METHOD_LDATI */
     """
 
     size: int
@@ -1969,7 +1969,7 @@ class tides_exposed(Structure):
 class tides_imu(Structure):
     """uint32_t size; /* sizeof this struct */
     int32_t reserved;
-    double rate_hz;
+    double rate_hz; /* samples a second [Hz], > 0 */
     double gravity; /* its magnitude [m/s^2]; 0: none */
     double down[3]; /* where it points to, in world axes, of any length; needed unless gravity is 0 */
     double metres_per_unit; /* of the path [m]; needed */
@@ -2072,14 +2072,14 @@ class tides_param(Structure):
 
 class tides_run_values(Structure):
     """tides_intrinsics intrinsics; /* zeros where neither given nor yet taken from the path file */
-    tides_image_params image;
-    tides_sensor sensor;
-    tides_stepping stepping;
-    tides_readout readout;
-    double start, stop;
-    const char *scene_file, *camera_file, *device, *seed, *method;
+    tides_image_params image; /* image.*, scene.background */
+    tides_sensor sensor; /* sensor.* */
+    tides_stepping stepping; /* stepping.* */
+    tides_readout readout; /* readout.* */
+    double start, stop; /* time.* [s] */
+    const char *scene_file, *camera_file, *device, *seed, *method; /* as in the file; "" or NULL where it has none */
     tides_baseline_params baseline; /* its method is `method` */
-    tides_frames_options frames;
+    tides_frames_options frames; /* frames.* */
     const char *frames_file; /* NULL: the run has a scene */
     double frames_per_second; /* of a baseline's renders [Hz] */
     tides_path_options path; /* of camera.file */
@@ -2156,7 +2156,7 @@ class tides_run_values(Structure):
 
 
 class tides_rig_camera(Structure):
-    """char name[TIDES_RIG_NAME];
+    """char name[TIDES_RIG_NAME]; /* of letters, digits, _ and - */
     int32_t kind; /* TIDES_RIG_BOTH, _EVENT or _FRAME */
     int32_t reserved;
     double T_B_C[16]; /* row-major: p_body = T_B_C p_camera [scene units] */
@@ -2180,9 +2180,9 @@ class tides_session_facts(Structure):
     tides_intrinsics intrinsics; /* of its images; on frames width and height alone */
     const tides_run *run; /* its run */
     const tides_scene *scene; /* NULL on frames; the camera and the device, too */
-    const tides_trajectory *camera;
+    const tides_trajectory *camera; /* its path, on the rig where there is one */
     tides_frames *frames; /* NULL on a scene */
-    tides_device *device;
+    tides_device *device; /* that it runs on */
     tides_device_info info; /* of the device; on frames its name says so */
     int32_t sees_frames; /* 1: the method sees frames, of a sequence or rendered: all but TIDES on a scene */
     int32_t reserved;
@@ -2286,8 +2286,9 @@ class tides_recorded(Structure):
 
 
 class tides_dataset_layout(Structure):
-    """const char *name, *summary;
-    int32_t metric, reserved;
+    """const char *name, *summary; /* static storage */
+    int32_t metric; /* 1: it has lengths in metres */
+    int32_t reserved;
     """
 
     name: bytes | None
@@ -2329,9 +2330,9 @@ class tides_generator(Structure):
     const char *sentence; /* what is to be seen */
     const char *counted; /* what options.count counts: "balls"; NULL: this kind has no number to choose */
     int32_t count; /* how many by default; 0 where `counted` is NULL */
-    int32_t count_most;
+    int32_t count_most; /* of options.count */
     int64_t gaussians; /* of each moving object by default (of the plane, of the fan's blades); 0: nothing to choose */
-    double duration_s;
+    double duration_s; /* of its motions and path by default [s] */
     """
 
     name: bytes | None
@@ -2385,11 +2386,11 @@ class tides_generate_options(Structure):
 
 
 class tides_world(Structure):
-    """tides_scene *scene;
-    tides_trajectory *camera;
-    tides_intrinsics intrinsics;
+    """tides_scene *scene; /* with its objects' motions */
+    tides_trajectory *camera; /* the path that sees it */
+    tides_intrinsics intrinsics; /* of that camera */
     double background[3]; /* for scene.background: linear r g b */
-    double duration_s;
+    double duration_s; /* of motions and path [s] */
     """
 
     scene: Any
@@ -2408,7 +2409,7 @@ class tides_world(Structure):
 
 
 class tides_truth(Structure):
-    """double *plane[TIDES_TRUTHS];
+    """double *plane[TIDES_TRUTHS]; /* by TIDES_TRUTH_* */
     """
 
     plane: Any
@@ -2422,7 +2423,7 @@ class tides_material_point(Structure):
     """int32_t object; /* of the scene; -1: no point */
     int32_t reserved;
     int64_t gaussian; /* within the object */
-    double xi[3];
+    double xi[3]; /* in standard deviations [1] */
     """
 
     object: int
@@ -2503,7 +2504,7 @@ class tides_match(Structure):
     uint64_t missing, spurious; /* events of the reference, of the simulated stream, that have no counterpart */
     double mismatch_percent; /* 100 (missing + spurious) / reference; 0 where both are empty, infinite where only the
     reference is */
-    double dt_median_us, dt_p95_us, dt_p99_us, dt_max_us;
+    double dt_median_us, dt_p95_us, dt_p99_us, dt_max_us; /* of |simulated - reference| over the pairs [us] */
     double dt_mean_us; /* of the signed simulated - reference: the bias */
     """
 
@@ -2543,7 +2544,7 @@ class tides_metrics_options(Structure):
     int64_t tick_ns; /* times are floored to this clock (but for `match`); 0: as they are */
     double isi_floor_s; /* shorter intervals count as this, > 0 */
     double clock_s; /* ISI spike: period of a known clock; 0: find the spikes */
-    double fano_bin_s[TIDES_FANO_BINS];
+    double fano_bin_s[TIDES_FANO_BINS]; /* lengths of the bins that are counted in [s], > 0 */
     int32_t fano_tile_px; /* edge of the tiles of Fano error and Same-ts, > 0 */
     int32_t fano_events_min; /* tiles with fewer events than this, in either stream, are left out */
     double fano_epsilon; /* added to both Fano factors before the logarithm, > 0 */
@@ -2629,7 +2630,7 @@ class tides_interval_fit(Structure):
 class tides_stream_metrics(Structure):
     """uint64_t events; /* in the interval and region */
     double on_fraction; /* ON events / events */
-    tides_interval_fit intervals[TIDES_PAIRS];
+    tides_interval_fit intervals[TIDES_PAIRS]; /* by the polarities of the pair */
     double isi_spike; /* fraction of intervals (any) of at most 1 us or on a clock: lib/metrics/isi_spike.c */
     double same_time; /* fraction of events that share their tick with another event of the sensor */
     double same_time_tile; /* of their tile */
@@ -2662,13 +2663,13 @@ class tides_metrics(Structure):
     """uint32_t computed; /* TIDES_METRIC_*: the rest is NaN and 0 */
     int32_t width, height; /* [px] of the sensor, or of the region of interest */
     int64_t start_ns, stop_ns; /* the interval */
-    tides_stream_metrics reference, simulated;
+    tides_stream_metrics reference, simulated; /* of each stream by itself */
     double count_ratio; /* simulated / reference events */
     double count_correlation; /* Pearson's, of events per pixel; NaN where either stream has the same count everywhere */
     /* Negative log-likelihood of the reference's intervals [nats per interval, tau in seconds] under the fit to the simulated
     * ones, and under their own fit; excess is the difference: the Kullback-Leibler divergence of the fits, free of units, not
     * negative. NaN under 2 simulated intervals or 1 of the reference. Blind to batching shorter than the intervals. */
-    double ig_nll[TIDES_PAIRS], ig_nll_self[TIDES_PAIRS], ig_nll_excess[TIDES_PAIRS];
+    double ig_nll[TIDES_PAIRS], ig_nll_self[TIDES_PAIRS], ig_nll_excess[TIDES_PAIRS]; /* as above */
     double isi_w1; /* Wasserstein-1 distance of log10 intervals (any) [decades] */
     double fano_error[TIDES_FANO_BINS]; /* mean |ln((F_simulated + epsilon) / (F_reference + epsilon))| over the tiles */
     uint64_t fano_tiles[TIDES_FANO_BINS]; /* tiles compared */
@@ -2677,11 +2678,11 @@ class tides_metrics(Structure):
     * distances to the nearest point of the other stream, at most chamfer_limit_px; C = (mean + mean) / 2, averaged over the
     * terms with their numbers of points. A term with one stream empty counts as the limit. */
     double speed_px_per_s; /* v: given, or 1 / median time to the latest event of the 4-neighbours and polarity within 50 ms */
-    double chamfer_px;
+    double chamfer_px; /* C [px] */
     double chamfer_fraction; /* of the diagonal */
     double chamfer_limit_px; /* min(v window, diagonal) */
     double chamfer_to_simulated_px, chamfer_to_reference_px; /* means of all points of the reference, of the simulated stream */
-    uint64_t chamfer_terms, chamfer_one_sided;
+    uint64_t chamfer_terms, chamfer_one_sided; /* windows of a polarity; those with one stream empty */
     /* Spike-train distances between the trains of each pixel and polarity, summed. */
     double victor_purpura; /* least cost of turning one train into the other */
     double victor_purpura_fraction; /* of the cost of removing and adding everything: 0 identical, 1 nothing near */
@@ -2690,7 +2691,7 @@ class tides_metrics(Structure):
     double time_difference_us; /* mean over the reference's events (V2CE, stage 2), at most difference_limit_s */
     uint64_t time_difference_over; /* events with a longer one, or with none */
     double kernel_distance; /* squared distance of the streams under the Gaussian kernel, polarity as sign */
-    tides_match match;
+    tides_match match; /* pairs of events */
     """
 
     computed: int
@@ -2766,8 +2767,8 @@ class tides_voxel_options(Structure):
     """uint32_t size; /* sizeof this struct */
     int32_t bins; /* 1 to 4096 */
     int32_t normalise; /* TIDES_NORMALISE_* */
-    int64_t start_ns,
-    stop_ns; /* times of the first and last bin, events outside are left out; equal: of the first and last event */
+    /* Times of the first and last bin, events outside are left out; equal: of the first and last event. */
+    int64_t start_ns, stop_ns;
     """
 
     size: int
@@ -2786,9 +2787,9 @@ class tides_voxel_options(Structure):
 
 
 class tides_array_shape(Structure):
-    """const char *name;
-    int32_t planes, height, width;
-    const char *const *plane_names;
+    """const char *name; /* of the dataset */
+    int32_t planes, height, width; /* of one array */
+    const char *const *plane_names; /* (planes), or NULL */
     """
 
     name: bytes | None
@@ -2827,7 +2828,7 @@ class tides_run_input(Structure):
 
 
 class tides_fingerprint(Structure):
-    """uint64_t hash;
+    """uint64_t hash; /* FNV-1a of 64 bits, of what is said below */
     uint64_t files; /* looked at */
     uint64_t bytes; /* of all of them */
     uint64_t largest; /* of the largest one [bytes] */
@@ -2879,7 +2880,7 @@ class tides_exact_options(Structure):
 
 class tides_exact(Structure):
     """tides_event *events; /* (count), in order; the caller frees them with tides_free */
-    size_t count;
+    size_t count; /* of events */
     double steps_per_s; /* of the last level; 0: straight lines between frames, which are in closed form */
     double tolerance; /* finer by tile where this asks for it [thresholds]; 0: equal steps */
     tides_match moved; /* how the last level differs from the one before, whose steps were twice as long */
