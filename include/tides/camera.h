@@ -43,6 +43,9 @@ typedef struct tides_path_options {
     int32_t rebase;        /* 1: `start` is ignored and the first sample is put at 0 */
     int32_t raw_positions; /* nerfies: 1 leaves positions as the camera files have them (as 4DGaussians trains) instead of
                                applying scene.json (as Nerfies, HyperNeRF and Deformable-3D-Gaussians do) */
+    const char *views;     /* which poses to keep, as Python slices with commas between: "7", "0:100:10", "3,5,-1"; NULL: all.
+                              Counted from 0 in the path's order: of times, of images' names, else of the file. What a file
+                              without times has left is spread over `duration` */
 } tides_path_options;
 
 TIDES_API void tides_path_options_defaults(tides_path_options *options); /* duration 1, start 0, rebase 0 */
@@ -52,7 +55,8 @@ typedef struct tides_path {
     tides_trajectory *trajectory; /* owned by the caller after success */
     tides_intrinsics intrinsics;  /* fields the file doesn't give, or gives differently from frame to frame, are 0 */
     double field_of_view_x;       /* [rad] where the file gives one (Blender and D-NeRF give no width with it), else 0 */
-    char format[32];   /* "tides", "transforms", "cameras", "tum", "esim", "euroc", "kitti", "colmap", "llff", "nerfies" */
+    char format[32];   /* "tides", "transforms", "camera_path", "cameras", "tum", "esim", "euroc", "kitti", "colmap", "llff",
+                          "nerfies" */
     int32_t distorted; /* 1: the file gives distortion that is no tides_lens, or differs from frame to frame: intrinsics are of
                           the pinhole that agrees with the lens at its axis. Runs then want camera.lens */
     int32_t reserved;
@@ -61,6 +65,7 @@ typedef struct tides_path {
 /* Reads a camera path; the format is found from the content, not from the name (but for COLMAP's binary files):
  *   tides       our JSON (written by tides_path_save; documented in path_tides.c)
  *   transforms  nerfstudio / instant-ngp / Blender / D-NeRF transforms.json (OpenGL axes, converted)
+ *   camera_path nerfstudio's camera_path.json, as its viewer and Blender add-on write it: perspective and fisheye
  *   cameras     INRIA cameras.json
  *   colmap      images.txt or images.bin, with cameras.txt or .bin beside it: all camera models
  *   llff        poses_bounds.npy (also Neu3D)

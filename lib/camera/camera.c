@@ -37,7 +37,9 @@ td_path_sample td_path_origin(const td_path_reader *reader, const td_path_sample
     return reader->options->rebase ? *first : given;
 }
 
-void td_path_spread(td_path_reader *reader) {
+void td_path_spread(td_path_reader *reader) { reader->spread = 1; }
+
+static void spread(td_path_reader *reader) {
     double steps = reader->count > 1 ? (double)(reader->count - 1) : 1.0;
     for (size_t i = 0; i < reader->count; i++) reader->samples[i].time = reader->options->duration * ((double)i / steps);
 }
@@ -119,14 +121,16 @@ static tides_status read_json(td_path_reader *reader) {
         status = td_path_read_cameras(reader, root);
     else if (cJSON_IsString(format) && strcmp(format->valuestring, "tides-path") == 0)
         status = td_path_read_tides(reader, root);
+    else if (td_json_has(root, "camera_path"))
+        status = td_path_read_nerfstudio(reader, root);
     else if (td_json_has(root, "frames"))
         status = td_path_read_transforms(reader, root);
     else if (td_json_has(root, "orientation"))
         status = td_path_read_nerfies(reader, root);
     else
         status = td_fail(reader->error, TIDES_BAD_FILE,
-                         "%s: is JSON but no path: expected \"format\": \"tides-path\", a transforms.json with \"frames\", a "
-                         "nerfies camera with \"orientation\", or the list of a cameras.json",
+                         "%s: is JSON but no path: expected \"format\": \"tides-path\", a transforms.json with \"frames\", "
+                         "nerfstudio's \"camera_path\", a nerfies camera with \"orientation\", or the list of a cameras.json",
                          reader->file);
     cJSON_Delete(root);
     return status;
@@ -202,10 +206,14 @@ static tides_status parse(td_path_reader *reader, const char *folder, tides_path
     if (plain == (locale_t)0) return td_fail(reader->error, TIDES_NO_MEMORY, "out of memory for a locale");
     locale_t before = uselocale(plain);
     tides_status status = read_path(reader, folder);
+    if (status == TIDES_OK) status = td_path_choose(reader);
+    if (status == TIDES_OK && reader->spread) spread(reader);
     if (status == TIDES_OK && !reader->path.trajectory) status = make_trajectory(reader);
+    if (status != TIDES_OK) tides_trajectory_destroy(reader->path.trajectory);
     uselocale(before);
     freelocale(plain);
     free(reader->samples);
+    free(reader->views);
     if (status == TIDES_OK) *path = reader->path;
     return status;
 }

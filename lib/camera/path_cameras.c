@@ -32,16 +32,16 @@ tides_status td_path_read_cameras(td_path_reader *reader, const cJSON *root) {
     cJSON_ArrayForEach(item, root) {
         char where[48];
         double rotation[9];
-        tides_intrinsics intrinsics = {0};
+        td_path_view view = {.distorted = 0};
         snprintf(where, sizeof where, "[%zu]", index);
         td_path_sample *sample = td_path_append(reader, index++);
         if (!sample) return TIDES_NO_MEMORY;
         tides_status status = td_json_vector(reader, item, where, "position", sample->pose.position, 3);
         if (status == TIDES_OK) status = td_json_matrix(reader, item, where, "rotation", rotation, 3, 3);
         if (status == TIDES_OK) status = td_json_rotation(reader, where, "rotation", rotation, sample->pose.quaternion);
-        if (status == TIDES_OK) status = read_intrinsics(reader, item, where, &intrinsics);
+        if (status == TIDES_OK) status = read_intrinsics(reader, item, where, &view.intrinsics);
+        if (status == TIDES_OK) status = td_path_set_view(reader, sample, &view);
         if (status != TIDES_OK) return status;
-        td_path_share_intrinsics(&reader->path, &intrinsics, reader->count == 1);
     }
     td_path_spread(reader);
     return TIDES_OK;

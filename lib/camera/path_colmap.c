@@ -62,10 +62,9 @@ static tides_status add(images *m, const char *where, size_t place, const double
     if (!camera)
         return td_fail(m->reader->error, TIDES_BAD_FILE, "%s: %s: camera %g isn't among the %zu of the cameras file",
                        m->reader->file, where, v[8], m->cameras->count);
-    td_path_share_intrinsics(&m->reader->path, &camera->intrinsics, m->count == 0);
-    m->reader->path.distorted |= camera->distorted;
+    const td_path_view view = {.intrinsics = camera->intrinsics, .distorted = camera->distorted};
     m->count++;
-    return TIDES_OK;
+    return td_path_set_view(m->reader, &made->sample, &view);
 }
 
 static tides_status read_line(images *m, size_t line, const char *c) {

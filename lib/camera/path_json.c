@@ -95,6 +95,18 @@ tides_status td_json_check_keys(td_path_reader *reader, const cJSON *object, con
     return TIDES_OK;
 }
 
+tides_status td_json_opengl_pose(td_path_reader *reader, const char *where, const char *key, const double matrix[16],
+                                 tides_pose_sample *pose) {
+    double rotation[9];
+    if (matrix[12] != 0.0 || matrix[13] != 0.0 || matrix[14] != 0.0 || matrix[15] != 1.0)
+        return td_json_fail(reader, where, key, "must end in the row 0 0 0 1: is it transposed?");
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) rotation[3 * i + j] = j == 0 ? matrix[4 * i] : -matrix[4 * i + j];
+        pose->position[i] = matrix[4 * i + 3];
+    }
+    return td_json_rotation(reader, where, key, rotation, pose->quaternion);
+}
+
 /* Largest difference of R^T R from the identity that still is a rotation: files with four decimals are in, scaled and sheared
  * matrices are out. */
 #define TD_ROTATION_TOLERANCE 1e-3

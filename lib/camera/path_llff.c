@@ -29,9 +29,10 @@ static tides_status read_row(td_path_reader *reader, const td_npy_array *array, 
     const double height = v[4], width = v[9], focal = v[14];
     if (!(width >= 1 && width <= INT32_MAX && height >= 1 && height <= INT32_MAX && focal > 0))
         return td_json_fail(reader, where, "", "height, width and focal length (columns 5, 10, 15) must be above 0");
-    tides_intrinsics camera = {(int32_t)floor(width), (int32_t)floor(height), focal, focal, 0.5 * width, 0.5 * height, {0}};
-    td_path_share_intrinsics(&reader->path, &camera, row == 0);
-    return td_json_rotation(reader, where, "pose", rotation, sample->pose.quaternion);
+    const td_path_view view = {
+        .intrinsics = {(int32_t)floor(width), (int32_t)floor(height), focal, focal, 0.5 * width, 0.5 * height, {0}}};
+    tides_status status = td_path_set_view(reader, sample, &view);
+    return status ? status : td_json_rotation(reader, where, "pose", rotation, sample->pose.quaternion);
 }
 
 tides_status td_path_read_llff(td_path_reader *reader) {

@@ -135,7 +135,7 @@ static int is_skewed(const cJSON *root) {
 static tides_status add_camera(nerfies *n, const char *file, const cJSON *root) {
     td_path_reader *reader = n->reader, one = *reader;
     double world_to_camera[9], rotation[9];
-    tides_intrinsics camera = {0};
+    td_path_view view = {.distorted = is_skewed(root)};
     one.file = file;
     td_path_sample *sample = td_path_append(reader, reader->count);
     if (!sample) return TIDES_NO_MEMORY;
@@ -143,12 +143,10 @@ static tides_status add_camera(nerfies *n, const char *file, const cJSON *root) 
     for (int i = 0; i < 9; i++) rotation[i] = world_to_camera[3 * (i % 3) + i / 3];
     if (!status) status = td_json_rotation(&one, "", "orientation", rotation, sample->pose.quaternion);
     if (!status) status = td_json_vector(&one, root, "", "position", sample->pose.position, 3);
-    if (!status) status = read_intrinsics(&one, root, &camera);
-    if (!status) status = read_lens(&one, root, &camera.lens);
+    if (!status) status = read_intrinsics(&one, root, &view.intrinsics);
+    if (!status) status = read_lens(&one, root, &view.intrinsics.lens);
     for (int k = 0; k < 3; k++) sample->pose.position[k] = (sample->pose.position[k] - n->center[k]) * n->scale;
-    td_path_share_intrinsics(&reader->path, &camera, reader->count == 1);
-    reader->path.distorted |= is_skewed(root);
-    return status;
+    return status ? status : td_path_set_view(reader, sample, &view);
 }
 
 /* -- a folder -- */

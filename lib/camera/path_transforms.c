@@ -95,17 +95,10 @@ static int read_lens(const cJSON *frame, const cJSON *root, tides_lens *lens) {
 }
 
 static tides_status read_pose(td_path_reader *reader, const cJSON *frame, const char *where, tides_pose_sample *pose) {
-    double matrix[16] = {[15] = 1.0}, rotation[9];
+    double matrix[16] = {[15] = 1.0};
     int rows = cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(frame, "transform_matrix")) == 3 ? 3 : 4;
     tides_status status = td_json_matrix(reader, frame, where, "transform_matrix", matrix, rows, 4);
-    if (status != TIDES_OK) return status;
-    if (matrix[12] != 0.0 || matrix[13] != 0.0 || matrix[14] != 0.0 || matrix[15] != 1.0)
-        return td_json_fail(reader, where, "transform_matrix", "must end in the row 0 0 0 1: is it transposed?");
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) rotation[3 * i + j] = j == 0 ? matrix[4 * i] : -matrix[4 * i + j];
-        pose->position[i] = matrix[4 * i + 3];
-    }
-    return td_json_rotation(reader, where, "transform_matrix", rotation, pose->quaternion);
+    return status == TIDES_OK ? td_json_opengl_pose(reader, where, "transform_matrix", matrix, pose) : status;
 }
 
 /* Times of all frames, sorted and scaled; or spread evenly where the file has none. */
@@ -131,23 +124,21 @@ tides_status td_path_read_transforms(td_path_reader *reader, const cJSON *root) 
     strcpy(reader->path.format, "transforms");
     cJSON_ArrayForEach(frame, frames) {
         char where[48];
-        tides_intrinsics intrinsics = {0};
-        double angle_x = 0.0, time = 0.0;
+        td_path_view view = {.distorted = 0};
+        double time = 0.0;
         snprintf(where, sizeof where, "frames[%zu]", index);
         td_path_sample *sample = td_path_append(reader, index++);
         if (!sample) return TIDES_NO_MEMORY;
         tides_status status = read_pose(reader, frame, where, &sample->pose);
-        if (status == TIDES_OK) status = read_intrinsics(reader, frame, root, where, &intrinsics, &angle_x);
+        if (status == TIDES_OK) status = read_intrinsics(reader, frame, root, where, &view.intrinsics, &view.field_of_view_x);
         if (status == TIDES_OK && td_json_has(frame, "time")) {
             status = td_json_number(reader, frame, where, "time", &time);
             timed++;
         }
-        if (status != TIDES_OK) return status;
-        if (!read_lens(frame, root, &intrinsics.lens)) reader->path.distorted = 1;
         sample->time = time;
-        td_path_share_intrinsics(&reader->path, &intrinsics, index == 1);
-        if (index == 1) reader->path.field_of_view_x = angle_x;
-        if (reader->path.field_of_view_x != angle_x) reader->path.field_of_view_x = 0.0;
+        view.distorted = !read_lens(frame, root, &view.intrinsics.lens);
+        if (status == TIDES_OK) status = td_path_set_view(reader, sample, &view);
+        if (status != TIDES_OK) return status;
     }
     return settle_times(reader, timed);
 }

@@ -12,7 +12,15 @@ typedef struct td_path_sample {
     tides_pose_sample pose; /* its time isn't set yet */
     double time, low;       /* [s] */
     size_t place;           /* line number, or index in the file's list */
+    size_t view;            /* which of the reader's views it is of, counted from 1; 0: the file doesn't say */
 } td_path_sample;
+
+/* What a pose's camera is like, as tides_path has it for all. */
+typedef struct td_path_view {
+    tides_intrinsics intrinsics;
+    double field_of_view_x;
+    int32_t distorted;
+} td_path_view;
 
 typedef struct td_path_reader {
     const char *file; /* for messages */
@@ -21,6 +29,9 @@ typedef struct td_path_reader {
     const tides_path_options *options;
     td_path_sample *samples;
     size_t count, capacity;
+    td_path_view *views;
+    size_t view_count, view_capacity;
+    int spread;       /* the file has no times: td_path_spread's wish */
     const char *list; /* the JSON list that `place` indexes ("frames"); NULL: `place` is a line */
     tides_path path;  /* what has been read so far; a generator sets the trajectory itself */
     tides_error *error;
@@ -44,8 +55,15 @@ td_path_sample td_path_origin(const td_path_reader *reader, const td_path_sample
 /* Sorts the samples by time, then by place. */
 void td_path_sort(td_path_reader *reader);
 
-/* Gives the samples even times over [0, duration], for files without times. */
+/* Even times over [0, duration] for the samples that are kept, for files without times. */
 void td_path_spread(td_path_reader *reader);
+
+/* The camera of a sample (path_views.c). */
+tides_status td_path_set_view(td_path_reader *reader, td_path_sample *sample, const td_path_view *view);
+
+/* Once all is read: keeps the samples that options->views chooses, and of their cameras what all share: a field that differs
+ * becomes 0. Of lenses that differ none can be kept: path.distorted says so. */
+tides_status td_path_choose(td_path_reader *reader);
 
 /* The file or folder to read where `folder` is given, for the caller to free; NULL where nothing known is in it
  * (path_folder.c). */
@@ -62,6 +80,7 @@ tides_status td_path_read_nerfies_folder(td_path_reader *reader, const char *fol
 tides_status td_path_read_tides(td_path_reader *reader, const cJSON *root);
 tides_status td_path_read_transforms(td_path_reader *reader, const cJSON *root);
 tides_status td_path_read_cameras(td_path_reader *reader, const cJSON *root);
+tides_status td_path_read_nerfstudio(td_path_reader *reader, const cJSON *root);
 
 /* COLMAP's images with the cameras given, and the message for a file that only holds cameras. */
 struct td_colmap_cameras;
@@ -108,6 +127,10 @@ tides_status td_json_matrix(td_path_reader *reader, const cJSON *object, const c
 /* Number of pixels: a whole number, at least 1. */
 tides_status td_json_pixels(td_path_reader *reader, const cJSON *object, const char *where, const char *key, int32_t *value);
 
+/* The camera-to-world matrix of a file with OpenGL axes, by rows, ends in 0 0 0 1; `where` and `key` are its place. */
+tides_status td_json_opengl_pose(td_path_reader *reader, const char *where, const char *key, const double matrix[16],
+                                 tides_pose_sample *pose);
+
 int td_json_has(const cJSON *object, const char *key);
 
 /* `object` is an object with no other keys than `keys` (NULL-terminated), each once. */
@@ -128,9 +151,5 @@ tides_status td_json_rotation(td_path_reader *reader, const char *where, const c
 /* Lenses by coefficients in OpenCV's order: k1 k2 p1 p2 k3 (a pinhole where all are 0), and k1 k2 k3 k4. */
 tides_lens td_radtan(const double k[5]);
 tides_lens td_equidistant(const double k[4]);
-
-/* Keeps what all samples share: a field that differs from the first sample's becomes 0. Of lenses that differ none can be kept:
- * path->distorted says so. */
-void td_path_share_intrinsics(tides_path *path, const tides_intrinsics *other, int first);
 
 #endif

@@ -89,6 +89,9 @@ const td_param td_params[] = {
     {NUMBER("camera.start_s", path.start, "s", -LAST_SECOND, LAST_SECOND, "subtracted from every time of the path file")},
     {BOOLEAN("camera.raw_positions", path.raw_positions,
              "nerfies: leave out scene.json's scale and center (as 4DGaussians does)")},
+    {STRING("camera.views", path.views,
+            "of the path file's poses only these, as Python slices: 7, 0:100:10 or 3,5,-1; null: all"),
+     .fallback = "null"},
     {BOOLEAN("camera.rebase", path.rebase, "put the path's first sample at time 0 (camera.start_s is then ignored)")},
 
     {OBJECTS("rig.cameras", "cameras on one body, whose path is camera.file: each {name, T_B_C, kind, camera, sensor ...}"),

@@ -798,6 +798,9 @@ class tides_path_options(Structure):
     int32_t rebase; /* 1: `start` is ignored and the first sample is put at 0 */
     int32_t raw_positions; /* nerfies: 1 leaves positions as the camera files have them (as 4DGaussians trains) instead of
     applying scene.json (as Nerfies, HyperNeRF and Deformable-3D-Gaussians do) */
+    const char *views; /* which poses to keep, as Python slices with commas between: "7", "0:100:10", "3,5,-1"; NULL: all.
+    Counted from 0 in the path's order: of times, of images' names, else of the file. What a file
+    without times has left is spread over `duration` */
     """
 
     size: int
@@ -806,6 +809,7 @@ class tides_path_options(Structure):
     start: float
     rebase: int
     raw_positions: int
+    views: bytes | None
 
     _fields_ = [
         ("size", c_uint32),
@@ -814,6 +818,7 @@ class tides_path_options(Structure):
         ("start", c_double),
         ("rebase", c_int32),
         ("raw_positions", c_int32),
+        ("views", c_char_p),
     ]
 
 
@@ -821,7 +826,8 @@ class tides_path(Structure):
     """tides_trajectory *trajectory; /* owned by the caller after success */
     tides_intrinsics intrinsics; /* fields the file doesn't give, or gives differently from frame to frame, are 0 */
     double field_of_view_x; /* [rad] where the file gives one (Blender and D-NeRF give no width with it), else 0 */
-    char format[32]; /* "tides", "transforms", "cameras", "tum", "esim", "euroc", "kitti", "colmap", "llff", "nerfies" */
+    char format[32]; /* "tides", "transforms", "camera_path", "cameras", "tum", "esim", "euroc", "kitti", "colmap", "llff",
+    "nerfies" */
     int32_t distorted; /* 1: the file gives distortion that is no tides_lens, or differs from frame to frame: intrinsics are of
     the pinhole that agrees with the lens at its axis. Runs then want camera.lens */
     int32_t reserved;

@@ -262,7 +262,8 @@ class Intrinsics(Value, _api.tides_intrinsics):
 
 
 class PathOptions(Value, _api.tides_path_options):
-    """How a path file is read: duration [s] of files without times, start [s], rebase, raw_positions."""
+    """How a path file is read: duration [s] of files without times, start [s], rebase, raw_positions, views
+    ("0:100:10": which poses to keep)."""
 
     _defaults = "tides_path_options_defaults"
 

@@ -10,3 +10,18 @@ path "camera.file.*covers \[5, 6\] s.*camera.rebase" '5 0 0 0 0 0 0 1\n6 0 0 0 0
 expect 0 tides simulate run.json -qo e.h5 --set camera.rebase=true
 # The lens has to come from somewhere.
 refuse 1 "camera.fx is missing" tides simulate run.json -o e.h5 --set camera.rebase=true --set camera.fx=null
+
+# Views of a path file: one for a picture, some for a run; and a path from nerfstudio's viewer.
+printf '0 0 0 0 0 0 0 1\n0.02 0.1 0 0 0 0 0 1\n0.04 0.4 0 0 0 0 0 1\n' >path.txt
+expect 0 tides render run.json -qo first.exr --set camera.views=0
+expect 0 tides render run.json -qo last.exr --set camera.views=-1
+cmp -s first.exr last.exr && fail "camera.views should choose the pose"
+expect 0 tides simulate run.json -qo all.h5 --set camera.views=:
+expect 0 tides simulate run.json -qo some.h5 --set camera.views=0,2
+cmp -s all.h5 some.h5 && fail "camera.views should choose the poses"
+refuse 1 "path.txt: views \"3\": isn't a choice of its 3 poses" tides simulate run.json -o x.h5 --set camera.views=3
+pose='"camera_to_world": [1,0,0,%s, 0,-1,0,0, 0,0,-1,0, 0,0,0,1], "fov": 60'
+printf '{"render_width": 48, "render_height": 36, "seconds": 1, "camera_path": [{'"$pose"'}, {'"$pose"'}]}' 0 0.5 >nerf.json
+expect 0 tides info nerf.json
+out "^format +camera_path"
+expect 0 tides simulate run.json -o nerf.h5 --set camera.file=nerf.json --set camera.width=null --set camera.height=null --set camera.fx=null

@@ -42,6 +42,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     tides_path_options options;
     tides_path_options_defaults(&options);
     options.rebase = size & 1; /* both ways of placing the times */
+    options.views = size & 2 ? "::2,-1" : NULL;
     tides_path path = {.trajectory = NULL};
     tides_error error = {0, ""};
     tides_status status = td_path_parse("file", text, size, &options, &path, &error);
