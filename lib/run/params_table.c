@@ -94,6 +94,8 @@ const td_param td_params[] = {
      .fallback = "null"},
     {BOOLEAN("camera.rebase", path.rebase, "put the path's first sample at time 0 (camera.start_s is then ignored)")},
 
+    {TEXT("rig.file", "Kalibr's camchain.yaml: the rig's cameras, cam0 ...; rig.cameras adds to what it says of them"),
+     .fallback = "null", .is_file = 1},
     {OBJECTS("rig.cameras", "cameras on one body, whose path is camera.file: each {name, T_B_C, kind, camera, sensor ...}"),
      .fallback = "[]"},
     {TEXT("rig.camera", "the camera of them that a run is of, by name; null: the first (tides dataset: all)"),

@@ -92,10 +92,11 @@ static tides_status create(const char *origin, const char *directory, tides_run 
     return status;
 }
 
-/* After the file's text: overrides, rig, preset, checks, and what is derived. A run that fails is destroyed. */
+/* After the file's text: overrides, rig, with its file, preset, checks, and what is derived. A run that fails is destroyed. */
 static tides_status finish(tides_run *made, const char *const *overrides, size_t count, tides_run **run, tides_error *error) {
     tides_status status = TIDES_OK;
     for (size_t i = 0; status == TIDES_OK && i < count; i++) status = td_run_override(made, overrides[i], error);
+    if (status == TIDES_OK) status = td_rig_read_file(made, error);
     if (status == TIDES_OK) status = td_rig_apply(made, error);
     if (status == TIDES_OK) status = td_run_preset(made, error);
     if (status == TIDES_OK) status = check_whole(made, error);

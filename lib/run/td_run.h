@@ -52,7 +52,8 @@ tides_status td_run_note(tides_run *run, const char *line, tides_error *error);
  * on the body's, which it replaces. All do nothing without a rig. */
 tides_status td_rig_check(const cJSON *value, const char *where, tides_error *error);
 tides_status td_rig_apply(tides_run *run, tides_error *error);
-uint64_t td_rig_seed(const tides_run *run, uint64_t seed); /* of that camera: its own noise */
+tides_status td_rig_read_file(tides_run *run, tides_error *error); /* rig_file.c: before it, the cameras of rig.file */
+uint64_t td_rig_seed(const tides_run *run, uint64_t seed);         /* of that camera: its own noise */
 tides_status td_rig_mount(const tides_run *run, tides_trajectory **path, tides_error *error);
 
 /* preset.c: the values of sensor.preset for the rows that nobody gives who is stronger. */

@@ -1,0 +1,349 @@
+/* Kalibr's camera chains. Of YAML what PyYAML and OpenCV write of such a file: mappings two deep, whose values are words,
+ * numbers, lists in [] (which may go on in the next line) and rows of "- []". Anything else is refused, unknown keys too: one
+ * that says something of the cameras must not be lost.
+ *
+ *     cam1:
+ *       camera_model: pinhole
+ *       intrinsics: [461.6, 460.2, 362.7, 246.0]     fu fv pu pv
+ *       distortion_model: radtan                     or equidistant, none; fov isn't supported
+ *       distortion_coeffs: [-0.28, 0.07, 0.0, 0.0]
+ *       resolution: [752, 480]
+ *       T_cn_cnm1:                                   p_cam1 = T p_cam0
+ *       - [1.0, 0.0, 0.0, -0.11]
+ *       ...
+ *
+ * libyaml would read all of YAML into events, of which as many lines as these would have to make the same sense. */
+#include "td_camchain.h"
+
+#include "camera/td_path_reader.h"
+#include "camera/td_rotation.h"
+#include "td_base.h"
+
+#include <ctype.h>
+#include <locale.h>
+#include <math.h>
+#include <string.h>
+
+#define ROTATION_TOLERANCE 1e-4 /* how far calibrated matrices are from rotations: they are written with all digits */
+
+/* A camera as it is being read. */
+typedef struct reading {
+    const char *file;
+    tides_error *error;
+    td_camchain *chain;
+    const char *pinhole, *bent; /* values of camera_model and distortion_model; NULL: not there */
+    double intrinsics[4], coefficient[4], resolution[2], before[16], imu[16], shift;
+    int given; /* bits of KEYS */
+} reading;
+
+enum {
+    KEY_MODEL,
+    KEY_INTRINSICS,
+    KEY_BENT,
+    KEY_COEFFICIENTS,
+    KEY_RESOLUTION,
+    KEY_BEFORE,
+    KEY_CAM_IMU,
+    KEY_IMU_CAM,
+    KEY_SHIFT,
+    KEY_OVERLAPS,
+    KEY_TOPIC
+};
+
+static tides_status bad(const reading *r, tides_status status, const char *what) {
+    return td_fail(r->error, status, "%s: cam%d: %s", r->file, r->chain->count, what);
+}
+
+/* -- values ---------------------------------------------------------------------------------------------------------------- */
+
+static const char *skip(const char *at) { return at + strspn(at, " \t\r\n"); }
+
+/* "[a, b]", `count` numbers; returns what follows, or NULL. */
+static const char *read_row(const char *at, double *values, int count) {
+    if (*at++ != '[') return NULL;
+    for (int k = 0; k < count; k++) {
+        const char *number = skip(at), *end = td_text_number(number, values + k);
+        if (end == number) return NULL;
+        at = skip(end);
+        if (*at++ != (k + 1 < count ? ',' : ']')) return NULL;
+    }
+    return skip(at);
+}
+
+static int read_list(const char *value, double *values, int count) {
+    const char *end = read_row(skip(value), values, count);
+    return end && !*end;
+}
+
+/* Rows of four, each behind a "-", or in [] of their own. */
+static int read_matrix(const char *value, double m[16]) {
+    const char *at = skip(value);
+    const int flow = *at == '[';
+    at = flow ? skip(at + 1) : at;
+    for (int i = 0; i < 4; i++) {
+        if (!flow && *at++ != '-') return 0;
+        at = read_row(skip(at), m + 4 * i, 4);
+        if (!at) return 0;
+        if (flow && *at++ != (i < 3 ? ',' : ']')) return 0;
+        at = skip(at);
+    }
+    return !*at;
+}
+
+/* A word, which ends with its line; quotes around it are taken off. */
+static const char *read_word(char *value) {
+    value += strspn(value, " \t\r\n\"'");
+    size_t length = strlen(value);
+    while (length && strchr(" \t\r\n\"'", value[length - 1])) value[--length] = '\0';
+    return value;
+}
+
+/* A rotation and a place. */
+static int is_rigid(const double t[16]) {
+    double off = fabs(t[12]) + fabs(t[13]) + fabs(t[14]) + fabs(t[15] - 1), cross[3];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) off = fmax(off, fabs(td_dot3(t + 4 * i, t + 4 * j) - (i == j)));
+    td_cross3(t, t + 4, cross);
+    for (int k = 0; k < 3; k++) off = fmax(off, fabs(cross[k] - t[8 + k]));
+    return off <= ROTATION_TOLERANCE;
+}
+
+static void multiply(const double a[16], const double b[16], double out[16]) {
+    for (int i = 0; i < 16; i++) {
+        out[i] = 0;
+        for (int k = 0; k < 4; k++) out[i] += a[i / 4 * 4 + k] * b[4 * k + i % 4];
+    }
+}
+
+/* Of what is rigid. */
+static void invert(const double t[16], double out[16]) {
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) out[4 * i + j] = t[4 * j + i];
+        out[4 * i + 3] = -(t[i] * t[3] + t[4 + i] * t[7] + t[8 + i] * t[11]);
+        out[12 + i] = 0;
+    }
+    out[15] = 1;
+}
+
+/* Rounded digits of a file: the nearest rotation, so that a chain of any length stays one. */
+static void straighten(double t[16]) {
+    double q[4], r[9] = {t[0], t[1], t[2], t[4], t[5], t[6], t[8], t[9], t[10]};
+    td_quaternion_from_rotation(r, q);
+    td_normalise_quaternion(q);
+    td_rotation_from_quaternion(q, r);
+    for (int i = 0; i < 9; i++) t[i / 3 * 4 + i % 3] = r[i];
+}
+
+/* -- keys ------------------------------------------------------------------------------------------------------------------ */
+
+static const struct key {
+    const char *name;
+    int id, count; /* numbers in []; 16: a matrix; 0: a word, or nothing of ours */
+    size_t offset; /* in `reading` */
+} keys[] = {{"camera_model", KEY_MODEL, 0, 0},
+            {"intrinsics", KEY_INTRINSICS, 4, offsetof(reading, intrinsics)},
+            {"distortion_model", KEY_BENT, 0, 0},
+            {"distortion_coeffs", KEY_COEFFICIENTS, 4, offsetof(reading, coefficient)},
+            {"resolution", KEY_RESOLUTION, 2, offsetof(reading, resolution)},
+            {"T_cn_cnm1", KEY_BEFORE, 16, offsetof(reading, before)},
+            {"T_cam_imu", KEY_CAM_IMU, 16, offsetof(reading, imu)},
+            {"T_imu_cam", KEY_IMU_CAM, 16, offsetof(reading, imu)},
+            {"timeshift_cam_imu", KEY_SHIFT, 1, offsetof(reading, shift)},
+            {"cam_overlaps", KEY_OVERLAPS, 0, 0},
+            {"rostopic", KEY_TOPIC, 0, 0}};
+enum { KEYS = sizeof keys / sizeof *keys };
+
+static int has(const reading *r, int id) { return r->given >> id & 1; }
+
+static tides_status take_numbers(reading *r, const struct key *key, const char *value) {
+    double *values = (double *)((char *)r + key->offset);
+    if (key->count == 16) {
+        if (read_matrix(value, values) && is_rigid(values)) {
+            straighten(values);
+            return TIDES_OK;
+        }
+        return td_fail(r->error, TIDES_BAD_FILE, "%s: cam%d: %s must be four rows of four numbers, a rotation and a place",
+                       r->file, r->chain->count, key->name);
+    }
+    const char *at = skip(value), *end;
+    const int one = key->count == 1 && (end = td_text_number(at, values)) != at && !*skip(end);
+    if (one || read_list(value, values, key->count)) return TIDES_OK;
+    return td_fail(r->error, TIDES_BAD_FILE, "%s: cam%d: %s must be %d finite number%s", r->file, r->chain->count, key->name,
+                   key->count, key->count > 1 ? "s in []" : "");
+}
+
+/* A key with its value, which ends with a NUL. */
+static tides_status take_key(reading *r, const char *name, char *value) {
+    const struct key *key = NULL;
+    char word[TD_QUOTE];
+    for (int i = 0; i < KEYS; i++)
+        if (strcmp(keys[i].name, name) == 0) key = &keys[i];
+    td_path_quote(name, strlen(name), word);
+    if (!key)
+        return td_fail(r->error, TIDES_BAD_FILE, "%s: cam%d: key %s isn't one of Kalibr's camera chains; leave it out", r->file,
+                       r->chain->count, word);
+    if (has(r, key->id))
+        return td_fail(r->error, TIDES_BAD_FILE, "%s: cam%d: %s is given twice", r->file, r->chain->count, word);
+    r->given |= 1 << key->id;
+    if (key->id == KEY_MODEL) r->pinhole = read_word(value);
+    if (key->id == KEY_BENT) r->bent = read_word(value);
+    return key->count ? take_numbers(r, key, value) : TIDES_OK;
+}
+
+/* -- cameras --------------------------------------------------------------------------------------------------------------- */
+
+static tides_status find_lens(const reading *r, tides_lens *lens) {
+    const double k[5] = {r->coefficient[0], r->coefficient[1], r->coefficient[2], r->coefficient[3], 0};
+    char word[TD_QUOTE];
+    *lens = (tides_lens){.model = TIDES_LENS_NONE};
+    if (!r->bent || strcmp(r->bent, "none") == 0) return TIDES_OK;
+    if (!has(r, KEY_COEFFICIENTS)) return bad(r, TIDES_BAD_FILE, "distortion_model needs distortion_coeffs");
+    if (strcmp(r->bent, "radtan") == 0)
+        *lens = td_radtan(k);
+    else if (strcmp(r->bent, "equidistant") == 0)
+        *lens = td_equidistant(k);
+    else
+        return td_fail(r->error, TIDES_UNSUPPORTED,
+                       "%s: cam%d: distortion_model %s isn't supported: radtan, equidistant or none", r->file, r->chain->count,
+                       td_path_quote(r->bent, strlen(r->bent), word));
+    return TIDES_OK;
+}
+
+static tides_status find_intrinsics(const reading *r, tides_intrinsics *out) {
+    enum { LARGEST = 16384 };
+    int good = r->intrinsics[0] > 0 && r->intrinsics[1] > 0;
+    for (int k = 0; k < 2; k++)
+        good = good && r->resolution[k] >= 1 && r->resolution[k] <= LARGEST && r->resolution[k] == floor(r->resolution[k]);
+    if (!good) return bad(r, TIDES_BAD_FILE, "resolution and focal lengths must be above 0, and the former whole numbers");
+    *out = (tides_intrinsics){.width = (int32_t)r->resolution[0],
+                              .height = (int32_t)r->resolution[1],
+                              .fx = r->intrinsics[0],
+                              .fy = r->intrinsics[1],
+                              .cx = r->intrinsics[2] + 0.5,
+                              .cy = r->intrinsics[3] + 0.5};
+    return find_lens(r, &out->lens);
+}
+
+/* By the IMU, else along the chain. */
+static tides_status find_place(const reading *r, double T_B_C[16]) {
+    static const double same[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    double back[16];
+    const int n = r->chain->count;
+    if (has(r, KEY_CAM_IMU) && has(r, KEY_IMU_CAM)) return bad(r, TIDES_BAD_FILE, "T_cam_imu and T_imu_cam: keep one");
+    if (has(r, KEY_IMU_CAM)) {
+        memcpy(T_B_C, r->imu, sizeof same);
+    } else if (has(r, KEY_CAM_IMU)) {
+        invert(r->imu, T_B_C);
+    } else if (n == 0) {
+        memcpy(T_B_C, same, sizeof same);
+    } else if (has(r, KEY_BEFORE)) {
+        invert(r->before, back);
+        multiply(r->chain->camera[n - 1].T_B_C, back, T_B_C);
+    } else {
+        return bad(r, TIDES_BAD_FILE, "T_cn_cnm1 is missing: how it stands to the camera before it");
+    }
+    return TIDES_OK;
+}
+
+/* What was read of a camera, into the chain. */
+static tides_status finish_camera(reading *r) {
+    static const int needed[] = {KEY_INTRINSICS, KEY_RESOLUTION};
+    td_camchain_camera *camera = &r->chain->camera[r->chain->count];
+    char word[TD_QUOTE];
+    for (int i = 0; i < 2; i++)
+        if (!has(r, needed[i])) return bad(r, TIDES_BAD_FILE, i ? "resolution is missing" : "intrinsics are missing");
+    if (r->pinhole && strcmp(r->pinhole, "pinhole") != 0)
+        return td_fail(r->error, TIDES_UNSUPPORTED, "%s: cam%d: camera_model %s isn't supported: pinhole", r->file,
+                       r->chain->count, td_path_quote(r->pinhole, strlen(r->pinhole), word));
+    if (r->shift < 0 || r->shift > 0)
+        return td_fail(r->error, TIDES_UNSUPPORTED,
+                       "%s: cam%d: timeshift_cam_imu is %.9g s: what is simulated has one clock; set it to 0", r->file,
+                       r->chain->count, r->shift);
+    tides_status status = find_intrinsics(r, &camera->intrinsics);
+    if (status == TIDES_OK) status = find_place(r, camera->T_B_C);
+    r->chain->count += status == TIDES_OK;
+    return status;
+}
+
+/* -- lines ----------------------------------------------------------------------------------------------------------------- */
+
+/* "name:" at `at`, up to a blank or the line's end; returns what is behind the colon, which becomes a NUL, or NULL. */
+static char *split_key(char *at) {
+    char *end = at;
+    while (isalnum((unsigned char)*end) || *end == '_') end++;
+    if (end == at || *end != ':' || !strchr(" \t\r\n", end[1])) return NULL; /* a NUL, too */
+    *end = '\0';
+    return end + 1;
+}
+
+/* Comments to blanks: what is behind a # that nothing or a blank is before, and lines that are directives or markers. */
+static void blank_comments(char *text) {
+    int comment = 0, start = 1;
+    for (char *at = text; *at; at++) {
+        if (*at == '\n') comment = 0;
+        if (start && (*at == '%' || strncmp(at, "---", 3) == 0)) comment = 1;
+        if (*at == '#' && (at == text || strchr(" \t\n", at[-1]))) comment = 1;
+        start = *at == '\n';
+        if (comment) *at = ' ';
+    }
+}
+
+static tides_status begin_camera(reading *r, const char *name, const char *rest, size_t line) {
+    char wanted[16];
+    const tides_status status = r->given >= 0 ? finish_camera(r) : TIDES_OK;
+    if (status != TIDES_OK) return status;
+    snprintf(wanted, sizeof wanted, "cam%d", r->chain->count);
+    if (strcmp(name, wanted) != 0 || *(rest + strspn(rest, " \t\r")) != '\n' || r->chain->count == TD_CAMCHAIN_MOST)
+        return td_fail(r->error, TIDES_BAD_FILE, "%s:%zu: %s was expected: cameras cam0, cam1 ... in their order, %d at most",
+                       r->file, line, wanted, TD_CAMCHAIN_MOST);
+    *r = (reading){.file = r->file, .error = r->error, .chain = r->chain};
+    return TIDES_OK;
+}
+
+/* Line by line: a key's value ends where the next key begins. */
+static tides_status read_lines(reading *r, char *text) {
+    char *name = NULL, *value = NULL, *next;
+    size_t line = 1, inner = 0;
+    tides_status status = TIDES_OK;
+    for (char *at = text; *at && status == TIDES_OK; at = next, line++) {
+        const size_t indent = strspn(at, " ");
+        next = at + strcspn(at, "\n");
+        next += *next == '\n';
+        if (next - at <= (ptrdiff_t)strspn(at, " \t\r\n")) continue;
+        if (name && indent > inner) continue; /* more of the value */
+        if (name && indent == inner && at[indent] == '-') continue;
+        if (name) at[-1] = '\0', status = take_key(r, name, value); /* lines before it end with one */
+        name = NULL;
+        if (status != TIDES_OK) break;
+        char *key = at + indent, *rest = split_key(key);
+        if (!rest || (indent > 0 && r->given < 0))
+            status = td_fail(r->error, TIDES_BAD_FILE,
+                             "%s:%zu: this isn't Kalibr's camera chain: \"camN:\", or \"  key: value\"", r->file, line);
+        else if (indent == 0)
+            status = begin_camera(r, key, rest, line);
+        else
+            name = key, value = rest, inner = indent;
+    }
+    if (status == TIDES_OK && name) status = take_key(r, name, value);
+    return status;
+}
+
+static tides_status read_chain(reading *r, char *text) {
+    blank_comments(text);
+    tides_status status = read_lines(r, text);
+    if (status != TIDES_OK) return status;
+    if (r->given < 0) return td_fail(r->error, TIDES_BAD_FILE, "%s: no camera: \"cam0:\" is missing", r->file);
+    return finish_camera(r);
+}
+
+tides_status td_camchain_parse(const char *file, char *text, td_camchain *chain, tides_error *error) {
+    reading r = {.file = file, .error = error, .chain = chain, .given = -1};
+    chain->count = 0;
+    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0); /* the program's may have a decimal comma */
+    if (plain == (locale_t)0) return td_fail(error, TIDES_NO_MEMORY, "out of memory for a locale");
+    locale_t before = uselocale(plain);
+    const tides_status status = read_chain(&r, text);
+    uselocale(before);
+    freelocale(plain);
+    return status;
+}

@@ -1,0 +1,25 @@
+/* Internal: camera chains as Kalibr writes them (camchain.yaml, camchain-imucam.yaml). */
+#ifndef TD_CAMCHAIN_H
+#define TD_CAMCHAIN_H
+
+#include "tides/camera.h"
+
+enum { TD_CAMCHAIN_MOST = 16 };
+
+typedef struct td_camchain_camera {
+    tides_intrinsics intrinsics; /* pixel centres at halves, as ours; Kalibr's are at whole numbers */
+    double T_B_C[16];            /* p_body = T_B_C p_camera [m] */
+} td_camchain_camera;
+
+/* Cameras cam0, cam1 ... in their order. The body is the IMU where cam0 says how it stands to one (T_cam_imu, or OpenVINS's
+ * T_imu_cam), else cam0. */
+typedef struct td_camchain {
+    td_camchain_camera camera[TD_CAMCHAIN_MOST];
+    int count;
+} td_camchain;
+
+/* Reads `text`, which it changes; `file` is for messages. TIDES_BAD_FILE, or TIDES_UNSUPPORTED for a model that we don't have,
+ * naming line or camera and key; the chain is then not to be used. */
+TIDES_MUST_CHECK tides_status td_camchain_parse(const char *file, char *text, td_camchain *chain, tides_error *error);
+
+#endif
