@@ -127,7 +127,8 @@ static tides_status add_writer(job *j, const td_layout *layout, char *root, tide
         return td_fail(error, TIDES_BAD_CONFIG,
                        "%s: it is in metres, and what a unit of the scene is isn't known: set scene.metres_per_unit",
                        layout->name);
-    const tides_status status = layout->check ? layout->check(&j->set, error) : TIDES_OK;
+    tides_status status = layout->check ? layout->check(&j->set, error) : TIDES_OK;
+    if (status == TIDES_OK && layout->rectified) status = td_rectify(&j->set, error);
     return status == TIDES_OK ? td_make_folders(root, error) : status;
 }
 
@@ -248,6 +249,7 @@ static void end(job *j, int began) {
         free(w->root);
     }
     if (began && j->status != TIDES_OK) td_remove_folder(j->part);
+    for (size_t i = 0; i < j->set.count; i++) td_rectify_release(&j->set.cameras[i]);
     for (size_t i = 0; i < j->set.count; i++)
         if (j->set.cameras[i].owned) tides_session_close(j->set.cameras[i].session);
     free(j->set.cameras);

@@ -1,26 +1,37 @@
-/* DSEC's calibration/cam_to_cam.yaml: cameras 0 to 3 as they are and rectified, how they stand to each other, and Q of the
- * event cameras, whose baseline is 1 / Q[3][2]. Raw images are the rectified ones. */
+/* DSEC's calibration/cam_to_cam.yaml: cameras 0 to 3 as they are and rectified, how they stand to each other as they are, how
+ * each is turned to be rectified, and Q of both pairs, whose baseline is 1 / Q[3][2]. */
 #include "td_dataset.h"
 
 #include <string.h>
 
-static tides_status put_camera(td_text *yaml, const td_member *camera, int number, tides_error *error) {
-    const tides_intrinsics *k = &camera->facts.intrinsics;
-    tides_status status = TIDES_OK;
-    for (int rectified = 0; rectified < 2 && status == TIDES_OK; rectified++)
-        status = td_text_put(yaml, error,
-                             "  cam%s%d:\n    camera_matrix: [%.17g, %.17g, %.17g, %.17g]\n%s    resolution: [%d, %d]\n",
-                             rectified ? "Rect" : "", number, k->fx, k->fy, td_whole_cx(camera), td_whole_cy(camera),
-                             rectified ? "" : "    distortion_coeffs: [0.0, 0.0, 0.0, 0.0]\n    distortion_model: radtan\n",
-                             (int)k->width, (int)k->height);
-    return status;
+/* A camera by its number: 0 and 3 make events, 1 and 2 pictures. */
+typedef struct numbered {
+    const td_member *camera; /* NULL: there is none */
+    const td_view *view;
+} numbered;
+static const struct { int kind, side; } numbers[4] = {{TD_TRUTH, 0}, {TD_PICTURE, 0}, {TD_PICTURE, 1}, {TD_TRUTH, 1}};
+
+static tides_status put_intrinsics(td_text *yaml, const char *name, int number, const tides_intrinsics *k, const char *lens,
+                                   tides_error *error) {
+    return td_text_put(yaml, error, "  %s%d:\n    camera_matrix: [%.17g, %.17g, %.17g, %.17g]\n%s    resolution: [%d, %d]\n",
+                       name, number, k->fx, k->fy, k->cx - 0.5, k->cy - 0.5, lens, (int)k->width, (int)k->height);
 }
 
-/* `size` rows of `size` numbers out of 4 x 4. */
-static tides_status put_matrix(td_text *yaml, const char *name, const double m[16], int size, tides_error *error) {
+/* As Kalibr says it. */
+static tides_status put_camera(td_text *yaml, const numbered *one, int number, tides_error *error) {
+    double l[5];
+    char lens[160];
+    const char *model = td_lens_numbers(one->camera, l) == 4 ? "equidistant" : "radtan";
+    snprintf(lens, sizeof lens, "    distortion_coeffs: [%.17g, %.17g, %.17g, %.17g]\n    distortion_model: %s\n", l[0], l[1],
+             l[2], l[3], model);
+    const tides_status status = put_intrinsics(yaml, "cam", number, &one->camera->facts.intrinsics, lens, error);
+    return status == TIDES_OK ? put_intrinsics(yaml, "camRect", number, &one->view->intrinsics, "", error) : status;
+}
+
+static tides_status put_matrix(td_text *yaml, const char *name, const double *m, int size, tides_error *error) {
     tides_status status = td_text_put(yaml, error, "  %s:\n", name);
     for (int i = 0; i < size && status == TIDES_OK; i++) {
-        const double *r = m + 4 * i;
+        const double *r = m + size * i;
         status = size == 4 ? td_text_put(yaml, error, "  - [%.17g, %.17g, %.17g, %.17g]\n", r[0], r[1], r[2], r[3])
                            : td_text_put(yaml, error, "  - [%.17g, %.17g, %.17g]\n", r[0], r[1], r[2]);
     }
@@ -28,42 +39,49 @@ static tides_status put_matrix(td_text *yaml, const char *name, const double m[1
 }
 
 /* T_10, T_21 ... between neighbours of those that there are. */
-static tides_status put_extrinsics(const td_dataset *set, td_text *yaml, const td_member *const cameras[4],
-                                   tides_error *error) {
-    static const double same[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+static tides_status put_extrinsics(const td_dataset *set, td_text *yaml, const numbered cameras[4], tides_error *error) {
     tides_status status = td_text_put(yaml, error, "extrinsics:\n");
     for (int i = 0, before = -1; i < 4 && status == TIDES_OK; i++) {
-        if (!cameras[i]) continue;
+        if (!cameras[i].camera) continue;
         char name[16];
         double t[16];
         snprintf(name, sizeof name, "T_%d%d", i, before);
-        if (before >= 0) td_between(set, cameras[before], cameras[i], t);
+        if (before >= 0) td_between(set, cameras[before].camera, cameras[i].camera, t);
         if (before >= 0) status = put_matrix(yaml, name, t, 4, error);
         snprintf(name, sizeof name, "R_rect%d", i);
-        if (status == TIDES_OK) status = put_matrix(yaml, name, same, 3, error);
+        if (status == TIDES_OK) status = put_matrix(yaml, name, cameras[i].view->rotation, 3, error);
         before = i;
     }
     return status;
 }
 
-static tides_status put_depth(const td_dataset *set, td_text *yaml, const td_member *left, const td_member *right,
-                              tides_error *error) {
-    if (!right) return TIDES_OK;
-    double t[16];
-    td_between(set, left, right, t);
-    const double q[16] = {1, 0, 0, -td_whole_cx(left),        0, 1, 0,         -td_whole_cy(left),
-                          0, 0, 0, left->facts.intrinsics.fx, 0, 0, -1 / t[3], 0};
-    const tides_status status = td_text_put(yaml, error, "disparity_to_depth:\n");
-    return status == TIDES_OK ? put_matrix(yaml, "cams_03", q, 4, error) : status;
+/* Q: (u, v, disparity, 1) to a point of the left one's rectified view. */
+static tides_status put_depth(const td_dataset *set, td_text *yaml, const char *name, const numbered *left,
+                              const numbered *right, tides_error *error) {
+    if (!left->camera || !right->camera) return TIDES_OK;
+    const tides_intrinsics *k = &left->view->intrinsics;
+    const double q[16] = {1, 0,     0,           0.5 - k->cx, 0,
+                          1, 0,     0.5 - k->cy, 0,           0,
+                          0, k->fx, 0,           0,           1 / td_baseline(set, left->camera, right->camera),
+                          0};
+    return put_matrix(yaml, name, q, 4, error);
 }
 
-tides_status td_dsec_calibration(const td_writer *w, const td_member *const cameras[4], tides_error *error) {
+tides_status td_dsec_calibration(const td_writer *w, tides_error *error) {
+    numbered cameras[4];
+    for (int i = 0; i < 4; i++) {
+        cameras[i].camera = td_find_camera(w->set, numbers[i].kind, numbers[i].side);
+        cameras[i].view = cameras[i].camera ? &cameras[i].camera->rectified[numbers[i].kind] : NULL;
+    }
     td_text yaml = {NULL};
     tides_status status = td_text_in_folder(&yaml, w->root, "calibration/cam_to_cam.yaml", error);
     if (status == TIDES_OK) status = td_text_put(&yaml, error, "intrinsics:\n");
     for (int i = 0; i < 4 && status == TIDES_OK; i++)
-        if (cameras[i]) status = put_camera(&yaml, cameras[i], i, error);
+        if (cameras[i].camera) status = put_camera(&yaml, &cameras[i], i, error);
     if (status == TIDES_OK) status = put_extrinsics(w->set, &yaml, cameras, error);
-    if (status == TIDES_OK) status = put_depth(w->set, &yaml, cameras[0], cameras[3], error);
+    if (status == TIDES_OK && (cameras[2].camera || cameras[3].camera))
+        status = td_text_put(&yaml, error, "disparity_to_depth:\n");
+    if (status == TIDES_OK) status = put_depth(w->set, &yaml, "cams_03", &cameras[0], &cameras[3], error);
+    if (status == TIDES_OK) status = put_depth(w->set, &yaml, "cams_12", &cameras[1], &cameras[2], error);
     return td_text_close(&yaml, status, error);
 }

@@ -13,8 +13,9 @@ void td_exposed_between(const td_member *camera, int64_t us, int64_t *from_us, i
     *to_us = us + (int64_t)ceil(1e6 * fmax(last, to));
 }
 
-tides_status td_exposed_make(const td_member *camera, tides_renderer *renderer, const td_picture *picture, double *light,
-                             uint16_t *values, uint8_t *rgb, uint8_t *grey, tides_error *error) {
+tides_status td_exposed_make(const td_member *camera, const tides_trajectory *path, tides_renderer *renderer,
+                             const td_picture *picture, double *light, uint16_t *values, uint8_t *rgb, uint8_t *grey,
+                             tides_error *error) {
     const int32_t width = camera->facts.intrinsics.width, height = camera->facts.intrinsics.height;
     const double *weights = camera->facts.values.image.luminance;
     const size_t pixels = td_pixels(camera);
@@ -22,8 +23,7 @@ tides_status td_exposed_make(const td_member *camera, tides_renderer *renderer, 
     exposure.colour = 1;
     exposure.bits = 8;
     double *y = light + 3 * pixels;
-    tides_status status =
-        tides_renderer_expose(renderer, camera->facts.camera, td_seconds(picture->us), &exposure, light, NULL, error);
+    tides_status status = tides_renderer_expose(renderer, path, td_seconds(picture->us), &exposure, light, NULL, error);
     if (status == TIDES_OK) status = tides_exposure_values(&exposure, width, height, picture->index, light, values, error);
     if (status != TIDES_OK) return status;
     for (size_t i = 0; i < 3 * pixels; i++) rgb[i] = (uint8_t)values[i];

@@ -1,7 +1,8 @@
 /* DSEC (Gehrig et al. 2021; dsec.ifi.uzh.ch/data-format), of a rig: event cameras left and right, cameras of pictures left and
- * right. Times are microseconds; flow and disparity are the left event camera's.
+ * right. Times are microseconds. Events are raw; pictures are rectified, and so are flow and disparity, which are the left
+ * event camera's.
  *
- *   events/{left,right}/events.h5, rectify_map.h5 (rectified place of each raw pixel; here its own)
+ *   events/{left,right}/events.h5, rectify_map.h5 (rectified place of each raw pixel)
  *   images/timestamps.txt, images/{left,right}/exposure_timestamps.txt, images/{left,right}/rectified/%06d.png
  *   flow/{forward,backward}/%06d.png, 16 bits: (I - 32768) / 128 in R and G [px], B = 1: known; number of the picture at the
  *     time that it begins; flow/{forward,backward}_timestamps.txt
@@ -24,63 +25,39 @@ typedef struct dsec {
 
 /* -- what it has a place for ---------------------------------------------------------------------------------------------- */
 
-static const td_member *find(const td_dataset *set, int events, int side) {
-    for (size_t i = 0; i < set->count; i++)
-        if ((events ? set->cameras[i].event : set->cameras[i].picture) == side) return &set->cameras[i];
-    return NULL;
-}
-
-/* Two cameras whose raw images are their rectified ones: beside one another, of one lens. */
-static tides_status check_pair(const td_dataset *set, int events, tides_error *error) {
-    const td_member *left = find(set, events, 0), *right = find(set, events, 1);
-    if (!left || !right) return TIDES_OK;
-    const tides_intrinsics *a = &left->facts.intrinsics, *b = &right->facts.intrinsics;
-    double t[16], away = fabs(a->fx - b->fx) + fabs(a->fy - b->fy) + fabs(a->cx - b->cx) + fabs(a->cy - b->cy);
-    td_between(set, left, right, t);
-    for (int i = 0; i < 9; i++) away += fabs(t[i / 3 * 4 + i % 3] - (i % 4 == 0));
-    away += fabs(t[7]) + fabs(t[11]);
-    if (t[3] < 0 && away < 1e-9 && a->width == b->width && a->height == b->height) return TIDES_OK;
-    return td_fail(error, TIDES_BAD_CONFIG,
-                   "dsec: %s and %s aren't rectified: give them one lens, and the second a T_B_C to the right of the first "
-                   "along x",
-                   left->name, right->name);
-}
-
 static tides_status check(const td_dataset *set, tides_error *error) {
     if (set->event_cameras < 1 || set->event_cameras > 2 || set->picture_cameras > 2)
         return td_fail(error, TIDES_BAD_CONFIG,
                        "dsec: it has one or two cameras that make events and up to two that make pictures, not %zu and %zu",
                        set->event_cameras, set->picture_cameras);
-    if (td_check_lens(set, "dsec", TIDES_LENS_NONE, 0, error) != TIDES_OK) return TIDES_BAD_CONFIG;
+    if (td_check_lens(set, "dsec", TIDES_LENS_EQUIDISTANT, 1, error) != TIDES_OK) return TIDES_BAD_CONFIG;
     const double ratio = set->picture_hz / set->truth_hz;
     if (fabs(ratio - rint(ratio)) > 1e-9 || ratio < 1)
         return td_fail(error, TIDES_BAD_CONFIG,
                        "dsec: flow has the numbers of pictures: dataset.picture_hz must be a whole multiple of "
                        "dataset.truth_hz");
-    const tides_status status = check_pair(set, 1, error);
-    return status == TIDES_OK ? check_pair(set, 0, error) : status;
+    return TIDES_OK;
 }
 
 /* -- a camera -------------------------------------------------------------------------------------------------------------- */
 
 static tides_status write_rectify_map(const td_writer *w, tides_error *error) {
-    const size_t width = (size_t)w->camera->facts.intrinsics.width, height = (size_t)w->camera->facts.intrinsics.height;
-    const size_t inner[2] = {width, 2};
-    float *row = td_alloc(2 * width, sizeof *row, error);
-    if (!row) return TIDES_NO_MEMORY;
-    td_arrays file;
-    td_array map = {.dataset = 0};
-    tides_status status =
-        td_arrays_open(&file, td_in_folder(w->folder, error, "events/%s/rectify_map.h5", sides[w->camera->event]), error);
+    const td_view *view = &w->camera->rectified[TD_TRUTH];
+    const size_t width = (size_t)view->intrinsics.width, height = (size_t)view->intrinsics.height, inner[2] = {width, 2};
+    float *map = td_alloc(2 * width, height * sizeof *map, error);
+    if (!map) return TIDES_NO_MEMORY;
+    td_arrays file = {.path = NULL};
+    td_array array = {.dataset = 0};
+    tides_status status = tides_rectify_map(&w->camera->facts.intrinsics, &view->intrinsics, view->rotation, map, error);
     if (status == TIDES_OK)
-        status = td_array_begin(&file, "rectify_map", H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, 3, inner, height, &map, error);
-    for (size_t y = 0; y < height && status == TIDES_OK; y++) {
-        for (size_t x = 0; x < width; x++) row[2 * x] = (float)x, row[2 * x + 1] = (float)y;
-        status = td_array_append(&file, &map, 1, row, error);
-    }
-    td_array_end(&map);
+        status =
+            td_arrays_open(&file, td_in_folder(w->folder, error, "events/%s/rectify_map.h5", sides[w->camera->event]), error);
+    if (status == TIDES_OK)
+        status = td_array_begin(&file, "rectify_map", H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, 3, inner, height, &array, error);
+    if (status == TIDES_OK) status = td_array_append(&file, &array, height, map, error);
+    td_array_end(&array);
     const tides_status closed = td_arrays_close(&file, error);
-    free(row);
+    free(map);
     return status == TIDES_OK ? closed : status;
 }
 
@@ -98,7 +75,7 @@ static tides_status begin_truth(td_writer *w, dsec *d, tides_error *error) {
     if (status == TIDES_OK) status = td_text_in_folder(&d->backward, w->folder, "flow/backward_timestamps.txt", error);
     if (status == TIDES_OK) status = td_text_put(&d->backward, error, "%s", head);
     if (status == TIDES_OK) status = td_text_in_folder(&d->poses, w->folder, "poses.txt", error);
-    if (status == TIDES_OK && find(w->set, 1, 1))
+    if (status == TIDES_OK && td_find_camera(w->set, TD_TRUTH, 1))
         status = td_text_in_folder(&d->disparity, w->folder, "disparity/timestamps.txt", error);
     return status;
 }
@@ -162,10 +139,8 @@ static tides_status write_flow(td_writer *w, const char *format, unsigned number
 
 static tides_status write_disparity(td_writer *w, const td_truth *t, unsigned number, tides_error *error) {
     dsec *d = w->state;
-    const td_member *right = find(w->set, 1, 1);
-    double between[16];
-    td_between(w->set, w->camera, right, between);
-    const double pixels = 256 * w->camera->facts.intrinsics.fx * -between[3]; /* at a metre */
+    const double fx = w->camera->rectified[TD_TRUTH].intrinsics.fx;
+    const double pixels = 256 * fx * td_baseline(w->set, w->camera, td_find_camera(w->set, TD_TRUTH, 1)); /* at a metre */
     for (size_t i = 0; i < td_pixels(w->camera); i++) {
         const double value = t->depth[i] > 0 ? rint(pixels / (t->depth[i] * w->set->metres)) : 0;
         d->rgb[i] = value >= 1 && value <= 65535 ? (uint16_t)value : 0;
@@ -217,14 +192,12 @@ static tides_status end(td_writer *w, tides_error *error) {
     return status;
 }
 
-static tides_status complete(td_writer *w, tides_error *error) {
-    const td_member *const cameras[4] = {find(w->set, 1, 0), find(w->set, 0, 0), find(w->set, 0, 1), find(w->set, 1, 1)};
-    return td_dsec_calibration(w, cameras, error);
-}
+static tides_status complete(td_writer *w, tides_error *error) { return td_dsec_calibration(w, error); }
 
 const td_layout td_layout_dsec = {.name = "dsec",
                                   .summary = "DSEC: stereo events, pictures, flow, disparity",
                                   .metric = 1,
+                                  .rectified = 1,
                                   .check = check,
                                   .begin = begin,
                                   .events = events,

@@ -1,4 +1,5 @@
-/* What a camera sees at the dataset's times: pictures, and ground truth with the displacements to the times beside it. */
+/* What a camera sees at the dataset's times: pictures, and ground truth with the displacements to the times beside it. Through
+ * a lens or turned, what is rectified is another view, which is rendered too where a layout has it. */
 #include "td_dataset.h"
 
 #include <stdlib.h>
@@ -11,6 +12,7 @@ typedef struct scenes {
     const td_scenes *to;
     const td_dataset *set;
     const td_member *camera;
+    const td_view *view; /* to those layouts that have it */
     tides_renderer *renderer;
     size_t pixels;
     double *values;
@@ -28,7 +30,9 @@ static tides_status open_scenes(scenes *s) {
     s->numbers = s->rgb ? td_alloc(3 * s->pixels, sizeof *s->numbers, s->error) : NULL;
     if (!s->numbers) return TIDES_NO_MEMORY;
     s->grey = s->rgb + 3 * s->pixels;
-    return tides_session_renderer(s->camera->session, NULL, NULL, &s->renderer, s->error);
+    const tides_session_facts *f = &s->camera->facts;
+    return tides_renderer_create(f->device, f->scene, &s->view->intrinsics, &f->values.image, NULL, NULL, &s->renderer,
+                                 s->error);
 }
 
 static void close_scenes(scenes *s) {
@@ -38,6 +42,11 @@ static void close_scenes(scenes *s) {
     free(s->values);
 }
 
+/* Whether a layout's pictures or ground truth are of this view. */
+static int shows(const scenes *s, const td_writer *w, int kind) {
+    return (w->layout->rectified && s->camera->rectified[kind].differs) == s->view->differs;
+}
+
 /* -- pictures -------------------------------------------------------------------------------------------------------------- */
 
 /* Of an instant. */
@@ -45,7 +54,7 @@ static tides_status render(scenes *s, int64_t us) {
     tides_frame frame = {{NULL}};
     frame.plane[TIDES_R] = plane(s, R), frame.plane[TIDES_G] = plane(s, G), frame.plane[TIDES_B] = plane(s, B);
     frame.plane[TIDES_Y] = plane(s, Y);
-    tides_status status = tides_renderer_frame(s->renderer, s->camera->facts.camera, td_seconds(us), &frame, s->error);
+    tides_status status = tides_renderer_frame(s->renderer, s->view->path, td_seconds(us), &frame, s->error);
     if (status != TIDES_OK) return status;
     const int32_t width = s->camera->facts.intrinsics.width, height = s->camera->facts.intrinsics.height;
     tides_picture_grey(plane(s, Y), width, height, 1.0, s->rgb);
@@ -60,19 +69,20 @@ static tides_status picture(scenes *s, size_t index) {
     tides_status status;
     if (s->set->exposed) {
         td_exposed_between(s->camera, us, &made.from_us, &made.to_us);
-        status = td_exposed_make(s->camera, s->renderer, &made, plane(s, R), s->numbers, s->rgb, s->grey, s->error);
+        status =
+            td_exposed_make(s->camera, s->view->path, s->renderer, &made, plane(s, R), s->numbers, s->rgb, s->grey, s->error);
     } else {
         status = render(s, us);
     }
     for (td_writer *w = s->to->writers; w < s->to->writers + s->to->count && status == TIDES_OK; w++)
-        if (w->layout->picture) status = w->layout->picture(w, &made, s->error);
+        if (w->layout->picture && shows(s, w, TD_PICTURE)) status = w->layout->picture(w, &made, s->error);
     return status;
 }
 
 /* -- ground truth ---------------------------------------------------------------------------------------------------------- */
 
 static tides_status displacement(scenes *s, int64_t from, int64_t to, int which, double *seen) {
-    return tides_renderer_displacement(s->renderer, s->camera->facts.camera, td_seconds(from), td_seconds(to), plane(s, which),
+    return tides_renderer_displacement(s->renderer, s->view->path, td_seconds(from), td_seconds(to), plane(s, which),
                                        plane(s, which + 1), seen, s->error);
 }
 
@@ -82,7 +92,7 @@ static tides_status planes_at(scenes *s, double time) {
     truth.plane[TIDES_TRUTH_FLOW_V] = plane(s, FLOW_V);
     truth.plane[TIDES_TRUTH_DEPTH_MEDIAN] = plane(s, DEPTH);
     truth.plane[TIDES_TRUTH_INSTANCE] = plane(s, INSTANCE);
-    return tides_renderer_truth(s->renderer, s->camera->facts.camera, time, &truth, s->error);
+    return tides_renderer_truth(s->renderer, s->view->path, time, &truth, s->error);
 }
 
 static tides_status truth(scenes *s, size_t index) {
@@ -99,25 +109,47 @@ static tides_status truth(scenes *s, size_t index) {
     if (!last) made.next_u = plane(s, NEXT_U), made.next_v = plane(s, NEXT_V), made.next_seen = plane(s, NEXT_SEEN);
     if (!first) made.before_u = plane(s, BEFORE_U), made.before_v = plane(s, BEFORE_V);
     for (td_writer *w = s->to->writers; w < s->to->writers + s->to->count && status == TIDES_OK; w++)
-        if (w->layout->truth) status = w->layout->truth(w, &made, s->error);
+        if (w->layout->truth && shows(s, w, TD_TRUTH)) status = w->layout->truth(w, &made, s->error);
     return status;
 }
 
-static tides_status give(scenes *s) {
-    const size_t pictures = s->camera->picture >= 0 ? s->set->pictures : 0, all = pictures + s->set->truths;
+/* A view, and how many pictures and ground truths of it are to be rendered. */
+typedef struct pass {
+    const td_view *view;
+    size_t pictures, truths;
+} pass;
+
+/* `done` of `all` have been given before. */
+static tides_status give(scenes *s, const pass *p, size_t done, size_t all) {
     tides_status status = TIDES_OK;
-    for (size_t i = 0; i < all && status == TIDES_OK; i++) {
-        if (s->to->step(s->to->user, (double)i / (double)all, i < pictures ? "pictures" : "ground truth"))
+    for (size_t i = 0; i < p->pictures + p->truths && status == TIDES_OK; i++) {
+        const int is_picture = i < p->pictures;
+        if (s->to->step(s->to->user, (double)(done + i) / (double)all, is_picture ? "pictures" : "ground truth"))
             return td_fail(s->error, TIDES_CANCELLED, "stopped on request");
-        status = i < pictures ? picture(s, i) : truth(s, i - pictures);
+        status = is_picture ? picture(s, i) : truth(s, i - p->pictures);
     }
     return status;
 }
 
+/* The camera's own view is always rendered: the picture of the dataset has it. A rectified one is where it differs; of ground
+ * truth only the left event camera's. */
 tides_status td_scenes_give(const td_scenes *to, const td_dataset *set, const td_member *camera, tides_error *error) {
-    scenes s = {.to = to, .set = set, .camera = camera, .error = error};
-    tides_status status = open_scenes(&s);
-    if (status == TIDES_OK) status = give(&s);
-    close_scenes(&s);
+    const td_view raw = {.intrinsics = camera->facts.intrinsics, .path = camera->facts.camera}, *const flat = camera->rectified;
+    const pass passes[] = {{&raw, camera->picture >= 0 ? set->pictures : 0, set->truths},
+                           {&flat[TD_PICTURE], flat[TD_PICTURE].differs ? set->pictures : 0, 0},
+                           {&flat[TD_TRUTH], 0, flat[TD_TRUTH].differs && camera->event == 0 ? set->truths : 0}};
+    enum { PASSES = sizeof passes / sizeof *passes };
+    size_t all = 0, done = 0;
+    for (int i = 0; i < PASSES; i++) all += passes[i].pictures + passes[i].truths;
+    tides_status status = TIDES_OK;
+    for (int i = 0; i < PASSES && status == TIDES_OK; i++) {
+        const size_t count = passes[i].pictures + passes[i].truths;
+        if (count == 0) continue;
+        scenes s = {.to = to, .set = set, .camera = camera, .view = passes[i].view, .error = error};
+        status = open_scenes(&s);
+        if (status == TIDES_OK) status = give(&s, &passes[i], done, all);
+        close_scenes(&s);
+        done += count;
+    }
     return status;
 }

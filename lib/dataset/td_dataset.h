@@ -11,6 +11,18 @@
 
 /* -- what there is --------------------------------------------------------------------------------------------------------- */
 
+/* How a camera is looked through: as it is, or rectified: as a pinhole in its place, turned, of as many pixels. */
+typedef struct td_view {
+    tides_intrinsics intrinsics;
+    double rotation[9];           /* from the camera's coordinates to the view's */
+    const tides_trajectory *path; /* of the view */
+    tides_trajectory *own;        /* the same, where it isn't the camera's */
+    int32_t differs;              /* 0: it is what the camera sees */
+} td_view;
+
+/* What a rectified view is of: ground truth is the event cameras', rectified as a pair; pictures are the others'. */
+enum { TD_TRUTH, TD_PICTURE, TD_KINDS };
+
 /* A camera of the rig, varied from the session that was given. */
 typedef struct td_member {
     char name[TIDES_RIG_NAME];
@@ -19,6 +31,7 @@ typedef struct td_member {
     int32_t owned;          /* the session is to be closed */
     int32_t event, picture; /* number among cameras that make events, or pictures: 0 is left, 1 right; -1: makes none */
     tides_session_facts facts;
+    td_view rectified[TD_KINDS]; /* where a layout asks for them; of each kind that the camera makes */
 } td_member;
 
 typedef struct td_dataset {
@@ -81,6 +94,7 @@ typedef struct td_writer {
 struct td_layout {
     const char *name, *summary;
     int32_t metric, per_camera;
+    int32_t rectified; /* pictures and ground truth are those of rectified views */
     tides_status (*check)(const td_dataset *set, tides_error *error);
     tides_status (*begin)(td_writer *w, tides_error *error);
     tides_status (*events)(td_writer *w, const tides_event *events, size_t count, tides_error *error);
@@ -94,14 +108,22 @@ struct td_layout {
 };
 extern const td_layout td_layout_ecd, td_layout_dsec, td_layout_mvsec, td_layout_evimo, td_layout_blinkflow, td_layout_tum,
     td_layout_ros2;
-tides_status td_dsec_calibration(const td_writer *w, const td_member *const cameras[4], tides_error *error);
+tides_status td_dsec_calibration(const td_writer *w, tides_error *error);
 extern const td_layout td_layout_contact; /* contact.png: of every dataset */
+
+/* rectify.c: rectified views of all cameras: pairs of event cameras and of picture cameras look the same way, across what is
+ * between them. TIDES_BAD_CONFIG names two that can't. To be released in any case. */
+tides_status td_rectify(td_dataset *set, tides_error *error);
+void td_rectify_release(td_member *camera);
+/* The camera that is number `side` (0: left, 1: right) among those of a kind; NULL: none. */
+const td_member *td_find_camera(const td_dataset *set, int kind, int side);
 
 /* exposed.c: when a picture at `us` is exposed, all rows together, on whole microseconds; and the picture, whose light has
  * room for four planes and whose values for three. */
 void td_exposed_between(const td_member *camera, int64_t us, int64_t *from_us, int64_t *to_us);
-tides_status td_exposed_make(const td_member *camera, tides_renderer *renderer, const td_picture *picture, double *light,
-                             uint16_t *values, uint8_t *rgb, uint8_t *grey, tides_error *error);
+tides_status td_exposed_make(const td_member *camera, const tides_trajectory *path, tides_renderer *renderer,
+                             const td_picture *picture, double *light, uint16_t *values, uint8_t *rgb, uint8_t *grey,
+                             tides_error *error);
 
 /* scenes.c: pictures and ground truth of a camera, to every layout. */
 typedef struct td_scenes {
@@ -139,11 +161,13 @@ double td_whole_cx(const td_member *camera);
 double td_whole_cy(const td_member *camera);
 /* The lens as files have it: k1 k2 p1 p2 k3 of radtan (zeros without a lens), or k1 k2 k3 k4 of equidistant; how many. */
 int td_lens_numbers(const td_member *camera, double numbers[5]);
-/* TIDES_BAD_CONFIG, naming the layout and the camera, where a camera's lens is another one than these: TIDES_LENS_*, -1: any;
- * TIDES_LENS_NONE: only none. `least`: radtan without k3. */
+/* TIDES_BAD_CONFIG, naming the layout and the camera, where a camera's lens is another one than up to `most`: TIDES_LENS_*.
+ * `least`: radtan without k3. */
 tides_status td_check_lens(const td_dataset *set, const char *layout, int32_t most, int least, tides_error *error);
 /* T_1_0: from camera 0's coordinates to camera 1's, in metres; row-major 4x4. */
 void td_between(const td_dataset *set, const td_member *zero, const td_member *one, double transform[16]);
+/* [m] from one camera to the other. */
+double td_baseline(const td_dataset *set, const td_member *zero, const td_member *one);
 /* `t ax ay az gx gy gz` [s, m/s^2, rad/s]. */
 tides_status td_imu_line(td_text *lines, const tides_imu_sample *sample, tides_error *error);
 /* `t px py pz qx qy qz qw` [s, m]: of the camera in the world. */

@@ -53,10 +53,7 @@ tides_status td_check_lens(const td_dataset *set, const char *layout, int32_t mo
         if (l->model == TIDES_LENS_NONE) continue;
         if (l->model <= most && !(least && l->model == TIDES_LENS_RADTAN && fabs(l->k3) > 0)) continue;
         return td_fail(error, TIDES_BAD_CONFIG, "%s: %s has a lens that the layout has no place for: set camera.lens to %s",
-                       layout, set->cameras[i].name,
-                       most == TIDES_LENS_NONE ? "none, for its images are rectified"
-                       : least                 ? "radtan without k3"
-                                               : "radtan");
+                       layout, set->cameras[i].name, least ? "radtan without k3" : "radtan");
     }
     return TIDES_OK;
 }
@@ -71,6 +68,12 @@ void td_between(const td_dataset *set, const td_member *zero, const td_member *o
             for (int j = 0; j < 3; j++) transform[4 * i + j] += b[4 * k + i] * a[4 * k + j];
             transform[4 * i + 3] += b[4 * k + i] * (a[4 * k + 3] - b[4 * k + 3]) * set->metres;
         }
+}
+
+double td_baseline(const td_dataset *set, const td_member *zero, const td_member *one) {
+    double t[16];
+    td_between(set, zero, one, t);
+    return sqrt(t[3] * t[3] + t[7] * t[7] + t[11] * t[11]);
 }
 
 void td_depth_16(const td_dataset *set, const td_member *camera, const double *depth, double scale, uint16_t *out) {
