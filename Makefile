@@ -281,12 +281,21 @@ wheel: all ## Pack the Python package with the library: build/python/tides-*.whl
 	TIDES_LIBRARY='$(CURDIR)/$(OUT)/libtides.so' $(PYTHON) -m pip wheel -q --no-build-isolation --no-deps -w build/python ./python_ctypes
 	@ls build/python/*.whl
 
+PAGES    := $(OUT)/share
+# -- manual ------------------------------------------------------------------------------------------------------------
+.PHONY: docs docs-built
+docs: ## The manual as static HTML: guide, C and Python interface, commands: build/docs/index.html
+	@sh scripts/deps.sh docs -q
+	@$(AGAIN) all
+	@$(AGAIN) docs-built
+docs-built: all $(PAGES)/.made
+	@PYTHON='$(PYTHON)' VERSION='$(VERSION)' TIDES_LIBRARY='$(CURDIR)/$(OUT)/libtides.so' sh scripts/docs/make.sh '$(CURDIR)/build/docs' $(PAGES)
+
 # -- install -----------------------------------------------------------------------------------------------------------
 HEADERS := $(wildcard include/tides/*.h)
 # Man pages and completions are what the tool says of itself; below $(OUT)/share as below $(DATADIR).
 COMMANDS := $(patsubst cli/commands/cmd_%.c,%,$(wildcard cli/commands/cmd_*.c))
 MAN1     := tides.1 $(COMMANDS:%=tides-%.1)
-PAGES    := $(OUT)/share
 $(PAGES)/.made: $(OUT)/tides
 	@mkdir -p $(PAGES)
 	$(OUT)/tides help --man > $(PAGES)/tides.1

@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-"""Runs every fenced block of README.md as a reader would: in order, in an empty folder, with the built tides.
+"""Runs every fenced block of README.md and of the guide as a reader would: in order, in an empty folder for each page, with the
+built tides.
 
-usage: check_readme.py [README.md]     README_QUICK=1 leaves out the blocks that are marked slow
+usage: check_readme.py [PAGE.md...]    default README.md and docs/guide; README_QUICK=1 leaves out the blocks that are marked slow
 environment: TIDES the command line tool, OUT the folder of its library, MAKE, PYTHON, CC
 
 sh blocks run in bash and end at the first command that fails; `make` is the repository's, and `build` and `kernels` are its
@@ -12,8 +13,8 @@ be JSON (with // comments); python blocks run with the package. A comment before
     <!-- check: slow -->                left out where README_QUICK is set
     <!-- check: writes A B -->          these too must be there afterwards
     <!-- check: skip, WHY -->           not run at all
-Several are parted by ";". Blocks of no language are text. Paths of the repository that the README names must exist, and every
-command of `tides --help` must be in it.
+Several are parted by ";". Blocks of no language are text. Paths of the repository that a page names must exist, and every
+command of `tides --help` must be in the README.
 """
 import glob
 import json
@@ -31,6 +32,7 @@ QUICK = bool(os.environ.get("README_QUICK"))
 PYTHON = os.environ.get("PYTHON") or "/usr/bin/python3"
 LIMIT_S = 600  # for one block
 OUTPUTS = {"-o", "--output", "--run", "--stats", "--png", "--preview"}
+BUILT = {"files.html", "python/tides.html", "man/tides.1.html", "man/tides-run.5.html"}  # by `make docs`
 FOLDERS = "include|kernels|lib|cli|share|docs|scripts|tests|python_ctypes"
 
 
@@ -47,7 +49,7 @@ class Block:
     def parse(mark):
         word, _, rest = mark.strip().partition(" ")
         if word.rstrip(",") not in ("file", "without", "slow", "writes", "skip"):
-            raise SystemExit(f"README.md: unknown mark '{mark.strip()}'")
+            raise SystemExit(f"unknown mark '{mark.strip()}'")
         return word.rstrip(","), rest
 
     def __str__(self):
@@ -177,19 +179,24 @@ def check_block(block, work, values):
 # -- names -----------------------------------------------------------------------------------------------------------------
 
 
-def missing_names(text, values):
-    """Paths of the repository and commands that the text names, or should."""
-    paths = set(re.findall(rf"[`(]((?:{FOLDERS})/[\w./*-]*)[`)#]", text)) | set(re.findall(r"\]\(([\w./-]+)\)", text))
-    yield from (f"{path}: isn't in the repository" for path in sorted(paths) if not glob.glob(str(REPOSITORY / path)))
+def missing_paths(page, text):
+    """What the page names of the repository, or beside itself, and isn't there."""
+    inside = set(re.findall(rf"[`(]((?:{FOLDERS})/[\w./*-]*)[`)#]", text))
+    beside = set(re.findall(r"\]\(([\w./-]+)\)", text)) - {name for name in BUILT if f"]({name})" in text}
+    yield from (f"{path}: isn't in the repository" for path in sorted(inside) if not glob.glob(str(REPOSITORY / path)))
+    yield from (f"{path}: isn't there" for path in sorted(beside) if not (page.parent / path).exists())
+
+
+def missing_commands(text, values):
     help_text = subprocess.run(["tides", "--help"], env=values, capture_output=True, text=True, check=True).stdout
     for command in re.findall(r"^  (\w+) ", help_text, flags=re.M):
         if f"tides {command}" not in text:
             yield f"tides {command} isn't mentioned"
 
 
-def main():
-    readme = Path(sys.argv[1]) if len(sys.argv) > 1 else REPOSITORY / "README.md"
-    text = readme.read_text()
+def check_page(page):
+    """Numbers of blocks that passed, failed and were left out."""
+    text = page.read_text()
     passed = failed = skipped = 0
     with tempfile.TemporaryDirectory(prefix="tides-readme-") as folder:
         work = Path(folder)
@@ -201,14 +208,22 @@ def main():
                 reason = check_block(block, work, values)
             except Failure as failure:
                 failed += 1
-                print(f"FAIL {block}: {failure}", flush=True)
+                print(f"FAIL {page.name} {block}: {failure}", flush=True)
                 continue
             without = f" (without {block.marks['without']})" if "without" in block.marks else ""
             passed, skipped = passed + (reason is None), skipped + (reason is not None)
-            print(f"skip {block}: {reason}" if reason else f"ok   {block}{without}", flush=True)
-        for name in missing_names(text, values):
-            failed += 1
-            print(f"FAIL {name}")
+            print(f"skip {page.name} {block}: {reason}" if reason else f"ok   {page.name} {block}{without}", flush=True)
+        missing = list(missing_paths(page, text))
+        missing += missing_commands(text, values) if page.name == "README.md" else []
+        for name in missing:
+            print(f"FAIL {page.name} {name}")
+    return passed, failed + len(missing), skipped
+
+
+def main():
+    pages = [Path(name) for name in sys.argv[1:]]
+    pages = pages or [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs/guide").glob("*.md"))]
+    passed, failed, skipped = (sum(numbers) for numbers in zip(*(check_page(page.resolve()) for page in pages)))
     print(f"{passed} passed, {failed} failed, {skipped} skipped")
     return failed != 0
 

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs the Debian packages that are missing, and only those.
-# usage: deps.sh build|lint [-q]     -q: say nothing when nothing is missing
+# usage: deps.sh build|lint|docs [-q]     -q: say nothing when nothing is missing
 # Works as root, or through sudo; without either it prints the line to run and fails.
 set -u
 
@@ -8,11 +8,13 @@ build='build-essential pkg-config pocl-opencl-icd ocl-icd-opencl-dev opencl-head
 libhdf5-dev zlib1g-dev libdeflate-dev libzstd-dev liblz4-dev libwebp-dev libcmocka-dev python3 python3-numpy python3-h5py python3-pytest
 python3-pip python3-setuptools python3-wheel python3-venv python3-distributed'
 lint='clang-14 libclang-rt-14-dev clang-tidy-14 clang-format-14 cppcheck valgrind oclgrind'
+docs='doxygen mandoc'
 
 case ${1-} in
     build) wanted=$(echo $build) ;;
     lint) wanted=$(echo $build $lint) ;;
-    *) echo "usage: $0 build|lint [-q]" >&2; exit 2 ;;
+    docs) wanted=$(echo $build $docs) ;;
+    *) echo "usage: $0 build|lint|docs [-q]" >&2; exit 2 ;;
 esac
 quiet=${2-}
 

@@ -5,7 +5,7 @@
 set -u
 jobs=${JOBS:-2}
 failed=
-stages=${*:-format tidy cppcheck kernels sizes shell top arrows cites openings}
+stages=${*:-format tidy cppcheck kernels sizes shell top arrows cites openings words}
 
 # One process for many files: one for each took minutes on a busy machine.
 stage_format() {
@@ -71,6 +71,7 @@ stage_top() {
 stage_arrows() { ${PYTHON:-python3} scripts/house.py arrows; }
 stage_cites() { ${PYTHON:-python3} scripts/house.py cites; }
 stage_openings() { ${PYTHON:-python3} scripts/house.py openings; }
+stage_words() { ${PYTHON:-python3} scripts/docs/header.py --check include/tides/*.h; }
 
 for stage in $stages; do
     if output=$("stage_$stage" 2>&1); then

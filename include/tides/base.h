@@ -50,6 +50,7 @@ extern "C" {
 /* Width pinned apart from the enum, so that the ABI doesn't depend on the compiler's choice. */
 typedef int32_t tides_status;
 
+/* TIDES_OK, TIDES_BAD_ARGUMENT and so on, from the list. */
 enum {
 #define TIDES_STATUS_ENUM(name, value, text) TIDES_##name = value,
     TIDES_STATUS_LIST(TIDES_STATUS_ENUM)

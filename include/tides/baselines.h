@@ -14,6 +14,7 @@
 extern "C" {
 #endif
 
+/* Which algorithm turns frames into events: a run's `method`. */
 enum {
     TIDES_METHOD_TIDES = 0,
     TIDES_METHOD_ESIM,

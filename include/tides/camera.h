@@ -8,6 +8,7 @@
 extern "C" {
 #endif
 
+/* Models of tides_lens. */
 enum { TIDES_LENS_NONE = 0, TIDES_LENS_RADTAN, TIDES_LENS_EQUIDISTANT };
 
 /* How lines bend: slopes (a, b) = (x/z, y/z), r^2 = a^2 + b^2, become (a', b'). All zeros is a pinhole.

@@ -19,6 +19,7 @@ extern "C" {
 /* A device with its queue and its built kernels. Opaque. */
 typedef struct tides_device tides_device;
 
+/* Kinds of tides_device_info. */
 enum { TIDES_DEVICE_CPU = 1, TIDES_DEVICE_GPU = 2, TIDES_DEVICE_OTHER = 3, TIDES_DEVICE_REFERENCE = 4 };
 
 /* One row of `tides devices`. Plain value. */

@@ -14,6 +14,7 @@ typedef struct tides_channel {
     const float *pixels; /* (height x width), row 0 on top */
 } tides_channel;
 
+/* Compression: none, each row by itself, 16 rows together. */
 enum { TIDES_EXR_NONE = 0, TIDES_EXR_ZIPS = 2, TIDES_EXR_ZIP = 3 };
 
 /* Writes 32-bit float channels to a scan-line EXR; written beside and renamed. `attributes` (nullable) is a list of

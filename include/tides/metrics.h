@@ -56,6 +56,7 @@ enum {
     TIDES_PAIRS = 3
 };
 
+/* Lengths of bins that the Fano factor is taken for. */
 enum { TIDES_FANO_BINS = 3 };
 
 /* What is compared, and how; fill with tides_metrics_options_defaults. */

@@ -30,6 +30,7 @@
 extern "C" {
 #endif
 
+/* What queues, as said above. */
 enum { TIDES_READOUT_TILES = 0, TIDES_READOUT_ROWS = 1, TIDES_READOUT_BOTTLENECK = 2 };
 enum { TIDES_JITTER_GAUSSIAN = 0, TIDES_JITTER_DELAY = 1 };
 

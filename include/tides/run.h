@@ -11,6 +11,7 @@
 extern "C" {
 #endif
 
+/* Kinds of tides_param: what a key takes. */
 enum {
     TIDES_PARAM_NUMBER = 0,
     TIDES_PARAM_INTEGER,

@@ -15,6 +15,7 @@ extern "C" {
 /* Gaussians in objects, each with its trajectory and motion. Opaque. */
 typedef struct tides_scene tides_scene;
 
+/* The highest degree of spherical harmonics that is read and rendered. */
 enum { TIDES_SH_DEGREE_MAX = 4 };
 
 /* Gaussians as arrays. Plain value; the arrays belong to whoever filled it. K = (sh_degree + 1)^2.

@@ -67,6 +67,8 @@ def lines(value: Any, struct: Any, groups: tuple[str, ...], before: str = "") ->
         row = next((_rows()[key] for key in (group + path for group in groups) if key in _rows()), None)
         what = _of_row(row) if row else said.get(name, "")
         made.append(f"{path} = {_shown(held)}{': ' if what else ''}{what}")
+        if not before and isinstance(vars(type(value)).get(name), property):
+            vars(type(value))[name].__doc__ = what
     return made
 
 

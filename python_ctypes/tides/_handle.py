@@ -49,6 +49,7 @@ class Handle:
 
     @property
     def closed(self) -> bool:
+        """Whether close() was called, or that of what lent it its life."""
         return not self._finalizer.alive or (self._lender is not None and self._lender.closed)
 
     @property

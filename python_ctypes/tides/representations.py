@@ -25,6 +25,7 @@ class VoxelOptions(Value, _api.tides_voxel_options):
 
     @classmethod
     def of(cls, style: str | int) -> "VoxelOptions":
+        """The options of a style: "e2vid", "dsec" or "timelens"."""
         made = cls()
         lib.tides_voxel_options_defaults(made, choice("style", style, _STYLES))
         return made

@@ -44,6 +44,7 @@ class Gaussians:
 
     @property
     def sh_degree(self) -> int:
+        """Of the spherical harmonics that there are, 0 to 4."""
         return round(self.sh.shape[1] ** 0.5) - 1
 
     @classmethod

@@ -206,6 +206,7 @@ class Trajectory(Handle):
 
     @property
     def is_static(self) -> bool:
+        """Whether it never moves."""
         return bool(lib.tides_trajectory_is_static(self._pointer))
 
     def __len__(self) -> int:
