@@ -22,8 +22,13 @@ MAJOR   := $(call version,MAJOR)
 VERSION := $(MAJOR).$(call version,MINOR).$(call version,PATCH)
 
 # -- flags -------------------------------------------------------------------------------------------------------------
+# By pkg-config's names, which distributions share, but for HDF5's: Debian has one for each way to build it.
 HDF5 := $(shell $(PKG_CONFIG) --exists hdf5-serial 2>/dev/null && echo hdf5-serial || echo hdf5)
 DEPS := libpng libcjson $(HDF5) OpenCL zlib libdeflate libzstd liblz4 libwebp
+MISSING := $(shell for name in $(DEPS) OpenEXR; do $(PKG_CONFIG) --exists $$name 2>/dev/null || echo $$name; done)
+# Of OpenEXR's libraries its C core alone: the others are C++. Some distributions have the version in the name.
+EXR_LIBS := $(filter -L% -lOpenEXRCore%,$(shell $(PKG_CONFIG) --libs OpenEXR 2>/dev/null))
+EXR_LIBS += $(if $(filter -lOpenEXRCore%,$(EXR_LIBS)),,-lOpenEXRCore)
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wundef -Wmissing-prototypes -Wstrict-prototypes -Wcast-qual \
             -Wpointer-arith -Wwrite-strings -Wconversion -Wno-sign-conversion
 OPTIMISE_release := -O3 -g
@@ -42,7 +47,7 @@ TIDES_CPPFLAGS := -Iinclude -Ilib/base -Ilib/device -Ilib -I. $(shell $(PKG_CONF
                   $(patsubst -I%,-isystem %,$(shell $(PKG_CONFIG) --cflags-only-I OpenEXR 2>/dev/null))
 # -ffp-contract=off: host and device agree to the bit (kernels/numerics.h).
 TIDES_CFLAGS := -std=c99 $(OPTIMISE) -ffp-contract=off -fno-math-errno -fPIC -fvisibility=hidden -pthread $(WARNINGS)
-TIDES_LDLIBS := $(shell $(PKG_CONFIG) --libs $(DEPS) 2>/dev/null) -lOpenEXRCore -lm -pthread
+TIDES_LDLIBS := $(shell $(PKG_CONFIG) --libs $(DEPS) 2>/dev/null) $(EXR_LIBS) -lm -pthread
 # CPPFLAGS, CFLAGS, LDFLAGS and LDLIBS are the user's, and come last so that they win.
 COMPILE := $(CC) $(TIDES_CPPFLAGS) $(CPPFLAGS) $(TIDES_CFLAGS) $(CFLAGS)
 LINK    := $(CC) $(TIDES_CFLAGS) $(CFLAGS) $(LDFLAGS)
@@ -66,6 +71,7 @@ all: build/tides build/libtides.so $(OUT)/libtides-limit.so ## Build the library
 
 # Flags that change rebuild what they changed (all but WERROR: it changes no object).
 $(OUT)/.flags: FORCE
+	$(if $(MISSING),$(error $(PKG_CONFIG) finds no $(MISSING): install their development packages (make deps), or set PKG_CONFIG_PATH))
 	@mkdir -p $(@D)
 	@echo '$(COMPILE)' | cmp -s - $@ || echo '$(COMPILE)' > $@
 .PHONY: FORCE
@@ -294,6 +300,7 @@ docs-built: all $(PAGES)/.made
 # -- install -----------------------------------------------------------------------------------------------------------
 HEADERS := $(wildcard include/tides/*.h)
 # Man pages and completions are what the tool says of itself; below $(OUT)/share as below $(DATADIR).
+CMAKE_FILES := tides-config.cmake tides-config-version.cmake
 COMMANDS := $(patsubst cli/commands/cmd_%.c,%,$(wildcard cli/commands/cmd_*.c))
 MAN1     := tides.1 $(COMMANDS:%=tides-%.1)
 $(PAGES)/.made: $(OUT)/tides
@@ -326,14 +333,23 @@ install: all $(PAGES)/.made ## Install below PREFIX=/usr/local (also DESTDIR, BI
 	    -e 's|@includedir@|$(patsubst $(PREFIX)/%,$${prefix}/%,$(INCLUDEDIR))|' lib/tides.pc.in \
 	    > '$(DESTDIR)$(LIBDIR)/pkgconfig/tides.pc'
 	chmod 644 '$(DESTDIR)$(LIBDIR)/pkgconfig/tides.pc'
+	install -d '$(DESTDIR)$(LIBDIR)/cmake/tides'
+	for file in $(CMAKE_FILES); do \
+	    sed -e "s|@up@|$$(realpath -m --relative-to='$(LIBDIR)/cmake/tides' '$(PREFIX)')|" -e 's|@version@|$(VERSION)|' \
+	        -e 's|@major@|$(MAJOR)|' -e 's|@libdir@|$(patsubst $(PREFIX)/%,$${tides_prefix}/%,$(LIBDIR))|' \
+	        -e 's|@includedir@|$(patsubst $(PREFIX)/%,$${tides_prefix}/%,$(INCLUDEDIR))|' lib/$$file.in \
+	        > '$(DESTDIR)$(LIBDIR)/cmake/tides'/$$file; \
+	    chmod 644 '$(DESTDIR)$(LIBDIR)/cmake/tides'/$$file; \
+	done
 uninstall: ## Remove what install put there
 	rm -f '$(DESTDIR)$(BINDIR)/tides' '$(DESTDIR)$(LIBDIR)/pkgconfig/tides.pc' '$(DESTDIR)$(INCLUDEDIR)/tides.h' \
+	    $(CMAKE_FILES:%='$(DESTDIR)$(LIBDIR)/cmake/tides/%') \
 	    $(foreach end,so so.$(MAJOR) so.$(VERSION),'$(DESTDIR)$(LIBDIR)/libtides.$(end)') \
 	    $(patsubst include/%,'$(DESTDIR)$(INCLUDEDIR)/%',$(HEADERS)) \
 	    $(patsubst share/%,'$(DESTDIR)$(DATADIR)/tides/%',$(PRESETS)) \
 	    $(MAN1:%='$(DESTDIR)$(MANDIR)/man1/%') '$(DESTDIR)$(MANDIR)/man5/tides-run.5' \
 	    '$(DESTDIR)$(DATADIR)/bash-completion/completions/tides' '$(DESTDIR)$(DATADIR)/zsh/site-functions/_tides'
-	-rmdir '$(DESTDIR)$(INCLUDEDIR)/tides' '$(DESTDIR)$(DATADIR)/tides/presets' '$(DESTDIR)$(DATADIR)/tides'
+	-rmdir '$(DESTDIR)$(INCLUDEDIR)/tides' '$(DESTDIR)$(LIBDIR)/cmake/tides' '$(DESTDIR)$(DATADIR)/tides/presets' '$(DESTDIR)$(DATADIR)/tides'
 dist: ## Pack the committed sources: build/tides-VERSION.tar.gz
 	@mkdir -p build
 	git archive --format=tar.gz --prefix=tides-$(VERSION)/ -o build/tides-$(VERSION).tar.gz HEAD

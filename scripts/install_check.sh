@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs into an empty folder, builds programs against what is there through pkg-config, runs them, and uninstalls again.
+# Installs into an empty folder, builds programs against what is there through pkg-config and CMake, runs them, and uninstalls again.
 # environment: MAKE, CC, PKG_CONFIG, CONFIG
 set -eu
 work=$(mktemp -d)
@@ -16,7 +16,7 @@ install_to install
 export PKG_CONFIG_PATH="$root/lib/pkgconfig"
 flags=$(${PKG_CONFIG:-pkg-config} --cflags --libs tides)
 echo "pkg-config: $flags"
-cp tests/install/* "$work"
+cp -r tests/install/* "$work"
 mv "$work/run.json" "$work/room.json" # of which the README's program counts the events
 sed -n '/^<!-- check: file program.c -->$/,/^```$/p' README.md | sed '1,2d;$d' >"$work/program.c"
 for program in ten_lines program; do
@@ -24,6 +24,20 @@ for program in ten_lines program; do
     ${CC:-gcc} -std=c99 -Wall -Wextra -Wpedantic -Werror "$work/$program.c" $flags -o "$work/$program"
     echo "$program:" && (cd "$work" && LD_LIBRARY_PATH="$root/lib" "./$program" scene.ply)
 done
+
+# find_package(tides), and which versions it takes.
+if command -v cmake >/dev/null; then
+    configure() { cmake -S "$work/cmake" -B "$work/made" -DCMAKE_PREFIX_PATH="$root" -DWANTED="$1" >"$work/cmake.log" 2>&1; }
+    version=$(${PKG_CONFIG:-pkg-config} --modversion tides)
+    for wanted in 99.0 "${version%.*}.$((${version##*.} + 1))"; do
+        if configure "$wanted"; then echo "cmake: find_package(tides $wanted) takes version $version"; exit 1; fi
+        rm -rf "$work/made"
+    done
+    { configure "$version" && cmake --build "$work/made" >>"$work/cmake.log" 2>&1; } || { cat "$work/cmake.log"; exit 1; }
+    (cd "$work" && made/room scene.ply)
+else
+    echo "cmake isn't installed: find_package(tides) isn't tested"
+fi
 
 # The tool finds its library by itself, and says the version that pkg-config says.
 version=$("$root/bin/tides" --version)

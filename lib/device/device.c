@@ -1,4 +1,5 @@
 /* Finding, opening and describing devices by one SPEC string. Programs are built in program.c, and launched in launch.c. */
+#include "td_advice.h"
 #include "td_device.h"
 #include "td_forked.h"
 
@@ -131,9 +132,8 @@ static tides_status fail_no_match(const device_list *list, const char *spec, tid
     td_suggest(spec, "auto cpu gpu reference reference-f32", " ", suggestion);
     if (list->count == 0)
         return td_fail(error, TIDES_NO_DEVICE,
-                       "device '%s': no OpenCL device was found; install one (Debian: apt install pocl-opencl-icd) or use "
-                       "--device reference%s",
-                       spec, suggestion);
+                       "device '%s': no OpenCL device was found; install one (%s%s) or use --device reference%s", spec,
+                       td_device_advice(TD_OS_RELEASE), TD_ADVICE_PIP, suggestion);
     char names[600] = "";
     for (int32_t i = 0; i < list->count; i++) {
         size_t used = strlen(names);

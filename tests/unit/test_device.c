@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "td_advice.h"
 #include "td_device.h"
 #include "tides/render.h"
 #include "tests/support/random_scene.h"
@@ -201,6 +202,27 @@ static void test_programs_are_built_once(void **state) {
     tides_device_close(device);
 }
 
+/* What is advised on a system whose os-release holds `text`. */
+static void expect_advice(const char *text, const char *wanted) {
+    char name[] = "/tmp/tides-os-release-XXXXXX";
+    int handle = mkstemp(name);
+    assert_true(handle >= 0 && write(handle, text, strlen(text)) == (ssize_t)strlen(text));
+    close(handle);
+    assert_string_equal(td_device_advice(name), wanted);
+    remove(name);
+}
+
+static void test_advice_is_the_systems(void **state) {
+    (void)state;
+    expect_advice("PRETTY_NAME=\"arch\"\nID=debian\n", "apt install pocl-opencl-icd");
+    expect_advice("ID=linuxmint\nID_LIKE=\"ubuntu debian\"\n", "apt install pocl-opencl-icd");
+    expect_advice("ID=\"rocky\"\nID_LIKE=\"rhel centos fedora\"\n", "dnf install pocl");
+    expect_advice("ID=opensuse-leap\nID_LIKE='suse opensuse'\n", "zypper install pocl");
+    expect_advice("NAME=Arch\nID=arch", "pacman -S pocl");
+    expect_advice("ID=archetype\n", "PoCL, or your GPU's driver");
+    assert_string_equal(td_device_advice("/nowhere/os-release"), "PoCL, or your GPU's driver");
+}
+
 /* -- without OpenCL ------------------------------------------------------------------------------------------------ */
 
 static void test_no_platform_is_an_empty_list(void **state) {
@@ -214,10 +236,10 @@ static void test_no_platform_says_what_to_do(void **state) {
     static const char *const specs[] = {"auto", "cpu", "gpu", "0", "pocl"};
     for (size_t i = 0; i < sizeof specs / sizeof *specs; i++) {
         char words[100];
-        snprintf(words, sizeof words, "%s|no OpenCL device|pocl-opencl-icd|reference", specs[i]);
+        snprintf(words, sizeof words, "%s|no OpenCL device|%s|reference", specs[i], td_device_advice(TD_OS_RELEASE));
         expect_no_open(specs[i], TIDES_NO_DEVICE, words);
     }
-    expect_no_open(NULL, TIDES_NO_DEVICE, "auto|pocl-opencl-icd");
+    expect_no_open(NULL, TIDES_NO_DEVICE, "auto|no OpenCL device");
 }
 
 static void test_reference_renders_without_opencl(void **state) {
@@ -287,6 +309,7 @@ int main(int argc, char **argv) {
                                        cmocka_unit_test(test_errors_list_what_there_is),
                                        cmocka_unit_test(test_errors_name_the_kernel),
                                        cmocka_unit_test(test_programs_are_built_once),
+                                       cmocka_unit_test(test_advice_is_the_systems),
                                        cmocka_unit_test_prestate(test_machine_without_opencl, argv[0])};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Each public header compiles alone, twice over, as strict C99 and as C++; and C++ sees every function with C linkage.
+# Each public header compiles alone, twice over, as strict C99, C++11 and C++17; and C++ sees every function with C linkage.
 set -u
 CC=${CC:-gcc}
 CXX=${CXX:-g++}
@@ -25,7 +25,9 @@ for header in include/tides.h include/tides/*.h; do
     printf '#include <%s>\n#include <%s>\nint unused;\n' "$name" "$name" >"$work/one.c"
     cp "$work/one.c" "$work/one.cpp"
     try "$name as C99" $CC -std=c99 $strict -Wstrict-prototypes -fsyntax-only "$work/one.c"
-    try "$name as C++" $CXX -std=c++11 $strict -fsyntax-only "$work/one.cpp"
+    for standard in c++11 c++17; do
+        try "$name as $standard" $CXX -std=$standard $strict -Wshadow -fsyntax-only "$work/one.cpp"
+    done
 done
 
 # A header without extern "C" would ask the linker for a mangled name.
