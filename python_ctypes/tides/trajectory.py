@@ -240,6 +240,7 @@ class Intrinsics(Value, _api.tides_intrinsics):
     lens: Any = property(
         lambda self: Lens._from(_api.tides_intrinsics.lens.__get__(self)),
         lambda self, lens: _api.tides_intrinsics.lens.__set__(self, lens),
+        doc="How lines bend: a Lens; all zeros is a pinhole.",
     )
 
     def rectify_map(self, rectified: "Intrinsics | None" = None, rotation: Any = None) -> np.ndarray:
