@@ -1,7 +1,8 @@
-/* tides view: events as a picture, or as an animation of pictures. */
+/* tides view: events as a picture, or as an animation of pictures; or ground truth (view_truth.c). */
 #include "recording.h"
 #include "vector.h"
 #include "view.h"
+#include "view_truth.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -58,7 +59,7 @@ static int parse_kind(const cli_command *command, const char *name, job *j) {
     }
     const char *nearest = tides_nearest_name(name, names);
     if (nearest) return cli_usage(command, "--kind %s: did you mean %s?", name, nearest);
-    return cli_usage(command, "--kind %s: should be frame, surface, xyt, rate or isi", name);
+    return cli_usage(command, "--kind %s: should be frame, surface, xyt, rate, isi or truth", name);
 }
 
 /* A number in [low, high]; left as it is where not given. */
@@ -250,7 +251,8 @@ int cmd_view(const cli_command *command, int argc, char **argv) {
     const cli_option options[] = {
         {"--output", 'o', "FILE", "OUT.png, xyt: OUT.svg; moving: .apng, .y4m, frame%04d.png, - (video to a pipe)", NULL,
          &j.out, NULL},
-        {"--kind", 0, "KIND", "frame (the default), surface, xyt, rate, isi", NULL, &given.kind, NULL},
+        {"--kind", 0, "KIND", "frame (the default), surface, xyt, rate, isi; truth (of .exr and .png)", NULL, &given.kind,
+         NULL},
         {"--time", 0, "SECONDS", "one picture: its window ends here (the window in the middle)", NULL, &given.time, NULL},
         {"--window", 0, "SECONDS", "how much a picture shows (frame, moving: 0.01; others all)", NULL, &j.stretch.window_text,
          NULL},
@@ -271,6 +273,7 @@ int cmd_view(const cli_command *command, int argc, char **argv) {
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
     int code = cli_parse(command, options, argc, argv, &common, &j.stretch.file);
+    if (code == CLI_GO && view_is_truth(given.kind, j.stretch.file)) return view_truth(command, j.stretch.file, j.out, &common);
     if (code == CLI_GO) code = parse(command, &given, &j);
     if (code != CLI_GO) return code;
     tides_error error = {TIDES_OK, ""};

@@ -70,10 +70,12 @@ static const cli_command commands[] = {
      2, cmd_convert},
     {"cut", "IN OUT --start S --stop S", "Cut a stretch of time or a window out of an event file.",
      "Labels of events (sensor.labels) aren't kept.", 2, cmd_cut},
-    {"view", "EVENTS -o OUT.png [--kind frame|surface|xyt|rate|isi]", "Draw events as a picture or an animation.",
+    {"view", "EVENTS -o OUT.png [--kind frame|surface|xyt|rate|isi|truth]",
+     "Draw events as a picture or an animation; or ground truth.",
      "frame: red ON, blue OFF, brighter where more, violet where both; surface: how long ago each pixel's latest event\n"
      "was; xyt: events in space and time (as .svg too: shapes instead of pixels); rate: events a second over time;\n"
-     "isi: intervals between the events of each pixel.\n"
+     "isi: intervals between the events of each pixel; truth: flow as a colour wheel, depths, instances of an .exr of\n"
+     "tides render, of DSEC's and TUM's .png, of .npy (BlinkFlow's; height, width).\n"
      "tides view EVENTS -o - | ffmpeg -i - -pix_fmt yuv420p OUT.mp4 makes a video.",
      1, cmd_view},
     {"export", "EVENTS -o OUT.npy [--as voxel|frame|surface]", "Write events as arrays for networks, one for each window.",

@@ -47,7 +47,10 @@ static void displacement_panel(const cli_frame *frame, uint8_t *rgb, char label[
     double farthest = 0;
     for (size_t i = 0; i < pixels_of(frame); i++)
         if (isfinite(u[i]) && isfinite(v[i])) farthest = fmax(farthest, hypot(u[i], v[i]));
-    snprintf(label, LABEL_SIZE, "to %.4g s: up to %.3g px", frame->displacement_to, farthest);
+    if (isnan(frame->displacement_to)) /* a file says no more */
+        snprintf(label, LABEL_SIZE, "displacement, up to %.3g px", farthest);
+    else
+        snprintf(label, LABEL_SIZE, "to %.4g s: up to %.3g px", frame->displacement_to, farthest);
     tides_picture_flow(u, v, frame->width, frame->height, farthest, rgb);
 }
 

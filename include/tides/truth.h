@@ -4,6 +4,7 @@
 #define TIDES_TRUTH_H
 
 #include "tides/events.h"
+#include "tides/image.h"
 #include "tides/render.h"
 
 #ifdef __cplusplus
@@ -86,6 +87,18 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_follow(tides_renderer *re
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_displacement(tides_renderer *renderer, const tides_trajectory *camera,
                                                                     double from, double to, double *u, double *v,
                                                                     double *visible, tides_error *error);
+
+/* -- files -- */
+
+/* Ground truth out of a file, as planes by name that tides_exr_size, _name and _pixels tell: float, and NaN where the file says
+ * that nothing is known:
+ *   .exr  its channels as they are: what tides render writes
+ *   .png  of 16 bits, r g b: "displacement_u", "displacement_v" [px], as DSEC has optical flow; grey: "disparity" [px] where
+ *         the path names a folder disparity, as DSEC has it, else "depth" [m], as TUM does; of 8 bits, grey: "instance"
+ *   .npy  (height, width, 2 or 3): "displacement_u", "displacement_v", the third being whether it is known, as BlinkFlow has
+ *         it; (height, width): "instance" of whole numbers, "depth" of others
+ * TIDES_UNSUPPORTED: another ending. The caller destroys the planes. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_truth_read(const char *path, tides_exr **planes, tides_error *error);
 
 /* -- events -- */
 

@@ -73,7 +73,7 @@ static tides_status decode(png_job *job, const char *path, td_picture_values *pi
     if (!job->bytes || !job->rows) return TIDES_NO_MEMORY;
     for (int y = 0; y < job->height; y++) job->rows[y] = job->bytes + (size_t)y * job->row_bytes;
     if (read_rows(job) != 0) return td_fail(error, TIDES_BAD_FILE, "%s: can't be read: %s", path, job->message.text);
-    *picture = (td_picture_values){job->width, job->height, job->channels, to_floats(job, error)};
+    *picture = (td_picture_values){job->width, job->height, job->channels, job->depth, to_floats(job, error)};
     return picture->values ? TIDES_OK : TIDES_NO_MEMORY;
 }
 

@@ -58,7 +58,7 @@ static tides_status take_channels(const tides_exr *exr, const char *path, td_pic
     if (!values) return TIDES_NO_MEMORY;
     for (size_t i = 0; i < pixels; i++)
         for (int32_t c = 0; c < channels; c++) values[i * (size_t)channels + (size_t)c] = planes[c][i];
-    *picture = (td_picture_values){width, height, channels, values};
+    *picture = (td_picture_values){width, height, channels, 0, values};
     return TIDES_OK;
 }
 

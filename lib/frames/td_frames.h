@@ -28,6 +28,7 @@ struct tides_frames {
 /* One file's values, as stored but for their scale: integers in [0, 1]. */
 typedef struct td_picture_values {
     int32_t width, height, channels; /* 1 or 3 */
+    int32_t bits;                    /* as stored: 8, 16; 0: floats */
     float *values;                   /* (height x width x channels), the caller's to free */
 } td_picture_values;
 

@@ -8,12 +8,6 @@
 #include <string.h>
 #include <unistd.h>
 
-struct tides_exr {
-    int32_t width, height, count;
-    char **names;
-    float *pixels; /* (count x height x width) */
-};
-
 typedef struct exr_source {
     const char *path;
     td_exr_stream stream;

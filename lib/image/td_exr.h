@@ -6,6 +6,13 @@
 
 #include <openexr.h>
 
+/* Named planes in memory, as they are read; also those that other files are turned to (lib/frames/truth_file.c). */
+struct tides_exr {
+    int32_t width, height, count;
+    char **names;
+    float *pixels; /* (count x height x width) */
+};
+
 /* What OpenEXRCore reads or writes through. With our own stream its messages reach us instead of stderr, and the system's
  * reason for a failed write isn't lost. */
 typedef struct td_exr_stream {

@@ -140,6 +140,9 @@ TIDES_RIG_BOTH = 0
 TIDES_RIG_EVENT = 1
 TIDES_RIG_FRAME = 2
 TIDES_RIG_NAME = 32
+TIDES_EXR_NONE = 0
+TIDES_EXR_ZIPS = 2
+TIDES_EXR_ZIP = 3
 TIDES_TRUTH_FLOW_U = 0
 TIDES_TRUTH_FLOW_V = 1
 TIDES_TRUTH_DEPTH = 2
@@ -150,9 +153,6 @@ TIDES_TRUTH_NORMAL_X = 6
 TIDES_TRUTH_NORMAL_Y = 7
 TIDES_TRUTH_NORMAL_Z = 8
 TIDES_TRUTHS = 9
-TIDES_EXR_NONE = 0
-TIDES_EXR_ZIPS = 2
-TIDES_EXR_ZIP = 3
 TIDES_METRIC_COUNTS = 1
 TIDES_METRIC_ISI = 2
 TIDES_METRIC_SAME_TIME = 4
@@ -2414,6 +2414,20 @@ class tides_world(Structure):
     ]
 
 
+class tides_channel(Structure):
+    """const char *name; /* e.g. "L_dot"; EXR sorts them by name */
+    const float *pixels; /* (height x width), row 0 on top */
+    """
+
+    name: bytes | None
+    pixels: Any
+
+    _fields_ = [
+        ("name", c_char_p),
+        ("pixels", P(c_float)),
+    ]
+
+
 class tides_truth(Structure):
     """double *plane[TIDES_TRUTHS]; /* by TIDES_TRUTH_* */
     """
@@ -2487,20 +2501,6 @@ class tides_event_truth(Structure):
         ("alpha", c_double),
         ("instance", c_int32),
         ("reserved", c_int32),
-    ]
-
-
-class tides_channel(Structure):
-    """const char *name; /* e.g. "L_dot"; EXR sorts them by name */
-    const float *pixels; /* (height x width), row 0 on top */
-    """
-
-    name: bytes | None
-    pixels: Any
-
-    _fields_ = [
-        ("name", c_char_p),
-        ("pixels", P(c_float)),
     ]
 
 
@@ -3552,6 +3552,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_trajectory_sample": (c_int32, [P(tides_trajectory), c_size_t, P(tides_pose_sample), P(tides_error)]),
     # const char *tides_truth_name(int32_t truth)
     "tides_truth_name": (c_char_p, [c_int32]),
+    # tides_status tides_truth_read(const char *path, tides_exr **planes, tides_error *error)
+    "tides_truth_read": (c_int32, [c_char_p, P(P(tides_exr)), P(tides_error)]),
     # const char *tides_version(void)
     "tides_version": (c_char_p, []),
     # tides_status tides_voxel_grid(const tides_event *events, size_t count, int32_t width, int32_t height, const
@@ -3575,8 +3577,8 @@ STRUCTS = (
     tides_stats, tides_stat, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params,
     tides_baseline_params, tides_frame_supply, tides_exposure, tides_exposed, tides_imu, tides_imu_sample, tides_param,
     tides_run_values, tides_rig_camera, tides_session_facts, tides_session_taken, tides_recording, tides_recorded,
-    tides_dataset_layout, tides_dataset_report, tides_generator, tides_generate_options, tides_world, tides_truth,
-    tides_material_point, tides_track, tides_event_truth, tides_channel, tides_match, tides_metrics_options,
+    tides_dataset_layout, tides_dataset_report, tides_generator, tides_generate_options, tides_world, tides_channel,
+    tides_truth, tides_material_point, tides_track, tides_event_truth, tides_match, tides_metrics_options,
     tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_run_input,
     tides_fingerprint, tides_exact_options, tides_exact,
 )

@@ -38,10 +38,9 @@ def write_exr(
     call("tides_exr_write", path(file), shape[1], shape[0], rows, len(planes), number, facts)
 
 
-def read_exr(file: str | os.PathLike[str]) -> dict[str, np.ndarray]:
-    """The channels of an EXR file by name, float32 (height x width)."""
+def _planes(function: str, file: str | os.PathLike[str]) -> dict[str, np.ndarray]:
     made = POINTER(_api.tides_exr)()
-    call("tides_exr_read", path(file), byref(made))
+    call(function, path(file), byref(made))
     try:
         width, height, count = c_int32(), c_int32(), c_int32()
         lib.tides_exr_size(made, byref(width), byref(height), byref(count))
@@ -52,6 +51,18 @@ def read_exr(file: str | os.PathLike[str]) -> dict[str, np.ndarray]:
         }
     finally:
         lib.tides_exr_destroy(made)
+
+
+def read_exr(file: str | os.PathLike[str]) -> dict[str, np.ndarray]:
+    """The channels of an EXR file by name, float32 (height x width)."""
+    return _planes("tides_exr_read", file)
+
+
+def read_truth(file: str | os.PathLike[str]) -> dict[str, np.ndarray]:
+    """Ground truth of a file as float32 planes (height x width), NaN where nothing is known: the channels of an .exr;
+    "displacement_u" and "displacement_v" of DSEC's .png and BlinkFlow's .npy; "disparity" or "depth" of 16-bit grey .png;
+    "instance" of 8-bit grey ones; arrays (height, width) are "instance" or "depth"."""
+    return _planes("tides_truth_read", file)
 
 
 def write_png(file: str | os.PathLike[str], rgb: Any) -> None:

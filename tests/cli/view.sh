@@ -112,3 +112,17 @@ refuse 2 "one picture of --kind xyt" tides view many.csv --kind rate -o rate.svg
 refuse 2 "one picture of --kind xyt" tides view many.csv --kind xyt --animate -o a.svg
 refuse 2 "--points is for --kind xyt" tides view many.csv --points 5 -o a.png
 refuse 1 "none/dots.svg" tides view many.csv --kind xyt -o none/dots.svg
+
+# Ground truth of files: a panel for each quantity that there is.
+make_scene
+expect 0 tides render run.json --time 0.02 -qo truth.exr --truth flow,depth,instance --displacement-to 0.03
+expect 0 tides view truth.exr -o truth.png --json
+out '"panels":[[:space:]]*4'
+out '"width":[[:space:]]*48'
+exists truth.png
+expect 0 tides render run.json --time 0.02 -qo plain.exr
+refuse 1 "no ground truth to draw" tides view plain.exr -o x.png
+refuse 1 "isn't ground truth" tides view truth.png -o x.png
+refuse 1 "read from .exr, .png and .npy" tides view three.csv --kind truth -o x.png
+refuse 2 "as one picture" tides view truth.exr -o x.apng
+missing x.png

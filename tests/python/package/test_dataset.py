@@ -119,9 +119,14 @@ def test_dsec(world):
         wanted = np.stack([move["u"], move["v"]], -1)
         assert known.any() and np.array_equal(known, np.isfinite(wanted).all(-1))
         assert np.abs(flow - wanted)[known].max() <= 0.5 / 128
+        planes = tides.image.read_truth(root / f"flow/{name}.png")
+        read = np.stack([planes["displacement_u"], planes["displacement_v"]], -1)
+        assert np.array_equal(read, np.where(known[..., None], flow, np.nan), equal_nan=True)
     disparity, depth = read_png(root / "disparity/event/000002.png") / 256, world["truth"][1]["depth_median"]
     assert np.array_equal(disparity > 0, depth > 0)
     assert np.abs(disparity[depth > 0] - world["intrinsics"].fx * BASELINE / depth[depth > 0]).max() <= 0.5 / 256
+    read = tides.image.read_truth(root / "disparity/event/000002.png")["disparity"]
+    assert np.array_equal(np.nan_to_num(read), disparity)
     text = (root / "calibration/cam_to_cam.yaml").read_text()
     q = [float(one) for one in text.split("cams_03:")[1].split("- [")[4].split("]")[0].split(",")]
     assert np.isclose(1 / q[2], BASELINE * METRES) and "T_32:" in text and "camRect0:" in text
@@ -177,6 +182,8 @@ def test_blinkflow_and_tum(world):
     u = world["moves"][0]["u"]
     assert flow.shape == (28, 40, 3) and flow.dtype == np.float32 and np.array_equal(flow[..., 2] == 1, np.isfinite(u))
     assert np.array_equal(flow[..., 0], np.nan_to_num(u).astype(np.float32))
+    read = tides.image.read_truth(world["all"] / "blinkflow/one/forward_flow/000000.npy")
+    assert np.array_equal(read["displacement_u"], u.astype(np.float32), equal_nan=True)
     same_events(
         [tides.read_events(world["all"] / "blinkflow/two/events_left/events.h5")[name] for name in ("t", "x", "y", "p")],
         world["events"][1],
@@ -186,6 +193,8 @@ def test_blinkflow_and_tum(world):
     assert [row[0] for row in rows] == ["1.000000", "1.100000", "1.200000"]
     depth = read_png(root / rows[1][1])
     assert np.array_equal(depth, np.round(5000 * METRES * world["truth"][1]["depth_median"]))
+    read = tides.image.read_truth(root / rows[1][1])["depth"]
+    assert np.array_equal(np.nan_to_num(read), (depth / np.float32(5000)).astype(np.float32))
 
 
 def test_ros2(world):
