@@ -280,12 +280,9 @@ bench-built: $(BENCH) all
 	@set -e; for program in $(BENCH); do $$program; done
 
 # -- Python package ----------------------------------------------------------------------------------------------------
-.PHONY: python wheel
+.PHONY: python
 python: ## Make python_ctypes/tides/_api.py anew from the headers
 	CC='$(CC)' $(PYTHON) python_ctypes/generate.py
-wheel: all ## Pack the Python package with the library: build/python/tides-*.whl
-	TIDES_LIBRARY='$(CURDIR)/$(OUT)/libtides.so' $(PYTHON) -m pip wheel -q --no-build-isolation --no-deps -w build/python ./python_ctypes
-	@ls build/python/*.whl
 
 PAGES    := $(OUT)/share
 # -- manual ------------------------------------------------------------------------------------------------------------
@@ -355,6 +352,29 @@ dist: ## Pack the committed sources: build/tides-VERSION.tar.gz
 	git archive --format=tar.gz --prefix=tides-$(VERSION)/ -o build/tides-$(VERSION).tar.gz HEAD
 clean: ## Remove build/
 	rm -rf build
+
+# -- packages ----------------------------------------------------------------------------------------------------------
+.PHONY: wheel check-wheel
+# The wheel has in it what its library and tool link: archives where the system has them, copies of the shared libraries of the rest
+# (python_ctypes/stage.py). The older kind of run path (DT_RPATH) is the one that goes for what those libraries link, too.
+STAGE := $(OUT)/wheel
+WHEELS ?= build/python
+WHEEL_LIBS = $(shell sh scripts/archives.sh $(CC) $(TIDES_LDLIBS) $(LDLIBS) -lsz -laec)
+WHEEL_LINK = $(LINK) -s -Wl,--as-needed,--exclude-libs,ALL,--disable-new-dtags,-rpath,'$$ORIGIN'
+wheel: all $(PAGES)/.made ## Pack the Python package with library, tool and all that these link: WHEELS=build/python
+	rm -rf $(STAGE) && mkdir -p $(STAGE)
+	$(COMPILE) -c python_ctypes/streams.c -o $(OUT)/streams.o
+	$(WHEEL_LINK) -shared -Wl,-soname,libtides.so.$(MAJOR),--no-undefined,--wrap=stdout,--wrap=stderr -Wl,-Map=$(OUT)/libtides.map \
+	    -o $(STAGE)/libtides.so.$(MAJOR) $(LIB_OBJ) $(OUT)/streams.o -Wl,--start-group $(WHEEL_LIBS) -Wl,--end-group
+	$(WHEEL_LINK) -Wl,-Map=$(OUT)/tides.map -o $(STAGE)/tides $(CLI_OBJ) $(STAGE)/libtides.so.$(MAJOR) \
+	    -Wl,--start-group $(WHEEL_LIBS) -Wl,--end-group
+	$(PYTHON) python_ctypes/stage.py $(STAGE) $(OUT)/libtides.map $(OUT)/tides.map
+	rm -f '$(WHEELS)'/tides-*.whl
+	TIDES_WHEEL='$(CURDIR)/$(STAGE)' TIDES_PAGES='$(CURDIR)/$(PAGES)' \
+	    $(PYTHON) -m pip wheel -q --no-build-isolation --no-deps -w '$(WHEELS)' ./python_ctypes
+	@ls '$(WHEELS)'/*.whl
+check-wheel: wheel ## As root: the wheel in chroots of Debian 12 and 13 that have python3 and pip alone (debootstrap); minutes
+	sh scripts/check_wheel.sh '$(WHEELS)'/tides-*.whl
 
 .PHONY: help
 help: ## Print this

@@ -130,6 +130,8 @@ static int32_t match(const device_list *list, const char *spec) {
 static tides_status fail_no_match(const device_list *list, const char *spec, tides_error *error) {
     char suggestion[TD_SUGGESTION_MAX];
     td_suggest(spec, "auto cpu gpu reference reference-f32", " ", suggestion);
+    const int is_kind = strcmp(spec, "auto") == 0 || strcmp(spec, "cpu") == 0 || strcmp(spec, "gpu") == 0;
+    if (is_kind) suggestion[0] = '\0'; /* there's none of the kind, but nothing is misspelt */
     if (list->count == 0)
         return td_fail(error, TIDES_NO_DEVICE,
                        "device '%s': no OpenCL device was found; install one (%s%s) or use --device reference%s", spec,

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Iterator
 
-from . import _api
+from . import _api, _drivers
 
 VERSION = f"{_api.TIDES_VERSION_MAJOR}.{_api.TIDES_VERSION_MINOR}.{_api.TIDES_VERSION_PATCH}"
 
@@ -74,6 +74,7 @@ def _check_sizes(functions: SimpleNamespace, path: str) -> None:
             raise ImportError(f"{path}: {struct.__name__} has another size than in this package: run make and make python")
 
 
+_drivers.offer()
 _cdll, PATH = _load()
 #: Every public function by its C name. `lib.tides_version()`.
 lib = _bind(_cdll, PATH)

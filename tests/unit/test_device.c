@@ -240,6 +240,11 @@ static void test_no_platform_says_what_to_do(void **state) {
         expect_no_open(specs[i], TIDES_NO_DEVICE, words);
     }
     expect_no_open(NULL, TIDES_NO_DEVICE, "auto|no OpenCL device");
+    expect_no_open("referense", TIDES_NO_DEVICE, "did you mean reference?");
+    tides_device *device = NULL;
+    tides_error error;
+    assert_int_equal(tides_device_open("auto", &device, &error), TIDES_NO_DEVICE);
+    assert_null(strstr(error.text, "did you mean"));
 }
 
 static void test_reference_renders_without_opencl(void **state) {

@@ -55,6 +55,53 @@ def test_wheel_holds_the_package(wheel):
     assert modules | others == {name for name in names if ".dist-info/" not in name}
 
 
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """What `make wheel` packs: with all that library and tool link. A name, and the folder that it is unpacked in."""
+    pytest.importorskip("wheel")
+    folder = tmp_path_factory.mktemp("whole")
+    flags = " ".join(word for word in os.environ.get("MAKEFLAGS", "").split() if not word.startswith(("-j", "--job")))
+    named = [f"PYTHON={sys.executable}", f"WHEELS={folder}", "CONFIG=" + Path(tides.library_path).resolve().parent.name]
+    run("make", "--no-print-directory", "-s", "wheel", *named, cwd=ROOT, env=outside(MAKEFLAGS=flags))
+    (made,) = folder.glob("*.whl")
+    with zipfile.ZipFile(made) as file:
+        file.extractall(folder)
+    return made.name, folder
+
+
+def needed(path):
+    return set(re.findall(r"\(NEEDED\) .*\[(.*)\]", run("readelf", "-d", path)))
+
+
+def test_whole_wheel_needs_the_c_library_alone(whole):
+    name, folder = whole
+    libraries = {path.name for path in (folder / "tides").glob("lib*.so*")}
+    programs = [folder / "tides" / name for name in (*libraries, "tides")]
+    outer = set().union(*map(needed, programs)) - libraries
+    assert outer <= {"libc.so.6", "libm.so.6", "ld-linux-x86-64.so.2"}
+    newest = max(int(minor) for path in programs for minor in re.findall(r"\bGLIBC_2\.(\d+)", run("objdump", "-T", path)))
+    assert name == f"tides-{tides.__version__}-py3-none-manylinux_2_{newest}_x86_64.whl"
+    tool = folder / "tides" / "tides"
+    tool.chmod(0o755)
+    found = run("ldd", tool, env={})
+    assert all(f"{folder}/tides/{library} " in found for library in libraries)
+    assert run(tool, "--version", env={}) == f"tides {tides.__version__}\n"
+
+
+def test_whole_wheel_has_pages_and_licences_and_no_paths_of_this_machine(whole):
+    _, folder = whole
+    data = next(folder.glob("*.data")) / "data" / "share"
+    assert (data / "man" / "man1" / "tides-simulate.1").stat().st_size > 1000
+    assert (data / "man" / "man5" / "tides-run.5").exists()
+    licences = {path.stem: path.read_text() for path in (folder / "tides" / "licences").iterdir()}
+    for part in ("tides", "hdf5", "openexr", "png", "cjson", "zstd", "lz4", "webp", "deflate", "zlib", "ocl-icd", "aec"):
+        assert any(part in name and "opyright" in text for name, text in licences.items()), part
+    for path in folder.rglob("*"):
+        if path.is_file() and path.suffix != ".whl":
+            assert str(ROOT).encode() not in path.read_bytes(), path
+            assert str(Path.home()).encode() + b"/" not in path.read_bytes(), path
+
+
 LISTED = "import importlib.metadata as m, json; print(json.dumps([d.name for d in m.distributions()]))"
 
 
