@@ -1,8 +1,9 @@
 /* tides batch: a manifest's runs, each in a folder of its own, several at a time, and gone on with after any interruption.
  *
- * A folder DIR/NAME holds job.json (what was started), events.h5, stats.json, log.txt, and once the run has ended result.json,
- * or failure.json (job.json and "error"). They carry a hash of the resolved run and of the files that it reads: a result with
- * the run's hash is skipped, a checkpoint under a job with the run's hash is gone on with, anything else starts anew. */
+ * A folder DIR/NAME holds job.json (what was started), events.h5 or, with dataset.layout, dataset/, stats.json, log.txt, and
+ * once the run has ended result.json, or failure.json (job.json and "error"). They carry a hash of the resolved run and of the
+ * files that it reads: a result with the run's hash is skipped, a checkpoint under a job with the run's hash is gone on with,
+ * anything else starts anew. */
 #ifndef CLI_BATCH_H
 #define CLI_BATCH_H
 
@@ -19,6 +20,7 @@ typedef struct batch_run {
     char *file;  /* run file */
     char **sets; /* "key=value", `count` of them */
     size_t count;
+    char *layouts;   /* dataset.layout: a dataset is made; NULL: events */
     char *directory; /* DIR/NAME */
     char hash[BATCH_HASH];
     double estimate; /* memory [bytes] */
@@ -56,6 +58,9 @@ tides_status batch_prepare(batch *b, tides_error *error);
 
 /* batch_job.c: the run itself, to be called in a process of its own. */
 int batch_job(const batch *b, const batch_run *run);
+/* batch_dataset.c: the dataset, and stats.json; what an earlier one left, removed. */
+tides_status batch_dataset(const batch *b, const batch_run *run, const char *stats, tides_error *error);
+tides_status batch_dataset_clear(const batch_run *run, tides_error *error);
 /* The last line that the run's process said, allocated; NULL: out of memory. */
 char *batch_last_words(const batch_run *run);
 

@@ -26,7 +26,10 @@ static tides_status prepare(const batch *b, tides_fingerprints *prints, batch_ru
     const double held = (double)(v.frames_file ? print.largest : print.bytes); /* frames are read one by one */
     run->estimate = PROCESS_BYTES + SCENE_FACTOR * held + PIXEL_BYTES * (pixels > 0 ? pixels : UNKNOWN_PIXELS);
     snprintf(run->hash, sizeof run->hash, "%016" PRIx64, print.hash);
+    run->layouts = v.dataset_layout ? batch_text("%s", v.dataset_layout) : NULL;
+    const int32_t short_of_memory = v.dataset_layout && !run->layouts;
     tides_run_destroy(loaded);
+    if (short_of_memory) return batch_no_memory(error);
     if (status == TIDES_OK) return TIDES_OK;
     run->hash[0] = '\0'; /* of a part */
     run->state = BATCH_FAILED;

@@ -53,11 +53,14 @@ static tides_status lock_folder(const batch_run *run, tides_error *error) {
 
 /* The result: the description, and of the statistics what doesn't depend on the machine's speed. */
 static tides_status write_result(const batch_run *run, const job_files *files, tides_error *error) {
-    static const char *const kept[] = {"events", "events_on", "events_off", "events_truncated", "simulated_s", "width",
-                                       "height", "device",    "version",    "numerics",         "seed"};
+    static const char *const of_events[] = {"events", "events_on", "events_off", "events_truncated", "simulated_s", "width",
+                                            "height", "device",    "version",    "numerics",         "seed",        NULL};
+    static const char *const of_dataset[] = {"layout", "cameras", "events", "pictures", "truths", "poses",
+                                             "width",  "height",  "device", "version",  "seed",   NULL};
+    const char *const *kept = run->layouts ? of_dataset : of_events;
     cJSON *result = batch_describe(run), *stats = batch_read_json(files->stats);
     int32_t ok = result && stats;
-    for (size_t i = 0; ok && i < sizeof kept / sizeof kept[0]; i++) {
+    for (size_t i = 0; ok && kept[i]; i++) {
         cJSON *copy = cJSON_Duplicate(cJSON_GetObjectItemCaseSensitive(stats, kept[i]), 1);
         ok = copy && cJSON_AddItemToObject(result, kept[i], copy);
     }
@@ -73,15 +76,17 @@ static tides_status remove_if_there(const char *path, tides_error *error) {
     return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be removed: %s", path, strerror(errno));
 }
 
-/* An older end goes before anything else is touched; a checkpoint counts only under a job of the same hash. */
+/* An older end goes before anything else is touched; a checkpoint, or the statistics of a dataset, which are written last,
+ * count only under a job of the same hash. */
 static tides_status begin(const batch_run *run, const job_files *files, int32_t *resume, tides_error *error) {
     tides_status status = remove_if_there(files->result, error);
     if (status == TIDES_OK) status = remove_if_there(files->failure, error);
     if (status != TIDES_OK) return status;
     char *checkpoint = batch_text("%s.checkpoint", files->events);
     if (!checkpoint) return batch_no_memory(error);
-    *resume = batch_has_hash(files->job, run) && access(checkpoint, F_OK) == 0;
+    *resume = batch_has_hash(files->job, run) && access(run->layouts ? files->stats : checkpoint, F_OK) == 0;
     if (!*resume) status = remove_if_there(checkpoint, error);
+    if (!*resume && status == TIDES_OK && run->layouts) status = batch_dataset_clear(run, error);
     free(checkpoint);
     if (status != TIDES_OK) return status;
     cJSON *json = batch_describe(run);
@@ -132,7 +137,8 @@ int batch_job(const batch *b, const batch_run *run) {
     if (ftruncate(STDERR_FILENO, 0) != 0)
         status = cli_error(&error, TIDES_WRITE_FAILED, "%s/log.txt: can't be emptied: %s", run->directory, strerror(errno));
     if (status == TIDES_OK) status = begin(run, &files, &resume, &error);
-    if (status == TIDES_OK) code = simulate(b, run, &files, resume);
+    if (status == TIDES_OK && !run->layouts) code = simulate(b, run, &files, resume);
+    if (status == TIDES_OK && run->layouts && !resume) status = batch_dataset(b, run, files.stats, &error);
     if (status == TIDES_OK && code == CLI_OK) status = write_result(run, &files, &error);
     free_files(&files);
     return status == TIDES_OK ? code : cli_fail(&error);

@@ -19,6 +19,7 @@ static void free_run(batch_run *run) {
     free(run->sets);
     free(run->name);
     free(run->file);
+    free(run->layouts);
     free(run->directory);
     free(run->error);
 }

@@ -39,7 +39,8 @@ int cmd_dataset(const cli_command *command, int argc, char **argv) {
     const char *run = NULL, *output = NULL;
     const cli_option options[] = {
         {"--output", 'o', "DIR", "the dataset's folder, which must not be there yet (required)", NULL, &output, NULL},
-        {"--layout", 0, "NAME", "whose layout; may be repeated: each gets a folder in DIR (required)", NULL, NULL, &layouts},
+        {"--layout", 0, "NAME", "whose layout; may be repeated: each gets a folder in DIR (dataset.layout)", NULL, NULL,
+         &layouts},
         {"--set", 0, "KEY=VALUE", "override a key of the run file; may be repeated", NULL, NULL, &sets},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
@@ -48,16 +49,22 @@ int cmd_dataset(const cli_command *command, int argc, char **argv) {
     if (code != CLI_GO) return code;
     char names[256];
     if (!output) return cli_usage(command, "the output is missing: -o DIR");
-    if (layouts.count == 0) return cli_usage(command, "the layout is missing: --layout dsec");
     if (!join(&layouts, names, sizeof names)) return cli_usage(command, "--layout: too many names");
 
     tides_error error = {TIDES_OK, ""};
     tides_session *session = NULL;
     tides_dataset_report report;
     if (cli_session_open(run, &sets, &common, &session, &error) != TIDES_OK) return cli_fail(&error);
+    tides_session_facts facts;
+    tides_session_get(session, &facts);
+    const char *wanted = layouts.count ? names : facts.values.dataset_layout;
+    if (!wanted) {
+        tides_session_close(session);
+        return cli_usage(command, "the layout is missing: --layout dsec, or dataset.layout in the run file");
+    }
     cli_progress progress = {.quiet = common.quiet};
     cli_catch_interrupt();
-    const tides_status status = tides_dataset_write(session, output, names, cli_progress_step, &progress, &report, &error);
+    const tides_status status = tides_dataset_write(session, output, wanted, cli_progress_step, &progress, &report, &error);
     cli_progress_end(&progress);
     code = status == TIDES_OK ? cli_report_facts(facts_of(output, &report), &common) : cli_fail(&error);
     tides_session_close(session);

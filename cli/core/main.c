@@ -59,7 +59,8 @@ static const cli_command commands[] = {
      "\"runs\": [{\"name\": NAME, \"file\": \"run.json\", \"set\": {KEY: VALUE}}, ...]}; grid and runs may stand alone,\n"
      "keys as for --set. \"draw\": {\"count\": N, \"seed\": \"S\", \"set\": {KEY: [LOWEST, HIGHEST] or [VALUES]}} draws runs "
      "at random.\n"
-     "DIR/NAME holds each run's events.h5, stats.json, log.txt, and result.json or failure.json;\n"
+     "DIR/NAME holds each run's events.h5 (dataset/ where dataset.layout is set), stats.json, log.txt, and result.json\n"
+     "or failure.json;\n"
      "DIR/summary.json and .csv all results. The same command again goes on after an interruption and does again\n"
      "only what changed.",
      1, cmd_batch},

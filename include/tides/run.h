@@ -78,6 +78,7 @@ typedef struct tides_run_values {
     tides_path_options path;                                       /* of camera.file */
     double scene_duration_s;                                       /* 0: the scene's own */
     double metres_per_unit;                                        /* of the scene [m]; 0: unknown */
+    const char *dataset_layout;                                    /* layouts of tides_dataset_write; NULL: not said */
     double dataset_picture_hz, dataset_truth_hz, dataset_pose_hz;  /* of tides_dataset_write [Hz] */
     int32_t event_truth;                                           /* 1: event files get ground truth (tides_session_truth) */
     int32_t track_count;                                           /* points to follow (tides_session_tracks) */

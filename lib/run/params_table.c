@@ -343,6 +343,9 @@ const td_param td_params[] = {
     {NUMBER("ldati.fps", baseline.ldati.fps, "Hz", 1e-6, 1e9,
             "voxel grids of frames.file a second (V2CE's default): each lasts 1 / fps; ON first, 10 planes")},
 
+    {ROW("dataset.layout", STRING, AT(dataset_layout),
+         "whose layouts tides dataset writes (commas between); with it tides batch makes datasets"),
+     .fallback = "null"},
     {NUMBER("dataset.picture_hz", dataset_picture_hz, "Hz", 1e-3, 1e5, "tides dataset: pictures a second")},
     {NUMBER("dataset.truth_hz", dataset_truth_hz, "Hz", 1e-3, 1e5,
             "tides dataset: depth, masks and flow a second; displacements go from one to the next")},

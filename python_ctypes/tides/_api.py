@@ -2091,6 +2091,7 @@ class tides_run_values(Structure):
     tides_path_options path; /* of camera.file */
     double scene_duration_s; /* 0: the scene's own */
     double metres_per_unit; /* of the scene [m]; 0: unknown */
+    const char *dataset_layout; /* layouts of tides_dataset_write; NULL: not said */
     double dataset_picture_hz, dataset_truth_hz, dataset_pose_hz; /* of tides_dataset_write [Hz] */
     int32_t event_truth; /* 1: event files get ground truth (tides_session_truth) */
     int32_t track_count; /* points to follow (tides_session_tracks) */
@@ -2119,6 +2120,7 @@ class tides_run_values(Structure):
     path: tides_path_options
     scene_duration_s: float
     metres_per_unit: float
+    dataset_layout: bytes | None
     dataset_picture_hz: float
     dataset_truth_hz: float
     dataset_pose_hz: float
@@ -2149,6 +2151,7 @@ class tides_run_values(Structure):
         ("path", tides_path_options),
         ("scene_duration_s", c_double),
         ("metres_per_unit", c_double),
+        ("dataset_layout", c_char_p),
         ("dataset_picture_hz", c_double),
         ("dataset_truth_hz", c_double),
         ("dataset_pose_hz", c_double),

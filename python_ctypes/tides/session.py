@@ -158,10 +158,16 @@ class Session(Handle):
             call("tides_session_write", self._pointer, path(file), how, step, None, None, byref(stats))
         return plain(stats)
 
-    def dataset(self, folder: str | os.PathLike[str], layouts: str | list[str], progress: Progress = None) -> Facts:
-        """Every camera of the run's rig as a dataset in `folder`, in one layout ("dsec") or several (a folder for each):
-        tides.dataset_layouts() lists them. The numbers of events, cameras, pictures, truths and poses."""
-        names = layouts if isinstance(layouts, str) else ",".join(layouts)
+    def dataset(
+        self, folder: str | os.PathLike[str], layouts: str | list[str] | None = None, progress: Progress = None
+    ) -> Facts:
+        """Every camera of the run's rig as a dataset in `folder`, in one layout ("dsec") or several (a folder for each),
+        those of dataset.layout where none is given: tides.dataset_layouts() lists them. The numbers of events, cameras,
+        pictures, truths and poses."""
+        given = layouts or self.values.dataset_layout
+        if not given:
+            raise ValueError("layouts: none is given, nor dataset.layout in the run file")
+        names = given if isinstance(given, str) else ",".join(given)
         report = _api.tides_dataset_report()
         with self._lock, Reporter(progress) as step:
             call("tides_dataset_write", self._pointer, path(folder), encoded(names), step, None, byref(report))

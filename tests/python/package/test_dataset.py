@@ -239,6 +239,8 @@ def test_wrong_input_is_named(world):
     with tides.Session(run, device="reference-f32") as session:
         with pytest.raises(tides.errors.WriteFailed, match="is there already"):
             session.dataset(world["all"], "ecd")
+        with pytest.raises(ValueError, match="dataset.layout"):
+            session.dataset(folder / "no")
         with pytest.raises(tides.errors.Cancelled):
             session.dataset(folder / "no", "ecd", progress=lambda fraction, stage: stage == "pictures")
     assert {"no", "no.part"}.isdisjoint(one.name for one in folder.iterdir())
@@ -255,6 +257,13 @@ def test_lenses_are_written(world):
     chain = (folder / "bent/mvsec/camchain.yaml").read_text()
     numbers = [float(one) for one in chain.split("distortion_coeffs: [")[1].split("]")[0].split(",")]
     assert "distortion_model: radtan" in chain and numbers == [-0.1, 0.02, 0.003, -0.004]
+    rig = {"rig.file": str(folder / "bent/mvsec/camchain.yaml"), "rig.cameras": []}
+    with tides.Session(run, {**rig, "rig.camera": "cam1"}, device="reference-f32") as session:  # as it was
+        lens, own = session.intrinsics, world["intrinsics"]
+        assert [lens.fx, lens.cx, lens.width, lens.lens.k1, lens.lens.p2] == [own.fx, own.cx, own.width, -0.1, -0.004]
+        with tides.Session(run, {"rig.camera": "two"}, device="reference-f32") as other:
+            here, there = (one.camera.trajectory.at(1.1).position for one in (session, other))
+        assert np.allclose(here, there, atol=1e-12)
     with tides.Session(run, {"camera.lens": "equidistant", "camera.k1": 0.01}, device="reference-f32") as session:
         with pytest.raises(tides.errors.BadConfig, match="ecd: one has a lens.*radtan"):
             session.dataset(folder / "no", "ecd")
@@ -263,9 +272,9 @@ def test_lenses_are_written(world):
 def test_pictures_are_exposed(world):
     """Where asked for: DSEC's pictures are the renderer's exposures, with their starts and ends; the first has room."""
     run = world["folder"] / "run.json"
-    settings = {"exposure.exposure_s": 0.02, "exposure.transfer": "srgb", "dataset.truth_hz": 20}
+    settings = {"exposure.exposure_s": 0.02, "exposure.transfer": "srgb", "dataset.truth_hz": 20, "dataset.layout": "dsec"}
     with tides.Session(run, settings, device="reference-f32") as session:
-        session.dataset(world["folder"] / "exposed", "dsec")
+        session.dataset(world["folder"] / "exposed")
         how = tides.Exposure(exposure_s=0.02, transfer="srgb", colour=1)
         with session.renderer() as renderer:
             light, _ = renderer.expose(1.06, how)
