@@ -55,7 +55,7 @@ static tides_status events(td_writer *w, const tides_event *list, size_t count, 
     evimo *e = w->state;
     tides_status status = TIDES_OK;
     for (size_t i = 0; i < count && status == TIDES_OK; i++) {
-        const double t = 1e-9 * (double)list[i].t;
+        const double t = td_event_seconds(&list[i]);
         const uint16_t xy[2] = {list[i].x, list[i].y};
         const uint8_t p = list[i].polarity > 0;
         status = td_npy_writer_append(e->file[T], &t, 1, error);

@@ -1,7 +1,8 @@
 /* MVSEC (Zhu et al. 2018; daniilidis-group.github.io/mvsec), of one or two cameras that make both events and pictures. Seconds.
  *
  *   NAME_data.hdf5  davis/{left,right}/events (n, 4): x, y, t, p = +-1; image_raw (n, height, width), image_raw_ts,
- *                   image_raw_event_inds (number of events up to the picture, less one); imu (n, 6): ax ay az gx gy gz, imu_ts
+ *                   image_raw_event_inds (the last event up to the picture, or the first);
+ *                   imu (n, 6): ax ay az gx gy gz, imu_ts
  *   NAME_gt.hdf5    davis/{left,right}/depth_image_raw (n, height, width) [m], NaN: none; depth_image_raw_ts;
  *                   pose (n, 4, 4) of the camera in the world [m], pose_ts; davis/left/flow_dist (n, 2, height, width), _ts
  *   NAME_gt_flow_dist.npz  timestamps, x_flow_dist, y_flow_dist: the same
@@ -164,7 +165,7 @@ static tides_status events(td_writer *w, const tides_event *list, size_t count, 
         const size_t rows = count - first < EVENT_ROWS ? count - first : EVENT_ROWS;
         for (size_t i = 0; i < rows; i++) {
             const tides_event *e = &list[first + i];
-            const double row[4] = {e->x, e->y, 1e-9 * (double)e->t, e->polarity};
+            const double row[4] = {e->x, e->y, td_event_seconds(e), e->polarity};
             memcpy(m->rows + 4 * i, row, sizeof row);
             pass_pictures(w, e->t);
             m->seen++;
@@ -176,8 +177,8 @@ static tides_status events(td_writer *w, const tides_event *list, size_t count, 
 
 static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {
     mvsec *m = w->state;
-    pass_pictures(w, INT64_MAX); /* events have all come */
-    const int64_t index = m->before[p->index] - 1;
+    pass_pictures(w, INT64_MAX);                                                 /* events have all come */
+    const int64_t index = m->before[p->index] > 0 ? m->before[p->index] - 1 : 0; /* -1 would count from the end */
     const double t = td_seconds(p->us);
     tides_status status = put(w, IMAGES, 1, p->grey, error);
     if (status == TIDES_OK) status = put(w, IMAGE_TIMES, 1, &t, error);

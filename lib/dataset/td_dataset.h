@@ -49,6 +49,7 @@ typedef struct td_dataset {
 /* Time number k of a rate, on whole microseconds: files have no finer ones, and what they say is then exactly where all was. */
 int64_t td_dataset_us(const td_dataset *set, double hz, size_t k);
 static inline double td_seconds(int64_t us) { return (double)us / 1e6; } /* the double that is nearest, as the decimal text's */
+static inline double td_event_seconds(const tides_event *event) { return (double)event->t / 1e9; }
 
 /* A picture, 8 bits: an instant's in sRGB, or exposed as the run says. Times are the exposure's middle, start and end. */
 typedef struct td_picture {

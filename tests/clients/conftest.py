@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import random_events
 import tides
+import worlds
 
 COUNT = 1_000_000
 LARGE, SMALL = (1280, 720), (640, 480)
@@ -82,6 +83,20 @@ class Files:
 @pytest.fixture(scope="session")
 def files(tmp_path_factory):
     return Files(tmp_path_factory.mktemp("clients"))
+
+
+@pytest.fixture(scope="session")
+def of(tmp_path_factory):
+    """Small datasets by name (worlds.py)."""
+    folder, made = tmp_path_factory.mktemp("worlds"), {}
+    worlds.save_run(folder)
+
+    def get(name):
+        if name not in made:
+            made[name] = worlds.make(folder, name)
+        return made[name]
+
+    return get
 
 
 def columns(array):

@@ -1,0 +1,110 @@
+"""How each dataset's own published code reads it: the same files, keys, windows and decodings, with what each asserts."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import readers
+
+
+def png(file):
+    """16 bits and 8, as PIL and pypng have them: PIL knows no 16-bit RGB."""
+    width, height, rows, info = readers.import_client("png").Reader(filename=str(file)).read()
+    values = np.vstack([np.asarray(row) for row in rows]).reshape(height, width, info["planes"])
+    return values.astype(np.uint16 if info["bitdepth"] == 16 else np.uint8)
+
+
+# -- DSEC -----------------------------------------------------------------------------------------------------------------
+class EventSlicer:
+    """DSEC's: windows [us] by its index of whole milliseconds from t_offset on."""
+
+    def __init__(self, file):
+        self.events = {name: file[f"events/{name}"] for name in "pxyt"}
+        self.ms_to_idx = np.asarray(file["ms_to_idx"], dtype="int64")
+        self.t_offset = int(file["t_offset"][()])
+        self.t_final = int(self.events["t"][-1]) + self.t_offset if len(self.events["t"]) else self.t_offset
+
+    def get_events(self, start_us, end_us):
+        assert start_us < end_us
+        start_us, end_us = start_us - self.t_offset, end_us - self.t_offset
+        first, last = math.floor(start_us / 1000), math.ceil(end_us / 1000)
+        if first >= self.ms_to_idx.size or last >= self.ms_to_idx.size:
+            return None
+        window = slice(self.ms_to_idx[first], self.ms_to_idx[last])
+        t = np.asarray(self.events["t"][window]).astype(np.int64)
+        inside = slice(*np.searchsorted(t, [start_us, end_us]))
+        return {"t": t[inside] + self.t_offset} | {name: np.asarray(self.events[name][window])[inside] for name in "xyp"}
+
+
+def dsec_flow(file):
+    values = png(file)
+    assert values.dtype == np.uint16 and values.ndim == 3 and values.shape[2] == 3
+    valid = values[..., 2] == 1
+    assert np.all(values[~valid, -1] == 0)
+    flow = np.zeros((*valid.shape, 2))
+    flow[valid] = (values[valid][:, :2].astype(np.float64) - 2**15) / 128
+    return flow, valid
+
+
+def dsec_disparity(file):
+    return np.array(readers.import_client("PIL.Image").open(str(file))).astype("float32") / 256
+
+
+def dsec_timestamps(file):
+    return np.loadtxt(file, dtype="int64", delimiter=",", ndmin=2)
+
+
+# -- MVSEC ----------------------------------------------------------------------------------------------------------------
+def mvsec_between(davis, index):
+    """Events between two pictures, which are columns x, y, t, p."""
+    indices = davis["image_raw_event_inds"]
+    return davis["events"][indices[index] : indices[index + 1]]
+
+
+def mvsec_flow(file, start):
+    """The displacement that begins last before a time."""
+    flow = np.load(file)
+    index = np.searchsorted(flow["timestamps"], start, side="right") - 1
+    return flow["x_flow_dist"][index], flow["y_flow_dist"][index]
+
+
+# -- EVIMO2 ---------------------------------------------------------------------------------------------------------------
+def evimo(folder):
+    """Events as one array (t, x, y, p); planes by the number in their names, as its index of frames counts them."""
+    t, xy, p = (np.load(folder / f"dataset_events_{name}.npy", mmap_mode="r") for name in ("t", "xy", "p"))
+    events = np.hstack([np.atleast_2d(t).T, xy, np.atleast_2d(p).T])
+    planes = {}
+    for kind in ("depth", "mask", "flow", "classical"):
+        with np.load(folder / f"dataset_{kind}.npz") as file:
+            planes[kind] = {int(key.split("_")[1]): file[key] for key in file.files if key.startswith(kind)}
+            planes[kind] |= {key: file[key] for key in ("t", "t_end") if key in file.files}
+    return events, planes, np.load(folder / "dataset_info.npz", allow_pickle=True)
+
+
+# -- TUM ------------------------------------------------------------------------------------------------------------------
+def tum_list(file):
+    lines = Path(file).read_text().replace(",", " ").replace("\t", " ").split("\n")
+    rows = [[word for word in line.split(" ") if word] for line in lines if line and line[0] != "#"]
+    return {float(row[0]): row[1:] for row in rows}
+
+
+def tum_associate(first, second, most=0.02):
+    """Its associate.py: greedily the nearest pairs of times."""
+    near = sorted((abs(a - b), a, b) for a in first for b in second if abs(a - b) < most)
+    matches, left, right = [], set(first), set(second)
+    for _, a, b in near:
+        if a in left and b in right:
+            left.remove(a)
+            right.remove(b)
+            matches.append((a, b))
+    return sorted(matches)
+
+
+# -- ECD ------------------------------------------------------------------------------------------------------------------
+def ecd_events(file):
+    return np.loadtxt(file, ndmin=2).reshape(-1, 4).T
+
+
+def calibration(file):
+    """fx fy cx cy k1 k2 p1 p2 k3."""
+    return np.loadtxt(file)

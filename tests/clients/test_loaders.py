@@ -1,0 +1,197 @@
+"""Each layout read as its published code reads it (loaders.py): with a rig, a lens, one camera, one pixel, without an event, at
+an absolute time. What is read is what was written."""
+
+import loaders
+import numpy as np
+import pytest
+import readers
+import worlds
+from worlds import METRES
+
+every_world = pytest.mark.parametrize("name", worlds.WORLDS)
+
+
+def root(world, layout):
+    return world.folder / world.name / layout
+
+
+def check_events(t_us, x, y, p, events):
+    for got, wanted in ((t_us, events["t"] // 1000), (x, events["x"]), (y, events["y"]), (np.asarray(p) > 0, events["p"] > 0)):
+        assert np.array_equal(np.asarray(got), wanted)
+
+
+def test_worlds_are_what_they_should(of):
+    counts = {name: [len(one) for one in of(name).events.values()] for name in worlds.WORLDS}
+    assert counts["none"] == [0] and min(counts["pixel"]) > 0
+    assert all(min(counts[name]) > 100 for name in ("rig", "lens", "one", "late"))
+    assert of("late").events["left"]["t"].min() > worlds.LATE * 10**9
+
+
+@every_world
+def test_dsec(of, name):
+    """Windows of its slicer are the events; flow and disparity are what was rendered, where they aren't rectified."""
+    h5py, world = readers.import_client("h5py"), of(name)
+    at = root(world, "dsec")
+    for side in world.sides:
+        events = world.events[side]
+        with h5py.File(at / f"events/{side}/events.h5") as file, h5py.File(at / f"events/{side}/rectify_map.h5") as ways:
+            slicer, ways = loaders.EventSlicer(file), ways["rectify_map"][()]
+            check_events(*(slicer.events[name][()].astype(np.int64) for name in "txyp"), shifted(events, slicer.t_offset))
+            for start, end in ((world.us[0], world.us[1]), (world.us[0] + 12345, world.us[1] + 4321)):
+                if not len(events):
+                    break
+                got, us = slicer.get_events(start, end), events["t"] // 1000
+                inside = events[(us >= start) & (us < end)]
+                check_events(*(got[name] for name in "txyp"), inside)
+                rectified = ways[got["y"], got["x"]]
+                assert rectified.shape == (len(inside), 2) and np.isfinite(rectified).all()
+                if name != "lens":
+                    assert np.array_equal(rectified, np.stack([got["x"], got["y"]], -1))
+    assert loaders.dsec_timestamps(at / "flow/forward_timestamps.txt").tolist() == [world.us[:2], world.us[1:]]
+    assert loaders.dsec_timestamps(at / "flow/backward_timestamps.txt").tolist() == [world.us[1::-1], world.us[:0:-1]]
+    for way, first, moves in (("forward", 0, world.forward), ("backward", 2, world.backward)):
+        for k, move in enumerate(moves):
+            flow, valid = loaders.dsec_flow(at / f"flow/{way}/{first + 2 * k:06d}.png")
+            wanted = np.stack([move["u"], move["v"]], -1)
+            assert flow.shape == wanted.shape and (name == "lens" or np.array_equal(valid, np.isfinite(wanted).all(-1)))
+            assert name == "lens" or np.abs(flow - wanted)[valid].max() <= 0.5 / 128
+    if len(world.sides) > 1:
+        disparity, depth = loaders.dsec_disparity(at / "disparity/event/000002.png"), world.truth[1]["depth_median"]
+        if name != "lens":
+            seen = depth > 0
+            assert np.array_equal(disparity > 0, seen)
+            assert np.abs(disparity[seen] - world.lens.fx * 0.1 / depth[seen]).max() <= 0.5 / 256
+        assert disparity.any()
+    else:
+        assert not (at / "disparity").exists()
+
+
+def shifted(events, us):
+    made = events.copy()
+    made["t"] -= 1000 * us
+    return made
+
+
+@every_world
+def test_mvsec(of, name):
+    h5py, world = readers.import_client("h5py"), of(name)
+    at = root(world, "mvsec")
+    with h5py.File(at / f"{name}_data.hdf5") as data, h5py.File(at / f"{name}_gt.hdf5") as truth:
+        for side in world.sides:
+            davis, events = data["davis"][side], world.events[side]
+            x, y, t, p = davis["events"][()].T
+            assert np.array_equal(t, events["t"] / 1e9)
+            check_events(events["t"] // 1000, x, y, p, events)
+            times = davis["image_raw_ts"][()]
+            assert np.array_equal(times, [(world.us[0] + 25000 * k) / 1e6 for k in range(5)])
+            if len(events):
+                parts = [loaders.mvsec_between(davis, k) for k in range(4)]
+                first, last = np.searchsorted(t, [times[0], times[4]], side="right")
+                assert np.array_equal(np.concatenate(parts), davis["events"][max(first - 1, 0) : max(last - 1, 0)])
+        left = truth["davis/left"]
+        assert np.array_equal(left["depth_image_raw_ts"], world.times)
+        for k, wanted in enumerate(world.truth):
+            depth = np.where(wanted["depth_median"] > 0, METRES * wanted["depth_median"], np.nan).astype(np.float32)
+            assert np.array_equal(left["depth_image_raw"][k], depth, equal_nan=True)
+        for t, pose in zip(world.times, world.poses):
+            (k,) = np.flatnonzero(left["pose_ts"][()] == t)
+            assert np.allclose(left["pose"][k][:3, 3], METRES * pose.position, atol=1e-12)
+    for k, move in enumerate(world.forward):
+        u, v = loaders.mvsec_flow(at / f"{name}_gt_flow_dist.npz", world.times[k] + 0.01)
+        assert np.array_equal(u, np.nan_to_num(move["u"])) and np.array_equal(v, np.nan_to_num(move["v"]))
+
+
+@every_world
+def test_evimo(of, name):
+    world = of(name)
+    for side in world.sides:
+        events, planes, info = loaders.evimo(worlds.camera_folder(world, "evimo", side))
+        assert np.array_equal(events[:, 0], world.events[side]["t"] / 1e9)
+        check_events(world.events[side]["t"] // 1000, *events[:, 1:].T, world.events[side])
+        assert list(planes["classical"]) == [0, 1, 2, 3, 4] and list(planes["depth"]) == [0, 1, 2]
+        assert np.array_equal(info["K"][:2, 2], [world.lens.cx - 0.5, world.lens.cy - 0.5])
+    _, planes, info = loaders.evimo(worlds.camera_folder(world, "evimo", "left"))
+    for k, wanted in enumerate(world.truth):
+        assert np.array_equal(planes["depth"][k], np.round(1000 * METRES * wanted["depth_median"]))
+        assert np.array_equal(planes["mask"][k] // 1000, wanted["instance"] + 1)
+    for k, move in enumerate(world.forward):
+        assert np.array_equal(planes["flow"][k], np.stack([move["u"], move["v"]], -1).astype(np.float32), equal_nan=True)
+        assert (planes["flow"]["t"][k], planes["flow"]["t_end"][k]) == (world.times[k], world.times[k + 1])
+    lens = world.lens.lens
+    assert info["D"][:4].tolist() == [lens.k1, lens.k2, lens.p1, lens.p2]
+
+
+@every_world
+def test_blinkflow(of, name):
+    h5py, world = readers.import_client("h5py"), of(name)
+    for side in world.sides:
+        with h5py.File(worlds.camera_folder(world, "blinkflow", side) / "events_left/events.h5") as file:
+            t, *rest = (file[f"events/{column}"][()].astype(np.int64) for column in "txyp")
+            check_events(t + int(file["t_offset"][()]), *rest, world.events[side])
+    for k, move in enumerate(world.forward):
+        flow = np.load(worlds.camera_folder(world, "blinkflow", "left") / f"forward_flow/{k:06d}.npy")
+        u, v, known = np.moveaxis(flow, -1, 0)
+        assert flow.dtype == np.float32 and np.array_equal(known == 1, np.isfinite(move["u"]))
+        assert np.array_equal(u, np.nan_to_num(move["u"]).astype(np.float32))
+        assert np.array_equal(v, np.nan_to_num(move["v"]).astype(np.float32))
+
+
+@every_world
+def test_tum(of, name):
+    """Every depth has its picture and its pose, at the same time."""
+    world = of(name)
+    at = worlds.camera_folder(world, "tum", "left")
+    rgb, depth, poses = (loaders.tum_list(at / f"{kind}.txt") for kind in ("rgb", "depth", "groundtruth"))
+    assert loaders.tum_associate(depth, rgb) == loaders.tum_associate(depth, poses) == [(t, t) for t in world.times]
+    for k, t in enumerate(world.times):
+        values = np.array(readers.import_client("PIL.Image").open(at / depth[t][0]))
+        assert np.array_equal(values, np.round(5000 * METRES * world.truth[k]["depth_median"]))
+        assert loaders.png(at / rgb[t][0]).shape == (*values.shape, 3)
+        assert np.allclose(np.array(poses[t][:3], float), METRES * world.poses[k].position, atol=1e-12)
+
+
+@every_world
+@pytest.mark.filterwarnings("ignore:loadtxt")
+def test_ecd(of, name):
+    world = of(name)
+    for side in world.sides:
+        at = worlds.camera_folder(world, "ecd", side)
+        events, (t, x, y, p) = world.events[side], loaders.ecd_events(at / "events.txt")
+        check_events(events["t"] // 1000, x, y, p, events)
+        assert (np.abs(t - events["t"] / 1e9) <= np.spacing(t)).all()  # at 1e9 s 0.12 us: what a double has
+    at, lens = worlds.camera_folder(world, "ecd", "left"), world.lens
+    bent = [lens.lens.k1, lens.lens.k2, lens.lens.p1, lens.lens.p2, 0]
+    assert loaders.calibration(at / "calib.txt").tolist() == [lens.fx, lens.fy, lens.cx - 0.5, lens.cy - 0.5, *bent]
+    images = loaders.tum_list(at / "images.txt")
+    assert list(images) == [(world.us[0] + 25000 * k) / 1e6 for k in range(5)]
+    assert all((at / one[0]).exists() for one in images.values())
+
+
+@every_world
+def test_evlib(of, name):
+    """ECD's text and DSEC's HDF5, with whole microseconds from its beginning; it finds no columns in a file of no events."""
+    world = of(name)
+    for side in world.sides:
+        for file in (worlds.camera_folder(world, "ecd", side) / "events.txt", root(world, "dsec") / f"events/{side}/events.h5"):
+            if name == "none":
+                with pytest.raises(Exception, match="not found|File is empty"):
+                    readers.evlib(str(file), None)
+                continue
+            t, *rest = (np.asarray(column).astype(np.int64) for column in readers.evlib(str(file), None))
+            events = world.events[side]
+            us = events["t"] // 1000
+            if name == "late":  # it ignores t_offset, and has text's seconds as doubles
+                assert np.array_equal(t + worlds.LATE * 10**6, us) or np.abs(t - us).max() <= 1
+                t = us
+            check_events(t, *rest, events)
+
+
+def test_evlib_knows_no_mvsec(of, tmp_path):
+    """0.13.2 looks for /events or /CD in HDF5, and MVSEC's are davis/left/events (n, 4), as its authors document it: a file of
+    just that, not written by us, is refused with the same words."""
+    h5py, world = readers.import_client("h5py"), of("rig")
+    with h5py.File(tmp_path / "plain.hdf5", "w") as file:
+        file["davis/left/events"] = np.array([[1.0, 2, 0.5, 1], [3, 4, 0.6, -1]])
+    for path in (tmp_path / "plain.hdf5", root(world, "mvsec") / "rig_data.hdf5"):
+        with pytest.raises(OSError, match="Unsupported HDF5 format or no event data found"):
+            readers.evlib(str(path), None)
