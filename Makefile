@@ -354,7 +354,7 @@ clean: ## Remove build/
 	rm -rf build
 
 # -- packages ----------------------------------------------------------------------------------------------------------
-.PHONY: wheel check-wheel
+.PHONY: wheel check-wheel deb check-deb
 # The wheel has in it what its library and tool link: archives where the system has them, copies of the shared libraries of the rest
 # (python_ctypes/stage.py). The older kind of run path (DT_RPATH) is the one that goes for what those libraries link, too.
 STAGE := $(OUT)/wheel
@@ -375,6 +375,17 @@ wheel: all $(PAGES)/.made ## Pack the Python package with library, tool and all 
 	@ls '$(WHEELS)'/*.whl
 check-wheel: wheel ## As root: the wheel in chroots of Debian 12 and 13 that have python3 and pip alone (debootstrap); minutes
 	sh scripts/check_wheel.sh '$(WHEELS)'/tides-*.whl
+
+# The tool is linked anew: in Debian's folders it needs no run path. What it doesn't use is no dependency.
+DEB := build/deb
+deb: all $(PAGES)/.made ## Pack libtides0, libtides-dev, tides and python3-tides for this release of Debian: build/deb/*.deb
+	rm -rf $(DEB) && mkdir -p $(DEB)/root
+	@$(MAKE) --no-print-directory -s install DESTDIR='$(CURDIR)/$(DEB)/root' PREFIX=/usr LIBDIR=/usr/lib/$$(gcc -print-multiarch)
+	$(LINK) -Wl,--as-needed -o $(DEB)/root/usr/bin/tides $(CLI_OBJ) -L$(OUT) -ltides $(TIDES_LDLIBS) $(LDLIBS)
+	VERSION=$(VERSION) MAJOR=$(MAJOR) sh scripts/deb.sh $(DEB)/root $(DEB)
+	@rm -rf $(DEB)/root && ls $(DEB)/*.deb
+check-deb: deb ## As root: the packages in a chroot (debootstrap): apt installs them, they run, a purge leaves nothing
+	sh scripts/check_deb.sh $(DEB)
 
 .PHONY: help
 help: ## Print this

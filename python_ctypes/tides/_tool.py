@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 from ._library import PATH, VERSION
 
 
 def tool_beside() -> str | None:
-    """The tool beside the library: in this package, in build/, or as make install puts it."""
-    folder = Path(PATH).resolve().parent
-    found = [path for path in (folder / "tides", folder.parent / "bin" / "tides") if path.is_file()]
+    """The tool beside the library: in this package, in build/, as make install puts it, or the system's where the library is."""
+    if "/" in PATH:
+        folder = Path(PATH).resolve().parent
+        places = [folder / "tides", folder.parent / "bin" / "tides"]
+    else:
+        places = [Path(sys.base_prefix) / "bin" / "tides"]
+    found = [path for path in places if path.is_file()]
     return str(found[0]) if found else None
 
 
