@@ -24,8 +24,10 @@ VERSION := $(MAJOR).$(call version,MINOR).$(call version,PATCH)
 # -- flags -------------------------------------------------------------------------------------------------------------
 # By pkg-config's names, which distributions share, but for HDF5's: Debian has one for each way to build it.
 HDF5 := $(shell $(PKG_CONFIG) --exists hdf5-serial 2>/dev/null && echo hdf5-serial || echo hdf5)
+# Pictures are the tool's alone: the library doesn't link cairo.
+CLI_DEPS := cairo
 DEPS := libpng libcjson $(HDF5) OpenCL zlib libdeflate libzstd liblz4 libwebp
-MISSING := $(shell for name in $(DEPS) OpenEXR; do $(PKG_CONFIG) --exists $$name 2>/dev/null || echo $$name; done)
+MISSING := $(shell for name in $(DEPS) $(CLI_DEPS) OpenEXR; do $(PKG_CONFIG) --exists $$name 2>/dev/null || echo $$name; done)
 # Of OpenEXR's libraries its C core alone: the others are C++. Some distributions have the version in the name.
 EXR_LIBS := $(filter -L% -lOpenEXRCore%,$(shell $(PKG_CONFIG) --libs OpenEXR 2>/dev/null))
 EXR_LIBS += $(if $(filter -lOpenEXRCore%,$(EXR_LIBS)),,-lOpenEXRCore)
@@ -47,6 +49,8 @@ TIDES_CPPFLAGS := -Iinclude -Ilib/base -Ilib/device -Ilib -I. $(shell $(PKG_CONF
                   $(patsubst -I%,-isystem %,$(shell $(PKG_CONFIG) --cflags-only-I OpenEXR 2>/dev/null))
 # -ffp-contract=off: host and device agree to the bit (kernels/numerics.h).
 TIDES_CFLAGS := -std=c99 $(OPTIMISE) -ffp-contract=off -fno-math-errno -fPIC -fvisibility=hidden -pthread $(WARNINGS)
+CLI_CFLAGS   := $(shell $(PKG_CONFIG) --cflags-only-I $(CLI_DEPS) 2>/dev/null)
+CLI_LDLIBS   := $(shell $(PKG_CONFIG) --libs $(CLI_DEPS) 2>/dev/null)
 TIDES_LDLIBS := $(shell $(PKG_CONFIG) --libs $(DEPS) 2>/dev/null) $(EXR_LIBS) -lm -pthread
 # CPPFLAGS, CFLAGS, LDFLAGS and LDLIBS are the user's, and come last so that they win.
 COMPILE := $(CC) $(TIDES_CPPFLAGS) $(CPPFLAGS) $(TIDES_CFLAGS) $(CFLAGS)
@@ -57,7 +61,7 @@ WERROR  ?=
 KERNELS  := $(wildcard kernels/*.h kernels/*.cl)
 LIB_SRC  := $(wildcard lib/*/*.c lib/*/*/*.c)
 CLI_SRC  := $(wildcard cli/*/*.c)
-CLI_INCLUDES := $(addprefix -I,$(wildcard cli/*))
+CLI_INCLUDES := $(addprefix -I,$(wildcard cli/*)) $(CLI_CFLAGS)
 PRESETS  := $(wildcard share/presets/*.json)
 LIB_OBJ  := $(LIB_SRC:%.c=$(OUT)/%.o) $(OUT)/kernels_embedded.o $(OUT)/presets_embedded.o
 CLI_OBJ  := $(CLI_SRC:%.c=$(OUT)/%.o)
@@ -103,7 +107,7 @@ $(OUT)/libtides.so.$(VERSION): $(LIB_OBJ)
 	ln -sf libtides.so.$(VERSION) $(OUT)/libtides.so.$(MAJOR)
 	ln -sf libtides.so.$(VERSION) $(OUT)/libtides.so
 $(OUT)/tides: $(CLI_OBJ) $(OUT)/libtides.so.$(VERSION)
-	$(LINK) -o $@ $(CLI_OBJ) -L$(OUT) -ltides -Wl,-rpath,'$$ORIGIN:$$ORIGIN/../lib' $(TIDES_LDLIBS) $(LDLIBS)
+	$(LINK) -o $@ $(CLI_OBJ) -L$(OUT) -ltides -Wl,-rpath,'$$ORIGIN:$$ORIGIN/../lib' $(CLI_LDLIBS) $(TIDES_LDLIBS) $(LDLIBS)
 # The links say which configuration was asked for last, whatever the files' ages are.
 build/tides: $(OUT)/tides FORCE
 	@ln -sfn $(OUT:build/%=%)/tides $@
@@ -135,6 +139,7 @@ $(OUT)/tests/fuzz/fuzz_%: $(OUT)/tests/fuzz/fuzz_%.o $(OUT)/libtides.a
 	$(LINK) -fsanitize=fuzzer -o $@ $(filter %.o,$^) $(filter %.a,$^) $(TIDES_LDLIBS) $(LDLIBS)
 # Manifests are the tool's own.
 $(OUT)/tests/fuzz/fuzz_batch: $(filter-out %/main.o,$(CLI_OBJ))
+$(OUT)/tests/fuzz/fuzz_batch: TIDES_LDLIBS += $(CLI_LDLIBS)
 # Benchmarks of the test tree: programs that print their own table.
 BENCH    := $(patsubst %.c,$(OUT)/%,$(wildcard tests/bench/bench_*.c))
 

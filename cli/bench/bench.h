@@ -3,7 +3,7 @@
 #define CLI_BENCH_H
 
 #include "cli.h"
-#include "picture.h"
+#include "canvas.h"
 #include "stream.h"
 
 #include <stdio.h>
@@ -73,6 +73,7 @@ tides_status bench_add_lit_plane(tides_scene *scene, const bench_lamp *lamp, dou
 typedef struct bench {
     const cli_common *common;
     const char *directory;
+    canvas_style style; /* of pictures */
     int32_t quick;
     int32_t float_truth; /* exact streams from the device that is measured: quicker, good to some 10 ns */
     tides_device *device;
@@ -212,8 +213,8 @@ tides_status bench_fill_sheet(bench *b, const bench_kind *kind, const cli_list *
 
 /* bench_figure.c: pictures of the rows. A canvas whose first line says the version, the device and `what` is seen: wider than
  * asked for where that needs it; rgb is NULL where memory ran out. */
-cli_canvas bench_canvas(const bench *b, int32_t width, int32_t height, const char *what, tides_error *error);
-/* Writes NAME.png and frees the canvas. */
+cli_canvas bench_canvas(const bench *b, int32_t width, int32_t height, const char *what);
+/* Writes NAME.png, and what --pictures says, and frees the canvas. */
 tides_status bench_write_canvas(const bench *b, cli_canvas *canvas, const char *name, tides_error *error);
 tides_status bench_figure_curves(const bench *b, const bench_rows *rows, tides_error *error);
 tides_status bench_figure_bars(const bench *b, const bench_rows *rows, tides_error *error);

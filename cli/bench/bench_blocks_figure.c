@@ -37,7 +37,7 @@ static double noise_of(const bench_cost *costs, span rows) {
 static int32_t style_of(const bench_cost *costs, span rows, size_t index) {
     int32_t style = 0;
     for (size_t i = rows.first + 1; i <= index; i++) style += strcmp(costs[i].group, costs[i - 1].group) != 0;
-    return style % PLOT_COLOURS;
+    return style % CANVAS_SERIES;
 }
 
 static void draw_panel(cli_canvas *canvas, int32_t column, const bench_cost *costs, span rows) {
@@ -61,12 +61,12 @@ static void draw_panel(cli_canvas *canvas, int32_t column, const bench_cost *cos
     plot_mark(canvas, &panel, noise);
     for (size_t i = rows.first; i < rows.last; i++) {
         const bench_cost *c = &costs[i];
-        const int32_t bar = top + (int32_t)(i - rows.first) * PITCH, text = bar + PITCH / 2 - 8;
+        const int32_t bar = top + (int32_t)(i - rows.first) * PITCH, text = bar + PITCH / 2;
         char value[64];
         plot_bar(canvas, &panel, bar + 4, bar + PITCH - 4, c->ns, style_of(costs, rows, i));
-        plot_text(canvas, panel.left - 10 - plot_text_width(c->block, 2), text, 2, c->block);
+        canvas_text(canvas, panel.left - 10, text, 1, c->block);
         snprintf(value, sizeof value, "x%.3f (%.3f..%.3f)", c->ratio, c->ratio_low, c->ratio_high);
-        plot_text(canvas, panel.right + 10, text, 2, value);
+        canvas_text(canvas, panel.right + 10, text, 0, value);
     }
 }
 
@@ -78,8 +78,7 @@ tides_status bench_figure_costs(const bench *b, const bench_cost *costs, size_t 
         if (spans[i].last - spans[i].first > most) most = spans[i].last - spans[i].first;
     const int32_t height = TOP + (int32_t)most * PITCH + BOTTOM;
     cli_canvas canvas = bench_canvas(b, WIDTH * (panels > 1 ? panels : 1), HEADING + height,
-                                     "each block alone, against off. Dashed: what runs without any differ by", error);
-    if (!canvas.rgb) return TIDES_NO_MEMORY;
+                                     "each block alone, against off. Dashed: what runs without any differ by");
     for (int32_t i = 0; i < panels; i++) draw_panel(&canvas, i, costs, spans[i]);
     return bench_write_canvas(b, &canvas, "blocks", error);
 }

@@ -8,7 +8,7 @@
 #include <string.h>
 
 enum { SCENES_MAX = CLI_LIST_MAX, CURVES_MAX = 16, POINTS_MAX = 32, PANEL_COLUMNS = 3 };
-enum { PANEL_WIDTH = 620, PANEL_HEIGHT = 460, LEFT = 96, RIGHT = 24, TOP = 44, BOTTOM = 64, LEGEND = 44, HEADING = 34 };
+enum { PANEL_WIDTH = 620, PANEL_HEIGHT = 460, LEFT = 104, RIGHT = 24, TOP = 44, BOTTOM = 64, LEGEND = 44, HEADING = 40 };
 
 /* Errors below the unit of event times are drawn at half of it [us]. */
 #define LEAST_ERROR_US 5e-4
@@ -40,32 +40,38 @@ static plot_panel lay_panel(int32_t index) {
 
 static int32_t panels_end(int32_t panels) { return HEADING + PANEL_HEIGHT * ((panels + PANEL_COLUMNS - 1) / PANEL_COLUMNS); }
 
-cli_canvas bench_canvas(const bench *b, int32_t width, int32_t height, const char *what, tides_error *error) {
-    enum { MARGIN = 16, TEXT = 2 };
+cli_canvas bench_canvas(const bench *b, int32_t width, int32_t height, const char *what) {
+    enum { MARGIN = 16, LINE = 22 };
     char heading[320];
     snprintf(heading, sizeof heading, "tides %s on %s: %s", tides_version(), b->info.name, what);
-    const int32_t least = 2 * MARGIN + plot_text_width(heading, TEXT);
-    cli_canvas canvas = plot_canvas(width > least ? width : least, height);
-    if (canvas.rgb)
-        plot_text(&canvas, MARGIN, 12, TEXT, heading);
-    else
-        cli_error(error, TIDES_NO_MEMORY, "out of memory: a picture of %dx%d px", canvas.width, canvas.height);
+    const int32_t least = 2 * MARGIN + (int32_t)ceil(canvas_text_width(heading));
+    cli_canvas canvas = canvas_create(&b->style, width > least ? width : least, height);
+    canvas_text(&canvas, MARGIN, LINE, 0, heading);
     return canvas;
 }
 
-/* With room for the panels, and below them for the legend. One panel is too narrow for a legend. */
-static cli_canvas make_canvas(const bench *b, int32_t panels, const plot_curve *legend, int32_t curves, const char *what,
-                              tides_error *error) {
-    const int32_t columns = panels < 2 ? 2 : panels < PANEL_COLUMNS ? panels : PANEL_COLUMNS, width = PANEL_WIDTH * columns;
-    const int32_t lines = plot_legend_lines(width, LEFT, legend, curves);
-    return bench_canvas(b, width, panels_end(panels) + LEGEND + (lines - 1) * PLOT_LEGEND_LINE, what, error);
+/* The legend stands in the place behind the last panel, or below where the row is full. */
+static int32_t legend_fits(int32_t panels) { return panels % PANEL_COLUMNS != 0; }
+
+static void draw_legend(cli_canvas *canvas, int32_t panels, const plot_curve *curves, int32_t count) {
+    const plot_panel behind = lay_panel(panels);
+    if (legend_fits(panels))
+        plot_legend(canvas, behind.left, behind.top + PLOT_LEGEND_LINE / 2, behind.left, curves, count);
+    else
+        plot_legend(canvas, LEFT, panels_end(panels) + LEGEND / 2, canvas->width, curves, count);
+}
+
+static cli_canvas make_canvas(const bench *b, int32_t panels, const plot_curve *legend, int32_t curves, const char *what) {
+    const int32_t cells = panels + (curves > 0), width = PANEL_WIDTH * (cells < PANEL_COLUMNS ? cells : PANEL_COLUMNS);
+    const int32_t lines = curves && !legend_fits(panels) ? plot_legend_lines(LEFT, width, legend, curves) : 0;
+    return bench_canvas(b, width, panels_end(panels) + (lines ? LEGEND + (lines - 1) * PLOT_LEGEND_LINE : 0), what);
 }
 
 tides_status bench_write_canvas(const bench *b, cli_canvas *canvas, const char *name, tides_error *error) {
     char path[4200];
-    tides_status status = bench_path(b, name, ".png", path, sizeof path, error);
-    if (status == TIDES_OK) status = tides_png_write(path, canvas->width, canvas->height, canvas->rgb, error);
-    free(canvas->rgb);
+    tides_status status = bench_path(b, name, "", path, sizeof path, error);
+    if (status == TIDES_OK) status = canvas_write_set(canvas, path, error);
+    canvas_free(canvas);
     return status;
 }
 
@@ -116,19 +122,13 @@ static tides_status draw_curves(const bench *b, const bench_rows *rows, quantity
     plot_curve legend[CURVES_MAX];
     const int32_t scenes = find_scenes(rows, first);
     curve_data *curves = malloc(CURVES_MAX * sizeof *curves);
-    int32_t count =
-        curves && scenes ? collect(rows, rows->rows[first[0]].scene, what, curves) : 0; /* in all scenes the same ones */
+    if (!curves) return cli_error(error, TIDES_NO_MEMORY, "out of memory: the pictures");
+    int32_t count = scenes ? collect(rows, rows->rows[first[0]].scene, what, curves) : 0; /* in all scenes the same ones */
     for (int32_t k = 0; k < count; k++) legend[k] = curves[k].curve;
     cli_canvas canvas =
         make_canvas(b, scenes, legend, count,
                     what == RUN_TIME ? "run time for an error of event times, each against its image's exact events"
-                                     : "renders for an error of event times, each against its image's exact events",
-                    error);
-    if (!curves || !canvas.rgb) {
-        free(curves);
-        free(canvas.rgb);
-        return cli_error(error, TIDES_NO_MEMORY, "out of memory: the pictures");
-    }
+                                     : "renders for an error of event times, each against its image's exact events");
     for (int32_t s = 0; s < scenes; s++) {
         const char *scene = rows->rows[first[s]].scene;
         plot_panel panel = lay_panel(s);
@@ -141,7 +141,7 @@ static tides_status draw_curves(const bench *b, const bench_rows *rows, quantity
         plot_target(&canvas, &panel, 2.0);
         for (int32_t k = 0; k < count; k++) plot_draw(&canvas, &panel, &curves[k].curve);
     }
-    plot_legend(&canvas, LEFT, panels_end(scenes) + 14, legend, count);
+    draw_legend(&canvas, scenes, legend, count);
     free(curves);
     return bench_write_canvas(b, &canvas, what == RUN_TIME ? "accuracy_time" : "accuracy_renders", error);
 }
@@ -178,21 +178,20 @@ static void draw_bars(cli_canvas *canvas, plot_panel *panel, const bench_rows *r
     const int32_t pitch = (panel->bottom - panel->top) / (int32_t)(last - first);
     for (size_t i = first; i < last; i++) {
         const bench_row *row = &rows->rows[i];
-        const int32_t top = panel->top + (int32_t)(i - first) * pitch, middle = top + pitch / 2 - 7;
+        const int32_t top = panel->top + (int32_t)(i - first) * pitch, middle = top + pitch / 2;
         char value[32];
         plot_bar(canvas, panel, top + pitch / 6, top + pitch - pitch / 6, fmax(row->match.dt_p95_us, LEAST_ERROR_US),
                  i == first);
-        plot_text(canvas, panel->left - 10 - plot_text_width(row->method, 2), middle, 2, row->method);
+        canvas_text(canvas, panel->left - 10, middle, 1, row->method);
         snprintf(value, sizeof value, "%.3g (%.3g)", row->match.dt_p95_us, row->stats.renders_full_frame_equivalent);
-        plot_text(canvas, panel->right + 8, middle, 2, value);
+        canvas_text(canvas, panel->right + 8, middle, 0, value);
     }
 }
 
 tides_status bench_figure_bars(const bench *b, const bench_rows *rows, tides_error *error) {
     size_t first[SCENES_MAX];
     const int32_t scenes = find_scenes(rows, first);
-    cli_canvas canvas = make_canvas(b, scenes, NULL, 0, "what the parts are worth, as errors against the exact events", error);
-    if (!canvas.rgb) return TIDES_NO_MEMORY;
+    cli_canvas canvas = make_canvas(b, scenes, NULL, 0, "what the parts are worth, as errors against the exact events");
     for (int32_t s = 0; s < scenes; s++) {
         plot_panel panel = lay_panel(s);
         draw_bars(&canvas, &panel, rows, first[s]);

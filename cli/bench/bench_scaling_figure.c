@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { WIDTH = 520, HEIGHT = 380, COLUMNS = 4, LEFT = 96, RIGHT = 24, TOP = 44, BOTTOM = 64, HEADING = 40 /* [px] */ };
+enum { WIDTH = 520, HEIGHT = 380, COLUMNS = 4, LEFT = 104, RIGHT = 24, TOP = 44, BOTTOM = 64, HEADING = 40 /* [px] */ };
 
 /* The ends of a line through the middle of the points, as steep as the fit. */
 static void fit_ends(const double *x, const double *y, int32_t count, double slope, double ends_x[2], double ends_y[2]) {
@@ -56,8 +56,7 @@ tides_status scaling_figure(const bench *b, const scaling_line *lines, size_t co
     const int32_t rows = ((int32_t)count + COLUMNS - 1) / COLUMNS,
                   columns = (int32_t)count < COLUMNS ? (int32_t)count : COLUMNS;
     cli_canvas canvas = bench_canvas(b, WIDTH * (columns > 1 ? columns : 1), HEADING + rows * HEIGHT,
-                                     "processor time [s] as one thing grows: measured, and a power fitted to it", error);
-    if (!canvas.rgb) return TIDES_NO_MEMORY;
+                                     "processor time [s] as one thing grows: measured, and a power fitted to it");
     for (size_t i = 0; i < count; i++) draw_panel(&canvas, (int32_t)i, &lines[i]);
     return bench_write_canvas(b, &canvas, "scaling", error);
 }

@@ -36,13 +36,13 @@ static void draw_column(cli_canvas *canvas, int32_t column, const stability_row 
     for (size_t i = 0; i < count; i++) {
         const stability_row *row = &rows[i];
         char label[64];
-        const int32_t y = top + (int32_t)i * PITCH + PITCH / 2 - 8;
+        const int32_t y = top + (int32_t)i * PITCH + PITCH / 2;
         snprintf(label, sizeof label, "%s%s", row->verdict.pass ? "" : "FAIL ", row->of->name);
-        plot_text(canvas, left - 10 - plot_text_width(label, 2), y, 2, label);
+        canvas_text(canvas, left - 10, y, 1, label);
         if (row->result.how == BENCH_RAN && !row->of->refusal)
             draw_shares(canvas, &panel, row, (double)(count - i) - 0.5);
         else
-            plot_text(canvas, left + 10, y, 2, row->verdict.pass ? "refused, as it should be" : "");
+            canvas_text(canvas, left + 10, y, 0, row->verdict.pass ? "refused, as it should be" : "");
     }
 }
 
@@ -52,13 +52,12 @@ tides_status stability_figure(const bench *b, const stability_row *rows, size_t 
     plot_curve legend[VERDICTS];
     char what[96];
     snprintf(what, sizeof what, "%zu worlds made to break it, %d of them do. Dashed: the bound", count, (int)b->failed);
-    cli_canvas canvas = bench_canvas(b, COLUMN * columns, HEADING + TOP + (int32_t)each * PITCH + BOTTOM, what, error);
-    if (!canvas.rgb) return TIDES_NO_MEMORY;
+    cli_canvas canvas = bench_canvas(b, COLUMN * columns, HEADING + TOP + (int32_t)each * PITCH + BOTTOM, what);
     for (int i = 0; i < VERDICTS; i++) legend[i] = (plot_curve){stability_measures[i].name, NULL, NULL, 0, i};
     for (int32_t i = 0; i < columns; i++) {
         const size_t first = (size_t)i * each;
         draw_column(&canvas, i, rows + first, count - first < each ? count - first : each);
     }
-    plot_legend(&canvas, 60, canvas.height - 30, legend, VERDICTS);
+    plot_legend(&canvas, 60, canvas.height - 22, canvas.width, legend, VERDICTS);
     return bench_write_canvas(b, &canvas, "stability", error);
 }

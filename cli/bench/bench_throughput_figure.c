@@ -15,7 +15,7 @@ enum {
     TOP = 64,
     PITCH = 26,
     BOTTOM = 66,
-    LEGEND = 50,
+    LEGEND = 20,
     COLUMNS = 2 /* [px] */
 };
 enum { PANELS_MAX = 2 * CLI_LIST_MAX };
@@ -54,9 +54,9 @@ static void draw_bar(cli_canvas *canvas, const plot_panel *panel, const bench_st
         if (strcmp(s->rows[i].stage, "frame") == 0) whole = 1e3 * s->rows[i].time_s;
     char text[64];
     const char *maker = s->rows[from].maker;
-    plot_text(canvas, panel->left - 10 - plot_text_width(maker, 2), top + PITCH / 2 - 8, 2, maker);
+    canvas_text(canvas, panel->left - 10, top + PITCH / 2, 1, maker);
     snprintf(text, sizeof text, "%.3g ms", whole);
-    plot_text(canvas, panel->right + 10, top + PITCH / 2 - 8, 2, text);
+    canvas_text(canvas, panel->right + 10, top + PITCH / 2, 0, text);
 }
 
 static void draw_panel(cli_canvas *canvas, int32_t index, int32_t height, const bench_stages *s, size_t first) {
@@ -88,11 +88,10 @@ static tides_status draw_frames(const bench *b, const bench_stages *stages, tide
     const int32_t panels = find_panels(stages, first);
     const int32_t height = TOP + MAKERS * PITCH + BOTTOM, rows = (panels + COLUMNS - 1) / COLUMNS;
     cli_canvas canvas = bench_canvas(b, WIDTH * (panels > 1 ? COLUMNS : 1), HEADING + LEGEND + rows * height,
-                                     "stages of a frame. L: without L_dot. limit: plain C made for this machine", error);
-    if (!canvas.rgb) return TIDES_NO_MEMORY;
+                                     "stages of a frame. L: without L_dot. limit: plain C made for this machine");
     plot_curve legend[DRAWN];
     for (int32_t k = 0; k < DRAWN; k++) legend[k] = (plot_curve){.label = k ? drawn[k] : "sweep (limit: lists)", .style = k};
-    plot_legend(&canvas, LEFT, HEADING, legend, DRAWN);
+    plot_legend(&canvas, LEFT, HEADING, canvas.width, legend, DRAWN);
     for (int32_t i = 0; i < panels; i++) draw_panel(&canvas, i, height, stages, first[i]);
     return bench_write_canvas(b, &canvas, "throughput", error);
 }

@@ -129,7 +129,8 @@ static tides_status run_all(bench *b, tides_error *error) {
 
 int cmd_bench(const cli_command *command, int argc, char **argv) {
     cli_common common;
-    const char *name = NULL, *directory = NULL;
+    const char *name = NULL, *directory = NULL, *theme = NULL, *pictures = NULL;
+    canvas_style style = {0};
     int32_t quick = 0;
     cli_list scenes = {.count = 0}, rows = {.count = 0};
     const cli_option options[] = {
@@ -137,6 +138,8 @@ int cmd_bench(const cli_command *command, int argc, char **argv) {
         {"--quick", 0, NULL, "small scenes and few settings: a look, not a measurement", &quick, NULL, NULL},
         {"--scene", 0, "NAME", "only this scene, or a trained .ply file; may be repeated", NULL, NULL, &scenes},
         {"--row", 0, "NAME", "of determinism, scaling and stability: only this row; may be repeated", NULL, NULL, &rows},
+        {"--theme", 0, "THEME", CANVAS_THEME_HELP, NULL, &theme, NULL},
+        {"--pictures", 0, "FORMAT", CANVAS_PICTURES_HELP, NULL, &pictures, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
     int code = cli_parse(command, options, argc, argv, &common, &name);
@@ -144,9 +147,15 @@ int cmd_bench(const cli_command *command, int argc, char **argv) {
     const benchmark *of = find_benchmark(name);
     if (!of) return unknown_benchmark(command, name);
     if ((code = check_names(command, of, &scenes, &rows)) != CLI_GO) return code;
+    if ((code = canvas_parse_theme(command, theme, &style)) != CLI_GO) return code;
+    if ((code = canvas_parse_pictures(command, pictures, &style)) != CLI_GO) return code;
 
     tides_error error = {TIDES_OK, ""};
-    bench b = {.common = &common, .directory = directory ? directory : "tides-bench", .quick = quick, .progress = {.quiet = 1}};
+    bench b = {.common = &common,
+               .directory = directory ? directory : "tides-bench",
+               .style = style,
+               .quick = quick,
+               .progress = {.quiet = 1}};
     cli_catch_interrupt();
     const tides_status status =
         of == &everything ? run_all(&b, &error) : run(&b, of, of->own_devices ? &rows : &scenes, &error);

@@ -162,13 +162,15 @@ int cmd_compare(const cli_command *command, int argc, char **argv) {
     cli_list sets = {.count = 0};
     comparison c;
     memset(&c, 0, sizeof c);
-    const char *methods = NULL, *window = NULL;
+    const char *methods = NULL, *window = NULL, *theme = NULL, *pictures = NULL;
     const cli_option options[] = {
         {"--output", 'o', "DIR", "where results go (tides-compare)", NULL, &c.directory, NULL},
         {"--methods", 0, "LIST", METHODS ": only these", NULL, &methods, NULL},
         {"--as-configured", 0, NULL, "the run file's own settings in place of ideal pixels", &c.as_configured, NULL, NULL},
         {"--recording", 0, "EVENTS", "compare with a recording of this scene, too", NULL, &c.recording_file, NULL},
         {"--window", 0, "S", "the picture shows so much of the run's middle (as long as it stays clear)", NULL, &window, NULL},
+        {"--theme", 0, "THEME", CANVAS_THEME_HELP, NULL, &theme, NULL},
+        {"--pictures", 0, "FORMAT", CANVAS_PICTURES_HELP, NULL, &pictures, NULL},
         {"--keep", 0, NULL, "keep the events: DIR/exact.h5 and DIR/METHOD.h5", &c.keep, NULL, NULL},
         {"--double", 0, NULL, "the exact stream in double precision, by the reference device: slow", &c.in_double, NULL, NULL},
         {"--set", 0, "KEY=VALUE", "override a key of the run file; may be repeated", NULL, NULL, &sets},
@@ -178,6 +180,8 @@ int cmd_compare(const cli_command *command, int argc, char **argv) {
     if (code != CLI_GO) return code;
     if (!c.directory) c.directory = "tides-compare";
     if ((code = parse(command, methods, window, &c)) != CLI_GO) return code;
+    if ((code = canvas_parse_theme(command, theme, &c.style)) != CLI_GO) return code;
+    if ((code = canvas_parse_pictures(command, pictures, &c.style)) != CLI_GO) return code;
     c.common = &common;
     c.sets = &sets;
     c.progress.quiet = common.quiet;

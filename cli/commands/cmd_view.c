@@ -1,6 +1,5 @@
 /* tides view: events as a picture, or as an animation of pictures; or ground truth (view_truth.c). */
 #include "recording.h"
-#include "vector.h"
 #include "view.h"
 #include "view_truth.h"
 
@@ -28,7 +27,7 @@ enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
 /* The command line's texts; NULL where not given. */
 typedef struct arguments {
-    const char *kind, *time, *decay, *bin, *scale, *azimuth, *elevation, *fps, *points;
+    const char *kind, *time, *decay, *bin, *scale, *azimuth, *elevation, *fps, *points, *theme;
 } arguments;
 
 typedef struct job {
@@ -78,14 +77,13 @@ static int parse_output(const cli_command *command, const char *fps, job *j) {
     if (j->to_stdout && isatty(STDOUT_FILENO))
         return cli_usage(command, "-o - writes video to standard output: pipe it, e.g. into ffmpeg -i - OUT.mp4");
     if (j->to_stdout || cli_ends_in(j->out, ".y4m") || cli_ends_in(j->out, ".apng") || strchr(j->out, '%')) j->animate = 1;
-    j->view.shapes = cli_ends_in(j->out, ".svg");
-    if (j->view.shapes && (j->animate || j->kind->draw != view_xyt))
-        return cli_usage(command, "-o %s: what is drawn as .svg is one picture of --kind xyt", j->out);
-    if (!j->animate && !j->view.shapes && !cli_ends_in(j->out, ".png"))
+    if (!j->animate && !j->view.style.shapes && !cli_ends_in(j->out, ".png"))
         return cli_usage(command,
-                         "-o %s: pictures are written as .png (xyt: .svg too), videos as .y4m or - (for ffmpeg), or "
+                         "-o %s: pictures are written as .png, .svg or .pdf, videos as .y4m or - (for ffmpeg), or "
                          "frame%%04d.png",
                          j->out);
+    if (j->animate && j->view.style.shapes)
+        return cli_usage(command, "-o %s: what moves is written as .png, .apng, .y4m or - (for ffmpeg)", j->out);
     if (j->animate && !j->kind->animates) return cli_usage(command, "a picture of --kind %s doesn't move", j->kind->name);
     if (j->animate && j->has_time) return cli_usage(command, "--time is for one picture: give --start and --stop");
     if (!j->animate && (fps || j->stretch.step_text)) return cli_usage(command, "--fps and --step are for --animate");
@@ -149,40 +147,38 @@ static cli_window shown_once(const job *j) {
 }
 
 static tides_status draw(job *j, const cli_window *shown, cli_canvas *canvas, tides_error *error) {
-    *canvas = j->kind->draw(&j->view, &j->recording, shown);
+    const int32_t drawn = j->kind->draw(&j->view, &j->recording, shown, canvas);
     j->width = canvas->width;
     j->height = canvas->height;
     j->pictures++;
-    return canvas->rgb || canvas->vector ? TIDES_OK
-                                         : cli_error(error, TIDES_NO_MEMORY, "out of memory: a picture for %s", j->out);
+    return drawn ? TIDES_OK : cli_error(error, TIDES_NO_MEMORY, "out of memory: a picture for %s", j->out);
 }
 
 static tides_status make_picture(job *j, tides_error *error) {
     const cli_window shown = shown_once(j);
-    cli_canvas canvas;
+    cli_canvas canvas = {.cairo = NULL};
     j->stretch.start_ns = shown.first_ns;
     j->stretch.stop_ns = shown.stop_ns;
     j->events = shown.count;
     tides_status status = draw(j, &shown, &canvas, error);
-    if (status == TIDES_OK && canvas.vector)
-        status = vector_write(canvas.vector, j->out, error);
-    else if (status == TIDES_OK)
-        status = tides_png_write(j->out, canvas.width, canvas.height, canvas.rgb, error);
-    vector_destroy(canvas.vector);
-    free(canvas.rgb);
+    if (status == TIDES_OK) status = canvas_write(&canvas, j->out, error);
+    canvas_free(&canvas);
     return status;
 }
 
 /* Picture number j->pictures, and the animation itself once the size is known. */
 static tides_status add_picture(job *j, const cli_window *shown, tides_animation **animation, tides_error *error) {
-    cli_canvas canvas;
+    cli_canvas canvas = {.cairo = NULL};
     tides_status status = draw(j, shown, &canvas, error);
+    uint8_t *rgb = status == TIDES_OK ? canvas_pixels(&canvas, error) : NULL;
+    canvas_free(&canvas);
+    if (!rgb) return error->status;
     if (status == TIDES_OK && !*animation && j->to_stdout)
         status = tides_animation_stream(STDOUT_FILENO, canvas.width, canvas.height, j->pictures_per_second, animation, error);
     else if (status == TIDES_OK && !*animation)
         status = tides_animation_open(j->out, canvas.width, canvas.height, j->pictures_per_second, animation, error);
-    if (status == TIDES_OK) status = tides_animation_append(*animation, canvas.rgb, error);
-    free(canvas.rgb);
+    if (status == TIDES_OK) status = tides_animation_append(*animation, rgb, error);
+    free(rgb);
     return status;
 }
 
@@ -249,8 +245,8 @@ int cmd_view(const cli_command *command, int argc, char **argv) {
              .view = {.decay_s = 0.03, .azimuth_deg = VIEW_AZIMUTH_DEG, .elevation_deg = VIEW_ELEVATION_DEG},
              .pictures_per_second = PICTURES_PER_SECOND};
     const cli_option options[] = {
-        {"--output", 'o', "FILE", "OUT.png, xyt: OUT.svg; moving: .apng, .y4m, frame%04d.png, - (video to a pipe)", NULL,
-         &j.out, NULL},
+        {"--output", 'o', "FILE", "OUT.png, .svg, .pdf; moving: .apng, .y4m, frame%04d.png, - (video to a pipe)", NULL, &j.out,
+         NULL},
         {"--kind", 0, "KIND", "frame (the default), surface, xyt, rate, isi; truth (of .exr and .png)", NULL, &given.kind,
          NULL},
         {"--time", 0, "SECONDS", "one picture: its window ends here (the window in the middle)", NULL, &given.time, NULL},
@@ -268,12 +264,16 @@ int cmd_view(const cli_command *command, int argc, char **argv) {
         {"--scale", 0, "N", "frame, surface: enlarge N times (to a comfortable size; plain 1)", NULL, &given.scale, NULL},
         {"--azimuth", 0, "DEGREES", "xyt: the eye's angle from the axis of time (58)", NULL, &given.azimuth, NULL},
         {"--elevation", 0, "DEGREES", "xyt: and above it (18)", NULL, &given.elevation, NULL},
-        {"--points", 0, "N", "xyt: at most so many events are drawn (400000; .svg 8000)", NULL, &given.points, NULL},
+        {"--points", 0, "N", "xyt: at most so many events are drawn (400000; .svg, .pdf 8000)", NULL, &given.points, NULL},
+        {"--theme", 0, "THEME", CANVAS_THEME_HELP, NULL, &given.theme, NULL},
         {"--from", 0, "FORMAT", "read as this (by content)", NULL, &j.stretch.format, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
     int code = cli_parse(command, options, argc, argv, &common, &j.stretch.file);
-    if (code == CLI_GO && view_is_truth(given.kind, j.stretch.file)) return view_truth(command, j.stretch.file, j.out, &common);
+    if (code == CLI_GO) code = canvas_parse_theme(command, given.theme, &j.view.style);
+    j.view.style.shapes = j.out && canvas_wants_shapes(j.out);
+    if (code == CLI_GO && view_is_truth(given.kind, j.stretch.file))
+        return view_truth(command, j.stretch.file, &j.view.style, j.out, &common);
     if (code == CLI_GO) code = parse(command, &given, &j);
     if (code != CLI_GO) return code;
     tides_error error = {TIDES_OK, ""};

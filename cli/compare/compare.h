@@ -2,6 +2,7 @@
 #ifndef CLI_COMPARE_H
 #define CLI_COMPARE_H
 
+#include "canvas.h"
 #include "metrics_report.h"
 #include "session.h"
 #include "stream.h"
@@ -25,6 +26,7 @@ typedef struct comparison {
     const cli_list *sets;
     const char *recording_file; /* NULL: none */
     double window_s;            /* of the picture; 0: what is comfortable */
+    canvas_style style;         /* and how it looks */
     int32_t as_configured;      /* 1: the run file's own settings; 0: ideal pixels */
     int32_t keep;               /* 1: events of each go to files */
     int32_t in_double;          /* 1: the exact stream comes from the double-precision reference */

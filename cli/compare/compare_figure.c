@@ -75,9 +75,9 @@ static int32_t draw_panel(cli_canvas *canvas, const comparison *c, const panel *
     static const view eye = {.azimuth_deg = VIEW_AZIMUTH_DEG, .elevation_deg = VIEW_ELEVATION_DEG};
     const cli_window shown = slice_of(c, p->events, p->count, first_ns, stop_ns);
     const view_part box = {part->left, part->top + TITLE, part->right, part->bottom};
-    plot_text(canvas, part->left + MARGIN, part->top + 14, VIEW_TEXT, p->name);
-    plot_text(canvas, part->left + MARGIN, part->top + 40, VIEW_TEXT, p->title);
-    view_legend(canvas, part->left + MARGIN, part->top + 66, &shown);
+    canvas_title(canvas, part->left + MARGIN, part->top + 22, 0, p->name);
+    canvas_text(canvas, part->left + MARGIN, part->top + 48, 0, p->title);
+    view_legend(canvas, part->left + MARGIN, part->top + 74, &shown);
     return view_draw_xyt(canvas, &eye, &shown, &box);
 }
 
@@ -88,7 +88,7 @@ static void draw_header(cli_canvas *canvas, const comparison *c, int64_t first_n
     view_interval(&shown, interval);
     snprintf(line, sizeof line, "%.60s, %s, %s", slash ? slash + 1 : c->run, interval,
              c->as_configured ? "as configured" : "ideal pixels");
-    plot_text(canvas, MARGIN, 22, VIEW_TEXT, line);
+    canvas_text(canvas, MARGIN, 28, 0, line);
 }
 
 tides_status compare_figure(const comparison *c, tides_error *error) {
@@ -98,17 +98,17 @@ tides_status compare_figure(const comparison *c, tides_error *error) {
     int64_t first_ns, stop_ns;
     char path[COMPARE_PATH];
     stretch(c, &first_ns, &stop_ns);
-    cli_canvas canvas = plot_canvas(columns * PANEL_WIDTH, HEADER + rows * PANEL_HEIGHT);
-    int32_t ok = canvas.rgb != NULL;
-    if (ok) draw_header(&canvas, c, first_ns, stop_ns);
+    cli_canvas canvas = canvas_create(&c->style, columns * PANEL_WIDTH, HEADER + rows * PANEL_HEIGHT);
+    int32_t ok = 1;
+    draw_header(&canvas, c, first_ns, stop_ns);
     for (int32_t i = 0; ok && i < count; i++) {
         const int32_t left = i % columns * PANEL_WIDTH, top = HEADER + i / columns * PANEL_HEIGHT;
         const view_part part = {left, top, left + PANEL_WIDTH, top + PANEL_HEIGHT};
         ok = draw_panel(&canvas, c, &panels[i], &part, first_ns, stop_ns);
     }
-    snprintf(path, sizeof path, "%s/compare.png", c->directory);
-    const tides_status status = ok ? tides_png_write(path, canvas.width, canvas.height, canvas.rgb, error)
-                                   : cli_error(error, TIDES_NO_MEMORY, "out of memory: %s", path);
-    free(canvas.rgb);
+    snprintf(path, sizeof path, "%s/compare", c->directory);
+    const tides_status status =
+        ok ? canvas_write_set(&canvas, path, error) : cli_error(error, TIDES_NO_MEMORY, "out of memory: %s", path);
+    canvas_free(&canvas);
     return status;
 }

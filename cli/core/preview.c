@@ -47,20 +47,21 @@ static void event_panel(const cli_frame *frame, const cli_window *window, cli_ca
 }
 
 tides_status cli_preview_write(const char *path, const cli_frame *frame, const cli_window *window, tides_error *error) {
+    static const canvas_style style = {.dark = 0};
     tides_status status = TIDES_OK;
     const int32_t panels = window ? 3 : 2, truths = cli_preview_truths(frame);
     uint8_t *rgb = malloc(3 * (size_t)frame->width * (size_t)frame->height);
-    cli_canvas canvas = cli_canvas_create(panels + truths, frame->width, frame->height);
-    if (rgb && canvas.rgb) {
+    cli_canvas canvas = cli_canvas_create(&style, panels + truths, frame->width, frame->height);
+    if (rgb) {
         image_panel(frame, &canvas, rgb);
         rate_panel(frame, &canvas, rgb);
         if (window) event_panel(frame, window, &canvas, rgb);
         cli_preview_truth(frame, panels, &canvas, rgb);
-        status = tides_png_write(path, canvas.width, canvas.height, canvas.rgb, error);
+        status = canvas_write(&canvas, path, error);
     } else {
         status = cli_error(error, TIDES_NO_MEMORY, "out of memory: a picture of %dx%d px", canvas.width, canvas.height);
     }
-    free(canvas.rgb);
+    canvas_free(&canvas);
     free(rgb);
     return status;
 }

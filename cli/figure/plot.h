@@ -2,10 +2,7 @@
 #ifndef CLI_PLOT_H
 #define CLI_PLOT_H
 
-#include "picture.h"
-
-/* The palette of Okabe and Ito, which colour-blind people can tell apart, without its yellow (too pale on white). */
-enum { PLOT_COLOURS = 7, PLOT_MARKERS = 5 };
+#include "canvas.h"
 
 /* One curve. `style` picks colour and marker; -1 draws nothing. */
 typedef struct plot_curve {
@@ -27,16 +24,8 @@ typedef struct plot_panel {
 typedef struct plot_stairs {
     const double *edges, *values; /* count + 1, count */
     int32_t count, filled;
-    const uint8_t *colour; /* 3 */
+    canvas_colour colour;
 } plot_stairs;
-
-/* White; rgb is NULL where memory ran out. */
-cli_canvas plot_canvas(int32_t width, int32_t height);
-/* The same for draw.h's shapes and texts alone: `vector` is NULL where memory ran out. */
-cli_canvas plot_shapes(int32_t width, int32_t height);
-void plot_text(cli_canvas *canvas, int32_t x, int32_t y, int32_t scale, const char *text);
-/* In pixels, `scale` px per cell. */
-int32_t plot_text_width(const char *text, int32_t scale);
 
 /* Grows [*low, *high] to whole powers of ten, or to 1, 2, 5 within a decade. */
 void plot_round_range(double *low, double *high);
@@ -47,11 +36,11 @@ void plot_draw(cli_canvas *canvas, const plot_panel *panel, const plot_curve *cu
 void plot_target(cli_canvas *canvas, const plot_panel *panel, double y);
 /* A dashed line down the panel at x. */
 void plot_mark(cli_canvas *canvas, const plot_panel *panel, double x);
-/* A sample of each curve beside its label, in lines from (x, y) on that end where the canvas does; a line is so high [px]. How
- * many lines that are on a canvas `width` wide, plot_legend_lines says. */
+/* A sample of each curve beside its label, in lines from (x, y) on, the first one's middle, that end before `right` and have an
+ * entry at least; a line is so high [px]. _lines: how many that are. */
 enum { PLOT_LEGEND_LINE = 30 };
-void plot_legend(cli_canvas *canvas, int32_t x, int32_t y, const plot_curve *curves, int32_t count);
-int32_t plot_legend_lines(int32_t width, int32_t x, const plot_curve *curves, int32_t count);
+void plot_legend(cli_canvas *canvas, int32_t x, int32_t y, int32_t right, const plot_curve *curves, int32_t count);
+int32_t plot_legend_lines(int32_t x, int32_t right, const plot_curve *curves, int32_t count);
 void plot_steps(cli_canvas *canvas, const plot_panel *panel, const plot_stairs *stairs);
 /* Ticks of a linear axis that is `pixels` long, at least `room` px apart, and the decimals that their labels need; how many. */
 enum { PLOT_TICKS_MAX = 64 };

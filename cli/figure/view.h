@@ -12,8 +12,8 @@ typedef struct view {
     double azimuth_deg, elevation_deg; /* xyt: where the eye is, from the axis of time, and above */
     int32_t scale;                     /* frame, surface: px per pixel; 0: what is comfortable */
     int32_t plain;                     /* frame, surface: the pixels alone */
-    int32_t shapes;                    /* xyt: a canvas of shapes (.svg) */
-    size_t points;                     /* xyt: how many events are drawn at most; 0: what is comfortable */
+    canvas_style style;
+    size_t points; /* xyt: how many events are drawn at most; 0: what is comfortable */
 } view;
 
 /* Where the eye of x-y-t is unless told. */
@@ -21,24 +21,22 @@ typedef struct view {
 #define VIEW_ELEVATION_DEG 18.0
 
 /* Each draws the events of `shown`, a slice of `recording` (surfaces look further back than their slice), on a new canvas,
- * whose size depends on the sensor's alone. The caller frees its rgb, or destroys its vector where v->shapes; both are NULL
- * where memory ran out. */
-typedef cli_canvas (*view_drawer)(const view *v, const cli_window *recording, const cli_window *shown);
-cli_canvas view_frame(const view *v, const cli_window *recording, const cli_window *shown);   /* view_image.c */
-cli_canvas view_surface(const view *v, const cli_window *recording, const cli_window *shown); /* view_image.c */
-int64_t view_surface_memory(const view *v);                                               /* how far back surfaces look [ns] */
-cli_canvas view_xyt(const view *v, const cli_window *recording, const cli_window *shown); /* view_scatter.c */
+ * whose size depends on the sensor's alone; 1, or 0 where memory ran out. The canvas is the caller's to free either way. */
+typedef int32_t (*view_drawer)(const view *v, const cli_window *recording, const cli_window *shown, cli_canvas *canvas);
+int32_t view_frame(const view *v, const cli_window *recording, const cli_window *shown, cli_canvas *canvas); /* view_image.c */
+int32_t view_surface(const view *v, const cli_window *recording, const cli_window *shown,
+                     cli_canvas *canvas);   /* view_image.c */
+int64_t view_surface_memory(const view *v); /* how far back surfaces look [ns] */
+int32_t view_xyt(const view *v, const cli_window *recording, const cli_window *shown, cli_canvas *canvas); /* view_scatter.c */
 /* A part of a canvas [px]. _draw_xyt: the box of view_xyt with its axes and events, as large as fits; 0: out of memory. */
 typedef struct view_part {
     int32_t left, top, right, bottom;
 } view_part;
 int32_t view_draw_xyt(cli_canvas *canvas, const view *v, const cli_window *shown, const view_part *within);
-cli_canvas view_rate(const view *v, const cli_window *recording, const cli_window *shown); /* view_plots.c */
-cli_canvas view_isi(const view *v, const cli_window *recording, const cli_window *shown);  /* view_plots.c */
+int32_t view_rate(const view *v, const cli_window *recording, const cli_window *shown, cli_canvas *canvas); /* view_plots.c */
+int32_t view_isi(const view *v, const cli_window *recording, const cli_window *shown, cli_canvas *canvas);  /* view_plots.c */
 
-/* view_text.c: what the pictures share. Red and blue of the same lightness, which all eyes tell apart. */
-extern const uint8_t view_on[3], view_off[3];
-enum { VIEW_TEXT = 2 /* px per cell */ };
+/* view_text.c: what the pictures share. */
 
 /* The unit that a time is told in: "s", "ms" or "us", and its length in ns. */
 typedef struct view_unit {
@@ -57,10 +55,11 @@ view_axis view_time_axis(const cli_window *shown);
 double view_on_axis(const view_axis *axis, double time_ns); /* in the axis' unit */
 /* "140.0 to 160.0 ms", with decimals that tell the ends apart. */
 void view_interval(const cli_window *shown, char text[96]);
-/* The numbers of ON and OFF events with their colours. */
-void view_legend(cli_canvas *canvas, int32_t x, int32_t y, const cli_window *shown);
+/* The numbers of ON and OFF events with their colours; y is the middle of the line. Where it ends [px]. */
+double view_legend(cli_canvas *canvas, double x, double y, const cli_window *shown);
 /* "title, 140 to 160 ms" in the first line, and the legend in the second. */
-void view_heading(cli_canvas *canvas, int32_t x, const cli_window *shown, const char *title);
+enum { VIEW_LINE_1 = 22, VIEW_LINE_2 = 50 /* [px] their middles */ };
+void view_heading(cli_canvas *canvas, double x, const cli_window *shown, const char *title);
 /* 1234567 -> "1 234 567" */
 void view_number(uint64_t number, char text[32]);
 

@@ -1,5 +1,4 @@
 /* Event frames and time surfaces: an enlarged image with its axes, and for surfaces the colours' scale. */
-#include "draw.h"
 #include "view.h"
 
 #include "tides/image.h"
@@ -10,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEFT = 76, TOP = 92, RIGHT = 24, BOTTOM = 64, SCALE_ROOM = 118, LEAST_WIDTH = 760, HEADING = 16 };
+enum { LEFT = 100, TOP = 84, RIGHT = 24, BOTTOM = 70, SCALE_ROOM = 118, LEAST_WIDTH = 760, HEADING = 20 };
 enum { COMFORTABLE = 640, LARGEST = 64 }; /* px of an image, px per pixel */
 
 static int32_t enlargement(const view *v, const cli_window *shown) {
@@ -21,27 +20,12 @@ static int32_t enlargement(const view *v, const cli_window *shown) {
     return times > LARGEST ? LARGEST : times;
 }
 
-/* Copies an image, each pixel as a square. */
-static void paste(cli_canvas *canvas, int32_t left, int32_t top, int32_t times, const cli_window *shown, const uint8_t *rgb) {
-    const int32_t width = shown->width;
-    for (int32_t y = 0; y < shown->height * times; y++) {
-        uint8_t *row = canvas->rgb + 3 * ((size_t)(top + y) * (size_t)canvas->width + (size_t)left);
-        for (int32_t x = 0; x < width * times; x++)
-            memcpy(row + 3 * (size_t)x, rgb + 3 * ((size_t)(y / times) * (size_t)width + (size_t)(x / times)), 3);
-    }
-}
-
 /* The canvas of an image with `room` px beside it. */
 static cli_canvas lay_out(const view *v, const cli_window *shown, int32_t room, const uint8_t *rgb) {
     const int32_t times = enlargement(v, shown), width = shown->width * times, height = shown->height * times;
-    if (v->plain) {
-        cli_canvas bare = plot_canvas(width, height);
-        if (bare.rgb) paste(&bare, 0, 0, times, shown, rgb);
-        return bare;
-    }
-    const int32_t needed = LEFT + width + RIGHT + room;
-    cli_canvas canvas = plot_canvas(needed > LEAST_WIDTH ? needed : LEAST_WIDTH, TOP + height + BOTTOM);
-    if (!canvas.rgb) return canvas;
+    const int32_t needed = LEFT + width + RIGHT + room, left = v->plain ? 0 : LEFT, top = v->plain ? 0 : TOP;
+    cli_canvas canvas = v->plain ? canvas_create(&v->style, width, height)
+                                 : canvas_create(&v->style, needed > LEAST_WIDTH ? needed : LEAST_WIDTH, TOP + height + BOTTOM);
     const plot_panel panel = {.left = LEFT,
                               .top = TOP,
                               .right = LEFT + width,
@@ -53,23 +37,22 @@ static cli_canvas lay_out(const view *v, const cli_window *shown, int32_t room, 
                               .y_label = "y [px]",
                               .x_linear = 1,
                               .y_linear = 1};
-    plot_axes(&canvas, &panel, 1);
-    paste(&canvas, LEFT, TOP, times, shown, rgb);
+    if (!v->plain) plot_axes(&canvas, &panel, 1);
+    canvas_image(&canvas, left, top, times, shown->width, shown->height, rgb);
     return canvas;
 }
 
 static size_t pixels_of(const cli_window *shown) { return (size_t)shown->width * (size_t)shown->height; }
 
-cli_canvas view_frame(const view *v, const cli_window *recording, const cli_window *shown) {
+int32_t view_frame(const view *v, const cli_window *recording, const cli_window *shown, cli_canvas *canvas) {
     (void)recording;
     uint8_t *rgb = malloc(3 * pixels_of(shown));
-    cli_canvas canvas = {0, 0, NULL, NULL};
-    if (!rgb) return canvas;
+    if (!rgb) return 0;
     tides_picture_events(shown->events, shown->count, NULL, shown->width, shown->height, rgb);
-    canvas = lay_out(v, shown, 0, rgb);
-    if (canvas.rgb && !v->plain) view_heading(&canvas, HEADING, shown, "events");
+    *canvas = lay_out(v, shown, 0, rgb);
+    if (!v->plain) view_heading(canvas, HEADING, shown, "events");
     free(rgb);
-    return canvas;
+    return 1;
 }
 
 /* ---- surfaces ---- */
@@ -92,6 +75,19 @@ static int32_t signed_surface(const view *v, const cli_window *recording, const 
     return made;
 }
 
+/* Signed recency as colours: the library's on light paper; on dark paper what is long ago is as dark. */
+static void colour_surface(const canvas_style *style, const double *value, int32_t width, int32_t height, uint8_t *rgb) {
+    const canvas_theme *theme = canvas_theme_of(style);
+    if (!style->dark) {
+        tides_picture_signed(value, width, height, 1.0, rgb);
+        return;
+    }
+    for (size_t i = 0; i < (size_t)width * (size_t)height; i++) {
+        const canvas_colour colour = canvas_mix(theme->paper, value[i] > 0 ? theme->on : theme->off, fabs(value[i]));
+        for (size_t k = 0; k < 3; k++) rgb[3 * i + k] = (uint8_t)(colour >> (16 - 8 * k));
+    }
+}
+
 /* The colours from ON now, over long ago, to OFF now; ages beside them. */
 static void colour_scale(cli_canvas *canvas, const view *v, int32_t left, int32_t height) {
     enum { BAR = 18, MARKS = 5 };
@@ -102,15 +98,16 @@ static void colour_scale(cli_canvas *canvas, const view *v, int32_t left, int32_
     snprintf(label[3], sizeof label[3], "%.3g %s", 1e9 * v->decay_s / unit.ns, unit.name);
     for (int32_t y = 0; y < height; y++) {
         const double value = 1 - 2 * (y + 0.5) / height;
-        uint8_t colour[3];
-        tides_picture_signed(&value, 1, 1, 1.0, colour);
-        draw_fill(canvas, left, TOP + y, left + BAR, TOP + y + 1, colour);
+        uint8_t rgb[3];
+        colour_surface(&v->style, &value, 1, 1, rgb);
+        canvas_fill(canvas, left, TOP + y, left + BAR, TOP + y + 1,
+                    (canvas_colour)rgb[0] << 16 | (canvas_colour)rgb[1] << 8 | rgb[2]);
     }
+    canvas_outline(canvas, left, TOP, left + BAR, TOP + height, canvas->theme->frame);
     for (int i = 0; i < MARKS; i += height < 110 ? MARKS - 1 : 1) { /* where all would overlap, the ends alone */
-        const int32_t y = TOP + (int32_t)lround((1 - at[i]) / 2 * (height - 1));
-        static const uint8_t ink[3] = {110, 110, 110};
-        draw_fill(canvas, left + BAR, y, left + BAR + 5, y + 1, ink);
-        plot_text(canvas, left + BAR + 9, y - 7 + (i == 0 ? 7 : i == MARKS - 1 ? -7 : 0), VIEW_TEXT, label[i]);
+        const double y = TOP + floor((1 - at[i]) / 2 * (height - 1)) + 0.5;
+        canvas_line(canvas, left + BAR, y, left + BAR + 5, y, 1, canvas->theme->frame);
+        canvas_text(canvas, left + BAR + 10, y + (i == 0 ? 7 : i == MARKS - 1 ? -7 : 0), 0, label[i]);
     }
 }
 
@@ -118,26 +115,26 @@ static void surface_heading(cli_canvas *canvas, const view *v, const cli_window 
     char line[96];
     view_unit unit = view_unit_for(shown->first_ns, shown->stop_ns);
     snprintf(line, sizeof line, "time surface at %.3f %s", (double)shown->stop_ns / unit.ns, unit.name);
-    plot_text(canvas, HEADING, 12, VIEW_TEXT, line);
+    canvas_title(canvas, HEADING, VIEW_LINE_1, 0, line);
     unit = view_unit_for(0, (int64_t)(1e9 * v->decay_s));
     snprintf(line, sizeof line, "latest event of each pixel, fading by exp(-age / %.3g %s)", 1e9 * v->decay_s / unit.ns,
              unit.name);
-    plot_text(canvas, HEADING, 38, VIEW_TEXT, line);
+    canvas_text(canvas, HEADING, VIEW_LINE_2, 0, line);
 }
 
-cli_canvas view_surface(const view *v, const cli_window *recording, const cli_window *shown) {
-    cli_canvas canvas = {0, 0, NULL, NULL};
+int32_t view_surface(const view *v, const cli_window *recording, const cli_window *shown, cli_canvas *canvas) {
     const size_t pixels = pixels_of(shown);
     double *value = malloc(pixels * sizeof *value);
     uint8_t *rgb = malloc(3 * pixels);
-    if (value && rgb && signed_surface(v, recording, shown, value)) {
-        tides_picture_signed(value, shown->width, shown->height, 1.0, rgb);
-        canvas = lay_out(v, shown, SCALE_ROOM, rgb);
-        if (canvas.rgb && !v->plain) surface_heading(&canvas, v, shown);
+    const int32_t made = value && rgb && signed_surface(v, recording, shown, value);
+    if (made) {
         const int32_t times = enlargement(v, shown);
-        if (canvas.rgb && !v->plain) colour_scale(&canvas, v, LEFT + shown->width * times + 16, shown->height * times);
+        colour_surface(&v->style, value, shown->width, shown->height, rgb);
+        *canvas = lay_out(v, shown, SCALE_ROOM, rgb);
+        if (!v->plain) surface_heading(canvas, v, shown);
+        if (!v->plain) colour_scale(canvas, v, LEFT + shown->width * times + 16, shown->height * times);
     }
     free(rgb);
     free(value);
-    return canvas;
+    return made;
 }

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { WIDTH = 1100, HEIGHT = 560, LEFT = 96, TOP = 100, RIGHT = 60, BOTTOM = 72, BINS = 200, BINS_MAX = 100000 };
+enum { WIDTH = 1100, HEIGHT = 560, LEFT = 104, TOP = 84, RIGHT = 36, BOTTOM = 72, MARGIN = 20, BINS = 200, BINS_MAX = 100000 };
 
 static plot_panel make_panel(const char *x_label, const char *y_label) {
     return (plot_panel){.left = LEFT,
@@ -52,7 +52,6 @@ static void scale_rates(rates *r, double by) {
 }
 
 static void draw_rates(cli_canvas *canvas, const cli_window *shown, rates *r, const view_axis *axis, double bin_ns) {
-    static const uint8_t ink[3] = {30, 30, 30};
     const double most = largest(r->all, r->count), scale = most >= 1e6 ? 1e6 : most >= 1e3 ? 1e3 : 1;
     char title[96];
     const view_unit bin = view_unit_for(0, (int64_t)bin_ns);
@@ -64,12 +63,13 @@ static void draw_rates(cli_canvas *canvas, const cli_window *shown, rates *r, co
     panel.y_high = most > 0 ? 1.06 * most / scale : 1;
     panel.x_linear = 1;
     plot_axes(canvas, &panel, 1);
-    plot_steps(canvas, &panel, &(plot_stairs){r->edges, r->off, r->count, 0, view_off});
-    plot_steps(canvas, &panel, &(plot_stairs){r->edges, r->on, r->count, 0, view_on});
-    plot_steps(canvas, &panel, &(plot_stairs){r->edges, r->all, r->count, 0, ink});
-    view_heading(canvas, LEFT - 60, shown, title);
-    plot_text(canvas, panel.right - plot_text_width("black: ON and OFF together", VIEW_TEXT), 38, VIEW_TEXT,
-              "black: ON and OFF together");
+    plot_steps(canvas, &panel, &(plot_stairs){r->edges, r->off, r->count, 0, canvas->theme->off});
+    plot_steps(canvas, &panel, &(plot_stairs){r->edges, r->on, r->count, 0, canvas->theme->on});
+    plot_steps(canvas, &panel, &(plot_stairs){r->edges, r->all, r->count, 0, canvas->theme->ink});
+    view_heading(canvas, MARGIN, shown, title);
+    const double sample = panel.right - canvas_text_width("both") - 10;
+    canvas_line(canvas, sample - 30, VIEW_LINE_2, sample, VIEW_LINE_2, 2.4, canvas->theme->ink);
+    canvas_text(canvas, panel.right, VIEW_LINE_2, 1, "both");
 }
 
 /* 1, 2 or 5 times a power of ten, at least `least`. */
@@ -78,21 +78,20 @@ static double round_bin(double least) {
     return power * (least <= 1.001 * power ? 1 : least <= 2.001 * power ? 2 : least <= 5.001 * power ? 5 : 10);
 }
 
-cli_canvas view_rate(const view *v, const cli_window *recording, const cli_window *shown) {
+int32_t view_rate(const view *v, const cli_window *recording, const cli_window *shown, cli_canvas *canvas) {
     (void)recording;
     const view_axis axis = view_time_axis(shown);
     const double span = (double)(axis.stop_ns - axis.first_ns);
     double bin_ns = v->bin_s > 0 ? 1e9 * v->bin_s : round_bin(span / BINS);
     if (span / bin_ns > BINS_MAX) bin_ns = span / BINS_MAX;
     rates *r = calloc(1, sizeof *r);
-    cli_canvas canvas = r ? plot_canvas(WIDTH, HEIGHT) : (cli_canvas){0, 0, NULL, NULL};
-    if (canvas.rgb) {
-        r->count = (int32_t)fmax(1, ceil(span / bin_ns - 1e-9));
-        count_rates(shown, &axis, bin_ns, r);
-        draw_rates(&canvas, shown, r, &axis, bin_ns);
-    }
+    if (!r) return 0;
+    *canvas = canvas_create(&v->style, WIDTH, HEIGHT);
+    r->count = (int32_t)fmax(1, ceil(span / bin_ns - 1e-9));
+    count_rates(shown, &axis, bin_ns, r);
+    draw_rates(canvas, shown, r, &axis, bin_ns);
     free(r);
-    return canvas;
+    return 1;
 }
 
 /* ---- intervals ---- */
@@ -132,11 +131,11 @@ static void draw_intervals(cli_canvas *canvas, const cli_window *shown, const do
     panel.x_high = edges[bins];
     panel.y_high = fmax(10, 1.06 * largest(values, bins)); /* ticks at whole numbers */
     plot_axes(canvas, &panel, 1);
-    plot_steps(canvas, &panel, &(plot_stairs){edges, values, bins, 1, view_off});
+    plot_steps(canvas, &panel, &(plot_stairs){edges, values, bins, 1, canvas->theme->off});
     char number[32], line[160], interval[96];
     view_interval(shown, interval);
     snprintf(line, sizeof line, "intervals between the events of each pixel, %s", interval);
-    plot_text(canvas, LEFT - 60, 12, VIEW_TEXT, line);
+    canvas_title(canvas, MARGIN, VIEW_LINE_1, 0, line);
     view_number((uint64_t)count, number);
     int at = snprintf(line, sizeof line, "%s intervals", number);
     if (count) {
@@ -146,20 +145,20 @@ static void draw_intervals(cli_canvas *canvas, const cli_window *shown, const do
     }
     view_number((uint64_t)zeros, number);
     if (zeros) snprintf(line + at, sizeof line - (size_t)at, ", %s of 0 (not shown)", number);
-    plot_text(canvas, LEFT - 60, 38, VIEW_TEXT, line);
+    canvas_text(canvas, MARGIN, VIEW_LINE_2, 0, line);
 }
 
-cli_canvas view_isi(const view *v, const cli_window *recording, const cli_window *shown) {
-    (void)v, (void)recording;
+int32_t view_isi(const view *v, const cli_window *recording, const cli_window *shown, cli_canvas *canvas) {
+    (void)recording;
     double *intervals = malloc((shown->count + 1) * sizeof *intervals);
     const int64_t count = intervals ? find_intervals(shown, intervals) : -1;
-    cli_canvas canvas = count >= 0 ? plot_canvas(WIDTH, HEIGHT) : (cli_canvas){0, 0, NULL, NULL};
-    if (canvas.rgb) {
+    if (count >= 0) {
         int64_t zeros = 0;
+        *canvas = canvas_create(&v->style, WIDTH, HEIGHT);
         cli_sort(intervals, (size_t)count);
         while (zeros < count && intervals[zeros] <= 0) zeros++;
-        draw_intervals(&canvas, shown, intervals, count, zeros);
+        draw_intervals(canvas, shown, intervals, count, zeros);
     }
     free(intervals);
-    return canvas;
+    return count >= 0;
 }

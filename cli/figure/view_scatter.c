@@ -1,6 +1,4 @@
 /* Events in space and time, in perspective: time runs to the right, the image stands across it as it is seen from its start. */
-#include "draw.h"
-#include "vector.h"
 #include "view.h"
 
 #include <math.h>
@@ -8,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 1200, HEIGHT = 780, TOP = 66, MARGIN_X = 144, MARGIN_Y = 56 /* for ticks and labels */, POINTS_MAX = 400000 };
-enum { SHAPES_MAX = 8000 /* for .svg: under 100 kB */ };
+enum { WIDTH = 1200, HEIGHT = 780, TOP = 66, MARGIN_X = 144, MARGIN_Y = 60 /* for ticks and labels */, POINTS_MAX = 400000 };
+enum { SHAPES_MAX = 8000 /* for .svg: about 150 kB */ };
 
 /* The box: half its extents along time, height and width of the image; the axes point as time, y and x do. */
 enum { TIME, Y, X, AXES };
@@ -21,8 +19,6 @@ typedef struct scene {
     double right[AXES], down[AXES], forward[AXES]; /* the eye's axes in those of the box */
     double scale, x, y;                            /* to px */
 } scene;
-
-static const uint8_t ink[3] = {60, 60, 60}, grid[3] = {222, 222, 222}, edge_colour[3] = {150, 150, 150};
 
 static double dot(const double a[AXES], const double b[AXES]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -99,11 +95,11 @@ static double place(const scene *s, int axis, const range *r, double value) {
 }
 
 static void segment(cli_canvas *canvas, const scene *s, const double a[AXES], const double b[AXES], double width,
-                    const uint8_t colour[3]) {
+                    canvas_colour colour) {
     double ax, ay, bx, by;
     project(s, a, &ax, &ay);
     project(s, b, &bx, &by);
-    draw_line(canvas, ax, ay, bx, by, width, colour);
+    canvas_line(canvas, ax, ay, bx, by, width, colour);
 }
 
 static int32_t ticks_of(const scene *s, int axis, const range *r, double ticks[PLOT_TICKS_MAX], int32_t *decimals) {
@@ -122,7 +118,7 @@ static void grid_lines(cli_canvas *canvas, const scene *s, int axis, int across,
         from[across] = to[across] = end ? s->half[across] : -s->half[across];
         from[along] = -s->half[along];
         to[along] = s->half[along];
-        segment(canvas, s, from, to, 1.0, grid);
+        segment(canvas, s, from, to, 1.0, canvas->theme->grid);
     }
 }
 
@@ -145,7 +141,7 @@ static void draw_edges(cli_canvas *canvas, const scene *s, int32_t behind) {
             from[third] = to[third] = ends >> 1 ? s->half[third] : -s->half[third];
             from[axis] = -s->half[axis];
             to[axis] = s->half[axis];
-            segment(canvas, s, from, to, 1.4, edge_colour);
+            segment(canvas, s, from, to, 1.4, canvas->theme->edge);
         }
 }
 
@@ -170,14 +166,14 @@ static int32_t choose_edge(const scene *s, int axis, double at[AXES]) {
 
 /* Where text is already: two axes meet at a corner, and each may have a label for it. */
 typedef struct label_boxes {
-    int32_t box[3 * (PLOT_TICKS_MAX + 1)][4]; /* left, top, right, bottom */
+    double box[3 * (PLOT_TICKS_MAX + 1)][4]; /* left, top, right, bottom */
     int32_t count;
 } label_boxes;
 
-static int32_t is_taken(const label_boxes *boxes, const int32_t box[4]) {
+static int32_t is_taken(const label_boxes *boxes, const double box[4]) {
     enum { GAP = 4 };
     for (int32_t i = 0; i < boxes->count; i++) {
-        const int32_t *other = boxes->box[i];
+        const double *other = boxes->box[i];
         if (box[0] < other[2] + GAP && other[0] < box[2] + GAP && box[1] < other[3] && other[1] < box[3]) return 1;
     }
     return 0;
@@ -186,13 +182,13 @@ static int32_t is_taken(const label_boxes *boxes, const int32_t box[4]) {
 /* Text whose nearest border is `distance` px from (x, y) along the direction (dx, dy), unless there is some already. */
 static void text_beside(cli_canvas *canvas, double x, double y, double dx, double dy, double distance, const char *text,
                         label_boxes *boxes) {
-    const double half_width = 0.5 * plot_text_width(text, VIEW_TEXT), half_height = 7;
-    const double reach = distance + fabs(dx) * half_width + fabs(dy) * half_height;
-    const int32_t left = (int32_t)lround(x + reach * dx - half_width), top = (int32_t)lround(y + reach * dy - half_height);
-    const int32_t box[4] = {left, top, left + (int32_t)(2 * half_width), top + (int32_t)(2 * half_height)};
+    enum { HALF_HEIGHT = 7 };
+    const double half_width = 0.5 * canvas_text_width(text), reach = distance + fabs(dx) * half_width + fabs(dy) * HALF_HEIGHT;
+    x += reach * dx, y += reach * dy;
+    const double box[4] = {x - half_width, y - HALF_HEIGHT, x + half_width, y + HALF_HEIGHT};
     if (is_taken(boxes, box)) return;
     memcpy(boxes->box[boxes->count++], box, sizeof box);
-    plot_text(canvas, left, top, VIEW_TEXT, text);
+    canvas_text(canvas, x, y, 0.5, text);
 }
 
 /* Ticks point away from the box, square to their edge on the screen. */
@@ -214,96 +210,101 @@ static void draw_axis(cli_canvas *canvas, const scene *s, int axis, const range 
         double x, y;
         at[axis] = place(s, axis, r, ticks[i]);
         project(s, at, &x, &y);
-        draw_line(canvas, x, y, x + 7 * dx, y + 7 * dy, 1.4, ink);
+        canvas_line(canvas, x, y, x + 7 * dx, y + 7 * dy, 1.4, canvas->theme->ink);
         snprintf(label, sizeof label, "%.*f", decimals, ticks[i]);
         text_beside(canvas, x, y, dx, dy, 11, label, boxes);
-        widest = fmax(widest, fabs(dx) * plot_text_width(label, VIEW_TEXT) + fabs(dy) * 14);
+        widest = fmax(widest, fabs(dx) * canvas_text_width(label) + fabs(dy) * 14);
     }
     text_beside(canvas, 0.5 * (ax + bx), 0.5 * (ay + by), dx, dy, 30 + widest, r->label, boxes);
 }
 
 /* ---- events ---- */
 
-typedef struct point {
-    double x, y, depth;
-    int32_t on;
-} point;
+/* What is far away is smaller and paler: events are drawn in layers, farthest first, each polarity of a layer at once. */
+enum { PER_DEPTH = 16, LAYERS_MAX = 8 * PER_DEPTH /* the box is closer to the eye than 2 EYE_DISTANCE */ };
 
-static int farthest_first(const void *a, const void *b) {
-    const double x = ((const point *)a)->depth, y = ((const point *)b)->depth;
-    return x != y ? (x < y) - (x > y) : ((const point *)a)->on - ((const point *)b)->on;
-}
+typedef struct layers {
+    double *xy;                       /* places of all, layer by layer, OFF before ON */
+    size_t first[2 * LAYERS_MAX + 1]; /* where each begins */
+} layers;
 
 /* Every so many events one, so that a picture takes a second at most. */
 static size_t stride_of(const view *v, const cli_window *shown) {
-    const size_t most = v->points ? v->points : v->shapes ? SHAPES_MAX : POINTS_MAX;
+    const size_t most = v->points ? v->points : v->style.shapes ? SHAPES_MAX : POINTS_MAX;
     return (shown->count + most - 1) / most + !shown->count;
 }
 
-static size_t project_events(const scene *s, const cli_window *shown, size_t stride, const range ranges[AXES],
-                             const view_axis *time, point *points) {
-    size_t count = 0;
-    for (size_t i = 0; i < shown->count; i += stride) {
-        const tides_event *e = &shown->events[i];
-        const double values[AXES] = {view_on_axis(time, (double)e->t), e->y + 0.5, e->x + 0.5};
-        double at[AXES];
-        for (int axis = 0; axis < AXES; axis++) at[axis] = place(s, axis, &ranges[axis], values[axis]);
-        point *p = &points[count++];
-        p->depth = project(s, at, &p->x, &p->y);
-        p->on = e->polarity > 0;
-    }
-    return count;
+/* The event's place on the screen, and which layer it is in. */
+static size_t project_event(const scene *s, const tides_event *e, const range ranges[AXES], const view_axis *time,
+                            double xy[2]) {
+    const double values[AXES] = {view_on_axis(time, (double)e->t), e->y + 0.5, e->x + 0.5};
+    double at[AXES];
+    for (int axis = 0; axis < AXES; axis++) at[axis] = place(s, axis, &ranges[axis], values[axis]);
+    const double depth = project(s, at, &xy[0], &xy[1]);
+    const double layer = fmin(fmax(LAYERS_MAX - 1 - floor(PER_DEPTH * depth), 0), LAYERS_MAX - 1);
+    return 2 * (size_t)layer + (e->polarity > 0);
 }
 
-/* Few events are large, many small; what is far away is smaller and paler. */
-static void draw_points(cli_canvas *canvas, point *points, size_t count) {
-    enum { LAYERS = 8 /* per unit of depth */ };
-    const double radius = fmin(4.0, (canvas->vector ? 9.0 : 6.0) * pow((double)count + 1, -0.16));
-    for (size_t i = 0; i < count && canvas->vector; i++) /* in layers: shapes that look alike are stored together */
-        points[i].depth = round(LAYERS * points[i].depth) / LAYERS;
-    qsort(points, count, sizeof *points, farthest_first);
-    for (size_t i = 0; i < count; i++) {
-        const double haze = 0.45 * (points[i].depth - EYE_DISTANCE + 1) / 2, near = EYE_DISTANCE / points[i].depth;
-        const uint8_t *pure = points[i].on ? view_on : view_off;
-        uint8_t colour[3];
-        for (int k = 0; k < 3; k++) colour[k] = (uint8_t)(pure[k] + fmin(fmax(haze, 0), 0.6) * (255 - pure[k]));
-        draw_disc(canvas, points[i].x, points[i].y, radius * near, 0.85, colour);
+/* Counted, then put where they belong; 0: out of memory. */
+static int32_t sort_events(const scene *s, const cli_window *shown, size_t stride, const range ranges[AXES],
+                           const view_axis *time, layers *l) {
+    size_t next[2 * LAYERS_MAX];
+    double xy[2];
+    memset(l->first, 0, sizeof l->first);
+    l->xy = malloc(2 * (shown->count / stride + 1) * sizeof *l->xy);
+    if (!l->xy) return 0;
+    for (size_t i = 0; i < shown->count; i += stride) l->first[project_event(s, &shown->events[i], ranges, time, xy) + 1]++;
+    for (size_t k = 0; k < 2 * LAYERS_MAX; k++) {
+        next[k] = l->first[k];
+        l->first[k + 1] += l->first[k];
+    }
+    for (size_t i = 0; i < shown->count; i += stride) {
+        const size_t place_in = next[project_event(s, &shown->events[i], ranges, time, xy)]++;
+        memcpy(l->xy + 2 * place_in, xy, sizeof xy);
+    }
+    return 1;
+}
+
+/* Few events are large, many small. */
+static void draw_layers(cli_canvas *canvas, const layers *l) {
+    const size_t count = l->first[2 * LAYERS_MAX];
+    const double radius = fmin(4.0, (canvas->style.shapes ? 9.0 : 6.0) * pow((double)count + 1, -0.16));
+    for (size_t k = 0; k < 2 * LAYERS_MAX; k++) {
+        const double depth = (LAYERS_MAX - 0.5 - (double)(k / 2)) / PER_DEPTH;
+        const double haze = fmin(fmax(0.45 * (depth - EYE_DISTANCE + 1) / 2, 0), 0.6);
+        const canvas_colour pure = k % 2 ? canvas->theme->on : canvas->theme->off;
+        canvas_dots(canvas, l->xy + 2 * l->first[k], l->first[k + 1] - l->first[k], radius * EYE_DISTANCE / depth,
+                    canvas_mix(pure, canvas->theme->paper, haze), 0.85);
     }
 }
 
 int32_t view_draw_xyt(cli_canvas *canvas, const view *v, const cli_window *shown, const view_part *within) {
-    const size_t stride = stride_of(v, shown);
-    point *points = malloc((shown->count / stride + 1) * sizeof *points);
-    if (!points) return 0;
     const view_axis time = view_time_axis(shown);
     const scene s = make_scene(v, shown, within);
+    layers l;
     label_boxes boxes = {.count = 0};
     const range ranges[AXES] = {{view_on_axis(&time, (double)time.first_ns), view_on_axis(&time, (double)time.stop_ns),
                                  time.label},
                                 {0, shown->height, "y [px]"},
                                 {0, shown->width, "x [px]"}};
+    if (!sort_events(&s, shown, stride_of(v, shown), ranges, &time, &l)) return 0;
     draw_far_faces(canvas, &s, ranges);
     draw_edges(canvas, &s, 1);
-    draw_points(canvas, points, project_events(&s, shown, stride, ranges, &time, points));
+    draw_layers(canvas, &l);
     draw_edges(canvas, &s, 0);
     for (int axis = 0; axis < AXES; axis++) draw_axis(canvas, &s, axis, &ranges[axis], &boxes);
-    free(points);
+    free(l.xy);
     return 1;
 }
 
-cli_canvas view_xyt(const view *v, const cli_window *recording, const cli_window *shown) {
+int32_t view_xyt(const view *v, const cli_window *recording, const cli_window *shown, cli_canvas *canvas) {
     static const view_part within = {0, TOP, WIDTH, HEIGHT};
     (void)recording;
-    cli_canvas canvas = v->shapes ? plot_shapes(WIDTH, HEIGHT) : plot_canvas(WIDTH, HEIGHT);
-    if (!canvas.rgb && !canvas.vector) return canvas;
-    if (!view_draw_xyt(&canvas, v, shown, &within)) {
-        vector_destroy(canvas.vector);
-        free(canvas.rgb);
-        return (cli_canvas){0, 0, NULL, NULL};
-    }
+    *canvas = canvas_create(&v->style, WIDTH, HEIGHT);
+    if (!view_draw_xyt(canvas, v, shown, &within)) return 0;
     const size_t stride = stride_of(v, shown);
     char title[64] = "events";
     if (stride > 1) snprintf(title, sizeof title, "events (1 of %zu is drawn)", stride);
-    view_heading(&canvas, 36, shown, title);
-    return canvas;
+    view_heading(canvas, 36, shown, title);
+    return 1;
 }

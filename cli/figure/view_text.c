@@ -1,11 +1,8 @@
 /* Headings of pictures: times, numbers, the colours' legend. */
 #include "view.h"
-#include "draw.h"
 
 #include <math.h>
 #include <stdio.h>
-
-const uint8_t view_on[3] = {201, 69, 60}, view_off[3] = {0, 114, 217}; /* of the library's diverging map */
 
 view_unit view_unit_for(int64_t first_ns, int64_t stop_ns) {
     const double largest = fmax(fabs((double)first_ns), fabs((double)stop_ns));
@@ -63,27 +60,27 @@ void view_number(uint64_t number, char text[32]) {
     text[at] = '\0';
 }
 
-static int32_t legend_entry(cli_canvas *canvas, int32_t x, int32_t y, const uint8_t colour[3], const char *name,
-                            uint64_t events) {
+static double legend_entry(cli_canvas *canvas, double x, double y, canvas_colour colour, const char *name, uint64_t events) {
+    enum { SWATCH = 14, BESIDE = 8, APART = 28 /* [px] */ };
     char number[32], text[64];
     view_number(events, number);
     snprintf(text, sizeof text, "%s %s", name, number);
-    draw_fill(canvas, x, y, x + 14, y + 14, colour);
-    plot_text(canvas, x + 22, y, VIEW_TEXT, text);
-    return x + 22 + plot_text_width(text, VIEW_TEXT) + 28;
+    canvas_fill(canvas, x, y - SWATCH / 2, x + SWATCH, y + SWATCH / 2, colour);
+    canvas_text(canvas, x + SWATCH + BESIDE, y, 0, text);
+    return x + SWATCH + BESIDE + canvas_text_width(text) + APART;
 }
 
-void view_legend(cli_canvas *canvas, int32_t x, int32_t y, const cli_window *shown) {
+double view_legend(cli_canvas *canvas, double x, double y, const cli_window *shown) {
     uint64_t on = 0;
     for (size_t i = 0; i < shown->count; i++) on += shown->events[i].polarity > 0;
-    x = legend_entry(canvas, x, y, view_on, "ON", on);
-    legend_entry(canvas, x, y, view_off, "OFF", shown->count - on);
+    x = legend_entry(canvas, x, y, canvas->theme->on, "ON", on);
+    return legend_entry(canvas, x, y, canvas->theme->off, "OFF", shown->count - on);
 }
 
-void view_heading(cli_canvas *canvas, int32_t x, const cli_window *shown, const char *title) {
+void view_heading(cli_canvas *canvas, double x, const cli_window *shown, const char *title) {
     char interval[96], line[160];
     view_interval(shown, interval);
     snprintf(line, sizeof line, "%s, %s", title, interval);
-    plot_text(canvas, x, 12, VIEW_TEXT, line);
-    view_legend(canvas, x, 38, shown);
+    canvas_title(canvas, x, VIEW_LINE_1, 0, line);
+    view_legend(canvas, x, VIEW_LINE_2, shown);
 }

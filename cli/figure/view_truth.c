@@ -63,15 +63,15 @@ static tides_status take_all(const char *file, const tides_exr *planes, cli_fram
                      file);
 }
 
-static tides_status draw(const cli_frame *frame, const char *out, tides_error *error) {
+static tides_status draw(const cli_frame *frame, const canvas_style *style, const char *out, tides_error *error) {
     uint8_t *rgb = malloc(3 * (size_t)frame->width * (size_t)frame->height);
-    cli_canvas canvas = cli_canvas_create(cli_preview_truths(frame), frame->width, frame->height);
+    cli_canvas canvas = cli_canvas_create(style, cli_preview_truths(frame), frame->width, frame->height);
     tides_status status = cli_error(error, TIDES_NO_MEMORY, "out of memory: a picture for %s", out);
-    if (rgb && canvas.rgb) {
+    if (rgb) {
         cli_preview_truth(frame, 0, &canvas, rgb);
-        status = tides_png_write(out, canvas.width, canvas.height, canvas.rgb, error);
+        status = canvas_write(&canvas, out, error);
     }
-    free(canvas.rgb);
+    canvas_free(&canvas);
     free(rgb);
     return status;
 }
@@ -94,14 +94,16 @@ static int report(const cli_frame *frame, const char *out, const cli_common *com
     return cli_print_facts(facts, 1);
 }
 
-int view_truth(const cli_command *command, const char *file, const char *out, const cli_common *common) {
-    if (!out || !cli_ends_in(out, ".png")) return cli_usage(command, "ground truth is drawn as one picture: -o OUT.png");
+int view_truth(const cli_command *command, const char *file, const canvas_style *style, const char *out,
+               const cli_common *common) {
+    if (!out || (!style->shapes && !cli_ends_in(out, ".png")))
+        return cli_usage(command, "ground truth is drawn as one picture: -o OUT.png, .svg or .pdf");
     tides_error error = {TIDES_OK, ""};
     tides_exr *planes = NULL;
     cli_frame frame = {.width = 0};
     tides_status status = tides_truth_read(file, &planes, &error);
     if (status == TIDES_OK) status = take_all(file, planes, &frame, &error);
-    if (status == TIDES_OK) status = draw(&frame, out, &error);
+    if (status == TIDES_OK) status = draw(&frame, style, out, &error);
     const int code = status == TIDES_OK ? report(&frame, out, common) : cli_fail(&error);
     cli_frame_free(&frame);
     tides_exr_destroy(planes);

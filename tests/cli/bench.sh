@@ -133,7 +133,8 @@ fi
 refuse 2 "--scene guiter: neither a scene nor a file; did you mean guitar\?" tides bench throughput --scene guiter
 
 # Points cost more where there is more to do; the page has what is in the folder, pictures too.
-expect 0 tides bench scaling --quick --row pixels --row layers --row coplanar --row "moving share" --row start -o made
+expect 0 tides bench scaling --quick --row pixels --row layers --row coplanar --row "moving share" --row start -o made --pictures pdf
+head -c 5 made/scaling.pdf | grep -q %PDF- || fail "scaling.pdf is no PDF"
 out "exponent of cost +pixels +[0-9.e-]+ at most 1.05"
 out "renders of a dense plane, over a quarter of it +12 and 3 splats a pixel +[0-9.]+ at most 1.5"
 out "start to the first event, kernels cached +2 000 Gaussians +[0-9.]+ at most 0.3 s"

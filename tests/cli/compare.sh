@@ -30,7 +30,8 @@ less "$(awk -v a="$(value out dt_median_us)" -v b="$(of_method all/compare.json 
     'BEGIN { d = a - b; print (d < 0 ? -d : d) }')" 0.001 "tides metrics, tides compare"
 
 # A recording beside: twice as many rows, and its own values.
-expect 0 tides compare run.json -o recorded --methods esim-fixed,tides --recording all/v2e.h5 --window 0.01
+expect 0 tides compare run.json -o recorded --methods esim-fixed,tides --recording all/v2e.h5 --window 0.01 --theme dark --pictures svg
+${PYTHON:-python3} -c 'import xml.dom.minidom as m; m.parse("recorded/compare.svg")' || fail "compare.svg isn't XML"
 out '^recording +[0-9]+'
 [ "$(wc -l <recorded/compare.csv)" = 5 ] || fail "a row for each method and reference"
 expect 0 tides compare run.json -o recorded --methods tides --recording all/exact.h5 --json
@@ -66,6 +67,7 @@ exists part/compare.png
 refuse 2 "no method is called esmi; did you mean esim\?" tides compare run.json --methods tides,esmi
 refuse 2 "tides is there twice" tides compare run.json --methods tides,tides
 refuse 2 "above 0" tides compare run.json --window 0
+refuse 2 "--pictures png: should be svg or pdf" tides compare run.json --pictures png
 printf 't,x,y,p\n500000,3,4,1\n500010,3,4,0\n' >late.csv
 refuse 1 "has no events from 0 to 0.04 s, the run's time" tides compare run.json -o no --recording late.csv
 printf 't,x,y,p\n500,3,4,1\n510,60,4,0\n' >wide.csv

@@ -1,0 +1,87 @@
+/* What pictures are drawn on with cairo: pixels, or shapes that are kept and can be written as .svg and .pdf too. The same
+ * calls for both; coordinates in px from the top left, pixel centres at .5. */
+#ifndef CLI_CANVAS_H
+#define CLI_CANVAS_H
+
+#include "tides/base.h"
+
+#include <cairo.h>
+#include <stdint.h>
+
+typedef uint32_t canvas_colour; /* 0xRRGGBB */
+
+/* Colours of the series that a plot tells apart, in their order. */
+enum { CANVAS_SERIES = 14 };
+
+typedef struct canvas_theme {
+    const char *name;
+    canvas_colour paper, ink, frame, edge, grid;
+    canvas_colour on, off; /* events */
+    canvas_colour series[CANVAS_SERIES];
+} canvas_theme;
+
+/* What the command line says of all pictures; zero: light pixels. */
+typedef struct canvas_style {
+    int32_t shapes, dark;
+    const char *besides; /* ".svg", ".pdf" or NULL: what canvas_write_set writes besides .png */
+} canvas_style;
+
+typedef struct cli_canvas {
+    int32_t width, height;
+    canvas_style style;
+    const canvas_theme *theme;
+    cairo_t *cairo; /* NULL: there is none */
+} cli_canvas;
+
+/* theme.c: that of a style; the style of --theme TEXT and --pictures TEXT (both nullable), CLI_GO or the exit code. */
+struct cli_command;
+const canvas_theme *canvas_theme_of(const canvas_style *style);
+int canvas_parse_theme(const struct cli_command *command, const char *text, canvas_style *style);
+int canvas_parse_pictures(const struct cli_command *command, const char *text, canvas_style *style);
+/* The help of these options. */
+#define CANVAS_THEME_HELP "light (the default) or dark paper"
+#define CANVAS_PICTURES_HELP "svg or pdf: pictures as that too, besides .png"
+/* From one colour to another: all of `b` at share 1. */
+canvas_colour canvas_mix(canvas_colour a, canvas_colour b, double share);
+
+/* canvas.c: blank paper. What goes wrong here or in drawing is told when the canvas is written. */
+cli_canvas canvas_create(const canvas_style *style, int32_t width, int32_t height);
+/* Writes it as the name's ending says, as tides_file_write does: .svg and .pdf of shapes, else .png. The same drawing makes
+ * the same bytes. */
+tides_status canvas_write(const cli_canvas *canvas, const char *path, tides_error *error);
+int32_t canvas_wants_shapes(const char *path); /* .svg, .pdf */
+/* STEM.png, and what the style has besides. */
+tides_status canvas_write_set(const cli_canvas *canvas, const char *stem, tides_error *error);
+/* Pixels as (height x width x 3) bytes, the caller's to free. NULL and the error where drawing failed or memory ran out. */
+uint8_t *canvas_pixels(const cli_canvas *canvas, tides_error *error);
+void canvas_free(cli_canvas *canvas);
+
+/* canvas_draw.c. _fill: a rectangle with two of its corners; _outline: a hair line around it. */
+void canvas_fill(cli_canvas *canvas, double left, double top, double right, double bottom, canvas_colour colour);
+void canvas_outline(cli_canvas *canvas, double left, double top, double right, double bottom, canvas_colour colour);
+void canvas_line(cli_canvas *canvas, double ax, double ay, double bx, double by, double width, canvas_colour colour);
+void canvas_dashed(cli_canvas *canvas, double ax, double ay, double bx, double by, canvas_colour colour);
+/* A line through points, (count x 2) in `xy`. */
+void canvas_polyline(cli_canvas *canvas, const double *xy, int32_t count, double width, canvas_colour colour);
+/* Dots of one look. As shapes they are one path: where they overlap there is one. */
+void canvas_dots(cli_canvas *canvas, const double *xy, size_t count, double radius, canvas_colour colour, double opacity);
+/* A marker of series `style`, which has a rim that parts it from lines. */
+void canvas_marker(cli_canvas *canvas, double x, double y, int32_t style);
+/* An image (height x width x 3), each of its pixels a square of `times` px. */
+void canvas_image(cli_canvas *canvas, double left, double top, int32_t times, int32_t width, int32_t height,
+                  const uint8_t *rgb);
+
+/* canvas_text.c: (x, y) is halfway up the capitals; `anchor` says what of the line is at x: 0 its left end, 1 its right end. */
+enum { CANVAS_TEXT = 18, CANVAS_TITLE = 20 /* px; titles are bold */ };
+void canvas_text(cli_canvas *canvas, double x, double y, double anchor, const char *text);
+void canvas_title(cli_canvas *canvas, double x, double y, double anchor, const char *text);
+/* As large as fits `width`. */
+void canvas_text_within(cli_canvas *canvas, double x, double y, double width, const char *text);
+/* Upwards, its middle at (x, y). */
+void canvas_text_up(cli_canvas *canvas, double x, double y, const char *text);
+double canvas_text_width(const char *text);
+double canvas_title_width(const char *text);
+/* Says in one line, once, where this machine has no font. */
+void canvas_say_fonts(void);
+
+#endif
