@@ -63,7 +63,8 @@ LIB_SRC  := $(wildcard lib/*/*.c lib/*/*/*.c)
 CLI_SRC  := $(wildcard cli/*/*.c)
 CLI_INCLUDES := $(addprefix -I,$(wildcard cli/*)) $(CLI_CFLAGS)
 PRESETS  := $(wildcard share/presets/*.json)
-LIB_OBJ  := $(LIB_SRC:%.c=$(OUT)/%.o) $(OUT)/kernels_embedded.o $(OUT)/presets_embedded.o
+PAGE     := $(wildcard share/page/*)
+LIB_OBJ  := $(LIB_SRC:%.c=$(OUT)/%.o) $(OUT)/kernels_embedded.o $(OUT)/presets_embedded.o $(OUT)/page_embedded.o
 CLI_OBJ  := $(CLI_SRC:%.c=$(OUT)/%.o)
 SUPPORT_OBJ := $(patsubst %.c,$(OUT)/%.o,$(wildcard tests/support/*.c))
 TEST_SRC := $(wildcard tests/unit/test_*.c tests/derivatives/test_*.c tests/kernels/test_*.c tests/property/test_*.c)
@@ -87,6 +88,9 @@ $(OUT)/kernels_embedded.c: kernels/cl2c.sh $(KERNELS)
 $(OUT)/presets_embedded.c: kernels/cl2c.sh $(PRESETS)
 	@mkdir -p $(@D)
 	sh kernels/cl2c.sh -t td_preset_sources $(PRESETS) > $@.part && mv $@.part $@
+$(OUT)/page_embedded.c: kernels/cl2c.sh $(PAGE)
+	@mkdir -p $(@D)
+	sh kernels/cl2c.sh -t td_page_sources $(PAGE) > $@.part && mv $@.part $@
 $(OUT)/%.o: %.c $(OUT)/.flags
 	@mkdir -p $(@D)
 	$(COMPILE) $(WERROR) -MMD -MP -c $< -o $@
@@ -174,7 +178,7 @@ SCRIPTS := $(wildcard tests/cli/run.sh) scripts/python_tests.sh scripts/client_t
         check-valgrind check-valgrind-built check-clang check-clang-built check-determinism check-determinism-built check-stability \
         check-all check-devices check-devices-built mutants install-check
 check: ## Install what is missing, build without warnings, run every test
-	@sh scripts/deps.sh build -q
+	@sh scripts/deps.sh check -q
 	@$(AGAIN) WERROR=-Werror all tests
 	@$(AGAIN) check-built
 check-built:

@@ -34,6 +34,7 @@
 #include "tides/image.h"
 #include "tides/metrics.h"
 #include "tides/representations.h"
+#include "tides/page.h"
 #include "tides/run.h"
 #include "tides/inputs.h"
 #include "tides/session.h"

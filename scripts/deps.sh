@@ -1,6 +1,7 @@
 #!/bin/sh
 # Installs the Debian packages that are missing, and only those.
-# usage: deps.sh build|lint|docs [-q]     -q: say nothing when nothing is missing
+# usage: deps.sh build|check|lint|docs [-q]     -q: say nothing when nothing is missing
+# check: and the browser that tests of pages use, where it can be had: without it they are skipped.
 # Works as root, or through sudo; without either it prints the line to run and fails.
 set -u
 
@@ -12,9 +13,15 @@ docs='doxygen mandoc'
 
 case ${1-} in
     build) wanted=$(echo $build) ;;
+    browser) wanted=chromium ;; # 414 MB, in 20 s: not for whoever only builds
+    check)
+        sh "$0" build ${2-} || exit 1
+        sh "$0" browser ${2-} || echo "deps: no chromium: tests of pages in a browser are skipped"
+        exit 0
+        ;;
     lint) wanted=$(echo $build $lint) ;;
     docs) wanted=$(echo $build $docs) ;;
-    *) echo "usage: $0 build|lint|docs [-q]" >&2; exit 2 ;;
+    *) echo "usage: $0 build|check|lint|docs [-q]" >&2; exit 2 ;;
 esac
 quiet=${2-}
 

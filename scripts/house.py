@@ -91,7 +91,7 @@ NAMED = re.compile(r"(?<![\w/$.:-])((?:[\w.-]+/)*[\w-]+\.(?:md|c|h|cl|sh|py))\b(
 ELSEWHERE = re.compile(r"https?://\S+|\$\{?TIDES_SHARED\}?\S*|<[\w/]+\.h>")
 # Names of other projects' files and of made-up ones, as they stand in texts.
 FOREIGN = {"CHANGES.md", "program.c", "sysexits.h", "pickletools.py", "simple_trainer.py", "export_perframe_3DGS.py"}
-GENERATED = {"kernels_embedded.c", "presets_embedded.c"}
+GENERATED = {"kernels_embedded.c", "presets_embedded.c", "page_embedded.c"}
 PLACEHOLDER = re.compile(r"[A-Z]{4,}") # cmd_NAME.c
 
 

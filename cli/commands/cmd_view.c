@@ -1,6 +1,7 @@
-/* tides view: events as a picture, or as an animation of pictures; or ground truth (view_truth.c). */
+/* tides view: events as a picture, as an animation of pictures, or as a page (view_page.c); or ground truth (view_truth.c). */
 #include "recording.h"
 #include "view.h"
+#include "view_page.h"
 #include "view_truth.h"
 
 #include <math.h>
@@ -27,7 +28,7 @@ enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
 /* The command line's texts; NULL where not given. */
 typedef struct arguments {
-    const char *kind, *time, *decay, *bin, *scale, *azimuth, *elevation, *fps, *points, *theme;
+    const char *kind, *time, *decay, *bin, *scale, *azimuth, *elevation, *fps, *points, *theme, *most;
 } arguments;
 
 typedef struct job {
@@ -71,7 +72,7 @@ static int number_in(const cli_command *command, const char *option, const char 
 }
 
 /* What is written follows from the name: a video, numbered pictures, or one picture unless it is to move. */
-static int parse_output(const cli_command *command, const char *fps, job *j) {
+static int parse_output(const cli_command *command, const char *fps, const char *most, job *j) {
     if (!j->out) return cli_usage(command, "say where the picture goes: -o OUT.png");
     j->to_stdout = strcmp(j->out, "-") == 0;
     if (j->to_stdout && isatty(STDOUT_FILENO))
@@ -79,13 +80,14 @@ static int parse_output(const cli_command *command, const char *fps, job *j) {
     if (j->to_stdout || cli_ends_in(j->out, ".y4m") || cli_ends_in(j->out, ".apng") || strchr(j->out, '%')) j->animate = 1;
     if (!j->animate && !j->view.style.shapes && !cli_ends_in(j->out, ".png"))
         return cli_usage(command,
-                         "-o %s: pictures are written as .png, .svg or .pdf, videos as .y4m or - (for ffmpeg), or "
-                         "frame%%04d.png",
+                         "-o %s: pictures are written as .png, .svg or .pdf, pages as .html, videos as .y4m or - (for ffmpeg), "
+                         "or frame%%04d.png",
                          j->out);
     if (j->animate && j->view.style.shapes)
         return cli_usage(command, "-o %s: what moves is written as .png, .apng, .y4m or - (for ffmpeg)", j->out);
     if (j->animate && !j->kind->animates) return cli_usage(command, "a picture of --kind %s doesn't move", j->kind->name);
     if (j->animate && j->has_time) return cli_usage(command, "--time is for one picture: give --start and --stop");
+    if (most) return cli_usage(command, "--max-events is for a page: -o OUT.html");
     if (!j->animate && (fps || j->stretch.step_text)) return cli_usage(command, "--fps and --step are for --animate");
     return CLI_GO;
 }
@@ -118,11 +120,23 @@ static int parse(const cli_command *command, const arguments *given, job *j) {
     j->has_time = given->time != NULL;
     if (code == CLI_GO) code = parse_look(command, given, j);
     if (code == CLI_GO) code = cli_stretch_parse(command, &j->stretch);
-    if (code == CLI_GO) code = parse_output(command, given->fps, j);
+    if (code == CLI_GO) code = parse_output(command, given->fps, given->most, j);
     if (j->kind && j->kind->draw == view_surface) j->stretch.before_ns = view_surface_memory(&j->view);
     if (code == CLI_GO && j->has_time && (j->stretch.start_text || j->stretch.stop_text))
         code = cli_usage(command, "give --time and --window, or --start and --stop");
     return code;
+}
+
+/* What a page has of it is chosen in it. */
+static int parse_page(const cli_command *command, const arguments *given, job *j) {
+    const arguments *g = given;
+    if (g->kind || g->time || g->decay || g->bin || g->scale || g->azimuth || g->elevation || g->fps || g->points || g->theme ||
+        j->stretch.step_text || j->animate || j->view.plain)
+        return cli_usage(command,
+                         "-o %s: a page takes --start, --stop, --window, --max-events and --from; its looks are "
+                         "chosen in it",
+                         j->out);
+    return cli_stretch_parse(command, &j->stretch);
 }
 
 /* ---- the pictures ---- */
@@ -245,13 +259,13 @@ int cmd_view(const cli_command *command, int argc, char **argv) {
              .view = {.decay_s = 0.03, .azimuth_deg = VIEW_AZIMUTH_DEG, .elevation_deg = VIEW_ELEVATION_DEG},
              .pictures_per_second = PICTURES_PER_SECOND};
     const cli_option options[] = {
-        {"--output", 'o', "FILE", "OUT.png, .svg, .pdf; moving: .apng, .y4m, frame%04d.png, - (video to a pipe)", NULL, &j.out,
-         NULL},
+        {"--output", 'o', "FILE",
+         "OUT.png, .svg, .pdf; moving: .apng, .y4m, frame%04d.png, - (video to a pipe); a page: OUT.html", NULL, &j.out, NULL},
         {"--kind", 0, "KIND", "frame (the default), surface, xyt, rate, isi; truth (of .exr and .png)", NULL, &given.kind,
          NULL},
         {"--time", 0, "SECONDS", "one picture: its window ends here (the window in the middle)", NULL, &given.time, NULL},
-        {"--window", 0, "SECONDS", "how much a picture shows (frame, moving: 0.01; others all)", NULL, &j.stretch.window_text,
-         NULL},
+        {"--window", 0, "SECONDS", "how much a picture shows (frame, moving: 0.01; others all), a page at first", NULL,
+         &j.stretch.window_text, NULL},
         {"--start", 0, "SECONDS", "show events from here on (the first)", NULL, &j.stretch.start_text, NULL},
         {"--stop", 0, "SECONDS", "show events before this time (the last)", NULL, &j.stretch.stop_text, NULL},
         {"--animate", 0, NULL, "OUT.png moves: a picture for each window", &j.animate, NULL, NULL},
@@ -266,6 +280,7 @@ int cmd_view(const cli_command *command, int argc, char **argv) {
         {"--elevation", 0, "DEGREES", "xyt: and above it (18)", NULL, &given.elevation, NULL},
         {"--points", 0, "N", "xyt: at most so many events are drawn (400000; .svg, .pdf 8000)", NULL, &given.points, NULL},
         {"--theme", 0, "THEME", CANVAS_THEME_HELP, NULL, &given.theme, NULL},
+        {"--max-events", 0, "N", "page: the recording's first so many (1e7)", NULL, &given.most, NULL},
         {"--from", 0, "FORMAT", "read as this (by content)", NULL, &j.stretch.format, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
@@ -274,10 +289,12 @@ int cmd_view(const cli_command *command, int argc, char **argv) {
     j.view.style.shapes = j.out && canvas_wants_shapes(j.out);
     if (code == CLI_GO && view_is_truth(given.kind, j.stretch.file))
         return view_truth(command, j.stretch.file, &j.view.style, j.out, &common);
-    if (code == CLI_GO) code = parse(command, &given, &j);
+    const int page = j.out && cli_ends_in(j.out, ".html");
+    if (code == CLI_GO) code = page ? parse_page(command, &given, &j) : parse(command, &given, &j);
     if (code != CLI_GO) return code;
     tides_error error = {TIDES_OK, ""};
     cli_catch_interrupt();
+    if (page) return view_page(command, &j.stretch, given.most, j.out, &common);
     code = run(&j, &error) == TIDES_OK ? report(&j) : cli_fail(&error);
     free(j.recording.events);
     return code;

@@ -10,10 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COLUMNS = 5, INSTANCE = 4 };
+enum { COLUMNS = TD_EVENT_TRUTHS, INSTANCE = 4 };
 
-static const char *const names[COLUMNS] = {"/events/flow_u", "/events/flow_v", "/events/depth", "/events/alpha",
-                                           "/events/instance"};
+const char *const td_event_truth_columns[COLUMNS] = {"/events/flow_u", "/events/flow_v", "/events/depth", "/events/alpha",
+                                                     "/events/instance"};
 
 /* A file on its way: the copy, and room for a chunk. */
 typedef struct truth_file {
@@ -58,9 +58,10 @@ static tides_status open_columns(truth_file *f, tides_error *error) {
     if (f->file < 0 || strcmp(format, TD_EVENT_FORMAT) != 0)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: isn't an HDF5 event file of TIDES: only these get ground truth", f->path);
     for (int c = 0; c < COLUMNS; c++) {
-        if (H5Lexists(f->file, names[c], H5P_DEFAULT) > 0 && H5Ldelete(f->file, names[c], H5P_DEFAULT) < 0)
+        if (H5Lexists(f->file, td_event_truth_columns[c], H5P_DEFAULT) > 0 &&
+            H5Ldelete(f->file, td_event_truth_columns[c], H5P_DEFAULT) < 0)
             return h5_failed(f, error);
-        f->column[c] = td_h5_create_rows(f->file, names[c], type_of(c), TD_EVENT_CHUNK);
+        f->column[c] = td_h5_create_rows(f->file, td_event_truth_columns[c], type_of(c), TD_EVENT_CHUNK);
         if (f->column[c] < 0) return h5_failed(f, error);
     }
     return TIDES_OK;

@@ -16,6 +16,10 @@ typedef tides_status (*td_truth_source)(void *user, const tides_event *events, c
  *   /events/instance        i4  the scene's object; -1: nothing is seen
  *
  * Written beside, from a copy, and renamed: a failure leaves the file as it was. */
+/* "/events/flow_u" .., in the order of the list. */
+enum { TD_EVENT_TRUTHS = 5 };
+extern const char *const td_event_truth_columns[TD_EVENT_TRUTHS];
+
 tides_status td_events_add_truth(const char *path, td_truth_source source, void *user, tides_error *error);
 
 #endif

@@ -43,6 +43,7 @@ from .generate import GenerateOptions, World, generate, generators
 from .measure import ExactOptions, exact_stream, ideal_settings, image_is_continuous
 from .motion import Motion
 from .names import nearest_name
+from .page import PageOptions, Shown, read_truth, show, write_page
 from .readout import Arbiter, Readout
 from .render import CHANNELS, EVENT_TRUTH, MATERIAL_POINT, TRACK, TRUTHS, ImageParams, Renderer, colour_filter
 from .representations import ArrayWriter, VoxelOptions, event_frame, time_surface, voxel_grid

@@ -2816,6 +2816,66 @@ class tides_array_shape(Structure):
     ]
 
 
+class tides_page_options(Structure):
+    """uint32_t size; /* sizeof this struct */
+    int32_t width, height; /* of the sensor [px]; 0: what the file says, else what the events reach */
+    int64_t start_ns, stop_ns; /* events with start <= t < stop are shown */
+    int64_t window_ns; /* how long the window of time is at first; 0: a fiftieth of all that is shown */
+    uint64_t most; /* events at most: the page ends where there are more, and the report and the page say so */
+    const char *title; /* NULL: the name of the file that is read */
+    const char *format; /* of the file that is read; NULL: by content */
+    """
+
+    size: int
+    width: int
+    height: int
+    start_ns: int
+    stop_ns: int
+    window_ns: int
+    most: int
+    title: bytes | None
+    format: bytes | None
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("width", c_int32),
+        ("height", c_int32),
+        ("start_ns", c_int64),
+        ("stop_ns", c_int64),
+        ("window_ns", c_int64),
+        ("most", c_uint64),
+        ("title", c_char_p),
+        ("format", c_char_p),
+    ]
+
+
+class tides_page_report(Structure):
+    """uint64_t events; /* in the page */
+    int64_t start_ns, stop_ns; /* the stretch that the page shows */
+    int32_t width, height;
+    int32_t truth; /* 1: with ground truth */
+    int32_t ended; /* 1: there are more events from stop_ns on, which were too many */
+    """
+
+    events: int
+    start_ns: int
+    stop_ns: int
+    width: int
+    height: int
+    truth: int
+    ended: int
+
+    _fields_ = [
+        ("events", c_uint64),
+        ("start_ns", c_int64),
+        ("stop_ns", c_int64),
+        ("width", c_int32),
+        ("height", c_int32),
+        ("truth", c_int32),
+        ("ended", c_int32),
+    ]
+
+
 class tides_run_input(Structure):
     """const char *key; /* of the run file: "scene.objects" */
     const char *path; /* resolved against the run file */
@@ -3076,6 +3136,9 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_events_read": (c_int32, [c_char_p, c_uint64, c_size_t, P(tides_event), P(c_size_t), P(tides_error)]),
     # tides_status tides_events_summary(const char *path, tides_event_summary *summary, tides_error *error)
     "tides_events_summary": (c_int32, [c_char_p, P(tides_event_summary), P(tides_error)]),
+    # tides_status tides_events_truth(const char *path, uint64_t first, size_t count, tides_event_truth *truth,
+    # tides_error *error)
+    "tides_events_truth": (c_int32, [c_char_p, c_uint64, c_size_t, P(tides_event_truth), P(tides_error)]),
     # void tides_exact_options_defaults(tides_exact_options *options)
     "tides_exact_options_defaults": (None, [P(tides_exact_options)]),
     # tides_status tides_exact_stream(tides_device *device, const tides_scene *scene, const tides_trajectory *camera,
@@ -3224,6 +3287,19 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_motion_range": (None, [P(tides_motion), P(c_double), P(c_double)]),
     # const char *tides_nearest_name(const char *name, const char *const *names)
     "tides_nearest_name": (c_char_p, [c_char_p, P(c_char_p)]),
+    # void tides_page_options_defaults(tides_page_options *options)
+    "tides_page_options_defaults": (None, [P(tides_page_options)]),
+    # tides_status tides_page_write(const char *path, const tides_event *events, const tides_event_truth *truth, size_t
+    # count, const tides_page_options *options, tides_page_report *report, tides_error *error)
+    "tides_page_write": (c_int32, [
+        c_char_p, P(tides_event), P(tides_event_truth), c_size_t, P(tides_page_options), P(tides_page_report),
+        P(tides_error)
+    ]),
+    # tides_status tides_page_write_file(const char *events, const char *path, const tides_page_options *options,
+    # tides_progress progress, void *user, tides_page_report *report, tides_error *error)
+    "tides_page_write_file": (c_int32, [
+        c_char_p, c_char_p, P(tides_page_options), tides_progress, c_void_p, P(tides_page_report), P(tides_error)
+    ]),
     # const tides_param *tides_params(size_t *count)
     "tides_params": (P(tides_param), [P(c_size_t)]),
     # tides_status tides_path_load(const char *file, const tides_path_options *options, tides_path *path, tides_error
@@ -3582,6 +3658,6 @@ STRUCTS = (
     tides_run_values, tides_rig_camera, tides_session_facts, tides_session_taken, tides_recording, tides_recorded,
     tides_dataset_layout, tides_dataset_report, tides_generator, tides_generate_options, tides_world, tides_channel,
     tides_truth, tides_material_point, tides_track, tides_event_truth, tides_match, tides_metrics_options,
-    tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_run_input,
-    tides_fingerprint, tides_exact_options, tides_exact,
+    tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_page_options,
+    tides_page_report, tides_run_input, tides_fingerprint, tides_exact_options, tides_exact,
 )

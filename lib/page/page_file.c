@@ -1,0 +1,82 @@
+/* The page of an event file: its events batch by batch, with the labels and the ground truth that lie beside them. */
+#include "events/td_event_format.h"
+#include "td_base.h"
+#include "td_page.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { BATCH = 65536 };
+
+typedef struct source {
+    const char *path;
+    tides_event_reader *reader;
+    tides_event_facts facts;
+    tides_event *events;
+    tides_event_truth *truth; /* NULL: the file has none */
+} source;
+
+static tides_status open_source(source *s, const char *format, tides_error *error) {
+    s->events = td_alloc(BATCH, sizeof *s->events, error);
+    if (!s->events) return TIDES_NO_MEMORY;
+    tides_status status = tides_event_reader_open(s->path, format, &s->reader, error);
+    if (status != TIDES_OK) return status;
+    tides_event_reader_facts(s->reader, &s->facts);
+    tides_error no_truth;
+    status = tides_events_truth(s->path, 0, 0, NULL, &no_truth);
+    if (status == TIDES_UNSUPPORTED) return TIDES_OK;
+    if (status != TIDES_OK) return td_fail(error, status, "%s", no_truth.text);
+    s->truth = td_alloc(BATCH, sizeof *s->truth, error);
+    return s->truth ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+static void close_source(source *s) {
+    tides_event_reader_close(s->reader);
+    free(s->events);
+    free(s->truth);
+}
+
+static tides_status pump(source *s, td_page *page, tides_progress progress, void *user, tides_error *error) {
+    tides_status status = TIDES_OK;
+    uint64_t row = 0;
+    for (size_t got = 1; got && status == TIDES_OK && !page->report.ended; row += got) {
+        status = tides_event_reader_read(s->reader, s->events, BATCH, &got, error);
+        if (status == TIDES_OK && got && s->facts.labels & TIDES_LABEL_CAUSE)
+            status = tides_events_labels(s->path, row, got, s->events, NULL, error);
+        if (status == TIDES_OK && got && s->truth) status = tides_events_truth(s->path, row, got, s->truth, error);
+        if (status == TIDES_OK) status = td_page_append(page, s->events, s->truth, got, error);
+        if (status == TIDES_OK && progress && progress(user, td_event_reader_part(s->reader), "events"))
+            status = td_fail(error, TIDES_CANCELLED, "%s: stopped on request", page->text.path);
+    }
+    return status;
+}
+
+/* What the options leave open, the file says. */
+static void fill_in(td_page *page, const source *s) {
+    tides_page_options *o = &page->options;
+    const char *slash = strrchr(s->path, '/');
+    if (!o->title) o->title = slash && slash[1] ? slash + 1 : s->path;
+    if (!o->width) o->width = s->facts.width;
+    if (!o->height) o->height = s->facts.height;
+    page->known_start = s->facts.start_ns;
+    page->known_stop = s->facts.stop_ns;
+}
+
+tides_status tides_page_write_file(const char *events, const char *path, const tides_page_options *options,
+                                   tides_progress progress, void *user, tides_page_report *report, tides_error *error) {
+    if (!path || !events) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_page_write_file: an argument is NULL");
+    source s = {.path = events};
+    td_page page;
+    tides_status status = open_source(&s, options ? options->format : NULL, error);
+    if (status != TIDES_OK) {
+        close_source(&s);
+        return status;
+    }
+    status = td_page_begin(&page, path, options, s.truth != NULL, error);
+    if (status == TIDES_OK) fill_in(&page, &s);
+    if (status == TIDES_OK) status = pump(&s, &page, progress, user, error);
+    status = td_page_end(&page, status, error);
+    close_source(&s);
+    if (status == TIDES_OK && report) *report = page.report;
+    return status;
+}

@@ -1,0 +1,79 @@
+"""Events as a page to look at: one HTML file, in a notebook or in any browser."""
+
+from __future__ import annotations
+
+import html
+import os
+import tempfile
+from ctypes import POINTER
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import _api
+from ._call import array, call, path, pointer
+from ._progress import Progress, Reporter
+from ._values import Facts, Value, plain
+from .events import _records, as_events, events_summary
+from .render import EVENT_TRUTH
+
+
+class PageOptions(Value, _api.tides_page_options):
+    """width, height [px] (0: of the file or the events); start_ns, stop_ns; window_ns, the window of time at first; most, events
+    at most; title; format of a file that is read."""
+
+    _defaults = "tides_page_options_defaults"
+
+
+def read_truth(file: str | os.PathLike[str], first: int = 0, count: int | None = None) -> np.ndarray:
+    """The ground truth of events [first, first + count) of a recording that was simulated with sensor.truth: EVENT_TRUTH (n)."""
+    count = max(0, events_summary(file)["count"] - first) if count is None else count
+    truth = np.zeros(count, EVENT_TRUTH)
+    call("tides_events_truth", path(file), first, count, pointer(truth, _api.tides_event_truth))
+    return truth
+
+
+def write_page(
+    file: str | os.PathLike[str], events: Any, truth: Any = None, progress: Progress = None, **options: Any
+) -> Facts:
+    """Writes the page of an event file (its path) or of events (n) in order of time, with their EVENT_TRUTH (n) or None.
+    `options` are the fields of PageOptions. Returns events, start_ns, stop_ns, width, height, truth, ended: 1 where there were
+    more events than `most`."""
+    chosen, report = PageOptions(**options), _api.tides_page_report()
+    if isinstance(events, (str, os.PathLike)):
+        with Reporter(progress) as step:
+            call("tides_page_write_file", path(events), path(file), chosen, step, None, report)
+        return plain(report)
+    events = as_events(events)
+    rows = None if truth is None else array(truth, EVENT_TRUTH, (len(events),), "truth")
+    seen = None if rows is None else rows.ctypes.data_as(POINTER(_api.tides_event_truth))
+    call("tides_page_write", path(file), _records(events), seen, len(events), chosen, report)
+    return plain(report)
+
+
+class Shown:
+    """A page that was written: a notebook shows it, everywhere else `path` is to be opened in a browser. `facts` as write_page
+    returns them."""
+
+    def __init__(self, file: Path, facts: Facts, height: int):
+        self.path, self.facts, self._height = file, facts, height
+
+    def __repr__(self) -> str:
+        return f"{self.facts.events} events, to be opened in a browser: {self.path.resolve().as_uri()}"
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self.path.read_text())
+        return f'<iframe srcdoc="{page}" style="width:100%;height:{self._height}px;border:0" allowfullscreen></iframe>'
+
+
+def show(
+    events: Any, file: str | os.PathLike[str] | None = None, truth: Any = None, height: int = 640, **options: Any
+) -> Shown:
+    """Events (n), or an event file's path, as a page to turn, to drag through and to play. The page is `file`, or a new one among
+    the system's temporary files. `height` [px] is a notebook's; `options` as in write_page, but that without `most` 2 million
+    events are shown, which a notebook still keeps."""
+    if file is None:
+        handle, file = tempfile.mkstemp(".html", "tides-")
+        os.close(handle)
+    return Shown(Path(file), write_page(file, events, truth, **{"most": 2_000_000, **options}), height)
