@@ -38,6 +38,7 @@
 #include "tides/run.h"
 #include "tides/inputs.h"
 #include "tides/session.h"
+#include "tides/live.h"
 #include "tides/measure.h"
 
 #endif

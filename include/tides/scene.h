@@ -51,6 +51,11 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add(tides_scene *scene, cons
                                                         const tides_trajectory *trajectory, double scale, const char *name,
                                                         int32_t *index, tides_error *error);
 
+/* Where object `index` is next: tides_trajectory_append to the scene's copy of an open path (tides_trajectory_create_open) that
+ * it was added with. Simulators and renderers of the scene see it at once; none may be at work in another thread. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_scene_append(tides_scene *scene, int32_t index, const tides_pose_sample *samples,
+                                                           size_t count, tides_error *error);
+
 /* The same for Gaussians that move by themselves, `gaussians` being the motion's canonical ones. The motion is taken over on
  * success. Its own time, start to stop, runs from second 0 of the scene to duration_s (0: stop - start seconds); what it
  * gives is then moved by the trajectory and scaled like any object. TIDES_BAD_FILE where motion and Gaussians don't belong

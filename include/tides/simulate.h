@@ -149,8 +149,9 @@ typedef int (*tides_event_sink)(void *user, const tides_event *events, size_t co
 typedef struct tides_simulator tides_simulator;
 
 /* A simulator on its own renderer. `device`, `scene` and `camera` must outlive it. Pixel state starts at `start` [s]: each
- * reference is the signal there. The camera's path (and every object's) must cover [start, stop]: TIDES_OUT_OF_RANGE. Both are
- * absolute times, as the paths', within +-9.2e9 s; within the run everything counts from `start`, so that steps of a
+ * reference is the signal there. The camera's path (and every object's) must cover [start, stop]: TIDES_OUT_OF_RANGE; one that
+ * is told as it goes (tides_trajectory_create_open) must begin by then, and is asked for more when the run comes to it. Both
+ * are absolute times, as the paths', within +-9.2e9 s; within the run everything counts from `start`, so that steps of a
  * microsecond at 2e9 s are as exact as at 0, and a path moved in time gives the same events, moved. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_create(
     tides_device *device, const tides_scene *scene, const tides_trajectory *camera, const tides_intrinsics *intrinsics,
@@ -170,10 +171,11 @@ TIDES_API const int64_t *tides_simulator_fired(const tides_simulator *simulator)
 TIDES_API void tides_simulator_destroy(tides_simulator *simulator);
 
 /* Advances to `until` (at most stop), giving `sink` the events of each packet, sorted by (t, y, x, polarity). Event times are
- * absolute nanoseconds: those of `start`, rounded once to the nearest one, and whole ones since then, floored. Steps lie on the
- * grid start + k step_s whatever `until` is (a last one below 1/1024 of step_s is part of the one before), so a run cut into
- * several calls gives the same events: times between grid points end at the last grid point before them, except `stop`; where
- * doubles as late as the run can't tell some grid points apart, it ends at the last of these. */
+ * absolute nanoseconds: those of `start`, rounded once to the nearest one, and whole ones since then, floored. Steps lie on
+ * the grid start + k step_s whatever `until` is (a last one below 1/1024 of step_s is part of the one before), so a run cut
+ * into several calls gives the same events: times between grid points end at the last grid point before them, except `stop`;
+ * where doubles as late as the run can't tell some grid points apart, it ends at the last of these. Where a path is open, and
+ * not told that far: TIDES_OUT_OF_RANGE, naming it; nothing happened, and the call may be made again. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink,
                                                             void *sink_user, tides_progress progress, void *user,
                                                             tides_error *error);

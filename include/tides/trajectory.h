@@ -53,6 +53,29 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_create_mounted(const ti
                                                                         const double quaternion[4],
                                                                         tides_trajectory **trajectory, tides_error *error);
 
+/* A path that is told as it goes, for runs that don't know theirs (tides/live.h). It begins as `count` >= 1 samples;
+ * tides_trajectory_append adds to it. Between two samples it is the cubic that has their poses and rates, C1, so that nothing
+ * that is appended changes the path before it. Each sample may have rates or not; the rate of one that has none is taken back
+ * from the parabola through it and the two before it (of the first two: from the line between them). Otherwise as
+ * tides_trajectory_create. It ends at its last sample; a time within a tenth of a
+ * nanosecond (or rounding, where that is more) of a sample is that sample, to the bit. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_create_open(const tides_pose_sample *samples, size_t count,
+                                                                     tides_trajectory **trajectory, tides_error *error);
+
+/* Adds samples to an open path, all or none of them: later than those that it has, less than 179 degrees from one to the next.
+ * TIDES_BAD_ARGUMENT naming the sample, counted from the first that the path still has. Of a path that is mounted on a body
+ * (tides_trajectory_create_mounted of an open one, which has nothing to do with the body's from then on) they are the body's.
+ * */
+TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_append(tides_trajectory *trajectory, const tides_pose_sample *samples,
+                                                                size_t count, tides_error *error);
+
+/* 1 if the path is told as it goes. */
+TIDES_API int32_t tides_trajectory_is_open(const tides_trajectory *trajectory);
+
+/* Lets an open path forget samples that its curve from `time` on doesn't need, when they are half of it or more: nothing it
+ * says of later times changes. Other paths keep all of theirs. */
+TIDES_API void tides_trajectory_forget(tides_trajectory *trajectory, double time);
+
 /* NULL is fine. */
 TIDES_API void tides_trajectory_destroy(tides_trajectory *trajectory);
 

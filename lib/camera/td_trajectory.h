@@ -18,4 +18,15 @@ size_t td_trajectory_find(const tides_trajectory *trajectory, double epoch, doub
 TIDES_MUST_CHECK tides_status td_trajectory_check_smooth(const tides_trajectory *trajectory, double start, double stop,
                                                          tides_error *error);
 
+/* The same path once more, to the bit: mounted, open, with what it has forgotten. */
+TIDES_MUST_CHECK tides_status td_trajectory_copy(const tides_trajectory *trajectory, tides_trajectory **copy,
+                                                 tides_error *error);
+
+/* An open path once more from its beginning, which is another one now. */
+TIDES_MUST_CHECK tides_status td_trajectory_begin(tides_trajectory *trajectory, const tides_pose_sample *first,
+                                                  tides_error *error);
+
+/* 1 where an open path has been told up to `offset` seconds after `epoch`; of others always. */
+int32_t td_trajectory_told(const tides_trajectory *trajectory, double epoch, double offset);
+
 #endif

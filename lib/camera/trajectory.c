@@ -8,10 +8,9 @@
  * Times are kept relative to the first sample, so that offsets such as ROS stamps of 1e9 s cost no precision. */
 #include "tides/trajectory.h"
 
-#include "camera/td_curve.h"
-#include "camera/td_mount.h"
 #include "camera/td_rotation.h"
 #include "camera/td_trajectory.h"
+#include "camera/td_trajectory_parts.h"
 #include "td_base.h"
 
 #include <float.h>
@@ -29,26 +28,18 @@
 #define TD_MOST_LENGTH 10.0
 #define TD_LENGTH_PROBES 8
 
-struct tides_trajectory {
-    tides_pose_sample *samples; /* quaternions normalised and sign-aligned */
-    size_t count;
-    td_curve *curve; /* NULL: static */
-    int32_t mounted; /* 1: samples and curve are a body's, and this is `mount` on it */
-    td_mount mount;
-};
-
-static tides_status check_samples(const tides_pose_sample *samples, size_t count, tides_error *error) {
-    for (size_t i = 0; i < count; i++) {
+tides_status td_samples_check(const tides_pose_sample *samples, size_t from, size_t count, double origin, tides_error *error) {
+    for (size_t i = from; i < count; i++) {
         const tides_pose_sample *s = samples + i;
         if (!isfinite(s->time) || !td_all_finite(s->position, 3) || !td_all_finite(s->quaternion, 4))
             return td_fail(error, TIDES_BAD_ARGUMENT, "sample %zu: time, position and quaternion must be finite numbers", i);
         if (s->has_rates && (!td_all_finite(s->velocity, 3) || !td_all_finite(s->angular_velocity, 3)))
             return td_fail(error, TIDES_BAD_ARGUMENT, "sample %zu: velocity and angular velocity must be finite numbers", i);
-        if (i && s->time > s[-1].time && !(s->time - samples->time > s[-1].time - samples->time))
+        if (i && s->time > s[-1].time && !(s->time - origin > s[-1].time - origin))
             return td_fail(error, TIDES_BAD_ARGUMENT,
                            "samples %zu and %zu: their times %.17g s and %.17g s are too close, or too far from the first "
                            "sample's %.17g s, to be told apart in double precision",
-                           i - 1, i, s[-1].time, s->time, samples->time);
+                           i - 1, i, s[-1].time, s->time, origin);
         if (i && !(s->time > s[-1].time))
             return td_fail(error, TIDES_BAD_ARGUMENT,
                            "sample %zu: its time %.17g s %s that of sample %zu, %.17g s; times must strictly increase%s", i,
@@ -58,9 +49,8 @@ static tides_status check_samples(const tides_pose_sample *samples, size_t count
     return TIDES_OK;
 }
 
-/* Normalises the quaternions, and gives each the sign that is nearer to its predecessor. */
-static tides_status align_quaternions(tides_pose_sample *samples, size_t count, tides_error *error) {
-    for (size_t i = 0; i < count; i++) {
+tides_status td_samples_align(tides_pose_sample *samples, size_t from, size_t count, tides_error *error) {
+    for (size_t i = from; i < count; i++) {
         double *q = samples[i].quaternion, dot = 0.0;
         if (!td_normalise_quaternion(q))
             return td_fail(error, TIDES_BAD_ARGUMENT, "sample %zu: its quaternion is zero; give a rotation (1 0 0 0 is none)",
@@ -78,22 +68,27 @@ static tides_status align_quaternions(tides_pose_sample *samples, size_t count, 
     return TIDES_OK;
 }
 
-/* Angular velocities that turn by more than TD_MOST_TURN within a segment say that the samples skip turns. */
-static tides_status check_angular_velocities(const tides_pose_sample *samples, size_t count, tides_error *error) {
-    for (size_t i = 0; i + 1 < count; i++) {
-        double from = td_length3(samples[i].angular_velocity), to = td_length3(samples[i + 1].angular_velocity);
-        double span = samples[i + 1].time - samples[i].time;
-        if (fmax(from, to) * span >= TD_MOST_TURN)
+tides_status td_samples_check_turns(const tides_pose_sample *samples, size_t from, size_t count, tides_error *error) {
+    for (size_t i = from; i + 1 < count; i++) {
+        const double rate = fmax(td_length3(samples[i].angular_velocity), td_length3(samples[i + 1].angular_velocity));
+        const double span = samples[i + 1].time - samples[i].time;
+        if (rate * span >= TD_MOST_TURN)
             return td_fail(error, TIDES_BAD_ARGUMENT,
                            "samples %zu and %zu (%.17g s and %.17g s): an angular velocity of %g rad/s turns by %.1f degrees "
                            "between them; give samples less than 179 degrees apart",
-                           i, i + 1, samples[i].time, samples[i + 1].time, fmax(from, to),
-                           fmax(from, to) * span * 57.29577951308232);
+                           i, i + 1, samples[i].time, samples[i + 1].time, rate, rate * span * 57.29577951308232);
     }
     return TIDES_OK;
 }
 
-/* What check_samples can't see: the curve overflows, or its quaternion strays from the unit sphere between samples. */
+int td_curve_value_is_sound(const double value[TD_CURVE_WIDTH], const double rate[TD_CURVE_WIDTH]) {
+    if (!td_all_finite(value, TD_CURVE_WIDTH) || !td_all_finite(rate, TD_CURVE_WIDTH)) return 0;
+    const double *q = value + 3;
+    const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    return square > TD_LEAST_LENGTH * TD_LEAST_LENGTH && square < TD_MOST_LENGTH * TD_MOST_LENGTH;
+}
+
+/* What td_samples_check can't see: the curve overflows, or its quaternion strays from the unit sphere between samples. */
 static tides_status check_curve(const tides_trajectory *trajectory, tides_error *error) {
     const tides_pose_sample *s = trajectory->samples;
     for (size_t i = 0; i + 1 < trajectory->count; i++)
@@ -105,9 +100,7 @@ static tides_status check_curve(const tides_trajectory *trajectory, tides_error 
                                "the path between samples %zu and %zu (%.17g s and %.17g s) exceeds double precision: positions "
                                "are too large or times too close",
                                i, i + 1, s[i].time, s[i + 1].time);
-            const double *q = value + 3;
-            double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-            if (!(square > TD_LEAST_LENGTH * TD_LEAST_LENGTH && square < TD_MOST_LENGTH * TD_MOST_LENGTH))
+            if (!td_curve_value_is_sound(value, rate))
                 return td_fail(error, TIDES_BAD_ARGUMENT,
                                "the rotation between samples %zu and %zu (%.17g s and %.17g s) isn't determined by its "
                                "neighbours, which turn far faster: give denser samples there",
@@ -116,22 +109,25 @@ static tides_status check_curve(const tides_trajectory *trajectory, tides_error 
     return TIDES_OK;
 }
 
+td_knot td_sample_knot(const tides_pose_sample *sample, double origin) {
+    td_knot knot = {.time = sample->time - origin};
+    memcpy(knot.value, sample->position, sizeof sample->position);
+    memcpy(knot.value + 3, sample->quaternion, sizeof sample->quaternion);
+    memcpy(knot.rate, sample->velocity, sizeof sample->velocity);
+    td_quaternion_rate(sample->quaternion, sample->angular_velocity, knot.rate + 3);
+    return knot;
+}
+
 /* The curve through the (aligned) samples of a path that moves. */
 static tides_status build_curve(tides_trajectory *trajectory, tides_error *error) {
     size_t count = trajectory->count;
     const tides_pose_sample *samples = trajectory->samples;
     int with_rates = 1;
     for (size_t i = 0; i < count; i++) with_rates = with_rates && samples[i].has_rates;
-    if (with_rates && check_angular_velocities(samples, count, error) != TIDES_OK) return TIDES_BAD_ARGUMENT;
+    if (with_rates && td_samples_check_turns(samples, 0, count, error) != TIDES_OK) return TIDES_BAD_ARGUMENT;
     td_knot *knots = td_alloc(count, sizeof *knots, error);
     if (!knots) return TIDES_NO_MEMORY;
-    for (size_t i = 0; i < count; i++) {
-        knots[i].time = samples[i].time - samples[0].time;
-        memcpy(knots[i].value, samples[i].position, sizeof samples[i].position);
-        memcpy(knots[i].value + 3, samples[i].quaternion, sizeof samples[i].quaternion);
-        memcpy(knots[i].rate, samples[i].velocity, sizeof samples[i].velocity);
-        td_quaternion_rate(samples[i].quaternion, samples[i].angular_velocity, knots[i].rate + 3);
-    }
+    for (size_t i = 0; i < count; i++) knots[i] = td_sample_knot(samples + i, trajectory->origin);
     trajectory->curve = td_curve_create(knots, count, with_rates, error);
     free(knots);
     return trajectory->curve ? check_curve(trajectory, error) : TIDES_NO_MEMORY;
@@ -141,16 +137,17 @@ tides_status tides_trajectory_create(const tides_pose_sample *samples, size_t co
                                      tides_error *error) {
     if (!samples || !trajectory || count == 0)
         return td_fail(error, TIDES_BAD_ARGUMENT, "a trajectory needs at least one sample and a place for the result");
-    tides_status status = check_samples(samples, count, error);
+    tides_status status = td_samples_check(samples, 0, count, samples->time, error);
     if (status != TIDES_OK) return status;
     status = TIDES_NO_MEMORY;
     tides_trajectory *made = td_alloc(1, sizeof *made, error);
     if (!made) goto done;
     made->count = count;
+    made->origin = samples->time;
     made->samples = td_alloc(count, sizeof *samples, error);
     if (!made->samples) goto done;
     memcpy(made->samples, samples, count * sizeof *samples);
-    status = align_quaternions(made->samples, count, error);
+    status = td_samples_align(made->samples, 0, count, error);
     if (status == TIDES_OK && count > 1) status = build_curve(made, error);
     if (status != TIDES_OK) goto done;
     *trajectory = made;
@@ -181,7 +178,7 @@ tides_status tides_trajectory_create_mounted(const tides_trajectory *body, const
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "a mount needs finite numbers, and a quaternion that isn't zero (1 0 0 0 is no turn)");
     tides_trajectory *made = NULL;
-    tides_status status = tides_trajectory_create(body->samples, body->count, &made, error);
+    tides_status status = td_trajectory_copy(body, &made, error);
     if (status != TIDES_OK) return status;
     td_mount none;
     td_mount_none(&none);
@@ -194,6 +191,7 @@ tides_status tides_trajectory_create_mounted(const tides_trajectory *body, const
 void tides_trajectory_destroy(tides_trajectory *trajectory) {
     if (!trajectory) return;
     td_curve_destroy(trajectory->curve);
+    free(trajectory->open.knot);
     free(trajectory->samples);
     free(trajectory);
 }
@@ -211,17 +209,29 @@ static void normalise_with_rate(double q[4], double q_dot[4]) {
     for (int k = 0; k < 4; k++) q_dot[k] -= along * q[k];
 }
 
-/* Of the samples' body, at the path's own time, within it. */
-static void body_at(const tides_trajectory *trajectory, double relative, tides_pose *pose) {
+/* Callers of open paths add intervals up: a tenth of a nanosecond is lost in 1e4 steps of a millisecond, and nothing in the
+ * time that an event has. */
+static const double lost_in_sums = 1e-10;
+
+double td_trajectory_slack(const tides_trajectory *t, double epoch, double relative) {
+    const double rounding = 2 * DBL_EPSILON * (fabs(epoch) + fabs(t->origin) + fabs(relative));
+    return t->is_open ? lost_in_sums + rounding : rounding;
+}
+
+/* Of the samples' body, at the path's own time, within it; `slack` is what that may be off by. */
+static void body_at(const tides_trajectory *trajectory, double relative, double slack, tides_pose *pose) {
     const tides_pose_sample *first = trajectory->samples;
-    if (!trajectory->curve) {
+    if (!trajectory->curve && !trajectory->is_open) {
         memset(pose, 0, sizeof *pose);
         memcpy(pose->position, first->position, sizeof pose->position);
         td_rotation_from_quaternion(first->quaternion, pose->rotation);
         return;
     }
     double value[TD_CURVE_WIDTH], rate[TD_CURVE_WIDTH];
-    td_curve_at(trajectory->curve, td_curve_find(trajectory->curve, relative), relative, value, rate);
+    if (trajectory->is_open)
+        td_open_at(&trajectory->open, relative, slack, value, rate);
+    else
+        td_curve_at(trajectory->curve, td_curve_find(trajectory->curve, relative), relative, value, rate);
     memcpy(pose->position, value, sizeof pose->position);
     memcpy(pose->position_dot, rate, sizeof pose->position_dot);
     normalise_with_rate(value + 3, rate + 3);
@@ -229,8 +239,8 @@ static void body_at(const tides_trajectory *trajectory, double relative, tides_p
     td_rotation_rate(value + 3, rate + 3, pose->rotation_dot);
 }
 
-static void pose_at(const tides_trajectory *trajectory, double relative, tides_pose *pose) {
-    body_at(trajectory, relative, pose);
+static void pose_at(const tides_trajectory *trajectory, double relative, double slack, tides_pose *pose) {
+    body_at(trajectory, relative, slack, pose);
     if (trajectory->mounted) td_mount_pose(&trajectory->mount, pose);
 }
 
@@ -248,9 +258,19 @@ static tides_status fail_arguments(tides_error *error) {
 tides_status tides_trajectory_at(const tides_trajectory *trajectory, double time, tides_pose *pose, tides_error *error) {
     if (!trajectory || !pose || isnan(time)) return fail_arguments(error);
     const tides_pose_sample *first = trajectory->samples, *last = first + trajectory->count - 1;
-    if (trajectory->curve && (time < first->time || time > last->time)) return fail_outside(trajectory, time, error);
-    pose_at(trajectory, time - first->time, pose);
+    const int32_t moves = trajectory->curve || trajectory->is_open;
+    if (moves && (time < first->time || time > last->time)) return fail_outside(trajectory, time, error);
+    const double relative = time - trajectory->origin;
+    pose_at(trajectory, relative, td_trajectory_slack(trajectory, 0, relative), pose);
     return TIDES_OK;
+}
+
+/* Told as it goes, a curve is C1. */
+static tides_status fail_open(tides_error *error) {
+    return td_fail(error, TIDES_UNSUPPORTED,
+                   "an open path's acceleration jumps at every sample, where an IMU would feel a blow; make a path of its "
+                   "samples "
+                   "with tides_trajectory_create");
 }
 
 /* The curve has two accelerations at a sample where it is C1 only. */
@@ -265,7 +285,8 @@ static tides_status check_bends(const tides_trajectory *trajectory, double start
 }
 
 tides_status td_trajectory_check_smooth(const tides_trajectory *trajectory, double start, double stop, tides_error *error) {
-    const double from = trajectory->samples[0].time;
+    const double from = trajectory->origin;
+    if (trajectory->is_open) return fail_open(error);
     return check_bends(trajectory, start - from, stop - from, error);
 }
 
@@ -294,7 +315,8 @@ tides_status tides_trajectory_acceleration(const tides_trajectory *trajectory, d
     if (!acceleration) return fail_arguments(error);
     tides_status status = tides_trajectory_at(trajectory, time, &pose, error);
     if (status != TIDES_OK) return status;
-    const double relative = time - trajectory->samples[0].time;
+    const double relative = time - trajectory->origin;
+    if (trajectory->is_open) return fail_open(error);
     double second[TD_CURVE_WIDTH] = {0};
     status = check_bends(trajectory, nextafter(relative, -INFINITY), nextafter(relative, INFINITY), error);
     if (status != TIDES_OK) return status;
@@ -307,26 +329,31 @@ tides_status tides_trajectory_acceleration(const tides_trajectory *trajectory, d
 tides_status td_trajectory_at(const tides_trajectory *trajectory, double epoch, double offset, tides_pose *pose,
                               tides_error *error) {
     if (!trajectory || !pose || isnan(epoch) || isnan(offset)) return fail_arguments(error);
-    const double from = trajectory->samples[0].time, span = trajectory->samples[trajectory->count - 1].time - from;
-    const double slack = 2 * DBL_EPSILON * (fabs(epoch) + fabs(from) + span);
-    double relative = (epoch - from) + offset;
-    if (trajectory->curve && (relative < -slack || relative > span + slack))
+    const double from = trajectory->samples[0].time - trajectory->origin,
+                 to = trajectory->samples[trajectory->count - 1].time - trajectory->origin;
+    const double relative = (epoch - trajectory->origin) + offset;
+    const double slack = td_trajectory_slack(trajectory, epoch, trajectory->is_open ? relative : to);
+    if ((trajectory->curve || trajectory->is_open) && (relative < from - slack || relative > to + slack))
         return fail_outside(trajectory, epoch + offset, error);
-    pose_at(trajectory, fmin(fmax(relative, 0), span), pose);
+    pose_at(trajectory, trajectory->is_open ? relative : fmin(fmax(relative, 0), to), slack, pose);
     return TIDES_OK;
 }
 
 size_t td_trajectory_find(const tides_trajectory *trajectory, double epoch, double offset) {
-    return trajectory->curve ? td_curve_find(trajectory->curve, (epoch - trajectory->samples[0].time) + offset) : 0;
+    const double relative = (epoch - trajectory->origin) + offset;
+    if (trajectory->is_open) return td_open_find(&trajectory->open, relative);
+    return trajectory->curve ? td_curve_find(trajectory->curve, relative) : 0;
 }
 
 void tides_trajectory_range(const tides_trajectory *trajectory, double *start, double *stop) {
-    int moves = trajectory && trajectory->curve;
+    int moves = trajectory && (trajectory->curve || trajectory->is_open);
     if (start) *start = moves ? trajectory->samples[0].time : -INFINITY;
     if (stop) *stop = moves ? trajectory->samples[trajectory->count - 1].time : INFINITY;
 }
 
-int32_t tides_trajectory_is_static(const tides_trajectory *trajectory) { return trajectory && !trajectory->curve; }
+int32_t tides_trajectory_is_static(const tides_trajectory *trajectory) {
+    return trajectory && !trajectory->curve && !trajectory->is_open;
+}
 
 size_t tides_trajectory_count(const tides_trajectory *trajectory) { return trajectory ? trajectory->count : 0; }
 

@@ -32,6 +32,8 @@ static void add_motion(uint64_t *sum, const tides_object *object) {
 
 static tides_status add_trajectory(uint64_t *sum, const tides_trajectory *trajectory, tides_error *error) {
     size_t count = trajectory ? tides_trajectory_count(trajectory) : 0;
+    const uint64_t open = 1;
+    if (tides_trajectory_is_open(trajectory)) *sum = td_hash_words(*sum, &open, sizeof open); /* another curve, same samples */
     for (size_t i = 0; i < count; i++) {
         tides_pose_sample sample;
         memset(&sample, 0, sizeof sample);

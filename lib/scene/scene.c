@@ -1,5 +1,6 @@
 /* The object store behind tides_scene: sets of Gaussians, each with its trajectory, motion, scale and name. Everything that
  * enters is checked here, so that nothing later has to; files are read and written elsewhere. */
+#include "camera/td_trajectory.h"
 #include "td_base.h"
 #include "td_scene.h"
 
@@ -17,6 +18,8 @@ tides_status tides_scene_create(tides_scene **scene, tides_error *error) {
 }
 
 static void object_free(td_object *object) {
+    tides_trajectory_destroy(object->told);
+    if (object->is_lent) return;
     td_gaussians_free(&object->gaussians);
     tides_trajectory_destroy(object->trajectory);
     tides_motion_destroy(object->motion);
@@ -35,24 +38,13 @@ void tides_scene_destroy(tides_scene *scene) {
     free(scene);
 }
 
-/* A path of its own for the object, made through the public calls: sampled again, it is the same curve. */
-static tides_status copy_trajectory(const tides_trajectory *trajectory, tides_trajectory **copy, tides_error *error) {
-    size_t count = tides_trajectory_count(trajectory);
-    tides_pose_sample *samples = td_alloc(count, sizeof *samples, error);
-    tides_status status = samples ? TIDES_OK : TIDES_NO_MEMORY;
-    for (size_t i = 0; i < count && !status; i++) status = tides_trajectory_sample(trajectory, i, &samples[i], error);
-    if (!status) status = tides_trajectory_create(samples, count, copy, error);
-    free(samples);
-    return status;
-}
-
 static tides_status object_fill(td_object *object, td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,
                                 const char *name, const char *source, tides_error *error) {
     if (!(scale > 0 && scale <= FLT_MAX))
         return td_fail(error, TIDES_BAD_ARGUMENT, "scale is %g: must be a positive number within float's range", scale);
     tides_status status = td_gaussians_check(gaussians, scale, source ? TIDES_BAD_FILE : TIDES_BAD_ARGUMENT, error);
     if (status) return status;
-    if (trajectory && (status = copy_trajectory(trajectory, &object->trajectory, error)) != TIDES_OK) return status;
+    if (trajectory && (status = td_trajectory_copy(trajectory, &object->trajectory, error)) != TIDES_OK) return status;
     if ((status = td_gaussians_recentre(gaussians, error)) != TIDES_OK) return status;
     object->name = td_strdup(name, error);
     object->source = td_strdup(source ? source : "", error);
@@ -119,7 +111,7 @@ tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_o
         return td_fail(error, TIDES_BAD_ARGUMENT, "object %d doesn't exist: the scene has %zu", (int)index, scene->count);
     const td_object *found = &scene->objects[index];
     *object = (tides_object){.gaussians = td_gaussians_view(&found->gaussians),
-                             .trajectory = found->trajectory,
+                             .trajectory = found->told ? found->told : found->trajectory,
                              .scale = found->scale,
                              .name = found->name,
                              .source = found->source,

@@ -64,6 +64,9 @@ static tides_status write_samples(const td_place *place, const tides_pose_sample
 }
 
 static tides_status write_trajectory(const td_place *object, const tides_trajectory *trajectory) {
+    if (tides_trajectory_is_open(trajectory))
+        return td_fail(object->error, TIDES_UNSUPPORTED,
+                       "an object's path is open, told as it goes; a scene file holds paths that are known as a whole");
     size_t count = tides_trajectory_count(trajectory);
     tides_pose_sample *samples = td_alloc(count, sizeof *samples, object->error);
     if (!samples) return TIDES_NO_MEMORY;

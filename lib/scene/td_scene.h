@@ -23,6 +23,8 @@ typedef struct td_object {
     char *name, *source;
     tides_motion *motion; /* NULL: none; owned */
     double duration_s;
+    tides_trajectory *told; /* NULL, or an open path in the place of `trajectory` */
+    int32_t is_lent;        /* 1: all but `told` is another scene's */
 } td_object;
 
 struct tides_scene {
@@ -97,6 +99,17 @@ tides_status td_scene_give_motion(tides_scene *scene, tides_motion *motion, doub
 
 /* Drops the objects from number `count` on: undoes a half-done addition. */
 void td_scene_truncate(tides_scene *scene, size_t count);
+
+/* -- scene_told.c: objects that are told where they are as a run goes -- */
+
+/* A scene of the same objects, which stay those of `scene`: that must outlive it, and not be added to. */
+tides_status td_scene_lend(const tides_scene *scene, tides_scene **lent, tides_error *error);
+
+/* Gives object `index` of such a scene an open path that begins as `first`. */
+tides_status td_scene_tell(tides_scene *lent, int32_t index, const tides_pose_sample *first, tides_error *error);
+
+/* The open path of an object, NULL where it has none. */
+tides_trajectory *td_scene_told(const tides_scene *scene, int32_t index);
 
 /* -- readers and writers: ply_reader.c, ply_writer.c, scene_hdf5.c, scene_hdf5_write.c -- */
 

@@ -76,12 +76,12 @@ static tides_status check_adaptive(const tides_stepping *stepping, tides_error *
     return TIDES_OK;
 }
 
-/* Fails where a path doesn't cover the run. */
+/* Fails where a path doesn't cover the run; one that is told as it goes only has to begin in time. */
 static tides_status check_covers(const tides_trajectory *trajectory, const char *what, double start, double stop,
                                  tides_error *error) {
     double from, to;
     tides_trajectory_range(trajectory, &from, &to);
-    if (from <= start && to >= stop) return TIDES_OK;
+    if (from <= start && (to >= stop || tides_trajectory_is_open(trajectory))) return TIDES_OK;
     return td_fail(error, TIDES_OUT_OF_RANGE,
                    "%s covers %.15g to %.15g s, but the run goes from %.15g to %.15g s; change time.start and "
                    "time.stop",

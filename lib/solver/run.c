@@ -10,6 +10,7 @@
  *
  * Fixed steps skip what is between. Times count from the run's start; steps lie on the grid k step_s, joined by the knots of
  * motions (grid.c). What each stage does is in its own file; here is their order, and what becomes of a failure. */
+#include "camera/td_trajectory.h"
 #include "signal/td_event_sort.h"
 #include "td_simulator.h"
 
@@ -170,6 +171,24 @@ static tides_status advance_to(tides_simulator *s, int64_t last, tides_event_sin
     return status;
 }
 
+/* Fails where a path that is told as it goes hasn't been told as far as grid point `last`. */
+static tides_status check_told(const tides_simulator *s, int64_t last, tides_error *error) {
+    const double until = td_grid_time(s, last);
+    const char *late = td_trajectory_told(s->camera, s->epoch, until) ? NULL : "the camera's path";
+    char named[128];
+    for (int32_t i = 0; i < tides_scene_objects(s->scene) && !late; i++) {
+        tides_object object;
+        tides_status status = tides_scene_object(s->scene, i, &object, error);
+        if (status != TIDES_OK) return status;
+        if (td_trajectory_told(object.trajectory, s->epoch, until)) continue;
+        snprintf(named, sizeof named, "the path of object %d ('%.80s')", (int)i, object.name);
+        late = named;
+    }
+    if (!late) return TIDES_OK;
+    return td_fail(error, TIDES_OUT_OF_RANGE, "%s is open, and hasn't been told up to %.15g s; append poses first", late,
+                   s->epoch + until);
+}
+
 tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink, void *sink_user,
                                  tides_progress progress, void *user, tides_error *error) {
     if (!simulator) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: simulator must be given");
@@ -184,7 +203,10 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
     int64_t last = until - simulator->epoch >= simulator->length
                        ? simulator->steps
                        : td_grid_last_until(&simulator->grid, simulator->epoch, until);
-    if (!simulator->started) status = td_begin(simulator, error);
+    if (last > simulator->step) status = check_told(simulator, last, error);
+    /* An open path that says where it begins, and no more, has no rates there yet. */
+    const int32_t begins = !simulator->started && (last > 0 || check_told(simulator, 1, NULL) == TIDES_OK);
+    if (begins && status == TIDES_OK) status = td_begin(simulator, error);
     td_ask_begin(simulator, progress, user);
     if (status == TIDES_OK) status = advance_to(simulator, last, sink, sink_user, error);
     td_ask_end(simulator);

@@ -40,6 +40,7 @@ from .events import (
 )
 from .exposure import Exposure
 from .generate import GenerateOptions, World, generate, generators
+from .live import Live, LiveOptions
 from .measure import ExactOptions, exact_stream, ideal_settings, image_is_continuous
 from .motion import Motion
 from .names import nearest_name

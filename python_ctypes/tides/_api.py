@@ -176,6 +176,7 @@ TIDES_NORMALISE_SAMPLE = 2
 TIDES_VOXEL_E2VID = 0
 TIDES_VOXEL_DSEC = 1
 TIDES_VOXEL_TIMELENS = 2
+TIDES_LIVE_CAMERA = -1
 TIDES_IDEAL_THRESHOLDS = 1
 TIDES_IDEAL_PIXEL = 2
 
@@ -247,6 +248,10 @@ class tides_array_writer(Structure):
 
 
 class tides_fingerprints(Structure):
+    pass
+
+
+class tides_live(Structure):
     pass
 
 
@@ -2916,6 +2921,41 @@ class tides_fingerprint(Structure):
     ]
 
 
+class tides_live_options(Structure):
+    """uint32_t size;
+    int32_t camera; /* 1: it is told where it is; 0: it follows the run's path */
+    const int32_t *objects; /* numbers of objects of the session's scene that are told where they are; */
+    size_t object_count; /* the others follow their paths. NULL where it is 0 */
+    double stop; /* [s] the run's end, where the last step ends; NaN: as far as poses are told */
+    double most_speed; /* [scene units/s] a pose that needs more than that from the one before is a jump, and refused; */
+    double most_turn_rate; /* [rad/s] and so here; 0: any speed, and turns below 179 degrees */
+    int32_t keep; /* 1: what was told is kept, for tides_live_path; 0: it is forgotten once it isn't needed */
+    int32_t reserved;
+    """
+
+    size: int
+    camera: int
+    objects: Any
+    object_count: int
+    stop: float
+    most_speed: float
+    most_turn_rate: float
+    keep: int
+    reserved: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("camera", c_int32),
+        ("objects", P(c_int32)),
+        ("object_count", c_size_t),
+        ("stop", c_double),
+        ("most_speed", c_double),
+        ("most_turn_rate", c_double),
+        ("keep", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
 class tides_exact_options(Structure):
     """uint32_t size;
     int32_t in_double; /* 1: on the double-precision reference, whatever the device: slow */
@@ -3249,6 +3289,27 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
         P(c_double), c_int32, c_int32, c_double, c_double, c_uint64, c_uint64, tides_event_sink, c_void_p,
         P(tides_error)
     ]),
+    # void tides_live_close(tides_live *live)
+    "tides_live_close": (None, [P(tides_live)]),
+    # tides_status tides_live_open(tides_session *session, const tides_live_options *options, tides_progress progress,
+    # void *user, tides_live **live, tides_error *error)
+    "tides_live_open": (c_int32, [
+        P(tides_session), P(tides_live_options), tides_progress, c_void_p, P(P(tides_live)), P(tides_error)
+    ]),
+    # void tides_live_options_defaults(tides_live_options *options)
+    "tides_live_options_defaults": (None, [P(tides_live_options)]),
+    # const tides_trajectory *tides_live_path(const tides_live *live, int32_t object)
+    "tides_live_path": (P(tides_trajectory), [P(tides_live), c_int32]),
+    # double tides_live_reached(const tides_live *live)
+    "tides_live_reached": (c_double, [P(tides_live)]),
+    # tides_status tides_live_run(tides_live *live, double until, const tides_event **events, size_t *count, tides_error
+    # *error)
+    "tides_live_run": (c_int32, [P(tides_live), c_double, P(P(tides_event)), P(c_size_t), P(tides_error)]),
+    # tides_simulator *tides_live_simulator(const tides_live *live)
+    "tides_live_simulator": (P(tides_simulator), [P(tides_live)]),
+    # tides_status tides_live_tell(tides_live *live, int32_t object, const tides_pose_sample *samples, size_t count,
+    # tides_error *error)
+    "tides_live_tell": (c_int32, [P(tides_live), c_int32, P(tides_pose_sample), c_size_t, P(tides_error)]),
     # tides_status tides_match_events(const tides_event *reference, size_t reference_count, const tides_event
     # *simulated, size_t simulated_count, double limit_s, tides_match *match, tides_error *error)
     "tides_match_events": (c_int32, [
@@ -3451,6 +3512,9 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
         P(tides_scene), P(tides_gaussians), P(tides_motion), c_double, P(tides_trajectory), c_double, c_char_p,
         P(c_int32), P(tides_error)
     ]),
+    # tides_status tides_scene_append(tides_scene *scene, int32_t index, const tides_pose_sample *samples, size_t count,
+    # tides_error *error)
+    "tides_scene_append": (c_int32, [P(tides_scene), c_int32, P(tides_pose_sample), c_size_t, P(tides_error)]),
     # void tides_scene_bounds(const tides_scene *scene, double lower[3], double upper[3])
     "tides_scene_bounds": (None, [P(tides_scene), P(c_double), P(c_double)]),
     # tides_status tides_scene_bounds_at(const tides_scene *scene, double time, double lower[3], double upper[3],
@@ -3590,6 +3654,9 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     # tides_status tides_trajectory_acceleration(const tides_trajectory *trajectory, double time, double
     # acceleration[3], tides_error *error)
     "tides_trajectory_acceleration": (c_int32, [P(tides_trajectory), c_double, P(c_double), P(tides_error)]),
+    # tides_status tides_trajectory_append(tides_trajectory *trajectory, const tides_pose_sample *samples, size_t count,
+    # tides_error *error)
+    "tides_trajectory_append": (c_int32, [P(tides_trajectory), P(tides_pose_sample), c_size_t, P(tides_error)]),
     # tides_status tides_trajectory_at(const tides_trajectory *trajectory, double time, tides_pose *pose, tides_error
     # *error)
     "tides_trajectory_at": (c_int32, [P(tides_trajectory), c_double, P(tides_pose), P(tides_error)]),
@@ -3609,6 +3676,9 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_trajectory_create_mounted": (c_int32, [
         P(tides_trajectory), P(c_double), P(c_double), P(P(tides_trajectory)), P(tides_error)
     ]),
+    # tides_status tides_trajectory_create_open(const tides_pose_sample *samples, size_t count, tides_trajectory
+    # **trajectory, tides_error *error)
+    "tides_trajectory_create_open": (c_int32, [P(tides_pose_sample), c_size_t, P(P(tides_trajectory)), P(tides_error)]),
     # tides_status tides_trajectory_create_orbit(const tides_orbit *orbit, tides_trajectory **trajectory, tides_error
     # *error)
     "tides_trajectory_create_orbit": (c_int32, [P(tides_orbit), P(P(tides_trajectory)), P(tides_error)]),
@@ -3617,11 +3687,15 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "tides_trajectory_create_static": (c_int32, [P(c_double), P(c_double), P(P(tides_trajectory)), P(tides_error)]),
     # void tides_trajectory_destroy(tides_trajectory *trajectory)
     "tides_trajectory_destroy": (None, [P(tides_trajectory)]),
+    # void tides_trajectory_forget(tides_trajectory *trajectory, double time)
+    "tides_trajectory_forget": (None, [P(tides_trajectory), c_double]),
     # tides_status tides_trajectory_imu(const tides_trajectory *trajectory, const tides_imu *imu, double start, size_t
     # count, tides_imu_sample *samples, tides_error *error)
     "tides_trajectory_imu": (c_int32, [
         P(tides_trajectory), P(tides_imu), c_double, c_size_t, P(tides_imu_sample), P(tides_error)
     ]),
+    # int32_t tides_trajectory_is_open(const tides_trajectory *trajectory)
+    "tides_trajectory_is_open": (c_int32, [P(tides_trajectory)]),
     # int32_t tides_trajectory_is_static(const tides_trajectory *trajectory)
     "tides_trajectory_is_static": (c_int32, [P(tides_trajectory)]),
     # void tides_trajectory_range(const tides_trajectory *trajectory, double *start, double *stop)
@@ -3659,5 +3733,5 @@ STRUCTS = (
     tides_dataset_layout, tides_dataset_report, tides_generator, tides_generate_options, tides_world, tides_channel,
     tides_truth, tides_material_point, tides_track, tides_event_truth, tides_match, tides_metrics_options,
     tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_page_options,
-    tides_page_report, tides_run_input, tides_fingerprint, tides_exact_options, tides_exact,
+    tides_page_report, tides_run_input, tides_fingerprint, tides_live_options, tides_exact_options, tides_exact,
 )

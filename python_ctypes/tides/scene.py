@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from ctypes import POINTER, byref, c_double, c_float, c_int32
+from ctypes import POINTER, byref, c_double, c_float, c_int32, cast
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +14,7 @@ from ._call import array, call, doubles, encoded, path, pointer, text
 from ._handle import Handle
 from ._library import lib
 from .motion import Motion, give_means, means
-from .trajectory import Trajectory
+from .trajectory import Trajectory, _given
 
 
 @dataclass
@@ -182,6 +182,17 @@ class Scene(Handle):
         with self._lock:
             call("tides_scene_add_file", self._pointer, path(file), trajectory._pointer if trajectory else None, scale)
         self._note("add_file", os.path.abspath(file), trajectory, scale)
+
+    def append(
+        self, index: int, times: Any, positions: Any, quaternions: Any, velocities: Any = None, angular_velocities: Any = None
+    ) -> None:
+        """Where object `index` is next, which was added with an open path (Trajectory.open): Simulations that look at the scene
+        see it at once."""
+        samples = _given(times, positions, quaternions, velocities, angular_velocities)
+        first = cast(samples.ctypes.data, POINTER(_api.tides_pose_sample))
+        with self._lock:
+            call("tides_scene_append", self._pointer, index, first, len(samples))
+        self._steps = None
 
     def set_duration(self, duration_s: float) -> int:
         """Makes the motions of all objects last `duration_s` [s]; returns how many there are."""

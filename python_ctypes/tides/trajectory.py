@@ -62,23 +62,12 @@ class Trajectory(Handle):
         velocities: Any = None,
         angular_velocities: Any = None,
     ):
-        times = array(times, np.float64, (None,), "times")
-        samples = np.zeros(len(times), _SAMPLE)
-        samples["time"] = times
-        samples["position"] = array(positions, np.float64, (len(times), 3), "positions")
-        samples["quaternion"] = array(quaternions, np.float64, (len(times), 4), "quaternions")
-        if (velocities is None) != (angular_velocities is None):
-            raise ValueError("velocities and angular_velocities: give both or none")
-        if velocities is not None:
-            samples["velocity"] = array(velocities, np.float64, (len(times), 3), "velocities")
-            samples["angular_velocity"] = array(angular_velocities, np.float64, (len(times), 3), "angular_velocities")
-            samples["has_rates"] = 1
-        self._create(samples)
+        self._create(_given(times, positions, quaternions, velocities, angular_velocities))
 
-    def _create(self, samples: np.ndarray) -> None:
+    def _create(self, samples: np.ndarray, how: str = "tides_trajectory_create") -> None:
         made = POINTER(_api.tides_trajectory)()
         first = cast(samples.ctypes.data, POINTER(_api.tides_pose_sample))
-        call("tides_trajectory_create", first, len(samples), byref(made))
+        call(how, first, len(samples), byref(made))
         Handle.__init__(self, made)
 
     @classmethod
@@ -90,12 +79,12 @@ class Trajectory(Handle):
     @classmethod
     def _copy(cls, pointer: Any) -> "Trajectory":
         """A copy of a path that something else owns."""
-        return cls._created(_samples(pointer))
+        return cls._created(_samples(pointer), bool(lib.tides_trajectory_is_open(pointer)))
 
     @classmethod
-    def _created(cls, samples: np.ndarray) -> "Trajectory":
+    def _created(cls, samples: np.ndarray, is_open: bool = False) -> "Trajectory":
         made = cls.__new__(cls)
-        made._create(samples)
+        made._create(samples, "tides_trajectory_create_open" if is_open else "tides_trajectory_create")
         return made
 
     @classmethod
@@ -103,6 +92,33 @@ class Trajectory(Handle):
         made = POINTER(_api.tides_trajectory)()
         call(f"tides_trajectory_create_{name}", *arguments, byref(made))
         return cls._of(made)
+
+    @classmethod
+    def open(
+        cls, times: Any, positions: Any, quaternions: Any, velocities: Any = None, angular_velocities: Any = None
+    ) -> "Trajectory":
+        """A path that is told as it goes, with `append`: between samples the cubic with their rates (those that aren't given are
+        taken from the samples before), so that what is appended changes nothing before it. `Live` makes its own."""
+        return cls._created(_given(times, positions, quaternions, velocities, angular_velocities), True)
+
+    def append(
+        self, times: Any, positions: Any, quaternions: Any, velocities: Any = None, angular_velocities: Any = None
+    ) -> None:
+        """Adds later samples to an open path."""
+        samples = _given(times, positions, quaternions, velocities, angular_velocities)
+        first = cast(samples.ctypes.data, POINTER(_api.tides_pose_sample))
+        with self._lock:
+            call("tides_trajectory_append", self._pointer, first, len(samples))
+
+    def forget(self, time: float) -> None:
+        """Lets an open path forget samples that it doesn't need from `time` [s] on."""
+        with self._lock:
+            lib.tides_trajectory_forget(self._pointer, time)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it is told as it goes."""
+        return bool(lib.tides_trajectory_is_open(self._pointer))
 
     @classmethod
     def static(cls, position: Any, quaternion: Any = (1, 0, 0, 0)) -> "Trajectory":
@@ -169,13 +185,13 @@ class Trajectory(Handle):
         if self._mount:
             return Trajectory.mounted, self._mount
         samples = _samples(self._pointer)
-        copy = Trajectory._created(samples)
+        copy = Trajectory._created(samples, self.is_open)
         if not np.array_equal(_samples(copy._pointer), samples):  # quaternions were normalised once more
             raise TypeError(
                 "this Trajectory can't be pickled: its samples don't say it to the bit. Pickle the Run or the rig's path "
                 "that it came from"
             )
-        return Trajectory._created, (samples,)
+        return Trajectory._created, (samples, self.is_open)
 
     def at(self, time: float) -> Pose:
         """Pose and rates at `time` [s]. OutOfRange outside `range`."""
@@ -216,6 +232,22 @@ class Trajectory(Handle):
     def samples(self) -> np.ndarray:
         """A copy of the samples (n): fields time, position, quaternion, velocity, angular_velocity, has_rates."""
         return _samples(self._pointer)[_SHOWN]
+
+
+def _given(times: Any, positions: Any, quaternions: Any, velocities: Any, angular_velocities: Any) -> np.ndarray:
+    """Samples as C has them, of arrays."""
+    times = array(times, np.float64, (None,), "times")
+    samples = np.zeros(len(times), _SAMPLE)
+    samples["time"] = times
+    samples["position"] = array(positions, np.float64, (len(times), 3), "positions")
+    samples["quaternion"] = array(quaternions, np.float64, (len(times), 4), "quaternions")
+    if (velocities is None) != (angular_velocities is None):
+        raise ValueError("velocities and angular_velocities: give both or none")
+    if velocities is not None:
+        samples["velocity"] = array(velocities, np.float64, (len(times), 3), "velocities")
+        samples["angular_velocity"] = array(angular_velocities, np.float64, (len(times), 3), "angular_velocities")
+        samples["has_rates"] = 1
+    return samples
 
 
 def _samples(pointer: Any) -> np.ndarray:

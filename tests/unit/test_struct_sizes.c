@@ -6,6 +6,8 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "run/td_run.h"
+#include "run/td_session.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/scene_folder.h"
 #include "tides.h"
@@ -179,6 +181,15 @@ static tides_status take_imu(const fixture *f, const void *options, tides_error 
     return tides_trajectory_imu(f->scene.path, options, 0.5, 1, &sample, error);
 }
 
+static tides_status take_live(const fixture *f, const void *options, tides_error *error) {
+    char origin[] = "run";
+    const tides_run run = {.origin = origin};
+    tides_session session = {.facts = {.run = &run, .sees_frames = 1, .values = {.method = "esim"}}};
+    tides_live *live = NULL;
+    (void)f;
+    return tides_live_open(&session, options, NULL, NULL, &live, error);
+}
+
 /* -- the table ----------------------------------------------------------------------------------------------------------- */
 
 static void voxel_defaults(tides_voxel_options *options) { tides_voxel_options_defaults(options, TIDES_VOXEL_E2VID); }
@@ -203,6 +214,7 @@ typedef union given {
     tides_exact_options exact;
     tides_exposure exposure;
     tides_imu imu;
+    tides_live_options live;
 } given;
 
 #define FILL(member, function) \
@@ -221,6 +233,7 @@ FILL(recording, tides_recording_defaults)
 FILL(exact, tides_exact_options_defaults)
 FILL(exposure, tides_exposure_defaults)
 FILL(imu, tides_imu_defaults)
+FILL(live, tides_live_options_defaults)
 
 static const struct row {
     const char *name;
@@ -246,6 +259,7 @@ static const struct row {
     {"tides_exposure", sizeof(tides_exposure), fill_exposure, take_exposure, TIDES_OK},
     {"tides_exposure", sizeof(tides_exposure), fill_exposure, take_exposure_of_values, TIDES_OK},
     {"tides_imu", sizeof(tides_imu), fill_imu, take_imu, TIDES_BAD_CONFIG}, /* metres_per_unit is the caller's to know */
+    {"tides_live_options", sizeof(tides_live_options), fill_live, take_live, TIDES_UNSUPPORTED}, /* of frames */
 };
 enum { ROWS = sizeof rows / sizeof *rows };
 

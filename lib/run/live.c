@@ -1,0 +1,291 @@
+/* Live runs: a simulator on open paths, told where camera and objects are as it goes. There is no second engine: what is here
+ * opens the paths, says what of a run needs to know its length, and keeps the events of a call. */
+#include "tides/live.h"
+
+#include "camera/td_rotation.h"
+#include "camera/td_trajectory.h"
+#include "run/td_run.h"
+#include "run/td_session.h"
+#include "scene/td_scene.h"
+#include "solver/td_simulator.h"
+#include "td_base.h"
+#include "td_struct.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct tides_live {
+    const tides_session *session;
+    tides_scene *scene;       /* the session's objects, with open paths of its own */
+    tides_trajectory *camera; /* NULL: the session's */
+    tides_simulator *simulator;
+    tides_live_options options; /* without the list */
+    double start, stop, until;  /* [s] */
+    tides_event *events;
+    size_t count, capacity;
+};
+
+/* What a time may be short of a step's end, and be it: half of what open paths allow (lib/camera/trajectory.c), so that a path
+ * that was told up to then covers the step. */
+static double slack_of(const tides_live *live, double time) { return 0.5e-10 + DBL_EPSILON * (fabs(live->start) + fabs(time)); }
+
+/* Steps that a run may have (lib/solver/create.c), and what a run without an end has of them. */
+static const double most_steps = 0.999e12, furthest_s = 9.2e9;
+
+void tides_live_options_defaults(tides_live_options *options) {
+    *options = (tides_live_options){.size = sizeof *options, .camera = 1, .stop = NAN};
+}
+
+/* -- opening -------------------------------------------------------------------------------------------------------- */
+
+static tides_status check_session(const tides_session_facts *f, tides_error *error) {
+    const char *origin = f->run->origin;
+    if (f->sees_frames)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: method %s sees frames; a live run is of a scene, by method \"tides\"",
+                       origin, f->values.method);
+    if (f->values.event_truth)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "%s: sensor.truth is true: it is for recordings, when they are finished; set it to false", origin);
+    if (f->values.stepping.budget > 0)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "%s: stepping.budget is shared out over the whole run, whose length a live run doesn't know; set it to "
+                       "0",
+                       origin);
+    return TIDES_OK;
+}
+
+static tides_status check_options(const tides_live_options *o, tides_error *error) {
+    if (o->object_count && !o->objects) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_live_open: options.objects is NULL");
+    if (!(o->most_speed >= 0) || !(o->most_turn_rate >= 0))
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "tides_live_open: options.most_speed %g and most_turn_rate %g must not be below 0", o->most_speed,
+                       o->most_turn_rate);
+    return TIDES_OK;
+}
+
+/* Where a path has its body at `time`, as the sample that an open one begins with; NULL: at the identity, at rest. */
+static tides_status sample_at(const tides_trajectory *path, double time, tides_pose_sample *sample, tides_error *error) {
+    tides_pose pose;
+    memset(sample, 0, sizeof *sample);
+    sample->time = time;
+    sample->quaternion[0] = 1;
+    if (!path) return TIDES_OK;
+    tides_status status = tides_trajectory_at(path, time, &pose, error);
+    if (status != TIDES_OK) return status;
+    const double *r = pose.rotation, *d = pose.rotation_dot;
+    memcpy(sample->position, pose.position, sizeof sample->position);
+    memcpy(sample->velocity, pose.position_dot, sizeof sample->velocity);
+    td_quaternion_from_rotation(r, sample->quaternion);
+    for (int k = 0; k < 3; k++) { /* R_dot R^T is the cross product with the angular velocity */
+        const int i = (k + 2) % 3, j = (k + 1) % 3;
+        sample->angular_velocity[k] = d[3 * i] * r[3 * j] + d[3 * i + 1] * r[3 * j + 1] + d[3 * i + 2] * r[3 * j + 2];
+    }
+    sample->has_rates = !tides_trajectory_is_static(path);
+    return TIDES_OK;
+}
+
+/* Open paths for all that is told. */
+static tides_status open_paths(tides_live *live, const tides_live_options *o, tides_error *error) {
+    const tides_session_facts *f = &live->session->facts;
+    tides_pose_sample first;
+    tides_status status = td_scene_lend(f->scene, &live->scene, error);
+    if (status == TIDES_OK && o->camera) {
+        status = sample_at(f->camera, live->start, &first, error);
+        if (status == TIDES_OK) status = tides_trajectory_create_open(&first, 1, &live->camera, error);
+    }
+    for (size_t i = 0; i < o->object_count && status == TIDES_OK; i++) {
+        tides_object object;
+        status = tides_scene_object(f->scene, o->objects[i], &object, error);
+        if (status == TIDES_OK) status = sample_at(object.trajectory, live->start, &first, error);
+        if (status == TIDES_OK) status = td_scene_tell(live->scene, o->objects[i], &first, error);
+    }
+    return status;
+}
+
+/* Where the first thing ends that isn't told, and a run of so many steps. */
+static tides_status find_end(tides_live *live, const tides_live_options *o, tides_error *error) {
+    const tides_session_facts *f = &live->session->facts;
+    double stop = fmin(furthest_s, live->start + most_steps * f->values.stepping.step_s), last;
+    tides_trajectory_range(f->camera, NULL, &last);
+    if (!live->camera) stop = fmin(stop, last);
+    for (int32_t i = 0; i < tides_scene_objects(live->scene); i++) {
+        tides_object object;
+        tides_status status = tides_scene_object(live->scene, i, &object, error);
+        if (status != TIDES_OK) return status;
+        tides_trajectory_range(object.trajectory, NULL, &last);
+        if (object.trajectory && !tides_trajectory_is_open(object.trajectory)) stop = fmin(stop, last);
+        if (object.motion) stop = fmin(stop, object.duration_s);
+    }
+    live->stop = isnan(o->stop) ? stop : o->stop;
+    return TIDES_OK; /* what doesn't cover options.stop the simulator refuses */
+}
+
+static tides_status make_simulator(tides_live *live, tides_progress progress, void *user, tides_error *error) {
+    const tides_session_facts *f = &live->session->facts;
+    const tides_run_values *v = &f->values;
+    const tides_trajectory *camera = live->camera ? live->camera : f->camera;
+    tides_status status =
+        tides_simulator_create(f->device, live->scene, camera, &f->intrinsics, &v->image, &v->sensor, &v->stepping, live->start,
+                               live->stop, progress, user, &live->simulator, error);
+    return status == TIDES_OK ? tides_simulator_readout(live->simulator, &v->readout, error) : status;
+}
+
+tides_status tides_live_open(tides_session *session, const tides_live_options *options, tides_progress progress, void *user,
+                             tides_live **live, tides_error *error) {
+    if (!session || !live) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_live_open: session or live is NULL");
+    tides_live_options own;
+    tides_live_options_defaults(&own);
+    tides_status status = options ? TD_TAKE_STRUCT(tides_live_options, &own, options, error) : TIDES_OK;
+    if (status == TIDES_OK) status = check_options(&own, error);
+    if (status == TIDES_OK) status = check_session(&session->facts, error);
+    if (status != TIDES_OK) return status;
+    tides_live *made = td_alloc(1, sizeof *made, error);
+    if (!made) return TIDES_NO_MEMORY;
+    made->session = session;
+    made->options = own;
+    made->options.objects = NULL;
+    made->start = made->until = session->facts.values.start;
+    status = open_paths(made, &own, error);
+    if (status == TIDES_OK) status = find_end(made, &own, error);
+    if (status == TIDES_OK) status = make_simulator(made, progress, user, error);
+    if (status == TIDES_OK)
+        *live = made;
+    else
+        tides_live_close(made);
+    return status;
+}
+
+void tides_live_close(tides_live *live) {
+    if (!live) return;
+    tides_simulator_destroy(live->simulator);
+    tides_trajectory_destroy(live->camera);
+    tides_scene_destroy(live->scene);
+    free(live->events);
+    free(live);
+}
+
+/* -- telling -------------------------------------------------------------------------------------------------------- */
+
+static tides_trajectory *path_of(const tides_live *live, int32_t object) {
+    return object == TIDES_LIVE_CAMERA ? live->camera : td_scene_told(live->scene, object);
+}
+
+/* What `error` is about. */
+static tides_status fail_of(int32_t object, tides_status status, tides_error *error) {
+    if (object == TIDES_LIVE_CAMERA) return td_fail_within(error, status, "the camera");
+    return td_fail_within(error, status, "object %d", (int)object);
+}
+
+static tides_status check_jump(const tides_live *live, const tides_pose_sample *from, const tides_pose_sample *to,
+                               tides_error *error) {
+    const tides_live_options *o = &live->options;
+    double away[3], along = 0, q[4];
+    const double time = to->time - from->time;
+    for (int k = 0; k < 3; k++) away[k] = to->position[k] - from->position[k];
+    memcpy(q, to->quaternion, sizeof q);
+    if (!(time > 0) || !td_normalise_quaternion(q)) return TIDES_OK; /* the path will say so */
+    for (int k = 0; k < 4; k++) along += q[k] * from->quaternion[k];
+    const double speed = td_length3(away) / time, turn_rate = 2 * acos(fmin(fabs(along), 1)) / time;
+    if (o->most_speed > 0 && !(speed <= o->most_speed))
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "the pose at %.15g s is a jump: %g scene units/s from the one before, and most_speed is %g", to->time,
+                       speed, o->most_speed);
+    if (o->most_turn_rate > 0 && !(turn_rate <= o->most_turn_rate))
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "the pose at %.15g s is a jump: %g rad/s from the one before, and most_turn_rate is %g", to->time,
+                       turn_rate, o->most_turn_rate);
+    return TIDES_OK;
+}
+
+static tides_status check_jumps(const tides_live *live, const tides_trajectory *path, const tides_pose_sample *samples,
+                                size_t count, tides_error *error) {
+    tides_pose_sample before, now;
+    tides_status status = tides_trajectory_sample(path, tides_trajectory_count(path) - 1, &before, error);
+    for (size_t i = 0; i < count && status == TIDES_OK; i++, before = now) {
+        now = samples[i];
+        status = check_jump(live, &before, &now, error);
+        if (status == TIDES_OK && !td_normalise_quaternion(now.quaternion)) break;
+    }
+    return status;
+}
+
+tides_status tides_live_tell(tides_live *live, int32_t object, const tides_pose_sample *samples, size_t count,
+                             tides_error *error) {
+    if (!live || !samples) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_live_tell: live or samples is NULL");
+    tides_trajectory *path = path_of(live, object);
+    if (!path)
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "%s isn't told where it is in this run: ask for it when the run is opened, in its options",
+                       object == TIDES_LIVE_CAMERA ? "the camera" : "this object");
+    tides_status status = TIDES_OK;
+    const double early = fabs(samples[0].time - live->start);
+    if (count && tides_trajectory_count(path) == 1 && early <= slack_of(live, live->start)) {
+        status = td_trajectory_begin(path, samples, error);
+        samples++;
+        count--;
+    }
+    if (status == TIDES_OK) status = check_jumps(live, path, samples, count, error);
+    if (status == TIDES_OK && count) status = tides_trajectory_append(path, samples, count, error);
+    return status == TIDES_OK ? status : fail_of(object, status, error);
+}
+
+const tides_trajectory *tides_live_path(const tides_live *live, int32_t object) { return path_of(live, object); }
+
+/* -- running -------------------------------------------------------------------------------------------------------- */
+
+static int keep_events(void *user, const tides_event *events, size_t count) {
+    tides_live *live = user;
+    void *grown = live->events;
+    const tides_status status = td_reserve(&grown, &live->capacity, live->count + count, sizeof *events, NULL);
+    live->events = grown;
+    if (status != TIDES_OK) return 1;
+    if (count) memcpy(live->events + live->count, events, count * sizeof *events);
+    live->count += count;
+    return 0;
+}
+
+/* What poses before the time reached said is no longer asked for: but for the image at the run's start, which the second step
+ * may look at once more (lib/solver/solve_rest.c). */
+static void forget(tides_live *live) {
+    enum { STEPS_THAT_LOOK_BACK = 2 };
+    if (live->options.keep || live->simulator->step < STEPS_THAT_LOOK_BACK) return;
+    const double reached = tides_live_reached(live);
+    tides_trajectory_forget(live->camera, reached);
+    for (int32_t i = 0; i < tides_scene_objects(live->scene); i++)
+        tides_trajectory_forget(td_scene_told(live->scene, i), reached);
+}
+
+static tides_status check_until(const tides_live *live, double until, double slack, tides_error *error) {
+    if (!(until >= live->until))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "the run has been advanced to %.15g s, and can't go back to %.15g s",
+                       live->until, until);
+    if (until <= live->stop + slack) return TIDES_OK;
+    return td_fail(error, TIDES_OUT_OF_RANGE,
+                   "the run ends at %.15g s, and is asked for %.15g s: there ends what was given as its stop, or the first "
+                   "path or "
+                   "motion that isn't told",
+                   live->stop, until);
+}
+
+tides_status tides_live_run(tides_live *live, double until, const tides_event **events, size_t *count, tides_error *error) {
+    if (!live) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_live_run: live is NULL");
+    const double slack = slack_of(live, until);
+    tides_status status = check_until(live, until, slack, error);
+    if (status != TIDES_OK) return status;
+    live->count = 0;
+    status = tides_simulator_run(live->simulator, until + slack, keep_events, live, NULL, NULL, error);
+    if (status == TIDES_CANCELLED)
+        status = td_fail(error, TIDES_NO_MEMORY, "out of memory for the events of a live run's step");
+    if (status != TIDES_OK) return status;
+    live->until = until;
+    forget(live);
+    if (events) *events = live->events;
+    if (count) *count = live->count;
+    return TIDES_OK;
+}
+
+double tides_live_reached(const tides_live *live) { return live->start + td_grid_time(live->simulator, live->simulator->step); }
+
+tides_simulator *tides_live_simulator(const tides_live *live) { return live->simulator; }

@@ -1,0 +1,232 @@
+"""Runs whose camera and objects are told as they go: robots, agents, closed loops."""
+
+from __future__ import annotations
+
+import math
+from ctypes import POINTER, byref, c_int32, c_size_t, cast
+from typing import Any, Iterable
+
+import numpy as np
+
+from . import _api
+from ._call import call, text
+from ._handle import Handle
+from ._library import lib
+from ._progress import Progress, Reporter
+from ._values import Facts, Value, plain
+from .device import Device
+from .session import Session
+from .simulate import packet
+from .trajectory import _SAMPLE, Pose, Trajectory
+
+_CAMERA = _api.TIDES_LIVE_CAMERA
+
+
+class LiveOptions(Value, _api.tides_live_options):
+    """What is told, and for how long: camera, stop [s], most_speed [scene units/s], most_turn_rate [rad/s], keep."""
+
+    _defaults = "tides_live_options_defaults"
+
+
+class Live(Handle):
+    """A run that doesn't know its future. It begins where the run's camera is at time.start; each step tells where the camera is
+    next, and gives what fired on the way there:
+
+        with tides.Live("room.json", {"stepping.step_s": 1e-3}) as live:
+            while live.time < 10:
+                events = live.step(my_robot.pose(), 1e-3)
+
+    A pose is (position, quaternion), with (.., velocity, angular_velocity) behind where they are known; a 4 x 4 matrix, body to
+    world; or a Pose. Between poses the path is the cubic with their rates (those that aren't given are taken from the poses
+    before). To the bit these are the events of a Simulation whose camera is `path()`: make that with keep=True.
+
+    Events come by whole steps of the run, stepping.step_s: make that `dt`, or a part of it. `objects` (names or numbers) are told
+    where they are, too; with camera=False only they are. A pose faster than `max_speed` [scene units/s] or `max_turn_rate`
+    [rad/s] is refused as a jump."""
+
+    _destroy = "tides_live_close"
+
+    def __init__(
+        self,
+        run: Any,
+        set: dict[str, Any] | None = None,
+        *,
+        camera: bool = True,
+        objects: Iterable[str | int] = (),
+        stop: float | None = None,
+        max_speed: float = 0.0,
+        max_turn_rate: float = 0.0,
+        keep: bool = False,
+        device: Device | str | int | None = None,
+        progress: Progress = None,
+    ):
+        """`run`: a run file, a Run, or a Session, which several of them may share. `stop` [s]: where the run ends, with the last
+        step (None: as far as it is told)."""
+        if isinstance(run, Session):
+            session = run.vary(set) if set else run
+        else:
+            session = Session(run, set, device)
+        if session.sees_frames:
+            raise ValueError(f"method {session.values.method!r} sees frames; a Live is of a scene, by method 'tides'")
+        self.session, self._objects = session, {}
+        for one in [objects] if isinstance(objects, (str, int)) else objects:
+            self._objects[one] = self._number(one)
+        self._numbers = (c_int32 * max(1, len(self._objects)))(*self._objects.values())
+        options = LiveOptions(
+            camera=int(camera),
+            object_count=len(self._objects),
+            stop=math.nan if stop is None else stop,
+            most_speed=max_speed,
+            most_turn_rate=max_turn_rate,
+            keep=int(keep),
+        )
+        options.objects = cast(self._numbers, POINTER(c_int32))
+        made = POINTER(_api.tides_live)()
+        with session._lock, Reporter(progress) as step:
+            call("tides_live_open", session._pointer, options, step, None, byref(made))
+        super().__init__(made, session, lock=session._lock)
+        self._camera = bool(camera)
+        self._start, self._elapsed, self._rest = session.values.start, 0.0, 0.0
+
+    def _number(self, one: str | int) -> int:
+        names = []
+        for index in range(len(self.session.scene)):
+            facts = _api.tides_object()
+            call("tides_scene_object", self.session.scene._pointer, index, facts)
+            names.append(text(facts.name))
+        if isinstance(one, str):
+            if names.count(one) != 1:
+                raise ValueError(f"objects: {names.count(one)} of the scene's are called {one!r}; it has {', '.join(map(repr, names))}")
+            return names.index(one)
+        return int(one)
+
+    # -- steps ------------------------------------------------------------------------------------------------------
+    def step(self, pose: Any = None, dt: float | None = None, objects: dict[str | int, Any] | None = None) -> np.ndarray:
+        """Tells where the camera (`pose`) and `objects` ({name: pose}) are `dt` seconds on, advances to there, and gives the
+        events since the last step, as EVENT (n). Where a camera or an object has been told further ahead, it may be left out.
+        BadArgument, OutOfRange: NaN, a step of no time or back, a turn of half a turn, a jump; time then stays where it is."""
+        if dt is None:
+            raise TypeError("step: dt, the time [s] to the pose, must be given: live.step(pose, 1e-3)")
+        if not (dt > 0 and math.isfinite(dt)):
+            raise ValueError(f"dt: {dt}, where a time above 0 s is needed: a run goes forward")
+        elapsed, rest = _sum(self._elapsed, self._rest, dt)
+        time = self._start + (elapsed + rest)
+        told = ([] if pose is None else [(_CAMERA, _sample(pose, time))]) + [
+            (self._told(name), _sample(one, time)) for name, one in (objects or {}).items()
+        ]
+        with self._lock:
+            for number, sample in told:
+                self._tell(number, sample)
+            events = self._run(time)
+        self._elapsed, self._rest = elapsed, rest
+        return events
+
+    def tell(self, pose: Any, time: float, object: str | int | None = None) -> None:
+        """Tells where the camera, or an object, is at `time` [s], as far ahead as you like. For the run's start, first of all:
+        where it begins."""
+        self._tell(_CAMERA if object is None else self._told(object), _sample(pose, time))
+
+    def run(self, until: float) -> np.ndarray:
+        """Advances to `until` [s]: the events since the last call, as EVENT (n), sorted by (t, y, x, p)."""
+        events = self._run(until)
+        self._start, self._elapsed, self._rest = float(until), 0.0, 0.0
+        return events
+
+    def _run(self, until: float) -> np.ndarray:
+        events, count = POINTER(_api.tides_event)(), c_size_t()
+        with self._lock:
+            call("tides_live_run", self._pointer, until, byref(events), byref(count))
+            return packet(events, count.value).copy()
+
+    def _told(self, name: str | int) -> int:
+        if name not in self._objects:
+            raise ValueError(f"object {name!r} isn't told where it is: make it Live(..., objects=[{name!r}])")
+        return self._objects[name]
+
+    def _tell(self, number: int, sample: np.ndarray) -> None:
+        if number == _CAMERA and not self._camera:
+            raise ValueError("the camera follows the run's path here: leave its pose out, or make it Live(..., camera=True)")
+        with self._lock:
+            call("tides_live_tell", self._pointer, number, cast(sample.ctypes.data, POINTER(_api.tides_pose_sample)), len(sample))
+
+    # -- state ------------------------------------------------------------------------------------------------------
+    @property
+    def time(self) -> float:
+        """Where it has been advanced to [s]."""
+        return self._start + (self._elapsed + self._rest)
+
+    @property
+    def reached(self) -> float:
+        """Up to when events have been given [s]: the end of the last whole step."""
+        with self._lock:
+            return lib.tides_live_reached(self._pointer)
+
+    @property
+    def stats(self) -> Facts:
+        """What was done so far, field for field what `tides simulate --stats` writes."""
+        stats = _api.tides_stats()
+        with self._lock:
+            lib.tides_simulator_stats(lib.tides_live_simulator(self._pointer), byref(stats))
+        return plain(stats)
+
+    def path(self, object: str | int | None = None) -> Trajectory:
+        """A copy of the camera's open path, or an object's, as far as it is known; of all that was told with keep=True."""
+        number = _CAMERA if object is None else self._told(object)
+        with self._lock:
+            path = lib.tides_live_path(self._pointer, number)
+            if not path:
+                raise ValueError("the camera follows the run's path here: session.camera has it")
+            return Trajectory._copy(path)
+
+
+def _sum(whole: float, rest: float, more: float) -> tuple[float, float]:
+    """whole + rest + more without what sums lose, so that a thousand steps of 0.001 end at 1."""
+    made = whole + more
+    lost = (whole - (made - (made - whole))) + (more - (made - whole))
+    return made, rest + lost
+
+
+def _sample(pose: Any, time: float) -> np.ndarray:
+    """A pose as a tides_pose_sample (1)."""
+    sample = np.zeros(1, _SAMPLE)
+    sample["time"] = time
+    if isinstance(pose, Pose):
+        parts: Any = (pose.position, _quaternion(pose.rotation), pose.position_dot, _angular(pose))
+    elif isinstance(pose, np.ndarray) and pose.shape == (4, 4):
+        parts = (pose[:3, 3], _quaternion(pose[:3, :3]))
+    else:
+        parts = pose
+    try:
+        values = [np.asarray(part, np.float64) for part in parts]
+    except (TypeError, ValueError):
+        values = []
+    if len(values) not in (2, 4) or any(one.shape != (4 if k == 1 else 3,) for k, one in enumerate(values)):
+        raise ValueError(
+            "a pose is (position (3), quaternion (4, wxyz)), with (.., velocity (3), angular velocity (3)) behind, a 4 x 4 matrix, "
+            f"or a Pose; this is {pose!r}"
+        )
+    if not all(np.isfinite(one).all() for one in values):
+        raise ValueError(f"a pose has finite numbers; this is {pose!r}")
+    for name, value in zip(("position", "quaternion", "velocity", "angular_velocity"), values):
+        sample[name] = value
+    sample["has_rates"] = int(len(values) == 4)
+    return sample
+
+
+def _quaternion(rotation: np.ndarray) -> np.ndarray:
+    """wxyz of a rotation matrix: the eigenvector of the largest eigenvalue of Bar-Itzhack's matrix (2000)."""
+    r = np.asarray(rotation, np.float64)
+    if not np.allclose(r @ r.T, np.eye(3), atol=1e-6) or np.linalg.det(r) < 0:
+        raise ValueError("a pose's matrix must begin with a rotation: orthonormal, of determinant 1")
+    k = np.empty((4, 4))
+    k[0] = np.trace(r), r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]
+    k[:, 0] = k[0]
+    k[1:, 1:] = r + r.T - np.trace(r) * np.eye(3)
+    q = np.linalg.eigh(k)[1][:, -1]
+    return q if q[0] >= 0 else -q
+
+
+def _angular(pose: Pose) -> np.ndarray:
+    """Angular velocity, in world axes, of a pose with its rate: R_dot R^T is its cross product."""
+    turning = pose.rotation_dot @ pose.rotation.T
+    return np.array([turning[2, 1] - turning[1, 2], turning[0, 2] - turning[2, 0], turning[1, 0] - turning[0, 1]]) / 2

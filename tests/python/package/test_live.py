@@ -1,0 +1,138 @@
+"""Live runs: steps give the events of a run that knows the path; wrong use says so."""
+
+import json
+
+import numpy as np
+import pytest
+import tides
+from conftest import SIZE, make_cloud
+
+STEP = 2e-3
+
+
+@pytest.fixture
+def room(tmp_path):
+    """A run file of a cloud and a ball."""
+    scene, ball = tides.Scene(), tides.Scene()
+    scene.add(make_cloud(60), name="cloud")
+    scene.add(make_cloud(10, seed=2), scale=0.3, name="ball")
+    scene.save(tmp_path / "room.h5")
+    path = tides.Trajectory.orbit(radius=4, angular_speed=2, start=0, stop=0.1)
+    tides.Camera(path, tides.Intrinsics.from_fov(*SIZE, 0.8)).save(tmp_path / "path.json")
+    run = {
+        "scene": {"file": "room.h5"},
+        "camera": {"file": "path.json"},
+        "time": {"stop": 0.1},
+        "stepping": {"step_s": STEP, "solve": "double", "tolerance": 0.1, "unit": "block", "paths": True},
+    }
+    (tmp_path / "room.json").write_text(json.dumps(run))
+    return tmp_path / "room.json"
+
+
+def poses(room):
+    return tides.Run(room).open()[1].trajectory
+
+
+def test_steps_give_what_a_run_gives_that_knows(room):
+    path, got = poses(room), []
+    with tides.Live(room, objects=["ball"], keep=True, device="reference-f32") as live:
+        for k in range(1, 21):
+            ball = ((0.02 * k, 0.1, 0), (1, 0, 0, 0))
+            pose = path.at(k * STEP)
+            if k % 3 == 0:  # in each form
+                pose = np.block([[pose.rotation, pose.position[:, None]], [np.zeros((1, 3)), np.ones((1, 1))]])
+            got.append(live.step(pose, STEP, objects={"ball": ball}))
+            assert live.reached == pytest.approx(k * STEP, abs=1e-15) and live.time == pytest.approx(k * STEP, abs=1e-15)
+            assert got[-1]["t"].max() <= 1e9 * live.time and live.stats.events == sum(map(len, got))
+        known, moved, session = live.path(), live.path("ball"), live.session
+        assert known.is_open and len(known) == len(moved) == 21
+        v, scene = session.values, tides.Scene()
+        for index, trajectory in enumerate((None, moved)):
+            one = session.scene[index]
+            scene.add(one.gaussians, trajectory, one.scale, one.name)
+        again = tides.Simulation(
+            scene, tides.Camera(known, session.intrinsics), v.start, 1.0, v.sensor, v.stepping, v.image, device="reference-f32"
+        )
+        events = again.run(live.time + 1e-12)
+    assert len(events) > 500 and np.array_equal(np.concatenate(got), events)
+    with pytest.raises(tides.errors.OutOfRange, match="camera's path is open"):
+        again.run(0.2)
+
+
+def test_open_paths_are_told_and_pickled(tmp_path):
+    import pickle
+
+    path = tides.Trajectory.open([0.0], [(0, 0, 0)], [(1, 0, 0, 0)], [(0, 0, 1)], [(0, 0, 0)])
+    assert path.is_open and not path.is_static and path.range == (0, 0) and len(path) == 1
+    path.append([1.0, 2.0], [(0, 0, 1), (0, 0, 2)], [(1, 0, 0, 0)] * 2)
+    before = path.at(0.7).position
+    path.append([3.0], [(5, 0, 0)], [(1, 0, 0, 0)])
+    assert np.array_equal(path.at(0.7).position, before) and before == pytest.approx([0, 0, 0.7])
+    twin = pickle.loads(pickle.dumps(path))
+    assert twin.is_open and np.array_equal(twin.at(2.3).position, path.at(2.3).position)
+    for one in (path, twin):
+        one.append(np.arange(4.0, 20), np.zeros((16, 3)), [(1, 0, 0, 0)] * 16)
+    path.forget(18.9)
+    assert len(path) < 10 and np.array_equal(twin.at(18.95).position, path.at(18.95).position)
+    with pytest.raises(tides.errors.BadArgument, match="strictly increase"):
+        path.append([2.0], [(5, 0, 0)], [(1, 0, 0, 0)])
+    with pytest.raises(tides.errors.BadArgument, match="known as a whole"):
+        tides.Trajectory.static((0, 0, 0)).append([2.0], [(5, 0, 0)], [(1, 0, 0, 0)])
+    with pytest.raises(tides.errors.Unsupported, match="jumps at every sample"):
+        path.acceleration(18.9)
+    scene = tides.Scene()
+    scene.add(make_cloud(3), tides.Trajectory.open([0.0], [(0, 0, 0)], [(1, 0, 0, 0)]))
+    scene.append(0, [1.0], [(1, 0, 0)], [(1, 0, 0, 0)])
+    assert scene[0].trajectory.range == (0, 1)
+    with pytest.raises(tides.errors.Unsupported, match="open"):
+        scene.save(tmp_path / "a.h5")
+
+
+def test_wrong_use_says_so(room):
+    still = ((0, 0, -4), (1, 0, 0, 0))
+    with tides.Live(room, max_speed=5, device="reference") as live:
+        live.tell(still, 0)
+        for wrong, words in [
+            ((still, 0), "a run goes forward"),
+            ((still, -1e-3), "a run goes forward"),
+            ((still, np.nan), "above 0 s"),
+            (((0, 0), 1e-3), "a pose is"),
+            ((((0, 0, np.nan), (1, 0, 0, 0)), 1e-3), "finite numbers"),
+            ((np.full((4, 4), np.nan), 1e-3), "rotation"),
+            ((2 * np.eye(4), 1e-3), "orthonormal"),
+        ]:
+            with pytest.raises(ValueError, match=words):
+                live.step(*wrong)
+        with pytest.raises(TypeError, match="dt"):
+            live.step(still)
+        with pytest.raises(tides.errors.BadArgument, match="jump.*most_speed"):
+            live.step(((0, 3, -4), (1, 0, 0, 0)), 1e-2)
+        with pytest.raises(tides.errors.BadArgument, match="quaternion is zero"):
+            live.step(((0, 0, -4), (0, 0, 0, 0)), 1e-2)
+        with pytest.raises(tides.errors.BadArgument, match="179|turned by"):
+            live.step(((0, 0, -4), (0, 0, 1, 0)), 1e-2)
+        with pytest.raises(tides.errors.OutOfRange, match="hasn't been told"):
+            live.step(None, 1e-2)
+        with pytest.raises(ValueError, match="'ball' isn't told"):
+            live.step(still, 1e-2, objects={"ball": still})
+        assert live.time == 0
+        live.step(still, 1e-2)
+        with pytest.raises(tides.errors.BadArgument, match="go back"):
+            live.run(0)
+        session = live.session
+        with pytest.raises(ValueError, match="Live uses it"):
+            session.close()
+    with pytest.raises(ValueError, match="this Live is closed"):
+        live.step(still, 1e-2)
+    with pytest.raises(ValueError, match="0 of the scene's are called 'bal'; it has 'cloud', 'ball'"):
+        tides.Live(session, objects=["bal"])
+    with pytest.raises(ValueError, match="sees frames"):
+        tides.Live(room, {"method": "esim"})
+    with tides.Live(session, camera=False, objects="ball", stop=0.02) as live:
+        with pytest.raises(ValueError, match="follows the run's path"):
+            live.step(still, 1e-2)
+        with pytest.raises(ValueError, match="follows the run's path"):
+            live.path()
+        live.step(None, 1e-2, objects={"ball": ((0.5, 0, 0), (1, 0, 0, 0))})
+        with pytest.raises(tides.errors.OutOfRange, match="ends at 0.02"):
+            live.step(None, 0.1, objects={"ball": ((0.5, 0, 0), (1, 0, 0, 0))})
