@@ -27,6 +27,8 @@ HDF5 := $(shell $(PKG_CONFIG) --exists hdf5-serial 2>/dev/null && echo hdf5-seri
 # Pictures are the tool's alone: the library doesn't link cairo.
 CLI_DEPS := cairo
 DEPS := libpng libcjson $(HDF5) OpenCL zlib libdeflate libzstd liblz4 libwebp
+# HDF5 1.12 gave some of its functions other meanings; this has all later versions mean what 1.10 did.
+HDF5_API := $(if $(shell $(PKG_CONFIG) --atleast-version=1.12 $(HDF5) 2>/dev/null && echo later),-DH5_USE_110_API)
 MISSING := $(shell for name in $(DEPS) $(CLI_DEPS) OpenEXR; do $(PKG_CONFIG) --exists $$name 2>/dev/null || echo $$name; done)
 # Of OpenEXR's libraries its C core alone: the others are C++. Some distributions have the version in the name.
 EXR_LIBS := $(filter -L% -lOpenEXRCore%,$(shell $(PKG_CONFIG) --libs OpenEXR 2>/dev/null))
@@ -45,7 +47,7 @@ OPTIMISE_fuzz    := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sani
 OPTIMISE := $(OPTIMISE_$(CONFIG))
 # OpenEXR's headers use C11 anonymous structs: system headers, so that -Wpedantic leaves them alone.
 TIDES_CPPFLAGS := -Iinclude -Ilib/base -Ilib/device -Ilib -I. $(shell $(PKG_CONFIG) --cflags $(DEPS) 2>/dev/null) \
-                  -DCL_TARGET_OPENCL_VERSION=120 -D_POSIX_C_SOURCE=200809L \
+                  $(HDF5_API) -DCL_TARGET_OPENCL_VERSION=120 -D_POSIX_C_SOURCE=200809L \
                   $(patsubst -I%,-isystem %,$(shell $(PKG_CONFIG) --cflags-only-I OpenEXR 2>/dev/null))
 # -ffp-contract=off: host and device agree to the bit (kernels/numerics.h).
 TIDES_CFLAGS := -std=c99 $(OPTIMISE) -ffp-contract=off -fno-math-errno -fPIC -fvisibility=hidden -pthread $(WARNINGS)
@@ -369,14 +371,15 @@ clean: ## Remove build/
 STAGE := $(OUT)/wheel
 WHEELS ?= build/python
 WHEEL_LIBS = $(shell sh scripts/archives.sh $(CC) $(TIDES_LDLIBS) $(LDLIBS) -lsz -laec)
+WHEEL_CLI_LIBS = $(shell sh scripts/archives.sh $(CC) $(shell $(PKG_CONFIG) --static --libs $(CLI_DEPS)))
 WHEEL_LINK = $(LINK) -s -Wl,--as-needed,--exclude-libs,ALL,--disable-new-dtags,-rpath,'$$ORIGIN'
 wheel: all $(PAGES)/.made ## Pack the Python package with library, tool and all that these link: WHEELS=build/python
 	rm -rf $(STAGE) && mkdir -p $(STAGE)
-	$(COMPILE) -c python_ctypes/streams.c -o $(OUT)/streams.o
+	for name in streams random; do $(COMPILE) $(WERROR) -c python_ctypes/$$name.c -o $(OUT)/$$name.o || exit 1; done
 	$(WHEEL_LINK) -shared -Wl,-soname,libtides.so.$(MAJOR),--no-undefined,--wrap=stdout,--wrap=stderr -Wl,-Map=$(OUT)/libtides.map \
 	    -o $(STAGE)/libtides.so.$(MAJOR) $(LIB_OBJ) $(OUT)/streams.o -Wl,--start-group $(WHEEL_LIBS) -Wl,--end-group
-	$(WHEEL_LINK) -Wl,-Map=$(OUT)/tides.map -o $(STAGE)/tides $(CLI_OBJ) $(STAGE)/libtides.so.$(MAJOR) \
-	    -Wl,--start-group $(WHEEL_LIBS) -Wl,--end-group
+	$(WHEEL_LINK) -Wl,-Map=$(OUT)/tides.map -o $(STAGE)/tides $(CLI_OBJ) $(OUT)/random.o $(STAGE)/libtides.so.$(MAJOR) \
+	    -Wl,--start-group $(WHEEL_CLI_LIBS) $(WHEEL_LIBS) -Wl,--end-group
 	$(PYTHON) python_ctypes/stage.py $(STAGE) $(OUT)/libtides.map $(OUT)/tides.map
 	rm -f '$(WHEELS)'/tides-*.whl
 	TIDES_WHEEL='$(CURDIR)/$(STAGE)' TIDES_PAGES='$(CURDIR)/$(PAGES)' \
@@ -390,7 +393,7 @@ DEB := build/deb
 deb: all $(PAGES)/.made ## Pack libtides0, libtides-dev, tides and python3-tides for this release of Debian: build/deb/*.deb
 	rm -rf $(DEB) && mkdir -p $(DEB)/root
 	@$(MAKE) --no-print-directory -s install DESTDIR='$(CURDIR)/$(DEB)/root' PREFIX=/usr LIBDIR=/usr/lib/$$(gcc -print-multiarch)
-	$(LINK) -Wl,--as-needed -o $(DEB)/root/usr/bin/tides $(CLI_OBJ) -L$(OUT) -ltides $(TIDES_LDLIBS) $(LDLIBS)
+	$(LINK) -Wl,--as-needed -o $(DEB)/root/usr/bin/tides $(CLI_OBJ) -L$(OUT) -ltides $(CLI_LDLIBS) $(TIDES_LDLIBS) $(LDLIBS)
 	VERSION=$(VERSION) MAJOR=$(MAJOR) sh scripts/deb.sh $(DEB)/root $(DEB)
 	@rm -rf $(DEB)/root && ls $(DEB)/*.deb
 check-deb: deb ## As root: the packages in a chroot (debootstrap): apt installs them, they run, a purge leaves nothing

@@ -63,8 +63,12 @@ def main():
     licences = folder / "licences"
     licences.mkdir(exist_ok=True)
     inside = {path for path in linked.union(*map(archives, maps)) if not COMPILERS.fullmatch(path.name)}
-    for name in sorted({package(path) for path in inside}):
+    names = sorted({package(path) for path in inside})
+    for name in names:
         shutil.copyfile(f"/usr/share/doc/{name}/copyright", licences / f"{name}.txt")
+    sources = said("dpkg-query", "-W", "-f", "${source:Package} ${source:Version}\\n", *names)
+    listed = "".join(sorted(set(sources.splitlines(keepends=True))))
+    (licences / "SOURCES.txt").write_text(f"Debian's sources of what is inside (https://snapshot.debian.org):\n{listed}")
     machine = sysconfig.get_platform().split("-")[-1]
     everything = [*programs, *(folder / path.name for path in linked)]
     (folder / "platform").write_text(f"manylinux_2_{glibc(everything)}_{machine}\n")

@@ -94,8 +94,9 @@ def test_whole_wheel_has_pages_and_licences_and_no_paths_of_this_machine(whole):
     assert (data / "man" / "man1" / "tides-simulate.1").stat().st_size > 1000
     assert (data / "man" / "man5" / "tides-run.5").exists()
     licences = {path.stem: path.read_text() for path in (folder / "tides" / "licences").iterdir()}
-    for part in ("tides", "hdf5", "openexr", "png", "cjson", "zstd", "lz4", "webp", "deflate", "zlib", "ocl-icd", "aec"):
+    for part in ("tides", "hdf5", "openexr", "png", "cjson", "zstd", "lz4", "webp", "deflate", "zlib", "ocl-icd", "aec", "cairo", "freetype"):
         assert any(part in name and "opyright" in text for name, text in licences.items()), part
+    assert re.search(r"^cairo \d", licences["SOURCES"], re.M)
     for path in folder.rglob("*"):
         if path.is_file() and path.suffix != ".whl":
             assert str(ROOT).encode() not in path.read_bytes(), path
