@@ -97,7 +97,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_imu(tides_session *session
 /* Points of the run's scene, followed: tracks.count of them, chosen where something is seen at eight times from time.start to
  * time.stop, by the run's seed; where each is and whether it is seen, at tracks.rate_hz. .npz has t (times) [s], uv (times x
  * tracks x 2) [px], depth (times x tracks) [scene units], visible, object and gaussian (tracks), and query (tracks x 3), when
- * and where each was chosen; .csv has a line for each time and track. `done` is nullable. TIDES_BAD_CONFIG: nothing is seen. */
+ * and where each was chosen; .csv has a line for each time and track; .npy is Kubric's annotations, a
+ * pickled dict of target_points (tracks x times x 2) [px], where not known as last known, and occluded (tracks x times), 1 also
+ * outside of the image. `done` is nullable. TIDES_BAD_CONFIG: nothing is seen. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_tracks(tides_session *session, const char *path, tides_progress progress,
                                                              void *user, tides_session_taken *done, tides_error *error);
 

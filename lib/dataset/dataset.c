@@ -11,7 +11,7 @@
 #include <string.h>
 
 static const td_layout *const layouts[] = {&td_layout_ecd,       &td_layout_dsec, &td_layout_mvsec, &td_layout_evimo,
-                                           &td_layout_blinkflow, &td_layout_tum,  &td_layout_ros2};
+                                           &td_layout_blinkflow, &td_layout_tum,  &td_layout_ros2,  &td_layout_kubric};
 enum { LAYOUTS = sizeof layouts / sizeof *layouts, WRITERS_MAX = LAYOUTS + 1 };
 
 int32_t tides_dataset_layout_at(size_t index, tides_dataset_layout *layout) {
@@ -146,7 +146,8 @@ static tides_status add_writers(job *j, const char *list, tides_error *error) {
         const size_t length = strcspn(at, ",");
         const td_layout *layout = find(at, length);
         if (!layout)
-            return td_fail(error, TIDES_BAD_CONFIG, "layout '%.*s' is none of ecd, dsec, mvsec, evimo, blinkflow, tum, ros2",
+            return td_fail(error, TIDES_BAD_CONFIG,
+                           "layout '%.*s' is none of ecd, dsec, mvsec, evimo, blinkflow, tum, ros2, kubric",
                            (int)(length < 40 ? length : 40), at);
         for (size_t i = 0; i < j->writer_count; i++)
             if (j->writers[i].layout == layout)

@@ -108,7 +108,7 @@ struct td_layout {
     void (*drop)(td_writer *w);
 };
 extern const td_layout td_layout_ecd, td_layout_dsec, td_layout_mvsec, td_layout_evimo, td_layout_blinkflow, td_layout_tum,
-    td_layout_ros2;
+    td_layout_ros2, td_layout_kubric;
 tides_status td_dsec_calibration(const td_writer *w, tides_error *error);
 extern const td_layout td_layout_contact; /* contact.png: of every dataset */
 

@@ -1,5 +1,5 @@
 /* Tracks of a run: points chosen where something is seen, at several times, and where each of them is at all times. */
-#include "archive/td_npy.h"
+#include "archive/td_pickler.h"
 #include "run/td_run.h"
 #include "run/td_session.h"
 #include "td_base.h"
@@ -129,6 +129,45 @@ static tides_status write_npz(const track_job *job, const char *path, tides_erro
     return td_npy_writer_end(npz, status, error);
 }
 
+/* Kubric's and TAP-Vid's order: by track, then by time. A track that is nowhere is where it was last, or first: they know no NaN,
+ * and occluded says that it isn't seen. */
+static void fill_annotations(const track_job *job, size_t point, float *places, uint8_t *occluded) {
+    size_t known = 0;
+    while (known + 1 < job->times && isnan(job->track[known * job->points + point].u)) known++;
+    for (size_t k = 0; k < job->times; k++) {
+        const tides_track *at = &job->track[k * job->points + point];
+        if (!isnan(at->u)) known = k;
+        const tides_track *last = &job->track[known * job->points + point];
+        places[2 * k] = (float)last->u;
+        places[2 * k + 1] = (float)last->v;
+        occluded[k] = !at->visible;
+    }
+}
+
+static tides_status write_annotations(const track_job *job, const char *path, tides_error *error) {
+    const size_t all = job->points * job->times, shape[3] = {job->points, job->times, 2};
+    float *places = td_alloc(all, 2 * sizeof *places, error);
+    uint8_t *occluded = places ? td_alloc(all, sizeof *occluded, error) : NULL;
+    td_npy_writer *npy = NULL;
+    td_pickler pickler;
+    tides_status status = occluded ? td_npy_writer_open(path, 0, &npy, error) : TIDES_NO_MEMORY;
+    for (size_t i = 0; i < job->points && status == TIDES_OK; i++)
+        fill_annotations(job, i, places + 2 * i * job->times, occluded + i * job->times);
+    if (status == TIDES_OK) {
+        td_pickler_begin(&pickler, error);
+        td_pickler_dict(&pickler);
+        td_pickler_text(&pickler, "target_points");
+        td_pickler_array(&pickler, "<f4", sizeof *places, 3, shape, places);
+        td_pickler_text(&pickler, "occluded");
+        td_pickler_array(&pickler, "|b1", sizeof *occluded, 2, shape, occluded);
+        td_pickler_dict_end(&pickler);
+        status = td_npy_writer_end(npy, td_pickler_end(&pickler, npy, "data"), error);
+    }
+    free(occluded);
+    free(places);
+    return status;
+}
+
 /* -- the run --------------------------------------------------------------------------------------------------------- */
 
 static tides_status prepare(tides_session *session, track_job *job, tides_progress progress, void *user, tides_error *error) {
@@ -146,14 +185,19 @@ static tides_status prepare(tides_session *session, track_job *job, tides_progre
 tides_status tides_session_tracks(tides_session *session, const char *path, tides_progress progress, void *user,
                                   tides_session_taken *done, tides_error *error) {
     if (!session || !path) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_session_tracks: session or path is NULL");
-    const int csv = td_ends_in(path, ".csv");
-    if (!csv && !td_ends_in(path, ".npz"))
-        return td_fail(error, TIDES_UNSUPPORTED, "%s: tracks are written as .npz or .csv", path);
+    const struct {
+        const char *ending;
+        tides_status (*write)(const track_job *job, const char *path, tides_error *error);
+    } forms[] = {{".npz", write_npz}, {".csv", write_csv}, {".npy", write_annotations}};
+    size_t form = 0;
+    while (form < 3 && !td_ends_in(path, forms[form].ending)) form++;
+    if (form == 3)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: tracks are written as .npz, .csv, or .npy (Kubric's annotations)", path);
     track_job job = {.facts = &session->facts};
     tides_status status = prepare(session, &job, progress, user, error);
     if (status == TIDES_OK) status = choose(&job, error);
     if (status == TIDES_OK) status = follow(&job, progress, user, error);
-    if (status == TIDES_OK) status = csv ? write_csv(&job, path, error) : write_npz(&job, path, error);
+    if (status == TIDES_OK) status = forms[form].write(&job, path, error);
     if (status == TIDES_OK && done) *done = (tides_session_taken){.count = job.times, .tracks = job.points};
     free(job.point);
     free(job.query);

@@ -194,7 +194,8 @@ class Session(Handle):
         return plain(taken)
 
     def write_tracks(self, file: str | os.PathLike[str], progress: Progress = None) -> Facts:
-        """Points as tracks.* says, followed through the run: .npz or .csv. How many times and tracks."""
+        """Points as tracks.* says, followed through the run: .npz, .csv, or Kubric's annotations as .npy. How many times
+        and tracks."""
         taken = _api.tides_session_taken()
         with self._lock, Reporter(progress) as step:
             call("tides_session_tracks", self._pointer, path(file), step, None, byref(taken))

@@ -81,6 +81,17 @@ def evimo(folder):
     return events, planes, np.load(folder / "dataset_info.npz", allow_pickle=True)
 
 
+# -- Kubric ---------------------------------------------------------------------------------------------------------------
+def kubric(folder):
+    """As EventKubric's: tracks by frame, and where they are seen; queries are where each is seen first."""
+    annotations = np.load(str(folder / "annotations.npy"), allow_pickle=True).item()
+    places = np.transpose(annotations["target_points"], (1, 0, 2))
+    visible = np.transpose(np.logical_not(annotations["occluded"]), (1, 0))
+    first = visible.argmax(axis=0)
+    queries = np.stack([[frame, *places[frame, point]] for point, frame in enumerate(first)])
+    return places, visible, queries
+
+
 # -- TUM ------------------------------------------------------------------------------------------------------------------
 def tum_list(file):
     lines = Path(file).read_text().replace(",", " ").replace("\t", " ").split("\n")

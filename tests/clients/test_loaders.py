@@ -5,6 +5,7 @@ import loaders
 import numpy as np
 import pytest
 import readers
+import tides
 import worlds
 from worlds import METRES
 
@@ -134,6 +135,23 @@ def test_blinkflow(of, name):
         assert flow.dtype == np.float32 and np.array_equal(known == 1, np.isfinite(move["u"]))
         assert np.array_equal(u, np.nan_to_num(move["u"]).astype(np.float32))
         assert np.array_equal(v, np.nan_to_num(move["v"]).astype(np.float32))
+
+
+@every_world
+def test_kubric(of, name):
+    world = of(name)
+    for side in world.sides:
+        at = worlds.camera_folder(world, "kubric", side)
+        places, visible, queries = loaders.kubric(at)
+        images = sorted((at / "frames").iterdir())
+        assert len(images) == len(places) and loaders.png(images[2]).shape == (world.lens.height, world.lens.width, 3)
+        assert np.array_equal(np.loadtxt(at / "timestamps.txt"), [(world.us[0] + 25000 * k) / 1e6 for k in range(5)])
+        read = tides.read_events(at / "events.h5")
+        assert all(np.array_equal(read[column], world.events[side][column]) for column in "txyp")
+        if side == "left":
+            assert np.array_equal(places, world.tracks["uv"].astype(np.float32))
+            assert np.array_equal(visible, world.tracks["visible"] == 1) and visible.any()
+            assert (queries[:, 1:] >= 0).all() and (queries[:, 1:] <= [world.lens.width, world.lens.height]).all()
 
 
 @every_world

@@ -51,6 +51,7 @@ def save_run(folder):
         "camera": {"file": "path.json"},
         "time": {"start": 1, "stop": 1 + LENGTH},
         "stepping": {"step_s": 0.01},
+        "tracks": {"count": 50},
         "dataset": {"picture_hz": PICTURE_HZ, "truth_hz": TRUTH_HZ},
         "imu": {"down": [0, 1, 0]},
     }
@@ -69,6 +70,10 @@ def make(folder, name):
                 events["right"] = other.simulate()
         us = [round(1e6 * start) + 50000 * k for k in range(3)]
         times = [one / 1e6 for one in us]
+        same = {"tracks.rate_hz": PICTURE_HZ, "tracks.count": 50, "time.stop": us[2] / 1e6 + 1e-6}
+        with session.vary(same) as other:
+            other.write_tracks(folder / f"{name}.npz")
+            tracks = dict(np.load(folder / f"{name}.npz"))
         with session.renderer() as renderer:
             truth = [renderer.truth(t) for t in times]
             forward = [renderer.displacement(a, b) for a, b in zip(times, times[1:])]

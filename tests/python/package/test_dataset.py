@@ -9,7 +9,7 @@ import tides
 from read_png import decode_flow, read_png
 
 BASELINE, METRES = 0.2, 0.5
-LAYOUTS = ("ecd", "dsec", "mvsec", "evimo", "blinkflow", "tum", "ros2")
+LAYOUTS = ("ecd", "dsec", "mvsec", "evimo", "blinkflow", "tum", "ros2", "kubric")
 
 
 @pytest.fixture(scope="module")

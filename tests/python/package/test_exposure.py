@@ -1,5 +1,7 @@
 """Exposed frames and inertial measurements."""
 
+import json
+
 import numpy as np
 import pytest
 import tides
@@ -106,6 +108,30 @@ def test_tracks_of_a_run(tmp_path):
     early = np.flatnonzero(made["query"][:, 0] == made["t"][0])
     assert len(early) > 0 and np.allclose(made["uv"][0, early], made["query"][early, 1:], atol=0.5)
     assert made["visible"][0, early].mean() > 0.5
+
+
+def test_tracks_as_annotations(tmp_path):
+    """Kubric's: by track, then time; where one is behind the camera it is where it was, and not seen."""
+    scene = tides.Scene()
+    scene.add(tides.Gaussians.from_colours([[0, 0, 2], [0, 0, 8]], [[0.3] * 3, [3] * 3], [[1, 0, 0], [0, 1, 0]], 0.99))
+    scene.save(tmp_path / "two.h5")
+    path = tides.Trajectory.dolly((0, 0, 0), (0, 0, 4), (0, 0, 9), stop=0.1)
+    tides.Camera(path, tides.Intrinsics.from_fov(16, 12, 0.6)).save(tmp_path / "path.json")
+    run = {"scene": {"file": "two.h5"}, "camera": {"file": "path.json"}, "time": {"stop": 0.1}}
+    (tmp_path / "run.json").write_text(json.dumps({**run, "tracks": {"count": 40, "rate_hz": 100}}))
+    with tides.Session(tmp_path / "run.json", device="reference-f32") as session:
+        session.write_tracks(tmp_path / "a.npz")
+        session.write_tracks(tmp_path / "annotations.npy")
+    made, kubric = np.load(tmp_path / "a.npz"), np.load(tmp_path / "annotations.npy", allow_pickle=True).item()
+    places, occluded = kubric["target_points"], kubric["occluded"]
+    assert places.dtype == np.float32 and occluded.dtype == bool and places.shape == (*occluded.shape, 2) == (40, 11, 2)
+    wanted, known = made["uv"].transpose(1, 0, 2).astype(np.float32), np.isfinite(made["uv"][..., 0]).T
+    assert np.array_equal(places[known], wanted[known]) and np.array_equal(occluded, made["visible"].T == 0)
+    assert np.isfinite(places).all() and occluded[~known].all() and not known[:, -1].all()
+    track = np.flatnonzero(~known[:, -1])[0]
+    last = np.flatnonzero(known[track])[-1]
+    assert (places[track, last:] == places[track, last]).all()
+    assert places.flags.writeable
 
 
 def test_imu_of_a_run(tmp_path):

@@ -1,0 +1,82 @@
+/* Kubric's tracks of points, as EventKubric (Hamann et al. 2025) has them for events, of each camera: annotations.npy, a dict of
+ * target_points (tracks x pictures x 2) [px] and occluded (tracks x pictures), 1 also outside of the image, as tides tracks writes
+ * them; events.h5 as DSEC has it; frames/%05d.png and timestamps.txt [s], the pictures that tracks are counted by. The first
+ * pixel's centre is at 0.5, as TAP-Vid has it. */
+#include "td_dataset.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+typedef struct kubric {
+    tides_event_writer *events;
+    td_text times;
+} kubric;
+
+static tides_status begin(td_writer *w, tides_error *error) {
+    kubric *k = w->state = td_alloc(1, sizeof *k, error);
+    if (!k) return TIDES_NO_MEMORY;
+    tides_status status = td_text_in_folder(&k->times, w->folder, "timestamps.txt", error);
+    if (status == TIDES_OK && w->camera->event >= 0)
+        status = td_events_begin(w, td_in_folder(w->folder, error, "events.h5"), "hdf5", &k->events, error);
+    return status;
+}
+
+static tides_status events(td_writer *w, const tides_event *list, size_t count, tides_error *error) {
+    return tides_event_writer_append(((kubric *)w->state)->events, list, count, error);
+}
+
+static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {
+    return td_plane_write(w->folder, "frames/%05u.png", (unsigned)p->index, w->camera, 8, 3, p->rgb, error);
+}
+
+/* Tracks at the pictures' times. Numbers are whole, with an exponent: no locale has a point in them. */
+static tides_status write_tracks(td_writer *w, tides_error *error) {
+    const td_dataset *set = w->set;
+    char start[64], stop[64], rate[64];
+    snprintf(start, sizeof start, "time.start=%llde-6", (long long)set->start_us);
+    snprintf(stop, sizeof stop, "time.stop=%llde-6",
+             (long long)td_dataset_us(set, set->picture_hz, set->pictures - 1) + 1); /* the last one, however it is rounded */
+    snprintf(rate, sizeof rate, "tracks.rate_hz=%llde-6", llround(1e6 * set->picture_hz));
+    const char *const sets[] = {start, stop, rate};
+    tides_session *session = NULL;
+    char *path = td_in_folder(w->folder, error, "annotations.npy");
+    tides_status status = path ? tides_session_vary(w->camera->session, sets, 3, &session, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) status = tides_session_tracks(session, path, NULL, NULL, NULL, error);
+    tides_session_close(session);
+    free(path);
+    return status;
+}
+
+static tides_status write_times(td_writer *w, tides_error *error) {
+    kubric *k = w->state;
+    for (size_t i = 0; i < w->set->pictures; i++)
+        td_text_put(&k->times, NULL, "%.6f\n", td_seconds(td_dataset_us(w->set, w->set->picture_hz, i)));
+    return td_text_close(&k->times, TIDES_OK, error);
+}
+
+static void drop(td_writer *w) {
+    kubric *k = w->state;
+    if (!k) return;
+    tides_event_writer_abandon(k->events);
+    td_text_drop(&k->times);
+    free(k);
+    w->state = NULL;
+}
+
+static tides_status end(td_writer *w, tides_error *error) {
+    kubric *k = w->state;
+    tides_status status = td_events_end(w, &k->events, error);
+    if (status == TIDES_OK) status = write_times(w, error);
+    if (status == TIDES_OK) status = write_tracks(w, error);
+    drop(w);
+    return status;
+}
+
+const td_layout td_layout_kubric = {.name = "kubric",
+                                    .summary = "Kubric's tracks of points: annotations.npy, events, pictures",
+                                    .per_camera = 1,
+                                    .begin = begin,
+                                    .events = events,
+                                    .picture = picture,
+                                    .end = end,
+                                    .drop = drop};
