@@ -48,7 +48,7 @@ static const cli_command commands[] = {
      ".dat, .es,\n"
      ".aedat4, .npy, .npz, .csv, .txt), most in microseconds. Ctrl-C leaves what was simulated in EVENTS.h5.part.",
      1, cmd_simulate},
-    {"dataset", "RUN.json -o DIR --layout ecd|dsec|mvsec|evimo|blinkflow|tum|ros2",
+    {"dataset", "RUN.json -o DIR --layout ecd|dsec|mvsec|evimo|blinkflow|tum|ros2|kubric",
      "Make a dataset's folder: events, pictures, depth, flow, poses of every camera.",
      "Cameras are those of rig.cameras, each simulated once; rates are dataset.picture_hz, truth_hz and pose_hz.\n"
      "Flow in files is displacement to the next ground truth [px]. DIR is there whole or not at all; DIR/contact.png\n"

@@ -1,5 +1,5 @@
-/* Pickles are programs for a small stack machine (Python's Lib/pickletools.py): each value is pushed, '(' marks where a collection's
- * items begin, and a letter takes them all. Arrays are calls: numpy.ndarray(shape, dtype, bytes). */
+/* Pickles are programs for a small stack machine (Python's Lib/pickletools.py): each value is pushed, '(' marks where a
+ * collection's items begin, and a letter takes them all. Arrays are calls: numpy.ndarray(shape, dtype, bytes). */
 #include "archive/td_pickler.h"
 
 #include "td_base.h"

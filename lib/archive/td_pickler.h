@@ -1,6 +1,6 @@
-/* Internal: plain values as a pickle, which is what numpy's object arrays are in .npy and .npz files: dicts, lists, text, numbers,
- * and arrays of numbers. What is inside is put between begin and end; in a dict each value follows its key. Protocol 5 (Python 3.8
- * on), whose byte arrays make numpy's arrays writable. */
+/* Internal: plain values as a pickle, which is what numpy's object arrays are in .npy and .npz files: dicts, lists, text,
+ * numbers, and arrays of numbers. What is inside is put between begin and end; in a dict each value follows its key. Protocol 5
+ * (Python 3.8 on), whose byte arrays make numpy's arrays writable. */
 #ifndef TD_PICKLER_H
 #define TD_PICKLER_H
 
@@ -27,7 +27,7 @@ void td_pickler_number(td_pickler *p, double value);
 /* An array of `ndim` extents in C order, its elements little-endian; `dtype` as numpy says it ("<f4"). */
 void td_pickler_array(td_pickler *p, const char *dtype, size_t item, int ndim, const size_t *shape, const void *values);
 
-/* Puts it into a file as array `name` and frees it. One that was never begun is fine (and empty) where the status isn't OK. */
+/* Puts it into a file as array `name` and frees it: the status of all that was put. To drop one that was dropped is fine. */
 tides_status td_pickler_end(td_pickler *p, td_npy_writer *npy, const char *name);
 void td_pickler_drop(td_pickler *p);
 

@@ -1,6 +1,5 @@
 /* A dataset: each camera of the rig simulated once and rendered once, what comes of it given to every layout as it comes, and
  * the folder put in its place when all is there. */
-#include "camera/td_rotation.h"
 #include "signal/td_step.h"
 #include "td_dataset.h"
 #include "td_folder.h"
@@ -190,13 +189,8 @@ static void simulate(job *j, const td_member *camera) {
 
 static void give_poses(job *j, const td_member *camera) {
     for (size_t k = 0; k < j->set.poses && j->status == TIDES_OK; k++) {
-        td_place_at place = {.us = td_dataset_us(&j->set, j->set.pose_hz, k)};
-        tides_pose pose;
-        j->status = tides_trajectory_at(camera->facts.camera, td_seconds(place.us), &pose, j->error);
-        if (j->status != TIDES_OK) return;
-        memcpy(place.position, pose.position, sizeof place.position);
-        memcpy(place.rotation, pose.rotation, sizeof place.rotation);
-        td_quaternion_from_rotation(pose.rotation, place.quaternion);
+        td_place_at place;
+        j->status = td_place(camera, td_dataset_us(&j->set, j->set.pose_hz, k), &place, j->error);
         EACH(j, w) if (w->layout->pose) j->status = w->layout->pose(w, &place, j->error);
     }
 }

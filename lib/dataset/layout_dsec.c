@@ -31,12 +31,7 @@ static tides_status check(const td_dataset *set, tides_error *error) {
                        "dsec: it has one or two cameras that make events and up to two that make pictures, not %zu and %zu",
                        set->event_cameras, set->picture_cameras);
     if (td_check_lens(set, "dsec", TIDES_LENS_EQUIDISTANT, 1, error) != TIDES_OK) return TIDES_BAD_CONFIG;
-    const double ratio = set->picture_hz / set->truth_hz;
-    if (fabs(ratio - rint(ratio)) > 1e-9 || ratio < 1)
-        return td_fail(error, TIDES_BAD_CONFIG,
-                       "dsec: flow has the numbers of pictures: dataset.picture_hz must be a whole multiple of "
-                       "dataset.truth_hz");
-    return TIDES_OK;
+    return td_check_numbers(set, "dsec", error);
 }
 
 /* -- a camera -------------------------------------------------------------------------------------------------------------- */
@@ -153,7 +148,7 @@ static tides_status write_disparity(td_writer *w, const td_truth *t, unsigned nu
 static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
     dsec *d = w->state;
     if (w->camera->event != 0) return TIDES_OK;
-    const unsigned number = (unsigned)(t->index * (size_t)llround(w->set->picture_hz / w->set->truth_hz));
+    const unsigned number = (unsigned)(t->index * td_pictures_per_truth(w->set));
     tides_status status = TIDES_OK;
     if (t->next_u) {
         status = td_text_put(&d->forward, error, "%lld, %lld\n", (long long)t->us, (long long)t->next_us);

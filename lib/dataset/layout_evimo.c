@@ -1,10 +1,9 @@
 /* EVIMO2 v2, its npz form (Burner et al. 2022), of each camera: dataset_events_{t,xy,p}.npy [s, px, 0 or 1],
  * dataset_classical.npz (pictures), dataset_depth.npz [mm, 0: none], dataset_mask.npz (1000 times the object's number in the
  * scene plus one; 0: none), dataset_flow.npz (displacement to the next ground truth [px], NaN: unknown; and t, t_end), each
- * plane under KIND_NUMBER, and dataset_info.npz with K and D. EVIMO's own info has a pickled `meta` besides, with poses; those
- * are in poses.txt, `t px py pz qx qy qz qw` of the camera in the world [m]. */
-#include "archive/td_npy.h"
-#include "td_dataset.h"
+ * plane under KIND_NUMBER, the number of the picture at its time, and dataset_info.npz with K, D and meta (evimo_meta.c). Poses
+ * are in poses.txt as well, `t px py pz qx qy qz qw` of the camera in the world [m]. */
+#include "td_evimo.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -22,6 +21,7 @@ typedef struct evimo {
     float *flow;
     double *times; /* of the flow: from, to */
     size_t flows;
+    td_evimo_meta meta;
 } evimo;
 
 static tides_status open_file(td_writer *w, int which, tides_error *error) {
@@ -42,6 +42,7 @@ static tides_status begin_columns(evimo *e, tides_error *error) {
 static tides_status begin(td_writer *w, tides_error *error) {
     evimo *e = w->state = td_alloc(1, sizeof *e, error);
     if (!e) return TIDES_NO_MEMORY;
+    td_evimo_begin(&e->meta, error);
     e->plane = td_alloc(td_pixels(w->camera), sizeof *e->plane, error);
     e->flow = e->plane ? td_alloc(2 * td_pixels(w->camera), sizeof *e->flow, error) : NULL;
     e->times = e->flow ? td_alloc(2 * w->set->truths, sizeof *e->times, error) : NULL;
@@ -80,6 +81,8 @@ static tides_status picture(td_writer *w, const td_picture *p, tides_error *erro
     return put(w, CLASSICAL, "classical", p->index, "'|u1'", 1, 3, p->rgb, error);
 }
 
+static size_t number_of(const td_writer *w, const td_truth *t) { return t->index * td_pictures_per_truth(w->set); }
+
 static tides_status put_flow(td_writer *w, const td_truth *t, tides_error *error) {
     evimo *e = w->state;
     for (size_t i = 0; i < td_pixels(w->camera); i++) {
@@ -88,21 +91,33 @@ static tides_status put_flow(td_writer *w, const td_truth *t, tides_error *error
     }
     e->times[e->flows] = td_seconds(t->us);
     e->times[w->set->truths + e->flows++] = td_seconds(t->next_us);
-    return put(w, FLOW, "flow", t->index, "'<f4'", 4, 2, e->flow, error);
+    return put(w, FLOW, "flow", number_of(w, t), "'<f4'", 4, 2, e->flow, error);
 }
 
 static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
     evimo *e = w->state;
+    td_place_at place;
+    tides_status status = td_place(w->camera, t->us, &place, error);
+    if (status != TIDES_OK) return status;
+    td_evimo_frame(&e->meta, w, number_of(w, t), &place);
     td_depth_16(w->set, w->camera, t->depth, 1000, e->plane);
-    tides_status status = put(w, DEPTH, "depth", t->index, "'<u2'", 2, 0, e->plane, error);
+    status = put(w, DEPTH, "depth", number_of(w, t), "'<u2'", 2, 0, e->plane, error);
     for (size_t i = 0; i < td_pixels(w->camera); i++)
         e->plane[i] = t->instance[i] >= 0 && t->instance[i] < 65 ? (uint16_t)(1000 * (int)(t->instance[i] + 1)) : 0;
-    if (status == TIDES_OK) status = put(w, MASK, "mask", t->index, "'<u2'", 2, 0, e->plane, error);
+    if (status == TIDES_OK) status = put(w, MASK, "mask", number_of(w, t), "'<u2'", 2, 0, e->plane, error);
     return status == TIDES_OK && t->next_u ? put_flow(w, t, error) : status;
 }
 
 static tides_status pose(td_writer *w, const td_place_at *at, tides_error *error) {
-    return td_pose_line(w->set, &((evimo *)w->state)->poses, at, error);
+    evimo *e = w->state;
+    td_evimo_pose(&e->meta, w, at);
+    return td_pose_line(w->set, &e->poses, at, error);
+}
+
+static tides_status imu(td_writer *w, const tides_imu_sample *sample, tides_error *error) {
+    (void)error; /* td_evimo_end tells */
+    td_evimo_imu(&((evimo *)w->state)->meta, w, sample);
+    return TIDES_OK;
 }
 
 static tides_status write_info(td_writer *w, tides_error *error) {
@@ -118,6 +133,7 @@ static tides_status write_info(td_writer *w, tides_error *error) {
     if (status != TIDES_OK) return status;
     status = td_npy_writer_put(npy, "K", "'<f8'", 8, 2, &three, matrix, 3, error);
     if (status == TIDES_OK) status = td_npy_writer_put(npy, "D", "'<f8'", 8, 1, NULL, lens, (size_t)count, error);
+    if (status == TIDES_OK) status = td_evimo_end(&((evimo *)w->state)->meta, w, npy);
     return td_npy_writer_end(npy, status, error);
 }
 
@@ -126,6 +142,7 @@ static void drop(td_writer *w) {
     if (!e) return;
     for (int i = 0; i < FILES; i++) td_npy_writer_discard(e->file[i]);
     td_text_drop(&e->poses);
+    td_pickler_drop(&e->meta.pickler);
     free(e->times);
     free(e->flow);
     free(e->plane);
@@ -150,13 +167,14 @@ static tides_status end(td_writer *w, tides_error *error) {
 
 /* Sixteen bits hold 64 objects. */
 static tides_status check(const td_dataset *set, tides_error *error) {
+    if (td_check_numbers(set, "evimo", error) != TIDES_OK) return TIDES_BAD_CONFIG;
     const int32_t objects = tides_scene_objects(set->cameras[0].facts.scene);
     if (objects <= 65) return TIDES_OK;
     return td_fail(error, TIDES_BAD_CONFIG, "evimo: masks have 16 bits, 1000 for each object: 65 at most, not %d", objects);
 }
 
 const td_layout td_layout_evimo = {.name = "evimo",
-                                   .summary = "EVIMO2 v2: npz of events, depth, masks, displacement",
+                                   .summary = "EVIMO2 v2: npz of events, depth, masks, displacement, poses",
                                    .metric = 1,
                                    .per_camera = 1,
                                    .check = check,
@@ -165,5 +183,6 @@ const td_layout td_layout_evimo = {.name = "evimo",
                                    .picture = picture,
                                    .truth = truth,
                                    .pose = pose,
+                                   .imu = imu,
                                    .end = end,
                                    .drop = drop};

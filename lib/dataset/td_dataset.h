@@ -76,6 +76,9 @@ typedef struct td_place_at {
     double position[3], quaternion[4], rotation[9]; /* wxyz */
 } td_place_at;
 
+/* Where it is at a time. */
+tides_status td_place(const td_member *camera, int64_t us, td_place_at *place, tides_error *error);
+
 /* -- layouts --------------------------------------------------------------------------------------------------------------- */
 
 /* One layout being written: of each camera in turn. */
@@ -167,6 +170,10 @@ int td_lens_numbers(const td_member *camera, double numbers[5]);
 tides_status td_check_lens(const td_dataset *set, const char *layout, int32_t most, int least, tides_error *error);
 /* T_1_0: from camera 0's coordinates to camera 1's, in metres; row-major 4x4. */
 void td_between(const td_dataset *set, const td_member *zero, const td_member *one, double transform[16]);
+/* TIDES_BAD_CONFIG where a layout's ground truth has the numbers of pictures and not each has one; and how many of these there
+ * are to one of those. */
+tides_status td_check_numbers(const td_dataset *set, const char *layout, tides_error *error);
+size_t td_pictures_per_truth(const td_dataset *set);
 /* [m] from one camera to the other. */
 double td_baseline(const td_dataset *set, const td_member *zero, const td_member *one);
 /* `t ax ay az gx gy gz` [s, m/s^2, rad/s]. */

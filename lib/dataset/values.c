@@ -1,4 +1,5 @@
 /* Numbers that layouts share: their conventions of pixels, frames and depths, made of ours. */
+#include "camera/td_rotation.h"
 #include "image/td_png.h"
 #include "signal/td_step.h"
 #include "td_dataset.h"
@@ -68,6 +69,28 @@ void td_between(const td_dataset *set, const td_member *zero, const td_member *o
             for (int j = 0; j < 3; j++) transform[4 * i + j] += b[4 * k + i] * a[4 * k + j];
             transform[4 * i + 3] += b[4 * k + i] * (a[4 * k + 3] - b[4 * k + 3]) * set->metres;
         }
+}
+
+size_t td_pictures_per_truth(const td_dataset *set) { return (size_t)llround(set->picture_hz / set->truth_hz); }
+
+tides_status td_check_numbers(const td_dataset *set, const char *layout, tides_error *error) {
+    const double ratio = set->picture_hz / set->truth_hz;
+    if (fabs(ratio - rint(ratio)) <= 1e-9 && ratio >= 1) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_CONFIG,
+                   "%s: ground truth has the numbers of pictures: dataset.picture_hz must be a whole multiple of "
+                   "dataset.truth_hz",
+                   layout);
+}
+
+tides_status td_place(const td_member *camera, int64_t us, td_place_at *place, tides_error *error) {
+    tides_pose pose;
+    const tides_status status = tides_trajectory_at(camera->facts.camera, td_seconds(us), &pose, error);
+    if (status != TIDES_OK) return status;
+    *place = (td_place_at){.us = us};
+    memcpy(place->position, pose.position, sizeof place->position);
+    memcpy(place->rotation, pose.rotation, sizeof place->rotation);
+    td_quaternion_from_rotation(pose.rotation, place->quaternion);
+    return TIDES_OK;
 }
 
 double td_baseline(const td_dataset *set, const td_member *zero, const td_member *one) {

@@ -129,8 +129,8 @@ static tides_status write_npz(const track_job *job, const char *path, tides_erro
     return td_npy_writer_end(npz, status, error);
 }
 
-/* Kubric's and TAP-Vid's order: by track, then by time. A track that is nowhere is where it was last, or first: they know no NaN,
- * and occluded says that it isn't seen. */
+/* Kubric's and TAP-Vid's order: by track, then by time. A track that is nowhere is where it was last, or first: they know no
+ * NaN, and occluded says that it isn't seen. */
 static void fill_annotations(const track_job *job, size_t point, float *places, uint8_t *occluded) {
     size_t known = 0;
     while (known + 1 < job->times && isnan(job->track[known * job->points + point].u)) known++;

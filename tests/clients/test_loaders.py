@@ -109,15 +109,30 @@ def test_evimo(of, name):
         events, planes, info = loaders.evimo(worlds.camera_folder(world, "evimo", side))
         assert np.array_equal(events[:, 0], world.events[side]["t"] / 1e9)
         check_events(world.events[side]["t"] // 1000, *events[:, 1:].T, world.events[side])
-        assert list(planes["classical"]) == [0, 1, 2, 3, 4] and list(planes["depth"]) == [0, 1, 2]
+        assert list(planes["classical"]) == [0, 1, 2, 3, 4] and list(planes["depth"]) == [0, 2, 4]
         assert np.array_equal(info["K"][:2, 2], [world.lens.cx - 0.5, world.lens.cy - 0.5])
     _, planes, info = loaders.evimo(worlds.camera_folder(world, "evimo", "left"))
     for k, wanted in enumerate(world.truth):
-        assert np.array_equal(planes["depth"][k], np.round(1000 * METRES * wanted["depth_median"]))
-        assert np.array_equal(planes["mask"][k] // 1000, wanted["instance"] + 1)
+        assert np.array_equal(planes["depth"][2 * k], np.round(1000 * METRES * wanted["depth_median"]))
+        assert np.array_equal(planes["mask"][2 * k] // 1000, wanted["instance"] + 1)
     for k, move in enumerate(world.forward):
-        assert np.array_equal(planes["flow"][k], np.stack([move["u"], move["v"]], -1).astype(np.float32), equal_nan=True)
+        assert np.array_equal(planes["flow"][2 * k], np.stack([move["u"], move["v"]], -1).astype(np.float32), equal_nan=True)
         assert (planes["flow"]["t"][k], planes["flow"]["t_end"][k]) == (world.times[k], world.times[k + 1])
+    meta, metres = info["meta"].item(), worlds.METRES
+    assert [frame["id"] for frame in meta["frames"]] == [0, 2, 4] == [key for key in planes["mask"]]
+    for frame, t, pose in zip(meta["frames"], world.times, world.poses):
+        place, turn = frame["cam"]["pos"]["t"], frame["cam"]["pos"]["q"]
+        assert frame["ts"] == frame["cam"]["ts"] == t and np.allclose([place[k] for k in "xyz"], metres * pose.position, atol=1e-12)
+        w, *v = (turn[k] for k in "wxyz")
+        assert np.allclose((2 * w * w - 1) * np.eye(3) + 2 * np.outer(v, v) + 2 * w * np.cross(np.eye(3), v).T, pose.rotation)
+        r, p, y = (frame["cam"]["pos"]["rpy"][k] for k in "rpy")
+        assert np.allclose(pose.rotation[:, 0], [np.cos(y) * np.cos(p), np.sin(y) * np.cos(p), -np.sin(p)])
+        assert np.allclose(pose.rotation[2, 1:], [np.cos(p) * np.sin(r), np.cos(p) * np.cos(r)])
+    assert [one["ts"] for one in meta["full_trajectory"]] == [(world.us[0] + 5000 * k) / 1e6 for k in range(21)]
+    (samples,) = meta["imu"].values()
+    assert set(samples[0]) == {"ts", "angular_velocity", "linear_acceleration"} and samples[0]["ts"] == world.times[0]
+    sizes = {"res_x": world.lens.width, "res_y": world.lens.height, "num_frames": 3, "fx": world.lens.fx}
+    assert {key: meta["meta"][key] for key in sizes} == sizes
     lens = world.lens.lens
     assert info["D"][:4].tolist() == [lens.k1, lens.k2, lens.p1, lens.p2]
 

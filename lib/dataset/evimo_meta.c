@@ -1,0 +1,137 @@
+/* EVIMO2's `meta` in dataset_info.npz, which its readers take times, poses and the IMU from: a dict of
+ *   frames           of each ground truth: id (the number in its planes' names), ts [s], cam, gt_frame
+ *   full_trajectory  of each pose: id, ts, cam
+ *   imu              {"/CAMERA/imu": [{ts, angular_velocity, linear_acceleration}]}, where there is one
+ *   meta             fx fy cx cy res_x res_y num_frames
+ * cam is {ts, pos: {t: {x y z} [m], q: {w x y z}, rpy: {r p y}}}, the camera in the world. Objects' poses, which EVIMO
+ * has beside it, aren't there. It is pickled as what it tells comes. */
+#include "td_evimo.h"
+
+#include <math.h>
+
+static void put_named(td_pickler *p, const char *const *names, const double *values, int count) {
+    td_pickler_dict(p);
+    for (int i = 0; i < count; i++) {
+        td_pickler_text(p, names[i]);
+        td_pickler_number(p, values[i]);
+    }
+    td_pickler_dict_end(p);
+}
+
+static void put_vector(td_pickler *p, const char *key, const double v[3]) {
+    static const char *const names[] = {"x", "y", "z"};
+    td_pickler_text(p, key);
+    put_named(p, names, v, 3);
+}
+
+/* Angles about x, y and z in that order, as tf's getRPY has them. */
+static void put_angles(td_pickler *p, const double r[9]) {
+    static const char *const names[] = {"r", "p", "y"};
+    const double angles[3] = {atan2(r[7], r[8]), atan2(-r[6], hypot(r[7], r[8])), atan2(r[3], r[0])};
+    td_pickler_text(p, "rpy");
+    put_named(p, names, angles, 3);
+}
+
+static void put_time(td_pickler *p, double seconds) {
+    td_pickler_text(p, "ts");
+    td_pickler_number(p, seconds);
+}
+
+/* id, ts and cam of a dict that stays open. */
+static void begin_place(td_evimo_meta *m, const td_dataset *set, size_t id, const td_place_at *at) {
+    static const char *const quaternion[] = {"w", "x", "y", "z"};
+    const double metres[3] = {at->position[0] * set->metres, at->position[1] * set->metres, at->position[2] * set->metres};
+    td_pickler *p = &m->pickler;
+    td_pickler_dict(p);
+    td_pickler_text(p, "id");
+    td_pickler_integer(p, (int32_t)id);
+    put_time(p, td_seconds(at->us));
+    td_pickler_text(p, "cam");
+    td_pickler_dict(p);
+    put_time(p, td_seconds(at->us));
+    td_pickler_text(p, "pos");
+    td_pickler_dict(p);
+    put_vector(p, "t", metres);
+    td_pickler_text(p, "q");
+    put_named(p, quaternion, at->quaternion, 4);
+    put_angles(p, at->rotation);
+    td_pickler_dict_end(p);
+    td_pickler_dict_end(p);
+}
+
+static void leave(td_evimo_meta *m) {
+    if (m->section) td_pickler_list_end(&m->pickler);
+    if (m->section == TD_EVIMO_IMU) td_pickler_dict_end(&m->pickler);
+    m->section = 0;
+}
+
+/* Sections come one after the other: poses, samples of the IMU, ground truth. */
+static void enter(td_evimo_meta *m, int section, const char *camera) {
+    if (m->section == section) return;
+    static const char *const names[] = {"", "full_trajectory", "imu", "frames"};
+    char topic[TIDES_RIG_NAME + 8];
+    leave(m);
+    m->section = section;
+    m->count = 0;
+    td_pickler_text(&m->pickler, names[section]);
+    if (section == TD_EVIMO_IMU) {
+        snprintf(topic, sizeof topic, "/%s/imu", camera);
+        td_pickler_dict(&m->pickler);
+        td_pickler_text(&m->pickler, topic);
+    }
+    td_pickler_list(&m->pickler);
+}
+
+void td_evimo_begin(td_evimo_meta *m, tides_error *error) {
+    *m = (td_evimo_meta){.section = 0};
+    td_pickler_begin(&m->pickler, error);
+    td_pickler_dict(&m->pickler);
+}
+
+void td_evimo_pose(td_evimo_meta *m, const td_writer *w, const td_place_at *at) {
+    enter(m, TD_EVIMO_POSES, w->camera->name);
+    begin_place(m, w->set, m->count++, at);
+    td_pickler_dict_end(&m->pickler);
+}
+
+void td_evimo_imu(td_evimo_meta *m, const td_writer *w, const tides_imu_sample *sample) {
+    enter(m, TD_EVIMO_IMU, w->camera->name);
+    td_pickler_dict(&m->pickler);
+    put_time(&m->pickler, sample->time);
+    put_vector(&m->pickler, "angular_velocity", sample->angular_rate);
+    put_vector(&m->pickler, "linear_acceleration", sample->specific_force);
+    td_pickler_dict_end(&m->pickler);
+}
+
+void td_evimo_frame(td_evimo_meta *m, const td_writer *w, size_t id, const td_place_at *at) {
+    char name[32];
+    enter(m, TD_EVIMO_FRAMES, w->camera->name);
+    begin_place(m, w->set, id, at);
+    m->count++;
+    snprintf(name, sizeof name, "depth_mask_%zu.png", id);
+    td_pickler_text(&m->pickler, "gt_frame");
+    td_pickler_text(&m->pickler, name);
+    td_pickler_dict_end(&m->pickler);
+}
+
+tides_status td_evimo_end(td_evimo_meta *m, const td_writer *w, td_npy_writer *npy) {
+    static const char *const names[] = {"fx", "fy", "cx", "cy", "res_x", "res_y", "num_frames"};
+    const tides_intrinsics *k = &w->camera->facts.intrinsics;
+    const double values[] = {k->fx,    k->fy,     td_whole_cx(w->camera), td_whole_cy(w->camera),
+                             k->width, k->height, (double)m->count};
+    enum { REALS = 4, ALL = sizeof names / sizeof *names };
+    td_pickler *p = &m->pickler;
+    leave(m);
+    td_pickler_text(p, "meta");
+    td_pickler_dict(p);
+    for (int i = 0; i < ALL; i++) {
+        td_pickler_text(p, names[i]);
+        if (i < REALS)
+            td_pickler_number(p, values[i]);
+        else
+            td_pickler_integer(p, (int32_t)values[i]);
+    }
+    td_pickler_dict_end(p);
+    td_pickler_dict_end(p);
+    return td_pickler_end(p, npy, "meta");
+}

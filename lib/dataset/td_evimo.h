@@ -1,0 +1,24 @@
+/* Internal: what EVIMO2's layout tells of its planes, as a dict (evimo_meta.c). */
+#ifndef TD_EVIMO_H
+#define TD_EVIMO_H
+
+#include "archive/td_pickler.h"
+#include "td_dataset.h"
+
+enum { TD_EVIMO_POSES = 1, TD_EVIMO_IMU, TD_EVIMO_FRAMES };
+
+typedef struct td_evimo_meta {
+    td_pickler pickler;
+    int section;  /* the list that is open: TD_EVIMO_*; 0: none */
+    size_t count; /* of its items */
+} td_evimo_meta;
+
+void td_evimo_begin(td_evimo_meta *meta, tides_error *error);
+void td_evimo_pose(td_evimo_meta *meta, const td_writer *w, const td_place_at *at);
+void td_evimo_imu(td_evimo_meta *meta, const td_writer *w, const tides_imu_sample *sample);
+void td_evimo_frame(td_evimo_meta *meta, const td_writer *w, size_t id, const td_place_at *at);
+
+/* Into `npy` as "meta"; all is freed. The status of all since the beginning. */
+tides_status td_evimo_end(td_evimo_meta *meta, const td_writer *w, td_npy_writer *npy);
+
+#endif
