@@ -121,7 +121,8 @@ static tides_status work(comparison *c, cJSON **report, tides_error *error) {
     for (int32_t i = 0; status == TIDES_OK && i < c->count; i++) status = compare_run(c, &c->rows[i], error);
     if (status == TIDES_OK) status = compare_report(c, report, error);
     if (status == TIDES_OK) status = compare_write_tables(c, *report, error);
-    return status == TIDES_OK ? compare_figure(c, error) : status;
+    if (status == TIDES_OK) status = compare_figure(c, error);
+    return status == TIDES_OK ? compare_page(c, *report, error) : status;
 }
 
 /* The failures last, where nobody misses them. */
@@ -171,7 +172,7 @@ int cmd_compare(const cli_command *command, int argc, char **argv) {
         {"--window", 0, "S", "the picture shows so much of the run's middle (as long as it stays clear)", NULL, &window, NULL},
         {"--theme", 0, "THEME", CANVAS_THEME_HELP, NULL, &theme, NULL},
         {"--pictures", 0, "FORMAT", CANVAS_PICTURES_HELP, NULL, &pictures, NULL},
-        {"--keep", 0, NULL, "keep the events: DIR/exact.h5 and DIR/METHOD.h5", &c.keep, NULL, NULL},
+        {"--keep", 0, NULL, "keep the events: DIR/exact.h5 and DIR/METHOD.h5, and pages of them (.html)", &c.keep, NULL, NULL},
         {"--double", 0, NULL, "the exact stream in double precision, by the reference device: slow", &c.in_double, NULL, NULL},
         {"--set", 0, "KEY=VALUE", "override a key of the run file; may be repeated", NULL, NULL, &sets},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},

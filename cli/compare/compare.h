@@ -72,6 +72,12 @@ const char *compare_number(double value, char text[32]);
 /* The value at "comparison.dt_p95_us" of an object in objects, or NULL. */
 const cJSON *compare_find(const cJSON *object, const char *path);
 
+/* The table as HTML, as it is printed; 0 or 1: against the exact stream, against the recording. */
+void compare_put_table(FILE *file, const cJSON *report, size_t reference);
+
+/* compare_page.c: index.html with all of it, and with --keep a page of events for each stream. */
+tides_status compare_page(const comparison *c, const cJSON *report, tides_error *error);
+
 /* compare_figure.c: compare.png. */
 tides_status compare_figure(const comparison *c, tides_error *error);
 

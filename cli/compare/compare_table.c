@@ -1,10 +1,12 @@
 /* Results of a comparison: JSON, CSV and the table on the terminal, all from the JSON. */
 #include "compare.h"
 
+#include "html.h"
+
 #include <math.h>
 #include <stdio.h>
 
-/* -- JSON ------------------------------------------------------------------------------------------------------------------ */
+/* -- JSON -------------------------------------------------------------------------------------------------------------- */
 
 static int32_t add_exact(cJSON *root, const comparison *c) {
     const tides_exact *e = &c->exact;
@@ -60,7 +62,7 @@ tides_status compare_report(const comparison *c, cJSON **report, tides_error *er
     return cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
 }
 
-/* -- CSV ------------------------------------------------------------------------------------------------------------------- */
+/* -- CSV --------------------------------------------------------------------------------------------------------------- */
 
 static const char *const references[] = {"exact", "recording"};
 static const char *const against[] = {"against_exact", "against_recording"};
@@ -122,7 +124,7 @@ tides_status compare_write_tables(const comparison *c, const cJSON *report, tide
     return status == TIDES_OK ? cli_write_file(path, put_csv, report, error) : status;
 }
 
-/* -- text ------------------------------------------------------------------------------------------------------------------ */
+/* -- text -------------------------------------------------------------------------------------------------------------- */
 
 /* A column: of `own` the reference has a value too. */
 typedef struct column {
@@ -194,6 +196,51 @@ static void print_table(const cJSON *report, size_t reference) {
     putchar('\n');
 }
 
+/* -- HTML -------------------------------------------------------------------------------------------------------------- */
+
+static void put_cell(FILE *file, const cJSON *value) {
+    char text[32];
+    fprintf(file, "<td>%s</td>", cJSON_IsNumber(value) ? compare_number(value->valuedouble, text) : "-");
+}
+
+static void put_table_row(FILE *file, const char *name, const cJSON *row, const cJSON *metrics, size_t reference) {
+    fputs("<tr><td class=text>", file);
+    html_text(file, name);
+    fputs("</td>", file);
+    for (size_t i = 0; i < COLUMNS; i++) {
+        if (reference != 0 && columns[i].matched) continue;
+        if (row)
+            put_cell(file, compare_find(metrics, columns[i].path));
+        else
+            put_cell(file, columns[i].own ? compare_find(compare_find(metrics, "reference"), columns[i].own) : NULL);
+    }
+    if (reference == 0) {
+        put_cell(file, row ? compare_find(row, "renders") : NULL);
+        put_cell(file, row ? compare_find(row, "run_time_s") : NULL);
+    }
+    fputs("</tr>\n", file);
+}
+
+void compare_put_table(FILE *file, const cJSON *report, size_t reference) {
+    const cJSON *methods = compare_find(report, "methods"), *row, *first = NULL;
+    html_table_begin(file);
+    fputs("<tr><th class=text>stream</th>", file);
+    for (size_t i = 0; i < COLUMNS; i++)
+        if (reference == 0 || !columns[i].matched) fprintf(file, "<th>%s</th>", columns[i].title);
+    fputs(reference == 0 ? "<th>renders</th><th>seconds</th></tr></thead><tbody>\n" : "</tr></thead><tbody>\n", file);
+    cJSON_ArrayForEach(row, methods) {
+        if (!first) first = compare_find(row, against[reference]);
+    }
+    if (first) put_table_row(file, references[reference], NULL, first, reference);
+    cJSON_ArrayForEach(row, methods) {
+        const cJSON *metrics = compare_find(row, against[reference]);
+        if (metrics) put_table_row(file, compare_find(row, "method")->valuestring, row, metrics, reference);
+    }
+    html_table_end(file);
+}
+
+/* -- text, again: what stands below the tables ------------------------------------------------------------------------- */
+
 /* "esim           esim.contrast_threshold_pos 0.2, ..." */
 static void print_parameters(const cJSON *row) {
     const cJSON *parameters = compare_find(row, "parameters"), *one;
@@ -222,5 +269,5 @@ void compare_print(const comparison *c, const cJSON *report) {
     printf("\n%-*s %s\n", NAME_WIDTH, "pixels",
            c->as_configured ? "as the run file says"
                             : "ideal, with the run's thresholds (--as-configured takes the run file's)");
-    printf("%-*s %s/: compare.png, compare.json, compare.csv\n", NAME_WIDTH, "files", c->directory);
+    printf("%-*s %s/: index.html, compare.png, compare.json, compare.csv\n", NAME_WIDTH, "files", c->directory);
 }

@@ -128,6 +128,8 @@ tides_status cli_make_directory(const char *directory, tides_error *error);
 /* Writes a file as tides_file_write does: what `put` makes of `what`, or a text and the end of its line. */
 typedef void (*cli_writer)(FILE *file, const void *what);
 tides_status cli_write_file(const char *path, cli_writer put, const void *what, tides_error *error);
+/* All bytes of a file, a 0 behind them, the caller's to free; NULL where it can't be read. */
+char *cli_read_file(const char *path, size_t *size);
 tides_status cli_write_text(const char *path, const char *text, tides_error *error);
 /* Fills an error the way the library does. */
 tides_status cli_error(tides_error *error, tides_status status, const char *format, ...) CLI_PRINTF(3, 4);

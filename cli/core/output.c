@@ -198,6 +198,19 @@ tides_status cli_write_file(const char *path, cli_writer put, const void *what, 
 
 static void put_line(FILE *file, const void *text) { fprintf(file, "%s\n", (const char *)text); }
 
+char *cli_read_file(const char *path, size_t *size) {
+    FILE *file = fopen(path, "rb");
+    if (!file) return NULL;
+    char *bytes = NULL;
+    const long end = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
+    if (end >= 0 && fseek(file, 0, SEEK_SET) == 0 && (bytes = malloc((size_t)end + 1)) != NULL) {
+        *size = fread(bytes, 1, (size_t)end, file);
+        bytes[*size] = 0;
+    }
+    fclose(file);
+    return bytes;
+}
+
 tides_status cli_write_text(const char *path, const char *text, tides_error *error) {
     return cli_write_file(path, put_line, text, error);
 }

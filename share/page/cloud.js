@@ -31,7 +31,8 @@ in vec3 colour;
 out vec4 shown;
 void main() { shown = vec4(colour, 1.0); }`;
 
-const SHARES = 31; // at most: a stride has 255 bytes, and a value 8
+// Shares at most: a stride has 255 bytes, a value 8, a time 4.
+const sharesOf = (colouring) => colouring.uniforms ? 31 : 63;
 
 class Cloud {
     constructor(canvas, recording) {
@@ -149,5 +150,5 @@ class Budget {
         if (ms > 40 && events > 0) this.events = Math.max(1e5, 0.75 * Math.min(this.events, events));
         else if (ms < 22 && events > 0.6 * this.events) this.events = Math.min(3e7, 1.25 * this.events);
     }
-    stepFor(count) { return Math.max(1, Math.min(SHARES, Math.ceil(count / this.events))); }
+    stepFor(count, colouring) { return Math.max(1, Math.min(sharesOf(colouring), Math.ceil(count / this.events))); }
 }

@@ -3,6 +3,7 @@
 //
 // place(chunk, i)  for one event                 columns(chunk)  what GLSL's `value` is made of, or null: it has `label` alone
 // glsl             expression of label and value  table(dark)    256 times r, g, b, of 0 to 255
+// uniforms         `range` in GLSL, of those that have columns
 // legend           [[place, or null, text] ...], or {low, high} for a ramp
 
 // A colour in the Oklab space (B. Ottosson, 2020): lightness 0 to 1, chroma, hue in turns; as sRGB 0 to 255.
@@ -70,7 +71,7 @@ function byInstance(recording) {
     const seen = new Set();
     for (const { instance } of recording.chunks) for (const k of instance) seen.add(k);
     const place = (k) => k === 65535 ? 0 : 1 + k % 255, shown = [...seen].sort((a, b) => a - b).slice(0, 16);
-    return { name: "instance", glsl: "value.x > 65534.5 ? 0.0 : 1.0 + mod(value.x, 255.0)",
+    return { name: "instance", uniforms: [0, 1], glsl: "value.x > 65534.5 ? 0.0 : 1.0 + mod(value.x, 255.0)",
         place: (chunk, i) => place(chunk.instance[i]), columns: (chunk) => [chunk.instance, chunk.instance],
         table: (dark) => table((at) => at === 0 ? (dark ? [130, 130, 130] : [160, 160, 160]) : kinds(dark)(at)),
         legend: shown.map((k) => [place(k), k === 65535 ? "nothing seen" : `object ${k}`]) };

@@ -7,7 +7,7 @@ class EventFrame {
     constructor(canvas, recording) {
         canvas.width = recording.width;
         canvas.height = recording.height;
-        this.context = canvas.getContext("2d");
+        this.context = canvas.getContext("2d", { willReadFrequently: true }); // in memory: each picture is made there
         this.image = this.context.createImageData(recording.width, recording.height);
         this.pixels = new Uint32Array(this.image.data.buffer);
         this.balance = new Int32Array(this.pixels.length);

@@ -82,7 +82,7 @@ class Page {
         for (const canvas of [$("points"), $("axes")])
             if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
         this.matrix = this.eye.matrix(width / Math.max(1, height));
-        this.step = this.budget.stepFor(this.window.count);
+        this.step = this.budget.stepFor(this.window.count, this.colouring);
         this.axes.draw(this.matrix, this.window, this.style, ratio);
         this.share();
         this.pictures++;

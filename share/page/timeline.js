@@ -42,20 +42,30 @@ class Timeline {
         for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => { held = null; });
     }
 
-    draw(window, { soft, mark, line }, [off, on], ratio) {
-        const { context, rate, peak } = this, { width, height } = context.canvas;
-        const middle = Math.round(0.5 * (height - 14 * ratio));
-        this.window = window;
-        context.clearRect(0, 0, width, height);
-        const bar = width / BINS, tall = (middle - 4 * ratio) / peak;
+    // The rate, as it stays while the window moves: 2000 bars at each picture would take longer than the cloud.
+    #drawRate(width, height, { soft, line }, [off, on], ratio) {
+        const { rate, peak } = this, still = new OffscreenCanvas(width, height), context = still.getContext("2d");
+        const middle = Math.round(0.5 * (height - 14 * ratio)), bar = width / BINS, tall = (middle - 4 * ratio) / peak;
         context.fillStyle = on;
         for (let i = 0; i < BINS; i++) context.fillRect(i * bar, middle, Math.max(1, bar), -tall * rate.on[i]);
         context.fillStyle = off;
         for (let i = 0; i < BINS; i++) context.fillRect(i * bar, middle, Math.max(1, bar), tall * rate.off[i]);
-        this.#ticks(soft, line, ratio);
+        this.#ticks(context, soft, line, ratio);
+        return still;
+    }
+
+    draw(window, style, polarity, ratio) {
+        const { context } = this, { width, height } = context.canvas;
+        if (width === 0 || height === 0) return;
+        this.window = window;
+        if (this.style !== style || this.still.width !== width || this.still.height !== height)
+            this.still = this.#drawRate(width, height, style, polarity, ratio);
+        this.style = style;
+        context.clearRect(0, 0, width, height);
+        context.drawImage(this.still, 0, 0);
         const left = window.from / this.recording.span * width, right = window.to / this.recording.span * width;
         context.globalAlpha = 0.16;
-        context.fillStyle = mark;
+        context.fillStyle = style.mark;
         context.fillRect(left, 0, Math.max(right - left, 2 * ratio), height);
         context.globalAlpha = 1;
         context.fillRect(left - ratio, 0, 2 * ratio, height);
@@ -67,8 +77,8 @@ class Timeline {
         canvas.setAttribute("aria-valuetext", `${start} to ${timeText(window.to, window.to - window.from)}`);
     }
 
-    #ticks(soft, line, ratio) {
-        const { context } = this, { width, height } = context.canvas, { span } = this.recording, step = roundStep(span / 2);
+    #ticks(context, soft, line, ratio) {
+        const { width, height } = context.canvas, { span } = this.recording, step = roundStep(span / 2);
         context.font = `${11 * ratio}px system-ui, sans-serif`;
         context.textBaseline = "bottom";
         for (let t = 0; t <= span; t += step) {

@@ -6,9 +6,12 @@ of_method() { awk -v m="\"$2\"" -v k="\"$3\":" '$1 == "\"method\":" { on = index
 expect 0 tides compare run.json -o all --keep
 out '^exact +[0-9]+ .* 0\.'
 out '^dvs-voltmeter .* frames_per_second 1000$'
-for file in compare.json compare.csv compare.png exact.h5 tides.h5 esim.h5 esim-fixed.h5 v2e.h5 dvs-voltmeter.h5 iebcs.h5; do
+for file in compare.json compare.csv compare.png index.html exact.html esim.html exact.h5 tides.h5 esim.h5 esim-fixed.h5 v2e.h5 dvs-voltmeter.h5 iebcs.h5; do
     exists all/$file
 done
+for name in exact tides esim v2e; do grep -q "<tr><td class=text>$name</td>" all/index.html || fail "the page lacks $name"; done
+grep -q 'src="data:image/png;base64,iVBORw0KGgo' all/index.html || fail "the page has no picture"
+grep -q '<a href="esim.html">' all/index.html || fail "the page doesn't lead to the events"
 head -c 4 all/compare.png | grep -q PNG || fail "compare.png is no PNG"
 [ "$(wc -l <all/compare.csv)" = 7 ] || fail "a row for each of six methods"
 awk 'NR == 1 { n = split($0, a, ",") } END { exit !(n > 60) }' all/compare.csv || fail "columns of every metric"

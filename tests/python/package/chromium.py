@@ -120,7 +120,9 @@ class Chromium:
 
     def place(self, selector, x=0.5, y=0.5):
         """Where a part of an element is on the screen."""
-        box = self.do(f"(b => [b.x, b.y, b.width, b.height])(document.querySelector('{selector}').getBoundingClientRect())")
+        element = f"document.querySelector({json.dumps(selector)})"
+        self.do(f"{element}.scrollIntoView({{block: 'nearest'}})")
+        box = self.do(f"(b => [b.x, b.y, b.width, b.height])({element}.getBoundingClientRect())")
         return box[0] + x * box[2], box[1] + y * box[3]
 
     def mouse(self, kind, at, **more):

@@ -5,6 +5,7 @@ import base64
 import json
 import os
 import re
+import subprocess
 import zlib
 from pathlib import Path
 
@@ -374,6 +375,30 @@ def test_small_and_empty_pages(tmp_path):
         tides.write_page(tmp_path / "one.html", random_events(1, start=0), width=SIZE[0], height=SIZE[1])
         page.send("Page.navigate", url=(tmp_path / "one.html").as_uri())
         page.wait("window.page?.recording.count === 1 && page.pictures > 0")
+        assert page.errors == []
+
+
+@browser
+@pytest.mark.skipif("TIDES" not in os.environ, reason="TIDES, the tool, isn't set")
+def test_page_of_a_comparison(tmp_path):
+    """Its tables sort by the head that is clicked, and it leads to pages of the streams."""
+    run = Path(__file__).parents[2] / "install/run.json"
+    made = [os.environ["TIDES"], "compare", run, "-o", tmp_path / "c", "--methods", "tides,esim,v2e", "--keep", "-q"]
+    subprocess.run([*map(str, made), "--set", "time.stop=0.01"], check=True)
+    with Chromium.open(tmp_path / "c/index.html", tmp_path) as page:
+        page.wait("document.readyState === 'complete'")
+        column = "[...document.querySelectorAll('tbody')[0].rows].map((row) => row.cells[1].textContent)"
+        page.click("table th:nth-child(2)")
+        events = [float(one) for one in page.do(column)]
+        assert len(events) == 4 and events == sorted(events)
+        page.do("document.querySelector('table th:nth-child(2)').focus()")
+        page.key("Enter")
+        assert [float(one) for one in page.do(column)] == sorted(events, reverse=True)
+        picture(page, "comparison")
+        page.click("a[href='esim.html']")
+        page.wait("window.page?.pictures > 0")
+        assert page.do("page.recording.count") in events
+        picture(page, "comparison_esim")
         assert page.errors == []
 
 
