@@ -39,7 +39,7 @@ int cmd_dataset(const cli_command *command, int argc, char **argv) {
     const char *run = NULL, *output = NULL;
     const cli_option options[] = {
         {"--output", 'o', "DIR", "the dataset's folder, which must not be there yet (required)", NULL, &output, NULL},
-        {"--layout", 0, "NAME", "whose layout; may be repeated: each gets a folder in DIR (dataset.layout)", NULL, NULL,
+        {"--layout", 0, "LAYOUT", "whose layout; may be repeated: each gets a folder in DIR (dataset.layout)", NULL, NULL,
          &layouts},
         {"--set", 0, "KEY=VALUE", "override a key of the run file; may be repeated", NULL, NULL, &sets},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},

@@ -234,8 +234,8 @@ int cmd_export(const cli_command *command, int argc, char **argv) {
     job j = {.common = &common, .decay_s = 0.03, .stretch = {.of_run = 1}}; /* HOTS's surfaces, as in tonic's examples */
     const cli_option options[] = {
         {"--output", 'o', "FILE", "where the arrays go: .npy, .npz, .h5, .exr (one window)", NULL, &j.out, NULL},
-        {"--as", 0, "KIND", "voxel (the default), frame, surface", NULL, &given.kind, NULL},
-        {"--style", 0, "NAME", "voxel: e2vid (the default), dsec, timelens", NULL, &given.style, NULL},
+        {"--as", 0, "voxel|frame|surface", "what to make (voxel)", NULL, &given.kind, NULL},
+        {"--style", 0, "e2vid|dsec|timelens", "of voxel grids: whose (e2vid)", NULL, &given.style, NULL},
         {"--bins", 0, "N", "voxel: bins of time (5; dsec 15)", NULL, &given.bins, NULL},
         {"--normalise", 0, "HOW", "voxel: none, population, sample (the style's own)", NULL, &given.normalise, NULL},
         {"--decay", 0, "SECONDS", "surface: time constant (0.03)", NULL, &given.decay, NULL},

@@ -328,6 +328,7 @@ static tides_status run_facts_of(const tides_run *run, cJSON *facts, tides_error
         cJSON_AddStringToObject(facts, "method", v.method);
         cJSON_AddNumberToObject(facts, "start_s", v.start);
         cJSON_AddNumberToObject(facts, "stop_s", v.stop);
+        cJSON_AddNumberToObject(facts, "duration_s", v.stop - v.start);
         if (v.intrinsics.width) cJSON_AddNumberToObject(facts, "width", v.intrinsics.width);
         if (v.intrinsics.height) cJSON_AddNumberToObject(facts, "height", v.intrinsics.height);
         cJSON *list = cJSON_AddArrayToObject(facts, "inputs");

@@ -261,7 +261,7 @@ int cmd_view(const cli_command *command, int argc, char **argv) {
     const cli_option options[] = {
         {"--output", 'o', "FILE",
          "OUT.png, .svg, .pdf; moving: .apng, .y4m, frame%04d.png, - (video to a pipe); a page: OUT.html", NULL, &j.out, NULL},
-        {"--kind", 0, "KIND", "frame (the default), surface, xyt, rate, isi; truth (of .exr and .png)", NULL, &given.kind,
+        {"--kind", 0, "frame|surface|xyt|rate|isi|truth", "what to show (frame; truth is of .exr and .png)", NULL, &given.kind,
          NULL},
         {"--time", 0, "SECONDS", "one picture: its window ends here (the window in the middle)", NULL, &given.time, NULL},
         {"--window", 0, "SECONDS", "how much a picture shows (frame, moving: 0.01; others all), a page at first", NULL,

@@ -5,8 +5,23 @@
 #include "cli.h"
 
 /* What an option's value is, from the word that the usage line has for it. */
-enum { DESCRIBE_NOTHING = 0, DESCRIBE_FILE, DESCRIBE_FOLDER, DESCRIBE_KEY, DESCRIBE_DEVICE, DESCRIBE_FORMAT };
+enum {
+    DESCRIBE_NOTHING = 0,
+    DESCRIBE_FILE,
+    DESCRIBE_FOLDER,
+    DESCRIBE_KEY,
+    DESCRIBE_DEVICE,
+    DESCRIBE_FORMAT,
+    DESCRIBE_WORDS,
+    DESCRIBE_LIST
+};
 int32_t describe_argument(const char *argument);
+/* Prints the words of DESCRIBE_WORDS, a choice ("frame|xyt") or a table's names (LAYOUT), or of DESCRIBE_LIST, with which the
+ * option's help begins ("a,b,c: ..."); `between` stands between them. */
+void describe_words(const cli_option *option, const char *between);
+/* Names of presets, and of kinds of made scenes. */
+void describe_presets(const char *between);
+void describe_kinds(const char *between);
 /* The first word of a command's arguments where it is a choice, "accuracy|ablation|image": its length, else 0. */
 int describe_choice(const cli_command *command);
 /* Prints what TIDES_DEVICE's common words are, or the names of event formats that can be written, or the keys that this

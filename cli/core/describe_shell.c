@@ -4,8 +4,14 @@
 #include <stdio.h>
 #include <string.h>
 
+/* What a command's first word may be, "bash|zsh" of its usage line or KIND; 0 where it is a file. */
+static int has_choices(const cli_command *command) {
+    return describe_choice(command) || strncmp(command->arguments, "KIND ", 5) == 0;
+}
+
 static void put_choices(const cli_command *command, char between) {
     const int length = describe_choice(command);
+    if (!length && has_choices(command)) describe_kinds((const char[2]){between, 0});
     for (int i = 0; i < length; i++) putchar(command->arguments[i] == '|' ? between : command->arguments[i]);
 }
 
@@ -22,7 +28,15 @@ static void bash_value(const cli_option *o) {
     if (!o->argument) return;
     fputs("        ", stdout);
     put_pattern(o);
-    printf(") %s; return ;;\n", actions[describe_argument(o->argument)]);
+    const int32_t action = describe_argument(o->argument);
+    fputs(") ", stdout);
+    if (action == DESCRIBE_WORDS || action == DESCRIBE_LIST) {
+        fputs(action == DESCRIBE_LIST ? "_tides_list '" : "_tides_words '", stdout);
+        describe_words(o, " ");
+        fputs("'; return ;;\n", stdout);
+    } else {
+        printf("%s; return ;;\n", actions[action]);
+    }
 }
 
 void describe_bash_command(const cli_command *command, const cli_option *options) {
@@ -51,7 +65,9 @@ static void bash_choices_of_keys(void) {
         for (const char *at = rows[i].choices ? rows[i].choices : "true|false"; *at; at++) putchar(*at == '|' ? ' ' : *at);
         fputs("' ;;\n", stdout);
     }
-    fputs("    *.file) compopt -o filenames; COMPREPLY=($(compgen -f -- \"$word\")); return ;;\n    esac\n"
+    fputs("    sensor.preset) values='", stdout);
+    describe_presets(" ");
+    fputs("' ;;\n    *.file) compopt -o filenames; COMPREPLY=($(compgen -f -- \"$word\")); return ;;\n    esac\n"
           "    COMPREPLY=($(compgen -W \"$values\" -- \"$word\"))\n}\n",
           stdout);
 }
@@ -61,6 +77,9 @@ void describe_bash_begin(const cli_command *commands, size_t count) {
           "_tides_none() { :; }\n"
           "_tides_files() { compopt -o filenames; COMPREPLY=($(compgen -f -- \"$word\")); }\n"
           "_tides_folders() { compopt -o filenames; COMPREPLY=($(compgen -d -- \"$word\")); }\n"
+          "_tides_words() { COMPREPLY=($(compgen -W \"$1\" -- \"$word\")); }\n"
+          "_tides_list() {\n    local head=\n    case $word in *,*) head=${word%,*}, ;; esac\n    compopt -o nospace\n"
+          "    COMPREPLY=($(compgen -P \"$head\" -W \"$1\" -- \"${word##*,}\"))\n}\n"
           "_tides_devices() { COMPREPLY=($(compgen -W '",
           stdout);
     describe_devices(" ");
@@ -107,6 +126,18 @@ static void zsh_text(const char *text) {
     }
 }
 
+static void zsh_action(const cli_option *o) {
+    static const char *const actions[] = {" ", "_files", "_files -/", "_tides_keys", "_tides_devices", "_tides_formats"};
+    const int32_t action = describe_argument(o->argument);
+    if (action != DESCRIBE_WORDS && action != DESCRIBE_LIST) {
+        printf(":%s", actions[action]);
+        return;
+    }
+    fputs(action == DESCRIBE_LIST ? ":_values -s , name " : ":(", stdout);
+    describe_words(o, " ");
+    if (action == DESCRIBE_WORDS) putchar(')');
+}
+
 static void zsh_option(const cli_option *o) {
     fputs(" \\\n            ", stdout);
     if (o->letter)
@@ -116,10 +147,9 @@ static void zsh_option(const cli_option *o) {
     zsh_text(o->help);
     putchar(']');
     if (o->argument) {
-        static const char *const actions[] = {" ", "_files", "_files -/", "_tides_keys", "_tides_devices", "_tides_formats"};
         putchar(':');
         zsh_text(o->argument);
-        printf(":%s", actions[describe_argument(o->argument)]);
+        zsh_action(o);
     }
     putchar('\'');
 }
@@ -132,7 +162,7 @@ void describe_zsh_command(const cli_command *command, const cli_option *options)
     for (const cli_option *o = options; o->name; o++) zsh_option(o);
     for (size_t i = 0; i < CLI_COMMON_OPTIONS; i++) zsh_option(&shared[i]);
     for (int32_t i = 0; i < command->positionals; i++) {
-        if (i > 0 || !describe_choice(command)) {
+        if (i > 0 || !has_choices(command)) {
             printf(" \\\n            '%d:file:_files'", (int)i + 1);
         } else {
             fputs(" \\\n            '1:what:(", stdout);

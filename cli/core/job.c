@@ -141,7 +141,11 @@ static int32_t goes_on(const cli_job *job, const cli_common *common) {
     if (!path) return 0;
     snprintf(path, bytes, "%s%s", job->events, ending);
     const int32_t there = access(path, F_OK) == 0;
-    if (!there && !common->quiet) fprintf(stderr, "tides: %s isn't there: starting from the beginning\n", path);
+    if (!there && !common->quiet && access(job->events, F_OK) == 0)
+        fprintf(stderr, "tides: %s is finished, and finished runs keep no checkpoint: starting from the beginning\n",
+                job->events);
+    else if (!there && !common->quiet)
+        fprintf(stderr, "tides: %s isn't there: starting from the beginning\n", path);
     free(path);
     return there;
 }

@@ -134,8 +134,55 @@ cJSON *cli_metrics_json(const tides_metrics *m, const tides_metrics_options *o) 
 
 /* ---- text ---- */
 
+/* What a number of the comparison means, and which way is better: the first row whose name it begins with. A number that only
+ * says what was compared has no better. */
+static const struct {
+    const char *name, *meaning;
+} meanings[] = {
+    {"width", "[px] compared"},
+    {"height", "[px] compared"},
+    {"start_ns", "the stretch compared"},
+    {"stop_ns", "its end"},
+    {"count_ratio", "simulated events / reference events; 1 is best"},
+    {"count_correlation", "of events per pixel; 1 is best"},
+    {"ig_nll_self", "the reference's intervals under their own fit: what ig_nll can be at least"},
+    {"ig_nll_excess", "ig_nll above ig_nll_self: divergence of the laws of intervals; lower is better"},
+    {"ig_nll", "[nats] the reference's intervals under a law fitted to the simulated ones; lower is better"},
+    {"isi_w1", "distance of log10 intervals; lower is better, 1 is a factor of 10"},
+    {"fano_error", "|ln| of the ratio of Fano factors (burstiness), mean of tiles; lower is better"},
+    {"fano_tiles", "tiles that had enough events to be compared"},
+    {"fano_coverage", "of the reference's tiles with enough events; 1 is best"},
+    {"chamfer_px", "distance to the nearest event of the other stream in (x, y, v t); lower is better"},
+    {"chamfer_fraction", "the same over the image's diagonal; lower is better"},
+    {"chamfer_to_simulated", "from reference events: what the simulation misses; lower is better"},
+    {"chamfer_to_reference", "from simulated events: what it invents; lower is better"},
+    {"chamfer_limit", "what an event counts that has nothing near"},
+    {"chamfer_terms", "windows of a polarity compared"},
+    {"chamfer_one_sided", "of them with one stream empty; fewer is better"},
+    {"speed", "v: found or given, turns seconds into pixels"},
+    {"victor_purpura_fraction", "the same, 0 for equal trains, 1 where nothing is near; lower is better"},
+    {"victor_purpura", "cost of shifting, adding, removing events until trains agree; lower is better"},
+    {"van_rossum_fraction", "the same, 0 for equal trains, 1 where nothing is near; lower is better"},
+    {"van_rossum", "squared distance of smoothed trains; lower is better"},
+    {"time_difference_us", "to the pixel's nearest event of that polarity, mean; lower is better"},
+    {"time_difference_over", "reference events without one within the limit; fewer is better"},
+    {"kernel_distance", "squared distance of the streams blurred in x, y and t; lower is better"},
+    {"matched", "reference events found, one by one; more is better"},
+    {"missing", "reference events not found; fewer is better"},
+    {"spurious", "simulated events that the reference lacks; fewer is better"},
+    {"mismatch", "(missing + spurious) / reference events; lower is better"},
+    {"dt_mean", "simulated minus reference time of matched events: negative is early; 0 is best"},
+    {"dt_", "|time difference| of matched events; lower is better"},
+};
+
+static const char *meaning_of(const char *name) {
+    for (size_t i = 0; i < sizeof meanings / sizeof *meanings; i++)
+        if (strncmp(name, meanings[i].name, strlen(meanings[i].name)) == 0) return meanings[i].meaning;
+    return NULL;
+}
+
 static const char *text_of(const cJSON *item, char text[32]) {
-    if (cJSON_IsString(item)) return item->valuestring;
+    if (cJSON_IsString(item) || cJSON_IsRaw(item)) return item->valuestring;
     if (!cJSON_IsNumber(item)) return "-";
     const double value = item->valuedouble;
     snprintf(text, 32, value == floor(value) && fabs(value) < 1e15 ? "%.0f" : "%.6g", value);
@@ -151,5 +198,5 @@ void cli_metrics_print(const cJSON *report) {
                text_of(cJSON_GetObjectItemCaseSensitive(simulated, a->string), right));
     putchar('\n');
     for (const cJSON *a = cJSON_GetObjectItemCaseSensitive(report, "comparison")->child; a; a = a->next)
-        printf("%-26s %16s\n", a->string, text_of(a, left));
+        printf("%-26s %16s  %s\n", a->string, text_of(a, left), meaning_of(a->string));
 }

@@ -89,6 +89,10 @@ typedef struct tides_run_values {
 } tides_run_values;
 TIDES_API void tides_run_get(const tides_run *run, tides_run_values *values);
 
+/* The name of preset `index` of those in the library ("davis346"); 1, or 0 behind the last. */
+enum { TIDES_PRESET_NAME = 32 };
+TIDES_API int32_t tides_preset_at(size_t index, char name[TIDES_PRESET_NAME]);
+
 /* What a reader of the run file may not expect of it, a line each, such as which values a preset didn't get to set; "" where
  * there is nothing. The run's, and lives as long. */
 TIDES_API const char *tides_run_notes(const tides_run *run);

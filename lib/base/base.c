@@ -156,3 +156,12 @@ uint64_t td_peak_memory(void) {
     struct rusage usage;
     return getrusage(RUSAGE_SELF, &usage) == 0 ? (uint64_t)usage.ru_maxrss * 1024u : 0;
 }
+
+const char *td_short(double number, char text[TD_SHORT_MAX]) {
+    for (int digits = 15; digits <= 17; digits++) {
+        snprintf(text, TD_SHORT_MAX, "%.*g", digits, number);
+        const double back = strtod(text, NULL);
+        if (!(back < number || back > number)) break;
+    }
+    return text;
+}

@@ -1,5 +1,5 @@
-/* Writes a path as TIDES's own JSON (path_tides.c), one sample per line, numbers with 17 digits so that they read back as
- * they were. The file is written beside and renamed, so that a path file is never half there. */
+/* Writes a path as TIDES's own JSON (path_tides.c), one sample per line, numbers with as many digits as they need to read
+ * back as they were. The file is written beside and renamed, so that a path file is never half there. */
 #include "tides/camera.h"
 
 #include "camera/td_rotation.h"
@@ -12,20 +12,22 @@
 
 static void write_vector(FILE *out, const char *key, const double *values, int count) {
     fprintf(out, ", \"%s\": [", key);
-    for (int k = 0; k < count; k++) fprintf(out, "%s%.17g", k ? ", " : "", values[k]);
+    for (int k = 0; k < count; k++) fprintf(out, "%s%s", k ? ", " : "", TD_SHORT(values[k]));
     fputc(']', out);
 }
 
 static void write_camera(FILE *out, const tides_intrinsics *camera) {
     static const char *const models[] = {"none", "radtan", "equidistant"};
     const tides_lens *lens = &camera->lens;
-    fprintf(out, "  \"intrinsics\": {\"width\": %d, \"height\": %d, \"fx\": %.17g, \"fy\": %.17g, \"cx\": %.17g, \"cy\": %.17g",
-            (int)camera->width, (int)camera->height, camera->fx, camera->fy, camera->cx, camera->cy);
+    fprintf(out, "  \"intrinsics\": {\"width\": %d, \"height\": %d, \"fx\": %s, \"fy\": %s, \"cx\": %s, \"cy\": %s",
+            (int)camera->width, (int)camera->height, TD_SHORT(camera->fx), TD_SHORT(camera->fy), TD_SHORT(camera->cx),
+            TD_SHORT(camera->cy));
     if (lens->model != TIDES_LENS_NONE)
         fprintf(out,
-                ",\n    \"lens\": {\"model\": \"%s\", \"k1\": %.17g, \"k2\": %.17g, \"k3\": %.17g, \"k4\": %.17g, \"p1\": "
-                "%.17g, \"p2\": %.17g}",
-                models[lens->model], lens->k1, lens->k2, lens->k3, lens->k4, lens->p1, lens->p2);
+                ",\n    \"lens\": {\"model\": \"%s\", \"k1\": %s, \"k2\": %s, \"k3\": %s, \"k4\": %s, \"p1\": "
+                "%s, \"p2\": %s}",
+                models[lens->model], TD_SHORT(lens->k1), TD_SHORT(lens->k2), TD_SHORT(lens->k3), TD_SHORT(lens->k4),
+                TD_SHORT(lens->p1), TD_SHORT(lens->p2));
     fputs("},\n", out);
 }
 
@@ -37,7 +39,7 @@ static void write_path(FILE *out, const tides_trajectory *trajectory, const tide
     for (size_t i = 0; i < count; i++) {
         tides_pose_sample sample;
         if (tides_trajectory_sample(trajectory, i, &sample, NULL) != TIDES_OK) continue; /* can't be: i < count */
-        fprintf(out, "    {\"t\": %.17g", sample.time);
+        fprintf(out, "    {\"t\": %s", TD_SHORT(sample.time));
         write_vector(out, "position", sample.position, 3);
         write_vector(out, "quaternion", sample.quaternion, 4);
         if (sample.has_rates) {

@@ -37,13 +37,13 @@ tides_status td_samples_check(const tides_pose_sample *samples, size_t from, siz
             return td_fail(error, TIDES_BAD_ARGUMENT, "sample %zu: velocity and angular velocity must be finite numbers", i);
         if (i && s->time > s[-1].time && !(s->time - origin > s[-1].time - origin))
             return td_fail(error, TIDES_BAD_ARGUMENT,
-                           "samples %zu and %zu: their times %.17g s and %.17g s are too close, or too far from the first "
-                           "sample's %.17g s, to be told apart in double precision",
+                           "samples %zu and %zu: their times %s s and %s s are too close, or too far from the first "
+                           "sample's %s s, to be told apart in double precision",
                            i - 1, i, s[-1].time, s->time, origin);
         if (i && !(s->time > s[-1].time))
             return td_fail(error, TIDES_BAD_ARGUMENT,
-                           "sample %zu: its time %.17g s %s that of sample %zu, %.17g s; times must strictly increase%s", i,
-                           s->time, s->time < s[-1].time ? "comes before" : "equals", i - 1, s[-1].time,
+                           "sample %zu: its time %s s %s that of sample %zu, %s s; times must strictly increase%s", i,
+                           TD_SHORT(s->time), s->time < s[-1].time ? "comes before" : "equals", i - 1, TD_SHORT(s[-1].time),
                            s->time < s[-1].time ? ": sort the samples" : ": drop one of the two");
     }
     return TIDES_OK;
@@ -61,9 +61,9 @@ tides_status td_samples_align(tides_pose_sample *samples, size_t from, size_t co
         double turn = 2.0 * acos(fmin(fabs(dot), 1.0));
         if (turn >= TD_MOST_TURN)
             return td_fail(error, TIDES_BAD_ARGUMENT,
-                           "samples %zu and %zu (%.17g s and %.17g s) are turned by %.1f degrees against each other; which way "
+                           "samples %zu and %zu (%s s and %s s) are turned by %.1f degrees against each other; which way "
                            "round isn't determined: give denser samples",
-                           i - 1, i, samples[i - 1].time, samples[i].time, turn * 57.29577951308232);
+                           i - 1, i, TD_SHORT(samples[i - 1].time), TD_SHORT(samples[i].time), turn * 57.29577951308232);
     }
     return TIDES_OK;
 }
@@ -74,7 +74,7 @@ tides_status td_samples_check_turns(const tides_pose_sample *samples, size_t fro
         const double span = samples[i + 1].time - samples[i].time;
         if (rate * span >= TD_MOST_TURN)
             return td_fail(error, TIDES_BAD_ARGUMENT,
-                           "samples %zu and %zu (%.17g s and %.17g s): an angular velocity of %g rad/s turns by %.1f degrees "
+                           "samples %zu and %zu (%s s and %s s): an angular velocity of %g rad/s turns by %.1f degrees "
                            "between them; give samples less than 179 degrees apart",
                            i, i + 1, samples[i].time, samples[i + 1].time, rate, rate * span * 57.29577951308232);
     }
@@ -97,14 +97,14 @@ static tides_status check_curve(const tides_trajectory *trajectory, tides_error 
             td_curve_at(trajectory->curve, i, from + (to - from) * probe / TD_LENGTH_PROBES, value, rate);
             if (!td_all_finite(value, TD_CURVE_WIDTH) || !td_all_finite(rate, TD_CURVE_WIDTH))
                 return td_fail(error, TIDES_BAD_ARGUMENT,
-                               "the path between samples %zu and %zu (%.17g s and %.17g s) exceeds double precision: positions "
+                               "the path between samples %zu and %zu (%s s and %s s) exceeds double precision: positions "
                                "are too large or times too close",
-                               i, i + 1, s[i].time, s[i + 1].time);
+                               i, i + 1, TD_SHORT(s[i].time), TD_SHORT(s[i + 1].time));
             if (!td_curve_value_is_sound(value, rate))
                 return td_fail(error, TIDES_BAD_ARGUMENT,
-                               "the rotation between samples %zu and %zu (%.17g s and %.17g s) isn't determined by its "
+                               "the rotation between samples %zu and %zu (%s s and %s s) isn't determined by its "
                                "neighbours, which turn far faster: give denser samples there",
-                               i, i + 1, s[i].time, s[i + 1].time);
+                               i, i + 1, TD_SHORT(s[i].time), TD_SHORT(s[i + 1].time));
         }
     return TIDES_OK;
 }
@@ -246,9 +246,10 @@ static void pose_at(const tides_trajectory *trajectory, double relative, double 
 
 static tides_status fail_outside(const tides_trajectory *trajectory, double time, tides_error *error) {
     return td_fail(error, TIDES_OUT_OF_RANGE,
-                   "time %.17g s lies outside the path, which covers %.17g s to %.17g s: shorten the run or give a longer "
+                   "time %s s lies outside the path, which covers %s s to %s s: shorten the run or give a longer "
                    "path",
-                   time, trajectory->samples[0].time, trajectory->samples[trajectory->count - 1].time);
+                   TD_SHORT(time), TD_SHORT(trajectory->samples[0].time),
+                   TD_SHORT(trajectory->samples[trajectory->count - 1].time));
 }
 
 static tides_status fail_arguments(tides_error *error) {
@@ -278,10 +279,10 @@ static tides_status check_bends(const tides_trajectory *trajectory, double start
     const size_t bend = trajectory->curve ? td_curve_first_bend(trajectory->curve, start, stop) : trajectory->count;
     if (bend >= trajectory->count) return TIDES_OK;
     return td_fail(error, TIDES_UNSUPPORTED,
-                   "the path isn't C2 at sample %zu, %.17g s, so that its acceleration jumps: samples there are far closer "
+                   "the path isn't C2 at sample %zu, %s s, so that its acceleration jumps: samples there are far closer "
                    "than "
                    "their neighbours, and a spline would swing; give evenly timed ones",
-                   bend, trajectory->samples[bend].time);
+                   bend, TD_SHORT(trajectory->samples[bend].time));
 }
 
 tides_status td_trajectory_check_smooth(const tides_trajectory *trajectory, double start, double stop, tides_error *error) {

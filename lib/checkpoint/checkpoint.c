@@ -171,9 +171,9 @@ static tides_status read_step(const td_place *root, const tides_simulator *s, in
                        s->epoch + time, s->epoch + s->length);
     if (time != td_grid_time(s, (int64_t)steps))
         return td_fail(root->error, TIDES_BAD_CONFIG,
-                       "%s: was made at %.17g s, which is no end of a step now that time.stop is %.15g s: only a run that "
+                       "%s: was made at %s s, which is no end of a step now that time.stop is %s s: only a run that "
                        "stopped before its end can be extended",
-                       root->file, s->epoch + time, s->epoch + s->length);
+                       root->file, TD_SHORT(s->epoch + time), TD_SHORT(s->epoch + s->length));
     *step = (int64_t)steps;
     return TIDES_OK;
 }

@@ -108,8 +108,8 @@ tides_status td_event_format_for(const char *path, const td_event_format **forma
     if (ending && ending[1] && ending != path) {
         static const char endings[] = ".h5, .raw, .dat, .es, .aedat4, .npy, .npz, .csv or .txt";
         char suggestion[TD_SUGGESTION_MAX];
-        return td_fail(error, TIDES_UNSUPPORTED, "%s: no format of event files ends in %s: use %s, or name the format (--to)%s",
-                       path, ending, endings, td_suggest(ending, endings, ", ", suggestion));
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: no format of event files ends in %s: use %s%s", path, ending, endings,
+                       td_suggest(ending, endings, ", ", suggestion));
     }
     *format = &td_format_hdf5;
     return TIDES_OK;

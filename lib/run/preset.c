@@ -20,6 +20,13 @@ enum { PRESET_LIMIT = 1 << 20, PRESETS_MAX = 64, NAME_MAX_BYTES = 64 };
 /* "dvs128.json" is the preset dvs128. */
 static size_t name_length(const char *file) { return strlen(file) - strlen(".json"); }
 
+int32_t tides_preset_at(size_t index, char name[TIDES_PRESET_NAME]) {
+    const td_kernel_source *p = td_preset_sources;
+    for (size_t i = 0; p->name && i < index; i++) p++;
+    if (p->name && name) snprintf(name, TIDES_PRESET_NAME, "%.*s", (int)name_length(p->name), p->name);
+    return p->name != NULL;
+}
+
 static tides_status unknown(const tides_run *run, const char *name, tides_error *error) {
     char all[512] = "", shown[NAME_MAX_BYTES], suggestion[TD_SUGGESTION_MAX];
     size_t used = 0;

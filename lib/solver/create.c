@@ -44,12 +44,12 @@ static tides_status check_arguments(const tides_stepping *stepping, double start
     if (stepping->unit != TIDES_UNIT_TILE && stepping->unit != TIDES_UNIT_BLOCK)
         return td_fail(error, TIDES_UNSUPPORTED, "stepping.unit: %d is none of TIDES_UNIT_*", (int)stepping->unit);
     if (!isfinite(start) || !isfinite(stop) || !(stop > start))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "time: start %.17g s, stop %.17g s; stop must be a time after start", start,
-                       stop);
+        return td_fail(error, TIDES_BAD_ARGUMENT, "time: start %s s, stop %s s; stop must be a time after start",
+                       TD_SHORT(start), TD_SHORT(stop));
     if (start < -TD_FURTHEST_TIME || stop > TD_FURTHEST_TIME)
         return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "time: start %.17g s, stop %.17g s; event times are 64-bit nanoseconds: stay within +-%g s", start, stop,
-                       TD_FURTHEST_TIME);
+                       "time: start %s s, stop %s s; event times are 64-bit nanoseconds: stay within +-%g s", TD_SHORT(start),
+                       TD_SHORT(stop), TD_FURTHEST_TIME);
     if (!(stepping->step_s > 0) || !((stop - start) / stepping->step_s < most_steps))
         return td_fail(error, TIDES_BAD_ARGUMENT, "stepping.step_s: %g s must be above 0 and make fewer than %g steps",
                        stepping->step_s, most_steps);

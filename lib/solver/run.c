@@ -196,8 +196,8 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "tides_simulator_run: an earlier error left a step half done; make a new simulator");
     if (!(until >= simulator->epoch))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: until %.17g s is before the start, %.17g s", until,
-                       simulator->epoch);
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: until %s s is before the start, %s s", TD_SHORT(until),
+                       TD_SHORT(simulator->epoch));
     double begun = td_now();
     tides_status status = TIDES_OK;
     int64_t last = until - simulator->epoch >= simulator->length

@@ -45,6 +45,7 @@ from .measure import ExactOptions, exact_stream, ideal_settings, image_is_contin
 from .motion import Motion
 from .names import nearest_name
 from .page import PageOptions, Shown, read_truth, show, write_page
+from .presets import preset_names
 from .readout import Arbiter, Readout
 from .render import CHANNELS, EVENT_TRUTH, MATERIAL_POINT, TRACK, TRUTHS, ImageParams, Renderer, colour_filter
 from .representations import ArrayWriter, VoxelOptions, event_frame, time_surface, voxel_grid

@@ -136,6 +136,7 @@ TIDES_PARAM_CHOICE = 4
 TIDES_PARAM_VECTOR3 = 5
 TIDES_PARAM_OBJECTS = 6
 TIDES_PARAM_VECTOR2 = 7
+TIDES_PRESET_NAME = 32
 TIDES_RIG_BOTH = 0
 TIDES_RIG_EVENT = 1
 TIDES_RIG_FRAME = 2
@@ -3398,6 +3399,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     # tides_status tides_png_write_values(const char *path, int32_t width, int32_t height, int32_t planes, int32_t bits,
     # const uint16_t *values, tides_error *error)
     "tides_png_write_values": (c_int32, [c_char_p, c_int32, c_int32, c_int32, c_int32, P(c_uint16), P(tides_error)]),
+    # int32_t tides_preset_at(size_t index, char name[TIDES_PRESET_NAME])
+    "tides_preset_at": (c_int32, [c_size_t, c_char_p]),
     # void tides_readout_defaults(tides_readout *readout)
     "tides_readout_defaults": (None, [P(tides_readout)]),
     # void tides_recording_defaults(tides_recording *recording)

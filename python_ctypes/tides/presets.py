@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import json
 import os
-from ctypes import POINTER, byref, memmove, sizeof
+from ctypes import POINTER, byref, create_string_buffer, memmove, sizeof
 from typing import Any
 
 from . import _api
 from ._call import call
 from ._library import lib
+
+
+def preset_names() -> list[str]:
+    """The presets that come with the library: "davis346", "imx636" ...; what `Sensor(preset=...)` and sensor.preset take."""
+    names, text = [], create_string_buffer(_api.TIDES_PRESET_NAME)
+    while lib.tides_preset_at(len(names), text):
+        names.append(text.value.decode())
+    return names
 
 
 def fill(value: Any, group: str, preset: str | os.PathLike[str]) -> None:

@@ -32,3 +32,7 @@ refuse 2 "after --start" tides camera orbit --from 1,2,3 --stop -1 -o x.json
 refuse 2 "WIDTHxHEIGHT" tides camera orbit --from 1,2,3 --size 3 -o x.json
 refuse 1 "can't be opened" tides camera orbit --scene gone.ply -o x.json
 missing x.json
+# Numbers as people write them, and times as they gave them.
+expect 0 tides camera dolly --from 0.05,-1,0 --to 0.15,-2,0 --start 0.05 --stop 0.15 -qo short.json
+grep -q '"t": 0.05, "position": \[0.05, -1, 0\]' short.json || fail "seventeen digits of 0.05"
+refuse 1 "time 0.3 s lies outside the path, which covers 0.05 s to 0.15 s" tides render room.ply -o x.png --set camera.orbit_s=null --set camera.file=short.json --time 0.3 --set camera.width=64 --set camera.height=48 --set camera.fx=50 --set time.start=0.06 --set time.stop=0.1

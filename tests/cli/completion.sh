@@ -29,6 +29,16 @@ offers "sensor.threshold_min= sensor.threshold_off= sensor.threshold_on= sensor.
 offers "smooth" tides simulate --set image.rules = sm
 offers "gsplat inria smooth" tides simulate --set image.rules =
 offers "metrics" tides help met
+offers "balls" tides scene ba
+offers "dsec" tides dataset run.json --layout ds
+offers "surface" tides view e.h5 --kind s
+offers "timelens" tides export e.h5 --style t
+offers "voxel" tides export e.h5 --as v
+offers "fano" tides metrics a.h5 b.h5 --only fa
+offers "isi,fano" tides metrics a.h5 b.h5 --only isi,fa
+offers "esim esim-fixed" tides compare run.json --methods es
+offers "davis240 davis346" tides simulate --set sensor.preset = dav
+offers "esim" tides simulate --set method = es
 touch events.h5 other.txt
 mkdir folder
 offers "events.h5" tides info ev

@@ -107,6 +107,8 @@ err "tides: e3.h5.checkpoint isn't there: starting from the beginning"
 same e.h5 e3.h5
 expect 0 tides simulate run.json -qo e3.h5 --resume $small $mode
 silent
+expect 0 tides simulate run.json -o e3.h5 --resume $small $mode --set time.stop=0.52
+err "tides: e3.h5 is finished, and finished runs keep no checkpoint: starting from the beginning"
 
 # No checkpoints where none are wanted.
 tides simulate run.json -qo none.h5 --checkpoint 0 $small $mode >out 2>err &
