@@ -35,4 +35,4 @@ missing x.json
 # Numbers as people write them, and times as they gave them.
 expect 0 tides camera dolly --from 0.05,-1,0 --to 0.15,-2,0 --start 0.05 --stop 0.15 -qo short.json
 grep -q '"t": 0.05, "position": \[0.05, -1, 0\]' short.json || fail "seventeen digits of 0.05"
-refuse 1 "time 0.3 s lies outside the path, which covers 0.05 s to 0.15 s" tides render room.ply -o x.png --set camera.orbit_s=null --set camera.file=short.json --time 0.3 --set camera.width=64 --set camera.height=48 --set camera.fx=50 --set time.start=0.06 --set time.stop=0.1
+refuse 1 "time 0.3 s lies outside the path, which covers 0.05 s to 0.15 s" tides render room.ply -qo x.png --set camera.orbit_s=null --set camera.file=short.json --time 0.3 --set camera.width=64 --set camera.height=48 --set camera.fx=50 --set time.start=0.06 --set time.stop=0.1
