@@ -55,8 +55,8 @@ int td_sync(int descriptor);
 enum { TD_SUGGESTION_MAX = 96 };
 const char *td_suggest(const char *name, const char *list, const char *separators, char text[TD_SUGGESTION_MAX]);
 
-/* A number with as few digits as read back as it: "0.05" where %.17g says 0.050000000000000003. Returns `text`; TD_SHORT's lasts
- * as long as the block that it stands in. */
+/* A number with as few digits as read back as it: "0.05" where %.17g says 0.050000000000000003. Returns `text`; TD_SHORT's
+ * lasts as long as the block that it stands in. */
 enum { TD_SHORT_MAX = 32 };
 const char *td_short(double number, char text[TD_SHORT_MAX]);
 #define TD_SHORT(number) td_short(number, (char[TD_SHORT_MAX]){0})
