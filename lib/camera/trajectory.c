@@ -39,7 +39,7 @@ tides_status td_samples_check(const tides_pose_sample *samples, size_t from, siz
             return td_fail(error, TIDES_BAD_ARGUMENT,
                            "samples %zu and %zu: their times %s s and %s s are too close, or too far from the first "
                            "sample's %s s, to be told apart in double precision",
-                           i - 1, i, s[-1].time, s->time, origin);
+                           i - 1, i, TD_SHORT(s[-1].time), TD_SHORT(s->time), TD_SHORT(origin));
         if (i && !(s->time > s[-1].time))
             return td_fail(error, TIDES_BAD_ARGUMENT,
                            "sample %zu: its time %s s %s that of sample %zu, %s s; times must strictly increase%s", i,
@@ -76,7 +76,8 @@ tides_status td_samples_check_turns(const tides_pose_sample *samples, size_t fro
             return td_fail(error, TIDES_BAD_ARGUMENT,
                            "samples %zu and %zu (%s s and %s s): an angular velocity of %g rad/s turns by %.1f degrees "
                            "between them; give samples less than 179 degrees apart",
-                           i, i + 1, samples[i].time, samples[i + 1].time, rate, rate * span * 57.29577951308232);
+                           i, i + 1, TD_SHORT(samples[i].time), TD_SHORT(samples[i + 1].time), rate,
+                           rate * span * 57.29577951308232);
     }
     return TIDES_OK;
 }
