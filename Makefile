@@ -291,6 +291,11 @@ bench-built: $(BENCH) all
 	@set -e; for program in $(BENCH); do $$program; done
 
 # -- Python package ----------------------------------------------------------------------------------------------------
+.PHONY: live-example
+live-example: all ## A camera follows a ball by its own events for 10 s: build/track_ball.png
+	TIDES_LIBRARY='$(CURDIR)/$(OUT)/libtides.so' PYTHONPATH='$(CURDIR)/python_ctypes' PYTHONDONTWRITEBYTECODE=1 \
+	    $(PYTHON) python_ctypes/examples/track_ball.py build/track_ball.png
+
 .PHONY: python
 python: ## Make python_ctypes/tides/_api.py anew from the headers
 	CC='$(CC)' $(PYTHON) python_ctypes/generate.py

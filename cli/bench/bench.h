@@ -257,6 +257,7 @@ tides_status bench_accuracy(bench *b, const cli_list *scenes, tides_error *error
 tides_status bench_ablation(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_image(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_blocks(bench *b, const cli_list *scenes, tides_error *error);
+tides_status bench_live(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_throughput(bench *b, const cli_list *scenes, tides_error *error);
 /* Axes, rows and runs, not scenes; all open devices by themselves, in processes of their own. */
 tides_status bench_scaling(bench *b, const cli_list *axes, tides_error *error);

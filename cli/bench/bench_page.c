@@ -21,6 +21,7 @@ static const chapter chapters[] = {
     {"blocks", "What each block of the sensor and of the readout costs, alone."},
     {"determinism", "The same runs made in different ways, and one SHA-256 for each run."},
     {"image", "What each measure that makes the image continuous in time is worth, and what it costs."},
+    {"live", "How long a run takes for each pose that it is told as it goes."},
     {"scaling", "How cost grows with Gaussians, pixels, events, layers, what moves, speed and threads."},
     {"stability", "Worlds made to break the simulator, and whether they do."},
     {"throughput", "What each stage takes, beside the same image in plain C made for the machine: the limit."},

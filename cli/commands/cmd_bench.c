@@ -21,13 +21,10 @@ typedef struct benchmark {
     name_list names; /* NULL: stability_names, which the caller frees */
 } benchmark;
 static const benchmark benchmarks[] = {
-    {"accuracy", bench_accuracy, 0, bench_scene_names},
-    {"ablation", bench_ablation, 0, bench_scene_names},
-    {"blocks", bench_blocks, 0, bench_scene_names},
-    {"determinism", bench_determinism, 1, determinism_names},
-    {"image", bench_image, 0, bench_scene_names},
-    {"scaling", bench_scaling, 1, scaling_names},
-    {"stability", bench_stability, 1, NULL},
+    {"accuracy", bench_accuracy, 0, bench_scene_names},     {"ablation", bench_ablation, 0, bench_scene_names},
+    {"blocks", bench_blocks, 0, bench_scene_names},         {"determinism", bench_determinism, 1, determinism_names},
+    {"image", bench_image, 0, bench_scene_names},           {"live", bench_live, 0, bench_world_names},
+    {"scaling", bench_scaling, 1, scaling_names},           {"stability", bench_stability, 1, NULL},
     {"throughput", bench_throughput, 0, bench_world_names},
 };
 enum { BENCHMARKS = sizeof benchmarks / sizeof benchmarks[0] };
@@ -46,8 +43,8 @@ static int unknown_benchmark(const cli_command *command, const char *name) {
     const char *nearest = tides_nearest_name(name, names);
     if (nearest) return cli_usage(command, "no benchmark is called %s; did you mean %s?", name, nearest);
     return cli_usage(command,
-                     "no benchmark is called %s; there are accuracy, ablation, blocks, determinism, image, scaling, stability, "
-                     "throughput and all",
+                     "no benchmark is called %s; there are accuracy, ablation, blocks, determinism, image, live, scaling, "
+                     "stability, throughput and all",
                      name);
 }
 

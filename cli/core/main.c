@@ -104,8 +104,8 @@ static const cli_command commands[] = {
      "The keys for --set are listed by tides simulate --help.",
      1, cmd_compare},
     {"bench",
-     "accuracy|ablation|blocks|determinism|image|scaling|stability|throughput|all [-o DIR] [--quick] [--scene NAME] [--row "
-     "NAME]",
+     "accuracy|ablation|blocks|determinism|image|live|scaling|stability|throughput|all [-o DIR] [--quick] [--scene NAME] "
+     "[--row NAME]",
      "Measure run time against the error of event times, and try to break it.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
      "ablation: what each part of the method is worth, what masking and the readout change; ablation.json, .csv and a plot.\n"
@@ -116,10 +116,11 @@ static const cli_command commands[] = {
      "and a plot. Where a row fails the exit code is 1.\n"
      "blocks: what each block of sensor and readout costs; blocks.json, .csv and a plot.\n"
      "throughput: what each stage of a frame takes, beside the same image in plain C made for this machine; runs, and sinks.\n"
+     "live: latency of a run that is told a pose every millisecond, at 346x260; live.json, .csv and a plot.\n"
      "scaling: how cost grows with Gaussians, pixels, events, layers, what moves, speed, threads; exponents and a plot.\n"
      "all: each of them. index.html is a page of all results in the folder.\n"
      "Scenes: fan, handheld, occluder, nearly_static, vibration, flicker; trained and playbot where $TIDES_SHARED/data has "
-     "them. Of throughput: random, surfaces, demo; guitar and playbot.",
+     "them. Of throughput and live: random, surfaces, demo; guitar and playbot.",
      1, cmd_bench},
 };
 

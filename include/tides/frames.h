@@ -36,6 +36,9 @@ typedef struct tides_frames tides_frames;
  *   .npy, .npz       an array (frames, height, width) of numbers; the .npz's is "Y", "frames", "images" or "voxels", times
  *                    "t" or "timestamps"
  *   .h5, .hdf5       the same names, read frame by frame
+ *   .y4m, a pipe,    YUV4MPEG2 video, as `ffmpeg -f yuv4mpegpipe` writes it: 4:2:0, 4:2:2, 4:4:4, 4:1:1 or grey, of 8 to 16
+ *   "-"              bits, with its frame rate; "-" is the standard input. Pipes are read to their end, into a temporary file.
+ *                    Values are R'G'B' by BT.601: give them TIDES_TRANSFER_SRGB
  * With more planes an array is (frames, planes, height, width), where several dimensions may make up the planes, as in
  * (frames, 2, 10, height, width); without its first dimension it is one frame.
  * Times come from options->timestamps, else the rate, else the array file's own, else timestamps.txt or image_timestamps.txt

@@ -1,5 +1,5 @@
 /* Frame sequences behind tides_frames: opens the source that a path asks for, keeps shapes and times, reads a frame. Pixels
- * come from the sources (frames_folder.c, frames_npy.c, frames_hdf5.c), times from frame_times.c. */
+ * come from the sources (frames_folder.c, frames_npy.c, frames_hdf5.c, frames_y4m.c), times from frame_times.c. */
 #include "td_frames.h"
 
 #include "td_folder.h"
@@ -61,14 +61,20 @@ size_t td_frames_values(const tides_frames *frames) {
 static tides_status open_source(tides_frames *frames, tides_error *error) {
     struct stat facts;
     const char *path = frames->path;
-    if (stat(path, &facts) != 0) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: there is no such file or folder", path);
+    const int32_t is_pipe = strcmp(path, "-") == 0;
+    if (!is_pipe && stat(path, &facts) != 0)
+        return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: there is no such file or folder", path);
+    if (is_pipe || td_ends_in(path, ".y4m") || S_ISFIFO(facts.st_mode) || S_ISCHR(facts.st_mode)) {
+        if (frames->options.planes == 1) return td_frames_y4m(frames, error);
+        return td_fail(error, TIDES_BAD_FILE, "%s: is a video; voxel grids come from .npy, .npz, .h5 or .hdf5", path);
+    }
     if (td_is_folder(path) && frames->options.planes > 1)
         return td_fail(error, TIDES_BAD_FILE, "%s: is a folder; voxel grids come from .npy, .npz, .h5 or .hdf5", path);
     if (td_is_folder(path)) return td_frames_folder(frames, error);
     if (td_ends_in(path, ".npy") || td_ends_in(path, ".npz")) return td_frames_npy(frames, error);
     if (td_ends_in(path, ".h5") || td_ends_in(path, ".hdf5")) return td_frames_hdf5(frames, error);
-    return td_fail(error, TIDES_BAD_FILE, "%s: frames come from a folder of .png or .exr, or from .npy, .npz, .h5 or .hdf5",
-                   path);
+    return td_fail(error, TIDES_BAD_FILE,
+                   "%s: frames come from a folder of .png or .exr, or from .y4m, .npy, .npz, .h5 or .hdf5", path);
 }
 
 static tides_status check_options(const tides_frames_options *o, tides_error *error) {

@@ -211,7 +211,8 @@ const td_param td_params[] = {
     {CHOICE("readout.jitter_law", readout.jitter_law, "gaussian|delay", "delay: never early, and 1.32 sigma late on average")},
     {INTEGER("readout.queue_capacity", readout.queue_capacity, "", 1, 1e9, "events that a queue holds")},
 
-    {STRING("frames.file", frames_file, "frames in place of a scene: a folder of .png or .exr, or .npy, .npz, .h5, .hdf5"),
+    {STRING("frames.file", frames_file,
+            "in place of a scene: a folder of .png or .exr, .y4m (-: from a pipe), .npy, .npz, .h5, .hdf5"),
      .fallback = "null", .is_file = 1},
     {STRING("frames.timestamps", frames.timestamps,
             "text file with a time per frame; null: the rate, else the file's own or timestamps.txt"),

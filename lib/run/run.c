@@ -1,4 +1,5 @@
 /* A run file as an object: load, parse, vary, and what no single row of the table can say. */
+#include "td_folder.h"
 #include "td_params.h"
 #include "td_run.h"
 
@@ -27,7 +28,7 @@ static const char *run_text(const tides_run *run, const char *key) {
 const char *td_run_file(const tides_run *run, const char *key) { return run->files[td_param_find(key) - tides_params(NULL)]; }
 
 char *td_run_resolve(const tides_run *run, const char *path, tides_error *error) {
-    if (path[0] == '/' || !run->directory[0]) return td_strdup(path, error);
+    if (path[0] == '/' || !run->directory[0] || strcmp(path, "-") == 0) return td_strdup(path, error);
     const char *slash = run->directory[strlen(run->directory) - 1] == '/' ? "" : "/";
     return td_format(error, "%s%s%s", run->directory, slash, path);
 }
@@ -148,6 +149,23 @@ static int32_t is_scene(const char *file) {
     return !(length > 5 && strcmp(file + length - 5, ".json") == 0) && tides_scene_is_file(file);
 }
 
+/* The run that a video is, which ends with it (session.c): "-" is one from a pipe. */
+static char *run_of_video(const char *file, tides_error *error) {
+    const char *slash = strrchr(file, '/');
+    char *text = NULL, *printed = NULL;
+    cJSON *root = cJSON_CreateObject(), *frames = root ? cJSON_AddObjectToObject(root, "frames") : NULL;
+    const int32_t ok = frames && cJSON_AddStringToObject(frames, "file", slash ? slash + 1 : file) &&
+                       cJSON_AddStringToObject(frames, "transfer", "srgb");
+    if (ok) printed = cJSON_PrintUnformatted(root);
+    text = printed ? td_strdup(printed, error) : NULL;
+    if (!printed) td_fail(error, TIDES_NO_MEMORY, "out of memory: %s", file);
+    cJSON_free(printed);
+    cJSON_Delete(root);
+    return text;
+}
+
+int32_t td_run_is_video(const char *file) { return strcmp(file, "-") == 0 || td_ends_in(file, ".y4m"); }
+
 static tides_status note_scene(tides_run *run, tides_error *error) {
     char line[400];
     snprintf(line, sizeof line,
@@ -163,16 +181,16 @@ tides_status tides_run_load(const char *file, const char *const *overrides, size
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_load: file, run or overrides is NULL");
     char *text = NULL, *directory = NULL;
     size_t bytes = 0;
-    const int32_t scene = is_scene(file);
+    const int32_t video = td_run_is_video(file), scene = !video && is_scene(file);
     tides_status status = TIDES_OK;
-    if (!scene)
+    if (!scene && !video)
         status = td_read_file(file, RUN_FILE_LIMIT, &text, &bytes, error);
-    else if (!(text = run_of_scene(file, error)))
+    else if (!(text = scene ? run_of_scene(file, error) : run_of_video(file, error)))
         status = TIDES_NO_MEMORY;
     if (status != TIDES_OK) return status;
+    if (scene || video) bytes = strlen(text);
     directory = directory_of(file, error);
-    status =
-        directory ? parse(text, scene ? strlen(text) : bytes, file, directory, overrides, count, run, error) : TIDES_NO_MEMORY;
+    status = directory ? parse(text, bytes, file, directory, overrides, count, run, error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK && scene) status = note_scene(*run, error);
     free(directory);
     free(text);

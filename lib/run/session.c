@@ -23,11 +23,19 @@ void tides_session_close(tides_session *session) {
 
 /* -- opening  */
 
+/* A video's run ends with it, unless its file says when. */
+static void end_with_video(tides_session_facts *facts, const tides_frames *frames) {
+    if (!frames || !td_run_is_video(facts->values.frames_file) || tides_run_gives(facts->run, "time.stop")) return;
+    const double last = tides_frames_time(frames, tides_frames_count(frames) - 1);
+    if (last > facts->values.start) facts->values.stop = last;
+}
+
 static tides_status open_frames(tides_session *s, tides_error *error) {
     tides_session_facts *facts = &s->facts;
     tides_status status = tides_run_open_frames(facts->run, &s->frames, error);
     if (status != TIDES_OK) return status;
     tides_frames_size(s->frames, &facts->intrinsics.width, &facts->intrinsics.height);
+    end_with_video(facts, s->frames);
     snprintf(facts->info.name, sizeof facts->info.name, "none: frames from %s", facts->values.frames_file);
     return TIDES_OK;
 }
@@ -160,6 +168,7 @@ tides_status tides_session_vary(const tides_session *base, const char *const *ov
     made->facts.camera = made->camera;
     made->facts.run = made->run;
     tides_run_get(made->run, &made->facts.values);
+    end_with_video(&made->facts, made->frames);
     made->facts.sees_frames = made->frames || made->facts.values.baseline.method != TIDES_METHOD_TIDES;
     *session = made;
     return TIDES_OK;

@@ -56,6 +56,9 @@ tides_status td_rig_read_file(tides_run *run, tides_error *error); /* rig_file.c
 uint64_t td_rig_seed(const tides_run *run, uint64_t seed);         /* of that camera: its own noise */
 tides_status td_rig_mount(const tides_run *run, tides_trajectory **path, tides_error *error);
 
+/* 1 where the name is a video's: .y4m, or "-" for one from a pipe. */
+int32_t td_run_is_video(const char *file);
+
 /* preset.c: the values of sensor.preset for the rows that nobody gives who is stronger. */
 tides_status td_run_preset(tides_run *run, tides_error *error);
 /* 1 where it is a path, and not the name of one of ours. */

@@ -1,6 +1,6 @@
 # A benchmark leaves tables that agree with each other and pictures, refuses nonsense, and stops when asked to.
 refuse 2 "no benchmark is called acuracy; did you mean accuracy\?" tides bench acuracy
-refuse 2 "no benchmark is called speed; there are accuracy, ablation, blocks, determinism, image, scaling, stability, throughput and all" \
+refuse 2 "no benchmark is called speed; there are accuracy, ablation, blocks, determinism, image, live, scaling, stability, throughput and all" \
     tides bench speed
 refuse 2 "--row needle-1e6: there is no such row; did you mean needles-1e6\?" tides bench stability --row needle-1e6
 refuse 2 "--row: only determinism, scaling and stability have rows" tides bench image --row needles-1e6
@@ -214,3 +214,12 @@ wait $!
 [ $? = 1 ] || fail "the exit code should be 1"
 tail -n 1 err | grep -q "stopped on request; nothing was written" || fail "it should say that it was stopped"
 missing stopped/accuracy.json
+
+# Live runs are told a pose every millisecond; every step has its latency.
+expect 0 tides bench live --quick -o made
+out "demo +tiles +10 "
+out "demo +together +10 "
+for key in median_ms p99_ms worst_ms first_ms events_per_step; do
+    grep -q "\"$key\":[[:space:]]*[0-9.]*[1-9]" made/live.json || fail "live.json lacks $key"
+done
+exists made/live.png

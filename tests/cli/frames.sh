@@ -41,3 +41,24 @@ out '^tracks +16$'
 expect 0 tides tracks run.json -o again.csv --set tracks.count=16 --set tracks.rate_hz=50
 cmp -s tracks.csv again.csv || fail "the same seed, other points"
 refuse 1 "npz or .csv" tides tracks run.json -o tracks.png
+
+# Videos, from a file and from a pipe, to their end; a run file that says when ends there.
+{ printf 'YUV4MPEG2 W8 H6 F20:1 Ip C420jpeg\n'
+    for level in 40 80 120 160 200; do
+        printf 'FRAME\n'
+        head -c 48 /dev/zero | tr '\0' "\\$(printf '%03o' $level)"
+        head -c 24 /dev/zero | tr '\0' '\200'
+    done; } >video.y4m
+expect 0 tides simulate video.y4m -o video.h5 --stats video.json
+grep -q '"events":[[:space:]]*[1-9]' video.json || fail "a picture that gets brighter fires"
+tides simulate - -o pipe.h5 --stats pipe.json <video.y4m >out 2>err || fail "a pipe should do as well"
+for key in events events_on simulated_s; do
+    [ "$(grep "\"$key\":" video.json)" = "$(grep "\"$key\":" pipe.json)" ] || fail "$key differs between file and pipe"
+done
+grep -q '"simulated_s":[[:space:]]*0.2[,}]*$' pipe.json || fail "five frames at 20 Hz last 0.2 s"
+echo '{"frames": {"file": "-"}, "method": "v2e", "time": {"stop": 0.1}}' >pipe_run.json
+tides simulate pipe_run.json -o pipe.h5 --stats pipe.json <video.y4m >out 2>err || fail "frames.file: - should do"
+grep -q '"simulated_s":[[:space:]]*0.1[,}]*$' pipe.json || fail "time.stop is kept"
+head -c 100 video.y4m >short.y4m
+refuse 1 "short.y4m: ends within frame 0" tides simulate short.y4m -o no.h5
+refuse 1 "standard input: is empty" tides simulate - -o no.h5 </dev/null

@@ -1,6 +1,6 @@
-/* Any files as a frame sequence: a folder with its timestamps, .npy or .npz: frames of one size, finite and not negative, at
- * ascending times; or a refusal in one line. The first byte chooses what is opened, the second how its values and times are
- * read; the rest is a row of files (fuzz.h). */
+/* Any files as a frame sequence: a folder with its timestamps, .npy, .npz or .y4m: frames of one size, finite and not
+ * negative, at ascending times; or a refusal in one line. The first byte chooses what is opened, the second how its values and
+ * times are read; the rest is a row of files (fuzz.h). */
 #include "fuzz.h"
 
 #include "tides/frames.h"
@@ -8,8 +8,8 @@
 #include <math.h>
 
 static const char *const files[] =
-    {"folder/0.png", "folder/1.png", "folder/0.exr",  "folder/timestamps.txt", "folder/image_timestamps.txt",
-     "array.npy",    "array.npz",    "timestamps.txt"};
+    {"folder/0.png", "folder/1.png",   "folder/0.exr", "folder/timestamps.txt", "folder/image_timestamps.txt", "array.npy",
+     "array.npz",    "timestamps.txt", "video.y4m"};
 enum { FILES = sizeof files / sizeof *files, PIXELS_MAX = 1 << 20, FRAMES_READ = 4 };
 
 static void read_all(tides_frames *frames) {
@@ -34,7 +34,7 @@ static void read_all(tides_frames *frames) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    static const char *const opened[] = {"folder", "array.npy", "array.npz"};
+    static const char *const opened[] = {"folder", "array.npy", "array.npz", "video.y4m"};
     char path[FUZZ_PATH], times[FUZZ_PATH];
     tides_frames *frames = NULL;
     tides_frames_options options;
@@ -47,7 +47,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     fuzz_put_row(files, FILES, data + 2, size - 2);
     if (data[1] & 32) options.timestamps = fuzz_path(times, "timestamps.txt");
     if (data[1] & 64) options.frames_per_second = 30;
-    tides_status status = tides_frames_open(fuzz_path(path, opened[data[0] % 3]), &options, &frames, &error);
+    tides_status status = tides_frames_open(fuzz_path(path, opened[data[0] % 4]), &options, &frames, &error);
     if (status == TIDES_OK) {
         read_all(frames);
     } else {

@@ -278,7 +278,7 @@ def npy_file(dtype, shape, data):
     return b"\x93NUMPY\1\0\x76\0" + head.encode() + data
 
 
-FRAMES = ["0.png", "1.png", "0.exr", "own", "dsec", "npy", "npz", "times"]
+FRAMES = ["0.png", "1.png", "0.exr", "own", "dsec", "npy", "npz", "times", "y4m"]
 for depth, colour, interlaced in ((8, 0, 0), (16, 0, 0), (8, 2, 1), (16, 6, 0), (2, 3, 0), (1, 0, 1), (8, 4, 0)):
     write("fuzz_png", "%d_%d" % (depth, colour), png(5, 3, depth, colour, interlaced))
 for compression in (0, 2, 3):
@@ -292,6 +292,9 @@ write("fuzz_frames", "given", bytes([0, 32 | 4 * 2]) + row(FRAMES, dict(pictures
 write("fuzz_frames", "exr", bytes([0, 64]) + row(FRAMES, {"0.exr": exr(["Y"], 3, 2, 0, False)}))
 write("fuzz_frames", "npy", bytes([1, 64]) + row(FRAMES, {"npy": array}))
 write("fuzz_frames", "npz", bytes([2, 1]) + row(FRAMES, {"npz": npz({"Y": (2, 1, 3), "t": (2,)})}))
+video = b"YUV4MPEG2 W3 H2 F30000:1001 Ip C420jpeg\n" + 2 * (b"FRAME\n" + bytes(range(16, 26)))
+write("fuzz_frames", "y4m", bytes([3, 1]) + row(FRAMES, {"y4m": video}))
+write("fuzz_frames", "y4m_grey", bytes([3, 64]) + row(FRAMES, {"y4m": b"YUV4MPEG2 W3 H2 F5:1 Cmono XCOLORRANGE=FULL\nFRAME I\n012345"}))
 pairs = npy_file("[('a', '<f4'), ('b', '<f4')]", (1, 1, 72), bytes(8 * 72))
 write("fuzz_iebcs_noise", "pairs", pairs)
 write("fuzz_frames", "pairs", bytes([1, 64]) + row(FRAMES, {"npy": pairs}))

@@ -136,3 +136,15 @@ def test_wrong_use_says_so(room):
         live.step(None, 1e-2, objects={"ball": ((0.5, 0, 0), (1, 0, 0, 0))})
         with pytest.raises(tides.errors.OutOfRange, match="ends at 0.02"):
             live.step(None, 0.1, objects={"ball": ((0.5, 0, 0), (1, 0, 0, 0))})
+
+
+def test_the_example_follows_its_ball(monkeypatch, tmp_path):
+    monkeypatch.syspath_prepend("python_ctypes/examples")
+    import track_ball
+
+    rows = track_ball.track(0.4, "reference-f32")
+    off = np.linalg.norm(rows[:, 1:3] - rows[:, 3:5], axis=1) * 0.5 * track_ball.WIDTH / np.tan(0.5 * track_ball.VIEW)
+    assert len(rows) == 80 and rows[:, 5].sum() > 1000
+    assert off[0] > 10 and off[-20:].max() < 5  # it begins beside the ball, and finds it
+    picture = track_ball.panel("off [px]", rows[:, 0], [("", off)])
+    tides.image.write_png(tmp_path / "a.png", np.ascontiguousarray(picture))

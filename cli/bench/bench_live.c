@@ -1,0 +1,263 @@
+/* tides bench live: how long a run that is told poses as it goes takes for each, at 346x260 and a pose every millisecond: from
+ * the pose told to its events there. The first step also makes the first image, and is told apart. Poses are those of the
+ * scene's own camera, with rates, to and fro where it is shorter than the run. */
+#include "bench.h"
+#include "bench_worlds.h"
+#include "plot.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WIDTH = 346, HEIGHT = 260, STEPS = 1000, STEPS_QUICK = 10 };
+#define STEP_S 1e-3
+
+/* How steps are taken. */
+typedef struct live_way {
+    const char *name;
+    int32_t parts; /* BENCH_* */
+    double tolerance;
+} live_way;
+static const live_way ways[] = {{"tiles", 0, 0.01},
+                                {"blocks, paths", BENCH_BLOCKS | BENCH_PATHS, 0.01},
+                                {"together", BENCH_TOGETHER, 0.1}};
+enum { WAYS = sizeof ways / sizeof ways[0] };
+
+typedef struct live_row {
+    char scene[64];
+    const char *way;
+    int32_t steps;
+    double ms[STEPS]; /* sorted */
+    double first_ms, seconds;
+    tides_stats stats;
+} live_row;
+
+typedef struct live_rows {
+    live_row *rows;
+    size_t count;
+    cJSON *header;
+} live_rows;
+
+static int32_t steps_of(const bench *b) { return b->quick ? STEPS_QUICK : STEPS; }
+
+/* -- one run -------------------------------------------------------------------------------------------------------------- */
+
+static int count_events(void *user, const tides_event *events, size_t count) {
+    (void)events;
+    *(uint64_t *)user += count;
+    return 0;
+}
+
+/* Where the camera is at `time` [s] of the run: along its path, and back. */
+static tides_status pose_at(const bench_scene *scene, double time, tides_pose_sample *sample, tides_error *error) {
+    const double lasts = scene->stop - scene->start, turns = fmod(time / lasts, 2), place = turns > 1 ? 2 - turns : turns;
+    tides_pose pose;
+    tides_status status = tides_trajectory_at(scene->camera, scene->start + place * lasts, &pose, error);
+    if (status != TIDES_OK) return status;
+    const double *r = pose.rotation, trace = r[0] + r[4] + r[8];
+    double *q = sample->quaternion;
+    memset(sample, 0, sizeof *sample);
+    sample->time = time;
+    memcpy(sample->position, pose.position, sizeof sample->position);
+    /* Shepperd's formulas: the largest component is found first, the others are differences over it. */
+    int32_t large = r[0] > r[4] ? (r[0] > r[8] ? 0 : 2) : (r[4] > r[8] ? 1 : 2);
+    if (trace > r[4 * large]) {
+        q[0] = 0.5 * sqrt(1 + trace);
+        q[1] = (r[7] - r[5]) / (4 * q[0]), q[2] = (r[2] - r[6]) / (4 * q[0]), q[3] = (r[3] - r[1]) / (4 * q[0]);
+        return TIDES_OK;
+    }
+    const int32_t i = large, j = (i + 1) % 3, k = (i + 2) % 3;
+    q[1 + i] = 0.5 * sqrt(1 + r[4 * i] - r[4 * j] - r[4 * k]);
+    q[0] = (r[3 * k + j] - r[3 * j + k]) / (4 * q[1 + i]);
+    q[1 + j] = (r[3 * j + i] + r[3 * i + j]) / (4 * q[1 + i]);
+    q[1 + k] = (r[3 * k + i] + r[3 * i + k]) / (4 * q[1 + i]);
+    return TIDES_OK;
+}
+
+static int ascending(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static tides_status take_steps(bench *b, const bench_scene *scene, tides_trajectory *path, tides_simulator *simulator,
+                               live_row *row, tides_error *error) {
+    uint64_t events = 0;
+    for (int32_t k = 0; k <= row->steps; k++) {
+        tides_pose_sample pose;
+        tides_status status = pose_at(scene, (k + 1) * STEP_S, &pose, error);
+        if (status != TIDES_OK) return status;
+        if (cli_progress_step(&b->progress, (double)k / row->steps, "live"))
+            return cli_error(error, TIDES_CANCELLED, "stopped on request");
+        const double began = cli_now();
+        status = tides_trajectory_append(path, &pose, 1, error);
+        if (status == TIDES_OK)
+            status = tides_simulator_run(simulator, pose.time + 1e-10, count_events, &events, NULL, NULL, error);
+        if (status != TIDES_OK) return status;
+        const double ms = 1e3 * (cli_now() - began);
+        if (k == 0)
+            row->first_ms = ms;
+        else
+            row->ms[k - 1] = ms, row->seconds += 1e-3 * ms;
+    }
+    tides_simulator_stats(simulator, &row->stats);
+    qsort(row->ms, (size_t)row->steps, sizeof *row->ms, ascending);
+    return TIDES_OK;
+}
+
+static tides_status measure(bench *b, const bench_scene *scene, const live_way *way, live_row *row, tides_error *error) {
+    tides_stepping stepping;
+    tides_pose_sample pose;
+    tides_trajectory *path = NULL;
+    tides_simulator *simulator = NULL;
+    snprintf(row->scene, sizeof row->scene, "%s", scene->name);
+    row->way = way->name;
+    row->steps = steps_of(b);
+    double start, stop;
+    tides_scene_range(scene->scene, &start, &stop);
+    stop = fmin(stop, (row->steps + 2) * STEP_S);
+    if (stop < (row->steps + 2) * STEP_S) row->steps = (int32_t)(stop / STEP_S) - 2; /* objects' paths end */
+    if (row->steps < 1)
+        return cli_error(error, TIDES_OUT_OF_RANGE, "%s: its objects' paths end after %g s, too early for a live run",
+                         scene->name, stop);
+    tides_stepping_defaults(&stepping);
+    stepping.step_s = STEP_S;
+    stepping.tolerance = way->tolerance;
+    bench_choose_parts(&stepping, way->parts);
+    tides_status status = pose_at(scene, 0, &pose, error);
+    if (status == TIDES_OK) status = tides_trajectory_create_open(&pose, 1, &path, error);
+    if (status == TIDES_OK)
+        status = tides_simulator_create(b->device, scene->scene, path, &scene->intrinsics, &scene->image, &scene->sensor,
+                                        &stepping, 0, stop, NULL, NULL, &simulator, error);
+    if (status == TIDES_OK) status = take_steps(b, scene, path, simulator, row, error);
+    tides_simulator_destroy(simulator);
+    tides_trajectory_destroy(path);
+    return status;
+}
+
+/* What so many percent of the steps stay within [ms]. */
+static double percentile(const live_row *row, double percent) {
+    const int32_t at = (int32_t)ceil(percent / 100 * row->steps) - 1;
+    return row->ms[at < 0 ? 0 : at];
+}
+
+/* -- scenes --------------------------------------------------------------------------------------------------------------- */
+
+/* The demo's world, which lasts as long as the run; others as they are. */
+static tides_status make_scene(const bench *b, const char *name, bench_scene *scene, tides_error *error) {
+    if (strcmp(name, "demo") != 0) return bench_world_make(name, b->quick, scene, error);
+    tides_generate_options options;
+    tides_world world;
+    tides_generate_options_defaults(&options);
+    options.duration_s = (STEPS + 2) * STEP_S; /* quick ones see its beginning */
+    options.width = WIDTH;
+    options.height = HEIGHT;
+    tides_status status = tides_generate("fan", &options, &world, error);
+    if (status != TIDES_OK) return status;
+    bench_lay_out(scene, name, "the demo: a textured fan before a room, handheld camera");
+    scene->scene = world.scene;
+    scene->camera = world.camera;
+    scene->intrinsics = world.intrinsics;
+    scene->stop = world.duration_s;
+    for (int k = 0; k < 3; k++) scene->image.background[k] = world.background[k];
+    return TIDES_OK;
+}
+
+static tides_status measure_scene(bench *b, const char *name, live_rows *all, tides_error *error) {
+    bench_scene scene;
+    tides_status status = make_scene(b, name, &scene, error);
+    if (status != TIDES_OK) return status;
+    if (scene.intrinsics.width != WIDTH || scene.intrinsics.height != HEIGHT) bench_resize(&scene, WIDTH, HEIGHT);
+    for (int32_t i = 0; i < WAYS && status == TIDES_OK; i++) {
+        live_row *grown = realloc(all->rows, (all->count + 1) * sizeof *grown);
+        if (!grown) status = cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
+        if (status != TIDES_OK) break;
+        all->rows = grown;
+        live_row *row = all->rows + all->count;
+        memset(row, 0, sizeof *row);
+        status = measure(b, &scene, &ways[i], row, error);
+        if (status != TIDES_OK) break;
+        all->count++;
+        bench_say(b, "%-9s %-14s median %.3g ms, p99 %.3g ms", row->scene, row->way, percentile(row, 50), percentile(row, 99));
+    }
+    if (status == TIDES_OK && !bench_header_scene(all->header, &scene, NULL))
+        status = cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
+    bench_scene_free(&scene);
+    return status;
+}
+
+/* -- results -------------------------------------------------------------------------------------------------------------- */
+
+static int32_t cells_of(const void *rows, size_t index, bench_cell cells[BENCH_CELLS_MAX]) {
+    const live_row *r = (const live_row *)rows + index;
+    const bench_cell made[] = {
+        {"scene", r->scene, 0},
+        {"way", r->way, 0},
+        {"steps", NULL, r->steps},
+        {"step_s", NULL, STEP_S},
+        {"median_ms", NULL, percentile(r, 50)},
+        {"p90_ms", NULL, percentile(r, 90)},
+        {"p99_ms", NULL, percentile(r, 99)},
+        {"worst_ms", NULL, percentile(r, 100)},
+        {"first_ms", NULL, r->first_ms},
+        {"real_time_factor", NULL, r->steps * STEP_S / r->seconds},
+        {"events", NULL, (double)r->stats.events_written},
+        {"events_per_step", NULL, (double)r->stats.events_written / (r->steps + 1)},
+        {"renders", NULL, r->stats.renders_full_frame_equivalent},
+    };
+    memcpy(cells, made, sizeof made);
+    return sizeof made / sizeof made[0];
+}
+
+static void print_table(const live_rows *all) {
+    printf("%-10s %-14s %6s %10s %8s %8s %9s %9s %11s %12s\n", "scene", "way", "steps", "median ms", "p90 ms", "p99 ms",
+           "worst ms", "first ms", "x real time", "events/step");
+    for (size_t i = 0; i < all->count; i++) {
+        const live_row *r = &all->rows[i];
+        printf("%-10s %-14s %6d %10.3g %8.3g %8.3g %9.3g %9.3g %11.3g %12.4g\n", r->scene, r->way, (int)r->steps,
+               percentile(r, 50), percentile(r, 90), percentile(r, 99), percentile(r, 100), r->first_ms,
+               r->steps * STEP_S / r->seconds, (double)r->stats.events_written / (r->steps + 1));
+    }
+}
+
+/* How many percent of the steps take how long, a point for every other percent. */
+static tides_status draw(const bench *b, const live_rows *all, tides_error *error) {
+    enum { CURVES_MAX = CANVAS_SERIES, POINTS = 50 };
+    double ms[CURVES_MAX][POINTS], percent[POINTS];
+    cli_canvas canvas = bench_canvas(b, 1000, 720, "from a pose told to its events: 346x260, a pose every millisecond");
+    plot_panel panel = {.left = 120, .top = 110, .right = 960, .bottom = 560, .y_high = 100, .y_linear = 1};
+    plot_curve curves[CURVES_MAX];
+    char labels[CURVES_MAX][96];
+    const int32_t count = all->count < CURVES_MAX ? (int32_t)all->count : CURVES_MAX;
+    panel.title = "latency of a step", panel.x_label = "latency [ms]", panel.y_label = "steps within it [%]";
+    panel.x_low = INFINITY;
+    for (int32_t i = 0; i < count; i++) {
+        const live_row *r = &all->rows[i];
+        for (int32_t k = 0; k < POINTS; k++) {
+            percent[k] = 100.0 * (k + 1) / POINTS;
+            ms[i][k] = percentile(r, percent[k]);
+        }
+        snprintf(labels[i], sizeof labels[i], "%s: %s", r->scene, r->way);
+        curves[i] = (plot_curve){labels[i], ms[i], percent, POINTS, i};
+        panel.x_low = fmin(panel.x_low, ms[i][0]);
+        panel.x_high = fmax(panel.x_high, ms[i][POINTS - 1]);
+    }
+    plot_round_range(&panel.x_low, &panel.x_high);
+    plot_axes(&canvas, &panel, 1);
+    for (int32_t i = 0; i < count; i++) plot_draw(&canvas, &panel, &curves[i]);
+    plot_legend(&canvas, panel.left, panel.bottom + 80, panel.right, curves, count);
+    return bench_write_canvas(b, &canvas, "live", error);
+}
+
+tides_status bench_live(bench *b, const cli_list *scenes, tides_error *error) {
+    const cli_list demo = {.items = {"demo"}, .count = 1}, *asked = scenes->count ? scenes : &demo;
+    live_rows all = {.header = bench_header(b, "live")};
+    tides_status status = all.header ? TIDES_OK : cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
+    for (size_t i = 0; i < asked->count && status == TIDES_OK; i++) status = measure_scene(b, asked->items[i], &all, error);
+    const bench_table table = {all.rows, all.count, cells_of};
+    if (status == TIDES_OK) status = bench_write_table(b, "live", all.header, &table, error);
+    if (status == TIDES_OK) status = draw(b, &all, error);
+    if (status == TIDES_OK && !b->common->quiet && !b->common->json) print_table(&all);
+    cJSON_Delete(all.header);
+    free(all.rows);
+    return status;
+}
