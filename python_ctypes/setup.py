@@ -42,7 +42,7 @@ class BuildWithLibrary(build_py):
     def run(self):
         super().run()
         inside = Path(self.build_lib) / "tides"
-        for old in [*inside.glob("lib*.so*"), inside / "licences"]:  # an earlier build's
+        for old in [*inside.glob("lib*.so*"), inside / "licences", inside / "fonts"]:  # an earlier build's
             shutil.rmtree(old) if old.is_dir() else old.unlink(missing_ok=True)
         if STAGED:
             shutil.copytree(STAGED, inside, ignore=shutil.ignore_patterns("platform"), dirs_exist_ok=True)

@@ -1,4 +1,4 @@
-"""Completes a folder that holds the wheel's library and tool: what they link, all licences, and for which systems it is.
+"""Completes a folder that holds the wheel's library and tool: what they link, a font, all licences, and for which systems it is.
 
 usage: stage.py FOLDER MAP...      MAP: the linker's maps (-Wl,-Map), which name the archives that went in
 
@@ -18,6 +18,8 @@ from pathlib import Path
 SYSTEM = re.compile(r"(linux-vdso|ld-linux.*|lib(c|m|dl|rt|pthread|resolv|util))\.so[.\d]*")
 #: The compiler's own, whose licences except what is compiled with it.
 COMPILERS = re.compile(r"lib(gcc|gcc_eh|c_nonshared|ssp_nonshared)\.a|libgcc_s\.so\.1")
+#: What pictures are labelled in.
+FONTS = [Path("/usr/share/fonts/truetype/dejavu", name) for name in ("DejaVuSans.ttf", "DejaVuSans-Bold.ttf")]
 
 
 def said(*command):
@@ -60,9 +62,14 @@ def main():
     linked = {path for program in programs for path in shared(program)}
     for path in linked:
         shutil.copy(path, folder / path.name)
+    fonts = folder / "fonts"  # small systems have none
+    fonts.mkdir(exist_ok=True)
+    for path in FONTS:
+        shutil.copyfile(path, fonts / path.name)
+    shutil.copyfile(Path(__file__).with_name("fonts.conf"), fonts / "fonts.conf")
     licences = folder / "licences"
     licences.mkdir(exist_ok=True)
-    inside = {path for path in linked.union(*map(archives, maps)) if not COMPILERS.fullmatch(path.name)}
+    inside = {path for path in linked.union(FONTS, *map(archives, maps)) if not COMPILERS.fullmatch(path.name)}
     names = sorted({package(path) for path in inside})
     for name in names:
         shutil.copyfile(f"/usr/share/doc/{name}/copyright", licences / f"{name}.txt")

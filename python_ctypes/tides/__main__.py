@@ -2,14 +2,21 @@
 
 import os
 import sys
+from pathlib import Path
 
 from ._tool import tool_beside
+
+
+#: The wheel has a font for its pictures, since small systems have none: the system's are looked at first.
+FONTS = Path(__file__).resolve().parent / "fonts" / "fonts.conf"
 
 
 def main() -> None:
     tool = tool_beside()
     if tool is None:
         sys.exit("tides: the tool isn't beside the library that this package loads: run make")
+    if FONTS.is_file() and not os.environ.get("FONTCONFIG_PATH"):
+        os.environ.setdefault("FONTCONFIG_FILE", str(FONTS))
     os.execv(tool, ["tides", *sys.argv[1:]])
 
 

@@ -88,13 +88,36 @@ def test_whole_wheel_needs_the_c_library_alone(whole):
     assert run(tool, "--version", env={}) == f"tides {tides.__version__}\n"
 
 
+def test_whole_wheel_labels_pictures_where_there_is_no_font(whole, tmp_path):
+    """The same letters from its own font, whatever the system has: a .svg holds them as outlines."""
+    _, folder = whole
+    tool = folder / "tides" / "tides"
+    tool.chmod(0o755)
+    (tmp_path / "none.conf").write_text("<fontconfig><dir>/nowhere</dir></fontconfig>")
+    run(tool, "scene", "disc", "--size", "32x24", "-o", "disc.h5", "--run", "disc.json", cwd=tmp_path)
+    reference = ("--device", "reference", "-q", "--set", "time.stop=0.005")
+    run(tool, "simulate", "disc.json", "-o", "events.h5", *reference, cwd=tmp_path)
+    said = {}
+    for name, fonts in (("none", tmp_path / "none.conf"), ("own", folder / "tides" / "fonts" / "fonts.conf")):
+        drawn = subprocess.run(
+            [tool, "view", "events.h5", "-o", f"{name}.svg", "-q"],
+            env=outside(FONTCONFIG_FILE=str(fonts)),
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+        )
+        assert drawn.returncode == 0, drawn.stderr
+        said[name] = drawn.stderr
+    assert "has no font" in said["none"] and said["own"] == ""
+
+
 def test_whole_wheel_has_pages_and_licences_and_no_paths_of_this_machine(whole):
     _, folder = whole
     data = next(folder.glob("*.data")) / "data" / "share"
     assert (data / "man" / "man1" / "tides-simulate.1").stat().st_size > 1000
     assert (data / "man" / "man5" / "tides-run.5").exists()
     licences = {path.stem: path.read_text() for path in (folder / "tides" / "licences").iterdir()}
-    for part in ("tides", "hdf5", "openexr", "png", "cjson", "zstd", "lz4", "webp", "deflate", "zlib", "ocl-icd", "aec", "cairo", "freetype"):
+    for part in ("tides", "hdf5", "openexr", "png", "cjson", "zstd", "lz4", "webp", "deflate", "zlib", "ocl-icd", "aec", "cairo", "freetype", "dejavu"):
         assert any(part in name and "opyright" in text for name, text in licences.items()), part
     assert re.search(r"^cairo \d", licences["SOURCES"], re.M)
     for path in folder.rglob("*"):
