@@ -55,7 +55,7 @@ def _event_array(number: int, ns: int, frame: bytes, height: int, width: int, ev
 
 
 def _decode_evt3(words: np.ndarray, stamp_us: int) -> np.ndarray:
-    """Single events and times of EVT 3.0, as our bags have them: each packet has its own clock, of 24 bits from its stamp on."""
+    """Single events and times of EVT 3.0, as our bags have them: each packet has its own clock, 24 bits from its stamp on."""
     kind, value, here = words >> 12, (words & 0xFFF).astype(np.int64), np.arange(len(words))
     if not np.isin(kind, (0, 2, 6, 8)).all():
         raise ValueError("the bag's events are vectors of EVT 3.0, which only other writers make")
@@ -105,8 +105,8 @@ def write_rosbag(
     source: str | os.PathLike[str],
     topics: Mapping[str, str | Sequence[str] | None] | None = None,
 ) -> int:
-    """Writes a ROS 1 bag of `source`: an event file of any format, whose events become /dvs/events, to the nanosecond, a message
-    every 10 ms; or a ROS 2 bag that tides made, whose topics keep their names, times and contents. `topics` renames some:
+    """Writes a ROS 1 bag of `source`: an event file of any format, whose events become /dvs/events, to the nanosecond, a
+    message every 10 ms; or a ROS 2 bag that tides made, whose topics keep their names, times and contents. `topics` renames some:
     {"/left/depth": "/davis/left/depth_image_raw"}, to several names for copies, to None to leave one out. How many messages
     there are."""
     store, connections, count, part = _typestore(), {}, 0, part_name(file)

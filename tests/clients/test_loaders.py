@@ -122,7 +122,8 @@ def test_evimo(of, name):
     assert [frame["id"] for frame in meta["frames"]] == [0, 2, 4] == [key for key in planes["mask"]]
     for frame, t, pose in zip(meta["frames"], world.times, world.poses):
         place, turn = frame["cam"]["pos"]["t"], frame["cam"]["pos"]["q"]
-        assert frame["ts"] == frame["cam"]["ts"] == t and np.allclose([place[k] for k in "xyz"], metres * pose.position, atol=1e-12)
+        assert frame["ts"] == frame["cam"]["ts"] == t
+        assert np.allclose([place[k] for k in "xyz"], metres * pose.position, atol=1e-12)
         w, *v = (turn[k] for k in "wxyz")
         assert np.allclose((2 * w * w - 1) * np.eye(3) + 2 * np.outer(v, v) + 2 * w * np.cross(np.eye(3), v).T, pose.rotation)
         r, p, y = (frame["cam"]["pos"]["rpy"][k] for k in "rpy")

@@ -25,12 +25,13 @@ def rig(yaw=0.0):
 
 RADTAN = {"camera.lens": "radtan", "camera.k1": -0.15, "camera.k2": 0.02, "camera.p1": 0.002, "camera.p2": -0.001}
 LATE = 1_000_000_000
-sensitive = {"sensor.threshold_on": 0.01, "sensor.threshold_off": 0.01}
+PIXEL = {f"camera.{key}": value for key, value in dict(width=1, height=1, fx=30, fy=30, cx=0.5, cy=0.5).items()}
+SENSITIVE = {"sensor.threshold_on": 0.01, "sensor.threshold_off": 0.01}
 WORLDS = {
     "rig": rig(),
     "lens": {**rig(yaw=-0.05), **RADTAN},
     "one": {},
-    "pixel": {"camera.width": 1, "camera.height": 1, "camera.fx": 30, "camera.fy": 30, "camera.cx": 0.5, "camera.cy": 0.5, **sensitive},
+    "pixel": {**PIXEL, **SENSITIVE},
     "none": {"sensor.threshold_on": 50, "sensor.threshold_off": 50},
     "late": {"camera.start_s": 1 - LATE, "time.start": LATE, "time.stop": LATE + LENGTH},
 }

@@ -183,8 +183,9 @@ def test_pictures_are_what_the_views_see(world):
     fx, fy, cx, cy = camera(world["text"], "camRect2")
     rotation = MOUNTS["right"][:3, :3] @ numbers(world["text"], "R_rect2").T
     body, session = world["path"], world["session"]
-    q = np.sqrt(1 + np.trace(rotation)) / 2 * np.array([1.0, 0, 0, 0])
-    q[1:] = np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]]) / 4 / q[0]
+    w = np.sqrt(1 + np.trace(rotation)) / 2
+    skew = (rotation - rotation.T) / (4 * w)
+    q = [w, skew[2, 1], skew[0, 2], skew[1, 0]]
     view = tides.Camera(body.mounted(MOUNTS["right"][:3, 3], q), pinhole(fx, fy, cx + 0.5, cy + 0.5))
     with tides.Renderer(session.scene, view, session.values.image, device="reference-f32") as renderer:
         frame = renderer.frame(0.1, ["R", "G", "B"])
@@ -210,3 +211,27 @@ def test_wrong_rigs_are_named(world):
     with tides.Session(folder / "run.json", rolling, device="reference-f32") as session:
         with pytest.raises(tides.errors.BadConfig, match="rolling shutter"):
             session.dataset(folder / "no", "dsec")
+
+
+def test_four_cameras_are_two_pairs(world):
+    """As DSEC has it: events from 0 and 3, pictures from 1 and 2; each pair is rectified by itself."""
+    places = {"a": [0, 0, 0], "b": [0.05, 0, 0], "c": [0.45, 0.03, 0], "d": [0.6, 0, 0.02]}
+    kinds = ("event", "frame", "frame", "event")
+    rig = [
+        {"name": name, "kind": kind, "T_B_C": pose(place, [0.01 * k, -0.02 * k, 0.03]).tolist(), "camera": LENSES["left"]}
+        for k, (kind, (name, place)) in enumerate(zip(kinds, places.items()))
+    ]
+    settings = {"rig.cameras": rig, "time.stop": 0.1}
+    with tides.Session(world["folder"] / "run.json", settings, device="reference-f32") as session:
+        session.dataset(world["folder"] / "four", "dsec")
+    root = world["folder"] / "four"
+    text = (root / "calibration/cam_to_cam.yaml").read_text()
+    steps = [numbers(text, name) for name in ("T_10", "T_21", "T_32")]
+    turns = [numbers(text, f"R_rect{k}") for k in range(4)]
+    for one, two, way, q in ((0, 3, steps[2] @ steps[1] @ steps[0], "cams_03"), (1, 2, steps[1], "cams_12")):
+        assert np.allclose(turns[two] @ way[:3, :3] @ turns[one].T, np.eye(3), atol=1e-12)
+        assert np.allclose(turns[two] @ way[:3, 3], [-1 / numbers(text, q)[3, 2], 0, 0], atol=1e-12)
+        assert camera(text, f"camRect{one}").tolist() == camera(text, f"camRect{two}").tolist()
+    assert not np.allclose(turns[0], turns[1], atol=1e-3)
+    assert {len(list((root / f"images/{side}/rectified").iterdir())) for side in ("left", "right")} == {3}
+    assert len(list((root / "disparity/event").iterdir())) == 2 and (root / "events/right/rectify_map.h5").exists()
