@@ -187,13 +187,18 @@ static const H5FD_class_t disk_class = {
     .fl_map = H5FD_FLMAP_DICHOTOMY,
 };
 
-/* Each use registers it anew: HDF5 counts uses itself, and forgets a driver that no property list or file has any more. */
+/* Registered once, and again where the program around us has closed HDF5. If each use had its own, the last file of it would
+ * free it while it is being closed, and HDF5 1.10 looks up how to close it afterwards (H5FD_close). */
+static hid_t get_driver(void) {
+    static hid_t driver = H5I_INVALID_HID;
+    if (driver < 0 || H5Iget_type(driver) != H5I_VFL) driver = H5FDregister(&disk_class);
+    return driver;
+}
+
 static herr_t set_driver(hid_t access, int *failed) { /* NOLINT(readability-non-const-parameter): writing goes through it */
     const disk_access given = {failed};
-    hid_t driver = H5FDregister(&disk_class);
-    herr_t done = driver < 0 ? -1 : H5Pset_driver(access, driver, &given);
-    if (driver >= 0) H5FDunregister(driver);
-    return done;
+    const hid_t driver = get_driver();
+    return driver < 0 ? -1 : H5Pset_driver(access, driver, &given);
 }
 
 static hid_t make_access(int *failed) {
