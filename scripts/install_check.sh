@@ -12,6 +12,10 @@ export MAKEFLAGS
 
 install_to() { ${MAKE:-make} --no-print-directory -s CONFIG="${CONFIG:-release}" "$1" DESTDIR="$work/root" PREFIX=$prefix; }
 
+# A library that pkg-config doesn't find is named before anything is compiled.
+if said=$(${MAKE:-make} -n PKG_CONFIG=false all 2>&1); then echo "make goes on without any library"; exit 1; fi
+case $said in *"false finds no libpng "*) ;; *) echo "make doesn't name what is missing: $said"; exit 1 ;; esac
+
 install_to install
 export PKG_CONFIG_PATH="$root/lib/pkgconfig"
 flags=$(${PKG_CONFIG:-pkg-config} --cflags --libs tides)
