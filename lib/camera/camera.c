@@ -103,7 +103,8 @@ static tides_status make_trajectory(td_path_reader *reader) {
         samples[i] = reader->samples[i].pose;
         samples[i].time = td_path_since(reader->samples + i, &origin);
     }
-    status = tides_trajectory_create(samples, reader->count, &reader->path.trajectory, reader->error);
+    status = reader->is_open ? tides_trajectory_create_open(samples, reader->count, &reader->path.trajectory, reader->error)
+                             : tides_trajectory_create(samples, reader->count, &reader->path.trajectory, reader->error);
     if (status == TIDES_BAD_ARGUMENT) status = TIDES_BAD_FILE; /* here the argument is what the file says */
     if (status != TIDES_OK) td_fail_within(reader->error, status, "%s", reader->file);
     if (status != TIDES_OK && reader->error) reader->error->status = status;

@@ -35,6 +35,7 @@ static void write_path(FILE *out, const tides_trajectory *trajectory, const tide
     size_t count = tides_trajectory_count(trajectory);
     fputs("{\n  \"format\": \"tides-path\", \"version\": 1,\n", out);
     if (camera) write_camera(out, camera);
+    if (tides_trajectory_is_open(trajectory)) fputs("  \"open\": true,\n", out);
     fputs("  \"samples\": [\n", out);
     for (size_t i = 0; i < count; i++) {
         tides_pose_sample sample;

@@ -8,8 +8,9 @@
  *       {"t": 0.0, "position": [x, y, z], "quaternion": [w, x, y, z],                             body to world
  *        "velocity": [x, y, z], "angular_velocity": [x, y, z]},                                   both or neither; world axes
  *       ...
- *     ]
- *   }
+ *     ],
+ *     "open": false                     (may be left out) true: they are an open path's, cubics from sample to sample: what a
+ *   }                                    live run was told
  *
  * Times are seconds, in strictly increasing order. Instead of "samples" the file may hold one generator, with the fields of
  * its struct in trajectory.h:
@@ -185,7 +186,9 @@ static tides_status read_intrinsics(td_path_reader *reader, const cJSON *object,
 }
 
 static tides_status check_root(td_path_reader *reader, const cJSON *root) {
-    static const char *const keys[] = {"format", "version", "intrinsics", "samples", "orbit", "dolly", "handheld", NULL};
+    static const char *const keys[] = {"format", "version", "intrinsics", "open", "samples",
+                                       "orbit",  "dolly",   "handheld",   NULL};
+    enum { SOURCES = 4 }; /* from here on */
     double version = 0.0;
     tides_status status = td_json_check_keys(reader, root, "", keys);
     if (status == TIDES_OK) status = td_json_number(reader, root, "", "version", &version);
@@ -193,8 +196,10 @@ static tides_status check_root(td_path_reader *reader, const cJSON *root) {
     if (version != TD_PATH_VERSION)
         return td_fail(reader->error, TIDES_UNSUPPORTED, "%s: version %g; this TIDES reads version %d", reader->file, version,
                        TD_PATH_VERSION);
+    if (td_json_has(root, "open") && !td_json_has(root, "samples"))
+        return td_json_fail(reader, "", "open", "is of samples; a generator's path is known as a whole");
     int sources = 0;
-    for (int k = 3; keys[k]; k++) sources += td_json_has(root, keys[k]);
+    for (int k = SOURCES; keys[k]; k++) sources += td_json_has(root, keys[k]);
     if (sources == 1) return TIDES_OK;
     return td_fail(reader->error, TIDES_BAD_FILE,
                    "%s: needs exactly one of \"samples\", \"orbit\", \"dolly\", \"handheld\", but has %d", reader->file,
@@ -220,5 +225,8 @@ tides_status td_path_read_tides(td_path_reader *reader, const cJSON *root) {
         if (reader->error) reader->error->status = TIDES_BAD_FILE;
         return TIDES_BAD_FILE;
     }
+    const cJSON *open = cJSON_GetObjectItemCaseSensitive(root, "open");
+    if (open && !cJSON_IsBool(open)) return td_json_fail(reader, "", "open", "must be true or false");
+    reader->is_open = cJSON_IsTrue(open);
     return read_samples(reader, cJSON_GetObjectItemCaseSensitive(root, "samples"));
 }

@@ -31,6 +31,7 @@ typedef struct td_path_reader {
     size_t count, capacity;
     td_path_view *views;
     size_t view_count, view_capacity;
+    int is_open;      /* its samples are an open path's (tides_trajectory_create_open) */
     int spread;       /* the file has no times: td_path_spread's wish */
     const char *list; /* the JSON list that `place` indexes ("frames"); NULL: `place` is a line */
     tides_path path;  /* what has been read so far; a generator sets the trajectory itself */

@@ -149,6 +149,7 @@ static void tides_samples(void **state) {
         {HEAD "\"sampels\": []}", "F: sampels: unknown key; did you mean \"samples\"?"},
         {HEAD "\"two\nlines\": []}", "F: two?lines: unknown key"}, /* found by the fuzzer: the message had two lines */
         {HEAD "\"zzzzzzzzz\": []}", "F: zzzzzzzzz: unknown key"},
+        {HEAD "\"open\": 1, \"samples\": []}", "F: open: must be true or false"},
         {HEAD "\"version\": 1, \"samples\": []}", "F: version: is given twice"},
         {HEAD "\"samples\": [], \"intrinsics\": {}}", "F: intrinsics.width: is missing"},
         {"{\"format\": \"tides-path\", \"version\": 1}",
@@ -181,6 +182,7 @@ static void tides_generators(void **state) {
     (void)state;
     static const bad_text cases[] = {
         {HEAD "\"orbit\": [1]}", "F: orbit: must be an object"},
+        {HEAD "\"open\": true, \"orbit\": {" ORBIT "}}", "F: open: is of samples"},
         {HEAD "\"orbit\": {" ORBIT ", \"hight\": 1}}", "F: orbit.hight: unknown key; did you mean \"height\"?"},
         {HEAD "\"orbit\": {" ORBIT ", \"seed\": 1}}", "F: orbit.seed: unknown key"},
         {HEAD "\"orbit\": {\"target\": [0, 0, 0]}}", "F: orbit.up: is missing"},

@@ -54,7 +54,10 @@ def test_steps_give_what_a_run_gives_that_knows(room):
             scene, tides.Camera(known, session.intrinsics), v.start, 1.0, v.sensor, v.stepping, v.image, device="reference-f32"
         )
         events = again.run(live.time + 1e-12)
+        tides.Camera(known, session.intrinsics).save(room.parent / "told.json")
     assert len(events) > 500 and np.array_equal(np.concatenate(got), events)
+    told = tides.Camera.load(room.parent / "told.json").trajectory  # the same path, to the bit, from its file
+    assert told.is_open and all(np.array_equal(told.at(t).rotation, known.at(t).rotation) for t in np.linspace(0, 0.04, 50))
     with pytest.raises(tides.errors.OutOfRange, match="camera's path is open"):
         again.run(0.2)
 
