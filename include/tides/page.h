@@ -11,6 +11,7 @@
 extern "C" {
 #endif
 
+/* What of the events is shown, and how at first. */
 typedef struct tides_page_options {
     uint32_t size;             /* sizeof this struct */
     int32_t width, height;     /* of the sensor [px]; 0: what the file says, else what the events reach */
@@ -24,12 +25,13 @@ typedef struct tides_page_options {
 /* All of a recording, 10 million events (of some 7 bytes in the page) at most. */
 TIDES_API void tides_page_options_defaults(tides_page_options *options);
 
+/* What a page that was written has. */
 typedef struct tides_page_report {
     uint64_t events;           /* in the page */
     int64_t start_ns, stop_ns; /* the stretch that the page shows */
-    int32_t width, height;
-    int32_t truth; /* 1: with ground truth */
-    int32_t ended; /* 1: there are more events from stop_ns on, which were too many */
+    int32_t width, height;     /* of the sensor [px] */
+    int32_t truth;             /* 1: with ground truth */
+    int32_t ended;             /* 1: there are more events from stop_ns on, which were too many */
 } tides_page_report;
 
 /* Writes the page of events in memory, which are in order of time (else TIDES_BAD_ARGUMENT). `truth` (count), `options` and

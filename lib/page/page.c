@@ -122,28 +122,35 @@ static void find_stretch(td_page *page) {
 }
 
 /* 64 bits as text: a script's numbers have 53. */
-static void add_ns(cJSON *json, const char *name, int64_t ns) {
+static int add_ns(cJSON *json, const char *name, int64_t ns) {
     char text[24];
     snprintf(text, sizeof text, "%" PRId64, ns);
-    cJSON_AddStringToObject(json, name, text);
+    return cJSON_AddStringToObject(json, name, text) != NULL;
 }
 
-static char *facts_text(const td_page *page) {
+/* Of a recording in which all are the signal's there is nothing to tell apart. */
+static int add_causes(cJSON *json, const td_page *page) {
     static const char *const causes[TIDES_CAUSES] = {"signal", "leak", "shot noise", "hot pixel"};
+    cJSON *names = cJSON_AddArrayToObject(json, "causes");
+    int ok = names != NULL;
+    for (int c = 0; ok && c < TIDES_CAUSES && page->causes > 1; c++)
+        ok = cJSON_AddItemToArray(names, cJSON_CreateString(causes[c]));
+    return ok;
+}
+
+/* NULL: out of memory. */
+static char *facts_text(const td_page *page) {
     const tides_page_report *r = &page->report;
-    cJSON *json = cJSON_CreateObject(), *names = cJSON_AddArrayToObject(json, "causes");
-    cJSON_AddStringToObject(json, "title", page->options.title ? page->options.title : "events");
-    cJSON_AddNumberToObject(json, "events", (double)r->events);
-    cJSON_AddNumberToObject(json, "width", r->width);
-    cJSON_AddNumberToObject(json, "height", r->height);
-    add_ns(json, "start", r->start_ns);
-    add_ns(json, "stop", r->stop_ns);
-    add_ns(json, "window", page->options.window_ns);
-    cJSON_AddBoolToObject(json, "truth", r->truth);
-    cJSON_AddBoolToObject(json, "ended", r->ended);
-    for (int c = 0; c < TIDES_CAUSES && page->causes > 1; c++) cJSON_AddItemToArray(names, cJSON_CreateString(causes[c]));
-    cJSON_AddStringToObject(json, "version", tides_version());
-    char *text = cJSON_PrintUnformatted(json);
+    const char *title = page->options.title ? page->options.title : "events";
+    cJSON *json = cJSON_CreateObject();
+    const int ok = cJSON_AddStringToObject(json, "title", title) &&
+                   cJSON_AddNumberToObject(json, "events", (double)r->events) &&
+                   cJSON_AddNumberToObject(json, "width", r->width) && cJSON_AddNumberToObject(json, "height", r->height) &&
+                   add_ns(json, "start", r->start_ns) && add_ns(json, "stop", r->stop_ns) &&
+                   add_ns(json, "window", page->options.window_ns) && cJSON_AddBoolToObject(json, "truth", r->truth) &&
+                   cJSON_AddBoolToObject(json, "ended", r->ended) && add_causes(json, page) &&
+                   cJSON_AddStringToObject(json, "version", tides_version());
+    char *text = ok ? cJSON_PrintUnformatted(json) : NULL;
     cJSON_Delete(json);
     return text;
 }

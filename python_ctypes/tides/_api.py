@@ -2858,7 +2858,7 @@ class tides_page_options(Structure):
 class tides_page_report(Structure):
     """uint64_t events; /* in the page */
     int64_t start_ns, stop_ns; /* the stretch that the page shows */
-    int32_t width, height;
+    int32_t width, height; /* of the sensor [px] */
     int32_t truth; /* 1: with ground truth */
     int32_t ended; /* 1: there are more events from stop_ns on, which were too many */
     """

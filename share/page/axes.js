@@ -81,7 +81,11 @@ class Axes {
 
     #pixels(matrix, ratio) {
         const x = this.#edge(matrix, 0, (a, b) => a.y > b.y), y = this.#edge(matrix, 1, (a, b) => a.x < b.x);
-        if (x) this.#label(matrix, this.#project(matrix, 0, ...x), `x: ${this.width} px`, ratio);
-        if (y) this.#label(matrix, this.#project(matrix, y[0], 0, y[1]), `y: ${this.height} px`, ratio);
+        const along = (a, b, middle, text) => {
+            if (a && b && Math.hypot(a.x - b.x, a.y - b.y) > 60 * ratio) this.#label(matrix, middle, text, ratio);
+        };
+        const at = (...corner) => this.#project(matrix, ...corner);
+        if (x) along(at(-1, ...x), at(1, ...x), at(0, ...x), `x: ${this.width} px`);
+        if (y) along(at(y[0], -1, y[1]), at(y[0], 1, y[1]), at(y[0], 0, y[1]), `y: ${this.height} px`);
     }
 }

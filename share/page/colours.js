@@ -63,7 +63,7 @@ function byFlow(recording) {
         place: (chunk, i) => place(chunk.u[i], chunk.v[i]),
         table: (dark) => table((at) => oklch(dark ? 0.75 : 0.6, 0.02 + 0.05 * (at >> 6), (at & 63) / 64)),
         legend: [[192, "right"], [192 + 16, "down"], [192 + 32, "left"], [192 + 48, "up"],
-            [null, `strong: ${fast.toPrecision(2)} px/s and more`]] };
+            [null, `strong: ${countText(Number(fast.toPrecision(2)))} px/s and more`]] };
 }
 
 // Object k has place 1 + k, and none place 0.

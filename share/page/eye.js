@@ -9,8 +9,8 @@ class Eye {
 
     look(view) {
         [this.turn, this.tilt] = VIEWS[view];
-        this.distance = view === "front" ? 3.9 : 3.2;
-        this.aside = [0, 0];
+        this.distance = view === "front" ? 3.4 : 2.9;
+        this.aside = [0, view === "slant" ? 0.09 : 0]; // times stand below
     }
     rotate(dx, dy) {
         this.turn -= dx;
@@ -29,7 +29,7 @@ class Eye {
         const right = [cos(this.turn), 0, -sin(this.turn)];
         const back = [sin(this.turn) * cos(this.tilt), sin(this.tilt), cos(this.turn) * cos(this.tilt)];
         const up = [-sin(this.turn) * sin(this.tilt), cos(this.tilt), -cos(this.turn) * sin(this.tilt)];
-        const fit = Math.min(1, aspect), a = (far + near) / (near - far), b = 2 * far * near / (near - far);
+        const fit = Math.min(1, aspect / 1.55), a = (far + near) / (near - far), b = 2 * far * near / (near - far);
         const out = new Float32Array(16);
         for (let i = 0; i < 3; i++) {
             out[4 * i] = right[i] * focal * fit / aspect;
