@@ -1,114 +1,232 @@
-/* The streams of a comparison side by side: x-y-t, each in its panel, the same stretch and the same eye. */
-#include "compare.h"
-#include "view.h"
+/* The picture of a comparison: the exact events and where the picture looks closely, how far each method is off, and a panel
+ * for each in which every event hangs on the exact one. */
+#include "compare_zoom.h"
+#include "plot.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { PANEL_WIDTH = 780, PANEL_HEIGHT = 540, TITLE = 90 /* of a panel */, HEADER = 48, MARGIN = 36 };
+enum { WIDTH = 640, HEIGHT = 480, LEFT = 100, RIGHT = 28, TOP = 72, BOTTOM = 64, HEADER = 92, MARGIN = 24 /* [px] */ };
+enum { STREAMS_MAX = COMPARE_METHODS_MAX + 1, UP = 2, DOWN = 4 /* shapes of ON and OFF */ };
 
-/* Where more events than this lie in a stretch, points hide one another. */
-#define COMFORTABLE_EVENTS 20000
+/* Classes of |dt|, and their colours of the theme's series: from blue to red, each darker or lighter than its neighbours. */
+enum { CLASSES = 5 };
+static const double class_ends_ns[CLASSES] = {1e3, 1e4, 1e5, 1e6, INFINITY};
+static const char *const class_names[CLASSES] = {"|dt| < 1 us", "< 10 us", "< 100 us", "< 1 ms", "more"};
+static const int32_t class_series[CLASSES] = {0, 6, 5, 1, 9};
 
-typedef struct panel {
+typedef struct stream {
     const char *name;
-    char title[160];
-    tides_event *events; /* borrowed */
+    const tides_event *events;
     size_t count;
-} panel;
+    char facts[160];
+} stream;
 
-static cli_window slice_of(const comparison *c, tides_event *events, size_t count, int64_t first_ns, int64_t stop_ns) {
-    cli_window whole = {.first_ns = first_ns, .stop_ns = stop_ns, .count = count};
-    whole.width = c->session.intrinsics.width;
-    whole.height = c->session.intrinsics.height;
-    whole.events = events;
-    return cli_window_slice(&whole, first_ns, stop_ns);
-}
+typedef struct figure {
+    const comparison *c;
+    cli_canvas canvas;
+    view_mark zoom;
+    compare_index index;
+    stream streams[STREAMS_MAX];
+    int32_t count, columns;
+} figure;
 
-/* The stretch in the middle of the run that the panels show: of the length that was asked for, else halved until the exact
- * events don't hide one another. */
-static void stretch(const comparison *c, int64_t *first_ns, int64_t *stop_ns) {
-    int64_t start, stop;
-    compare_interval(c, &start, &stop);
-    int64_t length = stop - start;
-    if (c->window_s > 0) length = (int64_t)fmin((double)length, fmax(1e9 * c->window_s, 1));
-    for (;; length /= 2) {
-        *first_ns = start + (stop - start - length) / 2;
-        *stop_ns = *first_ns + length;
-        const cli_window shown = slice_of(c, c->exact.events, c->exact.count, *first_ns, *stop_ns);
-        if (c->window_s > 0 || shown.count <= COMFORTABLE_EVENTS || length < 2000) return;
-    }
-}
-
-static void title_row(panel *p, const compare_row *row) {
+static void tell(stream *s, const compare_row *row) {
     char texts[3][32];
     const cJSON *median = compare_find(row->against_exact, "comparison.dt_median_us"),
                 *p95 = compare_find(row->against_exact, "comparison.dt_p95_us"),
                 *mismatch = compare_find(row->against_exact, "comparison.mismatch_percent");
     if (row->error.status != TIDES_OK)
-        snprintf(p->title, sizeof p->title, "failed");
+        snprintf(s->facts, sizeof s->facts, "failed");
     else if (cJSON_IsNumber(median) && cJSON_IsNumber(p95) && cJSON_IsNumber(mismatch))
-        snprintf(p->title, sizeof p->title, "|dt| median %s us, p95 %s us, mismatch %s %%",
+        snprintf(s->facts, sizeof s->facts, "|dt| median %s us, p95 %s us, mismatch %s %%",
                  compare_number(median->valuedouble, texts[0]), compare_number(p95->valuedouble, texts[1]),
                  compare_number(mismatch->valuedouble, texts[2]));
     else
-        snprintf(p->title, sizeof p->title, "nothing matches");
+        snprintf(s->facts, sizeof s->facts, "nothing matches");
 }
 
-static int32_t make_panels(const comparison *c, panel panels[COMPARE_METHODS_MAX + 2]) {
-    int32_t count = 0;
-    panels[count++] = (panel){"exact", "", c->exact.events, c->exact.count};
-    if (c->recording_file) panels[count++] = (panel){"recording", "", c->recording.events, c->recording.count};
+static void collect(figure *f) {
+    const comparison *c = f->c;
     for (int32_t i = 0; i < c->count; i++) {
-        panel *p = &panels[count++];
-        *p = (panel){c->rows[i].name, "", c->rows[i].stream.events, c->rows[i].stream.count};
-        title_row(p, &c->rows[i]);
-        if (c->rows[i].error.status != TIDES_OK) p->events = NULL, p->count = 0;
+        stream *s = &f->streams[f->count++];
+        const int32_t ran = c->rows[i].error.status == TIDES_OK;
+        *s = (stream){c->rows[i].name, c->rows[i].stream.events, ran ? c->rows[i].stream.count : 0, ""};
+        tell(s, &c->rows[i]);
     }
-    return count;
+    if (c->recording_file) f->streams[f->count++] = (stream){"recording", c->recording.events, c->recording.count, ""};
 }
 
-static int32_t draw_panel(cli_canvas *canvas, const comparison *c, const panel *p, const view_part *part, int64_t first_ns,
-                          int64_t stop_ns) {
-    static const view eye = {.azimuth_deg = VIEW_AZIMUTH_DEG, .elevation_deg = VIEW_ELEVATION_DEG};
-    const cli_window shown = slice_of(c, p->events, p->count, first_ns, stop_ns);
-    const view_part box = {part->left, part->top + TITLE, part->right, part->bottom};
-    canvas_title(canvas, part->left + MARGIN, part->top + 22, 0, p->name);
-    canvas_text(canvas, part->left + MARGIN, part->top + 48, 0, p->title);
-    view_legend(canvas, part->left + MARGIN, part->top + 74, &shown);
-    return view_draw_xyt(canvas, &eye, &shown, &box);
+/* -- panels ---------------------------------------------------------------------------------------------------------------- */
+
+static plot_panel lay_panel(const figure *f, int32_t index) {
+    const int32_t x = index % f->columns * WIDTH, y = HEADER + index / f->columns * HEIGHT;
+    return (plot_panel){.left = x + LEFT,
+                        .top = y + TOP,
+                        .right = x + WIDTH - RIGHT,
+                        .bottom = y + HEIGHT - BOTTOM,
+                        .title = "",
+                        .y_label = ""};
 }
 
-static void draw_header(cli_canvas *canvas, const comparison *c, int64_t first_ns, int64_t stop_ns) {
-    const cli_window shown = {.first_ns = first_ns, .stop_ns = stop_ns};
-    const char *slash = strrchr(c->run, '/');
-    char interval[96], line[200];
+static int32_t draw_overview(figure *f) {
+    const view eye = {.azimuth_deg = VIEW_AZIMUTH_DEG,
+                      .elevation_deg = VIEW_ELEVATION_DEG,
+                      .style = f->c->style,
+                      .mark = &f->zoom};
+    const view_part part = {0, HEADER + 40, WIDTH, HEADER + HEIGHT};
+    cli_window shown = {.events = f->c->exact.events, .count = f->c->exact.count};
+    shown.width = f->c->session.intrinsics.width;
+    shown.height = f->c->session.intrinsics.height;
+    compare_interval(f->c, &shown.first_ns, &shown.stop_ns);
+    canvas_title(&f->canvas, MARGIN, HEADER + TOP - 46, 0, "exact");
+    view_legend(&f->canvas, MARGIN, HEADER + TOP - 18, &shown);
+    return view_draw_xyt(&f->canvas, &eye, &shown, &part);
+}
+
+/* The share of a stream's events that are no further off than x, and a marker at the median. */
+static void draw_share(figure *f, const plot_panel *panel, int32_t style) {
+    enum { PER_DECADE = 12, LOWEST = 0 /* decades of ns */, DECADES = 9, BINS = PER_DECADE * DECADES };
+    const stream *s = &f->streams[style];
+    double x[BINS + 1], y[BINS + 1] = {0};
+    for (size_t i = 0; i < s->count; i++) {
+        const double offset = fabs(compare_offset_ns(&f->index, &s->events[i]));
+        const double bin = offset > 1 ? ceil(PER_DECADE * (log10(offset) - LOWEST)) : 0;
+        if (bin <= BINS) y[(int32_t)bin]++;
+    }
+    int32_t median = -1;
+    double sum = 0;
+    for (int32_t i = 0; i <= BINS; i++) {
+        x[i] = 1e-3 * pow(10, LOWEST + (double)i / PER_DECADE);
+        sum += y[i];
+        y[i] = s->count ? 100 * (sum / (double)s->count) : 0;
+        if (median < 0 && y[i] >= 50) median = i;
+    }
+    plot_line(&f->canvas, panel, &(plot_curve){s->name, x, y, BINS + 1, style});
+    if (median >= 0) plot_draw(&f->canvas, panel, &(plot_curve){s->name, &x[median], &y[median], 1, style});
+}
+
+static void draw_shares(figure *f) {
+    plot_panel panel = lay_panel(f, 1);
+    plot_curve legend[STREAMS_MAX];
+    panel.x_low = 1e-3, panel.x_high = 1e5;
+    panel.y_low = 0, panel.y_high = 100;
+    panel.y_linear = 1;
+    panel.x_label = "from the nearest exact event, |dt| [us]";
+    panel.y_label = "events [%]";
+    for (int32_t i = 0; i < f->count; i++) legend[i] = (plot_curve){f->streams[i].name, NULL, NULL, 0, i};
+    canvas_title(&f->canvas, panel.left, panel.top - 46, 0, "events within |dt|: upper left is better");
+    plot_legend(&f->canvas, panel.left, panel.top - 18, panel.right, legend, f->count);
+    panel.top += PLOT_LEGEND_LINE * (plot_legend_lines(panel.left, panel.right, legend, f->count) - 1);
+    plot_axes(&f->canvas, &panel, 1);
+    for (int32_t i = 0; i < f->count; i++) draw_share(f, &panel, i);
+}
+
+/* -- events beside the exact ones -------------------------------------------------------------------------------- */
+
+static canvas_colour colour_of(const figure *f, double offset_ns) {
+    int32_t k = 0;
+    while (fabs(offset_ns) >= class_ends_ns[k] && k < CLASSES - 1) k++;
+    return f->canvas.theme->series[class_series[k]];
+}
+
+static void draw_events(figure *f, const plot_panel *panel, const view_axis *time, const cli_window *exact,
+                        const cli_window *events) {
+    for (size_t i = 0; i < exact->count; i++) {
+        const tides_event *e = &exact->events[i];
+        canvas_symbol(&f->canvas, plot_x(panel, view_on_axis(time, (double)e->t)), plot_y(panel, e->x + 0.5),
+                      e->polarity > 0 ? UP : DOWN, 7, f->canvas.theme->frame, 1);
+    }
+    for (size_t i = 0; i < events->count; i++) {
+        const tides_event *e = &events->events[i];
+        const double offset = compare_offset_ns(&f->index, e), y = plot_y(panel, e->x + 0.5);
+        const double x = plot_x(panel, view_on_axis(time, (double)e->t)),
+                     from = plot_x(panel, view_on_axis(time, (double)e->t - offset));
+        const canvas_colour colour = colour_of(f, offset);
+        if (isfinite(offset)) canvas_line(&f->canvas, fmin(fmax(from, panel->left), panel->right), y, x, y, 2, colour);
+        canvas_symbol(&f->canvas, x, y, e->polarity > 0 ? UP : DOWN, 4.5, colour, 0);
+    }
+}
+
+static tides_status draw_stream(figure *f, int32_t index, const cli_window *exact, tides_error *error) {
+    const stream *s = &f->streams[index];
+    plot_panel panel = lay_panel(f, 2 + index);
+    tides_event *kept = malloc((s->count + 1) * sizeof *kept);
+    if (!kept) return cli_error(error, TIDES_NO_MEMORY, "out of memory: the picture");
+    const cli_window events = compare_zoom_events(&f->zoom, s->events, s->count, kept);
+    const view_axis time = view_time_axis(exact);
+    panel.x_low = view_on_axis(&time, (double)time.first_ns);
+    panel.x_high = view_on_axis(&time, (double)time.stop_ns);
+    panel.y_low = f->zoom.x, panel.y_high = f->zoom.x + f->zoom.width;
+    panel.x_linear = panel.y_linear = 1;
+    panel.x_label = time.label;
+    panel.y_label = "x [px]";
+    plot_axes(&f->canvas, &panel, 1);
+    canvas_marker(&f->canvas, panel.left + 8, panel.top - 46, index);
+    canvas_title(&f->canvas, panel.left + 24, panel.top - 46, 0, s->name);
+    canvas_text(&f->canvas, panel.left, panel.top - 18, 0, s->facts);
+    draw_events(f, &panel, &time, exact, &events);
+    free(kept);
+    return TIDES_OK;
+}
+
+static tides_status draw_streams(figure *f, tides_error *error) {
+    tides_event *kept = malloc((f->c->exact.count + 1) * sizeof *kept);
+    tides_status status = kept ? TIDES_OK : cli_error(error, TIDES_NO_MEMORY, "out of memory: the picture");
+    if (status != TIDES_OK) return status;
+    const cli_window exact = compare_zoom_events(&f->zoom, f->c->exact.events, f->c->exact.count, kept);
+    for (int32_t i = 0; status == TIDES_OK && i < f->count; i++) status = draw_stream(f, i, &exact, error);
+    free(kept);
+    return status;
+}
+
+/* -- the whole ------------------------------------------------------------------------------------------------------------- */
+
+static double legend_entry(figure *f, double x, double y, int32_t shape, canvas_colour colour, int32_t hollow,
+                           const char *text) {
+    canvas_symbol(&f->canvas, x + 7, y, shape, 7, colour, hollow);
+    canvas_text(&f->canvas, x + 22, y, 0, text);
+    return x + 22 + canvas_text_width(text) + 24;
+}
+
+static void draw_header(figure *f) {
+    const cli_window shown = {.first_ns = f->zoom.first_ns, .stop_ns = f->zoom.stop_ns};
+    const canvas_theme *theme = f->canvas.theme;
+    const char *slash = strrchr(f->c->run, '/');
+    char interval[96], line[240];
     view_interval(&shown, interval);
-    snprintf(line, sizeof line, "%.60s, %s, %s", slash ? slash + 1 : c->run, interval,
-             c->as_configured ? "as configured" : "ideal pixels");
-    canvas_text(canvas, MARGIN, 28, 0, line);
+    snprintf(line, sizeof line, "%.60s, %s: pixels %d to %d of row %d, %s", slash ? slash + 1 : f->c->run,
+             f->c->as_configured ? "as configured" : "ideal pixels", (int)f->zoom.x, (int)(f->zoom.x + f->zoom.width - 1),
+             (int)f->zoom.y, interval);
+    canvas_title(&f->canvas, MARGIN, 24, 0, line);
+    double x = legend_entry(f, MARGIN, 60, UP, theme->frame, 1, "exact ON");
+    x = legend_entry(f, x, 60, DOWN, theme->frame, 1, "exact OFF");
+    for (int32_t k = 0; k < CLASSES; k++) x = legend_entry(f, x, 60, 0, theme->series[class_series[k]], 0, class_names[k]);
+    canvas_text(&f->canvas, x, 60, 0, "lines lead to the nearest exact event");
+}
+
+static tides_status draw(figure *f, tides_error *error) {
+    tides_status status = compare_choose_zoom(f->c, &f->zoom, error);
+    if (status == TIDES_OK) status = compare_index_make(f->c, &f->index, error);
+    if (status != TIDES_OK) return status;
+    draw_header(f);
+    if (!draw_overview(f)) return cli_error(error, TIDES_NO_MEMORY, "out of memory: the picture");
+    draw_shares(f);
+    return draw_streams(f, error);
 }
 
 tides_status compare_figure(const comparison *c, tides_error *error) {
-    panel panels[COMPARE_METHODS_MAX + 2];
-    const int32_t count = make_panels(c, panels), columns = count <= 4 ? (count + 1) / 2 : count <= 6 ? 3 : 4;
-    const int32_t rows = (count + columns - 1) / columns;
-    int64_t first_ns, stop_ns;
-    char path[COMPARE_PATH];
-    stretch(c, &first_ns, &stop_ns);
-    cli_canvas canvas = canvas_create(&c->style, columns * PANEL_WIDTH, HEADER + rows * PANEL_HEIGHT);
-    int32_t ok = 1;
-    draw_header(&canvas, c, first_ns, stop_ns);
-    for (int32_t i = 0; ok && i < count; i++) {
-        const int32_t left = i % columns * PANEL_WIDTH, top = HEADER + i / columns * PANEL_HEIGHT;
-        const view_part part = {left, top, left + PANEL_WIDTH, top + PANEL_HEIGHT};
-        ok = draw_panel(&canvas, c, &panels[i], &part, first_ns, stop_ns);
-    }
-    snprintf(path, sizeof path, "%s/compare", c->directory);
-    const tides_status status =
-        ok ? canvas_write_set(&canvas, path, error) : cli_error(error, TIDES_NO_MEMORY, "out of memory: %s", path);
-    canvas_free(&canvas);
+    figure f = {.c = c};
+    char stem[COMPARE_PATH];
+    collect(&f);
+    f.columns = f.count <= 2 ? 2 : 3;
+    f.canvas = canvas_create(&c->style, f.columns * WIDTH, HEADER + (2 + f.count + f.columns - 1) / f.columns * HEIGHT);
+    snprintf(stem, sizeof stem, "%s/compare", c->directory);
+    tides_status status = draw(&f, error);
+    if (status == TIDES_OK) status = canvas_write_set(&f.canvas, stem, error);
+    canvas_free(&f.canvas);
+    compare_index_free(&f.index);
     return status;
 }

@@ -96,11 +96,11 @@ static const cli_command commands[] = {
      "Run every method on one scene or frame sequence and compare their events.",
      "Each method against the exact stream of the run: events matched one by one (median and 95th percentile of |dt|,\n"
      "mismatch), Same-ts, IG-NLL, log ISI, Fano error, Chamfer and Victor-Purpura distances; compare.json, compare.csv,\n"
-     "compare.png with the streams side by side in x, y and t, and index.html with all of it. Unless --as-configured is\n"
-     "given every method is an ideal pixel with the run's thresholds: no noise, spread, latency, low-pass or refractory\n"
-     "period. With it, thresholds are the run's where the run file has none for the method. Exact are a scene's events\n"
-     "with steps halved until little moves, and between frames those of straight lines in log luminance. A method that\n"
-     "fails takes no other with it.\n"
+     "compare.png (how far each is off, and part of a row of pixels where every event hangs on the nearest exact one),\n"
+     "and index.html with all of it. Unless --as-configured is given every method is an ideal pixel with the run's\n"
+     "thresholds: no noise, spread, latency, low-pass or refractory period. With it, thresholds are the run's where the run\n"
+     "file has none for the method. Exact are a scene's events with steps halved until little moves, and between frames\n"
+     "those of straight lines in log luminance. A method that fails takes no other with it.\n"
      "The keys for --set are listed by tides simulate --help.",
      1, cmd_compare},
     {"bench",

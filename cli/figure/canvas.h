@@ -65,6 +65,9 @@ void canvas_dashed(cli_canvas *canvas, double ax, double ay, double bx, double b
 void canvas_polyline(cli_canvas *canvas, const double *xy, int32_t count, double width, canvas_colour colour);
 /* Dots of one look. As shapes they are one path: where they overlap there is one. */
 void canvas_dots(cli_canvas *canvas, const double *xy, size_t count, double radius, canvas_colour colour, double opacity);
+/* A disc, square, triangle upwards, diamond or triangle downwards: shapes 0 to 4. */
+enum { CANVAS_SHAPES = 5 };
+void canvas_symbol(cli_canvas *canvas, double x, double y, int32_t shape, double radius, canvas_colour colour, int32_t hollow);
 /* A marker of series `style`, which has a rim that parts it from lines. */
 void canvas_marker(cli_canvas *canvas, double x, double y, int32_t style);
 /* An image (height x width x 3), each of its pixels a square of `times` px. */

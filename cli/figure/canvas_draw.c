@@ -6,6 +6,7 @@
 #define TURN 6.283185307179586
 #define MARKER 6.0 /* [px] a marker's reach */
 #define RIM 1.5    /* [px] of paper around it */
+#define HOLLOW 2.0 /* [px] the line of a hollow one */
 
 static void set_colour(cairo_t *cairo, canvas_colour colour, double opacity) {
     cairo_set_source_rgba(cairo, (colour >> 16 & 255) / 255.0, (colour >> 8 & 255) / 255.0, (colour & 255) / 255.0, opacity);
@@ -104,33 +105,40 @@ static void polygon(cairo_t *cairo, int32_t corners, double angle, double radius
     cairo_close_path(cairo);
 }
 
-static void marker_path(cairo_t *cairo, int32_t style) {
-    switch (style % 5) {
-        case 0: cairo_arc(cairo, 0, 0, MARKER, 0, TURN); break;
-        case 1: polygon(cairo, 4, TURN / 8, 1.2 * MARKER); break;
-        case 2: polygon(cairo, 3, -TURN / 4, 1.3 * MARKER); break;
-        case 3: polygon(cairo, 4, 0, 1.3 * MARKER); break;
-        default: polygon(cairo, 3, TURN / 4, 1.3 * MARKER);
+static void trace(cairo_t *cairo, double x, double y, int32_t shape, double radius) {
+    cairo_save(cairo);
+    cairo_translate(cairo, x, y);
+    switch (shape) {
+        case 0: cairo_arc(cairo, 0, 0, radius, 0, TURN); break;
+        case 1: polygon(cairo, 4, TURN / 8, 1.2 * radius); break;
+        case 2: polygon(cairo, 3, -TURN / 4, 1.3 * radius); break;
+        case 3: polygon(cairo, 4, 0, 1.3 * radius); break;
+        default: polygon(cairo, 3, TURN / 4, 1.3 * radius);
     }
+    cairo_restore(cairo);
+}
+
+void canvas_symbol(cli_canvas *canvas, double x, double y, int32_t shape, double radius, canvas_colour colour, int32_t hollow) {
+    if (!canvas->cairo) return;
+    trace(canvas->cairo, x, y, shape, radius);
+    set_colour(canvas->cairo, colour, 1);
+    cairo_set_line_width(canvas->cairo, HOLLOW);
+    if (hollow)
+        cairo_stroke(canvas->cairo);
+    else
+        cairo_fill(canvas->cairo);
 }
 
 void canvas_marker(cli_canvas *canvas, double x, double y, int32_t style) {
-    cairo_t *cairo = canvas->cairo;
     const canvas_colour colour = canvas->theme->series[style % CANVAS_SERIES], paper = canvas->theme->paper;
-    const int32_t hollow = style % CANVAS_SERIES >= CANVAS_SERIES / 2;
-    if (!cairo) return;
-    cairo_save(cairo);
-    cairo_translate(cairo, x, y);
-    marker_path(cairo, style);
-    set_colour(cairo, paper, 1);
-    cairo_set_line_width(cairo, 2 * RIM);
-    cairo_stroke_preserve(cairo);
-    set_colour(cairo, hollow ? paper : colour, 1);
-    cairo_fill_preserve(cairo);
-    set_colour(cairo, colour, 1);
-    cairo_set_line_width(cairo, hollow ? 2 : 0.01);
-    cairo_stroke(cairo);
-    cairo_restore(cairo);
+    const int32_t shape = style % CANVAS_SHAPES, hollow = style % CANVAS_SERIES >= CANVAS_SERIES / 2;
+    if (!canvas->cairo) return;
+    trace(canvas->cairo, x, y, shape, MARKER);
+    set_colour(canvas->cairo, paper, 1);
+    cairo_set_line_width(canvas->cairo, 2 * RIM);
+    cairo_stroke_preserve(canvas->cairo);
+    cairo_fill(canvas->cairo);
+    canvas_symbol(canvas, x, y, shape, MARKER, colour, hollow);
 }
 
 /* -- images ---------------------------------------------------------------------------------------------------------------- */

@@ -17,11 +17,11 @@ static double along(double value, double low, double high, int32_t linear) {
     return linear ? (value - low) / (high - low) : (log(value) - log(low)) / (log(high) - log(low));
 }
 
-static double place_x(const plot_panel *p, double x) {
+double plot_x(const plot_panel *p, double x) {
     return p->left + (p->right - p->left) * along(x, p->x_low, p->x_high, p->x_linear);
 }
 
-static double place_y(const plot_panel *p, double y) {
+double plot_y(const plot_panel *p, double y) {
     return p->bottom - (p->bottom - p->top) * along(y, p->y_low, p->y_high, p->y_linear);
 }
 
@@ -47,7 +47,7 @@ typedef void (*tick_drawer)(cli_canvas *canvas, const plot_panel *panel, double 
 
 /* 0.01, 1e-5 */
 static void write_value(double value, char label[16]) {
-    snprintf(label, 16, "%.4g", value);
+    snprintf(label, 16, "%.5g", value);
     char *power = strchr(label, 'e');
     if (power) snprintf(power + 1, (size_t)(label + 16 - power - 1), "%d", atoi(power + 1));
 }
@@ -96,7 +96,7 @@ static void each_linear_tick(cli_canvas *canvas, const plot_panel *panel, double
 }
 
 static void tick_x(cli_canvas *canvas, const plot_panel *p, double value, const char *label, double *end) {
-    const double x = floor(place_x(p, value)) + 0.5, half = 0.5 * canvas_text_width(label);
+    const double x = floor(plot_x(p, value)) + 0.5, half = 0.5 * canvas_text_width(label);
     if (x - half < *end) label = "";
     const int32_t tick = label[0] ? TICK : SMALL_TICK;
     if (label[0]) *end = x + half + GAP;
@@ -107,7 +107,7 @@ static void tick_x(cli_canvas *canvas, const plot_panel *p, double value, const 
 
 static void tick_y(cli_canvas *canvas, const plot_panel *p, double value, const char *label, double *end) {
     (void)end; /* panels are higher than their labels */
-    const double y = floor(place_y(p, value)) + 0.5;
+    const double y = floor(plot_y(p, value)) + 0.5;
     const int32_t tick = label[0] ? TICK : SMALL_TICK;
     if (label[0]) canvas_line(canvas, p->left, y, p->right, y, 1, canvas->theme->grid);
     canvas_line(canvas, p->left - tick, y, p->left, y, 1, canvas->theme->frame);
@@ -138,24 +138,28 @@ static int32_t inside(const plot_panel *p, double x, double y) {
     return x >= p->x_low && x <= p->x_high && y >= p->y_low && y <= p->y_high;
 }
 
-void plot_draw(cli_canvas *canvas, const plot_panel *p, const plot_curve *curve) {
-    if (curve->style < 0) return;
+void plot_line(cli_canvas *canvas, const plot_panel *p, const plot_curve *curve) {
     for (int32_t i = 1; i < curve->count; i++)
         if (inside(p, curve->x[i - 1], curve->y[i - 1]) && inside(p, curve->x[i], curve->y[i]))
-            canvas_line(canvas, place_x(p, curve->x[i - 1]), place_y(p, curve->y[i - 1]), place_x(p, curve->x[i]),
-                        place_y(p, curve->y[i]), LINE_WIDTH, colour_of(canvas, curve->style));
+            canvas_line(canvas, plot_x(p, curve->x[i - 1]), plot_y(p, curve->y[i - 1]), plot_x(p, curve->x[i]),
+                        plot_y(p, curve->y[i]), LINE_WIDTH, colour_of(canvas, curve->style));
+}
+
+void plot_draw(cli_canvas *canvas, const plot_panel *p, const plot_curve *curve) {
+    if (curve->style < 0) return;
+    plot_line(canvas, p, curve);
     for (int32_t i = 0; i < curve->count; i++)
         if (inside(p, curve->x[i], curve->y[i]))
-            canvas_marker(canvas, place_x(p, curve->x[i]), place_y(p, curve->y[i]), curve->style);
+            canvas_marker(canvas, plot_x(p, curve->x[i]), plot_y(p, curve->y[i]), curve->style);
 }
 
 void plot_target(cli_canvas *canvas, const plot_panel *p, double y) {
-    const double row = floor(place_y(p, y)) + 0.5;
+    const double row = floor(plot_y(p, y)) + 0.5;
     if (inside(p, p->x_low, y)) canvas_dashed(canvas, p->left, row, p->right, row, canvas->theme->frame);
 }
 
 void plot_mark(cli_canvas *canvas, const plot_panel *p, double x) {
-    const double column = floor(place_x(p, x)) + 0.5;
+    const double column = floor(plot_x(p, x)) + 0.5;
     if (inside(p, x, p->y_low)) canvas_dashed(canvas, column, p->top, column, p->bottom, canvas->theme->frame);
 }
 
@@ -192,7 +196,7 @@ int32_t plot_legend_lines(int32_t x, int32_t right, const plot_curve *curves, in
 
 void plot_bar(cli_canvas *canvas, const plot_panel *p, int32_t top, int32_t bottom, double value, int32_t style) {
     if (!(value > p->x_low)) return;
-    const double right = place_x(p, value < p->x_high ? value : p->x_high);
+    const double right = plot_x(p, value < p->x_high ? value : p->x_high);
     canvas_fill(canvas, p->left, top, right, bottom, colour_of(canvas, style));
 }
 
@@ -201,9 +205,9 @@ static double clamped(double value, double low, double high) { return value < lo
 void plot_steps(cli_canvas *canvas, const plot_panel *p, const plot_stairs *stairs) {
     double before = p->bottom;
     for (int32_t i = 0; i < stairs->count; i++) {
-        const double left = clamped(place_x(p, stairs->edges[i]), p->left, p->right);
-        const double right = clamped(place_x(p, stairs->edges[i + 1]), p->left, p->right);
-        const double y = clamped(place_y(p, stairs->values[i]), p->top, p->bottom);
+        const double left = clamped(plot_x(p, stairs->edges[i]), p->left, p->right);
+        const double right = clamped(plot_x(p, stairs->edges[i + 1]), p->left, p->right);
+        const double y = clamped(plot_y(p, stairs->values[i]), p->top, p->bottom);
         const double steps[6] = {left, i ? before : y, left, y, right, y};
         if (stairs->filled)
             canvas_fill(canvas, left, y, right, p->bottom, stairs->colour);

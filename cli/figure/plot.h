@@ -32,6 +32,11 @@ void plot_round_range(double *low, double *high);
 /* Frame, grid, ticks and texts; without `y_ticks` the vertical axis has none (bars have labels there). */
 void plot_axes(cli_canvas *canvas, const plot_panel *panel, int32_t y_ticks);
 void plot_draw(cli_canvas *canvas, const plot_panel *panel, const plot_curve *curve);
+/* Without markers. */
+void plot_line(cli_canvas *canvas, const plot_panel *panel, const plot_curve *curve);
+/* Where a value is [px]. */
+double plot_x(const plot_panel *panel, double x);
+double plot_y(const plot_panel *panel, double y);
 /* A dashed line across the panel at y. */
 void plot_target(cli_canvas *canvas, const plot_panel *panel, double y);
 /* A dashed line down the panel at x. */

@@ -5,6 +5,12 @@
 #include "plot.h"
 #include "session.h"
 
+/* A stretch of a row of pixels, for a time. */
+typedef struct view_mark {
+    int32_t x, y, width;
+    int64_t first_ns, stop_ns;
+} view_mark;
+
 /* How events are drawn; zero where not given. */
 typedef struct view {
     double decay_s;                    /* surface */
@@ -13,7 +19,8 @@ typedef struct view {
     int32_t scale;                     /* frame, surface: px per pixel; 0: what is comfortable */
     int32_t plain;                     /* frame, surface: the pixels alone */
     canvas_style style;
-    size_t points; /* xyt: how many events are drawn at most; 0: what is comfortable */
+    size_t points;         /* xyt: how many events are drawn at most; 0: what is comfortable */
+    const view_mark *mark; /* xyt: is outlined; or NULL */
 } view;
 
 /* Where the eye of x-y-t is unless told. */

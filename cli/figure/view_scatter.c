@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 1200, HEIGHT = 780, TOP = 66, MARGIN_X = 144, MARGIN_Y = 60 /* for ticks and labels */, POINTS_MAX = 400000 };
+enum { WIDTH = 1200, HEIGHT = 780, TOP = 66, MARGIN_X = 128, MARGIN_Y = 60 /* for ticks and labels */, POINTS_MAX = 400000 };
 enum { SHAPES_MAX = 8000 /* for .svg: about 150 kB */ };
 
 /* The box: half its extents along time, height and width of the image; the axes point as time, y and x do. */
@@ -278,6 +278,19 @@ static void draw_layers(cli_canvas *canvas, const layers *l) {
     }
 }
 
+static void draw_mark(cli_canvas *canvas, const scene *s, const view_mark *mark, const range ranges[AXES],
+                      const view_axis *time) {
+    const double times[2] = {view_on_axis(time, (double)mark->first_ns), view_on_axis(time, (double)mark->stop_ns)};
+    double corners[5][2];
+    for (int i = 0; i < 5; i++) {
+        const double at[AXES] = {place(s, TIME, &ranges[TIME], times[(i + 1) / 2 % 2]), place(s, Y, &ranges[Y], mark->y + 0.5),
+                                 place(s, X, &ranges[X], mark->x + (i / 2 % 2 ? mark->width : 0))};
+        project(s, at, &corners[i][0], &corners[i][1]);
+    }
+    canvas_polyline(canvas, corners[0], 5, 5, canvas->theme->paper);
+    canvas_polyline(canvas, corners[0], 5, 2, canvas->theme->ink);
+}
+
 int32_t view_draw_xyt(cli_canvas *canvas, const view *v, const cli_window *shown, const view_part *within) {
     const view_axis time = view_time_axis(shown);
     const scene s = make_scene(v, shown, within);
@@ -291,6 +304,7 @@ int32_t view_draw_xyt(cli_canvas *canvas, const view *v, const cli_window *shown
     draw_far_faces(canvas, &s, ranges);
     draw_edges(canvas, &s, 1);
     draw_layers(canvas, &l);
+    if (v->mark) draw_mark(canvas, &s, v->mark, ranges, &time);
     draw_edges(canvas, &s, 0);
     for (int axis = 0; axis < AXES; axis++) draw_axis(canvas, &s, axis, &ranges[axis], &boxes);
     free(l.xy);
