@@ -75,7 +75,8 @@ enum {
     TD_PATH_UNSEEN = -2  /* in no tile's list */
 };
 
-#define TD_PATH_NEVER 1e30f /* the misfit of what no cubic can follow */
+#define TD_PATH_NEVER 1e30f /* the misfit of what no cubic can follow: it isn't always there; */
+#define TD_PATH_WILD 1e29f  /* and of one that is far from anything */
 /* clang-format on */
 
 /* Gaussians of one object at one node: gaussians[first .. first + count), rows of td_source, to rows[first ..]; `count` is a

@@ -158,9 +158,9 @@ TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, td_index row, t
             td_path_change(&own, a.v, own.u.d, own.v.d, a.d, own.b.d, own.c.d, own.det.d, own.opacity.d, own.luminance.d, eps);
         misfit = td_larger(misfit, stray / td_larger(td_fma(speed, td_splat(terms->time_tolerance), noise), td_splat(1e-30f)));
     }
-    td_mask whole = (start[TD_P_DET] > 0.0f) & (own.det.v > 0.0f) & (end[TD_P_DET] > 0.0f) & (path.det.v > 0.0f) &
-                    (path.c.v > 0.0f) & ~td_is_broken(misfit);
-    return td_select(td_splat(TD_PATH_NEVER), misfit, whole);
+    td_mask there = (start[TD_P_DET] > 0.0f) & (own.det.v > 0.0f) & (end[TD_P_DET] > 0.0f);
+    td_mask near = (path.det.v > 0.0f) & (path.c.v > 0.0f) & ~td_is_broken(misfit);
+    return td_select(td_splat(TD_PATH_NEVER), td_select(td_splat(TD_PATH_WILD), misfit, near), there);
 }
 
 /* The largest misfit of TD_LANES splats over all pieces of the interval: `pieces` of them, of lengths[piece] seconds, each cut

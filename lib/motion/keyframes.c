@@ -238,6 +238,7 @@ const td_motion_class td_keyframes_class = {.name = "keyframes",
                                             .check = check,
                                             .pack = pack,
                                             .moment = moment,
+                                            .joints = td_keyframes_joints,
                                             .scale = td_keyframes_scale,
                                             .scales = td_keyframes_scales,
                                             .find_moving = find_moving};

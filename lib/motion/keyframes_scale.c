@@ -10,20 +10,34 @@
  * something. */
 static const double most_off = 0.02;
 
-/* The shortest distance of frames around the times strictly between `from` and `to` that one is at. */
-double td_keyframes_scale(const tides_motion *motion, double from, double to) {
-    const td_field *time = td_motion_field(motion, "time");
-    const td_keyframes keys = {.time = time, .frames = (int64_t)time->shape[0]};
-    int64_t low = 0, high = keys.frames; /* the first after `from` */
-    double least = INFINITY;
+/* The first frame after tau. */
+static int64_t frame_after(const td_keyframes *keys, double tau) {
+    int64_t low = 0, high = keys->frames;
     while (low < high) {
-        int64_t middle = low + (high - low) / 2;
-        if (td_keyframes_time(&keys, middle) > from)
+        const int64_t middle = low + (high - low) / 2;
+        if (td_keyframes_time(keys, middle) > tau)
             high = middle;
         else
             low = middle + 1;
     }
-    for (int64_t i = low; i < keys.frames && td_keyframes_time(&keys, i) < to; i++) {
+    return low;
+}
+
+size_t td_keyframes_joints(const tides_motion *motion, double from, double to, double *tau, size_t capacity) {
+    const td_field *time = td_motion_field(motion, "time");
+    const td_keyframes keys = {.time = time, .frames = (int64_t)time->shape[0]};
+    size_t count = 0;
+    for (int64_t i = frame_after(&keys, from); i < keys.frames && td_keyframes_time(&keys, i) < to; i++, count++)
+        if (count < capacity) tau[count] = td_keyframes_time(&keys, i);
+    return count;
+}
+
+/* The shortest distance of frames around the times strictly between `from` and `to` that one is at. */
+double td_keyframes_scale(const tides_motion *motion, double from, double to) {
+    const td_field *time = td_motion_field(motion, "time");
+    const td_keyframes keys = {.time = time, .frames = (int64_t)time->shape[0]};
+    double least = INFINITY;
+    for (int64_t i = frame_after(&keys, from); i < keys.frames && td_keyframes_time(&keys, i) < to; i++) {
         if (i > 0) least = fmin(least, td_keyframes_time(&keys, i) - td_keyframes_time(&keys, i - 1));
         if (i + 1 < keys.frames) least = fmin(least, td_keyframes_time(&keys, i + 1) - td_keyframes_time(&keys, i));
     }

@@ -32,7 +32,8 @@ void td_keyframes_gather(const td_keyframes *keys, int64_t gaussian, double *out
 /* Slopes of Catmull and Rom, likewise. */
 void td_keyframes_differences(const td_keyframes *keys, const double *value, double *slope);
 
-/* td_motion_class.scale and .scales (keyframes_scale.c). */
+/* td_motion_class.joints, .scale and .scales (keyframes_scale.c). */
+size_t td_keyframes_joints(const tides_motion *motion, double from, double to, double *tau, size_t capacity);
 double td_keyframes_scale(const tides_motion *motion, double from, double to);
 void td_keyframes_scales(const tides_motion *motion, const tides_gaussians *gaussians, td_time_scale *scales);
 

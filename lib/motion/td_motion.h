@@ -65,6 +65,10 @@ typedef struct td_motion_class {
      * `capacity`. NULL: the motion is smooth. */
     size_t (*knots)(const tides_motion *motion, double *tau, size_t capacity);
 
+    /* Own times strictly within (from, to), ascending, where the curves that Gaussians follow are joined: rates go on, but not
+     * as the same polynomial. How many there are; writes at most `capacity`. NULL: nowhere, or at the knots. */
+    size_t (*joints)(const tides_motion *motion, double from, double to, double *tau, size_t capacity);
+
     /* Own time over which values and rates at the start, the middle and the end show what happens to all Gaussians between
      * `from` and `to`; INFINITY: they do anyway. NULL: that of the knots. */
     double (*scale)(const tides_motion *motion, double from, double to);

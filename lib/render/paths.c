@@ -202,7 +202,7 @@ static void judge(tides_renderer *renderer, int gaussian, int level, float misfi
     const int moves = renderer->store.mover[renderer->store.object[gaussian]] >= 0;
     if (misfit <= 1) return;
     paths->path_of[gaussian] = TD_PATH_DIRECT;
-    if (misfit >= TD_PATH_NEVER) return;
+    if (misfit >= TD_PATH_WILD) return;
     int more = (int)ceil(log2(misfit) / order_bits);
     int next = level + (more < 1 ? 1 : more);
     if (next <= (moves ? MOST_MOVED_LEVEL : MOST_LEVEL)) paths->level[gaussian] = (uint8_t)next;

@@ -11,8 +11,13 @@
 enum {
     JOB_GAUSSIANS = 256, /* of a job: enough for its start, few enough that threads end together */
     WHOLE_LEVEL = 3,     /* the interval stays whole where that is enough for half of all */
-    MOST_LEVEL = 5       /* 32 curves a piece: the error falls by 16^5 */
+    MOST_LEVEL = 5,      /* 32 curves a piece: the error falls by 16^5 */
+    MOST_ROWS = 1 << 21, /* where there are several pieces: 256 MB */
+    FEW_BENT = 64        /* so many that move, of which one may be off by more than it should */
 };
+
+/* What is off by more is off by anything [of log_luminance]. */
+static const double most_off = 10;
 
 /* Samples nearer than this to another are it [s]. */
 static const double same_time = 1e-9;
@@ -90,8 +95,12 @@ static int is_instant(const td_point_nodes *nodes) { return !(nodes->knot[0] < n
 /* Cuts it where paths may bend: the pieces are between knots, each once, in order. */
 static tides_status cut(const tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                         td_point_nodes *nodes, tides_error *error) {
+    tides_status status = begin_whole(nodes, start, stop, error);
     nodes->pieces = 2;
-    tides_status status = add_samples(nodes, camera, renderer->epoch, start, stop, error);
+    if (status == TIDES_OK) status = add_samples(nodes, camera, renderer->epoch, start, stop, error);
+    if (status == TIDES_OK)
+        status = td_dynamic_joints(&renderer->dynamic, start + same_time, stop - same_time, &nodes->knot, &nodes->pieces,
+                                   &nodes->knot_capacity, error);
     for (int i = 0; i < renderer->store.objects && status == TIDES_OK; i++) {
         tides_object object;
         status = tides_scene_object(renderer->scene, renderer->store.scene_object[i], &object, error);
@@ -267,16 +276,18 @@ static double target_of(const tides_renderer *renderer, const td_point_nodes *no
  * and is taken to be off by all of it. What can't be compared at all crosses the near plane: it has faded where its curves
  * can't be used, and isn't counted. */
 static tides_status choose_level(const tides_renderer *renderer, td_point_nodes *nodes, int i, double off, tides_error *error) {
-    const double never = 1e29 * TD_POINT_PATH_TARGET; /* TD_PATH_NEVER */
+    const double never = 2 * TD_PATH_WILD * TD_POINT_PATH_TARGET;
     const double target = target_of(renderer, nodes, i);
     double left = off / 16;
+    nodes->moving += nodes->level[i] == 1 && off > 0;
     if (left > target && nodes->level[i] < MOST_LEVEL) return refine(nodes, i, error);
     if (left > target) left = off;
     if (nodes->level[i] == 1 && off <= target) {
         nodes->level[i] = 0; /* with every other row of level 1 */
         left = off;
     }
-    if (off < never && left > nodes->worst) nodes->worst = left;
+    nodes->bent += off < never && left > target;
+    if (off < never && left > nodes->worst) nodes->worst = fmin(left, most_off);
     return TIDES_OK;
 }
 
@@ -319,8 +330,11 @@ static tides_status lay_curves(td_point_nodes *nodes, tides_error *error) {
     return TIDES_OK;
 }
 
-/* Rows of everything listed, in the pieces that there are. `bent`: whether it may stop where
- * WHOLE_LEVEL isn't enough for more than half of all; whether it did. */
+/* Are more than few bent? */
+static int are_bent(const td_point_nodes *nodes) { return FEW_BENT * (int64_t)nodes->bent > nodes->moving; }
+
+/* Rows of everything listed, in the pieces that there are. `bent`: whether others may be had; whether they are needed, because
+ * WHOLE_LEVEL isn't enough for more than half of all, or all levels aren't for more than few of those that move. */
 static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                               const td_point_span *span, td_point_nodes *nodes, int *bent, tides_error *error) {
     tides_status status = TIDES_OK;
@@ -328,6 +342,7 @@ static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *
     *bent = 0;
     find_listed(renderer, span, nodes);
     nodes->worst = 0;
+    nodes->moving = nodes->bent = 0;
     if (is_instant(nodes)) return project(renderer, camera, nodes, 0, error);
     for (int level = 1; level <= MOST_LEVEL && status == TIDES_OK && !*bent; level++) {
         int finer = 0;
@@ -336,20 +351,34 @@ static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *
         for (int i = 0; i < nodes->count; i++) finer += nodes->level[i] > level;
         *bent = may_bend && level == WHOLE_LEVEL && 2 * finer > nodes->count;
     }
+    *bent = *bent || (may_bend && are_bent(nodes));
     return status;
 }
 
+/* Rows in the pieces that there are; or, where they would be too many, none. */
+static tides_status find_cut(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
+                             const td_point_span *span, td_point_nodes *nodes, tides_error *error) {
+    int bent = 0;
+    tides_status status = cut(renderer, camera, span->start, span->stop, nodes, error);
+    const double middle = nodes->knot[nodes->pieces / 2];
+    if (status == TIDES_OK && (2 * (int64_t)nodes->pieces + 1) * nodes->count > MOST_ROWS) nodes->halve = middle;
+    if (status != TIDES_OK || !isnan(nodes->halve)) return status;
+    return find_rows(renderer, camera, engine, span, nodes, &bent, error);
+}
+
 /* Most paths are smooth enough for the interval to be one piece, whatever samples they have within it: then points share
- * curves. Where they aren't, as where a camera turns a corner, it's cut there. */
+ * curves. Where they aren't, as where a camera turns a corner or a lamp flickers, it's cut there. Where that isn't enough, as
+ * for what a formula shakes at some kHz, it is halved. */
 tides_status td_point_nodes_find(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                                  const td_point_span *span, td_point_nodes *nodes, tides_error *error) {
-    int bent = 1;
-    tides_status status = begin_whole(nodes, span->start, span->stop, error);
+    tides_status status = cut(renderer, camera, span->start, span->stop, nodes, error);
+    int bent = nodes->pieces > 1;
+    nodes->halve = NAN;
+    if (status == TIDES_OK) status = begin_whole(nodes, span->start, span->stop, error);
     if (status == TIDES_OK) status = find_rows(renderer, camera, engine, span, nodes, &bent, error);
-    if (status == TIDES_OK && bent) {
-        bent = 0;
-        status = cut(renderer, camera, span->start, span->stop, nodes, error);
-        if (status == TIDES_OK) status = find_rows(renderer, camera, engine, span, nodes, &bent, error);
-    }
-    return status == TIDES_OK ? lay_curves(nodes, error) : status;
+    if (status == TIDES_OK && bent) status = find_cut(renderer, camera, engine, span, nodes, error);
+    if (status != TIDES_OK || !isnan(nodes->halve)) return status;
+    if (are_bent(nodes) && (span->stop - span->start) / nodes->pieces >= 2 * span->shortest)
+        nodes->halve = nodes->pieces > 1 ? nodes->knot[nodes->pieces / 2] : 0.5 * (span->start + span->stop);
+    return isnan(nodes->halve) ? lay_curves(nodes, error) : status;
 }

@@ -61,12 +61,21 @@ static tides_status points_of_tiles(tides_renderer *renderer, const tides_trajec
 
 /* -- exact points ---------------------------------------------------------------------------------------------------------- */
 
+/* A part of the interval that is asked for, with rows of its own. Most intervals are one. */
+typedef struct points_part {
+    double start, stop;
+    double off, bent; /* what its paths are off by, and the share of them that are bent; 0 before it has had rows */
+} points_part;
+
 struct td_points {
     td_points_engine *engine;
     td_point_nodes nodes;
-    td_point_span at; /* the interval that is asked for, */
-    int begun;        /* 1: and it is that of this serial, whose rows are there */
-    uint64_t serial;
+    td_point_span at;  /* the interval that is asked for */
+    uint64_t serial;   /* of the one that there are parts of */
+    points_part *part; /* (parts) in order of time */
+    int parts;
+    size_t part_capacity;
+    int begun;                 /* the part whose rows are there; -1: none */
     int *own_first, *own_list; /* copies of its lists, of an instant that is kept; else NULL */
     td_points_tile *tiles;     /* (tiles) */
     uint8_t *listed;           /* (tiles) 1: its list is made */
@@ -84,6 +93,7 @@ void td_points_destroy(td_points *points) {
     if (points->engine) points->engine->type->destroy(points->engine);
     td_point_nodes_release(&points->nodes);
     for (int k = 0; k < TD_POINT_COLUMNS; k++) free(points->column[k]);
+    free(points->part);
     free(points->own_first);
     free(points->own_list);
     free(points->tiles);
@@ -174,13 +184,40 @@ static td_points_slices slices_of(int pieces) {
     return (td_points_slices){pieces, (pieces + group - 1) / group, 0, group};
 }
 
-/* Rows for the interval that is asked for, unless they are there. */
-static tides_status begin_interval(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, tides_error *error) {
-    if (p->begun && p->serial == p->at.serial) return TIDES_OK;
+/* A new interval is one part, until that has turned out not to do. */
+static tides_status begin_interval(td_points *p, tides_error *error) {
+    if (p->parts > 0 && p->serial == p->at.serial) return TIDES_OK;
+    tides_status status = td_reserve((void **)&p->part, &p->part_capacity, 1, sizeof *p->part, error);
+    if (status != TIDES_OK) return status;
+    p->part[0] = (points_part){p->at.start, p->at.stop, 0, 0};
+    p->parts = 1;
+    p->begun = -1;
+    p->serial = p->at.serial;
+    return status;
+}
+
+static tides_status halve(td_points *p, int k, double at, tides_error *error) {
+    tides_status status = td_reserve((void **)&p->part, &p->part_capacity, (size_t)p->parts + 1, sizeof *p->part, error);
+    if (status != TIDES_OK) return status;
+    memmove(p->part + k + 1, p->part + k, (size_t)(p->parts - k) * sizeof *p->part);
+    p->part[k].stop = p->part[k + 1].start = at;
+    p->parts++;
+    return status;
+}
+
+/* Rows for a part, unless they are there; or it is halved. */
+static tides_status begin_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, int k,
+                               tides_error *error) {
     td_point_nodes *nodes = &p->nodes;
-    p->begun = 0;
+    td_point_span span = p->at;
+    if (p->begun == k) return TIDES_OK;
+    p->begun = -1;
+    span.start = p->part[k].start;
+    span.stop = p->part[k].stop;
     lay_tiles(renderer, p);
-    tides_status status = td_point_nodes_find(renderer, camera, p->engine, &p->at, nodes, error);
+    tides_status status = td_point_nodes_find(renderer, camera, p->engine, &span, nodes, error);
+    if (status != TIDES_OK) return status;
+    if (!isnan(nodes->halve)) return halve(p, k, nodes->halve, error);
     const td_points_interval interval = {.path = nodes->path,
                                          .gaussians = renderer->store.count,
                                          .exact = nodes->exact,
@@ -193,10 +230,25 @@ static tides_status begin_interval(tides_renderer *renderer, const tides_traject
                                          .candidate_count = p->at.first[renderer->stats.tiles],
                                          .tiles = p->tiles,
                                          .tile_count = renderer->stats.tiles};
-    if (status == TIDES_OK) status = p->engine->type->begin(p->engine, &interval, error);
-    p->begun = status == TIDES_OK;
-    p->serial = p->at.serial;
+    status = p->engine->type->begin(p->engine, &interval, error);
+    if (status != TIDES_OK) return status;
+    p->begun = k;
+    p->part[k].off = nodes->worst;
+    p->part[k].bent = nodes->moving > 0 ? nodes->bent / (double)nodes->moving : 0;
     return status;
+}
+
+/* The part that a time is in: where one ends, that one. */
+static int part_of(const td_points *p, double time) {
+    int low = 0, high = p->parts - 1;
+    while (low < high) {
+        const int middle = (low + high) / 2;
+        if (time <= p->part[middle].stop)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
 }
 
 static int tile_of(const tides_renderer *renderer, const td_point *point) {
@@ -226,8 +278,9 @@ static int piece_of(const td_point_nodes *nodes, double time) {
  * That is mostly a matter of place: entered are 75 splats for 55 that a point of the demo sees, 390 for 230 of a trained
  * object's; by 4x4 blocks 80 and 500, by eighths of the interval and then by place 96 and 640. */
 static int rank_of(const td_points *p, const td_point *point) {
-    const double length = p->at.stop - p->at.start;
-    int slice = length > 0 ? (int)((point->time - p->at.start) / length * SLICES) : 0;
+    const points_part *part = &p->part[p->begun];
+    const double length = part->stop - part->start;
+    int slice = length > 0 ? (int)((point->time - part->start) / length * SLICES) : 0;
     if (slice >= SLICES) slice = SLICES - 1;
     return quad_of(point) * SLICES + slice;
 }
@@ -241,9 +294,10 @@ static void begin_keys(int *first, int keys) {
     }
 }
 
-/* The points' numbers by tile and rank: order (count); in two passes, so that no table has tiles times ranks. */
-static tides_status order_points(const tides_renderer *renderer, td_points *p, const td_point *points, int count, int *order,
-                                 tides_error *error) {
+/* The points numbered which[0 .. count) by tile and rank: order (count); in two passes, so that no table has tiles times
+ * ranks. */
+static tides_status order_points(const tides_renderer *renderer, td_points *p, const td_point *points, const int *which,
+                                 int count, int *order, tides_error *error) {
     const int tiles = renderer->stats.tiles, ranks = QUADS * SLICES;
     const size_t room = (size_t)ranks + (size_t)tiles + 2 * (size_t)count;
     tides_status status = td_reserve((void **)&p->first, &p->first_capacity, room, sizeof *p->first, error);
@@ -251,13 +305,13 @@ static tides_status order_points(const tides_renderer *renderer, td_points *p, c
     int *by_rank = p->first, *by_tile = by_rank + ranks, *rank = by_tile + tiles, *ranked = rank + count;
     memset(p->first, 0, (size_t)(ranks + tiles) * sizeof *p->first);
     for (int i = 0; i < count; i++) {
-        rank[i] = rank_of(p, &points[i]);
+        rank[i] = rank_of(p, &points[which[i]]);
         by_rank[rank[i]]++;
-        by_tile[tile_of(renderer, &points[i])]++;
+        by_tile[tile_of(renderer, &points[which[i]])]++;
     }
     begin_keys(by_rank, ranks);
     begin_keys(by_tile, tiles);
-    for (int i = 0; i < count; i++) ranked[by_rank[rank[i]]++] = i;
+    for (int i = 0; i < count; i++) ranked[by_rank[rank[i]]++] = which[i];
     for (int i = 0; i < count; i++) order[by_tile[tile_of(renderer, &points[ranked[i]])]++] = ranked[i];
     return TIDES_OK;
 }
@@ -313,7 +367,7 @@ static tides_status run_launch(tides_renderer *renderer, td_points *p, const td_
                                    renderer->backdrops[0].luminance,
                                    renderer->backdrops[0].luminance_dot};
     tides_status status = p->engine->type->lists(p->engine, p->wanted, wanted, error);
-    if (status != TIDES_OK) p->begun = 0; /* which lists are there isn't known */
+    if (status != TIDES_OK) p->begun = -1; /* which lists are there isn't known */
     if (status == TIDES_OK) status = p->engine->type->values(p->engine, &batch, p->values, error);
     for (int i = 0; i < count && status == TIDES_OK; i++) {
         const td_point *point = &points[order[i]];
@@ -325,26 +379,54 @@ static tides_status run_launch(tides_renderer *renderer, td_points *p, const td_
     return status;
 }
 
-static tides_status exact_points(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
-                                 size_t count, td_point_value *values, tides_error *error) {
-    int *order = td_alloc(count, sizeof *order, error);
-    tides_status status = order ? TIDES_OK : TIDES_NO_MEMORY;
-    for (size_t i = 0; i < count && status == TIDES_OK; i++) status = check_point(renderer, &p->at, &points[i], error);
-    if (status == TIDES_OK) status = begin_interval(renderer, camera, p, error);
-    if (status == TIDES_OK) status = order_points(renderer, p, points, (int)count, order, error);
-    for (size_t from = 0; from < count && status == TIDES_OK; from += POINTS_AT_ONCE) {
-        const int some = (int)(count - from < POINTS_AT_ONCE ? count - from : POINTS_AT_ONCE);
+/* Points of the part that has its rows: those numbered which[0 .. count), of which order (count) becomes an order. */
+static tides_status points_of_part(tides_renderer *renderer, td_points *p, const td_point *points, const int *which, int count,
+                                   int *order, td_point_value *values, tides_error *error) {
+    tides_status status = order_points(renderer, p, points, which, count, order, error);
+    for (int from = 0; from < count && status == TIDES_OK; from += POINTS_AT_ONCE) {
+        const int some = count - from < POINTS_AT_ONCE ? count - from : POINTS_AT_ONCE;
         status = td_renderer_heed(renderer, error);
         if (status == TIDES_OK) status = run_launch(renderer, p, points, order + from, some, values, error);
     }
-    free(order);
+    return status;
+}
+
+/* Those of a part, which may be halved for them, and then is the first half: which (count) of them there are. */
+static tides_status choose_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, int k,
+                                const td_point *points, int count, int *which, int *some, tides_error *error) {
+    tides_status status = TIDES_OK;
+    int parts;
+    do {
+        parts = p->parts;
+        *some = 0;
+        for (int i = 0; i < count; i++)
+            if (part_of(p, points[i].time) == k) which[(*some)++] = i;
+        if (*some > 0) status = begin_part(renderer, camera, p, k, error);
+    } while (status == TIDES_OK && p->parts != parts);
+    return status;
+}
+
+static tides_status exact_points(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
+                                 size_t count, td_point_value *values, tides_error *error) {
+    int *which = td_alloc(2 * count, sizeof *which, error), *order = which ? which + count : NULL;
+    tides_status status = which ? TIDES_OK : TIDES_NO_MEMORY;
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) status = check_point(renderer, &p->at, &points[i], error);
+    if (status == TIDES_OK) status = begin_interval(p, error);
+    for (int k = 0; k < p->parts && status == TIDES_OK; k++) {
+        int some = 0;
+        status = choose_part(renderer, camera, p, k, points, (int)count, which, &some, error);
+        if (status == TIDES_OK && some > 0) status = points_of_part(renderer, p, points, which, some, order, values, error);
+    }
+    free(which);
     return status;
 }
 
 static tides_status swept_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
                                  td_point_value *values, tides_error *error) {
     const td_candidates *lists = &renderer->candidates;
-    renderer->points->at = (td_point_span){lists->first, lists->list, renderer->swept[0], renderer->swept[1], lists->serial};
+    const double start = renderer->swept[0], stop = renderer->swept[1];
+    const double shortest = (stop - start) / (1 << td_dynamic_finest(&renderer->dynamic));
+    renderer->points->at = (td_point_span){lists->first, lists->list, start, stop, shortest, lists->serial};
     return exact_points(renderer, camera, renderer->points, points, count, values, error);
 }
 
@@ -367,7 +449,7 @@ static tides_status keep_instant(tides_renderer *renderer, tides_error *error) {
     if (!p->own_first || !p->own_list) return TIDES_NO_MEMORY;
     memcpy(p->own_first, lists->first, tiles * sizeof *p->own_first);
     memcpy(p->own_list, lists->list, candidates * sizeof *p->own_list);
-    p->at = (td_point_span){p->own_first, p->own_list, renderer->swept[0], renderer->swept[0], lists->serial};
+    p->at = (td_point_span){p->own_first, p->own_list, renderer->swept[0], renderer->swept[0], 0, lists->serial};
     return TIDES_OK;
 }
 
@@ -388,11 +470,16 @@ tides_status td_renderer_kept_points(tides_renderer *renderer, const tides_traje
     return td_mosaic_points(renderer, kept_points, camera, points, count, values, error);
 }
 
-double td_renderer_points_error(const tides_renderer *renderer) {
-    /* twice: a pixel sees several splats, of which more than one may be off */
-    double most = renderer->points && renderer->points->begun ? 2 * renderer->points->nodes.worst : 0;
-    for (int c = 0; c < 3; c++)
-        if (renderer->beside[c]) most = fmax(most, td_renderer_points_error(renderer->beside[c]));
+double td_renderer_points_error(const tides_renderer *renderer, double time, double *bent) {
+    const td_points *p = renderer->points;
+    const points_part *part = p && p->parts > 0 ? &p->part[part_of(p, time)] : NULL;
+    double most = part ? 2 * part->off : 0; /* twice: a pixel sees several splats, of which more than one may be off */
+    *bent = part ? part->bent : 0;
+    for (int c = 0; c < 3; c++) {
+        double own = 0;
+        if (renderer->beside[c]) most = fmax(most, td_renderer_points_error(renderer->beside[c], time, &own));
+        *bent = fmax(*bent, own);
+    }
     return most;
 }
 

@@ -13,10 +13,11 @@
  * (tests/property/test_motion_events.c). */
 #define TD_POINT_PATH_MOVED 1e-6
 
-/* What points are asked for of: the lists of an interval that was swept, and its ends. */
+/* What points are asked for of: the lists of an interval that was swept, and its ends, or those of a part of it. */
 typedef struct td_point_span {
     const int *first, *list; /* as td_candidates has them */
     double start, stop;      /* [s after the epoch] */
+    double shortest;         /* no part is shorter because paths bend [s] */
     uint64_t serial;         /* tells it from others */
 } td_point_span;
 
@@ -38,8 +39,10 @@ typedef struct td_point_nodes {
     int *row;       /* (2 x curves) the rows that each begins and ends with */
     double *length; /* (curves) [s] */
     int curves;
-    double worst; /* estimate of what paths are off by, of log_luminance: the most of all that have one */
-    int *tried;   /* (count + TD_PAD) first rows of a level's, and their misfits */
+    double halve;     /* where the span is to be cut in two, each part with rows of its own; NAN: it has its rows */
+    int moving, bent; /* those that move; of which paths are off by more than they should */
+    double worst;     /* estimate of what paths are off by, of log_luminance: the most of all that have one */
+    int *tried;       /* (count + TD_PAD) first rows of a level's, and their misfits */
     float *misfit;
     double *time;    /* of a level's nodes */
     int *entry, *at; /* (entries) Gaussians, and rows, of the jobs */
@@ -54,7 +57,7 @@ tides_status td_point_nodes_create(const struct tides_renderer *renderer, td_exa
                                    tides_error *error);
 void td_point_nodes_release(td_point_nodes *nodes);
 
-/* All of them. */
+/* All of them, or where to cut: rows would be too many, or paths bend more than all levels can follow. */
 tides_status td_point_nodes_find(struct tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                                  const td_point_span *span, td_point_nodes *nodes, tides_error *error);
 

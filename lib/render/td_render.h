@@ -137,10 +137,11 @@ int td_renderer_points_rounded(const tides_renderer *renderer);
 /* What most of their record paths may be off by, of log_luminance. */
 double td_renderer_points_target(const tides_renderer *renderer);
 
-/* What log_luminance of exact points may be off by in the interval that some were asked for last: an estimate of what record
- * paths make of it, of the splat that is worst where it is as bright as what is seen there; a brighter one before black makes
- * several times that. 0 without exact points. */
-double td_renderer_points_error(const tides_renderer *renderer);
+/* What log_luminance of exact points may be off by around a time that some were asked for, in the interval that was last asked
+ * for: an estimate of what record paths make of it, of the splat that is worst where it is as bright as what is seen there; a
+ * brighter one before black makes several times that. 0 without exact points. *bent: the share of splats, of those that move,
+ * whose record paths are off by more than most may be. */
+double td_renderer_points_error(const tides_renderer *renderer, double time, double *bent);
 
 /* -- frames ---------------------------------------------------------------------------------------------------------------- */
 

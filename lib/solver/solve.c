@@ -87,7 +87,6 @@ tides_status td_solve_look_up(tides_simulator *s, tides_error *error) {
     const double took = td_now() - begun;
     if (solve->precision == TIDES_SOLVE_DOUBLE) s->stats.time_look_up_s += took;
     s->stats.time_compare_s -= took; /* which it is no part of */
-    solve->paths = td_renderer_points_error(s->renderer);
     return status;
 }
 

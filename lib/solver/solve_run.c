@@ -212,14 +212,27 @@ static double waited(const visit *v, const td_change *change) {
     return td_lesser(0.25 * bow / fabs(rise), 1);
 }
 
+/* What the worst splat's record path makes of the pixel's nodes, and the share of events which that is reported for. */
+static double paths_of(const visit *v, double *share) {
+    double worst = 0, most = 0;
+    for (int i = 0; i < v->nodes; i++) {
+        double bent;
+        const double time = v->now->from + v->node[i].s * (v->now->to - v->now->from);
+        worst = td_greater(worst, td_renderer_points_error(v->s->renderer, time, &bent));
+        most = td_greater(most, bent);
+    }
+    *share = worst > TD_SOLVE_LOST ? td_lesser(td_greater(TD_SOLVE_BENT, TD_SOLVE_SPLATS * most), 1) : TD_SOLVE_BENT;
+    return worst;
+}
+
 /* What a solved event may be off by: what is left there, and what most record paths do, and in a share of all events the
  * worst. */
 static void note_error(visit *v, int n) {
     td_timing *timing = &v->s->timing;
     const worth *at = &v->worth[n];
     const double h = v->now->span.length_s, late = waited(v, &v->changes.change[n]);
-    const double worst = v->nodes > 0 ? v->s->solve.paths : 0, most = td_lesser(worst, v->s->solve.usual_paths);
-    const double bent = worst > most ? TD_SOLVE_BENT : 0;
+    double share;
+    const double worst = paths_of(v, &share), most = td_lesser(worst, v->s->solve.usual_paths), bent = worst > most ? share : 0;
     if (late > 0) {
         td_timing_add_solved(timing, 1, late, 1, 0, h);
         return;

@@ -139,7 +139,9 @@ int main(int argc, char **argv) {
            "pixels\n",
            1e3 * frame, 1e6 * frame / (double)pixels, count, 1e3 * first, 1e6 * again / (double)count,
            again / (double)count / (frame / (double)pixels));
-    printf("paths are said to be off by %.2g of L at most\n", td_renderer_points_error(renderer));
+    double bent;
+    const double off = td_renderer_points_error(renderer, start, &bent);
+    printf("paths are said to be off by %.2g of L at most, %.2g of them by more than most\n", off, bent);
     static const double stops[] = {1e-12, 1e-7, 1e-6, 1e-5};
     for (size_t i = 0; i < sizeof stops / sizeof *stops && argc > 6; i++)
         compare(argv[1], stops[i], start, length, points, values);

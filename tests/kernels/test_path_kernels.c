@@ -133,7 +133,7 @@ static void compare_misfits(path_world *w, int level) {
             fail_msg("%s: misfit %d of level %d: %.9g on the device, %.9g in the reference", w->pair.name, i, level,
                      (double)misfits[0][i], (double)misfits[1][i]);
     for (int i = 0; i < count; i++)
-        if (misfits[0][i] >= TD_PATH_NEVER || owner[i] % 37 == 5) w->path_of[owner[i]] = TD_PATH_DIRECT;
+        if (misfits[0][i] >= TD_PATH_WILD || owner[i] % 37 == 5) w->path_of[owner[i]] = TD_PATH_DIRECT;
     free(misfits[0]);
     free(misfits[1]);
     free(first);

@@ -216,7 +216,8 @@ tides_motion *pulsing_keyframes(const splat_set *set, const pulsing *p, double d
                                            .quaternion = to.quaternion,
                                            .log_scale = to.log_scale,
                                            .opacity_logit = to.logit,
-                                           .sh = to.sh};
+                                           .sh = to.sh,
+                                           .catmull_rom = p->catmull_rom};
     scene_expect_ok(tides_motion_create_keyframes(&arrays, &motion, &error), &error);
     free(values);
     free(time);

@@ -69,6 +69,7 @@ typedef struct pulsing {
     waves logit, log_size, turn; /* turn: about z [rad] */
     waves light;                 /* colours are multiplied by 1 + light */
     waves shift[2];              /* of means along x and y */
+    int catmull_rom;             /* of keyframes: their slopes */
 } pulsing;
 /* Keyframes from 0 to duration_s, every `interval` or a little less. */
 tides_motion *pulsing_keyframes(const splat_set *set, const pulsing *p, double duration_s, double interval);

@@ -158,6 +158,25 @@ void td_dynamic_release(td_dynamic *dynamic) {
     memset(dynamic, 0, sizeof *dynamic);
 }
 
+tides_status td_dynamic_joints(const td_dynamic *dynamic, double start, double stop, double **times, int *count,
+                               size_t *capacity, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (int i = 0; i < dynamic->objects && status == TIDES_OK; i++) {
+        const tides_object *of = &dynamic->object[i].of;
+        const tides_motion *motion = of->motion;
+        if (!motion->type->joints) continue;
+        const double per = of->duration_s / (motion->stop - motion->start); /* seconds, as place_knots has them */
+        const double from = motion->start + (start + dynamic->epoch) / per, to = motion->start + (stop + dynamic->epoch) / per;
+        const size_t more = motion->type->joints(motion, from, to, NULL, 0);
+        status = td_reserve((void **)times, capacity, (size_t)*count + more, sizeof **times, error);
+        if (status != TIDES_OK || more == 0) continue;
+        motion->type->joints(motion, from, to, *times + *count, more);
+        for (size_t k = 0; k < more; k++, ++*count)
+            (*times)[*count] = ((*times)[*count] - motion->start) * per - dynamic->epoch;
+    }
+    return status;
+}
+
 /* The first knot that isn't before `time`. */
 static size_t knot_from(const td_dynamic *dynamic, double time) {
     size_t low = 0, high = dynamic->knot_count;

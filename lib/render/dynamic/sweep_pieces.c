@@ -120,6 +120,12 @@ static tides_status sweep_levels(tides_renderer *r, const tides_trajectory *came
     return status;
 }
 
+int td_dynamic_finest(const td_dynamic *dynamic) {
+    int finest = 0;
+    for (int i = 0; i < dynamic->gaussians; i++) finest = dynamic->level[i] > finest ? dynamic->level[i] : finest;
+    return finest;
+}
+
 tides_status td_dynamic_sweep_pieces(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                      tides_error *error) {
     td_dynamic *dynamic = &renderer->dynamic;

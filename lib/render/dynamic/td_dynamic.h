@@ -101,8 +101,16 @@ void td_dynamic_set_epoch(td_dynamic *dynamic, double epoch);
 /* The scales of time of an object's Gaussians, where the model has them for each. */
 tides_status td_dynamic_find_scales(const td_store *store, td_dynamic_object *object, tides_error *error);
 
+/* The highest level of all that moves in the interval swept last: its motion happens on 2^-level of that. */
+int td_dynamic_finest(const td_dynamic *dynamic);
+
 /* 1 where rates of some motion may jump at `time`, to a nanosecond. */
 int td_dynamic_is_knot(const td_dynamic *dynamic, double time);
+
+/* Times in (start, stop) where some motion's curves are joined (td_motion_class.joints), object by object: adds them to times
+ * [0 .. *count), which grow. */
+tides_status td_dynamic_joints(const td_dynamic *dynamic, double start, double stop, double **times, int *count,
+                               size_t *capacity, tides_error *error);
 
 /* 1 where one is more than that behind `start` and before `stop`. */
 int td_dynamic_knot_within(const td_dynamic *dynamic, double start, double stop);
