@@ -10,6 +10,9 @@ static int convert_scene(const char *in, const char *out, const cli_common *comm
     tides_status status = tides_scene_create(&scene, &error);
     if (status == TIDES_OK) status = tides_scene_add_file(scene, in, NULL, 1.0, &error);
     if (status == TIDES_OK) status = tides_scene_save(scene, out, &error);
+    if (status == TIDES_OK && !common->quiet && cli_ends_in(out, ".splat") && tides_scene_sh_degree(scene) > 0)
+        fprintf(stderr, "tides: %s: a .splat has no place for SH beyond the constant: colours don't change with the view\n",
+                out);
     if (status != TIDES_OK) {
         code = cli_fail(&error);
     } else if (common->json) {

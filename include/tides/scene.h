@@ -73,7 +73,7 @@ TIDES_API int32_t tides_scene_set_duration(tides_scene *scene, double duration_s
  *   .spz     Niantic's, versions 1 to 4 (axes turned to those of a 3DGS .ply)
  *   .ksplat  mkkellogg's, all three compressions
  *   .splat   antimatter15's
- *   .sog     PlayCanvas's version 2; also unpacked, as a folder with a meta.json or by that file
+ *   .sog     PlayCanvas's versions 1 and 2; also unpacked, as a folder with a meta.json or by that file
  *   a folder that a trainer left: the newest point_cloud/iteration_N/point_cloud.ply in it; gsplat's ckpt_N_rank0.pt, also by
  *            itself; models that move, with their motion, those of SpacetimeGaussians, Fudan's 4d-gaussian-splatting,
  *            Dynamic3DGaussians and FreeTimeGS, and sequences gaussian_pertimestamp/time_NNNNN.ply (lib/scene/method_*.c). A
@@ -90,8 +90,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add_file(tides_scene *scene,
  * 0 also where it can't be opened. */
 TIDES_API int32_t tides_scene_is_file(const char *file);
 
-/* Writes `file`, by its ending: .h5 holds everything (layout documented in lib/scene/scene_hdf5.c); .ply holds one object at
- * rest, in INRIA's binary layout (TIDES_UNSUPPORTED for more). Written beside and renamed. */
+/* Writes `file`, by its ending: .h5 holds everything (layout documented in lib/scene/scene_hdf5.c); .ply (INRIA's binary
+ * layout), .spz (version 3: rounded to bytes, scales to 1/16 of their logarithm) and .splat (to bytes, without SH beyond the
+ * constant) hold one object at rest (TIDES_UNSUPPORTED for more). Written beside and renamed. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_error *error);
 
 /* Number of objects; all Gaussians; the largest SH degree. */

@@ -178,24 +178,34 @@ tides_status tides_scene_add_file(tides_scene *scene, const char *file, const ti
     return td_scene_hdf5_read(scene, file, trajectory, scale, error);
 }
 
-static tides_status save_ply(const tides_scene *scene, const char *file, tides_error *error) {
+/* Formats that hold the Gaussians of one object at rest. */
+static const struct {
+    const char *ending;
+    tides_status (*write)(const char *path, const td_gaussians *gaussians, double scale, tides_error *error);
+} writers[] = {{".ply", td_ply_write}, {".spz", td_spz_write}, {".splat", td_splat_write}};
+enum { WRITERS = sizeof writers / sizeof writers[0] };
+
+static tides_status save_one(const tides_scene *scene, const char *file, size_t format, tides_error *error) {
+    const char *ending = writers[format].ending;
     if (scene->count > 1)
-        return td_fail(error, TIDES_UNSUPPORTED, "%s: a .ply holds one object and the scene has %zu: save it as .h5", file,
-                       scene->count);
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: a %s holds one object and the scene has %zu: save it as .h5", file,
+                       ending, scene->count);
     const td_object *object = &scene->objects[0];
     if (object->trajectory)
-        return td_fail(error, TIDES_UNSUPPORTED, "%s: a .ply has no place for the trajectory of '%.80s': save it as .h5", file,
-                       object->name);
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: a %s has no place for the trajectory of '%.80s': save it as .h5", file,
+                       ending, object->name);
     if (object->motion)
-        return td_fail(error, TIDES_UNSUPPORTED, "%s: a .ply has no place for the motion of '%.80s': save it as .h5", file,
-                       object->name);
-    return td_ply_write(file, &object->gaussians, object->scale, error);
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: a %s has no place for the motion of '%.80s': save it as .h5", file,
+                       ending, object->name);
+    return writers[format].write(file, &object->gaussians, object->scale, error);
 }
 
 tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_error *error) {
     if (!scene || !file) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_scene_save: %s is NULL", scene ? "file" : "scene");
     if (scene->count == 0) return td_fail(error, TIDES_BAD_ARGUMENT, "%s: the scene is empty: add an object first", file);
-    if (ends_in(file, ".ply")) return save_ply(scene, file, error);
+    for (size_t i = 0; i < WRITERS; i++)
+        if (ends_in(file, writers[i].ending)) return save_one(scene, file, i, error);
     if (ends_in(file, ".h5")) return td_scene_hdf5_write(scene, file, error);
-    return td_fail(error, TIDES_BAD_ARGUMENT, "%s: a scene is saved as .h5 or .ply: the name should end in one of them", file);
+    return td_fail(error, TIDES_BAD_ARGUMENT,
+                   "%s: a scene is saved as .h5, .ply, .spz or .splat: the name should end in one of them", file);
 }

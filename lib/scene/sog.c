@@ -1,5 +1,5 @@
-/* SOG version 2 (PlayCanvas's "spatially ordered Gaussians"): meta.json beside lossless WebP pictures, in a folder or packed
- * into a .sog, which is a ZIP. Pixel i, row by row, belongs to Gaussian i:
+/* SOG versions 1 and 2 (PlayCanvas's "spatially ordered Gaussians"): meta.json beside lossless WebP pictures, in a folder or
+ * packed into a .sog, which is a ZIP. Pixel i, row by row, belongs to Gaussian i:
  *
  *     means    two pictures, the low and the high byte of r g b: v / 65535 between mins and maxs is sign(x) ln(1 + |x|)
  *     quats    r g b: the three components but the largest, (v / 255 - 1/2) sqrt(2); alpha: 252 + the largest's number, wxyz
@@ -8,7 +8,8 @@
  *     shN      optional, a palette: the second picture has the label, low byte r, high byte g; label n's coefficient k is at
  *              x = (n mod 64) K' + k, y = n / 64 of the first one (K' = 3, 8, 15 for 1, 2, 3 bands), r g b into a codebook
  *
- * Version 1, which has no "version", is TIDES_UNSUPPORTED. */
+ * Version 1 has no "version" and no codebooks, but mins and maxs between which a byte of 255 lies (one of each for shN); the
+ * opacity, too, as its logit, and the count is means.shape[0]. */
 #include "archive/td_zip.h"
 #include "td_base.h"
 #include "td_splat.h"
@@ -20,7 +21,7 @@
 #include <string.h>
 #include <webp/decode.h>
 
-enum { CODEBOOK = 256, PALETTE_COLUMNS = 64, LARGEST = 16383 /* pixels along a WebP picture's edge */ };
+enum { CODEBOOK = 256, PALETTE_COLUMNS = 64, MOST_ENTRIES = 65536, LARGEST = 16383 /* pixels along a WebP picture's edge */ };
 
 typedef struct sog {
     const char *path;
@@ -28,7 +29,7 @@ typedef struct sog {
     td_zip zip;
     cJSON *meta;
     size_t count;
-    int32_t degree;
+    int32_t degree, version;
     tides_error *error;
 } sog;
 
@@ -70,8 +71,8 @@ static tides_status file_name(const sog *s, const char *entry, int number, const
     return TIDES_OK;
 }
 
-/* A picture of at least `pixels` pixels, and of not many more: its size is believed only then. */
-static tides_status read_picture(const sog *s, const char *entry, int number, size_t pixels, picture *out) {
+/* A picture of at least `pixels` pixels and at most `most`: its size is believed only then. */
+static tides_status read_some(const sog *s, const char *entry, int number, size_t pixels, size_t most, picture *out) {
     const char *name = NULL;
     const unsigned char *data = NULL;
     void *owned = NULL;
@@ -81,7 +82,7 @@ static tides_status read_picture(const sog *s, const char *entry, int number, si
     if (!status) status = read_member(s, name, &data, &size, &owned);
     if (!status && !WebPGetInfo(data, size, &width, &height)) status = fail(s, name, "isn't a WebP picture");
     if (status) goto done;
-    if ((size_t)width * (size_t)height < pixels || (size_t)width * (size_t)height / 4 > pixels + LARGEST) {
+    if ((size_t)width * (size_t)height < pixels || (size_t)width * (size_t)height > most) {
         status = td_fail(s->error, TIDES_BAD_FILE, "%s: %.80s has %dx%d pixels where meta.json asks for %zu", s->path, name,
                          width, height, pixels);
         goto done;
@@ -91,6 +92,11 @@ static tides_status read_picture(const sog *s, const char *entry, int number, si
 done:
     free(owned);
     return status;
+}
+
+/* A pixel for each of `pixels` Gaussians, and not many more. */
+static tides_status read_picture(const sog *s, const char *entry, int number, size_t pixels, picture *out) {
+    return read_some(s, entry, number, pixels, 4 * (pixels + LARGEST), out);
 }
 
 /* -- meta.json -- */
@@ -116,6 +122,32 @@ static size_t whole(const cJSON *object, const char *key, double most) {
     return item->valuedouble == floor(item->valuedouble) ? (size_t)item->valuedouble : 0;
 }
 
+/* Element `index` of `entry`.shape as a whole number; 0 where it isn't one. */
+static size_t shape(const sog *s, const char *entry, int index) {
+    const cJSON *list = cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(s->meta, entry), "shape");
+    const cJSON *item = cJSON_GetArrayItem(list, index);
+    const double value = cJSON_IsNumber(item) ? item->valuedouble : 0;
+    return value >= 1 && value <= (double)LARGEST * LARGEST && value == floor(value) ? (size_t)value : 0;
+}
+
+/* Bands of the palette; version 1 says how many numbers they have. */
+static size_t bands_of(const sog *s, const cJSON *palette) {
+    if (s->version == 2) return whole(palette, "bands", 3);
+    for (size_t bands = 1; bands <= 3; bands++)
+        if (shape(s, "shN", 1) == 3 * (td_sh_coefficients((int32_t)bands) - 1)) return bands;
+    return 0;
+}
+
+static tides_status count_and_degree(sog *s) {
+    const cJSON *palette = cJSON_GetObjectItemCaseSensitive(s->meta, "shN");
+    const size_t bands = palette ? bands_of(s, palette) : 0;
+    s->count = s->version == 2 ? whole(s->meta, "count", (double)LARGEST * LARGEST) : shape(s, "means", 0);
+    if (s->count == 0) return fail(s, "count", "must be a whole number from 1 on that fits in a picture");
+    if (palette && bands == 0) return fail(s, "shN", "must have 1, 2 or 3 bands");
+    s->degree = (int32_t)bands;
+    return TIDES_OK;
+}
+
 static tides_status parse_meta(sog *s) {
     const unsigned char *text = NULL;
     void *owned = NULL;
@@ -133,15 +165,14 @@ static tides_status parse_meta(sog *s) {
     }
     free(owned);
     if (status) return status;
-    const cJSON *palette = cJSON_GetObjectItemCaseSensitive(s->meta, "shN");
-    size_t bands = palette ? whole(palette, "bands", 3) : 0;
-    if (whole(s->meta, "version", 1e9) != 2)
-        return td_fail(s->error, TIDES_UNSUPPORTED, "%s: is no SOG of version 2: convert it with splat-transform", s->path);
-    s->count = whole(s->meta, "count", (double)LARGEST * LARGEST);
-    if (s->count == 0) return fail(s, "count", "must be a whole number from 1 on that fits in a picture");
-    if (palette && bands == 0) return fail(s, "shN.bands", "must be 1, 2 or 3");
-    s->degree = (int32_t)bands;
-    return TIDES_OK;
+    const cJSON *version = cJSON_GetObjectItemCaseSensitive(s->meta, "version");
+    s->version = version ? (int32_t)whole(s->meta, "version", 1e9) : 1;
+    if (s->version == 1 && !cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(s->meta, "means"), "shape"))
+        return fail(s, "meta.json", "is no SOG's: it has neither a \"version\" nor means.shape");
+    if (s->version != 1 && s->version != 2)
+        return td_fail(s->error, TIDES_UNSUPPORTED, "%s: is no SOG of version 1 or 2: convert it with splat-transform",
+                       s->path);
+    return count_and_degree(s);
 }
 
 /* -- pictures into Gaussians -- */
@@ -179,32 +210,63 @@ static tides_status unpack_quaternions(const sog *s, const td_gaussians *g) {
     return status;
 }
 
-/* r g b of `entry`'s picture through its codebook; alpha, where `opacity` isn't NULL, to logits. */
+/* What each byte of `channels` stands for in `entry`: version 2 has one codebook for all of them. */
+static tides_status read_codes(const sog *s, const char *entry, int channels, double codes[4][CODEBOOK]) {
+    double low[4], high[4];
+    tides_status status = s->version == 2 ? read_numbers(s, entry, "codebook", codes[0], CODEBOOK)
+                                          : read_numbers(s, entry, "mins", low, channels);
+    if (!status && s->version == 1) status = read_numbers(s, entry, "maxs", high, channels);
+    for (int c = 0; c < channels && !status; c++) {
+        if (s->version == 2 && c > 0) memcpy(codes[c], codes[0], sizeof codes[0]);
+        for (int k = 0; k < CODEBOOK && s->version == 1; k++) codes[c][k] = low[c] + (high[c] - low[c]) * (k / 255.0);
+    }
+    return status;
+}
+
+/* r g b of `entry`'s picture as what they stand for; alpha, where `opacity` isn't NULL, to logits. */
 static tides_status unpack_codes(const sog *s, const char *entry, float *out, size_t stride, float *opacity) {
-    double codes[CODEBOOK];
+    double codes[4][CODEBOOK];
     picture indices = {0};
-    tides_status status = read_numbers(s, entry, "codebook", codes, CODEBOOK);
+    tides_status status = read_codes(s, entry, opacity ? 4 : 3, codes);
     if (!status) status = read_picture(s, entry, 0, s->count, &indices);
     for (size_t i = 0; i < s->count && !status; i++) {
         const unsigned char *pixel = indices.rgba + 4 * i;
-        for (size_t c = 0; c < 3; c++) out[stride * i + c] = (float)codes[pixel[c]];
-        if (opacity) opacity[i] = td_splat_logit(pixel[3] / 255.0);
+        for (size_t c = 0; c < 3; c++) out[stride * i + c] = (float)codes[c][pixel[c]];
+        if (opacity) opacity[i] = s->version == 2 ? td_splat_logit(pixel[3] / 255.0) : (float)codes[3][pixel[3]];
     }
     WebPFree(indices.rgba);
     return status;
 }
 
+/* Version 1 has two numbers. */
+static tides_status read_palette_codes(const sog *s, double codes[CODEBOOK]) {
+    if (s->version == 2) return read_numbers(s, "shN", "codebook", codes, CODEBOOK);
+    const cJSON *entry = cJSON_GetObjectItemCaseSensitive(s->meta, "shN");
+    const cJSON *low = cJSON_GetObjectItemCaseSensitive(entry, "mins"), *high = cJSON_GetObjectItemCaseSensitive(entry, "maxs");
+    if (!cJSON_IsNumber(low) || !cJSON_IsNumber(high)) return fail(s, "shN.mins, shN.maxs", "must be numbers");
+    for (int k = 0; k < CODEBOOK; k++) codes[k] = low->valuedouble + (high->valuedouble - low->valuedouble) * (k / 255.0);
+    return TIDES_OK;
+}
+
+/* The palette's picture, and how many entries it has: in version 1 all that there is room for. */
+static tides_status read_palette(const sog *s, size_t rest, size_t *entries, picture *palette) {
+    *entries = s->version == 2 ? whole(cJSON_GetObjectItemCaseSensitive(s->meta, "shN"), "count", MOST_ENTRIES) : MOST_ENTRIES;
+    if (*entries == 0) return fail(s, "shN.count", "must be a whole number from 1 to 65536");
+    const size_t rows = s->version == 2 ? (*entries + PALETTE_COLUMNS - 1) / PALETTE_COLUMNS : 1;
+    tides_status status = read_some(s, "shN", 0, rows * PALETTE_COLUMNS * rest, MOST_ENTRIES * rest, palette);
+    if (!status && palette->width != PALETTE_COLUMNS * rest)
+        status = fail(s, "shN", "its palette must have 64 entries in a row");
+    if (!status && s->version == 1) *entries = PALETTE_COLUMNS * palette->height;
+    return status;
+}
+
 static tides_status unpack_palette(const sog *s, const td_gaussians *g) {
     size_t coefficients = td_sh_coefficients(s->degree), rest = coefficients - 1;
-    size_t entries = whole(cJSON_GetObjectItemCaseSensitive(s->meta, "shN"), "count", 65536);
-    size_t rows = (entries + PALETTE_COLUMNS - 1) / PALETTE_COLUMNS;
     double codes[CODEBOOK];
+    size_t entries = 0;
     picture palette = {0}, labels = {0};
-    tides_status status = entries ? read_numbers(s, "shN", "codebook", codes, CODEBOOK)
-                                  : fail(s, "shN.count", "must be a whole number from 1 to 65536");
-    if (!status) status = read_picture(s, "shN", 0, rows * PALETTE_COLUMNS * rest, &palette);
-    if (!status && palette.width != PALETTE_COLUMNS * rest)
-        status = fail(s, "shN", "its palette must have 64 entries in a row");
+    tides_status status = read_palette_codes(s, codes);
+    if (!status) status = read_palette(s, rest, &entries, &palette);
     if (!status) status = read_picture(s, "shN", 1, s->count, &labels);
     for (size_t i = 0; i < s->count && !status; i++) {
         size_t label = labels.rgba[4 * i] | (size_t)labels.rgba[4 * i + 1] << 8;

@@ -19,6 +19,8 @@ float td_splat_log_scale(double scale) { return (float)log(scale == 0 ? (double)
 
 float td_splat_dc(double colour) { return (float)((colour - 0.5) / SH_C0); }
 
+double td_splat_colour(double dc) { return 0.5 + SH_C0 * dc; }
+
 void td_splat_rebuild(const double others[3], unsigned largest, float q[4]) {
     double rest = 1;
     for (unsigned i = 0, k = 0; i < 4; i++) {

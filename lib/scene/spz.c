@@ -97,9 +97,8 @@ static void first_three(const unsigned char *b, float q[4]) {
     td_splat_rebuild(xyz, 0, q);
 }
 
-/* 1 where coefficient k of INRIA's order changes its sign with y and z: where it is odd in the two together. Band l, whose m
- * runs from -l to l: with l + m even, z comes in even powers; with m < 0, y comes in odd ones. */
-static int changes_sign(size_t k) {
+/* Band l, whose m runs from -l to l: with l + m even, z comes in even powers; with m < 0, y comes in odd ones. */
+int td_spz_changes_sign(size_t k) {
     int l = (int)sqrt((double)k), m = (int)k - l * l - l;
     return ((l + m) % 2 != 0) != (m < 0);
 }
@@ -107,7 +106,7 @@ static int changes_sign(size_t k) {
 static void unpack_sh(const spz *s, const unsigned char *sh, const td_gaussians *g) {
     size_t coefficients = td_sh_coefficients(s->degree);
     float sign[25];
-    for (size_t k = 0; k < coefficients; k++) sign[k] = changes_sign(k) ? -1.0f : 1.0f;
+    for (size_t k = 0; k < coefficients; k++) sign[k] = td_spz_changes_sign(k) ? -1.0f : 1.0f;
     for (size_t i = 0; i < s->count; i++)
         for (size_t k = 1; k < coefficients; k++)
             for (size_t c = 0; c < 3; c++, sh++)

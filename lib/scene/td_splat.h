@@ -55,8 +55,17 @@ float td_splat_logit(double opacity);
 /* Natural logarithm of a scale. 0, a flat Gaussian, becomes float's smallest normal number; NaN where negative. */
 float td_splat_log_scale(double scale);
 
-/* The constant SH coefficient of a colour: colour = 1/2 + C0 dc. */
+/* The constant SH coefficient of a colour, and back: colour = 1/2 + C0 dc. */
 float td_splat_dc(double colour);
+double td_splat_colour(double dc);
+
+/* spz.c: 1 where coefficient k of INRIA's order changes its sign with y and z: where it is odd in the two together. */
+int td_spz_changes_sign(size_t k);
+
+/* -- splat_write.c: whole files, means and scales times `scale` -- */
+
+tides_status td_splat_write(const char *path, const td_gaussians *gaussians, double scale, tides_error *error);
+tides_status td_spz_write(const char *path, const td_gaussians *gaussians, double scale, tides_error *error);
 
 /* Quaternion wxyz of its three components but the largest, in order, and which that is (0..3 in w, x, y, z order). */
 void td_splat_rebuild(const double others[3], unsigned largest, float q[4]);

@@ -88,3 +88,17 @@ printf 'glTF\002\000\000\000' >a.glb
 refuse 1 "a.glb: is a binary glTF" tides info a.glb
 printf '{ "lodLevels": 3, "filenames": [] }' >lod-meta.json
 refuse 1 "streamed SOG" tides info lod-meta.json
+
+# Scenes into the formats of viewers, and back.
+make_scene
+expect 0 tides convert scene.ply out.spz
+out "out.spz: 108 Gaussians"
+expect 0 tides convert scene.ply out.splat
+[ ! -s err ] || fail "nothing is lost of a scene without SH"
+for made in out.spz out.splat; do
+    expect 0 tides info $made
+    out "^gaussians +108"
+    expect 0 tides render run.json -qo $made.exr --set scene.file=$made
+done
+refuse 1 "x.foo: a scene is saved as .h5, .ply, .spz or .splat" tides convert scene.ply x.foo
+refuse 1 "lfs.ply: is a pointer of Git LFS" tides convert lfs.ply x.spz

@@ -290,8 +290,9 @@ static void test_save_refusals(void **state) {
     const char *ply = scene_in_folder(*state, "s.ply");
     scene_expect_error(tides_scene_save(scene, ply, &error), TIDES_BAD_ARGUMENT, &error, "s.ply|scene is empty");
     scene_add(scene, &g, NULL, 1, NULL);
-    scene_expect_error(tides_scene_save(scene, "s.splat", &error), TIDES_BAD_ARGUMENT, &error, "s.splat|.h5 or .ply");
-    scene_expect_error(tides_scene_save(scene, "ply", &error), TIDES_BAD_ARGUMENT, &error, ".h5 or .ply");
+    scene_expect_error(tides_scene_save(scene, "s.ksplat", &error), TIDES_BAD_ARGUMENT, &error,
+                       "s.ksplat|.h5, .ply, .spz or .splat");
+    scene_expect_error(tides_scene_save(scene, "ply", &error), TIDES_BAD_ARGUMENT, &error, ".h5, .ply");
     scene_add(scene, &g, NULL, 1, NULL);
     scene_expect_error(tides_scene_save(scene, ply, &error), TIDES_UNSUPPORTED, &error, "s.ply|one object|has 2|.h5");
     tides_scene_destroy(scene);

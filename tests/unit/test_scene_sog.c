@@ -80,7 +80,31 @@ static void codebook(char *text, double first) {
     for (int i = 0; i < 256; i++) at += (size_t)snprintf(text + at, CODES - at, "%s%.6f", i ? "," : "", first + i / 64.0);
 }
 
+static int version_1; /* of what meta() writes */
+
+/* The same values in version 1: codes are even, so that their ends say them all. Opacities' logits go from -3 to 3. */
+static scene_bytes old_meta(const recipe *r) {
+    char text[2048];
+    int length =
+        snprintf(text, sizeof text,
+                 "{\"means\":{\"shape\":[%d,3],\"mins\":[-1,-2,0.5],\"maxs\":[1,2,0.5],\"files\":[\"means_l.webp\","
+                 "\"means_u.webp\"]},\"scales\":{\"mins\":[-5,-5,-5],\"maxs\":[-1.015625,-1.015625,-1.015625],\"files\":"
+                 "[\"scales.webp\"]},\"quats\":{\"files\":[\"quats.webp\"]},\"sh0\":{\"mins\":[-2,-2,-2,-3],\"maxs\":"
+                 "[1.984375,1.984375,1.984375,3],\"files\":[\"sh0.webp\"]}",
+                 COUNT);
+    if (r->bands)
+        length += snprintf(text + length, sizeof text - (size_t)length,
+                           ",\"shN\":{\"shape\":[5,%d],\"mins\":-1,\"maxs\":2.984375,\"files\":[\"shN_centroids.webp\","
+                           "\"shN_labels.webp\"]}",
+                           3 * ((r->bands + 1) * (r->bands + 1) - 1));
+    snprintf(text + length, sizeof text - (size_t)length, "}");
+    scene_bytes bytes = {0};
+    scene_bytes_add(&bytes, text, strlen(text));
+    return bytes;
+}
+
 static scene_bytes meta(const recipe *r) {
+    if (version_1) return old_meta(r);
     static char text[4 * CODES], scales[CODES], dc[CODES], rest[CODES];
     codebook(scales, -5);
     codebook(dc, -2);
@@ -142,7 +166,7 @@ static void check_values(const tides_gaussians *g, int bands) {
             rest -= q[k] * q[k];
         }
         q[i & 3] = rest > 0 ? sqrt(rest) : 0;
-        double logit = i == 0 ? log(16777215.0) : log(opacity / (1 - opacity));
+        double logit = version_1 ? -3 + 6 * opacity : i == 0 ? log(16777215.0) : log(opacity / (1 - opacity));
         splat_near("mean", g->mean + 3 * i, mean, 3, 1e-6);
         splat_near("scale", g->log_scale + 3 * i, scale, 3, 1e-6);
         splat_near("quaternion", g->quaternion + 4 * i, q, 4, 1e-6);
@@ -158,7 +182,9 @@ static void check_values(const tides_gaussians *g, int bands) {
 
 static void packed(void **state) {
     (void)state;
-    for (int bands = 0; bands <= 3; bands++) {
+    for (int k = 0; k < 8; k++) {
+        const int bands = k & 3;
+        version_1 = k / 4;
         scene_bytes b = make(&(recipe){.without = -1, .bands = bands}, NULL);
         td_gaussians g = splat_parse(td_sog_parse, &b);
         tides_gaussians view = td_gaussians_view(&g);
@@ -166,6 +192,7 @@ static void packed(void **state) {
         td_gaussians_free(&g);
         free(b.data);
     }
+    version_1 = 0;
 }
 
 /* As a folder, by its meta.json, and as a ZIP of any name. */
@@ -202,8 +229,8 @@ static void refused(void **state) {
         const char *words;
     } cases[] = {
         {{"{\"version\"", "{version", -1, 0, 0, 0, 0, 0}, TIDES_BAD_FILE, "meta.json: isn't valid JSON"},
-        {{"\"version\":2", "\"version\":3", -1, 0, 0, 0, 0, 0}, TIDES_UNSUPPORTED, "no SOG of version 2"},
-        {{"\"version\":2,", "", -1, 0, 0, 0, 0, 0}, TIDES_UNSUPPORTED, "no SOG of version 2"},
+        {{"\"version\":2", "\"version\":3", -1, 0, 0, 0, 0, 0}, TIDES_UNSUPPORTED, "no SOG of version 1 or 2"},
+        {{"\"version\":2,", "", -1, 0, 0, 0, 0, 0}, TIDES_BAD_FILE, "neither a \"version\" nor means.shape"},
         {{"\"count\":5", "\"count\":0", -1, 0, 0, 0, 0, 0}, TIDES_BAD_FILE, "count: must be a whole number"},
         {{"\"count\":5", "\"count\":2.5", -1, 0, 0, 0, 0, 0}, TIDES_BAD_FILE, "count: must be a whole number"},
         {{"\"count\":5", "\"count\":1e9", -1, 0, 0, 0, 0, 0}, TIDES_BAD_FILE, "count: must be a whole number"},
@@ -218,7 +245,7 @@ static void refused(void **state) {
         {{"[\"quats.webp\"]", "[\"meta.json\"]", -1, 0, 0, 0, 0, 0}, TIDES_BAD_FILE, "meta.json: isn't a WebP picture"},
         {{NULL, NULL, 1, 0, 0, 0, 0, 0}, TIDES_BAD_FILE, "holds no means_u.webp"},
         {{NULL, NULL, 6, 1, 0, 0, 0, 0}, TIDES_BAD_FILE, "holds no shN_labels.webp"},
-        {{"\"bands\":1", "\"bands\":4", -1, 1, 0, 0, 0, 0}, TIDES_BAD_FILE, "shN.bands: must be 1, 2 or 3"},
+        {{"\"bands\":1", "\"bands\":4", -1, 1, 0, 0, 0, 0}, TIDES_BAD_FILE, "shN: must have 1, 2 or 3 bands"},
         {{"\"bands\":1", "\"bands\":2", -1, 1, 0, 0, 0, 0}, TIDES_BAD_FILE, "shN_centroids.webp has 192x2 pixels"},
         {{"\"count\":70", "\"count\":65537", -1, 1, 0, 0, 0, 0},
          TIDES_BAD_FILE,

@@ -1,0 +1,148 @@
+/* Writes .splat and .spz (version 3), whose layouts are in splat.c and spz.c: what a byte can't hold exactly goes to the
+ * nearest that it can. A .splat has no place for SH beyond the constant. Positions of a .spz get as many of their 24 bits
+ * behind the point as the scene's size leaves. */
+#include "td_base.h"
+#include "td_endian.h"
+#include "td_scene.h"
+#include "td_splat.h"
+
+#include <libdeflate.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SPLAT_ROW = 32, SPZ_HEADER = 16, SPZ_MAGIC = 0x5053474e, SPZ_VERSION = 3, SPZ_DEGREE = 3, FIXED = 0x7fffff, LEVEL = 9 };
+
+static unsigned char to_byte(double value) { return (unsigned char)(value <= 0 ? 0 : value >= 255 ? 255 : floor(value + 0.5)); }
+
+static double sigmoid(float logit) { return 1 / (1 + exp(-(double)logit)); }
+
+/* wxyz of length 1. */
+static void unit_quaternion(const float q[4], double out[4]) {
+    double square = 0;
+    for (int k = 0; k < 4; k++) square += (double)q[k] * q[k];
+    for (int k = 0; k < 4; k++) out[k] = q[k] / sqrt(square);
+}
+
+static void put_float(unsigned char *to, double value) {
+    const float rounded = (float)value;
+    uint32_t bits;
+    memcpy(&bits, &rounded, sizeof bits);
+    td_put_le32(to, bits);
+}
+
+/* -- .splat -- */
+
+static void splat_row(unsigned char *row, const td_gaussians *g, size_t i, double scale) {
+    const float *sh = g->sh + 3 * td_sh_coefficients(g->sh_degree) * i;
+    double q[4];
+    unit_quaternion(g->quaternion + 4 * i, q);
+    for (size_t k = 0; k < 3; k++) {
+        put_float(row + 4 * k, scale * td_gaussians_mean(g, (int64_t)i, (int)k));
+        put_float(row + 12 + 4 * k, scale * exp((double)g->log_scale[3 * i + k]));
+        row[24 + k] = to_byte(255 * td_splat_colour(sh[k]));
+    }
+    row[27] = to_byte(255 * sigmoid(g->opacity_logit[i]));
+    for (size_t k = 0; k < 4; k++) row[28 + k] = to_byte(128 + 128 * q[k]);
+}
+
+tides_status td_splat_write(const char *path, const td_gaussians *g, double scale, tides_error *error) {
+    unsigned char *rows = td_alloc((size_t)g->count, SPLAT_ROW, error);
+    if (!rows) return TIDES_NO_MEMORY;
+    for (size_t i = 0; i < (size_t)g->count; i++) splat_row(rows + SPLAT_ROW * i, g, i, scale);
+    tides_status status = tides_file_write(path, rows, SPLAT_ROW * (size_t)g->count, error);
+    free(rows);
+    return status;
+}
+
+/* -- .spz -- */
+
+/* Bits behind the point with which every coordinate fits; below 0 where none do. */
+static int fractional_bits(const td_gaussians *g, double scale) {
+    double largest = 0;
+    int bits = 24;
+    for (int64_t i = 0; i < g->count; i++)
+        for (int k = 0; k < 3; k++) largest = fmax(largest, fabs(scale * td_gaussians_mean(g, i, k)));
+    while (bits >= 0 && ldexp(largest, bits) > FIXED) bits--;
+    return bits;
+}
+
+static void put_fixed(unsigned char *to, double value, int bits) {
+    const int32_t fixed = (int32_t)floor(ldexp(value, bits) + 0.5);
+    const uint32_t word = (uint32_t)(fixed > FIXED ? FIXED : fixed);
+    for (int k = 0; k < 3; k++) to[k] = (unsigned char)(word >> 8 * k);
+}
+
+/* `q` is wxyz in the file's axes. */
+static uint32_t smallest_three(const double q[4]) {
+    const double xyzw[4] = {q[1], q[2], q[3], q[0]};
+    uint32_t largest = 0;
+    for (uint32_t k = 1; k < 4; k++)
+        if (fabs(xyzw[k]) > fabs(xyzw[largest])) largest = k;
+    uint32_t word = largest;
+    for (uint32_t k = 0; k < 4; k++) {
+        if (k == largest) continue;
+        const double size = floor(511 * fabs(xyzw[k]) / sqrt(0.5) + 0.5);
+        const uint32_t negative = (xyzw[k] < 0) != (xyzw[largest] < 0);
+        word = word << 10 | negative << 9 | (uint32_t)(size > 511 ? 511 : size);
+    }
+    return word;
+}
+
+/* Every array, one after the other, behind the header. */
+static void pack_spz(unsigned char *to, const td_gaussians *g, double scale, int bits) {
+    const size_t n = (size_t)g->count, coefficients = td_sh_coefficients(g->sh_degree);
+    unsigned char *alpha = to + 9 * n, *colour = alpha + n, *size = colour + 3 * n, *rotation = size + 3 * n,
+                  *sh = rotation + 4 * n;
+    for (size_t i = 0; i < n; i++) {
+        const float *own = g->sh + 3 * coefficients * i;
+        double q[4];
+        unit_quaternion(g->quaternion + 4 * i, q);
+        q[2] = -q[2];
+        q[3] = -q[3];
+        for (size_t k = 0; k < 3; k++) {
+            const double mean = scale * td_gaussians_mean(g, (int64_t)i, (int)k);
+            put_fixed(to + 9 * i + 3 * k, k ? -mean : mean, bits);
+            colour[3 * i + k] = to_byte(255 * (0.15 * own[k] + 0.5));
+            size[3 * i + k] = to_byte(16 * (g->log_scale[3 * i + k] + log(scale) + 10));
+        }
+        alpha[i] = to_byte(255 * sigmoid(g->opacity_logit[i]));
+        td_put_le32(rotation + 4 * i, smallest_three(q));
+        for (size_t k = 1; k < coefficients; k++)
+            for (size_t c = 0; c < 3; c++)
+                *sh++ = to_byte(128 + (td_spz_changes_sign(k) ? -128 : 128) * (double)own[3 * k + c]);
+    }
+}
+
+static tides_status write_gzip(const char *path, const unsigned char *plain, size_t size, tides_error *error) {
+    struct libdeflate_compressor *coder = libdeflate_alloc_compressor(LEVEL);
+    const size_t room = coder ? libdeflate_gzip_compress_bound(coder, size) : 0;
+    unsigned char *packed = coder ? td_alloc(room, 1, error) : NULL;
+    const size_t bytes = packed ? libdeflate_gzip_compress(coder, plain, size, packed, room) : 0;
+    libdeflate_free_compressor(coder);
+    tides_status status = bytes ? tides_file_write(path, packed, bytes, error)
+                                : td_fail(error, TIDES_NO_MEMORY, "%s: out of memory for %zu bytes", path, size);
+    free(packed);
+    return status;
+}
+
+tides_status td_spz_write(const char *path, const td_gaussians *g, double scale, tides_error *error) {
+    const int bits = fractional_bits(g, scale);
+    if (g->sh_degree > SPZ_DEGREE)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: .spz holds SH up to degree %d, and the scene has %d: save it as .ply",
+                       path, SPZ_DEGREE, g->sh_degree);
+    if (bits < 0)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: .spz holds coordinates below %d: save the scene as .ply", path, FIXED);
+    const size_t each = 9 + 1 + 3 + 3 + 4 + 3 * (td_sh_coefficients(g->sh_degree) - 1);
+    unsigned char *plain = td_alloc((size_t)g->count + 1, each, error); /* a header is shorter than a Gaussian */
+    if (!plain) return TIDES_NO_MEMORY;
+    td_put_le32(plain, SPZ_MAGIC);
+    td_put_le32(plain + 4, SPZ_VERSION);
+    td_put_le32(plain + 8, (uint32_t)g->count);
+    plain[12] = (unsigned char)g->sh_degree;
+    plain[13] = (unsigned char)bits;
+    pack_spz(plain + SPZ_HEADER, g, scale, bits);
+    tides_status status = write_gzip(path, plain, SPZ_HEADER + each * (size_t)g->count, error);
+    free(plain);
+    return status;
+}
