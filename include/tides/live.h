@@ -24,6 +24,7 @@
 extern "C" {
 #endif
 
+/* A run that is told as it goes. */
 typedef struct tides_live tides_live;
 
 /* In the place of an object's number. */

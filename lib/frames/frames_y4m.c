@@ -121,6 +121,7 @@ static tides_status read_header(const tides_frames *frames, video *v, tides_erro
     v->across = v->down = 1;
     for (char *field = strtok_r(line + sizeof magic - 1, " ", &rest); field; field = strtok_r(NULL, " ", &rest)) {
         const char *wrong = read_field(field, v);
+        for (char *c = field; wrong && *c; c++) *c = (unsigned char)*c < ' ' || *c == 127 ? '?' : *c; /* of one line */
         if (wrong) return td_fail(error, TIDES_BAD_FILE, "%s: '%.40s' in its header: %s", name_of(frames), field, wrong);
     }
     if (v->width && v->height && v->rate) return TIDES_OK;
