@@ -56,7 +56,7 @@ static int32_t legend_fits(int32_t panels) { return panels % PANEL_COLUMNS != 0;
 static void draw_legend(cli_canvas *canvas, int32_t panels, const plot_curve *curves, int32_t count) {
     const plot_panel behind = lay_panel(panels);
     if (legend_fits(panels))
-        plot_legend(canvas, behind.left, behind.top + PLOT_LEGEND_LINE / 2, behind.left, curves, count);
+        plot_legend(canvas, behind.left, behind.top, behind.left, curves, count);
     else
         plot_legend(canvas, LEFT, panels_end(panels) + LEGEND / 2, canvas->width, curves, count);
 }
