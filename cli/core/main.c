@@ -36,7 +36,7 @@ static const cli_command commands[] = {
      1, cmd_frames},
     {"imu", "RUN.json -o OUT.csv", "Write what an IMU on the camera measures, with noise and biases.",
      "imu.* of the run file says how; scene.metres_per_unit and imu.down must be known. .csv has EuRoC's columns, .txt ECD's,\n"
-     "each with the true biases in OUT_bias beside; .npz has everything. The keys are listed by tides simulate --help.",
+     "each with the true biases in OUT_bias beside; .npz and .h5 have all of it. Keys are listed by tides simulate --help.",
      1, cmd_imu},
     {"tracks", "RUN.json -o OUT.npz", "Follow points on surfaces through the run, with their visibility.",
      "tracks.* of the run file says how many, and how often. .npz has arrays, .csv a line for each time and track.\n"

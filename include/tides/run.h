@@ -62,6 +62,10 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_run_vary(const tides_run *base, co
 
 TIDES_API void tides_run_destroy(tides_run *run); /* NULL is fine */
 
+/* Which points tides_session_tracks follows: at random over what is seen, on a grid over the first image, or as many of each
+ * object that is seen. */
+enum { TIDES_TRACKS_RANDOM = 0, TIDES_TRACKS_GRID = 1, TIDES_TRACKS_INSTANCE = 2 };
+
 /* What the run file says, as the structs that the library takes. Plain value; strings live as long as the run. */
 typedef struct tides_run_values {
     tides_intrinsics intrinsics; /* zeros where neither given nor yet taken from the path file */
@@ -81,6 +85,9 @@ typedef struct tides_run_values {
     const char *dataset_layout;                                    /* layouts of tides_dataset_write; NULL: not said */
     double dataset_picture_hz, dataset_truth_hz, dataset_pose_hz;  /* of tides_dataset_write [Hz] */
     int32_t event_truth;                                           /* 1: event files get ground truth (tides_session_truth) */
+    int32_t truth_metres;                                          /* 1: its depths are in metres */
+    const char *truth_columns;                                     /* "flow,depth,alpha,instance", or some of these */
+    int32_t track_choice;                                          /* which of them: TIDES_TRACKS_* */
     int32_t track_count;                                           /* points to follow (tides_session_tracks) */
     double track_rate_hz;                                          /* at which [Hz] */
     tides_exposure exposure;                                       /* of frames (tides_session_frames) */

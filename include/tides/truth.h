@@ -116,8 +116,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_event_truth(tides_rendere
                                                                    size_t count, tides_event_truth *truth, tides_error *error);
 
 /* Reads the columns of ground truth of events [first, first + count) of an HDF5 recording that was simulated with
- * sensor.truth; 0 events are fine. TIDES_UNSUPPORTED: the file has none; TIDES_BAD_FILE: it has fewer rows. On failure `truth`
- * may hold some. */
+ * sensor.truth; 0 events are fine. Depths are in what the column's attribute `unit` says. TIDES_UNSUPPORTED: the file hasn't
+ * all columns; TIDES_BAD_FILE: it has fewer rows. On failure `truth` may hold some. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_events_truth(const char *path, uint64_t first, size_t count,
                                                            tides_event_truth *truth, tides_error *error);
 

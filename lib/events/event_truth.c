@@ -10,10 +10,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COLUMNS = TD_EVENT_TRUTHS, INSTANCE = 4 };
+enum { COLUMNS = TD_EVENT_TRUTHS, DEPTH = 2, INSTANCE = 4 };
 
 const char *const td_event_truth_columns[COLUMNS] = {"/events/flow_u", "/events/flow_v", "/events/depth", "/events/alpha",
                                                      "/events/instance"};
+/* What each is asked for by. */
+static const struct {
+    const char *name;
+    uint32_t columns; /* bit k: column k */
+} kinds[] = {{"flow", 3}, {"depth", 1 << DEPTH}, {"alpha", 8}, {"instance", 1 << INSTANCE}};
+enum { KINDS = sizeof kinds / sizeof *kinds };
 
 /* A file on its way: the copy, and room for a chunk. */
 typedef struct truth_file {
@@ -25,7 +31,25 @@ typedef struct truth_file {
     int64_t *fired;
     tides_event_truth *truth;
     void *scratch; /* (TD_EVENT_CHUNK) values of a column */
+    td_truth_columns wanted;
 } truth_file;
+
+static int wants(const truth_file *f, int column) { return f->wanted.columns >> column & 1; }
+
+tides_status td_truth_columns_parse(const char *names_of, uint32_t *columns, tides_error *error) {
+    *columns = 0;
+    for (const char *at = names_of;; at++) {
+        const size_t length = strcspn(at, ",");
+        int k = 0;
+        while (k < KINDS && !(strlen(kinds[k].name) == length && strncmp(kinds[k].name, at, length) == 0)) k++;
+        if (k == KINDS)
+            return td_fail(error, TIDES_BAD_CONFIG, "sensor.truth_columns: '%.*s' is none of flow, depth, alpha, instance",
+                           (int)(length < 40 ? length : 40), at);
+        *columns |= kinds[k].columns;
+        at += length;
+        if (!*at) return TIDES_OK;
+    }
+}
 
 static tides_status copy_file(const char *from, const char *to, tides_error *error) {
     char bytes[65536];
@@ -61,19 +85,24 @@ static tides_status open_columns(truth_file *f, tides_error *error) {
         if (H5Lexists(f->file, td_event_truth_columns[c], H5P_DEFAULT) > 0 &&
             H5Ldelete(f->file, td_event_truth_columns[c], H5P_DEFAULT) < 0)
             return h5_failed(f, error);
+        if (!wants(f, c)) continue;
         f->column[c] = td_h5_create_rows(f->file, td_event_truth_columns[c], type_of(c), TD_EVENT_CHUNK);
         if (f->column[c] < 0) return h5_failed(f, error);
     }
+    if (wants(f, DEPTH) && td_h5_write_text(f->column[DEPTH], "unit", f->wanted.metres_per_unit > 0 ? "m" : "scene units") < 0)
+        return h5_failed(f, error);
     return TIDES_OK;
 }
 
 /* Values of a column to the scratch. */
-static void gather(int column, const tides_event_truth *truth, size_t count, void *scratch) {
-    float *values = scratch;
-    int32_t *whole = scratch;
+static void gather(const truth_file *f, int column, size_t count) {
+    const tides_event_truth *truth = f->truth;
+    const double scale = f->wanted.metres_per_unit > 0 ? f->wanted.metres_per_unit : 1;
+    float *values = f->scratch;
+    int32_t *whole = f->scratch;
     for (size_t i = 0; i < count && column == INSTANCE; i++) whole[i] = truth[i].instance;
     for (size_t i = 0; i < count && column != INSTANCE; i++) {
-        const double of[INSTANCE] = {truth[i].flow_u, truth[i].flow_v, truth[i].depth, truth[i].alpha};
+        const double of[INSTANCE] = {truth[i].flow_u, truth[i].flow_v, scale * truth[i].depth, truth[i].alpha};
         values[i] = (float)of[column];
     }
 }
@@ -87,7 +116,8 @@ static tides_status fill_columns(truth_file *f, td_truth_source source, void *us
         if (status == TIDES_OK) status = tides_events_labels(f->path, row, got, f->events, f->fired, error);
         if (status == TIDES_OK && got > 0) status = source(user, f->events, f->fired, got, f->truth, error);
         for (int c = 0; c < COLUMNS && got > 0 && status == TIDES_OK; c++) {
-            gather(c, f->truth, got, f->scratch);
+            if (!wants(f, c)) continue;
+            gather(f, c, got);
             const hid_t memory = c == INSTANCE ? H5T_NATIVE_INT32 : H5T_NATIVE_FLOAT;
             if (td_h5_append_rows(f->column[c], memory, row, got, f->scratch) < 0) status = h5_failed(f, error);
         }
@@ -109,8 +139,9 @@ static tides_status reserve(truth_file *f, tides_error *error) {
     return f->events && f->fired && f->truth && f->scratch ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
-tides_status td_events_add_truth(const char *path, td_truth_source source, void *user, tides_error *error) {
-    truth_file f = {.path = path, .file = -1, .column = {-1, -1, -1, -1, -1}};
+tides_status td_events_add_truth(const char *path, const td_truth_columns *wanted, td_truth_source source, void *user,
+                                 tides_error *error) {
+    truth_file f = {.path = path, .file = -1, .column = {-1, -1, -1, -1, -1}, .wanted = *wanted};
     td_h5_quiet quiet;
     tides_status status = td_part_name(path, 0, &f.part, error);
     if (status != TIDES_OK) return status;

@@ -45,7 +45,8 @@ static tides_status read_columns(const char *path, uint64_t first, size_t count,
         for (int c = 0; c < TD_EVENT_TRUTHS; c++) there += H5Lexists(file, td_event_truth_columns[c], H5P_DEFAULT) > 0;
     tides_status status = TIDES_OK;
     if (there < TD_EVENT_TRUTHS)
-        status = td_fail(error, TIDES_UNSUPPORTED, "%s: its events have no ground truth: simulate with sensor.truth", path);
+        status = td_fail(error, TIDES_UNSUPPORTED, "%s: its events have %s ground truth: simulate with sensor.truth%s", path,
+                         there ? "only some columns of" : "no", there ? " and all of sensor.truth_columns" : "");
     for (int c = 0; c < TD_EVENT_TRUTHS && status == TIDES_OK; c++) {
         status = read_column(file, path, c, first, count, values, error);
         if (status == TIDES_OK) scatter(c, values, count, truth);

@@ -136,6 +136,9 @@ const td_param td_params[] = {
              "events per pixel and step; error control cuts steps of more, else the rest is at the step's end")},
     {BOOLEAN("sensor.truth", event_truth,
              "HDF5: beside each event the flow, depth and instance that its pixel saw when it fired")},
+    {ROW("sensor.truth_columns", STRING, AT(truth_columns), "which of these sensor.truth writes, with commas between"),
+     .fallback = "\"flow,depth,alpha,instance\""},
+    {BOOLEAN("sensor.truth_metres", truth_metres, "its depths in metres, as scene.metres_per_unit says; else in scene units")},
     {BOOLEAN("sensor.labels", sensor.labels, "HDF5: beside each event its cause, when it fired, and what the front end added")},
 
     {NUMBER("frontend.psf_sigma_px", sensor.psf_sigma_px, "px", 0, 100, "Gaussian blur of the optics; 0 is off"), .ideal = "0"},
@@ -253,6 +256,8 @@ const td_param td_params[] = {
     {VECTOR3("imu.accelerometer_bias", imu.accelerometer_bias, "m/s^2", -1e3, 1e3, "bias at the first sample, in body axes")},
 
     {INTEGER("tracks.count", track_count, "", 1, 10000000, "points that tides tracks follows")},
+    {CHOICE("tracks.choice", track_choice, "random|grid|instance",
+            "which points: anywhere, on a grid over the first image, or as many of each object that is seen")},
     {NUMBER("tracks.rate_hz", track_rate_hz, "Hz", 1e-6, 1e9, "how often it says where they are")},
 
     {CHOICE("method", baseline.method, "tides|esim|v2e|iebcs|dvs-voltmeter|ldati",

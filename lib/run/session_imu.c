@@ -1,5 +1,6 @@
 /* Inertial measurements of a run's camera as files, with the biases that are in them. */
 #include "archive/td_npy.h"
+#include "run/td_imu_file.h"
 #include "run/td_run.h"
 #include "run/td_session.h"
 #include "td_base.h"
@@ -96,25 +97,27 @@ static tides_status put_array(const recording *r, td_npy_writer *npz, const char
     return status;
 }
 
+const td_imu_column td_imu_columns[] = {
+    {"t", "s", offsetof(tides_imu_sample, time), 1},
+    {"angular_rate", "rad/s", offsetof(tides_imu_sample, angular_rate), 3},
+    {"specific_force", "m/s^2", offsetof(tides_imu_sample, specific_force), 3},
+    {"gyroscope_bias", "rad/s", offsetof(tides_imu_sample, gyroscope_bias), 3},
+    {"accelerometer_bias", "m/s^2", offsetof(tides_imu_sample, accelerometer_bias), 3},
+};
+const size_t td_imu_columns_count = sizeof td_imu_columns / sizeof *td_imu_columns;
+
 static tides_status write_npz(const recording *r, const char *path, tides_error *error) {
-    static const struct {
-        const char *name;
-        size_t offset, width;
-    } arrays[] = {{"t", offsetof(tides_imu_sample, time), 1},
-                  {"angular_rate", offsetof(tides_imu_sample, angular_rate), 3},
-                  {"specific_force", offsetof(tides_imu_sample, specific_force), 3},
-                  {"gyroscope_bias", offsetof(tides_imu_sample, gyroscope_bias), 3},
-                  {"accelerometer_bias", offsetof(tides_imu_sample, accelerometer_bias), 3}};
     td_npy_writer *npz = NULL;
     tides_status status = td_npy_writer_open(path, 1, &npz, error);
     if (status != TIDES_OK) return status;
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays && status == TIDES_OK; i++)
-        status = put_array(r, npz, arrays[i].name, arrays[i].offset, arrays[i].width, error);
+    for (size_t i = 0; i < td_imu_columns_count && status == TIDES_OK; i++)
+        status = put_array(r, npz, td_imu_columns[i].name, td_imu_columns[i].offset, td_imu_columns[i].width, error);
     return td_npy_writer_end(npz, status, error);
 }
 
 static tides_status write_any(const recording *r, const char *path, tides_error *error) {
     if (td_ends_in(path, ".npz")) return write_npz(r, path, error);
+    if (td_ends_in(path, ".h5")) return td_imu_write_h5(path, r->samples, r->count, r->facts->values.json, error);
     return write_pair(r, path, td_ends_in(path, ".csv") ? put_csv : put_txt, error);
 }
 
@@ -126,8 +129,8 @@ tides_status tides_session_imu(tides_session *session, const char *path, tides_s
     if (session->facts.frames)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: the run has frames.file and no camera that moves",
                        session->facts.run->origin);
-    if (!td_ends_in(path, ".csv") && !td_ends_in(path, ".txt") && !td_ends_in(path, ".npz"))
-        return td_fail(error, TIDES_UNSUPPORTED, "%s: inertial measurements are written as .csv, .txt or .npz", path);
+    if (!td_ends_in(path, ".csv") && !td_ends_in(path, ".txt") && !td_ends_in(path, ".npz") && !td_ends_in(path, ".h5"))
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: inertial measurements are written as .csv, .txt, .npz or .h5", path);
     recording r = {.facts = &session->facts, .count = tides_imu_count(&imu, v->start, v->stop)};
     r.samples = td_alloc(r.count, sizeof *r.samples, error);
     tides_status status = r.samples ? TIDES_OK : TIDES_NO_MEMORY;

@@ -92,8 +92,11 @@ static tides_status write_baseline(tides_session *session, td_record *record, ti
 static tides_status check_truth(const tides_session_facts *f, const char *path, const tides_recording *how,
                                 tides_error *error) {
     if (!f->values.event_truth) return TIDES_OK;
+    td_truth_columns wanted;
     if (f->frames)
         return td_fail(error, TIDES_UNSUPPORTED, "sensor.truth is true: ground truth needs a scene; set it to false");
+    tides_status status = td_session_truth_columns(f, &wanted, error);
+    if (status != TIDES_OK) return status;
     if (how && how->format ? strcmp(how->format, "hdf5") == 0 : tides_event_writer_can_resume(path)) return TIDES_OK;
     return td_fail(error, TIDES_UNSUPPORTED,
                    "%s: only HDF5 has columns for ground truth: write .h5, or set sensor.truth to false", path);

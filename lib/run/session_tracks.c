@@ -2,6 +2,7 @@
 #include "archive/td_pickler.h"
 #include "run/td_run.h"
 #include "run/td_session.h"
+#include "run/td_track_choice.h"
 #include "td_base.h"
 #include "td_folder.h"
 #include "td_text.h"
@@ -10,10 +11,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* At so many times, evenly from the run's start to its stop, a share of the points is chosen: what comes into view later has
- * some, too. */
-enum { CHOICES = 8 };
 
 static const double slack = 1e-9; /* [s] that a time may lie beyond the stop, by rounding */
 
@@ -36,13 +33,13 @@ static tides_status choose(track_job *job, tides_error *error) {
     const size_t wanted = (size_t)v->track_count;
     double *xy = td_alloc(wanted, 2 * sizeof *xy, error);
     tides_status status = xy ? TIDES_OK : TIDES_NO_MEMORY;
-    for (uint32_t k = 0; k < CHOICES && status == TIDES_OK; k++) {
-        const double time = v->start + (v->stop - v->start) * k / (CHOICES - 1);
-        const size_t share = wanted * (k + 1) / CHOICES - wanted * k / CHOICES;
+    const uint32_t choices = td_tracks_choices(job->facts);
+    for (uint32_t k = 0; k < choices && status == TIDES_OK; k++) {
+        const double time = k ? v->start + (v->stop - v->start) * k / (choices - 1) : v->start;
+        const size_t share = wanted * (k + 1) / choices - wanted * k / choices;
         size_t found = 0;
         if (share == 0) continue;
-        status = tides_renderer_choose(job->renderer, job->facts->camera, time, v->sensor.seed, k, share, xy,
-                                       job->point + job->points, &found, error);
+        status = td_tracks_choose(job->renderer, job->facts, time, k, share, xy, job->point + job->points, &found, error);
         for (size_t i = 0; i < found; i++) {
             double *query = job->query + 3 * (job->points + i);
             query[0] = time;

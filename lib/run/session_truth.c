@@ -31,13 +31,24 @@ static tides_status take(void *user, const tides_event *events, const int64_t *f
     return TIDES_OK;
 }
 
+tides_status td_session_truth_columns(const tides_session_facts *facts, td_truth_columns *wanted, tides_error *error) {
+    const tides_run_values *v = &facts->values;
+    wanted->metres_per_unit = v->truth_metres ? v->metres_per_unit : 0;
+    if (v->truth_metres && !(v->metres_per_unit > 0))
+        return td_fail(error, TIDES_BAD_CONFIG,
+                       "sensor.truth_metres is true, and what a scene unit is isn't known: set scene.metres_per_unit");
+    return td_truth_columns_parse(v->truth_columns, &wanted->columns, error);
+}
+
 tides_status tides_session_truth(tides_session *session, const char *path, tides_progress progress, void *user,
                                  tides_error *error) {
     if (!session || !path) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_session_truth: session or path is NULL");
     const tides_run_values *v = &session->facts.values;
     truth_job job = {.camera = session->facts.camera, .start = v->start, .stop = v->stop, .progress = progress, .user = user};
-    tides_status status = tides_session_renderer(session, progress, user, &job.renderer, error);
-    if (status == TIDES_OK) status = td_events_add_truth(path, take, &job, error);
+    td_truth_columns wanted;
+    tides_status status = td_session_truth_columns(&session->facts, &wanted, error);
+    if (status == TIDES_OK) status = tides_session_renderer(session, progress, user, &job.renderer, error);
+    if (status == TIDES_OK) status = td_events_add_truth(path, &wanted, take, &job, error);
     tides_renderer_destroy(job.renderer);
     return status;
 }

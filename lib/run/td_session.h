@@ -2,6 +2,7 @@
 #ifndef TD_SESSION_H
 #define TD_SESSION_H
 
+#include "events/td_event_truth.h"
 #include "tides/session.h"
 
 struct tides_session {
@@ -13,5 +14,8 @@ struct tides_session {
     int32_t owns_inputs, owns_device; /* 0: those of the session that it varies, the caller's */
     int32_t owns_camera;              /* 1 without owns_inputs: another camera of the rig */
 };
+
+/* session_truth.c: what sensor.truth_columns and _metres ask for; TIDES_BAD_CONFIG where that can't be had. */
+tides_status td_session_truth_columns(const tides_session_facts *facts, td_truth_columns *wanted, tides_error *error);
 
 #endif

@@ -136,6 +136,9 @@ TIDES_PARAM_CHOICE = 4
 TIDES_PARAM_VECTOR3 = 5
 TIDES_PARAM_OBJECTS = 6
 TIDES_PARAM_VECTOR2 = 7
+TIDES_TRACKS_RANDOM = 0
+TIDES_TRACKS_GRID = 1
+TIDES_TRACKS_INSTANCE = 2
 TIDES_PRESET_NAME = 32
 TIDES_RIG_BOTH = 0
 TIDES_RIG_EVENT = 1
@@ -2100,6 +2103,9 @@ class tides_run_values(Structure):
     const char *dataset_layout; /* layouts of tides_dataset_write; NULL: not said */
     double dataset_picture_hz, dataset_truth_hz, dataset_pose_hz; /* of tides_dataset_write [Hz] */
     int32_t event_truth; /* 1: event files get ground truth (tides_session_truth) */
+    int32_t truth_metres; /* 1: its depths are in metres */
+    const char *truth_columns; /* "flow,depth,alpha,instance", or some of these */
+    int32_t track_choice; /* which of them: TIDES_TRACKS_* */
     int32_t track_count; /* points to follow (tides_session_tracks) */
     double track_rate_hz; /* at which [Hz] */
     tides_exposure exposure; /* of frames (tides_session_frames) */
@@ -2131,6 +2137,9 @@ class tides_run_values(Structure):
     dataset_truth_hz: float
     dataset_pose_hz: float
     event_truth: int
+    truth_metres: int
+    truth_columns: bytes | None
+    track_choice: int
     track_count: int
     track_rate_hz: float
     exposure: tides_exposure
@@ -2162,6 +2171,9 @@ class tides_run_values(Structure):
         ("dataset_truth_hz", c_double),
         ("dataset_pose_hz", c_double),
         ("event_truth", c_int32),
+        ("truth_metres", c_int32),
+        ("truth_columns", c_char_p),
+        ("track_choice", c_int32),
         ("track_count", c_int32),
         ("track_rate_hz", c_double),
         ("exposure", tides_exposure),

@@ -187,7 +187,7 @@ class Session(Handle):
         return plain(taken)
 
     def write_imu(self, file: str | os.PathLike[str]) -> Facts:
-        """What an IMU on the camera measures as imu.* says: .csv, .txt, or .npz. How many samples."""
+        """What an IMU on the camera measures as imu.* says: .csv, .txt, .npz or .h5. How many samples."""
         taken = _api.tides_session_taken()
         with self._lock:
             call("tides_session_imu", self._pointer, path(file), byref(taken))

@@ -209,6 +209,15 @@ static void test_flow_is_that_of_tracks(void **state) {
     tides_renderer *other = make_renderer(device, spinner, &lens, TIDES_RULES_SMOOTH);
     compare_flow("wall", one, path);
     compare_flow("spinner", other, stand);
+    static const tides_lens bent[] = {{TIDES_LENS_RADTAN, 0, -0.32, 0.14, -0.03, 0, 3e-3, -2e-3},
+                                      {TIDES_LENS_EQUIDISTANT, 0, -0.05, 0.02, -0.006, 0.001, 0, 0}};
+    for (int i = 0; i < 2; i++) {
+        tides_intrinsics through = lens;
+        through.lens = bent[i];
+        tides_renderer *seen = make_renderer(device, wall, &through, TIDES_RULES_SMOOTH);
+        compare_flow(i ? "wall, equidistant" : "wall, radtan", seen, path);
+        tides_renderer_destroy(seen);
+    }
     tides_renderer_destroy(one);
     tides_renderer_destroy(other);
     tides_trajectory_destroy(path);

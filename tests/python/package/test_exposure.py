@@ -134,6 +134,32 @@ def test_tracks_as_annotations(tmp_path):
     assert places.flags.writeable
 
 
+def test_tracks_are_chosen(tmp_path):
+    """On a grid over the first image; as many of a small object as of the large one behind it."""
+    random, scene = np.random.default_rng(5), tides.Scene()
+    for size, depth, count in ((2.0, 1.0, 400), (0.15, -1.0, 60)):
+        places = np.append(random.uniform(-size, size, (count, 2)), np.full((count, 1), depth), axis=1)
+        sigma = np.full((count, 3), 1.5 * size / np.sqrt(count))
+        scene.add(tides.Gaussians.from_colours(places, sigma, random.uniform(0, 1, (count, 3)), opacity=0.99))
+    scene.save(tmp_path / "two.h5")
+    times = np.linspace(0, 0.5, 6)
+    path = tides.Trajectory(times, [(t - 0.25, 0, -4) for t in times], [(1, 0, 0, 0)] * 6)
+    tides.Camera(path, tides.Intrinsics.from_fov(64, 48, 0.7)).save(tmp_path / "path.json")
+    run = {"scene": {"file": "two.h5"}, "camera": {"file": "path.json"}, "time": {"stop": 0.5}, "tracks": {"rate_hz": 10}}
+    (tmp_path / "run.json").write_text(json.dumps(run))
+    made = {}
+    for choice in ("random", "grid", "instance"):
+        with tides.Session(tmp_path / "run.json", {"tracks.choice": choice, "tracks.count": 48}) as session:
+            session.write_tracks(tmp_path / f"{choice}.npz")
+        made[choice] = np.load(tmp_path / f"{choice}.npz")
+    grid, few = made["grid"], [np.bincount(made[choice]["object"], minlength=2) for choice in ("random", "instance")]
+    x, y = np.meshgrid(4 + 8 * np.arange(8), 4 + 8 * np.arange(6))
+    places = {(0.0, u, v) for u, v in zip(x.ravel(), y.ravel())}
+    assert 20 < len(grid["query"]) <= 48 and {tuple(row) for row in grid["query"].tolist()} <= places
+    assert few[0][1] < 10 and abs(few[1][0] - few[1][1]) <= 8 and few[1].sum() > 40
+    assert len(set(made["instance"]["query"][:, 0])) == 8
+
+
 def test_imu_of_a_run(tmp_path):
     known = {"scene.metres_per_unit": 0.5, "imu.down": [0, 1, 0], "imu.rate_hz": 400, "imu.gyroscope_walk": 0.01}
     with tides.Session(RUN) as session, pytest.raises(tides.errors.BadConfig, match="metres_per_unit"):
@@ -142,6 +168,7 @@ def test_imu_of_a_run(tmp_path):
         taken = session.write_imu(tmp_path / "a.npz")
         session.write_imu(tmp_path / "a.csv")
         session.write_imu(tmp_path / "a.txt")
+        session.write_imu(tmp_path / "a.h5")
         with pytest.raises(tides.errors.Unsupported, match="csv"):
             session.write_imu(tmp_path / "a.bag")
     made = np.load(tmp_path / "a.npz")
@@ -150,5 +177,11 @@ def test_imu_of_a_run(tmp_path):
     assert np.allclose(euroc[:, 0] * 1e-9, made["t"]) and np.allclose(ecd[:, 0], made["t"])
     assert np.allclose(euroc[:, 1:4], made["angular_rate"]) and np.allclose(euroc[:, 4:], made["specific_force"])
     assert np.allclose(ecd[:, 1:4], made["specific_force"]) and np.allclose(ecd[:, 4:], made["angular_rate"])
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert set(file) == set(made.files) and json.loads(file.attrs["run"])["imu"]["rate_hz"] == 400
+        assert all(np.array_equal(file[name][:], made[name]) for name in made.files)
+        unit = file["specific_force"].attrs["unit"]
+        assert (unit.decode() if isinstance(unit, bytes) else unit) == "m/s^2"
     bias = np.loadtxt(tmp_path / "a_bias.csv", delimiter=",")
     assert np.allclose(bias[:, 1:4], made["gyroscope_bias"]) and made["gyroscope_bias"].std() > 0

@@ -57,6 +57,19 @@ def test_events_get_their_truth(tmp_path):
                 for name in columns:
                     assert np.array_equal(read["events"][name][:], truth[name].astype(read["events"][name].dtype))
         assert np.array_equal(tides.read_events(plain), events)
+        some = {"sensor.truth_columns": "depth,instance", "sensor.truth_metres": True}
+        with session.vary({**some, "scene.metres_per_unit": 0.5}) as other:
+            other.add_truth(plain)
+        with h5py.File(plain) as read, h5py.File(told) as before:
+            assert not {"flow_u", "flow_v", "alpha"} & set(read["events"])
+            assert np.allclose(read["events/depth"][:], 0.5 * truth["depth"], rtol=1e-6)
+            units = [file["events/depth"].attrs["unit"] for file in (read, before)]
+            assert [unit.decode() if isinstance(unit, bytes) else unit for unit in units] == ["m", "scene units"]
+        for wrong, what in ((some, "scene.metres_per_unit"), ({"sensor.truth_columns": "depth,speed"}, "'speed' is none of")):
+            with session.vary({**wrong, "sensor.truth": True}) as other:
+                with pytest.raises(tides.errors.BadConfig, match=what):
+                    other.write(tmp_path / "no.h5")
+        assert not (tmp_path / "no.h5").exists()
         (tmp_path / "junk.h5").write_bytes(b"junk")
         with pytest.raises(tides.errors.Unsupported, match="isn't an HDF5 event file"):
             session.add_truth(tmp_path / "junk.h5")
