@@ -127,10 +127,8 @@ static void invert(const double t[16], double out[16]) {
 
 /* Rounded digits of a file: the nearest rotation, so that a chain of any length stays one. */
 static void straighten(double t[16]) {
-    double q[4], r[9] = {t[0], t[1], t[2], t[4], t[5], t[6], t[8], t[9], t[10]};
-    td_quaternion_from_rotation(r, q);
-    td_normalise_quaternion(q);
-    td_rotation_from_quaternion(q, r);
+    double r[9] = {t[0], t[1], t[2], t[4], t[5], t[6], t[8], t[9], t[10]};
+    td_straighten_rotation(r);
     for (int i = 0; i < 9; i++) t[i / 3 * 4 + i % 3] = r[i];
 }
 

@@ -17,13 +17,12 @@ static double chord(const td_knot *from, const td_knot *to, int k) {
     return (to->value[k] - from->value[k]) / (to->time - from->time);
 }
 
-/* The rate of the last of `count` knots, and of the first where only the second says which. */
-static void find_rates(td_knot *last, size_t count, int32_t first_has_rate) {
+/* The rate of the last of `count` knots. */
+static void find_rates(td_knot *last, size_t count) {
     if (count < 2) return;
     for (int k = 0; k < WIDTH; k++) {
         const double along = chord(last - 1, last, k);
         last->rate[k] = along;
-        if (count == 2 && !first_has_rate) last[-1].rate[k] = along;
         if (count == 2) continue;
         const double share = (last->time - last[-1].time) / (last->time - last[-2].time);
         last->rate[k] += share * (along - chord(last - 2, last - 1, k));
@@ -35,10 +34,10 @@ tides_status td_open_append(td_open *open, const td_knot *knot, int32_t with_rat
     if (status != TIDES_OK) return status;
     td_knot *last = open->knot + open->count;
     *last = *knot;
-    if (with_rate && open->count == 1 && !first_has_rate)
+    if (open->count == 1 && !first_has_rate) /* only the second knot says which */
         for (int k = 0; k < WIDTH; k++) last[-1].rate[k] = chord(last - 1, last, k);
     if (!with_rate) memset(last->rate, 0, sizeof last->rate);
-    if (!with_rate) find_rates(last, open->count + 1, first_has_rate);
+    if (!with_rate) find_rates(last, open->count + 1);
     open->count++;
     return TIDES_OK;
 }

@@ -69,6 +69,12 @@ void td_quaternion_from_rotation(const double rotation[9], double q[4]) {
         for (int a = 0; a < 4; a++) q[a] = -q[a];
 }
 
+void td_straighten_rotation(double rotation[9]) {
+    double q[4];
+    td_quaternion_from_rotation(rotation, q);
+    td_rotation_from_quaternion(q, rotation);
+}
+
 void td_quaternion_rate(const double q[4], const double omega[3], double q_dot[4]) {
     double cross[3];
     td_cross3(omega, q + 1, cross);

@@ -21,6 +21,9 @@ void td_rotation_rate(const double q[4], const double q_dot[4], double rotation_
 /* Unit quaternion, w >= 0, of a rotation matrix; the best conditioned of the four formulas is taken. */
 void td_quaternion_from_rotation(const double rotation[9], double q[4]);
 
+/* What is a rotation but for rounded digits becomes the nearest one. */
+void td_straighten_rotation(double rotation[9]);
+
 /* q_dot = 1/2 omega q for an angular velocity in world axes. */
 void td_quaternion_rate(const double q[4], const double omega[3], double q_dot[4]);
 

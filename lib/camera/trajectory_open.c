@@ -3,7 +3,6 @@
 #include "camera/td_trajectory_parts.h"
 #include "td_base.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,18 +26,6 @@ static tides_status check_segment(const tides_trajectory *t, size_t i, tides_err
                        i, t->samples[i].time);
     }
     return TIDES_OK;
-}
-
-/* Quaternions of unit length, but for rounding, stay as they were given, so that samples that were taken from a path make the
- * same path: dividing by a length of 1 + 2^-52 once more wouldn't. */
-static void keep_units(tides_trajectory *t, const tides_pose_sample *given, size_t from, size_t count) {
-    for (size_t i = 0; i < count; i++) {
-        const double *was = given[i].quaternion;
-        double *q = t->samples[from + i].quaternion, square = 0, along = 0;
-        for (int k = 0; k < 4; k++) square += was[k] * was[k], along += was[k] * q[k];
-        if (fabs(square - 1) > 8 * DBL_EPSILON) continue;
-        for (int k = 0; k < 4; k++) q[k] = along < 0 ? -was[k] : was[k];
-    }
 }
 
 /* Samples so close that one might be taken for the other, depending on which is known. */
@@ -93,7 +80,6 @@ tides_status tides_trajectory_append(tides_trajectory *trajectory, const tides_p
     status = td_samples_check(t->samples, before, before + count, t->origin, error);
     if (status == TIDES_OK) status = check_apart(t, before, before + count, error);
     if (status == TIDES_OK) status = td_samples_align(t->samples, before, before + count, error);
-    if (status == TIDES_OK) keep_units(t, samples, before, count);
     if (status == TIDES_OK) status = check_turns(t, last, before + count, error);
     if (status == TIDES_OK) status = add_knots(t, before, before + count, error);
     if (status == TIDES_OK)

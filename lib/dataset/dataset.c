@@ -137,6 +137,14 @@ static const td_layout *find(const char *name, size_t length) {
     return NULL;
 }
 
+static tides_status fail_none(const char *name, size_t length, tides_error *error) {
+    char all[200] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < LAYOUTS && used < sizeof all; i++)
+        used += (size_t)snprintf(all + used, sizeof all - used, "%s%s", i ? ", " : "", layouts[i]->name);
+    return td_fail(error, TIDES_BAD_CONFIG, "layout '%.*s' is none of %s", (int)(length < 40 ? length : 40), name, all);
+}
+
 /* The names of `list`, each once, and the picture of it all. */
 static tides_status add_writers(job *j, const char *list, tides_error *error) {
     const int several = strchr(list, ',') != NULL;
@@ -144,10 +152,7 @@ static tides_status add_writers(job *j, const char *list, tides_error *error) {
     for (const char *at = list; at && status == TIDES_OK; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL) {
         const size_t length = strcspn(at, ",");
         const td_layout *layout = find(at, length);
-        if (!layout)
-            return td_fail(error, TIDES_BAD_CONFIG,
-                           "layout '%.*s' is none of ecd, dsec, mvsec, evimo, blinkflow, tum, ros2, kubric",
-                           (int)(length < 40 ? length : 40), at);
+        if (!layout) return fail_none(at, length, error);
         for (size_t i = 0; i < j->writer_count; i++)
             if (j->writers[i].layout == layout)
                 return td_fail(error, TIDES_BAD_CONFIG, "layout %s is given twice", layout->name);

@@ -11,21 +11,27 @@ typedef struct numbered {
 } numbered;
 static const struct { int kind, side; } numbers[4] = {{TD_TRUTH, 0}, {TD_PICTURE, 0}, {TD_PICTURE, 1}, {TD_TRUTH, 1}};
 
-static tides_status put_intrinsics(td_text *yaml, const char *name, int number, const tides_intrinsics *k, const char *lens,
-                                   tides_error *error) {
-    return td_text_put(yaml, error, "  %s%d:\n    camera_matrix: [%.17g, %.17g, %.17g, %.17g]\n%s    resolution: [%d, %d]\n",
-                       name, number, k->fx, k->fy, k->cx - 0.5, k->cy - 0.5, lens, (int)k->width, (int)k->height);
+static tides_status put_matrix_of(td_text *yaml, const char *name, int number, const tides_intrinsics *k, tides_error *error) {
+    return td_text_put(yaml, error, "  %s%d:\n    camera_matrix: [%.17g, %.17g, %.17g, %.17g]\n", name, number, k->fx, k->fy,
+                       k->cx - 0.5, k->cy - 0.5);
+}
+
+static tides_status put_size(td_text *yaml, const tides_intrinsics *k, tides_error *error) {
+    return td_text_put(yaml, error, "    resolution: [%d, %d]\n", (int)k->width, (int)k->height);
 }
 
 /* As Kalibr says it. */
 static tides_status put_camera(td_text *yaml, const numbered *one, int number, tides_error *error) {
     double l[5];
-    char lens[160];
     const char *model = td_lens_numbers(one->camera, l) == 4 ? "equidistant" : "radtan";
-    snprintf(lens, sizeof lens, "    distortion_coeffs: [%.17g, %.17g, %.17g, %.17g]\n    distortion_model: %s\n", l[0], l[1],
-             l[2], l[3], model);
-    const tides_status status = put_intrinsics(yaml, "cam", number, &one->camera->facts.intrinsics, lens, error);
-    return status == TIDES_OK ? put_intrinsics(yaml, "camRect", number, &one->view->intrinsics, "", error) : status;
+    const tides_intrinsics *raw = &one->camera->facts.intrinsics, *view = &one->view->intrinsics;
+    tides_status status = put_matrix_of(yaml, "cam", number, raw, error);
+    if (status == TIDES_OK)
+        status = td_text_put(yaml, error, "    distortion_coeffs: [%.17g, %.17g, %.17g, %.17g]\n    distortion_model: %s\n",
+                             l[0], l[1], l[2], l[3], model);
+    if (status == TIDES_OK) status = put_size(yaml, raw, error);
+    if (status == TIDES_OK) status = put_matrix_of(yaml, "camRect", number, view, error);
+    return status == TIDES_OK ? put_size(yaml, view, error) : status;
 }
 
 static tides_status put_matrix(td_text *yaml, const char *name, const double *m, int size, tides_error *error) {

@@ -22,11 +22,11 @@ static tides_status begin(td_writer *w, tides_error *error) {
     return status == TIDES_OK ? td_text_put(&t->poses, error, "# timestamp tx ty tz qx qy qz qw\n") : status;
 }
 
-/* A picture called by its time, and its line. */
+/* A picture called by its time, which has a decimal point in any locale, and its line. */
 static tides_status put(td_writer *w, td_text *lines, const char *kind, int64_t us, int32_t bits, int32_t channels,
                         const void *values, tides_error *error) {
     char name[64];
-    snprintf(name, sizeof name, "%s/%.6f.png", kind, td_seconds(us));
+    snprintf(name, sizeof name, "%s/%s%lld.%06lld.png", kind, us < 0 ? "-" : "", llabs(us) / 1000000, llabs(us) % 1000000);
     const tides_status status = td_text_put(lines, error, "%.6f %s\n", td_seconds(us), name);
     return status == TIDES_OK ? td_plane_write(w->folder, name, 0, w->camera, bits, channels, values, error) : status;
 }

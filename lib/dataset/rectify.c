@@ -55,15 +55,13 @@ static void axes_of(const td_member *left, const td_member *right, double axes[9
 
 /* Rotation of a camera on the body to the view, a true one however T_B_C is rounded; 0 where it would be turned too far. */
 static int turn(const double axes[9], const td_member *camera, double rotation[9]) {
-    double own[3], quaternion[4];
+    double own[3];
     for (int i = 0; i < 9; i++) {
         column(camera->T_B_C, 4, i % 3, own);
         rotation[i] = td_dot3(axes + i / 3 * 3, own);
     }
     if (!(rotation[0] >= alike && rotation[8] >= alike)) return 0;
-    td_quaternion_from_rotation(rotation, quaternion);
-    td_normalise_quaternion(quaternion);
-    td_rotation_from_quaternion(quaternion, rotation);
+    td_straighten_rotation(rotation);
     return 1;
 }
 

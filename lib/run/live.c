@@ -219,16 +219,18 @@ tides_status tides_live_tell(tides_live *live, int32_t object, const tides_pose_
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "%s isn't told where it is in this run: ask for it when the run is opened, in its options",
                        object == TIDES_LIVE_CAMERA ? "the camera" : "this object");
-    tides_status status = TIDES_OK;
-    const double early = fabs(samples[0].time - live->start);
-    if (count && tides_trajectory_count(path) == 1 && early <= slack_of(live, live->start)) {
-        status = td_trajectory_begin(path, samples, error);
-        samples++;
-        count--;
-    }
+    tides_pose_sample was;
+    tides_status status = tides_trajectory_sample(path, 0, &was, error);
+    const int begins =
+        count && tides_trajectory_count(path) == 1 && fabs(samples[0].time - live->start) <= slack_of(live, live->start);
+    if (status == TIDES_OK && begins) status = td_trajectory_begin(path, samples++, error);
+    if (begins) count--;
+    const int begun = begins && status == TIDES_OK;
     if (status == TIDES_OK) status = check_jumps(live, path, samples, count, error);
     if (status == TIDES_OK && count) status = tides_trajectory_append(path, samples, count, error);
-    return status == TIDES_OK ? status : fail_of(object, status, error);
+    if (status == TIDES_OK) return TIDES_OK;
+    const tides_status undone = begun ? td_trajectory_begin(path, &was, NULL) : TIDES_OK; /* all samples or none */
+    return fail_of(object, undone == TIDES_OK ? status : undone, error);
 }
 
 const tides_trajectory *tides_live_path(const tides_live *live, int32_t object) { return path_of(live, object); }

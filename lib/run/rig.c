@@ -83,8 +83,8 @@ static tides_status check_keys(const cJSON *object, const char *group, const cha
             continue;
         }
         if (!row) return td_param_unknown(where, key, error);
-        static const char *const body[] = {"camera.file", "camera.duration_s", "camera.start_s", "camera.rebase",
-                                           "camera.raw_positions"};
+        static const char *const body[] = {"camera.file",   "camera.duration_s",    "camera.start_s",
+                                           "camera.rebase", "camera.raw_positions", "camera.views"};
         for (size_t i = 0; i < sizeof body / sizeof *body; i++)
             if (strcmp(key, body[i]) == 0)
                 return td_fail(error, TIDES_BAD_CONFIG,

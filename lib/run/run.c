@@ -126,21 +126,24 @@ static char *directory_of(const char *file, tides_error *error) {
     return td_format(error, "%.*s", slash ? (int)(slash - file + 1) : 0, file);
 }
 
+/* The text of a run that was put together from `file`; 0 for `ok`: there was no memory for all of it. */
+static char *print_run(cJSON *root, int32_t ok, const char *file, tides_error *error) {
+    char *printed = ok ? cJSON_PrintUnformatted(root) : NULL, *text = printed ? td_strdup(printed, error) : NULL;
+    if (!printed) td_fail(error, TIDES_NO_MEMORY, "out of memory: %s", file);
+    cJSON_free(printed);
+    cJSON_Delete(root);
+    return text;
+}
+
 /* The run that a splat file is, given in place of a run file: it alone, on an orbit, for a tenth of a second. */
 static char *run_of_scene(const char *file, tides_error *error) {
     const char *slash = strrchr(file, '/');
-    char *text = NULL, *printed = NULL;
     cJSON *root = cJSON_CreateObject();
     int32_t ok =
         root && cJSON_AddStringToObject(cJSON_AddObjectToObject(root, "scene"), "file", slash && slash[1] ? slash + 1 : file);
     ok = ok && cJSON_AddNumberToObject(cJSON_AddObjectToObject(root, "camera"), "orbit_s", 12.0);
     ok = ok && cJSON_AddNumberToObject(cJSON_AddObjectToObject(root, "time"), "stop", 0.1);
-    if (ok) printed = cJSON_PrintUnformatted(root);
-    text = printed ? td_strdup(printed, error) : NULL;
-    if (!printed) td_fail(error, TIDES_NO_MEMORY, "out of memory: %s", file);
-    cJSON_free(printed);
-    cJSON_Delete(root);
-    return text;
+    return print_run(root, ok, file, error);
 }
 
 /* 1 where a splat file or a model's folder is given in place of a run file. */
@@ -152,16 +155,10 @@ static int32_t is_scene(const char *file) {
 /* The run that a video is, which ends with it (session.c): "-" is one from a pipe. */
 static char *run_of_video(const char *file, tides_error *error) {
     const char *slash = strrchr(file, '/');
-    char *text = NULL, *printed = NULL;
     cJSON *root = cJSON_CreateObject(), *frames = root ? cJSON_AddObjectToObject(root, "frames") : NULL;
     const int32_t ok = frames && cJSON_AddStringToObject(frames, "file", slash ? slash + 1 : file) &&
                        cJSON_AddStringToObject(frames, "transfer", "srgb");
-    if (ok) printed = cJSON_PrintUnformatted(root);
-    text = printed ? td_strdup(printed, error) : NULL;
-    if (!printed) td_fail(error, TIDES_NO_MEMORY, "out of memory: %s", file);
-    cJSON_free(printed);
-    cJSON_Delete(root);
-    return text;
+    return print_run(root, ok, file, error);
 }
 
 int32_t td_run_is_video(const char *file) { return strcmp(file, "-") == 0 || td_ends_in(file, ".y4m"); }

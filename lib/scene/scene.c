@@ -104,11 +104,16 @@ int32_t tides_scene_sh_degree(const tides_scene *scene) {
     return degree;
 }
 
+tides_status td_scene_check_index(const tides_scene *scene, int32_t index, tides_error *error) {
+    if (index >= 0 && (size_t)index < scene->count) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_ARGUMENT, "object %d doesn't exist: the scene has %zu", (int)index, scene->count);
+}
+
 tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_object *object, tides_error *error) {
     if (!scene || !object)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_scene_object: %s is NULL", scene ? "object" : "scene");
-    if (index < 0 || (size_t)index >= scene->count)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "object %d doesn't exist: the scene has %zu", (int)index, scene->count);
+    const tides_status status = td_scene_check_index(scene, index, error);
+    if (status != TIDES_OK) return status;
     const td_object *found = &scene->objects[index];
     *object = (tides_object){.gaussians = td_gaussians_view(&found->gaussians),
                              .trajectory = found->told ? found->told : found->trajectory,

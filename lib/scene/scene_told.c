@@ -5,11 +5,6 @@
 
 #include <string.h>
 
-static tides_status check_index(const tides_scene *scene, int32_t index, tides_error *error) {
-    if (index >= 0 && (size_t)index < scene->count) return TIDES_OK;
-    return td_fail(error, TIDES_BAD_ARGUMENT, "object %d doesn't exist: the scene has %zu", (int)index, scene->count);
-}
-
 tides_status td_scene_lend(const tides_scene *scene, tides_scene **lent, tides_error *error) {
     tides_scene *made = NULL;
     tides_status status = tides_scene_create(&made, error);
@@ -32,7 +27,7 @@ tides_status td_scene_lend(const tides_scene *scene, tides_scene **lent, tides_e
 }
 
 tides_status td_scene_tell(tides_scene *lent, int32_t index, const tides_pose_sample *first, tides_error *error) {
-    tides_status status = check_index(lent, index, error);
+    tides_status status = td_scene_check_index(lent, index, error);
     if (status != TIDES_OK) return status;
     td_object *object = lent->objects + index;
     tides_trajectory_destroy(object->told);
@@ -50,7 +45,7 @@ tides_trajectory *td_scene_told(const tides_scene *scene, int32_t index) {
 tides_status tides_scene_append(tides_scene *scene, int32_t index, const tides_pose_sample *samples, size_t count,
                                 tides_error *error) {
     if (!scene || !samples) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_scene_append: scene or samples is NULL");
-    tides_status status = check_index(scene, index, error);
+    tides_status status = td_scene_check_index(scene, index, error);
     if (status != TIDES_OK) return status;
     tides_trajectory *path = td_scene_told(scene, index);
     if (!path)

@@ -100,6 +100,9 @@ tides_status td_scene_give_motion(tides_scene *scene, tides_motion *motion, doub
 /* Drops the objects from number `count` on: undoes a half-done addition. */
 void td_scene_truncate(tides_scene *scene, size_t count);
 
+/* TIDES_BAD_ARGUMENT where the scene has no such object. */
+tides_status td_scene_check_index(const tides_scene *scene, int32_t index, tides_error *error);
+
 /* -- scene_told.c: objects that are told where they are as a run goes -- */
 
 /* A scene of the same objects, which stay those of `scene`: that must outlive it, and not be added to. */

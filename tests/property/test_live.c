@@ -346,6 +346,22 @@ static void refused_to_tell(tides_live *live, tides_pose_sample pose, const char
 }
 
 /* Everything that is refused leaves the run as it was: its events are those of one that was asked nothing wrong. */
+/* A new beginning and a jump after it: refused, and the beginning stays as it was. */
+static void refuses_all_or_none(tides_live *live) {
+    tides_pose_sample was, now, pair[2];
+    tides_error error = {0, ""};
+    const tides_trajectory *path = tides_live_path(live, TIDES_LIVE_CAMERA);
+    scene_expect_ok(tides_trajectory_sample(path, 0, &was, &error), &error);
+    pair[0] = pair[1] = was;
+    pair[0].position[0] += 0.001;
+    pair[1].time += 1e-3;
+    pair[1].position[0] += 1;
+    scene_expect_error(tides_live_tell(live, TIDES_LIVE_CAMERA, pair, 2, &error), TIDES_BAD_ARGUMENT, &error, "camera|jump");
+    scene_expect_ok(tides_trajectory_sample(path, 0, &now, &error), &error);
+    assert_memory_equal(&was, &now, sizeof was);
+    scene_expect_ok(tides_live_tell(live, TIDES_LIVE_CAMERA, pair, 0, &error), &error); /* nothing */
+}
+
 static void wrong_use_is_harmless(void **state) {
     random_scene scene;
     tides_error error = {0, ""};
@@ -363,6 +379,7 @@ static void wrong_use_is_harmless(void **state) {
     options.most_speed = options.most_turn_rate = 0;
     scene_expect_ok(tides_live_open(session, &options, NULL, NULL, &quiet, &error), &error);
     scene_expect_ok(tides_live_run(live, 0, &events, &count, &error), &error); /* nothing to do, and nothing told */
+    refuses_all_or_none(live);
     for (int i = 1; i <= 20; i++) {
         const tides_pose_sample pose = sample_of(scene.path, 0.001 * i, i % 2);
         tides_pose_sample bad = pose;

@@ -198,6 +198,7 @@ static void bad_rigs_are_named(void **state) {
         {RUN("[{\"name\": \"a\"}, {\"name\": \"a\", \"T_B_C\": " MATRIX("1") "}]"), "two are called \"a\""},
         {RUN("[{\"name\": \"a\", \"time\": {\"start\": 1}}]"), "one clock"},
         {RUN("[{\"name\": \"a\", \"camera\": {\"start_s\": 1}}]"), "camera.start_s"},
+        {RUN("[{\"name\": \"a\", \"camera\": {\"views\": \"0:5\"}}]"), "camera.views"},
         {RUN("[{\"name\": \"a\", \"camera\": {\"width\": 0}}]"), "out of range"},
         {RUN("[{\"name\": \"a\", \"sensor\": {\"threshold\": 1}}]"), "sensor.threshold"},
         {RUN("[{\"name\": \"a/b\"}]"), "name"},
