@@ -29,7 +29,7 @@ CLI_DEPS := cairo
 DEPS := libpng libcjson $(HDF5) OpenCL zlib libdeflate libzstd liblz4 libwebp
 # HDF5 1.12 gave some of its functions other meanings; this has all later versions mean what 1.10 did.
 HDF5_API := $(if $(shell $(PKG_CONFIG) --atleast-version=1.12 $(HDF5) 2>/dev/null && echo later),-DH5_USE_110_API)
-MISSING := $(shell for name in $(DEPS) $(CLI_DEPS) OpenEXR; do $(PKG_CONFIG) --exists $$name 2>/dev/null || echo $$name; done)
+MISSING = $(shell for name in $(DEPS) $(CLI_DEPS) OpenEXR; do $(PKG_CONFIG) --exists $$name 2>/dev/null || echo $$name; done)
 # Of OpenEXR's libraries its C core alone: the others are C++. Some distributions have the version in the name.
 EXR_LIBS := $(filter -L% -lOpenEXRCore%,$(shell $(PKG_CONFIG) --libs OpenEXR 2>/dev/null))
 EXR_LIBS += $(if $(filter -lOpenEXRCore%,$(EXR_LIBS)),,-lOpenEXRCore)

@@ -35,7 +35,7 @@ fresh() { # SUITE ROOT: the system once, a new user's home each time
     chown -R 1000:1000 "$2/home/user"
 }
 
-settings() { env | grep -E '^(SECONDS_ALLOWED=|PIP_https?_proxy=|HTTPS?_PROXY=|no_proxy=|NO_PROXY=)' | grep -v '^PIP_FIND_LINKS=' || true; }
+settings() { env | grep -E '^(SECONDS_ALLOWED=|PIP_|https?_proxy=|HTTPS?_PROXY=|no_proxy=|NO_PROXY=)' | grep -v '^PIP_FIND_LINKS=' || true; }
 
 mkdir -p "$chroots"
 for suite in ${SUITES:-bookworm trixie}; do

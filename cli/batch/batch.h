@@ -61,13 +61,16 @@ int batch_job(const batch *b, const batch_run *run);
 /* batch_dataset.c: the dataset, and stats.json; what an earlier one left, removed. */
 tides_status batch_dataset(const batch *b, const batch_run *run, const char *stats, tides_error *error);
 tides_status batch_dataset_clear(const batch_run *run, tides_error *error);
+/* A file, link or folder, whatever is in it; what isn't there is fine. */
+tides_status batch_remove(const char *path, tides_error *error);
 /* The last line that the run's process said, allocated; NULL: out of memory. */
 char *batch_last_words(const batch_run *run);
 
 /* batch_folder.c: what a run's folder says. The run as JSON (name, hash, file, set), NULL: out of memory; whether a JSON file
- * carries the run's hash; whether the result is there. */
+ * carries the run's hash; whether what it makes is there, and the result of that. */
 cJSON *batch_describe(const batch_run *run);
 int32_t batch_has_hash(const char *path, const batch_run *run);
+int32_t batch_is_made(const batch_run *run);
 int32_t batch_is_finished(const batch_run *run);
 /* Leaves run->error in failure.json, so that a later --summary knows it: as well as that goes, for the disk may be full. */
 void batch_leave_failure(const batch_run *run);

@@ -10,8 +10,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static tides_status remove_entry(const char *path, tides_error *error);
-
 static tides_status remove_inside(const char *folder, tides_error *error) {
     DIR *entries = opendir(folder);
     if (!entries) return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be removed: %s", folder, strerror(errno));
@@ -19,15 +17,14 @@ static tides_status remove_inside(const char *folder, tides_error *error) {
     for (const struct dirent *entry; status == TIDES_OK && (entry = readdir(entries));) {
         if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0) continue;
         char *path = batch_text("%s/%s", folder, entry->d_name);
-        status = path ? remove_entry(path, error) : batch_no_memory(error);
+        status = path ? batch_remove(path, error) : batch_no_memory(error);
         free(path);
     }
     closedir(entries);
     return status;
 }
 
-/* Links are removed, not followed; what isn't there is fine. */
-static tides_status remove_entry(const char *path, tides_error *error) {
+tides_status batch_remove(const char *path, tides_error *error) {
     struct stat facts;
     if (lstat(path, &facts) != 0) return TIDES_OK;
     const tides_status status = S_ISDIR(facts.st_mode) ? remove_inside(path, error) : TIDES_OK;
@@ -40,7 +37,7 @@ tides_status batch_dataset_clear(const batch_run *run, tides_error *error) {
     tides_status status = TIDES_OK;
     for (int i = 0; i < 3 && status == TIDES_OK; i++) {
         char *path = batch_text("%s/%s", run->directory, names[i]);
-        status = path ? remove_entry(path, error) : batch_no_memory(error);
+        status = path ? batch_remove(path, error) : batch_no_memory(error);
         free(path);
     }
     return status;

@@ -40,10 +40,13 @@ static int32_t is_there(const batch_run *run, const char *name) {
     return there;
 }
 
+int32_t batch_is_made(const batch_run *run) {
+    return is_there(run, run->layouts ? "dataset" : "events.h5") && is_there(run, "stats.json");
+}
+
 int32_t batch_is_finished(const batch_run *run) {
     char *path = batch_text("%s/result.json", run->directory);
-    const int32_t finished = path && is_there(run, run->layouts ? "dataset" : "events.h5") && is_there(run, "stats.json") &&
-                             batch_has_hash(path, run);
+    const int32_t finished = path && batch_is_made(run) && batch_has_hash(path, run);
     free(path);
     return finished;
 }

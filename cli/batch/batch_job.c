@@ -71,21 +71,16 @@ static tides_status write_result(const batch_run *run, const job_files *files, t
     return status;
 }
 
-static tides_status remove_if_there(const char *path, tides_error *error) {
-    if (remove(path) == 0 || errno == ENOENT) return TIDES_OK;
-    return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be removed: %s", path, strerror(errno));
-}
-
 /* An older end goes before anything else is touched; a checkpoint, or the statistics of a dataset, which are written last,
  * count only under a job of the same hash. */
 static tides_status begin(const batch_run *run, const job_files *files, int32_t *resume, tides_error *error) {
-    tides_status status = remove_if_there(files->result, error);
-    if (status == TIDES_OK) status = remove_if_there(files->failure, error);
+    tides_status status = batch_remove(files->result, error);
+    if (status == TIDES_OK) status = batch_remove(files->failure, error);
     if (status != TIDES_OK) return status;
     char *checkpoint = batch_text("%s.checkpoint", files->events);
     if (!checkpoint) return batch_no_memory(error);
-    *resume = batch_has_hash(files->job, run) && access(run->layouts ? files->stats : checkpoint, F_OK) == 0;
-    if (!*resume) status = remove_if_there(checkpoint, error);
+    *resume = batch_has_hash(files->job, run) && (run->layouts ? batch_is_made(run) : access(checkpoint, F_OK) == 0);
+    if (!*resume) status = batch_remove(checkpoint, error);
     if (!*resume && status == TIDES_OK && run->layouts) status = batch_dataset_clear(run, error);
     free(checkpoint);
     if (status != TIDES_OK) return status;

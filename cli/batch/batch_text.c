@@ -20,17 +20,9 @@ char *batch_text(const char *format, ...) {
 }
 
 cJSON *batch_read_json(const char *path) {
-    FILE *file = fopen(path, "rb");
-    if (!file) return NULL;
-    long bytes = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
-    char *text = bytes >= 0 && bytes <= JSON_LIMIT && fseek(file, 0, SEEK_SET) == 0 ? malloc((size_t)bytes + 1) : NULL;
-    size_t got = text ? fread(text, 1, (size_t)bytes, file) : 0;
-    fclose(file);
-    cJSON *json = NULL;
-    if (text) {
-        text[got] = '\0';
-        json = cJSON_ParseWithOpts(text, NULL, 1);
-    }
+    size_t size = 0;
+    char *text = cli_read_file(path, &size);
+    cJSON *json = text && size <= JSON_LIMIT ? cJSON_ParseWithOpts(text, NULL, 1) : NULL;
     free(text);
     return json;
 }

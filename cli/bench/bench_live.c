@@ -1,6 +1,6 @@
 /* tides bench live: how long a run that is told poses as it goes takes for each, at 346x260 and a pose every millisecond: from
  * the pose told to its events there. The first step also makes the first image, and is told apart. Poses are those of the
- * scene's own camera, with rates, to and fro where it is shorter than the run. */
+ * scene's own camera, without rates, to and fro where it is shorter than the run. */
 #include "bench.h"
 #include "bench_worlds.h"
 #include "plot.h"
@@ -74,11 +74,6 @@ static tides_status pose_at(const bench_scene *scene, double time, tides_pose_sa
     return TIDES_OK;
 }
 
-static int ascending(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static tides_status take_steps(bench *b, const bench_scene *scene, tides_trajectory *path, tides_simulator *simulator,
                                live_row *row, tides_error *error) {
     uint64_t events = 0;
@@ -100,7 +95,7 @@ static tides_status take_steps(bench *b, const bench_scene *scene, tides_traject
             row->ms[k - 1] = ms, row->seconds += 1e-3 * ms;
     }
     tides_simulator_stats(simulator, &row->stats);
-    qsort(row->ms, (size_t)row->steps, sizeof *row->ms, ascending);
+    cli_sort(row->ms, (size_t)row->steps);
     return TIDES_OK;
 }
 

@@ -187,9 +187,9 @@ static tides_status add_picture(job *j, const cli_window *shown, tides_animation
     uint8_t *rgb = status == TIDES_OK ? canvas_pixels(&canvas, error) : NULL;
     canvas_free(&canvas);
     if (!rgb) return error->status;
-    if (status == TIDES_OK && !*animation && j->to_stdout)
+    if (!*animation && j->to_stdout)
         status = tides_animation_stream(STDOUT_FILENO, canvas.width, canvas.height, j->pictures_per_second, animation, error);
-    else if (status == TIDES_OK && !*animation)
+    else if (!*animation)
         status = tides_animation_open(j->out, canvas.width, canvas.height, j->pictures_per_second, animation, error);
     if (status == TIDES_OK) status = tides_animation_append(*animation, rgb, error);
     free(rgb);

@@ -111,7 +111,7 @@ void html_picture(FILE *file, const char *directory, const char *name) {
 
 /* -- tables ------------------------------------------------------------------------------------------------------------ */
 
-void html_cell(FILE *file, const cJSON *value) {
+static void html_cell(FILE *file, const cJSON *value) {
     if (cJSON_IsString(value)) {
         fputs("<td class=text>", file);
         html_text(file, value->valuestring);

@@ -17,9 +17,9 @@ void html_picture(FILE *file, const char *directory, const char *name);
 
 /* An array of objects; the first one's keys are the columns, but for those that hold arrays and objects. */
 void html_table(FILE *file, const cJSON *rows);
-/* A table by hand, of whose cells numbers stand to the right: between html_table_begin and _end rows of <tr>. */
+/* A table by hand, of whose cells numbers stand to the right: after html_table_begin the head's cells and
+ * </tr></thead><tbody>, then rows of <tr>. */
 void html_table_begin(FILE *file);
 void html_table_end(FILE *file);
-void html_cell(FILE *file, const cJSON *value); /* nullable */
 
 #endif

@@ -83,7 +83,6 @@ void canvas_text_within(cli_canvas *canvas, double x, double y, double width, co
 /* Upwards, its middle at (x, y). */
 void canvas_text_up(cli_canvas *canvas, double x, double y, const char *text);
 double canvas_text_width(const char *text);
-double canvas_title_width(const char *text);
 /* Says in one line, once, where this machine has no font. */
 void canvas_say_fonts(void);
 

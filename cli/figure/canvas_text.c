@@ -31,16 +31,17 @@ static double width_of(double size, int32_t bold, const char *text) {
 }
 
 double canvas_text_width(const char *text) { return width_of(CANVAS_TEXT, 0, text); }
-double canvas_title_width(const char *text) { return width_of(CANVAS_TITLE, 1, text); }
 
 /* From the current point. */
 static void show(cli_canvas *canvas, double size, int32_t bold, double anchor, const char *text) {
     const canvas_colour ink = canvas->theme->ink;
     cairo_scaled_font_t *font = make_font(size, bold);
     cairo_set_source_rgb(canvas->cairo, (ink >> 16 & 255) / 255.0, (ink >> 8 & 255) / 255.0, (ink & 255) / 255.0);
+    cairo_text_extents_t extents = {.x_advance = 0};
+    if (anchor != 0) cairo_scaled_font_text_extents(font, text, &extents);
     cairo_set_scaled_font(canvas->cairo, font);
     cairo_scaled_font_destroy(font);
-    cairo_rel_move_to(canvas->cairo, -anchor * width_of(size, bold, text), 0.5 * CAPITALS * size);
+    cairo_rel_move_to(canvas->cairo, -anchor * extents.x_advance, 0.5 * CAPITALS * size);
     cairo_show_text(canvas->cairo, text);
     cairo_new_path(canvas->cairo);
 }

@@ -62,8 +62,8 @@ view_axis view_time_axis(const cli_window *shown);
 double view_on_axis(const view_axis *axis, double time_ns); /* in the axis' unit */
 /* "140.0 to 160.0 ms", with decimals that tell the ends apart. */
 void view_interval(const cli_window *shown, char text[96]);
-/* The numbers of ON and OFF events with their colours; y is the middle of the line. Where it ends [px]. */
-double view_legend(cli_canvas *canvas, double x, double y, const cli_window *shown);
+/* The numbers of ON and OFF events with their colours; y is the middle of the line. */
+void view_legend(cli_canvas *canvas, double x, double y, const cli_window *shown);
 /* "title, 140 to 160 ms" in the first line, and the legend in the second. */
 enum { VIEW_LINE_1 = 22, VIEW_LINE_2 = 50 /* [px] their middles */ };
 void view_heading(cli_canvas *canvas, double x, const cli_window *shown, const char *title);

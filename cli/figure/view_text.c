@@ -70,11 +70,11 @@ static double legend_entry(cli_canvas *canvas, double x, double y, canvas_colour
     return x + SWATCH + BESIDE + canvas_text_width(text) + APART;
 }
 
-double view_legend(cli_canvas *canvas, double x, double y, const cli_window *shown) {
+void view_legend(cli_canvas *canvas, double x, double y, const cli_window *shown) {
     uint64_t on = 0;
     for (size_t i = 0; i < shown->count; i++) on += shown->events[i].polarity > 0;
     x = legend_entry(canvas, x, y, canvas->theme->on, "ON", on);
-    return legend_entry(canvas, x, y, canvas->theme->off, "OFF", shown->count - on);
+    legend_entry(canvas, x, y, canvas->theme->off, "OFF", shown->count - on);
 }
 
 void view_heading(cli_canvas *canvas, double x, const cli_window *shown, const char *title) {

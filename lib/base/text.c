@@ -43,7 +43,8 @@ tides_status td_text_put(td_text *text, tides_error *error, const char *format, 
 
 tides_status td_text_close(td_text *text, tides_status status, tides_error *error) {
     if (!text->file) return status;
-    if (fclose(text->file) != 0 && !text->failed) text->failed = errno; /* what was buffered may find no room */
+    const int broken = ferror(text->file);
+    if ((fclose(text->file) != 0 || broken) && !text->failed) text->failed = errno ? errno : EIO; /* what was buffered, too */
     if (status == TIDES_OK && text->failed) status = fail_write(text, text->failed, error);
     if (status == TIDES_OK)
         status = td_commit_file(text->part, text->path, error);

@@ -4,8 +4,8 @@
 
 #include "camera/td_rotation.h"
 #include "td_base.h"
+#include "td_text.h"
 
-#include <errno.h>
 #include <locale.h>
 #include <stdlib.h>
 #include <string.h>
@@ -71,34 +71,11 @@ tides_status tides_path_save(const char *file, const tides_trajectory *trajector
                              tides_error *error) {
     if (!file || !trajectory) return td_fail(error, TIDES_BAD_ARGUMENT, "saving a path needs a file name and a trajectory");
     if (intrinsics && check_intrinsics(intrinsics, error) != TIDES_OK) return TIDES_BAD_ARGUMENT;
-    char *part = NULL;
-    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0); /* JSON has decimal points whatever the program's locale */
-    FILE *out = NULL;
-    tides_status status = td_part_name(file, 1, &part, error);
-    if (status != TIDES_OK) goto done;
-    if (plain == (locale_t)0) {
-        status = td_fail(error, TIDES_NO_MEMORY, "out of memory for a locale");
-        goto done;
-    }
-    status = TIDES_WRITE_FAILED;
-    out = fopen(part, "wb");
-    if (!out) {
-        td_fail(error, status, "%s: can't be written: %s", part, strerror(errno));
-        goto done;
-    }
-    locale_t before = uselocale(plain);
-    write_path(out, trajectory, intrinsics);
+    td_text text;
+    tides_status status = td_text_open(&text, file, error);
+    if (status != TIDES_OK) return status;
+    const locale_t before = uselocale(text.plain); /* JSON has decimal points whatever the program's locale; TD_SHORT, too */
+    write_path(text.file, trajectory, intrinsics);
     uselocale(before);
-    int broken = ferror(out);
-    broken = fclose(out) != 0 || broken;
-    if (broken) {
-        td_fail(error, status, "%s: writing failed: %s; is the disk full?", part, strerror(errno));
-        td_remove_part(part, file);
-        goto done;
-    }
-    status = td_commit_file(part, file, error);
-done:
-    if (plain != (locale_t)0) freelocale(plain);
-    free(part);
-    return status;
+    return td_text_close(&text, TIDES_OK, error);
 }

@@ -36,14 +36,22 @@ static void close_source(source *s) {
     free(s->truth);
 }
 
+/* What isn't shown needs nothing from beside the events; late ones may come at any place. */
+static int any_shown(const source *s, size_t count, const tides_page_options *o) {
+    for (size_t i = 0; i < count; i++)
+        if (s->events[i].t >= o->start_ns && s->events[i].t < o->stop_ns) return 1;
+    return 0;
+}
+
 static tides_status pump(source *s, td_page *page, tides_progress progress, void *user, tides_error *error) {
     tides_status status = TIDES_OK;
     uint64_t row = 0;
     for (size_t got = 1; got && status == TIDES_OK && !page->report.ended; row += got) {
         status = tides_event_reader_read(s->reader, s->events, BATCH, &got, error);
-        if (status == TIDES_OK && got && s->facts.labels & TIDES_LABEL_CAUSE)
+        const int shown = status == TIDES_OK && any_shown(s, got, &page->options);
+        if (shown && s->facts.labels & TIDES_LABEL_CAUSE)
             status = tides_events_labels(s->path, row, got, s->events, NULL, error);
-        if (status == TIDES_OK && got && s->truth) status = tides_events_truth(s->path, row, got, s->truth, error);
+        if (status == TIDES_OK && shown && s->truth) status = tides_events_truth(s->path, row, got, s->truth, error);
         if (status == TIDES_OK) status = td_page_append(page, s->events, s->truth, got, error);
         if (status == TIDES_OK && progress && progress(user, td_event_reader_part(s->reader), "events"))
             status = td_fail(error, TIDES_CANCELLED, "%s: stopped on request", page->text.path);

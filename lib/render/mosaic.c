@@ -22,7 +22,7 @@ static const uint8_t cells[][CELL * CELL] = {[TIDES_FILTER_RGGB] = {RED, GREEN, 
 
 int32_t tides_colour_filter_channel(int32_t filter, int32_t x, int32_t y) {
     if (filter <= TIDES_FILTER_OFF || filter > TIDES_FILTER_BGGR) return -1;
-    return cells[filter][y % CELL * CELL + x % CELL];
+    return cells[filter][(y & 1) * CELL + (x & 1)]; /* negative ones, too */
 }
 
 static int channel_of(const tides_renderer *renderer, int x, int y) {

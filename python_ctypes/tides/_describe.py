@@ -12,7 +12,7 @@ from typing import Any
 
 from ._call import text
 from ._library import lib
-from ._values import constants
+from ._values import constants, plain
 
 _PIECE = re.compile(r"/\*(?P<comment>.*?)\*/|(?P<fields>[^;/]+);", re.S)
 
@@ -50,7 +50,7 @@ def _of_row(row: Any) -> str:
 
 
 def _shown(value: Any) -> str:
-    return repr(tuple(value) if isinstance(value, ctypes.Array) else value)
+    return repr(tuple(value) if isinstance(value, ctypes.Array) else plain(value))
 
 
 def lines(value: Any, struct: Any, groups: tuple[str, ...], before: str = "") -> list[str]:

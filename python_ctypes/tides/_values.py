@@ -31,11 +31,13 @@ def _fields(struct: Any) -> list[tuple[str, Any]]:
 
 
 def plain(value: Any) -> Any:
-    """A struct as Facts, an array as a list, bytes as text; numbers as they are."""
+    """A struct as Facts, an array as a list, bytes as text, a pointer to nothing as None; numbers as they are."""
     if isinstance(value, ctypes.Structure):
         return Facts({name: plain(getattr(value, name)) for name, _ in _fields(value)})
     if isinstance(value, ctypes.Array):
         return [plain(one) for one in value]
+    if isinstance(value, ctypes._Pointer) and not value:
+        return None
     return text(value) if isinstance(value, bytes) else value
 
 

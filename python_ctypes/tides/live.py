@@ -9,7 +9,7 @@ from typing import Any, Iterable
 import numpy as np
 
 from . import _api
-from ._call import call, text
+from ._call import call, pointer, text
 from ._handle import Handle
 from ._library import lib
 from ._progress import Progress, Reporter
@@ -71,7 +71,7 @@ class Live(Handle):
         self.session, self._objects = session, {}
         for one in [objects] if isinstance(objects, (str, int)) else objects:
             self._objects[one] = self._number(one)
-        self._numbers = (c_int32 * max(1, len(self._objects)))(*self._objects.values())
+        numbers = (c_int32 * max(1, len(self._objects)))(*self._objects.values())
         options = LiveOptions(
             camera=int(camera),
             object_count=len(self._objects),
@@ -80,7 +80,7 @@ class Live(Handle):
             most_turn_rate=max_turn_rate,
             keep=int(keep),
         )
-        options.objects = cast(self._numbers, POINTER(c_int32))
+        options.objects = cast(numbers, POINTER(c_int32))
         made = POINTER(_api.tides_live)()
         with session._lock, Reporter(progress) as step:
             call("tides_live_open", session._pointer, options, step, None, byref(made))
@@ -104,7 +104,8 @@ class Live(Handle):
     def step(self, pose: Any = None, dt: float | None = None, objects: dict[str | int, Any] | None = None) -> np.ndarray:
         """Tells where the camera (`pose`) and `objects` ({name: pose}) are `dt` seconds on, advances to there, and gives the
         events since the last step, as EVENT (n). Where a camera or an object has been told further ahead, it may be left out.
-        BadArgument, OutOfRange: NaN, a step of no time or back, a turn of half a turn, a jump; time then stays where it is."""
+        BadArgument, OutOfRange: NaN, a step of no time or back, a turn of half a turn, a jump; time then stays where it is, and
+        what was told before it in this call stays told."""
         if dt is None:
             raise TypeError("step: dt, the time [s] to the pose, must be given: live.step(pose, 1e-3)")
         if not (dt > 0 and math.isfinite(dt)):
@@ -147,7 +148,7 @@ class Live(Handle):
         if number == _CAMERA and not self._camera:
             raise ValueError("the camera follows the run's path here: leave its pose out, or make it Live(..., camera=True)")
         with self._lock:
-            call("tides_live_tell", self._pointer, number, cast(sample.ctypes.data, POINTER(_api.tides_pose_sample)), len(sample))
+            call("tides_live_tell", self._pointer, number, pointer(sample, _api.tides_pose_sample), len(sample))
 
     # -- state ------------------------------------------------------------------------------------------------------
     @property

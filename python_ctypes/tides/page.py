@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 import os
 import tempfile
-from ctypes import POINTER
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +46,7 @@ def write_page(
         return plain(report)
     events = as_events(events)
     rows = None if truth is None else array(truth, EVENT_TRUTH, (len(events),), "truth")
-    seen = None if rows is None else rows.ctypes.data_as(POINTER(_api.tides_event_truth))
+    seen = None if rows is None else pointer(rows, _api.tides_event_truth)
     call("tides_page_write", path(file), _records(events), seen, len(events), chosen, report)
     return plain(report)
 

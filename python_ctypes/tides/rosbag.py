@@ -73,8 +73,9 @@ _Message = tuple[str, str, int, bytes]  # topic, type, when it is sent [ns], wha
 
 
 def _of_events(file: str) -> Iterator[_Message]:
-    facts, number = events_summary(file), 0
+    number = 0
     with EventReader(file) as reader:
+        facts = reader.facts if reader.facts.width and reader.facts.height else events_summary(file)
         for packet in reader:
             cuts = 1 + np.flatnonzero(np.diff(packet["t"] // _SLICE_NS))
             for events in np.split(packet, cuts):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from ctypes import POINTER, byref, c_double, c_float, c_int32, cast
+from ctypes import POINTER, byref, c_double, c_float, c_int32
 from dataclasses import dataclass
 from typing import Any
 
@@ -189,7 +189,7 @@ class Scene(Handle):
         """Where object `index` is next, which was added with an open path (Trajectory.open): Simulations that look at the scene
         see it at once."""
         samples = _given(times, positions, quaternions, velocities, angular_velocities)
-        first = cast(samples.ctypes.data, POINTER(_api.tides_pose_sample))
+        first = pointer(samples, _api.tides_pose_sample)
         with self._lock:
             call("tides_scene_append", self._pointer, index, first, len(samples))
         self._steps = None

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import os
-from ctypes import POINTER, byref, c_double, c_float, cast
+from ctypes import POINTER, byref, c_double, c_float
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from . import _api
-from ._call import array, call, doubles, path, text
+from ._call import array, call, doubles, path, pointer, text
 from ._handle import Handle
 from ._library import lib
 from ._values import Value, _fields
@@ -66,7 +66,7 @@ class Trajectory(Handle):
 
     def _create(self, samples: np.ndarray, how: str = "tides_trajectory_create") -> None:
         made = POINTER(_api.tides_trajectory)()
-        first = cast(samples.ctypes.data, POINTER(_api.tides_pose_sample))
+        first = pointer(samples, _api.tides_pose_sample)
         call(how, first, len(samples), byref(made))
         Handle.__init__(self, made)
 
@@ -106,7 +106,7 @@ class Trajectory(Handle):
     ) -> None:
         """Adds later samples to an open path."""
         samples = _given(times, positions, quaternions, velocities, angular_velocities)
-        first = cast(samples.ctypes.data, POINTER(_api.tides_pose_sample))
+        first = pointer(samples, _api.tides_pose_sample)
         with self._lock:
             call("tides_trajectory_append", self._pointer, first, len(samples))
 
@@ -209,7 +209,7 @@ class Trajectory(Handle):
     def imu(self, imu: Imu, start: float, stop: float) -> np.ndarray:
         """What an IMU on the body measures from `start` to `stop` [s] (IMU_SAMPLE)."""
         samples = np.zeros(lib.tides_imu_count(imu, start, stop), IMU_SAMPLE)
-        made = cast(samples.ctypes.data, POINTER(_api.tides_imu_sample))
+        made = pointer(samples, _api.tides_imu_sample)
         call("tides_trajectory_imu", self._pointer, imu, start, len(samples), made)
         return samples
 
@@ -250,12 +250,12 @@ def _given(times: Any, positions: Any, quaternions: Any, velocities: Any, angula
     return samples
 
 
-def _samples(pointer: Any) -> np.ndarray:
-    count = lib.tides_trajectory_count(pointer)
+def _samples(trajectory: Any) -> np.ndarray:
+    count = lib.tides_trajectory_count(trajectory)
     samples = np.zeros(count, _SAMPLE)
     for index in range(count):
-        one = cast(samples[index : index + 1].ctypes.data, POINTER(_api.tides_pose_sample))
-        call("tides_trajectory_sample", pointer, index, one)
+        one = pointer(samples[index : index + 1], _api.tides_pose_sample)
+        call("tides_trajectory_sample", trajectory, index, one)
     return samples
 
 

@@ -13,12 +13,6 @@ class Timeline {
         this.#drag(canvas, moved);
     }
 
-    // Events a second around a time.
-    rateAt(time) {
-        const bin = Math.max(0, Math.min(BINS - 1, Math.floor(time / this.rate.length)));
-        return (this.rate.on[bin] + this.rate.off[bin]) / (1e-9 * this.rate.length);
-    }
-
     #drag(canvas, moved) {
         let held = null; // what of the window is held: "from", "to", or where in it
         const perPixel = () => this.recording.span / canvas.clientWidth;

@@ -35,6 +35,10 @@ expect 0 tides batch sets.json -o sets.d
 out "5 done \(3 of them before\)"
 [ -s sets.d/dataset.layout=tum/dataset/groundtruth.txt ] || fail "what a killed run left should be made anew"
 missing sets.d/dataset.layout=tum/dataset.part
+# Taken away: made anew, not done without it.
+rm -r sets.d/dataset.layout=ecd/dataset
+expect 0 tides batch sets.json -o sets.d --only dataset.layout=ecd
+[ -s sets.d/dataset.layout=ecd/dataset/groundtruth.txt ] || fail "a dataset that was taken away should be made anew"
 # Other keys: the dataset of before goes.
 sed -i 's/"scene.metres_per_unit": 0.5/"scene.metres_per_unit": 0.25/' sets.json
 expect 0 tides batch sets.json -o sets.d --only dataset.layout=ecd

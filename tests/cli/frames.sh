@@ -33,14 +33,14 @@ expect 0 tides imu run.json -o imu.txt $known
 awk 'NR == 3 { exit !($1 == "0.010000000" && $3 < -9 && $3 > -11) }' imu.txt || fail "at rest an accelerometer feels what holds it up"
 refuse 1 "scene.metres_per_unit" tides imu run.json -o no.csv
 refuse 1 "imu.down" tides imu run.json -o no.csv --set scene.metres_per_unit=1
-refuse 1 "csv, .txt or .npz" tides imu run.json -o imu.bag $known
+refuse 1 "csv, .txt, .npz or .h5" tides imu run.json -o imu.bag $known
 
 expect 0 tides tracks run.json -o tracks.csv --set tracks.count=16 --set tracks.rate_hz=50
 out '^tracks +16$'
 [ "$(wc -l <tracks.csv)" = 49 ] || fail "sixteen tracks at three times, and a header"
 expect 0 tides tracks run.json -o again.csv --set tracks.count=16 --set tracks.rate_hz=50
 cmp -s tracks.csv again.csv || fail "the same seed, other points"
-refuse 1 "npz or .csv" tides tracks run.json -o tracks.png
+refuse 1 "npz, .csv, or .npy" tides tracks run.json -o tracks.png
 
 # Videos, from a file and from a pipe, to their end; a run file that says when ends there.
 { printf 'YUV4MPEG2 W8 H6 F20:1 Ip C420jpeg\n'

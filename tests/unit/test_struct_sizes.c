@@ -144,6 +144,10 @@ static tides_status take_recording(const fixture *f, const void *options, tides_
     tides_simulator_destroy(simulator);
     return status;
 }
+static tides_status take_page(const fixture *f, const void *options, tides_error *error) {
+    (void)f;
+    return tides_page_write("no/such/folder/a.html", NULL, NULL, 0, options, NULL, error);
+}
 static int stop_at_once(void *user, double fraction, const char *stage) {
     (void)user;
     (void)stage;
@@ -215,6 +219,7 @@ typedef union given {
     tides_exposure exposure;
     tides_imu imu;
     tides_live_options live;
+    tides_page_options page;
 } given;
 
 #define FILL(member, function) \
@@ -234,6 +239,7 @@ FILL(exact, tides_exact_options_defaults)
 FILL(exposure, tides_exposure_defaults)
 FILL(imu, tides_imu_defaults)
 FILL(live, tides_live_options_defaults)
+FILL(page, tides_page_options_defaults)
 
 static const struct row {
     const char *name;
@@ -260,6 +266,7 @@ static const struct row {
     {"tides_exposure", sizeof(tides_exposure), fill_exposure, take_exposure_of_values, TIDES_OK},
     {"tides_imu", sizeof(tides_imu), fill_imu, take_imu, TIDES_BAD_CONFIG}, /* metres_per_unit is the caller's to know */
     {"tides_live_options", sizeof(tides_live_options), fill_live, take_live, TIDES_UNSUPPORTED}, /* of frames */
+    {"tides_page_options", sizeof(tides_page_options), fill_page, take_page, TIDES_WRITE_FAILED},
 };
 enum { ROWS = sizeof rows / sizeof *rows };
 
