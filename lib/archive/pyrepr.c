@@ -3,9 +3,9 @@
 #include "archive/td_pyrepr.h"
 #include "archive/td_tree.h"
 #include "td_base.h"
+#include "td_text.h"
 
 #include <errno.h>
-#include <locale.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -248,17 +248,11 @@ static td_value *parse_value(parser *p) {
     return tuple && tuple->count == 1 && !comma ? tuple->as.items[0] : tuple;
 }
 
-/* strtod reads "1.5" as 1 where the program around us has chosen a locale with a decimal comma. */
 static td_value *parse_in_c_locale(parser *p) {
-    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
-    if (!plain) {
-        td_fail(p->error, TIDES_NO_MEMORY, "out of memory for the C locale");
-        return no_memory(p);
-    }
-    locale_t before = uselocale(plain);
+    td_plain_numbers numbers;
+    if (td_plain_begin(&numbers, p->path, p->error) != TIDES_OK) return no_memory(p);
     td_value *root = parse_value(p);
-    uselocale(before);
-    freelocale(plain);
+    td_plain_end(&numbers);
     skip_space(p);
     return root && p->at < p->end ? refuse(p, "nothing more was expected") : root;
 }

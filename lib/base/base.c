@@ -69,6 +69,11 @@ tides_status td_fail_within(tides_error *error, tides_status status, const char 
     return status;
 }
 
+int td_share_step(void *part, double fraction, const char *stage) {
+    const td_share *p = part;
+    return p->progress ? p->progress(p->user, p->from + p->width * fraction, p->stage ? p->stage : stage) : 0;
+}
+
 void *td_alloc(size_t count, size_t size, tides_error *error) {
     void *memory = NULL;
     if (size == 0 || count <= SIZE_MAX / size) memory = calloc(count ? count : 1, size ? size : 1);

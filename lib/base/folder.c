@@ -1,7 +1,9 @@
-/* Lists the files of a folder, for readers of event files and frames that come as folders. */
+/* Lists the files of a folder, for readers of event files and frames that come as folders; makes folders; and takes paths
+ * apart. */
 #include "td_folder.h"
 
 #include <dirent.h>
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -16,6 +18,20 @@ void td_folder_free(td_folder *folder) {
 int td_ends_in(const char *name, const char *ending) {
     size_t length = strlen(name), tail = strlen(ending);
     return length > tail && strcasecmp(name + length - tail, ending) == 0;
+}
+
+const char *td_base_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+char *td_folder_prefix(const char *path, tides_error *error) {
+    return td_format(error, "%.*s", (int)(td_base_name(path) - path), path);
+}
+
+char *td_folder_of(const char *path, tides_error *error) {
+    const int length = (int)(td_base_name(path) - path);
+    return length == 0 ? td_strdup(".", error) : td_format(error, "%.*s", length > 1 ? length - 1 : 1, path);
 }
 
 int td_is_folder(const char *path) {
@@ -69,5 +85,20 @@ tides_status td_folder_list(td_folder *folder, const char *path, const char *end
             status = td_folder_add(folder, path, entry->d_name, error);
     if (entries) closedir(entries);
     if (status == TIDES_OK && folder->count) qsort(folder->files, folder->count, sizeof *folder->files, compare);
+    return status;
+}
+
+tides_status td_make_folders(const char *path, tides_error *error) {
+    char *at = td_strdup(path, error);
+    if (!at) return TIDES_NO_MEMORY;
+    tides_status status = TIDES_OK;
+    for (char *slash = strchr(at + 1, '/'); status == TIDES_OK; slash = slash ? strchr(slash + 1, '/') : NULL) {
+        if (slash) *slash = '\0';
+        if (mkdir(at, 0777) != 0 && errno != EEXIST)
+            status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", at, strerror(errno));
+        if (!slash) break;
+        *slash = '/';
+    }
+    free(at);
     return status;
 }

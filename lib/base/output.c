@@ -1,5 +1,6 @@
 /* Where files are written, and how they come into their place: the rules are in tides/base.h. */
 #include "td_base.h"
+#include "td_folder.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -18,8 +19,7 @@ static tides_status read_link(const char *path, char **target, tides_error *erro
     ssize_t length = readlink(path, text, sizeof text);
     if (length < 0 || (size_t)length >= sizeof text)
         return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: it is a link that can't be read", path);
-    const char *slash = strrchr(path, '/');
-    int folder = slash && text[0] != '/' ? (int)(slash - path) + 1 : 0;
+    const int folder = text[0] == '/' ? 0 : (int)(td_base_name(path) - path);
     *target = td_format(error, "%.*s%.*s", folder, path, (int)length, text);
     return *target ? TIDES_OK : TIDES_NO_MEMORY;
 }
@@ -78,10 +78,9 @@ static int sync_path(const char *path, int flags) {
 
 /* A rename is an entry of the folder, and is on the disk when that is. A folder that may not be read can't be asked. */
 static int sync_folder_of(const char *path) {
-    const char *slash = strrchr(path, '/');
-    char *folder = slash ? td_format(NULL, "%.*s", slash > path ? (int)(slash - path) : 1, path) : NULL;
-    if (slash && !folder) return ENOMEM;
-    int failed = sync_path(folder ? folder : ".", O_RDONLY | O_DIRECTORY);
+    char *folder = td_folder_of(path, NULL);
+    if (!folder) return ENOMEM;
+    int failed = sync_path(folder, O_RDONLY | O_DIRECTORY);
     free(folder);
     return failed == EACCES || failed == EPERM ? 0 : failed;
 }
@@ -127,6 +126,20 @@ static int write_bytes(const char *part, const void *bytes, size_t size) {
     int failed = fwrite(bytes, 1, size, file) == size ? 0 : errno ? errno : EIO;
     if (fclose(file) != 0 && !failed) failed = errno; /* a full disk may show no earlier */
     return failed;
+}
+
+tides_status td_copy_file(const char *from, const char *to, tides_error *error) {
+    char bytes[65536];
+    size_t got = 0;
+    FILE *in = fopen(from, "rb"), *out = in ? fopen(to, "wb") : NULL;
+    int failed = out ? 0 : errno;
+    while (!failed && (got = fread(bytes, 1, sizeof bytes, in)) > 0)
+        if (fwrite(bytes, 1, got, out) != got) failed = errno ? errno : EIO;
+    if (in && ferror(in) && !failed) failed = EIO;
+    if (in) fclose(in);
+    if (out && fclose(out) != 0 && !failed) failed = errno ? errno : EIO;
+    if (!failed) return TIDES_OK;
+    return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be copied to %s: %s", from, to, strerror(failed));
 }
 
 tides_status tides_file_write(const char *path, const void *bytes, size_t size, tides_error *error) {

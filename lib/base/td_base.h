@@ -20,6 +20,16 @@ tides_status td_fail(tides_error *error, tides_status status, const char *format
 /* Puts "prefix: " before the text that `error` already holds (to add where); returns its status. */
 tides_status td_fail_within(tides_error *error, tides_status status, const char *format, ...) TD_PRINTF(3, 4);
 
+/* A part of a piece of work as part of the whole: a tides_progress, whose user is a td_share. `stage` (nullable) is what the
+ * whole calls it; without `progress` nobody is told, and nobody stops it. */
+typedef struct td_share {
+    tides_progress progress;
+    void *user;
+    double from, width; /* shares of the whole */
+    const char *stage;
+} td_share;
+int td_share_step(void *part, double fraction, const char *stage);
+
 /* count * size bytes, zeroed, overflow checked; never returns NULL for 0 bytes. NULL: out of memory, error filled. */
 void *td_alloc(size_t count, size_t size, tides_error *error);
 
@@ -46,6 +56,9 @@ tides_status td_commit_or_keep(const char *part, const char *path, tides_error *
 
 /* Removes what was begun; never a device. */
 void td_remove_part(const char *part, const char *path);
+
+/* Copies the bytes of `from`; what fails half way is the caller's to remove. */
+tides_status td_copy_file(const char *from, const char *to, tides_error *error);
 
 /* Waits until the bytes of an open file are on the disk; 0 or errno. Files that can't be asked (pipes) are fine. */
 int td_sync(int descriptor);

@@ -39,6 +39,11 @@ static inline void td_put_le64(unsigned char *p, uint64_t v) {
     td_put_le32(p, (uint32_t)v);
     td_put_le32(p + 4, (uint32_t)(v >> 32));
 }
+static inline void td_put_le_float(unsigned char *p, float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    td_put_le32(p, bits);
+}
 
 /* -- big-endian -- */
 

@@ -1,4 +1,5 @@
-/* Internal: what a folder holds, for readers of event files, frames and paths that come as folders. */
+/* Internal: what a folder holds, for readers of event files, frames and paths that come as folders; making them; and the folder
+ * and the name that a path is made of. */
 #ifndef TD_FOLDER_H
 #define TD_FOLDER_H
 
@@ -20,7 +21,18 @@ tides_status td_folder_add(td_folder *folder, const char *path, const char *name
 /* 1 where the name is longer than `ending` and ends in it, whatever its case. */
 int td_ends_in(const char *name, const char *ending);
 
+/* What follows the last slash. */
+const char *td_base_name(const char *path);
+
+/* The folder that holds `path`: "." of a bare name, "/" of one at the root. td_folder_prefix: with its slash, for a name to
+ * follow, and "" of a bare name. Allocated. */
+char *td_folder_of(const char *path, tides_error *error);
+char *td_folder_prefix(const char *path, tides_error *error);
+
 int td_is_folder(const char *path);
 int td_is_file(const char *path);
+
+/* A folder, with all folders above it that are missing; those that are there are fine. */
+tides_status td_make_folders(const char *path, tides_error *error);
 
 #endif

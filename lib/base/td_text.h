@@ -1,4 +1,5 @@
-/* Internal: text files of numbers, written beside and renamed, with a decimal point in any locale. Any number may be open. */
+/* Internal: numbers as text, with a decimal point in any locale: files that are written beside and renamed, of which any number
+ * may be open, and a span of code that reads. */
 #ifndef TD_TEXT_H
 #define TD_TEXT_H
 
@@ -22,5 +23,13 @@ tides_status td_text_put(td_text *text, tides_error *error, const char *format, 
  * isn't open it does nothing. */
 tides_status td_text_close(td_text *text, tides_status status, tides_error *error);
 static inline void td_text_drop(td_text *text) { (void)td_text_close(text, TIDES_CANCELLED, NULL); }
+
+/* The calling thread's locale is C's from begin to end: strtod and cJSON read "1.5" as 1 where the program around us has chosen
+ * one with a decimal comma. Where _begin fails, for want of memory for `what`, there is nothing to end. */
+typedef struct td_plain_numbers {
+    locale_t plain, before;
+} td_plain_numbers;
+tides_status td_plain_begin(td_plain_numbers *numbers, const char *what, tides_error *error);
+void td_plain_end(const td_plain_numbers *numbers);
 
 #endif

@@ -17,12 +17,14 @@ static void free_text(td_text *text) {
     memset(text, 0, sizeof *text);
 }
 
+static locale_t plain_locale(void) { return newlocale(LC_NUMERIC_MASK, "C", (locale_t)0); }
+
 tides_status td_text_open(td_text *text, const char *path, tides_error *error) {
     memset(text, 0, sizeof *text);
     text->path = td_strdup(path, error);
     tides_status status = text->path ? td_part_name(path, 1, &text->part, error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK) {
-        text->plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0); /* the program's may have a decimal comma */
+        text->plain = plain_locale();
         text->file = text->plain ? fopen(text->part, "wb") : NULL;
         if (!text->file) status = fail_write(text, errno, error);
     }
@@ -52,4 +54,16 @@ tides_status td_text_close(td_text *text, tides_status status, tides_error *erro
         td_remove_part(text->part, text->path);
     free_text(text);
     return status;
+}
+
+tides_status td_plain_begin(td_plain_numbers *numbers, const char *what, tides_error *error) {
+    numbers->plain = plain_locale();
+    if (!numbers->plain) return td_fail(error, TIDES_NO_MEMORY, "%s: the C locale can't be had", what);
+    numbers->before = uselocale(numbers->plain);
+    return TIDES_OK;
+}
+
+void td_plain_end(const td_plain_numbers *numbers) {
+    uselocale(numbers->before);
+    freelocale(numbers->plain);
 }

@@ -18,9 +18,9 @@
 #include "camera/td_path_reader.h"
 #include "camera/td_rotation.h"
 #include "td_base.h"
+#include "td_text.h"
 
 #include <ctype.h>
-#include <locale.h>
 #include <math.h>
 #include <string.h>
 
@@ -337,11 +337,10 @@ static tides_status read_chain(reading *r, char *text) {
 tides_status td_camchain_parse(const char *file, char *text, td_camchain *chain, tides_error *error) {
     reading r = {.file = file, .error = error, .chain = chain, .given = -1};
     chain->count = 0;
-    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0); /* the program's may have a decimal comma */
-    if (plain == (locale_t)0) return td_fail(error, TIDES_NO_MEMORY, "out of memory for a locale");
-    locale_t before = uselocale(plain);
-    const tides_status status = read_chain(&r, text);
-    uselocale(before);
-    freelocale(plain);
+    td_plain_numbers numbers;
+    tides_status status = td_plain_begin(&numbers, file, error);
+    if (status != TIDES_OK) return status;
+    status = read_chain(&r, text);
+    td_plain_end(&numbers);
     return status;
 }

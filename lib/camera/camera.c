@@ -5,8 +5,8 @@
 #include "camera/td_path_reader.h"
 #include "td_folder.h"
 #include "td_struct.h"
+#include "td_text.h"
 
-#include <locale.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -203,16 +203,15 @@ static tides_status read_path(td_path_reader *reader, const char *folder) {
 
 /* Reads text or, where it isn't NULL, a folder of nerfies cameras. */
 static tides_status parse(td_path_reader *reader, const char *folder, tides_path *path) {
-    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0); /* the program's may have a decimal comma */
-    if (plain == (locale_t)0) return td_fail(reader->error, TIDES_NO_MEMORY, "out of memory for a locale");
-    locale_t before = uselocale(plain);
-    tides_status status = read_path(reader, folder);
+    td_plain_numbers numbers;
+    tides_status status = td_plain_begin(&numbers, reader->file, reader->error);
+    if (status != TIDES_OK) return status;
+    status = read_path(reader, folder);
     if (status == TIDES_OK) status = td_path_choose(reader);
     if (status == TIDES_OK && reader->spread) spread(reader);
     if (status == TIDES_OK && !reader->path.trajectory) status = make_trajectory(reader);
     if (status != TIDES_OK) tides_trajectory_destroy(reader->path.trajectory);
-    uselocale(before);
-    freelocale(plain);
+    td_plain_end(&numbers);
     free(reader->samples);
     free(reader->views);
     if (status == TIDES_OK) *path = reader->path;

@@ -9,6 +9,7 @@
 
 #include "camera/td_path_reader.h"
 #include "td_base.h"
+#include "td_folder.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -56,10 +57,7 @@ static int lens_of(int model, const double *parameters, tides_lens *lens) {
     return whole;
 }
 
-int td_colmap_is_named(const char *file, const char *name) {
-    const char *slash = strrchr(file, '/');
-    return strcmp(slash ? slash + 1 : file, name) == 0;
-}
+int td_colmap_is_named(const char *file, const char *name) { return strcmp(td_base_name(file), name) == 0; }
 
 /* One camera of the file. */
 typedef struct entry {
@@ -176,10 +174,10 @@ tides_status td_colmap_parse_cameras(const char *file, const char *data, size_t 
 }
 
 tides_status td_colmap_load_cameras(const char *file, int binary, td_colmap_cameras *cameras, tides_error *error) {
-    const char *slash = strrchr(file, '/');
+    const int folder = (int)(td_base_name(file) - file);
     for (int k = 0; k < 2; k++) {
         int as_binary = k == 0 ? binary : !binary;
-        char *beside = td_format(error, "%.*scameras.%s", (int)(slash ? slash - file + 1 : 0), file, as_binary ? "bin" : "txt");
+        char *beside = td_format(error, "%.*scameras.%s", folder, file, as_binary ? "bin" : "txt");
         if (!beside) return TIDES_NO_MEMORY;
         char *data = NULL;
         size_t bytes = 0;

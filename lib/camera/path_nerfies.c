@@ -11,6 +11,7 @@
 #include "camera/td_path_reader.h"
 
 #include "td_base.h"
+#include "td_folder.h"
 
 #include <dirent.h>
 #include <math.h>
@@ -237,9 +238,7 @@ tides_status td_path_read_nerfies_folder(td_path_reader *reader, const char *fol
 
 tides_status td_path_read_nerfies(td_path_reader *reader, const cJSON *root) {
     nerfies n = {.reader = reader};
-    const char *slash = strrchr(reader->file, '/');
-    char *folder =
-        slash ? td_format(reader->error, "%.*s", (int)(slash - reader->file), reader->file) : td_strdup(".", reader->error);
+    char *folder = td_folder_of(reader->file, reader->error);
     strcpy(reader->path.format, "nerfies");
     reader->list = "cameras";
     tides_status status = folder ? load_scene(&n, folder) : TIDES_NO_MEMORY;

@@ -79,7 +79,7 @@ tides_status td_dsec_calibration(const td_writer *w, tides_error *error) {
         cameras[i].camera = td_find_camera(w->set, numbers[i].kind, numbers[i].side);
         cameras[i].view = cameras[i].camera ? &cameras[i].camera->rectified[numbers[i].kind] : NULL;
     }
-    td_text yaml = {NULL};
+    td_text yaml = {0};
     tides_status status = td_text_in_folder(&yaml, w->root, "calibration/cam_to_cam.yaml", error);
     if (status == TIDES_OK) status = td_text_put(&yaml, error, "intrinsics:\n");
     for (int i = 0; i < 4 && status == TIDES_OK; i++)

@@ -1,9 +1,9 @@
 /* Folders and text files of a dataset. They are written in a folder that isn't there for anybody yet (FOLDER.part, renamed as
  * a whole at the end), so that its files need no care of their own. */
 #include "td_dataset.h"
+#include "td_folder.h"
 
 #include <dirent.h>
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -16,21 +16,6 @@ char *td_in_folder(const char *folder, tides_error *error, const char *format, .
     vsnprintf(name, sizeof name, format, arguments);
     va_end(arguments);
     return td_format(error, "%s/%s", folder, name);
-}
-
-tides_status td_make_folders(const char *path, tides_error *error) {
-    char *at = td_strdup(path, error);
-    if (!at) return TIDES_NO_MEMORY;
-    tides_status status = TIDES_OK;
-    for (char *slash = strchr(at + 1, '/'); status == TIDES_OK; slash = slash ? strchr(slash + 1, '/') : NULL) {
-        if (slash) *slash = '\0';
-        if (mkdir(at, 0777) != 0 && errno != EEXIST)
-            status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", at, strerror(errno));
-        if (!slash) break;
-        *slash = '/';
-    }
-    free(at);
-    return status;
 }
 
 tides_status td_make_parents(const char *file, tides_error *error) {

@@ -158,7 +158,7 @@ static tides_status put_metadata(td_writer *w, td_text *yaml, tides_error *error
 }
 
 static tides_status complete(td_writer *w, tides_error *error) {
-    td_text yaml = {NULL};
+    td_text yaml = {0};
     tides_status status = td_mcap_finish(((ros2 *)w->kept)->mcap, error);
     if (status == TIDES_OK) status = td_text_in_folder(&yaml, w->root, "metadata.yaml", error);
     if (status == TIDES_OK) status = put_metadata(w, &yaml, error);

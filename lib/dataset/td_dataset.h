@@ -140,9 +140,8 @@ tides_status td_scenes_give(const td_scenes *to, const td_dataset *set, const td
 
 /* -- what layouts share: folder.c, values.c -------------------------------------------------------------------------- */
 
-/* FOLDER/name, made by td_format's rules; NULL where out of memory. And a folder with all folders above it that are missing. */
+/* FOLDER/name, made by td_format's rules; NULL where out of memory. And the folders above a file, where they are missing. */
 char *td_in_folder(const char *folder, tides_error *error, const char *format, ...) TD_PRINTF(3, 4);
-tides_status td_make_folders(const char *path, tides_error *error);
 tides_status td_make_parents(const char *file, tides_error *error);
 void td_remove_folder(const char *path); /* with all that is in it */
 

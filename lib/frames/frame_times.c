@@ -2,8 +2,8 @@
 #include "td_frames.h"
 
 #include "td_folder.h"
+#include "td_text.h"
 
-#include <locale.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,14 +59,11 @@ static tides_status read_file(tides_frames *frames, const char *file, tides_erro
     size_t bytes = 0;
     tides_status status = td_read_file(file, TIMES_BYTES_MAX, &text, &bytes, error);
     if (status != TIDES_OK) return status;
-    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0); /* the program's may have a decimal comma */
-    if (plain) {
-        locale_t before = uselocale(plain);
+    td_plain_numbers numbers;
+    status = td_plain_begin(&numbers, file, error);
+    if (status == TIDES_OK) {
         status = read_lines(frames, file, text, error);
-        uselocale(before);
-        freelocale(plain);
-    } else {
-        status = td_fail(error, TIDES_NO_MEMORY, "%s: the C locale can't be had", file);
+        td_plain_end(&numbers);
     }
     free(text);
     return status;
@@ -77,8 +74,7 @@ static char *find_file(const char *path, tides_error *error, tides_status *statu
     static const char *const names[] = {"timestamps.txt", "image_timestamps.txt", "../timestamps.txt",
                                         "../image_timestamps.txt"};
     const int folder = td_is_folder(path);
-    const char *slash = strrchr(path, '/');
-    int parent = slash ? (int)(slash - path) + 1 : 0;
+    const int parent = (int)(td_base_name(path) - path);
     *status = TIDES_OK;
     for (size_t i = 0; i < (folder ? 4u : 2u); i++) {
         char *file = folder ? td_format(error, "%s/%s", path, names[i]) : td_format(error, "%.*s%s", parent, path, names[i]);

@@ -51,14 +51,6 @@ static tides_status take_file(char **out, const char *folder, const char *name, 
     return TIDES_OK;
 }
 
-/* The folder that holds `path`; "." where it is a bare name. */
-static char *folder_of(const char *path, tides_error *error) {
-    const char *name = td_base_name(path);
-    if (name == path) return td_strdup(".", error);
-    size_t length = (size_t)(name - path);
-    return td_format(error, "%.*s", (int)(length > 1 ? length - 1 : 1), path);
-}
-
 /* A copy without slashes at its end. */
 static char *plain_path(const char *path, tides_error *error) {
     size_t length = strlen(path);
@@ -69,7 +61,7 @@ static char *plain_path(const char *path, tides_error *error) {
 /* Replaces `*path` by the folder `levels` above. */
 static tides_status climb(char **path, int levels, tides_error *error) {
     for (int i = 0; i < levels; i++) {
-        char *above = folder_of(*path, error);
+        char *above = td_folder_of(*path, error);
         if (!above) return TIDES_NO_MEMORY;
         free(*path);
         *path = above;
@@ -113,7 +105,7 @@ static tides_status find_iteration(td_model_dir *dir, int deformable, tides_erro
 
 /* The method, by what is in and beside the .ply. */
 static tides_status judge_points(td_model_dir *dir, tides_error *error) {
-    char *beside = folder_of(dir->points, error);
+    char *beside = td_folder_of(dir->points, error);
     tides_status status = beside ? TIDES_OK : TIDES_NO_MEMORY;
     dir->method = TD_METHOD_INRIA;
     if (status) return status;
@@ -247,7 +239,7 @@ static tides_status read_cfg(td_model_dir *dir, tides_error *error) {
 static tides_status enter_folder(td_model_dir *dir, tides_error *error) {
     int64_t number = td_numbered(td_base_name(dir->folder), "iteration_", "");
     if (number < 0) number = td_numbered(td_base_name(dir->folder), "coarse_iteration_", "");
-    char *above = folder_of(dir->folder, error);
+    char *above = td_folder_of(dir->folder, error);
     tides_status status = above ? TIDES_OK : TIDES_NO_MEMORY;
     if (!status && number >= 0 && strcmp(td_base_name(above), "point_cloud") == 0) {
         char *iteration = dir->folder, *deform = NULL;
@@ -320,7 +312,7 @@ static tides_status find(const char *path, td_model_dir *dir, tides_error *error
     *dir = (td_model_dir){.iteration = -1};
     if (stat(path, &facts) != 0) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
     int is_folder = S_ISDIR(facts.st_mode);
-    dir->folder = is_folder ? plain_path(path, error) : folder_of(path, error);
+    dir->folder = is_folder ? plain_path(path, error) : td_folder_of(path, error);
     tides_status status = dir->folder ? TIDES_OK : TIDES_NO_MEMORY;
     if (!status && is_folder) status = enter_folder(dir, error);
     if (!status) status = is_folder ? recognise(dir, error) : enter_file(dir, path, error);

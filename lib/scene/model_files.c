@@ -8,11 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *td_base_name(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 int64_t td_numbered(const char *name, const char *before, const char *after) {
     size_t head = strlen(before), length = strlen(name), tail = strlen(after);
     if (length <= head + tail || strncmp(name, before, head) != 0 || strcmp(name + length - tail, after) != 0) return -1;

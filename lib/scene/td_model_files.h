@@ -5,9 +5,6 @@
 
 #include "td_folder.h"
 
-/* What follows the last slash. */
-const char *td_base_name(const char *path);
-
 /* The number in "BEFORE<digits>AFTER"; -1 where the name isn't like that. */
 int64_t td_numbered(const char *name, const char *before, const char *after);
 

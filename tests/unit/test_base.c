@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "td_base.h"
+#include "td_folder.h"
 
 static char scratch[1024];
 
@@ -241,6 +242,25 @@ static void test_suggest(void **state) {
     assert_string_equal(td_suggest(longer, longer, "|", text), ""); /* doesn't fit */
 }
 
+/* Folder, the same with its slash, and name. */
+static void test_paths_apart(void **state) {
+    (void)state;
+    static const char *const rows[][4] = {{"a/b/c.ply", "a/b", "a/b/", "c.ply"},
+                                          {"c.ply", ".", "", "c.ply"},
+                                          {"/c.ply", "/", "/", "c.ply"},
+                                          {"a/b/", "a/b", "a/b/", ""},
+                                          {"../x", "..", "../", "x"},
+                                          {"", ".", "", ""}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char *folder = td_folder_of(rows[i][0], NULL), *prefix = td_folder_prefix(rows[i][0], NULL);
+        assert_string_equal(folder, rows[i][1]);
+        assert_string_equal(prefix, rows[i][2]);
+        assert_string_equal(td_base_name(rows[i][0]), rows[i][3]);
+        free(folder);
+        free(prefix);
+    }
+}
+
 static void test_clock_and_memory(void **state) {
     (void)state;
     double before = td_now(), elapsed = 0.0;
@@ -254,11 +274,11 @@ static void test_clock_and_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_status_names),     cmocka_unit_test(test_version),     cmocka_unit_test(test_fail),
-        cmocka_unit_test(test_fail_truncates),   cmocka_unit_test(test_fail_within), cmocka_unit_test(test_alloc),
-        cmocka_unit_test(test_reserve),          cmocka_unit_test(test_format),      cmocka_unit_test(test_read_file),
-        cmocka_unit_test(test_commit),           cmocka_unit_test(test_nearest),     cmocka_unit_test(test_suggest),
-        cmocka_unit_test(test_clock_and_memory),
+        cmocka_unit_test(test_status_names),   cmocka_unit_test(test_version),          cmocka_unit_test(test_fail),
+        cmocka_unit_test(test_fail_truncates), cmocka_unit_test(test_fail_within),      cmocka_unit_test(test_alloc),
+        cmocka_unit_test(test_reserve),        cmocka_unit_test(test_format),           cmocka_unit_test(test_read_file),
+        cmocka_unit_test(test_commit),         cmocka_unit_test(test_nearest),          cmocka_unit_test(test_suggest),
+        cmocka_unit_test(test_paths_apart),    cmocka_unit_test(test_clock_and_memory),
     };
     return cmocka_run_group_tests_name("base", tests, make_scratch, remove_scratch);
 }
