@@ -2,7 +2,6 @@
 #include "event_job.h"
 
 #include <stdio.h>
-#include <string.h>
 
 static int convert_scene(const char *in, const char *out, const cli_common *common) {
     tides_error error = {TIDES_OK, ""};
@@ -29,23 +28,11 @@ static int convert_scene(const char *in, const char *out, const cli_common *comm
     return code;
 }
 
-/* Git LFS's pointer in place of a file: the reader of scenes says what it is. */
-static int is_pointer(const char *in) {
-    static const char start[] = "version https://git-lfs";
-    char head[sizeof start] = "";
-    FILE *file = fopen(in, "rb");
-    if (!file) return 0;
-    const size_t got = fread(head, 1, sizeof start - 1, file);
-    fclose(file);
-    return got == sizeof start - 1 && memcmp(head, start, got) == 0;
-}
-
 /* What opens as events is events; HDF5, numpy and ZIP files may hold a scene as well. Neither, or events that lack something
  * that their reader names (a plugin): its reason is the one that helps. */
 static int is_scene(const char *in) {
     tides_event_reader *reader = NULL;
     tides_error error;
-    if (is_pointer(in)) return 1;
     tides_status status = tides_event_reader_open(in, NULL, &reader, &error);
     tides_event_reader_close(reader);
     return status != TIDES_OK && status != TIDES_UNSUPPORTED && tides_scene_is_file(in);

@@ -100,13 +100,14 @@ static tides_status scene_facts(const char *file, cJSON *facts, tides_error *err
     tides_status status = tides_scene_create(&scene, error);
     if (status == TIDES_OK) status = tides_scene_add_file(scene, file, NULL, 1.0, error);
     if (status != TIDES_OK) goto done;
-    double lower[3], upper[3];
+    double lower[3], upper[3], up[3];
     tides_scene_bounds(scene, lower, upper);
     cJSON_AddStringToObject(facts, "kind", "scene");
     cJSON_AddNumberToObject(facts, "gaussians", (double)tides_scene_count(scene));
     cJSON_AddNumberToObject(facts, "sh_degree", tides_scene_sh_degree(scene));
     cJSON_AddItemToObject(facts, "lower", cJSON_CreateDoubleArray(lower, 3));
     cJSON_AddItemToObject(facts, "upper", cJSON_CreateDoubleArray(upper, 3));
+    if (tides_scene_up(scene, up)) cJSON_AddItemToObject(facts, "up", cJSON_CreateDoubleArray(up, 3));
     status = motion_facts(scene, facts, error);
     cJSON *objects = cJSON_AddArrayToObject(facts, "objects");
     for (int32_t i = 0; i < tides_scene_objects(scene) && status == TIDES_OK; i++) {
@@ -354,9 +355,6 @@ static tides_status text_facts(const char *file, const char *start, cJSON *facts
     tides_run *run = NULL;
     tides_error of_run;
     if (tides_run_load(file, NULL, 0, &run, &of_run) != TIDES_OK) {
-        if (strstr(start, "\"lodLevels\""))
-            return cli_error(error, TIDES_UNSUPPORTED,
-                             "%s: is a streamed SOG (levels of detail): name the meta.json of one of its parts", file);
         tides_status of_path = path_facts(file, facts, error);
         if (of_path != TIDES_OK && looks_like_run(start)) *error = of_run;
         return of_path;
@@ -406,8 +404,6 @@ static tides_status facts_of(const char *file, cJSON *facts, tides_error *error)
     if (open_events(file) == TIDES_OK) return events_facts(file, facts, error);
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
     if (memcmp(head, "\x93NUMPY", 6) == 0) return array_facts(head, got, facts);
-    if (memcmp(head, "version https://git-lfs", 23) == 0 || memcmp(head, "glTF", 4) == 0)
-        return scene_facts(file, facts, error);
     return text_facts(file, head, facts, error); /* text: the path's reader says best what is wrong */
 }
 

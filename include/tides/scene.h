@@ -73,7 +73,10 @@ TIDES_API int32_t tides_scene_set_duration(tides_scene *scene, double duration_s
  *   .spz     Niantic's, versions 1 to 4 (axes turned to those of a 3DGS .ply)
  *   .ksplat  mkkellogg's, all three compressions
  *   .splat   antimatter15's
- *   .sog     PlayCanvas's versions 1 and 2; also unpacked, as a folder with a meta.json or by that file
+ *   .sog     PlayCanvas's versions 1 and 2; also unpacked, as a folder with a meta.json or by that file; and streamed, as a
+ *            folder with a lod-meta.json or by that file: its finest level
+ *   .glb     glTF with KHR_gaussian_splatting, also .gltf: what its scene shows, each node in its place, axes turned to those
+ *            of a 3DGS .ply; without splats TIDES_UNSUPPORTED
  *   a folder that a trainer left: the newest point_cloud/iteration_N/point_cloud.ply in it; gsplat's ckpt_N_rank0.pt, also by
  *            itself; models that move, with their motion, those of SpacetimeGaussians, Fudan's 4d-gaussian-splatting,
  *            Dynamic3DGaussians and FreeTimeGS, and sequences gaussian_pertimestamp/time_NNNNN.ply (lib/scene/method_*.c). A
@@ -86,13 +89,15 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add_file(tides_scene *scene,
                                                              const tides_trajectory *trajectory, double scale,
                                                              tides_error *error);
 
-/* 1 where tides_scene_add_file would take `file` for a scene, by the same signs; whether it can be read is another matter.
- * 0 also where it can't be opened. */
+/* 1 where tides_scene_add_file would take `file` for a scene, by the same signs; whether it can be read is another matter: a
+ * glTF may hold no splats, and a pointer of Git LFS stand in a scene's place, which that says. 0 also where it can't be
+ * opened. */
 TIDES_API int32_t tides_scene_is_file(const char *file);
 
 /* Writes `file`, by its ending: .h5 holds everything (layout documented in lib/scene/scene_hdf5.c); .ply (INRIA's binary
- * layout), .spz (version 3: rounded to bytes, scales to 1/16 of their logarithm) and .splat (to bytes, without SH beyond the
- * constant) hold one object at rest (TIDES_UNSUPPORTED for more). Written beside and renamed. */
+ * layout), .spz (version 3: rounded to bytes, scales to 1/16 of their logarithm), .splat (to bytes, without SH beyond the
+ * constant) and .glb (floats, in glTF's axes) hold one object at rest (TIDES_UNSUPPORTED for more). Written beside and
+ * renamed. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_error *error);
 
 /* Number of objects; all Gaussians; the largest SH degree. */
@@ -132,10 +137,17 @@ TIDES_API void tides_scene_range(const tides_scene *scene, double *start, double
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_bounds_at(const tides_scene *scene, double time, double lower[3],
                                                               double upper[3], tides_error *error);
 
-/* An orbit that shows a scene nobody has a camera path for: about the median of its Gaussians, so far out that nine tenths of
- * them (of captures with a background: what is in the middle) fill `field_of_view` [rad], the narrower one of the image; a turn
- * in 12 s, from 0 to 12 s. `up` (nullable) is guessed: -y, as trainers on photographs have it, or z where the scene lies flat
- * across it. For tides_trajectory_create_orbit. An empty scene: TIDES_BAD_ARGUMENT. */
+/* Which way up is in the scene, a direction of any length: what its first file that is at rest says (.h5; a .ply's comments
+ * "up x y z", and nerfstudio's "Vertical Axis: z"), what tides_generate makes, or what was set. 1; 0 and zeros where nothing
+ * says it. tides_scene_save keeps it in .h5 and .ply. Zeros or NULL, set, say that it isn't known. */
+TIDES_API int32_t tides_scene_up(const tides_scene *scene, double up[3]);
+TIDES_MUST_CHECK TIDES_API tides_status tides_scene_set_up(tides_scene *scene, const double up[3], tides_error *error);
+
+/* An orbit that shows a scene nobody has a camera path for. A thing is seen whole from every side, as large as fits into
+ * `field_of_view` [rad], the narrower one of the image; in a place (a capture with what was behind it) the camera goes round
+ * the median of the Gaussians, as far from it as half of them are. A turn in 12 s, from 0 to 12 s. `up` NULL: tides_scene_up's,
+ * else guessed: -y, as trainers on photographs have it, or z where the scene lies flat across it. For
+ * tides_trajectory_create_orbit. An empty scene: TIDES_BAD_ARGUMENT. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_orbit(const tides_scene *scene, const double up[3], double field_of_view,
                                                           tides_orbit *orbit, tides_error *error);
 

@@ -15,6 +15,7 @@
 typedef struct kind {
     tides_status (*make)(const tides_generate_options *options, tides_world *world, tides_error *error);
     double background[3];
+    double up; /* along y; 0: walls alone, which may as well lie */
 } kind;
 
 static const tides_generator generators[] = {
@@ -29,10 +30,10 @@ static const tides_generator generators[] = {
     {"room", "a brick wall, posters, a table and balls at rest; handheld camera", NULL, 0, 0, 0, 0.3},
 };
 static const kind kinds[] = {
-    {td_generate_fan, {0.02, 0.02, 0.03}},   {td_generate_pendulum, {0.02, 0.02, 0.03}},
-    {td_generate_balls, {0.02, 0.02, 0.03}}, {td_generate_plane, {0.05, 0.05, 0.05}},
-    {td_generate_crowd, {0.02, 0.02, 0.03}}, {td_generate_disc, {0.02, 0.02, 0.03}},
-    {td_generate_room, {0.02, 0.02, 0.03}},
+    {td_generate_fan, {0.02, 0.02, 0.03}, 1},   {td_generate_pendulum, {0.02, 0.02, 0.03}, 1},
+    {td_generate_balls, {0.02, 0.02, 0.03}, 1}, {td_generate_plane, {0.05, 0.05, 0.05}, 0},
+    {td_generate_crowd, {0.02, 0.02, 0.03}, 1}, {td_generate_disc, {0.02, 0.02, 0.03}, 0},
+    {td_generate_room, {0.02, 0.02, 0.03}, 1},
 };
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
@@ -113,6 +114,7 @@ tides_status tides_generate(const char *name, const tides_generate_options *opti
     memcpy(made.background, kinds[index].background, sizeof made.background);
     status = tides_scene_create(&made.scene, error);
     if (status == TIDES_OK) status = kinds[index].make(&own, &made, error);
+    if (status == TIDES_OK) status = tides_scene_set_up(made.scene, (const double[]){0, kinds[index].up, 0}, error);
     if (status == TIDES_OK)
         *world = made;
     else

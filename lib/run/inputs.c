@@ -45,17 +45,16 @@ static tides_status add(list *l, const char *key, char *path) {
 
 /* Those of `names` (ended by NULL) that are there, in the folder itself or, of a file, in the folder that holds it. */
 static tides_status add_beside(list *l, const char *key, const char *path, const char *const *names) {
-    const char *slash = strrchr(path, '/');
-    const int is_folder = td_is_folder(path), length = is_folder ? (int)strlen(path) : slash ? (int)(slash - path) : 0;
-    tides_status status = TIDES_OK;
+    char *folder = td_is_folder(path) ? td_format(l->error, "%s/", path) : td_folder_prefix(path, l->error);
+    tides_status status = folder ? TIDES_OK : TIDES_NO_MEMORY;
     for (; *names && status == TIDES_OK; names++) {
-        const char *between = is_folder || slash ? "/" : "";
-        char *beside = td_format(l->error, "%.*s%s%s", length, path, between, *names);
+        char *beside = td_format(l->error, "%s%s", folder, *names);
         if (beside && !td_is_file(beside))
             free(beside);
         else
             status = add(l, key, beside);
     }
+    free(folder);
     return status;
 }
 
@@ -93,16 +92,28 @@ static tides_status add_frames(list *l, const char *key, const char *path, const
     return add_beside(l, key, path, td_is_folder(path) ? beside_folder : beside_file);
 }
 
-/* SOG's meta.json with its pictures. */
-static tides_status add_sog(list *l, const char *key, const char *path) {
-    const char *slash = strrchr(path, '/');
-    char *folder = td_format(l->error, "%.*s", slash ? (int)(slash - path) : 1, slash ? path : ".");
-    td_folder pictures = {NULL, 0, 0};
-    tides_status status = folder ? td_folder_list(&pictures, folder, ".webp", l->error) : TIDES_NO_MEMORY;
-    for (size_t i = 0; status == TIDES_OK && i < pictures.count; i++)
-        status = add(l, key, td_strdup(pictures.files[i], l->error));
-    td_folder_free(&pictures);
+/* Files of one ending that lie beside `path`. */
+static tides_status add_ending(list *l, const char *key, const char *path, const char *ending) {
+    char *folder = td_folder_of(path, l->error);
+    td_folder beside = {NULL, 0, 0};
+    tides_status status = folder ? td_folder_list(&beside, folder, ending, l->error) : TIDES_NO_MEMORY;
+    for (size_t i = 0; status == TIDES_OK && i < beside.count; i++) status = add(l, key, td_strdup(beside.files[i], l->error));
+    td_folder_free(&beside);
     free(folder);
+    return status;
+}
+
+/* What the file names, each meta.json with its pictures. What is wrong with the file is its reader's to say. */
+static tides_status add_parts(list *l, const char *key, const char *path,
+                              tides_status (*find)(const char *path, td_folder *files, tides_error *error)) {
+    td_folder parts = {NULL, 0, 0};
+    tides_status status =
+        find(path, &parts, NULL) == TIDES_NO_MEMORY ? td_fail(l->error, TIDES_NO_MEMORY, "out of memory: %s", path) : TIDES_OK;
+    for (size_t i = 0; status == TIDES_OK && i < parts.count; i++) {
+        status = add(l, key, td_strdup(parts.files[i], l->error));
+        if (status == TIDES_OK && td_sog_is_meta(parts.files[i])) status = add_ending(l, key, parts.files[i], ".webp");
+    }
+    td_folder_free(&parts);
     return status;
 }
 
@@ -126,7 +137,11 @@ static tides_status add_scene(list *l, const char *key, const char *path) {
         return status;
     }
     tides_status status = add(l, key, td_strdup(path, l->error));
-    return status == TIDES_OK && td_is_file(path) && td_sog_is_meta(path) ? add_sog(l, key, path) : status;
+    if (status != TIDES_OK || !td_is_file(path)) return status;
+    if (td_sog_is_meta(path)) status = add_ending(l, key, path, ".webp");
+    if (td_sog_is_lod(path)) status = add_parts(l, key, path, td_sog_lod_files);
+    if (td_ends_in(path, ".gltf") || td_ends_in(path, ".glb")) status = add_parts(l, key, path, td_gltf_files);
+    return status;
 }
 
 /* -- what keys name ----------------------------------------------------------------------------------------------------- */

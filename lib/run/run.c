@@ -1,4 +1,5 @@
 /* A run file as an object: load, parse, vary, and what no single row of the table can say. */
+#include "scene/td_splat.h"
 #include "td_folder.h"
 #include "td_params.h"
 #include "td_run.h"
@@ -93,6 +94,24 @@ static tides_status create(const char *origin, const char *directory, tides_run 
     return status;
 }
 
+static int32_t is_given(const tides_run *run, const char *key, int by) {
+    return run->given[td_param_find(key) - tides_params(NULL)] == by;
+}
+
+/* A size that an override gives beside the file's focal length cuts the view, or adds to it, about its middle. Most people who
+ * give one want the same view in fewer pixels, which the run has where its path file says the focal length. */
+static tides_status note_view(tides_run *run, tides_error *error) {
+    const int32_t resized = is_given(run, "camera.width", TD_GIVEN_SET) || is_given(run, "camera.height", TD_GIVEN_SET);
+    if (!resized || !is_given(run, "camera.fx", TD_GIVEN_FILE) || is_given(run, "camera.scale", TD_GIVEN_SET)) return TIDES_OK;
+    char line[300];
+    snprintf(line, sizeof line,
+             "%.100s: camera.fx = %.10g px stays the run file's: another size shows more or less of the scene; "
+             "camera.scale shows the same in other pixels",
+             run->origin, td_run_number(run, "camera.fx"));
+    td_one_line(line);
+    return td_run_note(run, line, error);
+}
+
 /* After the file's text: overrides, rig, with its file, preset, checks, and what is derived. A run that fails is destroyed. */
 static tides_status finish(tides_run *made, const char *const *overrides, size_t count, tides_run **run, tides_error *error) {
     tides_status status = TIDES_OK;
@@ -101,6 +120,7 @@ static tides_status finish(tides_run *made, const char *const *overrides, size_t
     if (status == TIDES_OK) status = td_rig_apply(made, error);
     if (status == TIDES_OK) status = td_run_preset(made, error);
     if (status == TIDES_OK) status = check_whole(made, error);
+    if (status == TIDES_OK) status = note_view(made, error);
     if (status == TIDES_OK) status = derive(made, error);
     if (status == TIDES_OK)
         *run = made;
@@ -118,12 +138,6 @@ static tides_status parse(const char *text, size_t bytes, const char *origin, co
     if (status == TIDES_OK) return finish(made, overrides, count, run, error);
     tides_run_destroy(made);
     return status;
-}
-
-/* "a/b/run.json" -> "a/b/"; "run.json" -> "". */
-static char *directory_of(const char *file, tides_error *error) {
-    const char *slash = strrchr(file, '/');
-    return td_format(error, "%.*s", slash ? (int)(slash - file + 1) : 0, file);
 }
 
 /* The text of a run that was put together from `file`; 0 for `ok`: there was no memory for all of it. */
@@ -148,15 +162,13 @@ static char *run_of_scene(const char *file, tides_error *error) {
 
 /* 1 where a splat file or a model's folder is given in place of a run file. */
 static int32_t is_scene(const char *file) {
-    const size_t length = strlen(file);
-    return !(length > 5 && strcmp(file + length - 5, ".json") == 0) && tides_scene_is_file(file);
+    return (!td_ends_in(file, ".json") || td_sog_is_meta(file) || td_sog_is_lod(file)) && tides_scene_is_file(file);
 }
 
 /* The run that a video is, which ends with it (session.c): "-" is one from a pipe. */
 static char *run_of_video(const char *file, tides_error *error) {
-    const char *slash = strrchr(file, '/');
     cJSON *root = cJSON_CreateObject(), *frames = root ? cJSON_AddObjectToObject(root, "frames") : NULL;
-    const int32_t ok = frames && cJSON_AddStringToObject(frames, "file", slash ? slash + 1 : file) &&
+    const int32_t ok = frames && cJSON_AddStringToObject(frames, "file", td_base_name(file)) &&
                        cJSON_AddStringToObject(frames, "transfer", "srgb");
     return print_run(root, ok, file, error);
 }
@@ -186,7 +198,7 @@ tides_status tides_run_load(const char *file, const char *const *overrides, size
         status = TIDES_NO_MEMORY;
     if (status != TIDES_OK) return status;
     if (scene || video) bytes = strlen(text);
-    directory = directory_of(file, error);
+    directory = td_folder_prefix(file, error);
     status = directory ? parse(text, bytes, file, directory, overrides, count, run, error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK && scene) status = note_scene(*run, error);
     free(directory);

@@ -11,7 +11,9 @@
  * Lines end in LF or CR LF. Nothing is trusted: every message names the line. */
 #include "td_base.h"
 #include "td_ply.h"
+#include "td_text.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -179,10 +181,36 @@ static tides_status parse_property(parser *p) {
     return TIDES_OK;
 }
 
+static void take_up(const td_ply_word words[3], double up[3]) {
+    double found[3];
+    for (int axis = 0; axis < 3; axis++)
+        if (!td_ply_number(words[axis], &found[axis]) || !isfinite(found[axis])) return;
+    memcpy(up, found, sizeof found);
+}
+
+/* "comment up x y z" is ours; "comment Vertical Axis: z" is nerfstudio's, whose z is up. Of another axis that comment says
+ * nothing: Brush writes y into every file, and what it trains is mostly y down, as its cameras are. */
+static tides_status parse_comment(parser *p) {
+    const td_ply_line *line = &p->line;
+    double *up = p->header->up;
+    td_plain_numbers numbers;
+    if (line->count == 5 && td_ply_word_is(line->words[1], "up")) {
+        tides_status status = td_plain_begin(&numbers, p->file->path, p->error);
+        if (status) return status;
+        take_up(line->words + 2, up);
+        td_plain_end(&numbers);
+    } else if (line->count == 4 && td_ply_word_is(line->words[1], "Vertical") && td_ply_word_is(line->words[2], "Axis:") &&
+               td_ply_word_is(line->words[3], "z")) {
+        memcpy(up, (const double[]){0, 0, 1}, 3 * sizeof *up);
+    }
+    return TIDES_OK;
+}
+
 /* `*ended` is set by the end_header line. */
 static tides_status parse_line(parser *p, int *ended) {
     td_ply_word key = p->line.count ? p->line.words[0] : (td_ply_word){"", 0};
-    if (key.length == 0 || td_ply_word_is(key, "comment") || td_ply_word_is(key, "obj_info")) return TIDES_OK;
+    if (key.length == 0 || td_ply_word_is(key, "obj_info")) return TIDES_OK;
+    if (td_ply_word_is(key, "comment")) return parse_comment(p);
     if (td_ply_word_is(key, "format")) return parse_format(p);
     if (td_ply_word_is(key, "element")) return parse_element(p);
     if (td_ply_word_is(key, "property")) return parse_property(p);

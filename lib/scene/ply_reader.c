@@ -215,6 +215,7 @@ tides_status td_ply_parse(const char *path, const void *data, size_t size, td_ga
         status = td_ply_packed_read(&file, &header, gaussians, error);
     else
         status = read_gaussians(&b, gaussians);
+    if (!status) memcpy(gaussians->up, header.up, sizeof gaussians->up);
     td_ply_header_free(&header);
     return status;
 }

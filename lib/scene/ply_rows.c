@@ -6,9 +6,9 @@
 #include "td_endian.h"
 #include "td_ply.h"
 #include "td_scene.h"
+#include "td_text.h"
 
 #include <float.h>
-#include <locale.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -136,8 +136,8 @@ static td_ply_word next_word(const char **at, const char *end) {
     return word;
 }
 
-/* Needs the C locale. Longer than any number that a program prints: not a number. */
-static int parse_number(td_ply_word word, double *value) {
+/* Longer than any number that a program prints: not a number. */
+int td_ply_number(td_ply_word word, double *value) {
     char text[128], *end;
     if (word.length == 0 || word.length >= sizeof text) return 0;
     memcpy(text, word.text, word.length);
@@ -149,7 +149,7 @@ static int parse_number(td_ply_word word, double *value) {
 /* One number of property `i`, or a message: the line ends early, or holds something else. */
 static tides_status ascii_number(const reader *r, size_t i, const char **at, const char *end, double *value) {
     td_ply_word word = next_word(at, end);
-    if (parse_number(word, value)) return TIDES_OK;
+    if (td_ply_number(word, value)) return TIDES_OK;
     const char *name = TD_PLY_QUOTE(r->properties[i].name);
     if (word.length == 0)
         return td_fail(r->error, TIDES_BAD_FILE, "%s: line %zu: ends before property %s, number %zu of %zu", r->file->path,
@@ -201,14 +201,11 @@ static tides_status read_ascii_row(reader *r, uint64_t row) {
 }
 
 static tides_status read_ascii_rows(reader *r) {
-    /* strtod reads "1.5" as 1 where the program around us has chosen a locale with a decimal comma. */
-    locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    if (!c_locale) return td_fail(r->error, TIDES_NO_MEMORY, "%s: the C locale can't be had", r->file->path);
-    locale_t before = uselocale(c_locale);
-    tides_status status = TIDES_OK;
+    td_plain_numbers numbers;
+    tides_status status = td_plain_begin(&numbers, r->file->path, r->error);
+    if (status != TIDES_OK) return status;
     for (uint64_t row = 0; row < r->element->count && !status; row++) status = read_ascii_row(r, row);
-    uselocale(before);
-    freelocale(c_locale);
+    td_plain_end(&numbers);
     return status;
 }
 

@@ -4,6 +4,7 @@
 #include "td_base.h"
 #include "td_endian.h"
 #include "td_scene.h"
+#include "td_text.h"
 
 #include <errno.h>
 #include <math.h>
@@ -18,7 +19,10 @@ static void write_names(FILE *out, const char *stem, size_t count) {
 }
 
 static void write_header(FILE *out, const td_gaussians *g, int wide) {
-    fprintf(out, "ply\nformat binary_little_endian 1.0\nelement vertex %lld\n", (long long)g->count);
+    const double *up = g->up;
+    fprintf(out, "ply\nformat binary_little_endian 1.0\n");
+    if (up[0] || up[1] || up[2]) fprintf(out, "comment up %.17g %.17g %.17g\n", up[0], up[1], up[2]);
+    fprintf(out, "element vertex %lld\n", (long long)g->count);
     static const char *const first[] = {"x", "y", "z", "nx", "ny", "nz"};
     for (size_t i = 0; i < sizeof first / sizeof first[0]; i++)
         fprintf(out, "property %s %s\n", wide && i < 3 ? "double" : "float", first[i]);
@@ -47,10 +51,8 @@ static size_t fill_row(float *row, const td_gaussians *g, size_t i, double scale
 
 /* Both return the bytes' end. */
 static unsigned char *store_float(unsigned char *bytes, float value) {
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    td_put_le32(bytes, bits);
-    return bytes + sizeof bits;
+    td_put_le_float(bytes, value);
+    return bytes + sizeof value;
 }
 
 static unsigned char *store_double(unsigned char *bytes, double value) {
@@ -84,8 +86,13 @@ static int write_rows(FILE *out, const td_gaussians *g, double scale, int wide) 
 
 tides_status td_ply_write(const char *path, const td_gaussians *gaussians, double scale, tides_error *error) {
     char *part = NULL;
+    td_plain_numbers numbers;
     tides_status status = td_part_name(path, 1, &part, error);
-    if (status != TIDES_OK) return status;
+    if (status == TIDES_OK) status = td_plain_begin(&numbers, path, error);
+    if (status != TIDES_OK) {
+        free(part);
+        return status;
+    }
     FILE *out = fopen(part, "wb");
     if (!out) {
         status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", part, strerror(errno));
@@ -106,6 +113,7 @@ tides_status td_ply_write(const char *path, const td_gaussians *gaussians, doubl
         status = td_commit_file(part, path, error);
     if (!written) td_remove_part(part, path);
 done:
+    td_plain_end(&numbers);
     free(part);
     return status;
 }

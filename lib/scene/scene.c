@@ -70,6 +70,7 @@ tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const ti
         return name ? td_fail_within(error, status, "object %zu ('%.80s')", scene->count, name)
                     : td_fail_within(error, status, "%s", numbered);
     }
+    if (!trajectory && !tides_scene_up(scene, (double[3]){0})) memcpy(scene->up, gaussians->up, sizeof scene->up);
     object.gaussians = *gaussians;
     memset(gaussians, 0, sizeof *gaussians);
     if (index) *index = (int32_t)scene->count;
@@ -87,6 +88,23 @@ tides_status tides_scene_add(tides_scene *scene, const tides_gaussians *gaussian
     status = td_scene_take(scene, &copy, trajectory, scale, name, NULL, index, error);
     td_gaussians_free(&copy); /* empty where it was taken */
     return status;
+}
+
+static int32_t is_direction(const double v[3]) { return fabs(v[0]) > 0 || fabs(v[1]) > 0 || fabs(v[2]) > 0; }
+
+int32_t tides_scene_up(const tides_scene *scene, double up[3]) {
+    static const double unknown[3] = {0};
+    memcpy(up, scene ? scene->up : unknown, sizeof unknown);
+    return is_direction(up);
+}
+
+tides_status tides_scene_set_up(tides_scene *scene, const double up[3], tides_error *error) {
+    static const double unknown[3] = {0};
+    if (!scene) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_scene_set_up: scene is NULL");
+    if (up && !(isfinite(up[0]) && isfinite(up[1]) && isfinite(up[2])))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "up is (%g, %g, %g): must be finite", up[0], up[1], up[2]);
+    memcpy(scene->up, up ? up : unknown, sizeof scene->up);
+    return TIDES_OK;
 }
 
 int32_t tides_scene_objects(const tides_scene *scene) { return scene ? (int32_t)scene->count : 0; }

@@ -1,6 +1,7 @@
 /* Scene files: which reader a file's content asks for, which writer a file's ending asks for. What the bytes mean is each
  * format's own file's. */
 #include "td_base.h"
+#include "td_folder.h"
 #include "td_model_dir.h"
 #include "td_scene.h"
 #include "td_splat.h"
@@ -14,8 +15,7 @@
 
 /* The file's name without folders and ending. */
 static char *stem_of(const char *path, tides_error *error) {
-    const char *slash = strrchr(path, '/');
-    const char *start = slash ? slash + 1 : path;
+    const char *start = td_base_name(path);
     const char *dot = strrchr(start, '.');
     return td_format(error, "%.*s", (int)(dot && dot > start ? (size_t)(dot - start) : strlen(start)), start);
 }
@@ -102,23 +102,47 @@ static int is_splat(const beginning *b) { return ends_in(b->file, ".splat"); }
 
 static int is_sog(const beginning *b) { return b->got >= 4 && memcmp(b->bytes, "PK\3\4", 4) == 0 && td_sog_is_zip(b->file); }
 
-static int is_sog_folder(const beginning *b) {
-    if (!b->folder) return td_sog_is_meta(b->file);
-    char *meta = td_format(NULL, "%s/meta.json", b->file);
-    struct stat facts;
-    int found = meta && stat(meta, &facts) == 0;
-    free(meta);
+/* 1 for a folder with a file of that name. */
+static int holds(const beginning *b, const char *name) {
+    char *file = b->folder ? td_format(NULL, "%s/%s", b->file, name) : NULL;
+    const int found = file && td_is_file(file);
+    free(file);
     return found;
 }
 
-/* One line per format, surest first. */
+static int is_sog_folder(const beginning *b) { return b->folder ? holds(b, "meta.json") : td_sog_is_meta(b->file); }
+static int is_sog_lod(const beginning *b) { return b->folder ? holds(b, "lod-meta.json") : td_sog_is_lod(b->file); }
+
+static int is_gltf(const beginning *b) {
+    return (b->got >= 4 && memcmp(b->bytes, "glTF", 4) == 0) || (!b->folder && ends_in(b->file, ".gltf"));
+}
+
+/* What Git leaves in place of a large file that it hasn't fetched. */
+static const char pointer[] = "version https://git-lfs";
+static int is_pointer(const beginning *b) {
+    return b->got >= sizeof pointer - 1 && memcmp(b->bytes, pointer, sizeof pointer - 1) == 0;
+}
+static tides_status refuse_pointer(const char *path, td_gaussians *gaussians, tides_error *error) {
+    (void)gaussians;
+    return td_fail(error, TIDES_BAD_FILE, "%s: is a pointer of Git LFS and not the file itself: git lfs pull fetches it", path);
+}
+
+/* One line per format, surest first. The first is none, but stands in the place of all of them. */
 static const struct {
     int (*is)(const beginning *b);
     reader with;
-} formats[] = {{is_ply, {td_ply_parse, NULL}},    {is_spz, {td_spz_parse, NULL}},
-               {is_sog, {td_sog_parse, NULL}},    {is_sog_folder, {NULL, td_sog_read_folder}},
-               {is_hdf5, {NULL, NULL}},           {is_ksplat, {td_ksplat_parse, NULL}},
-               {is_splat, {td_splat_parse, NULL}}};
+} formats[] = {
+    {is_pointer, {NULL, refuse_pointer}},
+    {is_ply, {td_ply_parse, NULL}},
+    {is_spz, {td_spz_parse, NULL}},
+    {is_sog, {td_sog_parse, NULL}},
+    {is_gltf, {td_gltf_parse, NULL}},
+    {is_sog_lod, {NULL, td_sog_read_lod}},
+    {is_sog_folder, {NULL, td_sog_read_folder}},
+    {is_hdf5, {NULL, NULL}},
+    {is_ksplat, {td_ksplat_parse, NULL}},
+    {is_splat, {td_splat_parse, NULL}},
+};
 enum { FORMATS = sizeof formats / sizeof formats[0] };
 
 /* Index into `formats`; FORMATS where the content is none of them. */
@@ -159,19 +183,12 @@ tides_status tides_scene_add_file(tides_scene *scene, const char *file, const ti
     beginning start;
     tides_status status = read_beginning(file, &start, error);
     if (status) return status;
-    static const char pointer[] = "version https://git-lfs";
-    if (start.got >= sizeof pointer - 1 && memcmp(start.bytes, pointer, sizeof pointer - 1) == 0)
-        return td_fail(error, TIDES_BAD_FILE, "%s: is a pointer of Git LFS and not the file itself: git lfs pull fetches it",
-                       file);
-    if (start.got >= 4 && memcmp(start.bytes, "glTF", 4) == 0)
-        return td_fail(error, TIDES_UNSUPPORTED, "%s: is a binary glTF, which isn't read: export its splats as .ply or .spz",
-                       file);
     size_t format = format_of(&start);
     if (start.folder ? format == FORMATS : td_model_dir_is(file)) return add_model(scene, file, trajectory, scale, error);
     if (format == FORMATS)
         return td_fail(error, TIDES_BAD_FILE,
-                       "%s: is no scene: neither a PLY file (no 'ply' at byte 0), nor .spz, .sog, .ksplat, .splat or an HDF5 "
-                       "one: convert it to a 3DGS .ply first",
+                       "%s: is no scene: neither a PLY file (no 'ply' at byte 0), nor .spz, .sog, .glb, .gltf, .ksplat, "
+                       ".splat or an HDF5 one: convert it to a 3DGS .ply first",
                        file);
     reader with = formats[format].with;
     if (with.parse || with.read) return add_gaussians(scene, file, with, NULL, trajectory, scale, error);
@@ -182,7 +199,7 @@ tides_status tides_scene_add_file(tides_scene *scene, const char *file, const ti
 static const struct {
     const char *ending;
     tides_status (*write)(const char *path, const td_gaussians *gaussians, double scale, tides_error *error);
-} writers[] = {{".ply", td_ply_write}, {".spz", td_spz_write}, {".splat", td_splat_write}};
+} writers[] = {{".ply", td_ply_write}, {".spz", td_spz_write}, {".splat", td_splat_write}, {".glb", td_gltf_write}};
 enum { WRITERS = sizeof writers / sizeof writers[0] };
 
 static tides_status save_one(const tides_scene *scene, const char *file, size_t format, tides_error *error) {
@@ -197,7 +214,9 @@ static tides_status save_one(const tides_scene *scene, const char *file, size_t 
     if (object->motion)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: a %s has no place for the motion of '%.80s': save it as .h5", file,
                        ending, object->name);
-    return writers[format].write(file, &object->gaussians, object->scale, error);
+    td_gaussians gaussians = object->gaussians; /* the arrays stay the object's */
+    tides_scene_up(scene, gaussians.up);
+    return writers[format].write(file, &gaussians, object->scale, error);
 }
 
 tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_error *error) {
@@ -207,5 +226,5 @@ tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_
         if (ends_in(file, writers[i].ending)) return save_one(scene, file, i, error);
     if (ends_in(file, ".h5")) return td_scene_hdf5_write(scene, file, error);
     return td_fail(error, TIDES_BAD_ARGUMENT,
-                   "%s: a scene is saved as .h5, .ply, .spz or .splat: the name should end in one of them", file);
+                   "%s: a scene is saved as .h5, .ply, .spz, .splat or .glb: the name should end in one of them", file);
 }

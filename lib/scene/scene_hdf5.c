@@ -4,6 +4,7 @@
  *                                          version       int    1 or 2
  *                                          tides_version text   of the writer; for people
  *                                          objects       int    number of objects, >= 1
+ *                              datasets    up            double (3), which way; not where nobody says it
  *     /objects/0, 1, 2 ...     attributes  name, source  text   as in tides_object
  *                                          scale         double
  *                                          sh_degree     int    0..4; K = (sh_degree + 1)^2
@@ -241,6 +242,17 @@ static tides_status check_version(const td_place *root) {
                    (int)version, tides_version(), TD_SCENE_HDF5_VERSION);
 }
 
+/* Where nothing said it yet; of what is moved as a whole it's another one. */
+static tides_status read_up(tides_scene *scene, const td_place *root, const placement *moved) {
+    double up[3];
+    if (moved->trajectory || tides_scene_up(scene, up) || !td_place_has(root, "up")) return TIDES_OK;
+    tides_status status = expect_shape(root, "up", 1, (const uint64_t[]){3});
+    if (!status) status = td_place_read(root, "up", H5T_NATIVE_DOUBLE, up);
+    if (!status && tides_scene_set_up(scene, up, root->error) != TIDES_OK)
+        status = td_fail_within(root->error, TIDES_BAD_FILE, "%s", root->file);
+    return status;
+}
+
 static tides_status read_file(tides_scene *scene, const char *path, const placement *moved, tides_error *error) {
     td_place root = {.id = td_h5_open_disk(path), .file = path, .where = "/", .error = error};
     if (root.id < 0)
@@ -248,6 +260,7 @@ static tides_status read_file(tides_scene *scene, const char *path, const placem
     size_t before = scene->count;
     tides_status status = check_version(&root);
     if (!status) status = read_objects(scene, &root, moved);
+    if (!status) status = read_up(scene, &root, moved);
     if (status) td_scene_truncate(scene, before); /* all of the file's objects, or none */
     H5Fclose(root.id);
     return status;

@@ -119,6 +119,9 @@ static tides_status write_root(const td_place *root, const tides_scene *scene) {
     if (!status) status = td_place_write_int(root, "version", version_for(scene));
     if (!status) status = td_place_write_text(root, "tides_version", tides_version());
     if (!status) status = td_place_write_int(root, "objects", (int32_t)scene->count);
+    double up[3];
+    if (!status && tides_scene_up(scene, up))
+        status = td_place_write(root, "up", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, 1, (const uint64_t[]){3}, up);
     return status ? status : write_objects(root, scene);
 }
 

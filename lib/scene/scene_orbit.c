@@ -1,8 +1,16 @@
-/* An orbit that shows a scene nobody has a camera path for: round the middle of what is there, from where most of it is seen.
+/* An orbit that shows a scene nobody has a camera path for: round a thing, or in a place.
  *
- * A trained scene has strays far out, so that nothing here is a box or a mean: the middle is the median of each coordinate,
- * the size the radius about it that holds 90 % of the Gaussians. Captures with a background have that far out, too: two and a
- * half times the radius of the nearer half is then the size, which looks at what the photographer went round. */
+ * A trained scene has strays far out, so that nothing here is a box or a mean of all. Distances from the median tell a thing
+ * from a place: a thing ends (guitar, playbot, a plant: 99 % of it are within 1.2 to 1.3 times the radius of 90 %), while what
+ * is seen behind a capture goes on and on (garden's points, cut to what is near by who published them: 1.5).
+ *
+ * Of a thing 99 % are shown, from the least distance at which all of that is within the image from every side: each Gaussian
+ * says in closed form how near the camera may come. A radius alone left a guitar's neck out, and half of the image empty.
+ *
+ * In a place the camera goes where the photographer went, for there it is free: garden's stood 1.05 to 1.23 from the median,
+ * and half of its points are nearer than 1.22. From where all of it would fit into the image one sees its outside, and at
+ * twice that distance the inside of a hedge. */
+#include "camera/td_rotation.h"
 #include "td_base.h"
 #include "td_scene.h"
 #include "td_sort.h"
@@ -12,11 +20,12 @@
 
 enum { SAMPLES = 65536 };               /* Gaussians that are looked at; quantiles of so many are good to half a percent */
 static const double faint_logit = -3.0; /* opacity 0.05: haze, which is everywhere */
-static const double background = 2.5;   /* see above; 1.2 for a ball full of Gaussians, 1 for a shell */
-static const double margin = 1.15;      /* room round it */
-static const double raised = 0.35;      /* the camera stands 20 degrees above the middle */
-static const double turn_s = 12.0;      /* [s] */
-static const double flat = 0.5;         /* of the narrower of the other two: the ground of a scene with z up */
+static const double all = 0.99, most = 0.9, half = 0.5; /* quantiles of the distance */
+static const double ends = 1.45;   /* ratio of the first two at most where it is a thing; of a normal distribution it is 1.35 */
+static const double margin = 1.05; /* room round it, for what Gaussians reach beyond their means */
+static const double raised = 0.35; /* the camera stands 20 degrees above the middle */
+static const double turn_s = 12.0; /* [s] */
+static const double flat = 0.5;    /* of the narrower of the other two: the ground of a scene with z up */
 static const double two_pi = 6.28318530717958647692;
 
 typedef struct survey {
@@ -60,7 +69,7 @@ static tides_status take_survey(const tides_scene *scene, survey *s, tides_error
 }
 
 static double quantile(const double *sorted, size_t count, double fraction) {
-    return sorted[(size_t)(fraction * (double)(count - 1))];
+    return sorted[(size_t)(fraction * (double)(count - 1) + 0.5)];
 }
 
 /* What trainers on photographs have: y down, as their cameras; with a floor across z, and far less along it, z up, as
@@ -73,23 +82,102 @@ static void guess_up(const double width[3], double up[3]) {
     up[2] = z_up ? 1 : 0;
 }
 
-/* The middle to orbit->target, and the widths [scene units] that hold 80 % along each axis. Sorts each axis. */
-static void find_middle(survey *s, double width[3], tides_orbit *orbit) {
+/* The median, and the widths [scene units] that hold 80 % along each axis. Uses s->distance. */
+static void find_middle(survey *s, double width[3], double middle[3]) {
     for (int axis = 0; axis < 3; axis++) {
         memcpy(s->distance, s->at[axis], s->count * sizeof *s->distance);
         qsort(s->distance, s->count, sizeof *s->distance, td_ascending);
-        orbit->target[axis] = quantile(s->distance, s->count, 0.5);
+        middle[axis] = quantile(s->distance, s->count, 0.5);
         width[axis] = quantile(s->distance, s->count, 0.9) - quantile(s->distance, s->count, 0.1);
     }
 }
 
-static double find_size(survey *s, const double middle[3]) {
+static double distance_from(const survey *s, const double middle[3], size_t i) {
+    const double away[3] = {s->at[0][i] - middle[0], s->at[1][i] - middle[1], s->at[2][i] - middle[2]};
+    return td_length3(away);
+}
+
+/* Leaves in the survey what is within `reach` of the middle, and moves that into the middle of its box. */
+static void keep_within(survey *s, double reach, double middle[3]) {
+    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    size_t kept = 0;
     for (size_t i = 0; i < s->count; i++) {
-        const double x = s->at[0][i] - middle[0], y = s->at[1][i] - middle[1], z = s->at[2][i] - middle[2];
-        s->distance[i] = sqrt(x * x + y * y + z * z);
+        if (distance_from(s, middle, i) > reach) continue;
+        for (int axis = 0; axis < 3; axis++) {
+            s->at[axis][kept] = s->at[axis][i];
+            lower[axis] = fmin(lower[axis], s->at[axis][i]);
+            upper[axis] = fmax(upper[axis], s->at[axis][i]);
+        }
+        kept++;
     }
+    s->count = kept;
+    for (int axis = 0; axis < 3; axis++) middle[axis] = 0.5 * (lower[axis] + upper[axis]);
+}
+
+/* Cylindrical coordinates about the axis through the target, in place of the first two of the survey: how high above the
+ * target, and how far from the axis. 0 where `up` is no direction, which the path says. */
+static int turn_upright(survey *s, const tides_orbit *orbit) {
+    const double *up = orbit->up, length = td_length3(up);
+    for (size_t i = 0; i < s->count && length > 0; i++) {
+        const double r = distance_from(s, orbit->target, i);
+        double high = 0;
+        for (int axis = 0; axis < 3; axis++) high += (s->at[axis][i] - orbit->target[axis]) * up[axis] / length;
+        s->at[0][i] = high;
+        s->at[1][i] = sqrt(fmax(r * r - high * high, 0));
+    }
+    return length > 0;
+}
+
+/* How far from the target the camera must be for what is `high` above it and `out` from the axis to be in the image all the way
+ * round, in its rows or in its columns. At an angle a from the camera's side that is out sin(a) beside the optical axis, above
+ * it by high c - out cos(a) s, and nearer than the target by high s + out cos(a) c. */
+static double nearest_in_rows(double high, double out, double tangent) {
+    const double c = 1 / sqrt(1 + raised * raised), s = raised * c;
+    const double front = fabs(high * c - out * s) / tangent + out * c, back = fabs(high * c + out * s) / tangent - out * c;
+    return high * s + fmax(front, back);
+}
+
+static double nearest_in_columns(double high, double out, double tangent) {
+    const double c = 1 / sqrt(1 + raised * raised), s = raised * c;
+    return high * s + out * sqrt(1 / (tangent * tangent) + c * c); /* at the worst angle */
+}
+
+static double nearest(const survey *s, double (*one)(double, double, double), double shift, double tangent) {
+    double most_of_all = 0;
+    for (size_t i = 0; i < s->count; i++) most_of_all = fmax(most_of_all, one(s->at[0][i] - shift, s->at[1][i], tangent));
+    return most_of_all;
+}
+
+/* A thing's orbit: its target is moved along `up` to where as much room is left above as below, for what is nearer looks
+ * larger. That is where the rows let the camera come nearest; how near is convex in the shift. */
+static double find_distance(survey *s, tides_orbit *orbit, double tangent) {
+    double low = 0, high = 0;
+    if (!turn_upright(s, orbit)) return 1;
+    for (size_t i = 0; i < s->count; i++) {
+        low = fmin(low, s->at[0][i]);
+        high = fmax(high, s->at[0][i]);
+    }
+    for (int i = 0; i < 24; i++) { /* to a 2e4th of its height */
+        const double third = (high - low) / 3;
+        if (nearest(s, nearest_in_rows, low + third, tangent) < nearest(s, nearest_in_rows, high - third, tangent))
+            high -= third;
+        else
+            low += third;
+    }
+    const double shift = 0.5 * (low + high), length = td_length3(orbit->up);
+    for (int axis = 0; axis < 3; axis++) orbit->target[axis] += shift * orbit->up[axis] / length;
+    const double distance = fmax(nearest(s, nearest_in_rows, shift, tangent), nearest(s, nearest_in_columns, shift, tangent));
+    return margin * (distance > 0 ? distance : 1 / tangent); /* a single Gaussian has no size */
+}
+
+/* How far from the target the camera goes, and for a thing, where that is. */
+static double choose(survey *s, tides_orbit *orbit, double tangent) {
+    for (size_t i = 0; i < s->count; i++) s->distance[i] = distance_from(s, orbit->target, i);
     qsort(s->distance, s->count, sizeof *s->distance, td_ascending);
-    return fmin(quantile(s->distance, s->count, 0.9), background * quantile(s->distance, s->count, 0.5));
+    const double reach = quantile(s->distance, s->count, all), usual = quantile(s->distance, s->count, half);
+    if (reach > ends * quantile(s->distance, s->count, most) && usual > 0) return usual;
+    keep_within(s, reach, orbit->target);
+    return find_distance(s, orbit, tangent);
 }
 
 tides_status tides_scene_orbit(const tides_scene *scene, const double up[3], double field_of_view, tides_orbit *orbit,
@@ -103,11 +191,10 @@ tides_status tides_scene_orbit(const tides_scene *scene, const double up[3], dou
     tides_status status = take_survey(scene, &s, error);
     if (status == TIDES_OK) {
         *orbit = (tides_orbit){.angular_speed = two_pi / turn_s, .stop = turn_s};
-        find_middle(&s, width, orbit);
-        guess_up(width, orbit->up);
+        find_middle(&s, width, orbit->target);
+        if (!tides_scene_up(scene, orbit->up)) guess_up(width, orbit->up);
         if (up) memcpy(orbit->up, up, sizeof orbit->up);
-        const double size = find_size(&s, orbit->target),
-                     distance = margin * (size > 0 ? size : 1.0) / sin(0.5 * field_of_view);
+        const double distance = choose(&s, orbit, tan(0.5 * field_of_view));
         orbit->radius = distance / sqrt(1 + raised * raised);
         orbit->height = raised * orbit->radius;
     }

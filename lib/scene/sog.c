@@ -13,9 +13,8 @@
 #include "archive/td_zip.h"
 #include "td_base.h"
 #include "td_splat.h"
+#include "td_splat_json.h"
 
-#include <cjson/cJSON.h>
-#include <locale.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -103,23 +102,14 @@ static tides_status read_picture(const sog *s, const char *entry, int number, si
 
 /* `count` finite numbers of entry.key. */
 static tides_status read_numbers(const sog *s, const char *entry, const char *key, double *values, int count) {
-    const cJSON *list = cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(s->meta, entry), key), *item;
-    int good = 0;
-    if (cJSON_IsArray(list) && cJSON_GetArraySize(list) == count) {
-        cJSON_ArrayForEach(item, list) {
-            if (!cJSON_IsNumber(item) || !(fabs(item->valuedouble) <= 3.4e38)) break; /* within float's range */
-            values[good++] = item->valuedouble;
-        }
-    }
-    if (good == count) return TIDES_OK;
+    if (td_json_numbers(cJSON_GetObjectItemCaseSensitive(s->meta, entry), key, values, count)) return TIDES_OK;
     return td_fail(s->error, TIDES_BAD_FILE, "%s: %s.%s must be a list of %d numbers", s->path, entry, key, count);
 }
 
 /* A whole number from 1 to `most`; 0 where it isn't one. */
-static size_t whole(const cJSON *object, const char *key, double most) {
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, key);
-    if (!cJSON_IsNumber(item) || !(item->valuedouble >= 1 && item->valuedouble <= most)) return 0;
-    return item->valuedouble == floor(item->valuedouble) ? (size_t)item->valuedouble : 0;
+static size_t whole(const cJSON *object, const char *key, int64_t most) {
+    const int64_t value = td_json_whole(object, key, 1, most);
+    return value < 1 ? 0 : (size_t)value;
 }
 
 /* Element `index` of `entry`.shape as a whole number; 0 where it isn't one. */
@@ -141,7 +131,7 @@ static size_t bands_of(const sog *s, const cJSON *palette) {
 static tides_status count_and_degree(sog *s) {
     const cJSON *palette = cJSON_GetObjectItemCaseSensitive(s->meta, "shN");
     const size_t bands = palette ? bands_of(s, palette) : 0;
-    s->count = s->version == 2 ? whole(s->meta, "count", (double)LARGEST * LARGEST) : shape(s, "means", 0);
+    s->count = s->version == 2 ? whole(s->meta, "count", (int64_t)LARGEST * LARGEST) : shape(s, "means", 0);
     if (s->count == 0) return fail(s, "count", "must be a whole number from 1 on that fits in a picture");
     if (palette && bands == 0) return fail(s, "shN", "must have 1, 2 or 3 bands");
     s->degree = (int32_t)bands;
@@ -153,20 +143,11 @@ static tides_status parse_meta(sog *s) {
     void *owned = NULL;
     size_t size = 0;
     tides_status status = read_member(s, "meta.json", &text, &size, &owned);
-    if (!status) {
-        locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0); /* the program's may have a decimal comma */
-        locale_t before = plain ? uselocale(plain) : (locale_t)0;
-        s->meta = cJSON_ParseWithLength((const char *)text, size);
-        if (plain) {
-            uselocale(before);
-            freelocale(plain);
-        }
-        if (!s->meta) status = fail(s, "meta.json", "isn't valid JSON");
-    }
+    if (!status) status = td_splat_json(s->path, "meta.json", text, size, &s->meta, s->error);
     free(owned);
     if (status) return status;
     const cJSON *version = cJSON_GetObjectItemCaseSensitive(s->meta, "version");
-    s->version = version ? (int32_t)whole(s->meta, "version", 1e9) : 1;
+    s->version = version ? (int32_t)whole(s->meta, "version", INT32_MAX) : 1;
     if (s->version == 1 && !cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(s->meta, "means"), "shape"))
         return fail(s, "meta.json", "is no SOG's: it has neither a \"version\" nor means.shape");
     if (s->version != 1 && s->version != 2)
@@ -321,9 +302,7 @@ tides_status td_sog_parse(const char *path, const void *data, size_t size, td_ga
 }
 
 tides_status td_sog_read_folder(const char *path, td_gaussians *gaussians, tides_error *error) {
-    const char *slash = strrchr(path, '/');
-    int inside = td_sog_is_meta(path);
-    char *folder = inside ? td_format(error, "%.*s", (int)(slash ? slash - path + 1 : 0), path) : td_format(error, "%s/", path);
+    char *folder = td_sog_is_meta(path) ? td_folder_prefix(path, error) : td_format(error, "%s/", path);
     if (!folder) return TIDES_NO_MEMORY;
     sog s = {.path = path, .folder = folder, .error = error};
     tides_status status = read_sog(&s, gaussians);
@@ -331,10 +310,7 @@ tides_status td_sog_read_folder(const char *path, td_gaussians *gaussians, tides
     return status;
 }
 
-int td_sog_is_meta(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return strcmp(slash ? slash + 1 : path, "meta.json") == 0;
-}
+int td_sog_is_meta(const char *path) { return strcmp(td_base_name(path), "meta.json") == 0; }
 
 int td_sog_is_zip(const char *path) {
     char *data = NULL;

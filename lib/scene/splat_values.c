@@ -21,6 +21,14 @@ float td_splat_dc(double colour) { return (float)((colour - 0.5) / SH_C0); }
 
 double td_splat_colour(double dc) { return 0.5 + SH_C0 * dc; }
 
+double td_splat_opacity(float logit) { return 1 / (1 + exp(-(double)logit)); }
+
+void td_splat_unit(const float q[4], double out[4]) {
+    double square = 0;
+    for (int k = 0; k < 4; k++) square += (double)q[k] * q[k];
+    for (int k = 0; k < 4; k++) out[k] = q[k] / sqrt(square);
+}
+
 void td_splat_rebuild(const double others[3], unsigned largest, float q[4]) {
     double rest = 1;
     for (unsigned i = 0, k = 0; i < 4; i++) {

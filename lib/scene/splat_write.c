@@ -15,34 +15,18 @@ enum { SPLAT_ROW = 32, SPZ_HEADER = 16, SPZ_MAGIC = 0x5053474e, SPZ_VERSION = 3,
 
 static unsigned char to_byte(double value) { return (unsigned char)(value <= 0 ? 0 : value >= 255 ? 255 : floor(value + 0.5)); }
 
-static double sigmoid(float logit) { return 1 / (1 + exp(-(double)logit)); }
-
-/* wxyz of length 1. */
-static void unit_quaternion(const float q[4], double out[4]) {
-    double square = 0;
-    for (int k = 0; k < 4; k++) square += (double)q[k] * q[k];
-    for (int k = 0; k < 4; k++) out[k] = q[k] / sqrt(square);
-}
-
-static void put_float(unsigned char *to, double value) {
-    const float rounded = (float)value;
-    uint32_t bits;
-    memcpy(&bits, &rounded, sizeof bits);
-    td_put_le32(to, bits);
-}
-
 /* -- .splat -- */
 
 static void splat_row(unsigned char *row, const td_gaussians *g, size_t i, double scale) {
     const float *sh = g->sh + 3 * td_sh_coefficients(g->sh_degree) * i;
     double q[4];
-    unit_quaternion(g->quaternion + 4 * i, q);
+    td_splat_unit(g->quaternion + 4 * i, q);
     for (size_t k = 0; k < 3; k++) {
-        put_float(row + 4 * k, scale * td_gaussians_mean(g, (int64_t)i, (int)k));
-        put_float(row + 12 + 4 * k, scale * exp((double)g->log_scale[3 * i + k]));
+        td_put_le_float(row + 4 * k, td_narrow(scale * td_gaussians_mean(g, (int64_t)i, (int)k)));
+        td_put_le_float(row + 12 + 4 * k, td_narrow(scale * exp((double)g->log_scale[3 * i + k])));
         row[24 + k] = to_byte(255 * td_splat_colour(sh[k]));
     }
-    row[27] = to_byte(255 * sigmoid(g->opacity_logit[i]));
+    row[27] = to_byte(255 * td_splat_opacity(g->opacity_logit[i]));
     for (size_t k = 0; k < 4; k++) row[28 + k] = to_byte(128 + 128 * q[k]);
 }
 
@@ -97,7 +81,7 @@ static void pack_spz(unsigned char *to, const td_gaussians *g, double scale, int
     for (size_t i = 0; i < n; i++) {
         const float *own = g->sh + 3 * coefficients * i;
         double q[4];
-        unit_quaternion(g->quaternion + 4 * i, q);
+        td_splat_unit(g->quaternion + 4 * i, q);
         q[2] = -q[2];
         q[3] = -q[3];
         for (size_t k = 0; k < 3; k++) {
@@ -106,7 +90,7 @@ static void pack_spz(unsigned char *to, const td_gaussians *g, double scale, int
             colour[3 * i + k] = to_byte(255 * (0.15 * own[k] + 0.5));
             size[3 * i + k] = to_byte(16 * (g->log_scale[3 * i + k] + log(scale) + 10));
         }
-        alpha[i] = to_byte(255 * sigmoid(g->opacity_logit[i]));
+        alpha[i] = to_byte(255 * td_splat_opacity(g->opacity_logit[i]));
         td_put_le32(rotation + 4 * i, smallest_three(q));
         for (size_t k = 1; k < coefficients; k++)
             for (size_t c = 0; c < 3; c++)

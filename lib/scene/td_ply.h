@@ -48,10 +48,14 @@ typedef struct td_ply_header {
     int format;
     size_t body;  /* byte where the rows begin */
     size_t lines; /* of the header, its last one included */
+    double up[3]; /* what comments say of where up is; zeros: nothing */
     td_ply_element *elements;
     td_ply_property *properties; /* of all elements, in order */
     size_t element_count, property_count, element_capacity, property_capacity;
 } td_ply_header;
+
+/* 1 where the word is a number. Needs the C locale (td_plain_begin). */
+int td_ply_number(td_ply_word word, double *value);
 
 /* On success the caller frees the header; its words live as long as the file's bytes. */
 tides_status td_ply_header_parse(const td_ply_file *file, td_ply_header *header, tides_error *error);

@@ -14,6 +14,7 @@ typedef struct td_gaussians {
     float *mean, *log_scale, *quaternion, *opacity_logit, *sh;
     double origin[3];    /* [scene units] what means are relative to */
     double *mean_double; /* NULL, or means as a reader found them, more exact than `mean`: until td_scene_take */
+    double up[3];        /* what their file says of where up is; zeros: nothing */
 } td_gaussians;
 
 typedef struct td_object {
@@ -30,6 +31,7 @@ typedef struct td_object {
 struct tides_scene {
     td_object *objects;
     size_t count, capacity;
+    double up[3]; /* zeros: nobody says */
 };
 
 /* Means, in the world, and coefficients of colour reach no further. In single precision squares of distances are formed of
@@ -79,6 +81,15 @@ int td_gaussians_fit_float(const td_gaussians *gaussians);
 
 /* Makes an object's pose that of means relative to `origin`: p_world = scale R (origin + p) + position. 0: nothing to do. */
 int td_pose_add_origin(tides_pose *pose, double scale, const double origin[3]);
+
+/* -- gaussians_place.c -- */
+
+/* Moves Gaussians by p -> A p + t, `map` being A | t row by row: A a rotation after factors > 0 along its axes. Means, shapes,
+ * and the directions that colours are seen from. TIDES_NO_MEMORY. */
+tides_status td_gaussians_place(td_gaussians *gaussians, const double map[12], tides_error *error);
+
+/* `count` >= 1 sets, one after the other, as one of the highest SH degree among them. On success they are left empty. */
+tides_status td_gaussians_join(td_gaussians *parts, size_t count, td_gaussians *joined, tides_error *error);
 
 /* -- mip_filter.c -- */
 

@@ -5,6 +5,7 @@
 
 #include "scene/td_ply.h"
 #include "scene/td_scene.h"
+#include "td_folder.h"
 
 /* -- readers: `path` is for messages only; `gaussians` is untouched on failure. TIDES_BAD_FILE, TIDES_UNSUPPORTED,
  *    TIDES_NO_MEMORY. Values are decoded, not judged: td_scene_take does that. ------------------------------------------- */
@@ -30,6 +31,16 @@ tides_status td_sog_parse(const char *path, const void *data, size_t size, td_ga
 tides_status td_sog_read_folder(const char *path, td_gaussians *gaussians, tides_error *error);
 int td_sog_is_meta(const char *path); /* 1 where the file's name is meta.json */
 int td_sog_is_zip(const char *path);  /* 1 where the file is a ZIP with a meta.json */
+
+/* Streamed SOG: lod-meta.json or its folder, at the finest level (sog_lod.c). The files that this reads: the meta.json of each
+ * part. */
+tides_status td_sog_read_lod(const char *path, td_gaussians *gaussians, tides_error *error);
+tides_status td_sog_lod_files(const char *path, td_folder *files, tides_error *error);
+int td_sog_is_lod(const char *path); /* 1 where the file's name is lod-meta.json */
+
+/* glTF, .glb or .gltf (gltf_splats.c). The files that its buffers are in, beside it or below (gltf.c). */
+tides_status td_gltf_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
+tides_status td_gltf_files(const char *path, td_folder *files, tides_error *error);
 
 /* -- inflate.c: gzip and zstd into a buffer of known size -------------------------------------------------------------- */
 
@@ -59,13 +70,18 @@ float td_splat_log_scale(double scale);
 float td_splat_dc(double colour);
 double td_splat_colour(double dc);
 
+/* What the logit of an opacity stands for, and a quaternion of length 1 (wxyz). */
+double td_splat_opacity(float logit);
+void td_splat_unit(const float q[4], double out[4]);
+
 /* spz.c: 1 where coefficient k of INRIA's order changes its sign with y and z: where it is odd in the two together. */
 int td_spz_changes_sign(size_t k);
 
-/* -- splat_write.c: whole files, means and scales times `scale` -- */
+/* -- splat_write.c, gltf_write.c: whole files, means and scales times `scale` -- */
 
 tides_status td_splat_write(const char *path, const td_gaussians *gaussians, double scale, tides_error *error);
 tides_status td_spz_write(const char *path, const td_gaussians *gaussians, double scale, tides_error *error);
+tides_status td_gltf_write(const char *path, const td_gaussians *gaussians, double scale, tides_error *error);
 
 /* Quaternion wxyz of its three components but the largest, in order, and which that is (0..3 in w, x, y, z order). */
 void td_splat_rebuild(const double others[3], unsigned largest, float q[4]);

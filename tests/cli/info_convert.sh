@@ -85,9 +85,15 @@ printf 'version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 3\n' >lfs
 refuse 1 "lfs.ply: is a pointer of Git LFS" tides info lfs.ply
 refuse 1 "lfs.ply: is a pointer of Git LFS" tides camera orbit --scene lfs.ply -o x.json
 printf 'glTF\002\000\000\000' >a.glb
-refuse 1 "a.glb: is a binary glTF" tides info a.glb
+refuse 1 "a.glb: is a binary glTF that ends early" tides info a.glb
+printf '{ "asset": { "version": "2.0", "generator": "Blender" }, "meshes": [{ "primitives": [{}] }] }' >mesh.gltf
+for command in 'info mesh.gltf' 'render mesh.gltf -o x.png' 'simulate mesh.gltf -o x.h5' 'convert mesh.gltf x.ply'; do
+    # shellcheck disable=SC2086 # several words
+    refuse 1 "mesh.gltf: is a glTF without Gaussian splats: none of its 1 meshes \(by Blender\)" tides $command
+done
 printf '{ "lodLevels": 3, "filenames": [] }' >lod-meta.json
-refuse 1 "streamed SOG" tides info lod-meta.json
+refuse 1 "lod-meta.json: is no streamed SOG's: it has no tree" tides info lod-meta.json
+refuse 1 "lod-meta.json: is no streamed SOG's: it has no tree" tides render lod-meta.json -o x.png
 
 # Scenes into the formats of viewers, and back.
 make_scene
@@ -95,10 +101,11 @@ expect 0 tides convert scene.ply out.spz
 out "out.spz: 108 Gaussians"
 expect 0 tides convert scene.ply out.splat
 [ ! -s err ] || fail "nothing is lost of a scene without SH"
-for made in out.spz out.splat; do
+expect 0 tides convert scene.ply out.glb
+for made in out.spz out.splat out.glb; do
     expect 0 tides info $made
     out "^gaussians +108"
     expect 0 tides render run.json -qo $made.exr --set scene.file=$made
 done
-refuse 1 "x.foo: a scene is saved as .h5, .ply, .spz or .splat" tides convert scene.ply x.foo
+refuse 1 "x.foo: a scene is saved as .h5, .ply, .spz, .splat or .glb" tides convert scene.ply x.foo
 refuse 1 "lfs.ply: is a pointer of Git LFS" tides convert lfs.ply x.spz

@@ -19,7 +19,8 @@ static void fuzz_cameras(const char *text, size_t bytes, int binary) {
 }
 
 static void fuzz_images(const char *text, size_t bytes, int binary) {
-    td_colmap_camera camera = {1, 0, {640, 480, 500, 500, 320, 240}};
+    td_colmap_camera camera = {.id = 1,
+                               .intrinsics = {.width = 640, .height = 480, .fx = 500, .fy = 500, .cx = 320, .cy = 240}};
     const td_colmap_cameras cameras = {&camera, 1, 1};
     tides_path_options options;
     tides_path_options_defaults(&options);
@@ -30,6 +31,7 @@ static void fuzz_images(const char *text, size_t bytes, int binary) {
     for (size_t i = 0; status == TIDES_OK && i < reader.count; i++)
         if (!(reader.samples[i].time >= 0 && reader.samples[i].time <= 1)) abort();
     free(reader.samples);
+    free(reader.views);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

@@ -7,7 +7,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     float untouched = 0;
-    td_gaussians gaussians = {-1, -1, &untouched, &untouched, &untouched, &untouched, &untouched};
+    td_gaussians gaussians = {.count = -1, .sh_degree = -1, .mean = &untouched, .sh = &untouched};
     tides_error error = {0, ""};
     tides_status status = td_ply_parse("fuzz", data, size, &gaussians, &error);
     if (status != TIDES_OK) {

@@ -12,7 +12,7 @@ typedef tides_status fuzz_parser(const char *path, const void *data, size_t size
 /* `most`: Gaussians that a byte of the file can stand for, at most. */
 static inline void fuzz_splats(fuzz_parser *parse, const uint8_t *data, size_t size, uint64_t most) {
     float untouched = 0;
-    td_gaussians gaussians = {-1, -1, &untouched, &untouched, &untouched, &untouched, &untouched};
+    td_gaussians gaussians = {.count = -1, .sh_degree = -1, .mean = &untouched, .sh = &untouched};
     tides_error error = {0, ""};
     tides_status status = parse("fuzz", data, size, &gaussians, &error);
     if (status != TIDES_OK) {

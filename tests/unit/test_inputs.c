@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "tests/support/gltf_make.h"
 #include "tests/support/scene_folder.h"
 #include "tides/inputs.h"
 
@@ -93,6 +94,43 @@ static void a_models_folder_is_what_is_read_of_it(void **state) {
     put(f, "m/cfg_args", "Namespace(sh_degree=3)");
     inputs_are(f, "{\"scene\": {\"file\": \"m\"}, \"camera\": {\"file\": \"p.txt\"}}",
                "scene.file m/point_cloud/iteration_30/point_cloud.ply|scene.file m/cfg_args|camera.file p.txt");
+}
+
+/* Streamed SOG's parts of the finest level with their pictures, and no others; a glTF's buffers, by their names, up
+ * to one that its reader refuses. */
+static void scenes_in_several_files(void **state) {
+    void *f = *state;
+    make_folder(f, "lod");
+    make_folder(f, "lod/0_0");
+    make_folder(f, "lod/1_0");
+    make_folder(f, "gltf");
+    make_folder(f, "gltf/deep");
+    put(f, "lod/0_0/meta.json", "{}");
+    put(f, "lod/0_0/means_l.webp", "x");
+    put(f, "lod/1_0/meta.json", "{}");
+    put(f, "lod/lod-meta.json",
+        "{\"filenames\":[\"0_0/meta.json\",\"1_0/meta.json\"],\"tree\":{\"lods\":{\"0\":{\"file\":0,\"offset\":0,\"count\":1},"
+        "\"1\":{\"file\":1,\"offset\":0,\"count\":1}}}}");
+    static const char buffers[] =
+        "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"uri\":\"data:;base64,AAAA\"},{\"uri\":\"a.dat\"},"
+        "{},{\"uri\":\"deep/b%20c.bin\"},{\"uri\":\"../p.txt\"},{\"uri\":\"never.bin\"}]}";
+    put(f, "gltf/a.gltf", buffers);
+    put(f, "gltf/other.bin", "x");
+    scene_bytes words = {0}, none = {0};
+    scene_bytes_add(&words, buffers, strlen(buffers));
+    splat_zeros(&none, 4);
+    scene_bytes binary = gltf_glb_of(words, none);
+    scene_file_write(scene_in_folder(f, "gltf/b.glb"), binary.data, binary.size);
+    free(binary.data);
+    inputs_are(f, "{\"scene\": {\"file\": \"lod/lod-meta.json\"}, \"camera\": {\"file\": \"p.txt\"}}",
+               "scene.file lod/lod-meta.json|scene.file lod/0_0/meta.json|scene.file lod/0_0/means_l.webp|camera.file p.txt");
+    inputs_are(f, "{\"scene\": {\"file\": \"gltf/a.gltf\"}, \"camera\": {\"file\": \"p.txt\"}}",
+               "scene.file gltf/a.gltf|scene.file gltf/a.dat|scene.file gltf/deep/b c.bin|camera.file p.txt");
+    inputs_are(f, "{\"scene\": {\"file\": \"gltf/b.glb\"}, \"camera\": {\"file\": \"p.txt\"}}",
+               "scene.file gltf/b.glb|scene.file gltf/a.dat|scene.file gltf/deep/b c.bin|camera.file p.txt");
+    put(f, "lod/lod-meta.json", "{"); /* for its reader to refuse */
+    inputs_are(f, "{\"scene\": {\"file\": \"lod/lod-meta.json\"}, \"camera\": {\"file\": \"p.txt\"}}",
+               "scene.file lod/lod-meta.json|camera.file p.txt");
 }
 
 static uint64_t print_of(tides_fingerprints *prints, const char *path) {
@@ -191,9 +229,8 @@ static void a_run_is_its_text_and_its_files(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        IN_FOLDER(each_key_and_what_lies_beside),
-        IN_FOLDER(a_models_folder_is_what_is_read_of_it),
-        IN_FOLDER(changes_are_seen_and_nothing_else),
+        IN_FOLDER(each_key_and_what_lies_beside),   IN_FOLDER(a_models_folder_is_what_is_read_of_it),
+        IN_FOLDER(scenes_in_several_files),         IN_FOLDER(changes_are_seen_and_nothing_else),
         IN_FOLDER(a_run_is_its_text_and_its_files),
     };
     return cmocka_run_group_tests_name("inputs", tests, NULL, NULL);

@@ -117,6 +117,25 @@ static void every_key_reaches_its_field(void **state) {
     tides_run_destroy(run);
 }
 
+/* Whole numbers as they are, and in quotes those that JSON's doubles don't hold. */
+static void seeds_are_numbers_or_texts(void **state) {
+    (void)state;
+    static const char *const cases[][2] = {{"42", "42"},
+                                           {"\"42\"", "42"},
+                                           {"0", "0"},
+                                           {"9007199254740992", "9007199254740992"},
+                                           {"\"9007199254740993\"", "9007199254740993"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char text[160];
+        tides_run_values v;
+        snprintf(text, sizeof text, "{" BASE ", \"seed\": %s}", cases[i][0]);
+        tides_run *run = accepted(text, NULL, 0);
+        tides_run_get(run, &v);
+        assert_string_equal(v.seed, cases[i][1]);
+        tides_run_destroy(run);
+    }
+}
+
 static void choices_reach_their_constants(void **state) {
     (void)state;
     enum { FIXED = TIDES_STEPPING_FIXED, ERROR = TIDES_STEPPING_ERROR }; /* other models than hermite want fixed steps */
@@ -455,6 +474,7 @@ int main(void) {
         cmocka_unit_test(table_is_consistent),
         cmocka_unit_test(defaults_are_the_headers),
         cmocka_unit_test(every_key_reaches_its_field),
+        cmocka_unit_test(seeds_are_numbers_or_texts),
         cmocka_unit_test(choices_reach_their_constants),
         cmocka_unit_test(overrides_win_in_order),
         cmocka_unit_test(unknown_keys_name_the_nearest),

@@ -291,7 +291,7 @@ static void test_save_refusals(void **state) {
     scene_expect_error(tides_scene_save(scene, ply, &error), TIDES_BAD_ARGUMENT, &error, "s.ply|scene is empty");
     scene_add(scene, &g, NULL, 1, NULL);
     scene_expect_error(tides_scene_save(scene, "s.ksplat", &error), TIDES_BAD_ARGUMENT, &error,
-                       "s.ksplat|.h5, .ply, .spz or .splat");
+                       "s.ksplat|.h5, .ply, .spz, .splat or .glb");
     scene_expect_error(tides_scene_save(scene, "ply", &error), TIDES_BAD_ARGUMENT, &error, ".h5, .ply");
     scene_add(scene, &g, NULL, 1, NULL);
     scene_expect_error(tides_scene_save(scene, ply, &error), TIDES_UNSUPPORTED, &error, "s.ply|one object|has 2|.h5");

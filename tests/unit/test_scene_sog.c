@@ -1,4 +1,4 @@
-/* SOG scenes made by the test, packed and as a folder: values, and every way of being wrong. */
+/* SOG scenes made by the test, packed, as a folder and streamed: values, and every way of being wrong. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,8 +11,10 @@
 
 #include "tests/support/scene_folder.h"
 #include "tests/support/splat_make.h"
+#include "tides/run.h"
 
 #include <math.h>
+#include <sys/stat.h>
 #include <webp/encode.h>
 
 enum { COUNT = 5, WIDTH = 4, HEIGHT = 2, PALETTE = 70, FILES = 7, CODES = 4096 };
@@ -195,6 +197,15 @@ static void packed(void **state) {
     version_1 = 0;
 }
 
+/* In a run file's place it is a scene, though its name ends as a run file's does. */
+static void is_a_run(const char *path) {
+    tides_error error = {0, ""};
+    tides_run *run = NULL;
+    scene_expect_ok(tides_run_load(path, NULL, 0, &run, &error), &error);
+    assert_non_null(strstr(tides_run_notes(run), "a scene without a run file"));
+    tides_run_destroy(run);
+}
+
 /* As a folder, by its meta.json, and as a ZIP of any name. */
 static void kinds(void **state) {
     scene_bytes b = make(&(recipe){.without = -1, .bands = 2}, *state);
@@ -207,6 +218,7 @@ static void kinds(void **state) {
         tides_object object = scene_object_of(scene, 0);
         check_values(&object.gaussians, 2);
         tides_scene_destroy(scene);
+        is_a_run(paths[i]);
     }
     remove(scene_in_folder(*state, "sh0.webp"));
     tides_error error = {0, ""};
@@ -266,9 +278,103 @@ static void refused(void **state) {
     free(b.data);
 }
 
+/* -- streamed: levels of detail ------------------------------------------------------------------------------------------ */
+
+/* Two parts of level 0, one of level 1, an environment: each the 5 Gaussians of `make`, of 2, 0, 1 and 1 bands. */
+#define TREE                                                                                                               \
+    "\"tree\":{\"children\":[{\"lods\":{\"0\":{\"file\":1,\"offset\":0,\"count\":5},\"1\":{\"file\":2,\"offset\":0,"       \
+    "\"count\":5}}},{\"children\":[{\"lods\":{\"0\":{\"file\":0,\"offset\":3,\"count\":2}}},{\"lods\":{\"0\":{\"file\":0," \
+    "\"offset\":0,\"count\":3}}}]}]}"
+#define NAMES "\"filenames\":[\"0_0/meta.json\",\"0_1/meta.json\",\"1_0/meta.json\"]"
+
+static void write_lod(void *folder, const char *text) {
+    scene_file_write(scene_in_folder(folder, "lod-meta.json"), text, strlen(text));
+}
+
+static void make_parts(void *folder) {
+    static const char *const parts[] = {"0_0", "0_1", "1_0", "env"};
+    static const int bands[] = {2, 0, 1, 1};
+    for (int i = 0; i < 4; i++) {
+        char part[4096];
+        snprintf(part, sizeof part, "%s", scene_in_folder(folder, parts[i]));
+        assert_int_equal(mkdir(part, 0777), 0);
+        free(make(&(recipe){.without = -1, .bands = bands[i]}, part).data);
+    }
+}
+
+/* The finest level in the order of files, and then the environment; the file and its folder are the same. */
+static void streamed(void **state) {
+    make_parts(*state);
+    write_lod(*state, "{\"version\":1,\"lodLevels\":2,\"environment\":\"env/meta.json\"," NAMES "," TREE "}");
+    const char *paths[] = {scene_in_folder(*state, "lod-meta.json"), *state};
+    for (size_t k = 0; k < 2; k++) {
+        tides_scene *scene = scene_new();
+        assert_int_equal(tides_scene_is_file(paths[k]), 1);
+        scene_load(scene, paths[k], NULL, 1);
+        tides_gaussians g = scene_object_of(scene, 0).gaussians, first = g;
+        assert_int_equal(g.count, 3 * COUNT);
+        assert_int_equal(g.sh_degree, 2);
+        first.count = COUNT;
+        check_values(&first, 2);
+        for (size_t i = COUNT; i < 3 * COUNT; i++) /* the other two: fewer bands, the rest of which is 0 */
+            for (size_t c = 0; c < 27; c++) {
+                const size_t there = i < 2 * COUNT ? 3 : 12;
+                if (c >= there) assert_true(fabs((double)g.sh[27 * i + c]) < 1e-30);
+                if (c < 3) assert_true(fabs((double)g.sh[27 * i + c] - (double)g.sh[27 * (i % COUNT) + c]) < 1e-30);
+            }
+        assert_memory_equal(g.mean + 3 * COUNT, g.mean, 3 * COUNT * sizeof(float));
+        assert_memory_equal(g.mean + 6 * COUNT, g.mean, 3 * COUNT * sizeof(float));
+        tides_scene_destroy(scene);
+    }
+    write_lod(*state, "{\"lodLevels\":2,\"environment\":null," NAMES "," TREE "}"); /* before it had versions */
+    tides_scene *scene = scene_new();
+    scene_load(scene, paths[1], NULL, 1);
+    assert_int_equal(tides_scene_count(scene), 2 * COUNT);
+    tides_scene_destroy(scene);
+}
+
+static void streamed_refused(void **state) {
+    static const struct {
+        const char *text;
+        tides_status status;
+        const char *words;
+    } cases[] = {
+        {"{", TIDES_BAD_FILE, "lod-meta.json: isn't valid JSON"},
+        {"{\"lodLevels\":3}", TIDES_BAD_FILE, "it has no tree"},
+        {"{\"version\":2," NAMES "," TREE "}", TIDES_UNSUPPORTED, "another version than 1"},
+        {"{\"filenames\":[\"0_0/../../meta.json\"]," TREE "}", TIDES_BAD_FILE,
+         "filenames must name meta.json files in folders"},
+        {"{\"filenames\":[\"/0_0/meta.json\"]," TREE "}", TIDES_BAD_FILE, "filenames must name meta.json files in folders"},
+        {"{\"filenames\":[\"0_0.sog\"]," TREE "}", TIDES_BAD_FILE, "filenames must name meta.json files in folders"},
+        {"{\"filenames\":[7]," TREE "}", TIDES_BAD_FILE, "filenames must name meta.json files in folders"},
+        {"{\"environment\":\"../meta.json\"," NAMES "," TREE "}", TIDES_BAD_FILE, "environment must name meta.json"},
+        {"{\"environment\":\"sky/meta.json\"," NAMES "," TREE "}", TIDES_FILE_NOT_FOUND, "sky/meta.json|can't be opened"},
+        {"{" NAMES ",\"tree\":{\"lods\":{\"0\":{\"file\":3,\"offset\":0,\"count\":1}}}}", TIDES_BAD_FILE, "a leaf's run"},
+        {"{" NAMES ",\"tree\":{\"lods\":{\"0\":{\"file\":0,\"offset\":0,\"count\":1e99}}}}", TIDES_BAD_FILE, "a leaf's run"},
+        {"{" NAMES ",\"tree\":{\"lods\":{\"1\":{\"file\":0,\"offset\":0,\"count\":1}}}}", TIDES_BAD_FILE,
+         "level 0, the finest"},
+        {"{" NAMES ",\"tree\":{\"lods\":{\"0\":{\"file\":0,\"offset\":0,\"count\":4}}}}", TIDES_BAD_FILE,
+         "0_0/meta.json has 5 Gaussians, but the tree's leaves say 4"},
+        {"{\"filenames\":[\"gone/meta.json\"],\"tree\":{\"lods\":{\"0\":{\"file\":0,\"offset\":0,\"count\":5}}}}",
+         TIDES_FILE_NOT_FOUND, "gone/meta.json|can't be opened"},
+    };
+    make_parts(*state);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        tides_scene *scene = scene_new();
+        tides_error error = {0, ""};
+        write_lod(*state, cases[i].text);
+        scene_expect_error(tides_scene_add_file(scene, scene_in_folder(*state, "lod-meta.json"), NULL, 1, &error),
+                           cases[i].status, &error, cases[i].words);
+        assert_int_equal(tides_scene_objects(scene), 0);
+        tides_scene_destroy(scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(packed),
+        cmocka_unit_test_setup_teardown(streamed, scene_folder_setup, scene_folder_teardown),
+        cmocka_unit_test_setup_teardown(streamed_refused, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(kinds, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test(refused),
     };
