@@ -93,9 +93,10 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_flush(tides_event_wri
 
 /* Goes on with a recording that was interrupted: opens the .part (and its tail) that a writer of `path` left, abandoned or
  * killed, and drops every event after the first `count`. These must have been flushed, or be in an abandoned file; the
- * file that _finish makes is then the same as that of a recording in one piece. `file` must have the size that the .part has;
- * its run text replaces the .part's. TIDES_FILE_NOT_FOUND without a .part; TIDES_BAD_FILE where it holds fewer events, is of
- * another size, or damaged: it is then left as it was, unless the damage was only found while cutting. */
+ * file that _finish makes is then the same as that of a recording in one piece. Without a .part a finished `path` is gone on
+ * with, in a copy of it, less its columns of ground truth. `file` must have the size that the .part has; its run text replaces
+ * the .part's. TIDES_FILE_NOT_FOUND with neither of them; TIDES_BAD_FILE where it holds fewer events, is of another size, or
+ * damaged: it is then left as it was, unless the damage was only found while cutting. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_resume(const char *path, const tides_event_file *file,
                                                                   uint64_t count, tides_event_writer **writer,
                                                                   tides_error *error);

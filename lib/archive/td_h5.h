@@ -61,7 +61,7 @@ herr_t td_h5_append_rows(hid_t dataset, hid_t type, uint64_t first, size_t count
 herr_t td_h5_read_rows(hid_t dataset, hid_t type, uint64_t first, size_t count, void *values);
 
 /* _append_rows, of whole chunks of a dataset of integers that td_h5_create_rows has made with `type`'s size and the lowest byte
- * first: packed smaller in half of the time (h5_chunk.c). `scratch` has TD_H5_CHUNK_ROOM of the values' bytes. */
+ * first: packed smaller in a quarter of the time (h5_chunk.c). `scratch` has TD_H5_CHUNK_ROOM of the values' bytes. */
 herr_t td_h5_append_chunk(hid_t dataset, hid_t type, uint64_t first, size_t count, const void *values, void *scratch);
 #define TD_H5_CHUNK_ROOM(bytes) (2 * (bytes) + (bytes) / 64 + 1024) /* deflate may add 5 bytes per 16 kB, and a few */
 

@@ -79,16 +79,16 @@ tides_status td_input_line(td_event_input *input, char *line, size_t size, int *
 
 /* ---- out ---- */
 
-void td_sink_bytes(td_event_sink *sink, const void *data, size_t bytes) {
-    if (sink->failed) return;
+void td_sink_flush(td_event_sink *sink) {
     errno = 0;
-    if (fwrite(data, 1, bytes, sink->file) != bytes) sink->failed = errno ? errno : EIO;
-    sink->at += bytes;
+    if (!sink->failed && fwrite(sink->held, 1, sink->holds, sink->file) != sink->holds) sink->failed = errno ? errno : EIO;
+    sink->holds = 0;
 }
 
 void td_sink_text(td_event_sink *sink, const char *text) { td_sink_bytes(sink, text, strlen(text)); }
 
 void td_sink_patch(td_event_sink *sink, uint64_t at, const void *data, size_t bytes) {
+    td_sink_flush(sink);
     if (sink->failed) return;
     errno = 0;
     int done = fseeko(sink->file, (off_t)at, SEEK_SET) == 0 && fwrite(data, 1, bytes, sink->file) == bytes &&

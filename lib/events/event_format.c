@@ -78,8 +78,7 @@ tides_status td_event_format_detect(const char *path, const td_event_format **fo
     }
     return td_fail(error, TIDES_BAD_FILE,
                    "%s: isn't known by its content as an event file (HDF5, AEDAT, EVT, DAT, ES, numpy, CSV, text): name its "
-                   "format "
-                   "(--from)",
+                   "format, as tides convert --from does",
                    path);
 }
 

@@ -111,10 +111,8 @@ static tides_status open_column(td_event_source *source, td_h5_column *c, int re
     int numbers = class == H5T_INTEGER || (class == H5T_ENUM && bytes == 1 && !table) || (c->real && real);
     if (!numbers || !shaped) return wrong_shape(source, c, error);
     c->rows = extent[0];
-    tides_status status = td_h5_check_filters(source->path, c->name, c->dataset, error);
-    return status == TIDES_OK
-               ? td_h5_check_storage(source->path, c->name, c->dataset, c->rows, table ? 4 * bytes : bytes, error)
-               : status;
+    c->bytes = table ? 4 * bytes : bytes;
+    return td_h5_check_filters(source->path, c->name, c->dataset, error);
 }
 
 static tides_status open_columns(td_event_source *source, const layout *found, tides_error *error) {
@@ -148,6 +146,15 @@ static tides_status check_rows(const td_event_source *source, tides_error *error
             return td_fail(error, TIDES_BAD_FILE, "%s: %s has %" PRIu64 " rows, but %s has %" PRIu64, source->path, c->name,
                            c->rows, first->name, first->rows);
     return TIDES_OK;
+}
+
+/* Of an unfinished file of ours `count` says what is there: the rest may have got its rows, and no bytes yet. */
+static tides_status check_storage(const td_event_source *source, tides_error *error) {
+    const int own = strcmp(source->format, TD_EVENT_FORMAT) == 0;
+    tides_status status = TIDES_OK;
+    for (const td_h5_column *c = source->columns; c < source->columns + TD_H5_COLUMNS && status == TIDES_OK; c++)
+        status = td_h5_check_storage(source->path, c->name, c->dataset, own ? source->count : c->rows, c->bytes, error);
+    return status;
 }
 
 /* ---- facts ---- */
@@ -246,6 +253,7 @@ tides_status td_h5_source_open(td_event_source *source, const char *path, tides_
     snprintf(facts->format, sizeof facts->format, "%s", found->name);
     status = open_columns(source, found, error);
     if (status == TIDES_OK) status = read_own_facts(source, facts, error);
+    if (status == TIDES_OK) status = check_storage(source, error);
     if (status == TIDES_OK) status = read_offset(source, found, error);
     if (status != TIDES_OK) return status;
     read_size(source, found, facts);

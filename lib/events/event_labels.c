@@ -81,12 +81,11 @@ int32_t td_event_labels_of(hid_t file) {
 }
 
 herr_t td_event_labels_reopen(hid_t file, td_event_labels *labels, uint64_t rows) {
-    const hsize_t extent = rows;
     int32_t there = td_event_labels_of(file);
     for (int c = 0; c < TD_LABELS; c++) {
         if (!(there & 1 << c)) continue;
         labels->column[c] = H5Dopen2(file, name_of(c), H5P_DEFAULT);
-        if (labels->column[c] < 0 || H5Dset_extent(labels->column[c], &extent) < 0) return -1;
+        if (labels->column[c] < 0 || td_event_cut_rows(labels->column[c], rows, TD_EVENT_CHUNK) < 0) return -1;
     }
     return 0;
 }

@@ -1,9 +1,10 @@
-/* Opening the .part of an interrupted run to go on with it.
+/* Opening the .part of an interrupted run, or the copy of a finished one, to go on with it.
  *
  * It is cut back to whole chunks, so that no chunk is ever written twice (event_store.c), in an order that lets the process die
  * at any moment and the file stay readable: first `count` goes down, and only then the rows beyond it are given up; freed space
  * isn't used again before that is in the file. */
 #include "td_event_store.h"
+#include "td_event_truth.h"
 
 #include "archive/td_h5_driver.h"
 #include "td_base.h"
@@ -98,7 +99,28 @@ static tides_status open_all(td_event_store *store, const char *path, uint64_t r
 
 /* ---- the cut ---- */
 
-static herr_t cut_dataset(hid_t dataset, hsize_t rows) { return H5Dset_extent(dataset, &rows); }
+/* Rows up to the end of the last chunk. A death while a cut was put on the disk may have left more of them than rows. */
+static hsize_t rows_of_chunks(hid_t dataset, hsize_t chunk) {
+    hsize_t rows = 0;
+#if H5_VERSION_GE(1, 10, 5)
+    hsize_t chunks = 0, last = 0;
+    hid_t space = H5Dget_space(dataset);
+    if (H5Dget_num_chunks(dataset, space, &chunks) >= 0 && chunks > 0 &&
+        H5Dget_chunk_info(dataset, space, chunks - 1, &last, NULL, NULL, NULL) >= 0)
+        rows = last + chunk;
+    td_h5_close(space);
+#else
+    (void)dataset, (void)chunk;
+#endif
+    return rows;
+}
+
+/* HDF5 gives up the chunks between what is and what shall be: all that are beyond `rows` come to lie there first. */
+herr_t td_event_cut_rows(hid_t dataset, hsize_t rows, hsize_t chunk) {
+    const hsize_t there = rows_of_chunks(dataset, chunk);
+    if ((hssize_t)there > rows_of(dataset, chunk) && H5Dset_extent(dataset, &there) < 0) return -1;
+    return H5Dset_extent(dataset, &rows);
+}
 
 enum { GAP = 4096 }; /* bytes */
 
@@ -129,15 +151,24 @@ static herr_t replace_text(hid_t file, const char *name, const char *text) {
     return td_h5_remove_text(file, name) < 0 ? -1 : td_h5_write_text(file, name, text);
 }
 
+/* Columns of ground truth are of a finished file's events, and would be short of those that follow. */
+static herr_t drop_truth(hid_t file) {
+    for (int c = 0; c < TD_EVENT_TRUTHS; c++)
+        if (H5Lexists(file, td_event_truth_columns[c], H5P_DEFAULT) > 0 &&
+            H5Ldelete(file, td_event_truth_columns[c], H5P_DEFAULT) < 0)
+            return -1;
+    return 0;
+}
+
 static herr_t cut_back(td_event_store *store, const tides_event_file *facts, uint64_t rows) {
     const int64_t count = (int64_t)rows, running = -1;
     if (keep_clear_of_leftovers(store->file) < 0 || H5Awrite(store->count, H5T_NATIVE_INT64, &count) < 0 ||
         H5Awrite(store->stop, H5T_NATIVE_INT64, &running) < 0 || H5Fflush(store->file, H5F_SCOPE_LOCAL) < 0 || store->failed)
         return -1;
     for (int c = 0; c < TD_COLUMNS; c++)
-        if (cut_dataset(store->columns[c], rows) < 0) return -1;
+        if (td_event_cut_rows(store->columns[c], rows, TD_EVENT_CHUNK) < 0) return -1;
     if (td_event_labels_reopen(store->file, &store->labels, rows) < 0) return -1;
-    if (cut_dataset(store->index, store->index_rows) < 0) return -1;
+    if (td_event_cut_rows(store->index, store->index_rows, TD_INDEX_CHUNK) < 0 || drop_truth(store->file) < 0) return -1;
     if (replace_text(store->file, "run", facts->run) < 0) return -1;
     store->rows = rows;
     return H5Fflush(store->file, H5F_SCOPE_LOCAL) < 0 || store->failed ? -1 : 0;
@@ -174,10 +205,9 @@ static tides_status check_chunks(const td_event_store *store, const char *path, 
 /* How much of the index stays: whole chunks, of milliseconds that kept events have begun. */
 static herr_t choose_index(td_event_store *store, uint64_t rows) {
     int64_t last = 0, after = 0;
-    if (rows > 0 && td_h5_read_rows(store->columns[TD_COLUMN_NS], H5T_NATIVE_INT64, rows - 1, 1, &last) < 0) return -1;
-    if (rows > 0 && !td_event_after(last, store->offset, &after)) return -1;
-    uint64_t entries = rows > 0 ? td_milliseconds_begun(last, store->offset) : 0,
-             there = (uint64_t)rows_of(store->index, TD_INDEX_CHUNK);
+    if (td_h5_read_rows(store->columns[TD_COLUMN_NS], H5T_NATIVE_INT64, rows - 1, 1, &last) < 0) return -1;
+    if (!td_event_after(last, store->offset, &after)) return -1;
+    uint64_t entries = td_milliseconds_begun(last, store->offset), there = (uint64_t)rows_of(store->index, TD_INDEX_CHUNK);
     if (there < entries) entries = there;
     store->index_rows = store->next_ms = entries / TD_INDEX_CHUNK * TD_INDEX_CHUNK;
     return 0;
@@ -220,9 +250,28 @@ static tides_status reopen(td_event_store *store, const char *path, const tides_
     return status;
 }
 
+/* Where nothing of the .part is kept a new one takes its place, whole: a death while the first chunk was put into it may have
+ * left datasets that speak of B-trees that aren't on the disk. */
+static tides_status begin_anew(td_event_store *store, const char *path, const tides_event_file *facts, tides_error *error) {
+    char *part = NULL;
+    td_event_store old;
+    td_event_store_reset(&old);
+    old.file = td_h5_open_disk(path);
+    tides_status status =
+        old.file < 0 ? fail_reopen(&old, path, "can't be opened", error) : check_facts(&old, path, facts, error);
+    if (status == TIDES_OK && read_offset(&old) < 0) status = fail_reopen(&old, path, "is damaged", error);
+    td_h5_close(old.file);
+    if (status == TIDES_OK) status = td_part_name(path, 0, &part, error);
+    if (status == TIDES_OK) status = td_event_store_create(store, part, facts, old.offset, error);
+    if (status == TIDES_OK && (status = td_commit_file(part, path, error)) != TIDES_OK) td_event_store_drop(store);
+    free(part);
+    return status;
+}
+
 tides_status td_event_store_reopen(td_event_store *store, const char *path, const tides_event_file *facts, uint64_t rows,
                                    tides_error *error) {
     td_event_store_reset(store);
+    if (rows == 0) return begin_anew(store, path, facts, error);
     tides_status status = td_event_store_claim(path, 0, error);
     if (status != TIDES_OK) return status;
     store->scratch = td_alloc(1, TD_EVENT_SCRATCH, error);

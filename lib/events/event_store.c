@@ -228,15 +228,25 @@ static herr_t append_column(const td_event_store *store, int column, size_t coun
     return td_h5_append_chunk(to, type, store->rows, count, store->scratch, (int64_t *)store->scratch + TD_EVENT_CHUNK);
 }
 
+/* Few events begin a millisecond. */
+static herr_t index_events(td_event_store *store, const tides_event *events, size_t count) {
+    int64_t next = 1000 * store->offset; /* where the first millisecond without an entry begins, or before */
+    for (size_t i = 0; i < count; i++) {
+        if (events[i].t < next) continue;
+        const uint64_t begun = td_milliseconds_begun(events[i].t, store->offset);
+        if (td_event_store_index(store, begun, store->rows + i) < 0) return -1;
+        next = 1000 * store->offset + (int64_t)begun * 1000000;
+    }
+    return 0;
+}
+
 static herr_t append_events(td_event_store *store, const tides_event *events, const int64_t *fired, size_t count) {
     for (int c = 0; c < TD_COLUMNS; c++) {
         gather_column(c, store->offset, events, count, store->scratch);
         if (append_column(store, c, count) < 0) return -1;
     }
     if (td_event_labels_append(store->file, &store->labels, store->rows, events, fired, count, store->scratch) < 0) return -1;
-    for (size_t i = 0; i < count; i++)
-        if (td_event_store_index(store, td_milliseconds_begun(events[i].t, store->offset), store->rows + i) < 0) return -1;
-    return 0;
+    return index_events(store, events, count);
 }
 
 static herr_t flush(const td_event_store *store) {

@@ -11,7 +11,8 @@ typedef struct slot {
 } slot;
 
 struct td_event_ticks {
-    int64_t tick_ns, tick; /* length; the current one */
+    int64_t tick_ns, tick; /* length; the current one, */
+    int64_t begin, end;    /* and its times, but for those below 0 */
     uint64_t collapsed;
     uint32_t generation; /* slots of others are empty */
     size_t used, mask;   /* slots in use; size - 1, a power of two minus one */
@@ -30,7 +31,7 @@ td_event_ticks *td_event_ticks_create(int64_t tick_ns, tides_error *error) {
         return NULL;
     }
     made->tick_ns = tick_ns;
-    made->tick = -1;
+    made->tick = -1; /* and no time is in it */
     made->mask = FIRST_SLOTS - 1;
     return made;
 }
@@ -70,10 +71,17 @@ static void begin_tick(td_event_ticks *ticks, int64_t tick) {
     ticks->generation = 1;
 }
 
+/* Most events are in the tick of the one before, and a division would take as long as all the rest. */
+static void seek_tick(td_event_ticks *ticks, int64_t t) {
+    const int64_t tick = t / ticks->tick_ns;
+    if (tick != ticks->tick) begin_tick(ticks, tick);
+    ticks->begin = tick * ticks->tick_ns;
+    ticks->end = ticks->begin <= INT64_MAX - ticks->tick_ns ? ticks->begin + ticks->tick_ns : ticks->begin;
+}
+
 tides_status td_event_ticks_add(td_event_ticks *ticks, const tides_event *events, size_t count, tides_error *error) {
     for (size_t i = 0; i < count; i++) {
-        int64_t tick = events[i].t / ticks->tick_ns;
-        if (tick != ticks->tick) begin_tick(ticks, tick);
+        if (!(events[i].t >= ticks->begin && events[i].t < ticks->end)) seek_tick(ticks, events[i].t);
         uint32_t pixel = (uint32_t)events[i].y << 16 | events[i].x;
         slot *s = find(ticks, pixel);
         if (s->generation == ticks->generation) {

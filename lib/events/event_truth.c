@@ -51,19 +51,6 @@ tides_status td_truth_columns_parse(const char *names_of, uint32_t *columns, tid
     }
 }
 
-static tides_status copy_file(const char *from, const char *to, tides_error *error) {
-    char bytes[65536];
-    size_t got = 0;
-    FILE *in = fopen(from, "rb"), *out = in ? fopen(to, "wb") : NULL;
-    int wrong = !out;
-    while (!wrong && (got = fread(bytes, 1, sizeof bytes, in)) > 0) wrong = fwrite(bytes, 1, got, out) != got;
-    wrong |= in && ferror(in);
-    const int why = errno;
-    if (in) fclose(in);
-    if (out && fclose(out) != 0) wrong = 1;
-    return wrong ? td_fail(error, TIDES_WRITE_FAILED, "%s: can't be copied to %s: %s", from, to, strerror(why)) : TIDES_OK;
-}
-
 static tides_status h5_failed(const truth_file *f, tides_error *error) {
     td_h5_reason reason;
     return td_fail(error, TIDES_WRITE_FAILED, "%s: ground truth can't be written: %s", f->path,
@@ -147,7 +134,7 @@ tides_status td_events_add_truth(const char *path, const td_truth_columns *wante
     if (status != TIDES_OK) return status;
     td_h5_quiet_begin(&quiet);
     status = reserve(&f, error);
-    if (status == TIDES_OK) status = copy_file(path, f.part, error);
+    if (status == TIDES_OK) status = td_copy_file(path, f.part, error);
     if (status == TIDES_OK) status = open_columns(&f, error);
     if (status == TIDES_OK) status = fill_columns(&f, source, user, error);
     status = close_columns(&f, status, error);

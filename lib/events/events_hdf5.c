@@ -97,15 +97,21 @@ static void discard_hdf5(td_event_sink *sink) {
     free(w);
 }
 
+static tides_event_file facts_of(const td_event_sink *sink) {
+    return (tides_event_file){sink->width, sink->height, sink->run, sink->seed, sink->labels, sink->start_ns, sink->stop_ns};
+}
+
 static tides_status create_hdf5(td_event_sink *sink, tides_error *error) {
-    const tides_event_file facts = {sink->width,  sink->height,   sink->run,    sink->seed,
-                                    sink->labels, sink->start_ns, sink->stop_ns};
+    const tides_event_file facts = facts_of(sink);
     tides_status status = make_state(sink, error);
     if (status != TIDES_OK) return status;
     hdf5_writer *w = sink->state;
     place(sink);
-    status = td_event_store_create(&w->store, sink->part, &facts, w->offset, error);
-    if (status == TIDES_OK) unlink(w->tail); /* of an earlier run, whose .part is gone now */
+    char *checkpoint = td_format(error, "%s.checkpoint", sink->path);
+    status = checkpoint ? td_event_store_create(&w->store, sink->part, &facts, w->offset, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) unlink(w->tail);    /* of an earlier run, whose .part is gone now */
+    if (status == TIDES_OK) unlink(checkpoint); /* of that, or of the finished file that this one takes the place of */
+    free(checkpoint);
     return status;
 }
 
@@ -161,19 +167,26 @@ static tides_status write_hdf5(td_event_sink *sink, const tides_event *events, s
 
 /* ---- surviving, and going on ---- */
 
+/* What is in the buffer becomes the tail. */
+static tides_status write_tail(const td_event_sink *sink, uint64_t first, tides_error *error) {
+    const hdf5_writer *w = sink->state;
+    const tides_event_file facts = {sink->width, sink->height, NULL, NULL, sink->labels, 0, 0};
+    return td_event_tail_write(w->tail, &facts, w->offset, first, w->buffer, w->fired, w->buffered, error);
+}
+
 static tides_status flush_hdf5(td_event_sink *sink, tides_error *error) {
     hdf5_writer *w = sink->state;
     int unsynced = td_event_store_sync(&w->store); /* a checkpoint that outlives a power cut needs its events */
     if (unsynced) return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be put on the disk: %s", sink->part, strerror(unsynced));
     if (w->buffered == 0) return TIDES_OK; /* whole chunks are in the file as soon as they are whole */
-    const tides_event_file facts = {sink->width, sink->height, NULL, NULL, sink->labels, 0, 0};
-    return td_event_tail_write(w->tail, &facts, w->offset, w->store.rows, w->buffer, w->fired, w->buffered, error);
+    return write_tail(sink, w->store.rows, error);
 }
 
 /* Events [rows, rows + buffered), after the last whole chunk that stays: from the tail, or from the .part itself where it has
- * gone on past them; then they become the tail before the .part is cut. */
-static tides_status find_tail(td_event_sink *sink, uint64_t rows, tides_error *error) {
+ * gone on past them; `*from_part` then. */
+static tides_status find_tail(td_event_sink *sink, uint64_t rows, int *from_part, tides_error *error) {
     hdf5_writer *w = sink->state;
+    *from_part = 0;
     if (w->buffered == 0) return TIDES_OK;
     size_t got = 0;
     tides_error reason = {0};
@@ -186,14 +199,16 @@ static tides_status find_tail(td_event_sink *sink, uint64_t rows, tides_error *e
         return td_fail(error, TIDES_BAD_FILE,
                        "%s: ends %zu events before event %" PRIu64 ", where the run was interrupted (%s): start anew",
                        sink->part, w->buffered - got, rows + w->buffered, reason.text);
-    status = td_event_check(&td_format_hdf5, sink, w->buffer, w->buffered, error);
-    const tides_event_file facts = {sink->width, sink->height, NULL, NULL, sink->labels, 0, 0};
-    return status == TIDES_OK ? td_event_tail_write(w->tail, &facts, w->offset, rows, w->buffer, w->fired, w->buffered, error)
-                              : status;
+    *from_part = 1;
+    return td_event_check(&td_format_hdf5, sink, w->buffer, w->buffered, error);
 }
 
-/* The last event, against which the next one's order is checked. */
-static tides_status find_last(td_event_sink *sink, uint64_t count, tides_error *error) {
+static int is_same(const tides_event *a, const tides_event *b) {
+    return a->t == b->t && a->x == b->x && a->y == b->y && a->polarity == b->polarity;
+}
+
+/* The last event, against which the next one's order is checked. It is to be `wanted` (nullable). */
+static tides_status find_last(td_event_sink *sink, uint64_t count, const tides_event *wanted, tides_error *error) {
     const hdf5_writer *w = sink->state;
     size_t got = 1;
     if (count == 0) return TIDES_OK;
@@ -204,6 +219,10 @@ static tides_status find_last(td_event_sink *sink, uint64_t count, tides_error *
         status = tides_events_read(sink->part, count - 1, 1, &sink->last, &got, error);
     if (status == TIDES_OK && got == 0)
         return td_fail(error, TIDES_BAD_FILE, "%s: holds fewer than %" PRIu64 " events: start anew", sink->part, count);
+    if (status == TIDES_OK && wanted && !is_same(wanted, &sink->last))
+        return td_fail(error, TIDES_BAD_FILE,
+                       "%s: is of another recording than its checkpoint: their event %" PRIu64 " isn't the same; start anew",
+                       sink->path, count - 1);
     sink->has_last = status == TIDES_OK;
     return status;
 }
@@ -224,17 +243,19 @@ static tides_status resume_offset(td_event_sink *sink, uint64_t count, tides_err
     return TIDES_OK;
 }
 
-static tides_status resume_hdf5(td_event_sink *sink, uint64_t count, tides_error *error) {
-    const tides_event_file facts = {sink->width, sink->height, sink->run, sink->seed, sink->labels, 0, 0};
+static tides_status resume_hdf5(td_event_sink *sink, uint64_t count, const tides_event *last, tides_error *error) {
+    const tides_event_file facts = facts_of(sink);
     tides_status status = make_state(sink, error);
     if (status != TIDES_OK) return status;
     hdf5_writer *w = sink->state;
+    int from_part = 0;
     uint64_t rows = count / TD_EVENT_CHUNK * TD_EVENT_CHUNK;
     status = td_event_store_claim(sink->part, 0, error);
     w->buffered = (size_t)(count - rows);
     if (status == TIDES_OK) status = resume_offset(sink, count, error);
-    if (status == TIDES_OK) status = find_tail(sink, rows, error);
-    if (status == TIDES_OK) status = find_last(sink, count, error);
+    if (status == TIDES_OK) status = find_tail(sink, rows, &from_part, error);
+    if (status == TIDES_OK) status = find_last(sink, count, last, error);
+    if (status == TIDES_OK && from_part) status = write_tail(sink, rows, error); /* before the .part is cut */
     if (status == TIDES_OK) status = td_event_store_reopen(&w->store, sink->part, &facts, rows, error);
     if (status == TIDES_OK && w->placed && td_event_store_set_offset(&w->store, w->offset) < 0)
         status = write_failed(sink, TIDES_WRITE_FAILED, "t_offset", error);
@@ -308,6 +329,7 @@ const td_event_format td_format_hdf5 = {
     .span = span_hdf5,
     .begin = begin_hdf5,
     .check = check_hdf5,
+    .check_ends = 1,
     .write = write_hdf5,
     .complete = complete_hdf5,
     .discard = discard_hdf5,

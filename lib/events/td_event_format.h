@@ -6,6 +6,7 @@
 #include "tides/events.h"
 
 #include <stdio.h>
+#include <string.h>
 
 enum {
     TD_EVENT_HEAD = 4096,   /* first bytes that a format is found from */
@@ -63,6 +64,7 @@ typedef struct td_event_stream {
 /* Counts events that share a pixel and a tick (event_ticks.c). */
 typedef struct td_event_ticks td_event_ticks;
 
+enum { TD_SINK_HELD = 1 << 14 };
 typedef struct td_event_sink {
     char *path, *part;
     int32_t width, height;
@@ -74,14 +76,30 @@ typedef struct td_event_sink {
     tides_event last;
     int32_t has_last;
     FILE *file;  /* NULL for formats with `library` */
-    uint64_t at; /* bytes written to `file` */
+    uint64_t at; /* bytes given to `file` */
     int failed;  /* errno of the first failed write to `file`, or 0 */
     void *state; /* the format's; freed by its discard */
     td_event_ticks *ticks;
+    size_t
+        holds; /* bytes of `at` that are here still: records are a few bytes each, and a call of fwrite takes as long as ten */
+    unsigned char held[TD_SINK_HELD];
 } td_event_sink;
 
-/* Appends bytes to the sink's file; a failure is kept in `failed`, and everything after it is dropped. */
-void td_sink_bytes(td_event_sink *sink, const void *data, size_t bytes);
+/* Appends bytes to the sink's file; a failure is kept in `failed`, and everything after it is dropped. What is held goes to the
+ * file when an append is over (event_writer.c). */
+void td_sink_flush(td_event_sink *sink);
+static inline void td_sink_bytes(td_event_sink *sink, const void *data, size_t bytes) {
+    const unsigned char *from = data;
+    sink->at += bytes;
+    for (size_t some; bytes > TD_SINK_HELD - sink->holds; from += some, bytes -= some) {
+        some = TD_SINK_HELD - sink->holds;
+        memcpy(sink->held + sink->holds, from, some);
+        sink->holds += some;
+        td_sink_flush(sink);
+    }
+    memcpy(sink->held + sink->holds, from, bytes);
+    sink->holds += bytes;
+}
 void td_sink_text(td_event_sink *sink, const char *text);
 /* Overwrites bytes that are there already. */
 void td_sink_patch(td_event_sink *sink, uint64_t at, const void *data, size_t bytes);
@@ -121,13 +139,14 @@ typedef struct td_event_format {
     const char *(*span)(int64_t start_ns, int64_t stop_ns);
     void (*begin)(td_event_sink *sink, const tides_event *first);
     const char *(*check)(const td_event_sink *sink, const tides_event *event, const tides_event *previous);
+    int32_t check_ends; /* check asks for the time alone, and what it takes of two events it takes of all between them */
     tides_status (*write)(td_event_sink *sink, const tides_event *events, size_t count, tides_error *error);
     tides_status (*complete)(td_event_sink *sink, int64_t stop_ns, tides_error *error);
     void (*discard)(td_event_sink *sink);
 
     /* Survival of an interrupted run: only where a format can; else NULL. */
     tides_status (*flush)(td_event_sink *sink, tides_error *error);
-    tides_status (*resume)(td_event_sink *sink, uint64_t count, tides_error *error);
+    tides_status (*resume)(td_event_sink *sink, uint64_t count, const tides_event *last, tides_error *error);
     void (*abandon)(td_event_sink *sink);
 } td_event_format;
 
@@ -154,6 +173,11 @@ tides_status td_event_format_for(const char *path, const td_event_format **forma
  * TIDES_UNSUPPORTED. */
 tides_status td_event_check(const td_event_format *format, const td_event_sink *sink, const tides_event *events, size_t count,
                             tides_error *error);
+
+/* tides_event_writer_resume of a recording whose event number count - 1 is `last` (nullable): TIDES_BAD_FILE, and nothing has
+ * changed, where the file has another there. */
+tides_status td_event_writer_resume(const char *path, const tides_event_file *file, uint64_t count, const tides_event *last,
+                                    tides_event_writer **writer, tides_error *error);
 
 /* How much of the file is read, 0 to 1; negative where that isn't known. */
 double td_event_reader_part(const tides_event_reader *reader);

@@ -13,6 +13,7 @@ typedef struct td_h5_column {
     int32_t column;   /* of a table; -1: a dataset of its own */
     int32_t real;     /* floating-point numbers */
     uint64_t rows;
+    size_t bytes; /* of a row */
 } td_h5_column;
 
 typedef struct td_event_source {

@@ -88,6 +88,9 @@ tides_status td_event_store_reopen(td_event_store *store, const char *path, cons
  * can't claim are taken at their word. */
 int td_event_claim_space(hid_t file, uint64_t bytes);
 
+/* Cuts a dataset of chunks of `chunk` rows back to `rows`, with all that lies beyond (event_reopen.c). */
+herr_t td_event_cut_rows(hid_t dataset, hsize_t rows, hsize_t chunk);
+
 /* Every millisecond before `end` that has no entry yet starts at event `row`. */
 herr_t td_event_store_index(td_event_store *store, uint64_t end, uint64_t row);
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes small valid files for the fuzz targets of binary formats into a folder (scripts/fuzz.sh runs this)."""
-import gzip, io, json, os, pickle, struct, sys, types, zipfile, zlib
+import base64, gzip, io, json, os, pickle, struct, sys, types, zipfile, zlib
 from collections import OrderedDict
 
 folder = sys.argv[1]
@@ -47,18 +47,18 @@ def packed_ply():
     return head.encode() + struct.pack("<18f", *range(18)) + bytes(range(2 * 16 + 2 * 9))
 
 
-def sog(path):
-    """meta.json with lossless WebP pictures of one pixel."""
-    def picture(r, g, b, a):
-        # VP8L, 1x1: five prefix codes with one symbol each and no transform.
+def sog(path, version):
+    """meta.json with lossless WebP pictures of one pixel; version 1 has a palette of 64, too."""
+    def picture(r, g, b, a, width=1):
+        # VP8L, one row of one colour: five prefix codes with one symbol each and no transform.
         bits, count = 0, 0
 
-        def put(value, width):
+        def put(value, size):
             nonlocal bits, count
             bits |= value << count
-            count += width
+            count += size
 
-        put(0x2F, 8), put(0, 14), put(0, 14), put(1, 1), put(0, 3)  # signature, width - 1, height - 1, alpha, version
+        put(0x2F, 8), put(width - 1, 14), put(0, 14), put(1, 1), put(0, 3)  # signature, width - 1, height - 1, alpha, version
         put(0, 1), put(0, 1), put(0, 1)  # no transform, no colour cache, no meta prefix codes
         for symbol in (g, r, b, a, 0):
             put(1, 1), put(0, 1), put(1, 1), put(symbol, 8)  # simple code, one symbol, of 8 bits
@@ -70,10 +70,48 @@ def sog(path):
     codes = [i / 64 - 2 for i in range(256)]
     meta = {"version": 2, "count": 1, "means": {"mins": [0, 0, 0], "maxs": [1, 1, 1], "files": ["l", "u"]},
             "scales": {"codebook": codes, "files": ["s"]}, "quats": {"files": ["q"]}, "sh0": {"codebook": codes, "files": ["c"]}}
+    if version == 1:
+        ends = {"mins": [-1, -1, -1, -1], "maxs": [1, 1, 1, 1]}
+        meta = {"means": {"shape": [1, 3], "mins": [0, 0, 0], "maxs": [1, 1, 1], "files": ["l", "u"]},
+                "scales": {"mins": [-5, -5, -5], "maxs": [0, 0, 0], "files": ["s"]}, "quats": {"files": ["q"]},
+                "sh0": {"files": ["c"], **ends}, "shN": {"shape": [1, 9], "mins": -1, "maxs": 1, "files": ["p", "n"]}}
     with zipfile.ZipFile(path, "w") as out:
         out.writestr(zipfile.ZipInfo("meta.json"), json.dumps(meta))
-        for name in "luscq":
-            out.writestr(zipfile.ZipInfo(name), picture(1, 2, 3, 253))
+        for name in "luscqn" if version == 1 else "luscq":
+            out.writestr(zipfile.ZipInfo(name), picture(1, 0, 3, 253))
+        if version == 1:
+            out.writestr(zipfile.ZipInfo("p"), picture(1, 2, 3, 255, 64 * 3))
+
+
+def gltf(draft):
+    """Two splats of degree 1, in a binary file; a draft has them in the text, with colours in COLOR_0. And a .spz."""
+    widths = {"POSITION": 3, "KHR_gaussian_splatting:ROTATION": 4, "KHR_gaussian_splatting:SCALE": 3}
+    widths.update({"_ROTATION": 4, "_SCALE": 3, "COLOR_0": 4} if draft else {"KHR_gaussian_splatting:OPACITY": 1})
+    for l in range(0 if draft else 2):
+        widths.update({"KHR_gaussian_splatting:SH_DEGREE_%d_COEF_%d" % (l, n): 3 for n in range(2 * l + 1)})
+    data, views, accessors = b"", [], []
+    for i, width in enumerate(widths.values()):
+        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": 8 * width})
+        accessors.append({"bufferView": i, "componentType": 5126, "count": 2, "type": ("", "SCALAR", "", "VEC3", "VEC4")[width]})
+        data += struct.pack("<%df" % (2 * width), *[0.5 + 0.01 * k for k in range(2 * width)])
+    primitive = {"attributes": {name: i for i, name in enumerate(widths)}, "mode": 0,
+                 "extensions": {"KHR_gaussian_splatting": {"kernel": "ellipse", "colorSpace": "srgb_rec709_display"}}}
+    packed = gzip.compress(spz(2, 0), mtime=0)
+    views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(packed)})
+    data += packed + b"\0" * (-len(data + packed) % 4)
+    inner = {"KHR_gaussian_splatting_compression_spz_2": {"bufferView": len(views) - 1}}
+    other = {"attributes": {}, "extensions": {"KHR_gaussian_splatting": {"extensions": inner}}}
+    tree = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "bufferViews": views, "accessors": accessors,
+            "nodes": [{"children": [1], "matrix": [0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 2, 0, 1, 2, 3, 1]},
+                      {"mesh": 0, "translation": [1, 2, 3], "rotation": [0, 0, 0.6, 0.8], "scale": [1, 2, 3]}],
+            "meshes": [{"primitives": [primitive, other]}], "buffers": [{"byteLength": len(data)}]}
+    if draft:
+        tree["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+        return json.dumps(tree).encode()
+    text = json.dumps(tree).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + data
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
 def colmap():
@@ -285,6 +323,12 @@ for compression in (0, 2, 3):
     write("fuzz_exr", "float%d" % compression, exr(["Y"], 6, 18, compression, False))
     write("fuzz_exr", "half%d" % compression, exr(["B", "G", "R"], 40, 17, compression, True))
 array = npy_file("<f4", (2, 1, 3), struct.pack("<6f", *range(6)))
+for name, data in (("flow", array), ("known", npy_file("<f4", (1, 2, 3), struct.pack("<6f", 1, 2, 1, 3, 4, 0))),
+                   ("instance", npy_file("<i4", (2, 2), struct.pack("<4i", *range(4))))):
+    write("fuzz_truth", name, b"\0" + data)
+for name, kind, data in (("dsec", 1, png(3, 2, 16, 2)), ("depth", 1, png(3, 2, 16, 0)), ("mask", 1, png(3, 2, 8, 0)),
+                         ("disparity", 2, png(3, 2, 16, 0)), ("exr", 3, exr(["depth"], 3, 2, 0, False))):
+    write("fuzz_truth", name, bytes([kind]) + data)
 pictures = {"0.png": png(3, 2, 8, 0), "1.png": png(3, 2, 8, 2)}
 write("fuzz_frames", "seconds", bytes([0, 0]) + row(FRAMES, dict(pictures, own=b"# s\n0.0\n0.5 name\n")))
 write("fuzz_frames", "dsec", bytes([0, 3]) + row(FRAMES, dict(pictures, dsec=b"49599300523\n49599350523\n")))
@@ -369,6 +413,19 @@ for name, start, held in (
 write("fuzz_ecf", "all", ECF)
 write("fuzz_ecf", "rows", struct.pack("<IQ", 2 << 2, 5) + bytes([0x02]) + struct.pack("<HHB", 3 << 5 | 2, 1 << 5 | 16, 0x82))
 write("fuzz_ecf", "x", struct.pack("<IQ", 1 << 2 | 1, 5) + bytes([0x31]) + struct.pack("<H3H", 3 << 5 | 1, 16, 0, 0))
+# Formats of events that are read only: two events each.
+def evt21(extra, words):
+    head = b"%% evt 2.1\n%% format EVT21%s;height=7;width=9\n%% geometry 9x7\n%% end\n" % extra
+    return head + struct.pack("<%dI" % len(words), *words)
+
+
+write("fuzz_events", "evt21", evt21(b"", [0, 8 << 28 | 1, 5, 1 << 28 | 5 << 22 | 2 << 11 | 3, 1, 6 << 22]))
+write("fuzz_events", "evt21_swapped", evt21(b";endianness=legacy", [8 << 28 | 1, 0, 6 << 22 | 4, 3]))
+write("fuzz_events", "aedat2", b"#!AER-DAT2.0\r\n# DAVIS240\r\n" + struct.pack(">4I", 3 << 22 | 2 << 12 | 1 << 11, 5, 4 << 22 | 7 << 12, 6))
+write("fuzz_events", "csv_ns", b"t_ns,x@9,y@7,p\n1000,1,2,1\n2000,3,4,-1\n")
+write("fuzz_events", "ergb", columns(["timestamp", "x", "y", "polarity"], 3))
+for short in range(4): # fuzz_events opens what has no mark as the format that the size leaves by four
+    write("fuzz_events", "nmnist%d" % short, bytes([1, 2, 128, 0, 5, 3, 4, 0, 0, 6]) + bytes(5 * short))
 write("fuzz_batch", "grid", b'{"base": "run.json", "set": {"a": 1}, "grid": {"sensor.threshold_on": [0.1, 0.2], "seed": ["1", "2"]}}')
 write("fuzz_batch", "runs", b'{"runs": [{"name": "a", "file": "a.json", "set": {"b": null}}, {"name": "b", "file": "b.json"}]}')
 
@@ -381,7 +438,12 @@ for mode in range(3):
 write("fuzz_splat", "two", struct.pack("<6f", 1, 2, 3, 1, 1, 1) + bytes(range(8)) + struct.pack("<6f", *range(1, 7)) + bytes(8))
 write("fuzz_ply", "packed", packed_ply())
 os.makedirs(os.path.join(folder, "fuzz_sog"), exist_ok=True)
-sog(os.path.join(folder, "fuzz_sog", "seed_one"))
+sog(os.path.join(folder, "fuzz_sog", "seed_one"), 2)
+sog(os.path.join(folder, "fuzz_sog", "seed_version1"), 1)
+write("fuzz_gltf", "binary", gltf(False))
+write("fuzz_gltf", "draft", gltf(True))
+write("fuzz_sog_lod", "two", b'{"version": 1, "environment": "env/meta.json", "filenames": ["0_0/meta.json", "1_0/meta.json"], "tree": '
+      b'{"children": [{"lods": {"0": {"file": 0, "offset": 0, "count": 3}, "1": {"file": 1, "offset": 0, "count": 1}}}]}}')
 colmap()
 npy = "{'descr': '<f8', 'fortran_order': False, 'shape': (1, 17), }".ljust(117) + "\n"
 pose = struct.pack("<17d", 0, 1, 0, 0, 480, 1, 0, 0, 0, 640, 0, 0, -1, 0, 500, 1, 9)

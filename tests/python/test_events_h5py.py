@@ -57,6 +57,12 @@ def test_attributes(file, columns):
         int(attributes["seed"])
 
 
+def test_size_where_readers_look(file):
+    """RVT's preprocessing asks the group of events, and nothing else, how large the sensor is."""
+    height, width = (file["events"][name][()].item() for name in ("height", "width"))
+    assert (height, width) == (file.attrs["height"], file.attrs["width"])
+
+
 def test_values(file, columns):
     count = len(columns["t"])
     assert all(len(columns[name]) == count for name in ("p", "x", "y", "t_ns"))

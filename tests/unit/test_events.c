@@ -51,6 +51,32 @@ static void test_round_trip(void **state) {
     }
 }
 
+/* Whole chunks are packed plane by plane (lib/archive/h5_chunk.c): planes that don't change, that are noise, that are neither,
+ * in every order that columns come in; and noise that is almost even. */
+static void test_every_kind_of_plane(void **state) {
+    enum { KINDS = 6, COUNT = 2 * 65536 };
+    const char *path = in_folder(*state, "events.h5");
+    const int64_t apart[KINDS] = {1, 17, 300, 30000, 5000000, 1 << 24};
+    uint64_t seed = 5;
+    tides_event *events = calloc(COUNT, sizeof *events);
+    assert_non_null(events);
+    for (int kind = 0; kind < KINDS; kind++) {
+        int64_t t = kind % 2 ? INT64_C(123456789012) : 0;
+        for (int i = 0; i < COUNT; i++) {
+            const uint64_t random = random_next(&seed), other = random_next(&seed);
+            t += kind < 5 ? (int64_t)(random % (uint64_t)(2 * apart[kind])) + 1 : apart[kind];
+            events[i] = (tides_event){.t = t, .x = 5, .y = (uint16_t)(i / 5000), .polarity = other >> 63 ? 1 : -1};
+            if (kind != 1) events[i].x = (uint16_t)((other >> 20) % (kind == 2 ? 3 : 346));
+            if (kind > 2) events[i].y = (uint16_t)((other >> 40) % (kind == 3 ? 256 : 260));
+            if (kind == 4) events[i].polarity = 1;
+        }
+        write_all(path, &facts, events, COUNT, events[COUNT - 1].t);
+        assert_file_holds(path, events, COUNT);
+        check_columns(path, events, COUNT);
+    }
+    free(events);
+}
+
 static void test_portions_make_no_difference(void **state) {
     folder *f = *state;
     const size_t count = 150000;
@@ -273,6 +299,7 @@ static void test_existing_file_stays_until_finish(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_round_trip, folder_setup, folder_teardown),
+        cmocka_unit_test_setup_teardown(test_every_kind_of_plane, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(test_portions_make_no_difference, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(test_index, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(test_no_events, folder_setup, folder_teardown),
