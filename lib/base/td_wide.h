@@ -17,6 +17,25 @@
 #define TD_WIDE
 #endif
 
+/* floor, in additions that vectorise with any vectors; of numbers in [0, 2^51). */
+static inline double td_whole(double x) {
+    const double nearest = (x + 0x1p52) - 0x1p52;
+    return nearest - (nearest > x ? 1.0 : 0.0);
+}
+
+/* Numbers that a loop's vectors fill, of so many: at most 7 more. Where what is there is filled up with more of the like, no
+ * number is left over to be done by itself, which takes as long as eight do. */
+static inline int td_whole_vectors(int count) { return (int)(((unsigned)count + 7) & ~7U); }
+
+/* A whole number in [0, 2^52) as an integer, likewise. */
+static inline int64_t td_integer(double x) {
+    const double shifted = x + 0x1p52, none = 0x1p52;
+    int64_t bits, bits_of_none;
+    memcpy(&bits, &shifted, sizeof bits);
+    memcpy(&bits_of_none, &none, sizeof bits_of_none);
+    return bits - bits_of_none;
+}
+
 /* Asks for memory that is read soon. */
 #if defined(__GNUC__)
 #define TD_SOON(place) __builtin_prefetch(place)

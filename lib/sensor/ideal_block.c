@@ -1,155 +1,387 @@
 /* Ideal pixels together. Which levels a pixel goes through in a step can be told from its values where the model turns, without
- * solving an equation: they are listed for a run of pixels, their places are found all at once (signal/crossing_list.c), and
- * then the events are written. Pixels with anything out of the ordinary (signals that aren't finite, or beyond a level at the
- * step's start; more events than a step may have; an end that asks for more than the model fired) go through td_ideal.h. */
+ * solving an equation. Those of a block that need anything are gathered, and their models, turns and numbers of levels are made
+ * in loops that vectorise; the levels are listed, their places are found all at once (signal/crossing_list.c), and then the
+ * events are written. How many levels a pixel has nothing can foretell, so that no branch asks where most of them pass. Pixels
+ * with anything out of the ordinary (signals that aren't finite, or beyond a level at the step's start; more events than a step
+ * may have; an end that asks for more than the model fired) go through td_ideal.h. */
 #include "td_ideal_block.h"
 
 #include "signal/td_crossing_list.h"
+#include "signal/td_turns.h"
+#include "td_extremes.h"
 #include "td_ideal.h"
 #include "td_wide.h"
 
-/* A pixel whose levels are listed, and what becomes of it. */
-typedef struct listed {
-    size_t k;         /* in the block */
-    int first, last;  /* its levels: [first, last) */
-    int is_plain;     /* 0: its levels aren't there, it takes the long way */
-    uint32_t on, off; /* counts and reference afterwards */
-    double reference;
-} listed;
+#include <string.h>
+
+enum { EACH = TD_CROSSING_LIST_EACH };
+
+/* The block's pixels that need anything: what they come with, and what is made of it in loops over all of them. */
+typedef struct busy {
+    int count;
+    int k[TD_IDEAL_BLOCK];    /* in the block, */
+    double j[TD_IDEAL_BLOCK]; /* and in the tile */
+    double S0[TD_IDEAL_BLOCK], S0_dot[TD_IDEAL_BLOCK], S1[TD_IDEAL_BLOCK], S1_dot[TD_IDEAL_BLOCK];
+    double initial[TD_IDEAL_BLOCK], reference[TD_IDEAL_BLOCK], on[TD_IDEAL_BLOCK], off[TD_IDEAL_BLOCK]; /* counts */
+    double control[4][TD_IDEAL_BLOCK];
+    double is_plain[TD_IDEAL_BLOCK];                                            /* 0: it must take the long way */
+    double bends[TD_IDEAL_BLOCK];                                               /* 0: its model only rises, or only falls: */
+    double easy[TD_IDEAL_BLOCK];                                                /* 1: plain, and doesn't bend */
+    double rises[TD_IDEAL_BLOCK], falls[TD_IDEAL_BLOCK], after[TD_IDEAL_BLOCK]; /* levels, and the reference then */
+    double first[TD_IDEAL_BLOCK][EACH], guess[TD_IDEAL_BLOCK][EACH]; /* of an easy one's first levels: references, places */
+    double rise[TD_IDEAL_BLOCK];                                     /* and theirs: td_level */
+    int64_t rest[TD_IDEAL_BLOCK];                                    /* what its events say but their time */
+} busy;
+
+/* The sensor's and the step's, for all pixels. */
+typedef struct levels {
+    double h, on, off; /* [s] the step; thresholds */
+    double most;       /* events of a pixel in a step that is plain */
+} levels;
 
 typedef struct run {
     td_pixel_job *job;
     const td_ideal_block *block;
+    levels levels;
+    busy busy;
+    int begun;      /* the first busy pixel whose levels are listed */
+    td_turns turns; /* of those that bend, in their order */
     td_crossing_list list;
-    listed pixel[TD_IDEAL_BLOCK];
-    int pixels;
+    int64_t rest[TD_CROSSING_LIST_ALL]; /* of each level's event */
 } run;
 
-static inline td_model model_of(const run *r, size_t k) {
-    const td_signals *at = r->block->signals;
-    const size_t j = r->block->begin + k;
-    const int32_t kind = r->job->sensor->model;
-    double S0_dot = kind == TIDES_MODEL_SECANT ? 0.0 : at->S0_dot[j];
-    double S1_dot = kind == TIDES_MODEL_HERMITE ? at->S1_dot[j] : 0.0;
-    return td_model_fit(kind, r->job->step->length_s, at->S0[j], S0_dot, at->S1[j], S1_dot);
+/* -- all at once ----------------------------------------------------------------------------------------------------------- */
+
+/* Which pixels are marked. Where many are, and many aren't, nothing can foretell branches. */
+static int pick(const double *mark, size_t count, int *k) {
+    int n = 0;
+    if (td_next_mark(mark, 0, count) == count) return 0;
+    for (size_t i = 0; i < count; i++) {
+        k[n] = (int)i;
+        n += mark[i] != 0.0;
+    }
+    return n;
+}
+
+/* What a model doesn't read may be anything. */
+static void gather(run *r) {
+    busy *restrict b = &r->busy;
+    const size_t first = r->block->begin, i = r->block->first + first;
+    const td_signals *from = r->block->signals;
+    const td_pixels *pixels = &r->job->sensor->pixels;
+    const double *S0 = from->S0 + first, *S0_dot = from->S0_dot ? from->S0_dot + first : S0;
+    const double *S1 = from->S1 + first, *S1_dot = from->S1_dot ? from->S1_dot + first : S1;
+    const double *initial = pixels->initial + i, *reference = pixels->reference + i;
+    const uint32_t *on = pixels->count_on + i, *off = pixels->count_off + i;
+    const int count = td_whole_vectors(b->count);
+    for (int n = b->count; n < count; n++) b->k[n] = b->k[n - 1];
+    for (int n = 0; n < count; n++) {
+        const int k = b->k[n];
+        b->j[n] = (double)first + k;
+        b->S0[n] = S0[k];
+        b->S0_dot[n] = S0_dot[k];
+        b->S1[n] = S1[k];
+        b->S1_dot[n] = S1_dot[k];
+        b->initial[n] = initial[k];
+        b->reference[n] = reference[k];
+        b->on[n] = on[k];
+        b->off[n] = off[k];
+    }
+}
+
+/* 1 where the model turns nowhere for sure, else 0. One comparison at a time: see `reject` of comparator.c. */
+static inline double is_straight(const double *c) {
+    double up = c[1] > c[0] ? 1.0 : 0.0, down = c[1] < c[0] ? 1.0 : 0.0;
+    up = c[2] > c[1] ? up : 0.0;
+    up = c[3] > c[2] ? up : 0.0;
+    down = c[2] < c[1] ? down : 0.0;
+    down = c[3] < c[2] ? down : 0.0;
+    return up + down;
+}
+
+/* References are told apart from their neighbours, whatever has been rounded in them, where thresholds are this share of the
+ * signal. */
+#define TELLS_APART 0x1p-30
+
+/* How many levels a straight model goes through: guessed by a product, and proven where the last one is reached and the next
+ * one isn't; 0 where that can't be. */
+static inline double count_levels(const levels *l, double end, int n, busy *restrict b) {
+    const double initial = b->initial[n], residual = end - b->reference[n];
+    double rises = td_greater(td_whole(residual * (1 / l->on)), 1), falls = td_greater(td_whole(residual * (-1 / l->off)), 1);
+    rises = residual >= l->on ? rises : 0.0;
+    falls = residual <= -l->off ? falls : 0.0;
+    const double on = b->on[n] + rises, off = b->off[n] + falls, after = td_reference_at(l->on, l->off, initial, on, off);
+    const double last_on = td_lesser(rises, 1), last_off = td_lesser(falls, 1);
+    const double before = end - td_reference_at(l->on, l->off, initial, on - last_on, off - last_off);
+    double proven = end - after < l->on ? 1.0 : 0.0;
+    proven = end - after > -l->off ? proven : 0.0;
+    proven = last_on * (before - l->on) >= 0.0 ? proven : 0.0;
+    proven = last_off * (before + l->off) <= 0.0 ? proven : 0.0;
+    proven = rises + falls <= l->most ? proven : 0.0;
+    proven = (fabs(end) + fabs(initial)) * TELLS_APART < td_lesser(l->on, l->off) ? proven : 0.0;
+    b->rises[n] = rises;
+    b->falls[n] = falls;
+    b->after[n] = after;
+    return proven;
+}
+
+static inline void fit(int32_t kind, const levels *given, busy *restrict b) {
+    const levels l = *given;
+    const int count = td_whole_vectors(b->count);
+    for (int n = 0; n < count; n++) {
+        const double S0_dot = kind == TIDES_MODEL_SECANT ? 0.0 : b->S0_dot[n], S1 = b->S1[n];
+        const double S1_dot = kind == TIDES_MODEL_HERMITE ? b->S1_dot[n] : 0.0;
+        const td_model model = td_model_fit(kind, l.h, b->S0[n], S0_dot, S1, S1_dot);
+        const double *c = model.control, reference = b->reference[n], residual = c[0] - reference;
+        /* A difference from itself is 0, or NaN where the number isn't finite. */
+        const double lost = (c[0] - c[0]) + (c[1] - c[1]) + (c[2] - c[2]) + (c[3] - c[3]) + (reference - reference);
+        const double straight = is_straight(c), proven = count_levels(&l, c[3], n, b), last = S1 - b->after[n];
+        double counted = last < l.on ? proven : 0.0;
+        counted = last > -l.off ? counted : 0.0;
+        double plain = straight > 0.0 ? counted : 1.0;
+        plain = residual < l.on ? plain : 0.0;
+        plain = residual > -l.off ? plain : 0.0;
+        plain = lost == 0.0 ? plain : 0.0;
+        for (int i = 0; i < 4; i++) b->control[i][n] = c[i];
+        b->is_plain[n] = plain;
+        b->bends[n] = 1.0 - straight;
+        b->easy[n] = plain * straight;
+    }
+}
+
+TD_WIDE static void fit_all(int32_t kind, const levels *l, busy *b) {
+    switch (kind) {
+        case TIDES_MODEL_LINEAR: fit(TIDES_MODEL_LINEAR, l, b); break;
+        case TIDES_MODEL_QUADRATIC: fit(TIDES_MODEL_QUADRATIC, l, b); break;
+        case TIDES_MODEL_SECANT: fit(TIDES_MODEL_SECANT, l, b); break;
+        default: fit(TIDES_MODEL_HERMITE, l, b); break;
+    }
+}
+
+static void find_turns(run *r) {
+    const busy *b = &r->busy;
+    td_turns *turns = &r->turns;
+    turns->count = 0;
+    for (size_t n = 0, count = (size_t)b->count; (n = td_next_mark(b->bends, n, count)) < count; n++) {
+        for (int i = 0; i < 4; i++) turns->control[i][turns->count] = b->control[i][n];
+        turns->count++;
+    }
+    if (turns->count > 0) td_turns_find(turns);
+}
+
+/* What an event says but its time, as a number: fields of so many bits (rest_of and write_events know them, nobody else). */
+enum { AT_Y = 16, AT_POLARITY = 32, AT_CAUSE = 40 };
+#define FIELD(bits) (1.0 * ((uint64_t)1 << (bits)))
+
+/* Of pixel j of the tile. In doubles, since divisions of integers don't vectorise. */
+static inline double rest_of(const td_tile *tile, double per_width, double j, int rises) {
+    const double row = td_whole((j + 0.5) * per_width), x = tile->x0 + (j - row * tile->width), y = tile->y0 + row;
+    return x + y * FIELD(AT_Y) + (rises ? 1.0 : 255.0) * FIELD(AT_POLARITY) + TIDES_CAUSE_SIGNAL * FIELD(AT_CAUSE);
+}
+
+/* The first levels of easy pixels, and where the chord of each is at them. */
+TD_WIDE static void find_first(const levels *given, const td_ideal_block *block, busy *restrict b) {
+    const levels l = *given;
+    const td_tile tile = *block->tile;
+    const double per_width = 1.0 / tile.width;
+    const int count = td_whole_vectors(b->count);
+    for (int n = 0; n < count; n++) {
+        const double up = td_lesser(b->rises[n], 1), down = 1 - up, rise = up * l.on - down * l.off;
+        const double from = b->control[0][n], per = 1 / (b->control[3][n] - from);
+        for (int i = 0; i < EACH; i++) {
+            const double reference = td_reference_at(l.on, l.off, b->initial[n], b->on[n] + up * i, b->off[n] + down * i);
+            b->first[n][i] = reference;
+            b->guess[n][i] = (reference - from + rise) * per;
+        }
+        b->rise[n] = rise;
+        b->rest[n] = td_integer(rest_of(&tile, per_width, b->j[n], up > 0.0));
+    }
+}
+
+static td_model model_of(const run *r, int n) {
+    const busy *b = &r->busy;
+    return (td_model){{b->control[0][n], b->control[1][n], b->control[2][n], b->control[3][n]}};
 }
 
 /* -- listing --------------------------------------------------------------------------------------------------------------- */
 
-/* The levels on one monotone piece; 0 where they are too many. */
-static int list_piece(run *r, listed *p, const td_model *model, const double end[2], const double value[2]) {
-    const tides_sensor *sensor = &r->job->sensor->sensor;
-    const double on = sensor->threshold_on, off = sensor->threshold_off;
-    const int first = r->list.count;
-    const double initial = r->job->sensor->pixels.initial[r->block->first + r->block->begin + p->k];
+/* Lists level k of the piece, and those after it. */
+static inline void put(run *r, int k, const td_crossing_piece *piece, const double *reference, const double *guess, double rise,
+                       int64_t rest) {
+    const int64_t each[EACH] = {rest, rest, rest, rest};
+    memcpy(&r->rest[k], each, sizeof each);
+    td_crossing_list_put(&r->list, k, piece, reference, guess, rise);
+}
+
+/* Level number i of an easy pixel, and those after it. */
+static void put_later(run *r, int n, int i, const td_crossing_piece *piece) {
+    const levels *l = &r->levels;
+    const busy *b = &r->busy;
+    const double up = td_lesser(b->rises[n], 1), down = 1 - up, rise = b->rise[n];
+    const double per = 1 / (piece->control[3] - piece->control[0]);
+    double reference[EACH], guess[EACH];
+    for (int j = 0; j < EACH; j++) {
+        const double on = b->on[n] + up * (i + j), off = b->off[n] + down * (i + j);
+        reference[j] = td_reference_at(l->on, l->off, b->initial[n], on, off);
+        guess[j] = (reference[j] - piece->control[0] + rise) * per;
+    }
+    put(r, piece->first + i, piece, reference, guess, rise, b->rest[n]);
+}
+
+/* Lists the levels of busy pixels from n on, as long as these are easy and find room. Returns the first that isn't, or
+ * doesn't. */
+TD_WIDE static int list_easy(run *r, int n) {
+    const busy *b = &r->busy;
+    for (; n < b->count && b->easy[n] != 0.0; n++) {
+        const int first = r->list.count, count = (int)(b->rises[n] + b->falls[n]);
+        const td_crossing_piece piece = {{b->control[0][n], b->control[1][n], b->control[2][n], b->control[3][n]}, 0, 1, first};
+        if (count > TD_CROSSING_LIST_ROOM - first) return n;
+        put(r, first, &piece, b->first[n], b->guess[n], b->rise[n], b->rest[n]);
+        for (int i = EACH; i < count; i += EACH) put_later(r, n, i, &piece);
+        r->list.count = first + count;
+    }
+    return n;
+}
+
+/* The levels on one monotone piece of busy pixel n; 0 where they are too many. */
+static int list_piece(run *r, int n, const td_model *model, const double end[2], const double value[2]) {
+    const double on = r->levels.on, off = r->levels.off, per = (end[1] - end[0]) / (value[1] - value[0]);
+    const double *c = model->control;
+    busy *b = &r->busy;
+    const td_crossing_piece piece = {{c[0], c[1], c[2], c[3]}, end[0], end[1], r->list.count};
     for (;;) {
-        const double residual = value[1] - p->reference;
-        const int rises = residual >= on, falls = residual <= -off;
+        const double residual = value[1] - b->after[n];
+        const int rises = residual >= on, falls = residual <= -off && !rises;
         if (!(rises || falls)) return 1;
-        if (r->list.count == TD_CROSSING_LIST_ROOM || r->list.count - p->first >= sensor->max_events_per_step) return 0;
-        const td_level level = {model, p->reference, rises ? on : -off};
-        td_crossing_list_add(&r->list, &level, first, end, value);
-        if (rises)
-            p->on++;
-        else
-            p->off++;
-        p->reference = td_reference_of(on, off, initial, p->on, p->off);
+        if (r->list.count == TD_CROSSING_LIST_ROOM || b->rises[n] + b->falls[n] >= r->levels.most) return 0;
+        const double reference[EACH] = {b->after[n]};
+        const double rise = rises ? on : -off, guess[EACH] = {end[0] + (b->after[n] - value[0] + rise) * per};
+        const double width = r->block->tile->width;
+        const int64_t rest = td_integer(rest_of(r->block->tile, 1 / width, b->j[n], rises));
+        put(r, r->list.count++, &piece, reference, guess, rise, rest);
+        b->rises[n] += rises;
+        b->falls[n] += falls;
+        b->after[n] = td_reference_at(on, off, b->initial[n], b->on[n] + b->rises[n], b->off[n] + b->falls[n]);
     }
 }
 
-/* All levels of a pixel; 0 where it must take the long way. */
-static int list_levels(run *r, listed *p, double S1) {
-    const tides_sensor *sensor = &r->job->sensor->sensor;
-    const td_model model = model_of(r, p->k);
-    td_crossing_walk walk;
-    if (!(isfinite(S1) && isfinite(p->reference) && td_model_is_finite(&model))) return 0;
-    td_crossing_begin(&walk, &model, NULL);
-    const double residual = walk.value[0] - p->reference;
-    if (residual >= sensor->threshold_on || residual <= -sensor->threshold_off) return 0;
-    for (int piece = 1; piece < walk.knots; piece++)
-        if (!list_piece(r, p, &model, walk.knot + piece - 1, walk.value + piece - 1)) return 0;
-    return S1 - p->reference < sensor->threshold_on && S1 - p->reference > -sensor->threshold_off;
-}
-
-/* Lists pixel k: 1, or 0 and no levels of it. */
-static int list_pixel(run *r, size_t k) {
-    const td_pixels *pixels = &r->job->sensor->pixels;
-    const size_t j = r->block->begin + k, i = r->block->first + j;
-    listed *p = &r->pixel[r->pixels++];
-    *p = (listed){k, r->list.count, 0, 0, pixels->count_on[i], pixels->count_off[i], pixels->reference[i]};
-    p->is_plain = list_levels(r, p, r->block->signals->S1[j]);
-    if (!p->is_plain) r->list.count = p->first;
-    p->last = r->list.count;
-    return p->is_plain;
+/* All levels of busy pixel n, the `turn`th of those that bend; 0, and none of them, where they find no room or it must take the
+ * long way. */
+static int list_bent(run *r, int n, int turn) {
+    const td_turns *t = &r->turns;
+    const td_model model = model_of(r, n);
+    const double end[] = {0, t->place[0][turn], t->place[1][turn], 1};
+    const double value[] = {model.control[0], t->value[0][turn], t->value[1][turn], model.control[3]};
+    const int first = r->list.count;
+    busy *b = &r->busy;
+    b->rises[n] = b->falls[n] = 0;
+    b->after[n] = b->reference[n];
+    int listed = 1;
+    for (int piece = 0; piece < 3 && listed; piece++) listed = list_piece(r, n, &model, end + piece, value + piece);
+    const double residual = b->S1[n] - b->after[n];
+    if (listed && residual < r->levels.on && residual > -r->levels.off) return 1;
+    r->list.count = first;
+    return 0;
 }
 
 /* -- firing ---------------------------------------------------------------------------------------------------------------- */
 
-static uint16_t column(const td_tile *tile, size_t j) { return (uint16_t)(tile->x0 + (int32_t)j % tile->width); }
+/* The events of the levels, whose times are known. */
+static void write_events(const run *r, tides_event *restrict to) {
+    const int count = r->list.count;
+    for (int k = 0; k < count; k++) {
+        const int64_t rest = r->rest[k];
+        to[k].t = r->list.time[k];
+        to[k].x = (uint16_t)rest;
+        to[k].y = (uint16_t)(rest >> AT_Y);
+        to[k].polarity = (int8_t)(rest >> AT_POLARITY);
+        to[k].cause = (uint8_t)(rest >> AT_CAUSE);
+        to[k].frontend = 0;
+    }
+}
 
-static uint16_t row(const td_tile *tile, size_t j) { return (uint16_t)(tile->y0 + (int32_t)j / tile->width); }
+/* What busy pixels [from, to) have come to, whose levels have fired. */
+static void leave(run *r, int from, int to) {
+    const busy *b = &r->busy;
+    const td_pixels *pixels = &r->job->sensor->pixels;
+    const size_t first = r->block->first + r->block->begin;
+    double on = 0, off = 0;
+    for (int n = from; n < to; n++) {
+        const size_t i = first + (size_t)b->k[n];
+        on += b->rises[n];
+        off += b->falls[n];
+        pixels->count_on[i] = (uint32_t)(b->on[n] + b->rises[n]);
+        pixels->count_off[i] = (uint32_t)(b->off[n] + b->falls[n]);
+        pixels->reference[i] = b->after[n];
+    }
+    r->job->counts.solved += (uint64_t)(to - from);
+    r->job->counts.events_on += (uint64_t)on;
+    r->job->counts.events_off += (uint64_t)off;
+}
 
-/* The events of the pixel's levels, whose places are known. */
-static tides_status fire_levels(run *r, const listed *p) {
+/* Fires what is listed, of the busy pixels before n. */
+static tides_status fire(run *r, int n) {
     td_pixel_job *job = r->job;
-    td_crossing_list *list = &r->list;
-    const td_pixels *pixels = &job->sensor->pixels;
-    const size_t j = r->block->begin + p->k, i = r->block->first + j;
-    const size_t count = (size_t)(p->last - p->first);
+    const size_t count = (size_t)r->list.count;
     td_event_buffer *buffer = job->buffer;
     if (buffer->capacity - buffer->count < count) {
         tides_status status = td_event_buffer_reserve(buffer, count + TD_EVENT_BUFFER_GROWTH, job->error);
         if (status != TIDES_OK) return status;
     }
-    tides_event *to = buffer->events + buffer->count;
-    const uint16_t x = column(r->block->tile, j), y = row(r->block->tile, j);
-    for (int k = p->first; k < p->last; k++, to++) {
-        to->t = td_crossing_list_time(list, job->step, k);
-        to->x = x;
-        to->y = y;
-        to->polarity = list->rise[k] > 0.0 ? 1 : -1;
-        to->cause = TIDES_CAUSE_SIGNAL;
-        to->frontend = 0;
-    }
+    td_crossing_list_solve(&r->list, job->step);
+    write_events(r, buffer->events + buffer->count);
     buffer->count += count;
-    job->counts.solved++;
-    job->counts.events_on += p->on - pixels->count_on[i];
-    job->counts.events_off += p->off - pixels->count_off[i];
-    pixels->count_on[i] = p->on;
-    pixels->count_off[i] = p->off;
-    pixels->reference[i] = p->reference;
+    leave(r, r->begun, n);
+    td_crossing_list_clear(&r->list);
+    r->begun = n;
     return TIDES_OK;
 }
 
-static tides_status take_long_way(run *r, size_t k) {
-    const td_model model = model_of(r, k);
+static uint16_t column(const td_tile *tile, size_t j) { return (uint16_t)(tile->x0 + (int32_t)j % tile->width); }
+
+static uint16_t row(const td_tile *tile, size_t j) { return (uint16_t)(tile->y0 + (int32_t)j / tile->width); }
+
+static tides_status take_long_way(run *r, int n) {
+    const td_model model = model_of(r, n);
     const td_ideal_block *b = r->block;
-    const size_t j = b->begin + k;
+    const size_t j = b->begin + (size_t)r->busy.k[n];
+    r->begun = n + 1;
     return td_ideal_advance(r->job, b->first + j, column(b->tile, j), row(b->tile, j), &model, NULL, b->signals->S1[j]);
 }
 
-static tides_status fire(run *r) {
-    tides_status status = TIDES_OK;
-    td_crossing_list_solve(&r->list, r->job->step);
-    for (int n = 0; n < r->pixels && status == TIDES_OK; n++)
-        status = r->pixel[n].is_plain ? fire_levels(r, &r->pixel[n]) : take_long_way(r, r->pixel[n].k);
-    r->pixels = 0;
-    td_crossing_list_clear(&r->list);
-    return status;
+/* Busy pixel *n, which isn't easy, or found no room: it may in an empty list. *n becomes the next. */
+static tides_status take(run *r, int *n, int turn) {
+    const busy *b = &r->busy;
+    const int now = *n, bends = b->is_plain[now] != 0.0 && b->bends[now] != 0.0;
+    *n = now + 1;
+    if (bends && list_bent(r, now, turn)) return TIDES_OK;
+    tides_status status = fire(r, now);
+    if (status != TIDES_OK || (bends && list_bent(r, now, turn))) return status;
+    const int next = list_easy(r, now);
+    if (next == now) return take_long_way(r, now);
+    *n = next;
+    return TIDES_OK;
 }
 
 tides_status td_ideal_block_step(td_pixel_job *job, const td_ideal_block *block, const double *mark) {
+    const tides_sensor *sensor = &job->sensor->sensor;
     run r;
     r.job = job;
     r.block = block;
-    r.pixels = 0;
+    r.begun = 0;
+    r.busy.count = pick(mark, block->count, r.busy.k);
+    if (r.busy.count == 0) return TIDES_OK;
+    gather(&r);
+    r.levels = (levels){job->step->length_s, sensor->threshold_on, sensor->threshold_off, sensor->max_events_per_step};
+    fit_all(job->sensor->model, &r.levels, &r.busy);
+    find_first(&r.levels, block, &r.busy);
+    find_turns(&r);
     td_crossing_list_clear(&r.list);
     tides_status status = TIDES_OK;
-    for (size_t k = 0; (k = td_next_mark(mark, k, block->count)) < block->count && status == TIDES_OK; k++) {
-        if (list_pixel(&r, k) || r.pixels == 1) continue;
-        r.pixels--; /* what found no room may find it in an empty list */
-        status = fire(&r);
-        list_pixel(&r, k);
+    for (int n = list_easy(&r, 0), turn = 0; n < r.busy.count && status == TIDES_OK; n = list_easy(&r, n)) {
+        const int bends = r.busy.bends[n] != 0.0;
+        status = take(&r, &n, turn);
+        turn += bends;
     }
-    return status == TIDES_OK && r.pixels > 0 ? fire(&r) : status;
+    return status == TIDES_OK ? fire(&r, r.busy.count) : status;
 }

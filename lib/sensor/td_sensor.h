@@ -234,10 +234,13 @@ double td_sensor_worst_residual(const td_sensor *sensor, const double *L, const 
 
 /* S_ref from the counts: S_init + n_on C+ - n_off C-, with pairs of ON and OFF taken together, so that with equal thresholds
  * a pixel that comes back to a level has the very reference that it had there before. */
+static inline double td_reference_at(double on, double off, double initial, double count_on, double count_off) {
+    const double pairs = count_on < count_off ? count_on : count_off;
+    const double unpaired = (count_on - pairs) * on - (count_off - pairs) * off; /* one of them is 0 */
+    return initial + (pairs * (on - off) + unpaired);
+}
 static inline double td_reference_of(double on, double off, double initial, uint32_t count_on, uint32_t count_off) {
-    uint32_t pairs = count_on < count_off ? count_on : count_off;
-    double unpaired = (double)(count_on - pairs) * on - (double)(count_off - pairs) * off; /* one of them is 0 */
-    return initial + ((double)pairs * (on - off) + unpaired);
+    return td_reference_at(on, off, initial, count_on, count_off);
 }
 
 /* The additive noise at a time [ns since the run's start] that isn't before the time reached; 0 without. */

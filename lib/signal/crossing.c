@@ -43,14 +43,6 @@ int td_model_extrema(const td_model *model, double s[2]) {
     return count;
 }
 
-/* Rounding mustn't lift an extremum out of the range that the comparator rejects tiles by. */
-static double value_within(const td_model *model, double s) {
-    const double *b = model->control;
-    double low = fmin(fmin(b[0], b[1]), fmin(b[2], b[3]));
-    double high = fmax(fmax(b[0], b[1]), fmax(b[2], b[3]));
-    return fmin(fmax(td_model_value(model, s), low), high);
-}
-
 void td_crossing_begin(td_crossing_walk *walk, const td_model *model, const td_step *step) {
     const double *b = model->control;
     double extrema[2];
@@ -65,7 +57,7 @@ void td_crossing_begin(td_crossing_walk *walk, const td_model *model, const td_s
     walk->value[walk->knots++] = b[0];
     for (int i = 0; i < count; i++) {
         walk->knot[walk->knots] = extrema[i];
-        walk->value[walk->knots++] = value_within(model, extrema[i]);
+        walk->value[walk->knots++] = td_model_value_within(model, extrema[i]);
     }
     walk->knot[walk->knots] = 1.0;
     walk->value[walk->knots++] = b[3];

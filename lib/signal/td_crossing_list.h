@@ -6,20 +6,24 @@
 #include "td_level.h"
 #include "td_step.h"
 
-/* Some tens of events are what 64 pixels have in a step that is much too coarse; the list stays in L1. */
-enum { TD_CROSSING_LIST_ROOM = 192 };
+#include <string.h>
+
+/* Some tens of events are what 64 pixels have in a step that is much too coarse; the list stays in L1. EACH levels are listed
+ * at a time, of which the last ones may be none: no branch asks how many there are. */
+enum { TD_CROSSING_LIST_ROOM = 192, TD_CROSSING_LIST_EACH = 4 };
+enum { TD_CROSSING_LIST_ALL = TD_CROSSING_LIST_ROOM + 2 * TD_CROSSING_LIST_EACH }; /* whole vectors of them */
 
 typedef struct td_crossing_list {
     int count;
     int searched; /* the last crossing whose place was searched for, which is at */
     double at;
-    int first[TD_CROSSING_LIST_ROOM];                                           /* crossing on its piece */
-    double control[4][TD_CROSSING_LIST_ROOM];                                   /* of the models */
-    double reference[TD_CROSSING_LIST_ROOM], rise[TD_CROSSING_LIST_ROOM];       /* the levels: td_level */
-    double low[TD_CROSSING_LIST_ROOM], high[TD_CROSSING_LIST_ROOM];             /* ends of the monotone piece */
-    double value_low[TD_CROSSING_LIST_ROOM], value_high[TD_CROSSING_LIST_ROOM]; /* S there */
-    double place[TD_CROSSING_LIST_ROOM]; /* so near that td_step_time is what it is at the crossing, where */
-    double known[TD_CROSSING_LIST_ROOM]; /* that is 1; 0: look there again, with td_crossing_list_time */
+    int first[TD_CROSSING_LIST_ALL];                                    /* crossing on its piece */
+    double control[4][TD_CROSSING_LIST_ALL];                            /* of the models */
+    double reference[TD_CROSSING_LIST_ALL], rise[TD_CROSSING_LIST_ALL]; /* the levels: td_level */
+    double low[TD_CROSSING_LIST_ALL], high[TD_CROSSING_LIST_ALL];       /* ends of the monotone piece */
+    double guess[TD_CROSSING_LIST_ALL];                                 /* about where it is */
+    int64_t time[TD_CROSSING_LIST_ALL];                                 /* of the crossing [ns], where */
+    double doubtful[TD_CROSSING_LIST_ALL];                              /* that is 0; 1: it is to be searched for */
 } td_crossing_list;
 
 static inline void td_crossing_list_clear(td_crossing_list *list) {
@@ -27,29 +31,32 @@ static inline void td_crossing_list_clear(td_crossing_list *list) {
     list->searched = -1;
 }
 
-/* Appends the crossing of a level that the model reaches by the end of its piece, on which `first` was the first; there is
- * room. */
-static inline void td_crossing_list_add(td_crossing_list *list, const td_level *level, int first, const double end[2],
-                                        const double value[2]) {
-    const int k = list->count++;
-    list->first[k] = first;
-    for (int c = 0; c < 4; c++) list->control[c][k] = level->model->control[c];
-    list->reference[k] = level->reference;
-    list->rise[k] = level->rise;
-    list->low[k] = end[0];
-    list->high[k] = end[1];
-    list->value_low[k] = value[0];
-    list->value_high[k] = value[1];
+static inline void td_crossing_list_fill(double *to, double value) {
+    const double each[TD_CROSSING_LIST_EACH] = {value, value, value, value}; /* as a whole: gcc 12 stores a loop's one by one */
+    memcpy(to, each, sizeof each);
 }
 
-/* Finds the places of all. */
+/* A model on a monotone piece, whose first crossing is number `first` of the list. */
+typedef struct td_crossing_piece {
+    double control[4], low, high;
+    int first;
+} td_crossing_piece;
+
+/* Lists crossings k to k + EACH - 1, k <= TD_CROSSING_LIST_ROOM, of levels that are `rise` from these references and that the
+ * piece reaches by its end, about where is guessed. How many of them there are, list->count says. */
+static inline void td_crossing_list_put(td_crossing_list *list, int k, const td_crossing_piece *on, const double *reference,
+                                        const double *guess, double rise) {
+    const int first[TD_CROSSING_LIST_EACH] = {on->first, on->first, on->first, on->first};
+    for (int c = 0; c < 4; c++) td_crossing_list_fill(&list->control[c][k], on->control[c]);
+    td_crossing_list_fill(&list->rise[k], rise);
+    td_crossing_list_fill(&list->low[k], on->low);
+    td_crossing_list_fill(&list->high[k], on->high);
+    memcpy(&list->first[k], first, sizeof first);
+    memcpy(&list->reference[k], reference, TD_CROSSING_LIST_EACH * sizeof *reference);
+    memcpy(&list->guess[k], guess, TD_CROSSING_LIST_EACH * sizeof *guess);
+}
+
+/* Finds the times of all: those that td_step_time gives of the places that td_crossing_next would stop at. */
 void td_crossing_list_solve(td_crossing_list *list, const td_step *step);
-
-/* The time of crossing k: td_step_time of the place that td_crossing_next would stop at. To be asked for in the list's
- * order. */
-int64_t td_crossing_list_search(td_crossing_list *list, const td_step *step, int k);
-static inline int64_t td_crossing_list_time(td_crossing_list *list, const td_step *step, int k) {
-    return list->known[k] != 0.0 ? td_step_time(step, list->place[k]) : td_crossing_list_search(list, step, k);
-}
 
 #endif

@@ -43,6 +43,6 @@ static inline double td_level_rounding(const td_level *at) {
 }
 
 /* Of a nanosecond: how near a place is to be known, so that few are near the end of theirs. */
-#define TD_NEAR_ENOUGH_NS 0x1p-10
+#define TD_NEAR_ENOUGH_NS 0x1p-11
 
 #endif

@@ -10,6 +10,7 @@
 #ifndef TD_MODEL_H
 #define TD_MODEL_H
 
+#include "td_extremes.h"
 #include "tides/simulate.h"
 
 #include <math.h>
@@ -40,6 +41,14 @@ static inline double td_model_value(const td_model *model, double s) {
     const double *b = model->control;
     double u = 1.0 - s;
     return u * u * (u * b[0] + 3.0 * s * b[1]) + s * s * (3.0 * u * b[2] + s * b[3]);
+}
+
+/* The same, within the range of the control values, by which tiles are rejected: rounding mustn't lift extrema out of it. */
+static inline double td_model_value_within(const td_model *model, double s) {
+    const double *b = model->control;
+    const double low = td_lesser(td_lesser(b[0], b[1]), td_lesser(b[2], b[3]));
+    const double high = td_greater(td_greater(b[0], b[1]), td_greater(b[2], b[3]));
+    return td_lesser(td_greater(td_model_value(model, s), low), high);
 }
 
 static inline double td_model_slope(const td_model *model, double s) {

@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "signal/td_crossing.h"
+#include "signal/td_turns.h"
 
 #include <float.h>
 #include <math.h>
@@ -273,6 +274,34 @@ static void values_that_are_no_numbers_do_no_harm(void **state) {
     assert_int_equal(find(&nan, 0.0, 0.2, 0.3).count, 0);
 }
 
+/* Many at once turn where each does, to the bit: random ones of all sizes, those with parts that are level, and those whose
+ * slope only touches 0. */
+static void many_turn_where_each_does(void **state) {
+    (void)state;
+    uint64_t random = 1;
+    int turned = 0;
+    for (int trial = 0; trial < 500; trial++) {
+        td_turns turns = {.count = 1 + trial % TD_TURNS_ROOM};
+        for (int k = 0; k < turns.count; k++)
+            for (int c = 0; c < 4; c++) {
+                random = random * 6364136223846793005u + 1442695040888963407u; /* Knuth's MMIX */
+                turns.control[c][k] = trial % 3 ? ldexp((double)(int64_t)random, trial % 90 - 105) : (double)(random >> 62);
+            }
+        td_turns_find(&turns);
+        for (int k = 0; k < turns.count; k++) {
+            const td_model model = {{turns.control[0][k], turns.control[1][k], turns.control[2][k], turns.control[3][k]}};
+            td_crossing_walk walk;
+            td_crossing_begin(&walk, &model, NULL);
+            for (int i = 0; i < 2; i++) {
+                const int knot = i + 1 < walk.knots ? i + 1 : walk.knots - 1;
+                assert_true(turns.place[i][k] == walk.knot[knot] && turns.value[i][k] == walk.value[knot]);
+            }
+            turned += walk.knots > 2;
+        }
+    }
+    assert_true(turned > 5000);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(models_meet_their_data),
@@ -289,6 +318,7 @@ int main(void) {
         cmocka_unit_test(a_start_beyond_the_level_fires_at_the_start),
         cmocka_unit_test(extreme_scales),
         cmocka_unit_test(values_that_are_no_numbers_do_no_harm),
+        cmocka_unit_test(many_turn_where_each_does),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -176,7 +176,7 @@ static rates walk_all(const world *w, size_t pixels, double taus) {
     for (size_t i = 0; i < pixels; i++) {
         walker p = {0, 0, -1, (uint32_t)i, 0};
         double normal[2];
-        for (long k = 0; k < (20 + taus) * PER_TAU; k++) {
+        for (int k = 0; k < (20 + taus) * PER_TAU; k++) {
             td_random_bits bits = td_random(SEED, (uint32_t)i, (uint64_t)k, 1000), more;
             td_random_normals(&bits, normal);
             more = td_random(SEED, (uint32_t)i, (uint64_t)k, 1001);
