@@ -4,6 +4,7 @@
  * double precision, one on a GPU, one in the scalar reference. Whoever includes this has declared the dialect:
  *   TD_OPENCL         set by the program's prelude, together with TD_LANES = 1, 4, 8 or 16
  *   TD_REAL_DOUBLE    double precision; in C with libm's functions (the reference), in OpenCL with those of exact.h
+ *   TD_UNFUSED        in OpenCL, on devices whose fma() is a long function: multiplies and adds, near the reference's bits
  *   TD_EXACT          with TD_REAL_DOUBLE in C: with those of exact.h, the same bits as OpenCL in double
  * Masks are what comparisons give: as wide as the reals, so that in double an index, which masks are joined with, is as well.
  * Rules for everything above it: no contraction (the prelude's first line, -ffp-contract=off on the host), fma() is written
@@ -60,8 +61,13 @@ typedef TD_VECTOR(int) td_mask;
 #define td_mask_to_real(m) ((td_real)((m) != 0))
 #endif
 #define td_splat(x) ((td_lanes)(x))
-#define td_fma(a, b, c) fma((td_lanes)(a), (td_lanes)(b), (td_lanes)(c))
-#define td_fma_real(a, b, c) fma((td_real)(a), (td_real)(b), (td_real)(c)) /* of numbers that all lanes share */
+#ifdef TD_UNFUSED
+#define td_fma_of(type, a, b, c) ((type)(a) * (type)(b) + (type)(c))
+#else
+#define td_fma_of(type, a, b, c) fma((type)(a), (type)(b), (type)(c))
+#endif
+#define td_fma(a, b, c) td_fma_of(td_lanes, a, b, c)
+#define td_fma_real(a, b, c) td_fma_of(td_real, a, b, c) /* of numbers that all lanes share */
 #define td_sqrt(x) sqrt(x)
 #if defined(TD_REAL_DOUBLE) && TD_LANES == 1 /* where select() would want a long */
 #define td_select(otherwise, then, mask) ((mask) ? (td_lanes)(then) : (td_lanes)(otherwise))
@@ -80,14 +86,24 @@ typedef TD_VECTOR(int) td_mask;
 #ifdef TD_REAL_DOUBLE
 typedef double td_real;
 typedef uint64_t td_word; /* bits of reals */
-#define td_fma(a, b, c) fma(a, b, c)
+#define td_fma(a, b, c) td_kept(fma(a, b, c))
 #define td_sqrt(x) sqrt(x)
 #else
 typedef float td_real;
 typedef int32_t td_word;
-#define td_fma(a, b, c) fmaf(a, b, c)
+#define td_fma(a, b, c) td_kept(fmaf(a, b, c))
 #define td_sqrt(x) sqrtf(x)
 #endif
+/* gcc 12 makes one instruction of -fma(a, b, c) where the processor has one, -frounding-math or not, and -0 of its 0: the
+ * negation mustn't see where its number comes from (tests/kernels/test_fused.c). */
+TD_INLINE td_real td_kept(td_real x) {
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
+    __asm__("" : "+x"(x));
+#elif defined(__GNUC__) && !defined(__clang__)
+    __asm__("" : "+g"(x));
+#endif
+    return x;
+}
 typedef td_real td_lanes;
 typedef int td_mask;
 #define td_fma_real(a, b, c) td_fma(a, b, c)
@@ -264,6 +280,25 @@ TD_INLINE td_lanes td_larger(td_lanes a, td_lanes b) { return td_select(b, a, a 
 TD_INLINE td_lanes td_smaller(td_lanes a, td_lanes b) { return td_select(b, a, a < b); }
 /* |a| */
 TD_INLINE td_lanes td_size(td_lanes a) { return td_larger(a, -a); }
+
+/* The largest of all lanes, of which none may be unordered. */
+TD_INLINE td_real td_largest(td_lanes a) {
+#if TD_LANES == 16
+    a = td_larger(a, a.s89abcdef01234567);
+    a = td_larger(a, a.s456789abcdef0123);
+    a = td_larger(a, a.s23456789abcdef01);
+    return td_larger(a, a.s123456789abcdef0).s0;
+#elif TD_LANES == 8
+    a = td_larger(a, a.s45670123);
+    a = td_larger(a, a.s23456701);
+    return td_larger(a, a.s12345670).s0;
+#elif TD_LANES == 4
+    a = td_larger(a, a.s2301);
+    return td_larger(a, a.s1230).s0;
+#else
+    return a;
+#endif
+}
 
 TD_INLINE td_lanes td_clamp(td_lanes x, td_real lower, td_real upper) {
     return td_smaller(td_larger(x, td_splat(lower)), td_splat(upper));

@@ -1,4 +1,13 @@
 /* The reference in double precision: the arbiter of truth (DESIGN 7). */
 #define TD_REAL_DOUBLE
-#define TD_REFERENCE_CREATE td_backend_create_f64
+#define TD_REFERENCE_CREATE td_backend_create_f64_plain
 #include "reference_body.h"
+#include "td_fused.h"
+
+tides_status td_backend_create_f64(const td_store *store, const td_image_numbers *image, td_backend **backend,
+                                   tides_error *error) {
+#ifdef TD_FUSED
+    if (td_has_fused()) return td_backend_create_f64_fused(store, image, backend, error);
+#endif
+    return td_backend_create_f64_plain(store, image, backend, error);
+}

@@ -254,6 +254,15 @@ tides_status td_backend_create_f64(const td_store *store, const td_image_numbers
                                    tides_error *error);
 tides_status td_backend_create_f32(const td_store *store, const td_image_numbers *image, td_backend **backend,
                                    tides_error *error);
+/* What the two above choose from: for any processor, and for those with fused multiply-add (td_fused.h; not everywhere). */
+tides_status td_backend_create_f64_plain(const td_store *store, const td_image_numbers *image, td_backend **backend,
+                                         tides_error *error);
+tides_status td_backend_create_f64_fused(const td_store *store, const td_image_numbers *image, td_backend **backend,
+                                         tides_error *error);
+tides_status td_backend_create_f32_plain(const td_store *store, const td_image_numbers *image, td_backend **backend,
+                                         tides_error *error);
+tides_status td_backend_create_f32_fused(const td_store *store, const td_image_numbers *image, td_backend **backend,
+                                         tides_error *error);
 tides_status td_backend_create_opencl(tides_device *device, const td_store *store, const td_image_numbers *image,
                                       td_backend **backend, tides_error *error);
 

@@ -1,0 +1,9 @@
+/* The reference in single precision once more, for processors with fused multiply-add (td_fused.h). */
+#include "td_fused.h"
+
+#ifdef TD_FUSED
+TD_FUSED_BEGIN
+#define TD_REFERENCE_CREATE td_backend_create_f32_fused
+#include "reference_body.h"
+TD_FUSED_END
+#endif
