@@ -25,6 +25,7 @@ static cJSON *row_json(const tides_device_info *row, int32_t used) {
     cJSON_AddStringToObject(json, "driver", row->driver);
     cJSON_AddNumberToObject(json, "compute_units", row->compute_units);
     cJSON_AddNumberToObject(json, "lanes", row->lanes);
+    cJSON_AddBoolToObject(json, "fused", row->fused);
     cJSON_AddNumberToObject(json, "memory_bytes", (double)row->memory_bytes);
     cJSON_AddBoolToObject(json, "used", used);
     return json;
@@ -35,8 +36,8 @@ static void print_row(const tides_device_info *row, int32_t used) {
     if (row->index >= 0) snprintf(index, sizeof index, "%d", row->index);
     printf("%c %-5s %-9s %-40s %s", used ? '*' : ' ', index, kind_name(row->kind), row->name, row->platform);
     if (row->index >= 0)
-        printf(", %d compute units, %d lanes, %.3g GiB", row->compute_units, row->lanes,
-               (double)row->memory_bytes / 1073741824.0);
+        printf(", %d compute units, %d lanes, %.3g GiB%s", row->compute_units, row->lanes,
+               (double)row->memory_bytes / 1073741824.0, row->fused ? "" : ", no fma: not the others' bits");
     putchar('\n');
 }
 
@@ -52,7 +53,8 @@ static tides_status list(tides_device_info **rows, int32_t *count, tides_error *
         free(made);
         return status;
     }
-    made[exist < again ? exist : again] = (tides_device_info){.kind = TIDES_DEVICE_REFERENCE, .index = -1, .lanes = 1};
+    made[exist < again ? exist : again] =
+        (tides_device_info){.kind = TIDES_DEVICE_REFERENCE, .index = -1, .lanes = 1, .fused = 1};
     *count = exist < again ? exist : again;
     snprintf(made[*count].name, sizeof made[*count].name, "reference");
     snprintf(made[*count].platform, sizeof made[*count].platform, "scalar C in double precision, no OpenCL");

@@ -1,8 +1,9 @@
 /* Where the arithmetic runs: an OpenCL device, or the scalar double-precision reference.
  *
- * Threads: any number may list and open devices at once; an open device serves one thread at a time. OpenCL's drivers are
- * loaded when a process first asks for devices, and the library lets one thread at a time do that (loaders aren't ready for
- * two); a program that calls OpenCL by itself too makes its own first call before or after, not meanwhile.
+ * Threads: any number may list and open devices at once, and renderers, simulators and live runs of several may share an open
+ * one, which takes their work in turns. OpenCL's drivers are loaded when a process first asks for devices, and the library
+ * lets one thread at a time do that (loaders aren't ready for two); a program that calls OpenCL by itself too makes its own
+ * first call before or after, not meanwhile.
  *
  * Forks: drivers have threads, which a fork leaves behind. In a process forked from one that had listed or opened devices,
  * calls that need OpenCL fail with TIDES_NO_DEVICE and say so, rather than wait for ever; closing and destroying works, and so
@@ -31,6 +32,9 @@ typedef struct tides_device_info {
     char driver[128];      /* CL_DEVICE_VERSION and CL_DRIVER_VERSION */
     int32_t compute_units; /* CL_DEVICE_MAX_COMPUTE_UNITS */
     int32_t lanes;         /* pixels per work-item that kernels are built for */
+    int32_t fused;         /* 0: fma() would be a long function there, so products and sums are rounded apart: events are near
+                              those of other devices (some 20 ns), where all others give the same to the bit; 1 elsewhere */
+    int32_t reserved;
     uint64_t memory_bytes; /* CL_DEVICE_GLOBAL_MEM_SIZE */
 } tides_device_info;
 

@@ -2,6 +2,7 @@
 #include "td_advice.h"
 #include "td_device.h"
 #include "td_forked.h"
+#include "td_near.h"
 
 #include <ctype.h>
 #include <stdlib.h>
@@ -25,10 +26,20 @@ static int32_t kind_of(cl_device_id id) {
     return type & CL_DEVICE_TYPE_CPU ? TIDES_DEVICE_CPU : TIDES_DEVICE_OTHER;
 }
 
+static int is_rusticl(const tides_device_info *info) { return strcmp(info->platform, "rusticl") == 0; }
+static int is_pocl(const tides_device_info *info) { return strcmp(info->platform, "Portable Computing Language") == 0; }
+
 /* Pixels per work-item: a 4x4 block on a CPU, where a vector of sixteen hides latency even in two halves; one on a GPU, and
- * where a driver makes vectors of work-items itself: rusticl on llvmpipe takes twenty minutes and 7 GB to compile ours. */
-static int32_t lanes_of(const tides_device_info *info) {
-    return info->kind == TIDES_DEVICE_CPU && strcmp(info->platform, "rusticl") != 0 ? 16 : 1;
+ * where a driver makes vectors of work-items itself, as rusticl does on llvmpipe. */
+static int32_t lanes_of(const tides_device_info *info) { return info->kind == TIDES_DEVICE_CPU && !is_rusticl(info) ? 16 : 1; }
+
+/* Mesa puts a software fma() of some hundred instructions into the kernel for each call: on llvmpipe (Mesa 22.3) kernels
+ * compiled for over three minutes without end, in 1.3 GB, and for twenty in 7 GB with sixteen lanes; unfused all of a run's
+ * take 20 to 40 s and 0.4 GB, with events within 32 ns of the reference's. Others' software fma() is a call (PoCL's). */
+static int32_t is_fused(cl_device_id id, const tides_device_info *info) {
+    cl_device_fp_config single = 0;
+    clGetDeviceInfo(id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof single, &single, NULL);
+    return !is_rusticl(info) || (single & CL_FP_FMA) != 0;
 }
 
 static void describe(cl_platform_id platform, cl_device_id id, int32_t index, tides_device_info *info) {
@@ -41,9 +52,10 @@ static void describe(cl_platform_id platform, cl_device_id id, int32_t index, ti
     clGetDeviceInfo(id, CL_DEVICE_NAME, sizeof info->name - 1, info->name, NULL);
     clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof info->platform - 1, info->platform, NULL);
     info->lanes = lanes_of(info);
+    info->fused = is_fused(id, info);
     clGetDeviceInfo(id, CL_DEVICE_VERSION, sizeof version - 1, version, NULL);
     clGetDeviceInfo(id, CL_DRIVER_VERSION, sizeof driver - 1, driver, NULL);
-    snprintf(info->driver, sizeof info->driver, "%s, driver %s", version, driver);
+    snprintf(info->driver, sizeof info->driver, "%.63s, driver %.54s", version, driver);
     clGetDeviceInfo(id, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
     clGetDeviceInfo(id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof memory, &memory, NULL);
     info->compute_units = (int32_t)units;
@@ -155,6 +167,7 @@ static void open_reference(tides_device *device, int single_precision) {
     device->info.kind = TIDES_DEVICE_REFERENCE;
     device->info.index = -1;
     device->info.lanes = 1;
+    device->info.fused = 1;
     device->info.compute_units = 1;
     snprintf(device->info.name, sizeof device->info.name, "%s", single_precision ? "reference-f32" : "reference");
     snprintf(device->info.platform, sizeof device->info.platform, "scalar C");
@@ -181,6 +194,8 @@ static tides_status open_opencl(tides_device *device, const char *spec, tides_er
     clGetDeviceInfo(device->id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof rounding, &rounding, NULL);
     clGetDeviceInfo(device->id, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof wide, &wide, NULL);
     device->has_double = wide != 0;
+    device->near = td_near_is_had(device->id, device->info.kind);
+    device->own_builtins = is_pocl(&device->info);
     device->correctly_rounded = (rounding & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
     device->context = clCreateContext(NULL, 1, &device->id, NULL, NULL, &code);
     if (code != CL_SUCCESS) {
@@ -200,6 +215,10 @@ tides_status tides_device_open(const char *spec, tides_device **device, tides_er
     if (!spec || !*spec) spec = "auto";
     tides_device *opened = td_alloc(1, sizeof *opened, error);
     if (!opened) return TIDES_NO_MEMORY;
+    if (pthread_mutex_init(&opened->building, NULL)) {
+        free(opened);
+        return td_fail(error, TIDES_NO_MEMORY, "out of memory for a device's lock");
+    }
     tides_status status = TIDES_OK;
     if (strcmp(spec, "reference") == 0)
         open_reference(opened, 0);
@@ -220,6 +239,7 @@ void tides_device_close(tides_device *device) {
     td_programs_release(device);
     if (device->queue && !td_is_forked()) clReleaseCommandQueue(device->queue);
     if (device->context && !td_is_forked()) clReleaseContext(device->context);
+    pthread_mutex_destroy(&device->building);
     free(device);
 }
 

@@ -3,34 +3,45 @@
 #include "td_launch.h"
 
 #include "td_forked.h"
+#include "td_near.h"
+
+#include <string.h>
 
 tides_status td_buffer_reserve(tides_device *device, td_buffer *buffer, size_t bytes, tides_error *error) {
     if (bytes <= buffer->bytes) return TIDES_OK;
     if (td_is_forked()) return td_check_forked(error);
     cl_int code = CL_SUCCESS;
     size_t grown = buffer->bytes ? bytes + bytes / 4 : bytes;
-    cl_mem memory = clCreateBuffer(device->context, CL_MEM_READ_WRITE, grown + TD_BUFFER_SLACK, NULL, &code);
+    void *near = NULL;
+    cl_mem memory = device->near ? td_near_create(device->context, grown + TD_BUFFER_SLACK, &near, &code)
+                                 : clCreateBuffer(device->context, CL_MEM_READ_WRITE, grown + TD_BUFFER_SLACK, NULL, &code);
     if (code != CL_SUCCESS)
         return td_fail(error, TIDES_NO_MEMORY, "device %.60s: a buffer of %zu bytes can't be had (%s)", device->info.name,
                        grown, td_cl_name(code));
     td_buffer_release(buffer);
-    buffer->memory = memory;
-    buffer->bytes = grown;
+    *buffer = (td_buffer){memory, grown, near};
     return TIDES_OK;
 }
 
 void td_buffer_release(td_buffer *buffer) {
     if (buffer->memory && !td_is_forked()) clReleaseMemObject(buffer->memory);
-    buffer->memory = NULL;
-    buffer->bytes = 0;
+    *buffer = (td_buffer){NULL, 0, NULL};
+}
+
+/* Copies from or to memory that is shared, when nothing is under way there. */
+static tides_status move_near(tides_device *device, void *to, const void *from, size_t bytes, tides_error *error) {
+    tides_status status = td_finish(device, TIDES_OK, error);
+    if (status == TIDES_OK) memcpy(to, from, bytes);
+    return status;
 }
 
 tides_status td_buffer_grow(tides_device *device, td_buffer *buffer, size_t bytes, tides_error *error) {
     if (bytes <= buffer->bytes) return TIDES_OK;
-    td_buffer grown = {NULL, 0};
+    td_buffer grown = {NULL, 0, NULL};
     tides_status status = td_buffer_reserve(device, &grown, bytes + bytes / 2, error);
-    if (status != TIDES_OK) return status;
-    if (buffer->bytes)
+    if (status == TIDES_OK && buffer->near) status = move_near(device, grown.near, buffer->near, buffer->bytes, error);
+    if (status != TIDES_OK) goto done;
+    if (buffer->bytes && !buffer->near)
         TD_CL(clEnqueueCopyBuffer(device->queue, buffer->memory, grown.memory, 0, 0, buffer->bytes, 0, NULL, NULL));
     td_buffer_release(buffer); /* once the copy is done */
     *buffer = grown;
@@ -44,6 +55,7 @@ tides_status td_buffer_write_at(tides_device *device, const td_buffer *buffer, s
                                 tides_error *error) {
     tides_status status = td_check_forked(error);
     if (status != TIDES_OK || bytes == 0) return status;
+    if (buffer->near) return move_near(device, (char *)buffer->near + offset, data, bytes, error);
     TD_CL(clEnqueueWriteBuffer(device->queue, buffer->memory, CL_TRUE, offset, bytes, data, 0, NULL, NULL));
 done:
     return status;
@@ -51,16 +63,14 @@ done:
 
 tides_status td_buffer_write(tides_device *device, td_buffer *buffer, const void *data, size_t bytes, tides_error *error) {
     tides_status status = td_buffer_reserve(device, buffer, bytes ? bytes : 1, error);
-    if (status != TIDES_OK || bytes == 0) return status;
-    TD_CL(clEnqueueWriteBuffer(device->queue, buffer->memory, CL_TRUE, 0, bytes, data, 0, NULL, NULL));
-done:
-    return status;
+    return status == TIDES_OK ? td_buffer_write_at(device, buffer, 0, data, bytes, error) : status;
 }
 
 tides_status td_buffer_read_at(tides_device *device, const td_buffer *buffer, size_t offset, void *data, size_t bytes,
                                tides_error *error) {
     tides_status status = td_check_forked(error);
     if (status != TIDES_OK || bytes == 0) return status;
+    if (buffer->near) return move_near(device, data, (const char *)buffer->near + offset, bytes, error);
     TD_CL(clEnqueueReadBuffer(device->queue, buffer->memory, CL_TRUE, offset, bytes, data, 0, NULL, NULL));
 done:
     return status;
@@ -78,6 +88,7 @@ tides_status td_buffer_read(tides_device *device, const td_buffer *buffer, void 
 tides_status td_buffer_send(tides_device *device, const td_buffer *buffer, const void *data, size_t bytes, tides_error *error) {
     tides_status status = td_check_forked(error);
     if (status != TIDES_OK) return status;
+    if (buffer->near) return move_near(device, buffer->near, data, bytes, error);
     TD_CL(clEnqueueWriteBuffer(device->queue, buffer->memory, CL_FALSE, 0, bytes, data, 0, NULL, NULL));
 done:
     return status;
@@ -89,6 +100,12 @@ tides_status td_buffer_fetch(tides_device *device, const td_buffer *buffer, void
     TD_CL(clEnqueueReadBuffer(device->queue, buffer->memory, CL_FALSE, 0, bytes, data, 0, NULL, NULL));
 done:
     return status;
+}
+
+tides_status td_buffer_view(tides_device *device, const td_buffer *buffer, void *host, size_t bytes, const void **at,
+                            tides_error *error) {
+    *at = buffer->near ? buffer->near : host;
+    return buffer->near ? td_check_forked(error) : td_buffer_fetch(device, buffer, host, bytes, error);
 }
 
 tides_status td_launch(tides_device *device, cl_kernel kernel, cl_uint dimensions, const size_t *global, const size_t *local,

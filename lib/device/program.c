@@ -4,7 +4,11 @@
  * Tried and refused: a cache of binaries of our own. From one PoCL 3.1 makes a program in 1 to 4 ms instead of the 25 to 40 for
  * which clang reads 900 KB of headers to find the key of its own cache. But to hand a binary over it compiles kernels again,
  * for work-groups of any size: 0.3 to 1.7 s each, as long as the build itself. Fewer programs are cheaper.
- * -cl-opt-disable, which would leave optimising to the launch: kernels 13 to 18 times slower. */
+ * -cl-opt-disable, which would leave optimising to the launch: kernels 13 to 18 times slower; or, where always_inline keeps
+ * them from being left alone, the same bits, but programs took 2.9 instead of 4.2 s and first launches 5.8 instead of 3.5.
+ *
+ * What is done instead: those 900 KB declare OpenCL's functions, of which kernels call two dozen. Where clang is told that its
+ * header was read already, by the guard of that, and the program declares what it calls, 10 to 25 ms are left. */
 #include "td_device.h"
 #include "td_forked.h"
 
@@ -68,14 +72,14 @@ int td_double_lanes(const tides_device *device) { return device->info.lanes > 8 
  * device's registers never cross a program's border here: clang's note about their calling convention is noise. Intel's CPU
  * driver would make vectors of sixteen work-items of our vectors of sixteen pixels: no faster a run, and three to five times
  * the time to compile it (the demo: 13 s instead of 2.6 to 3.7), so it is told that there is nothing to be made. */
-static char *make_prelude(const dialect *of, const char *defines, tides_error *error) {
+static char *make_prelude(const tides_device *device, const dialect *of, const char *defines, tides_error *error) {
     return td_format(error,
                      "#pragma OPENCL FP_CONTRACT OFF\n%s"
                      "#ifdef __clang__\n#pragma clang diagnostic ignored \"-Wpsabi\"\n#endif\n"
                      "#ifdef cl_intel_vec_len_hint\n#define __kernel __attribute__((intel_vec_len_hint(1))) __kernel\n#endif\n"
-                     "#define TD_OPENCL 1\n#define TD_LANES %d\n%s",
+                     "%s#define TD_OPENCL 1\n#define TD_LANES %d\n%s",
                      of->is_double ? "#pragma OPENCL EXTENSION cl_khr_fp64 : enable\n#define TD_REAL_DOUBLE 1\n" : "",
-                     of->lanes, defines);
+                     device->info.fused ? "" : "#define TD_UNFUSED 1\n", of->lanes, defines);
 }
 
 /* The text of each of `files`, and of what they include, once. */
@@ -91,24 +95,36 @@ static tides_status gather_all(td_source_text *text, const char *files, tides_er
     return status;
 }
 
-static tides_status build(tides_device *device, const dialect *of, const char *files, const char *defines, cl_program *program,
-                          tides_error *error) {
-    tides_status status = TIDES_NO_MEMORY;
-    td_source_text text = {0};
-    cl_program built = NULL;
+/* The guard of the header in which clang declares OpenCL: it is empty then, and kernels/builtins.h stands in its place. */
+#define OWN_BUILTINS " -D_OPENCL_H_"
+
+/* All of a program: the prelude, the declarations where they are its own, `files`. */
+static tides_status gather_program(td_source_text *text, const tides_device *device, const dialect *of, const char *files,
+                                   const char *defines, tides_error *error) {
+    char *prelude = make_prelude(device, of, defines, error);
+    if (!prelude) return TIDES_NO_MEMORY;
+    tides_status status = td_reserve((void **)&text->piece, &text->capacity, 1, sizeof *text->piece, error);
+    if (status != TIDES_OK) {
+        free(prelude);
+        return status;
+    }
+    text->piece[text->count++] = prelude;
+    if (device->own_builtins) status = td_source_gather(text, "builtins.h", error);
+    return status == TIDES_OK ? gather_all(text, files, error) : status;
+}
+
+static tides_status compile(const tides_device *device, const td_source_text *text, const char *files, cl_program *program,
+                            tides_error *error) {
+    tides_status status = TIDES_OK;
     cl_int code = CL_SUCCESS;
-    char *prelude = make_prelude(of, defines, error);
-    if (!prelude) goto done;
-    status = td_reserve((void **)&text.piece, &text.capacity, 1, sizeof *text.piece, error);
-    if (status != TIDES_OK) goto done;
-    text.piece[text.count++] = prelude;
-    prelude = NULL;
-    if ((status = gather_all(&text, files, error)) != TIDES_OK) goto done;
-    built = clCreateProgramWithSource(device->context, (cl_uint)text.count, (const char **)(void *)text.piece, NULL, &code);
+    char options[128];
+    cl_program built =
+        clCreateProgramWithSource(device->context, (cl_uint)text->count, (const char **)(void *)text->piece, NULL, &code);
     TD_CL(code);
-    code = clBuildProgram(built, 1, &device->id,
-                          device->correctly_rounded ? "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt" : "-cl-std=CL1.2",
-                          NULL, NULL);
+    snprintf(options, sizeof options, "-cl-std=CL1.2%s%s",
+             device->correctly_rounded ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
+             device->own_builtins ? OWN_BUILTINS : "");
+    code = clBuildProgram(built, 1, &device->id, options, NULL, NULL);
     if (code != CL_SUCCESS) {
         status = fail_build(device, built, files, error);
         goto done;
@@ -117,9 +133,20 @@ static tides_status build(tides_device *device, const dialect *of, const char *f
     built = NULL;
 done:
     if (built) clReleaseProgram(built);
-    td_source_release(&text);
-    free(prelude);
     return status;
+}
+
+/* A program that can't be built with its own declarations is built with the driver's, and so are all after it: another PoCL may
+ * have a header that these don't fit, and who changes kernels may call what they lack. Slower, and the same bits. */
+static tides_status build(tides_device *device, const dialect *of, const char *files, const char *defines, cl_program *program,
+                          tides_error *error) {
+    td_source_text text = {0};
+    tides_status status = gather_program(&text, device, of, files, defines, error);
+    if (status == TIDES_OK) status = compile(device, &text, files, program, error);
+    td_source_release(&text);
+    if (status == TIDES_OK || !device->own_builtins) return status;
+    device->own_builtins = 0;
+    return build(device, of, files, defines, program, error);
 }
 
 static tides_status find_program(tides_device *device, const dialect *of, const char *files, const char *defines,
@@ -153,7 +180,10 @@ static tides_status create_kernel(tides_device *device, const dialect *of, const
     cl_program program = NULL;
     cl_int code = CL_SUCCESS;
     tides_status status = td_check_forked(error);
-    if (status == TIDES_OK) status = find_program(device, of, files, defines, &program, error);
+    if (status != TIDES_OK) return status;
+    pthread_mutex_lock(&device->building);
+    status = find_program(device, of, files, defines, &program, error);
+    pthread_mutex_unlock(&device->building);
     if (status != TIDES_OK) return status;
     cl_kernel made = clCreateKernel(program, name, &code);
     if (code != CL_SUCCESS) return td_cl_fail(error, code, "clCreateKernel");

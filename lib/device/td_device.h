@@ -6,6 +6,7 @@
 #include "tides/device.h"
 
 #include <CL/cl.h>
+#include <pthread.h>
 
 typedef struct td_program_entry td_program_entry;
 
@@ -14,11 +15,14 @@ struct tides_device {
     int single_precision;  /* reference only: 1 for reference-f32 */
     int correctly_rounded; /* divide and sqrt can be asked to round correctly */
     int has_double;        /* OpenCL only: it has cl_khr_fp64 */
+    int near;              /* OpenCL only: the host shares its buffers (td_near.h) */
+    int own_builtins;      /* programs declare what they call of OpenCL C themselves (kernels/builtins.h) */
     cl_platform_id platform;
     cl_device_id id;
     cl_context context;
     cl_command_queue queue;
     td_program_entry *programs; /* built so far, newest first */
+    pthread_mutex_t building;   /* held by whoever looks at `programs`: simulators of several threads share a device */
 };
 
 /* 1 where it computes in double precision: the reference. Results agree to the bit among those of one precision. */

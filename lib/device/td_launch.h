@@ -8,6 +8,7 @@
 typedef struct td_buffer {
     cl_mem memory;
     size_t bytes;
+    void *near; /* its contents, where the host shares them (td_near.h); NULL: it doesn't */
 } td_buffer;
 
 /* Bytes behind the end that may be read: a kernel that takes 16 numbers at a time ends where the last ones do. */
@@ -32,9 +33,15 @@ tides_status td_buffer_read_at(tides_device *device, const td_buffer *buffer, si
 tides_status td_buffer_read_part(tides_device *device, const td_buffer *buffer, void *data, size_t offset, size_t bytes,
                                  tides_error *error);
 
-/* The same without waiting: `data` must stay as it is until the queue has finished, and td_buffer_send doesn't reserve. */
+/* The same without waiting, but where memory is shared, for what was launched before: `data` must stay as it is until the queue
+ * has finished, and td_buffer_send doesn't reserve. */
 tides_status td_buffer_send(tides_device *device, const td_buffer *buffer, const void *data, size_t bytes, tides_error *error);
 tides_status td_buffer_fetch(tides_device *device, const td_buffer *buffer, void *data, size_t bytes, tides_error *error);
+
+/* Where a buffer's first `bytes` are to be read once the queue has finished, at *at: in memory that is shared, else in `host`,
+ * which is needed where the device has none. */
+tides_status td_buffer_view(tides_device *device, const td_buffer *buffer, void *host, size_t bytes, const void **at,
+                            tides_error *error);
 
 /* One kernel argument: a buffer, or `bytes` of a value. */
 typedef struct td_argument {

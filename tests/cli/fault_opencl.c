@@ -5,7 +5,8 @@
  *                failed
  *
  * What releases something releases it, whatever it says: an object isn't left because of the shim. */
-#define CL_TARGET_OPENCL_VERSION 120
+#define CL_TARGET_OPENCL_VERSION 200
+#define CL_USE_DEPRECATED_OPENCL_1_2_APIS
 #define _GNU_SOURCE
 #include <CL/cl.h>
 #include <dlfcn.h>
@@ -110,6 +111,23 @@ MAKER(cl_command_queue, clCreateCommandQueue, CL_OUT_OF_RESOURCES,
       (cl_context c, cl_device_id d, cl_command_queue_properties p, cl_int *status), (c, d, p, status))
 MAKER(cl_mem, clCreateBuffer, CL_MEM_OBJECT_ALLOCATION_FAILURE,
       (cl_context c, cl_mem_flags f, size_t n, void *h, cl_int *status), (c, f, n, h, status))
+STATUS(clSetMemObjectDestructorCallback, CL_OUT_OF_HOST_MEMORY, (cl_mem m, void(CL_CALLBACK *f)(cl_mem, void *), void *u),
+       (m, f, u))
+
+/* Memory that is shared. */
+void *CL_API_CALL clSVMAlloc(cl_context c, cl_svm_mem_flags f, size_t n, cl_uint alignment) {
+    NEXT(clSVMAlloc);
+    void *made = is_turn("clSVMAlloc") ? NULL : next(c, f, n, alignment);
+    if (made) count(1);
+    return made;
+}
+
+void CL_API_CALL clSVMFree(cl_context c, void *memory) {
+    NEXT(clSVMFree);
+    count(-1);
+    next(c, memory);
+}
+
 MAKER(cl_program, clCreateProgramWithSource, CL_OUT_OF_HOST_MEMORY,
       (cl_context c, cl_uint n, const char **s, const size_t *l, cl_int *status), (c, n, s, l, status))
 MAKER(cl_kernel, clCreateKernel, CL_OUT_OF_HOST_MEMORY, (cl_program p, const char *n, cl_int *status), (p, n, status))

@@ -118,8 +118,12 @@ static void test_real_scene(void **state) {
     for (int i = 0; i < 3; i++) orbit.target[i] = 0.5 * (lower[i] + upper[i]);
     orbit.radius = 1.1 * (upper[1] - lower[1]);
     scene_expect_ok(tides_trajectory_create_orbit(&orbit, &path, &error), &error);
-    job j =
-        {.device = "reference-f32", .scene = scene, .path = path, .camera = {56, 44, 50, 50, 28, 22}, .start = 0, .stop = 0.05};
+    job j = {.device = "reference-f32",
+             .scene = scene,
+             .path = path,
+             .camera = {56, 44, 50, 50, 28, 22, {0}},
+             .start = 0,
+             .stop = 0.05};
     tides_sensor_defaults(&j.sensor);
     tides_stepping_defaults(&j.stepping);
     j.stepping.mode = TIDES_STEPPING_FIXED;

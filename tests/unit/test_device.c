@@ -77,6 +77,7 @@ static void test_list_is_consistent(void **state) {
         assert_in_range(rows[i].kind, TIDES_DEVICE_CPU, TIDES_DEVICE_OTHER);
         assert_true(rows[i].lanes == 1 || rows[i].lanes == 4 || rows[i].lanes == 8 || rows[i].lanes == 16);
         assert_true(rows[i].compute_units > 0);
+        assert_true(rows[i].fused || strcmp(rows[i].platform, "rusticl") == 0);
         assert_true(rows[i].memory_bytes > 0);
     }
 }
@@ -114,6 +115,7 @@ static void test_references_need_no_opencl(void **state) {
         assert_string_equal(info.name, specs[i]);
         assert_int_equal(info.kind, TIDES_DEVICE_REFERENCE);
         assert_int_equal(info.index, -1);
+        assert_int_equal(info.fused, 1);
         tides_device_close(device);
     }
 }
@@ -199,6 +201,47 @@ static void test_programs_are_built_once(void **state) {
     }
     assert_ptr_equal(program[0], program[2]);
     assert_ptr_not_equal(program[0], program[1]);
+    tides_device_close(device);
+}
+
+/* The kernel f of `text` in a folder of kernels whose builtins.h is `builtins`, where that is given. */
+static tides_status build_text(tides_device *device, const char *text, const char *builtins, tides_error *error) {
+    void *folder = NULL;
+    cl_kernel kernel = NULL;
+    assert_int_equal(scene_folder_setup(&folder), 0);
+    scene_file_write(scene_in_folder(folder, "f.cl"), text, strlen(text));
+    if (builtins) scene_file_write(scene_in_folder(folder, "builtins.h"), builtins, strlen(builtins));
+    setenv("TIDES_KERNEL_DIR", folder, 1);
+    const tides_status status = td_kernel_create(device, "f.cl", "", "f", &kernel, error);
+    unsetenv("TIDES_KERNEL_DIR");
+    if (kernel) clReleaseKernel(kernel);
+    assert_int_equal(scene_folder_teardown(&folder), 0);
+    return status;
+}
+
+/* PoCL's programs declare what they call. What they can't, the driver does, and errors are those of the driver's. */
+static void test_functions_that_nobody_declares(void **state) {
+    (void)state;
+    static const char with_hypot[] = "__kernel void f(__global float *x) { x[0] = hypot(x[0], x[1]); }\n";
+    static const char with_nothing[] = "__kernel void f(__global float *x) { x[0] = 1.0f; }\n";
+    static const char *const builtins[] = {"", "float __attribute__((overloadable)) hypot(float);\n", "no C\n", NULL};
+    const int is_pocl = strcmp(first_device().platform, "Portable Computing Language") == 0;
+    for (size_t i = 0; i < sizeof builtins / sizeof *builtins; i++) {
+        tides_device *device = open_device("0");
+        tides_error error;
+        assert_int_equal(device->own_builtins, is_pocl);
+        scene_expect_ok(build_text(device, with_hypot, builtins[i], &error), &error);
+        assert_int_equal(device->own_builtins, 0);
+        tides_device_close(device);
+    }
+    tides_device *device = open_device("0");
+    tides_error error;
+    scene_expect_ok(build_text(device, with_nothing, "", &error), &error);
+    assert_int_equal(device->own_builtins, is_pocl);
+    tides_device_close(device);
+    device = open_device("0");
+    scene_expect_error(build_text(device, "__kernel void f(void) { no_function(); }\n", "", &error), TIDES_DEVICE_FAILED,
+                       &error, "f.cl|no_function");
     tides_device_close(device);
 }
 
@@ -314,6 +357,7 @@ int main(int argc, char **argv) {
                                        cmocka_unit_test(test_errors_list_what_there_is),
                                        cmocka_unit_test(test_errors_name_the_kernel),
                                        cmocka_unit_test(test_programs_are_built_once),
+                                       cmocka_unit_test(test_functions_that_nobody_declares),
                                        cmocka_unit_test(test_advice_is_the_systems),
                                        cmocka_unit_test_prestate(test_machine_without_opencl, argv[0])};
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,74 @@
+/* The functions of OpenCL C that kernels call, declared. For PoCL alone (lib/device/program.c): else clang reads 900 KB of
+ * declarations for each program, compiled before or not. In this way a program that PoCL has on disk costs a third of the time,
+ * and one that it hasn't 0.2 s less. What the functions do is the driver's either way, so that code and bits are the same.
+ * Lint's stage `kernels` compiles every program with these alone. */
+#ifndef TD_BUILTINS_H
+#define TD_BUILTINS_H
+
+/* What clang may take for granted, as its own header says it. */
+#define TD_BUILTIN __attribute__((overloadable))
+#define TD_BUILTIN_PURE __attribute__((overloadable, pure))
+#define TD_BUILTIN_CONST __attribute__((overloadable, const))
+
+/* A vector of n of them, from a place of an array and back. */
+#define TD_DECLARE_MOVES(type, n)                                     \
+    TD_BUILTIN_PURE type##n vload##n(size_t, const __global type *);  \
+    TD_BUILTIN_PURE type##n vload##n(size_t, const __private type *); \
+    TD_BUILTIN void vstore##n(type##n, size_t, __global type *);      \
+    TD_BUILTIN void vstore##n(type##n, size_t, __private type *);
+
+#define TD_DECLARE_ARITHMETIC(real, mask)        \
+    TD_BUILTIN_CONST real sqrt(real);            \
+    TD_BUILTIN_CONST real fma(real, real, real); \
+    TD_BUILTIN_CONST real select(real, real, mask);
+
+#define TD_DECLARE_ORDER(type)             \
+    TD_BUILTIN_CONST type min(type, type); \
+    TD_BUILTIN_CONST type max(type, type);
+
+#define TD_DECLARE_VECTORS(n)                           \
+    TD_DECLARE_MOVES(int, n)                            \
+    TD_DECLARE_MOVES(float, n)                          \
+    TD_DECLARE_ARITHMETIC(float##n, int##n)             \
+    TD_BUILTIN_CONST float##n convert_float##n(int##n); \
+    TD_BUILTIN_CONST float##n convert_float##n(float##n);
+
+TD_DECLARE_ARITHMETIC(float, int)
+TD_DECLARE_VECTORS(4)
+TD_DECLARE_VECTORS(8)
+TD_DECLARE_VECTORS(16)
+
+#ifdef TD_REAL_DOUBLE
+#define TD_DECLARE_WIDE_VECTORS(n)                          \
+    TD_DECLARE_MOVES(double, n)                             \
+    TD_DECLARE_ARITHMETIC(double##n, long##n)               \
+    TD_BUILTIN_CONST float##n convert_float##n(double##n);  \
+    TD_BUILTIN_CONST double##n convert_double##n(float##n); \
+    TD_BUILTIN_CONST double##n convert_double##n(long##n);  \
+    TD_BUILTIN_CONST long##n convert_long##n(int##n);       \
+    TD_BUILTIN_CONST int##n convert_int##n(long##n);
+
+TD_DECLARE_ARITHMETIC(double, long)
+TD_DECLARE_WIDE_VECTORS(4)
+TD_DECLARE_WIDE_VECTORS(8)
+TD_DECLARE_WIDE_VECTORS(16)
+#endif
+
+TD_DECLARE_MOVES(long, 8)
+TD_DECLARE_ORDER(int)
+TD_DECLARE_ORDER(long)
+TD_DECLARE_ORDER(long8)
+TD_BUILTIN_CONST int popcount(int);
+TD_BUILTIN_CONST uint popcount(uint);
+TD_BUILTIN_CONST int clz(int);
+TD_BUILTIN_CONST uint clz(uint);
+TD_BUILTIN int atomic_inc(volatile __global int *);
+
+TD_BUILTIN_CONST size_t get_global_id(uint);
+TD_BUILTIN_CONST size_t get_global_size(uint);
+TD_BUILTIN_CONST size_t get_group_id(uint);
+TD_BUILTIN_CONST size_t get_local_id(uint);
+TD_BUILTIN_CONST size_t get_local_size(uint);
+TD_BUILTIN __attribute__((convergent)) void barrier(cl_mem_fence_flags);
+
+#endif

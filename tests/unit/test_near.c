@@ -1,0 +1,106 @@
+/* Buffers that host and device share (lib/device/td_near.h): what is written, read, lent and grown is what it is through
+ * commands, and so is an image, to the bit. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "device/td_launch.h"
+#include "tests/support/random_scene.h"
+#include "tests/support/scene_folder.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { COUNT = 1000, PART = 300, FIRST = 17 };
+
+static tides_device *open_device(void) {
+    tides_device *device = NULL;
+    tides_error error = {0, ""};
+    const tides_status status = tides_device_open("cpu", &device, &error);
+    if (status == TIDES_NO_DEVICE) skip();
+    scene_expect_ok(status, &error);
+    return device;
+}
+
+/* All that may be done with a buffer. */
+static void use_buffer(tides_device *device, int near) {
+    int from[2 * COUNT], to[2 * COUNT], viewed[COUNT];
+    const int *lent = NULL;
+    td_buffer buffer = {NULL, 0, NULL};
+    tides_error error = {0, ""};
+    for (int i = 0; i < 2 * COUNT; i++) from[i] = 7 * i + 1;
+    device->near = near;
+    scene_expect_ok(td_buffer_write(device, &buffer, from, COUNT * sizeof *from, &error), &error);
+    assert_int_equal(buffer.near != NULL, near);
+    scene_expect_ok(td_buffer_read(device, &buffer, to, COUNT * sizeof *to, &error), &error);
+    assert_memory_equal(to, from, COUNT * sizeof *to);
+    scene_expect_ok(td_buffer_grow(device, &buffer, 2 * COUNT * sizeof *from, &error), &error);
+    const size_t skipped = FIRST * sizeof *from, part = PART * sizeof *from;
+    scene_expect_ok(td_buffer_write_at(device, &buffer, skipped, from + COUNT, part, &error), &error);
+    memcpy(from + FIRST, from + COUNT, part);
+    scene_expect_ok(td_buffer_read(device, &buffer, to, COUNT * sizeof *to, &error), &error);
+    assert_memory_equal(to, from, COUNT * sizeof *to);
+    memset(to, 0, sizeof to);
+    scene_expect_ok(td_buffer_read_part(device, &buffer, to, skipped, part, &error), &error);
+    assert_memory_equal(to + FIRST, from + FIRST, part);
+    scene_expect_ok(td_buffer_send(device, &buffer, from, COUNT * sizeof *from, &error), &error);
+    memset(to, 0, sizeof to);
+    scene_expect_ok(td_buffer_fetch(device, &buffer, to, COUNT * sizeof *to, &error), &error);
+    scene_expect_ok(td_buffer_view(device, &buffer, near ? NULL : viewed, COUNT * sizeof *from, (const void **)&lent, &error),
+                    &error);
+    scene_expect_ok(td_finish(device, TIDES_OK, &error), &error);
+    assert_memory_equal(to, from, COUNT * sizeof *to);
+    assert_memory_equal(lent, from, COUNT * sizeof *from);
+    td_buffer_release(&buffer);
+    assert_null(buffer.near);
+}
+
+static void test_a_buffer_is_a_buffer(void **state) {
+    tides_device *device = open_device();
+    const int near = device->near;
+    (void)state;
+    use_buffer(device, 0);
+    if (near) use_buffer(device, 1);
+    tides_device_close(device);
+}
+
+/* log_luminance of a frame; the caller frees it. */
+static double *render(tides_device *device, const random_scene *scene) {
+    tides_renderer *renderer = NULL;
+    tides_image_params params;
+    tides_error error = {0, ""};
+    const size_t pixels = (size_t)scene->camera.width * (size_t)scene->camera.height;
+    double *plane = calloc(pixels, sizeof *plane);
+    tides_frame frame = {{NULL}};
+    assert_non_null(plane);
+    tides_image_params_defaults(&params);
+    frame.plane[TIDES_L] = plane;
+    scene_expect_ok(tides_renderer_create(device, scene->scene, &scene->camera, &params, NULL, NULL, &renderer, &error),
+                    &error);
+    for (int k = 0; k < 3; k++) scene_expect_ok(tides_renderer_frame(renderer, scene->path, 0.2 * k, &frame, &error), &error);
+    tides_renderer_destroy(renderer);
+    return plane;
+}
+
+static void test_images_are_the_same(void **state) {
+    tides_device *device = open_device();
+    random_recipe recipe = random_recipe_defaults(8);
+    (void)state;
+    recipe.count = 500;
+    random_scene scene = random_scene_make(&recipe);
+    double *own = render(device, &scene);
+    device->near = 0;
+    double *commanded = render(device, &scene);
+    assert_memory_equal(own, commanded, (size_t)scene.camera.width * (size_t)scene.camera.height * sizeof *own);
+    free(own);
+    free(commanded);
+    random_scene_free(&scene);
+    tides_device_close(device);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_a_buffer_is_a_buffer), cmocka_unit_test(test_images_are_the_same)};
+    return cmocka_run_group_tests_name("near", tests, NULL, NULL);
+}
