@@ -49,8 +49,9 @@ TD_INLINE td_mask td_rectangle_holds(const td_shape *shape, const td_image *imag
            (v - ry < (td_real)(tile_y + TD_TILE)) & (v + ry + reach >= (td_real)(tile_y + TD_TILE));
 }
 
-/* The x range of the ellipse within the strip of pixel centres y0 .. y0 + 3, as 4 bits of the blocks of that row. */
-TD_INLINE td_mask td_block_row(const td_shape *shape, td_lanes rx, td_lanes ry, int tile_x, int y) {
+/* The x range of the ellipse within the strip of pixel centres of row j of a tile's blocks, as bits of these blocks. */
+TD_INLINE td_mask td_block_row(const td_shape *shape, td_lanes rx, td_lanes ry, int tile_x, int tile_y, int j) {
+    int y = tile_y + 4 * j;
     td_lanes from = (td_real)y + 0.5f - shape->v.v, to = (td_real)y + 3.5f - shape->v.v;
     td_mask touched = (from <= ry) & (to >= -ry);
     /* The boundary is x(dy) = (b/c) dy +- k sqrt(ry^2 - dy^2); its right end lies at dy = (b/a) rx, the left at minus that.
@@ -64,12 +65,10 @@ TD_INLINE td_mask td_block_row(const td_shape *shape, td_lanes rx, td_lanes ry, 
     td_lanes margin = td_fma(rx, TD_REAL(1e-4), TD_REAL(0.01));
     td_lanes right = td_fma(slope, dy_right, td_fma(k, half_right, shape->u.v + margin));
     td_lanes left = td_fma(slope, dy_left, shape->u.v - margin - k * half_left);
-    td_mask bits = touched & 0;
-    for (int i = 0; i < 4; i++) {
-        td_real x = (td_real)(tile_x + 4 * i);
-        bits |= td_mask_bit(touched & (left <= x + 3.5f) & (right >= x + 0.5f), 1 << i);
-    }
-    return bits;
+#define TD_BLOCK_BIT(i)                                                                                                \
+    td_mask_bit(touched &(left <= (td_real)(tile_x + 4 * (i)) + 3.5f) & (right >= (td_real)(tile_x + 4 * (i)) + 0.5f), \
+                1 << (4 * j + (i)))
+    return TD_BLOCK_BIT(0) | TD_BLOCK_BIT(1) | TD_BLOCK_BIT(2) | TD_BLOCK_BIT(3);
 }
 
 /* 16 bits: bit 4 j + i says that the splat reaches block (i, j) of the tile. 0: not visible in this tile. */
@@ -78,8 +77,10 @@ TD_INLINE td_mask td_block_mask(const td_shape *shape, const td_image *image, in
     td_half_widths(shape, &rx, &ry);
     td_mask visible = shape->visible;
     if (image->extent_rule != TD_EXTENT_ELLIPSE) visible = visible & td_rectangle_holds(shape, image, tile_x, tile_y);
-    td_mask bits = visible & 0;
-    for (int j = 0; j < 4; j++) bits |= td_block_row(shape, rx, ry, tile_x, tile_y + 4 * j) << (4 * j);
+    td_mask bits = td_block_row(shape, rx, ry, tile_x, tile_y, 0); /* no loop: LLVM kept it, and the one within */
+    bits |= td_block_row(shape, rx, ry, tile_x, tile_y, 1);
+    bits |= td_block_row(shape, rx, ry, tile_x, tile_y, 2);
+    bits |= td_block_row(shape, rx, ry, tile_x, tile_y, 3);
     return td_mask_bit(visible, bits);
 }
 

@@ -1,15 +1,18 @@
-/* One work-group per tile job: its candidates, TD_LANES at a time, from their paths to splat records (path_record.h). */
+/* Tile jobs, by turns: each one's candidates, TD_LANES at a time, from their paths to splat records (path_record.h). */
 #include "path_record.h"
 #include "specialise.h"
+#include "turns.h"
 
 __kernel void td_fetch_jobs(__constant const td_image *image_buffer, __global const td_job *jobs,
                             __global const int *candidates, __global const int *object, __global const td_view *views,
                             __global const float *geometry, __global const float *rates, __global const float *sh,
                             __global const float *sh_rates, __global const int *owners, int first_rate, int first_moved,
                             __global const float *rows, __global const float *low, __global const float *cubics,
-                            __global const int *nodes, __global const int *path, __global float *records, __global int *masks) {
+                            __global const int *nodes, __global const int *path, __global float *records,
+                            __global float *depths, __global float *lights, __global int *masks, __global int *turns,
+                            int job_count) {
     const td_image image = td_specialised(image_buffer);
-    const td_job job = jobs[get_group_id(0)];
+    volatile __global int *turn = turns + TD_TURN_RECORDS;
     const td_source source = td_source_make(geometry, rates, sh, sh_rates, owners, first_rate, first_moved);
     td_path_source from;
     from.paths.rows = rows;
@@ -20,8 +23,13 @@ __kernel void td_fetch_jobs(__constant const td_image *image_buffer, __global co
     td_sink sink;
     sink.records = records;
     sink.colours = records; /* none is written */
+    sink.depths = depths;
+    sink.lights = lights;
     sink.masks = masks;
     int step = (int)get_local_size(0) * TD_LANES;
-    for (int first = (int)get_local_id(0) * TD_LANES; first < job.count; first += step)
-        td_path_group(&job, first, candidates, object, views, &image, &source, &from, &sink);
+    for (int at = td_first_turn(turn); at < job_count; at = td_next_turn(turn)) {
+        const td_job job = jobs[at];
+        for (int first = (int)get_local_id(0) * TD_LANES; first < job.count; first += step)
+            td_path_group(&job, first, candidates, object, views, &image, &source, &from, &sink);
+    }
 }

@@ -75,17 +75,17 @@ TD_INLINE void td_path_group(const td_job *job, int first, TD_GLOBAL const int *
         td_index gaussian = td_load_ints(candidates + job->candidates + first);
         td_project_rest(job, object, views, image, source, gaussian, rest, &shape, &luminance);
     }
-    int at = job->records + first;
-    td_sink sink;
-    sink.records = all->records + at * TD_RECORD_STRIDE;
-    sink.colours = all->colours;
-    sink.masks = all->masks + at;
-    if (!td_store_masks(&shape, image, job, &sink)) return;
+    td_sink sink = td_sink_at(all, image, job->records + first);
+    td_mask in_tile = td_store_masks(&shape, image, job, &sink);
+    if (!td_any(in_tile)) {
+        td_store_no_group(&sink);
+        return;
+    }
     td_lanes entry[TD_RECORD_STRIDE];
     td_lay_shape(&shape, entry);
     entry[TD_R_LUMINANCE] = td_select(luminance.v, td_not_a_number(), shape.broken);
     entry[TD_R_LUMINANCE_DOT] = luminance.d;
-    td_store_records(sink.records, entry);
+    td_store_group(in_tile, &sink, entry);
 }
 
 #endif

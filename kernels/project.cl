@@ -1,26 +1,33 @@
-/* One work-group per tile job: its candidates, TD_LANES at a time, to splat records (record.h). shared_as: for each slot, whose
+/* Tile jobs, by turns: each one's candidates, TD_LANES at a time, to splat records (record.h). shared_as: for each slot, whose
  * luminance it has of `shared` times (luminance.cl), or -1. */
 #include "record.h"
 #include "specialise.h"
+#include "turns.h"
 
 __kernel void td_project_jobs(__constant const td_image *image_buffer, __global const td_job *jobs,
                               __global const int *candidates, __global const int *object, __global const td_view *views,
                               __global const float *geometry, __global const float *rates, __global const float *sh,
                               __global const float *sh_rates, __global const int *owners, int first_rate, int first_moved,
-                              __global float *records, __global float *colours, __global int *masks,
-                              __global const int *shared_as, __global const float *luminance, int shared) {
+                              __global float *records, __global float *colours, __global float *depths, __global float *lights,
+                              __global int *masks, __global const int *shared_as, __global const float *luminance, int shared,
+                              __global int *turns, int job_count) {
     const td_image image = td_specialised(image_buffer);
-    const td_job job = jobs[get_group_id(0)];
-    td_source source = td_source_make(geometry, rates, sh, sh_rates, owners, first_rate, first_moved);
-    if (shared_as[job.slot] >= 0) {
-        source.luminance = luminance + (size_t)shared_as[job.slot] * first_moved;
-        source.luminance_dot = source.luminance + (size_t)shared * first_moved;
-    }
+    volatile __global int *turn = turns + TD_TURN_RECORDS;
     td_sink sink;
     sink.records = records;
     sink.colours = colours;
+    sink.depths = depths;
+    sink.lights = lights;
     sink.masks = masks;
     int step = (int)get_local_size(0) * TD_LANES;
-    for (int first = (int)get_local_id(0) * TD_LANES; first < job.count; first += step)
-        td_project_group(&job, first, candidates, object, views, &image, &source, &sink);
+    for (int at = td_first_turn(turn); at < job_count; at = td_next_turn(turn)) {
+        const td_job job = jobs[at];
+        td_source source = td_source_make(geometry, rates, sh, sh_rates, owners, first_rate, first_moved);
+        if (shared_as[job.slot] >= 0) {
+            source.luminance = luminance + (size_t)shared_as[job.slot] * first_moved;
+            source.luminance_dot = source.luminance + (size_t)shared * first_moved;
+        }
+        for (int first = (int)get_local_id(0) * TD_LANES; first < job.count; first += step)
+            td_project_group(&job, first, candidates, object, views, &image, &source, &sink);
+    }
 }

@@ -5,12 +5,26 @@
 #include "extent.h"
 #include "transpose.h"
 
-/* Where a group's records go: TD_LANES neighbours. `colours` only where colour is asked for. */
+/* Where a group's records go: TD_LANES neighbours. `colours` only where colour is asked for. What a sort asks of a splat stands
+ * beside its record once more: from records, a line of memory each, it took half of the sort's time. */
 typedef struct td_sink {
     TD_GLOBAL td_real *records; /* TD_RECORD_STRIDE each */
     TD_GLOBAL td_real *colours; /* td_colour_stride each: r g b and their rates, or features and theirs */
+    TD_GLOBAL td_real *depths;  /* also of what isn't in the tile: what is left as a hint is in their order */
+    TD_GLOBAL td_real *lights;  /* one for TD_LANES: the largest |luminance| of a splat of the tile, below 0 where none is */
     TD_GLOBAL int *masks;       /* blocks touched, and the low part of depth (fine_depth.h); 0: no splat here */
 } td_sink;
+
+/* The sink of a job's group that begins at record `at` of all. */
+TD_INLINE td_sink td_sink_at(const td_sink *all, const td_image *image, int at) {
+    td_sink sink;
+    sink.records = all->records + at * TD_RECORD_STRIDE;
+    sink.colours = all->colours + (td_has_colours(image) ? at * td_colour_stride(image) : 0);
+    sink.depths = all->depths + at;
+    sink.lights = all->lights + at / TD_LANES;
+    sink.masks = all->masks + at;
+    return sink;
+}
 
 /* ln alpha as a quadratic in pixel offsets, in units of log2, and its rate. */
 TD_INLINE void td_lay_shape(const td_shape *shape, td_lanes entry[TD_RECORD_STRIDE]) {
@@ -84,16 +98,22 @@ TD_INLINE void td_store_features(TD_GLOBAL const td_view *view, const td_image *
     entry[TD_R_LUMINANCE_DOT] = td_splat(0.0f);
 }
 
-/* Masks, and depths where a group has no splat in the tile: returns whether it has one. */
-TD_INLINE int td_store_masks(const td_shape *shape, const td_image *image, const td_job *job, const td_sink *sink) {
+/* Masks and depths of a group; which of it are in the tile. */
+TD_INLINE td_mask td_store_masks(const td_shape *shape, const td_image *image, const td_job *job, const td_sink *sink) {
     td_mask blocks = td_block_mask(shape, image, job->x, job->y);
     blocks = td_select_mask(blocks, (blocks & 0) | 0xffff, shape->broken);
     td_store_ints(sink->masks, image->soft_order ? td_pack_low(blocks, shape->depth_low) : blocks);
-    if (td_any(blocks != 0)) return 1;
-    td_scatter(sink->records, TD_RECORD_STRIDE, TD_R_DEPTH,
-               shape->depth.v); /* of all: what is left as a hint is in its order */
-    return 0;
+    td_store_lanes(sink->depths, shape->depth.v);
+    return blocks != 0;
 }
+
+/* Records of a group and its light, which is none where nothing of it is in the tile; what isn't a number is left out. */
+TD_INLINE void td_store_group(td_mask in_tile, const td_sink *sink, td_lanes entry[TD_RECORD_STRIDE]) {
+    td_lanes light = td_size(entry[TD_R_LUMINANCE]);
+    sink->lights[0] = td_largest(td_select(td_splat(-1.0f), light, in_tile & (light >= 0.0f)));
+    td_store_records(sink->records, entry);
+}
+TD_INLINE void td_store_no_group(const td_sink *sink) { sink->lights[0] = -1; }
 
 /* Projects TD_LANES candidates of a job and stores their records and masks. */
 TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
@@ -102,7 +122,11 @@ TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_ima
     td_index row = td_not_below_0(gaussian); /* padding reads row 0 */
     td_load_gaussian(source, image, row, &own);
     td_shape shape = td_project_shape(view, image, &own, gaussian >= 0);
-    if (!td_store_masks(&shape, image, job, sink)) return;
+    td_mask in_tile = td_store_masks(&shape, image, job, sink);
+    if (!td_any(in_tile)) {
+        td_store_no_group(sink);
+        return;
+    }
     td_lanes entry[TD_RECORD_STRIDE];
     td_lay_shape(&shape, entry);
     if (image->decoder) {
@@ -114,7 +138,7 @@ TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_ima
         td_colour colour = td_project_colour(view, image, source, &own, row);
         td_store_colour(&colour, shape.broken, image, sink, entry);
     }
-    td_store_records(sink->records, entry);
+    td_store_group(in_tile, sink, entry);
 }
 
 /* The rows of the group behind: they lie anywhere, and to wait for them takes as long as all else. */
@@ -137,11 +161,7 @@ TD_INLINE void td_project_group(const td_job *job, int first, TD_GLOBAL const in
     int leader = candidates[job->candidates + (first & ~(TD_PAD - 1))]; /* padded: one object per TD_PAD candidates */
     td_source own = td_source_of(source, image, leader);
     TD_GLOBAL const td_view *view = views + job->slot * image->objects + object[td_owner_of(&own, leader)];
-    int at = job->records + first;
-    td_sink sink;
-    sink.records = all->records + at * TD_RECORD_STRIDE;
-    sink.colours = all->colours + (td_has_colours(image) ? at * td_colour_stride(image) : 0);
-    sink.masks = all->masks + at;
+    td_sink sink = td_sink_at(all, image, job->records + first);
     td_project_candidates(view, image, &own, job, gaussian, &sink);
 }
 

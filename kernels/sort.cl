@@ -1,4 +1,4 @@
-/* One work-group per tile job: bitonic sort of its splats by (depth, candidate), a total order, so that the image doesn't
+/* Tile jobs, by turns: bitonic sort of each one's splats by (depth, candidate), a total order, so that the image doesn't
  * depend on the device. Keys are positive float bits above the candidate's number, compared as signed 64-bit integers.
  *
  * Keys are gathered in the order that an earlier job of the tile left (td_job.hint): a list that is in order then is left
@@ -6,11 +6,12 @@
  * doesn't pay: under a moving camera no number of moves that it was allowed (1 to 64 per key; AVX-512) beat the network. */
 #include "bitonic.h"
 #include "block_words.h"
+#include "turns.h"
 
 enum { TD_GROUP_MOST = 64 }; /* work-items of a group */
 
-static long td_key(__global const float *records, int candidate) {
-    return ((long)as_int(records[candidate * TD_RECORD_STRIDE + TD_R_DEPTH]) << 32) | (long)candidate;
+static long td_key(__global const float *depths, int candidate) {
+    return ((long)as_int(depths[candidate]) << 32) | (long)candidate;
 }
 
 static int td_candidate_of(long key) { return (int)(key & 0xffffffffL); }
@@ -26,14 +27,14 @@ typedef struct td_sorted {
 
 #if TD_LANES > 1
 
-static td_sorted td_sort_job(__global const td_job *job, __global const int *hint, __global const float *records,
+static td_sorted td_sort_job(__global const td_job *job, __global const int *hint, __global const float *depths,
                              __global const int *masks, __global long *keys, __local int *shared) {
     (void)shared;
     td_sorted done = {0, 1};
     if (job->count == 0) return done; /* a job without candidates has no keys either */
     for (int i = 0; i < job->count; i++) {
         int candidate = td_hinted(hint, i);
-        if (job->new_hint || (masks[candidate] & job->blocks) != 0) keys[done.count++] = td_key(records, candidate);
+        if (job->new_hint || (masks[candidate] & job->blocks) != 0) keys[done.count++] = td_key(depths, candidate);
     }
     for (int i = 1; i < done.count; i++) done.kept &= keys[i - 1] < keys[i];
     if (done.kept) return done;
@@ -45,13 +46,13 @@ static td_sorted td_sort_job(__global const td_job *job, __global const int *hin
 
 #else
 
-static td_sorted td_sort_job(__global const td_job *job, __global const int *hint, __global const float *records,
+static td_sorted td_sort_job(__global const td_job *job, __global const int *hint, __global const float *depths,
                              __global const int *masks, __global long *keys, __local int *shared) {
     (void)masks;
     td_sorted done = {job->count, 1};
     if (job->count == 0) return done;
     int me = (int)get_local_id(0), items = (int)get_local_size(0), capacity = td_capacity(job->count);
-    for (int i = me; i < capacity; i += items) keys[i] = i < job->count ? td_key(records, td_hinted(hint, i)) : TD_LAST_KEY;
+    for (int i = me; i < capacity; i += items) keys[i] = i < job->count ? td_key(depths, td_hinted(hint, i)) : TD_LAST_KEY;
     if (me == 0) *shared = 1;
     barrier(CLK_GLOBAL_MEM_FENCE | CLK_LOCAL_MEM_FENCE);
     for (int i = 1 + me; i < job->count; i += items)
@@ -68,58 +69,67 @@ static td_sorted td_sort_job(__global const td_job *job, __global const int *hin
 /* Those of the sorted candidates that touch the blocks, in their order, by the whole work-group: returns how many. */
 static int td_place_splats(__global const long *keys, int n, __global const int *masks, int blocks, __global int *order,
                            __global int *sorted_masks, __local int *shared) {
-    int items = (int)get_local_size(0), me = (int)get_local_id(0), each = (n + items - 1) / items;
-    int first = min(me * each, n), last = min(first + each, n), at = 0, count = 0;
-    if (items > 1) {
-        for (int i = first; i < last; i++) count += (masks[td_candidate_of(keys[i])] & blocks) != 0;
-        shared[me] = count;
-        barrier(CLK_LOCAL_MEM_FENCE);
-        count = 0;
-        for (int i = 0; i < items; i++) {
-            at += i < me ? shared[i] : 0;
-            count += shared[i];
-        }
+    int first = 0, last = n, at = 0;
+#if TD_LANES == 1
+    int items = (int)get_local_size(0), me = (int)get_local_id(0), each = (n + items - 1) / items, count = 0;
+    first = min(me * each, n);
+    last = min(first + each, n);
+    for (int i = first; i < last; i++) count += (masks[td_candidate_of(keys[i])] & blocks) != 0;
+    shared[me] = count;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    count = 0;
+    for (int i = 0; i < items; i++) {
+        at += i < me ? shared[i] : 0;
+        count += shared[i];
     }
+#else
+    (void)shared;
+#endif
     for (int i = first; i < last; i++) {
         int candidate = td_candidate_of(keys[i]), mask = masks[candidate];
         if ((mask & blocks) == 0) continue;
         order[at] = candidate;
         sorted_masks[at++] = mask;
     }
-    return items > 1 ? count : at;
+#if TD_LANES == 1
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    return count;
+#else
+    return at;
+#endif
+}
+
+/* Of the whole tile: where a block stops doesn't depend on what is asked for. */
+static float td_brightest_of(int count, float backdrop, __global const float *lights) {
+    float most = backdrop;
+    for (int i = 0; i < count / TD_LANES; i++) most = lights[i] > most ? lights[i] : most;
+    return most;
 }
 
 /* order, sorted_masks and words: what td_list wants; counts[job], and counts[jobs + job] 1 where the list was in order;
  * brightest[job]. Keys have twice the room of the records. */
-__kernel void td_sort_jobs(__global const td_job *jobs, __global const td_backdrop *backdrops, __global const float *records,
-                           __global const int *masks, __global long *keys, __global int *order, __global int *sorted_masks,
-                           __global int *counts, __global float *brightest, __global int *hints, __global int *words) {
+__kernel void td_sort_jobs(__global const td_job *jobs, __global const td_backdrop *backdrops, __global const float *depths,
+                           __global const float *lights, __global const int *masks, __global long *keys, __global int *order,
+                           __global int *sorted_masks, __global int *counts, __global float *brightest, __global int *hints,
+                           __global int *words, __global int *turns, int job_count) {
     __local int shared[TD_GROUP_MOST];
-    __global const td_job *job = jobs + get_group_id(0);
-    __global const float *job_records = records + job->records * TD_RECORD_STRIDE;
-    __global const int *job_masks = masks + job->records;
-    __global long *job_keys = keys + 2 * job->records;
-    __global const int *hint = job->hint ? hints + job->hint : 0;
-    td_sorted done = td_sort_job(job, hint, job_records, job_masks, job_keys, shared);
-    int count = td_place_splats(job_keys, done.count, job_masks, job->blocks, order + job->records, sorted_masks + job->records,
-                                shared);
-#if TD_LANES == 1
-    barrier(CLK_GLOBAL_MEM_FENCE);
-#endif
-    td_lay_words(sorted_masks + job->records, count, (int)get_local_id(0), (int)get_local_size(0),
-                 words + td_first_word(job->records, (int)get_group_id(0)));
-    if (job->new_hint)
-        for (int i = (int)get_local_id(0); i < done.count; i += (int)get_local_size(0))
-            hints[job->new_hint + i] = td_candidate_of(job_keys[i]);
-    if (get_local_id(0) != 0) return;
-    float most = backdrops[job->slot].luminance;
-    for (int i = 0; i < job->count; i++) { /* of the whole tile: where a block stops doesn't depend on what is asked for */
-        if (!job_masks[i]) continue;
-        float luminance = job_records[i * TD_RECORD_STRIDE + TD_R_LUMINANCE];
-        luminance = luminance > 0.0f ? luminance : -luminance;
-        most = luminance > most ? luminance : most;
+    volatile __global int *turn = turns + TD_TURN_SORT;
+    const int me = (int)get_local_id(0), items = (int)get_local_size(0);
+    for (int at = td_first_turn(turn); at < job_count; at = td_next_turn(turn)) {
+        __global const td_job *job = jobs + at;
+        const int from = job->records;
+        __global const float *job_depths = depths + from;
+        __global const int *job_masks = masks + from;
+        __global long *job_keys = keys + 2 * from;
+        __global const int *hint = job->hint ? hints + job->hint : 0;
+        td_sorted done = td_sort_job(job, hint, job_depths, job_masks, job_keys, shared);
+        int count = td_place_splats(job_keys, done.count, job_masks, job->blocks, order + from, sorted_masks + from, shared);
+        td_lay_words(sorted_masks + from, count, me, items, words + td_first_word(from, at));
+        if (job->new_hint)
+            for (int i = me; i < done.count; i += items) hints[job->new_hint + i] = td_candidate_of(job_keys[i]);
+        if (me != 0) continue;
+        counts[at] = count;
+        counts[job_count + at] = done.kept;
+        brightest[at] = td_brightest_of(job->count, backdrops[job->slot].luminance, lights + from / TD_LANES);
     }
-    counts[get_group_id(0)] = count;
-    counts[get_num_groups(0) + get_group_id(0)] = done.kept;
-    brightest[get_group_id(0)] = most;
 }

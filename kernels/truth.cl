@@ -1,22 +1,27 @@
-/* Ground truth (truth.h), after the projection and the sort of a batch: surfaces of its candidates, a work-group per tile job;
+/* Ground truth (truth.h), after the projection and the sort of a batch: surfaces of its candidates, tile jobs by turns;
  * then planes, a work-item per TD_LANES pixels of a block as in composite.cl. */
 #include "truth.h"
 #include "specialise.h"
+#include "turns.h"
 
 __kernel void td_surface_jobs(__constant const td_image *image_buffer, __global const td_job *jobs,
                               __global const int *candidates, __global const int *object, __global const int *numbers,
                               __global const td_view *views, __global const float *geometry, __global const float *rates,
                               __global const int *owners, int first_rate, int first_moved, __global const float *records,
-                              __global const int *masks, __global float *surfaces, __global float *surface_rates) {
+                              __global const int *masks, __global float *surfaces, __global float *surface_rates,
+                              __global int *turns, int job_count) {
     const td_image image = td_specialised(image_buffer);
-    const td_job job = jobs[get_group_id(0)];
+    volatile __global int *turn = turns + TD_TURN_SURFACES;
     const td_source source = td_source_make(geometry, rates, geometry, geometry, owners, first_rate, first_moved); /* no SH */
     td_surfaces to;
     to.places = surfaces;
     to.rates = surface_rates;
     int step = (int)get_local_size(0) * TD_LANES;
-    for (int first = (int)get_local_id(0) * TD_LANES; first < job.count; first += step)
-        td_surface_group(&job, first, candidates, object, numbers, views, &image, &source, records, masks, &to);
+    for (int at = td_first_turn(turn); at < job_count; at = td_next_turn(turn)) {
+        const td_job job = jobs[at];
+        for (int first = (int)get_local_id(0) * TD_LANES; first < job.count; first += step)
+            td_surface_group(&job, first, candidates, object, numbers, views, &image, &source, records, masks, &to);
+    }
 }
 
 __kernel void td_truth_jobs(__constant const td_image *image_buffer, __global const td_job *jobs, __global const float *records,

@@ -47,6 +47,7 @@ tides_status cli_frame_render(tides_session *session, double time, int32_t wante
     for (int32_t i = 0; i < CLI_DISPLACEMENTS && wanted & CLI_FRAME_DISPLACEMENT; i++)
         made.displacement[i] = make_plane(pixels, &status, error);
     if (status == TIDES_OK) status = tides_session_renderer(session, cli_progress_step, progress, &renderer, error);
+    if (status == TIDES_OK) status = tides_renderer_set_progress(renderer, cli_progress_step, progress, error);
     const tides_sensor *sensor = &facts.values.sensor;
     if (status == TIDES_OK) status = tides_renderer_set_psf(renderer, sensor->psf_sigma_px, sensor->psf_domain, error);
     if (status == TIDES_OK) {

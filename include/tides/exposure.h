@@ -39,10 +39,11 @@ TIDES_API void tides_exposure_defaults(tides_exposure *exposure);
 /* Planes of a frame's light and values: 1 (Y) or 3 (r, g, b). */
 TIDES_API int32_t tides_exposure_planes(const tides_exposure *exposure);
 
-/* When a row is exposed, of a frame of `height` rows at `time` [s]: from `start` to `stop`. The frame is exposed from the
- * earlier of its first and last row's starts to the later of their stops. */
+/* When a row is exposed, of a frame of `height` rows at `time` [s]: from `start` to `stop`, each nullable. And when any row of
+ * it is: from the earlier of its first and last row's starts to the later of their stops. */
 TIDES_API void tides_exposure_row(const tides_exposure *exposure, int32_t height, double time, int32_t row, double *start,
                                   double *stop);
+TIDES_API void tides_exposure_span(const tides_exposure *exposure, int32_t height, double time, double *start, double *stop);
 
 /* Frames that lie within [start, stop] [s] with all their rows, the first as early as can be; and when frame `index` is. */
 TIDES_API size_t tides_exposure_count(const tides_exposure *exposure, int32_t height, double start, double stop);

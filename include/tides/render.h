@@ -129,8 +129,14 @@ TIDES_API void tides_renderer_destroy(tides_renderer *renderer);
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_set_psf(tides_renderer *renderer, double sigma_px, int32_t domain,
                                                                tides_error *error);
 
+/* From now on `progress` (NULL: nobody) is told what share of a call that renders (a frame, ground truth, an exposure) is done,
+ * before each of its launches on the device. Where it returns other than 0 the call ends with TIDES_CANCELLED, nothing in its
+ * outputs is to be used, and the renderer is as good as before. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_set_progress(tides_renderer *renderer, tides_progress progress,
+                                                                    void *user, tides_error *error);
+
 /* One frame at `time` [s] seen from `camera` (body = OpenCV camera axes). Pixels that aren't finite, because a splat is beyond
- * what single precision holds: TIDES_BAD_ARGUMENT naming pixel and splat. */
+ * what single precision holds: TIDES_BAD_ARGUMENT naming pixel and splat. After an error planes hold anything. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera,
                                                              double time, const tides_frame *frame, tides_error *error);
 

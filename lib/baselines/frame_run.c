@@ -128,12 +128,16 @@ static tides_status run_renders(frame_run *r, tides_error *error) {
     tides_status status = TIDES_OK;
     td_renderer_set_epoch(supply->renderer, supply->start);
     for (double time = 0; status == TIDES_OK;) {
-        status = td_renderer_frame(supply->renderer, supply->camera, time, &frame, error);
+        td_share share = {r->progress, r->user, time / (supply->stop - supply->start), 0, "simulating"};
+        if (r->progress) status = tides_renderer_set_progress(supply->renderer, td_share_step, &share, error);
+        if (status == TIDES_OK) status = td_renderer_frame(supply->renderer, supply->camera, time, &frame, error);
         if (status == TIDES_OK) status = push(r, supply->start, time, error);
         if (status != TIDES_OK || time >= supply->stop - supply->start) break;
         status = next_time(r, time, &time, error);
     }
     td_renderer_set_epoch(supply->renderer, 0);
+    const tides_status silent = r->progress ? tides_renderer_set_progress(supply->renderer, NULL, NULL, error) : TIDES_OK;
+    if (status == TIDES_OK) status = silent;
     tides_renderer_stats(supply->renderer, &r->stats.render);
     r->stats.renders_full_frame_equivalent = (double)r->frames;
     r->stats.simulated_s = supply->stop - supply->start;

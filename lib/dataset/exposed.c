@@ -5,12 +5,10 @@
 #include <math.h>
 
 void td_exposed_between(const td_member *camera, int64_t us, int64_t *from_us, int64_t *to_us) {
-    const tides_exposure *e = &camera->facts.values.exposure;
-    double first, last, from, to;
-    tides_exposure_row(e, camera->facts.intrinsics.height, 0, 0, &first, &last);
-    tides_exposure_row(e, camera->facts.intrinsics.height, 0, camera->facts.intrinsics.height - 1, &from, &to);
-    *from_us = us + (int64_t)floor(1e6 * fmin(first, from));
-    *to_us = us + (int64_t)ceil(1e6 * fmax(last, to));
+    double from, to;
+    tides_exposure_span(&camera->facts.values.exposure, camera->facts.intrinsics.height, 0, &from, &to);
+    *from_us = us + (int64_t)floor(1e6 * from);
+    *to_us = us + (int64_t)ceil(1e6 * to);
 }
 
 tides_status td_exposed_make(const td_member *camera, const tides_trajectory *path, tides_renderer *renderer,

@@ -124,9 +124,10 @@ static tides_status give(scenes *s, const pass *p, size_t done, size_t all) {
     tides_status status = TIDES_OK;
     for (size_t i = 0; i < p->pictures + p->truths && status == TIDES_OK; i++) {
         const int is_picture = i < p->pictures;
-        if (s->to->step(s->to->user, (double)(done + i) / (double)all, is_picture ? "pictures" : "ground truth"))
-            return td_fail(s->error, TIDES_CANCELLED, "stopped on request");
-        status = is_picture ? picture(s, i) : truth(s, i - p->pictures);
+        td_share share = {s->to->step, s->to->user, (double)(done + i) / (double)all, 1 / (double)all,
+                          is_picture ? "pictures" : "ground truth"};
+        status = tides_renderer_set_progress(s->renderer, td_share_step, &share, s->error);
+        if (status == TIDES_OK) status = is_picture ? picture(s, i) : truth(s, i - p->pictures);
     }
     return status;
 }

@@ -14,6 +14,17 @@ static int kind_of_outputs(int outputs) {
     return kind;
 }
 
+size_t td_opencl_takers(const opencl_backend *b, int jobs) {
+    const int cores = b->device->info.lanes > 1 && b->device->info.compute_units < jobs ? b->device->info.compute_units : jobs;
+    return (size_t)cores * td_opencl_group_size(b);
+}
+
+tides_status td_opencl_begin_turns(opencl_backend *b, tides_error *error) {
+    static const cl_int none[TD_TURNS] = {0};
+    tides_status status = td_buffer_reserve(b->device, &b->turns, sizeof none, error);
+    return status == TIDES_OK ? td_buffer_send(b->device, &b->turns, none, sizeof none, error) : status;
+}
+
 tides_status td_opencl_write_reals_at(opencl_backend *b, td_buffer *buffer, size_t first, const double *from, size_t count,
                                       tides_error *error) {
     tides_status status = td_reserve((void **)&b->host, &b->host_capacity, count, sizeof *b->host, error);
@@ -27,183 +38,9 @@ tides_status td_opencl_write_reals(opencl_backend *b, td_buffer *buffer, const d
     return status == TIDES_OK ? td_opencl_write_reals_at(b, buffer, 0, from, count, error) : status;
 }
 
-/* Views, strays and rows of a sweep to the device, and room for its results. */
-static tides_status send_interval(opencl_backend *b, const td_sweep_request *request, tides_error *error) {
-    int times = td_sweep_times(request->level);
-    size_t bytes = (size_t)b->gaussians * sizeof(cl_float), strays = (size_t)b->objects * TD_STRAY_REALS;
-    double *none = request->strays ? NULL : td_alloc(strays, sizeof *none, error);
-    int *rows = td_alloc((size_t)times, sizeof *rows, error);
-    tides_status status = rows && (none || request->strays) ? TIDES_OK : TIDES_NO_MEMORY;
-    for (int i = 0; i < times && rows; i++) rows[i] = request->rows ? request->rows[i] : request->begin;
-    if (status == TIDES_OK)
-        status = td_opencl_write_reals(b, &b->views, request->views, (size_t)times * b->objects * TD_VIEW_REALS, error);
-    if (status == TIDES_OK)
-        status = td_opencl_write_reals(b, &b->strays, request->strays ? request->strays : none, strays, error);
-    if (status == TIDES_OK) status = td_buffer_write(b->device, &b->sweep_rows, rows, (size_t)times * sizeof *rows, error);
-    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->boxes, 4 * bytes, error);
-    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->travel, bytes, error);
-    free(none);
-    free(rows);
-    return status;
-}
-
-static tides_status sweep(td_backend *backend, const td_sweep_request *request, float *boxes, float *travel,
-                          tides_error *error) {
-    opencl_backend *b = (opencl_backend *)backend;
-    double begun = td_now();
-    tides_status status = send_interval(b, request, error);
-    if (status != TIDES_OK) return status;
-    float seconds = (float)request->duration;
-    cl_int begin = request->begin, end = request->end, level = request->level;
-    cl_int first_rate = b->first_rate, first_moved = b->gaussians;
-    /* A local size is always given: left to itself PoCL takes a divisor of the count, and compiles anew for every scene. */
-    size_t local = td_opencl_group_size(b), groups = (size_t)((end - begin) / b->device->info.lanes);
-    size_t global = (groups + local - 1) / local * local;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),
-                                     TD_BUFFER_ARGUMENT(b->object),
-                                     TD_BUFFER_ARGUMENT(b->views),
-                                     TD_BUFFER_ARGUMENT(b->strays),
-                                     TD_BUFFER_ARGUMENT(b->sweep_rows),
-                                     TD_BUFFER_ARGUMENT(b->geometry),
-                                     TD_BUFFER_ARGUMENT(b->rates),
-                                     TD_BUFFER_ARGUMENT(b->sh),
-                                     TD_BUFFER_ARGUMENT(b->sh_rates),
-                                     TD_BUFFER_ARGUMENT(b->owners),
-                                     TD_VALUE_ARGUMENT(first_rate),
-                                     TD_VALUE_ARGUMENT(first_moved),
-                                     TD_VALUE_ARGUMENT(seconds),
-                                     TD_VALUE_ARGUMENT(level),
-                                     TD_VALUE_ARGUMENT(begin),
-                                     TD_VALUE_ARGUMENT(end),
-                                     TD_BUFFER_ARGUMENT(b->boxes),
-                                     TD_BUFFER_ARGUMENT(b->travel)};
-    status = td_launch(b->device, b->sweep_kernel, 1, &global, &local, arguments,
-                       (cl_uint)(sizeof arguments / sizeof *arguments), NULL, error);
-    if (status == TIDES_OK)
-        status = td_buffer_read_part(b->device, &b->boxes, boxes, 4 * (size_t)begin * sizeof *boxes,
-                                     4 * (size_t)(end - begin) * sizeof *boxes, error);
-    if (status == TIDES_OK)
-        status = td_buffer_read_part(b->device, &b->travel, travel, (size_t)begin * sizeof *travel,
-                                     (size_t)(end - begin) * sizeof *travel, error);
-    backend->stats.sweeps++;
-    backend->stats.time_sweep_s += td_now() - begun;
-    return status;
-}
-
-/* Host memory of a batch: what goes to the device and what comes back, all at once, so that only its end is waited for. */
-typedef struct staging {
-    float *views, *backdrops, *planes;
-    td_job *jobs;
-    int *asked; /* blocks to be composited, job by job: job x TD_TILE_BLOCKS + block */
-    int *blended;
-    int *counts; /* (2 x jobs) splats of each list; then 1 where it was in order */
-    size_t view_reals, backdrop_reals, plane_reals, asked_count, blended_count;
-} staging;
-
-static size_t count_blocks(const td_batch *batch) {
-    size_t count = 0;
-    for (int i = 0; i < batch->job_count; i++)
-        for (int block = 0; block < TD_TILE_BLOCKS; block++) count += (size_t)(batch->jobs[i].blocks >> block & 1);
-    return count;
-}
-
-static tides_status lay_staging(opencl_backend *b, const td_batch *batch, staging *s, tides_error *error) {
-    size_t jobs = (size_t)batch->job_count;
-    s->view_reals = (size_t)batch->slots * b->objects * TD_VIEW_REALS;
-    s->backdrop_reals = (size_t)batch->slots * TD_BACKDROP_REALS;
-    s->asked_count = count_blocks(batch);
-    s->plane_reals = s->asked_count * batch->outputs * TD_BLOCK_PIXELS;
-    s->blended_count = s->asked_count * (size_t)(TD_BLOCK_PIXELS / b->device->info.lanes);
-    size_t reals = s->view_reals + s->backdrop_reals + s->plane_reals;
-    size_t ints = jobs * TD_JOB_INTS + s->asked_count + s->blended_count + 2 * jobs;
-    tides_status status = td_reserve((void **)&b->host, &b->host_capacity, reals, sizeof *b->host, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&b->host_ints, &b->host_ints_capacity, ints, sizeof *b->host_ints, error);
-    if (status != TIDES_OK) return status;
-    s->views = b->host;
-    s->backdrops = s->views + s->view_reals;
-    s->planes = s->backdrops + s->backdrop_reals;
-    s->jobs = (td_job *)(void *)b->host_ints; /* a td_job is TD_JOB_INTS ints */
-    s->asked = b->host_ints + jobs * TD_JOB_INTS;
-    s->blended = s->asked + s->asked_count;
-    s->counts = s->blended + s->blended_count;
-    return TIDES_OK;
-}
-
-/* Room for the batch on the device. */
-static tides_status reserve_batch(opencl_backend *b, const td_batch *batch, staging *s, tides_error *error) {
-    tides_status laid = lay_staging(b, batch, s, error);
-    if (laid != TIDES_OK) return laid;
-    size_t records = (size_t)(batch->records > 0 ? batch->records : 1), jobs = (size_t)batch->job_count;
-    td_image image = b->image;
-    image.outputs = batch->outputs;
-    size_t colours = td_has_colours(&image) ? records * (size_t)td_colour_stride(&image) : 1;
-    struct {
-        td_buffer *buffer;
-        size_t bytes;
-    } wanted[] = {
-        {&b->records, records * TD_RECORD_STRIDE * sizeof(cl_float)},
-        {&b->colours, colours * sizeof(cl_float)},
-        {&b->masks, records * sizeof(cl_int)},
-        {&b->keys, 2 * records * sizeof(cl_long)},
-        {&b->order, records * sizeof(cl_int)},
-        {&b->sorted_masks, records * sizeof(cl_int)},
-        {&b->words, (records / 2 + 2 * TD_TILE_BLOCKS * jobs) * sizeof(cl_int)},
-        {&b->counts, 2 * jobs * sizeof(cl_int)},
-        {&b->hints, (size_t)(batch->hint_count > 0 ? batch->hint_count : 1) * sizeof(cl_int)},
-        {&b->brightest, jobs * sizeof(cl_float)},
-        {&b->planes, s->plane_reals * sizeof(cl_float)},
-        {&b->blended, s->blended_count * sizeof(cl_int)},
-        {&b->views, s->view_reals * sizeof(cl_float)},
-        {&b->backdrops, s->backdrop_reals * sizeof(cl_float)},
-        {&b->jobs, jobs * sizeof(td_job)},
-        {&b->asked, s->asked_count * sizeof(cl_int)},
-    };
-    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
-        tides_status status = td_buffer_reserve(b->device, wanted[i].buffer, wanted[i].bytes, error);
-        if (status != TIDES_OK) return status;
-    }
-    return TIDES_OK;
-}
-
-/* The batch's own data to the device; jobs are renumbered so that output k of this launch is job k. */
-static tides_status send_batch(opencl_backend *b, const td_batch *batch, const staging *s, tides_error *error) {
-    size_t jobs = (size_t)batch->job_count;
-    for (size_t i = 0; i < s->view_reals; i++) s->views[i] = (float)batch->views[i];
-    for (size_t i = 0; i < s->backdrop_reals; i++) s->backdrops[i] = (float)batch->backdrops[i];
-    size_t asked = 0;
-    for (size_t i = 0; i < jobs; i++) {
-        s->jobs[i] = batch->jobs[i];
-        s->jobs[i].out = (int)i;
-        for (int block = 0; block < TD_TILE_BLOCKS; block++)
-            if (batch->jobs[i].blocks >> block & 1) s->asked[asked++] = (int)i * TD_TILE_BLOCKS + block;
-    }
-    tides_status status = TIDES_OK;
-    if (b->candidates_serial != batch->candidates_serial) {
-        status = td_buffer_write(b->device, &b->candidates, batch->candidates,
-                                 (size_t)batch->candidate_count * sizeof *batch->candidates, error);
-        b->candidates_serial = batch->candidates_serial;
-    }
-    if (status == TIDES_OK) status = td_buffer_send(b->device, &b->views, s->views, s->view_reals * sizeof *s->views, error);
-    if (status == TIDES_OK)
-        status = td_buffer_send(b->device, &b->backdrops, s->backdrops, s->backdrop_reals * sizeof *s->backdrops, error);
-    if (status == TIDES_OK) status = td_buffer_send(b->device, &b->jobs, s->jobs, jobs * sizeof *s->jobs, error);
-    if (status == TIDES_OK) status = td_buffer_send(b->device, &b->asked, s->asked, asked * sizeof *s->asked, error);
-    return status;
-}
-
-static tides_status fetch_batch(opencl_backend *b, const td_batch *batch, const staging *s, tides_error *error) {
-    tides_status status = td_buffer_fetch(b->device, &b->planes, s->planes, s->plane_reals * sizeof *s->planes, error);
-    if (status == TIDES_OK)
-        status = td_buffer_fetch(b->device, &b->blended, s->blended, s->blended_count * sizeof *s->blended, error);
-    if (status == TIDES_OK)
-        status = td_buffer_fetch(b->device, &b->counts, s->counts, 2 * (size_t)batch->job_count * sizeof *s->counts, error);
-    return status;
-}
-
 static tides_status launch_project(opencl_backend *b, const td_batch *batch, int shared, cl_event *event, tides_error *error) {
-    size_t local = td_opencl_group_size(b), global = (size_t)batch->job_count * local;
-    cl_int first_rate = b->first_rate, first_moved = b->gaussians, shared_count = shared;
+    size_t local = td_opencl_group_size(b), global = td_opencl_takers(b, batch->job_count);
+    cl_int first_rate = b->first_rate, first_moved = b->gaussians, shared_count = shared, jobs = batch->job_count;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->jobs),
                                      TD_BUFFER_ARGUMENT(b->candidates),   TD_BUFFER_ARGUMENT(b->object),
                                      TD_BUFFER_ARGUMENT(b->views),        TD_BUFFER_ARGUMENT(b->geometry),
@@ -211,24 +48,29 @@ static tides_status launch_project(opencl_backend *b, const td_batch *batch, int
                                      TD_BUFFER_ARGUMENT(b->sh_rates),     TD_BUFFER_ARGUMENT(b->owners),
                                      TD_VALUE_ARGUMENT(first_rate),       TD_VALUE_ARGUMENT(first_moved),
                                      TD_BUFFER_ARGUMENT(b->records),      TD_BUFFER_ARGUMENT(b->colours),
+                                     TD_BUFFER_ARGUMENT(b->depths),       TD_BUFFER_ARGUMENT(b->lights),
                                      TD_BUFFER_ARGUMENT(b->masks),        TD_BUFFER_ARGUMENT(b->shared_as),
-                                     TD_BUFFER_ARGUMENT(b->luminance),    TD_VALUE_ARGUMENT(shared_count)};
+                                     TD_BUFFER_ARGUMENT(b->luminance),    TD_VALUE_ARGUMENT(shared_count),
+                                     TD_BUFFER_ARGUMENT(b->turns),        TD_VALUE_ARGUMENT(jobs)};
     return td_launch(b->device, b->project_kernel[kind_of_outputs(batch->outputs)], 1, &global, &local, arguments,
                      (cl_uint)(sizeof arguments / sizeof *arguments), event, error);
 }
 
 static tides_status launch_sort(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
-    size_t local = td_opencl_group_size(b), global = (size_t)batch->job_count * local;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->jobs),         TD_BUFFER_ARGUMENT(b->backdrops),
-                                     TD_BUFFER_ARGUMENT(b->records),      TD_BUFFER_ARGUMENT(b->masks),
-                                     TD_BUFFER_ARGUMENT(b->keys),         TD_BUFFER_ARGUMENT(b->order),
-                                     TD_BUFFER_ARGUMENT(b->sorted_masks), TD_BUFFER_ARGUMENT(b->counts),
-                                     TD_BUFFER_ARGUMENT(b->brightest),    TD_BUFFER_ARGUMENT(b->hints),
-                                     TD_BUFFER_ARGUMENT(b->words)};
-    return td_launch(b->device, b->sort_kernel, 1, &global, &local, arguments, 11, event, error);
+    size_t local = td_opencl_group_size(b), global = td_opencl_takers(b, batch->job_count);
+    cl_int jobs = batch->job_count;
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->jobs),   TD_BUFFER_ARGUMENT(b->backdrops),
+                                     TD_BUFFER_ARGUMENT(b->depths), TD_BUFFER_ARGUMENT(b->lights),
+                                     TD_BUFFER_ARGUMENT(b->masks),  TD_BUFFER_ARGUMENT(b->keys),
+                                     TD_BUFFER_ARGUMENT(b->order),  TD_BUFFER_ARGUMENT(b->sorted_masks),
+                                     TD_BUFFER_ARGUMENT(b->counts), TD_BUFFER_ARGUMENT(b->brightest),
+                                     TD_BUFFER_ARGUMENT(b->hints),  TD_BUFFER_ARGUMENT(b->words),
+                                     TD_BUFFER_ARGUMENT(b->turns),  TD_VALUE_ARGUMENT(jobs)};
+    return td_launch(b->device, b->sort_kernel, 1, &global, &local, arguments, (cl_uint)(sizeof arguments / sizeof *arguments),
+                     event, error);
 }
 
-static tides_status launch_composite(opencl_backend *b, const td_batch *batch, const staging *s, cl_event *event,
+static tides_status launch_composite(opencl_backend *b, const td_batch *batch, const td_staging *s, cl_event *event,
                                      tides_error *error) {
     /* One block per group on a CPU: drivers hand out groups by the dozen, and in one tile may be most of the splats. */
     size_t lanes = (size_t)b->device->info.lanes, local = (lanes > 1 ? TD_BLOCK_PIXELS : TD_TILE_PIXELS) / lanes;
@@ -246,34 +88,6 @@ static tides_status launch_composite(opencl_backend *b, const td_batch *batch, c
                      (cl_uint)(sizeof arguments / sizeof *arguments), event, error);
 }
 
-/* Planes to the caller, block by block to its place, widened. */
-static void place_planes(const td_batch *batch, const staging *s, double *planes) {
-    size_t outputs = (size_t)batch->outputs;
-    for (size_t i = 0; i < s->asked_count; i++) {
-        size_t job = (size_t)s->asked[i] / TD_TILE_BLOCKS, block = (size_t)s->asked[i] % TD_TILE_BLOCKS;
-        const float *from = s->planes + i * outputs * TD_BLOCK_PIXELS;
-        double *to = planes + (size_t)batch->jobs[job].out * outputs * TD_TILE_PIXELS + block * TD_BLOCK_PIXELS;
-        for (size_t k = 0; k < outputs; k++, from += TD_BLOCK_PIXELS, to += TD_TILE_PIXELS)
-            for (size_t p = 0; p < TD_BLOCK_PIXELS; p++) to[p] = from[p];
-    }
-}
-
-/* Splats per job, whether they were in order, and pairs per work-item. */
-static void add_counts(opencl_backend *b, const td_batch *batch, const staging *s) {
-    tides_render_stats *stats = &b->base.stats;
-    for (size_t i = 0; i < s->blended_count; i++)
-        stats->pairs_evaluated += (uint64_t)b->device->info.lanes * (uint64_t)s->blended[i];
-    stats->tile_jobs += (uint64_t)batch->job_count;
-    stats->blocks += s->asked_count;
-    for (int i = 0; i < batch->job_count; i++) {
-        stats->gaussians_projected += (uint64_t)batch->jobs[i].count;
-        stats->gaussians_culled += (uint64_t)(batch->jobs[i].count - s->counts[i]);
-        int kept = s->counts[batch->job_count + i];
-        stats->lists_kept += (uint64_t)kept;
-        if (batch->in_order) batch->in_order[batch->jobs[i].out] = (uint8_t)kept;
-    }
-}
-
 /* Records of all jobs, with the times of two launches. */
 static tides_status make_records(opencl_backend *b, const td_batch *batch, cl_event *own, cl_event *shared,
                                  tides_error *error) {
@@ -284,17 +98,17 @@ static tides_status make_records(opencl_backend *b, const td_batch *batch, cl_ev
 }
 
 /* All of a batch on the device, with the time of each stage; kernels are prepared. */
-static tides_status run_stages(opencl_backend *b, const td_batch *batch, staging *s, double *stage_seconds,
+static tides_status run_stages(opencl_backend *b, const td_batch *batch, td_staging *s, double *stage_seconds,
                                tides_error *error) {
     cl_event events[LAUNCHES] = {NULL};
-    tides_status status = reserve_batch(b, batch, s, error);
-    if (status == TIDES_OK) status = send_batch(b, batch, s, error);
+    tides_status status = td_opencl_reserve_batch(b, batch, s, error);
+    if (status == TIDES_OK) status = td_opencl_send_batch(b, batch, s, error);
     if (status == TIDES_OK) status = make_records(b, batch, &events[0], &events[STAGES], error);
     if (status == TIDES_OK) status = launch_sort(b, batch, &events[1], error);
     if (status == TIDES_OK)
         status = batch->outputs == TD_OUT_TRUTH ? td_opencl_truth(b, batch, s->asked_count, &events[2], error)
                                                 : launch_composite(b, batch, s, &events[2], error);
-    if (status == TIDES_OK) status = fetch_batch(b, batch, s, error);
+    if (status == TIDES_OK) status = td_opencl_fetch_batch(b, batch, s, error);
     /* Also after a failure: what was sent still reads host memory. */
     status = td_finish(b->device, status, error);
     for (int i = 0; i < STAGES; i++) stage_seconds[i] = td_event_seconds(&events[i]);
@@ -308,11 +122,11 @@ static tides_status warm_up(opencl_backend *b, int outputs, tides_error *error) 
     static const double backdrop[TD_BACKDROP_REALS] = {0};
     static const int candidate = TD_NO_GAUSSIAN;
     double seconds[STAGES];
-    staging s;
+    td_staging s;
     double *views = td_alloc((size_t)b->objects * TD_VIEW_REALS, sizeof *views, error);
     if (!views) return TIDES_NO_MEMORY;
-    td_batch batch = {views,  backdrop, 1, &nothing, 1,    &candidate, 1, b->candidates_serial - 1,
-                      TD_PAD, outputs,  0, NULL,     NULL, NULL};
+    td_batch batch = {views,  backdrop, 1, &nothing, 1,    &candidate, 1,   b->candidates_serial - 1,
+                      TD_PAD, outputs,  0, NULL,     NULL, NULL,       NULL};
     tides_status status = run_stages(b, &batch, &s, seconds, error);
     free(views);
     return status;
@@ -342,14 +156,14 @@ static tides_status render(td_backend *backend, const td_batch *batch, double *p
     tides_status status = prepare(backend, batch->outputs, error);
     if (status != TIDES_OK) return status;
     double begun = td_now(), seconds[STAGES];
-    staging s;
+    td_staging s;
     status = run_stages(b, batch, &s, seconds, error);
     stats->time_project_s += seconds[0];
     stats->time_sort_s += seconds[1];
     stats->time_composite_s += seconds[2];
     if (status == TIDES_OK) {
-        place_planes(batch, &s, planes);
-        add_counts(b, batch, &s);
+        td_opencl_place_batch(batch, &s, planes);
+        td_opencl_add_counts(b, batch, &s);
     }
     stats->time_transfer_s += td_now() - begun - seconds[0] - seconds[1] - seconds[2];
     return status;
@@ -390,7 +204,8 @@ static void destroy(td_backend *backend) {
                             &b->views,        &b->strays,       &b->sweep_rows, &b->backdrops, &b->boxes,  &b->travel,
                             &b->candidates,   &b->jobs,         &b->records,    &b->colours,   &b->masks,  &b->keys,
                             &b->order,        &b->sorted_masks, &b->counts,     &b->brightest, &b->planes, &b->blended,
-                            &b->decoder,      &b->hints,        &b->asked,      &b->words};
+                            &b->decoder,      &b->hints,        &b->asked,      &b->words,     &b->turns,  &b->depths,
+                            &b->lights};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     td_opencl_motion_release(b);
     td_opencl_cubics_release(b);
@@ -402,7 +217,7 @@ static void destroy(td_backend *backend) {
     free(b);
 }
 
-static const td_backend_class opencl_class = {sweep,
+static const td_backend_class opencl_class = {td_opencl_sweep,
                                               render,
                                               empty_pixel,
                                               prepare,
@@ -415,7 +230,8 @@ static const td_backend_class opencl_class = {sweep,
                                               td_opencl_nodes,
                                               td_opencl_path_misfits,
                                               td_opencl_path_rows,
-                                              td_opencl_moved_rows};
+                                              td_opencl_moved_rows,
+                                              1};
 
 /* The scene to the device. Arrays that aren't there get one float, since kernels want an argument. */
 static tides_status write_store(opencl_backend *b, const td_store *store, tides_error *error) {
@@ -446,21 +262,6 @@ static tides_status write_image(opencl_backend *b, tides_error *error) {
     return td_buffer_write(b->device, &b->image_buffer, &b->image, sizeof b->image, error);
 }
 
-/* One group of Gaussians swept, for the same reason as warm_up. */
-static tides_status warm_sweep(opencl_backend *b, tides_error *error) {
-    float boxes[4 * TD_PAD], travel[TD_PAD];
-    double begun = td_now();
-    double *views = td_alloc((size_t)3 * b->objects * TD_VIEW_REALS, sizeof *views, error);
-    if (!views) return TIDES_NO_MEMORY;
-    const td_sweep_request request = {views, NULL, 0, 0, 0, TD_PAD, NULL};
-    tides_status status = sweep(&b->base, &request, boxes, travel, error);
-    free(views);
-    b->base.stats.sweeps = 0;
-    b->base.stats.time_sweep_s = 0;
-    b->base.stats.time_build_s += td_now() - begun;
-    return status;
-}
-
 tides_status td_backend_create_opencl(tides_device *device, const td_store *store, const td_image_numbers *image,
                                       td_backend **backend, tides_error *error) {
     opencl_backend *b = td_alloc(1, sizeof *b, error);
@@ -480,7 +281,7 @@ tides_status td_backend_create_opencl(tides_device *device, const td_store *stor
         status = td_opencl_make_kernel(b, TD_FIRST_KERNELS, "td_sweep_gaussians", TD_OUT_SIGNAL, &b->sweep_kernel, error);
     if (status == TIDES_OK)
         status = td_opencl_make_kernel(b, TD_FIRST_KERNELS, "td_sort_jobs", TD_OUT_SIGNAL, &b->sort_kernel, error);
-    if (status == TIDES_OK) status = warm_sweep(b, error);
+    if (status == TIDES_OK) status = td_opencl_warm_sweep(b, error);
     if (status != TIDES_OK) {
         destroy(&b->base);
         return status;

@@ -1,5 +1,6 @@
 /* Tile candidate lists: for each 16x16 tile the Gaussians whose swept box touches it, in index order. A counting sort: one
- * pass over the boxes, and one over those that touch any tile. */
+ * pass over the boxes, which lists what touches what, and one over that list. (Through the boxes' tiles once more: half as much
+ * again, since how many tiles a box has is hard to guess.) */
 #include "td_renderer.h"
 
 #include <limits.h>
@@ -13,11 +14,15 @@ struct td_tile_fill {
     float travel;
 };
 
-/* A Gaussian that touches tiles, and which, both ends included. */
+/* A Gaussian, and a tile that it touches. */
 struct td_touched {
-    int gaussian;
-    uint16_t x0, y0, x1, y1;
+    int gaussian, tile;
 };
+
+/* Tiles, both ends included. */
+typedef struct tile_range {
+    int x0, y0, x1, y1;
+} tile_range;
 
 tides_status td_candidates_create(int width, int height, td_candidates *candidates, tides_error *error) {
     memset(candidates, 0, sizeof *candidates);
@@ -53,15 +58,14 @@ void td_candidates_release(td_candidates *candidates) {
 }
 
 /* Whether a box touches any. */
-static int touches(const td_candidates *candidates, const float *box, int gaussian, struct td_touched *touched) {
+static inline int touches(const td_candidates *candidates, const float *box, tile_range *on) {
     const float limit_x = (float)(TD_TILE * candidates->tiles_x), limit_y = (float)(TD_TILE * candidates->tiles_y);
     if (!(box[0] < limit_x && box[1] < limit_y && box[2] >= 0 && box[3] >= 0)) return 0;
-    touched->gaussian = gaussian;
-    touched->x0 = (uint16_t)(box[0] > 0 ? (unsigned)box[0] / TD_TILE : 0);
-    touched->y0 = (uint16_t)(box[1] > 0 ? (unsigned)box[1] / TD_TILE : 0);
-    touched->x1 = (uint16_t)(box[2] < limit_x ? (unsigned)box[2] / TD_TILE : (unsigned)candidates->tiles_x - 1);
-    touched->y1 = (uint16_t)(box[3] < limit_y ? (unsigned)box[3] / TD_TILE : (unsigned)candidates->tiles_y - 1);
-    return touched->x0 <= touched->x1 && touched->y0 <= touched->y1;
+    on->x0 = box[0] > 0 ? (int)box[0] / TD_TILE : 0;
+    on->y0 = box[1] > 0 ? (int)box[1] / TD_TILE : 0;
+    on->x1 = box[2] < limit_x ? (int)box[2] / TD_TILE : candidates->tiles_x - 1;
+    on->y1 = box[3] < limit_y ? (int)box[3] / TD_TILE : candidates->tiles_y - 1;
+    return on->x0 <= on->x1 && on->y0 <= on->y1;
 }
 
 /* Adds a moving candidate of the tile at (x0, y0), which its box touches, to the blocks that it touches. */
@@ -115,26 +119,47 @@ static void add_group(td_candidates *candidates, int group) {
         candidates->groups[candidates->group_count++] = group;
 }
 
-/* Who touches which tiles, and how long their lists will be. */
-static void count_all(td_candidates *candidates, const td_store *store, const float *boxes) {
+static tides_status fail_many(tides_error *error) {
+    return td_fail(error, TIDES_UNSUPPORTED,
+                   "scene: its splats touch the tiles of this image more than %d times; use a "
+                   "smaller image or fewer Gaussians",
+                   INT_MAX / TD_RECORD_STRIDE);
+}
+
+/* A Gaussian of an object touches these tiles. */
+static inline void touch(td_candidates *candidates, const tile_range *on, int gaussian, int object) {
     const int tiles_x = candidates->tiles_x;
-    struct td_touched *touched = candidates->touched;
-    for (int t = 0; t < tiles_x * candidates->tiles_y; t++) candidates->fill[t] = (struct td_tile_fill){.object = -1};
+    struct td_touched *touched = candidates->touched + candidates->touched_count;
+    for (int y = on->y0; y <= on->y1; y++)
+        for (int t = y * tiles_x + on->x0; t <= y * tiles_x + on->x1; t++) {
+            struct td_tile_fill *fill = &candidates->fill[t];
+            if (fill->object != object) fill->end = padded(fill->end);
+            fill->object = object;
+            fill->end++;
+            *touched++ = (struct td_touched){gaussian, t};
+        }
+    candidates->touched_count = (size_t)(touched - candidates->touched);
+}
+
+/* Who touches which tiles, and how long their lists will be. */
+static tides_status count_all(td_candidates *candidates, const td_store *store, const float *boxes, tides_error *error) {
+    const size_t tiles = (size_t)candidates->tiles_x * (size_t)candidates->tiles_y;
+    for (size_t t = 0; t < tiles; t++) candidates->fill[t] = (struct td_tile_fill){.object = -1};
     candidates->group_count = 0;
+    candidates->touched_count = 0;
     for (int g = 0; g < store->count; g++) {
-        if (!touches(candidates, boxes + 4 * (size_t)g, g, touched)) continue;
-        const int object = store->object[g];
+        tile_range on;
+        if (!touches(candidates, boxes + 4 * (size_t)g, &on)) continue;
+        if (candidates->touched_count + tiles > candidates->touched_capacity) {
+            if (candidates->touched_count > INT_MAX / TD_RECORD_STRIDE) return fail_many(error);
+            tides_status status = td_reserve((void **)&candidates->touched, &candidates->touched_capacity,
+                                             candidates->touched_count + tiles, sizeof *candidates->touched, error);
+            if (status != TIDES_OK) return status;
+        }
         add_group(candidates, g / TD_PAD);
-        for (int y = touched->y0; y <= touched->y1; y++)
-            for (int t = y * tiles_x + touched->x0; t <= y * tiles_x + touched->x1; t++) {
-                struct td_tile_fill *fill = &candidates->fill[t];
-                if (fill->object != object) fill->end = padded(fill->end);
-                fill->object = object;
-                fill->end++;
-            }
-        touched++;
+        touch(candidates, &on, g, store->object[g]);
     }
-    candidates->touched_count = (int)(touched - candidates->touched);
+    return TIDES_OK;
 }
 
 /* Lists begin anew, where they are to lie. */
@@ -156,14 +181,11 @@ static void end_lists(td_candidates *candidates) {
 
 static void place_all(td_candidates *candidates, const td_store *store, const float *boxes, const float *travel,
                       const uint8_t *object_moves) {
-    const int tiles_x = candidates->tiles_x;
     begin_lists(candidates);
-    for (int i = 0; i < candidates->touched_count; i++) {
-        const struct td_touched *on = &candidates->touched[i];
-        const int g = on->gaussian, object = store->object[g];
+    for (size_t i = 0; i < candidates->touched_count; i++) {
+        const int g = candidates->touched[i].gaussian, object = store->object[g];
         const touching it = {boxes + 4 * (size_t)g, travel[g], g, object_moves[object]};
-        for (int y = on->y0; y <= on->y1; y++)
-            for (int t = y * tiles_x + on->x0; t <= y * tiles_x + on->x1; t++) place(candidates, t, object, &it);
+        place(candidates, candidates->touched[i].tile, object, &it);
     }
     end_lists(candidates);
 }
@@ -204,19 +226,12 @@ tides_status td_candidates_build(td_candidates *candidates, const td_store *stor
     int64_t total = 0;
     tides_status status = td_reserve((void **)&candidates->groups, &candidates->groups_capacity,
                                      (size_t)(store->count / TD_PAD), sizeof *candidates->groups, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&candidates->touched, &candidates->touched_capacity, (size_t)store->count,
-                            sizeof *candidates->touched, error);
+    if (status == TIDES_OK) status = count_all(candidates, store, boxes, error);
     if (status != TIDES_OK) return status;
-    count_all(candidates, store, boxes);
     for (int t = 0; t < tiles; t++) {
         candidates->first[t] = (int)total;
         total += padded(candidates->fill[t].end);
-        if (total > INT_MAX / TD_RECORD_STRIDE)
-            return td_fail(error, TIDES_UNSUPPORTED,
-                           "scene: its splats touch the tiles of this image more than %d times; use a "
-                           "smaller image or fewer Gaussians",
-                           INT_MAX / TD_RECORD_STRIDE);
+        if (total > INT_MAX / TD_RECORD_STRIDE) return fail_many(error);
     }
     candidates->first[tiles] = (int)total;
     status = td_reserve((void **)&candidates->list, &candidates->capacity, total ? (size_t)total : 1, sizeof *candidates->list,

@@ -53,7 +53,7 @@ static tides_status run_launch(tides_renderer *r, const tides_trajectory *camera
     }
     const td_tile_batch batch = {l->times, (int)count, TD_SIDE_BEGINS, l->requests, (int)count, TD_OUT_TRUTH};
     tides_status status =
-        td_renderer_sweep(r, camera, 1e-9 * (double)(span[0] - epoch_ns), 1e-9 * (double)(span[1] - epoch_ns), error);
+        td_renderer_sweep_alone(r, camera, 1e-9 * (double)(span[0] - epoch_ns), 1e-9 * (double)(span[1] - epoch_ns), error);
     if (status == TIDES_OK) status = td_renderer_sharp_tiles(r, camera, &batch, l->planes, error);
     for (size_t i = 0; i < count && status == TIDES_OK; i++)
         take_values(&l->requests[i], td_tile_pixel(events[i].x % TD_TILE, events[i].y % TD_TILE), l->planes, &truth[i]);

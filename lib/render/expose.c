@@ -41,9 +41,18 @@ void tides_exposure_row(const tides_exposure *e, int32_t height, double time, in
     if (stop) *stop = middle + 0.5 * e->exposure_s;
 }
 
+void tides_exposure_span(const tides_exposure *e, int32_t height, double time, double *start, double *stop) {
+    double from[2], to[2];
+    for (int i = 0; i < 2; i++) tides_exposure_row(e, height, time, i * (height - 1), &from[i], &to[i]);
+    if (start) *start = fmin(from[0], from[1]);
+    if (stop) *stop = fmax(to[0], to[1]);
+}
+
 /* How long before its time a frame begins, and after it ends. */
 static double half_span(const tides_exposure *e, int32_t height) {
-    return 0.5 * (e->exposure_s + (height - 1) * fabs(row_time(e)));
+    double stop;
+    tides_exposure_span(e, height, 0, NULL, &stop);
+    return stop;
 }
 
 /* Frames and runs end where they are said to, not a rounding before. */
@@ -101,11 +110,14 @@ static tides_status expose_bands(tides_renderer *r, const tides_trajectory *came
     tides_status status = TIDES_OK;
     for (band->first = 0; band->first < r->candidates.tiles_y && status == TIDES_OK; band->first = band->last) {
         const td_row_window now = band_from(r, band);
-        if (!(now.start == swept.start && now.stop == swept.stop))
+        td_renderer_set_part(r, (double)band->first / r->candidates.tiles_y, 0); /* how many levels a band takes isn't known */
+        status = td_renderer_heed(r, 0, error);
+        if (status == TIDES_OK && !(now.start == swept.start && now.stop == swept.stop))
             status = td_renderer_sweep(r, camera, now.start, now.stop, error);
         swept = now;
         if (status == TIDES_OK) status = td_expose_panels(r, camera, band, error);
     }
+    td_renderer_set_part(r, 0, 1);
     return status;
 }
 

@@ -67,6 +67,9 @@ static int outputs_for(const tides_renderer *renderer, const tides_frame *frame)
     return frame->plane[TIDES_Y] && outputs < TD_OUT_DIAGNOSTICS && !alone ? TD_OUT_SIGNAL_Y : outputs;
 }
 
+/* Where a channel is among so many planes. */
+static int plane_of(int channel, int outputs) { return outputs == TD_OUT_LUMINANCE ? 0 : channels[channel].plane; }
+
 tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time,
                                   const tides_frame *frame, tides_error *error) {
     if (!renderer || !camera || !frame)
@@ -74,23 +77,50 @@ tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajecto
     return td_renderer_frame(renderer, camera, time - renderer->epoch, frame, error);
 }
 
+/* Every tile of the image, at its only time: the caller's to free. */
+static td_request *request_all(const tides_renderer *renderer, tides_error *error) {
+    td_request *requests = td_alloc((size_t)renderer->stats.tiles, sizeof *requests, error);
+    for (int i = 0; i < renderer->stats.tiles && requests; i++) requests[i].tile = i;
+    return requests;
+}
+
 tides_status td_renderer_all_tiles(tides_renderer *renderer, const tides_trajectory *camera, double time, int outputs,
                                    const double **tiles_of, tides_error *error) {
     const int tiles = renderer->stats.tiles;
-    td_request *requests = td_alloc((size_t)tiles, sizeof *requests, error);
+    td_request *requests = request_all(renderer, error);
     const td_tile_batch batch = {&time, 1, TD_SIDE_BEGINS, requests, tiles, outputs};
     tides_status status = requests ? td_reserve((void **)&renderer->frame_planes, &renderer->frame_capacity,
                                                 (size_t)tiles * (size_t)outputs * TD_TILE_PIXELS, sizeof(double), error)
                                    : TIDES_NO_MEMORY;
+    const int truth = outputs == TD_OUT_TRUTH; /* which no optics blur, and no colour filter changes */
     double *planes = renderer->frame_planes;
-    for (int i = 0; i < tiles && status == TIDES_OK; i++) requests[i].tile = i;
-    if (status == TIDES_OK) status = td_renderer_sweep(renderer, camera, time, time, error);
-    if (status == TIDES_OK && outputs == TD_OUT_TRUTH) /* which no optics blur */
-        status = td_renderer_sharp_tiles(renderer, camera, &batch, planes, error);
-    else if (status == TIDES_OK)
-        status = td_renderer_tiles(renderer, camera, &batch, planes, error);
+    if (status == TIDES_OK) status = td_renderer_heed(renderer, 0, error);
+    if (status == TIDES_OK) status = (truth ? td_renderer_sweep_alone : td_renderer_sweep)(renderer, camera, time, time, error);
+    if (status == TIDES_OK)
+        status = (truth ? td_renderer_sharp_tiles : td_renderer_tiles)(renderer, camera, &batch, planes, error);
     free(requests);
     if (status == TIDES_OK) *tiles_of = planes;
+    return status;
+}
+
+/* Whether planes can go to the image at once: nothing comes between. */
+static int may_draw(const tides_renderer *renderer) {
+    return renderer->backend->type->draws && !renderer->psf.radius && !renderer->colour_filter;
+}
+
+/* A frame that may hold values that aren't finite. */
+static tides_status draw(tides_renderer *renderer, const tides_trajectory *camera, double time, int outputs,
+                         const tides_frame *frame, int *nonfinite, tides_error *error) {
+    td_request *requests = request_all(renderer, error);
+    const td_tile_batch batch = {&time, 1, TD_SIDE_BEGINS, requests, renderer->stats.tiles, outputs};
+    td_pictures pictures = {.width = renderer->image.width, .height = renderer->image.height};
+    for (int c = 0; c < TIDES_CHANNELS; c++)
+        if (frame->plane[c]) pictures.plane[plane_of(c, outputs)] = frame->plane[c];
+    tides_status status = requests ? td_renderer_heed(renderer, 0, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) status = td_renderer_sweep(renderer, camera, time, time, error);
+    if (status == TIDES_OK) status = td_renderer_draw_tiles(renderer, camera, &batch, &pictures, error);
+    free(requests);
+    *nonfinite = pictures.nonfinite;
     return status;
 }
 
@@ -98,11 +128,14 @@ tides_status td_renderer_frame(tides_renderer *renderer, const tides_trajectory 
                                tides_error *error) {
     const int outputs = outputs_for(renderer, frame);
     const double *planes = NULL;
+    int nonfinite = 1;
     if (outputs == 0) return TIDES_OK;
+    if (may_draw(renderer)) {
+        tides_status drawn = draw(renderer, camera, time, outputs, frame, &nonfinite, error);
+        if (drawn != TIDES_OK || !nonfinite) return drawn;
+    } /* else tile by tile, which finds the pixel and says why */
     tides_status status = td_renderer_all_tiles(renderer, camera, time, outputs, &planes, error);
     for (int c = 0; c < TIDES_CHANNELS && status == TIDES_OK; c++)
-        if (frame->plane[c])
-            td_renderer_assemble(renderer, planes, outputs == TD_OUT_LUMINANCE ? 0 : channels[c].plane, outputs,
-                                 frame->plane[c]);
+        if (frame->plane[c]) td_renderer_assemble(renderer, planes, plane_of(c, outputs), outputs, frame->plane[c]);
     return status;
 }

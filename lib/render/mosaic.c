@@ -59,14 +59,15 @@ tides_status td_mosaic_create(tides_device *device, const tides_scene *scene, co
         return status;
     }
     made[RED]->colour_filter = params->colour_filter;
-    made[RED]->beside[GREEN] = made[GREEN];
-    made[RED]->beside[BLUE] = made[BLUE];
+    made[RED]->beside = made[GREEN];
+    made[GREEN]->beside = made[BLUE];
+    td_renderer_set_part(made[RED], 0, 1);
     *renderer = made[RED];
     return TIDES_OK;
 }
 
 void td_mosaic_release(tides_renderer *renderer) {
-    for (int c = GREEN; c <= BLUE; c++) tides_renderer_destroy(renderer->beside[c]);
+    tides_renderer_destroy(renderer->beside);
     free(renderer->mosaic);
 }
 
@@ -88,8 +89,9 @@ tides_status td_renderer_tiles(tides_renderer *renderer, const tides_trajectory 
     if (!renderer->colour_filter || status != TIDES_OK) return status;
     const size_t all = (size_t)batch->count * (size_t)batch->outputs * TD_TILE_PIXELS;
     status = td_reserve((void **)&renderer->mosaic, &renderer->mosaic_capacity, all, sizeof *renderer->mosaic, error);
-    for (int c = GREEN; c <= BLUE && status == TIDES_OK; c++) {
-        status = td_renderer_blurred_tiles(renderer->beside[c], camera, batch, renderer->mosaic, error);
+    tides_renderer *other = renderer->beside;
+    for (int c = GREEN; other && status == TIDES_OK; other = other->beside, c++) {
+        status = td_renderer_blurred_tiles(other, camera, batch, renderer->mosaic, error);
         if (status == TIDES_OK) take_pixels(renderer->colour_filter, c, batch, renderer->mosaic, planes);
     }
     return status;
@@ -117,9 +119,10 @@ tides_status td_mosaic_points(tides_renderer *renderer, td_look_up *look_up, con
     td_point *own = td_alloc(count + 1, sizeof *own, error);
     td_point_value *found = td_alloc(count + 1, sizeof *found, error);
     tides_status status = own && found ? TIDES_OK : TIDES_NO_MEMORY;
-    for (int c = RED; c <= BLUE && status == TIDES_OK; c++) {
+    tides_renderer *one = renderer;
+    for (int c = RED; one && status == TIDES_OK; one = one->beside, c++) {
         const size_t some = pick_points(renderer, c, points, count, own);
-        if (some) status = look_up(c == RED ? renderer : renderer->beside[c], camera, own, some, found, error);
+        if (some) status = look_up(one, camera, own, some, found, error);
         if (status == TIDES_OK) put_values(renderer, c, points, count, found, values);
     }
     free(own);
@@ -157,9 +160,8 @@ static void add(const tides_render_stats *other, tides_render_stats *stats) {
 }
 
 void td_mosaic_add_stats(const tides_renderer *renderer, tides_render_stats *stats) {
-    for (int c = GREEN; c <= BLUE && renderer->colour_filter; c++) {
-        tides_render_stats other;
-        tides_renderer_stats(renderer->beside[c], &other);
-        add(&other, stats);
-    }
+    tides_render_stats others; /* whose renderer adds those beside it */
+    if (!renderer->beside) return;
+    tides_renderer_stats(renderer->beside, &others);
+    add(&others, stats);
 }

@@ -114,8 +114,8 @@ static tides_status send_paths(opencl_backend *b, const td_batch *batch, tides_e
 }
 
 static tides_status launch_fetch(opencl_backend *b, int jobs, cl_event *event, tides_error *error) {
-    size_t local = td_opencl_group_size(b), global = (size_t)jobs * local;
-    cl_int first_rate = b->first_rate, first_moved = b->gaussians;
+    size_t local = td_opencl_group_size(b), global = td_opencl_takers(b, jobs);
+    cl_int first_rate = b->first_rate, first_moved = b->gaussians, job_count = jobs;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->jobs),
                                      TD_BUFFER_ARGUMENT(b->candidates),   TD_BUFFER_ARGUMENT(b->object),
                                      TD_BUFFER_ARGUMENT(b->views),        TD_BUFFER_ARGUMENT(b->geometry),
@@ -125,7 +125,9 @@ static tides_status launch_fetch(opencl_backend *b, int jobs, cl_event *event, t
                                      TD_BUFFER_ARGUMENT(b->path_rows),    TD_BUFFER_ARGUMENT(b->path_low),
                                      TD_BUFFER_ARGUMENT(b->path_cubics),  TD_BUFFER_ARGUMENT(b->path_nodes),
                                      TD_BUFFER_ARGUMENT(b->path_of),      TD_BUFFER_ARGUMENT(b->records),
-                                     TD_BUFFER_ARGUMENT(b->masks)};
+                                     TD_BUFFER_ARGUMENT(b->depths),       TD_BUFFER_ARGUMENT(b->lights),
+                                     TD_BUFFER_ARGUMENT(b->masks),        TD_BUFFER_ARGUMENT(b->turns),
+                                     TD_VALUE_ARGUMENT(job_count)};
     return td_launch(b->device, b->fetch_kernel, 1, &global, &local, arguments, (cl_uint)(sizeof arguments / sizeof *arguments),
                      event, error);
 }
@@ -145,9 +147,11 @@ static tides_status warm_up(opencl_backend *b, tides_error *error) {
     if (status == TIDES_OK) status = send_measure(b, &measure, error);
     if (status == TIDES_OK) status = launch_measure(b, TD_PAD, 1, 0, error);
     if (status == TIDES_OK) status = td_buffer_write(b->device, &b->jobs, &no_job, sizeof no_job, error);
-    td_buffer *some[] = {&b->candidates, &b->path_cubics, &b->path_nodes, &b->path_of, &b->records, &b->masks};
+    td_buffer *some[] = {&b->candidates, &b->path_cubics, &b->path_nodes, &b->path_of,
+                         &b->records,    &b->depths,      &b->lights,     &b->masks};
     for (size_t i = 0; i < sizeof some / sizeof *some && status == TIDES_OK; i++)
         status = td_buffer_reserve(b->device, some[i], TD_PAD * sizeof(cl_int), error);
+    if (status == TIDES_OK) status = td_opencl_begin_turns(b, error);
     if (status == TIDES_OK) status = launch_fetch(b, 1, NULL, error);
     free(views);
     return td_finish(b->device, status, error);

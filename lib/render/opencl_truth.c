@@ -9,8 +9,8 @@ static tides_status reserve_surfaces(opencl_backend *b, const td_batch *batch, t
 }
 
 static tides_status launch_surfaces(opencl_backend *b, int jobs, tides_error *error) {
-    size_t local = td_opencl_group_size(b), global = (size_t)jobs * local;
-    cl_int first_rate = b->first_rate, first_moved = b->gaussians;
+    size_t local = td_opencl_group_size(b), global = td_opencl_takers(b, jobs);
+    cl_int first_rate = b->first_rate, first_moved = b->gaussians, job_count = jobs;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),   TD_BUFFER_ARGUMENT(b->jobs),
                                      TD_BUFFER_ARGUMENT(b->candidates),     TD_BUFFER_ARGUMENT(b->object),
                                      TD_BUFFER_ARGUMENT(b->object_numbers), TD_BUFFER_ARGUMENT(b->views),
@@ -18,7 +18,8 @@ static tides_status launch_surfaces(opencl_backend *b, int jobs, tides_error *er
                                      TD_BUFFER_ARGUMENT(b->owners),         TD_VALUE_ARGUMENT(first_rate),
                                      TD_VALUE_ARGUMENT(first_moved),        TD_BUFFER_ARGUMENT(b->records),
                                      TD_BUFFER_ARGUMENT(b->masks),          TD_BUFFER_ARGUMENT(b->surfaces),
-                                     TD_BUFFER_ARGUMENT(b->surface_rates)};
+                                     TD_BUFFER_ARGUMENT(b->surface_rates),  TD_BUFFER_ARGUMENT(b->turns),
+                                     TD_VALUE_ARGUMENT(job_count)};
     return td_launch(b->device, b->surface_kernel, 1, &global, &local, arguments,
                      (cl_uint)(sizeof arguments / sizeof *arguments), NULL, error);
 }

@@ -36,9 +36,7 @@ tides_status td_renderer_paths(tides_renderer *renderer, double tolerance, doubl
     paths->tolerance = tolerance;
     paths->time_tolerance_s = time_tolerance_s;
     paths->on = 1;
-    for (int c = 0; c < 3 && status == TIDES_OK; c++)
-        if (renderer->beside[c]) status = td_renderer_paths(renderer->beside[c], tolerance, time_tolerance_s, error);
-    return status;
+    return renderer->beside ? td_renderer_paths(renderer->beside, tolerance, time_tolerance_s, error) : TIDES_OK;
 }
 
 /* The first level that an object's Gaussians may have, by how far its path strays from the cubics of as many pieces; 0 where

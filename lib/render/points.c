@@ -162,9 +162,7 @@ tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *err
     const char *why = why_not(renderer);
     if (why) return td_fail(error, TIDES_UNSUPPORTED, "single pixels can't be worked out in double precision: %s", why);
     tides_status status = create_points(renderer, NULL, &renderer->points, error);
-    for (int c = 0; c < 3 && status == TIDES_OK; c++)
-        if (renderer->beside[c]) status = td_renderer_exact_points(renderer->beside[c], error);
-    return status;
+    return status == TIDES_OK && renderer->beside ? td_renderer_exact_points(renderer->beside, error) : status;
 }
 
 static void lay_tiles(const tides_renderer *renderer, td_points *p) {
@@ -385,7 +383,7 @@ static tides_status points_of_part(tides_renderer *renderer, td_points *p, const
     tides_status status = order_points(renderer, p, points, which, count, order, error);
     for (int from = 0; from < count && status == TIDES_OK; from += POINTS_AT_ONCE) {
         const int some = count - from < POINTS_AT_ONCE ? count - from : POINTS_AT_ONCE;
-        status = td_renderer_heed(renderer, error);
+        status = td_renderer_heed(renderer, (double)from / count, error);
         if (status == TIDES_OK) status = run_launch(renderer, p, points, order + from, some, values, error);
     }
     return status;
@@ -454,9 +452,8 @@ static tides_status keep_instant(tides_renderer *renderer, tides_error *error) {
 }
 
 tides_status td_renderer_keep_instant(tides_renderer *renderer, tides_error *error) {
-    tides_status status = keep_instant(renderer, error);
-    for (int c = 0; c < 3 && status == TIDES_OK; c++)
-        if (renderer->beside[c]) status = keep_instant(renderer->beside[c], error);
+    tides_status status = TIDES_OK;
+    for (; renderer && status == TIDES_OK; renderer = renderer->beside) status = keep_instant(renderer, error);
     return status;
 }
 
@@ -475,9 +472,9 @@ double td_renderer_points_error(const tides_renderer *renderer, double time, dou
     const points_part *part = p && p->parts > 0 ? &p->part[part_of(p, time)] : NULL;
     double most = part ? 2 * part->off : 0; /* twice: a pixel sees several splats, of which more than one may be off */
     *bent = part ? part->bent : 0;
-    for (int c = 0; c < 3; c++) {
+    if (renderer->beside) {
         double own = 0;
-        if (renderer->beside[c]) most = fmax(most, td_renderer_points_error(renderer->beside[c], time, &own));
+        most = fmax(most, td_renderer_points_error(renderer->beside, time, &own));
         *bent = fmax(*bent, own);
     }
     return most;

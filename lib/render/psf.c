@@ -262,7 +262,5 @@ tides_status td_renderer_blurred_tiles(tides_renderer *renderer, const tides_tra
 tides_status tides_renderer_set_psf(tides_renderer *renderer, double sigma_px, int32_t domain, tides_error *error) {
     if (!renderer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_renderer_set_psf: renderer must be given");
     tides_status status = td_psf_set(&renderer->psf, sigma_px, domain, error);
-    for (int c = 0; c < 3 && status == TIDES_OK; c++)
-        if (renderer->beside[c]) status = tides_renderer_set_psf(renderer->beside[c], sigma_px, domain, error);
-    return status;
+    return status == TIDES_OK && renderer->beside ? tides_renderer_set_psf(renderer->beside, sigma_px, domain, error) : status;
 }

@@ -33,12 +33,12 @@ typedef struct reference {
     size_t moment_capacity;
     td_view *views; /* (slots x objects) */
     td_backdrop *backdrops;
-    td_real *records, *colours, *planes;
+    td_real *records, *colours, *depths, *lights, *planes;
     reference_key *keys;
     int *masks, *order, *sorted_masks, *words, *hints;
     td_stray *strays; /* (objects), of the last sweep */
     int *sweep_rows;
-    size_t view_capacity, backdrop_capacity, record_capacity[8], hint_capacity, stray_capacity, sweep_row_capacity;
+    size_t view_capacity, backdrop_capacity, record_capacity[10], hint_capacity, stray_capacity, sweep_row_capacity;
     td_real *path_rows, *path_low, *path_cubics; /* record paths (reference_paths.h) */
     int *path_list;
     size_t path_row_capacity, path_low_capacity, path_cubic_capacity, path_list_capacity;
@@ -134,6 +134,8 @@ static tides_status reserve_records(reference *r, size_t count, int outputs, tid
     tides_status status = td_reserve((void **)&r->records, &capacity[0], count * TD_RECORD_STRIDE, sizeof *r->records, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&r->colours, &capacity[1], count * TD_FEATURE_STRIDE, sizeof *r->colours, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&r->depths, &capacity[8], count, sizeof *r->depths, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&r->lights, &capacity[9], count, sizeof *r->lights, error);
     if (status == TIDES_OK) status = td_reserve((void **)&r->masks, &capacity[2], count, sizeof *r->masks, error);
     if (status == TIDES_OK) status = td_reserve((void **)&r->keys, &capacity[3], count, sizeof *r->keys, error);
     if (status == TIDES_OK) status = td_reserve((void **)&r->order, &capacity[4], count, sizeof *r->order, error);
@@ -157,6 +159,8 @@ static void project_job(reference *r, const td_job *job, const td_batch *batch, 
     local.records = 0;
     sink.records = r->records;
     sink.colours = r->colours;
+    sink.depths = r->depths;
+    sink.lights = r->lights;
     sink.masks = r->masks;
     const td_path_source from = path_source_of(r, batch->paths);
     for (int i = 0; i < job->count; i++)
@@ -175,12 +179,7 @@ static void add_splat(reference *r, int candidate, td_list *list) {
 /* Of all of the tile's splats and the backdrop: where a block stops doesn't depend on what else is asked for. */
 static td_real brightest_of(const reference *r, const td_job *job) {
     td_real most = r->backdrops[job->slot].luminance;
-    for (int i = 0; i < job->count; i++) {
-        if (!r->masks[i]) continue;
-        td_real luminance = r->records[i * TD_RECORD_STRIDE + TD_R_LUMINANCE];
-        luminance = luminance > 0 ? luminance : -luminance;
-        most = luminance > most ? luminance : most;
-    }
+    for (int i = 0; i < job->count; i++) most = r->lights[i] > most ? r->lights[i] : most;
     return most;
 }
 
@@ -193,7 +192,7 @@ static td_list sort_job(reference *r, const td_job *job, int *kept) {
     for (int i = 0; i < job->count; i++) {
         int candidate = hint ? hint[i] : i;
         if (!job->new_hint && !(r->masks[candidate] & job->blocks)) continue;
-        reference_key key = {r->records[candidate * TD_RECORD_STRIDE + TD_R_DEPTH], candidate};
+        reference_key key = {r->depths[candidate], candidate};
         if (sorted > 0 && compare_keys(&r->keys[sorted - 1], &key) > 0) *kept = 0;
         r->keys[sorted++] = key;
     }
@@ -322,6 +321,8 @@ static void destroy(td_backend *backend) {
     free(r->backdrops);
     free(r->records);
     free(r->colours);
+    free(r->depths);
+    free(r->lights);
     free(r->planes);
     free(r->keys);
     free(r->masks);
@@ -338,9 +339,9 @@ static void destroy(td_backend *backend) {
     free(r);
 }
 
-static const td_backend_class reference_class = {sweep,   render,       empty_pixel,    prepare,   inspect,
-                                                 destroy, move,         prepare_cubics, misfits,   prepare_paths,
-                                                 nodes,   path_misfits, path_rows,      moved_rows};
+static const td_backend_class reference_class = {sweep,   render,       empty_pixel,    prepare,    inspect,
+                                                 destroy, move,         prepare_cubics, misfits,    prepare_paths,
+                                                 nodes,   path_misfits, path_rows,      moved_rows, 0};
 
 /* Copies the store's arrays in this precision; SH comes as floats or doubles. */
 static tides_status copy_store(reference *r, const td_store *store, tides_error *error) {

@@ -9,7 +9,8 @@
 #include <stdlib.h>
 
 enum {
-    RECORD_LIMIT = 1 << 20, /* records per launch: 64 MB of them */
+    RECORD_LIMIT = 1 << 20, /* records per launch: 64 MB of them, some 0.3 s of two cores */
+    RECORDS_TOLD = 1 << 14, /* the same on a reference, which takes fifty times as long, where somebody waits for it */
     ROW_LIMIT = 1 << 20     /* rows of moving Gaussians per launch, and as many kept between launches: 128 MB each */
 };
 
@@ -70,8 +71,12 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     if (!made) return TIDES_NO_MEMORY;
     made->device = device;
     made->scene = scene;
-    made->record_limit = RECORD_LIMIT;
+    tides_device_info info;
+    tides_device_describe(device, &info);
+    made->record_limit = made->record_limit_told = RECORD_LIMIT;
+    if (info.kind == TIDES_DEVICE_REFERENCE) made->record_limit_told = RECORDS_TOLD;
     made->row_limit = ROW_LIMIT;
+    made->told = (td_share){.width = 1, .stage = "rendering"};
     status = td_image_resolve(params, intrinsics, tides_scene_sh_degree(scene), &made->image, error);
     if (status == TIDES_OK) status = td_store_create(scene, params->rules == TIDES_RULES_SMOOTH, &made->store, error);
     if (status == TIDES_OK) status = td_dynamic_create(scene, &made->store, made->row_limit, &made->dynamic, error);
@@ -166,40 +171,60 @@ static tides_render_stats counts_of(const tides_render_stats *before, const tide
 
 td_render_counts td_renderer_counts(const tides_renderer *renderer) {
     td_render_counts counts = {{renderer->stats}, {renderer->backend->stats}};
-    for (int c = 1; c < 3; c++) {
-        if (!renderer->beside[c]) continue;
-        counts.own[c] = renderer->beside[c]->stats;
-        counts.backend[c] = renderer->beside[c]->backend->stats;
+    int c = 1;
+    for (const tides_renderer *other = renderer->beside; other; other = other->beside, c++) {
+        counts.own[c] = other->stats;
+        counts.backend[c] = other->backend->stats;
     }
     return counts;
 }
 
 void td_renderer_put_counts(tides_renderer *renderer, const td_render_counts *counts) {
-    for (int c = 0; c < 3; c++) {
-        tides_renderer *one = c == 0 ? renderer : renderer->beside[c];
-        if (!one) continue;
-        one->stats = counts_of(&counts->own[c], &one->stats);
-        one->backend->stats = counts_of(&counts->backend[c], &one->backend->stats);
+    for (int c = 0; renderer; renderer = renderer->beside, c++) {
+        renderer->stats = counts_of(&counts->own[c], &renderer->stats);
+        renderer->backend->stats = counts_of(&counts->backend[c], &renderer->backend->stats);
     }
 }
 
 void td_renderer_set_heed(tides_renderer *renderer, td_heed heed, void *user) {
-    renderer->heed = heed;
-    renderer->heed_user = user;
-    for (int c = 0; c < 3; c++)
-        if (renderer->beside[c]) td_renderer_set_heed(renderer->beside[c], heed, user);
+    for (; renderer; renderer = renderer->beside) {
+        renderer->heed = heed;
+        renderer->heed_user = user;
+    }
 }
 
-tides_status td_renderer_heed(const tides_renderer *renderer, tides_error *error) {
-    if (!renderer->heed || renderer->heed(renderer->heed_user) == 0) return TIDES_OK;
-    return td_fail(error, TIDES_CANCELLED, "stopped on request");
+tides_status tides_renderer_set_progress(tides_renderer *renderer, tides_progress progress, void *user, tides_error *error) {
+    if (!renderer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_renderer_set_progress: renderer must be given");
+    renderer->told.progress = progress;
+    renderer->told.user = user;
+    return renderer->beside ? tides_renderer_set_progress(renderer->beside, progress, user, error) : TIDES_OK;
+}
+
+/* Channels of a colour filter are rendered one after the other. */
+void td_renderer_set_part(tides_renderer *renderer, double from, double width) {
+    const double each = renderer->colour_filter ? width / 3 : width;
+    for (tides_renderer *one = renderer; one; one = one->beside, from += each) {
+        one->told.from = from;
+        one->told.width = each;
+    }
+}
+
+int td_renderer_record_limit(const tides_renderer *renderer) {
+    const int waited_for = renderer->told.progress || renderer->heed, told = renderer->record_limit_told;
+    return waited_for && told < renderer->record_limit ? told : renderer->record_limit;
+}
+
+tides_status td_renderer_heed(const tides_renderer *renderer, double done, tides_error *error) {
+    td_share told = renderer->told;
+    const int stop = (renderer->heed && renderer->heed(renderer->heed_user)) || td_share_step(&told, done, NULL);
+    return stop ? td_fail(error, TIDES_CANCELLED, "stopped on request") : TIDES_OK;
 }
 
 void td_renderer_set_epoch(tides_renderer *renderer, double epoch) {
-    renderer->epoch = epoch;
-    td_dynamic_set_epoch(&renderer->dynamic, epoch);
-    for (int c = 0; c < 3; c++)
-        if (renderer->beside[c]) td_renderer_set_epoch(renderer->beside[c], epoch);
+    for (; renderer; renderer = renderer->beside) {
+        renderer->epoch = epoch;
+        td_dynamic_set_epoch(&renderer->dynamic, epoch);
+    }
 }
 
 const double *td_renderer_knots(const tides_renderer *renderer, size_t *count) {
@@ -208,16 +233,16 @@ const double *td_renderer_knots(const tides_renderer *renderer, size_t *count) {
 }
 
 tides_status td_renderer_prepare(tides_renderer *renderer, int outputs, tides_error *error) {
-    tides_status status = renderer->backend->type->prepare(renderer->backend, outputs, error);
-    for (int c = 0; c < 3 && status == TIDES_OK; c++)
-        if (renderer->beside[c]) status = td_renderer_prepare(renderer->beside[c], outputs, error);
+    tides_status status = TIDES_OK;
+    for (; renderer && status == TIDES_OK; renderer = renderer->beside)
+        status = renderer->backend->type->prepare(renderer->backend, outputs, error);
     return status;
 }
 
 tides_status td_renderer_interpolate(tides_renderer *renderer, double tolerance, double time_tolerance_s, tides_error *error) {
-    tides_status status = td_dynamic_interpolate(&renderer->dynamic, renderer->backend, tolerance, time_tolerance_s, error);
-    for (int c = 0; c < 3 && status == TIDES_OK; c++)
-        if (renderer->beside[c]) status = td_renderer_interpolate(renderer->beside[c], tolerance, time_tolerance_s, error);
+    tides_status status = TIDES_OK;
+    for (; renderer && status == TIDES_OK; renderer = renderer->beside)
+        status = td_dynamic_interpolate(&renderer->dynamic, renderer->backend, tolerance, time_tolerance_s, error);
     return status;
 }
 
@@ -227,16 +252,13 @@ int td_renderer_tile_moves(const tides_renderer *renderer, int tile) { return re
 
 /* Of a colour filter's channels the most: travel is of their colours too, what moves is of their places alone. */
 double td_renderer_tile_travel(const tides_renderer *renderer, int tile) {
-    double most = renderer->candidates.travel[tile];
-    for (int c = 0; c < 3; c++)
-        if (renderer->beside[c]) most = fmax(most, td_renderer_tile_travel(renderer->beside[c], tile));
+    double most = 0;
+    for (; renderer; renderer = renderer->beside) most = fmax(most, (double)renderer->candidates.travel[tile]);
     return most;
 }
 
 void td_renderer_by_blocks(tides_renderer *renderer) {
-    renderer->candidates.by_blocks = 1;
-    for (int c = 0; c < 3; c++)
-        if (renderer->beside[c]) td_renderer_by_blocks(renderer->beside[c]);
+    for (; renderer; renderer = renderer->beside) renderer->candidates.by_blocks = 1;
 }
 
 int td_renderer_block_moves(const tides_renderer *renderer, int tile, int block) {
@@ -244,9 +266,9 @@ int td_renderer_block_moves(const tides_renderer *renderer, int tile, int block)
 }
 
 double td_renderer_block_travel(const tides_renderer *renderer, int tile, int block) {
-    double most = renderer->candidates.block_travel[tile * TD_TILE_BLOCKS + block];
-    for (int c = 0; c < 3; c++)
-        if (renderer->beside[c]) most = fmax(most, td_renderer_block_travel(renderer->beside[c], tile, block));
+    const int at = tile * TD_TILE_BLOCKS + block;
+    double most = 0;
+    for (; renderer; renderer = renderer->beside) most = fmax(most, (double)renderer->candidates.block_travel[at]);
     return most;
 }
 

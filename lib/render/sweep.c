@@ -86,8 +86,8 @@ static tides_status sweep_moved(tides_renderer *renderer, const tides_trajectory
     return status == TIDES_OK ? td_dynamic_sweep_pieces(renderer, camera, start, stop, error) : status;
 }
 
-static tides_status sweep_one(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
-                              tides_error *error) {
+tides_status td_renderer_sweep_alone(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                                     tides_error *error) {
     tides_status status = td_renderer_sweep_views(renderer, camera, start, stop, 0, error);
     renderer->swept[0] = start;
     renderer->swept[1] = stop;
@@ -113,8 +113,8 @@ static tides_status sweep_one(tides_renderer *renderer, const tides_trajectory *
 
 tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                tides_error *error) {
-    tides_status status = sweep_one(renderer, camera, start, stop, error);
-    for (int c = 0; c < 3 && status == TIDES_OK; c++)
-        if (renderer->beside[c]) status = sweep_one(renderer->beside[c], camera, start, stop, error);
+    tides_status status = TIDES_OK;
+    for (; renderer && status == TIDES_OK; renderer = renderer->beside)
+        status = td_renderer_sweep_alone(renderer, camera, start, stop, error);
     return status;
 }

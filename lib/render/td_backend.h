@@ -169,6 +169,13 @@ typedef struct td_groups {
 
 static inline int td_sweep_times(int level) { return (2 << level) + 1; }
 
+/* Whole images that a batch's planes go to: `plane` (height x width) of each output, NULL where it isn't wanted. */
+typedef struct td_pictures {
+    double *plane[TD_OUT_COLOUR];
+    int width, height;
+    int nonfinite; /* becomes 1 where a value isn't finite, within the image or in its last tiles beyond it */
+} td_pictures;
+
 /* Jobs for one run of all stages. Everything is borrowed for the call. */
 typedef struct td_batch {
     const double *views;     /* (slots x objects x TD_VIEW_REALS) */
@@ -185,6 +192,7 @@ typedef struct td_batch {
     uint8_t *in_order;          /* (NULL: not wanted) at job.out: 1 where the list was in order */
     const td_path_batch *paths; /* NULL: every candidate is projected */
     const td_groups *groups;    /* NULL: candidates aren't all rows of the store */
+    td_pictures *pictures;      /* of one time: where planes go instead, if the class draws; or NULL */
 } td_batch;
 
 /* Rows of Gaussians that move by themselves, as they are now: [row, row + count) of td_source, row >= store.count. Caller's
@@ -243,6 +251,7 @@ typedef struct td_backend_class {
     tides_status (*path_rows)(td_backend *backend, int count, double *rows, double *low, tides_error *error);
     /* Copies rows that batches have moved, in double: for td_exact. */
     tides_status (*moved_rows)(td_backend *backend, const td_moved_rows *rows, tides_error *error);
+    int draws; /* 1: knows td_batch.pictures */
 } td_backend_class;
 
 struct td_backend {

@@ -2,6 +2,7 @@
 #ifndef TD_OPENCL_H
 #define TD_OPENCL_H
 
+#include "kernels/turns.h"
 #include "td_backend.h"
 #include "td_launch.h"
 
@@ -18,8 +19,9 @@ typedef struct opencl_backend {
     cl_kernel project_kernel[TD_OUTPUT_KINDS], composite_kernel[TD_OUTPUT_KINDS]; /* by outputs; built when first wanted */
     td_buffer image_buffer, object, geometry, rates, sh, sh_rates;                /* the scene */
     td_buffer views, strays, sweep_rows, backdrops, boxes, travel;                /* an interval */
-    td_buffer candidates, jobs, asked;                                            /* a batch */
+    td_buffer candidates, jobs, asked, turns;                                     /* a batch */
     td_buffer records, colours, masks, keys, order, sorted_masks, words, counts, brightest, planes, blended, decoder, hints;
+    td_buffer depths, lights;   /* of the records (td_sink) */
     uint64_t candidates_serial; /* of what the device has */
     float *host;                /* staging for numbers that change precision */
     int *host_ints;
@@ -55,17 +57,46 @@ typedef struct opencl_backend {
 /* Work-items that share a job's candidates, or neighbouring Gaussians: one on a CPU, a warp or two on a GPU. */
 static inline size_t td_opencl_group_size(const opencl_backend *b) { return b->device->info.lanes > 1 ? 1 : 64; }
 
+/* Work-items of the kernels that take a batch's jobs by turns (kernels/turns.h), and what says that nobody had a turn yet. */
+size_t td_opencl_takers(const opencl_backend *b, int jobs);
+tides_status td_opencl_begin_turns(opencl_backend *b, tides_error *error);
+
 /* Copies doubles to a device buffer of floats, whole or from number `first` on (backend_opencl.c). */
 tides_status td_opencl_write_reals(opencl_backend *b, td_buffer *buffer, const double *from, size_t count, tides_error *error);
 tides_status td_opencl_write_reals_at(opencl_backend *b, td_buffer *buffer, size_t first, const double *from, size_t count,
                                       tides_error *error);
 
+/* td_backend_class.sweep, and one group of Gaussians swept, for drivers that compile when a kernel first runs
+ * (opencl_sweep.c). */
+tides_status td_opencl_sweep(td_backend *backend, const td_sweep_request *request, float *boxes, float *travel,
+                             tides_error *error);
+tides_status td_opencl_warm_sweep(opencl_backend *b, tides_error *error);
+
+/* Host memory of a batch. */
+typedef struct td_staging {
+    float *views, *backdrops, *fetched;
+    const float *planes; /* once the queue has finished: block by block as asked, (outputs x TD_BLOCK_PIXELS) each */
+    td_job *jobs;
+    int *asked; /* blocks to be composited, job by job: job x TD_TILE_BLOCKS + block */
+    int *blended;
+    int *counts; /* (2 x jobs) splats of each list; then 1 where it was in order */
+    size_t view_reals, backdrop_reals, plane_reals, asked_count, blended_count;
+} td_staging;
+
+/* Room for a batch, on the device too; its data there; what came of it from there, once the queue has finished; the planes to
+ * the caller; what was counted (opencl_batch.c). */
+tides_status td_opencl_reserve_batch(opencl_backend *b, const td_batch *batch, td_staging *s, tides_error *error);
+tides_status td_opencl_send_batch(opencl_backend *b, const td_batch *batch, const td_staging *s, tides_error *error);
+tides_status td_opencl_fetch_batch(opencl_backend *b, const td_batch *batch, td_staging *s, tides_error *error);
+void td_opencl_place_batch(const td_batch *batch, const td_staging *s, double *planes);
+void td_opencl_add_counts(opencl_backend *b, const td_batch *batch, const td_staging *s);
+
 /* The movers to the device, with a kernel for each kind (opencl_motion.c). */
 tides_status td_opencl_motion_create(opencl_backend *b, const td_movers *movers, tides_error *error);
 void td_opencl_motion_release(opencl_backend *b);
 
-/* Kernels that are built together and for the same decisions are one program: each costs PoCL 25 ms a process, for headers of
- * its own that it reads. Those that every scene needs, those that make records, and those of record paths: */
+/* Kernels that are built together and for the same decisions are one program: each costs PoCL 10 ms a process and
+ * more. Those that every scene needs, those that make records, and those of record paths: */
 #define TD_FIRST_KERNELS "sweep.cl sort.cl"
 #define TD_PROJECT_KERNELS "project.cl luminance.cl"
 #define TD_PATH_KERNELS "path_nodes.cl path_misfits.cl path_project.cl"

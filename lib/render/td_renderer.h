@@ -77,8 +77,7 @@ typedef struct td_candidates {
     size_t capacity;            /* of `list` */
     struct td_tile_fill *fill;  /* (tiles) scratch */
     struct td_touched *touched; /* (touched_count) scratch */
-    size_t touched_capacity;
-    int touched_count;
+    size_t touched_capacity, touched_count;
     int *groups; /* TD_PAD neighbours in the store with one in a list: their numbers, ascending */
     size_t groups_capacity;
     int group_count;
@@ -109,8 +108,13 @@ int td_candidates_hint_count(const td_candidates *candidates);
 void td_candidates_give_hint(td_candidates *candidates, int tile, td_job *job);
 void td_candidates_take_hints(td_candidates *candidates, const td_job *jobs, int count, const uint8_t *in_order);
 
-/* TIDES_CANCELLED where who is to be heeded wants to stop: before each launch. */
-tides_status td_renderer_heed(const tides_renderer *renderer, tides_error *error);
+/* TIDES_CANCELLED where who is to be heeded, or told, wants to stop: before each launch, with the share of the work in hand
+ * that is done. What share of a call of the user's that work is: from there on, so much. */
+tides_status td_renderer_heed(const tides_renderer *renderer, double done, tides_error *error);
+void td_renderer_set_part(tides_renderer *renderer, double from, double width);
+
+/* Records per launch. */
+int td_renderer_record_limit(const tides_renderer *renderer);
 
 typedef struct td_points td_points;
 void td_points_destroy(td_points *points);
@@ -144,7 +148,8 @@ struct tides_renderer {
     size_t frame_capacity;
     uint8_t *in_order; /* (requests) 1 where a job's list was in order */
     size_t empty_capacity, in_order_capacity;
-    int record_limit; /* records per launch */
+    int record_limit;      /* records per launch */
+    int record_limit_told; /* where somebody waits to be told */
     td_record_paths paths;
     td_points *points; /* exact ones, where they were asked for (points.c) */
     td_points *kept;   /* those of an instant that is kept, which share what these have */
@@ -152,10 +157,11 @@ struct tides_renderer {
     td_psf psf;        /* what the optics make of L and L_dot */
     td_heed heed;      /* asked before each launch, with */
     void *heed_user;
+    td_share told; /* tides_renderer_set_progress */
     tides_render_stats stats;
-    int colour_filter;         /* TIDES_FILTER_*: other than OFF this is the renderer of red, with (mosaic.c) */
-    tides_renderer *beside[3]; /* those of green and blue at 1 and 2; else NULL */
-    double *mosaic;            /* planes of theirs */
+    int colour_filter;      /* TIDES_FILTER_*: other than OFF this is the renderer of red, and (mosaic.c) */
+    tides_renderer *beside; /* that of green beside it, and that of blue beside that; NULL: there is no other */
+    double *mosaic;         /* planes of theirs */
     size_t mosaic_capacity;
 };
 
@@ -175,6 +181,10 @@ tides_status td_mosaic_points(tides_renderer *renderer, td_look_up *look_up, con
 /* td_renderer_tiles as if there were no colour filter (psf.c). */
 tides_status td_renderer_blurred_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
                                        double *planes, tides_error *error);
+
+/* td_renderer_sweep of this renderer alone, for what a colour filter has nothing to do with: truth, boxes (sweep.c). */
+tides_status td_renderer_sweep_alone(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
+                                     tides_error *error);
 
 /* Views of every object at each time, and a backdrop for each: renderer->views and backdrops. */
 tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
@@ -220,6 +230,11 @@ tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_traje
  * (nonfinite.c). */
 tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
                                          double *planes, tides_error *error);
+
+/* Likewise to whole images, of one time, by a backend that draws: without the tiles in between, which were a third of a large
+ * frame (1280x720) that is cheap to render. */
+tides_status td_renderer_draw_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
+                                    td_pictures *pictures, tides_error *error);
 tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
                                       const double *planes, tides_error *error);
 

@@ -42,20 +42,21 @@ static int make_jobs(tides_renderer *renderer, const td_request *requests, int c
     return jobs;
 }
 
-/* Runs the jobs in launches of at most record_limit records (a single job may need more). */
+/* Runs the jobs in launches of limited records (a single job may need more). */
 static tides_status run_jobs(tides_renderer *renderer, td_batch *batch, td_job *jobs, int count, double *planes,
                              tides_error *error) {
     tides_status status = TIDES_OK;
+    const int limit = td_renderer_record_limit(renderer);
     for (int from = 0, to = 0; from < count && status == TIDES_OK; from = to) {
         int records = 0;
-        for (to = from; to < count && (to == from || records + jobs[to].count <= renderer->record_limit); to++) {
+        for (to = from; to < count && (to == from || records + jobs[to].count <= limit); to++) {
             jobs[to].records = records;
             records += jobs[to].count;
         }
         batch->jobs = jobs + from;
         batch->job_count = to - from;
         batch->records = records;
-        status = td_renderer_heed(renderer, error);
+        status = td_renderer_heed(renderer, (double)from / count, error);
         if (status == TIDES_OK) status = renderer->backend->type->render(renderer->backend, batch, planes, error);
     }
     return status;
@@ -73,6 +74,22 @@ static void fill_empty(tides_renderer *renderer, const td_request *requests, int
             renderer->backend->type->empty_pixel(renderer->backend, backdrop, pixel, outputs);
         double *tile = planes + (size_t)request * outputs * TD_TILE_PIXELS;
         for (int k = 0; k < outputs * TD_TILE_PIXELS; k++) tile[k] = pixel[k / TD_TILE_PIXELS];
+    }
+    renderer->stats.tile_jobs_skipped += (uint64_t)empty_count;
+}
+
+/* The same in images. */
+static void draw_empty(tides_renderer *renderer, const td_request *requests, int empty_count, int outputs,
+                       const td_pictures *to) {
+    double pixel[TD_OUT_COLOUR];
+    renderer->backend->type->empty_pixel(renderer->backend, (const double *)renderer->backdrops, pixel, outputs);
+    for (int i = 0; i < empty_count; i++) {
+        const td_job at = job_of(renderer, &requests[renderer->empty[i]], 0);
+        const int right = at.x + TD_TILE < to->width ? at.x + TD_TILE : to->width;
+        const int bottom = at.y + TD_TILE < to->height ? at.y + TD_TILE : to->height;
+        for (int k = 0; k < outputs; k++)
+            for (int y = at.y; y < bottom && to->plane[k]; y++)
+                for (int x = at.x; x < right; x++) to->plane[k][(size_t)y * (size_t)to->width + (size_t)x] = pixel[k];
     }
     renderer->stats.tile_jobs_skipped += (uint64_t)empty_count;
 }
@@ -120,8 +137,9 @@ static int needs_rows(const tides_renderer *renderer, const td_batch *batch) {
     return renderer->dynamic.gaussians && !(batch->paths && !renderer->paths.direct_moves);
 }
 
-tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *asked,
-                                         double *planes, tides_error *error) {
+/* To planes, or to pictures in their place. */
+static tides_status run_requests(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *asked,
+                                 double *planes, td_pictures *pictures, tides_error *error) {
     const td_request *requests = asked->requests;
     const int outputs = asked->outputs;
     tides_status status = td_renderer_views(renderer, camera, asked->times, asked->slots, error);
@@ -139,6 +157,7 @@ tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_t
     batch.outputs = outputs;
     batch.hint_count = td_candidates_hint_count(&renderer->candidates);
     batch.in_order = renderer->in_order;
+    batch.pictures = pictures;
     td_path_batch paths;
     if (status == TIDES_OK) status = follow_paths(renderer, asked, renderer->jobs, jobs, &batch, &paths, error);
     if (status != TIDES_OK) return status;
@@ -149,8 +168,19 @@ tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_t
                    : run_jobs(renderer, &batch, renderer->jobs, jobs, planes, error);
     td_candidates_take_hints(&renderer->candidates, renderer->jobs, jobs, status == TIDES_OK ? renderer->in_order : NULL);
     if (status == TIDES_OK && renderer->image.decoder) return run_empty(renderer, &batch, requests, empty_count, planes, error);
-    if (status == TIDES_OK) fill_empty(renderer, requests, empty_count, outputs, planes);
+    if (status == TIDES_OK && pictures) draw_empty(renderer, requests, empty_count, outputs, pictures);
+    if (status == TIDES_OK && !pictures) fill_empty(renderer, requests, empty_count, outputs, planes);
     return status;
+}
+
+tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *asked,
+                                         double *planes, tides_error *error) {
+    return run_requests(renderer, camera, asked, planes, NULL, error);
+}
+
+tides_status td_renderer_draw_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *asked,
+                                    td_pictures *pictures, tides_error *error) {
+    return run_requests(renderer, camera, asked, NULL, pictures, error);
 }
 
 tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,

@@ -18,3 +18,30 @@ for signal in INT TERM; do
     out "^kind +events"
     rm e.h5.part
 done
+
+# Within an image too: of pictures, exposures and datasets nothing half done is left. Unheard, they would be finished, and exit 0.
+# stopped STAGE COMMAND...: Ctrl-C once STAGE has been at work for a second.
+stopped() {
+    local stage=$1
+    shift
+    "$@" >out 2>err &
+    for _ in $(seq 600); do
+        grep -q "$stage: [0-9]* %" err && break
+        sleep 0.1
+    done
+    kill -INT $!
+    wait $!
+    [ $? = 1 ] || fail "$2: the exit code should be 1"
+    [ ! -s out ] || fail "$2: facts of what wasn't done"
+    err "^tides: stopped on request"
+}
+big="--set camera.width=2000 --set camera.height=1500 --set camera.fx=2000"
+stopped rendering tides render run.json -o big.exr --png big.png $big
+stopped rendering tides render run.json -o big.exr --truth depth $big
+stopped frames tides frames run.json -o frames --set exposure.exposure_s=0.01 $big
+err "after 0 of "
+[ -z "$(ls frames)" ] || fail "half a frame is left"
+stopped pictures tides dataset run.json -o set --layout ecd --set camera.width=1000 --set camera.height=750 --set camera.fx=1000 \
+    --set scene.metres_per_unit=1 --set dataset.picture_hz=200 --set stepping.mode=fixed --set stepping.step_s=0.04 \
+    --set sensor.threshold_on=50 --set sensor.threshold_off=50
+for file in big.exr big.exr.part big.png big.png.part set set.part; do missing $file; done

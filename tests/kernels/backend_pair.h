@@ -149,11 +149,10 @@ static inline void pair_sweep(backend_pair *pair) {
     pair_boxes_free(&boxes);
 }
 
-/* A scene on both backends, swept, with its jobs. `edit` (nullable) changes the store first. */
-static inline backend_pair pair_make(const char *name, tides_device *device, const random_recipe *recipe,
-                                     const pair_setting *setting, void (*edit)(td_store *store)) {
+/* A scene without backends. `edit` (nullable) changes the store first. */
+static inline backend_pair pair_begin(const char *name, const random_recipe *recipe, const pair_setting *setting,
+                                      void (*edit)(td_store *store)) {
     backend_pair pair = {0};
-    tides_error error;
     pair.name = name;
     pair.scene = random_scene_make(recipe);
     pair.store = random_scene_store(&pair.scene, pair_times[0]);
@@ -162,6 +161,14 @@ static inline backend_pair pair_make(const char *name, tides_device *device, con
     pair.image.whole[3] = setting->sh_degree; /* width, height, objects, sh_degree (layout.h) */
     pair.views = random_scene_views(&pair.scene, pair_times, PAIR_SLOTS);
     pair.backdrops = random_scene_backdrops(&pair.scene, pair_times, PAIR_SLOTS);
+    return pair;
+}
+
+/* The same on both backends, swept, with its jobs. */
+static inline backend_pair pair_make(const char *name, tides_device *device, const random_recipe *recipe,
+                                     const pair_setting *setting, void (*edit)(td_store *store)) {
+    backend_pair pair = pair_begin(name, recipe, setting, edit);
+    tides_error error;
     scene_expect_ok(td_backend_create_opencl(device, &pair.store, &pair.image, &pair.backend[PAIR_DEVICE], &error), &error);
     scene_expect_ok(td_backend_create_f32(&pair.store, &pair.image, &pair.backend[PAIR_REFERENCE], &error), &error);
     pair_sweep(&pair);
@@ -195,7 +202,8 @@ static inline td_batch pair_batch(const backend_pair *pair, const td_job *jobs, 
                       0,
                       NULL,
                       NULL,
-                      &pair->groups};
+                      &pair->groups,
+                      NULL};
     return batch;
 }
 

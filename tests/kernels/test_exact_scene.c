@@ -137,6 +137,7 @@ static void test_opencl_equals_the_reference(void **state) {
     (void)state;
     for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
         tides_device *device = open_cpu(settings[i].lanes);
+        const int own_builtins = device->own_builtins;
         random_recipe ordinary = random_recipe_defaults(SEED + i);
         ordinary.count = 300, ordinary.objects = 3, ordinary.sh_degree = settings[i].sh_degree;
         ordinary.moving = settings[i].moving, ordinary.lens = settings[i].lens;
@@ -147,6 +148,7 @@ static void test_opencl_equals_the_reference(void **state) {
         compare_store("needles", device, &ordinary, &settings[i], make_needles, used);
         compare_store("around the camera", device, &around, &settings[i], NULL, used);
         compare_store("huge", device, &huge, &settings[i], NULL, used);
+        assert_int_equal(device->own_builtins, own_builtins); /* as in test_kernels.c */
         tides_device_close(device);
     }
     assert_true(used[0] > 0 && used[1] > 0);

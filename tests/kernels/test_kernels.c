@@ -155,8 +155,10 @@ static void compare_all(const scene_kind *kind, const case_setting *setting, tid
 
 static void compare_setting(const case_setting *setting) {
     tides_device *device = pair_device(setting->lanes);
+    const int own_builtins = device->own_builtins;
     print_message("%s, %d lanes\n", setting->name, setting->lanes);
     for (int i = 0; i < KINDS; i++) compare_all(&kinds[i], setting, device);
+    assert_int_equal(device->own_builtins, own_builtins); /* all are declared that these kernels call */
     tides_device_close(device);
 }
 

@@ -117,6 +117,12 @@ static void each_row_has_its_own_time(void **state) {
         const double off = farthest(light, rows, PIXELS * planes);
         print_message("rolling %d: off %.2g\n", trial, off);
         assert_true(off <= e.tolerance);
+        double first, last, span_first, span_last;
+        const int rows_back = e.row_time_s < 0; /* the last row is first */
+        tides_exposure_row(&e, HEIGHT, 0.5, rows_back ? HEIGHT - 1 : 0, &first, NULL);
+        tides_exposure_row(&e, HEIGHT, 0.5, rows_back ? 0 : HEIGHT - 1, NULL, &last);
+        tides_exposure_span(&e, HEIGHT, 0.5, &span_first, &span_last);
+        assert_true(span_first == first && span_last == last);
         free(rows);
         free(light);
         tides_renderer_destroy(renderer);

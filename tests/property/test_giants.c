@@ -24,7 +24,7 @@ static double between(uint64_t *seed, double lower, double upper) {
 /* Ordinary splats before a moving camera, and the last one with these scales. */
 static world make(const double scales[3], float colour) {
     td_gaussians g = scene_random(3, COUNT, 0, SCENE_TRAINED);
-    world made = {.scene = scene_new(), .camera = {WIDTH, HEIGHT, 40, 40, 20, 16.5}};
+    world made = {.scene = scene_new(), .camera = {WIDTH, HEIGHT, 40, 40, 20, 16.5, {0}}};
     uint64_t seed = 4;
     tides_error error;
     for (int i = 0; i < 3 * COUNT; i++) {

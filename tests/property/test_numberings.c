@@ -156,7 +156,7 @@ static void test_smooth_is_the_mean_of_numberings(void **state) {
 static double light_of(double tau0, double begin, double end) {
     static const double origin[3] = {0, 0, 0}, straight[4] = {1, 0, 0, 0};
     enum { SIDE = 128 };
-    tides_world world = {.intrinsics = {SIDE, SIDE, SIDE, SIDE, 0.5 * SIDE, 0.5 * SIDE}};
+    tides_world world = {.intrinsics = {SIDE, SIDE, SIDE, SIDE, 0.5 * SIDE, 0.5 * SIDE, {0}}};
     tides_error error;
     tides_image_params image = rules_of(&world, TIDES_RULES_SMOOTH);
     const float mean[3] = {0, 0, 2}, log_scale[3] = {-2, -2, -2}, quaternion[4] = {1, 0, 0, 0};

@@ -6,6 +6,8 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "render/td_renderer.h"
+
 #include "tests/property/renderer_of.h"
 #include "tests/support/scene_make.h"
 #include "tests/support/shared.h"
@@ -223,6 +225,39 @@ static void test_what_else_is_asked_for_does_not_matter(void **state) {
     }
 }
 
+/* A device that draws puts planes into images at once; put together of tiles, some of them empty, they are the same. */
+static void test_drawn_frames_are_their_tiles(void **state) {
+    (void)state;
+    tides_device *device = open_fast_device();
+    random_recipe recipe = recipe_of(SEED + 800);
+    recipe.width = 117; /* tiles and blocks that the border cuts */
+    recipe.height = 83;
+    random_scene s = random_scene_make(&recipe);
+    tides_renderer *renderer = make_renderer(device, s.scene, &s.camera, TIDES_RULES_INRIA);
+    tides_frame all = make_frame(&s.camera, TIDES_CHANNELS);
+    const size_t pixels = (size_t)recipe.width * (size_t)recipe.height;
+    double *image = malloc(pixels * sizeof *image);
+    const double *planes;
+    tides_error error;
+    assert_non_null(image);
+    tides_device_info info;
+    tides_device_describe(device, &info);
+    assert_int_equal(renderer->backend->type->draws, info.kind != TIDES_DEVICE_REFERENCE);
+    render(renderer, s.path, 0.4, &all);
+    scene_expect_ok(td_renderer_all_tiles(renderer, s.path, 0.4, TD_OUT_COLOUR, &planes, &error), &error);
+    for (int plane = 0; plane < TD_OUT_COLOUR; plane++) {
+        int channel = 0;
+        while (strcmp(tides_channel_name(channel), td_plane_name(plane)) != 0) channel++;
+        td_renderer_assemble(renderer, planes, plane, TD_OUT_COLOUR, image);
+        assert_memory_equal(image, all.plane[channel], pixels * sizeof *image);
+    }
+    free(image);
+    free_frame(&all);
+    tides_renderer_destroy(renderer);
+    random_scene_free(&s);
+    tides_device_close(device);
+}
+
 /* -- ranges -------------------------------------------------------------------------------------------------------- */
 
 static void check_ranges(const tides_frame *frame, int pixels, double rounding) {
@@ -355,6 +390,7 @@ int main(void) {
                                        cmocka_unit_test(test_time_runs_both_ways),
                                        cmocka_unit_test(test_nothing_moves_where_nothing_moves),
                                        cmocka_unit_test(test_what_else_is_asked_for_does_not_matter),
+                                       cmocka_unit_test(test_drawn_frames_are_their_tiles),
                                        cmocka_unit_test(test_values_are_in_their_ranges),
                                        cmocka_unit_test(test_smooth_looks_like_inria)};
     print_message("seed %llu\n", (unsigned long long)SEED);

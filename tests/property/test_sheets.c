@@ -61,7 +61,7 @@ static void test_uniform_wall_is_silent(void **state) {
     (void)state;
     tides_scene *scene = wall(0, 0);
     tides_trajectory *path = yawing(0.03, 0.02);
-    job j = {.scene = scene, .path = path, .camera = {64, 48, 60, 60, 32, 24}, .start = 0, .stop = 0.05};
+    job j = {.scene = scene, .path = path, .camera = {64, 48, 60, 60, 32, 24, {0}}, .start = 0, .stop = 0.05};
     tides_sensor_defaults(&j.sensor);
     tides_stepping_defaults(&j.stepping);
     j.sensor.threshold_on = j.sensor.threshold_off = 0.02;

@@ -115,13 +115,14 @@ static tides_status take_slot(tides_renderer *r, const td_batch *batch, const td
                               launch_plan *launch, int *more, tides_error *error) {
     td_dynamic *dynamic = &r->dynamic;
     const int *candidates = r->candidates.list;
+    /* Rows are worked out for each launch: a run's statistics don't depend on who watches it. */
+    const int limit = r->heed ? r->record_limit : td_renderer_record_limit(r);
     int first = launch->to, slot = jobs[first].slot, asked = 0, padding = 2 * TD_PAD * dynamic->objects;
     begin_slot(dynamic);
     for (; launch->to < count && jobs[launch->to].slot == slot; launch->to++) {
         const td_job *job = &jobs[launch->to];
         int fresh = count_new(dynamic, batch, candidates + job->candidates, job->count, 0);
-        int full =
-            launch->records > r->record_limit - job->count || dynamic->rows.count + asked + padding > r->row_limit - fresh;
+        int full = launch->records > limit - job->count || dynamic->rows.count + asked + padding > r->row_limit - fresh;
         if (full && launch->to > launch->from) break;
         asked += count_new(dynamic, batch, candidates + job->candidates, job->count, 1);
         launch->records += job->count;
@@ -164,7 +165,7 @@ tides_status td_dynamic_run_jobs(tides_renderer *r, td_batch *batch, const td_ti
     qsort(jobs, (size_t)count, sizeof *jobs, by_slot);
     for (launch_plan launch = {0, 0, 0, 0}; launch.from < count && status == TIDES_OK; launch.from = launch.to) {
         int more = 1;
-        status = td_renderer_heed(r, error);
+        status = td_renderer_heed(r, (double)launch.from / count, error);
         launch.records = launch.rows = 0;
         td_rows_begin(&r->dynamic, r->store.count + r->dynamic.cached_rows);
         while (more && status == TIDES_OK) status = take_slot(r, batch, asked, jobs, count, &launch, &more, error);

@@ -1,0 +1,28 @@
+/* Who does which of a batch's jobs. On a CPU there are as many work-groups as cores, and each takes the next job when it has
+ * done one: the longest come first, and PoCL hands half of the groups that are left, up to 32, to whoever asks. With few long
+ * lists (an object's scan: 47 tiles) one core had the 24 longest, and the other waited. On a GPU every job has its group. */
+#ifndef TD_TURNS_H
+#define TD_TURNS_H
+
+#include "layout.h"
+
+/* Counters of a batch, 0 before it. */
+enum { TD_TURN_RECORDS, TD_TURN_SORT, TD_TURN_SURFACES, TD_TURNS };
+
+#ifdef TD_OPENCL
+#if TD_LANES > 1
+TD_INLINE int td_first_turn(volatile __global int *turn) { return atomic_inc(turn); }
+TD_INLINE int td_next_turn(volatile __global int *turn) { return atomic_inc(turn); }
+#else
+TD_INLINE int td_first_turn(volatile __global int *turn) {
+    (void)turn;
+    return (int)get_group_id(0);
+}
+TD_INLINE int td_next_turn(volatile __global int *turn) {
+    (void)turn;
+    return INT_MAX;
+}
+#endif
+#endif
+
+#endif
