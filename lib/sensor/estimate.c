@@ -64,6 +64,7 @@ static void count_pixel(const td_estimated *step, const pixel_step *p, double sc
 /* -- a tile -------------------------------------------------------------------------------------------------------------- */
 
 enum { BLOCK = 64 }; /* pixels marked together */
+enum { APART = 32 }; /* pixels asked first, so that the first block's marks have something to be held against */
 
 /* Of a block's pixels. */
 typedef struct marks {
@@ -136,6 +137,7 @@ static td_estimate estimate_ideal(const td_sensor *sensor, const td_estimated *s
     const int levelled = step->reference && threshold == sensor->sensor.threshold_off;
     marks block = {.way = {0}};
     double way = 0;
+    for (int32_t i = 0; i < step->count; i += APART) ask_ideal(step, levelled, threshold, i, &worst);
     for (int32_t first = 0; first < step->count; first += BLOCK) {
         const int32_t count = step->count - first < BLOCK ? step->count - first : BLOCK;
         mark_block(step, &worst, levelled, threshold, first, count, &block);
@@ -147,13 +149,16 @@ static td_estimate estimate_ideal(const td_sensor *sensor, const td_estimated *s
     return worst;
 }
 
+void td_sensor_begin_estimates(td_sensor *sensor, size_t first, int32_t count) {
+    for (size_t i = first; sensor->on && i < first + (size_t)count; i++) sensor->reach[i] = sensor->held_until[i] > -INFINITY;
+}
+
 /* May the pixel fire within the step, or have fired in the macro step before it, as far as is known? `low` and `high` bound
  * S_eff. */
 static int may_fire(td_sensor *sensor, size_t i, int cuts, double low, double high, double reference) {
     double on = sensor->threshold_on[i], off = sensor->threshold_off[i];
     if (sensor->frontend.on) return 1;
     if (on == off && !td_sensor_holds(sensor)) return reaches_level(low, high, reference, on);
-    if (cuts == 0) sensor->reach[i] = sensor->held_until[i] > -INFINITY;
     int leaves = !(low > reference - off && high < reference + on);
     if (leaves && cuts <= TD_FEW_CUTS) sensor->reach[i] = 1;
     return leaves || sensor->reach[i];

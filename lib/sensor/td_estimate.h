@@ -44,6 +44,7 @@ typedef struct td_estimate {
  * Crossings: after the first each takes a threshold's way of S, and the model's way is no longer than that along its control
  * values. So a way of n thresholds has at most n of them. Behind a filter, what is still to come of light from before the step
  * is left out. */
+void td_sensor_begin_estimates(td_sensor *sensor, size_t first, int32_t count); /* of a tile's macro step, before its others */
 td_estimate td_sensor_estimate(td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time);
 
 /* 1 where estimates of other steps read what the one of this step found, so that it must come before them. */

@@ -153,9 +153,7 @@ static tides_status lay_out(tides_simulator *s, const tides_intrinsics *intrinsi
     s->timing.rounding = td_renderer_is_double(s->renderer) ? 0 : TD_SINGLE_ROUNDING;
     s->timing.epsilon = td_renderer_is_double(s->renderer) ? 0 : TD_SINGLE_EPSILON;
     tides_render_stats facts;
-    size_t knots;
-    const double *knot = td_renderer_knots(s->renderer, &knots);
-    tides_status status = td_grid_create(0, s->length, s->step_s, knot, knots, s->min_step_s, &s->grid, error);
+    tides_status status = td_lay_grid(s, error);
     if (status != TIDES_OK) return status;
     tides_renderer_stats(s->renderer, &facts);
     s->steps = s->grid.steps;

@@ -20,6 +20,10 @@ enum { MAX_DEPTH = 24, SHORTEST_BITS = 6 };
  * longer told apart as nanoseconds with a fraction (step.c), however short min_step_s asks for. */
 static const double least_steps = 16;
 
+/* What is between two knots is looked into however short it is, to this part of it: a leap of a microsecond that was one step
+ * of min_step_s had a third of its events. */
+static const double parts_between_knots = 64;
+
 double td_refine_time(const td_refine *refine, double start, double stop, uint32_t at) {
     uint32_t whole = (uint32_t)1 << refine->depth;
     return at == whole ? stop : start + (stop - start) * ((double)at / (double)whole);
@@ -33,6 +37,12 @@ static int depth_for(double length, double min_step) {
         depth++;
     }
     return depth;
+}
+
+static double shortest_step(const tides_simulator *s, double start, double stop) {
+    const int is_between = td_grid_is_knot(&s->grid, s->step) && td_grid_is_knot(&s->grid, s->step + 1);
+    const double asked = is_between ? fmin(s->min_step_s, (stop - start) / parts_between_knots) : s->min_step_s;
+    return fmax(asked, least_steps * DBL_EPSILON * stop);
 }
 
 /* -- samples --------------------------------------------------------------------------------------------------------------- */
@@ -98,6 +108,7 @@ static tides_status begin_lists(tides_simulator *s, td_refine *r, tides_error *e
             memcpy(sample + k * r->samples.pixels, s->now.plane[k] + s->first_pixel[t],
                    (size_t)s->tile[t].count * sizeof *sample);
         *td_sample_risk(&r->samples, begin) = s->tile_risk[t];
+        td_sensor_begin_estimates(&s->sensor, s->first_pixel[t], s->tile[t].count);
         r->step[step] =
             (td_refine_step){.to = (uint32_t)1 << r->depth, .begin = begin, .probe = -1, .next = -1, .tile = t, .open = 1};
         r->head[t] = step;
@@ -197,7 +208,7 @@ static tides_status first_level(tides_simulator *s, td_refine *r, double start, 
 
 tides_status td_refine_begin(tides_simulator *s, double start, double stop, tides_error *error) {
     td_refine *r = &s->refine;
-    r->depth = depth_for(stop - start, fmax(s->min_step_s, least_steps * DBL_EPSILON * stop)) + SHORTEST_BITS;
+    r->depth = depth_for(stop - start, shortest_step(s, start, stop)) + SHORTEST_BITS;
     r->shortest = (uint32_t)1 << SHORTEST_BITS;
     r->macro = (uint64_t)s->step;
     tides_status status = begin_lists(s, r, error);

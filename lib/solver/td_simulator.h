@@ -120,6 +120,9 @@ void td_fixed_take(tides_simulator *simulator, int k, td_sample *sample);
  * run's start. */
 void td_difference_slopes(tides_simulator *simulator, double h);
 
+/* The grid of steps, for the renderer, whose epoch is the run's (leaps.c). */
+tides_status td_lay_grid(tides_simulator *simulator, tides_error *error);
+
 /* Time of grid point k [s after the epoch]; the last one is `length`. */
 static inline double td_grid_time(const tides_simulator *simulator, int64_t k) { return td_grid_at(&simulator->grid, k); }
 

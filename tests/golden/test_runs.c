@@ -103,11 +103,14 @@ static void advance(tides_simulator *s, double until, stream *out) {
     out->simulator = NULL;
 }
 
-/* The whole run; with a `checkpoint` (a file's name) cut in the middle, and gone on with by another simulator. */
+/* The whole run; with a `checkpoint` (a file's name) one that was to stop earlier, within a step, is cut before that step and
+ * gone on with by the whole run's simulator: what was to come later has no part in what was before. */
 static stream simulate(const run_world *world, const tides_run_values *v, tides_device *device, const char *checkpoint) {
     stream out = stream_of();
     tides_error error;
-    tides_simulator *s = make_simulator(world, v, device);
+    tides_run_values shorter = *v;
+    if (checkpoint) shorter.stop = v->start + 0.78 * (v->stop - v->start);
+    tides_simulator *s = make_simulator(world, &shorter, device);
     if (checkpoint) {
         advance(s, 0.5 * (v->start + v->stop), &out);
         scene_expect_ok(tides_simulator_save(s, NULL, checkpoint, &error), &error);

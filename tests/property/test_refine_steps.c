@@ -252,7 +252,11 @@ static void test_nothing_passes_unseen(void **state) {
         tides_scene *ball = make_ball(ways[k][0], ways[k][1]);
         tides_trajectory *still = NULL;
         scene_expect_ok(tides_trajectory_create_static(position, quaternion, &still, NULL), NULL);
-        job j = {.device = "reference-f32", .scene = ball, .path = still, .camera = {40, 40, 40, 40, 20, 20}, .stop = 0.02};
+        job j = {.device = "reference-f32",
+                 .scene = ball,
+                 .path = still,
+                 .camera = {40, 40, 40, 40, 20, 20, {0}},
+                 .stop = 0.02};
         tides_sensor_defaults(&j.sensor);
         tides_stepping_defaults(&j.stepping);
         outcome guarded = run(&j), blind = run_blindly(&j);
@@ -317,13 +321,65 @@ static void test_shortest_step(void **state) {
     free_world(&w);
 }
 
+/* -- leaps --------------------------------------------------------------------------------------------------------- */
+
+/* A camera that drifts, but for `within` seconds from the leap's beginning on. */
+static tides_trajectory *leaping(double leap, double within) {
+    const double time[] = {leap - 0.1, leap - 0.05, leap, leap + within, leap + 0.05, leap + 0.1};
+    enum { SAMPLES = sizeof time / sizeof *time };
+    tides_pose_sample samples[SAMPLES] = {{0}};
+    tides_trajectory *path = NULL;
+    for (int i = 0; i < SAMPLES; i++) {
+        samples[i].time = time[i];
+        samples[i].position[0] = 0.5 * (time[i] - leap) + (i > 2 ? 0.3 : 0);
+        samples[i].position[2] = -4;
+        samples[i].quaternion[0] = 1;
+    }
+    scene_expect_ok(tides_trajectory_create(samples, SAMPLES, &path, NULL), NULL);
+    return path;
+}
+
+/* A leap is a macro step of its own, is looked into however short it is, and costs nothing elsewhere. */
+static void test_leaps_have_steps_of_their_own(void **state) {
+    (void)state;
+    for (int trial = 0; trial < 2; trial++) {
+        const double within = trial ? 1e-4 : 1e-6; /* 1e-6: a tenth of min_step_s */
+        world w = make_world(SEED + 96, CAMERA_MOVES);
+        tides_trajectory *path = leaping(0.325, within);
+        job j = job_in(&w);
+        j.path = path;
+        tides_device *device = open_device(j.device);
+        tides_simulator *s = make_simulator(&j, device);
+        const int64_t at = td_grid_last_until(&s->grid, s->epoch, 0.325);
+        assert_true(s->steps == 6 && fabs(s->epoch + td_grid_time(s, at) - 0.325) < 1e-12);
+        assert_true(fabs(td_grid_time(s, at + 1) - td_grid_time(s, at) - within) < 1e-12);
+        tides_simulator_destroy(s);
+        tides_device_close(device);
+        outcome o = run(&j);
+        j.stepping.min_step_s = 1e-8;
+        j.stepping.tolerance *= 0.1;
+        outcome fine = run(&j);
+        const tides_match m = match(&fine, &o);
+        print_message("%g s: %zu events, %.4g renders, mismatched %.3g %%\n", within, o.count,
+                      o.stats.renders_full_frame_equivalent, m.mismatch_percent);
+        assert_true(o.count > 1000 && m.mismatch_percent < 2);
+        assert_true(o.stats.renders_full_frame_equivalent < 200);
+        check_state(&j, &o);
+        free_outcome(&o);
+        free_outcome(&fine);
+        tides_trajectory_destroy(path);
+        free_world(&w);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_steps_are_within_their_limits),
                                        cmocka_unit_test(test_risk_follows_silhouettes),
                                        cmocka_unit_test(test_unequal_thresholds_count_every_pixel),
                                        cmocka_unit_test(test_still_tiles_get_no_job),
                                        cmocka_unit_test(test_nothing_passes_unseen),
-                                       cmocka_unit_test(test_shortest_step)};
+                                       cmocka_unit_test(test_shortest_step),
+                                       cmocka_unit_test(test_leaps_have_steps_of_their_own)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -289,7 +289,7 @@ static int is_settled(const tides_match *halved, const tides_match *measured, do
     const double errors[3] = {measured->dt_median_us, measured->dt_p95_us, measured->dt_p99_us};
     for (int i = 0; i < 3; i++)
         if (!(moved[i] <= UNIT_US) && !(moved[i] <= share * errors[i])) return 0;
-    return halved->missing + halved->spurious <= 1e-4 * (double)halved->reference;
+    return (double)(halved->missing + halved->spurious) <= 1e-4 * (double)halved->reference;
 }
 
 judged_verdict judged_against_exact(const judged *j, const char *device, const judged_scale *scale, int *settled,
