@@ -77,6 +77,7 @@ enum {
 
 #define TD_PATH_NEVER 1e30f /* the misfit of what no cubic can follow: it isn't always there; */
 #define TD_PATH_WILD 1e29f  /* and of one that is far from anything */
+#define TD_PATH_BENT 16.0f  /* and above which a path isn't smooth enough for its halves' cubics, a sixteenth as far off */
 /* clang-format on */
 
 /* Gaussians of one object at one node: gaussians[first .. first + count), rows of td_source, to rows[first ..]; `count` is a

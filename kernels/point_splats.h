@@ -12,11 +12,12 @@
 /* Where a lane's time is on the curves of each level, [level][lane]: which of a splat's, as reals from its first on; s on it;
  * and s by time. Arrays of the work-item's own, since splats have levels of their own. */
 TD_INLINE void td_point_weights(td_real s, td_real h, int piece, int lane, td_real *way, td_real *rate, int *curve) {
+    td_real once = 1 / h;
     for (int level = 0; level < TD_PATH_LEVELS; level++) {
         int parts = 1 << level, part = (int)(s * (td_real)parts);
         part = part < parts - 1 ? part : parts - 1;
         way[level * TD_LANES + lane] = s * (td_real)parts - (td_real)part;
-        rate[level * TD_LANES + lane] = (td_real)parts / h;
+        rate[level * TD_LANES + lane] = (td_real)parts * once; /* parts / h: a power of two */
         curve[level * TD_LANES + lane] = ((piece << level) + part) * TD_CURVE_REALS;
     }
 }

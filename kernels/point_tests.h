@@ -10,9 +10,10 @@
 
 #include "point_lists.h"
 
-/* A test, from the tile's top left corner: the centre and its way in the slice; d^T S^-1 d = a dx^2 + b dx dy + c dy^2, where a
- * isn't a number nothing is seen; the least depth. Tests of TD_PAD places go together, [slice][group][TD_TEST_REALS][TD_PAD];
- * the first depth of a group is the least of all from there on. */
+/* A test: the centre and its way in the slice; d^T S^-1 d = a dx^2 + b dx dy + c dy^2, where a isn't a number nothing is seen;
+ * the least depth. A splat has one for each slice, which the tiles that may see it share: [Gaussian][slice][TD_TEST_REALS]. A
+ * tile's count from its top left corner, and those of TD_PAD places go together, [slice][group][TD_TEST_REALS][TD_PAD]; the
+ * first depth of a group is the least of all from there on. (Made for each tile anew they took two to four times as long.) */
 enum { TD_T_U = 0, TD_T_U_WAY, TD_T_V, TD_T_V_WAY, TD_T_A, TD_T_B, TD_T_C, TD_T_DEPTH, TD_TEST_REALS };
 
 TD_INLINE size_t td_point_tests_at(const td_point_tile *tile, const td_point_slices *slices, int slice) {
@@ -108,15 +109,14 @@ TD_INLINE td_point_span td_point_spans(const td_point_slices *slices, int slice,
     return span;
 }
 
-TD_INLINE td_point_bounds td_point_find_bounds(const td_point_paths *paths, int slice, td_index path) {
+TD_INLINE td_point_bounds td_point_find_bounds(const td_point_paths *paths, int slice, const int path[TD_LANES]) {
     td_point_bounds bounds;
     td_point_range none = {td_splat(TD_REAL(1e30)), td_splat(TD_REAL(-1e30))};
     bounds.b = bounds.c = bounds.det = bounds.opacity = bounds.depth = none;
-    int mine[TD_LANES], first[TD_LANES], count[TD_LANES], at[TD_LANES], most = 1;
+    int first[TD_LANES], count[TD_LANES], at[TD_LANES], most = 1;
     td_real from[TD_LANES], part[TD_LANES], length[TD_LANES], begin[TD_LANES];
-    td_index_lanes(td_not_below_0(path), mine);
     for (int lane = 0; lane < TD_LANES; lane++) {
-        td_point_span span = td_point_spans(&paths->slices, slice, mine[lane]);
+        td_point_span span = td_point_spans(&paths->slices, slice, path[lane]);
         first[lane] = span.first, count[lane] = span.count;
         from[lane] = span.from, part[lane] = span.part, length[lane] = span.length;
         most = span.count > most ? span.count : most;
@@ -148,8 +148,8 @@ typedef struct td_point_ellipse {
 
 /* Holds P times each of the covariances and what the centre is off: the middle of their ranges; its distance to any of them is
  * an ellipse within a circle. The sum of an ellipse and a circle of radius r is within (1 + h) of the ellipse + (1 + 1/h) r^2,
- * for any h. */
-TD_INLINE td_point_ellipse td_point_hold(const td_point_bounds *of, td_lanes power) {
+ * for any h. `farthest`: [px] from the image's corner. */
+TD_INLINE td_point_ellipse td_point_hold(const td_point_bounds *of, td_lanes power, td_real farthest) {
     const td_real more = TD_REAL(0.01);
     td_point_ellipse s;
     td_lanes none = td_splat(0.0f), least = td_larger(none, td_larger(of->b.low, -of->b.high));
@@ -158,7 +158,7 @@ TD_INLINE td_point_ellipse td_point_hold(const td_point_bounds *of, td_lanes pow
     td_lanes high = td_fma(most, most, of->det.high) / of->c.low;
     td_lanes spread = 0.5f * (td_larger(high - low, of->c.high - of->c.low) + (of->b.high - of->b.low));
     td_lanes far = (td_size(of->u.start) + td_size(of->u.way)) + (td_size(of->v.start) + td_size(of->v.way));
-    td_lanes round = TD_REAL(3e-7) * (far + 2 * (td_real)TD_TILE); /* of singles */
+    td_lanes round = TD_REAL(3e-7) * (far + 2 * farthest); /* of singles */
     td_lanes off = td_fma(of->u.off, of->u.off, of->v.off * of->v.off) + round * round;
     td_lanes scale = (1 + more) * power, circle = td_fma(scale, spread, 2 * (1 + 1 / more) * off);
     s.xx = td_fma(scale, 0.5f * (low + high), circle);
@@ -167,46 +167,62 @@ TD_INLINE td_point_ellipse td_point_hold(const td_point_bounds *of, td_lanes pow
     return s;
 }
 
-/* May a line's splats, `wide` to both sides, be at the pixels from `edge` on? */
-TD_INLINE td_mask td_point_meets(const td_point_line *line, td_lanes wide) {
-    td_lanes reach = td_sqrt(wide) + (line->off + TD_REAL(0.01)), end = line->start + line->way;
-    td_mask begins = td_smaller(line->start, end) - reach<(td_real)TD_TILE, ends = td_larger(line->start, end) + reach> 0.0f;
-    return begins & ends;
-}
-
-TD_INLINE void td_point_store_test(TD_GLOBAL float *tests, int k, td_lanes value) {
-#if TD_LANES == 1
-    tests[k * TD_PAD] = (float)value;
+/* Eight numbers of each splat to its own place. */
+TD_INLINE void td_point_store_tests(TD_GLOBAL float *tests, const size_t at[TD_LANES], const td_point_eight *of) {
+#if TD_LANES == 8
+    td_point_eight row = td_point_turn(of);
+#define TD_POINT_STORE(lane, x) vstore8(convert_float8(row.x), 0, tests + at[lane])
+    TD_POINT_STORE(0, a), TD_POINT_STORE(1, b), TD_POINT_STORE(2, c), TD_POINT_STORE(3, d);
+    TD_POINT_STORE(4, e), TD_POINT_STORE(5, f), TD_POINT_STORE(6, g), TD_POINT_STORE(7, h);
 #else
-    TD_JOIN(vstore, TD_LANES)(TD_JOIN(convert_float, TD_LANES)(value), 0, tests + k * TD_PAD);
+    td_real own[TD_LANES];
+    for (int k = 0; k < TD_TEST_REALS; k++) {
+        td_spread(td_point_pick(of, k), own);
+        for (int lane = 0; lane < TD_LANES; lane++) tests[at[lane] + k] = (float)own[lane];
+    }
 #endif
 }
 
-/* Makes the tests of TD_LANES neighbouring places, whose paths are `path`, in a slice. */
-TD_INLINE void td_point_make_tests(const td_point_paths *paths, const td_image *image, const td_point_tile *tile, int slice,
-                                   td_index path, TD_GLOBAL float *tests) {
+/* Makes the tests of TD_LANES splats in a slice, to tests + at[lane] each. */
+TD_INLINE void td_point_make_tests(const td_point_paths *paths, const td_image *image, int slice, const int path[TD_LANES],
+                                   TD_GLOBAL float *tests, const size_t at[TD_LANES]) {
     td_real cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
+    td_real across = (td_real)image->width, down = (td_real)image->height;
     td_lanes none = td_splat(0.0f), one = td_splat(1.0f);
     td_point_bounds of = td_point_find_bounds(paths, slice, path);
-    of.u.start = of.u.start - (td_real)tile->x;
-    of.v.start = of.v.start - (td_real)tile->y;
-    td_mask seen = (path >= 0) & (of.det.high > 0.0f) & (of.opacity.high > cut), known = seen & (of.c.low > 0.0f);
+    td_mask seen = (of.det.high > 0.0f) & (of.opacity.high > cut), known = seen & (of.c.low > 0.0f);
     of.c.low = td_select(one, of.c.low, known);
     td_lanes power = td_fma(2.0f * td_log(td_select(one, of.opacity.high / cut, seen)), TD_REAL(1.0001), TD_REAL(1e-6));
-    td_point_ellipse s = td_point_hold(&of, power);
+    td_point_ellipse s = td_point_hold(&of, power, across + down);
     td_lanes product = s.xx * s.yy, det = td_fma(-s.xy, s.xy, product);
     known = known & (det > TD_REAL(1e-12) * product) & (product < TD_REAL(1e30));
-    seen = seen & ((known == 0) | (td_point_meets(&of.u, s.xx) & td_point_meets(&of.v, s.yy)));
     td_lanes under = td_fma(TD_REAL(2e-6), product, det); /* more than singles lose: each term is below product / det */
     td_lanes inverse = td_select(none, 1 / td_select(one, under, known), known);
-    td_point_store_test(tests, TD_T_U, td_select(none, of.u.start, known));
-    td_point_store_test(tests, TD_T_U_WAY, td_select(none, of.u.way, known));
-    td_point_store_test(tests, TD_T_V, td_select(none, of.v.start, known));
-    td_point_store_test(tests, TD_T_V_WAY, td_select(none, of.v.way, known));
-    td_point_store_test(tests, TD_T_A, td_select(td_not_a_number(), td_select(none, s.yy * inverse, known), seen));
-    td_point_store_test(tests, TD_T_B, td_select(none, -2 * s.xy * inverse, known));
-    td_point_store_test(tests, TD_T_C, td_select(none, s.xx * inverse, known));
-    td_point_store_test(tests, TD_T_DEPTH, td_select(td_splat(TD_REAL(1e30)), of.depth.low, seen));
+    td_point_eight test; /* in the order of TD_T_U ... */
+    test.a = td_select(none, of.u.start, known), test.b = td_select(none, of.u.way, known);
+    test.c = td_select(none, of.v.start, known), test.d = td_select(none, of.v.way, known);
+    test.e = td_select(td_not_a_number(), td_select(none, s.yy * inverse, known), seen);
+    test.f = td_select(none, -2 * s.xy * inverse, known), test.g = td_select(none, s.xx * inverse, known);
+    test.h = td_select(td_splat(TD_REAL(1e30)), of.depth.low, seen);
+    td_point_store_tests(tests, at, &test);
+}
+
+/* Gives a tile's place a splat's test. Written out: LLVM makes a scatter in hardware of a loop, behind which what comes next
+ * waits. */
+TD_INLINE void td_point_place_test(TD_GLOBAL const float *test, const td_point_tile *tile, TD_GLOBAL float *place) {
+    float u = test[TD_T_U], v = test[TD_T_V], a = test[TD_T_A], b = test[TD_T_B], c = test[TD_T_C];
+    float u_way = test[TD_T_U_WAY], v_way = test[TD_T_V_WAY], depth = test[TD_T_DEPTH];
+    place[TD_T_U * TD_PAD] = u - (float)tile->x, place[TD_T_U_WAY * TD_PAD] = u_way;
+    place[TD_T_V * TD_PAD] = v - (float)tile->y, place[TD_T_V_WAY * TD_PAD] = v_way;
+    place[TD_T_A * TD_PAD] = a, place[TD_T_B * TD_PAD] = b, place[TD_T_C * TD_PAD] = c;
+    place[TD_T_DEPTH * TD_PAD] = depth;
+}
+
+/* Or nobody's. */
+TD_INLINE void td_point_place_nobody(TD_GLOBAL float *place) {
+    for (int k = 0; k < TD_TEST_REALS; k++) place[k * TD_PAD] = 0;
+    place[TD_T_A * TD_PAD] = NAN;
+    place[TD_T_DEPTH * TD_PAD] = 1e30f;
 }
 
 /* The least depth of a slice's groups and all behind. */
@@ -228,7 +244,7 @@ typedef int td_point_bits;
 enum { TD_POINT_ASKED = 1 };
 #define td_point_wide_load(tests, k) ((tests)[(k)*TD_PAD])
 #ifdef TD_OPENCL
-#define td_point_wide_fma(a, b, c) fma((float)(a), (float)(b), (float)(c))
+#define td_point_wide_fma(a, b, c) td_fma_of(float, a, b, c)
 #else
 #define td_point_wide_fma(a, b, c) fmaf(a, b, c)
 #endif
@@ -237,7 +253,7 @@ TD_INLINE int td_point_lowest(td_point_bits bits) { return bits - 1; }
 typedef float16 td_point_wide;
 typedef uint td_point_bits;
 enum { TD_POINT_ASKED = 2 * TD_PAD };
-#define td_point_wide_fma(a, b, c) fma((td_point_wide)(a), (td_point_wide)(b), (td_point_wide)(c))
+#define td_point_wide_fma(a, b, c) td_fma_of(td_point_wide, a, b, c)
 #define td_point_wide_load(tests, k) vload16(0, (tests) + (k)*TD_PAD)
 TD_INLINE int td_point_lowest(td_point_bits bits) { return (int)popcount((bits & -bits) - 1); } /* which one it is */
 #endif

@@ -16,9 +16,7 @@ enum {
     TILES_AT_ONCE = 256,
     POINTS_AT_ONCE = 1 << 16, /* in a launch: 5 MB with what goes with them */
     SLICES = 16,              /* of an interval, and */
-    QUADS = 64,               /* of 2x2 pixels of a tile, by which points are ordered */
-    SPLIT = 2,                /* a whole interval's slices of tests, as a power of two: with 4 of 10 ms a splat hardly bends */
-    MOST_SLICES = 8           /* of one in pieces */
+    QUADS = 64                /* of 2x2 pixels of a tile, by which points are ordered */
 };
 
 /* -- whole tiles ----------------------------------------------------------------------------------------------------------- */
@@ -64,7 +62,7 @@ static tides_status points_of_tiles(tides_renderer *renderer, const tides_trajec
 /* A part of the interval that is asked for, with rows of its own. Most intervals are one. */
 typedef struct points_part {
     double start, stop;
-    double off, bent; /* what its paths are off by, and the share of them that are bent; 0 before it has had rows */
+    td_path_law law; /* what its paths do; nothing before it has had rows */
 } points_part;
 
 struct td_points {
@@ -176,18 +174,12 @@ static void lay_tiles(const tides_renderer *renderer, td_points *p) {
     }
 }
 
-static td_points_slices slices_of(int pieces) {
-    if (pieces == 1) return (td_points_slices){1, 1 << SPLIT, SPLIT, 1};
-    const int group = (pieces + MOST_SLICES - 1) / MOST_SLICES;
-    return (td_points_slices){pieces, (pieces + group - 1) / group, 0, group};
-}
-
 /* A new interval is one part, until that has turned out not to do. */
 static tides_status begin_interval(td_points *p, tides_error *error) {
     if (p->parts > 0 && p->serial == p->at.serial) return TIDES_OK;
     tides_status status = td_reserve((void **)&p->part, &p->part_capacity, 1, sizeof *p->part, error);
     if (status != TIDES_OK) return status;
-    p->part[0] = (points_part){p->at.start, p->at.stop, 0, 0};
+    p->part[0] = (points_part){.start = p->at.start, .stop = p->at.stop};
     p->parts = 1;
     p->begun = -1;
     p->serial = p->at.serial;
@@ -223,7 +215,9 @@ static tides_status begin_part(tides_renderer *renderer, const tides_trajectory 
                                          .row = nodes->row,
                                          .lengths = nodes->length,
                                          .curves = nodes->curves,
-                                         .slices = slices_of(nodes->pieces),
+                                         .slices = td_point_nodes_slices(nodes),
+                                         .seen = nodes->gaussians,
+                                         .seen_count = nodes->count,
                                          .candidates = p->at.list,
                                          .candidate_count = p->at.first[renderer->stats.tiles],
                                          .tiles = p->tiles,
@@ -231,8 +225,7 @@ static tides_status begin_part(tides_renderer *renderer, const tides_trajectory 
     status = p->engine->type->begin(p->engine, &interval, error);
     if (status != TIDES_OK) return status;
     p->begun = k;
-    p->part[k].off = nodes->worst;
-    p->part[k].bent = nodes->moving > 0 ? nodes->bent / (double)nodes->moving : 0;
+    p->part[k].law = td_path_tally_law(&nodes->tally);
     return status;
 }
 
@@ -467,25 +460,15 @@ tides_status td_renderer_kept_points(tides_renderer *renderer, const tides_traje
     return td_mosaic_points(renderer, kept_points, camera, points, count, values, error);
 }
 
-double td_renderer_points_error(const tides_renderer *renderer, double time, double *bent) {
+td_path_law td_renderer_points_law(const tides_renderer *renderer, double time) {
     const td_points *p = renderer->points;
-    const points_part *part = p && p->parts > 0 ? &p->part[part_of(p, time)] : NULL;
-    double most = part ? 2 * part->off : 0; /* twice: a pixel sees several splats, of which more than one may be off */
-    *bent = part ? part->bent : 0;
-    if (renderer->beside) {
-        double own = 0;
-        most = fmax(most, td_renderer_points_error(renderer->beside, time, &own));
-        *bent = fmax(*bent, own);
-    }
-    return most;
+    td_path_law law = {0};
+    if (p && p->parts > 0) law = p->part[part_of(p, time)].law;
+    if (!renderer->beside) return law;
+    const td_path_law others = td_renderer_points_law(renderer->beside, time);
+    return td_path_law_worse(&law, &others);
 }
 
 int td_renderer_points_rounded(const tides_renderer *renderer) {
     return renderer->points && renderer->dynamic.gaussians > 0 && !td_renderer_is_double(renderer);
-}
-
-/* What a motion model does it does to many splats at once: their errors add up. With TD_POINT_PATH_TARGET p95 was reported too
- * small in 1 of 45 random scenes, where a lamp flickers (tests/property/test_solved.c). */
-double td_renderer_points_target(const tides_renderer *renderer) {
-    return renderer->dynamic.gaussians > 0 ? TD_POINT_PATH_MOVED : TD_POINT_PATH_TARGET;
 }

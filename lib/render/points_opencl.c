@@ -23,16 +23,16 @@ static const size_t room_limit = (size_t)512 << 20;
 typedef struct opencl_points {
     td_points_engine base;
     tides_device *device;
-    cl_kernel misfit_kernel, curve_kernel, list_kernel, value_kernel;
+    cl_kernel misfit_kernel, splat_kernel, list_kernel, value_kernel;
     td_buffer image;
-    td_buffer first, piece_lengths, misfits;                 /* paths that are tried */
+    td_buffer first, piece_lengths, misfits, bent, calm;     /* paths that are tried */
     td_buffer path, row, lengths, curves, candidates, tiles; /* an interval */
+    td_buffer seen, depths, records;                         /* its splats */
     td_buffer wanted, keys, listed, tests, counts;           /* lists */
     td_buffer columns, piece, chunks, values;                /* a batch */
     td_buffer entries;
-    td_points_slices slices;
+    td_points_interval at;
     int longest; /* of the lists */
-    const td_points_tile *tile;
 } opencl_points;
 
 static int on_gpu(const opencl_points *p) { return p->base.lanes == 1; }
@@ -53,50 +53,70 @@ static tides_status launch_misfits(opencl_points *p, const td_buffer *rows, cons
                                      TD_BUFFER_ARGUMENT(p->first), TD_VALUE_ARGUMENT(count),
                                      TD_VALUE_ARGUMENT(level),     TD_BUFFER_ARGUMENT(p->piece_lengths),
                                      TD_VALUE_ARGUMENT(pieces),    TD_VALUE_ARGUMENT(target),
-                                     TD_VALUE_ARGUMENT(rounding),  TD_BUFFER_ARGUMENT(p->misfits)};
+                                     TD_VALUE_ARGUMENT(rounding),  TD_BUFFER_ARGUMENT(p->misfits),
+                                     TD_BUFFER_ARGUMENT(p->bent),  TD_BUFFER_ARGUMENT(p->calm)};
     return td_launch(p->device, p->misfit_kernel, 1, &global, &local, arguments,
                      (cl_uint)(sizeof arguments / sizeof *arguments), NULL, error);
 }
 
-static tides_status misfits(td_points_engine *engine, const td_points_misfits *request, float *out, tides_error *error) {
+/* One of their numbers, as floats; `host` has room for it. */
+static tides_status read_misfits(opencl_points *p, const td_buffer *from, size_t count, double *host, float *out,
+                                 tides_error *error) {
+    tides_status status = td_buffer_read(p->device, from, host, count * sizeof *host, error);
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) out[i] = (float)host[i];
+    return status;
+}
+
+static tides_status misfits(td_points_engine *engine, const td_points_misfits *request, const td_points_fit *fit,
+                            tides_error *error) {
     opencl_points *p = (opencl_points *)engine;
-    const size_t count = (size_t)request->count, pieces = (size_t)request->pieces;
+    const size_t count = (size_t)request->count, pieces = (size_t)request->pieces, room = count + TD_PAD;
     if (count == 0) return TIDES_OK;
     double *host = td_alloc(count + pieces, sizeof *host, error);
     if (!host) return TIDES_NO_MEMORY;
     for (size_t i = 0; i < pieces; i++) host[count + i] = request->knot[i + 1] - request->knot[i];
-    tides_status status = td_buffer_write(p->device, &p->first, request->first, (count + TD_PAD) * sizeof(cl_int), error);
+    tides_status status = td_buffer_write(p->device, &p->first, request->first, room * sizeof(cl_int), error);
     if (status == TIDES_OK)
         status = td_buffer_write(p->device, &p->piece_lengths, host + count, pieces * sizeof(cl_double), error);
-    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->misfits, (count + TD_PAD) * sizeof(cl_double), error);
+    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->misfits, room * sizeof(cl_double), error);
+    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->bent, room * sizeof(cl_double), error);
+    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->calm, room * sizeof(cl_double), error);
     if (status == TIDES_OK) status = launch_misfits(p, td_exact_row_buffer(request->exact), request, error);
-    if (status == TIDES_OK) status = td_buffer_read(p->device, &p->misfits, host, count * sizeof *host, error);
-    for (size_t i = 0; i < count && status == TIDES_OK; i++) out[i] = (float)host[i];
+    if (status == TIDES_OK) status = read_misfits(p, &p->misfits, count, host, fit->worst, error);
+    if (status == TIDES_OK) status = read_misfits(p, &p->bent, count, host, fit->bent, error);
+    if (status == TIDES_OK) status = read_misfits(p, &p->calm, count, host, fit->calm, error);
     free(host);
     return status;
 }
 
-static tides_status bend_curves(opencl_points *p, const td_buffer *rows, cl_int count, tides_error *error) {
+static tides_status make_splats(opencl_points *p, tides_error *error) {
+    const cl_int count = p->at.seen_count;
     size_t local, global = even_items(p, count, &local);
-    const td_argument arguments[] = {{rows, NULL, 0},
-                                     TD_BUFFER_ARGUMENT(p->row),
-                                     TD_BUFFER_ARGUMENT(p->lengths),
-                                     TD_VALUE_ARGUMENT(count),
-                                     TD_BUFFER_ARGUMENT(p->curves)};
-    return td_launch(p->device, p->curve_kernel, 1, &global, &local, arguments, 5, NULL, error);
+    const td_buffer *rows = p->at.exact ? td_exact_row_buffer(p->at.exact) : &p->image;
+    const td_points_slices *slices = &p->at.slices;
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),     {rows, NULL, 0},
+                                     TD_BUFFER_ARGUMENT(p->row),       TD_BUFFER_ARGUMENT(p->lengths),
+                                     TD_BUFFER_ARGUMENT(p->seen),      TD_VALUE_ARGUMENT(count),
+                                     TD_BUFFER_ARGUMENT(p->path),      TD_VALUE_ARGUMENT(slices->pieces),
+                                     TD_VALUE_ARGUMENT(slices->count), TD_VALUE_ARGUMENT(slices->split),
+                                     TD_VALUE_ARGUMENT(slices->group), TD_BUFFER_ARGUMENT(p->curves),
+                                     TD_BUFFER_ARGUMENT(p->depths),    TD_BUFFER_ARGUMENT(p->records)};
+    return td_launch(p->device, p->splat_kernel, 1, &global, &local, arguments, (cl_uint)(sizeof arguments / sizeof *arguments),
+                     NULL, error);
 }
 
-/* The interval's own data, and room for its lists. */
+/* The interval's own data, what points need of its splats, and room for its lists. */
 static tides_status begin(td_points_engine *engine, const td_points_interval *interval, tides_error *error) {
     opencl_points *p = (opencl_points *)engine;
     size_t candidates = (size_t)interval->candidate_count + TD_PAD, tiles = (size_t)interval->tile_count;
-    size_t curves = (size_t)interval->curves;
+    size_t curves = (size_t)interval->curves, gaussians = (size_t)interval->gaussians;
+    size_t each = (size_t)interval->slices.count * TEST_REALS * sizeof(cl_float);
     const struct {
         td_buffer *buffer;
         const void *data; /* NULL: room only */
         size_t bytes;
     } wanted[] = {
-        {&p->path, interval->path, (size_t)interval->gaussians * sizeof(cl_int)},
+        {&p->path, interval->path, gaussians * sizeof(cl_int)},
         {&p->row, interval->row, 2 * curves * sizeof(cl_int)},
         {&p->lengths, interval->lengths, curves * sizeof(cl_double)},
         {&p->curves, NULL, curves * CURVE_REALS * sizeof(cl_double)},
@@ -105,38 +125,41 @@ static tides_status begin(td_points_engine *engine, const td_points_interval *in
         {&p->wanted, NULL, tiles * sizeof(cl_int)},
         {&p->keys, NULL, 2 * candidates * sizeof(cl_long)},
         {&p->listed, NULL, candidates * sizeof(cl_int)},
-        {&p->tests, NULL, candidates * (size_t)interval->slices.count * TEST_REALS * sizeof(cl_float)},
+        {&p->tests, NULL, candidates * each},
+        {&p->seen, interval->seen, (size_t)interval->seen_count * sizeof(cl_int)},
+        {&p->depths, NULL, gaussians * sizeof(cl_int)},
+        {&p->records, NULL, gaussians * each},
         {&p->counts, NULL, tiles * sizeof(cl_int)},
     };
-    p->slices = interval->slices;
+    p->at = *interval;
     p->longest = 0;
-    p->tile = interval->tiles;
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         tides_status status = td_buffer_reserve(p->device, wanted[i].buffer, wanted[i].bytes ? wanted[i].bytes : 1, error);
         if (status == TIDES_OK && wanted[i].data && wanted[i].bytes)
             status = td_buffer_write(p->device, wanted[i].buffer, wanted[i].data, wanted[i].bytes, error);
         if (status != TIDES_OK) return status;
     }
-    return bend_curves(p, interval->exact ? td_exact_row_buffer(interval->exact) : &p->image, interval->curves, error);
+    return make_splats(p, error);
 }
 
 static tides_status lists(td_points_engine *engine, const int *tiles, int count, tides_error *error) {
     opencl_points *p = (opencl_points *)engine;
     if (count == 0) return TIDES_OK;
     size_t local = on_gpu(p) ? GPU_GROUP : 1, global = (size_t)count * local;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),        TD_BUFFER_ARGUMENT(p->tiles),
-                                     TD_BUFFER_ARGUMENT(p->wanted),       TD_BUFFER_ARGUMENT(p->candidates),
-                                     TD_BUFFER_ARGUMENT(p->path),         TD_BUFFER_ARGUMENT(p->curves),
-                                     TD_VALUE_ARGUMENT(p->slices.pieces), TD_VALUE_ARGUMENT(p->slices.count),
-                                     TD_VALUE_ARGUMENT(p->slices.split),  TD_VALUE_ARGUMENT(p->slices.group),
-                                     TD_BUFFER_ARGUMENT(p->keys),         TD_BUFFER_ARGUMENT(p->listed),
-                                     TD_BUFFER_ARGUMENT(p->tests),        TD_BUFFER_ARGUMENT(p->counts)};
+    const td_points_slices *slices = &p->at.slices;
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->tiles),      TD_BUFFER_ARGUMENT(p->wanted),
+                                     TD_BUFFER_ARGUMENT(p->candidates), TD_BUFFER_ARGUMENT(p->path),
+                                     TD_BUFFER_ARGUMENT(p->depths),     TD_BUFFER_ARGUMENT(p->records),
+                                     TD_VALUE_ARGUMENT(slices->pieces), TD_VALUE_ARGUMENT(slices->count),
+                                     TD_VALUE_ARGUMENT(slices->split),  TD_VALUE_ARGUMENT(slices->group),
+                                     TD_BUFFER_ARGUMENT(p->keys),       TD_BUFFER_ARGUMENT(p->listed),
+                                     TD_BUFFER_ARGUMENT(p->tests),      TD_BUFFER_ARGUMENT(p->counts)};
     tides_status status = td_buffer_write(p->device, &p->wanted, tiles, (size_t)count * sizeof *tiles, error);
     if (status == TIDES_OK)
         status = td_launch(p->device, p->list_kernel, 1, &global, &local, arguments,
                            (cl_uint)(sizeof arguments / sizeof *arguments), NULL, error);
     for (int i = 0; i < count; i++)
-        if (p->tile[tiles[i]].count > p->longest) p->longest = p->tile[tiles[i]].count;
+        if (p->at.tiles[tiles[i]].count > p->longest) p->longest = p->at.tiles[tiles[i]].count;
     return td_finish(p->device, status, error);
 }
 
@@ -176,10 +199,10 @@ static tides_status launch_values(opencl_points *p, const td_points_batch *batch
                                      TD_BUFFER_ARGUMENT(p->tiles),
                                      TD_BUFFER_ARGUMENT(p->counts),
                                      TD_BUFFER_ARGUMENT(p->curves),
-                                     TD_VALUE_ARGUMENT(p->slices.pieces),
-                                     TD_VALUE_ARGUMENT(p->slices.count),
-                                     TD_VALUE_ARGUMENT(p->slices.split),
-                                     TD_VALUE_ARGUMENT(p->slices.group),
+                                     TD_VALUE_ARGUMENT(p->at.slices.pieces),
+                                     TD_VALUE_ARGUMENT(p->at.slices.count),
+                                     TD_VALUE_ARGUMENT(p->at.slices.split),
+                                     TD_VALUE_ARGUMENT(p->at.slices.group),
                                      TD_BUFFER_ARGUMENT(p->listed),
                                      TD_BUFFER_ARGUMENT(p->tests),
                                      TD_BUFFER_ARGUMENT(p->columns),
@@ -211,12 +234,13 @@ static tides_status values(td_points_engine *engine, const td_points_batch *batc
 
 static void destroy(td_points_engine *engine) {
     opencl_points *p = (opencl_points *)engine;
-    td_buffer *buffers[] = {&p->first,      &p->piece_lengths, &p->misfits, &p->image,  &p->path,   &p->row,    &p->curves,
-                            &p->candidates, &p->lengths,       &p->tiles,   &p->wanted, &p->keys,   &p->listed, &p->tests,
-                            &p->counts,     &p->columns,       &p->piece,   &p->chunks, &p->values, &p->entries};
+    td_buffer *buffers[] = {&p->first,  &p->piece_lengths, &p->misfits,    &p->bent,    &p->calm,  &p->image,  &p->path,
+                            &p->row,    &p->curves,        &p->candidates, &p->lengths, &p->tiles, &p->wanted, &p->keys,
+                            &p->listed, &p->seen,          &p->depths,     &p->records, &p->tests, &p->counts, &p->columns,
+                            &p->piece,  &p->chunks,        &p->values,     &p->entries};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     if (p->misfit_kernel) clReleaseKernel(p->misfit_kernel);
-    if (p->curve_kernel) clReleaseKernel(p->curve_kernel);
+    if (p->splat_kernel) clReleaseKernel(p->splat_kernel);
     if (p->list_kernel) clReleaseKernel(p->list_kernel);
     if (p->value_kernel) clReleaseKernel(p->value_kernel);
     free(p);
@@ -239,7 +263,7 @@ static tides_status make_kernels(opencl_points *p, const td_image_numbers *numbe
         const char *name;
         cl_kernel *kernel;
     } kernels[] = {{"td_point_find_misfits", &p->misfit_kernel},
-                   {"td_point_bend_curves", &p->curve_kernel},
+                   {"td_point_make_splats", &p->splat_kernel},
                    {"td_point_make_lists", &p->list_kernel},
                    {"td_point_values", &p->value_kernel}};
     /* What points don't ask for is 0, so that few programs are built. */
@@ -273,9 +297,9 @@ static tides_status warm_up(opencl_points *p, tides_error *error) {
                                          .tile_count = 1};
     const td_points_batch batch = {{no_length, no_length, no_length, no_length}, none, 0, NULL, 0, 0, 0};
     const td_points_misfits nobody = {NULL, 1, none, 0, 1, no_length, 1, 1};
-    td_buffer *misfit_buffers[] = {&p->first, &p->piece_lengths, &p->misfits};
+    td_buffer *misfit_buffers[] = {&p->first, &p->piece_lengths, &p->misfits, &p->bent, &p->calm};
     tides_status status = begin(&p->base, &interval, error);
-    for (int i = 0; i < 3 && status == TIDES_OK; i++)
+    for (int i = 0; i < 5 && status == TIDES_OK; i++)
         status = td_buffer_reserve(p->device, misfit_buffers[i], sizeof(cl_double), error);
     if (status == TIDES_OK) status = launch_misfits(p, &p->image, &nobody, error);
     if (status == TIDES_OK) status = lists(&p->base, none, 1, error);

@@ -12,7 +12,7 @@
 
 /* A splat's place in its tile's list. */
 typedef struct twin_key {
-    int depth, place, path;
+    int depth, place, path, gaussian;
 } twin_key;
 
 typedef struct twin {
@@ -20,12 +20,13 @@ typedef struct twin {
     td_image image;
     td_points_interval interval;
     double *rows, *curves;
-    int *listed;  /* (candidate_count) the lists */
-    float *tests; /* (candidate_count x slices x TD_TEST_REALS) */
-    int *count;   /* (tile_count) splats of each */
+    float *records; /* (gaussians x slices x TD_TEST_REALS) tests of each */
+    int *listed;    /* (candidate_count) the lists */
+    float *tests;   /* (candidate_count x slices x TD_TEST_REALS) */
+    int *count;     /* (tile_count) splats of each */
     twin_key *keys;
     double *entries; /* of a point */
-    size_t list_capacity[3], curve_capacity, rows_capacity, key_capacity, entry_capacity;
+    size_t list_capacity[4], curve_capacity, rows_capacity, key_capacity, entry_capacity;
 } twin;
 
 typedef char td_point_tile_is_as_here[sizeof(td_point_tile) == sizeof(td_points_tile) ? 1 : -1];
@@ -49,26 +50,45 @@ static tides_status take_rows(twin *t, td_exact *exact, int count, tides_error *
     return status == TIDES_OK ? td_exact_rows(exact, count, t->rows, error) : status;
 }
 
-static tides_status misfits(td_points_engine *engine, const td_points_misfits *request, float *out, tides_error *error) {
+static tides_status misfits(td_points_engine *engine, const td_points_misfits *request, const td_points_fit *fit,
+                            tides_error *error) {
     twin *t = (twin *)engine;
     const td_path_terms terms = {request->target, 0, DBL_EPSILON / 2, 0};
     double *lengths = td_alloc((size_t)request->pieces, sizeof *lengths, error);
     if (!lengths) return TIDES_NO_MEMORY;
     for (int i = 0; i < request->pieces; i++) lengths[i] = request->knot[i + 1] - request->knot[i];
     tides_status status = take_rows(t, request->exact, request->row_count, error);
-    for (int i = 0; i < request->count && status == TIDES_OK; i++)
-        out[i] = (float)td_path_worst(t->rows, request->first[i], request->level, request->pieces, lengths, &terms, &t->image);
+    for (int i = 0; i < request->count && status == TIDES_OK; i++) {
+        const td_path_misfits of =
+            td_path_try(t->rows, request->first[i], request->level, request->pieces, lengths, &terms, &t->image);
+        fit->worst[i] = (float)of.worst;
+        fit->bent[i] = (float)of.bent;
+        fit->calm[i] = (float)of.calm;
+    }
     free(lengths);
     return status;
+}
+
+/* Tests of all that have paths. */
+static void make_records(twin *t) {
+    const td_point_paths paths = paths_of(t);
+    for (int i = 0; i < t->interval.seen_count; i++)
+        for (int slice = 0; slice < paths.slices.count; slice++) {
+            const int gaussian = t->interval.seen[i];
+            const size_t at = ((size_t)gaussian * (size_t)paths.slices.count + (size_t)slice) * TD_TEST_REALS;
+            td_point_make_tests(&paths, &t->image, slice, &t->interval.path[gaussian], t->records, &at);
+        }
 }
 
 static tides_status begin(td_points_engine *engine, const td_points_interval *interval, tides_error *error) {
     twin *t = (twin *)engine;
     size_t candidates = (size_t)interval->candidate_count, tiles = (size_t)interval->tile_count;
-    size_t tests = candidates * (size_t)interval->slices.count * TD_TEST_REALS, *capacity = t->list_capacity;
+    size_t each = (size_t)interval->slices.count * TD_TEST_REALS, *capacity = t->list_capacity;
     t->interval = *interval;
     tides_status status = td_reserve((void **)&t->listed, &capacity[0], candidates, sizeof *t->listed, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&t->tests, &capacity[1], tests, sizeof *t->tests, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&t->tests, &capacity[1], candidates * each, sizeof *t->tests, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&t->records, &capacity[3], (size_t)interval->gaussians * each, sizeof *t->records, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&t->curves, &t->curve_capacity, (size_t)interval->curves * TD_CURVE_REALS,
                             sizeof *t->curves, error);
@@ -77,6 +97,7 @@ static tides_status begin(td_points_engine *engine, const td_points_interval *in
         td_point_curve(t->rows + (size_t)interval->row[2 * i] * TD_PATH_STRIDE,
                        t->rows + (size_t)interval->row[2 * i + 1] * TD_PATH_STRIDE, interval->lengths[i],
                        t->curves + (size_t)i * TD_CURVE_REALS);
+    if (status == TIDES_OK) make_records(t);
     if (status == TIDES_OK) status = td_reserve((void **)&t->count, &capacity[2], tiles, sizeof *t->count, error);
     return status;
 }
@@ -93,15 +114,18 @@ static void make_list(twin *t, int number) {
     int count = 0;
     for (int i = tile.first; i < tile.first + tile.count; i++) {
         const int gaussian = t->interval.candidates[i], path = gaussian < 0 ? -1 : t->interval.path[gaussian];
-        if (path >= 0) t->keys[count++] = (twin_key){td_point_depth_key(&paths, path), i, path};
+        if (path >= 0) t->keys[count++] = (twin_key){td_point_depth_key(&paths, path), i, path, gaussian};
     }
     qsort(t->keys, (size_t)count, sizeof *t->keys, key_order);
     for (int i = 0; i < count; i++) t->listed[tile.first + i] = t->keys[i].path;
     const int groups = (count + TD_PAD - 1) / TD_PAD;
     for (int slice = 0; slice < paths.slices.count; slice++) {
         float *tests = t->tests + td_point_tests_at(&tile, &paths.slices, slice);
-        for (int i = 0; i < groups * TD_PAD; i++)
-            td_point_make_tests(&paths, &t->image, &tile, slice, i < count ? t->keys[i].path : -1, tests + td_point_test_of(i));
+        for (int i = 0; i < count; i++) {
+            const size_t at = (size_t)t->keys[i].gaussian * (size_t)paths.slices.count + (size_t)slice;
+            td_point_place_test(t->records + at * TD_TEST_REALS, &tile, tests + td_point_test_of(i));
+        }
+        for (int i = count; i < groups * TD_PAD; i++) td_point_place_nobody(tests + td_point_test_of(i));
         td_point_find_fronts(tests, groups);
     }
     t->count[number] = count;
@@ -139,6 +163,7 @@ static tides_status values(td_points_engine *engine, const td_points_batch *batc
 
 static void destroy(td_points_engine *engine) {
     twin *t = (twin *)engine;
+    free(t->records);
     free(t->listed);
     free(t->tests);
     free(t->rows);

@@ -3,6 +3,7 @@
 #ifndef TD_POINT_NODES_H
 #define TD_POINT_NODES_H
 
+#include "td_path_law.h"
 #include "td_points.h"
 
 /* What paths may be off by, of log_luminance, at most: at L_dot = 20 /s it is 25 ns. */
@@ -39,13 +40,13 @@ typedef struct td_point_nodes {
     int *row;       /* (2 x curves) the rows that each begins and ends with */
     double *length; /* (curves) [s] */
     int curves;
-    double halve;     /* where the span is to be cut in two, each part with rows of its own; NAN: it has its rows */
-    int moving, bent; /* those that move; of which paths are off by more than they should */
-    double worst;     /* estimate of what paths are off by, of log_luminance: the most of all that have one */
-    int *tried;       /* (count + TD_PAD) first rows of a level's, and their misfits */
-    float *misfit;
-    double *time;    /* of a level's nodes */
-    int *entry, *at; /* (entries) Gaussians, and rows, of the jobs */
+    double halve;        /* where the span is to be cut in two, each part with rows of its own; NAN: it has its rows */
+    int moving, bent;    /* those that move; of which paths are off by more than they should */
+    td_path_tally tally; /* of what paths are off by */
+    int *tried;          /* (count + TD_PAD) first rows of a level's, */
+    td_points_fit fit;   /* and how well they do: (count + TD_PAD) */
+    double *time;        /* of a level's nodes */
+    int *entry, *at;     /* (entries) Gaussians, and rows, of the jobs */
     td_node_job *jobs;
     int entries, job_count;
     size_t knot_capacity, row_capacity, length_capacity, time_capacity, entry_capacity[2], job_capacity;
@@ -60,5 +61,8 @@ void td_point_nodes_release(td_point_nodes *nodes);
 /* All of them, or where to cut: rows would be too many, or paths bend more than all levels can follow. */
 tides_status td_point_nodes_find(struct tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                                  const td_point_span *span, td_point_nodes *nodes, tides_error *error);
+
+/* How many slices their interval has, for tests (kernels/point_tests.h). */
+td_points_slices td_point_nodes_slices(const td_point_nodes *nodes);
 
 #endif

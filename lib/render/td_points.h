@@ -39,6 +39,8 @@ typedef struct td_points_interval {
     const double *lengths; /* (curves) [s] */
     int curves;
     td_points_slices slices;
+    const int *seen; /* (seen_count) Gaussians that have paths, rising */
+    int seen_count;
     const int *candidates; /* (candidate_count) what tiles point into */
     int candidate_count;
     const td_points_tile *tiles; /* (tile_count) all of the image */
@@ -66,11 +68,17 @@ typedef struct td_points_misfits {
     double target; /* of log_luminance */
 } td_points_misfits;
 
+/* By how many targets cubics of the level before miss the rows in their middles: at most; the share of the time in which that
+ * is more than TD_PATH_BENT; the root of the mean square in the rest. (count) each. */
+typedef struct td_points_fit {
+    float *worst, *bent, *calm;
+} td_points_fit;
+
 typedef struct td_points_engine td_points_engine;
 
 typedef struct td_points_class {
-    /* By how many targets cubics of the level before miss the rows in their middles: (count). */
-    tides_status (*misfits)(td_points_engine *engine, const td_points_misfits *request, float *misfits, tides_error *error);
+    tides_status (*misfits)(td_points_engine *engine, const td_points_misfits *request, const td_points_fit *fit,
+                            tides_error *error);
     tides_status (*begin)(td_points_engine *engine, const td_points_interval *interval, tides_error *error);
     /* Makes the lists of these tiles of the interval: (count). */
     tides_status (*lists)(td_points_engine *engine, const int *tiles, int count, tides_error *error);

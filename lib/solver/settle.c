@@ -24,6 +24,10 @@ static void note_step(tides_simulator *s, const td_refine_step *step) {
     stats->worst_deviation = td_greater(stats->worst_deviation, step->deviation);
 }
 
+int td_ends_run(const tides_simulator *s, const td_refine_step *step) {
+    return s->step + 1 == s->steps && step->to == (uint32_t)1 << s->refine.depth;
+}
+
 void td_settle_timing(tides_simulator *s, const td_refine_step *refined, const td_step *step, const double *const begin[],
                       const double *const end[], size_t first) {
     const td_signals signals = {begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
@@ -35,6 +39,7 @@ void td_settle_timing(tides_simulator *s, const td_refine_step *refined, const t
                       .deviation = refined->probe < 0 ? NULL : td_sample_deviation(samples, refined->probe),
                       .fall = refined->probe < 0 ? NULL : td_sample_fall(samples, refined->probe),
                       .adds = holds ? hold_adds : 1,
+                      .is_last = td_ends_run(s, refined),
                       .levels = td_sensor_levels(&s->sensor, step, s->first_pixel[refined->tile]),
                       .frontend = &s->sensor.frontend,
                       .log_eps = s->sensor.log_eps,

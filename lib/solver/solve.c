@@ -54,7 +54,6 @@ tides_status td_solve_create(tides_simulator *s, const tides_stepping *stepping,
     if (in_double) solve->known = td_alloc(s->first_pixel[s->tiles], sizeof *solve->known, error);
     if (in_double && !solve->known) return TIDES_NO_MEMORY;
     solve->is_exact = in_double && !td_renderer_points_rounded(s->renderer);
-    solve->usual_paths = td_renderer_points_target(s->renderer);
     solve->samples = s->timing.rounding + (in_double ? TD_SOLVE_SAMPLES : 0);
     solve->target_s = s->time_tolerance_s > 0 ? s->time_tolerance_s : default_target_s;
     return TIDES_OK;
@@ -258,12 +257,35 @@ static tides_status begin_units(tides_simulator *s, double start, double stop, t
     return status == TIDES_OK ? run_pixels(s, 1, error) : status;
 }
 
+/* What was found at an end of its step stands for the sample there; at the macro step's end it is what the next one begins
+ * with. */
+static void take_end(tides_simulator *s, const td_asked *asked, const td_point_value *value) {
+    td_looked *looked = &s->solve.looked[asked->looked];
+    const td_refine_step *step = &s->refine.step[looked->step];
+    if (asked->s > 0) {
+        looked->ends.S1 = value->L, looked->ends.S1_dot = value->L_dot;
+        looked->known_ends |= TD_KNOWS_END;
+    } else {
+        looked->ends.S0 = value->L, looked->ends.S0_dot = value->L_dot;
+        looked->known_ends |= TD_KNOWS_START;
+    }
+    if (!(asked->s > 0) || step->next >= 0) return;
+    double *sample = td_sample_at(&s->refine.samples, step->end) + asked->local;
+    sample[TD_PLANE_S * s->refine.samples.pixels] = value->L;
+    sample[TD_PLANE_S_DOT * s->refine.samples.pixels] = value->L_dot;
+}
+
 /* What was found becomes nodes. */
-static tides_status take(td_solve *solve, tides_error *error) {
+static tides_status take(tides_simulator *s, tides_error *error) {
+    td_solve *solve = &s->solve;
     tides_status status = TIDES_OK;
     for (size_t k = 0; k < solve->points && status == TIDES_OK; k++) {
         if (k + AHEAD < solve->points) soon(&solve->looked[solve->asked[k + AHEAD].looked]);
-        status = td_solve_insert(solve, &solve->looked[solve->asked[k].looked], solve->asked[k].s, &solve->value[k], error);
+        const td_asked *asked = &solve->asked[k];
+        if (asked->s > 0 && asked->s < 1)
+            status = td_solve_insert(solve, &solve->looked[asked->looked], asked->s, &solve->value[k], error);
+        else
+            take_end(s, asked, &solve->value[k]);
     }
     return status;
 }
@@ -272,7 +294,7 @@ tides_status td_solve_steps(tides_simulator *s, double start, double stop, tides
     tides_status status = begin_units(s, start, stop, error);
     while (status == TIDES_OK && s->solve.points > 0) {
         status = td_solve_look_up(s, error);
-        if (status == TIDES_OK) status = take(&s->solve, error);
+        if (status == TIDES_OK) status = take(s, error);
         s->solve.points = 0;
         if (status == TIDES_OK) status = run_pixels(s, 0, error);
     }

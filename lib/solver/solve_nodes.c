@@ -13,8 +13,8 @@ static double shape_of(int is_smooth, double u) {
 
 double td_trusted_error(const td_trusted *model, int k, double u) {
     double error = model->trust[k].error * shape_of(model->trust[k].is_smooth, u);
-    if (k == 0) error += model->ends * (1 - u) * (1 - u) * (1 + 2 * u);
-    if (k == model->pieces.count - 1) error += model->ends * u * u * (3 - 2 * u);
+    if (k == 0) error += model->start * (1 - u) * (1 - u) * (1 + 2 * u);
+    if (k == model->pieces.count - 1) error += model->end * u * u * (3 - 2 * u);
     return error;
 }
 

@@ -80,7 +80,7 @@ static tides_status ask_still(tides_simulator *s, int t, const td_step *span, do
     for (int32_t i = 0; i < tile->count; i++) widen[i] += s->solve.samples;
     td_sensor_find(&s->sensor, span, tile, s->first_pixel[t], &signals, widen, active);
     for (int32_t i = 0; i < tile->count && status == TIDES_OK; i++) {
-        const td_asked asked = {(int32_t)(s->first_pixel[t] + (size_t)i), 0};
+        const td_asked asked = {(int32_t)(s->first_pixel[t] + (size_t)i), i, 0};
         if (!active[i]) continue;
         status = td_solve_ask(s, tile, i, start, &asked, error);
         if (status == TIDES_OK && s->solve.known[s->first_pixel[t] + (size_t)i] == 0)

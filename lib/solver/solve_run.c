@@ -30,6 +30,7 @@ typedef struct visit {
     const td_solve_step *now;
     double reference, held_until; /* that the step begins with, */
     td_kept_pixel state;          /* and all else */
+    int settles;                  /* all steps before are settled */
     int nodes;
     td_node node[TD_NODES_MAX];
     td_changes changes;
@@ -79,9 +80,11 @@ static void take_nodes(visit *v) {
 /* What else the model is off by. */
 static void take_rounding(visit *v) {
     const tides_simulator *s = v->s;
-    v->model.ends = s->solve.precision == TIDES_SOLVE_DOUBLE ? s->solve.samples : 0;
+    const double samples = s->solve.precision == TIDES_SOLVE_DOUBLE ? s->solve.samples : 0;
+    v->model.start = v->looked->known_ends & TD_KNOWS_START ? 0 : samples;
+    v->model.end = v->looked->known_ends & TD_KNOWS_END ? 0 : samples;
     v->model.floor = s->solve.is_exact
-                         ? TD_SOLVE_DOUBLE_ROUNDING * (1 + fabs(v->looked->ends.S1))
+                         ? TD_DOUBLE_ROUNDING * (1 + fabs(v->looked->ends.S1))
                          : td_timing_rounding(&s->timing, &s->tile[v->pixel->tile], v->now->signals.S1, v->pixel->local);
 }
 
@@ -89,7 +92,7 @@ static void take_rounding(visit *v) {
 
 static tides_status ask(const visit *v, double s, tides_error *error) {
     const double time = v->now->from + s * (v->now->to - v->now->from);
-    const td_asked asked = {v->number, s};
+    const td_asked asked = {v->number, v->pixel->local, s};
     return td_solve_ask(v->s, &v->s->tile[v->pixel->tile], v->pixel->local, td_lesser(time, v->now->to), &asked, error);
 }
 
@@ -157,6 +160,36 @@ static int near_turns(const visit *v, turn *found, int most) {
     return count;
 }
 
+/* How far the signal is from its levels at s, an end of the step, and from its reference; a held one has none. What it does at
+ * the very start comes of that. */
+static double left_at(const visit *v, double s, double *residual) {
+    const td_sensor *sensor = &v->s->sensor;
+    int is_held;
+    *residual = td_pieces_value(&v->model.pieces, s) - reference_at(v, s > 0 ? s : -1, &is_held);
+    const double on = sensor->on ? sensor->threshold_on[v->at] : sensor->sensor.threshold_on;
+    const double off = sensor->on ? sensor->threshold_off[v->at] : sensor->sensor.threshold_off;
+    return is_held ? INFINITY : td_lesser(on - *residual, *residual + off);
+}
+
+/* Does an error of so much decide whether the signal is beyond a level there? At the step's end it may have got there just
+ * before. */
+static int is_in_doubt(const visit *v, double s, double error) {
+    double residual;
+    return left_at(v, s, &residual) <= error || (s > 0 && v->changes.count > 0 && fabs(residual) <= error);
+}
+
+/* Asks for the ends of the step where samples are too near a level. What is run ahead may ask in vain, and samples would depend
+ * on how far that goes. A macro step begins with what the one before it ended with, be it a sample or not: its own record paths
+ * begin elsewhere by what paths may be off by, and the pixel might be found beyond a level. */
+static tides_status ask_ends(const visit *v, tides_error *error) {
+    const int begins = v->s->refine.step[v->looked->step].from == 0;
+    tides_status status = TIDES_OK;
+    if (!v->settles) return status;
+    if (v->model.start > 0 && !begins && is_in_doubt(v, 0, v->model.start + v->model.floor)) status = ask(v, 0, error);
+    if (status == TIDES_OK && v->model.end > 0 && is_in_doubt(v, 1, v->model.end + v->model.floor)) status = ask(v, 1, error);
+    return status;
+}
+
 /* Asks for what isn't good enough; `*asked` says whether there was any. Where turns stay in doubt, they are counted. */
 static tides_status judge(visit *v, int *asked, int *doubts, tides_error *error) {
     enum { MOST_TURNS = 16 };
@@ -165,7 +198,7 @@ static tides_status judge(visit *v, int *asked, int *doubts, tides_error *error)
     const size_t before = solve->points;
     const int may_ask = v->looked->looks < MOST_LOOKS;
     const int count = near_turns(v, turns, MOST_TURNS);
-    tides_status status = TIDES_OK;
+    tides_status status = may_ask ? ask_ends(v, error) : TIDES_OK;
     *doubts = 0;
     weigh(v);
     for (int k = 0; k < v->changes.count && status == TIDES_OK && may_ask; k++)
@@ -212,49 +245,63 @@ static double waited(const visit *v, const td_change *change) {
     return td_lesser(0.25 * bow / fabs(rise), 1);
 }
 
-/* What the worst splat's record path makes of the pixel's nodes, and the share of events which that is reported for. */
-static double paths_of(const visit *v, double *share) {
-    double worst = 0, most = 0;
+static int ends_run(const visit *v) { return td_ends_run(v->s, &v->s->refine.step[v->looked->step]); }
+
+/* What record paths make of the pixel's nodes. */
+static td_path_law paths_of(const visit *v) {
+    td_path_law law = {0};
     for (int i = 0; i < v->nodes; i++) {
-        double bent;
         const double time = v->now->from + v->node[i].s * (v->now->to - v->now->from);
-        worst = td_greater(worst, td_renderer_points_error(v->s->renderer, time, &bent));
-        most = td_greater(most, bent);
+        const td_path_law own = td_renderer_points_law(v->s->renderer, time);
+        law = i == 0 ? own : td_path_law_worse(&law, &own);
     }
-    *share = worst > TD_SOLVE_LOST ? td_lesser(td_greater(TD_SOLVE_BENT, TD_SOLVE_SPLATS * most), 1) : TD_SOLVE_BENT;
-    return worst;
+    return law;
 }
 
-/* What a solved event may be off by: what is left there, and what most record paths do, and in a share of all events the
- * worst. */
-static void note_error(visit *v, int n) {
-    td_timing *timing = &v->s->timing;
+/* A share of events, which record paths put off by `paths`, and after which `left` of the step is left; what of it may be
+ * undone. */
+static double add_share(visit *v, const worth *at, double left, double share, double paths) {
+    const double error = td_timing_together(at->error, v->model.floor + paths);
+    return share > 0 ? td_timing_add_solved(&v->s->timing, share, error, at->slope, at->bend, v->now->span.length_s, left) : 0;
+}
+
+/* An event that may be undone for so much of what it may be off by is uncertain. */
+static const double much = 0.25;
+
+/* What a solved event may be off by: what is left there, and what record paths do. */
+static void note_error(visit *v, int n, const td_path_law *law) {
+    static const double slice[TD_PATH_SLICES] = {16.0 / 32, 13.0 / 32, 3.0 / 32}, kink[TD_PATH_KINKS] = {3.0 / 4, 1.0 / 4};
     const worth *at = &v->worth[n];
-    const double h = v->now->span.length_s, late = waited(v, &v->changes.change[n]);
-    double share;
-    const double worst = paths_of(v, &share), most = td_lesser(worst, v->s->solve.usual_paths), bent = worst > most ? share : 0;
+    const double late = waited(v, &v->changes.change[n]), left = ends_run(v) ? 1 - v->changes.change[n].s : INFINITY;
+    double undone = 0;
     if (late > 0) {
-        td_timing_add_solved(timing, 1, late, 1, 0, h);
+        td_timing_add_solved(&v->s->timing, 1, late, 1, 0, v->now->span.length_s, left);
         return;
     }
-    td_timing_add_solved(timing, 1 - bent, td_timing_together(at->error, v->model.floor + most), at->slope, at->bend, h);
-    if (bent > 0)
-        td_timing_add_solved(timing, bent, td_timing_together(at->error, v->model.floor + worst), at->slope, at->bend, h);
+    if (law->smooth[TD_PATH_SLICES - 1] > 0 || law->bent > 0) {
+        for (int k = 0; k < TD_PATH_SLICES; k++) undone += add_share(v, at, left, slice[k] * (1 - law->bent), law->smooth[k]);
+        for (int k = 0; k < TD_PATH_KINKS; k++) undone += add_share(v, at, left, kink[k] * law->bent, law->kink[k]);
+    } else {
+        undone = add_share(v, at, left, 1, 0);
+    }
+    v->s->timing.uncertain += (uint64_t)(undone > much);
 }
 
 /* What the events of a settled step are worth. Noise has times of its own. */
 static void note_events(visit *v, int doubts) {
     tides_simulator *s = v->s;
-    s->timing.uncertain += (uint64_t)doubts;
+    const td_path_law law = paths_of(v);
+    double residual;
+    s->timing.uncertain += (uint64_t)(doubts + (ends_run(v) && left_at(v, 1, &residual) <= v->model.end + v->model.floor));
     for (int k = 0; k < v->changes.count; k++) {
         if (!v->changes.change[k].fired) continue;
-        note_error(v, k);
+        note_error(v, k, &law);
         s->solve.events += (uint64_t)(v->nodes > 0);
     }
 }
 
 /* The pixel's next step; `*asked` where something in it is to be looked up, else it is settled if all before were. */
-static tides_status pass_step(visit *v, int settles, int *asked, tides_error *error) {
+static tides_status pass_step(visit *v, int *asked, tides_error *error) {
     int doubts = 0;
     *asked = 0;
     if (!may_act(v)) return TIDES_OK;
@@ -262,7 +309,7 @@ static tides_status pass_step(visit *v, int settles, int *asked, tides_error *er
     tides_status status = advance(v, error);
     take_rounding(v);
     if (status == TIDES_OK) status = judge(v, asked, &doubts, error);
-    if (status == TIDES_OK && settles && !*asked) note_events(v, doubts);
+    if (status == TIDES_OK && v->settles && !*asked) note_events(v, doubts);
     return status;
 }
 
@@ -279,12 +326,13 @@ tides_status td_solve_run(tides_simulator *s, td_solving *pixel, tides_error *er
     for (int32_t k = pixel->next; k < pixel->end && status == TIDES_OK; k++) {
         int asked = 0;
         enter(&v, k);
-        if (unsettled == pixel->end) {
+        v.settles = unsettled == pixel->end;
+        if (v.settles) {
             counts = s->sensor.counts;
             events = s->events.count;
         }
-        status = pass_step(&v, unsettled == pixel->end, &asked, error);
-        if (asked && unsettled == pixel->end) {
+        status = pass_step(&v, &asked, error);
+        if (asked && v.settles) {
             unsettled = k;
             settled = v.state;
         }

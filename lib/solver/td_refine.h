@@ -81,6 +81,9 @@ tides_status td_control_steps(tides_simulator *s, double start, double stop, tid
  * is to come; else all are accepted (settle.c). */
 tides_status td_settle(tides_simulator *s, double start, double stop, int early, tides_error *error);
 
+/* Whether the run ends with this step of the macro step (settle.c). */
+int td_ends_run(const tides_simulator *s, const td_refine_step *step);
+
 /* The planes of a step's samples at both its ends (settle.c). */
 void td_settle_planes(const tides_simulator *s, const td_refine_step *refined, const double *begin[], const double *end[]);
 

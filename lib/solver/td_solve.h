@@ -7,6 +7,9 @@
  * A piece that begins at a node is right there in value and rate, so that at a distance d from it little of the model's error
  * is left: one look nearly always settles an event.
  *
+ * Samples at the ends of steps decide nothing either: one so near a level that its own error decides is looked up. What an
+ * occluder has passed is where it was before, on a level to the last bit, and fires when the occluder's edge ends.
+ *
  * Pixels begin the run with references in the precision of samples. One that may act for the first time, for all that its
  * reference may be off by, has it looked up then, at the run's start; one that never does, never.
  *
@@ -43,7 +46,9 @@ typedef struct td_looked {
     int32_t step;         /* in the macro step */
     int32_t first;        /* node, or -1 */
     int16_t nodes, looks; /* of the latter, rounds */
+    int32_t known_ends;   /* TD_KNOWS_*: the ends that are what was found there, and no samples */
 } td_looked;
+enum { TD_KNOWS_START = 1, TD_KNOWS_END = 2 };
 
 /* A pixel that may do something, and how far it is settled. */
 typedef struct td_solving {
@@ -60,24 +65,23 @@ typedef struct td_solve_step {
     td_coverage coverage, alpha_dot; /* where there is a mask */
 } td_solve_step;
 
-/* Who asked for a point (td_looked), and where in its step. */
+/* Who asked for a point (td_looked; the unit's pixel), and where in its step: 0 and 1 are its ends. */
 typedef struct td_asked {
-    int32_t looked;
+    int32_t looked, local;
     double s;
 } td_asked;
 
 typedef struct td_solve {
-    int32_t precision;  /* TIDES_SOLVE_* */
-    int is_exact;       /* what is looked up is in double, all of it */
-    double target_s;    /* times that are as good as that are settled */
-    double samples;     /* what samples may be off by beside what is looked up [log units] */
-    double usual_paths; /* what most record paths make of what is looked up [log units] */
-    uint64_t events;    /* that were looked up, */
-    uint64_t lookups;   /* and points for them */
-    double *known;      /* (pixels) 1 where the reference is one that was looked up; NULL in single precision */
-    int kept;           /* the renderer has kept the run's start (td_solve_keep_start) */
-    size_t *wanted;     /* pixels whose references are to be looked up, */
-    td_point *start;    /* and where they are */
+    int32_t precision; /* TIDES_SOLVE_* */
+    int is_exact;      /* what is looked up is in double, all of it */
+    double target_s;   /* times that are as good as that are settled */
+    double samples;    /* what samples may be off by beside what is looked up [log units] */
+    uint64_t events;   /* that were looked up, */
+    uint64_t lookups;  /* and points for them */
+    double *known;     /* (pixels) 1 where the reference is one that was looked up; NULL in single precision */
+    int kept;          /* the renderer has kept the run's start (td_solve_keep_start) */
+    size_t *wanted;    /* pixels whose references are to be looked up, */
+    td_point *start;   /* and where they are */
     size_t references, wanted_capacity, start_capacity;
     td_solving *pixel; /* those that aren't settled */
     size_t pixels, pixel_capacity;
@@ -141,8 +145,8 @@ void td_solve_first_trust(const tides_simulator *s, const td_refine_step *refine
 typedef struct td_trusted {
     td_pieces pieces; /* with the leak's ramp */
     td_trust trust[TD_PIECES_MAX];
-    double ends;  /* what the signal at the step's ends is off by beyond */
-    double floor; /* what any number that is looked up is off by */
+    double start, end; /* what the signal at the step's ends is off by beyond */
+    double floor;      /* what any number that is looked up is off by */
 } td_trusted;
 
 /* At u of piece k, but for the floor. */
@@ -154,21 +158,6 @@ int td_solve_nodes(const td_solve *solve, const td_looked *looked, td_node *node
 /* A value that was looked up at s becomes a node; where a node is there already, nothing. */
 TIDES_MUST_CHECK tides_status td_solve_insert(td_solve *solve, td_looked *looked, double s, const td_point_value *value,
                                               tides_error *error);
-
-/* What a value in double is off by, times 1 + |L|: some units of the sums and logarithms that it comes of. */
-#define TD_SOLVE_DOUBLE_ROUNDING 0x1p-50
-
-/* What record paths do to log_luminance in most pixels: each splat's may be off by what was asked for, but for the few that
- * bend so sharply that their paths end with what they have. The estimate of the worst of those is some splat's, in some pixels
- * at some time: reported for every event it made a p95 of 15 us of one of 4 ns. So it is reported for a share of them, in
- * 64ths: with none p99 was too small in 1 of 12 scenes (tests/property/test_solved.c).
- *
- * That is of paths with a kink, which is in one of many curves. One that is off by more than TD_SOLVE_LOST isn't followed at
- * all, for longer: then the share is that of events which see one such, of the splats that decide what a pixel shows. A choice;
- * with it for kinks too a p95 of 0.3 us was reported of a scene whose events were exact (tests/property/test_solved.c). */
-#define TD_SOLVE_BENT (2.0 / 64)
-#define TD_SOLVE_LOST 0.01
-#define TD_SOLVE_SPLATS 16
 
 /* What compositing leaves out of samples, and not of what is looked up in double: image.smoothing.stop_change. */
 #define TD_SOLVE_SAMPLES 1e-5

@@ -11,14 +11,17 @@ typedef struct td_timing {
     double rounding; /* deviations that rounding alone may make [log units]: 0 where the device computes in double */
     double epsilon;  /* relative error of a rounded number on the device: 0 likewise */
     double size;     /* larger side of the image [px] */
-    double weight[TD_TIMING_BINS]; /* from 2^-48 s on; events, each in 64ths */
-    uint64_t uncertain;            /* turns of the signal so near a level that the error decides whether it is reached */
+    double weight[TD_TIMING_BINS]; /* from 2^-48 s on; events, each in 64ths, or 2^-17ths where they were solved */
+    uint64_t uncertain; /* turns of the signal, and ends of the run, so near a level that the error decides if it is reached */
 } td_timing;
 
 /* What single precision makes of deviations, for step control: S is good to 3e-6 to 8e-6 in nine tenths of the pixels of the
  * scenes of tides bench accuracy, against the double reference; half as much again as the largest, for the tail. */
 #define TD_SINGLE_ROUNDING 1.2e-5
 #define TD_SINGLE_EPSILON 0x1p-24
+
+/* What a value in double is off by, times 1 + |L|: some units of the sums and logarithms that it comes of. */
+#define TD_DOUBLE_ROUNDING 0x1p-50
 
 /* Of errors that have nothing to do with each other. (hypot minds squares that no number holds, and took longer than the
  * rest.) */
@@ -32,6 +35,7 @@ typedef struct td_timed {
     const double *deviation; /* NULL: it wasn't cut out of a longer one */
     const uint8_t *fall;     /* td_sample_fall; NULL likewise */
     double adds;             /* times this: errors of earlier events that the reference keeps; 1 where it keeps none */
+    int is_last;             /* the run ends with it: what would come a little later doesn't come */
     td_levels levels;
     const td_frontend *frontend; /* between the signals and the levels; NULL: there is none */
     double log_eps;
@@ -42,14 +46,14 @@ typedef struct td_timed {
 /* Adds the step's events. */
 void td_timing_add(td_timing *timing, const td_timed *timed);
 
-/* Adds a share of an event that was solved, in 64ths: what the signal is off by there, its slope and curvature towards the
- * event, per step of h seconds. What may be undone counts where the share is most of it. */
-void td_timing_add_solved(td_timing *timing, double share, double error, double slope, double bend, double h);
+/* Adds a share of an event that was solved: what the signal is off by there, its slope and curvature towards the event, per
+ * step of h seconds, of which the run goes on for `left`. Returns the share that may be undone: all of it or none. */
+double td_timing_add_solved(td_timing *timing, double share, double error, double slope, double bend, double h, double left);
 
 /* What rounding does to the signal S of pixel i of a tile [log units]. */
 double td_timing_rounding(const td_timing *timing, const td_tile *tile, const double *S, int32_t i);
 
-/* Adds the places where a signal turned back before a level by less than its error; without a front end. */
+/* Adds the places where a signal turned back, or the run ended, before a level by less than its error; without a front end. */
 void td_timing_add_turns(td_timing *timing, const td_timed *timed);
 
 /* How far from a crossing with this slope and curvature, both towards the event's side and per step, the signal may have been

@@ -16,16 +16,25 @@ static const int first_octave = -48; /* 2^-48 s: far below a nanosecond */
 
 /* The signal is `error` beyond the level after v d + a d^2 / 2 = error, and was `error` short of it as long before. Where it
  * bends back, the one that lies that way may not exist: a touch, of which both crossings and all between them are within the
- * error. */
-double td_timing_reach(double v, double a, double error, int *touches) {
-    double bend = fabs(a);
-    v = v > 0 ? v : 0;
-    *touches = 0;
-    if (!(bend > 0)) return v > error ? error / v : 1;
-    double left = v * v - 2 * bend * error;
-    double d = left >= 0 ? 2 * error / (v + sqrt(left)) : (v + sqrt(v * v + 2 * bend * error)) / bend;
-    *touches = left < 0 && a < 0 && d < 1;
+ * error. One comparison at a time, one root and one division, so that loops vectorise. */
+static inline double reach_of(double v, double a, double error, double *touches) {
+    const double bend = fabs(a), forwards = v > 0 ? v : 0, left = forwards * forwards - 2 * bend * error;
+    const double root = sqrt(left >= 0 ? left : forwards * forwards + 2 * bend * error);
+    double above = left >= 0 ? 2 * error : forwards + root, below = left >= 0 ? forwards + root : bend;
+    above = bend > 0 ? above : error;
+    below = bend > 0 ? below : forwards;
+    const double passed = above / below, straight = forwards > error ? passed : 1, d = bend > 0 ? passed : straight;
+    double touch = left < 0 ? 1.0 : 0.0;
+    touch = a < 0 ? touch : 0.0;
+    *touches = d < 1 ? touch : 0.0;
     return td_lesser(d, 1);
+}
+
+double td_timing_reach(double v, double a, double error, int *touches) {
+    double touch;
+    const double reach = reach_of(v, a, error, &touch);
+    *touches = touch > 0;
+    return reach;
 }
 
 /* -- many ---------------------------------------------------------------------------------------------------------------- */
@@ -141,37 +150,87 @@ static void turn_of(const td_timed *timed, const td_model *model, int32_t i, dou
     *bend = rate * (L_dot - *slope);
 }
 
-/* An event of pixel i at s, where the signal has this slope and curvature towards it. */
-static void add_event(td_timing *timing, const td_timed *timed, int32_t i, double s, double slope, double bend) {
-    const td_probe_law law = law_of(timed, i);
-    const double middle = deviation_of(timed, i) * share_at(&law, s), rounding = rounding_of(timing, timed, i);
-    int touches = 0;
-    for (int k = 0; k < TD_PROBE_SHARES && law.weight[k] > 0; k++) {
-        int may_touch;
-        double reach = td_timing_reach(slope, bend, td_timing_together(law.share[k] * middle, rounding), &may_touch);
-        timing->weight[bin_of(reach * timed->step->length_s + 1e-9)] += law.weight[k]; /* times are floored to nanoseconds */
-        touches |= may_touch && (k == 0 || law.share[k] <= TD_PROBE_LEFT_MOST);
+/* Events of a step, some at a time: what the signal does towards each, what it may be off by, and what that comes to. */
+enum { EVENTS = 64 };
+typedef struct some {
+    int count;
+    double s[EVENTS], slope[EVENTS], bend[EVENTS], middle[EVENTS], rounding[EVENTS];
+    double share[TD_PROBE_SHARES][EVENTS], weight[TD_PROBE_SHARES][EVENTS];  /* the law's */
+    double reach[TD_PROBE_SHARES][EVENTS], touches[TD_PROBE_SHARES][EVENTS]; /* by each of its shares */
+} some;
+
+TD_WIDE static void find_reaches(some *restrict of) {
+    const int count = td_whole_vectors(of->count);
+    for (int k = 0; k < TD_PROBE_SHARES; k++) {
+        const double *shares = of->share[k];
+        double *restrict reach = of->reach[k], *restrict touches = of->touches[k];
+        for (int n = 0; n < count; n++) {
+            double touch;
+            reach[n] =
+                reach_of(of->slope[n], of->bend[n], td_timing_together(shares[n] * of->middle[n], of->rounding[n]), &touch);
+            touches[n] = touch;
+        }
     }
-    timing->uncertain += (uint64_t)touches;
 }
 
-void td_timing_add_solved(td_timing *timing, double share, double error, double slope, double bend, double h) {
+static void add_some(td_timing *timing, const td_timed *timed, const some *of) {
+    for (int n = 0; n < of->count; n++) {
+        int touches = 0;
+        for (int k = 0; k < TD_PROBE_SHARES && of->weight[k][n] > 0; k++) {
+            const double reach = of->reach[k][n];
+            const int may_touch = of->touches[k][n] > 0 || (timed->is_last && of->s[n] + reach >= 1);
+            timing->weight[bin_of(reach * timed->step->length_s + 1e-9)] +=
+                of->weight[k][n]; /* times are floored to nanoseconds */
+            touches |= may_touch && (k == 0 || of->share[k][n] <= TD_PROBE_LEFT_MOST);
+        }
+        timing->uncertain += (uint64_t)touches;
+    }
+}
+
+static void take_event(const td_timing *timing, const td_timed *timed, const tides_event *event, int n, some *to) {
+    const int32_t i = pixel_of(timed->tile, event);
+    const td_model model = model_of(timed, i);
+    const td_probe_law law = law_of(timed, i);
+    const double s = place_of(timed->step, event->t);
+    double slope, bend;
+    turn_of(timed, &model, i, s, &slope, &bend);
+    slope += ramp_at(timed, i, 1) - ramp_at(timed, i, 0);
+    to->s[n] = s;
+    to->slope[n] = event->polarity * slope;
+    to->bend[n] = event->polarity * bend;
+    to->middle[n] = deviation_of(timed, i) * share_at(&law, s);
+    to->rounding[n] = rounding_of(timing, timed, i);
+    for (int k = 0; k < TD_PROBE_SHARES; k++) {
+        to->share[k][n] = law.share[k];
+        to->weight[k][n] = law.weight[k];
+    }
+}
+
+double td_timing_add_solved(td_timing *timing, double share, double error, double slope, double bend, double h, double left) {
     int may_touch;
     const double reach = td_timing_reach(slope, bend, error, &may_touch);
     timing->weight[bin_of(reach * h + 1e-9)] += share; /* times are floored to nanoseconds */
-    timing->uncertain += (uint64_t)(may_touch && share > 0.5);
+    return may_touch || reach >= left ? share : 0;
+}
+
+/* Places after the last event: nothing's error, at a slope. */
+static void fill_up(some *of) {
+    for (int n = of->count; n < td_whole_vectors(of->count); n++) {
+        of->slope[n] = 1;
+        of->bend[n] = of->middle[n] = of->rounding[n] = 0;
+        for (int k = 0; k < TD_PROBE_SHARES; k++) of->share[k][n] = 0;
+    }
 }
 
 void td_timing_add(td_timing *timing, const td_timed *timed) {
-    for (size_t k = 0; k < timed->count; k++) {
-        const tides_event *event = &timed->events[k];
-        const int32_t i = pixel_of(timed->tile, event);
-        const td_model model = model_of(timed, i);
-        const double s = place_of(timed->step, event->t);
-        double slope, bend;
-        turn_of(timed, &model, i, s, &slope, &bend);
-        slope += ramp_at(timed, i, 1) - ramp_at(timed, i, 0);
-        add_event(timing, timed, i, s, event->polarity * slope, event->polarity * bend);
+    some taken;
+    for (size_t begin = 0; begin < timed->count; begin += EVENTS) {
+        const size_t left = timed->count - begin;
+        taken.count = left < EVENTS ? (int)left : EVENTS;
+        for (int n = 0; n < taken.count; n++) take_event(timing, timed, &timed->events[begin + (size_t)n], n, &taken);
+        fill_up(&taken);
+        find_reaches(&taken);
+        add_some(timing, timed, &taken);
     }
 }
 
@@ -216,9 +275,20 @@ static void add_turns(td_timing *timing, const td_timed *timed, int32_t i) {
     }
 }
 
+/* What the signal is from its levels where the run ends; what it may be off by there is rounding alone. */
+static void add_end(td_timing *timing, const td_timed *timed, int32_t i) {
+    const td_levels *levels = &timed->levels;
+    const double S = timed->signals->S1[i], residual = S + ramp_at(timed, i, 1) - levels->reference[i];
+    const double left =
+        td_lesser(levels->threshold_on[i * levels->stride] - residual, residual + levels->threshold_off[i * levels->stride]);
+    const double error = td_greater(rounding_of(timing, timed, i), TD_DOUBLE_ROUNDING * (1 + fabs(S)));
+    timing->uncertain += (uint64_t)(left > 0 && left < error);
+}
+
 void td_timing_add_turns(td_timing *timing, const td_timed *timed) {
     if (timed->frontend && timed->frontend->on) return; /* the model is of L, not of S */
     const int32_t pixels = timed->tile->count;
+    for (int32_t i = 0; i < pixels && timed->is_last; i++) add_end(timing, timed, i);
     for (int32_t first = 0; first < pixels; first += BLOCK) {
         const int32_t count = pixels - first < BLOCK ? pixels - first : BLOCK;
         double mark[BLOCK];
