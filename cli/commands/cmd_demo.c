@@ -40,7 +40,12 @@ int cmd_demo(const cli_command *command, int argc, char **argv) {
     if (status == TIDES_OK) status = demo_scene_write(directory, &error);
     if (status == TIDES_OK) {
         static const cli_list no_sets = {.count = 0};
-        const cli_job job = {files->run, files->events, files->stats, files->preview, files->exr, &no_sets, 0, 0};
+        const cli_job job = {.run = files->run,
+                             .events = files->events,
+                             .stats = files->stats,
+                             .preview = files->preview,
+                             .exr = files->exr,
+                             .sets = &no_sets};
         code = cli_job_run(&job, &common);
     } else {
         code = cli_fail(&error);

@@ -120,12 +120,12 @@ static void print_summary(const tides_stats *stats, const tides_session_facts *s
 
 /* -- the run  */
 
-/* What --resume and --preview can't be had with, before the run begins. */
+/* What --resume, --keep-checkpoint and --preview can't be had with, before the run begins. */
 static tides_status check_frames(const cli_job *job, const tides_session_facts *facts, tides_error *error) {
     if (!facts->sees_frames) return TIDES_OK;
-    if (job->resume)
-        return cli_error(error, TIDES_UNSUPPORTED, "--resume: method %s on frames keeps no checkpoints; run it again without",
-                         facts->values.method);
+    if (job->resume || job->keep_checkpoint)
+        return cli_error(error, TIDES_UNSUPPORTED, "%s: method %s on frames keeps no checkpoints; run it again without",
+                         job->resume ? "--resume" : "--keep-checkpoint", facts->values.method);
     if (facts->frames && (job->preview || job->exr))
         return cli_error(error, TIDES_UNSUPPORTED,
                          "--preview shows a rendered image, which a run with frames.file doesn't have");
@@ -142,7 +142,7 @@ static int32_t goes_on(const cli_job *job, const cli_common *common) {
     snprintf(path, bytes, "%s%s", job->events, ending);
     const int32_t there = access(path, F_OK) == 0;
     if (!there && !common->quiet && access(job->events, F_OK) == 0)
-        fprintf(stderr, "tides: %s is finished, and finished runs keep no checkpoint: starting from the beginning\n",
+        fprintf(stderr, "tides: %s is finished, and kept no checkpoint (--keep-checkpoint): starting from the beginning\n",
                 job->events);
     else if (!there && !common->quiet)
         fprintf(stderr, "tides: %s isn't there: starting from the beginning\n", path);
@@ -178,6 +178,7 @@ static tides_status work(const cli_job *job, job_state *state, tides_error *erro
     if (status == TIDES_OK) status = check_frames(job, &state->facts, error);
     if (status != TIDES_OK) return status;
     how.checkpoint_s = job->checkpoint_s;
+    how.keep_checkpoint = job->keep_checkpoint;
     how.resume = goes_on(job, state->common);
     status = tides_session_write(state->session, job->events, &how, step, state, &state->done, &state->stats, error);
     tell(state);
@@ -217,8 +218,7 @@ int cli_job_run(const cli_job *job, const cli_common *common) {
     else if (!common->quiet)
         print_summary(&state.stats, &state.facts);
     if (code == CLI_OK && !common->quiet) cli_tell_collapsed(state.done.collapsed);
-    if (code == CLI_OK && !common->quiet && !state.facts.sees_frames && state.stats.render.pairs_evaluated == 0)
-        fprintf(stderr, "tides: nothing of the scene was in view, at any time: look at the path, or at camera.up\n");
+    if (code == CLI_OK && !state.facts.frames && state.stats.render.pairs_evaluated == 0) cli_tell_unseen(common, "");
     tides_session_close(state.session);
     return code;
 }

@@ -8,6 +8,9 @@
 tides_status cli_session_open(const char *file, const cli_list *sets, const cli_common *common, tides_session **session,
                               tides_error *error);
 
+/* Whoever looks away should hear why all is empty; `who` follows "in view": "", or " of 1 of 2 cameras". */
+void cli_tell_unseen(const cli_common *common, const char *who);
+
 /* frame.c: the wanted planes of one frame, in memory. */
 enum { CLI_DISPLACEMENTS = 3 };
 typedef struct cli_frame {
@@ -56,8 +59,9 @@ typedef struct cli_job {
     const char *run, *events;          /* files in and out */
     const char *stats, *preview, *exr; /* more files out, each nullable; exr is the preview's frame */
     const cli_list *sets;
-    double checkpoint_s; /* [s] between checkpoints; 0: none */
-    int32_t resume;      /* go on where a checkpoint is */
+    double checkpoint_s;     /* [s] between checkpoints; 0: none */
+    int32_t resume;          /* go on where a checkpoint is */
+    int32_t keep_checkpoint; /* the checkpoint stays when the run is finished */
 } cli_job;
 /* Simulates, writes, and prints the summary (or with --json the statistics). The exit code. */
 int cli_job_run(const cli_job *job, const cli_common *common);

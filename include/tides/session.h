@@ -78,6 +78,7 @@ typedef struct tides_session_taken {
     double error;       /* frames: the largest estimated error of mean light in a pixel [1] */
     double renders;     /* frames: renders that they took, in full frames */
     uint64_t unsettled; /* frames: pixels that stayed above the tolerance */
+    uint64_t pairs;     /* frames: (splat, pixel) pairs that were composited; 0: nothing of the scene was in view */
 } tides_session_taken;
 
 /* Frames of the run's scene as exposure.* says, into the folder `path`, which is made unless it is there: frame_000000.png ..,
@@ -115,9 +116,11 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_truth(tides_session *sessi
 /* How events go into a file; fill with tides_recording_defaults (the ending's format, from the start, 30 s). */
 typedef struct tides_recording {
     uint32_t size;
-    int32_t resume;      /* 1: go on where PATH.checkpoint is, with the PATH.part beside it */
-    const char *format;  /* of tides_event_format_at; NULL: that of the path's ending */
-    double checkpoint_s; /* [s] of wall time between checkpoints; 0: none, nor where the run is stopped */
+    int32_t resume;          /* 1: go on where PATH.checkpoint is, with the PATH.part beside it */
+    const char *format;      /* of tides_event_format_at; NULL: that of the path's ending */
+    double checkpoint_s;     /* [s] of wall time between checkpoints; 0: none, nor where the run is stopped */
+    int32_t keep_checkpoint; /* 1: PATH.checkpoint stays beside the finished PATH: `resume` with a later stop goes on from it */
+    int32_t reserved;
 } tides_recording;
 TIDES_API void tides_recording_defaults(tides_recording *recording);
 
@@ -135,9 +138,12 @@ typedef struct tides_recorded {
 /* Runs it whole into an event file of any format, with all that the file can say of the run. `how` and what follows are
  * nullable. While it runs, and where it is stopped (TIDES_CANCELLED) or dies, PATH.part holds the events so far; formats that
  * can be gone on with (tides_event_writer_can_resume) also PATH.checkpoint, which holds the state and goes when PATH is
- * complete. A method that sees frames keeps no checkpoints. resume without a checkpoint is TIDES_FILE_NOT_FOUND, with one
- * of another run TIDES_BAD_CONFIG naming what differs, with a format that can't be gone on with TIDES_BAD_ARGUMENT, and with a
- * method that sees frames TIDES_UNSUPPORTED. */
+ * complete. With keep_checkpoint it stays, as of the last step's beginning, which a longer run has too: resume with a later
+ * time.stop then gives the events of one run, to the bit, and PATH is the shorter recording until the longer one is complete.
+ * It goes where any other recording takes PATH's place, and one that was copied there from outside is known by its events.
+ * A method that sees frames keeps no checkpoints. resume without a checkpoint is TIDES_FILE_NOT_FOUND, with one of another run
+ * TIDES_BAD_CONFIG naming what differs, beside events of another run TIDES_BAD_FILE, with a format that can't be gone on with
+ * TIDES_BAD_ARGUMENT, and with a method that sees frames TIDES_UNSUPPORTED. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_write(tides_session *session, const char *path,
                                                             const tides_recording *how, tides_progress progress, void *user,
                                                             tides_recorded *done, tides_stats *stats, tides_error *error);

@@ -107,15 +107,15 @@ typedef struct tides_stats {
     double simulated_s, run_time_s, real_time_factor; /* simulated / run time */
     double time_compare_s, time_sink_s, time_other_s; /* wall time of the comparator, the sink, the rest [s] */
     uint64_t peak_memory_bytes;                       /* of the process */
-    uint64_t
-        steps_probed; /* of `steps`, those that rest on a probe: an evaluation inside a step that they are a part of, compared
-                              with its model in value and rate. All under error control but where min_step_s or the budget
-                              leaves macro steps whole */
-    uint64_t
-        steps_at_rounding; /* accepted although above the tolerance, because what a probe saw is no more than rounding of S in
-                                   single precision: shorter steps would see as much */
-    uint64_t events_uncertain; /* events that the signal's estimated error may undo, and places where it may make some: it turns
-                                   so near a level that the error decides whether it is reached. Not for FIXED */
+    /* Of `steps`, those that rest on a probe: an evaluation inside a step that they are a part of, compared with its model in
+     * value and rate. All under error control but where min_step_s or the budget leaves macro steps whole. */
+    uint64_t steps_probed;
+    /* Accepted although above the tolerance, because what a probe saw is no more than rounding of S in single precision:
+     * shorter steps would see as much. */
+    uint64_t steps_at_rounding;
+    /* Events that the signal's estimated error may undo, and places where it may make some: it turns, or the run ends, so near
+     * a level that the error decides whether it is reached. Not for FIXED. */
+    uint64_t events_uncertain;
     double worst_deviation;    /* the largest that a probe saw where a step rests on it [thresholds] */
     uint64_t events_solved;    /* of `events`, those whose times were looked up in the image (stepping.solve), and */
     uint64_t points_looked_up; /* pixels at single times that were looked up for them */
@@ -203,7 +203,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_save(const tides_simulat
 /* Puts a new simulator, which hasn't run yet, where a saved one was: tides_simulator_run goes on from there, and the statistics
  * count both. TIDES_BAD_CONFIG naming what differs where the checkpoint is of another run: `run` (nullable) in anything but
  * time.stop and device, the scene, the camera, the sensor, the stepping, the start, the device's precision. The stop may be
- * another one after the time of the checkpoint, unless a budget is shared out over the run. TIDES_BAD_FILE where the file is
+ * another one after the time of the checkpoint, unless that was the run's end (the step before it will do:
+ * tides_recording.keep_checkpoint) or a budget is shared out over the run. TIDES_BAD_FILE where the file is
  * damaged. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_restore(tides_simulator *simulator, const char *run, const char *path,
                                                                 tides_error *error);

@@ -10,6 +10,8 @@
  *                                      run              text    the run file as JSON, or ""
  *                                      step             double  number of the grid point reached (td_grid.h)
  *                                      time             double  [s after the start] where that is
+ *                                      ended            int     1: it is the run's end, from which no longer one goes on
+ *                                      last_event       text    "t_ns x y polarity", by which its recording is known; or ""
  *     /run_is              attributes  one per fact of td_facts_gather: a double, or 16 hexadecimal digits; its key says what
  *     /statistics          attributes  one double each: totals so far, those rows of tides_stats_table that add up
  *     /signal, /signal_dot double (height x width)  S [log units], S_dot [log units/s]
@@ -26,6 +28,7 @@
 
 #include <inttypes.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* -- facts ----------------------------------------------------------------------------------------------------------------- */
 
@@ -69,6 +72,12 @@ static tides_status check_facts(const td_place *place, const td_fact *facts) {
 
 /* -- saving ---------------------------------------------------------------------------------------------------------------- */
 
+static tides_status write_last(const td_place *root, const tides_event *last) {
+    char text[64] = "";
+    if (last->polarity) snprintf(text, sizeof text, "%" PRId64 " %u %u %d", last->t, last->x, last->y, last->polarity);
+    return td_place_write_text(root, "last_event", text);
+}
+
 static tides_status write_root(const td_place *root, const tides_simulator *s, const char *run) {
     tides_status status = td_place_write_text(root, "format", TD_CHECKPOINT_FORMAT);
     if (status == TIDES_OK) status = td_place_write_int(root, "version", TD_CHECKPOINT_VERSION);
@@ -76,7 +85,8 @@ static tides_status write_root(const td_place *root, const tides_simulator *s, c
     if (status == TIDES_OK) status = td_place_write_text(root, "run", run ? run : "");
     if (status == TIDES_OK) status = td_place_write_double(root, "step", (double)s->step);
     if (status == TIDES_OK) status = td_place_write_double(root, "time", td_grid_time(s, s->step));
-    return status;
+    if (status == TIDES_OK) status = td_place_write_int(root, "ended", s->step == s->steps);
+    return status == TIDES_OK ? write_last(root, &s->last) : status;
 }
 
 static tides_status write_all(const td_place *root, const tides_simulator *s, const char *run, const td_fact *facts,
@@ -132,6 +142,7 @@ tides_status tides_simulator_save(const tides_simulator *simulator, const char *
 /* All that a checkpoint says. */
 typedef struct contents {
     int64_t step;
+    tides_event last;
     tides_stats totals;
     td_saved saved;
     tides_arbiter *arbiter; /* NULL without a readout */
@@ -158,24 +169,43 @@ static tides_status check_run(const td_place *root, const char *run) {
     return status;
 }
 
-/* The step must be on this run's grid too: a last step that an earlier stop cut short isn't. */
+/* The step must be on this run's grid too: a last step that an earlier stop cut short isn't. And where it was the last one its
+ * end was in it and its readout emptied, which isn't so in a longer run. Files from before `ended` are taken at their word. */
 static tides_status read_step(const td_place *root, const tides_simulator *s, int64_t *step) {
     double steps = 0, time = 0;
+    int32_t ended = 0;
     tides_status status = td_place_read_double(root, "step", &steps);
     if (status == TIDES_OK) status = td_place_read_double(root, "time", &time);
+    if (status == TIDES_OK && H5Aexists(root->id, "ended") > 0) status = td_place_read_int(root, "ended", &ended);
     if (status != TIDES_OK) return status;
     if (!(steps >= 0) || steps > 1e15 || steps != (double)(int64_t)steps)
         return td_fail(root->error, TIDES_BAD_FILE, "%s: step is %g, no number of steps", root->file, steps);
     if (steps > (double)s->steps || time > s->length)
         return td_fail(root->error, TIDES_BAD_CONFIG, "%s: was made at %.15g s, after time.stop = %.15g s", root->file,
                        s->epoch + time, s->epoch + s->length);
-    if (time != td_grid_time(s, (int64_t)steps))
+    if (time != td_grid_time(s, (int64_t)steps) || (ended && (int64_t)steps < s->steps))
         return td_fail(root->error, TIDES_BAD_CONFIG,
                        "%s: was made at %s s, which is no end of a step now that time.stop is %s s: only a run that "
-                       "stopped before its end can be extended",
+                       "stopped before its end, or kept its checkpoint (--keep-checkpoint), can be extended",
                        root->file, TD_SHORT(s->epoch + time), TD_SHORT(s->epoch + s->length));
     *step = (int64_t)steps;
     return TIDES_OK;
+}
+
+/* Files from before `last_event` are taken at their word. */
+static tides_status read_last(const td_place *root, tides_event *last) {
+    char *text = NULL;
+    int polarity = 0;
+    memset(last, 0, sizeof *last);
+    if (H5Aexists(root->id, "last_event") <= 0) return TIDES_OK;
+    tides_status status = td_place_read_text(root, "last_event", &text);
+    if (status == TIDES_OK && text[0]) {
+        if (sscanf(text, "%" SCNd64 " %" SCNu16 " %" SCNu16 " %d", &last->t, &last->x, &last->y, &polarity) != 4)
+            status = td_fail(root->error, TIDES_BAD_FILE, "%s: last_event is '%s', no event", root->file, text);
+        last->polarity = (int8_t)polarity;
+    }
+    free(text);
+    return status;
 }
 
 static tides_status check_is_same(const td_place *root, const char *run, const td_fact *facts) {
@@ -194,6 +224,7 @@ static tides_status read_all(const td_place *root, const tides_simulator *s, con
     td_place group;
     tides_status status = check_is_same(root, run, facts);
     if (status == TIDES_OK) status = read_step(root, s, &got->step);
+    if (status == TIDES_OK) status = read_last(root, &got->last);
     if (status == TIDES_OK) status = td_place_open(root, "statistics", &group);
     if (status != TIDES_OK) return status;
     status = td_totals_read(&group, &got->totals);
@@ -227,6 +258,7 @@ tides_status tides_simulator_restore(tides_simulator *simulator, const char *run
     if (status == TIDES_OK) {
         td_saved_give(&got.saved, simulator);
         td_simulator_resume(simulator, got.step, &got.totals);
+        simulator->last = got.last;
         tides_arbiter *own = simulator->readout.arbiter; /* both NULL, or both not */
         simulator->readout.arbiter = got.arbiter;
         got.arbiter = own;

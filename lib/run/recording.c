@@ -1,7 +1,10 @@
 /* Events into a file while they are simulated: PATH.part, with PATH.checkpoint beside it, from which a run that was stopped, or
- * died, goes on. For tides_session_write and tides_simulator_write; the formats are lib/events', the state is lib/solver's. */
+ * died, goes on, and where it is kept, one that was finished. For tides_session_write and tides_simulator_write; the formats
+ * are lib/events', the state is lib/solver's. */
 #include "run/td_recording.h"
 
+#include "events/td_event_format.h"
+#include "solver/td_simulator.h"
 #include "td_base.h"
 #include "td_struct.h"
 
@@ -27,8 +30,9 @@ void tides_recording_defaults(tides_recording *recording) {
 static tides_status check_how(const td_record *r, const char *path, tides_error *error) {
     if (!(r->how.checkpoint_s >= 0) || !isfinite(r->how.checkpoint_s))
         return td_fail(error, TIDES_BAD_ARGUMENT, "recording: checkpoint_s %g must be 0 or more", r->how.checkpoint_s);
-    if (r->how.resume && !r->checkpoint)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "%s: only an HDF5 file (.h5) can be gone on with; leave resume at 0", path);
+    if ((r->how.resume || r->how.keep_checkpoint) && !r->checkpoint)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "%s: only an HDF5 file (.h5) can be gone on with; leave %s at 0", path,
+                       r->how.resume ? "resume" : "keep_checkpoint");
     return TIDES_OK;
 }
 
@@ -69,7 +73,8 @@ tides_status td_record_again(td_record *r, tides_error *error) {
     tides_simulator_stats(r->simulator, &stats);
     r->done->events = stats.events_written;
     r->done->resumed_s = stats.simulated_s;
-    status = tides_event_writer_resume(r->path, r->facts, r->done->events, &r->writer, error);
+    const tides_event *last = r->simulator->last.polarity ? &r->simulator->last : NULL;
+    status = td_event_writer_resume(r->path, r->facts, r->done->events, last, &r->writer, error);
     r->done->began = status == TIDES_OK;
     return status;
 }
@@ -103,7 +108,6 @@ static int step(void *user, double fraction, const char *stage) {
 /* First the events, then the state that follows them: whatever the process dies between leaves a pair that fits. A failure is
  * told, once, and is no reason to throw the run away. */
 static void save(td_record *r) {
-    if (!r->checkpoint || !(r->how.checkpoint_s > 0)) return;
     tides_error error = {TIDES_OK, ""};
     const double began = td_now();
     tides_status status = tides_event_writer_flush(r->writer, &error);
@@ -114,15 +118,26 @@ static void save(td_record *r) {
     r->due = ended + fmax(r->how.checkpoint_s, least_work * (ended - began));
 }
 
-tides_status td_record_simulate(td_record *r, double stop, tides_error *error) {
+static tides_status simulate(td_record *r, double until, tides_error *error) {
     tides_status status = TIDES_CANCELLED;
-    r->stopped = 0;
     while (status == TIDES_CANCELLED && !r->stopped) {
-        status = tides_simulator_run(r->simulator, stop, td_record_take, r, step, r, error);
+        status = tides_simulator_run(r->simulator, until, td_record_take, r, step, r, error);
         status = td_record_judge(r, status, error);
-        if (status == TIDES_CANCELLED) save(r);
+        if (status == TIDES_CANCELLED && r->checkpoint && r->how.checkpoint_s > 0) save(r);
     }
     return status;
+}
+
+/* The checkpoint that is kept is of the last step's beginning: how that step ends is this run's own (the stop may cut it short,
+ * its last nanosecond is in it, and the readout gives all that it holds), and a longer run has it otherwise. */
+tides_status td_record_simulate(td_record *r, double stop, tides_error *error) {
+    tides_status status = TIDES_OK;
+    r->stopped = 0;
+    if (r->how.keep_checkpoint) {
+        status = simulate(r, td_simulator_extends_from(r->simulator, stop), error);
+        if (status == TIDES_OK) save(r);
+    }
+    return status == TIDES_OK ? simulate(r, stop, error) : status;
 }
 
 /* -- the end  */
@@ -133,7 +148,7 @@ tides_status td_record_finish(td_record *r, tides_error *error) {
     r->writer = NULL; /* gone whatever _finish returns */
     tides_status status = tides_event_writer_finish(writer, r->facts->stop_ns, error);
     r->done->complete = status == TIDES_OK;
-    return status == TIDES_OK ? remove_checkpoint(r, error) : status;
+    return status == TIDES_OK && !r->how.keep_checkpoint ? remove_checkpoint(r, error) : status;
 }
 
 void td_record_end(td_record *r) {

@@ -81,9 +81,9 @@ static tides_event_file file_facts(const tides_session_facts *f) {
 
 static tides_status write_baseline(tides_session *session, td_record *record, tides_stats *stats, tides_error *error) {
     const targets to = {td_record_take, record, record->progress, record->user};
-    if (record->how.resume)
-        return td_fail(error, TIDES_UNSUPPORTED, "method %s on frames keeps no checkpoints; run it again without resume",
-                       session->facts.values.method);
+    if (record->how.resume || record->how.keep_checkpoint)
+        return td_fail(error, TIDES_UNSUPPORTED, "method %s on frames keeps no checkpoints; run it again without %s",
+                       session->facts.values.method, record->how.resume ? "resume" : "keep_checkpoint");
     tides_status status = td_record_anew(record, error);
     return status == TIDES_OK ? td_record_judge(record, run_baseline(session, &to, stats, error), error) : status;
 }

@@ -40,7 +40,7 @@ tides_status td_record_judge(const td_record *record, tides_status status, tides
 /* record->simulator to `stop`, with a stop wherever a checkpoint is due. */
 tides_status td_record_simulate(td_record *record, double stop, tides_error *error);
 
-/* Completes the file; nobody needs the checkpoint then. */
+/* Completes the file; nobody needs the checkpoint then, unless it is to be kept. */
 tides_status td_record_finish(td_record *record, tides_error *error);
 
 void td_record_end(td_record *record); /* leaves what isn't complete as PATH.part */

@@ -55,20 +55,20 @@ static tides_status reach(tides_simulator *s, tides_error *error) {
 
 /* Sorts the events from number `first` on. */
 static tides_status sort_from(tides_simulator *s, size_t first, tides_error *error) {
-    tides_status status = td_reserve((void **)&s->scratch, &s->scratch_capacity, s->events.count, sizeof *s->scratch, error);
-    if (status == TIDES_OK) td_event_sort(s->events.events + first, s->scratch, s->events.count - first);
+    const size_t count = s->events.count - first;
+    tides_status status = td_reserve((void **)&s->scratch, &s->scratch_capacity, count, sizeof *s->scratch, error);
+    if (status == TIDES_OK) td_event_sort(s->events.events + first, s->scratch, count);
     return status;
 }
 
-/* Sorts the packet and gives it away. */
+/* Gives the packet away. */
 static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
-    double begun = td_now();
-    tides_status status = sort_from(s, 0, error);
-    if (status != TIDES_OK) return status;
-    s->stats.time_compare_s += td_now() - begun;
-    begun = td_now();
-    int left = s->readout.arbiter != NULL; /* or from the pixels */
-    int stopped = sink && sink(user, left ? s->readout.events : s->events.events, left ? s->readout.count : s->events.count);
+    const double begun = td_now();
+    const int left = s->readout.arbiter != NULL; /* or from the pixels */
+    const tides_event *events = left ? s->readout.events : s->events.events;
+    const size_t count = left ? s->readout.count : s->events.count;
+    if (count > 0) s->last = events[count - 1];
+    const int stopped = sink && sink(user, events, count);
     s->stats.time_sink_s += td_now() - begun;
     s->events.count = s->readout.count = 0;
     return stopped ? td_fail(error, TIDES_CANCELLED, "stopped by the event sink at %.9g s", td_time_reached(s)) : TIDES_OK;
@@ -76,8 +76,28 @@ static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, 
 
 /* -- the two kinds of steps ------------------------------------------------------------------------------------------------ */
 
-/* Fixed steps: at most `most`, rendered in one launch and compared one after the other. No two steps have a nanosecond in
- * common: each is put in order while the caches have its events, in a fifth of the time that all of them take together. */
+/* One of the steps rendered. No two have a nanosecond in common: each is put in order while the caches have its events, in a
+ * fifth of the time that all of them take together. */
+static tides_status compare_fixed(tides_simulator *s, int k, tides_error *error) {
+    const double begun = td_now();
+    const size_t first = s->events.count;
+    td_fixed_take(s, k, &s->next);
+    tides_status status = compare_tiles(s, error);
+    if (status == TIDES_OK) status = sort_from(s, first, error);
+    if (status == TIDES_OK) {
+        td_turn_samples(s);
+        s->stats.steps += (uint64_t)s->moving_count;
+        status = reach(s, error);
+    }
+    s->stats.time_compare_s += td_now() - begun;
+    return status;
+}
+
+/* Events that wait for no more before they are given away: what a sink then reads is in the caches still, and a run of many
+ * events needs no memory for all of a launch's. */
+enum { PACKET_FULL = 1 << 14 };
+
+/* Fixed steps: at most `most`, rendered in one launch and compared one after the other. */
 static tides_status advance_fixed(tides_simulator *s, int64_t most, tides_event_sink sink, void *user, tides_error *error) {
     tides_render_stats before;
     tides_renderer_stats(s->renderer, &before);
@@ -87,21 +107,15 @@ static tides_status advance_fixed(tides_simulator *s, int64_t most, tides_event_
     if (status == TIDES_OK) status = td_fixed_render(s, steps, error);
     if (status == TIDES_CANCELLED) td_renderer_put_counts(s->renderer, &counted);
     if (status != TIDES_OK) return status; /* the pixels are as they were */
-    double begun = td_now();
-    for (int k = 0; k < steps && status == TIDES_OK; k++) {
-        td_fixed_take(s, k, &s->next);
-        const size_t first = s->events.count;
-        status = compare_tiles(s, error);
-        if (status == TIDES_OK) status = sort_from(s, first, error);
-        if (status != TIDES_OK) break;
-        td_turn_samples(s);
-        s->stats.steps += (uint64_t)s->moving_count;
-        status = reach(s, error);
+    tides_status emitted = TIDES_OK;
+    for (int k = 0; k < steps && status == TIDES_OK && emitted == TIDES_OK; k++) {
+        status = compare_fixed(s, k, error);
+        if (status == TIDES_OK && s->events.count >= PACKET_FULL) emitted = emit(s, sink, user, error);
     }
-    s->stats.time_compare_s += td_now() - begun;
     s->broken = status != TIDES_OK;
     td_fixed_adapt(s, &before);
-    tides_status emitted = emit(s, sink, user, status == TIDES_OK ? error : NULL); /* of a failure the events before it */
+    if (emitted == TIDES_OK)
+        emitted = emit(s, sink, user, status == TIDES_OK ? error : NULL); /* of a failure what was before */
     return status == TIDES_OK ? emitted : status;
 }
 
@@ -150,6 +164,9 @@ static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, v
     td_undo_stopped(s, status);
     if (status != TIDES_OK) return status;
     status = reach(s, error);
+    const double begun = td_now();
+    if (status == TIDES_OK) status = sort_from(s, 0, error);
+    s->stats.time_compare_s += td_now() - begun;
     s->broken = status != TIDES_OK;
     return status == TIDES_OK ? emit(s, sink, user, error) : status;
 }
@@ -189,6 +206,16 @@ static tides_status check_told(const tides_simulator *s, int64_t last, tides_err
                    s->epoch + until);
 }
 
+/* The last grid point of a run that is asked for up to `until`. */
+static int64_t last_point(const tides_simulator *s, double until) {
+    return until - s->epoch >= s->length ? s->steps : td_grid_last_until(&s->grid, s->epoch, until);
+}
+
+double td_simulator_extends_from(const tides_simulator *s, double until) {
+    const int64_t last = last_point(s, until);
+    return s->epoch + td_grid_time(s, last < s->steps ? last : s->steps - 1);
+}
+
 tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink, void *sink_user,
                                  tides_progress progress, void *user, tides_error *error) {
     if (!simulator) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: simulator must be given");
@@ -200,9 +227,7 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
                        TD_SHORT(simulator->epoch));
     double begun = td_now();
     tides_status status = TIDES_OK;
-    int64_t last = until - simulator->epoch >= simulator->length
-                       ? simulator->steps
-                       : td_grid_last_until(&simulator->grid, simulator->epoch, until);
+    const int64_t last = last_point(simulator, until);
     if (last > simulator->step) status = check_told(simulator, last, error);
     /* An open path that says where it begins, and no more, has no rates there yet. */
     const int32_t begins = !simulator->started && (last > 0 || check_told(simulator, 1, NULL) == TIDES_OK);

@@ -83,6 +83,7 @@ struct tides_simulator {
     td_event_buffer events; /* of the packet */
     tides_event *scratch;   /* for sorting */
     size_t scratch_capacity;
+    tides_event last;   /* that was given away, of the run's parts before too; of no polarity: there was none */
     tides_stats stats;  /* times and steps; the rest is put together when asked for (statistics.c) */
     tides_stats before; /* what was counted in the parts of the run before a restore */
 };
@@ -170,6 +171,9 @@ void td_undo_stopped(tides_simulator *simulator, tides_status status);
 
 /* What a pixel's comparator sees at the time reached: S with its leak's ramp. */
 double td_signal_now(const tides_simulator *simulator, size_t pixel);
+
+/* run.c: up to when a run that is asked for up to `until` [s] is the same as a longer one: where its last whole step began. */
+double td_simulator_extends_from(const tides_simulator *simulator, double until);
 
 /* Adds the arrays that a checkpoint holds; then, with these and the sensor's as they were at grid point `step`, makes the
  * simulator go on from there. `before` is what had been counted (state.c). */

@@ -44,7 +44,7 @@ interrupt() {
     code=$?
     exists e.h5.checkpoint
     exists e.h5.part
-    missing e.h5
+    [ -n "${finished:-}" ] || missing e.h5
 }
 
 small="--set sensor.threshold_on=0.03 --set sensor.threshold_off=0.03 --set time.stop=0.5"
@@ -108,7 +108,48 @@ same e.h5 e3.h5
 expect 0 tides simulate run.json -qo e3.h5 --resume $small $mode
 silent
 expect 0 tides simulate run.json -o e3.h5 --resume $small $mode --set time.stop=0.52
-err "tides: e3.h5 is finished, and finished runs keep no checkpoint: starting from the beginning"
+err "tides: e3.h5 is finished, and kept no checkpoint \(--keep-checkpoint\): starting from the beginning"
+
+# A finished run that kept its checkpoint goes on to a later stop, wherever in a step it stopped; interrupted on the way, too, and
+# until the longer file is complete the shorter one is there.
+expect 0 tides simulate run.json -qo whole.h5 $small $mode
+expect 0 tides simulate run.json -qo e.h5 --keep-checkpoint $small $mode --set time.stop=0.2333
+exists e.h5.checkpoint
+missing e.h5.part
+cp e.h5 short.h5
+refuse 1 "e.h5.checkpoint: is of another run: image.log_eps is" tides simulate run.json -qo e.h5 --resume $small $mode --set image.log_eps=0.002
+refuse 1 "e.h5.checkpoint: was made at .* after time.stop" tides simulate run.json -qo e.h5 --resume $small $mode --set time.stop=0.1
+missing e.h5.part
+finished=1
+interrupt INT --resume $small $mode
+finished=
+cmp -s e.h5 short.h5 || fail "the finished file was touched"
+expect 0 tides simulate run.json -vo e.h5 --resume $small $mode
+err "going on at 0\.[0-9]+ s, after [0-9]+ events"
+same whole.h5 e.h5
+for left in e.h5.part e.h5.part.tail e.h5.checkpoint; do missing $left; done
+
+# Another recording in its place, whoever writes it, takes the checkpoint with it: --resume would go on after events of that one.
+expect 0 tides simulate run.json -qo e.h5 --keep-checkpoint $small $mode --set time.stop=0.2333
+expect 0 tides convert whole.h5 e.h5 -q
+missing e.h5.checkpoint
+# And a copy that no writer of ours knows of is refused by its events, as is a .part; both stay as they are.
+expect 0 tides simulate run.json -qo e.h5 --keep-checkpoint $small $mode --set time.stop=0.2333
+cp e.h5 own.h5
+expect 0 tides simulate run.json -qo other.h5 $small $mode --set time.stop=0.2333 --set sensor.threshold_on=0.02
+for name in e.h5 e.h5.part; do
+    cp other.h5 $name
+    refuse 1 "e.h5: is of another recording than its checkpoint" tides simulate run.json -qo e.h5 --resume $small $mode
+    cmp -s $name other.h5 || fail "$name was touched"
+    missing e.h5.part.tail
+    [ $name = e.h5.part ] || missing e.h5.part
+done
+rm e.h5.part
+cp own.h5 e.h5
+expect 0 tides simulate run.json -qo e.h5 --resume $small $mode
+same whole.h5 e.h5
+refuse 2 "--keep-checkpoint: only an HDF5 file" tides simulate run.json -o e.raw --keep-checkpoint
+rm e.h5 short.h5
 
 # No checkpoints where none are wanted.
 tides simulate run.json -qo none.h5 --checkpoint 0 $small $mode >out 2>err &

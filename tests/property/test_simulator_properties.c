@@ -229,9 +229,14 @@ static void test_stopping_sink_loses_nothing(void **state) {
     random_scene scene = make_scene(SEED + 40);
     job fixed = job_of(&scene), adaptive = adaptive_job_of(&scene, 1);
     fixed.batch = 3;
+    job crowded = fixed; /* with packets within a launch */
+    crowded.batch = 8;
+    crowded.sensor.threshold_on = crowded.sensor.threshold_off = 2e-4;
+    crowded.sensor.max_events_per_step = 100000;
     adaptive.stepping.step_s = 5e-3;
     assert_true(check_stopping_sink(&fixed) > 3);
     assert_true(check_stopping_sink(&adaptive) > 3);
+    assert_true(check_stopping_sink(&crowded) > 9); /* of five launches */
     random_scene_free(&scene);
 }
 
@@ -272,6 +277,50 @@ static void test_stopping_progress_loses_nothing(void **state) {
     random_scene_free(&scene);
 }
 
+/* Stops at its `left`-th question; shares grow from one to the next. */
+typedef struct countdown {
+    int left;
+    double last;
+} countdown;
+
+static int stop_in_time(void *user, double fraction, const char *stage) {
+    countdown *c = user;
+    assert_string_equal(stage, "simulating");
+    assert_true(fraction >= c->last && fraction <= 1);
+    c->last = fraction;
+    return --c->left == 0;
+}
+
+/* A macro step of a large scene takes seconds: progress is asked within it, and a step that it stops is undone, so that the run
+ * goes on as if nothing had been. */
+static void test_stopping_within_a_step_loses_nothing(void **state) {
+    (void)state;
+    random_scene scene = make_scene(SEED + 60);
+    job j = adaptive_job_of(&scene, 1);
+    j.stepping.step_s = 2 * (j.stop - j.start); /* one step */
+    outcome whole = run(&j);
+    tides_device *device = open_device(j.device);
+    int asked = 0;
+    for (tides_status status = TIDES_CANCELLED; status == TIDES_CANCELLED; asked++) {
+        tides_error error;
+        outcome parts = {0};
+        countdown at = {asked + 1, 0};
+        tides_simulator *s = make_simulator(&j, device);
+        begin(&j, s, &parts);
+        status = tides_simulator_run(s, j.stop, collect, &parts, stop_in_time, &at, &error);
+        if (status == TIDES_CANCELLED && at.last < 1) assert_int_equal(parts.count, 0);
+        scene_expect_ok(tides_simulator_run(s, j.stop, collect, &parts, NULL, NULL, &error), &error);
+        expect_same(&whole, &parts, "stopped within the step");
+        tides_simulator_destroy(s);
+        free_outcome(&parts);
+    }
+    print_message("one step asks %d times\n", asked - 1);
+    assert_true(asked > 4);
+    tides_device_close(device);
+    free_outcome(&whole);
+    random_scene_free(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_invariant_and_stream),
                                        cmocka_unit_test(test_invariant_and_stream_of_adaptive_steps),
@@ -281,7 +330,8 @@ int main(void) {
                                        cmocka_unit_test(test_still_tiles_change_nothing),
                                        cmocka_unit_test(test_nothing_moves_no_event),
                                        cmocka_unit_test(test_stopping_sink_loses_nothing),
-                                       cmocka_unit_test(test_stopping_progress_loses_nothing)};
+                                       cmocka_unit_test(test_stopping_progress_loses_nothing),
+                                       cmocka_unit_test(test_stopping_within_a_step_loses_nothing)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

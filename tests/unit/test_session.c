@@ -159,6 +159,107 @@ static void a_file_stopped_goes_on(void **state) {
     tides_session_close(session);
 }
 
+/* A run that ended at `stop` [s], within a step or at a step's end, with its checkpoint kept. */
+static void write_shorter(void *folder, const char *file, const char *const *sets, size_t count, const char *stop) {
+    tides_error error = {0, ""};
+    const char *all[8];
+    tides_recording how;
+    tides_recorded done;
+    for (size_t i = 0; i < count; i++) all[i] = sets[i];
+    all[count] = stop;
+    tides_session *session = opened(folder, all, count + 1);
+    tides_recording_defaults(&how);
+    how.keep_checkpoint = 1;
+    how.checkpoint_s = 0; /* none on the way */
+    scene_expect_ok(tides_session_write(session, file, &how, NULL, NULL, &done, NULL, &error), &error);
+    assert_true(done.complete && done.saved);
+    tides_session_close(session);
+}
+
+static void expect_whole(const char *file, const tides_session *session) {
+    tides_session_facts f;
+    tides_event_reader *reader = NULL;
+    tides_event_facts facts;
+    tides_error error = {0, ""};
+    tides_session_get(session, &f);
+    read_file(file, &two);
+    scene_expect_ok(tides_events_labels(file, 0, two.count, two.events, NULL, &error), &error);
+    same(&one, &two);
+    scene_expect_ok(tides_event_reader_open(file, NULL, &reader, &error), &error);
+    tides_event_reader_facts(reader, &facts);
+    assert_true(facts.stop_ns == 100000000 && facts.count == one.count && facts.start_ns == 0);
+    tides_event_reader_close(reader);
+}
+
+/* A longer run goes on where a finished one kept its checkpoint, to the bit, with readout, labels and ground truth too; stopped
+ * on the way it leaves the shorter file as it was. */
+static void a_finished_file_is_extended(void **state) {
+    static const char *const plain[] = {"stepping.mode=error"}, *const much[] = {"readout.enabled=true", "sensor.labels=true",
+                                                                                 "sensor.truth=true", "frontend.noise_rms=0.02",
+                                                                                 "sensor.leak_rate_hz=5"};
+    static const char *const stops[] = {"time.stop=0.05", "time.stop=0.0523", "time.stop=0.002", "time.stop=0.0999"};
+    tides_error error = {0, ""};
+    for (size_t k = 0; k < 8; k++) {
+        const char *const *sets = k % 2 ? much : plain;
+        const size_t count = k % 2 ? 5 : 1;
+        char file[512], checkpoint[600], part[600];
+        snprintf(file, sizeof file, "%s", scene_in_folder(*state, "longer.h5"));
+        snprintf(checkpoint, sizeof checkpoint, "%s.checkpoint", file);
+        snprintf(part, sizeof part, "%s.part", file);
+        write_shorter(*state, file, sets, count, stops[k / 2]);
+        read_file(file, &two);
+        const size_t shorter = two.count;
+        tides_session *session = opened(*state, sets, count);
+        run_into(session, &one);
+        assert_true(shorter < one.count);
+        tides_recording how;
+        tides_recorded done;
+        tides_recording_defaults(&how);
+        how.resume = how.keep_checkpoint = 1;
+        double most = 0.995, half = 0.5;
+        double *at = k / 2 == 3 ? &most : k / 2 == 2 ? &half : NULL;
+        if (at) {
+            assert_int_equal(tides_session_write(session, file, &how, stop_at, at, &done, NULL, &error), TIDES_CANCELLED);
+            read_file(file, &two);
+            assert_int_equal(two.count, shorter);
+            assert_int_equal(access(part, F_OK), 0);
+        }
+        tides_stats stats;
+        scene_expect_ok(tides_session_write(session, file, &how, NULL, NULL, &done, &stats, &error), &error);
+        assert_true(done.complete && stats.events_written == one.count);
+        expect_whole(file, session);
+        assert_int_equal(access(checkpoint, F_OK), 0);
+        assert_int_not_equal(access(part, F_OK), 0);
+        scene_expect_ok(tides_session_write(session, file, &how, NULL, NULL, &done, NULL, &error), &error); /* no further */
+        expect_whole(file, session);
+        tides_session_close(session);
+        remove(file);
+    }
+}
+
+/* Another run, or an earlier stop, is refused, and nothing is touched. */
+static void only_the_same_run_is_extended(void **state) {
+    static const char *const other[] = {"sensor.threshold_on=0.11"}, *const earlier[] = {"time.stop=0.02"};
+    tides_error error = {0, ""};
+    char file[512], part[600];
+    snprintf(file, sizeof file, "%s", scene_in_folder(*state, "same.h5"));
+    snprintf(part, sizeof part, "%s.part", file);
+    write_shorter(*state, file, NULL, 0, "time.stop=0.05");
+    read_file(file, &one);
+    tides_recording how;
+    tides_recording_defaults(&how);
+    how.resume = 1;
+    for (int k = 0; k < 2; k++) {
+        tides_session *session = opened(*state, k ? earlier : other, 1);
+        tides_status status = tides_session_write(session, file, &how, NULL, NULL, NULL, NULL, &error);
+        scene_expect_error(status, TIDES_BAD_CONFIG, &error, k ? "after time.stop" : "sensor.threshold_on is 0.1 there");
+        tides_session_close(session);
+        assert_int_not_equal(access(part, F_OK), 0);
+        read_file(file, &two);
+        same(&one, &two);
+    }
+}
+
 /* Ctrl-C before the first step of a run in long ones is done: nothing is written, and all is still to come. */
 static void a_file_stopped_within_a_step_goes_on(void **state) {
     static const char *const long_steps[] = {"stepping.mode=error", "stepping.step_s=0.05"};
@@ -190,6 +291,9 @@ static void recordings_are_checked(void **state) {
     how.resume = 1;
     tides_status status = tides_session_write(session, "a.raw", &how, NULL, NULL, NULL, NULL, &error);
     scene_expect_error(status, TIDES_BAD_ARGUMENT, &error, "a.raw|HDF5");
+    how = (tides_recording){.size = sizeof how, .keep_checkpoint = 1};
+    status = tides_session_write(session, "a.raw", &how, NULL, NULL, NULL, NULL, &error);
+    scene_expect_error(status, TIDES_BAD_ARGUMENT, &error, "a.raw|keep_checkpoint");
     how = (tides_recording){.size = sizeof how, .checkpoint_s = -1};
     status = tides_session_write(session, "a.h5", &how, NULL, NULL, NULL, NULL, &error);
     scene_expect_error(status, TIDES_BAD_ARGUMENT, &error, "checkpoint_s");
@@ -270,6 +374,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         IN_FOLDER(whole_runs_are_their_parts_by_hand),   IN_FOLDER(a_file_stopped_goes_on),
         IN_FOLDER(a_file_stopped_within_a_step_goes_on), IN_FOLDER(recordings_are_checked),
+        IN_FOLDER(a_finished_file_is_extended),          IN_FOLDER(only_the_same_run_is_extended),
         IN_FOLDER(variations_share_what_is_open),        IN_FOLDER(what_is_the_callers_stays_open),
     };
     return cmocka_run_group_tests_name("session", tests, NULL, NULL);
