@@ -115,6 +115,11 @@ class Api:
             kinds.append(self.type_of(bare + ("*" if array else "")))
         return kinds
 
+    @staticmethod
+    def names(text):
+        """What a parameter list calls them, with blanks between."""
+        return " ".join(re.findall(r"(\w+)\s*(?:\[[^\]]*\])?\s*(?:,|$)", "" if text.strip() == "void" else text))
+
     # -- declarations -----------------------------------------------------------------------------------------------
     def add_enum(self, body):
         value = -1
@@ -148,7 +153,7 @@ class Api:
         elif match := re.fullmatch(r"typedef (\w+) (\w+)", plain):
             self.aliases[match[2]] = match[1]
         elif match := re.fullmatch(r"([\w\s*]+?)(tides_\w+)\s?\((.*)\)", plain):
-            self.functions[match[2]] = (self.type_of(match[1]), self.parameters(match[3]), plain)
+            self.functions[match[2]] = (self.type_of(match[1]), self.parameters(match[3]), self.names(match[3]), plain)
         else:
             sys.exit(f"generate.py: this isn't understood: {plain}")
 
@@ -181,14 +186,14 @@ def write_struct(name, fields, body, callbacks):
     return lines + [f'        ("{field}", {kind}),' for field, kind in fields] + ["    ]"]
 
 
-def write_function(name, result, kinds, plain):
+def write_function(name, result, kinds, names, plain):
     comment = textwrap.wrap(plain, WIDTH - 6, break_long_words=False)
     lines = [f"    # {one}" for one in comment]
-    whole = f'    "{name}": ({result}, [{", ".join(kinds)}]),'
+    whole = f'    "{name}": ({result}, [{", ".join(kinds)}], "{names}"),'
     if len(whole) <= WIDTH:
         return lines + [whole]
     wrapped = textwrap.wrap(", ".join(kinds), WIDTH - 12, break_long_words=False)
-    return lines + [f'    "{name}": ({result}, ['] + [f"        {one}" for one in wrapped] + ["    ]),"]
+    return lines + [f'    "{name}": ({result}, ['] + [f"        {one}" for one in wrapped] + [f'    ], "{names}"),']
 
 
 HEAD = '''"""The C interface, made by generate.py from include/tides/*.h: `make python` where one changed. Do not edit."""
@@ -220,8 +225,8 @@ def python(api):
     lines += [
         "",
         "",
-        "# name: (type of the result, types of the arguments)",
-        "FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {",
+        "# name: (type of the result, types of the arguments, their names)",
+        "FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {",
     ]
     for name in sorted(api.functions):
         lines += write_function(name, *api.functions[name])

@@ -66,11 +66,20 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_live_tell(tides_live *live, int32_
 /* Advances to `until` [s], as far as whole steps go (tides_live_reached), and gives the events since the last call, sorted,
  * from memory of the run's own that holds them until the next call; `events` and `count` are nullable. Within rounding of a
  * step's end `until` is that end. TIDES_OUT_OF_RANGE naming what hasn't been told up to there, and after the end;
- * TIDES_BAD_ARGUMENT where `until` is before an earlier one. In all these cases nothing happened. */
+ * TIDES_BAD_ARGUMENT where `until` is before an earlier one. In all these cases nothing happened. Where a step fails, the
+ * events of the steps before it come with the next call that succeeds, as one up to tides_live_reached does. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_live_run(tides_live *live, double until, const tides_event **events,
                                                        size_t *count, tides_error *error);
 
-/* Up to which time events have been given [s]: where the last step ended. */
+/* Both at once, all or none: where objects[i] (or TIDES_LIVE_CAMERA) is next, samples[i], for each of `told` of them, and then
+ * tides_live_run. Where a pose is refused, something isn't told up to `until`, or rendering fails at once, nothing was told,
+ * and the same step may be taken once more; once a step, or the image at the start, is done, the poses stay. `objects` and
+ * `samples` are nullable where `told` is 0. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_live_step(tides_live *live, const int32_t *objects,
+                                                        const tides_pose_sample *samples, size_t told, double until,
+                                                        const tides_event **events, size_t *count, tides_error *error);
+
+/* Where the last step ended [s]: up to there events have been given, or after a failure will be by the next call. */
 TIDES_API double tides_live_reached(const tides_live *live);
 
 /* Its simulator, lent, for tides_simulator_stats and tides_simulator_state. */

@@ -26,6 +26,9 @@ TIDES_MUST_CHECK tides_status td_trajectory_copy(const tides_trajectory *traject
 TIDES_MUST_CHECK tides_status td_trajectory_begin(tides_trajectory *trajectory, const tides_pose_sample *first,
                                                   tides_error *error);
 
+/* What was appended after the first `count` samples, taken back. */
+void td_trajectory_take_back(tides_trajectory *trajectory, size_t count);
+
 /* 1 where an open path has been told up to `offset` seconds after `epoch`; of others always. */
 int32_t td_trajectory_told(const tides_trajectory *trajectory, double epoch, double offset);
 

@@ -118,6 +118,8 @@ tides_status td_trajectory_begin(tides_trajectory *t, const tides_pose_sample *f
     return TIDES_OK;
 }
 
+void td_trajectory_take_back(tides_trajectory *t, size_t count) { t->count = t->open.count = count; }
+
 int32_t tides_trajectory_is_open(const tides_trajectory *trajectory) { return trajectory ? trajectory->is_open : 0; }
 
 void tides_trajectory_forget(tides_trajectory *trajectory, double time) {

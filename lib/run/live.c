@@ -25,6 +25,8 @@ struct tides_live {
     double start, stop, until;  /* [s] */
     tides_event *events;
     size_t count, capacity;
+    int given; /* a call gave them, and the next one may put its own there */
+    int lost;  /* there was no room for a step's */
 };
 
 /* What a time may be short of a step's end, and be it: half of what open paths allow (lib/camera/trajectory.c), so that a path
@@ -242,7 +244,8 @@ static int keep_events(void *user, const tides_event *events, size_t count) {
     void *grown = live->events;
     const tides_status status = td_reserve(&grown, &live->capacity, live->count + count, sizeof *events, NULL);
     live->events = grown;
-    if (status != TIDES_OK) return 1;
+    live->lost = status != TIDES_OK;
+    if (live->lost) return 1;
     if (count) memcpy(live->events + live->count, events, count * sizeof *events);
     live->count += count;
     return 0;
@@ -271,21 +274,78 @@ static tides_status check_until(const tides_live *live, double until, double sla
                    live->stop, until);
 }
 
+static tides_status fail_lost(tides_error *error) {
+    return td_fail(error, TIDES_NO_MEMORY,
+                   "out of memory for the events of a live run's step, which are lost; open another run");
+}
+
+/* Where a failure left a step half done the simulator goes no further; what it had given before is there to be had. */
+static tides_status advance(tides_live *live, double until, double slack, tides_error *error) {
+    if (live->simulator->broken && until <= tides_live_reached(live) + slack) return TIDES_OK;
+    tides_status status = tides_simulator_run(live->simulator, until + slack, keep_events, live, NULL, NULL, error);
+    return live->lost ? fail_lost(error) : status;
+}
+
 tides_status tides_live_run(tides_live *live, double until, const tides_event **events, size_t *count, tides_error *error) {
     if (!live) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_live_run: live is NULL");
+    if (live->lost) return fail_lost(error);
     const double slack = slack_of(live, until);
     tides_status status = check_until(live, until, slack, error);
     if (status != TIDES_OK) return status;
-    live->count = 0;
-    status = tides_simulator_run(live->simulator, until + slack, keep_events, live, NULL, NULL, error);
-    if (status == TIDES_CANCELLED)
-        status = td_fail(error, TIDES_NO_MEMORY, "out of memory for the events of a live run's step");
+    if (live->given) live->count = 0;
+    live->given = 0; /* until a call succeeds: one that fails half way leaves its steps' events to the next */
+    status = advance(live, until, slack, error);
     if (status != TIDES_OK) return status;
+    live->given = 1;
     live->until = until;
     forget(live);
     if (events) *events = live->events;
     if (count) *count = live->count;
     return TIDES_OK;
+}
+
+/* A path as it was. */
+typedef struct live_mark {
+    tides_trajectory *path;
+    size_t count;
+    tides_pose_sample first;
+} live_mark;
+
+static tides_status mark(const tides_live *live, int32_t object, live_mark *m, tides_error *error) {
+    *m = (live_mark){.path = path_of(live, object)};
+    if (!m->path) return TIDES_OK; /* telling says that it isn't told */
+    m->count = tides_trajectory_count(m->path);
+    return tides_trajectory_sample(m->path, 0, &m->first, error);
+}
+
+/* A path of one sample may have been given another beginning. */
+static tides_status take_back(const live_mark *m, tides_error *error) {
+    if (m->path && m->count == 1) return td_trajectory_begin(m->path, &m->first, error);
+    if (m->path) td_trajectory_take_back(m->path, m->count);
+    return TIDES_OK;
+}
+
+tides_status tides_live_step(tides_live *live, const int32_t *objects, const tides_pose_sample *samples, size_t told,
+                             double until, const tides_event **events, size_t *count, tides_error *error) {
+    if (!live || (told && !(objects && samples)))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_live_step: live, objects or samples is NULL");
+    live_mark *marks = td_alloc(told + 1, sizeof *marks, error);
+    if (!marks) return TIDES_NO_MEMORY;
+    size_t marked = 0;
+    const tides_simulator *s = live->simulator;
+    const int64_t step = s->step;
+    const int started = s->started; /* the image at the start may have the first two poses' rate */
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; i < told && status == TIDES_OK; i++) {
+        status = mark(live, objects[i], &marks[marked++], error);
+        if (status == TIDES_OK) status = tides_live_tell(live, objects[i], samples + i, 1, error);
+    }
+    if (status == TIDES_OK) status = tides_live_run(live, until, events, count, error);
+    const int unused = s->step == step && s->started == started; /* a step that fails leaves nothing that came of them */
+    while (status != TIDES_OK && unused && marked > 0)
+        if (take_back(&marks[--marked], NULL) != TIDES_OK) status = td_fail(error, TIDES_NO_MEMORY, "out of memory");
+    free(marks);
+    return status;
 }
 
 double tides_live_reached(const tides_live *live) { return live->start + td_grid_time(live->simulator, live->simulator->step); }

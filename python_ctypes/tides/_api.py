@@ -12,7 +12,7 @@ from typing import Any
 TIDES_VERSION_MAJOR = 0
 TIDES_VERSION_MINOR = 1
 TIDES_VERSION_PATCH = 0
-TIDES_NUMERICS = 3
+TIDES_NUMERICS = 4
 TIDES_OK = 0
 TIDES_BAD_ARGUMENT = 1
 TIDES_NO_MEMORY = 2
@@ -867,6 +867,9 @@ class tides_device_info(Structure):
     char driver[128]; /* CL_DEVICE_VERSION and CL_DRIVER_VERSION */
     int32_t compute_units; /* CL_DEVICE_MAX_COMPUTE_UNITS */
     int32_t lanes; /* pixels per work-item that kernels are built for */
+    int32_t fused; /* 0: fma() would be a long function there, so products and sums are rounded apart: events are near
+    those of other devices (some 20 ns), where all others give the same to the bit; 1 elsewhere */
+    int32_t reserved;
     uint64_t memory_bytes; /* CL_DEVICE_GLOBAL_MEM_SIZE */
     """
 
@@ -877,6 +880,8 @@ class tides_device_info(Structure):
     driver: Any
     compute_units: int
     lanes: int
+    fused: int
+    reserved: int
     memory_bytes: int
 
     _fields_ = [
@@ -887,6 +892,8 @@ class tides_device_info(Structure):
         ("driver", c_char * 128),
         ("compute_units", c_int32),
         ("lanes", c_int32),
+        ("fused", c_int32),
+        ("reserved", c_int32),
         ("memory_bytes", c_uint64),
     ]
 
@@ -1560,15 +1567,15 @@ class tides_stats(Structure):
     double simulated_s, run_time_s, real_time_factor; /* simulated / run time */
     double time_compare_s, time_sink_s, time_other_s; /* wall time of the comparator, the sink, the rest [s] */
     uint64_t peak_memory_bytes; /* of the process */
-    uint64_t
-    steps_probed; /* of `steps`, those that rest on a probe: an evaluation inside a step that they are a part of, compared
-    with its model in value and rate. All under error control but where min_step_s or the budget
-    leaves macro steps whole */
-    uint64_t
-    steps_at_rounding; /* accepted although above the tolerance, because what a probe saw is no more than rounding of S in
-    single precision: shorter steps would see as much */
-    uint64_t events_uncertain; /* events that the signal's estimated error may undo, and places where it may make some: it turns
-    so near a level that the error decides whether it is reached. Not for FIXED */
+    /* Of `steps`, those that rest on a probe: an evaluation inside a step that they are a part of, compared with its model in
+    * value and rate. All under error control but where min_step_s or the budget leaves macro steps whole. */
+    uint64_t steps_probed;
+    /* Accepted although above the tolerance, because what a probe saw is no more than rounding of S in single precision:
+    * shorter steps would see as much. */
+    uint64_t steps_at_rounding;
+    /* Events that the signal's estimated error may undo, and places where it may make some: it turns, or the run ends, so near
+    * a level that the error decides whether it is reached. Not for FIXED. */
+    uint64_t events_uncertain;
     double worst_deviation; /* the largest that a probe saw where a step rests on it [thresholds] */
     uint64_t events_solved; /* of `events`, those whose times were looked up in the image (stepping.solve), and */
     uint64_t points_looked_up; /* pixels at single times that were looked up for them */
@@ -2246,6 +2253,7 @@ class tides_session_taken(Structure):
     double error; /* frames: the largest estimated error of mean light in a pixel [1] */
     double renders; /* frames: renders that they took, in full frames */
     uint64_t unsettled; /* frames: pixels that stayed above the tolerance */
+    uint64_t pairs; /* frames: (splat, pixel) pairs that were composited; 0: nothing of the scene was in view */
     """
 
     count: int
@@ -2253,6 +2261,7 @@ class tides_session_taken(Structure):
     error: float
     renders: float
     unsettled: int
+    pairs: int
 
     _fields_ = [
         ("count", c_uint64),
@@ -2260,6 +2269,7 @@ class tides_session_taken(Structure):
         ("error", c_double),
         ("renders", c_double),
         ("unsettled", c_uint64),
+        ("pairs", c_uint64),
     ]
 
 
@@ -2268,18 +2278,24 @@ class tides_recording(Structure):
     int32_t resume; /* 1: go on where PATH.checkpoint is, with the PATH.part beside it */
     const char *format; /* of tides_event_format_at; NULL: that of the path's ending */
     double checkpoint_s; /* [s] of wall time between checkpoints; 0: none, nor where the run is stopped */
+    int32_t keep_checkpoint; /* 1: PATH.checkpoint stays beside the finished PATH: `resume` with a later stop goes on from it */
+    int32_t reserved;
     """
 
     size: int
     resume: int
     format: bytes | None
     checkpoint_s: float
+    keep_checkpoint: int
+    reserved: int
 
     _fields_ = [
         ("size", c_uint32),
         ("resume", c_int32),
         ("format", c_char_p),
         ("checkpoint_s", c_double),
+        ("keep_checkpoint", c_int32),
+        ("reserved", c_int32),
     ]
 
 
@@ -2335,6 +2351,8 @@ class tides_dataset_report(Structure):
     """uint64_t events; /* of all cameras */
     int32_t cameras; /* of the rig; 1 without one */
     int32_t pictures, truths, poses; /* of each camera: frames, frames of ground truth, poses */
+    int32_t unseeing; /* cameras of events that had nothing of the scene in view, at any time */
+    int32_t reserved;
     """
 
     events: int
@@ -2342,6 +2360,8 @@ class tides_dataset_report(Structure):
     pictures: int
     truths: int
     poses: int
+    unseeing: int
+    reserved: int
 
     _fields_ = [
         ("events", c_uint64),
@@ -2349,6 +2369,8 @@ class tides_dataset_report(Structure):
         ("pictures", c_int32),
         ("truths", c_int32),
         ("poses", c_int32),
+        ("unseeing", c_int32),
+        ("reserved", c_int32),
     ]
 
 
@@ -3029,171 +3051,197 @@ class tides_exact(Structure):
     ]
 
 
-# name: (type of the result, types of the arguments)
-FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
+# name: (type of the result, types of the arguments, their names)
+FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     # void tides_animation_abandon(tides_animation *animation)
-    "tides_animation_abandon": (None, [P(tides_animation)]),
+    "tides_animation_abandon": (None, [P(tides_animation)], "animation"),
     # tides_status tides_animation_append(tides_animation *animation, const uint8_t *rgb, tides_error *error)
-    "tides_animation_append": (c_int32, [P(tides_animation), P(c_uint8), P(tides_error)]),
+    "tides_animation_append": (c_int32, [P(tides_animation), P(c_uint8), P(tides_error)], "animation rgb error"),
     # tides_status tides_animation_finish(tides_animation *animation, tides_error *error)
-    "tides_animation_finish": (c_int32, [P(tides_animation), P(tides_error)]),
+    "tides_animation_finish": (c_int32, [P(tides_animation), P(tides_error)], "animation error"),
     # tides_status tides_animation_open(const char *path, int32_t width, int32_t height, double pictures_per_second,
     # tides_animation **animation, tides_error *error)
-    "tides_animation_open": (c_int32, [c_char_p, c_int32, c_int32, c_double, P(P(tides_animation)), P(tides_error)]),
+    "tides_animation_open": (c_int32, [
+        c_char_p, c_int32, c_int32, c_double, P(P(tides_animation)), P(tides_error)
+    ], "path width height pictures_per_second animation error"),
     # tides_status tides_animation_stream(int32_t descriptor, int32_t width, int32_t height, double pictures_per_second,
     # tides_animation **animation, tides_error *error)
-    "tides_animation_stream": (c_int32, [c_int32, c_int32, c_int32, c_double, P(P(tides_animation)), P(tides_error)]),
+    "tides_animation_stream": (c_int32, [
+        c_int32, c_int32, c_int32, c_double, P(P(tides_animation)), P(tides_error)
+    ], "descriptor width height pictures_per_second animation error"),
     # tides_status tides_arbiter_activity(tides_arbiter *arbiter, const double *psi, tides_error *error)
-    "tides_arbiter_activity": (c_int32, [P(tides_arbiter), P(c_double), P(tides_error)]),
+    "tides_arbiter_activity": (c_int32, [P(tides_arbiter), P(c_double), P(tides_error)], "arbiter psi error"),
     # tides_status tides_arbiter_create(const tides_readout *readout, int32_t width, int32_t height, uint64_t seed,
     # tides_arbiter **arbiter, tides_error *error)
     "tides_arbiter_create": (c_int32, [
         P(tides_readout), c_int32, c_int32, c_uint64, P(P(tides_arbiter)), P(tides_error)
-    ]),
+    ], "readout width height seed arbiter error"),
     # void tides_arbiter_destroy(tides_arbiter *arbiter)
-    "tides_arbiter_destroy": (None, [P(tides_arbiter)]),
+    "tides_arbiter_destroy": (None, [P(tides_arbiter)], "arbiter"),
     # tides_status tides_arbiter_finish(tides_arbiter *arbiter, tides_readout_sink sink, void *user, tides_error *error)
-    "tides_arbiter_finish": (c_int32, [P(tides_arbiter), tides_readout_sink, c_void_p, P(tides_error)]),
+    "tides_arbiter_finish": (c_int32, [
+        P(tides_arbiter), tides_readout_sink, c_void_p, P(tides_error)
+    ], "arbiter sink user error"),
     # tides_status tides_arbiter_push(tides_arbiter *arbiter, const tides_event *events, size_t count,
     # tides_readout_sink sink, void *user, tides_error *error)
     "tides_arbiter_push": (c_int32, [
         P(tides_arbiter), P(tides_event), c_size_t, tides_readout_sink, c_void_p, P(tides_error)
-    ]),
+    ], "arbiter events count sink user error"),
     # void tides_arbiter_start(tides_arbiter *arbiter, int64_t start_ns)
-    "tides_arbiter_start": (None, [P(tides_arbiter), c_int64]),
+    "tides_arbiter_start": (None, [P(tides_arbiter), c_int64], "arbiter start_ns"),
     # void tides_arbiter_stats(const tides_arbiter *arbiter, tides_readout_stats *stats)
-    "tides_arbiter_stats": (None, [P(tides_arbiter), P(tides_readout_stats)]),
+    "tides_arbiter_stats": (None, [P(tides_arbiter), P(tides_readout_stats)], "arbiter stats"),
     # void tides_arbiter_tiles(const tides_arbiter *arbiter, int32_t *across, int32_t *down)
-    "tides_arbiter_tiles": (None, [P(tides_arbiter), P(c_int32), P(c_int32)]),
+    "tides_arbiter_tiles": (None, [P(tides_arbiter), P(c_int32), P(c_int32)], "arbiter across down"),
     # void tides_array_writer_abandon(tides_array_writer *writer)
-    "tides_array_writer_abandon": (None, [P(tides_array_writer)]),
+    "tides_array_writer_abandon": (None, [P(tides_array_writer)], "writer"),
     # tides_status tides_array_writer_append(tides_array_writer *writer, const double *array, int64_t start_ns, int64_t
     # stop_ns, uint64_t events, tides_error *error)
     "tides_array_writer_append": (c_int32, [
         P(tides_array_writer), P(c_double), c_int64, c_int64, c_uint64, P(tides_error)
-    ]),
+    ], "writer array start_ns stop_ns events error"),
     # tides_status tides_array_writer_finish(tides_array_writer *writer, tides_error *error)
-    "tides_array_writer_finish": (c_int32, [P(tides_array_writer), P(tides_error)]),
+    "tides_array_writer_finish": (c_int32, [P(tides_array_writer), P(tides_error)], "writer error"),
     # tides_status tides_array_writer_open(const char *path, const tides_array_shape *shape, tides_array_writer
     # **writer, tides_error *error)
-    "tides_array_writer_open": (c_int32, [c_char_p, P(tides_array_shape), P(P(tides_array_writer)), P(tides_error)]),
+    "tides_array_writer_open": (c_int32, [
+        c_char_p, P(tides_array_shape), P(P(tides_array_writer)), P(tides_error)
+    ], "path shape writer error"),
     # tides_status tides_baseline_create(const tides_baseline_params *params, int32_t width, int32_t height,
     # tides_baseline **baseline, tides_error *error)
     "tides_baseline_create": (c_int32, [
         P(tides_baseline_params), c_int32, c_int32, P(P(tides_baseline)), P(tides_error)
-    ]),
+    ], "params width height baseline error"),
     # void tides_baseline_destroy(tides_baseline *baseline)
-    "tides_baseline_destroy": (None, [P(tides_baseline)]),
+    "tides_baseline_destroy": (None, [P(tides_baseline)], "baseline"),
     # tides_status tides_baseline_finish(tides_baseline *baseline, tides_event_sink sink, void *user, tides_error
     # *error)
-    "tides_baseline_finish": (c_int32, [P(tides_baseline), tides_event_sink, c_void_p, P(tides_error)]),
+    "tides_baseline_finish": (c_int32, [
+        P(tides_baseline), tides_event_sink, c_void_p, P(tides_error)
+    ], "baseline sink user error"),
     # void tides_baseline_params_defaults(tides_baseline_params *params)
-    "tides_baseline_params_defaults": (None, [P(tides_baseline_params)]),
+    "tides_baseline_params_defaults": (None, [P(tides_baseline_params)], "params"),
     # tides_status tides_baseline_push(tides_baseline *baseline, double time, const double *Y, tides_event_sink sink,
     # void *user, tides_error *error)
     "tides_baseline_push": (c_int32, [
         P(tides_baseline), c_double, P(c_double), tides_event_sink, c_void_p, P(tides_error)
-    ]),
+    ], "baseline time Y sink user error"),
     # tides_status tides_baseline_run(tides_baseline *baseline, const tides_frame_supply *supply, tides_event_sink sink,
     # void *sink_user, tides_progress progress, void *user, tides_stats *stats, tides_error *error)
     "tides_baseline_run": (c_int32, [
         P(tides_baseline), P(tides_frame_supply), tides_event_sink, c_void_p, tides_progress, c_void_p,
         P(tides_stats), P(tides_error)
-    ]),
+    ], "baseline supply sink sink_user progress user stats error"),
     # const char *tides_channel_name(int32_t channel)
-    "tides_channel_name": (c_char_p, [c_int32]),
+    "tides_channel_name": (c_char_p, [c_int32], "channel"),
     # int32_t tides_colour_filter_channel(int32_t filter, int32_t x, int32_t y)
-    "tides_colour_filter_channel": (c_int32, [c_int32, c_int32, c_int32]),
+    "tides_colour_filter_channel": (c_int32, [c_int32, c_int32, c_int32], "filter x y"),
     # int32_t tides_dataset_layout_at(size_t index, tides_dataset_layout *layout)
-    "tides_dataset_layout_at": (c_int32, [c_size_t, P(tides_dataset_layout)]),
+    "tides_dataset_layout_at": (c_int32, [c_size_t, P(tides_dataset_layout)], "index layout"),
     # tides_status tides_dataset_write(tides_session *session, const char *folder, const char *layouts, tides_progress
     # progress, void *user, tides_dataset_report *report, tides_error *error)
     "tides_dataset_write": (c_int32, [
         P(tides_session), c_char_p, c_char_p, tides_progress, c_void_p, P(tides_dataset_report), P(tides_error)
-    ]),
+    ], "session folder layouts progress user report error"),
     # void tides_device_close(tides_device *device)
-    "tides_device_close": (None, [P(tides_device)]),
+    "tides_device_close": (None, [P(tides_device)], "device"),
     # void tides_device_describe(const tides_device *device, tides_device_info *info)
-    "tides_device_describe": (None, [P(tides_device), P(tides_device_info)]),
+    "tides_device_describe": (None, [P(tides_device), P(tides_device_info)], "device info"),
     # tides_status tides_device_list(tides_device_info *rows, int32_t capacity, int32_t *count, tides_error *error)
-    "tides_device_list": (c_int32, [P(tides_device_info), c_int32, P(c_int32), P(tides_error)]),
+    "tides_device_list": (c_int32, [
+        P(tides_device_info), c_int32, P(c_int32), P(tides_error)
+    ], "rows capacity count error"),
     # tides_status tides_device_open(const char *spec, tides_device **device, tides_error *error)
-    "tides_device_open": (c_int32, [c_char_p, P(P(tides_device)), P(tides_error)]),
+    "tides_device_open": (c_int32, [c_char_p, P(P(tides_device)), P(tides_error)], "spec device error"),
     # double tides_esim_next_time(const tides_esim *esim, double time, double fastest)
-    "tides_esim_next_time": (c_double, [P(tides_esim), c_double, c_double]),
+    "tides_esim_next_time": (c_double, [P(tides_esim), c_double, c_double], "esim time fastest"),
     # void tides_event_conversion_defaults(tides_event_conversion *conversion)
-    "tides_event_conversion_defaults": (None, [P(tides_event_conversion)]),
+    "tides_event_conversion_defaults": (None, [P(tides_event_conversion)], "conversion"),
     # int32_t tides_event_format_at(size_t index, tides_event_format *format)
-    "tides_event_format_at": (c_int32, [c_size_t, P(tides_event_format)]),
+    "tides_event_format_at": (c_int32, [c_size_t, P(tides_event_format)], "index format"),
     # tides_status tides_event_frame(const tides_event *events, size_t count, int32_t width, int32_t height, double
     # *frame, tides_error *error)
-    "tides_event_frame": (c_int32, [P(tides_event), c_size_t, c_int32, c_int32, P(c_double), P(tides_error)]),
+    "tides_event_frame": (c_int32, [
+        P(tides_event), c_size_t, c_int32, c_int32, P(c_double), P(tides_error)
+    ], "events count width height frame error"),
     # double tides_event_frontend(const tides_event *event)
-    "tides_event_frontend": (c_double, [P(tides_event)]),
+    "tides_event_frontend": (c_double, [P(tides_event)], "event"),
     # void tides_event_reader_close(tides_event_reader *reader)
-    "tides_event_reader_close": (None, [P(tides_event_reader)]),
+    "tides_event_reader_close": (None, [P(tides_event_reader)], "reader"),
     # void tides_event_reader_facts(const tides_event_reader *reader, tides_event_facts *facts)
-    "tides_event_reader_facts": (None, [P(tides_event_reader), P(tides_event_facts)]),
+    "tides_event_reader_facts": (None, [P(tides_event_reader), P(tides_event_facts)], "reader facts"),
     # tides_status tides_event_reader_open(const char *path, const char *format, tides_event_reader **reader,
     # tides_error *error)
-    "tides_event_reader_open": (c_int32, [c_char_p, c_char_p, P(P(tides_event_reader)), P(tides_error)]),
+    "tides_event_reader_open": (c_int32, [
+        c_char_p, c_char_p, P(P(tides_event_reader)), P(tides_error)
+    ], "path format reader error"),
     # tides_status tides_event_reader_read(tides_event_reader *reader, tides_event *events, size_t capacity, size_t
     # *got, tides_error *error)
     "tides_event_reader_read": (c_int32, [
         P(tides_event_reader), P(tides_event), c_size_t, P(c_size_t), P(tides_error)
-    ]),
+    ], "reader events capacity got error"),
     # void tides_event_writer_abandon(tides_event_writer *writer)
-    "tides_event_writer_abandon": (None, [P(tides_event_writer)]),
+    "tides_event_writer_abandon": (None, [P(tides_event_writer)], "writer"),
     # tides_status tides_event_writer_append(tides_event_writer *writer, const tides_event *events, size_t count,
     # tides_error *error)
-    "tides_event_writer_append": (c_int32, [P(tides_event_writer), P(tides_event), c_size_t, P(tides_error)]),
+    "tides_event_writer_append": (c_int32, [
+        P(tides_event_writer), P(tides_event), c_size_t, P(tides_error)
+    ], "writer events count error"),
     # tides_status tides_event_writer_append_fired(tides_event_writer *writer, const tides_event *events, const int64_t
     # *fired, size_t count, tides_error *error)
     "tides_event_writer_append_fired": (c_int32, [
         P(tides_event_writer), P(tides_event), P(c_int64), c_size_t, P(tides_error)
-    ]),
+    ], "writer events fired count error"),
     # int32_t tides_event_writer_can_resume(const char *path)
-    "tides_event_writer_can_resume": (c_int32, [c_char_p]),
+    "tides_event_writer_can_resume": (c_int32, [c_char_p], "path"),
     # uint64_t tides_event_writer_collapsed(const tides_event_writer *writer)
-    "tides_event_writer_collapsed": (c_uint64, [P(tides_event_writer)]),
+    "tides_event_writer_collapsed": (c_uint64, [P(tides_event_writer)], "writer"),
     # uint64_t tides_event_writer_count(const tides_event_writer *writer)
-    "tides_event_writer_count": (c_uint64, [P(tides_event_writer)]),
+    "tides_event_writer_count": (c_uint64, [P(tides_event_writer)], "writer"),
     # tides_status tides_event_writer_finish(tides_event_writer *writer, int64_t stop_ns, tides_error *error)
-    "tides_event_writer_finish": (c_int32, [P(tides_event_writer), c_int64, P(tides_error)]),
+    "tides_event_writer_finish": (c_int32, [P(tides_event_writer), c_int64, P(tides_error)], "writer stop_ns error"),
     # tides_status tides_event_writer_flush(tides_event_writer *writer, tides_error *error)
-    "tides_event_writer_flush": (c_int32, [P(tides_event_writer), P(tides_error)]),
+    "tides_event_writer_flush": (c_int32, [P(tides_event_writer), P(tides_error)], "writer error"),
     # tides_status tides_event_writer_open(const char *path, const tides_event_file *file, tides_event_writer **writer,
     # tides_error *error)
-    "tides_event_writer_open": (c_int32, [c_char_p, P(tides_event_file), P(P(tides_event_writer)), P(tides_error)]),
+    "tides_event_writer_open": (c_int32, [
+        c_char_p, P(tides_event_file), P(P(tides_event_writer)), P(tides_error)
+    ], "path file writer error"),
     # tides_status tides_event_writer_open_as(const char *path, const char *format, const tides_event_file *file,
     # tides_event_writer **writer, tides_error *error)
     "tides_event_writer_open_as": (c_int32, [
         c_char_p, c_char_p, P(tides_event_file), P(P(tides_event_writer)), P(tides_error)
-    ]),
+    ], "path format file writer error"),
     # tides_status tides_event_writer_resume(const char *path, const tides_event_file *file, uint64_t count,
     # tides_event_writer **writer, tides_error *error)
     "tides_event_writer_resume": (c_int32, [
         c_char_p, P(tides_event_file), c_uint64, P(P(tides_event_writer)), P(tides_error)
-    ]),
+    ], "path file count writer error"),
     # tides_status tides_events_convert(const char *in, const char *out, const tides_event_conversion *conversion,
     # tides_progress progress, void *user, tides_event_conversion_report *report, tides_error *error)
     "tides_events_convert": (c_int32, [
         c_char_p, c_char_p, P(tides_event_conversion), tides_progress, c_void_p, P(tides_event_conversion_report),
         P(tides_error)
-    ]),
+    ], "in out conversion progress user report error"),
     # tides_status tides_events_labels(const char *path, uint64_t first, size_t count, tides_event *events, int64_t
     # *fired, tides_error *error)
-    "tides_events_labels": (c_int32, [c_char_p, c_uint64, c_size_t, P(tides_event), P(c_int64), P(tides_error)]),
+    "tides_events_labels": (c_int32, [
+        c_char_p, c_uint64, c_size_t, P(tides_event), P(c_int64), P(tides_error)
+    ], "path first count events fired error"),
     # tides_status tides_events_read(const char *path, uint64_t first, size_t count, tides_event *events, size_t *got,
     # tides_error *error)
-    "tides_events_read": (c_int32, [c_char_p, c_uint64, c_size_t, P(tides_event), P(c_size_t), P(tides_error)]),
+    "tides_events_read": (c_int32, [
+        c_char_p, c_uint64, c_size_t, P(tides_event), P(c_size_t), P(tides_error)
+    ], "path first count events got error"),
     # tides_status tides_events_summary(const char *path, tides_event_summary *summary, tides_error *error)
-    "tides_events_summary": (c_int32, [c_char_p, P(tides_event_summary), P(tides_error)]),
+    "tides_events_summary": (c_int32, [c_char_p, P(tides_event_summary), P(tides_error)], "path summary error"),
     # tides_status tides_events_truth(const char *path, uint64_t first, size_t count, tides_event_truth *truth,
     # tides_error *error)
-    "tides_events_truth": (c_int32, [c_char_p, c_uint64, c_size_t, P(tides_event_truth), P(tides_error)]),
+    "tides_events_truth": (c_int32, [
+        c_char_p, c_uint64, c_size_t, P(tides_event_truth), P(tides_error)
+    ], "path first count truth error"),
     # void tides_exact_options_defaults(tides_exact_options *options)
-    "tides_exact_options_defaults": (None, [P(tides_exact_options)]),
+    "tides_exact_options_defaults": (None, [P(tides_exact_options)], "options"),
     # tides_status tides_exact_stream(tides_device *device, const tides_scene *scene, const tides_trajectory *camera,
     # const tides_intrinsics *intrinsics, const tides_image_params *image, const tides_sensor *sensor, double start,
     # double stop, const tides_exact_options *options, tides_progress progress, void *user, tides_exact *exact,
@@ -3202,419 +3250,520 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
         P(tides_device), P(tides_scene), P(tides_trajectory), P(tides_intrinsics), P(tides_image_params),
         P(tides_sensor), c_double, c_double, P(tides_exact_options), tides_progress, c_void_p, P(tides_exact),
         P(tides_error)
-    ]),
+    ], "device scene camera intrinsics image sensor start stop options progress user exact error"),
     # size_t tides_exposure_count(const tides_exposure *exposure, int32_t height, double start, double stop)
-    "tides_exposure_count": (c_size_t, [P(tides_exposure), c_int32, c_double, c_double]),
+    "tides_exposure_count": (c_size_t, [P(tides_exposure), c_int32, c_double, c_double], "exposure height start stop"),
     # void tides_exposure_defaults(tides_exposure *exposure)
-    "tides_exposure_defaults": (None, [P(tides_exposure)]),
+    "tides_exposure_defaults": (None, [P(tides_exposure)], "exposure"),
     # int32_t tides_exposure_planes(const tides_exposure *exposure)
-    "tides_exposure_planes": (c_int32, [P(tides_exposure)]),
+    "tides_exposure_planes": (c_int32, [P(tides_exposure)], "exposure"),
     # void tides_exposure_row(const tides_exposure *exposure, int32_t height, double time, int32_t row, double *start,
     # double *stop)
-    "tides_exposure_row": (None, [P(tides_exposure), c_int32, c_double, c_int32, P(c_double), P(c_double)]),
+    "tides_exposure_row": (None, [
+        P(tides_exposure), c_int32, c_double, c_int32, P(c_double), P(c_double)
+    ], "exposure height time row start stop"),
+    # void tides_exposure_span(const tides_exposure *exposure, int32_t height, double time, double *start, double *stop)
+    "tides_exposure_span": (None, [
+        P(tides_exposure), c_int32, c_double, P(c_double), P(c_double)
+    ], "exposure height time start stop"),
     # double tides_exposure_time(const tides_exposure *exposure, int32_t height, double start, size_t index)
-    "tides_exposure_time": (c_double, [P(tides_exposure), c_int32, c_double, c_size_t]),
+    "tides_exposure_time": (c_double, [P(tides_exposure), c_int32, c_double, c_size_t], "exposure height start index"),
     # tides_status tides_exposure_values(const tides_exposure *exposure, int32_t width, int32_t height, size_t index,
     # const double *light, uint16_t *values, tides_error *error)
     "tides_exposure_values": (c_int32, [
         P(tides_exposure), c_int32, c_int32, c_size_t, P(c_double), P(c_uint16), P(tides_error)
-    ]),
+    ], "exposure width height index light values error"),
     # void tides_exr_destroy(tides_exr *exr)
-    "tides_exr_destroy": (None, [P(tides_exr)]),
+    "tides_exr_destroy": (None, [P(tides_exr)], "exr"),
     # const char *tides_exr_name(const tides_exr *exr, int32_t channel)
-    "tides_exr_name": (c_char_p, [P(tides_exr), c_int32]),
+    "tides_exr_name": (c_char_p, [P(tides_exr), c_int32], "exr channel"),
     # const float *tides_exr_pixels(const tides_exr *exr, int32_t channel)
-    "tides_exr_pixels": (P(c_float), [P(tides_exr), c_int32]),
+    "tides_exr_pixels": (P(c_float), [P(tides_exr), c_int32], "exr channel"),
     # tides_status tides_exr_read(const char *path, tides_exr **exr, tides_error *error)
-    "tides_exr_read": (c_int32, [c_char_p, P(P(tides_exr)), P(tides_error)]),
+    "tides_exr_read": (c_int32, [c_char_p, P(P(tides_exr)), P(tides_error)], "path exr error"),
     # void tides_exr_size(const tides_exr *exr, int32_t *width, int32_t *height, int32_t *channels)
-    "tides_exr_size": (None, [P(tides_exr), P(c_int32), P(c_int32), P(c_int32)]),
+    "tides_exr_size": (None, [P(tides_exr), P(c_int32), P(c_int32), P(c_int32)], "exr width height channels"),
     # tides_status tides_exr_write(const char *path, int32_t width, int32_t height, const tides_channel *channels,
     # int32_t count, int32_t compression, const char *const *attributes, tides_error *error)
     "tides_exr_write": (c_int32, [
         c_char_p, c_int32, c_int32, P(tides_channel), c_int32, c_int32, P(c_char_p), P(tides_error)
-    ]),
+    ], "path width height channels count compression attributes error"),
     # tides_status tides_file_check(const char *path, int32_t streams, tides_error *error)
-    "tides_file_check": (c_int32, [c_char_p, c_int32, P(tides_error)]),
+    "tides_file_check": (c_int32, [c_char_p, c_int32, P(tides_error)], "path streams error"),
     # tides_status tides_file_part(const char *path, char *part, size_t size, tides_error *error)
-    "tides_file_part": (c_int32, [c_char_p, c_char_p, c_size_t, P(tides_error)]),
+    "tides_file_part": (c_int32, [c_char_p, c_char_p, c_size_t, P(tides_error)], "path part size error"),
     # tides_status tides_file_write(const char *path, const void *bytes, size_t size, tides_error *error)
-    "tides_file_write": (c_int32, [c_char_p, c_void_p, c_size_t, P(tides_error)]),
+    "tides_file_write": (c_int32, [c_char_p, c_void_p, c_size_t, P(tides_error)], "path bytes size error"),
     # uint64_t tides_fingerprint_text(const char *const *texts, size_t count)
-    "tides_fingerprint_text": (c_uint64, [P(c_char_p), c_size_t]),
+    "tides_fingerprint_text": (c_uint64, [P(c_char_p), c_size_t], "texts count"),
     # tides_status tides_fingerprints_create(const char *except, tides_fingerprints **fingerprints, tides_error *error)
-    "tides_fingerprints_create": (c_int32, [c_char_p, P(P(tides_fingerprints)), P(tides_error)]),
+    "tides_fingerprints_create": (c_int32, [
+        c_char_p, P(P(tides_fingerprints)), P(tides_error)
+    ], "except fingerprints error"),
     # void tides_fingerprints_destroy(tides_fingerprints *fingerprints)
-    "tides_fingerprints_destroy": (None, [P(tides_fingerprints)]),
+    "tides_fingerprints_destroy": (None, [P(tides_fingerprints)], "fingerprints"),
     # tides_status tides_fingerprints_file(tides_fingerprints *fingerprints, const char *path, tides_fingerprint
     # *fingerprint, tides_error *error)
-    "tides_fingerprints_file": (c_int32, [P(tides_fingerprints), c_char_p, P(tides_fingerprint), P(tides_error)]),
+    "tides_fingerprints_file": (c_int32, [
+        P(tides_fingerprints), c_char_p, P(tides_fingerprint), P(tides_error)
+    ], "fingerprints path fingerprint error"),
     # tides_status tides_fingerprints_run(tides_fingerprints *fingerprints, const tides_run *run, const char *with,
     # tides_fingerprint *fingerprint, tides_error *error)
     "tides_fingerprints_run": (c_int32, [
         P(tides_fingerprints), P(tides_run), c_char_p, P(tides_fingerprint), P(tides_error)
-    ]),
+    ], "fingerprints run with fingerprint error"),
     # void tides_frames_close(tides_frames *frames)
-    "tides_frames_close": (None, [P(tides_frames)]),
+    "tides_frames_close": (None, [P(tides_frames)], "frames"),
     # size_t tides_frames_count(const tides_frames *frames)
-    "tides_frames_count": (c_size_t, [P(tides_frames)]),
+    "tides_frames_count": (c_size_t, [P(tides_frames)], "frames"),
     # tides_status tides_frames_from_memory(const double *Y, const double *times, size_t count, int32_t width, int32_t
     # height, tides_frames **frames, tides_error *error)
     "tides_frames_from_memory": (c_int32, [
         P(c_double), P(c_double), c_size_t, c_int32, c_int32, P(P(tides_frames)), P(tides_error)
-    ]),
+    ], "Y times count width height frames error"),
     # tides_status tides_frames_open(const char *path, const tides_frames_options *options, tides_frames **frames,
     # tides_error *error)
-    "tides_frames_open": (c_int32, [c_char_p, P(tides_frames_options), P(P(tides_frames)), P(tides_error)]),
+    "tides_frames_open": (c_int32, [
+        c_char_p, P(tides_frames_options), P(P(tides_frames)), P(tides_error)
+    ], "path options frames error"),
     # void tides_frames_options_defaults(tides_frames_options *options)
-    "tides_frames_options_defaults": (None, [P(tides_frames_options)]),
+    "tides_frames_options_defaults": (None, [P(tides_frames_options)], "options"),
     # int32_t tides_frames_planes(const tides_frames *frames)
-    "tides_frames_planes": (c_int32, [P(tides_frames)]),
+    "tides_frames_planes": (c_int32, [P(tides_frames)], "frames"),
     # tides_status tides_frames_read(tides_frames *frames, size_t index, double *Y, tides_error *error)
-    "tides_frames_read": (c_int32, [P(tides_frames), c_size_t, P(c_double), P(tides_error)]),
+    "tides_frames_read": (c_int32, [P(tides_frames), c_size_t, P(c_double), P(tides_error)], "frames index Y error"),
     # void tides_frames_size(const tides_frames *frames, int32_t *width, int32_t *height)
-    "tides_frames_size": (None, [P(tides_frames), P(c_int32), P(c_int32)]),
+    "tides_frames_size": (None, [P(tides_frames), P(c_int32), P(c_int32)], "frames width height"),
     # double tides_frames_time(const tides_frames *frames, size_t index)
-    "tides_frames_time": (c_double, [P(tides_frames), c_size_t]),
+    "tides_frames_time": (c_double, [P(tides_frames), c_size_t], "frames index"),
     # void tides_free(void *memory)
-    "tides_free": (None, [c_void_p]),
+    "tides_free": (None, [c_void_p], "memory"),
     # tides_status tides_generate(const char *kind, const tides_generate_options *options, tides_world *world,
     # tides_error *error)
-    "tides_generate": (c_int32, [c_char_p, P(tides_generate_options), P(tides_world), P(tides_error)]),
+    "tides_generate": (c_int32, [
+        c_char_p, P(tides_generate_options), P(tides_world), P(tides_error)
+    ], "kind options world error"),
     # void tides_generate_options_defaults(tides_generate_options *options)
-    "tides_generate_options_defaults": (None, [P(tides_generate_options)]),
+    "tides_generate_options_defaults": (None, [P(tides_generate_options)], "options"),
     # const tides_generator *tides_generators(size_t *count)
-    "tides_generators": (P(tides_generator), [P(c_size_t)]),
+    "tides_generators": (P(tides_generator), [P(c_size_t)], "count"),
     # tides_status tides_ideal_settings(const tides_run *run, const char *method, int32_t what, const char ***texts,
     # size_t *count, tides_error *error)
-    "tides_ideal_settings": (c_int32, [P(tides_run), c_char_p, c_int32, P(P(c_char_p)), P(c_size_t), P(tides_error)]),
+    "tides_ideal_settings": (c_int32, [
+        P(tides_run), c_char_p, c_int32, P(P(c_char_p)), P(c_size_t), P(tides_error)
+    ], "run method what texts count error"),
     # int32_t tides_image_is_continuous(const tides_image_params *image)
-    "tides_image_is_continuous": (c_int32, [P(tides_image_params)]),
+    "tides_image_is_continuous": (c_int32, [P(tides_image_params)], "image"),
     # void tides_image_params_defaults(tides_image_params *params)
-    "tides_image_params_defaults": (None, [P(tides_image_params)]),
+    "tides_image_params_defaults": (None, [P(tides_image_params)], "params"),
     # size_t tides_imu_count(const tides_imu *imu, double start, double stop)
-    "tides_imu_count": (c_size_t, [P(tides_imu), c_double, c_double]),
+    "tides_imu_count": (c_size_t, [P(tides_imu), c_double, c_double], "imu start stop"),
     # void tides_imu_defaults(tides_imu *imu)
-    "tides_imu_defaults": (None, [P(tides_imu)]),
+    "tides_imu_defaults": (None, [P(tides_imu)], "imu"),
     # tides_status tides_ldati(const double *voxels, int32_t width, int32_t height, double start, double stop, uint64_t
     # seed, uint64_t frame, tides_event_sink sink, void *user, tides_error *error)
     "tides_ldati": (c_int32, [
         P(c_double), c_int32, c_int32, c_double, c_double, c_uint64, c_uint64, tides_event_sink, c_void_p,
         P(tides_error)
-    ]),
+    ], "voxels width height start stop seed frame sink user error"),
     # void tides_live_close(tides_live *live)
-    "tides_live_close": (None, [P(tides_live)]),
+    "tides_live_close": (None, [P(tides_live)], "live"),
     # tides_status tides_live_open(tides_session *session, const tides_live_options *options, tides_progress progress,
     # void *user, tides_live **live, tides_error *error)
     "tides_live_open": (c_int32, [
         P(tides_session), P(tides_live_options), tides_progress, c_void_p, P(P(tides_live)), P(tides_error)
-    ]),
+    ], "session options progress user live error"),
     # void tides_live_options_defaults(tides_live_options *options)
-    "tides_live_options_defaults": (None, [P(tides_live_options)]),
+    "tides_live_options_defaults": (None, [P(tides_live_options)], "options"),
     # const tides_trajectory *tides_live_path(const tides_live *live, int32_t object)
-    "tides_live_path": (P(tides_trajectory), [P(tides_live), c_int32]),
+    "tides_live_path": (P(tides_trajectory), [P(tides_live), c_int32], "live object"),
     # double tides_live_reached(const tides_live *live)
-    "tides_live_reached": (c_double, [P(tides_live)]),
+    "tides_live_reached": (c_double, [P(tides_live)], "live"),
     # tides_status tides_live_run(tides_live *live, double until, const tides_event **events, size_t *count, tides_error
     # *error)
-    "tides_live_run": (c_int32, [P(tides_live), c_double, P(P(tides_event)), P(c_size_t), P(tides_error)]),
+    "tides_live_run": (c_int32, [
+        P(tides_live), c_double, P(P(tides_event)), P(c_size_t), P(tides_error)
+    ], "live until events count error"),
     # tides_simulator *tides_live_simulator(const tides_live *live)
-    "tides_live_simulator": (P(tides_simulator), [P(tides_live)]),
+    "tides_live_simulator": (P(tides_simulator), [P(tides_live)], "live"),
+    # tides_status tides_live_step(tides_live *live, const int32_t *objects, const tides_pose_sample *samples, size_t
+    # told, double until, const tides_event **events, size_t *count, tides_error *error)
+    "tides_live_step": (c_int32, [
+        P(tides_live), P(c_int32), P(tides_pose_sample), c_size_t, c_double, P(P(tides_event)), P(c_size_t),
+        P(tides_error)
+    ], "live objects samples told until events count error"),
     # tides_status tides_live_tell(tides_live *live, int32_t object, const tides_pose_sample *samples, size_t count,
     # tides_error *error)
-    "tides_live_tell": (c_int32, [P(tides_live), c_int32, P(tides_pose_sample), c_size_t, P(tides_error)]),
+    "tides_live_tell": (c_int32, [
+        P(tides_live), c_int32, P(tides_pose_sample), c_size_t, P(tides_error)
+    ], "live object samples count error"),
     # tides_status tides_match_events(const tides_event *reference, size_t reference_count, const tides_event
     # *simulated, size_t simulated_count, double limit_s, tides_match *match, tides_error *error)
     "tides_match_events": (c_int32, [
         P(tides_event), c_size_t, P(tides_event), c_size_t, c_double, P(tides_match), P(tides_error)
-    ]),
+    ], "reference reference_count simulated simulated_count limit_s match error"),
     # tides_status tides_metrics_compare(const tides_event *reference, size_t reference_count, const tides_event
     # *simulated, size_t simulated_count, const tides_metrics_options *options, tides_progress progress, void *user,
     # tides_metrics *metrics, tides_error *error)
     "tides_metrics_compare": (c_int32, [
         P(tides_event), c_size_t, P(tides_event), c_size_t, P(tides_metrics_options), tides_progress, c_void_p,
         P(tides_metrics), P(tides_error)
-    ]),
+    ], "reference reference_count simulated simulated_count options progress user metrics error"),
     # void tides_metrics_options_defaults(tides_metrics_options *options)
-    "tides_metrics_options_defaults": (None, [P(tides_metrics_options)]),
+    "tides_metrics_options_defaults": (None, [P(tides_metrics_options)], "options"),
     # tides_status tides_motion_create_callback(const tides_callback_motion *callback, tides_motion **motion,
     # tides_error *error)
-    "tides_motion_create_callback": (c_int32, [P(tides_callback_motion), P(P(tides_motion)), P(tides_error)]),
+    "tides_motion_create_callback": (c_int32, [
+        P(tides_callback_motion), P(P(tides_motion)), P(tides_error)
+    ], "callback motion error"),
     # tides_status tides_motion_create_keyframes(const tides_keyframes_motion *arrays, tides_motion **motion,
     # tides_error *error)
-    "tides_motion_create_keyframes": (c_int32, [P(tides_keyframes_motion), P(P(tides_motion)), P(tides_error)]),
+    "tides_motion_create_keyframes": (c_int32, [
+        P(tides_keyframes_motion), P(P(tides_motion)), P(tides_error)
+    ], "arrays motion error"),
     # tides_status tides_motion_create_polynomial(const tides_polynomial_motion *arrays, tides_motion **motion,
     # tides_error *error)
-    "tides_motion_create_polynomial": (c_int32, [P(tides_polynomial_motion), P(P(tides_motion)), P(tides_error)]),
+    "tides_motion_create_polynomial": (c_int32, [
+        P(tides_polynomial_motion), P(P(tides_motion)), P(tides_error)
+    ], "arrays motion error"),
     # tides_status tides_motion_create_rotor(const tides_rotor_motion *arrays, tides_motion **motion, tides_error
     # *error)
-    "tides_motion_create_rotor": (c_int32, [P(tides_rotor_motion), P(P(tides_motion)), P(tides_error)]),
+    "tides_motion_create_rotor": (c_int32, [
+        P(tides_rotor_motion), P(P(tides_motion)), P(tides_error)
+    ], "arrays motion error"),
     # void tides_motion_destroy(tides_motion *motion)
-    "tides_motion_destroy": (None, [P(tides_motion)]),
+    "tides_motion_destroy": (None, [P(tides_motion)], "motion"),
     # uint64_t tides_motion_knots(const tides_motion *motion)
-    "tides_motion_knots": (c_uint64, [P(tides_motion)]),
+    "tides_motion_knots": (c_uint64, [P(tides_motion)], "motion"),
     # const char *tides_motion_model(const tides_motion *motion)
-    "tides_motion_model": (c_char_p, [P(tides_motion)]),
+    "tides_motion_model": (c_char_p, [P(tides_motion)], "motion"),
     # int64_t tides_motion_moving(const tides_motion *motion, const tides_gaussians *gaussians)
-    "tides_motion_moving": (c_int64, [P(tides_motion), P(tides_gaussians)]),
+    "tides_motion_moving": (c_int64, [P(tides_motion), P(tides_gaussians)], "motion gaussians"),
     # void tides_motion_range(const tides_motion *motion, double *start, double *stop)
-    "tides_motion_range": (None, [P(tides_motion), P(c_double), P(c_double)]),
+    "tides_motion_range": (None, [P(tides_motion), P(c_double), P(c_double)], "motion start stop"),
     # const char *tides_nearest_name(const char *name, const char *const *names)
-    "tides_nearest_name": (c_char_p, [c_char_p, P(c_char_p)]),
+    "tides_nearest_name": (c_char_p, [c_char_p, P(c_char_p)], "name names"),
     # void tides_page_options_defaults(tides_page_options *options)
-    "tides_page_options_defaults": (None, [P(tides_page_options)]),
+    "tides_page_options_defaults": (None, [P(tides_page_options)], "options"),
     # tides_status tides_page_write(const char *path, const tides_event *events, const tides_event_truth *truth, size_t
     # count, const tides_page_options *options, tides_page_report *report, tides_error *error)
     "tides_page_write": (c_int32, [
         c_char_p, P(tides_event), P(tides_event_truth), c_size_t, P(tides_page_options), P(tides_page_report),
         P(tides_error)
-    ]),
+    ], "path events truth count options report error"),
     # tides_status tides_page_write_file(const char *events, const char *path, const tides_page_options *options,
     # tides_progress progress, void *user, tides_page_report *report, tides_error *error)
     "tides_page_write_file": (c_int32, [
         c_char_p, c_char_p, P(tides_page_options), tides_progress, c_void_p, P(tides_page_report), P(tides_error)
-    ]),
+    ], "events path options progress user report error"),
     # const tides_param *tides_params(size_t *count)
-    "tides_params": (P(tides_param), [P(c_size_t)]),
+    "tides_params": (P(tides_param), [P(c_size_t)], "count"),
     # tides_status tides_path_load(const char *file, const tides_path_options *options, tides_path *path, tides_error
     # *error)
-    "tides_path_load": (c_int32, [c_char_p, P(tides_path_options), P(tides_path), P(tides_error)]),
+    "tides_path_load": (c_int32, [
+        c_char_p, P(tides_path_options), P(tides_path), P(tides_error)
+    ], "file options path error"),
     # void tides_path_options_defaults(tides_path_options *options)
-    "tides_path_options_defaults": (None, [P(tides_path_options)]),
+    "tides_path_options_defaults": (None, [P(tides_path_options)], "options"),
     # tides_status tides_path_save(const char *file, const tides_trajectory *trajectory, const tides_intrinsics
     # *intrinsics, tides_error *error)
-    "tides_path_save": (c_int32, [c_char_p, P(tides_trajectory), P(tides_intrinsics), P(tides_error)]),
+    "tides_path_save": (c_int32, [
+        c_char_p, P(tides_trajectory), P(tides_intrinsics), P(tides_error)
+    ], "file trajectory intrinsics error"),
     # void tides_picture_depth(const double *depth, int32_t width, int32_t height, double near, double far, uint8_t
     # *rgb)
-    "tides_picture_depth": (None, [P(c_double), c_int32, c_int32, c_double, c_double, P(c_uint8)]),
+    "tides_picture_depth": (None, [
+        P(c_double), c_int32, c_int32, c_double, c_double, P(c_uint8)
+    ], "depth width height near far rgb"),
     # void tides_picture_events(const tides_event *events, size_t count, const double *base, int32_t width, int32_t
     # height, uint8_t *rgb)
-    "tides_picture_events": (None, [P(tides_event), c_size_t, P(c_double), c_int32, c_int32, P(c_uint8)]),
+    "tides_picture_events": (None, [
+        P(tides_event), c_size_t, P(c_double), c_int32, c_int32, P(c_uint8)
+    ], "events count base width height rgb"),
     # void tides_picture_flow(const double *u, const double *v, int32_t width, int32_t height, double limit, uint8_t
     # *rgb)
-    "tides_picture_flow": (None, [P(c_double), P(c_double), c_int32, c_int32, c_double, P(c_uint8)]),
+    "tides_picture_flow": (None, [
+        P(c_double), P(c_double), c_int32, c_int32, c_double, P(c_uint8)
+    ], "u v width height limit rgb"),
     # void tides_picture_grey(const double *values, int32_t width, int32_t height, double white, uint8_t *rgb)
-    "tides_picture_grey": (None, [P(c_double), c_int32, c_int32, c_double, P(c_uint8)]),
+    "tides_picture_grey": (None, [
+        P(c_double), c_int32, c_int32, c_double, P(c_uint8)
+    ], "values width height white rgb"),
     # void tides_picture_labels(const double *labels, int32_t width, int32_t height, uint8_t *rgb)
-    "tides_picture_labels": (None, [P(c_double), c_int32, c_int32, P(c_uint8)]),
+    "tides_picture_labels": (None, [P(c_double), c_int32, c_int32, P(c_uint8)], "labels width height rgb"),
     # void tides_picture_rgb(const double *r, const double *g, const double *b, int32_t width, int32_t height, uint8_t
     # *rgb)
-    "tides_picture_rgb": (None, [P(c_double), P(c_double), P(c_double), c_int32, c_int32, P(c_uint8)]),
+    "tides_picture_rgb": (None, [
+        P(c_double), P(c_double), P(c_double), c_int32, c_int32, P(c_uint8)
+    ], "r g b width height rgb"),
     # void tides_picture_signed(const double *values, int32_t width, int32_t height, double limit, uint8_t *rgb)
-    "tides_picture_signed": (None, [P(c_double), c_int32, c_int32, c_double, P(c_uint8)]),
+    "tides_picture_signed": (None, [
+        P(c_double), c_int32, c_int32, c_double, P(c_uint8)
+    ], "values width height limit rgb"),
     # void tides_picture_text(uint8_t *rgb, int32_t width, int32_t height, int32_t x, int32_t y, int32_t scale, const
     # uint8_t colour[3], const char *text)
-    "tides_picture_text": (None, [P(c_uint8), c_int32, c_int32, c_int32, c_int32, c_int32, P(c_uint8), c_char_p]),
+    "tides_picture_text": (None, [
+        P(c_uint8), c_int32, c_int32, c_int32, c_int32, c_int32, P(c_uint8), c_char_p
+    ], "rgb width height x y scale colour text"),
     # tides_status tides_png_write(const char *path, int32_t width, int32_t height, const uint8_t *rgb, tides_error
     # *error)
-    "tides_png_write": (c_int32, [c_char_p, c_int32, c_int32, P(c_uint8), P(tides_error)]),
+    "tides_png_write": (c_int32, [
+        c_char_p, c_int32, c_int32, P(c_uint8), P(tides_error)
+    ], "path width height rgb error"),
     # tides_status tides_png_write_values(const char *path, int32_t width, int32_t height, int32_t planes, int32_t bits,
     # const uint16_t *values, tides_error *error)
-    "tides_png_write_values": (c_int32, [c_char_p, c_int32, c_int32, c_int32, c_int32, P(c_uint16), P(tides_error)]),
+    "tides_png_write_values": (c_int32, [
+        c_char_p, c_int32, c_int32, c_int32, c_int32, P(c_uint16), P(tides_error)
+    ], "path width height planes bits values error"),
     # int32_t tides_preset_at(size_t index, char name[TIDES_PRESET_NAME])
-    "tides_preset_at": (c_int32, [c_size_t, c_char_p]),
+    "tides_preset_at": (c_int32, [c_size_t, c_char_p], "index name"),
     # void tides_readout_defaults(tides_readout *readout)
-    "tides_readout_defaults": (None, [P(tides_readout)]),
+    "tides_readout_defaults": (None, [P(tides_readout)], "readout"),
     # void tides_recording_defaults(tides_recording *recording)
-    "tides_recording_defaults": (None, [P(tides_recording)]),
+    "tides_recording_defaults": (None, [P(tides_recording)], "recording"),
     # tides_status tides_rectify_map(const tides_intrinsics *raw, const tides_intrinsics *rectified, const double
     # rotation[9], float *map, tides_error *error)
-    "tides_rectify_map": (c_int32, [P(tides_intrinsics), P(tides_intrinsics), P(c_double), P(c_float), P(tides_error)]),
+    "tides_rectify_map": (c_int32, [
+        P(tides_intrinsics), P(tides_intrinsics), P(c_double), P(c_float), P(tides_error)
+    ], "raw rectified rotation map error"),
     # tides_status tides_rectify_save(const char *file, const tides_intrinsics *raw, const tides_intrinsics *rectified,
     # const double rotation[9], tides_error *error)
-    "tides_rectify_save": (c_int32, [c_char_p, P(tides_intrinsics), P(tides_intrinsics), P(c_double), P(tides_error)]),
+    "tides_rectify_save": (c_int32, [
+        c_char_p, P(tides_intrinsics), P(tides_intrinsics), P(c_double), P(tides_error)
+    ], "file raw rectified rotation error"),
     # tides_status tides_renderer_choose(tides_renderer *renderer, const tides_trajectory *camera, double time, uint64_t
     # seed, uint32_t number, size_t count, double *xy, tides_material_point *points, size_t *chosen, tides_error *error)
     "tides_renderer_choose": (c_int32, [
         P(tides_renderer), P(tides_trajectory), c_double, c_uint64, c_uint32, c_size_t, P(c_double),
         P(tides_material_point), P(c_size_t), P(tides_error)
-    ]),
+    ], "renderer camera time seed number count xy points chosen error"),
     # tides_status tides_renderer_create(tides_device *device, const tides_scene *scene, const tides_intrinsics
     # *intrinsics, const tides_image_params *params, tides_progress progress, void *user, tides_renderer **renderer,
     # tides_error *error)
     "tides_renderer_create": (c_int32, [
         P(tides_device), P(tides_scene), P(tides_intrinsics), P(tides_image_params), tides_progress, c_void_p,
         P(P(tides_renderer)), P(tides_error)
-    ]),
+    ], "device scene intrinsics params progress user renderer error"),
     # void tides_renderer_destroy(tides_renderer *renderer)
-    "tides_renderer_destroy": (None, [P(tides_renderer)]),
+    "tides_renderer_destroy": (None, [P(tides_renderer)], "renderer"),
     # tides_status tides_renderer_displacement(tides_renderer *renderer, const tides_trajectory *camera, double from,
     # double to, double *u, double *v, double *visible, tides_error *error)
     "tides_renderer_displacement": (c_int32, [
         P(tides_renderer), P(tides_trajectory), c_double, c_double, P(c_double), P(c_double), P(c_double),
         P(tides_error)
-    ]),
+    ], "renderer camera from to u v visible error"),
     # tides_status tides_renderer_event_truth(tides_renderer *renderer, const tides_trajectory *camera, const
     # tides_event *events, const int64_t *fired, size_t count, tides_event_truth *truth, tides_error *error)
     "tides_renderer_event_truth": (c_int32, [
         P(tides_renderer), P(tides_trajectory), P(tides_event), P(c_int64), c_size_t, P(tides_event_truth),
         P(tides_error)
-    ]),
+    ], "renderer camera events fired count truth error"),
     # tides_status tides_renderer_expose(tides_renderer *renderer, const tides_trajectory *camera, double time, const
     # tides_exposure *exposure, double *light, tides_exposed *done, tides_error *error)
     "tides_renderer_expose": (c_int32, [
         P(tides_renderer), P(tides_trajectory), c_double, P(tides_exposure), P(c_double), P(tides_exposed),
         P(tides_error)
-    ]),
+    ], "renderer camera time exposure light done error"),
     # tides_status tides_renderer_follow(tides_renderer *renderer, const tides_trajectory *camera, double time, const
     # tides_material_point *points, size_t count, tides_track *tracks, tides_error *error)
     "tides_renderer_follow": (c_int32, [
         P(tides_renderer), P(tides_trajectory), c_double, P(tides_material_point), c_size_t, P(tides_track),
         P(tides_error)
-    ]),
+    ], "renderer camera time points count tracks error"),
     # tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time, const
     # tides_frame *frame, tides_error *error)
     "tides_renderer_frame": (c_int32, [
         P(tides_renderer), P(tides_trajectory), c_double, P(tides_frame), P(tides_error)
-    ]),
+    ], "renderer camera time frame error"),
     # tides_status tides_renderer_pick(tides_renderer *renderer, const tides_trajectory *camera, double time, const
     # double *xy, size_t count, tides_material_point *points, tides_error *error)
     "tides_renderer_pick": (c_int32, [
         P(tides_renderer), P(tides_trajectory), c_double, P(c_double), c_size_t, P(tides_material_point),
         P(tides_error)
-    ]),
+    ], "renderer camera time xy count points error"),
+    # tides_status tides_renderer_set_progress(tides_renderer *renderer, tides_progress progress, void *user,
+    # tides_error *error)
+    "tides_renderer_set_progress": (c_int32, [
+        P(tides_renderer), tides_progress, c_void_p, P(tides_error)
+    ], "renderer progress user error"),
     # tides_status tides_renderer_set_psf(tides_renderer *renderer, double sigma_px, int32_t domain, tides_error *error)
-    "tides_renderer_set_psf": (c_int32, [P(tides_renderer), c_double, c_int32, P(tides_error)]),
+    "tides_renderer_set_psf": (c_int32, [
+        P(tides_renderer), c_double, c_int32, P(tides_error)
+    ], "renderer sigma_px domain error"),
     # void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *stats)
-    "tides_renderer_stats": (None, [P(tides_renderer), P(tides_render_stats)]),
+    "tides_renderer_stats": (None, [P(tides_renderer), P(tides_render_stats)], "renderer stats"),
     # tides_status tides_renderer_truth(tides_renderer *renderer, const tides_trajectory *camera, double time, const
     # tides_truth *truth, tides_error *error)
     "tides_renderer_truth": (c_int32, [
         P(tides_renderer), P(tides_trajectory), c_double, P(tides_truth), P(tides_error)
-    ]),
+    ], "renderer camera time truth error"),
     # void tides_run_destroy(tides_run *run)
-    "tides_run_destroy": (None, [P(tides_run)]),
+    "tides_run_destroy": (None, [P(tides_run)], "run"),
     # void tides_run_get(const tides_run *run, tides_run_values *values)
-    "tides_run_get": (None, [P(tides_run), P(tides_run_values)]),
+    "tides_run_get": (None, [P(tides_run), P(tides_run_values)], "run values"),
     # int32_t tides_run_gives(const tides_run *run, const char *key)
-    "tides_run_gives": (c_int32, [P(tides_run), c_char_p]),
+    "tides_run_gives": (c_int32, [P(tides_run), c_char_p], "run key"),
     # tides_status tides_run_inputs(const tides_run *run, tides_run_input **inputs, size_t *count, tides_error *error)
-    "tides_run_inputs": (c_int32, [P(tides_run), P(P(tides_run_input)), P(c_size_t), P(tides_error)]),
+    "tides_run_inputs": (c_int32, [
+        P(tides_run), P(P(tides_run_input)), P(c_size_t), P(tides_error)
+    ], "run inputs count error"),
     # tides_status tides_run_load(const char *file, const char *const *overrides, size_t count, tides_run **run,
     # tides_error *error)
-    "tides_run_load": (c_int32, [c_char_p, P(c_char_p), c_size_t, P(P(tides_run)), P(tides_error)]),
+    "tides_run_load": (c_int32, [
+        c_char_p, P(c_char_p), c_size_t, P(P(tides_run)), P(tides_error)
+    ], "file overrides count run error"),
     # const char *tides_run_notes(const tides_run *run)
-    "tides_run_notes": (c_char_p, [P(tides_run)]),
+    "tides_run_notes": (c_char_p, [P(tides_run)], "run"),
     # tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera, tides_intrinsics
     # *intrinsics, tides_error *error)
     "tides_run_open": (c_int32, [
         P(tides_run), P(P(tides_scene)), P(P(tides_trajectory)), P(tides_intrinsics), P(tides_error)
-    ]),
+    ], "run scene camera intrinsics error"),
     # tides_status tides_run_open_frames(const tides_run *run, tides_frames **frames, tides_error *error)
-    "tides_run_open_frames": (c_int32, [P(tides_run), P(P(tides_frames)), P(tides_error)]),
+    "tides_run_open_frames": (c_int32, [P(tides_run), P(P(tides_frames)), P(tides_error)], "run frames error"),
     # tides_status tides_run_parse(const char *text, const char *directory, const char *const *overrides, size_t count,
     # tides_run **run, tides_error *error)
-    "tides_run_parse": (c_int32, [c_char_p, c_char_p, P(c_char_p), c_size_t, P(P(tides_run)), P(tides_error)]),
+    "tides_run_parse": (c_int32, [
+        c_char_p, c_char_p, P(c_char_p), c_size_t, P(P(tides_run)), P(tides_error)
+    ], "text directory overrides count run error"),
     # int32_t tides_run_rig_camera(const tides_run *run, size_t index, tides_rig_camera *camera)
-    "tides_run_rig_camera": (c_int32, [P(tides_run), c_size_t, P(tides_rig_camera)]),
+    "tides_run_rig_camera": (c_int32, [P(tides_run), c_size_t, P(tides_rig_camera)], "run index camera"),
     # tides_status tides_run_template(const char *scene_file, const char *camera_file, char **text, tides_error *error)
-    "tides_run_template": (c_int32, [c_char_p, c_char_p, P(c_char_p), P(tides_error)]),
+    "tides_run_template": (c_int32, [
+        c_char_p, c_char_p, P(c_char_p), P(tides_error)
+    ], "scene_file camera_file text error"),
     # tides_status tides_run_vary(const tides_run *base, const char *const *overrides, size_t count, tides_run **run,
     # tides_error *error)
-    "tides_run_vary": (c_int32, [P(tides_run), P(c_char_p), c_size_t, P(P(tides_run)), P(tides_error)]),
+    "tides_run_vary": (c_int32, [
+        P(tides_run), P(c_char_p), c_size_t, P(P(tides_run)), P(tides_error)
+    ], "base overrides count run error"),
     # tides_status tides_scene_add(tides_scene *scene, const tides_gaussians *gaussians, const tides_trajectory
     # *trajectory, double scale, const char *name, int32_t *index, tides_error *error)
     "tides_scene_add": (c_int32, [
         P(tides_scene), P(tides_gaussians), P(tides_trajectory), c_double, c_char_p, P(c_int32), P(tides_error)
-    ]),
+    ], "scene gaussians trajectory scale name index error"),
     # tides_status tides_scene_add_file(tides_scene *scene, const char *file, const tides_trajectory *trajectory, double
     # scale, tides_error *error)
-    "tides_scene_add_file": (c_int32, [P(tides_scene), c_char_p, P(tides_trajectory), c_double, P(tides_error)]),
+    "tides_scene_add_file": (c_int32, [
+        P(tides_scene), c_char_p, P(tides_trajectory), c_double, P(tides_error)
+    ], "scene file trajectory scale error"),
     # tides_status tides_scene_add_moving(tides_scene *scene, const tides_gaussians *gaussians, tides_motion *motion,
     # double duration_s, const tides_trajectory *trajectory, double scale, const char *name, int32_t *index, tides_error
     # *error)
     "tides_scene_add_moving": (c_int32, [
         P(tides_scene), P(tides_gaussians), P(tides_motion), c_double, P(tides_trajectory), c_double, c_char_p,
         P(c_int32), P(tides_error)
-    ]),
+    ], "scene gaussians motion duration_s trajectory scale name index error"),
     # tides_status tides_scene_append(tides_scene *scene, int32_t index, const tides_pose_sample *samples, size_t count,
     # tides_error *error)
-    "tides_scene_append": (c_int32, [P(tides_scene), c_int32, P(tides_pose_sample), c_size_t, P(tides_error)]),
+    "tides_scene_append": (c_int32, [
+        P(tides_scene), c_int32, P(tides_pose_sample), c_size_t, P(tides_error)
+    ], "scene index samples count error"),
     # void tides_scene_bounds(const tides_scene *scene, double lower[3], double upper[3])
-    "tides_scene_bounds": (None, [P(tides_scene), P(c_double), P(c_double)]),
+    "tides_scene_bounds": (None, [P(tides_scene), P(c_double), P(c_double)], "scene lower upper"),
     # tides_status tides_scene_bounds_at(const tides_scene *scene, double time, double lower[3], double upper[3],
     # tides_error *error)
-    "tides_scene_bounds_at": (c_int32, [P(tides_scene), c_double, P(c_double), P(c_double), P(tides_error)]),
+    "tides_scene_bounds_at": (c_int32, [
+        P(tides_scene), c_double, P(c_double), P(c_double), P(tides_error)
+    ], "scene time lower upper error"),
     # int64_t tides_scene_count(const tides_scene *scene)
-    "tides_scene_count": (c_int64, [P(tides_scene)]),
+    "tides_scene_count": (c_int64, [P(tides_scene)], "scene"),
     # tides_status tides_scene_create(tides_scene **scene, tides_error *error)
-    "tides_scene_create": (c_int32, [P(P(tides_scene)), P(tides_error)]),
+    "tides_scene_create": (c_int32, [P(P(tides_scene)), P(tides_error)], "scene error"),
     # void tides_scene_destroy(tides_scene *scene)
-    "tides_scene_destroy": (None, [P(tides_scene)]),
+    "tides_scene_destroy": (None, [P(tides_scene)], "scene"),
     # int32_t tides_scene_is_file(const char *file)
-    "tides_scene_is_file": (c_int32, [c_char_p]),
+    "tides_scene_is_file": (c_int32, [c_char_p], "file"),
     # tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_object *object, tides_error *error)
-    "tides_scene_object": (c_int32, [P(tides_scene), c_int32, P(tides_object), P(tides_error)]),
+    "tides_scene_object": (c_int32, [
+        P(tides_scene), c_int32, P(tides_object), P(tides_error)
+    ], "scene index object error"),
     # int32_t tides_scene_objects(const tides_scene *scene)
-    "tides_scene_objects": (c_int32, [P(tides_scene)]),
+    "tides_scene_objects": (c_int32, [P(tides_scene)], "scene"),
     # tides_status tides_scene_orbit(const tides_scene *scene, const double up[3], double field_of_view, tides_orbit
     # *orbit, tides_error *error)
-    "tides_scene_orbit": (c_int32, [P(tides_scene), P(c_double), c_double, P(tides_orbit), P(tides_error)]),
+    "tides_scene_orbit": (c_int32, [
+        P(tides_scene), P(c_double), c_double, P(tides_orbit), P(tides_error)
+    ], "scene up field_of_view orbit error"),
     # void tides_scene_range(const tides_scene *scene, double *start, double *stop)
-    "tides_scene_range": (None, [P(tides_scene), P(c_double), P(c_double)]),
+    "tides_scene_range": (None, [P(tides_scene), P(c_double), P(c_double)], "scene start stop"),
     # tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_error *error)
-    "tides_scene_save": (c_int32, [P(tides_scene), c_char_p, P(tides_error)]),
+    "tides_scene_save": (c_int32, [P(tides_scene), c_char_p, P(tides_error)], "scene file error"),
     # int32_t tides_scene_set_duration(tides_scene *scene, double duration_s)
-    "tides_scene_set_duration": (c_int32, [P(tides_scene), c_double]),
+    "tides_scene_set_duration": (c_int32, [P(tides_scene), c_double], "scene duration_s"),
+    # tides_status tides_scene_set_up(tides_scene *scene, const double up[3], tides_error *error)
+    "tides_scene_set_up": (c_int32, [P(tides_scene), P(c_double), P(tides_error)], "scene up error"),
     # int32_t tides_scene_sh_degree(const tides_scene *scene)
-    "tides_scene_sh_degree": (c_int32, [P(tides_scene)]),
+    "tides_scene_sh_degree": (c_int32, [P(tides_scene)], "scene"),
+    # int32_t tides_scene_up(const tides_scene *scene, double up[3])
+    "tides_scene_up": (c_int32, [P(tides_scene), P(c_double)], "scene up"),
     # void tides_sensor_defaults(tides_sensor *sensor)
-    "tides_sensor_defaults": (None, [P(tides_sensor)]),
+    "tides_sensor_defaults": (None, [P(tides_sensor)], "sensor"),
     # void tides_session_close(tides_session *session)
-    "tides_session_close": (None, [P(tides_session)]),
+    "tides_session_close": (None, [P(tides_session)], "session"),
     # tides_status tides_session_exact(tides_session *session, const tides_exact_options *options, tides_progress
     # progress, void *user, tides_exact *exact, tides_error *error)
     "tides_session_exact": (c_int32, [
         P(tides_session), P(tides_exact_options), tides_progress, c_void_p, P(tides_exact), P(tides_error)
-    ]),
+    ], "session options progress user exact error"),
     # tides_status tides_session_frames(tides_session *session, const char *path, tides_progress progress, void *user,
     # tides_session_taken *done, tides_error *error)
     "tides_session_frames": (c_int32, [
         P(tides_session), c_char_p, tides_progress, c_void_p, P(tides_session_taken), P(tides_error)
-    ]),
+    ], "session path progress user done error"),
     # void tides_session_get(const tides_session *session, tides_session_facts *facts)
-    "tides_session_get": (None, [P(tides_session), P(tides_session_facts)]),
+    "tides_session_get": (None, [P(tides_session), P(tides_session_facts)], "session facts"),
     # tides_status tides_session_imu(tides_session *session, const char *path, tides_session_taken *done, tides_error
     # *error)
-    "tides_session_imu": (c_int32, [P(tides_session), c_char_p, P(tides_session_taken), P(tides_error)]),
+    "tides_session_imu": (c_int32, [
+        P(tides_session), c_char_p, P(tides_session_taken), P(tides_error)
+    ], "session path done error"),
     # tides_status tides_session_load(const char *file, const char *const *overrides, size_t count, const char *device,
     # tides_session **session, tides_error *error)
-    "tides_session_load": (c_int32, [c_char_p, P(c_char_p), c_size_t, c_char_p, P(P(tides_session)), P(tides_error)]),
+    "tides_session_load": (c_int32, [
+        c_char_p, P(c_char_p), c_size_t, c_char_p, P(P(tides_session)), P(tides_error)
+    ], "file overrides count device session error"),
     # tides_status tides_session_open(const tides_run *run, tides_device *device, tides_session **session, tides_error
     # *error)
-    "tides_session_open": (c_int32, [P(tides_run), P(tides_device), P(P(tides_session)), P(tides_error)]),
+    "tides_session_open": (c_int32, [
+        P(tides_run), P(tides_device), P(P(tides_session)), P(tides_error)
+    ], "run device session error"),
     # tides_status tides_session_renderer(tides_session *session, tides_progress progress, void *user, tides_renderer
     # **renderer, tides_error *error)
     "tides_session_renderer": (c_int32, [
         P(tides_session), tides_progress, c_void_p, P(P(tides_renderer)), P(tides_error)
-    ]),
+    ], "session progress user renderer error"),
     # tides_status tides_session_run(tides_session *session, tides_event_sink sink, void *sink_user, tides_progress
     # progress, void *user, tides_stats *stats, tides_error *error)
     "tides_session_run": (c_int32, [
         P(tides_session), tides_event_sink, c_void_p, tides_progress, c_void_p, P(tides_stats), P(tides_error)
-    ]),
+    ], "session sink sink_user progress user stats error"),
     # tides_status tides_session_simulator(tides_session *session, tides_progress progress, void *user, tides_simulator
     # **simulator, tides_error *error)
     "tides_session_simulator": (c_int32, [
         P(tides_session), tides_progress, c_void_p, P(P(tides_simulator)), P(tides_error)
-    ]),
+    ], "session progress user simulator error"),
     # tides_status tides_session_tracks(tides_session *session, const char *path, tides_progress progress, void *user,
     # tides_session_taken *done, tides_error *error)
     "tides_session_tracks": (c_int32, [
         P(tides_session), c_char_p, tides_progress, c_void_p, P(tides_session_taken), P(tides_error)
-    ]),
+    ], "session path progress user done error"),
     # tides_status tides_session_truth(tides_session *session, const char *path, tides_progress progress, void *user,
     # tides_error *error)
-    "tides_session_truth": (c_int32, [P(tides_session), c_char_p, tides_progress, c_void_p, P(tides_error)]),
+    "tides_session_truth": (c_int32, [
+        P(tides_session), c_char_p, tides_progress, c_void_p, P(tides_error)
+    ], "session path progress user error"),
     # tides_status tides_session_vary(const tides_session *base, const char *const *overrides, size_t count,
     # tides_session **session, tides_error *error)
-    "tides_session_vary": (c_int32, [P(tides_session), P(c_char_p), c_size_t, P(P(tides_session)), P(tides_error)]),
+    "tides_session_vary": (c_int32, [
+        P(tides_session), P(c_char_p), c_size_t, P(P(tides_session)), P(tides_error)
+    ], "base overrides count session error"),
     # tides_status tides_session_write(tides_session *session, const char *path, const tides_recording *how,
     # tides_progress progress, void *user, tides_recorded *done, tides_stats *stats, tides_error *error)
     "tides_session_write": (c_int32, [
         P(tides_session), c_char_p, P(tides_recording), tides_progress, c_void_p, P(tides_recorded), P(tides_stats),
         P(tides_error)
-    ]),
+    ], "session path how progress user done stats error"),
     # tides_status tides_simulator_create( tides_device *device, const tides_scene *scene, const tides_trajectory
     # *camera, const tides_intrinsics *intrinsics, const tides_image_params *image, const tides_sensor *sensor, const
     # tides_stepping *stepping, double start, double stop, tides_progress progress, void *user, tides_simulator
@@ -3623,116 +3772,144 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
         P(tides_device), P(tides_scene), P(tides_trajectory), P(tides_intrinsics), P(tides_image_params),
         P(tides_sensor), P(tides_stepping), c_double, c_double, tides_progress, c_void_p, P(P(tides_simulator)),
         P(tides_error)
-    ]),
+    ], "device scene camera intrinsics image sensor stepping start stop progress user simulator error"),
     # void tides_simulator_destroy(tides_simulator *simulator)
-    "tides_simulator_destroy": (None, [P(tides_simulator)]),
+    "tides_simulator_destroy": (None, [P(tides_simulator)], "simulator"),
     # const int64_t *tides_simulator_fired(const tides_simulator *simulator)
-    "tides_simulator_fired": (P(c_int64), [P(tides_simulator)]),
+    "tides_simulator_fired": (P(c_int64), [P(tides_simulator)], "simulator"),
     # tides_status tides_simulator_readout(tides_simulator *simulator, const tides_readout *readout, tides_error *error)
-    "tides_simulator_readout": (c_int32, [P(tides_simulator), P(tides_readout), P(tides_error)]),
+    "tides_simulator_readout": (c_int32, [
+        P(tides_simulator), P(tides_readout), P(tides_error)
+    ], "simulator readout error"),
     # tides_status tides_simulator_restore(tides_simulator *simulator, const char *run, const char *path, tides_error
     # *error)
-    "tides_simulator_restore": (c_int32, [P(tides_simulator), c_char_p, c_char_p, P(tides_error)]),
+    "tides_simulator_restore": (c_int32, [
+        P(tides_simulator), c_char_p, c_char_p, P(tides_error)
+    ], "simulator run path error"),
     # tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink, void *sink_user,
     # tides_progress progress, void *user, tides_error *error)
     "tides_simulator_run": (c_int32, [
         P(tides_simulator), c_double, tides_event_sink, c_void_p, tides_progress, c_void_p, P(tides_error)
-    ]),
+    ], "simulator until sink sink_user progress user error"),
     # tides_status tides_simulator_save(const tides_simulator *simulator, const char *run, const char *path, tides_error
     # *error)
-    "tides_simulator_save": (c_int32, [P(tides_simulator), c_char_p, c_char_p, P(tides_error)]),
+    "tides_simulator_save": (c_int32, [
+        P(tides_simulator), c_char_p, c_char_p, P(tides_error)
+    ], "simulator run path error"),
     # void tides_simulator_state(const tides_simulator *simulator, double *signal, double *reference, uint32_t
     # *count_on, uint32_t *count_off)
-    "tides_simulator_state": (None, [P(tides_simulator), P(c_double), P(c_double), P(c_uint32), P(c_uint32)]),
+    "tides_simulator_state": (None, [
+        P(tides_simulator), P(c_double), P(c_double), P(c_uint32), P(c_uint32)
+    ], "simulator signal reference count_on count_off"),
     # void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats)
-    "tides_simulator_stats": (None, [P(tides_simulator), P(tides_stats)]),
+    "tides_simulator_stats": (None, [P(tides_simulator), P(tides_stats)], "simulator stats"),
     # tides_status tides_simulator_write(tides_simulator *simulator, double stop, const char *path, const
     # tides_event_file *facts, const tides_recording *how, tides_progress progress, void *user, tides_recorded *done,
     # tides_error *error)
     "tides_simulator_write": (c_int32, [
         P(tides_simulator), c_double, c_char_p, P(tides_event_file), P(tides_recording), tides_progress, c_void_p,
         P(tides_recorded), P(tides_error)
-    ]),
+    ], "simulator stop path facts how progress user done error"),
     # const tides_stat *tides_stats_table(size_t *count)
-    "tides_stats_table": (P(tides_stat), [P(c_size_t)]),
+    "tides_stats_table": (P(tides_stat), [P(c_size_t)], "count"),
     # const char *tides_status_name(tides_status status)
-    "tides_status_name": (c_char_p, [c_int32]),
+    "tides_status_name": (c_char_p, [c_int32], "status"),
     # const char *tides_status_text(tides_status status)
-    "tides_status_text": (c_char_p, [c_int32]),
+    "tides_status_text": (c_char_p, [c_int32], "status"),
     # void tides_stepping_defaults(tides_stepping *stepping)
-    "tides_stepping_defaults": (None, [P(tides_stepping)]),
+    "tides_stepping_defaults": (None, [P(tides_stepping)], "stepping"),
     # tides_status tides_time_surface(const tides_event *events, size_t count, int32_t width, int32_t height, int64_t
     # time_ns, double decay_s, double *surface, tides_error *error)
     "tides_time_surface": (c_int32, [
         P(tides_event), c_size_t, c_int32, c_int32, c_int64, c_double, P(c_double), P(tides_error)
-    ]),
+    ], "events count width height time_ns decay_s surface error"),
     # tides_status tides_trajectory_acceleration(const tides_trajectory *trajectory, double time, double
     # acceleration[3], tides_error *error)
-    "tides_trajectory_acceleration": (c_int32, [P(tides_trajectory), c_double, P(c_double), P(tides_error)]),
+    "tides_trajectory_acceleration": (c_int32, [
+        P(tides_trajectory), c_double, P(c_double), P(tides_error)
+    ], "trajectory time acceleration error"),
     # tides_status tides_trajectory_append(tides_trajectory *trajectory, const tides_pose_sample *samples, size_t count,
     # tides_error *error)
-    "tides_trajectory_append": (c_int32, [P(tides_trajectory), P(tides_pose_sample), c_size_t, P(tides_error)]),
+    "tides_trajectory_append": (c_int32, [
+        P(tides_trajectory), P(tides_pose_sample), c_size_t, P(tides_error)
+    ], "trajectory samples count error"),
     # tides_status tides_trajectory_at(const tides_trajectory *trajectory, double time, tides_pose *pose, tides_error
     # *error)
-    "tides_trajectory_at": (c_int32, [P(tides_trajectory), c_double, P(tides_pose), P(tides_error)]),
+    "tides_trajectory_at": (c_int32, [
+        P(tides_trajectory), c_double, P(tides_pose), P(tides_error)
+    ], "trajectory time pose error"),
     # size_t tides_trajectory_count(const tides_trajectory *trajectory)
-    "tides_trajectory_count": (c_size_t, [P(tides_trajectory)]),
+    "tides_trajectory_count": (c_size_t, [P(tides_trajectory)], "trajectory"),
     # tides_status tides_trajectory_create(const tides_pose_sample *samples, size_t count, tides_trajectory
     # **trajectory, tides_error *error)
-    "tides_trajectory_create": (c_int32, [P(tides_pose_sample), c_size_t, P(P(tides_trajectory)), P(tides_error)]),
+    "tides_trajectory_create": (c_int32, [
+        P(tides_pose_sample), c_size_t, P(P(tides_trajectory)), P(tides_error)
+    ], "samples count trajectory error"),
     # tides_status tides_trajectory_create_dolly(const tides_dolly *dolly, tides_trajectory **trajectory, tides_error
     # *error)
-    "tides_trajectory_create_dolly": (c_int32, [P(tides_dolly), P(P(tides_trajectory)), P(tides_error)]),
+    "tides_trajectory_create_dolly": (c_int32, [
+        P(tides_dolly), P(P(tides_trajectory)), P(tides_error)
+    ], "dolly trajectory error"),
     # tides_status tides_trajectory_create_handheld(const tides_handheld *handheld, tides_trajectory **trajectory,
     # tides_error *error)
-    "tides_trajectory_create_handheld": (c_int32, [P(tides_handheld), P(P(tides_trajectory)), P(tides_error)]),
+    "tides_trajectory_create_handheld": (c_int32, [
+        P(tides_handheld), P(P(tides_trajectory)), P(tides_error)
+    ], "handheld trajectory error"),
     # tides_status tides_trajectory_create_mounted(const tides_trajectory *body, const double position[3], const double
     # quaternion[4], tides_trajectory **trajectory, tides_error *error)
     "tides_trajectory_create_mounted": (c_int32, [
         P(tides_trajectory), P(c_double), P(c_double), P(P(tides_trajectory)), P(tides_error)
-    ]),
+    ], "body position quaternion trajectory error"),
     # tides_status tides_trajectory_create_open(const tides_pose_sample *samples, size_t count, tides_trajectory
     # **trajectory, tides_error *error)
-    "tides_trajectory_create_open": (c_int32, [P(tides_pose_sample), c_size_t, P(P(tides_trajectory)), P(tides_error)]),
+    "tides_trajectory_create_open": (c_int32, [
+        P(tides_pose_sample), c_size_t, P(P(tides_trajectory)), P(tides_error)
+    ], "samples count trajectory error"),
     # tides_status tides_trajectory_create_orbit(const tides_orbit *orbit, tides_trajectory **trajectory, tides_error
     # *error)
-    "tides_trajectory_create_orbit": (c_int32, [P(tides_orbit), P(P(tides_trajectory)), P(tides_error)]),
+    "tides_trajectory_create_orbit": (c_int32, [
+        P(tides_orbit), P(P(tides_trajectory)), P(tides_error)
+    ], "orbit trajectory error"),
     # tides_status tides_trajectory_create_static(const double position[3], const double quaternion[4], tides_trajectory
     # **trajectory, tides_error *error)
-    "tides_trajectory_create_static": (c_int32, [P(c_double), P(c_double), P(P(tides_trajectory)), P(tides_error)]),
+    "tides_trajectory_create_static": (c_int32, [
+        P(c_double), P(c_double), P(P(tides_trajectory)), P(tides_error)
+    ], "position quaternion trajectory error"),
     # void tides_trajectory_destroy(tides_trajectory *trajectory)
-    "tides_trajectory_destroy": (None, [P(tides_trajectory)]),
+    "tides_trajectory_destroy": (None, [P(tides_trajectory)], "trajectory"),
     # void tides_trajectory_forget(tides_trajectory *trajectory, double time)
-    "tides_trajectory_forget": (None, [P(tides_trajectory), c_double]),
+    "tides_trajectory_forget": (None, [P(tides_trajectory), c_double], "trajectory time"),
     # tides_status tides_trajectory_imu(const tides_trajectory *trajectory, const tides_imu *imu, double start, size_t
     # count, tides_imu_sample *samples, tides_error *error)
     "tides_trajectory_imu": (c_int32, [
         P(tides_trajectory), P(tides_imu), c_double, c_size_t, P(tides_imu_sample), P(tides_error)
-    ]),
+    ], "trajectory imu start count samples error"),
     # int32_t tides_trajectory_is_open(const tides_trajectory *trajectory)
-    "tides_trajectory_is_open": (c_int32, [P(tides_trajectory)]),
+    "tides_trajectory_is_open": (c_int32, [P(tides_trajectory)], "trajectory"),
     # int32_t tides_trajectory_is_static(const tides_trajectory *trajectory)
-    "tides_trajectory_is_static": (c_int32, [P(tides_trajectory)]),
+    "tides_trajectory_is_static": (c_int32, [P(tides_trajectory)], "trajectory"),
     # void tides_trajectory_range(const tides_trajectory *trajectory, double *start, double *stop)
-    "tides_trajectory_range": (None, [P(tides_trajectory), P(c_double), P(c_double)]),
+    "tides_trajectory_range": (None, [P(tides_trajectory), P(c_double), P(c_double)], "trajectory start stop"),
     # tides_status tides_trajectory_sample(const tides_trajectory *trajectory, size_t index, tides_pose_sample *sample,
     # tides_error *error)
-    "tides_trajectory_sample": (c_int32, [P(tides_trajectory), c_size_t, P(tides_pose_sample), P(tides_error)]),
+    "tides_trajectory_sample": (c_int32, [
+        P(tides_trajectory), c_size_t, P(tides_pose_sample), P(tides_error)
+    ], "trajectory index sample error"),
     # const char *tides_truth_name(int32_t truth)
-    "tides_truth_name": (c_char_p, [c_int32]),
+    "tides_truth_name": (c_char_p, [c_int32], "truth"),
     # tides_status tides_truth_read(const char *path, tides_exr **planes, tides_error *error)
-    "tides_truth_read": (c_int32, [c_char_p, P(P(tides_exr)), P(tides_error)]),
+    "tides_truth_read": (c_int32, [c_char_p, P(P(tides_exr)), P(tides_error)], "path planes error"),
     # const char *tides_version(void)
-    "tides_version": (c_char_p, []),
+    "tides_version": (c_char_p, [], ""),
     # tides_status tides_voxel_grid(const tides_event *events, size_t count, int32_t width, int32_t height, const
     # tides_voxel_options *options, double *grid, tides_error *error)
     "tides_voxel_grid": (c_int32, [
         P(tides_event), c_size_t, c_int32, c_int32, P(tides_voxel_options), P(c_double), P(tides_error)
-    ]),
+    ], "events count width height options grid error"),
     # void tides_voxel_options_defaults(tides_voxel_options *options, int32_t style)
-    "tides_voxel_options_defaults": (None, [P(tides_voxel_options), c_int32]),
+    "tides_voxel_options_defaults": (None, [P(tides_voxel_options), c_int32], "options style"),
     # void tides_world_release(tides_world *world)
-    "tides_world_release": (None, [P(tides_world)]),
+    "tides_world_release": (None, [P(tides_world)], "world"),
 }
 
 STRUCTS = (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import re
 import signal
 import threading
 from typing import Any, Callable
@@ -45,6 +46,18 @@ class _Signals:
             signal.signal(number, handler)
 
 
+def _refused(name: str, arguments: tuple[Any, ...], why: ctypes.ArgumentError) -> TypeError:
+    """ctypes says "argument 3: wrong type": which that is, and what it takes."""
+    from ._values import _expected
+
+    number = re.match(r"argument (\d+)", str(why))
+    place = int(number[1]) - 1 if number else len(arguments)
+    _, kinds, names = _api.FUNCTIONS[name]
+    if place >= len(arguments):
+        return TypeError(f"{name}: {why}")
+    return TypeError(f"{names.split()[place]}: {arguments[place]!r}, where {_expected(kinds[place])} is needed ({name})")
+
+
 def call(name: str, *arguments: Any) -> None:
     """Calls a function that returns a tides_status and takes a tides_error last. What a callback or a signal's handler raised
     meanwhile comes first: Ctrl-C is such a thing."""
@@ -54,6 +67,8 @@ def call(name: str, *arguments: Any) -> None:
         with _Signals():
             status = getattr(lib, name)(*arguments, error)
         raised = _local.raised
+    except ctypes.ArgumentError as why:
+        raise _refused(name, arguments, why) from None
     finally:
         _local.raised = outer
     if raised is not None:
@@ -110,6 +125,19 @@ def pointer(values: np.ndarray, kind: Any) -> Any:
 def doubles(values: Any, count: int, name: str) -> Any:
     """A C array of `count` doubles."""
     return (ctypes.c_double * count)(*array(values, np.float64, (count,), name))
+
+
+def instance(value: Any, kind: Any, name: str) -> Any:
+    """`value`, where it is a `kind`; TypeError naming both."""
+    if isinstance(value, kind):
+        return value
+    article = "an" if kind.__name__[0] in "AEIOU" else "a"
+    raise TypeError(f"{name}: {value!r}, where {article} {kind.__name__} is needed")
+
+
+def given(value: Any, kind: Any, name: str) -> Any:
+    """The same, or the `kind` with its defaults where there is none."""
+    return kind() if value is None else instance(value, kind, name)
 
 
 def nearest(name: str, names: Any) -> str:

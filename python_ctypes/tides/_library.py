@@ -50,7 +50,7 @@ def _load() -> tuple[ctypes.CDLL, str]:
 
 def _bind(library: ctypes.CDLL, path: str) -> SimpleNamespace:
     functions = SimpleNamespace()
-    for name, (result, arguments) in _api.FUNCTIONS.items():
+    for name, (result, arguments, _) in _api.FUNCTIONS.items():
         try:
             function = getattr(library, name)
         except AttributeError:
@@ -63,7 +63,7 @@ def _bind(library: ctypes.CDLL, path: str) -> SimpleNamespace:
 def _check_sizes(functions: SimpleNamespace, path: str) -> None:
     """Structs that say their size must have the one that this package knows: else library and package are of different
     headers."""
-    for name, (_, arguments) in _api.FUNCTIONS.items():
+    for name, (_, arguments, _names) in _api.FUNCTIONS.items():
         struct = getattr(arguments[0], "_type_", None) if name.endswith("_defaults") else None
         if struct is None or struct._fields_[0][0] != "size":
             continue

@@ -76,6 +76,8 @@ def _expected(kind: Any) -> str:
         return "a number"
     if kind is ctypes.c_char_p:
         return "a text or None"
+    if issubclass(kind, ctypes._Pointer):
+        return f"a {kind._type_.__name__}"
     if issubclass(kind, ctypes.Array):
         return f"{kind._length_} times {_expected(kind._type_)}"
     if issubclass(kind, ctypes.Structure):
@@ -121,6 +123,14 @@ def _set_field(self: Any, name: str, value: Any) -> None:
         raise TypeError(f"{place}: {value!r}, where {_expected(kinds[name])} is needed") from None
 
 
+def filled(struct: Any, **fields: Any) -> Any:
+    """A struct with these fields, refused by their names."""
+    made = struct()
+    for name, value in fields.items():
+        _set_field(made, name, value)
+    return made
+
+
 def _guard(struct: Any) -> None:
     """Structs inside of values refuse what the values themselves refuse."""
     for _, kind in struct._fields_:
@@ -156,8 +166,10 @@ class Value:
             elif issubclass(kind, ctypes.Array):
                 setattr(cls, name, _list_property(getattr(cls, name)))
 
-    def __init__(self, **fields: Any):
+    def __init__(self, *unnamed: Any, **fields: Any):
         super().__init__()
+        if unnamed:  # the order of a struct's fields is nobody's to know
+            raise TypeError(f"{type(self).__name__}: {unnamed[0]!r} has no name: its fields are given as name=value")
         preset = fields.pop("preset", None) if self._preset else None
         if preset is not None:
             presets.fill(self, self._preset, preset)

@@ -20,7 +20,8 @@ def _facts(info: _api.tides_device_info) -> Facts:
 
 
 def devices() -> list[Facts]:
-    """The OpenCL devices: kind ("cpu", "gpu", "other"), index, name, platform, driver, compute_units, lanes, memory_bytes."""
+    """The OpenCL devices: kind ("cpu", "gpu", "other"), index, name, platform, driver, compute_units, lanes, fused
+    (0: its events are near those of other devices, not the same to the bit), memory_bytes."""
     count = c_int32()
     call("tides_device_list", None, 0, byref(count))
     rows = (_api.tides_device_info * max(1, count.value))()
@@ -30,7 +31,7 @@ def devices() -> list[Facts]:
 
 class Device(Handle):
     """An open device: Device() is TIDES_DEVICE's or the first GPU, else the first CPU; Device("cpu"), "gpu", "reference", an
-    index of `devices()`, a part of a name. NoDevice where nothing matches. One device serves one thread at a time.
+    index of `devices()`, a part of a name. NoDevice where nothing matches. What several threads run may share one.
 
     OpenCL doesn't survive a fork: in a child forked from a process that has used a device (multiprocessing's default on Linux
     until Python 3.14, PyTorch's DataLoader with workers) what needs one raises NoDevice. Use the context "spawn" or "forkserver",

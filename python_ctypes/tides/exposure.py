@@ -31,6 +31,12 @@ class Exposure(Value, _api.tides_exposure):
         lib.tides_exposure_row(self, height, time, row, byref(start), byref(stop))
         return start.value, stop.value
 
+    def span(self, height: int, time: float) -> tuple[float, float]:
+        """When any row of a frame at `time` is exposed: start and stop [s]."""
+        start, stop = c_double(), c_double()
+        lib.tides_exposure_span(self, height, time, byref(start), byref(stop))
+        return start.value, stop.value
+
     def times(self, height: int, start: float, stop: float) -> np.ndarray:
         """Times [s], each the middle of an exposure, of all frames that lie within [start, stop] with all their rows."""
         count = lib.tides_exposure_count(self, height, start, stop)

@@ -15,11 +15,13 @@ from ._library import lib
 from ._progress import Progress, Reporter
 from ._values import Facts, Value, plain
 from .device import Device
+from .events import EVENT
 from .session import Session
 from .simulate import packet
 from .trajectory import _SAMPLE, Pose, Trajectory
 
 _CAMERA = _api.TIDES_LIVE_CAMERA
+_NOT_GIVEN = c_size_t(-1).value
 
 
 class LiveOptions(Value, _api.tides_live_options):
@@ -86,7 +88,8 @@ class Live(Handle):
             call("tides_live_open", session._pointer, options, step, None, byref(made))
         super().__init__(made, session, lock=session._lock)
         self._camera = bool(camera)
-        self._start, self._elapsed, self._rest = session.values.start, 0.0, 0.0
+        self._at = session.values.start, 0.0, 0.0
+        self._waiting = np.empty(0, EVENT)  # what C gave before a signal's exception came in between
 
     def _number(self, one: str | int) -> int:
         names = []
@@ -104,61 +107,67 @@ class Live(Handle):
     def step(self, pose: Any = None, dt: float | None = None, objects: dict[str | int, Any] | None = None) -> np.ndarray:
         """Tells where the camera (`pose`) and `objects` ({name: pose}) are `dt` seconds on, advances to there, and gives the
         events since the last step, as EVENT (n). Where a camera or an object has been told further ahead, it may be left out.
-        BadArgument, OutOfRange: NaN, a step of no time or back, a turn of half a turn, a jump; time then stays where it is, and
-        what was told before it in this call stays told."""
+        BadArgument, OutOfRange: NaN, a step of no time or back, a turn of half a turn, a jump, something that isn't told; then
+        nothing was told, time stays where it is, and the step may be taken once more. Whatever a call had done before it
+        raised, Ctrl-C included, its events come with the next that succeeds, as `run(live.reached)` does."""
         if dt is None:
             raise TypeError("step: dt, the time [s] to the pose, must be given: live.step(pose, 1e-3)")
         if not (dt > 0 and math.isfinite(dt)):
             raise ValueError(f"dt: {dt}, where a time above 0 s is needed: a run goes forward")
-        elapsed, rest = _sum(self._elapsed, self._rest, dt)
-        time = self._start + (elapsed + rest)
-        told = ([] if pose is None else [(_CAMERA, _sample(pose, time))]) + [
+        start, elapsed, rest = self._at
+        elapsed, rest = _sum(elapsed, rest, dt)
+        time = start + (elapsed + rest)
+        told = ([] if pose is None else [(self._camera_told(), _sample(pose, time))]) + [
             (self._told(name), _sample(one, time)) for name, one in (objects or {}).items()
         ]
-        with self._lock:
-            for number, sample in told:
-                self._tell(number, sample)
-            events = self._run(time)
-        self._elapsed, self._rest = elapsed, rest
-        return events
+        numbers = (c_int32 * max(1, len(told)))(*(number for number, _ in told))
+        samples = np.concatenate([sample for _, sample in told]) if told else np.zeros(1, _SAMPLE)
+        arguments = (numbers, pointer(samples, _api.tides_pose_sample), len(told), time)
+        return self._events("tides_live_step", arguments, (start, elapsed, rest))
 
     def tell(self, pose: Any, time: float, object: str | int | None = None) -> None:
         """Tells where the camera, or an object, is at `time` [s], as far ahead as you like. For the run's start, first of all:
         where it begins."""
-        self._tell(_CAMERA if object is None else self._told(object), _sample(pose, time))
+        number, sample = self._camera_told() if object is None else self._told(object), _sample(pose, time)
+        with self._lock:
+            call("tides_live_tell", self._pointer, number, pointer(sample, _api.tides_pose_sample), 1)
 
     def run(self, until: float) -> np.ndarray:
         """Advances to `until` [s]: the events since the last call, as EVENT (n), sorted by (t, y, x, p)."""
-        events = self._run(until)
-        self._start, self._elapsed, self._rest = float(until), 0.0, 0.0
-        return events
+        return self._events("tides_live_run", (until,), (float(until), 0.0, 0.0))
 
-    def _run(self, until: float) -> np.ndarray:
-        events, count = POINTER(_api.tides_event)(), c_size_t()
+    def _events(self, function: str, arguments: tuple[Any, ...], at: tuple[float, float, float]) -> np.ndarray:
+        """What waited and what `function` gives, which comes to `at`."""
+        events, count = POINTER(_api.tides_event)(), c_size_t(_NOT_GIVEN)
         with self._lock:
-            call("tides_live_run", self._pointer, until, byref(events), byref(count))
-            return packet(events, count.value).copy()
+            try:
+                call(function, self._pointer, *arguments, byref(events), byref(count))
+            finally:
+                if count.value != _NOT_GIVEN:
+                    self._at, self._waiting = at, np.concatenate([self._waiting, packet(events, count.value)])
+            given, self._waiting = self._waiting, np.empty(0, EVENT)
+            return given
+
+    def _camera_told(self) -> int:
+        if not self._camera:
+            raise ValueError("the camera follows the run's path here: leave its pose out, or make it Live(..., camera=True)")
+        return _CAMERA
 
     def _told(self, name: str | int) -> int:
         if name not in self._objects:
             raise ValueError(f"object {name!r} isn't told where it is: make it Live(..., objects=[{name!r}])")
         return self._objects[name]
 
-    def _tell(self, number: int, sample: np.ndarray) -> None:
-        if number == _CAMERA and not self._camera:
-            raise ValueError("the camera follows the run's path here: leave its pose out, or make it Live(..., camera=True)")
-        with self._lock:
-            call("tides_live_tell", self._pointer, number, pointer(sample, _api.tides_pose_sample), len(sample))
-
     # -- state ------------------------------------------------------------------------------------------------------
     @property
     def time(self) -> float:
         """Where it has been advanced to [s]."""
-        return self._start + (self._elapsed + self._rest)
+        start, elapsed, rest = self._at
+        return start + (elapsed + rest)
 
     @property
     def reached(self) -> float:
-        """Up to when events have been given [s]: the end of the last whole step."""
+        """The end of the last whole step [s]: up to there events have been given, or wait for the next call."""
         with self._lock:
             return lib.tides_live_reached(self._pointer)
 

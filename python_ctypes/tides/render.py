@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from ctypes import POINTER, byref, c_double, c_int64, c_size_t
-from typing import Any, Iterable
+from typing import Any, Iterable, Iterator
 
 import numpy as np
 
 from . import _api
-from ._call import array, call, nearest, pointer, text
+from ._call import array, call, given, instance, nearest, pointer, text
 from ._handle import Handle
 from ._library import lib
 from ._progress import Progress, Reporter
@@ -68,9 +69,11 @@ class Renderer(Handle):
         device: Device | str | int | None = None,
         progress: Progress = None,
     ):
-        self.scene, self.camera, self.device = scene, camera, opened(device)
+        self.scene, self.camera = instance(scene, Scene, "Renderer: scene"), instance(camera, Camera, "Renderer: camera")
+        rules = given(image, ImageParams, "Renderer: image")
+        self.device = opened(device)
         made = POINTER(_api.tides_renderer)()
-        arguments = (scene._pointer, camera.intrinsics, image or ImageParams())
+        arguments = (scene._pointer, camera.intrinsics, rules)
         with self.device._lock, Reporter(progress) as step:
             call("tides_renderer_create", self.device._pointer, *arguments, step, None, byref(made))
         super().__init__(made, self.device, scene, lock=self.device._lock)
@@ -88,41 +91,63 @@ class Renderer(Handle):
         with self._lock:
             call("tides_renderer_set_psf", self._pointer, sigma_px, choice("domain", domain, constants("TIDES_PSF_")))
 
+    @contextmanager
+    def _telling(self, progress: Progress) -> Iterator[None]:
+        """Renders within it: `progress` is told, and Ctrl-C heard, before each launch on the device."""
+        with self._lock, Reporter(progress) as step:
+            call("tides_renderer_set_progress", self._pointer, step, None)
+            try:
+                yield
+            finally:
+                call("tides_renderer_set_progress", self._pointer, _api.tides_progress(), None)
+
     def frame(
-        self, time: float, channels: Iterable[str] = ("L", "L_dot"), trajectory: Trajectory | None = None
+        self,
+        time: float,
+        channels: Iterable[str] = ("L", "L_dot"),
+        trajectory: Trajectory | None = None,
+        progress: Progress = None,
     ) -> dict[str, np.ndarray]:
         """One frame at `time` [s]: float64 planes (height x width), row 0 on top, by the names in CHANNELS. Colour and
         depth cost; the rest comes with the pass. `trajectory` replaces the camera's path."""
         frame = _api.tides_frame()
         planes = self._planes("channels", channels, CHANNELS, frame)
-        path = trajectory or self.camera.trajectory
-        with self._lock:
+        path = self._path(trajectory)
+        with self._telling(progress):
             call("tides_renderer_frame", self._pointer, path._pointer, time, frame)
         return planes
 
     def expose(
-        self, time: float, exposure: Exposure | None = None, trajectory: Trajectory | None = None
+        self,
+        time: float,
+        exposure: Exposure | None = None,
+        trajectory: Trajectory | None = None,
+        progress: Progress = None,
     ) -> tuple[np.ndarray, Facts]:
         """Mean linear light of an exposed frame at `time` [s], the middle of its exposure: float64 (height x width), or
         (3 x height x width) with exposure.colour; and what it took: error, renders, unsettled."""
         how, lens = exposure or Exposure(), self.camera.intrinsics
         light = np.empty(((3,) if how.planes == 3 else ()) + (lens.height, lens.width))
-        done, path = _api.tides_exposed(), trajectory or self.camera.trajectory
-        with self._lock:
+        done, path = _api.tides_exposed(), self._path(trajectory)
+        with self._telling(progress):
             call(
                 "tides_renderer_expose", self._pointer, path._pointer, time, how, pointer(light, c_double), byref(done)
             )
         return light, plain(done)
 
     def truth(
-        self, time: float, planes: Iterable[str] = TRUTHS, trajectory: Trajectory | None = None
+        self,
+        time: float,
+        planes: Iterable[str] = TRUTHS,
+        trajectory: Trajectory | None = None,
+        progress: Progress = None,
     ) -> dict[str, np.ndarray]:
         """Ground truth of the frame at `time` [s]: float64 planes (height x width), row 0 on top, by the names in TRUTHS:
         optical flow [px/s], depth of what is seen [scene units], its instance and normal. No PSF blurs it."""
         truth = _api.tides_truth()
         made = self._planes("planes", planes, TRUTHS, truth)
-        path = trajectory or self.camera.trajectory
-        with self._lock:
+        path = self._path(trajectory)
+        with self._telling(progress):
             call("tides_renderer_truth", self._pointer, path._pointer, time, truth)
         return made
 
@@ -131,9 +156,9 @@ class Renderer(Handle):
         seen, and "visible", True where it is seen then too. Optical flow, a velocity, is truth()'s."""
         lens = self.camera.intrinsics
         planes = [np.empty((lens.height, lens.width)) for _ in range(3)]
-        path = trajectory or self.camera.trajectory
+        path = self._path(trajectory)
         addresses = [pointer(plane, c_double) for plane in planes]
-        with self._lock:
+        with self._telling(None):
             call("tides_renderer_displacement", self._pointer, path._pointer, start, stop, *addresses)
         return {"u": planes[0], "v": planes[1], "visible": planes[2] > 0}
 
@@ -141,7 +166,7 @@ class Renderer(Handle):
         """The points (MATERIAL_POINT) that `places` (count x 2) [px] show at `time` [s]; the first pixel's centre is (0.5, 0.5)."""
         xy = array(places, np.float64, (None, 2), "places")
         points = np.zeros(len(xy), MATERIAL_POINT)
-        path = trajectory or self.camera.trajectory
+        path = self._path(trajectory)
         made = pointer(points, _api.tides_material_point)
         with self._lock:
             call("tides_renderer_pick", self._pointer, path._pointer, time, pointer(xy, c_double), len(xy), made)
@@ -152,7 +177,7 @@ class Renderer(Handle):
     ) -> tuple[np.ndarray, np.ndarray]:
         """Up to `count` places (n x 2) [px] where something is seen at `time` [s], drawn by seed and number, and their points."""
         xy, points, chosen = np.zeros((count, 2)), np.zeros(count, MATERIAL_POINT), c_size_t()
-        path = trajectory or self.camera.trajectory
+        path = self._path(trajectory)
         made = pointer(points, _api.tides_material_point)
         with self._lock:
             call(
@@ -165,7 +190,7 @@ class Renderer(Handle):
         """Where points are at `time` [s] (TRACK)."""
         given = array(points, MATERIAL_POINT, (None,), "points")
         tracks = np.zeros(len(given), TRACK)
-        path = trajectory or self.camera.trajectory
+        path = self._path(trajectory)
         made = pointer(tracks, _api.tides_track)
         with self._lock:
             call(
@@ -180,7 +205,7 @@ class Renderer(Handle):
         given = as_events(events)
         times = None if fired is None else array(fired, np.int64, (len(given),), "fired")
         truth = np.zeros(len(given), EVENT_TRUTH)
-        path = trajectory or self.camera.trajectory
+        path = self._path(trajectory)
         clock = None if times is None else pointer(times, c_int64)
         made = pointer(truth, _api.tides_event_truth)
         with self._lock:
@@ -189,6 +214,9 @@ class Renderer(Handle):
                 len(given), made,
             )
         return truth
+
+    def _path(self, trajectory: Trajectory | None) -> Trajectory:
+        return self.camera.trajectory if trajectory is None else instance(trajectory, Trajectory, "trajectory")
 
     def _planes(self, argument: str, names: Iterable[str], known: tuple[str, ...], struct: Any) -> dict[str, np.ndarray]:
         """Empty planes for the names, and their addresses in the struct."""

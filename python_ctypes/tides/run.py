@@ -81,14 +81,14 @@ class Run(Handle):
     ):
         if (file is None) == (text is None):
             raise ValueError("file, text: give one of them")
-        made = POINTER(_api.tides_run)()
+        made, settings = POINTER(_api.tides_run)(), overrides(set)
         name = None if file is None else os.path.abspath(file)
         self._given = (name, dict(set or {}), text, os.path.abspath(directory))
         if file is not None:
-            call("tides_run_load", path(file), *overrides(set), byref(made))
+            call("tides_run_load", path(file), *settings, byref(made))
         else:
             words = text if isinstance(text, str) else json.dumps(text)
-            call("tides_run_parse", words.encode(), path(directory), *overrides(set), byref(made))
+            call("tides_run_parse", words.encode(), path(directory), *settings, byref(made))
         self._take(made)
 
     def _take(self, made: Any) -> None:

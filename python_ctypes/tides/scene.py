@@ -99,8 +99,8 @@ class SceneObject:
 
 
 class Scene(Handle):
-    """What is looked at. Scene() is empty, Scene(file) holds what a file does (.ply, .spz, .ksplat, .splat, .sog, .h5, a
-    trainer's folder). `len(scene)` is the number of objects. A scene doesn't change while a Renderer or Simulation uses it.
+    """What is looked at. Scene() is empty, Scene(file) holds what a file does (.ply, .spz, .ksplat, .splat, .sog, .glb, .h5,
+    a trainer's folder). `len(scene)` is the number of objects. A scene doesn't change while a Renderer or Simulation uses it.
 
     Pickled are the names of its files, which are read again, and the values of what was added as values: a worker process
     gets a scene of its own. A `Motion` is neither."""
@@ -129,7 +129,7 @@ class Scene(Handle):
         self._pointer  # a closed scene says so
         steps = self._steps
         if steps is None:  # opened by a run: what stands still is its values
-            steps = [("add", (index, None)) for index in range(len(self))]
+            steps = [("add", (index, None)) for index in range(len(self))] + [("__setattr__", ("up", self.up))]
         return _remade, ([(name, self._values(*what) if name == "add" else what) for name, what in steps],)
 
     def _values(self, index: int, trajectory: Trajectory | None) -> tuple[Any, ...]:
@@ -245,11 +245,25 @@ class Scene(Handle):
         return start.value, stop.value
 
     def orbit(self, up: Any = None, field_of_view: float = 0.8) -> Trajectory:
-        """A camera path that shows the scene, for one without: round its middle, so far out that most of it fills `field_of_view`
-        [rad], a turn in 12 s, from 0 to 12 s. `up` (3) is guessed: -y, or z where the scene lies flat across it."""
+        """A camera path that shows the scene, for one without: round all of a thing, as large as fits into `field_of_view`
+        [rad], or in a place, as far out as half of it is; a turn in 12 s, from 0 to 12 s. `up` (3) is what
+        the scene says, else guessed: -y, or z where the scene lies flat across it."""
         found = _api.tides_orbit()
         call("tides_scene_orbit", self._pointer, None if up is None else doubles(up, 3, "up"), field_of_view, byref(found))
         return Trajectory.orbit(**{name: list(v) if hasattr(v := getattr(found, name), "__len__") else v for name, _ in found._fields_})
+
+    @property
+    def up(self) -> tuple[float, float, float] | None:
+        """Which way up is (3), as the scene's first file says or as it was set; None where nobody says it. `orbit` stands by it,
+        and .h5 and .ply keep it."""
+        found = (c_double * 3)()
+        return tuple(found) if lib.tides_scene_up(self._pointer, found) else None
+
+    @up.setter
+    def up(self, up: Any) -> None:
+        with self._lock:
+            call("tides_scene_set_up", self._pointer, None if up is None else doubles(up, 3, "up"))
+        self._note("__setattr__", "up", up)
 
     def bounds_at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper corner (3) of the box about the means where they are at `time` [s]."""

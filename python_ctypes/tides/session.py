@@ -11,7 +11,7 @@ from typing import Any, Callable
 import numpy as np
 
 from . import _api
-from ._call import call, encoded, kept, path, text
+from ._call import call, encoded, instance, kept, path, text
 from ._handle import Handle
 from ._library import lib
 from ._progress import Progress, Reporter
@@ -23,7 +23,7 @@ from .measure import session_exact
 from .readout import Readout
 from .render import ImageParams, Renderer
 from .scene import Scene
-from .simulate import Sensor, Simulation, Stepping, _Collector, packet, recording
+from .simulate import Sensor, Simulation, Stepping, _Collector, packet, recording, warn_of_nothing
 from .trajectory import Camera, Imu, Intrinsics, PathOptions, Trajectory
 
 _VALUES: dict[Any, Any] = {
@@ -42,6 +42,8 @@ _VALUES: dict[Any, Any] = {
 
 def overrides(settings: dict[str, Any] | None) -> tuple[Any, int]:
     """{key: value} as C's list of "key=value" texts, and their number."""
+    if settings is not None:
+        instance(settings, dict, "settings of the run file")
     texts = [
         f"{key}={value if isinstance(value, str) else json.dumps(value)}".encode()
         for key, value in (settings or {}).items()
@@ -135,6 +137,11 @@ class Session(Handle):
         stats = _api.tides_stats()
         with self._lock, Reporter(progress) as step:
             call("tides_session_run", self._pointer, _api.tides_event_sink(kept(take, 1)), None, step, None, byref(stats))
+        return self._done(stats)
+
+    def _done(self, stats: Any) -> Facts:
+        if self.frames is None:
+            warn_of_nothing(stats.render.pairs_evaluated)
         return plain(stats)
 
     def simulate(self, progress: Progress = None) -> np.ndarray:
@@ -150,13 +157,15 @@ class Session(Handle):
         resume: bool = False,
         checkpoint_s: float | None = None,
         progress: Progress = None,
+        *,
+        keep_checkpoint: bool = False,
     ) -> Facts:
         """Runs it whole into an event file, as `tides simulate` does; the statistics. See Simulation.write."""
         stats = _api.tides_stats()
-        how = recording(format, resume, checkpoint_s)
+        how = recording(format, resume, checkpoint_s, keep_checkpoint)
         with self._lock, Reporter(progress) as step:
             call("tides_session_write", self._pointer, path(file), how, step, None, None, byref(stats))
-        return plain(stats)
+        return self._done(stats)
 
     def dataset(
         self, folder: str | os.PathLike[str], layouts: str | list[str] | None = None, progress: Progress = None
@@ -171,6 +180,7 @@ class Session(Handle):
         report = _api.tides_dataset_report()
         with self._lock, Reporter(progress) as step:
             call("tides_dataset_write", self._pointer, path(folder), encoded(names), step, None, byref(report))
+        warn_of_nothing(0 if report.unseeing else 1, f" of {report.unseeing} of {report.cameras} cameras")
         return plain(report)
 
     def add_truth(self, file: str | os.PathLike[str], progress: Progress = None) -> None:
@@ -184,6 +194,7 @@ class Session(Handle):
         taken = _api.tides_session_taken()
         with self._lock, Reporter(progress) as step:
             call("tides_session_frames", self._pointer, path(folder), step, None, byref(taken))
+        warn_of_nothing(taken.pairs)
         return plain(taken)
 
     def write_imu(self, file: str | os.PathLike[str]) -> Facts:

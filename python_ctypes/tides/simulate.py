@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import os
 import threading
+import warnings
 from ctypes import POINTER, byref, c_double, c_uint32, memmove, sizeof
 from typing import Any, Callable, Iterator
 
 import numpy as np
 
 from . import _api
-from ._call import call, encoded, kept, path, pointer
+from ._call import call, encoded, given, instance, kept, path, pointer
 from ._handle import Handle
 from ._library import lib
 from ._progress import Progress, Reporter
@@ -50,13 +51,13 @@ class Stepping(Value, _api.tides_stepping):
 
 
 class Recording(Value, _api.tides_recording):
-    """How events go into a file: resume, format, checkpoint_s [s]."""
+    """How events go into a file: resume, format, checkpoint_s [s], keep_checkpoint."""
 
     _defaults = "tides_recording_defaults"
 
 
-def recording(format: str | None, resume: bool, checkpoint_s: float | None) -> Recording:
-    how = Recording(format=format, resume=int(resume))
+def recording(format: str | None, resume: bool, checkpoint_s: float | None, keep_checkpoint: bool) -> Recording:
+    how = Recording(format=format, resume=int(resume), keep_checkpoint=int(keep_checkpoint))
     return how if checkpoint_s is None else how.set(checkpoint_s=checkpoint_s)
 
 
@@ -83,6 +84,12 @@ class _Collector:
 
     def result(self) -> np.ndarray:
         return self.events[: self.count]
+
+
+def warn_of_nothing(pairs: int, who: str = "") -> None:
+    """A run whose camera looks away ends well, and empty: its user should hear why."""
+    if pairs == 0:
+        warnings.warn(f"nothing of the scene was in view{who}, at any time: look at the camera's path", stacklevel=4)
 
 
 class Simulation(Handle):
@@ -112,12 +119,16 @@ class Simulation(Handle):
     ):
         """A `readout` that is enabled stands between pixels and events. `run` (a run file's JSON) and `seed` (None: the
         sensor's) are facts that are written into files; `run` is compared when a run goes on."""
+        self.scene, self.camera = instance(scene, Scene, "Simulation: scene"), instance(camera, Camera, "Simulation: camera")
+        self.sensor, self.stepping = given(sensor, Sensor, "Simulation: sensor"), given(stepping, Stepping, "Simulation: stepping")
+        self.image = given(image, ImageParams, "Simulation: image")
+        if readout is not None:
+            instance(readout, Readout, "Simulation: readout")
         first, last = camera.trajectory.range
         self.start, self.stop = first if start is None else float(start), last if stop is None else float(stop)
         if not (math.isfinite(self.start) and math.isfinite(self.stop)):
             raise ValueError("start and stop must be given: the camera stands still, its path has no beginning and no end")
-        self.scene, self.camera, self.device = scene, camera, opened(device)
-        self.sensor, self.stepping, self.image = sensor or Sensor(), stepping or Stepping(), image or ImageParams()
+        self.device = opened(device)
         self._run, self._seed, self._stopping = run, seed or str(self.sensor.seed), threading.Event()
         made = POINTER(_api.tides_simulator)()
         world = (scene._pointer, camera.trajectory._pointer, camera.intrinsics)
@@ -152,6 +163,8 @@ class Simulation(Handle):
         self._goes_on()
         self._step_to(self.stop if until is None else until, sink, progress)
         self._spent = until is None
+        if self._spent:
+            warn_of_nothing(self.stats.render.pairs_evaluated)
 
     def _step_to(self, until: float, sink: Callable[..., int], progress: Progress) -> None:
         with self._lock, Reporter(progress, self._stopping) as step:
@@ -210,23 +223,27 @@ class Simulation(Handle):
         resume: bool = False,
         checkpoint_s: float | None = None,
         progress: Progress = None,
+        *,
+        keep_checkpoint: bool = False,
     ) -> Facts:
         """Simulates into an event file and returns the statistics. Interrupted, FILE.part holds what there is, readable;
         for HDF5 FILE.checkpoint does too, every `checkpoint_s` [s] (None: 30; 0: never) and at Ctrl-C, and a new Simulation's
-        write(file, resume=True) goes on from there, as does `tides simulate --resume`. With sensor.labels an HDF5 file has
+        write(file, resume=True) goes on from there, as does `tides simulate --resume`. With `keep_checkpoint` FILE.checkpoint
+        stays beside the finished file: a Simulation with a later stop then goes on with that, to the bit. With sensor.labels an HDF5 file has
         each event's cause, when it fired and what the front end added (`read_labelled`)."""
         self._goes_on()
         lens, stretch = self.camera.intrinsics, (_nanoseconds(self.start), _nanoseconds(self.stop))
         texts = encoded(self._run), encoded(self._seed)
         facts = _api.tides_event_file(lens.width, lens.height, *texts, bool(self.sensor.labels), *stretch)
-        how = recording(format, resume, checkpoint_s)
+        how = recording(format, resume, checkpoint_s, keep_checkpoint)
         with self._lock, Reporter(progress, self._stopping) as step:
             try:
                 call("tides_simulator_write", self._pointer, self.stop, path(file), facts, how, step, None, None)
             finally:
                 self._stopping.clear()
-        self._spent = True
-        return self.stats
+        self._spent, stats = True, self.stats
+        warn_of_nothing(stats.render.pairs_evaluated)
+        return stats
 
     def cancel(self) -> None:
         """Stops the call that another thread is in, or else the next one: there, Cancelled is raised."""

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from . import _api
-from ._call import array, call, doubles, path, pointer, text
+from ._call import array, call, doubles, given, instance, path, pointer, text
 from ._handle import Handle
 from ._library import lib
-from ._values import Value, _fields
+from ._values import Value, _fields, filled
 
 _SAMPLE = np.dtype(_api.tides_pose_sample)
 _SHOWN: Any = [name for name, _ in _fields(_api.tides_pose_sample)]
@@ -140,16 +140,18 @@ class Trajectory(Handle):
     ) -> "Trajectory":
         """A camera on a circle about `target` in the plane normal to `up`, looking at it. [scene units], [rad], [rad/s],
         [s]."""
-        target, up = doubles(target, 3, "target"), doubles(up, 3, "up")
-        return cls._generate("orbit", _api.tides_orbit(target, up, radius, height, start_angle, angular_speed, start, stop))
+        places = {"target": doubles(target, 3, "target"), "up": doubles(up, 3, "up"), "height": height}
+        turn = {"radius": radius, "start_angle": start_angle, "angular_speed": angular_speed, "start": start, "stop": stop}
+        return cls._generate("orbit", filled(_api.tides_orbit, **places, **turn))
 
     @classmethod
     def dolly(
         cls, start_at: Any, stop_at: Any, target: Any, start: float = 0.0, stop: float = 1.0, up: Any = _UP
     ) -> "Trajectory":
         """A camera on the line from `start_at` to `stop_at` [scene units], looking at `target`, from `start` to `stop` [s]."""
-        places = (doubles(one, 3, name) for name, one in (("start_at", start_at), ("stop_at", stop_at), ("target", target)))
-        return cls._generate("dolly", _api.tides_dolly(*places, doubles(up, 3, "up"), start, stop))
+        line = {"from": doubles(start_at, 3, "start_at"), "to": doubles(stop_at, 3, "stop_at")}
+        places = {"target": doubles(target, 3, "target"), "up": doubles(up, 3, "up")}
+        return cls._generate("dolly", filled(_api.tides_dolly, **line, **places, start=start, stop=stop))
 
     @classmethod
     def handheld(
@@ -165,9 +167,10 @@ class Trajectory(Handle):
         up: Any = _UP,
     ) -> "Trajectory":
         """A camera held by hand: amplitudes are rms per axis [scene units], [rad]; `frequency` [Hz] of the slowest sine."""
-        places = (doubles(position, 3, "position"), doubles(target, 3, "target"), doubles(up, 3, "up"))
-        shake = (position_amplitude, rotation_amplitude, frequency, seed, start, stop)
-        return cls._generate("handheld", _api.tides_handheld(*places, *shake))
+        named = {"position": position, "target": target, "up": up}
+        places = {name: doubles(one, 3, name) for name, one in named.items()}
+        shake = {"position_amplitude": position_amplitude, "rotation_amplitude": rotation_amplitude, "frequency": frequency}
+        return cls._generate("handheld", filled(_api.tides_handheld, **places, **shake, seed=seed, start=start, stop=stop))
 
     @classmethod
     def load(cls, file: str | os.PathLike[str], **options: Any) -> "Trajectory":
@@ -306,8 +309,8 @@ class Camera:
     """A path and a lens: Camera(trajectory, intrinsics), or the lens by its numbers: Camera(trajectory, width=346, ...)."""
 
     def __init__(self, trajectory: Trajectory, intrinsics: Intrinsics | None = None, **lens: Any):
-        self.trajectory = trajectory
-        self.intrinsics = (intrinsics or Intrinsics()).copy(**lens)
+        self.trajectory = instance(trajectory, Trajectory, "Camera: trajectory")
+        self.intrinsics = given(intrinsics, Intrinsics, "Camera: intrinsics").copy(**lens)
         self.format, self.distorted, self.field_of_view_x = "", False, 0.0  #: what a file said, where it came from one
 
     @classmethod

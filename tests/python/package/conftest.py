@@ -2,12 +2,15 @@
 
 import collections
 import os
+import signal
 
 import numpy as np
 import pytest
 import tides
 
 os.environ.setdefault("TIDES_DEVICE", "reference")  # where a test names none
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # in the background of a script; what tests start would ignore theirs too
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 SIZE = (48, 36)
 CALLS = collections.Counter()

@@ -122,6 +122,16 @@ def test_psf(scene, camera):
         renderer.set_psf(2.0, "both")
 
 
+def test_an_image_tells_its_progress_and_stops(scene, camera):
+    renderer, told = tides.Renderer(scene, camera, device="reference"), []
+    whole = renderer.frame(0.02, progress=lambda *step: told.append(step))
+    assert told and all(0 <= fraction <= 1 and stage == "rendering" for fraction, stage in told)
+    for render in (renderer.frame, renderer.truth, renderer.expose):
+        with pytest.raises(tides.errors.Cancelled):
+            render(0.02, progress=lambda fraction, stage: True)
+    assert np.array_equal(renderer.frame(0.02)["L"], whole["L"])
+
+
 def test_run_of_frames(tmp_path):
     luminance, times = ramp()
     np.savez(tmp_path / "a.npz", Y=luminance, t=times)

@@ -28,6 +28,7 @@ def test_values_and_times():
     exposure = tides.Exposure(shutter="rolling", exposure_s=0.01, row_time_s=1e-3, frames_per_second=50, bits=16)
     assert np.allclose(exposure.times(11, 0, 0.1), [0.01, 0.03, 0.05, 0.07, 0.09])
     assert np.allclose(exposure.row(11, 0.01, 0), (0, 0.01)) and np.allclose(exposure.row(11, 0.01, 10), (0.01, 0.02))
+    assert exposure.span(11, 0.01) == (exposure.row(11, 0.01, 0)[0], exposure.row(11, 0.01, 10)[1])
     assert exposure.values(np.array([[0, 0.5, 1, 2]])).tolist() == [[0, 32768, 65535, 65535]]
     noisy = exposure.copy(full_well_e=5000, read_noise_e=4, seed=3)
     values = noisy.values(np.full((200, 200), 0.4)) / 65535

@@ -1,6 +1,9 @@
 """Live runs: steps give the events of a run that knows the path; wrong use says so."""
 
 import json
+import os
+import resource
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -137,17 +140,76 @@ def test_wrong_use_says_so(room):
         with pytest.raises(ValueError, match="follows the run's path"):
             live.path()
         live.step(None, 1e-2, objects={"ball": ((0.5, 0, 0), (1, 0, 0, 0))})
+        with pytest.raises(ValueError, match="follows the run's path"):
+            live.tell(still, 0.02)
         with pytest.raises(tides.errors.OutOfRange, match="ends at 0.02"):
             live.step(None, 0.1, objects={"ball": ((0.5, 0, 0), (1, 0, 0, 0))})
 
 
+def test_a_step_is_told_as_a_whole(room):
+    """Refused for one of them, it is refused for all, and taken once more gives what a run gives that was told nothing wrong."""
+    here, there, ball = ((0, 0, -4), (1, 0, 0, 0)), ((0.01, 0, -4), (1, 0, 0, 0)), ((0.1, 0, 0), (1, 0, 0, 0))
+    with tides.Live(room, objects=["ball"], max_speed=100, keep=True, device="reference-f32") as live:
+        with tides.Live(room, objects=["ball"], keep=True, device="reference-f32") as quiet:
+            for one in (live, quiet):
+                one.tell(here, 0)
+                one.tell(ball, 0, "ball")
+            for k in range(1, 4):
+                far, next_ball = ((9, 9, 9), (1, 0, 0, 0)), ((0.1 + 0.02 * k, 0, 0), (1, 0, 0, 0))
+                with pytest.raises(tides.errors.BadArgument, match="object 1: .*jump"):
+                    live.step(there, STEP, objects={"ball": far})
+                with pytest.raises(tides.errors.OutOfRange, match="ball.*hasn't been told"):
+                    live.step(there, STEP)
+                assert len(live.path()) == len(live.path("ball")) == k and live.time == quiet.time
+                moved = {"ball": next_ball}
+                assert np.array_equal(live.step(there, STEP, objects=moved), quiet.step(there, STEP, objects=moved))
+        assert live.stats.events > 0
+
+
+def test_nothing_is_lost(room, monkeypatch):
+    """A call that is interrupted gave its events to nobody, and one that fails half way too: the next call has them."""
+    at = [((0.02 * k, 0, -4), (1, 0, 0, 0)) for k in range(5)]
+    with tides.Live(room, device="reference-f32") as live, tides.Live(room, device="reference-f32") as quiet:
+
+        def interrupted(*arguments):  # as where a signal came while C worked
+            tides._call.call(*arguments)
+            raise KeyboardInterrupt
+
+        for one in (live, quiet):
+            one.tell(at[0], 0)
+        steps = [quiet.step(pose, STEP) for pose in at[1:]]
+        assert all(len(events) for events in steps)
+        for k in (1, 2):
+            with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+                patch.setattr("tides.live.call", interrupted)
+                live.step(at[k], STEP)
+            assert live.time == k * STEP
+        assert np.array_equal(live.step(at[3], STEP), np.concatenate(steps[:3]))
+        live.tell(at[4], 4 * STEP)
+        with pytest.raises(tides.errors.BadArgument, match="aren't finite"):
+            live.step(((0, 0, -1e300), (1, 0, 0, 0)), 2 * STEP)
+        assert live.time == 3 * STEP
+        assert np.array_equal(live.run(live.reached), steps[3]) and len(live.run(live.reached)) == 0
+
+
 def test_the_example_follows_its_ball(monkeypatch, tmp_path):
+    """0.4 s of it; `make check-live` takes ten, in which the process doesn't grow."""
     monkeypatch.syspath_prepend("python_ctypes/examples")
     import track_ball
 
-    rows = track_ball.track(0.4, "reference-f32")
+    seconds, pages, step = float(os.environ.get("TIDES_LIVE_SECONDS", 0.4)), [], tides.Live.step
+
+    def watched(live, *pose, **more):
+        pages.append(int(Path("/proc/self/statm").read_text().split()[1]))
+        return step(live, *pose, **more)
+
+    monkeypatch.setattr(tides.Live, "step", watched)
+    rows = track_ball.track(seconds, "reference-f32")
     off = np.linalg.norm(rows[:, 1:3] - rows[:, 3:5], axis=1) * 0.5 * track_ball.WIDTH / np.tan(0.5 * track_ball.VIEW)
-    assert len(rows) == 80 and rows[:, 5].sum() > 1000
-    assert off[0] > 10 and off[-20:].max() < 5  # it begins beside the ball, and finds it
+    assert len(rows) == len(pages) == round(seconds / track_ball.STEP_S) and rows[:, 5].sum() > 1000
+    assert off[0] > 10 and off[60:].max() < 8  # [px]: it begins beside the ball, finds it, and keeps it
+    grown = (pages[-1] - pages[min(200, len(pages) // 2)]) * resource.getpagesize()
+    print(f"{len(rows)} steps, off by {off[60:].max():.1f} px at most, {grown / 1024:.0f} KiB more at the end than after step 200")
+    assert grown < 4 << 20
     picture = track_ball.panel("off [px]", rows[:, 0], [("", off)])
     tides.image.write_png(tmp_path / "a.png", np.ascontiguousarray(picture))

@@ -78,6 +78,22 @@ def test_scenes(tmp_path, cloud):
     assert np.array_equal(crossed(opened)[0].gaussians.mean, opened[0].gaussians.mean)
 
 
+def test_up_goes_with_a_scene(tmp_path, cloud):
+    scene = tides.Scene()
+    scene.add(cloud)
+    assert scene.up is None and crossed(scene).up is None and scene.orbit().at(0).rotation[:, 1] @ (0, 1, 0) > 0.5  # y down
+    scene.up = (0, 1, 0)
+    assert scene.up == crossed(scene).up == (0, 1, 0) and scene.orbit().at(0).rotation[:, 1] @ (0, 1, 0) < -0.5
+    scene.save(tmp_path / "up.ply")
+    assert tides.Scene(tmp_path / "up.ply").up == (0, 1, 0)
+    with pytest.raises(ValueError, match="up: shape"):
+        scene.up = (1, 2)
+    scene.up = None
+    assert scene.up is None
+    opened, _ = tides.Run(tmp_path / "up.ply").open()
+    assert opened.up == crossed(opened).up == (0, 1, 0)
+
+
 def test_moving_scenes(tmp_path, cloud):
     random = np.random.default_rng(7)
     scene, n = tides.Scene(), len(cloud)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -119,6 +120,38 @@ def test_what_is_spent_says_so(scene, camera, events, tmp_path):
     assert np.array_equal(tides.read_events(tmp_path / "events.h5"), events)  # a second write leaves the first
     simulation = again(scene, camera)
     assert np.array_equal(simulation.run(0.1), events) and len(simulation.run()) == 0  # to a time: there may be a rest
+
+
+def test_a_view_of_nothing_says_so(scene, tmp_path):
+    """A camera that looks away has no events, and its user hears why; one that stands still before a scene doesn't."""
+    lens = tides.Intrinsics.from_fov(*SIZE, 0.8)
+    stepping = tides.Stepping(mode="fixed", step_s=0.01)
+    away = tides.Camera(tides.Trajectory.static((0, 0, -4), (0, 1, 0, 0)), lens)
+    for take in (lambda one: one.run(), lambda one: list(one), lambda one: one.write(tmp_path / "no.h5")):
+        simulation = tides.Simulation(scene, away, 0, 0.02, stepping=stepping, device="reference")
+        with pytest.warns(UserWarning, match="nothing of the scene was in view"):
+            take(simulation)
+        assert simulation.stats.events == 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        still = tides.Camera(tides.Trajectory.static((0, 0, -4)), lens)
+        assert len(tides.Simulation(scene, still, 0, 0.02, stepping=stepping, device="reference").run()) == 0
+
+
+def test_a_session_of_nothing_says_so(tmp_path):
+    away = {"exposure.frames_per_second": 100, "exposure.exposure_s": 0.001, "time.stop": 0.02}
+    (tmp_path / "away.txt").write_text("0 0 0 -4 0 1 0 0\n")
+    away["camera.file"] = str(tmp_path / "away.txt")
+    session = tides.Session("tests/install/run.json", away, device="reference")
+    ways = {
+        "simulate": session.simulate,
+        "write": lambda: session.write(tmp_path / "no.h5"),
+        "frames": lambda: session.write_frames(tmp_path / "frames"),
+        "dataset": lambda: session.dataset(tmp_path / "set", "blinkflow"),
+    }
+    for way in ways.values():
+        with pytest.warns(UserWarning, match="nothing of the scene was in view"):
+            way()
 
 
 def test_absolute_times(scene, camera, tmp_path):
@@ -268,6 +301,21 @@ def test_interrupted_file_goes_on(scene, camera, events, tmp_path):
     with pytest.raises(ValueError, match="HDF5"):
         again(scene, camera).write(tmp_path / "events.raw", resume=True)
     assert tides.can_resume("a.h5") and not tides.can_resume("a.raw")
+
+
+def test_finished_file_is_extended(scene, camera, events, tmp_path):
+    file = tmp_path / "events.h5"
+    for stop in (0.043, 0.06):  # within a step, and once more
+        again(scene, camera, stop=stop).write(file, resume=file.exists(), keep_checkpoint=True)
+        assert sorted(os.listdir(tmp_path)) == ["events.h5", "events.h5.checkpoint"]
+    shorter = tides.read_events(file)
+    assert 0 < len(shorter) < len(events)
+    assert again(scene, camera).write(file, resume=True).events_written == len(events)
+    assert np.array_equal(tides.read_events(file), events) and os.listdir(tmp_path) == ["events.h5"]
+    with pytest.raises(tides.errors.FileMissing, match="events.h5.checkpoint"):
+        again(scene, camera).write(file, resume=True)
+    with pytest.raises(ValueError, match="HDF5"):
+        again(scene, camera).write(tmp_path / "events.raw", keep_checkpoint=True)
 
 
 # -- threads --------------------------------------------------------------------------------------------------------------

@@ -66,6 +66,31 @@ def test_wrong_types_name_field_and_expectation():
     assert tides.ImageParams(luminance=np.array([0, 1, 0])).luminance == (0, 1, 0)
 
 
+def test_wrong_arguments_name_themselves():
+    run = tides.Run(RUN)
+    scene, camera = run.open()
+    renderer = tides.Renderer(scene, camera, device="reference")
+    for wrong, message in (
+        (lambda: tides.Simulation("room.ply", camera), "Simulation: scene: 'room.ply', where a Scene is needed"),
+        (lambda: tides.Simulation(scene, camera.trajectory), "Simulation: camera: .*, where a Camera is needed"),
+        (lambda: tides.Simulation(scene, camera, sensor=0.3), "Simulation: sensor: 0.3, where a Sensor is needed"),
+        (lambda: tides.Simulation(scene, camera, stepping="error"), "Simulation: stepping: 'error', where a Stepping"),
+        (lambda: tides.Simulation(scene, camera, readout=1), "Simulation: readout: 1, where a Readout is needed"),
+        (lambda: tides.Renderer(scene, camera, image="inria"), "Renderer: image: 'inria', where an ImageParams is needed"),
+        (lambda: tides.Camera("path.txt"), "Camera: trajectory: 'path.txt', where a Trajectory is needed"),
+        (lambda: tides.Camera(camera.trajectory, (64, 48)), "Camera: intrinsics: .64, 48., where an Intrinsics is needed"),
+        (lambda: renderer.frame("0.1"), "time: '0.1', where a number is needed"),
+        (lambda: renderer.frame(0.01, trajectory=camera), "trajectory: Camera.*, where a Trajectory is needed"),
+        (lambda: tides.Trajectory.orbit(radius="far"), "tides_orbit.radius: 'far', where a number is needed"),
+        (lambda: tides.Trajectory.handheld((0, 0, 0), (0, 0, 1), seed=0.5), "tides_handheld.seed: 0.5, where a whole number"),
+        (lambda: tides.Scene(RUN.replace("run.json", "scene.ply"), scale="1"), "scale: '1', where a number is needed"),
+        (lambda: tides.Run(RUN, "sensor.seed=1"), "settings of the run file: 'sensor.seed=1', where a dict is needed"),
+        (lambda: tides.Sensor(0.3), "Sensor: 0.3 has no name: its fields are given as name=value"),
+    ):
+        with pytest.raises(TypeError, match=message):
+            wrong()
+
+
 def test_presets(tmp_path):
     run = tides.Run(RUN, {"sensor.preset": "davis346"})
     sensor = tides.Sensor(preset="davis346", threshold_on=0.3)
