@@ -1,9 +1,9 @@
 /* tides batch: a manifest's runs, each in a folder of its own, several at a time, and gone on with after any interruption.
  *
- * A folder DIR/NAME holds job.json (what was started), events.h5 or, with dataset.layout, dataset/, stats.json, log.txt, and
- * once the run has ended result.json, or failure.json (job.json and "error"). They carry a hash of the resolved run and of the
- * files that it reads: a result with the run's hash is skipped, a checkpoint under a job with the run's hash is gone on with,
- * anything else starts anew. */
+ * A folder DIR/NAME holds job.json (what was started), events.h5 and stats.json or, with dataset.layout, dataset/, or what the
+ * run's command makes, log.txt, and once the run has ended result.json, or failure.json (job.json and "error"). They carry a
+ * hash of the resolved run, its command and the files that it reads: a result with the run's hash is skipped, a checkpoint
+ * under a job with the run's hash is gone on with, anything else starts anew. */
 #ifndef CLI_BATCH_H
 #define CLI_BATCH_H
 
@@ -20,6 +20,9 @@ typedef struct batch_run {
     char *file;  /* run file */
     char **sets; /* "key=value", `count` of them */
     size_t count;
+    char *command; /* another command than simulate, which makes one thing of the run; NULL: events, or a dataset */
+    char **option; /* of its command line, `options` of them */
+    size_t options;
     char *layouts;   /* dataset.layout: a dataset is made; NULL: events */
     char *directory; /* DIR/NAME */
     char hash[BATCH_HASH];
@@ -58,9 +61,14 @@ tides_status batch_prepare(batch *b, tides_error *error);
 
 /* batch_job.c: the run itself, to be called in a process of its own. */
 int batch_job(const batch *b, const batch_run *run);
-/* batch_dataset.c: the dataset, and stats.json; what an earlier one left, removed. */
+/* batch_dataset.c: the dataset, and stats.json. */
 tides_status batch_dataset(const batch *b, const batch_run *run, const char *stats, tides_error *error);
-tides_status batch_dataset_clear(const batch_run *run, tides_error *error);
+/* batch_command.c: TIDES_BAD_CONFIG where a batch has no such command; what a run makes, in its folder; what it made, or would
+ * have by another command, removed; and the command of one that has one, run: its exit code. */
+tides_status batch_check_command(const batch *b, const char *name, tides_error *error);
+const char *batch_output(const batch_run *run);
+tides_status batch_clear(const batch_run *run, tides_error *error);
+int batch_command(const batch *b, const batch_run *run);
 /* A file, link or folder, whatever is in it; what isn't there is fine. */
 tides_status batch_remove(const char *path, tides_error *error);
 /* The last line that the run's process said, allocated; NULL: out of memory. */

@@ -32,17 +32,6 @@ tides_status batch_remove(const char *path, tides_error *error) {
     return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be removed: %s", path, strerror(errno));
 }
 
-tides_status batch_dataset_clear(const batch_run *run, tides_error *error) {
-    static const char *const names[] = {"stats.json", "dataset", "dataset.part"};
-    tides_status status = TIDES_OK;
-    for (int i = 0; i < 3 && status == TIDES_OK; i++) {
-        char *path = batch_text("%s/%s", run->directory, names[i]);
-        status = path ? batch_remove(path, error) : batch_no_memory(error);
-        free(path);
-    }
-    return status;
-}
-
 static tides_status write_stats(const batch_run *run, const tides_session *session, const tides_dataset_report *report,
                                 const char *path, tides_error *error) {
     tides_session_facts facts;
@@ -50,6 +39,7 @@ static tides_status write_stats(const batch_run *run, const tides_session *sessi
     cJSON *stats = cJSON_CreateObject();
     cJSON_AddStringToObject(stats, "layout", run->layouts);
     cJSON_AddNumberToObject(stats, "cameras", report->cameras);
+    cJSON_AddNumberToObject(stats, "unseeing", report->unseeing);
     cJSON_AddNumberToObject(stats, "events", (double)report->events);
     cJSON_AddNumberToObject(stats, "pictures", report->pictures);
     cJSON_AddNumberToObject(stats, "truths", report->truths);

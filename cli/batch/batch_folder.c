@@ -5,16 +5,23 @@
 #include <string.h>
 #include <unistd.h>
 
+static int32_t add_texts(cJSON *json, const char *key, char *const *texts, size_t count) {
+    cJSON *array = cJSON_AddArrayToObject(json, key);
+    int32_t ok = array != NULL;
+    for (size_t i = 0; ok && i < count; i++) {
+        cJSON *text = cJSON_CreateString(texts[i]);
+        ok = text && cJSON_AddItemToArray(array, text);
+    }
+    return ok;
+}
+
 cJSON *batch_describe(const batch_run *run) {
     cJSON *json = cJSON_CreateObject();
     int32_t ok = cJSON_AddStringToObject(json, "name", run->name) && cJSON_AddStringToObject(json, "hash", run->hash);
     ok = ok && cJSON_AddStringToObject(json, "file", run->file);
-    cJSON *sets = ok ? cJSON_AddArrayToObject(json, "set") : NULL;
-    ok = sets != NULL;
-    for (size_t i = 0; ok && i < run->count; i++) {
-        cJSON *text = cJSON_CreateString(run->sets[i]);
-        ok = text && cJSON_AddItemToArray(sets, text);
-    }
+    ok = ok && add_texts(json, "set", run->sets, run->count);
+    if (ok && run->command)
+        ok = cJSON_AddStringToObject(json, "command", run->command) && add_texts(json, "options", run->option, run->options);
     if (ok) return json;
     cJSON_Delete(json);
     return NULL;
@@ -41,7 +48,7 @@ static int32_t is_there(const batch_run *run, const char *name) {
 }
 
 int32_t batch_is_made(const batch_run *run) {
-    return is_there(run, run->layouts ? "dataset" : "events.h5") && is_there(run, "stats.json");
+    return is_there(run, batch_output(run)) && (run->command || is_there(run, "stats.json"));
 }
 
 int32_t batch_is_finished(const batch_run *run) {

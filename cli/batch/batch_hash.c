@@ -3,6 +3,8 @@
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 /* Memory of a run: a process with an OpenCL compiler in it; a scene in the file's form, unpacked, and on the device; state and
  * channels of a pixel. Coarse, and corrected by the first run that ends (batch_pool.c). */
@@ -11,6 +13,18 @@
 #define PIXEL_BYTES 600.0
 /* Where only the path file knows. */
 #define UNKNOWN_PIXELS (1280.0 * 720.0)
+
+/* What a run depends on beside its files: the device, and the command that makes it. NULL: out of memory. */
+static char *circumstances(const batch *b, const batch_run *run) {
+    const char *device = b->common->device ? b->common->device : "";
+    char *all = run->command ? batch_text("%s\n%s", device, run->command) : batch_text("%s", device);
+    for (size_t i = 0; all && i < run->options; i++) {
+        char *longer = batch_text("%s\n%s", all, run->option[i]);
+        free(all);
+        all = longer;
+    }
+    return all;
+}
 
 /* A run that the reader refuses is the manifest's fault, and an error; a file that isn't there is this run's alone. */
 static tides_status prepare(const batch *b, tides_fingerprints *prints, batch_run *run, tides_error *error) {
@@ -21,13 +35,24 @@ static tides_status prepare(const batch *b, tides_fingerprints *prints, batch_ru
     tides_status status = tides_run_load(run->file, (const char *const *)run->sets, run->count, &loaded, &reason);
     if (status != TIDES_OK) return cli_error(error, status, "%s: %s: %.800s", b->manifest, run->name, reason.text);
     tides_run_get(loaded, &v);
-    status = tides_fingerprints_run(prints, loaded, b->common->device, &print, &reason);
+    char *with = circumstances(b, run);
+    if (!with) {
+        tides_run_destroy(loaded);
+        return batch_no_memory(error);
+    }
+    if (v.frames_file && strcmp(v.frames_file, "-") == 0)
+        status = cli_error(&reason, TIDES_BAD_CONFIG,
+                           "frames come from a pipe (-), and a batch has none to read: save the video as .y4m");
+    else
+        status = tides_fingerprints_run(prints, loaded, with, &print, &reason);
+    free(with);
     const double pixels = (double)v.intrinsics.width * v.intrinsics.height;
     const double held = (double)(v.frames_file ? print.largest : print.bytes); /* frames are read one by one */
     run->estimate = PROCESS_BYTES + SCENE_FACTOR * held + PIXEL_BYTES * (pixels > 0 ? pixels : UNKNOWN_PIXELS);
     snprintf(run->hash, sizeof run->hash, "%016" PRIx64, print.hash);
-    run->layouts = v.dataset_layout ? batch_text("%s", v.dataset_layout) : NULL;
-    const int32_t short_of_memory = v.dataset_layout && !run->layouts;
+    const int32_t is_dataset = v.dataset_layout && !run->command;
+    run->layouts = is_dataset ? batch_text("%s", v.dataset_layout) : NULL;
+    const int32_t short_of_memory = is_dataset && !run->layouts;
     tides_run_destroy(loaded);
     if (short_of_memory) return batch_no_memory(error);
     if (status == TIDES_OK) return TIDES_OK;

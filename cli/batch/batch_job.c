@@ -58,9 +58,10 @@ static tides_status write_result(const batch_run *run, const job_files *files, t
     static const char *const of_dataset[] = {"layout", "cameras", "events", "pictures", "truths", "poses",
                                              "width",  "height",  "device", "version",  "seed",   NULL};
     const char *const *kept = run->layouts ? of_dataset : of_events;
-    cJSON *result = batch_describe(run), *stats = batch_read_json(files->stats);
-    int32_t ok = result && stats;
-    for (size_t i = 0; ok && kept[i]; i++) {
+    cJSON *result = batch_describe(run), *stats = run->command ? NULL : batch_read_json(files->stats);
+    int32_t ok = result && (stats || run->command);
+    if (ok && run->command) ok = cJSON_AddStringToObject(result, "version", tides_version()) != NULL;
+    for (size_t i = 0; ok && stats && kept[i]; i++) {
         cJSON *copy = cJSON_Duplicate(cJSON_GetObjectItemCaseSensitive(stats, kept[i]), 1);
         ok = copy && cJSON_AddItemToObject(result, kept[i], copy);
     }
@@ -79,10 +80,10 @@ static tides_status begin(const batch_run *run, const job_files *files, int32_t 
     if (status != TIDES_OK) return status;
     char *checkpoint = batch_text("%s.checkpoint", files->events);
     if (!checkpoint) return batch_no_memory(error);
-    *resume = batch_has_hash(files->job, run) && (run->layouts ? batch_is_made(run) : access(checkpoint, F_OK) == 0);
-    if (!*resume) status = batch_remove(checkpoint, error);
-    if (!*resume && status == TIDES_OK && run->layouts) status = batch_dataset_clear(run, error);
+    *resume =
+        batch_has_hash(files->job, run) && !run->command && (run->layouts ? batch_is_made(run) : access(checkpoint, F_OK) == 0);
     free(checkpoint);
+    if (!*resume) status = batch_clear(run, error);
     if (status != TIDES_OK) return status;
     cJSON *json = batch_describe(run);
     status = batch_write_json(files->job, json, error);
@@ -132,7 +133,8 @@ int batch_job(const batch *b, const batch_run *run) {
     if (ftruncate(STDERR_FILENO, 0) != 0)
         status = cli_error(&error, TIDES_WRITE_FAILED, "%s/log.txt: can't be emptied: %s", run->directory, strerror(errno));
     if (status == TIDES_OK) status = begin(run, &files, &resume, &error);
-    if (status == TIDES_OK && !run->layouts) code = simulate(b, run, &files, resume);
+    if (status == TIDES_OK && run->command) code = batch_command(b, run);
+    if (status == TIDES_OK && !run->command && !run->layouts) code = simulate(b, run, &files, resume);
     if (status == TIDES_OK && run->layouts && !resume) status = batch_dataset(b, run, files.stats, &error);
     if (status == TIDES_OK && code == CLI_OK) status = write_result(run, &files, &error);
     free_files(&files);

@@ -14,12 +14,20 @@ static tides_status wrong(const batch *b, tides_error *error, const char *what, 
     return cli_error(error, TIDES_BAD_CONFIG, "%s: %.200s %s", b->manifest, name, what);
 }
 
+/* What runs have in common: the manifest's "set", and who says what makes them ("command", "options"). */
+typedef struct shared {
+    const cJSON *set, *how;
+} shared;
+
 static void free_run(batch_run *run) {
     for (size_t i = 0; run->sets && i < run->count; i++) free(run->sets[i]);
     free(run->sets);
     free(run->name);
     free(run->file);
     free(run->layouts);
+    for (size_t i = 0; run->option && i < run->options; i++) free(run->option[i]);
+    free(run->option);
+    free(run->command);
     free(run->directory);
     free(run->error);
 }
@@ -59,7 +67,7 @@ static tides_status add_sets(batch_run *run, const cJSON *common, const cJSON *o
 }
 
 /* "sensor.threshold_on=0.1,seed=2": from what the run sets, so that a grid that grows keeps its names. What a file's name
- * can't hold becomes '-', and what that or the length loses, a hash says. */
+ * can't hold becomes '-' ('_' where it begins: no hidden folder, no option), and what that or the length loses, a hash says. */
 static char *grid_name(const batch_run *run, size_t first) {
     char name[NAME_MAX_LENGTH + 1];
     size_t used = 0;
@@ -68,12 +76,11 @@ static char *grid_name(const batch_run *run, size_t first) {
     for (size_t i = first; i < run->count; i++) {
         for (const char *at = run->sets[i]; at[0]; at++) {
             if (*at == '"') continue;
-            const int32_t plain = isalnum((unsigned char)*at) || strchr("._=+-", *at);
-            lost |= !plain;
-            if (used < NAME_MAX_LENGTH - 20)
-                name[used++] = plain ? *at : '-';
-            else
-                lost = 1;
+            const int32_t plain = isalnum((unsigned char)*at) || strchr(used ? "._=+-" : "_=+", *at);
+            lost |= !plain || used >= NAME_MAX_LENGTH - 20;
+            if (used >= NAME_MAX_LENGTH - 20) continue;
+            name[used] = plain ? *at : used ? '-' : '_';
+            used++;
         }
         if (i + 1 < run->count && used < NAME_MAX_LENGTH - 20) name[used++] = ',';
     }
@@ -111,20 +118,38 @@ static batch_run *next_run(batch *b, tides_error *error) {
     return run;
 }
 
-static tides_status add_run(batch *b, const char *name, const char *file, const cJSON *common, const cJSON *own,
+/* What a run's command is, from its own entry or the manifest's: "command" and "options". */
+static tides_status add_command(const batch *b, batch_run *run, const cJSON *from, tides_error *error) {
+    const cJSON *command = cJSON_GetObjectItemCaseSensitive(from, "command"), *option = NULL;
+    const cJSON *options = cJSON_GetObjectItemCaseSensitive(from, "options");
+    if (options && !command) return wrong(b, error, "are given without a command", "options");
+    if (!command || strcmp(command->valuestring, "simulate") == 0)
+        return options ? wrong(b, error, "takes no options here; set keys", "simulate") : TIDES_OK;
+    run->command = batch_text("%s", command->valuestring);
+    run->option = calloc((size_t)cJSON_GetArraySize(options) + 1, sizeof *run->option);
+    if (!run->command || !run->option) return batch_no_memory(error);
+    cJSON_ArrayForEach(option, options) {
+        if (!cJSON_IsString(option)) return wrong(b, error, "holds something else than texts", "options");
+        if (!(run->option[run->options++] = batch_text("%s", option->valuestring))) return batch_no_memory(error);
+    }
+    return TIDES_OK;
+}
+
+static tides_status add_run(batch *b, const char *name, const char *file, const shared *common, const cJSON *own,
                             const int *indices, tides_error *error) {
     batch_run *run = next_run(b, error);
     if (!run) return error->status;
-    tides_status status = add_sets(run, common, own, indices, error);
+    tides_status status = add_sets(run, common->set, own, indices, error);
+    if (status == TIDES_OK) status = add_command(b, run, common->how, error);
     if (status != TIDES_OK) return status;
-    run->name = name ? batch_text("%s", name) : grid_name(run, (size_t)cJSON_GetArraySize(common));
+    run->name = name ? batch_text("%s", name) : grid_name(run, (size_t)cJSON_GetArraySize(common->set));
     run->file = beside(b, file);
     run->directory = run->name ? batch_text("%s/%s", b->directory, run->name) : NULL;
     return run->directory && run->file ? TIDES_OK : batch_no_memory(error);
 }
 
 /* Every combination; the last key varies fastest. */
-static tides_status add_grid(batch *b, const char *base, const cJSON *common, const cJSON *grid, tides_error *error) {
+static tides_status add_grid(batch *b, const char *base, const shared *common, const cJSON *grid, tides_error *error) {
     enum { KEYS = 32 };
     int at[KEYS] = {0}, sizes[KEYS], keys = 0;
     for (const cJSON *item = grid->child; item; item = item->next) {
@@ -169,23 +194,33 @@ static const cJSON *member(const batch *b, const cJSON *object, const char *name
     return NULL;
 }
 
-static tides_status add_listed(batch *b, const cJSON *base, const cJSON *common, const cJSON *entry, tides_error *error) {
-    static const char *const known[] = {"name", "file", "set", NULL};
+/* "command" and "options" of an object: types, and a command that there is. */
+static void check_command(const batch *b, const cJSON *object, tides_status *status, tides_error *error) {
+    const cJSON *command = member(b, object, "command", cJSON_String, status, error);
+    (void)member(b, object, "options", cJSON_Array, status, error);
+    if (*status == TIDES_OK && command) *status = batch_check_command(b, command->valuestring, error);
+}
+
+static tides_status add_listed(batch *b, const cJSON *base, const shared *common, const cJSON *entry, tides_error *error) {
+    static const char *const known[] = {"name", "file", "set", "command", "options", NULL};
     if (!cJSON_IsObject(entry)) return wrong(b, error, "holds something else than { \"name\": ..., \"set\": {...} }", "runs");
     tides_status status = check_keys(b, entry, known, error);
     const cJSON *name = member(b, entry, "name", cJSON_String, &status, error);
     const cJSON *file = member(b, entry, "file", cJSON_String, &status, error);
     const cJSON *set = member(b, entry, "set", cJSON_Object, &status, error);
+    check_command(b, entry, &status, error);
     if (status != TIDES_OK) return status;
+    const int32_t says = cJSON_HasObjectItem(entry, "command") || cJSON_HasObjectItem(entry, "options");
+    const shared own = {common->set, says ? entry : common->how};
     if (!name) return wrong(b, error, "holds a run without a name", "runs");
     if (!is_name(name->valuestring))
         return wrong(b, error, "is no name for a folder: use letters, digits and ._=,+-", name->valuestring);
     if (!file) file = base;
     if (!file) return wrong(b, error, "names no file, and there is no base", name->valuestring);
-    return add_run(b, name->valuestring, file->valuestring, common, set, NULL, error);
+    return add_run(b, name->valuestring, file->valuestring, &own, set, NULL, error);
 }
 
-static tides_status add_draw(batch *b, const cJSON *base, const cJSON *common, const cJSON *from, const char *seed, int index,
+static tides_status add_draw(batch *b, const cJSON *base, const shared *common, const cJSON *from, const char *seed, int index,
                              tides_error *error) {
     char name[32];
     snprintf(name, sizeof name, "draw-%05d", index);
@@ -196,7 +231,7 @@ static tides_status add_draw(batch *b, const cJSON *base, const cJSON *common, c
     return status;
 }
 
-static tides_status add_draws(batch *b, const cJSON *base, const cJSON *common, const cJSON *draw, tides_error *error) {
+static tides_status add_draws(batch *b, const cJSON *base, const shared *common, const cJSON *draw, tides_error *error) {
     static const char *const known[] = {"count", "seed", "set", NULL};
     tides_status status = check_keys(b, draw, known, error);
     const cJSON *count = member(b, draw, "count", cJSON_Number, &status, error);
@@ -214,10 +249,11 @@ static tides_status add_draws(batch *b, const cJSON *base, const cJSON *common, 
 }
 
 static tides_status add_all(batch *b, const cJSON *root, tides_error *error) {
-    static const char *const known[] = {"base", "set", "grid", "runs", "draw", NULL};
+    static const char *const known[] = {"base", "set", "grid", "runs", "draw", "command", "options", NULL};
     tides_status status = check_keys(b, root, known, error);
     const cJSON *base = member(b, root, "base", cJSON_String, &status, error);
-    const cJSON *common = member(b, root, "set", cJSON_Object, &status, error);
+    const shared all = {member(b, root, "set", cJSON_Object, &status, error), root}, *common = &all;
+    check_command(b, root, &status, error);
     const cJSON *grid = member(b, root, "grid", cJSON_Object, &status, error);
     const cJSON *runs = member(b, root, "runs", cJSON_Array, &status, error);
     const cJSON *draw = member(b, root, "draw", cJSON_Object, &status, error);

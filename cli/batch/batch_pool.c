@@ -47,7 +47,8 @@ static void say(const pool *p, const batch_run *run) {
     } else {
         char *path = batch_text("%s/stats.json", run->directory), events[24];
         cJSON *stats = path ? batch_read_json(path) : NULL;
-        fprintf(stderr, "%s events", cli_count(number_of(stats, "events"), events));
+        fprintf(stderr, "%s", run->command ? batch_output(run) : cli_count(number_of(stats, "events"), events));
+        if (!run->command) fputs(" events", stderr);
         if (run->earlier)
             fputs(", finished before\n", stderr);
         else

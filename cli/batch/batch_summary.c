@@ -54,11 +54,14 @@ static void put_csv(FILE *file, const void *root) {
     const cJSON *row = NULL;
     fputs("name,state", file);
     for (size_t i = 0; i < COLUMNS; i++) fprintf(file, ",%s", columns[i]);
-    fputs(",set,error\n", file);
+    fputs(",command,set,error\n", file);
     cJSON_ArrayForEach(row, cJSON_GetObjectItemCaseSensitive(root, "runs")) {
         cli_csv_text(file, cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(row, "name")));
         cli_csv_value(file, cJSON_GetObjectItemCaseSensitive(row, "state"));
         for (size_t i = 0; i < COLUMNS; i++) cli_csv_value(file, cJSON_GetObjectItemCaseSensitive(row, columns[i]));
+        const char *command = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(row, "command"));
+        putc(',', file);
+        cli_csv_text(file, command ? command : "simulate");
         put_sets(file, cJSON_GetObjectItemCaseSensitive(row, "set"));
         cli_csv_value(file, cJSON_GetObjectItemCaseSensitive(row, "error"));
         putc('\n', file);

@@ -124,6 +124,7 @@ static pid_t start_job(making *m) {
     const cli_job job = {.run = m->job->file, .events = m->path, .sets = &m->sets, .checkpoint_s = 1e-3, .resume = 1};
     const pid_t parent = getpid(), child = fork();
     if (child != 0) return child;
+    if (m->job->way->signal) signal(m->job->way->signal, SIG_DFL); /* a shell's `&` has its jobs ignore SIGINT */
     tides_error ignored = {TIDES_OK, ""};
     const tides_status together = batch_end_with(parent, &ignored);
     if (m->job->way->signal && !freopen("/dev/null", "w", stderr)) _exit(CLI_FAILED); /* it says that it was stopped */

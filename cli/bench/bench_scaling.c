@@ -118,6 +118,14 @@ static const share_aim share_aims[] = {
     {"two threads against one", "threads", "random run, wall time", "times", 1, 2, 1.8, OF_WALL, 1},
 };
 
+/* What two threads are worth by processors' time, which a busy machine doesn't blur: host and device wait for each other. */
+static const char *host_note(const scaling_result *one, char *note, size_t size) {
+    const double device = one->processor_s - one->host_s;
+    snprintf(note, size, "(%.3g by processors' time: of %.3g s %.3g are the host's)",
+             one->processor_s / (one->host_s + 0.5 * device), one->processor_s, one->host_s);
+    return note;
+}
+
 static tides_status add_shares(cJSON *targets, const scaling_line *lines, size_t count, tides_error *error) {
     tides_status status = TIDES_OK;
     for (size_t i = 0; i < sizeof share_aims / sizeof *share_aims && status == TIDES_OK; i++) {
@@ -125,9 +133,11 @@ static tides_status add_shares(cJSON *targets, const scaling_line *lines, size_t
         const scaling_line *line = find_line(lines, count, aim->axis);
         const scaling_result *of = find_point(line, aim->of), *over = find_point(line, aim->over);
         if (!of || !over) continue;
+        char note[80];
         const bench_target target = {.name = aim->name,
                                      .subject = aim->subject,
                                      .unit = aim->unit,
+                                     .note = aim->what == OF_WALL ? host_note(of, note, sizeof note) : NULL,
                                      .measured = quantity(of, aim->what) / quantity(over, aim->what),
                                      .bound = aim->bound,
                                      .least = aim->least};
@@ -202,6 +212,7 @@ static int32_t cells_of(const void *rows, size_t index, bench_cell cells[BENCH_C
         {"runs", NULL, r->point->runs},
         {"time_s", NULL, r->point->time_s},
         {"processor_time_s", NULL, r->point->processor_s},
+        {"host_time_s", NULL, r->point->host_s},
         {"exponent", NULL, r->line->exponent},
         {"exponent_at_end", NULL, r->line->exponent_end},
         {"events", NULL, (double)r->point->stats.events},

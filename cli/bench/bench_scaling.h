@@ -35,6 +35,7 @@ const scaling_axis *scaling_axes(size_t *count);
 typedef struct scaling_result {
     double x;
     double time_s, processor_s; /* of a frame, or of the run without kernel builds; the least of some */
+    double host_s;              /* of processor_s the calling thread's: what more threads don't divide */
     int32_t runs, failed;
     tides_stats stats; /* of the last run; of frames what the last one projected and composited */
     uint64_t peak_bytes;

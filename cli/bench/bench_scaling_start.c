@@ -58,20 +58,14 @@ static tides_status start_without_kernels(bench *b, const scaling_world *w, scal
     setenv("POCL_CACHE_DIR", cache, 1);
     status = start_once(b, w, &r->time_s, error);
     remove_folder(cache);
-    r->runs = 1;
     return status;
 }
 
 tides_status scaling_start(bench *b, const scaling_world *w, scaling_result *r, tides_error *error) {
-    tides_status status = TIDES_OK;
-    const double processor = bench_processor_s(1);
-    if (w->kernels) {
-        status = start_without_kernels(b, w, r, error);
-        r->processor_s = bench_processor_s(1) - processor;
-        return status;
-    }
-    status = start_once(b, w, &r->time_s, error);
+    const double processor = bench_processor_s(1), own = bench_processor_s(0);
+    tides_status status = w->kernels ? start_without_kernels(b, w, r, error) : start_once(b, w, &r->time_s, error);
     r->processor_s = bench_processor_s(1) - processor;
+    r->host_s = bench_processor_s(0) - own;
     r->runs = 1;
     return status;
 }

@@ -164,7 +164,8 @@ static tides_status make_trained(bench_scene *s, const char *file, tides_error *
 
 /* -- the table ------------------------------------------------------------------------------------------------------------- */
 
-/* Under error control each macro step in which something moves is looked into, so that its steps are half as long at most. */
+/* Under error control each macro step in which something moves is looked into, so that its steps are half as long at most.
+ * Macro steps are a run file's default, 10 ms, or the whole run. */
 static const recipe recipes[] = {
     {"fan", "a textured fan before a room, handheld camera", make_fan, NULL, 240, 180, 0.005, 0.005, 0},
     {"handheld", "a textured room at rest, handheld camera", make_handheld, NULL, 240, 180, 0.005, 0.005, 0},
@@ -174,13 +175,13 @@ static const recipe recipes[] = {
      0.0147, 0.010, 5e-4},
     {"flicker", "textured planes under lamps at 100 Hz and 1 kHz, camera at rest", make_flicker, NULL, 120, 90, 0.0103, 0.010,
      1e-4},
-    {"trained", "guitar of 20 000 splats, camera in orbit", NULL, "playcanvas/guitar_20k_inria_sh0.ply", 240, 180, 0.006, 0.002,
-     0},
+    {"trained", "guitar of 20 000 splats, camera in orbit", NULL, "playcanvas/guitar_20k_inria_sh0.ply", 240, 180, 0.006, 0.006,
+     2.5e-4},
     {"playbot", "playbot of 3 000 splats, camera in orbit", NULL, "playcanvas/playbot_lod5_inria_sh2.ply", 240, 180, 0.006,
-     0.002, 0},
+     0.006, 2.5e-4},
 };
 enum { RECIPES = sizeof recipes / sizeof recipes[0] };
-static const recipe any_file = {"", "a trained scene, camera in orbit", NULL, NULL, 240, 180, 0.006, 0.003, 0};
+static const recipe any_file = {"", "a trained scene, camera in orbit", NULL, NULL, 240, 180, 0.006, 0.006, 2.5e-4};
 
 const char *const *bench_scene_names(void) {
     static const char *const names[] = {"fan",     "handheld", "occluder", "nearly_static", "vibration", "flicker",

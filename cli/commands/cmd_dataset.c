@@ -26,6 +26,7 @@ static cJSON *facts_of(const char *folder, const tides_dataset_report *report) {
     cJSON *facts = cJSON_CreateObject();
     cJSON_AddStringToObject(facts, "folder", folder);
     cJSON_AddNumberToObject(facts, "cameras", report->cameras);
+    cJSON_AddNumberToObject(facts, "unseeing", report->unseeing);
     cJSON_AddNumberToObject(facts, "events", (double)report->events);
     cJSON_AddNumberToObject(facts, "pictures", report->pictures);
     cJSON_AddNumberToObject(facts, "truths", report->truths);
@@ -66,6 +67,10 @@ int cmd_dataset(const cli_command *command, int argc, char **argv) {
     cli_catch_interrupt();
     const tides_status status = tides_dataset_write(session, output, wanted, cli_progress_step, &progress, &report, &error);
     cli_progress_end(&progress);
+    char who[40] = "";
+    if (status == TIDES_OK && report.cameras > 1)
+        snprintf(who, sizeof who, " of %d of %d cameras", (int)report.unseeing, (int)report.cameras);
+    if (status == TIDES_OK && report.unseeing) cli_tell_unseen(&common, who);
     code = status == TIDES_OK ? cli_report_facts(facts_of(output, &report), &common) : cli_fail(&error);
     tides_session_close(session);
     return code;

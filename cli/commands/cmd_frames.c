@@ -8,6 +8,6 @@ static void report(cJSON *facts, const tides_session_taken *taken) {
 }
 
 int cmd_frames(const cli_command *command, int argc, char **argv) {
-    const cli_take what = {"DIR", "folder of numbered pictures and their times", "frames", tides_session_frames, report};
+    const cli_take what = {"DIR", "folder of numbered pictures and their times", "frames", tides_session_frames, report, 1};
     return cli_take_run(command, argc, argv, &what);
 }

@@ -9,6 +9,6 @@ static tides_status imu(tides_session *session, const char *path, tides_progress
 }
 
 int cmd_imu(const cli_command *command, int argc, char **argv) {
-    const cli_take what = {"OUT.csv", "measurements, and their biases in OUT_bias.csv", "samples", imu, NULL};
+    const cli_take what = {"OUT.csv", "measurements, and their biases in OUT_bias.csv", "samples", imu, NULL, 0};
     return cli_take_run(command, argc, argv, &what);
 }

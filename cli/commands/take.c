@@ -9,6 +9,7 @@ static int take(const cli_take *what, tides_session *session, const char *output
     const tides_status status = what->take(session, output, cli_progress_step, &progress, &taken, &error);
     cli_progress_end(&progress);
     if (status != TIDES_OK) return cli_fail(&error);
+    if (what->renders && taken.pairs == 0) cli_tell_unseen(common, "");
     cJSON *facts = cJSON_CreateObject();
     cJSON_AddStringToObject(facts, "output", output);
     cJSON_AddNumberToObject(facts, what->count, (double)taken.count);

@@ -12,6 +12,7 @@ typedef struct cli_take {
     const char *output, *help, *count; /* "DIR"; what it is; "frames" */
     cli_taker take;
     void (*report)(cJSON *facts, const tides_session_taken *taken);
+    int32_t renders; /* 1: taken.pairs says whether anything was in view */
 } cli_take;
 int cli_take_run(const cli_command *command, int argc, char **argv, const cli_take *what);
 

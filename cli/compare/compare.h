@@ -74,6 +74,8 @@ const cJSON *compare_find(const cJSON *object, const char *path);
 
 /* The table as HTML, as it is printed; 0 or 1: against the exact stream, against the recording. */
 void compare_put_table(FILE *file, const cJSON *report, size_t reference);
+/* What its columns mean, and which way is better. */
+void compare_put_meanings(FILE *file);
 
 /* compare_page.c: index.html with all of it, and with --keep a page of events for each stream. */
 tides_status compare_page(const comparison *c, const cJSON *report, tides_error *error);

@@ -85,6 +85,7 @@ static void put_page(FILE *file, const void *what) {
     compare_put_table(file, p->report, 0);
     if (c->recording_file) fputs("<h2>Against the recording</h2>\n", file);
     if (c->recording_file) compare_put_table(file, p->report, 1);
+    compare_put_meanings(file);
     html_picture(file, c->directory, "compare.png");
     put_links(file, c);
     fputs("<h2>Methods</h2>\n", file);

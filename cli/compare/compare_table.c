@@ -2,9 +2,11 @@
 #include "compare.h"
 
 #include "html.h"
+#include "metrics_report.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /* -- JSON -------------------------------------------------------------------------------------------------------------- */
 
@@ -196,6 +198,32 @@ static void print_table(const cJSON *report, size_t reference) {
     putchar('\n');
 }
 
+/* What a column means, and which way is better; NULL for one of a stream alone. */
+static const char *meaning_of(const column *c) {
+    static const char part[] = "comparison.";
+    const size_t prefix = sizeof part - 1;
+    if (strcmp(c->title, "Same-ts") == 0) return "events that share their time with another; the reference's value is best";
+    return strncmp(c->path, part, prefix) == 0 ? cli_metric_meaning(c->path + prefix) : NULL;
+}
+
+static void print_meanings(void) {
+    for (size_t i = 0; i < COLUMNS; i++)
+        if (meaning_of(&columns[i])) printf("%-*s %s\n", NAME_WIDTH, columns[i].title, meaning_of(&columns[i]));
+    putchar('\n');
+}
+
+void compare_put_meanings(FILE *file) {
+    fputs("<table class=small>\n", file);
+    for (size_t i = 0; i < COLUMNS; i++) {
+        const char *meaning = meaning_of(&columns[i]);
+        if (!meaning) continue;
+        fprintf(file, "<tr><td class=text>%s</td><td class=text>", columns[i].title);
+        html_text(file, meaning);
+        fputs("</td></tr>\n", file);
+    }
+    fputs("</table>\n", file);
+}
+
 /* -- HTML -------------------------------------------------------------------------------------------------------------- */
 
 static void put_cell(FILE *file, const cJSON *value) {
@@ -261,6 +289,7 @@ void compare_print(const comparison *c, const cJSON *report) {
     const cJSON *row;
     print_table(report, 0);
     if (c->recording_file) print_table(report, 1);
+    print_meanings();
     cJSON_ArrayForEach(row, compare_find(report, "methods")) { print_parameters(row); }
     printf("%-*s %s", NAME_WIDTH, "exact", compare_exact_what(c));
     if (!c->session.frames)

@@ -48,7 +48,7 @@ struct cli_command {
     const char *arguments; /* of the usage line: "RUN.json -o EVENTS.h5" */
     const char *summary;   /* one line */
     const char *details;   /* paragraphs below the options, or NULL */
-    int32_t positionals;   /* how many it takes, exactly */
+    int32_t positionals;   /* how many it takes, exactly; below 0: at most so many, and what is missing is NULL */
     int (*run)(const cli_command *command, int argc, char **argv);
 };
 

@@ -2,6 +2,7 @@
 #include "describe.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* What a command's first word may be, "bash|zsh" of its usage line or KIND; 0 where it is a file. */
@@ -161,7 +162,7 @@ void describe_zsh_command(const cli_command *command, const cli_option *options)
     printf("    %s)\n        _arguments -s", command->name);
     for (const cli_option *o = options; o->name; o++) zsh_option(o);
     for (size_t i = 0; i < CLI_COMMON_OPTIONS; i++) zsh_option(&shared[i]);
-    for (int32_t i = 0; i < command->positionals; i++) {
+    for (int32_t i = 0; i < abs(command->positionals); i++) {
         if (i > 0 || !has_choices(command)) {
             printf(" \\\n            '%d:file:_files'", (int)i + 1);
         } else {

@@ -43,11 +43,13 @@ static const cli_command commands[] = {
      "The keys for --set are listed by tides simulate --help.",
      1, cmd_tracks},
     {"simulate", "RUN.json -o EVENTS.h5", "Simulate events with continuous-time timestamps.",
-     "In place of a run file, a scene (.ply, .spz, a model's folder ...) is seen from an orbit that is found, for 0.1 s.\n"
+     "In place of a run file, a scene (.ply, .spz, a model's folder ...) is seen from an orbit that is found, for 0.1 s, and "
+     "a\n"
+     "video (.y4m; -: from a pipe) to its end; --set scene.file=SCENE and --set frames.file=VIDEO alone name them, too.\n"
      "Events go to HDF5 in the DSEC layout, with nanosecond times in events/t_ns, or by the ending to another format (.raw, "
      ".dat, .es,\n"
      ".aedat4, .npy, .npz, .csv, .txt), most in microseconds. Ctrl-C leaves what was simulated in EVENTS.h5.part.",
-     1, cmd_simulate},
+     -1, cmd_simulate},
     {"dataset", "RUN.json -o DIR --layout ecd|dsec|mvsec|evimo|blinkflow|tum|ros2|kubric",
      "Make a dataset's folder: events, pictures, depth, flow, poses of every camera.",
      "Cameras are those of rig.cameras, each simulated once; rates are dataset.picture_hz, truth_hz and pose_hz.\n"
@@ -59,14 +61,17 @@ static const cli_command commands[] = {
      "\"runs\": [{\"name\": NAME, \"file\": \"run.json\", \"set\": {KEY: VALUE}}, ...]}; grid and runs may stand alone,\n"
      "keys as for --set. \"draw\": {\"count\": N, \"seed\": \"S\", \"set\": {KEY: [LOWEST, HIGHEST] or [VALUES]}} draws runs "
      "at random.\n"
+     "\"command\": \"frames\", \"render\", \"imu\", \"tracks\" or \"compare\", with \"options\": [\"--time\", \"0.1\"], there "
+     "or in a\n"
+     "run, makes that in place of events.\n"
      "DIR/NAME holds each run's events.h5 (dataset/ where dataset.layout is set), stats.json, log.txt, and result.json\n"
      "or failure.json;\n"
      "DIR/summary.json and .csv all results. The same command again goes on after an interruption and does again\n"
      "only what changed.",
      1, cmd_batch},
-    {"convert", "IN OUT", "Convert a scene to .ply or .h5, or an event file to another format.",
-     "A scene is .ply (compressed too), .spz, .splat, .ksplat, .sog or .h5. IN's format is found from its content;\n"
-     "OUT's ending says what is written. Labels of events (sensor.labels) aren't kept.\n"
+    {"convert", "IN OUT", "Convert a scene to .ply, .spz, .splat, .glb or .h5, or an event file to another format.",
+     "A scene is .ply (compressed too), .spz, .splat, .ksplat, .sog (lod-meta.json too), .glb, .gltf or .h5. IN's format is\n"
+     "found from its content; OUT's ending says what is written. Labels of events (sensor.labels) aren't kept.\n"
      "IN may be a folder: of a trained model, or of event files (DSEC, EDS, HS-ERGB, BS-ERGB).",
      2, cmd_convert},
     {"cut", "IN OUT --start S --stop S", "Cut a stretch of time or a window out of an event file.",

@@ -160,9 +160,9 @@ static const struct {
     {"chamfer_terms", "windows of a polarity compared"},
     {"chamfer_one_sided", "of them with one stream empty; fewer is better"},
     {"speed", "v: found or given, turns seconds into pixels"},
-    {"victor_purpura_fraction", "the same, 0 for equal trains, 1 where nothing is near; lower is better"},
+    {"victor_purpura_fraction", "Victor-Purpura cost: 0 for equal trains, 1 where nothing is near; lower is better"},
     {"victor_purpura", "cost of shifting, adding, removing events until trains agree; lower is better"},
-    {"van_rossum_fraction", "the same, 0 for equal trains, 1 where nothing is near; lower is better"},
+    {"van_rossum_fraction", "van Rossum distance: 0 for equal trains, 1 where nothing is near; lower is better"},
     {"van_rossum", "squared distance of smoothed trains; lower is better"},
     {"time_difference_us", "to the pixel's nearest event of that polarity, mean; lower is better"},
     {"time_difference_over", "reference events without one within the limit; fewer is better"},
@@ -175,7 +175,7 @@ static const struct {
     {"dt_", "|time difference| of matched events; lower is better"},
 };
 
-static const char *meaning_of(const char *name) {
+const char *cli_metric_meaning(const char *name) {
     for (size_t i = 0; i < sizeof meanings / sizeof *meanings; i++)
         if (strncmp(name, meanings[i].name, strlen(meanings[i].name)) == 0) return meanings[i].meaning;
     return NULL;
@@ -198,5 +198,5 @@ void cli_metrics_print(const cJSON *report) {
                text_of(cJSON_GetObjectItemCaseSensitive(simulated, a->string), right));
     putchar('\n');
     for (const cJSON *a = cJSON_GetObjectItemCaseSensitive(report, "comparison")->child; a; a = a->next)
-        printf("%-26s %16s  %s\n", a->string, text_of(a, left), meaning_of(a->string));
+        printf("%-26s %16s  %s\n", a->string, text_of(a, left), cli_metric_meaning(a->string));
 }

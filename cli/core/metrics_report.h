@@ -11,4 +11,7 @@ cJSON *cli_metrics_json(const tides_metrics *metrics, const tides_metrics_option
 /* The same as text: the streams' values side by side, then the comparison's. */
 void cli_metrics_print(const cJSON *report);
 
+/* What a number of the comparison means, and which way is better. */
+const char *cli_metric_meaning(const char *name);
+
 #endif

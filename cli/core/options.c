@@ -108,7 +108,7 @@ int cli_parse(const cli_command *command, const cli_option *options, int argc, c
             code = parse_long(&p, text);
         else if (!ended && text[0] == '-' && text[1])
             code = parse_letters(&p, text);
-        else if (given == command->positionals)
+        else if (given == abs(command->positionals))
             code = cli_usage(command, "\"%s\" is one argument too many", text);
         else
             positional[given++] = text;

@@ -24,6 +24,8 @@ typedef struct tides_dataset_report {
     uint64_t events;                 /* of all cameras */
     int32_t cameras;                 /* of the rig; 1 without one */
     int32_t pictures, truths, poses; /* of each camera: frames, frames of ground truth, poses */
+    int32_t unseeing;                /* cameras of events that had nothing of the scene in view, at any time */
+    int32_t reserved;
 } tides_dataset_report;
 
 /* Simulates every camera of the session's rig (rig.cameras; without one the run's camera, as "left") once, renders pictures at

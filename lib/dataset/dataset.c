@@ -25,6 +25,7 @@ typedef struct job {
     td_writer writers[WRITERS_MAX];
     size_t writer_count;
     uint64_t events;
+    int32_t unseeing; /* cameras that saw nothing */
     char *part;
     tides_progress progress;
     void *user;
@@ -185,7 +186,9 @@ static int take_events(void *user, const tides_event *events, size_t count) {
 
 static void simulate(job *j, const td_member *camera) {
     tides_error own = {TIDES_OK, ""};
-    const tides_status status = tides_session_run(camera->session, take_events, j, step, j, NULL, &own);
+    tides_stats stats;
+    const tides_status status = tides_session_run(camera->session, take_events, j, step, j, &stats, &own);
+    j->unseeing += status == TIDES_OK && stats.render.pairs_evaluated == 0;
     if (status == TIDES_OK || j->status != TIDES_OK)
         return; /* a layout's own failure says more than that the run was stopped */
     j->status = status;
@@ -290,8 +293,13 @@ tides_status tides_dataset_write(tides_session *session, const char *folder, con
     if (j.status == TIDES_OK) j.status = add_writers(&j, names, error);
     if (j.status == TIDES_OK) make(&j, folder);
     if (report && j.status == TIDES_OK)
-        *report = (tides_dataset_report){j.events, (int32_t)j.set.count, (int32_t)j.set.pictures, (int32_t)j.set.truths,
-                                         (int32_t)j.set.poses};
+        *report = (tides_dataset_report){j.events,
+                                         (int32_t)j.set.count,
+                                         (int32_t)j.set.pictures,
+                                         (int32_t)j.set.truths,
+                                         (int32_t)j.set.poses,
+                                         j.unseeing,
+                                         0};
     end(&j, fresh);
     return j.status;
 }

@@ -35,8 +35,7 @@ static const int32_t models[] = {TIDES_MODEL_HERMITE, TIDES_MODEL_QUADRATIC, TID
 static const int32_t lens_models[] = {TIDES_LENS_NONE, TIDES_LENS_NONE, TIDES_LENS_RADTAN, TIDES_LENS_EQUIDISTANT};
 
 const td_param td_params[] = {
-    {STRING("scene.file", scene_file,
-            "splats (.ply, .h5, .spz, .splat, .ksplat, .sog); may be left out where scene.objects are given"),
+    {STRING("scene.file", scene_file, "splats (.ply, .h5, .spz, .splat, .ksplat, .sog, .glb); not needed with scene.objects"),
      .fallback = "null", .is_file = 1},
     {VECTOR3("scene.background", image.background, "", 0, 1e6, "linear colour behind everything")},
     {NUMBER("scene.duration_s", scene_duration_s, "s", 1e-9, LAST_SECOND,
@@ -56,8 +55,8 @@ const td_param td_params[] = {
     {ROW("camera.orbit_s", NUMBER, TD_NO_FIELD,
          "in place of camera.file: an orbit about what the scene holds, a turn in so long"),
      .unit = "s", .lower = 1e-9, .upper = LAST_SECOND, .fallback = "null"},
-    {ROW("camera.up", VECTOR3, TD_NO_FIELD, "what is up for that orbit; null: guessed, -y or z"), .lower = -1e6, .upper = 1e6,
-     .fallback = "null"},
+    {ROW("camera.up", VECTOR3, TD_NO_FIELD, "what is up for that orbit; null: as the scene says, or guessed, -y or z"),
+     .lower = -1e6, .upper = 1e6, .fallback = "null"},
     {ROW("camera.scale", NUMBER, TD_NO_FIELD,
          "of image and lens, after all else: 0.5 is the same view in half as many pixels a side"),
      .lower = 1e-3, .upper = 1e3, .fallback = "1.0"},

@@ -2,13 +2,12 @@
 #include "run/td_run.h"
 #include "run/td_session.h"
 #include "td_base.h"
+#include "td_folder.h"
 #include "td_text.h"
 #include "tides/image.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* What a frame is made in. */
 typedef struct frame_job {
@@ -19,11 +18,6 @@ typedef struct frame_job {
     uint16_t *values;
     tides_session_taken taken;
 } frame_job;
-
-static tides_status make_folder(const char *folder, tides_error *error) {
-    if (mkdir(folder, 0777) == 0 || errno == EEXIST) return TIDES_OK;
-    return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", folder, strerror(errno));
-}
 
 static tides_status make_frame(frame_job *job, size_t index, double time, tides_error *error) {
     const tides_session_facts *f = job->facts;
@@ -48,29 +42,18 @@ static tides_status make_frame(frame_job *job, size_t index, double time, tides_
 
 /* -- times ----------------------------------------------------------------------------------------------------------- */
 
-/* When a frame begins and ends: whichever of its first and last row is first, and last. */
-static void span_of(const frame_job *job, double time, double *start, double *stop) {
-    const tides_exposure *exposure = &job->facts->values.exposure;
-    const int32_t height = job->facts->intrinsics.height;
-    double from, to;
-    tides_exposure_row(exposure, height, time, 0, start, stop);
-    tides_exposure_row(exposure, height, time, height - 1, &from, &to);
-    *start = from < *start ? from : *start;
-    *stop = to > *stop ? to : *stop;
-}
-
 /* A text of `count` lines, each of one time or of two. */
 static tides_status write_times(const frame_job *job, const char *name, size_t count, int spans, tides_error *error) {
     const tides_run_values *v = &job->facts->values;
     const int32_t height = job->facts->intrinsics.height;
     char *path = td_format(error, "%s/%s", job->folder, name);
-    td_text text = {NULL};
+    td_text text = {0};
     tides_status status = path ? td_text_open(&text, path, error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK && spans) td_text_put(&text, NULL, "# start stop [s]\n");
     for (size_t i = 0; i < count && status == TIDES_OK; i++) {
         const double time = tides_exposure_time(&v->exposure, height, v->start, i);
         double start, stop;
-        span_of(job, time, &start, &stop);
+        tides_exposure_span(&v->exposure, height, time, &start, &stop);
         if (spans)
             td_text_put(&text, NULL, "%.9f %.9f\n", start, stop);
         else
@@ -86,9 +69,12 @@ static tides_status make_frames(frame_job *job, size_t count, tides_progress pro
     const tides_run_values *v = &job->facts->values;
     tides_status status = TIDES_OK;
     for (size_t i = 0; i < count && status == TIDES_OK; i++) {
-        if (progress && progress(user, (double)i / (double)count, "frames"))
+        td_share share = {progress, user, (double)i / (double)count, 1 / (double)count, "frames"};
+        status = tides_renderer_set_progress(job->renderer, td_share_step, &share, error);
+        if (status == TIDES_OK)
+            status = make_frame(job, i, tides_exposure_time(&v->exposure, job->facts->intrinsics.height, v->start, i), error);
+        if (status == TIDES_CANCELLED)
             return td_fail(error, TIDES_CANCELLED, "stopped on request after %zu of %zu frames", i, count);
-        status = make_frame(job, i, tides_exposure_time(&v->exposure, job->facts->intrinsics.height, v->start, i), error);
     }
     if (status == TIDES_OK) status = write_times(job, "exposure_timestamps.txt", count, 1, error);
     return status == TIDES_OK ? write_times(job, "timestamps.txt", count, 0, error) : status;
@@ -100,7 +86,7 @@ static tides_status prepare(tides_session *session, frame_job *job, tides_progre
     tides_status status = tides_session_renderer(session, progress, user, &job->renderer, error);
     if (status == TIDES_OK)
         status = tides_renderer_set_psf(job->renderer, f->values.sensor.psf_sigma_px, TIDES_PSF_LINEAR, error);
-    if (status == TIDES_OK) status = make_folder(job->folder, error);
+    if (status == TIDES_OK) status = td_make_folders(job->folder, error);
     job->light = td_alloc(values, sizeof *job->light, error);
     job->values = td_alloc(values, sizeof *job->values, error);
     return status == TIDES_OK && !(job->light && job->values) ? TIDES_NO_MEMORY : status;
@@ -120,6 +106,9 @@ tides_status tides_session_frames(tides_session *session, const char *path, tide
                        session->facts.run->origin, v->stop - v->start);
     tides_status status = prepare(session, &job, progress, user, error);
     if (status == TIDES_OK) status = make_frames(&job, count, progress, user, error);
+    tides_render_stats stats = {0};
+    if (status == TIDES_OK) tides_renderer_stats(job.renderer, &stats);
+    job.taken.pairs = stats.pairs_evaluated;
     if (done && status == TIDES_OK) *done = job.taken;
     free(job.light);
     free(job.values);

@@ -28,7 +28,7 @@ static double time_of(const track_job *job, size_t k) {
     return v->start + (double)k / v->track_rate_hz;
 }
 
-static tides_status choose(track_job *job, tides_error *error) {
+static tides_status choose(track_job *job, tides_progress progress, void *user, tides_error *error) {
     const tides_run_values *v = &job->facts->values;
     const size_t wanted = (size_t)v->track_count;
     double *xy = td_alloc(wanted, 2 * sizeof *xy, error);
@@ -39,7 +39,10 @@ static tides_status choose(track_job *job, tides_error *error) {
         const size_t share = wanted * (k + 1) / choices - wanted * k / choices;
         size_t found = 0;
         if (share == 0) continue;
-        status = td_tracks_choose(job->renderer, job->facts, time, k, share, xy, job->point + job->points, &found, error);
+        td_share now = {progress, user, (double)k / choices, 1.0 / choices, "points to follow"};
+        status = tides_renderer_set_progress(job->renderer, td_share_step, &now, error);
+        if (status == TIDES_OK)
+            status = td_tracks_choose(job->renderer, job->facts, time, k, share, xy, job->point + job->points, &found, error);
         for (size_t i = 0; i < found; i++) {
             double *query = job->query + 3 * (job->points + i);
             query[0] = time;
@@ -56,10 +59,14 @@ static tides_status choose(track_job *job, tides_error *error) {
 static tides_status follow(track_job *job, tides_progress progress, void *user, tides_error *error) {
     tides_status status = TIDES_OK;
     for (size_t k = 0; k < job->times && status == TIDES_OK; k++) {
-        if (progress && progress(user, (double)k / (double)job->times, "tracks"))
+        td_share share = {progress, user, (double)k / (double)job->times, 1 / (double)job->times, "tracks"};
+        status = tides_renderer_set_progress(job->renderer, td_share_step, &share, error);
+        if (status == TIDES_OK && td_share_step(&share, 0, NULL)) status = TIDES_CANCELLED; /* it may all be on the host */
+        if (status == TIDES_OK)
+            status = tides_renderer_follow(job->renderer, job->facts->camera, time_of(job, k), job->point, job->points,
+                                           job->track + k * job->points, error);
+        if (status == TIDES_CANCELLED)
             return td_fail(error, TIDES_CANCELLED, "stopped on request after %zu of %zu times", k, job->times);
-        status = tides_renderer_follow(job->renderer, job->facts->camera, time_of(job, k), job->point, job->points,
-                                       job->track + k * job->points, error);
     }
     return status;
 }
@@ -192,7 +199,7 @@ tides_status tides_session_tracks(tides_session *session, const char *path, tide
         return td_fail(error, TIDES_UNSUPPORTED, "%s: tracks are written as .npz, .csv, or .npy (Kubric's annotations)", path);
     track_job job = {.facts = &session->facts};
     tides_status status = prepare(session, &job, progress, user, error);
-    if (status == TIDES_OK) status = choose(&job, error);
+    if (status == TIDES_OK) status = choose(&job, progress, user, error);
     if (status == TIDES_OK) status = follow(&job, progress, user, error);
     if (status == TIDES_OK) status = forms[form].write(&job, path, error);
     if (status == TIDES_OK && done) *done = (tides_session_taken){.count = job.times, .tracks = job.points};

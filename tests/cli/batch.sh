@@ -129,6 +129,7 @@ wrong "wrong.json: seed is no list" '{"base": "run.json", "grid": {"seed": "1"}}
 wrong "wrong.json: a is the name of two runs" '{"base": "run.json", "runs": [{"name": "a"}, {"name": "a"}]}'
 wrong "wrong.json: \.\./a is no name" '{"base": "run.json", "runs": [{"name": "../a"}]}'
 wrong "wrong.json: seed=1: --set: unknown key" '{"base": "run.json", "set": {"sede": 1}, "grid": {"seed": ["1"]}}'
+wrong "wrong.json: _seed=1~[0-9a-f]{8}: --set: unknown key" '{"base": "run.json", "grid": {".seed": ["1"]}}' # no hidden folder
 wrong "did you mean \"sensor.threshold_on\"" '{"base": "run.json", "grid": {"sensor.treshold_on": [1]}}'
 refuse 1 "none.json: can't be opened" tides batch none.json -o wrong.d
 refuse 2 "the output is missing: -o DIR" tides batch grid.json

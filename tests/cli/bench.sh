@@ -20,7 +20,7 @@ expect 0 tides devices --json
 grep -q '"index":[[:space:]]*[0-9]' out || skip "no OpenCL device here: the reference would take too long"
 
 # This scene takes a seventh of the time that occluder does, and fires twice as often as nearly_static.
-expect 0 tides bench accuracy --quick --scene handheld -o made
+expect 0 tides bench accuracy --quick --scene handheld -o made --pictures svg
 out "handheld +p95 <= 2 us +error "
 out "handheld +p95 <= 2 us +esim "
 out "median <= 0.05 us +error_global"
@@ -36,6 +36,18 @@ for key in device version cores date run_time_s renders dt_median_us dt_p95_us d
     honest exact_share verdict worst_residual; do
     grep -q "\"$key\":" made/accuracy.json || fail "accuracy.json lacks $key"
 done
+# Its legend has each method once, in a colour of its own, and no letter stands outside of the picture.
+${PYTHON:-python3} - made/accuracy_time.svg $(cut -d, -f2 made/accuracy.csv | sed 1d | sort -u | wc -l) <<'PY' || fail "the legend is wrong"
+import re, sys, xml.dom.minidom
+xml.dom.minidom.parse(sys.argv[1])
+picture, methods = open(sys.argv[1]).read(), int(sys.argv[2])
+width, height = map(float, re.search(r'width="(\d+)px" height="(\d+)px"', picture).groups())
+entries = re.findall(r'stroke-width:2.4;[^"]*stroke:(rgb\([^)]*\))[^"]*" d="M ([\d.]+) ([\d.]+) L ([\d.]+) ([\d.]+) "', picture)
+legend = [(colour, float(y)) for colour, x, y, end, level in entries if y == level and float(end) - float(x) == 36]
+letters = [(float(x), float(y)) for x, y in re.findall(r'<use xlink:href="#glyph[^"]*" x="([\d.]+)" y="([\d.]+)"', picture)]
+assert len(legend) == len({colour for colour, _ in legend}) == len({y for _, y in legend}) == methods, (methods, legend)
+assert len(letters) > 100 and all(0 < x < width - 6 and 0 < y < height for x, y in letters)
+PY
 # As many results in both tables; every method is there, on its image.
 [ "$(grep -c '"method":' made/accuracy.json)" = $(($(wc -l <made/accuracy.csv) - 1)) ] || fail "JSON and CSV differ in length"
 for method in esim quadratic hermite error solved_float blocks paths error_time error_global risk error_risk; do
@@ -139,7 +151,7 @@ out "exponent of cost +pixels +[0-9.e-]+ at most 1.05"
 out "renders of a dense plane, over a quarter of it +12 and 3 splats a pixel +[0-9.]+ at most 1.5"
 out "start to the first event, kernels cached +2 000 Gaussians +[0-9.]+ at most 0.3 s"
 for file in scaling.json scaling.csv scaling.png index.html; do exists made/$file; done
-for key in axis x unit exponent exponent_at_end processor_time_s peak_memory_mb target reached; do
+for key in axis x unit exponent exponent_at_end processor_time_s host_time_s peak_memory_mb target reached; do
     grep -q "\"$key\":" made/scaling.json || fail "scaling.json lacks $key"
 done
 point() { awk -F, -v axis="$1" -v x="$2" 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } $1 == axis && $2 == x { print $at["pairs_evaluated"] }' made/scaling.csv; }

@@ -23,6 +23,16 @@ expect 0 tides render room.ply -o away.png --set camera.orbit_s=null --set camer
 err "nothing of the scene is in view at 0 s"
 expect 0 tides simulate room.ply -o away.h5 --set camera.orbit_s=null --set camera.file=away.json --set time.stop=0.01
 err "nothing of the scene was in view"
+away="--set camera.orbit_s=null --set camera.file=away.json --set time.stop=0.01"
+expect 0 tides simulate room.ply -o away.h5 $away --set method=esim --set frames_per_second=200
+err "nothing of the scene was in view"
+expect 0 tides frames room.ply -o away $away --set exposure.frames_per_second=200
+err "nothing of the scene was in view"
+expect 0 tides dataset room.ply -o away-set --layout blinkflow $away \
+    --set 'rig.cameras=[{"name": "a"}, {"name": "b", "T_B_C": [[-1,0,0,0.1],[0,1,0,0],[0,0,-1,0],[0,0,0,1]]}]'
+err "nothing of the scene was in view of 1 of 2 cameras"
+expect 0 tides simulate room.ply -qo away.h5 $away
+silent
 refuse 2 "did you mean orbit" tides camera obrit --scene room.ply -o x.json
 refuse 2 "from where" tides camera orbit -o x.json
 refuse 2 "three numbers" tides camera orbit --from 1,2 -o x.json

@@ -11,6 +11,15 @@ out "^events +[1-9]"
 expect 0 tides simulate room.ply -qo turned.h5 $small --set time.stop=0.02 --set 'camera.up=[1,0,0]'
 silent
 cmp -s orbit.h5 turned.h5 && fail "camera.up does nothing"
+expect 0 tides simulate --set scene.file=room.ply -qo named.h5 $small --set time.stop=0.02
+cmp orbit.h5 named.h5 || fail "--set scene.file alone is another run"
+
+# What tides makes itself stands on its feet, at a glance too.
+expect 0 tides scene fan --gaussians 300 -qo fan.h5
+expect 0 tides info fan.h5
+out "^up +0 +1 +0"
+expect 0 tides camera orbit --scene fan.h5 -o around.json
+out "^up +0 +1 +0"
 
 # init with a scene alone is the same run, to change.
 expect 0 tides init --scene room.ply -o mine.json

@@ -56,6 +56,12 @@ for key in events events_on simulated_s; do
     [ "$(grep "\"$key\":" video.json)" = "$(grep "\"$key\":" pipe.json)" ] || fail "$key differs between file and pipe"
 done
 grep -q '"simulated_s":[[:space:]]*0.2[,}]*$' pipe.json || fail "five frames at 20 Hz last 0.2 s"
+tides simulate --set frames.file=- -qo named.h5 <video.y4m >out 2>err || fail "--set frames.file=- alone should do"
+cmp -s named.h5 pipe.h5 || fail "--set frames.file=- is another run than -"
+expect 0 tides simulate --set frames.file=none.y4m --set frames.file=video.y4m -qo named.h5 --stats named.json
+[ "$(grep '"events":' video.json)" = "$(grep '"events":' named.json)" ] || fail "--set frames.file=video.y4m is another run"
+refuse 2 "too few arguments" tides simulate --set frames.file=frames -o no.h5
+refuse 2 "too few arguments" tides simulate -o no.h5
 echo '{"frames": {"file": "-"}, "method": "v2e", "time": {"stop": 0.1}}' >pipe_run.json
 tides simulate pipe_run.json -o pipe.h5 --stats pipe.json <video.y4m >out 2>err || fail "frames.file: - should do"
 grep -q '"simulated_s":[[:space:]]*0.1[,}]*$' pipe.json || fail "time.stop is kept"

@@ -3,6 +3,9 @@
 # usage: [TIDES=path/to/tides] run.sh [CASE...]     a case is a file NAME.sh here; harness.bash has its vocabulary
 set -u
 
+# In the background of a script SIGINT is ignored, which no shell can take back for its children, and cases send it.
+[ -z "$(trap -p INT)" ] || exec env --default-signal=INT "$BASH" "${BASH_SOURCE[0]}" "$@"
+
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 tool=${TIDES:-$here/../../build/tides}
 [ -x "$tool" ] || { echo "$tool: not built; run make, or set TIDES" >&2; exit 2; }

@@ -14,6 +14,14 @@ run "image.rules = \"smoth\" is none of smooth, inria, gsplat" --set image.rules
 run "--set foo: write key=value" --set foo
 missing e.h5
 missing e.h5.part
+# A size beside the file's own focal length is another part of the view: said in one line, and not where the length is given too.
+expect 0 tides simulate run.json -o e.h5 --set camera.width=24 --set time.stop=0.004
+err "^tides: run.json: camera.fx = 50 px stays the run file's.* camera.scale shows the same in other pixels$"
+expect 0 tides simulate run.json -o e.h5 --set camera.width=24 --set camera.fx=25 --set time.stop=0.004
+expect 0 tides render run.json -o e.exr --set camera.scale=0.5
+out "^height +18"
+grep -q camera err && fail "camera.scale is the same view"
+rm e.h5 e.exr
 run_text() { printf '%s' "$2" >bad.json; refuse 1 "$1" tides simulate bad.json -o e.h5; }
 run_text "bad.json:1:[0-9]+: not valid JSON" '{"scene": '
 run_text "bad.json:3:1: not valid JSON" '{"time": {"stop": 1},

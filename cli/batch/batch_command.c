@@ -1,0 +1,80 @@
+/* A run of a batch that another command makes ("command": "frames"): what it writes is DIR/NAME/OUTPUT, and its command line is
+ * what a user would write: the run file, --set for what is set, -o, and the manifest's "options". */
+#include "batch.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Commands that take a run file and make one thing of it, and what a run's folder calls that. */
+static const struct {
+    cli_command command;
+    const char *output;
+} kinds[] = {{{"frames", "", "", NULL, 1, cmd_frames}, "frames"},
+             {{"render", "", "", NULL, 1, cmd_render}, "render.exr"},
+             {{"imu", "", "", NULL, 1, cmd_imu}, "imu.csv"},
+             {{"tracks", "", "", NULL, 1, cmd_tracks}, "tracks.npz"},
+             {{"compare", "", "", NULL, 1, cmd_compare}, "compare"}};
+enum { KINDS = sizeof kinds / sizeof kinds[0] };
+
+static size_t kind_of(const char *name) {
+    size_t k = 0;
+    while (k < KINDS && strcmp(kinds[k].command.name, name) != 0) k++;
+    return k;
+}
+
+tides_status batch_check_command(const batch *b, const char *name, tides_error *error) {
+    const char *names[KINDS + 2] = {"simulate"};
+    char list[256] = "";
+    for (size_t k = 0; k < KINDS; k++) names[k + 1] = kinds[k].command.name;
+    if (strcmp(name, names[0]) == 0 || kind_of(name) < KINDS) return TIDES_OK;
+    for (size_t k = 0, used = 0; names[k]; k++)
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", k ? ", " : "", names[k]);
+    const char *nearest = tides_nearest_name(name, names);
+    return cli_error(error, TIDES_BAD_CONFIG, "%s: command \"%.100s\" is none of %s%s%s%s", b->manifest, name, list,
+                     nearest ? "; did you mean \"" : "", nearest ? nearest : "", nearest ? "\"?" : "");
+}
+
+static const char dataset[] = "dataset", events[] = "events.h5";
+
+const char *batch_output(const batch_run *run) {
+    if (run->command) return kinds[kind_of(run->command)].output;
+    return run->layouts ? dataset : events;
+}
+
+static tides_status clear(const batch_run *run, const char *name, const char *ending, tides_error *error) {
+    char *path = batch_text("%s/%s%s", run->directory, name, ending);
+    const tides_status status = path ? batch_remove(path, error) : batch_no_memory(error);
+    free(path);
+    return status;
+}
+
+/* The checkpoint goes before the events that it fits. */
+tides_status batch_clear(const batch_run *run, tides_error *error) {
+    static const char *const endings[] = {".checkpoint", "", ".part", ".part.tail"};
+    tides_status status = clear(run, "stats.json", "", error);
+    for (size_t k = 0; k < KINDS + 2; k++)
+        for (size_t e = 0; e < sizeof endings / sizeof endings[0] && status == TIDES_OK; e++)
+            status = clear(run, k < KINDS ? kinds[k].output : k == KINDS ? dataset : events, endings[e], error);
+    return status;
+}
+
+int batch_command(const batch *b, const batch_run *run) {
+    const cli_command *command = &kinds[kind_of(run->command)].command;
+    char *output = batch_text("%s/%s", run->directory, batch_output(run));
+    const char **arguments = calloc(8 + 2 * run->count + run->options, sizeof *arguments);
+    if (!output || !arguments) return cli_failed("out of memory");
+    size_t count = 0;
+    arguments[count++] = "tides";
+    arguments[count++] = run->file;
+    arguments[count++] = "-q";
+    arguments[count++] = "-o";
+    arguments[count++] = output;
+    if (b->common->device) arguments[count++] = "--device", arguments[count++] = b->common->device;
+    for (size_t i = 0; i < run->count; i++) arguments[count++] = "--set", arguments[count++] = run->sets[i];
+    for (size_t i = 0; i < run->options; i++) arguments[count++] = run->option[i];
+    const int code = command->run(command, (int)count, (char **)(uintptr_t)arguments); /* commands leave them as they are */
+    free(arguments);
+    free(output);
+    return code;
+}
