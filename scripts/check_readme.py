@@ -12,6 +12,7 @@ be JSON (with // comments); python blocks run with the package. A comment before
     <!-- check: without TEXT, WHY -->   lines that begin with TEXT aren't run
     <!-- check: slow -->                left out where README_QUICK is set
     <!-- check: writes A B -->          these too must be there afterwards
+    <!-- check: splats NAME -->         NAME is there before, a splat file as readers bring their own
     <!-- check: skip, WHY -->           not run at all
 Several are parted by ";". Blocks of no language are text. Paths of the repository that a page names must exist, and every
 command of `tides --help` must be in the README.
@@ -49,7 +50,7 @@ class Block:
     @staticmethod
     def parse(mark):
         word, _, rest = mark.strip().partition(" ")
-        if word.rstrip(",") not in ("file", "without", "slow", "writes", "skip"):
+        if word.rstrip(",") not in ("file", "without", "slow", "writes", "splats", "skip"):
             raise SystemExit(f"unknown mark '{mark.strip()}'")
         return word.rstrip(","), rest
 
@@ -131,7 +132,15 @@ def outputs_of(line):
     return [name for word, name in pairs if (word in OUTPUTS or word == ">") and not re.search(r"[$%*]|^-", name)]
 
 
+def bring_splats(name, work, values):
+    made = work / ".home/own.ply"
+    run(["tides", "scene", "plane", "--size", "173x130", "-qo", made], work, values)
+    run(["tides", "convert", "-q", made, name], work, values)
+
+
 def run_sh(block, work, values):
+    if "splats" in block.marks:
+        bring_splats(block.marks["splats"], work, values)
     without = block.marks.get("without", "").split(",")[0]
     lines = [line for line in block.text.splitlines() if not (without and line.startswith(without))]
     run(["bash", "-euo", "pipefail", "-c", "\n".join(lines)], work, values)

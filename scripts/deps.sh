@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs the Debian packages that are missing, and only those.
-# usage: deps.sh build|check|lint|docs [-q]     -q: say nothing when nothing is missing
+# usage: deps.sh build|check|lint|coverage|docs [-q]     -q: say nothing when nothing is missing
 # check: and the browser that tests of pages use, where it can be had: without it they are skipped.
 # Works as root, or through sudo; without either it prints the line to run and fails.
 set -u
@@ -9,6 +9,7 @@ build='build-essential pkg-config pocl-opencl-icd ocl-icd-opencl-dev opencl-head
 libhdf5-dev zlib1g-dev libdeflate-dev libzstd-dev liblz4-dev libwebp-dev libcairo2-dev fonts-dejavu-core libcmocka-dev cmake python3 python3-numpy python3-h5py python3-pytest
 python3-pip python3-setuptools python3-wheel python3-venv python3-distributed'
 lint='clang-14 libclang-rt-14-dev clang-tidy-14 clang-format-14 cppcheck valgrind oclgrind'
+coverage='gcovr'
 docs='doxygen mandoc'
 
 case ${1-} in
@@ -20,8 +21,9 @@ case ${1-} in
         exit 0
         ;;
     lint) wanted=$(echo $build $lint) ;;
+    coverage) wanted=$(echo $build $coverage) ;;
     docs) wanted=$(echo $build $docs) ;;
-    *) echo "usage: $0 build|check|lint|docs [-q]" >&2; exit 2 ;;
+    *) echo "usage: $0 build|check|lint|coverage|docs [-q]" >&2; exit 2 ;;
 esac
 quiet=${2-}
 

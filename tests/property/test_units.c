@@ -80,6 +80,50 @@ static outcome run_in(const job *j, tides_device *device, int pieces, int read_o
     return o;
 }
 
+/* Up to the `part`th part of `parts`, and from there by another simulator. */
+static outcome run_resumed(const job *j, tides_device *device, const char *path, int part, int parts) {
+    outcome o = {0};
+    tides_error error;
+    tides_simulator *s = make_simulator(j, device);
+    begin(j, s, &o);
+    const double until = j->start + (j->stop - j->start) * part / parts;
+    scene_expect_ok(tides_simulator_run(s, until, collect, &o, NULL, NULL, &error), &error);
+    scene_expect_ok(tides_simulator_save(s, NULL, path, &error), &error);
+    tides_simulator_destroy(s);
+    s = make_simulator(j, device);
+    scene_expect_ok(tides_simulator_restore(s, NULL, path, &error), &error);
+    scene_expect_ok(tides_simulator_run(s, j->stop, collect, &o, NULL, NULL, &error), &error);
+    finish(s, &o);
+    tides_simulator_destroy(s);
+    return o;
+}
+
+/* Which steps are taken must not depend on what was judged before a checkpoint either. */
+static void test_steps_after_a_checkpoint(void **state) {
+    enum { PARTS = 5 };
+    const char *path = scene_in_folder(*state, "units.checkpoint");
+    for (int trial = 0; trial < 4; trial++) {
+        world w = make_world(SEED + 60 + (uint64_t)trial, trial % KINDS);
+        job j = job_in(&w);
+        j.sensor.threshold_sigma = 0.03;
+        j.sensor.refractory_s = trial % 2 ? 3e-4 : 0;
+        j.sensor.seed = SEED;
+        j.stepping.unit = trial < 2 ? TIDES_UNIT_BLOCK : TIDES_UNIT_TILE;
+        j.stepping.step_s = (j.stop - j.start) / PARTS;
+        tides_device *device = open_device(j.device);
+        outcome whole = run_in(&j, device, 1, 0, 0);
+        for (int part = 1; part < PARTS; part++) {
+            outcome resumed = run_resumed(&j, device, path, part, PARTS);
+            expect_same(&whole, &resumed, "resumed");
+            assert_int_equal(resumed.stats.steps, whole.stats.steps);
+            free_outcome(&resumed);
+        }
+        free_outcome(&whole);
+        tides_device_close(device);
+        free_world(&w);
+    }
+}
+
 static void test_order_of_the_work_changes_nothing(void **state) {
     static const int modes[] = {TIDES_STEPPING_ERROR, TIDES_STEPPING_RISK, TIDES_STEPPING_ERROR_RISK};
     (void)state;
@@ -157,6 +201,8 @@ static void test_steps_in_common_are_of_tiles(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_fewer_pixels_and_the_same_events),
                                        cmocka_unit_test(test_order_of_the_work_changes_nothing),
+                                       cmocka_unit_test_setup_teardown(test_steps_after_a_checkpoint, scene_folder_setup,
+                                                                       scene_folder_teardown),
                                        cmocka_unit_test(test_budget_is_kept),
                                        cmocka_unit_test(test_steps_in_common_are_of_tiles)};
     return cmocka_run_group_tests(tests, NULL, NULL);
